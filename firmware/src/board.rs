@@ -1,0 +1,40 @@
+//! The seam to the hardware. A chip, an emulated board and the simulator are told apart by nothing else.
+
+use crate::controller::{ActiveSegment, Controller, Input, Output, State};
+use crate::ramp::FeedOverride;
+
+/// What the controller needs from its surroundings.
+pub trait Board {
+    /// The segment being executed and its running count, or `None` while nothing is.
+    fn segment(&self) -> Option<(u32, ActiveSegment)>;
+    /// Position, spindle speed and the time since the last tick.
+    fn measure(&mut self) -> Input;
+    /// Puts the override out.
+    fn set_override(&mut self, feed_override: FeedOverride);
+}
+
+/// Which segment the controller is on, and its state.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Task {
+    active: Option<u32>,
+    state: State,
+}
+
+impl Task {
+    /// One tick: measure, decide, put out. Answers what was decided, or `None` with nothing to execute.
+    pub fn run(&mut self, controller: &Controller, board: &mut impl Board) -> Option<Output> {
+        let input = board.measure();
+        let Some((count, segment)) = board.segment() else {
+            self.active = None;
+            board.set_override(FeedOverride::PROGRAMMED);
+            return None;
+        };
+        if self.active != Some(count) {
+            controller.enter(&mut self.state, &segment, &input);
+            self.active = Some(count);
+        }
+        let output = controller.tick(&mut self.state, &segment, &input);
+        board.set_override(output.feed_override);
+        Some(output)
+    }
+}

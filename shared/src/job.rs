@@ -1,0 +1,73 @@
+//! What a job adds to a program: tool, spindle, law, limits, cut rules. Read from `JOB.toml` in `host`.
+
+use heapless::Vec;
+
+use crate::cut::{CutRule, RULES_MAX};
+use crate::tool::CupMill;
+use crate::units::{LengthUnit, MmPerTooth, RevPerMin};
+
+/// A job, validated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Job {
+    /// The unit the program starts in and reports speak.
+    pub unit: LengthUnit,
+    /// The cutter.
+    pub tool: CupMill,
+    /// Commanded spindle speed.
+    pub spindle: RevPerMin,
+    /// The feed law.
+    pub law: LawKind,
+    /// Wanted feed per tooth on the cutting circumference, a.
+    pub feed_per_tooth: MmPerTooth,
+    /// How the wanted feed reaches the control.
+    pub policy: FeedPolicy,
+    /// Bounds of the override.
+    pub limits: OverrideLimits,
+    /// Which arcs cut what.
+    pub rules: Vec<CutRule, RULES_MAX>,
+}
+
+/// The feed laws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LawKind {
+    /// Constant feed per tooth on the circumference (Petean ch. 5).
+    Circumference,
+    /// The program's own feed.
+    Programmed,
+}
+
+/// How the wanted feed reaches the control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FeedPolicy {
+    /// Blocks are sent with the least feed the law wants; the override raises it. A lost override only thins chips.
+    SafeBase,
+    /// The program's own F stays; the override does it all, within its limits.
+    OverrideOnly,
+}
+
+/// Bounds of the override.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OverrideLimits {
+    /// Least override, %.
+    pub min_percent: u8,
+    /// Largest override, %; a control takes 254 at most.
+    pub max_percent: u8,
+    /// The control's step, %.
+    pub step_percent: u8,
+    /// Fastest rise, % per second.
+    pub slew_up_percent_per_s: f32,
+    /// Fastest fall, % per second.
+    pub slew_down_percent_per_s: f32,
+}
+
+impl Default for OverrideLimits {
+    fn default() -> Self {
+        OverrideLimits {
+            min_percent: 10,
+            max_percent: 200,
+            step_percent: 1,
+            slew_up_percent_per_s: 50.0,
+            slew_down_percent_per_s: 200.0,
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! What both ends of arcfeed must agree on.
+//!
+//! Modules stand in the order in which data flows; a module imports only from those above it:
+//! NC text -> [`nc::word`] -> [`nc::block`] -> [`nc::modal`] -> [`segment`], then what a job adds to the
+//! program ([`tool`], [`cut`], [`job`]) and what comes back from the machine ([`telemetry`], [`report`]).
+#![cfg_attr(not(test), no_std)]
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
+
+pub mod units;
+
+pub mod fmath;
+
+pub mod nc;
+
+pub mod segment;
+
+pub mod tool;
+
+pub mod cut;
+
+pub mod job;
+
+pub mod telemetry;
+
+pub mod report;

@@ -1,0 +1,253 @@
+//! A line of NC text to a block: its words, and where in the text they stand.
+//!
+//! Lenient reading passes what shops send every day and a control may refuse: a CAM title behind `O`, characters
+//! outside the control's code in a comment. It reports them as [`Notice`]s. Strict reading gives the alarm instead.
+
+use heapless::Vec;
+
+use super::alarm::{Alarm, Fault, NotModelled};
+use super::word::{Piece, Token, Word, Words, column, is_control_character};
+
+/// Most words in one block.
+pub const WORDS_MAX: usize = 32;
+/// Most notices kept for one line.
+pub const NOTICES_MAX: usize = 4;
+
+/// How a line is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reading {
+    /// What a control would refuse in titles and comments is only noticed.
+    #[default]
+    Lenient,
+    /// Exactly as the control.
+    Strict,
+}
+
+/// What a line is.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and nearly every line is a block")]
+pub enum Line {
+    /// `%`.
+    ProgramMark,
+    /// A CAM title (`O` without a number): no block for the control. Lenient reading only.
+    Title,
+    /// Anything else, also a line with nothing but a comment or nothing at all.
+    Block(Block),
+}
+
+/// The words of one block.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Block {
+    /// `N`.
+    pub sequence: Option<i64>,
+    /// `O`, only as the first word.
+    pub program: Option<i64>,
+    /// The switch of a leading `/`.
+    pub delete: Option<u8>,
+    /// All words but `N` and `O`, in the order written.
+    pub words: Vec<Word, WORDS_MAX>,
+    /// Whether the block sets a variable.
+    pub assigns: bool,
+    /// Bytes up to the end of the last word: where one more word may be added.
+    pub code_len: usize,
+}
+
+/// Something a control might refuse, passed by lenient reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Notice {
+    /// What it is.
+    pub kind: NoticeKind,
+    /// Column, counted from 1.
+    pub column: u16,
+}
+
+/// The kinds of [`Notice`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoticeKind {
+    /// A title where a program number belongs: the control raises PS0005.
+    Title,
+    /// A character in a comment that the control's code does not have: the control raises PS0001.
+    CommentCharacter(u8),
+    /// A comment that no `)` closes; the control ends it with the block. No alarm.
+    UnclosedComment,
+}
+
+/// A line and what was noticed in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parsed {
+    /// The line's meaning.
+    pub line: Line,
+    /// The first [`NOTICES_MAX`] notices.
+    pub notices: Vec<Notice, NOTICES_MAX>,
+}
+
+impl Block {
+    /// The last word with this letter, the one that counts.
+    pub fn word(&self, letter: u8) -> Option<&Word> {
+        self.words.iter().rev().find(|word| word.letter == letter)
+    }
+
+    /// Whether the control has anything to do here.
+    pub fn is_empty(&self) -> bool {
+        self.words.is_empty() && !self.assigns
+    }
+}
+
+/// Reads one line, which must not contain its line end.
+///
+/// # Errors
+/// The first fault of the line, as a control would stop at it.
+pub fn parse_line(text: &[u8], reading: Reading) -> Result<Parsed, Fault> {
+    let mut notices = Vec::new();
+    if reading == Reading::Lenient && is_title(text) {
+        push(&mut notices, NoticeKind::Title, 1);
+        return Ok(Parsed { line: Line::Title, notices });
+    }
+    let mut block = Block::default();
+    for piece in Words::new(text) {
+        let Piece { token, start, end } = piece?;
+        match token {
+            Token::ProgramMark if start == 0 => {
+                let line = Line::ProgramMark;
+                return Ok(Parsed { line, notices });
+            }
+            Token::ProgramMark => return Err(Fault::alarm(Alarm::IllegalAddress, column(start))),
+            Token::Comment { text: body, closed } => {
+                check_comment(body, start + 1, reading, &mut notices)?;
+                if !closed {
+                    push(&mut notices, NoticeKind::UnclosedComment, column(start));
+                }
+                continue;
+            }
+            Token::BlockDelete(switch) => block.delete = Some(switch),
+            Token::Assignment { .. } => block.assigns = true,
+            Token::Word(word) => block.add(word)?,
+        }
+        block.code_len = end;
+    }
+    let line = Line::Block(block);
+    Ok(Parsed { line, notices })
+}
+
+impl Block {
+    fn add(&mut self, word: Word) -> Result<(), Fault> {
+        let whole = || {
+            word.number
+                .as_whole()
+                .filter(|value| (0..=99_999_999).contains(value))
+                .ok_or(Fault::alarm(Alarm::DecimalPoint, word.column))
+        };
+        let first = self.words.is_empty() && self.sequence.is_none() && self.program.is_none();
+        match word.letter {
+            b'N' if self.words.is_empty() => self.sequence = Some(whole()?),
+            b'O' if first => self.program = Some(whole()?),
+            b'A'..=b'D' | b'F'..=b'M' | b'P'..=b'T' | b'X'..=b'Z' => {
+                let long = Fault::not_modelled(NotModelled::LongBlock, word.column);
+                self.words.push(word).map_err(|_| long)?;
+            }
+            _ => return Err(Fault::alarm(Alarm::IllegalAddress, word.column)),
+        }
+        Ok(())
+    }
+}
+
+/// `O` (or `:`) with anything but a digit behind it.
+fn is_title(text: &[u8]) -> bool {
+    matches!(text, [b'O' | b':', next, ..] if !next.is_ascii_digit())
+}
+
+/// Looks for characters outside the control's code in a comment whose text starts at byte `start` of its line.
+fn check_comment(
+    body: &[u8],
+    start: usize,
+    reading: Reading,
+    notices: &mut Vec<Notice, NOTICES_MAX>,
+) -> Result<(), Fault> {
+    for (offset, &byte) in body.iter().enumerate() {
+        if is_control_character(byte) {
+            continue;
+        }
+        let column = column(start + offset);
+        match reading {
+            Reading::Strict => return Err(Fault::alarm(Alarm::Character, column)),
+            Reading::Lenient => push(notices, NoticeKind::CommentCharacter(byte), column),
+        }
+    }
+    Ok(())
+}
+
+/// Beyond [`NOTICES_MAX`] notices a line has been complained about enough.
+fn push(notices: &mut Vec<Notice, NOTICES_MAX>, kind: NoticeKind, column: u16) {
+    let _full = notices.push(Notice { kind, column });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn block(text: &str) -> Block {
+        match parse_line(text.as_bytes(), Reading::Lenient).unwrap().line {
+            Line::Block(block) => block,
+            other => panic!("{text}: {other:?}"),
+        }
+    }
+
+    fn notices(text: &[u8]) -> Vec<Notice, NOTICES_MAX> {
+        parse_line(text, Reading::Lenient).unwrap().notices
+    }
+
+    #[test]
+    fn a_published_block_keeps_every_word_and_its_place() {
+        let block = block("N128G94G2X-2.7807Y11.5782I3.8539J-2.1989F25.");
+        assert_eq!(block.sequence, Some(128));
+        let letters: String = block.words.iter().map(|word| char::from(word.letter)).collect();
+        assert_eq!(letters, "GGXYIJF");
+        let feed = block.word(b'F').unwrap();
+        assert_eq!((feed.column, feed.len), (41, 4));
+        assert_eq!(block.code_len, 44);
+    }
+
+    #[test]
+    fn a_comment_is_no_code() {
+        let commented = block("N10G1X1. (ROUGH) (AND MORE");
+        assert_eq!(commented.code_len, 8);
+        assert!(block("(=====)").is_empty());
+        assert!(block("").is_empty());
+        assert!(!block("#5204=0").is_empty());
+    }
+
+    #[test]
+    fn what_lenient_reading_passes_is_an_alarm_in_strict_reading() {
+        let title = b"OTH1546 (CATH1546)";
+        assert_eq!(notices(title)[0].kind, NoticeKind::Title);
+        let fault = parse_line(title, Reading::Strict).unwrap_err();
+        assert_eq!(fault, Fault::alarm(Alarm::NoDataAfterAddress, 2));
+
+        let comment = b"N1570 (METTRE L'OUTIL)";
+        let notice = Notice { kind: NoticeKind::CommentCharacter(b'\''), column: 16 };
+        assert_eq!(notices(comment).as_slice(), [notice]);
+        let fault = parse_line(comment, Reading::Strict).unwrap_err();
+        assert_eq!(fault, Fault::alarm(Alarm::Character, 16));
+    }
+
+    #[test]
+    fn an_unclosed_comment_is_noticed_and_no_alarm() {
+        let notice = Notice { kind: NoticeKind::UnclosedComment, column: 1 };
+        assert_eq!(notices(b"(").as_slice(), [notice]);
+        assert!(parse_line(b"(", Reading::Strict).is_ok());
+    }
+
+    #[test]
+    fn a_program_number_is_a_first_word_only() {
+        assert_eq!(block("O1234 (IBR)").program, Some(1234));
+        let fault = parse_line(b"N5X-3.6O44", Reading::Lenient).unwrap_err();
+        assert_eq!(fault, Fault::alarm(Alarm::IllegalAddress, 8));
+    }
+
+    #[test]
+    fn a_block_holds_a_bounded_number_of_words() {
+        let line = "M1".repeat(WORDS_MAX + 1);
+        let fault = parse_line(line.as_bytes(), Reading::Lenient).unwrap_err();
+        assert_eq!(fault, Fault::not_modelled(NotModelled::LongBlock, 65));
+    }
+}

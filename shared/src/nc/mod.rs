@@ -1,0 +1,14 @@
+//! The Fanuc dialect: text to words to blocks to modal motions, without allocation.
+//!
+//! Only lines are context for the text level, only [`modal::Modal`] for the meaning level; every fault carries the
+//! column it was found at, and the caller knows the line.
+
+pub mod number;
+
+pub mod alarm;
+
+pub mod word;
+
+pub mod block;
+
+pub mod modal;

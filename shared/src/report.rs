@@ -1,0 +1,98 @@
+//! Figures over a run, added up sample by sample.
+
+/// Chip load on the circumference relative to its target, over the samples that count.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChipFigures {
+    /// Least of chip / target.
+    pub min_ratio: f64,
+    /// Largest of chip / target.
+    pub max_ratio: f64,
+    /// Samples that count.
+    pub samples: u64,
+    square_sum: f64,
+}
+
+impl Default for ChipFigures {
+    fn default() -> Self {
+        ChipFigures { min_ratio: f64::INFINITY, max_ratio: f64::NEG_INFINITY, samples: 0, square_sum: 0.0 }
+    }
+}
+
+impl ChipFigures {
+    /// Adds one sample of chip / target.
+    pub fn add(&mut self, ratio: f64) {
+        self.min_ratio = self.min_ratio.min(ratio);
+        self.max_ratio = self.max_ratio.max(ratio);
+        self.samples += 1;
+        self.square_sum += (ratio - 1.0) * (ratio - 1.0);
+    }
+
+    /// Adds all samples of another run.
+    pub fn merge(&mut self, other: &ChipFigures) {
+        self.min_ratio = self.min_ratio.min(other.min_ratio);
+        self.max_ratio = self.max_ratio.max(other.max_ratio);
+        self.samples += other.samples;
+        self.square_sum += other.square_sum;
+    }
+
+    /// Root mean square of the relative error; `None` without samples.
+    pub fn rms_error_ratio(&self) -> Option<f64> {
+        (self.samples > 0).then(|| libm::sqrt(self.square_sum / self.samples as f64))
+    }
+
+    /// Least and largest relative error; `None` without samples.
+    pub fn error_ratio_range(&self) -> Option<(f64, f64)> {
+        (self.samples > 0).then_some((self.min_ratio - 1.0, self.max_ratio - 1.0))
+    }
+}
+
+/// Samples that do not count, by cause.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LeftOut {
+    /// The machine was not within 0.5 % of the commanded feed throughout the tooth's cut.
+    pub not_steady: u64,
+    /// The block ended within the tooth's cut.
+    pub block_end: u64,
+    /// The cutting circle met no stock, or past the validity of the contact.
+    pub no_contact: u64,
+}
+
+impl LeftOut {
+    /// All of them.
+    pub fn total(&self) -> u64 {
+        self.not_steady + self.block_end + self.no_contact
+    }
+
+    /// Adds the counts of another run.
+    pub fn merge(&mut self, other: &LeftOut) {
+        self.not_steady += other.not_steady;
+        self.block_end += other.block_end;
+        self.no_contact += other.no_contact;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_of_two_halves_are_the_figures_of_the_whole() {
+        let ratios = [0.98, 1.0, 1.004, 0.991];
+        let mut whole = ChipFigures::default();
+        let (mut left, mut right) = (ChipFigures::default(), ChipFigures::default());
+        for (index, ratio) in ratios.into_iter().enumerate() {
+            whole.add(ratio);
+            if index < 2 { left.add(ratio) } else { right.add(ratio) }
+        }
+        left.merge(&right);
+        assert_eq!(left, whole);
+        let rms = libm::sqrt((4e-4 + 1.6e-5 + 8.1e-5) / 4.0);
+        assert!((whole.rms_error_ratio().unwrap() - rms).abs() < 1e-12);
+    }
+
+    #[test]
+    fn nothing_measured_gives_no_figures() {
+        assert_eq!(ChipFigures::default().rms_error_ratio(), None);
+        assert_eq!(ChipFigures::default().error_ratio_range(), None);
+    }
+}

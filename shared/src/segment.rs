@@ -1,0 +1,240 @@
+//! Motions to segments: geometry checked, absolute, exact.
+//!
+//! Coordinates are integer nanometres. An arc's programmed start and end never lie on exactly one circle; the centre
+//! is what the program says, the radius is the one at the start, and the difference at the end is checked against
+//! parameter 3410.
+
+use crate::nc::alarm::{Alarm, Fault, NotModelled};
+use crate::nc::modal::{Feed, Motion, MotionKind, Plane, Pose, Turn};
+use crate::units::Nm;
+
+/// Largest accepted difference of an arc's start and end radius (parameter 3410; a common setting).
+pub const RADIUS_TOLERANCE: Nm = Nm(30_000);
+
+/// One move of the tool centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// `N` of its block.
+    pub sequence: Option<i64>,
+    /// From.
+    pub start: Pose,
+    /// To.
+    pub end: Pose,
+    /// As programmed.
+    pub feed: Feed,
+    /// How.
+    pub path: Path,
+}
+
+/// The shape of a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Path {
+    /// Positioning; the way there is the machine's.
+    Rapid,
+    /// Straight, all axes together.
+    Line,
+    /// On a circle in one plane.
+    Arc(Arc),
+}
+
+/// A circular arc, in the two axes of its plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arc {
+    /// Its plane.
+    pub plane: Plane,
+    /// Its sense.
+    pub turn: Turn,
+    /// The rotation centre.
+    pub center: [Nm; 2],
+    /// Start, relative to the centre.
+    pub from: [Nm; 2],
+    /// End, relative to the centre; equal to `from` for a full circle.
+    pub to: [Nm; 2],
+}
+
+impl Segment {
+    /// Checks the geometry of a motion.
+    ///
+    /// # Errors
+    /// PS0020 radius difference above [`RADIUS_TOLERANCE`], PS0022 no radius at all; arcs that also move other axes
+    /// are not modelled.
+    pub fn from_motion(motion: &Motion, sequence: Option<i64>) -> Result<Self, Fault> {
+        let path = match motion.kind {
+            MotionKind::Rapid => Path::Rapid,
+            MotionKind::Line => Path::Line,
+            MotionKind::Arc(turn) => Path::Arc(Arc::from_motion(motion, turn)?),
+        };
+        Ok(Segment { sequence, start: motion.start, end: motion.end, feed: motion.feed, path })
+    }
+
+    /// The arc, if it is one.
+    pub fn arc(&self) -> Option<&Arc> {
+        match &self.path {
+            Path::Arc(arc) => Some(arc),
+            Path::Rapid | Path::Line => None,
+        }
+    }
+
+    /// Length of the tool centre's path, mm; rotary axes do not count.
+    pub fn length_mm(&self) -> f64 {
+        match &self.path {
+            Path::Arc(arc) => arc.length_mm(),
+            Path::Rapid | Path::Line => {
+                let [x, y, z] = self.start.linear;
+                let [to_x, to_y, to_z] = self.end.linear;
+                let axis = |from: Nm, to: Nm| to.to_mm() - from.to_mm();
+                libm::hypot(libm::hypot(axis(x, to_x), axis(y, to_y)), axis(z, to_z))
+            }
+        }
+    }
+
+    /// Whether a rotary axis turns.
+    pub fn turns_rotary_axis(&self) -> bool {
+        self.start.rotary != self.end.rotary
+    }
+}
+
+impl Arc {
+    fn from_motion(motion: &Motion, turn: Turn) -> Result<Self, Fault> {
+        let (first, second, normal) = motion.plane.axes();
+        let pick = |axes: &[Nm; 3], index: usize| axes.get(index).copied().unwrap_or_default();
+        let start = [first, second].map(|axis| pick(&motion.start.linear, axis));
+        let end = [first, second].map(|axis| pick(&motion.end.linear, axis));
+        let offset = [first, second].map(|axis| pick(&motion.center_offset, axis));
+        let off_plane = pick(&motion.start.linear, normal) != pick(&motion.end.linear, normal);
+        if off_plane || motion.start.rotary != motion.end.rotary {
+            return Err(Fault::not_modelled(NotModelled::Helix, 0));
+        }
+        let center = add(start, offset);
+        let arc = Arc {
+            plane: motion.plane,
+            turn,
+            center,
+            from: offset.map(|Nm(nm)| Nm(nm.saturating_neg())),
+            to: subtract(end, center),
+        };
+        let (radius_mm, end_radius_mm) = (arc.radius_mm(), length_mm(arc.to));
+        if radius_mm == 0.0 {
+            return Err(Fault::alarm(Alarm::NoRadius, 0));
+        }
+        if libm::fabs(radius_mm - end_radius_mm) > RADIUS_TOLERANCE.to_mm() {
+            return Err(Fault::alarm(Alarm::RadiusTolerance, 0));
+        }
+        Ok(arc)
+    }
+
+    /// Radius at the start, mm.
+    pub fn radius_mm(&self) -> f64 {
+        length_mm(self.from)
+    }
+
+    /// Angle from start to end in the sense of the arc, in (0, 2 pi].
+    pub fn sweep_rad(&self) -> f64 {
+        use core::f64::consts::TAU;
+        if self.from == self.to {
+            return TAU;
+        }
+        let [x, y] = self.from.map(Nm::to_mm);
+        let [to_x, to_y] = self.to.map(Nm::to_mm);
+        let ccw = libm::atan2(x * to_y - y * to_x, x * to_x + y * to_y);
+        let sweep = match self.turn {
+            Turn::Ccw => ccw,
+            Turn::Cw => -ccw,
+        };
+        if sweep > 0.0 { sweep } else { sweep + TAU }
+    }
+
+    /// Length of the arc at its start radius, mm.
+    pub fn length_mm(&self) -> f64 {
+        self.radius_mm() * self.sweep_rad()
+    }
+
+    /// Unit vector from the centre to the point at `ratio` (0 to 1) of the sweep.
+    pub fn direction_at(&self, ratio: f64) -> [f64; 2] {
+        let [x, y] = self.from.map(Nm::to_mm);
+        let turned = f64::from(self.turn.sign()) * ratio * self.sweep_rad();
+        let (sin, cos) = libm::sincos(libm::atan2(y, x) + turned);
+        [cos, sin]
+    }
+}
+
+fn add(a: [Nm; 2], b: [Nm; 2]) -> [Nm; 2] {
+    let ([ax, ay], [bx, by]) = (a, b);
+    [Nm(ax.0.saturating_add(bx.0)), Nm(ay.0.saturating_add(by.0))]
+}
+
+fn subtract(a: [Nm; 2], b: [Nm; 2]) -> [Nm; 2] {
+    let ([ax, ay], [bx, by]) = (a, b);
+    [Nm(ax.0.saturating_sub(bx.0)), Nm(ay.0.saturating_sub(by.0))]
+}
+
+fn length_mm(vector: [Nm; 2]) -> f64 {
+    let [x, y] = vector.map(Nm::to_mm);
+    libm::hypot(x, y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::{FRAC_PI_2, TAU};
+
+    fn mm(values: [f64; 2]) -> [Nm; 2] {
+        values.map(Nm::from_mm)
+    }
+
+    fn motion(turn: Turn, start: [f64; 2], end: [f64; 2], offset: [f64; 2]) -> Motion {
+        let pose = |[x, y]: [Nm; 2]| Pose { linear: [x, y, Nm(0)], ..Pose::default() };
+        let [i, j] = mm(offset);
+        Motion {
+            kind: MotionKind::Arc(turn),
+            plane: Plane::Xy,
+            start: pose(mm(start)),
+            end: pose(mm(end)),
+            center_offset: [i, j, Nm(0)],
+            feed: Feed::Missing,
+        }
+    }
+
+    fn arc(turn: Turn, start: [f64; 2], end: [f64; 2], offset: [f64; 2]) -> Result<Arc, Fault> {
+        let segment = Segment::from_motion(&motion(turn, start, end, offset), None)?;
+        Ok(*segment.arc().unwrap())
+    }
+
+    #[test]
+    fn a_quarter_is_a_quarter_one_way_and_three_the_other() {
+        let quarter = arc(Turn::Ccw, [10.0, 0.0], [0.0, 10.0], [-10.0, 0.0]).unwrap();
+        assert!((quarter.sweep_rad() - FRAC_PI_2).abs() < 1e-15);
+        assert!((quarter.length_mm() - 10.0 * FRAC_PI_2).abs() < 1e-12);
+        let rest = arc(Turn::Cw, [10.0, 0.0], [0.0, 10.0], [-10.0, 0.0]).unwrap();
+        assert!((rest.sweep_rad() - 3.0 * FRAC_PI_2).abs() < 1e-15);
+    }
+
+    #[test]
+    fn an_arc_back_to_its_start_is_a_full_circle() {
+        let circle = arc(Turn::Cw, [10.0, 0.0], [10.0, 0.0], [-10.0, 0.0]).unwrap();
+        assert_eq!(circle.sweep_rad(), TAU);
+    }
+
+    #[test]
+    fn halfway_along_a_clockwise_quarter_points_down_right() {
+        let quarter = arc(Turn::Cw, [10.0, 0.0], [0.0, -10.0], [-10.0, 0.0]).unwrap();
+        let [x, y] = quarter.direction_at(0.5);
+        assert!((x - libm::sqrt(0.5)).abs() < 1e-15 && (y + libm::sqrt(0.5)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn end_points_off_the_circle_are_an_alarm() {
+        let off = |end| arc(Turn::Ccw, [10.0, 0.0], [0.0, end], [-10.0, 0.0]);
+        assert!(off(10.029).is_ok());
+        assert_eq!(off(10.031), Err(Fault::alarm(Alarm::RadiusTolerance, 0)));
+        assert_eq!(arc(Turn::Ccw, [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]), Err(Fault::alarm(Alarm::NoRadius, 0)));
+    }
+
+    #[test]
+    fn an_arc_that_leaves_its_plane_is_refused() {
+        let mut helix = motion(Turn::Ccw, [10.0, 0.0], [0.0, 10.0], [-10.0, 0.0]);
+        helix.end.linear[2] = Nm(1);
+        let fault = Segment::from_motion(&helix, None).unwrap_err();
+        assert_eq!(fault, Fault::not_modelled(NotModelled::Helix, 0));
+    }
+}

@@ -1,0 +1,145 @@
+//! Units as types at boundaries, conversion factors in one place.
+//!
+//! Lengths of a program are exact integers ([`Nm`]); what enters a formula is a bare float whose name carries the
+//! unit (`_mm`, `_mm_per_min`, `_mm_per_tooth`, `_rad`, `_us`, `_ratio`). The newtypes have no arithmetic of their
+//! own: a formula unwraps, computes, and wraps its result.
+
+/// Nanometres in a millimetre.
+pub const NM_PER_MM: i64 = 1_000_000;
+/// Nanometres in an inch (exact).
+pub const NM_PER_INCH: i64 = 25_400_000;
+/// Millimetres in an inch (exact).
+pub const MM_PER_INCH: f64 = 25.4;
+/// Microdegrees in a degree.
+pub const MICRODEG_PER_DEG: i64 = 1_000_000;
+/// Microseconds in a millisecond.
+pub const US_PER_MS: u64 = 1_000;
+/// Microseconds in a second.
+pub const US_PER_S: u64 = 1_000_000;
+/// Seconds in a minute.
+pub const S_PER_MIN: f64 = 60.0;
+/// Per cent in the whole.
+pub const PERCENT: f32 = 100.0;
+
+/// A length or coordinate in whole nanometres.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Nm(pub i64);
+
+impl Nm {
+    /// The same length in millimetres.
+    pub fn to_mm(self) -> f64 {
+        self.0 as f64 / NM_PER_MM as f64
+    }
+
+    /// The nearest whole nanometre; saturates, NaN gives zero.
+    pub fn from_mm(mm: f64) -> Self {
+        Nm(libm::round(mm * NM_PER_MM as f64) as i64)
+    }
+}
+
+/// An angle of a rotary axis in whole microdegrees.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct MicroDeg(pub i64);
+
+impl MicroDeg {
+    /// The same angle in degrees.
+    pub fn to_deg(self) -> f64 {
+        self.0 as f64 / MICRODEG_PER_DEG as f64
+    }
+}
+
+/// A length in millimetres, for formulas on the tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+pub struct Mm(pub f32);
+
+/// Feed along the path, millimetres per minute.
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+pub struct MmPerMin(pub f32);
+
+/// Feed per tooth (IPT), millimetres.
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+pub struct MmPerTooth(pub f32);
+
+/// Spindle speed, revolutions per minute.
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+pub struct RevPerMin(pub f32);
+
+/// A point in time or a span of it, microseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Micros(pub u64);
+
+impl Micros {
+    /// The same span in seconds.
+    pub fn to_s(self) -> f64 {
+        self.0 as f64 / US_PER_S as f64
+    }
+
+    /// A span of whole milliseconds.
+    pub const fn from_ms(ms: u64) -> Self {
+        Micros(ms.saturating_mul(US_PER_MS))
+    }
+
+    /// This point in time, moved on by `span`.
+    pub const fn after(self, span: Micros) -> Self {
+        Micros(self.0.saturating_add(span.0))
+    }
+
+    /// Time since `earlier`, zero if that lies ahead.
+    pub const fn since(self, earlier: Micros) -> Self {
+        Micros(self.0.saturating_sub(earlier.0))
+    }
+}
+
+/// The unit system a program or a job speaks (G20 / G21).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LengthUnit {
+    /// G20.
+    Inch,
+    /// G21.
+    Mm,
+}
+
+impl LengthUnit {
+    /// Nanometres in one of these.
+    pub const fn nm(self) -> i64 {
+        match self {
+            LengthUnit::Inch => NM_PER_INCH,
+            LengthUnit::Mm => NM_PER_MM,
+        }
+    }
+
+    /// Millimetres in one of these.
+    pub const fn mm(self) -> f64 {
+        match self {
+            LengthUnit::Inch => MM_PER_INCH,
+            LengthUnit::Mm => 1.0,
+        }
+    }
+
+    /// How a length is labelled in this system.
+    pub const fn label(self) -> &'static str {
+        match self {
+            LengthUnit::Inch => "in",
+            LengthUnit::Mm => "mm",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_inch_is_the_same_in_every_constant() {
+        assert_eq!(NM_PER_INCH as f64, MM_PER_INCH * NM_PER_MM as f64);
+        assert_eq!(Nm(NM_PER_INCH).to_mm(), LengthUnit::Inch.mm());
+    }
+
+    #[test]
+    fn nanometres_survive_the_way_to_millimetres_and_back() {
+        for nm in [0, 1, -1, 2_540, 999_999_999_999] {
+            assert_eq!(Nm::from_mm(Nm(nm).to_mm()), Nm(nm));
+        }
+        assert_eq!(Nm::from_mm(f64::NAN), Nm(0));
+    }
+}
