@@ -1,5 +1,6 @@
 //! The tick: (segment, position, spindle) -> override, feed per tooth at the centre, reason.
 
+use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::modal::{Feed, Pose};
 use arcfeed_shared::segment::{Path, Segment};
@@ -73,13 +74,17 @@ pub enum Reason {
 }
 
 impl ActiveSegment {
-    /// Prepares a segment of the program as the control received it.
-    pub fn new(segment: &Segment, job: &Job) -> Self {
+    /// Prepares a segment of the program as the control received it, with the cut rule that speaks of it.
+    pub fn new(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
         let feed_sent = match (&segment.path, segment.feed) {
             (Path::Line | Path::Arc(_), Feed::PerMinute(feed)) if feed.0 > 0 => Some(MmPerMin(feed.to_mm() as f32)),
             _ => None,
         };
-        ActiveSegment { law: SegmentLaw::for_segment(segment, job), track: segment.arc().map(ArcTrack::new), feed_sent }
+        ActiveSegment {
+            law: SegmentLaw::for_segment(segment, rule, job),
+            track: segment.arc().map(ArcTrack::new),
+            feed_sent,
+        }
     }
 }
 

@@ -50,11 +50,12 @@ pub enum SegmentLaw {
 }
 
 impl SegmentLaw {
-    /// The job's law for a segment, together with the cut rule it rests on.
-    pub fn for_segment(segment: &Segment, job: &Job) -> Self {
-        match (job.law, segment.arc(), arcfeed_shared::cut::find(&job.rules, segment, &job.tool)) {
-            (LawKind::Circumference, Some(arc), Some(CutRule { edge, stock, .. })) => {
-                let law = Circumference::for_arc(arc, job.tool.radius_mm(*edge), *edge, stock, job.feed_per_tooth);
+    /// The job's law for a segment that `rule` speaks of.
+    pub fn for_segment(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
+        match (job.law, segment.arc(), rule) {
+            (LawKind::Circumference, Some(arc), Some(rule)) => {
+                let radius = job.tool.radius_mm(rule.edge);
+                let law = Circumference::for_arc(arc, radius, rule.edge, &rule.stock, job.feed_per_tooth);
                 SegmentLaw::Circumference(law)
             }
             _ => SegmentLaw::None,

@@ -1,0 +1,235 @@
+//! A Fanuc-like control in DNC operation: bytes in, axis positions out.
+//!
+//! Modelled: the serial line with XON/XOFF and its buffer, reading ahead, execution of blocks at override-scaled feed
+//! under acceleration limits, alarms. Not modelled here: drives (positions are as commanded), parity and code checks.
+
+pub mod dnc_port;
+
+pub mod reader;
+
+pub mod path;
+
+pub mod interpolator;
+
+use std::collections::VecDeque;
+
+use arcfeed_shared::nc::alarm::Fault;
+use arcfeed_shared::nc::modal::{Pose, Stop};
+use arcfeed_shared::segment::Segment;
+use arcfeed_shared::units::{LengthUnit, Micros, MmPerMin, US_PER_MS};
+
+use dnc_port::{DncPort, LineSettings};
+use interpolator::{Dynamics, Interpolator};
+use reader::{Action, Reader};
+
+/// Settings of the control; values marked assumed are published nowhere for the machine of the source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ControlSettings {
+    /// Unit at power-on.
+    pub unit: LengthUnit,
+    /// The serial line.
+    pub line: LineSettings,
+    /// Blocks read ahead of the one being executed.
+    pub look_ahead: usize,
+    /// What the axes can do.
+    pub dynamics: Dynamics,
+    /// Steps from the override input to its effect: the scan of the machine's ladder (8 ms, assumed).
+    pub ladder_delay_steps: usize,
+    /// How long after M0 the simulated operator presses cycle start.
+    pub operator_restart: Micros,
+}
+
+impl ControlSettings {
+    /// A 16i-like control on a mid-size five-axis machine.
+    pub fn fanuc_16i(unit: LengthUnit) -> Self {
+        ControlSettings {
+            unit,
+            line: LineSettings::default(),
+            look_ahead: 15,
+            dynamics: Dynamics::default(),
+            ladder_delay_steps: 8,
+            operator_restart: Micros::from_ms(1_000),
+        }
+    }
+}
+
+/// Why the control stopped before the end of its program.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AlarmRecord {
+    /// Line of the program as received, counted from 1.
+    pub line: u32,
+    /// What the control found.
+    pub fault: Fault,
+}
+
+/// The control's state.
+#[derive(Debug)]
+pub struct Control {
+    settings: ControlSettings,
+    port: DncPort,
+    reader: Reader,
+    interpolator: Interpolator,
+    waits_until: Option<Micros>,
+    alarm: Option<AlarmRecord>,
+    ended: bool,
+    held: bool,
+    executed: Vec<Vec<u8>>,
+    starved_ms: u64,
+    ladder: VecDeque<u8>,
+    override_percent: u8,
+}
+
+impl Control {
+    /// A control that reads its program from the DNC line.
+    pub fn on_line(settings: ControlSettings) -> Self {
+        Control::new(settings, DncPort::on_line(settings.line))
+    }
+
+    /// A control that has the whole program in its memory.
+    pub fn from_memory(settings: ControlSettings, program: &[u8]) -> Self {
+        Control::new(settings, DncPort::from_memory(program))
+    }
+
+    fn new(settings: ControlSettings, port: DncPort) -> Self {
+        Control {
+            settings,
+            port,
+            reader: Reader::new(settings.unit),
+            interpolator: Interpolator::new(settings.dynamics),
+            waits_until: None,
+            alarm: None,
+            ended: false,
+            held: false,
+            executed: Vec::new(),
+            starved_ms: 0,
+            ladder: VecDeque::new(),
+            override_percent: 100,
+        }
+    }
+
+    /// The byte port.
+    pub fn port(&mut self) -> &mut DncPort {
+        &mut self.port
+    }
+
+    /// Feed hold: the axes come to rest and stay there.
+    pub fn hold(&mut self) {
+        self.held = true;
+    }
+
+    /// One interpolation period; `override_percent` is what stands at the override input.
+    pub fn step(&mut self, now: Micros, dt: Micros, override_percent: u8) {
+        if let Some(fault) = self.port.step(dt) {
+            self.stop_with(AlarmRecord { line: self.reader.line(), fault });
+        }
+        self.override_percent = self.through_ladder(override_percent);
+        self.read_ahead();
+        let mut left_s = dt.to_s();
+        while left_s > 0.0 {
+            self.start_next(now);
+            left_s = self.interpolator.advance(left_s, self.override_percent, self.held || self.is_over());
+        }
+        let waits = self.waits_until.is_some() || self.is_over();
+        if self.interpolator.is_idle() && !waits && !self.executed.is_empty() {
+            self.starved_ms += dt.0 / US_PER_MS;
+        }
+        if self.is_over() {
+            self.port.close();
+        }
+    }
+
+    /// The override takes effect one scan of the machine's ladder after it stood at the input.
+    fn through_ladder(&mut self, override_percent: u8) -> u8 {
+        self.ladder.push_back(override_percent);
+        if self.ladder.len() > self.settings.ladder_delay_steps {
+            return self.ladder.pop_front().unwrap_or(override_percent);
+        }
+        self.override_percent
+    }
+
+    /// Where the axes are commanded to.
+    pub fn position(&self) -> Pose {
+        self.interpolator.position()
+    }
+
+    /// The move being executed and the count of blocks executed so far.
+    pub fn active(&self) -> Option<(u32, &Segment)> {
+        self.interpolator.active()
+    }
+
+    /// Programmed feed times override of the active move; zero at rapid and at rest.
+    pub fn commanded(&self) -> MmPerMin {
+        self.interpolator.commanded()
+    }
+
+    /// The override in effect, %.
+    pub fn override_percent(&self) -> u8 {
+        self.override_percent
+    }
+
+    /// Blocks executed, byte for byte as received, without their line ends.
+    pub fn executed(&self) -> &[Vec<u8>] {
+        &self.executed
+    }
+
+    /// The alarm that stopped it.
+    pub fn alarm(&self) -> Option<&AlarmRecord> {
+        self.alarm.as_ref()
+    }
+
+    /// Whether the program came to its end (M02, M30).
+    pub fn has_ended(&self) -> bool {
+        self.ended
+    }
+
+    /// Whether nothing will move any more: program end or alarm.
+    pub fn is_over(&self) -> bool {
+        self.ended || self.alarm.is_some()
+    }
+
+    /// Whether the axes rest.
+    pub fn is_at_rest(&self) -> bool {
+        self.interpolator.is_at_rest()
+    }
+
+    /// Time without a block to execute, after the first one.
+    pub fn starved_ms(&self) -> u64 {
+        self.starved_ms
+    }
+
+    fn stop_with(&mut self, alarm: AlarmRecord) {
+        self.alarm.get_or_insert(alarm);
+    }
+
+    /// Fills the look-ahead. A block with a fault stops the control when its turn comes, not when it is read.
+    fn read_ahead(&mut self) {
+        while self.interpolator.queued() < self.settings.look_ahead {
+            let Some(text) = self.port.take_line() else { return };
+            if let Some(block) = self.reader.read(text) {
+                self.interpolator.queue(block);
+            }
+        }
+    }
+
+    /// Takes up what is next: blocks that take no time, up to a move or a wait.
+    fn start_next(&mut self, now: Micros) {
+        if self.waits_until.is_some_and(|until| now < until) {
+            return;
+        }
+        self.waits_until = None;
+        while self.waits_until.is_none() && !self.is_over() {
+            let Some(block) = self.interpolator.take_next(self.executed.len()) else { return };
+            self.executed.push(block.text);
+            match block.action {
+                Action::Dwell(span) => self.waits_until = Some(now.after(span)),
+                Action::Stop(Stop::Program) => self.waits_until = Some(now.after(self.settings.operator_restart)),
+                Action::Stop(Stop::End) => self.ended = true,
+                Action::Fault(fault) => {
+                    self.executed.pop();
+                    self.stop_with(AlarmRecord { line: block.line, fault });
+                }
+                Action::Stop(Stop::Optional) | Action::Nothing | Action::Auxiliary | Action::Move(_) => {}
+            }
+        }
+    }
+}

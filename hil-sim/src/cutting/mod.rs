@@ -1,0 +1,5 @@
+//! What measures the cut. Nothing here may know the feed law.
+
+pub mod chip;
+
+pub mod meter;

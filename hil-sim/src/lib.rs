@@ -1,0 +1,15 @@
+//! The machine in software: what the firmware and the host meet in place of hardware.
+//!
+//! One time base, simulated, in steps of one millisecond; no wall clock, no randomness. Modules stand in the order of
+//! cause and effect: bytes arrive at the [`control`], which moves the axes; the [`machine`] reports them; [`cutting`]
+//! measures the chips from what the axes did; [`faults`] spoil the controller on purpose; the [`rig`] joins them all.
+
+pub mod control;
+
+pub mod machine;
+
+pub mod cutting;
+
+pub mod faults;
+
+pub mod rig;

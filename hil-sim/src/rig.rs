@@ -1,0 +1,196 @@
+//! Control, machine, controller and meter on one time base: a run.
+
+use arcfeed_firmware::board::{Board, Task};
+use arcfeed_firmware::controller::{ActiveSegment, Controller, Input};
+use arcfeed_firmware::ramp::{FeedOverride, LimitsError};
+use arcfeed_shared::cut::{self, CutRule};
+use arcfeed_shared::job::Job;
+use arcfeed_shared::segment::Segment;
+use arcfeed_shared::units::{Micros, Nm};
+
+use crate::control::{Control, ControlSettings};
+use crate::cutting::meter::{ChipMeter, MeterSettings};
+use crate::faults::ControllerFault;
+use crate::machine;
+
+/// The period of interpolation, of the machine's reports and of the controller's tick.
+pub const STEP: Micros = Micros::from_ms(1);
+
+/// Everything that runs; deterministic.
+#[derive(Debug)]
+pub struct Rig {
+    now: Micros,
+    control: Control,
+    cabinet: Cabinet,
+    controller: Option<Controller>,
+    task: Task,
+    job: Job,
+    fault: ControllerFault,
+    meter: ChipMeter,
+    overrides: Vec<ArcOverride>,
+    first_move: Option<Micros>,
+}
+
+/// What the override did on one arc that a cut rule speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ArcOverride {
+    /// Least, %.
+    pub min_percent: u8,
+    /// Largest, %.
+    pub max_percent: u8,
+    /// How often it changed.
+    pub changes: u32,
+    last_percent: u8,
+}
+
+/// The controller's surroundings: the segment in work, the inputs, the override output.
+#[derive(Debug)]
+struct Cabinet {
+    segment: Option<(u32, ActiveSegment)>,
+    input: Input,
+    output: FeedOverride,
+}
+
+impl Board for Cabinet {
+    fn segment(&self) -> Option<(u32, ActiveSegment)> {
+        self.segment
+    }
+
+    fn measure(&mut self) -> Input {
+        self.input
+    }
+
+    fn set_override(&mut self, feed_override: FeedOverride) {
+        self.output = feed_override;
+    }
+}
+
+impl Rig {
+    /// A control that reads from its DNC line, with the controller of the job.
+    ///
+    /// # Errors
+    /// Bounds of the override that make no sense.
+    pub fn on_line(settings: ControlSettings, job: &Job, fault: ControllerFault) -> Result<Self, LimitsError> {
+        Rig::new(Control::on_line(settings), job, fault)
+    }
+
+    /// A control with the program in its memory, with the controller of the job.
+    ///
+    /// # Errors
+    /// Bounds of the override that make no sense.
+    pub fn from_memory(
+        settings: ControlSettings,
+        program: &[u8],
+        job: &Job,
+        fault: ControllerFault,
+    ) -> Result<Self, LimitsError> {
+        Rig::new(Control::from_memory(settings, program), job, fault)
+    }
+
+    fn new(control: Control, job: &Job, fault: ControllerFault) -> Result<Self, LimitsError> {
+        let controller = (fault != ControllerFault::LawOff).then(|| Controller::new(job)).transpose()?;
+        let input = Input { position: control.position(), spindle: job.spindle, dt: STEP };
+        Ok(Rig {
+            now: Micros(0),
+            cabinet: Cabinet { segment: None, input, output: FeedOverride::PROGRAMMED },
+            control,
+            controller,
+            task: Task::default(),
+            meter: ChipMeter::new(MeterSettings {
+                tool: job.tool,
+                spindle: job.spindle,
+                target_mm_per_tooth: f64::from(job.feed_per_tooth.0),
+            }),
+            job: job.clone(),
+            fault,
+            overrides: Vec::new(),
+            first_move: None,
+        })
+    }
+
+    /// One step of everything: the control moves, the machine reports, the meter measures, the controller decides.
+    pub fn step(&mut self) {
+        self.now = self.now.after(STEP);
+        let before = self.control.active().map(|(count, _)| count);
+        self.control.step(self.now, STEP, self.cabinet.output.percent);
+        let active = self.control.active().map(|(count, segment)| (count, *segment));
+        if let Some((count, segment)) = active.filter(|(count, _)| Some(*count) != before) {
+            self.begin(count, &segment);
+        }
+        if active.is_none() {
+            self.cabinet.segment = None;
+        }
+        let sample = machine::sample(&self.control, self.now);
+        self.meter.take(&sample);
+        self.record_override(sample.block, sample.override_percent);
+        self.cabinet.input.position = machine::feedback(&sample.position);
+        self.tick();
+    }
+
+    /// Time since power-on.
+    pub fn now(&self) -> Micros {
+        self.now
+    }
+
+    /// The control.
+    pub fn control(&self) -> &Control {
+        &self.control
+    }
+
+    /// The control, to act on.
+    pub fn control_mut(&mut self) -> &mut Control {
+        &mut self.control
+    }
+
+    /// The meter.
+    pub fn meter(&self) -> &ChipMeter {
+        &self.meter
+    }
+
+    /// The override on each arc of [`ChipMeter::arcs`], in the same order.
+    pub fn overrides(&self) -> &[ArcOverride] {
+        &self.overrides
+    }
+
+    /// Time from the first move to now.
+    pub fn cycle_time(&self) -> Micros {
+        self.first_move.map_or(Micros(0), |first| self.now.since(first))
+    }
+
+    fn begin(&mut self, count: u32, segment: &Segment) {
+        self.first_move.get_or_insert(self.now);
+        let rule = cut::find(&self.job.rules, segment, &self.job.tool);
+        let index = rule.and_then(|rule| self.job.rules.iter().position(|other| other == rule));
+        self.meter.begin(count, segment, index.zip(rule));
+        if index.is_some() {
+            self.overrides.push(ArcOverride { min_percent: u8::MAX, max_percent: 0, changes: 0, last_percent: 0 });
+        }
+        self.cabinet.segment = Some((count, self.believed(segment, rule)));
+    }
+
+    /// The segment as the controller believes it to be.
+    fn believed(&self, segment: &Segment, rule: Option<&CutRule>) -> ActiveSegment {
+        let mut job = self.job.clone();
+        if let ControllerFault::RadiusScale(scale) = self.fault {
+            let scaled = |radius: Nm| Nm::from_mm(radius.to_mm() * scale);
+            job.tool.outer_radius = scaled(job.tool.outer_radius);
+            job.tool.inner_radius = scaled(job.tool.inner_radius);
+        }
+        ActiveSegment::new(segment, rule, &job)
+    }
+
+    fn tick(&mut self) {
+        let frozen = matches!(self.fault, ControllerFault::FrozenAfter(ticks) if self.now >= Micros(ticks * STEP.0));
+        if let Some(controller) = self.controller.as_ref().filter(|_| !frozen) {
+            self.task.run(controller, &mut self.cabinet);
+        }
+    }
+
+    fn record_override(&mut self, block: u32, percent: u8) {
+        let Some(arc) = self.overrides.last_mut().filter(|_| self.meter.is_on(block)) else { return };
+        arc.changes += u32::from(arc.max_percent > 0 && percent != arc.last_percent);
+        arc.min_percent = arc.min_percent.min(percent);
+        arc.max_percent = arc.max_percent.max(percent);
+        arc.last_percent = percent;
+    }
+}
