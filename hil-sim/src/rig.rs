@@ -132,6 +132,11 @@ impl Rig {
         self.now
     }
 
+    /// Whether the program is over and the axes rest.
+    pub fn is_done(&self) -> bool {
+        self.control.is_over() && self.control.is_at_rest()
+    }
+
     /// The control.
     pub fn control(&self) -> &Control {
         &self.control

@@ -1,7 +1,7 @@
 //! What both ends of arcfeed must agree on.
 //!
 //! Modules stand in the order in which data flows; a module imports only from those above it:
-//! NC text -> [`nc::word`] -> [`nc::block`] -> [`nc::modal`] -> [`segment`], then what a job adds to the
+//! NC text -> [`nc::word`] -> [`nc::block`] -> [`nc::modal`] -> [`segment`] -> [`reader`], then what a job adds to the
 //! program ([`tool`], [`cut`], [`job`]) and what comes back from the machine ([`telemetry`], [`report`]).
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
@@ -13,6 +13,8 @@ pub mod fmath;
 pub mod nc;
 
 pub mod segment;
+
+pub mod reader;
 
 pub mod tool;
 

@@ -117,6 +117,11 @@ impl DncPort {
         self.outgoing.pop_front()
     }
 
+    /// Whether [`DncPort::poll_transmit`] has a byte.
+    pub fn has_to_say(&self) -> bool {
+        !self.outgoing.is_empty()
+    }
+
     /// Does not count what is on the line now against the ten characters after DC3: for hosts behind a pipe without a
     /// line rate, whose bytes were written before they could see the DC3.
     pub fn excuse_what_is_on_the_wire(&mut self) {

@@ -77,7 +77,7 @@ impl Interpolator {
     /// Adds a block behind the others.
     pub fn queue(&mut self, block: ReadBlock) {
         let travel = match &block.action {
-            Action::Move(segment) => Some(Travel::new(*segment)),
+            Action::Move(segment, _) => Some(Travel::new(*segment)),
             _ => None,
         };
         self.queue.push_back(Queued { block, travel });
@@ -158,7 +158,7 @@ impl Interpolator {
     /// The speed the active move may end with: from the last queued move backwards to it.
     fn exit_speed(&self, override_percent: u8) -> f64 {
         let Some(active) = &self.active else { return 0.0 };
-        let flows = |queued: &&Queued| matches!(queued.block.action, Action::Move(_) | Action::Nothing);
+        let flows = |queued: &&Queued| matches!(queued.block.action, Action::Move(_, None) | Action::Nothing);
         let ahead: Vec<&Travel> =
             self.queue.iter().take_while(flows).filter_map(|queued| queued.travel.as_ref()).collect();
         let acceleration = self.dynamics.acceleration_mm_per_s2;

@@ -18,9 +18,9 @@ use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{LengthUnit, Micros, MmPerMin, US_PER_MS};
 
-use dnc_port::{DncPort, LineSettings};
+use dnc_port::{DncPort, LineCounters, LineSettings};
 use interpolator::{Dynamics, Interpolator};
-use reader::{Action, Reader};
+use reader::{Action, BlockReader};
 
 /// Settings of the control; values marked assumed are published nowhere for the machine of the source.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,14 +67,16 @@ pub struct AlarmRecord {
 pub struct Control {
     settings: ControlSettings,
     port: DncPort,
-    reader: Reader,
+    reader: BlockReader,
     interpolator: Interpolator,
     waits_until: Option<Micros>,
+    after_move: Option<Stop>,
     alarm: Option<AlarmRecord>,
     ended: bool,
     held: bool,
     executed: Vec<Vec<u8>>,
     starved_ms: u64,
+    has_moved: bool,
     ladder: VecDeque<u8>,
     override_percent: u8,
 }
@@ -94,14 +96,16 @@ impl Control {
         Control {
             settings,
             port,
-            reader: Reader::new(settings.unit),
+            reader: BlockReader::new(settings.unit),
             interpolator: Interpolator::new(settings.dynamics),
             waits_until: None,
+            after_move: None,
             alarm: None,
             ended: false,
             held: false,
             executed: Vec::new(),
             starved_ms: 0,
+            has_moved: false,
             ladder: VecDeque::new(),
             override_percent: 100,
         }
@@ -110,6 +114,16 @@ impl Control {
     /// The byte port.
     pub fn port(&mut self) -> &mut DncPort {
         &mut self.port
+    }
+
+    /// What went over the line.
+    pub fn line_counters(&self) -> LineCounters {
+        self.port.counters()
+    }
+
+    /// Whether the control has sent something that nobody has fetched yet.
+    pub fn has_to_say(&self) -> bool {
+        self.port.has_to_say()
     }
 
     /// Feed hold: the axes come to rest and stay there.
@@ -130,7 +144,7 @@ impl Control {
             left_s = self.interpolator.advance(left_s, self.override_percent, self.held || self.is_over());
         }
         let waits = self.waits_until.is_some() || self.is_over();
-        if self.interpolator.is_idle() && !waits && !self.executed.is_empty() {
+        if self.interpolator.is_idle() && !waits && self.has_moved {
             self.starved_ms += dt.0 / US_PER_MS;
         }
         if self.is_over() {
@@ -192,7 +206,7 @@ impl Control {
         self.interpolator.is_at_rest()
     }
 
-    /// Time without a block to execute, after the first one.
+    /// Time without a block to execute, after the first move.
     pub fn starved_ms(&self) -> u64 {
         self.starved_ms
     }
@@ -213,23 +227,39 @@ impl Control {
 
     /// Takes up what is next: blocks that take no time, up to a move or a wait.
     fn start_next(&mut self, now: Micros) {
-        if self.waits_until.is_some_and(|until| now < until) {
+        if !self.interpolator.is_idle() || self.waits_until.is_some_and(|until| now < until) {
             return;
         }
         self.waits_until = None;
+        if let Some(stop) = self.after_move.take() {
+            self.go_on(stop, now);
+        }
         while self.waits_until.is_none() && !self.is_over() {
             let Some(block) = self.interpolator.take_next(self.executed.len()) else { return };
+            if let Action::Fault(fault) = block.action {
+                self.stop_with(AlarmRecord { line: block.line, fault });
+                return;
+            }
             self.executed.push(block.text);
             match block.action {
-                Action::Dwell(span) => self.waits_until = Some(now.after(span)),
-                Action::Stop(Stop::Program) => self.waits_until = Some(now.after(self.settings.operator_restart)),
-                Action::Stop(Stop::End) => self.ended = true,
-                Action::Fault(fault) => {
-                    self.executed.pop();
-                    self.stop_with(AlarmRecord { line: block.line, fault });
+                Action::Move(_, stop) => {
+                    self.after_move = stop;
+                    self.has_moved = true;
+                    return;
                 }
-                Action::Stop(Stop::Optional) | Action::Nothing | Action::Auxiliary | Action::Move(_) => {}
+                Action::Dwell(span) => self.waits_until = Some(now.after(span)),
+                Action::Stop(stop) => self.go_on(stop, now),
+                Action::Nothing | Action::Auxiliary | Action::Fault(_) => {}
             }
+        }
+    }
+
+    fn go_on(&mut self, stop: Stop, now: Micros) {
+        match stop {
+            Stop::Program => self.waits_until = Some(now.after(self.settings.operator_restart)),
+            Stop::End => self.ended = true,
+            // The optional-stop switch is off.
+            Stop::Optional => {}
         }
     }
 }

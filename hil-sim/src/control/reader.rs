@@ -1,9 +1,10 @@
 //! Lines to actions: what the control reads ahead of its execution.
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
-use arcfeed_shared::nc::block::{Line, Reading, parse_line};
-use arcfeed_shared::nc::modal::{Feed, Modal, Stop};
-use arcfeed_shared::segment::{Path, Segment};
+use arcfeed_shared::nc::block::{Block, Line, Parsed, Reading};
+use arcfeed_shared::nc::modal::Stop;
+use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{LengthUnit, Micros};
 
 /// One block, ready to execute.
@@ -24,8 +25,8 @@ pub enum Action {
     Nothing,
     /// An M, S or T function: no time here, but moves before it come to rest.
     Auxiliary,
-    /// A move.
-    Move(Segment),
+    /// A move, and where the program goes on after it.
+    Move(Segment, Option<Stop>),
     /// G4.
     Dwell(Micros),
     /// M0, M1, M2, M30.
@@ -34,17 +35,17 @@ pub enum Action {
     Fault(Fault),
 }
 
-/// The reader's state.
+/// The blocks of a program as they come in.
 #[derive(Debug)]
-pub struct Reader {
-    modal: Modal,
+pub struct BlockReader {
+    reader: Reader,
     line: u32,
 }
 
-impl Reader {
+impl BlockReader {
     /// At power-on.
     pub fn new(unit: LengthUnit) -> Self {
-        Reader { modal: Modal::at_power_on(unit), line: 0 }
+        BlockReader { reader: Reader::new(unit, Reading::Lenient), line: 0 }
     }
 
     /// Lines read so far.
@@ -55,39 +56,25 @@ impl Reader {
     /// Reads a line; `None` for `%` and empty lines, which are no blocks.
     pub fn read(&mut self, text: Vec<u8>) -> Option<ReadBlock> {
         self.line += 1;
-        let action = match parse_line(&text, Reading::Lenient) {
-            Ok(parsed) => match parsed.line {
-                Line::ProgramMark => return None,
-                Line::Title => Action::Nothing,
-                Line::Block(block) => match self.interpret(&block) {
-                    Ok(action) => action,
-                    Err(fault) => Action::Fault(fault),
-                },
-            },
+        let action = match self.reader.read(&text) {
+            Ok(Understood { parsed: Parsed { line: Line::ProgramMark, .. }, .. }) => return None,
+            Ok(understood) => action(&understood),
             Err(fault) => Action::Fault(fault),
         };
         (!text.is_empty()).then_some(ReadBlock { line: self.line, text, action })
     }
+}
 
-    fn interpret(&mut self, block: &arcfeed_shared::nc::block::Block) -> Result<Action, Fault> {
-        let (next, step) = self.modal.interpret(block)?;
-        let action = if let Some(stop) = step.stop {
-            Action::Stop(stop)
-        } else if let Some(span) = step.dwell {
-            Action::Dwell(span)
-        } else if let Some(motion) = step.motion {
-            let segment = Segment::from_motion(&motion, block.sequence)?;
-            if segment.path != Path::Rapid && segment.feed == Feed::Missing {
-                return Err(Fault::alarm(Alarm::NoFeed, 0));
-            }
-            Action::Move(segment)
-        } else if block.words.iter().any(|word| matches!(word.letter, b'M' | b'S' | b'T')) {
-            Action::Auxiliary
-        } else {
-            Action::Nothing
-        };
-        self.modal = next;
-        Ok(action)
+fn action(understood: &Understood) -> Action {
+    let Understood { parsed, step, segment } = understood;
+    let has_function = |block: &Block| block.words.iter().any(|word| matches!(word.letter, b'M' | b'S' | b'T'));
+    match (step.stop, step.dwell, segment, &parsed.line) {
+        (_, _, Some(_), _) if understood.lacks_feed() => Action::Fault(Fault::alarm(Alarm::NoFeed, 0)),
+        (stop, _, Some(segment), _) => Action::Move(*segment, stop),
+        (Some(stop), ..) => Action::Stop(stop),
+        (None, Some(span), ..) => Action::Dwell(span),
+        (None, None, None, Line::Block(block)) if has_function(block) => Action::Auxiliary,
+        (None, None, None, _) => Action::Nothing,
     }
 }
 
@@ -96,7 +83,7 @@ mod tests {
     use super::*;
 
     fn actions(program: &str) -> Vec<Action> {
-        let mut reader = Reader::new(LengthUnit::Inch);
+        let mut reader = BlockReader::new(LengthUnit::Inch);
         program.lines().filter_map(|line| reader.read(line.into())).map(|block| block.action).collect()
     }
 
@@ -108,7 +95,12 @@ mod tests {
     #[test]
     fn a_cutting_move_without_feed_stops_the_control() {
         assert_eq!(actions("G1X1."), [Action::Fault(Fault::alarm(Alarm::NoFeed, 0))]);
-        assert!(matches!(actions("G0X1.").as_slice(), [Action::Move(_)]));
+        assert!(matches!(actions("G0X1.").as_slice(), [Action::Move(..)]));
+    }
+
+    #[test]
+    fn a_program_may_end_in_the_block_of_its_last_move() {
+        assert!(matches!(actions("G0X1.M30").as_slice(), [Action::Move(_, Some(Stop::End))]));
     }
 
     #[test]

@@ -35,7 +35,7 @@ pub struct Modal {
     pub motion: MotionKind,
     /// G93 / G94.
     pub feed_mode: FeedMode,
-    /// The last F given under G94, if any.
+    /// The last F given under G94, if any; G93 forgets it.
     pub feed: Option<Nm>,
     /// Where the tool centre stands.
     pub position: Pose,
@@ -252,6 +252,8 @@ impl Modal {
                 self.feed.map_or(Feed::Missing, Feed::PerMinute)
             }
             FeedMode::InverseTime => {
+                // What F means after G93 until it is given again differs from control to control.
+                self.feed = None;
                 word.map_or(Feed::Missing, |word| Feed::InverseTime(word.number.scaled(PER_MIN_SCALE)))
             }
         }
@@ -405,9 +407,9 @@ mod tests {
     }
 
     #[test]
-    fn the_feed_of_g94_outlives_a_block_in_inverse_time() {
-        let motion = motion(&["G1G94X1.F25.", "G93X2.F50.", "G94X3."]);
-        assert_eq!(motion.feed, Feed::PerMinute(inch(25.0)));
+    fn after_inverse_time_a_feed_per_minute_must_be_given_again() {
+        assert_eq!(motion(&["G1G94X1.F25.", "G93X2.F50.", "G94X3."]).feed, Feed::Missing);
+        assert_eq!(motion(&["G1G94X1.F25.", "G93X2.F50.", "G94X3.F30."]).feed, Feed::PerMinute(inch(30.0)));
     }
 
     #[test]

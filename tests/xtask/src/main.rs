@@ -1,2 +1,56 @@
-//! Placeholder.
-fn main() {}
+//! Every test of arcfeed in one command: `cargo xtask test`.
+//!
+//! ```text
+//! target    the chip's Rust target, installed where it is missing        target.rs
+//! tests     cargo test over the whole workspace, results added up        tally.rs
+//! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs
+//! ```
+//!
+//! All steps run even after one has failed, the firmware's only if its target is there. The last line of the output
+//! is the sum of the tests. Exit code: that of the first step that failed, 2 for a word it does not know.
+
+mod command;
+
+mod target;
+
+mod tally;
+
+mod firmware;
+
+use std::process::ExitCode;
+
+use command::Failure;
+
+const USAGE: &str = "usage: cargo xtask test    install what is missing, run every test, check the firmware's image
+       cargo xtask help    this text";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+        ["test"] => test(),
+        ["help"] => {
+            println!("{USAGE}");
+            ExitCode::SUCCESS
+        }
+        _ => {
+            eprintln!("{USAGE}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Runs all steps, then says what failed, what was skipped, and the sum.
+fn test() -> ExitCode {
+    let target = target::install();
+    let (tally, tests) = tally::test_workspace();
+    let firmware = target.and_then(|()| firmware::check());
+    let failures: Vec<Failure> = [tests, firmware].into_iter().filter_map(Result::err).collect();
+    for failure in &failures {
+        eprintln!("xtask: FAILED: {}", failure.what);
+    }
+    for skipped in &tally.skipped {
+        println!("{skipped}");
+    }
+    println!("{tally}");
+    failures.first().map_or(ExitCode::SUCCESS, |failure| ExitCode::from(failure.code))
+}

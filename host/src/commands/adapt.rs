@@ -1,0 +1,197 @@
+//! `arcfeed adapt`: the feeds a job gives a program, shown and written.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use arcfeed_shared::cut::Rotation;
+use arcfeed_shared::job::{Job, LawKind};
+use arcfeed_shared::nc::modal::Turn;
+use arcfeed_shared::tool::Edge;
+use arcfeed_shared::units::{LengthUnit, Nm};
+use serde::Serialize;
+
+use super::outcome::{Failure, file_failure, load};
+use crate::adapt::{Adapted, PlannedBlock, adapt};
+use crate::program::Program;
+
+/// Rewrite a program's feeds as its job says: per block the programmed feed, the law, the factor, the reason
+#[derive(Debug, clap::Args)]
+pub struct Adapt {
+    /// The job file
+    job: PathBuf,
+    /// Write the adapted program here
+    #[arg(short, long, value_name = "OUT.nc")]
+    output: Option<PathBuf>,
+    /// Print the lines that change
+    #[arg(long, conflicts_with = "json")]
+    diff: bool,
+    /// Print one JSON object a block with a move, one a line (docs/json.md)
+    #[arg(long)]
+    json: bool,
+}
+
+/// One block with a move, as JSON; feeds per minute and lengths in the job's unit.
+#[derive(Serialize)]
+struct BlockFigures {
+    n: Option<i64>,
+    line: usize,
+    kind: &'static str,
+    direction: Option<&'static str>,
+    rotation: Option<&'static str>,
+    side: Option<&'static str>,
+    law: Option<&'static str>,
+    programmed_feed: Option<f64>,
+    sent_feed: Option<f64>,
+    feed_min: Option<f64>,
+    feed_max: Option<f64>,
+    feed_unit: &'static str,
+    ipt_center_min: Option<f64>,
+    ipt_center_max: Option<f64>,
+    contact_deg_start: Option<f64>,
+    contact_deg_end: Option<f64>,
+    factor_min: Option<f64>,
+    factor_max: Option<f64>,
+    reason: &'static str,
+}
+
+impl Adapt {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// The job or the program is at fault, or the output cannot be written.
+    pub fn run(&self) -> Result<(), Failure> {
+        let (file, program) = load(&self.job)?;
+        let adapted = adapt(&program, &file.job);
+        if self.json {
+            for block in &adapted.blocks {
+                println!("{}", serde_json::json!(BlockFigures::new(block, &file.job)));
+            }
+        } else if self.diff {
+            print_diff(&program, &adapted);
+        } else if self.output.is_none() {
+            print_table(&adapted, &file.job);
+        }
+        let Some(output) = &self.output else { return Ok(()) };
+        write_whole(output, &adapted.text).map_err(|error| file_failure(output, &error))
+    }
+}
+
+/// Writes a file so that either all of it is there or nothing has changed.
+fn write_whole(path: &Path, text: &[u8]) -> std::io::Result<()> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".part");
+    let part = path.with_file_name(name);
+    let mut file = std::fs::File::create(&part)?;
+    file.write_all(text)?;
+    file.sync_all()?;
+    std::fs::rename(&part, path)
+}
+
+fn print_diff(program: &Program, adapted: &Adapted) {
+    let new_lines = adapted.text.split(|&byte| byte == b'\n');
+    for (index, (old, new)) in program.lines.iter().zip(new_lines).enumerate() {
+        let new = new.strip_suffix(b"\r").unwrap_or(new);
+        if old.text != new {
+            let (line, path) = (index + 1, program.path.display());
+            println!("{path}:{line}\n- {}\n+ {}", old.text.escape_ascii(), new.escape_ascii());
+        }
+    }
+}
+
+fn print_table(adapted: &Adapted, job: &Job) {
+    let unit = job.unit.label();
+    println!("   line  N        programmed        sent     wanted {unit}/min     factor          contact  reason");
+    for block in adapted.blocks.iter().filter(|block| block.rule.is_some()) {
+        let figures = BlockFigures::new(block, job);
+        let number = |value: Option<f64>, decimals| value.map_or("-".into(), |value| format!("{value:.decimals$}"));
+        let range = |low, high, decimals| format!("{} .. {}", number(low, decimals), number(high, decimals));
+        println!(
+            "{:>7}  {:<7}{:>12}{:>12}{:>18}{:>15}{:>15}  {}",
+            block.line,
+            block.segment.sequence.map_or("-".into(), |n| format!("N{n}")),
+            number(figures.programmed_feed, 2),
+            number(figures.sent_feed, 2),
+            range(figures.feed_min, figures.feed_max, 1),
+            range(figures.factor_min, figures.factor_max, 2),
+            range(figures.contact_deg_start, figures.contact_deg_end, 1),
+            figures.reason
+        );
+    }
+    let governed = adapted.blocks.iter().filter(|block| block.wish.is_some()).count();
+    let moves = adapted.blocks.len();
+    let limits = &job.limits;
+    println!(
+        "{governed} of {moves} moves are governed by the law; the others keep their own feed. Override {} .. {} %.",
+        limits.min_percent, limits.max_percent
+    );
+}
+
+impl BlockFigures {
+    fn new(block: &PlannedBlock, job: &Job) -> Self {
+        let unit_mm = job.unit.mm();
+        let feed = |feed: Nm| feed.to_mm() / unit_mm;
+        let rule = block.rule.and_then(|index| job.rules.get(index));
+        let wish = block.wish.as_ref();
+        let programmed = block.programmed();
+        let factor = |wanted_mm: f64| programmed.map(|feed| wanted_mm / feed.to_mm());
+        BlockFigures {
+            n: block.segment.sequence,
+            line: block.line,
+            kind: block.kind(),
+            direction: block.segment.arc().map(|arc| direction_word(arc.turn)),
+            rotation: rule.map(|rule| rotation_word(rule.rotation)),
+            side: rule.map(|rule| side_word(rule.edge)),
+            law: rule.map(|_| law_word(job.law)),
+            programmed_feed: programmed.map(feed),
+            sent_feed: block.sent.map(feed),
+            feed_min: wish.map(|wish| wish.feed_min_mm_per_min / unit_mm),
+            feed_max: wish.map(|wish| wish.feed_max_mm_per_min / unit_mm),
+            feed_unit: feed_unit(job.unit),
+            ipt_center_min: wish.map(|wish| wish.ipt_mm_per_tooth[0] / unit_mm),
+            ipt_center_max: wish.map(|wish| wish.ipt_mm_per_tooth[1] / unit_mm),
+            contact_deg_start: wish.map(|wish| wish.contact_deg[0]),
+            contact_deg_end: wish.map(|wish| wish.contact_deg[1]),
+            factor_min: wish.and_then(|wish| factor(wish.feed_min_mm_per_min)),
+            factor_max: wish.and_then(|wish| factor(wish.feed_max_mm_per_min)),
+            reason: block.reason.label(),
+        }
+    }
+}
+
+fn feed_unit(unit: LengthUnit) -> &'static str {
+    match unit {
+        LengthUnit::Inch => "in/min",
+        LengthUnit::Mm => "mm/min",
+    }
+}
+
+/// As in job files.
+pub fn rotation_word(rotation: Rotation) -> &'static str {
+    match rotation {
+        Rotation::Interior => "interior",
+        Rotation::Exterior => "exterior",
+    }
+}
+
+/// As in job files.
+pub fn direction_word(turn: Turn) -> &'static str {
+    match turn {
+        Turn::Cw => "cw",
+        Turn::Ccw => "ccw",
+    }
+}
+
+/// As in job files.
+pub fn side_word(edge: Edge) -> &'static str {
+    match edge {
+        Edge::Outer => "outer",
+        Edge::Inner => "inner",
+    }
+}
+
+fn law_word(law: LawKind) -> &'static str {
+    match law {
+        LawKind::Circumference => "circumference",
+        LawKind::Programmed => "programmed",
+    }
+}

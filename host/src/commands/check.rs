@@ -1,0 +1,152 @@
+//! `arcfeed check`: what a control would say to a program.
+
+use std::path::PathBuf;
+
+use arcfeed_shared::nc::block::{Line, Reading};
+use arcfeed_shared::segment::Path;
+use arcfeed_shared::units::LengthUnit;
+use serde::Serialize;
+
+use super::outcome::{Failure, file_failure};
+use crate::program::{Diagnostic, Program, ProgramLine, Severity};
+
+/// Check an NC program: every alarm with line and column
+#[derive(Debug, clap::Args)]
+pub struct Check {
+    /// The NC program
+    program: PathBuf,
+    /// Report exactly what the control would refuse, also in titles and comments
+    #[arg(long)]
+    strict: bool,
+    /// The control
+    #[arg(long, value_parser = ["fanuc-16i"], default_value = "fanuc-16i")]
+    control: String,
+    /// Print one JSON object (docs/json.md)
+    #[arg(long)]
+    json: bool,
+}
+
+/// What the program holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Counts {
+    /// Lines of the file.
+    pub lines: usize,
+    /// Blocks: lines but `%` and empty ones.
+    pub blocks: usize,
+    /// Blocks of nothing but a comment or a title.
+    pub comments: usize,
+    /// Arcs.
+    pub arcs: usize,
+    /// Straight cutting moves.
+    pub linear: usize,
+    /// Rapid moves.
+    pub rapids: usize,
+    /// Moves, of whatever kind, in which a rotary axis turns.
+    pub rotary: usize,
+}
+
+#[derive(Serialize)]
+struct CheckReport<'a> {
+    program: String,
+    control: &'a str,
+    strict: bool,
+    counts: Counts,
+    errors: Vec<Entry<'a>>,
+    warnings: Vec<Entry<'a>>,
+}
+
+#[derive(Serialize)]
+struct Entry<'a> {
+    line: usize,
+    column: usize,
+    alarm: Option<u16>,
+    message: &'a str,
+    found: &'a str,
+}
+
+impl Check {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// The program has errors, or cannot be read.
+    pub fn run(&self) -> Result<(), Failure> {
+        let reading = if self.strict { Reading::Strict } else { Reading::Lenient };
+        let program = Program::load(&self.program, LengthUnit::Inch, reading)
+            .map_err(|error| file_failure(&self.program, &error))?;
+        let counts = count(&program);
+        if self.json {
+            self.print_json(&program, counts);
+        } else {
+            self.print_text(&program, counts);
+        }
+        let errors = of_severity(&program, Severity::Error).count();
+        if errors == 0 {
+            return Ok(());
+        }
+        let path = self.program.display();
+        Err(Failure::Input(format!("{path}: {errors} errors: the control would stop")))
+    }
+
+    fn print_text(&self, program: &Program, counts: Counts) {
+        let path = self.program.display();
+        for diagnostic in &program.diagnostics {
+            match diagnostic.severity {
+                Severity::Error => eprintln!("{path}:{diagnostic}"),
+                Severity::Warning => println!("{path}:{diagnostic}"),
+            }
+        }
+        let warnings = of_severity(program, Severity::Warning).count();
+        let Counts { lines, blocks, comments, arcs, linear, rapids, rotary } = counts;
+        println!(
+            "{path}: {lines} lines, {blocks} blocks ({comments} of them comments): {arcs} arcs, {linear} straight cutting \
+             moves, {rapids} rapids; a rotary axis turns in {rotary} of them; {warnings} warnings"
+        );
+    }
+
+    fn print_json(&self, program: &Program, counts: Counts) {
+        let entries = |severity| of_severity(program, severity).map(Entry::new).collect();
+        let report = CheckReport {
+            program: self.program.display().to_string(),
+            control: &self.control,
+            strict: self.strict,
+            counts,
+            errors: entries(Severity::Error),
+            warnings: entries(Severity::Warning),
+        };
+        println!("{}", serde_json::json!(report));
+    }
+}
+
+impl<'a> Entry<'a> {
+    fn new(diagnostic: &'a Diagnostic) -> Self {
+        let Diagnostic { line, column, alarm, message, found, .. } = diagnostic;
+        Entry { line: *line, column: *column, alarm: *alarm, message, found }
+    }
+}
+
+fn of_severity(program: &Program, severity: Severity) -> impl Iterator<Item = &Diagnostic> {
+    program.diagnostics.iter().filter(move |diagnostic| diagnostic.severity == severity)
+}
+
+fn count(program: &Program) -> Counts {
+    let mut counts = Counts { lines: program.lines.len(), blocks: program.block_count(), ..Counts::default() };
+    counts.comments = program.lines.iter().filter(|line| line.is_block() && is_comment(line)).count();
+    let segments = program.lines.iter().filter_map(|line| line.meaning.as_ref()?.segment);
+    for segment in segments {
+        match segment.path {
+            Path::Arc(_) => counts.arcs += 1,
+            Path::Line => counts.linear += 1,
+            Path::Rapid => counts.rapids += 1,
+        }
+        counts.rotary += usize::from(segment.turns_rotary_axis());
+    }
+    counts
+}
+
+fn is_comment(line: &ProgramLine) -> bool {
+    match line.meaning.as_ref().map(|meaning| &meaning.parsed.line) {
+        Some(Line::Block(block)) => block.is_empty() && block.program.is_none(),
+        Some(Line::Title) => true,
+        Some(Line::ProgramMark) | None => false,
+    }
+}

@@ -1,0 +1,13 @@
+//! The commands of the program. Each reads its arguments, does its work and says how it ended.
+
+pub mod outcome;
+
+pub mod check;
+
+pub mod adapt;
+
+pub mod simulate;
+
+pub mod stream;
+
+pub mod serve;

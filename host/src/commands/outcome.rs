@@ -1,0 +1,97 @@
+//! How a command ends: the exit code, and one sentence where it failed.
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use arcfeed_shared::nc::block::Reading;
+
+use crate::job::{JobError, JobFile};
+use crate::port::PortError;
+use crate::program::{Program, Severity};
+
+/// Why a command failed.
+#[derive(Debug)]
+pub enum Failure {
+    /// The program or the job is at fault: exit code 1.
+    Input(String),
+    /// The line or the machine is: exit code 3.
+    Machine(String),
+    /// The operator stopped it: exit code 130, as for any program ended by Ctrl-C.
+    Stopped(String),
+}
+
+impl Failure {
+    /// Says it on stderr.
+    pub fn report(self) -> ExitCode {
+        let (message, code) = match self {
+            Failure::Input(message) => (message, 1),
+            Failure::Machine(message) => (message, 3),
+            Failure::Stopped(message) => (message, 130),
+        };
+        eprintln!("{message}");
+        ExitCode::from(code)
+    }
+}
+
+impl From<JobError> for Failure {
+    fn from(error: JobError) -> Self {
+        Failure::Input(format!("{error}"))
+    }
+}
+
+impl From<PortError> for Failure {
+    fn from(error: PortError) -> Self {
+        Failure::Machine(format!("{error}"))
+    }
+}
+
+/// A file could not be read or written.
+pub fn file_failure(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::Input(format!("{}: {error}", path.display()))
+}
+
+/// A job and its program, both without errors.
+///
+/// # Errors
+/// Every error of the program, one a line.
+pub fn load(job: &Path) -> Result<(JobFile, Program), Failure> {
+    let file = JobFile::load(job)?;
+    let program = Program::load(&file.program, file.job.unit, Reading::Lenient)
+        .map_err(|error| file_failure(&file.program, &error))?;
+    let mut errors: Vec<String> = program
+        .diagnostics
+        .iter()
+        .filter(|diagnostic| diagnostic.severity == Severity::Error)
+        .map(|diagnostic| format!("{}:{diagnostic}", program.path.display()))
+        .collect();
+    errors.extend(spindle_contradictions(&file, &program));
+    if errors.is_empty() { Ok((file, program)) } else { Err(Failure::Input(errors.join("\n"))) }
+}
+
+/// The chip is as thick as feed over speed: a program that turns the spindle at another speed than the job says would
+/// be adapted wrongly.
+fn spindle_contradictions(file: &JobFile, program: &Program) -> Vec<String> {
+    let wanted = f64::from(file.job.spindle.0);
+    let spindles = program.lines.iter().enumerate().filter_map(|(index, line)| {
+        let (speed, column) = line.meaning.as_ref()?.step.spindle?;
+        Some((index + 1, speed, column))
+    });
+    spindles
+        .filter(|(_, speed, _)| *speed != 0 && *speed as f64 != wanted)
+        .map(|(line, speed, column)| {
+            let path = program.path.display();
+            format!("{path}:{line}:{column}: error: S{speed} contradicts [spindle] rev_per_min = {wanted} of the job")
+        })
+        .collect()
+}
+
+/// A flag that Ctrl-C (or a request to terminate) raises.
+pub fn on_interrupt() -> Arc<AtomicBool> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let raised = Arc::clone(&flag);
+    // Only fails where a handler is already set; then that one stays in charge.
+    let _already_set = ctrlc::set_handler(move || raised.store(true, Ordering::Relaxed));
+    flag
+}

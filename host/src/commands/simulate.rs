@@ -1,0 +1,159 @@
+//! `arcfeed simulate`: the program before and after, on the machine in software, as fast as it goes.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use arcfeed_hil_sim::control::ControlSettings;
+use arcfeed_hil_sim::control::dnc_port::LineSettings;
+use arcfeed_hil_sim::cutting::meter::ArcChips;
+use arcfeed_hil_sim::faults::ControllerFault;
+use arcfeed_hil_sim::rig::{ArcOverride, Rig};
+use arcfeed_shared::job::Job;
+use arcfeed_shared::report::{ChipFigures, LeftOut};
+use arcfeed_shared::units::Micros;
+
+use super::adapt::{direction_word, rotation_word, side_word};
+use super::outcome::{Failure, load};
+use crate::adapt::adapt;
+use crate::job::{JobFile, SerialSettings};
+use crate::program::Program;
+use crate::report::figures::{AlarmFigures, IptFigures, MovementFigures, OverrideFigures, RunReport};
+use crate::report::summary::Summary;
+
+/// Longest simulated run: a program that takes longer is stuck.
+const RUN_MAX: Micros = Micros::from_ms(24 * 3_600 * 1_000);
+
+/// Run a job on the simulated machine, before and after, as fast as it goes
+#[derive(Debug, clap::Args)]
+pub struct Simulate {
+    /// The job file
+    job: PathBuf,
+    /// Print one JSON object (docs/json.md)
+    #[arg(long)]
+    json: bool,
+}
+
+impl Simulate {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// The job or the program is at fault, or the simulated control raised an alarm.
+    pub fn run(&self) -> Result<(), Failure> {
+        let (file, program) = load(&self.job)?;
+        let started = Instant::now();
+        let rig = run_in_memory(&file, &adapt(&program, &file.job).text, ControllerFault::None)?;
+        let mut report = measure(&rig, &file.job);
+        report.real_time_factor = Some(rig.now().to_s() / started.elapsed().as_secs_f64());
+        add_baseline(&mut report, &file, &program)?;
+        let title = format!("{}: simulated", file.program.display());
+        finish(&report, self.json, title)
+    }
+}
+
+/// Prints a report and says how the run ended.
+///
+/// # Errors
+/// The control raised an alarm.
+pub fn finish(report: &RunReport, json: bool, title: String) -> Result<(), Failure> {
+    if json {
+        println!("{}", serde_json::json!(report));
+    } else {
+        print!("{}", Summary { title, report });
+    }
+    match report.alarms.first() {
+        None => Ok(()),
+        Some(alarm) => Err(Failure::Machine(format!("the control stopped at line {}: {}", alarm.line, alarm.message))),
+    }
+}
+
+/// The settings of the job's control on the job's line.
+pub fn control_settings(file: &JobFile) -> ControlSettings {
+    let SerialSettings { baudrate, .. } = file.serial;
+    let line = LineSettings { baudrate, bits_per_char: file.serial.bits_per_char(), ..LineSettings::default() };
+    ControlSettings { line, ..ControlSettings::fanuc_16i(file.job.unit) }
+}
+
+/// Runs a program from the control's memory to its end.
+///
+/// # Errors
+/// The run never ends.
+pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Rig, Failure> {
+    // A last line without its end would never be a block.
+    let program = [program, b"\n"].concat();
+    let mut rig = Rig::from_memory(control_settings(file), &program, &file.job, fault)
+        .map_err(|error| Failure::Input(format!("override limits: {error:?}")))?;
+    while !rig.is_done() {
+        rig.step();
+        if rig.now() > RUN_MAX {
+            return Err(Failure::Machine("the program still runs after 24 hours of machine time".into()));
+        }
+    }
+    Ok(rig)
+}
+
+/// Runs the program as it was, without arcfeed, and adds its figures.
+///
+/// # Errors
+/// The run never ends.
+pub fn add_baseline(report: &mut RunReport, file: &JobFile, program: &Program) -> Result<(), Failure> {
+    let rig = run_in_memory(file, &program.bytes(), ControllerFault::LawOff)?;
+    let baseline = measure(&rig, &file.job);
+    report.baseline_cycle_time_s = baseline.cycle_time_s;
+    report.baseline_ipt_circumference = baseline.ipt_circumference;
+    for (movement, before) in report.movements.iter_mut().zip(baseline.movements) {
+        movement.baseline_ipt = before.ipt;
+    }
+    Ok(())
+}
+
+/// The figures of what the rig executed so far.
+pub fn measure(rig: &Rig, job: &Job) -> RunReport {
+    let arcs: Vec<(&ArcChips, &ArcOverride)> = rig.meter().arcs().iter().zip(rig.overrides()).collect();
+    let movements = (0..job.rules.len()).map(|rule| movement(job, rule, &arcs)).collect();
+    let alarm = rig.control().alarm().map(|alarm| AlarmFigures::new(alarm.line, alarm.fault.column, alarm.fault.cause));
+    RunReport {
+        unit: job.unit.label(),
+        blocks_executed: Some(rig.control().executed().len()),
+        alarms: alarm.into_iter().collect(),
+        cycle_time_s: Some(rig.cycle_time().to_s()),
+        ipt_circumference: ipt(job, arcs.iter().map(|(chips, _)| *chips)),
+        r#override: overrides(arcs.iter().map(|(_, figures)| *figures)),
+        movements,
+        ..RunReport::default()
+    }
+}
+
+fn movement(job: &Job, rule: usize, arcs: &[(&ArcChips, &ArcOverride)]) -> MovementFigures {
+    let of_rule = || arcs.iter().filter(move |(chips, _)| chips.rule == rule);
+    let thickest = |circle: usize| {
+        let ratios = of_rule().filter(|(chips, _)| chips.thickest[circle].samples > 0);
+        ratios.map(|(chips, _)| chips.thickest[circle].max_ratio).reduce(f64::max)
+    };
+    let cut = &job.rules[rule];
+    MovementFigures {
+        rule: rule + 1,
+        rotation: rotation_word(cut.rotation),
+        direction: direction_word(cut.turn),
+        side: side_word(cut.edge),
+        arcs: of_rule().count(),
+        ipt: ipt(job, of_rule().map(|(chips, _)| *chips)),
+        baseline_ipt: None,
+        thickest_ratio: [thickest(0), thickest(1)],
+        r#override: overrides(of_rule().map(|(_, figures)| *figures)),
+        changes_per_arc: of_rule().map(|(_, figures)| figures.changes).collect(),
+    }
+}
+
+fn ipt<'a>(job: &Job, arcs: impl Iterator<Item = &'a ArcChips>) -> Option<IptFigures> {
+    let (mut figures, mut left_out) = (ChipFigures::default(), LeftOut::default());
+    for arc in arcs {
+        figures.merge(&arc.contact);
+        left_out.merge(&arc.left_out);
+    }
+    IptFigures::new(&figures, &left_out, f64::from(job.feed_per_tooth.0), job.unit)
+}
+
+fn overrides<'a>(arcs: impl Iterator<Item = &'a ArcOverride>) -> Option<OverrideFigures> {
+    let figures = arcs.map(|arc| OverrideFigures { min: arc.min_percent, max: arc.max_percent, changes: arc.changes });
+    figures.reduce(OverrideFigures::join)
+}

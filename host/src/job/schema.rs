@@ -1,0 +1,211 @@
+//! The shape of `JOB.toml`, as serde sees it. Values are checked in the module above.
+
+use arcfeed_shared::units::LengthUnit;
+use serde::Deserialize;
+use serde::de::{Deserializer, Error};
+use toml::Spanned;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JobTable {
+    pub units: UnitWord,
+    pub program: Spanned<String>,
+    pub tool: ToolTable,
+    pub spindle: SpindleTable,
+    pub law: LawTable,
+    #[serde(default)]
+    pub r#override: OverrideTable,
+    #[serde(default)]
+    pub cut: Vec<Spanned<CutTable>>,
+    #[serde(default)]
+    pub control: ControlTable,
+    #[serde(default)]
+    pub serial: SerialTable,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum UnitWord {
+    Inch,
+    Mm,
+}
+
+impl From<UnitWord> for LengthUnit {
+    fn from(word: UnitWord) -> Self {
+        match word {
+            UnitWord::Inch => LengthUnit::Inch,
+            UnitWord::Mm => LengthUnit::Mm,
+        }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ToolTable {
+    pub kind: Spanned<String>,
+    pub outer_radius: Spanned<Quantity>,
+    pub inner_radius: Spanned<Quantity>,
+    pub active_teeth: Spanned<u16>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpindleTable {
+    pub rev_per_min: Spanned<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LawTable {
+    pub kind: Spanned<String>,
+    pub feed_per_tooth: Spanned<Quantity>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct OverrideTable {
+    pub mode: Spanned<String>,
+    pub min: Spanned<u8>,
+    pub max: Spanned<u8>,
+    pub step: Spanned<u8>,
+    pub slew_up: Spanned<f32>,
+    pub slew_down: Spanned<f32>,
+}
+
+impl Default for OverrideTable {
+    fn default() -> Self {
+        let limits = arcfeed_shared::job::OverrideLimits::default();
+        OverrideTable {
+            mode: unplaced("safe-base".into()),
+            min: unplaced(limits.min_percent),
+            max: unplaced(limits.max_percent),
+            step: unplaced(limits.step_percent),
+            slew_up: unplaced(limits.slew_up_percent_per_s),
+            slew_down: unplaced(limits.slew_down_percent_per_s),
+        }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CutTable {
+    pub rotation: RotationWord,
+    pub direction: DirectionWord,
+    pub side: SideWord,
+    pub stock: Spanned<StockTable>,
+    pub n: Option<Spanned<[i64; 2]>>,
+    pub z: Option<Spanned<[Quantity; 2]>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RotationWord {
+    Interior,
+    Exterior,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DirectionWord {
+    Cw,
+    Ccw,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SideWord {
+    Outer,
+    Inner,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StockTable {
+    pub normal_deg: Option<f64>,
+    pub offset: Option<Quantity>,
+    pub from: Option<[Quantity; 2]>,
+    pub to: Option<[Quantity; 2]>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ControlTable {
+    pub preset: Spanned<String>,
+}
+
+impl Default for ControlTable {
+    fn default() -> Self {
+        ControlTable { preset: unplaced("fanuc-16i".into()) }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SerialTable {
+    pub baudrate: Spanned<u32>,
+    pub bytesize: Spanned<u8>,
+    pub parity: Spanned<String>,
+    pub stopbits: Spanned<u8>,
+    pub xonxoff: bool,
+}
+
+impl Default for SerialTable {
+    /// pyserial's defaults.
+    fn default() -> Self {
+        SerialTable {
+            baudrate: unplaced(9_600),
+            bytesize: unplaced(8),
+            parity: unplaced("N".into()),
+            stopbits: unplaced(1),
+            xonxoff: false,
+        }
+    }
+}
+
+/// A length: a number in the file's units, or a string that names its own (`"0.004 in"`, `"0.1 mm"`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quantity {
+    value: f64,
+    unit: Option<LengthUnit>,
+}
+
+impl Quantity {
+    /// In millimetres, `unit` counting where the quantity names none.
+    pub fn to_mm(self, unit: LengthUnit) -> f64 {
+        self.value * self.unit.unwrap_or(unit).mm()
+    }
+}
+
+impl<'de> Deserialize<'de> for Quantity {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged, expecting = "a length must be a number or a string such as \"0.004 in\" or \"0.1 mm\"")]
+        enum Written {
+            Whole(i64),
+            Decimal(f64),
+            Text(String),
+        }
+        match Written::deserialize(deserializer)? {
+            Written::Whole(value) => Ok(Quantity { value: value as f64, unit: None }),
+            Written::Decimal(value) => Ok(Quantity { value, unit: None }),
+            Written::Text(text) => with_unit(&text).ok_or_else(|| {
+                D::Error::custom(format!("`{text}` is no length; write for example \"0.004 in\" or \"0.1 mm\""))
+            }),
+        }
+    }
+}
+
+fn with_unit(text: &str) -> Option<Quantity> {
+    let (number, unit) = match text.trim() {
+        text if text.ends_with("in") => (text.trim_end_matches("in"), LengthUnit::Inch),
+        text if text.ends_with("mm") => (text.trim_end_matches("mm"), LengthUnit::Mm),
+        _ => return None,
+    };
+    let value = number.trim().parse().ok()?;
+    Some(Quantity { value, unit: Some(unit) })
+}
+
+/// A default has no place in the file: complaints about it point at the file's start.
+fn unplaced<T>(value: T) -> Spanned<T> {
+    Spanned::new(0..0, value)
+}

@@ -1,0 +1,18 @@
+//! The desk's side of arcfeed: read a program and a job, plan feeds, send, report.
+//!
+//! Modules stand in the order in which data flows; a module imports only from those above it. Only
+//! [`commands`] knows the simulator.
+
+pub mod program;
+
+pub mod job;
+
+pub mod adapt;
+
+pub mod port;
+
+pub mod dnc;
+
+pub mod report;
+
+pub mod commands;

@@ -1,0 +1,40 @@
+//! arcfeed: constant chip load on circular moves, from the NC program to the override of the control.
+
+use std::process::ExitCode;
+
+use arcfeed::commands::{adapt::Adapt, check::Check, serve::Serve, simulate::Simulate, stream::Stream};
+use clap::{Parser, Subcommand};
+
+/// Constant chip load on circular moves, from the NC program to the override of the control
+///
+/// Exit codes: 0 done; 1 the program or the job is at fault; 2 usage; 3 the line or the machine failed; 130 stopped by
+/// the operator.
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Check(Check),
+    Adapt(Adapt),
+    Stream(Stream),
+    Simulate(Simulate),
+    Serve(Serve),
+}
+
+fn main() -> ExitCode {
+    let ended = match Arguments::parse().command {
+        Command::Check(command) => command.run(),
+        Command::Adapt(command) => command.run(),
+        Command::Stream(command) => command.run(),
+        Command::Simulate(command) => command.run(),
+        Command::Serve(command) => command.run(),
+    };
+    match ended {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,80 @@
+//! A native serial port, by its name: raw bytes, the operating system's own flow control off.
+
+use std::io::{ErrorKind, Read, Write};
+use std::time::{Duration, Instant};
+
+use arcfeed_shared::units::Micros;
+use serialport::{ClearBuffer, DataBits, FlowControl, SerialPort, StopBits};
+
+use super::{Port, PortError};
+use crate::job::{Parity, SerialSettings};
+
+/// Longest time a write may take before the line counts as stuck.
+const WRITE_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// An open serial port.
+pub struct Serial {
+    name: String,
+    port: Box<dyn SerialPort>,
+    opened: Instant,
+}
+
+impl Serial {
+    /// Opens a port.
+    ///
+    /// # Errors
+    /// It is not there, or somebody else's.
+    pub fn open(name: &str, settings: &SerialSettings) -> Result<Self, PortError> {
+        let builder = serialport::new(name, settings.baudrate)
+            .data_bits(match settings.bytesize {
+                5 => DataBits::Five,
+                6 => DataBits::Six,
+                7 => DataBits::Seven,
+                _ => DataBits::Eight,
+            })
+            .parity(match settings.parity {
+                Parity::None => serialport::Parity::None,
+                Parity::Even => serialport::Parity::Even,
+                Parity::Odd => serialport::Parity::Odd,
+            })
+            .stop_bits(if settings.stopbits == 2 { StopBits::Two } else { StopBits::One })
+            .flow_control(FlowControl::None)
+            .timeout(WRITE_TIMEOUT);
+        let failed = |source: std::io::Error| PortError { name: name.into(), source };
+        let port = builder.open().map_err(|error| failed(error.into()))?;
+        port.clear(ClearBuffer::Output).map_err(|error| failed(error.into()))?;
+        Ok(Serial { name: name.into(), port, opened: Instant::now() })
+    }
+
+    fn failed(&self, source: std::io::Error) -> PortError {
+        PortError { name: self.name.clone(), source }
+    }
+}
+
+impl Port for Serial {
+    fn now(&self) -> Micros {
+        Micros(u64::try_from(self.opened.elapsed().as_micros()).unwrap_or(u64::MAX))
+    }
+
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {
+        // Without bytes waiting a read would block for the write's time-out.
+        let waiting = self.port.bytes_to_read().map_err(|error| self.failed(error.into()))?;
+        if waiting == 0 {
+            return Ok(0);
+        }
+        match self.port.read(buffer) {
+            Ok(0) => Err(self.failed(ErrorKind::UnexpectedEof.into())),
+            Ok(len) => Ok(len),
+            Err(error) if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => Ok(0),
+            Err(error) => Err(self.failed(error)),
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), PortError> {
+        self.port.write_all(bytes).map_err(|error| self.failed(error))
+    }
+
+    fn wait(&mut self, deadline: Micros) {
+        std::thread::sleep(Duration::from_micros(deadline.since(self.now()).0));
+    }
+}

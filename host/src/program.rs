@@ -1,0 +1,238 @@
+//! An NC program as a file: every line with its bytes, its meaning and its place.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use arcfeed_shared::nc::alarm::{Alarm, Cause, Fault};
+use arcfeed_shared::nc::block::{Line, Notice, NoticeKind, Reading};
+use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::units::LengthUnit;
+
+/// A program, read whole.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// Where it came from.
+    pub path: PathBuf,
+    /// Its lines in order.
+    pub lines: Vec<ProgramLine>,
+    /// What is wrong with it, in order of place.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// One line.
+#[derive(Clone, Debug)]
+pub struct ProgramLine {
+    /// Its bytes, without line end.
+    pub text: Vec<u8>,
+    /// Its line end as found: LF, CR LF or nothing at the end of the file.
+    pub ending: Vec<u8>,
+    /// Its meaning; `None` if a control would stop here.
+    pub meaning: Option<Understood>,
+}
+
+/// Something to tell about a place in the program.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// Whether the program can run all the same.
+    pub severity: Severity,
+    /// Line, counted from 1.
+    pub line: usize,
+    /// Column, counted from 1.
+    pub column: usize,
+    /// The control's alarm number, if it is one.
+    pub alarm: Option<u16>,
+    /// What it is and what to do.
+    pub message: String,
+    /// What stands there.
+    pub found: String,
+}
+
+/// How bad a [`Diagnostic`] is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// The program cannot run.
+    Error,
+    /// It can; a stricter control might refuse.
+    Warning,
+}
+
+impl ProgramLine {
+    /// Whether the control counts it as a block: anything but `%` and an empty line.
+    pub fn is_block(&self) -> bool {
+        let is_mark = self.meaning.as_ref().is_some_and(|meaning| meaning.parsed.line == Line::ProgramMark);
+        !self.text.is_empty() && !is_mark
+    }
+}
+
+impl Program {
+    /// Reads a program file.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn load(path: &Path, unit: LengthUnit, reading: Reading) -> std::io::Result<Self> {
+        Ok(Program::parse(path, &std::fs::read(path)?, unit, reading))
+    }
+
+    /// Reads a program from bytes.
+    pub fn parse(path: &Path, bytes: &[u8], unit: LengthUnit, reading: Reading) -> Self {
+        let mut reader = Reader::new(unit, reading);
+        let mut program = Program { path: path.to_owned(), lines: Vec::new(), diagnostics: Vec::new() };
+        for raw in bytes.split_inclusive(|&byte| byte == b'\n') {
+            let (text, ending) = split_ending(raw);
+            let line = program.lines.len() + 1;
+            let meaning = match reader.read(text) {
+                Ok(understood) => {
+                    program.note(line, text, &understood, reading);
+                    Some(understood)
+                }
+                Err(fault) => {
+                    program.diagnostics.push(Diagnostic::of_fault(line, text, fault));
+                    None
+                }
+            };
+            program.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning });
+        }
+        program
+    }
+
+    /// The program's bytes.
+    pub fn bytes(&self) -> Vec<u8> {
+        self.lines.iter().flat_map(|line| line.text.iter().chain(&line.ending)).copied().collect()
+    }
+
+    /// Blocks in it.
+    pub fn block_count(&self) -> usize {
+        self.lines.iter().filter(|line| line.is_block()).count()
+    }
+
+    /// Whether a control would stop somewhere.
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+    }
+
+    fn note(&mut self, line: usize, text: &[u8], understood: &Understood, reading: Reading) {
+        for notice in &understood.parsed.notices {
+            self.diagnostics.push(Diagnostic::of_notice(line, text, *notice));
+        }
+        if understood.lacks_feed() {
+            let mut diagnostic = Diagnostic::of_fault(line, text, Fault::alarm(Alarm::NoFeed, 0));
+            if reading == Reading::Lenient {
+                diagnostic.severity = Severity::Warning;
+                diagnostic.message = "no F before this cutting move: a control fresh from power-on raises PS0011; \
+                                      one that remembers a feed moves with that"
+                    .into();
+            }
+            self.diagnostics.push(diagnostic);
+        }
+    }
+}
+
+impl Diagnostic {
+    fn of_fault(line: usize, text: &[u8], fault: Fault) -> Self {
+        let alarm = match fault.cause {
+            Cause::Alarm(alarm) => Some(alarm.number()),
+            Cause::NotModelled(_) => None,
+        };
+        let message = match fault.cause {
+            Cause::Alarm(alarm) => alarm.explanation().to_string(),
+            cause @ Cause::NotModelled(_) => cause.to_string(),
+        };
+        let column = usize::from(fault.column).max(1);
+        let whole_block = fault.column == 0;
+        let found = if whole_block { printable(text) } else { printable(word_at(text, column)) };
+        Diagnostic { severity: Severity::Error, line, column, alarm, message, found }
+    }
+
+    fn of_notice(line: usize, text: &[u8], notice: Notice) -> Self {
+        let column = usize::from(notice.column);
+        let (alarm, message, found) = match notice.kind {
+            NoticeKind::Title => (
+                Some(Alarm::NoDataAfterAddress.number()),
+                "a title where a program number belongs: a control that takes this line as a block refuses it",
+                printable(text),
+            ),
+            NoticeKind::CommentCharacter(byte) => (
+                Some(Alarm::Character.number()),
+                "a character in a comment that the control's code does not have: some controls refuse it",
+                printable(&[byte]),
+            ),
+            NoticeKind::UnclosedComment => (None, "a comment without ')': it ends with its line", printable(text)),
+        };
+        Diagnostic { severity: Severity::Warning, line, column, alarm, message: message.into(), found }
+    }
+}
+
+impl fmt::Display for Diagnostic {
+    /// `line:column: error PS0020: message (found `X1.`)`
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let severity = match self.severity {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+        };
+        write!(f, "{}:{}: {severity}", self.line, self.column)?;
+        if let Some(alarm) = self.alarm {
+            write!(f, " PS{alarm:04}")?;
+        }
+        write!(f, ": {} (found `{}`)", self.message, self.found)
+    }
+}
+
+/// Splits a line from its end.
+fn split_ending(raw: &[u8]) -> (&[u8], &[u8]) {
+    let len = match raw {
+        [.., b'\r', b'\n'] => raw.len() - 2,
+        [.., b'\n'] => raw.len() - 1,
+        _ => raw.len(),
+    };
+    raw.split_at(len)
+}
+
+/// From `column` (counted from 1) to before the next address letter; at most a handful of bytes.
+fn word_at(text: &[u8], column: usize) -> &[u8] {
+    let rest = text.get(column - 1..).unwrap_or_default();
+    let end = rest.iter().skip(1).position(u8::is_ascii_uppercase).map_or(rest.len(), |at| at + 1);
+    &rest[..end.min(16)]
+}
+
+fn printable(text: &[u8]) -> String {
+    text.escape_ascii().to_string().replace("\\'", "'").replace("\\\"", "\"")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str, reading: Reading) -> Program {
+        Program::parse(Path::new("test.nc"), text.as_bytes(), LengthUnit::Inch, reading)
+    }
+
+    #[test]
+    fn every_byte_of_the_file_is_kept() {
+        for text in ["%\nN1G0X1.\r\n(A)\n\n%", "", "\n", "G0X1.\n"] {
+            assert_eq!(parse(text, Reading::Lenient).bytes(), text.as_bytes());
+        }
+    }
+
+    #[test]
+    fn all_errors_are_found_in_one_pass_each_in_its_place() {
+        let program = parse("G1X1.F5.\nG14\nX2.\nG2X1.\nY1..\n", Reading::Lenient);
+        let places: Vec<_> = program.diagnostics.iter().map(|found| (found.line, found.column, found.alarm)).collect();
+        assert_eq!(places, [(2, 1, Some(10)), (4, 1, Some(22)), (5, 4, Some(7))]);
+    }
+
+    #[test]
+    fn a_diagnostic_reads_like_a_compilers() {
+        let program = parse("N5G1X-1.O5Y1.F1.\n", Reading::Lenient);
+        let text = program.diagnostics[0].to_string();
+        assert!(text.starts_with("1:9: error PS0009: "), "{text}");
+        assert!(text.ends_with("(found `O5`)"), "{text}");
+    }
+
+    #[test]
+    fn a_missing_feed_is_a_warning_or_an_alarm() {
+        let severity = |reading| parse("G1X1.\n", reading).diagnostics[0].severity;
+        assert_eq!(severity(Reading::Lenient), Severity::Warning);
+        assert_eq!(severity(Reading::Strict), Severity::Error);
+    }
+}

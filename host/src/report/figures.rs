@@ -1,0 +1,180 @@
+//! The figures of a run. Field names are the JSON of docs/json.md; lengths in the job's unit, as `unit` says.
+
+use arcfeed_shared::nc::alarm::Cause;
+use arcfeed_shared::report::{ChipFigures, LeftOut};
+use arcfeed_shared::units::LengthUnit;
+use serde::Serialize;
+
+/// A run of `stream`, `simulate` or `serve`. What does not apply is null.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct RunReport {
+    /// Unit of lengths: `in` or `mm`.
+    pub unit: &'static str,
+    /// Blocks whose line end was sent.
+    pub blocks_sent: Option<usize>,
+    /// Blocks the control executed.
+    pub blocks_executed: Option<usize>,
+    /// What stopped the control.
+    pub alarms: Vec<AlarmFigures>,
+    /// From the first move to the program's end.
+    pub cycle_time_s: Option<f64>,
+    /// The same for the program as it was, without arcfeed.
+    pub baseline_cycle_time_s: Option<f64>,
+    /// Measured chip load.
+    pub ipt_circumference: Option<IptFigures>,
+    /// Measured chip load of the program as it was.
+    pub baseline_ipt_circumference: Option<IptFigures>,
+    /// What the override did on the arcs that a cut rule speaks of.
+    pub r#override: Option<OverrideFigures>,
+    /// The same, cut rule by cut rule.
+    pub movements: Vec<MovementFigures>,
+    /// The serial line.
+    pub link: Option<LinkFigures>,
+    /// Simulated time over wall time.
+    pub real_time_factor: Option<f64>,
+}
+
+/// An alarm of the control.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct AlarmFigures {
+    /// Line of the program as sent.
+    pub line: u32,
+    /// Column, if it is known.
+    pub column: Option<u16>,
+    /// PS number, if it is an alarm of the control's.
+    pub alarm: Option<u16>,
+    /// What it means.
+    pub message: String,
+}
+
+impl AlarmFigures {
+    /// The figures of a fault at a line.
+    pub fn new(line: u32, column: u16, cause: Cause) -> Self {
+        let alarm = match cause {
+            Cause::Alarm(alarm) => Some(alarm.number()),
+            Cause::NotModelled(_) => None,
+        };
+        AlarmFigures { line, column: (column > 0).then_some(column), alarm, message: cause.to_string() }
+    }
+}
+
+/// Feed per tooth on the circumference, measured in the machine model at the contact.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct IptFigures {
+    /// Wanted.
+    pub target: f64,
+    /// Least measured.
+    pub min: f64,
+    /// Largest measured.
+    pub max: f64,
+    /// Root mean square of (measured - target) / target.
+    pub rms_error_ratio: f64,
+    /// Least of (measured - target) / target.
+    pub error_ratio_min: f64,
+    /// Largest of it.
+    pub error_ratio_max: f64,
+    /// Samples measured.
+    pub samples: u64,
+    /// Samples that do not count.
+    pub samples_left_out: u64,
+    /// Those, by cause.
+    pub left_out: LeftOutFigures,
+}
+
+/// Samples that do not count, by cause.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct LeftOutFigures {
+    /// Not within 0.5 % of the commanded feed throughout the tooth's cut: speeding up or slowing down.
+    pub not_steady: u64,
+    /// The block ended within the tooth's cut.
+    pub block_end: u64,
+    /// No admissible contact with the stock line.
+    pub no_contact: u64,
+}
+
+impl IptFigures {
+    /// The figures of what was measured; `None` if nothing was.
+    pub fn new(figures: &ChipFigures, left_out: &LeftOut, target_mm: f64, unit: LengthUnit) -> Option<Self> {
+        let (error_ratio_min, error_ratio_max) = figures.error_ratio_range()?;
+        let target = target_mm / unit.mm();
+        Some(IptFigures {
+            target,
+            min: target * figures.min_ratio,
+            max: target * figures.max_ratio,
+            rms_error_ratio: figures.rms_error_ratio()?,
+            error_ratio_min,
+            error_ratio_max,
+            samples: figures.samples,
+            samples_left_out: left_out.total(),
+            left_out: LeftOutFigures {
+                not_steady: left_out.not_steady,
+                block_end: left_out.block_end,
+                no_contact: left_out.no_contact,
+            },
+        })
+    }
+}
+
+/// What the override did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct OverrideFigures {
+    /// Least, %.
+    pub min: u8,
+    /// Largest, %.
+    pub max: u8,
+    /// Changes in all.
+    pub changes: u32,
+}
+
+impl OverrideFigures {
+    /// The figures of several arcs together.
+    pub fn join(self, other: Self) -> Self {
+        OverrideFigures {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+            changes: self.changes + other.changes,
+        }
+    }
+}
+
+/// All arcs that one cut rule speaks of.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MovementFigures {
+    /// The rule, counted from 1 in the order of the job file.
+    pub rule: usize,
+    /// `interior` or `exterior`.
+    pub rotation: &'static str,
+    /// `cw` or `ccw`.
+    pub direction: &'static str,
+    /// `outer` or `inner`.
+    pub side: &'static str,
+    /// Arcs executed.
+    pub arcs: usize,
+    /// Measured chip load at the contact.
+    pub ipt: Option<IptFigures>,
+    /// The same of the program as it was.
+    pub baseline_ipt: Option<IptFigures>,
+    /// Thickest chip anywhere on the outer and on the inner circle inside the rule's half plane, over the target.
+    pub thickest_ratio: [Option<f64>; 2],
+    /// What the override did.
+    pub r#override: Option<OverrideFigures>,
+    /// Changes of the override on each arc, in order of execution.
+    pub changes_per_arc: Vec<u32>,
+}
+
+/// The serial line during a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LinkFigures {
+    /// Characters that went over it.
+    pub bytes: u64,
+    /// Time it was busy over the time of the run.
+    pub utilization: f64,
+    /// Times the control sent DC3.
+    pub xoff_count: u32,
+    /// Most characters after a DC3, where the receiving end is ours.
+    pub max_bytes_after_xoff: Option<u32>,
+    /// Time the control had nothing to execute, where it is ours.
+    pub starved_ms: Option<u64>,
+    /// Repeated transmissions; a plain DNC line knows none.
+    pub retries: u32,
+}

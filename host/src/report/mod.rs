@@ -1,0 +1,5 @@
+//! What a run gave: the figures as data (and JSON), and as a summary for a person.
+
+pub mod figures;
+
+pub mod summary;

@@ -1,0 +1,111 @@
+//! The figures as a summary that a shop engineer reads without a manual.
+
+use std::fmt::{self, Write};
+
+use super::figures::{IptFigures, MovementFigures, RunReport};
+
+/// Prints as several lines, each ended.
+#[derive(Debug)]
+pub struct Summary<'a> {
+    /// What was run, for the headline.
+    pub title: String,
+    /// Its figures.
+    pub report: &'a RunReport,
+}
+
+impl fmt::Display for Summary<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let report = self.report;
+        writeln!(f, "{}", self.title)?;
+        write_blocks(f, report)?;
+        write_times(f, report)?;
+        if let Some(ipt) = &report.ipt_circumference {
+            write_chips(f, report, ipt)?;
+        }
+        if let Some(link) = &report.link {
+            write!(f, "  line: {} characters, busy {:.0} % of the time", link.bytes, 1e2 * link.utilization)?;
+            write!(f, ", stopped by the control {} times", link.xoff_count)?;
+            if let Some(after) = link.max_bytes_after_xoff {
+                write!(f, ", at most {after} characters after XOFF")?;
+            }
+            match link.starved_ms {
+                Some(0) => writeln!(f, ", control never starved")?,
+                Some(ms) => writeln!(f, ", control starved for {ms} ms")?,
+                None => writeln!(f)?,
+            }
+        }
+        for alarm in &report.alarms {
+            writeln!(f, "  ALARM at line {} of the program as sent: {}", alarm.line, alarm.message)?;
+        }
+        Ok(())
+    }
+}
+
+fn write_blocks(f: &mut fmt::Formatter<'_>, report: &RunReport) -> fmt::Result {
+    let mut parts = Vec::new();
+    if let Some(sent) = report.blocks_sent {
+        parts.push(format!("{sent} sent"));
+    }
+    if let Some(executed) = report.blocks_executed {
+        parts.push(format!("{executed} executed"));
+        parts.push(if report.alarms.is_empty() { "no alarm".into() } else { "STOPPED BY AN ALARM".into() });
+    }
+    writeln!(f, "  blocks: {}", parts.join(", "))
+}
+
+fn write_times(f: &mut fmt::Formatter<'_>, report: &RunReport) -> fmt::Result {
+    match (report.baseline_cycle_time_s, report.cycle_time_s) {
+        (Some(before), Some(after)) => {
+            let change = 1e2 * (after / before - 1.0);
+            writeln!(f, "  cycle time: {before:.1} s before, {after:.1} s after ({change:+.0} %)")
+        }
+        (None, Some(after)) => writeln!(f, "  cycle time: {after:.1} s"),
+        _ => Ok(()),
+    }
+}
+
+fn write_chips(f: &mut fmt::Formatter<'_>, report: &RunReport, ipt: &IptFigures) -> fmt::Result {
+    writeln!(
+        f,
+        "  feed per tooth on the circumference, target {:.5} {}, measured on the machine at the contact:",
+        ipt.target, report.unit
+    )?;
+    writeln!(
+        f,
+        "    {:<24}{:>5}  {:<20}{:<20}{:<19}{:<14}changes per arc",
+        "movement", "arcs", "before", "after", "after, error", "override"
+    )?;
+    for movement in &report.movements {
+        write_movement(f, movement)?;
+    }
+    let left_out = &ipt.left_out;
+    writeln!(
+        f,
+        "    {} samples at steady feed; left out: {} speeding up or slowing down, {} at block ends, {} without contact",
+        ipt.samples, left_out.not_steady, left_out.block_end, left_out.no_contact
+    )
+}
+
+fn write_movement(f: &mut fmt::Formatter<'_>, movement: &MovementFigures) -> fmt::Result {
+    let MovementFigures { rule, rotation, direction, side, arcs, .. } = movement;
+    let range = |ipt: &Option<IptFigures>| match ipt {
+        Some(ipt) => format!("{:.5} .. {:.5}", ipt.min, ipt.max),
+        None => "-".into(),
+    };
+    let error = movement
+        .ipt
+        .map_or("-".into(), |ipt| format!("{:+.2} .. {:+.2} %", 1e2 * ipt.error_ratio_min, 1e2 * ipt.error_ratio_max));
+    let bounds = movement.r#override.map_or("-".into(), |figures| format!("{} .. {} %", figures.min, figures.max));
+    let mut changes = String::new();
+    for count in &movement.changes_per_arc {
+        write!(changes, "{count} ")?;
+    }
+    writeln!(
+        f,
+        "    {:<24}{arcs:>5}  {:<20}{:<20}{error:<19}{bounds:<14}{}",
+        format!("{rule} {rotation} {direction} {side}"),
+        range(&movement.baseline_ipt),
+        range(&movement.ipt),
+        changes.trim_end()
+    )
+}

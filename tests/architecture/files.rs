@@ -1,0 +1,64 @@
+//! Sizes of files, and that each file of tests is one that runs.
+
+use std::collections::BTreeSet;
+
+use crate::complaints::assert_none;
+use crate::manifest::{Entry, entries};
+use crate::source::{Source, names, read, root, rust_files_of};
+
+/// Lines of code a file may have, tests apart.
+const LIMIT: usize = 300;
+
+/// Lines that are neither blank, nor comment, nor tests.
+fn lines_of_code(source: &Source) -> usize {
+    source.production().lines().filter(|line| !line.trim().is_empty()).count()
+}
+
+/// Files of the folder of tests that cargo would build if they were declared.
+fn test_files() -> BTreeSet<String> {
+    let not_tests = ["lib.rs", "build.rs"];
+    let mut files = BTreeSet::new();
+    for name in names("tests") {
+        if name.ends_with(".rs") && !not_tests.contains(&name.as_str()) {
+            files.insert(name);
+        } else if name.ends_with('/') && root().join("tests").join(&name).join("main.rs").exists() {
+            files.insert(name + "main.rs");
+        }
+    }
+    files
+}
+
+/// Paths of the `[[test]]` entries of a manifest.
+fn declared_tests(manifest: &str) -> BTreeSet<String> {
+    let paths = entries(manifest).into_iter().filter(|entry| entry.section == "test" && entry.key == "path");
+    paths.map(|entry| entry.value.trim_matches('"').to_owned()).collect()
+}
+
+#[test]
+fn no_file_has_more_than_300_lines_of_code() {
+    let sources = rust_files_of(&["shared/src", "firmware/src", "hil-sim/src", "host/src", "tests"]);
+    let sizes = sources.iter().map(|source| (source.path.as_str(), lines_of_code(source)));
+    let long: Vec<String> =
+        sizes.filter(|(_, lines)| *lines > LIMIT).map(|(path, lines)| format!("{path}: {lines}")).collect();
+    assert_none(&long);
+}
+
+#[test]
+fn every_file_of_tests_is_declared_and_every_declared_one_is_there() {
+    let files = test_files();
+    assert!(files.contains("architecture/main.rs"), "this file itself is not among {files:?}");
+    assert_eq!(declared_tests(&read("tests/Cargo.toml")), files, "[[test]] paths in Cargo.toml, files in tests");
+}
+
+#[test]
+fn no_declared_test_is_switched_off() {
+    let manifest = read("tests/Cargo.toml");
+    let switches = |entry: &Entry<'_>| entry.section == "test" && matches!(entry.key, "test" | "required-features");
+    assert_eq!(entries(&manifest).into_iter().find(switches), None);
+}
+
+#[test]
+fn only_code_is_counted() {
+    let text = "//! Doc.\n\nuse a; // why\n/* b\nc */\nconst D: &str = \"\ne // f\n\";\n#[cfg(test)]\nmod tests {\n}\n";
+    assert_eq!(lines_of_code(&Source::new("x.rs", text)), 4);
+}

@@ -1,0 +1,90 @@
+//! Running other programs in the workspace, and what to say when one fails.
+
+use std::env;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+/// A step that failed.
+#[derive(Debug)]
+pub struct Failure {
+    /// What, and what to do about it.
+    pub what: String,
+    /// The exit code to leave with.
+    pub code: u8,
+}
+
+impl Failure {
+    /// A failure found by xtask itself.
+    pub fn new(what: impl Into<String>) -> Self {
+        Failure { what: what.into(), code: 1 }
+    }
+}
+
+/// Says which step begins.
+pub fn announce(step: &str) {
+    println!("xtask: {step}");
+}
+
+/// The cargo that runs xtask, in the workspace's root.
+pub fn cargo(arguments: &[&str]) -> Command {
+    program(env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo")), arguments)
+}
+
+/// A program in the workspace's root, where the toolchain is pinned.
+pub fn program(name: impl Into<OsString>, arguments: &[&str]) -> Command {
+    let mut command = Command::new(name.into());
+    command.args(arguments).current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).stdin(Stdio::null());
+    command
+}
+
+/// Runs to the end.
+///
+/// # Errors
+/// Not started, or another exit code than 0, which is passed on.
+pub fn run(command: &mut Command) -> Result<(), Failure> {
+    let status = command.status().map_err(|error| not_started(command, &error))?;
+    if status.success() { Ok(()) } else { Err(failed(command, status.code())) }
+}
+
+/// Runs to the end and answers what it printed.
+///
+/// # Errors
+/// As [`run`].
+pub fn output(command: &mut Command) -> Result<String, Failure> {
+    let output = command.stderr(Stdio::inherit()).output().map_err(|error| not_started(command, &error))?;
+    if output.status.success() {
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    } else {
+        Err(failed(command, output.status.code()))
+    }
+}
+
+/// The failure of a program that ended with `code`, or by a signal.
+pub fn failed(command: &Command, code: Option<i32>) -> Failure {
+    let code = code.and_then(|code| u8::try_from(code).ok()).unwrap_or(1);
+    Failure { what: format!("exit code {code} of {}", shown(command)), code }
+}
+
+/// The failure of a program that is not there.
+pub fn not_started(command: &Command, error: &std::io::Error) -> Failure {
+    Failure::new(format!("cannot start {}: {error}", shown(command)))
+}
+
+/// The build directory, whatever it is called: cargo puts xtask two levels below it.
+///
+/// # Errors
+/// The operating system does not know where xtask is.
+pub fn build_dir() -> Result<PathBuf, Failure> {
+    let executable = env::current_exe().map_err(|error| Failure::new(format!("where is xtask? {error}")))?;
+    executable
+        .ancestors()
+        .nth(2)
+        .map(PathBuf::from)
+        .ok_or_else(|| Failure::new(format!("{} is not in a build directory", executable.display())))
+}
+
+fn shown(command: &Command) -> String {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    words.map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,122 @@
+//! The firmware for the chip: it builds, from the crates it may have, and needs nothing but `core`.
+//!
+//! That nothing uses `std` or `alloc` is proven by building against a copy of the target's library folder that holds
+//! `core` and `compiler_builtins` only: an `extern crate alloc` anywhere in the tree, in our crates or in theirs, cannot
+//! be resolved there, and the compiler names the line.
+
+use std::fs;
+use std::path::Path;
+
+use crate::command::{Failure, announce, build_dir, cargo, output, program, run};
+use crate::target::TARGET;
+
+/// What may run on the chip. A crate is added here after a look at it: no heap, no panics on the tick, licence.
+const CRATES: [&str; 8] = [
+    "arcfeed-firmware",
+    "arcfeed-shared",
+    "byteorder",
+    "hash32",
+    "heapless",
+    "libm",
+    "micromath",
+    "stable_deref_trait",
+];
+
+/// The libraries every program has, heap or not.
+const CORE_ONLY: [&str; 2] = ["libcompiler_builtins-", "libcore-"];
+
+const BUILD: [&str; 6] = ["build", "--package", "arcfeed-firmware", "--target", TARGET, "--release"];
+
+/// Builds the firmware and checks what it is made of.
+///
+/// # Errors
+/// The first of these that does not hold.
+pub fn check() -> Result<(), Failure> {
+    announce("firmware for the chip");
+    run(&mut cargo(&BUILD))?;
+    announce("crates of the firmware");
+    check_crates()?;
+    announce("firmware with core alone, neither std nor alloc");
+    build_with_core_alone()
+}
+
+fn check_crates() -> Result<(), Failure> {
+    let tree = ["tree", "--package", CRATES[0], "--target", TARGET, "--edges", "normal", "--prefix", "none"];
+    let listing = output(&mut cargo(&tree))?;
+    let strangers = strangers(&listing);
+    if strangers.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::new(format!("not on the firmware's list of crates (CRATES in xtask): {}", strangers.join(", "))))
+}
+
+/// Crates of a listing by `cargo tree` that may not run on the chip. A listing without the firmware is no listing.
+fn strangers(tree: &str) -> Vec<&str> {
+    let names: Vec<&str> = tree.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    if !names.contains(&CRATES[0]) {
+        return vec!["(an empty tree)"];
+    }
+    names.into_iter().filter(|name| !CRATES.contains(name)).collect()
+}
+
+fn build_with_core_alone() -> Result<(), Failure> {
+    let place = build_dir()?.join("core-alone");
+    let sysroot = place.join("sysroot");
+    copy_core(&sysroot)?;
+    let mut build = cargo(&BUILD);
+    // A build directory of its own, or each build would undo the other's.
+    build.arg("--target-dir").arg(&place);
+    // Encoded: the path may hold blanks.
+    build.env("CARGO_ENCODED_RUSTFLAGS", format!("--sysroot\u{1f}{}", sysroot.display()));
+    run(&mut build).map_err(|failure| Failure {
+        what: format!("the firmware needs more than core, see the error above: {}", failure.what),
+        ..failure
+    })
+}
+
+/// A sysroot with the libraries of [`CORE_ONLY`], anew each time: a new toolchain brings new files.
+fn copy_core(sysroot: &Path) -> Result<(), Failure> {
+    let from = output(&mut program("rustc", &["--print", "target-libdir", "--target", TARGET]))?;
+    let to = sysroot.join("lib/rustlib").join(TARGET).join("lib");
+    let copied = copy_libraries(Path::new(from.trim()), &to)
+        .map_err(|error| Failure::new(format!("copying {} to {}: {error}", from.trim(), to.display())))?;
+    if copied.iter().all(|&count| count > 0) {
+        return Ok(());
+    }
+    Err(Failure::new(format!("no {} in {}", CORE_ONLY.join("* or no "), from.trim())))
+}
+
+/// Files copied of each of [`CORE_ONLY`].
+fn copy_libraries(from: &Path, to: &Path) -> std::io::Result<[usize; CORE_ONLY.len()]> {
+    if to.exists() {
+        fs::remove_dir_all(to)?;
+    }
+    fs::create_dir_all(to)?;
+    let mut copied = [0; CORE_ONLY.len()];
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let library = CORE_ONLY.iter().position(|prefix| name.to_string_lossy().starts_with(prefix));
+        if let Some(library) = library {
+            fs::copy(entry.path(), to.join(&name))?;
+            copied[library] += 1;
+        }
+    }
+    Ok(copied)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crate_that_is_not_listed_is_a_stranger() {
+        let tree = "arcfeed-firmware v0.1.0 (/x)\nlibm v0.2.16\nserde v1.0.0 (*)\n\n";
+        assert_eq!(strangers(tree), ["serde"]);
+    }
+
+    #[test]
+    fn an_empty_listing_does_not_pass() {
+        assert!(!strangers("").is_empty());
+    }
+}
