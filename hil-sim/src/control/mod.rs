@@ -144,7 +144,8 @@ impl Control {
             left_s = self.interpolator.advance(left_s, self.override_percent, self.held || self.is_over());
         }
         let waits = self.waits_until.is_some() || self.is_over();
-        if self.interpolator.is_idle() && !waits && self.has_moved {
+        let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0;
+        if has_nothing && !waits && self.has_moved {
             self.starved_ms += dt.0 / US_PER_MS;
         }
         if self.is_over() {
@@ -263,3 +264,6 @@ impl Control {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
