@@ -95,9 +95,9 @@ impl Ramp {
         })
     }
 
-    /// Carries the state into a block whose programmed feed is `feed_change` times the one before.
-    pub fn enter_block(&self, state: &mut RampState, wanted_ratio: f32, feed_change: f32) {
-        let same_feed = (state.ratio / feed_change).max(1.0);
+    /// Carries the state into a block whose programmed feed is `feed_change_ratio` times the one before.
+    pub fn enter_block(&self, state: &mut RampState, wanted_ratio: f32, feed_change_ratio: f32) {
+        let same_feed = (state.ratio / feed_change_ratio).max(1.0);
         state.ratio = self.clamp(wanted_ratio.min(same_feed)).0;
     }
 
@@ -193,9 +193,9 @@ mod tests {
     #[test]
     fn a_block_boundary_keeps_the_feed_and_never_thickens_a_chip() {
         let ramp = ramp();
-        let enter = |ratio: f32, wanted: f32, feed_change: f32| {
+        let enter = |ratio: f32, wanted: f32, feed_change_ratio: f32| {
             let mut state = RampState { ratio };
-            ramp.enter_block(&mut state, wanted, feed_change);
+            ramp.enter_block(&mut state, wanted, feed_change_ratio);
             state.ratio
         };
         // Half the programmed feed: the ratio may double at once, up to the wish.

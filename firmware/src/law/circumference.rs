@@ -100,12 +100,12 @@ impl FeedLaw for Circumference {
 
 impl Cut {
     /// Path of the centre per tooth, along its arc, for a contact in direction u of the moving frame:
-    /// `u_along` = u.v, `u_towards` = u.(A - O)/rho.
+    /// `along_ratio` = u.v, `towards_ratio` = u.(A - O)/rho.
     ///
     /// # Errors
     /// [`NoWish::OutsideValidity`] where the edge does not advance, [`NoWish::ChipUnreachable`] where no step gives
     /// the wanted chip, [`NoWish::BadInput`] for NaN and non-positive radii or feed per tooth.
-    pub fn path_per_tooth(&self, u_along: f32, u_towards: f32) -> Result<Mm, NoWish> {
+    pub fn path_per_tooth(&self, along_ratio: f32, towards_ratio: f32) -> Result<Mm, NoWish> {
         let (rho, r0, a) = (self.path_radius.0, self.edge_radius.0, self.feed_per_tooth.0);
         let k = f32::from(self.edge.advance());
         if !(rho > 0.0 && r0 > 0.0 && a > 0.0) {
@@ -113,11 +113,11 @@ impl Cut {
         }
         let reach = r0 + k * a; // (1)
         let w = a * (2.0 * r0 + k * a); // (1)
-        let h = reach * k * u_along; // (2)
+        let h = reach * k * along_ratio; // (2)
         if h <= 0.0 {
             return Err(NoWish::OutsideValidity);
         }
-        let p = k * (1.0 - reach * u_towards / rho) + w / (4.0 * rho * rho); // (3)
+        let p = k * (1.0 - reach * towards_ratio / rho) + w / (4.0 * rho * rho); // (3)
         let d = h * h - p * w; // (4)
         if d < 0.0 {
             return Err(NoWish::ChipUnreachable);

@@ -3,9 +3,9 @@
 //! Only lines are context for the text level, only [`modal::Modal`] for the meaning level; every fault carries the
 //! column it was found at, and the caller knows the line.
 
-pub mod number;
-
 pub mod alarm;
+
+pub mod number;
 
 pub mod word;
 

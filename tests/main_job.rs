@@ -1,0 +1,133 @@
+//! The main job: a published cup-mill program in, constant chip load out of the simulated machine; and the proof that
+//! the measurement notices when it is not.
+
+use arcfeed::adapt::adapt;
+use arcfeed::commands::simulate::{measure, run_in_memory};
+use arcfeed::job::JobFile;
+use arcfeed::program::Program;
+use arcfeed::report::figures::{IptFigures, MovementFigures, RunReport};
+use arcfeed_hil_sim::faults::ControllerFault;
+use arcfeed_shared::nc::block::Reading;
+use arcfeed_tests::root;
+
+/// What a measured chip may deviate from its target: half a per cent thicker, two thinner (one of them is the
+/// control's step, rounded to the thin side).
+const BAND: std::ops::RangeInclusive<f64> = -0.02..=0.005;
+
+fn job() -> (JobFile, Program) {
+    let path = root().join("examples/ibr-slot/job.toml");
+    let file = JobFile::load(&path).expect("the example's job is sound");
+    let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
+    (file, program)
+}
+
+/// Runs the adapted program on a machine whose controller has a fault.
+fn run(fault: ControllerFault) -> RunReport {
+    let (file, program) = job();
+    let text = adapt(&program, &file.job).text;
+    measure(&run_in_memory(&file, &text, fault).expect("the program ends"), &file.job)
+}
+
+/// Runs the program as it is, without a controller.
+fn run_unadapted() -> RunReport {
+    let (file, program) = job();
+    measure(&run_in_memory(&file, &program.bytes(), ControllerFault::LawOff).expect("the program ends"), &file.job)
+}
+
+fn ipt(movement: &MovementFigures) -> IptFigures {
+    movement.ipt.expect("every movement is measured")
+}
+
+fn in_band(report: &RunReport) -> Vec<bool> {
+    let inside = |ipt: IptFigures| BAND.contains(&ipt.error_ratio_min) && BAND.contains(&ipt.error_ratio_max);
+    report.movements.iter().map(|movement| inside(ipt(movement))).collect()
+}
+
+#[test]
+fn the_measured_feed_per_tooth_stays_at_its_target_on_every_movement() {
+    let report = run(ControllerFault::None);
+    for movement in &report.movements {
+        let ipt = ipt(movement);
+        println!(
+            "movement {}: {} arcs, {:+.3} .. {:+.3} %, rms {:.3} %, {} samples, left out {:?}",
+            movement.rule,
+            movement.arcs,
+            1e2 * ipt.error_ratio_min,
+            1e2 * ipt.error_ratio_max,
+            1e2 * ipt.rms_error_ratio,
+            ipt.samples,
+            ipt.left_out
+        );
+    }
+    assert_eq!(in_band(&report), [true; 4]);
+    assert!(report.alarms.is_empty());
+}
+
+#[test]
+fn the_override_is_at_work_where_the_feed_must_vary() {
+    let report = run(ControllerFault::None);
+    for (movement, least) in report.movements.iter().zip([0, 10, 0, 4]) {
+        println!("movement {}: changes per arc {:?}", movement.rule, movement.changes_per_arc);
+        assert_eq!(movement.changes_per_arc.len(), 5);
+        assert!(movement.changes_per_arc.iter().all(|changes| *changes >= least));
+    }
+    let top = |rule: usize| report.movements[rule].r#override.map(|figures| figures.max);
+    // Table 5.4: 48.0 over 41.0 and 50.6 over 40.0.
+    assert_eq!((top(1), top(3)), (Some(117), Some(125)));
+}
+
+#[test]
+fn the_unadapted_program_thins_the_chips_by_a_half_and_spreads_them() {
+    let report = run_unadapted();
+    let ipt = report.ipt_circumference.expect("the arcs are measured");
+    println!("unadapted: {:.5} .. {:.5} {}, target {:.5}", ipt.min, ipt.max, report.unit, ipt.target);
+    assert!(ipt.max / ipt.min > 1.8, "{ipt:?}");
+    assert_eq!(in_band(&report), [false; 4]);
+    // F25 is 25 in/min: 0.0025 in a tooth at the centre, and no chip is thicker than that.
+    assert!((ipt.max - 0.0025).abs() < 2e-5);
+}
+
+#[test]
+fn most_samples_count_and_the_others_are_accounted_for() {
+    let ipt = run(ControllerFault::None).ipt_circumference.expect("the arcs are measured");
+    let left_out = ipt.left_out;
+    assert_eq!(left_out.not_steady + left_out.block_end + left_out.no_contact, ipt.samples_left_out);
+    assert_eq!(left_out.no_contact, 0);
+    assert!(ipt.samples_left_out * 10 < ipt.samples, "{ipt:?}");
+}
+
+#[test]
+fn without_the_law_the_measurement_falls_outside() {
+    assert_eq!(in_band(&run(ControllerFault::LawOff)), [true, false, false, false]);
+}
+
+#[test]
+fn a_law_fed_a_wrong_radius_is_found_out() {
+    assert!(in_band(&run(ControllerFault::RadiusScale(1.05))).contains(&false));
+}
+
+#[test]
+fn a_frozen_controller_is_found_out() {
+    let ticks_to_the_middle = 30_000;
+    assert!(in_band(&run(ControllerFault::FrozenAfter(ticks_to_the_middle))).contains(&false));
+}
+
+#[test]
+fn the_program_of_the_example_is_made_of_its_sourced_figures() {
+    let folder = root().join("examples/ibr-slot");
+    let (_, program) = job();
+    let mut points = Vec::new();
+    for line in std::fs::read_to_string(folder.join("figures.csv")).expect("the figures lie there").lines().skip(5) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let point = |x: &str, y: &str| (x.to_owned(), y.to_owned());
+        if !cells[3].is_empty() {
+            points.push(point(cells[3], cells[4]));
+        }
+        points.push(point(cells[6], cells[7]));
+    }
+    let text = String::from_utf8(program.bytes()).expect("the program is text");
+    for (x, y) in &points {
+        assert!(text.contains(&format!("X{x}Y{y}")), "limit point {x}, {y}");
+    }
+    assert_eq!(points.len(), 25);
+}
