@@ -88,7 +88,8 @@ impl FeedLaw for Circumference {
         let (rho_mm, r0_mm) = (self.cut.path_radius.0, self.cut.edge_radius.0);
         let distance_mm = self.offset_mm - rho_mm * (nx * ex + ny * ey);
         let half_chord_squared = (r0_mm - distance_mm) * (r0_mm + distance_mm);
-        if half_chord_squared < 0.0 {
+        // Not "not positive": NaN goes on to be refused by name.
+        if half_chord_squared < 0.0 && r0_mm > 0.0 {
             return Err(NoWish::NoContact);
         }
         let along_normal = distance_mm / r0_mm;
@@ -104,14 +105,14 @@ impl Cut {
     ///
     /// # Errors
     /// [`NoWish::OutsideValidity`] where the edge does not advance, [`NoWish::ChipUnreachable`] where no step gives
-    /// the wanted chip, [`NoWish::BadInput`] for NaN and non-positive radii or feed per tooth.
+    /// the wanted chip, [`NoWish::BadInput`] for NaN, non-positive radii or feed per tooth, and an inner edge smaller than its chip.
     pub fn path_per_tooth(&self, along_ratio: f32, towards_ratio: f32) -> Result<Mm, NoWish> {
         let (rho, r0, a) = (self.path_radius.0, self.edge_radius.0, self.feed_per_tooth.0);
         let k = f32::from(self.edge.advance());
-        if !(rho > 0.0 && r0 > 0.0 && a > 0.0) {
+        let reach = r0 + k * a; // (1)
+        if !(rho > 0.0 && r0 > 0.0 && a > 0.0 && reach > 0.0) {
             return Err(NoWish::BadInput);
         }
-        let reach = r0 + k * a; // (1)
         let w = a * (2.0 * r0 + k * a); // (1)
         let h = reach * k * along_ratio; // (2)
         if h <= 0.0 {
@@ -124,8 +125,8 @@ impl Cut {
         }
         let tau = w / (h + fmath::sqrt(d)); // (5)
         let path = path_along_arc(tau, rho); // (6)
-        // NaN fails every comparison above and ends here, as does an overflow.
-        if path.is_finite() { Ok(Mm(path)) } else { Err(NoWish::BadInput) }
+        // NaN fails every comparison above and ends here, as do an overflow and a step too small for f32.
+        if path > 0.0 && path.is_finite() { Ok(Mm(path)) } else { Err(NoWish::BadInput) }
     }
 }
 
