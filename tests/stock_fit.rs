@@ -18,10 +18,10 @@
 //! [`Contact::condition`].
 
 use arcfeed_firmware::law::circumference::Circumference;
-use arcfeed_firmware::law::{FeedLaw, NoWish, Wish};
-use arcfeed_shared::cut::StockLine;
+use arcfeed_firmware::law::{FeedLaw, NoWish, Place, Wish};
 use arcfeed_shared::nc::modal::{Plane, Turn};
 use arcfeed_shared::segment::Arc;
+use arcfeed_shared::stock::StockLine;
 use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{MM_PER_INCH, Mm, MmPerTooth, Nm};
 use core::f64::consts::{FRAC_PI_2, TAU};
@@ -164,7 +164,9 @@ impl Scene {
 
     fn law(&self, direction: [f32; 2]) -> Result<Wish, NoWish> {
         let (r0, a) = (Mm(self.r0 as f32), MmPerTooth(self.a as f32));
-        Circumference::for_arc(&self.arc, r0, self.edge, &self.stock, a).wish(direction)
+        let turn_ratio = f32::from(self.arc.turn.sign());
+        let place = Place::on_arc(direction, turn_ratio, self.arc.radius_mm() as f32, 0.0);
+        Circumference::for_arc(&self.arc, r0, self.edge, &self.stock, a).wish(&place)
     }
 
     fn frame(&self, direction: [f64; 2]) -> Frame {
@@ -308,7 +310,7 @@ mod tests {
             match (scene.law(direction), scene.oracle(exact)) {
                 _ if scene.is_on_the_brink(exact) => *refused.entry("on the brink".to_owned()).or_insert(0) += 1,
                 (Ok(wish), Ok(truth)) => {
-                    let angle_error = libm::fabs(f64::from(wish.contact_rad) - truth.angle) / HALF_ULP;
+                    let angle_error = libm::fabs(f64::from(wish.contact_rad()) - truth.angle) / HALF_ULP;
                     angle_half_units = angle_half_units.max(angle_error / (2.0 + truth.lengths / truth.crossing));
                     if truth.angle < 10_f64.to_radians() {
                         continue;
@@ -398,7 +400,7 @@ mod tests {
             };
             let Ok(wish) = scene.law(direction) else { continue };
             wishes += 1;
-            let (path, contact) = (wish.path_mm_per_tooth, wish.contact_rad);
+            let (path, contact) = (wish.path_mm_per_tooth, wish.contact_rad());
             if !(path > 0.0 && path.is_finite() && (0.0..=FRAC_PI_2 as f32).contains(&contact)) {
                 wrong.push((wish, direction, scene));
             }

@@ -6,7 +6,7 @@ use crate::ramp::FeedOverride;
 /// What the controller needs from its surroundings.
 pub trait Board {
     /// The segment being executed and its running count, or `None` while nothing is.
-    fn segment(&self) -> Option<(u32, ActiveSegment)>;
+    fn segment(&self) -> Option<(u32, &ActiveSegment)>;
     /// Position, spindle speed and the time since the last tick.
     fn measure(&mut self) -> Input;
     /// Puts the override out.
@@ -30,10 +30,10 @@ impl Task {
             return None;
         };
         if self.active != Some(count) {
-            controller.enter(&mut self.state, &segment, &input);
+            controller.enter(&mut self.state, segment);
             self.active = Some(count);
         }
-        let output = controller.tick(&mut self.state, &segment, &input);
+        let output = controller.tick(&mut self.state, segment, &input);
         board.set_override(output.feed_override);
         Some(output)
     }

@@ -6,22 +6,23 @@ use arcfeed_shared::nc::modal::{Feed, Pose};
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{Micros, MmPerMin, MmPerTooth, RevPerMin};
 
-use crate::law::{FeedLaw, NoWish, SegmentLaw, Wish};
-use crate::progress::{ArcTrack, Progress};
+use crate::law::{NoWish, SegmentLaw, Wish};
+use crate::progress::{PositionFilter, Progress, Track};
 use crate::ramp::{Bound, FeedOverride, LimitsError, Ramp, RampState};
 
 /// The controller of one machine; config.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Controller {
     ramp: Ramp,
+    filter: PositionFilter,
     teeth: f32,
 }
 
 /// A segment with its law, prepared once when the block becomes active.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ActiveSegment {
     law: SegmentLaw,
-    track: Option<ArcTrack>,
+    track: Option<Track>,
     /// The feed as sent to the control; `None` where the override must not act on it.
     feed_sent: Option<MmPerMin>,
 }
@@ -32,13 +33,15 @@ pub struct State {
     ramp: RampState,
     progress: Option<Progress>,
     feed_sent: Option<MmPerMin>,
+    /// The segment's feed over the one before, until its first tick.
+    feed_change: Option<f32>,
 }
 
 /// What is measured at a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
-    /// Where the tool's centre is.
-    pub position: Pose,
+    /// Where the tool's centre is; `None` if there is no new sample since the last tick.
+    pub position: Option<Pose>,
     /// Spindle speed.
     pub spindle: RevPerMin,
     /// Time since the last tick.
@@ -80,11 +83,7 @@ impl ActiveSegment {
             (Path::Line | Path::Arc(_), Feed::PerMinute(feed)) if feed.0 > 0 => Some(MmPerMin(feed.to_mm() as f32)),
             _ => None,
         };
-        ActiveSegment {
-            law: SegmentLaw::for_segment(segment, rule, job),
-            track: segment.arc().map(ArcTrack::new),
-            feed_sent,
-        }
+        ActiveSegment { law: SegmentLaw::for_segment(segment, rule, job), track: Track::new(segment), feed_sent }
     }
 }
 
@@ -94,24 +93,33 @@ impl Controller {
     /// # Errors
     /// Bounds of the override that make no sense.
     pub fn new(job: &Job) -> Result<Self, LimitsError> {
-        Ok(Controller { ramp: Ramp::new(&job.limits)?, teeth: f32::from(job.tool.active_teeth) })
+        let ramp = Ramp::new(&job.limits)?;
+        Ok(Controller { ramp, filter: PositionFilter::EXACT, teeth: f32::from(job.tool.active_teeth) })
     }
 
-    /// Takes up a segment: call once when it becomes active, with the first input taken on it.
-    pub fn enter(&self, state: &mut State, segment: &ActiveSegment, input: &Input) {
-        state.progress = segment.track.as_ref().map(ArcTrack::begin);
-        let (wanted_ratio, ..) = self.wanted(state, segment, input);
-        let feed_change = match (state.feed_sent, segment.feed_sent) {
+    /// The same controller for positions that are noisy, late or now and then missing.
+    #[must_use]
+    pub fn with_filter(self, filter: PositionFilter) -> Self {
+        Controller { filter, ..self }
+    }
+
+    /// Takes up a segment: call once when it becomes active, before its first tick.
+    pub fn enter(&self, state: &mut State, segment: &ActiveSegment) {
+        let speed_mm_per_s = state.progress.map_or(0.0, |progress| progress.speed_mm_per_s());
+        state.progress = segment.track.as_ref().map(|track| track.begin(speed_mm_per_s));
+        state.feed_change = Some(match (state.feed_sent, segment.feed_sent) {
             (Some(before), Some(now)) => now.0 / before.0,
             _ => 1.0,
-        };
-        self.ramp.enter_block(&mut state.ramp, wanted_ratio, feed_change);
+        });
         state.feed_sent = segment.feed_sent;
     }
 
     /// One tick on the active segment.
     pub fn tick(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Output {
         let (wanted_ratio, wish, reason) = self.wanted(state, segment, input);
+        if let Some(feed_change) = state.feed_change.take() {
+            self.ramp.enter_block(&mut state.ramp, wanted_ratio, feed_change);
+        }
         let (feed_override, bound) = self.ramp.step(&mut state.ramp, wanted_ratio, input.dt);
         Output {
             feed_override,
@@ -126,15 +134,18 @@ impl Controller {
         let Some(feed_sent) = segment.feed_sent else {
             return as_programmed(Reason::Inhibited);
         };
-        let (SegmentLaw::Circumference(law), Some(track)) = (&segment.law, &segment.track) else {
+        let (Some(track), Some(progress)) = (&segment.track, &mut state.progress) else {
+            return as_programmed(Reason::NoLaw);
+        };
+        let place = track.advance(&self.filter, progress, input.position.as_ref(), input.dt);
+        let Some(wish) = segment.law.wish(place) else {
             return as_programmed(Reason::NoLaw);
         };
         let teeth_per_min = input.spindle.0 * self.teeth;
         if !(teeth_per_min > 0.0 && teeth_per_min.is_finite()) {
             return as_programmed(Reason::NoSpindle);
         }
-        let progress = state.progress.get_or_insert_with(|| track.begin());
-        match law.wish(track.advance(progress, &input.position)) {
+        match wish {
             Ok(wish) => (teeth_per_min * wish.path_mm_per_tooth / feed_sent.0, Some(wish), Reason::Law),
             // No feed is too high for the chip: the bounds decide.
             Err(NoWish::ChipUnreachable) => (f32::INFINITY, None, Reason::NoWish(NoWish::ChipUnreachable)),

@@ -52,8 +52,8 @@ struct Cabinet {
 }
 
 impl Board for Cabinet {
-    fn segment(&self) -> Option<(u32, ActiveSegment)> {
-        self.segment
+    fn segment(&self) -> Option<(u32, &ActiveSegment)> {
+        self.segment.as_ref().map(|(count, segment)| (*count, segment))
     }
 
     fn measure(&mut self) -> Input {
@@ -89,7 +89,7 @@ impl Rig {
 
     fn new(control: Control, job: &Job, fault: ControllerFault) -> Result<Self, LimitsError> {
         let controller = (fault != ControllerFault::LawOff).then(|| Controller::new(job)).transpose()?;
-        let input = Input { position: control.position(), spindle: job.spindle, dt: STEP };
+        let input = Input { position: Some(control.position()), spindle: job.spindle, dt: STEP };
         Ok(Rig {
             now: Micros(0),
             cabinet: Cabinet { segment: None, input, output: FeedOverride::PROGRAMMED },
@@ -123,7 +123,7 @@ impl Rig {
         let sample = machine::sample(&self.control, self.now);
         self.meter.take(&sample);
         self.record_override(sample.block, sample.override_percent);
-        self.cabinet.input.position = machine::feedback(&sample.position);
+        self.cabinet.input.position = Some(machine::feedback(&sample.position));
         self.tick();
     }
 

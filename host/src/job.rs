@@ -5,9 +5,10 @@ mod schema;
 use std::path::{Path, PathBuf};
 
 use arcfeed_firmware::ramp::{LimitsError, Ramp};
-use arcfeed_shared::cut::{CutRule, RULES_MAX, Rotation, StockLine};
+use arcfeed_shared::cut::{CutRule, RULES_MAX, Rotation};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
 use arcfeed_shared::nc::modal::Turn;
+use arcfeed_shared::stock::StockLine;
 use arcfeed_shared::tool::{CupMill, Edge};
 use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
 use toml::Spanned;

@@ -5,6 +5,7 @@
 
 use crate::nc::modal::Turn;
 use crate::segment::{Arc, Segment};
+use crate::stock::StockLine;
 use crate::tool::{CupMill, Edge};
 use crate::units::Nm;
 
@@ -37,29 +38,6 @@ pub enum Rotation {
     Interior,
     /// A point on the outer circle: the arc has the outer radius.
     Exterior,
-}
-
-/// The stock limit as a line `normal . p = offset`; the normal points out of the material.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StockLine {
-    /// Unit normal, in the arc's plane.
-    pub normal: [f64; 2],
-    /// Distance of the line from the program's origin along the normal, mm.
-    pub offset_mm: f64,
-}
-
-impl StockLine {
-    /// A line by the direction of its normal, degrees from +X, and its offset, mm.
-    pub fn from_angle(normal_deg: f64, offset_mm: f64) -> Self {
-        let (sin, cos) = libm::sincos(normal_deg.to_radians());
-        StockLine { normal: [cos, sin], offset_mm }
-    }
-
-    /// How far the line lies from `point` (mm) along its normal; positive if the point is inside the material.
-    pub fn distance_mm(&self, point: [f64; 2]) -> f64 {
-        let ([nx, ny], [x, y]) = (self.normal, point);
-        self.offset_mm - (nx * x + ny * y)
-    }
 }
 
 impl CutRule {
@@ -154,11 +132,5 @@ mod tests {
         let rules = [inner, RULE];
         let found = find(&rules, &segment(112_000_000, None, Nm(0)), &TOOL);
         assert_eq!(found.map(|rule| rule.edge), Some(Edge::Inner));
-    }
-
-    #[test]
-    fn a_stock_line_measures_into_the_material() {
-        let line = StockLine::from_angle(90.0, 10.0);
-        assert!((line.distance_mm([123.0, 4.0]) - 6.0).abs() < 1e-12);
     }
 }

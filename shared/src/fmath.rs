@@ -34,6 +34,21 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     libm::atan2f(y, x)
 }
 
+/// Angle with this cosine, radians in [0, pi]; NaN beyond +-1.
+pub fn acos(x: f32) -> f32 {
+    libm::acosf(x)
+}
+
+/// Cosine; not for the tick: it goes through f64.
+pub fn cos(x_rad: f32) -> f32 {
+    libm::cos(f64::from(x_rad)) as f32
+}
+
+/// Angle with this sine, radians in [-pi/2, pi/2]; NaN beyond +-1.
+pub fn asin(x: f32) -> f32 {
+    libm::asinf(x)
+}
+
 /// The largest whole number not above `x`, exact for |x| < 2^31.
 pub fn floor(x: f32) -> f32 {
     micromath::F32(x).floor().0

@@ -2,7 +2,7 @@
 //!
 //! Modules stand in the order in which data flows; a module imports only from those above it:
 //! NC text -> [`nc::word`] -> [`nc::block`] -> [`nc::modal`] -> [`segment`] -> [`reader`], then what a job adds to the
-//! program ([`tool`], [`cut`], [`job`]) and what comes back from the machine ([`telemetry`], [`report`]).
+//! program ([`tool`], [`stock`], [`cut`], [`job`]) and what comes back from the machine ([`telemetry`], [`report`]).
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 
@@ -17,6 +17,8 @@ pub mod segment;
 pub mod reader;
 
 pub mod tool;
+
+pub mod stock;
 
 pub mod cut;
 

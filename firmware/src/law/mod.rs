@@ -1,38 +1,100 @@
-//! Feed laws: which feed per tooth the tool's *centre* needs so that its cutting circumference keeps its own.
+//! Feed laws: which feed per tooth the tool's *centre* needs so that its edges keep theirs.
+//!
+//! Each law stands in its own file, is prepared once for a segment and asked at every tick. None of them knows limits,
+//! overrides or time.
+
+pub mod step;
+
+pub mod region;
 
 pub mod circumference;
 
+pub mod engaged_arc;
+
+pub mod contour;
+
+pub mod engagement;
+
+pub mod table;
+
 use arcfeed_shared::cut::CutRule;
+use arcfeed_shared::fmath;
 use arcfeed_shared::job::{Job, LawKind};
 use arcfeed_shared::segment::Segment;
 
 use circumference::Circumference;
+use contour::Contour;
+use engaged_arc::EngagedArc;
+use engagement::Engagement;
+use table::Table;
 
 /// A law prepared for one segment.
 pub trait FeedLaw {
-    /// The feed per tooth at the centre wanted where the tool's centre lies in `direction` (unit vector from the
-    /// rotation centre, in the arc's plane).
+    /// The feed per tooth at the centre wanted at a place of the segment.
     ///
     /// # Errors
     /// Why the law has no wish there.
-    fn wish(&self, direction: [f32; 2]) -> Result<Wish, NoWish>;
+    fn wish(&self, place: &Place) -> Result<Wish, NoWish>;
+}
+
+/// Where the tool's centre is on its segment, in the plane of the segment.
+///
+/// The frame's origin is the rotation centre A of an arc, the start of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The tool's centre, mm.
+    pub center_mm: [f32; 2],
+    /// Unit vector in which it moves, v.
+    pub motion: [f32; 2],
+    /// Unit vector from it towards the rotation centre; on a line, square to the motion.
+    pub towards: [f32; 2],
+    /// Path from the segment's start, mm.
+    pub travelled_mm: f32,
+}
+
+impl Place {
+    /// On an arc: `direction` is the unit vector from the rotation centre, `turn_ratio` +1 counter-clockwise and -1
+    /// clockwise.
+    pub fn on_arc(direction: [f32; 2], turn_ratio: f32, radius_mm: f32, travelled_mm: f32) -> Self {
+        let [x, y] = direction;
+        Place {
+            center_mm: [radius_mm * x, radius_mm * y],
+            motion: [-turn_ratio * y, turn_ratio * x],
+            towards: [-x, -y],
+            travelled_mm,
+        }
+    }
+
+    /// On a line: `motion` is its direction in the plane.
+    pub fn on_line(motion: [f32; 2], travelled_mm: f32) -> Self {
+        let [x, y] = motion;
+        Place { center_mm: [travelled_mm * x, travelled_mm * y], motion, towards: [-y, x], travelled_mm }
+    }
 }
 
 /// What a law wants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wish {
-    /// Path of the tool's centre per tooth, along the arc, mm.
+    /// Path of the tool's centre per tooth, mm.
     pub path_mm_per_tooth: f32,
-    /// Angle of the contact from the direction of the rotation centre towards the cutting side, radians in (0, pi/2].
-    pub contact_rad: f32,
+    /// Direction of the decisive contact: its components along the edge's advance and towards the rotation centre.
+    pub contact: [f32; 2],
+}
+
+impl Wish {
+    /// Angle of the contact from the direction of the rotation centre towards the cutting side, radians.
+    pub fn contact_rad(&self) -> f32 {
+        let [advance, towards] = self.contact;
+        fmath::atan2(advance, towards)
+    }
 }
 
 /// Why a law has no wish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoWish {
-    /// The cutting circle does not meet the stock line.
+    /// The cutting circle does not meet the stock.
     NoContact,
-    /// It meets it only where the edge recedes or more than 90 degrees from the rotation centre.
+    /// It meets it only where the edge recedes, or where the law does not hold.
     OutsideValidity,
     /// The wanted chip is thicker than any feed could make it there: no feed is too high for it.
     ChipUnreachable,
@@ -41,12 +103,21 @@ pub enum NoWish {
 }
 
 /// The law of one segment, or that it has none.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and one segment is active at a time")]
 pub enum SegmentLaw {
     /// Constant feed per tooth on the circumference.
     Circumference(Circumference),
+    /// The thickest chip over the whole engaged arc.
+    EngagedArc(EngagedArc),
+    /// Constant feed at the finished contour.
+    Contour(Contour),
+    /// Constant chip thickness of an ordinary end mill.
+    Engagement(Engagement),
+    /// A feed per tooth computed beforehand.
+    Table(Table),
     /// No law governs this segment: it runs as programmed.
-    None,
+    Programmed,
 }
 
 impl SegmentLaw {
@@ -58,7 +129,19 @@ impl SegmentLaw {
                 let law = Circumference::for_arc(arc, radius, rule.edge, &rule.stock, job.feed_per_tooth);
                 SegmentLaw::Circumference(law)
             }
-            _ => SegmentLaw::None,
+            _ => SegmentLaw::Programmed,
         }
+    }
+
+    /// The wish, where a law governs.
+    pub fn wish(&self, place: &Place) -> Option<Result<Wish, NoWish>> {
+        Some(match self {
+            SegmentLaw::Circumference(law) => law.wish(place),
+            SegmentLaw::EngagedArc(law) => law.wish(place),
+            SegmentLaw::Contour(law) => law.wish(place),
+            SegmentLaw::Engagement(law) => law.wish(place),
+            SegmentLaw::Table(law) => law.wish(place),
+            SegmentLaw::Programmed => return None,
+        })
     }
 }

@@ -11,7 +11,7 @@
 //!
 //! Source: plane geometry; docs/laws.md#measured-chip.
 
-use arcfeed_shared::cut::StockLine;
+use arcfeed_shared::stock::StockLine;
 use nalgebra::Vector2;
 
 /// A cutting circle: its radius and which way its edges advance (+1 outward, -1 inward).

@@ -1,6 +1,6 @@
 //! What a law wants along a whole arc: the range of its wishes, and a feed that no point of the arc undercuts.
 
-use arcfeed_firmware::law::{FeedLaw, NoWish};
+use arcfeed_firmware::law::{FeedLaw, NoWish, Place};
 use arcfeed_shared::segment::Arc;
 
 /// Points along the arc at which the law is asked.
@@ -29,11 +29,10 @@ pub fn along(law: &impl FeedLaw, arc: &Arc, teeth_per_min: f64) -> Option<WishRa
     let mut contacts_rad = Vec::with_capacity(POINTS);
     let mut covers_all = true;
     for point in 0..POINTS {
-        let [x, y] = arc.direction_at(point as f64 / (POINTS - 1) as f64);
-        match law.wish([x as f32, y as f32]) {
+        match law.wish(&place_at(arc, point as f64 / (POINTS - 1) as f64)) {
             Ok(wish) => {
                 paths_mm.push(f64::from(wish.path_mm_per_tooth));
-                contacts_rad.push(f64::from(wish.contact_rad));
+                contacts_rad.push(f64::from(wish.contact_rad()));
             }
             // No feed is too high there: nothing that the least could be.
             Err(NoWish::ChipUnreachable) => {}
@@ -50,6 +49,12 @@ pub fn along(law: &impl FeedLaw, arc: &Arc, teeth_per_min: f64) -> Option<WishRa
         contact_deg: [contacts_rad.first()?.to_degrees(), contacts_rad.last()?.to_degrees()],
         covers_all,
     })
+}
+
+fn place_at(arc: &Arc, ratio: f64) -> Place {
+    let direction = arc.direction_at(ratio).map(|component| component as f32);
+    let turn_ratio = f32::from(arc.turn.sign());
+    Place::on_arc(direction, turn_ratio, arc.radius_mm() as f32, (arc.length_mm() * ratio) as f32)
 }
 
 /// How far a smooth curve may dip below the lower of two neighbouring points: an eighth of its second difference.
@@ -77,9 +82,10 @@ mod tests {
     struct Valley;
 
     impl FeedLaw for Valley {
-        fn wish(&self, [x, y]: [f32; 2]) -> Result<Wish, NoWish> {
+        fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
+            let [x, y] = place.center_mm;
             let from_bottom = libm::atan2f(y, x) - 0.782;
-            Ok(Wish { path_mm_per_tooth: 1.0 + from_bottom * from_bottom, contact_rad: 1.0 })
+            Ok(Wish { path_mm_per_tooth: 1.0 + from_bottom * from_bottom, contact: [1.0, 0.0] })
         }
     }
 
@@ -93,7 +99,7 @@ mod tests {
     struct Silent;
 
     impl FeedLaw for Silent {
-        fn wish(&self, _: [f32; 2]) -> Result<Wish, NoWish> {
+        fn wish(&self, _: &Place) -> Result<Wish, NoWish> {
             Err(NoWish::NoContact)
         }
     }

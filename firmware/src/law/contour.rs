@@ -1,0 +1,108 @@
+//! Constant feed at the finished contour: what Siemens' CFC and CFIN, Heidenhain's M109 and M110 and Fanuc's internal
+//! circular feed do.
+//!
+//! The contour's radius Rc is the path radius q of the tool's centre plus (inside) or minus (outside) the tool's radius
+//! r. Where the contour is to be passed at feed F, the centre moves at
+//!
+//! ```text
+//! inside:   F q/(q + r) = F (Rc - r)/Rc        (1)
+//! outside:  F q/(q - r) = F (Rc + r)/Rc        (2)
+//! ```
+//!
+//! It knows nothing of engagement and differs strongly from the engagement law. Its traps are handled here: a tool as
+//! large as the arc would stand still (floor), an outside arc would be sped up (inside-only mode).
+//!
+//! Source: docs/laws.md#contour (808D advanced manual p. 79; calculator pages quoted there).
+
+use arcfeed_shared::units::{Mm, MmPerTooth};
+
+use super::{FeedLaw, NoWish, Place, Wish};
+
+/// Which side of the contour the tool runs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Inside a concave arc: the contour is longer than the centre's path.
+    Inside,
+    /// Outside a convex one.
+    Outside,
+}
+
+/// What the law may do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContourLimits {
+    /// Whether outside arcs keep the programmed feed instead of a raised one (CFIN, M110).
+    pub inside_only: bool,
+    /// Least factor: the feed never falls below this part of the programmed one.
+    pub floor_ratio: f32,
+}
+
+/// The law for one segment; one wish all along it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contour {
+    wish: Result<Wish, NoWish>,
+}
+
+impl Contour {
+    /// Prepares the law for an arc of path radius q; infinite for a line.
+    pub fn new(path_radius: Mm, tool_radius: Mm, side: Side, a: MmPerTooth, limits: ContourLimits) -> Self {
+        Contour { wish: wish(path_radius.0, tool_radius.0, side, a.0, limits) }
+    }
+}
+
+impl FeedLaw for Contour {
+    fn wish(&self, _: &Place) -> Result<Wish, NoWish> {
+        self.wish
+    }
+}
+
+fn wish(q_mm: f32, r_mm: f32, side: Side, a: f32, limits: ContourLimits) -> Result<Wish, NoWish> {
+    if !(q_mm >= 0.0 && r_mm > 0.0 && a > 0.0 && a.is_finite() && r_mm.is_finite() && limits.floor_ratio >= 0.0) {
+        return Err(NoWish::BadInput);
+    }
+    let factor = match side {
+        _ if q_mm.is_infinite() => 1.0,
+        Side::Inside => q_mm / (q_mm + r_mm), // (1)
+        Side::Outside if limits.inside_only => 1.0,
+        // A tool's centre on a smaller circle than the tool itself cannot be outside a contour.
+        Side::Outside if q_mm <= r_mm => return Err(NoWish::OutsideValidity),
+        Side::Outside => q_mm / (q_mm - r_mm), // (2)
+    };
+    let path_mm_per_tooth = a * factor.max(limits.floor_ratio);
+    if path_mm_per_tooth > 0.0 && path_mm_per_tooth.is_finite() {
+        Ok(Wish { path_mm_per_tooth, contact: [0.0, if side == Side::Inside { -1.0 } else { 1.0 }] })
+    } else {
+        Err(NoWish::OutsideValidity)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FREE: ContourLimits = ContourLimits { inside_only: false, floor_ratio: 0.0 };
+
+    fn feed(q: f32, side: Side, limits: ContourLimits) -> Result<f32, NoWish> {
+        Contour::new(Mm(q), Mm(2.0), side, MmPerTooth(0.1), limits).wish.map(|wish| wish.path_mm_per_tooth)
+    }
+
+    #[test]
+    fn inside_only_never_raises_a_feed() {
+        let inside_only = ContourLimits { inside_only: true, ..FREE };
+        assert_eq!(feed(10.0, Side::Outside, inside_only), Ok(0.1));
+        assert!(feed(10.0, Side::Outside, FREE).unwrap() > 0.1);
+        assert!(feed(10.0, Side::Inside, inside_only).unwrap() < 0.1);
+    }
+
+    #[test]
+    fn a_tool_that_fills_its_arc_keeps_moving_at_the_floor() {
+        let floor = ContourLimits { floor_ratio: 0.25, ..FREE };
+        assert_eq!(feed(0.0, Side::Inside, floor), Ok(0.025));
+        assert_eq!(feed(0.0, Side::Inside, FREE), Err(NoWish::OutsideValidity));
+    }
+
+    #[test]
+    fn a_line_keeps_its_feed() {
+        assert_eq!(feed(f32::INFINITY, Side::Inside, FREE), Ok(0.1));
+        assert_eq!(feed(f32::INFINITY, Side::Outside, FREE), Ok(0.1));
+    }
+}

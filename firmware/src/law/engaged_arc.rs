@@ -1,0 +1,101 @@
+//! The thickest chip over the whole engaged arc is a.
+//!
+//! For each edge of the ring (its own r0 and k) the thickest chip is at the engaged direction nearest to k v:
+//!
+//! ```text
+//! k v engaged:      the step is a itself (its chord)                                    (1)
+//! otherwise:        the least step over the ends of the engaged arc with k ux > 0       (2)
+//! ```
+//!
+//! the step for a contact being [`super::step`]'s. An end where no step reaches the chip does not limit; an edge without
+//! a limiting end does not either. Of two edges the smaller step counts (the thicker chip wins), or the named edge's.
+//! It equals the circumference law where the engaged arc lies on A's side of B.
+//!
+//! Source: docs/laws.md#engaged-arc (ours; the source knows one stock line and one edge).
+
+use arcfeed_shared::tool::Edge;
+use arcfeed_shared::units::{Mm, MmPerTooth};
+
+use super::region::{Region, reach};
+use super::step::Cut;
+use super::{FeedLaw, NoWish, Place, Wish};
+
+/// Which edge of the ring is protected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EdgePolicy {
+    /// Both: the thicker chip wins.
+    Protect,
+    /// One alone, whatever happens at the other.
+    Only(Edge),
+}
+
+/// The ring and what it moves on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ring {
+    /// R.
+    pub outer_radius: Mm,
+    /// r; zero for a solid tool.
+    pub inner_radius: Mm,
+    /// rho, infinite for a straight path.
+    pub path_radius: Mm,
+    /// a.
+    pub feed_per_tooth: MmPerTooth,
+}
+
+/// The law for one segment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EngagedArc {
+    cuts: [Option<Cut>; 2],
+    region: Region,
+}
+
+impl EngagedArc {
+    /// Prepares the law: the stock relative to the segment's origin.
+    pub fn new(ring: Ring, policy: EdgePolicy, region: Region) -> Self {
+        let cut = |edge, edge_radius: Mm| {
+            let Ring { path_radius, feed_per_tooth, .. } = ring;
+            let protected = policy == EdgePolicy::Protect || policy == EdgePolicy::Only(edge);
+            // Not "positive": NaN must reach the step, to be refused there.
+            let exists = edge_radius.0 != 0.0;
+            (protected && exists).then_some(Cut { path_radius, edge_radius, edge, feed_per_tooth })
+        };
+        EngagedArc { cuts: [cut(Edge::Outer, ring.outer_radius), cut(Edge::Inner, ring.inner_radius)], region }
+    }
+
+    /// The wish of one edge.
+    fn wish_of(&self, cut: &Cut, place: &Place) -> Result<Wish, NoWish> {
+        let k = f32::from(cut.edge.advance());
+        let ahead = place.motion.map(|component| k * component);
+        if self.region.contains(reach(place.center_mm, cut.edge_radius.0, ahead)) {
+            let path_mm_per_tooth = cut.path_straight_ahead()?.0; // (1)
+            return Ok(Wish { path_mm_per_tooth, contact: [1.0, 0.0] });
+        }
+        let mut least = Err(NoWish::NoContact);
+        self.region.crossings(place.center_mm, cut.edge_radius.0, |[ux, uy]| {
+            let ([vx, vy], [yx, yy]) = (place.motion, place.towards);
+            let (along, towards) = (ux * vx + uy * vy, ux * yx + uy * yy);
+            let wish = cut.path_per_tooth(along, towards); // (2)
+            let wish = wish.map(|path| Wish { path_mm_per_tooth: path.0, contact: [k * along, towards] });
+            least = smaller(least, wish);
+        });
+        least
+    }
+}
+
+impl FeedLaw for EngagedArc {
+    fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
+        let wishes = self.cuts.iter().flatten().map(|cut| self.wish_of(cut, place));
+        wishes.fold(Err(NoWish::NoContact), smaller)
+    }
+}
+
+/// The smaller step; a refusal does not limit, but bad input must not pass for "nothing there".
+fn smaller(one: Result<Wish, NoWish>, other: Result<Wish, NoWish>) -> Result<Wish, NoWish> {
+    match (one, other) {
+        (Err(NoWish::BadInput), _) | (_, Err(NoWish::BadInput)) => Err(NoWish::BadInput),
+        (Ok(a), Ok(b)) => Ok(if b.path_mm_per_tooth < a.path_mm_per_tooth { b } else { a }),
+        (Ok(wish), Err(_)) | (Err(_), Ok(wish)) => Ok(wish),
+        (Err(NoWish::NoContact), Err(other)) => Err(other),
+        (Err(one), Err(_)) => Err(one),
+    }
+}

@@ -1,0 +1,129 @@
+use super::*;
+use arcfeed_shared::nc::modal::{Feed, Turn};
+use arcfeed_shared::segment::Arc;
+
+const TICK: Micros = Micros(1_000);
+
+fn pose(x_mm: f64, y_mm: f64) -> Pose {
+    Pose { linear: [Nm::from_mm(x_mm), Nm::from_mm(y_mm), Nm(0)], ..Pose::default() }
+}
+
+fn segment(start: Pose, end: Pose, path: Path) -> Segment {
+    Segment { sequence: None, start, end, feed: Feed::Missing, path }
+}
+
+/// A clockwise quarter of radius 100 about (5, 0), from the top.
+fn quarter() -> Track {
+    let mm = |x, y| [Nm::from_mm(x), Nm::from_mm(y)];
+    let (center, from, to) = (mm(5.0, 0.0), mm(0.0, 100.0), mm(100.0, 0.0));
+    let arc = Arc { plane: Plane::Xy, turn: Turn::Cw, center, from, to };
+    Track::new(&segment(pose(5.0, 100.0), pose(105.0, 0.0), Path::Arc(arc))).unwrap()
+}
+
+/// The point of the quarter at this path from its start.
+fn on_quarter(travelled_mm: f64) -> Pose {
+    let (sin, cos) = libm::sincos(travelled_mm / 100.0);
+    pose(5.0 + 100.0 * sin, 100.0 * cos)
+}
+
+fn travelled(track: &Track, progress: &mut Progress, sample: &Pose) -> f32 {
+    track.advance(&PositionFilter::EXACT, progress, Some(sample), TICK).travelled_mm
+}
+
+#[test]
+fn it_follows_the_samples_and_never_goes_back() {
+    let (track, mut progress) = (quarter(), quarter().begin(0.0));
+    for travelled_mm in [0.0, 0.03, 1.0, 20.0, 38.0] {
+        let got = travelled(&track, &mut progress, &on_quarter(travelled_mm));
+        assert!((f64::from(got) - travelled_mm).abs() < 2e-4, "{got} at {travelled_mm}");
+    }
+    let furthest = progress.place().travelled_mm;
+    assert_eq!(travelled(&track, &mut progress, &on_quarter(37.9)), furthest);
+}
+
+#[test]
+fn the_place_points_where_the_sample_does() {
+    let (track, mut progress) = (quarter(), quarter().begin(0.0));
+    for step in 1..=1_000 {
+        travelled(&track, &mut progress, &on_quarter(0.15 * f64::from(step)));
+    }
+    let (sin, cos) = libm::sincos(1.5);
+    let [x, y] = progress.place().center_mm;
+    assert!((f64::from(x) - 100.0 * sin).abs() < 1e-4 && (f64::from(y) - 100.0 * cos).abs() < 1e-4);
+    let [vx, vy] = progress.place().motion;
+    assert!((f64::from(vx) - cos).abs() < 1e-6 && (f64::from(vy) + sin).abs() < 1e-6);
+}
+
+#[test]
+fn a_deviation_across_the_path_does_not_move_it() {
+    let (track, mut progress) = (quarter(), quarter().begin(0.0));
+    let (sin, cos) = libm::sincos(0.3);
+    let inside = pose(5.0 + 60.0 * sin, 60.0 * cos);
+    assert!((travelled(&track, &mut progress, &inside) - 30.0).abs() < 1e-3);
+}
+
+#[test]
+fn it_ends_with_its_segment() {
+    let (track, mut progress) = (quarter(), quarter().begin(0.0));
+    for step in 1..=20 {
+        travelled(&track, &mut progress, &on_quarter(10.0 * f64::from(step)));
+    }
+    assert_eq!(progress.place().travelled_mm, track.length_mm());
+}
+
+#[test]
+fn a_sample_at_the_rotation_centre_changes_nothing() {
+    let (track, mut progress) = (quarter(), quarter().begin(0.0));
+    assert_eq!(travelled(&track, &mut progress, &pose(5.0, 0.0)), 0.0);
+}
+
+#[test]
+fn a_line_in_space_counts_its_whole_length() {
+    let mut end = pose(3.0, 4.0);
+    end.linear[2] = Nm::from_mm(12.0);
+    let track = Track::new(&segment(pose(0.0, 0.0), end, Path::Line)).unwrap();
+    let mut progress = track.begin(0.0);
+    let mut middle = pose(1.5, 2.0);
+    middle.linear[2] = Nm::from_mm(6.0);
+    assert!((travelled(&track, &mut progress, &middle) - 6.5).abs() < 1e-5);
+    let [x, y] = progress.place().center_mm;
+    assert!((x - 1.5).abs() < 1e-5 && (y - 2.0).abs() < 1e-5);
+}
+
+#[test]
+fn a_rapid_has_no_track() {
+    assert_eq!(Track::new(&segment(pose(0.0, 0.0), pose(1.0, 0.0), Path::Rapid)), None);
+}
+
+#[test]
+fn without_samples_it_goes_on_at_the_speed_it_had() {
+    let (track, filter) = (quarter(), PositionFilter::new(0.2, Micros(0)).unwrap());
+    let mut progress = track.begin(0.0);
+    for step in 1..=500 {
+        track.advance(&filter, &mut progress, Some(&on_quarter(0.03 * f64::from(step))), TICK);
+    }
+    assert!((progress.speed_mm_per_s() - 30.0).abs() < 0.1, "{}", progress.speed_mm_per_s());
+    for _ in 0..100 {
+        track.advance(&filter, &mut progress, None, TICK);
+    }
+    assert!((progress.place().travelled_mm - 18.0).abs() < 0.02, "{}", progress.place().travelled_mm);
+}
+
+#[test]
+fn late_samples_are_made_up_for() {
+    let delay = Micros(4_000);
+    let (track, filter) = (quarter(), PositionFilter::new(0.2, delay).unwrap());
+    let mut progress = track.begin(0.0);
+    for step in 1..=1_000 {
+        let seen = 0.03 * f64::from((step - 4).max(0));
+        track.advance(&filter, &mut progress, Some(&on_quarter(seen)), TICK);
+    }
+    assert!((progress.place().travelled_mm - 30.0).abs() < 0.01, "{}", progress.place().travelled_mm);
+}
+
+#[test]
+fn only_gains_between_none_and_all_make_a_filter() {
+    for gain in [0.0, 1.0, -0.5, f32::NAN] {
+        assert_eq!(PositionFilter::new(gain, Micros(0)), None);
+    }
+}

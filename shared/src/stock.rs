@@ -1,0 +1,110 @@
+//! Stock in the plane of a segment: half planes, convex pieces, round blanks.
+
+use heapless::Vec;
+
+/// Most edges of a convex piece of stock.
+pub const EDGES_MAX: usize = 8;
+
+/// A piece of stock in the plane of the segments that cut it, mm in the program's coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stock {
+    /// The intersection of the material sides of up to eight lines: one is a half plane, three bound it, more are a
+    /// convex polygon.
+    Convex(Vec<StockLine, EDGES_MAX>),
+    /// A round blank.
+    Disc {
+        /// Its centre.
+        center_mm: [f64; 2],
+        /// Its radius.
+        radius_mm: f64,
+    },
+}
+
+/// The stock limit as a line `normal . p = offset`; the normal points out of the material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StockLine {
+    /// Unit normal, in the arc's plane.
+    pub normal: [f64; 2],
+    /// Distance of the line from the program's origin along the normal, mm.
+    pub offset_mm: f64,
+}
+
+impl StockLine {
+    /// A line by the direction of its normal, degrees from +X, and its offset, mm.
+    pub fn from_angle(normal_deg: f64, offset_mm: f64) -> Self {
+        let (sin, cos) = libm::sincos(normal_deg.to_radians());
+        StockLine { normal: [cos, sin], offset_mm }
+    }
+
+    /// How far the line lies from `point` (mm) along its normal; positive if the point is inside the material.
+    pub fn distance_mm(&self, point: [f64; 2]) -> f64 {
+        let ([nx, ny], [x, y]) = (self.normal, point);
+        self.offset_mm - (nx * x + ny * y)
+    }
+}
+
+impl Stock {
+    /// The convex polygon with these corners (mm), in either sense; `None` for fewer than three or more than
+    /// [`EDGES_MAX`] corners, and for polygons that are not strictly convex.
+    pub fn polygon(corners_mm: &[[f64; 2]]) -> Option<Self> {
+        if corners_mm.len() < 3 {
+            return None;
+        }
+        let twice_area: f64 = edges(corners_mm).map(|([x, y], [to_x, to_y])| x * to_y - y * to_x).sum();
+        let outward = if twice_area > 0.0 { 1.0 } else { -1.0 };
+        let mut lines = Vec::new();
+        for ([x, y], [to_x, to_y]) in edges(corners_mm) {
+            let length_mm = libm::hypot(to_x - x, to_y - y);
+            let normal = [outward * (to_y - y) / length_mm, -outward * (to_x - x) / length_mm];
+            let [nx, ny] = normal;
+            let line = StockLine { normal, offset_mm: nx * x + ny * y };
+            let is_corner = |corner: [f64; 2]| corner == [x, y] || corner == [to_x, to_y];
+            if !corners_mm.iter().filter(|corner| !is_corner(**corner)).all(|corner| line.distance_mm(*corner) > 0.0) {
+                return None;
+            }
+            lines.push(line).ok()?;
+        }
+        Some(Stock::Convex(lines))
+    }
+}
+
+/// The edges of a closed polygon.
+fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
+    corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stock_line_measures_into_the_material() {
+        let line = StockLine::from_angle(90.0, 10.0);
+        assert!((line.distance_mm([123.0, 4.0]) - 6.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_polygon_is_the_same_whichever_way_round_its_corners_go() {
+        let square = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];
+        let mut reversed = square;
+        reversed.reverse();
+        for corners in [square, reversed] {
+            let Some(Stock::Convex(lines)) = Stock::polygon(&corners) else { panic!("a square is convex") };
+            assert!(lines.iter().all(|line| (line.distance_mm([5.0, 5.0]) - 5.0).abs() < 1e-12));
+        }
+    }
+
+    #[test]
+    fn what_is_not_convex_is_no_polygon() {
+        assert_eq!(Stock::polygon(&[[0.0, 0.0], [1.0, 0.0]]), None);
+        assert_eq!(Stock::polygon(&[[0.0, 0.0], [10.0, 0.0], [2.0, 2.0], [0.0, 10.0]]), None);
+        assert_eq!(Stock::polygon(&[[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]), None);
+        let nine: std::vec::Vec<[f64; 2]> = (0..9)
+            .map(|i| {
+                let (s, c) = libm::sincos(f64::from(i) * 0.69);
+                [c, s]
+            })
+            .collect();
+        assert_eq!(Stock::polygon(&nine), None);
+    }
+}
