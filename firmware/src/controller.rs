@@ -25,6 +25,7 @@ pub struct ActiveSegment {
     track: Option<Track>,
     /// The feed as sent to the control; `None` where the override must not act on it.
     feed_sent: Option<MmPerMin>,
+    end: Pose,
 }
 
 /// What the controller remembers from tick to tick.
@@ -83,7 +84,31 @@ impl ActiveSegment {
             (Path::Line | Path::Arc(_), Feed::PerMinute(feed)) if feed.0 > 0 => Some(MmPerMin(feed.to_mm() as f32)),
             _ => None,
         };
-        ActiveSegment { law: SegmentLaw::for_segment(segment, rule, job), track: Track::new(segment), feed_sent }
+        let law = SegmentLaw::for_segment(segment, rule, job);
+        ActiveSegment { law, track: Track::new(segment), feed_sent, end: segment.end }
+    }
+
+    /// The same segment under another law.
+    #[must_use]
+    pub fn with_law(self, law: SegmentLaw) -> Self {
+        ActiveSegment { law, ..self }
+    }
+
+    /// Length of its path; `None` for a rapid.
+    pub fn length_mm(&self) -> Option<f32> {
+        self.track.as_ref().map(Track::length_mm)
+    }
+
+    /// Where it ends.
+    pub fn end(&self) -> &Pose {
+        &self.end
+    }
+}
+
+impl State {
+    /// How far the segment in work is; `None` before the first and on rapids.
+    pub fn progress(&self) -> Option<&Progress> {
+        self.progress.as_ref()
     }
 }
 
@@ -131,13 +156,14 @@ impl Controller {
     /// The ratio of wanted to programmed feed, the law's wish if it has one, and the reason.
     fn wanted(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> (f32, Option<Wish>, Reason) {
         let as_programmed = |reason| (1.0, None, reason);
+        // A rapid's way is the machine's: there is no track to be on.
+        let (Some(track), Some(progress)) = (&segment.track, &mut state.progress) else {
+            return as_programmed(Reason::Inhibited);
+        };
+        let place = track.advance(&self.filter, progress, input.position.as_ref(), input.dt);
         let Some(feed_sent) = segment.feed_sent else {
             return as_programmed(Reason::Inhibited);
         };
-        let (Some(track), Some(progress)) = (&segment.track, &mut state.progress) else {
-            return as_programmed(Reason::NoLaw);
-        };
-        let place = track.advance(&self.filter, progress, input.position.as_ref(), input.dt);
         let Some(wish) = segment.law.wish(place) else {
             return as_programmed(Reason::NoLaw);
         };

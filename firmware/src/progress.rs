@@ -134,7 +134,9 @@ impl Track {
             let residual_mm = behind_mm + progress.speed_mm_per_s * filter.delay_s - ds_mm; // (1)
             ds_mm += filter.alpha_ratio * residual_mm; // (2)
             if dt_s > 0.0 {
-                progress.speed_mm_per_s += filter.beta_ratio * residual_mm / dt_s; // (2)
+                let speed = progress.speed_mm_per_s + filter.beta_ratio * residual_mm / dt_s; // (2)
+                // Late samples from the segment before lie behind the start: they must not wind the speed up.
+                progress.speed_mm_per_s = speed.max(0.0);
             }
         }
         self.move_on(&mut progress.place, ds_mm);

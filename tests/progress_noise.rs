@@ -1,0 +1,159 @@
+//! Progress along the example job from positions that are noisy, late and now and then missing, with nothing to tell
+//! which segment is in work: what a board sees that only listens.
+
+use std::collections::VecDeque;
+
+use arcfeed::adapt::adapt;
+use arcfeed::job::JobFile;
+use arcfeed::program::Program;
+use arcfeed_firmware::controller::{ActiveSegment, Controller, Input, State};
+use arcfeed_firmware::progress::PositionFilter;
+use arcfeed_firmware::queue::SegmentQueue;
+use arcfeed_hil_sim::control::{Control, ControlSettings};
+use arcfeed_shared::cut;
+use arcfeed_shared::job::Job;
+use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::segment::Segment;
+use arcfeed_shared::units::Micros;
+use arcfeed_tests::root;
+use fastrand::Rng;
+
+const TICK: Micros = Micros::from_ms(1);
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=5;
+/// Standard deviation of the position, nm.
+const NOISE_NM: f64 = 5_000.0;
+/// Ticks a sample is old when it arrives.
+const DELAY_TICKS: usize = 4;
+/// Part of the samples that never arrive.
+const DROPOUT_RATIO: f64 = 0.02;
+/// How late or early the change of segment may be seen: near a reversal the axes stand within the noise for this long.
+const CHANGE_TICKS: u64 = 12;
+
+/// A tick of the machine: the move in work, counted from zero, and where the axes are.
+#[derive(Clone, Copy)]
+struct Truth {
+    segment: usize,
+    position: Pose,
+}
+
+fn gauss(random: &mut Rng) -> f64 {
+    // Twelve uniforms: variance one, no tails to speak of.
+    (0..12).map(|_| random.f64()).sum::<f64>() - 6.0
+}
+
+/// Runs the adapted example at 100 % and records every tick, with the moves in order.
+fn record() -> (Job, Vec<Segment>, Vec<Truth>) {
+    let file = JobFile::load(&root().join("examples/ibr-slot/job.toml")).expect("the example's job is sound");
+    let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
+    let text = adapt(&program, &file.job).text;
+    let mut control = Control::from_memory(ControlSettings::fanuc_16i(file.job.unit), &text);
+    let (mut now, mut last, mut segments, mut truth) = (Micros(0), None, Vec::new(), Vec::new());
+    while !control.is_over() {
+        now = now.after(TICK);
+        control.step(now, TICK, 100);
+        let Some((count, segment)) = control.active() else { continue };
+        if last != Some(count) {
+            segments.push(*segment);
+            last = Some(count);
+        }
+        truth.push(Truth { segment: segments.len() - 1, position: control.position() });
+    }
+    (file.job, segments, truth)
+}
+
+fn active(segment: &Segment, job: &Job) -> ActiveSegment {
+    ActiveSegment::new(segment, cut::find(&job.rules, segment, &job.tool), job)
+}
+
+/// What the controller says at each tick: segment, path travelled, override.
+fn follow(
+    job: &Job,
+    segments: &[Segment],
+    filter: PositionFilter,
+    samples: impl Iterator<Item = Option<Pose>>,
+) -> Vec<(usize, f32, u8)> {
+    let controller = Controller::new(job).expect("the limits are sound").with_filter(filter);
+    let (mut queue, mut state, mut entered) = (SegmentQueue::<4>::new(), State::default(), None);
+    let mut ahead = segments.iter();
+    let mut said = Vec::new();
+    for position in samples {
+        while !queue.is_full()
+            && let Some(segment) = ahead.next()
+        {
+            queue.push(active(segment, job));
+        }
+        let Some((count, segment)) = queue.in_work() else { break };
+        if entered != Some(count) {
+            controller.enter(&mut state, segment);
+            entered = Some(count);
+        }
+        let output = controller.tick(&mut state, segment, &Input { position, spindle: job.spindle, dt: TICK });
+        let travelled_mm = state.progress().map_or(0.0, |progress| progress.place().travelled_mm);
+        said.push((count as usize, travelled_mm, output.feed_override.percent));
+        queue.leave_if_done(&state, position.as_ref());
+    }
+    said
+}
+
+fn spoil(truth: &[Truth], seed: u64) -> impl Iterator<Item = Option<Pose>> + '_ {
+    let mut random = Rng::with_seed(seed);
+    let mut late: VecDeque<Pose> = VecDeque::new();
+    truth.iter().map(move |tick| {
+        late.push_back(tick.position);
+        let mut position = if late.len() > DELAY_TICKS { late.pop_front()? } else { *late.front()? };
+        for axis in &mut position.linear {
+            axis.0 += (NOISE_NM * gauss(&mut random)) as i64;
+        }
+        (random.f64() >= DROPOUT_RATIO).then_some(position)
+    })
+}
+
+/// Ticks from the true change of segment nearest to `tick`.
+fn from_change(changes: &[usize], tick: usize) -> u64 {
+    changes.iter().map(|change| change.abs_diff(tick) as u64).min().unwrap_or(u64::MAX)
+}
+
+/// What noise, delay and gaps cost, away from the changes of segment.
+#[derive(Default)]
+struct Errors {
+    compared: usize,
+    wrong: usize,
+    position_mm: f32,
+    override_percent: u8,
+}
+
+fn errors(truth: &[Truth], exact: &[(usize, f32, u8)], spoilt: &[(usize, f32, u8)]) -> Errors {
+    let changes: Vec<usize> = (1..truth.len()).filter(|&tick| truth[tick].segment != truth[tick - 1].segment).collect();
+    let mut errors = Errors::default();
+    for (tick, (spoilt, exact)) in spoilt.iter().zip(exact).enumerate() {
+        if from_change(&changes, tick) <= CHANGE_TICKS {
+            continue;
+        }
+        errors.compared += 1;
+        errors.wrong += usize::from(spoilt.0 != truth[tick].segment);
+        errors.position_mm = errors.position_mm.max((spoilt.1 - exact.1).abs());
+        errors.override_percent = errors.override_percent.max(spoilt.2.abs_diff(exact.2));
+    }
+    errors
+}
+
+#[test]
+fn noise_delay_and_gaps_never_put_it_on_the_wrong_segment() {
+    let (job, segments, truth) = record();
+    let exact = follow(&job, &segments, PositionFilter::EXACT, truth.iter().map(|tick| Some(tick.position)));
+    let filter = PositionFilter::new(0.3, Micros::from_ms(DELAY_TICKS as u64)).expect("a sound gain");
+    for seed in SEEDS {
+        let spoilt = follow(&job, &segments, filter, spoil(&truth, seed));
+        let Errors { compared, wrong, position_mm, override_percent } = errors(&truth, &exact, &spoilt);
+        println!(
+            "seed {seed}: {compared} of {} ticks on {} segments, {wrong} on the wrong one; position off by \
+             {position_mm:.3} mm at most, override by {override_percent} %",
+            truth.len(),
+            segments.len()
+        );
+        assert_eq!(wrong, 0);
+        assert!(spoilt.len().abs_diff(truth.len()) as u64 <= CHANGE_TICKS && compared * 10 > truth.len() * 9);
+        assert!(override_percent <= 1 && position_mm < 0.1, "{override_percent} %, {position_mm} mm");
+    }
+}
