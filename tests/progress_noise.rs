@@ -63,7 +63,8 @@ fn record() -> (Job, Vec<Segment>, Vec<Truth>) {
 }
 
 fn active(segment: &Segment, job: &Job) -> ActiveSegment {
-    ActiveSegment::new(segment, cut::find(&job.rules, segment, &job.tool), job)
+    let rule = cut::find(&job.rules, segment, &job.tool).map(|(_, rule)| rule);
+    ActiveSegment::new(segment, rule, job)
 }
 
 /// What the controller says at each tick: segment, path travelled, override.

@@ -6,7 +6,7 @@ use arcfeed_shared::nc::modal::{Feed, Pose};
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{Micros, MmPerMin, MmPerTooth, RevPerMin};
 
-use crate::law::{NoWish, SegmentLaw, Wish};
+use crate::law::{FeedLaw, NoWish, SegmentLaw, Wish};
 use crate::progress::{PositionFilter, Progress, Track};
 use crate::ramp::{Bound, FeedOverride, LimitsError, Ramp, RampState};
 
@@ -119,7 +119,7 @@ impl Controller {
     /// Bounds of the override that make no sense.
     pub fn new(job: &Job) -> Result<Self, LimitsError> {
         let ramp = Ramp::new(&job.limits)?;
-        Ok(Controller { ramp, filter: PositionFilter::EXACT, teeth: f32::from(job.tool.active_teeth) })
+        Ok(Controller { ramp, filter: PositionFilter::EXACT, teeth: f32::from(job.tool.active_teeth()) })
     }
 
     /// The same controller for positions that are noisy, late or now and then missing.
@@ -164,17 +164,15 @@ impl Controller {
         let Some(feed_sent) = segment.feed_sent else {
             return as_programmed(Reason::Inhibited);
         };
-        let Some(wish) = segment.law.wish(place) else {
-            return as_programmed(Reason::NoLaw);
-        };
         let teeth_per_min = input.spindle.0 * self.teeth;
         if !(teeth_per_min > 0.0 && teeth_per_min.is_finite()) {
             return as_programmed(Reason::NoSpindle);
         }
-        match wish {
+        match segment.law.wish(place) {
             Ok(wish) => (teeth_per_min * wish.path_mm_per_tooth / feed_sent.0, Some(wish), Reason::Law),
             // No feed is too high for the chip: the bounds decide.
             Err(NoWish::ChipUnreachable) => (f32::INFINITY, None, Reason::NoWish(NoWish::ChipUnreachable)),
+            Err(NoWish::NoLaw) => as_programmed(Reason::NoLaw),
             Err(refusal) => as_programmed(Reason::NoWish(refusal)),
         }
     }

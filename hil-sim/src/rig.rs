@@ -6,6 +6,7 @@ use arcfeed_firmware::ramp::{FeedOverride, LimitsError};
 use arcfeed_shared::cut::{self, CutRule};
 use arcfeed_shared::job::Job;
 use arcfeed_shared::segment::Segment;
+use arcfeed_shared::tool::Tool;
 use arcfeed_shared::units::{Micros, Nm};
 
 use crate::control::{Control, ControlSettings};
@@ -27,13 +28,13 @@ pub struct Rig {
     job: Job,
     fault: ControllerFault,
     meter: ChipMeter,
-    overrides: Vec<ArcOverride>,
+    overrides: Vec<MoveOverride>,
     first_move: Option<Micros>,
 }
 
-/// What the override did on one arc that a cut rule speaks of.
+/// What the override did on one move that a cut rule speaks of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ArcOverride {
+pub struct MoveOverride {
     /// Least, %.
     pub min_percent: u8,
     /// Largest, %.
@@ -152,8 +153,8 @@ impl Rig {
         &self.meter
     }
 
-    /// The override on each arc of [`ChipMeter::arcs`], in the same order.
-    pub fn overrides(&self) -> &[ArcOverride] {
+    /// The override on each move of [`ChipMeter::moves`], in the same order.
+    pub fn overrides(&self) -> &[MoveOverride] {
         &self.overrides
     }
 
@@ -164,22 +165,21 @@ impl Rig {
 
     fn begin(&mut self, count: u32, segment: &Segment) {
         self.first_move.get_or_insert(self.now);
-        let rule = cut::find(&self.job.rules, segment, &self.job.tool);
-        let index = rule.and_then(|rule| self.job.rules.iter().position(|other| other == rule));
-        self.meter.begin(count, segment, index.zip(rule));
-        if index.is_some() {
-            self.overrides.push(ArcOverride { min_percent: u8::MAX, max_percent: 0, changes: 0, last_percent: 0 });
+        let found = cut::find(&self.job.rules, segment, &self.job.tool);
+        self.meter.begin(count, segment, found);
+        if found.is_some() {
+            self.overrides.push(MoveOverride { min_percent: u8::MAX, max_percent: 0, changes: 0, last_percent: 0 });
         }
-        self.cabinet.segment = Some((count, self.believed(segment, rule)));
+        self.cabinet.segment = Some((count, self.believed(segment, found.map(|(_, rule)| rule))));
     }
 
     /// The segment as the controller believes it to be.
     fn believed(&self, segment: &Segment, rule: Option<&CutRule>) -> ActiveSegment {
         let mut job = self.job.clone();
-        if let ControllerFault::RadiusScale(scale) = self.fault {
+        if let (ControllerFault::RadiusScale(scale), Tool::CupMill(mill)) = (self.fault, &mut job.tool) {
             let scaled = |radius: Nm| Nm::from_mm(radius.to_mm() * scale);
-            job.tool.outer_radius = scaled(job.tool.outer_radius);
-            job.tool.inner_radius = scaled(job.tool.inner_radius);
+            mill.outer_radius = scaled(mill.outer_radius);
+            mill.inner_radius = scaled(mill.inner_radius);
         }
         ActiveSegment::new(segment, rule, &job)
     }
@@ -192,10 +192,10 @@ impl Rig {
     }
 
     fn record_override(&mut self, block: u32, percent: u8) {
-        let Some(arc) = self.overrides.last_mut().filter(|_| self.meter.is_on(block)) else { return };
-        arc.changes += u32::from(arc.max_percent > 0 && percent != arc.last_percent);
-        arc.min_percent = arc.min_percent.min(percent);
-        arc.max_percent = arc.max_percent.max(percent);
-        arc.last_percent = percent;
+        let Some(figures) = self.overrides.last_mut().filter(|_| self.meter.is_on(block)) else { return };
+        figures.changes += u32::from(figures.max_percent > 0 && percent != figures.last_percent);
+        figures.min_percent = figures.min_percent.min(percent);
+        figures.max_percent = figures.max_percent.max(percent);
+        figures.last_percent = percent;
     }
 }

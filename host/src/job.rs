@@ -2,18 +2,17 @@
 
 mod schema;
 
+mod rules;
+
 use std::path::{Path, PathBuf};
 
 use arcfeed_firmware::ramp::{LimitsError, Ramp};
-use arcfeed_shared::cut::{CutRule, RULES_MAX, Rotation};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
-use arcfeed_shared::nc::modal::Turn;
-use arcfeed_shared::stock::StockLine;
-use arcfeed_shared::tool::{CupMill, Edge};
-use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
+use arcfeed_shared::tool::{CupMill, EndMill, Tool};
+use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
 
-use schema::{CutTable, JobTable, Quantity, StockTable};
+use schema::{JobTable, LawTable, Quantity, ToolTable};
 
 /// A job file, checked.
 #[derive(Clone, Debug)]
@@ -115,26 +114,18 @@ impl JobFile {
 
 fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let unit = table.units.into();
-    let tool = build_tool(table, unit)?;
-    let spindle = &table.spindle.rev_per_min;
-    let rev_per_min = positive(spindle, "the spindle speed")?;
-    let law = match table.law.kind.as_ref().as_str() {
-        "circumference" => LawKind::Circumference,
-        "programmed" => LawKind::Programmed,
-        _ => {
-            return Err(at(&table.law.kind, "this law is not built yet; write \"circumference\" or \"programmed\""));
-        }
-    };
+    let rev_per_min = positive(&table.spindle.rev_per_min, "the spindle speed")?;
     let feed_mm = length_mm(&table.law.feed_per_tooth, unit, "the feed per tooth")?;
+    let tool = build_tool(&table.tool, unit)?;
     let job = Job {
         unit,
-        tool,
         spindle: RevPerMin(rev_per_min as f32),
-        law,
+        law: build_law(&table.law, &tool)?,
         feed_per_tooth: MmPerTooth(feed_mm as f32),
         policy: build_policy(table)?,
         limits: build_limits(table)?,
-        rules: build_rules(table, unit)?,
+        rules: rules::build(&table.cut, unit, &tool)?,
+        tool,
     };
     if table.control.preset.as_ref() != "fanuc-16i" {
         return Err(at(&table.control.preset, "no such control; write \"fanuc-16i\""));
@@ -142,20 +133,68 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     Ok(JobFile { job, program: folder.join(table.program.as_ref()), serial: build_serial(table)? })
 }
 
-fn build_tool(table: &JobTable, unit: LengthUnit) -> Result<CupMill, Complaint> {
-    if table.tool.kind.as_ref() != "cup-mill" {
-        return Err(at(&table.tool.kind, "only \"cup-mill\" is built so far"));
+fn build_tool(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {
+    let ToolTable { kind, outer_radius, inner_radius, active_teeth, diameter, teeth } = table;
+    match (kind.as_ref().as_str(), outer_radius, inner_radius, active_teeth, diameter, teeth) {
+        ("cup-mill", Some(outer), Some(inner), Some(teeth), None, None) => {
+            let outer_mm = length_mm(outer, unit, "outer_radius")?;
+            let inner_mm = length_mm(inner, unit, "inner_radius")?;
+            if inner_mm >= outer_mm {
+                return Err(at(inner, "inner_radius must be less than outer_radius"));
+            }
+            let (outer_radius, inner_radius) = (Nm::from_mm(outer_mm), Nm::from_mm(inner_mm));
+            Ok(Tool::CupMill(CupMill { outer_radius, inner_radius, active_teeth: some_teeth(teeth)? }))
+        }
+        ("end-mill", None, None, None, Some(diameter), Some(teeth)) => {
+            let radius = Nm::from_mm(length_mm(diameter, unit, "diameter")? / 2.0);
+            Ok(Tool::EndMill(EndMill { radius, teeth: some_teeth(teeth)? }))
+        }
+        ("cup-mill", ..) => Err(at(kind, "a cup-mill has outer_radius, inner_radius and active_teeth")),
+        ("end-mill", ..) => Err(at(kind, "an end-mill has diameter and teeth")),
+        _ => Err(at(kind, "no such tool; write \"cup-mill\" or \"end-mill\"")),
     }
-    let outer_mm = length_mm(&table.tool.outer_radius, unit, "outer_radius")?;
-    let inner_mm = length_mm(&table.tool.inner_radius, unit, "inner_radius")?;
-    if inner_mm >= outer_mm {
-        return Err(at(&table.tool.inner_radius, "inner_radius must be less than outer_radius"));
+}
+
+fn some_teeth(teeth: &Spanned<u16>) -> Result<u16, Complaint> {
+    match *teeth.as_ref() {
+        0 => Err(at(teeth, "a tool needs at least one active tooth")),
+        teeth => Ok(teeth),
     }
-    let teeth = *table.tool.active_teeth.as_ref();
-    if teeth == 0 {
-        return Err(at(&table.tool.active_teeth, "a tool needs at least one active tooth"));
+}
+
+fn build_law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
+    let kind = table.kind.as_ref().as_str();
+    let settings = (&table.edges, table.inside_only, &table.floor);
+    match (kind, tool, settings) {
+        ("programmed", _, (None, None, None)) => Ok(LawKind::Programmed),
+        ("circumference", Tool::CupMill(_), (None, None, None)) => Ok(LawKind::Circumference),
+        ("engaged-arc", Tool::CupMill(_), (edges, None, None)) => {
+            match edges.as_ref().map(|edges| edges.as_ref().as_str()) {
+                None | Some("both") => Ok(LawKind::EngagedArc { both_edges: true }),
+                Some("side") => Ok(LawKind::EngagedArc { both_edges: false }),
+                Some(_) => Err(at(&table.kind, "edges must be \"both\" or \"side\" (the one the cut rule names)")),
+            }
+        }
+        ("engagement", Tool::EndMill(_), (None, None, None)) => Ok(LawKind::Engagement),
+        ("contour", Tool::EndMill(_), (None, inside_only, floor)) => {
+            let floor_ratio = floor.as_ref().map_or(0.0, |floor| *floor.as_ref() / PERCENT);
+            match floor {
+                Some(floor) if !(0.0..=1.0).contains(&floor_ratio) => Err(at(floor, "floor must be 0 to 100 %")),
+                _ => Ok(LawKind::Contour { inside_only: inside_only.unwrap_or(true), floor_ratio }),
+            }
+        }
+        ("circumference" | "engaged-arc", Tool::EndMill(_), _) => Err(at(&table.kind, "this law needs a cup-mill")),
+        ("engagement" | "contour", Tool::CupMill(_), _) => Err(at(&table.kind, "this law needs an end-mill")),
+        ("circumference" | "engaged-arc" | "engagement" | "contour" | "programmed", ..) => Err(at(
+            &table.kind,
+            "`edges` belongs to engaged-arc, `inside_only` and `floor` to contour; remove what does not",
+        )),
+        _ => Err(at(
+            &table.kind,
+            "no such law; write \"circumference\" or \"engaged-arc\" (cup mills), \"contour\" or \"engagement\" (end \
+             mills), or \"programmed\"",
+        )),
     }
-    Ok(CupMill { outer_radius: Nm::from_mm(outer_mm), inner_radius: Nm::from_mm(inner_mm), active_teeth: teeth })
 }
 
 fn build_policy(table: &JobTable) -> Result<FeedPolicy, Complaint> {
@@ -183,70 +222,6 @@ fn build_limits(table: &JobTable) -> Result<OverrideLimits, Complaint> {
         Err(LimitsError::Range) => Err(at(&given.max, "max must lie between 100 % and 254 %, the control's limit")),
         Err(LimitsError::Step) => Err(at(&given.step, "step must be a divisor of 100 %")),
         Err(LimitsError::Slew) => Err(at(&given.slew_up, "slew_up and slew_down must be positive, in % per second")),
-    }
-}
-
-fn build_rules(table: &JobTable, unit: LengthUnit) -> Result<heapless::Vec<CutRule, RULES_MAX>, Complaint> {
-    let mut rules = heapless::Vec::new();
-    for cut in &table.cut {
-        let rule = build_rule(cut.as_ref(), unit)?;
-        rules.push(rule).map_err(|_| at(cut, &format!("more than {RULES_MAX} cut rules")))?;
-    }
-    Ok(rules)
-}
-
-fn build_rule(cut: &CutTable, unit: LengthUnit) -> Result<CutRule, Complaint> {
-    let level = cut.z.as_ref().map(|levels| {
-        let [low, high] = levels.as_ref();
-        let nm = |quantity: &Quantity| Nm::from_mm(quantity.to_mm(unit));
-        (nm(low), nm(high))
-    });
-    if let (Some((low, high)), Some(given)) = (level, &cut.z)
-        && low > high
-    {
-        return Err(at(given, "the lower level comes first"));
-    }
-    let sequence = cut.n.as_ref().map(|range| {
-        let [first, last] = *range.as_ref();
-        (first, last)
-    });
-    Ok(CutRule {
-        rotation: match cut.rotation {
-            schema::RotationWord::Interior => Rotation::Interior,
-            schema::RotationWord::Exterior => Rotation::Exterior,
-        },
-        turn: match cut.direction {
-            schema::DirectionWord::Cw => Turn::Cw,
-            schema::DirectionWord::Ccw => Turn::Ccw,
-        },
-        edge: match cut.side {
-            schema::SideWord::Outer => Edge::Outer,
-            schema::SideWord::Inner => Edge::Inner,
-        },
-        stock: build_stock(&cut.stock, unit)?,
-        sequence,
-        level,
-    })
-}
-
-/// A line by angle and offset, or through two points with the material on the left of the way from one to the other.
-fn build_stock(stock: &Spanned<StockTable>, unit: LengthUnit) -> Result<StockLine, Complaint> {
-    match stock.as_ref() {
-        StockTable { normal_deg: Some(normal_deg), offset: Some(offset), from: None, to: None } => {
-            Ok(StockLine::from_angle(*normal_deg, offset.to_mm(unit)))
-        }
-        StockTable { normal_deg: None, offset: None, from: Some(from), to: Some(to) } => {
-            let [x, y] = from.each_ref().map(|quantity| quantity.to_mm(unit));
-            let [to_x, to_y] = to.each_ref().map(|quantity| quantity.to_mm(unit));
-            let (dx, dy) = (to_x - x, to_y - y);
-            let length = libm::hypot(dx, dy);
-            if length == 0.0 {
-                return Err(at(stock, "`from` and `to` are the same point"));
-            }
-            let normal = [dy / length, -dx / length];
-            Ok(StockLine { normal, offset_mm: normal[0] * x + normal[1] * y })
-        }
-        _ => Err(at(stock, "give the stock line as { normal_deg, offset } or as { from = [x, y], to = [x, y] }")),
     }
 }
 

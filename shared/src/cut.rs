@@ -1,13 +1,14 @@
-//! Which arcs of a program cut what: the job's `[[cut]]` rules.
+//! Which moves of a program cut what: the job's `[[cut]]` rules.
 //!
-//! An arc is recognised by what it turns about (its radius is the ring's inner or outer radius within 0.1 %) and its
-//! sense, and may be narrowed by sequence number or level. Rules are tried in order; the first that fits counts.
+//! A ring's arc is recognised by what it turns about (its radius is the ring's inner or outer radius within 0.1 %) and its
+//! sense; an end mill's move by whether it is an arc, in which sense, or a line. A rule may be narrowed by sequence number
+//! or level. Rules are tried in order; the first that fits counts.
 
 use crate::nc::modal::Turn;
-use crate::segment::{Arc, Segment};
-use crate::stock::StockLine;
-use crate::tool::{CupMill, Edge};
-use crate::units::Nm;
+use crate::segment::{Arc, Path, Segment};
+use crate::stock::Stock;
+use crate::tool::{CupMill, Edge, Tool};
+use crate::units::{MmPerTooth, Nm};
 
 /// Most rules in a job.
 pub const RULES_MAX: usize = 16;
@@ -15,20 +16,55 @@ pub const RULES_MAX: usize = 16;
 pub const RADIUS_MATCH_RATIO: f64 = 1e-3;
 
 /// One `[[cut]]`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CutRule {
-    /// What the tool centre turns about.
-    pub rotation: Rotation,
-    /// In which sense.
-    pub turn: Turn,
-    /// The circle that cuts.
-    pub edge: Edge,
-    /// The stock limit in the arc's plane.
-    pub stock: StockLine,
+    /// Which moves.
+    pub moves: Moves,
+    /// What they cut.
+    pub work: Work,
+    /// Wanted feed per tooth, where it is not the job's.
+    pub feed_per_tooth: Option<MmPerTooth>,
     /// First and last sequence number, if restricted.
     pub sequence: Option<(i64, i64)>,
     /// Lowest and highest Z, if restricted.
     pub level: Option<(Nm, Nm)>,
+}
+
+/// The moves that a rule speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moves {
+    /// Arcs of a ring about a point on one of its circles.
+    Rotations(Rotation, Turn),
+    /// Arcs in one sense.
+    Arcs(Turn),
+    /// Straight cutting moves.
+    Lines,
+}
+
+/// What a move cuts.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and a job has few rules")]
+pub enum Work {
+    /// A ring, with one of its circles, up to the stock's limit.
+    Ring(Edge, Stock),
+    /// An end mill, along a contour.
+    Mill {
+        /// Which side of the contour it runs on.
+        side: Side,
+        /// Radial depth of cut, ae.
+        radial_depth: Nm,
+    },
+}
+
+/// Which side of a contour a tool runs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Inside a concave arc: the contour is longer than the centre's path.
+    Inside,
+    /// Outside a convex one.
+    Outside,
+    /// Both walls at once. They wish the opposite; the thicker chip wins, which is the inside one's.
+    Slot,
 }
 
 /// What the tool centre turns about (Petean table 5.1).
@@ -41,13 +77,26 @@ pub enum Rotation {
 }
 
 impl CutRule {
-    /// Whether this rule speaks of `arc` in `segment`.
-    pub fn fits(&self, segment: &Segment, arc: &Arc, tool: &CupMill) -> bool {
+    /// Whether this rule speaks of `segment`.
+    pub fn fits(&self, segment: &Segment, tool: &Tool) -> bool {
         let [_, _, z] = segment.start.linear;
         let in_sequence =
             self.sequence.is_none_or(|(first, last)| segment.sequence.is_some_and(|n| (first..=last).contains(&n)));
         let in_level = self.level.is_none_or(|(low, high)| (low..=high).contains(&z));
-        self.turn == arc.turn && in_sequence && in_level && self.rotation.is_of(arc, tool)
+        in_sequence && in_level && self.moves.include(segment, tool)
+    }
+}
+
+impl Moves {
+    fn include(self, segment: &Segment, tool: &Tool) -> bool {
+        match (self, &segment.path, tool) {
+            (Moves::Rotations(rotation, turn), Path::Arc(arc), Tool::CupMill(ring)) => {
+                arc.turn == turn && rotation.is_of(arc, ring)
+            }
+            (Moves::Arcs(turn), Path::Arc(arc), _) => arc.turn == turn,
+            (Moves::Lines, Path::Line, _) => true,
+            (Moves::Rotations(..) | Moves::Arcs(_) | Moves::Lines, ..) => false,
+        }
     }
 }
 
@@ -62,28 +111,29 @@ impl Rotation {
     }
 }
 
-/// The first rule that fits the segment.
-pub fn find<'r>(rules: &'r [CutRule], segment: &Segment, tool: &CupMill) -> Option<&'r CutRule> {
-    let arc = segment.arc()?;
-    rules.iter().find(|rule| rule.fits(segment, arc, tool))
+/// The first rule that fits the segment, with its place among the rules.
+pub fn find<'r>(rules: &'r [CutRule], segment: &Segment, tool: &Tool) -> Option<(usize, &'r CutRule)> {
+    rules.iter().enumerate().find(|(_, rule)| rule.fits(segment, tool))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::nc::modal::{Feed, Plane, Pose};
-    use crate::segment::Path;
+    use crate::stock::StockLine;
 
-    const TOOL: CupMill = CupMill { outer_radius: Nm(128_000_000), inner_radius: Nm(112_000_000), active_teeth: 10 };
+    const TOOL: Tool =
+        Tool::CupMill(CupMill { outer_radius: Nm(128_000_000), inner_radius: Nm(112_000_000), active_teeth: 10 });
 
-    const RULE: CutRule = CutRule {
-        rotation: Rotation::Interior,
-        turn: Turn::Ccw,
-        edge: Edge::Outer,
-        stock: StockLine { normal: [1.0, 0.0], offset_mm: 0.0 },
-        sequence: None,
-        level: None,
-    };
+    fn rule(turn: Turn) -> CutRule {
+        CutRule {
+            moves: Moves::Rotations(Rotation::Interior, turn),
+            work: Work::Ring(Edge::Outer, Stock::half_plane(StockLine::from_angle(0.0, 0.0))),
+            feed_per_tooth: None,
+            sequence: None,
+            level: None,
+        }
+    }
 
     fn segment(radius_nm: i64, sequence: Option<i64>, z: Nm) -> Segment {
         let pose = Pose { linear: [Nm(0), Nm(0), z], ..Pose::default() };
@@ -102,35 +152,44 @@ mod tests {
         }
     }
 
-    fn fits(rule: CutRule, segment: &Segment) -> bool {
-        find(&[rule], segment, &TOOL).is_some()
+    fn fits(rule: &CutRule, segment: &Segment) -> bool {
+        find(core::slice::from_ref(rule), segment, &TOOL).is_some()
     }
 
     #[test]
     fn an_arc_is_recognised_by_its_radius_within_a_thousandth() {
-        assert!(fits(RULE, &segment(112_111_000, None, Nm(0))));
-        assert!(!fits(RULE, &segment(112_113_000, None, Nm(0))));
-        assert!(!fits(RULE, &segment(128_000_000, None, Nm(0))));
+        let rule = rule(Turn::Ccw);
+        assert!(fits(&rule, &segment(112_111_000, None, Nm(0))));
+        assert!(!fits(&rule, &segment(112_113_000, None, Nm(0))));
+        assert!(!fits(&rule, &segment(128_000_000, None, Nm(0))));
     }
 
     #[test]
     fn sense_sequence_and_level_narrow_a_rule() {
         let arc = segment(112_000_000, Some(144), Nm(-5));
-        assert!(!fits(CutRule { turn: Turn::Cw, ..RULE }, &arc));
-        let numbered = |range| CutRule { sequence: Some(range), ..RULE };
-        assert!(fits(numbered((144, 152)), &arc));
-        assert!(!fits(numbered((145, 152)), &arc));
-        assert!(!fits(numbered((144, 152)), &segment(112_000_000, None, Nm(-5))));
-        let level = |low, high| CutRule { level: Some((Nm(low), Nm(high))), ..RULE };
-        assert!(fits(level(-5, 0), &arc));
-        assert!(!fits(level(-4, 0), &arc));
+        assert!(!fits(&rule(Turn::Cw), &arc));
+        let numbered = |range| CutRule { sequence: Some(range), ..rule(Turn::Ccw) };
+        assert!(fits(&numbered((144, 152)), &arc));
+        assert!(!fits(&numbered((145, 152)), &arc));
+        assert!(!fits(&numbered((144, 152)), &segment(112_000_000, None, Nm(-5))));
+        let level = |low, high| CutRule { level: Some((Nm(low), Nm(high))), ..rule(Turn::Ccw) };
+        assert!(fits(&level(-5, 0), &arc));
+        assert!(!fits(&level(-4, 0), &arc));
+    }
+
+    #[test]
+    fn an_end_mills_arcs_have_any_radius_and_its_lines_are_no_arcs() {
+        let moves = |moves| CutRule { moves, ..rule(Turn::Ccw) };
+        let arc = segment(3_000_000, None, Nm(0));
+        let line = Segment { path: Path::Line, ..arc };
+        assert!(fits(&moves(Moves::Arcs(Turn::Ccw)), &arc) && !fits(&moves(Moves::Arcs(Turn::Cw)), &arc));
+        assert!(fits(&moves(Moves::Lines), &line) && !fits(&moves(Moves::Lines), &arc));
     }
 
     #[test]
     fn the_first_rule_that_fits_counts() {
-        let inner = CutRule { edge: Edge::Inner, ..RULE };
-        let rules = [inner, RULE];
+        let rules = [rule(Turn::Cw), rule(Turn::Ccw), rule(Turn::Ccw)];
         let found = find(&rules, &segment(112_000_000, None, Nm(0)), &TOOL);
-        assert_eq!(found.map(|rule| rule.edge), Some(Edge::Inner));
+        assert_eq!(found.map(|(index, _)| index), Some(1));
     }
 }

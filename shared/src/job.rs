@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use crate::cut::{CutRule, RULES_MAX};
-use crate::tool::CupMill;
+use crate::tool::Tool;
 use crate::units::{LengthUnit, MmPerTooth, RevPerMin};
 
 /// A job, validated.
@@ -12,12 +12,12 @@ pub struct Job {
     /// The unit the program starts in and reports speak.
     pub unit: LengthUnit,
     /// The cutter.
-    pub tool: CupMill,
+    pub tool: Tool,
     /// Commanded spindle speed.
     pub spindle: RevPerMin,
     /// The feed law.
     pub law: LawKind,
-    /// Wanted feed per tooth on the cutting circumference, a.
+    /// a: wanted feed per tooth, where the law says (on the circumference, at the contour), or chip thickness.
     pub feed_per_tooth: MmPerTooth,
     /// How the wanted feed reaches the control.
     pub policy: FeedPolicy,
@@ -27,11 +27,32 @@ pub struct Job {
     pub rules: Vec<CutRule, RULES_MAX>,
 }
 
+impl Job {
+    /// The wanted feed per tooth of a rule.
+    pub fn feed_per_tooth_of(&self, rule: &CutRule) -> MmPerTooth {
+        rule.feed_per_tooth.unwrap_or(self.feed_per_tooth)
+    }
+}
+
 /// The feed laws.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LawKind {
-    /// Constant feed per tooth on the circumference (Petean ch. 5).
+    /// Constant feed per tooth on a ring's circumference, at the contact with the stock line (Petean ch. 5).
     Circumference,
+    /// The thickest chip over a ring's whole engaged arc.
+    EngagedArc {
+        /// Whether both circles of the ring are protected, or only the one that the cut rule names.
+        both_edges: bool,
+    },
+    /// Constant feed per tooth at the finished contour.
+    Contour {
+        /// Whether outside arcs keep the feed instead of a raised one.
+        inside_only: bool,
+        /// Least part of the feed, however tight the arc.
+        floor_ratio: f32,
+    },
+    /// Constant chip thickness of an end mill.
+    Engagement,
     /// The program's own feed.
     Programmed,
 }

@@ -44,6 +44,22 @@ impl StockLine {
 }
 
 impl Stock {
+    /// Everything on the material side of a line.
+    pub fn half_plane(line: StockLine) -> Self {
+        Stock::Convex(Vec::from_iter([line]))
+    }
+
+    /// The line, if that is all there is.
+    pub fn line(&self) -> Option<&StockLine> {
+        match self {
+            Stock::Convex(lines) => match lines.as_slice() {
+                [line] => Some(line),
+                _ => None,
+            },
+            Stock::Disc { .. } => None,
+        }
+    }
+
     /// The convex polygon with these corners (mm), in either sense; `None` for fewer than three or more than
     /// [`EDGES_MAX`] corners, and for polygons that are not strictly convex.
     pub fn polygon(corners_mm: &[[f64; 2]]) -> Option<Self> {

@@ -1,6 +1,34 @@
-//! The cup mill: a ring that cuts with its outer or its inner circle.
+//! Tools: the cup mill, a ring that cuts with its outer or its inner circle, and the ordinary end mill.
 
 use crate::units::{Mm, Nm};
+
+/// What turns in the spindle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tool {
+    /// A ring.
+    CupMill(CupMill),
+    /// A disc.
+    EndMill(EndMill),
+}
+
+impl Tool {
+    /// Teeth that cut.
+    pub const fn active_teeth(&self) -> u16 {
+        match self {
+            Tool::CupMill(mill) => mill.active_teeth,
+            Tool::EndMill(mill) => mill.teeth,
+        }
+    }
+}
+
+/// An ordinary end mill, seen along its axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EndMill {
+    /// r.
+    pub radius: Nm,
+    /// Its teeth.
+    pub teeth: u16,
+}
 
 /// A ring-shaped cutter, seen along its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,22 +10,15 @@
 //! ```
 //!
 //! It knows nothing of engagement and differs strongly from the engagement law. Its traps are handled here: a tool as
-//! large as the arc would stand still (floor), an outside arc would be sped up (inside-only mode).
+//! large as the arc would stand still (floor), an outside arc would be sped up (inside-only mode), the walls of a slot
+//! wish the opposite (the inside one wins).
 //!
 //! Source: docs/laws.md#contour (808D advanced manual p. 79; calculator pages quoted there).
 
+use arcfeed_shared::cut::Side;
 use arcfeed_shared::units::{Mm, MmPerTooth};
 
 use super::{FeedLaw, NoWish, Place, Wish};
-
-/// Which side of the contour the tool runs on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// Inside a concave arc: the contour is longer than the centre's path.
-    Inside,
-    /// Outside a convex one.
-    Outside,
-}
 
 /// What the law may do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +54,7 @@ fn wish(q_mm: f32, r_mm: f32, side: Side, a: f32, limits: ContourLimits) -> Resu
     }
     let factor = match side {
         _ if q_mm.is_infinite() => 1.0,
-        Side::Inside => q_mm / (q_mm + r_mm), // (1)
+        Side::Inside | Side::Slot => q_mm / (q_mm + r_mm), // (1)
         Side::Outside if limits.inside_only => 1.0,
         // A tool's centre on a smaller circle than the tool itself cannot be outside a contour.
         Side::Outside if q_mm <= r_mm => return Err(NoWish::OutsideValidity),
@@ -69,7 +62,7 @@ fn wish(q_mm: f32, r_mm: f32, side: Side, a: f32, limits: ContourLimits) -> Resu
     };
     let path_mm_per_tooth = a * factor.max(limits.floor_ratio);
     if path_mm_per_tooth > 0.0 && path_mm_per_tooth.is_finite() {
-        Ok(Wish { path_mm_per_tooth, contact: [0.0, if side == Side::Inside { -1.0 } else { 1.0 }] })
+        Ok(Wish { path_mm_per_tooth, contact: [0.0, if side == Side::Outside { 1.0 } else { -1.0 }] })
     } else {
         Err(NoWish::OutsideValidity)
     }

@@ -17,15 +17,19 @@ pub mod engagement;
 
 pub mod table;
 
-use arcfeed_shared::cut::CutRule;
+use arcfeed_shared::cut::{CutRule, Side, Work};
 use arcfeed_shared::fmath;
 use arcfeed_shared::job::{Job, LawKind};
 use arcfeed_shared::segment::Segment;
+use arcfeed_shared::stock::Stock;
+use arcfeed_shared::tool::{CupMill, Edge, EndMill, Tool};
+use arcfeed_shared::units::{Mm, MmPerTooth, Nm};
 
 use circumference::Circumference;
-use contour::Contour;
-use engaged_arc::EngagedArc;
-use engagement::Engagement;
+use contour::{Contour, ContourLimits};
+use engaged_arc::{EdgePolicy, EngagedArc, Ring};
+use engagement::{Course, Engagement};
+use region::Region;
 use table::Table;
 
 /// A law prepared for one segment.
@@ -92,6 +96,8 @@ impl Wish {
 /// Why a law has no wish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoWish {
+    /// No law governs the segment.
+    NoLaw,
     /// The cutting circle does not meet the stock.
     NoContact,
     /// It meets it only where the edge recedes, or where the law does not hold.
@@ -121,27 +127,90 @@ pub enum SegmentLaw {
 }
 
 impl SegmentLaw {
-    /// The job's law for a segment that `rule` speaks of.
+    /// The job's law for a segment that `rule` speaks of; [`SegmentLaw::Programmed`] where tool, law and rule do not go
+    /// together.
     pub fn for_segment(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
-        match (job.law, segment.arc(), rule) {
-            (LawKind::Circumference, Some(arc), Some(rule)) => {
-                let radius = job.tool.radius_mm(rule.edge);
-                let law = Circumference::for_arc(arc, radius, rule.edge, &rule.stock, job.feed_per_tooth);
-                SegmentLaw::Circumference(law)
+        let Some(rule) = rule else { return SegmentLaw::Programmed };
+        match (&job.tool, &rule.work) {
+            (Tool::CupMill(mill), Work::Ring(edge, stock)) => {
+                for_ring(segment, mill, (*edge, stock), job.law, job.feed_per_tooth_of(rule))
             }
-            _ => SegmentLaw::Programmed,
+            (Tool::EndMill(mill), Work::Mill { side, radial_depth }) => {
+                for_mill(segment, mill, (*side, *radial_depth), job.law, job.feed_per_tooth_of(rule))
+            }
+            (Tool::CupMill(_), Work::Mill { .. }) | (Tool::EndMill(_), Work::Ring(..)) => SegmentLaw::Programmed,
         }
     }
+}
 
-    /// The wish, where a law governs.
-    pub fn wish(&self, place: &Place) -> Option<Result<Wish, NoWish>> {
-        Some(match self {
+impl FeedLaw for SegmentLaw {
+    fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
+        match self {
             SegmentLaw::Circumference(law) => law.wish(place),
             SegmentLaw::EngagedArc(law) => law.wish(place),
             SegmentLaw::Contour(law) => law.wish(place),
             SegmentLaw::Engagement(law) => law.wish(place),
             SegmentLaw::Table(law) => law.wish(place),
-            SegmentLaw::Programmed => return None,
-        })
+            SegmentLaw::Programmed => Err(NoWish::NoLaw),
+        }
+    }
+}
+
+fn for_ring(
+    segment: &Segment,
+    mill: &CupMill,
+    (edge, stock): (Edge, &Stock),
+    law: LawKind,
+    feed_per_tooth: MmPerTooth,
+) -> SegmentLaw {
+    let Some(arc) = segment.arc() else { return SegmentLaw::Programmed };
+    match (law, stock.line()) {
+        (LawKind::Circumference, Some(line)) => {
+            let law = Circumference::for_arc(arc, mill.radius_mm(edge), edge, line, feed_per_tooth);
+            SegmentLaw::Circumference(law)
+        }
+        (LawKind::EngagedArc { both_edges }, _) => {
+            let ring = Ring {
+                outer_radius: mill.radius_mm(Edge::Outer),
+                inner_radius: mill.radius_mm(Edge::Inner),
+                path_radius: Mm(arc.radius_mm() as f32),
+                feed_per_tooth,
+            };
+            let policy = if both_edges { EdgePolicy::Protect } else { EdgePolicy::Only(edge) };
+            let region = Region::new(stock, arc.center.map(Nm::to_mm));
+            SegmentLaw::EngagedArc(EngagedArc::new(ring, policy, region))
+        }
+        _ => SegmentLaw::Programmed,
+    }
+}
+
+fn for_mill(
+    segment: &Segment,
+    mill: &EndMill,
+    (side, radial_depth): (Side, Nm),
+    law: LawKind,
+    feed_per_tooth: MmPerTooth,
+) -> SegmentLaw {
+    let tool_radius = Mm(mill.radius.to_mm() as f32);
+    let path_radius = segment.arc().map(|arc| arc.radius_mm() as f32);
+    match law {
+        LawKind::Contour { inside_only, floor_ratio } => {
+            let limits = ContourLimits { inside_only, floor_ratio };
+            let path_radius = Mm(path_radius.unwrap_or(f32::INFINITY));
+            SegmentLaw::Contour(Contour::new(path_radius, tool_radius, side, feed_per_tooth, limits))
+        }
+        LawKind::Engagement => {
+            let course = match (segment.arc(), side) {
+                (Some(arc), Side::Inside) => Course::Inside {
+                    contour_radius: Mm(arc.radius_mm() as f32 + tool_radius.0),
+                    turn_rad: arc.sweep_rad() as f32,
+                },
+                _ => Course::Straight,
+            };
+            let depth = if side == Side::Slot { Nm(2 * mill.radius.0) } else { radial_depth };
+            let depth = Mm(depth.to_mm() as f32);
+            SegmentLaw::Engagement(Engagement::new(tool_radius, depth, feed_per_tooth, course))
+        }
+        LawKind::Circumference | LawKind::EngagedArc { .. } | LawKind::Programmed => SegmentLaw::Programmed,
     }
 }

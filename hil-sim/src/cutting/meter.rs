@@ -5,12 +5,13 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_shared::cut::CutRule;
+use arcfeed_shared::cut::{CutRule, Work};
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::report::{ChipFigures, LeftOut};
 use arcfeed_shared::segment::{Arc, Segment};
+use arcfeed_shared::stock::StockLine;
 use arcfeed_shared::telemetry::Sample;
-use arcfeed_shared::tool::{CupMill, Edge};
+use arcfeed_shared::tool::{Edge, Tool};
 use arcfeed_shared::units::{Nm, RevPerMin, S_PER_MIN};
 use nalgebra::Vector2;
 
@@ -22,22 +23,22 @@ pub const STEADY_RATIO: f64 = 5e-3;
 /// What the meter needs to know about the tool; config.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeterSettings {
-    /// The true tool.
-    pub tool: CupMill,
+    /// The true tool. Only a ring's chips are measured.
+    pub tool: Tool,
     /// Spindle speed.
     pub spindle: RevPerMin,
-    /// Target chip on the circumference, mm.
+    /// Target chip on the circumference where a rule gives none of its own, mm.
     pub target_mm_per_tooth: f64,
 }
 
-/// Chips of one arc.
+/// Chips of one move that a cut rule speaks of.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ArcChips {
+pub struct MoveChips {
     /// `N` of its block.
     pub sequence: Option<i64>,
     /// Which of the job's cut rules speaks of it.
     pub rule: usize,
-    /// Chip at the contact relative to the target.
+    /// Chip at the contact relative to the target; nothing where the tool is no ring or the stock no single line.
     pub contact: ChipFigures,
     /// Thickest chip relative to the target, anywhere inside the rule's half plane: outer and inner circle.
     pub thickest: [ChipFigures; 2],
@@ -51,8 +52,9 @@ pub struct ChipMeter {
     settings: MeterSettings,
     tooth_s: f64,
     history: VecDeque<Measured>,
-    cut: Option<Cut>,
-    arcs: Vec<ArcChips>,
+    block: Option<u32>,
+    cut: Option<RingCut>,
+    moves: Vec<MoveChips>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -62,58 +64,64 @@ struct Measured {
     steady: bool,
 }
 
+/// An arc of a ring up to a stock line.
 #[derive(Clone, Copy, Debug)]
-struct Cut {
-    block: u32,
+struct RingCut {
     axes: (usize, usize),
     rotation_center_mm: Vector2<f64>,
-    rule: CutRule,
+    /// The circle that cuts.
+    cutting: Circle,
+    /// The outer and the inner circle.
+    circles: [Circle; 2],
+    line: StockLine,
+    target_mm_per_tooth: f64,
 }
 
 impl ChipMeter {
     /// A meter for a tool at a speed.
     pub fn new(settings: MeterSettings) -> Self {
-        let teeth_per_min = f64::from(settings.spindle.0) * f64::from(settings.tool.active_teeth);
+        let teeth_per_min = f64::from(settings.spindle.0) * f64::from(settings.tool.active_teeth());
         ChipMeter {
             settings,
             tooth_s: S_PER_MIN / teeth_per_min,
             history: VecDeque::new(),
+            block: None,
             cut: None,
-            arcs: Vec::new(),
+            moves: Vec::new(),
         }
     }
 
-    /// What was measured, arc by arc.
-    pub fn arcs(&self) -> &[ArcChips] {
-        &self.arcs
+    /// What was measured, move by move.
+    pub fn moves(&self) -> &[MoveChips] {
+        &self.moves
     }
 
-    /// Whether it is on an arc of this block.
+    /// Whether a cut rule speaks of this block, the last one begun.
     pub fn is_on(&self, block: u32) -> bool {
-        self.cut.is_some_and(|cut| cut.block == block)
+        self.block == Some(block)
     }
 
-    /// A block begins; `rule` with its index if a cut rule speaks of it.
-    pub fn begin(&mut self, block: u32, segment: &Segment, rule: Option<(usize, &CutRule)>) {
+    /// A block begins; `found` is the cut rule that speaks of it, with its place among the rules.
+    pub fn begin(&mut self, block: u32, segment: &Segment, found: Option<(usize, &CutRule)>) {
         self.end_block();
-        if let (Some(arc), Some((index, rule))) = (segment.arc(), rule) {
-            self.cut = Some(Cut::new(block, arc, rule));
-            self.arcs.push(ArcChips {
-                sequence: segment.sequence,
-                rule: index,
-                contact: ChipFigures::default(),
-                thickest: [ChipFigures::default(); 2],
-                left_out: LeftOut::default(),
-            });
-        }
+        let Some((index, rule)) = found else { return };
+        self.block = Some(block);
+        self.cut = segment.arc().and_then(|arc| RingCut::new(arc, rule, &self.settings));
+        self.moves.push(MoveChips {
+            sequence: segment.sequence,
+            rule: index,
+            contact: ChipFigures::default(),
+            thickest: [ChipFigures::default(); 2],
+            left_out: LeftOut::default(),
+        });
     }
 
     /// Takes the machine's report.
     pub fn take(&mut self, sample: &Sample) {
-        let Some(cut) = self.cut.filter(|cut| cut.block == sample.block) else {
+        if !self.is_on(sample.block) {
             self.end_block();
-            return;
-        };
+        }
+        let Some(cut) = self.cut else { return };
         let at_s = sample.at.to_s();
         let position_mm = cut.in_plane(&sample.position);
         // The first sample of a block has no speed yet.
@@ -133,29 +141,23 @@ impl ChipMeter {
     }
 
     /// Measures the tooth that began at the oldest sample.
-    fn measure(&mut self, cut: &Cut, first: Measured) {
+    fn measure(&mut self, cut: &RingCut, first: Measured) {
         let Some(end_mm) = self.position_at(first.at_s + self.tooth_s) else { return };
-        let Some(arc) = self.arcs.last_mut() else { return };
+        let Some(chips) = self.moves.last_mut() else { return };
         // The speed at the oldest sample itself is that of the step before the tooth.
         if !self.history.iter().skip(1).all(|measured| measured.steady) {
-            arc.left_out.not_steady += 1;
+            chips.left_out.not_steady += 1;
             return;
         }
         let delta_mm = end_mm - first.position_mm;
-        let circle = |edge: Edge| Circle {
-            radius_mm: self.settings.tool.radius(edge).to_mm(),
-            advance_ratio: f64::from(edge.advance()),
-        };
-        let stock = &cut.rule.stock;
-        let target = self.settings.target_mm_per_tooth;
-        let contact =
-            circle(cut.rule.edge).contact_chip_mm(&first.position_mm, &cut.rotation_center_mm, &delta_mm, stock);
+        let target = cut.target_mm_per_tooth;
+        let contact = cut.cutting.contact_chip_mm(&first.position_mm, &cut.rotation_center_mm, &delta_mm, &cut.line);
         match contact {
-            Some(chip_mm) => arc.contact.add(chip_mm / target),
-            None => arc.left_out.no_contact += 1,
+            Some(chip_mm) => chips.contact.add(chip_mm / target),
+            None => chips.left_out.no_contact += 1,
         }
-        for (edge, figures) in [Edge::Outer, Edge::Inner].into_iter().zip(&mut arc.thickest) {
-            if let Some(chip_mm) = circle(edge).thickest_chip_mm(&first.position_mm, &delta_mm, stock) {
+        for (circle, figures) in cut.circles.iter().zip(&mut chips.thickest) {
+            if let Some(chip_mm) = circle.thickest_chip_mm(&first.position_mm, &delta_mm, &cut.line) {
                 figures.add(chip_mm / target);
             }
         }
@@ -171,17 +173,28 @@ impl ChipMeter {
 
     /// The teeth still in the cut at the end of a block do not count.
     fn end_block(&mut self) {
-        if let (Some(_), Some(arc)) = (self.cut.take(), self.arcs.last_mut()) {
-            arc.left_out.block_end += self.history.len() as u64;
+        if let (Some(_), Some(chips)) = (self.cut.take(), self.moves.last_mut()) {
+            chips.left_out.block_end += self.history.len() as u64;
         }
+        self.block = None;
         self.history.clear();
     }
 }
 
-impl Cut {
-    fn new(block: u32, arc: &Arc, rule: &CutRule) -> Self {
+impl RingCut {
+    fn new(arc: &Arc, rule: &CutRule, settings: &MeterSettings) -> Option<Self> {
+        let (Tool::CupMill(mill), Work::Ring(edge, stock)) = (&settings.tool, &rule.work) else { return None };
         let (first, second, _) = arc.plane.axes();
-        Cut { block, axes: (first, second), rotation_center_mm: Vector2::from(arc.center.map(Nm::to_mm)), rule: *rule }
+        let circle =
+            |edge: Edge| Circle { radius_mm: mill.radius(edge).to_mm(), advance_ratio: f64::from(edge.advance()) };
+        Some(RingCut {
+            axes: (first, second),
+            rotation_center_mm: Vector2::from(arc.center.map(Nm::to_mm)),
+            cutting: circle(*edge),
+            circles: [circle(Edge::Outer), circle(Edge::Inner)],
+            line: *stock.line()?,
+            target_mm_per_tooth: rule.feed_per_tooth.map_or(settings.target_mm_per_tooth, |feed| f64::from(feed.0)),
+        })
     }
 
     fn in_plane(&self, position: &Pose) -> Vector2<f64> {

@@ -129,12 +129,11 @@ fn plan_block(line: usize, segment: Segment, job: &Job, unit: LengthUnit) -> Pla
 }
 
 fn govern(block: &mut PlannedBlock, job: &Job, unit: LengthUnit) {
-    let Some(rule) = cut::find(&job.rules, &block.segment, &job.tool) else { return };
-    block.rule = job.rules.iter().position(|other| other == rule);
+    let Some((index, rule)) = cut::find(&job.rules, &block.segment, &job.tool) else { return };
+    block.rule = Some(index);
     let law = SegmentLaw::for_segment(&block.segment, Some(rule), job);
-    let teeth_per_min = f64::from(job.spindle.0) * f64::from(job.tool.active_teeth);
-    let (SegmentLaw::Circumference(law), Some(arc)) = (law, block.segment.arc()) else { return };
-    let Some(wish) = range::along(&law, arc, teeth_per_min) else {
+    let teeth_per_min = f64::from(job.spindle.0) * f64::from(job.tool.active_teeth());
+    let Some(wish) = range::along(&law, &block.segment, teeth_per_min) else {
         block.reason = PlanReason::NoWish;
         return;
     };

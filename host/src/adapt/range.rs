@@ -1,12 +1,13 @@
-//! What a law wants along a whole arc: the range of its wishes, and a feed that no point of the arc undercuts.
+//! What a law wants along a whole move: the range of its wishes, and a feed that no point of the arc undercuts.
 
 use arcfeed_firmware::law::{FeedLaw, NoWish, Place};
-use arcfeed_shared::segment::Arc;
+use arcfeed_shared::segment::Segment;
+use arcfeed_shared::units::Nm;
 
-/// Points along the arc at which the law is asked.
+/// Points along the move at which the law is asked.
 const POINTS: usize = 257;
 
-/// The wishes of a law along an arc.
+/// The wishes of a law along a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WishRange {
     /// Least wanted feed at the points asked.
@@ -19,17 +20,17 @@ pub struct WishRange {
     pub ipt_mm_per_tooth: [f64; 2],
     /// Contact angle at the first and the last point with a wish.
     pub contact_deg: [f64; 2],
-    /// Whether the law has a wish everywhere on the arc.
+    /// Whether the law has a wish everywhere on the move.
     pub covers_all: bool,
 }
 
-/// Asks the law along the arc; `None` if it has no finite wish anywhere.
-pub fn along(law: &impl FeedLaw, arc: &Arc, teeth_per_min: f64) -> Option<WishRange> {
+/// Asks the law along the move; `None` if it has no finite wish anywhere.
+pub fn along(law: &impl FeedLaw, segment: &Segment, teeth_per_min: f64) -> Option<WishRange> {
     let mut paths_mm = Vec::with_capacity(POINTS);
     let mut contacts_rad = Vec::with_capacity(POINTS);
     let mut covers_all = true;
     for point in 0..POINTS {
-        match law.wish(&place_at(arc, point as f64 / (POINTS - 1) as f64)) {
+        match law.wish(&place_at(segment, point as f64 / (POINTS - 1) as f64)) {
             Ok(wish) => {
                 paths_mm.push(f64::from(wish.path_mm_per_tooth));
                 contacts_rad.push(f64::from(wish.contact_rad()));
@@ -51,10 +52,20 @@ pub fn along(law: &impl FeedLaw, arc: &Arc, teeth_per_min: f64) -> Option<WishRa
     })
 }
 
-fn place_at(arc: &Arc, ratio: f64) -> Place {
-    let direction = arc.direction_at(ratio).map(|component| component as f32);
-    let turn_ratio = f32::from(arc.turn.sign());
-    Place::on_arc(direction, turn_ratio, arc.radius_mm() as f32, (arc.length_mm() * ratio) as f32)
+fn place_at(segment: &Segment, ratio: f64) -> Place {
+    let travelled_mm = (segment.length_mm() * ratio) as f32;
+    match segment.arc() {
+        Some(arc) => {
+            let direction = arc.direction_at(ratio).map(|component| component as f32);
+            Place::on_arc(direction, f32::from(arc.turn.sign()), arc.radius_mm() as f32, travelled_mm)
+        }
+        None => {
+            let [x, y, _] = segment.start.linear.map(Nm::to_mm);
+            let [to_x, to_y, _] = segment.end.linear.map(Nm::to_mm);
+            let part = |from: f64, to: f64| ((to - from) / segment.length_mm()) as f32;
+            Place::on_line([part(x, to_x), part(y, to_y)], travelled_mm)
+        }
+    }
 }
 
 /// How far a smooth curve may dip below the lower of two neighbouring points: an eighth of its second difference.
@@ -67,16 +78,14 @@ fn dip_between(values: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use arcfeed_firmware::law::Wish;
-    use arcfeed_shared::nc::modal::{Plane, Turn};
-    use arcfeed_shared::units::Nm;
+    use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
+    use arcfeed_shared::segment::{Arc, Path};
 
-    const QUARTER: Arc = Arc {
-        plane: Plane::Xy,
-        turn: Turn::Ccw,
-        center: [Nm(0); 2],
-        from: [Nm(1_000_000), Nm(0)],
-        to: [Nm(0), Nm(1_000_000)],
-    };
+    fn quarter() -> Segment {
+        let (center, from, to) = ([Nm(0); 2], [Nm(1_000_000), Nm(0)], [Nm(0), Nm(1_000_000)]);
+        let path = Path::Arc(Arc { plane: Plane::Xy, turn: Turn::Ccw, center, from, to });
+        Segment { sequence: None, start: Pose::default(), end: Pose::default(), feed: Feed::Missing, path }
+    }
 
     /// A valley of depth 1 whose bottom lies between two of the points asked.
     struct Valley;
@@ -91,7 +100,7 @@ mod tests {
 
     #[test]
     fn the_safe_feed_undercuts_what_lies_between_the_points() {
-        let range = along(&Valley, &QUARTER, 100.0).unwrap();
+        let range = along(&Valley, &quarter(), 100.0).unwrap();
         assert!(range.safe_mm_per_min <= 100.0 && range.safe_mm_per_min > 99.99, "{range:?}");
         assert!(range.covers_all);
     }
@@ -106,6 +115,6 @@ mod tests {
 
     #[test]
     fn a_law_without_a_wish_has_no_range() {
-        assert_eq!(along(&Silent, &QUARTER, 100.0), None);
+        assert_eq!(along(&Silent, &quarter(), 100.0), None);
     }
 }

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use arcfeed_shared::cut::Rotation;
+use arcfeed_shared::cut::{Moves, Rotation, Side, Work};
 use arcfeed_shared::job::{Job, LawKind};
 use arcfeed_shared::nc::modal::Turn;
 use arcfeed_shared::tool::Edge;
@@ -139,8 +139,8 @@ impl BlockFigures {
             line: block.line,
             kind: block.kind(),
             direction: block.segment.arc().map(|arc| direction_word(arc.turn)),
-            rotation: rule.map(|rule| rotation_word(rule.rotation)),
-            side: rule.map(|rule| side_word(rule.edge)),
+            rotation: rule.and_then(|rule| rotation_word(rule.moves)),
+            side: rule.map(|rule| side_word(&rule.work)),
             law: rule.map(|_| law_word(job.law)),
             programmed_feed: programmed.map(feed),
             sent_feed: block.sent.map(feed),
@@ -166,10 +166,11 @@ fn feed_unit(unit: LengthUnit) -> &'static str {
 }
 
 /// As in job files.
-pub fn rotation_word(rotation: Rotation) -> &'static str {
-    match rotation {
-        Rotation::Interior => "interior",
-        Rotation::Exterior => "exterior",
+pub fn rotation_word(moves: Moves) -> Option<&'static str> {
+    match moves {
+        Moves::Rotations(Rotation::Interior, _) => Some("interior"),
+        Moves::Rotations(Rotation::Exterior, _) => Some("exterior"),
+        Moves::Arcs(_) | Moves::Lines => None,
     }
 }
 
@@ -182,16 +183,22 @@ pub fn direction_word(turn: Turn) -> &'static str {
 }
 
 /// As in job files.
-pub fn side_word(edge: Edge) -> &'static str {
-    match edge {
-        Edge::Outer => "outer",
-        Edge::Inner => "inner",
+pub fn side_word(work: &Work) -> &'static str {
+    match work {
+        Work::Ring(Edge::Outer, _) => "outer",
+        Work::Ring(Edge::Inner, _) => "inner",
+        Work::Mill { side: Side::Inside, .. } => "inside",
+        Work::Mill { side: Side::Outside, .. } => "outside",
+        Work::Mill { side: Side::Slot, .. } => "slot",
     }
 }
 
 fn law_word(law: LawKind) -> &'static str {
     match law {
         LawKind::Circumference => "circumference",
+        LawKind::EngagedArc { .. } => "engaged-arc",
+        LawKind::Contour { .. } => "contour",
+        LawKind::Engagement => "engagement",
         LawKind::Programmed => "programmed",
     }
 }

@@ -5,12 +5,13 @@ use std::time::Instant;
 
 use arcfeed_hil_sim::control::ControlSettings;
 use arcfeed_hil_sim::control::dnc_port::LineSettings;
-use arcfeed_hil_sim::cutting::meter::ArcChips;
+use arcfeed_hil_sim::cutting::meter::MoveChips;
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::rig::{ArcOverride, Rig};
+use arcfeed_hil_sim::rig::{MoveOverride, Rig};
+use arcfeed_shared::cut::Moves;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::report::{ChipFigures, LeftOut};
-use arcfeed_shared::units::Micros;
+use arcfeed_shared::units::{LengthUnit, Micros, MmPerTooth};
 
 use super::adapt::{direction_word, rotation_word, side_word};
 use super::outcome::{Failure, load};
@@ -108,23 +109,23 @@ pub fn add_baseline(report: &mut RunReport, file: &JobFile, program: &Program) -
 
 /// The figures of what the rig executed so far.
 pub fn measure(rig: &Rig, job: &Job) -> RunReport {
-    let arcs: Vec<(&ArcChips, &ArcOverride)> = rig.meter().arcs().iter().zip(rig.overrides()).collect();
-    let movements = (0..job.rules.len()).map(|rule| movement(job, rule, &arcs)).collect();
+    let moves: Vec<(&MoveChips, &MoveOverride)> = rig.meter().moves().iter().zip(rig.overrides()).collect();
+    let movements = (0..job.rules.len()).map(|rule| movement(job, rule, &moves)).collect();
     let alarm = rig.control().alarm().map(|alarm| AlarmFigures::new(alarm.line, alarm.fault.column, alarm.fault.cause));
     RunReport {
         unit: job.unit.label(),
         blocks_executed: Some(rig.control().executed().len()),
         alarms: alarm.into_iter().collect(),
         cycle_time_s: Some(rig.cycle_time().to_s()),
-        ipt_circumference: ipt(job, arcs.iter().map(|(chips, _)| *chips)),
-        r#override: overrides(arcs.iter().map(|(_, figures)| *figures)),
+        ipt_circumference: ipt(job.unit, job.feed_per_tooth, moves.iter().map(|(chips, _)| *chips)),
+        r#override: overrides(moves.iter().map(|(_, figures)| *figures)),
         movements,
         ..RunReport::default()
     }
 }
 
-fn movement(job: &Job, rule: usize, arcs: &[(&ArcChips, &ArcOverride)]) -> MovementFigures {
-    let of_rule = || arcs.iter().filter(move |(chips, _)| chips.rule == rule);
+fn movement(job: &Job, rule: usize, moves: &[(&MoveChips, &MoveOverride)]) -> MovementFigures {
+    let of_rule = || moves.iter().filter(move |(chips, _)| chips.rule == rule);
     let thickest = |circle: usize| {
         let ratios = of_rule().filter(|(chips, _)| chips.thickest[circle].samples > 0);
         ratios.map(|(chips, _)| chips.thickest[circle].max_ratio).reduce(f64::max)
@@ -132,11 +133,14 @@ fn movement(job: &Job, rule: usize, arcs: &[(&ArcChips, &ArcOverride)]) -> Movem
     let cut = &job.rules[rule];
     MovementFigures {
         rule: rule + 1,
-        rotation: rotation_word(cut.rotation),
-        direction: direction_word(cut.turn),
-        side: side_word(cut.edge),
+        rotation: rotation_word(cut.moves),
+        direction: match cut.moves {
+            Moves::Rotations(_, turn) | Moves::Arcs(turn) => Some(direction_word(turn)),
+            Moves::Lines => None,
+        },
+        side: side_word(&cut.work),
         arcs: of_rule().count(),
-        ipt: ipt(job, of_rule().map(|(chips, _)| *chips)),
+        ipt: ipt(job.unit, job.feed_per_tooth_of(cut), of_rule().map(|(chips, _)| *chips)),
         baseline_ipt: None,
         thickest_ratio: [thickest(0), thickest(1)],
         r#override: overrides(of_rule().map(|(_, figures)| *figures)),
@@ -144,16 +148,16 @@ fn movement(job: &Job, rule: usize, arcs: &[(&ArcChips, &ArcOverride)]) -> Movem
     }
 }
 
-fn ipt<'a>(job: &Job, arcs: impl Iterator<Item = &'a ArcChips>) -> Option<IptFigures> {
+fn ipt<'a>(unit: LengthUnit, target: MmPerTooth, moves: impl Iterator<Item = &'a MoveChips>) -> Option<IptFigures> {
     let (mut figures, mut left_out) = (ChipFigures::default(), LeftOut::default());
-    for arc in arcs {
-        figures.merge(&arc.contact);
-        left_out.merge(&arc.left_out);
+    for chips in moves {
+        figures.merge(&chips.contact);
+        left_out.merge(&chips.left_out);
     }
-    IptFigures::new(&figures, &left_out, f64::from(job.feed_per_tooth.0), job.unit)
+    IptFigures::new(&figures, &left_out, f64::from(target.0), unit)
 }
 
-fn overrides<'a>(arcs: impl Iterator<Item = &'a ArcOverride>) -> Option<OverrideFigures> {
+fn overrides<'a>(arcs: impl Iterator<Item = &'a MoveOverride>) -> Option<OverrideFigures> {
     let figures = arcs.map(|arc| OverrideFigures { min: arc.min_percent, max: arc.max_percent, changes: arc.changes });
     figures.reduce(OverrideFigures::join)
 }

@@ -43,9 +43,11 @@ impl From<UnitWord> for LengthUnit {
 #[serde(deny_unknown_fields)]
 pub struct ToolTable {
     pub kind: Spanned<String>,
-    pub outer_radius: Spanned<Quantity>,
-    pub inner_radius: Spanned<Quantity>,
-    pub active_teeth: Spanned<u16>,
+    pub outer_radius: Option<Spanned<Quantity>>,
+    pub inner_radius: Option<Spanned<Quantity>>,
+    pub active_teeth: Option<Spanned<u16>>,
+    pub diameter: Option<Spanned<Quantity>>,
+    pub teeth: Option<Spanned<u16>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -59,6 +61,9 @@ pub struct SpindleTable {
 pub struct LawTable {
     pub kind: Spanned<String>,
     pub feed_per_tooth: Spanned<Quantity>,
+    pub edges: Option<Spanned<String>>,
+    pub inside_only: Option<bool>,
+    pub floor: Option<Spanned<f32>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -89,33 +94,46 @@ impl Default for OverrideTable {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CutTable {
-    pub rotation: RotationWord,
-    pub direction: DirectionWord,
-    pub side: SideWord,
-    pub stock: Spanned<StockTable>,
+    pub rotation: Option<RotationWord>,
+    pub moves: Option<MovesWord>,
+    pub direction: Option<DirectionWord>,
+    pub side: Spanned<SideWord>,
+    pub stock: Option<Spanned<StockTable>>,
+    pub radial_depth: Option<Spanned<Quantity>>,
+    pub feed_per_tooth: Option<Spanned<Quantity>>,
     pub n: Option<Spanned<[i64; 2]>>,
     pub z: Option<Spanned<[Quantity; 2]>>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RotationWord {
     Interior,
     Exterior,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MovesWord {
+    Arcs,
+    Lines,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DirectionWord {
     Cw,
     Ccw,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SideWord {
     Outer,
     Inner,
+    Inside,
+    Outside,
+    Slot,
 }
 
 #[derive(Debug, Deserialize)]
@@ -125,6 +143,8 @@ pub struct StockTable {
     pub offset: Option<Quantity>,
     pub from: Option<[Quantity; 2]>,
     pub to: Option<[Quantity; 2]>,
+    pub polygon: Option<Vec<[Quantity; 2]>>,
+    pub disc: Option<[Quantity; 3]>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,4 +1,6 @@
 use super::*;
+use arcfeed_shared::cut::Work;
+use arcfeed_shared::stock::StockLine;
 
 const JOB: &str = r#"
 units = "inch"
@@ -17,13 +19,20 @@ fn parse(text: &str) -> Result<JobFile, String> {
     JobFile::parse(Path::new("shop/job.toml"), text).map_err(|error| error.to_string())
 }
 
+fn stock_line(file: &JobFile) -> StockLine {
+    match &file.job.rules[0].work {
+        Work::Ring(_, stock) => *stock.line().expect("one line"),
+        Work::Mill { .. } => panic!("a cup mill's rule"),
+    }
+}
+
 #[test]
 fn units_may_be_mixed() {
     let file = parse(JOB).unwrap();
-    assert_eq!(file.job.tool.outer_radius, Nm(128_576_070));
-    assert_eq!(file.job.tool.inner_radius, Nm(112_701_324));
+    let (outer_radius, inner_radius) = (Nm(128_576_070), Nm(112_701_324));
+    assert_eq!(file.job.tool, Tool::CupMill(CupMill { outer_radius, inner_radius, active_teeth: 10 }));
     assert_eq!(file.job.feed_per_tooth, MmPerTooth(0.1016));
-    assert!((file.job.rules[0].stock.offset_mm - 25.4).abs() < 1e-12);
+    assert!((stock_line(&file).offset_mm - 25.4).abs() < 1e-12);
 }
 
 #[test]
@@ -43,7 +52,7 @@ fn what_is_not_given_takes_the_defaults() {
 #[test]
 fn a_line_through_two_points_has_the_material_on_its_left() {
     let text = JOB.replace("normal_deg = 90.0, offset = 1", "from = [0, 1], to = [-5, 1]");
-    let stock = parse(&text).unwrap().job.rules[0].stock;
+    let stock = stock_line(&parse(&text).unwrap());
     assert!((stock.normal[1] - 1.0).abs() < 1e-15 && (stock.offset_mm - 25.4).abs() < 1e-12);
     assert!(stock.distance_mm([0.0, 0.0]) > 0.0);
 }
@@ -55,10 +64,12 @@ fn complaints_name_file_line_column_and_the_way_out() {
         ("\"112.701324 mm\"", "\"112 furlongs\"", "shop/job.toml:4:", "is no length"),
         ("\"112.701324 mm\"", "6", "shop/job.toml:4:", "less than outer_radius"),
         ("rev_per_min = 1000", "rev_per_min = -5", "shop/job.toml:5:", "must be positive"),
-        ("\"circumference\"", "\"contour\"", "shop/job.toml:6:", "\"circumference\""),
+        ("\"circumference\"", "\"contuor\"", "shop/job.toml:6:", "\"circumference\""),
+        ("\"circumference\"", "\"contour\"", "shop/job.toml:6:", "needs an end-mill"),
         ("side = \"outer\"", "side = \"left\"", "shop/job.toml:", "outer"),
         ("offset = 1", "ofset = 1", "shop/job.toml:11:", "ofset"),
-        ("normal_deg = 90.0, ", "", "shop/job.toml:11:", "give the stock line"),
+        ("normal_deg = 90.0, ", "", "shop/job.toml:11:", "give the stock as"),
+        ("normal_deg = 90.0, offset = 1", "polygon = [[0, 0], [1, 0]]", "shop/job.toml:11:", "3 to 8 corners"),
         ("program = \"slot.nc\"", "", "shop/job.toml:", "program"),
     ] {
         let error = parse(&JOB.replace(from, to)).unwrap_err();

@@ -142,13 +142,13 @@ impl OverrideFigures {
 pub struct MovementFigures {
     /// The rule, counted from 1 in the order of the job file.
     pub rule: usize,
-    /// `interior` or `exterior`.
-    pub rotation: &'static str,
-    /// `cw` or `ccw`.
-    pub direction: &'static str,
-    /// `outer` or `inner`.
+    /// `interior` or `exterior`; null for end mills.
+    pub rotation: Option<&'static str>,
+    /// `cw` or `ccw`; null for lines.
+    pub direction: Option<&'static str>,
+    /// `outer` or `inner` for a ring, `inside`, `outside` or `slot` for an end mill.
     pub side: &'static str,
-    /// Arcs executed.
+    /// Moves executed.
     pub arcs: usize,
     /// Measured chip load at the contact.
     pub ipt: Option<IptFigures>,

@@ -103,7 +103,11 @@ fn write_movement(f: &mut fmt::Formatter<'_>, movement: &MovementFigures) -> fmt
     writeln!(
         f,
         "    {:<24}{arcs:>5}  {:<20}{:<20}{error:<19}{bounds:<14}{}",
-        format!("{rule} {rotation} {direction} {side}"),
+        [Some(rule.to_string().as_str()), *rotation, Some(direction.unwrap_or("lines")), Some(side)]
+            .into_iter()
+            .flatten()
+            .collect::<Vec<_>>()
+            .join(" "),
         range(&movement.baseline_ipt),
         range(&movement.ipt),
         changes.trim_end()
