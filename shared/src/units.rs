@@ -20,6 +20,8 @@ pub const US_PER_S: u64 = 1_000_000;
 pub const S_PER_MIN: f64 = 60.0;
 /// Per cent in the whole.
 pub const PERCENT: f32 = 100.0;
+/// Thousandths of a per cent in a per cent.
+pub const MILLIPERCENT_PER_PERCENT: u32 = 1_000;
 
 /// A length or coordinate in whole nanometres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]

@@ -14,6 +14,8 @@ pub mod parallel_lines;
 
 pub mod strobed;
 
+pub mod pwm;
+
 pub mod latched;
 
 use crate::ramp::FeedOverride;
