@@ -18,6 +18,8 @@ pub mod pwm;
 
 pub mod latched;
 
+pub mod telemetry;
+
 use crate::ramp::FeedOverride;
 
 /// An output that the control reads its feed override from.
