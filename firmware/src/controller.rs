@@ -47,6 +47,7 @@ pub struct Input {
 
 /// What a tick decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Output {
     /// The override to put out.
     pub feed_override: FeedOverride,
@@ -58,6 +59,7 @@ pub struct Output {
 
 /// Why the override is what it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reason {
     /// The law's wish, rounded to the thin side.
     Law,

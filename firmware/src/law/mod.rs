@@ -20,6 +20,7 @@ pub trait FeedLaw {
 
 /// What a law wants.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Wish {
     /// Path of the tool's centre per tooth, along the arc, mm.
     pub path_mm_per_tooth: f32,
@@ -29,6 +30,7 @@ pub struct Wish {
 
 /// Why a law has no wish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NoWish {
     /// The cutting circle does not meet the stock line.
     NoContact,
