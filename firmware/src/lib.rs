@@ -6,6 +6,7 @@
 //! them, [`output`] carries the override to the control, [`board`] is the seam to the hardware.
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
+#![doc = include_str!("../README.md")]
 
 pub mod law;
 

@@ -83,6 +83,12 @@ mod tests {
     }
 
     #[test]
+    fn a_record_takes_24_bytes_of_memory() {
+        assert_eq!(size_of::<TelemetryRecord>(), 24);
+        assert!(size_of::<RecordLog<128>>() <= 128 * 24 + 32);
+    }
+
+    #[test]
     fn the_count_of_the_lost_does_not_wrap() {
         let mut log = RecordLog::<1> { overwritten: u32::MAX, ..RecordLog::new() };
         log.push(record(0));
