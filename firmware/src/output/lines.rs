@@ -41,7 +41,7 @@ impl<P: OutputPin> Lines<P> {
     /// # Errors
     /// A pin refused; all lines are released then.
     pub fn reduce_to(&mut self, code: LineCode) -> Result<(), LineError<P::Error>> {
-        self.drive(|line| !code.is_low(line), PinState::High)
+        self.drive(code.levels(), PinState::High)
     }
 
     /// Pulls the lines down that `code` wants low. None goes high.
@@ -49,7 +49,7 @@ impl<P: OutputPin> Lines<P> {
     /// # Errors
     /// A pin refused; all lines are released then.
     pub fn raise_to(&mut self, code: LineCode) -> Result<(), LineError<P::Error>> {
-        self.drive(|line| code.is_low(line), PinState::Low)
+        self.drive(!code.levels(), PinState::Low)
     }
 
     /// Releases all lines, also after one has refused.
@@ -65,13 +65,16 @@ impl<P: OutputPin> Lines<P> {
         result
     }
 
-    fn drive(&mut self, applies: impl Fn(u8) -> bool, level: PinState) -> Result<(), LineError<P::Error>> {
-        for (line, pin) in (0..).zip(self.pins.iter_mut()).filter(|(line, _)| applies(*line)) {
-            if let Err(source) = pin.set_state(level) {
+    /// Writes the lines whose bit in `which` is 1.
+    fn drive(&mut self, mut which: u8, level: PinState) -> Result<(), LineError<P::Error>> {
+        for (line, pin) in (0..).zip(self.pins.iter_mut()) {
+            let written = if which & 1 == 1 { pin.set_state(level) } else { Ok(()) };
+            if let Err(source) = written {
                 // The first failure is the one to report.
                 let _ = self.release();
                 return Err(LineError { line: Line::Fv(line), source });
             }
+            which >>= 1;
         }
         Ok(())
     }
