@@ -51,6 +51,7 @@ pub struct Input {
 
 /// What a tick decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Output {
     /// The override to put out.
     pub feed_override: FeedOverride,
@@ -62,15 +63,14 @@ pub struct Output {
 
 /// Why the override is what it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reason {
     /// The law's wish, rounded to the thin side.
     Law,
     /// The law's wish, held back by a bound.
     Bounded(Bound),
-    /// The law has no wish here: 100 %.
+    /// No law governs this segment, or it has no wish here: 100 %.
     NoWish(NoWish),
-    /// No law governs this segment: 100 %.
-    NoLaw,
     /// Rapid, inverse time, or no programmed feed: the override has nothing to act on, 100 %.
     Inhibited,
     /// The spindle's speed is not a positive number: 100 %.
@@ -172,7 +172,6 @@ impl Controller {
             Ok(wish) => (teeth_per_min * wish.path_mm_per_tooth / feed_sent.0, Some(wish), Reason::Law),
             // No feed is too high for the chip: the bounds decide.
             Err(NoWish::ChipUnreachable) => (f32::INFINITY, None, Reason::NoWish(NoWish::ChipUnreachable)),
-            Err(NoWish::NoLaw) => as_programmed(Reason::NoLaw),
             Err(refusal) => as_programmed(Reason::NoWish(refusal)),
         }
     }

@@ -13,6 +13,7 @@ const STEP_TOLERANCE: f32 = 1e-3;
 
 /// An override as the control takes it, whole per cent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FeedOverride {
     /// 0 to 254.
     pub percent: u8,
@@ -35,12 +36,14 @@ pub struct Ramp {
 
 /// The ratio in effect before rounding; state.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RampState {
     ratio: f32,
 }
 
 /// Which bound kept the override from the wish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Bound {
     /// None.
     Free,
@@ -54,6 +57,7 @@ pub enum Bound {
 
 /// Why bounds are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LimitsError {
     /// `min` above 100, `max` below 100 or above 254.
     Range,

@@ -20,9 +20,12 @@ pub const US_PER_S: u64 = 1_000_000;
 pub const S_PER_MIN: f64 = 60.0;
 /// Per cent in the whole.
 pub const PERCENT: f32 = 100.0;
+/// Thousandths of a per cent in a per cent.
+pub const MILLIPERCENT_PER_PERCENT: u32 = 1_000;
 
 /// A length or coordinate in whole nanometres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Nm(pub i64);
 
 impl Nm {
@@ -39,6 +42,7 @@ impl Nm {
 
 /// An angle of a rotary axis in whole microdegrees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MicroDeg(pub i64);
 
 impl MicroDeg {
@@ -50,22 +54,27 @@ impl MicroDeg {
 
 /// A length in millimetres, for formulas on the tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Mm(pub f32);
 
 /// Feed along the path, millimetres per minute.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MmPerMin(pub f32);
 
 /// Feed per tooth (IPT), millimetres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MmPerTooth(pub f32);
 
 /// Spindle speed, revolutions per minute.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RevPerMin(pub f32);
 
 /// A point in time or a span of it, microseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Micros(pub u64);
 
 impl Micros {
@@ -92,6 +101,7 @@ impl Micros {
 
 /// The unit system a program or a job speaks (G20 / G21).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LengthUnit {
     /// G20.
     Inch,

@@ -58,6 +58,14 @@ fn no_declared_test_is_switched_off() {
 }
 
 #[test]
+fn the_example_of_the_firmware_takes_no_more_than_25_lines() {
+    let readme = read("firmware/README.md");
+    let example = readme.split_once("```rust\n").and_then(|(_, rest)| rest.split_once("```")).expect("an example").0;
+    assert!((10..=25).contains(&example.lines().count()), "{} lines", example.lines().count());
+    assert!(read("firmware/src/lib.rs").contains("include_str!(\"../README.md\")"), "the example is not compiled");
+}
+
+#[test]
 fn only_code_is_counted() {
     let text = "//! Doc.\n\nuse a; // why\n/* b\nc */\nconst D: &str = \"\ne // f\n\";\n#[cfg(test)]\nmod tests {\n}\n";
     assert_eq!(lines_of_code(&Source::new("x.rs", text)), 4);

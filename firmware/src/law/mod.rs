@@ -78,6 +78,7 @@ impl Place {
 
 /// What a law wants.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Wish {
     /// Path of the tool's centre per tooth, mm.
     pub path_mm_per_tooth: f32,
@@ -95,6 +96,7 @@ impl Wish {
 
 /// Why a law has no wish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NoWish {
     /// No law governs the segment.
     NoLaw,

@@ -1,0 +1,164 @@
+//! A bench for the tests: nine wires with a clock, what a control reads from them, and pins that refuse.
+
+use core::cell::{Cell, RefCell};
+use core::convert::Infallible;
+
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::{Error, ErrorKind, ErrorType, OutputPin};
+
+/// What one write of a pin takes.
+const WRITE_NS: u64 = 10;
+
+/// The ninth wire.
+pub const STROBE: u8 = 8;
+
+/// A wire that was written: when, which, whether high.
+pub type Event = (u64, u8, bool);
+
+/// The wires, at first all high but the strobe.
+#[derive(Default)]
+pub struct Bench {
+    now_ns: Cell<u64>,
+    events: RefCell<Vec<Event>>,
+    /// A wire that refuses, and whether it does what it is told nonetheless.
+    pub refuses: Cell<Option<(u8, bool)>>,
+}
+
+/// How long a coupler takes to follow a pin.
+#[derive(Clone, Copy)]
+pub struct Coupler {
+    /// To pull its line low.
+    pub take_ns: u64,
+    /// To let it go.
+    pub let_go_ns: u64,
+}
+
+impl Coupler {
+    /// A plain wire.
+    pub const NONE: Coupler = Coupler { take_ns: 0, let_go_ns: 0 };
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refused;
+
+impl Error for Refused {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Other
+    }
+}
+
+pub struct Pin<'b> {
+    bench: &'b Bench,
+    wire: u8,
+}
+
+impl ErrorType for Pin<'_> {
+    type Error = Refused;
+}
+
+impl OutputPin for Pin<'_> {
+    fn set_low(&mut self) -> Result<(), Refused> {
+        self.bench.write(self.wire, false)
+    }
+
+    fn set_high(&mut self) -> Result<(), Refused> {
+        self.bench.write(self.wire, true)
+    }
+}
+
+impl DelayNs for &Bench {
+    fn delay_ns(&mut self, ns: u32) {
+        self.now_ns.set(self.now_ns.get() + u64::from(ns));
+    }
+}
+
+impl Bench {
+    pub fn pins(&self) -> [Pin<'_>; 8] {
+        core::array::from_fn(|line| self.pin(line as u8))
+    }
+
+    pub fn pin(&self, wire: u8) -> Pin<'_> {
+        Pin { bench: self, wire }
+    }
+
+    fn write(&self, wire: u8, high: bool) -> Result<(), Refused> {
+        self.now_ns.set(self.now_ns.get() + WRITE_NS);
+        let refusal = self.refuses.get().filter(|(refusing, _)| *refusing == wire);
+        if refusal.is_none_or(|(_, obeys)| obeys) {
+            self.events.borrow_mut().push((self.now_ns.get(), wire, high));
+        }
+        if refusal.is_some() { Err(Refused) } else { Ok(()) }
+    }
+
+    /// What was written since the last time, as wire and level.
+    pub fn written(&self) -> Vec<(u8, bool)> {
+        self.events.borrow().iter().map(|(_, wire, high)| (*wire, *high)).collect()
+    }
+
+    /// Forgets what was written.
+    pub fn clear(&self) {
+        self.events.borrow_mut().clear();
+    }
+
+    /// All that a control behind couplers could read while what was written takes effect, starting from `percent`.
+    pub fn readings(&self, percent: u8, coupler: Coupler) -> Vec<u8> {
+        let late = |(at_ns, wire, high): &Event| {
+            (at_ns + if *high { coupler.let_go_ns } else { coupler.take_ns }, *wire, *high)
+        };
+        let mut arriving: Vec<Event> = self.events.borrow().iter().map(late).collect();
+        arriving.sort_by_key(|(at_ns, ..)| *at_ns);
+        let mut wires = wires_at(percent);
+        arriving
+            .into_iter()
+            .map(|(_, wire, high)| {
+                wires[usize::from(wire)] = high;
+                control_reads(&wires)
+            })
+            .collect()
+    }
+
+    /// All that a control could read behind a register that takes the data when the strobe rises.
+    pub fn register_readings(&self) -> Vec<u8> {
+        let mut wires = wires_at(0);
+        let mut readings = Vec::new();
+        for (wire, high) in self.written() {
+            if wire == STROBE && high && !wires[usize::from(STROBE)] {
+                readings.push(control_reads(&wires));
+            }
+            wires[usize::from(wire)] = high;
+        }
+        readings
+    }
+}
+
+fn wires_at(percent: u8) -> [bool; 9] {
+    core::array::from_fn(|wire| wire < 8 && percent & (1 << wire) == 0)
+}
+
+/// The rule of the control's manual: the sum of the weights of low lines; all low is 0, as all high is.
+fn control_reads(wires: &[bool; 9]) -> u8 {
+    let lines = &wires[..8];
+    if lines.iter().all(|high| !high) {
+        return 0;
+    }
+    lines.iter().zip([1, 2, 4, 8, 16, 32, 64, 128]).filter(|(high, _)| !**high).map(|(_, weight)| weight).sum()
+}
+
+/// A pin that cannot refuse, of a type of its own.
+pub struct PlainPin(pub bool);
+
+impl ErrorType for PlainPin {
+    type Error = Infallible;
+}
+
+impl OutputPin for PlainPin {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.0 = false;
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.0 = true;
+        Ok(())
+    }
+}

@@ -1,0 +1,109 @@
+//! After a fault of the hardware: 0 % until a person resets.
+
+use super::OverrideOutput;
+use crate::ramp::FeedOverride;
+
+/// An output that stays released once it has failed, rather than try again with every tick.
+#[derive(Clone, Debug)]
+pub struct Latched<O: OverrideOutput> {
+    output: O,
+    fault: Option<O::Error>,
+}
+
+impl<O: OverrideOutput> Latched<O> {
+    /// The output, taken to be sound.
+    pub fn new(output: O) -> Self {
+        Latched { output, fault: None }
+    }
+
+    /// The first fault since the last reset.
+    pub fn fault(&self) -> Option<&O::Error> {
+        self.fault.as_ref()
+    }
+
+    /// Forgets the fault: for a person who has seen to it, not for a program. The output stays released until the
+    /// next update.
+    pub fn reset(&mut self) {
+        self.fault = None;
+    }
+}
+
+impl<O: OverrideOutput<Error: Clone>> Latched<O> {
+    /// Keeps the first fault, releases, and answers it.
+    fn fail(&mut self, error: O::Error) -> Result<(), O::Error> {
+        let fault = self.fault.get_or_insert(error).clone();
+        // The first fault is the one to report.
+        let _ = self.output.release();
+        Err(fault)
+    }
+}
+
+impl<O: OverrideOutput<Error: Clone>> OverrideOutput for Latched<O> {
+    type Error = O::Error;
+
+    /// Once failed, releases again and answers the first fault.
+    fn put(&mut self, feed_override: FeedOverride) -> Result<(), O::Error> {
+        if let Some(fault) = self.fault.clone() {
+            return self.fail(fault);
+        }
+        self.output.put(feed_override).or_else(|error| self.fail(error))
+    }
+
+    /// An error here is a fault too.
+    fn release(&mut self) -> Result<(), O::Error> {
+        self.output.release().or_else(|error| self.fail(error))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Fails while told to; counts what reaches it.
+    #[derive(Default)]
+    struct Fickle {
+        broken: bool,
+        at: Option<u8>,
+        puts: u32,
+    }
+
+    impl OverrideOutput for Fickle {
+        type Error = u32;
+
+        fn put(&mut self, feed_override: FeedOverride) -> Result<(), u32> {
+            self.puts += 1;
+            self.at = Some(feed_override.percent);
+            if self.broken { Err(self.puts) } else { Ok(()) }
+        }
+
+        fn release(&mut self) -> Result<(), u32> {
+            self.at = Some(0);
+            if self.broken { Err(99) } else { Ok(()) }
+        }
+    }
+
+    #[test]
+    fn a_fault_holds_until_it_is_reset_even_if_the_hardware_recovers() {
+        let mut hardware = Fickle::default();
+        let mut output = Latched::new(&mut hardware);
+        assert_eq!(output.put(FeedOverride::PROGRAMMED), Ok(()));
+        output.output.broken = true;
+        assert_eq!(output.put(FeedOverride::PROGRAMMED), Err(2));
+        output.output.broken = false;
+        for _ in 0..5 {
+            assert_eq!(output.put(FeedOverride::PROGRAMMED), Err(2));
+            assert_eq!(output.output.at, Some(0));
+        }
+        assert_eq!((output.fault(), output.output.puts), (Some(&2), 2));
+        output.reset();
+        assert_eq!(output.put(FeedOverride::PROGRAMMED), Ok(()));
+        assert_eq!((output.fault(), output.output.at), (None, Some(100)));
+    }
+
+    #[test]
+    fn a_release_that_fails_is_a_fault() {
+        let mut output = Latched::new(Fickle { broken: true, ..Fickle::default() });
+        assert_eq!(output.release(), Err(99));
+        assert_eq!(output.put(FeedOverride::PROGRAMMED), Err(99));
+    }
+}

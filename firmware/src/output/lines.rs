@@ -1,0 +1,81 @@
+//! Eight pins written one after the other, and which one failed.
+
+use embedded_hal::digital::{OutputPin, PinState};
+
+use super::line_code::{LINES, LineCode};
+
+/// A line that failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Line {
+    /// *FV of this number, 0 to 7.
+    Fv(u8),
+    /// The strobe of the external register.
+    Strobe,
+}
+
+/// A pin refused; with several, the first one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct LineError<E> {
+    /// Which line.
+    pub line: Line,
+    /// What the pin said.
+    pub source: E,
+}
+
+/// The pins of *FV0 to *FV7, in this order.
+#[derive(Clone, Debug)]
+pub struct Lines<P> {
+    pins: [P; LINES],
+}
+
+impl<P: OutputPin> Lines<P> {
+    /// Lines as their pins stand; nothing is written.
+    pub fn new(pins: [P; LINES]) -> Self {
+        Lines { pins }
+    }
+
+    /// Releases the lines that `code` wants high. None goes low.
+    ///
+    /// # Errors
+    /// A pin refused; all lines are released then.
+    pub fn reduce_to(&mut self, code: LineCode) -> Result<(), LineError<P::Error>> {
+        self.drive(code.levels(), PinState::High)
+    }
+
+    /// Pulls the lines down that `code` wants low. None goes high.
+    ///
+    /// # Errors
+    /// A pin refused; all lines are released then.
+    pub fn raise_to(&mut self, code: LineCode) -> Result<(), LineError<P::Error>> {
+        self.drive(!code.levels(), PinState::Low)
+    }
+
+    /// Releases all lines, also after one has refused.
+    ///
+    /// # Errors
+    /// The first that refused.
+    pub fn release(&mut self) -> Result<(), LineError<P::Error>> {
+        let mut result = Ok(());
+        for (line, pin) in (0..).zip(self.pins.iter_mut()) {
+            let released = pin.set_high().map_err(|source| LineError { line: Line::Fv(line), source });
+            result = result.and(released);
+        }
+        result
+    }
+
+    /// Writes the lines whose bit in `which` is 1.
+    fn drive(&mut self, mut which: u8, level: PinState) -> Result<(), LineError<P::Error>> {
+        for (line, pin) in (0..).zip(self.pins.iter_mut()) {
+            let written = if which & 1 == 1 { pin.set_state(level) } else { Ok(()) };
+            if let Err(source) = written {
+                // The first failure is the one to report.
+                let _ = self.release();
+                return Err(LineError { line: Line::Fv(line), source });
+            }
+            which >>= 1;
+        }
+        Ok(())
+    }
+}

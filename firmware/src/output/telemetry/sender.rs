@@ -1,0 +1,147 @@
+//! From the log to a line.
+
+use embedded_io::Write;
+
+use super::log::RecordLog;
+use super::record::RECORD_LEN;
+
+/// What is left of the record on its way.
+#[derive(Clone, Debug)]
+pub struct RecordSender {
+    bytes: [u8; RECORD_LEN],
+    sent: usize,
+}
+
+/// Why the line took no more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum SendError<E> {
+    /// It takes nothing, without an error.
+    Closed,
+    /// It refused.
+    Line(E),
+}
+
+impl Default for RecordSender {
+    fn default() -> Self {
+        RecordSender { bytes: [0; RECORD_LEN], sent: RECORD_LEN }
+    }
+}
+
+impl RecordSender {
+    /// Sends what is in the log, the oldest first, and answers how many records have gone out whole.
+    ///
+    /// A record cut short by an error is finished at the next call: nothing is sent twice, none is left in pieces.
+    /// Blocks as long as the line does.
+    ///
+    /// # Errors
+    /// The line took no more; what has not gone out stays for the next call.
+    pub fn drain<W: Write, const N: usize>(
+        &mut self,
+        log: &mut RecordLog<N>,
+        line: &mut W,
+    ) -> Result<u32, SendError<W::Error>> {
+        let mut whole = u32::from(self.finish(line)?);
+        while let Some(record) = log.pop() {
+            *self = RecordSender { bytes: record.encode(), sent: 0 };
+            whole = whole.saturating_add(u32::from(self.finish(line)?));
+        }
+        Ok(whole)
+    }
+
+    /// Sends the rest of the record on its way; whether there was one.
+    fn finish<W: Write>(&mut self, line: &mut W) -> Result<bool, SendError<W::Error>> {
+        let mut any = false;
+        // `write_all` would panic on a line that takes nothing.
+        while let Some(rest) = self.bytes.get(self.sent..).filter(|rest| !rest.is_empty()) {
+            any = true;
+            match line.write(rest).map_err(SendError::Line)? {
+                0 => return Err(SendError::Closed),
+                taken => self.sent = self.sent.saturating_add(taken),
+            }
+        }
+        Ok(any)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::record::TelemetryRecord;
+    use super::*;
+    use crate::controller::Reason;
+    use crate::ramp::FeedOverride;
+    use arcfeed_shared::units::Micros;
+    use embedded_io::{ErrorKind, ErrorType};
+
+    /// Takes a few bytes at a time, then refuses for once.
+    struct Stuttering {
+        taken: Vec<u8>,
+        at_once: usize,
+        until_refusal: usize,
+    }
+
+    impl ErrorType for Stuttering {
+        type Error = ErrorKind;
+    }
+
+    impl Write for Stuttering {
+        fn write(&mut self, bytes: &[u8]) -> Result<usize, ErrorKind> {
+            if self.until_refusal == 0 {
+                self.until_refusal = usize::MAX;
+                return Err(ErrorKind::TimedOut);
+            }
+            self.until_refusal -= 1;
+            let some = &bytes[..bytes.len().min(self.at_once)];
+            self.taken.extend_from_slice(some);
+            Ok(some.len())
+        }
+
+        fn flush(&mut self) -> Result<(), ErrorKind> {
+            Ok(())
+        }
+    }
+
+    fn record(block: u32) -> TelemetryRecord {
+        TelemetryRecord {
+            at: Micros(u64::from(block) * 1_000),
+            feed_override: FeedOverride::PROGRAMMED,
+            ipt_center_nm: Some(block * 7),
+            reason: Reason::Law,
+            block,
+        }
+    }
+
+    #[test]
+    fn the_other_end_decodes_what_was_logged() {
+        let (mut log, mut line) = (RecordLog::<8>::new(), [0; 8 * RECORD_LEN]);
+        (0..5).for_each(|block| log.push(record(block)));
+        assert_eq!(RecordSender::default().drain(&mut log, &mut &mut line[..]), Ok(5));
+        let received = line.as_chunks().0.iter().take(5).map(TelemetryRecord::decode);
+        assert!(received.eq((0..5).map(|block| Ok(record(block)))));
+    }
+
+    #[test]
+    fn wherever_the_line_refuses_every_record_arrives_once_and_whole() {
+        for at_once in [1, 3, 7, RECORD_LEN] {
+            for until_refusal in 0..3 * RECORD_LEN {
+                let mut line = Stuttering { taken: Vec::new(), at_once, until_refusal };
+                let (mut log, mut sender) = (RecordLog::<4>::new(), RecordSender::default());
+                (0..3).for_each(|block| log.push(record(block)));
+                let first = sender.drain(&mut log, &mut line);
+                assert!(matches!(first, Ok(3) | Err(SendError::Line(ErrorKind::TimedOut))));
+                sender.drain(&mut log, &mut line).unwrap();
+                let (records, rest) = line.taken.as_chunks();
+                assert!(rest.is_empty());
+                assert!(records.iter().map(TelemetryRecord::decode).eq((0..3).map(|block| Ok(record(block)))));
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_that_takes_nothing_is_closed_and_does_not_panic() {
+        let mut log = RecordLog::<4>::new();
+        log.push(record(0));
+        let mut line = Stuttering { taken: Vec::new(), at_once: 0, until_refusal: 9 };
+        assert_eq!(RecordSender::default().drain(&mut log, &mut line), Err(SendError::Closed));
+    }
+}
