@@ -52,6 +52,8 @@ pub struct Output {
     pub feed_override: FeedOverride,
     /// The feed per tooth at the centre that the law wants, along the path.
     pub ipt_center: Option<MmPerTooth>,
+    /// Wanted feed over the feed as sent, before any bound.
+    pub wanted_ratio: f32,
     /// Why this override.
     pub reason: Reason,
 }
@@ -73,6 +75,18 @@ pub enum Reason {
     NoSpindle,
 }
 
+impl State {
+    /// The ratio of wanted to sent feed in effect, before rounding.
+    pub fn ratio(&self) -> f32 {
+        self.ramp.ratio()
+    }
+
+    /// Goes on from `ratio`: what was put out while something else had the override.
+    pub fn force_ratio(&mut self, ratio: f32) {
+        self.ramp.force(ratio);
+    }
+}
+
 impl ActiveSegment {
     /// Prepares a segment of the program as the control received it, with the cut rule that speaks of it.
     pub fn new(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
@@ -85,6 +99,11 @@ impl ActiveSegment {
             track: segment.arc().map(ArcTrack::new),
             feed_sent,
         }
+    }
+
+    /// Whether the override acts on it: not on rapids, inverse time, or without a feed.
+    pub fn takes_override(&self) -> bool {
+        self.feed_sent.is_some()
     }
 }
 
@@ -116,6 +135,7 @@ impl Controller {
         Output {
             feed_override,
             ipt_center: wish.map(|wish| MmPerTooth(wish.path_mm_per_tooth)),
+            wanted_ratio,
             reason: if bound == Bound::Free { reason } else { Reason::Bounded(bound) },
         }
     }
