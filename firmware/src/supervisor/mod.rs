@@ -175,7 +175,8 @@ impl Supervisor {
         }
     }
 
-    /// The law's step, its wish scaled by the operator's share. The ramp goes on from what was put out.
+    /// The law's step, its wish scaled by the operator's share. The ramp goes on from what was put out; a tick that came
+    /// late moves it no further than the longest one.
     fn follow_law(
         &self,
         memory: &mut Memory,
@@ -183,11 +184,18 @@ impl Supervisor {
         measured: &controller::Input,
         (goes_on, change): (bool, Change),
     ) -> controller::Output {
+        let in_time;
+        let measured = if measured.dt > self.settings.longest_tick {
+            in_time = controller::Input { dt: self.settings.longest_tick, ..*measured };
+            &in_time
+        } else {
+            measured
+        };
         if !goes_on {
             memory.settle_ramp();
         }
         let before_ratio = memory.control.ratio();
-        if change == Change::Begins {
+        if change.is_begin() {
             self.controller.enter(&mut memory.control, segment, measured);
         }
         let step = self.controller.tick(&mut memory.control, segment, measured);
@@ -203,11 +211,10 @@ impl Supervisor {
     fn keep_off(&self, memory: &mut Memory, input: &Input<'_>, seen: &Seen) {
         if seen.change != Change::Same && !memory.hands_over_to_dial() {
             memory.level.fall_to(1.0);
-            memory.settle_ramp();
         }
         self.move_level(memory, input.measured.dt);
         if let Some((_, segment)) = input.work.filter(|_| memory.sight.is_followed()) {
-            if seen.change == Change::Begins {
+            if seen.change.is_begin() {
                 self.controller.enter(&mut memory.control, segment, &input.measured);
             }
             if seen.quality == Quality::Fresh {

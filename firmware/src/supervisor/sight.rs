@@ -28,8 +28,17 @@ pub enum Change {
     Same,
     /// The segment ended or another came, but a law cannot take it up.
     Boundary,
-    /// The first fresh sample on a new segment.
+    /// A new segment with a fresh sample.
     Begins,
+    /// The first fresh sample on a segment that began before: its boundary is over.
+    BeginsLate,
+}
+
+impl Change {
+    /// Whether a law can take up the segment now.
+    pub fn is_begin(self) -> bool {
+        matches!(self, Change::Begins | Change::BeginsLate)
+    }
 }
 
 impl Sight {
@@ -44,10 +53,13 @@ impl Sight {
             (_, Some(count), Quality::Fresh) => Sight::Followed(count),
             (_, Some(count), Quality::Stale) => Sight::Awaited(count),
         };
-        match (*self, before.count() != self.count()) {
-            (Sight::Followed(_), _) if *self != before => Change::Begins,
-            (_, true) => Change::Boundary,
-            (_, false) => Change::Same,
+        let is_new = before.count() != self.count();
+        let begins = self.is_followed() && *self != before;
+        match (begins, is_new) {
+            (true, true) => Change::Begins,
+            (true, false) => Change::BeginsLate,
+            (false, true) => Change::Boundary,
+            (false, false) => Change::Same,
         }
     }
 
@@ -96,7 +108,7 @@ mod tests {
     fn a_beginning_without_a_fresh_sample_waits_for_one() {
         let begun = [(None, Quality::Fresh), (Some(1), Quality::Stale)];
         assert_eq!(looks(&begun), (Sight::Awaited(1), Change::Boundary));
-        assert_eq!(looks(&[begun[0], begun[1], (Some(1), Quality::Fresh)]), (Sight::Followed(1), Change::Begins));
+        assert_eq!(looks(&[begun[0], begun[1], (Some(1), Quality::Fresh)]), (Sight::Followed(1), Change::BeginsLate));
     }
 
     #[test]
