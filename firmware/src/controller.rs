@@ -57,6 +57,8 @@ pub struct Output {
     pub feed_override: FeedOverride,
     /// The feed per tooth at the centre that the law wants, along the path.
     pub ipt_center: Option<MmPerTooth>,
+    /// Wanted feed over the feed as sent, before any bound.
+    pub wanted_ratio: f32,
     /// Why this override.
     pub reason: Reason,
 }
@@ -75,6 +77,23 @@ pub enum Reason {
     Inhibited,
     /// The spindle's speed is not a positive number: 100 %.
     NoSpindle,
+}
+
+impl State {
+    /// The ratio of wanted to sent feed in effect, before rounding.
+    pub fn ratio(&self) -> f32 {
+        self.ramp.ratio()
+    }
+
+    /// How far the segment in work is; `None` before the first and on rapids.
+    pub fn progress(&self) -> Option<&Progress> {
+        self.progress.as_ref()
+    }
+
+    /// Goes on from `ratio`: what was put out while something else had the override.
+    pub fn force_ratio(&mut self, ratio: f32) {
+        self.ramp.force(ratio);
+    }
 }
 
 impl ActiveSegment {
@@ -103,12 +122,10 @@ impl ActiveSegment {
     pub fn end(&self) -> &Pose {
         &self.end
     }
-}
 
-impl State {
-    /// How far the segment in work is; `None` before the first and on rapids.
-    pub fn progress(&self) -> Option<&Progress> {
-        self.progress.as_ref()
+    /// Whether the override acts on it: not on rapids, inverse time, or without a feed.
+    pub fn takes_override(&self) -> bool {
+        self.feed_sent.is_some()
     }
 }
 
@@ -149,6 +166,7 @@ impl Controller {
         Output {
             feed_override,
             ipt_center: wish.map(|wish| MmPerTooth(wish.path_mm_per_tooth)),
+            wanted_ratio,
             reason: if bound == Bound::Free { reason } else { Reason::Bounded(bound) },
         }
     }

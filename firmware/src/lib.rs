@@ -3,8 +3,8 @@
 //! No heap, no clock, no I/O: one call of [`controller::Controller::tick`] per sample of the position. Modules stand
 //! in the order in which data flows: the [`law`] says which feed per tooth the tool's centre needs, [`progress`] says
 //! where on the segment it is, [`ramp`] turns the wish into an override the control can follow, [`controller`] joins
-//! them, [`queue`] finds the segment in work where nobody tells, [`output`] carries the override to the control,
-//! [`board`] is the seam to the hardware.
+//! them, [`supervisor`] decides whether they may act at all, [`queue`] finds the segment in work where nobody tells,
+//! [`output`] carries the override to the control, [`board`] is the seam to the hardware.
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 #![doc = include_str!("../README.md")]
@@ -16,6 +16,8 @@ pub mod progress;
 pub mod ramp;
 
 pub mod controller;
+
+pub mod supervisor;
 
 pub mod queue;
 

@@ -53,6 +53,8 @@ pub enum Bound {
     Ceiling,
     /// Still on its way.
     Slew,
+    /// The wish is not a number: 100 %.
+    NotANumber,
 }
 
 /// Why bounds are refused.
@@ -70,6 +72,18 @@ pub enum LimitsError {
 impl Default for RampState {
     fn default() -> Self {
         RampState { ratio: 1.0 }
+    }
+}
+
+impl RampState {
+    /// The ratio in effect.
+    pub fn ratio(&self) -> f32 {
+        self.ratio
+    }
+
+    /// Goes on from `ratio`, which the caller keeps within the bounds of what it puts out.
+    pub fn force(&mut self, ratio: f32) {
+        self.ratio = ratio;
     }
 }
 
@@ -105,7 +119,7 @@ impl Ramp {
         state.ratio = self.clamp(wanted_ratio.min(same_feed)).0;
     }
 
-    /// One tick towards `wanted_ratio` (wanted feed / programmed feed, not NaN).
+    /// One tick towards `wanted_ratio` (wanted feed / programmed feed).
     pub fn step(&self, state: &mut RampState, wanted_ratio: f32, dt: Micros) -> (FeedOverride, Bound) {
         let (target, clamped) = self.clamp(wanted_ratio);
         let dt_s = dt.0 as f32 / US_PER_S as f32;
@@ -117,12 +131,14 @@ impl Ramp {
     }
 
     fn clamp(&self, ratio: f32) -> (f32, Bound) {
-        if ratio < self.min_ratio {
-            (self.min_ratio, Bound::Floor)
-        } else if ratio > self.max_ratio {
+        if ratio > self.max_ratio {
             (self.max_ratio, Bound::Ceiling)
-        } else {
+        } else if ratio >= self.min_ratio {
             (ratio, Bound::Free)
+        } else if ratio < self.min_ratio {
+            (self.min_ratio, Bound::Floor)
+        } else {
+            (1.0, Bound::NotANumber)
         }
     }
 
@@ -192,6 +208,13 @@ mod tests {
         let (ramp, mut state) = (ramp(), RampState::default());
         assert_eq!(after(&ramp, &mut state, f32::INFINITY, 5_000), (200, Bound::Ceiling));
         assert_eq!(after(&ramp, &mut state, 0.0, 5_000), (10, Bound::Floor));
+    }
+
+    #[test]
+    fn a_wish_that_is_not_a_number_is_no_wish() {
+        let (ramp, mut state) = (ramp(), RampState::default());
+        assert_eq!(after(&ramp, &mut state, f32::INFINITY, 5_000), (200, Bound::Ceiling));
+        assert_eq!(after(&ramp, &mut state, f32::NAN, 5_000), (100, Bound::NotANumber));
     }
 
     #[test]

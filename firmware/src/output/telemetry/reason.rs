@@ -35,6 +35,7 @@ numbered! {
     3 => { Reason::Bounded(Bound::Slew) }
     // Does not occur: what no bound holds back has its own reason.
     4 => { Reason::Bounded(Bound::Free) }
+    5 => { Reason::Bounded(Bound::NotANumber) }
     10 => { Reason::NoWish(NoWish::NoContact) }
     11 => { Reason::NoWish(NoWish::OutsideValidity) }
     12 => { Reason::NoWish(NoWish::ChipUnreachable) }
@@ -54,7 +55,7 @@ mod tests {
     fn every_number_leads_to_its_reason_and_back() {
         let known: Vec<u8> = (0..=255).filter(|code| reason_of(*code).is_some()).collect();
         assert!(known.iter().all(|code| reason_of(*code).map(code_of) == Some(*code)));
-        assert_eq!(known, [0, 1, 2, 3, 4, 10, 11, 12, 13, 20, 21, 22]);
+        assert_eq!(known, [0, 1, 2, 3, 4, 5, 10, 11, 12, 13, 20, 21, 22]);
     }
 
     #[test]

@@ -200,8 +200,12 @@ mod tests {
         for none in [f32::NAN, f32::INFINITY, -1.0] {
             assert_eq!(nm(none), None);
         }
-        let output =
-            Output { feed_override: FeedOverride { percent: 100 }, ipt_center: None, reason: Reason::Inhibited };
+        let output = Output {
+            feed_override: FeedOverride { percent: 100 },
+            ipt_center: None,
+            wanted_ratio: 1.0,
+            reason: Reason::Inhibited,
+        };
         let record = TelemetryRecord::new(Micros(5), 7, &output);
         assert_eq!((record.ipt_center_nm, record.block, record.at), (None, 7, Micros(5)));
     }

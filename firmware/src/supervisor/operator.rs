@@ -1,0 +1,134 @@
+//! The operator's dial.
+//!
+//! Up to 100 % it is a share of whatever the law wants; above 100 % it adds nothing to a law's wish, whose chip is at its
+//! target already. Turned down far enough it takes over.
+
+use arcfeed_shared::units::PERCENT;
+
+/// A dial that moves less than this may just be noise, points of per cent.
+const RAISED_PERCENT: u8 = 2;
+
+/// The dial as last read; state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dial {
+    percent: u8,
+    /// The highest since arming, or since it last took over.
+    reference_percent: u8,
+}
+
+/// What the operator did since the last tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// Nothing, or up.
+    Kept,
+    /// Down: the feed falls in proportion.
+    Down {
+        /// From where.
+        from_percent: u8,
+    },
+    /// Down so far, or so low, that the dial takes over.
+    TakesOver,
+}
+
+impl Default for Dial {
+    fn default() -> Self {
+        Dial { percent: 100, reference_percent: 0 }
+    }
+}
+
+impl Dial {
+    /// Takes a reading, with the thresholds of the settings.
+    pub fn read(&mut self, percent: u8, below_percent: u8, drop_percent: u8) -> Turn {
+        let from_percent = self.percent;
+        self.percent = percent;
+        self.reference_percent = self.reference_percent.max(percent);
+        if percent < below_percent || self.reference_percent.saturating_sub(percent) > drop_percent {
+            self.reference_percent = percent;
+            Turn::TakesOver
+        } else if percent < from_percent {
+            Turn::Down { from_percent }
+        } else {
+            Turn::Kept
+        }
+    }
+
+    /// From here on a drop counts from the present reading.
+    pub fn take_reference(&mut self) {
+        self.reference_percent = self.percent;
+    }
+
+    /// The reading, %.
+    pub fn percent(self) -> u8 {
+        self.percent
+    }
+
+    /// The reading as a ratio.
+    pub fn ratio(self) -> f32 {
+        f32::from(self.percent) / PERCENT
+    }
+
+    /// The share of a law's wish that the operator lets through, at most all of it.
+    pub fn share_ratio(self) -> f32 {
+        share_ratio(self.percent)
+    }
+
+    /// By how much the share fell since the reading was `from_percent`.
+    pub fn fall_ratio(self, from_percent: u8) -> f32 {
+        if from_percent == 0 { 0.0 } else { self.share_ratio() / share_ratio(from_percent) }
+    }
+
+    /// Whether the dial was turned up again after it stood at `lowest_percent`.
+    pub fn is_raised_from(self, lowest_percent: u8) -> bool {
+        self.percent >= lowest_percent.saturating_add(RAISED_PERCENT)
+    }
+}
+
+fn share_ratio(percent: u8) -> f32 {
+    f32::from(percent.min(100)) / PERCENT
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn turns(readings: &[u8]) -> Vec<Turn> {
+        let mut dial = Dial::default();
+        readings.iter().map(|percent| dial.read(*percent, 50, 10)).collect()
+    }
+
+    #[test]
+    fn ten_points_down_are_a_share_and_eleven_take_over() {
+        let down = |from_percent| Turn::Down { from_percent };
+        assert_eq!(turns(&[100, 95, 90]), [Turn::Kept, down(100), down(95)]);
+        assert_eq!(turns(&[100, 95, 89]), [Turn::Kept, down(100), Turn::TakesOver]);
+        assert_eq!(turns(&[100, 89, 88]), [Turn::Kept, Turn::TakesOver, down(89)]);
+    }
+
+    #[test]
+    fn below_the_threshold_it_takes_over_at_every_reading() {
+        assert_eq!(
+            turns(&[52, 49, 49, 49]),
+            [Turn::Down { from_percent: 100 }, Turn::TakesOver, Turn::TakesOver, Turn::TakesOver]
+        );
+    }
+
+    #[test]
+    fn a_drop_counts_from_the_highest_reading_since_the_reference() {
+        assert_eq!(turns(&[100, 120, 109])[2], Turn::TakesOver);
+        let mut dial = Dial::default();
+        dial.read(100, 50, 10);
+        dial.read(91, 50, 10);
+        dial.take_reference();
+        assert_eq!(dial.read(85, 50, 10), Turn::Down { from_percent: 91 });
+    }
+
+    #[test]
+    fn above_100_the_share_is_all() {
+        let mut dial = Dial::default();
+        for (percent, share) in [(0, 0.0), (60, 0.6), (100, 1.0), (150, 1.0), (255, 1.0)] {
+            dial.read(percent, 50, 10);
+            assert_eq!(dial.share_ratio(), share);
+        }
+        assert_eq!(dial.fall_ratio(0), 0.0);
+    }
+}
