@@ -73,7 +73,7 @@ fn a_program_that_comes_to_an_alarm_stops_before_the_block_and_keeps_what_it_did
 #[test]
 fn feed_hold_brings_the_axes_to_rest_within_the_braking_distance() {
     let mut control = Control::from_memory(ControlSettings::fanuc_16i(LengthUnit::Inch), b"G1X10.F100.\n");
-    let mut steps = (1..).map(|ms| Micros::from_ms(ms));
+    let mut steps = (1..).map(Micros::from_ms);
     let mut step = |control: &mut Control| control.step(steps.next().unwrap_or_default(), STEP, 100);
     (0..500).for_each(|_| step(&mut control));
     let before_mm = control.position().linear[0].to_mm();

@@ -13,7 +13,7 @@ use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::rig::Rig;
 use serialport::{SerialPort, TTYPort};
 
-use super::outcome::{Failure, on_interrupt};
+use super::outcome::{Failure, on_interrupt, say};
 use super::simulate::{control_settings, finish, measure};
 use super::stream::write_executed;
 use crate::job::JobFile;
@@ -64,7 +64,7 @@ impl Serve {
         let mut file = JobFile::load(&self.job)?;
         file.serial.baudrate = self.baudrate.unwrap_or(file.serial.baudrate);
         let (mut line, name) = Line::open()?;
-        println!("port: {name}");
+        say(format_args!("port: {name}"));
         std::io::stdout().flush().map_err(|error| line_failure(&error))?;
         let interrupted = on_interrupt();
         loop {

@@ -13,7 +13,7 @@ use arcfeed_shared::report::{ChipFigures, LeftOut};
 use arcfeed_shared::units::Micros;
 
 use super::adapt::{direction_word, rotation_word, side_word};
-use super::outcome::{Failure, load};
+use super::outcome::{Failure, load, say};
 use crate::adapt::adapt;
 use crate::job::{JobFile, SerialSettings};
 use crate::program::Program;
@@ -56,9 +56,9 @@ impl Simulate {
 /// The control raised an alarm.
 pub fn finish(report: &RunReport, json: bool, title: String) -> Result<(), Failure> {
     if json {
-        println!("{}", serde_json::json!(report));
+        say(format_args!("{}", serde_json::json!(report)));
     } else {
-        print!("{}", Summary { title, report });
+        say(format_args!("{}", Summary { title, report }.to_string().trim_end()));
     }
     match report.alarms.first() {
         None => Ok(()),
