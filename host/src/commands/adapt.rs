@@ -131,7 +131,7 @@ fn print_table(adapted: &Adapted, job: &Job) {
 impl BlockFigures {
     fn new(block: &PlannedBlock, job: &Job) -> Self {
         let unit_mm = job.unit.mm();
-        let feed = |feed: Nm| feed.to_mm() / unit_mm;
+        let feed = |feed: Nm| feed.0 as f64 / job.unit.nm() as f64;
         let rule = block.rule.and_then(|index| job.rules.get(index));
         let wish = block.wish.as_ref();
         let programmed = block.programmed();

@@ -62,7 +62,7 @@ pub fn finish(report: &RunReport, json: bool, title: String) -> Result<(), Failu
     }
     match report.alarms.first() {
         None => Ok(()),
-        Some(alarm) => Err(Failure::Machine(format!("the control stopped at line {}: {}", alarm.line, alarm.message))),
+        Some(alarm) => Err(Failure::Machine(format!("the control stopped at {alarm}"))),
     }
 }
 
@@ -98,7 +98,8 @@ pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> 
 pub fn add_baseline(report: &mut RunReport, file: &JobFile, program: &Program) -> Result<(), Failure> {
     let rig = run_in_memory(file, &program.bytes(), ControllerFault::LawOff)?;
     let baseline = measure(&rig, &file.job);
-    report.baseline_cycle_time_s = baseline.cycle_time_s;
+    // A program that its control does not finish has no time to compare with.
+    report.baseline_cycle_time_s = baseline.cycle_time_s.filter(|_| baseline.alarms.is_empty());
     report.baseline_ipt_circumference = baseline.ipt_circumference;
     for (movement, before) in report.movements.iter_mut().zip(baseline.movements) {
         movement.baseline_ipt = before.ipt;
