@@ -1,8 +1,13 @@
 //! What several test files need. The promises themselves are the `[[test]]` targets beside this file.
 
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+/// Longest wait for a process under test.
+const WAIT_MAX: Duration = Duration::from_secs(60);
 
 /// The root of the workspace.
 pub fn root() -> &'static Path {
@@ -46,4 +51,126 @@ pub fn shared_or_skip(file: &str, test: &str) -> Option<PathBuf> {
         writeln!(file, "{message}").expect("the skip log takes a line");
     }
     None
+}
+
+/// A folder of a test's own, which goes with it.
+#[derive(Debug)]
+pub struct Scratch(PathBuf);
+
+impl Scratch {
+    /// An empty one; `name` tells the tests of one process apart.
+    pub fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("arcfeed-{}-{name}", std::process::id()));
+        let _was_not_there = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).expect("a scratch folder can be made");
+        Scratch(path)
+    }
+
+    /// The path of a file in it, as an argument.
+    pub fn path(&self, file: &str) -> String {
+        self.0.join(file).to_str().expect("scratch folders are named in ASCII").to_owned()
+    }
+
+    /// Writes a file into it; answers its path.
+    pub fn write(&self, file: &str, content: impl AsRef<[u8]>) -> String {
+        let path = self.path(file);
+        fs::write(&path, content).expect("a scratch file can be written");
+        path
+    }
+
+    /// Names of the files in it, sorted.
+    pub fn files(&self) -> Vec<String> {
+        let entries = fs::read_dir(&self.0).expect("a scratch folder can be read");
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _already_gone = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// `arcfeed` running beside a test. It never outlives the test, also not one that panics.
+#[derive(Debug)]
+pub struct Running {
+    child: Child,
+    out: PathBuf,
+    err: PathBuf,
+}
+
+/// How a process ended.
+#[derive(Debug)]
+pub struct Ended {
+    /// Exit code; none if a signal ended it.
+    pub code: Option<i32>,
+    /// All it wrote to stdout.
+    pub out: String,
+    /// All it wrote to stderr.
+    pub err: String,
+}
+
+impl Running {
+    /// Starts `arcfeed`; what it writes goes to files named after `name`, so that no pipe can fill up.
+    pub fn start(scratch: &Scratch, name: &str, arguments: &[&str]) -> Self {
+        let file = |ending: &str| PathBuf::from(scratch.path(&format!("{name}.{ending}")));
+        let (out, err) = (file("out"), file("err"));
+        let create = |path: &Path| File::create(path).expect("a scratch file can be made");
+        let child = Command::new(arcfeed())
+            .args(arguments)
+            .current_dir(root())
+            .stdin(Stdio::null())
+            .stdout(create(&out))
+            .stderr(create(&err))
+            .spawn()
+            .expect("arcfeed starts");
+        Running { child, out, err }
+    }
+
+    /// Waits for a whole line on stdout that begins with `start`; answers the rest of it.
+    pub fn line(&mut self, start: &str) -> String {
+        wait_for(&format!("a line `{start}`"), || {
+            let text = fs::read_to_string(&self.out).unwrap_or_default();
+            let whole = text.split_inclusive('\n').filter_map(|line| line.strip_suffix('\n'));
+            whole.filter_map(|line| line.strip_prefix(start)).next().map(str::to_owned)
+        })
+    }
+
+    /// What Ctrl-C does.
+    pub fn interrupt(&self) {
+        let sent = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status();
+        assert!(sent.expect("kill runs").success(), "nothing left to interrupt");
+    }
+
+    /// Waits for its end.
+    pub fn end(mut self) -> Ended {
+        let status = wait_for("the end of arcfeed", || self.child.try_wait().expect("a child can be waited for"));
+        let read = |path: &Path| fs::read_to_string(path).expect("its output is text");
+        Ended { code: status.code(), out: read(&self.out), err: read(&self.err) }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _already_over = self.child.kill();
+        let _reaped = self.child.wait();
+    }
+}
+
+/// Asks again and again until there is an answer, for a minute.
+///
+/// # Panics
+/// There is none by then.
+pub fn wait_for<T>(what: &str, mut answer: impl FnMut() -> Option<T>) -> T {
+    let started = Instant::now();
+    loop {
+        if let Some(found) = answer() {
+            return found;
+        }
+        assert!(started.elapsed() < WAIT_MAX, "waited in vain for {what}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
 }

@@ -57,7 +57,11 @@ pub struct Counters {
 
 impl Sender {
     /// A sender for a line that takes `bits_per_char` bits a character.
-    pub fn new(program: Vec<u8>, baudrate: u32, bits_per_char: u32, xonxoff: bool) -> Self {
+    pub fn new(mut program: Vec<u8>, baudrate: u32, bits_per_char: u32, xonxoff: bool) -> Self {
+        // A control takes a block at its end: a last line without one would never be executed.
+        if program.last().is_some_and(|&byte| byte != b'\n') {
+            program.push(b'\n');
+        }
         let char_us = (u64::from(bits_per_char) * US_PER_S).div_ceil(u64::from(baudrate));
         let state = if xonxoff { State::Waiting } else { State::Sending };
         Sender { program, sent: 0, state, xonxoff, char_us, line_free_at: Micros(0), counters: Counters::default() }

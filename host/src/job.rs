@@ -107,7 +107,9 @@ impl JobFile {
             let before = &text[..offset.min(text.len())];
             let line = before.matches('\n').count() + 1;
             let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
-            JobError::Content { path: path.into(), line, column, message }
+            let is_toml = path.extension().is_some_and(|extension| extension == "toml");
+            let hint = if is_toml { "" } else { " (this command takes a job file, JOB.toml, not a program)" };
+            JobError::Content { path: path.into(), line, column, message: format!("{message}{hint}") }
         })
     }
 }

@@ -1,9 +1,9 @@
 //! Lines to what they do: a program's modal state carried from line to line.
 
-use crate::nc::alarm::Fault;
+use crate::nc::alarm::{Alarm, Cause, Fault, NotModelled};
 use crate::nc::block::{Line, Parsed, Reading, parse_line};
-use crate::nc::modal::{Feed, Modal, Step};
-use crate::segment::{Path, Segment};
+use crate::nc::modal::{Feed, Modal, MotionKind, Step};
+use crate::segment::Segment;
 use crate::units::LengthUnit;
 
 /// Reads a program line by line; the state is that of the control after the lines read so far.
@@ -11,6 +11,8 @@ use crate::units::LengthUnit;
 pub struct Reader {
     modal: Modal,
     reading: Reading,
+    /// A block was refused, and where its move would have ended is unknown.
+    is_lost: bool,
 }
 
 /// A line, understood.
@@ -27,38 +29,65 @@ pub struct Understood {
 impl Reader {
     /// At power-on.
     pub fn new(unit: LengthUnit, reading: Reading) -> Self {
-        Reader { modal: Modal::at_power_on(unit), reading }
+        Reader { modal: Modal::at_power_on(unit), reading, is_lost: false }
     }
 
     /// Reads the next line, which must not contain its line end.
     ///
     /// # Errors
-    /// The first fault of the line. After an arc with bad geometry the state stands at its programmed end, so that
-    /// one fault does not make the next block another.
+    /// The first fault of the line. One fault does not make the next block another: after an arc with bad geometry the
+    /// state stands at its programmed end, and after a block that could not be read no arc is judged until X and Y are
+    /// given again.
     pub fn read(&mut self, text: &[u8]) -> Result<Understood, Fault> {
+        let understood = self.understand(text);
+        if let Err(Fault { cause, .. }) = understood
+            && !is_geometry(cause)
+        {
+            self.is_lost |= has_axis_word(text);
+        }
+        understood
+    }
+
+    fn understand(&mut self, text: &[u8]) -> Result<Understood, Fault> {
         let parsed = parse_line(text, self.reading)?;
         let Line::Block(block) = &parsed.line else {
             return Ok(Understood { parsed, step: Step::default(), segment: None });
         };
         let (next, step) = self.modal.interpret(block)?;
         self.modal = next;
-        let sequence = block.sequence;
-        let segment = step.motion.map(|motion| Segment::from_motion(&motion, sequence)).transpose()?;
+        let segment = match step.motion.map(|motion| Segment::from_motion(&motion, block.sequence)) {
+            Some(Err(fault)) if !(self.is_lost && is_geometry(fault.cause)) => return Err(fault),
+            Some(Ok(segment)) if !self.is_lost => Some(segment),
+            Some(_) | None => None,
+        };
+        if next.absolute && block.word(b'X').is_some() && block.word(b'Y').is_some() {
+            self.is_lost = false;
+        }
         Ok(Understood { parsed, step, segment })
     }
+}
+
+/// Whether an axis letter stands before any comment.
+fn has_axis_word(text: &[u8]) -> bool {
+    let code = text.split(|&byte| byte == b'(').next().unwrap_or_default();
+    code.iter().any(|byte| matches!(byte, b'X'..=b'Z'))
+}
+
+/// Whether a fault is about where a move starts and ends, not about what is written.
+fn is_geometry(cause: Cause) -> bool {
+    matches!(cause, Cause::Alarm(Alarm::RadiusTolerance | Alarm::NoRadius) | Cause::NotModelled(NotModelled::Helix))
 }
 
 impl Understood {
     /// Whether this is a cutting move for which no feed was ever given: PS0011.
     pub fn lacks_feed(&self) -> bool {
-        self.segment.is_some_and(|segment| segment.path != Path::Rapid && segment.feed == Feed::Missing)
+        self.step.motion.is_some_and(|motion| motion.kind != MotionKind::Rapid && motion.feed == Feed::Missing)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::nc::alarm::Alarm;
 
     #[test]
     fn one_bad_arc_is_one_fault() {
@@ -70,6 +99,16 @@ mod tests {
         assert_eq!(bad, Err(Fault::alarm(Alarm::RadiusTolerance, 0)));
         let next = reader.read(b"G1Y0.").unwrap().segment.unwrap();
         assert!((next.length_mm() - 11.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_arc_behind_a_refused_block_is_not_judged() {
+        let mut reader = Reader::new(LengthUnit::Mm, Reading::Lenient);
+        assert!(reader.read(b"G1X10.Y0F100.").is_ok());
+        assert!(reader.read(b"X2O.Y5.").is_err());
+        assert_eq!(reader.read(b"G3X0Y10.I-10.").unwrap().segment, None);
+        assert!(reader.read(b"G3X-10.Y0J-10.").unwrap().segment.is_some());
+        assert!(reader.read(b"G3X0Y11.I10.").is_err());
     }
 
     #[test]

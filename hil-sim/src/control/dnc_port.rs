@@ -154,6 +154,11 @@ impl DncPort {
         fault
     }
 
+    /// Whether nothing can come any more: a program in memory, read to its last line.
+    pub fn is_exhausted(&self) -> bool {
+        self.settings.is_none() && self.blocks == 0
+    }
+
     /// The next complete line, without its line end.
     pub fn take_line(&mut self) -> Option<Vec<u8>> {
         if self.blocks == 0 {

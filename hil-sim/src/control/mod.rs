@@ -13,7 +13,7 @@ pub mod interpolator;
 
 use std::collections::VecDeque;
 
-use arcfeed_shared::nc::alarm::Fault;
+use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{LengthUnit, Micros, MmPerMin, US_PER_MS};
@@ -144,6 +144,9 @@ impl Control {
             left_s = self.interpolator.advance(left_s, self.override_percent, self.held || self.is_over());
         }
         let waits = self.waits_until.is_some() || self.is_over();
+        if self.interpolator.is_idle() && self.interpolator.queued() == 0 && !waits && self.port.is_exhausted() {
+            self.stop_with(AlarmRecord { line: self.reader.line(), fault: Fault::alarm(Alarm::EndOfRecord, 0) });
+        }
         let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0;
         if has_nothing && !waits && self.has_moved {
             self.starved_ms += dt.0 / US_PER_MS;

@@ -40,12 +40,13 @@ pub enum Action {
 pub struct BlockReader {
     reader: Reader,
     line: u32,
+    has_begun: bool,
 }
 
 impl BlockReader {
     /// At power-on.
     pub fn new(unit: LengthUnit) -> Self {
-        BlockReader { reader: Reader::new(unit, Reading::Lenient), line: 0 }
+        BlockReader { reader: Reader::new(unit, Reading::Lenient), line: 0, has_begun: false }
     }
 
     /// Lines read so far.
@@ -57,10 +58,15 @@ impl BlockReader {
     pub fn read(&mut self, text: Vec<u8>) -> Option<ReadBlock> {
         self.line += 1;
         let action = match self.reader.read(&text) {
+            // The first mark begins the program, the next one ends it: a program that has not stopped before has no end.
+            Ok(Understood { parsed: Parsed { line: Line::ProgramMark, .. }, .. }) if self.has_begun => {
+                Action::Fault(Fault::alarm(Alarm::EndOfRecord, 1))
+            }
             Ok(Understood { parsed: Parsed { line: Line::ProgramMark, .. }, .. }) => return None,
             Ok(understood) => action(&understood),
             Err(fault) => Action::Fault(fault),
         };
+        self.has_begun |= !text.is_empty();
         (!text.is_empty()).then_some(ReadBlock { line: self.line, text, action })
     }
 }
@@ -89,7 +95,12 @@ mod tests {
 
     #[test]
     fn marks_and_empty_lines_are_no_blocks() {
-        assert_eq!(actions("%\n\nOTITLE\n(NOTE)\nG20\n%"), vec![Action::Nothing; 3]);
+        assert_eq!(actions("%\n\nOTITLE\n(NOTE)\nG20\n"), vec![Action::Nothing; 3]);
+    }
+
+    #[test]
+    fn the_mark_behind_a_program_that_has_no_end_is_an_alarm() {
+        assert_eq!(actions("%\nG20\n%").last(), Some(&Action::Fault(Fault::alarm(Alarm::EndOfRecord, 1))));
     }
 
     #[test]

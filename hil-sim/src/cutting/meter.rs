@@ -12,7 +12,7 @@ use arcfeed_shared::segment::{Arc, Segment};
 use arcfeed_shared::stock::StockLine;
 use arcfeed_shared::telemetry::Sample;
 use arcfeed_shared::tool::{Edge, Tool};
-use arcfeed_shared::units::{Nm, RevPerMin, S_PER_MIN};
+use arcfeed_shared::units::{Micros, Nm, RevPerMin, S_PER_MIN, US_PER_S};
 use nalgebra::Vector2;
 
 use super::chip::Circle;
@@ -50,7 +50,8 @@ pub struct MoveChips {
 #[derive(Debug)]
 pub struct ChipMeter {
     settings: MeterSettings,
-    tooth_s: f64,
+    /// Time of one tooth, in microseconds.
+    tooth_us: f64,
     history: VecDeque<Measured>,
     block: Option<u32>,
     cut: Option<RingCut>,
@@ -59,7 +60,7 @@ pub struct ChipMeter {
 
 #[derive(Clone, Copy, Debug)]
 struct Measured {
-    at_s: f64,
+    at: Micros,
     position_mm: Vector2<f64>,
     steady: bool,
 }
@@ -83,7 +84,7 @@ impl ChipMeter {
         let teeth_per_min = f64::from(settings.spindle.0) * f64::from(settings.tool.active_teeth());
         ChipMeter {
             settings,
-            tooth_s: S_PER_MIN / teeth_per_min,
+            tooth_us: S_PER_MIN * US_PER_S as f64 / teeth_per_min,
             history: VecDeque::new(),
             block: None,
             cut: None,
@@ -122,17 +123,17 @@ impl ChipMeter {
             self.end_block();
         }
         let Some(cut) = self.cut else { return };
-        let at_s = sample.at.to_s();
+        let at = sample.at;
         let position_mm = cut.in_plane(&sample.position);
         // The first sample of a block has no speed yet.
         let steady = self.history.back().is_some_and(|last| {
-            let speed = (position_mm - last.position_mm).norm() / (at_s - last.at_s) * S_PER_MIN;
+            let speed = (position_mm - last.position_mm).norm() / at.since(last.at).to_s() * S_PER_MIN;
             let commanded = f64::from(sample.commanded.0);
             libm::fabs(speed - commanded) <= STEADY_RATIO * commanded
         });
-        self.history.push_back(Measured { at_s, position_mm, steady });
+        self.history.push_back(Measured { at, position_mm, steady });
         while let Some(first) = self.history.front().copied() {
-            if at_s - first.at_s < self.tooth_s {
+            if (at.since(first.at).0 as f64) < self.tooth_us {
                 break;
             }
             self.measure(&cut, first);
@@ -142,7 +143,7 @@ impl ChipMeter {
 
     /// Measures the tooth that began at the oldest sample.
     fn measure(&mut self, cut: &RingCut, first: Measured) {
-        let Some(end_mm) = self.position_at(first.at_s + self.tooth_s) else { return };
+        let Some(end_mm) = self.position_after_tooth(first.at) else { return };
         let Some(chips) = self.moves.last_mut() else { return };
         // The speed at the oldest sample itself is that of the step before the tooth.
         if !self.history.iter().skip(1).all(|measured| measured.steady) {
@@ -163,11 +164,13 @@ impl ChipMeter {
         }
     }
 
-    /// The position at a time between two samples.
-    fn position_at(&self, at_s: f64) -> Option<Vector2<f64>> {
-        let after = self.history.iter().position(|measured| measured.at_s >= at_s)?;
+    /// The position one tooth after `start`, between two samples. Only differences of time become floats, so that a run
+    /// gives the same figures whenever it starts.
+    fn position_after_tooth(&self, start: Micros) -> Option<Vector2<f64>> {
+        let since_us = |measured: &Measured| measured.at.since(start).0 as f64;
+        let after = self.history.iter().position(|measured| since_us(measured) >= self.tooth_us)?;
         let (a, b) = (self.history.get(after.checked_sub(1)?)?, self.history.get(after)?);
-        let ratio = (at_s - a.at_s) / (b.at_s - a.at_s);
+        let ratio = (self.tooth_us - since_us(a)) / (since_us(b) - since_us(a));
         Some(a.position_mm + (b.position_mm - a.position_mm) * ratio)
     }
 

@@ -45,7 +45,7 @@ pub fn along(law: &impl FeedLaw, segment: &Segment, teeth_per_min: f64) -> Optio
     Some(WishRange {
         feed_min_mm_per_min: teeth_per_min * least,
         feed_max_mm_per_min: teeth_per_min * most,
-        safe_mm_per_min: teeth_per_min * (least - dip_between(&paths_mm)),
+        safe_mm_per_min: teeth_per_min * floor_of(&paths_mm),
         ipt_mm_per_tooth: [least, most],
         contact_deg: [contacts_rad.first()?.to_degrees(), contacts_rad.last()?.to_degrees()],
         covers_all,
@@ -68,10 +68,16 @@ fn place_at(segment: &Segment, ratio: f64) -> Place {
     }
 }
 
-/// How far a smooth curve may dip below the lower of two neighbouring points: an eighth of its second difference.
-fn dip_between(values: &[f64]) -> f64 {
-    let second = values.windows(3).map(|window| libm::fabs(window[0] - 2.0 * window[1] + window[2]));
-    second.fold(0.0, f64::max) / 8.0
+/// A bound that a smooth curve through these points does not undercut: between two neighbours it dips below the lower one
+/// by at most an eighth of the second difference there.
+fn floor_of(values: &[f64]) -> f64 {
+    let bend = |middle: usize| match middle.checked_sub(1).and_then(|first| values.get(first..middle + 2)) {
+        Some([a, b, c]) => libm::fabs(a - 2.0 * b + c),
+        _ => 0.0,
+    };
+    let intervals = values.windows(2).enumerate();
+    let floors = intervals.map(|(at, ends)| ends[0].min(ends[1]) - bend(at).max(bend(at + 1)) / 8.0);
+    floors.fold(values.iter().copied().fold(f64::INFINITY, f64::min), f64::min)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{LengthUnit, Nm};
 use serde::Serialize;
 
-use super::outcome::{Failure, file_failure, load};
+use super::outcome::{Failure, file_failure, load, say};
 use crate::adapt::{Adapted, PlannedBlock, adapt};
 use crate::program::Program;
 
@@ -64,7 +64,7 @@ impl Adapt {
         let adapted = adapt(&program, &file.job);
         if self.json {
             for block in &adapted.blocks {
-                println!("{}", serde_json::json!(BlockFigures::new(block, &file.job)));
+                say(format_args!("{}", serde_json::json!(BlockFigures::new(block, &file.job))));
             }
         } else if self.diff {
             print_diff(&program, &adapted);
@@ -93,19 +93,21 @@ fn print_diff(program: &Program, adapted: &Adapted) {
         let new = new.strip_suffix(b"\r").unwrap_or(new);
         if old.text != new {
             let (line, path) = (index + 1, program.path.display());
-            println!("{path}:{line}\n- {}\n+ {}", old.text.escape_ascii(), new.escape_ascii());
+            say(format_args!("{path}:{line}\n- {}\n+ {}", old.text.escape_ascii(), new.escape_ascii()));
         }
     }
 }
 
 fn print_table(adapted: &Adapted, job: &Job) {
     let unit = job.unit.label();
-    println!("   line  N        programmed        sent     wanted {unit}/min     factor          contact  reason");
+    say(format_args!(
+        "   line  N        programmed        sent     wanted {unit}/min     factor          contact  reason"
+    ));
     for block in adapted.blocks.iter().filter(|block| block.rule.is_some()) {
         let figures = BlockFigures::new(block, job);
         let number = |value: Option<f64>, decimals| value.map_or("-".into(), |value| format!("{value:.decimals$}"));
         let range = |low, high, decimals| format!("{} .. {}", number(low, decimals), number(high, decimals));
-        println!(
+        say(format_args!(
             "{:>7}  {:<7}{:>12}{:>12}{:>18}{:>15}{:>15}  {}",
             block.line,
             block.segment.sequence.map_or("-".into(), |n| format!("N{n}")),
@@ -115,21 +117,21 @@ fn print_table(adapted: &Adapted, job: &Job) {
             range(figures.factor_min, figures.factor_max, 2),
             range(figures.contact_deg_start, figures.contact_deg_end, 1),
             figures.reason
-        );
+        ));
     }
     let governed = adapted.blocks.iter().filter(|block| block.wish.is_some()).count();
     let moves = adapted.blocks.len();
     let limits = &job.limits;
-    println!(
+    say(format_args!(
         "{governed} of {moves} moves are governed by the law; the others keep their own feed. Override {} .. {} %.",
         limits.min_percent, limits.max_percent
-    );
+    ));
 }
 
 impl BlockFigures {
     fn new(block: &PlannedBlock, job: &Job) -> Self {
         let unit_mm = job.unit.mm();
-        let feed = |feed: Nm| feed.to_mm() / unit_mm;
+        let feed = |feed: Nm| feed.0 as f64 / job.unit.nm() as f64;
         let rule = block.rule.and_then(|index| job.rules.get(index));
         let wish = block.wish.as_ref();
         let programmed = block.programmed();

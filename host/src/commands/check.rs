@@ -7,7 +7,7 @@ use arcfeed_shared::segment::Path;
 use arcfeed_shared::units::LengthUnit;
 use serde::Serialize;
 
-use super::outcome::{Failure, file_failure};
+use super::outcome::{Failure, file_failure, say};
 use crate::program::{Diagnostic, Program, ProgramLine, Severity};
 
 /// Check an NC program: every alarm with line and column
@@ -92,15 +92,15 @@ impl Check {
         for diagnostic in &program.diagnostics {
             match diagnostic.severity {
                 Severity::Error => eprintln!("{path}:{diagnostic}"),
-                Severity::Warning => println!("{path}:{diagnostic}"),
+                Severity::Warning => say(format_args!("{path}:{diagnostic}")),
             }
         }
         let warnings = of_severity(program, Severity::Warning).count();
         let Counts { lines, blocks, comments, arcs, linear, rapids, rotary } = counts;
-        println!(
+        say(format_args!(
             "{path}: {lines} lines, {blocks} blocks ({comments} of them comments): {arcs} arcs, {linear} straight cutting \
              moves, {rapids} rapids; a rotary axis turns in {rotary} of them; {warnings} warnings"
-        );
+        ));
     }
 
     fn print_json(&self, program: &Program, counts: Counts) {
@@ -113,7 +113,7 @@ impl Check {
             errors: entries(Severity::Error),
             warnings: entries(Severity::Warning),
         };
-        println!("{}", serde_json::json!(report));
+        say(format_args!("{}", serde_json::json!(report)));
     }
 }
 

@@ -1,5 +1,6 @@
 //! How a command ends: the exit code, and one sentence where it failed.
 
+use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -44,6 +45,14 @@ impl From<JobError> for Failure {
 impl From<PortError> for Failure {
     fn from(error: PortError) -> Self {
         Failure::Machine(format!("{error}"))
+    }
+}
+
+/// Prints a line on stdout; where nobody reads it any more (`| head`), the command ends quietly, with the exit code of a
+/// program ended by SIGPIPE.
+pub fn say(line: std::fmt::Arguments<'_>) {
+    if writeln!(std::io::stdout(), "{line}").is_err() {
+        std::process::exit(141);
     }
 }
 

@@ -3,6 +3,7 @@
 //! Simulated time follows wall time (times `--speed`) and never catches up: where this process was held up, its control
 //! was held up with it, and what a sender wrote in the meantime was written before it could see an XOFF.
 
+use std::fs::File;
 use std::io::{ErrorKind, Read, Write};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,7 +14,7 @@ use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::rig::Rig;
 use serialport::{SerialPort, TTYPort};
 
-use super::outcome::{Failure, on_interrupt};
+use super::outcome::{Failure, on_interrupt, say};
 use super::simulate::{control_settings, finish, measure};
 use super::stream::write_executed;
 use crate::job::JobFile;
@@ -36,7 +37,7 @@ pub struct Serve {
     /// Line rate, in place of the job's
     #[arg(long)]
     baudrate: Option<u32>,
-    /// Stop after one program
+    /// Stop after one program; without it, programs are taken until one ends in an alarm
     #[arg(long)]
     once: bool,
     /// Write the blocks that the control executed here; a later program replaces them
@@ -52,7 +53,7 @@ struct Line {
     /// The end we read and write.
     ours: TTYPort,
     /// The sender's end, held open so that the line outlives the sender.
-    _theirs: TTYPort,
+    _theirs: File,
 }
 
 impl Serve {
@@ -63,22 +64,19 @@ impl Serve {
     pub fn run(&self) -> Result<(), Failure> {
         let mut file = JobFile::load(&self.job)?;
         file.serial.baudrate = self.baudrate.unwrap_or(file.serial.baudrate);
-        let (mut line, name) = Line::open()?;
-        println!("port: {name}");
-        std::io::stdout().flush().map_err(|error| line_failure(&error))?;
         let interrupted = on_interrupt();
+        let (mut line, name) = Line::open()?;
+        say(format_args!("port: {name}"));
+        std::io::stdout().flush().map_err(|error| line_failure(&error))?;
         loop {
             let rig = self.serve_one(&file, &mut line, &interrupted)?;
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Failure::Stopped("stopped by the operator".into()));
             }
-            let ended = self.report(&file, &rig, &name);
+            // A control in alarm stays so until somebody resets it: a fresh one would take the rest of the same program.
+            self.report(&file, &rig, &name)?;
             if self.once {
-                return ended;
-            }
-            if let Err(failure) = ended {
-                // The next program gets a fresh control.
-                failure.report();
+                return Ok(());
             }
         }
     }
@@ -91,6 +89,9 @@ impl Serve {
             let started = Instant::now();
             line.listen(&mut rig).map_err(|error| line_failure(&error))?;
             for _ in 0..self.speed {
+                if rig.is_done() {
+                    break;
+                }
                 rig.step();
                 line.answer(&mut rig).map_err(|error| line_failure(&error))?;
             }
@@ -121,11 +122,12 @@ impl Serve {
 impl Line {
     fn open() -> Result<(Self, String), Failure> {
         let failed = |error: serialport::Error| line_failure(&error.into());
-        let (ours, mut theirs) = TTYPort::pair().map_err(failed)?;
-        // Others must be able to open it beside us.
-        theirs.set_exclusive(false).map_err(failed)?;
+        let (ours, theirs) = TTYPort::pair().map_err(failed)?;
         let name = theirs.name().unwrap_or_default();
-        Ok((Line { ours, _theirs: theirs }, name))
+        // As a plain file: a serial port is locked, and the sender must be able to lock it.
+        let held = File::options().read(true).write(true).open(&name).map_err(|error| line_failure(&error))?;
+        drop(theirs);
+        Ok((Line { ours, _theirs: held }, name))
     }
 
     /// Takes everything that has been written to the line.

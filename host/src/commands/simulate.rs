@@ -14,7 +14,7 @@ use arcfeed_shared::report::{ChipFigures, LeftOut};
 use arcfeed_shared::units::{LengthUnit, Micros, MmPerTooth};
 
 use super::adapt::{direction_word, rotation_word, side_word};
-use super::outcome::{Failure, load};
+use super::outcome::{Failure, load, say};
 use crate::adapt::adapt;
 use crate::job::{JobFile, SerialSettings};
 use crate::program::Program;
@@ -57,13 +57,13 @@ impl Simulate {
 /// The control raised an alarm.
 pub fn finish(report: &RunReport, json: bool, title: String) -> Result<(), Failure> {
     if json {
-        println!("{}", serde_json::json!(report));
+        say(format_args!("{}", serde_json::json!(report)));
     } else {
-        print!("{}", Summary { title, report });
+        say(format_args!("{}", Summary { title, report }.to_string().trim_end()));
     }
     match report.alarms.first() {
         None => Ok(()),
-        Some(alarm) => Err(Failure::Machine(format!("the control stopped at line {}: {}", alarm.line, alarm.message))),
+        Some(alarm) => Err(Failure::Machine(format!("the control stopped at {alarm}"))),
     }
 }
 
@@ -99,7 +99,8 @@ pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> 
 pub fn add_baseline(report: &mut RunReport, file: &JobFile, program: &Program) -> Result<(), Failure> {
     let rig = run_in_memory(file, &program.bytes(), ControllerFault::LawOff)?;
     let baseline = measure(&rig, &file.job);
-    report.baseline_cycle_time_s = baseline.cycle_time_s;
+    // A program that its control does not finish has no time to compare with.
+    report.baseline_cycle_time_s = baseline.cycle_time_s.filter(|_| baseline.alarms.is_empty());
     report.baseline_ipt_circumference = baseline.ipt_circumference;
     for (movement, before) in report.movements.iter_mut().zip(baseline.movements) {
         movement.baseline_ipt = before.ipt;

@@ -1,5 +1,7 @@
 //! The figures of a run. Field names are the JSON of docs/json.md; lengths in the job's unit, as `unit` says.
 
+use std::fmt;
+
 use arcfeed_shared::nc::alarm::Cause;
 use arcfeed_shared::report::{ChipFigures, LeftOut};
 use arcfeed_shared::units::LengthUnit;
@@ -50,11 +52,21 @@ pub struct AlarmFigures {
 impl AlarmFigures {
     /// The figures of a fault at a line.
     pub fn new(line: u32, column: u16, cause: Cause) -> Self {
-        let alarm = match cause {
-            Cause::Alarm(alarm) => Some(alarm.number()),
-            Cause::NotModelled(_) => None,
+        let (alarm, message) = match cause {
+            Cause::Alarm(alarm) => (Some(alarm.number()), alarm.explanation().to_string()),
+            Cause::NotModelled(_) => (None, cause.to_string()),
         };
-        AlarmFigures { line, column: (column > 0).then_some(column), alarm, message: cause.to_string() }
+        AlarmFigures { line, column: (column > 0).then_some(column), alarm, message }
+    }
+}
+
+impl fmt::Display for AlarmFigures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {} of the program as sent: ", self.line)?;
+        if let Some(alarm) = self.alarm {
+            write!(f, "PS{alarm:04} ")?;
+        }
+        f.write_str(&self.message)
     }
 }
 

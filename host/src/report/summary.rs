@@ -35,7 +35,7 @@ impl fmt::Display for Summary<'_> {
             }
         }
         for alarm in &report.alarms {
-            writeln!(f, "  ALARM at line {} of the program as sent: {}", alarm.line, alarm.message)?;
+            writeln!(f, "  ALARM at {alarm}")?;
         }
         Ok(())
     }

@@ -32,6 +32,8 @@ pub enum Alarm {
     NoRadius,
     /// PS0087.
     BufferOverflow,
+    /// PS5010.
+    EndOfRecord,
 }
 
 impl Alarm {
@@ -50,6 +52,7 @@ impl Alarm {
             Alarm::IllegalPlaneAxis => 21,
             Alarm::NoRadius => 22,
             Alarm::BufferOverflow => 87,
+            Alarm::EndOfRecord => 5010,
         }
     }
 
@@ -74,6 +77,7 @@ impl Alarm {
             Alarm::BufferOverflow => {
                 "buffer overflow: more than 10 characters arrived after DC3; the sender must stop sooner"
             }
+            Alarm::EndOfRecord => "the program ended without M02 or M30; write M30 before its last %",
         }
     }
 }

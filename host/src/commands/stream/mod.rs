@@ -80,8 +80,14 @@ impl Stream {
         if let Some(path) = &self.executed {
             write_executed(path, rig.control().executed())?;
         }
+        let waits_for_more = matches!(end, End::Complete) && !rig.is_done();
         add_baseline(&mut report, file, program)?;
-        self.finish(file, &report, &sender, &end)
+        self.finish(file, &report, &sender, &end)?;
+        if waits_for_more {
+            let message = "the control executed all it got and waits for more: the program has no M02 or M30";
+            return Err(Failure::Machine(message.into()));
+        }
+        Ok(())
     }
 
     fn to_serial(&self, file: &JobFile, mut sender: Sender) -> Result<(), Failure> {

@@ -13,6 +13,9 @@ use crate::report::figures::LinkFigures;
 /// Longest time the axes take to rest after feed hold.
 const REST_MAX: Micros = Micros::from_ms(10_000);
 
+/// A control that has had nothing to execute for this long gets nothing more.
+const STARVED_MAX_MS: u64 = 10_000;
+
 /// A rig, and a line to its control.
 pub struct SimPort {
     rig: Rig,
@@ -84,7 +87,7 @@ impl Port for SimPort {
     }
 
     fn control_is_done(&self) -> Option<bool> {
-        Some(self.rig.is_done())
+        Some(self.rig.is_done() || self.rig.control().starved_ms() > STARVED_MAX_MS)
     }
 
     fn feed_hold(&mut self) -> bool {

@@ -1,0 +1,238 @@
+//! docs/json.md against what the commands print: every output obeys its schema, and the schemas forbid enough to notice
+//! when one does not.
+#![cfg(unix)]
+
+use std::collections::BTreeSet;
+
+use arcfeed_tests::{Running, Scratch, root, run};
+use boon::{Compiler, SchemaIndex, Schemas};
+use serde_json::{Value, json};
+
+const CORPUS: &str = "tests/corpus/cam-2003.nc";
+const EXAMPLE: &str = "examples/ibr-slot";
+const CASE: &str = "tests/cases/table-5-4";
+
+/// Old text and new one.
+type Change<'a> = (&'a str, &'a str);
+
+/// The schemas of docs/json.md, by their titles.
+struct Documented {
+    texts: Vec<Value>,
+    compiled: Schemas,
+    indices: Vec<(String, SchemaIndex)>,
+}
+
+impl Documented {
+    fn read() -> Self {
+        let document = file_text("docs/json.md");
+        let blocks =
+            document.split("```json-schema\n").skip(1).map(|rest| rest.split("```").next().unwrap_or_default());
+        let texts: Vec<Value> = blocks.map(|text| serde_json::from_str(text).expect("schemas are JSON")).collect();
+        let mut compiler = Compiler::new();
+        let locations: Vec<String> = (0..texts.len()).map(|at| format!("https://arcfeed.invalid/block/{at}")).collect();
+        for (location, text) in locations.iter().zip(&texts) {
+            let location = text["$id"].as_str().unwrap_or(location);
+            compiler.add_resource(location, text.clone()).expect("each schema has a place of its own");
+        }
+        let mut compiled = Schemas::new();
+        let mut compile = |(location, text): (&String, &Value)| {
+            let location = text["$id"].as_str().unwrap_or(location);
+            let title = text["title"].as_str().expect("each schema has a title").to_owned();
+            (title, compiler.compile(location, &mut compiled).expect("schemas obey JSON Schema"))
+        };
+        let indices = locations.iter().zip(&texts).map(&mut compile).collect();
+        Documented { texts, compiled, indices }
+    }
+
+    fn validate(&self, title: &str, value: &Value) -> Result<(), String> {
+        let (_, index) = self.indices.iter().find(|(other, _)| other == title).expect("a documented shape");
+        self.compiled.validate(value, *index).map_err(|error| error.to_string())
+    }
+
+    /// It is valid, and no longer so when any field of it is damaged.
+    fn assert_fits(&self, title: &str, value: &Value) {
+        if let Err(error) = self.validate(title, value) {
+            panic!("{title}: {error}\n{value}");
+        }
+        let damaged = damages(value);
+        assert!(!damaged.is_empty());
+        for (what, damaged) in damaged {
+            assert!(self.validate(title, &damaged).is_err(), "{title} allows {what}");
+        }
+    }
+}
+
+fn file_text(path: &str) -> String {
+    std::fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// The JSON objects that a command prints, and its exit code.
+fn objects(arguments: &[&str]) -> (Option<i32>, Vec<Value>) {
+    let output = run(&[arguments, &["--json"]].concat());
+    let text = String::from_utf8(output.stdout).expect("JSON is text");
+    (output.status.code(), text.lines().map(|line| serde_json::from_str(line).expect("one object a line")).collect())
+}
+
+/// The one object of a command that must end with `code`.
+fn object(arguments: &[&str], code: i32) -> Value {
+    let (found, mut objects) = objects(arguments);
+    assert_eq!((found, objects.len()), (Some(code), 1), "{arguments:?}");
+    objects.remove(0)
+}
+
+/// The value with each object in it damaged in turn: a field too few, one too many, one of another type.
+fn damages(value: &Value) -> Vec<(String, Value)> {
+    let mut damaged = Vec::new();
+    for pointer in objects_in(value, "") {
+        let mut damage = |what: String, field: &str, new: Option<Value>| {
+            let mut copy = value.clone();
+            let object = copy.pointer_mut(&pointer).and_then(Value::as_object_mut).expect("it was just found");
+            match new {
+                Some(new) => object.insert(field.to_owned(), new),
+                None => object.remove(field),
+            };
+            damaged.push((what, copy));
+        };
+        damage(format!("an unknown field in {pointer}/"), "surprise", Some(json!(1)));
+        for field in value.pointer(&pointer).and_then(Value::as_object).expect("it was just found").keys() {
+            damage(format!("no {pointer}/{field}"), field, None);
+            damage(format!("an object as {pointer}/{field}"), field, Some(json!({ "surprise": 1 })));
+        }
+    }
+    damaged
+}
+
+/// JSON pointers of all objects in a value.
+fn objects_in(value: &Value, pointer: &str) -> Vec<String> {
+    let children: Vec<(String, &Value)> = match value {
+        Value::Object(object) => object.iter().map(|(name, child)| (format!("{pointer}/{name}"), child)).collect(),
+        Value::Array(items) => items.iter().enumerate().map(|(at, child)| (format!("{pointer}/{at}"), child)).collect(),
+        _ => return vec![],
+    };
+    let own = value.is_object().then(|| pointer.to_owned());
+    own.into_iter().chain(children.into_iter().flat_map(|(pointer, child)| objects_in(child, &pointer))).collect()
+}
+
+/// A copy of a folder's job and program, both changed.
+fn changed(scratch: &Scratch, folder: &str, job: &[Change<'_>], program: &[Change<'_>]) -> String {
+    let change = |path: String, changes: &[Change<'_>]| {
+        changes.iter().fold(file_text(&path), |text, (old, new)| {
+            assert!(text.contains(old), "no {old} in {path}");
+            text.replace(old, new)
+        })
+    };
+    let name = if folder == CASE { "program.nc" } else { "ibr-slot.nc" };
+    scratch.write(name, change(format!("{folder}/{name}"), program));
+    scratch.write("job.toml", change(format!("{folder}/job.toml"), job))
+}
+
+#[test]
+fn what_check_prints_is_documented() {
+    let documented = Documented::read();
+    for (arguments, code) in [(vec![CORPUS], 0), (vec![CORPUS, "--strict"], 1)] {
+        documented.assert_fits("check", &object(&[&["check"], &arguments[..]].concat(), code));
+    }
+    let scratch = Scratch::new("json-check");
+    let program = scratch.write("broken.nc", "%\nG20G90G94\nG0X0.Y0.\nG2X1.Y1.F10.\nG14\nG41D1\n%\n");
+    let report = object(&["check", &program], 1);
+    documented.assert_fits("check", &report);
+    assert_eq!(report["errors"].as_array().map(Vec::len), Some(3));
+}
+
+#[test]
+fn what_adapt_prints_is_documented_for_every_reason_there_is() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-adapt");
+    let with_override = |lines: &str| format!("[override]\n{lines}\n\n[control]");
+    let (low, bound) = (with_override("max = 101"), with_override("mode = \"override-only\"\nmin = 60"));
+    let in_mm = [
+        ("\"inch\"", "\"mm\""),
+        ("5.06205", "\"5.06205 in\""),
+        ("4.43706", "\"4.43706 in\""),
+        ("10.4502", "\"10.4502 in\""),
+    ];
+    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 8] = [
+        (EXAMPLE, &[], &[]),
+        (CASE, &[("4.2391", "44.2391")], &[]),
+        (CASE, &[("10.4502", "10.6")], &[]),
+        (CASE, &[("[control]", &low)], &[]),
+        (CASE, &[("[control]", &bound)], &[("F25.", "F100.")]),
+        (CASE, &[("\"circumference\"", "\"programmed\"")], &[("N142", ""), ("F25.", "F25")]),
+        (CASE, &in_mm, &[]),
+        (CASE, &[], &[("F25.", "")]),
+    ];
+    let mut reasons = BTreeSet::new();
+    for (folder, job, program) in jobs {
+        let (code, blocks) = objects(&["adapt", &changed(&scratch, folder, job, program)]);
+        assert_eq!((code, blocks.is_empty()), (Some(0), false));
+        for block in &blocks {
+            documented.assert_fits("adapt", block);
+            reasons.insert(block["reason"].to_string());
+        }
+    }
+    let schema = documented.texts.iter().find(|text| text["title"] == "adapt").expect("a schema");
+    let listed = schema["properties"]["reason"]["enum"].as_array().expect("a list").iter().map(Value::to_string);
+    assert_eq!(reasons, listed.collect());
+}
+
+#[test]
+fn what_simulate_and_stream_print_is_documented_and_the_same_in_every_run() {
+    let documented = Documented::read();
+    let job = format!("{EXAMPLE}/job.toml");
+    for (title, command) in [("simulate", "simulate"), ("stream to sim:", "stream")] {
+        let [one, other] = [(); 2].map(|()| {
+            let mut report = object(&[command, &job], 0);
+            documented.assert_fits(title, &report);
+            report["real_time_factor"] = Value::Null;
+            report
+        });
+        assert_eq!(one, other, "{title}");
+    }
+}
+
+#[test]
+fn a_run_that_ends_in_an_alarm_is_documented_too() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-alarm");
+    // Without any F per minute: a control that remembers one would move, a fresh one stops at N128 on line 11.
+    let job = changed(&scratch, EXAMPLE, &[], &[("F25.", "")]);
+    for (title, command) in [("simulate", "simulate"), ("stream to sim:", "stream")] {
+        let report = object(&[command, &job], 3);
+        documented.assert_fits(title, &report);
+        let alarms = report["alarms"].as_array().expect("a list");
+        assert_eq!((alarms.len(), &alarms[0]["alarm"], &alarms[0]["line"]), (1, &json!(11), &json!(11)), "{title}");
+    }
+}
+
+#[test]
+fn both_ends_of_a_serial_line_print_what_is_documented() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-serve");
+    let job = format!("{EXAMPLE}/job.toml");
+    let serve = ["serve", &job, "--pty", "--once", "--json", "--speed", "100", "--baudrate", "115200"];
+    let mut server = Running::start(&scratch, "serve", &serve);
+    let port = server.line("port: ");
+    documented
+        .assert_fits("stream to a serial port", &object(&["stream", &job, "--port", &port, "--baudrate", "115200"], 0));
+    let served = server.end();
+    assert_eq!(served.code, Some(0), "{}", served.err);
+    let lines: Vec<&str> = served.out.lines().collect();
+    assert_eq!((lines.len(), lines[0]), (2, format!("port: {port}").as_str()));
+    documented.assert_fits("serve", &serde_json::from_str(lines[1]).expect("one object a line"));
+}
+
+#[test]
+fn every_field_of_a_schema_stands_in_a_table() {
+    let document = file_text("docs/json.md");
+    let first_cells = document.lines().filter_map(|line| line.strip_prefix('|')?.split('|').next());
+    let named: BTreeSet<&str> = first_cells.flat_map(|cell| cell.split('`').skip(1).step_by(2)).collect();
+    let mut fields = BTreeSet::new();
+    for text in &Documented::read().texts {
+        for pointer in objects_in(text, "").iter().filter(|pointer| pointer.ends_with("/properties")) {
+            fields.extend(text.pointer(pointer).and_then(Value::as_object).expect("an object").keys().cloned());
+        }
+    }
+    let is_named = |field: &String| named.iter().any(|name| name.rsplit('.').next() == Some(field.as_str()));
+    let missing: Vec<&String> = fields.iter().filter(|field| !is_named(field)).collect();
+    assert!(fields.len() > 60 && missing.is_empty(), "{} fields, not in a table: {missing:?}", fields.len());
+}

@@ -1,0 +1,215 @@
+//! One program, three ways onto the line: the embedded simulator, a pseudo-terminal, and a sender that knows nothing of
+//! arcfeed. Whatever the way, the control must execute the same blocks and its machine measure the same chips; only
+//! what the line itself was like may differ. And a sender that is stopped, or finds no line, says what to do.
+#![cfg(unix)]
+
+use std::fs::{File, OpenOptions};
+use std::io::{ErrorKind, Read, Write};
+use std::os::unix::fs::OpenOptionsExt;
+use std::time::Duration;
+
+use arcfeed_tests::{Ended, Running, Scratch, root, run, wait_for};
+use serde_json::Value;
+
+const JOB: &str = "examples/ibr-slot/job.toml";
+const PROGRAM: &str = "examples/ibr-slot/ibr-slot.nc";
+const DC1: u8 = 0x11;
+const DC3: u8 = 0x13;
+/// Characters a control takes after DC3.
+const AFTER_DC3_MAX: u64 = 10;
+/// Reads that find nothing come back at once.
+const O_NONBLOCK: i32 = if cfg!(target_os = "linux") { 0o4000 } else { 4 };
+/// What a machine measures, however the program got there.
+const MEASURED: [&str; 6] = ["alarms", "blocks_executed", "cycle_time_s", "ipt_circumference", "override", "movements"];
+
+/// The one JSON object in what a command wrote.
+fn report(out: &str) -> Value {
+    let line = out.lines().find(|line| line.starts_with('{')).unwrap_or_else(|| panic!("no JSON in {out:?}"));
+    serde_json::from_str(line).expect("JSON")
+}
+
+fn read(path: &str) -> Vec<u8> {
+    std::fs::read(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// The blocks of a program, each with a line end: all lines but `%` and empty ones.
+fn blocks(program: &[u8]) -> Vec<u8> {
+    let lines = program.split_inclusive(|&byte| byte == b'\n');
+    lines.filter(|line| !matches!(line.trim_ascii(), b"" | b"%")).flatten().copied().collect()
+}
+
+/// The program that the job sends.
+fn adapted(scratch: &Scratch) -> Vec<u8> {
+    let out = scratch.path("adapted.nc");
+    assert!(run(&["adapt", JOB, "-o", &out]).status.success());
+    read(&out)
+}
+
+/// A control on a pseudo-terminal, and the name of its line.
+fn serve(scratch: &Scratch, speed: &str, baudrate: &str) -> (Running, String) {
+    let executed = scratch.path("served.nc");
+    let arguments =
+        ["serve", JOB, "--pty", "--once", "--json", "--executed", &executed, "--speed", speed, "--baudrate", baudrate];
+    let mut server = Running::start(scratch, "serve", &arguments);
+    let port = server.line("port: ");
+    (server, port)
+}
+
+/// What the embedded simulator reports, and what it executed.
+fn through_sim(scratch: &Scratch) -> (Value, Vec<u8>) {
+    let executed = scratch.path("sim.nc");
+    let output = run(&["stream", JOB, "--port", "sim:", "--executed", &executed, "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    (report(&String::from_utf8(output.stdout).expect("text")), read(&executed))
+}
+
+/// What the machine behind a pseudo-terminal reports, and what it executed.
+fn through_pty(scratch: &Scratch) -> (Value, Vec<u8>) {
+    let (server, port) = serve(scratch, "10", "115200");
+    let sender = Running::start(scratch, "stream", &["stream", JOB, "--port", &port, "--baudrate", "115200", "--json"]);
+    let sent = sender.end();
+    assert_eq!(sent.code, Some(0), "{}", sent.err);
+    let served = server.end();
+    assert_eq!(served.code, Some(0), "{}", served.err);
+    (report(&served.out), read(&scratch.path("served.nc")))
+}
+
+fn assert_flow_control_worked(report: &Value) {
+    let link = &report["link"];
+    println!("line: {link}");
+    assert!(link["xoff_count"].as_u64() >= Some(1), "{link}");
+    assert!(link["max_bytes_after_xoff"].as_u64().is_some_and(|after| after <= AFTER_DC3_MAX), "{link}");
+}
+
+/// Sends a program as any terminal program would: a few characters at a time while the control wants them.
+fn send_raw(port: &str, program: &[u8]) {
+    let open = OpenOptions::new().read(true).write(true).custom_flags(O_NONBLOCK).open(port);
+    let mut line = open.expect("the line opens");
+    let mut wanted = false;
+    for characters in program.chunks(8) {
+        wait_for("DC1", || {
+            wanted = latest_said(&mut line).map_or(wanted, |byte| byte == DC1);
+            wanted.then_some(())
+        });
+        line.write_all(characters).expect("the line takes what the control asked for");
+        std::thread::sleep(Duration::from_micros(500));
+    }
+}
+
+/// The latest DC1 or DC3 that waits to be read.
+fn latest_said(line: &mut File) -> Option<u8> {
+    let mut bytes = [0; 64];
+    match line.read(&mut bytes) {
+        Ok(len) => bytes[..len].iter().copied().rfind(|byte| matches!(*byte, DC1 | DC3)),
+        Err(error) if error.kind() == ErrorKind::WouldBlock => None,
+        Err(error) => panic!("the line broke: {error}"),
+    }
+}
+
+fn assert_stopped(ended: &Ended) {
+    assert_eq!(ended.code, Some(130), "{}", ended.err);
+    assert!(ended.err.contains("stopped by the operator"), "{}", ended.err);
+}
+
+#[test]
+fn sim_and_pseudo_terminal_execute_the_same_blocks_and_measure_the_same_chips() {
+    let scratch = Scratch::new("same");
+    let wanted = blocks(&adapted(&scratch));
+    let (sim, sim_executed) = through_sim(&scratch);
+    let (served, served_executed) = through_pty(&scratch);
+    for (report, executed) in [(&sim, sim_executed), (&served, served_executed)] {
+        assert_flow_control_worked(report);
+        assert_eq!(report["link"]["starved_ms"], 0);
+        assert_eq!(executed.escape_ascii().to_string(), wanted.escape_ascii().to_string());
+        assert_eq!(report["blocks_executed"], wanted.split_inclusive(|&byte| byte == b'\n').count());
+    }
+    let measured = |mut report: Value| {
+        // What the program did before it was adapted is not run where only the adapted one arrives.
+        for movement in report["movements"].as_array_mut().expect("movements") {
+            movement.as_object_mut().expect("an object").remove("baseline_ipt");
+        }
+        MEASURED.map(|field| format!("{field}: {}", report[field]))
+    };
+    for (sim, served) in measured(sim).iter().zip(&measured(served)) {
+        assert_eq!(sim, served);
+    }
+}
+
+#[test]
+fn the_line_rate_does_not_change_what_is_measured() {
+    let at = |baudrate: &str| {
+        let output = run(&["stream", JOB, "--port", "sim:", "--baudrate", baudrate, "--json"]);
+        let report = report(&String::from_utf8(output.stdout).expect("text"));
+        MEASURED.map(|field| format!("{field}: {}", report[field]))
+    };
+    let simulated = report(&String::from_utf8(run(&["simulate", JOB, "--json"]).stdout).expect("text"));
+    let from_memory = MEASURED.map(|field| format!("{field}: {}", simulated[field]));
+    for baudrate in ["4800", "9600", "115200"] {
+        for (found, wanted) in at(baudrate).iter().zip(&from_memory) {
+            assert_eq!(found, wanted, "{baudrate} baud and from memory");
+        }
+    }
+}
+
+#[test]
+fn a_sender_that_knows_nothing_of_arcfeed_gets_its_program_executed_as_it_is() {
+    let scratch = Scratch::new("raw");
+    let (server, port) = serve(&scratch, "20", "115200");
+    let program = read(PROGRAM);
+    send_raw(&port, &program);
+    let served = server.end();
+    assert_eq!(served.code, Some(0), "{}", served.err);
+    assert_eq!(
+        read(&scratch.path("served.nc")).escape_ascii().to_string(),
+        blocks(&program).escape_ascii().to_string()
+    );
+    let report = report(&served.out);
+    assert_flow_control_worked(&report);
+    assert_eq!(
+        (report["link"]["bytes"].as_u64(), &report["alarms"]),
+        (Some(program.len() as u64), &Value::Array(vec![]))
+    );
+    // The program's F25 wants 160 to 300 %: the override goes for it as fast as it may, and not beyond its bound.
+    let most = report["override"]["max"].as_u64().expect("the override was at work");
+    assert!((150..=200).contains(&most), "{most} %");
+    assert!(report["ipt_circumference"]["error_ratio_max"].as_f64() < Some(5e-3), "{}", report["ipt_circumference"]);
+}
+
+#[test]
+fn ctrl_c_on_a_serial_line_says_how_far_it_came_and_asks_for_feed_hold() {
+    let scratch = Scratch::new("ctrl-c");
+    let program = adapted(&scratch);
+    let (server, port) = serve(&scratch, "1", "9600");
+    let sender = Running::start(&scratch, "stream", &["stream", JOB, "--port", &port, "--baudrate", "9600", "--json"]);
+    // The line needs two seconds for all of it, the machine a minute.
+    std::thread::sleep(Duration::from_millis(500));
+    sender.interrupt();
+    let stopped = sender.end();
+    assert_stopped(&stopped);
+    println!("{}", stopped.err.trim_end());
+    assert!(stopped.err.contains("FEED HOLD"), "{}", stopped.err);
+    let sent = report(&stopped.out)["link"]["bytes"].as_u64().expect("a number") as usize;
+    assert!((1..program.len()).contains(&sent), "{sent} characters sent");
+    assert!(stopped.err.contains(&format!("{sent} of {} characters", program.len())), "{}", stopped.err);
+    let whole = program[..sent].iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+    let blocks_sent = blocks(&program[..whole]).split_inclusive(|&byte| byte == b'\n').count();
+    assert_eq!(report(&stopped.out)["blocks_sent"], blocks_sent);
+    server.interrupt();
+    assert_stopped(&server.end());
+}
+
+#[test]
+fn a_control_that_waits_for_a_sender_ends_at_ctrl_c() {
+    let scratch = Scratch::new("idle");
+    let (server, _) = serve(&scratch, "1", "9600");
+    server.interrupt();
+    assert_stopped(&server.end());
+}
+
+#[test]
+fn a_port_that_is_not_there_is_named_and_the_exit_code_is_3() {
+    let output = run(&["stream", JOB, "--port", "/dev/no-such-line"]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(stderr.contains("/dev/no-such-line"), "{stderr}");
+}
