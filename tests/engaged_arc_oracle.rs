@@ -25,7 +25,7 @@ use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{MM_PER_INCH, Mm, MmPerTooth, Nm};
 use core::f64::consts::{PI, TAU};
 use fastrand::Rng;
-use geometry::{Frame, Motion, Point, RingScene, bisect, chip, sign, unit};
+use geometry::{Frame, Motion, Point, RingScene, chip, sign, unit};
 
 mod geometry;
 
@@ -66,6 +66,23 @@ struct EdgeAt<'s> {
     motion: Motion,
 }
 
+/// The path whose chord is `chord`.
+fn path_of_chord(motion: &Motion, chord: f64) -> f64 {
+    if motion.path_radius.is_infinite() {
+        return chord;
+    }
+    2.0 * motion.path_radius * libm::asin(chord / (2.0 * motion.path_radius))
+}
+
+/// The last place between `low`, where `holds`, and `high`, where it does not.
+fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..60 {
+        let middle = (low + high) / 2.0;
+        if holds(middle) { low = middle } else { high = middle }
+    }
+    low
+}
+
 /// The shortest path after which the thickest chip over `directions` is `wanted`; none where it never is.
 fn shortest_path(motion: &Motion, (k, r0): (f64, f64), directions: &[Point], wanted: f64) -> Option<f64> {
     let thickest = |path: f64| {
@@ -74,8 +91,8 @@ fn shortest_path(motion: &Motion, (k, r0): (f64, f64), directions: &[Point], wan
         directions.iter().map(|u| chip(k, r0, *u, way)).fold(-wanted, f64::max)
     };
     // No chip is thicker than the chord; and a circle that has left its old centre takes no chip in the sense of the law.
-    let mut low = motion.path_of_chord(wanted);
-    let farthest = if r0 < 2.0 * motion.path_radius { motion.path_of_chord(r0) } else { PI * motion.path_radius };
+    let mut low = path_of_chord(motion, wanted);
+    let farthest = if r0 < 2.0 * motion.path_radius { path_of_chord(motion, r0) } else { PI * motion.path_radius };
     let mut below = thickest(low) - wanted;
     if below >= 0.0 {
         return Some(low);
@@ -164,7 +181,7 @@ impl<'s> EdgeAt<'s> {
     fn judged(&self, path: Result<f64, NoWish>, ends: &[f64], brink: bool) -> Truth {
         let plain = Truth { path, condition: 1.0, between: false, brink, grazing: false };
         let (k, a) = (self.circle().0, self.scene.chip);
-        let probe = path.unwrap_or_else(|_| self.motion.path_of_chord(a));
+        let probe = path.unwrap_or_else(|_| path_of_chord(&self.motion, a));
         let way = self.motion.way(probe);
         let length = libm::hypot(way[0], way[1]);
         let chord = [k * way[0] / length, k * way[1] / length];
@@ -361,8 +378,7 @@ mod tests {
                     let class = self.classes.entry(format!("{policy}, {}", kind(truth))).or_default();
                     class.errors.push(error);
                     class.half_units = class.half_units.max(half_units);
-                    // Not "above": NaN is wrong, too.
-                    if !(half_units <= ROUNDINGS) {
+                    if half_units.is_nan() || half_units > ROUNDINGS {
                         self.wrong.push(format!("{error:+.1e}, {half_units:.1} half units: {truth:?} {scene:?}"));
                     }
                 }

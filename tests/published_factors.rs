@@ -44,7 +44,7 @@ const TOOL: f64 = 10.0;
 const DIRECTIONS: usize = 360;
 const PLACES: usize = 48;
 /// How far the walk may miss the largest engagement between two of its places, relative.
-const WALK: f64 = 2e-3;
+const WALK: f64 = 1e-4;
 
 type Point = [f64; 2];
 
@@ -95,7 +95,7 @@ impl Corner {
     }
 
     /// Distance of a point from the contour; negative beyond it.
-    fn from_contour(&self, point: Point) -> f64 {
+    fn contour_distance(&self, point: Point) -> f64 {
         let walls = self.limits().map(|normal| self.contour_radius - dot(point, normal));
         let fillet = self.contour_radius - libm::hypot(point[0], point[1]);
         let wall = walls[0].min(walls[1]);
@@ -112,7 +112,7 @@ impl Corner {
     }
 
     /// Distance of a point from the path as far as the tool has come.
-    fn from_path(&self, point: Point, at: At) -> f64 {
+    fn path_distance(&self, point: Point, at: At) -> f64 {
         let (q, [first, last]) = (self.path_radius(), self.limits());
         let line = |normal: Point, from: f64, to: f64| {
             let along = [-normal[1], normal[0]];
@@ -145,9 +145,9 @@ impl Corner {
         let is_engaged = |angle: f64| {
             let u = unit(angle);
             let point = [center[0] + TOOL * u[0], center[1] + TOOL * u[1]];
-            let from_contour = self.from_contour(point);
+            let distance = self.contour_distance(point);
             // The tool touches the contour, and its own circle is as far from its centre as the tool is wide.
-            (-1e-7..self.depth).contains(&from_contour) && self.from_path(point, at) >= TOOL - 1e-9
+            (-1e-6..self.depth).contains(&distance) && self.path_distance(point, at) >= TOOL - 1e-9
         };
         let angle = |i: usize| TAU * (i as f64 + 0.5) / DIRECTIONS as f64;
         let engaged: Vec<bool> = (0..DIRECTIONS).map(|i| is_engaged(angle(i))).collect();
@@ -172,7 +172,8 @@ impl Corner {
     /// Straight engagement over the largest on the way.
     fn factor(&self) -> f64 {
         let part = |i: usize| i as f64 / PLACES as f64;
-        let far = 3.0 * TOOL;
+        // Where the other wall, at a flat angle to this one, is out of reach.
+        let far = 1e3 * TOOL;
         let before = (0..PLACES).map(|i| At::Before(TOOL * part(i)));
         let on = (0..=PLACES).map(|i| At::On(self.turn * part(i)));
         let after = (0..PLACES).map(|i| At::After(TOOL * part(i)));

@@ -63,14 +63,6 @@ impl Motion {
         let half = libm::sin(path / self.path_radius / 2.0);
         [self.path_radius * libm::sin(path / self.path_radius), 2.0 * self.path_radius * half * half]
     }
-
-    /// The path whose chord is `chord`.
-    pub fn path_of_chord(&self, chord: f64) -> f64 {
-        if self.path_radius.is_infinite() {
-            return chord;
-        }
-        2.0 * self.path_radius * libm::asin(chord / (2.0 * self.path_radius))
-    }
 }
 
 /// By how much the circle (r0, k) has moved on along the ray from its old centre in direction u when its centre moved by
@@ -197,15 +189,6 @@ impl RingScene {
     pub fn depth_mm(&self, frame: &Frame, edge: Edge, u: Point) -> f64 {
         depth_mm(&self.stock, moved(frame.position, self.radius(edge), frame.direction(u)))
     }
-}
-
-/// The last place between `low`, where `holds`, and `high`, where it does not.
-pub fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    for _ in 0..60 {
-        let middle = (low + high) / 2.0;
-        if holds(middle) { low = middle } else { high = middle }
-    }
-    low
 }
 
 impl RingScene {
