@@ -183,10 +183,10 @@ impl Controller {
             return as_programmed(Reason::Inhibited);
         };
         let teeth_per_min = input.spindle.0 * self.teeth;
-        if !(teeth_per_min > 0.0 && teeth_per_min.is_finite()) {
-            return as_programmed(Reason::NoSpindle);
-        }
+        let turns = teeth_per_min > 0.0 && teeth_per_min.is_finite();
         match segment.law.wish(place) {
+            Err(NoWish::NoLaw) => as_programmed(Reason::NoWish(NoWish::NoLaw)),
+            _ if !turns => as_programmed(Reason::NoSpindle),
             Ok(wish) => (teeth_per_min * wish.path_mm_per_tooth / feed_sent.0, Some(wish), Reason::Law),
             // No feed is too high for the chip: the bounds decide.
             Err(NoWish::ChipUnreachable) => (f32::INFINITY, None, Reason::NoWish(NoWish::ChipUnreachable)),

@@ -8,8 +8,8 @@ use arcfeed_shared::fmath;
 use arcfeed_shared::job::OverrideLimits;
 use arcfeed_shared::units::{Micros, PERCENT, US_PER_S};
 
-/// A wish this little above a step counts as on it: 0.001 % of feed, against losing a whole step to f32 rounding.
-const STEP_TOLERANCE: f32 = 1e-3;
+/// A wish this part below a step counts as on it: against losing a whole step to f32 rounding.
+const STEP_TOLERANCE_RATIO: f32 = 5e-6;
 
 /// An override as the control takes it, whole per cent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -28,6 +28,7 @@ impl FeedOverride {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ramp {
     min_ratio: f32,
+    min_percent: f32,
     max_ratio: f32,
     step_percent: f32,
     up_ratio_per_s: f32,
@@ -106,6 +107,7 @@ impl Ramp {
         }
         Ok(Ramp {
             min_ratio: f32::from(min_percent) / PERCENT,
+            min_percent: f32::from(min_percent),
             max_ratio: f32::from(max_percent) / PERCENT,
             step_percent: f32::from(step_percent),
             up_ratio_per_s: limits.slew_up_percent_per_s / PERCENT,
@@ -143,8 +145,8 @@ impl Ramp {
     }
 
     fn round_down(&self, ratio: f32) -> FeedOverride {
-        let steps = fmath::floor(ratio * PERCENT / self.step_percent + STEP_TOLERANCE);
-        let percent = (steps * self.step_percent).max(self.min_ratio * PERCENT);
+        let steps = fmath::floor(ratio * (1.0 + STEP_TOLERANCE_RATIO) * PERCENT / self.step_percent);
+        let percent = (steps * self.step_percent).max(self.min_percent);
         FeedOverride { percent: percent as u8 }
     }
 }

@@ -47,6 +47,8 @@ pub struct Ring {
 pub struct EngagedArc {
     cuts: [Option<Cut>; 2],
     region: Region,
+    /// Every number of ring and region is one: a comparison with NaN would pass for "nothing there".
+    is_sound: bool,
 }
 
 impl EngagedArc {
@@ -55,11 +57,13 @@ impl EngagedArc {
         let cut = |edge, edge_radius: Mm| {
             let Ring { path_radius, feed_per_tooth, .. } = ring;
             let protected = policy == EdgePolicy::Protect || policy == EdgePolicy::Only(edge);
-            // Not "positive": NaN must reach the step, to be refused there.
             let exists = edge_radius.0 != 0.0;
             (protected && exists).then_some(Cut { path_radius, edge_radius, edge, feed_per_tooth })
         };
-        EngagedArc { cuts: [cut(Edge::Outer, ring.outer_radius), cut(Edge::Inner, ring.inner_radius)], region }
+        let radii = [ring.outer_radius, ring.inner_radius];
+        let is_sound = radii.iter().all(|radius| radius.0.is_finite()) && region.is_sound();
+        let cuts = [cut(Edge::Outer, ring.outer_radius), cut(Edge::Inner, ring.inner_radius)];
+        EngagedArc { cuts, region, is_sound }
     }
 
     /// The wish of one edge.
@@ -84,6 +88,10 @@ impl EngagedArc {
 
 impl FeedLaw for EngagedArc {
     fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
+        let [x, y] = place.center_mm;
+        if !(self.is_sound && x.is_finite() && y.is_finite()) {
+            return Err(NoWish::BadInput);
+        }
         let wishes = self.cuts.iter().flatten().map(|cut| self.wish_of(cut, place));
         wishes.fold(Err(NoWish::NoContact), smaller)
     }
@@ -95,6 +103,8 @@ fn smaller(one: Result<Wish, NoWish>, other: Result<Wish, NoWish>) -> Result<Wis
         (Err(NoWish::BadInput), _) | (_, Err(NoWish::BadInput)) => Err(NoWish::BadInput),
         (Ok(a), Ok(b)) => Ok(if b.path_mm_per_tooth < a.path_mm_per_tooth { b } else { a }),
         (Ok(wish), Err(_)) | (Err(_), Ok(wish)) => Ok(wish),
+        // What no feed is too high for is said first, whatever the order of ends and edges.
+        (Err(NoWish::ChipUnreachable), Err(_)) | (_, Err(NoWish::ChipUnreachable)) => Err(NoWish::ChipUnreachable),
         (Err(NoWish::NoContact), Err(other)) => Err(other),
         (Err(one), Err(_)) => Err(one),
     }

@@ -61,6 +61,18 @@ impl Region {
         }
     }
 
+    /// Whether all its numbers are.
+    pub fn is_sound(&self) -> bool {
+        let are_numbers = |numbers: [f32; 3]| numbers.iter().all(|number| number.is_finite());
+        match self {
+            Region::Convex(planes) => planes.iter().all(|plane| {
+                let [nx, ny] = plane.normal;
+                are_numbers([nx, ny, plane.offset_mm])
+            }),
+            Region::Disc { center_mm: [x, y], radius_mm } => are_numbers([*x, *y, *radius_mm]),
+        }
+    }
+
     /// Whether a point lies inside or on the boundary.
     pub fn contains(&self, point_mm: [f32; 2]) -> bool {
         match self {
