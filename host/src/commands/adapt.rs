@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use arcfeed_shared::cut::{Moves, Rotation, Side, Work};
 use arcfeed_shared::job::{Job, LawKind};
 use arcfeed_shared::nc::modal::Turn;
-use arcfeed_shared::tool::Edge;
+use arcfeed_shared::tool::{Edge, Tool};
 use arcfeed_shared::units::{LengthUnit, Nm};
 use serde::Serialize;
 
@@ -134,6 +134,7 @@ impl BlockFigures {
         let feed = |feed: Nm| feed.0 as f64 / job.unit.nm() as f64;
         let rule = block.rule.and_then(|index| job.rules.get(index));
         let wish = block.wish.as_ref();
+        let contact = wish.filter(|_| matches!(job.tool, Tool::CupMill(_)));
         let programmed = block.programmed();
         let factor = |wanted_mm: f64| programmed.map(|feed| wanted_mm / feed.to_mm());
         BlockFigures {
@@ -151,8 +152,8 @@ impl BlockFigures {
             feed_unit: feed_unit(job.unit),
             ipt_center_min: wish.map(|wish| wish.ipt_mm_per_tooth[0] / unit_mm),
             ipt_center_max: wish.map(|wish| wish.ipt_mm_per_tooth[1] / unit_mm),
-            contact_deg_start: wish.map(|wish| wish.contact_deg[0]),
-            contact_deg_end: wish.map(|wish| wish.contact_deg[1]),
+            contact_deg_start: contact.map(|wish| wish.contact_deg[0]),
+            contact_deg_end: contact.map(|wish| wish.contact_deg[1]),
             factor_min: wish.and_then(|wish| factor(wish.feed_min_mm_per_min)),
             factor_max: wish.and_then(|wish| factor(wish.feed_max_mm_per_min)),
             reason: block.reason.label(),
