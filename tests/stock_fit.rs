@@ -308,7 +308,7 @@ mod tests {
             match (scene.law(direction), scene.oracle(exact)) {
                 _ if scene.is_on_the_brink(exact) => *refused.entry("on the brink".to_owned()).or_insert(0) += 1,
                 (Ok(wish), Ok(truth)) => {
-                    let angle_error = libm::fabs(f64::from(wish.contact_rad) - truth.angle) / HALF_ULP;
+                    let angle_error = libm::fabs(f64::from(wish.contact_rad()) - truth.angle) / HALF_ULP;
                     angle_half_units = angle_half_units.max(angle_error / (2.0 + truth.lengths / truth.crossing));
                     if truth.angle < 10_f64.to_radians() {
                         continue;
@@ -398,7 +398,7 @@ mod tests {
             };
             let Ok(wish) = scene.law(direction) else { continue };
             wishes += 1;
-            let (path, contact) = (wish.path_mm_per_tooth, wish.contact_rad);
+            let (path, contact) = (wish.path_mm_per_tooth, wish.contact_rad());
             if !(path > 0.0 && path.is_finite() && (0.0..=FRAC_PI_2 as f32).contains(&contact)) {
                 wrong.push((wish, direction, scene));
             }

@@ -1,11 +1,13 @@
 //! The tick: (segment, position, spindle) -> override, feed per tooth at the centre, reason.
 
 use arcfeed_shared::cut::CutRule;
+use arcfeed_shared::fmath;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::modal::{Feed, Pose};
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{Micros, MmPerMin, MmPerTooth, RevPerMin};
 
+use crate::law::circumference::Circumference;
 use crate::law::{FeedLaw, NoWish, SegmentLaw, Wish};
 use crate::progress::{ArcTrack, Progress};
 use crate::ramp::{Bound, FeedOverride, LimitsError, Ramp, RampState};
@@ -20,10 +22,17 @@ pub struct Controller {
 /// A segment with its law, prepared once when the block becomes active.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActiveSegment {
-    law: SegmentLaw,
-    track: Option<ArcTrack>,
+    governed: Option<Governed>,
     /// The feed as sent to the control; `None` where the override must not act on it.
     feed_sent: Option<MmPerMin>,
+}
+
+/// What the tick needs of a segment that a law governs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Governed {
+    law: Circumference,
+    track: ArcTrack,
+    feed_sent: MmPerMin,
 }
 
 /// What the controller remembers from tick to tick.
@@ -32,6 +41,8 @@ pub struct State {
     ramp: RampState,
     progress: Option<Progress>,
     feed_sent: Option<MmPerMin>,
+    /// The segment's feed over the one before, until its first tick.
+    feed_change: Option<f32>,
 }
 
 /// What is measured at a tick.
@@ -80,11 +91,13 @@ impl ActiveSegment {
             (Path::Line | Path::Arc(_), Feed::PerMinute(feed)) if feed.0 > 0 => Some(MmPerMin(feed.to_mm() as f32)),
             _ => None,
         };
-        ActiveSegment {
-            law: SegmentLaw::for_segment(segment, rule, job),
-            track: segment.arc().map(ArcTrack::new),
-            feed_sent,
-        }
+        let governed = match (SegmentLaw::for_segment(segment, rule, job), segment.arc(), feed_sent) {
+            (SegmentLaw::Circumference(law), Some(arc), Some(feed_sent)) => {
+                Some(Governed { law, track: ArcTrack::new(arc), feed_sent })
+            }
+            _ => None,
+        };
+        ActiveSegment { governed, feed_sent }
     }
 }
 
@@ -97,21 +110,22 @@ impl Controller {
         Ok(Controller { ramp: Ramp::new(&job.limits)?, teeth: f32::from(job.tool.active_teeth) })
     }
 
-    /// Takes up a segment: call once when it becomes active, with the first input taken on it.
-    pub fn enter(&self, state: &mut State, segment: &ActiveSegment, input: &Input) {
-        state.progress = segment.track.as_ref().map(ArcTrack::begin);
-        let (wanted_ratio, ..) = self.wanted(state, segment, input);
-        let feed_change = match (state.feed_sent, segment.feed_sent) {
+    /// Takes up a segment: call once when it becomes active, before its first tick.
+    pub fn enter(&self, state: &mut State, segment: &ActiveSegment) {
+        state.progress = segment.governed.as_ref().map(|governed| governed.track.begin());
+        state.feed_change = Some(match (state.feed_sent, segment.feed_sent) {
             (Some(before), Some(now)) => now.0 / before.0,
             _ => 1.0,
-        };
-        self.ramp.enter_block(&mut state.ramp, wanted_ratio, feed_change);
+        });
         state.feed_sent = segment.feed_sent;
     }
 
     /// One tick on the active segment.
     pub fn tick(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Output {
         let (wanted_ratio, wish, reason) = self.wanted(state, segment, input);
+        if let Some(feed_change) = state.feed_change.take() {
+            self.ramp.enter_block(&mut state.ramp, wanted_ratio, feed_change);
+        }
         let (feed_override, bound) = self.ramp.step(&mut state.ramp, wanted_ratio, input.dt);
         Output {
             feed_override,
@@ -121,19 +135,16 @@ impl Controller {
     }
 
     /// The ratio of wanted to programmed feed, the law's wish if it has one, and the reason.
+    #[inline(always)]
     fn wanted(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> (f32, Option<Wish>, Reason) {
         let as_programmed = |reason| (1.0, None, reason);
-        let Some(feed_sent) = segment.feed_sent else {
-            return as_programmed(Reason::Inhibited);
-        };
-        let (SegmentLaw::Circumference(law), Some(track)) = (&segment.law, &segment.track) else {
-            return as_programmed(Reason::NoLaw);
+        let (Some(Governed { law, track, feed_sent }), Some(progress)) = (&segment.governed, &mut state.progress) else {
+            return as_programmed(if segment.feed_sent.is_some() { Reason::NoLaw } else { Reason::Inhibited });
         };
         let teeth_per_min = input.spindle.0 * self.teeth;
-        if !(teeth_per_min > 0.0 && teeth_per_min.is_finite()) {
+        if !fmath::is_positive(teeth_per_min) {
             return as_programmed(Reason::NoSpindle);
         }
-        let progress = state.progress.get_or_insert_with(|| track.begin());
         match law.wish(track.advance(progress, &input.position)) {
             Ok(wish) => (teeth_per_min * wish.path_mm_per_tooth / feed_sent.0, Some(wish), Reason::Law),
             // No feed is too high for the chip: the bounds decide.

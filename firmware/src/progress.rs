@@ -30,7 +30,7 @@ impl ArcTrack {
             plane: arc.plane,
             center: arc.center,
             turn: f32::from(arc.turn.sign()),
-            start: unit(arc.from).unwrap_or([1.0, 0.0]),
+            start: direction_of(arc.from),
         }
     }
 
@@ -41,25 +41,30 @@ impl ArcTrack {
 
     /// Takes a sample of the position and answers the direction to use.
     pub fn advance(&self, progress: &mut Progress, position: &Pose) -> [f32; 2] {
-        let (first, second, _) = self.plane.axes();
-        let axis = |index: usize| position.linear.get(index).copied().unwrap_or_default();
+        let [x, y, z] = position.linear;
+        let (first, second) = match self.plane {
+            Plane::Xy => (x, y),
+            Plane::Zx => (z, x),
+            Plane::Yz => (y, z),
+        };
         let [center_x, center_y] = self.center;
-        let relative = [Nm(axis(first).0.saturating_sub(center_x.0)), Nm(axis(second).0.saturating_sub(center_y.0))];
-        if let Some(direction) = unit(relative) {
-            let ([x, y], [to_x, to_y]) = (progress.direction, direction);
-            if self.turn * (x * to_y - y * to_x) > 0.0 {
-                progress.direction = direction;
-            }
+        // Wrapping: coordinates stay far below the 9 million kilometres at which it would.
+        let relative = [Nm(first.0.wrapping_sub(center_x.0)), Nm(second.0.wrapping_sub(center_y.0))];
+        // At the rotation centre there is no direction: it is NaN, and ahead of nothing.
+        let direction = direction_of(relative);
+        let ([x, y], [to_x, to_y]) = (progress.direction, direction);
+        if self.turn * (x * to_y - y * to_x) > 0.0 {
+            progress.direction = direction;
         }
         progress.direction
     }
 }
 
-/// The direction of a vector; the scale cancels, so nanometres go into f32 as they are.
-fn unit([x, y]: [Nm; 2]) -> Option<[f32; 2]> {
-    let (x_nm, y_nm) = (x.0 as f32, y.0 as f32);
+/// The direction of a vector, NaN if it has no length; the scale cancels, so nanometres go into f32 as they are.
+fn direction_of([x, y]: [Nm; 2]) -> [f32; 2] {
+    let [x_nm, y_nm] = fmath::from_pair([x.0, y.0]);
     let length_nm = fmath::length(x_nm, y_nm);
-    (length_nm > 0.0).then(|| [x_nm / length_nm, y_nm / length_nm])
+    [x_nm / length_nm, y_nm / length_nm]
 }
 
 #[cfg(test)]

@@ -28,8 +28,12 @@ impl FeedOverride {
 pub struct Ramp {
     min_ratio: f32,
     max_ratio: f32,
-    step_percent: f32,
+    min_percent: i32,
+    step_percent: i32,
+    /// Steps in a ratio of one.
+    steps_per_ratio: f32,
     up_ratio_per_s: f32,
+    /// Below zero.
     down_ratio_per_s: f32,
 }
 
@@ -89,43 +93,55 @@ impl Ramp {
         Ok(Ramp {
             min_ratio: f32::from(min_percent) / PERCENT,
             max_ratio: f32::from(max_percent) / PERCENT,
-            step_percent: f32::from(step_percent),
+            min_percent: i32::from(min_percent),
+            step_percent: i32::from(step_percent),
+            steps_per_ratio: PERCENT / f32::from(step_percent),
             up_ratio_per_s: limits.slew_up_percent_per_s / PERCENT,
-            down_ratio_per_s: limits.slew_down_percent_per_s / PERCENT,
+            down_ratio_per_s: -limits.slew_down_percent_per_s / PERCENT,
         })
     }
 
     /// Carries the state into a block whose programmed feed is `feed_change_ratio` times the one before.
     pub fn enter_block(&self, state: &mut RampState, wanted_ratio: f32, feed_change_ratio: f32) {
-        let same_feed = (state.ratio / feed_change_ratio).max(1.0);
-        state.ratio = self.clamp(wanted_ratio.min(same_feed)).0;
+        let same_feed = fmath::max(state.ratio / feed_change_ratio, 1.0);
+        state.ratio = self.clamp(fmath::min(wanted_ratio, same_feed)).0;
     }
 
     /// One tick towards `wanted_ratio` (wanted feed / programmed feed, not NaN).
     pub fn step(&self, state: &mut RampState, wanted_ratio: f32, dt: Micros) -> (FeedOverride, Bound) {
-        let (target, clamped) = self.clamp(wanted_ratio);
-        let dt_s = dt.0 as f32 / US_PER_S as f32;
-        let highest = state.ratio + self.up_ratio_per_s * dt_s;
-        let lowest = state.ratio - self.down_ratio_per_s * dt_s;
-        state.ratio = target.min(highest).max(lowest);
-        let bound = if state.ratio == target { clamped } else { Bound::Slew };
+        let (target, bound) = self.clamp(wanted_ratio);
+        let dt_s = fmath::from_u64(dt.0) / US_PER_S as f32;
+        let (rise, fall) = (self.up_ratio_per_s * dt_s, self.down_ratio_per_s * dt_s);
+        let way = target - state.ratio;
+        let bound = if way > rise {
+            state.ratio += rise;
+            Bound::Slew
+        } else if way < fall {
+            state.ratio += fall;
+            Bound::Slew
+        } else {
+            state.ratio = target;
+            bound
+        };
         (self.round_down(state.ratio), bound)
     }
 
+    #[inline(always)]
     fn clamp(&self, ratio: f32) -> (f32, Bound) {
-        if ratio < self.min_ratio {
-            (self.min_ratio, Bound::Floor)
-        } else if ratio > self.max_ratio {
-            (self.max_ratio, Bound::Ceiling)
-        } else {
-            (ratio, Bound::Free)
-        }
+        if ratio >= self.min_ratio && ratio <= self.max_ratio { (ratio, Bound::Free) } else { self.at_bound(ratio) }
     }
 
+    #[cold]
+    #[inline(never)]
+    fn at_bound(&self, ratio: f32) -> (f32, Bound) {
+        if ratio < self.min_ratio { (self.min_ratio, Bound::Floor) } else { (self.max_ratio, Bound::Ceiling) }
+    }
+
+    /// The bounds leave 0 to 254, so whole numbers serve: the conversion drops what is left of a step.
+    #[inline(always)]
     fn round_down(&self, ratio: f32) -> FeedOverride {
-        let steps = fmath::floor(ratio * PERCENT / self.step_percent + STEP_TOLERANCE);
-        let percent = (steps * self.step_percent).max(self.min_ratio * PERCENT);
-        FeedOverride { percent: percent as u8 }
+        let steps = (ratio * self.steps_per_ratio + STEP_TOLERANCE) as i32;
+        FeedOverride { percent: (steps * self.step_percent).max(self.min_percent) as u8 }
     }
 }
 

@@ -52,12 +52,14 @@ struct Cabinet {
 }
 
 impl Board for Cabinet {
-    fn segment(&self) -> Option<(u32, ActiveSegment)> {
-        self.segment
+    fn segment(&self) -> Option<(u32, &ActiveSegment)> {
+        self.segment.as_ref().map(|(count, segment)| (*count, segment))
     }
 
-    fn measure(&mut self) -> Input {
-        self.input
+    fn measure(&mut self) {}
+
+    fn input(&self) -> &Input {
+        &self.input
     }
 
     fn set_override(&mut self, feed_override: FeedOverride) {

@@ -26,17 +26,17 @@ use arcfeed_shared::segment::Arc;
 use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{Mm, MmPerTooth, Nm};
 
+use super::prepared::PreparedCut;
 use super::{FeedLaw, NoWish, Wish};
-
-/// Below this square of tau / 2 rho the arc tangent's series of three terms is exact to f32.
-const SERIES_LIMIT: f32 = 1e-3;
 
 /// The law for one arc. All lengths relative to the rotation centre A.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circumference {
-    cut: Cut,
-    /// +1 if O turns counter-clockwise about A, -1 if clockwise.
-    turn: f32,
+    cut: PreparedCut,
+    path_radius_mm: f32,
+    edge_radius_mm: f32,
+    /// k, times -1 if O turns clockwise about A.
+    sense: f32,
     /// Unit normal of the stock line.
     normal: [f32; 2],
     /// Distance of the stock line from A along the normal.
@@ -56,46 +56,79 @@ pub struct Cut {
     pub feed_per_tooth: MmPerTooth,
 }
 
+/// An admissible intersection of cutting circle and stock line.
+#[derive(Clone, Copy, Debug)]
+struct Contact {
+    bite_mm: f32,
+    /// u: along the edge's advance, towards A.
+    direction: [f32; 2],
+}
+
 impl Circumference {
     /// Prepares the law for an arc; the one place with f64, once per block.
     pub fn for_arc(arc: &Arc, edge_radius: Mm, edge: Edge, stock: &StockLine, feed_per_tooth: MmPerTooth) -> Self {
         let [nx, ny] = stock.normal;
+        let cut = Cut { path_radius: Mm(arc.radius_mm() as f32), edge_radius, edge, feed_per_tooth };
         Circumference {
-            cut: Cut { path_radius: Mm(arc.radius_mm() as f32), edge_radius, edge, feed_per_tooth },
-            turn: f32::from(arc.turn.sign()),
+            cut: PreparedCut::new(&cut),
+            path_radius_mm: cut.path_radius.0,
+            // NaN is refused at the end of every tick, by name.
+            edge_radius_mm: if edge_radius.0 > 0.0 { edge_radius.0 } else { f32::NAN },
+            sense: f32::from(edge.advance()) * f32::from(arc.turn.sign()),
             normal: [nx as f32, ny as f32],
             offset_mm: stock.distance_mm(arc.center.map(Nm::to_mm)) as f32,
         }
     }
 
-    /// The wish at one of the two intersections, u in the plane's axes.
-    fn wish_at(&self, direction: [f32; 2], u: [f32; 2]) -> Result<Wish, NoWish> {
-        let ([ex, ey], [ux_plane, uy_plane]) = (direction, u);
-        let along = self.turn * (uy_plane * ex - ux_plane * ey);
-        let towards = -(ux_plane * ex + uy_plane * ey);
-        let advance = f32::from(self.cut.edge.advance()) * along;
-        if towards < 0.0 || advance <= 0.0 {
+    /// Of the two intersections, at `(advance, towards) +- (line_advance, -line_towards)` mm in the moving frame, the one
+    /// that takes the thicker chip; where only one is admissible, that one.
+    #[cold]
+    #[inline(never)]
+    fn thicker_chip(&self, advance: f32, towards: f32, line_advance: f32, line_towards: f32) -> Result<Contact, NoWish> {
+        let first = self.contact([advance + line_advance, towards - line_towards]);
+        let second = self.contact([advance - line_advance, towards + line_towards]);
+        match (first, second) {
+            (Ok(a), Ok(b)) => Ok(if b.bite_mm > a.bite_mm { b } else { a }),
+            (Ok(contact), Err(_)) | (Err(_), Ok(contact)) => Ok(contact),
+            (Err(a), Err(b)) => Err(if a == NoWish::OutsideValidity { b } else { a }),
+        }
+    }
+
+    fn contact(&self, direction: [f32; 2]) -> Result<Contact, NoWish> {
+        let [advance, towards] = direction;
+        if towards < 0.0 {
             return Err(NoWish::OutsideValidity);
         }
-        let path_mm_per_tooth = self.cut.path_per_tooth(along, towards)?.0;
-        Ok(Wish { path_mm_per_tooth, contact_rad: fmath::atan2(advance, towards) })
+        Ok(Contact { bite_mm: self.cut.bite_mm(advance, towards)?, direction })
     }
 }
 
 impl FeedLaw for Circumference {
+    #[inline]
     fn wish(&self, direction: [f32; 2]) -> Result<Wish, NoWish> {
         let ([ex, ey], [nx, ny]) = (direction, self.normal);
-        let (rho_mm, r0_mm) = (self.cut.path_radius.0, self.cut.edge_radius.0);
-        let distance_mm = self.offset_mm - rho_mm * (nx * ex + ny * ey);
+        // The line's normal in the moving frame: once, and both intersections follow by signs.
+        let normal_advance = self.sense * (ny * ex - nx * ey);
+        let normal_towards = -(nx * ex + ny * ey);
+        let distance_mm = self.offset_mm + self.path_radius_mm * normal_towards;
+        let r0_mm = self.edge_radius_mm;
         let half_chord_squared = (r0_mm - distance_mm) * (r0_mm + distance_mm);
         // Not "not positive": NaN goes on to be refused by name.
-        if half_chord_squared < 0.0 && r0_mm > 0.0 {
+        if half_chord_squared < 0.0 {
             return Err(NoWish::NoContact);
         }
-        let along_normal = distance_mm / r0_mm;
-        let along_line = fmath::sqrt(half_chord_squared) / r0_mm;
-        let u = |side: f32| [along_normal * nx - side * along_line * ny, along_normal * ny + side * along_line * nx];
-        thicker_chip(self.wish_at(direction, u(1.0)), self.wish_at(direction, u(-1.0)))
+        let half_chord_mm = fmath::sqrt(half_chord_squared);
+        // The sign that puts the intersection that advances more first.
+        let half_chord_mm = if normal_towards < 0.0 { -half_chord_mm } else { half_chord_mm };
+        let (advance, towards) = (distance_mm * normal_advance, distance_mm * normal_towards);
+        let (line_advance, line_towards) = (half_chord_mm * normal_towards, half_chord_mm * normal_advance);
+        let first = [advance + line_advance, towards - line_towards];
+        let Contact { bite_mm, direction } = if self.cut.is_thickest_before(first) {
+            Contact { bite_mm: self.cut.advancing_bite_mm(first)?, direction: first }
+        } else {
+            self.thicker_chip(advance, towards, line_advance, line_towards)?
+        };
+        Ok(Wish { path_mm_per_tooth: self.cut.path_per_tooth(bite_mm)?.0, contact: direction })
     }
 }
 
@@ -107,46 +140,9 @@ impl Cut {
     /// [`NoWish::OutsideValidity`] where the edge does not advance, [`NoWish::ChipUnreachable`] where no step gives
     /// the wanted chip, [`NoWish::BadInput`] for NaN, non-positive radii or feed per tooth, and an inner edge smaller than its chip.
     pub fn path_per_tooth(&self, along_ratio: f32, towards_ratio: f32) -> Result<Mm, NoWish> {
-        let (rho, r0, a) = (self.path_radius.0, self.edge_radius.0, self.feed_per_tooth.0);
-        let k = f32::from(self.edge.advance());
-        let reach = r0 + k * a; // (1)
-        if !(rho > 0.0 && r0 > 0.0 && a > 0.0 && reach > 0.0) {
-            return Err(NoWish::BadInput);
-        }
-        let w = a * (2.0 * r0 + k * a); // (1)
-        let h = reach * k * along_ratio; // (2)
-        if h <= 0.0 {
-            return Err(NoWish::OutsideValidity);
-        }
-        let p = k * (1.0 - reach * towards_ratio / rho) + w / (4.0 * rho * rho); // (3)
-        let d = h * h - p * w; // (4)
-        if d < 0.0 {
-            return Err(NoWish::ChipUnreachable);
-        }
-        let tau = w / (h + fmath::sqrt(d)); // (5)
-        let path = path_along_arc(tau, rho); // (6)
-        // NaN fails every comparison above and ends here, as do an overflow and a step too small for f32.
-        if path > 0.0 && path.is_finite() { Ok(Mm(path)) } else { Err(NoWish::BadInput) }
-    }
-}
-
-/// 2 rho atan(tau / 2 rho). (6)
-fn path_along_arc(tau: f32, rho: f32) -> f32 {
-    let x = tau / (2.0 * rho);
-    let square = x * x;
-    if square < SERIES_LIMIT {
-        tau * (1.0 - square * (1.0 / 3.0 - square / 5.0))
-    } else {
-        2.0 * rho * fmath::atan2(x, 1.0)
-    }
-}
-
-/// Of the two intersections the one that takes the thicker chip; where only one is admissible, that one.
-fn thicker_chip(one: Result<Wish, NoWish>, other: Result<Wish, NoWish>) -> Result<Wish, NoWish> {
-    match (one, other) {
-        (Ok(a), Ok(b)) => Ok(if b.path_mm_per_tooth < a.path_mm_per_tooth { b } else { a }),
-        (Ok(wish), Err(_)) | (Err(_), Ok(wish)) => Ok(wish),
-        (Err(a), Err(b)) => Err(if a == NoWish::OutsideValidity { b } else { a }),
+        let cut = PreparedCut::new(self);
+        let (advance, r0) = (f32::from(self.edge.advance()) * along_ratio, self.edge_radius.0);
+        cut.path_per_tooth(cut.bite_mm(advance * r0, towards_ratio * r0)?)
     }
 }
 
@@ -183,8 +179,8 @@ mod tests {
     fn what_has_no_solution_says_why() {
         assert_eq!(at_deg(MOVEMENT_2, -5.0), Err(NoWish::OutsideValidity));
         assert_eq!(at_deg(MOVEMENT_2, f32::NAN), Err(NoWish::BadInput));
-        let thick = Cut { feed_per_tooth: MmPerTooth(1e3), path_radius: Mm(5.0), ..MOVEMENT_2 };
-        assert_eq!(at_deg(Cut { edge: Edge::Inner, ..thick }, 30.0), Err(NoWish::OutsideValidity));
+        let inner = Cut { edge: Edge::Inner, feed_per_tooth: MmPerTooth(1e3), ..MOVEMENT_2 };
+        assert_eq!(at_deg(inner, 30.0), Err(NoWish::BadInput));
         for bad in [0.0, -1.0, f32::NAN] {
             assert_eq!(at_deg(Cut { path_radius: Mm(bad), ..MOVEMENT_2 }, 60.0), Err(NoWish::BadInput));
             assert_eq!(at_deg(Cut { edge_radius: Mm(bad), ..MOVEMENT_2 }, 60.0), Err(NoWish::BadInput));

@@ -1,8 +1,11 @@
 //! Feed laws: which feed per tooth the tool's *centre* needs so that its cutting circumference keeps its own.
 
+pub mod prepared;
+
 pub mod circumference;
 
 use arcfeed_shared::cut::CutRule;
+use arcfeed_shared::fmath;
 use arcfeed_shared::job::{Job, LawKind};
 use arcfeed_shared::segment::Segment;
 
@@ -23,8 +26,18 @@ pub trait FeedLaw {
 pub struct Wish {
     /// Path of the tool's centre per tooth, along the arc, mm.
     pub path_mm_per_tooth: f32,
-    /// Angle of the contact from the direction of the rotation centre towards the cutting side, radians in (0, pi/2].
-    pub contact_rad: f32,
+    /// Direction of the contact from the tool's centre, of any length: its components along the edge's advance and towards
+    /// the rotation centre.
+    pub contact: [f32; 2],
+}
+
+impl Wish {
+    /// Angle of the contact from the direction of the rotation centre towards the cutting side, radians in (0, pi/2]. For
+    /// reports: the tick has no use for it and does not pay for it.
+    pub fn contact_rad(&self) -> f32 {
+        let [advance, towards] = self.contact;
+        fmath::atan2(advance, towards)
+    }
 }
 
 /// Why a law has no wish.

@@ -33,7 +33,7 @@ pub fn along(law: &impl FeedLaw, arc: &Arc, teeth_per_min: f64) -> Option<WishRa
         match law.wish([x as f32, y as f32]) {
             Ok(wish) => {
                 paths_mm.push(f64::from(wish.path_mm_per_tooth));
-                contacts_rad.push(f64::from(wish.contact_rad));
+                contacts_rad.push(f64::from(wish.contact_rad()));
             }
             // No feed is too high there: nothing that the least could be.
             Err(NoWish::ChipUnreachable) => {}
@@ -79,7 +79,7 @@ mod tests {
     impl FeedLaw for Valley {
         fn wish(&self, [x, y]: [f32; 2]) -> Result<Wish, NoWish> {
             let from_bottom = libm::atan2f(y, x) - 0.782;
-            Ok(Wish { path_mm_per_tooth: 1.0 + from_bottom * from_bottom, contact_rad: 1.0 })
+            Ok(Wish { path_mm_per_tooth: 1.0 + from_bottom * from_bottom, contact: [0.8, 0.6] })
         }
     }
 

@@ -1,0 +1,48 @@
+//! The example job and the run of it that the build script recorded.
+
+use arcfeed_shared::cut::{CutRule, Rotation::*, StockLine};
+use arcfeed_shared::job::{FeedPolicy::*, Job, LawKind, OverrideLimits};
+use arcfeed_shared::nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
+use arcfeed_shared::segment::{Arc, Path::*, Segment};
+use arcfeed_shared::tool::{CupMill, Edge::*};
+use arcfeed_shared::units::{LengthUnit::*, MicroDeg, Micros, MmPerTooth, Nm, RevPerMin};
+
+/// A move of the run, or a rest.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    /// The first tick on it.
+    pub first_tick: u32,
+    /// Which of the job's cut rules speaks of it.
+    pub rule: Option<usize>,
+    /// The move.
+    pub segment: Option<Segment>,
+}
+
+include!(concat!(env!("OUT_DIR"), "/example.rs"));
+
+/// The tick of the run.
+pub const TICK: Micros = Micros::from_ms(1);
+
+const NM_PER_UM: i64 = 1_000;
+const BYTES_PER_TICK: usize = 6;
+static TICKS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/ticks.bin"));
+
+impl Block {
+    /// The cut rule that speaks of it.
+    pub fn cut(&self) -> Option<&'static CutRule> {
+        self.rule.and_then(|index| RULES.get(index))
+    }
+}
+
+/// The run, tick by tick: the position, and the block if a new one begins.
+pub fn run() -> impl Iterator<Item = (Pose, Option<(u32, &'static Block)>)> {
+    let mut blocks = (1..).zip(BLOCKS.iter()).peekable();
+    let mut linear = [Nm(0); 3];
+    (0..).zip(TICKS.chunks_exact(BYTES_PER_TICK)).map(move |(tick, change)| {
+        for (axis, bytes) in linear.iter_mut().zip(change.chunks_exact(2)) {
+            let um = bytes.iter().rev().fold(0, |high, low| high << 8 | i32::from(*low)) as u16 as i16;
+            axis.0 += i64::from(um) * NM_PER_UM;
+        }
+        (Pose { linear, ..Pose::default() }, blocks.next_if(|(_, block)| block.first_tick <= tick))
+    })
+}
