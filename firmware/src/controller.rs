@@ -68,7 +68,7 @@ pub struct Output {
 }
 
 /// Why the override is what it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Reason {
     /// The law's wish, rounded to the thin side.
     Law,
@@ -138,7 +138,8 @@ impl Controller {
     #[inline(always)]
     fn wanted(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> (f32, Option<Wish>, Reason) {
         let as_programmed = |reason| (1.0, None, reason);
-        let (Some(Governed { law, track, feed_sent }), Some(progress)) = (&segment.governed, &mut state.progress) else {
+        let (Some(Governed { law, track, feed_sent }), Some(progress)) = (&segment.governed, &mut state.progress)
+        else {
             return as_programmed(if segment.feed_sent.is_some() { Reason::NoLaw } else { Reason::Inhibited });
         };
         let teeth_per_min = input.spindle.0 * self.teeth;

@@ -12,7 +12,7 @@ use arcfeed_shared::units::{Micros, PERCENT, US_PER_S};
 const STEP_TOLERANCE: f32 = 1e-3;
 
 /// An override as the control takes it, whole per cent.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FeedOverride {
     /// 0 to 254.
     pub percent: u8,
@@ -44,7 +44,7 @@ pub struct RampState {
 }
 
 /// Which bound kept the override from the wish.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Bound {
     /// None.
     Free,

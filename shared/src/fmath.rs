@@ -123,7 +123,19 @@ mod tests {
 
     #[test]
     fn positive_is_what_is_finite_and_above_zero() {
-        for x in [0.0, -0.0, f32::MIN_POSITIVE, 1.0, -1.0, f32::MAX, f32::MIN, f32::INFINITY, -f32::INFINITY, f32::NAN, -f32::NAN] {
+        for x in [
+            0.0,
+            -0.0,
+            f32::MIN_POSITIVE,
+            1.0,
+            -1.0,
+            f32::MAX,
+            f32::MIN,
+            f32::INFINITY,
+            -f32::INFINITY,
+            f32::NAN,
+            -f32::NAN,
+        ] {
             assert_eq!(is_positive(x), x > 0.0 && x.is_finite(), "{x}");
         }
         assert!(!is_positive(1e-45));

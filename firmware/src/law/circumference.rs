@@ -84,7 +84,13 @@ impl Circumference {
     /// that takes the thicker chip; where only one is admissible, that one.
     #[cold]
     #[inline(never)]
-    fn thicker_chip(&self, advance: f32, towards: f32, line_advance: f32, line_towards: f32) -> Result<Contact, NoWish> {
+    fn thicker_chip(
+        &self,
+        advance: f32,
+        towards: f32,
+        line_advance: f32,
+        line_towards: f32,
+    ) -> Result<Contact, NoWish> {
         let first = self.contact([advance + line_advance, towards - line_towards]);
         let second = self.contact([advance - line_advance, towards + line_towards]);
         match (first, second) {

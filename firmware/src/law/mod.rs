@@ -41,7 +41,7 @@ impl Wish {
 }
 
 /// Why a law has no wish.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum NoWish {
     /// The cutting circle does not meet the stock line.
     NoContact,

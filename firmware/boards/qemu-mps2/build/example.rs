@@ -74,10 +74,12 @@ fn source(job: &Job, blocks: &[Block]) -> String {
     let mut line = |line: String| writeln!(text, "{line}").expect("strings take every line");
     line(format!("/// The job's cut rules.\npub static RULES: [CutRule; {}] = {rules:?};", rules.len()));
     line("/// The job.\npub fn job() -> Job {".into());
-    line("    let rules = RULES.iter().copied().collect();".into());
+    line("    let rules = heapless::Vec::from_slice(&RULES).unwrap_or_default();".into());
     line(format!("    Job {{ unit: {unit:?}, tool: {tool:?}, spindle: {spindle:?}, law: LawKind::{law:?},"));
     line(format!("        feed_per_tooth: {feed_per_tooth:?}, policy: {policy:?}, limits: {limits:?}, rules }}\n}}"));
-    line(format!("/// The blocks of the run.\npub static BLOCKS: [Block; {}] = [", blocks.len()));
+    line("/// The blocks of the run.".into());
+    line("#[unsafe(link_section = \".recorded_run\")]".into());
+    line(format!("pub static BLOCKS: [Block; {}] = [", blocks.len()));
     for Block { first_tick, segment } in blocks {
         let found = segment.as_ref().and_then(|segment| cut::find(rules, segment, tool));
         let rule = found.and_then(|rule| rules.iter().position(|other| other == rule));

@@ -10,6 +10,12 @@ pub mod clock;
 
 pub mod stack;
 
+pub mod timer;
+
+pub mod uart;
+
+pub mod log;
+
 pub mod figures;
 
 pub mod example;

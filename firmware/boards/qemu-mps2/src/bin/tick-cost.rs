@@ -15,7 +15,7 @@ use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_qemu_mps2::clock::InstructionCounter;
 use arcfeed_qemu_mps2::example::{self, Block, TICK};
 use arcfeed_qemu_mps2::figures::Costs;
-use arcfeed_qemu_mps2::stack;
+use arcfeed_qemu_mps2::stack::Painted;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::modal::{Pose, Turn};
 use arcfeed_shared::units::Nm;
@@ -87,9 +87,9 @@ fn main() -> ! {
             board.segment = active.map(|active| (count, active));
         }
         board.input.position = position;
-        let floor = stack::paint();
+        let painted = Painted::below_here();
         let (cost, output) = counter.of(|| tick(&mut task, black_box(&controller), &mut board));
-        stack_bytes = stack_bytes.max(stack::used(floor));
+        stack_bytes = stack_bytes.max(painted.used());
         if output.is_some_and(|output| matches!(output.reason, Reason::Law | Reason::Bounded(_))) {
             figures.governed.add(cost);
             if let Some(movement) = block.and_then(|block| movement(block, &position, &job)) {
