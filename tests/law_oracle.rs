@@ -21,7 +21,7 @@
 //! The law with its stock line is measured in `stock_fit`.
 
 use arcfeed_firmware::law::NoWish;
-use arcfeed_firmware::law::circumference::Cut;
+use arcfeed_firmware::law::step::Cut;
 use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{Mm, MmPerTooth};
 use core::iter::repeat_with;

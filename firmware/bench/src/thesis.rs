@@ -172,7 +172,7 @@ fn next_center<T: Real>(movement: &Movement<T>, x_c: T, y_c: T) -> (T, T) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_firmware::law::circumference::Cut;
+    use arcfeed_firmware::law::step::Cut;
     use arcfeed_shared::tool::Edge;
     use arcfeed_shared::units::{Mm, MmPerTooth};
 

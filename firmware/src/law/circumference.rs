@@ -1,24 +1,15 @@
-//! Constant feed per tooth on the cutting circumference, exact.
+//! Constant feed per tooth on the cutting circumference: the chip at the contact B with the stock line is a.
 //!
-//! The tool's centre O runs on the circle (A, rho). Frame at O: y towards A, v = x the direction in which O moves. The
-//! cutting circle (radius r0) meets the stock limit at B, u = (B - O)/r0. After one tooth the circle must pass through
-//! C = O + (r0 + k a) u, where a is the wanted feed per tooth and k = +1 for the outer, -1 for the inner edge. The new
-//! centre O' lies on (A, rho) and r0 away from C:
+//! B is the intersection of cutting circle and stock line with u.(A - O) >= 0 and an advancing edge, of two the one with
+//! the thicker chip (smaller step). With n the line's unit normal and q the line's distance from O along it:
 //!
 //! ```text
-//! ux = u.v    uy = u.(A - O)/rho    L = r0 + k a    w = a (2 r0 + k a)    (1)
-//! h  = L k ux                       h > 0: the edge advances              (2)
-//! p  = k (1 - L uy/rho) + w/(4 rho^2)                                     (3)
-//! D  = h^2 - p w                    D < 0: chip a cannot be reached       (4)
-//! tau = w / (h + sqrt D)            = 2 rho tan(alpha/2)                  (5)
-//! path per tooth = rho alpha = 2 rho atan(tau / 2 rho)                    (6)
+//! r0 u = q n +- sqrt((r0 - q)(r0 + q)) t,    t square to n        (1)
 //! ```
 //!
-//! (1)-(5) are the two circles of the source (eqs 17-23) solved for the half turn alpha/2 of O about A, free of the
-//! cancellation that costs the source's own route 8.5 % in f32; valid for p > 0, p = 0 and p < 0 alike. B is the
-//! intersection with u.(A - O) >= 0 and k ux > 0, of two the one with the thicker chip (smaller path).
+//! The step for it is [`super::step`]'s.
 //!
-//! Source: Petean 2004, ch. 5; docs/laws.md#circumference for the derivation, the errata and the validity.
+//! Source: Petean 2004, ch. 5, eqs 11-16; docs/laws.md#circumference for the errata and the validity.
 
 use arcfeed_shared::cut::StockLine;
 use arcfeed_shared::fmath;
@@ -26,7 +17,7 @@ use arcfeed_shared::segment::Arc;
 use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{Mm, MmPerTooth, Nm};
 
-use super::prepared::PreparedCut;
+use super::step::{Cut, PreparedCut};
 use super::{FeedLaw, NoWish, Wish};
 
 /// The law for one arc. All lengths relative to the rotation centre A.
@@ -41,19 +32,6 @@ pub struct Circumference {
     normal: [f32; 2],
     /// Distance of the stock line from A along the normal.
     offset_mm: f32,
-}
-
-/// The circles and the chip: everything the step per tooth depends on, but for the contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cut {
-    /// rho, radius of the centre's path about A.
-    pub path_radius: Mm,
-    /// r0, radius of the cutting circle.
-    pub edge_radius: Mm,
-    /// Which edge cuts: the sign k.
-    pub edge: Edge,
-    /// a, wanted feed per tooth on the circumference.
-    pub feed_per_tooth: MmPerTooth,
 }
 
 /// An admissible intersection of cutting circle and stock line.
@@ -126,6 +104,7 @@ impl FeedLaw for Circumference {
         let half_chord_mm = fmath::sqrt(half_chord_squared);
         // The sign that puts the intersection that advances more first.
         let half_chord_mm = if normal_towards < 0.0 { -half_chord_mm } else { half_chord_mm };
+        // (1)
         let (advance, towards) = (distance_mm * normal_advance, distance_mm * normal_towards);
         let (line_advance, line_towards) = (half_chord_mm * normal_towards, half_chord_mm * normal_advance);
         let first = [advance + line_advance, towards - line_towards];
@@ -135,62 +114,5 @@ impl FeedLaw for Circumference {
             self.thicker_chip(advance, towards, line_advance, line_towards)?
         };
         Ok(Wish { path_mm_per_tooth: self.cut.path_per_tooth(bite_mm)?.0, contact: direction })
-    }
-}
-
-impl Cut {
-    /// Path of the centre per tooth, along its arc, for a contact in direction u of the moving frame:
-    /// `along_ratio` = u.v, `towards_ratio` = u.(A - O)/rho.
-    ///
-    /// # Errors
-    /// [`NoWish::OutsideValidity`] where the edge does not advance, [`NoWish::ChipUnreachable`] where no step gives
-    /// the wanted chip, [`NoWish::BadInput`] for NaN, non-positive radii or feed per tooth, and an inner edge smaller than its chip.
-    pub fn path_per_tooth(&self, along_ratio: f32, towards_ratio: f32) -> Result<Mm, NoWish> {
-        let cut = PreparedCut::new(self);
-        let (advance, r0) = (f32::from(self.edge.advance()) * along_ratio, self.edge_radius.0);
-        cut.path_per_tooth(cut.bite_mm(advance * r0, towards_ratio * r0)?)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const MOVEMENT_2: Cut = Cut {
-        path_radius: Mm(128.576),
-        edge_radius: Mm(128.576),
-        edge: Edge::Outer,
-        feed_per_tooth: MmPerTooth(0.1016),
-    };
-
-    fn at_deg(cut: Cut, contact_deg: f32) -> Result<f32, NoWish> {
-        let (sin, cos) = libm::sincos(f64::from(contact_deg).to_radians());
-        let (along, towards) = (f32::from(cut.edge.advance()) * sin as f32, cos as f32);
-        cut.path_per_tooth(along, towards).map(|path| path.0)
-    }
-
-    #[test]
-    fn square_to_the_path_the_centre_feed_is_the_circumference_feed() {
-        let path = at_deg(MOVEMENT_2, 90.0).unwrap();
-        assert!((path / 0.1016 - 1.0).abs() < 1e-3, "{path}");
-    }
-
-    #[test]
-    fn the_flatter_the_contact_the_more_feed() {
-        let feeds = [80.0, 60.0, 40.0, 20.0].map(|deg| at_deg(MOVEMENT_2, deg).unwrap());
-        assert!(feeds.is_sorted(), "{feeds:?}");
-    }
-
-    #[test]
-    fn what_has_no_solution_says_why() {
-        assert_eq!(at_deg(MOVEMENT_2, -5.0), Err(NoWish::OutsideValidity));
-        assert_eq!(at_deg(MOVEMENT_2, f32::NAN), Err(NoWish::BadInput));
-        let inner = Cut { edge: Edge::Inner, feed_per_tooth: MmPerTooth(1e3), ..MOVEMENT_2 };
-        assert_eq!(at_deg(inner, 30.0), Err(NoWish::BadInput));
-        for bad in [0.0, -1.0, f32::NAN] {
-            assert_eq!(at_deg(Cut { path_radius: Mm(bad), ..MOVEMENT_2 }, 60.0), Err(NoWish::BadInput));
-            assert_eq!(at_deg(Cut { edge_radius: Mm(bad), ..MOVEMENT_2 }, 60.0), Err(NoWish::BadInput));
-            assert_eq!(at_deg(Cut { feed_per_tooth: MmPerTooth(bad), ..MOVEMENT_2 }, 60.0), Err(NoWish::BadInput));
-        }
     }
 }

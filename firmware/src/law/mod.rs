@@ -1,6 +1,6 @@
 //! Feed laws: which feed per tooth the tool's *centre* needs so that its cutting circumference keeps its own.
 
-pub mod prepared;
+pub mod step;
 
 pub mod circumference;
 
