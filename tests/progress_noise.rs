@@ -142,7 +142,7 @@ fn errors(truth: &[Truth], exact: &[(usize, f32, u8)], spoilt: &[(usize, f32, u8
 #[test]
 fn noise_delay_and_gaps_never_put_it_on_the_wrong_segment() {
     let (job, segments, truth) = record();
-    let exact = follow(&job, &segments, PositionFilter::EXACT, truth.iter().map(|tick| Some(tick.position)));
+    let exact = follow(&job, &segments, PositionFilter::Exact, truth.iter().map(|tick| Some(tick.position)));
     let filter = PositionFilter::new(0.3, Micros::from_ms(DELAY_TICKS as u64)).expect("a sound gain");
     for seed in SEEDS {
         let spoilt = follow(&job, &segments, filter, spoil(&truth, seed));

@@ -5,10 +5,13 @@ use crate::ramp::FeedOverride;
 
 /// What the controller needs from its surroundings.
 pub trait Board {
+    /// Takes the inputs of this tick.
+    fn measure(&mut self);
+    /// What was measured: position, spindle speed and the time since the last tick. Lent, as a copy costs the tick more
+    /// than its use.
+    fn input(&self) -> &Input;
     /// The segment being executed and its running count, or `None` while nothing is.
     fn segment(&self) -> Option<(u32, &ActiveSegment)>;
-    /// Position, spindle speed and the time since the last tick.
-    fn measure(&mut self) -> Input;
     /// Puts the override out.
     fn set_override(&mut self, feed_override: FeedOverride);
 }
@@ -23,7 +26,7 @@ pub struct Task {
 impl Task {
     /// One tick: measure, decide, put out. Answers what was decided, or `None` with nothing to execute.
     pub fn run(&mut self, controller: &Controller, board: &mut impl Board) -> Option<Output> {
-        let input = board.measure();
+        board.measure();
         let Some((count, segment)) = board.segment() else {
             self.active = None;
             board.set_override(FeedOverride::PROGRAMMED);
@@ -33,7 +36,7 @@ impl Task {
             controller.enter(&mut self.state, segment);
             self.active = Some(count);
         }
-        let output = controller.tick(&mut self.state, segment, &input);
+        let output = controller.tick(&mut self.state, segment, board.input());
         board.set_override(output.feed_override);
         Some(output)
     }

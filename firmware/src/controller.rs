@@ -1,6 +1,7 @@
 //! The tick: (segment, position, spindle) -> override, feed per tooth at the centre, reason.
 
 use arcfeed_shared::cut::CutRule;
+use arcfeed_shared::fmath;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::modal::{Feed, Pose};
 use arcfeed_shared::segment::{Path, Segment};
@@ -64,7 +65,7 @@ pub struct Output {
 }
 
 /// Why the override is what it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reason {
     /// The law's wish, rounded to the thin side.
@@ -136,7 +137,7 @@ impl Controller {
     /// Bounds of the override that make no sense.
     pub fn new(job: &Job) -> Result<Self, LimitsError> {
         let ramp = Ramp::new(&job.limits)?;
-        Ok(Controller { ramp, filter: PositionFilter::EXACT, teeth: f32::from(job.tool.active_teeth()) })
+        Ok(Controller { ramp, filter: PositionFilter::Exact, teeth: f32::from(job.tool.active_teeth()) })
     }
 
     /// The same controller for positions that are noisy, late or now and then missing.
@@ -172,6 +173,7 @@ impl Controller {
     }
 
     /// The ratio of wanted to programmed feed, the law's wish if it has one, and the reason.
+    #[inline(always)]
     fn wanted(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> (f32, Option<Wish>, Reason) {
         let as_programmed = |reason| (1.0, None, reason);
         // A rapid's way is the machine's: there is no track to be on.
@@ -183,7 +185,7 @@ impl Controller {
             return as_programmed(Reason::Inhibited);
         };
         let teeth_per_min = input.spindle.0 * self.teeth;
-        let turns = teeth_per_min > 0.0 && teeth_per_min.is_finite();
+        let turns = fmath::is_positive(teeth_per_min);
         match segment.law.wish(place) {
             Err(NoWish::NoLaw) => as_programmed(Reason::NoWish(NoWish::NoLaw)),
             _ if !turns => as_programmed(Reason::NoSpindle),

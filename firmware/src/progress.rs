@@ -8,10 +8,12 @@
 //! ```
 //!
 //! never backwards and never beyond the segment's end. Without a sample the residual is zero and the place moves on by
-//! dead reckoning. alpha = 1, beta = 0, delay = 0 follows the samples as they come. Because only the path from the place
+//! dead reckoning. Exact samples are followed as they come, without the filter. Because only the path from the place
 //! counts, a segment that runs back over the one before cannot catch it.
 //!
 //! Source: the alpha-beta filter of tracking radars; docs/laws.md#progress.
+
+use core::f32::consts::FRAC_PI_2;
 
 use arcfeed_shared::fmath;
 use arcfeed_shared::nc::modal::{Plane, Pose};
@@ -25,7 +27,16 @@ const MM_PER_NM: f32 = 1e-6;
 
 /// How samples of the position are trusted; config.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PositionFilter {
+pub enum PositionFilter {
+    /// As they are: no noise, no delay, none missing.
+    Exact,
+    /// With an alpha-beta filter.
+    AlphaBeta(AlphaBeta),
+}
+
+/// The gains of the filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AlphaBeta {
     /// Part of the residual taken up at once, 0 to 1.
     alpha_ratio: f32,
     /// Part of the residual that corrects the speed, 0 to 1.
@@ -35,9 +46,6 @@ pub struct PositionFilter {
 }
 
 impl PositionFilter {
-    /// Samples as they are: no noise, no delay.
-    pub const EXACT: PositionFilter = PositionFilter { alpha_ratio: 1.0, beta_ratio: 0.0, delay_s: 0.0 };
-
     /// A filter with the given gain (0 to 1 exclusive; small: smooth and slow) for samples that are `delay` old.
     /// The speed's gain follows for critical damping: beta = 2 (2 - alpha) - 4 sqrt(1 - alpha).
     ///
@@ -45,14 +53,15 @@ impl PositionFilter {
     pub fn new(alpha_ratio: f32, delay: Micros) -> Option<Self> {
         let in_range = alpha_ratio > 0.0 && alpha_ratio < 1.0;
         let beta_ratio = 2.0 * (2.0 - alpha_ratio) - 4.0 * fmath::sqrt(1.0 - alpha_ratio);
-        in_range.then_some(PositionFilter { alpha_ratio, beta_ratio, delay_s: seconds(delay) })
+        let gains = AlphaBeta { alpha_ratio, beta_ratio, delay_s: seconds(delay) };
+        in_range.then_some(PositionFilter::AlphaBeta(gains))
     }
 }
 
 /// A segment as progress sees it; config.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track {
-    axes: [usize; 2],
+    plane: Plane,
     origin: [Nm; 2],
     course: Course,
     length_mm: f32,
@@ -95,13 +104,12 @@ impl Track {
                 (Plane::Xy, [x, y], line(segment))
             }
             Path::Arc(arc) => {
-                let start = unit(arc.from).unwrap_or([1.0, 0.0]);
+                let start = direction_of(arc.from);
                 let turn = f32::from(arc.turn.sign());
                 (arc.plane, arc.center, Course::Arc { turn, radius_mm: arc.radius_mm() as f32, start })
             }
         };
-        let (first, second, _) = plane.axes();
-        Some(Track { axes: [first, second], origin, course, length_mm: segment.length_mm() as f32 })
+        Some(Track { plane, origin, course, length_mm: segment.length_mm() as f32 })
     }
 
     /// Length of the path, mm.
@@ -119,6 +127,7 @@ impl Track {
     }
 
     /// One tick: takes the sample, if there is one, and answers the place to use.
+    #[inline(always)]
     pub fn advance<'p>(
         &self,
         filter: &PositionFilter,
@@ -126,35 +135,79 @@ impl Track {
         sample: Option<&Pose>,
         dt: Micros,
     ) -> &'p Place {
+        match (filter, &self.course, sample) {
+            (PositionFilter::Exact, Course::Arc { turn, radius_mm, .. }, Some(position)) => {
+                self.follow_arc(&mut progress.place, *turn, *radius_mm, position);
+            }
+            (PositionFilter::Exact, Course::Line { .. }, Some(position)) => self.follow_line(progress, position),
+            (PositionFilter::Exact, _, None) => {}
+            (PositionFilter::AlphaBeta(gains), ..) => self.filter(gains, progress, sample, dt),
+        }
+        &progress.place
+    }
+
+    /// Takes an exact sample on an arc: the place is its direction, if that lies ahead.
+    #[inline(always)]
+    fn follow_arc(&self, place: &mut Place, turn: f32, radius_mm: f32, position: &Pose) {
+        let [x, y] = direction_of(self.relative(position));
+        let [ex, ey] = place.towards;
+        // The place's direction from A is minus its direction towards A. A sample at A is NaN, and ahead of nothing.
+        let ahead = turn * (ey * x - ex * y);
+        if ahead > 0.0 {
+            let travelled_mm = place.travelled_mm + radius_mm * small_angle(ahead);
+            *place = Place::on_arc([x, y], turn, radius_mm, fmath::min(travelled_mm, self.length_mm));
+        }
+    }
+
+    #[inline(never)]
+    fn follow_line(&self, progress: &mut Progress, position: &Pose) {
+        if let Some(ahead_mm) = self.path_to(&progress.place, position) {
+            self.move_on(&mut progress.place, ahead_mm);
+        }
+    }
+
+    #[inline(never)]
+    fn filter(&self, gains: &AlphaBeta, progress: &mut Progress, sample: Option<&Pose>, dt: Micros) {
         let dt_s = seconds(dt);
         let mut ds_mm = progress.speed_mm_per_s * dt_s;
         let behind_mm = sample.and_then(|position| self.path_to(&progress.place, position));
         if let Some(behind_mm) = behind_mm {
             // What the place will have reached at this tick, against where the sample says it was by now.
-            let residual_mm = behind_mm + progress.speed_mm_per_s * filter.delay_s - ds_mm; // (1)
-            ds_mm += filter.alpha_ratio * residual_mm; // (2)
+            let residual_mm = behind_mm + progress.speed_mm_per_s * gains.delay_s - ds_mm; // (1)
+            ds_mm += gains.alpha_ratio * residual_mm; // (2)
             if dt_s > 0.0 {
-                let speed = progress.speed_mm_per_s + filter.beta_ratio * residual_mm / dt_s; // (2)
+                let speed = progress.speed_mm_per_s + gains.beta_ratio * residual_mm / dt_s; // (2)
                 // Late samples from the segment before lie behind the start: they must not wind the speed up.
                 progress.speed_mm_per_s = speed.max(0.0);
             }
         }
         self.move_on(&mut progress.place, ds_mm);
-        &progress.place
+    }
+
+    /// A position in the segment's plane, relative to its origin.
+    #[inline(always)]
+    fn relative(&self, position: &Pose) -> [Nm; 2] {
+        let [x, y, z] = position.linear;
+        let (first, second) = match self.plane {
+            Plane::Xy => (x, y),
+            Plane::Zx => (z, x),
+            Plane::Yz => (y, z),
+        };
+        let [origin_x, origin_y] = self.origin;
+        // Wrapping: coordinates stay far below the 9 million kilometres at which it would.
+        [Nm(first.0.wrapping_sub(origin_x.0)), Nm(second.0.wrapping_sub(origin_y.0))]
     }
 
     /// Path from a place to the projection of a position; `None` where it has none.
     fn path_to(&self, place: &Place, position: &Pose) -> Option<f32> {
         match self.course {
             Course::Arc { turn, radius_mm, .. } => {
-                let [first, second] = self.axes;
-                let axis = |index: usize| position.linear.get(index).copied().unwrap_or_default();
-                let relative = subtract([axis(first), axis(second)], self.origin);
-                let [x, y] = unit(relative)?;
+                let [x, y] = direction_of(self.relative(position));
                 let [ex, ey] = place.towards;
-                // The place's direction from A is minus its direction towards A.
                 let (cross, dot) = (turn * (ey * x - ex * y), -(ex * x + ey * y));
-                Some(radius_mm * small_angle(cross, dot))
+                let right_angle = if cross < 0.0 { -FRAC_PI_2 } else { FRAC_PI_2 };
+                let angle_rad = if dot <= 0.0 { right_angle } else { small_angle(cross) };
+                angle_rad.is_finite().then_some(radius_mm * angle_rad)
             }
             Course::Line { start, direction, .. } => {
                 let [x, y, z] = position.linear;
@@ -200,25 +253,19 @@ fn rotate([x, y]: [f32; 2], angle_rad: f32) -> [f32; 2] {
     [turned_x * scale, turned_y * scale]
 }
 
-/// The angle with this sine and the sign of this cosine, for small ones; beyond a right angle, a right angle.
-fn small_angle(sine: f32, cosine: f32) -> f32 {
-    if cosine <= 0.0 {
-        return if sine < 0.0 { -core::f32::consts::FRAC_PI_2 } else { core::f32::consts::FRAC_PI_2 };
-    }
+/// The angle with this sine, for small ones (1e-6 rad off at 0.3).
+#[inline(always)]
+fn small_angle(sine: f32) -> f32 {
     let square = sine * sine;
-    sine * (1.0 + square * (1.0 / 6.0 + square * (3.0 / 40.0)))
+    sine + sine * square * (1.0 / 6.0 + square * (3.0 / 40.0))
 }
 
-/// The direction of a vector; the scale cancels, so nanometres go into f32 as they are.
-fn unit([x, y]: [Nm; 2]) -> Option<[f32; 2]> {
-    let (x_nm, y_nm) = (x.0 as f32, y.0 as f32);
+/// The direction of a vector, NaN if it has no length; the scale cancels, so nanometres go into f32 as they are.
+#[inline(always)]
+fn direction_of([x, y]: [Nm; 2]) -> [f32; 2] {
+    let [x_nm, y_nm] = fmath::from_pair([x.0, y.0]);
     let length_nm = fmath::length(x_nm, y_nm);
-    let scale = 1.0 / length_nm;
-    (length_nm > 0.0).then_some([x_nm * scale, y_nm * scale])
-}
-
-fn subtract([ax, ay]: [Nm; 2], [bx, by]: [Nm; 2]) -> [Nm; 2] {
-    [Nm(ax.0.saturating_sub(bx.0)), Nm(ay.0.saturating_sub(by.0))]
+    [x_nm / length_nm, y_nm / length_nm]
 }
 
 fn millimetres(a: Nm, b: Nm) -> f32 {
@@ -226,8 +273,7 @@ fn millimetres(a: Nm, b: Nm) -> f32 {
 }
 
 fn seconds(span: Micros) -> f32 {
-    // 32 bits hold an hour, and convert in one instruction.
-    u32::try_from(span.0).unwrap_or(u32::MAX) as f32 * (1.0 / US_PER_S as f32)
+    fmath::from_u64(span.0) / US_PER_S as f32
 }
 
 #[cfg(test)]

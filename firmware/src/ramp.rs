@@ -12,7 +12,7 @@ use arcfeed_shared::units::{Micros, PERCENT, US_PER_S};
 const STEP_TOLERANCE_RATIO: f32 = 5e-6;
 
 /// An override as the control takes it, whole per cent.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FeedOverride {
     /// 0 to 254.
@@ -28,10 +28,13 @@ impl FeedOverride {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ramp {
     min_ratio: f32,
-    min_percent: f32,
     max_ratio: f32,
-    step_percent: f32,
+    min_percent: i32,
+    step_percent: i32,
+    /// Steps in a ratio of one, the tolerance included.
+    steps_per_ratio: f32,
     up_ratio_per_s: f32,
+    /// Negative.
     down_ratio_per_s: f32,
 }
 
@@ -43,7 +46,7 @@ pub struct RampState {
 }
 
 /// Which bound kept the override from the wish.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Bound {
     /// None.
@@ -107,47 +110,62 @@ impl Ramp {
         }
         Ok(Ramp {
             min_ratio: f32::from(min_percent) / PERCENT,
-            min_percent: f32::from(min_percent),
             max_ratio: f32::from(max_percent) / PERCENT,
-            step_percent: f32::from(step_percent),
+            min_percent: i32::from(min_percent),
+            step_percent: i32::from(step_percent),
+            steps_per_ratio: PERCENT * (1.0 + STEP_TOLERANCE_RATIO) / f32::from(step_percent),
             up_ratio_per_s: limits.slew_up_percent_per_s / PERCENT,
-            down_ratio_per_s: limits.slew_down_percent_per_s / PERCENT,
+            down_ratio_per_s: -limits.slew_down_percent_per_s / PERCENT,
         })
     }
 
     /// Carries the state into a block whose programmed feed is `feed_change_ratio` times the one before.
     pub fn enter_block(&self, state: &mut RampState, wanted_ratio: f32, feed_change_ratio: f32) {
-        let same_feed = (state.ratio / feed_change_ratio).max(1.0);
-        state.ratio = self.clamp(wanted_ratio.min(same_feed)).0;
+        let same_feed = fmath::max(state.ratio / feed_change_ratio, 1.0);
+        state.ratio = self.clamp(fmath::min(wanted_ratio, same_feed)).0;
     }
 
     /// One tick towards `wanted_ratio` (wanted feed / programmed feed).
     pub fn step(&self, state: &mut RampState, wanted_ratio: f32, dt: Micros) -> (FeedOverride, Bound) {
-        let (target, clamped) = self.clamp(wanted_ratio);
-        let dt_s = dt.0 as f32 / US_PER_S as f32;
-        let highest = state.ratio + self.up_ratio_per_s * dt_s;
-        let lowest = state.ratio - self.down_ratio_per_s * dt_s;
-        state.ratio = target.min(highest).max(lowest);
-        let bound = if state.ratio == target { clamped } else { Bound::Slew };
+        let (target, bound) = self.clamp(wanted_ratio);
+        let dt_s = fmath::from_u64(dt.0) / US_PER_S as f32;
+        let (rise, fall) = (self.up_ratio_per_s * dt_s, self.down_ratio_per_s * dt_s);
+        let way = target - state.ratio;
+        let bound = if way > rise {
+            state.ratio += rise;
+            Bound::Slew
+        } else if way < fall {
+            state.ratio += fall;
+            Bound::Slew
+        } else {
+            state.ratio = target;
+            bound
+        };
         (self.round_down(state.ratio), bound)
     }
 
+    #[inline(always)]
     fn clamp(&self, ratio: f32) -> (f32, Bound) {
-        if ratio > self.max_ratio {
-            (self.max_ratio, Bound::Ceiling)
-        } else if ratio >= self.min_ratio {
-            (ratio, Bound::Free)
-        } else if ratio < self.min_ratio {
+        if ratio >= self.min_ratio && ratio <= self.max_ratio { (ratio, Bound::Free) } else { self.at_bound(ratio) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn at_bound(&self, ratio: f32) -> (f32, Bound) {
+        if ratio < self.min_ratio {
             (self.min_ratio, Bound::Floor)
+        } else if ratio > self.max_ratio {
+            (self.max_ratio, Bound::Ceiling)
         } else {
             (1.0, Bound::NotANumber)
         }
     }
 
+    /// The bounds leave 0 to 254, so whole numbers serve: the conversion drops what is left of a step.
+    #[inline(always)]
     fn round_down(&self, ratio: f32) -> FeedOverride {
-        let steps = fmath::floor(ratio * (1.0 + STEP_TOLERANCE_RATIO) * PERCENT / self.step_percent);
-        let percent = (steps * self.step_percent).max(self.min_percent);
-        FeedOverride { percent: percent as u8 }
+        let steps = (ratio * self.steps_per_ratio) as i32;
+        FeedOverride { percent: (steps * self.step_percent).max(self.min_percent) as u8 }
     }
 }
 

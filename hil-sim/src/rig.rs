@@ -57,8 +57,10 @@ impl Board for Cabinet {
         self.segment.as_ref().map(|(count, segment)| (*count, segment))
     }
 
-    fn measure(&mut self) -> Input {
-        self.input
+    fn measure(&mut self) {}
+
+    fn input(&self) -> &Input {
+        &self.input
     }
 
     fn set_override(&mut self, feed_override: FeedOverride) {

@@ -29,6 +29,55 @@ pub fn sqrt(x: f32) -> f32 {
     f32::from_bits(bits)
 }
 
+/// The nearest f32 of each of two whole numbers: `x as f32`, by the chip's one instruction where 32 bits hold both.
+#[inline(always)]
+pub fn from_pair([x, y]: [i64; 2]) -> [f32; 2] {
+    let (short_x, short_y) = (x as i32, y as i32);
+    let lost = ((x >> 32) as i32 ^ (short_x >> 31)) | ((y >> 32) as i32 ^ (short_y >> 31));
+    if lost == 0 { [short_x as f32, short_y as f32] } else { long_pair([x, y]) }
+}
+
+/// Never inline: the compiler would run the long route beside the short one and then choose.
+#[cold]
+#[inline(never)]
+fn long_pair(pair: [i64; 2]) -> [f32; 2] {
+    pair.map(|x| x as f32)
+}
+
+/// The nearest f32 of a whole number that has no sign; see [`from_pair`].
+pub fn from_u64(x: u64) -> f32 {
+    match u32::try_from(x) {
+        Ok(short) => short as f32,
+        Err(_) => unsigned_long_to_f32(x),
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn unsigned_long_to_f32(x: u64) -> f32 {
+    x as f32
+}
+
+/// Whether `x` is a finite number above zero, and not a subnormal one. By its sign and exponent: `x > 0.0 &&
+/// x.is_finite()` becomes 25 instructions on the chip, this is 5.
+#[inline(always)]
+pub fn is_positive(x: f32) -> bool {
+    let sign_and_exponent = x.to_bits().cast_signed() >> (f32::MANTISSA_DIGITS - 1);
+    (sign_and_exponent - 1).cast_unsigned() < f32::MAX_EXP.cast_unsigned() * 2 - 2
+}
+
+/// The smaller one; `b` where one of them is NaN. `f32::min` is a call on the chip, this is a comparison and a move.
+#[inline(always)]
+pub fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The larger one; `b` where one of them is NaN. See [`min`].
+#[inline(always)]
+pub fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
 /// Angle of the vector `(x, y)` from the x axis, radians in (-pi, pi].
 pub fn atan2(y: f32, x: f32) -> f32 {
     libm::atan2f(y, x)
@@ -75,6 +124,36 @@ mod tests {
         ] {
             assert_eq!(floor(x), want, "floor({x})");
         }
+    }
+
+    #[test]
+    fn whole_numbers_become_the_nearest_float_on_both_routes() {
+        let edge = i64::from(i32::MAX);
+        for x in [0, -1, 16_777_217, edge - 64, edge, edge + 1, -edge - 1, -edge - 2, i64::MAX, i64::MIN] {
+            assert_eq!(from_pair([x, 1]), [x as f32, 1.0], "{x}");
+            assert_eq!(from_pair([1, x]), [1.0, x as f32], "{x}");
+            assert_eq!(from_u64(x.unsigned_abs()), x.unsigned_abs() as f32, "{x}");
+        }
+    }
+
+    #[test]
+    fn positive_is_what_is_finite_and_above_zero() {
+        for x in [
+            0.0,
+            -0.0,
+            f32::MIN_POSITIVE,
+            1.0,
+            -1.0,
+            f32::MAX,
+            f32::MIN,
+            f32::INFINITY,
+            -f32::INFINITY,
+            f32::NAN,
+            -f32::NAN,
+        ] {
+            assert_eq!(is_positive(x), x > 0.0 && x.is_finite(), "{x}");
+        }
+        assert!(!is_positive(1e-45));
     }
 
     #[test]

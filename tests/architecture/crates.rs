@@ -7,12 +7,13 @@ use crate::manifest::{Entry, array, dependencies, entries, string};
 use crate::source::{Source, read, rust_files, tokens};
 
 /// Each package of the workspace with those it may use.
-const ARROWS: [(&str, &[&str]); 6] = [
+const ARROWS: [(&str, &[&str]); 7] = [
     ("arcfeed-shared", &[]),
     ("arcfeed-firmware", &["arcfeed-shared"]),
+    ("arcfeed-bench", &["arcfeed-shared", "arcfeed-firmware"]),
     ("arcfeed-hil-sim", &["arcfeed-shared", "arcfeed-firmware"]),
     ("arcfeed", &["arcfeed-shared", "arcfeed-firmware", "arcfeed-hil-sim"]),
-    ("arcfeed-tests", &["arcfeed-shared", "arcfeed-firmware", "arcfeed-hil-sim", "arcfeed"]),
+    ("arcfeed-tests", &["arcfeed-shared", "arcfeed-firmware", "arcfeed-bench", "arcfeed-hil-sim", "arcfeed"]),
     ("xtask", &[]),
 ];
 

@@ -59,6 +59,7 @@ pub struct Place {
 impl Place {
     /// On an arc: `direction` is the unit vector from the rotation centre, `turn_ratio` +1 counter-clockwise and -1
     /// clockwise.
+    #[inline(always)]
     pub fn on_arc(direction: [f32; 2], turn_ratio: f32, radius_mm: f32, travelled_mm: f32) -> Self {
         let [x, y] = direction;
         Place {
@@ -95,7 +96,7 @@ impl Wish {
 }
 
 /// Why a law has no wish.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NoWish {
     /// No law governs the segment.
@@ -146,6 +147,7 @@ impl SegmentLaw {
 }
 
 impl FeedLaw for SegmentLaw {
+    #[inline(always)]
     fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
         match self {
             SegmentLaw::Circumference(law) => law.wish(place),

@@ -27,7 +27,7 @@ fn on_quarter(travelled_mm: f64) -> Pose {
 }
 
 fn travelled(track: &Track, progress: &mut Progress, sample: &Pose) -> f32 {
-    track.advance(&PositionFilter::EXACT, progress, Some(sample), TICK).travelled_mm
+    track.advance(&PositionFilter::Exact, progress, Some(sample), TICK).travelled_mm
 }
 
 #[test]

@@ -2,20 +2,26 @@
 //!
 //! ```text
 //! target    the chip's Rust target, installed where it is missing        target.rs
+//! packages  the emulator of the chip, installed where it is missing      packages.rs
 //! tests     cargo test over the whole workspace, results added up        tally.rs
 //! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs
+//! boards    format and lints of each board's workspace                   boards.rs
 //! ```
 //!
-//! All steps run even after one has failed, the firmware's only if its target is there. The last line of the output
+//! All steps run even after one has failed, those for the chip only if their target is there. The last line of the output
 //! is the sum of the tests. Exit code: that of the first step that failed, 2 for a word it does not know.
 
 mod command;
 
 mod target;
 
+mod packages;
+
 mod tally;
 
 mod firmware;
+
+mod boards;
 
 use std::process::ExitCode;
 
@@ -42,9 +48,10 @@ fn main() -> ExitCode {
 /// Runs all steps, then says what failed, what was skipped, and the sum.
 fn test() -> ExitCode {
     let target = target::install();
+    let packages = packages::install();
     let (tally, tests) = tally::test_workspace();
-    let firmware = target.and_then(|()| firmware::check());
-    let failures: Vec<Failure> = [tests, firmware].into_iter().filter_map(Result::err).collect();
+    let chip = target.and_then(|()| firmware::check().and(boards::check()));
+    let failures: Vec<Failure> = [packages, tests, chip].into_iter().filter_map(Result::err).collect();
     for failure in &failures {
         eprintln!("xtask: FAILED: {}", failure.what);
     }

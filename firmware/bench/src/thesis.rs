@@ -1,0 +1,230 @@
+//! The source's own route to the feed per tooth at the centre, equation by equation: the baseline of the tick's cost.
+//!
+//! Not used for control: in f32 it loses most of its digits (docs/laws.md#circumference). It is written as one writes
+//! down what is printed: both intersections where two are printed, the angle of the contact and its sine and cosine
+//! where the angle is printed, `libm` for every function, squares as products.
+//!
+//! ```text
+//! A, B, C of the stock limit through M and N                           (8)-(10)
+//! B: circle (O, r0) with the line A x + B y + C = 0, both points       (11)-(15)
+//! the admissible one of the two                                        (16)
+//! C: the next point of the edge                                        (17) (18)
+//! O': circle (rotation centre, rho) with circle (C, r0), both points   (19)-(23)
+//! the forward one of the two                                           (24)
+//! s: chord from O to O'; alpha: its angle about the rotation centre    (25) (26)
+//! M and N in the frame at O', for the next step                        (27)-(29)
+//! ```
+//!
+//! Frame at O as in the firmware's law: y towards the rotation centre, x in the direction of travel. Departures from
+//! print, all needed for it to work: (16) and (24) choose by side and by turn instead of "max(x, y)" and "min(x, y)",
+//! which are ambiguous; (25) takes the coordinates of O', where those of C are printed; (29) turns after it translates,
+//! and with x in the direction of travel the turn has the sign that makes y point to the rotation centre again.
+//!
+//! Source: Petean 2004, ch. 5.
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A floating-point number with the functions that the equations name.
+pub trait Real:
+    Copy
+    + PartialOrd
+    + From<i8>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Sine of an angle in radians.
+    fn sin(self) -> Self;
+    /// Cosine of an angle in radians.
+    fn cos(self) -> Self;
+    /// Angle in radians of a cosine.
+    fn acos(self) -> Self;
+    /// Angle in radians from the x axis to `(x, self)`.
+    fn atan2(self, x: Self) -> Self;
+}
+
+impl Real for f32 {
+    fn sqrt(self) -> Self {
+        libm::sqrtf(self)
+    }
+    fn sin(self) -> Self {
+        libm::sinf(self)
+    }
+    fn cos(self) -> Self {
+        libm::cosf(self)
+    }
+    fn acos(self) -> Self {
+        libm::acosf(self)
+    }
+    fn atan2(self, x: Self) -> Self {
+        libm::atan2f(self, x)
+    }
+}
+
+impl Real for f64 {
+    fn sqrt(self) -> Self {
+        libm::sqrt(self)
+    }
+    fn sin(self) -> Self {
+        libm::sin(self)
+    }
+    fn cos(self) -> Self {
+        libm::cos(self)
+    }
+    fn acos(self) -> Self {
+        libm::acos(self)
+    }
+    fn atan2(self, x: Self) -> Self {
+        libm::atan2(self, x)
+    }
+}
+
+/// Everything that the equations take, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Movement<T> {
+    /// M and N, two points of the stock limit, in the frame at O.
+    pub limits: [[T; 2]; 2],
+    /// Radius of the cutting circle: R or r by movement.
+    pub edge_radius: T,
+    /// Radius of the path about the rotation centre: r or R by movement.
+    pub path_radius: T,
+    /// k: +1 for the outer edge, -1 for the inner.
+    pub advance: T,
+    /// a, feed per tooth on the circumference.
+    pub feed_per_tooth: T,
+}
+
+/// What the equations answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step<T> {
+    /// s, feed per tooth at the centre, mm along the chord.
+    pub chord: T,
+    /// alpha, the same as an angle about the rotation centre, rad.
+    pub turn: T,
+}
+
+/// One turn of the source's loop, equations (8) to (29): the step, and M and N in the frame that it leads to.
+pub fn tooth<T: Real>(movement: &Movement<T>) -> (Step<T>, [[T; 2]; 2]) {
+    let (step, next) = step(movement, line(movement.limits));
+    let (cos, sin) = (step.turn.cos(), step.turn.sin());
+    let map = |[x, y]: [T; 2]| {
+        let (x, y) = (x - next[0], y - next[1]); // (27)
+        [cos * x + sin * y, cos * y - sin * x] // (28) (29)
+    };
+    (step, movement.limits.map(map))
+}
+
+/// Equations (8) to (10): A, B, C of the line through M and N.
+pub fn line<T: Real>([[x_m, y_m], [x_n, y_n]]: [[T; 2]; 2]) -> [T; 3] {
+    [y_n - y_m, -(x_n - x_m), x_n * y_m - x_m * y_n] // (8) (9) (10)
+}
+
+/// Equations (11) to (26), and O'; NaN where there is no solution.
+pub fn step<T: Real>(movement: &Movement<T>, line: [T; 3]) -> (Step<T>, [T; 2]) {
+    let (x_b, y_b) = contact(movement, line);
+    let theta = x_b.atan2(y_b);
+    let x_c = (movement.edge_radius + movement.advance * movement.feed_per_tooth) * theta.sin(); // (17)
+    let y_c = (movement.edge_radius + movement.advance * movement.feed_per_tooth) * theta.cos(); // (18)
+    let (x, y) = next_center(movement, x_c, y_c);
+    let chord = (x * x + y * y).sqrt(); // (25)
+    let radius = movement.path_radius;
+    let turn = (T::from(1) - chord * chord / (T::from(2) * radius * radius)).acos(); // (26)
+    (Step { chord, turn }, [x, y])
+}
+
+fn contact<T: Real>(movement: &Movement<T>, [a, b, c]: [T; 3]) -> (T, T) {
+    let (x1, y1, r0) = (T::from(0), T::from(0), movement.edge_radius);
+    let delta = r0 * r0 * (a * a + b * b) - (a * x1 + b * y1 + c) * (a * x1 + b * y1 + c); // (15)
+    let root = delta.sqrt();
+    let x = (b * b * x1 - a * b * y1 - a * c + b * root) / (a * a + b * b); // (11)
+    let y = (a * a * y1 - a * b * x1 - b * c - a * root) / (a * a + b * b); // (12)
+    let x_other = (b * b * x1 - a * b * y1 - a * c - b * root) / (a * a + b * b); // (13)
+    let y_other = (a * a * y1 - a * b * x1 - b * c + a * root) / (a * a + b * b); // (14)
+    let admissible = |x: T, y: T| movement.advance * x > T::from(0) && y >= T::from(0);
+    let thicker_chip = movement.advance * x > movement.advance * x_other;
+    // The one that advances, on the rotation centre's side; of two the one with the thicker chip. (16)
+    if admissible(x, y) && (thicker_chip || !admissible(x_other, y_other)) { (x, y) } else { (x_other, y_other) }
+}
+
+fn next_center<T: Real>(movement: &Movement<T>, x_c: T, y_c: T) -> (T, T) {
+    let (x1, y1, r1) = (T::from(0), movement.path_radius, movement.path_radius);
+    let (x2, y2, r2) = (x_c, y_c, movement.edge_radius);
+    let two = T::from(2);
+    let square = |v: T| v * v;
+    let apart = square(x1 - x2) + square(y1 - y2);
+    let root = (-(apart - square(r1 - r2)) * (apart - square(r1 + r2))).sqrt(); // (23)
+    let below = two * square(x1 - x2) + two * square(y1 - y2);
+    let x_terms = -(x1 - x2) * (r1 * r1 - r2 * r2 - x1 * x1 + x2 * x2) + (x1 + x2) * square(y1 - y2);
+    let y_terms = -(y1 - y2) * (r1 * r1 - r2 * r2 - y1 * y1 + y2 * y2) + (y1 + y2) * square(x1 - x2);
+    let x = (x_terms + (y1 - y2) * root) / below; // (19)
+    let y = (y_terms - (x1 - x2) * root) / below; // (20)
+    let x_other = (x_terms - (y1 - y2) * root) / below; // (21)
+    let y_other = (y_terms + (x1 - x2) * root) / below; // (22)
+    // The forward one with the smaller turn. (24)
+    let nearer = x * x + y * y < x_other * x_other + y_other * y_other;
+    if nearer { (x, y) } else { (x_other, y_other) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arcfeed_firmware::law::step::Cut;
+    use arcfeed_shared::tool::Edge;
+    use arcfeed_shared::units::{Mm, MmPerTooth};
+
+    /// The published tool on a line that it meets at `contact_deg` and on the side that recedes.
+    fn movement(edge: Edge, contact_deg: f64) -> Movement<f64> {
+        let (rho, r0) = (128.576, if edge == Edge::Outer { 128.576 } else { 112.701 });
+        let k = f64::from(edge.advance());
+        let (sin, cos) = libm::sincos(contact_deg.to_radians());
+        let (normal_x, normal_y) = libm::sincos((0.5 * contact_deg - 5.0).to_radians());
+        let along = |mm: f64| [k * (r0 * sin - normal_y * mm), r0 * cos + normal_x * mm];
+        Movement {
+            limits: [along(-150.0), along(40.0)],
+            edge_radius: r0,
+            path_radius: rho,
+            advance: k,
+            feed_per_tooth: 0.1016,
+        }
+    }
+
+    fn law(edge: Edge, movement: &Movement<f64>, contact_deg: f64) -> f64 {
+        let cut = Cut {
+            path_radius: Mm(movement.path_radius as f32),
+            edge_radius: Mm(movement.edge_radius as f32),
+            edge,
+            feed_per_tooth: MmPerTooth(movement.feed_per_tooth as f32),
+        };
+        let (sin, cos) = libm::sincos(contact_deg.to_radians());
+        f64::from(cut.path_per_tooth((movement.advance * sin) as f32, cos as f32).expect("a wish").0)
+    }
+
+    #[test]
+    fn the_equations_in_f64_agree_with_the_firmwares_law() {
+        for edge in [Edge::Outer, Edge::Inner] {
+            for contact_deg in [20.0, 40.0, 60.0, 80.0] {
+                let movement = movement(edge, contact_deg);
+                let (Step { chord, turn }, _) = tooth(&movement);
+                let path = law(edge, &movement, contact_deg);
+                assert!((turn * movement.path_radius / path - 1.0).abs() < 1e-5, "{edge:?} {contact_deg}: {turn}");
+                assert!((chord / path - 1.0).abs() < 1e-5, "{edge:?} {contact_deg}: {chord} {path}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_rotation_centre_lies_straight_ahead_of_every_frame() {
+        for edge in [Edge::Outer, Edge::Inner] {
+            let before = movement(edge, 50.0);
+            let (_, after) = tooth(&before);
+            let from_center = |[x, y]: [f64; 2]| libm::hypot(x, y - before.path_radius);
+            for (one, other) in before.limits.into_iter().zip(after) {
+                assert!((from_center(one) - from_center(other)).abs() < 1e-9, "{edge:?} {one:?} {other:?}");
+            }
+        }
+    }
+}

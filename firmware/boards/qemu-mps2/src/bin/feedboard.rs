@@ -1,0 +1,162 @@
+//! The controller on the board: a tick every millisecond from a timer's interrupt, segments from the main loop.
+//!
+//! ```text
+//! main loop:  block of the program -> ActiveSegment -> queue          log
+//!                                                        |
+//! TIMER0:     position, block count ->  Task::run  <-----+  -> override -> UART 1
+//! ```
+//!
+//! The main loop is never in the tick's way: it prepares segments ahead and logs. The program and the positions are those
+//! of the example's run. At the end it logs what happened and leaves the emulator.
+//!
+//! No panic can be reached here: the panic handler calls a function that does not exist, so that an image in which the
+//! handler is left over does not link. In release mode, that is: without optimisation checks remain that cannot fail.
+#![no_std]
+#![no_main]
+
+use core::cell::UnsafeCell;
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use arcfeed_firmware::board::{Board, Task};
+use arcfeed_firmware::controller::{ActiveSegment, Controller, Input};
+use arcfeed_firmware::ramp::FeedOverride;
+use arcfeed_qemu_mps2::example::{self, Block, TICK};
+use arcfeed_qemu_mps2::stack::Painted;
+use arcfeed_qemu_mps2::uart::{Transmitter, UART1};
+use arcfeed_qemu_mps2::{leave, timer};
+use arcfeed_shared::nc::modal::Pose;
+use cortex_m_semihosting::debug;
+use heapless::spsc::{Consumer, Queue};
+
+/// Segments prepared ahead of the tick.
+const AHEAD: usize = 8;
+
+/// A prepared segment and its block's count.
+type Prepared = (u32, Option<ActiveSegment>);
+
+/// What only the tick touches while it runs.
+struct TickState {
+    controller: Controller,
+    task: Task,
+    segments: Consumer<'static, Prepared>,
+    run: example::Run,
+    cabinet: Cabinet,
+}
+
+/// The board as the controller sees it.
+struct Cabinet {
+    segment: Option<(u32, ActiveSegment)>,
+    input: Input,
+    line: Transmitter,
+}
+
+/// Handed over before the timer starts, then the handler's.
+struct Handed<T>(UnsafeCell<Option<T>>);
+
+// SAFETY: written before the interrupt is unmasked, used by its handler alone from then on.
+unsafe impl<T> Sync for Handed<T> {}
+
+static TICK_STATE: Handed<TickState> = Handed(UnsafeCell::new(None));
+static TICKS: AtomicU32 = AtomicU32::new(0);
+static STARVED: AtomicU32 = AtomicU32::new(0);
+static DROPPED: AtomicU32 = AtomicU32::new(0);
+static OVER: AtomicBool = AtomicBool::new(false);
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    unsafe extern "C" {
+        fn arcfeed_a_panic_can_be_reached() -> !;
+    }
+    // SAFETY: never linked, hence never called.
+    unsafe { arcfeed_a_panic_can_be_reached() }
+}
+
+impl Board for Cabinet {
+    fn measure(&mut self) {}
+
+    fn input(&self) -> &Input {
+        &self.input
+    }
+
+    fn segment(&self) -> Option<(u32, &ActiveSegment)> {
+        self.segment.as_ref().map(|(count, segment)| (*count, segment))
+    }
+
+    fn set_override(&mut self, feed_override: FeedOverride) {
+        if !self.line.try_send(feed_override.percent) {
+            DROPPED.store(DROPPED.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
+        }
+    }
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn TIMER0() {
+    timer::acknowledge();
+    // SAFETY: the handler is the one user, see `Handed`, and does not interrupt itself.
+    if let Some(state) = unsafe { &mut *TICK_STATE.0.get() } {
+        tick(state);
+    }
+}
+
+fn tick(state: &mut TickState) {
+    let Some((position, new)) = state.run.next() else {
+        timer::stop();
+        OVER.store(true, Ordering::Release);
+        return;
+    };
+    if new.is_some() {
+        let next = state.segments.dequeue();
+        if next.is_none() {
+            STARVED.store(STARVED.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
+        }
+        state.cabinet.segment = next.and_then(|(count, segment)| Some((count, segment?)));
+    }
+    state.cabinet.input.position = position;
+    state.task.run(&state.controller, &mut state.cabinet);
+    TICKS.store(TICKS.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
+    #[cfg(feature = "prove-the-gate")]
+    core::hint::black_box(example::BLOCKS[TICKS.load(Ordering::Relaxed) as usize].first_tick);
+}
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    let painted = Painted::below_here();
+    let job = example::job();
+    let Ok(controller) = Controller::new(&job) else {
+        defmt::error!("the limits of the override make no sense");
+        leave(debug::EXIT_FAILURE)
+    };
+    static QUEUE: Handed<Queue<Prepared, AHEAD>> = Handed(UnsafeCell::new(Some(Queue::new())));
+    // SAFETY: taken once, by the one main.
+    let Some(queue) = (unsafe { &mut *QUEUE.0.get() }) else { leave(debug::EXIT_FAILURE) };
+    let (mut segments, consumer) = queue.split();
+    let prepare = |(count, block): (u32, &'static Block)| {
+        (count, block.segment.as_ref().map(|segment| ActiveSegment::new(segment, block.cut(&job), &job)))
+    };
+    let mut blocks = (1..).zip(example::BLOCKS.iter()).map(prepare).peekable();
+    while segments.ready() && blocks.peek().is_some() {
+        let _ = blocks.next().map(|prepared| segments.enqueue(prepared));
+    }
+    defmt::info!("feedboard: {=usize} blocks, a tick every {=u64} us", example::BLOCKS.len(), TICK.0);
+    let input = Input { position: Pose::default(), spindle: job.spindle, dt: TICK };
+    // SAFETY: UART 1 is used here only; the timer starts below, so nobody sees the state yet.
+    unsafe {
+        let cabinet = Cabinet { segment: None, input, line: Transmitter::new(UART1) };
+        let run = example::run();
+        *TICK_STATE.0.get() = Some(TickState { controller, task: Task::default(), segments: consumer, run, cabinet });
+        timer::start(TICK.0 as u32);
+    }
+    while !OVER.load(Ordering::Acquire) {
+        while segments.ready() && blocks.peek().is_some() {
+            if let Some((count, active)) = blocks.next() {
+                defmt::info!("block {=u32} ready at tick {=u32}", count, TICKS.load(Ordering::Relaxed));
+                let _ = segments.enqueue((count, active));
+            }
+        }
+        cortex_m::asm::wfi();
+    }
+    let [ticks, starved, dropped] = [&TICKS, &STARVED, &DROPPED].map(|count| count.load(Ordering::Relaxed));
+    defmt::info!("over: {=u32} ticks, {=u32} starved, {=u32} overrides dropped", ticks, starved, dropped);
+    defmt::info!("stack: {=usize} bytes", painted.above() + painted.used());
+    leave(if starved + dropped == 0 { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE })
+}

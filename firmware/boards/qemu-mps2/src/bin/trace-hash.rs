@@ -1,0 +1,22 @@
+//! The hashes of [`arcfeed_bench::trace`] on the chip, printed as the program of that name prints them on the desk.
+#![no_std]
+#![no_main]
+
+use arcfeed_bench::trace::{LAWS, Trace, run};
+use arcfeed_qemu_mps2::leave;
+use cortex_m_semihosting::{debug, hprintln};
+
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    hprintln!("{}", info);
+    leave(debug::EXIT_FAILURE)
+}
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    for (name, law) in LAWS {
+        let Trace { hash, governed, refused } = run(law);
+        hprintln!("{} hash {:016x} governed {} refused {}", name, hash, governed, refused);
+    }
+    leave(debug::EXIT_SUCCESS)
+}

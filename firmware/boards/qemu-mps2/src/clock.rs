@@ -1,0 +1,55 @@
+//! Time and instructions.
+//!
+//! Under `-icount shift=7` QEMU advances the clock by exactly 2^7 ns for each instruction of the guest, accesses to
+//! devices included. The board's timers count at 25 MHz, 40 ns a step: one instruction is 3.2 steps, so the count of
+//! instructions between two readings is exact after rounding.
+
+/// CMSDK dual timer, first counter: load, value, control.
+const LOAD: *mut u32 = 0x4000_2000 as *mut u32;
+const VALUE: *const u32 = 0x4000_2004 as *const u32;
+const CONTROL: *mut u32 = 0x4000_2008 as *mut u32;
+/// Enabled, 32 bits, free running, not divided.
+const FREE_RUNNING: u32 = (1 << 7) | (1 << 1);
+const NS_PER_STEP: u64 = 40;
+/// As given to QEMU.
+const ICOUNT_SHIFT: u32 = 7;
+
+/// Counts instructions.
+#[derive(Debug)]
+pub struct InstructionCounter {
+    /// What reading the timer twice takes itself.
+    overhead: u32,
+}
+
+impl InstructionCounter {
+    /// Starts the timer; the only user of it.
+    pub fn start() -> Self {
+        // SAFETY: registers of the dual timer, which nothing else in the image touches.
+        unsafe {
+            CONTROL.write_volatile(0);
+            LOAD.write_volatile(u32::MAX);
+            CONTROL.write_volatile(FREE_RUNNING);
+        }
+        let mut counter = InstructionCounter { overhead: 0 };
+        counter.overhead = counter.of(|| {}).0;
+        counter
+    }
+
+    /// Instructions that `work` takes, the call of it included, and what it answers.
+    #[inline(never)]
+    pub fn of<T>(&self, work: impl FnOnce() -> T) -> (u32, T) {
+        let before = steps();
+        let answer = work();
+        let after = steps();
+        let ns = u64::from(after.wrapping_sub(before)) * NS_PER_STEP;
+        let instructions = (ns + (1 << (ICOUNT_SHIFT - 1))) >> ICOUNT_SHIFT;
+        ((instructions as u32).saturating_sub(self.overhead), answer)
+    }
+}
+
+/// The timer, counting up.
+#[inline(always)]
+fn steps() -> u32 {
+    // SAFETY: reading the value has no effect on the timer.
+    !unsafe { VALUE.read_volatile() }
+}

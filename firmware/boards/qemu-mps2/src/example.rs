@@ -1,0 +1,72 @@
+//! The example job and the run of it that the build script recorded.
+
+use core::ops::RangeFrom;
+use core::slice::{ChunksExact, Iter};
+
+use arcfeed_shared::cut::{CutRule, Moves, Rotation::*, Work};
+use arcfeed_shared::job::{FeedPolicy::*, Job, LawKind, OverrideLimits};
+use arcfeed_shared::nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
+use arcfeed_shared::segment::{Arc, Path::*, Segment};
+use arcfeed_shared::stock::{Stock, StockLine};
+use arcfeed_shared::tool::{CupMill, Edge::*, Tool};
+use arcfeed_shared::units::{LengthUnit::*, MicroDeg, Micros, MmPerTooth, Nm, RevPerMin};
+
+/// A move of the run, or a rest.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    /// The first tick on it.
+    pub first_tick: u32,
+    /// Which of the job's cut rules speaks of it.
+    pub rule: Option<usize>,
+    /// The move.
+    pub segment: Option<Segment>,
+}
+
+include!(concat!(env!("OUT_DIR"), "/example.rs"));
+
+/// The tick of the run.
+pub const TICK: Micros = Micros::from_ms(1);
+
+const NM_PER_UM: i64 = 1_000;
+const BYTES_PER_TICK: usize = 6;
+/// In a section of its own: a stand-in for the encoders, not a part of the controller's budget.
+#[unsafe(link_section = ".recorded_run")]
+static TICKS: [u8; include_bytes!(concat!(env!("OUT_DIR"), "/ticks.bin")).len()] =
+    *include_bytes!(concat!(env!("OUT_DIR"), "/ticks.bin"));
+
+impl Block {
+    /// The cut rule that speaks of it.
+    pub fn cut<'j>(&self, job: &'j Job) -> Option<&'j CutRule> {
+        self.rule.and_then(|index| job.rules.get(index))
+    }
+}
+
+/// The run, tick by tick: the position, and the block if a new one begins, with its count.
+#[derive(Debug)]
+pub struct Run {
+    tick: u32,
+    ticks: ChunksExact<'static, u8>,
+    blocks: core::iter::Peekable<core::iter::Zip<RangeFrom<u32>, Iter<'static, Block>>>,
+    linear: [Nm; 3],
+}
+
+/// The run from its start.
+pub fn run() -> Run {
+    let blocks = (1..).zip(BLOCKS.iter()).peekable();
+    Run { tick: 0, ticks: TICKS.chunks_exact(BYTES_PER_TICK), blocks, linear: [Nm(0); 3] }
+}
+
+impl Iterator for Run {
+    type Item = (Pose, Option<(u32, &'static Block)>);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let change = self.ticks.next()?;
+        for (axis, bytes) in self.linear.iter_mut().zip(change.chunks_exact(2)) {
+            let um = bytes.iter().rev().fold(0, |high, low| high << 8 | i32::from(*low)) as u16 as i16;
+            axis.0 += i64::from(um) * NM_PER_UM;
+        }
+        let new = self.blocks.next_if(|(_, block)| block.first_tick <= self.tick);
+        self.tick += 1;
+        Some((Pose { linear: self.linear, ..Pose::default() }, new))
+    }
+}

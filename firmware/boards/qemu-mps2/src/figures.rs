@@ -1,0 +1,33 @@
+//! Counts of instructions: how many, the median, the worst.
+
+use cortex_m_semihosting::hprintln;
+
+/// More than the example has ticks.
+const COUNTS_MAX: usize = 1 << 16;
+
+/// All counts of one kind; exact, no histogram.
+#[derive(Debug)]
+pub struct Costs {
+    counts: heapless::Vec<u32, COUNTS_MAX>,
+}
+
+impl Default for Costs {
+    fn default() -> Self {
+        Costs { counts: heapless::Vec::new() }
+    }
+}
+
+impl Costs {
+    /// Adds a count. The example outgrowing the memory shows as a count that stops at [`COUNTS_MAX`].
+    pub fn add(&mut self, instructions: u32) {
+        let _ = self.counts.push(instructions);
+    }
+
+    /// Prints `NAME count N median M worst W`.
+    pub fn print(&mut self, name: &str) {
+        self.counts.sort_unstable();
+        let median = self.counts.get(self.counts.len() / 2).copied().unwrap_or_default();
+        let worst = self.counts.last().copied().unwrap_or_default();
+        hprintln!("{} count {} median {} worst {}", name, self.counts.len(), median, worst);
+    }
+}

@@ -1,0 +1,74 @@
+//! Where `defmt` writes: the emulator, by semihosting, in one piece per frame.
+//!
+//! For the main loop only: the tick never logs. `defmt-semihosting` would do, but for its panic on reentry, which would
+//! keep the image from linking; here a frame that does not fit is dropped whole.
+
+use core::cell::UnsafeCell;
+
+use cortex_m_semihosting::syscall;
+use heapless::Vec;
+
+/// Longest frame, encoded.
+const FRAME_MAX: usize = 128;
+/// `:tt` opened for writing: the emulator's console.
+const OPEN_TO_WRITE: usize = 4;
+
+struct State {
+    encoder: defmt::Encoder,
+    frame: Vec<u8, FRAME_MAX>,
+    fits: bool,
+    console: Option<usize>,
+}
+
+struct Shared(UnsafeCell<State>);
+
+// SAFETY: only the main loop logs (see above), so there is one user at a time.
+unsafe impl Sync for Shared {}
+
+static LOG: Shared =
+    Shared(UnsafeCell::new(State { encoder: defmt::Encoder::new(), frame: Vec::new(), fits: true, console: None }));
+
+#[defmt::global_logger]
+struct Console;
+
+impl State {
+    fn push(frame: &mut Vec<u8, FRAME_MAX>, fits: &mut bool, bytes: &[u8]) {
+        *fits &= frame.extend_from_slice(bytes).is_ok();
+    }
+
+    fn send(&mut self) {
+        let name = b":tt\0";
+        let console = *self.console.get_or_insert_with(|| {
+            // SAFETY: name and length of a file, as the call wants them.
+            unsafe { syscall!(OPEN, name.as_ptr() as usize, OPEN_TO_WRITE, name.len() - 1) }
+        });
+        if self.fits {
+            // SAFETY: address and length of the frame.
+            unsafe { syscall!(WRITE, console, self.frame.as_ptr() as usize, self.frame.len()) };
+        }
+        self.frame.clear();
+        self.fits = true;
+    }
+}
+
+// SAFETY: acquire and release come in pairs from one place at a time, the main loop.
+unsafe impl defmt::Logger for Console {
+    fn acquire() {
+        let State { encoder, frame, fits, .. } = unsafe { &mut *LOG.0.get() };
+        encoder.start_frame(|bytes| State::push(frame, fits, bytes));
+    }
+
+    unsafe fn flush() {}
+
+    unsafe fn release() {
+        let state = unsafe { &mut *LOG.0.get() };
+        let State { encoder, frame, fits, .. } = &mut *state;
+        encoder.end_frame(|bytes| State::push(frame, fits, bytes));
+        state.send();
+    }
+
+    unsafe fn write(bytes: &[u8]) {
+        let State { encoder, frame, fits, .. } = unsafe { &mut *LOG.0.get() };
+        encoder.write(bytes, |bytes| State::push(frame, fits, bytes));
+    }
+}

@@ -1,0 +1,36 @@
+//! CMSDK timer 0: the interrupt that is the tick.
+
+const CONTROL: *mut u32 = 0x4000_0000 as *mut u32;
+const VALUE: *mut u32 = 0x4000_0004 as *mut u32;
+const RELOAD: *mut u32 = 0x4000_0008 as *mut u32;
+const CLEAR: *mut u32 = 0x4000_000C as *mut u32;
+/// Counting, with interrupt.
+const RUNNING: u32 = 1 | (1 << 3);
+/// Steps of the board's clock in a microsecond.
+const STEPS_PER_US: u32 = 25;
+
+/// Starts the tick.
+///
+/// # Safety
+/// `TIMER0` is ready to run: what it uses is in place.
+pub unsafe fn start(period_us: u32) {
+    // SAFETY: registers of timer 0, which nothing else uses; the handler is ready, says the caller.
+    unsafe {
+        RELOAD.write_volatile(period_us * STEPS_PER_US - 1);
+        VALUE.write_volatile(period_us * STEPS_PER_US - 1);
+        CONTROL.write_volatile(RUNNING);
+        cortex_m::peripheral::NVIC::unmask(crate::interrupts::Interrupt::Timer0);
+    }
+}
+
+/// Ends the tick.
+pub fn stop() {
+    // SAFETY: registers of timer 0.
+    unsafe { CONTROL.write_volatile(0) };
+}
+
+/// Takes the interrupt back, from its handler.
+pub fn acknowledge() {
+    // SAFETY: registers of timer 0.
+    unsafe { CLEAR.write_volatile(1) };
+}

@@ -1,0 +1,57 @@
+//! What the image needs of the chip: flash, RAM and stack, against what it may need.
+
+use std::fs;
+
+use crate::defmt_log::messages;
+use crate::elf::{Elf, Section};
+use crate::emulator::run;
+use crate::figures;
+use crate::images::image;
+
+/// Bytes that `feedboard` may take: program with its constants; variables; stack, interrupts included.
+const FLASH_MAX: u32 = 16 * 1024;
+const RAM_MAX: u32 = 2 * 1024;
+const STACK_MAX: u32 = 4 * 1024;
+/// Bytes of stack of the tick itself.
+const TICK_STACK_MAX: u32 = 256;
+
+/// Where the board's RAM begins.
+const RAM: u32 = 0x2000_0000;
+/// The recorded run stands for the encoders: no part of the controller.
+const NOT_COUNTED: &str = ".recorded_run";
+
+/// Bytes in flash and in RAM.
+fn sizes(elf: &Elf<'_>) -> (u32, u32) {
+    let counted = |section: &&Section<'_>| section.is_loaded() && section.name != NOT_COUNTED;
+    let in_ram = |section: &Section<'_>| section.address >= RAM;
+    let sections = || elf.sections.iter().filter(counted);
+    // Initial values lie in flash too.
+    let flash = sections().filter(|section| section.has_content()).map(|section| section.size).sum();
+    let ram = sections().filter(|section| in_ram(section)).map(|section| section.size).sum();
+    (flash, ram)
+}
+
+/// The number before `bytes` in a line that starts with `name`.
+fn bytes(lines: &[String], name: &str) -> u32 {
+    let line = lines.iter().find(|line| line.contains(name)).unwrap_or_else(|| panic!("no {name} in {lines:?}"));
+    let numbers: Vec<u32> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    numbers[0]
+}
+
+#[test]
+fn flash_ram_and_stack_stay_within_their_budgets() {
+    let file = fs::read(image("feedboard")).expect("the image is there");
+    let (flash, ram) = sizes(&Elf::parse(&file));
+    let stack = bytes(&messages(&file, &run("feedboard").console), "stack:");
+    let ticks: Vec<String> = figures::text().lines().map(str::to_owned).collect();
+    let tick_stack = bytes(&ticks, "tick-stack");
+    for (name, used, max) in [
+        ("flash", flash, FLASH_MAX),
+        ("RAM", ram, RAM_MAX),
+        ("stack", stack, STACK_MAX),
+        ("tick's stack", tick_stack, TICK_STACK_MAX),
+    ] {
+        println!("{name}: {used} of {max} bytes");
+        assert!(used > 0 && used <= max, "{name}: {used} of {max} bytes");
+    }
+}

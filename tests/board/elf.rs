@@ -1,0 +1,95 @@
+//! As much of a 32-bit little-endian ELF as these tests need: sections and symbols.
+
+/// A section.
+#[derive(Clone, Copy, Debug)]
+pub struct Section<'f> {
+    /// Its name.
+    pub name: &'f str,
+    /// Where it lies on the chip.
+    pub address: u32,
+    /// Bytes.
+    pub size: u32,
+    kind: u32,
+    flags: u32,
+    link: u32,
+    offset: u32,
+}
+
+/// A symbol.
+#[derive(Clone, Copy, Debug)]
+pub struct Symbol<'f> {
+    /// Its name.
+    pub name: &'f str,
+    /// Its address.
+    pub value: u32,
+    /// The index of its section.
+    pub section: usize,
+}
+
+/// A parsed file.
+#[derive(Debug)]
+pub struct Elf<'f> {
+    /// In the order of the file.
+    pub sections: Vec<Section<'f>>,
+    file: &'f [u8],
+}
+
+const SYMBOL_TABLE: u32 = 2;
+const NO_BITS: u32 = 8;
+const ALLOCATED: u32 = 2;
+
+impl Section<'_> {
+    /// Whether it takes room on the chip.
+    pub fn is_loaded(&self) -> bool {
+        self.flags & ALLOCATED != 0
+    }
+
+    /// Whether its content lies in the file, and hence in flash.
+    pub fn has_content(&self) -> bool {
+        self.kind != NO_BITS
+    }
+}
+
+impl<'f> Elf<'f> {
+    /// Reads the table of sections.
+    pub fn parse(file: &'f [u8]) -> Self {
+        assert_eq!(&file[..6], b"\x7fELF\x01\x01", "a 32-bit little-endian ELF");
+        let (table, size, count) = (word(file, 32), half(file, 46), half(file, 48));
+        let header = |index: u32| -> [u32; 10] {
+            std::array::from_fn(|field| word(file, (table + index * size) as usize + 4 * field))
+        };
+        let names = header(half(file, 50))[4];
+        let section = |index| {
+            let [name, kind, flags, address, offset, size, link, ..] = header(index);
+            Section { name: text(file, names + name), address, size, kind, flags, link, offset }
+        };
+        Elf { sections: (0..count).map(section).collect(), file }
+    }
+
+    /// All symbols.
+    pub fn symbols(&self) -> Vec<Symbol<'f>> {
+        let Some(table) = self.sections.iter().find(|section| section.kind == SYMBOL_TABLE) else { return Vec::new() };
+        let names = self.sections[table.link as usize].offset;
+        let entries = self.file[table.offset as usize..(table.offset + table.size) as usize].chunks_exact(16);
+        let symbol = |entry: &[u8]| Symbol {
+            name: text(self.file, names + word(entry, 0)),
+            value: word(entry, 4),
+            section: half(entry, 14) as usize,
+        };
+        entries.map(symbol).collect()
+    }
+}
+
+fn word(bytes: &[u8], at: usize) -> u32 {
+    u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"))
+}
+
+fn half(bytes: &[u8], at: usize) -> u32 {
+    u32::from(u16::from_le_bytes(bytes[at..at + 2].try_into().expect("two bytes")))
+}
+
+fn text(file: &[u8], at: u32) -> &str {
+    let rest = &file[at as usize..];
+    let end = rest.iter().position(|byte| *byte == 0).expect("a terminated string");
+    std::str::from_utf8(&rest[..end]).expect("names are text")
+}

@@ -1,0 +1,18 @@
+//! The chip's figures, from the board images in the emulator: instructions, bits, budgets, and that nothing can panic.
+//!
+//! Builds the images of `firmware/boards/qemu-mps2` and runs them in QEMU, which counts instructions exactly: the figures
+//! are the same on every machine. They are instructions, not cycles (docs/real-time.md).
+
+mod budgets;
+
+mod defmt_log;
+
+mod elf;
+
+mod emulator;
+
+mod figures;
+
+mod images;
+
+mod same_everywhere;

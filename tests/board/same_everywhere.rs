@@ -1,0 +1,70 @@
+//! The same bits on the desk and on the chip, and the same overrides as in the simulator.
+
+use std::process::Command;
+
+use arcfeed::adapt::adapt;
+use arcfeed::commands::simulate::control_settings;
+use arcfeed::job::JobFile;
+use arcfeed::program::Program;
+use arcfeed_bench::trace::TICKS;
+use arcfeed_hil_sim::faults::ControllerFault;
+use arcfeed_hil_sim::rig::Rig;
+use arcfeed_shared::nc::block::Reading;
+use arcfeed_tests::root;
+
+use crate::defmt_log::messages;
+use crate::emulator::run;
+use crate::images::image;
+
+/// The hashes of this machine, in debug or release.
+fn on_the_desk(profile: &[&str]) -> String {
+    let mut command = Command::new(env!("CARGO"));
+    command.args(["run", "--quiet", "--package", "arcfeed-bench", "--bin", "trace-hash"]).args(profile);
+    let output = command.current_dir(root()).output().expect("cargo runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// The override at every tick of the example's run, as the simulator's controller put it out.
+fn simulated_overrides() -> Vec<u8> {
+    let path = root().join("examples/ibr-slot/job.toml");
+    let file = JobFile::load(&path).expect("the example's job is sound");
+    let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
+    let text = [adapt(&program, &file.job).text, b"\n".to_vec()].concat();
+    let settings = control_settings(&file);
+    let rig = Rig::from_memory(settings, &text, &file.job, ControllerFault::None);
+    let mut rig = rig.expect("the limits of the override make sense");
+    let mut overrides = Vec::new();
+    let mut left = settings.ladder_delay_steps + 1;
+    let late = left;
+    // An override takes effect at the step after the tick that put it out, and the scan of the ladder later.
+    while left > 0 {
+        left -= usize::from(rig.is_done());
+        rig.step();
+        overrides.push(rig.control().override_percent());
+    }
+    overrides.split_off(late)
+}
+
+#[test]
+fn desk_and_chip_agree_to_the_bit() {
+    let (debug, release, chip) = (on_the_desk(&[]), on_the_desk(&["--release"]), run("trace-hash").text());
+    print!("{TICKS} ticks each, debug, release and chip:\n{debug}{release}{chip}");
+    assert!(debug.contains("hash"), "{debug}");
+    assert_eq!(debug, release);
+    assert_eq!(debug, chip);
+}
+
+#[test]
+fn the_board_puts_out_what_the_simulated_controller_does_and_logs_it() {
+    let run = run("feedboard");
+    let log = messages(&std::fs::read(image("feedboard")).expect("the image is there"), &run.console);
+    println!("{}", log.join("\n"));
+    let simulated = simulated_overrides();
+    assert_eq!(run.uart1.len(), simulated.len(), "an override for every tick");
+    let differs = run.uart1.iter().zip(&simulated).position(|(board, simulated)| board != simulated);
+    assert_eq!(differs, None, "first tick with another override");
+    assert!(simulated.iter().max() > Some(&100), "the override never moves");
+    let last = format!("over: {} ticks, 0 starved, 0 overrides dropped", simulated.len());
+    assert!(log.iter().any(|line| line.ends_with(&last)), "no \"{last}\"");
+}

@@ -1,0 +1,56 @@
+//! The boards are workspaces of their own: what `.ci/run` checks of the others is checked of each here.
+
+use std::fs;
+use std::path::PathBuf;
+
+use crate::command::{Failure, announce, build_dir, cargo, run};
+use crate::target::TARGET;
+
+const FOLDER: &str = "firmware/boards";
+
+/// Formatting and lints of each board.
+///
+/// # Errors
+/// The first board that fails, or no board at all.
+pub fn check() -> Result<(), Failure> {
+    let boards = manifests()?;
+    if boards.is_empty() {
+        return Err(Failure::new(format!("no boards in {FOLDER}")));
+    }
+    let target_dir = build_dir()?.join("boards");
+    for manifest in boards {
+        let path = manifest.to_string_lossy();
+        announce(&format!("format and lints of {path}"));
+        run(&mut cargo(&["fmt", "--manifest-path", &path, "--check"]))?;
+        let mut clippy =
+            cargo(&["clippy", "--locked", "--quiet", "--release", "--target", TARGET, "--manifest-path", &path]);
+        clippy.arg("--target-dir").arg(&target_dir).args(["--bins", "--lib", "--", "-D", "warnings"]);
+        run(&mut clippy)?;
+    }
+    Ok(())
+}
+
+/// `Cargo.toml` of each board, as seen from the workspace's root.
+fn manifests() -> Result<Vec<PathBuf>, Failure> {
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(FOLDER);
+    let unreadable = |error: std::io::Error| Failure::new(format!("{FOLDER}: {error}"));
+    let mut manifests = Vec::new();
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
+        let entry = entry.map_err(unreadable)?;
+        if entry.path().join("Cargo.toml").exists() {
+            manifests.push(PathBuf::from(FOLDER).join(entry.file_name()).join("Cargo.toml"));
+        }
+    }
+    manifests.sort();
+    Ok(manifests)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_emulated_board_is_among_those_checked() {
+        assert!(manifests().unwrap().contains(&PathBuf::from("firmware/boards/qemu-mps2/Cargo.toml")));
+    }
+}
