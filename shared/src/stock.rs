@@ -46,7 +46,10 @@ impl StockLine {
 impl Stock {
     /// Everything on the material side of a line.
     pub fn half_plane(line: StockLine) -> Self {
-        Stock::Convex(Vec::from_iter([line]))
+        let mut lines = Vec::new();
+        // There is room for one; `from_iter` would bring a panic along.
+        let _room = lines.push(line);
+        Stock::Convex(lines)
     }
 
     /// The line, if that is all there is.

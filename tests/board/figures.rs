@@ -58,3 +58,12 @@ fn a_tick_is_many_times_cheaper_than_the_sources_own_loop() {
     assert!(times("thesis-8-29-f32") >= TIMES_F32_MIN);
     assert!(times("thesis-8-29-f64") >= TIMES_F64_MIN);
 }
+
+#[test]
+fn the_table_of_mathematics_in_the_docs_is_what_the_chip_does() {
+    let docs = std::fs::read_to_string(arcfeed_tests::root().join("docs/real-time.md")).expect("the page is there");
+    let table = run("math-cost").text();
+    print!("{table}");
+    let stale: Vec<&str> = table.lines().filter(|row| !docs.contains(row)).collect();
+    assert!(table.lines().count() > 10 && stale.is_empty(), "not in docs/real-time.md: {stale:#?}");
+}

@@ -45,15 +45,17 @@ impl Region {
     /// The stock of a program seen from a segment's origin (mm).
     pub fn new(stock: &Stock, origin_mm: [f64; 2]) -> Self {
         match stock {
-            Stock::Convex(lines) => Region::Convex(
-                lines
-                    .iter()
-                    .map(|line| HalfPlane {
+            Stock::Convex(lines) => {
+                let mut planes = Vec::new();
+                for line in lines {
+                    // As many as there are lines: there is room; `collect` would bring a panic along.
+                    let _room = planes.push(HalfPlane {
                         normal: line.normal.map(|component| component as f32),
                         offset_mm: line.distance_mm(origin_mm) as f32,
-                    })
-                    .collect(),
-            ),
+                    });
+                }
+                Region::Convex(planes)
+            }
             Stock::Disc { center_mm: [x, y], radius_mm } => Region::Disc {
                 center_mm: [(x - origin_mm[0]) as f32, (y - origin_mm[1]) as f32],
                 radius_mm: *radius_mm as f32,

@@ -71,9 +71,8 @@ fn source(job: &Job, blocks: &[Block]) -> String {
     let Job { unit, tool, spindle, law, feed_per_tooth, policy, limits, rules } = job;
     let mut text = String::new();
     let mut line = |line: String| writeln!(text, "{line}").expect("strings take every line");
-    line("/// The job.\npub fn job() -> Job {\n    let rules = [".into());
+    line("/// The job.\npub fn job() -> Job {\n    let mut rules = heapless::Vec::new();".into());
     rules.iter().for_each(|rule| line(rule_source(rule)));
-    line("    ].into_iter().collect();".into());
     line(format!("    Job {{ unit: {unit:?}, tool: Tool::{tool:?}, spindle: {spindle:?}, law: LawKind::{law:?},"));
     line(format!("        feed_per_tooth: {feed_per_tooth:?}, policy: {policy:?}, limits: {limits:?}, rules }}\n}}"));
     line("/// The blocks of the run.".into());
@@ -95,7 +94,7 @@ fn rule_source(rule: &CutRule) -> String {
     let line = stock.line().expect("the example's stock is a line");
     let CutRule { feed_per_tooth, sequence, level, .. } = rule;
     format!(
-        "        CutRule {{ moves: Moves::Rotations({rotation:?}, {turn:?}), work: Work::Ring({edge:?}, \
-         Stock::half_plane({line:?})), feed_per_tooth: {feed_per_tooth:?}, sequence: {sequence:?}, level: {level:?} }},"
+        "    let _room = rules.push(CutRule {{ moves: Moves::Rotations({rotation:?}, {turn:?}), work: Work::Ring({edge:?}, \
+         Stock::half_plane({line:?})), feed_per_tooth: {feed_per_tooth:?}, sequence: {sequence:?}, level: {level:?} }});"
     )
 }

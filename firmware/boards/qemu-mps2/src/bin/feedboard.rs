@@ -24,7 +24,6 @@ use arcfeed_qemu_mps2::example::{self, Block, TICK};
 use arcfeed_qemu_mps2::stack::Painted;
 use arcfeed_qemu_mps2::uart::{Transmitter, UART1};
 use arcfeed_qemu_mps2::{leave, timer};
-use arcfeed_shared::nc::modal::Pose;
 use cortex_m_semihosting::debug;
 use heapless::spsc::{Consumer, Queue};
 
@@ -111,7 +110,7 @@ fn tick(state: &mut TickState) {
         }
         state.cabinet.segment = next.and_then(|(count, segment)| Some((count, segment?)));
     }
-    state.cabinet.input.position = position;
+    state.cabinet.input.position = Some(position);
     state.task.run(&state.controller, &mut state.cabinet);
     TICKS.store(TICKS.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
     #[cfg(feature = "prove-the-gate")]
@@ -138,7 +137,7 @@ fn main() -> ! {
         let _ = blocks.next().map(|prepared| segments.enqueue(prepared));
     }
     defmt::info!("feedboard: {=usize} blocks, a tick every {=u64} us", example::BLOCKS.len(), TICK.0);
-    let input = Input { position: Pose::default(), spindle: job.spindle, dt: TICK };
+    let input = Input { position: None, spindle: job.spindle, dt: TICK };
     // SAFETY: UART 1 is used here only; the timer starts below, so nobody sees the state yet.
     unsafe {
         let cabinet = Cabinet { segment: None, input, line: Transmitter::new(UART1) };

@@ -16,8 +16,10 @@ use arcfeed_qemu_mps2::clock::InstructionCounter;
 use arcfeed_qemu_mps2::example::{self, Block, TICK};
 use arcfeed_qemu_mps2::figures::Costs;
 use arcfeed_qemu_mps2::stack::Painted;
+use arcfeed_shared::cut::Work;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::modal::{Pose, Turn};
+use arcfeed_shared::tool::Tool;
 use arcfeed_shared::units::Nm;
 use cortex_m_semihosting::{debug, hprintln};
 
@@ -74,7 +76,7 @@ fn main() -> ! {
     let counter = InstructionCounter::start();
     let job = example::job();
     let Ok(controller) = Controller::new(&job) else { arcfeed_qemu_mps2::leave(debug::EXIT_FAILURE) };
-    let input = Input { position: Pose::default(), spindle: job.spindle, dt: TICK };
+    let input = Input { position: None, spindle: job.spindle, dt: TICK };
     let mut board = Recorded { segment: None, input, output: FeedOverride::PROGRAMMED };
     let (mut task, mut figures, mut stack_bytes) = (Task::default(), Figures::default(), 0);
     let mut block = None;
@@ -82,11 +84,12 @@ fn main() -> ! {
         if let Some((count, next)) = new {
             block = Some(next);
             let segment = next.segment.as_ref();
-            let (cost, active) = counter.of(|| segment.map(|segment| ActiveSegment::new(segment, next.cut(&job), &job)));
+            let (cost, active) =
+                counter.of(|| segment.map(|segment| ActiveSegment::new(segment, next.cut(&job), &job)));
             figures.prepare.add(cost);
             board.segment = active.map(|active| (count, active));
         }
-        board.input.position = position;
+        board.input.position = Some(position);
         let painted = Painted::below_here();
         let (cost, output) = counter.of(|| tick(&mut task, black_box(&controller), &mut board));
         stack_bytes = stack_bytes.max(painted.used());
@@ -128,22 +131,24 @@ fn count_thesis(counter: &InstructionCounter, costs: &mut [Costs; 4], movement: 
 /// What the source's equations take at this position: the stock limit in the frame at O, by two points a tool's radius
 /// either side of the foot of the perpendicular from O.
 fn movement(block: &Block, position: &Pose, job: &Job) -> Option<Movement<f64>> {
-    let (arc, rule) = (block.segment.as_ref()?.arc()?, block.cut(&job)?);
+    let (arc, rule) = (block.segment.as_ref()?.arc()?, block.cut(job)?);
     let [x, y, _] = position.linear.map(Nm::to_mm);
     let [center_x, center_y] = arc.center.map(Nm::to_mm);
     let path_radius = arc.radius_mm();
     let (ex, ey) = ((x - center_x) / path_radius, (y - center_y) / path_radius);
     let turn = if arc.turn == Turn::Ccw { 1.0 } else { -1.0 };
-    let [nx, ny] = rule.stock.normal;
+    let (Tool::CupMill(tool), Work::Ring(edge, stock)) = (&job.tool, &rule.work) else { return None };
+    let line = stock.line()?;
+    let [nx, ny] = line.normal;
     let (normal_x, normal_y) = (turn * (ny * ex - nx * ey), -(nx * ex + ny * ey));
-    let distance = rule.stock.distance_mm([x, y]);
-    let edge_radius = job.tool.radius(rule.edge).to_mm();
+    let distance = line.distance_mm([x, y]);
+    let edge_radius = tool.radius(*edge).to_mm();
     let limit = |along: f64| [distance * normal_x - along * normal_y, distance * normal_y + along * normal_x];
     Some(Movement {
         limits: [limit(-edge_radius), limit(edge_radius)],
         edge_radius,
         path_radius,
-        advance: f64::from(rule.edge.advance()),
+        advance: f64::from(edge.advance()),
         feed_per_tooth: f64::from(job.feed_per_tooth.0),
     })
 }
