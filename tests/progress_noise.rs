@@ -90,7 +90,7 @@ fn follow(
             entered = Some(count);
         }
         let output = controller.tick(&mut state, segment, &Input { position, spindle: job.spindle, dt: TICK });
-        let travelled_mm = state.progress().map_or(0.0, |progress| progress.place().travelled_mm);
+        let travelled_mm = state.progress().map_or(0.0, |progress| progress.travelled_mm());
         said.push((count as usize, travelled_mm, output.feed_override.percent));
         queue.leave_if_done(&state, position.as_ref());
     }

@@ -7,7 +7,7 @@ use arcfeed_shared::nc::modal::{Feed, Pose};
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{Micros, MmPerMin, MmPerTooth, RevPerMin};
 
-use crate::law::{FeedLaw, NoWish, SegmentLaw, Wish};
+use crate::law::{NoWish, SegmentLaw, Wish};
 use crate::progress::{PositionFilter, Progress, Track};
 use crate::ramp::{Bound, FeedOverride, LimitsError, Ramp, RampState};
 
@@ -180,13 +180,13 @@ impl Controller {
         let (Some(track), Some(progress)) = (&segment.track, &mut state.progress) else {
             return as_programmed(Reason::Inhibited);
         };
-        let place = track.advance(&self.filter, progress, input.position.as_ref(), input.dt);
+        track.advance(&self.filter, progress, input.position.as_ref(), input.dt);
         let Some(feed_sent) = segment.feed_sent else {
             return as_programmed(Reason::Inhibited);
         };
         let teeth_per_min = input.spindle.0 * self.teeth;
         let turns = fmath::is_positive(teeth_per_min);
-        match segment.law.wish(place) {
+        match segment.law.wish_at(|| track.place(progress)) {
             Err(NoWish::NoLaw) => as_programmed(Reason::NoWish(NoWish::NoLaw)),
             _ if !turns => as_programmed(Reason::NoSpindle),
             Ok(wish) => (teeth_per_min * wish.path_mm_per_tooth / feed_sent.0, Some(wish), Reason::Law),

@@ -75,17 +75,19 @@ enum Course {
     Line { start: [Nm; 3], direction: [f32; 3], in_plane: [f32; 2] },
 }
 
-/// The place reached; state.
+/// How far the segment is done; state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    place: Place,
+    /// Unit vector from the rotation centre; of no meaning on a line.
+    direction: [f32; 2],
+    travelled_mm: f32,
     speed_mm_per_s: f32,
 }
 
 impl Progress {
-    /// The place reached.
-    pub fn place(&self) -> &Place {
-        &self.place
+    /// Path from the segment's start.
+    pub fn travelled_mm(&self) -> f32 {
+        self.travelled_mm
     }
 
     /// Speed along the path as estimated.
@@ -119,69 +121,60 @@ impl Track {
 
     /// Progress before the first sample: at the start, moving at `speed_mm_per_s`.
     pub fn begin(&self, speed_mm_per_s: f32) -> Progress {
-        let place = match self.course {
-            Course::Arc { turn, radius_mm, start } => Place::on_arc(start, turn, radius_mm, 0.0),
-            Course::Line { in_plane, .. } => Place::on_line(in_plane, 0.0),
+        let direction = match self.course {
+            Course::Arc { start, .. } => start,
+            Course::Line { .. } => [0.0; 2],
         };
-        Progress { place, speed_mm_per_s }
+        Progress { direction, travelled_mm: 0.0, speed_mm_per_s }
     }
 
-    /// One tick: takes the sample, if there is one, and answers the place to use.
+    /// The place reached.
     #[inline(always)]
-    pub fn advance<'p>(
-        &self,
-        filter: &PositionFilter,
-        progress: &'p mut Progress,
-        sample: Option<&Pose>,
-        dt: Micros,
-    ) -> &'p Place {
-        match (filter, &self.course, sample) {
-            (PositionFilter::Exact, Course::Arc { turn, radius_mm, .. }, Some(position)) => {
-                self.follow_arc(&mut progress.place, *turn, *radius_mm, position);
+    pub fn place(&self, progress: &Progress) -> Place {
+        match self.course {
+            Course::Arc { turn, radius_mm, .. } => {
+                Place::on_arc(progress.direction, turn, radius_mm, progress.travelled_mm)
             }
-            (PositionFilter::Exact, Course::Line { .. }, Some(position)) => self.follow_line(progress, position),
-            (PositionFilter::Exact, _, None) => {}
-            (PositionFilter::AlphaBeta(gains), ..) => self.filter(gains, progress, sample, dt),
+            Course::Line { in_plane, .. } => Place::on_line(in_plane, progress.travelled_mm),
         }
-        &progress.place
     }
 
-    /// Takes an exact sample on an arc: the place is its direction, if that lies ahead.
+    /// One tick: takes the sample, if there is one.
     #[inline(always)]
-    fn follow_arc(&self, place: &mut Place, turn: f32, radius_mm: f32, position: &Pose) {
-        let [x, y] = direction_of(self.relative(position));
-        let [ex, ey] = place.towards;
-        // The place's direction from A is minus its direction towards A. A sample at A is NaN, and ahead of nothing.
-        let ahead = turn * (ey * x - ex * y);
+    pub fn advance(&self, filter: &PositionFilter, progress: &mut Progress, sample: Option<&Pose>, dt: Micros) {
+        if let (PositionFilter::Exact, Course::Arc { turn, radius_mm, .. }, Some(position)) =
+            (filter, &self.course, sample)
+        {
+            self.follow_arc(progress, *turn, *radius_mm, position);
+        } else {
+            self.advance_otherwise(filter, progress, sample, dt);
+        }
+    }
+
+    /// Takes an exact sample on an arc: its direction, if that lies ahead.
+    #[inline(always)]
+    fn follow_arc(&self, progress: &mut Progress, turn: f32, radius_mm: f32, position: &Pose) {
+        let direction = direction_of(self.relative(position));
+        // A sample at the rotation centre is NaN, and ahead of nothing.
+        let ahead = turn * cross(progress.direction, direction);
         if ahead > 0.0 {
-            let travelled_mm = place.travelled_mm + radius_mm * small_angle(ahead);
-            *place = Place::on_arc([x, y], turn, radius_mm, fmath::min(travelled_mm, self.length_mm));
+            progress.direction = direction;
+            let travelled_mm = progress.travelled_mm + radius_mm * small_angle(ahead);
+            progress.travelled_mm = fmath::min(travelled_mm, self.length_mm);
         }
     }
 
+    #[cold]
     #[inline(never)]
-    fn follow_line(&self, progress: &mut Progress, position: &Pose) {
-        if let Some(ahead_mm) = self.path_to(&progress.place, position) {
-            self.move_on(&mut progress.place, ahead_mm);
-        }
-    }
-
-    #[inline(never)]
-    fn filter(&self, gains: &AlphaBeta, progress: &mut Progress, sample: Option<&Pose>, dt: Micros) {
-        let dt_s = seconds(dt);
-        let mut ds_mm = progress.speed_mm_per_s * dt_s;
-        let behind_mm = sample.and_then(|position| self.path_to(&progress.place, position));
-        if let Some(behind_mm) = behind_mm {
-            // What the place will have reached at this tick, against where the sample says it was by now.
-            let residual_mm = behind_mm + progress.speed_mm_per_s * gains.delay_s - ds_mm; // (1)
-            ds_mm += gains.alpha_ratio * residual_mm; // (2)
-            if dt_s > 0.0 {
-                let speed = progress.speed_mm_per_s + gains.beta_ratio * residual_mm / dt_s; // (2)
-                // Late samples from the segment before lie behind the start: they must not wind the speed up.
-                progress.speed_mm_per_s = speed.max(0.0);
+    fn advance_otherwise(&self, filter: &PositionFilter, progress: &mut Progress, sample: Option<&Pose>, dt: Micros) {
+        let behind_mm = sample.and_then(|position| self.path_to(progress, position));
+        match filter {
+            PositionFilter::Exact => self.move_on(progress, behind_mm.unwrap_or(0.0)),
+            PositionFilter::AlphaBeta(gains) => {
+                let ds_mm = gains.step(&mut progress.speed_mm_per_s, behind_mm, dt);
+                self.move_on(progress, ds_mm);
             }
         }
-        self.move_on(&mut progress.place, ds_mm);
     }
 
     /// A position in the segment's plane, relative to its origin.
@@ -198,15 +191,14 @@ impl Track {
         [Nm(first.0.wrapping_sub(origin_x.0)), Nm(second.0.wrapping_sub(origin_y.0))]
     }
 
-    /// Path from a place to the projection of a position; `None` where it has none.
-    fn path_to(&self, place: &Place, position: &Pose) -> Option<f32> {
+    /// Path from the progress made to the projection of a position; `None` where it has none.
+    fn path_to(&self, progress: &Progress, position: &Pose) -> Option<f32> {
         match self.course {
             Course::Arc { turn, radius_mm, .. } => {
-                let [x, y] = direction_of(self.relative(position));
-                let [ex, ey] = place.towards;
-                let (cross, dot) = (turn * (ey * x - ex * y), -(ex * x + ey * y));
-                let right_angle = if cross < 0.0 { -FRAC_PI_2 } else { FRAC_PI_2 };
-                let angle_rad = if dot <= 0.0 { right_angle } else { small_angle(cross) };
+                let ([ex, ey], [x, y]) = (progress.direction, direction_of(self.relative(position)));
+                let (sine, cosine) = (turn * cross([ex, ey], [x, y]), ex * x + ey * y);
+                let right_angle = if sine < 0.0 { -FRAC_PI_2 } else { FRAC_PI_2 };
+                let angle_rad = if cosine <= 0.0 { right_angle } else { small_angle(sine) };
                 angle_rad.is_finite().then_some(radius_mm * angle_rad)
             }
             Course::Line { start, direction, .. } => {
@@ -214,23 +206,42 @@ impl Track {
                 let [sx, sy, sz] = start;
                 let [dx, dy, dz] = direction;
                 let along = millimetres(x, sx) * dx + millimetres(y, sy) * dy + millimetres(z, sz) * dz;
-                Some(along - place.travelled_mm)
+                Some(along - progress.travelled_mm)
             }
         }
     }
 
-    fn move_on(&self, place: &mut Place, ds_mm: f32) {
+    fn move_on(&self, progress: &mut Progress, ds_mm: f32) {
         // max and min drop a NaN.
-        let ds_mm = ds_mm.max(0.0).min(self.length_mm - place.travelled_mm);
-        let travelled_mm = place.travelled_mm + ds_mm;
-        *place = match self.course {
-            Course::Arc { turn, radius_mm, .. } => {
-                let [x, y] = place.towards.map(|component| -component);
-                Place::on_arc(rotate([x, y], turn * ds_mm / radius_mm), turn, radius_mm, travelled_mm)
-            }
-            Course::Line { in_plane, .. } => Place::on_line(in_plane, travelled_mm),
-        };
+        let ds_mm = ds_mm.max(0.0).min(self.length_mm - progress.travelled_mm);
+        progress.travelled_mm += ds_mm;
+        if let Course::Arc { turn, radius_mm, .. } = self.course {
+            progress.direction = rotate(progress.direction, turn * ds_mm / radius_mm);
+        }
     }
+}
+
+impl AlphaBeta {
+    /// The path to move on by in a tick, and the speed corrected.
+    fn step(&self, speed_mm_per_s: &mut f32, behind_mm: Option<f32>, dt: Micros) -> f32 {
+        let dt_s = seconds(dt);
+        let dead_reckoned_mm = *speed_mm_per_s * dt_s;
+        let Some(behind_mm) = behind_mm else { return dead_reckoned_mm };
+        // What will have been reached at this tick, against where the sample says it was by now.
+        let residual_mm = behind_mm + *speed_mm_per_s * self.delay_s - dead_reckoned_mm; // (1)
+        if dt_s > 0.0 {
+            let speed = *speed_mm_per_s + self.beta_ratio * residual_mm / dt_s; // (2)
+            // Late samples from the segment before lie behind the start: they must not wind the speed up.
+            *speed_mm_per_s = speed.max(0.0);
+        }
+        dead_reckoned_mm + self.alpha_ratio * residual_mm // (2)
+    }
+}
+
+/// The sine of the angle from one unit vector to another.
+#[inline(always)]
+fn cross([x, y]: [f32; 2], [to_x, to_y]: [f32; 2]) -> f32 {
+    x * to_y - y * to_x
 }
 
 fn line(segment: &Segment) -> Course {

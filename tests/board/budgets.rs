@@ -9,11 +9,11 @@ use crate::figures;
 use crate::images::image;
 
 /// Bytes that `feedboard` may take: program with its constants; variables; stack, interrupts included.
-const FLASH_MAX: u32 = 16 * 1024;
-const RAM_MAX: u32 = 2 * 1024;
-const STACK_MAX: u32 = 4 * 1024;
+const FLASH_MAX: u32 = 40 * 1024;
+const RAM_MAX: u32 = 4 * 1024;
+const STACK_MAX: u32 = 10 * 1024;
 /// Bytes of stack of the tick itself.
-const TICK_STACK_MAX: u32 = 256;
+const TICK_STACK_MAX: u32 = 512;
 
 /// Where the board's RAM begins.
 const RAM: u32 = 0x2000_0000;

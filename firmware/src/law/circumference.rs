@@ -88,7 +88,7 @@ impl Circumference {
 }
 
 impl FeedLaw for Circumference {
-    #[inline]
+    #[inline(always)]
     fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
         let ([vx, vy], [yx, yy], [nx, ny]) = (place.motion, place.towards, self.normal);
         // The line's normal in the moving frame: once, and both intersections follow by signs.
