@@ -24,7 +24,6 @@ use super::{FeedLaw, NoWish, Place, Wish};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circumference {
     cut: PreparedCut,
-    path_radius_mm: f32,
     edge_radius_mm: f32,
     /// k.
     advance_ratio: f32,
@@ -49,7 +48,6 @@ impl Circumference {
         let cut = Cut { path_radius: Mm(arc.radius_mm() as f32), edge_radius, edge, feed_per_tooth };
         Circumference {
             cut: PreparedCut::new(&cut),
-            path_radius_mm: cut.path_radius.0,
             // NaN is refused at the end of every tick, by name.
             edge_radius_mm: if edge_radius.0 > 0.0 { edge_radius.0 } else { f32::NAN },
             advance_ratio: f32::from(edge.advance()),
@@ -91,10 +89,11 @@ impl FeedLaw for Circumference {
     #[inline(always)]
     fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
         let ([vx, vy], [yx, yy], [nx, ny]) = (place.motion, place.towards, self.normal);
+        let [x, y] = place.center_mm;
         // The line's normal in the moving frame: once, and both intersections follow by signs.
         let normal_advance = self.advance_ratio * (nx * vx + ny * vy);
         let normal_towards = nx * yx + ny * yy;
-        let distance_mm = self.offset_mm + self.path_radius_mm * normal_towards;
+        let distance_mm = self.offset_mm - (nx * x + ny * y);
         let r0_mm = self.edge_radius_mm;
         let half_chord_squared = (r0_mm - distance_mm) * (r0_mm + distance_mm);
         // Not "not positive": NaN goes on to be refused by name.

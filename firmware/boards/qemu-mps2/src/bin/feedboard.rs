@@ -134,7 +134,9 @@ fn main() -> ! {
     };
     let mut blocks = (1..).zip(example::BLOCKS.iter()).map(prepare).peekable();
     while segments.ready() && blocks.peek().is_some() {
-        let _ = blocks.next().map(|prepared| segments.enqueue(prepared));
+        if let Some(prepared) = blocks.next() {
+            let _room = segments.enqueue(prepared);
+        }
     }
     defmt::info!("feedboard: {=usize} blocks, a tick every {=u64} us", example::BLOCKS.len(), TICK.0);
     let input = Input { position: None, spindle: job.spindle, dt: TICK };
