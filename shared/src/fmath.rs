@@ -98,9 +98,9 @@ pub fn asin(x: f32) -> f32 {
     libm::asinf(x)
 }
 
-/// The largest whole number not above `x`, exact for |x| < 2^31.
-pub fn floor(x: f32) -> f32 {
-    micromath::F32(x).floor().0
+/// The least whole number not below `x`, exact for |x| < 2^31.
+pub fn ceil(x: f32) -> f32 {
+    micromath::F32(x).ceil().0
 }
 
 /// Length of the vector `(x, y)`; no scaling, so only for |x|, |y| < 1e18.
@@ -113,16 +113,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn floor_is_exact_on_both_sides_of_zero() {
-        for (x, want) in [
-            (0.0, 0.0),
-            (0.999_999_9, 0.0),
-            (-0.1, -1.0),
-            (-3.0, -3.0),
-            (117.0, 117.0),
-            (2_147_483_500.0, 2_147_483_500.0),
-        ] {
-            assert_eq!(floor(x), want, "floor({x})");
+    fn ceil_is_exact_on_both_sides_of_zero() {
+        for (x, want) in
+            [(0.0, 0.0), (1e-6, 1.0), (-0.1, 0.0), (-3.0, -3.0), (117.0, 117.0), (2_147_483_500.0, 2_147_483_500.0)]
+        {
+            assert_eq!(ceil(x), want, "ceil({x})");
         }
     }
 

@@ -1,5 +1,6 @@
 //! What the supervisor says about its decisions.
 
+use arcfeed_shared::fmath;
 use arcfeed_shared::units::PERCENT;
 
 use crate::controller;
@@ -207,8 +208,8 @@ fn count(counter: &mut u32) {
 /// By how much `level_ratio` exceeds `wanted_ratio`, % rounded up; no excess is zero.
 fn excess_percent(level_ratio: f32, wanted_ratio: f32) -> u16 {
     let excess_percent = (level_ratio / wanted_ratio.max(0.0) - 1.0) * PERCENT;
-    let whole = excess_percent as u16;
-    if f32::from(whole) < excess_percent { whole.saturating_add(1) } else { whole }
+    // The conversion saturates, and takes no excess for zero.
+    fmath::ceil(excess_percent) as u16
 }
 
 #[cfg(test)]

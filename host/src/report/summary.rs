@@ -83,7 +83,14 @@ fn write_chips(f: &mut fmt::Formatter<'_>, report: &RunReport, ipt: &IptFigures)
         f,
         "    {} samples at steady feed; left out: {} speeding up or slowing down, {} at block ends, {} without contact",
         ipt.samples, left_out.not_steady, left_out.block_end, left_out.no_contact
-    )
+    )?;
+    write!(f, "    thickest chip anywhere in the stock given, over its target (outer, inner circle):")?;
+    for movement in &report.movements {
+        let [outer, inner] =
+            movement.thickest_ratio.map(|ratio| ratio.map_or("-".into(), |ratio| format!("{ratio:.2}")));
+        write!(f, "  {}: {outer}, {inner}", movement.rule)?;
+    }
+    writeln!(f)
 }
 
 fn write_movement(f: &mut fmt::Formatter<'_>, movement: &MovementFigures) -> fmt::Result {

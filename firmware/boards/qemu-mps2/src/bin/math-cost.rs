@@ -95,6 +95,6 @@ fn main() -> ! {
     inverse.measure(&counter, "division", |x| 1.0 / x);
     let floor = Row::new("floor", libm::floor, -1_000.0, 1_000.0);
     floor.measure(&counter, "libm", libm::floorf);
-    floor.measure(&counter, "micromath = fmath", fmath::floor);
+    floor.measure(&counter, "micromath", |x| micromath::F32(x).floor().0);
     leave(debug::EXIT_SUCCESS)
 }
