@@ -6,7 +6,7 @@
 
 use core::hash::{Hash, Hasher};
 
-use arcfeed_firmware::board::{Board, Task};
+use arcfeed_firmware::board::Task;
 use arcfeed_firmware::controller::{ActiveSegment, Controller, Input, Output, Reason};
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
@@ -17,6 +17,7 @@ use arcfeed_shared::stock::{Stock, StockLine};
 use arcfeed_shared::tool::{CupMill, Edge, Tool};
 use arcfeed_shared::units::{LengthUnit, Micros, MmPerTooth, Nm, RevPerMin};
 
+use crate::cabinet::Cabinet;
 use crate::random::Random;
 
 /// Ticks of a run.
@@ -44,7 +45,7 @@ pub fn run(law: LawKind) -> Trace {
     let mut hash = Fnv::default();
     let mut trace = Trace { hash: 0, governed: 0, refused: 0 };
     let (mut task, mut board) =
-        (Task::default(), Rest { segment: None, input: input(), output: FeedOverride::PROGRAMMED });
+        (Task::default(), Cabinet { segment: None, input: input(), output: FeedOverride::PROGRAMMED });
     let mut drawn = Drawn::draw(&mut random, law);
     for tick in 0..TICKS {
         if random.below(TICKS_PER_BLOCK) == 0 {
@@ -72,29 +73,6 @@ fn fields(output: Output) -> (FeedOverride, Option<u32>, Reason) {
 
 fn input() -> Input {
     Input { position: None, spindle: RevPerMin(0.0), dt: Micros(0) }
-}
-
-/// The board of a run: what was drawn in, the override kept.
-struct Rest {
-    segment: Option<(u32, ActiveSegment)>,
-    input: Input,
-    output: FeedOverride,
-}
-
-impl Board for Rest {
-    fn measure(&mut self) {}
-
-    fn input(&self) -> &Input {
-        &self.input
-    }
-
-    fn segment(&self) -> Option<(u32, &ActiveSegment)> {
-        self.segment.as_ref().map(|(count, segment)| (*count, segment))
-    }
-
-    fn set_override(&mut self, feed_override: FeedOverride) {
-        self.output = feed_override;
-    }
 }
 
 /// A job, one block of it, and where on it the tool is.

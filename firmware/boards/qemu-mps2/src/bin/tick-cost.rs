@@ -8,8 +8,9 @@
 
 use core::hint::black_box;
 
+use arcfeed_bench::cabinet::Cabinet;
 use arcfeed_bench::thesis::{self, Movement};
-use arcfeed_firmware::board::{Board, Task};
+use arcfeed_firmware::board::Task;
 use arcfeed_firmware::controller::{ActiveSegment, Controller, Input, Output, Reason};
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_qemu_mps2::clock::InstructionCounter;
@@ -29,29 +30,6 @@ fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     arcfeed_qemu_mps2::leave(debug::EXIT_FAILURE)
 }
 
-/// The board of this measurement: the recorded run in, nothing out.
-struct Recorded {
-    segment: Option<(u32, ActiveSegment)>,
-    input: Input,
-    output: FeedOverride,
-}
-
-impl Board for Recorded {
-    fn measure(&mut self) {}
-
-    fn input(&self) -> &Input {
-        &self.input
-    }
-
-    fn segment(&self) -> Option<(u32, &ActiveSegment)> {
-        self.segment.as_ref().map(|(count, segment)| (*count, segment))
-    }
-
-    fn set_override(&mut self, feed_override: FeedOverride) {
-        self.output = feed_override;
-    }
-}
-
 /// What is counted.
 #[derive(Default)]
 struct Figures {
@@ -66,7 +44,7 @@ struct Figures {
 }
 
 #[inline(never)]
-fn tick(task: &mut Task, controller: &Controller, board: &mut Recorded) -> Option<Output> {
+fn tick(task: &mut Task, controller: &Controller, board: &mut Cabinet) -> Option<Output> {
     task.run(controller, board)
 }
 
@@ -77,7 +55,7 @@ fn main() -> ! {
     let job = example::job();
     let Ok(controller) = Controller::new(&job) else { arcfeed_qemu_mps2::leave(debug::EXIT_FAILURE) };
     let input = Input { position: None, spindle: job.spindle, dt: TICK };
-    let mut board = Recorded { segment: None, input, output: FeedOverride::PROGRAMMED };
+    let mut board = Cabinet { segment: None, input, output: FeedOverride::PROGRAMMED };
     let (mut task, mut figures, mut stack_bytes) = (Task::default(), Figures::default(), 0);
     let mut block = None;
     for (position, new) in example::run() {

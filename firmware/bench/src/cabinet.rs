@@ -1,0 +1,32 @@
+//! The board of a measurement: what goes in is put there, what comes out is kept.
+
+use arcfeed_firmware::board::Board;
+use arcfeed_firmware::controller::{ActiveSegment, Input};
+use arcfeed_firmware::ramp::FeedOverride;
+
+/// Inputs, the segment in work, and the override put out.
+#[derive(Clone, Debug)]
+pub struct Cabinet {
+    /// The segment in work and its running count.
+    pub segment: Option<(u32, ActiveSegment)>,
+    /// What is measured.
+    pub input: Input,
+    /// The override put out last.
+    pub output: FeedOverride,
+}
+
+impl Board for Cabinet {
+    fn measure(&mut self) {}
+
+    fn input(&self) -> &Input {
+        &self.input
+    }
+
+    fn segment(&self) -> Option<(u32, &ActiveSegment)> {
+        self.segment.as_ref().map(|(count, segment)| (*count, segment))
+    }
+
+    fn set_override(&mut self, feed_override: FeedOverride) {
+        self.output = feed_override;
+    }
+}
