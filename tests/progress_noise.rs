@@ -85,12 +85,14 @@ fn follow(
             queue.push(active(segment, job));
         }
         let Some((count, segment)) = queue.in_work() else { break };
-        if entered != Some(count) {
-            controller.enter(&mut state, segment);
-            entered = Some(count);
-        }
-        let output = controller.tick(&mut state, segment, &Input { position, spindle: job.spindle, dt: TICK });
-        let travelled_mm = state.progress().map_or(0.0, |progress| progress.travelled_mm());
+        let input = Input { position, spindle: job.spindle, dt: TICK };
+        let output = if entered == Some(count) {
+            controller.tick(&mut state, segment, &input)
+        } else {
+            controller.begin(&mut state, segment, &input)
+        };
+        entered = Some(count);
+        let travelled_mm = state.progress().travelled_mm();
         said.push((count as usize, travelled_mm, output.feed_override.percent));
         queue.leave_if_done(&state, position.as_ref());
     }

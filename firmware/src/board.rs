@@ -32,11 +32,12 @@ impl Task {
             board.set_override(FeedOverride::PROGRAMMED);
             return None;
         };
-        if self.active != Some(count) {
-            controller.enter(&mut self.state, segment);
+        let output = if self.active == Some(count) {
+            controller.tick(&mut self.state, segment, board.input())
+        } else {
             self.active = Some(count);
-        }
-        let output = controller.tick(&mut self.state, segment, board.input());
+            controller.begin(&mut self.state, segment, board.input())
+        };
         board.set_override(output.feed_override);
         Some(output)
     }

@@ -3,12 +3,13 @@
 use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::fmath;
 use arcfeed_shared::job::Job;
-use arcfeed_shared::nc::modal::{Feed, Pose};
+use arcfeed_shared::nc::modal::{Feed, Plane, Pose};
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{Micros, MmPerMin, MmPerTooth, RevPerMin};
 
-use crate::law::{NoWish, SegmentLaw, Wish};
-use crate::progress::{PositionFilter, Progress, Track};
+use crate::law::circumference::Circumference;
+use crate::law::{FeedLaw, NoWish, SegmentLaw, Wish};
+use crate::progress::{ArcTrack, PositionFilter, Progress, Track};
 use crate::ramp::{Bound, FeedOverride, LimitsError, Ramp, RampState};
 
 /// The controller of one machine; config.
@@ -22,21 +23,29 @@ pub struct Controller {
 /// A segment with its law, prepared once when the block becomes active.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActiveSegment {
-    law: SegmentLaw,
-    track: Option<Track>,
-    /// The feed as sent to the control; `None` where the override must not act on it.
-    feed_sent: Option<MmPerMin>,
+    way: Way,
     end: Pose,
+}
+
+/// What a segment is for the tick.
+#[derive(Clone, Debug, PartialEq)]
+#[repr(u32)]
+#[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and few segments are prepared at a time")]
+enum Way {
+    /// The commonest move of a cup mill, which the tick is cut for: an arc in the XY plane under the circumference law.
+    Rotation { track: ArcTrack, law: Circumference, feed_sent: MmPerMin },
+    /// Any other cutting move; without a feed the override has nothing to act on.
+    Cut { track: Track, law: SegmentLaw, feed_sent: Option<MmPerMin> },
+    /// The way there is the machine's: there is no track to be on.
+    Rapid,
 }
 
 /// What the controller remembers from tick to tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     ramp: RampState,
-    progress: Option<Progress>,
+    progress: Progress,
     feed_sent: Option<MmPerMin>,
-    /// The segment's feed over the one before, until its first tick.
-    feed_change: Option<f32>,
 }
 
 /// What is measured at a tick.
@@ -80,15 +89,23 @@ pub enum Reason {
     NoSpindle,
 }
 
+/// What the law wants at a tick, before any bound.
+#[derive(Clone, Copy, Debug)]
+struct Wanted {
+    ratio: f32,
+    ipt_center: Option<MmPerTooth>,
+    reason: Reason,
+}
+
 impl State {
     /// The ratio of wanted to sent feed in effect, before rounding.
     pub fn ratio(&self) -> f32 {
         self.ramp.ratio()
     }
 
-    /// How far the segment in work is; `None` before the first and on rapids.
-    pub fn progress(&self) -> Option<&Progress> {
-        self.progress.as_ref()
+    /// How far the segment in work is; of no meaning on rapids.
+    pub fn progress(&self) -> &Progress {
+        &self.progress
     }
 
     /// Goes on from `ratio`: what was put out while something else had the override.
@@ -105,18 +122,29 @@ impl ActiveSegment {
             _ => None,
         };
         let law = SegmentLaw::for_segment(segment, rule, job);
-        ActiveSegment { law, track: Track::new(segment), feed_sent, end: segment.end }
+        let way = Track::new(segment).map_or(Way::Rapid, |track| Way::new(track, law, feed_sent));
+        ActiveSegment { way, end: segment.end }
     }
 
     /// The same segment under another law.
     #[must_use]
     pub fn with_law(self, law: SegmentLaw) -> Self {
-        ActiveSegment { law, ..self }
+        let feed_sent = self.feed_sent();
+        let way = match self.way {
+            Way::Rotation { track, .. } => Way::new(Track::Arc(track), law, feed_sent),
+            Way::Cut { track, .. } => Way::new(track, law, feed_sent),
+            Way::Rapid => Way::Rapid,
+        };
+        ActiveSegment { way, ..self }
     }
 
     /// Length of its path; `None` for a rapid.
     pub fn length_mm(&self) -> Option<f32> {
-        self.track.as_ref().map(Track::length_mm)
+        match &self.way {
+            Way::Rotation { track, .. } => Some(Track::Arc(*track).length_mm()),
+            Way::Cut { track, .. } => Some(track.length_mm()),
+            Way::Rapid => None,
+        }
     }
 
     /// Where it ends.
@@ -126,7 +154,35 @@ impl ActiveSegment {
 
     /// Whether the override acts on it: not on rapids, inverse time, or without a feed.
     pub fn takes_override(&self) -> bool {
-        self.feed_sent.is_some()
+        self.feed_sent().is_some()
+    }
+
+    /// The feed as sent to the control; `None` where the override must not act on it.
+    fn feed_sent(&self) -> Option<MmPerMin> {
+        match &self.way {
+            Way::Rotation { feed_sent, .. } => Some(*feed_sent),
+            Way::Cut { feed_sent, .. } => *feed_sent,
+            Way::Rapid => None,
+        }
+    }
+}
+
+impl Way {
+    fn new(track: Track, law: SegmentLaw, feed_sent: Option<MmPerMin>) -> Self {
+        match (track, law, feed_sent) {
+            (Track::Arc(track), SegmentLaw::Circumference(law), Some(feed_sent)) if track.plane() == Plane::Xy => {
+                Way::Rotation { track, law, feed_sent }
+            }
+            (track, law, feed_sent) => Way::Cut { track, law, feed_sent },
+        }
+    }
+
+    fn begin(&self, speed_mm_per_s: f32) -> Progress {
+        match self {
+            Way::Rotation { track, .. } => Track::Arc(*track).begin(speed_mm_per_s),
+            Way::Cut { track, .. } => track.begin(speed_mm_per_s),
+            Way::Rapid => Progress::default(),
+        }
     }
 }
 
@@ -146,53 +202,98 @@ impl Controller {
         Controller { filter, ..self }
     }
 
-    /// Takes up a segment: call once when it becomes active, before its first tick.
-    pub fn enter(&self, state: &mut State, segment: &ActiveSegment) {
-        let speed_mm_per_s = state.progress.map_or(0.0, |progress| progress.speed_mm_per_s());
-        state.progress = segment.track.as_ref().map(|track| track.begin(speed_mm_per_s));
-        state.feed_change = Some(match (state.feed_sent, segment.feed_sent) {
+    /// The first tick on a segment that becomes active.
+    pub fn begin(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Output {
+        state.progress = segment.way.begin(state.progress.speed_mm_per_s());
+        let feed_change = match (state.feed_sent, segment.feed_sent()) {
             (Some(before), Some(now)) => now.0 / before.0,
             _ => 1.0,
-        });
-        state.feed_sent = segment.feed_sent;
+        };
+        state.feed_sent = segment.feed_sent();
+        let wanted = self.wanted(state, segment, input);
+        self.ramp.enter_block(&mut state.ramp, wanted.ratio, feed_change);
+        self.obey_ramp(state, &wanted, input.dt)
     }
 
-    /// One tick on the active segment.
+    /// Any other tick on the active segment.
+    #[inline(always)]
     pub fn tick(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Output {
-        let (wanted_ratio, wish, reason) = self.wanted(state, segment, input);
-        if let Some(feed_change) = state.feed_change.take() {
-            self.ramp.enter_block(&mut state.ramp, wanted_ratio, feed_change);
+        if let (Way::Rotation { track, law, feed_sent }, PositionFilter::Exact, Some(position)) =
+            (&segment.way, &self.filter, &input.position)
+        {
+            let [x, y, _] = position.linear;
+            let path = law.path_mm_per_tooth(track.follow(&mut state.progress, [x, y]));
+            let ratio = input.spindle.0 * self.teeth * path / feed_sent.0;
+            // What is not a number is not held: neither a refusal of the law nor a spindle without speed.
+            if self.ramp.holds(ratio) {
+                let arrives = self.ramp.approach(&mut state.ramp, ratio, input.dt);
+                return Output {
+                    feed_override: self.ramp.round_down(&state.ramp),
+                    ipt_center: Some(MmPerTooth(path)),
+                    wanted_ratio: ratio,
+                    reason: if arrives { Reason::Law } else { Reason::Bounded(Bound::Slew) },
+                };
+            }
         }
-        let (feed_override, bound) = self.ramp.step(&mut state.ramp, wanted_ratio, input.dt);
+        self.tick_otherwise(state, segment, input)
+    }
+
+    #[inline(never)]
+    fn tick_otherwise(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Output {
+        let wanted = self.wanted(state, segment, input);
+        self.obey_ramp(state, &wanted, input.dt)
+    }
+
+    fn obey_ramp(&self, state: &mut State, wanted: &Wanted, dt: Micros) -> Output {
+        let (feed_override, bound) = self.ramp.step(&mut state.ramp, wanted.ratio, dt);
         Output {
             feed_override,
-            ipt_center: wish.map(|wish| MmPerTooth(wish.path_mm_per_tooth)),
-            wanted_ratio,
-            reason: if bound == Bound::Free { reason } else { Reason::Bounded(bound) },
+            ipt_center: wanted.ipt_center,
+            wanted_ratio: wanted.ratio,
+            reason: if bound == Bound::Free { wanted.reason } else { Reason::Bounded(bound) },
         }
     }
 
-    /// The ratio of wanted to programmed feed, the law's wish if it has one, and the reason.
-    #[inline(always)]
-    fn wanted(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> (f32, Option<Wish>, Reason) {
-        let as_programmed = |reason| (1.0, None, reason);
-        // A rapid's way is the machine's: there is no track to be on.
-        let (Some(track), Some(progress)) = (&segment.track, &mut state.progress) else {
-            return as_programmed(Reason::Inhibited);
+    fn wanted(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Wanted {
+        let progress = &mut state.progress;
+        let mut advance = |track: &Track| {
+            track.advance(&self.filter, progress, input.position.as_ref(), input.dt);
+            track.place(progress)
         };
-        track.advance(&self.filter, progress, input.position.as_ref(), input.dt);
-        let Some(feed_sent) = segment.feed_sent else {
-            return as_programmed(Reason::Inhibited);
+        let (wish, feed_sent) = match &segment.way {
+            Way::Rotation { track, law, feed_sent } => (law.wish(&advance(&Track::Arc(*track))), *feed_sent),
+            Way::Cut { track, law, feed_sent: Some(feed_sent) } => (law.wish(&advance(track)), *feed_sent),
+            Way::Cut { track, feed_sent: None, .. } => {
+                advance(track);
+                return as_programmed(Reason::Inhibited);
+            }
+            Way::Rapid => return as_programmed(Reason::Inhibited),
         };
+        self.weigh(input, wish, feed_sent)
+    }
+
+    fn weigh(&self, input: &Input, wish: Result<Wish, NoWish>, feed_sent: MmPerMin) -> Wanted {
         let teeth_per_min = input.spindle.0 * self.teeth;
         let turns = fmath::is_positive(teeth_per_min);
-        match segment.law.wish_at(|| track.place(progress)) {
+        match wish {
             Err(NoWish::NoLaw) => as_programmed(Reason::NoWish(NoWish::NoLaw)),
             _ if !turns => as_programmed(Reason::NoSpindle),
-            Ok(wish) => (teeth_per_min * wish.path_mm_per_tooth / feed_sent.0, Some(wish), Reason::Law),
+            Ok(wish) => of_wish(teeth_per_min, &wish, feed_sent),
             // No feed is too high for the chip: the bounds decide.
-            Err(NoWish::ChipUnreachable) => (f32::INFINITY, None, Reason::NoWish(NoWish::ChipUnreachable)),
+            Err(NoWish::ChipUnreachable) => {
+                let reason = Reason::NoWish(NoWish::ChipUnreachable);
+                Wanted { ratio: f32::INFINITY, ipt_center: None, reason }
+            }
             Err(refusal) => as_programmed(Reason::NoWish(refusal)),
         }
     }
+}
+
+fn of_wish(teeth_per_min: f32, wish: &Wish, feed_sent: MmPerMin) -> Wanted {
+    let ratio = teeth_per_min * wish.path_mm_per_tooth / feed_sent.0;
+    Wanted { ratio, ipt_center: Some(MmPerTooth(wish.path_mm_per_tooth)), reason: Reason::Law }
+}
+
+fn as_programmed(reason: Reason) -> Wanted {
+    Wanted { ratio: 1.0, ipt_center: None, reason }
 }

@@ -24,6 +24,8 @@ use crate::law::Place;
 
 /// Millimetres in a nanometre, for positions on the tick.
 const MM_PER_NM: f32 = 1e-6;
+/// Below it an angle is its sine, to 2e-7 of it.
+const ANGLE_IS_SINE: f32 = 1e-3;
 
 /// How samples of the position are trusted; config.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,23 +62,36 @@ impl PositionFilter {
 
 /// A segment as progress sees it; config.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Track {
+pub enum Track {
+    /// A circle in one plane.
+    Arc(ArcTrack),
+    /// Straight.
+    Line(LineTrack),
+}
+
+/// An arc about its rotation centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArcTrack {
     plane: Plane,
-    origin: [Nm; 2],
-    course: Course,
+    center: [Nm; 2],
+    /// +1 counter-clockwise, -1 clockwise.
+    turn: f32,
+    radius_mm: f32,
+    start: [f32; 2],
     length_mm: f32,
 }
 
+/// A line from its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Course {
-    /// About the origin.
-    Arc { turn: f32, radius_mm: f32, start: [f32; 2] },
-    /// From the origin; the direction is of unit length in space, its part in the plane may be shorter.
-    Line { start: [Nm; 3], direction: [f32; 3], in_plane: [f32; 2] },
+pub struct LineTrack {
+    start: [Nm; 3],
+    /// Of unit length.
+    direction: [f32; 3],
+    length_mm: f32,
 }
 
 /// How far the segment is done; state.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
     /// Unit vector from the rotation centre; of no meaning on a line.
     direction: [f32; 2],
@@ -99,74 +114,54 @@ impl Progress {
 impl Track {
     /// The track of a cutting move; `None` for rapids, whose way is the machine's.
     pub fn new(segment: &Segment) -> Option<Self> {
-        let (plane, origin, course) = match &segment.path {
-            Path::Rapid => return None,
-            Path::Line => {
-                let [x, y, _] = segment.start.linear;
-                (Plane::Xy, [x, y], line(segment))
-            }
-            Path::Arc(arc) => {
-                let start = direction_of(arc.from);
-                let turn = f32::from(arc.turn.sign());
-                (arc.plane, arc.center, Course::Arc { turn, radius_mm: arc.radius_mm() as f32, start })
-            }
-        };
-        Some(Track { plane, origin, course, length_mm: segment.length_mm() as f32 })
+        let length_mm = segment.length_mm() as f32;
+        match &segment.path {
+            Path::Rapid => None,
+            Path::Line => Some(Track::Line(LineTrack::new(segment, length_mm))),
+            Path::Arc(arc) => Some(Track::Arc(ArcTrack {
+                plane: arc.plane,
+                center: arc.center,
+                turn: f32::from(arc.turn.sign()),
+                radius_mm: arc.radius_mm() as f32,
+                start: direction_of(arc.from),
+                length_mm,
+            })),
+        }
     }
 
     /// Length of the path, mm.
     pub fn length_mm(&self) -> f32 {
-        self.length_mm
+        match self {
+            Track::Arc(ArcTrack { length_mm, .. }) | Track::Line(LineTrack { length_mm, .. }) => *length_mm,
+        }
     }
 
     /// Progress before the first sample: at the start, moving at `speed_mm_per_s`.
     pub fn begin(&self, speed_mm_per_s: f32) -> Progress {
-        let direction = match self.course {
-            Course::Arc { start, .. } => start,
-            Course::Line { .. } => [0.0; 2],
+        let direction = match self {
+            Track::Arc(arc) => arc.start,
+            Track::Line(_) => [0.0; 2],
         };
         Progress { direction, travelled_mm: 0.0, speed_mm_per_s }
     }
 
     /// The place reached.
-    #[inline(always)]
     pub fn place(&self, progress: &Progress) -> Place {
-        match self.course {
-            Course::Arc { turn, radius_mm, .. } => {
-                Place::on_arc(progress.direction, turn, radius_mm, progress.travelled_mm)
+        match self {
+            Track::Arc(arc) => Place::on_arc(progress.direction, arc.turn, arc.radius_mm, progress.travelled_mm),
+            Track::Line(line) => {
+                let [dx, dy, _] = line.direction;
+                Place::on_line([dx, dy], progress.travelled_mm)
             }
-            Course::Line { in_plane, .. } => Place::on_line(in_plane, progress.travelled_mm),
         }
     }
 
     /// One tick: takes the sample, if there is one.
-    #[inline(always)]
     pub fn advance(&self, filter: &PositionFilter, progress: &mut Progress, sample: Option<&Pose>, dt: Micros) {
-        if let (PositionFilter::Exact, Course::Arc { turn, radius_mm, .. }, Some(position)) =
-            (filter, &self.course, sample)
-        {
-            self.follow_arc(progress, *turn, *radius_mm, position);
-        } else {
-            self.advance_otherwise(filter, progress, sample, dt);
+        if let (PositionFilter::Exact, Track::Arc(arc), Some(position)) = (filter, self, sample) {
+            arc.follow(progress, arc.in_plane(position));
+            return;
         }
-    }
-
-    /// Takes an exact sample on an arc: its direction, if that lies ahead.
-    #[inline(always)]
-    fn follow_arc(&self, progress: &mut Progress, turn: f32, radius_mm: f32, position: &Pose) {
-        let direction = direction_of(self.relative(position));
-        // A sample at the rotation centre is NaN, and ahead of nothing.
-        let ahead = turn * cross(progress.direction, direction);
-        if ahead > 0.0 {
-            progress.direction = direction;
-            let travelled_mm = progress.travelled_mm + radius_mm * small_angle(ahead);
-            progress.travelled_mm = fmath::min(travelled_mm, self.length_mm);
-        }
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn advance_otherwise(&self, filter: &PositionFilter, progress: &mut Progress, sample: Option<&Pose>, dt: Micros) {
         let behind_mm = sample.and_then(|position| self.path_to(progress, position));
         match filter {
             PositionFilter::Exact => self.move_on(progress, behind_mm.unwrap_or(0.0)),
@@ -177,47 +172,88 @@ impl Track {
         }
     }
 
-    /// A position in the segment's plane, relative to its origin.
-    #[inline(always)]
-    fn relative(&self, position: &Pose) -> [Nm; 2] {
-        let [x, y, z] = position.linear;
-        let (first, second) = match self.plane {
-            Plane::Xy => (x, y),
-            Plane::Zx => (z, x),
-            Plane::Yz => (y, z),
-        };
-        let [origin_x, origin_y] = self.origin;
-        // Wrapping: coordinates stay far below the 9 million kilometres at which it would.
-        [Nm(first.0.wrapping_sub(origin_x.0)), Nm(second.0.wrapping_sub(origin_y.0))]
-    }
-
     /// Path from the progress made to the projection of a position; `None` where it has none.
     fn path_to(&self, progress: &Progress, position: &Pose) -> Option<f32> {
-        match self.course {
-            Course::Arc { turn, radius_mm, .. } => {
-                let ([ex, ey], [x, y]) = (progress.direction, direction_of(self.relative(position)));
-                let (sine, cosine) = (turn * cross([ex, ey], [x, y]), ex * x + ey * y);
-                let right_angle = if sine < 0.0 { -FRAC_PI_2 } else { FRAC_PI_2 };
-                let angle_rad = if cosine <= 0.0 { right_angle } else { small_angle(sine) };
-                angle_rad.is_finite().then_some(radius_mm * angle_rad)
-            }
-            Course::Line { start, direction, .. } => {
-                let [x, y, z] = position.linear;
-                let [sx, sy, sz] = start;
-                let [dx, dy, dz] = direction;
-                let along = millimetres(x, sx) * dx + millimetres(y, sy) * dy + millimetres(z, sz) * dz;
-                Some(along - progress.travelled_mm)
-            }
+        match self {
+            Track::Arc(arc) => arc.path_to(progress.direction, position),
+            Track::Line(line) => Some(line.along_mm(position) - progress.travelled_mm),
         }
     }
 
     fn move_on(&self, progress: &mut Progress, ds_mm: f32) {
         // max and min drop a NaN.
-        let ds_mm = ds_mm.max(0.0).min(self.length_mm - progress.travelled_mm);
+        let ds_mm = ds_mm.max(0.0).min((self.length_mm() - progress.travelled_mm).max(0.0));
         progress.travelled_mm += ds_mm;
-        if let Course::Arc { turn, radius_mm, .. } = self.course {
-            progress.direction = rotate(progress.direction, turn * ds_mm / radius_mm);
+        if let Track::Arc(arc) = self {
+            progress.direction = rotate(progress.direction, arc.turn * ds_mm / arc.radius_mm);
         }
+    }
+}
+
+impl ArcTrack {
+    /// The plane it lies in.
+    pub fn plane(&self) -> Plane {
+        self.plane
+    }
+
+    /// Takes an exact sample, given by its coordinates in the plane: its direction from the rotation centre, if that lies
+    /// ahead. Answers the direction reached.
+    #[inline(always)]
+    pub fn follow(&self, progress: &mut Progress, in_plane: [Nm; 2]) -> [f32; 2] {
+        let direction = self.direction_to(in_plane);
+        let ahead = self.turn * cross(progress.direction, direction);
+        // A sample at the rotation centre is NaN, and ahead of nothing.
+        if ahead > 0.0 {
+            progress.direction = direction;
+            progress.travelled_mm += self.radius_mm * if ahead < ANGLE_IS_SINE { ahead } else { wide_angle(ahead) };
+            return direction;
+        }
+        progress.direction
+    }
+
+    /// The two coordinates of a position that lie in the plane.
+    fn in_plane(&self, position: &Pose) -> [Nm; 2] {
+        let [x, y, z] = position.linear;
+        match self.plane {
+            Plane::Xy => [x, y],
+            Plane::Zx => [z, x],
+            Plane::Yz => [y, z],
+        }
+    }
+
+    /// The unit vector from the rotation centre to a point of the plane.
+    #[inline(always)]
+    fn direction_to(&self, [first, second]: [Nm; 2]) -> [f32; 2] {
+        let [center_first, center_second] = self.center;
+        // Wrapping: coordinates stay far below the 9 million kilometres at which it would.
+        direction_of([Nm(first.0.wrapping_sub(center_first.0)), Nm(second.0.wrapping_sub(center_second.0))])
+    }
+
+    /// Path from the direction reached to the projection of a position; `None` at the rotation centre.
+    fn path_to(&self, [ex, ey]: [f32; 2], position: &Pose) -> Option<f32> {
+        let [x, y] = self.direction_to(self.in_plane(position));
+        let (sine, cosine) = (self.turn * cross([ex, ey], [x, y]), ex * x + ey * y);
+        let right_angle = if sine < 0.0 { -FRAC_PI_2 } else { FRAC_PI_2 };
+        let angle_rad = if cosine <= 0.0 { right_angle } else { small_angle(sine) };
+        angle_rad.is_finite().then_some(self.radius_mm * angle_rad)
+    }
+}
+
+impl LineTrack {
+    fn new(segment: &Segment, length_mm: f32) -> Self {
+        let [x, y, z] = segment.start.linear;
+        let [to_x, to_y, to_z] = segment.end.linear;
+        let part = |from, to| if length_mm > 0.0 { millimetres(to, from) / length_mm } else { 0.0 };
+        let direction = [part(x, to_x), part(y, to_y), part(z, to_z)];
+        LineTrack { start: segment.start.linear, direction, length_mm }
+    }
+
+    /// Path from the start to the projection of a position.
+    fn along_mm(&self, position: &Pose) -> f32 {
+        let [x, y, z] = position.linear;
+        let [sx, sy, sz] = self.start;
+        let [dx, dy, dz] = self.direction;
+        millimetres(x, sx) * dx + millimetres(y, sy) * dy + millimetres(z, sz) * dz
     }
 }
 
@@ -244,15 +280,6 @@ fn cross([x, y]: [f32; 2], [to_x, to_y]: [f32; 2]) -> f32 {
     x * to_y - y * to_x
 }
 
-fn line(segment: &Segment) -> Course {
-    let [x, y, z] = segment.start.linear;
-    let [to_x, to_y, to_z] = segment.end.linear;
-    let length_mm = segment.length_mm() as f32;
-    let part = |from, to| if length_mm > 0.0 { millimetres(to, from) / length_mm } else { 0.0 };
-    let (dx, dy, dz) = (part(x, to_x), part(y, to_y), part(z, to_z));
-    Course::Line { start: segment.start.linear, direction: [dx, dy, dz], in_plane: [dx, dy] }
-}
-
 /// Turns a unit vector by a small angle (up to about a radian) and keeps its length: Taylor to the fifth order, one
 /// Newton step towards length one.
 fn rotate([x, y]: [f32; 2], angle_rad: f32) -> [f32; 2] {
@@ -264,8 +291,14 @@ fn rotate([x, y]: [f32; 2], angle_rad: f32) -> [f32; 2] {
     [turned_x * scale, turned_y * scale]
 }
 
+/// [`small_angle`], out of the way of the usual tick.
+#[cold]
+#[inline(never)]
+fn wide_angle(sine: f32) -> f32 {
+    small_angle(sine)
+}
+
 /// The angle with this sine, for small ones (1e-6 rad off at 0.3).
-#[inline(always)]
 fn small_angle(sine: f32) -> f32 {
     let square = sine * sine;
     sine + sine * square * (1.0 / 6.0 + square * (3.0 / 40.0))

@@ -56,9 +56,9 @@ impl<const N: usize> SegmentQueue<N> {
 }
 
 fn is_done(segment: &ActiveSegment, state: &State, position: Option<&Pose>) -> bool {
-    match (segment.length_mm(), state.progress()) {
-        (Some(length_mm), Some(progress)) => progress.travelled_mm() >= length_mm - END_TOLERANCE_MM,
-        _ => position.is_some_and(|position| {
+    match segment.length_mm() {
+        Some(length_mm) => state.progress().travelled_mm() >= length_mm - END_TOLERANCE_MM,
+        None => position.is_some_and(|position| {
             let axes = position.linear.iter().zip(&segment.end().linear);
             axes.map(|(at, end)| at.0.abs_diff(end.0)).all(|distance| distance <= REST_TOLERANCE.0.unsigned_abs())
         }),

@@ -29,6 +29,9 @@ impl FeedOverride {
 pub struct Ramp {
     min_ratio: f32,
     max_ratio: f32,
+    /// The bits of the least ratio above zero, and from there to those of the largest.
+    least_bits: u32,
+    range_bits: u32,
     min_percent: i32,
     step_percent: i32,
     /// Steps in a ratio of one, the tolerance included.
@@ -108,9 +111,13 @@ impl Ramp {
         if !positive(limits.slew_up_percent_per_s) || !positive(limits.slew_down_percent_per_s) {
             return Err(LimitsError::Slew);
         }
+        let (min_ratio, max_ratio) = (f32::from(min_percent) / PERCENT, f32::from(max_percent) / PERCENT);
+        let least_bits = min_ratio.to_bits().max(1);
         Ok(Ramp {
-            min_ratio: f32::from(min_percent) / PERCENT,
-            max_ratio: f32::from(max_percent) / PERCENT,
+            min_ratio,
+            max_ratio,
+            least_bits,
+            range_bits: max_ratio.to_bits() - least_bits,
             min_percent: i32::from(min_percent),
             step_percent: i32::from(step_percent),
             steps_per_ratio: PERCENT * (1.0 + STEP_TOLERANCE_RATIO) / f32::from(step_percent),
@@ -122,37 +129,49 @@ impl Ramp {
     /// Carries the state into a block whose programmed feed is `feed_change_ratio` times the one before.
     pub fn enter_block(&self, state: &mut RampState, wanted_ratio: f32, feed_change_ratio: f32) {
         let same_feed = fmath::max(state.ratio / feed_change_ratio, 1.0);
-        state.ratio = self.clamp(fmath::min(wanted_ratio, same_feed)).0;
+        state.ratio = self.at_bound(fmath::min(wanted_ratio, same_feed)).0;
     }
 
     /// One tick towards `wanted_ratio` (wanted feed / programmed feed).
     pub fn step(&self, state: &mut RampState, wanted_ratio: f32, dt: Micros) -> (FeedOverride, Bound) {
-        let (target, bound) = self.clamp(wanted_ratio);
+        let (target, bound) =
+            if self.holds(wanted_ratio) { (wanted_ratio, Bound::Free) } else { self.at_bound(wanted_ratio) };
+        let arrives = self.approach(state, target, dt);
+        (self.round_down(state), if arrives { bound } else { Bound::Slew })
+    }
+
+    /// Whether a ratio lies within the bounds; zero and what is not a number never do.
+    #[inline(always)]
+    pub fn holds(&self, ratio: f32) -> bool {
+        // The bits of positive numbers are in the order of the numbers, those of all others above.
+        ratio.to_bits().wrapping_sub(self.least_bits) <= self.range_bits
+    }
+
+    /// One tick towards a target within the bounds; whether it is reached.
+    #[inline(always)]
+    pub fn approach(&self, state: &mut RampState, target: f32, dt: Micros) -> bool {
         let dt_s = fmath::from_u64(dt.0) / US_PER_S as f32;
         let (rise, fall) = (self.up_ratio_per_s * dt_s, self.down_ratio_per_s * dt_s);
         let way = target - state.ratio;
-        let bound = if way > rise {
+        let is_slewed = if way > rise {
             state.ratio += rise;
-            Bound::Slew
+            true
         } else if way < fall {
             state.ratio += fall;
-            Bound::Slew
+            true
         } else {
             state.ratio = target;
-            bound
+            false
         };
-        (self.round_down(state.ratio), bound)
-    }
-
-    #[inline(always)]
-    fn clamp(&self, ratio: f32) -> (f32, Bound) {
-        if ratio >= self.min_ratio && ratio <= self.max_ratio { (ratio, Bound::Free) } else { self.at_bound(ratio) }
+        !is_slewed
     }
 
     #[cold]
     #[inline(never)]
     fn at_bound(&self, ratio: f32) -> (f32, Bound) {
-        if ratio < self.min_ratio {
+        if (self.min_ratio..=self.max_ratio).contains(&ratio) {
+            (ratio, Bound::Free)
+        } else if ratio < self.min_ratio {
             (self.min_ratio, Bound::Floor)
         } else if ratio > self.max_ratio {
             (self.max_ratio, Bound::Ceiling)
@@ -161,10 +180,10 @@ impl Ramp {
         }
     }
 
-    /// The bounds leave 0 to 254, so whole numbers serve: the conversion drops what is left of a step.
+    /// The ratio in effect as the control takes it. The bounds leave 0 to 254, so whole numbers serve: the conversion drops what is left of a step.
     #[inline(always)]
-    fn round_down(&self, ratio: f32) -> FeedOverride {
-        let steps = (ratio * self.steps_per_ratio) as i32;
+    pub fn round_down(&self, state: &RampState) -> FeedOverride {
+        let steps = (state.ratio * self.steps_per_ratio) as i32;
         FeedOverride { percent: (steps * self.step_percent).max(self.min_percent) as u8 }
     }
 }

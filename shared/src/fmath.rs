@@ -4,6 +4,9 @@
 //! `atan2` is `libm`'s, plain f32 on every target. Rounding is micromath's, which is exact up to 2^31; its square root
 //! (6 % off) and its trigonometry (3e-3 rad off) are not used for anything: see docs/laws.md.
 
+/// The bit of the sign.
+const SIGN: u32 = 1 << 31;
+
 /// Square root; NaN below zero.
 #[cfg(not(all(target_arch = "arm", target_os = "none", target_abi = "eabihf")))]
 pub fn sqrt(x: f32) -> f32 {
@@ -64,6 +67,12 @@ fn unsigned_long_to_f32(x: u64) -> f32 {
 pub fn is_positive(x: f32) -> bool {
     let sign_and_exponent = x.to_bits().cast_signed() >> (f32::MANTISSA_DIGITS - 1);
     (sign_and_exponent - 1).cast_unsigned() < f32::MAX_EXP.cast_unsigned() * 2 - 2
+}
+
+/// The size of `x` with the sign of `sign`.
+#[inline(always)]
+pub fn with_sign_of(x: f32, sign: f32) -> f32 {
+    f32::from_bits(x.to_bits() & !SIGN | sign.to_bits() & SIGN)
 }
 
 /// The smaller one; `b` where one of them is NaN. `f32::min` is a call on the chip, this is a comparison and a move.

@@ -93,11 +93,15 @@ impl Setup {
         let controller = Controller::new(&self.job).expect("limits that make sense");
         let segment = ActiveSegment::new(&self.segment, Some(&self.rule), &self.job);
         let mut state = State::default();
-        controller.enter(&mut state, &segment);
         let tick = |i: u64| {
             let position = Some(self.pose(i * dt_us));
             let plain = Input { position, spindle: RevPerMin(REV_PER_MIN), dt: Micros(dt_us) };
-            controller.tick(&mut state, &segment, &input(i * dt_us, plain))
+            let input = input(i * dt_us, plain);
+            if i == 1 {
+                controller.begin(&mut state, &segment, &input)
+            } else {
+                controller.tick(&mut state, &segment, &input)
+            }
         };
         (1..=DURATION_US / dt_us).map(tick).collect()
     }

@@ -247,8 +247,7 @@ fn feed_for(percent: u16, probe: &ActiveSegment, job: &Job) -> Nm {
     let controller = Controller::new(job).expect("the bounds are sound");
     let input = controller::Input { position: Some(start()), spindle: job.spindle, dt: TICK };
     let mut state = controller::State::default();
-    controller.enter(&mut state, probe);
-    let path = controller.tick(&mut state, probe, &input).ipt_center.expect("the probe meets the stock");
+    let path = controller.begin(&mut state, probe, &input).ipt_center.expect("the probe meets the stock");
     let wanted_mm_per_min = f64::from(path.0) * f64::from(job.tool.active_teeth()) * f64::from(job.spindle.0);
     let ratio = if percent == 0 { 1e-3 } else { f64::from(percent) / 100.0 };
     Nm::from_mm(wanted_mm_per_min / (ratio * (1.0 + 1e-6)))

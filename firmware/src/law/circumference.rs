@@ -25,7 +25,8 @@ use super::{FeedLaw, NoWish, Place, Wish};
 pub struct Circumference {
     cut: PreparedCut,
     edge_radius_mm: f32,
-    /// k.
+    path_radius_mm: f32,
+    /// k on a counter-clockwise arc, -k on a clockwise one.
     advance_ratio: f32,
     /// Unit normal of the stock line.
     normal: [f32; 2],
@@ -33,11 +34,18 @@ pub struct Circumference {
     offset_mm: f32,
 }
 
-/// An admissible intersection of cutting circle and stock line.
+/// The intersections of cutting circle and stock line, r0 u in the moving frame: `foot` +- `half_chord`, mm. Components
+/// along the edge's advance and towards A; the one with + advances more. NaN where they do not meet.
+#[derive(Clone, Copy, Debug)]
+struct Intersections {
+    foot: [f32; 2],
+    half_chord: [f32; 2],
+}
+
+/// An admissible intersection.
 #[derive(Clone, Copy, Debug)]
 struct Contact {
     bite_mm: f32,
-    /// u: along the edge's advance, towards A.
     direction: [f32; 2],
 }
 
@@ -45,35 +53,75 @@ impl Circumference {
     /// Prepares the law for an arc; the one place with f64, once per block.
     pub fn for_arc(arc: &Arc, edge_radius: Mm, edge: Edge, stock: &StockLine, feed_per_tooth: MmPerTooth) -> Self {
         let [nx, ny] = stock.normal;
-        let cut = Cut { path_radius: Mm(arc.radius_mm() as f32), edge_radius, edge, feed_per_tooth };
+        let path_radius = Mm(arc.radius_mm() as f32);
+        let cut = Cut { path_radius, edge_radius, edge, feed_per_tooth };
         Circumference {
             cut: PreparedCut::new(&cut),
             // NaN is refused at the end of every tick, by name.
             edge_radius_mm: if edge_radius.0 > 0.0 { edge_radius.0 } else { f32::NAN },
-            advance_ratio: f32::from(edge.advance()),
+            path_radius_mm: path_radius.0,
+            advance_ratio: f32::from(edge.advance() * arc.turn.sign()),
             normal: [nx as f32, ny as f32],
             offset_mm: stock.distance_mm(arc.center.map(Nm::to_mm)) as f32,
         }
     }
 
-    /// Of the two intersections, at `(advance, towards) +- (line_advance, -line_towards)` mm in the moving frame, the one
-    /// that takes the thicker chip; where only one is admissible, that one.
+    /// The wish's path per tooth, mm, by the unit vector from the rotation centre to the tool's centre: on the tick. NaN
+    /// where the law has no wish.
+    #[inline(always)]
+    pub fn path_mm_per_tooth(&self, direction: [f32; 2]) -> f32 {
+        let first = self.intersections(direction).more_advanced();
+        if self.cut.is_thickest_before(first)
+            && let Some(path) = self.cut.usual_path(first)
+        {
+            return path.0;
+        }
+        self.path_after_closer_look(direction)
+    }
+
     #[cold]
     #[inline(never)]
-    fn thicker_chip(
-        &self,
-        advance: f32,
-        towards: f32,
-        line_advance: f32,
-        line_towards: f32,
-    ) -> Result<Contact, NoWish> {
-        let first = self.contact([advance + line_advance, towards - line_towards]);
-        let second = self.contact([advance - line_advance, towards + line_towards]);
-        match (first, second) {
-            (Ok(a), Ok(b)) => Ok(if b.bite_mm > a.bite_mm { b } else { a }),
-            (Ok(contact), Err(_)) | (Err(_), Ok(contact)) => Ok(contact),
-            (Err(a), Err(b)) => Err(if a == NoWish::OutsideValidity { b } else { a }),
+    fn path_after_closer_look(&self, direction: [f32; 2]) -> f32 {
+        self.closer_look(&self.intersections(direction)).map_or(f32::NAN, |wish| wish.path_mm_per_tooth)
+    }
+
+    #[inline(always)]
+    fn intersections(&self, [x, y]: [f32; 2]) -> Intersections {
+        let [nx, ny] = self.normal;
+        // The line's normal in the moving frame: once, and both intersections follow by signs.
+        let normal_advance = self.advance_ratio * (ny * x - nx * y);
+        let normal_towards = -(nx * x + ny * y);
+        let distance_mm = self.offset_mm + self.path_radius_mm * normal_towards;
+        let r0_mm = self.edge_radius_mm;
+        let half_chord_mm = fmath::sqrt((r0_mm - distance_mm) * (r0_mm + distance_mm));
+        // The sign that puts the intersection that advances more first.
+        let half_chord_mm = fmath::with_sign_of(half_chord_mm, normal_towards);
+        Intersections {
+            foot: [distance_mm * normal_advance, distance_mm * normal_towards],
+            half_chord: [half_chord_mm * normal_towards, -half_chord_mm * normal_advance],
+        } // (1)
+    }
+
+    /// Of the two intersections the one that takes the thicker chip; where only one is admissible, that one.
+    fn closer_look(&self, both: &Intersections) -> Result<Wish, NoWish> {
+        let (first, second) = (both.more_advanced(), both.less_advanced());
+        let [advance, towards] = both.foot;
+        // Everything else is a number: the root is none.
+        if first.iter().any(|mm| mm.is_nan()) && !(advance + towards + self.edge_radius_mm).is_nan() {
+            return Err(NoWish::NoContact);
         }
+        let Contact { bite_mm, direction } = match (self.contact(first), self.contact(second)) {
+            (Ok(a), Ok(b)) => {
+                if b.bite_mm > a.bite_mm {
+                    b
+                } else {
+                    a
+                }
+            }
+            (Ok(contact), Err(_)) | (Err(_), Ok(contact)) => contact,
+            (Err(a), Err(b)) => return Err(if a == NoWish::OutsideValidity { b } else { a }),
+        };
+        Ok(Wish { path_mm_per_tooth: self.cut.path_per_tooth(bite_mm)?.0, contact: direction })
     }
 
     fn contact(&self, direction: [f32; 2]) -> Result<Contact, NoWish> {
@@ -85,33 +133,26 @@ impl Circumference {
     }
 }
 
-impl FeedLaw for Circumference {
+impl Intersections {
     #[inline(always)]
+    fn more_advanced(&self) -> [f32; 2] {
+        let ([advance, towards], [more_advance, more_towards]) = (self.foot, self.half_chord);
+        [advance + more_advance, towards + more_towards]
+    }
+
+    fn less_advanced(&self) -> [f32; 2] {
+        let ([advance, towards], [more_advance, more_towards]) = (self.foot, self.half_chord);
+        [advance - more_advance, towards - more_towards]
+    }
+}
+
+impl FeedLaw for Circumference {
     fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
-        let ([vx, vy], [yx, yy], [nx, ny]) = (place.motion, place.towards, self.normal);
-        let [x, y] = place.center_mm;
-        // The line's normal in the moving frame: once, and both intersections follow by signs.
-        let normal_advance = self.advance_ratio * (nx * vx + ny * vy);
-        let normal_towards = nx * yx + ny * yy;
-        let distance_mm = self.offset_mm - (nx * x + ny * y);
-        let r0_mm = self.edge_radius_mm;
-        let half_chord_squared = (r0_mm - distance_mm) * (r0_mm + distance_mm);
-        // Not "not positive": NaN goes on to be refused by name.
-        if half_chord_squared < 0.0 {
-            return Err(NoWish::NoContact);
+        let both = self.intersections(place.towards.map(|component| -component));
+        let first = both.more_advanced();
+        match self.cut.usual_path(first) {
+            Some(path) if self.cut.is_thickest_before(first) => Ok(Wish { path_mm_per_tooth: path.0, contact: first }),
+            _ => self.closer_look(&both),
         }
-        let half_chord_mm = fmath::sqrt(half_chord_squared);
-        // The sign that puts the intersection that advances more first.
-        let half_chord_mm = if normal_towards < 0.0 { -half_chord_mm } else { half_chord_mm };
-        // (1)
-        let (advance, towards) = (distance_mm * normal_advance, distance_mm * normal_towards);
-        let (line_advance, line_towards) = (half_chord_mm * normal_towards, half_chord_mm * normal_advance);
-        let first = [advance + line_advance, towards - line_towards];
-        let Contact { bite_mm, direction } = if self.cut.is_thickest_before(first) {
-            Contact { bite_mm: self.cut.advancing_bite_mm(first)?, direction: first }
-        } else {
-            self.thicker_chip(advance, towards, line_advance, line_towards)?
-        };
-        Ok(Wish { path_mm_per_tooth: self.cut.path_per_tooth(bite_mm)?.0, contact: direction })
     }
 }

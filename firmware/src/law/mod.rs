@@ -159,18 +159,6 @@ impl FeedLaw for SegmentLaw {
     }
 }
 
-impl SegmentLaw {
-    /// The same for the tick, which is cut for one law: that one never sees the parts of the place it has no use for.
-    #[inline(always)]
-    pub fn wish_at(&self, place: impl Fn() -> Place) -> Result<Wish, NoWish> {
-        match self {
-            SegmentLaw::Circumference(law) => law.wish(&place()),
-            SegmentLaw::Programmed => Err(NoWish::NoLaw),
-            _ => self.wish(&place()),
-        }
-    }
-}
-
 fn for_ring(
     segment: &Segment,
     mill: &CupMill,

@@ -37,8 +37,8 @@ use super::NoWish;
 
 /// Below this square of a / 2 rho the arc sine's series of three terms is exact to f32.
 const SERIES_LIMIT: f32 = 1e-3;
-/// Below this tau^2 / 12 rho^2 the arc tangent's series of two terms is exact to f32.
-const BEND_LIMIT: f32 = 3e-5;
+/// Below this tau / 2 rho the arc tangent's series of two terms is exact to f32.
+const SMALL_STEP_RATIO: f32 = 0.01;
 
 /// The circles and the chip: everything the step per tooth depends on, but for the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +70,8 @@ pub struct PreparedCut {
     path_diameter_mm: f32,
     /// 1/(12 rho^2), 1/mm^2.
     per_bend_mm2: f32,
+    /// The tau below which two terms of the arc tangent's series are exact to f32, mm.
+    small_step_mm: f32,
 }
 
 impl Cut {
@@ -113,7 +115,9 @@ impl PreparedCut {
         let k = f32::from(cut.edge.advance());
         let reach = r0 + k * a; // (1)
         let excess_mm2 = a * (2.0 * r0 + k * a); // (1)
-        let possible = rho > 0.0 && r0 > 0.0 && a > 0.0 && reach > 0.0;
+        // Squares that f32 can hold, or the step could come out as nothing.
+        let representable = fmath::is_positive(excess_mm2) && fmath::is_positive(reach * reach);
+        let possible = rho > 0.0 && r0 > 0.0 && a > 0.0 && reach > 0.0 && representable;
         PreparedCut {
             reach_ratio: if possible { reach / r0 } else { f32::NAN },
             excess_mm2,
@@ -122,6 +126,7 @@ impl PreparedCut {
             flattest_mm: fmath::max(k * excess_mm2 * r0 / (2.0 * rho * reach), 0.0),
             path_diameter_mm: 2.0 * rho,
             per_bend_mm2: 1.0 / (12.0 * rho * rho),
+            small_step_mm: 2.0 * rho * SMALL_STEP_RATIO,
         }
     }
 
@@ -130,21 +135,31 @@ impl PreparedCut {
     /// # Errors
     /// [`NoWish::OutsideValidity`] where the edge does not advance, [`NoWish::ChipUnreachable`] where no step gives the
     /// wanted chip.
-    #[inline(always)]
     pub fn bite_mm(&self, advance_mm: f32, towards_mm: f32) -> Result<f32, NoWish> {
         if self.reach_ratio * advance_mm <= 0.0 {
             return Err(NoWish::OutsideValidity);
         }
-        self.advancing_bite_mm([advance_mm, towards_mm])
+        let (h, d) = self.advance_and_discriminant([advance_mm, towards_mm]);
+        if d < 0.0 { Err(NoWish::ChipUnreachable) } else { Ok(h + fmath::sqrt(d)) }
     }
 
-    /// [`PreparedCut::bite_mm`] where [`PreparedCut::is_thickest_before`] holds: the edge is known to advance.
+    /// Path of the centre per tooth for a contact at r0 u that [`PreparedCut::is_thickest_before`], as [`PreparedCut::bite_mm`] and
+    /// [`PreparedCut::path_per_tooth`] give it; `None` where only they can tell: no solution, no number, a step that is not
+    /// small against the circle of the path.
     #[inline(always)]
-    pub fn advancing_bite_mm(&self, [advance_mm, towards_mm]: [f32; 2]) -> Result<f32, NoWish> {
+    pub fn usual_path(&self, contact: [f32; 2]) -> Option<Mm> {
+        let (h, d) = self.advance_and_discriminant(contact);
+        // Where D < 0, tau is NaN.
+        let tau = self.excess_mm2 / (h + fmath::sqrt(d)); // (5)
+        (tau < self.small_step_mm).then(|| Mm(self.along_narrow_arc(tau)))
+    }
+
+    /// h, mm, and D, mm^2.
+    #[inline(always)]
+    fn advance_and_discriminant(&self, [advance_mm, towards_mm]: [f32; 2]) -> (f32, f32) {
         let h = self.reach_ratio * advance_mm; // (2)
         let p = self.curvature_ratio - self.closing_per_mm * towards_mm; // (3)
-        let d = h * h - p * self.excess_mm2; // (4)
-        if d < 0.0 { Err(NoWish::ChipUnreachable) } else { Ok(h + fmath::sqrt(d)) }
+        (h, h * h - p * self.excess_mm2) // (4)
     }
 
     /// Whether a contact in this direction takes the thickest chip of all that advance less. The angle of the contact
@@ -162,22 +177,19 @@ impl PreparedCut {
     ///
     /// # Errors
     /// [`NoWish::BadInput`] for NaN, and for a step too large or too small for f32.
-    #[inline(always)]
     pub fn path_per_tooth(&self, bite_mm: f32) -> Result<Mm, NoWish> {
-        let path = self.along_arc(self.excess_mm2 / bite_mm); // (5) (6)
+        let tau = self.excess_mm2 / bite_mm; // (5)
+        let path = if tau < self.small_step_mm { self.along_narrow_arc(tau) } else { self.along_wide_arc(tau) };
         // NaN fails this, and is what an overflow becomes.
         if path > 0.0 { Ok(Mm(path)) } else { Err(NoWish::BadInput) }
     }
 
     /// 2 rho atan(tau / 2 rho) = tau (1 - tau^2 / 12 rho^2 + ...). (6)
     #[inline(always)]
-    fn along_arc(&self, tau: f32) -> f32 {
-        let bend = tau * tau * self.per_bend_mm2;
-        if bend < BEND_LIMIT { tau - tau * bend } else { self.along_wide_arc(tau) }
+    fn along_narrow_arc(&self, tau: f32) -> f32 {
+        tau - tau * (tau * tau * self.per_bend_mm2)
     }
 
-    #[cold]
-    #[inline(never)]
     fn along_wide_arc(&self, tau: f32) -> f32 {
         let path = self.path_diameter_mm * fmath::atan2(tau, self.path_diameter_mm);
         if path.is_finite() { path } else { f32::NAN }

@@ -195,10 +195,11 @@ impl Supervisor {
             memory.settle_ramp();
         }
         let before_ratio = memory.control.ratio();
-        if change.is_begin() {
-            self.controller.enter(&mut memory.control, segment);
-        }
-        let step = self.controller.tick(&mut memory.control, segment, measured);
+        let step = if change.is_begin() {
+            self.controller.begin(&mut memory.control, segment, measured)
+        } else {
+            self.controller.tick(&mut memory.control, segment, measured)
+        };
         let ratio = memory.control.ratio();
         if change == Change::Begins && goes_on && ratio > before_ratio && before_ratio > 0.0 {
             self.limits.carry(&mut memory.level, ratio / before_ratio);
@@ -215,9 +216,8 @@ impl Supervisor {
         self.move_level(memory, input.measured.dt);
         if let Some((_, segment)) = input.work.filter(|_| memory.sight.is_followed()) {
             if seen.change.is_begin() {
-                self.controller.enter(&mut memory.control, segment);
-            }
-            if seen.quality == Quality::Fresh {
+                self.controller.begin(&mut memory.control, segment, &input.measured);
+            } else if seen.quality == Quality::Fresh {
                 self.controller.tick(&mut memory.control, segment, &input.measured);
             }
         }
