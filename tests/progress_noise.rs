@@ -15,7 +15,7 @@ use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::Micros;
+use arcfeed_shared::units::{Micros, Span};
 use arcfeed_tests::root;
 use fastrand::Rng;
 
@@ -85,7 +85,7 @@ fn follow(
             queue.push(active(segment, job));
         }
         let Some((count, segment)) = queue.in_work() else { break };
-        let input = Input { position, spindle: job.spindle, dt: TICK };
+        let input = Input { position, spindle: job.spindle, dt: TICK.into() };
         let output = if entered == Some(count) {
             controller.tick(&mut state, segment, &input)
         } else {
@@ -145,7 +145,7 @@ fn errors(truth: &[Truth], exact: &[(usize, f32, u8)], spoilt: &[(usize, f32, u8
 fn noise_delay_and_gaps_never_put_it_on_the_wrong_segment() {
     let (job, segments, truth) = record();
     let exact = follow(&job, &segments, PositionFilter::Exact, truth.iter().map(|tick| Some(tick.position)));
-    let filter = PositionFilter::new(0.3, Micros::from_ms(DELAY_TICKS as u64)).expect("a sound gain");
+    let filter = PositionFilter::new(0.3, Span::from_ms(DELAY_TICKS as u32)).expect("a sound gain");
     for seed in SEEDS {
         let spoilt = follow(&job, &segments, filter, spoil(&truth, seed));
         let Errors { compared, wrong, position_mm, override_percent } = errors(&truth, &exact, &spoilt);

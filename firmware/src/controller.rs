@@ -5,7 +5,7 @@ use arcfeed_shared::fmath;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose};
 use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{Micros, MmPerMin, MmPerTooth, RevPerMin};
+use arcfeed_shared::units::{MmPerMin, MmPerTooth, RevPerMin, Span};
 
 use crate::law::circumference::Circumference;
 use crate::law::{FeedLaw, NoWish, SegmentLaw, Wish};
@@ -17,7 +17,6 @@ use crate::ramp::{Bound, FeedOverride, LimitsError, Ramp, RampState};
 pub struct Controller {
     ramp: Ramp,
     filter: PositionFilter,
-    teeth: f32,
 }
 
 /// A segment with its law, prepared once when the block becomes active.
@@ -33,11 +32,19 @@ pub struct ActiveSegment {
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and few segments are prepared at a time")]
 enum Way {
     /// The commonest move of a cup mill, which the tick is cut for: an arc in the XY plane under the circumference law.
-    Rotation { track: ArcTrack, law: Circumference, feed_sent: MmPerMin },
+    Rotation { track: ArcTrack, law: Circumference, feed: SentFeed },
     /// Any other cutting move; without a feed the override has nothing to act on.
-    Cut { track: Track, law: SegmentLaw, feed_sent: Option<MmPerMin> },
+    Cut { track: Track, law: SegmentLaw, feed: Option<SentFeed> },
     /// The way there is the machine's: there is no track to be on.
     Rapid,
+}
+
+/// The feed as sent to the control, and what turns revolutions per minute and a path per tooth into a ratio to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SentFeed {
+    feed: MmPerMin,
+    /// Teeth over the feed, min/mm.
+    teeth_per_feed: f32,
 }
 
 /// What the controller remembers from tick to tick.
@@ -56,7 +63,7 @@ pub struct Input {
     /// Spindle speed.
     pub spindle: RevPerMin,
     /// Time since the last tick.
-    pub dt: Micros,
+    pub dt: Span,
 }
 
 /// What a tick decides.
@@ -89,6 +96,15 @@ pub enum Reason {
     NoSpindle,
 }
 
+/// A wish that no bound stands in the way of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct UsualWish {
+    /// Wanted feed over the feed as sent.
+    pub ratio: f32,
+    /// The feed per tooth at the centre, along the path.
+    pub ipt_center: MmPerTooth,
+}
+
 /// What the law wants at a tick, before any bound.
 #[derive(Clone, Copy, Debug)]
 struct Wanted {
@@ -117,22 +133,24 @@ impl State {
 impl ActiveSegment {
     /// Prepares a segment of the program as the control received it, with the cut rule that speaks of it.
     pub fn new(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
-        let feed_sent = match (&segment.path, segment.feed) {
-            (Path::Line | Path::Arc(_), Feed::PerMinute(feed)) if feed.0 > 0 => Some(MmPerMin(feed.to_mm() as f32)),
+        let feed = match (&segment.path, segment.feed) {
+            (Path::Line | Path::Arc(_), Feed::PerMinute(feed)) if feed.0 > 0 => {
+                let feed = MmPerMin(feed.to_mm() as f32);
+                Some(SentFeed { feed, teeth_per_feed: f32::from(job.tool.active_teeth()) / feed.0 })
+            }
             _ => None,
         };
         let law = SegmentLaw::for_segment(segment, rule, job);
-        let way = Track::new(segment).map_or(Way::Rapid, |track| Way::new(track, law, feed_sent));
+        let way = Track::new(segment).map_or(Way::Rapid, |track| Way::new(track, law, feed));
         ActiveSegment { way, end: segment.end }
     }
 
     /// The same segment under another law.
     #[must_use]
     pub fn with_law(self, law: SegmentLaw) -> Self {
-        let feed_sent = self.feed_sent();
         let way = match self.way {
-            Way::Rotation { track, .. } => Way::new(Track::Arc(track), law, feed_sent),
-            Way::Cut { track, .. } => Way::new(track, law, feed_sent),
+            Way::Rotation { track, feed, .. } => Way::new(Track::Arc(track), law, Some(feed)),
+            Way::Cut { track, feed, .. } => Way::new(track, law, feed),
             Way::Rapid => Way::Rapid,
         };
         ActiveSegment { way, ..self }
@@ -160,20 +178,20 @@ impl ActiveSegment {
     /// The feed as sent to the control; `None` where the override must not act on it.
     fn feed_sent(&self) -> Option<MmPerMin> {
         match &self.way {
-            Way::Rotation { feed_sent, .. } => Some(*feed_sent),
-            Way::Cut { feed_sent, .. } => *feed_sent,
+            Way::Rotation { feed, .. } => Some(feed.feed),
+            Way::Cut { feed, .. } => feed.as_ref().map(|sent| sent.feed),
             Way::Rapid => None,
         }
     }
 }
 
 impl Way {
-    fn new(track: Track, law: SegmentLaw, feed_sent: Option<MmPerMin>) -> Self {
-        match (track, law, feed_sent) {
-            (Track::Arc(track), SegmentLaw::Circumference(law), Some(feed_sent)) if track.plane() == Plane::Xy => {
-                Way::Rotation { track, law, feed_sent }
+    fn new(track: Track, law: SegmentLaw, feed: Option<SentFeed>) -> Self {
+        match (track, law, feed) {
+            (Track::Arc(track), SegmentLaw::Circumference(law), Some(feed)) if track.plane() == Plane::Xy => {
+                Way::Rotation { track, law, feed }
             }
-            (track, law, feed_sent) => Way::Cut { track, law, feed_sent },
+            (track, law, feed) => Way::Cut { track, law, feed },
         }
     }
 
@@ -193,7 +211,7 @@ impl Controller {
     /// Bounds of the override that make no sense.
     pub fn new(job: &Job) -> Result<Self, LimitsError> {
         let ramp = Ramp::new(&job.limits)?;
-        Ok(Controller { ramp, filter: PositionFilter::Exact, teeth: f32::from(job.tool.active_teeth()) })
+        Ok(Controller { ramp, filter: PositionFilter::Exact })
     }
 
     /// The same controller for positions that are noisy, late or now and then missing.
@@ -216,26 +234,33 @@ impl Controller {
     }
 
     /// Any other tick on the active segment.
-    #[inline(always)]
     pub fn tick(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Output {
-        if let (Way::Rotation { track, law, feed_sent }, PositionFilter::Exact, Some(position)) =
-            (&segment.way, &self.filter, &input.position)
-        {
-            let [x, y, _] = position.linear;
-            let path = law.path_mm_per_tooth(track.follow(&mut state.progress, [x, y]));
-            let ratio = input.spindle.0 * self.teeth * path / feed_sent.0;
-            // What is not a number is not held: neither a refusal of the law nor a spindle without speed.
-            if self.ramp.holds(ratio) {
-                let arrives = self.ramp.approach(&mut state.ramp, ratio, input.dt);
-                return Output {
-                    feed_override: self.ramp.round_down(&state.ramp),
-                    ipt_center: Some(MmPerTooth(path)),
-                    wanted_ratio: ratio,
-                    reason: if arrives { Reason::Law } else { Reason::Bounded(Bound::Slew) },
-                };
-            }
+        let Some(wish) = self.usual_wish(state, segment, input) else {
+            return self.tick_otherwise(state, segment, input);
+        };
+        let arrives = self.ramp.approach(&mut state.ramp, wish.ratio, input.dt);
+        Output {
+            feed_override: self.ramp.round_down(&state.ramp),
+            ipt_center: Some(wish.ipt_center),
+            wanted_ratio: wish.ratio,
+            reason: if arrives { Reason::Law } else { Reason::Bounded(Bound::Slew) },
         }
-        self.tick_otherwise(state, segment, input)
+    }
+
+    /// Moves on along the commonest kind of segment; the law's wish there, if no bound stands in its way. If `None`, the tick
+    /// is to be done as any other.
+    #[inline(always)]
+    pub(crate) fn usual_wish(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Option<UsualWish> {
+        let (Way::Rotation { track, law, feed }, PositionFilter::Exact, Some(position)) =
+            (&segment.way, &self.filter, &input.position)
+        else {
+            return None;
+        };
+        let [x, y, _] = position.linear;
+        let path = law.path_mm_per_tooth(track.follow(&mut state.progress, [x, y]));
+        let ratio = input.spindle.0 * path * feed.teeth_per_feed;
+        // What is not a number is not held: neither a refusal of the law nor a spindle without speed.
+        self.ramp.holds(ratio).then_some(UsualWish { ratio, ipt_center: MmPerTooth(path) })
     }
 
     #[inline(never)]
@@ -244,7 +269,7 @@ impl Controller {
         self.obey_ramp(state, &wanted, input.dt)
     }
 
-    fn obey_ramp(&self, state: &mut State, wanted: &Wanted, dt: Micros) -> Output {
+    fn obey_ramp(&self, state: &mut State, wanted: &Wanted, dt: Span) -> Output {
         let (feed_override, bound) = self.ramp.step(&mut state.ramp, wanted.ratio, dt);
         Output {
             feed_override,
@@ -260,25 +285,22 @@ impl Controller {
             track.advance(&self.filter, progress, input.position.as_ref(), input.dt);
             track.place(progress)
         };
-        let (wish, feed_sent) = match &segment.way {
-            Way::Rotation { track, law, feed_sent } => (law.wish(&advance(&Track::Arc(*track))), *feed_sent),
-            Way::Cut { track, law, feed_sent: Some(feed_sent) } => (law.wish(&advance(track)), *feed_sent),
-            Way::Cut { track, feed_sent: None, .. } => {
+        let (wish, feed) = match &segment.way {
+            Way::Rotation { track, law, feed } => (law.wish(&advance(&Track::Arc(*track))), feed),
+            Way::Cut { track, law, feed: Some(feed) } => (law.wish(&advance(track)), feed),
+            Way::Cut { track, feed: None, .. } => {
                 advance(track);
                 return as_programmed(Reason::Inhibited);
             }
             Way::Rapid => return as_programmed(Reason::Inhibited),
         };
-        self.weigh(input, wish, feed_sent)
-    }
-
-    fn weigh(&self, input: &Input, wish: Result<Wish, NoWish>, feed_sent: MmPerMin) -> Wanted {
-        let teeth_per_min = input.spindle.0 * self.teeth;
-        let turns = fmath::is_positive(teeth_per_min);
         match wish {
             Err(NoWish::NoLaw) => as_programmed(Reason::NoWish(NoWish::NoLaw)),
-            _ if !turns => as_programmed(Reason::NoSpindle),
-            Ok(wish) => of_wish(teeth_per_min, &wish, feed_sent),
+            _ if !fmath::is_positive(input.spindle.0) => as_programmed(Reason::NoSpindle),
+            Ok(Wish { path_mm_per_tooth, .. }) => {
+                let ratio = input.spindle.0 * path_mm_per_tooth * feed.teeth_per_feed;
+                Wanted { ratio, ipt_center: Some(MmPerTooth(path_mm_per_tooth)), reason: Reason::Law }
+            }
             // No feed is too high for the chip: the bounds decide.
             Err(NoWish::ChipUnreachable) => {
                 let reason = Reason::NoWish(NoWish::ChipUnreachable);
@@ -287,11 +309,6 @@ impl Controller {
             Err(refusal) => as_programmed(Reason::NoWish(refusal)),
         }
     }
-}
-
-fn of_wish(teeth_per_min: f32, wish: &Wish, feed_sent: MmPerMin) -> Wanted {
-    let ratio = teeth_per_min * wish.path_mm_per_tooth / feed_sent.0;
-    Wanted { ratio, ipt_center: Some(MmPerTooth(wish.path_mm_per_tooth)), reason: Reason::Law }
 }
 
 fn as_programmed(reason: Reason) -> Wanted {

@@ -18,7 +18,7 @@ use core::f32::consts::FRAC_PI_2;
 use arcfeed_shared::fmath;
 use arcfeed_shared::nc::modal::{Plane, Pose};
 use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{Micros, Nm, US_PER_S};
+use arcfeed_shared::units::{Nm, Span, US_PER_S};
 
 use crate::law::Place;
 
@@ -52,7 +52,7 @@ impl PositionFilter {
     /// The speed's gain follows for critical damping: beta = 2 (2 - alpha) - 4 sqrt(1 - alpha).
     ///
     /// `None` if the gain is out of range.
-    pub fn new(alpha_ratio: f32, delay: Micros) -> Option<Self> {
+    pub fn new(alpha_ratio: f32, delay: Span) -> Option<Self> {
         let in_range = alpha_ratio > 0.0 && alpha_ratio < 1.0;
         let beta_ratio = 2.0 * (2.0 - alpha_ratio) - 4.0 * fmath::sqrt(1.0 - alpha_ratio);
         let gains = AlphaBeta { alpha_ratio, beta_ratio, delay_s: seconds(delay) };
@@ -157,7 +157,7 @@ impl Track {
     }
 
     /// One tick: takes the sample, if there is one.
-    pub fn advance(&self, filter: &PositionFilter, progress: &mut Progress, sample: Option<&Pose>, dt: Micros) {
+    pub fn advance(&self, filter: &PositionFilter, progress: &mut Progress, sample: Option<&Pose>, dt: Span) {
         if let (PositionFilter::Exact, Track::Arc(arc), Some(position)) = (filter, self, sample) {
             arc.follow(progress, arc.in_plane(position));
             return;
@@ -202,11 +202,23 @@ impl ArcTrack {
     pub fn follow(&self, progress: &mut Progress, in_plane: [Nm; 2]) -> [f32; 2] {
         let direction = self.direction_to(in_plane);
         let ahead = self.turn * cross(progress.direction, direction);
-        // A sample at the rotation centre is NaN, and ahead of nothing.
+        // The bits of positive numbers are in their order, those of all others above. A sample at the rotation centre is
+        // NaN, and ahead of nothing.
+        if ahead.to_bits() < ANGLE_IS_SINE.to_bits() {
+            progress.direction = direction;
+            progress.travelled_mm += self.radius_mm * ahead;
+            return direction;
+        }
+        self.leap(progress, direction, ahead)
+    }
+
+    /// A sample far ahead, or not ahead at all.
+    #[cold]
+    #[inline(never)]
+    fn leap(&self, progress: &mut Progress, direction: [f32; 2], ahead: f32) -> [f32; 2] {
         if ahead > 0.0 {
             progress.direction = direction;
-            progress.travelled_mm += self.radius_mm * if ahead < ANGLE_IS_SINE { ahead } else { wide_angle(ahead) };
-            return direction;
+            progress.travelled_mm += self.radius_mm * small_angle(ahead);
         }
         progress.direction
     }
@@ -259,7 +271,7 @@ impl LineTrack {
 
 impl AlphaBeta {
     /// The path to move on by in a tick, and the speed corrected.
-    fn step(&self, speed_mm_per_s: &mut f32, behind_mm: Option<f32>, dt: Micros) -> f32 {
+    fn step(&self, speed_mm_per_s: &mut f32, behind_mm: Option<f32>, dt: Span) -> f32 {
         let dt_s = seconds(dt);
         let dead_reckoned_mm = *speed_mm_per_s * dt_s;
         let Some(behind_mm) = behind_mm else { return dead_reckoned_mm };
@@ -291,13 +303,6 @@ fn rotate([x, y]: [f32; 2], angle_rad: f32) -> [f32; 2] {
     [turned_x * scale, turned_y * scale]
 }
 
-/// [`small_angle`], out of the way of the usual tick.
-#[cold]
-#[inline(never)]
-fn wide_angle(sine: f32) -> f32 {
-    small_angle(sine)
-}
-
 /// The angle with this sine, for small ones (1e-6 rad off at 0.3).
 fn small_angle(sine: f32) -> f32 {
     let square = sine * sine;
@@ -316,8 +321,8 @@ fn millimetres(a: Nm, b: Nm) -> f32 {
     a.0.saturating_sub(b.0) as f32 * MM_PER_NM
 }
 
-fn seconds(span: Micros) -> f32 {
-    fmath::from_u64(span.0) / US_PER_S as f32
+fn seconds(span: Span) -> f32 {
+    span.us() / US_PER_S as f32
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 
 use arcfeed_shared::fmath;
 use arcfeed_shared::job::OverrideLimits;
-use arcfeed_shared::units::{Micros, PERCENT, US_PER_S};
+use arcfeed_shared::units::{PERCENT, Span, US_PER_S};
 
 /// A wish this part below a step counts as on it: against losing a whole step to f32 rounding.
 const STEP_TOLERANCE_RATIO: f32 = 5e-6;
@@ -36,9 +36,15 @@ pub struct Ramp {
     step_percent: i32,
     /// Steps in a ratio of one, the tolerance included.
     steps_per_ratio: f32,
-    up_ratio_per_s: f32,
+    slew: Slew,
+}
+
+/// How fast the ratio may change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slew {
+    up_ratio_per_us: f32,
     /// Negative.
-    down_ratio_per_s: f32,
+    down_ratio_per_us: f32,
 }
 
 /// The ratio in effect before rounding; state.
@@ -94,6 +100,29 @@ impl RampState {
     }
 }
 
+impl Slew {
+    /// The slew of bounds that are positive numbers.
+    pub fn new(limits: &OverrideLimits) -> Self {
+        let per_us = |percent_per_s: f32| percent_per_s / PERCENT / US_PER_S as f32;
+        Slew {
+            up_ratio_per_us: per_us(limits.slew_up_percent_per_s),
+            down_ratio_per_us: -per_us(limits.slew_down_percent_per_s),
+        }
+    }
+
+    /// The largest rise in a span.
+    #[inline(always)]
+    pub fn rise(&self, dt: Span) -> f32 {
+        self.up_ratio_per_us * dt.us()
+    }
+
+    /// The largest fall in a span; negative.
+    #[inline(always)]
+    pub fn fall(&self, dt: Span) -> f32 {
+        self.down_ratio_per_us * dt.us()
+    }
+}
+
 impl Ramp {
     /// Checks the bounds.
     ///
@@ -121,8 +150,7 @@ impl Ramp {
             min_percent: i32::from(min_percent),
             step_percent: i32::from(step_percent),
             steps_per_ratio: PERCENT * (1.0 + STEP_TOLERANCE_RATIO) / f32::from(step_percent),
-            up_ratio_per_s: limits.slew_up_percent_per_s / PERCENT,
-            down_ratio_per_s: -limits.slew_down_percent_per_s / PERCENT,
+            slew: Slew::new(limits),
         })
     }
 
@@ -133,7 +161,7 @@ impl Ramp {
     }
 
     /// One tick towards `wanted_ratio` (wanted feed / programmed feed).
-    pub fn step(&self, state: &mut RampState, wanted_ratio: f32, dt: Micros) -> (FeedOverride, Bound) {
+    pub fn step(&self, state: &mut RampState, wanted_ratio: f32, dt: Span) -> (FeedOverride, Bound) {
         let (target, bound) =
             if self.holds(wanted_ratio) { (wanted_ratio, Bound::Free) } else { self.at_bound(wanted_ratio) };
         let arrives = self.approach(state, target, dt);
@@ -149,9 +177,8 @@ impl Ramp {
 
     /// One tick towards a target within the bounds; whether it is reached.
     #[inline(always)]
-    pub fn approach(&self, state: &mut RampState, target: f32, dt: Micros) -> bool {
-        let dt_s = fmath::from_u64(dt.0) / US_PER_S as f32;
-        let (rise, fall) = (self.up_ratio_per_s * dt_s, self.down_ratio_per_s * dt_s);
+    pub fn approach(&self, state: &mut RampState, target: f32, dt: Span) -> bool {
+        let (rise, fall) = (self.slew.rise(dt), self.slew.fall(dt));
         let way = target - state.ratio;
         let is_slewed = if way > rise {
             state.ratio += rise;
@@ -192,7 +219,7 @@ impl Ramp {
 mod tests {
     use super::*;
 
-    const TICK: Micros = Micros(1_000);
+    const TICK: Span = Span(1_000);
 
     fn ramp() -> Ramp {
         Ramp::new(&OverrideLimits::default()).unwrap()
@@ -220,9 +247,9 @@ mod tests {
         let ramp = ramp();
         let (mut whole, mut half) = (RampState::default(), RampState::default());
         for _ in 0..100 {
-            ramp.step(&mut whole, 1.5, Micros(1_000));
-            ramp.step(&mut half, 1.5, Micros(500));
-            ramp.step(&mut half, 1.5, Micros(500));
+            ramp.step(&mut whole, 1.5, Span(1_000));
+            ramp.step(&mut half, 1.5, Span(500));
+            ramp.step(&mut half, 1.5, Span(500));
         }
         assert!((whole.ratio - half.ratio).abs() < 1e-5);
     }

@@ -1,8 +1,12 @@
 //! Control, machine, controller and meter on one time base: a run.
 
 use arcfeed_firmware::board::{Board, Task};
-use arcfeed_firmware::controller::{ActiveSegment, Controller, Input};
-use arcfeed_firmware::ramp::{FeedOverride, LimitsError};
+use arcfeed_firmware::controller::{self, ActiveSegment};
+use arcfeed_firmware::ramp::FeedOverride;
+use arcfeed_firmware::supervisor::input::{Input, Work};
+use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
+use arcfeed_firmware::supervisor::signals::Signals;
+use arcfeed_firmware::supervisor::{Memory, Supervisor};
 use arcfeed_shared::cut::{self, CutRule};
 use arcfeed_shared::job::Job;
 use arcfeed_shared::segment::Segment;
@@ -23,7 +27,7 @@ pub struct Rig {
     now: Micros,
     control: Control,
     cabinet: Cabinet,
-    controller: Option<Controller>,
+    supervisor: Option<Supervisor>,
     task: Task,
     job: Job,
     fault: ControllerFault,
@@ -53,7 +57,7 @@ struct Cabinet {
 }
 
 impl Board for Cabinet {
-    fn segment(&self) -> Option<(u32, &ActiveSegment)> {
+    fn work(&self) -> Work<'_> {
         self.segment.as_ref().map(|(count, segment)| (*count, segment))
     }
 
@@ -73,7 +77,7 @@ impl Rig {
     ///
     /// # Errors
     /// Bounds of the override that make no sense.
-    pub fn on_line(settings: ControlSettings, job: &Job, fault: ControllerFault) -> Result<Self, LimitsError> {
+    pub fn on_line(settings: ControlSettings, job: &Job, fault: ControllerFault) -> Result<Self, SettingsError> {
         Rig::new(Control::on_line(settings), job, fault)
     }
 
@@ -86,19 +90,21 @@ impl Rig {
         program: &[u8],
         job: &Job,
         fault: ControllerFault,
-    ) -> Result<Self, LimitsError> {
+    ) -> Result<Self, SettingsError> {
         Rig::new(Control::from_memory(settings, program), job, fault)
     }
 
-    fn new(control: Control, job: &Job, fault: ControllerFault) -> Result<Self, LimitsError> {
-        let controller = (fault != ControllerFault::LawOff).then(|| Controller::new(job)).transpose()?;
-        let input = Input { position: Some(control.position()), spindle: job.spindle, dt: STEP };
+    fn new(control: Control, job: &Job, fault: ControllerFault) -> Result<Self, SettingsError> {
+        let is_on = fault != ControllerFault::LawOff;
+        let supervisor = is_on.then(|| Supervisor::new(job, Settings::default())).transpose()?;
+        let measured = controller::Input { position: Some(control.position()), spindle: job.spindle, dt: STEP.into() };
         Ok(Rig {
             now: Micros(0),
-            cabinet: Cabinet { segment: None, input, output: FeedOverride::PROGRAMMED },
+            cabinet: Cabinet { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED },
             control,
-            controller,
-            task: Task::default(),
+            supervisor,
+            // The operator has armed before cycle start.
+            task: Task::from(Memory::armed()),
             meter: ChipMeter::new(MeterSettings {
                 tool: job.tool,
                 spindle: job.spindle,
@@ -126,7 +132,8 @@ impl Rig {
         let sample = machine::sample(&self.control, self.now);
         self.meter.take(&sample);
         self.record_override(sample.block, sample.override_percent);
-        self.cabinet.input.position = Some(machine::feedback(&sample.position));
+        self.cabinet.input.measured.position = Some(machine::feedback(&sample.position));
+        self.cabinet.input.signals = if self.control.is_held() { Signals::FEED_HOLD } else { Signals::NONE };
         self.tick();
     }
 
@@ -188,8 +195,8 @@ impl Rig {
 
     fn tick(&mut self) {
         let frozen = matches!(self.fault, ControllerFault::FrozenAfter(ticks) if self.now >= Micros(ticks * STEP.0));
-        if let Some(controller) = self.controller.as_ref().filter(|_| !frozen) {
-            self.task.run(controller, &mut self.cabinet);
+        if let Some(supervisor) = self.supervisor.as_ref().filter(|_| !frozen) {
+            self.task.run(supervisor, &mut self.cabinet);
         }
     }
 

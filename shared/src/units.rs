@@ -77,6 +77,12 @@ pub struct RevPerMin(pub f32);
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Micros(pub u64);
 
+/// A short span of time, microseconds: what passes between two ticks, the age of a sample. Longer than 71 minutes is as
+/// good as for ever.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Span(pub u32);
+
 impl Micros {
     /// The same span in seconds.
     pub fn to_s(self) -> f64 {
@@ -96,6 +102,36 @@ impl Micros {
     /// Time since `earlier`, zero if that lies ahead.
     pub const fn since(self, earlier: Micros) -> Self {
         Micros(self.0.saturating_sub(earlier.0))
+    }
+}
+
+impl Span {
+    /// A span of whole milliseconds.
+    pub const fn from_ms(ms: u32) -> Self {
+        Span(ms.saturating_mul(US_PER_MS as u32))
+    }
+
+    /// This span, longer by `more`.
+    #[must_use]
+    pub const fn longer_by(self, more: Span) -> Self {
+        Span(self.0.saturating_add(more.0))
+    }
+
+    /// What is left of this span when `less` of it is over.
+    #[must_use]
+    pub const fn shorter_by(self, less: Span) -> Self {
+        Span(self.0.saturating_sub(less.0))
+    }
+
+    /// Microseconds as a number.
+    pub const fn us(self) -> f32 {
+        self.0 as f32
+    }
+}
+
+impl From<Micros> for Span {
+    fn from(span: Micros) -> Self {
+        Span(u32::try_from(span.0).unwrap_or(u32::MAX))
     }
 }
 

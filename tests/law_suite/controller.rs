@@ -11,7 +11,7 @@ use arcfeed_shared::nc::modal::{Feed, Pose};
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::stock::Stock;
 use arcfeed_shared::tool::{CupMill, Edge, Tool};
-use arcfeed_shared::units::{LengthUnit, Micros, MmPerTooth, Nm, RevPerMin};
+use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, RevPerMin, Span};
 use fastrand::Rng;
 
 /// Time on the arc.
@@ -95,7 +95,7 @@ impl Setup {
         let mut state = State::default();
         let tick = |i: u64| {
             let position = Some(self.pose(i * dt_us));
-            let plain = Input { position, spindle: RevPerMin(REV_PER_MIN), dt: Micros(dt_us) };
+            let plain = Input { position, spindle: RevPerMin(REV_PER_MIN), dt: Span(dt_us as u32) };
             let input = input(i * dt_us, plain);
             if i == 1 {
                 controller.begin(&mut state, &segment, &input)
@@ -127,7 +127,7 @@ fn weird_input(random: &mut Rng, plain: Input) -> Input {
             let linear = [0; 3].map(|_| Nm(coordinates[random.usize(..5)]));
             input.position = Some(Pose { linear, ..Pose::default() });
         }
-        3 => input.dt = Micros([0, 1, 1_000_000, u64::MAX][random.usize(..4)]),
+        3 => input.dt = Span([0, 1, 1_000_000, u32::MAX][random.usize(..4)]),
         _ => {}
     }
     input

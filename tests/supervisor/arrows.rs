@@ -1,6 +1,7 @@
 //! One test per arrow of the diagram in `firmware/src/supervisor/state.rs`, named after it.
 
-use arcfeed_firmware::supervisor::input::{BoardFault, Condition, Conditions, Inhibit, Request, Source};
+use arcfeed_firmware::supervisor::input::Source;
+use arcfeed_firmware::supervisor::signals::{BoardFault, Condition, Inhibit, Request, Signals};
 use arcfeed_firmware::supervisor::state::{Disarm, Hold, State};
 use arcfeed_shared::job::OverrideLimits;
 
@@ -10,14 +11,14 @@ const PIECE: Piece = Piece::Wants(120);
 
 fn holding() -> Bench {
     let mut bench = Bench::running(PIECE);
-    bench.conditions = Conditions::FEED_HOLD;
+    bench.conditions = Signals::FEED_HOLD;
     bench.tick();
     bench
 }
 
 fn inhibited() -> Bench {
     let mut bench = Bench::running(PIECE);
-    bench.conditions = Conditions::TAPPING;
+    bench.conditions = Signals::TAPPING;
     bench.tick();
     bench
 }
@@ -71,23 +72,23 @@ fn reduce(bench: &mut Bench) {
 }
 
 fn compensate(bench: &mut Bench) {
-    bench.conditions = bench.conditions.with(Conditions::CUTTER_COMPENSATION);
+    bench.conditions = bench.conditions.with(Signals::CUTTER_COMPENSATION);
 }
 
 fn tap(bench: &mut Bench) {
-    bench.conditions = Conditions::TAPPING;
+    bench.conditions = Signals::TAPPING;
 }
 
 fn hold(bench: &mut Bench) {
-    bench.conditions = Conditions::FEED_HOLD;
+    bench.conditions = Signals::FEED_HOLD;
 }
 
 fn release(bench: &mut Bench) {
-    bench.conditions = Conditions::NONE;
+    bench.conditions = Signals::NONE;
 }
 
 fn end_block(bench: &mut Bench) {
-    (bench.work, bench.conditions) = (None, Conditions::NONE);
+    (bench.work, bench.conditions) = (None, Signals::NONE);
 }
 
 /// Of an engaged state: by the operator, on request, by a condition.
@@ -101,7 +102,7 @@ fn disarms_three_ways(bench: &Bench, from: &str) {
     assert_eq!(by(goes(bench.clone(), from, disarm, "disarmed")), Disarm::Request);
     let condition = Disarm::Condition(Condition::CutterCompensation);
     assert_eq!(by(goes(bench.clone(), from, compensate, "disarmed")), condition);
-    let off = |bench: &mut Bench| bench.conditions = Conditions::OVERRIDE_OFF;
+    let off = |bench: &mut Bench| bench.conditions = Signals::OVERRIDE_OFF;
     assert_eq!(by(goes(bench.clone(), from, off, "disarmed")), Disarm::Condition(Condition::OverrideOff));
 }
 
@@ -171,10 +172,10 @@ fn running_to_holding() {
 #[test]
 fn running_to_inhibited() {
     for (condition, why) in [
-        (Conditions::TAPPING, Inhibit::Tapping),
-        (Conditions::THREADING, Inhibit::Threading),
-        (Conditions::FEED_FORCED, Inhibit::FeedForced),
-        (Conditions::RAPID, Inhibit::Rapid),
+        (Signals::TAPPING, Inhibit::Tapping),
+        (Signals::THREADING, Inhibit::Threading),
+        (Signals::FEED_FORCED, Inhibit::FeedForced),
+        (Signals::RAPID, Inhibit::Rapid),
     ] {
         let bench = goes(Bench::running(PIECE), "running", |bench| bench.conditions = condition, "inhibited");
         assert_eq!(bench.state(), State::Inhibited { why });

@@ -2,8 +2,10 @@
 
 use arcfeed_firmware::controller::{self, ActiveSegment, Controller};
 use arcfeed_firmware::ramp::FeedOverride;
-use arcfeed_firmware::supervisor::input::{BoardFault, Conditions, Freshness, Input, Request};
+use arcfeed_firmware::supervisor::input::{Freshness, Input};
+
 use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
 use arcfeed_firmware::supervisor::state::State;
 use arcfeed_firmware::supervisor::{Memory, Output, Supervisor};
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
@@ -12,10 +14,10 @@ use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
 use arcfeed_shared::segment::{Arc, Path, Segment};
 use arcfeed_shared::stock::{Stock, StockLine};
 use arcfeed_shared::tool::{CupMill, Edge, Tool};
-use arcfeed_shared::units::{LengthUnit, Micros, MmPerTooth, Nm, RevPerMin};
+use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, RevPerMin, Span};
 
 /// The tick of all figures.
-pub const TICK: Micros = Micros::from_ms(1);
+pub const TICK: Span = Span::from_ms(1);
 
 const RADIUS: Nm = Nm(100_000_000);
 const LINE_FEED: Nm = Nm(1_000_000_000);
@@ -56,11 +58,11 @@ pub struct Bench {
     pub work: Option<(u32, Piece)>,
     pub pose: Pose,
     pub spindle: RevPerMin,
-    pub dt: Micros,
+    pub dt: Span,
     pub position: Freshness,
     pub link: Freshness,
     pub dial: u8,
-    pub conditions: Conditions,
+    pub conditions: Signals,
     pub fault: Option<BoardFault>,
     pub request: Option<Request>,
 }
@@ -80,7 +82,7 @@ impl Bench {
             position: Freshness::NOW,
             link: Freshness::NOW,
             dial: 100,
-            conditions: Conditions::NONE,
+            conditions: Signals::NONE,
             fault: None,
             request: None,
         }
@@ -114,15 +116,15 @@ impl Bench {
         let measured = controller::Input { position: Some(self.pose), spindle: self.spindle, dt: self.dt };
         let input = Input {
             measured,
-            work: segment,
             position: self.position,
             link: self.link,
             operator_percent: self.dial,
-            conditions: self.conditions,
-            fault: self.fault,
-            request: self.request,
+            signals: self
+                .conditions
+                .with(self.fault.map_or(Signals::NONE, Signals::of_fault))
+                .with(self.request.map_or(Signals::NONE, Signals::of_request)),
         };
-        self.supervisor.tick(&mut self.memory, &input)
+        self.supervisor.tick(&mut self.memory, segment, &input)
     }
 
     /// Several ticks, at least one; answers the last.
@@ -153,7 +155,7 @@ impl Bench {
     pub fn silence(&mut self, ticks: u32) -> Output {
         let mut output = None;
         for _ in 0..ticks {
-            self.position.age = self.position.age.after(self.dt);
+            self.position.age = self.position.age.longer_by(self.dt);
             output = Some(self.tick());
         }
         output.expect("at least one tick")

@@ -1,7 +1,7 @@
 //! Times from a fault to its safe output, measured and compared with `docs/safety.md`.
 
-use arcfeed_firmware::supervisor::input::{BoardFault, Conditions};
 use arcfeed_firmware::supervisor::report::Alarm;
+use arcfeed_firmware::supervisor::signals::{BoardFault, Signals};
 
 use crate::bench::{Bench, Piece};
 use crate::document::table;
@@ -21,11 +21,11 @@ fn ticks(turn: impl Fn(&mut Bench), is_safe: impl Fn(u8, Alarm) -> bool) -> u32 
 }
 
 fn silence(bench: &mut Bench) {
-    bench.position.age = bench.position.age.after(bench.dt);
+    bench.position.age = bench.position.age.longer_by(bench.dt);
 }
 
 fn link_silence(bench: &mut Bench) {
-    bench.link.age = bench.link.age.after(bench.dt);
+    bench.link.age = bench.link.age.longer_by(bench.dt);
 }
 
 fn garbage(bench: &mut Bench) {
@@ -58,8 +58,8 @@ fn measured() -> Vec<(&'static str, u32)> {
         ("link silent: 100 %", ticks(link_silence, at_most_100)),
         ("invalid frames only: alarm", ticks(garbage, latched)),
         ("invalid frames only: 100 %", ticks(garbage, at_most_100)),
-        ("G41/G42 or #3004: 100 %", ticks(condition(Conditions::CUTTER_COMPENSATION), at_most_100)),
-        ("tapping, threading, G63, rapid by a signal: 100 %", ticks(condition(Conditions::TAPPING), at_most_100)),
+        ("G41/G42 or #3004: 100 %", ticks(condition(Signals::CUTTER_COMPENSATION), at_most_100)),
+        ("tapping, threading, G63, rapid by a signal: 100 %", ticks(condition(Signals::TAPPING), at_most_100)),
         ("a block without feed per minute: 100 %", ticks(begin_once(Piece::Rapid), at_most_100)),
         ("a block without a law: 100 %", ticks(begin_once(Piece::Line), at_most_100)),
         ("spindle speed not a number: 100 %", ticks(|bench| bench.spindle.0 = f32::NAN, at_most_100)),

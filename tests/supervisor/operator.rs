@@ -1,6 +1,6 @@
 //! The operator's rights: the dial and the buttons.
 
-use arcfeed_firmware::supervisor::input::{BoardFault, Request};
+use arcfeed_firmware::supervisor::signals::{BoardFault, Request};
 
 use crate::bench::{Bench, Piece, name};
 

@@ -1,11 +1,11 @@
 //! One test per row of the policy, and per rule of precedence.
 
 use arcfeed_firmware::law::NoWish;
-use arcfeed_firmware::supervisor::input::{BoardFault, Condition, Conditions, Request};
 use arcfeed_firmware::supervisor::report::{Alarm, Limit, Reason, Refusal};
+use arcfeed_firmware::supervisor::signals::{BoardFault, Condition, Request, Signals};
 use arcfeed_firmware::supervisor::state::{Disarm, State};
 use arcfeed_shared::job::OverrideLimits;
-use arcfeed_shared::units::{Micros, RevPerMin};
+use arcfeed_shared::units::{RevPerMin, Span};
 
 use crate::bench::{Bench, Piece, name};
 
@@ -90,7 +90,7 @@ fn a_loss_ends_at_the_dial_where_that_is_lower() {
 fn a_loss_ends_only_by_arming_after_half_a_second_without_a_gap() {
     let mut bench = Bench::running(Piece::Wants(150));
     bench.silence(100);
-    bench.position.age = Micros(0);
+    bench.position.age = Span(0);
     bench.run(400);
     assert_eq!(bench.ask(Request::Arm).refusal, Some(Refusal::NotResynchronised));
     bench.position.invalid_in_row = 1;
@@ -147,19 +147,19 @@ fn invalid_or_stale_frames_change_nothing_and_are_counted_until_five_in_a_row() 
     let mut bench = Bench::running(Piece::Wants(150));
     assert_eq!(bench.silence(20).reason, Reason::Law);
     assert_eq!(bench.silence(30).reason, Reason::Stale);
-    bench.position.age = Micros(0);
+    bench.position.age = Span(0);
     assert_eq!(bench.tick().reason, Reason::Law, "a short gap needs nobody");
 }
 
 #[test]
 fn tapping_threading_g63_and_rapid_run_at_100_inhibited() {
-    let conditions = [Conditions::TAPPING, Conditions::THREADING, Conditions::FEED_FORCED, Conditions::RAPID];
+    let conditions = [Signals::TAPPING, Signals::THREADING, Signals::FEED_FORCED, Signals::RAPID];
     for condition in conditions {
         let mut bench = Bench::running(Piece::Wants(150));
         bench.conditions = condition;
         let output = bench.run(251);
         assert_eq!((output.feed_override.percent, name(&output.state)), (100, "inhibited"));
-        bench.conditions = Conditions::NONE;
+        bench.conditions = Signals::NONE;
         assert_eq!(bench.run(1_001).feed_override.percent, 150, "goes on by itself");
     }
     let mut bench = Bench::running(Piece::Wants(150));
@@ -170,17 +170,16 @@ fn tapping_threading_g63_and_rapid_run_at_100_inhibited() {
 
 #[test]
 fn cutter_compensation_and_3004_disarm_to_100_and_refuse_to_arm() {
-    for (conditions, condition) in [
-        (Conditions::CUTTER_COMPENSATION, Condition::CutterCompensation),
-        (Conditions::OVERRIDE_OFF, Condition::OverrideOff),
-    ] {
+    for (conditions, condition) in
+        [(Signals::CUTTER_COMPENSATION, Condition::CutterCompensation), (Signals::OVERRIDE_OFF, Condition::OverrideOff)]
+    {
         let mut bench = Bench::running(Piece::Wants(150));
         bench.conditions = conditions;
         let output = bench.run(251);
         assert_eq!(output.reason, Reason::Disarmed(Disarm::Condition(condition)));
         assert_eq!((output.feed_override.percent, output.alarm), (100, Alarm::Passing));
         assert_eq!(bench.ask(Request::Arm).refusal, Some(Refusal::Condition(condition)));
-        bench.conditions = Conditions::NONE;
+        bench.conditions = Signals::NONE;
         assert_eq!(bench.run(100).alarm, Alarm::None);
         assert_eq!(name(&bench.state()), "disarmed", "until armed again");
         bench.ask(Request::Arm);
@@ -192,24 +191,24 @@ fn cutter_compensation_and_3004_disarm_to_100_and_refuse_to_arm() {
 #[test]
 fn feed_hold_freezes_and_restarts_from_what_is_put_out() {
     let mut bench = Bench::running(Piece::Wants(150));
-    bench.conditions = Conditions::FEED_HOLD;
+    bench.conditions = Signals::FEED_HOLD;
     let held: Vec<u8> = (0..10_000).map(|_| bench.tick().feed_override.percent).collect();
     assert_eq!((held[0], held[9_999]), (149, 100), "down to 100 % by the slew");
     assert!(held.is_sorted_by(|before, after| before >= after));
-    bench.conditions = Conditions::NONE;
+    bench.conditions = Signals::NONE;
     let released: Vec<u8> = (0..100).map(|_| bench.tick().feed_override.percent).collect();
     assert_eq!((released[0], released[99]), (100, 105), "up by the slew");
     let mut bench = Bench::running(Piece::Wants(60));
-    bench.conditions = Conditions::FEED_HOLD;
+    bench.conditions = Signals::FEED_HOLD;
     assert_eq!(bench.run(5_000).feed_override.percent, 60, "never up");
 }
 
 #[test]
 fn a_law_that_comes_back_goes_on_from_what_is_put_out() {
     let mut bench = Bench::running(Piece::Wants(60));
-    bench.conditions = Conditions::TAPPING;
+    bench.conditions = Signals::TAPPING;
     assert_eq!(bench.run(2_000).feed_override.percent, 100);
-    bench.conditions = Conditions::NONE;
+    bench.conditions = Signals::NONE;
     assert_eq!(bench.tick().feed_override.percent, 99, "down by the slew, not at once");
     assert_eq!(bench.run(200).feed_override.percent, 60);
 }
@@ -220,7 +219,7 @@ fn a_block_that_begins_without_a_sample_runs_at_100_at_most_and_up_by_the_slew()
     bench.silence(25);
     bench.begin(Piece::Wants(200));
     assert_eq!(bench.silence(1).feed_override.percent, 100, "at once");
-    bench.position.age = Micros(0);
+    bench.position.age = Span(0);
     assert_eq!(bench.run(100).feed_override.percent, 105);
 }
 
@@ -253,9 +252,9 @@ fn of_several_causes_the_more_important_one_decides() {
         ("disarmed", |bench| bench.request = Some(Request::Disarm)),
         ("fallback", |bench| bench.position.invalid_in_row = 9),
         ("disarmed", |bench| bench.dial = 40),
-        ("disarmed", |bench| bench.conditions = bench.conditions.with(Conditions::CUTTER_COMPENSATION)),
-        ("inhibited", |bench| bench.conditions = bench.conditions.with(Conditions::TAPPING)),
-        ("holding", |bench| bench.conditions = bench.conditions.with(Conditions::FEED_HOLD)),
+        ("disarmed", |bench| bench.conditions = bench.conditions.with(Signals::CUTTER_COMPENSATION)),
+        ("inhibited", |bench| bench.conditions = bench.conditions.with(Signals::TAPPING)),
+        ("holding", |bench| bench.conditions = bench.conditions.with(Signals::FEED_HOLD)),
         ("running", |_| {}),
     ];
     for (first, (expected, _)) in order.iter().enumerate() {
@@ -265,7 +264,7 @@ fn of_several_causes_the_more_important_one_decides() {
     }
     // Who disarmed: the request before the dial, the dial before the condition.
     let mut bench = Bench::running(Piece::Wants(150));
-    (bench.dial, bench.conditions) = (40, Conditions::OVERRIDE_OFF);
+    (bench.dial, bench.conditions) = (40, Signals::OVERRIDE_OFF);
     let output = bench.tick();
     assert!(matches!(output.state, State::Disarmed { by: Disarm::Operator { .. } }), "{output:?}");
     assert_eq!(output.feed_override.percent, 40);

@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 
 use arcfeed_firmware::supervisor::Output;
-use arcfeed_firmware::supervisor::input::{BoardFault, Conditions, Request};
 use arcfeed_firmware::supervisor::report::Reason;
+use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
 use arcfeed_firmware::supervisor::state::{Disarm, Hold, State};
 use arcfeed_shared::job::OverrideLimits;
 use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::{Micros, Nm, RevPerMin};
+use arcfeed_shared::units::{Nm, RevPerMin, Span};
 
 use crate::bench::{Bench, Piece, TICK, name, start};
 use crate::document::table;
@@ -17,9 +17,9 @@ const SEEDS: [u64; 6] = [1, 2, 3, 0xdead_beef, 0x1234_5678_9abc_def1, u64::MAX];
 const STEPS: u32 = 200_000;
 /// The documented slews, %/us, and the longest tick that raises.
 const UP_PERCENT_PER_US: f64 = 50.0 / 1e6;
-const LONGEST_TICK: Micros = Micros::from_ms(10);
+const LONGEST_TICK: Span = Span::from_ms(10);
 /// Last value for 300 ms, then from 200 to 100 % at 200 %/s.
-const SAFE_AFTER_LOSS: Micros = Micros::from_ms(300 + 500);
+const SAFE_AFTER_LOSS: Span = Span::from_ms(300 + 500);
 
 struct Xorshift(u64);
 
@@ -46,7 +46,7 @@ impl Xorshift {
 
 /// Turns some knobs.
 fn turn_knobs(bench: &mut Bench, random: &mut Xorshift) {
-    bench.dt = if random.one_in(50) { random.of(&[0, 1, 500, 9_000, 60_000, u64::MAX].map(Micros)) } else { TICK };
+    bench.dt = if random.one_in(50) { random.of(&[0, 1, 500, 9_000, 60_000, u32::MAX].map(Span)) } else { TICK };
     if random.one_in(400) {
         let pieces = [0, 1, 2, 3, 4, 5, 6].map(|index| {
             [
@@ -68,15 +68,15 @@ fn turn_knobs(bench: &mut Bench, random: &mut Xorshift) {
     }
     if random.one_in(300) {
         let flags = [
-            Conditions::FEED_HOLD,
-            Conditions::TAPPING,
-            Conditions::THREADING,
-            Conditions::FEED_FORCED,
-            Conditions::RAPID,
-            Conditions::CUTTER_COMPENSATION,
-            Conditions::OVERRIDE_OFF,
+            Signals::FEED_HOLD,
+            Signals::TAPPING,
+            Signals::THREADING,
+            Signals::FEED_FORCED,
+            Signals::RAPID,
+            Signals::CUTTER_COMPENSATION,
+            Signals::OVERRIDE_OFF,
         ];
-        bench.conditions = if !random.one_in(3) { Conditions::NONE } else { random.of(&flags) };
+        bench.conditions = if !random.one_in(3) { Signals::NONE } else { random.of(&flags) };
     }
     let fault = BoardFault::Watchdog;
     bench.fault = random.one_in(4_000).then_some(fault).or(bench.fault.filter(|_| !random.one_in(20)));
@@ -100,12 +100,12 @@ fn measure_badly(bench: &mut Bench, random: &mut Xorshift) {
     let speeds = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -0.0, 1e-45, -1.0, f32::MAX, f32::MIN_POSITIVE];
     bench.spindle = RevPerMin(if random.one_in(50) { random.of(&speeds) } else { 1_000.0 });
     for line in [&mut bench.position, &mut bench.link] {
-        let is_gone = line.age > Micros::from_ms(20);
+        let is_gone = line.age > Span::from_ms(20);
         if random.one_in(if is_gone { 60 } else { 3 }) {
-            line.age = Micros(random.below(15_000));
+            line.age = Span(random.below(15_000) as u32);
             line.invalid_in_row = 0;
         } else if is_gone || random.one_in(3_000) {
-            line.age = line.age.after(bench.dt).max(Micros::from_ms(21));
+            line.age = line.age.longer_by(bench.dt).max(Span::from_ms(21));
         } else if random.one_in(1_000) {
             line.invalid_in_row = line.invalid_in_row.saturating_add(random.below(7) as u8);
         }
@@ -122,7 +122,7 @@ struct Judge {
     work: Option<(u32, Piece)>,
     /// The feed the level last acted on, if a block began that no law has taken up yet.
     begun_after: Option<Option<f64>>,
-    in_fallback: Micros,
+    in_fallback: Span,
     running_ticks: u32,
     arrows: BTreeSet<(&'static str, &'static str)>,
 }
@@ -155,14 +155,13 @@ impl Judge {
 
     fn bounds(&self, bench: &Bench, now: &Output, percent: f64) {
         assert!(percent <= 200.0, "above max");
-        let refusing = Conditions::CUTTER_COMPENSATION.with(Conditions::OVERRIDE_OFF);
-        let quiet =
-            Conditions::TAPPING.with(Conditions::THREADING).with(Conditions::FEED_FORCED).with(Conditions::RAPID);
+        let refusing = Signals::CUTTER_COMPENSATION.with(Signals::OVERRIDE_OFF);
+        let quiet = Signals::TAPPING.with(Signals::THREADING).with(Signals::FEED_FORCED).with(Signals::RAPID);
         if now.state == State::Running {
             assert!(!bench.conditions.has(refusing.with(quiet)), "runs under a condition");
-            assert!(bench.conditions == Conditions::NONE || self.before.state == State::Running);
+            assert!(bench.conditions == Signals::NONE || self.before.state == State::Running);
             assert!(percent <= 200.0 * Judge::share(bench.dial), "above the operator's share");
-            let gone = Micros::from_ms(50);
+            let gone = Span::from_ms(50);
             assert!(bench.position.age <= gone && bench.link.age <= gone, "runs without samples");
         }
         if now.state == (State::Holding { cause: Hold::Feed }) && self.before.state == now.state {
@@ -211,8 +210,8 @@ impl Judge {
     fn loss(&mut self, bench: &Bench, now: &Output, percent: f64) {
         let is_fallback = |state: &State| matches!(state, State::Fallback { .. });
         self.in_fallback = match (is_fallback(&self.before.state), is_fallback(&now.state)) {
-            (true, true) => self.in_fallback.after(bench.dt),
-            (false | true, false) | (false, true) => Micros(0),
+            (true, true) => self.in_fallback.longer_by(bench.dt),
+            (false | true, false) | (false, true) => Span(0),
         };
         assert!(self.in_fallback <= SAFE_AFTER_LOSS || percent <= 100.0, "too long above 100 % after a loss");
     }
@@ -230,7 +229,7 @@ fn walk(seed: u64, limits: OverrideLimits) -> BTreeSet<(&'static str, &'static s
         request: None,
         work: None,
         begun_after: None,
-        in_fallback: Micros(0),
+        in_fallback: Span(0),
         running_ticks: 0,
         arrows: BTreeSet::new(),
     };

@@ -1,8 +1,9 @@
 //! The board of a measurement: what goes in is put there, what comes out is kept.
 
 use arcfeed_firmware::board::Board;
-use arcfeed_firmware::controller::{ActiveSegment, Input};
+use arcfeed_firmware::controller::ActiveSegment;
 use arcfeed_firmware::ramp::FeedOverride;
+use arcfeed_firmware::supervisor::input::{Input, Work};
 
 /// Inputs, the segment in work, and the override put out.
 #[derive(Clone, Debug)]
@@ -22,7 +23,7 @@ impl Board for Cabinet {
         &self.input
     }
 
-    fn segment(&self) -> Option<(u32, &ActiveSegment)> {
+    fn work(&self) -> Work<'_> {
         self.segment.as_ref().map(|(count, segment)| (*count, segment))
     }
 

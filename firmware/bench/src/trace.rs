@@ -6,8 +6,7 @@
 
 use core::hash::{Hash, Hasher};
 
-use arcfeed_firmware::board::Task;
-use arcfeed_firmware::controller::{ActiveSegment, Controller, Input, Output, Reason};
+use arcfeed_firmware::controller::{ActiveSegment, Controller, Input, Output, Reason, State};
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
@@ -15,9 +14,8 @@ use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
 use arcfeed_shared::segment::{Arc, Path, Segment};
 use arcfeed_shared::stock::{Stock, StockLine};
 use arcfeed_shared::tool::{CupMill, Edge, Tool};
-use arcfeed_shared::units::{LengthUnit, Micros, MmPerTooth, Nm, RevPerMin};
+use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, RevPerMin, Span};
 
-use crate::cabinet::Cabinet;
 use crate::random::Random;
 
 /// Ticks of a run.
@@ -44,23 +42,27 @@ pub fn run(law: LawKind) -> Trace {
     let mut random = Random::new(SEED);
     let mut hash = Fnv::default();
     let mut trace = Trace { hash: 0, governed: 0, refused: 0 };
-    let (mut task, mut board) =
-        (Task::default(), Cabinet { segment: None, input: input(), output: FeedOverride::PROGRAMMED });
+    let (mut state, mut segment, mut begins) = (State::default(), None, false);
     let mut drawn = Drawn::draw(&mut random, law);
-    for tick in 0..TICKS {
+    for _ in 0..TICKS {
         if random.below(TICKS_PER_BLOCK) == 0 {
             drawn = Drawn::draw(&mut random, law);
             let rests = random.below(4) == 0;
-            board.segment = (!rests).then(|| (tick, ActiveSegment::new(&drawn.segment, Some(&drawn.rule), &drawn.job)));
+            segment = (!rests).then(|| ActiveSegment::new(&drawn.segment, Some(&drawn.rule), &drawn.job));
+            begins = true;
         }
-        board.input = drawn.advance(&mut random);
-        let output = Controller::new(&drawn.job).ok().and_then(|controller| task.run(&controller, &mut board));
+        let input = drawn.advance(&mut random);
+        let controller = Controller::new(&drawn.job).ok();
+        let output = controller.zip(segment.as_ref()).map(|(controller, segment)| match begins {
+            true => controller.begin(&mut state, segment, &input),
+            false => controller.tick(&mut state, segment, &input),
+        });
+        begins = false;
         match output.map(|output| output.reason) {
             Some(Reason::Law | Reason::Bounded(_)) => trace.governed += 1,
             Some(Reason::NoWish(_)) => trace.refused += 1,
             _ => {}
         }
-        board.output.hash(&mut hash);
         output.map(fields).hash(&mut hash);
     }
     trace.hash = hash.finish();
@@ -69,10 +71,6 @@ pub fn run(law: LawKind) -> Trace {
 
 fn fields(output: Output) -> (FeedOverride, Option<u32>, Reason) {
     (output.feed_override, output.ipt_center.map(|MmPerTooth(mm)| mm.to_bits()), output.reason)
-}
-
-fn input() -> Input {
-    Input { position: None, spindle: RevPerMin(0.0), dt: Micros(0) }
 }
 
 /// A job, one block of it, and where on it the tool is.
@@ -142,9 +140,9 @@ impl Drawn {
             2 => 0.0,
             rest => rest as f32 * 10.0,
         };
-        let dt = if random.below(100) == 0 { random.below(10_000_000_000) } else { random.below(3_000) };
+        let dt = if random.below(100) == 0 { random.below(4_000_000_000) } else { random.below(3_000) };
         let position = Pose { linear: linear.map(Nm), ..Pose::default() };
-        Input { position: Some(position), spindle: RevPerMin(spindle), dt: Micros(dt) }
+        Input { position: Some(position), spindle: RevPerMin(spindle), dt: Span(dt as u32) }
     }
 }
 

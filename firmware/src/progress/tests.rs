@@ -2,7 +2,7 @@ use super::*;
 use arcfeed_shared::nc::modal::{Feed, Turn};
 use arcfeed_shared::segment::Arc;
 
-const TICK: Micros = Micros(1_000);
+const TICK: Span = Span(1_000);
 
 fn pose(x_mm: f64, y_mm: f64) -> Pose {
     Pose { linear: [Nm::from_mm(x_mm), Nm::from_mm(y_mm), Nm(0)], ..Pose::default() }
@@ -98,7 +98,7 @@ fn a_rapid_has_no_track() {
 
 #[test]
 fn without_samples_it_goes_on_at_the_speed_it_had() {
-    let (track, filter) = (quarter(), PositionFilter::new(0.2, Micros(0)).unwrap());
+    let (track, filter) = (quarter(), PositionFilter::new(0.2, Span(0)).unwrap());
     let mut progress = track.begin(0.0);
     for step in 1..=500 {
         track.advance(&filter, &mut progress, Some(&on_quarter(0.03 * f64::from(step))), TICK);
@@ -112,7 +112,7 @@ fn without_samples_it_goes_on_at_the_speed_it_had() {
 
 #[test]
 fn late_samples_are_made_up_for() {
-    let delay = Micros(4_000);
+    let delay = Span(4_000);
     let (track, filter) = (quarter(), PositionFilter::new(0.2, delay).unwrap());
     let mut progress = track.begin(0.0);
     for step in 1..=1_000 {
@@ -125,6 +125,6 @@ fn late_samples_are_made_up_for() {
 #[test]
 fn only_gains_between_none_and_all_make_a_filter() {
     for gain in [0.0, 1.0, -0.5, f32::NAN] {
-        assert_eq!(PositionFilter::new(gain, Micros(0)), None);
+        assert_eq!(PositionFilter::new(gain, Span(0)), None);
     }
 }

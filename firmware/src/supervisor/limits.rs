@@ -5,9 +5,9 @@
 //! caller says is due at once, and [`Limits::carry`] at a block boundary.
 
 use arcfeed_shared::job::OverrideLimits;
-use arcfeed_shared::units::{Micros, PERCENT, US_PER_S};
+use arcfeed_shared::units::{PERCENT, Span};
 
-use crate::ramp::FeedOverride;
+use crate::ramp::{FeedOverride, Slew};
 
 /// A level this little below a step counts as on it, %.
 const STEP_TOLERANCE_PERCENT: f32 = 1e-3;
@@ -16,10 +16,11 @@ const STEP_TOLERANCE_PERCENT: f32 = 1e-3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     max_ratio: f32,
-    step_percent: u8,
-    up_ratio_per_us: f32,
-    down_ratio_per_us: f32,
-    longest_tick: Micros,
+    step_percent: i32,
+    steps_per_ratio: f32,
+    step_tolerance: f32,
+    slew: Slew,
+    longest_tick: Span,
 }
 
 /// The ratio put out, before rounding; state.
@@ -30,27 +31,43 @@ pub struct Level {
 
 impl Limits {
     /// Bounds that the ramp has validated.
-    pub fn new(limits: &OverrideLimits, longest_tick: Micros) -> Self {
-        let per_us = |percent_per_s: f32| percent_per_s / PERCENT / US_PER_S as f32;
+    pub fn new(limits: &OverrideLimits, longest_tick: Span) -> Self {
+        let step_percent = f32::from(limits.step_percent.max(1));
         Limits {
             max_ratio: f32::from(limits.max_percent.min(254)) / PERCENT,
-            step_percent: limits.step_percent.max(1),
-            up_ratio_per_us: per_us(limits.slew_up_percent_per_s),
-            down_ratio_per_us: per_us(limits.slew_down_percent_per_s),
+            step_percent: i32::from(limits.step_percent.max(1)),
+            steps_per_ratio: PERCENT / step_percent,
+            step_tolerance: STEP_TOLERANCE_PERCENT / step_percent,
+            slew: Slew::new(limits),
             longest_tick,
         }
     }
 
+    /// Whether a tick came no later than it counts.
+    #[inline(always)]
+    pub fn is_in_time(&self, dt: Span) -> bool {
+        dt <= self.longest_tick
+    }
+
     /// Moves the level towards `target_ratio`, up and down by the slew.
-    pub fn slew(&self, level: &mut Level, target_ratio: f32, dt: Micros) {
-        let lowest = level.ratio - self.down_ratio_per_us * as_us(dt);
-        let target = self.within(level, target_ratio);
-        level.ratio = target.min(self.highest(level, dt)).max(lowest);
+    #[inline(always)]
+    pub fn slew(&self, level: &mut Level, target_ratio: f32, dt: Span) {
+        let target_ratio = if self.holds(target_ratio) { target_ratio } else { self.within(level, target_ratio) };
+        let way = target_ratio - level.ratio;
+        let (rise, fall) = (self.slew.rise(dt.min(self.longest_tick)), self.slew.fall(dt));
+        level.ratio = if way > rise {
+            level.ratio + rise
+        } else if way < fall {
+            level.ratio + fall
+        } else {
+            target_ratio
+        };
     }
 
     /// Moves the level towards `target_ratio`, down at once and up by the slew.
-    pub fn follow(&self, level: &mut Level, target_ratio: f32, dt: Micros) {
-        level.ratio = self.within(level, target_ratio).min(self.highest(level, dt));
+    pub fn follow(&self, level: &mut Level, target_ratio: f32, dt: Span) {
+        let highest = level.ratio + self.slew.rise(dt.min(self.longest_tick));
+        level.ratio = self.within(level, target_ratio).min(highest);
     }
 
     /// Scales the level at a block boundary that keeps the feed.
@@ -59,15 +76,22 @@ impl Limits {
     }
 
     /// The level as the control takes it, on the thin side.
+    #[inline(always)]
     pub fn round(&self, level: &Level) -> FeedOverride {
-        let percent = (level.ratio * PERCENT + STEP_TOLERANCE_PERCENT) as u8;
-        FeedOverride { percent: percent.saturating_sub(percent.checked_rem(self.step_percent).unwrap_or(percent)) }
+        // At most 254 %: whole numbers serve, and the conversion drops what is left of a step.
+        let steps = (level.ratio * self.steps_per_ratio + self.step_tolerance) as i32;
+        FeedOverride { percent: (steps * self.step_percent) as u8 }
     }
 
-    fn highest(&self, level: &Level, dt: Micros) -> f32 {
-        level.ratio + self.up_ratio_per_us * as_us(dt.min(self.longest_tick))
+    /// Whether a target lies within the bounds for certain: the bits of positive numbers are in their order, those of all
+    /// others above.
+    #[inline(always)]
+    fn holds(&self, target_ratio: f32) -> bool {
+        target_ratio.to_bits() <= self.max_ratio.to_bits()
     }
 
+    #[cold]
+    #[inline(never)]
     /// A target within the bounds; what is not a number raises nothing and asks for 100 % at most.
     fn within(&self, level: &Level, target_ratio: f32) -> f32 {
         if target_ratio >= 0.0 {
@@ -107,19 +131,14 @@ impl Level {
     }
 }
 
-/// Microseconds as a number; more than the counter holds is as good as for ever.
-fn as_us(span: Micros) -> f32 {
-    u32::try_from(span.0).unwrap_or(u32::MAX) as f32
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const TICK: Micros = Micros(1_000);
+    const TICK: Span = Span(1_000);
 
     fn limits(step_percent: u8) -> Limits {
-        Limits::new(&OverrideLimits { step_percent, ..OverrideLimits::default() }, Micros::from_ms(10))
+        Limits::new(&OverrideLimits { step_percent, ..OverrideLimits::default() }, Span::from_ms(10))
     }
 
     fn at(percent: u8) -> Level {
@@ -140,9 +159,9 @@ mod tests {
     #[test]
     fn a_tick_that_came_late_raises_no_further_than_the_longest_one() {
         let (limits, mut level) = (limits(1), at(100));
-        limits.slew(&mut level, 2.0, Micros(u64::MAX));
+        limits.slew(&mut level, 2.0, Span(u32::MAX));
         assert!((level.ratio - 1.005).abs() < 1e-6, "{level:?}");
-        limits.slew(&mut level, 0.1, Micros(u64::MAX));
+        limits.slew(&mut level, 0.1, Span(u32::MAX));
         assert_eq!(level.ratio, 0.1);
     }
 

@@ -5,6 +5,8 @@
 //! reads the dial, [`sight`] watches the segment, the most important event moves the [`state`], and the state moves the
 //! level within the [`limits`] that nothing gets around.
 
+pub mod signals;
+
 pub mod input;
 
 pub mod settings;
@@ -20,17 +22,19 @@ pub mod state;
 pub mod report;
 
 use arcfeed_shared::job::Job;
-use arcfeed_shared::units::{Micros, MmPerTooth};
+use arcfeed_shared::units::{MmPerTooth, Span};
 
 use crate::controller::{self, ActiveSegment, Controller};
+use crate::progress::PositionFilter;
 use crate::ramp::FeedOverride;
 
-use input::{Conditions, Input, Quality, Request};
+use input::{Input, Quality, Work};
 use limits::{Level, Limits};
 use operator::{Dial, Turn};
 use report::{Alarm, Counters, Reason, Refusal};
 use settings::{Settings, SettingsError};
 use sight::{Change, Sight};
+use signals::{Request, Signals};
 use state::{Disarm, Event, Hold, State};
 
 /// The supervisor of one machine; config.
@@ -49,9 +53,11 @@ pub struct Memory {
     sight: Sight,
     dial: Dial,
     level: Level,
-    last_request: Option<Request>,
+    signals: Signals,
     invalid: [u8; 2],
     counters: Counters,
+    /// The segment on which nothing happens: the law has the override, and a quiet tick changes nothing else.
+    settled_on: Option<u32>,
 }
 
 /// What a tick decides.
@@ -77,13 +83,22 @@ struct Seen {
     quality: Quality,
     turn: Turn,
     change: Change,
-    request: Option<Request>,
+    /// Buttons that were up before.
+    pressed: Signals,
 }
 
 impl Memory {
     /// Idle, on a board that knows what its lines carry.
     pub fn taking_over(feed_override: FeedOverride) -> Self {
         Memory { level: Level::at(feed_override), ..Memory::default() }
+    }
+
+    /// As after a person has armed, with nothing in work and 100 % put out: where a simulated run begins.
+    pub fn armed() -> Self {
+        let mut memory =
+            Memory { state: State::Armed, sight: Sight::Nothing, ..Memory::taking_over(FeedOverride::PROGRAMMED) };
+        memory.dial.take_reference();
+        memory
     }
 
     /// Who has the override.
@@ -108,63 +123,136 @@ impl Supervisor {
         Ok(Supervisor { controller, limits: Limits::new(&job.limits, settings.longest_tick), settings })
     }
 
+    /// The same supervisor for positions that are noisy, late or now and then missing.
+    #[must_use]
+    pub fn with_filter(self, filter: PositionFilter) -> Self {
+        Supervisor { controller: self.controller.with_filter(filter), ..self }
+    }
+
     /// One tick.
-    pub fn tick(&self, memory: &mut Memory, input: &Input<'_>) -> Output {
-        let seen = self.look(memory, input);
-        let event = self.event(memory, input, &seen);
-        let refusal = memory.refusal(event, seen.request);
+    ///
+    /// Nearly always the law goes on and nothing else happens; that is told by a few comparisons and done at once. It is
+    /// what [`Supervisor::take_in`] would do as well.
+    #[inline(always)]
+    pub fn tick(&self, memory: &mut Memory, work: Work<'_>, input: &Input) -> Output {
+        if let Some((count, segment)) = work
+            && memory.settled_on == Some(count)
+            && input.is_quiet()
+            && self.settings.is_fresh(&input.position, &input.link)
+            && self.limits.is_in_time(input.measured.dt)
+        {
+            return self.go_on(memory, segment, &input.measured);
+        }
+        self.take_in(memory, work, input)
+    }
+
+    /// A tick on which nothing but the law moves the override.
+    #[inline(always)]
+    fn go_on(&self, memory: &mut Memory, segment: &ActiveSegment, measured: &controller::Input) -> Output {
+        let Some(wish) = self.controller.usual_wish(&mut memory.control, segment, measured) else {
+            return self.go_on_otherwise(memory, segment, measured);
+        };
+        // Level and ramp are one here: what moves the one within its bounds and its slew moves both.
+        self.limits.slew(&mut memory.level, wish.ratio, measured.dt);
+        memory.control.force_ratio(memory.level.ratio());
+        let feed_override = self.limits.round(&memory.level);
+        if feed_override.percent == 0 {
+            return self.halt(memory);
+        }
+        Output {
+            feed_override,
+            state: State::Running,
+            reason: Reason::Law,
+            alarm: Alarm::None,
+            refusal: None,
+            ipt_center: Some(wish.ipt_center),
+        }
+    }
+
+    #[inline(never)]
+    fn go_on_otherwise(&self, memory: &mut Memory, segment: &ActiveSegment, measured: &controller::Input) -> Output {
+        let step = self.controller.tick(&mut memory.control, segment, measured);
+        self.limits.follow(&mut memory.level, memory.control.ratio(), measured.dt);
+        self.halt_at_zero(memory);
+        self.report(memory, false, Some(&step), None)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn halt(&self, memory: &mut Memory) -> Output {
+        self.halt_at_zero(memory);
+        self.report(memory, false, None, None)
+    }
+
+    /// A law that wants no feed at all holds the axes.
+    #[cold]
+    #[inline(never)]
+    fn halt_at_zero(&self, memory: &mut Memory) {
+        if self.limits.round(&memory.level).percent == 0 {
+            memory.settled_on = None;
+            memory.change_to(memory.state.next(Event::Halt), Event::Halt);
+        }
+    }
+
+    /// A tick with everything that can happen.
+    #[inline(never)]
+    fn take_in(&self, memory: &mut Memory, work: Work<'_>, input: &Input) -> Output {
+        let seen = self.look(memory, work, input);
+        let event = self.event(memory, work, input, &seen);
+        let refusal = memory.refusal(event, seen.pressed);
         let from = memory.state;
         memory.change_to(from.next(event), event);
         memory.obey(seen.turn);
-        let step = match (memory.state, event, input.work) {
+        let step = match (memory.state, event, work) {
             (State::Running, Event::Work, Some((_, segment))) => {
                 let goes_on = from == State::Running;
                 Some(self.follow_law(memory, segment, &input.measured, (goes_on, seen.change)))
             }
             _ => {
-                self.keep_off(memory, input, &seen);
+                self.keep_off(memory, work, input, &seen);
                 None
             }
         };
-        if step.is_some() && self.limits.round(&memory.level).percent == 0 {
-            memory.change_to(memory.state.next(Event::Halt), Event::Halt);
+        memory.settle(input);
+        if step.is_some() {
+            self.halt_at_zero(memory);
         }
-        self.report(memory, input, step, refusal)
+        self.report(memory, input.signals.refusing().is_some(), step.as_ref(), refusal)
     }
 
     /// Judges the samples, reads the dial, watches the segment, takes requests by their edge, lets time pass.
-    fn look(&self, memory: &mut Memory, input: &Input<'_>) -> Seen {
+    fn look(&self, memory: &mut Memory, work: Work<'_>, input: &Input) -> Seen {
         let Settings { take_over_below_percent, take_over_drop_percent, longest_tick, .. } = self.settings;
         let quality = self.settings.quality(&input.position, &input.link);
         let turn = memory.dial.read(input.operator_percent, take_over_below_percent, take_over_drop_percent);
-        let change = memory.sight.look(input.work.map(|(count, _)| count), quality);
-        let request = input.request.filter(|_| input.request != memory.last_request);
-        memory.last_request = input.request;
+        let change = memory.sight.look(work.map(|(count, _)| count), quality);
+        let pressed = input.signals.risen_since(memory.signals);
+        memory.signals = input.signals;
         memory.count_frames(input);
         memory.state.elapse(quality, memory.dial, input.measured.dt, longest_tick);
-        Seen { quality, turn, change, request }
+        Seen { quality, turn, change, pressed }
     }
 
     /// The most important thing that happens at this tick.
-    fn event(&self, memory: &Memory, input: &Input<'_>, seen: &Seen) -> Event {
+    fn event(&self, memory: &Memory, work: Work<'_>, input: &Input, seen: &Seen) -> Event {
         let can_arm = || seen.quality == Quality::Fresh && memory.state.can_arm(self.settings.resync);
-        if let Some(fault) = input.fault {
+        if let Some(fault) = input.signals.fault() {
             Event::Fault(fault)
-        } else if seen.request == Some(Request::Reset) && matches!(memory.state, State::Faulted { .. }) {
+        } else if seen.pressed.asks(Request::Reset) && matches!(memory.state, State::Faulted { .. }) {
             Event::Reset
-        } else if seen.request == Some(Request::Disarm) {
+        } else if seen.pressed.asks(Request::Disarm) {
             Event::Disarm
         } else if let Quality::Lost(loss) = seen.quality {
             Event::Lost(loss)
         } else if seen.turn == Turn::TakesOver {
             Event::Reduced { percent: input.operator_percent }
-        } else if let Some(condition) = input.conditions.refusing() {
+        } else if let Some(condition) = input.signals.refusing() {
             Event::Refuse(condition)
-        } else if seen.request == Some(Request::Arm) && can_arm() {
+        } else if seen.pressed.asks(Request::Arm) && can_arm() {
             Event::Arm
-        } else if let Some(why) = input.inhibiting() {
+        } else if let Some(why) = input.inhibiting(work) {
             Event::Inhibit(why)
-        } else if memory.sight.is_followed() && input.conditions.has(Conditions::FEED_HOLD) {
+        } else if memory.sight.is_followed() && input.signals.has(Signals::FEED_HOLD) {
             Event::Hold
         } else if seen.quality == Quality::Stale {
             Event::Stale
@@ -209,12 +297,12 @@ impl Supervisor {
     }
 
     /// Moves the level where no law does, and keeps the way along the segment up to date.
-    fn keep_off(&self, memory: &mut Memory, input: &Input<'_>, seen: &Seen) {
+    fn keep_off(&self, memory: &mut Memory, work: Work<'_>, input: &Input, seen: &Seen) {
         if seen.change != Change::Same && !memory.hands_over_to_dial() {
             memory.level.fall_to(1.0);
         }
         self.move_level(memory, input.measured.dt);
-        if let Some((_, segment)) = input.work.filter(|_| memory.sight.is_followed()) {
+        if let Some((_, segment)) = work.filter(|_| memory.sight.is_followed()) {
             if seen.change.is_begin() {
                 self.controller.begin(&mut memory.control, segment, &input.measured);
             } else if seen.quality == Quality::Fresh {
@@ -223,13 +311,13 @@ impl Supervisor {
         }
     }
 
-    fn move_level(&self, memory: &mut Memory, dt: Micros) {
+    fn move_level(&self, memory: &mut Memory, dt: Span) {
         let (dial_ratio, share_ratio) = (memory.dial.ratio(), memory.dial.share_ratio());
         let level = &mut memory.level;
         match memory.state {
             State::Faulted { .. } => level.stop(),
             State::Running | State::Holding { cause: Hold::ZeroOverride } => {}
-            State::Fallback { keep, .. } if keep > Micros(0) => {}
+            State::Fallback { keep, .. } if keep > Span(0) => {}
             State::Holding { cause: Hold::Feed } => self.limits.slew(level, level.ratio().min(share_ratio), dt),
             State::Armed
             | State::Inhibited { .. }
@@ -245,11 +333,11 @@ impl Supervisor {
     fn report(
         &self,
         memory: &mut Memory,
-        input: &Input<'_>,
-        step: Option<controller::Output>,
+        refusing: bool,
+        step: Option<&controller::Output>,
         refusal: Option<Refusal>,
     ) -> Output {
-        let reason = match &step {
+        let reason = match step {
             Some(step) if memory.state == State::Running => Reason::of_law(step, memory.level.ratio()),
             Some(_) | None => Reason::of_state(&memory.state),
         };
@@ -258,7 +346,7 @@ impl Supervisor {
             feed_override: self.limits.round(&memory.level),
             state: memory.state,
             reason,
-            alarm: Alarm::of(&memory.state, input.conditions.refusing().is_some()),
+            alarm: Alarm::of(&memory.state, refusing),
             refusal,
             ipt_center: step.and_then(|step| step.ipt_center),
         }
@@ -267,8 +355,8 @@ impl Supervisor {
 
 impl Memory {
     /// Why an arming asked for did not become the event.
-    fn refusal(&mut self, event: Event, request: Option<Request>) -> Option<Refusal> {
-        if request != Some(Request::Arm) || event == Event::Arm || self.state.is_engaged() {
+    fn refusal(&mut self, event: Event, pressed: Signals) -> Option<Refusal> {
+        if !pressed.asks(Request::Arm) || event == Event::Arm || self.state.is_engaged() {
             return None;
         }
         self.counters.refusals = self.counters.refusals.saturating_add(1);
@@ -291,13 +379,20 @@ impl Memory {
     }
 
     /// Counts frames that were invalid since the last tick.
-    fn count_frames(&mut self, input: &Input<'_>) {
+    fn count_frames(&mut self, input: &Input) {
         let now = [input.position.invalid_in_row, input.link.invalid_in_row];
         for (before, now) in self.invalid.into_iter().zip(now) {
             let more = if now >= before { now.saturating_sub(before) } else { now };
             self.counters.invalid_frames = self.counters.invalid_frames.saturating_add(u32::from(more));
         }
         self.invalid = now;
+    }
+
+    /// Notes whether the next tick on this segment can be a quiet one: nothing is left that it would have to undo.
+    fn settle(&mut self, input: &Input) {
+        let in_step = self.level.ratio() == self.control.ratio();
+        let is_settled = self.state == State::Running && in_step && input.is_quiet();
+        self.settled_on = self.sight.followed().filter(|_| is_settled);
     }
 
     fn change_to(&mut self, state: State, event: Event) {
@@ -322,7 +417,7 @@ impl Memory {
     }
 
     fn keeps_last_value(&self) -> bool {
-        matches!(self.state, State::Fallback { keep, .. } if keep > Micros(0))
+        matches!(self.state, State::Fallback { keep, .. } if keep > Span(0))
     }
 
     /// Whether the dial alone decides, above 100 % too.

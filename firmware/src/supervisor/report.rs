@@ -7,7 +7,8 @@ use crate::controller;
 use crate::law::NoWish;
 use crate::ramp::Bound;
 
-use super::input::{BoardFault, Condition, Inhibit, Source};
+use super::input::Source;
+use super::signals::{BoardFault, Condition, Inhibit};
 use super::state::{Disarm, Hold, State};
 
 /// Why the override is what it is.

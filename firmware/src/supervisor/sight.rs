@@ -65,7 +65,15 @@ impl Sight {
 
     /// Whether a law may act on the segment in work.
     pub fn is_followed(self) -> bool {
-        matches!(self, Sight::Followed(_))
+        self.followed().is_some()
+    }
+
+    /// The segment that a law may act on.
+    pub fn followed(self) -> Option<u32> {
+        match self {
+            Sight::Followed(count) => Some(count),
+            Sight::Unknown | Sight::Nothing | Sight::Unseen(_) | Sight::Awaited(_) => None,
+        }
     }
 
     fn count(self) -> Option<u32> {
@@ -80,9 +88,9 @@ impl Sight {
 mod tests {
     use super::super::input::{Loss, Source};
     use super::*;
-    use arcfeed_shared::units::Micros;
+    use arcfeed_shared::units::Span;
 
-    const LOST: Quality = Quality::Lost(Loss { source: Source::Link, keep: Micros(0) });
+    const LOST: Quality = Quality::Lost(Loss { source: Source::Link, keep: Span(0) });
 
     fn looks(steps: &[(Option<u32>, Quality)]) -> (Sight, Change) {
         let mut sight = Sight::default();

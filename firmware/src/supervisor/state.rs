@@ -1,9 +1,10 @@
 //! The states, and what leads from one to the next.
 
-use arcfeed_shared::units::Micros;
+use arcfeed_shared::units::Span;
 
-use super::input::{BoardFault, Condition, Inhibit, Loss, Quality, Source};
+use super::input::{Loss, Quality, Source};
 use super::operator::Dial;
+use super::signals::{BoardFault, Condition, Inhibit};
 
 /// Who has the override, and why.
 ///
@@ -48,9 +49,9 @@ pub enum State {
         /// What was lost.
         source: Source,
         /// How much longer the last value stays; zero: on the way to 100 %, or the dial below it.
-        keep: Micros,
+        keep: Span,
         /// For how long samples have been fresh again.
-        fresh_for: Micros,
+        fresh_for: Span,
     },
     /// 0 %, until a person resets.
     Faulted {
@@ -135,7 +136,7 @@ impl State {
     }
 
     /// Whether an arming that nothing speaks against would be accepted.
-    pub fn can_arm(&self, resync: Micros) -> bool {
+    pub fn can_arm(&self, resync: Span) -> bool {
         match self {
             State::Idle | State::Disarmed { .. } => true,
             State::Fallback { fresh_for, .. } => *fresh_for >= resync,
@@ -146,12 +147,12 @@ impl State {
     }
 
     /// Lets time pass: `dt` for what runs out, at most `longest_tick` of it for what must last.
-    pub fn elapse(&mut self, quality: Quality, dial: Dial, dt: Micros, longest_tick: Micros) {
+    pub fn elapse(&mut self, quality: Quality, dial: Dial, dt: Span, longest_tick: Span) {
         match self {
             State::Fallback { keep, fresh_for, .. } => {
                 let is_fresh = quality == Quality::Fresh;
-                *keep = keep.since(dt);
-                *fresh_for = if is_fresh { fresh_for.after(dt.min(longest_tick)) } else { Micros(0) };
+                *keep = keep.shorter_by(dt);
+                *fresh_for = if is_fresh { fresh_for.longer_by(dt.min(longest_tick)) } else { Span(0) };
             }
             State::Disarmed { by: Disarm::Operator { lowest_percent, raised } } => {
                 *raised |= dial.is_raised_from(*lowest_percent);
@@ -192,7 +193,7 @@ impl State {
         match event {
             Event::Fault(fault) => State::Faulted { fault },
             Event::Disarm => State::Disarmed { by: Disarm::Request },
-            Event::Lost(Loss { source, keep }) => State::Fallback { source, keep, fresh_for: Micros(0) },
+            Event::Lost(Loss { source, keep }) => State::Fallback { source, keep, fresh_for: Span(0) },
             Event::Reduced { percent } => {
                 State::Disarmed { by: Disarm::Operator { lowest_percent: percent, raised: false } }
             }
@@ -206,11 +207,11 @@ impl State {
         }
     }
 
-    fn next_of_fallback(self, event: Event, source: Source, fresh_for: Micros) -> State {
+    fn next_of_fallback(self, event: Event, source: Source, fresh_for: Span) -> State {
         match event {
             Event::Fault(fault) => State::Faulted { fault },
             Event::Disarm => State::Disarmed { by: Disarm::Request },
-            Event::Reduced { .. } => State::Fallback { source, keep: Micros(0), fresh_for },
+            Event::Reduced { .. } => State::Fallback { source, keep: Span(0), fresh_for },
             Event::Arm => State::Armed,
             Event::Reset | Event::Lost(_) | Event::Refuse(_) | Event::Inhibit(_) | Event::Hold => self,
             Event::Stale | Event::Work | Event::Rest | Event::Halt => self,

@@ -131,6 +131,11 @@ impl Control {
         self.held = true;
     }
 
+    /// Whether feed hold is on.
+    pub fn is_held(&self) -> bool {
+        self.held
+    }
+
     /// One interpolation period; `override_percent` is what stands at the override input.
     pub fn step(&mut self, now: Micros, dt: Micros, override_percent: u8) {
         if let Some(fault) = self.port.step(dt) {

@@ -9,7 +9,7 @@ use arcfeed_shared::nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
 use arcfeed_shared::segment::{Arc, Path::*, Segment};
 use arcfeed_shared::stock::{Stock, StockLine};
 use arcfeed_shared::tool::{CupMill, Edge::*, Tool};
-use arcfeed_shared::units::{LengthUnit::*, MicroDeg, Micros, MmPerTooth, Nm, RevPerMin};
+use arcfeed_shared::units::{LengthUnit::*, MicroDeg, Span, MmPerTooth, Nm, RevPerMin};
 
 /// A move of the run, or a rest.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +25,7 @@ pub struct Block {
 include!(concat!(env!("OUT_DIR"), "/example.rs"));
 
 /// The tick of the run.
-pub const TICK: Micros = Micros::from_ms(1);
+pub const TICK: Span = Span::from_ms(1);
 
 const NM_PER_UM: i64 = 1_000;
 const BYTES_PER_TICK: usize = 6;

@@ -18,8 +18,11 @@ use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use arcfeed_firmware::board::{Board, Task};
-use arcfeed_firmware::controller::{ActiveSegment, Controller, Input};
+use arcfeed_firmware::controller::{self, ActiveSegment};
 use arcfeed_firmware::ramp::FeedOverride;
+use arcfeed_firmware::supervisor::input::{Input, Work};
+use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_firmware::supervisor::{Memory, Supervisor};
 use arcfeed_qemu_mps2::example::{self, Block, TICK};
 use arcfeed_qemu_mps2::stack::Painted;
 use arcfeed_qemu_mps2::uart::{Transmitter, UART1};
@@ -35,7 +38,7 @@ type Prepared = (u32, Option<ActiveSegment>);
 
 /// What only the tick touches while it runs.
 struct TickState {
-    controller: Controller,
+    supervisor: Supervisor,
     task: Task,
     segments: Consumer<'static, Prepared>,
     run: example::Run,
@@ -77,7 +80,7 @@ impl Board for Cabinet {
         &self.input
     }
 
-    fn segment(&self) -> Option<(u32, &ActiveSegment)> {
+    fn work(&self) -> Work<'_> {
         self.segment.as_ref().map(|(count, segment)| (*count, segment))
     }
 
@@ -110,8 +113,8 @@ fn tick(state: &mut TickState) {
         }
         state.cabinet.segment = next.and_then(|(count, segment)| Some((count, segment?)));
     }
-    state.cabinet.input.position = Some(position);
-    state.task.run(&state.controller, &mut state.cabinet);
+    state.cabinet.input.measured.position = Some(position);
+    state.task.run(&state.supervisor, &mut state.cabinet);
     TICKS.store(TICKS.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
     #[cfg(feature = "prove-the-gate")]
     core::hint::black_box(example::BLOCKS[TICKS.load(Ordering::Relaxed) as usize].first_tick);
@@ -121,7 +124,7 @@ fn tick(state: &mut TickState) {
 fn main() -> ! {
     let painted = Painted::below_here();
     let job = example::job();
-    let Ok(controller) = Controller::new(&job) else {
+    let Ok(supervisor) = Supervisor::new(&job, Settings::default()) else {
         defmt::error!("the limits of the override make no sense");
         leave(debug::EXIT_FAILURE)
     };
@@ -138,14 +141,14 @@ fn main() -> ! {
             let _room = segments.enqueue(prepared);
         }
     }
-    defmt::info!("feedboard: {=usize} blocks, a tick every {=u64} us", example::BLOCKS.len(), TICK.0);
-    let input = Input { position: None, spindle: job.spindle, dt: TICK };
+    defmt::info!("feedboard: {=usize} blocks, a tick every {=u32} us", example::BLOCKS.len(), TICK.0);
+    let measured = controller::Input { position: None, spindle: job.spindle, dt: TICK };
     // SAFETY: UART 1 is used here only; the timer starts below, so nobody sees the state yet.
     unsafe {
-        let cabinet = Cabinet { segment: None, input, line: Transmitter::new(UART1) };
-        let run = example::run();
-        *TICK_STATE.0.get() = Some(TickState { controller, task: Task::default(), segments: consumer, run, cabinet });
-        timer::start(TICK.0 as u32);
+        let cabinet = Cabinet { segment: None, input: Input::of(measured), line: Transmitter::new(UART1) };
+        let (run, task) = (example::run(), Task::from(Memory::armed()));
+        *TICK_STATE.0.get() = Some(TickState { supervisor, task, segments: consumer, run, cabinet });
+        timer::start(TICK.0);
     }
     while !OVER.load(Ordering::Acquire) {
         while segments.ready() && blocks.peek().is_some() {

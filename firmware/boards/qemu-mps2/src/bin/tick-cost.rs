@@ -11,8 +11,12 @@ use core::hint::black_box;
 use arcfeed_bench::cabinet::Cabinet;
 use arcfeed_bench::thesis::{self, Movement};
 use arcfeed_firmware::board::Task;
-use arcfeed_firmware::controller::{ActiveSegment, Controller, Input, Output, Reason};
+use arcfeed_firmware::controller::{self, ActiveSegment};
 use arcfeed_firmware::ramp::FeedOverride;
+use arcfeed_firmware::supervisor::input::Input;
+use arcfeed_firmware::supervisor::report::Reason;
+use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_firmware::supervisor::{Memory, Output, Supervisor};
 use arcfeed_qemu_mps2::clock::InstructionCounter;
 use arcfeed_qemu_mps2::example::{self, Block, TICK};
 use arcfeed_qemu_mps2::figures::Costs;
@@ -44,8 +48,8 @@ struct Figures {
 }
 
 #[inline(never)]
-fn tick(task: &mut Task, controller: &Controller, board: &mut Cabinet) -> Option<Output> {
-    task.run(controller, board)
+fn tick(task: &mut Task, supervisor: &Supervisor, board: &mut Cabinet) -> Output {
+    task.run(supervisor, board)
 }
 
 #[cortex_m_rt::entry]
@@ -53,10 +57,10 @@ fn main() -> ! {
     cortex_m::interrupt::disable();
     let counter = InstructionCounter::start();
     let job = example::job();
-    let Ok(controller) = Controller::new(&job) else { arcfeed_qemu_mps2::leave(debug::EXIT_FAILURE) };
-    let input = Input { position: None, spindle: job.spindle, dt: TICK };
-    let mut board = Cabinet { segment: None, input, output: FeedOverride::PROGRAMMED };
-    let (mut task, mut figures, mut stack_bytes) = (Task::default(), Figures::default(), 0);
+    let Ok(supervisor) = Supervisor::new(&job, Settings::default()) else { arcfeed_qemu_mps2::leave(debug::EXIT_FAILURE) };
+    let measured = controller::Input { position: None, spindle: job.spindle, dt: TICK };
+    let mut board = Cabinet { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED };
+    let (mut task, mut figures, mut stack_bytes) = (Task::from(Memory::armed()), Figures::default(), 0);
     let mut block = None;
     for (position, new) in example::run() {
         if let Some((count, next)) = new {
@@ -67,11 +71,11 @@ fn main() -> ! {
             figures.prepare.add(cost);
             board.segment = active.map(|active| (count, active));
         }
-        board.input.position = Some(position);
+        board.input.measured.position = Some(position);
         let painted = Painted::below_here();
-        let (cost, output) = counter.of(|| tick(&mut task, black_box(&controller), &mut board));
+        let (cost, output) = counter.of(|| tick(&mut task, black_box(&supervisor), &mut board));
         stack_bytes = stack_bytes.max(painted.used());
-        if output.is_some_and(|output| matches!(output.reason, Reason::Law | Reason::Bounded(_))) {
+        if matches!(output.reason, Reason::Law | Reason::Floor { .. } | Reason::Limited(_)) {
             figures.governed.add(cost);
             if let Some(movement) = block.and_then(|block| movement(block, &position, &job)) {
                 count_thesis(&counter, &mut figures.thesis, &movement);
