@@ -2,7 +2,8 @@
 
 use crate::ramp::FeedOverride;
 use crate::supervisor::input::{Input, Work};
-use crate::supervisor::{Memory, Output, Supervisor};
+use crate::supervisor::memory::Memory;
+use crate::supervisor::{Output, Supervisor};
 
 /// What the controller needs from its surroundings.
 pub trait Board {

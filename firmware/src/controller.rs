@@ -100,7 +100,7 @@ pub enum Reason {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UsualWish {
     /// Wanted feed over the feed as sent.
-    pub ratio: f32,
+    pub wanted_ratio: f32,
     /// The feed per tooth at the centre, along the path.
     pub ipt_center: MmPerTooth,
 }
@@ -122,6 +122,16 @@ impl State {
     /// How far the segment in work is; of no meaning on rapids.
     pub fn progress(&self) -> &Progress {
         &self.progress
+    }
+
+    /// Takes up the feed of the next segment; that feed over the one before.
+    fn take_feed(&mut self, feed_sent: Option<MmPerMin>) -> f32 {
+        let change = match (self.feed_sent, feed_sent) {
+            (Some(before), Some(now)) => now.0 / before.0,
+            _ => 1.0,
+        };
+        self.feed_sent = feed_sent;
+        change
     }
 
     /// Goes on from `ratio`: what was put out while something else had the override.
@@ -197,7 +207,7 @@ impl Way {
 
     fn begin(&self, speed_mm_per_s: f32) -> Progress {
         match self {
-            Way::Rotation { track, .. } => Track::Arc(*track).begin(speed_mm_per_s),
+            Way::Rotation { track, .. } => track.begin(speed_mm_per_s),
             Way::Cut { track, .. } => track.begin(speed_mm_per_s),
             Way::Rapid => Progress::default(),
         }
@@ -222,15 +232,41 @@ impl Controller {
 
     /// The first tick on a segment that becomes active.
     pub fn begin(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Output {
+        if let Some(wish) = self.begin_usual(state, segment, input) {
+            return self.put_out(state, &wish, input.dt);
+        }
         state.progress = segment.way.begin(state.progress.speed_mm_per_s());
-        let feed_change = match (state.feed_sent, segment.feed_sent()) {
-            (Some(before), Some(now)) => now.0 / before.0,
-            _ => 1.0,
-        };
-        state.feed_sent = segment.feed_sent();
+        let feed_change = state.take_feed(segment.feed_sent());
         let wanted = self.wanted(state, segment, input);
         self.ramp.enter_block(&mut state.ramp, wanted.ratio, feed_change);
         self.obey_ramp(state, &wanted, input.dt)
+    }
+
+    /// The same where the segment is of the commonest kind and no bound stands in the law's way: everything but the tick of
+    /// the ramp. If `None`, nothing is done yet.
+    #[inline(always)]
+    pub(crate) fn begin_usual(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Option<UsualWish> {
+        let Way::Rotation { track, feed, .. } = &segment.way else { return None };
+        let before = state.progress;
+        state.progress = track.begin(before.speed_mm_per_s());
+        let Some(wish) = self.usual_wish(state, segment, input) else {
+            state.progress = before;
+            return None;
+        };
+        let feed_change = state.take_feed(Some(feed.feed));
+        self.ramp.enter_block(&mut state.ramp, wish.wanted_ratio, feed_change);
+        Some(wish)
+    }
+
+    #[inline(always)]
+    fn put_out(&self, state: &mut State, wish: &UsualWish, dt: Span) -> Output {
+        let arrives = self.ramp.approach(&mut state.ramp, wish.wanted_ratio, dt);
+        Output {
+            feed_override: self.ramp.round_down(&state.ramp),
+            ipt_center: Some(wish.ipt_center),
+            wanted_ratio: wish.wanted_ratio,
+            reason: if arrives { Reason::Law } else { Reason::Bounded(Bound::Slew) },
+        }
     }
 
     /// Any other tick on the active segment.
@@ -238,13 +274,7 @@ impl Controller {
         let Some(wish) = self.usual_wish(state, segment, input) else {
             return self.tick_otherwise(state, segment, input);
         };
-        let arrives = self.ramp.approach(&mut state.ramp, wish.ratio, input.dt);
-        Output {
-            feed_override: self.ramp.round_down(&state.ramp),
-            ipt_center: Some(wish.ipt_center),
-            wanted_ratio: wish.ratio,
-            reason: if arrives { Reason::Law } else { Reason::Bounded(Bound::Slew) },
-        }
+        self.put_out(state, &wish, input.dt)
     }
 
     /// Moves on along the commonest kind of segment; the law's wish there, if no bound stands in its way. If `None`, the tick
@@ -260,7 +290,7 @@ impl Controller {
         let path = law.path_mm_per_tooth(track.follow(&mut state.progress, [x, y]));
         let ratio = input.spindle.0 * path * feed.teeth_per_feed;
         // What is not a number is not held: neither a refusal of the law nor a spindle without speed.
-        self.ramp.holds(ratio).then_some(UsualWish { ratio, ipt_center: MmPerTooth(path) })
+        self.ramp.holds(ratio).then_some(UsualWish { wanted_ratio: ratio, ipt_center: MmPerTooth(path) })
     }
 
     #[inline(never)]
@@ -279,6 +309,7 @@ impl Controller {
         }
     }
 
+    #[inline(never)]
     fn wanted(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Wanted {
         let progress = &mut state.progress;
         let mut advance = |track: &Track| {

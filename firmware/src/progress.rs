@@ -100,7 +100,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Path from the segment's start.
+    /// Path from the segment's start; samples behind its end add to it.
     pub fn travelled_mm(&self) -> f32 {
         self.travelled_mm
     }
@@ -138,20 +138,20 @@ impl Track {
 
     /// Progress before the first sample: at the start, moving at `speed_mm_per_s`.
     pub fn begin(&self, speed_mm_per_s: f32) -> Progress {
-        let direction = match self {
-            Track::Arc(arc) => arc.start,
-            Track::Line(_) => [0.0; 2],
-        };
-        Progress { direction, travelled_mm: 0.0, speed_mm_per_s }
+        match self {
+            Track::Arc(arc) => arc.begin(speed_mm_per_s),
+            Track::Line(_) => Progress { speed_mm_per_s, ..Progress::default() },
+        }
     }
 
     /// The place reached.
     pub fn place(&self, progress: &Progress) -> Place {
+        let travelled_mm = progress.travelled_mm.min(self.length_mm());
         match self {
-            Track::Arc(arc) => Place::on_arc(progress.direction, arc.turn, arc.radius_mm, progress.travelled_mm),
+            Track::Arc(arc) => Place::on_arc(progress.direction, arc.turn, arc.radius_mm, travelled_mm),
             Track::Line(line) => {
                 let [dx, dy, _] = line.direction;
-                Place::on_line([dx, dy], progress.travelled_mm)
+                Place::on_line([dx, dy], travelled_mm)
             }
         }
     }
@@ -194,6 +194,12 @@ impl ArcTrack {
     /// The plane it lies in.
     pub fn plane(&self) -> Plane {
         self.plane
+    }
+
+    /// [`Track::begin`].
+    #[inline(always)]
+    pub fn begin(&self, speed_mm_per_s: f32) -> Progress {
+        Progress { direction: self.start, travelled_mm: 0.0, speed_mm_per_s }
     }
 
     /// Takes an exact sample, given by its coordinates in the plane: its direction from the rotation centre, if that lies

@@ -155,9 +155,11 @@ impl Ramp {
     }
 
     /// Carries the state into a block whose programmed feed is `feed_change_ratio` times the one before.
+    #[inline(always)]
     pub fn enter_block(&self, state: &mut RampState, wanted_ratio: f32, feed_change_ratio: f32) {
         let same_feed = fmath::max(state.ratio / feed_change_ratio, 1.0);
-        state.ratio = self.at_bound(fmath::min(wanted_ratio, same_feed)).0;
+        let ratio = fmath::min(wanted_ratio, same_feed);
+        state.ratio = if self.holds(ratio) { ratio } else { self.at_bound(ratio).0 };
     }
 
     /// One tick towards `wanted_ratio` (wanted feed / programmed feed).
@@ -177,9 +179,9 @@ impl Ramp {
 
     /// One tick towards a target within the bounds; whether it is reached.
     #[inline(always)]
-    pub fn approach(&self, state: &mut RampState, target: f32, dt: Span) -> bool {
+    pub fn approach(&self, state: &mut RampState, target_ratio: f32, dt: Span) -> bool {
         let (rise, fall) = (self.slew.rise(dt), self.slew.fall(dt));
-        let way = target - state.ratio;
+        let way = target_ratio - state.ratio;
         let is_slewed = if way > rise {
             state.ratio += rise;
             true
@@ -187,7 +189,7 @@ impl Ramp {
             state.ratio += fall;
             true
         } else {
-            state.ratio = target;
+            state.ratio = target_ratio;
             false
         };
         !is_slewed

@@ -3,10 +3,11 @@
 use arcfeed_firmware::board::{Board, Task};
 use arcfeed_firmware::controller::{self, ActiveSegment};
 use arcfeed_firmware::ramp::FeedOverride;
+use arcfeed_firmware::supervisor::Supervisor;
 use arcfeed_firmware::supervisor::input::{Input, Work};
+use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
 use arcfeed_firmware::supervisor::signals::Signals;
-use arcfeed_firmware::supervisor::{Memory, Supervisor};
 use arcfeed_shared::cut::{self, CutRule};
 use arcfeed_shared::job::Job;
 use arcfeed_shared::segment::Segment;

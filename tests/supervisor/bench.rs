@@ -4,10 +4,11 @@ use arcfeed_firmware::controller::{self, ActiveSegment, Controller};
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::input::{Freshness, Input};
 
+use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
 use arcfeed_firmware::supervisor::state::State;
-use arcfeed_firmware::supervisor::{Memory, Output, Supervisor};
+use arcfeed_firmware::supervisor::{Output, Supervisor};
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};

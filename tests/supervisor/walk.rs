@@ -186,7 +186,7 @@ impl Judge {
         assert!(!(by_operator || falls_far || bench.dial < 50) || percent <= dial, "above the dial");
         if bench.dial < self.dial && self.begun_after.is_none() {
             let fall = Judge::share(bench.dial) / Judge::share(self.dial);
-            let rise = UP_PERCENT_PER_US * bench.dt.min(LONGEST_TICK).0 as f64;
+            let rise = UP_PERCENT_PER_US * f64::from(bench.dt.min(LONGEST_TICK).0);
             assert!(
                 percent <= (self.level_below * fall + rise).max(dial + rise),
                 "a reduction did not take effect at once"
@@ -196,7 +196,7 @@ impl Judge {
 
     /// The rise is slewed, but for a block that begins while running: it keeps the feed, or goes to 100 % at most.
     fn rise(&mut self, bench: &Bench, now: &Output, percent: f64) {
-        let mut highest = self.level_below + UP_PERCENT_PER_US * bench.dt.min(LONGEST_TICK).0 as f64 + 1e-2;
+        let mut highest = self.level_below + UP_PERCENT_PER_US * f64::from(bench.dt.min(LONGEST_TICK).0) + 1e-2;
         let runs_on = self.before.state == State::Running && now.state == State::Running;
         if let (Some(before), true) = (self.begun_after, runs_on) {
             let feeds = before.zip(bench.work.and_then(|(_, piece)| bench.feed_sent(piece)));

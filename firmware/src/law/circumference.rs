@@ -59,7 +59,7 @@ impl Circumference {
             cut: PreparedCut::new(&cut),
             // NaN is refused at the end of every tick, by name.
             edge_radius_mm: if edge_radius.0 > 0.0 { edge_radius.0 } else { f32::NAN },
-            path_radius_mm: path_radius.0,
+            path_radius_mm: if path_radius.0 > 0.0 { path_radius.0 } else { f32::NAN },
             advance_ratio: f32::from(edge.advance() * arc.turn.sign()),
             normal: [nx as f32, ny as f32],
             offset_mm: stock.distance_mm(arc.center.map(Nm::to_mm)) as f32,
@@ -70,19 +70,32 @@ impl Circumference {
     /// where the law has no wish.
     #[inline(always)]
     pub fn path_mm_per_tooth(&self, direction: [f32; 2]) -> f32 {
-        let first = self.intersections(direction).more_advanced();
+        let both = self.intersections(direction);
+        let first = both.more_advanced();
         if self.cut.is_thickest_before(first)
             && let Some(path) = self.cut.usual_path(first)
         {
             return path.0;
         }
-        self.path_after_closer_look(direction)
+        let [_, first_towards] = first;
+        let second = both.less_advanced();
+        // The one that advances more is past the side of A: the other one is all there is.
+        if first_towards < 0.0
+            && self.cut.is_thickest_before(second)
+            && let Some(path) = self.cut.usual_path(second)
+        {
+            return path.0;
+        }
+        let ([advance, towards], [more_advance, more_towards]) = (both.foot, both.half_chord);
+        self.path_after_closer_look(advance, towards, more_advance, more_towards)
     }
 
     #[cold]
     #[inline(never)]
-    fn path_after_closer_look(&self, direction: [f32; 2]) -> f32 {
-        self.closer_look(&self.intersections(direction)).map_or(f32::NAN, |wish| wish.path_mm_per_tooth)
+    fn path_after_closer_look(&self, advance: f32, towards: f32, more_advance: f32, more_towards: f32) -> f32 {
+        // Single numbers stay in registers.
+        let both = Intersections { foot: [advance, towards], half_chord: [more_advance, more_towards] };
+        self.closer_look(&both).map_or(f32::NAN, |wish| wish.path_mm_per_tooth)
     }
 
     #[inline(always)]
@@ -140,6 +153,7 @@ impl Intersections {
         [advance + more_advance, towards + more_towards]
     }
 
+    #[inline(always)]
     fn less_advanced(&self) -> [f32; 2] {
         let ([advance, towards], [more_advance, more_towards]) = (self.foot, self.half_chord);
         [advance - more_advance, towards - more_towards]
@@ -151,7 +165,9 @@ impl FeedLaw for Circumference {
         let both = self.intersections(place.towards.map(|component| -component));
         let first = both.more_advanced();
         match self.cut.usual_path(first) {
-            Some(path) if self.cut.is_thickest_before(first) => Ok(Wish { path_mm_per_tooth: path.0, contact: first }),
+            Some(path) if self.cut.is_thickest_before(first) && path.0 > 0.0 => {
+                Ok(Wish { path_mm_per_tooth: path.0, contact: first })
+            }
             _ => self.closer_look(&both),
         }
     }

@@ -69,7 +69,7 @@ fn it_ends_with_its_segment() {
     for step in 1..=20 {
         travelled(&track, &mut progress, &on_quarter(10.0 * f64::from(step)));
     }
-    assert_eq!(progress.travelled_mm(), track.length_mm());
+    assert_eq!(track.place(&progress).travelled_mm, track.length_mm());
 }
 
 #[test]

@@ -75,6 +75,12 @@ impl Limits {
         level.ratio = self.within(level, level.ratio * change_ratio);
     }
 
+    /// The level that keeps the feed at a block boundary.
+    #[inline(always)]
+    pub fn carry_to(&self, level: &mut Level, ratio: f32) {
+        level.ratio = if self.holds(ratio) { ratio } else { self.within(level, ratio) };
+    }
+
     /// The level as the control takes it, on the thin side.
     #[inline(always)]
     pub fn round(&self, level: &Level) -> FeedOverride {

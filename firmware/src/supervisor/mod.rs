@@ -21,17 +21,20 @@ pub mod state;
 
 pub mod report;
 
+pub mod memory;
+
 use arcfeed_shared::job::Job;
 use arcfeed_shared::units::{MmPerTooth, Span};
 
-use crate::controller::{self, ActiveSegment, Controller};
+use crate::controller::{self, ActiveSegment, Controller, UsualWish};
 use crate::progress::PositionFilter;
 use crate::ramp::FeedOverride;
 
 use input::{Input, Quality, Work};
-use limits::{Level, Limits};
-use operator::{Dial, Turn};
-use report::{Alarm, Counters, Reason, Refusal};
+use limits::Limits;
+use memory::Memory;
+use operator::Turn;
+use report::{Alarm, Reason, Refusal};
 use settings::{Settings, SettingsError};
 use sight::{Change, Sight};
 use signals::{Request, Signals};
@@ -43,21 +46,6 @@ pub struct Supervisor {
     controller: Controller,
     limits: Limits,
     settings: Settings,
-}
-
-/// What the supervisor remembers from tick to tick. The default is power-on: idle, 0 %, rising to the dial.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Memory {
-    state: State,
-    control: controller::State,
-    sight: Sight,
-    dial: Dial,
-    level: Level,
-    signals: Signals,
-    invalid: [u8; 2],
-    counters: Counters,
-    /// The segment on which nothing happens: the law has the override, and a quiet tick changes nothing else.
-    settled_on: Option<u32>,
 }
 
 /// What a tick decides.
@@ -87,31 +75,6 @@ struct Seen {
     pressed: Signals,
 }
 
-impl Memory {
-    /// Idle, on a board that knows what its lines carry.
-    pub fn taking_over(feed_override: FeedOverride) -> Self {
-        Memory { level: Level::at(feed_override), ..Memory::default() }
-    }
-
-    /// As after a person has armed, with nothing in work and 100 % put out: where a simulated run begins.
-    pub fn armed() -> Self {
-        let mut memory =
-            Memory { state: State::Armed, sight: Sight::Nothing, ..Memory::taking_over(FeedOverride::PROGRAMMED) };
-        memory.dial.take_reference();
-        memory
-    }
-
-    /// Who has the override.
-    pub fn state(&self) -> State {
-        self.state
-    }
-
-    /// How often things happened.
-    pub fn counters(&self) -> &Counters {
-        &self.counters
-    }
-}
-
 impl Supervisor {
     /// A supervisor for a job.
     ///
@@ -135,13 +98,17 @@ impl Supervisor {
     /// what [`Supervisor::take_in`] would do as well.
     #[inline(always)]
     pub fn tick(&self, memory: &mut Memory, work: Work<'_>, input: &Input) -> Output {
-        if let Some((count, segment)) = work
-            && memory.settled_on == Some(count)
+        if let (Some((count, segment)), Some(settled_on)) = (work, memory.settled_on)
             && input.is_quiet()
             && self.settings.is_fresh(&input.position, &input.link)
             && self.limits.is_in_time(input.measured.dt)
         {
-            return self.go_on(memory, segment, &input.measured);
+            if count == settled_on {
+                return self.go_on(memory, segment, &input.measured);
+            }
+            if segment.takes_override() {
+                return self.take_up(memory, count, segment, &input.measured);
+            }
         }
         self.take_in(memory, work, input)
     }
@@ -152,8 +119,36 @@ impl Supervisor {
         let Some(wish) = self.controller.usual_wish(&mut memory.control, segment, measured) else {
             return self.go_on_otherwise(memory, segment, measured);
         };
-        // Level and ramp are one here: what moves the one within its bounds and its slew moves both.
-        self.limits.slew(&mut memory.level, wish.ratio, measured.dt);
+        self.obey_law(memory, &wish, measured.dt)
+    }
+
+    /// The first tick on the next segment, where the law had the override on the one before.
+    #[inline(never)]
+    fn take_up(
+        &self,
+        memory: &mut Memory,
+        count: u32,
+        segment: &ActiveSegment,
+        measured: &controller::Input,
+    ) -> Output {
+        memory.sight = Sight::Followed(count);
+        memory.settled_on = Some(count);
+        if let Some(wish) = self.controller.begin_usual(&mut memory.control, segment, measured) {
+            self.limits.carry_to(&mut memory.level, memory.control.ratio());
+            return self.obey_law(memory, &wish, measured.dt);
+        }
+        let step = self.follow_law(memory, segment, measured, (true, Change::Begins));
+        if !memory.is_in_step() {
+            memory.settled_on = None;
+        }
+        self.halt_at_zero(memory);
+        self.report(memory, false, Some(&step), None)
+    }
+
+    /// Moves ramp and level, which are in step, to a wish that no bound stands in the way of.
+    #[inline(always)]
+    fn obey_law(&self, memory: &mut Memory, wish: &UsualWish, dt: Span) -> Output {
+        self.limits.slew(&mut memory.level, wish.wanted_ratio, dt);
         memory.control.force_ratio(memory.level.ratio());
         let feed_override = self.limits.round(&memory.level);
         if feed_override.percent == 0 {
@@ -185,8 +180,7 @@ impl Supervisor {
     }
 
     /// A law that wants no feed at all holds the axes.
-    #[cold]
-    #[inline(never)]
+    #[inline(always)]
     fn halt_at_zero(&self, memory: &mut Memory) {
         if self.limits.round(&memory.level).percent == 0 {
             memory.settled_on = None;
@@ -350,78 +344,5 @@ impl Supervisor {
             refusal,
             ipt_center: step.and_then(|step| step.ipt_center),
         }
-    }
-}
-
-impl Memory {
-    /// Why an arming asked for did not become the event.
-    fn refusal(&mut self, event: Event, pressed: Signals) -> Option<Refusal> {
-        if !pressed.asks(Request::Arm) || event == Event::Arm || self.state.is_engaged() {
-            return None;
-        }
-        self.counters.refusals = self.counters.refusals.saturating_add(1);
-        Some(match (event, self.state) {
-            (Event::Fault(_), _) | (_, State::Faulted { .. }) => Refusal::Faulted,
-            (Event::Lost(_) | Event::Stale, _) => Refusal::NotFresh,
-            (Event::Reduced { .. }, _) => Refusal::Operator,
-            (Event::Refuse(condition), _) => Refusal::Condition(condition),
-            (_, State::Fallback { .. }) => Refusal::NotResynchronised,
-            (_, _) => Refusal::NotFresh,
-        })
-    }
-
-    /// The ramp goes on from what is put out.
-    fn settle_ramp(&mut self) {
-        let share_ratio = self.dial.share_ratio();
-        if share_ratio > 0.0 {
-            self.control.force_ratio(self.level.ratio() / share_ratio);
-        }
-    }
-
-    /// Counts frames that were invalid since the last tick.
-    fn count_frames(&mut self, input: &Input) {
-        let now = [input.position.invalid_in_row, input.link.invalid_in_row];
-        for (before, now) in self.invalid.into_iter().zip(now) {
-            let more = if now >= before { now.saturating_sub(before) } else { now };
-            self.counters.invalid_frames = self.counters.invalid_frames.saturating_add(u32::from(more));
-        }
-        self.invalid = now;
-    }
-
-    /// Notes whether the next tick on this segment can be a quiet one: nothing is left that it would have to undo.
-    fn settle(&mut self, input: &Input) {
-        let in_step = self.level.ratio() == self.control.ratio();
-        let is_settled = self.state == State::Running && in_step && input.is_quiet();
-        self.settled_on = self.sight.followed().filter(|_| is_settled);
-    }
-
-    fn change_to(&mut self, state: State, event: Event) {
-        if event == Event::Arm {
-            self.dial.take_reference();
-        }
-        if state != self.state {
-            self.counters.take_change(&self.state, &state);
-            self.state = state;
-        }
-    }
-
-    /// A reduction takes effect at once, whatever else holds.
-    fn obey(&mut self, turn: Turn) {
-        match turn {
-            Turn::Kept => {}
-            Turn::Down { from_percent } if self.state.is_engaged() || self.keeps_last_value() => {
-                self.level.fall_by(self.dial.fall_ratio(from_percent));
-            }
-            Turn::Down { .. } | Turn::TakesOver => self.level.fall_to(self.dial.ratio()),
-        }
-    }
-
-    fn keeps_last_value(&self) -> bool {
-        matches!(self.state, State::Fallback { keep, .. } if keep > Span(0))
-    }
-
-    /// Whether the dial alone decides, above 100 % too.
-    fn hands_over_to_dial(&self) -> bool {
-        matches!(self.state, State::Idle | State::Disarmed { by: Disarm::Request | Disarm::Operator { .. } })
     }
 }

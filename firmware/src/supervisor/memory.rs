@@ -1,0 +1,129 @@
+//! What the supervisor remembers from tick to tick.
+
+use arcfeed_shared::units::Span;
+
+use crate::controller;
+use crate::ramp::FeedOverride;
+
+use super::input::Input;
+use super::limits::Level;
+use super::operator::{Dial, Turn};
+use super::report::{Counters, Refusal};
+use super::sight::Sight;
+use super::signals::{Request, Signals};
+use super::state::{Disarm, Event, State};
+
+/// What the supervisor remembers from tick to tick. The default is power-on: idle, 0 %, rising to the dial.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Memory {
+    pub(super) state: State,
+    pub(super) control: controller::State,
+    pub(super) sight: Sight,
+    pub(super) dial: Dial,
+    pub(super) level: Level,
+    pub(super) signals: Signals,
+    pub(super) invalid: [u8; 2],
+    pub(super) counters: Counters,
+    /// The segment on which nothing happens: the law has the override, and a quiet tick changes nothing else.
+    pub(super) settled_on: Option<u32>,
+}
+
+impl Memory {
+    /// Idle, on a board that knows what its lines carry.
+    pub fn taking_over(feed_override: FeedOverride) -> Self {
+        Memory { level: Level::at(feed_override), ..Memory::default() }
+    }
+
+    /// As after a person has armed, with nothing in work and 100 % put out: where a simulated run begins.
+    pub fn armed() -> Self {
+        let mut memory =
+            Memory { state: State::Armed, sight: Sight::Nothing, ..Memory::taking_over(FeedOverride::PROGRAMMED) };
+        memory.dial.take_reference();
+        memory
+    }
+
+    /// Who has the override.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// How often things happened.
+    pub fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// Why an arming asked for did not become the event.
+    pub(super) fn refusal(&mut self, event: Event, pressed: Signals) -> Option<Refusal> {
+        if !pressed.asks(Request::Arm) || event == Event::Arm || self.state.is_engaged() {
+            return None;
+        }
+        self.counters.refusals = self.counters.refusals.saturating_add(1);
+        Some(match (event, self.state) {
+            (Event::Fault(_), _) | (_, State::Faulted { .. }) => Refusal::Faulted,
+            (Event::Lost(_) | Event::Stale, _) => Refusal::NotFresh,
+            (Event::Reduced { .. }, _) => Refusal::Operator,
+            (Event::Refuse(condition), _) => Refusal::Condition(condition),
+            (_, State::Fallback { .. }) => Refusal::NotResynchronised,
+            (_, _) => Refusal::NotFresh,
+        })
+    }
+
+    /// The ramp goes on from what is put out.
+    pub(super) fn settle_ramp(&mut self) {
+        let share_ratio = self.dial.share_ratio();
+        if share_ratio > 0.0 {
+            self.control.force_ratio(self.level.ratio() / share_ratio);
+        }
+    }
+
+    /// Counts frames that were invalid since the last tick.
+    pub(super) fn count_frames(&mut self, input: &Input) {
+        let now = [input.position.invalid_in_row, input.link.invalid_in_row];
+        for (before, now) in self.invalid.into_iter().zip(now) {
+            let more = if now >= before { now.saturating_sub(before) } else { now };
+            self.counters.invalid_frames = self.counters.invalid_frames.saturating_add(u32::from(more));
+        }
+        self.invalid = now;
+    }
+
+    /// Notes whether the next tick on this segment can be a quiet one: nothing is left that it would have to undo.
+    pub(super) fn settle(&mut self, input: &Input) {
+        let is_settled = self.state == State::Running && self.is_in_step() && input.is_quiet();
+        self.settled_on = self.sight.followed().filter(|_| is_settled);
+    }
+
+    /// Whether what is put out is what the ramp says.
+    pub(super) fn is_in_step(&self) -> bool {
+        self.level.ratio() == self.control.ratio()
+    }
+
+    pub(super) fn change_to(&mut self, state: State, event: Event) {
+        if event == Event::Arm {
+            self.dial.take_reference();
+        }
+        if state != self.state {
+            self.counters.take_change(&self.state, &state);
+            self.state = state;
+        }
+    }
+
+    /// A reduction takes effect at once, whatever else holds.
+    pub(super) fn obey(&mut self, turn: Turn) {
+        match turn {
+            Turn::Kept => {}
+            Turn::Down { from_percent } if self.state.is_engaged() || self.keeps_last_value() => {
+                self.level.fall_by(self.dial.fall_ratio(from_percent));
+            }
+            Turn::Down { .. } | Turn::TakesOver => self.level.fall_to(self.dial.ratio()),
+        }
+    }
+
+    pub(super) fn keeps_last_value(&self) -> bool {
+        matches!(self.state, State::Fallback { keep, .. } if keep > Span(0))
+    }
+
+    /// Whether the dial alone decides, above 100 % too.
+    pub(super) fn hands_over_to_dial(&self) -> bool {
+        matches!(self.state, State::Idle | State::Disarmed { by: Disarm::Request | Disarm::Operator { .. } })
+    }
+}
