@@ -72,7 +72,7 @@ fn has_g(code: &str, word: &str) -> bool {
 
 /// The counts of a program whose lines are searched, not parsed.
 fn counted(text: &str) -> Value {
-    let [mut blocks, mut comments, mut arcs, mut linear, mut rapids, mut rotary] = [0; 6];
+    let [mut blocks, mut comments, mut arcs, mut helices, mut linear, mut rapids, mut rotary] = [0; 7];
     let mut is_rapid = true;
     for line in text.lines().filter(|line| !line.is_empty() && *line != "%") {
         let code = line.split('(').next().unwrap_or_default().trim_end();
@@ -84,12 +84,13 @@ fn counted(text: &str) -> Value {
         let is_arc = has('I') && has('J');
         let is_move = ['X', 'Y', 'Z', 'B'].into_iter().any(has);
         arcs += i32::from(is_arc);
+        helices += i32::from(is_arc && has('Z'));
         rapids += i32::from(is_move && is_rapid);
         linear += i32::from(is_move && !is_rapid && !is_arc);
         rotary += i32::from(has('B'));
     }
-    json!({ "lines": text.lines().count(), "blocks": blocks, "comments": comments, "arcs": arcs, "linear": linear,
-        "rapids": rapids, "rotary": rotary })
+    json!({ "lines": text.lines().count(), "blocks": blocks, "comments": comments, "arcs": arcs, "helices": helices,
+        "linear": linear, "rapids": rapids, "rotary": rotary })
 }
 
 /// The example, job and program, in a folder of its own; the program through `change`.

@@ -69,7 +69,7 @@ pub struct Track {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Course {
-    /// About the origin.
+    /// About the origin; what a helix does across the plane is left out.
     Arc { turn: f32, radius_mm: f32, start: [f32; 2] },
     /// From the origin; the direction is of unit length in space, its part in the plane may be shorter.
     Line { start: [Nm; 3], direction: [f32; 3], in_plane: [f32; 2] },
@@ -85,7 +85,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Path from the segment's start.
+    /// Path from the segment's start, of a helix in the plane of its arc.
     pub fn travelled_mm(&self) -> f32 {
         self.travelled_mm
     }
@@ -111,10 +111,10 @@ impl Track {
                 (arc.plane, arc.center, Course::Arc { turn, radius_mm: arc.radius_mm() as f32, start })
             }
         };
-        Some(Track { plane, origin, course, length_mm: segment.length_mm() as f32 })
+        Some(Track { plane, origin, course, length_mm: segment.feed_length_mm() as f32 })
     }
 
-    /// Length of the path, mm.
+    /// Length of the path, of a helix that of its arc in the plane, mm.
     pub fn length_mm(&self) -> f32 {
         self.length_mm
     }
