@@ -142,6 +142,17 @@ fn simulate_takes_the_time_of_the_closed_form_before_and_after() {
     }
 }
 
+#[test]
+fn over_a_line_the_same_blocks_run() {
+    let scratch = Scratch::new("helices-stream");
+    let output = run(&["stream", &job(&scratch), "--port", "sim:", "--json"]);
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one object");
+    let wanted: f64 = moves().map(|(_, one)| time_s(one, worked_out(one).2)).sum();
+    let found = report["cycle_time_s"].as_f64().expect("a time");
+    assert_eq!((&report["blocks_executed"], &report["alarms"]), (&report["blocks_sent"], &Value::Array(vec![])));
+    assert!((found - wanted).abs() <= 2.0 * TICK.to_s() * moves().count() as f64, "{found} s, not {wanted} s");
+}
+
 /// The axes at each tick of each block, from the first with it in work to the first at rest behind it.
 fn executed() -> Vec<Vec<[f64; 3]>> {
     let scratch = Scratch::new("helices-axes");

@@ -1,5 +1,6 @@
 //! The circumference law in G18 and G19: the job of `tests/cases/table-5-4` with its axes permuted so that first axis,
-//! second axis and normal of each plane keep their roles (G18 is ZX, its normal Y) wishes, sends and measures the same.
+//! second axis and normal of each plane keep their roles (G18 is ZX, its normal Y) wishes, sends and measures the same. So
+//! does the job whose arcs are helices, for F, law and chip all count in the plane.
 
 use arcfeed_tests::{Scratch, in_plane, root, run};
 use serde_json::Value;
@@ -64,4 +65,29 @@ fn taken_for_an_xz_plane_g18_would_turn_the_other_way_round() {
     let in_g17 = objects("adapt", &scratch("planes-not-mirrored", &case("program.nc")));
     let same = arcs.iter().filter(|arc| in_g17.contains(arc)).count();
     assert_eq!((arcs.len(), same), (4, 0), "{arcs:?}");
+}
+
+#[test]
+fn on_a_helix_the_law_sends_what_it_sends_on_the_arc_and_the_chips_are_as_wanted() {
+    // An inch down on each way there, an inch up on each way back: the path is a fifth to nearly a half longer than the arc.
+    let ends = [("I3.2165", -28.5688), ("I4.0397", -27.5688), ("I3.0951", -28.6626), ("I3.854", -27.6626)];
+    let program = ends.iter().fold(case("program.nc"), |program, (center, z)| {
+        assert!(program.contains(center));
+        program.replace(center, &format!("Z{z}{center}"))
+    });
+    let scratch = scratch("planes-helices", &program);
+    let feeds = |blocks: Vec<Value>| -> Vec<[Value; 4]> {
+        let of = |block: &Value| ["sent_feed", "feed_min", "feed_max", "reason"].map(|field| block[field].clone());
+        blocks.iter().filter(|block| block["reason"] == "law").map(of).collect()
+    };
+    let adapted = objects("adapt", &scratch);
+    assert_eq!(adapted.iter().filter(|block| block["kind"] == "helix").count(), 4);
+    assert_eq!(feeds(adapted), feeds(objects("adapt", &self::scratch("planes-arcs", &case("program.nc")))));
+    let report = objects("simulate", &scratch).remove(0);
+    for movement in report["movements"].as_array().expect("a list") {
+        let error = |bound: &str| movement["ipt"][bound].as_f64().expect("measured");
+        let (least, most) = (error("error_ratio_min"), error("error_ratio_max"));
+        println!("movement {}: {:.2} .. {:.2} % of the target off", movement["rule"], 100.0 * least, 100.0 * most);
+        assert!(least > -0.02 && most < 0.005, "{movement}");
+    }
 }

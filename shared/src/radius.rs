@@ -10,9 +10,9 @@
 //! other side for R < 0. The root's argument is formed in integers, so that near half a turn, where the control's own
 //! manual warns of errors, nothing cancels: the centre is the exact one, rounded to nanometres.
 //!
-//! A chord longer than 2 R by no more than parameter 3410 allows (twice, for the diameter) is a half turn about its
-//! middle. The published lists know no alarm for longer ones but that for radii out of tolerance; 023, which reads as if
-//! it were meant, is a lathe's for R < 0.
+//! A chord longer than 2 R by no more than parameter 3410 allows (twice, for the diameter) is taken as half a turn about
+//! its middle. The published lists know no alarm for longer ones but that for radii out of tolerance; 023, which reads as
+//! if it were meant, is a lathe's for R < 0.
 //!
 //! Source: Fanuc 15i-MA operator's manual B-63324EN, 4.4; plane geometry.
 
