@@ -88,7 +88,7 @@ fn the_case_holds_every_kind_of_arc() {
 fn the_centre_of_an_arc_given_by_radius_is_the_exact_one_rounded() {
     const SEED: u64 = 3410;
     // Half of the diagonal of a square nanometre.
-    const ROUNDING_NM: f64 = 0.707_107;
+    const ROUNDING_NM: f64 = std::f64::consts::FRAC_1_SQRT_2;
     let mut random = Rng::with_seed(SEED);
     let mut worst_nm = 0.0_f64;
     for case in 0..20_000 {
