@@ -247,7 +247,7 @@ fn cross([x, y]: [f32; 2], [to_x, to_y]: [f32; 2]) -> f32 {
 fn line(segment: &Segment) -> Course {
     let [x, y, z] = segment.start.linear;
     let [to_x, to_y, to_z] = segment.end.linear;
-    let length_mm = segment.length_mm() as f32;
+    let length_mm = segment.feed_length_mm() as f32;
     let part = |from, to| if length_mm > 0.0 { millimetres(to, from) / length_mm } else { 0.0 };
     let (dx, dy, dz) = (part(x, to_x), part(y, to_y), part(z, to_z));
     Course::Line { start: segment.start.linear, direction: [dx, dy, dz], in_plane: [dx, dy] }

@@ -90,20 +90,25 @@ impl Segment {
 
     /// Length along which F counts, mm: that of the path, of a helix that of its arc in the plane (HTG = 0).
     pub fn feed_length_mm(&self) -> f64 {
-        self.arc().map_or_else(|| self.length_mm(), Arc::length_mm)
+        match &self.path {
+            Path::Arc(arc) => arc.length_mm(),
+            Path::Rapid | Path::Line => self.straight_mm(),
+        }
     }
 
     /// Length of the tool centre's path, mm; rotary axes do not count.
     pub fn length_mm(&self) -> f64 {
         match &self.path {
             Path::Arc(arc) => libm::hypot(arc.length_mm(), self.rise().to_mm()),
-            Path::Rapid | Path::Line => {
-                let [x, y, z] = self.start.linear;
-                let [to_x, to_y, to_z] = self.end.linear;
-                let axis = |from: Nm, to: Nm| to.to_mm() - from.to_mm();
-                libm::hypot(libm::hypot(axis(x, to_x), axis(y, to_y)), axis(z, to_z))
-            }
+            Path::Rapid | Path::Line => self.straight_mm(),
         }
+    }
+
+    fn straight_mm(&self) -> f64 {
+        let [x, y, z] = self.start.linear;
+        let [to_x, to_y, to_z] = self.end.linear;
+        let axis = |from: Nm, to: Nm| to.to_mm() - from.to_mm();
+        libm::hypot(libm::hypot(axis(x, to_x), axis(y, to_y)), axis(z, to_z))
     }
 
     /// Whether a rotary axis turns.
