@@ -33,13 +33,15 @@ const CORPUS_WARNINGS: [Place; 8] = [
 const CORPUS_ALARMS: [Place; 3] = [(2, 2, Some(5)), (16, 1, Some(11)), (23, 9, Some(1))];
 
 /// The example's program damaged in one place: the old text, the new one, the alarm, its line and its column.
-const DAMAGES: [(&str, &str, u16, usize, usize); 4] = [
+const DAMAGES: [(&str, &str, u16, usize, usize); 5] = [
     // A letter O for a zero ends the number; where it stands no address belongs.
     ("I3.0952J-4.0056", "I3.0952J-4.0O56", 9, 22, 35),
     ("X-2.5752Y11.5549I4.0398J-3.0504", "X-2.5752Y11.5549", 22, 20, 1),
     // 0.0394 in: 1 mm.
     ("X-2.5752Y11.5549I", "X-2.5752Y11.5943I", 20, 20, 1),
     ("N146G2X", "N146G14X", 10, 20, 5),
+    // The ends lie 1.45 in apart, the diameter is 1 in.
+    ("X-2.5752Y11.5549I4.0398J-3.0504", "X-2.5752Y11.5549R0.5", 20, 20, 1),
 ];
 
 fn text_of(bytes: &[u8]) -> String {
@@ -72,7 +74,7 @@ fn has_g(code: &str, word: &str) -> bool {
 
 /// The counts of a program whose lines are searched, not parsed.
 fn counted(text: &str) -> Value {
-    let [mut blocks, mut comments, mut arcs, mut linear, mut rapids, mut rotary] = [0; 6];
+    let [mut blocks, mut comments, mut arcs, mut helices, mut linear, mut rapids, mut rotary] = [0; 7];
     let mut is_rapid = true;
     for line in text.lines().filter(|line| !line.is_empty() && *line != "%") {
         let code = line.split('(').next().unwrap_or_default().trim_end();
@@ -84,12 +86,13 @@ fn counted(text: &str) -> Value {
         let is_arc = has('I') && has('J');
         let is_move = ['X', 'Y', 'Z', 'B'].into_iter().any(has);
         arcs += i32::from(is_arc);
+        helices += i32::from(is_arc && has('Z'));
         rapids += i32::from(is_move && is_rapid);
         linear += i32::from(is_move && !is_rapid && !is_arc);
         rotary += i32::from(has('B'));
     }
-    json!({ "lines": text.lines().count(), "blocks": blocks, "comments": comments, "arcs": arcs, "linear": linear,
-        "rapids": rapids, "rotary": rotary })
+    json!({ "lines": text.lines().count(), "blocks": blocks, "comments": comments, "arcs": arcs, "helices": helices,
+        "linear": linear, "rapids": rapids, "rotary": rotary })
 }
 
 /// The example, job and program, in a folder of its own; the program through `change`.

@@ -140,7 +140,7 @@ fn what_check_prints_is_documented() {
 }
 
 #[test]
-fn what_adapt_prints_is_documented_for_every_reason_there_is() {
+fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
     let documented = Documented::read();
     let scratch = Scratch::new("json-adapt");
     let with_override = |lines: &str| format!("[override]\n{lines}\n\n[control]");
@@ -151,7 +151,7 @@ fn what_adapt_prints_is_documented_for_every_reason_there_is() {
         ("4.43706", "\"4.43706 in\""),
         ("10.4502", "\"10.4502 in\""),
     ];
-    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 8] = [
+    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 9] = [
         (EXAMPLE, &[], &[]),
         (CASE, &[("4.2391", "44.2391")], &[]),
         (CASE, &[("10.4502", "10.6")], &[]),
@@ -160,19 +160,23 @@ fn what_adapt_prints_is_documented_for_every_reason_there_is() {
         (CASE, &[("\"circumference\"", "\"programmed\"")], &[("N142", ""), ("F25.", "F25")]),
         (CASE, &in_mm, &[]),
         (CASE, &[], &[("F25.", "")]),
+        (CASE, &[], &[("F25.", "Z-27.7F25.")]),
     ];
-    let mut reasons = BTreeSet::new();
+    let (mut reasons, mut kinds) = (BTreeSet::new(), BTreeSet::new());
     for (folder, job, program) in jobs {
         let (code, blocks) = objects(&["adapt", &changed(&scratch, folder, job, program)]);
         assert_eq!((code, blocks.is_empty()), (Some(0), false));
         for block in &blocks {
             documented.assert_fits("adapt", block);
             reasons.insert(block["reason"].to_string());
+            kinds.insert(block["kind"].to_string());
         }
     }
     let schema = documented.texts.iter().find(|text| text["title"] == "adapt").expect("a schema");
-    let listed = schema["properties"]["reason"]["enum"].as_array().expect("a list").iter().map(Value::to_string);
-    assert_eq!(reasons, listed.collect());
+    let listed = |field: &str| -> BTreeSet<String> {
+        schema["properties"][field]["enum"].as_array().expect("a list").iter().map(Value::to_string).collect()
+    };
+    assert_eq!((reasons, kinds), (listed("reason"), listed("kind")));
 }
 
 #[test]

@@ -36,6 +36,15 @@ pub fn run(arguments: &[&str]) -> Output {
     Command::new(arcfeed()).args(arguments).current_dir(root()).output().expect("arcfeed runs")
 }
 
+/// A program written for G17, in the plane that the G word names: the axes X, Y, Z and the centre's I, J, K become
+/// `letters`. Lines with a comment stay as they are.
+pub fn in_plane(program: &str, plane: &str, letters: &str) -> String {
+    let letter = |old: char| "XYZIJK".find(old).and_then(|at| letters.chars().nth(at)).unwrap_or(old);
+    let line = |line: &str| if line.contains('(') { line.to_owned() } else { line.chars().map(letter).collect() };
+    let lines: Vec<String> = program.lines().map(line).collect();
+    lines.join("\n").replace("G17", plane) + "\n"
+}
+
 /// A file that lies beside the project on some machines only. A test without it says so, and loudly: on its own output
 /// and in the log that `cargo xtask test` prints at its end.
 pub fn shared_or_skip(file: &str, test: &str) -> Option<PathBuf> {

@@ -15,8 +15,8 @@ use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{Micros, Span};
-use arcfeed_tests::root;
+use arcfeed_shared::units::{Micros, Nm, Span};
+use arcfeed_tests::{in_plane, root};
 use fastrand::Rng;
 
 const TICK: Micros = Micros::from_ms(1);
@@ -30,6 +30,9 @@ const DROPOUT_RATIO: f64 = 0.02;
 /// How late or early the change of segment may be seen: near a reversal the axes stand within the noise for this long.
 const CHANGE_TICKS: u64 = 12;
 
+/// How far before its end the queue lets a segment go: what the next one may have seen of it.
+const END_TOLERANCE_MM: f64 = 0.01;
+
 /// A tick of the machine: the move in work, counted from zero, and where the axes are.
 #[derive(Clone, Copy)]
 struct Truth {
@@ -42,10 +45,19 @@ fn gauss(random: &mut Rng) -> f64 {
     (0..12).map(|_| random.f64()).sum::<f64>() - 6.0
 }
 
-/// Runs the adapted example at 100 % and records every tick, with the moves in order.
-fn record() -> (Job, Vec<Segment>, Vec<Truth>) {
-    let file = JobFile::load(&root().join("examples/ibr-slot/job.toml")).expect("the example's job is sound");
-    let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
+fn example() -> JobFile {
+    JobFile::load(&root().join("examples/ibr-slot/job.toml")).expect("the example's job is sound")
+}
+
+fn example_program() -> String {
+    std::fs::read_to_string(example().program).expect("the example has a program")
+}
+
+/// Runs a program, adapted as the example is, at 100 % and records every tick, with the moves in order.
+fn record(program: &str) -> (Job, Vec<Segment>, Vec<Truth>) {
+    let file = example();
+    let program = Program::parse(&file.program, program.as_bytes(), file.job.unit, Reading::Lenient);
+    assert!(!program.has_errors(), "{:?}", program.diagnostics);
     let text = adapt(&program, &file.job).text;
     let mut control = Control::from_memory(ControlSettings::fanuc_16i(file.job.unit), &text);
     let (mut now, mut last, mut segments, mut truth) = (Micros(0), None, Vec::new(), Vec::new());
@@ -141,16 +153,16 @@ fn errors(truth: &[Truth], exact: &[(usize, f32, u8)], spoilt: &[(usize, f32, u8
     errors
 }
 
-#[test]
-fn noise_delay_and_gaps_never_put_it_on_the_wrong_segment() {
-    let (job, segments, truth) = record();
+/// Follows a program with every seed and holds each to the bounds.
+fn assert_followed(name: &str, program: &str) {
+    let (job, segments, truth) = record(program);
     let exact = follow(&job, &segments, PositionFilter::Exact, truth.iter().map(|tick| Some(tick.position)));
     let filter = PositionFilter::new(0.3, Span::from_ms(DELAY_TICKS as u32)).expect("a sound gain");
     for seed in SEEDS {
         let spoilt = follow(&job, &segments, filter, spoil(&truth, seed));
         let Errors { compared, wrong, position_mm, override_percent } = errors(&truth, &exact, &spoilt);
         println!(
-            "seed {seed}: {compared} of {} ticks on {} segments, {wrong} on the wrong one; position off by \
+            "{name}, seed {seed}: {compared} of {} ticks on {} segments, {wrong} on the wrong one; position off by \
              {position_mm:.3} mm at most, override by {override_percent} %",
             truth.len(),
             segments.len()
@@ -158,5 +170,50 @@ fn noise_delay_and_gaps_never_put_it_on_the_wrong_segment() {
         assert_eq!(wrong, 0);
         assert!(spoilt.len().abs_diff(truth.len()) as u64 <= CHANGE_TICKS && compared * 10 > truth.len() * 9);
         assert!(override_percent <= 1 && position_mm < 0.1, "{override_percent} %, {position_mm} mm");
+    }
+}
+
+#[test]
+fn noise_delay_and_gaps_never_put_it_on_the_wrong_segment() {
+    assert_followed("G17", &example_program());
+}
+
+/// The example with every first arc of a level down by 1.27 mm and every second one up again.
+fn as_helices(program: &str) -> String {
+    const DEPTH_INCH: f64 = 0.05;
+    let mut level = 0.0;
+    let mut line = |line: &str| {
+        if let Some((_, z)) = line.split_once('Z') {
+            let number: String = z.chars().take_while(|c| !c.is_ascii_alphabetic()).collect();
+            level = number.parse::<f64>().expect("a number");
+        }
+        match line.split_once('J') {
+            Some(_) if line.contains("G3") => format!("{line}Z{:.4}", level - DEPTH_INCH),
+            Some(_) => format!("{line}Z{level:.4}"),
+            None => line.to_owned(),
+        }
+    };
+    let lines: Vec<String> = program.lines().map(&mut line).collect();
+    lines.join("\n") + "\n"
+}
+
+#[test]
+fn helices_in_every_plane_are_followed_as_their_arcs_are() {
+    let helices = as_helices(&example_program());
+    let (job, segments, truth) = record(&helices);
+    let count = segments.iter().filter(|segment| segment.rise() != Nm(0)).count();
+    assert!(count >= 24, "{count} helices");
+    // Exact samples: what is travelled is the angle turned in the plane, times the radius.
+    let exact = follow(&job, &segments, PositionFilter::Exact, truth.iter().map(|tick| Some(tick.position)));
+    for ((of, travelled_mm, _), tick) in exact.iter().zip(&truth).filter(|((of, ..), tick)| *of == tick.segment) {
+        let Some(arc) = segments[*of].arc() else { continue };
+        let [x, y] = [0, 1].map(|axis| tick.position.linear[axis].to_mm() - arc.center[axis].to_mm());
+        let [from_x, from_y] = arc.from.map(Nm::to_mm);
+        let turned = libm::atan2(from_x * y - from_y * x, from_x * x + from_y * y) * f64::from(arc.turn.sign());
+        let off_mm = (f64::from(*travelled_mm) - arc.radius_mm() * turned).abs();
+        assert!(off_mm < END_TOLERANCE_MM, "{off_mm} mm off at {turned} rad");
+    }
+    for (plane, letters) in [("G17", "XYZIJK"), ("G18", "ZXYKIJ"), ("G19", "YZXJKI")] {
+        assert_followed(plane, &in_plane(&helices, plane, letters));
     }
 }

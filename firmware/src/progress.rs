@@ -69,7 +69,7 @@ pub enum Track {
     Line(LineTrack),
 }
 
-/// An arc about its rotation centre.
+/// An arc about its rotation centre; what a helix does across the plane is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArcTrack {
     plane: Plane,
@@ -100,7 +100,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Path from the segment's start; samples behind its end add to it.
+    /// Path from the segment's start, of a helix in the plane of its arc; samples behind its end add to it.
     pub fn travelled_mm(&self) -> f32 {
         self.travelled_mm
     }
@@ -114,7 +114,7 @@ impl Progress {
 impl Track {
     /// The track of a cutting move; `None` for rapids, whose way is the machine's.
     pub fn new(segment: &Segment) -> Option<Self> {
-        let length_mm = segment.length_mm() as f32;
+        let length_mm = segment.feed_length_mm() as f32;
         match &segment.path {
             Path::Rapid => None,
             Path::Line => Some(Track::Line(LineTrack::new(segment, length_mm))),
@@ -129,7 +129,7 @@ impl Track {
         }
     }
 
-    /// Length of the path, mm.
+    /// Length of the path, of a helix that of its arc in the plane, mm.
     pub fn length_mm(&self) -> f32 {
         match self {
             Track::Arc(ArcTrack { length_mm, .. }) | Track::Line(LineTrack { length_mm, .. }) => *length_mm,

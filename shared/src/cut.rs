@@ -26,7 +26,7 @@ pub struct CutRule {
     pub feed_per_tooth: Option<MmPerTooth>,
     /// First and last sequence number, if restricted.
     pub sequence: Option<(i64, i64)>,
-    /// Lowest and highest Z, if restricted.
+    /// Lowest and highest Z at the start of the move, if restricted.
     pub level: Option<(Nm, Nm)>,
 }
 

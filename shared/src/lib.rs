@@ -1,8 +1,8 @@
 //! What both ends of arcfeed must agree on.
 //!
 //! Modules stand in the order in which data flows; a module imports only from those above it:
-//! NC text -> [`nc::word`] -> [`nc::block`] -> [`nc::modal`] -> [`segment`] -> [`reader`], then what a job adds to the
-//! program ([`tool`], [`stock`], [`cut`], [`job`]) and what comes back from the machine ([`telemetry`], [`report`]).
+//! NC text -> [`nc::word`] -> [`nc::block`] -> [`nc::modal`] -> [`radius`] -> [`segment`] -> [`reader`], then what a job adds
+//! to the program ([`tool`], [`stock`], [`cut`], [`job`]) and what comes back from the machine ([`telemetry`], [`report`]).
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 
@@ -11,6 +11,8 @@ pub mod units;
 pub mod fmath;
 
 pub mod nc;
+
+pub mod radius;
 
 pub mod segment;
 

@@ -11,8 +11,8 @@ use crate::units::LengthUnit;
 pub struct Reader {
     modal: Modal,
     reading: Reading,
-    /// A block was refused, and where its move would have ended is unknown.
-    is_lost: bool,
+    /// Axes whose position is unknown, because a block that would have moved them was refused.
+    lost: [bool; 3],
 }
 
 /// A line, understood.
@@ -29,21 +29,21 @@ pub struct Understood {
 impl Reader {
     /// At power-on.
     pub fn new(unit: LengthUnit, reading: Reading) -> Self {
-        Reader { modal: Modal::at_power_on(unit), reading, is_lost: false }
+        Reader { modal: Modal::at_power_on(unit), reading, lost: [false; 3] }
     }
 
     /// Reads the next line, which must not contain its line end.
     ///
     /// # Errors
     /// The first fault of the line. One fault does not make the next block another: after an arc with bad geometry the
-    /// state stands at its programmed end, and after a block that could not be read no arc is judged until X and Y are
-    /// given again.
+    /// state stands at its programmed end, and after a block that could not be read no arc is judged until X and Y, and Z
+    /// if it stood there, are given again.
     pub fn read(&mut self, text: &[u8]) -> Result<Understood, Fault> {
         let understood = self.understand(text);
         if let Err(Fault { cause, .. }) = understood
             && !is_geometry(cause)
         {
-            self.is_lost |= has_axis_word(text);
+            self.lose(text);
         }
         understood
     }
@@ -55,27 +55,37 @@ impl Reader {
         };
         let (next, step) = self.modal.interpret(block)?;
         self.modal = next;
+        let is_lost = self.lost.contains(&true);
         let segment = match step.motion.map(|motion| Segment::from_motion(&motion, block.sequence)) {
-            Some(Err(fault)) if !(self.is_lost && is_geometry(fault.cause)) => return Err(fault),
-            Some(Ok(segment)) if !self.is_lost => Some(segment),
+            Some(Err(fault)) if !(is_lost && is_geometry(fault.cause)) => return Err(fault),
+            Some(Ok(segment)) if !is_lost => Some(segment),
             Some(_) | None => None,
         };
-        if next.absolute && block.word(b'X').is_some() && block.word(b'Y').is_some() {
-            self.is_lost = false;
+        if next.absolute && step.dwell.is_none() {
+            for (lost, axis) in self.lost.iter_mut().zip(b'X'..=b'Z') {
+                *lost &= block.word(axis).is_none();
+            }
         }
         Ok(Understood { parsed, step, segment })
     }
-}
 
-/// Whether an axis letter stands before any comment.
-fn has_axis_word(text: &[u8]) -> bool {
-    let code = text.split(|&byte| byte == b'(').next().unwrap_or_default();
-    code.iter().any(|byte| matches!(byte, b'X'..=b'Z'))
+    /// A block that moves cannot be read: it moved in X and Y, whatever it names, and in Z if it names that.
+    fn lose(&mut self, text: &[u8]) {
+        let code = text.split(|&byte| byte == b'(').next().unwrap_or_default();
+        let has = |axis| code.contains(&axis);
+        let [x, y, z] = self.lost;
+        let moves = has(b'X') || has(b'Y') || has(b'Z');
+        self.lost = [x || moves, y || moves, z || has(b'Z')];
+    }
 }
 
 /// Whether a fault is about where a move starts and ends, not about what is written.
 fn is_geometry(cause: Cause) -> bool {
-    matches!(cause, Cause::Alarm(Alarm::RadiusTolerance | Alarm::NoRadius) | Cause::NotModelled(NotModelled::Helix))
+    matches!(
+        cause,
+        Cause::Alarm(Alarm::RadiusTolerance | Alarm::NoRadius)
+            | Cause::NotModelled(NotModelled::RotaryArc | NotModelled::ArcWithoutAngle)
+    )
 }
 
 impl Understood {
@@ -88,6 +98,7 @@ impl Understood {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::units::Nm;
 
     #[test]
     fn one_bad_arc_is_one_fault() {
@@ -109,6 +120,17 @@ mod tests {
         assert_eq!(reader.read(b"G3X0Y10.I-10.").unwrap().segment, None);
         assert!(reader.read(b"G3X-10.Y0J-10.").unwrap().segment.is_some());
         assert!(reader.read(b"G3X0Y11.I10.").is_err());
+    }
+
+    #[test]
+    fn in_every_plane_an_arc_waits_for_the_axes_that_were_lost() {
+        let mut reader = Reader::new(LengthUnit::Mm, Reading::Lenient);
+        assert!(reader.read(b"G18G1X0Y0Z10.F100.").is_ok());
+        assert!(reader.read(b"X5.Z2O.").is_err());
+        assert_eq!(reader.read(b"X0Y0").unwrap().segment, None);
+        assert_eq!(reader.read(b"G3X10.Z0K-10.").unwrap().segment, None);
+        let helix = reader.read(b"G3X0Z-10.Y3.I-10.").unwrap().segment.unwrap();
+        assert_eq!(helix.rise(), Nm(3_000_000));
     }
 
     #[test]

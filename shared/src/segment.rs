@@ -3,9 +3,15 @@
 //! Coordinates are integer nanometres. An arc's programmed start and end never lie on exactly one circle; the centre
 //! is what the program says, the radius is the one at the start, and the difference at the end is checked against
 //! parameter 3410.
+//!
+//! An arc whose start and end differ across its plane is a helix of at most one turn. Its F counts along the arc in the
+//! plane (parameter 1403, bit 5, HTG = 0: the control's default), and so does everything that looks at feed.
+//!
+//! Source: Fanuc 15i operator's manual B-63324EN, 4.5, and connection manual B-63783EN-1, 6.7 (there HTG is 1401, bit 2).
 
 use crate::nc::alarm::{Alarm, Fault, NotModelled};
-use crate::nc::modal::{Feed, Motion, MotionKind, Plane, Pose, Turn};
+use crate::nc::modal::{Center, Feed, Motion, MotionKind, Plane, Pose, Turn};
+use crate::radius::center_offset;
 use crate::units::Nm;
 
 /// Largest accepted difference of an arc's start and end radius (parameter 3410; a common setting).
@@ -33,7 +39,7 @@ pub enum Path {
     Rapid,
     /// Straight, all axes together.
     Line,
-    /// On a circle in one plane.
+    /// On a circle in one plane, and evenly across it if start and end lie apart there.
     Arc(Arc),
 }
 
@@ -56,8 +62,8 @@ impl Segment {
     /// Checks the geometry of a motion.
     ///
     /// # Errors
-    /// PS0020 radius difference above [`RADIUS_TOLERANCE`], PS0022 no radius at all; arcs that also move other axes
-    /// are not modelled.
+    /// PS0020 radius difference above [`RADIUS_TOLERANCE`], or ends that no circle of radius R reaches; PS0022 no radius
+    /// at all; arcs that also turn a rotary axis, or have no angle, are not modelled.
     pub fn from_motion(motion: &Motion, sequence: Option<i64>) -> Result<Self, Fault> {
         let path = match motion.kind {
             MotionKind::Rapid => Path::Rapid,
@@ -75,17 +81,34 @@ impl Segment {
         }
     }
 
+    /// How far an arc leads across its plane, along the plane's normal; nothing for lines.
+    pub fn rise(&self) -> Nm {
+        let Path::Arc(arc) = &self.path else { return Nm(0) };
+        let (_, _, normal) = arc.plane.axes();
+        Nm(pick(&self.end.linear, normal).0.saturating_sub(pick(&self.start.linear, normal).0))
+    }
+
+    /// Length along which F counts, mm: that of the path, of a helix that of its arc in the plane (HTG = 0).
+    pub fn feed_length_mm(&self) -> f64 {
+        match &self.path {
+            Path::Arc(arc) => arc.length_mm(),
+            Path::Rapid | Path::Line => self.straight_mm(),
+        }
+    }
+
     /// Length of the tool centre's path, mm; rotary axes do not count.
     pub fn length_mm(&self) -> f64 {
         match &self.path {
-            Path::Arc(arc) => arc.length_mm(),
-            Path::Rapid | Path::Line => {
-                let [x, y, z] = self.start.linear;
-                let [to_x, to_y, to_z] = self.end.linear;
-                let axis = |from: Nm, to: Nm| to.to_mm() - from.to_mm();
-                libm::hypot(libm::hypot(axis(x, to_x), axis(y, to_y)), axis(z, to_z))
-            }
+            Path::Arc(arc) => libm::hypot(arc.length_mm(), self.rise().to_mm()),
+            Path::Rapid | Path::Line => self.straight_mm(),
         }
+    }
+
+    fn straight_mm(&self) -> f64 {
+        let [x, y, z] = self.start.linear;
+        let [to_x, to_y, to_z] = self.end.linear;
+        let axis = |from: Nm, to: Nm| to.to_mm() - from.to_mm();
+        libm::hypot(libm::hypot(axis(x, to_x), axis(y, to_y)), axis(z, to_z))
     }
 
     /// Whether a rotary axis turns.
@@ -96,15 +119,18 @@ impl Segment {
 
 impl Arc {
     fn from_motion(motion: &Motion, turn: Turn) -> Result<Self, Fault> {
-        let (first, second, normal) = motion.plane.axes();
-        let pick = |axes: &[Nm; 3], index: usize| axes.get(index).copied().unwrap_or_default();
-        let start = [first, second].map(|axis| pick(&motion.start.linear, axis));
-        let end = [first, second].map(|axis| pick(&motion.end.linear, axis));
-        let offset = [first, second].map(|axis| pick(&motion.center_offset, axis));
-        let off_plane = pick(&motion.start.linear, normal) != pick(&motion.end.linear, normal);
-        if off_plane || motion.start.rotary != motion.end.rotary {
-            return Err(Fault::not_modelled(NotModelled::Helix, 0));
+        let (first, second, _) = motion.plane.axes();
+        let in_plane = |axes: &[Nm; 3]| [first, second].map(|axis| pick(axes, axis));
+        let (start, end) = (in_plane(&motion.start.linear), in_plane(&motion.end.linear));
+        if motion.start.rotary != motion.end.rotary {
+            return Err(Fault::not_modelled(NotModelled::RotaryArc, 0));
         }
+        let offset = match motion.center {
+            Center::Offset(offset) => in_plane(&offset),
+            Center::Radius(_) if start == end => return Err(Fault::not_modelled(NotModelled::ArcWithoutAngle, 0)),
+            Center::Radius(radius) => center_offset(subtract(end, start), radius, turn, RADIUS_TOLERANCE)
+                .map_err(|alarm| Fault::alarm(alarm, 0))?,
+        };
         let center = add(start, offset);
         let arc = Arc {
             plane: motion.plane,
@@ -144,7 +170,7 @@ impl Arc {
         if sweep > 0.0 { sweep } else { sweep + TAU }
     }
 
-    /// Length of the arc at its start radius, mm.
+    /// Length of the arc in its plane, at its start radius, mm.
     pub fn length_mm(&self) -> f64 {
         self.radius_mm() * self.sweep_rad()
     }
@@ -156,6 +182,10 @@ impl Arc {
         let (sin, cos) = libm::sincos(libm::atan2(y, x) + turned);
         [cos, sin]
     }
+}
+
+fn pick(axes: &[Nm; 3], index: usize) -> Nm {
+    axes.get(index).copied().unwrap_or_default()
 }
 
 fn add(a: [Nm; 2], b: [Nm; 2]) -> [Nm; 2] {
@@ -190,7 +220,7 @@ mod tests {
             plane: Plane::Xy,
             start: pose(mm(start)),
             end: pose(mm(end)),
-            center_offset: [i, j, Nm(0)],
+            center: Center::Offset([i, j, Nm(0)]),
             feed: Feed::Missing,
         }
     }
@@ -231,10 +261,41 @@ mod tests {
     }
 
     #[test]
-    fn an_arc_that_leaves_its_plane_is_refused() {
+    fn a_helix_is_as_long_as_its_unrolled_cylinder_says_and_counts_its_feed_in_the_plane() {
         let mut helix = motion(Turn::Ccw, [10.0, 0.0], [0.0, 10.0], [-10.0, 0.0]);
-        helix.end.linear[2] = Nm(1);
-        let fault = Segment::from_motion(&helix, None).unwrap_err();
-        assert_eq!(fault, Fault::not_modelled(NotModelled::Helix, 0));
+        helix.end.linear[2] = Nm::from_mm(-7.0);
+        let segment = Segment::from_motion(&helix, None).unwrap();
+        assert_eq!(segment.rise(), Nm::from_mm(-7.0));
+        let arc_mm = 10.0 * FRAC_PI_2;
+        assert!((segment.feed_length_mm() - arc_mm).abs() < 1e-12);
+        assert!((segment.length_mm() - libm::sqrt(arc_mm * arc_mm + 49.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn by_radius_an_arc_is_the_shorter_or_the_longer_way_round() {
+        for (radius, turn, sweep) in [
+            (10.0, Turn::Ccw, FRAC_PI_2),
+            (-10.0, Turn::Ccw, 3.0 * FRAC_PI_2),
+            (10.0, Turn::Cw, FRAC_PI_2),
+            (-10.0, Turn::Cw, 3.0 * FRAC_PI_2),
+        ] {
+            let mut by_radius = motion(turn, [10.0, 0.0], [0.0, 10.0], [0.0; 2]);
+            by_radius.center = Center::Radius(Nm::from_mm(radius));
+            let arc = *Segment::from_motion(&by_radius, None).unwrap().arc().unwrap();
+            assert!((arc.sweep_rad() - sweep).abs() < 1e-15 && arc.radius_mm() == 10.0, "R{radius} {turn:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_arc_in_its_plane_is_refused() {
+        let mut turning = motion(Turn::Ccw, [10.0, 0.0], [0.0, 10.0], [-10.0, 0.0]);
+        turning.end.rotary[1].0 = 1;
+        let fault = Segment::from_motion(&turning, None).unwrap_err();
+        assert_eq!(fault, Fault::not_modelled(NotModelled::RotaryArc, 0));
+        let mut straight = motion(Turn::Ccw, [10.0, 0.0], [10.0, 0.0], [0.0; 2]);
+        straight.center = Center::Radius(Nm(1));
+        straight.end.linear[2] = Nm(1);
+        let fault = Segment::from_motion(&straight, None).unwrap_err();
+        assert_eq!(fault, Fault::not_modelled(NotModelled::ArcWithoutAngle, 0));
     }
 }

@@ -1,4 +1,5 @@
-//! Stock in the plane of a segment: half planes, convex pieces, round blanks.
+//! Stock in the plane of a segment: half planes, convex pieces, round blanks. Coordinates are those of the plane's first
+//! and second axis: X and Y in G17, Z and X in G18, Y and Z in G19.
 
 use heapless::Vec;
 
@@ -30,7 +31,7 @@ pub struct StockLine {
 }
 
 impl StockLine {
-    /// A line by the direction of its normal, degrees from +X, and its offset, mm.
+    /// A line by the direction of its normal, degrees from the plane's first axis, and its offset, mm.
     pub fn from_angle(normal_deg: f64, offset_mm: f64) -> Self {
         let (sin, cos) = libm::sincos(normal_deg.to_radians());
         StockLine { normal: [cos, sin], offset_mm }

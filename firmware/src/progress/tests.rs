@@ -92,6 +92,29 @@ fn a_line_in_space_counts_its_whole_length() {
 }
 
 #[test]
+fn a_helix_counts_its_arc_in_the_plane_with_and_without_the_filter() {
+    let sample = |travelled_mm: f64| {
+        let mut sample = on_quarter(travelled_mm);
+        sample.linear[2] = Nm::from_mm(-0.8 * travelled_mm);
+        sample
+    };
+    let mm = |x, y| [Nm::from_mm(x), Nm::from_mm(y)];
+    let (center, from, to) = (mm(5.0, 0.0), mm(0.0, 100.0), mm(100.0, 0.0));
+    let arc = Arc { plane: Plane::Xy, turn: Turn::Cw, center, from, to };
+    let quarter_mm = 50.0 * core::f64::consts::PI;
+    let track = Track::new(&segment(sample(0.0), sample(quarter_mm), Path::Arc(arc))).unwrap();
+    assert!((f64::from(track.length_mm()) - quarter_mm).abs() < 1e-4);
+    for filter in [PositionFilter::Exact, PositionFilter::new(0.2, Micros(0)).unwrap()] {
+        let mut progress = track.begin(30.0);
+        for step in 1..=5_000 {
+            let seen_mm = 0.03 * f64::from(step);
+            track.advance(&filter, &mut progress, Some(&sample(seen_mm)), TICK);
+            assert!((f64::from(progress.travelled_mm()) - seen_mm).abs() < 2e-3, "{filter:?} at {seen_mm}");
+        }
+    }
+}
+
+#[test]
 fn a_rapid_has_no_track() {
     assert_eq!(Track::new(&segment(pose(0.0, 0.0), pose(1.0, 0.0), Path::Rapid)), None);
 }

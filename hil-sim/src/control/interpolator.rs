@@ -1,6 +1,6 @@
 //! Blocks to motion: look-ahead and execution at override-scaled feed under acceleration limits.
 //!
-//! One trapezoid along the path. The speed at a corner is such that no axis jumps by more than the permitted speed
+//! One trapezoid along the path, also of a helix, where the feed counts in the plane of its arc. The speed at a corner is such that no axis jumps by more than the permitted speed
 //! difference, and low enough for everything that is queued behind it to be stopped in time. What is not queued yet
 //! counts as a stop.
 //!
@@ -104,9 +104,9 @@ impl Interpolator {
             self.commanded = MmPerMin(0.0);
             return 0.0;
         };
-        let feed = active.travel.feed_mm_per_s();
         let wanted = commanded_mm_per_s(&active.travel, override_percent, &self.dynamics);
-        self.commanded = MmPerMin(feed.map_or(0.0, |_| wanted * S_PER_MIN) as f32);
+        let feed = active.travel.speed_mm_per_s().map_or(0.0, |_| wanted / active.travel.speed_ratio);
+        self.commanded = MmPerMin((feed * S_PER_MIN) as f32);
         let target = if held { 0.0 } else { wanted };
         let left_mm = active.travel.length_mm - active.done_mm;
         let acceleration = self.dynamics.acceleration_mm_per_s2;
@@ -140,7 +140,7 @@ impl Interpolator {
         self.active.as_ref().map(|active| (active.count, &active.travel.segment))
     }
 
-    /// Programmed feed times override of the active move.
+    /// Programmed feed times override of the active move; of a helix, along its arc in the plane.
     pub fn commanded(&self) -> MmPerMin {
         self.commanded
     }
@@ -178,9 +178,10 @@ impl Interpolator {
     }
 }
 
+/// Along the path.
 fn commanded_mm_per_s(travel: &Travel, override_percent: u8, dynamics: &Dynamics) -> f64 {
-    match travel.feed_mm_per_s() {
-        Some(feed) => (feed * f64::from(override_percent) / f64::from(PERCENT)).min(dynamics.rapid_mm_per_s),
+    match travel.speed_mm_per_s() {
+        Some(speed) => (speed * f64::from(override_percent) / f64::from(PERCENT)).min(dynamics.rapid_mm_per_s),
         None => dynamics.rapid_mm_per_s,
     }
 }

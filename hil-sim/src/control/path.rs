@@ -1,7 +1,8 @@
 //! Segments as paths: length, position and direction at a distance along them.
 //!
 //! An arc's radius runs linearly from its start's to its end's, so that it ends exactly where the program says, as a
-//! control does with end points that are rounded to the last digit.
+//! control does with end points that are rounded to the last digit. A helix moves evenly across the arc's plane; its
+//! feed counts along the arc in the plane (HTG = 0), so the tool runs faster than F by path over arc.
 
 use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE, Pose};
 use arcfeed_shared::segment::{Arc, Path, Segment};
@@ -13,15 +14,17 @@ use nalgebra::Vector3;
 pub struct Travel {
     /// The segment.
     pub segment: Segment,
-    /// Length along which feed counts: of the linear axes, mm; of the rotary ones, degrees, where only they move.
+    /// Length of the path: of the linear axes, mm; of the rotary ones, degrees, where only they move.
     pub length_mm: f64,
+    /// Speed along the path over the feed: above one on a helix.
+    pub speed_ratio: f64,
     shape: Shape,
 }
 
 #[derive(Clone, Debug)]
 enum Shape {
     Straight { start: Vector3<f64>, end: Vector3<f64> },
-    Circular { start: Vector3<f64>, center: [f64; 2], axes: (usize, usize), angle: [f64; 2], radius: [f64; 2] },
+    Circular { start: Vector3<f64>, center: [f64; 2], axes: [usize; 3], angle: [f64; 2], radius: [f64; 2], rise: f64 },
 }
 
 impl Travel {
@@ -31,18 +34,19 @@ impl Travel {
         let end = to_mm(&segment.end);
         let shape = match &segment.path {
             Path::Rapid | Path::Line => Shape::Straight { start, end },
-            Path::Arc(arc) => circular(start, arc),
+            Path::Arc(arc) => circular(start, arc, segment.rise().to_mm()),
         };
-        let linear_mm = segment.length_mm();
+        let (linear_mm, feed_length_mm) = (segment.length_mm(), segment.feed_length_mm());
         let length_mm = if linear_mm > 0.0 { linear_mm } else { rotary_deg(&segment) };
-        Travel { segment, length_mm, shape }
+        let speed_ratio = if feed_length_mm > 0.0 { linear_mm / feed_length_mm } else { 1.0 };
+        Travel { segment, length_mm, speed_ratio, shape }
     }
 
-    /// The programmed feed along the path, mm/s; `None` for rapids.
-    pub fn feed_mm_per_s(&self) -> Option<f64> {
+    /// The speed along the path that the programmed feed asks for, mm/s; `None` for rapids.
+    pub fn speed_mm_per_s(&self) -> Option<f64> {
         match (&self.segment.path, self.segment.feed) {
             (Path::Rapid, _) | (_, Feed::Missing) => None,
-            (_, Feed::PerMinute(feed)) => Some(feed.to_mm() / S_PER_MIN),
+            (_, Feed::PerMinute(feed)) => Some(feed.to_mm() * self.speed_ratio / S_PER_MIN),
             (_, Feed::InverseTime(per_min)) => Some(self.length_mm * per_min as f64 / PER_MIN_SCALE as f64 / S_PER_MIN),
         }
     }
@@ -54,12 +58,13 @@ impl Travel {
         }
         let point = match &self.shape {
             Shape::Straight { start, end } => start + (end - start) * ratio,
-            Shape::Circular { start, center, axes, angle, radius } => {
+            Shape::Circular { start, center, axes, angle, radius, rise } => {
                 let (sin, cos) = libm::sincos(angle[0] + angle[1] * ratio);
                 let radius_mm = radius[0] + (radius[1] - radius[0]) * ratio;
                 let mut point = *start;
-                point[axes.0] = center[0] + radius_mm * cos;
-                point[axes.1] = center[1] + radius_mm * sin;
+                point[axes[0]] = center[0] + radius_mm * cos;
+                point[axes[1]] = center[1] + radius_mm * sin;
+                point[axes[2]] += rise * ratio;
                 point
             }
         };
@@ -84,28 +89,30 @@ impl Travel {
     fn direction(&self, ratio: f64) -> Vector3<f64> {
         match &self.shape {
             Shape::Straight { start, end } => (end - start).try_normalize(0.0).unwrap_or_default(),
-            Shape::Circular { axes, angle, .. } => {
+            Shape::Circular { axes, angle, rise, .. } => {
                 let (sin, cos) = libm::sincos(angle[0] + angle[1] * ratio);
-                let sense = if angle[1] < 0.0 { -1.0 } else { 1.0 };
+                let in_plane = if angle[1] < 0.0 { -1.0 } else { 1.0 } / self.speed_ratio;
                 let mut tangent = Vector3::zeros();
-                tangent[axes.0] = -sense * sin;
-                tangent[axes.1] = sense * cos;
+                tangent[axes[0]] = -in_plane * sin;
+                tangent[axes[1]] = in_plane * cos;
+                tangent[axes[2]] = rise / self.length_mm;
                 tangent
             }
         }
     }
 }
 
-fn circular(start: Vector3<f64>, arc: &Arc) -> Shape {
-    let (first, second, _) = arc.plane.axes();
+fn circular(start: Vector3<f64>, arc: &Arc, rise: f64) -> Shape {
+    let (first, second, normal) = arc.plane.axes();
     let [x, y] = arc.from.map(Nm::to_mm);
     let [to_x, to_y] = arc.to.map(Nm::to_mm);
     Shape::Circular {
         start,
         center: arc.center.map(Nm::to_mm),
-        axes: (first, second),
+        axes: [first, second, normal],
         angle: [libm::atan2(y, x), f64::from(arc.turn.sign()) * arc.sweep_rad()],
         radius: [libm::hypot(x, y), libm::hypot(to_x, to_y)],
+        rise,
     }
 }
 
@@ -150,9 +157,46 @@ mod tests {
         assert!((top.direction_out() + Vector3::y()).norm() < 1e-12);
     }
 
+    /// A turn to the left and up by as much as it is long.
+    fn helix(plane: Plane) -> Travel {
+        let (first, second, normal) = plane.axes();
+        let point = |along: f64, across: f64, up: f64| {
+            let mut linear = [Nm(0); 3];
+            for (axis, mm) in [(first, along), (second, across), (normal, up)] {
+                linear[axis] = Nm::from_mm(mm);
+            }
+            Pose { linear, ..Pose::default() }
+        };
+        let offset = [Nm::from_mm(10.0), Nm(0)];
+        let arc = Arc { plane, turn: Turn::Ccw, center: [Nm(0); 2], from: offset, to: offset };
+        Travel::new(Segment {
+            sequence: None,
+            start: point(10.0, 0.0, 5.0),
+            end: point(10.0, 0.0, 5.0 + 20.0 * core::f64::consts::PI),
+            feed: Feed::PerMinute(Nm::from_mm(600.0)),
+            path: Path::Arc(arc),
+        })
+    }
+
+    #[test]
+    fn a_helix_of_45_degrees_runs_faster_than_its_feed_by_the_root_of_two() {
+        let root = libm::sqrt(2.0);
+        for plane in [Plane::Xy, Plane::Zx, Plane::Yz] {
+            let (travel, (first, second, normal)) = (helix(plane), plane.axes());
+            assert!((travel.speed_mm_per_s().unwrap() - 10.0 * root).abs() < 1e-8);
+            let middle = travel.pose_at(0.5).linear.map(Nm::to_mm);
+            assert!((middle[first] + 10.0).abs() < 1e-6 && middle[second].abs() < 1e-6);
+            assert!((middle[normal] - 5.0 - 10.0 * core::f64::consts::PI).abs() < 1e-6);
+            let mut tangent = Vector3::zeros();
+            (tangent[second], tangent[normal]) = (1.0 / root, 1.0 / root);
+            assert!((travel.direction_in() - tangent).norm() < 1e-8);
+            assert!((travel.direction_out() - tangent).norm() < 1e-8);
+        }
+    }
+
     #[test]
     fn feed_per_minute_becomes_millimetres_per_second() {
-        assert_eq!(half_turn(Turn::Cw).feed_mm_per_s(), Some(10.0));
+        assert_eq!(half_turn(Turn::Cw).speed_mm_per_s(), Some(10.0));
     }
 
     #[test]
@@ -164,7 +208,7 @@ mod tests {
             feed: Feed::InverseTime(50 * PER_MIN_SCALE),
             path: Path::Line,
         });
-        let time_s = travel.length_mm / travel.feed_mm_per_s().unwrap();
+        let time_s = travel.length_mm / travel.speed_mm_per_s().unwrap();
         assert!((time_s - S_PER_MIN / 50.0).abs() < 1e-12);
     }
 }

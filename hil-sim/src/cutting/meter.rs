@@ -1,5 +1,8 @@
 //! The chip-load meter: chips of every tooth, from the machine's actual positions.
 //!
+//! It looks at the plane of the arc, G17 or another, with the tool's axis along the plane's normal; of a helix it measures
+//! the chip across that axis.
+//!
 //! A sample counts if the machine ran within 0.5 % of the commanded feed through the whole of its tooth's cut, within
 //! one block, and the cutting circle had an admissible contact. All others are counted by cause.
 

@@ -112,6 +112,7 @@ impl PlannedBlock {
         match self.segment.path {
             Path::Rapid => "rapid",
             Path::Line => "line",
+            Path::Arc(_) if self.segment.rise() != Nm(0) => "helix",
             Path::Arc(_) => "arc",
         }
     }

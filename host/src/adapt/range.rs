@@ -53,7 +53,7 @@ pub fn along(law: &impl FeedLaw, segment: &Segment, teeth_per_min: f64) -> Optio
 }
 
 fn place_at(segment: &Segment, ratio: f64) -> Place {
-    let travelled_mm = (segment.length_mm() * ratio) as f32;
+    let travelled_mm = (segment.feed_length_mm() * ratio) as f32;
     match segment.arc() {
         Some(arc) => {
             let direction = arc.direction_at(ratio).map(|component| component as f32);

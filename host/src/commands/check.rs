@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use arcfeed_shared::nc::block::{Line, Reading};
 use arcfeed_shared::segment::Path;
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_shared::units::{LengthUnit, Nm};
 use serde::Serialize;
 
 use super::outcome::{Failure, file_failure, say};
@@ -35,8 +35,10 @@ pub struct Counts {
     pub blocks: usize,
     /// Blocks of nothing but a comment or a title.
     pub comments: usize,
-    /// Arcs.
+    /// Arcs, helices among them.
     pub arcs: usize,
+    /// Arcs that also move across their plane.
+    pub helices: usize,
     /// Straight cutting moves.
     pub linear: usize,
     /// Rapid moves.
@@ -96,10 +98,10 @@ impl Check {
             }
         }
         let warnings = of_severity(program, Severity::Warning).count();
-        let Counts { lines, blocks, comments, arcs, linear, rapids, rotary } = counts;
+        let Counts { lines, blocks, comments, arcs, helices, linear, rapids, rotary } = counts;
         say(format_args!(
-            "{path}: {lines} lines, {blocks} blocks ({comments} of them comments): {arcs} arcs, {linear} straight cutting \
-             moves, {rapids} rapids; a rotary axis turns in {rotary} of them; {warnings} warnings"
+            "{path}: {lines} lines, {blocks} blocks ({comments} of them comments): {arcs} arcs ({helices} of them helices), \
+             {linear} straight cutting moves, {rapids} rapids; a rotary axis turns in {rotary} of them; {warnings} warnings"
         ));
     }
 
@@ -138,6 +140,7 @@ fn count(program: &Program) -> Counts {
             Path::Line => counts.linear += 1,
             Path::Rapid => counts.rapids += 1,
         }
+        counts.helices += usize::from(segment.rise() != Nm(0));
         counts.rotary += usize::from(segment.turns_rotary_axis());
     }
     counts

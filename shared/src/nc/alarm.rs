@@ -70,7 +70,8 @@ impl Alarm {
             Alarm::ImproperGCode => "this control has no such G code; correct it",
             Alarm::NoFeed => "a cutting move without a feed; give F in this block or before it (G93: in every block)",
             Alarm::RadiusTolerance => {
-                "start and end of the arc differ in radius by more than parameter 3410; correct the end point or I, J, K"
+                "no such arc within parameter 3410: its ends differ in radius, or lie farther apart than 2 R; correct the \
+                 end point, R or I, J, K"
             }
             Alarm::IllegalPlaneAxis => "an axis outside the selected plane in an arc; select G17, G18 or G19",
             Alarm::NoRadius => "an arc without R or I, J, K; give its centre or radius",
@@ -91,10 +92,10 @@ pub enum NotModelled {
     MCode(u16),
     /// Macro statements beyond `#variable=number`.
     Macro,
-    /// An arc that also moves off its plane or turns a rotary axis.
-    Helix,
-    /// An arc given by R.
-    RadiusArc,
+    /// An arc that also turns a rotary axis.
+    RotaryArc,
+    /// An arc given by R that ends where it starts in its plane, but not across it.
+    ArcWithoutAngle,
     /// More words in a block than [`crate::nc::block::WORDS_MAX`].
     LongBlock,
 }
@@ -136,8 +137,8 @@ impl fmt::Display for NotModelled {
             NotModelled::GCode(tenths) => write!(f, "G{}.{}", tenths / 10, tenths % 10),
             NotModelled::MCode(code) => write!(f, "M{code}"),
             NotModelled::Macro => f.write_str("this macro statement"),
-            NotModelled::Helix => f.write_str("an arc that also moves another axis"),
-            NotModelled::RadiusArc => f.write_str("an arc given by R"),
+            NotModelled::RotaryArc => f.write_str("an arc that also turns a rotary axis"),
+            NotModelled::ArcWithoutAngle => f.write_str("an arc given by R that only moves across its plane"),
             NotModelled::LongBlock => f.write_str("a block of more than 32 words"),
         }
     }

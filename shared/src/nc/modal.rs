@@ -122,10 +122,19 @@ pub struct Motion {
     pub start: Pose,
     /// To.
     pub end: Pose,
-    /// Arc centre relative to the start: I, J, K.
-    pub center_offset: [Nm; 3],
+    /// What says where the centre of an arc is.
+    pub center: Center,
     /// Feed; [`Feed::Missing`] also for rapids.
     pub feed: Feed,
+}
+
+/// How the centre of an arc is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Center {
+    /// I, J, K: relative to the start.
+    Offset([Nm; 3]),
+    /// R: the radius, negative for the way round of more than 180 degrees. I, J, K beside it count for nothing.
+    Radius(Nm),
 }
 
 /// Where the program goes on.
@@ -262,8 +271,8 @@ impl Modal {
     /// The move that the block's axis words ask for, if there are any.
     fn motion_of(&self, block: &Block, feed: Feed) -> Result<Option<Motion>, Fault> {
         let mut end = self.position;
-        let mut center_offset = [Nm(0); 3];
-        let (mut moves, mut has_center) = (false, false);
+        let mut offset = [Nm(0); 3];
+        let (mut moves, mut has_offset) = (false, false);
         for word in &block.words {
             let linear = Nm(self.length(word.number));
             match word.letter {
@@ -277,26 +286,29 @@ impl Modal {
                     moves = true;
                 }
                 letter @ b'I'..=b'K' => {
-                    set(&mut center_offset, letter - b'I', |_| linear);
-                    has_center = true;
+                    set(&mut offset, letter - b'I', |_| linear);
+                    has_offset = true;
                 }
                 _ => {}
             }
         }
         let is_arc = matches!(self.motion, MotionKind::Arc(_));
-        if is_arc && moves && !has_center {
-            return Err(match block.word(b'R') {
-                Some(word) => Fault::not_modelled(NotModelled::RadiusArc, word.column),
-                None => Fault::alarm(Alarm::NoRadius, 0),
-            });
+        let radius = block.word(b'R').filter(|_| is_arc).map(|word| Nm(self.length(word.number)));
+        if is_arc && moves && !has_offset && radius.is_none() {
+            return Err(Fault::alarm(Alarm::NoRadius, 0));
         }
-        // I, J, K without an axis word is a full circle under G2 and G3, and nothing otherwise.
-        Ok((moves || (is_arc && has_center)).then_some(Motion {
+        let is_move = match radius {
+            // An arc of no angle.
+            Some(_) => end != self.position,
+            // I, J, K without an axis word is a full circle under G2 and G3, and nothing otherwise.
+            None => moves || (is_arc && has_offset),
+        };
+        Ok(is_move.then_some(Motion {
             kind: self.motion,
             plane: self.plane,
             start: self.position,
             end,
-            center_offset,
+            center: radius.map_or(Center::Offset(offset), Center::Radius),
             feed: if self.motion == MotionKind::Rapid { Feed::Missing } else { feed },
         }))
     }
@@ -403,7 +415,7 @@ mod tests {
         let motion = motion(&["G20G1G93X-3.6044Y10.5358F50.", "N128G94G2X-2.7807Y11.5782I3.8539J-2.1989F25."]);
         assert_eq!(motion.kind, MotionKind::Arc(Turn::Cw));
         assert_eq!(motion.feed, Feed::PerMinute(inch(25.0)));
-        assert_eq!(motion.center_offset, [inch(3.8539), inch(-2.1989), Nm(0)]);
+        assert_eq!(motion.center, Center::Offset([inch(3.8539), inch(-2.1989), Nm(0)]));
     }
 
     #[test]
@@ -439,6 +451,21 @@ mod tests {
     }
 
     #[test]
+    fn a_radius_wins_over_a_centre_and_means_nothing_on_a_line() {
+        assert_eq!(motion(&["G2X1.I5.R2.5"]).center, Center::Radius(inch(2.5)));
+        assert_eq!(motion(&["G2X1.R-25000"]).center, Center::Radius(inch(-2.5)));
+        assert_eq!(motion(&["G1X1.R2.5F1."]).center, Center::Offset([Nm(0); 3]));
+    }
+
+    #[test]
+    fn a_radius_back_to_the_start_moves_nothing() {
+        for block in ["G2R1.", "G2X1.Y0R1.", "G3X1.I5.R-1."] {
+            let (state, step) = run(&["G1X1.F1.", block]).unwrap();
+            assert_eq!((step.motion, state.position.linear[0]), (None, inch(1.0)), "{block}");
+        }
+    }
+
+    #[test]
     fn a_dwell_moves_nothing() {
         let (_, step) = run(&["G4X1.5"]).unwrap();
         assert_eq!((step.dwell, step.motion), (Some(Micros(1_500_000)), None));
@@ -463,7 +490,6 @@ mod tests {
         for (line, what) in [
             ("G41D1", NotModelled::GCode(410)),
             ("G43.4H1", NotModelled::GCode(434)),
-            ("G2X1.R1.", NotModelled::RadiusArc),
             ("M98P1000", NotModelled::MCode(98)),
         ] {
             let fault = run(&[line]).unwrap_err();
