@@ -52,7 +52,8 @@ fn tick(task: &mut Task, controller: &Controller, board: &mut Cabinet) -> Option
 fn main() -> ! {
     cortex_m::interrupt::disable();
     let counter = InstructionCounter::start();
-    let job = example::job();
+    let mut job = example::job();
+    example::add_rules(&mut job);
     let Ok(controller) = Controller::new(&job) else { arcfeed_qemu_mps2::leave(debug::EXIT_FAILURE) };
     let input = Input { position: None, spindle: job.spindle, dt: TICK };
     let mut board = Cabinet { segment: None, input, output: FeedOverride::PROGRAMMED };
