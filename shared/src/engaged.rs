@@ -75,15 +75,15 @@ impl EngagedInterval {
     /// Nothing is engaged.
     pub const EMPTY: Self = EngagedInterval { from: 0, to: 0 };
 
-    /// From and to in degrees, rounded to 1/90 degree; `None` for ends beyond +-360 degrees, arcs wider than 360 and what is no
+    /// From its two ends, rounded to 1/90 degree; `None` for ends beyond +-360 degrees, arcs wider than 360 and what is no
     /// number.
-    pub fn from_degrees(from: f64, to: f64) -> Option<Self> {
+    pub fn from_degrees(from_deg: f64, to_deg: f64) -> Option<Self> {
         let units = |degrees: f64| {
             let is_within = (-TURN_DEG..=TURN_DEG).contains(&degrees);
             is_within.then(|| libm::round(degrees * UNITS_PER_DEGREE) as i16)
         };
-        let interval = EngagedInterval { from: units(from)?, to: units(to)? };
-        (to - from <= TURN_DEG).then_some(interval)
+        let interval = EngagedInterval { from: units(from_deg)?, to: units(to_deg)? };
+        (to_deg - from_deg <= TURN_DEG).then_some(interval)
     }
 
     /// From and to, degrees, as they were rounded.
