@@ -95,7 +95,7 @@ fn the_machine_runs_by_a_table_of_engaged_arcs() {
 /// A table with its lowest knot between two places at which the planner asks.
 const FEEDS: &str = "table = [[0, 0.005], [0.4, 0.0042], [\"36 mm\", \"0.006 in\"]]\n";
 
-fn with_feeds<'a>(feeds: &'a str) -> [(&'a str, &'a str); 6] {
+fn with_feeds(feeds: &str) -> [(&str, &str); 6] {
     [
         ("\"circumference\"", "\"table\""),
         ("n = [146, 146]", feeds),
