@@ -8,6 +8,7 @@ use arcfeed_shared::fmath;
 use arcfeed_shared::stock::{EDGES_MAX, Stock};
 use arcfeed_shared::tool::Edge;
 use heapless::Vec;
+use nalgebra::Vector2;
 
 use super::Place;
 
@@ -22,7 +23,7 @@ pub enum Region {
     /// A round blank.
     Disc {
         /// Its centre.
-        center_mm: [f32; 2],
+        center_mm: Vector2<f32>,
         /// Its radius.
         radius_mm: f32,
     },
@@ -45,16 +46,15 @@ pub struct CircleAt<'p> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfPlane {
     /// Unit normal, out of the material.
-    pub normal: [f32; 2],
+    pub normal: Vector2<f32>,
     /// Distance from the segment's origin along the normal.
     pub offset_mm: f32,
 }
 
 impl HalfPlane {
     /// How deep inside a point lies, mm.
-    fn depth_mm(&self, [x, y]: [f32; 2]) -> f32 {
-        let [nx, ny] = self.normal;
-        self.offset_mm - (nx * x + ny * y)
+    fn depth_mm(&self, point_mm: Vector2<f32>) -> f32 {
+        self.offset_mm - self.normal.dot(&point_mm)
     }
 }
 
@@ -67,14 +67,14 @@ impl Region {
                 for line in lines {
                     // As many as there are lines: there is room; `collect` would bring a panic along.
                     let _room = planes.push(HalfPlane {
-                        normal: line.normal.map(|component| component as f32),
+                        normal: Vector2::from(line.normal).cast(),
                         offset_mm: line.distance_mm(origin_mm) as f32,
                     });
                 }
                 Region::Convex(planes)
             }
-            Stock::Disc { center_mm: [x, y], radius_mm } => Region::Disc {
-                center_mm: [(x - origin_mm[0]) as f32, (y - origin_mm[1]) as f32],
+            Stock::Disc { center_mm, radius_mm } => Region::Disc {
+                center_mm: (Vector2::from(*center_mm) - Vector2::from(origin_mm)).cast(),
                 radius_mm: *radius_mm as f32,
             },
             Stock::Engaged(table) => Region::Engaged(table.clone()),
@@ -83,13 +83,10 @@ impl Region {
 
     /// Whether all its numbers are.
     pub fn is_sound(&self) -> bool {
-        let are_numbers = |numbers: [f32; 3]| numbers.iter().all(|number| number.is_finite());
+        let is_sound = |place: &Vector2<f32>, length: f32| length.is_finite() && place.iter().all(|x| x.is_finite());
         match self {
-            Region::Convex(planes) => planes.iter().all(|plane| {
-                let [nx, ny] = plane.normal;
-                are_numbers([nx, ny, plane.offset_mm])
-            }),
-            Region::Disc { center_mm: [x, y], radius_mm } => are_numbers([*x, *y, *radius_mm]),
+            Region::Convex(planes) => planes.iter().all(|plane| is_sound(&plane.normal, plane.offset_mm)),
+            Region::Disc { center_mm, radius_mm } => is_sound(center_mm, *radius_mm),
             // Checked when it was made.
             Region::Engaged(_) => true,
         }
@@ -97,16 +94,13 @@ impl Region {
 
     /// Whether the direction of the circle's advance, k v, is engaged.
     pub fn holds_ahead(&self, circle: &CircleAt<'_>) -> bool {
-        let ahead = || circle.point(circle.place.motion.map(|component| circle.advance_ratio() * component));
+        let ahead = || circle.point(Vector2::from(circle.place.motion) * circle.advance_ratio());
         match self {
             Region::Convex(planes) => {
                 let point_mm = ahead();
                 planes.iter().all(|plane| plane.depth_mm(point_mm) >= 0.0)
             }
-            Region::Disc { center_mm: [cx, cy], radius_mm } => {
-                let [x, y] = ahead();
-                fmath::length(x - cx, y - cy) <= *radius_mm
-            }
+            Region::Disc { center_mm, radius_mm } => length(ahead() - center_mm) <= *radius_mm,
             Region::Engaged(table) => {
                 let span = table.arc_at(circle.place.travelled_mm, circle.edge);
                 span.is_some_and(|span| span.holds_ahead())
@@ -117,12 +111,12 @@ impl Region {
     /// Hands the directions in which the engaged arc may end to `visit`: their components along k v and towards the
     /// rotation centre.
     pub fn ends(&self, circle: &CircleAt<'_>, mut visit: impl FnMut([f32; 2])) {
-        let mut crossing = |u: [f32; 2]| visit(circle.in_moving_frame(u));
-        let (center_mm, circle_mm) = (circle.place.center_mm, circle.radius_mm);
+        let mut crossing = |u: Vector2<f32>| visit(circle.in_moving_frame(u));
+        let (center_mm, circle_mm) = (Vector2::from(circle.place.center_mm), circle.radius_mm);
         match self {
             Region::Convex(planes) => {
                 for (index, plane) in planes.iter().enumerate() {
-                    let on_edge = |u: [f32; 2]| {
+                    let on_edge = |u: Vector2<f32>| {
                         let point = circle.point(u);
                         let others = planes.iter().enumerate().filter(|(other, _)| *other != index);
                         others.map(|(_, other)| other.depth_mm(point)).all(|depth| depth >= -CORNER_RATIO * circle_mm)
@@ -132,13 +126,12 @@ impl Region {
                 }
             }
             Region::Disc { center_mm: disc_mm, radius_mm } => {
-                let (dx, dy) = (disc_mm[0] - center_mm[0], disc_mm[1] - center_mm[1]);
-                let distance = fmath::length(dx, dy);
+                let to_disc = disc_mm - center_mm;
+                let distance = length(to_disc);
                 // Cosine rule in the triangle of both centres and a crossing.
                 let cosine = (distance * distance + circle_mm * circle_mm - radius_mm * radius_mm)
                     / (2.0 * distance * circle_mm);
-                let towards = [dx / distance, dy / distance];
-                directions(towards, cosine).into_iter().flatten().for_each(crossing);
+                directions(to_disc / distance, cosine).into_iter().flatten().for_each(crossing);
             }
             Region::Engaged(table) => {
                 let span = table.arc_at(circle.place.travelled_mm, circle.edge);
@@ -155,23 +148,28 @@ impl CircleAt<'_> {
     }
 
     /// The point in direction `u`.
-    fn point(&self, [ux, uy]: [f32; 2]) -> [f32; 2] {
-        let [x, y] = self.place.center_mm;
-        [x + self.radius_mm * ux, y + self.radius_mm * uy]
+    fn point(&self, u: Vector2<f32>) -> Vector2<f32> {
+        Vector2::from(self.place.center_mm) + u * self.radius_mm
     }
 
     /// The components of `u` along k v and towards the rotation centre.
-    fn in_moving_frame(&self, [ux, uy]: [f32; 2]) -> [f32; 2] {
-        let ([vx, vy], [yx, yy]) = (self.place.motion, self.place.towards);
-        [self.advance_ratio() * (ux * vx + uy * vy), ux * yx + uy * yy]
+    fn in_moving_frame(&self, u: Vector2<f32>) -> [f32; 2] {
+        let [motion, towards] = [self.place.motion, self.place.towards].map(Vector2::from);
+        [self.advance_ratio() * u.dot(&motion), u.dot(&towards)]
     }
 }
 
 /// The two unit vectors whose component along `normal` is `cosine`; none beyond +-1 or for NaN.
-fn directions([nx, ny]: [f32; 2], cosine: f32) -> Option<[[f32; 2]; 2]> {
+fn directions(normal: Vector2<f32>, cosine: f32) -> Option<[Vector2<f32>; 2]> {
     let square = (1.0 - cosine) * (1.0 + cosine);
     (square >= 0.0).then(|| {
         let sine = fmath::sqrt(square);
-        [1.0, -1.0].map(|side| [cosine * nx - side * sine * ny, cosine * ny + side * sine * nx])
+        let across = Vector2::new(-normal.y, normal.x);
+        [sine, -sine].map(|sine| normal * cosine + across * sine)
     })
+}
+
+/// By `fmath`, as everything that ends on the chip.
+fn length(vector: Vector2<f32>) -> f32 {
+    fmath::length(vector.x, vector.y)
 }
