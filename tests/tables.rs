@@ -136,3 +136,28 @@ fn the_machine_runs_by_a_table_of_feeds() {
     assert_eq!(number(bounds, "max"), libm::floor(100.0 * 60.0 / sent));
     assert_eq!(report["movements"][0]["override"]["changes"], 0);
 }
+
+/// On a line and on an arc of an end mill: the path is all that a table asks for.
+#[test]
+fn an_end_mills_lines_and_arcs_run_by_tables_too() {
+    let scratch = Scratch::new("tables-pocket");
+    let folder = root().join("examples/pocket");
+    let program = std::fs::read_to_string(folder.join("pocket.nc")).expect("the example has it");
+    scratch.write("pocket.nc", program);
+    let head = "units = \"mm\"\nprogram = \"pocket.nc\"\nlaw = { kind = \"table\", feed_per_tooth = 0.1 }\n\
+                tool = { kind = \"end-mill\", diameter = 10, teeth = 4 }\nspindle = { rev_per_min = 8000 }\n";
+    let rules = "[[cut]]\nmoves = \"lines\"\nside = \"inside\"\nradial_depth = 1\nn = [130, 130]\ntable = [[0, 0.1], [5, 0.08]]\n\
+                 [[cut]]\nmoves = \"arcs\"\ndirection = \"ccw\"\nside = \"inside\"\nradial_depth = 1\nn = [140, 140]\n\
+                 table = [[0, 0.05], [1, 0.0375], [2, 0.05]]\n";
+    let job = scratch.write("job.toml", format!("{head}{rules}"));
+    let feeds = |n: i64| {
+        let block = block(&job, n);
+        assert_eq!([&block["law"], &block["reason"]], ["table", "law"]);
+        ["feed_min", "feed_max", "sent_feed"].map(|field| number(&block, field))
+    };
+    let ([least, most, sent], [arc_least, _, arc_sent]) = (feeds(130), feeds(140));
+    assert!(libm::fabs(least - 2560.0) < 0.01 && libm::fabs(most - 3200.0) < 0.01, "{least} {most}");
+    assert!(sent <= 2560.0 && sent > 2550.0, "{sent}");
+    // The arc's lowest knot, 0.0375, lies between two of the points asked.
+    assert!(arc_least >= 1200.0 && arc_sent <= 1200.0 && arc_sent > 1185.0, "{arc_least} {arc_sent}");
+}
