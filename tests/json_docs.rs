@@ -151,7 +151,20 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
         ("4.43706", "\"4.43706 in\""),
         ("10.4502", "\"10.4502 in\""),
     ];
-    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 9] = [
+    let by_table = [
+        ("kind = \"circumference\"", "kind = \"table\""),
+        ("n = [144, 144]", "n = [144, 144]\ntable = [[0, 0.005]]"),
+        ("n = [146, 146]", "n = [146, 146]\ntable = [[0, 0.005], [1, 0.006]]"),
+        ("n = [150, 150]", "n = [150, 150]\ntable = [[0, 0.005]]"),
+        ("n = [152, 152]", "n = [152, 152]\ntable = [[0, 0.005]]"),
+    ];
+    let by_arcs = [
+        ("kind = \"circumference\"", "kind = \"engaged-arc\"\nedges = \"side\""),
+        ("normal_deg = 54.187, offset = 4.2391", "engaged = [[0, 0, 40], [1, 60, 40]]"),
+    ];
+    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 11] = [
+        (CASE, &by_table, &[]),
+        (CASE, &by_arcs, &[]),
         (EXAMPLE, &[], &[]),
         (CASE, &[("4.2391", "44.2391")], &[]),
         (CASE, &[("10.4502", "10.6")], &[]),

@@ -282,7 +282,7 @@ fn continuous<S: Scene>(scene: &S, tally: &mut Tally) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::plain_scenes::{ContourScene, EngagementScene, TableScene};
-    use super::scenes::CircumferenceScene;
+    use super::scenes::{CircumferenceScene, EngagedTableScene};
     use super::*;
     use crate::geometry::RingScene;
 
@@ -299,6 +299,11 @@ mod tests {
     #[test]
     fn the_engaged_arc_law_passes() {
         passes("engaged arc", 60_000, RingScene::sample);
+    }
+
+    #[test]
+    fn the_engaged_arc_law_on_tables_passes() {
+        passes("engaged arc, tables", 60_000, EngagedTableScene::sample);
     }
 
     #[test]

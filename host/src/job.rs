@@ -2,6 +2,8 @@
 
 mod schema;
 
+mod tables;
+
 mod rules;
 
 use std::path::{Path, PathBuf};
@@ -86,6 +88,13 @@ pub enum JobError {
 /// A complaint at a byte offset of the file.
 type Complaint = (usize, String);
 
+/// What a cut rule is read with.
+struct Around<'t> {
+    unit: LengthUnit,
+    tool: &'t Tool,
+    law: LawKind,
+}
+
 impl JobFile {
     /// Reads and checks a job file.
     ///
@@ -119,14 +128,17 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let rev_per_min = positive(&table.spindle.rev_per_min, "the spindle speed")?;
     let feed_mm = length_mm(&table.law.feed_per_tooth, unit, "the feed per tooth")?;
     let tool = build_tool(&table.tool, unit)?;
+    let law = build_law(&table.law, &tool)?;
+    let (rules, knots) = rules::build(&table.cut, &Around { unit, tool: &tool, law })?;
     let job = Job {
         unit,
         spindle: RevPerMin(rev_per_min as f32),
-        law: build_law(&table.law, &tool)?,
+        law,
         feed_per_tooth: MmPerTooth(feed_mm as f32),
         policy: build_policy(table)?,
         limits: build_limits(table)?,
-        rules: rules::build(&table.cut, unit, &tool)?,
+        rules,
+        knots,
         tool,
     };
     if table.control.preset.as_ref() != "fanuc-16i" {
@@ -169,6 +181,7 @@ fn build_law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
     let settings = (&table.edges, table.inside_only, &table.floor);
     match (kind, tool, settings) {
         ("programmed", _, (None, None, None)) => Ok(LawKind::Programmed),
+        ("table", _, (None, None, None)) => Ok(LawKind::Table),
         ("circumference", Tool::CupMill(_), (None, None, None)) => Ok(LawKind::Circumference),
         ("engaged-arc", Tool::CupMill(_), (edges, None, None)) => {
             match edges.as_ref().map(|edges| edges.as_ref().as_str()) {
@@ -187,14 +200,14 @@ fn build_law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
         }
         ("circumference" | "engaged-arc", Tool::EndMill(_), _) => Err(at(&table.kind, "this law needs a cup-mill")),
         ("engagement" | "contour", Tool::CupMill(_), _) => Err(at(&table.kind, "this law needs an end-mill")),
-        ("circumference" | "engaged-arc" | "engagement" | "contour" | "programmed", ..) => Err(at(
+        ("circumference" | "engaged-arc" | "engagement" | "contour" | "table" | "programmed", ..) => Err(at(
             &table.kind,
             "`edges` belongs to engaged-arc, `inside_only` and `floor` to contour; remove what does not",
         )),
         _ => Err(at(
             &table.kind,
             "no such law; write \"circumference\" or \"engaged-arc\" (cup mills), \"contour\" or \"engagement\" (end \
-             mills), or \"programmed\"",
+             mills), \"table\" or \"programmed\"",
         )),
     }
 }

@@ -4,6 +4,7 @@
 //! sense; an end mill's move by whether it is an arc, in which sense, or a line. A rule may be narrowed by sequence number
 //! or level. Rules are tried in order; the first that fits counts.
 
+use crate::knots::KnotRange;
 use crate::nc::modal::Turn;
 use crate::segment::{Arc, Path, Segment};
 use crate::stock::Stock;
@@ -24,6 +25,8 @@ pub struct CutRule {
     pub work: Work,
     /// Wanted feed per tooth, where it is not the job's.
     pub feed_per_tooth: Option<MmPerTooth>,
+    /// Its knots among the job's, for the table law.
+    pub table: Option<KnotRange>,
     /// First and last sequence number, if restricted.
     pub sequence: Option<(i64, i64)>,
     /// Lowest and highest Z at the start of the move, if restricted.
@@ -130,6 +133,7 @@ mod tests {
             moves: Moves::Rotations(Rotation::Interior, turn),
             work: Work::Ring(Edge::Outer, Stock::half_plane(StockLine::from_angle(0.0, 0.0))),
             feed_per_tooth: None,
+            table: None,
             sequence: None,
             level: None,
         }

@@ -3,6 +3,7 @@
 use heapless::Vec;
 
 use crate::cut::{CutRule, RULES_MAX};
+use crate::knots::Knots;
 use crate::tool::Tool;
 use crate::units::{LengthUnit, MmPerTooth, RevPerMin};
 
@@ -25,6 +26,8 @@ pub struct Job {
     pub limits: OverrideLimits,
     /// Which arcs cut what.
     pub rules: Vec<CutRule, RULES_MAX>,
+    /// The knots of all rules' tables.
+    pub knots: Knots,
 }
 
 impl Job {
@@ -53,6 +56,8 @@ pub enum LawKind {
     },
     /// Constant chip thickness of an end mill.
     Engagement,
+    /// A feed per tooth at the centre computed beforehand, rule by rule.
+    Table,
     /// The program's own feed.
     Programmed,
 }

@@ -2,7 +2,8 @@
 //!
 //! Modules stand in the order in which data flows; a module imports only from those above it:
 //! NC text -> [`nc::word`] -> [`nc::block`] -> [`nc::modal`] -> [`radius`] -> [`segment`] -> [`reader`], then what a job adds
-//! to the program ([`tool`], [`stock`], [`cut`], [`job`]) and what comes back from the machine ([`telemetry`], [`report`]).
+//! to the program ([`tool`], [`engaged`], [`stock`], [`knots`], [`cut`], [`job`]) and what comes back from the machine
+//! ([`telemetry`], [`report`]).
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 
@@ -20,7 +21,11 @@ pub mod reader;
 
 pub mod tool;
 
+pub mod engaged;
+
 pub mod stock;
+
+pub mod knots;
 
 pub mod cut;
 

@@ -1,7 +1,10 @@
-//! Stock in the plane of a segment: half planes, convex pieces, round blanks. Coordinates are those of the plane's first
+//! Stock in the plane of a segment: half planes, convex pieces, round blanks, or what is left of them as a table of
+//! engaged arcs. Coordinates are those of the plane's first
 //! and second axis: X and Y in G17, Z and X in G18, Y and Z in G19.
 
 use heapless::Vec;
+
+use crate::engaged::EngagedTable;
 
 /// Most edges of a convex piece of stock.
 pub const EDGES_MAX: usize = 8;
@@ -10,7 +13,7 @@ pub const EDGES_MAX: usize = 8;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stock {
     /// The intersection of the material sides of up to eight lines: one is a half plane, three bound it, more are a
-    /// convex polygon.
+    /// convex polygon, none the whole plane.
     Convex(Vec<StockLine, EDGES_MAX>),
     /// A round blank.
     Disc {
@@ -19,6 +22,8 @@ pub enum Stock {
         /// Its radius.
         radius_mm: f64,
     },
+    /// No shape, but the arcs in which the ring's circles meet it along the segment.
+    Engaged(EngagedTable),
 }
 
 /// The stock limit as a line `normal . p = offset`; the normal points out of the material.
@@ -53,6 +58,11 @@ impl Stock {
         Stock::Convex(lines)
     }
 
+    /// No limit anywhere.
+    pub fn everywhere() -> Self {
+        Stock::Convex(Vec::new())
+    }
+
     /// The line, if that is all there is.
     pub fn line(&self) -> Option<&StockLine> {
         match self {
@@ -60,7 +70,7 @@ impl Stock {
                 [line] => Some(line),
                 _ => None,
             },
-            Stock::Disc { .. } => None,
+            Stock::Disc { .. } | Stock::Engaged(_) => None,
         }
     }
 

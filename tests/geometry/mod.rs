@@ -5,6 +5,7 @@
 use arcfeed_firmware::law::Place;
 use arcfeed_firmware::law::engaged_arc::{EdgePolicy, EngagedArc, Ring};
 use arcfeed_firmware::law::region::Region;
+use arcfeed_shared::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
 use arcfeed_shared::stock::{Stock, StockLine};
 use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{Mm, MmPerTooth};
@@ -35,8 +36,8 @@ pub fn log_between(random: &mut Rng, low: f64, high: f64) -> f64 {
     libm::exp(between(random, libm::log(low), libm::log(high)))
 }
 
-/// How deep inside the stock a point lies; negative outside.
-pub fn depth_mm(stock: &Stock, point: Point) -> f64 {
+/// How deep inside the stock a point lies; negative outside. A table has no shape.
+fn depth_mm(stock: &Stock, point: Point) -> f64 {
     match stock {
         Stock::Convex(lines) => {
             lines.iter().map(|line| line.offset_mm - dot(line.normal, point)).fold(f64::INFINITY, f64::min)
@@ -44,7 +45,36 @@ pub fn depth_mm(stock: &Stock, point: Point) -> f64 {
         Stock::Disc { center_mm, radius_mm } => {
             radius_mm - libm::hypot(point[0] - center_mm[0], point[1] - center_mm[1])
         }
+        Stock::Engaged(_) => f64::NAN,
     }
+}
+
+/// From and to of a circle's engaged arc after this path, degrees, as [`EngagedTable`] documents them: linear between
+/// knots, level beyond.
+pub fn engaged_deg(table: &EngagedTable, edge: Edge, travelled: f64) -> [f64; 2] {
+    let ends = |knot: &EngagedKnot| {
+        let interval = if edge == Edge::Outer { knot.outer } else { knot.inner };
+        (f64::from(knot.travelled.0), interval.degrees())
+    };
+    let knots: Vec<(f64, Point)> = table.knots().iter().map(ends).collect();
+    let last = knots.len() - 1;
+    if travelled <= knots[0].0 || last == 0 {
+        return knots[0].1;
+    }
+    let pair = knots.windows(2).find(|pair| travelled < pair[1].0);
+    let Some([(at, low), (to, high)]) = pair else { return knots[last].1 };
+    let ratio = (travelled - at) / (to - at);
+    [0, 1].map(|i| low[i] + (high[i] - low[i]) * ratio)
+}
+
+/// How deep a direction lies in an engaged arc, radians; negative outside, and everywhere if it is empty.
+fn depth_rad([from, to]: Point, direction_rad: f64) -> f64 {
+    let [from, to] = [from, to].map(f64::to_radians);
+    if from >= to {
+        return -PI;
+    }
+    let turns = (-3..=3).map(|turn| direction_rad + TAU * f64::from(turn));
+    turns.map(|angle| (angle - from).min(to - angle)).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// How the tool's centre moves: x along v, y towards the rotation centre.
@@ -103,6 +133,8 @@ pub struct RingScene {
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     pub position: Point,
+    /// Path from the start.
+    pub travelled: f64,
     pub along: Point,
     pub towards: Point,
 }
@@ -148,13 +180,13 @@ impl RingScene {
 
     /// The moving frame at this part of the path, before the mirror.
     pub fn frame(&self, ratio: f64) -> Frame {
-        let [x, y] = self.heading(ratio);
+        let ([x, y], travelled) = (self.heading(ratio), ratio * self.length);
         if self.is_line() {
             let position = moved(self.origin, ratio * self.length, [x, y]);
-            return Frame { position, along: [x, y], towards: [-y, x] };
+            return Frame { position, travelled, along: [x, y], towards: [-y, x] };
         }
         let along = [-self.turn * y, self.turn * x];
-        Frame { position: moved(self.origin, self.path_radius, [x, y]), along, towards: [-x, -y] }
+        Frame { position: moved(self.origin, self.path_radius, [x, y]), travelled, along, towards: [-x, -y] }
     }
 
     pub fn place(&self, ratio: f64) -> Place {
@@ -181,12 +213,17 @@ impl RingScene {
             Stock::Disc { center_mm, radius_mm } => {
                 Stock::Disc { center_mm: self.seen(*center_mm), radius_mm: *radius_mm }
             }
+            Stock::Engaged(table) => Stock::Engaged(table.clone()),
         };
         EngagedArc::new(ring, self.policy, Region::new(&stock, self.seen(self.origin)))
     }
 
     /// How deep the edge lies in the stock in a direction of the moving frame.
     pub fn depth_mm(&self, frame: &Frame, edge: Edge, u: Point) -> f64 {
+        if let Stock::Engaged(table) = &self.stock {
+            let from_center = libm::atan2(sign(edge) * u[0], u[1]);
+            return self.radius(edge) * depth_rad(engaged_deg(table, edge, frame.travelled), from_center);
+        }
         depth_mm(&self.stock, moved(frame.position, self.radius(edge), frame.direction(u)))
     }
 }
@@ -218,6 +255,28 @@ impl RingScene {
         scene.stock = stock_at(random, touch, edge);
         scene
     }
+}
+
+/// Random knots on a path of this length, some before it and some behind; ends anywhere, a third of the arcs empty.
+pub fn sample_table(random: &mut Rng, length: f64) -> Vec<(f64, [Point; 2])> {
+    let mut paths: Vec<f64> = (0..random.usize(1..=16)).map(|_| length * between(random, -0.2, 1.2)).collect();
+    paths.sort_by(f64::total_cmp);
+    paths.dedup_by(|next, path| *next - *path < 0.01 * length);
+    let mut ends = || {
+        let from = between(random, -180.0, 180.0);
+        [from, from + between(random, -90.0, 180.0)]
+    };
+    paths.into_iter().map(|path| (path, [ends(), ends()])).collect()
+}
+
+/// The table of these knots: path and ends of the outer and the inner circle's engaged arcs, degrees.
+pub fn engaged_table(knots: &[(f64, [Point; 2])]) -> Option<EngagedTable> {
+    let interval = |[from, to]: Point| EngagedInterval::from_degrees(from, to);
+    let knot = |(path, [outer, inner]): &(f64, [Point; 2])| {
+        let (travelled, outer, inner) = (Mm(*path as f32), interval(*outer)?, interval(*inner)?);
+        Some(EngagedKnot { travelled, outer, inner })
+    };
+    EngagedTable::new(&knots.iter().map(knot).collect::<Option<Vec<_>>>()?).ok()
 }
 
 /// A stock whose boundary, or near it, goes through `touch`.

@@ -57,6 +57,7 @@ impl Setup {
             moves: Moves::Rotations(Rotation::Interior, arc.turn),
             work: Work::Ring(scene.edge, Stock::half_plane(scene.stock())),
             feed_per_tooth: None,
+            table: None,
             sequence: None,
             level: None,
         };
@@ -69,6 +70,7 @@ impl Setup {
             policy: FeedPolicy::OverrideOnly,
             limits,
             rules: core::iter::once(rule.clone()).collect(),
+            knots: Default::default(),
         };
         let pose = |[x, y]: [Nm; 2]| Pose { linear: [x, y, Nm(0)], ..Pose::default() };
         let segment = Segment {

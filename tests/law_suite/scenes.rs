@@ -1,7 +1,9 @@
 //! Scenes of the laws that look at a stock.
 
 use super::{Scene, View};
-use crate::geometry::{Point, RingScene, between, chip, dot, log_between, moved, sign, unit};
+use crate::geometry::{
+    Point, RingScene, between, chip, dot, engaged_table, log_between, moved, sample_table, sign, unit,
+};
 use arcfeed_firmware::law::circumference::Circumference;
 use arcfeed_firmware::law::{FeedLaw, Place};
 use arcfeed_shared::nc::modal::{Plane, Turn};
@@ -31,6 +33,8 @@ impl Scene for RingScene {
             Stock::Disc { center_mm, radius_mm } => {
                 Stock::Disc { center_mm: place(*center_mm), radius_mm: view.scale * (radius_mm + grown) }
             }
+            // [`EngagedTableScene`]'s.
+            Stock::Engaged(table) => Stock::Engaged(table.clone()),
         };
         RingScene {
             stock,
@@ -61,6 +65,7 @@ impl Scene for RingScene {
                 numbers.extend(center_mm.iter_mut());
                 numbers.push(radius_mm);
             }
+            Stock::Engaged(_) => {}
         }
         numbers
     }
@@ -98,6 +103,52 @@ impl Scene for RingScene {
             contacts.push(ends.filter(reaches).count());
         }
         contacts
+    }
+}
+
+/// The engaged-arc law on a table.
+#[derive(Clone, Debug)]
+pub struct EngagedTableScene {
+    ring: RingScene,
+    knots: Vec<(f64, [Point; 2])>,
+}
+
+impl EngagedTableScene {
+    pub fn sample(random: &mut Rng) -> Self {
+        let ring = RingScene::sample(random);
+        EngagedTableScene { knots: sample_table(random, ring.length), ring }
+    }
+
+    fn ring(&self) -> Option<RingScene> {
+        Some(RingScene { stock: Stock::Engaged(engaged_table(&self.knots)?), ..self.ring.clone() })
+    }
+}
+
+/// Angles in the moving frame are the same however the scene is turned, scaled or mirrored.
+impl Scene for EngagedTableScene {
+    /// A table does not grow, but it moves along the path.
+    fn seen(&self, view: &View) -> Self {
+        let shift = view.grown * self.ring.length;
+        let knots = self.knots.iter().map(|(path, ends)| (view.scale * (path + shift), *ends)).collect();
+        EngagedTableScene { ring: self.ring.seen(view), knots }
+    }
+
+    fn numbers(&mut self) -> Vec<&mut f64> {
+        let knots = self.knots.iter_mut();
+        let knots = knots.flat_map(|(path, ends)| core::iter::once(path).chain(ends.iter_mut().flatten()));
+        self.ring.numbers().into_iter().chain(knots).collect()
+    }
+
+    fn law(&self) -> Option<Box<dyn FeedLaw>> {
+        self.ring().map(|ring| Box::new(ring.law()) as Box<dyn FeedLaw>)
+    }
+
+    fn place(&self, ratio: f64) -> Place {
+        self.ring.place(ratio)
+    }
+
+    fn contacts(&self, ratio: f64) -> Vec<usize> {
+        self.ring().map_or_else(Vec::new, |ring| ring.contacts(ratio))
     }
 }
 

@@ -202,6 +202,7 @@ fn job(limits: OverrideLimits) -> Job {
         policy: FeedPolicy::OverrideOnly,
         limits,
         rules: Default::default(),
+        knots: Default::default(),
     }
 }
 
@@ -213,6 +214,7 @@ fn rule(misses: bool) -> CutRule {
         moves: Moves::Rotations(Rotation::Exterior, Turn::Cw),
         work: Work::Ring(Edge::Outer, Stock::half_plane(stock)),
         feed_per_tooth: None,
+        table: None,
         sequence: None,
         level: None,
     }

@@ -101,6 +101,7 @@ impl Drawn {
                 Stock::half_plane(stock(random, &arc, &tool)),
             ),
             feed_per_tooth: None,
+            table: None,
             sequence: None,
             level: None,
         };
@@ -113,6 +114,7 @@ impl Drawn {
             policy: FeedPolicy::SafeBase,
             limits: limits(random),
             rules: Default::default(),
+            knots: Default::default(),
         };
         let feed = Feed::PerMinute(Nm(random.below(3_000_000_000) as i64));
         let at = Pose::default();

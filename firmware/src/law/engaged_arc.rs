@@ -9,6 +9,7 @@
 //!
 //! the step for a contact being [`super::step`]'s. An end where no step reaches the chip does not limit; an edge without
 //! a limiting end does not either. Of two edges the smaller step counts (the thicker chip wins), or the named edge's.
+//! Where the engaged arc comes from is [`super::region`]'s: a shape, or a table along the path.
 //! It equals the circumference law where the engaged arc lies on A's side of B.
 //!
 //! Source: docs/laws.md#engaged-arc (ours; the source knows one stock line and one edge).
@@ -16,7 +17,7 @@
 use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{Mm, MmPerTooth};
 
-use super::region::{Region, reach};
+use super::region::{CircleAt, Region};
 use super::step::Cut;
 use super::{FeedLaw, NoWish, Place, Wish};
 
@@ -68,19 +69,17 @@ impl EngagedArc {
 
     /// The wish of one edge.
     fn wish_of(&self, cut: &Cut, place: &Place) -> Result<Wish, NoWish> {
-        let k = f32::from(cut.edge.advance());
-        let ahead = place.motion.map(|component| k * component);
-        if self.region.contains(reach(place.center_mm, cut.edge_radius.0, ahead)) {
+        let circle = CircleAt { edge: cut.edge, radius_mm: cut.edge_radius.0, place };
+        if self.region.holds_ahead(&circle) {
             let path_mm_per_tooth = cut.path_straight_ahead()?.0; // (1)
             return Ok(Wish { path_mm_per_tooth, contact: [1.0, 0.0] });
         }
+        let k = f32::from(cut.edge.advance());
         let mut least = Err(NoWish::NoContact);
-        self.region.crossings(place.center_mm, cut.edge_radius.0, |[ux, uy]| {
-            let ([vx, vy], [yx, yy]) = (place.motion, place.towards);
-            let (along, towards) = (ux * vx + uy * vy, ux * yx + uy * yy);
-            let wish = cut.path_per_tooth(along, towards); // (2)
-            let wish = wish.map(|path| Wish { path_mm_per_tooth: path.0, contact: [k * along, towards] });
-            least = smaller(least, wish);
+        self.region.ends(&circle, |contact| {
+            let [advance, towards] = contact;
+            let wish = cut.path_per_tooth(k * advance, towards); // (2)
+            least = smaller(least, wish.map(|path| Wish { path_mm_per_tooth: path.0, contact }));
         });
         least
     }
@@ -89,7 +88,7 @@ impl EngagedArc {
 impl FeedLaw for EngagedArc {
     fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
         let [x, y] = place.center_mm;
-        if !(self.is_sound && x.is_finite() && y.is_finite()) {
+        if !(self.is_sound && [x, y, place.travelled_mm].iter().all(|number| number.is_finite())) {
             return Err(NoWish::BadInput);
         }
         let wishes = self.cuts.iter().flatten().map(|cut| self.wish_of(cut, place));

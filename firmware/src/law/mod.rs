@@ -134,6 +134,9 @@ impl SegmentLaw {
     /// together.
     pub fn for_segment(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
         let Some(rule) = rule else { return SegmentLaw::Programmed };
+        if job.law == LawKind::Table {
+            return for_table(rule, job);
+        }
         match (&job.tool, &rule.work) {
             (Tool::CupMill(mill), Work::Ring(edge, stock)) => {
                 for_ring(segment, mill, (*edge, stock), job.law, job.feed_per_tooth_of(rule))
@@ -157,6 +160,12 @@ impl FeedLaw for SegmentLaw {
             SegmentLaw::Programmed => Err(NoWish::NoLaw),
         }
     }
+}
+
+/// Any segment: the path travelled is all that a table knows.
+fn for_table(rule: &CutRule, job: &Job) -> SegmentLaw {
+    let table = rule.table.and_then(|range| Table::new(job.knots.table(range)).ok());
+    table.map_or(SegmentLaw::Programmed, SegmentLaw::Table)
 }
 
 fn for_ring(
@@ -214,6 +223,8 @@ fn for_mill(
             let depth = Mm(depth.to_mm() as f32);
             SegmentLaw::Engagement(Engagement::new(tool_radius, depth, feed_per_tooth, course))
         }
-        LawKind::Circumference | LawKind::EngagedArc { .. } | LawKind::Programmed => SegmentLaw::Programmed,
+        LawKind::Circumference | LawKind::EngagedArc { .. } | LawKind::Table | LawKind::Programmed => {
+            SegmentLaw::Programmed
+        }
     }
 }

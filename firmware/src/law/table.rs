@@ -4,27 +4,21 @@
 //!
 //! Source: docs/laws.md#table.
 
-use arcfeed_shared::units::{Mm, MmPerTooth};
+use arcfeed_shared::knots::{Knot, TABLE_KNOTS_MAX};
 use heapless::Vec;
 
 use super::{FeedLaw, NoWish, Place, Wish};
 
-/// Most knots of a table.
-pub const KNOTS_MAX: usize = 32;
-
-/// One knot: at this path from the segment's start, this feed per tooth at the centre.
-pub type Knot = (Mm, MmPerTooth);
-
 /// The law for one segment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    knots: Vec<Knot, KNOTS_MAX>,
+    knots: Vec<Knot, TABLE_KNOTS_MAX>,
 }
 
 /// Why knots are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableError {
-    /// None, or more than [`KNOTS_MAX`].
+    /// None, or more than [`TABLE_KNOTS_MAX`].
     Count,
     /// The path of this knot is not larger than the one before, or no number.
     Order(usize),
@@ -74,6 +68,7 @@ impl FeedLaw for Table {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use arcfeed_shared::units::{Mm, MmPerTooth};
 
     fn at(table: &Table, travelled_mm: f32) -> Result<f32, NoWish> {
         let place = Place { center_mm: [0.0; 2], motion: [1.0, 0.0], towards: [0.0, 1.0], travelled_mm };

@@ -104,7 +104,7 @@ fn a_helix_counts_its_arc_in_the_plane_with_and_without_the_filter() {
     let quarter_mm = 50.0 * core::f64::consts::PI;
     let track = Track::new(&segment(sample(0.0), sample(quarter_mm), Path::Arc(arc))).unwrap();
     assert!((f64::from(track.length_mm()) - quarter_mm).abs() < 1e-4);
-    for filter in [PositionFilter::Exact, PositionFilter::new(0.2, Micros(0)).unwrap()] {
+    for filter in [PositionFilter::Exact, PositionFilter::new(0.2, Span(0)).unwrap()] {
         let mut progress = track.begin(30.0);
         for step in 1..=5_000 {
             let seen_mm = 0.03 * f64::from(step);

@@ -68,15 +68,17 @@ fn place_at(segment: &Segment, ratio: f64) -> Place {
     }
 }
 
-/// A bound that a smooth curve through these points does not undercut: between two neighbours it dips below the lower one
-/// by at most an eighth of the second difference there.
+/// A bound that a curve through these points does not undercut, smooth or bent at the knots of a table. Between two
+/// neighbours a smooth one dips below the lower by at most an eighth of the second difference there; one that is straight
+/// but for a knot in between, by at most the half: the knot leaves f and 1 - f of its bend in the two differences, and
+/// dips f (1 - f) of it below the chord.
 fn floor_of(values: &[f64]) -> f64 {
     let bend = |middle: usize| match middle.checked_sub(1).and_then(|first| values.get(first..middle + 2)) {
         Some([a, b, c]) => libm::fabs(a - 2.0 * b + c),
         _ => 0.0,
     };
     let intervals = values.windows(2).enumerate();
-    let floors = intervals.map(|(at, ends)| ends[0].min(ends[1]) - bend(at).max(bend(at + 1)) / 8.0);
+    let floors = intervals.map(|(at, ends)| ends[0].min(ends[1]) - bend(at).max(bend(at + 1)) / 2.0);
     floors.fold(values.iter().copied().fold(f64::INFINITY, f64::min), f64::min)
 }
 
@@ -109,6 +111,25 @@ mod tests {
         let range = along(&Valley, &quarter(), 100.0).unwrap();
         assert!(range.safe_mm_per_min <= 100.0 && range.safe_mm_per_min > 99.99, "{range:?}");
         assert!(range.covers_all);
+    }
+
+    /// A table's lowest knot, anywhere between two of the points asked.
+    struct Knot(f32);
+
+    impl FeedLaw for Knot {
+        fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
+            let from_knot = (place.travelled_mm - self.0).abs();
+            Ok(Wish { path_mm_per_tooth: 1.0 + 9.0 * from_knot, contact: [1.0, 0.0] })
+        }
+    }
+
+    #[test]
+    fn the_safe_feed_undercuts_a_knot_between_the_points() {
+        for part in [0.0, 0.05, 0.25, 0.5, 0.75, 0.95_f32] {
+            let knot = (100.0 + part) * core::f32::consts::FRAC_PI_2 / 256.0;
+            let range = along(&Knot(knot), &quarter(), 100.0).unwrap();
+            assert!(range.safe_mm_per_min <= 100.000_1 && range.safe_mm_per_min > 94.4, "{part}: {range:?}");
+        }
     }
 
     struct Silent;

@@ -134,7 +134,8 @@ impl BlockFigures {
         let feed = |feed: Nm| feed.0 as f64 / job.unit.nm() as f64;
         let rule = block.rule.and_then(|index| job.rules.get(index));
         let wish = block.wish.as_ref();
-        let contact = wish.filter(|_| matches!(job.tool, Tool::CupMill(_)));
+        // A table knows of no contact.
+        let contact = wish.filter(|_| matches!(job.tool, Tool::CupMill(_)) && job.law != LawKind::Table);
         let programmed = block.programmed();
         let factor = |wanted_mm: f64| programmed.map(|feed| wanted_mm / feed.to_mm());
         BlockFigures {
@@ -202,6 +203,7 @@ fn law_word(law: LawKind) -> &'static str {
         LawKind::EngagedArc { .. } => "engaged-arc",
         LawKind::Contour { .. } => "contour",
         LawKind::Engagement => "engagement",
+        LawKind::Table => "table",
         LawKind::Programmed => "programmed",
     }
 }

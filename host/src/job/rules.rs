@@ -1,6 +1,8 @@
 //! `[[cut]]`: which moves, and what they cut.
 
 use arcfeed_shared::cut::{CutRule, Moves, RULES_MAX, Rotation, Side, Work};
+use arcfeed_shared::job::LawKind;
+use arcfeed_shared::knots::Knots;
 use arcfeed_shared::nc::modal::Turn;
 use arcfeed_shared::stock::{EDGES_MAX, Stock, StockLine};
 use arcfeed_shared::tool::{Edge, Tool};
@@ -8,29 +10,29 @@ use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm};
 use toml::Spanned;
 
 use super::schema::{CutTable, DirectionWord, MovesWord, Quantity, RotationWord, SideWord, StockTable};
-use super::{Complaint, at, length_mm};
+use super::{Around, Complaint, at, length_mm, tables};
 
-/// Checks the rules of a job, in order.
+/// Checks the rules of a job, in order, and collects their knots.
 pub fn build(
     cuts: &[Spanned<CutTable>],
-    unit: LengthUnit,
-    tool: &Tool,
-) -> Result<heapless::Vec<CutRule, RULES_MAX>, Complaint> {
-    let mut rules = heapless::Vec::new();
+    around: &Around<'_>,
+) -> Result<(heapless::Vec<CutRule, RULES_MAX>, Knots), Complaint> {
+    let (mut rules, mut knots) = (heapless::Vec::new(), Knots::default());
     for cut in cuts {
-        let rule = match tool {
-            Tool::CupMill(_) => ring_rule(cut, unit)?,
-            Tool::EndMill(_) => mill_rule(cut, unit)?,
+        let rule = match around.tool {
+            Tool::CupMill(_) => ring_rule(cut, around)?,
+            Tool::EndMill(_) => mill_rule(cut, around.unit)?,
         };
-        rules.push(rule).map_err(|_| at(cut, &format!("more than {RULES_MAX} cut rules")))?;
+        let table = tables::feeds(cut, around.unit, around.law, &mut knots)?;
+        rules.push(CutRule { table, ..rule }).map_err(|_| at(cut, &format!("more than {RULES_MAX} cut rules")))?;
     }
-    Ok(rules)
+    Ok((rules, knots))
 }
 
-fn ring_rule(cut: &Spanned<CutTable>, unit: LengthUnit) -> Result<CutRule, Complaint> {
+fn ring_rule(cut: &Spanned<CutTable>, around: &Around<'_>) -> Result<CutRule, Complaint> {
     let table = cut.as_ref();
     let needs = "a cup-mill's rule has rotation, direction, side = \"outer\" or \"inner\", and stock";
-    let CutTable { rotation: Some(rotation), direction: Some(direction), stock: Some(stock), .. } = table else {
+    let CutTable { rotation: Some(rotation), direction: Some(direction), .. } = table else {
         return Err(at(cut, needs));
     };
     let edge = match table.side.as_ref() {
@@ -46,7 +48,13 @@ fn ring_rule(cut: &Spanned<CutTable>, unit: LengthUnit) -> Result<CutRule, Compl
         RotationWord::Exterior => Rotation::Exterior,
     };
     let moves = Moves::Rotations(rotation, turn(*direction));
-    restricted(moves, Work::Ring(edge, build_stock(stock, unit)?), table, unit)
+    let stock = match (&table.stock, around.law) {
+        (Some(stock), _) => build_stock(stock, edge, around)?,
+        // It asks for none.
+        (None, LawKind::Table) => Stock::everywhere(),
+        (None, _) => return Err(at(cut, needs)),
+    };
+    restricted(moves, Work::Ring(edge, stock), table, around.unit)
 }
 
 fn mill_rule(cut: &Spanned<CutTable>, unit: LengthUnit) -> Result<CutRule, Complaint> {
@@ -86,7 +94,8 @@ fn restricted(moves: Moves, work: Work, table: &CutTable, unit: LengthUnit) -> R
         }
     };
     let feed_mm = table.feed_per_tooth.as_ref().map(|feed| length_mm(feed, unit, "feed_per_tooth")).transpose()?;
-    Ok(CutRule { moves, work, feed_per_tooth: feed_mm.map(|mm| MmPerTooth(mm as f32)), sequence, level })
+    let feed_per_tooth = feed_mm.map(|mm| MmPerTooth(mm as f32));
+    Ok(CutRule { moves, work, feed_per_tooth, table: None, sequence, level })
 }
 
 fn turn(direction: DirectionWord) -> Turn {
@@ -96,35 +105,32 @@ fn turn(direction: DirectionWord) -> Turn {
     }
 }
 
-fn build_stock(stock: &Spanned<StockTable>, unit: LengthUnit) -> Result<Stock, Complaint> {
-    let mm = |quantity: &Quantity| quantity.to_mm(unit);
-    match stock.as_ref() {
-        StockTable {
-            normal_deg: Some(normal_deg),
-            offset: Some(offset),
-            from: None,
-            to: None,
-            polygon: None,
-            disc: None,
-        } => Ok(Stock::half_plane(StockLine::from_angle(*normal_deg, mm(offset)))),
-        StockTable { normal_deg: None, offset: None, from: Some(from), to: Some(to), polygon: None, disc: None } => {
+fn build_stock(stock: &Spanned<StockTable>, edge: Edge, around: &Around<'_>) -> Result<Stock, Complaint> {
+    let mm = |quantity: &Quantity| quantity.to_mm(around.unit);
+    let StockTable { normal_deg, offset, from, to, polygon, disc, engaged } = stock.as_ref();
+    match (normal_deg, offset, from, to, polygon, disc, engaged) {
+        (Some(normal_deg), Some(offset), None, None, None, None, None) => {
+            Ok(Stock::half_plane(StockLine::from_angle(*normal_deg, mm(offset))))
+        }
+        (None, None, Some(from), Some(to), None, None, None) => {
             let line = line_through(from.each_ref().map(mm), to.each_ref().map(mm));
             line.map(Stock::half_plane).ok_or_else(|| at(stock, "`from` and `to` are the same point"))
         }
-        StockTable { normal_deg: None, offset: None, from: None, to: None, polygon: Some(corners), disc: None } => {
+        (None, None, None, None, Some(corners), None, None) => {
             let corners: Vec<[f64; 2]> = corners.iter().map(|corner| corner.each_ref().map(mm)).collect();
             let message = format!("a stock polygon must be convex and have 3 to {EDGES_MAX} corners");
             Stock::polygon(&corners).ok_or_else(|| at(stock, &message))
         }
-        StockTable { normal_deg: None, offset: None, from: None, to: None, polygon: None, disc: Some(disc) } => {
+        (None, None, None, None, None, Some(disc), None) => {
             let [x, y, radius_mm] = disc.each_ref().map(mm);
             let disc = Stock::Disc { center_mm: [x, y], radius_mm };
             if radius_mm > 0.0 { Ok(disc) } else { Err(at(stock, "a disc is [x, y, radius], its radius positive")) }
         }
+        (None, None, None, None, None, None, Some(rows)) => tables::engaged(rows, edge, around.unit, around.law),
         _ => Err(at(
             stock,
-            "give the stock as { normal_deg, offset }, { from = [x, y], to = [x, y] }, { polygon = [[x, y], ...] } or \
-             { disc = [x, y, radius] }",
+            "give the stock as { normal_deg, offset }, { from = [x, y], to = [x, y] }, { polygon = [[x, y], ...] }, \
+             { disc = [x, y, radius] } or { engaged = [[path, from_deg, to_deg], ...] }",
         )),
     }
 }

@@ -101,6 +101,7 @@ pub struct CutTable {
     pub stock: Option<Spanned<StockTable>>,
     pub radial_depth: Option<Spanned<Quantity>>,
     pub feed_per_tooth: Option<Spanned<Quantity>>,
+    pub table: Option<Spanned<Vec<Spanned<[Quantity; 2]>>>>,
     pub n: Option<Spanned<[i64; 2]>>,
     pub z: Option<Spanned<[Quantity; 2]>>,
 }
@@ -145,6 +146,7 @@ pub struct StockTable {
     pub to: Option<[Quantity; 2]>,
     pub polygon: Option<Vec<[Quantity; 2]>>,
     pub disc: Option<[Quantity; 3]>,
+    pub engaged: Option<Spanned<Vec<Spanned<Vec<Quantity>>>>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -193,6 +195,11 @@ impl Quantity {
     /// In millimetres, `unit` counting where the quantity names none.
     pub fn to_mm(self, unit: LengthUnit) -> f64 {
         self.value * self.unit.unwrap_or(unit).mm()
+    }
+
+    /// The number, where it names no unit: what stands among lengths, but is none.
+    pub fn bare(self) -> Option<f64> {
+        self.unit.is_none().then_some(self.value)
     }
 }
 

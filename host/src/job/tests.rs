@@ -1,6 +1,6 @@
 use super::*;
 use arcfeed_shared::cut::Work;
-use arcfeed_shared::stock::StockLine;
+use arcfeed_shared::stock::{Stock, StockLine};
 
 const JOB: &str = r#"
 units = "inch"
@@ -75,6 +75,92 @@ fn complaints_name_file_line_column_and_the_way_out() {
         let error = parse(&JOB.replace(from, to)).unwrap_err();
         assert!(error.starts_with(start) && error.contains(hint), "{error}");
     }
+}
+
+/// The job with this law and these lines in its rule.
+fn with_tables(law: &str, rule: &str) -> Result<JobFile, String> {
+    let text = JOB.replace("kind = \"circumference\"", law);
+    parse(&text.replace("stock = { normal_deg = 90.0, offset = 1 }", rule))
+}
+
+#[test]
+fn engaged_arcs_are_those_of_the_rules_side_and_then_of_the_other_circle() {
+    let side = "kind = \"engaged-arc\", edges = \"side\"";
+    let one = with_tables(side, "stock = { engaged = [[0, -10, 45.5], [\"25.4 mm\", 0, 60]] }").unwrap();
+    let both = "stock = { engaged = [[0, -10, 45.5, 150, 210], [1, 0, 60, 0, 0]] }";
+    let both = with_tables("kind = \"engaged-arc\"", both).unwrap();
+    let knots = |file: &JobFile| match &file.job.rules[0].work {
+        Work::Ring(_, Stock::Engaged(table)) => table.knots().to_vec(),
+        other => panic!("{other:?}"),
+    };
+    for file in [&one, &both] {
+        let paths: Vec<f32> = knots(file).iter().map(|knot| knot.travelled.0).collect();
+        let outer: Vec<[f64; 2]> = knots(file).iter().map(|knot| knot.outer.degrees()).collect();
+        assert_eq!((paths, outer), (vec![0.0, 25.4], vec![[-10.0, 45.5], [0.0, 60.0]]));
+    }
+    assert_eq!([&one, &both].map(|file| knots(file)[0].inner.degrees()), [[0.0, 0.0], [150.0, 210.0]]);
+}
+
+#[test]
+fn each_rule_finds_its_own_feeds() {
+    let rule = |n: u32, feed: f64| {
+        format!(
+            "n = [{n}, {n}]\ntable = [[0, {feed}], [1, \"0.2 mm\"]]\n[[cut]]\nrotation = \"interior\"\ndirection = \"cw\"\n\
+             side = \"inner\"\ntable = [[0.5, {n}]]"
+        )
+    };
+    let job = with_tables("kind = \"table\"", &rule(7, 0.01)).unwrap().job;
+    let feeds = |rule: usize| {
+        let table = job.knots.table(job.rules[rule].table.unwrap());
+        table.iter().map(|(path, feed)| (path.0, feed.0)).collect::<Vec<_>>()
+    };
+    assert_eq!(feeds(0), [(0.0, 0.254), (25.4, 0.2)]);
+    assert_eq!(feeds(1), [(12.7, 7.0 * 25.4)]);
+    assert_eq!(job.rules[0].work, Work::Ring(arcfeed_shared::tool::Edge::Outer, Stock::everywhere()));
+}
+
+#[test]
+fn tables_that_make_no_sense_are_refused_at_their_row() {
+    let engaged = |law: &str, rows: &str| with_tables(law, &format!("stock = {{ engaged = [\n{rows}] }}")).unwrap_err();
+    let (both, side) = ("kind = \"engaged-arc\"", "kind = \"engaged-arc\", edges = \"side\"");
+    let many: String = (0..17).map(|i| format!("[{i}, 0, 90],\n")).collect();
+    for (law, rows, place, hint) in [
+        (both, "[0, 0, 90]", ":12:1: ", "[path, from, to, from, to]"),
+        (side, "[0, 0, 90],\n[0, 0, 90]", ":13:1: ", "must grow"),
+        (side, "[0, 0, 90],\n  [1, -300, 90]", ":13:3: ", "between -360 and 360"),
+        (side, "[0, 0, \"1 mm\"]", ":12:1: ", "without a unit"),
+        (side, "[0, nan, 1]", ":12:1: ", "between -360 and 360"),
+        (side, "[nan, 0, 1]", ":12:1: ", "must grow"),
+        (side, "[0, 90]", ":12:1: ", "[path, from, to]"),
+        (side, "", ":11:21: ", "1 to 16 knots"),
+        (side, &many, ":11:21: ", "1 to 16 knots"),
+        ("kind = \"circumference\"", "[0, 0, 90]", ":11:21: ", "engaged-arc"),
+    ] {
+        let error = engaged(law, rows);
+        assert!(error.contains(place) && error.contains(hint), "{rows}: {error}");
+    }
+    let feeds = |law: &str, rows: &str| with_tables(law, &format!("table = [\n{rows}]")).unwrap_err();
+    let many: String = (0..33).map(|i| format!("[{i}, 1], ")).collect();
+    for (rows, place, hint) in [
+        ("[1, 0.1],\n[1, 0.1]", ":13:1: ", "must grow"),
+        ("[0, 0.1], [1, 0]", ":12:11: ", "must be positive"),
+        (&many, ":11:9: ", "1 to 32 knots"),
+    ] {
+        let error = feeds("kind = \"table\"", rows);
+        assert!(error.contains(place) && error.contains(hint), "{rows}: {error}");
+    }
+    let unused = with_tables("kind = \"circumference\"", "stock = { disc = [0, 0, 1] }\ntable = [[0, 1]]").unwrap_err();
+    assert!(unused.contains(":12:9: `table` is for the table law"), "{unused}");
+    let missing = with_tables("kind = \"table\"", "").unwrap_err();
+    assert!(missing.contains("in every rule"), "{missing}");
+    let full = many.trim_end_matches("[32, 1], ");
+    let rule = |n: u32| {
+        format!(
+            "table = [{full}]\n[[cut]]\nrotation = \"interior\"\ndirection = \"cw\"\nside = \"inner\"\nn = [{n}, {n}]\n"
+        )
+    };
+    let crowded = with_tables("kind = \"table\"", &format!("{}{}table = [[0, 1]]", rule(1), rule(2))).unwrap_err();
+    assert!(crowded.contains("at most 64 knots"), "{crowded}");
 }
 
 #[test]

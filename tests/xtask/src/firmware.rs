@@ -11,9 +11,10 @@ use crate::command::{Failure, announce, build_dir, cargo, output, program, run};
 use crate::target::TARGET;
 
 /// What may run on the chip. A crate is added here after a look at it: no heap, no panics on the tick, licence.
-const CRATES: [&str; 12] = [
+const CRATES: [&str; 20] = [
     "arcfeed-firmware",
     "arcfeed-shared",
+    "approx",
     "bitflags",
     "byteorder",
     "defmt",
@@ -23,7 +24,14 @@ const CRATES: [&str; 12] = [
     "heapless",
     "libm",
     "micromath",
+    "nalgebra",
+    "num-complex",
+    "num-integer",
+    "num-rational",
+    "num-traits",
+    "simba",
     "stable_deref_trait",
+    "typenum",
 ];
 
 /// The libraries every program has, heap or not.

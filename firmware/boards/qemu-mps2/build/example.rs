@@ -16,6 +16,7 @@ use arcfeed_hil_sim::machine;
 use arcfeed_hil_sim::rig::Rig;
 use arcfeed_shared::cut::{self, CutRule, Moves, Work};
 use arcfeed_shared::job::Job;
+use arcfeed_shared::knots::Knots;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Nm;
@@ -68,13 +69,18 @@ fn record(mut rig: Rig) -> (Vec<Block>, Vec<u8>) {
 
 /// The job and its blocks as Rust: what `Debug` prints of these types is what one would write.
 fn source(job: &Job, blocks: &[Block]) -> String {
-    let Job { unit, tool, spindle, law, feed_per_tooth, policy, limits, rules } = job;
+    let Job { unit, tool, spindle, law, feed_per_tooth, policy, limits, rules, knots } = job;
+    assert_eq!(*knots, Knots::new(), "the example's law needs no table");
     let mut text = String::new();
     let mut line = |line: String| writeln!(text, "{line}").expect("strings take every line");
-    line("/// The job.\npub fn job() -> Job {\n    let mut rules = heapless::Vec::new();".into());
-    rules.iter().for_each(|rule| line(rule_source(rule)));
+    line("/// The job, its rules still to be added.\npub const fn job() -> Job {".into());
     line(format!("    Job {{ unit: {unit:?}, tool: Tool::{tool:?}, spindle: {spindle:?}, law: LawKind::{law:?},"));
-    line(format!("        feed_per_tooth: {feed_per_tooth:?}, policy: {policy:?}, limits: {limits:?}, rules }}\n}}"));
+    line(format!("        feed_per_tooth: {feed_per_tooth:?}, policy: {policy:?}, limits: {limits:?},"));
+    line("        rules: heapless::Vec::new(), knots: Knots::new() }\n}".into());
+    // In place: a list of rules that is handed over may lie on the stack twice.
+    line("/// Adds its rules.\n#[inline(never)]\npub fn add_rules(job: &mut Job) {".into());
+    rules.iter().for_each(|rule| line(rule_source(rule)));
+    line("}".into());
     line("/// The blocks of the run.".into());
     line("#[unsafe(link_section = \".recorded_run\")]".into());
     line(format!("pub static BLOCKS: [Block; {}] = [", blocks.len()));
@@ -92,9 +98,9 @@ fn rule_source(rule: &CutRule) -> String {
         panic!("the example's tool is a cup mill")
     };
     let line = stock.line().expect("the example's stock is a line");
-    let CutRule { feed_per_tooth, sequence, level, .. } = rule;
+    let CutRule { feed_per_tooth, table, sequence, level, .. } = rule;
     format!(
-        "    let _room = rules.push(CutRule {{ moves: Moves::Rotations({rotation:?}, {turn:?}), work: Work::Ring({edge:?}, \
-         Stock::half_plane({line:?})), feed_per_tooth: {feed_per_tooth:?}, sequence: {sequence:?}, level: {level:?} }});"
+        "    let _room = job.rules.push(CutRule {{ moves: Moves::Rotations({rotation:?}, {turn:?}), work: Work::Ring({edge:?}, \
+         Stock::half_plane({line:?})), feed_per_tooth: {feed_per_tooth:?}, table: {table:?}, sequence: {sequence:?}, level: {level:?} }});"
     )
 }

@@ -124,7 +124,8 @@ fn tick(state: &mut TickState) {
 #[cortex_m_rt::entry]
 fn main() -> ! {
     let painted = Painted::below_here();
-    let job = example::job();
+    let mut job = example::job();
+    example::add_rules(&mut job);
     let Ok(supervisor) = Supervisor::new(&job, Settings::default()) else {
         defmt::error!("the limits of the override make no sense");
         leave(debug::EXIT_FAILURE)

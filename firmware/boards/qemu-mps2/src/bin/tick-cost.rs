@@ -57,7 +57,8 @@ fn tick(task: &mut Task, supervisor: &Supervisor, board: &mut Cabinet) -> Output
 fn main() -> ! {
     cortex_m::interrupt::disable();
     let counter = InstructionCounter::start();
-    let job = example::job();
+    let mut job = example::job();
+    example::add_rules(&mut job);
     let Ok(supervisor) = Supervisor::new(&job, Settings::default()) else { arcfeed_qemu_mps2::leave(debug::EXIT_FAILURE) };
     let measured = controller::Input { position: None, spindle: job.spindle, dt: TICK };
     let mut board = Cabinet { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED };
