@@ -20,7 +20,8 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use arcfeed_firmware::board::{Board, Task};
 use arcfeed_firmware::controller::{ActiveSegment, Controller, Input};
 use arcfeed_firmware::ramp::FeedOverride;
-use arcfeed_qemu_mps2::example::{self, Block, TICK};
+use arcfeed_qemu_mps2::example::ibr_slot::{EXAMPLE, job};
+use arcfeed_qemu_mps2::example::{Block, Run, TICK};
 use arcfeed_qemu_mps2::stack::Painted;
 use arcfeed_qemu_mps2::uart::{Transmitter, UART1};
 use arcfeed_qemu_mps2::{leave, timer};
@@ -38,7 +39,7 @@ struct TickState {
     controller: Controller,
     task: Task,
     segments: Consumer<'static, Prepared>,
-    run: example::Run,
+    run: Run,
     cabinet: Cabinet,
 }
 
@@ -114,13 +115,13 @@ fn tick(state: &mut TickState) {
     state.task.run(&state.controller, &mut state.cabinet);
     TICKS.store(TICKS.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
     #[cfg(feature = "prove-the-gate")]
-    core::hint::black_box(example::BLOCKS[TICKS.load(Ordering::Relaxed) as usize].first_tick);
+    core::hint::black_box(EXAMPLE.blocks[TICKS.load(Ordering::Relaxed) as usize].first_tick);
 }
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
     let painted = Painted::below_here();
-    let job = example::job();
+    let job = job();
     let Ok(controller) = Controller::new(&job) else {
         defmt::error!("the limits of the override make no sense");
         leave(debug::EXIT_FAILURE)
@@ -132,18 +133,18 @@ fn main() -> ! {
     let prepare = |(count, block): (u32, &'static Block)| {
         (count, block.segment.as_ref().map(|segment| ActiveSegment::new(segment, block.cut(&job), &job)))
     };
-    let mut blocks = (1..).zip(example::BLOCKS.iter()).map(prepare).peekable();
+    let mut blocks = (1..).zip(EXAMPLE.blocks.iter()).map(prepare).peekable();
     while segments.ready() && blocks.peek().is_some() {
         if let Some(prepared) = blocks.next() {
             let _room = segments.enqueue(prepared);
         }
     }
-    defmt::info!("feedboard: {=usize} blocks, a tick every {=u64} us", example::BLOCKS.len(), TICK.0);
+    defmt::info!("feedboard: {=usize} blocks, a tick every {=u64} us", EXAMPLE.blocks.len(), TICK.0);
     let input = Input { position: None, spindle: job.spindle, dt: TICK };
     // SAFETY: UART 1 is used here only; the timer starts below, so nobody sees the state yet.
     unsafe {
         let cabinet = Cabinet { segment: None, input, line: Transmitter::new(UART1) };
-        let run = example::run();
+        let run = EXAMPLE.run();
         *TICK_STATE.0.get() = Some(TickState { controller, task: Task::default(), segments: consumer, run, cabinet });
         timer::start(TICK.0 as u32);
     }
