@@ -1,6 +1,7 @@
 //! What the image needs of the chip: flash, RAM and stack, against what it may need.
 
 use std::fs;
+use std::slice;
 
 use crate::defmt_log::messages;
 use crate::elf::{Elf, Section};
@@ -43,8 +44,10 @@ fn flash_ram_and_stack_stay_within_their_budgets() {
     let file = fs::read(image("feedboard")).expect("the image is there");
     let (flash, ram) = sizes(&Elf::parse(&file));
     let stack = bytes(&messages(&file, &run("feedboard").console), "stack:");
-    let ticks: Vec<String> = figures::text().lines().map(str::to_owned).collect();
-    let tick_stack = bytes(&ticks, "tick-stack");
+    let figures: Vec<String> = figures::text().lines().map(str::to_owned).collect();
+    // The law that takes most.
+    let stacks = figures.iter().filter(|line| line.starts_with("stack-"));
+    let tick_stack = stacks.map(|line| bytes(slice::from_ref(line), "stack-")).max().expect("the stack was measured");
     for (name, used, max) in [
         ("flash", flash, FLASH_MAX),
         ("RAM", ram, RAM_MAX),

@@ -1,4 +1,4 @@
-//! As much of a 32-bit little-endian ELF as these tests need: sections and symbols.
+//! As much of a 32-bit little-endian ELF as these tests need: its sections.
 
 /// A section.
 #[derive(Clone, Copy, Debug)]
@@ -11,19 +11,6 @@ pub struct Section<'f> {
     pub size: u32,
     kind: u32,
     flags: u32,
-    link: u32,
-    offset: u32,
-}
-
-/// A symbol.
-#[derive(Clone, Copy, Debug)]
-pub struct Symbol<'f> {
-    /// Its name.
-    pub name: &'f str,
-    /// Its address.
-    pub value: u32,
-    /// The index of its section.
-    pub section: usize,
 }
 
 /// A parsed file.
@@ -31,10 +18,8 @@ pub struct Symbol<'f> {
 pub struct Elf<'f> {
     /// In the order of the file.
     pub sections: Vec<Section<'f>>,
-    file: &'f [u8],
 }
 
-const SYMBOL_TABLE: u32 = 2;
 const NO_BITS: u32 = 8;
 const ALLOCATED: u32 = 2;
 
@@ -55,28 +40,15 @@ impl<'f> Elf<'f> {
     pub fn parse(file: &'f [u8]) -> Self {
         assert_eq!(&file[..6], b"\x7fELF\x01\x01", "a 32-bit little-endian ELF");
         let (table, size, count) = (word(file, 32), half(file, 46), half(file, 48));
-        let header = |index: u32| -> [u32; 10] {
+        let header = |index: u32| -> [u32; 6] {
             std::array::from_fn(|field| word(file, (table + index * size) as usize + 4 * field))
         };
         let names = header(half(file, 50))[4];
         let section = |index| {
-            let [name, kind, flags, address, offset, size, link, ..] = header(index);
-            Section { name: text(file, names + name), address, size, kind, flags, link, offset }
+            let [name, kind, flags, address, _, size] = header(index);
+            Section { name: text(file, names + name), address, size, kind, flags }
         };
-        Elf { sections: (0..count).map(section).collect(), file }
-    }
-
-    /// All symbols.
-    pub fn symbols(&self) -> Vec<Symbol<'f>> {
-        let Some(table) = self.sections.iter().find(|section| section.kind == SYMBOL_TABLE) else { return Vec::new() };
-        let names = self.sections[table.link as usize].offset;
-        let entries = self.file[table.offset as usize..(table.offset + table.size) as usize].chunks_exact(16);
-        let symbol = |entry: &[u8]| Symbol {
-            name: text(self.file, names + word(entry, 0)),
-            value: word(entry, 4),
-            section: half(entry, 14) as usize,
-        };
-        entries.map(symbol).collect()
+        Elf { sections: (0..count).map(section).collect() }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::images::image;
@@ -53,13 +54,16 @@ pub fn run(name: &str) -> Run {
     };
     let read = |path: &PathBuf| fs::read(path).unwrap_or_default();
     let run = Run { console: read(&console), uart1: read(&uart1) };
+    let _ = fs::remove_dir_all(&place);
     assert!(status.success(), "{name}: {status}\n{}", run.text());
     run
 }
 
 /// An empty folder beside the image, for this run alone.
 fn scratch(image: &Path, name: &str) -> PathBuf {
-    let place = image.with_file_name(format!("run-{name}-{}", std::process::id()));
+    static RUNS: AtomicU32 = AtomicU32::new(0);
+    let run = RUNS.fetch_add(1, Ordering::Relaxed);
+    let place = image.with_file_name(format!("run-{name}-{}-{run}", std::process::id()));
     let _ = fs::remove_dir_all(&place);
     fs::create_dir_all(&place).expect("a folder beside the image");
     place

@@ -1,12 +1,13 @@
-//! The same bits on the desk and on the chip, and the same overrides as in the simulator.
+//! The same bits on the desk and on the chip under each law, and the same overrides as in the simulator.
 
 use std::process::Command;
+use std::sync::OnceLock;
 
 use arcfeed::adapt::adapt;
 use arcfeed::commands::simulate::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
-use arcfeed_bench::trace::TICKS;
+use arcfeed_bench::trace::{LAWS, TICKS};
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::rig::Rig;
 use arcfeed_shared::nc::block::Reading;
@@ -46,13 +47,50 @@ fn simulated_overrides() -> Vec<u8> {
     overrides.split_off(late)
 }
 
+/// What the chip makes of the same, run once.
+fn on_the_chip() -> &'static str {
+    static TEXT: OnceLock<String> = OnceLock::new();
+    TEXT.get_or_init(|| run("trace-hash").text())
+}
+
+/// The number that follows a word on the line of a law.
+fn count(line: &str, word: &str) -> u32 {
+    let mut words = line.split_whitespace().skip_while(|other| *other != word);
+    let number = words.nth(1).unwrap_or_else(|| panic!("no {word} in {line}"));
+    number.parse().expect("a number")
+}
+
 #[test]
-fn desk_and_chip_agree_to_the_bit() {
-    let (debug, release, chip) = (on_the_desk(&[]), on_the_desk(&["--release"]), run("trace-hash").text());
+fn desk_and_chip_agree_to_the_bit_under_each_law() {
+    let (debug, release, chip) = (on_the_desk(&[]), on_the_desk(&["--release"]), on_the_chip());
     print!("{TICKS} ticks each, debug, release and chip:\n{debug}{release}{chip}");
-    assert!(debug.contains("hash"), "{debug}");
+    assert_eq!(debug.lines().count(), LAWS.len(), "{debug}");
     assert_eq!(debug, release);
     assert_eq!(debug, chip);
+}
+
+#[test]
+fn the_ticks_that_agree_are_of_all_kinds() {
+    const PLENTY: u32 = TICKS / 20;
+    for line in on_the_chip().lines() {
+        let (law, counts) = line.split_once(' ').expect("the law, then what it did");
+        let many =
+            |words: &[&str]| words.iter().for_each(|word| assert!(count(counts, word) > PLENTY, "{word}: {line}"));
+        match law {
+            "circumference" => many(&["governed", "refused", "half-plane", "filtered"]),
+            "engaged-arc-one-edge" | "engaged-arc-both-edges" => {
+                many(&["governed", "refused", "half-plane", "polygon", "disc", "filtered"]);
+            }
+            "contour" | "contour-floor" | "contour-inside-only" | "engagement" => {
+                many(&["governed", "refused", "on-lines", "filtered"]);
+            }
+            // A table has a wish everywhere.
+            "table" => many(&["governed", "on-lines", "filtered"]),
+            "programmed" => assert_eq!(count(counts, "governed"), 0, "{line}"),
+            _ => panic!("what is {law} to exercise?"),
+        }
+        assert!(law == "programmed" || count(counts, "missing") > 100, "{line}");
+    }
 }
 
 #[test]

@@ -34,7 +34,7 @@ pub struct Freshness {
 }
 
 /// What was lost.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Source {
     /// The axes' positions.
     Position,

@@ -12,7 +12,7 @@ use super::signals::{BoardFault, Condition, Inhibit};
 use super::state::{Disarm, Hold, State};
 
 /// Why the override is what it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Reason {
     /// The law's wish, or on its way there.
     Law,
@@ -48,7 +48,7 @@ pub enum Reason {
 }
 
 /// The limit that a wish ran into.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Limit {
     /// `max` of the job.
     Max,

@@ -5,7 +5,7 @@
 pub struct Signals(u32);
 
 /// What the board finds wrong with itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BoardFault {
     /// The watchdog bit, now or before this start.
     Watchdog,
@@ -27,7 +27,7 @@ pub enum Request {
 }
 
 /// A condition under which the laws must not have the override.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Condition {
     /// G41 or G42: the control corrects the feed of arcs itself.
     CutterCompensation,
@@ -36,7 +36,7 @@ pub enum Condition {
 }
 
 /// Why the override has nothing to act on for now.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Inhibit {
     /// A tapping cycle.
     Tapping,

@@ -71,7 +71,7 @@ pub enum State {
 }
 
 /// Why the axes stand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Hold {
     /// Feed hold.
     Feed,
@@ -80,7 +80,7 @@ pub enum Hold {
 }
 
 /// What disarmed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Disarm {
     /// The operator turned the dial down: the dial's value, but no rise until the dial is turned up.
     Operator {

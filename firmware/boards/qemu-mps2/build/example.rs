@@ -1,6 +1,6 @@
 //! A job, its blocks and the positions of its run, written as Rust and as a table for the images.
 //!
-//! `example.rs`: `job()`, `RULES`, `BLOCKS`. `ticks.bin`: the position feedback of every tick as the difference to the
+//! A module for each: `job()` and `EXAMPLE`. `NAME.bin`: the position feedback of every tick as the difference to the
 //! tick before, three little-endian i16 of micrometres; the run starts at the origin.
 
 use std::fmt::Write;
@@ -14,7 +14,7 @@ use arcfeed::program::Program;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::machine;
 use arcfeed_hil_sim::rig::Rig;
-use arcfeed_shared::cut::{self, CutRule, Moves, Work};
+use arcfeed_shared::cut::{self, CutRule, Work};
 use arcfeed_shared::job::Job;
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::nc::block::Reading;
@@ -30,16 +30,20 @@ struct Block {
     segment: Option<Segment>,
 }
 
-/// Runs the job and writes what the images take from it.
-pub fn write(job: &Path, out: &Path) {
+/// Runs a job, writes its table of ticks, and answers its module.
+pub fn module(name: &str, job: &Path, out: &Path) -> String {
     let file = JobFile::load(job).expect("the example's job is sound");
     let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
     let mut text = adapt(&program, &file.job).text;
     text.push(b'\n');
     let rig = Rig::from_memory(control_settings(&file), &text, &file.job, ControllerFault::None);
     let (blocks, ticks) = record(rig.expect("the limits of the override make sense"));
-    fs::write(out.join("ticks.bin"), ticks).expect("the table is written");
-    fs::write(out.join("example.rs"), source(&file.job, &blocks)).expect("the job is written");
+    let table = out.join(format!("{name}.bin"));
+    fs::write(&table, &ticks).expect("the table is written");
+    let mut text = format!("/// `{name}`.\npub mod {name} {{\n    use super::*;\n");
+    text += &job_source(&file.job);
+    text += &run_source(&file.job, &blocks, &table, ticks.len());
+    text + "}\n"
 }
 
 /// Steps the machine to the end of the program.
@@ -67,40 +71,51 @@ fn record(mut rig: Rig) -> (Vec<Block>, Vec<u8>) {
     (blocks, ticks)
 }
 
-/// The job and its blocks as Rust: what `Debug` prints of these types is what one would write.
-fn source(job: &Job, blocks: &[Block]) -> String {
+/// The job as Rust: what `Debug` prints of these types is what one would write.
+fn job_source(job: &Job) -> String {
     let Job { unit, tool, spindle, law, feed_per_tooth, policy, limits, rules, knots } = job;
     assert_eq!(*knots, Knots::new(), "the example's law needs no table");
-    let mut text = String::new();
-    let mut line = |line: String| writeln!(text, "{line}").expect("strings take every line");
-    line("/// The job, its rules still to be added.\npub const fn job() -> Job {".into());
-    line(format!("    Job {{ unit: {unit:?}, tool: Tool::{tool:?}, spindle: {spindle:?}, law: LawKind::{law:?},"));
-    line(format!("        feed_per_tooth: {feed_per_tooth:?}, policy: {policy:?}, limits: {limits:?},"));
-    line("        rules: heapless::Vec::new(), knots: Knots::new() }\n}".into());
+    let mut text = String::from("    /// The job, its rules still to be added.\n    pub const fn job() -> Job {\n");
+    let tool = format!("Tool::{tool:?}, spindle: {spindle:?}, law: LawKind::{law:?}");
+    text += &format!("        Job {{ unit: {unit:?}, tool: {tool}, feed_per_tooth: {feed_per_tooth:?},\n");
+    text += &format!("            policy: {policy:?}, limits: {limits:?},\n");
+    text += "            rules: heapless::Vec::new(), knots: Knots::new() }\n    }\n";
     // In place: a list of rules that is handed over may lie on the stack twice.
-    line("/// Adds its rules.\n#[inline(never)]\npub fn add_rules(job: &mut Job) {".into());
-    rules.iter().for_each(|rule| line(rule_source(rule)));
-    line("}".into());
-    line("/// The blocks of the run.".into());
-    line("#[unsafe(link_section = \".recorded_run\")]".into());
-    line(format!("pub static BLOCKS: [Block; {}] = [", blocks.len()));
+    text += "    /// Adds its rules.\n    #[inline(never)]\n    pub fn add_rules(job: &mut Job) {\n";
+    text.extend(rules.iter().map(rule_source));
+    text +=
+        "    }\n    /// The job with its rules, for stacks that have room for it.\n    pub fn whole_job() -> Job {\n";
+    text + "        let mut job = job();\n        add_rules(&mut job);\n        job\n    }\n"
+}
+
+/// The blocks and the table of ticks as Rust. Both lie in a section of their own: a stand-in for the program and the
+/// encoders, not a part of the controller's budget.
+fn run_source(job: &Job, blocks: &[Block], table: &Path, bytes: usize) -> String {
+    let mut text = String::new();
+    let mut line = |line: String| writeln!(text, "    {line}").expect("strings take every line");
+    let section = "#[unsafe(link_section = \".recorded_run\")]";
+    line(format!("{section}\n    static BLOCKS: [Block; {}] = [", blocks.len()));
     for Block { first_tick, segment } in blocks {
-        let found = segment.as_ref().and_then(|segment| cut::find(rules, segment, tool));
+        let found = segment.as_ref().and_then(|segment| cut::find(&job.rules, segment, &job.tool));
         let rule = found.map(|(index, _)| index);
         line(format!("    Block {{ first_tick: {first_tick}, rule: {rule:?}, segment: {segment:?} }},"));
     }
-    line("];".into());
+    line(format!("];\n    {section}\n    static TICKS: [u8; {bytes}] = *include_bytes!({table:?});"));
+    line("/// Its run.\n    pub const EXAMPLE: Example = Example { blocks: &BLOCKS, ticks: &TICKS };".into());
     text
 }
 
 fn rule_source(rule: &CutRule) -> String {
-    let CutRule { moves: Moves::Rotations(rotation, turn), work: Work::Ring(edge, stock), .. } = rule else {
-        panic!("the example's tool is a cup mill")
+    let CutRule { moves, work, feed_per_tooth, table, sequence, level } = rule;
+    let work = match work {
+        Work::Ring(edge, stock) => {
+            let line = stock.line().expect("the example's stock is a line");
+            format!("Ring({edge:?}, Stock::half_plane({line:?}))")
+        }
+        Work::Mill { .. } => format!("{work:?}"),
     };
-    let line = stock.line().expect("the example's stock is a line");
-    let CutRule { feed_per_tooth, table, sequence, level, .. } = rule;
     format!(
-        "    let _room = job.rules.push(CutRule {{ moves: Moves::Rotations({rotation:?}, {turn:?}), work: Work::Ring({edge:?}, \
-         Stock::half_plane({line:?})), feed_per_tooth: {feed_per_tooth:?}, table: {table:?}, sequence: {sequence:?}, level: {level:?} }});"
+        "        let _room = job.rules.push(CutRule {{ moves: Moves::{moves:?}, work: Work::{work}, \
+         feed_per_tooth: {feed_per_tooth:?}, table: {table:?}, sequence: {sequence:?}, level: {level:?} }});\n"
     )
 }

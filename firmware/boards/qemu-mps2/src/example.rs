@@ -1,16 +1,16 @@
-//! The example job and the run of it that the build script recorded.
+//! The example jobs and the runs of them that the build script recorded.
 
 use core::ops::RangeFrom;
 use core::slice::{ChunksExact, Iter};
 
-use arcfeed_shared::cut::{CutRule, Moves, Rotation::*, Work};
+use arcfeed_shared::cut::{CutRule, Moves, Rotation::*, Side::*, Work};
 use arcfeed_shared::job::{FeedPolicy::*, Job, LawKind, OverrideLimits};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
 use arcfeed_shared::segment::{Arc, Path::*, Segment};
 use arcfeed_shared::stock::{Stock, StockLine};
-use arcfeed_shared::tool::{CupMill, Edge::*, Tool};
-use arcfeed_shared::units::{LengthUnit::*, MicroDeg, Span, MmPerTooth, Nm, RevPerMin};
+use arcfeed_shared::tool::{CupMill, Edge::*, EndMill, Tool};
+use arcfeed_shared::units::{LengthUnit::*, MicroDeg, MmPerTooth, Nm, RevPerMin, Span};
 
 /// A move of the run, or a rest.
 #[derive(Clone, Copy, Debug)]
@@ -23,17 +23,21 @@ pub struct Block {
     pub segment: Option<Segment>,
 }
 
-include!(concat!(env!("OUT_DIR"), "/example.rs"));
+/// A recorded run.
+#[derive(Clone, Copy, Debug)]
+pub struct Example {
+    /// The blocks of the run.
+    pub blocks: &'static [Block],
+    ticks: &'static [u8],
+}
+
+include!(concat!(env!("OUT_DIR"), "/examples.rs"));
 
 /// The tick of the run.
 pub const TICK: Span = Span::from_ms(1);
 
 const NM_PER_UM: i64 = 1_000;
 const BYTES_PER_TICK: usize = 6;
-/// In a section of its own: a stand-in for the encoders, not a part of the controller's budget.
-#[unsafe(link_section = ".recorded_run")]
-static TICKS: [u8; include_bytes!(concat!(env!("OUT_DIR"), "/ticks.bin")).len()] =
-    *include_bytes!(concat!(env!("OUT_DIR"), "/ticks.bin"));
 
 impl Block {
     /// The cut rule that speaks of it.
@@ -51,10 +55,12 @@ pub struct Run {
     linear: [Nm; 3],
 }
 
-/// The run from its start.
-pub fn run() -> Run {
-    let blocks = (1..).zip(BLOCKS.iter()).peekable();
-    Run { tick: 0, ticks: TICKS.chunks_exact(BYTES_PER_TICK), blocks, linear: [Nm(0); 3] }
+impl Example {
+    /// The run from its start.
+    pub fn run(self) -> Run {
+        let blocks = (1..).zip(self.blocks.iter()).peekable();
+        Run { tick: 0, ticks: self.ticks.chunks_exact(BYTES_PER_TICK), blocks, linear: [Nm(0); 3] }
+    }
 }
 
 impl Iterator for Run {

@@ -23,11 +23,16 @@ impl Costs {
         let _ = self.counts.push(instructions);
     }
 
-    /// Prints `NAME count N median M worst W`.
-    pub fn print(&mut self, name: &str) {
+    /// Whether nothing was counted.
+    pub fn is_empty(&self) -> bool {
+        self.counts.is_empty()
+    }
+
+    /// Prints `NAME count N median M worst W`, the name in two parts.
+    pub fn print(&mut self, kind: &str, name: &str) {
         self.counts.sort_unstable();
         let median = self.counts.get(self.counts.len() / 2).copied().unwrap_or_default();
         let worst = self.counts.last().copied().unwrap_or_default();
-        hprintln!("{} count {} median {} worst {}", name, self.counts.len(), median, worst);
+        hprintln!("{}{} count {} median {} worst {}", kind, name, self.counts.len(), median, worst);
     }
 }

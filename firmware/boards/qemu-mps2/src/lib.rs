@@ -20,6 +20,8 @@ pub mod figures;
 
 pub mod example;
 
+pub mod baseline;
+
 use cortex_m_semihosting::debug::{self, ExitStatus};
 
 /// Ends the emulation.

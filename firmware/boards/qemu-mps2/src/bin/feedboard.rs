@@ -20,11 +20,12 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use arcfeed_firmware::board::{Board, Task};
 use arcfeed_firmware::controller::{self, ActiveSegment};
 use arcfeed_firmware::ramp::FeedOverride;
-use arcfeed_firmware::supervisor::input::{Input, Work};
-use arcfeed_firmware::supervisor::settings::Settings;
-use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::Supervisor;
-use arcfeed_qemu_mps2::example::{self, Block, TICK};
+use arcfeed_firmware::supervisor::input::{Input, Work};
+use arcfeed_firmware::supervisor::memory::Memory;
+use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_qemu_mps2::example::ibr_slot::{EXAMPLE, add_rules, job};
+use arcfeed_qemu_mps2::example::{Block, Run, TICK};
 use arcfeed_qemu_mps2::stack::Painted;
 use arcfeed_qemu_mps2::uart::{Transmitter, UART1};
 use arcfeed_qemu_mps2::{leave, timer};
@@ -42,7 +43,7 @@ struct TickState {
     supervisor: Supervisor,
     task: Task,
     segments: Consumer<'static, Prepared>,
-    run: example::Run,
+    run: Run,
     cabinet: Cabinet,
 }
 
@@ -118,14 +119,14 @@ fn tick(state: &mut TickState) {
     state.task.run(&state.supervisor, &mut state.cabinet);
     TICKS.store(TICKS.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
     #[cfg(feature = "prove-the-gate")]
-    core::hint::black_box(example::BLOCKS[TICKS.load(Ordering::Relaxed) as usize].first_tick);
+    core::hint::black_box(EXAMPLE.blocks[TICKS.load(Ordering::Relaxed) as usize].first_tick);
 }
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
     let painted = Painted::below_here();
-    let mut job = example::job();
-    example::add_rules(&mut job);
+    let mut job = job();
+    add_rules(&mut job);
     let Ok(supervisor) = Supervisor::new(&job, Settings::default()) else {
         defmt::error!("the limits of the override make no sense");
         leave(debug::EXIT_FAILURE)
@@ -137,18 +138,18 @@ fn main() -> ! {
     let prepare = |(count, block): (u32, &'static Block)| {
         (count, block.segment.as_ref().map(|segment| ActiveSegment::new(segment, block.cut(&job), &job)))
     };
-    let mut blocks = (1..).zip(example::BLOCKS.iter()).map(prepare).peekable();
+    let mut blocks = (1..).zip(EXAMPLE.blocks.iter()).map(prepare).peekable();
     while segments.ready() && blocks.peek().is_some() {
         if let Some(prepared) = blocks.next() {
             let _room = segments.enqueue(prepared);
         }
     }
-    defmt::info!("feedboard: {=usize} blocks, a tick every {=u32} us", example::BLOCKS.len(), TICK.0);
+    defmt::info!("feedboard: {=usize} blocks, a tick every {=u32} us", EXAMPLE.blocks.len(), TICK.0);
     let measured = controller::Input { position: None, spindle: job.spindle, dt: TICK };
     // SAFETY: UART 1 is used here only; the timer starts below, so nobody sees the state yet.
     unsafe {
         let cabinet = Cabinet { segment: None, input: Input::of(measured), line: Transmitter::new(UART1) };
-        let (run, task) = (example::run(), Task::from(Memory::armed()));
+        let (run, task) = (EXAMPLE.run(), Task::from(Memory::armed()));
         *TICK_STATE.0.get() = Some(TickState { supervisor, task, segments: consumer, run, cabinet });
         timer::start(TICK.0);
     }

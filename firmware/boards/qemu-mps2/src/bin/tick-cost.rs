@@ -1,53 +1,76 @@
-//! Instructions per tick over the whole example job, and those of the source's own route on the same ticks.
+//! Instructions per tick of each law over whole example jobs, and those of the source's own route on the same ticks.
 //!
-//! Prints one line a figure, `NAME count N median M worst W`, for `tests/board.rs` to judge. The tick is
-//! [`Task::run`], from the measured inputs to the override; interrupts are masked. Stack: the bytes that the ticks used
-//! below this function's own frame.
+//! Prints one line a figure, `NAME count N median M worst W`, for `tests/board/figures.rs` to judge:
+//!
+//! ```text
+//! tick-LAW      ticks on which the law has a wish, the first of each block too; all ticks where it never has one
+//! rest-LAW      the others: rapids, blocks without a rule, refusals
+//! prepare-LAW   taking up a block, outside the tick; knots of a table come ready from elsewhere
+//! stack-LAW     `bytes N`: stack that a tick used, below this program's own frames
+//! ```
+//!
+//! The positions are those of the job's own law: what another law would have made of the feed does not matter for what
+//! its tick costs. Interrupts are masked.
 #![no_std]
 #![no_main]
 
 use core::hint::black_box;
 
 use arcfeed_bench::cabinet::Cabinet;
-use arcfeed_bench::thesis::{self, Movement};
+use arcfeed_bench::random::Random;
 use arcfeed_firmware::board::Task;
 use arcfeed_firmware::controller::{self, ActiveSegment};
+use arcfeed_firmware::law::table::Table;
+use arcfeed_firmware::law::{FeedLaw, Place, SegmentLaw};
+use arcfeed_firmware::progress::PositionFilter;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::input::Input;
-use arcfeed_firmware::supervisor::report::Reason;
-use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::memory::Memory;
+use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::{Output, Supervisor};
+use arcfeed_qemu_mps2::baseline::Baseline;
 use arcfeed_qemu_mps2::clock::InstructionCounter;
-use arcfeed_qemu_mps2::example::{self, Block, TICK};
+use arcfeed_qemu_mps2::example::{Block, Example, TICK, ibr_slot, pocket_contour, pocket_engagement};
 use arcfeed_qemu_mps2::figures::Costs;
+use arcfeed_qemu_mps2::leave;
 use arcfeed_qemu_mps2::stack::Painted;
-use arcfeed_shared::cut::Work;
-use arcfeed_shared::job::Job;
-use arcfeed_shared::nc::modal::{Pose, Turn};
-use arcfeed_shared::tool::Tool;
-use arcfeed_shared::units::Nm;
+use arcfeed_shared::job::{Job, LawKind};
+use arcfeed_shared::knots::{Knot, TABLE_KNOTS_MAX};
+use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::units::{Mm, MmPerTooth, Span};
 use cortex_m_semihosting::{debug, hprintln};
+
+/// The filter's gain, and one in how many samples is missing for it.
+const FILTER_GAIN_RATIO: f32 = 0.3;
+const MISSING: u64 = 50;
+const SEED: u64 = 0x0ddb_a115_5eed_0001;
+
+/// What is counted: an example's run under a law.
+struct Case {
+    name: &'static str,
+    example: Example,
+    job: Job,
+    /// The law of a block, where it is not the job's.
+    other_law: fn(&Block, &Job) -> Option<SegmentLaw>,
+    filter: PositionFilter,
+}
+
+/// What came out.
+#[derive(Default)]
+struct Figures {
+    governed: Costs,
+    others: Costs,
+    prepare: Costs,
+    stack_bytes: usize,
+}
 
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     hprintln!("{}", info);
-    arcfeed_qemu_mps2::leave(debug::EXIT_FAILURE)
+    leave(debug::EXIT_FAILURE)
 }
 
-/// What is counted.
-#[derive(Default)]
-struct Figures {
-    /// Ticks on which the law spoke; the first of each block too.
-    governed: Costs,
-    /// All others.
-    ungoverned: Costs,
-    /// Taking up a block: [`ActiveSegment::new`], outside the tick.
-    prepare: Costs,
-    /// Equations (11)-(26) and (8)-(29) of the source in f32, then in f64, on the governed ticks.
-    thesis: [Costs; 4],
-}
-
+/// All that is counted of a tick.
 #[inline(never)]
 fn tick(task: &mut Task, supervisor: &Supervisor, board: &mut Cabinet) -> Output {
     task.run(supervisor, board)
@@ -57,92 +80,110 @@ fn tick(task: &mut Task, supervisor: &Supervisor, board: &mut Cabinet) -> Output
 fn main() -> ! {
     cortex_m::interrupt::disable();
     let counter = InstructionCounter::start();
-    let mut job = example::job();
-    example::add_rules(&mut job);
-    let Ok(supervisor) = Supervisor::new(&job, Settings::default()) else { arcfeed_qemu_mps2::leave(debug::EXIT_FAILURE) };
-    let measured = controller::Input { position: None, spindle: job.spindle, dt: TICK };
+    count_circumference(&counter);
+    let slot = |name, law| Case {
+        job: Job { law, ..ibr_slot::whole_job() },
+        ..case(name, ibr_slot::EXAMPLE, ibr_slot::whole_job())
+    };
+    let filter = PositionFilter::new(FILTER_GAIN_RATIO, Span(0)).expect("a sound gain");
+    let filtered = Case { filter, ..slot("circumference-filtered", LawKind::Circumference) };
+    let knots = Case { other_law: table, ..slot("table", LawKind::Circumference) };
+    for case in [
+        filtered,
+        slot("engaged-arc-one-edge", LawKind::EngagedArc { both_edges: false }),
+        slot("engaged-arc-both-edges", LawKind::EngagedArc { both_edges: true }),
+        knots,
+        slot("programmed", LawKind::Programmed),
+        case("contour", pocket_contour::EXAMPLE, pocket_contour::whole_job()),
+        case("engagement", pocket_engagement::EXAMPLE, pocket_engagement::whole_job()),
+    ] {
+        count(&case, &counter, |_, _| {}).print(case.name);
+    }
+    leave(debug::EXIT_SUCCESS)
+}
+
+/// The example under its own law, with exact positions.
+fn case(name: &'static str, example: Example, job: Job) -> Case {
+    Case { name, example, job, other_law: |_, _| None, filter: PositionFilter::Exact }
+}
+
+/// The law that is compared with the source's own route.
+#[inline(never)]
+fn count_circumference(counter: &InstructionCounter) {
+    let case = case("circumference", ibr_slot::EXAMPLE, ibr_slot::whole_job());
+    let mut baseline = Baseline::default();
+    let mut figures = count(&case, counter, |block, position| baseline.add(counter, block, position, &case.job));
+    baseline.print();
+    figures.print(case.name);
+}
+
+/// Runs a case; `also` is called on each governed tick.
+#[inline(never)]
+fn count(case: &Case, counter: &InstructionCounter, mut also: impl FnMut(&Block, &Pose)) -> Figures {
+    let Ok(supervisor) = Supervisor::new(&case.job, Settings::default()) else { leave(debug::EXIT_FAILURE) };
+    let supervisor = supervisor.with_filter(case.filter);
+    let measured = controller::Input { position: None, spindle: case.job.spindle, dt: TICK };
     let mut board = Cabinet { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED };
-    let (mut task, mut figures, mut stack_bytes) = (Task::from(Memory::armed()), Figures::default(), 0);
+    let (mut task, mut figures, mut random) = (Task::from(Memory::armed()), Figures::default(), Random::new(SEED));
     let mut block = None;
-    for (position, new) in example::run() {
+    for (position, new) in case.example.run() {
         if let Some((count, next)) = new {
             block = Some(next);
             let segment = next.segment.as_ref();
-            let (cost, active) =
-                counter.of(|| segment.map(|segment| ActiveSegment::new(segment, next.cut(&job), &job)));
+            let rule = next.cut(&case.job);
+            let (cost, active) = counter.of(|| segment.map(|segment| ActiveSegment::new(segment, rule, &case.job)));
             figures.prepare.add(cost);
-            board.segment = active.map(|active| (count, active));
+            let under = |active: ActiveSegment| match (case.other_law)(next, &case.job) {
+                Some(law) => active.with_law(law),
+                None => active,
+            };
+            board.segment = active.map(|active| (count, under(active)));
         }
-        board.input.measured.position = Some(position);
+        let is_missing = case.filter != PositionFilter::Exact && random.below(MISSING) == 0;
+        board.input.measured.position = (!is_missing).then_some(position);
         let painted = Painted::below_here();
         let (cost, output) = counter.of(|| tick(&mut task, black_box(&supervisor), &mut board));
-        stack_bytes = stack_bytes.max(painted.used());
-        if matches!(output.reason, Reason::Law | Reason::Floor { .. } | Reason::Limited(_)) {
+        figures.stack_bytes = figures.stack_bytes.max(painted.used());
+        if output.ipt_center.is_some() {
             figures.governed.add(cost);
-            if let Some(movement) = block.and_then(|block| movement(block, &position, &job)) {
-                count_thesis(&counter, &mut figures.thesis, &movement);
+            if let Some(block) = block {
+                also(block, &position);
             }
         } else {
-            figures.ungoverned.add(cost);
+            figures.others.add(cost);
         }
     }
-    print(&mut figures, stack_bytes)
+    figures
 }
 
-fn print(figures: &mut Figures, stack_bytes: usize) -> ! {
-    let names = ["thesis-11-26-f32", "thesis-8-29-f32", "thesis-11-26-f64", "thesis-8-29-f64"];
-    let [a, b, c, d] = &mut figures.thesis;
-    for (name, costs) in names.into_iter().zip([a, b, c, d]) {
-        costs.print(name);
+/// For an arc with a rule: as many knots as a table takes, with what the job's law wants there.
+fn table(block: &Block, job: &Job) -> Option<SegmentLaw> {
+    let (segment, rule) = (block.segment.as_ref()?, block.cut(job)?);
+    let arc = segment.arc()?;
+    let law = SegmentLaw::for_segment(segment, Some(rule), job);
+    let (radius_mm, turn) = (arc.radius_mm() as f32, f32::from(arc.turn.sign()));
+    let mut knots: [Knot; TABLE_KNOTS_MAX] = [(Mm(0.0), MmPerTooth(0.0)); TABLE_KNOTS_MAX];
+    for (index, knot) in knots.iter_mut().enumerate() {
+        let ratio = index as f64 / (TABLE_KNOTS_MAX - 1) as f64;
+        let travelled_mm = (segment.length_mm() * ratio) as f32;
+        let direction = arc.direction_at(ratio).map(|component| component as f32);
+        let wish = law.wish(&Place::on_arc(direction, turn, radius_mm, travelled_mm));
+        *knot = (Mm(travelled_mm), wish.map_or(job.feed_per_tooth, |wish| MmPerTooth(wish.path_mm_per_tooth)));
     }
-    figures.governed.print("tick-governed");
-    figures.ungoverned.print("tick-ungoverned");
-    figures.prepare.print("prepare-block");
-    hprintln!("tick-stack bytes {}", stack_bytes);
-    arcfeed_qemu_mps2::leave(debug::EXIT_SUCCESS)
+    let table = Table::new(&knots).expect("the knots are in order and positive");
+    Some(SegmentLaw::Table(table))
 }
 
-fn count_thesis(counter: &InstructionCounter, costs: &mut [Costs; 4], movement: &Movement<f64>) {
-    let [step_f32, tooth_f32, step_f64, tooth_f64] = costs;
-    let narrow = narrow(movement);
-    let (line, narrow_line) = (thesis::line(movement.limits), thesis::line(narrow.limits));
-    step_f32.add(counter.of(|| black_box(thesis::step(black_box(&narrow), black_box(narrow_line)))).0);
-    tooth_f32.add(counter.of(|| black_box(thesis::tooth(black_box(&narrow)))).0);
-    step_f64.add(counter.of(|| black_box(thesis::step(black_box(movement), black_box(line)))).0);
-    tooth_f64.add(counter.of(|| black_box(thesis::tooth(black_box(movement)))).0);
-}
-
-/// What the source's equations take at this position: the stock limit in the frame at O, by two points a tool's radius
-/// either side of the foot of the perpendicular from O.
-fn movement(block: &Block, position: &Pose, job: &Job) -> Option<Movement<f64>> {
-    let (arc, rule) = (block.segment.as_ref()?.arc()?, block.cut(job)?);
-    let [x, y, _] = position.linear.map(Nm::to_mm);
-    let [center_x, center_y] = arc.center.map(Nm::to_mm);
-    let path_radius = arc.radius_mm();
-    let (ex, ey) = ((x - center_x) / path_radius, (y - center_y) / path_radius);
-    let turn = if arc.turn == Turn::Ccw { 1.0 } else { -1.0 };
-    let (Tool::CupMill(tool), Work::Ring(edge, stock)) = (&job.tool, &rule.work) else { return None };
-    let line = stock.line()?;
-    let [nx, ny] = line.normal;
-    let (normal_x, normal_y) = (turn * (ny * ex - nx * ey), -(nx * ex + ny * ey));
-    let distance = line.distance_mm([x, y]);
-    let edge_radius = tool.radius(*edge).to_mm();
-    let limit = |along: f64| [distance * normal_x - along * normal_y, distance * normal_y + along * normal_x];
-    Some(Movement {
-        limits: [limit(-edge_radius), limit(edge_radius)],
-        edge_radius,
-        path_radius,
-        advance: f64::from(edge.advance()),
-        feed_per_tooth: f64::from(job.feed_per_tooth.0),
-    })
-}
-
-fn narrow(movement: &Movement<f64>) -> Movement<f32> {
-    Movement {
-        limits: movement.limits.map(|point| point.map(|mm| mm as f32)),
-        edge_radius: movement.edge_radius as f32,
-        path_radius: movement.path_radius as f32,
-        advance: movement.advance as f32,
-        feed_per_tooth: movement.feed_per_tooth as f32,
+impl Figures {
+    fn print(&mut self, law: &str) {
+        let Figures { governed, others, prepare, stack_bytes } = self;
+        if governed.is_empty() {
+            others.print("tick-", law);
+        } else {
+            governed.print("tick-", law);
+            others.print("rest-", law);
+        }
+        prepare.print("prepare-", law);
+        hprintln!("stack-{} bytes {}", law, stack_bytes);
     }
 }

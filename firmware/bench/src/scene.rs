@@ -1,0 +1,311 @@
+//! Jobs, blocks and the tool's way along them, drawn from a seed: what the controller meets, and more.
+//!
+//! Whole numbers from a seeded generator, and f64 with the four basic operations only, which IEEE 754 fixes to the bit.
+//! Blocks of all planes, senses, edges, sides and sizes; stock of each kind; feeds per tooth and depths that no law can
+//! take; positions with noise, now and then missing, trusted as they are or filtered; spindles that stand still or are no
+//! number, ticks of no and of any length.
+
+use arcfeed_firmware::controller::{ActiveSegment, Input};
+use arcfeed_firmware::law::SegmentLaw;
+use arcfeed_firmware::law::table::Table;
+use arcfeed_firmware::progress::PositionFilter;
+use arcfeed_shared::cut::{CutRule, Moves, Rotation, Side, Work};
+use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use arcfeed_shared::knots::{Knot, TABLE_KNOTS_MAX};
+use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
+use arcfeed_shared::segment::{Arc, Path, Segment};
+use arcfeed_shared::stock::{EDGES_MAX, Stock, StockLine};
+use arcfeed_shared::tool::{CupMill, Edge, EndMill, Tool};
+use arcfeed_shared::units::{LengthUnit, Mm, MmPerTooth, Nm, RevPerMin, Span};
+
+use crate::random::Random;
+
+/// One sample of the position in so many is missing.
+const MISSING: u64 = 50;
+
+/// Where a block's law comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LawChoice {
+    /// The job names it.
+    Job(LawKind),
+    /// Knots computed beforehand.
+    Table,
+}
+
+/// A job, one block of it, and where on it the tool is.
+#[derive(Debug)]
+pub struct Scene {
+    /// The job.
+    pub job: Job,
+    /// How positions are trusted.
+    pub filter: PositionFilter,
+    rule: CutRule,
+    segment: Segment,
+    table: Option<Table>,
+    course: Course,
+}
+
+/// The way of the tool's centre; state.
+#[derive(Clone, Copy, Debug)]
+enum Course {
+    /// From the rotation centre, nm; cosine and sine of the turn per tick.
+    Arc { arc: Arc, at_nm: [f64; 2], turn: [f64; 2] },
+    /// Where it is and what it moves in a tick, nm.
+    Line { at_nm: [f64; 3], step_nm: [f64; 3] },
+}
+
+impl Scene {
+    /// Draws one for a law.
+    pub fn draw(random: &mut Random, choice: LawChoice) -> Self {
+        let is_for_rings = matches!(choice, LawChoice::Job(LawKind::Circumference | LawKind::EngagedArc { .. }));
+        let cutting = if is_for_rings { for_ring(random, choice) } else { for_end_mill(random) };
+        let Cutting { tool, segment, course, moves, work } = cutting;
+        let law = match choice {
+            LawChoice::Job(law) => law,
+            LawChoice::Table => LawKind::Programmed,
+        };
+        let feed_per_tooth = match random.below(10) {
+            0 => Some(MmPerTooth(0.0)),
+            1 | 2 => Some(MmPerTooth((1 + random.below(500)) as f32 / 1_000.0)),
+            _ => None,
+        };
+        let job = Job {
+            unit: LengthUnit::Mm,
+            tool,
+            spindle: RevPerMin(1_000.0),
+            law,
+            feed_per_tooth: MmPerTooth((1 + random.below(1_000)) as f32 / 1_000.0),
+            policy: FeedPolicy::SafeBase,
+            limits: limits(random),
+            rules: Default::default(),
+            knots: Default::default(),
+        };
+        let table = (choice == LawChoice::Table).then(|| table(random, &segment)).flatten();
+        let rule = CutRule { moves, work, feed_per_tooth, table: None, sequence: None, level: None };
+        Scene { job, filter: filter(random), rule, segment, table, course }
+    }
+
+    /// The block under its law.
+    pub fn active(&self) -> ActiveSegment {
+        let active = ActiveSegment::new(&self.segment, Some(&self.rule), &self.job);
+        match &self.table {
+            Some(table) => active.with_law(SegmentLaw::Table(table.clone())),
+            None => active,
+        }
+    }
+
+    /// Whether the block is a line.
+    pub fn is_line(&self) -> bool {
+        self.segment.path == Path::Line
+    }
+
+    /// What the block cuts into, if it cuts with a ring.
+    pub fn stock(&self) -> Option<&Stock> {
+        match &self.rule.work {
+            Work::Ring(_, stock) => Some(stock),
+            Work::Mill { .. } => None,
+        }
+    }
+
+    /// The inputs of the next tick.
+    pub fn advance(&mut self, random: &mut Random) -> Input {
+        let mut noisy = |nm: f64| Nm(nm as i64 + random.below(10_000) as i64 - 5_000);
+        let linear = match &mut self.course {
+            Course::Arc { arc, at_nm, turn: [cos, sin] } => {
+                let [x, y] = *at_nm;
+                *at_nm = [x * *cos - y * *sin, x * *sin + y * *cos];
+                in_space(arc, at_nm.map(&mut noisy))
+            }
+            Course::Line { at_nm, step_nm } => {
+                for (at, step) in at_nm.iter_mut().zip(step_nm) {
+                    *at += *step;
+                }
+                at_nm.map(&mut noisy)
+            }
+        };
+        let spindle = match random.below(500) {
+            0 => f32::NAN,
+            1 => f32::INFINITY,
+            2 => 0.0,
+            rest => rest as f32 * 10.0,
+        };
+        let dt = if random.below(100) == 0 { random.below(4_000_000_000) } else { random.below(3_000) };
+        let position = (random.below(MISSING) != 0).then_some(Pose { linear, ..Pose::default() });
+        Input { position, spindle: RevPerMin(spindle), dt: Span(dt as u32) }
+    }
+}
+
+/// A tool on a block, and what its rule says of it.
+struct Cutting {
+    tool: Tool,
+    segment: Segment,
+    course: Course,
+    moves: Moves,
+    work: Work,
+}
+
+/// An arc of a cup mill. The circumference law takes a line for the stock, the other one anything.
+fn for_ring(random: &mut Random, choice: LawChoice) -> Cutting {
+    let inner = 5_000_000 + random.below(200_000_000) as i64;
+    let tool = CupMill {
+        inner_radius: Nm(inner),
+        outer_radius: Nm(inner + 1_000_000 + random.below(50_000_000) as i64),
+        active_teeth: teeth(random),
+    };
+    let (segment, arc, course) = arc(random);
+    let stock = match (choice, random.below(3)) {
+        (LawChoice::Job(LawKind::Circumference), _) | (_, 0) => Stock::half_plane(line(random, &arc, &tool)),
+        (_, 1) => polygon(random, &arc, &tool),
+        _ => disc(random, &arc, &tool),
+    };
+    let work = Work::Ring(*random.one_of(&[Edge::Outer, Edge::Inner]), stock);
+    let moves = Moves::Rotations(Rotation::Interior, arc.turn);
+    Cutting { tool: Tool::CupMill(tool), segment, course, moves, work }
+}
+
+/// A line or an arc of an end mill; one depth in five is more than the tool is wide.
+fn for_end_mill(random: &mut Random) -> Cutting {
+    let radius = 1_000_000 + random.below(100_000_000);
+    let tool = EndMill { radius: Nm(radius as i64), teeth: teeth(random) };
+    let side = *random.one_of(&[Side::Inside, Side::Outside, Side::Slot]);
+    let work = Work::Mill { side, radial_depth: Nm(random.below(radius / 2 * 5) as i64) };
+    let (segment, course, moves) = if random.below(2) == 0 {
+        let (segment, course) = straight(random);
+        (segment, course, Moves::Lines)
+    } else {
+        let (segment, arc, course) = arc(random);
+        (segment, course, Moves::Arcs(arc.turn))
+    };
+    Cutting { tool: Tool::EndMill(tool), segment, course, moves, work }
+}
+
+fn teeth(random: &mut Random) -> u16 {
+    1 + random.below(20) as u16
+}
+
+fn segment(random: &mut Random, [start, end]: [Pose; 2], path: Path) -> Segment {
+    Segment { sequence: None, start, end, feed: Feed::PerMinute(Nm(random.below(3_000_000_000) as i64)), path }
+}
+
+fn anywhere(random: &mut Random) -> Nm {
+    Nm(random.below(2_000_000_000_000) as i64 - 1_000_000_000_000)
+}
+
+fn arc(random: &mut Random) -> (Segment, Arc, Course) {
+    let radius_nm = 1_000_000.0 + random.below(300_000_000) as f64;
+    let center = [anywhere(random), anywhere(random)];
+    let from = vector(random, radius_nm);
+    let to = vector(random, radius_nm);
+    let plane = *random.one_of(&[Plane::Xy, Plane::Zx, Plane::Yz]);
+    let arc = Arc { plane, turn: *random.one_of(&[Turn::Ccw, Turn::Cw]), center, from, to };
+    let ends = [from, to].map(|end| Pose { linear: in_space(&arc, end), ..Pose::default() });
+    // Up to 2 mrad a tick: through the usual contacts within a block.
+    let [cos, sin] = direction(random.below(1_000) as f64 * 1e-6);
+    let turn = [cos, f64::from(arc.turn.sign()) * sin];
+    let course = Course::Arc { arc, at_nm: from.map(|Nm(nm)| nm as f64), turn };
+    (segment(random, ends, Path::Arc(arc)), arc, course)
+}
+
+/// From an arc's rotation centre to the program's coordinates.
+fn in_space(arc: &Arc, [first, second]: [Nm; 2]) -> [Nm; 3] {
+    let [x, y] = arc.center;
+    let (first, second) = (Nm(x.0 + first.0), Nm(y.0 + second.0));
+    match arc.plane {
+        Plane::Xy => [first, second, Nm(0)],
+        Plane::Zx => [second, Nm(0), first],
+        Plane::Yz => [Nm(0), first, second],
+    }
+}
+
+/// A line in any direction, some of them of no length, done in 50 to 800 ticks.
+fn straight(random: &mut Random) -> (Segment, Course) {
+    let start = [anywhere(random), anywhere(random), anywhere(random)];
+    let reach = *random.one_of(&[0, 1_000_000, 100_000_000, 100_000_000, 100_000_000]);
+    let way = start.map(|_| Nm(random.below(2 * reach + 1) as i64 - reach as i64));
+    let mut end = start;
+    for (end, way) in end.iter_mut().zip(way) {
+        end.0 += way.0;
+    }
+    let ticks = (50 + random.below(750)) as f64;
+    let step_nm = way.map(|Nm(nm)| nm as f64 / ticks);
+    let ends = [start, end].map(|linear| Pose { linear, ..Pose::default() });
+    (segment(random, ends, Path::Line), Course::Line { at_nm: start.map(|Nm(nm)| nm as f64), step_nm })
+}
+
+/// A line that the cutting circle meets on most of the arc.
+fn line(random: &mut Random, arc: &Arc, tool: &CupMill) -> StockLine {
+    let normal = vector(random, 1e9).map(|Nm(nm)| nm as f64 * 1e-9);
+    let [x, y] = arc.center.map(Nm::to_mm);
+    let beside_mm = (random.below(2_000) as f64 * 1e-3 - 1.0) * tool.outer_radius.to_mm();
+    StockLine { normal, offset_mm: normal[0] * x + normal[1] * y + beside_mm }
+}
+
+/// A piece with its corners on a circle near the arc: in their order they are convex.
+fn polygon(random: &mut Random, arc: &Arc, tool: &CupMill) -> Stock {
+    let (center_mm, radius_mm) = round(random, arc, tool);
+    let count = 3 + random.below(EDGES_MAX as u64 - 2) as usize;
+    let mut corners = [[0.0; 2]; EDGES_MAX];
+    for (index, corner) in corners.iter_mut().take(count).enumerate() {
+        let part = (index as f64 + random.below(900) as f64 * 1e-3) / count as f64;
+        let [cos, sin] = direction(6.0 * part - 3.0);
+        *corner = [center_mm[0] + radius_mm * cos, center_mm[1] + radius_mm * sin];
+    }
+    Stock::polygon(&corners[..count]).expect("corners on a circle, in their order, are convex")
+}
+
+fn disc(random: &mut Random, arc: &Arc, tool: &CupMill) -> Stock {
+    let (center_mm, radius_mm) = round(random, arc, tool);
+    Stock::Disc { center_mm, radius_mm }
+}
+
+/// A circle that the tool reaches on much of the arc: its centre and radius, mm.
+fn round(random: &mut Random, arc: &Arc, tool: &CupMill) -> ([f64; 2], f64) {
+    let far_mm = (random.below(1_500) as f64 * 1e-3) * tool.outer_radius.to_mm();
+    let [dx, dy] = vector(random, 1e9).map(|Nm(nm)| nm as f64 * 1e-9 * far_mm);
+    let [x, y] = arc.center.map(Nm::to_mm);
+    ([x + dx, y + dy], (0.2 + random.below(1_500) as f64 * 1e-3) * tool.outer_radius.to_mm())
+}
+
+/// 1 to 32 knots along the block, some beyond its end.
+fn table(random: &mut Random, segment: &Segment) -> Option<Table> {
+    let count = 1 + random.below(TABLE_KNOTS_MAX as u64) as usize;
+    let apart_mm = (segment.length_mm() as f32).max(1.0) * 1.2 / count as f32;
+    let mut knots = [(Mm(0.0), MmPerTooth(0.0)); TABLE_KNOTS_MAX];
+    for (index, knot) in knots.iter_mut().take(count).enumerate() {
+        let travelled_mm = (index as f32 + random.below(900) as f32 * 1e-3) * apart_mm;
+        *knot = (Mm(travelled_mm), MmPerTooth((1 + random.below(1_000)) as f32 / 1_000.0));
+    }
+    let knots: &[Knot] = &knots[..count];
+    Table::new(knots).ok()
+}
+
+/// As they are, or with any gain and delay.
+fn filter(random: &mut Random) -> PositionFilter {
+    let gain_ratio = (1 + random.below(999)) as f32 / 1_000.0;
+    let delay = Span(random.below(5_000) as u32);
+    let filtered = PositionFilter::new(gain_ratio, delay).filter(|_| random.below(2) == 0);
+    filtered.unwrap_or(PositionFilter::Exact)
+}
+
+fn limits(random: &mut Random) -> OverrideLimits {
+    OverrideLimits {
+        min_percent: random.below(101) as u8,
+        max_percent: 100 + random.below(155) as u8,
+        step_percent: *random.one_of(&[1, 1, 2, 5, 10]),
+        slew_up_percent_per_s: (1 + random.below(500)) as f32,
+        slew_down_percent_per_s: (1 + random.below(2_000)) as f32,
+    }
+}
+
+/// A vector of this length in any direction.
+fn vector(random: &mut Random, length: f64) -> [Nm; 2] {
+    let [cos, sin] = direction(random.below(2_001) as f64 * 1e-3 - 1.0);
+    let mut sign = || if random.below(2) == 0 { length } else { -length };
+    [cos * sign(), sin * sign()].map(|nm| Nm(nm as i64))
+}
+
+/// The unit vector at the angle whose half has this tangent.
+fn direction(half_tangent: f64) -> [f64; 2] {
+    let square = half_tangent * half_tangent;
+    [(1.0 - square) / (1.0 + square), 2.0 * half_tangent / (1.0 + square)]
+}

@@ -1,0 +1,78 @@
+//! What the tick is compared with: the source's own loop on the same ticks, counted in the same way.
+
+use core::hint::black_box;
+
+use arcfeed_bench::thesis::{self, Movement};
+use arcfeed_shared::cut::Work;
+use arcfeed_shared::job::Job;
+use arcfeed_shared::nc::modal::{Pose, Turn};
+use arcfeed_shared::tool::Tool;
+use arcfeed_shared::units::Nm;
+
+use crate::clock::InstructionCounter;
+use crate::example::Block;
+use crate::figures::Costs;
+
+const NAMES: [&str; 4] = ["thesis-11-26-f32", "thesis-8-29-f32", "thesis-11-26-f64", "thesis-8-29-f64"];
+
+/// Equations (11)-(26) and (8)-(29) of the source in f32, then in f64.
+#[derive(Debug, Default)]
+pub struct Baseline {
+    costs: [Costs; 4],
+}
+
+impl Baseline {
+    /// Counts the loop on a block, at a position of the tool; does nothing where no rule speaks of the block.
+    pub fn add(&mut self, counter: &InstructionCounter, block: &Block, position: &Pose, job: &Job) {
+        let Some(movement) = movement(block, position, job) else { return };
+        let [step_f32, tooth_f32, step_f64, tooth_f64] = &mut self.costs;
+        let narrow = narrow(&movement);
+        let (line, narrow_line) = (thesis::line(movement.limits), thesis::line(narrow.limits));
+        step_f32.add(counter.of(|| black_box(thesis::step(black_box(&narrow), black_box(narrow_line)))).0);
+        tooth_f32.add(counter.of(|| black_box(thesis::tooth(black_box(&narrow)))).0);
+        step_f64.add(counter.of(|| black_box(thesis::step(black_box(&movement), black_box(line)))).0);
+        tooth_f64.add(counter.of(|| black_box(thesis::tooth(black_box(&movement)))).0);
+    }
+
+    /// Prints a line for each.
+    pub fn print(&mut self) {
+        for (name, costs) in NAMES.iter().zip(&mut self.costs) {
+            costs.print("", name);
+        }
+    }
+}
+
+/// What the source's equations take at this position: the stock limit in the frame at O, by two points a tool's radius
+/// either side of the foot of the perpendicular from O.
+fn movement(block: &Block, position: &Pose, job: &Job) -> Option<Movement<f64>> {
+    let (arc, rule) = (block.segment.as_ref()?.arc()?, block.cut(job)?);
+    let [x, y, _] = position.linear.map(Nm::to_mm);
+    let [center_x, center_y] = arc.center.map(Nm::to_mm);
+    let path_radius = arc.radius_mm();
+    let (ex, ey) = ((x - center_x) / path_radius, (y - center_y) / path_radius);
+    let turn = if arc.turn == Turn::Ccw { 1.0 } else { -1.0 };
+    let (Tool::CupMill(tool), Work::Ring(edge, stock)) = (&job.tool, &rule.work) else { return None };
+    let line = stock.line()?;
+    let [nx, ny] = line.normal;
+    let (normal_x, normal_y) = (turn * (ny * ex - nx * ey), -(nx * ex + ny * ey));
+    let distance = line.distance_mm([x, y]);
+    let edge_radius = tool.radius(*edge).to_mm();
+    let limit = |along: f64| [distance * normal_x - along * normal_y, distance * normal_y + along * normal_x];
+    Some(Movement {
+        limits: [limit(-edge_radius), limit(edge_radius)],
+        edge_radius,
+        path_radius,
+        advance: f64::from(edge.advance()),
+        feed_per_tooth: f64::from(job.feed_per_tooth.0),
+    })
+}
+
+fn narrow(movement: &Movement<f64>) -> Movement<f32> {
+    Movement {
+        limits: movement.limits.map(|point| point.map(|mm| mm as f32)),
+        edge_radius: movement.edge_radius as f32,
+        path_radius: movement.path_radius as f32,
+        advance: movement.advance as f32,
+        feed_per_tooth: movement.feed_per_tooth as f32,
+    }
+}
