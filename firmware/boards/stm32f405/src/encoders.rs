@@ -1,0 +1,43 @@
+//! X on TIM3, Y on TIM4, Z on TIM1: A quad B, counted by the timers in both senses, 16 bits each.
+
+use stm32f4::stm32f405::{RCC, TIM1, TIM3, TIM4};
+
+/// The three timers, counting.
+#[derive(Debug)]
+pub struct Encoders {
+    x: TIM3,
+    y: TIM4,
+    z: TIM1,
+}
+
+/// Eight samples of a timer's clock must agree: spikes below 0.1 us are no edge, nor are edges above some 5 MHz.
+const FILTER: u8 = 0b0011;
+
+/// Sets a timer to count all edges of both its inputs.
+macro_rules! count {
+    ($timer:expr) => {
+        // SAFETY: the filters take any four bits.
+        $timer.ccmr1_input().write(|w| unsafe { w.cc1s().ti1().cc2s().ti2().ic1f().bits(FILTER).ic2f().bits(FILTER) });
+        $timer.smcr().write(|w| w.sms().encoder_mode_3());
+        $timer.arr().write(|w| unsafe { w.arr().bits(u16::MAX) });
+        $timer.cr1().write(|w| w.cen().set_bit());
+    };
+}
+
+impl Encoders {
+    /// Starts to count from zero.
+    pub fn start(x: TIM3, y: TIM4, z: TIM1, rcc: &RCC) -> Self {
+        rcc.apb1enr().modify(|_, w| w.tim3en().enabled().tim4en().enabled());
+        rcc.apb2enr().modify(|_, w| w.tim1en().enabled());
+        count!(x);
+        count!(y);
+        count!(z);
+        Encoders { x, y, z }
+    }
+
+    /// X, Y, Z; each wraps.
+    pub fn read(&self) -> [u16; 3] {
+        let Encoders { x, y, z } = self;
+        [x.cnt().read().cnt().bits(), y.cnt().read().cnt().bits(), z.cnt().read().cnt().bits()]
+    }
+}
