@@ -113,7 +113,7 @@ impl Cabinet {
         }
         self.ticks = self.ticks.wrapping_add(1);
         self.outputs.signals.set_ready(decided.alarm != Alarm::Latched);
-        self.outputs.signals.set_heartbeat(self.ticks / HEARTBEAT_TICKS & 1 == 1);
+        self.outputs.signals.set_heartbeat(self.ticks / HEARTBEAT_TICKS % 2 == 1);
         Asked { restart }
     }
 

@@ -19,6 +19,7 @@ macro_rules! count {
         // SAFETY: the filters take any four bits.
         $timer.ccmr1_input().write(|w| unsafe { w.cc1s().ti1().cc2s().ti2().ic1f().bits(FILTER).ic2f().bits(FILTER) });
         $timer.smcr().write(|w| w.sms().encoder_mode_3());
+        // SAFETY: any period is valid.
         $timer.arr().write(|w| unsafe { w.arr().bits(u16::MAX) });
         $timer.cr1().write(|w| w.cen().set_bit());
     };

@@ -6,7 +6,9 @@ use stm32f4::stm32f405::GPIOC;
 
 use crate::pins::{HEARTBEAT, LINES, READY};
 
-/// The port, with the two signals beside the lines.
+const NS_PER_US: u32 = 1_000;
+
+/// The port.
 #[derive(Debug)]
 pub struct FvPort {
     port: GPIOC,
@@ -40,20 +42,19 @@ impl LinePort for FvPort {
     fn write(&mut self, levels: u8) -> Result<(), PinsDiffer> {
         let held = self.port.idr().read().bits() as u8;
         let pins = self.told.map_or(0, |told| told ^ held);
-        set(&self.port, LINES & u32::from(levels), LINES & !u32::from(levels));
+        // SAFETY: the lines are this port's.
+        unsafe { write(LINES & u32::from(levels), LINES & !u32::from(levels)) };
         self.told = Some(levels);
         if pins == 0 { Ok(()) } else { Err(PinsDiffer { pins }) }
     }
 }
 
 impl DelayNs for CycleDelay {
+    /// Rounded up, and at most 25 ms at 168 MHz: there the product saturates.
     fn delay_ns(&mut self, ns: u32) {
-        // Rounded up; up to 25 ms at 168 MHz before the product saturates.
         cortex_m::asm::delay(ns.saturating_mul(self.core_mhz).div_ceil(NS_PER_US));
     }
 }
-
-const NS_PER_US: u32 = 1_000;
 
 /// The signals beside the lines, on the same port.
 #[derive(Debug)]
@@ -76,21 +77,24 @@ impl Signals {
     }
 
     fn pull(pin: u32, low: bool) {
-        // SAFETY: a write that reaches one pin, which is ours alone; the register has no state to lose.
-        let port = unsafe { &*GPIOC::ptr() };
-        port.bsrr().write(|w| unsafe { w.bits(if low { pin << 16 } else { pin }) });
+        let (set, reset) = if low { (0, pin) } else { (pin, 0) };
+        // SAFETY: the write reaches one pin, which is ours alone.
+        unsafe { write(set, reset) };
     }
 }
 
 /// Releases all lines and says "not ready", from wherever: for the handlers of what must not happen.
 pub fn let_go() {
-    // SAFETY: as above; high is the safe level of these pins whoever else writes them.
-    let port = unsafe { &*GPIOC::ptr() };
-    port.bsrr().write(|w| unsafe { w.bits(LINES | READY) });
+    // SAFETY: high is the safe level of these pins, whoever else writes them.
+    unsafe { write(LINES | READY, 0) };
 }
 
-/// Sets and resets pins in one write.
-fn set(port: &GPIOC, high: u32, low: u32) {
-    // SAFETY: every combination is valid.
-    port.bsrr().write(|w| unsafe { w.bits(high | low << 16) });
+/// Sets pins of the port and resets others, in one write; the rest stays.
+///
+/// # Safety
+/// The pins are the caller's, or go to a level that suits their owner.
+unsafe fn write(set: u32, reset: u32) {
+    // SAFETY: the register has no state to lose: a write reaches the pins it names and no others, and these are allowed,
+    // says the caller.
+    unsafe { (*GPIOC::ptr()).bsrr().write(|w| w.bits(set | (reset << 16))) };
 }

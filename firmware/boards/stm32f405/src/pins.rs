@@ -28,7 +28,7 @@ const CONTACTS: [usize; 10] = [0, 1, 8, 9, 10, 11, 12, 13, 14, 15];
 macro_rules! set {
     ($register:expr, $fields:expr) => {
         // SAFETY: every value of two or four bits is valid here, and only fields of pins listed above change.
-        $register.modify(|r, w| unsafe { w.bits(r.bits() & !$fields.0 | $fields.1) })
+        $register.modify(|r, w| unsafe { w.bits((r.bits() & !$fields.0) | $fields.1) })
     };
 }
 
@@ -56,8 +56,9 @@ pub fn set_up(rcc: &RCC, a: &GPIOA, b: &GPIOB, c: &GPIOC) {
 
 /// Mask and value of a register with `BITS` bits a pin.
 fn fields<const BITS: usize>(pins: &[(&[usize], u32)]) -> (u32, u32) {
-    let of = |(mask, bits): (u32, u32), (pin, value): (usize, u32)| {
-        (mask | ((1 << BITS) - 1) << (BITS * pin), bits | value << (BITS * pin))
-    };
-    pins.iter().flat_map(|(pins, value)| pins.iter().map(|pin| (*pin, *value))).fold((0, 0), of)
+    let each = pins.iter().flat_map(|(pins, value)| pins.iter().map(|pin| (BITS * pin, *value)));
+    each.fold((0, 0), |(mask, bits), (shift, value)| {
+        let ones = (1 << BITS) - 1;
+        (mask | (ones << shift), bits | (value << shift))
+    })
 }
