@@ -4,7 +4,7 @@
 //! "unimplemented": they read 0, and QEMU logs what is written. So the crystal never starts, the dial is silent, the lines
 //! read back wrong: a board with nothing in order. What it must do then is all that can be seen here.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -122,6 +122,32 @@ fn lines_are_released_before_their_pins_are_driven() {
     let first = |offset| writes.iter().position(|write| write.device == "GPIOC" && write.offset == offset);
     let (mode, kind, level) = (first(0x00), first(0x04), first(0x18));
     assert!(level < kind && kind < mode && mode.is_some(), "level {level:?}, open drain {kind:?}, output {mode:?}");
+}
+
+/// Pins in the first column of the README's table.
+fn documented_pins() -> BTreeSet<String> {
+    let text = fs::read_to_string(root().join("firmware/boards/stm32f405/README.md")).expect("the page is there");
+    let cells = text.lines().filter_map(|line| line.strip_prefix("| P")?.split_once(" |"));
+    cells.flat_map(|(cell, _)| format!("P{cell}").split(", ").map(str::to_owned).collect::<Vec<_>>()).collect()
+}
+
+/// Pins that get a mode or a pull-up. Registers read 0 in the emulator, so what is written is what the image asks for.
+fn pins_set_up(writes: &[Write]) -> BTreeSet<String> {
+    let mut pins = BTreeSet::new();
+    for write in writes.iter().filter(|write| matches!(write.offset, 0x00 | 0x0C)) {
+        if let Some(port) = write.device.strip_prefix("GPIO") {
+            let used = (0..16).filter(|pin| write.value >> (2 * pin) & 3 != 0);
+            pins.extend(used.map(|pin| format!("P{port}{pin}")));
+        }
+    }
+    pins
+}
+
+#[test]
+fn the_readme_lists_the_pins_that_the_image_sets_up() {
+    let pins = documented_pins();
+    println!("{} pins: {pins:?}", pins.len());
+    assert_eq!(pins, pins_set_up(writes()));
 }
 
 #[test]

@@ -36,6 +36,17 @@ pub fn has_failed() -> bool {
     FAILED.load(Ordering::Relaxed)
 }
 
+/// Gives a clock to every peripheral of the image: the first thing to do.
+pub fn supply(rcc: &RCC) {
+    rcc.ahb1enr().modify(|_, w| w.gpioaen().enabled().gpioben().enabled().gpiocen().enabled());
+    rcc.apb1enr().modify(|_, w| w.pwren().enabled().tim2en().enabled().tim3en().enabled());
+    rcc.apb1enr().modify(|_, w| w.tim4en().enabled().tim5en().enabled());
+    rcc.apb2enr().modify(|_, w| w.tim1en().enabled().adc1en().enabled());
+    // A peripheral takes no write in the first cycles of its clock (errata, "delay after an RCC peripheral clock
+    // enabling"): reading back takes longer.
+    let _ = (rcc.ahb1enr().read().bits(), rcc.apb1enr().read().bits(), rcc.apb2enr().read().bits());
+}
+
 /// Starts the clock tree; [`has_failed`] tells how it went.
 pub fn start(rcc: &RCC, flash: &FLASH, pwr: &PWR) -> Clock {
     if start_from_crystal(rcc, flash, pwr).is_some() {
@@ -54,7 +65,6 @@ pub fn take_failure(rcc: &rcc::RegisterBlock) {
 }
 
 fn start_from_crystal(rcc: &RCC, flash: &FLASH, pwr: &PWR) -> Option<()> {
-    rcc.apb1enr().modify(|_, w| w.pwren().enabled());
     pwr.cr().modify(|_, w| w.vos().scale1());
     rcc.cr().modify(|_, w| w.hseon().on());
     wait_until(|| rcc.cr().read().hserdy().bit_is_set())?;

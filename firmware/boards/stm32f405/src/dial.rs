@@ -1,6 +1,6 @@
 //! ADC1, channel 4: the operator's dial, converted over and over.
 
-use stm32f4::stm32f405::{ADC_COMMON, ADC1, RCC};
+use stm32f4::stm32f405::{ADC_COMMON, ADC1};
 
 /// Channel of PA4.
 const CHANNEL: u8 = 4;
@@ -13,8 +13,7 @@ pub struct DialConverter(ADC1);
 
 impl DialConverter {
     /// Starts to convert, once in 23 us.
-    pub fn start(adc: ADC1, common: &ADC_COMMON, rcc: &RCC) -> Self {
-        rcc.apb2enr().modify(|_, w| w.adc1en().enabled());
+    pub fn start(adc: ADC1, common: &ADC_COMMON) -> Self {
         common.ccr().modify(|_, w| w.adcpre().div4());
         adc.smpr2().write(|w| w.smp4().cycles480());
         // SAFETY: a channel that the converter has.

@@ -1,6 +1,6 @@
 //! X on TIM3, Y on TIM4, Z on TIM1: A quad B, counted by the timers in both senses, 16 bits each.
 
-use stm32f4::stm32f405::{RCC, TIM1, TIM3, TIM4};
+use stm32f4::stm32f405::{TIM1, TIM3, TIM4};
 
 /// The three timers, counting.
 #[derive(Debug)]
@@ -27,9 +27,7 @@ macro_rules! count {
 
 impl Encoders {
     /// Starts to count from zero.
-    pub fn start(x: TIM3, y: TIM4, z: TIM1, rcc: &RCC) -> Self {
-        rcc.apb1enr().modify(|_, w| w.tim3en().enabled().tim4en().enabled());
-        rcc.apb2enr().modify(|_, w| w.tim1en().enabled());
+    pub fn start(x: TIM3, y: TIM4, z: TIM1) -> Self {
         count!(x);
         count!(y);
         count!(z);

@@ -1,6 +1,6 @@
 //! Every pin the image uses, in one place. The table of README.md is this file in words.
 
-use stm32f4::stm32f405::{GPIOA, GPIOB, GPIOC, RCC};
+use stm32f4::stm32f405::{GPIOA, GPIOB, GPIOC};
 
 /// Port C: *FV0 to *FV7, in this order from pin 0; a pin that is high is a line released.
 pub const LINES: u32 = 0xFF;
@@ -33,8 +33,7 @@ macro_rules! set {
 }
 
 /// Releases the lines, says "not ready", then sets all pins up.
-pub fn set_up(rcc: &RCC, a: &GPIOA, b: &GPIOB, c: &GPIOC) {
-    rcc.ahb1enr().modify(|_, w| w.gpioaen().enabled().gpioben().enabled().gpiocen().enabled());
+pub fn set_up(a: &GPIOA, b: &GPIOB, c: &GPIOC) {
     let outputs = LINES | READY | HEARTBEAT;
     // SAFETY: sets output bits that are not driven yet, so that they begin high: released.
     c.bsrr().write(|w| unsafe { w.bits(outputs) });

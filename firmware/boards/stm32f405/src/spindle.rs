@@ -1,7 +1,7 @@
 //! TIM2, 32 bits at 1 MHz: each pulse of the tacho captures the counter and restarts it.
 
 use arcfeed_firmware::input::tacho::TachoSample;
-use stm32f4::stm32f405::{RCC, TIM2};
+use stm32f4::stm32f405::TIM2;
 
 /// Eight samples 32 clocks apart must agree: pulses below 3 us are noise.
 const FILTER: u8 = 0b1111;
@@ -12,8 +12,7 @@ pub struct SpindleTimer(TIM2);
 
 impl SpindleTimer {
     /// Starts to count.
-    pub fn start(timer: TIM2, rcc: &RCC, timer_mhz: u32) -> Self {
-        rcc.apb1enr().modify(|_, w| w.tim2en().enabled());
+    pub fn start(timer: TIM2, timer_mhz: u32) -> Self {
         // SAFETY: all values of prescaler and period are valid, the filter takes any four bits.
         unsafe {
             timer.psc().write(|w| w.bits(timer_mhz - 1));

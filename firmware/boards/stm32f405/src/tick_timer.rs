@@ -1,6 +1,6 @@
 //! TIM5: the interrupt of every millisecond that is the tick.
 
-use stm32f4::stm32f405::{Interrupt, NVIC, RCC, TIM5};
+use stm32f4::stm32f405::{Interrupt, NVIC, TIM5};
 
 /// Counts of 1 us in a tick.
 const PERIOD_US: u32 = 1_000;
@@ -11,8 +11,7 @@ pub struct TickTimer(TIM5);
 
 impl TickTimer {
     /// Starts the timer, which runs at `timer_mhz`; its interrupt waits for [`allow`].
-    pub fn start(timer: TIM5, rcc: &RCC, timer_mhz: u32) -> Self {
-        rcc.apb1enr().modify(|_, w| w.tim5en().enabled());
+    pub fn start(timer: TIM5, timer_mhz: u32) -> Self {
         // SAFETY: all values of prescaler and period are valid.
         unsafe {
             timer.psc().write(|w| w.bits(timer_mhz - 1));

@@ -114,7 +114,8 @@ fn tick(state: &mut TickState) {
 fn main() -> ! {
     let Some(chip) = Peripherals::take() else { rest(None) };
     let Peripherals { RCC: rcc, GPIOA: port_a, GPIOB: port_b, GPIOC: port_c, .. } = chip;
-    pins::set_up(&rcc, &port_a, &port_b, &port_c);
+    clock::supply(&rcc);
+    pins::set_up(&port_a, &port_b, &port_c);
     let clock = clock::start(&rcc, &chip.FLASH, &chip.PWR);
     let mut watchdog = Watchdog::start(chip.IWDG);
     let cause = reset_cause::fault(rcc.csr().read().bits());
@@ -125,9 +126,9 @@ fn main() -> ! {
     let (Ok(guard), Some(tacho)) = (Guard::new(&job), machine::tacho()) else { rest(Some(watchdog)) };
     let Ok(outputs) = outputs(port_c, clock) else { rest(Some(watchdog)) };
     let sensors = Sensors {
-        encoders: Encoders::start(chip.TIM3, chip.TIM4, chip.TIM1, &rcc),
-        spindle: SpindleTimer::start(chip.TIM2, &rcc, clock.timer_mhz),
-        dial: DialConverter::start(chip.ADC1, &chip.ADC_COMMON, &rcc),
+        encoders: Encoders::start(chip.TIM3, chip.TIM4, chip.TIM1),
+        spindle: SpindleTimer::start(chip.TIM2, clock.timer_mhz),
+        dial: DialConverter::start(chip.ADC1, &chip.ADC_COMMON),
         contacts: port_b,
     };
     let cabinet = Cabinet::new((sensors, outputs), tacho, guard, cause);
@@ -137,7 +138,7 @@ fn main() -> ! {
     let Some(queue) = (unsafe { &mut *QUEUE.0.get() }) else { rest(Some(watchdog)) };
     let (producer, consumer) = queue.split();
     watchdog.feed();
-    let timer = TickTimer::start(chip.TIM5, &rcc, clock.timer_mhz);
+    let timer = TickTimer::start(chip.TIM5, clock.timer_mhz);
     // SAFETY: nobody sees the state before the interrupt is allowed, and only its handler does from then on.
     unsafe {
         *TICK_STATE.0.get() = Some(TickState { timer, cabinet, blocks: consumer });
