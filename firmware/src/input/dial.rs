@@ -54,7 +54,7 @@ impl Dial {
     /// Takes the reading of this tick; answers per cent, rounded down. Zero before the first plausible one.
     ///
     /// # Errors
-    /// No plausible reading for [`PATIENCE`] ticks in a row.
+    /// No plausible reading for five ticks in a row.
     pub fn follow(&self, knob: &mut Knob, reading: Option<u16>) -> Result<u8, DialBroken> {
         let (low, high) = self.plausible;
         match reading.filter(|reading| (low..=high).contains(reading)) {

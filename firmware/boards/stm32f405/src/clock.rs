@@ -53,7 +53,7 @@ pub fn start(rcc: &RCC, flash: &FLASH, pwr: &PWR) -> Clock {
         return FROM_CRYSTAL;
     }
     FAILED.store(true, Ordering::Relaxed);
-    rcc.cfgr().modify(|_, w| w.sw().hsi());
+    rcc.cfgr().modify(|_, w| w.sw().hsi().ppre1().div1().ppre2().div1());
     rcc.cr().modify(|_, w| w.pllon().off().hseon().off());
     OWN
 }

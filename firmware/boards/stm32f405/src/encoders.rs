@@ -10,7 +10,7 @@ pub struct Encoders {
     z: TIM1,
 }
 
-/// Eight samples of a timer's clock must agree: spikes below 0.1 us are no edge, nor are edges above some 5 MHz.
+/// Eight samples of a timer's clock must agree: spikes below 0.05 us (Z) or 0.1 us (X, Y) are no edge.
 const FILTER: u8 = 0b0011;
 
 /// Sets a timer to count all edges of both its inputs.
