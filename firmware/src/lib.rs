@@ -4,7 +4,8 @@
 //! in the order in which data flows: the [`law`] says which feed per tooth the tool's centre needs, [`progress`] says
 //! where on the segment it is, [`ramp`] turns the wish into an override the control can follow, [`controller`] joins
 //! them, [`supervisor`] decides whether they may act at all, [`queue`] finds the segment in work where nobody tells,
-//! [`output`] carries the override to the control, [`board`] is the seam to the hardware.
+//! [`input`] makes sense of what a board counts and measures, [`output`] carries the override to the control, [`board`] is
+//! the seam to the hardware.
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 #![doc = include_str!("../README.md")]
@@ -20,6 +21,8 @@ pub mod controller;
 pub mod supervisor;
 
 pub mod queue;
+
+pub mod input;
 
 pub mod output;
 

@@ -1,7 +1,8 @@
 //! The chip's figures, from the board images in the emulator: instructions, bits, budgets, and that nothing can panic.
 //!
 //! Builds the images of `firmware/boards/qemu-mps2` and runs them in QEMU, which counts instructions exactly: the figures
-//! are the same on every machine. They are instructions, not cycles (docs/real-time.md).
+//! are the same on every machine. They are instructions, not cycles (docs/real-time.md). `stm32f405*` are about the image for
+//! a real chip, of which QEMU has the core and some timers.
 
 mod budgets;
 
@@ -16,3 +17,7 @@ mod figures;
 mod images;
 
 mod same_everywhere;
+
+mod stm32f405;
+
+mod stm32f405_logic;

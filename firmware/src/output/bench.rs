@@ -6,11 +6,16 @@ use core::convert::Infallible;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{Error, ErrorKind, ErrorType, OutputPin};
 
+use super::port_lines::LinePort;
+
 /// What one write of a pin takes.
 const WRITE_NS: u64 = 10;
 
 /// The ninth wire.
 pub const STROBE: u8 = 8;
+
+/// All eight lines as a whole.
+pub const PORT: u8 = 9;
 
 /// A wire that was written: when, which, whether high.
 pub type Event = (u64, u8, bool);
@@ -20,7 +25,7 @@ pub type Event = (u64, u8, bool);
 pub struct Bench {
     now_ns: Cell<u64>,
     events: RefCell<Vec<Event>>,
-    /// A wire that refuses, and whether it does what it is told nonetheless.
+    /// A wire, or the port, that refuses, and whether it does what it is told nonetheless.
     pub refuses: Cell<Option<(u8, bool)>>,
 }
 
@@ -52,17 +57,29 @@ pub struct Pin<'b> {
     wire: u8,
 }
 
+/// Lines 0 to 7, written together.
+pub struct Port<'b>(&'b Bench);
+
+impl LinePort for Port<'_> {
+    type Error = Refused;
+
+    fn write(&mut self, levels: u8) -> Result<(), Refused> {
+        let wires: [(u8, bool); 8] = core::array::from_fn(|line| (line as u8, levels & (1 << line) != 0));
+        self.0.write(PORT, &wires)
+    }
+}
+
 impl ErrorType for Pin<'_> {
     type Error = Refused;
 }
 
 impl OutputPin for Pin<'_> {
     fn set_low(&mut self) -> Result<(), Refused> {
-        self.bench.write(self.wire, false)
+        self.bench.write(self.wire, &[(self.wire, false)])
     }
 
     fn set_high(&mut self) -> Result<(), Refused> {
-        self.bench.write(self.wire, true)
+        self.bench.write(self.wire, &[(self.wire, true)])
     }
 }
 
@@ -81,11 +98,17 @@ impl Bench {
         Pin { bench: self, wire }
     }
 
-    fn write(&self, wire: u8, high: bool) -> Result<(), Refused> {
+    pub fn port(&self) -> Port<'_> {
+        Port(self)
+    }
+
+    /// One write, by a pin or the port, to all `wires` at once.
+    fn write(&self, by: u8, wires: &[(u8, bool)]) -> Result<(), Refused> {
         self.now_ns.set(self.now_ns.get() + WRITE_NS);
-        let refusal = self.refuses.get().filter(|(refusing, _)| *refusing == wire);
+        let refusal = self.refuses.get().filter(|(refusing, _)| *refusing == by);
         if refusal.is_none_or(|(_, obeys)| obeys) {
-            self.events.borrow_mut().push((self.now_ns.get(), wire, high));
+            let now_ns = self.now_ns.get();
+            self.events.borrow_mut().extend(wires.iter().map(|(wire, high)| (now_ns, *wire, *high)));
         }
         if refusal.is_some() { Err(Refused) } else { Ok(()) }
     }
@@ -108,10 +131,10 @@ impl Bench {
         let mut arriving: Vec<Event> = self.events.borrow().iter().map(late).collect();
         arriving.sort_by_key(|(at_ns, ..)| *at_ns);
         let mut wires = wires_at(percent);
-        arriving
-            .into_iter()
-            .map(|(_, wire, high)| {
-                wires[usize::from(wire)] = high;
+        let instants = arriving.chunk_by(|(a_ns, ..), (b_ns, ..)| a_ns == b_ns);
+        instants
+            .map(|together| {
+                together.iter().for_each(|(_, wire, high)| wires[usize::from(*wire)] = *high);
                 control_reads(&wires)
             })
             .collect()

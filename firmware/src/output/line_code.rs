@@ -44,6 +44,12 @@ impl LineCode {
         !self.0
     }
 
+    /// Low where both are.
+    #[must_use]
+    pub fn shared_with(self, other: LineCode) -> Self {
+        LineCode(self.0 & other.0)
+    }
+
     /// Whether some line is low in `self` and high in `other`.
     pub fn has_more_than(self, other: LineCode) -> bool {
         self.0 & !other.0 != 0

@@ -1,7 +1,7 @@
 //! How the override reaches the control: lines, an analogue voltage; and what is told about it.
 //!
-//! [`parallel_lines`] drives *FV0 to *FV7 of a Fanuc-like control, [`strobed`] the same through an external register,
-//! [`pwm`] an analogue override input; [`latched`] keeps any of them at 0 % after a fault. [`telemetry`] records what
+//! [`parallel_lines`] drives *FV0 to *FV7 of a Fanuc-like control, [`port_lines`] the same where one write reaches all
+//! eight, [`strobed`] through an external register, [`pwm`] an analogue override input; [`latched`] keeps any of them at 0 % after a fault. [`telemetry`] records what
 //! was put out and why. Wiring and figures: docs/outputs.md.
 
 pub mod line_code;
@@ -11,6 +11,8 @@ pub mod settling;
 pub mod lines;
 
 pub mod parallel_lines;
+
+pub mod port_lines;
 
 pub mod strobed;
 

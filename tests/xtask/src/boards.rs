@@ -1,4 +1,5 @@
-//! The boards are workspaces of their own: what `.ci/run` checks of the others is checked of each here.
+//! The boards are workspaces of their own: what `.ci/run` checks of the others is checked of each here. Their images are
+//! built too: one in which a panic can be reached does not link.
 
 use std::fs;
 use std::path::PathBuf;
@@ -8,7 +9,7 @@ use crate::target::TARGET;
 
 const FOLDER: &str = "firmware/boards";
 
-/// Formatting and lints of each board.
+/// Formatting, lints and images of each board.
 ///
 /// # Errors
 /// The first board that fails, or no board at all.
@@ -20,12 +21,13 @@ pub fn check() -> Result<(), Failure> {
     let target_dir = build_dir()?.join("boards");
     for manifest in boards {
         let path = manifest.to_string_lossy();
-        announce(&format!("format and lints of {path}"));
+        announce(&format!("format, lints and images of {path}"));
         run(&mut cargo(&["fmt", "--manifest-path", &path, "--check"]))?;
-        let mut clippy =
-            cargo(&["clippy", "--locked", "--quiet", "--release", "--target", TARGET, "--manifest-path", &path]);
-        clippy.arg("--target-dir").arg(&target_dir).args(["--bins", "--lib", "--", "-D", "warnings"]);
-        run(&mut clippy)?;
+        let for_the_chip = ["--locked", "--quiet", "--release", "--target", TARGET, "--manifest-path", &path];
+        let mut clippy = cargo(&["clippy"]);
+        clippy.args(for_the_chip).arg("--target-dir").arg(&target_dir);
+        run(clippy.args(["--bins", "--lib", "--", "-D", "warnings"]))?;
+        run(cargo(&["build", "--bins"]).args(for_the_chip).arg("--target-dir").arg(&target_dir))?;
     }
     Ok(())
 }
@@ -50,7 +52,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_emulated_board_is_among_those_checked() {
-        assert!(manifests().unwrap().contains(&PathBuf::from("firmware/boards/qemu-mps2/Cargo.toml")));
+    fn the_boards_are_among_those_checked() {
+        for board in ["qemu-mps2", "stm32f405"] {
+            assert!(manifests().unwrap().contains(&PathBuf::from(FOLDER).join(board).join("Cargo.toml")), "{board}");
+        }
     }
 }

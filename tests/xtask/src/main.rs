@@ -5,7 +5,7 @@
 //! packages  the emulator of the chip, installed where it is missing      packages.rs
 //! tests     cargo test over the whole workspace, results added up        tally.rs
 //! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs
-//! boards    format and lints of each board's workspace                   boards.rs
+//! boards    format, lints and images of each board's workspace           boards.rs
 //! ```
 //!
 //! All steps run even after one has failed, those for the chip only if their target is there. The last line of the output

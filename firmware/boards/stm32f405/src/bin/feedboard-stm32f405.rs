@@ -1,0 +1,190 @@
+//! The controller on the chip: a tick every millisecond from TIM5's interrupt, blocks from the main loop.
+//!
+//! ```text
+//! main loop:  block of the program -> ActiveSegment -> queue            watchdog
+//!                                                        |                 ^
+//! TIM5:       sensors -> Cabinet::tick (supervisor) <----+  -> *FV0-7      | ticks
+//! NMI:        the crystal stopped -> lines released      HardFault: lines released, until the watchdog bites
+//! ```
+//!
+//! No panic can be reached: the panic handler calls a function that does not exist, so that an image in which the handler
+//! is left over does not link. In release mode, that is.
+#![no_std]
+#![no_main]
+
+use core::cell::UnsafeCell;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use arcfeed_firmware::controller::ActiveSegment;
+use arcfeed_firmware::output::latched::Latched;
+use arcfeed_firmware::output::port_lines::PortLines;
+use arcfeed_firmware::output::settling::Settling;
+use arcfeed_shared::job::Job;
+use arcfeed_stm32f405::cabinet::{Cabinet, Outputs, Sensors};
+use arcfeed_stm32f405::clock::{self, Clock};
+use arcfeed_stm32f405::dial::DialConverter;
+use arcfeed_stm32f405::encoders::Encoders;
+use arcfeed_stm32f405::guard::Guard;
+use arcfeed_stm32f405::lines::{CycleDelay, FvPort, PinsDiffer, Signals, let_go};
+use arcfeed_stm32f405::spindle::SpindleTimer;
+use arcfeed_stm32f405::tick_timer::{self, TickTimer};
+use arcfeed_stm32f405::watchdog::Watchdog;
+use arcfeed_stm32f405::{machine, pins, program, reset_cause};
+use cortex_m_rt::{ExceptionFrame, entry, exception};
+use heapless::spsc::{Consumer, Producer, Queue};
+use stm32f4::stm32f405::{GPIOC, Peripherals, RCC, interrupt};
+
+/// Blocks prepared ahead of the tick.
+const AHEAD: usize = 8;
+
+/// A prepared block, and the run of the program it belongs to.
+type Prepared = (u32, ActiveSegment);
+
+/// What only the tick touches while it runs.
+struct TickState {
+    timer: TickTimer,
+    cabinet: Cabinet,
+    blocks: Consumer<'static, Prepared>,
+}
+
+/// Handed over before the timer starts, then the handler's.
+struct Handed<T>(UnsafeCell<Option<T>>);
+
+// SAFETY: written before the interrupt is unmasked, used by its handler alone from then on.
+unsafe impl<T> Sync for Handed<T> {}
+
+static TICK_STATE: Handed<TickState> = Handed(UnsafeCell::new(None));
+static TICKS: AtomicU32 = AtomicU32::new(0);
+/// How often the program began anew.
+static RUN: AtomicU32 = AtomicU32::new(0);
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    unsafe extern "C" {
+        fn arcfeed_a_panic_can_be_reached() -> !;
+    }
+    // SAFETY: never linked, hence never called.
+    unsafe { arcfeed_a_panic_can_be_reached() }
+}
+
+#[exception]
+unsafe fn HardFault(_: &ExceptionFrame) -> ! {
+    loop {
+        let_go();
+    }
+}
+
+#[exception]
+unsafe fn NonMaskableInt() {
+    let_go();
+    // SAFETY: the main loop is past its use of this register, and nothing else of it is touched.
+    clock::take_failure(unsafe { &*RCC::ptr() });
+}
+
+#[interrupt]
+fn TIM5() {
+    // SAFETY: the handler is the one user, see `Handed`, and does not interrupt itself.
+    if let Some(state) = unsafe { &mut *TICK_STATE.0.get() } {
+        tick(state);
+    }
+}
+
+fn tick(state: &mut TickState) {
+    let TickState { timer, cabinet, blocks } = state;
+    timer.acknowledge();
+    if cabinet.guard.has_room()
+        && let Some((run, segment)) = blocks.dequeue()
+        && run == RUN.load(Ordering::Relaxed)
+    {
+        cabinet.guard.push(segment);
+    }
+    if cabinet.tick().restart {
+        RUN.store(RUN.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+    }
+    if timer.is_late() {
+        cabinet.report_late();
+    }
+    let ticks = TICKS.load(Ordering::Relaxed).wrapping_add(1);
+    TICKS.store(ticks, Ordering::Relaxed);
+    #[cfg(feature = "prove-the-gate")]
+    core::hint::black_box(program::BLOCKS[ticks as usize].first_tick);
+}
+
+#[entry]
+fn main() -> ! {
+    let Some(chip) = Peripherals::take() else { rest(None) };
+    let Peripherals { RCC: rcc, GPIOA: port_a, GPIOB: port_b, GPIOC: port_c, .. } = chip;
+    clock::supply(&rcc);
+    pins::set_up(&port_a, &port_b, &port_c);
+    let clock = clock::start(&rcc, &chip.FLASH, &chip.PWR);
+    let mut watchdog = Watchdog::start(chip.IWDG);
+    let cause = reset_cause::fault(rcc.csr().read().bits());
+    // The next start tells its own cause.
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+
+    let job = program::job();
+    let (Ok(guard), Some(tacho)) = (Guard::new(&job), machine::tacho()) else { rest(Some(watchdog)) };
+    let Ok(outputs) = outputs(port_c, clock) else { rest(Some(watchdog)) };
+    let sensors = Sensors {
+        encoders: Encoders::start(chip.TIM3, chip.TIM4, chip.TIM1),
+        spindle: SpindleTimer::start(chip.TIM2, clock.timer_mhz),
+        dial: DialConverter::start(chip.ADC1, &chip.ADC_COMMON),
+        contacts: port_b,
+    };
+    let cabinet = Cabinet::new((sensors, outputs), tacho, guard, cause);
+
+    static QUEUE: Handed<Queue<Prepared, AHEAD>> = Handed(UnsafeCell::new(Some(Queue::new())));
+    // SAFETY: taken once, by the one main.
+    let Some(queue) = (unsafe { &mut *QUEUE.0.get() }) else { rest(Some(watchdog)) };
+    let (producer, consumer) = queue.split();
+    watchdog.feed();
+    let timer = TickTimer::start(chip.TIM5, clock.timer_mhz);
+    // SAFETY: nobody sees the state before the interrupt is allowed, and only its handler does from then on.
+    unsafe {
+        *TICK_STATE.0.get() = Some(TickState { timer, cabinet, blocks: consumer });
+        tick_timer::allow();
+    }
+    serve(&job, producer, watchdog)
+}
+
+/// The lines, released.
+fn outputs(port: GPIOC, clock: Clock) -> Result<Outputs, PinsDiffer> {
+    let port = FvPort::new(port);
+    let signals = Signals::beside(&port);
+    let delay = CycleDelay { core_mhz: clock.core_mhz };
+    let lines = PortLines::with_settling(port, Settling { delay, settle_ns: machine::LINES_SETTLE_NS })?;
+    Ok(Outputs { lines: Latched::new(lines), signals })
+}
+
+/// The main loop: prepares blocks ahead of the tick, and feeds the watchdog after each tick.
+fn serve(job: &Job, mut prepared: Producer<'static, Prepared>, mut watchdog: Watchdog) -> ! {
+    let (mut run, mut fed_at) = (0, 0);
+    let mut blocks = program::BLOCKS.iter();
+    loop {
+        let asked = RUN.load(Ordering::Relaxed);
+        if asked != run {
+            (run, blocks) = (asked, program::BLOCKS.iter());
+        }
+        if prepared.ready()
+            && let Some(segment) = blocks.next().and_then(|block| block.prepare(job))
+        {
+            let _room = prepared.enqueue((run, segment));
+        }
+        let ticks = TICKS.load(Ordering::Relaxed);
+        if ticks != fed_at {
+            watchdog.feed();
+            fed_at = ticks;
+        }
+        cortex_m::asm::wfi();
+    }
+}
+
+/// What cannot start stays at 0 % and "not ready": nothing was put out yet, and nothing will be.
+fn rest(mut watchdog: Option<Watchdog>) -> ! {
+    loop {
+        let_go();
+        if let Some(watchdog) = &mut watchdog {
+            watchdog.feed();
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! One tick of the board: read everything, let the guard decide, put it out.
+
+use arcfeed_firmware::controller;
+use arcfeed_firmware::input::contacts::Contacts;
+use arcfeed_firmware::input::dial::Knob;
+use arcfeed_firmware::input::position::{Position, Readings};
+use arcfeed_firmware::input::tacho::{Tacho, Turning};
+use arcfeed_firmware::output::OverrideOutput;
+use arcfeed_firmware::output::latched::Latched;
+use arcfeed_firmware::output::port_lines::PortLines;
+use arcfeed_firmware::supervisor::input::BoardFault;
+use arcfeed_firmware::supervisor::report::Alarm;
+use arcfeed_shared::units::Micros;
+use stm32f4::stm32f405::GPIOB;
+
+use crate::clock;
+use crate::dial::DialConverter;
+use crate::encoders::Encoders;
+use crate::guard::{Guard, Known};
+use crate::lines::{CycleDelay, FvPort, Signals, let_go};
+use crate::machine;
+use crate::panel::{AT_START, ENCODERS_SOUND, Panel, Said};
+use crate::spindle::SpindleTimer;
+
+/// The tick's length; a tick that takes longer is a fault, so it is exact.
+const TICK: Micros = Micros::from_ms(1);
+/// Ticks between two changes of the heartbeat.
+const HEARTBEAT_TICKS: u32 = 100;
+
+/// What is read from.
+#[derive(Debug)]
+pub struct Sensors {
+    /// X, Y, Z.
+    pub encoders: Encoders,
+    /// The tacho's timer.
+    pub spindle: SpindleTimer,
+    /// The dial's converter.
+    pub dial: DialConverter,
+    /// The port of the contacts.
+    pub contacts: GPIOB,
+}
+
+/// What is written to.
+#[derive(Debug)]
+pub struct Outputs {
+    /// *FV0 to *FV7.
+    pub lines: Latched<PortLines<FvPort, CycleDelay>>,
+    /// Ready and heartbeat.
+    pub signals: Signals,
+}
+
+/// What the readings amount to so far.
+#[derive(Debug, Default)]
+struct Readers {
+    position: Position,
+    turning: Turning,
+    knob: Knob,
+    panel: Panel,
+}
+
+/// The board between two ticks.
+#[derive(Debug)]
+pub struct Cabinet {
+    sensors: Sensors,
+    outputs: Outputs,
+    readers: Readers,
+    contacts: Contacts,
+    tacho: Tacho,
+    /// Public, as blocks are pushed to it from outside.
+    pub guard: Guard,
+    /// What the start found, or a tick that came late: reported once, the guard keeps it.
+    once: Option<BoardFault>,
+    ticks: u32,
+}
+
+/// What a tick asks of the main loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Asked {
+    /// Blocks from the program's first on.
+    pub restart: bool,
+}
+
+impl Cabinet {
+    /// A board that reports `at_start` at its first tick.
+    pub fn new(
+        (sensors, outputs): (Sensors, Outputs),
+        tacho: Tacho,
+        guard: Guard,
+        at_start: Option<BoardFault>,
+    ) -> Self {
+        let contacts = Contacts::at(AT_START);
+        Cabinet { sensors, outputs, readers: Readers::default(), contacts, tacho, guard, once: at_start, ticks: 0 }
+    }
+
+    /// One tick.
+    pub fn tick(&mut self) -> Asked {
+        let levels = self.sensors.contacts.idr().read().bits() as u16;
+        let said = self.readers.panel.read(self.contacts.follow(!levels));
+        // Not debounced: a receiver that complains for a moment may have lost counts in it.
+        let is_sound = !levels & ENCODERS_SOUND != 0;
+        let readings = is_sound.then(|| self.sensors.encoders.read());
+        let restart = said.zero_now && !self.guard.is_engaged() && self.readers.position.set_zero(readings);
+        if restart {
+            self.guard.restart();
+        }
+        let known = self.know(readings, said);
+        let decided = self.guard.tick(&known);
+        // A failure is kept by the latch, and reported at the next tick.
+        let _ = self.outputs.lines.put(decided.feed_override);
+        if clock::has_failed() {
+            // The interrupt that found it may have come just before the write.
+            let_go();
+        }
+        self.ticks = self.ticks.wrapping_add(1);
+        self.outputs.signals.set_ready(decided.alarm != Alarm::Latched);
+        self.outputs.signals.set_heartbeat(self.ticks / HEARTBEAT_TICKS % 2 == 1);
+        Asked { restart }
+    }
+
+    /// A tick came late: a fault of the board, as times are no longer what they seem.
+    pub fn report_late(&mut self) {
+        self.once = Some(BoardFault::Hardware);
+    }
+
+    /// Makes sense of what the sensors show.
+    fn know(&mut self, readings: Readings, said: Said) -> Known {
+        let Readers { position, turning, knob, .. } = &mut self.readers;
+        let pose = position.follow(&machine::ENCODERS, readings, TICK);
+        let spindle = self.tacho.follow(turning, self.sensors.spindle.read());
+        let dial = machine::DIAL.follow(knob, self.sensors.dial.read());
+        if said.reset_now {
+            // The person at the machine has seen to it; if not, the next write fails again.
+            self.outputs.lines.reset();
+        }
+        let is_broken = clock::has_failed() || dial.is_err() || self.outputs.lines.fault().is_some();
+        Known {
+            measured: controller::Input { position: pose, spindle, dt: TICK },
+            position: position.freshness(),
+            operator_percent: dial.unwrap_or(0),
+            conditions: said.conditions,
+            fault: self.once.take().or(is_broken.then_some(BoardFault::Hardware)),
+            request: said.request,
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! The clock tree: 168 MHz from a crystal of 8 MHz, watched by the clock security system.
+//!
+//! ```text
+//! HSE 8 MHz / 4 -> 2 MHz x 168 -> 336 MHz / 2 -> SYSCLK 168 MHz = AHB -> APB1 / 4: 42 MHz, its timers 84 MHz
+//!                                                                     -> APB2 / 2: 84 MHz
+//! ```
+//!
+//! Without the crystal the chip goes on with its own 16 MHz, good enough to hold 0 % and to say so, not to time a cut: a
+//! board fault that lasts until the next start. All waits are bounded.
+
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use stm32f4::stm32f405::{FLASH, PWR, RCC, rcc};
+
+/// Frequencies that others need.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock {
+    /// The core's, in MHz.
+    pub core_mhz: u32,
+    /// That of the timers on APB1, in MHz.
+    pub timer_mhz: u32,
+}
+
+const FROM_CRYSTAL: Clock = Clock { core_mhz: 168, timer_mhz: 84 };
+const OWN: Clock = Clock { core_mhz: 16, timer_mhz: 16 };
+
+/// Reads of a flag before it is given up: some 20 ms at 16 MHz, a crystal needs 2.
+const PATIENCE: u32 = 50_000;
+/// Flash wait states at 168 MHz and 3.3 V.
+const WAIT_STATES: u8 = 5;
+
+static FAILED: AtomicBool = AtomicBool::new(false);
+
+/// Whether the crystal did not start, or stopped.
+pub fn has_failed() -> bool {
+    FAILED.load(Ordering::Relaxed)
+}
+
+/// Gives a clock to every peripheral of the image: the first thing to do.
+pub fn supply(rcc: &RCC) {
+    rcc.ahb1enr().modify(|_, w| w.gpioaen().enabled().gpioben().enabled().gpiocen().enabled());
+    rcc.apb1enr().modify(|_, w| w.pwren().enabled().tim2en().enabled().tim3en().enabled());
+    rcc.apb1enr().modify(|_, w| w.tim4en().enabled().tim5en().enabled());
+    rcc.apb2enr().modify(|_, w| w.tim1en().enabled().adc1en().enabled());
+    // A peripheral takes no write in the first cycles of its clock (errata, "delay after an RCC peripheral clock
+    // enabling"): reading back takes longer.
+    let _ = (rcc.ahb1enr().read().bits(), rcc.apb1enr().read().bits(), rcc.apb2enr().read().bits());
+}
+
+/// Starts the clock tree; [`has_failed`] tells how it went.
+pub fn start(rcc: &RCC, flash: &FLASH, pwr: &PWR) -> Clock {
+    if start_from_crystal(rcc, flash, pwr).is_some() {
+        return FROM_CRYSTAL;
+    }
+    FAILED.store(true, Ordering::Relaxed);
+    rcc.cfgr().modify(|_, w| w.sw().hsi().ppre1().div1().ppre2().div1());
+    rcc.cr().modify(|_, w| w.pllon().off().hseon().off());
+    OWN
+}
+
+/// Takes the interrupt of the clock security system, from the NMI: the crystal stopped, the chip is on its own clock.
+pub fn take_failure(rcc: &rcc::RegisterBlock) {
+    FAILED.store(true, Ordering::Relaxed);
+    rcc.cir().modify(|_, w| w.cssc().set_bit());
+}
+
+fn start_from_crystal(rcc: &RCC, flash: &FLASH, pwr: &PWR) -> Option<()> {
+    pwr.cr().modify(|_, w| w.vos().scale1());
+    rcc.cr().modify(|_, w| w.hseon().on());
+    wait_until(|| rcc.cr().read().hserdy().bit_is_set())?;
+    // SAFETY: 4, 168 and 7 are within what the fields may hold (RM0090, RCC_PLLCFGR).
+    rcc.pllcfgr().write(|w| unsafe { w.pllsrc().hse().pllm().bits(4).plln().bits(168).pllp().div2().pllq().bits(7) });
+    rcc.cr().modify(|_, w| w.pllon().on());
+    wait_until(|| rcc.cr().read().pllrdy().bit_is_set())?;
+    // SAFETY: any number of wait states up to 7 is valid; too few would not be, and the chip confirms these below.
+    flash
+        .acr()
+        .write(|w| unsafe { w.latency().bits(WAIT_STATES).prften().set_bit().icen().set_bit().dcen().set_bit() });
+    wait_until(|| flash.acr().read().latency().bits() == WAIT_STATES)?;
+    rcc.cfgr().modify(|_, w| w.hpre().div1().ppre1().div4().ppre2().div2());
+    rcc.cfgr().modify(|_, w| w.sw().pll());
+    wait_until(|| rcc.cfgr().read().sws().is_pll())?;
+    rcc.cr().modify(|_, w| w.csson().on());
+    Some(())
+}
+
+fn wait_until(condition: impl Fn() -> bool) -> Option<()> {
+    (0..PATIENCE).any(|_| condition()).then_some(())
+}

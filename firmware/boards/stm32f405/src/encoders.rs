@@ -1,0 +1,42 @@
+//! X on TIM3, Y on TIM4, Z on TIM1: A quad B, counted by the timers in both senses, 16 bits each.
+
+use stm32f4::stm32f405::{TIM1, TIM3, TIM4};
+
+/// The three timers, counting.
+#[derive(Debug)]
+pub struct Encoders {
+    x: TIM3,
+    y: TIM4,
+    z: TIM1,
+}
+
+/// Eight samples of a timer's clock must agree: spikes below 0.05 us (Z) or 0.1 us (X, Y) are no edge.
+const FILTER: u8 = 0b0011;
+
+/// Sets a timer to count all edges of both its inputs.
+macro_rules! count {
+    ($timer:expr) => {
+        // SAFETY: the filters take any four bits.
+        $timer.ccmr1_input().write(|w| unsafe { w.cc1s().ti1().cc2s().ti2().ic1f().bits(FILTER).ic2f().bits(FILTER) });
+        $timer.smcr().write(|w| w.sms().encoder_mode_3());
+        // SAFETY: any period is valid.
+        $timer.arr().write(|w| unsafe { w.arr().bits(u16::MAX) });
+        $timer.cr1().write(|w| w.cen().set_bit());
+    };
+}
+
+impl Encoders {
+    /// Starts to count from zero.
+    pub fn start(x: TIM3, y: TIM4, z: TIM1) -> Self {
+        count!(x);
+        count!(y);
+        count!(z);
+        Encoders { x, y, z }
+    }
+
+    /// X, Y, Z; each wraps.
+    pub fn read(&self) -> [u16; 3] {
+        let Encoders { x, y, z } = self;
+        [x.cnt().read().cnt().bits(), y.cnt().read().cnt().bits(), z.cnt().read().cnt().bits()]
+    }
+}

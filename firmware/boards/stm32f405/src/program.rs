@@ -1,0 +1,31 @@
+//! The job and the blocks of its program, compiled in: the link to the host is not there yet.
+
+use arcfeed_firmware::controller::ActiveSegment;
+use arcfeed_shared::cut::{CutRule, Moves, Rotation::*, Work};
+use arcfeed_shared::job::{FeedPolicy::*, Job, LawKind, OverrideLimits};
+use arcfeed_shared::nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
+use arcfeed_shared::segment::{Arc, Path::*, Segment};
+use arcfeed_shared::stock::{Stock, StockLine};
+use arcfeed_shared::tool::{CupMill, Edge::*, Tool};
+use arcfeed_shared::units::{LengthUnit::*, MicroDeg, MmPerTooth, Nm, RevPerMin};
+
+/// A move of the program, or a rest.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    /// When the simulated machine began it; not used here.
+    pub first_tick: u32,
+    /// Which of the job's cut rules speaks of it.
+    pub rule: Option<usize>,
+    /// The move.
+    pub segment: Option<Segment>,
+}
+
+include!(concat!(env!("OUT_DIR"), "/example.rs"));
+
+impl Block {
+    /// Prepares the move; `None` for a rest.
+    pub fn prepare(&self, job: &Job) -> Option<ActiveSegment> {
+        let rule = self.rule.and_then(|index| job.rules.get(index));
+        self.segment.as_ref().map(|segment| ActiveSegment::new(segment, rule, job))
+    }
+}

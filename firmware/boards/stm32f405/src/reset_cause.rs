@@ -1,0 +1,20 @@
+//! Why the chip started, from the flags of RCC_CSR, and what that means for the override.
+
+use arcfeed_firmware::supervisor::input::BoardFault;
+
+/// RCC_CSR: brown-out (set at power-on too), power-on, independent and window watchdog.
+const BROWN_OUT: u32 = 1 << 25;
+const POWER_ON: u32 = 1 << 27;
+const INDEPENDENT_WATCHDOG: u32 = 1 << 29;
+const WINDOW_WATCHDOG: u32 = 1 << 30;
+
+/// What to report at the first tick. A start by power, pin, software or debugger is none: the override begins at 0 %.
+pub fn fault(rcc_csr: u32) -> Option<BoardFault> {
+    if rcc_csr & (INDEPENDENT_WATCHDOG | WINDOW_WATCHDOG) != 0 {
+        Some(BoardFault::Watchdog)
+    } else if rcc_csr & BROWN_OUT != 0 && rcc_csr & POWER_ON == 0 {
+        Some(BoardFault::Hardware)
+    } else {
+        None
+    }
+}

@@ -1,0 +1,148 @@
+//! The operator's dial: a potentiometer between two resistors, read by a converter.
+//!
+//! The resistors keep the wiper away from both rails, so a reading near a rail is no position of the dial but a wire that is
+//! open or shorted; a converter that gives none is as bad. Both must last before they count, and until then the last
+//! reading holds.
+//!
+//! Noise must not turn the dial. What is held follows the reading down at once and up with a backlash b:
+//!
+//! (1) held = min(reading, max(held, reading - b))
+//!
+//! so it lies at most b below the reading and never above.
+
+/// Where the dial ends, in counts of the converter; config.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dial {
+    lowest: u16,
+    span: u16,
+    plausible: (u16, u16),
+    highest_percent: u8,
+}
+
+/// The dial as last read; state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Knob {
+    held: u16,
+    implausible_ticks: u8,
+}
+
+/// Open or shorted, or no reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DialBroken;
+
+/// Noise that moves nothing, counts.
+const BACKLASH: u16 = 16;
+/// How far beyond its ends the dial may read, counts: resistors have tolerances.
+const MARGIN: u16 = 64;
+/// Ticks in a row without a plausible reading until the dial is broken.
+const PATIENCE: u8 = 5;
+
+impl Dial {
+    /// A dial that reads `lowest` counts at 0 % and `highest` at `highest_percent`, on a converter whose last count is
+    /// `full_scale`. `None` where the ends lie too near the rails to tell a broken wire, or too near each other.
+    pub const fn new(lowest: u16, highest: u16, full_scale: u16, highest_percent: u8) -> Option<Self> {
+        let far_from_rails = lowest > 2 * MARGIN && highest.saturating_add(2 * MARGIN) < full_scale;
+        let (low, high) = (lowest.saturating_add(BACKLASH), highest.saturating_sub(BACKLASH));
+        // A step of 1 % is more than the backlash.
+        if !far_from_rails || high.saturating_sub(low) / BACKLASH < highest_percent as u16 {
+            return None;
+        }
+        let plausible = (lowest - MARGIN, highest + MARGIN);
+        Some(Dial { lowest: low, span: high.saturating_sub(low), plausible, highest_percent })
+    }
+
+    /// Takes the reading of this tick; answers per cent, rounded down. Zero before the first plausible one.
+    ///
+    /// # Errors
+    /// No plausible reading for five ticks in a row.
+    pub fn follow(&self, knob: &mut Knob, reading: Option<u16>) -> Result<u8, DialBroken> {
+        let (low, high) = self.plausible;
+        match reading.filter(|reading| (low..=high).contains(reading)) {
+            Some(reading) => {
+                knob.held = reading.min(knob.held.max(reading.saturating_sub(BACKLASH))); // (1)
+                knob.implausible_ticks = 0;
+            }
+            None => knob.implausible_ticks = knob.implausible_ticks.saturating_add(1),
+        }
+        if knob.implausible_ticks < PATIENCE { Ok(self.percent(knob.held)) } else { Err(DialBroken) }
+    }
+
+    fn percent(&self, held: u16) -> u8 {
+        let above = u32::from(held.saturating_sub(self.lowest).min(self.span));
+        let percent = (above * u32::from(self.highest_percent)).checked_div(u32::from(self.span));
+        percent.and_then(|percent| u8::try_from(percent).ok()).unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 0 to 150 % on 12 bits.
+    const DIAL: Dial = Dial::new(400, 3_700, 4_095, 150).unwrap();
+
+    fn last(readings: &[Option<u16>]) -> Result<u8, DialBroken> {
+        let mut knob = Knob::default();
+        readings.iter().map(|reading| DIAL.follow(&mut knob, *reading)).last().unwrap()
+    }
+
+    #[test]
+    fn its_ends_are_0_and_all_and_its_middle_is_half() {
+        for (reading, percent) in [(336, 0), (400, 0), (2_066, 75), (3_700, 150), (3_764, 150)] {
+            assert_eq!(last(&[Some(reading)]), Ok(percent), "{reading}");
+        }
+    }
+
+    #[test]
+    fn it_never_reads_more_than_the_line_between_its_ends_and_at_most_a_step_and_the_backlash_less() {
+        let mut knob = Knob::default();
+        let up_and_down = (400..=3_700).chain((400..=3_700).rev());
+        for reading in up_and_down {
+            let percent = f64::from(DIAL.follow(&mut knob, Some(reading)).unwrap());
+            let line = (f64::from(reading) - 400.0) / 3_300.0 * 150.0;
+            assert!(percent <= line + 0.75 && percent > line - 2.5, "{reading}: {percent} for {line}");
+        }
+    }
+
+    #[test]
+    fn noise_within_the_backlash_does_not_turn_it() {
+        for middle in 450..3_650 {
+            let mut knob = Knob::default();
+            let noise = [8, -8, 3, 7, -5, 8, -8, 0];
+            let percents = noise.map(|off| DIAL.follow(&mut knob, Some((middle + off) as u16)).unwrap());
+            assert!(percents[1..].iter().all(|percent| *percent == percents[1]), "{middle}: {percents:?}");
+        }
+    }
+
+    #[test]
+    fn turning_down_takes_effect_with_the_first_reading() {
+        assert_eq!(last(&[Some(3_700), Some(2_066)]), last(&[Some(2_066)]));
+    }
+
+    #[test]
+    fn open_shorted_or_silent_it_is_broken_at_the_fifth_tick_and_holds_until_then() {
+        for bad in [Some(0), Some(335), Some(3_765), Some(4_095), None] {
+            let mut readings = vec![Some(2_100)];
+            readings.extend([bad; 4]);
+            assert_eq!(last(&readings), last(&[Some(2_100)]), "{bad:?}");
+            readings.push(bad);
+            assert_eq!(last(&readings), Err(DialBroken), "{bad:?}");
+            readings.push(Some(2_100));
+            assert_eq!(last(&readings), last(&[Some(2_100)]), "{bad:?}");
+        }
+    }
+
+    #[test]
+    fn before_the_first_reading_it_is_at_0() {
+        assert_eq!(last(&[None]), Ok(0));
+    }
+
+    #[test]
+    fn ends_that_hide_a_broken_wire_are_refused() {
+        for (lowest, highest, percent) in
+            [(128, 3_700, 150), (400, 3_967, 150), (400, 2_000, 150), (2_000, 400, 150), (0, 4_095, 100)]
+        {
+            assert_eq!(Dial::new(lowest, highest, 4_095, percent), None, "{lowest} {highest}");
+        }
+    }
+}

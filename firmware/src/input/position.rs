@@ -1,0 +1,99 @@
+//! Where the tool is, from three encoders that know no place of their own.
+//!
+//! Incremental encoders count from wherever they were switched on. Somebody must say where that is: at the program's
+//! zero. From a fault on - a jump, a broken wire, a receiver that complains - the counts mean nothing until that is said
+//! again; nothing is guessed meanwhile.
+
+use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::units::{Micros, Nm};
+
+use crate::supervisor::input::Freshness;
+
+use super::encoder::{Counter, Encoder};
+
+/// What the three timers show, X, Y, Z; `None` while a receiver reports a broken line.
+pub type Readings = Option<[u16; 3]>;
+
+/// The tool's place; state. The default knows none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Position {
+    axes: Option<[Counter; 3]>,
+    /// Since the last sample; `None` where there was none since zero was last set.
+    age: Option<Micros>,
+}
+
+impl Position {
+    /// Takes the readings of this tick, `dt` after the last. `None` where they mean nothing.
+    pub fn follow(&mut self, encoders: &[Encoder; 3], readings: Readings, dt: Micros) -> Option<Pose> {
+        let linear = self.axes.as_mut().zip(readings).and_then(|(axes, readings)| follow(encoders, axes, readings));
+        if linear.is_some() {
+            self.age = Some(Micros(0));
+        } else {
+            self.axes = None;
+            self.age = self.age.map(|age| age.after(dt));
+        }
+        linear.map(|linear| Pose { linear, ..Pose::default() })
+    }
+
+    /// The axes stand at zero now; false, and nothing changed, while a line is broken.
+    pub fn set_zero(&mut self, readings: Readings) -> bool {
+        if let Some(readings) = readings {
+            self.axes = Some(readings.map(Counter::zero_at));
+        }
+        readings.is_some()
+    }
+
+    /// How good it is.
+    pub fn freshness(&self) -> Freshness {
+        Freshness { age: self.age.unwrap_or(Micros(u64::MAX)), invalid_in_row: 0 }
+    }
+}
+
+fn follow(encoders: &[Encoder; 3], axes: &mut [Counter; 3], readings: [u16; 3]) -> Option<[Nm; 3]> {
+    let mut linear = [Nm(0); 3];
+    for (((encoder, axis), reading), at) in encoders.iter().zip(axes).zip(readings).zip(&mut linear) {
+        *at = encoder.follow(axis, reading).ok()?;
+    }
+    Some(linear)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TICK: Micros = Micros::from_ms(1);
+    const ENCODERS: [Encoder; 3] = [Encoder::new(1_000, 100).unwrap(); 3];
+
+    fn age(position: &Position) -> Micros {
+        position.freshness().age
+    }
+
+    #[test]
+    fn there_is_no_place_before_zero_is_set() {
+        let mut position = Position::default();
+        assert_eq!(position.follow(&ENCODERS, Some([1, 2, 3]), TICK), None);
+        assert_eq!(age(&position), Micros(u64::MAX));
+        assert!(!position.set_zero(None));
+        assert!(position.set_zero(Some([1, 2, 3])));
+        let pose = position.follow(&ENCODERS, Some([2, 0, 3]), TICK).unwrap();
+        assert_eq!(pose, Pose { linear: [Nm(1_000), Nm(-2_000), Nm(0)], ..Pose::default() });
+        assert_eq!(age(&position), Micros(0));
+    }
+
+    #[test]
+    fn after_a_broken_line_or_a_jump_of_one_axis_the_place_is_lost_until_zero_is_set_again() {
+        for fault in [None, Some([0, 101, 0]), Some([0, 0, 0x8000])] {
+            let mut position = Position::default();
+            position.set_zero(Some([0; 3]));
+            assert!(position.follow(&ENCODERS, Some([0; 3]), TICK).is_some());
+            assert_eq!(position.follow(&ENCODERS, fault, TICK), None);
+            for tick in 2..60 {
+                assert_eq!(position.follow(&ENCODERS, Some([0; 3]), TICK), None);
+                assert_eq!(age(&position), Micros::from_ms(tick));
+            }
+            position.set_zero(Some([7; 3]));
+            assert_eq!(position.follow(&ENCODERS, Some([7; 3]), TICK), Some(Pose::default()));
+            assert_eq!(age(&position), Micros(0));
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! The parts of the STM32F405's image that know no register, on the desk: why it started, its panel, its guard.
+
+use arcfeed::adapt::adapt;
+use arcfeed::commands::simulate::control_settings;
+use arcfeed::job::JobFile;
+use arcfeed::program::Program;
+use arcfeed_firmware::controller::{self, ActiveSegment};
+use arcfeed_firmware::supervisor::input::{BoardFault, Conditions, Freshness, Request};
+use arcfeed_firmware::supervisor::state::State;
+use arcfeed_hil_sim::faults::ControllerFault;
+use arcfeed_hil_sim::machine;
+use arcfeed_hil_sim::rig::Rig;
+use arcfeed_shared::cut;
+use arcfeed_shared::job::Job;
+use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::segment::Segment;
+use arcfeed_shared::units::{Micros, Nm};
+use arcfeed_tests::root;
+
+use guard::{Guard, Known};
+use panel::{AT_START, ENCODERS_SOUND, Panel};
+
+#[path = "../../firmware/boards/stm32f405/src/reset_cause.rs"]
+mod reset_cause;
+
+#[path = "../../firmware/boards/stm32f405/src/panel.rs"]
+mod panel;
+
+#[path = "../../firmware/boards/stm32f405/src/guard.rs"]
+mod guard;
+
+const TICK: Micros = Micros::from_ms(1);
+/// From 0 % to 100 % by the slew of 50 %/s, and some time to arm.
+const BEFORE: usize = 2_500;
+/// An encoder counts whole micrometres.
+const COUNT_NM: i64 = 1_000;
+
+/// A run of the example: blocks in their order; at each tick position and override of the simulated controller.
+struct Example {
+    job: Job,
+    segments: Vec<Segment>,
+    ticks: Vec<(Pose, u8)>,
+}
+
+fn example() -> Example {
+    let path = root().join("examples/ibr-slot/job.toml");
+    let file = JobFile::load(&path).expect("the example's job is sound");
+    let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
+    let text = [adapt(&program, &file.job).text, b"\n".to_vec()].concat();
+    let mut settings = control_settings(&file);
+    // The override of a tick is in effect at the next one.
+    settings.ladder_delay_steps = 0;
+    let rig = Rig::from_memory(settings, &text, &file.job, ControllerFault::None);
+    let mut rig = rig.expect("the limits of the override make sense");
+    let (mut segments, mut positions, mut overrides, mut last) = (Vec::new(), Vec::new(), Vec::new(), None);
+    while !rig.is_done() {
+        rig.step();
+        let active = rig.control().active().map(|(count, segment)| (count, *segment));
+        if let Some((count, segment)) = active.filter(|(count, _)| last != Some(*count)) {
+            segments.push(segment);
+            last = Some(count);
+        }
+        let mut position = machine::feedback(&rig.control().position());
+        position.linear = position.linear.map(|Nm(nm)| Nm(nm / COUNT_NM * COUNT_NM));
+        positions.push(position);
+        overrides.push(rig.control().override_percent());
+    }
+    rig.step();
+    overrides.push(rig.control().override_percent());
+    Example { job: file.job, segments, ticks: positions.into_iter().zip(overrides.split_off(1)).collect() }
+}
+
+fn known(job: &Job, position: Pose) -> Known {
+    Known {
+        measured: controller::Input { position: Some(position), spindle: job.spindle, dt: TICK },
+        position: Freshness::NOW,
+        operator_percent: 100,
+        conditions: Conditions::NONE,
+        fault: None,
+        request: None,
+    }
+}
+
+/// Armed at the program's zero and at 100 %, no block yet.
+fn armed(job: &Job) -> Guard {
+    let mut guard = Guard::new(job).expect("the limits are sound");
+    for tick in 0..BEFORE {
+        let request = (tick == BEFORE - 100).then_some(Request::Arm);
+        guard.tick(&Known { request, ..known(job, Pose::default()) });
+    }
+    assert!(guard.is_engaged());
+    guard
+}
+
+fn prepared(segment: &Segment, job: &Job) -> ActiveSegment {
+    let rule = cut::find(&job.rules, segment, &job.tool).map(|(_, rule)| rule);
+    ActiveSegment::new(segment, rule, job)
+}
+
+#[test]
+fn the_guard_finds_the_blocks_by_position_and_puts_out_what_a_controller_does_that_is_told_them() {
+    let Example { job, segments, ticks } = example();
+    let mut guard = armed(&job);
+    let mut ahead = segments.iter();
+    let (mut same, mut highest, mut state) = (0, 0, State::Idle);
+    for (position, told) in &ticks {
+        if guard.has_room()
+            && let Some(segment) = ahead.next()
+        {
+            guard.push(prepared(segment, &job));
+        }
+        let output = guard.tick(&known(&job, *position));
+        let found = output.feed_override.percent;
+        assert!(found <= told + 1, "{found} % where {told} % is right");
+        same += usize::from(found == *told);
+        highest = highest.max(found);
+        state = output.state;
+    }
+    println!("{same} of {} ticks the same, none above by more than 1 %, highest {highest} %", ticks.len());
+    assert!(ahead.next().is_none(), "blocks are left");
+    assert!(!guard.has_room() || state == State::Armed, "{state:?}");
+    assert!(highest > 100);
+    // Only where a block gives way to the next, found by position some ticks from where it is told.
+    assert!(same * 1_000 > ticks.len() * 999);
+}
+
+#[test]
+fn a_fault_is_0_percent_at_once_and_until_a_person_resets() {
+    let Example { job, segments, .. } = example();
+    let mut guard = armed(&job);
+    guard.push(prepared(&segments[0], &job));
+    let at_zero = known(&job, Pose::default());
+    assert_eq!(guard.tick(&at_zero).feed_override.percent, 100);
+    let fault = Some(BoardFault::Hardware);
+    assert_eq!(guard.tick(&Known { fault, ..at_zero }).feed_override.percent, 0);
+    assert!((0..1_000).all(|_| guard.tick(&at_zero).feed_override.percent == 0));
+    guard.tick(&Known { request: Some(Request::Reset), ..at_zero });
+    assert!((0..100).all(|_| guard.tick(&at_zero).state == State::Idle));
+}
+
+#[test]
+fn a_program_begun_anew_is_taken_up_from_its_first_block() {
+    let Example { job, segments, .. } = example();
+    let mut guard = Guard::new(&job).expect("the limits are sound");
+    let at_zero = known(&job, Pose::default());
+    // As at power-on: the block is there before anybody said where the axes are.
+    guard.push(prepared(&segments[0], &job));
+    let nowhere = Freshness { age: Micros(u64::MAX), invalid_in_row: 0 };
+    guard.tick(&Known { position: nowhere, ..at_zero });
+    guard.restart();
+    guard.tick(&at_zero);
+    guard.push(prepared(&segments[0], &job));
+    guard.tick(&at_zero);
+    let output = guard.tick(&Known { request: Some(Request::Arm), ..at_zero });
+    assert_eq!((output.state, output.refusal), (State::Armed, None));
+    assert!(matches!(guard.tick(&at_zero).state, State::Running | State::Inhibited { .. }));
+}
+
+#[test]
+fn why_the_chip_started_is_read_from_its_flags() {
+    // RM0090, RCC_CSR: after power-on 0x0E00_0000, after the reset pin 0x0400_0000; each adds its own to the pin's.
+    for (csr, fault) in [
+        (0x0E00_0000, None),
+        (0x0400_0000, None),
+        (0x1400_0000, None),
+        (0x2400_0000, Some(BoardFault::Watchdog)),
+        (0x4400_0000, Some(BoardFault::Watchdog)),
+        (0x0600_0000, Some(BoardFault::Hardware)),
+        (0x2E00_0000, Some(BoardFault::Watchdog)),
+    ] {
+        assert_eq!(reset_cause::fault(csr), fault, "{csr:#x}");
+    }
+}
+
+/// The panel of the board's README: contacts by their pin on port B.
+const ZERO: u16 = 1 << 1;
+const ARM: u16 = 1 << 13;
+const DISARM: u16 = 1 << 14;
+const RESET: u16 = 1 << 15;
+const LADDER: u16 = 0x1F00;
+/// Nothing pressed, the ladder says nothing, the encoders are sound.
+const QUIET: u16 = ENCODERS_SOUND | LADDER | DISARM;
+
+#[test]
+fn every_open_contact_of_the_ladder_is_its_condition() {
+    let ladder = [
+        (1 << 8, Conditions::FEED_HOLD),
+        (1 << 9, Conditions::RAPID),
+        (1 << 10, Conditions::TAPPING),
+        (1 << 11, Conditions::THREADING),
+        (1 << 12, Conditions::CUTTER_COMPENSATION),
+    ];
+    assert_eq!(Panel::default().read(QUIET).conditions, Conditions::NONE);
+    for (contact, condition) in ladder {
+        assert_eq!(Panel::default().read(QUIET & !contact).conditions, condition);
+    }
+    let all = ladder.iter().fold(Conditions::NONE, |all, (_, condition)| all.with(*condition));
+    assert_eq!(Panel::default().read(AT_START).conditions, all);
+}
+
+#[test]
+fn a_button_stuck_since_the_start_asks_for_nothing() {
+    let mut panel = Panel::default();
+    assert_eq!(panel.read(AT_START).request, Some(Request::Disarm));
+    for _ in 0..10 {
+        let said = panel.read(QUIET | ARM | RESET | ZERO);
+        assert_eq!((said.request, said.zero_now, said.reset_now), (None, false, false));
+    }
+    panel.read(QUIET);
+    assert_eq!(panel.read(QUIET | ARM).request, Some(Request::Arm));
+}
+
+#[test]
+fn disarm_goes_before_reset_and_reset_before_arm_and_a_cut_wire_disarms() {
+    let mut panel = Panel::default();
+    panel.read(QUIET);
+    assert_eq!(panel.read((QUIET | ARM | RESET) & !DISARM).request, Some(Request::Disarm));
+    assert_eq!(panel.read(QUIET | ARM | RESET).request, Some(Request::Reset));
+    assert_eq!(panel.read(0).request, Some(Request::Disarm));
+}
+
+#[test]
+fn zero_and_reset_count_once_a_press() {
+    let mut panel = Panel::default();
+    panel.read(QUIET);
+    let presses = [QUIET | ZERO, QUIET | ZERO, QUIET, QUIET | RESET, QUIET | RESET | ZERO];
+    let said = presses.map(|closed| panel.read(closed)).map(|said| (said.zero_now, said.reset_now));
+    assert_eq!(said, [(true, false), (false, false), (false, false), (false, true), (true, false)]);
+}
