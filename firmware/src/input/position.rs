@@ -5,7 +5,7 @@
 //! again; nothing is guessed meanwhile.
 
 use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::{Micros, Nm};
+use arcfeed_shared::units::{Nm, Span};
 
 use crate::supervisor::input::Freshness;
 
@@ -19,18 +19,18 @@ pub type Readings = Option<[u16; 3]>;
 pub struct Position {
     axes: Option<[Counter; 3]>,
     /// Since the last sample; `None` where there was none since zero was last set.
-    age: Option<Micros>,
+    age: Option<Span>,
 }
 
 impl Position {
     /// Takes the readings of this tick, `dt` after the last. `None` where they mean nothing.
-    pub fn follow(&mut self, encoders: &[Encoder; 3], readings: Readings, dt: Micros) -> Option<Pose> {
+    pub fn follow(&mut self, encoders: &[Encoder; 3], readings: Readings, dt: Span) -> Option<Pose> {
         let linear = self.axes.as_mut().zip(readings).and_then(|(axes, readings)| follow(encoders, axes, readings));
         if linear.is_some() {
-            self.age = Some(Micros(0));
+            self.age = Some(Span(0));
         } else {
             self.axes = None;
-            self.age = self.age.map(|age| age.after(dt));
+            self.age = self.age.map(|age| age.longer_by(dt));
         }
         linear.map(|linear| Pose { linear, ..Pose::default() })
     }
@@ -45,7 +45,7 @@ impl Position {
 
     /// How good it is.
     pub fn freshness(&self) -> Freshness {
-        Freshness { age: self.age.unwrap_or(Micros(u64::MAX)), invalid_in_row: 0 }
+        Freshness { age: self.age.unwrap_or(Span(u32::MAX)), invalid_in_row: 0 }
     }
 }
 
@@ -61,10 +61,10 @@ fn follow(encoders: &[Encoder; 3], axes: &mut [Counter; 3], readings: [u16; 3]) 
 mod tests {
     use super::*;
 
-    const TICK: Micros = Micros::from_ms(1);
+    const TICK: Span = Span::from_ms(1);
     const ENCODERS: [Encoder; 3] = [Encoder::new(1_000, 100).unwrap(); 3];
 
-    fn age(position: &Position) -> Micros {
+    fn age(position: &Position) -> Span {
         position.freshness().age
     }
 
@@ -72,12 +72,12 @@ mod tests {
     fn there_is_no_place_before_zero_is_set() {
         let mut position = Position::default();
         assert_eq!(position.follow(&ENCODERS, Some([1, 2, 3]), TICK), None);
-        assert_eq!(age(&position), Micros(u64::MAX));
+        assert_eq!(age(&position), Span(u32::MAX));
         assert!(!position.set_zero(None));
         assert!(position.set_zero(Some([1, 2, 3])));
         let pose = position.follow(&ENCODERS, Some([2, 0, 3]), TICK).unwrap();
         assert_eq!(pose, Pose { linear: [Nm(1_000), Nm(-2_000), Nm(0)], ..Pose::default() });
-        assert_eq!(age(&position), Micros(0));
+        assert_eq!(age(&position), Span(0));
     }
 
     #[test]
@@ -89,11 +89,11 @@ mod tests {
             assert_eq!(position.follow(&ENCODERS, fault, TICK), None);
             for tick in 2..60 {
                 assert_eq!(position.follow(&ENCODERS, Some([0; 3]), TICK), None);
-                assert_eq!(age(&position), Micros::from_ms(tick));
+                assert_eq!(age(&position), Span::from_ms(tick));
             }
             position.set_zero(Some([7; 3]));
             assert_eq!(position.follow(&ENCODERS, Some([7; 3]), TICK), Some(Pose::default()));
-            assert_eq!(age(&position), Micros(0));
+            assert_eq!(age(&position), Span(0));
         }
     }
 }
