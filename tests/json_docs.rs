@@ -162,7 +162,9 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
         ("kind = \"circumference\"", "kind = \"engaged-arc\"\nedges = \"side\""),
         ("normal_deg = 54.187, offset = 4.2391", "engaged = [[0, 0, 40], [1, 60, 40]]"),
     ];
-    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 11] = [
+    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 13] = [
+        (CASE, &[("[control]", "[machine]\nmax_feed = { x = 45, y = 45 }\n\n[control]")], &[]),
+        (CASE, &[("[control]", "[control]\narc_clamp = { feed = 45, radius = 5 }")], &[]),
         (CASE, &by_table, &[]),
         (CASE, &by_arcs, &[]),
         (EXAMPLE, &[], &[]),

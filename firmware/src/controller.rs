@@ -3,14 +3,15 @@
 use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::fmath;
 use arcfeed_shared::job::Job;
+use arcfeed_shared::machine::{FeedLimit, LimitedBy};
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose};
 use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{MmPerMin, MmPerTooth, RevPerMin, Span};
+use arcfeed_shared::units::{MmPerMin, MmPerTooth, PERCENT, RevPerMin, Span};
 
 use crate::law::circumference::Circumference;
 use crate::law::{FeedLaw, NoWish, SegmentLaw, Wish};
 use crate::progress::{ArcTrack, PositionFilter, Progress, Track};
-use crate::ramp::{Bound, FeedOverride, LimitsError, Ramp, RampState};
+use crate::ramp::{Bound, FeedOverride, LimitsError, Ramp, RampState, RatioRange};
 
 /// The controller of one machine; config.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +46,17 @@ struct SentFeed {
     feed: MmPerMin,
     /// Teeth over the feed, min/mm.
     teeth_per_feed: f32,
+    /// The ratios to it that no bound changes.
+    range: RatioRange,
+    /// The largest ratio to it that the machine can follow.
+    machine: Option<MachineRatio>,
+}
+
+/// The fastest feed of the machine on a segment, over the feed as sent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct MachineRatio {
+    ratio: f32,
+    by: LimitedBy,
 }
 
 /// What the controller remembers from tick to tick.
@@ -145,8 +157,7 @@ impl ActiveSegment {
     pub fn new(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
         let feed = match (&segment.path, segment.feed) {
             (Path::Line | Path::Arc(_), Feed::PerMinute(feed)) if feed.0 > 0 => {
-                let feed = MmPerMin(feed.to_mm() as f32);
-                Some(SentFeed { feed, teeth_per_feed: f32::from(job.tool.active_teeth()) / feed.0 })
+                Some(SentFeed::new(MmPerMin(feed.to_mm() as f32), job.machine.feed_limit(segment), job))
             }
             _ => None,
         };
@@ -180,17 +191,49 @@ impl ActiveSegment {
         &self.end
     }
 
+    /// The part of a wish that the machine can follow.
+    fn followed(&self, wanted: &Wanted) -> (f32, Bound) {
+        match self.sent().and_then(|sent| sent.machine) {
+            Some(MachineRatio { ratio, by }) if wanted.ratio > ratio => (ratio, Bound::Machine(by)),
+            _ => (wanted.ratio, Bound::Free),
+        }
+    }
+
     /// Whether the override acts on it: not on rapids, inverse time, or without a feed.
     pub fn takes_override(&self) -> bool {
         self.feed_sent().is_some()
     }
 
+    /// The feed that the machine makes of an override, its limits considered; `None` where the override does not act.
+    pub fn feed_at(&self, feed_override: FeedOverride) -> Option<MmPerMin> {
+        let sent = self.sent()?;
+        let ratio = f32::from(feed_override.percent) / PERCENT;
+        let ratio = sent.machine.map_or(ratio, |machine| fmath::min(ratio, machine.ratio));
+        Some(MmPerMin(sent.feed.0 * ratio))
+    }
+
     /// The feed as sent to the control; `None` where the override must not act on it.
     fn feed_sent(&self) -> Option<MmPerMin> {
+        self.sent().map(|sent| sent.feed)
+    }
+
+    fn sent(&self) -> Option<&SentFeed> {
         match &self.way {
-            Way::Rotation { feed, .. } => Some(feed.feed),
-            Way::Cut { feed, .. } => feed.as_ref().map(|sent| sent.feed),
+            Way::Rotation { feed, .. } => Some(feed),
+            Way::Cut { feed, .. } => feed.as_ref(),
             Way::Rapid => None,
+        }
+    }
+}
+
+impl SentFeed {
+    fn new(feed: MmPerMin, limit: Option<FeedLimit>, job: &Job) -> Self {
+        let machine = limit.map(|limit| MachineRatio { ratio: limit.feed.0 / feed.0, by: limit.by });
+        SentFeed {
+            feed,
+            teeth_per_feed: f32::from(job.tool.active_teeth()) / feed.0,
+            range: RatioRange::new(&job.limits, machine.map_or(f32::INFINITY, |machine| machine.ratio)),
+            machine,
         }
     }
 }
@@ -238,8 +281,8 @@ impl Controller {
         state.progress = segment.way.begin(state.progress.speed_mm_per_s());
         let feed_change = state.take_feed(segment.feed_sent());
         let wanted = self.wanted(state, segment, input);
-        self.ramp.enter_block(&mut state.ramp, wanted.ratio, feed_change);
-        self.obey_ramp(state, &wanted, input.dt)
+        self.ramp.enter_block(&mut state.ramp, segment.followed(&wanted).0, feed_change);
+        self.obey_ramp(state, segment, &wanted, input.dt)
     }
 
     /// The same where the segment is of the commonest kind and no bound stands in the law's way: everything but the tick of
@@ -254,7 +297,7 @@ impl Controller {
             return None;
         };
         let feed_change = state.take_feed(Some(feed.feed));
-        self.ramp.enter_block(&mut state.ramp, wish.wanted_ratio, feed_change);
+        state.ramp.enter_block(wish.wanted_ratio, feed_change);
         Some(wish)
     }
 
@@ -290,17 +333,20 @@ impl Controller {
         let path = law.path_mm_per_tooth(track.follow(&mut state.progress, [x, y]));
         let ratio = input.spindle.0 * path * feed.teeth_per_feed;
         // What is not a number is not held: neither a refusal of the law nor a spindle without speed.
-        self.ramp.holds(ratio).then_some(UsualWish { wanted_ratio: ratio, ipt_center: MmPerTooth(path) })
+        feed.range.contains(ratio).then_some(UsualWish { wanted_ratio: ratio, ipt_center: MmPerTooth(path) })
     }
 
+    /// [`Controller::tick`] where [`Controller::usual_wish`] is none.
     #[inline(never)]
-    fn tick_otherwise(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Output {
+    pub(crate) fn tick_otherwise(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Output {
         let wanted = self.wanted(state, segment, input);
-        self.obey_ramp(state, &wanted, input.dt)
+        self.obey_ramp(state, segment, &wanted, input.dt)
     }
 
-    fn obey_ramp(&self, state: &mut State, wanted: &Wanted, dt: Span) -> Output {
-        let (feed_override, bound) = self.ramp.step(&mut state.ramp, wanted.ratio, dt);
+    fn obey_ramp(&self, state: &mut State, segment: &ActiveSegment, wanted: &Wanted, dt: Span) -> Output {
+        let (ratio, followed) = segment.followed(wanted);
+        let (feed_override, bound) = self.ramp.step(&mut state.ramp, ratio, dt);
+        let bound = if bound == Bound::Free { followed } else { bound };
         Output {
             feed_override,
             ipt_center: wanted.ipt_center,

@@ -6,6 +6,7 @@
 
 use arcfeed_shared::fmath;
 use arcfeed_shared::job::OverrideLimits;
+use arcfeed_shared::machine::LimitedBy;
 use arcfeed_shared::units::{PERCENT, Span, US_PER_S};
 
 /// A wish this part below a step counts as on it: against losing a whole step to f32 rounding.
@@ -29,9 +30,6 @@ impl FeedOverride {
 pub struct Ramp {
     min_ratio: f32,
     max_ratio: f32,
-    /// The bits of the least ratio above zero, and from there to those of the largest.
-    least_bits: u32,
-    range_bits: u32,
     min_percent: i32,
     step_percent: i32,
     /// Steps in a ratio of one, the tolerance included.
@@ -45,6 +43,14 @@ pub struct Slew {
     up_ratio_per_us: f32,
     /// Negative.
     down_ratio_per_us: f32,
+}
+
+/// The ratios that no bound changes: on the tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RatioRange {
+    /// The bits of the least one above zero, and from there to those of the largest.
+    least_bits: u32,
+    span_bits: u32,
 }
 
 /// The ratio in effect before rounding; state.
@@ -64,6 +70,8 @@ pub enum Bound {
     Floor,
     /// The wish lies above `max`.
     Ceiling,
+    /// The wish lies above what the machine can follow on this segment.
+    Machine(LimitedBy),
     /// Still on its way.
     Slew,
     /// The wish is not a number: 100 %.
@@ -94,9 +102,36 @@ impl RampState {
         self.ratio
     }
 
+    /// [`Ramp::enter_block`] for a wish within the bounds, which leaves the ratio within them.
+    #[inline(always)]
+    pub fn enter_block(&mut self, wanted_ratio: f32, feed_change_ratio: f32) {
+        let same_feed = fmath::max(self.ratio / feed_change_ratio, 1.0);
+        self.ratio = fmath::min(wanted_ratio, same_feed);
+    }
+
     /// Goes on from `ratio`, which the caller keeps within the bounds of what it puts out.
     pub fn force(&mut self, ratio: f32) {
         self.ratio = ratio;
+    }
+}
+
+impl RatioRange {
+    /// Between the override's bounds, and not above what the machine can follow.
+    pub fn new(limits: &OverrideLimits, machine_ratio: f32) -> Self {
+        let [least, most] = [limits.min_percent, limits.max_percent].map(|percent| f32::from(percent) / PERCENT);
+        let (least_bits, most_bits) = (least.to_bits().max(1), fmath::min(machine_ratio, most).to_bits());
+        match most_bits.checked_sub(least_bits) {
+            Some(span_bits) => RatioRange { least_bits, span_bits },
+            // Where the machine cannot follow the least override there is none.
+            None => RatioRange { least_bits: 1, span_bits: 0 },
+        }
+    }
+
+    /// Whether a ratio is one of them; zero and what is not a number never are.
+    #[inline(always)]
+    pub fn contains(&self, ratio: f32) -> bool {
+        // The bits of positive numbers are in the order of the numbers, those of all others above.
+        ratio.to_bits().wrapping_sub(self.least_bits) <= self.span_bits
     }
 }
 
@@ -141,12 +176,9 @@ impl Ramp {
             return Err(LimitsError::Slew);
         }
         let (min_ratio, max_ratio) = (f32::from(min_percent) / PERCENT, f32::from(max_percent) / PERCENT);
-        let least_bits = min_ratio.to_bits().max(1);
         Ok(Ramp {
             min_ratio,
             max_ratio,
-            least_bits,
-            range_bits: max_ratio.to_bits() - least_bits,
             min_percent: i32::from(min_percent),
             step_percent: i32::from(step_percent),
             steps_per_ratio: PERCENT * (1.0 + STEP_TOLERANCE_RATIO) / f32::from(step_percent),
@@ -155,26 +187,16 @@ impl Ramp {
     }
 
     /// Carries the state into a block whose programmed feed is `feed_change_ratio` times the one before.
-    #[inline(always)]
     pub fn enter_block(&self, state: &mut RampState, wanted_ratio: f32, feed_change_ratio: f32) {
-        let same_feed = fmath::max(state.ratio / feed_change_ratio, 1.0);
-        let ratio = fmath::min(wanted_ratio, same_feed);
-        state.ratio = if self.holds(ratio) { ratio } else { self.at_bound(ratio).0 };
+        state.enter_block(wanted_ratio, feed_change_ratio);
+        state.ratio = self.at_bound(state.ratio).0;
     }
 
     /// One tick towards `wanted_ratio` (wanted feed / programmed feed).
     pub fn step(&self, state: &mut RampState, wanted_ratio: f32, dt: Span) -> (FeedOverride, Bound) {
-        let (target, bound) =
-            if self.holds(wanted_ratio) { (wanted_ratio, Bound::Free) } else { self.at_bound(wanted_ratio) };
+        let (target, bound) = self.at_bound(wanted_ratio);
         let arrives = self.approach(state, target, dt);
         (self.round_down(state), if arrives { bound } else { Bound::Slew })
-    }
-
-    /// Whether a ratio lies within the bounds; zero and what is not a number never do.
-    #[inline(always)]
-    pub fn holds(&self, ratio: f32) -> bool {
-        // The bits of positive numbers are in the order of the numbers, those of all others above.
-        ratio.to_bits().wrapping_sub(self.least_bits) <= self.range_bits
     }
 
     /// One tick towards a target within the bounds; whether it is reached.

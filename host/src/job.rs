@@ -4,6 +4,8 @@ mod schema;
 
 mod tables;
 
+mod machine;
+
 mod rules;
 
 use std::path::{Path, PathBuf};
@@ -137,6 +139,7 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
         feed_per_tooth: MmPerTooth(feed_mm as f32),
         policy: build_policy(table)?,
         limits: build_limits(table)?,
+        machine: machine::build(table, unit)?,
         rules,
         knots,
         tool,

@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use crate::cut::{CutRule, RULES_MAX};
 use crate::knots::Knots;
+use crate::machine::MachineLimits;
 use crate::tool::Tool;
 use crate::units::{LengthUnit, MmPerTooth, RevPerMin};
 
@@ -24,6 +25,8 @@ pub struct Job {
     pub policy: FeedPolicy,
     /// Bounds of the override.
     pub limits: OverrideLimits,
+    /// What the machine can follow.
+    pub machine: MachineLimits,
     /// Which arcs cut what.
     pub rules: Vec<CutRule, RULES_MAX>,
     /// The knots of all rules' tables.

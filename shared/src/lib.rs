@@ -2,7 +2,7 @@
 //!
 //! Modules stand in the order in which data flows; a module imports only from those above it:
 //! NC text -> [`nc::word`] -> [`nc::block`] -> [`nc::modal`] -> [`radius`] -> [`segment`] -> [`reader`], then what a job adds
-//! to the program ([`tool`], [`engaged`], [`stock`], [`knots`], [`cut`], [`job`]) and what comes back from the machine
+//! to the program ([`machine`], [`tool`], [`engaged`], [`stock`], [`knots`], [`cut`], [`job`]) and what comes back from the machine
 //! ([`telemetry`], [`report`]).
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
@@ -18,6 +18,8 @@ pub mod radius;
 pub mod segment;
 
 pub mod reader;
+
+pub mod machine;
 
 pub mod tool;
 

@@ -62,6 +62,11 @@ pub struct Mm(pub f32);
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MmPerMin(pub f32);
 
+/// Feed of a rotary axis, degrees per minute.
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DegPerMin(pub f32);
+
 /// Feed per tooth (IPT), millimetres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

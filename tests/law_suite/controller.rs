@@ -69,6 +69,7 @@ impl Setup {
             feed_per_tooth: MmPerTooth(scene.chip as f32),
             policy: FeedPolicy::OverrideOnly,
             limits,
+            machine: Default::default(),
             rules: core::iter::once(rule.clone()).collect(),
             knots: Default::default(),
         };

@@ -77,6 +77,7 @@ impl Scene {
             feed_per_tooth: MmPerTooth((1 + random.below(1_000)) as f32 / 1_000.0),
             policy: FeedPolicy::SafeBase,
             limits: limits(random),
+            machine: Default::default(),
             rules: Default::default(),
             knots: Default::default(),
         };

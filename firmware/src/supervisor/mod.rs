@@ -166,7 +166,7 @@ impl Supervisor {
 
     #[inline(never)]
     fn go_on_otherwise(&self, memory: &mut Memory, segment: &ActiveSegment, measured: &controller::Input) -> Output {
-        let step = self.controller.tick(&mut memory.control, segment, measured);
+        let step = self.controller.tick_otherwise(&mut memory.control, segment, measured);
         self.limits.follow(&mut memory.level, memory.control.ratio(), measured.dt);
         self.halt_at_zero(memory);
         self.report(memory, false, Some(&step), None)

@@ -1,6 +1,7 @@
 //! What the supervisor says about its decisions.
 
 use arcfeed_shared::fmath;
+use arcfeed_shared::machine::LimitedBy;
 use arcfeed_shared::units::PERCENT;
 
 use crate::controller;
@@ -124,6 +125,8 @@ impl Reason {
                 Reason::Floor { chip_excess_percent: excess_percent(level_ratio, step.wanted_ratio) }
             }
             controller::Reason::Bounded(Bound::Ceiling) => Reason::Limited(Limit::Max),
+            controller::Reason::Bounded(Bound::Machine(LimitedBy::Axis)) => Reason::Limited(Limit::Axis),
+            controller::Reason::Bounded(Bound::Machine(LimitedBy::ArcClamp)) => Reason::Limited(Limit::ArcClamp),
             controller::Reason::Bounded(Bound::NotANumber) => Reason::NoWish(NoWish::BadInput),
             controller::Reason::NoWish(NoWish::NoLaw) => Reason::NoLaw,
             controller::Reason::NoWish(why) => Reason::NoWish(why),

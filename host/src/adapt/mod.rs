@@ -8,6 +8,7 @@ pub mod rewrite;
 use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_shared::cut;
 use arcfeed_shared::job::{FeedPolicy, Job};
+use arcfeed_shared::machine::LimitedBy;
 use arcfeed_shared::nc::modal::Feed;
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{LengthUnit, Nm, PERCENT};
@@ -53,6 +54,10 @@ pub enum PlanReason {
     Ceiling,
     /// The law governs it, but the override ends above what it wants: the chip exceeds its target.
     Floor,
+    /// The law governs it, but an axis cannot follow it everywhere.
+    Axis,
+    /// The law governs it, but the control clamps the feed on an arc of this radius.
+    ArcClamp,
     /// A cut rule speaks of it, but the law has no wish anywhere on it.
     NoWish,
     /// No cut rule speaks of it.
@@ -71,6 +76,8 @@ impl PlanReason {
             PlanReason::LawInPart => "law-in-part",
             PlanReason::Ceiling => "ceiling",
             PlanReason::Floor => "floor",
+            PlanReason::Axis => "axis",
+            PlanReason::ArcClamp => "arc-clamp",
             PlanReason::NoWish => "no-wish",
             PlanReason::NoRule => "no-rule",
             PlanReason::Rapid => "rapid",
@@ -139,13 +146,19 @@ fn govern(block: &mut PlannedBlock, job: &Job, unit: LengthUnit) {
         return;
     };
     block.wish = Some(wish);
+    let limit = job.machine.feed_limit(&block.segment);
+    let limit_mm_per_min = limit.map_or(f64::INFINITY, |limit| f64::from(limit.feed.0));
     if job.policy == FeedPolicy::SafeBase {
-        block.sent = Some(rewrite::round_down(wish.safe_mm_per_min, unit));
+        block.sent = Some(rewrite::round_down(wish.safe_mm_per_min.min(limit_mm_per_min), unit));
     }
     let factor = |feed_mm_per_min: f64| block.sent.map(|sent| feed_mm_per_min / sent.to_mm() * f64::from(PERCENT));
     block.reason = match (factor(wish.feed_min_mm_per_min), factor(wish.feed_max_mm_per_min)) {
         (Some(least), _) if least < f64::from(job.limits.min_percent) => PlanReason::Floor,
         (_, Some(most)) if most > f64::from(job.limits.max_percent) => PlanReason::Ceiling,
+        _ if wish.feed_max_mm_per_min > limit_mm_per_min => match limit.map(|limit| limit.by) {
+            Some(LimitedBy::ArcClamp) => PlanReason::ArcClamp,
+            _ => PlanReason::Axis,
+        },
         _ if wish.covers_all => PlanReason::Law,
         _ => PlanReason::LawInPart,
     };

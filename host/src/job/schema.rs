@@ -20,6 +20,8 @@ pub struct JobTable {
     #[serde(default)]
     pub control: ControlTable,
     #[serde(default)]
+    pub machine: MachineTable,
+    #[serde(default)]
     pub serial: SerialTable,
 }
 
@@ -152,13 +154,45 @@ pub struct StockTable {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControlTable {
+    #[serde(default = "fanuc_16i")]
     pub preset: Spanned<String>,
+    pub arc_clamp: Option<ArcClampTable>,
 }
 
 impl Default for ControlTable {
     fn default() -> Self {
-        ControlTable { preset: unplaced("fanuc-16i".into()) }
+        ControlTable { preset: fanuc_16i(), arc_clamp: None }
     }
+}
+
+fn fanuc_16i() -> Spanned<String> {
+    unplaced("fanuc-16i".into())
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ArcClampTable {
+    pub feed: Spanned<Quantity>,
+    pub radius: Spanned<Quantity>,
+    pub floor: Option<Spanned<Quantity>>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MachineTable {
+    #[serde(default)]
+    pub max_feed: MaxFeedTable,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaxFeedTable {
+    pub x: Option<Spanned<Quantity>>,
+    pub y: Option<Spanned<Quantity>>,
+    pub z: Option<Spanned<Quantity>>,
+    pub a: Option<Spanned<f64>>,
+    pub b: Option<Spanned<f64>>,
+    pub c: Option<Spanned<f64>>,
 }
 
 #[derive(Debug, Deserialize)]

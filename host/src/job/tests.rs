@@ -1,6 +1,8 @@
 use super::*;
 use arcfeed_shared::cut::Work;
+use arcfeed_shared::machine::ArcClamp;
 use arcfeed_shared::stock::{Stock, StockLine};
+use arcfeed_shared::units::{DegPerMin, Mm, MmPerMin};
 
 const JOB: &str = r#"
 units = "inch"
@@ -47,6 +49,18 @@ fn what_is_not_given_takes_the_defaults() {
     assert_eq!(file.job.limits, OverrideLimits::default());
     let bits = file.serial.bits_per_char();
     assert_eq!((file.serial.baudrate, bits), (9_600, 10));
+}
+
+#[test]
+fn a_machine_says_what_it_can_follow_in_the_files_units_and_degrees() {
+    let machine = "machine = { max_feed = { x = 100, z = \"500 mm\", b = 3600 } }\n";
+    let clamp = "control = { arc_clamp = { feed = 200, radius = \"5 mm\" } }\n[[cut]]";
+    let text = JOB.replacen("[[cut]]", &format!("{machine}{clamp}"), 1);
+    let found = parse(&text).unwrap().job.machine;
+    assert_eq!(found.linear, [Some(MmPerMin(2_540.0)), None, Some(MmPerMin(500.0))]);
+    assert_eq!(found.rotary, [None, Some(DegPerMin(3_600.0)), None]);
+    assert_eq!(found.arc_clamp, Some(ArcClamp { feed: MmPerMin(5_080.0), radius: Mm(5.0), floor: MmPerMin(0.0) }));
+    assert!(parse(&text.replace("b = 3600", "b = -1")).unwrap_err().contains("must be positive"));
 }
 
 #[test]

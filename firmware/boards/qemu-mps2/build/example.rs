@@ -73,12 +73,12 @@ fn record(mut rig: Rig) -> (Vec<Block>, Vec<u8>) {
 
 /// The job as Rust: what `Debug` prints of these types is what one would write.
 fn job_source(job: &Job) -> String {
-    let Job { unit, tool, spindle, law, feed_per_tooth, policy, limits, rules, knots } = job;
+    let Job { unit, tool, spindle, law, feed_per_tooth, policy, limits, machine, rules, knots } = job;
     assert_eq!(*knots, Knots::new(), "the example's law needs no table");
     let mut text = String::from("    /// The job, its rules still to be added.\n    pub const fn job() -> Job {\n");
     let tool = format!("Tool::{tool:?}, spindle: {spindle:?}, law: LawKind::{law:?}");
     text += &format!("        Job {{ unit: {unit:?}, tool: {tool}, feed_per_tooth: {feed_per_tooth:?},\n");
-    text += &format!("            policy: {policy:?}, limits: {limits:?},\n");
+    text += &format!("            policy: {policy:?}, limits: {limits:?}, machine: {machine:?},\n");
     text += "            rules: heapless::Vec::new(), knots: Knots::new() }\n    }\n";
     // In place: a list of rules that is handed over may lie on the stack twice.
     text += "    /// Adds its rules.\n    #[inline(never)]\n    pub fn add_rules(job: &mut Job) {\n";

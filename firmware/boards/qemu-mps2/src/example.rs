@@ -6,6 +6,7 @@ use core::slice::{ChunksExact, Iter};
 use arcfeed_shared::cut::{CutRule, Moves, Rotation::*, Side::*, Work};
 use arcfeed_shared::job::{FeedPolicy::*, Job, LawKind, OverrideLimits};
 use arcfeed_shared::knots::Knots;
+use arcfeed_shared::machine::MachineLimits;
 use arcfeed_shared::nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
 use arcfeed_shared::segment::{Arc, Path::*, Segment};
 use arcfeed_shared::stock::{Stock, StockLine};

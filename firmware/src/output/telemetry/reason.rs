@@ -3,6 +3,8 @@
 //! A number, once given, keeps its meaning: loggers outlive firmware. New reasons take new numbers; the tens tell the
 //! family (0 law and bounds, 10 no wish, 20 no law at work). docs/outputs.md has the same table.
 
+use arcfeed_shared::machine::LimitedBy;
+
 use crate::controller::Reason;
 use crate::law::NoWish;
 use crate::ramp::Bound;
@@ -36,6 +38,8 @@ numbered! {
     // Does not occur: what no bound holds back has its own reason.
     4 => { Reason::Bounded(Bound::Free) }
     5 => { Reason::Bounded(Bound::NotANumber) }
+    6 => { Reason::Bounded(Bound::Machine(LimitedBy::Axis)) }
+    7 => { Reason::Bounded(Bound::Machine(LimitedBy::ArcClamp)) }
     10 => { Reason::NoWish(NoWish::NoContact) }
     11 => { Reason::NoWish(NoWish::OutsideValidity) }
     12 => { Reason::NoWish(NoWish::ChipUnreachable) }
@@ -55,7 +59,7 @@ mod tests {
     fn every_number_leads_to_its_reason_and_back() {
         let known: Vec<u8> = (0..=255).filter(|code| reason_of(*code).is_some()).collect();
         assert!(known.iter().all(|code| reason_of(*code).map(code_of) == Some(*code)));
-        assert_eq!(known, [0, 1, 2, 3, 4, 5, 10, 11, 12, 13, 20, 21, 22]);
+        assert_eq!(known, [0, 1, 2, 3, 4, 5, 6, 7, 10, 11, 12, 13, 20, 21, 22]);
     }
 
     #[test]

@@ -185,7 +185,7 @@ mod tests {
             TelemetryRecord::decode(&bytes)
         };
         assert_eq!(with(0, 2), Err(DecodeError::Layout(2)));
-        assert_eq!(with(1, 6), Err(DecodeError::Reason(6)));
+        assert_eq!(with(1, 8), Err(DecodeError::Reason(8)));
         assert_eq!(with(2, 255), Err(DecodeError::Percent(255)));
         assert_eq!(with(3, 1), Err(DecodeError::Reserved(1)));
     }

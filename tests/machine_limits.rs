@@ -1,0 +1,117 @@
+//! What the machine can follow bounds the override, with its reason, and the feed reported is the one it makes.
+
+use arcfeed::adapt::{PlanReason, PlannedBlock, adapt};
+use arcfeed::job::JobFile;
+use arcfeed::program::Program;
+use arcfeed_firmware::controller::{self, ActiveSegment};
+use arcfeed_firmware::supervisor::input::Input;
+use arcfeed_firmware::supervisor::memory::Memory;
+use arcfeed_firmware::supervisor::report::{Limit, Reason};
+use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_firmware::supervisor::{Output, Supervisor};
+use arcfeed_shared::job::FeedPolicy;
+use arcfeed_shared::machine::{ArcClamp, LimitedBy, MachineLimits};
+use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::modal::{Feed, Pose};
+use arcfeed_shared::units::{Mm, MmPerMin, Nm, Span};
+use arcfeed_tests::root;
+
+const TICKS: u32 = 4_000;
+
+fn example() -> (JobFile, Program) {
+    let file = JobFile::load(&root().join("examples/ibr-slot/job.toml")).expect("the example's job is sound");
+    let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
+    (file, program)
+}
+
+/// Blocks that the law governs all along, without limits.
+fn governed(file: &JobFile, program: &Program) -> Vec<PlannedBlock> {
+    let blocks = adapt(program, &file.job).blocks;
+    blocks.into_iter().filter(|block| block.reason == PlanReason::Law).collect()
+}
+
+/// Moves along a block at a steady speed, slowly; what the supervisor decides at each tick.
+fn run(file: &JobFile, block: &PlannedBlock, sent: Nm) -> (ActiveSegment, Vec<Output>) {
+    let mut segment = block.segment;
+    segment.feed = Feed::PerMinute(sent);
+    let active = ActiveSegment::new(&segment, block.rule.map(|rule| &file.job.rules[rule]), &file.job);
+    let supervisor = Supervisor::new(&file.job, Settings::default()).expect("the example's limits are sound");
+    let arc = *segment.arc().expect("an arc");
+    let mut memory = Memory::armed();
+    let tick = |tick: u32| {
+        let [x, y] = arc.direction_at(f64::from(tick) / f64::from(TICKS));
+        let at = |axis: usize, part: f64| Nm(arc.center[axis].0 + Nm::from_mm(arc.radius_mm() * part).0);
+        let position = Some(Pose { linear: [at(0, x), at(1, y), Nm(0)], ..segment.start });
+        let measured = controller::Input { position, spindle: file.job.spindle, dt: Span::from_ms(1) };
+        supervisor.tick(&mut memory, Some((1, &active)), &Input::of(measured))
+    };
+    let outputs = (1..TICKS).map(tick).collect();
+    (active, outputs)
+}
+
+#[test]
+fn the_override_stops_where_the_machine_does_and_says_why() {
+    let (mut file, program) = example();
+    let mut limited = 0;
+    for block in governed(&file, &program) {
+        let wish = block.wish.expect("it is governed");
+        let sent = block.sent.expect("it is governed");
+        // In the middle of what the law wants along the block.
+        let feed = MmPerMin((0.5 * (wish.feed_min_mm_per_min + wish.feed_max_mm_per_min)) as f32);
+        let radius = Mm(block.segment.arc().expect("an arc").radius_mm() as f32);
+        for (by, limit) in [(LimitedBy::Axis, Limit::Axis), (LimitedBy::ArcClamp, Limit::ArcClamp)] {
+            let clamp = ArcClamp { feed, radius, floor: MmPerMin(0.0) };
+            file.job.machine = match by {
+                LimitedBy::Axis => MachineLimits { linear: [Some(feed); 3], ..MachineLimits::default() },
+                LimitedBy::ArcClamp => MachineLimits { arc_clamp: Some(clamp), ..MachineLimits::default() },
+            };
+            let most = file.job.machine.feed_limit(&block.segment).expect("it has a limit");
+            assert_eq!(most.by, by);
+            let (active, outputs) = run(&file, &block, sent);
+            for output in &outputs {
+                let asked = f64::from(output.feed_override.percent) / 100.0 * sent.to_mm();
+                assert!(asked <= f64::from(most.feed.0) * (1.0 + 1e-5), "{asked} asked, {most:?} possible");
+                let made = active.feed_at(output.feed_override).expect("it has a feed");
+                assert!((f64::from(made.0) - asked).abs() < 1e-3 * asked, "{made:?} reported, {asked} made");
+            }
+            let reasons = |wanted: Reason| outputs.iter().filter(|output| output.reason == wanted).count();
+            limited += reasons(Reason::Limited(limit));
+            assert_eq!(reasons(Reason::Law) + reasons(Reason::Limited(limit)), outputs.len());
+        }
+    }
+    println!("{limited} ticks at the machine's limit");
+    assert!(limited > 1_000, "{limited}");
+}
+
+#[test]
+fn the_feed_reported_under_a_clamp_is_the_clamp_and_not_what_the_override_says() {
+    let (mut file, program) = example();
+    let block = governed(&file, &program).remove(0);
+    file.job.policy = FeedPolicy::OverrideOnly;
+    let radius = Mm(block.segment.arc().expect("an arc").radius_mm() as f32);
+    file.job.machine.arc_clamp = Some(ArcClamp { feed: MmPerMin(500.0), radius, floor: MmPerMin(0.0) });
+    let (active, _) = run(&file, &block, Nm(1_000_000_000));
+    for (percent, feed) in [(20, 200.0), (50, 500.0), (51, 500.0), (100, 500.0), (200, 500.0)] {
+        let made = active.feed_at(arcfeed_firmware::ramp::FeedOverride { percent }).expect("it has a feed");
+        assert!((made.0 - feed).abs() < 1e-3, "{made:?} at {percent} %");
+    }
+}
+
+#[test]
+fn the_plan_sends_no_feed_that_the_machine_cannot_make_and_names_what_limits_it() {
+    let (mut file, program) = example();
+    let free = governed(&file, &program);
+    file.job.machine.linear = [Some(MmPerMin(1_000.0)); 3];
+    let blocks = adapt(&program, &file.job).blocks;
+    let mut named = 0;
+    for block in &free {
+        let bounded = blocks.iter().find(|other| other.line == block.line).expect("the same blocks");
+        let most = file.job.machine.feed_limit(&block.segment).expect("it has a limit").feed;
+        let wanted = block.wish.expect("it is governed").feed_max_mm_per_min;
+        let expected = if wanted > f64::from(most.0) { PlanReason::Axis } else { PlanReason::Law };
+        assert_eq!(bounded.reason, expected, "line {}", block.line);
+        assert!(bounded.sent.expect("it is governed").to_mm() <= f64::from(most.0));
+        named += u32::from(expected == PlanReason::Axis);
+    }
+    assert!(named > 0 && named < free.len() as u32, "{named} of {}", free.len());
+}
