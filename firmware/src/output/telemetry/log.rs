@@ -44,8 +44,8 @@ impl<const N: usize> RecordLog<N> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::reason::Cause;
     use super::*;
-    use crate::controller::Reason;
     use crate::ramp::FeedOverride;
     use arcfeed_shared::units::Micros;
 
@@ -54,7 +54,9 @@ mod tests {
             at: Micros(at_us),
             feed_override: FeedOverride::PROGRAMMED,
             ipt_center_nm: None,
-            reason: Reason::Inhibited,
+            feed_um_per_min: Some(1),
+            cause: Cause::NoLaw,
+            chip_excess_percent: 0,
             block: 0,
         }
     }
@@ -83,9 +85,9 @@ mod tests {
     }
 
     #[test]
-    fn a_record_takes_24_bytes_of_memory() {
-        assert_eq!(size_of::<TelemetryRecord>(), 24);
-        assert!(size_of::<RecordLog<128>>() <= 128 * 24 + 32);
+    fn a_record_takes_32_bytes_of_memory() {
+        assert_eq!(size_of::<TelemetryRecord>(), 32);
+        assert!(size_of::<RecordLog<128>>() <= 128 * 32 + 32);
     }
 
     #[test]

@@ -1,52 +1,107 @@
 //! The numbers of the reasons in telemetry.
 //!
-//! A number, once given, keeps its meaning: loggers outlive firmware. New reasons take new numbers; the tens tell the
-//! family (0 law and bounds, 10 no wish, 20 no law at work). docs/outputs.md has the same table.
+//! A number, once given, keeps its meaning: loggers outlive firmware. New causes take new numbers; the tens tell the
+//! family. What a reason says besides - by how much a chip exceeds its target - is the record's detail. docs/outputs.md has
+//! the same table.
 
-use arcfeed_shared::machine::LimitedBy;
-
-use crate::controller::Reason;
 use crate::law::NoWish;
-use crate::ramp::Bound;
+use crate::supervisor::input::Source;
+use crate::supervisor::report::{Limit, Reason};
+use crate::supervisor::signals::{BoardFault, Condition, Inhibit};
+use crate::supervisor::state::{Disarm, Hold};
 
-/// One table, read in both directions: a reason without a number does not compile.
+/// One table, read in both directions.
 macro_rules! numbered {
-    ($($code:literal => $reason:tt)+) => {
-        /// The number of a reason.
-        pub fn code_of(reason: Reason) -> u8 {
-            match reason {
-                $(numbered!(@pattern $reason) => $code,)+
-            }
+    ($($code:literal $cause:ident)+) => {
+        /// Why the override is what it is, without numbers.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+        #[allow(missing_docs, reason = "each is the reason of the same name")]
+        #[repr(u8)]
+        pub enum Cause {
+            $($cause = $code,)+
         }
 
-        /// The reason of a number, if it has been given to one.
-        pub fn reason_of(code: u8) -> Option<Reason> {
-            match code {
-                $($code => Some(numbered!(@pattern $reason)),)+
-                _ => None,
+        impl Cause {
+            /// The cause of a number, if it has been given to one.
+            pub fn of_code(code: u8) -> Option<Self> {
+                match code {
+                    $($code => Some(Cause::$cause),)+
+                    _ => None,
+                }
             }
         }
     };
-    (@pattern { $($reason:tt)+ }) => { $($reason)+ };
 }
 
 numbered! {
-    0 => { Reason::Law }
-    1 => { Reason::Bounded(Bound::Floor) }
-    2 => { Reason::Bounded(Bound::Ceiling) }
-    3 => { Reason::Bounded(Bound::Slew) }
-    // Does not occur: what no bound holds back has its own reason.
-    4 => { Reason::Bounded(Bound::Free) }
-    5 => { Reason::Bounded(Bound::NotANumber) }
-    6 => { Reason::Bounded(Bound::Machine(LimitedBy::Axis)) }
-    7 => { Reason::Bounded(Bound::Machine(LimitedBy::ArcClamp)) }
-    10 => { Reason::NoWish(NoWish::NoContact) }
-    11 => { Reason::NoWish(NoWish::OutsideValidity) }
-    12 => { Reason::NoWish(NoWish::ChipUnreachable) }
-    13 => { Reason::NoWish(NoWish::BadInput) }
-    20 => { Reason::NoWish(NoWish::NoLaw) }
-    21 => { Reason::Inhibited }
-    22 => { Reason::NoSpindle }
+    0 Law
+    1 Floor
+    2 MaxLimit
+    3 AxisLimit
+    4 ArcClamp
+    10 NoContact
+    11 OutsideValidity
+    12 ChipUnreachable
+    13 BadInput
+    20 NoLaw
+    21 NoFeed
+    22 NoSpindle
+    23 Stale
+    30 NotArmed
+    31 Waiting
+    32 FeedHold
+    33 ZeroOverride
+    40 PositionLost
+    41 LinkLost
+    50 Watchdog
+    51 Parameters
+    52 Hardware
+    60 Tapping
+    61 Threading
+    62 FeedForced
+    63 Rapid
+    70 DisarmedByOperator
+    71 DisarmedOnRequest
+    72 CutterCompensation
+    73 OverrideOff
+}
+
+impl From<Reason> for Cause {
+    fn from(reason: Reason) -> Self {
+        match reason {
+            Reason::Law => Cause::Law,
+            Reason::Floor { .. } => Cause::Floor,
+            Reason::Limited(Limit::Max) => Cause::MaxLimit,
+            Reason::Limited(Limit::Axis) => Cause::AxisLimit,
+            Reason::Limited(Limit::ArcClamp) => Cause::ArcClamp,
+            Reason::NoWish(NoWish::NoContact) => Cause::NoContact,
+            Reason::NoWish(NoWish::OutsideValidity) => Cause::OutsideValidity,
+            Reason::NoWish(NoWish::ChipUnreachable) => Cause::ChipUnreachable,
+            Reason::NoWish(NoWish::BadInput) => Cause::BadInput,
+            Reason::NoLaw | Reason::NoWish(NoWish::NoLaw) => Cause::NoLaw,
+            Reason::NoSpindle => Cause::NoSpindle,
+            Reason::Stale => Cause::Stale,
+            Reason::NotArmed => Cause::NotArmed,
+            Reason::Waiting => Cause::Waiting,
+            Reason::Held(Hold::Feed) => Cause::FeedHold,
+            Reason::Held(Hold::ZeroOverride) => Cause::ZeroOverride,
+            Reason::Lost(Source::Position) => Cause::PositionLost,
+            Reason::Lost(Source::Link) => Cause::LinkLost,
+            Reason::Fault(BoardFault::Watchdog) => Cause::Watchdog,
+            Reason::Fault(BoardFault::Parameters) => Cause::Parameters,
+            Reason::Fault(BoardFault::Hardware) => Cause::Hardware,
+            Reason::Inhibited(Inhibit::Tapping) => Cause::Tapping,
+            Reason::Inhibited(Inhibit::Threading) => Cause::Threading,
+            Reason::Inhibited(Inhibit::FeedForced) => Cause::FeedForced,
+            Reason::Inhibited(Inhibit::Rapid) => Cause::Rapid,
+            Reason::Inhibited(Inhibit::NoFeed) => Cause::NoFeed,
+            Reason::Disarmed(Disarm::Operator { .. }) => Cause::DisarmedByOperator,
+            Reason::Disarmed(Disarm::Request) => Cause::DisarmedOnRequest,
+            Reason::Disarmed(Disarm::Condition(Condition::CutterCompensation)) => Cause::CutterCompensation,
+            Reason::Disarmed(Disarm::Condition(Condition::OverrideOff)) => Cause::OverrideOff,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -56,10 +111,10 @@ mod tests {
     const BOOK: &str = include_str!("../../../../docs/outputs.md");
 
     #[test]
-    fn every_number_leads_to_its_reason_and_back() {
-        let known: Vec<u8> = (0..=255).filter(|code| reason_of(*code).is_some()).collect();
-        assert!(known.iter().all(|code| reason_of(*code).map(code_of) == Some(*code)));
-        assert_eq!(known, [0, 1, 2, 3, 4, 5, 6, 7, 10, 11, 12, 13, 20, 21, 22]);
+    fn every_number_leads_to_its_cause_and_back() {
+        let known: Vec<Cause> = (0..=255).filter_map(Cause::of_code).collect();
+        assert!(known.iter().all(|cause| Cause::of_code(*cause as u8) == Some(*cause)));
+        assert_eq!(known.len(), 30);
     }
 
     #[test]
@@ -67,8 +122,8 @@ mod tests {
         for code in 0..=255 {
             let rows = BOOK.lines().filter(|line| line.starts_with(&format!("| {code} | `")));
             let listed: Vec<&str> = rows.filter_map(|row| row.split('`').nth(1)).collect();
-            let expected: Vec<String> = reason_of(code).iter().map(|reason| format!("{reason:?}")).collect();
-            assert_eq!(listed, expected, "reason {code} in docs/outputs.md");
+            let expected: Vec<String> = Cause::of_code(code).iter().map(|cause| format!("{cause:?}")).collect();
+            assert_eq!(listed, expected, "cause {code} in docs/outputs.md");
         }
     }
 }

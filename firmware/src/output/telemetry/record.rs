@@ -1,16 +1,18 @@
-//! One tick's decision as 20 bytes.
+//! One tick's decision as 24 bytes.
 //!
 //! Little endian, whole numbers only, so there is no NaN on the wire. Every record that decodes encodes to the same
 //! bytes again. The bytes carry no checksum and no end mark: that is the business of the link they travel on.
 
-use arcfeed_shared::units::{Micros, MmPerTooth, NM_PER_MM};
+use arcfeed_shared::units::{Micros, MmPerMin, MmPerTooth, NM_PER_MM, UM_PER_MM};
 
-use super::reason::{code_of, reason_of};
-use crate::controller::{Output, Reason};
+use super::reason::Cause;
 use crate::ramp::FeedOverride;
+use crate::supervisor::Output;
+use crate::supervisor::input::Work;
+use crate::supervisor::report::Reason;
 
 /// Length of an encoded record, bytes.
-pub const RECORD_LEN: usize = 20;
+pub const RECORD_LEN: usize = 24;
 
 /// The first byte: this layout.
 pub const LAYOUT: u8 = 1;
@@ -18,8 +20,8 @@ pub const LAYOUT: u8 = 1;
 /// The highest override a record can say, %.
 const HIGHEST_PERCENT: u8 = 254;
 
-/// In place of a feed per tooth: there is none.
-const NO_IPT: u32 = u32::MAX;
+/// In place of a feed: there is none.
+const NONE: u32 = u32::MAX;
 
 /// What a tick decided, and when.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,9 +33,14 @@ pub struct TelemetryRecord {
     pub feed_override: FeedOverride,
     /// The feed per tooth at the centre that the law wants, nanometres; at most `u32::MAX - 1`.
     pub ipt_center_nm: Option<u32>,
+    /// The feed that the machine makes of the override, its limits considered, micrometres per minute; at most
+    /// `u32::MAX - 1`.
+    pub feed_um_per_min: Option<u32>,
     /// Why.
-    pub reason: Reason,
-    /// Count of blocks begun.
+    pub cause: Cause,
+    /// At the floor: by how much the chip exceeds its target, %, 255 for any more; otherwise 0.
+    pub chip_excess_percent: u8,
+    /// Count of the block in work; 0 with nothing in work.
     pub block: u32,
 }
 
@@ -43,35 +50,45 @@ pub struct TelemetryRecord {
 pub enum DecodeError {
     /// Another layout, or not the start of a record: its first byte.
     Layout(u8),
-    /// A number that no reason has.
-    Reason(u8),
+    /// A number that no cause has.
+    Cause(u8),
     /// More than 254 %.
     Percent(u8),
-    /// A byte of this layout that must be 0.
-    Reserved(u8),
+    /// A detail of a cause that has none.
+    Detail(u8),
 }
 
 impl TelemetryRecord {
-    /// The record of what a tick at `at` in the `block`-th block decided.
-    pub fn new(at: Micros, block: u32, output: &Output) -> Self {
+    /// The record of what a tick at `at` decided.
+    pub fn new(at: Micros, work: Work<'_>, output: &Output) -> Self {
+        let feed = work.and_then(|(_, segment)| segment.feed_at(output.feed_override));
+        let chip_excess_percent = match output.reason {
+            Reason::Floor { chip_excess_percent } => u8::try_from(chip_excess_percent).unwrap_or(u8::MAX),
+            _ => 0,
+        };
         TelemetryRecord {
             at,
             feed_override: output.feed_override,
-            ipt_center_nm: output.ipt_center.and_then(to_nm),
-            reason: output.reason,
-            block,
+            ipt_center_nm: output.ipt_center.and_then(|MmPerTooth(mm)| whole(mm, NM_PER_MM)),
+            feed_um_per_min: feed.and_then(|MmPerMin(feed)| whole(feed, UM_PER_MM)),
+            cause: output.reason.into(),
+            chip_excess_percent,
+            block: work.map_or(0, |(count, _)| count),
         }
     }
 
     /// Its bytes.
     pub fn encode(&self) -> [u8; RECORD_LEN] {
         let percent = self.feed_override.percent.min(HIGHEST_PERCENT);
-        let ipt_nm = self.ipt_center_nm.map_or(NO_IPT, |nm| nm.min(NO_IPT - 1));
+        let [ipt_nm, feed_um] =
+            [self.ipt_center_nm, self.feed_um_per_min].map(|number| number.map_or(NONE, |number| number.min(NONE - 1)));
+        let detail = if self.cause == Cause::Floor { self.chip_excess_percent } else { 0 };
+        let [f0, f1, f2, f3] = feed_um.to_le_bytes();
         let [b0, b1, b2, b3] = self.block.to_le_bytes();
         let [i0, i1, i2, i3] = ipt_nm.to_le_bytes();
         let [t0, t1, t2, t3, t4, t5, t6, t7] = self.at.0.to_le_bytes();
-        let reason = code_of(self.reason);
-        [LAYOUT, reason, percent, 0, b0, b1, b2, b3, i0, i1, i2, i3, t0, t1, t2, t3, t4, t5, t6, t7]
+        let code = self.cause as u8;
+        [LAYOUT, code, percent, detail, b0, b1, b2, b3, i0, i1, i2, i3, f0, f1, f2, f3, t0, t1, t2, t3, t4, t5, t6, t7]
     }
 
     /// Reads its bytes.
@@ -79,66 +96,80 @@ impl TelemetryRecord {
     /// # Errors
     /// The first byte that makes no sense.
     pub fn decode(bytes: &[u8; RECORD_LEN]) -> Result<Self, DecodeError> {
-        let [layout, code, percent, reserved, b0, b1, b2, b3, i0, i1, i2, i3, t0, t1, t2, t3, t4, t5, t6, t7] = *bytes;
+        let [layout, code, percent, detail, rest @ ..] = *bytes;
+        let [b0, b1, b2, b3, i0, i1, i2, i3, f0, f1, f2, f3, t0, t1, t2, t3, t4, t5, t6, t7] = rest;
         if layout != LAYOUT {
             return Err(DecodeError::Layout(layout));
         }
-        let reason = reason_of(code).ok_or(DecodeError::Reason(code))?;
+        let cause = Cause::of_code(code).ok_or(DecodeError::Cause(code))?;
         if percent > HIGHEST_PERCENT {
             return Err(DecodeError::Percent(percent));
         }
-        if reserved != 0 {
-            return Err(DecodeError::Reserved(reserved));
+        if detail != 0 && cause != Cause::Floor {
+            return Err(DecodeError::Detail(detail));
         }
-        let ipt_nm = u32::from_le_bytes([i0, i1, i2, i3]);
+        let some = |number: u32| (number != NONE).then_some(number);
         Ok(TelemetryRecord {
             at: Micros(u64::from_le_bytes([t0, t1, t2, t3, t4, t5, t6, t7])),
             feed_override: FeedOverride { percent },
-            ipt_center_nm: (ipt_nm != NO_IPT).then_some(ipt_nm),
-            reason,
+            ipt_center_nm: some(u32::from_le_bytes([i0, i1, i2, i3])),
+            feed_um_per_min: some(u32::from_le_bytes([f0, f1, f2, f3])),
+            cause,
+            chip_excess_percent: detail,
             block: u32::from_le_bytes([b0, b1, b2, b3]),
         })
     }
 }
 
-/// The nearest whole nanometre; nothing for what is not a number or below zero.
-fn to_nm(ipt: MmPerTooth) -> Option<u32> {
-    let nm = ipt.0 * NM_PER_MM as f32 + 0.5;
+/// The nearest whole number of a millimetre's parts; nothing for what is not a number or below zero.
+fn whole(mm: f32, parts_per_mm: i64) -> Option<u32> {
+    let parts = mm * parts_per_mm as f32 + 0.5;
     // The cast saturates and drops the fraction.
-    (ipt.0 >= 0.0 && ipt.0.is_finite()).then_some((nm as u32).min(NO_IPT - 1))
+    (mm >= 0.0 && mm.is_finite()).then_some((parts as u32).min(NONE - 1))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ramp::Bound;
+    use crate::supervisor::report::Alarm;
+    use crate::supervisor::state::State;
 
     const RECORD: TelemetryRecord = TelemetryRecord {
         at: Micros(0x0102_0304_0506_0708),
         feed_override: FeedOverride { percent: 117 },
         ipt_center_nm: Some(101_600),
-        reason: Reason::Bounded(Bound::Slew),
+        feed_um_per_min: Some(0x1122_3344),
+        cause: Cause::Floor,
+        chip_excess_percent: 25,
         block: 0xA1B2_C3D4,
     };
 
     #[test]
     fn the_layout_is_the_documented_one() {
         let bytes = RECORD.encode();
-        assert_eq!(bytes[..4], [1, 3, 117, 0]);
+        assert_eq!(bytes[..4], [1, 1, 117, 25]);
         assert_eq!(bytes[4..8], [0xD4, 0xC3, 0xB2, 0xA1]);
         assert_eq!(bytes[8..12], [0xE0, 0x8C, 0x01, 0x00]);
-        assert_eq!(bytes[12..], [8, 7, 6, 5, 4, 3, 2, 1]);
+        assert_eq!(bytes[12..16], [0x44, 0x33, 0x22, 0x11]);
+        assert_eq!(bytes[16..], [8, 7, 6, 5, 4, 3, 2, 1]);
     }
 
     #[test]
-    fn every_override_reason_and_extreme_survives_the_way_there_and_back() {
+    fn every_override_cause_and_extreme_survives_the_way_there_and_back() {
         let mut records = 0;
         for percent in 0..=HIGHEST_PERCENT {
-            for reason in (0..=255).filter_map(reason_of) {
-                for ipt_center_nm in [None, Some(0), Some(101_600), Some(NO_IPT - 1)] {
+            for cause in (0..=255).filter_map(Cause::of_code) {
+                for number in [None, Some(0), Some(101_600), Some(NONE - 1)] {
                     for (at, block) in [(0, 0), (u64::MAX, u32::MAX), (86_400_000_000, 52)] {
-                        let feed_override = FeedOverride { percent };
-                        let record = TelemetryRecord { at: Micros(at), feed_override, ipt_center_nm, reason, block };
+                        let record = TelemetryRecord {
+                            at: Micros(at),
+                            feed_override: FeedOverride { percent },
+                            ipt_center_nm: number,
+                            feed_um_per_min: number,
+                            cause,
+                            chip_excess_percent: if cause == Cause::Floor { percent } else { 0 },
+                            block,
+                        };
                         assert_eq!(TelemetryRecord::decode(&record.encode()), Ok(record));
                         records += 1;
                     }
@@ -163,7 +194,7 @@ mod tests {
             }
             // Most random bytes are refused at once: let all four checks be reached.
             bytes[0] &= 1;
-            bytes[1] &= 31;
+            bytes[1] &= 63;
             bytes[3] &= 1;
             match TelemetryRecord::decode(&bytes) {
                 Ok(record) => {
@@ -180,33 +211,41 @@ mod tests {
     #[test]
     fn what_makes_no_sense_is_refused_by_name() {
         let with = |at: usize, byte: u8| {
-            let mut bytes = RECORD.encode();
+            let mut bytes = TelemetryRecord { cause: Cause::Law, chip_excess_percent: 0, ..RECORD }.encode();
             bytes[at] = byte;
             TelemetryRecord::decode(&bytes)
         };
         assert_eq!(with(0, 2), Err(DecodeError::Layout(2)));
-        assert_eq!(with(1, 8), Err(DecodeError::Reason(8)));
+        assert_eq!(with(1, 9), Err(DecodeError::Cause(9)));
         assert_eq!(with(2, 255), Err(DecodeError::Percent(255)));
-        assert_eq!(with(3, 1), Err(DecodeError::Reserved(1)));
+        assert_eq!(with(3, 1), Err(DecodeError::Detail(1)));
     }
 
     #[test]
-    fn the_feed_per_tooth_is_rounded_and_what_is_none_is_left_out() {
-        let nm = |mm: f32| to_nm(MmPerTooth(mm));
+    fn numbers_are_rounded_and_what_is_none_is_left_out() {
+        let nm = |mm: f32| whole(mm, NM_PER_MM);
         assert_eq!(nm(0.1016), Some(101_600));
         assert_eq!(nm(0.0), Some(0));
         assert_eq!(nm(0.000_001_4), Some(1));
-        assert_eq!(nm(1e30), Some(NO_IPT - 1));
+        assert_eq!(nm(1e30), Some(NONE - 1));
         for none in [f32::NAN, f32::INFINITY, -1.0] {
             assert_eq!(nm(none), None);
         }
+    }
+
+    #[test]
+    fn what_a_tick_decides_is_what_is_recorded() {
         let output = Output {
-            feed_override: FeedOverride { percent: 100 },
-            ipt_center: None,
-            wanted_ratio: 1.0,
-            reason: Reason::Inhibited,
+            feed_override: FeedOverride { percent: 10 },
+            state: State::Running,
+            reason: Reason::Floor { chip_excess_percent: 300 },
+            alarm: Alarm::None,
+            refusal: None,
+            ipt_center: Some(MmPerTooth(0.1)),
         };
-        let record = TelemetryRecord::new(Micros(5), 7, &output);
-        assert_eq!((record.ipt_center_nm, record.block, record.at), (None, 7, Micros(5)));
+        let record = TelemetryRecord::new(Micros(5), None, &output);
+        assert_eq!((record.cause, record.chip_excess_percent), (Cause::Floor, 255));
+        assert_eq!((record.ipt_center_nm, record.feed_um_per_min), (Some(100_000), None));
+        assert_eq!((record.block, record.at), (0, Micros(5)));
     }
 }

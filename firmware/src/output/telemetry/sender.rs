@@ -66,9 +66,9 @@ impl RecordSender {
 
 #[cfg(test)]
 mod tests {
+    use super::super::reason::Cause;
     use super::super::record::TelemetryRecord;
     use super::*;
-    use crate::controller::Reason;
     use crate::ramp::FeedOverride;
     use arcfeed_shared::units::Micros;
     use embedded_io::{ErrorKind, ErrorType};
@@ -106,7 +106,9 @@ mod tests {
             at: Micros(u64::from(block) * 1_000),
             feed_override: FeedOverride::PROGRAMMED,
             ipt_center_nm: Some(block * 7),
-            reason: Reason::Law,
+            feed_um_per_min: Some(1),
+            cause: Cause::NoLaw,
+            chip_excess_percent: 0,
             block,
         }
     }
