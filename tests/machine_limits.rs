@@ -84,6 +84,18 @@ fn the_override_stops_where_the_machine_does_and_says_why() {
 }
 
 #[test]
+fn a_block_without_a_law_keeps_its_hundred_per_cent() {
+    let (mut file, program) = example();
+    file.job.machine.linear = [Some(MmPerMin(10.0)); 3];
+    let mut block = governed(&example().0, &program).remove(0);
+    block.rule = None;
+    let (active, outputs) = run(&file, &block, Nm(600_000_000));
+    assert!(outputs.iter().all(|output| output.feed_override.percent == 100 && output.reason == Reason::NoLaw));
+    let made = active.feed_at(arcfeed_firmware::ramp::FeedOverride::PROGRAMMED).expect("it has a feed");
+    assert!(made.0 < 30.0, "{made:?}: the machine does what it can");
+}
+
+#[test]
 fn the_feed_reported_under_a_clamp_is_the_clamp_and_not_what_the_override_says() {
     let (mut file, program) = example();
     let block = governed(&file, &program).remove(0);

@@ -191,10 +191,11 @@ impl ActiveSegment {
         &self.end
     }
 
-    /// The part of a wish that the machine can follow.
+    /// The part of a wish that the machine can follow; without a wish 100 % stays 100 %.
     fn followed(&self, wanted: &Wanted) -> (f32, Bound) {
+        let is_wish = matches!(wanted.reason, Reason::Law | Reason::NoWish(NoWish::ChipUnreachable));
         match self.sent().and_then(|sent| sent.machine) {
-            Some(MachineRatio { ratio, by }) if wanted.ratio > ratio => (ratio, Bound::Machine(by)),
+            Some(MachineRatio { ratio, by }) if is_wish && wanted.ratio > ratio => (ratio, Bound::Machine(by)),
             _ => (wanted.ratio, Bound::Free),
         }
     }
