@@ -23,17 +23,22 @@ mod firmware;
 
 mod boards;
 
+mod soak;
+
 use std::process::ExitCode;
 
 use command::Failure;
 
 const USAGE: &str = "usage: cargo xtask test    install what is missing, run every test, check the firmware's image
+       cargo xtask soak [MINUTES]    feed whatever reads with spoilt inputs, MINUTES (10) for each target
        cargo xtask help    this text";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
         ["test"] => test(),
+        ["soak"] => ended(soak::soak(None)),
+        ["soak", minutes] => ended(soak::soak(Some(minutes))),
         ["help"] => {
             println!("{USAGE}");
             ExitCode::SUCCESS
@@ -43,6 +48,17 @@ fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// The exit code of a command of one step.
+fn ended(result: Result<(), Failure>) -> ExitCode {
+    result.map_or_else(
+        |failure| {
+            eprintln!("xtask: FAILED: {}", failure.what);
+            ExitCode::from(failure.code)
+        },
+        |()| ExitCode::SUCCESS,
+    )
 }
 
 /// Runs all steps, then says what failed, what was skipped, and the sum.

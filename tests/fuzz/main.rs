@@ -1,0 +1,78 @@
+//! Whatever is fed to what reads: no panic, no hang, spans that lie in their line.
+//!
+//! Inputs are mutations of the programs in this repository and of a dictionary, from a seed that is printed. Here each
+//! target has a fixed number of them; `cargo xtask soak` goes on for as long as it is told.
+
+mod mutate;
+
+mod targets;
+
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+use mutate::Mutator;
+
+/// Inputs per target, where nobody asks for more.
+const SMOKE: u32 = 100_000;
+/// Seconds per target, set by `cargo xtask soak`.
+const SOAK: &str = "ARCFEED_SOAK_SECONDS";
+/// No input takes a thousandth of this.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Feeds a target until its time is over; what hangs is reported with its seed and count.
+fn feed(name: &str, seed: u64, target: fn(&[u8], u64)) {
+    let soak = std::env::var(SOAK).ok().map(|seconds| {
+        Duration::from_secs(seconds.parse().unwrap_or_else(|_| panic!("{SOAK}={seconds}: not a number of seconds")))
+    });
+    let seed = if soak.is_some() { seed ^ std::process::id() as u64 } else { seed };
+    println!("{name}: seed {seed}");
+    let (done, progress) = mpsc::channel();
+    let worker = std::thread::spawn(move || {
+        let (started, mut mutator, mut count) = (Instant::now(), Mutator::new(seed), 0);
+        while soak.map_or(count < SMOKE, |time| started.elapsed() < time) {
+            let input = mutator.next();
+            target(&input, seed.wrapping_add(u64::from(count)));
+            count += 1;
+            if done.send(count).is_err() {
+                break;
+            }
+        }
+        count
+    });
+    let mut last = 0;
+    loop {
+        match progress.recv_timeout(PATIENCE) {
+            Ok(count) => last = count,
+            Err(mpsc::RecvTimeoutError::Disconnected) => break,
+            Err(mpsc::RecvTimeoutError::Timeout) => panic!("{name}: input {last} of seed {seed} hangs"),
+        }
+    }
+    let count = worker.join().unwrap_or_else(|_| panic!("{name}: input {last} of seed {seed} panics"));
+    println!("{name}: {count} inputs");
+    assert!(count > 0);
+}
+
+#[test]
+fn the_lexer_takes_whatever_comes() {
+    feed("lexer", 1, targets::lexer);
+}
+
+#[test]
+fn blocks_are_read_or_refused() {
+    feed("blocks", 2, targets::blocks);
+}
+
+#[test]
+fn whole_programs_are_understood_or_refused() {
+    feed("program", 3, targets::program);
+}
+
+#[test]
+fn the_controls_port_takes_whatever_bytes_at_whatever_time() {
+    feed("port", 4, targets::port);
+}
+
+#[test]
+fn job_files_are_read_or_refused() {
+    feed("job", 5, targets::job);
+}
