@@ -44,3 +44,6 @@ impl Task {
         output
     }
 }
+
+#[cfg(test)]
+mod tests;

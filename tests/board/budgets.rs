@@ -10,11 +10,11 @@ use crate::figures;
 use crate::images::image;
 
 /// Bytes that `feedboard` may take: program with its constants; variables; stack, interrupts included.
-const FLASH_MAX: u32 = 40 * 1024;
-const RAM_MAX: u32 = 4 * 1024;
+const FLASH_MAX: u32 = 49 * 1024;
+const RAM_MAX: u32 = 5 * 1024;
 const STACK_MAX: u32 = 10 * 1024;
 /// Bytes of stack of the tick itself.
-const TICK_STACK_MAX: u32 = 512;
+const TICK_STACK_MAX: u32 = 896;
 
 /// Where the RAM of both boards begins.
 const RAM: u32 = 0x2000_0000;

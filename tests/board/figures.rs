@@ -23,19 +23,20 @@ const fn budget(
     Budget { law, count_min, median_max, worst_max, rest_worst_max }
 }
 
-/// Progress, law, limits, slew and rounding. The goal for the circumference law is 220 and 350.
+/// The whole supervisor around each law. What the circumference law is held to is the goal; the others stand just above what
+/// they take.
 const BUDGETS: [Budget; 8] = [
-    budget("circumference", 20_000, [272, 370], Some(420)),
-    budget("circumference-filtered", 20_000, [420, 520], Some(455)),
-    budget("engaged-arc-one-edge", 20_000, [660, 705], Some(420)),
-    budget("engaged-arc-both-edges", 20_000, [785, 990], Some(420)),
-    budget("table", 20_000, [330, 380], Some(420)),
-    budget("programmed", 50_000, [185, 420], None),
-    budget("contour", 4_000, [245, 290], Some(420)),
-    budget("engagement", 8_000, [430, 475], Some(420)),
+    budget("circumference", 20_000, [220, 350], Some(890)),
+    budget("circumference-filtered", 20_000, [670, 885], Some(1_035)),
+    budget("engaged-arc-one-edge", 20_000, [965, 1_090], Some(890)),
+    budget("engaged-arc-both-edges", 20_000, [1_090, 1_440], Some(890)),
+    budget("table", 20_000, [570, 690], Some(890)),
+    budget("programmed", 50_000, [480, 890], None),
+    budget("contour", 4_000, [505, 610], Some(1_060)),
+    budget("engagement", 8_000, [670, 775], Some(1_060)),
 ];
-/// How many times cheaper than the source's own loop, in f32 (the goal is 20) and in f64 without hardware for it.
-const TIMES_F32_MIN: f64 = 19.0;
+/// How many times cheaper than the source's own loop, in f32 and in f64 without hardware for it: the goals.
+const TIMES_F32_MIN: f64 = 20.0;
 const TIMES_F64_MIN: f64 = 100.0;
 
 /// A line of `tick-cost`.

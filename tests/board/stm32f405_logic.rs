@@ -5,8 +5,9 @@ use arcfeed::commands::simulate::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_firmware::controller::{self, ActiveSegment};
-use arcfeed_firmware::supervisor::input::{BoardFault, Conditions, Freshness, Request};
-use arcfeed_firmware::supervisor::state::State;
+use arcfeed_firmware::supervisor::input::{Freshness, Input};
+use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
+use arcfeed_firmware::supervisor::state::{Disarm, State};
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::machine;
 use arcfeed_hil_sim::rig::Rig;
@@ -15,10 +16,10 @@ use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{Micros, Nm};
+use arcfeed_shared::units::{Nm, Span};
 use arcfeed_tests::root;
 
-use guard::{Guard, Known};
+use guard::Guard;
 use panel::{AT_START, ENCODERS_SOUND, Panel};
 
 #[path = "../../firmware/boards/stm32f405/src/reset_cause.rs"]
@@ -30,7 +31,7 @@ mod panel;
 #[path = "../../firmware/boards/stm32f405/src/guard.rs"]
 mod guard;
 
-const TICK: Micros = Micros::from_ms(1);
+const TICK: Span = Span::from_ms(1);
 /// From 0 % to 100 % by the slew of 50 %/s, and some time to arm.
 const BEFORE: usize = 2_500;
 /// An encoder counts whole micrometres.
@@ -71,23 +72,21 @@ fn example() -> Example {
     Example { job: file.job, segments, ticks: positions.into_iter().zip(overrides.split_off(1)).collect() }
 }
 
-fn known(job: &Job, position: Pose) -> Known {
-    Known {
-        measured: controller::Input { position: Some(position), spindle: job.spindle, dt: TICK },
-        position: Freshness::NOW,
-        operator_percent: 100,
-        conditions: Conditions::NONE,
-        fault: None,
-        request: None,
-    }
+/// Nothing but the position is to be told.
+fn quiet(job: &Job, position: Pose) -> Input {
+    Input::of(controller::Input { position: Some(position), spindle: job.spindle, dt: TICK })
+}
+
+fn request(request: Request) -> Signals {
+    Signals::of_request(request)
 }
 
 /// Armed at the program's zero and at 100 %, no block yet.
 fn armed(job: &Job) -> Guard {
     let mut guard = Guard::new(job).expect("the limits are sound");
     for tick in 0..BEFORE {
-        let request = (tick == BEFORE - 100).then_some(Request::Arm);
-        guard.tick(&Known { request, ..known(job, Pose::default()) });
+        let signals = if tick == BEFORE - 100 { request(Request::Arm) } else { Signals::NONE };
+        guard.tick(&Input { signals, ..quiet(job, Pose::default()) });
     }
     assert!(guard.is_engaged());
     guard
@@ -110,7 +109,7 @@ fn the_guard_finds_the_blocks_by_position_and_puts_out_what_a_controller_does_th
         {
             guard.push(prepared(segment, &job));
         }
-        let output = guard.tick(&known(&job, *position));
+        let output = guard.tick(&quiet(&job, *position));
         let found = output.feed_override.percent;
         assert!(found <= told + 1, "{found} % where {told} % is right");
         same += usize::from(found == *told);
@@ -130,12 +129,12 @@ fn a_fault_is_0_percent_at_once_and_until_a_person_resets() {
     let Example { job, segments, .. } = example();
     let mut guard = armed(&job);
     guard.push(prepared(&segments[0], &job));
-    let at_zero = known(&job, Pose::default());
+    let at_zero = quiet(&job, Pose::default());
     assert_eq!(guard.tick(&at_zero).feed_override.percent, 100);
-    let fault = Some(BoardFault::Hardware);
-    assert_eq!(guard.tick(&Known { fault, ..at_zero }).feed_override.percent, 0);
+    let signals = Signals::of_fault(BoardFault::Hardware);
+    assert_eq!(guard.tick(&Input { signals, ..at_zero }).feed_override.percent, 0);
     assert!((0..1_000).all(|_| guard.tick(&at_zero).feed_override.percent == 0));
-    guard.tick(&Known { request: Some(Request::Reset), ..at_zero });
+    guard.tick(&Input { signals: request(Request::Reset), ..at_zero });
     assert!((0..100).all(|_| guard.tick(&at_zero).state == State::Idle));
 }
 
@@ -143,16 +142,16 @@ fn a_fault_is_0_percent_at_once_and_until_a_person_resets() {
 fn a_program_begun_anew_is_taken_up_from_its_first_block() {
     let Example { job, segments, .. } = example();
     let mut guard = Guard::new(&job).expect("the limits are sound");
-    let at_zero = known(&job, Pose::default());
+    let at_zero = quiet(&job, Pose::default());
     // As at power-on: the block is there before anybody said where the axes are.
     guard.push(prepared(&segments[0], &job));
-    let nowhere = Freshness { age: Micros(u64::MAX), invalid_in_row: 0 };
-    guard.tick(&Known { position: nowhere, ..at_zero });
+    let nowhere = Freshness { age: Span(u32::MAX), invalid_in_row: 0 };
+    guard.tick(&Input { position: nowhere, ..at_zero });
     guard.restart();
     guard.tick(&at_zero);
     guard.push(prepared(&segments[0], &job));
     guard.tick(&at_zero);
-    let output = guard.tick(&Known { request: Some(Request::Arm), ..at_zero });
+    let output = guard.tick(&Input { signals: request(Request::Arm), ..at_zero });
     assert_eq!((output.state, output.refusal), (State::Armed, None));
     assert!(matches!(guard.tick(&at_zero).state, State::Running | State::Inhibited { .. }));
 }
@@ -185,39 +184,73 @@ const QUIET: u16 = ENCODERS_SOUND | LADDER | DISARM;
 #[test]
 fn every_open_contact_of_the_ladder_is_its_condition() {
     let ladder = [
-        (1 << 8, Conditions::FEED_HOLD),
-        (1 << 9, Conditions::RAPID),
-        (1 << 10, Conditions::TAPPING),
-        (1 << 11, Conditions::THREADING),
-        (1 << 12, Conditions::CUTTER_COMPENSATION),
+        (1 << 8, Signals::FEED_HOLD),
+        (1 << 9, Signals::RAPID),
+        (1 << 10, Signals::TAPPING),
+        (1 << 11, Signals::THREADING),
+        (1 << 12, Signals::CUTTER_COMPENSATION),
     ];
-    assert_eq!(Panel::default().read(QUIET).conditions, Conditions::NONE);
+    assert_eq!(Panel::default().read(QUIET).signals, Signals::NONE);
     for (contact, condition) in ladder {
-        assert_eq!(Panel::default().read(QUIET & !contact).conditions, condition);
+        assert_eq!(Panel::default().read(QUIET & !contact).signals, condition);
     }
-    let all = ladder.iter().fold(Conditions::NONE, |all, (_, condition)| all.with(*condition));
-    assert_eq!(Panel::default().read(AT_START).conditions, all);
+    let all = ladder.iter().fold(Signals::NONE, |all, (_, condition)| all.with(*condition));
+    // The wire of disarm is open as well.
+    let all = all.with(request(Request::Disarm));
+    assert_eq!(Panel::default().read(AT_START).signals, all);
 }
 
 #[test]
 fn a_button_stuck_since_the_start_asks_for_nothing() {
     let mut panel = Panel::default();
-    assert_eq!(panel.read(AT_START).request, Some(Request::Disarm));
+    assert!(panel.read(AT_START).signals.asks(Request::Disarm));
     for _ in 0..10 {
         let said = panel.read(QUIET | ARM | RESET | ZERO);
-        assert_eq!((said.request, said.zero_now, said.reset_now), (None, false, false));
+        assert_eq!((said.signals, said.zero_now, said.reset_now), (Signals::NONE, false, false));
     }
     panel.read(QUIET);
-    assert_eq!(panel.read(QUIET | ARM).request, Some(Request::Arm));
+    assert_eq!(panel.read(QUIET | ARM).signals, request(Request::Arm));
 }
 
 #[test]
-fn disarm_goes_before_reset_and_reset_before_arm_and_a_cut_wire_disarms() {
+fn buttons_are_signals_of_their_own_for_as_long_as_they_are_held() {
     let mut panel = Panel::default();
     panel.read(QUIET);
-    assert_eq!(panel.read((QUIET | ARM | RESET) & !DISARM).request, Some(Request::Disarm));
-    assert_eq!(panel.read(QUIET | ARM | RESET).request, Some(Request::Reset));
-    assert_eq!(panel.read(0).request, Some(Request::Disarm));
+    let both = request(Request::Arm).with(request(Request::Reset));
+    assert!((0..10).all(|_| panel.read(QUIET | ARM | RESET).signals == both));
+    assert_eq!(panel.read(QUIET).signals, Signals::NONE);
+}
+
+#[test]
+fn while_disarm_is_open_arm_does_not_count_and_must_be_let_go_first() {
+    let mut panel = Panel::default();
+    panel.read(QUIET);
+    for closed in [QUIET | ARM, QUIET] {
+        assert_eq!(panel.read(closed & !DISARM).signals, request(Request::Disarm));
+    }
+    assert_eq!(panel.read((QUIET | ARM) & !DISARM).signals, request(Request::Disarm));
+    assert_eq!(panel.read(QUIET | ARM).signals, Signals::NONE);
+    panel.read(QUIET);
+    assert_eq!(panel.read(QUIET | ARM).signals, request(Request::Arm));
+    // A cut wire of all contacts.
+    assert!(panel.read(0).signals.asks(Request::Disarm));
+}
+
+#[test]
+fn a_disarm_wire_that_stays_cut_keeps_the_guard_off() {
+    let job = example().job;
+    let (mut guard, mut panel) = (armed(&job), Panel::default());
+    let mut tick = |closed| {
+        let signals = panel.read(closed).signals;
+        guard.tick(&Input { signals, ..quiet(&job, Pose::default()) }).state
+    };
+    tick(QUIET);
+    for press in 0..10 {
+        let arm = if press % 2 == 0 { ARM } else { 0 };
+        assert_eq!(tick((QUIET | arm) & !DISARM), State::Disarmed { by: Disarm::Request }, "press {press}");
+    }
+    tick(QUIET);
+    assert_eq!(tick(QUIET | ARM), State::Armed);
 }
 
 #[test]

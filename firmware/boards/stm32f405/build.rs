@@ -5,7 +5,7 @@ mod example;
 
 use std::env;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What goes into the image does not depend on more than these.
 const SOURCES: [&str; 4] = ["../../../examples/ibr-slot", "memory.x", "../qemu-mps2/recorded.x", "../qemu-mps2/build"];
@@ -21,5 +21,6 @@ fn main() {
     for source in SOURCES {
         println!("cargo:rerun-if-changed={source}");
     }
-    example::write("../../../examples/ibr-slot/job.toml".as_ref(), &out);
+    let module = example::module("ibr_slot", Path::new("../../../examples/ibr-slot/job.toml"), &out);
+    fs::write(out.join("example.rs"), module).expect("the example is written");
 }

@@ -57,4 +57,4 @@ impl<O: OverrideOutput + ?Sized> OverrideOutput for &mut O {
 }
 
 #[cfg(test)]
-mod bench;
+pub(crate) mod bench;

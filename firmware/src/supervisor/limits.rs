@@ -66,8 +66,10 @@ impl Limits {
 
     /// Moves the level towards `target_ratio`, down at once and up by the slew.
     pub fn follow(&self, level: &mut Level, target_ratio: f32, dt: Span) {
-        let highest = level.ratio + self.slew.rise(dt.min(self.longest_tick));
-        level.ratio = self.within(level, target_ratio).min(highest);
+        let target_ratio = self.within(level, target_ratio);
+        let rise = self.slew.rise(dt.min(self.longest_tick));
+        // By the way that is left, as in `slew` and in the ramp: the least number above or below would tell them apart.
+        level.ratio = if target_ratio - level.ratio > rise { level.ratio + rise } else { target_ratio };
     }
 
     /// Scales the level at a block boundary that keeps the feed.

@@ -276,7 +276,7 @@ impl Supervisor {
         if !goes_on {
             memory.settle_ramp();
         }
-        let before_ratio = memory.control.ratio();
+        let (before_ratio, is_in_step) = (memory.control.ratio(), memory.is_in_step());
         let step = if change.is_begin() {
             self.controller.begin(&mut memory.control, segment, measured)
         } else {
@@ -284,7 +284,12 @@ impl Supervisor {
         };
         let ratio = memory.control.ratio();
         if change == Change::Begins && goes_on && ratio > before_ratio && before_ratio > 0.0 {
-            self.limits.carry(&mut memory.level, ratio / before_ratio);
+            if is_in_step {
+                // Not by the quotient: its rounding would leave the level beside the ramp.
+                self.limits.carry_to(&mut memory.level, ratio);
+            } else {
+                self.limits.carry(&mut memory.level, ratio / before_ratio);
+            }
         }
         self.limits.follow(&mut memory.level, ratio * memory.dial.share_ratio(), measured.dt);
         step
@@ -331,9 +336,11 @@ impl Supervisor {
         step: Option<&controller::Output>,
         refusal: Option<Refusal>,
     ) -> Output {
+        // A step that ended at 0 % put nothing out: the axes stand.
+        let step = step.filter(|_| memory.state == State::Running);
         let reason = match step {
-            Some(step) if memory.state == State::Running => Reason::of_law(step, memory.level.ratio()),
-            Some(_) | None => Reason::of_state(&memory.state),
+            Some(step) => Reason::of_law(step, memory.level.ratio()),
+            None => Reason::of_state(&memory.state),
         };
         memory.counters.take(reason);
         Output {
@@ -346,3 +353,6 @@ impl Supervisor {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,22 +8,23 @@ use arcfeed_firmware::input::tacho::{Tacho, Turning};
 use arcfeed_firmware::output::OverrideOutput;
 use arcfeed_firmware::output::latched::Latched;
 use arcfeed_firmware::output::port_lines::PortLines;
-use arcfeed_firmware::supervisor::input::BoardFault;
+use arcfeed_firmware::supervisor::input::Input;
 use arcfeed_firmware::supervisor::report::Alarm;
-use arcfeed_shared::units::Micros;
+use arcfeed_firmware::supervisor::signals::{BoardFault, Signals};
+use arcfeed_shared::units::Span;
 use stm32f4::stm32f405::GPIOB;
 
 use crate::clock;
 use crate::dial::DialConverter;
 use crate::encoders::Encoders;
-use crate::guard::{Guard, Known};
-use crate::lines::{CycleDelay, FvPort, Signals, let_go};
+use crate::guard::Guard;
+use crate::lines::{CycleDelay, FvPort, StatusPins, let_go};
 use crate::machine;
 use crate::panel::{AT_START, ENCODERS_SOUND, Panel, Said};
 use crate::spindle::SpindleTimer;
 
 /// The tick's length; a tick that takes longer is a fault, so it is exact.
-const TICK: Micros = Micros::from_ms(1);
+const TICK: Span = Span::from_ms(1);
 /// Ticks between two changes of the heartbeat.
 const HEARTBEAT_TICKS: u32 = 100;
 
@@ -46,7 +47,7 @@ pub struct Outputs {
     /// *FV0 to *FV7.
     pub lines: Latched<PortLines<FvPort, CycleDelay>>,
     /// Ready and heartbeat.
-    pub signals: Signals,
+    pub status: StatusPins,
 }
 
 /// What the readings amount to so far.
@@ -103,8 +104,8 @@ impl Cabinet {
         if restart {
             self.guard.restart();
         }
-        let known = self.know(readings, said);
-        let decided = self.guard.tick(&known);
+        let input = self.know(readings, said);
+        let decided = self.guard.tick(&input);
         // A failure is kept by the latch, and reported at the next tick.
         let _ = self.outputs.lines.put(decided.feed_override);
         if clock::has_failed() {
@@ -112,8 +113,8 @@ impl Cabinet {
             let_go();
         }
         self.ticks = self.ticks.wrapping_add(1);
-        self.outputs.signals.set_ready(decided.alarm != Alarm::Latched);
-        self.outputs.signals.set_heartbeat(self.ticks / HEARTBEAT_TICKS % 2 == 1);
+        self.outputs.status.set_ready(decided.alarm != Alarm::Latched);
+        self.outputs.status.set_heartbeat(self.ticks / HEARTBEAT_TICKS % 2 == 1);
         Asked { restart }
     }
 
@@ -123,7 +124,7 @@ impl Cabinet {
     }
 
     /// Makes sense of what the sensors show.
-    fn know(&mut self, readings: Readings, said: Said) -> Known {
+    fn know(&mut self, readings: Readings, said: Said) -> Input {
         let Readers { position, turning, knob, .. } = &mut self.readers;
         let pose = position.follow(&machine::ENCODERS, readings, TICK);
         let spindle = self.tacho.follow(turning, self.sensors.spindle.read());
@@ -133,13 +134,13 @@ impl Cabinet {
             self.outputs.lines.reset();
         }
         let is_broken = clock::has_failed() || dial.is_err() || self.outputs.lines.fault().is_some();
-        Known {
-            measured: controller::Input { position: pose, spindle, dt: TICK },
+        let fault = self.once.take().or(is_broken.then_some(BoardFault::Hardware));
+        Input {
             position: position.freshness(),
             operator_percent: dial.unwrap_or(0),
-            conditions: said.conditions,
-            fault: self.once.take().or(is_broken.then_some(BoardFault::Hardware)),
-            request: said.request,
+            signals: said.signals.with(fault.map_or(Signals::NONE, Signals::of_fault)),
+            // All blocks are on board: the link is always fresh.
+            ..Input::of(controller::Input { position: pose, spindle, dt: TICK })
         }
     }
 }

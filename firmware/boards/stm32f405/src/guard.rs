@@ -1,14 +1,16 @@
 //! The supervisor around the tick, with the block in work found from the position. Pure; all that this board uses of
 //! [`arcfeed_firmware::supervisor`] to decide is here.
 //!
-//! The queue follows the axes with a progress of its own: the supervisor's stands still while it does not follow a segment,
-//! and the queue must get past that one for the next to begin.
+//! The queue follows the axes with a progress of its own: the supervisor's stands still, at what it was on a segment before,
+//! while samples are stale or the segment in work is one whose beginning it did not see; and the queue must get past that
+//! one for the next to begin.
 
 use arcfeed_firmware::controller::{self, ActiveSegment, Controller};
 use arcfeed_firmware::queue::SegmentQueue;
-use arcfeed_firmware::supervisor::input::{BoardFault, Conditions, Freshness, Input, Request};
+use arcfeed_firmware::supervisor::input::Input;
+use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
-use arcfeed_firmware::supervisor::{Memory, Output, Supervisor};
+use arcfeed_firmware::supervisor::{Output, Supervisor};
 use arcfeed_shared::job::Job;
 
 /// Blocks at hand: the one in work, and some for short ones behind it.
@@ -23,23 +25,6 @@ pub struct Guard {
     followed: controller::State,
     entered: Option<u32>,
     queue: SegmentQueue<AT_HAND>,
-}
-
-/// What the board knows at a tick.
-#[derive(Clone, Copy, Debug)]
-pub struct Known {
-    /// Position, spindle speed and the length of the tick.
-    pub measured: controller::Input,
-    /// How good the position is.
-    pub position: Freshness,
-    /// The operator's dial, %.
-    pub operator_percent: u8,
-    /// What the ladder says.
-    pub conditions: Conditions,
-    /// What the board finds wrong with itself.
-    pub fault: Option<BoardFault>,
-    /// What a person asks for.
-    pub request: Option<Request>,
 }
 
 impl Guard {
@@ -82,20 +67,9 @@ impl Guard {
     }
 
     /// One tick.
-    pub fn tick(&mut self, known: &Known) -> Output {
-        let input = Input {
-            measured: known.measured,
-            work: self.queue.in_work(),
-            position: known.position,
-            // All blocks are on board.
-            link: Freshness::NOW,
-            operator_percent: known.operator_percent,
-            conditions: known.conditions,
-            fault: known.fault,
-            request: known.request,
-        };
-        let output = self.supervisor.tick(&mut self.memory, &input);
-        self.follow(&known.measured);
+    pub fn tick(&mut self, input: &Input) -> Output {
+        let output = self.supervisor.tick(&mut self.memory, self.queue.in_work(), input);
+        self.follow(&input.measured);
         output
     }
 
@@ -103,10 +77,11 @@ impl Guard {
     fn follow(&mut self, measured: &controller::Input) {
         let Some((count, segment)) = self.queue.in_work() else { return };
         if self.entered != Some(count) {
-            self.controller.enter(&mut self.followed, segment);
+            self.controller.begin(&mut self.followed, segment, measured);
             self.entered = Some(count);
+        } else {
+            self.controller.tick(&mut self.followed, segment, measured);
         }
-        self.controller.tick(&mut self.followed, segment, measured);
         self.queue.leave_if_done(&self.followed, measured.position.as_ref());
     }
 }

@@ -56,14 +56,14 @@ impl DelayNs for CycleDelay {
     }
 }
 
-/// The signals beside the lines, on the same port.
+/// Ready and heartbeat, beside the lines on the same port.
 #[derive(Debug)]
-pub struct Signals(());
+pub struct StatusPins(());
 
-impl Signals {
-    /// The signals of the port that `lines` owns.
+impl StatusPins {
+    /// The status pins of the port that `lines` owns.
     pub fn beside(_lines: &FvPort) -> Self {
-        Signals(())
+        StatusPins(())
     }
 
     /// Says whether no fault is latched.

@@ -2,9 +2,9 @@
 //!
 //! A contact is closed while its coupler conducts. What the ladder says is true while its contact is **open**, so that a
 //! broken wire keeps the laws off. Buttons that ask for more - arm, reset, zero - are pressed while closed, and count only
-//! after they were seen open; disarm is pressed while open.
+//! after they were seen open; disarm is pressed while open, and while it is, arm must be let go before it counts again.
 
-use arcfeed_firmware::supervisor::input::{Conditions, Request};
+use arcfeed_firmware::supervisor::signals::{Request, Signals};
 
 /// The receivers of all three encoders are content.
 pub const ENCODERS_SOUND: u16 = 1 << 0;
@@ -33,10 +33,8 @@ pub struct Panel {
 /// What the panel says at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Said {
-    /// What the ladder says.
-    pub conditions: Conditions,
-    /// What a person asks for, for as long as the button is held.
-    pub request: Option<Request>,
+    /// What the ladder says, and what a person asks for: each for as long as its contact says so.
+    pub signals: Signals,
     /// Zero was pressed just now.
     pub zero_now: bool,
     /// Reset was pressed just now.
@@ -47,33 +45,32 @@ impl Panel {
     /// Takes the settled contacts, closed ones 1.
     pub fn read(&mut self, closed: u16) -> Said {
         self.seen_open |= !closed;
+        if closed & NO_DISARM == 0 {
+            // Neither a press in the meantime nor one that outlasts it arms.
+            self.seen_open &= !ARM;
+        }
         let pressed = closed & self.seen_open;
         let pressed_now = pressed & !self.pressed_before;
         self.pressed_before = pressed;
-        let request = if closed & NO_DISARM == 0 {
-            Some(Request::Disarm)
-        } else if pressed & RESET != 0 {
-            Some(Request::Reset)
-        } else {
-            (pressed & ARM != 0).then_some(Request::Arm)
-        };
         Said {
-            conditions: conditions(closed),
-            request,
+            signals: signals(closed, pressed),
             zero_now: pressed_now & ZERO != 0,
             reset_now: pressed_now & RESET != 0,
         }
     }
 }
 
-fn conditions(closed: u16) -> Conditions {
-    let all = [
-        (NO_FEED_HOLD, Conditions::FEED_HOLD),
-        (NO_RAPID, Conditions::RAPID),
-        (NO_TAPPING, Conditions::TAPPING),
-        (NO_THREADING, Conditions::THREADING),
-        (NO_CUTTER_COMPENSATION, Conditions::CUTTER_COMPENSATION),
+fn signals(closed: u16, pressed: u16) -> Signals {
+    let while_open = [
+        (NO_FEED_HOLD, Signals::FEED_HOLD),
+        (NO_RAPID, Signals::RAPID),
+        (NO_TAPPING, Signals::TAPPING),
+        (NO_THREADING, Signals::THREADING),
+        (NO_CUTTER_COMPENSATION, Signals::CUTTER_COMPENSATION),
+        (NO_DISARM, Signals::of_request(Request::Disarm)),
     ];
-    let open = all.into_iter().filter(|(contact, _)| closed & contact == 0);
-    open.fold(Conditions::NONE, |conditions, (_, condition)| conditions.with(condition))
+    let while_pressed = [(ARM, Signals::of_request(Request::Arm)), (RESET, Signals::of_request(Request::Reset))];
+    let open = while_open.into_iter().filter(|(contact, _)| closed & contact == 0);
+    let held = while_pressed.into_iter().filter(|(contact, _)| pressed & contact != 0);
+    open.chain(held).fold(Signals::NONE, |all, (_, signal)| all.with(signal))
 }

@@ -3,6 +3,7 @@
 use arcfeed_firmware::controller::ActiveSegment;
 use arcfeed_shared::cut::{CutRule, Moves, Rotation::*, Work};
 use arcfeed_shared::job::{FeedPolicy::*, Job, LawKind, OverrideLimits};
+use arcfeed_shared::knots::Knots;
 use arcfeed_shared::nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
 use arcfeed_shared::segment::{Arc, Path::*, Segment};
 use arcfeed_shared::stock::{Stock, StockLine};
@@ -20,7 +21,24 @@ pub struct Block {
     pub segment: Option<Segment>,
 }
 
+/// The program, and a run of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Example {
+    /// Its moves.
+    pub blocks: &'static [Block],
+    /// Where the simulated machine was at each tick; not used here, and not in the image.
+    pub ticks: &'static [u8],
+}
+
 include!(concat!(env!("OUT_DIR"), "/example.rs"));
+
+/// The moves of the program.
+pub const BLOCKS: &[Block] = ibr_slot::EXAMPLE.blocks;
+
+/// The job with its rules.
+pub fn job() -> Job {
+    ibr_slot::whole_job()
+}
 
 impl Block {
     /// Prepares the move; `None` for a rest.

@@ -1,6 +1,6 @@
 //! Why the chip started, from the flags of RCC_CSR, and what that means for the override.
 
-use arcfeed_firmware::supervisor::input::BoardFault;
+use arcfeed_firmware::supervisor::signals::BoardFault;
 
 /// RCC_CSR: brown-out (set at power-on too), power-on, independent and window watchdog.
 const BROWN_OUT: u32 = 1 << 25;

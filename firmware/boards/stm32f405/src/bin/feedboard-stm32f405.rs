@@ -25,7 +25,7 @@ use arcfeed_stm32f405::clock::{self, Clock};
 use arcfeed_stm32f405::dial::DialConverter;
 use arcfeed_stm32f405::encoders::Encoders;
 use arcfeed_stm32f405::guard::Guard;
-use arcfeed_stm32f405::lines::{CycleDelay, FvPort, PinsDiffer, Signals, let_go};
+use arcfeed_stm32f405::lines::{CycleDelay, FvPort, PinsDiffer, StatusPins, let_go};
 use arcfeed_stm32f405::spindle::SpindleTimer;
 use arcfeed_stm32f405::tick_timer::{self, TickTimer};
 use arcfeed_stm32f405::watchdog::Watchdog;
@@ -150,10 +150,10 @@ fn main() -> ! {
 /// The lines, released.
 fn outputs(port: GPIOC, clock: Clock) -> Result<Outputs, PinsDiffer> {
     let port = FvPort::new(port);
-    let signals = Signals::beside(&port);
+    let status = StatusPins::beside(&port);
     let delay = CycleDelay { core_mhz: clock.core_mhz };
     let lines = PortLines::with_settling(port, Settling { delay, settle_ns: machine::LINES_SETTLE_NS })?;
-    Ok(Outputs { lines: Latched::new(lines), signals })
+    Ok(Outputs { lines: Latched::new(lines), status })
 }
 
 /// The main loop: prepares blocks ahead of the tick, and feeds the watchdog after each tick.
