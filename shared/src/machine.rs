@@ -11,8 +11,9 @@
 //! (1) is what any control does with an axis at its maximum cutting feedrate; rotary axes have degrees per minute. (2) is
 //! Fanuc's clamp of the feed by arc radius (parameters 1730 V, 1731 R, 1732 floor): it keeps the acceleration v^2/r.
 
+use crate::nc::modal::Turn;
 use crate::segment::{Arc, Path, Segment};
-use crate::units::{DegPerMin, MicroDeg, Mm, MmPerMin, Nm};
+use crate::units::{DegPerMin, MicroDeg, Mm, MmPerMin, NM_PER_MM, Nm};
 
 /// What limits the feed of a machine; `None` where nothing is known to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -114,19 +115,29 @@ fn linear_parts(segment: &Segment, way: f64) -> [f64; 3] {
     parts
 }
 
-/// The largest parts of an arc's two axes in its tangent: 1 where it passes square to the axis' direction.
+/// The largest parts of an arc's two axes in its tangent: 1 where the radius passes square to the axis, so that the tangent
+/// runs along it.
 fn largest_parts(arc: &Arc) -> [f64; 2] {
-    use core::f64::consts::{FRAC_PI_2, PI, TAU};
-    let (sweep, [x, y]) = (arc.sweep_rad(), arc.direction_at(0.0));
-    let (from, [end_x, end_y]) = (libm::atan2(y, x), arc.direction_at(1.0));
-    // Where the radius points along an axis, the tangent runs along the other; both ways of it count.
-    let passes = |angle: f64| {
-        let ahead = f64::from(arc.turn.sign()) * (angle - from);
-        [ahead, ahead + PI].into_iter().any(|ahead| libm::fmod(libm::fmod(ahead, TAU) + TAU, TAU) <= sweep)
+    let radius_mm = arc.radius_mm();
+    let [x, y] = arc.from.map(|Nm(nm)| nm as f64 / NM_PER_MM as f64 / radius_mm);
+    let [end_x, end_y] = arc.to.map(|Nm(nm)| nm as f64 / NM_PER_MM as f64 / radius_mm);
+    let (from, to) = if arc.turn == Turn::Ccw { ([x, y], [end_x, end_y]) } else { ([end_x, end_y], [x, y]) };
+    let passes = |direction: [f64; 2]| arc.from == arc.to || lies_between(from, direction, to);
+    let largest = |square: [f64; 2], start: f64, end: f64| {
+        let opposite = square.map(|component| -component);
+        if passes(square) || passes(opposite) { 1.0 } else { libm::fabs(start).max(libm::fabs(end)) }
     };
-    let largest =
-        |square: f64, start: f64, end: f64| if passes(square) { 1.0 } else { libm::fabs(start).max(libm::fabs(end)) };
-    [largest(FRAC_PI_2, y, end_y), largest(0.0, x, end_x)]
+    [largest([0.0, 1.0], y, end_y), largest([1.0, 0.0], x, end_x)]
+}
+
+/// Whether a direction lies on the counter-clockwise way from one to another.
+fn lies_between(from: [f64; 2], direction: [f64; 2], to: [f64; 2]) -> bool {
+    let cross = |[x, y]: [f64; 2], [to_x, to_y]: [f64; 2]| x * to_y - y * to_x;
+    if cross(from, to) >= 0.0 {
+        cross(from, direction) >= 0.0 && cross(direction, to) >= 0.0
+    } else {
+        !(cross(to, direction) > 0.0 && cross(direction, from) > 0.0)
+    }
 }
 
 #[cfg(test)]

@@ -10,9 +10,9 @@ use crate::figures;
 use crate::images::image;
 
 /// Bytes that `feedboard` may take: program with its constants; variables; stack, interrupts included.
-const FLASH_MAX: u32 = 49 * 1024;
+const FLASH_MAX: u32 = 54 * 1024;
 const RAM_MAX: u32 = 5 * 1024;
-const STACK_MAX: u32 = 10 * 1024;
+const STACK_MAX: u32 = 11 * 1024;
 /// Bytes of stack of the tick itself.
 const TICK_STACK_MAX: u32 = 896;
 

@@ -26,14 +26,14 @@ const fn budget(
 /// The whole supervisor around each law. What the circumference law is held to is the goal; the others stand just above what
 /// they take.
 const BUDGETS: [Budget; 8] = [
-    budget("circumference", 20_000, [220, 350], Some(890)),
-    budget("circumference-filtered", 20_000, [670, 885], Some(1_035)),
-    budget("engaged-arc-one-edge", 20_000, [965, 1_090], Some(890)),
-    budget("engaged-arc-both-edges", 20_000, [1_090, 1_440], Some(890)),
-    budget("table", 20_000, [570, 690], Some(890)),
-    budget("programmed", 50_000, [480, 890], None),
-    budget("contour", 4_000, [505, 610], Some(1_060)),
-    budget("engagement", 8_000, [670, 775], Some(1_060)),
+    budget("circumference", 20_000, [220, 350], Some(970)),
+    budget("circumference-filtered", 20_000, [700, 960], Some(1_130)),
+    budget("engaged-arc-one-edge", 20_000, [1_010, 1_180], Some(970)),
+    budget("engaged-arc-both-edges", 20_000, [1_130, 1_530], Some(970)),
+    budget("table", 20_000, [610, 780], Some(970)),
+    budget("programmed", 50_000, [520, 970], None),
+    budget("contour", 4_000, [540, 700], Some(1_160)),
+    budget("engagement", 8_000, [710, 870], Some(1_160)),
 ];
 /// How many times cheaper than the source's own loop, in f32 and in f64 without hardware for it: the goals.
 const TIMES_F32_MIN: f64 = 20.0;

@@ -94,6 +94,7 @@ fn job() -> Job {
         feed_per_tooth: FEED_PER_TOOTH,
         policy: FeedPolicy::OverrideOnly,
         limits: OverrideLimits::default(),
+        machine: Default::default(),
         rules: Default::default(),
         knots: Default::default(),
     }

@@ -72,6 +72,7 @@ fn job(limits: OverrideLimits) -> Job {
         feed_per_tooth: MmPerTooth(0.1),
         policy: FeedPolicy::OverrideOnly,
         limits,
+        machine: Default::default(),
         rules: Default::default(),
         knots: Default::default(),
     }

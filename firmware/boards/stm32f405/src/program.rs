@@ -4,6 +4,7 @@ use arcfeed_firmware::controller::ActiveSegment;
 use arcfeed_shared::cut::{CutRule, Moves, Rotation::*, Work};
 use arcfeed_shared::job::{FeedPolicy::*, Job, LawKind, OverrideLimits};
 use arcfeed_shared::knots::Knots;
+use arcfeed_shared::machine::MachineLimits;
 use arcfeed_shared::nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
 use arcfeed_shared::segment::{Arc, Path::*, Segment};
 use arcfeed_shared::stock::{Stock, StockLine};
