@@ -3,7 +3,8 @@
 use arcfeed::adapt::{PlanReason, PlannedBlock, adapt};
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
-use arcfeed_firmware::controller::{self, ActiveSegment};
+use arcfeed_firmware::active::ActiveSegment;
+use arcfeed_firmware::controller;
 use arcfeed_firmware::supervisor::input::Input;
 use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::report::{Limit, Reason};

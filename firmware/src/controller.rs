@@ -1,62 +1,20 @@
 //! The tick: (segment, position, spindle) -> override, feed per tooth at the centre, reason.
 
-use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::fmath;
 use arcfeed_shared::job::Job;
-use arcfeed_shared::machine::{FeedLimit, LimitedBy};
-use arcfeed_shared::nc::modal::{Feed, Plane, Pose};
-use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{MmPerMin, MmPerTooth, PERCENT, RevPerMin, Span};
+use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::units::{MmPerMin, MmPerTooth, RevPerMin, Span};
 
-use crate::law::circumference::Circumference;
-use crate::law::{FeedLaw, NoWish, SegmentLaw, Wish};
-use crate::progress::{ArcTrack, PositionFilter, Progress, Track};
-use crate::ramp::{Bound, FeedOverride, LimitsError, Ramp, RampState, RatioRange};
+use crate::active::{ActiveSegment, Way};
+use crate::law::{FeedLaw, NoWish, Wish};
+use crate::progress::{PositionFilter, Progress, Track};
+use crate::ramp::{Bound, FeedOverride, LimitsError, Ramp, RampState};
 
 /// The controller of one machine; config.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Controller {
     ramp: Ramp,
     filter: PositionFilter,
-}
-
-/// A segment with its law, prepared once when the block becomes active.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ActiveSegment {
-    way: Way,
-    end: Pose,
-}
-
-/// What a segment is for the tick.
-#[derive(Clone, Debug, PartialEq)]
-#[repr(u32)]
-#[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and few segments are prepared at a time")]
-enum Way {
-    /// The commonest move of a cup mill, which the tick is cut for: an arc in the XY plane under the circumference law.
-    Rotation { track: ArcTrack, law: Circumference, feed: SentFeed },
-    /// Any other cutting move; without a feed the override has nothing to act on.
-    Cut { track: Track, law: SegmentLaw, feed: Option<SentFeed> },
-    /// The way there is the machine's: there is no track to be on.
-    Rapid,
-}
-
-/// The feed as sent to the control, and what turns revolutions per minute and a path per tooth into a ratio to it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct SentFeed {
-    feed: MmPerMin,
-    /// Teeth over the feed, min/mm.
-    teeth_per_feed: f32,
-    /// The ratios to it that no bound changes.
-    range: RatioRange,
-    /// The largest ratio to it that the machine can follow.
-    machine: Option<MachineRatio>,
-}
-
-/// The fastest feed of the machine on a segment, over the feed as sent.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct MachineRatio {
-    ratio: f32,
-    by: LimitedBy,
 }
 
 /// What the controller remembers from tick to tick.
@@ -152,112 +110,6 @@ impl State {
     }
 }
 
-impl ActiveSegment {
-    /// Prepares a segment of the program as the control received it, with the cut rule that speaks of it.
-    pub fn new(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
-        let feed = match (&segment.path, segment.feed) {
-            (Path::Line | Path::Arc(_), Feed::PerMinute(feed)) if feed.0 > 0 => {
-                Some(SentFeed::new(MmPerMin(feed.to_mm() as f32), job.machine.feed_limit(segment), job))
-            }
-            _ => None,
-        };
-        let law = SegmentLaw::for_segment(segment, rule, job);
-        let way = Track::new(segment).map_or(Way::Rapid, |track| Way::new(track, law, feed));
-        ActiveSegment { way, end: segment.end }
-    }
-
-    /// The same segment under another law.
-    #[must_use]
-    pub fn with_law(self, law: SegmentLaw) -> Self {
-        let way = match self.way {
-            Way::Rotation { track, feed, .. } => Way::new(Track::Arc(track), law, Some(feed)),
-            Way::Cut { track, feed, .. } => Way::new(track, law, feed),
-            Way::Rapid => Way::Rapid,
-        };
-        ActiveSegment { way, ..self }
-    }
-
-    /// Length of its path; `None` for a rapid.
-    pub fn length_mm(&self) -> Option<f32> {
-        match &self.way {
-            Way::Rotation { track, .. } => Some(Track::Arc(*track).length_mm()),
-            Way::Cut { track, .. } => Some(track.length_mm()),
-            Way::Rapid => None,
-        }
-    }
-
-    /// Where it ends.
-    pub fn end(&self) -> &Pose {
-        &self.end
-    }
-
-    /// The part of a wish that the machine can follow; without a wish 100 % stays 100 %.
-    fn followed(&self, wanted: &Wanted) -> (f32, Bound) {
-        let is_wish = matches!(wanted.reason, Reason::Law | Reason::NoWish(NoWish::ChipUnreachable));
-        match self.sent().and_then(|sent| sent.machine) {
-            Some(MachineRatio { ratio, by }) if is_wish && wanted.ratio > ratio => (ratio, Bound::Machine(by)),
-            _ => (wanted.ratio, Bound::Free),
-        }
-    }
-
-    /// Whether the override acts on it: not on rapids, inverse time, or without a feed.
-    pub fn takes_override(&self) -> bool {
-        self.feed_sent().is_some()
-    }
-
-    /// The feed that the machine makes of an override, its limits considered; `None` where the override does not act.
-    pub fn feed_at(&self, feed_override: FeedOverride) -> Option<MmPerMin> {
-        let sent = self.sent()?;
-        let ratio = f32::from(feed_override.percent) / PERCENT;
-        let ratio = sent.machine.map_or(ratio, |machine| fmath::min(ratio, machine.ratio));
-        Some(MmPerMin(sent.feed.0 * ratio))
-    }
-
-    /// The feed as sent to the control; `None` where the override must not act on it.
-    fn feed_sent(&self) -> Option<MmPerMin> {
-        self.sent().map(|sent| sent.feed)
-    }
-
-    fn sent(&self) -> Option<&SentFeed> {
-        match &self.way {
-            Way::Rotation { feed, .. } => Some(feed),
-            Way::Cut { feed, .. } => feed.as_ref(),
-            Way::Rapid => None,
-        }
-    }
-}
-
-impl SentFeed {
-    fn new(feed: MmPerMin, limit: Option<FeedLimit>, job: &Job) -> Self {
-        let machine = limit.map(|limit| MachineRatio { ratio: limit.feed.0 / feed.0, by: limit.by });
-        SentFeed {
-            feed,
-            teeth_per_feed: f32::from(job.tool.active_teeth()) / feed.0,
-            range: RatioRange::new(&job.limits, machine.map_or(f32::INFINITY, |machine| machine.ratio)),
-            machine,
-        }
-    }
-}
-
-impl Way {
-    fn new(track: Track, law: SegmentLaw, feed: Option<SentFeed>) -> Self {
-        match (track, law, feed) {
-            (Track::Arc(track), SegmentLaw::Circumference(law), Some(feed)) if track.plane() == Plane::Xy => {
-                Way::Rotation { track, law, feed }
-            }
-            (track, law, feed) => Way::Cut { track, law, feed },
-        }
-    }
-
-    fn begin(&self, speed_mm_per_s: f32) -> Progress {
-        match self {
-            Way::Rotation { track, .. } => track.begin(speed_mm_per_s),
-            Way::Cut { track, .. } => track.begin(speed_mm_per_s),
-            Way::Rapid => Progress::default(),
-        }
-    }
-}
-
 impl Controller {
     /// A controller for a job.
     ///
@@ -282,7 +134,7 @@ impl Controller {
         state.progress = segment.way.begin(state.progress.speed_mm_per_s());
         let feed_change = state.take_feed(segment.feed_sent());
         let wanted = self.wanted(state, segment, input);
-        self.ramp.enter_block(&mut state.ramp, segment.followed(&wanted).0, feed_change);
+        self.ramp.enter_block(&mut state.ramp, wanted.followed(segment).0, feed_change);
         self.obey_ramp(state, segment, &wanted, input.dt)
     }
 
@@ -332,7 +184,7 @@ impl Controller {
         };
         let [x, y, _] = position.linear;
         let path = law.path_mm_per_tooth(track.follow(&mut state.progress, [x, y]));
-        let ratio = input.spindle.0 * path * feed.teeth_per_feed;
+        let ratio = input.spindle.0 * path * feed.teeth_min_per_mm;
         // What is not a number is not held: neither a refusal of the law nor a spindle without speed.
         feed.range.contains(ratio).then_some(UsualWish { wanted_ratio: ratio, ipt_center: MmPerTooth(path) })
     }
@@ -345,7 +197,7 @@ impl Controller {
     }
 
     fn obey_ramp(&self, state: &mut State, segment: &ActiveSegment, wanted: &Wanted, dt: Span) -> Output {
-        let (ratio, followed) = segment.followed(wanted);
+        let (ratio, followed) = wanted.followed(segment);
         let (feed_override, bound) = self.ramp.step(&mut state.ramp, ratio, dt);
         let bound = if bound == Bound::Free { followed } else { bound };
         Output {
@@ -376,7 +228,7 @@ impl Controller {
             Err(NoWish::NoLaw) => as_programmed(Reason::NoWish(NoWish::NoLaw)),
             _ if !fmath::is_positive(input.spindle.0) => as_programmed(Reason::NoSpindle),
             Ok(Wish { path_mm_per_tooth, .. }) => {
-                let ratio = input.spindle.0 * path_mm_per_tooth * feed.teeth_per_feed;
+                let ratio = input.spindle.0 * path_mm_per_tooth * feed.teeth_min_per_mm;
                 Wanted { ratio, ipt_center: Some(MmPerTooth(path_mm_per_tooth)), reason: Reason::Law }
             }
             // No feed is too high for the chip: the bounds decide.
@@ -385,6 +237,16 @@ impl Controller {
                 Wanted { ratio: f32::INFINITY, ipt_center: None, reason }
             }
             Err(refusal) => as_programmed(Reason::NoWish(refusal)),
+        }
+    }
+}
+
+impl Wanted {
+    /// The part that the machine can follow; without a wish 100 % stays 100 %.
+    fn followed(&self, segment: &ActiveSegment) -> (f32, Bound) {
+        match self.reason {
+            Reason::Law | Reason::NoWish(NoWish::ChipUnreachable) => segment.followed(self.ratio),
+            _ => (self.ratio, Bound::Free),
         }
     }
 }

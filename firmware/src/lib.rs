@@ -2,8 +2,8 @@
 //!
 //! No heap, no clock, no I/O: one call of [`controller::Controller::tick`] per sample of the position. Modules stand
 //! in the order in which data flows: the [`law`] says which feed per tooth the tool's centre needs, [`progress`] says
-//! where on the segment it is, [`ramp`] turns the wish into an override the control can follow, [`controller`] joins
-//! them, [`supervisor`] decides whether they may act at all, [`queue`] finds the segment in work where nobody tells,
+//! where on the segment it is, [`ramp`] turns the wish into an override the control can follow, [`active`] is a segment with
+//! all of that prepared, [`controller`] joins them, [`supervisor`] decides whether they may act at all, [`queue`] finds the segment in work where nobody tells,
 //! [`input`] makes sense of what a board counts and measures, [`output`] carries the override to the control, [`board`] is
 //! the seam to the hardware.
 #![cfg_attr(not(test), no_std)]
@@ -15,6 +15,8 @@ pub mod law;
 pub mod progress;
 
 pub mod ramp;
+
+pub mod active;
 
 pub mod controller;
 

@@ -9,7 +9,8 @@ use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::Nm;
 use heapless::Deque;
 
-use crate::controller::{ActiveSegment, State};
+use crate::active::ActiveSegment;
+use crate::controller::State;
 
 /// How near its end a segment counts as done: a few times the noise of the position.
 const END_TOLERANCE_MM: f32 = 0.01;

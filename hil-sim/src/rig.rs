@@ -1,7 +1,8 @@
 //! Control, machine, controller and meter on one time base: a run.
 
+use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::board::{Board, Task};
-use arcfeed_firmware::controller::{self, ActiveSegment};
+use arcfeed_firmware::controller;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::Supervisor;
 use arcfeed_firmware::supervisor::input::{Input, Work};

@@ -27,12 +27,12 @@ const fn budget(
 /// they take.
 const BUDGETS: [Budget; 8] = [
     budget("circumference", 20_000, [220, 350], Some(970)),
-    budget("circumference-filtered", 20_000, [700, 960], Some(1_130)),
-    budget("engaged-arc-one-edge", 20_000, [1_010, 1_180], Some(970)),
+    budget("circumference-filtered", 20_000, [710, 970], Some(1_130)),
+    budget("engaged-arc-one-edge", 20_000, [1_010, 1_190], Some(970)),
     budget("engaged-arc-both-edges", 20_000, [1_130, 1_530], Some(970)),
-    budget("table", 20_000, [610, 780], Some(970)),
+    budget("table", 20_000, [610, 785], Some(970)),
     budget("programmed", 50_000, [520, 970], None),
-    budget("contour", 4_000, [540, 700], Some(1_160)),
+    budget("contour", 4_000, [545, 710], Some(1_160)),
     budget("engagement", 8_000, [710, 870], Some(1_160)),
 ];
 /// How many times cheaper than the source's own loop, in f32 and in f64 without hardware for it: the goals.

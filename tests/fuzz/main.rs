@@ -24,7 +24,7 @@ fn feed(name: &str, seed: u64, target: fn(&[u8], u64)) {
     let soak = std::env::var(SOAK).ok().map(|seconds| {
         Duration::from_secs(seconds.parse().unwrap_or_else(|_| panic!("{SOAK}={seconds}: not a number of seconds")))
     });
-    let seed = if soak.is_some() { seed ^ std::process::id() as u64 } else { seed };
+    let seed = if soak.is_some() { seed ^ u64::from(std::process::id()) } else { seed };
     println!("{name}: seed {seed}");
     let (done, progress) = mpsc::channel();
     let worker = std::thread::spawn(move || {

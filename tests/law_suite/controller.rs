@@ -3,7 +3,8 @@
 use super::scenes::CircumferenceScene;
 use super::{PLAIN, Scene};
 use crate::geometry::log_between;
-use arcfeed_firmware::controller::{ActiveSegment, Controller, Input, Output, State};
+use arcfeed_firmware::active::ActiveSegment;
+use arcfeed_firmware::controller::{Controller, Input, Output, State};
 use arcfeed_firmware::law::NoWish;
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};

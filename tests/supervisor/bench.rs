@@ -1,6 +1,7 @@
 //! A supervisor on the bench: every input has a knob, a tick is a millisecond.
 
-use arcfeed_firmware::controller::{self, ActiveSegment, Controller};
+use arcfeed_firmware::active::ActiveSegment;
+use arcfeed_firmware::controller::{self, Controller};
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::input::{Freshness, Input};
 

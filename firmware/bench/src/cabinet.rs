@@ -1,7 +1,7 @@
 //! The board of a measurement: what goes in is put there, what comes out is kept.
 
+use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::board::Board;
-use arcfeed_firmware::controller::ActiveSegment;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::input::{Input, Work};
 

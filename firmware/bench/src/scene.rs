@@ -5,7 +5,8 @@
 //! take; positions with noise, now and then missing, trusted as they are or filtered; spindles that stand still or are no
 //! number, ticks of no and of any length.
 
-use arcfeed_firmware::controller::{ActiveSegment, Input};
+use arcfeed_firmware::active::ActiveSegment;
+use arcfeed_firmware::controller::Input;
 use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_firmware::law::table::Table;
 use arcfeed_firmware::progress::PositionFilter;

@@ -1,7 +1,8 @@
 //! From inputs to pins: a task on a board whose override goes out on eight lines.
 
 use super::*;
-use crate::controller::{self, ActiveSegment};
+use crate::active::ActiveSegment;
+use crate::controller;
 use crate::law::SegmentLaw;
 use crate::law::table::Table;
 use crate::output::OverrideOutput;

@@ -2,7 +2,8 @@
 
 use arcfeed_shared::units::Span;
 
-use crate::controller::{self, ActiveSegment};
+use crate::active::ActiveSegment;
+use crate::controller;
 
 use super::signals::{Inhibit, Signals};
 

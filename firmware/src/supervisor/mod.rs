@@ -26,7 +26,8 @@ pub mod memory;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::units::{MmPerTooth, Span};
 
-use crate::controller::{self, ActiveSegment, Controller, UsualWish};
+use crate::active::ActiveSegment;
+use crate::controller::{self, Controller, UsualWish};
 use crate::progress::PositionFilter;
 use crate::ramp::FeedOverride;
 

@@ -5,7 +5,8 @@
 //! while samples are stale or the segment in work is one whose beginning it did not see; and the queue must get past that
 //! one for the next to begin.
 
-use arcfeed_firmware::controller::{self, ActiveSegment, Controller};
+use arcfeed_firmware::active::ActiveSegment;
+use arcfeed_firmware::controller::{self, Controller};
 use arcfeed_firmware::queue::SegmentQueue;
 use arcfeed_firmware::supervisor::input::Input;
 use arcfeed_firmware::supervisor::memory::Memory;

@@ -1,6 +1,6 @@
 //! The job and the blocks of its program, compiled in: the link to the host is not there yet.
 
-use arcfeed_firmware::controller::ActiveSegment;
+use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_shared::cut::{CutRule, Moves, Rotation::*, Work};
 use arcfeed_shared::job::{FeedPolicy::*, Job, LawKind, OverrideLimits};
 use arcfeed_shared::knots::Knots;

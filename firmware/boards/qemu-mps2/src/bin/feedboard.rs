@@ -17,8 +17,9 @@
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
+use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::board::{Board, Task};
-use arcfeed_firmware::controller::{self, ActiveSegment};
+use arcfeed_firmware::controller;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::Supervisor;
 use arcfeed_firmware::supervisor::input::{Input, Work};

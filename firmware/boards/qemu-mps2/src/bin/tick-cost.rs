@@ -18,8 +18,9 @@ use core::hint::black_box;
 
 use arcfeed_bench::cabinet::Cabinet;
 use arcfeed_bench::random::Random;
+use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::board::Task;
-use arcfeed_firmware::controller::{self, ActiveSegment};
+use arcfeed_firmware::controller;
 use arcfeed_firmware::law::table::Table;
 use arcfeed_firmware::law::{FeedLaw, Place, SegmentLaw};
 use arcfeed_firmware::progress::PositionFilter;

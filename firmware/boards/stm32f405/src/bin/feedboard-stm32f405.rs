@@ -15,7 +15,7 @@
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use arcfeed_firmware::controller::ActiveSegment;
+use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::output::latched::Latched;
 use arcfeed_firmware::output::port_lines::PortLines;
 use arcfeed_firmware::output::settling::Settling;
