@@ -96,7 +96,7 @@ impl Supervisor {
     /// One tick.
     ///
     /// Nearly always the law goes on and nothing else happens; that is told by a few comparisons and done at once. It is
-    /// what [`Supervisor::take_in`] would do as well.
+    /// what the whole of it, `take_in`, would do as well.
     #[inline(always)]
     pub fn tick(&self, memory: &mut Memory, work: Work<'_>, input: &Input) -> Output {
         if let (Some((count, segment)), Some(settled_on)) = (work, memory.settled_on)
