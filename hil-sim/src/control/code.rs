@@ -124,7 +124,7 @@ impl Code {
     pub fn decode(self, frame: u8) -> Result<Symbol, NotInCode> {
         match self {
             Code::Ascii => Ok(ascii(frame & !PARITY)),
-            Code::Iso if frame.count_ones() % 2 == 0 => Ok(ascii(frame & !PARITY)),
+            Code::Iso if frame.count_ones().is_multiple_of(2) => Ok(ascii(frame & !PARITY)),
             Code::Iso => Err(NotInCode),
             Code::Eia => match frame {
                 EIA_END_OF_BLOCK => Ok(Symbol::EndOfBlock),
@@ -151,7 +151,7 @@ impl Code {
 /// Seven bits and the eighth that makes the number of ones even.
 pub const fn with_even_parity(byte: u8) -> u8 {
     let low = byte & !PARITY;
-    if low.count_ones() % 2 == 0 { low } else { low | PARITY }
+    if low.count_ones().is_multiple_of(2) { low } else { low | PARITY }
 }
 
 /// The frame without what may be its parity bit.
@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn every_code_of_eia_is_odd_and_there_is_one_for_each_character() {
         for (index, (byte, eia)) in EIA.iter().enumerate() {
-            assert_eq!(eia.count_ones() % 2, 1, "{}", char::from(*byte));
+            assert!(!eia.count_ones().is_multiple_of(2), "{}", char::from(*byte));
             assert!(EIA[..index].iter().all(|(other, code)| other != byte && code != eia));
         }
         // Digits and letters count in the four lowest holes, as punched: 1 to 9 again in A to I, J to R and (2 to 9) S to Z.

@@ -159,7 +159,7 @@ impl DncPort {
             fault = fault.or(self.receive(arriving, &settings));
         }
         while self.credit[1] >= char_cost {
-            let Some(frame) = self.punch.next() else { break };
+            let Some(frame) = self.punch.poll() else { break };
             self.credit[1] -= char_cost;
             self.outgoing.push_back(frame);
         }

@@ -66,7 +66,8 @@ impl Control {
         matches!(self.phase, Phase::Stopped { .. })
     }
 
-    /// Reset: axes come to rest, what was read ahead and what is in the buffer is lost, the alarm is off.
+    /// Reset: axes come to rest, what was read ahead and what is in the buffer is lost, the alarm is off. Of a program in
+    /// memory nothing is left either: a new control has to be made for the next one.
     pub fn reset(&mut self) {
         self.port.reset();
         self.alarm = None;

@@ -54,7 +54,7 @@ impl Punch {
     }
 
     /// The next frame, if one may go out.
-    pub fn next(&mut self) -> Option<u8> {
+    pub fn poll(&mut self) -> Option<u8> {
         if self.is_stopped { None } else { self.queue.pop_front() }
     }
 }
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     fn drain(punch: &mut Punch) -> Vec<u8> {
-        std::iter::from_fn(|| punch.next()).collect()
+        std::iter::from_fn(|| punch.poll()).collect()
     }
 
     #[test]
@@ -81,9 +81,9 @@ mod tests {
         let mut punch = Punch::default();
         punch.open();
         punch.print(b"AB", Code::Ascii);
-        assert_eq!((punch.next(), punch.next()), (Some(DC2), Some(b'A')));
+        assert_eq!((punch.poll(), punch.poll()), (Some(DC2), Some(b'A')));
         assert!(punch.take(DC3));
-        assert_eq!(punch.next(), None);
+        assert_eq!(punch.poll(), None);
         assert!(punch.take(DC1));
         assert_eq!(drain(&mut punch), b"B\n");
     }

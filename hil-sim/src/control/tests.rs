@@ -310,3 +310,52 @@ fn a_jump_in_a_program_over_the_line_is_alarm_123() {
     let alarm = control.alarm().expect("it cannot jump");
     assert_eq!((alarm.line, alarm.fault), (3, Fault::alarm(Alarm::BranchInDnc, 0)));
 }
+
+/// A random number generator of 64 bits (xorshift), seeded.
+fn random(state: &mut u64) -> u64 {
+    *state ^= *state << 13;
+    *state ^= *state >> 7;
+    *state ^= *state << 17;
+    *state
+}
+
+#[test]
+fn whatever_comes_over_the_line_the_control_stops_or_goes_on() {
+    const PIECES: [&[u8]; 14] = [
+        b"%",
+        b"\n",
+        b"G1X1.F9.\n",
+        b"G2X0Y0I1.\n",
+        b"N9",
+        b"/",
+        b"(",
+        b"M0\n",
+        b"G4P9\n",
+        b"GOTO9\n",
+        b"\x80",
+        b"\x00",
+        b"\x13",
+        b"M30\n",
+    ];
+    for seed in 1..=300_u64 {
+        let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let preset = [Preset::Fanuc16i, Preset::Fanuc0i, Preset::Fanuc31i][seed as usize % 3];
+        let mut control = Control::on_line(preset.settings(LengthUnit::Mm));
+        for ms in 1..2_000 {
+            match random(&mut state) % 400 {
+                0 => control.reset(),
+                1 => control.hold(),
+                2..8 => control.cycle_start(),
+                8 => control.search(Search::Restart(9)),
+                9 => control.port().on_framing_error(),
+                10 => control.switches_mut().single_block ^= true,
+                11..40 => control.port().on_bytes(&[random(&mut state) as u8]),
+                40..120 => control.port().on_bytes(PIECES[random(&mut state) as usize % PIECES.len()]),
+                _ => {}
+            }
+            control.step(Micros::from_ms(ms), STEP, random(&mut state) as u8);
+            assert!(control.speed_mm_per_s().is_finite() && control.speed_mm_per_s() >= 0.0, "seed {seed}");
+            assert!(control.override_percent() <= 254, "seed {seed}");
+        }
+    }
+}
