@@ -11,7 +11,7 @@ use arcfeed::commands::simulate::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_hil_sim::control::Control;
-use arcfeed_hil_sim::control::interpolator::Dynamics;
+use arcfeed_hil_sim::control::dynamics::Dynamics;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::modal::Plane;
 use arcfeed_shared::units::{Micros, Nm};

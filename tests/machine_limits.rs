@@ -1,20 +1,25 @@
 //! What the machine can follow bounds the override, with its reason, and the feed reported is the one it makes.
 
 use arcfeed::adapt::{PlanReason, PlannedBlock, adapt};
+use arcfeed::commands::simulate::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::controller;
+use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::input::Input;
 use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::report::{Limit, Reason};
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::{Output, Supervisor};
+use arcfeed_hil_sim::faults::ControllerFault;
+use arcfeed_hil_sim::rig::Rig;
+use arcfeed_shared::cut;
 use arcfeed_shared::job::FeedPolicy;
 use arcfeed_shared::machine::{ArcClamp, LimitedBy, MachineLimits};
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::modal::{Feed, Pose};
-use arcfeed_shared::units::{Mm, MmPerMin, Nm, Span};
+use arcfeed_shared::units::{Mm, MmPerMin, Nm, S_PER_MIN, Span};
 use arcfeed_tests::root;
 
 const TICKS: u32 = 4_000;
@@ -92,7 +97,7 @@ fn a_block_without_a_law_keeps_its_hundred_per_cent() {
     block.rule = None;
     let (active, outputs) = run(&file, &block, Nm(600_000_000));
     assert!(outputs.iter().all(|output| output.feed_override.percent == 100 && output.reason == Reason::NoLaw));
-    let made = active.feed_at(arcfeed_firmware::ramp::FeedOverride::PROGRAMMED).expect("it has a feed");
+    let made = active.feed_at(FeedOverride::PROGRAMMED).expect("it has a feed");
     assert!(made.0 < 30.0, "{made:?}: the machine does what it can");
 }
 
@@ -105,7 +110,7 @@ fn the_feed_reported_under_a_clamp_is_the_clamp_and_not_what_the_override_says()
     file.job.machine.arc_clamp = Some(ArcClamp { feed: MmPerMin(500.0), radius, floor: MmPerMin(0.0) });
     let (active, _) = run(&file, &block, Nm(1_000_000_000));
     for (percent, feed) in [(20, 200.0), (50, 500.0), (51, 500.0), (100, 500.0), (200, 500.0)] {
-        let made = active.feed_at(arcfeed_firmware::ramp::FeedOverride { percent }).expect("it has a feed");
+        let made = active.feed_at(FeedOverride { percent }).expect("it has a feed");
         assert!((made.0 - feed).abs() < 1e-3, "{made:?} at {percent} %");
     }
 }
@@ -127,4 +132,38 @@ fn the_plan_sends_no_feed_that_the_machine_cannot_make_and_names_what_limits_it(
         named += u32::from(expected == PlanReason::Axis);
     }
     assert!(named > 0 && named < free.len() as u32, "{named} of {}", free.len());
+}
+
+#[test]
+fn under_the_controls_own_clamp_the_feed_reported_is_the_feed_driven() {
+    let (mut file, program) = example();
+    // Half of what the fastest arc is sent with, so that every arc is clamped.
+    let fastest = governed(&file, &program).into_iter().filter_map(|block| block.sent).max().expect("governed blocks");
+    let clamp = ArcClamp { feed: MmPerMin(fastest.to_mm() as f32 / 2.0), radius: Mm(120.0), floor: MmPerMin(0.0) };
+    file.job.machine.arc_clamp = Some(clamp);
+    file.job.policy = FeedPolicy::OverrideOnly;
+    let text = [std::fs::read(&file.program).expect("the program is there"), b"\n".to_vec()].concat();
+    let text = String::from_utf8(text).expect("text").replace("F25.", &format!("F{:.1}", fastest.to_mm() / 25.4));
+    let rig = Rig::from_memory(control_settings(&file), text.as_bytes(), &file.job, ControllerFault::None);
+    let mut rig = rig.expect("the limits of the override make sense");
+    let (mut speed_before, mut compared, mut clamped) = (0.0, 0, 0);
+    while !rig.is_done() {
+        rig.step();
+        let (control, speed) = (rig.control(), rig.control().speed_mm_per_s());
+        let is_steady = speed > 0.0 && (speed - speed_before).abs() < 1e-9;
+        speed_before = speed;
+        let Some((_, segment)) = control.active().filter(|(_, segment)| is_steady && segment.arc().is_some()) else {
+            continue;
+        };
+        let rule = cut::find(&file.job.rules, segment, &file.job.tool).map(|(_, rule)| rule);
+        let feed_override = FeedOverride { percent: control.override_percent() };
+        let reported = ActiveSegment::new(segment, rule, &file.job).feed_at(feed_override).expect("it has a feed");
+        let driven = speed * S_PER_MIN;
+        assert!((f64::from(reported.0) / driven - 1.0).abs() < 1e-4, "{reported:?} reported, {driven} mm/min driven");
+        let asked = f64::from(feed_override.percent) / 100.0 * fastest.to_mm();
+        compared += 1;
+        clamped += u32::from(f64::from(reported.0) < asked * 0.999);
+    }
+    println!("{compared} steady ticks on arcs, {clamped} of them clamped");
+    assert!(compared > 5_000 && clamped > 1_000);
 }

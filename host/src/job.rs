@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 
 use arcfeed_firmware::ramp::{LimitsError, Ramp};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use arcfeed_shared::knots::Knots;
+use arcfeed_shared::machine::MachineLimits;
 use arcfeed_shared::tool::{CupMill, EndMill, Tool};
 use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
@@ -25,8 +27,36 @@ pub struct JobFile {
     pub job: Job,
     /// The program it speaks of.
     pub program: PathBuf,
+    /// The control it runs on.
+    pub control: ControlKind,
     /// The DNC line.
     pub serial: SerialSettings,
+}
+
+/// The controls there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ControlKind {
+    /// Series 16i.
+    Fanuc16i,
+    /// Series 0i.
+    Fanuc0i,
+    /// Series 31i.
+    Fanuc31i,
+}
+
+impl ControlKind {
+    /// The control of this name.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn named(name: &str) -> Result<Self, &'static str> {
+        match name {
+            "fanuc-16i" => Ok(ControlKind::Fanuc16i),
+            "fanuc-0i" => Ok(ControlKind::Fanuc0i),
+            "fanuc-31i" => Ok(ControlKind::Fanuc31i),
+            _ => Err("no such control; write \"fanuc-16i\", \"fanuc-0i\" or \"fanuc-31i\""),
+        }
+    }
 }
 
 /// The DNC line, under pyserial's names.
@@ -107,6 +137,24 @@ impl JobFile {
         JobFile::parse(path, &text)
     }
 
+    /// No job: a control that executes programs as they are, on a 16i's usual line (9600 baud, 7E2, XON/XOFF).
+    pub fn plain(unit: LengthUnit) -> Self {
+        let job = Job {
+            unit,
+            tool: Tool::EndMill(EndMill { radius: Nm(0), teeth: 1 }),
+            spindle: RevPerMin(0.0),
+            law: LawKind::Programmed,
+            feed_per_tooth: MmPerTooth(0.0),
+            policy: FeedPolicy::OverrideOnly,
+            limits: OverrideLimits::default(),
+            machine: MachineLimits::default(),
+            rules: heapless::Vec::new(),
+            knots: Knots::default(),
+        };
+        let serial = SerialSettings { baudrate: 9_600, bytesize: 7, parity: Parity::Even, stopbits: 2, xonxoff: true };
+        JobFile { job, program: PathBuf::new(), control: ControlKind::Fanuc16i, serial }
+    }
+
     /// Checks a job given as text; `path` is for messages and for the program's place.
     ///
     /// # Errors
@@ -144,10 +192,9 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
         knots,
         tool,
     };
-    if table.control.preset.as_ref() != "fanuc-16i" {
-        return Err(at(&table.control.preset, "no such control; write \"fanuc-16i\""));
-    }
-    Ok(JobFile { job, program: folder.join(table.program.as_ref()), serial: build_serial(table)? })
+    let preset = &table.control.preset;
+    let control = ControlKind::named(preset.as_ref()).map_err(|message| at(preset, message))?;
+    Ok(JobFile { job, program: folder.join(table.program.as_ref()), control, serial: build_serial(table)? })
 }
 
 fn build_tool(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {

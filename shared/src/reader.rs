@@ -2,7 +2,7 @@
 
 use crate::nc::alarm::{Alarm, Cause, Fault, NotModelled};
 use crate::nc::block::{Line, Parsed, Reading, parse_line};
-use crate::nc::modal::{Feed, Modal, MotionKind, Step};
+use crate::nc::modal::{Feed, Modal, MotionKind, Pose, Step};
 use crate::segment::Segment;
 use crate::units::LengthUnit;
 
@@ -30,6 +30,12 @@ impl Reader {
     /// At power-on.
     pub fn new(unit: LengthUnit, reading: Reading) -> Self {
         Reader { modal: Modal::at_power_on(unit), reading, lost: [false; 3] }
+    }
+
+    /// The axes stand here, wherever the lines read so far have led.
+    pub fn stand_at(&mut self, pose: Pose) {
+        self.modal.position = pose;
+        self.lost = [false; 3];
     }
 
     /// Reads the next line, which must not contain its line end.

@@ -1,67 +1,48 @@
 //! The control's serial line: characters at line rate into a buffer, XON/XOFF back.
 //!
-//! The control sends DC1 when it starts to read, DC3 when its buffer fills, DC1 again when it has drained. After DC3 it
-//! takes ten more characters; one more is alarm PS0087. A carriage return is ignored, a line feed ends a block.
-//!
-//! Source: Fanuc connection manuals B-63503EN p. 62 (start-stop, 10 characters after DC3); buffer sizes are assumed.
+//! ```text
+//!         start        buffer fills
+//! Silent -------> Reading ---------> Stopped       program end, reset, alarm: DC3
+//!    ^     DC1      |  ^     DC3        |        any ---------------------------> Closed
+//!    |              |  +----------------+                                           |
+//!    |              |     DC1, drained                                              |
+//!    +------------------------------------------------------------------------------+  start again
+//! ```
+//! After DC3 it takes ten more characters; one more is alarm PS0087. A character that comes with a wrong stop bit is
+//! PS0085, a sender that goes away while it is read from is PS0086. The buffer is looked at once a step.
 
 use std::collections::VecDeque;
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::units::{Micros, US_PER_S};
 
-/// XON: reader start.
-pub const DC1: u8 = 0x11;
-/// XOFF: reader stop.
-pub const DC3: u8 = 0x13;
-/// Characters a control takes after DC3.
-pub const AFTER_DC3_MAX: u32 = 10;
-
-/// The line as both ends are set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LineSettings {
-    /// Bits per second.
-    pub baudrate: u32,
-    /// Bits a character takes: start, data, parity, stop.
-    pub bits_per_char: u32,
-    /// Characters the buffer holds.
-    pub buffer: usize,
-    /// DC3 is sent when fewer characters than this are free.
-    pub xoff_below: usize,
-    /// DC1 is sent when more than this are free.
-    pub xon_above: usize,
-}
-
-impl Default for LineSettings {
-    /// 9600 baud, 7E2.
-    fn default() -> Self {
-        LineSettings { baudrate: 9_600, bits_per_char: 11, buffer: 1_024, xoff_below: 256, xon_above: 768 }
-    }
-}
-
-/// What went over the line.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LineCounters {
-    /// Characters received.
-    pub bytes: u64,
-    /// Times DC3 was sent.
-    pub xoff_count: u32,
-    /// Most characters that came after a DC3.
-    pub max_bytes_after_xoff: u32,
-}
+use super::code::{Code, DC1, DC3, with_even_parity, without_parity};
+use super::line::{LineCounters, LineSettings};
+use super::punch::Punch;
+use super::tape::{Received, Tape};
 
 /// The port's state.
 #[derive(Debug)]
 pub struct DncPort {
     settings: Option<LineSettings>,
-    wire: VecDeque<u8>,
-    /// Line capacity not yet used, in millionths of a bit.
-    credit: u64,
+    wire: VecDeque<Arriving>,
+    /// Line capacity not yet used, in millionths of a bit: towards the control, and from it.
+    credit: [u64; 2],
     buffer: VecDeque<u8>,
+    tape: Tape,
     blocks: usize,
     outgoing: VecDeque<u8>,
+    punch: Punch,
     flow: Flow,
+    is_ready: bool,
     counters: LineCounters,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Arriving {
+    Frame(u8),
+    /// Its stop bits were none.
+    Damaged,
 }
 
 #[derive(Debug)]
@@ -79,32 +60,45 @@ enum Flow {
 impl DncPort {
     /// A port that reads from its line.
     pub fn on_line(settings: LineSettings) -> Self {
-        DncPort::new(Some(settings), &[])
+        DncPort::new(Some(settings), Tape::new(settings.tape), &[])
     }
 
     /// A port whose program is all there; its line is never used.
     pub fn from_memory(program: &[u8]) -> Self {
-        DncPort::new(None, program)
+        DncPort::new(None, Tape::in_memory(), program)
     }
 
-    fn new(settings: Option<LineSettings>, program: &[u8]) -> Self {
+    fn new(settings: Option<LineSettings>, tape: Tape, program: &[u8]) -> Self {
         DncPort {
             settings,
             wire: VecDeque::new(),
-            credit: 0,
+            credit: [0; 2],
             blocks: program.iter().filter(|&&byte| byte == b'\n').count(),
             buffer: program.iter().copied().collect(),
+            tape,
             outgoing: VecDeque::new(),
+            punch: Punch::default(),
             flow: Flow::Silent,
+            is_ready: true,
             counters: LineCounters::default(),
         }
     }
 
     /// The host puts bytes on the line; they arrive at line rate.
     pub fn on_bytes(&mut self, bytes: &[u8]) {
-        if !matches!(self.flow, Flow::Closed) {
-            self.wire.extend(bytes);
+        if let (Some(settings), false) = (self.settings, matches!(self.flow, Flow::Closed)) {
+            self.wire.extend(bytes.iter().map(|byte| Arriving::Frame(settings.sender.frame(*byte))));
         }
+    }
+
+    /// A character arrives behind the others that has no stop bits: noise, a break, another baud rate.
+    pub fn on_framing_error(&mut self) {
+        self.wire.push_back(Arriving::Damaged);
+    }
+
+    /// Whether the sender's data set ready line is on.
+    pub fn set_ready(&mut self, is_ready: bool) {
+        self.is_ready = is_ready;
     }
 
     /// Characters given to the line that have not arrived yet.
@@ -112,9 +106,15 @@ impl DncPort {
         self.wire.len()
     }
 
-    /// The next byte the control sends.
+    /// Characters in the buffer.
+    pub fn buffered(&self) -> usize {
+        self.buffer.len()
+    }
+
+    /// The next byte the control sends, as the sender gets it.
     pub fn poll_transmit(&mut self) -> Option<u8> {
-        self.outgoing.pop_front()
+        let frame = self.outgoing.pop_front()?;
+        Some(self.settings.map_or(frame, |settings| settings.sender.byte(frame)))
     }
 
     /// Whether [`DncPort::poll_transmit`] has a byte.
@@ -130,6 +130,16 @@ impl DncPort {
         }
     }
 
+    /// The control's output to the sender.
+    pub fn punch(&mut self) -> &mut Punch {
+        &mut self.punch
+    }
+
+    /// The code of the line: what the program came in, ISO before it is known.
+    pub fn code(&self) -> Code {
+        self.tape.code().unwrap_or(Code::Iso)
+    }
+
     /// What went over the line.
     pub fn counters(&self) -> LineCounters {
         self.counters
@@ -138,20 +148,26 @@ impl DncPort {
     /// Lets time pass on the line.
     pub fn step(&mut self, dt: Micros) -> Option<Fault> {
         let settings = self.settings?;
-        self.credit += u64::from(settings.baudrate) * dt.0;
         let char_cost = u64::from(settings.bits_per_char) * US_PER_S;
-        let mut fault = None;
-        while self.credit >= char_cost {
-            let Some(byte) = self.wire.pop_front() else {
-                // An idle line saves nothing up.
-                self.credit = self.credit.min(char_cost);
-                break;
-            };
-            self.credit -= char_cost;
-            fault = fault.or(self.receive(byte));
+        for credit in &mut self.credit {
+            *credit += u64::from(settings.baudrate) * dt.0;
         }
+        let mut fault = None;
+        while self.credit[0] >= char_cost {
+            let Some(arriving) = self.wire.pop_front() else { break };
+            self.credit[0] -= char_cost;
+            fault = fault.or(self.receive(arriving, &settings));
+        }
+        while self.credit[1] >= char_cost {
+            let Some(frame) = self.punch.poll() else { break };
+            self.credit[1] -= char_cost;
+            self.outgoing.push_back(frame);
+        }
+        // An idle line saves nothing up.
+        self.credit = self.credit.map(|credit| credit.min(char_cost));
         self.steer(&settings);
-        fault
+        let is_reading = matches!(self.flow, Flow::Reading | Flow::Stopped { .. }) && !self.tape.has_ended();
+        fault.or((is_reading && !self.is_ready).then_some(Fault::alarm(Alarm::NotReady, 0)))
     }
 
     /// Whether nothing can come any more: a program in memory, read to its last line.
@@ -159,60 +175,83 @@ impl DncPort {
         self.settings.is_none() && self.blocks == 0
     }
 
-    /// The next complete line, without its line end.
-    pub fn take_line(&mut self) -> Option<Vec<u8>> {
+    /// The next complete block.
+    pub fn take_block(&mut self) -> Option<Received> {
         if self.blocks == 0 {
             return None;
         }
+        let tape = &self.tape;
+        let code = tape.code().unwrap_or(Code::Ascii);
+        let end = self.buffer.iter().position(|&frame| code.ends_block(frame))?;
         self.blocks -= 1;
-        let end = self.buffer.iter().position(|&byte| byte == b'\n')?;
-        let mut line: Vec<u8> = self.buffer.drain(..=end).collect();
-        line.pop();
-        line.retain(|&byte| byte != b'\r');
-        Some(line)
+        let frames: Vec<u8> = self.buffer.drain(..=end).collect();
+        Some(self.tape.read(&frames))
     }
 
-    /// Stops reading for good.
+    /// Stops reading: program end or alarm.
     pub fn close(&mut self) {
         if !matches!(self.flow, Flow::Closed) {
             self.flow = Flow::Closed;
             self.wire.clear();
             if self.settings.is_some() {
-                self.outgoing.push_back(DC3);
+                self.send(DC3);
             }
         }
     }
 
-    fn receive(&mut self, byte: u8) -> Option<Fault> {
-        self.counters.bytes += 1;
-        self.blocks += usize::from(byte == b'\n');
-        self.buffer.push_back(byte);
-        if let Flow::Stopped { since, excused } = &mut self.flow {
-            if *excused > 0 {
-                *excused -= 1;
-            } else {
-                *since += 1;
-                self.counters.max_bytes_after_xoff = self.counters.max_bytes_after_xoff.max(*since);
-                return (*since > AFTER_DC3_MAX).then_some(Fault::alarm(Alarm::BufferOverflow, 0));
-            }
+    /// Reset: stops reading and forgets what has come.
+    pub fn reset(&mut self) {
+        self.close();
+        self.punch.reset();
+        self.buffer.clear();
+        self.blocks = 0;
+    }
+
+    /// Cycle start after a reset: reads the next program.
+    pub fn restart(&mut self) {
+        if let (Some(settings), Flow::Closed) = (self.settings, &self.flow) {
+            self.tape = Tape::new(settings.tape);
+            self.flow = Flow::Silent;
         }
-        None
+    }
+
+    fn send(&mut self, control_code: u8) {
+        let is_ascii = self.settings.is_some_and(|settings| settings.tape.code == Some(Code::Ascii));
+        self.outgoing.push_back(if is_ascii { control_code } else { with_even_parity(control_code) });
+    }
+
+    fn receive(&mut self, arriving: Arriving, settings: &LineSettings) -> Option<Fault> {
+        let Arriving::Frame(frame) = arriving else { return Some(Fault::alarm(Alarm::LineError, 0)) };
+        if self.punch.take(without_parity(frame)) {
+            return None;
+        }
+        self.counters.bytes += 1;
+        self.blocks += usize::from(self.tape.watch(frame));
+        self.buffer.push_back(frame);
+        let Flow::Stopped { since, excused } = &mut self.flow else { return None };
+        if *excused > 0 {
+            *excused -= 1;
+            return None;
+        }
+        *since += 1;
+        self.counters.max_bytes_after_xoff = self.counters.max_bytes_after_xoff.max(*since);
+        (*since > settings.after_dc3_max).then_some(Fault::alarm(Alarm::BufferOverflow, 0))
     }
 
     fn steer(&mut self, settings: &LineSettings) {
         let free = settings.buffer.saturating_sub(self.buffer.len());
         match self.flow {
             Flow::Silent => {
-                self.outgoing.push_back(DC1);
+                self.send(DC1);
                 self.flow = Flow::Reading;
             }
             Flow::Reading if free < settings.xoff_below => {
-                self.outgoing.push_back(DC3);
+                self.send(DC3);
                 self.counters.xoff_count += 1;
                 self.flow = Flow::Stopped { since: 0, excused: 0 };
             }
             Flow::Stopped { .. } if free > settings.xon_above => {
-                self.outgoing.push_back(DC1);
+                self.send(DC1);
                 self.flow = Flow::Reading;
             }
             Flow::Reading | Flow::Stopped { .. } | Flow::Closed => {}
@@ -223,15 +262,23 @@ impl DncPort {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::control::code::DC4;
+    use crate::control::line::SenderParity;
+    use crate::control::tape::TapeSettings;
 
     const MS: Micros = Micros(1_000);
 
-    fn port() -> DncPort {
-        DncPort::on_line(LineSettings { buffer: 64, xoff_below: 16, xon_above: 48, ..LineSettings::default() })
+    fn settings() -> LineSettings {
+        LineSettings { buffer: 64, xoff_below: 16, xon_above: 48, ..LineSettings::default() }
     }
 
     fn sent(port: &mut DncPort) -> Vec<u8> {
         std::iter::from_fn(|| port.poll_transmit()).collect()
+    }
+
+    /// Lets everything arrive; answers the faults.
+    fn arrive(port: &mut DncPort) -> Vec<Fault> {
+        std::iter::from_fn(|| (port.on_wire() > 0).then(|| port.step(MS))).flatten().collect()
     }
 
     #[test]
@@ -247,39 +294,125 @@ mod tests {
 
     #[test]
     fn it_asks_stops_and_asks_again() {
-        let mut port = port();
+        let mut port = DncPort::on_line(settings());
         port.step(MS);
         assert_eq!(sent(&mut port), [DC1]);
         port.on_bytes(b"G1X1.\nG1X2.\nG1X3.\nG1X4.\nG1X5.\nG1X6.\nG1X7.\nG1X8.\nG");
-        while port.on_wire() > 0 {
-            assert_eq!(port.step(MS), None);
-        }
+        assert_eq!(arrive(&mut port), []);
         assert_eq!(sent(&mut port), [DC3]);
-        while port.take_line().is_some() {}
+        while port.take_block().is_some() {}
         port.step(MS);
         assert_eq!(sent(&mut port), [DC1]);
     }
 
     #[test]
     fn ten_characters_after_dc3_are_taken_and_the_eleventh_is_an_alarm() {
-        let mut port = port();
+        let mut port = DncPort::on_line(settings());
         port.on_bytes(&[b'X'; 49]);
-        while port.on_wire() > 0 {
-            port.step(MS);
-        }
+        arrive(&mut port);
         assert!(sent(&mut port).contains(&DC3));
         port.on_bytes(&[b'X'; 11]);
-        let faults: Vec<Fault> = std::iter::from_fn(|| (port.on_wire() > 0).then(|| port.step(MS))).flatten().collect();
-        assert_eq!(faults, [Fault::alarm(Alarm::BufferOverflow, 0)]);
+        assert_eq!(arrive(&mut port), [Fault::alarm(Alarm::BufferOverflow, 0)]);
         assert_eq!(port.counters().max_bytes_after_xoff, 11);
     }
 
     #[test]
-    fn lines_lose_their_ends_and_nothing_else() {
+    fn the_tenth_character_after_dc3_arrives_when_the_baud_rate_says() {
+        // Ten characters of 11 bits: 22.9, 11.5, 5.7, 2.9 and 0.95 ms.
+        for (baudrate, budget_us) in
+            [(4_800, 22_917), (9_600, 11_458), (19_200, 5_729), (38_400, 2_865), (115_200, 955)]
+        {
+            let step = Micros(10);
+            let mut port = DncPort::on_line(LineSettings { baudrate, ..settings() });
+            port.on_bytes(&[b'X'; 60]);
+            let (mut now, mut dc3_at) = (0, None);
+            let tenth_at = loop {
+                assert_eq!(port.step(step), None);
+                now += step.0;
+                if sent(&mut port).contains(&DC3) {
+                    dc3_at = Some(now);
+                }
+                if port.counters().max_bytes_after_xoff == 10 {
+                    break now;
+                }
+            };
+            let budget = tenth_at - dc3_at.expect("the buffer filled before");
+            assert!(u64::abs_diff(budget, budget_us) <= step.0, "{baudrate}: {budget} us");
+        }
+    }
+
+    #[test]
+    fn a_sender_without_parity_sees_dc3_with_its_parity_bit() {
+        let mut port = DncPort::on_line(LineSettings { sender: SenderParity::None, ..settings() });
+        port.step(MS);
+        port.close();
+        assert_eq!(sent(&mut port), [0x11, 0x93]);
+    }
+
+    #[test]
+    fn noise_is_alarm_85_and_a_sender_that_goes_away_86() {
+        let mut port = DncPort::on_line(settings());
+        port.on_bytes(b"%\nG1");
+        port.on_framing_error();
+        assert_eq!(arrive(&mut port), [Fault::alarm(Alarm::LineError, 0)]);
+        port.set_ready(false);
+        assert_eq!(port.step(MS), Some(Fault::alarm(Alarm::NotReady, 0)));
+        port.close();
+        assert_eq!(port.step(MS), None);
+    }
+
+    #[test]
+    fn a_sender_may_go_when_its_program_is_out() {
+        let mut port = DncPort::on_line(settings());
+        port.on_bytes(b"%\nM30\n%");
+        arrive(&mut port);
+        port.set_ready(false);
+        assert_eq!(port.step(MS), None);
+    }
+
+    #[test]
+    fn after_a_reset_the_next_program_is_read_from_its_label() {
+        let mut port = DncPort::on_line(settings());
+        port.on_bytes(b"%\nG1X1.\nG1");
+        arrive(&mut port);
+        port.reset();
+        port.on_bytes(b"X2.\n");
+        assert_eq!((port.take_block(), port.on_wire()), (None, 0));
+        port.restart();
+        port.step(MS);
+        assert_eq!(sent(&mut port), [DC1, DC3, DC1]);
+        port.on_bytes(b"%\nG0\n");
+        arrive(&mut port);
+        assert_eq!(port.take_block(), Some(Received::Label { has_mark: true }));
+        assert_eq!(port.take_block(), Some(Received::Block(b"G0".into())));
+    }
+
+    #[test]
+    fn what_the_control_prints_goes_out_at_line_rate() {
+        let mut port = DncPort::on_line(settings());
+        port.step(MS);
+        sent(&mut port);
+        let code = port.code();
+        port.punch().open();
+        port.punch().print(b"X1.5", code);
+        port.punch().close();
+        // 9.6 bits a step and 11 a character: six characters in eight steps (one was idle), seven in nine.
+        assert!((0..7).all(|_| port.step(MS).is_none()));
+        assert_eq!(sent(&mut port), b"\x12X1.5\n");
+        port.step(MS);
+        assert_eq!(sent(&mut port), [DC4]);
+    }
+
+    #[test]
+    fn a_program_in_memory_needs_no_label_and_no_parity() {
         let mut port = DncPort::from_memory(b"%\r\nN10 G1\n\nM30");
-        assert_eq!(port.take_line().as_deref(), Some(b"%".as_slice()));
-        assert_eq!(port.take_line().as_deref(), Some(b"N10 G1".as_slice()));
-        assert_eq!(port.take_line().as_deref(), Some(b"".as_slice()));
-        assert_eq!(port.take_line(), None);
+        let block = |text: &str| Some(Received::Block(text.into()));
+        assert_eq!((port.take_block(), port.take_block(), port.take_block()), (block("%"), block("N10 G1"), block("")));
+        assert_eq!(port.take_block(), None);
+        let unlabelled = TapeSettings { label_skip: false, ..TapeSettings::default() };
+        let mut port = DncPort::on_line(LineSettings { tape: unlabelled, ..settings() });
+        port.on_bytes(b"G0\n");
+        arrive(&mut port);
+        assert_eq!(port.take_block(), block("G0"));
     }
 }

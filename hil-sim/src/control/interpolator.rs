@@ -1,41 +1,29 @@
 //! Blocks to motion: look-ahead and execution at override-scaled feed under acceleration limits.
 //!
-//! One trapezoid along the path, also of a helix, where the feed counts in the plane of its arc. The speed at a corner is such that no axis jumps by more than the permitted speed
-//! difference, and low enough for everything that is queued behind it to be stopped in time. What is not queued yet
-//! counts as a stop.
+//! One trapezoid along the path, also of a helix, where the feed counts in the plane of its arc. The speed at a corner is
+//! such that no axis jumps by more than the permitted speed difference, and low enough for everything that is queued
+//! behind it to be stopped in time. What is not queued yet counts as a stop. Feed hold, dry run and override change the
+//! speed wanted; how fast the axes follow is the acceleration's.
 //!
 //! Source: the corner rule is that of the 16i's look-ahead control (permissible speed difference, parameter 1783).
 
 use std::collections::VecDeque;
 
+use arcfeed_shared::machine::ArcClamp;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{MmPerMin, PERCENT, S_PER_MIN};
+use arcfeed_shared::units::{MmPerMin, S_PER_MIN};
 
+use super::dynamics::Dynamics;
+use super::feeds::{FeedConditions, speed_mm_per_s};
 use super::path::Travel;
 use super::reader::{Action, ReadBlock};
-
-/// What the axes can do. None of it is published for the machine of the source but the rapid rate: assumed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dynamics {
-    /// Acceleration along the path.
-    pub acceleration_mm_per_s2: f64,
-    /// Largest jump of an axis' speed at a corner.
-    pub corner_jump_mm_per_s: f64,
-    /// Speed at G0 (X of the HU80A-5X: 12 m/min).
-    pub rapid_mm_per_s: f64,
-}
-
-impl Default for Dynamics {
-    fn default() -> Self {
-        Dynamics { acceleration_mm_per_s2: 500.0, corner_jump_mm_per_s: 5.0, rapid_mm_per_s: 200.0 }
-    }
-}
 
 /// The interpolator's state.
 #[derive(Debug)]
 pub struct Interpolator {
     dynamics: Dynamics,
+    arc_clamp: Option<ArcClamp>,
     queue: VecDeque<Queued>,
     active: Option<Active>,
     position: Pose,
@@ -58,9 +46,10 @@ struct Active {
 
 impl Interpolator {
     /// At rest at the origin, nothing queued.
-    pub fn new(dynamics: Dynamics) -> Self {
+    pub fn new(dynamics: Dynamics, arc_clamp: Option<ArcClamp>) -> Self {
         Interpolator {
             dynamics,
+            arc_clamp,
             queue: VecDeque::new(),
             active: None,
             position: Pose::default(),
@@ -97,17 +86,17 @@ impl Interpolator {
     }
 
     /// Moves on for `dt_s` or to the end of the block; answers the time left over.
-    pub fn advance(&mut self, dt_s: f64, override_percent: u8, held: bool) -> f64 {
-        let exit_mm_per_s = self.exit_speed(override_percent);
+    pub fn advance(&mut self, dt_s: f64, conditions: &FeedConditions) -> f64 {
+        let exit_mm_per_s = if conditions.stops_at_block_end { 0.0 } else { self.exit_speed(conditions) };
         let Some(active) = &mut self.active else {
             self.speed_mm_per_s = 0.0;
             self.commanded = MmPerMin(0.0);
             return 0.0;
         };
-        let wanted = commanded_mm_per_s(&active.travel, override_percent, &self.dynamics);
+        let wanted = speed_mm_per_s(&active.travel, conditions, self.arc_clamp.as_ref(), self.dynamics.rapid_mm_per_s);
         let feed = active.travel.speed_mm_per_s().map_or(0.0, |_| wanted / active.travel.speed_ratio);
         self.commanded = MmPerMin((feed * S_PER_MIN) as f32);
-        let target = if held { 0.0 } else { wanted };
+        let target = if conditions.holds { 0.0 } else { wanted };
         let left_mm = active.travel.length_mm - active.done_mm;
         let acceleration = self.dynamics.acceleration_mm_per_s2;
         let speed = self.speed_mm_per_s;
@@ -116,7 +105,7 @@ impl Interpolator {
             .min(braking_speed(speed, exit_mm_per_s, left_mm, acceleration, dt_s))
             .max(0.0);
         let step_mm = 0.5 * (speed + reached) * dt_s;
-        let creeps = !held && reached < acceleration * dt_s && left_mm < acceleration * dt_s * dt_s;
+        let creeps = !conditions.holds && reached < acceleration * dt_s && left_mm < acceleration * dt_s * dt_s;
         if step_mm < left_mm && !creeps {
             active.done_mm += step_mm;
             self.speed_mm_per_s = reached;
@@ -140,7 +129,7 @@ impl Interpolator {
         self.active.as_ref().map(|active| (active.count, &active.travel.segment))
     }
 
-    /// Programmed feed times override of the active move; of a helix, along its arc in the plane.
+    /// The feed of the active move with override, dry run and clamp; of a helix, along its arc in the plane.
     pub fn commanded(&self) -> MmPerMin {
         self.commanded
     }
@@ -150,13 +139,30 @@ impl Interpolator {
         self.active.is_none()
     }
 
+    /// Forgets what is queued and what is active: after a reset, with the axes at rest.
+    pub fn clear(&mut self) {
+        self.queue.clear();
+        self.active = None;
+        self.speed_mm_per_s = 0.0;
+    }
+
+    /// Whether the axes are slow enough to stop with a jump that they are permitted.
+    pub fn may_stop(&self) -> bool {
+        self.speed_mm_per_s <= self.dynamics.corner_jump_mm_per_s
+    }
+
+    /// Speed along the path.
+    pub fn speed_mm_per_s(&self) -> f64 {
+        self.speed_mm_per_s
+    }
+
     /// Whether the axes rest.
     pub fn is_at_rest(&self) -> bool {
         self.speed_mm_per_s == 0.0
     }
 
     /// The speed the active move may end with: from the last queued move backwards to it.
-    fn exit_speed(&self, override_percent: u8) -> f64 {
+    fn exit_speed(&self, conditions: &FeedConditions) -> f64 {
         let Some(active) = &self.active else { return 0.0 };
         let flows = |queued: &&Queued| matches!(queued.block.action, Action::Move(_, None) | Action::Nothing);
         let ahead: Vec<&Travel> =
@@ -167,7 +173,7 @@ impl Interpolator {
             let before = index.checked_sub(1).map_or(&active.travel, |before| ahead[before]);
             speed = libm::sqrt(speed * speed + 2.0 * acceleration * travel.length_mm)
                 .min(self.corner_speed(before, travel))
-                .min(commanded_mm_per_s(travel, override_percent, &self.dynamics));
+                .min(speed_mm_per_s(travel, conditions, self.arc_clamp.as_ref(), self.dynamics.rapid_mm_per_s));
         }
         speed
     }
@@ -175,14 +181,6 @@ impl Interpolator {
     fn corner_speed(&self, before: &Travel, after: &Travel) -> f64 {
         let jump = (after.direction_in() - before.direction_out()).amax();
         if jump > 0.0 { self.dynamics.corner_jump_mm_per_s / jump } else { f64::INFINITY }
-    }
-}
-
-/// Along the path.
-fn commanded_mm_per_s(travel: &Travel, override_percent: u8, dynamics: &Dynamics) -> f64 {
-    match travel.speed_mm_per_s() {
-        Some(speed) => (speed * f64::from(override_percent) / f64::from(PERCENT)).min(dynamics.rapid_mm_per_s),
-        None => dynamics.rapid_mm_per_s,
     }
 }
 

@@ -1,57 +1,55 @@
-//! A Fanuc-like control in DNC operation: bytes in, axis positions out.
+//! A Fanuc-like control in DNC or memory operation: bytes in, axis positions out.
 //!
-//! Modelled: the serial line with XON/XOFF and its buffer, reading ahead, execution of blocks at override-scaled feed
-//! under acceleration limits, alarms. Not modelled here: drives (positions are as commanded), parity and code checks.
+//! Modelled: the reader/punch interface with its codes, checks and flow control, reading ahead and what it costs, the
+//! operator's panel, execution of blocks at override-scaled feed under acceleration limits, alarms. Not modelled here:
+//! drives (positions are as commanded). All settings: docs/control.md.
+
+pub mod code;
+
+pub mod tape;
+
+pub mod line;
+
+pub mod punch;
 
 pub mod dnc_port;
 
-pub mod reader;
+pub mod signals;
 
 pub mod path;
 
+pub mod feeds;
+
+pub mod dynamics;
+
+pub mod settings;
+
+pub mod reader;
+
+pub mod search;
+
 pub mod interpolator;
+
+mod panel;
 
 use std::collections::VecDeque;
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{LengthUnit, Micros, MmPerMin, US_PER_MS};
+use arcfeed_shared::units::{Micros, MmPerMin, US_PER_MS};
 
-use dnc_port::{DncPort, LineCounters, LineSettings};
-use interpolator::{Dynamics, Interpolator};
+use dnc_port::DncPort;
+use feeds::FeedConditions;
+use interpolator::Interpolator;
+use line::LineCounters;
+use panel::Phase;
 use reader::{Action, BlockReader};
+use search::{Approach, Found, Search};
+use signals::FeedOverrideLines;
+use tape::Received;
 
-/// Settings of the control; values marked assumed are published nowhere for the machine of the source.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ControlSettings {
-    /// Unit at power-on.
-    pub unit: LengthUnit,
-    /// The serial line.
-    pub line: LineSettings,
-    /// Blocks read ahead of the one being executed.
-    pub look_ahead: usize,
-    /// What the axes can do.
-    pub dynamics: Dynamics,
-    /// Steps from the override input to its effect: the scan of the machine's ladder (8 ms, assumed).
-    pub ladder_delay_steps: usize,
-    /// How long after M0 the simulated operator presses cycle start.
-    pub operator_restart: Micros,
-}
-
-impl ControlSettings {
-    /// A 16i-like control on a mid-size five-axis machine.
-    pub fn fanuc_16i(unit: LengthUnit) -> Self {
-        ControlSettings {
-            unit,
-            line: LineSettings::default(),
-            look_ahead: 15,
-            dynamics: Dynamics::default(),
-            ladder_delay_steps: 8,
-            operator_restart: Micros::from_ms(1_000),
-        }
-    }
-}
+pub use settings::{ControlSettings, Preset, Switches};
 
 /// Why the control stopped before the end of its program.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,15 +64,24 @@ pub struct AlarmRecord {
 #[derive(Debug)]
 pub struct Control {
     settings: ControlSettings,
+    is_in_dnc: bool,
+    switches: Switches,
     port: DncPort,
     reader: BlockReader,
+    /// What of the time for reading ahead is not used up.
+    reading_time: Micros,
+    reads_no_further: bool,
+    search: Option<Search>,
     interpolator: Interpolator,
-    waits_until: Option<Micros>,
+    phase: Phase,
+    dwell_left: Micros,
     after_move: Option<Stop>,
+    halts_after: bool,
     alarm: Option<AlarmRecord>,
     ended: bool,
     held: bool,
     executed: Vec<Vec<u8>>,
+    taken: usize,
     starved_ms: u64,
     has_moved: bool,
     ladder: VecDeque<u8>,
@@ -84,26 +91,34 @@ pub struct Control {
 impl Control {
     /// A control that reads its program from the DNC line.
     pub fn on_line(settings: ControlSettings) -> Self {
-        Control::new(settings, DncPort::on_line(settings.line))
+        Control::new(settings, DncPort::on_line(settings.line), true)
     }
 
     /// A control that has the whole program in its memory.
     pub fn from_memory(settings: ControlSettings, program: &[u8]) -> Self {
-        Control::new(settings, DncPort::from_memory(program))
+        Control::new(settings, DncPort::from_memory(program), false)
     }
 
-    fn new(settings: ControlSettings, port: DncPort) -> Self {
+    fn new(settings: ControlSettings, port: DncPort, is_in_dnc: bool) -> Self {
         Control {
             settings,
+            is_in_dnc,
+            switches: settings.switches,
             port,
-            reader: BlockReader::new(settings.unit),
-            interpolator: Interpolator::new(settings.dynamics),
-            waits_until: None,
+            reader: BlockReader::new(settings.unit, settings.reading, is_in_dnc),
+            reading_time: read_before_start(&settings),
+            reads_no_further: false,
+            search: None,
+            interpolator: Interpolator::new(settings.dynamics, settings.arc_clamp),
+            phase: Phase::Running,
+            dwell_left: Micros(0),
             after_move: None,
+            halts_after: false,
             alarm: None,
             ended: false,
             held: false,
             executed: Vec::new(),
+            taken: 0,
             starved_ms: 0,
             has_moved: false,
             ladder: VecDeque::new(),
@@ -126,38 +141,47 @@ impl Control {
         self.port.has_to_say()
     }
 
-    /// Feed hold: the axes come to rest and stay there.
-    pub fn hold(&mut self) {
-        self.held = true;
-    }
-
-    /// Whether feed hold is on.
-    pub fn is_held(&self) -> bool {
-        self.held
-    }
-
     /// One interpolation period; `override_percent` is what stands at the override input.
     pub fn step(&mut self, now: Micros, dt: Micros, override_percent: u8) {
         if let Some(fault) = self.port.step(dt) {
             self.stop_with(AlarmRecord { line: self.reader.line(), fault });
         }
-        self.override_percent = self.through_ladder(override_percent);
-        self.read_ahead();
+        let lines = FeedOverrideLines::of_percent(override_percent);
+        self.override_percent = self.through_ladder(lines.effective_percent(self.switches.override_cancel));
+        self.operate(now);
+        self.read_ahead(dt);
+        self.dwell(dt);
         let mut left_s = dt.to_s();
         while left_s > 0.0 {
             self.start_next(now);
-            left_s = self.interpolator.advance(left_s, self.override_percent, self.held || self.is_over());
+            left_s = self.interpolator.advance(left_s, &self.conditions());
         }
-        let waits = self.waits_until.is_some() || self.is_over();
-        if self.interpolator.is_idle() && self.interpolator.queued() == 0 && !waits && self.port.is_exhausted() {
-            self.stop_with(AlarmRecord { line: self.reader.line(), fault: Fault::alarm(Alarm::EndOfRecord, 0) });
-        }
-        let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0;
-        if has_nothing && !waits && self.has_moved {
-            self.starved_ms += dt.0 / US_PER_MS;
-        }
+        self.look_for_the_end(dt);
         if self.is_over() {
             self.port.close();
+        }
+    }
+
+    fn conditions(&self) -> FeedConditions {
+        FeedConditions {
+            override_percent: self.override_percent,
+            dry_run: self.switches.dry_run.then_some(self.settings.dry_run_feed),
+            holds: self.held || self.is_over() || self.phase == Phase::Resetting,
+            stops_at_block_end: self.switches.single_block,
+        }
+    }
+
+    fn look_for_the_end(&mut self, dt: Micros) {
+        let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0;
+        if !has_nothing || self.phase != Phase::Running || self.dwell_left > Micros(0) || self.is_over() {
+            return;
+        }
+        if self.port.is_exhausted() {
+            let alarm = if self.search.is_some() { Alarm::SequenceNotFound } else { Alarm::EndOfRecord };
+            self.stop_with(AlarmRecord { line: self.reader.line(), fault: Fault::alarm(alarm, 0) });
+        }
+        if self.has_moved {
+            self.starved_ms += dt.0 / US_PER_MS;
         }
     }
 
@@ -180,9 +204,14 @@ impl Control {
         self.interpolator.active()
     }
 
-    /// Programmed feed times override of the active move; zero at rapid and at rest.
+    /// The feed of the active move with its override; zero at rapid and at rest.
     pub fn commanded(&self) -> MmPerMin {
         self.interpolator.commanded()
+    }
+
+    /// Speed along the path, mm/s.
+    pub fn speed_mm_per_s(&self) -> f64 {
+        self.interpolator.speed_mm_per_s()
     }
 
     /// The override in effect, %.
@@ -193,6 +222,11 @@ impl Control {
     /// Blocks executed, byte for byte as received, without their line ends.
     pub fn executed(&self) -> &[Vec<u8>] {
         &self.executed
+    }
+
+    /// Blocks read ahead.
+    pub fn queued(&self) -> usize {
+        self.interpolator.queued()
     }
 
     /// The alarm that stopped it.
@@ -224,39 +258,86 @@ impl Control {
         self.alarm.get_or_insert(alarm);
     }
 
-    /// Fills the look-ahead. A block with a fault stops the control when its turn comes, not when it is read.
-    fn read_ahead(&mut self) {
-        while self.interpolator.queued() < self.settings.look_ahead {
-            let Some(text) = self.port.take_line() else { return };
-            if let Some(block) = self.reader.read(text) {
+    /// Fills the look-ahead, up to a block behind which nothing is read before it is executed. A block with a fault stops
+    /// the control when its turn comes, not when it is read.
+    fn read_ahead(&mut self, dt: Micros) {
+        let cost = self.settings.block_processing;
+        self.reading_time = self.reading_time.after(dt);
+        while self.interpolator.queued() < self.settings.look_ahead
+            && self.reading_time >= cost
+            && !self.reads_no_further
+            && self.phase == Phase::Running
+        {
+            let Some(received) = self.port.take_block() else { break };
+            self.reading_time = self.reading_time.since(cost);
+            let blocks = match self.search {
+                None => self.reader.read(received, &self.switches).into_iter().collect(),
+                Some(search) => self.searched(search, received),
+            };
+            for block in blocks {
+                self.reads_no_further = block.action.stops_reading();
                 self.interpolator.queue(block);
             }
+        }
+        // An idle reader has one block's time saved up when the next step comes, and no more.
+        if self.has_moved && self.reading_time >= cost {
+            self.reading_time = cost.since(dt);
+        }
+    }
+
+    /// What a search makes of the next block: blocks to execute once it has come to its end.
+    fn searched(&mut self, search: Search, received: Received) -> Vec<reader::ReadBlock> {
+        let approach = Approach { stands: self.interpolator.position(), feed: self.settings.dry_run_feed };
+        match search.look(received, &mut self.reader, &self.switches, &approach) {
+            Found::NotYet => Vec::new(),
+            Found::Here(blocks) => {
+                self.search = None;
+                blocks
+            }
+            Found::Never(fault) => {
+                self.search = None;
+                vec![fault]
+            }
+        }
+    }
+
+    fn dwell(&mut self, dt: Micros) {
+        if !self.held {
+            self.dwell_left = self.dwell_left.since(dt);
         }
     }
 
     /// Takes up what is next: blocks that take no time, up to a move or a wait.
     fn start_next(&mut self, now: Micros) {
-        if !self.interpolator.is_idle() || self.waits_until.is_some_and(|until| now < until) {
+        if !self.interpolator.is_idle() || self.dwell_left > Micros(0) || self.is_over() {
             return;
         }
-        self.waits_until = None;
         if let Some(stop) = self.after_move.take() {
             self.go_on(stop, now);
         }
-        while self.waits_until.is_none() && !self.is_over() {
-            let Some(block) = self.interpolator.take_next(self.executed.len()) else { return };
+        while self.phase == Phase::Running && self.dwell_left == Micros(0) && !self.is_over() {
+            let is_halt = self.switches.single_block && self.interpolator.may_stop();
+            if std::mem::take(&mut self.halts_after) && is_halt {
+                self.phase = Phase::Stopped { since: now };
+                return;
+            }
+            let Some(block) = self.interpolator.take_next(self.taken) else { return };
             if let Action::Fault(fault) = block.action {
                 self.stop_with(AlarmRecord { line: block.line, fault });
                 return;
             }
-            self.executed.push(block.text);
+            self.taken += 1;
+            self.halts_after = block.is_halt_of_single_block();
+            if !block.text.is_empty() {
+                self.executed.push(block.text);
+            }
             match block.action {
                 Action::Move(_, stop) => {
                     self.after_move = stop;
                     self.has_moved = true;
                     return;
                 }
-                Action::Dwell(span) => self.waits_until = Some(now.after(span)),
+                Action::Dwell(span) => self.dwell_left = span,
                 Action::Stop(stop) => self.go_on(stop, now),
                 Action::Nothing | Action::Auxiliary | Action::Fault(_) => {}
             }
@@ -264,13 +345,19 @@ impl Control {
     }
 
     fn go_on(&mut self, stop: Stop, now: Micros) {
+        self.reads_no_further = false;
         match stop {
-            Stop::Program => self.waits_until = Some(now.after(self.settings.operator_restart)),
+            Stop::Optional if !self.switches.optional_stop => {}
+            Stop::Program | Stop::Optional => self.phase = Phase::Stopped { since: now },
             Stop::End => self.ended = true,
-            // The optional-stop switch is off.
-            Stop::Optional => {}
         }
+        self.halts_after &= self.phase == Phase::Running;
     }
+}
+
+/// The time for all blocks that are read ahead before the axes start.
+fn read_before_start(settings: &ControlSettings) -> Micros {
+    Micros(settings.block_processing.0.saturating_mul(settings.look_ahead as u64))
 }
 
 #[cfg(test)]

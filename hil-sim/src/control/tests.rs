@@ -1,7 +1,9 @@
 //! The control against closed forms: what an acceleration-limited machine must do.
 
+use super::dynamics::Dynamics;
 use super::*;
-use arcfeed_shared::units::S_PER_MIN;
+use arcfeed_shared::machine::ArcClamp;
+use arcfeed_shared::units::{LengthUnit, Mm, Nm, S_PER_MIN};
 
 const STEP: Micros = Micros::from_ms(1);
 
@@ -104,4 +106,256 @@ fn the_override_takes_effect_one_ladder_scan_late() {
         .collect();
     let first = seen.iter().position(|percent| *percent == 150);
     assert_eq!(first, Some(5 + settings.ladder_delay_steps));
+}
+
+/// A control in millimetres with nobody to press cycle start.
+fn alone(program: &str, switches: Switches) -> Control {
+    let settings = ControlSettings::fanuc_16i(LengthUnit::Mm);
+    Control::from_memory(ControlSettings { operator_restart: None, switches, ..settings }, program.as_bytes())
+}
+
+/// Steps until `is_done`; answers the time it took in milliseconds.
+fn until(control: &mut Control, now: &mut Micros, is_done: impl Fn(&Control) -> bool) -> u64 {
+    let from = *now;
+    while !is_done(control) {
+        *now = now.after(STEP);
+        control.step(*now, STEP, 100);
+        assert!(now.since(from) < Micros::from_ms(100_000));
+    }
+    now.since(from).0 / US_PER_MS
+}
+
+fn x_mm(control: &Control) -> f64 {
+    control.position().linear[0].to_mm()
+}
+
+#[test]
+fn feed_hold_brakes_with_the_axes_acceleration_and_cycle_start_goes_on() {
+    let mut control = alone("G1X100.F6000\nM30\n", Switches::default());
+    let mut now = Micros(0);
+    until(&mut control, &mut now, |control| x_mm(control) > 30.0);
+    let from_mm = x_mm(&control);
+    control.hold();
+    let braking_ms = until(&mut control, &mut now, Control::is_at_rest);
+    // v^2 / 2a = 100^2 / 1000 = 10 mm in v / a = 200 ms.
+    assert!((x_mm(&control) - from_mm - 10.0).abs() < 1e-6, "{}", x_mm(&control) - from_mm);
+    assert_eq!(braking_ms, 200);
+    assert_eq!(control.executed().len(), 1);
+    control.cycle_start();
+    until(&mut control, &mut now, Control::is_over);
+    assert_eq!(x_mm(&control), 100.0);
+}
+
+#[test]
+fn feed_hold_stops_a_dwell() {
+    let mut control = alone("G4P500\nM30\n", Switches::default());
+    let mut now = Micros(0);
+    let mut step = |control: &mut Control| {
+        now = now.after(STEP);
+        control.step(now, STEP, 100);
+    };
+    (0..200).for_each(|_| step(&mut control));
+    control.hold();
+    (0..1_000).for_each(|_| step(&mut control));
+    assert!(!control.is_over());
+    control.cycle_start();
+    let left = (0..).find(|_| {
+        step(&mut control);
+        control.is_over()
+    });
+    // 500 ms, of which the first step begins the dwell and 199 passed before feed hold.
+    assert_eq!(left, Some(300));
+}
+
+#[test]
+fn single_block_waits_after_each_block_and_comments_are_none() {
+    let switches = Switches { single_block: true, ..Switches::default() };
+    let mut control = alone("(NOTE)\nG90\nG1X10.F6000\nX20.\nM30\n", switches);
+    let mut now = Micros(0);
+    for (blocks, x) in [(2, 0.0), (3, 10.0), (4, 20.0)] {
+        until(&mut control, &mut now, Control::is_stopped);
+        assert_eq!((control.executed().len(), x_mm(&control), control.is_at_rest()), (blocks, x, true));
+        control.cycle_start();
+    }
+    until(&mut control, &mut now, Control::is_over);
+}
+
+#[test]
+fn m01_stops_where_its_switch_is_on() {
+    for optional_stop in [false, true] {
+        let switches = Switches { optional_stop, ..Switches::default() };
+        let mut control = alone("G1X1.F600\nM1\nX2.\nM30\n", switches);
+        until(&mut control, &mut Micros(0), |control| control.is_stopped() || control.is_over());
+        assert_eq!((control.is_stopped(), x_mm(&control)), if optional_stop { (true, 1.0) } else { (false, 2.0) });
+    }
+}
+
+#[test]
+fn block_delete_counts_when_a_block_is_read_and_m0_stops_reading() {
+    let program = "G1X1.F600\n/X5.\nM0\n/X7.\nM30\n";
+    let mut control = alone(program, Switches::default());
+    let mut now = Micros(0);
+    until(&mut control, &mut now, |control| control.queued() > 0);
+    // Too late for the first, which is read; the second is not read before M0 is done.
+    control.switches_mut().block_delete = 1;
+    until(&mut control, &mut now, Control::is_stopped);
+    assert_eq!(x_mm(&control), 5.0);
+    control.cycle_start();
+    until(&mut control, &mut now, Control::is_over);
+    assert_eq!((x_mm(&control), control.has_ended()), (5.0, true));
+}
+
+#[test]
+fn dry_run_takes_its_own_feed_and_no_override() {
+    let mut control = alone("G1X100.F100\nM30\n", Switches { dry_run: true, ..Switches::default() });
+    let took_s = until(&mut control, &mut Micros(0), Control::is_over) as f64 / 1e3;
+    close(took_s, time_s(100.0, 2_000.0 / S_PER_MIN));
+}
+
+#[test]
+fn a_cancelled_override_is_100_percent() {
+    let mut control = alone("G1X100.F6000\nM30\n", Switches { override_cancel: true, ..Switches::default() });
+    control.step(STEP, STEP, 10);
+    (2..300).for_each(|ms| control.step(Micros::from_ms(ms), STEP, 10));
+    assert_eq!((control.override_percent(), control.commanded()), (100, MmPerMin(6_000.0)));
+}
+
+#[test]
+fn an_arc_is_clamped_to_the_root_of_its_radius() {
+    // V = 3000 mm/min at R = 5 mm: at 1.25 mm half of it, at 5 mm all of it, and never more than F.
+    let clamp = ArcClamp { feed: MmPerMin(3_000.0), radius: Mm(5.0), floor: MmPerMin(100.0) };
+    for (radius, override_percent, feed) in [(1.25, 100, 1_500.0), (5.0, 200, 3_000.0), (20.0, 100, 2_000.0)] {
+        let settings = ControlSettings { arc_clamp: Some(clamp), ..ControlSettings::fanuc_16i(LengthUnit::Mm) };
+        let program = format!("G1X0F2000\nG2X0Y0I{radius:?}\nM30\n");
+        let mut control = Control::from_memory(settings, program.as_bytes());
+        let mut fastest = 0.0_f32;
+        for ms in 1..20_000 {
+            control.step(Micros::from_ms(ms), STEP, override_percent);
+            fastest = fastest.max(control.commanded().0);
+        }
+        assert!(control.has_ended() && (fastest - feed).abs() < 0.01, "{radius}: {fastest}");
+    }
+}
+
+#[test]
+fn reset_stops_the_axes_and_cycle_start_reads_from_the_label() {
+    let mut control = Control::on_line(ControlSettings::fanuc_16i(LengthUnit::Mm));
+    let mut now = Micros(0);
+    control.port().on_bytes(b"%\nG1X100.F6000\nX200.\n");
+    until(&mut control, &mut now, |control| x_mm(control) > 30.0);
+    let from_mm = x_mm(&control);
+    control.reset();
+    until(&mut control, &mut now, Control::is_ready);
+    let stands_mm = x_mm(&control);
+    assert!((stands_mm - from_mm - 10.0).abs() < 1e-6);
+    control.cycle_start();
+    control.port().on_bytes(b"%\nG91G1X5.F6000\nM30\n%");
+    until(&mut control, &mut now, Control::is_over);
+    assert!(control.has_ended() && (x_mm(&control) - stands_mm - 5.0).abs() < 1e-9, "{:?}", control.alarm());
+}
+
+#[test]
+fn a_restart_meets_the_modal_state_and_the_place_it_would_have_met() {
+    let program = "N1G90G1X10.Y20.F600\nN2G91X5.\nN3Y5.\nN4X1.\nM30\n";
+    let end = |search: Option<Search>| {
+        let mut control = alone(program, Switches::default());
+        if let Some(search) = search {
+            control.search(search);
+        }
+        until(&mut control, &mut Micros(0), Control::is_over);
+        let [x, y, _] = control.position().linear.map(Nm::to_mm);
+        (x, y, control.executed().len(), control.alarm().map(|alarm| alarm.fault))
+    };
+    assert_eq!(end(None), (16.0, 25.0, 5, None));
+    assert_eq!(end(Some(Search::Restart(3))), (16.0, 25.0, 3, None));
+    // A search knows neither G91 nor F: N3 has no feed, and G0 from power-on needs none.
+    assert_eq!(end(Some(Search::Sequence(3))), (1.0, 5.0, 3, None));
+    for search in [Search::Restart(9), Search::Sequence(9)] {
+        assert_eq!(end(Some(search)).3, Some(Fault::alarm(Alarm::SequenceNotFound, 0)));
+    }
+}
+
+#[test]
+fn a_restart_moves_one_axis_after_the_other_at_the_dry_run_feed() {
+    let mut control = alone("N1G1X100.Y50.F60\nN2X101.\nM30\n", Switches::default());
+    control.search(Search::Restart(2));
+    let mut now = Micros(0);
+    let took_ms = until(&mut control, &mut now, |control| control.position().linear[1].to_mm() >= 50.0);
+    let speed = 2_000.0 / S_PER_MIN;
+    // The step in which Y arrives is also the first of N2.
+    assert!((x_mm(&control) - 100.0).abs() < 1e-3);
+    // Two moves, each from rest to nearly rest: the corner may keep its jump.
+    let longest = time_s(100.0, speed) + time_s(50.0, speed);
+    assert!((longest - 0.1..=longest + 0.02).contains(&(took_ms as f64 / 1e3)), "{took_ms}");
+}
+
+#[test]
+fn blocks_shorter_than_their_processing_set_the_feed() {
+    // 0.05 mm in 2 ms: 25 mm/s, where F asks for 50.
+    let program: String = (1..=400).map(|block| format!("G1X{:.2}F3000\n", 0.05 * f64::from(block))).collect();
+    let mut control = alone(&(program + "M30\n"), Switches::default());
+    let mut now = Micros(0);
+    until(&mut control, &mut now, |control| x_mm(control) >= 5.0);
+    let from_mm = x_mm(&control);
+    let took_ms = until(&mut control, &mut now, |control| x_mm(control) >= 15.0);
+    let speed = (x_mm(&control) - from_mm) / (took_ms as f64 / 1e3);
+    assert!(speed <= 25.5 && speed > 20.0, "{speed} mm/s");
+}
+
+#[test]
+fn a_jump_in_a_program_over_the_line_is_alarm_123() {
+    let mut control = Control::on_line(ControlSettings::fanuc_16i(LengthUnit::Mm));
+    control.port().on_bytes(b"%\nG90\nN5 GOTO 5\nM30\n%");
+    until(&mut control, &mut Micros(0), Control::is_over);
+    let alarm = control.alarm().expect("it cannot jump");
+    assert_eq!((alarm.line, alarm.fault), (3, Fault::alarm(Alarm::BranchInDnc, 0)));
+}
+
+/// A random number generator of 64 bits (xorshift), seeded.
+fn random(state: &mut u64) -> u64 {
+    *state ^= *state << 13;
+    *state ^= *state >> 7;
+    *state ^= *state << 17;
+    *state
+}
+
+#[test]
+fn whatever_comes_over_the_line_the_control_stops_or_goes_on() {
+    const PIECES: [&[u8]; 14] = [
+        b"%",
+        b"\n",
+        b"G1X1.F9.\n",
+        b"G2X0Y0I1.\n",
+        b"N9",
+        b"/",
+        b"(",
+        b"M0\n",
+        b"G4P9\n",
+        b"GOTO9\n",
+        b"\x80",
+        b"\x00",
+        b"\x13",
+        b"M30\n",
+    ];
+    for seed in 1..=300_u64 {
+        let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let preset = [Preset::Fanuc16i, Preset::Fanuc0i, Preset::Fanuc31i][seed as usize % 3];
+        let mut control = Control::on_line(preset.settings(LengthUnit::Mm));
+        for ms in 1..2_000 {
+            match random(&mut state) % 400 {
+                0 => control.reset(),
+                1 => control.hold(),
+                2..8 => control.cycle_start(),
+                8 => control.search(Search::Restart(9)),
+                9 => control.port().on_framing_error(),
+                10 => control.switches_mut().single_block ^= true,
+                11..40 => control.port().on_bytes(&[random(&mut state) as u8]),
+                40..120 => control.port().on_bytes(PIECES[random(&mut state) as usize % PIECES.len()]),
+                _ => {}
+            }
+            control.step(Micros::from_ms(ms), STEP, random(&mut state) as u8);
+            assert!(control.speed_mm_per_s().is_finite() && control.speed_mm_per_s() >= 0.0, "seed {seed}");
+            assert!(control.override_percent() <= 254, "seed {seed}");
+        }
+    }
 }

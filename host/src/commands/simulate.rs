@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use arcfeed_hil_sim::control::ControlSettings;
-use arcfeed_hil_sim::control::dnc_port::LineSettings;
+use arcfeed_hil_sim::control::code::Code;
+use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
+use arcfeed_hil_sim::control::tape::TapeSettings;
+use arcfeed_hil_sim::control::{ControlSettings, Preset};
 use arcfeed_hil_sim::cutting::meter::MoveChips;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::rig::{MoveOverride, Rig};
@@ -16,7 +18,7 @@ use arcfeed_shared::units::{LengthUnit, Micros, MmPerTooth};
 use super::adapt::{direction_word, rotation_word, side_word};
 use super::outcome::{Failure, load, say};
 use crate::adapt::adapt;
-use crate::job::{JobFile, SerialSettings};
+use crate::job::{ControlKind, JobFile, Parity, SerialSettings};
 use crate::program::Program;
 use crate::report::figures::{AlarmFigures, IptFigures, MovementFigures, OverrideFigures, RunReport};
 use crate::report::summary::Summary;
@@ -69,9 +71,31 @@ pub fn finish(report: &RunReport, json: bool, title: String) -> Result<(), Failu
 
 /// The settings of the job's control on the job's line.
 pub fn control_settings(file: &JobFile) -> ControlSettings {
-    let SerialSettings { baudrate, .. } = file.serial;
-    let line = LineSettings { baudrate, bits_per_char: file.serial.bits_per_char(), ..LineSettings::default() };
-    ControlSettings { line, ..ControlSettings::fanuc_16i(file.job.unit) }
+    let preset = match file.control {
+        ControlKind::Fanuc16i => Preset::Fanuc16i,
+        ControlKind::Fanuc0i => Preset::Fanuc0i,
+        ControlKind::Fanuc31i => Preset::Fanuc31i,
+    };
+    let settings = preset.settings(file.job.unit);
+    let (sender, code) = framing(&file.serial);
+    let line = LineSettings {
+        baudrate: file.serial.baudrate,
+        bits_per_char: file.serial.bits_per_char(),
+        sender,
+        tape: TapeSettings { code, ..settings.line.tape },
+        ..settings.line
+    };
+    ControlSettings { line, arc_clamp: file.job.machine.arc_clamp, ..settings }
+}
+
+/// What the job's line makes of a byte, and the code a control is set to on such a line: with seven bits and a parity bit
+/// ISO or EIA, otherwise ASCII.
+fn framing(serial: &SerialSettings) -> (SenderParity, Option<Code>) {
+    match (serial.bytesize, serial.parity) {
+        (7, Parity::Even) => (SenderParity::Even, None),
+        (7, Parity::Odd) => (SenderParity::Odd, None),
+        _ => (SenderParity::None, Some(Code::Ascii)),
+    }
 }
 
 /// Runs a program from the control's memory to its end.

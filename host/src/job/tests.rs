@@ -184,3 +184,15 @@ fn limits_that_make_no_sense_are_refused_where_they_stand() {
     assert!(with("max = 255").contains(":14:7: max must"));
     assert!(with("mode = \"rewrite-only\"").contains(":14:8: "));
 }
+
+#[test]
+fn the_control_is_one_of_three() {
+    let with = |preset: &str| parse(&format!("{}\n[control]\npreset = \"{preset}\"", JOB));
+    for (preset, control) in
+        [("fanuc-16i", ControlKind::Fanuc16i), ("fanuc-0i", ControlKind::Fanuc0i), ("fanuc-31i", ControlKind::Fanuc31i)]
+    {
+        assert_eq!(with(preset).unwrap().control, control);
+    }
+    assert_eq!(parse(JOB).unwrap().control, ControlKind::Fanuc16i);
+    assert!(with("fanuc-6").unwrap_err().contains("fanuc-31i"));
+}

@@ -10,6 +10,8 @@ use core::fmt;
 pub enum Alarm {
     /// PS0001.
     Character,
+    /// PS0002.
+    BlockParity,
     /// PS0003.
     TooManyDigits,
     /// PS0005.
@@ -30,8 +32,16 @@ pub enum Alarm {
     IllegalPlaneAxis,
     /// PS0022.
     NoRadius,
+    /// PS0060.
+    SequenceNotFound,
+    /// PS0085.
+    LineError,
+    /// PS0086.
+    NotReady,
     /// PS0087.
     BufferOverflow,
+    /// PS0123.
+    BranchInDnc,
     /// PS5010.
     EndOfRecord,
 }
@@ -41,6 +51,7 @@ impl Alarm {
     pub const fn number(self) -> u16 {
         match self {
             Alarm::Character => 1,
+            Alarm::BlockParity => 2,
             Alarm::TooManyDigits => 3,
             Alarm::NoDataAfterAddress => 5,
             Alarm::MinusSign => 6,
@@ -51,7 +62,11 @@ impl Alarm {
             Alarm::RadiusTolerance => 20,
             Alarm::IllegalPlaneAxis => 21,
             Alarm::NoRadius => 22,
+            Alarm::SequenceNotFound => 60,
+            Alarm::LineError => 85,
+            Alarm::NotReady => 86,
             Alarm::BufferOverflow => 87,
+            Alarm::BranchInDnc => 123,
             Alarm::EndOfRecord => 5010,
         }
     }
@@ -61,6 +76,9 @@ impl Alarm {
         match self {
             Alarm::Character => {
                 "TH alarm: a character outside the control's code; use capitals, digits and ( ) * + , - . / = only"
+            }
+            Alarm::BlockParity => {
+                "TV alarm: a block with an odd number of characters; let the sender add a blank, or switch the TV check off"
             }
             Alarm::TooManyDigits => "more digits than a control accepts (8); shorten the number",
             Alarm::NoDataAfterAddress => "an address letter without a number after it; write the number",
@@ -75,8 +93,19 @@ impl Alarm {
             }
             Alarm::IllegalPlaneAxis => "an axis outside the selected plane in an arc; select G17, G18 or G19",
             Alarm::NoRadius => "an arc without R or I, J, K; give its centre or radius",
+            Alarm::SequenceNotFound => "no block has the sequence number that was searched for; give one that is there",
+            Alarm::LineError => {
+                "communication error: a character without its stop bits, or lost in the receiver; check baud rate, stop bits \
+                 and cable"
+            }
+            Alarm::NotReady => {
+                "the sender's data set ready line is off: it was switched off or closed its port; keep it open to the end"
+            }
             Alarm::BufferOverflow => {
                 "buffer overflow: more than 10 characters arrived after DC3; the sender must stop sooner"
+            }
+            Alarm::BranchInDnc => {
+                "GOTO, WHILE, DO or END in a program that comes over the line; run it from the control's memory"
             }
             Alarm::EndOfRecord => "the program ended without M02 or M30; write M30 before its last %",
         }

@@ -1,0 +1,18 @@
+//! What the axes can do.
+
+/// What the axes can do. None of it is published for the machine of the source but the rapid rate: assumed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dynamics {
+    /// Acceleration along the path.
+    pub acceleration_mm_per_s2: f64,
+    /// Largest jump of an axis' speed at a corner.
+    pub corner_jump_mm_per_s: f64,
+    /// Speed at G0 (X of the HU80A-5X: 12 m/min).
+    pub rapid_mm_per_s: f64,
+}
+
+impl Default for Dynamics {
+    fn default() -> Self {
+        Dynamics { acceleration_mm_per_s2: 500.0, corner_jump_mm_per_s: 5.0, rapid_mm_per_s: 200.0 }
+    }
+}

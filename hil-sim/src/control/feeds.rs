@@ -1,0 +1,68 @@
+//! The speed a block is run with: programmed feed, override, dry run, the control's own clamp on arcs.
+//!
+//! ```text
+//! v <= sqrt(r / R) V,  but no less than the floor         (1)
+//! ```
+//! with r the arc's radius, R the reference radius (parameter 1731), V the feed there (1730), floor 1732. Order: F times
+//! override, then (1), then the axes' own limit. Rapids know neither override nor dry run here.
+//!
+//! Source: (1) A-78962EN p. 10, A-63512EN p. 9.
+
+use arcfeed_shared::machine::ArcClamp;
+use arcfeed_shared::segment::Path;
+use arcfeed_shared::units::{MmPerMin, PERCENT, S_PER_MIN};
+
+use super::path::Travel;
+
+/// What stands at the control's inputs while a block runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FeedConditions {
+    /// The override in effect.
+    pub override_percent: u8,
+    /// The feed that replaces the programmed one.
+    pub dry_run: Option<MmPerMin>,
+    /// Feed hold, reset or alarm: the axes come to rest.
+    pub holds: bool,
+    /// The axes come to rest at the end of each block.
+    pub stops_at_block_end: bool,
+}
+
+/// Speed along the path, mm/s, of a block that need not stop or hold.
+pub fn speed_mm_per_s(
+    travel: &Travel,
+    conditions: &FeedConditions,
+    clamp: Option<&ArcClamp>,
+    rapid_mm_per_s: f64,
+) -> f64 {
+    let Some(programmed) = travel.speed_mm_per_s() else { return rapid_mm_per_s };
+    let speed = match conditions.dry_run {
+        Some(feed) => f64::from(feed.0) / S_PER_MIN,
+        None => programmed * f64::from(conditions.override_percent) / f64::from(PERCENT),
+    };
+    let limit = match (&travel.segment.path, clamp) {
+        (Path::Arc(arc), Some(clamp)) => limit_mm_per_min(clamp, arc.radius_mm()) / S_PER_MIN * travel.speed_ratio,
+        _ => f64::INFINITY,
+    };
+    speed.min(limit).min(rapid_mm_per_s)
+}
+
+/// The most an arc may be run with, mm/min in its plane. The control's own sum: the controller's model of it is another.
+fn limit_mm_per_min(clamp: &ArcClamp, radius_mm: f64) -> f64 {
+    let ratio = libm::sqrt(radius_mm / f64::from(clamp.radius.0)); // (1)
+    (ratio * f64::from(clamp.feed.0)).max(f64::from(clamp.floor.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arcfeed_shared::units::Mm;
+
+    #[test]
+    fn the_clamp_goes_with_the_root_of_the_radius_down_to_its_floor() {
+        let clamp = ArcClamp { feed: MmPerMin(3_000.0), radius: Mm(5.0), floor: MmPerMin(100.0) };
+        // A quarter of R: half of V. Four times R: twice V. A ten-thousandth: 30, below the floor.
+        for (radius_mm, limit) in [(5.0, 3_000.0), (1.25, 1_500.0), (20.0, 6_000.0), (0.0005, 100.0)] {
+            assert!((limit_mm_per_min(&clamp, radius_mm) - limit).abs() < 1e-4, "{radius_mm}");
+        }
+    }
+}

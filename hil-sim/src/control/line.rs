@@ -1,0 +1,85 @@
+//! The serial line as both ends are set, and what went over it.
+//!
+//! Source: B-63503EN p. 62 (start-stop, eight bits with parity, two stop bits; ten characters after DC3). Buffer sizes and
+//! levels are published nowhere: assumed.
+
+use super::code::{with_even_parity, without_parity};
+use super::tape::TapeSettings;
+
+/// The line as both ends are set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LineSettings {
+    /// Bits per second.
+    pub baudrate: u32,
+    /// Bits a character takes: start, data, parity, stop.
+    pub bits_per_char: u32,
+    /// What the sender's own hardware makes of its bytes.
+    pub sender: SenderParity,
+    /// Characters the buffer holds.
+    pub buffer: usize,
+    /// DC3 is sent when fewer characters than this are free.
+    pub xoff_below: usize,
+    /// DC1 is sent when more than this are free.
+    pub xon_above: usize,
+    /// Characters taken after DC3; one more is alarm PS0087.
+    pub after_dc3_max: u32,
+    /// How the tape is read.
+    pub tape: TapeSettings,
+}
+
+impl Default for LineSettings {
+    /// 9600 baud, 7E2.
+    fn default() -> Self {
+        LineSettings {
+            baudrate: 9_600,
+            bits_per_char: 11,
+            sender: SenderParity::Even,
+            buffer: 1_024,
+            xoff_below: 256,
+            xon_above: 768,
+            after_dc3_max: 10,
+            tape: TapeSettings::default(),
+        }
+    }
+}
+
+/// The parity bit that the sender's hardware puts before its stop bits, and takes off what it gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SenderParity {
+    /// Eight data bits, no parity: bytes travel as they are.
+    None,
+    /// Seven data bits, even.
+    Even,
+    /// Seven data bits, odd.
+    Odd,
+}
+
+impl SenderParity {
+    /// The frame that the control receives for a byte of the sender's.
+    pub fn frame(self, byte: u8) -> u8 {
+        match self {
+            SenderParity::None => byte,
+            SenderParity::Even => with_even_parity(byte),
+            SenderParity::Odd => with_even_parity(byte) ^ 0x80,
+        }
+    }
+
+    /// The byte that the sender sees of a frame of the control's.
+    pub fn byte(self, frame: u8) -> u8 {
+        match self {
+            SenderParity::None => frame,
+            SenderParity::Even | SenderParity::Odd => without_parity(frame),
+        }
+    }
+}
+
+/// What went over the line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LineCounters {
+    /// Characters received.
+    pub bytes: u64,
+    /// Times DC3 was sent.
+    pub xoff_count: u32,
+    /// Most characters that came after a DC3.
+    pub max_bytes_after_xoff: u32,
+}

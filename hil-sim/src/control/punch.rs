@@ -1,0 +1,90 @@
+//! The control's own output: text to the sender (DPRNT), at line rate, stopped and started by the sender's DC3 and DC1.
+//!
+//! Opening sends DC2, closing DC4. After the sender's DC3 the control sends at most ten more characters; this one sends
+//! none. Source: B-63503EN p. 62; that POPEN and PCLOS send DC2 and DC4 is not published, an assumption.
+
+use std::collections::VecDeque;
+
+use super::code::{Code, DC1, DC2, DC3, DC4, with_even_parity};
+
+/// The output's state.
+#[derive(Debug, Default)]
+pub struct Punch {
+    queue: VecDeque<u8>,
+    is_open: bool,
+    is_stopped: bool,
+}
+
+impl Punch {
+    /// POPEN.
+    pub fn open(&mut self) {
+        self.is_open = true;
+        self.is_stopped = false;
+        self.queue.push_back(with_even_parity(DC2));
+    }
+
+    /// DPRNT: a line of text; characters that the code does not have become blanks.
+    pub fn print(&mut self, text: &[u8], code: Code) {
+        let frames = text.iter().chain(b"\n").filter_map(|byte| code.encode(*byte).or(code.encode(b' ')));
+        self.queue.extend(frames);
+    }
+
+    /// PCLOS.
+    pub fn close(&mut self) {
+        if std::mem::take(&mut self.is_open) {
+            self.queue.push_back(with_even_parity(DC4));
+        }
+    }
+
+    /// Reset: what is not out yet never goes out.
+    pub fn reset(&mut self) {
+        self.queue.clear();
+        self.close();
+        self.is_stopped = false;
+    }
+
+    /// Takes a character of the sender's; answers whether it was for the punch.
+    pub fn take(&mut self, byte: u8) -> bool {
+        match byte {
+            DC1 => self.is_stopped = false,
+            DC3 => self.is_stopped = true,
+            _ => return false,
+        }
+        self.is_open || !self.queue.is_empty()
+    }
+
+    /// The next frame, if one may go out.
+    pub fn poll(&mut self) -> Option<u8> {
+        if self.is_stopped { None } else { self.queue.pop_front() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drain(punch: &mut Punch) -> Vec<u8> {
+        std::iter::from_fn(|| punch.poll()).collect()
+    }
+
+    #[test]
+    fn a_line_goes_out_between_dc2_and_dc4() {
+        let mut punch = Punch::default();
+        punch.open();
+        punch.print(b"X1.5", Code::Ascii);
+        punch.close();
+        assert_eq!(drain(&mut punch), b"\x12X1.5\n\x14");
+    }
+
+    #[test]
+    fn dc3_stops_it_and_dc1_starts_it_again() {
+        let mut punch = Punch::default();
+        punch.open();
+        punch.print(b"AB", Code::Ascii);
+        assert_eq!((punch.poll(), punch.poll()), (Some(DC2), Some(b'A')));
+        assert!(punch.take(DC3));
+        assert_eq!(punch.poll(), None);
+        assert!(punch.take(DC1));
+        assert_eq!(drain(&mut punch), b"B\n");
+    }
+}

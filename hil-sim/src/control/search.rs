@@ -1,0 +1,111 @@
+//! Sequence number search and program restart: where a program is taken up in its middle.
+//!
+//! A *search* passes over everything before the block: the modal state is what it was. A *restart* reads everything
+//! before the block, so that the block meets the modal state it would have met, and brings the axes to where the block
+//! before it ends: rotary axes first, then one linear axis after the other, at the dry run feed. A number that is not
+//! there is alarm PS0060.
+//!
+//! Source: the steps of program restart in Fanuc's operator's manuals; the order of the axes is parameter 7310 there,
+//! X, Y, Z here.
+
+use arcfeed_shared::nc::alarm::{Alarm, Fault};
+use arcfeed_shared::nc::modal::{Feed, Pose, Stop};
+use arcfeed_shared::segment::{Path, Segment};
+use arcfeed_shared::units::{MmPerMin, Nm};
+
+use super::reader::{Action, BlockReader, ReadBlock, sequence_of};
+use super::settings::Switches;
+use super::tape::Received;
+
+/// What is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Search {
+    /// The block with this number, with the modal state as it is.
+    Sequence(u32),
+    /// The block with this number, with the modal state and the position that the program gives it.
+    Restart(u32),
+}
+
+/// What a block means to the search.
+#[derive(Debug, PartialEq)]
+pub enum Found {
+    /// Not this one.
+    NotYet,
+    /// This one: the moves that lead to it, and itself.
+    Here(Vec<ReadBlock>),
+    /// It never comes.
+    Never(ReadBlock),
+}
+
+impl Search {
+    /// Looks at the next block; `stands` is where the axes are.
+    pub fn look(self, received: Received, reader: &mut BlockReader, switches: &Switches, approach: &Approach) -> Found {
+        match self {
+            Search::Sequence(wanted) => {
+                let is_end = reader.pass(&received);
+                match &received {
+                    Received::Block(text) if sequence_of(text) == Some(wanted) => {
+                        Found::Here(reader.read_again(received, switches).into_iter().collect())
+                    }
+                    _ if is_end => Found::Never(never(reader)),
+                    _ => Found::NotYet,
+                }
+            }
+            Search::Restart(wanted) => {
+                let start = reader.end();
+                let Some(block) = reader.read(received, switches) else { return Found::NotYet };
+                if sequence_of(&block.text) == Some(wanted) {
+                    let mut blocks = approach.blocks(start, block.line);
+                    blocks.push(block);
+                    return Found::Here(blocks);
+                }
+                match &block.action {
+                    Action::Stop(Stop::End) | Action::Move(_, Some(Stop::End)) => Found::Never(never(reader)),
+                    Action::Fault(fault) if *fault == Fault::alarm(Alarm::EndOfRecord, 1) => {
+                        Found::Never(never(reader))
+                    }
+                    Action::Fault(_) => Found::Never(block),
+                    _ => Found::NotYet,
+                }
+            }
+        }
+    }
+}
+
+/// The alarm of a number that is not there.
+pub fn never(reader: &BlockReader) -> ReadBlock {
+    let fault = Fault::alarm(Alarm::SequenceNotFound, 0);
+    ReadBlock { line: reader.line(), text: Vec::new(), action: Action::Fault(fault) }
+}
+
+/// How the axes get to where the program is taken up.
+#[derive(Clone, Copy, Debug)]
+pub struct Approach {
+    /// From here.
+    pub stands: Pose,
+    /// With this feed.
+    pub feed: MmPerMin,
+}
+
+impl Approach {
+    /// One move for each axis that is elsewhere.
+    fn blocks(&self, to: Pose, line: u32) -> Vec<ReadBlock> {
+        let feed = Feed::PerMinute(Nm::from_mm(f64::from(self.feed.0)));
+        let mut at = self.stands;
+        let mut blocks = Vec::new();
+        let mut go = |end: Pose| {
+            if end != at {
+                let segment = Segment { sequence: None, start: at, end, feed, path: Path::Line };
+                blocks.push(ReadBlock { line, text: Vec::new(), action: Action::Move(segment, None) });
+                at = end;
+            }
+        };
+        let mut end = Pose { linear: self.stands.linear, rotary: to.rotary };
+        go(end);
+        for axis in 0..end.linear.len() {
+            end.linear[axis] = to.linear[axis];
+            go(end);
+        }
+        blocks
+    }
+}

@@ -1,0 +1,151 @@
+//! `arcfeed serve` as the plain control of any sender: without a job, over TCP and on a pseudo-terminal, in each code,
+//! with its switches; and what a sender sees of an alarm.
+#![cfg(unix)]
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::time::Duration;
+
+use arcfeed_hil_sim::control::code::Code;
+use arcfeed_tests::{Ended, Running, Scratch, run, wait_for};
+use serde_json::Value;
+
+const DC1: u8 = 0x11;
+const DC3: u8 = 0x13;
+const PROGRAM: &str = "%\nO7(PLAIN)\nG21G1X1.F6000\n/X9.\nN30X2.\nM1\nX3.\nM30\n%\n";
+
+/// A control on a TCP port, and a sender's connection to it.
+fn serve(scratch: &Scratch, flags: &[&str]) -> (Running, TcpStream) {
+    let executed = scratch.path("executed.nc");
+    let fixed = ["serve", "--tcp", "127.0.0.1:0", "--once", "--json", "--executed", &executed, "--speed", "50"];
+    let mut server = Running::start(scratch, "serve", &[&fixed[..], &["--baudrate", "115200"], flags].concat());
+    let address = server.line("port: socket://");
+    let line = TcpStream::connect(address).expect("the control listens");
+    line.set_nonblocking(true).expect("a socket can be");
+    (server, line)
+}
+
+/// Waits for DC1, then sends everything.
+fn send(line: &mut TcpStream, bytes: &[u8]) {
+    wait_for("DC1", || says(line).contains(&DC1).then_some(()));
+    line.write_all(bytes).expect("the control takes it");
+}
+
+/// What the control has said since.
+fn says(line: &mut TcpStream) -> Vec<u8> {
+    let mut bytes = [0; 64];
+    match line.read(&mut bytes) {
+        Ok(len) => bytes[..len].to_vec(),
+        Err(error) if error.kind() == ErrorKind::WouldBlock => Vec::new(),
+        Err(error) => panic!("the line broke: {error}"),
+    }
+}
+
+fn executed(scratch: &Scratch) -> Vec<String> {
+    let text = std::fs::read_to_string(scratch.path("executed.nc")).expect("the blocks were written");
+    text.lines().map(str::to_owned).collect()
+}
+
+fn report(ended: &Ended) -> Value {
+    let line = ended.out.lines().find(|line| line.starts_with('{')).unwrap_or_else(|| panic!("no JSON: {ended:?}"));
+    serde_json::from_str(line).expect("JSON")
+}
+
+fn assert_alarm(ended: &Ended, number: u64) {
+    assert_eq!((ended.code, &report(ended)["alarms"][0]["alarm"]), (Some(3), &Value::from(number)), "{ended:?}");
+    assert!(ended.err.contains(&format!("PS{number:04}")), "{}", ended.err);
+}
+
+#[test]
+fn a_plain_control_executes_a_program_as_it_is() {
+    let scratch = Scratch::new("plain");
+    let (server, mut line) = serve(&scratch, &[]);
+    send(&mut line, PROGRAM.as_bytes());
+    let ended = server.end();
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let wanted: Vec<&str> = PROGRAM.lines().filter(|line| *line != "%").collect();
+    assert_eq!(executed(&scratch), wanted);
+    // Its panel stands at 100 %: nobody drives the override.
+    assert_eq!((&report(&ended)["override"], &report(&ended)["alarms"]), (&Value::Null, &Value::Array(vec![])));
+}
+
+#[test]
+fn the_switches_are_flags() {
+    let scratch = Scratch::new("switches");
+    let (server, mut line) = serve(&scratch, &["--block-delete", "1", "--optional-stop", "--restart-at", "30"]);
+    send(&mut line, PROGRAM.as_bytes());
+    let ended = server.end();
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    assert_eq!(executed(&scratch), ["N30X2.", "M1", "X3.", "M30"]);
+    // The simulated operator waits a second at M01.
+    assert!(report(&ended)["cycle_time_s"].as_f64() > Some(1.0), "{}", report(&ended));
+}
+
+#[test]
+fn each_control_takes_iso_and_eia_from_a_sender_that_makes_its_own_parity() {
+    for (control, word, code) in
+        [("fanuc-16i", "iso", Code::Iso), ("fanuc-0i", "eia", Code::Eia), ("fanuc-31i", "ascii", Code::Ascii)]
+    {
+        let scratch = Scratch::new(word);
+        let (server, mut line) = serve(&scratch, &["--code", word, "--control", control]);
+        let frames: Vec<u8> = PROGRAM.bytes().map(|byte| code.encode(byte).expect("in every code")).collect();
+        send(&mut line, &frames);
+        let ended = server.end();
+        assert_eq!(ended.code, Some(0), "{control}: {}", ended.err);
+        assert_eq!(executed(&scratch).len(), 7);
+    }
+}
+
+#[test]
+fn a_sender_without_parity_is_told_so_and_may_finish_talking() {
+    let scratch = Scratch::new("parity");
+    let (server, mut line) = serve(&scratch, &["--code", "iso"]);
+    send(&mut line, PROGRAM.as_bytes());
+    // DC3 comes as 0x93 to a receiver that takes eight bits.
+    wait_for("DC3", || says(&mut line).iter().any(|byte| byte & 0x7F == DC3).then_some(()));
+    for _ in 0..20 {
+        line.write_all(b"G1X1.\n").expect("the port stays open until the sender stops");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    assert_alarm(&server.end(), 1);
+}
+
+#[test]
+fn checks_of_the_tape_are_flags() {
+    for (flag, block, number) in [("--tv-check", "G1X1.", 2), ("--strict", "(lower case)", 1)] {
+        let scratch = Scratch::new(flag);
+        let (server, mut line) = serve(&scratch, &[flag]);
+        // G90 and its end: 4. G1X1. and its end: 6, made odd by a blank.
+        let odd = if number == 2 { " " } else { "" };
+        send(&mut line, format!("%\nG90\n{block}{odd}\nM30\n%\n").as_bytes());
+        assert_alarm(&server.end(), number);
+    }
+}
+
+#[test]
+fn a_sender_that_hangs_up_is_alarm_86() {
+    let scratch = Scratch::new("hang-up");
+    let (server, mut line) = serve(&scratch, &[]);
+    send(&mut line, b"%\nG90\n");
+    drop(line);
+    assert_alarm(&server.end(), 86);
+}
+
+#[test]
+fn a_command_line_without_sense_is_explained() {
+    for (arguments, word) in [
+        (&["serve"][..], "--pty"),
+        (&["serve", "--pty", "--tcp", "127.0.0.1:0"], "--tcp"),
+        (&["serve", "--pty", "--control", "fanuc-6"], "fanuc-31i"),
+        (&["serve", "--pty", "--block-delete", "10"], "1..=9"),
+    ] {
+        let output = run(arguments);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{stderr}");
+        assert!(stderr.contains(word), "{stderr}");
+    }
+    let output = run(&["serve", "--tcp", "203.0.113.1:1"]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(stderr.contains("203.0.113.1:1") && stderr.contains("free port"), "{stderr}");
+}
