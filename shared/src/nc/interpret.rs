@@ -41,6 +41,10 @@ impl Modal {
         }
         let mut step = match one_shot {
             OneShot::No => next.go(self, block, settings)?,
+            OneShot::AdditionalSystem => {
+                next.select_additional(block, tables)?;
+                next.go(self, block, settings)?
+            }
             _ => next.once(one_shot, block, settings, tables)?,
         };
         (step.stop, step.spindle) = (stop, spindle);

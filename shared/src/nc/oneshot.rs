@@ -1,4 +1,4 @@
-//! Blocks whose axis words are no target on the path: G4, G8, G10, G28, G30, G52, G53, G54.1, G68, G92.
+//! Blocks whose axis words are no target on the path: G4, G8, G10, G28, G30, G52, G53, G68, G92; and G54.1, whose P is no dwell.
 
 use super::address::whole;
 use super::alarm::{Alarm, Fault, NotModelled};
@@ -26,7 +26,7 @@ impl Modal {
     ) -> Result<Step, Fault> {
         let mut step = Step::default();
         match what {
-            OneShot::No | OneShot::Tracked => {}
+            OneShot::No | OneShot::Tracked | OneShot::AdditionalSystem => {}
             OneShot::Dwell => step.dwell = Some(dwell_time(block)?),
             OneShot::LookAhead => {
                 if whole(block, b'P').is_none_or(|(value, _)| value > 1) {
@@ -43,14 +43,6 @@ impl Modal {
             }
             OneShot::Reference(code) => step.series = Some(self.go_to_reference(code, block, settings, tables)?),
             OneShot::Machine => step.motion = self.go_by_machine(block, settings, tables)?,
-            OneShot::AdditionalSystem => {
-                let (number, column) = whole(block, b'P').unwrap_or((1, 0));
-                if !(1..=ADDITIONAL_SYSTEMS as i64).contains(&number) {
-                    return Err(Fault::alarm(Alarm::OffsetNumber, column));
-                }
-                self.system = 5 + number as u16;
-                self.settle(tables);
-            }
             OneShot::Rotate => self.start_rotation(block, settings)?,
             OneShot::Local => {
                 let target = self.given(block, settings);
@@ -79,6 +71,17 @@ impl Modal {
             }
         }
         Ok(step)
+    }
+
+    /// G54.1 P: the moves of its block already count there.
+    pub(super) fn select_additional(&mut self, block: &Block, tables: &Tables) -> Result<(), Fault> {
+        let (number, column) = whole(block, b'P').unwrap_or((1, 0));
+        if !(1..=ADDITIONAL_SYSTEMS as i64).contains(&number) {
+            return Err(Fault::alarm(Alarm::OffsetNumber, column));
+        }
+        self.system = 5 + number as u16;
+        self.settle(tables);
+        Ok(())
     }
 
     /// The axis words as they stand, whatever G90 and G91 say.
