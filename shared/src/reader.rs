@@ -99,13 +99,20 @@ impl Reader {
     /// # Errors
     /// As [`Reader::read`].
     pub fn execute(&mut self, block: &Block) -> Result<(Step, Option<Segment>), Fault> {
-        let (next, step) = self.modal.interpret(block, &self.settings, &self.tables)?;
+        let before = self.modal;
+        let step = match self.modal.advance(&before, block, &self.settings, &self.tables) {
+            Ok(step) => step,
+            Err(fault) => {
+                self.modal = before;
+                return Err(fault);
+            }
+        };
         if let (Some(what), Scope::PlainMoves) = (step.beyond_plain, self.settings.scope) {
+            self.modal = before;
             return Err(Fault::not_modelled(what, 0));
         }
-        self.modal = next;
         if step.sets_data {
-            set_data(&next, block, &self.settings, &mut self.tables)?;
+            set_data(&self.modal, block, &self.settings, &mut self.tables)?;
             self.modal.settle(&self.tables);
         }
         let is_lost = self.lost.contains(&true);
@@ -114,7 +121,7 @@ impl Reader {
             Some(Ok(segment)) if !is_lost => Some(segment),
             Some(_) | None => None,
         };
-        if is_lost && next.absolute && step.dwell.is_none() {
+        if is_lost && self.modal.absolute && step.dwell.is_none() {
             for (lost, axis) in self.lost.iter_mut().zip(b'X'..=b'Z') {
                 *lost &= block.word(axis).is_none();
             }

@@ -17,11 +17,23 @@ impl Modal {
     /// # Errors
     /// The first alarm the control would raise, or what this version does not interpret.
     pub fn interpret(&self, block: &Block, settings: &Settings, tables: &Tables) -> Result<(Modal, Step), Fault> {
-        address::check(block)?;
         let mut next = *self;
+        let step = next.advance(self, block, settings, tables)?;
+        Ok((next, step))
+    }
+
+    /// [`Modal::interpret`] in place, from a copy of itself; behind a fault the state is of no use.
+    pub(crate) fn advance(
+        &mut self,
+        before: &Modal,
+        block: &Block,
+        settings: &Settings,
+        tables: &Tables,
+    ) -> Result<Step, Fault> {
+        address::check(block)?;
         let mut one_shot = OneShot::No;
         for word in block.words.iter().filter(|word| word.letter == b'G') {
-            match next.apply_g(word)? {
+            match self.apply_g(word)? {
                 OneShot::No => {}
                 found => one_shot = found,
             }
@@ -31,27 +43,27 @@ impl Modal {
             match word.letter {
                 b'M' => stop = m_code(word)?.or(stop),
                 b'S' => spindle = Some((word.number.scaled(1), word.column)),
-                b'H' if one_shot != OneShot::Data => next.length_offset = word.number.scaled(1) as u16,
+                b'H' if one_shot != OneShot::Data => self.length_offset = word.number.scaled(1) as u16,
                 _ => {}
             }
         }
-        next.spindle = spindle.map_or(next.spindle, |(speed, _)| Some(speed));
-        if next.system != self.system {
-            next.settle(tables);
+        self.spindle = spindle.map_or(self.spindle, |(speed, _)| Some(speed));
+        if self.system != before.system {
+            self.settle(tables);
         }
         let mut step = match one_shot {
-            OneShot::No => next.go(self, block, settings)?,
+            OneShot::No => self.go(before, block, settings)?,
             OneShot::AdditionalSystem => {
-                next.select_additional(block, tables)?;
-                next.go(self, block, settings)?
+                self.select_additional(block, tables)?;
+                self.go(before, block, settings)?
             }
-            _ => next.once(one_shot, block, settings, tables)?,
+            _ => self.once(one_shot, block, settings, tables)?,
         };
         (step.stop, step.spindle) = (stop, spindle);
         if step.motion.is_some() || step.series.is_some() {
-            step.beyond_plain = next.beyond_plain(&step, one_shot);
+            step.beyond_plain = self.beyond_plain(&step, one_shot);
         }
-        Ok((next, step))
+        Ok(step)
     }
 
     /// A move along the path, or a block of a cycle.

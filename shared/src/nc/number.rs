@@ -80,6 +80,7 @@ impl Number {
 /// # Errors
 /// PS0003 more than [`DIGITS_MAX`] digits, PS0005 no digit at all, PS0007 a second point; each with the offset of the
 /// offending byte.
+#[inline]
 pub fn read(text: &[u8]) -> Result<(Number, usize), (Alarm, usize)> {
     let mut at = 0;
     let negative = match text.first() {
@@ -94,19 +95,22 @@ pub fn read(text: &[u8]) -> Result<(Number, usize), (Alarm, usize)> {
         _ => false,
     };
     let (mut mantissa, mut digits, mut decimals, mut has_point) = (0_i64, 0_u8, 0_u8, false);
-    while let Some(&byte) = text.get(at) {
-        match byte {
-            b'0'..=b'9' => {
-                if digits == DIGITS_MAX {
-                    return Err((Alarm::TooManyDigits, at));
-                }
-                mantissa = mantissa * 10 + i64::from(byte - b'0');
-                digits += 1;
-                decimals += u8::from(has_point);
+    for &byte in text.get(at..).unwrap_or_default() {
+        let digit = byte.wrapping_sub(b'0');
+        if digit < 10 {
+            if digits == DIGITS_MAX {
+                return Err((Alarm::TooManyDigits, at));
             }
-            b'.' if has_point => return Err((Alarm::DecimalPoint, at)),
-            b'.' => has_point = true,
-            _ => break,
+            mantissa = mantissa * 10 + i64::from(digit);
+            digits += 1;
+            decimals += u8::from(has_point);
+        } else if byte == b'.' {
+            if has_point {
+                return Err((Alarm::DecimalPoint, at));
+            }
+            has_point = true;
+        } else {
+            break;
         }
         at += 1;
     }

@@ -46,7 +46,10 @@ impl Modal {
             OneShot::Rotate => self.start_rotation(block, settings)?,
             OneShot::Local => {
                 let target = self.given(block, settings);
-                self.each_axis(block, |modal, axis| Some((*modal.local.axis_mut(axis)? = target.axis(axis), ()).1));
+                self.each_axis(block, |modal, axis| {
+                    *modal.local.axis_mut(axis)? = target.axis(axis);
+                    Some(())
+                });
                 self.settle(tables);
             }
             OneShot::Preset => {
@@ -141,7 +144,10 @@ impl Modal {
         let target = self.given(block, settings);
         let machine = self.on_path(target, tables);
         let mut end = self.position;
-        self.each_axis(block, |_, axis| Some((*end.axis_mut(axis)? = machine.axis(axis), ()).1));
+        self.each_axis(block, |_, axis| {
+            *end.axis_mut(axis)? = machine.axis(axis);
+            Some(())
+        });
         if !self.absolute || end == self.position {
             return Ok(None);
         }

@@ -68,18 +68,22 @@ impl<'a> Words<'a> {
         Words { line, at: 0 }
     }
 
+    #[inline]
     fn rest(&self) -> &'a [u8] {
         self.line.get(self.at..).unwrap_or_default()
     }
 
+    #[inline]
     fn column(&self) -> u16 {
         column(self.at)
     }
 
+    #[cold]
     fn is_at_beginning(&self) -> bool {
         self.line.get(..self.at).unwrap_or_default().iter().all(|byte| is_ignored(*byte))
     }
 
+    #[inline]
     fn number(&mut self) -> Result<Number, Fault> {
         match number::read(self.rest()) {
             Ok((number, len)) => {
@@ -107,6 +111,7 @@ impl<'a> Words<'a> {
         }
     }
 
+    #[inline]
     fn word(&mut self, letter: u8) -> Result<Token<'a>, Fault> {
         let (column, start) = (self.column(), self.at);
         self.at += 1;
@@ -151,6 +156,7 @@ impl<'a> Iterator for Words<'a> {
     /// A token in its place, or the fault that ends the line.
     type Item = Result<Piece<'a>, Fault>;
 
+    #[inline]
     fn next(&mut self) -> Option<Self::Item> {
         while self.rest().first().is_some_and(|byte| is_ignored(*byte)) {
             self.at += 1;
@@ -181,11 +187,13 @@ impl<'a> Iterator for Words<'a> {
 }
 
 /// The column, counted from 1, of the byte at `offset`.
+#[inline]
 pub fn column(offset: usize) -> u16 {
     u16::try_from(offset + 1).unwrap_or(u16::MAX)
 }
 
 /// Characters that mean nothing between words: blank, and in ISO code NUL, BS, HT, CR and DEL.
+#[inline]
 const fn is_ignored(byte: u8) -> bool {
     matches!(byte, b' ' | 0 | 8 | b'\t' | b'\r' | 0x7f)
 }
