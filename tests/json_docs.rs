@@ -133,7 +133,7 @@ fn what_check_prints_is_documented() {
         documented.assert_fits("check", &object(&[&["check"], &arguments[..]].concat(), code));
     }
     let scratch = Scratch::new("json-check");
-    let program = scratch.write("broken.nc", "%\nG20G90G94\nG0X0.Y0.\nG2X1.Y1.F10.\nG14\nG41D1\n%\n");
+    let program = scratch.write("broken.nc", "%\nG20G90G94\nG0X0.Y0.\nG2X1.Y1.F10.\nG14\nG31X1.\n%\n");
     let report = object(&["check", &program], 1);
     documented.assert_fits("check", &report);
     assert_eq!(report["errors"].as_array().map(Vec::len), Some(3));

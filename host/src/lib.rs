@@ -3,7 +3,11 @@
 //! Modules stand in the order in which data flows; a module imports only from those above it. Only
 //! [`commands`] knows the simulator.
 
+pub mod control;
+
 pub mod program;
+
+pub mod snippet;
 
 pub mod job;
 

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use arcfeed_shared::nc::alarm::{Alarm, Cause, Fault};
 use arcfeed_shared::nc::block::{Line, Notice, NoticeKind, Reading};
+use arcfeed_shared::nc::settings::{Preset, Settings, Tables};
+use arcfeed_shared::nc::text::{Lines, RawLine};
 use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::units::LengthUnit;
 
@@ -24,7 +26,7 @@ pub struct Program {
 pub struct ProgramLine {
     /// Its bytes, without line end.
     pub text: Vec<u8>,
-    /// Its line end as found: LF, CR LF or nothing at the end of the file.
+    /// Its line end as found (see [`RawLine::ending`]).
     pub ending: Vec<u8>,
     /// Its meaning; `None` if a control would stop here.
     pub meaning: Option<Understood>,
@@ -39,6 +41,8 @@ pub struct Diagnostic {
     pub line: usize,
     /// Column, counted from 1.
     pub column: usize,
+    /// Column behind the last one it is about.
+    pub end_column: usize,
     /// The control's alarm number, if it is one.
     pub alarm: Option<u16>,
     /// What it is and what to do.
@@ -74,16 +78,20 @@ impl Program {
         Ok(Program::parse(path, &std::fs::read(path)?, unit, reading))
     }
 
-    /// Reads a program from bytes.
+    /// Reads a program from bytes, as a 16i would; refuses what is more than plain moves.
     pub fn parse(path: &Path, bytes: &[u8], unit: LengthUnit, reading: Reading) -> Self {
-        let mut reader = Reader::new(unit, reading);
+        Program::parse_with(path, bytes, Settings::preset(Preset::Fanuc16i, unit, reading), Tables::default())
+    }
+
+    /// Reads a program from bytes, as a control so set would.
+    pub fn parse_with(path: &Path, bytes: &[u8], settings: Settings, tables: Tables) -> Self {
+        let mut reader = Reader::with(settings, tables);
         let mut program = Program { path: path.to_owned(), lines: Vec::new(), diagnostics: Vec::new() };
-        for raw in bytes.split_inclusive(|&byte| byte == b'\n') {
-            let (text, ending) = split_ending(raw);
+        for RawLine { text, ending } in Lines::new(bytes) {
             let line = program.lines.len() + 1;
             let meaning = match reader.read(text) {
                 Ok(understood) => {
-                    program.note(line, text, &understood, reading);
+                    program.note(line, text, &understood, settings.reading);
                     Some(understood)
                 }
                 Err(fault) => {
@@ -139,27 +147,44 @@ impl Diagnostic {
             cause @ Cause::NotModelled(_) => cause.to_string(),
         };
         let column = usize::from(fault.column).max(1);
-        let whole_block = fault.column == 0;
-        let found = if whole_block { printable(text) } else { printable(word_at(text, column)) };
-        Diagnostic { severity: Severity::Error, line, column, alarm, message, found }
+        let place = if fault.column == 0 { text } else { word_at(text, column) };
+        let end_column = column + place.len().max(1);
+        Diagnostic { severity: Severity::Error, line, column, end_column, alarm, message, found: printable(place) }
     }
 
     fn of_notice(line: usize, text: &[u8], notice: Notice) -> Self {
         let column = usize::from(notice.column);
-        let (alarm, message, found) = match notice.kind {
+        let (alarm, message, place) = match notice.kind {
             NoticeKind::Title => (
-                Some(Alarm::NoDataAfterAddress.number()),
+                Some(Alarm::NoDataAfterAddress),
                 "a title where a program number belongs: a control that takes this line as a block refuses it",
-                printable(text),
+                text,
             ),
-            NoticeKind::CommentCharacter(byte) => (
-                Some(Alarm::Character.number()),
+            NoticeKind::CommentCharacter(_) => (
+                Some(Alarm::Character),
                 "a character in a comment that the control's code does not have: some controls refuse it",
-                printable(&[byte]),
+                text.get(column - 1..column).unwrap_or_default(),
             ),
-            NoticeKind::UnclosedComment => (None, "a comment without ')': it ends with its line", printable(text)),
+            NoticeKind::UnclosedComment => (None, "a comment without ')': it ends with its line", text),
+            NoticeKind::LongNumber => (
+                Some(Alarm::TooManyDigits),
+                "more digits than this control has for N or O: it refuses the line",
+                word_at(text, column),
+            ),
+            NoticeKind::Zero => {
+                (Some(Alarm::ProgramNumber), "numbers count from 1: some controls refuse 0", word_at(text, column))
+            }
         };
-        Diagnostic { severity: Severity::Warning, line, column, alarm, message: message.into(), found }
+        let end_column = if place.len() == text.len() { text.len() + 1 } else { column + place.len() };
+        Diagnostic {
+            severity: Severity::Warning,
+            line,
+            column,
+            end_column: end_column.max(column + 1),
+            alarm: alarm.map(Alarm::number),
+            message: message.into(),
+            found: printable(place),
+        }
     }
 }
 
@@ -176,16 +201,6 @@ impl fmt::Display for Diagnostic {
         }
         write!(f, ": {} (found `{}`)", self.message, self.found)
     }
-}
-
-/// Splits a line from its end.
-fn split_ending(raw: &[u8]) -> (&[u8], &[u8]) {
-    let len = match raw {
-        [.., b'\r', b'\n'] => raw.len() - 2,
-        [.., b'\n'] => raw.len() - 1,
-        _ => raw.len(),
-    };
-    raw.split_at(len)
 }
 
 /// From `column` (counted from 1) to before the next address letter; at most a handful of bytes.
@@ -209,7 +224,7 @@ mod tests {
 
     #[test]
     fn every_byte_of_the_file_is_kept() {
-        for text in ["%\nN1G0X1.\r\n(A)\n\n%", "", "\n", "G0X1.\n"] {
+        for text in ["%\nN1G0X1.\r\n(A)\n\n%", "", "\n", "G0X1.\n\r\r%\n\r\r"] {
             assert_eq!(parse(text, Reading::Lenient).bytes(), text.as_bytes());
         }
     }

@@ -1,16 +1,19 @@
 //! Lines to what they do: a program's modal state carried from line to line.
 
 use crate::nc::alarm::{Alarm, Cause, Fault, NotModelled};
-use crate::nc::block::{Line, Parsed, Reading, parse_line};
-use crate::nc::modal::{Feed, Modal, MotionKind, Pose, Step};
+use crate::nc::block::{Block, Line, Parsed, Reading, parse_line};
+use crate::nc::interpret::set_data;
+use crate::nc::modal::{Modal, Pose, Step};
+use crate::nc::settings::{Preset, Scope, Settings, Tables};
 use crate::segment::Segment;
 use crate::units::LengthUnit;
 
 /// Reads a program line by line; the state is that of the control after the lines read so far.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Reader {
     modal: Modal,
-    reading: Reading,
+    settings: Settings,
+    tables: Tables,
     /// Axes whose position is unknown, because a block that would have moved them was refused.
     lost: [bool; 3],
 }
@@ -20,16 +23,38 @@ pub struct Reader {
 pub struct Understood {
     /// Its words and notices.
     pub parsed: Parsed,
-    /// What it does to the control; nothing for marks and titles.
+    /// What it does to the control; nothing for marks, titles and blocks that a block-delete switch skips.
     pub step: Step,
-    /// Its move, geometry checked.
+    /// Its move, geometry checked. Those of a block with several are in the step's series.
     pub segment: Option<Segment>,
 }
 
 impl Reader {
-    /// At power-on.
+    /// At power-on, a 16i in its standard settings; refuses what is more than a plain move (see [`Scope`]).
     pub fn new(unit: LengthUnit, reading: Reading) -> Self {
-        Reader { modal: Modal::at_power_on(unit), reading, lost: [false; 3] }
+        Reader::with(Settings::preset(Preset::Fanuc16i, unit, reading), Tables::default())
+    }
+
+    /// At power-on, in these settings.
+    pub fn with(settings: Settings, tables: Tables) -> Self {
+        let mut modal = Modal::at_power_on(settings.unit);
+        modal.settle(&tables);
+        Reader { modal, settings, tables, lost: [false; 3] }
+    }
+
+    /// The modal state.
+    pub fn modal(&self) -> &Modal {
+        &self.modal
+    }
+
+    /// The offsets as they are now.
+    pub fn tables(&self) -> &Tables {
+        &self.tables
+    }
+
+    /// Where the axes stand, in machine coordinates.
+    pub fn machine(&self) -> Pose {
+        self.modal.machine(&self.tables)
     }
 
     /// The axes stand here, wherever the lines read so far have led.
@@ -55,24 +80,59 @@ impl Reader {
     }
 
     fn understand(&mut self, text: &[u8]) -> Result<Understood, Fault> {
-        let parsed = parse_line(text, self.reading)?;
+        let mut parsed = parse_line(text, self.settings.reading)?;
+        let Line::Block(block) = &mut parsed.line else {
+            return Ok(Understood { parsed, step: Step::default(), segment: None });
+        };
+        if let Some(switch) = block.delete
+            && self.settings.deletes(switch)
+        {
+            block.words.truncate(block.delete_from);
+            block.assigns = false;
+        }
+        if let Some(notice) = block.check_numbers(text, &self.settings)? {
+            let _full = parsed.notices.push(notice);
+        }
         let Line::Block(block) = &parsed.line else {
             return Ok(Understood { parsed, step: Step::default(), segment: None });
         };
-        let (next, step) = self.modal.interpret(block)?;
-        self.modal = next;
+        let (step, segment) = self.execute(block)?;
+        Ok(Understood { parsed, step, segment })
+    }
+
+    /// Carries out a block: the state moves on.
+    ///
+    /// # Errors
+    /// As [`Reader::read`].
+    pub fn execute(&mut self, block: &Block) -> Result<(Step, Option<Segment>), Fault> {
+        let before = self.modal;
+        let step = match self.modal.advance(&before, block, &self.settings, &self.tables) {
+            Ok(step) => step,
+            Err(fault) => {
+                self.modal = before;
+                return Err(fault);
+            }
+        };
+        if let (Some(what), Scope::PlainMoves) = (step.beyond_plain, self.settings.scope) {
+            self.modal = before;
+            return Err(Fault::not_modelled(what, 0));
+        }
+        if step.sets_data {
+            set_data(&self.modal, block, &self.settings, &mut self.tables)?;
+            self.modal.settle(&self.tables);
+        }
         let is_lost = self.lost.contains(&true);
         let segment = match step.motion.map(|motion| Segment::from_motion(&motion, block.sequence)) {
             Some(Err(fault)) if !(is_lost && is_geometry(fault.cause)) => return Err(fault),
             Some(Ok(segment)) if !is_lost => Some(segment),
             Some(_) | None => None,
         };
-        if next.absolute && step.dwell.is_none() {
+        if is_lost && self.modal.absolute && step.dwell.is_none() {
             for (lost, axis) in self.lost.iter_mut().zip(b'X'..=b'Z') {
                 *lost &= block.word(axis).is_none();
             }
         }
-        Ok(Understood { parsed, step, segment })
+        Ok((step, segment))
     }
 
     /// A block that moves cannot be read: it moved in X and Y, whatever it names, and in Z if it names that.
@@ -97,7 +157,7 @@ fn is_geometry(cause: Cause) -> bool {
 impl Understood {
     /// Whether this is a cutting move for which no feed was ever given: PS0011.
     pub fn lacks_feed(&self) -> bool {
-        self.step.motion.is_some_and(|motion| motion.kind != MotionKind::Rapid && motion.feed == Feed::Missing)
+        self.step.lacks_feed()
     }
 }
 

@@ -1,14 +1,19 @@
 //! `arcfeed check`: what a control would say to a program.
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 
+use annotate_snippets::Renderer;
 use arcfeed_shared::nc::block::{Line, Reading};
-use arcfeed_shared::segment::Path;
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_shared::nc::modal::{Motion, MotionKind};
+use arcfeed_shared::nc::series::Act;
+use arcfeed_shared::nc::settings::Scope;
 use serde::Serialize;
 
 use super::outcome::{Failure, file_failure, say};
+use crate::control::{self, Convention, PRESETS};
 use crate::program::{Diagnostic, Program, ProgramLine, Severity};
+use crate::snippet;
 
 /// Check an NC program: every alarm with line and column
 #[derive(Debug, clap::Args)]
@@ -19,8 +24,14 @@ pub struct Check {
     #[arg(long)]
     strict: bool,
     /// The control
-    #[arg(long, value_parser = ["fanuc-16i"], default_value = "fanuc-16i")]
+    #[arg(long, value_parser = PRESETS, default_value = "fanuc-16i")]
     control: String,
+    /// What differs on this machine: offsets, lengths, switches (docs/dialect.md)
+    #[arg(long, value_name = "SETTINGS.toml")]
+    settings: Option<PathBuf>,
+    /// How numbers without a decimal point count
+    #[arg(long)]
+    decimals: Option<Convention>,
     /// Print one JSON object (docs/json.md)
     #[arg(long)]
     json: bool,
@@ -61,6 +72,7 @@ struct CheckReport<'a> {
 struct Entry<'a> {
     line: usize,
     column: usize,
+    end_column: usize,
     alarm: Option<u16>,
     message: &'a str,
     found: &'a str,
@@ -73,8 +85,13 @@ impl Check {
     /// The program has errors, or cannot be read.
     pub fn run(&self) -> Result<(), Failure> {
         let reading = if self.strict { Reading::Strict } else { Reading::Lenient };
-        let program = Program::load(&self.program, LengthUnit::Inch, reading)
-            .map_err(|error| file_failure(&self.program, &error))?;
+        let preset = control::preset(&self.control);
+        let (mut settings, tables) =
+            control::load(preset, reading, self.settings.as_deref()).map_err(Failure::Input)?;
+        settings.scope = Scope::Everything;
+        settings.decimals = self.decimals.map_or(settings.decimals, Into::into);
+        let bytes = std::fs::read(&self.program).map_err(|error| file_failure(&self.program, &error))?;
+        let program = Program::parse_with(&self.program, &bytes, settings, tables);
         let counts = count(&program);
         if self.json {
             self.print_json(&program, counts);
@@ -92,9 +109,15 @@ impl Check {
     fn print_text(&self, program: &Program, counts: Counts) {
         let path = self.program.display();
         for diagnostic in &program.diagnostics {
+            let text = |is_terminal: bool| match program.lines.get(diagnostic.line - 1) {
+                Some(line) if is_terminal => {
+                    snippet::render(&self.program, &line.text, diagnostic, &Renderer::styled())
+                }
+                _ => format!("{path}:{diagnostic}"),
+            };
             match diagnostic.severity {
-                Severity::Error => eprintln!("{path}:{diagnostic}"),
-                Severity::Warning => say(format_args!("{path}:{diagnostic}")),
+                Severity::Error => eprintln!("{}", text(std::io::stderr().is_terminal())),
+                Severity::Warning => say(format_args!("{}", text(std::io::stdout().is_terminal()))),
             }
         }
         let warnings = of_severity(program, Severity::Warning).count();
@@ -121,8 +144,8 @@ impl Check {
 
 impl<'a> Entry<'a> {
     fn new(diagnostic: &'a Diagnostic) -> Self {
-        let Diagnostic { line, column, alarm, message, found, .. } = diagnostic;
-        Entry { line: *line, column: *column, alarm: *alarm, message, found }
+        let Diagnostic { line, column, end_column, alarm, message, found, .. } = diagnostic;
+        Entry { line: *line, column: *column, end_column: *end_column, alarm: *alarm, message, found }
     }
 }
 
@@ -133,17 +156,33 @@ fn of_severity(program: &Program, severity: Severity) -> impl Iterator<Item = &D
 fn count(program: &Program) -> Counts {
     let mut counts = Counts { lines: program.lines.len(), blocks: program.block_count(), ..Counts::default() };
     counts.comments = program.lines.iter().filter(|line| line.is_block() && is_comment(line)).count();
-    let segments = program.lines.iter().filter_map(|line| line.meaning.as_ref()?.segment);
-    for segment in segments {
-        match segment.path {
-            Path::Arc(_) => counts.arcs += 1,
-            Path::Line => counts.linear += 1,
-            Path::Rapid => counts.rapids += 1,
+    for meaning in program.lines.iter().filter_map(|line| line.meaning.as_ref()) {
+        if let Some(motion) = meaning.segment.and(meaning.step.motion) {
+            counts.add(&motion);
         }
-        counts.helices += usize::from(segment.rise() != Nm(0));
-        counts.rotary += usize::from(segment.turns_rotary_axis());
+        for act in meaning.step.series.iter().flat_map(|series| series.acts()) {
+            if let Act::Move(motion) = act {
+                counts.add(&motion);
+            }
+        }
     }
     counts
+}
+
+impl Counts {
+    fn add(&mut self, motion: &Motion) {
+        let Motion { kind, plane, start, end, .. } = motion;
+        let (.., normal) = plane.axes();
+        match kind {
+            MotionKind::Arc(_) => {
+                self.arcs += 1;
+                self.helices += usize::from(start.linear[normal] != end.linear[normal]);
+            }
+            MotionKind::Line => self.linear += 1,
+            MotionKind::Rapid => self.rapids += 1,
+        }
+        self.rotary += usize::from(start.rotary != end.rotary);
+    }
 }
 
 fn is_comment(line: &ProgramLine) -> bool {

@@ -5,111 +5,79 @@
 
 use core::fmt;
 
-/// A program alarm of the control.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Alarm {
-    /// PS0001.
-    Character,
-    /// PS0002.
-    BlockParity,
-    /// PS0003.
-    TooManyDigits,
-    /// PS0005.
-    NoDataAfterAddress,
-    /// PS0006.
-    MinusSign,
-    /// PS0007.
-    DecimalPoint,
-    /// PS0009.
-    IllegalAddress,
-    /// PS0010.
-    ImproperGCode,
-    /// PS0011.
-    NoFeed,
-    /// PS0020.
-    RadiusTolerance,
-    /// PS0021.
-    IllegalPlaneAxis,
-    /// PS0022.
-    NoRadius,
-    /// PS0060.
-    SequenceNotFound,
-    /// PS0085.
-    LineError,
-    /// PS0086.
-    NotReady,
-    /// PS0087.
-    BufferOverflow,
-    /// PS0123.
-    BranchInDnc,
-    /// PS5010.
-    EndOfRecord,
+/// Declares [`Alarm`] from its table: number, when the control raises it, what to do.
+macro_rules! alarms {
+    ($($name:ident = $number:literal: $when:literal, $remedy:literal;)*) => {
+        /// A program alarm of the control.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Alarm {
+            $(#[doc = concat!("PS", stringify!($number), ": ", $when, ".")] $name,)*
+        }
+
+        impl Alarm {
+            /// All of them, by number.
+            pub const ALL: &'static [Alarm] = &[$(Alarm::$name),*];
+
+            /// The number on the control's screen.
+            pub const fn number(self) -> u16 {
+                match self { $(Alarm::$name => $number,)* }
+            }
+
+            /// When it is raised.
+            pub const fn when(self) -> &'static str {
+                match self { $(Alarm::$name => $when,)* }
+            }
+
+            /// What to do about it.
+            pub const fn remedy(self) -> &'static str {
+                match self { $(Alarm::$name => $remedy,)* }
+            }
+
+            /// What it means and what to do, one sentence.
+            pub const fn explanation(self) -> &'static str {
+                match self { $(Alarm::$name => concat!($when, "; ", $remedy),)* }
+            }
+        }
+    };
 }
 
-impl Alarm {
-    /// The number on the control's screen.
-    pub const fn number(self) -> u16 {
-        match self {
-            Alarm::Character => 1,
-            Alarm::BlockParity => 2,
-            Alarm::TooManyDigits => 3,
-            Alarm::NoDataAfterAddress => 5,
-            Alarm::MinusSign => 6,
-            Alarm::DecimalPoint => 7,
-            Alarm::IllegalAddress => 9,
-            Alarm::ImproperGCode => 10,
-            Alarm::NoFeed => 11,
-            Alarm::RadiusTolerance => 20,
-            Alarm::IllegalPlaneAxis => 21,
-            Alarm::NoRadius => 22,
-            Alarm::SequenceNotFound => 60,
-            Alarm::LineError => 85,
-            Alarm::NotReady => 86,
-            Alarm::BufferOverflow => 87,
-            Alarm::BranchInDnc => 123,
-            Alarm::EndOfRecord => 5010,
-        }
-    }
-
-    /// What it means and what to do, one sentence.
-    pub const fn explanation(self) -> &'static str {
-        match self {
-            Alarm::Character => {
-                "TH alarm: a character outside the control's code; use capitals, digits and ( ) * + , - . / = only"
-            }
-            Alarm::BlockParity => {
-                "TV alarm: a block with an odd number of characters; let the sender add a blank, or switch the TV check off"
-            }
-            Alarm::TooManyDigits => "more digits than a control accepts (8); shorten the number",
-            Alarm::NoDataAfterAddress => "an address letter without a number after it; write the number",
-            Alarm::MinusSign => "a minus sign where none is allowed; remove it",
-            Alarm::DecimalPoint => "a decimal point where none is allowed, or a second one; remove it",
-            Alarm::IllegalAddress => "this address is not allowed here; remove it or write the letter that is meant",
-            Alarm::ImproperGCode => "this control has no such G code; correct it",
-            Alarm::NoFeed => "a cutting move without a feed; give F in this block or before it (G93: in every block)",
-            Alarm::RadiusTolerance => {
-                "no such arc within parameter 3410: its ends differ in radius, or lie farther apart than 2 R; correct the \
-                 end point, R or I, J, K"
-            }
-            Alarm::IllegalPlaneAxis => "an axis outside the selected plane in an arc; select G17, G18 or G19",
-            Alarm::NoRadius => "an arc without R or I, J, K; give its centre or radius",
-            Alarm::SequenceNotFound => "no block has the sequence number that was searched for; give one that is there",
-            Alarm::LineError => {
-                "communication error: a character without its stop bits, or lost in the receiver; check baud rate, stop bits \
-                 and cable"
-            }
-            Alarm::NotReady => {
-                "the sender's data set ready line is off: it was switched off or closed its port; keep it open to the end"
-            }
-            Alarm::BufferOverflow => {
-                "buffer overflow: more than 10 characters arrived after DC3; the sender must stop sooner"
-            }
-            Alarm::BranchInDnc => {
-                "GOTO, WHILE, DO or END in a program that comes over the line; run it from the control's memory"
-            }
-            Alarm::EndOfRecord => "the program ended without M02 or M30; write M30 before its last %",
-        }
-    }
+alarms! {
+    Character = 1: "TH alarm: a character outside the control's code",
+        "use capitals, digits and ( ) * + , - . / = only";
+    BlockParity = 2: "TV alarm: a block with an odd number of characters",
+        "let the sender add a blank, or switch the TV check off";
+    TooManyDigits = 3: "more digits than a control accepts here", "shorten the number";
+    AddressNotFound = 4: "a number or a sign at the beginning of a block without an address", "write its letter";
+    NoDataAfterAddress = 5: "an address letter without a number after it", "write the number";
+    MinusSign = 6: "a minus sign where none is allowed", "remove it";
+    DecimalPoint = 7: "a decimal point where none is allowed, or a second one", "remove it";
+    IllegalAddress = 9: "this address is not allowed here", "remove it or write the letter that is meant";
+    ImproperGCode = 10: "this control has no such G code", "correct it";
+    NoFeed = 11: "a cutting move without a feed", "give F in this block or before it (G93: in every block)";
+    RadiusTolerance = 20:
+        "no such arc within parameter 3410: its ends differ in radius, or lie farther apart than 2 R",
+        "correct the end point, R or I, J, K";
+    NoRadius = 22: "an arc without R or I, J, K", "give its centre or radius";
+    OffsetNumber = 30: "an offset number that the control does not have", "correct H, D or P";
+    DataTarget = 31: "G10 without a P or L that says where the data belong", "correct P and L";
+    ArcAtStartUp = 34: "G40, G41 or G42 in the block of an arc", "write it in a line's block";
+    PlaneUnderCompensation = 37: "another plane under G41 or G42", "select the plane before G41 or G42, or after G40";
+    ReferenceInCycle = 44: "G27 to G30 in a canned cycle", "write G80 before it";
+    NoPeck = 45: "G73 or G83 without a depth of cut", "give Q";
+    ReferencePoint = 46: "G30 with a P other than 2, 3 and 4", "correct P";
+    SequenceNotFound = 60: "no block has the sequence number that was searched for", "give one that is there";
+    ProgramNumber = 74: "0 as a program number, or as a sequence number, which may be taken for one",
+        "count from 1";
+    LineError = 85: "communication error: a character without its stop bits, or lost in the receiver",
+        "check baud rate, stop bits and cable";
+    NotReady = 86: "the sender's data set ready line is off: it was switched off or closed its port",
+        "keep it open to the end";
+    BufferOverflow = 87: "buffer overflow: more than 10 characters arrived after DC3", "the sender must stop sooner";
+    LookAheadFormat = 109: "G08 with anything but P0 and P1", "correct P";
+    BranchInDnc = 123: "GOTO, WHILE, DO or END in a program that comes over the line",
+        "run it from the control's memory";
+    RotationPlane = 144: "an arc outside the plane in which G68 turns", "select the plane of G68 or cancel it with G69";
+    EndOfRecord = 5010: "the program ended without M02 or M30", "write M30 before its last %";
 }
 
 /// What a control may well accept but this version does not interpret.
@@ -117,6 +85,10 @@ impl Alarm {
 pub enum NotModelled {
     /// A G code of the control, in tenths (G43.4 is 434).
     GCode(u16),
+    /// A move under a G code of the control, in tenths.
+    MoveUnder(u16),
+    /// After G68 or G69, a move in the plane that does not give both its axes in absolute terms.
+    AfterRotation,
     /// An M code that changes which block comes next (M98, M99).
     MCode(u16),
     /// Macro statements beyond `#variable=number`.
@@ -162,14 +134,27 @@ impl Fault {
 impl fmt::Display for NotModelled {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            NotModelled::GCode(tenths) if tenths % 10 == 0 => write!(f, "G{}", tenths / 10),
-            NotModelled::GCode(tenths) => write!(f, "G{}.{}", tenths / 10, tenths % 10),
+            NotModelled::GCode(tenths) => write_g(f, tenths),
+            NotModelled::MoveUnder(tenths) => {
+                f.write_str("a move under ")?;
+                write_g(f, tenths)
+            }
+            NotModelled::AfterRotation => {
+                f.write_str("a move behind G68 or G69 without both axes of the plane in absolute terms")
+            }
             NotModelled::MCode(code) => write!(f, "M{code}"),
             NotModelled::Macro => f.write_str("this macro statement"),
             NotModelled::RotaryArc => f.write_str("an arc that also turns a rotary axis"),
             NotModelled::ArcWithoutAngle => f.write_str("an arc given by R that only moves across its plane"),
             NotModelled::LongBlock => f.write_str("a block of more than 32 words"),
         }
+    }
+}
+
+fn write_g(f: &mut fmt::Formatter<'_>, tenths: u16) -> fmt::Result {
+    match tenths % 10 {
+        0 => write!(f, "G{}", tenths / 10),
+        tenth => write!(f, "G{}.{tenth}", tenths / 10),
     }
 }
 

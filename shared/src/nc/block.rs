@@ -5,23 +5,16 @@
 
 use heapless::Vec;
 
+pub use super::settings::Reading;
+
 use super::alarm::{Alarm, Fault, NotModelled};
+use super::settings::Settings;
 use super::word::{Piece, Token, Word, Words, column, is_control_character};
 
 /// Most words in one block.
 pub const WORDS_MAX: usize = 32;
 /// Most notices kept for one line.
 pub const NOTICES_MAX: usize = 4;
-
-/// How a line is read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Reading {
-    /// What a control would refuse in titles and comments is only noticed.
-    #[default]
-    Lenient,
-    /// Exactly as the control.
-    Strict,
-}
 
 /// What a line is.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,8 +35,10 @@ pub struct Block {
     pub sequence: Option<i64>,
     /// `O`, only as the first word.
     pub program: Option<i64>,
-    /// The switch of a leading `/`.
+    /// The switch of a `/`.
     pub delete: Option<u8>,
+    /// How many of the words stand before it; the others are skipped with the switch on.
+    pub delete_from: usize,
     /// All words but `N` and `O`, in the order written.
     pub words: Vec<Word, WORDS_MAX>,
     /// Whether the block sets a variable.
@@ -70,6 +65,10 @@ pub enum NoticeKind {
     CommentCharacter(u8),
     /// A comment that no `)` closes; the control ends it with the block. No alarm.
     UnclosedComment,
+    /// N or O with more digits than the control has: it raises PS0003.
+    LongNumber,
+    /// N0 or O0: the control may take either for a program number and raise PS0074.
+    Zero,
 }
 
 /// A line and what was noticed in it.
@@ -85,6 +84,28 @@ impl Block {
     /// The last word with this letter, the one that counts.
     pub fn word(&self, letter: u8) -> Option<&Word> {
         self.words.iter().rev().find(|word| word.letter == letter)
+    }
+
+    /// N and O against the control's limits: the alarms in strict reading, otherwise what to notice. `text` is the line.
+    ///
+    /// # Errors
+    /// PS0003, PS0074.
+    pub fn check_numbers(&self, text: &[u8], settings: &Settings) -> Result<Option<Notice>, Fault> {
+        let numbers = [(self.sequence, settings.sequence_digits, "N"), (self.program, settings.program_digits, "O:")];
+        for (number, digits, letters) in numbers {
+            let Some(value) = number else { continue };
+            let (kind, alarm) = match value {
+                0 => (NoticeKind::Zero, Alarm::ProgramNumber),
+                _ if value >= 10_i64.pow(u32::from(digits)) => (NoticeKind::LongNumber, Alarm::TooManyDigits),
+                _ => continue,
+            };
+            let column = column(text.iter().position(|byte| letters.as_bytes().contains(byte)).unwrap_or(0));
+            return match settings.reading {
+                Reading::Strict => Err(Fault::alarm(alarm, column)),
+                Reading::Lenient => Ok(Some(Notice { kind, column })),
+            };
+        }
+        Ok(None)
     }
 
     /// Whether the control has anything to do here.
@@ -119,7 +140,10 @@ pub fn parse_line(text: &[u8], reading: Reading) -> Result<Parsed, Fault> {
                 }
                 continue;
             }
-            Token::BlockDelete(switch) => block.delete = Some(switch),
+            Token::BlockDelete(switch) => {
+                block.delete = Some(switch);
+                block.delete_from = block.words.len();
+            }
             Token::Assignment { .. } => block.assigns = true,
             Token::Word(word) => block.add(word)?,
         }
@@ -131,11 +155,10 @@ pub fn parse_line(text: &[u8], reading: Reading) -> Result<Parsed, Fault> {
 
 impl Block {
     fn add(&mut self, word: Word) -> Result<(), Fault> {
-        let whole = || {
-            word.number
-                .as_whole()
-                .filter(|value| (0..=99_999_999).contains(value))
-                .ok_or(Fault::alarm(Alarm::DecimalPoint, word.column))
+        let whole = || match word.number.as_whole() {
+            Some(value) if value < 0 => Err(Fault::alarm(Alarm::MinusSign, word.column + 1)),
+            Some(value) if !word.number.has_point => Ok(value),
+            Some(_) | None => Err(Fault::alarm(Alarm::DecimalPoint, word.column)),
         };
         let first = self.words.is_empty() && self.sequence.is_none() && self.program.is_none();
         match word.letter {

@@ -9,6 +9,28 @@ pub mod number;
 
 pub mod word;
 
+pub mod text;
+
+pub mod motion;
+
+pub mod settings;
+
 pub mod block;
 
+pub mod frame;
+
+pub mod series;
+
 pub mod modal;
+
+pub mod address;
+
+mod codes;
+
+mod moves;
+
+mod oneshot;
+
+mod cycles;
+
+pub mod interpret;

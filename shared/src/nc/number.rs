@@ -7,6 +7,8 @@ use super::alarm::Alarm;
 /// Most digits a control accepts in one number (beyond: PS0003).
 pub const DIGITS_MAX: u8 = 8;
 
+const POWERS_OF_TEN: [i64; 9] = [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
+
 /// A decimal number, `mantissa * 10^-decimals`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Number {
@@ -22,8 +24,25 @@ impl Number {
         Number { mantissa: value, decimals: 0, has_point: false }
     }
 
+    /// Whether it is less than zero.
+    pub const fn is_negative(self) -> bool {
+        self.mantissa < 0
+    }
+
     /// `self * units_per_one`, rounded half away from zero to a whole number of units.
     pub fn scaled(self, units_per_one: i64) -> i64 {
+        if let Some(product) = self.mantissa.checked_mul(units_per_one)
+            && let Some(&divisor) = POWERS_OF_TEN.get(usize::from(self.decimals))
+        {
+            // Away from zero: what is cut off counts from half the divisor on.
+            let (whole, rest) = (product / divisor, product % divisor);
+            return whole + i64::from(2 * rest >= divisor) - i64::from(2 * rest <= -divisor);
+        }
+        self.scaled_wide(units_per_one)
+    }
+
+    /// For numbers longer than a control's.
+    fn scaled_wide(self, units_per_one: i64) -> i64 {
         let product = i128::from(self.mantissa) * i128::from(units_per_one);
         let divisor = 10_i128.pow(u32::from(self.decimals));
         let half = divisor / 2;
@@ -33,12 +52,18 @@ impl Number {
 
     /// The value if it has no fraction, as for `N`, `G` and `M` words.
     pub fn as_whole(self) -> Option<i64> {
+        if self.decimals == 0 {
+            return Some(self.mantissa);
+        }
         let divisor = 10_i64.pow(u32::from(self.decimals));
         (self.mantissa % divisor == 0).then_some(self.mantissa / divisor)
     }
 
     /// Tenths, if that is exact: `G43.4` is 434 tenths.
     pub fn as_tenths(self) -> Option<i64> {
+        if self.decimals == 0 {
+            return self.mantissa.checked_mul(10);
+        }
         let divisor = 10_i64.pow(u32::from(self.decimals));
         let tenfold = self.mantissa * 10;
         (tenfold % divisor == 0).then_some(tenfold / divisor)
@@ -55,6 +80,7 @@ impl Number {
 /// # Errors
 /// PS0003 more than [`DIGITS_MAX`] digits, PS0005 no digit at all, PS0007 a second point; each with the offset of the
 /// offending byte.
+#[inline]
 pub fn read(text: &[u8]) -> Result<(Number, usize), (Alarm, usize)> {
     let mut at = 0;
     let negative = match text.first() {
@@ -69,19 +95,22 @@ pub fn read(text: &[u8]) -> Result<(Number, usize), (Alarm, usize)> {
         _ => false,
     };
     let (mut mantissa, mut digits, mut decimals, mut has_point) = (0_i64, 0_u8, 0_u8, false);
-    while let Some(&byte) = text.get(at) {
-        match byte {
-            b'0'..=b'9' => {
-                if digits == DIGITS_MAX {
-                    return Err((Alarm::TooManyDigits, at));
-                }
-                mantissa = mantissa * 10 + i64::from(byte - b'0');
-                digits += 1;
-                decimals += u8::from(has_point);
+    for &byte in text.get(at..).unwrap_or_default() {
+        let digit = byte.wrapping_sub(b'0');
+        if digit < 10 {
+            if digits == DIGITS_MAX {
+                return Err((Alarm::TooManyDigits, at));
             }
-            b'.' if has_point => return Err((Alarm::DecimalPoint, at)),
-            b'.' => has_point = true,
-            _ => break,
+            mantissa = mantissa * 10 + i64::from(digit);
+            digits += 1;
+            decimals += u8::from(has_point);
+        } else if byte == b'.' {
+            if has_point {
+                return Err((Alarm::DecimalPoint, at));
+            }
+            has_point = true;
+        } else {
+            break;
         }
         at += 1;
     }

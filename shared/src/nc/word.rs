@@ -68,14 +68,22 @@ impl<'a> Words<'a> {
         Words { line, at: 0 }
     }
 
+    #[inline]
     fn rest(&self) -> &'a [u8] {
         self.line.get(self.at..).unwrap_or_default()
     }
 
+    #[inline]
     fn column(&self) -> u16 {
         column(self.at)
     }
 
+    #[cold]
+    fn is_at_beginning(&self) -> bool {
+        self.line.get(..self.at).unwrap_or_default().iter().all(|byte| is_ignored(*byte))
+    }
+
+    #[inline]
     fn number(&mut self) -> Result<Number, Fault> {
         match number::read(self.rest()) {
             Ok((number, len)) => {
@@ -103,6 +111,7 @@ impl<'a> Words<'a> {
         }
     }
 
+    #[inline]
     fn word(&mut self, letter: u8) -> Result<Token<'a>, Fault> {
         let (column, start) = (self.column(), self.at);
         self.at += 1;
@@ -147,20 +156,25 @@ impl<'a> Iterator for Words<'a> {
     /// A token in its place, or the fault that ends the line.
     type Item = Result<Piece<'a>, Fault>;
 
+    #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        while matches!(self.rest().first(), Some(b' ' | b'\t')) {
+        while self.rest().first().is_some_and(|byte| is_ignored(*byte)) {
             self.at += 1;
         }
         let &byte = self.rest().first()?;
         let start = self.at;
         let token = match byte {
             b'A'..=b'Z' => self.word(byte),
+            b':' => self.word(b'O'),
             b'(' => Ok(self.comment()),
             b'#' => self.assignment(),
             b'/' => Ok(self.block_delete()),
             b'%' => {
                 self.at += 1;
                 Ok(Token::ProgramMark)
+            }
+            b'0'..=b'9' | b'+' | b'-' | b'.' if self.is_at_beginning() => {
+                Err(Fault::alarm(Alarm::AddressNotFound, self.column()))
             }
             b'0'..=b'9' | b'+' | b'-' | b'.' => Err(Fault::alarm(Alarm::IllegalAddress, self.column())),
             _ => Err(Fault::alarm(Alarm::Character, self.column())),
@@ -173,8 +187,15 @@ impl<'a> Iterator for Words<'a> {
 }
 
 /// The column, counted from 1, of the byte at `offset`.
+#[inline]
 pub fn column(offset: usize) -> u16 {
     u16::try_from(offset + 1).unwrap_or(u16::MAX)
+}
+
+/// Characters that mean nothing between words: blank, and in ISO code NUL, BS, HT, CR and DEL.
+#[inline]
+const fn is_ignored(byte: u8) -> bool {
+    matches!(byte, b' ' | 0 | 8 | b'\t' | b'\r' | 0x7f)
 }
 
 /// Whether the control's code (ISO, upper case) has this character; in a comment, the only check there is.

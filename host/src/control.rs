@@ -1,0 +1,179 @@
+//! A control's settings: a preset, and a TOML file with what one machine differs in.
+//!
+//! ```toml
+//! unit = "mm"                          # of all lengths here, and in effect at power-on; "inch" or "mm"
+//! decimals = "calculator"              # or "least-increment": X1000 is 1000 mm, or 1 mm
+//! delete = [1]                         # block-delete switches that are on
+//! peck_return = 1.0                    # parameter 5114, G73
+//! peck_clearance = 1.0                 # parameter 5115, G83
+//! [work]                               # origins in machine coordinates; EXT, G54 to G59, G54.1P1 to G54.1P48
+//! "G54" = { X = -300.0, Y = -200.0, Z = -400.0 }
+//! [length]                             # H number to length
+//! 1 = 120.5
+//! [reference]                          # machine coordinates of the first to fourth reference point
+//! 1 = { Z = 0.0 }
+//! ```
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::motion::Pose;
+use arcfeed_shared::nc::settings::{Decimals, OFFSETS, Preset, SYSTEMS, Settings, Tables};
+use arcfeed_shared::units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Nm};
+use serde::Deserialize;
+
+/// The names of the presets.
+pub const PRESETS: [&str; 3] = ["fanuc-16i", "fanuc-0i", "fanuc-31i"];
+
+/// The preset of a name among [`PRESETS`].
+pub fn preset(name: &str) -> Preset {
+    match name {
+        "fanuc-0i" => Preset::Fanuc0i,
+        "fanuc-31i" => Preset::Fanuc31i,
+        _ => Preset::Fanuc16i,
+    }
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct SettingsFile {
+    unit: Option<Unit>,
+    decimals: Option<Convention>,
+    delete: Vec<u8>,
+    peck_return: Option<f64>,
+    peck_clearance: Option<f64>,
+    work: BTreeMap<String, Axes>,
+    length: BTreeMap<String, f64>,
+    reference: BTreeMap<String, Axes>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Unit {
+    Inch,
+    Mm,
+}
+
+/// How numbers without a point count.
+#[derive(Clone, Copy, Debug, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Convention {
+    /// X1000 is 1 mm
+    LeastIncrement,
+    /// X1000 is 1000 mm
+    Calculator,
+}
+
+impl From<Convention> for Decimals {
+    fn from(convention: Convention) -> Self {
+        match convention {
+            Convention::LeastIncrement => Decimals::LeastIncrement,
+            Convention::Calculator => Decimals::Calculator,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[allow(non_snake_case, reason = "axes are named as in a program")]
+struct Axes {
+    X: f64,
+    Y: f64,
+    Z: f64,
+    A: f64,
+    B: f64,
+    C: f64,
+}
+
+/// Settings and tables of a preset, changed by the file if there is one.
+///
+/// # Errors
+/// What is wrong with the file.
+pub fn load(preset: Preset, reading: Reading, file: Option<&Path>) -> Result<(Settings, Tables), String> {
+    let Some(path) = file else {
+        return Ok((Settings::preset(preset, LengthUnit::Inch, reading), Tables::default()));
+    };
+    let in_file = |error: String| format!("{}: {}", path.display(), error.trim_end());
+    let text = std::fs::read_to_string(path).map_err(|error| in_file(error.to_string()))?;
+    parse(preset, reading, &text).map_err(in_file)
+}
+
+fn parse(preset: Preset, reading: Reading, text: &str) -> Result<(Settings, Tables), String> {
+    let file: SettingsFile = toml::from_str(text).map_err(|error| error.to_string())?;
+    let unit = match file.unit {
+        Some(Unit::Mm) => LengthUnit::Mm,
+        Some(Unit::Inch) | None => LengthUnit::Inch,
+    };
+    let length = |value: f64| Nm::from_mm(value * unit.mm());
+    let pose = |axes: &Axes| Pose {
+        linear: [axes.X, axes.Y, axes.Z].map(length),
+        rotary: [axes.A, axes.B, axes.C].map(|deg| MicroDeg(libm::round(deg * MICRODEG_PER_DEG as f64) as i64)),
+    };
+    let mut settings = Settings::preset(preset, unit, reading);
+    let mut tables = Tables::default();
+    settings.decimals = file.decimals.map_or(settings.decimals, Decimals::from);
+    settings.peck_return = file.peck_return.map_or(settings.peck_return, length);
+    settings.peck_clearance = file.peck_clearance.map_or(settings.peck_clearance, length);
+    for switch in file.delete {
+        let bit = (1..=9).contains(&switch).then(|| 1 << switch);
+        settings.delete_switches |= bit.ok_or(format!("delete: no switch {switch}, they are 1 to 9"))?;
+    }
+    for (name, axes) in &file.work {
+        *system(&mut tables, name).ok_or(format!("work: no coordinate system `{name}`"))? = pose(axes);
+    }
+    for (name, value) in &file.length {
+        let slot = name.parse().ok().filter(|number| (1..=OFFSETS).contains(number));
+        let slot: usize = slot.ok_or(format!("length: no offset number `{name}`, they are 1 to {OFFSETS}"))?;
+        tables.lengths[slot - 1] = [length(*value), Nm(0)];
+    }
+    for (name, axes) in &file.reference {
+        let slot: Option<usize> = name.parse().ok().filter(|number| (1..=4).contains(number));
+        settings.reference[slot.ok_or(format!("reference: no point `{name}`, they are 1 to 4"))? - 1] = pose(axes);
+    }
+    Ok((settings, tables))
+}
+
+fn system<'a>(tables: &'a mut Tables, name: &str) -> Option<&'a mut Pose> {
+    if name == "EXT" {
+        return Some(&mut tables.external);
+    }
+    let index = match name.strip_prefix("G54.1P") {
+        Some(number) => 5 + number.parse::<usize>().ok().filter(|number| *number > 0)?,
+        None => ["G54", "G55", "G56", "G57", "G58", "G59"].iter().position(|known| *known == name)?,
+    };
+    tables.systems.get_mut(index).filter(|_| index < SYSTEMS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_tells_offsets_lengths_and_conventions() {
+        let text = "unit = 'mm'\ndecimals = 'calculator'\ndelete = [1, 3]\n[work]\n'G54' = { X = -300.0 }\n\
+                    'G54.1P48' = { B = 90.0 }\n[length]\n1 = 120.5\n[reference]\n2 = { Z = 5.0 }\n";
+        let (settings, tables) = parse(Preset::Fanuc0i, Reading::Lenient, text).unwrap();
+        assert_eq!((settings.unit, settings.decimals), (LengthUnit::Mm, Decimals::Calculator));
+        assert_eq!(settings.delete_switches, 0b1010);
+        assert_eq!(tables.systems[0].linear[0], Nm::from_mm(-300.0));
+        assert_eq!(tables.systems[53].rotary[1], MicroDeg(90_000_000));
+        assert_eq!(tables.length(1), Nm::from_mm(120.5));
+        assert_eq!(settings.reference[1].linear[2], Nm::from_mm(5.0));
+    }
+
+    #[test]
+    fn what_a_control_does_not_have_is_named() {
+        for (text, named) in [
+            ("[work]\nG60 = { X = 1.0 }", "G60"),
+            ("[work]\n'G54.1P49' = { X = 1.0 }", "P49"),
+            ("[length]\n401 = 1.0", "401"),
+            ("delete = [0]", "0"),
+            ("[reference]\n5 = { X = 1.0 }", "5"),
+            ("colour = 1", "colour"),
+        ] {
+            let error = parse(Preset::Fanuc16i, Reading::Lenient, text).unwrap_err();
+            assert!(error.contains(named), "{error}");
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! From program coordinates to those of the path, and back.
+//!
+//! The *path* is the tool tip's, along the machine's axes, seen from the machine's zero: it runs on without a jump when a
+//! program changes its coordinates. With all offsets zero and no G52, G92 or G68 the two are the same numbers. With the
+//! shift s (work offset, G52, G92) and G68's centre c and angle a in its plane,
+//!
+//! ```text
+//! path = s + c + T(a) (program - c)        (1)
+//! ```
+//!
+//! Lengths are exact integers but for (1), which rounds to nanometres. The machine's own coordinates are those of the
+//! path plus the tool length along Z.
+
+use super::motion::{Plane, Pose};
+use crate::units::{MicroDeg, Nm};
+
+/// G68 in force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rotation {
+    /// The plane it turns in.
+    pub plane: Plane,
+    /// Program coordinates of the centre, on the plane's first and second axis.
+    pub center: [Nm; 2],
+    /// Counter-clockwise.
+    pub angle: MicroDeg,
+    cos: f64,
+    sin: f64,
+}
+
+/// Where program coordinates lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// The program's origin on the path.
+    pub shift: Pose,
+    /// G68.
+    pub rotation: Option<Rotation>,
+}
+
+impl Rotation {
+    /// Quarter turns are exact.
+    pub fn new(plane: Plane, center: [Nm; 2], angle: MicroDeg) -> Self {
+        const QUARTER: i64 = 90_000_000;
+        let (sin, cos) = match (angle.0 % QUARTER, angle.0.div_euclid(QUARTER).rem_euclid(4)) {
+            (0, 0) => (0.0, 1.0),
+            (0, 1) => (1.0, 0.0),
+            (0, 2) => (0.0, -1.0),
+            (0, _) => (-1.0, 0.0),
+            _ => libm::sincos(angle.to_deg().to_radians()),
+        };
+        Rotation { plane, center, angle, cos, sin }
+    }
+
+    fn turn(&self, axes: &mut [Nm; 3], center: [Nm; 2], sin: f64) {
+        let (first, second, _) = self.plane.axes();
+        let [cx, cy] = center;
+        let from = |index: usize, center: Nm| axes.get(index).map_or(0.0, |axis| (axis.0 - center.0) as f64);
+        let (x, y) = (from(first, cx), from(second, cy));
+        let turned = [(first, cx, self.cos * x - sin * y), (second, cy, sin * x + self.cos * y)];
+        for (index, center, value) in turned {
+            if let Some(axis) = axes.get_mut(index) {
+                axis.0 = center.0.saturating_add(libm::round(value) as i64); // (1)
+            }
+        }
+    }
+}
+
+impl Frame {
+    /// Whether program and path coordinates are the same numbers.
+    pub fn is_plain(&self) -> bool {
+        self.rotation.is_none() && self.shift == Pose::ORIGIN
+    }
+
+    /// A point of the program, on the path.
+    pub fn to_path(&self, mut program: Pose) -> Pose {
+        if let Some(rotation) = &self.rotation {
+            rotation.turn(&mut program.linear, rotation.center, rotation.sin);
+        }
+        program.plus(self.shift)
+    }
+
+    /// A point of the path, in the program's coordinates.
+    pub fn to_program(&self, path: Pose) -> Pose {
+        let mut program = path.minus(self.shift);
+        if let Some(rotation) = &self.rotation {
+            rotation.turn(&mut program.linear, rotation.center, -rotation.sin);
+        }
+        program
+    }
+
+    /// A vector of the program, such as I, J, K, on the path.
+    pub fn vector(&self, mut vector: [Nm; 3]) -> [Nm; 3] {
+        if let Some(rotation) = &self.rotation {
+            rotation.turn(&mut vector, [Nm(0); 2], rotation.sin);
+        }
+        vector
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pose(x: f64, y: f64) -> Pose {
+        Pose { linear: [Nm::from_mm(x), Nm::from_mm(y), Nm(7)], ..Pose::ORIGIN }
+    }
+
+    #[test]
+    fn a_quarter_about_a_centre_is_exact_and_leads_back() {
+        let center = [10.0, 0.0].map(Nm::from_mm);
+        let rotation = Rotation::new(Plane::Xy, center, MicroDeg(90_000_000));
+        let frame = Frame { shift: pose(100.0, 0.0), rotation: Some(rotation) };
+        let mut wanted = pose(110.0, 5.0);
+        wanted.linear[2] = Nm(14);
+        assert_eq!(frame.to_path(pose(15.0, 0.0)), wanted);
+        assert_eq!(frame.to_program(wanted), pose(15.0, 0.0));
+        assert_eq!(frame.vector([Nm(5), Nm(0), Nm(3)]), [Nm(0), Nm(5), Nm(3)]);
+    }
+
+    #[test]
+    fn three_four_five_turned_back_is_within_a_nanometre() {
+        let rotation = Rotation::new(Plane::Xy, [Nm(0); 2], MicroDeg(-36_869_898));
+        let turned = Frame { shift: Pose::ORIGIN, rotation: Some(rotation) }.to_path(pose(4.0, 3.0));
+        // 36.869898 degrees is atan(3/4) to half a microdegree: 9e-9 rad over 5 mm.
+        assert!((turned.linear[0].0 - 5_000_000).abs() <= 1 && turned.linear[1].0.abs() <= 45, "{turned:?}");
+    }
+}

@@ -1,0 +1,298 @@
+//! One block to what it does: G words first, then functions, then the move.
+
+use super::address;
+use super::alarm::{Alarm, Fault, NotModelled};
+use super::block::Block;
+use super::codes::OneShot;
+use super::modal::{Feed, FeedMode, Modal, Motion, MotionKind, Pose, Step, Stop};
+use super::series::Series;
+use super::settings::{Settings, Tables};
+use super::word::Word;
+
+pub use super::oneshot::set_data;
+
+impl Modal {
+    /// The state after `block` and what the block does; `self` stays as it was, so a refused block leaves no trace.
+    ///
+    /// # Errors
+    /// The first alarm the control would raise, or what this version does not interpret.
+    pub fn interpret(&self, block: &Block, settings: &Settings, tables: &Tables) -> Result<(Modal, Step), Fault> {
+        let mut next = *self;
+        let step = next.advance(self, block, settings, tables)?;
+        Ok((next, step))
+    }
+
+    /// [`Modal::interpret`] in place, from a copy of itself; behind a fault the state is of no use.
+    pub(crate) fn advance(
+        &mut self,
+        before: &Modal,
+        block: &Block,
+        settings: &Settings,
+        tables: &Tables,
+    ) -> Result<Step, Fault> {
+        address::check(block)?;
+        let mut one_shot = OneShot::No;
+        for word in block.words.iter().filter(|word| word.letter == b'G') {
+            match self.apply_g(word)? {
+                OneShot::No => {}
+                found => one_shot = found,
+            }
+        }
+        let (mut stop, mut spindle) = (None, None);
+        for word in &block.words {
+            match word.letter {
+                b'M' => stop = m_code(word)?.or(stop),
+                b'S' => spindle = Some((word.number.scaled(1), word.column)),
+                b'H' if one_shot != OneShot::Data => self.length_offset = word.number.scaled(1) as u16,
+                _ => {}
+            }
+        }
+        self.spindle = spindle.map_or(self.spindle, |(speed, _)| Some(speed));
+        if self.system != before.system {
+            self.settle(tables);
+        }
+        let mut step = match one_shot {
+            OneShot::No => self.go(before, block, settings)?,
+            OneShot::AdditionalSystem => {
+                self.select_additional(block, tables)?;
+                self.go(before, block, settings)?
+            }
+            _ => self.once(one_shot, block, settings, tables)?,
+        };
+        (step.stop, step.spindle) = (stop, spindle);
+        if step.motion.is_some() || step.series.is_some() {
+            step.beyond_plain = self.beyond_plain(&step, one_shot);
+        }
+        Ok(step)
+    }
+
+    /// A move along the path, or a block of a cycle.
+    fn go(&mut self, before: &Modal, block: &Block, settings: &Settings) -> Result<Step, Fault> {
+        let feed = self.take_feed(block);
+        if let Some(cycle) = self.cycle {
+            let series = self.drill(cycle, block, settings, feed)?;
+            return Ok(Step { series, ..Step::default() });
+        }
+        let mut target = self.target(block, settings.decimals);
+        if self.polar.is_some() {
+            self.resolve_polar(block, &mut target, settings.decimals);
+        }
+        let motion = self.motion_to(block, &target, (feed, settings.decimals))?;
+        if let Some(motion) = motion {
+            if matches!(motion.kind, MotionKind::Arc(_)) && self.compensation != before.compensation {
+                return Err(Fault::alarm(Alarm::ArcAtStartUp, 0));
+            }
+            (self.position, self.program) = (motion.end, target.end);
+            if self.is_unsettled {
+                let (first, second, _) = self.plane.axes();
+                let in_plane = (1_u8 << first) | (1_u8 << second);
+                self.is_unsettled = target.named & in_plane != in_plane;
+            }
+        }
+        Ok(Step { motion, ..Step::default() })
+    }
+
+    /// Why who can only make plain moves cannot make this one.
+    fn beyond_plain(&self, step: &Step, one_shot: OneShot) -> Option<NotModelled> {
+        let under = |code| Some(NotModelled::MoveUnder(code));
+        match (&step.series, one_shot) {
+            (Some(Series::Drill(drill)), _) => return Some(NotModelled::GCode(u16::from(drill.code) * 10)),
+            (Some(Series::Reference(_)), OneShot::Reference(code)) => {
+                return Some(NotModelled::GCode(u16::from(code) * 10));
+            }
+            (_, OneShot::Machine) => return Some(NotModelled::GCode(530)),
+            _ => {}
+        }
+        match self.compensation {
+            Some(super::modal::Side::Left) => return under(410),
+            Some(super::modal::Side::Right) => return under(420),
+            None => {}
+        }
+        if self.follows_tool_center {
+            return under(434);
+        }
+        if self.feed_mode == FeedMode::PerRevolution && step.motion.is_some_and(|motion| is_cut(&motion)) {
+            return under(950);
+        }
+        if self.frame.is_plain() {
+            return None;
+        }
+        under(match (self.frame.rotation, self.preset, self.local) {
+            (Some(_), ..) => 680,
+            (None, Pose::ORIGIN, Pose::ORIGIN) => 540 + 10 * self.system.min(5),
+            (None, Pose::ORIGIN, _) => 520,
+            (None, ..) => 920,
+        })
+    }
+}
+
+fn is_cut(motion: &Motion) -> bool {
+    motion.kind != MotionKind::Rapid
+}
+
+fn m_code(word: &Word) -> Result<Option<Stop>, Fault> {
+    let fault = Fault::alarm(Alarm::DecimalPoint, word.column);
+    Ok(match word.number.as_whole().ok_or(fault)? {
+        0 => Some(Stop::Program),
+        1 => Some(Stop::Optional),
+        2 | 30 => Some(Stop::End),
+        code @ (98 | 99) => {
+            return Err(Fault::not_modelled(NotModelled::MCode(code as u16), word.column));
+        }
+        _ => None,
+    })
+}
+
+impl Step {
+    /// Whether this is a cutting move for which no feed was ever given: PS0011.
+    pub fn lacks_feed(&self) -> bool {
+        let of_series = match &self.series {
+            Some(Series::Drill(drill)) => drill.feed == Feed::Missing,
+            Some(Series::Reference(_)) | None => false,
+        };
+        of_series || self.motion.is_some_and(|motion| is_cut(&motion) && motion.feed == Feed::Missing)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::alarm::Cause;
+    use super::super::block::{Line, Reading, parse_line};
+    use super::super::modal::{Center, PER_MIN_SCALE, Turn};
+    use super::super::settings::Preset;
+    use super::*;
+    use crate::units::{LengthUnit, MicroDeg, Micros, Nm};
+
+    fn interpret(modal: &Modal, block: &Block) -> Result<(Modal, Step), Fault> {
+        let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Inch, Reading::Lenient);
+        modal.interpret(block, &settings, &Tables::default())
+    }
+
+    fn run(lines: &[&str]) -> Result<(Modal, Step), Fault> {
+        let mut state = (Modal::at_power_on(LengthUnit::Inch), Step::default());
+        for line in lines {
+            let Line::Block(block) = parse_line(line.as_bytes(), Reading::Lenient)?.line else {
+                continue;
+            };
+            state = interpret(&state.0, &block)?;
+        }
+        Ok(state)
+    }
+
+    fn motion(lines: &[&str]) -> Motion {
+        run(lines).unwrap().1.motion.unwrap()
+    }
+
+    fn inch(value: f64) -> Nm {
+        Nm::from_mm(value * LengthUnit::Inch.mm())
+    }
+
+    #[test]
+    fn the_published_approach_is_an_inverse_time_move_with_a_rotary_axis() {
+        let motion = motion(&["G20G17", "N124G1Z-26.7876", "N126G93X-3.6044Y10.5358Z-27.2876B103.946F50."]);
+        assert_eq!(motion.kind, MotionKind::Line);
+        assert_eq!(motion.feed, Feed::InverseTime(50 * PER_MIN_SCALE));
+        assert_eq!(motion.start.linear[2], inch(-26.7876));
+        assert_eq!(motion.end.linear[0], inch(-3.6044));
+        assert_eq!(motion.end.rotary[1], MicroDeg(103_946_000));
+    }
+
+    #[test]
+    fn the_published_arc_after_it_is_back_at_feed_per_minute() {
+        let motion = motion(&["G20G1G93X-3.6044Y10.5358F50.", "N128G94G2X-2.7807Y11.5782I3.8539J-2.1989F25."]);
+        assert_eq!(motion.kind, MotionKind::Arc(Turn::Cw));
+        assert_eq!(motion.feed, Feed::PerMinute(inch(25.0)));
+        assert_eq!(motion.center, Center::Offset([inch(3.8539), inch(-2.1989), Nm(0)]));
+    }
+
+    #[test]
+    fn after_inverse_time_a_feed_per_minute_must_be_given_again() {
+        assert_eq!(motion(&["G1G94X1.F25.", "G93X2.F50.", "G94X3."]).feed, Feed::Missing);
+        assert_eq!(motion(&["G1G94X1.F25.", "G93X2.F50.", "G94X3.F30."]).feed, Feed::PerMinute(inch(30.0)));
+    }
+
+    #[test]
+    fn a_cutting_move_that_never_got_a_feed_says_so() {
+        assert_eq!(motion(&["N124G1Z-26.7876"]).feed, Feed::Missing);
+        assert_eq!(motion(&["G1X1.F25.", "G93X2."]).feed, Feed::Missing);
+    }
+
+    #[test]
+    fn without_a_point_axis_words_count_in_least_increments_and_f_in_whole_units() {
+        let motion = motion(&["G1X10000B90000F25"]);
+        assert_eq!(motion.end.linear[0], inch(1.0));
+        assert_eq!(motion.end.rotary[1], MicroDeg(90_000_000));
+        assert_eq!(motion.feed, Feed::PerMinute(inch(25.0)));
+    }
+
+    #[test]
+    fn incremental_moves_add_up() {
+        assert_eq!(motion(&["G21G91G0X1.", "X2.5"]).end.linear[0], Nm::from_mm(3.5));
+    }
+
+    #[test]
+    fn a_full_circle_needs_no_axis_word() {
+        let motion = motion(&["G1X1.F25.", "G2I-1."]);
+        assert_eq!(motion.end, motion.start);
+        assert_eq!(run(&["G1I-1."]).unwrap().1.motion, None);
+    }
+
+    #[test]
+    fn a_radius_wins_over_a_centre_and_means_nothing_on_a_line() {
+        assert_eq!(motion(&["G2X1.I5.R2.5"]).center, Center::Radius(inch(2.5)));
+        assert_eq!(motion(&["G2X1.R-25000"]).center, Center::Radius(inch(-2.5)));
+        assert_eq!(motion(&["G1X1.R2.5F1."]).center, Center::Offset([Nm(0); 3]));
+    }
+
+    #[test]
+    fn a_radius_back_to_the_start_moves_nothing() {
+        for block in ["G2R1.", "G2X1.Y0R1.", "G3X1.I5.R-1."] {
+            let (state, step) = run(&["G1X1.F1.", block]).unwrap();
+            assert_eq!((step.motion, state.position.linear[0]), (None, inch(1.0)), "{block}");
+        }
+    }
+
+    #[test]
+    fn a_dwell_moves_nothing() {
+        let (_, step) = run(&["G4X1.5"]).unwrap();
+        assert_eq!((step.dwell, step.motion), (Some(Micros(1_500_000)), None));
+        assert_eq!(run(&["G4P250"]).unwrap().1.dwell, Some(Micros(250_000)));
+    }
+
+    #[test]
+    fn what_the_control_refuses_is_an_alarm_at_its_column() {
+        for (line, fault) in [
+            ("G2X1.Y1.", Fault::alarm(Alarm::NoRadius, 0)),
+            ("G1G14X1.", Fault::alarm(Alarm::ImproperGCode, 3)),
+            ("G1.25", Fault::alarm(Alarm::ImproperGCode, 1)),
+            ("G1X1.F-5.", Fault::alarm(Alarm::MinusSign, 7)),
+            ("M3.5", Fault::alarm(Alarm::DecimalPoint, 1)),
+        ] {
+            assert_eq!(run(&[line]), Err(fault), "{line}");
+        }
+    }
+
+    #[test]
+    fn what_the_control_knows_and_this_version_does_not_is_refused_by_name() {
+        for (line, what) in [
+            ("G31X1.", NotModelled::GCode(310)),
+            ("G88X1.", NotModelled::GCode(880)),
+            ("G51P2000\nG0X1.", NotModelled::MoveUnder(510)),
+            ("G68.2X1.I5.\nG0X1.", NotModelled::MoveUnder(682)),
+            ("G0X1.Y1.\nG68R30.\nG0X2.", NotModelled::AfterRotation),
+            ("M98P1000", NotModelled::MCode(98)),
+        ] {
+            let fault = run(&line.lines().collect::<Vec<_>>()).unwrap_err();
+            assert_eq!(fault.cause, Cause::NotModelled(what), "{line}");
+        }
+    }
+
+    #[test]
+    fn a_refused_block_leaves_the_state_as_it_was() {
+        let (before, _) = run(&["G1X1.F25."]).unwrap();
+        let Line::Block(block) = parse_line(b"G91G2X5.", Reading::Lenient).unwrap().line else { unreachable!() };
+        let kept = before;
+        assert!(interpret(&before, &block).is_err());
+        assert_eq!(before, kept);
+    }
+}

@@ -1,0 +1,180 @@
+//! What a block may ask the machine for: positions, planes, feeds, moves.
+
+use crate::units::{MicroDeg, Nm};
+
+/// An inverse-time feed of 1/min in the integer of [`Feed::InverseTime`].
+pub const PER_MIN_SCALE: i64 = 1_000_000;
+
+/// Group 01.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MotionKind {
+    /// G0.
+    Rapid,
+    /// G1.
+    Line,
+    /// G2, G3.
+    Arc(Turn),
+}
+
+/// The sense of an arc, seen against the plane's normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// G2.
+    Cw,
+    /// G3.
+    Ccw,
+}
+
+impl Turn {
+    /// +1 for counter-clockwise, -1 for clockwise.
+    pub const fn sign(self) -> i8 {
+        match self {
+            Turn::Cw => -1,
+            Turn::Ccw => 1,
+        }
+    }
+}
+
+/// Group 02: the plane of arcs, as indices of its first and second axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plane {
+    /// G17.
+    Xy,
+    /// G18.
+    Zx,
+    /// G19.
+    Yz,
+}
+
+/// Group 05.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FeedMode {
+    /// G94.
+    PerMinute,
+    /// G93: F is the number of times a minute that the block would fit.
+    InverseTime,
+    /// G95: F counts per revolution of the spindle.
+    PerRevolution,
+}
+
+/// Group 07: on which side of the contour the tool runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// G41.
+    Left,
+    /// G42.
+    Right,
+}
+
+/// Where the tool centre and the rotary axes stand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Pose {
+    /// X, Y, Z.
+    pub linear: [Nm; 3],
+    /// A, B, C.
+    pub rotary: [MicroDeg; 3],
+}
+
+/// A feed as programmed, exact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Feed {
+    /// Nanometres per minute.
+    PerMinute(Nm),
+    /// Blocks per minute in [`PER_MIN_SCALE`]ths.
+    InverseTime(i64),
+    /// A cutting move for which no F was ever given.
+    Missing,
+}
+
+/// A motion that a block asks for; its geometry is not checked yet (see [`crate::segment`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Motion {
+    /// How to get there.
+    pub kind: MotionKind,
+    /// The plane of an arc.
+    pub plane: Plane,
+    /// From.
+    pub start: Pose,
+    /// To.
+    pub end: Pose,
+    /// What says where the centre of an arc is.
+    pub center: Center,
+    /// Feed; [`Feed::Missing`] also for rapids.
+    pub feed: Feed,
+}
+
+/// How the centre of an arc is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Center {
+    /// I, J, K: relative to the start.
+    Offset([Nm; 3]),
+    /// R: the radius, negative for the way round of more than 180 degrees. I, J, K beside it count for nothing.
+    Radius(Nm),
+}
+
+/// Where the program goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// M0: wait for the operator.
+    Program,
+    /// M1: wait if the switch is on.
+    Optional,
+    /// M2, M30.
+    End,
+}
+
+impl Plane {
+    /// Indices into [`Pose::linear`] of the first and second axis and of the normal.
+    pub const fn axes(self) -> (usize, usize, usize) {
+        match self {
+            Plane::Xy => (0, 1, 2),
+            Plane::Zx => (2, 0, 1),
+            Plane::Yz => (1, 2, 0),
+        }
+    }
+}
+
+impl Pose {
+    /// All axes at zero.
+    pub const ORIGIN: Pose = Pose { linear: [Nm(0); 3], rotary: [MicroDeg(0); 3] };
+
+    /// Axis by axis.
+    #[must_use]
+    pub fn plus(self, other: Pose) -> Pose {
+        self.zip(other, i64::saturating_add)
+    }
+
+    /// Axis by axis.
+    #[must_use]
+    pub fn minus(self, other: Pose) -> Pose {
+        self.zip(other, i64::saturating_sub)
+    }
+
+    fn zip(mut self, other: Pose, join: fn(i64, i64) -> i64) -> Pose {
+        for (axis, Nm(by)) in self.linear.iter_mut().zip(other.linear) {
+            axis.0 = join(axis.0, by);
+        }
+        for (axis, MicroDeg(by)) in self.rotary.iter_mut().zip(other.rotary) {
+            axis.0 = join(axis.0, by);
+        }
+        self
+    }
+
+    /// The axis of a letter (`A` to `C`, `X` to `Z`), nm or microdegrees; nothing for other letters.
+    pub fn axis_mut(&mut self, letter: u8) -> Option<&mut i64> {
+        match letter {
+            b'X'..=b'Z' => self.linear.get_mut(usize::from(letter - b'X')).map(|axis| &mut axis.0),
+            b'A'..=b'C' => self.rotary.get_mut(usize::from(letter - b'A')).map(|axis| &mut axis.0),
+            _ => None,
+        }
+    }
+
+    /// The axis of a letter, as in [`Pose::axis_mut`]; 0 for other letters.
+    pub fn axis(&self, letter: u8) -> i64 {
+        match letter {
+            b'X'..=b'Z' => self.linear.get(usize::from(letter - b'X')).map_or(0, |axis| axis.0),
+            b'A'..=b'C' => self.rotary.get(usize::from(letter - b'A')).map_or(0, |axis| axis.0),
+            _ => 0,
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! Axis words to a move.
+
+use super::alarm::{Alarm, Fault, NotModelled};
+use super::block::Block;
+use super::modal::{Center, Feed, FeedMode, Modal, Motion, MotionKind, PER_MIN_SCALE, Pose};
+use super::number::Number;
+use super::settings::Decimals;
+use crate::units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Nm};
+
+/// Least increments of a rotary axis in a degree (0.001 deg).
+const ROTARY_INCREMENTS_PER_DEG: i64 = 1_000;
+
+/// Least increments in one unit of length: 0.001 mm, 0.0001 in.
+const fn increments_per_unit(unit: LengthUnit) -> i64 {
+    match unit {
+        LengthUnit::Mm => 1_000,
+        LengthUnit::Inch => 10_000,
+    }
+}
+
+/// What a feed per revolution without a point counts in: hundredths of a millimetre, ten-thousandths of an inch.
+const fn revolution_increments(unit: LengthUnit) -> i64 {
+    match unit {
+        LengthUnit::Mm => 100,
+        LengthUnit::Inch => 10_000,
+    }
+}
+
+/// Where a block's axis words lead, in the program's coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Target {
+    /// There.
+    pub end: Pose,
+    /// Bits 0 to 2: X to Z given; bits 3 to 5: A to C.
+    pub named: u8,
+    /// I, J, K.
+    offset: [Nm; 3],
+    has_offset: bool,
+}
+
+impl Modal {
+    /// The feed this block moves with; a G94 or G95 feed is remembered, an inverse time is not. F0 is none.
+    pub(super) fn take_feed(&mut self, block: &Block) -> Feed {
+        let word = block.word(b'F');
+        if self.feed_mode == FeedMode::InverseTime {
+            // What F means after G93 until it is given again differs from control to control.
+            self.feed = None;
+            let times = word.map_or(0, |word| word.number.scaled(PER_MIN_SCALE));
+            return if times == 0 { Feed::Missing } else { Feed::InverseTime(times) };
+        }
+        if let Some(word) = word {
+            let per_point = self.unit.nm();
+            let scale = match self.feed_mode {
+                FeedMode::PerRevolution if !word.number.has_point => per_point / revolution_increments(self.unit),
+                _ => per_point,
+            };
+            self.feed = Some(Nm(word.number.scaled(scale))).filter(|feed| feed.0 != 0);
+        }
+        let turns = if self.feed_mode == FeedMode::PerRevolution { self.spindle.unwrap_or(0) } else { 1 };
+        match self.feed.map(|feed| Nm(feed.0.saturating_mul(turns))) {
+            Some(feed) if feed.0 != 0 => Feed::PerMinute(feed),
+            Some(_) | None => Feed::Missing,
+        }
+    }
+
+    /// Reads X to Z, A to C and I to K.
+    pub(super) fn target(&self, block: &Block, decimals: Decimals) -> Target {
+        let mut target = Target { end: self.program, named: 0, offset: [Nm(0); 3], has_offset: false };
+        for word in &block.words {
+            let (index, value) = match word.letter {
+                letter @ b'X'..=b'Z' => (letter - b'X', self.length(word.number, decimals)),
+                letter @ b'A'..=b'C' => (letter - b'A' + 3, rotary(word.number, decimals)),
+                letter @ b'I'..=b'K' => {
+                    if let Some(axis) = target.offset.get_mut(usize::from(letter - b'I')) {
+                        *axis = Nm(self.length(word.number, decimals));
+                    }
+                    target.has_offset = true;
+                    continue;
+                }
+                _ => continue,
+            };
+            if let Some(axis) = target.end.axis_mut(word.letter) {
+                *axis = if self.absolute { value } else { self.program.axis(word.letter).saturating_add(value) };
+            }
+            target.named |= 1 << index;
+        }
+        target
+    }
+
+    /// Under G16 the plane's first axis is a radius and its second an angle: from the program's origin, or (G91) from
+    /// where the tool stands.
+    pub(super) fn resolve_polar(&mut self, block: &Block, target: &mut Target, decimals: Decimals) {
+        let Some(polar) = &mut self.polar else { return };
+        let (first, second, _) = self.plane.axes();
+        let number = |index: usize| block.word(b'X' + index as u8).map(|word| word.number);
+        let (radius, angle) = (number(first), number(second));
+        if radius.is_none() && angle.is_none() {
+            return;
+        }
+        let absolute = self.absolute;
+        if let Some(number) = angle {
+            let value = rotary(number, decimals);
+            polar.angle = MicroDeg(if absolute { value } else { polar.angle.0.saturating_add(value) });
+        }
+        let polar = *polar;
+        let radius = radius.map_or(polar.radius, |number| Nm(self.length(number, decimals)));
+        self.polar = Some(super::modal::Polar { radius, ..polar });
+        let (sin, cos) = libm::sincos(polar.angle.to_deg().to_radians());
+        for (index, part) in [(first, cos), (second, sin)] {
+            let pole = if absolute { 0 } else { self.program.linear.get(index).map_or(0, |axis| axis.0) };
+            if let Some(axis) = target.end.linear.get_mut(index) {
+                *axis = Nm(pole.saturating_add(libm::round(part * radius.0 as f64) as i64));
+            }
+        }
+    }
+
+    /// The move to the target, if it is one.
+    pub(super) fn motion_to(
+        &self,
+        block: &Block,
+        target: &Target,
+        ways: (Feed, Decimals),
+    ) -> Result<Option<Motion>, Fault> {
+        let (feed, decimals) = ways;
+        let (moves, has_offset) = (target.named != 0, target.has_offset);
+        let is_arc = matches!(self.motion, MotionKind::Arc(_));
+        let radius = block.word(b'R').filter(|_| is_arc).map(|word| Nm(self.length(word.number, decimals)));
+        if is_arc && moves && !has_offset && radius.is_none() {
+            return Err(Fault::alarm(Alarm::NoRadius, 0));
+        }
+        let is_move = match radius {
+            // An arc of no angle.
+            Some(_) => target.end != self.program,
+            // I, J, K without an axis word is a full circle under G2 and G3, and nothing otherwise.
+            None => moves || (is_arc && has_offset),
+        };
+        if !is_move {
+            return Ok(None);
+        }
+        self.may_move(target)?;
+        let is_turned = self.frame.rotation.is_some_and(|rotation| rotation.plane != self.plane);
+        if is_arc && is_turned {
+            return Err(Fault::alarm(Alarm::RotationPlane, 0));
+        }
+        let is_plain = self.frame.is_plain();
+        Ok(Some(Motion {
+            kind: self.motion,
+            plane: self.plane,
+            start: self.position,
+            end: if is_plain { target.end } else { self.frame.to_path(target.end) },
+            center: match radius {
+                Some(radius) => Center::Radius(radius),
+                None if is_plain => Center::Offset(target.offset),
+                None => Center::Offset(self.frame.vector(target.offset)),
+            },
+            feed: if self.motion == MotionKind::Rapid { Feed::Missing } else { feed },
+        }))
+    }
+
+    /// Whether what is in force lets a move be interpreted.
+    pub(super) fn may_move(&self, target: &Target) -> Result<(), Fault> {
+        if let Some(&code) = self.unmodelled.iter().find(|code| **code != 0) {
+            return Err(Fault::not_modelled(NotModelled::MoveUnder(code), 0));
+        }
+        let (first, second, _) = self.plane.axes();
+        let in_plane = (1_u8 << first) | (1_u8 << second);
+        let named = target.named & in_plane;
+        if self.is_unsettled && named != 0 && (named != in_plane || !self.absolute) {
+            return Err(Fault::not_modelled(NotModelled::AfterRotation, 0));
+        }
+        Ok(())
+    }
+
+    /// A length word, nm.
+    pub(super) fn length(&self, number: Number, decimals: Decimals) -> i64 {
+        if number.has_point || decimals == Decimals::Calculator {
+            number.scaled(self.unit.nm())
+        } else {
+            number.scaled(self.unit.nm() / increments_per_unit(self.unit))
+        }
+    }
+}
+
+/// An angle word, microdegrees.
+pub(super) fn rotary(number: Number, decimals: Decimals) -> i64 {
+    if number.has_point || decimals == Decimals::Calculator {
+        number.scaled(MICRODEG_PER_DEG)
+    } else {
+        number.scaled(MICRODEG_PER_DEG / ROTARY_INCREMENTS_PER_DEG)
+    }
+}

@@ -1,0 +1,4 @@
+%
+OTITLE (PART)
+M30
+%

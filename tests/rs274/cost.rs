@@ -1,0 +1,73 @@
+//! Instructions per line of the dialect: `cost [LINES]` runs itself under callgrind and prints them.
+//!
+//! The program, mixed G1 and G2 with N, feeds and comments here and there, is made line by line in one buffer; what making it
+//! costs is measured alone and taken off. Memory is the reader's own size, however long the program.
+
+use std::fmt::Write;
+use std::process::Command;
+
+use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::word::Words;
+use arcfeed_shared::reader::Reader;
+use arcfeed_shared::units::LengthUnit;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let lines = |text: &String| text.parse().unwrap_or(20_000);
+    match arguments.as_slice() {
+        [what, count] => println!("{}", read(what, lines(count))),
+        others => measure(others.first().map_or(20_000, lines)),
+    }
+}
+
+fn measure(lines: u64) {
+    let [made, lexed, interpreted] = ["make", "lex", "interpret"].map(|what| instructions(what, lines));
+    let per_line = |total: u64| total.saturating_sub(made) / lines;
+    println!(
+        "{lines} lines: lexing {}, full interpretation {} instructions a line",
+        per_line(lexed),
+        per_line(interpreted)
+    );
+    println!("memory: {} bytes of reader, no heap", size_of::<Reader>());
+}
+
+/// Instructions of one run, as callgrind counts them.
+fn instructions(what: &str, lines: u64) -> u64 {
+    let own = std::env::current_exe().expect("this program");
+    let valgrind = ["--tool=callgrind", "--callgrind-out-file=/dev/null"];
+    let output = Command::new("valgrind").args(valgrind).arg(own).args([what, &lines.to_string()]).output();
+    let said = output.expect("valgrind is installed").stderr;
+    let said = String::from_utf8_lossy(&said);
+    let total = said.lines().find_map(|line| line.split_once("Collected :"));
+    total.and_then(|(_, count)| count.trim().parse().ok()).expect("callgrind counts")
+}
+
+/// Makes the program and reads it; the answer only keeps the work from being left out.
+fn read(what: &str, lines: u64) -> u64 {
+    let mut line = String::with_capacity(128);
+    let mut reader = Reader::new(LengthUnit::Mm, Reading::Strict);
+    let mut sum = 0;
+    for index in 0..lines {
+        line.clear();
+        make(&mut line, index);
+        sum += match what {
+            "lex" => Words::new(line.as_bytes()).filter(|piece| piece.is_ok()).count() as u64,
+            "interpret" => u64::from(reader.read(line.as_bytes()).is_ok_and(|read| read.segment.is_some())),
+            _ => line.len() as u64,
+        };
+    }
+    sum
+}
+
+/// Four moves that close, again and again: a line there, half a turn, a line back, half a turn.
+fn make(line: &mut String, index: u64) {
+    let level = (index / 4) % 1_000;
+    let number = index % 99_998 + 1;
+    let written = match index % 4 {
+        0 => write!(line, "N{number}G1X100.0005Y-25.1250Z-{}.{:03}F250.", level / 10, level),
+        1 => write!(line, "N{number}G2X100.0005Y-75.1250I0.J-25."),
+        2 => write!(line, "N{number}G1X-100.0005 (PASS)"),
+        _ => write!(line, "N{number}G2X-100.0005Y-25.1250I0.J25.F400."),
+    };
+    written.expect("a string takes anything");
+}
