@@ -59,7 +59,7 @@ impl Reader {
 
     /// The axes stand here, wherever the lines read so far have led.
     pub fn stand_at(&mut self, pose: Pose) {
-        self.modal.position = pose;
+        self.modal.stand_at(pose);
         self.lost = [false; 3];
     }
 

@@ -140,6 +140,12 @@ impl Modal {
         self.program = self.frame.to_program(self.position);
     }
 
+    /// The tool stands here, on the path.
+    pub fn stand_at(&mut self, position: Pose) {
+        self.position = position;
+        self.program = self.frame.to_program(position);
+    }
+
     pub(super) fn rotate(&mut self, rotation: Option<Rotation>) {
         if self.frame.rotation == rotation {
             return;
