@@ -162,7 +162,10 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
         ("kind = \"circumference\"", "kind = \"engaged-arc\"\nedges = \"side\""),
         ("normal_deg = 54.187, offset = 4.2391", "engaged = [[0, 0, 40], [1, 60, 40]]"),
     ];
-    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 11] = [
+    let in_pieces = with_override("mode = \"rewrite-only\"");
+    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 13] = [
+        (CASE, &[("[control]", &in_pieces)], &[]),
+        (CASE, &[("[control]", &in_pieces)], &[("F25.", "F25.M8")]),
         (CASE, &by_table, &[]),
         (CASE, &by_arcs, &[]),
         (EXAMPLE, &[], &[]),

@@ -16,12 +16,13 @@ pub mod spelling;
 pub mod split;
 
 use arcfeed_firmware::law::SegmentLaw;
-use arcfeed_shared::cut;
+use arcfeed_shared::cut::{self, CutRule, Work};
 use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::nc::block::{Line, Reading};
 use arcfeed_shared::nc::modal::Feed;
 use arcfeed_shared::reader::Reader;
 use arcfeed_shared::segment::{Path, Segment};
+use arcfeed_shared::stock::Stock;
 use arcfeed_shared::units::{LengthUnit, Nm, PERCENT};
 
 use crate::program::{Program, ProgramLine};
@@ -252,7 +253,7 @@ fn govern(block: &mut PlannedBlock, job: &Job, unit: LengthUnit) -> Option<Profi
     let (index, rule) = cut::find(&job.rules, &block.segment, &job.tool)?;
     block.rule = Some(index);
     let law = SegmentLaw::for_segment(&block.segment, Some(rule), job);
-    let profile = Profile::ask(&law, &block.segment);
+    let profile = Profile::ask(&law, &block.segment, &knots_mm(rule, job));
     let Some(wish) = WishRange::of(&profile, teeth_per_min(job)) else {
         block.reason = PlanReason::NoWish;
         return None;
@@ -269,6 +270,17 @@ fn govern(block: &mut PlannedBlock, job: &Job, unit: LengthUnit) -> Option<Profi
         _ => PlanReason::LawInPart,
     };
     Some(profile)
+}
+
+/// Where along a move the tables of a rule have their knots.
+fn knots_mm(rule: &CutRule, job: &Job) -> Vec<f64> {
+    let feeds = rule.table.map(|range| job.knots.table(range)).unwrap_or_default();
+    let engaged = match &rule.work {
+        Work::Ring(_, Stock::Engaged(table)) => table.knots(),
+        Work::Ring(..) | Work::Mill { .. } => &[],
+    };
+    let paths = feeds.iter().map(|knot| knot.0).chain(engaged.iter().map(|knot| knot.travelled));
+    paths.map(|path| f64::from(path.0)).collect()
 }
 
 /// The modes in force after a line's G words: what lengths and F words are written in.

@@ -117,13 +117,12 @@ pub fn start(pieces: &[Piece], index: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::adapt::profile::Answer;
     use arcfeed_shared::units::Nm;
 
     /// A move whose law wishes `wish` of the way.
     fn profile(wish: impl Fn(f64) -> f64) -> Profile {
         let bounds: Vec<f64> = (0..CELLS).map(|cell| wish((cell as f64 + 0.5) / CELLS as f64)).collect();
-        Profile { answers: vec![Answer::Anything; CELLS + 1], bounds, covered: vec![true; CELLS] }
+        Profile { answers: Vec::new(), bounds, covered: vec![true; CELLS] }
     }
 
     fn settings(step: f32, hysteresis: f32, least_mm: f64, most: u16) -> PieceSettings {

@@ -6,12 +6,10 @@ use arcfeed_shared::units::Nm;
 
 /// Cells that a move is divided into; the law is asked at their ends.
 pub const CELLS: usize = 256;
-/// Parts that a cell is divided into where the law bends sharply or jumps.
-const PARTS: usize = 32;
-/// Bend within a cell, over its value, above which it is looked at more closely.
-const SHARP_RATIO: f64 = 1e-3;
-/// Largest dip between two points of a divided cell that is reckoned with, over its value.
-const DIP_RATIO_MAX: f64 = 5e-3;
+/// Dip between two points, over their value, above which it is looked at more closely.
+const SHARP_RATIO: f64 = 1e-4;
+/// How often a cell is halved for that; what still falls then is a jump, not a dip.
+const DEPTH_MAX: usize = 16;
 /// Halvings to the place where a law's wish begins or ends.
 const HALVINGS: usize = 30;
 
@@ -29,8 +27,8 @@ pub enum Answer {
 /// The answers of a law along a move.
 #[derive(Clone, Debug)]
 pub struct Profile {
-    /// At the ends of the cells, [`CELLS`] + 1 of them.
-    pub answers: Vec<Answer>,
+    /// At the ends of the cells and at knots, in order; places counted in cells from the start.
+    pub answers: Vec<(f64, Answer)>,
     /// Path per tooth that no point of the cell undercuts, mm; infinite where no feed is too high.
     pub bounds: Vec<f64>,
     /// Whether the law says something everywhere in the cell.
@@ -43,24 +41,53 @@ struct Asked<'a, L> {
     segment: &'a Segment,
 }
 
+/// A point, in cells from the start, and the path per tooth wished there.
+type Point = (f64, f64);
+
 impl Profile {
-    /// Asks the law.
-    pub fn ask(law: &impl FeedLaw, segment: &Segment) -> Self {
+    /// Asks the law; also at the knots of a table, given as path from the move's start, mm, in their order.
+    pub fn ask(law: &impl FeedLaw, segment: &Segment, knots_mm: &[f64]) -> Self {
         let asked = Asked { law, segment };
-        let answers: Vec<Answer> = (0..=CELLS).map(|point| asked.at(point as f64 / CELLS as f64)).collect();
-        let values: Vec<Option<f64>> = answers.iter().map(|answer| answer.path()).collect();
-        let (mut bounds, mut covered) = (Vec::with_capacity(CELLS), Vec::with_capacity(CELLS));
+        let knots: Vec<f64> = knots_mm.iter().map(|mm| mm / segment.feed_length_mm() * CELLS as f64).collect();
+        let ends: Vec<Answer> = (0..=CELLS).map(|point| asked.at(point as f64)).collect();
+        let values: Vec<Option<f64>> = ends.iter().map(|answer| answer.path()).collect();
+        let mut profile = Profile { answers: Vec::new(), bounds: Vec::new(), covered: Vec::new() };
         for cell in 0..CELLS {
+            let (from, to) = (cell as f64, cell as f64 + 1.0);
+            let inside = knots.iter().filter(|knot| **knot > from && **knot < to);
+            profile.answers.push((from, ends[cell]));
+            let first = profile.answers.len();
+            profile.answers.extend(inside.map(|knot| (*knot, asked.at(*knot))));
             let (bound, covers) = match (values[cell], values[cell + 1]) {
-                (Some(a), Some(b)) => (asked.bound(cell, a.min(b), dip(&values, cell)), true),
-                (Some(wish), None) => (asked.edge(wish, cell as f64, cell as f64 + 1.0), false),
-                (None, Some(wish)) => (asked.edge(wish, cell as f64 + 1.0, cell as f64), false),
+                (Some(a), Some(b)) => {
+                    let knots = profile.answers[first..].iter().filter_map(|(at, answer)| Some((*at, answer.path()?)));
+                    let points: Vec<Point> = [(from, a)].into_iter().chain(knots).chain([(to, b)]).collect();
+                    (asked.bound(&points, dip(&values, cell)), true)
+                }
+                (Some(wish), None) => (asked.edge(wish, from, to), false),
+                (None, Some(wish)) => (asked.edge(wish, to, from), false),
                 (None, None) => (f64::INFINITY, false),
             };
-            bounds.push(bound);
-            covered.push(covers);
+            profile.bounds.push(bound);
+            profile.covered.push(covers);
         }
-        Profile { answers, bounds, covered }
+        profile.answers.push((CELLS as f64, ends[CELLS]));
+        profile
+    }
+
+    /// The path per tooth wished at `ratio` of the move, straight between two answers; `None` where one of them is no
+    /// finite wish.
+    pub fn wish_at(&self, ratio: f64) -> Option<f64> {
+        let point = ratio * CELLS as f64;
+        let after = self.answers.partition_point(|(at, _)| *at < point);
+        let (to, after_path) = self.answers.get(after).and_then(|(at, answer)| Some((*at, answer.path()?)))?;
+        let wish = if to == point {
+            after_path
+        } else {
+            let (from, before_path) = self.answers.get(after.checked_sub(1)?).and_then(|(at, answer)| Some((*at, answer.path()?)))?;
+            before_path + (after_path - before_path) * (point - from) / (to - from)
+        };
+        Some(wish).filter(|wish| wish.is_finite())
     }
 
     /// A path per tooth that no point of the move undercuts; `None` where the law has no finite wish.
@@ -81,24 +108,36 @@ impl Answer {
 }
 
 impl<L: FeedLaw> Asked<'_, L> {
-    fn at(&self, ratio: f64) -> Answer {
-        match self.law.wish(&place_at(self.segment, ratio)) {
+    fn at(&self, point: f64) -> Answer {
+        match self.law.wish(&place_at(self.segment, point / CELLS as f64)) {
             Ok(wish) => Answer::Wish(f64::from(wish.path_mm_per_tooth), f64::from(wish.contact_rad())),
             Err(NoWish::ChipUnreachable) => Answer::Anything,
             Err(_) => Answer::Nothing,
         }
     }
 
-    /// The bound of a cell with wishes at both ends.
-    fn bound(&self, cell: usize, least: f64, dip: f64) -> f64 {
-        if dip <= SHARP_RATIO * least || least.is_infinite() {
-            return least - dip.min(least);
+    /// The bound of a cell with wishes at all of its points, for a law that is smooth between them but where it jumps.
+    fn bound(&self, points: &[Point], dip: f64) -> f64 {
+        let least = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
+        if points.len() == 2 && dip <= SHARP_RATIO * least {
+            return least - dip;
         }
-        let at = |part: usize| self.at((cell as f64 + part as f64 / PARTS as f64) / CELLS as f64).path();
-        let parts: Vec<Option<f64>> = (0..=PARTS).map(at).collect();
-        let least = parts.iter().copied().flatten().fold(least, f64::min);
-        let deepest = (0..PARTS).map(|part| self::dip(&parts, part)).fold(0.0, f64::max);
-        least - deepest.min(DIP_RATIO_MAX * least)
+        points.windows(2).map(|ends| self.looked_at(ends[0], ends[1], DEPTH_MAX)).fold(least, f64::min)
+    }
+
+    /// The least between two points, halved as long as it might dip below what is known.
+    fn looked_at(&self, first: Point, last: Point, depth: usize) -> f64 {
+        let middle = 0.5 * (first.0 + last.0);
+        let Some(path) = self.at(middle).path() else { return first.1.min(last.1) };
+        let least = first.1.min(last.1).min(path);
+        if !(first.1 + last.1 + path).is_finite() {
+            return least;
+        }
+        let dip = libm::fabs(first.1 - 2.0 * path + last.1);
+        if dip <= SHARP_RATIO * least || depth == 0 {
+            return least - dip.min(SHARP_RATIO * least);
+        }
+        self.looked_at(first, (middle, path), depth - 1).min(self.looked_at((middle, path), last, depth - 1))
     }
 
     /// The bound of a cell at one of whose ends the law has no wish: the wish at its other end, and where it begins.
@@ -106,7 +145,7 @@ impl<L: FeedLaw> Asked<'_, L> {
         let mut least = wish;
         for _ in 0..HALVINGS {
             let middle = 0.5 * (inside + outside);
-            match self.at(middle / CELLS as f64).path() {
+            match self.at(middle).path() {
                 Some(path) => {
                     least = least.min(path);
                     inside = middle;

@@ -1,8 +1,5 @@
 //! What a law wants along a whole move: the range of its wishes, and a feed that no point of the arc undercuts.
 
-use arcfeed_firmware::law::FeedLaw;
-use arcfeed_shared::segment::Segment;
-
 use super::profile::{Answer, Profile};
 
 /// The wishes of a law along a move.
@@ -22,15 +19,10 @@ pub struct WishRange {
     pub covers_all: bool,
 }
 
-/// Asks the law along the move; `None` if it has no finite wish anywhere.
-pub fn along(law: &impl FeedLaw, segment: &Segment, teeth_per_min: f64) -> Option<WishRange> {
-    WishRange::of(&Profile::ask(law, segment), teeth_per_min)
-}
-
 impl WishRange {
     /// What a law's answers come to; `None` if there is no finite wish among them.
     pub fn of(profile: &Profile, teeth_per_min: f64) -> Option<Self> {
-        let wishes = profile.answers.iter().filter_map(|answer| match *answer {
+        let wishes = profile.answers.iter().filter_map(|(_, answer)| match *answer {
             Answer::Wish(path_mm, contact_rad) => Some((path_mm, contact_rad)),
             Answer::Anything | Answer::Nothing => None,
         });
@@ -43,7 +35,7 @@ impl WishRange {
             safe_mm_per_min: teeth_per_min * profile.least()?,
             ipt_mm_per_tooth: [least, most],
             contact_deg: [contacts_rad.first()?.to_degrees(), contacts_rad.last()?.to_degrees()],
-            covers_all: !profile.answers.contains(&Answer::Nothing),
+            covers_all: !profile.answers.iter().any(|(_, answer)| *answer == Answer::Nothing),
         })
     }
 }
@@ -51,10 +43,14 @@ impl WishRange {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_firmware::law::{NoWish, Place, Wish};
+    use arcfeed_firmware::law::{FeedLaw, NoWish, Place, Wish};
     use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
-    use arcfeed_shared::segment::{Arc, Path};
+    use arcfeed_shared::segment::{Arc, Path, Segment};
     use arcfeed_shared::units::Nm;
+
+    fn along(law: &impl FeedLaw, segment: &Segment, teeth_per_min: f64) -> Option<WishRange> {
+        WishRange::of(&Profile::ask(law, segment, &[]), teeth_per_min)
+    }
 
     fn quarter() -> Segment {
         let (center, from, to) = ([Nm(0); 2], [Nm(1_000_000), Nm(0)], [Nm(0), Nm(1_000_000)]);

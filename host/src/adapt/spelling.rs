@@ -128,12 +128,12 @@ impl<'a> Spelling<'a> {
         core::str::from_utf8(bytes).unwrap_or_default()
     }
 
-    /// A length word, with a decimal point or without as the block writes them.
+    /// A length word, with a decimal point or without as the block writes them; a zero says nothing of that.
     fn word(&self, letter: u8, nm: i64) -> Option<String> {
-        let lengths = || self.block.words.iter().filter(|word| b"XYZIJKR".contains(&word.letter));
-        let like = self.block.word(letter).or_else(|| lengths().next())?;
+        let is_length = |word: &&Word| b"XYZIJKR".contains(&word.letter) && word.number.scaled(self.modes.unit.nm()) != 0;
+        let mut lengths = self.block.words.iter().filter(is_length).peekable();
         let letter = char::from(letter);
-        if like.number.has_point {
+        if lengths.peek().is_none() || lengths.any(|word| word.number.has_point) {
             return decimal(nm, self.modes.unit).map(|number| format!("{letter}{number}"));
         }
         let increment = increment_nm(self.modes.unit);

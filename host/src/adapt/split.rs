@@ -12,7 +12,7 @@ use arcfeed_shared::units::Nm;
 
 use super::pieces::{self, Piece};
 use super::points::{Divider, Grid, Part};
-use super::profile::{Answer, CELLS, Profile};
+use super::profile::{CELLS, Profile};
 use super::rewrite::{Edit, FeedRewriter, apply, round_down};
 use super::spelling::{Modes, Spelling, increment_nm};
 use crate::program::ProgramLine;
@@ -193,24 +193,25 @@ impl Governed<'_> {
 impl ChipError {
     /// Of pieces run with their F; `None` where the law wishes nowhere.
     pub fn of(pieces: &[SentPiece], profile: &Profile, teeth_per_min: f64) -> Option<Self> {
-        let mut rest = pieces.iter();
-        let mut piece = rest.next()?;
         let (mut min, mut max, mut sum, mut count) = (f64::INFINITY, f64::NEG_INFINITY, 0.0, 0.0);
-        for (point, answer) in profile.answers.iter().enumerate() {
-            let ratio = point as f64 / CELLS as f64;
-            let mut feeds = vec![piece.feed];
-            while ratio >= piece.until_ratio {
-                let Some(next) = rest.next() else { break };
-                piece = next;
-                feeds.push(piece.feed);
+        let mut from = 0.0;
+        for SentPiece { until_ratio, feed } in pieces {
+            let asked = profile.answers.iter().map(|(point, _)| point / CELLS as f64);
+            let inside = asked.filter(|ratio| *ratio > from && ratio < until_ratio);
+            let ratios: Vec<f64> = [from].into_iter().chain(inside).chain([*until_ratio]).collect();
+            let error = |ratio: &f64| Some(feed.to_mm() / (teeth_per_min * profile.wish_at(*ratio)?) - 1.0);
+            for ends in ratios.windows(2) {
+                let errors = (error(&ends[0]), error(&ends[1]));
+                for error in [errors.0, errors.1].into_iter().flatten() {
+                    (min, max) = (min.min(error), max.max(error));
+                }
+                if let (Some(a), Some(b)) = errors {
+                    let width = ends[1] - ends[0];
+                    (sum, count) = (sum + 0.5 * (a + b) * width, count + width);
+                }
             }
-            let Answer::Wish(path_mm, _) = *answer else { continue };
-            let error = |feed: Nm| feed.to_mm() / (teeth_per_min * path_mm) - 1.0;
-            min = feeds.iter().map(|feed| error(*feed)).fold(min, f64::min);
-            max = feeds.iter().map(|feed| error(*feed)).fold(max, f64::max);
-            sum += error(piece.feed);
-            count += 1.0;
+            from = *until_ratio;
         }
-        (count > 0.0).then(|| ChipError { min, mean: sum / count, max })
+        (count > 0.0).then(|| ChipError { min, mean: (sum / count).clamp(min, max), max })
     }
 }
