@@ -8,7 +8,7 @@ mod rules;
 
 mod sending;
 
-mod questions;
+pub mod questions;
 
 use std::path::{Path, PathBuf};
 

@@ -7,6 +7,8 @@ pub mod program;
 
 pub mod job;
 
+pub mod init;
+
 pub mod adapt;
 
 pub mod port;

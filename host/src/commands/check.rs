@@ -7,13 +7,14 @@ use arcfeed_shared::segment::Path;
 use arcfeed_shared::units::{LengthUnit, Nm};
 use serde::Serialize;
 
-use super::outcome::{Failure, file_failure, say};
+use super::outcome::{Failure, file_failure, say, spindle_contradictions};
+use crate::job::JobFile;
 use crate::program::{Diagnostic, Program, ProgramLine, Severity};
 
-/// Check an NC program: every alarm with line and column
+/// Check an NC program, or a job and its program: every alarm with line and column
 #[derive(Debug, clap::Args)]
 pub struct Check {
-    /// The NC program
+    /// The NC program, or a job file (.toml)
     program: PathBuf,
     /// Report exactly what the control would refuse, also in titles and comments
     #[arg(long)]
@@ -73,8 +74,13 @@ impl Check {
     /// The program has errors, or cannot be read.
     pub fn run(&self) -> Result<(), Failure> {
         let reading = if self.strict { Reading::Strict } else { Reading::Lenient };
-        let program = Program::load(&self.program, LengthUnit::Inch, reading)
-            .map_err(|error| file_failure(&self.program, &error))?;
+        let is_job = self.program.extension().is_some_and(|extension| extension == "toml");
+        let job = is_job.then(|| JobFile::load(&self.program)).transpose()?;
+        let (path, unit) = match &job {
+            Some(file) => (&file.program, file.job.unit),
+            None => (&self.program, LengthUnit::Inch),
+        };
+        let program = Program::load(path, unit, reading).map_err(|error| file_failure(path, &error))?;
         let counts = count(&program);
         if self.json {
             self.print_json(&program, counts);
@@ -83,14 +89,15 @@ impl Check {
         }
         let errors = of_severity(&program, Severity::Error).count();
         if errors == 0 {
-            return Ok(());
+            let contradictions = job.map_or(vec![], |file| spindle_contradictions(&file, &program));
+            return if contradictions.is_empty() { Ok(()) } else { Err(Failure::Input(contradictions.join("\n"))) };
         }
-        let path = self.program.display();
+        let path = path.display();
         Err(Failure::Input(format!("{path}: {errors} errors: the control would stop")))
     }
 
     fn print_text(&self, program: &Program, counts: Counts) {
-        let path = self.program.display();
+        let path = program.path.display();
         for diagnostic in &program.diagnostics {
             match diagnostic.severity {
                 Severity::Error => eprintln!("{path}:{diagnostic}"),
@@ -108,7 +115,7 @@ impl Check {
     fn print_json(&self, program: &Program, counts: Counts) {
         let entries = |severity| of_severity(program, severity).map(Entry::new).collect();
         let report = CheckReport {
-            program: self.program.display().to_string(),
+            program: program.path.display().to_string(),
             control: &self.control,
             strict: self.strict,
             counts,
