@@ -169,7 +169,8 @@ fn rule(cut: &ProposedCut, groups: &[Group], unit: LengthUnit) -> String {
     let levels: Vec<Nm> = cut.groups.iter().flat_map(|index| groups[*index].levels.clone()).collect();
     let mut radii: Vec<String> = cut.groups.iter().map(|index| length(groups[*index].radius_mm, unit)).collect();
     radii.dedup();
-    let mut text = format!("\n# {arcs} arcs, R {}, Z {}.\n", radii.join(", "), lengths(&levels, unit));
+    let plural = if arcs == 1 { "" } else { "s" };
+    let mut text = format!("\n# {arcs} arc{plural}, R {}, Z {}.\n", radii.join(", "), lengths(&levels, unit));
     if cut.is_ambiguous {
         text += "# Arcs of another kind or tool fit this rule, too, and neither N nor Z tells them apart: number the program's blocks.\n";
     }
