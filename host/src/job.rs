@@ -117,12 +117,15 @@ impl JobFile {
             toml::from_str(text)
                 .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))
         };
-        questions::refuse_open(text).and_then(|()| read()).and_then(|table| build(&table, path.parent().unwrap_or(Path::new("")))).map_err(|(offset, message)| {
-            let [line, column] = questions::place(text, offset);
-            let is_toml = path.extension().is_some_and(|extension| extension == "toml");
-            let hint = if is_toml { "" } else { " (this command takes a job file, JOB.toml, not a program)" };
-            JobError::Content { path: path.into(), line, column, message: format!("{message}{hint}") }
-        })
+        questions::refuse_open(text)
+            .and_then(|()| read())
+            .and_then(|table| build(&table, path.parent().unwrap_or(Path::new(""))))
+            .map_err(|(offset, message)| {
+                let [line, column] = questions::place(text, offset);
+                let is_toml = path.extension().is_some_and(|extension| extension == "toml");
+                let hint = if is_toml { "" } else { " (this command takes a job file, JOB.toml, not a program)" };
+                JobError::Content { path: path.into(), line, column, message: format!("{message}{hint}") }
+            })
     }
 }
 

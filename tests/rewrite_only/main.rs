@@ -5,24 +5,24 @@
 
 mod measured;
 
+mod path;
+
 mod spelled;
 
 use std::f64::consts::TAU;
 
 use arcfeed::adapt::{Adapted, PlannedBlock, adapt};
-use arcfeed::commands::simulate::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
-use arcfeed_hil_sim::control::Control;
+use arcfeed_shared::job::{FeedPolicy, PieceSettings};
 use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::modal::{Feed, Pose, Turn};
+use arcfeed_shared::nc::modal::{Feed, Turn};
 use arcfeed_shared::segment::{Arc, Segment};
-use arcfeed_shared::units::{LengthUnit, Micros, Nm};
-use arcfeed_tests::Scratch;
+use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_tests::{Scratch, root};
 use fastrand::Rng;
 use spelled::{Spelled, spelled};
 
-const TICK: Micros = Micros::from_ms(1);
 /// Programs; each has a dozen arcs.
 const PROGRAMS: u64 = 48;
 /// Points on each arc at which the wish is worked out.
@@ -73,7 +73,8 @@ fn case(seed: u64) -> Case {
     let mut rng = Rng::with_seed(seed);
     let spelled = spelled(&mut rng);
     let tables = [random_table(&mut rng), random_table(&mut rng)];
-    let settings = ["", "piece_step = 4\npiece_hysteresis = 0", "piece_length = \"1 mm\"\npiece_step = 0.5\npieces_max = 200"];
+    let settings =
+        ["", "piece_step = 4\npiece_hysteresis = 0", "piece_length = \"1 mm\"\npiece_step = 0.5\npieces_max = 200"];
     let text = job(spelled.unit, &tables, settings[rng.usize(0..settings.len())]);
     let file = JobFile::parse("p.toml".as_ref(), &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
     let program = Program::parse("p.nc".as_ref(), spelled.text.as_bytes(), file.job.unit, Reading::Lenient);
@@ -161,7 +162,10 @@ fn no_piece_is_faster_than_the_wish_anywhere_on_it_and_what_is_said_of_the_chip_
             assert!(most <= SINGLE, "seed {seed}, line {}: {most} too thick", block.line);
             let said = block.chip_error.expect("governed");
             let is_inside = least >= said.min - SINGLE && most <= said.max + SINGLE;
-            assert!(is_inside && least < said.min + 5e-3 && most > said.max - 5e-3, "seed {seed}, {said:?}: {least} {most}");
+            assert!(
+                is_inside && least < said.min + 5e-3 && most > said.max - 5e-3,
+                "seed {seed}, {said:?}: {least} {most}"
+            );
             assert!(said.min <= said.mean && said.mean <= said.max && said.max <= SINGLE, "{said:?}");
             pieces += block.pieces.len();
             whole += usize::from(block.whole.is_some());
@@ -171,72 +175,6 @@ fn no_piece_is_faster_than_the_wish_anywhere_on_it_and_what_is_said_of_the_chip_
     }
     println!("{pieces} pieces, {whole} arcs left whole, chips {:+.4} .. {:+.4} %", 1e2 * slowest, 1e2 * worst);
     assert!(pieces > 3_000 && whole < 20);
-}
-
-/// The axes at each tick of each move, and where each ends.
-fn executed(file: &JobFile, text: &[u8]) -> Vec<[f64; 3]> {
-    let mut control = Control::from_memory(control_settings(file), text);
-    let (mut now, mut points, mut last) = (Micros(0), Vec::new(), None);
-    while !control.is_over() {
-        now = now.after(TICK);
-        control.step(now, TICK, 100);
-        // Between two ticks it may turn a corner.
-        let active = control.active().map(|(count, segment)| (count, segment.end));
-        if let Some((_, end)) = last.filter(|(count, _)| active.is_none_or(|(now, _)| now != *count)) {
-            let end: Pose = end;
-            points.push(end.linear.map(Nm::to_mm));
-        }
-        last = active;
-        points.push(control.position().linear.map(Nm::to_mm));
-        assert!(points.len() < 2_000_000, "it never ends");
-    }
-    assert_eq!(control.alarm(), None, "{}", String::from_utf8_lossy(text));
-    points
-}
-
-/// Largest distance of the points from the way that others went, in their order.
-fn apart(points: &[[f64; 3]], way: &[[f64; 3]]) -> f64 {
-    let distance = |p: &[f64; 3], a: &[f64; 3], b: &[f64; 3]| {
-        let along = |from: &[f64; 3], to: &[f64; 3]| [0, 1, 2].map(|axis| to[axis] - from[axis]);
-        let dot = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-        let (ab, ap) = (along(a, b), along(a, p));
-        let length = dot(ab, ab);
-        let t = if length > 0.0 { (dot(ap, ab) / length).clamp(0.0, 1.0) } else { 0.0 };
-        let off = [0, 1, 2].map(|axis| ap[axis] - t * ab[axis]);
-        libm::sqrt(dot(off, off))
-    };
-    let (mut at, mut worst) = (0, 0.0_f64);
-    for point in points {
-        let best = |range: std::ops::Range<usize>| {
-            let pairs = range.filter_map(|at| Some((at, distance(point, way.get(at)?, way.get(at + 1)?))));
-            pairs.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((at, f64::INFINITY))
-        };
-        let (nearest, off) = best(at..at + 200);
-        at = nearest;
-        worst = worst.max(off);
-    }
-    worst
-}
-
-#[test]
-fn the_machine_runs_the_same_path_to_the_same_ends() {
-    let (mut in_plane, mut across) = (0.0_f64, 0.0_f64);
-    for seed in 0..PROGRAMS {
-        let Case { spelled, file, program, adapted, .. } = case(seed);
-        let ends = |text: &[u8]| -> Vec<[Nm; 3]> { moves(text, file.job.unit).iter().map(|sent| sent.end.linear).collect() };
-        let mut sent = ends(&adapted.text).into_iter();
-        for end in ends(&program.bytes()) {
-            assert!(sent.any(|sent| sent == end), "seed {seed}: no move ends at {end:?}");
-        }
-        let (before, after) = (executed(&file, &program.bytes()), executed(&file, &adapted.text));
-        assert_eq!(before.last(), after.last());
-        let worst = apart(&after, &before).max(apart(&before, &after));
-        if spelled.flat { in_plane = in_plane.max(worst) } else { across = across.max(worst) }
-        // A flat helix in inches cannot be told better than half an increment across its plane: 1.27 um.
-        let bound = if spelled.flat || spelled.unit == LengthUnit::Mm { 1e-3 } else { 1.5e-3 };
-        assert!(worst < bound, "seed {seed}: {worst} mm apart\n{}", spelled.text);
-    }
-    println!("apart: {:.3} um at most without helices, {:.3} um with them", 1e3 * in_plane, 1e3 * across);
 }
 
 #[test]
@@ -289,7 +227,7 @@ fn pieces_keep_their_length_and_their_number() {
     let (mut shortest, mut seen) = (f64::INFINITY, 0);
     for seed in 0..PROGRAMS {
         let Case { file, adapted, .. } = case(seed);
-        let arcfeed_shared::job::FeedPolicy::RewriteOnly(settings) = file.job.policy else { panic!("{:?}", file.job.policy) };
+        let FeedPolicy::RewriteOnly(settings) = file.job.policy else { panic!("{:?}", file.job.policy) };
         for (block, arc) in arcs(&adapted).filter(|(block, _)| block.pieces.len() > 1) {
             let mut from = 0.0;
             for piece in &block.pieces {
@@ -330,5 +268,19 @@ fn what_pieces_cannot_share_keeps_an_arc_whole_at_its_least_feed() {
             assert_eq!(sent.matches('\n').count(), 2, "{sent}");
             assert!(sent.contains("F"), "{sent}");
         }
+    }
+}
+
+#[test]
+fn the_documented_defaults_are_those_in_force() {
+    let document = std::fs::read_to_string(root().join("docs/rewrite-only.md")).expect("it is there");
+    let PieceSettings { step_percent, hysteresis_percent, least_length, most } = PieceSettings::default();
+    for (name, value) in [
+        ("piece_step", format!("{step_percent} %")),
+        ("piece_hysteresis", format!("{hysteresis_percent} %")),
+        ("piece_length", format!("{} mm", least_length.to_mm())),
+        ("pieces_max", most.to_string()),
+    ] {
+        assert!(document.contains(&format!("| `{name}` | {value} |")), "{name}: {value}");
     }
 }

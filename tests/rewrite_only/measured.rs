@@ -46,7 +46,10 @@ fn the_chip_is_measured_within_the_stated_error_with_the_override_at_100() {
             let least = said("chip_error_min").fold(f64::INFINITY, f64::min);
             let most = said("chip_error_max").fold(f64::NEG_INFINITY, f64::max);
             let measured = ["error_ratio_min", "error_ratio_max"].map(|field| number(&movement["ipt"], field));
-            println!("{program}, movement {}: said {least:+.4} .. {most:+.4}, measured {measured:+.4?}", movement["rule"]);
+            println!(
+                "{program}, movement {}: said {least:+.4} .. {most:+.4}, measured {measured:+.4?}",
+                movement["rule"]
+            );
             assert!(measured[0] >= least - TOOTH && measured[1] <= most + TOOTH, "{movement}");
             assert!(measured[0] <= least + STEADY && measured[1] >= most - STEADY, "{movement}");
             assert_eq!(movement["arcs"], blocks.iter().filter(mine).count());
@@ -60,7 +63,8 @@ fn the_chip_is_measured_within_the_stated_error_with_the_override_at_100() {
 fn over_a_line_the_same_is_measured() {
     let scratch = Scratch::new("measured-stream");
     let job = job(&scratch, "examples/ibr-slot", "ibr-slot.nc");
-    let [simulated, streamed] = [vec!["simulate", &job], vec!["stream", &job]].map(|arguments| objects(&arguments).remove(0));
+    let [simulated, streamed] =
+        [vec!["simulate", &job], vec!["stream", &job]].map(|arguments| objects(&arguments).remove(0));
     assert_eq!(streamed["blocks_sent"], streamed["blocks_executed"]);
     assert_eq!(streamed["link"]["starved_ms"], 0);
     for field in ["ipt_circumference", "movements", "override", "cycle_time_s"] {

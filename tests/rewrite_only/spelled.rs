@@ -71,7 +71,11 @@ pub fn spelled(rng: &mut Rng) -> Spelled {
     let unit = if rng.bool() { LengthUnit::Mm } else { LengthUnit::Inch };
     let mut style = Style { unit, has_points: rng.bool(), absolute: rng.bool(), at: [0; 3] };
     let mut lines = vec!["%".to_owned(), "O1(ARCS, F AND N IN A COMMENT)".to_owned()];
-    lines.push(format!("G{}G{}G94", if unit == LengthUnit::Mm { 21 } else { 20 }, if style.absolute { 90 } else { 91 }));
+    lines.push(format!(
+        "G{}G{}G94",
+        if unit == LengthUnit::Mm { 21 } else { 20 },
+        if style.absolute { 90 } else { 91 }
+    ));
     let flat = rng.bool();
     for index in 0..ARCS {
         let far = 60.0 * style.per_mm();

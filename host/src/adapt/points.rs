@@ -119,7 +119,8 @@ impl<'a> Divider<'a> {
     fn end_of(&self, pieces: &[Piece], index: usize) -> Option<Found> {
         let (piece, next) = (pieces[index], pieces[index + 1]);
         let is_forward = next.path_mm_per_tooth >= piece.path_mm_per_tooth;
-        let room = if is_forward { next.until_ratio - piece.until_ratio } else { piece.until_ratio - start(pieces, index) };
+        let room =
+            if is_forward { next.until_ratio - piece.until_ratio } else { piece.until_ratio - start(pieces, index) };
         let length_mm = self.arc.length_mm();
         let spare = (0.5 * (room - self.least_mm / length_mm)).max(0.25 * self.window_mm() / length_mm);
         let window = spare.min(self.window_mm() / length_mm).min(0.25 * room);

@@ -84,7 +84,8 @@ impl Profile {
         let wish = if to == point {
             after_path
         } else {
-            let (from, before_path) = self.answers.get(after.checked_sub(1)?).and_then(|(at, answer)| Some((*at, answer.path()?)))?;
+            let (from, before_path) =
+                self.answers.get(after.checked_sub(1)?).and_then(|(at, answer)| Some((*at, answer.path()?)))?;
             before_path + (after_path - before_path) * (point - from) / (to - from)
         };
         Some(wish).filter(|wish| wish.is_finite())

@@ -95,6 +95,22 @@ mod tests {
         }
     }
 
+    /// A law that jumps, as where another edge takes over.
+    struct Jump;
+
+    impl FeedLaw for Jump {
+        fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
+            let path_mm_per_tooth = if place.travelled_mm < 0.7777 { 40.0 } else { 1.0 };
+            Ok(Wish { path_mm_per_tooth, contact: [1.0, 0.0] })
+        }
+    }
+
+    #[test]
+    fn a_jump_costs_next_to_nothing() {
+        let range = along(&Jump, &quarter(), 100.0).unwrap();
+        assert!(range.safe_mm_per_min <= 100.0 && range.safe_mm_per_min > 99.9, "{range:?}");
+    }
+
     struct Silent;
 
     impl FeedLaw for Silent {

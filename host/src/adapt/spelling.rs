@@ -16,9 +16,8 @@ use super::rewrite::Edit;
 const AXES: [u8; 3] = *b"XYZ";
 const OFFSETS: [u8; 3] = *b"IJK";
 /// Words that a block may have to be written in pieces: what they do holds for all pieces, or has no harm done twice.
-const G_WORDS: [i64; 25] = [
-    2, 3, 17, 18, 19, 20, 21, 40, 49, 54, 55, 56, 57, 58, 59, 61, 64, 80, 90, 91, 94, 98, 99, 15, 69,
-];
+const G_WORDS: [i64; 25] =
+    [2, 3, 17, 18, 19, 20, 21, 40, 49, 54, 55, 56, 57, 58, 59, 61, 64, 80, 90, 91, 94, 98, 99, 15, 69];
 
 /// The modes that words are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,9 +89,12 @@ impl<'a> Spelling<'a> {
             Some(switch) => format!("/{switch}"),
             None => String::new(),
         };
-        let motion = self.block.words.iter().rev().find(|word| {
-            word.letter == b'G' && word.number.as_whole().is_some_and(|code| code == 2 || code == 3)
-        });
+        let motion = self
+            .block
+            .words
+            .iter()
+            .rev()
+            .find(|word| word.letter == b'G' && word.number.as_whole().is_some_and(|code| code == 2 || code == 3));
         text += motion.map_or("", |word| self.written(word));
         for axis in self.axes(rises) {
             text += &self.coordinate(axis, start, end)?;
@@ -130,7 +132,8 @@ impl<'a> Spelling<'a> {
 
     /// A length word, with a decimal point or without as the block writes them; a zero says nothing of that.
     fn word(&self, letter: u8, nm: i64) -> Option<String> {
-        let is_length = |word: &&Word| b"XYZIJKR".contains(&word.letter) && word.number.scaled(self.modes.unit.nm()) != 0;
+        let is_length =
+            |word: &&Word| b"XYZIJKR".contains(&word.letter) && word.number.scaled(self.modes.unit.nm()) != 0;
         let mut lengths = self.block.words.iter().filter(is_length).peekable();
         let letter = char::from(letter);
         if lengths.peek().is_none() || lengths.any(|word| word.number.has_point) {

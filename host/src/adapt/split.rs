@@ -121,7 +121,9 @@ impl Governed<'_> {
     fn parts(&self, settings: &PieceSettings) -> Result<Vec<Part>, Option<Whole>> {
         let plan = |settings: &PieceSettings| {
             let length_mm = self.segment.feed_length_mm();
-            pieces::plan(self.profile, length_mm, settings, self.most_ratio).filter(|pieces| pieces.len() > 1).ok_or(None)
+            pieces::plan(self.profile, length_mm, settings, self.most_ratio)
+                .filter(|pieces| pieces.len() > 1)
+                .ok_or(None)
         };
         let Some(arc) = self.segment.arc() else { return Err(plan(settings).is_ok().then_some(Whole::Line)) };
         let divider = Divider::new(self.segment, arc, self.grid(), settings.least_length.to_mm());
@@ -183,7 +185,8 @@ impl Governed<'_> {
             at = segment.end;
             turned += piece.sweep_rad();
             let apart = |axis: usize| (piece.center[axis].0 - arc.center[axis].0).abs();
-            let is_same_circle = piece.plane == arc.plane && piece.turn == arc.turn && apart(0).max(apart(1)) <= CENTER_MAX_NM;
+            let is_same_circle =
+                piece.plane == arc.plane && piece.turn == arc.turn && apart(0).max(apart(1)) <= CENTER_MAX_NM;
             starts && segment.end == part.end && is_same_circle
         });
         as_meant && at == self.segment.end && libm::fabs(turned - arc.sweep_rad()) < 1e-3

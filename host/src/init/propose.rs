@@ -61,7 +61,8 @@ pub struct ProposedCut {
 
 /// Proposes a job for the tool that has the most arcs.
 pub fn propose(groups: &[Group]) -> Proposal {
-    let arcs_of = |tool: Option<i64>| groups.iter().filter(|group| group.tool == tool).map(|group| group.arcs).sum::<usize>();
+    let arcs_of =
+        |tool: Option<i64>| groups.iter().filter(|group| group.tool == tool).map(|group| group.arcs).sum::<usize>();
     // Of several with as many arcs, the first.
     let number = groups.iter().rev().map(|group| group.tool).max_by_key(|tool| arcs_of(*tool)).flatten();
     let own: Vec<usize> = (0..groups.len()).filter(|index| groups[*index].tool == number).collect();
@@ -113,8 +114,11 @@ fn rotations(groups: &[Group], own: &[usize], [inner_mm, outer_mm]: [f64; 2]) ->
         let radius_mm = if rotation == Rotation::Interior { inner_mm } else { outer_mm };
         let is_it = |group: &Group| group.turn == turn && same_radius(radius_mm, group.radius_mm);
         let mine: Vec<usize> = own.iter().copied().filter(|index| is_it(&groups[*index])).collect();
-        let others: Vec<&Group> =
-            (0..groups.len()).filter(|index| !mine.contains(index)).map(|index| &groups[index]).filter(|group| is_it(group)).collect();
+        let others: Vec<&Group> = (0..groups.len())
+            .filter(|index| !mine.contains(index))
+            .map(|index| &groups[index])
+            .filter(|group| is_it(group))
+            .collect();
         ProposedCut { rotation: Some(rotation), edge: Some(edge), ..told_apart(groups, mine, &others, turn) }
     });
     cuts.filter(|cut| !cut.groups.is_empty()).collect()

@@ -24,7 +24,9 @@ pub fn lengths(values: &[Nm], unit: LengthUnit) -> String {
     let one = |value: &Nm| length(value.to_mm(), unit);
     match values {
         [] => "none".into(),
-        [first, .., last] if values.len() > NAMED_MAX => format!("{} from {} to {}", values.len(), one(first), one(last)),
+        [first, .., last] if values.len() > NAMED_MAX => {
+            format!("{} from {} to {}", values.len(), one(first), one(last))
+        }
         _ => values.iter().map(one).collect::<Vec<_>>().join(", "),
     }
 }
@@ -48,7 +50,13 @@ pub const fn plane(plane: Plane) -> &'static str {
 
 /// A group in a line.
 pub fn group(group: &Group, unit: LengthUnit) -> String {
-    let mut text = format!("{:>5} {:<4}{} R{}", group.arcs, direction(group.turn), plane(group.plane), length(group.radius_mm, unit));
+    let mut text = format!(
+        "{:>5} {:<4}{} R{}",
+        group.arcs,
+        direction(group.turn),
+        plane(group.plane),
+        length(group.radius_mm, unit)
+    );
     let [least, most] = group.sweep_rad.map(f64::to_degrees);
     // Writing to a string cannot fail.
     let _ = match group.sequence {
@@ -57,7 +65,11 @@ pub fn group(group: &Group, unit: LengthUnit) -> String {
         None => write!(text, "  lines {} to {}", group.lines[0], group.lines[1]),
     };
     let _ = write!(text, "  Z {}  F {}", lengths(&group.levels, unit), lengths(&group.feeds, unit));
-    let _ = if most - least < 0.5 { write!(text, "  {least:.0} deg") } else { write!(text, "  {least:.0} to {most:.0} deg") };
+    let _ = if most - least < 0.5 {
+        write!(text, "  {least:.0} deg")
+    } else {
+        write!(text, "  {least:.0} to {most:.0} deg")
+    };
     if group.helices > 0 {
         let _ = write!(text, "  helices: {}", group.helices);
     }

@@ -113,7 +113,10 @@ fn tool(survey: &Survey, proposal: &Proposal, unit: LengthUnit) -> String {
         ([one], _) => format!("\n# {}.\n", named(one)),
         (all, Some(number)) => {
             let all: Vec<String> = all.iter().map(named).collect();
-            format!("\n# The program uses {}. This job is for T{number}, which has the most arcs; the others keep their feeds.\n", all.join(", "))
+            format!(
+                "\n# The program uses {}. This job is for T{number}, which has the most arcs; the others keep their feeds.\n",
+                all.join(", ")
+            )
         }
     };
     match proposal.tool {
@@ -127,7 +130,10 @@ fn tool(survey: &Survey, proposal: &Proposal, unit: LengthUnit) -> String {
         LikelyTool::EndMill => {
             text += "# LIKELY: an end mill; no two radii recur as those of a ring would. If it is a cup mill: kind = \"cup-mill\", outer_radius,\n";
             text += "# inner_radius and active_teeth.\n[tool]\nkind = \"end-mill\"\n";
-            text += &format!("# QUESTION: its diameter? For example: diameter = {}, or \"10 mm\"\ndiameter = \"?\"\n", length(10.0, unit));
+            text += &format!(
+                "# QUESTION: its diameter? For example: diameter = {}, or \"10 mm\"\ndiameter = \"?\"\n",
+                length(10.0, unit)
+            );
             text += "# QUESTION: how many teeth? For example: teeth = 4\nteeth = \"?\"\n";
         }
     }
@@ -135,13 +141,17 @@ fn tool(survey: &Survey, proposal: &Proposal, unit: LengthUnit) -> String {
 }
 
 fn spindle(survey: &Survey) -> String {
-    let question = |why: &str| format!("\n[spindle]\n# QUESTION: {why} For example: rev_per_min = 1000\nrev_per_min = \"?\"\n");
+    let question =
+        |why: &str| format!("\n[spindle]\n# QUESTION: {why} For example: rev_per_min = 1000\nrev_per_min = \"?\"\n");
     match survey.speeds.as_slice() {
         [] => question("the program has no S word. How fast does the spindle turn?"),
         [speed] => format!("\n[spindle]\nrev_per_min = {speed}\n"),
         speeds => {
             let speeds: Vec<String> = speeds.iter().map(|speed| format!("S{speed}")).collect();
-            question(&format!("the program has {}; a job has one speed, and refuses a program with others. Which?", speeds.join(", ")))
+            question(&format!(
+                "the program has {}; a job has one speed, and refuses a program with others. Which?",
+                speeds.join(", ")
+            ))
         }
     }
 }
@@ -151,15 +161,19 @@ fn law(survey: &Survey, groups: &[Group], proposal: &Proposal, unit: LengthUnit)
         LikelyTool::CupMill { .. } => ("circumference", OTHER_LAWS[0], "on the circumference"),
         LikelyTool::EndMill => ("contour", OTHER_LAWS[1], "at the contour"),
     };
-    let mut text = format!("\n{others}\n[law]\nkind = \"{law}\"\n# QUESTION: the feed per tooth wanted {of}? For example: ");
+    let mut text =
+        format!("\n{others}\n[law]\nkind = \"{law}\"\n# QUESTION: the feed per tooth wanted {of}? For example: ");
     text += if unit == LengthUnit::Inch { "feed_per_tooth = 0.004\n" } else { "feed_per_tooth = 0.1\n" };
-    let mut feeds: Vec<Nm> = groups.iter().filter(|group| group.tool == proposal.number).flat_map(|group| group.feeds.clone()).collect();
+    let mut feeds: Vec<Nm> =
+        groups.iter().filter(|group| group.tool == proposal.number).flat_map(|group| group.feeds.clone()).collect();
     feeds.sort_unstable();
     feeds.dedup();
     if let ([speed], false) = (survey.speeds.as_slice(), feeds.is_empty()) {
         let per_turn: Vec<Nm> = feeds.iter().map(|feed| Nm(feed.0 / speed)).collect();
         let (feeds, per_turn) = (lengths(&feeds, unit), lengths(&per_turn, unit));
-        text += &format!("# As programmed its arcs run at F {feeds}: {per_turn} a turn of the tool's centre, to be divided by the teeth.\n");
+        text += &format!(
+            "# As programmed its arcs run at F {feeds}: {per_turn} a turn of the tool's centre, to be divided by the teeth.\n"
+        );
     }
     text + "feed_per_tooth = \"?\"\n"
 }

@@ -36,9 +36,11 @@ pub fn open(text: &str) -> Vec<Question> {
 pub(super) fn refuse_open(text: &str) -> Result<(), Complaint> {
     let questions = open(text);
     let Some((first, others)) = questions.split_first() else { return Ok(()) };
-    let mut message = format!("an open question: `{}`; put the answer in place of \"?\", the lines above it say how", first.key);
+    let mut message =
+        format!("an open question: `{}`; put the answer in place of \"?\", the lines above it say how", first.key);
     if !others.is_empty() {
-        let others: Vec<String> = others.iter().map(|other| format!("{} (line {})", other.key, other.place[0])).collect();
+        let others: Vec<String> =
+            others.iter().map(|other| format!("{} (line {})", other.key, other.place[0])).collect();
         message += &format!("; behind it are open: {}", others.join(", "));
     }
     Err((first.span.start, message))
@@ -81,6 +83,9 @@ mod tests {
         let found: Vec<(String, [usize; 2])> = open(text).into_iter().map(|open| (open.key, open.place)).collect();
         assert_eq!(found, [("tool.teeth".into(), [4, 9]), ("cut.2.stock.disc.2".into(), [8, 24])]);
         let (offset, message) = refuse_open(text).unwrap_err();
-        assert!(text[offset..].starts_with("\"?\"\n[[cut]]") && message.contains("cut.2.stock.disc.2 (line 8)"), "{message}");
+        assert!(
+            text[offset..].starts_with("\"?\"\n[[cut]]") && message.contains("cut.2.stock.disc.2 (line 8)"),
+            "{message}"
+        );
     }
 }

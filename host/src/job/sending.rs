@@ -29,7 +29,9 @@ pub fn policy(given: &OverrideTable, unit: LengthUnit) -> Result<FeedPolicy, Com
     let most = given.pieces_max.as_ref().map(|value| value.span().start);
     match ratio.or(length).or(most) {
         None => Ok(policy),
-        Some(offset) => Err((offset, "this mode cuts no arc into pieces; remove this, or write mode = \"rewrite-only\"".into())),
+        Some(offset) => {
+            Err((offset, "this mode cuts no arc into pieces; remove this, or write mode = \"rewrite-only\"".into()))
+        }
     }
 }
 

@@ -182,7 +182,9 @@ fn limits_that_make_no_sense_are_refused_where_they_stand() {
     assert!(with("min = 120").contains(":14:7: min must"));
     assert!(with("max = 255").contains(":14:7: max must"));
     assert!(with("mode = \"rewrite\"").contains(":14:8: no such mode"));
-    assert!(with("mode = \"rewrite-only\"\npiece_step = 0").contains(":15:14: piece_step must lie between 0.1 and 50 %"));
+    assert!(
+        with("mode = \"rewrite-only\"\npiece_step = 0").contains(":15:14: piece_step must lie between 0.1 and 50 %")
+    );
     assert!(with("mode = \"rewrite-only\"\npiece_hysteresis = 51").contains(":15:20: piece_hysteresis must"));
     assert!(with("mode = \"rewrite-only\"\npiece_length = 0").contains(":15:16: piece_length must be a positive"));
     assert!(with("mode = \"rewrite-only\"\npieces_max = 0").contains(":15:14: pieces_max must lie between 1 and 250"));

@@ -1,6 +1,6 @@
 //! `arcfeed init`: what it makes of the examples, and of generated programs whose tool is known.
 
-use std::f64::consts::TAU;
+mod generated;
 
 use arcfeed::init::groups::group;
 use arcfeed::init::propose::{LikelyTool, propose};
@@ -10,12 +10,11 @@ use arcfeed::job::{JobFile, questions};
 use arcfeed_shared::tool::Tool;
 use arcfeed_tests::{Scratch, root, run};
 use fastrand::Rng;
+use generated::{cup_mill, end_mill};
 use serde_json::Value;
 
 /// Generated programs of each kind.
 const PROGRAMS: u64 = 200;
-/// rev/min of the examples and of what is generated.
-const SPEEDS: [i64; 2] = [1_000, 8_000];
 
 fn text_of(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).expect("arcfeed speaks UTF-8")
@@ -67,8 +66,10 @@ fn assert_asks_in_order(job: &str, report: &Value) {
         }
         let line = question["line"].as_u64().expect("a line") as usize;
         let now = std::fs::read_to_string(job).expect("a job");
-        let answered: Vec<String> =
-            (1..).zip(now.lines()).map(|(n, old)| if n == line { old.replace("\"?\"", "\"!\"") } else { old.into() }).collect();
+        let answered: Vec<String> = (1..)
+            .zip(now.lines())
+            .map(|(n, old)| if n == line { old.replace("\"?\"", "\"!\"") } else { old.into() })
+            .collect();
         std::fs::write(job, answered.join("\n")).expect("it was just written");
     }
     std::fs::write(job, text).expect("it was just written");
@@ -77,7 +78,8 @@ fn assert_asks_in_order(job: &str, report: &Value) {
 #[test]
 fn the_published_cup_mill_is_found_and_its_four_movements_are_told_apart() {
     let scratch = Scratch::new("init-slot");
-    let program = scratch.write("ibr-slot.nc", std::fs::read(root().join("examples/ibr-slot/ibr-slot.nc")).expect("the example"));
+    let program =
+        scratch.write("ibr-slot.nc", std::fs::read(root().join("examples/ibr-slot/ibr-slot.nc")).expect("the example"));
     let job = scratch.path("ibr-slot.toml");
     let report = init(&program, &job);
     let tool = &report["tool"];
@@ -88,7 +90,8 @@ fn the_published_cup_mill_is_found_and_its_four_movements_are_told_apart() {
         assert!((found - published).abs() < 1e-4, "{tool}");
     }
     assert_eq!((&tool["kind"], &tool["number"], &report["unit"]), (&"cup-mill".into(), &14.into(), &"in".into()));
-    let wanted = ["tool.active_teeth", "law.feed_per_tooth", "cut.1.stock", "cut.2.stock", "cut.3.stock", "cut.4.stock"];
+    let wanted =
+        ["tool.active_teeth", "law.feed_per_tooth", "cut.1.stock", "cut.2.stock", "cut.3.stock", "cut.4.stock"];
     assert_eq!((keys(&report), &report["rules"]), (wanted.to_vec(), &4.into()));
     assert_asks_in_order(&job, &report);
     let stocks = [(54.187, 4.2391), (48.104, 10.4502), (81.715, 10.7843), (97.563, 7.2959)]
@@ -111,14 +114,17 @@ fn the_published_cup_mill_is_found_and_its_four_movements_are_told_apart() {
 #[test]
 fn the_pockets_arcs_are_told_apart_by_their_numbers() {
     let scratch = Scratch::new("init-pocket");
-    let program = scratch.write("pocket.nc", std::fs::read(root().join("examples/pocket/pocket.nc")).expect("the example"));
+    let program =
+        scratch.write("pocket.nc", std::fs::read(root().join("examples/pocket/pocket.nc")).expect("the example"));
     let job = scratch.path("pocket.toml");
     let report = init(&program, &job);
     let found: Vec<(f64, u64, &Value)> = report["groups"]
         .as_array()
         .expect("a list")
         .iter()
-        .map(|group| (group["radius"].as_f64().expect("a radius"), group["arcs"].as_u64().expect("a count"), &group["n"]))
+        .map(|group| {
+            (group["radius"].as_f64().expect("a radius"), group["arcs"].as_u64().expect("a count"), &group["n"])
+        })
         .collect();
     let n = |first: i64, last: i64| Value::from(vec![first, last]);
     assert_eq!(found, [(3.0, 4, &n(140, 200)), (15.0, 1, &n(310, 310)), (25.0, 1, &n(440, 440))]);
@@ -141,8 +147,14 @@ fn a_program_of_its_time_leaves_all_questions_open_and_its_job_says_so() {
     let job = scratch.path("first.toml");
     let report = init("tests/corpus/cam-2003.nc", &job);
     let wanted = [
-        "tool.diameter", "tool.teeth", "spindle.rev_per_min", "law.feed_per_tooth", "cut.1.side", "cut.1.radial_depth",
-        "cut.2.side", "cut.2.radial_depth",
+        "tool.diameter",
+        "tool.teeth",
+        "spindle.rev_per_min",
+        "law.feed_per_tooth",
+        "cut.1.side",
+        "cut.1.radial_depth",
+        "cut.2.side",
+        "cut.2.radial_depth",
     ];
     assert_eq!((keys(&report), &report["arcs"], &report["errors"]), (wanted.to_vec(), &3.into(), &0.into()));
     assert_asks_in_order(&job, &report);
@@ -169,104 +181,6 @@ fn nothing_is_written_over_without_force_and_nothing_made_up() {
     let broken = scratch.write("broken.nc", "G21G90G94\nG1X5.F100.\nG3X0.Y0.\nG3X0Y0I-2.5\n");
     let output = run(&["init", &broken]);
     assert!(output.status.success() && text_of(&output.stderr).contains("1 errors, see `arcfeed check`"));
-}
-
-/// A program under construction.
-struct Program {
-    lines: Vec<String>,
-    is_inch: bool,
-    at: [f64; 2],
-}
-
-impl Program {
-    fn new(rng: &mut Rng) -> Self {
-        let is_inch = rng.bool();
-        let lines = vec![format!("G{}G17G90G94T3M6", if is_inch { 20 } else { 21 }), format!("S{}M3", SPEEDS[rng.usize(0..2)])];
-        Program { lines, is_inch, at: [0.0; 2] }
-    }
-
-    fn word(&self, letter: char, mm: f64) -> String {
-        if self.is_inch { format!("{letter}{:.4}", mm / 25.4) } else { format!("{letter}{mm:.3}") }
-    }
-
-    fn add(&mut self, words: String) {
-        let number = 10 * self.lines.len();
-        self.lines.push(format!("N{number}{words}"));
-    }
-
-    /// Turns about a point, by so many radians, counter-clockwise positive.
-    fn turn(&mut self, center: [f64; 2], by: f64) {
-        let ([x, y], [cx, cy]) = (self.at, center);
-        let (sin, cos) = libm::sincos(by);
-        let to = [cx + (x - cx) * cos - (y - cy) * sin, cy + (x - cx) * sin + (y - cy) * cos];
-        let code = if by > 0.0 { "G3" } else { "G2" };
-        let words = [self.word('X', to[0]), self.word('Y', to[1]), self.word('I', cx - x), self.word('J', cy - y)];
-        self.add(format!("{code}{}F25.", words.concat()));
-        self.at = to;
-    }
-
-    fn go(&mut self, code: &str, to: [f64; 2]) {
-        let words = [self.word('X', to[0]), self.word('Y', to[1])].concat();
-        self.add(format!("{code}{words}F25."));
-        self.at = to;
-    }
-
-    fn text(&self) -> String {
-        self.lines.join("\n") + "\nM30\n"
-    }
-}
-
-/// A cup mill's program, its inner and outer radius, mm: there and back about two points, a level after the other, and now
-/// and then an arc that is none of its.
-fn cup_mill(rng: &mut Rng) -> (String, [f64; 2]) {
-    let outer = 30.0 + 150.0 * rng.f64();
-    let inner = outer * (0.6 + 0.37 * rng.f64());
-    let mut program = Program::new(rng);
-    let base = [200.0 * rng.f64() - 100.0, 200.0 * rng.f64() - 100.0];
-    let angle = TAU * rng.f64();
-    let about = [(inner, angle), (outer, angle + 0.4 * rng.f64())]
-        .map(|(radius, angle)| [base[0] + radius * libm::cos(angle), base[1] + radius * libm::sin(angle)]);
-    program.go("G0", base);
-    for level in 0..rng.usize(3..9) {
-        let z = program.word('Z', -(level as f64));
-        program.add(format!("G1{z}F25."));
-        for (center, sense) in about.into_iter().zip([-1.0, 1.0]) {
-            let by = sense * (0.1 + 0.5 * rng.f64());
-            program.turn(center, by);
-            program.turn(center, -by);
-        }
-        if rng.u8(0..3) == 0 {
-            let other = [base[0] + 2.0 + 300.0 * rng.f64(), base[1]];
-            program.turn(other, 0.3 + rng.f64());
-            program.go("G0", base);
-        }
-    }
-    (program.text(), [inner, outer])
-}
-
-/// An end mill's program: a rectangle whose corners have two radii, twice each, a few times over.
-fn end_mill(rng: &mut Rng) -> String {
-    let mut program = Program::new(rng);
-    let radii = [2.0 + 8.0 * rng.f64(), 2.0 + 8.0 * rng.f64()];
-    let (width, height) = (60.0 + 40.0 * rng.f64(), 60.0 + 40.0 * rng.f64());
-    for pass in 0..rng.usize(1..4) {
-        let grow = 20.0 * pass as f64;
-        program.go("G0", [0.0, -grow]);
-        let (right, top) = (width + grow, height + grow);
-        // Each side, then the corner behind it.
-        for (index, (to, into)) in
-            [([right, -grow], [0.0, 1.0]), ([right, top], [-1.0, 0.0]), ([-grow, top], [0.0, -1.0]), ([-grow, -grow], [1.0, 0.0])]
-                .into_iter()
-                .enumerate()
-        {
-            let radius = radii[index % 2];
-            let along: [f64; 2] = [into[1], -into[0]];
-            let before = [to[0] - radius * along[0], to[1] - radius * along[1]];
-            program.go("G1", before);
-            program.turn([before[0] + radius * into[0], before[1] + radius * into[1]], TAU / 4.0);
-        }
-    }
-    program.text()
 }
 
 /// What init makes of a text: the tool, and the job it writes.
