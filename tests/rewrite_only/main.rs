@@ -3,6 +3,8 @@
 //! Random arcs in every spelling a program may have, under tables of feeds, so that what is wanted where is worked out
 //! here: chips by brute force, the path by the simulated control that executes the program before and after.
 
+mod laws;
+
 mod measured;
 
 mod path;

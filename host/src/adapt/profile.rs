@@ -7,9 +7,11 @@ use arcfeed_shared::units::Nm;
 /// Cells that a move is divided into; the law is asked at their ends.
 pub const CELLS: usize = 256;
 /// Dip between two points, over their value, above which it is looked at more closely.
-const SHARP_RATIO: f64 = 1e-4;
+const SHARP_RATIO: f64 = 1e-5;
 /// How often a cell is halved for that; what still falls then is a jump, not a dip.
 const DEPTH_MAX: usize = 16;
+/// Steps towards the bottom of a valley, each of which leaves two thirds of it.
+const DESCENTS: usize = 40;
 /// Halvings to the place where a law's wish begins or ends.
 const HALVINGS: usize = 30;
 
@@ -64,8 +66,8 @@ impl Profile {
                     let points: Vec<Point> = [(from, a)].into_iter().chain(knots).chain([(to, b)]).collect();
                     (asked.bound(&points, dip(&values, cell)), true)
                 }
-                (Some(wish), None) => (asked.edge(wish, from, to), false),
-                (None, Some(wish)) => (asked.edge(wish, to, from), false),
+                (Some(wish), None) => (asked.edge((from, wish), to), false),
+                (None, Some(wish)) => (asked.edge((to, wish), from), false),
                 (None, None) => (f64::INFINITY, false),
             };
             profile.bounds.push(bound);
@@ -120,41 +122,64 @@ impl<L: FeedLaw> Asked<'_, L> {
     /// The bound of a cell with wishes at all of its points, for a law that is smooth between them but where it jumps.
     fn bound(&self, points: &[Point], dip: f64) -> f64 {
         let least = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
+        if least.is_infinite() {
+            return least;
+        }
         if points.len() == 2 && dip <= SHARP_RATIO * least {
             return least - dip;
         }
-        points.windows(2).map(|ends| self.looked_at(ends[0], ends[1], DEPTH_MAX)).fold(least, f64::min)
+        points.windows(2).map(|ends| self.between(ends[0], ends[1])).fold(least, f64::min)
     }
 
-    /// The least between two points, halved as long as it might dip below what is known.
+    /// The least between two points: down into every bend, and to the bottom of the valley if there is one.
+    fn between(&self, first: Point, last: Point) -> f64 {
+        let least = self.looked_at(first, last, DEPTH_MAX);
+        let (mut low, mut high, mut bottom) = (first.0, last.0, least);
+        for _ in 0..DESCENTS {
+            let third = (high - low) / 3.0;
+            let [a, b] = [low + third, high - third].map(|point| self.at(point).path().unwrap_or(f64::INFINITY));
+            bottom = bottom.min(a).min(b);
+            if a < b {
+                high -= third;
+            } else {
+                low += third;
+            }
+        }
+        bottom
+    }
+
+    /// The least between two points, halved as long as it might dip below what is known. The quarters tell a jump that
+    /// happens to lie on the chord.
     fn looked_at(&self, first: Point, last: Point, depth: usize) -> f64 {
-        let middle = 0.5 * (first.0 + last.0);
-        let Some(path) = self.at(middle).path() else { return first.1.min(last.1) };
-        let least = first.1.min(last.1).min(path);
-        if !(first.1 + last.1 + path).is_finite() {
+        let at = |part: f64| {
+            let point = first.0 + part * (last.0 - first.0);
+            (point, self.at(point).path().unwrap_or(f64::INFINITY))
+        };
+        let middle = at(0.5);
+        let paths = [first.1, at(0.25).1, middle.1, at(0.75).1, last.1];
+        let least = paths.into_iter().fold(f64::INFINITY, f64::min);
+        if paths.contains(&f64::INFINITY) {
             return least;
         }
-        let dip = libm::fabs(first.1 - 2.0 * path + last.1);
+        let bend = |a: usize, b: usize, c: usize| libm::fabs(paths[a] - 2.0 * paths[b] + paths[c]);
+        let dip = bend(0, 2, 4).max(bend(0, 1, 2)).max(bend(1, 2, 3)).max(bend(2, 3, 4));
         if dip <= SHARP_RATIO * least || depth == 0 {
             return least - dip.min(SHARP_RATIO * least);
         }
-        self.looked_at(first, (middle, path), depth - 1).min(self.looked_at((middle, path), last, depth - 1))
+        least.min(self.looked_at(first, middle, depth - 1)).min(self.looked_at(middle, last, depth - 1))
     }
 
-    /// The bound of a cell at one of whose ends the law has no wish: the wish at its other end, and where it begins.
-    fn edge(&self, wish: f64, mut inside: f64, mut outside: f64) -> f64 {
-        let mut least = wish;
+    /// The bound of a cell at one of whose ends the law has no wish: from `known` at its other end to where it begins.
+    fn edge(&self, known: Point, end: f64) -> f64 {
+        let (mut inside, mut outside) = (known, end);
         for _ in 0..HALVINGS {
-            let middle = 0.5 * (inside + outside);
+            let middle = 0.5 * (inside.0 + outside);
             match self.at(middle).path() {
-                Some(path) => {
-                    least = least.min(path);
-                    inside = middle;
-                }
+                Some(path) => inside = (middle, path),
                 None => outside = middle,
             }
         }
-        least
+        self.between(known, inside)
     }
 }
 
@@ -164,11 +189,12 @@ impl<L: FeedLaw> Asked<'_, L> {
 /// the chord.
 fn dip(values: &[Option<f64>], interval: usize) -> f64 {
     let bend = |middle: usize| match middle.checked_sub(1).and_then(|first| values.get(first..middle + 2)) {
-        Some([Some(a), Some(b), Some(c)]) if a.is_finite() && b.is_finite() && c.is_finite() => {
-            libm::fabs(a - 2.0 * b + c)
-        }
-        _ => 0.0,
+        Some([Some(a), Some(b), Some(c)]) => libm::fabs(a - 2.0 * b + c),
+        // Next to a gap nothing is known of it.
+        Some(_) => f64::INFINITY,
+        None => 0.0,
     };
+    let bend = |middle: usize| Some(bend(middle)).filter(|bend| !bend.is_nan()).unwrap_or(f64::INFINITY);
     bend(interval).max(bend(interval + 1)) / 2.0
 }
 
