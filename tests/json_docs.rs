@@ -140,6 +140,22 @@ fn what_check_prints_is_documented() {
 }
 
 #[test]
+fn what_init_prints_is_documented_for_every_kind_of_program() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-init");
+    let bare = scratch.write("bare.nc", "G90G94\nG0X1.Y0\nG3X0Y1.Z1.I-1.F10.\nG14\n");
+    let none = scratch.write("none.nc", "G21T2\nG1X1.F10.\n");
+    let slot = format!("{EXAMPLE}/ibr-slot.nc");
+    for (index, program) in [CORPUS, &slot, "examples/pocket/pocket.nc", &bare, &none].into_iter().enumerate() {
+        let job = scratch.path(&format!("{index}.toml"));
+        let report = object(&["init", program, "-o", &job], 0);
+        documented.assert_fits("init", &report);
+        assert_eq!(object(&["init", program, "-o", &job, "--force"], 0), report);
+        assert_eq!(objects(&["init", program, "-o", &job]), (Some(1), vec![]));
+    }
+}
+
+#[test]
 fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
     let documented = Documented::read();
     let scratch = Scratch::new("json-adapt");
@@ -162,7 +178,10 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
         ("kind = \"circumference\"", "kind = \"engaged-arc\"\nedges = \"side\""),
         ("normal_deg = 54.187, offset = 4.2391", "engaged = [[0, 0, 40], [1, 60, 40]]"),
     ];
-    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 13] = [
+    let in_pieces = with_override("mode = \"rewrite-only\"");
+    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 15] = [
+        (CASE, &[("[control]", &in_pieces)], &[]),
+        (CASE, &[("[control]", &in_pieces)], &[("F25.", "F25.M8")]),
         (CASE, &[("[control]", "[machine]\nmax_feed = { x = 45, y = 45 }\n\n[control]")], &[]),
         (CASE, &[("[control]", "[control]\narc_clamp = { feed = 45, radius = 5 }")], &[]),
         (CASE, &by_table, &[]),

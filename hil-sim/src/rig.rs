@@ -10,8 +10,8 @@ use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
 use arcfeed_firmware::supervisor::signals::Signals;
 use arcfeed_shared::cut::{self, CutRule};
-use arcfeed_shared::job::Job;
-use arcfeed_shared::segment::Segment;
+use arcfeed_shared::job::{FeedPolicy, Job};
+use arcfeed_shared::segment::{RADIUS_TOLERANCE, Segment};
 use arcfeed_shared::tool::Tool;
 use arcfeed_shared::units::{Micros, Nm};
 
@@ -36,6 +36,8 @@ pub struct Rig {
     meter: ChipMeter,
     overrides: Vec<MoveOverride>,
     first_move: Option<Micros>,
+    /// The move begun last, and its rule.
+    last: Option<(Segment, Option<usize>)>,
 }
 
 /// What the override did on one move that a cut rule speaks of.
@@ -97,7 +99,9 @@ impl Rig {
     }
 
     fn new(control: Control, job: &Job, fault: ControllerFault) -> Result<Self, SettingsError> {
-        let is_on = fault != ControllerFault::LawOff;
+        // What is cut into pieces needs no override, and the machine may have none.
+        let has_override = !matches!(job.policy, FeedPolicy::RewriteOnly(_));
+        let is_on = has_override && fault != ControllerFault::LawOff;
         let supervisor = is_on.then(|| Supervisor::new(job, Settings::default())).transpose()?;
         let measured = controller::Input { position: Some(control.position()), spindle: job.spindle, dt: STEP.into() };
         Ok(Rig {
@@ -116,6 +120,7 @@ impl Rig {
             fault,
             overrides: Vec::new(),
             first_move: None,
+            last: None,
         })
     }
 
@@ -176,12 +181,25 @@ impl Rig {
 
     fn begin(&mut self, count: u32, segment: &Segment) {
         self.first_move.get_or_insert(self.now);
-        let found = cut::find(&self.job.rules, segment, &self.job.tool);
-        self.meter.begin(count, segment, found);
-        if found.is_some() {
+        let rules = &self.job.rules;
+        let continued = self.last.filter(|(last, _)| self.is_in_pieces() && continues(last, segment));
+        let found = match continued {
+            Some((_, rule)) => rule.and_then(|index| Some((index, rules.get(index)?))),
+            None => cut::find(rules, segment, &self.job.tool),
+        };
+        match continued {
+            Some(_) => self.meter.go_on(count, segment, found),
+            None => self.meter.begin(count, segment, found),
+        }
+        if found.is_some() && continued.is_none() {
             self.overrides.push(MoveOverride { min_percent: u8::MAX, max_percent: 0, changes: 0, last_percent: 0 });
         }
+        self.last = Some((*segment, found.map(|(index, _)| index)));
         self.cabinet.segment = Some((count, self.believed(segment, found.map(|(_, rule)| rule))));
+    }
+
+    fn is_in_pieces(&self) -> bool {
+        matches!(self.job.policy, FeedPolicy::RewriteOnly(_))
     }
 
     /// The segment as the controller believes it to be.
@@ -209,4 +227,16 @@ impl Rig {
         figures.max_percent = figures.max_percent.max(percent);
         figures.last_percent = percent;
     }
+}
+
+/// Whether an arc is the next piece of another: it has no N, begins where that one ended, and goes on about the same
+/// centre. A piece belongs to its arc's rule, whatever N and level the rule asks for.
+fn continues(last: &Segment, next: &Segment) -> bool {
+    let (Some(before), Some(arc)) = (last.arc(), next.arc()) else { return false };
+    let is_near = |a: Nm, b: Nm| (a.0 - b.0).abs() <= RADIUS_TOLERANCE.0;
+    let centers = before.center.iter().zip(&arc.center);
+    next.sequence.is_none()
+        && next.start == last.end
+        && (arc.plane, arc.turn) == (before.plane, before.turn)
+        && centers.into_iter().all(|(a, b)| is_near(*a, *b))
 }

@@ -8,9 +8,12 @@ mod machine;
 
 mod rules;
 
+mod sending;
+
+pub mod questions;
+
 use std::path::{Path, PathBuf};
 
-use arcfeed_firmware::ramp::{LimitsError, Ramp};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::machine::MachineLimits;
@@ -160,16 +163,19 @@ impl JobFile {
     /// # Errors
     /// See [`JobError`].
     pub fn parse(path: &Path, text: &str) -> Result<Self, JobError> {
-        let table: Result<JobTable, Complaint> = toml::from_str(text)
-            .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()));
-        table.and_then(|table| build(&table, path.parent().unwrap_or(Path::new("")))).map_err(|(offset, message)| {
-            let before = &text[..offset.min(text.len())];
-            let line = before.matches('\n').count() + 1;
-            let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
-            let is_toml = path.extension().is_some_and(|extension| extension == "toml");
-            let hint = if is_toml { "" } else { " (this command takes a job file, JOB.toml, not a program)" };
-            JobError::Content { path: path.into(), line, column, message: format!("{message}{hint}") }
-        })
+        let read = || -> Result<JobTable, Complaint> {
+            toml::from_str(text)
+                .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))
+        };
+        questions::refuse_open(text)
+            .and_then(|()| read())
+            .and_then(|table| build(&table, path.parent().unwrap_or(Path::new(""))))
+            .map_err(|(offset, message)| {
+                let [line, column] = questions::place(text, offset);
+                let is_toml = path.extension().is_some_and(|extension| extension == "toml");
+                let hint = if is_toml { "" } else { " (this command takes a job file, JOB.toml, not a program)" };
+                JobError::Content { path: path.into(), line, column, message: format!("{message}{hint}") }
+            })
     }
 }
 
@@ -185,8 +191,8 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
         spindle: RevPerMin(rev_per_min as f32),
         law,
         feed_per_tooth: MmPerTooth(feed_mm as f32),
-        policy: build_policy(table)?,
-        limits: build_limits(table)?,
+        policy: sending::policy(&table.r#override, unit)?,
+        limits: sending::limits(&table.r#override)?,
         machine: machine::build(table, unit)?,
         rules,
         knots,
@@ -259,34 +265,6 @@ fn build_law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
             "no such law; write \"circumference\" or \"engaged-arc\" (cup mills), \"contour\" or \"engagement\" (end \
              mills), \"table\" or \"programmed\"",
         )),
-    }
-}
-
-fn build_policy(table: &JobTable) -> Result<FeedPolicy, Complaint> {
-    match table.r#override.mode.as_ref().as_str() {
-        "safe-base" => Ok(FeedPolicy::SafeBase),
-        "override-only" => Ok(FeedPolicy::OverrideOnly),
-        _ => {
-            Err(at(&table.r#override.mode, "no such mode, or not built yet; write \"safe-base\" or \"override-only\""))
-        }
-    }
-}
-
-fn build_limits(table: &JobTable) -> Result<OverrideLimits, Complaint> {
-    let given = &table.r#override;
-    let limits = OverrideLimits {
-        min_percent: *given.min.as_ref(),
-        max_percent: *given.max.as_ref(),
-        step_percent: *given.step.as_ref(),
-        slew_up_percent_per_s: *given.slew_up.as_ref(),
-        slew_down_percent_per_s: *given.slew_down.as_ref(),
-    };
-    match Ramp::new(&limits) {
-        Ok(_) => Ok(limits),
-        Err(LimitsError::Range) if limits.min_percent > 100 => Err(at(&given.min, "min must be at most 100 %")),
-        Err(LimitsError::Range) => Err(at(&given.max, "max must lie between 100 % and 254 %, the control's limit")),
-        Err(LimitsError::Step) => Err(at(&given.step, "step must be a divisor of 100 %")),
-        Err(LimitsError::Slew) => Err(at(&given.slew_up, "slew_up and slew_down must be positive, in % per second")),
     }
 }
 

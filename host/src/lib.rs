@@ -11,6 +11,8 @@ pub mod snippet;
 
 pub mod job;
 
+pub mod init;
+
 pub mod adapt;
 
 pub mod port;

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use arcfeed::commands::{adapt::Adapt, check::Check, serve::Serve, simulate::Simulate, stream::Stream};
+use arcfeed::commands::{adapt::Adapt, check::Check, init::Init, serve::Serve, simulate::Simulate, stream::Stream};
 use clap::{Parser, Subcommand};
 
 /// Constant chip load on circular moves, from the NC program to the override of the control
@@ -19,6 +19,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Check(Check),
+    Init(Init),
     Adapt(Adapt),
     Stream(Stream),
     Simulate(Simulate),
@@ -28,6 +29,7 @@ enum Command {
 fn main() -> ExitCode {
     let ended = match Arguments::parse().command {
         Command::Check(command) => command.run(),
+        Command::Init(command) => command.run(),
         Command::Adapt(command) => command.run(),
         Command::Stream(command) => command.run(),
         Command::Simulate(command) => command.run(),

@@ -6,7 +6,7 @@ use crate::cut::{CutRule, RULES_MAX};
 use crate::knots::Knots;
 use crate::machine::MachineLimits;
 use crate::tool::Tool;
-use crate::units::{LengthUnit, MmPerTooth, RevPerMin};
+use crate::units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
 
 /// A job, validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,12 +66,33 @@ pub enum LawKind {
 }
 
 /// How the wanted feed reaches the control.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FeedPolicy {
     /// Blocks are sent with the least feed the law wants; the override raises it. A lost override only thins chips.
     SafeBase,
     /// The program's own F stays; the override does it all, within its limits.
     OverrideOnly,
+    /// The override stays at 100 %: arcs are sent in pieces, each with the least feed the law wants on it.
+    RewriteOnly(PieceSettings),
+}
+
+/// How finely arcs are cut into pieces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PieceSettings {
+    /// From one feed of an arc to the next, %: its feeds are its least one times powers of this.
+    pub step_percent: f32,
+    /// A rise of F by less than this is not made, %.
+    pub hysteresis_percent: f32,
+    /// No piece is shorter.
+    pub least_length: Nm,
+    /// No arc has more pieces.
+    pub most: u16,
+}
+
+impl Default for PieceSettings {
+    fn default() -> Self {
+        PieceSettings { step_percent: 1.0, hysteresis_percent: 2.0, least_length: Nm(2_000_000), most: 24 }
+    }
 }
 
 /// Bounds of the override.

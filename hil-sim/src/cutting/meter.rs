@@ -107,10 +107,8 @@ impl ChipMeter {
 
     /// A block begins; `found` is the cut rule that speaks of it, with its place among the rules.
     pub fn begin(&mut self, block: u32, segment: &Segment, found: Option<(usize, &CutRule)>) {
-        self.end_block();
-        let Some((index, rule)) = found else { return };
-        self.block = Some(block);
-        self.cut = segment.arc().and_then(|arc| RingCut::new(arc, rule, &self.settings));
+        self.go_on(block, segment, found);
+        let Some((index, _)) = found else { return };
         self.moves.push(MoveChips {
             sequence: segment.sequence,
             rule: index,
@@ -118,6 +116,14 @@ impl ChipMeter {
             thickest: [ChipFigures::default(); 2],
             left_out: LeftOut::default(),
         });
+    }
+
+    /// A block begins that goes on with the move before, as a further piece of it.
+    pub fn go_on(&mut self, block: u32, segment: &Segment, found: Option<(usize, &CutRule)>) {
+        self.end_block();
+        let Some((_, rule)) = found else { return };
+        self.block = Some(block);
+        self.cut = segment.arc().and_then(|arc| RingCut::new(arc, rule, &self.settings));
     }
 
     /// Takes the machine's report.

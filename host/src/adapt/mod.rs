@@ -1,21 +1,37 @@
 //! From a program and a job to the feeds to send: which law governs which block, what it wants, and the F words that
-//! make 100 % safe.
+//! make 100 % safe, or that do without an override.
+
+pub mod profile;
 
 pub mod range;
 
+pub mod pieces;
+
+pub mod points;
+
 pub mod rewrite;
 
+pub mod spelling;
+
+pub mod split;
+
 use arcfeed_firmware::law::SegmentLaw;
-use arcfeed_shared::cut;
+use arcfeed_shared::cut::{self, CutRule, Work};
 use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::machine::LimitedBy;
+use arcfeed_shared::nc::block::{Line, Reading};
 use arcfeed_shared::nc::modal::Feed;
+use arcfeed_shared::reader::Reader;
 use arcfeed_shared::segment::{Path, Segment};
+use arcfeed_shared::stock::Stock;
 use arcfeed_shared::units::{LengthUnit, Nm, PERCENT};
 
 use crate::program::{Program, ProgramLine};
+use profile::Profile;
 use range::WishRange;
 use rewrite::FeedRewriter;
+use spelling::Modes;
+use split::{ChipError, Governed, SentPiece, Whole};
 
 /// What becomes of a program.
 #[derive(Clone, Debug)]
@@ -24,6 +40,8 @@ pub struct Adapted {
     pub blocks: Vec<PlannedBlock>,
     /// The program to send.
     pub text: Vec<u8>,
+    /// Where in it the text of each of the program's lines ends.
+    pub line_ends: Vec<usize>,
 }
 
 /// One block with a move.
@@ -37,10 +55,18 @@ pub struct PlannedBlock {
     pub rule: Option<usize>,
     /// What the law wants along it.
     pub wish: Option<WishRange>,
-    /// The feed it is sent with, per minute.
+    /// The feed it is sent with, per minute; the least where it is sent in pieces.
     pub sent: Option<Nm>,
     /// Why.
     pub reason: PlanReason,
+    /// Its pieces, where the law governs it and there is no override to vary its feed.
+    pub pieces: Vec<SentPiece>,
+    /// Why it is whole although the law wants pieces.
+    pub whole: Option<Whole>,
+    /// What its pieces make of the chip.
+    pub chip_error: Option<ChipError>,
+    /// F words in its text as sent.
+    pub f_words: usize,
 }
 
 /// Why a block is sent with the feed it is sent with.
@@ -88,21 +114,98 @@ impl PlanReason {
 
 /// Plans the feeds of a program without errors.
 pub fn adapt(program: &Program, job: &Job) -> Adapted {
-    let mut rewriter = FeedRewriter::default();
-    let mut adapted = Adapted { blocks: Vec::new(), text: Vec::new() };
-    let mut unit = job.unit;
+    let mut writer = Writer::new(program, job);
     for (index, line) in program.lines.iter().enumerate() {
-        unit = unit_after(line, unit);
-        let planned = line.meaning.as_ref().and_then(|meaning| meaning.segment).map(|segment| {
-            let planned = plan_block(index + 1, segment, job, unit);
-            adapted.blocks.push(planned.clone());
-            planned
-        });
-        let governed = planned.as_ref().and_then(|block| block.sent.filter(|_| block.wish.is_some()));
-        adapted.text.extend(rewriter.rewrite(line, planned.map(|block| block.segment), governed, unit));
-        adapted.text.extend(&line.ending);
+        writer.take(index + 1, line);
     }
-    adapted
+    writer.adapted
+}
+
+/// The program to send, as far as it is written.
+struct Writer<'a> {
+    job: &'a Job,
+    adapted: Adapted,
+    feeds: FeedRewriter,
+    modes: Modes,
+    /// The control behind the lines so far; only what is cut into pieces needs it.
+    reader: Option<Reader>,
+    /// Between the pieces of a last line, which has no end of its own.
+    line_end: &'a [u8],
+}
+
+impl<'a> Writer<'a> {
+    fn new(program: &'a Program, job: &'a Job) -> Self {
+        let cuts = matches!(job.policy, FeedPolicy::RewriteOnly(_));
+        let line_end = program.lines.first().map_or(&b""[..], |line| &line.ending);
+        Writer {
+            job,
+            adapted: Adapted { blocks: Vec::new(), text: Vec::new(), line_ends: Vec::new() },
+            feeds: FeedRewriter::default(),
+            modes: Modes { unit: job.unit, absolute: true },
+            reader: cuts.then(|| Reader::new(job.unit, Reading::Lenient)),
+            line_end: if line_end.is_empty() { b"\n" } else { line_end },
+        }
+    }
+
+    fn take(&mut self, number: usize, line: &ProgramLine) {
+        let before = self.reader.clone();
+        if let Some(reader) = &mut self.reader {
+            // The program has no errors.
+            let _understood = reader.read(&line.text);
+        }
+        self.modes = modes_after(line, self.modes);
+        let segment = line.meaning.as_ref().and_then(|meaning| meaning.segment);
+        let planned = segment.map(|segment| plan_block(number, segment, self.job, self.modes.unit));
+        let texts = match planned {
+            None => vec![self.whole(line, None, None)],
+            Some((mut block, profile)) => {
+                let texts = match (before, &profile) {
+                    // Without a feed of its own it runs into an alarm, whatever we do.
+                    (Some(before), Some(profile)) if block.programmed().is_some() => {
+                        self.in_pieces(line, &mut block, profile, before)
+                    }
+                    _ => None,
+                };
+                let texts = texts.unwrap_or_else(|| {
+                    let governed = block.sent.filter(|_| block.wish.is_some());
+                    vec![self.whole(line, Some(block.segment), governed)]
+                });
+                block.f_words = texts.iter().filter(|text| has_feed(text)).count();
+                self.adapted.blocks.push(block);
+                texts
+            }
+        };
+        let end = if line.ending.is_empty() { self.line_end } else { &line.ending };
+        self.adapted.text.extend(texts.join(end));
+        self.adapted.text.extend(&line.ending);
+        self.adapted.line_ends.push(self.adapted.text.len());
+    }
+
+    /// The line, with its feed or another.
+    fn whole(&mut self, line: &ProgramLine, segment: Option<Segment>, governed: Option<Nm>) -> Vec<u8> {
+        let edit = self.feeds.edit(line, segment, governed, self.modes.unit);
+        rewrite::apply(&line.text, edit.as_slice())
+    }
+
+    /// The line's pieces, with what is to be told of them; nothing where the mode has none.
+    fn in_pieces(
+        &mut self,
+        line: &ProgramLine,
+        block: &mut PlannedBlock,
+        profile: &Profile,
+        before: Reader,
+    ) -> Option<Vec<Vec<u8>>> {
+        let FeedPolicy::RewriteOnly(settings) = &self.job.policy else { return None };
+        let teeth_per_min = teeth_per_min(self.job);
+        let most_ratio = f64::from(self.job.limits.max_percent) / f64::from(PERCENT);
+        let (segment, modes) = (&block.segment, self.modes);
+        let governed = Governed { line, segment, profile, modes, before, teeth_per_min, most_ratio };
+        let split = governed.split(settings, &mut self.feeds)?;
+        block.chip_error = ChipError::of(&split.pieces, profile, teeth_per_min);
+        block.sent = split.pieces.iter().map(|piece| piece.feed).min();
+        (block.pieces, block.whole) = (split.pieces, split.whole);
+        Some(split.texts)
+    }
 }
 
 impl PlannedBlock {
@@ -125,30 +228,47 @@ impl PlannedBlock {
     }
 }
 
-fn plan_block(line: usize, segment: Segment, job: &Job, unit: LengthUnit) -> PlannedBlock {
-    let mut block = PlannedBlock { line, segment, rule: None, wish: None, sent: None, reason: PlanReason::NoRule };
+/// A block's plan, and what the law says along it.
+fn plan_block(line: usize, segment: Segment, job: &Job, unit: LengthUnit) -> (PlannedBlock, Option<Profile>) {
+    let mut block = PlannedBlock {
+        line,
+        segment,
+        rule: None,
+        wish: None,
+        sent: None,
+        reason: PlanReason::NoRule,
+        pieces: Vec::new(),
+        whole: None,
+        chip_error: None,
+        f_words: 0,
+    };
     block.sent = block.programmed();
+    let mut profile = None;
     match (&segment.path, segment.feed) {
         (Path::Rapid, _) => block.reason = PlanReason::Rapid,
         (_, Feed::InverseTime(_)) => block.reason = PlanReason::InverseTime,
-        (Path::Line | Path::Arc(_), _) => govern(&mut block, job, unit),
+        (Path::Line | Path::Arc(_), _) => profile = govern(&mut block, job, unit),
     }
-    block
+    (block, profile)
 }
 
-fn govern(block: &mut PlannedBlock, job: &Job, unit: LengthUnit) {
-    let Some((index, rule)) = cut::find(&job.rules, &block.segment, &job.tool) else { return };
+fn teeth_per_min(job: &Job) -> f64 {
+    f64::from(job.spindle.0) * f64::from(job.tool.active_teeth())
+}
+
+fn govern(block: &mut PlannedBlock, job: &Job, unit: LengthUnit) -> Option<Profile> {
+    let (index, rule) = cut::find(&job.rules, &block.segment, &job.tool)?;
     block.rule = Some(index);
     let law = SegmentLaw::for_segment(&block.segment, Some(rule), job);
-    let teeth_per_min = f64::from(job.spindle.0) * f64::from(job.tool.active_teeth());
-    let Some(wish) = range::along(&law, &block.segment, teeth_per_min) else {
+    let profile = Profile::ask(&law, &block.segment, &knots_mm(rule, job));
+    let Some(wish) = WishRange::of(&profile, teeth_per_min(job)) else {
         block.reason = PlanReason::NoWish;
-        return;
+        return None;
     };
     block.wish = Some(wish);
     let limit = job.machine.feed_limit(&block.segment);
     let limit_mm_per_min = limit.map_or(f64::INFINITY, |limit| f64::from(limit.feed.0));
-    if job.policy == FeedPolicy::SafeBase {
+    if job.policy != FeedPolicy::OverrideOnly {
         block.sent = Some(rewrite::round_down(wish.safe_mm_per_min.min(limit_mm_per_min), unit));
     }
     let factor = |feed_mm_per_min: f64| block.sent.map(|sent| feed_mm_per_min / sent.to_mm() * f64::from(PERCENT));
@@ -162,15 +282,38 @@ fn govern(block: &mut PlannedBlock, job: &Job, unit: LengthUnit) {
         _ if wish.covers_all => PlanReason::Law,
         _ => PlanReason::LawInPart,
     };
+    Some(profile)
 }
 
-/// The unit in force after a line: what F words are written in.
-fn unit_after(line: &ProgramLine, unit: LengthUnit) -> LengthUnit {
-    use arcfeed_shared::nc::block::Line;
-    let Some(Line::Block(block)) = line.meaning.as_ref().map(|meaning| &meaning.parsed.line) else { return unit };
-    block.words.iter().filter(|word| word.letter == b'G').fold(unit, |unit, word| match word.number.as_whole() {
-        Some(20) => LengthUnit::Inch,
-        Some(21) => LengthUnit::Mm,
-        _ => unit,
+/// Where along a move the tables of a rule have their knots.
+fn knots_mm(rule: &CutRule, job: &Job) -> Vec<f64> {
+    let feeds = rule.table.map(|range| job.knots.table(range)).unwrap_or_default();
+    let engaged = match &rule.work {
+        Work::Ring(_, Stock::Engaged(table)) => table.knots(),
+        Work::Ring(..) | Work::Mill { .. } => &[],
+    };
+    let paths = feeds.iter().map(|knot| knot.0).chain(engaged.iter().map(|knot| knot.travelled));
+    paths.map(|path| f64::from(path.0)).collect()
+}
+
+/// The modes in force after a line's G words: what lengths and F words are written in.
+fn modes_after(line: &ProgramLine, modes: Modes) -> Modes {
+    let Some(Line::Block(block)) = line.meaning.as_ref().map(|meaning| &meaning.parsed.line) else { return modes };
+    let codes = block.words.iter().filter(|word| word.letter == b'G');
+    codes.fold(modes, |modes, word| match word.number.as_whole() {
+        Some(20) => Modes { unit: LengthUnit::Inch, ..modes },
+        Some(21) => Modes { unit: LengthUnit::Mm, ..modes },
+        Some(90) => Modes { absolute: true, ..modes },
+        Some(91) => Modes { absolute: false, ..modes },
+        _ => modes,
+    })
+}
+
+/// Whether a block's code, comments apart, has an F word.
+fn has_feed(text: &[u8]) -> bool {
+    let mut in_comment = false;
+    text.iter().any(|&byte| {
+        in_comment = (in_comment || byte == b'(') && byte != b')';
+        !in_comment && byte == b'F'
     })
 }

@@ -18,23 +18,56 @@ const fn feed_decimals(unit: LengthUnit) -> u32 {
     }
 }
 
+/// A change to a line's text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Edit {
+    /// Offset of the bytes that go.
+    pub at: usize,
+    /// How many go.
+    pub len: usize,
+    /// What comes in their place.
+    pub new: String,
+}
+
+impl Edit {
+    /// Another word in place of one.
+    pub fn replacing(word: &Word, new: String) -> Self {
+        Edit { at: usize::from(word.column) - 1, len: usize::from(word.len), new }
+    }
+}
+
+/// A text with its changes, which must not overlap.
+pub fn apply(text: &[u8], edits: &[Edit]) -> Vec<u8> {
+    let mut edits: Vec<&Edit> = edits.iter().collect();
+    // What is inserted before a word comes before what replaces it.
+    edits.sort_by_key(|edit| (edit.at, edit.len));
+    let (mut changed, mut done) = (Vec::with_capacity(text.len()), 0);
+    for edit in edits {
+        changed.extend(&text[done..edit.at]);
+        changed.extend(edit.new.bytes());
+        done = edit.at + edit.len;
+    }
+    changed.extend(&text[done..]);
+    changed
+}
+
 /// The F that the control has after what was written so far.
-#[derive(Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct FeedRewriter {
     modal: Option<Nm>,
 }
 
 impl FeedRewriter {
-    /// The line's text as it is to be sent: with `governed` as its feed, or with its own.
-    pub fn rewrite(
+    /// What makes the line be sent with `governed` as its feed, or with its own.
+    pub fn edit(
         &mut self,
         line: &ProgramLine,
         segment: Option<Segment>,
         governed: Option<Nm>,
         unit: LengthUnit,
-    ) -> Vec<u8> {
+    ) -> Option<Edit> {
         let Some(Line::Block(block)) = line.meaning.as_ref().map(|meaning| &meaning.parsed.line) else {
-            return line.text.clone();
+            return None;
         };
         let word = block.word(b'F');
         let Some(segment) = segment.filter(|segment| segment.path != Path::Rapid) else {
@@ -42,22 +75,28 @@ impl FeedRewriter {
             if let Some(word) = word {
                 self.modal = Some(Nm(word.number.scaled(unit.nm())));
             }
-            return line.text.clone();
+            return None;
         };
         let Feed::PerMinute(own) = segment.feed else {
             // Under G93 F is a time, and what a control makes of it under G94 is its own affair.
             self.modal = None;
-            return line.text.clone();
+            return None;
         };
         let wanted = governed.unwrap_or(own);
         let (had, written) = (self.modal, word.map(|word| Nm(word.number.scaled(unit.nm()))));
         self.modal = Some(wanted);
         match word {
-            Some(_) if written == Some(wanted) => line.text.clone(),
-            Some(word) => replace(&line.text, word, &feed_word(wanted, unit)),
-            None if had == Some(wanted) => line.text.clone(),
-            None => insert(&line.text, block.code_len, &feed_word(wanted, unit)),
+            Some(_) if written == Some(wanted) => None,
+            Some(word) => Some(Edit::replacing(word, feed_word(wanted, unit))),
+            None if had == Some(wanted) => None,
+            None => Some(Edit { at: block.code_len, len: 0, new: feed_word(wanted, unit) }),
         }
+    }
+
+    /// The F of a block that is added behind the line; nothing where the control has it already.
+    pub fn added(&mut self, feed: Nm, unit: LengthUnit) -> String {
+        let had = self.modal.replace(feed);
+        if had == Some(feed) { String::new() } else { feed_word(feed, unit) }
     }
 }
 
@@ -82,16 +121,6 @@ fn feed_word(feed: Nm, unit: LengthUnit) -> String {
     format!("F{units}.{}", digits.trim_end_matches('0'))
 }
 
-fn replace(text: &[u8], word: &Word, new: &str) -> Vec<u8> {
-    let start = usize::from(word.column) - 1;
-    let end = start + usize::from(word.len);
-    [&text[..start], new.as_bytes(), &text[end..]].concat()
-}
-
-fn insert(text: &[u8], at: usize, new: &str) -> Vec<u8> {
-    [&text[..at], new.as_bytes(), &text[at..]].concat()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,7 +139,7 @@ mod tests {
                 segment.arc()?;
                 Some(round_down(governed * unit.mm(), unit))
             });
-            let mut text = rewriter.rewrite(line, segment, governed, unit);
+            let mut text = apply(&line.text, rewriter.edit(line, segment, governed, unit).as_slice());
             text.extend(&line.ending);
             String::from_utf8(text).unwrap()
         });

@@ -4,17 +4,21 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use arcfeed_shared::cut::{Moves, Rotation, Side, Work};
-use arcfeed_shared::job::{Job, LawKind};
+use arcfeed_shared::job::{FeedPolicy, Job, LawKind};
 use arcfeed_shared::nc::modal::Turn;
 use arcfeed_shared::tool::{Edge, Tool};
 use arcfeed_shared::units::{LengthUnit, Nm};
 use serde::Serialize;
 
 use super::outcome::{Failure, file_failure, load, say};
+use crate::adapt::split::Whole;
 use crate::adapt::{Adapted, PlannedBlock, adapt};
 use crate::program::Program;
 
 /// Rewrite a program's feeds as its job says: per block the programmed feed, the law, the factor, the reason
+///
+/// In the modes safe-base and override-only F words change, and the override does the rest. In the mode rewrite-only arcs
+/// are sent in pieces, each with an F of its own, and shown with the error that this leaves in the chip.
 #[derive(Debug, clap::Args)]
 pub struct Adapt {
     /// The job file
@@ -52,6 +56,12 @@ struct BlockFigures {
     factor_min: Option<f64>,
     factor_max: Option<f64>,
     reason: &'static str,
+    pieces: Option<usize>,
+    left_whole: Option<&'static str>,
+    chip_error_min: Option<f64>,
+    chip_error_mean: Option<f64>,
+    chip_error_max: Option<f64>,
+    f_words: usize,
 }
 
 impl Adapt {
@@ -88,27 +98,33 @@ fn write_whole(path: &Path, text: &[u8]) -> std::io::Result<()> {
 }
 
 fn print_diff(program: &Program, adapted: &Adapted) {
-    let new_lines = adapted.text.split(|&byte| byte == b'\n');
-    for (index, (old, new)) in program.lines.iter().zip(new_lines).enumerate() {
-        let new = new.strip_suffix(b"\r").unwrap_or(new);
-        if old.text != new {
+    let mut start = 0;
+    for (index, (old, end)) in program.lines.iter().zip(&adapted.line_ends).enumerate() {
+        let sent = &adapted.text[start..*end];
+        start = *end;
+        let sent = sent.strip_suffix(old.ending.as_slice()).unwrap_or(sent);
+        if old.text != sent {
             let (line, path) = (index + 1, program.path.display());
-            say(format_args!("{path}:{line}\n- {}\n+ {}", old.text.escape_ascii(), new.escape_ascii()));
+            let new = sent.split(|&byte| byte == b'\n').map(|line| line.strip_suffix(b"\r").unwrap_or(line));
+            let new: Vec<String> = new.map(|line| format!("\n+ {}", line.escape_ascii())).collect();
+            say(format_args!("{path}:{line}\n- {}{}", old.text.escape_ascii(), new.concat()));
         }
     }
 }
 
 fn print_table(adapted: &Adapted, job: &Job) {
     let unit = job.unit.label();
+    let in_pieces = matches!(job.policy, FeedPolicy::RewriteOnly(_));
     say(format_args!(
-        "   line  N        programmed        sent     wanted {unit}/min     factor          contact  reason"
+        "   line  N        programmed        sent     wanted {unit}/min     factor          contact  {}reason",
+        if in_pieces { "pieces  F    chip error, %       " } else { "" }
     ));
     for block in adapted.blocks.iter().filter(|block| block.rule.is_some()) {
         let figures = BlockFigures::new(block, job);
         let number = |value: Option<f64>, decimals| value.map_or("-".into(), |value| format!("{value:.decimals$}"));
         let range = |low, high, decimals| format!("{} .. {}", number(low, decimals), number(high, decimals));
         say(format_args!(
-            "{:>7}  {:<7}{:>12}{:>12}{:>18}{:>15}{:>15}  {}",
+            "{:>7}  {:<7}{:>12}{:>12}{:>18}{:>15}{:>15}  {}{}{}",
             block.line,
             block.segment.sequence.map_or("-".into(), |n| format!("N{n}")),
             number(figures.programmed_feed, 2),
@@ -116,16 +132,30 @@ fn print_table(adapted: &Adapted, job: &Job) {
             range(figures.feed_min, figures.feed_max, 1),
             range(figures.factor_min, figures.factor_max, 2),
             range(figures.contact_deg_start, figures.contact_deg_end, 1),
-            figures.reason
+            if in_pieces { pieces_column(&figures) } else { String::new() },
+            figures.reason,
+            figures.left_whole.map_or(String::new(), |why| format!(", left whole: {why}"))
         ));
     }
-    let governed = adapted.blocks.iter().filter(|block| block.wish.is_some()).count();
-    let moves = adapted.blocks.len();
+    let governed = || adapted.blocks.iter().filter(|block| block.wish.is_some());
+    let (count, moves) = (governed().count(), adapted.blocks.len());
     let limits = &job.limits;
-    say(format_args!(
-        "{governed} of {moves} moves are governed by the law; the others keep their own feed. Override {} .. {} %.",
-        limits.min_percent, limits.max_percent
-    ));
+    let how = if in_pieces {
+        let pieces: usize = governed().map(|block| block.pieces.len()).sum();
+        let words: usize = adapted.blocks.iter().map(|block| block.f_words).sum();
+        format!("They are sent in {pieces} pieces; the moves of the program have {words} F words. Override 100 %.")
+    } else {
+        format!("Override {} .. {} %.", limits.min_percent, limits.max_percent)
+    };
+    say(format_args!("{count} of {moves} moves are governed by the law; the others keep their own feed. {how}"));
+}
+
+/// Pieces, F words, and the least, mean and largest error of the chip.
+fn pieces_column(figures: &BlockFigures) -> String {
+    let percent = |ratio: Option<f64>| ratio.map_or("-".into(), |ratio| format!("{:+.2}", 1e2 * ratio));
+    let errors = [figures.chip_error_min, figures.chip_error_mean, figures.chip_error_max].map(percent);
+    let pieces = figures.pieces.map_or("-".into(), |pieces| pieces.to_string());
+    format!("{pieces:>6}{:>3}{:>7}{:>7}{:>7}   ", figures.f_words, errors[0], errors[1], errors[2])
 }
 
 impl BlockFigures {
@@ -158,6 +188,12 @@ impl BlockFigures {
             factor_min: wish.and_then(|wish| factor(wish.feed_min_mm_per_min)),
             factor_max: wish.and_then(|wish| factor(wish.feed_max_mm_per_min)),
             reason: block.reason.label(),
+            pieces: (!block.pieces.is_empty()).then_some(block.pieces.len()),
+            left_whole: block.whole.map(Whole::label),
+            chip_error_min: block.chip_error.map(|error| error.min),
+            chip_error_mean: block.chip_error.map(|error| error.mean),
+            chip_error_max: block.chip_error.map(|error| error.max),
+            f_words: block.f_words,
         }
     }
 }

@@ -10,15 +10,16 @@ use arcfeed_shared::nc::series::Act;
 use arcfeed_shared::nc::settings::Scope;
 use serde::Serialize;
 
-use super::outcome::{Failure, file_failure, say};
+use super::outcome::{Failure, file_failure, say, spindle_contradictions};
 use crate::control::{self, Convention, PRESETS};
+use crate::job::JobFile;
 use crate::program::{Diagnostic, Program, ProgramLine, Severity};
 use crate::snippet;
 
-/// Check an NC program: every alarm with line and column
+/// Check an NC program, or a job and its program: every alarm with line and column
 #[derive(Debug, clap::Args)]
 pub struct Check {
-    /// The NC program
+    /// The NC program, or a job file (.toml)
     program: PathBuf,
     /// Report exactly what the control would refuse, also in titles and comments
     #[arg(long)]
@@ -85,13 +86,17 @@ impl Check {
     /// The program has errors, or cannot be read.
     pub fn run(&self) -> Result<(), Failure> {
         let reading = if self.strict { Reading::Strict } else { Reading::Lenient };
+        let is_job = self.program.extension().is_some_and(|extension| extension == "toml");
+        let job = is_job.then(|| JobFile::load(&self.program)).transpose()?;
+        let path = job.as_ref().map_or(&self.program, |file| &file.program);
         let preset = control::preset(&self.control);
         let (mut settings, tables) =
             control::load(preset, reading, self.settings.as_deref()).map_err(Failure::Input)?;
         settings.scope = Scope::Everything;
         settings.decimals = self.decimals.map_or(settings.decimals, Into::into);
-        let bytes = std::fs::read(&self.program).map_err(|error| file_failure(&self.program, &error))?;
-        let program = Program::parse_with(&self.program, &bytes, settings, tables);
+        settings.unit = job.as_ref().map_or(settings.unit, |file| file.job.unit);
+        let bytes = std::fs::read(path).map_err(|error| file_failure(path, &error))?;
+        let program = Program::parse_with(path, &bytes, settings, tables);
         let counts = count(&program);
         if self.json {
             self.print_json(&program, counts);
@@ -100,14 +105,15 @@ impl Check {
         }
         let errors = of_severity(&program, Severity::Error).count();
         if errors == 0 {
-            return Ok(());
+            let contradictions = job.map_or(vec![], |file| spindle_contradictions(&file, &program));
+            return if contradictions.is_empty() { Ok(()) } else { Err(Failure::Input(contradictions.join("\n"))) };
         }
-        let path = self.program.display();
+        let path = path.display();
         Err(Failure::Input(format!("{path}: {errors} errors: the control would stop")))
     }
 
     fn print_text(&self, program: &Program, counts: Counts) {
-        let path = self.program.display();
+        let path = program.path.display();
         for diagnostic in &program.diagnostics {
             let text = |is_terminal: bool| match program.lines.get(diagnostic.line - 1) {
                 Some(line) if is_terminal => {
@@ -131,7 +137,7 @@ impl Check {
     fn print_json(&self, program: &Program, counts: Counts) {
         let entries = |severity| of_severity(program, severity).map(Entry::new).collect();
         let report = CheckReport {
-            program: self.program.display().to_string(),
+            program: program.path.display().to_string(),
             control: &self.control,
             strict: self.strict,
             counts,

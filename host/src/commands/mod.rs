@@ -4,6 +4,8 @@ pub mod outcome;
 
 pub mod check;
 
+pub mod init;
+
 pub mod adapt;
 
 pub mod simulate;

@@ -81,7 +81,7 @@ pub fn load(job: &Path) -> Result<(JobFile, Program), Failure> {
 
 /// The chip is as thick as feed over speed: a program that turns the spindle at another speed than the job says would
 /// be adapted wrongly.
-fn spindle_contradictions(file: &JobFile, program: &Program) -> Vec<String> {
+pub fn spindle_contradictions(file: &JobFile, program: &Program) -> Vec<String> {
     let wanted = f64::from(file.job.spindle.0);
     let spindles = program.lines.iter().enumerate().filter_map(|(index, line)| {
         let (speed, column) = line.meaning.as_ref()?.step.spindle?;

@@ -77,6 +77,10 @@ pub struct OverrideTable {
     pub step: Spanned<u8>,
     pub slew_up: Spanned<f32>,
     pub slew_down: Spanned<f32>,
+    pub piece_step: Option<Spanned<f32>>,
+    pub piece_hysteresis: Option<Spanned<f32>>,
+    pub piece_length: Option<Spanned<Quantity>>,
+    pub pieces_max: Option<Spanned<u16>>,
 }
 
 impl Default for OverrideTable {
@@ -89,6 +93,10 @@ impl Default for OverrideTable {
             step: unplaced(limits.step_percent),
             slew_up: unplaced(limits.slew_up_percent_per_s),
             slew_down: unplaced(limits.slew_down_percent_per_s),
+            piece_step: None,
+            piece_hysteresis: None,
+            piece_length: None,
+            pieces_max: None,
         }
     }
 }

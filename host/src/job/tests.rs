@@ -1,5 +1,6 @@
 use super::*;
 use arcfeed_shared::cut::Work;
+use arcfeed_shared::job::{FeedPolicy, OverrideLimits, PieceSettings};
 use arcfeed_shared::machine::ArcClamp;
 use arcfeed_shared::stock::{Stock, StockLine};
 use arcfeed_shared::units::{DegPerMin, Mm, MmPerMin};
@@ -61,6 +62,18 @@ fn a_machine_says_what_it_can_follow_in_the_files_units_and_degrees() {
     assert_eq!(found.rotary, [None, Some(DegPerMin(3_600.0)), None]);
     assert_eq!(found.arc_clamp, Some(ArcClamp { feed: MmPerMin(5_080.0), radius: Mm(5.0), floor: MmPerMin(0.0) }));
     assert!(parse(&text.replace("b = 3600", "b = -1")).unwrap_err().contains("must be positive"));
+}
+
+#[test]
+fn rewrite_only_has_settings_of_its_own() {
+    let policy = |lines: &str| {
+        let text = format!("{JOB}[override]\nmode = \"rewrite-only\"\n{lines}");
+        parse(&text).unwrap().job.policy
+    };
+    assert_eq!(policy(""), FeedPolicy::RewriteOnly(PieceSettings::default()));
+    let given = "piece_step = 5\npiece_hysteresis = 7.5\npiece_length = \"3 mm\"\npieces_max = 8";
+    let wanted = PieceSettings { step_percent: 5.0, hysteresis_percent: 7.5, least_length: Nm(3_000_000), most: 8 };
+    assert_eq!(policy(given), FeedPolicy::RewriteOnly(wanted));
 }
 
 #[test]
@@ -182,7 +195,14 @@ fn limits_that_make_no_sense_are_refused_where_they_stand() {
     let with = |line: &str| parse(&format!("{JOB}\n[override]\n{line}\n")).unwrap_err();
     assert!(with("min = 120").contains(":14:7: min must"));
     assert!(with("max = 255").contains(":14:7: max must"));
-    assert!(with("mode = \"rewrite-only\"").contains(":14:8: "));
+    assert!(with("mode = \"rewrite\"").contains(":14:8: no such mode"));
+    assert!(
+        with("mode = \"rewrite-only\"\npiece_step = 0").contains(":15:14: piece_step must lie between 0.1 and 50 %")
+    );
+    assert!(with("mode = \"rewrite-only\"\npiece_hysteresis = 51").contains(":15:20: piece_hysteresis must"));
+    assert!(with("mode = \"rewrite-only\"\npiece_length = 0").contains(":15:16: piece_length must be a positive"));
+    assert!(with("mode = \"rewrite-only\"\npieces_max = 0").contains(":15:14: pieces_max must lie between 1 and 250"));
+    assert!(with("piece_length = 1").contains(":14:16: this mode cuts no arc"));
 }
 
 #[test]

@@ -1,0 +1,193 @@
+//! How an arc is cut into pieces of one feed each, where no override can vary it.
+//!
+//! Each cell of the arc may be run with the largest of the feeds
+//!
+//! ```text
+//! F(k) = least * (1 + step)^k,    k = 0, 1, 2, ...     (1)
+//! ```
+//!
+//! that no wish in it undercuts. Neighbours of the same feed are one piece. Then pieces are joined, at the lower of the two
+//! feeds, wherever one of them is too short, F would rise by less than the hysteresis, or there are too many: each time
+//! the two whose joining costs least time. Joining only ever lowers a feed: no chip gets thicker.
+
+use arcfeed_shared::job::PieceSettings;
+use arcfeed_shared::units::PERCENT;
+
+use super::profile::{CELLS, Profile};
+
+/// A stretch of a move with one feed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// Where it ends, as a part (0 to 1) of the move; the last one at 1.
+    pub until_ratio: f64,
+    /// A path per tooth that no wish on it undercuts, mm.
+    pub path_mm_per_tooth: f64,
+}
+
+/// Cuts a move of `length_mm`; `most_ratio` bounds every feed, over the least one. `None` if the law has no finite wish.
+pub fn plan(profile: &Profile, length_mm: f64, settings: &PieceSettings, most_ratio: f64) -> Option<Vec<Piece>> {
+    let least = profile.least()?;
+    let step = 1.0 + f64::from(settings.step_percent) / f64::from(PERCENT);
+    let mut pieces: Vec<Piece> = Vec::new();
+    for (cell, wish) in filled(profile, least).into_iter().enumerate() {
+        let path_mm_per_tooth = bucket(wish.min(most_ratio * least), least, step);
+        let until_ratio = (cell + 1) as f64 / CELLS as f64;
+        match pieces.last_mut() {
+            Some(last) if last.path_mm_per_tooth == path_mm_per_tooth => last.until_ratio = until_ratio,
+            _ => pieces.push(Piece { until_ratio, path_mm_per_tooth }),
+        }
+    }
+    let limits = Limits {
+        least_ratio: settings.least_length.to_mm() / length_mm,
+        rise: 1.0 + f64::from(settings.hysteresis_percent) / f64::from(PERCENT),
+        most: usize::from(settings.most),
+    };
+    while let Some(before) = limits.cheapest_to_join(&pieces) {
+        join(&mut pieces, before);
+    }
+    Some(pieces)
+}
+
+/// Joins a piece with the one behind it.
+pub fn join(pieces: &mut Vec<Piece>, before: usize) {
+    let first = pieces.remove(before);
+    pieces[before].path_mm_per_tooth = pieces[before].path_mm_per_tooth.min(first.path_mm_per_tooth);
+}
+
+/// A feed for each cell: where the law says nothing, the least of the move; where no feed is too high, that of the nearest
+/// cell with a wish, so that no F word is spent on it.
+fn filled(profile: &Profile, least: f64) -> Vec<f64> {
+    let cells = profile.bounds.iter().zip(&profile.covered);
+    let mut wishes: Vec<f64> = cells.map(|(bound, covered)| if *covered { *bound } else { least }).collect();
+    for forward in [true, false] {
+        let mut last = f64::INFINITY;
+        for index in 0..CELLS {
+            let cell = if forward { index } else { CELLS - 1 - index };
+            if wishes[cell].is_infinite() {
+                wishes[cell] = last;
+            }
+            last = wishes[cell];
+        }
+    }
+    wishes
+}
+
+/// The largest of the feeds (1) that is not above `wish`.
+fn bucket(wish: f64, least: f64, step: f64) -> f64 {
+    let power = |k: f64| least * libm::pow(step, k);
+    // The logarithm may miss the next power by a rounding; whole powers of it stay where they are.
+    let k = libm::floor(libm::log(wish / least) / libm::log(step) + 1e-9).max(0.0);
+    if power(k) <= wish { power(k) } else { power((k - 1.0).max(0.0)) } // (1)
+}
+
+/// What pieces must not do.
+struct Limits {
+    least_ratio: f64,
+    rise: f64,
+    most: usize,
+}
+
+impl Limits {
+    /// The first of the two neighbours that are to be joined next.
+    fn cheapest_to_join(&self, pieces: &[Piece]) -> Option<usize> {
+        let too_many = pieces.len() > self.most;
+        let length = |index: usize| pieces[index].until_ratio - start(pieces, index);
+        let joins = |before: &usize| {
+            let is_short = |index: usize| length(index) < self.least_ratio;
+            let ratio = pieces[before + 1].path_mm_per_tooth / pieces[*before].path_mm_per_tooth;
+            let jitters = ratio == 1.0 || (ratio > 1.0 && ratio < self.rise);
+            too_many || is_short(*before) || is_short(before + 1) || jitters
+        };
+        // Time that joining costs, but for a factor.
+        let cost = |before: usize| {
+            let (a, b) = (pieces[before].path_mm_per_tooth, pieces[before + 1].path_mm_per_tooth);
+            let raised = if a > b { length(before) } else { length(before + 1) };
+            raised * (1.0 / a.min(b) - 1.0 / a.max(b))
+        };
+        let candidates = (0..pieces.len().saturating_sub(1)).filter(joins);
+        candidates.min_by(|a, b| cost(*a).total_cmp(&cost(*b)))
+    }
+}
+
+/// Where a piece begins, as a part of the move.
+pub fn start(pieces: &[Piece], index: usize) -> f64 {
+    index.checked_sub(1).map_or(0.0, |before| pieces[before].until_ratio)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arcfeed_shared::units::Nm;
+
+    /// A move whose law wishes `wish` of the way.
+    fn profile(wish: impl Fn(f64) -> f64) -> Profile {
+        let bounds: Vec<f64> = (0..CELLS).map(|cell| wish((cell as f64 + 0.5) / CELLS as f64)).collect();
+        Profile { answers: Vec::new(), bounds, covered: vec![true; CELLS] }
+    }
+
+    fn settings(step: f32, hysteresis: f32, least_mm: f64, most: u16) -> PieceSettings {
+        let least_length = Nm::from_mm(least_mm);
+        PieceSettings { step_percent: step, hysteresis_percent: hysteresis, least_length, most }
+    }
+
+    fn feeds(pieces: &[Piece]) -> Vec<f64> {
+        pieces.iter().map(|piece| piece.path_mm_per_tooth).collect()
+    }
+
+    #[test]
+    fn a_slope_becomes_a_stair_of_steps_below_it() {
+        let slope = profile(|x| 1.0 + 0.25 * x);
+        let pieces = plan(&slope, 100.0, &settings(5.0, 0.0, 1.0, 99), 2.0).unwrap();
+        let least = slope.bounds[0];
+        for (index, (feed, power)) in feeds(&pieces).into_iter().zip(0..).enumerate() {
+            assert!((feed / (least * 1.05_f64.powi(power)) - 1.0).abs() < 1e-12, "{pieces:?}");
+            assert!(feed <= 1.0 + 0.25 * start(&pieces, index) + 1e-3, "{pieces:?}");
+        }
+        // ln(1.25) / ln(1.05) = 4.57.
+        assert_eq!((pieces.len(), pieces[4].until_ratio), (5, 1.0));
+    }
+
+    #[test]
+    fn what_does_not_vary_is_one_piece_at_its_own_feed() {
+        let pieces = plan(&profile(|_| 0.123), 100.0, &PieceSettings::default(), 2.0).unwrap();
+        assert_eq!(pieces, [Piece { until_ratio: 1.0, path_mm_per_tooth: 0.123 }]);
+    }
+
+    #[test]
+    fn ripple_below_the_hysteresis_costs_no_f_word_and_a_fall_always_does() {
+        let ripple = |x: f64| 1.0 + 0.012 * f64::from((x * 40.0) as u32 % 2);
+        assert!(plan(&profile(ripple), 1e3, &settings(1.0, 0.0, 1.0, 99), 2.0).unwrap().len() > 30);
+        assert_eq!(plan(&profile(ripple), 1e3, &settings(1.0, 2.0, 1.0, 99), 2.0).unwrap().len(), 1);
+        let fall = |x: f64| if x < 0.5 { 1.012 } else { 1.0 };
+        assert_eq!(feeds(&plan(&profile(fall), 1e3, &settings(1.0, 2.0, 1.0, 99), 2.0).unwrap()), [1.01, 1.0]);
+    }
+
+    #[test]
+    fn no_piece_is_too_short_and_none_too_many() {
+        let wave = profile(|x| 1.0 + 0.3 * libm::sin(20.0 * x) * x);
+        let pieces = plan(&wave, 100.0, &settings(1.0, 0.0, 6.0, 99), 2.0).unwrap();
+        assert!(pieces.len() > 5);
+        for (index, piece) in pieces.iter().enumerate() {
+            assert!(100.0 * (piece.until_ratio - start(&pieces, index)) >= 6.0, "{pieces:?}");
+        }
+        assert_eq!(plan(&wave, 100.0, &settings(1.0, 0.0, 0.1, 7), 2.0).unwrap().len(), 7);
+    }
+
+    #[test]
+    fn where_the_law_says_nothing_the_least_feed_counts_and_where_anything_goes_no_word_is_spent() {
+        let mut gap = profile(|x| if x < 0.5 { 1.0 } else { 1.5 });
+        gap.covered[200..210].fill(false);
+        gap.bounds[200..210].fill(f64::INFINITY);
+        gap.bounds[60..70].fill(f64::INFINITY);
+        let pieces = plan(&gap, 1e3, &settings(1.0, 0.0, 0.1, 99), 2.0).unwrap();
+        let until: Vec<f64> = pieces.iter().map(|piece| piece.until_ratio * CELLS as f64).collect();
+        assert_eq!((until, pieces.len()), (vec![128.0, 200.0, 210.0, 256.0], 4));
+        assert!(pieces[2].path_mm_per_tooth == 1.0 && pieces[1].path_mm_per_tooth > 1.48);
+    }
+
+    #[test]
+    fn no_feed_is_above_the_ceiling() {
+        let pieces = plan(&profile(|x| 1.0 + 9.0 * x), 1e3, &settings(10.0, 0.0, 0.1, 99), 1.5).unwrap();
+        assert!(feeds(&pieces).into_iter().fold(0.0, f64::max) <= 1.5 * 1.02);
+    }
+}

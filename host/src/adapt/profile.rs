@@ -1,0 +1,216 @@
+//! A law asked along a whole move: its answers at evenly spaced points, and between them a bound that it does not undercut.
+
+use arcfeed_firmware::law::{FeedLaw, NoWish, Place};
+use arcfeed_shared::segment::Segment;
+use arcfeed_shared::units::Nm;
+
+/// Cells that a move is divided into; the law is asked at their ends.
+pub const CELLS: usize = 256;
+/// Dip between two points, over their value, above which it is looked at more closely.
+const SHARP_RATIO: f64 = 1e-5;
+/// How often a cell is halved for that; what still falls then is a jump, not a dip.
+const DEPTH_MAX: usize = 16;
+/// Steps towards the bottom of a valley, each of which leaves two thirds of it.
+const DESCENTS: usize = 40;
+/// Halvings to the place where a law's wish begins or ends.
+const HALVINGS: usize = 30;
+
+/// What a law says at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Answer {
+    /// A path of the centre per tooth, mm, and the contact's angle, radians.
+    Wish(f64, f64),
+    /// No feed is too high there.
+    Anything,
+    /// It has no wish.
+    Nothing,
+}
+
+/// The answers of a law along a move.
+#[derive(Clone, Debug)]
+pub struct Profile {
+    /// At the ends of the cells and at knots, in order; places counted in cells from the start.
+    pub answers: Vec<(f64, Answer)>,
+    /// Path per tooth that no point of the cell undercuts, mm; infinite where no feed is too high.
+    pub bounds: Vec<f64>,
+    /// Whether the law says something everywhere in the cell.
+    pub covered: Vec<bool>,
+}
+
+/// Where the law is asked.
+struct Asked<'a, L> {
+    law: &'a L,
+    segment: &'a Segment,
+}
+
+/// A point, in cells from the start, and the path per tooth wished there.
+type Point = (f64, f64);
+
+impl Profile {
+    /// Asks the law; also at the knots of a table, given as path from the move's start, mm, in their order.
+    pub fn ask(law: &impl FeedLaw, segment: &Segment, knots_mm: &[f64]) -> Self {
+        let asked = Asked { law, segment };
+        let knots: Vec<f64> = knots_mm.iter().map(|mm| mm / segment.feed_length_mm() * CELLS as f64).collect();
+        let ends: Vec<Answer> = (0..=CELLS).map(|point| asked.at(point as f64)).collect();
+        let values: Vec<Option<f64>> = ends.iter().map(|answer| answer.path()).collect();
+        let mut profile = Profile { answers: Vec::new(), bounds: Vec::new(), covered: Vec::new() };
+        for cell in 0..CELLS {
+            let (from, to) = (cell as f64, cell as f64 + 1.0);
+            let inside = knots.iter().filter(|knot| **knot > from && **knot < to);
+            profile.answers.push((from, ends[cell]));
+            let first = profile.answers.len();
+            profile.answers.extend(inside.map(|knot| (*knot, asked.at(*knot))));
+            let (bound, covers) = match (values[cell], values[cell + 1]) {
+                (Some(a), Some(b)) => {
+                    let knots = profile.answers[first..].iter().filter_map(|(at, answer)| Some((*at, answer.path()?)));
+                    let points: Vec<Point> = [(from, a)].into_iter().chain(knots).chain([(to, b)]).collect();
+                    (asked.bound(&points, dip(&values, cell)), true)
+                }
+                (Some(wish), None) => (asked.edge((from, wish), to), false),
+                (None, Some(wish)) => (asked.edge((to, wish), from), false),
+                (None, None) => (f64::INFINITY, false),
+            };
+            profile.bounds.push(bound);
+            profile.covered.push(covers);
+        }
+        profile.answers.push((CELLS as f64, ends[CELLS]));
+        profile
+    }
+
+    /// The path per tooth wished at `ratio` of the move, straight between two answers; `None` where one of them is no
+    /// finite wish.
+    pub fn wish_at(&self, ratio: f64) -> Option<f64> {
+        let point = ratio * CELLS as f64;
+        let after = self.answers.partition_point(|(at, _)| *at < point);
+        let (to, after_path) = self.answers.get(after).and_then(|(at, answer)| Some((*at, answer.path()?)))?;
+        let wish = if to == point {
+            after_path
+        } else {
+            let (from, before_path) =
+                self.answers.get(after.checked_sub(1)?).and_then(|(at, answer)| Some((*at, answer.path()?)))?;
+            before_path + (after_path - before_path) * (point - from) / (to - from)
+        };
+        Some(wish).filter(|wish| wish.is_finite())
+    }
+
+    /// A path per tooth that no point of the move undercuts; `None` where the law has no finite wish.
+    pub fn least(&self) -> Option<f64> {
+        self.bounds.iter().copied().reduce(f64::min).filter(|least| least.is_finite())
+    }
+}
+
+impl Answer {
+    /// The path per tooth, infinite where no feed is too high.
+    fn path(self) -> Option<f64> {
+        match self {
+            Answer::Wish(path_mm, _) => Some(path_mm),
+            Answer::Anything => Some(f64::INFINITY),
+            Answer::Nothing => None,
+        }
+    }
+}
+
+impl<L: FeedLaw> Asked<'_, L> {
+    fn at(&self, point: f64) -> Answer {
+        match self.law.wish(&place_at(self.segment, point / CELLS as f64)) {
+            Ok(wish) => Answer::Wish(f64::from(wish.path_mm_per_tooth), f64::from(wish.contact_rad())),
+            Err(NoWish::ChipUnreachable) => Answer::Anything,
+            Err(_) => Answer::Nothing,
+        }
+    }
+
+    /// The bound of a cell with wishes at all of its points, for a law that is smooth between them but where it jumps.
+    fn bound(&self, points: &[Point], dip: f64) -> f64 {
+        let least = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
+        if least.is_infinite() {
+            return least;
+        }
+        if points.len() == 2 && dip <= SHARP_RATIO * least {
+            return least - dip;
+        }
+        points.windows(2).map(|ends| self.between(ends[0], ends[1])).fold(least, f64::min)
+    }
+
+    /// The least between two points: down into every bend, and to the bottom of the valley if there is one.
+    fn between(&self, first: Point, last: Point) -> f64 {
+        let least = self.looked_at(first, last, DEPTH_MAX);
+        let (mut low, mut high, mut bottom) = (first.0, last.0, least);
+        for _ in 0..DESCENTS {
+            let third = (high - low) / 3.0;
+            let [a, b] = [low + third, high - third].map(|point| self.at(point).path().unwrap_or(f64::INFINITY));
+            bottom = bottom.min(a).min(b);
+            if a < b {
+                high -= third;
+            } else {
+                low += third;
+            }
+        }
+        bottom
+    }
+
+    /// The least between two points, halved as long as it might dip below what is known. The quarters tell a jump that
+    /// happens to lie on the chord.
+    fn looked_at(&self, first: Point, last: Point, depth: usize) -> f64 {
+        let at = |part: f64| {
+            let point = first.0 + part * (last.0 - first.0);
+            (point, self.at(point).path().unwrap_or(f64::INFINITY))
+        };
+        let middle = at(0.5);
+        let paths = [first.1, at(0.25).1, middle.1, at(0.75).1, last.1];
+        let least = paths.into_iter().fold(f64::INFINITY, f64::min);
+        if paths.contains(&f64::INFINITY) {
+            return least;
+        }
+        let bend = |a: usize, b: usize, c: usize| libm::fabs(paths[a] - 2.0 * paths[b] + paths[c]);
+        let dip = bend(0, 2, 4).max(bend(0, 1, 2)).max(bend(1, 2, 3)).max(bend(2, 3, 4));
+        if dip <= SHARP_RATIO * least || depth == 0 {
+            return least - dip.min(SHARP_RATIO * least);
+        }
+        least.min(self.looked_at(first, middle, depth - 1)).min(self.looked_at(middle, last, depth - 1))
+    }
+
+    /// The bound of a cell at one of whose ends the law has no wish: from `known` at its other end to where it begins.
+    fn edge(&self, known: Point, end: f64) -> f64 {
+        let (mut inside, mut outside) = (known, end);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inside.0 + outside);
+            match self.at(middle).path() {
+                Some(path) => inside = (middle, path),
+                None => outside = middle,
+            }
+        }
+        self.between(known, inside)
+    }
+}
+
+/// How far a curve through the points dips below the lower end of an interval, smooth or bent at the knots of a table. A
+/// smooth one dips by at most an eighth of the second difference there; one that is straight but for a knot in between,
+/// by at most the half: the knot leaves f and 1 - f of its bend in the two differences, and dips f (1 - f) of it below
+/// the chord.
+fn dip(values: &[Option<f64>], interval: usize) -> f64 {
+    let bend = |middle: usize| match middle.checked_sub(1).and_then(|first| values.get(first..middle + 2)) {
+        Some([Some(a), Some(b), Some(c)]) => libm::fabs(a - 2.0 * b + c),
+        // Next to a gap nothing is known of it.
+        Some(_) => f64::INFINITY,
+        None => 0.0,
+    };
+    let bend = |middle: usize| Some(bend(middle)).filter(|bend| !bend.is_nan()).unwrap_or(f64::INFINITY);
+    bend(interval).max(bend(interval + 1)) / 2.0
+}
+
+/// The place at `ratio` (0 to 1) of a move.
+pub fn place_at(segment: &Segment, ratio: f64) -> Place {
+    let travelled_mm = (segment.feed_length_mm() * ratio) as f32;
+    match segment.arc() {
+        Some(arc) => {
+            let direction = arc.direction_at(ratio).map(|component| component as f32);
+            Place::on_arc(direction, f32::from(arc.turn.sign()), arc.radius_mm() as f32, travelled_mm)
+        }
+        None => {
+            let [x, y, _] = segment.start.linear.map(Nm::to_mm);
+            let [to_x, to_y, _] = segment.end.linear.map(Nm::to_mm);
+            let part = |from: f64, to: f64| ((to - from) / segment.length_mm()) as f32;
+            Place::on_line([part(x, to_x), part(y, to_y)], travelled_mm)
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! `rewrite-only`: an arc's block as several, each with its own F.
+//!
+//! What is written is read back as the control will read it: each piece must be an arc of the same sense about the same
+//! centre, begin where the one before ends, and the last one end where the program says. What does not read back so, and
+//! what cannot be written in pieces, stays whole and is sent with the least feed the law wants on it.
+
+use arcfeed_shared::job::PieceSettings;
+use arcfeed_shared::nc::block::{Block, Line};
+use arcfeed_shared::reader::Reader;
+use arcfeed_shared::segment::{Arc, Segment};
+use arcfeed_shared::units::Nm;
+
+use super::pieces::{self, Piece};
+use super::points::{Divider, Grid, Part};
+use super::profile::{CELLS, Profile};
+use super::rewrite::{Edit, FeedRewriter, apply, round_down};
+use super::spelling::{Modes, Spelling, increment_nm};
+use crate::program::ProgramLine;
+
+/// How far a piece's centre may lie from the arc's, nm: R and two points on the arc tell it no better.
+const CENTER_MAX_NM: i64 = 20_000;
+
+/// Why a move that a law wants in pieces stays whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Whole {
+    /// Only arcs are cut into pieces.
+    Line,
+    /// Its block has words that pieces cannot share: M, T, a variable, another G.
+    Words,
+    /// No points on it, or no centre, that the control's increments and digits can express.
+    Digits,
+    /// The pieces do not read back as the arc.
+    ReadBack,
+}
+
+impl Whole {
+    /// As written in tables and JSON.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Whole::Line => "line",
+            Whole::Words => "words",
+            Whole::Digits => "digits",
+            Whole::ReadBack => "read-back",
+        }
+    }
+}
+
+/// A stretch of a move with one F.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SentPiece {
+    /// Where it ends, as a part (0 to 1) of the move.
+    pub until_ratio: f64,
+    /// Its F, per minute.
+    pub feed: Nm,
+}
+
+/// Chip at F over the chip wanted, less one: at the points where the law wishes, as far as the chip grows with the feed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChipError {
+    /// Least.
+    pub min: f64,
+    /// Along the path.
+    pub mean: f64,
+    /// Largest; not above zero.
+    pub max: f64,
+}
+
+/// A move, as sent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Split {
+    /// Its pieces; at least one.
+    pub pieces: Vec<SentPiece>,
+    /// Its text, piece by piece, without line ends.
+    pub texts: Vec<Vec<u8>>,
+    /// Why it is whole although the law wants pieces.
+    pub whole: Option<Whole>,
+}
+
+/// A governed move and its surroundings.
+#[derive(Debug)]
+pub struct Governed<'a> {
+    /// Its line.
+    pub line: &'a ProgramLine,
+    /// Its geometry.
+    pub segment: &'a Segment,
+    /// What the law says along it.
+    pub profile: &'a Profile,
+    /// The modes after its G words.
+    pub modes: Modes,
+    /// The control before it.
+    pub before: Reader,
+    /// Teeth that pass in a minute.
+    pub teeth_per_min: f64,
+    /// Largest feed over the least one.
+    pub most_ratio: f64,
+}
+
+impl Governed<'_> {
+    /// Writes the move; `rewriter` knows the control's F. `None` if the law has no finite wish.
+    pub fn split(&self, settings: &PieceSettings, rewriter: &mut FeedRewriter) -> Option<Split> {
+        let least = self.feed(self.profile.least()?);
+        let mut after = *rewriter;
+        match self.parts(settings).and_then(|parts| self.write(&parts, &mut after)) {
+            Ok(split) => {
+                *rewriter = after;
+                Some(split)
+            }
+            Err(whole) => {
+                let edit = rewriter.edit(self.line, Some(*self.segment), Some(least), self.modes.unit);
+                let pieces = vec![SentPiece { until_ratio: 1.0, feed: least }];
+                Some(Split { pieces, texts: vec![apply(&self.line.text, edit.as_slice())], whole })
+            }
+        }
+    }
+
+    fn feed(&self, path_mm_per_tooth: f64) -> Nm {
+        round_down(self.teeth_per_min * path_mm_per_tooth, self.modes.unit)
+    }
+
+    /// The pieces with their ends; an error where it stays whole, for a reason or because one feed does for all of it.
+    fn parts(&self, settings: &PieceSettings) -> Result<Vec<Part>, Option<Whole>> {
+        let plan = |settings: &PieceSettings| {
+            let length_mm = self.segment.feed_length_mm();
+            pieces::plan(self.profile, length_mm, settings, self.most_ratio)
+                .filter(|pieces| pieces.len() > 1)
+                .ok_or(None)
+        };
+        let Some(arc) = self.segment.arc() else { return Err(plan(settings).is_ok().then_some(Whole::Line)) };
+        let divider = Divider::new(self.segment, arc, self.grid(), settings.least_length.to_mm());
+        let longer = Nm::from_mm(settings.least_length.to_mm() + divider.allowance_mm());
+        let pieces: Vec<Piece> = plan(&PieceSettings { least_length: longer, ..*settings })?;
+        let spelling = self.spelling(arc).ok_or(Some(Whole::Words))?;
+        let parts = divider.divide(pieces, spelling.is_by_radius()).ok_or(Some(Whole::Digits))?;
+        if parts.len() > 1 { Ok(parts) } else { Err(Some(Whole::Digits)) }
+    }
+
+    fn write(&self, parts: &[Part], rewriter: &mut FeedRewriter) -> Result<Split, Option<Whole>> {
+        let arc = self.segment.arc().ok_or(Some(Whole::Line))?;
+        let spelling = self.spelling(arc).ok_or(Some(Whole::Words))?;
+        let rises = self.segment.rise() != Nm(0);
+        let (mut texts, mut pieces, mut start) = (Vec::new(), Vec::new(), self.segment.start);
+        for (index, Part { piece, end }) in parts.iter().enumerate() {
+            let feed = self.feed(piece.path_mm_per_tooth);
+            let text = if index == 0 {
+                let mut edits: Vec<Edit> = spelling.first(&start, end, rises).ok_or(Some(Whole::Digits))?;
+                edits.extend(rewriter.edit(self.line, Some(*self.segment), Some(feed), self.modes.unit));
+                apply(&self.line.text, &edits)
+            } else {
+                let words = spelling.later(&start, end, arc, rises).ok_or(Some(Whole::Digits))?;
+                (words + &rewriter.added(feed, self.modes.unit)).into_bytes()
+            };
+            texts.push(text);
+            pieces.push(SentPiece { until_ratio: piece.until_ratio, feed });
+            start = *end;
+        }
+        if !self.reads_back(arc, &texts, parts) {
+            return Err(Some(Whole::ReadBack));
+        }
+        Ok(Split { pieces, texts, whole: None })
+    }
+
+    fn spelling(&self, arc: &Arc) -> Option<Spelling<'_>> {
+        Spelling::of(&self.line.text, self.block()?, self.modes, arc.plane)
+    }
+
+    fn block(&self) -> Option<&Block> {
+        match &self.line.meaning.as_ref()?.parsed.line {
+            Line::Block(block) => Some(block),
+            Line::ProgramMark | Line::Title => None,
+        }
+    }
+
+    fn grid(&self) -> Grid {
+        let origin = if self.modes.absolute { [Nm(0); 3] } else { self.segment.start.linear };
+        Grid { step_nm: increment_nm(self.modes.unit), origin }
+    }
+
+    fn reads_back(&self, arc: &Arc, texts: &[Vec<u8>], parts: &[Part]) -> bool {
+        let (mut reader, mut at) = (self.before.clone(), self.segment.start);
+        let mut turned = 0.0;
+        let as_meant = texts.iter().zip(parts).all(|(text, part)| {
+            let Some(segment) = reader.read(text).ok().and_then(|understood| understood.segment) else { return false };
+            let Some(piece) = segment.arc() else { return false };
+            let starts = segment.start == at;
+            at = segment.end;
+            turned += piece.sweep_rad();
+            let apart = |axis: usize| (piece.center[axis].0 - arc.center[axis].0).abs();
+            let is_same_circle =
+                piece.plane == arc.plane && piece.turn == arc.turn && apart(0).max(apart(1)) <= CENTER_MAX_NM;
+            starts && segment.end == part.end && is_same_circle
+        });
+        as_meant && at == self.segment.end && libm::fabs(turned - arc.sweep_rad()) < 1e-3
+    }
+}
+
+impl ChipError {
+    /// Of pieces run with their F; `None` where the law wishes nowhere.
+    pub fn of(pieces: &[SentPiece], profile: &Profile, teeth_per_min: f64) -> Option<Self> {
+        let (mut min, mut max, mut sum, mut count) = (f64::INFINITY, f64::NEG_INFINITY, 0.0, 0.0);
+        let mut from = 0.0;
+        for SentPiece { until_ratio, feed } in pieces {
+            let asked = profile.answers.iter().map(|(point, _)| point / CELLS as f64);
+            let inside = asked.filter(|ratio| *ratio > from && ratio < until_ratio);
+            let ratios: Vec<f64> = [from].into_iter().chain(inside).chain([*until_ratio]).collect();
+            let error = |ratio: &f64| Some(feed.to_mm() / (teeth_per_min * profile.wish_at(*ratio)?) - 1.0);
+            for ends in ratios.windows(2) {
+                let errors = (error(&ends[0]), error(&ends[1]));
+                for error in [errors.0, errors.1].into_iter().flatten() {
+                    (min, max) = (min.min(error), max.max(error));
+                }
+                if let (Some(a), Some(b)) = errors {
+                    let width = ends[1] - ends[0];
+                    (sum, count) = (sum + 0.5 * (a + b) * width, count + width);
+                }
+            }
+            from = *until_ratio;
+        }
+        (count > 0.0).then(|| ChipError { min, mean: (sum / count).clamp(min, max), max })
+    }
+}

@@ -1,0 +1,109 @@
+//! Arcs that belong together: same tool, plane and sense, radii that agree.
+
+use std::ops::RangeInclusive;
+
+use arcfeed_shared::cut::RADIUS_MATCH_RATIO;
+use arcfeed_shared::nc::modal::{Plane, Turn};
+use arcfeed_shared::units::Nm;
+
+use super::survey::FoundArc;
+
+/// Arcs of one radius, sense, plane and tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// The tool that cuts.
+    pub tool: Option<i64>,
+    /// Their plane.
+    pub plane: Plane,
+    /// Their sense.
+    pub turn: Turn,
+    /// The mean of their radii, mm.
+    pub radius_mm: f64,
+    /// How many.
+    pub arcs: usize,
+    /// How many of them lead across their plane.
+    pub helices: usize,
+    /// How many of them are rounded corners of a contour.
+    pub corners: usize,
+    /// First and last N of those that have one.
+    pub sequence: Option<[i64; 2]>,
+    /// How many have none.
+    pub unnumbered: usize,
+    /// First and last line.
+    pub lines: [usize; 2],
+    /// Z at their starts, each once, from below.
+    pub levels: Vec<Nm>,
+    /// Their feeds per minute, each once, from below.
+    pub feeds: Vec<Nm>,
+    /// Least and largest sweep, radians.
+    pub sweep_rad: [f64; 2],
+}
+
+/// The groups, those of one tool and plane together, by radius and sense.
+pub fn group(arcs: &[FoundArc]) -> Vec<Group> {
+    let mut sorted: Vec<&FoundArc> = arcs.iter().collect();
+    let key = |arc: &FoundArc| (arc.tool, arc.plane.axes());
+    sorted.sort_by(|a, b| key(a).cmp(&key(b)).then(a.radius_mm.total_cmp(&b.radius_mm)).then(a.line.cmp(&b.line)));
+    let mut clusters: Vec<Vec<&FoundArc>> = Vec::new();
+    for arc in sorted {
+        match clusters.last_mut() {
+            Some(cluster) if key(cluster[0]) == key(arc) && same_radius(cluster[0].radius_mm, arc.radius_mm) => {
+                cluster.push(arc);
+            }
+            _ => clusters.push(vec![arc]),
+        }
+    }
+    let by_turn = clusters.into_iter().flat_map(|cluster| {
+        [Turn::Ccw, Turn::Cw].map(|turn| cluster.iter().copied().filter(|arc| arc.turn == turn).collect::<Vec<_>>())
+    });
+    by_turn.filter(|arcs| !arcs.is_empty()).map(|arcs| Group::of(&arcs)).collect()
+}
+
+/// Whether two radii are the same for a cut rule.
+pub fn same_radius(a_mm: f64, b_mm: f64) -> bool {
+    libm::fabs(a_mm - b_mm) <= RADIUS_MATCH_RATIO * a_mm.min(b_mm)
+}
+
+impl Group {
+    fn of(arcs: &[&FoundArc]) -> Self {
+        let count = |is: fn(&FoundArc) -> bool| arcs.iter().filter(|arc| is(arc)).count();
+        let numbers = || arcs.iter().filter_map(|arc| arc.sequence);
+        let sweeps = arcs.iter().map(|arc| arc.sweep_rad);
+        Group {
+            tool: arcs[0].tool,
+            plane: arcs[0].plane,
+            turn: arcs[0].turn,
+            radius_mm: arcs.iter().map(|arc| arc.radius_mm).sum::<f64>() / arcs.len() as f64,
+            arcs: arcs.len(),
+            helices: count(|arc| arc.rises),
+            corners: count(|arc| arc.is_corner),
+            sequence: numbers().min().zip(numbers().max()).map(|(first, last)| [first, last]),
+            unnumbered: count(|arc| arc.sequence.is_none()),
+            lines: [
+                arcs.iter().map(|arc| arc.line).min().unwrap_or_default(),
+                arcs.iter().map(|arc| arc.line).max().unwrap_or_default(),
+            ],
+            levels: once(arcs.iter().map(|arc| arc.level)),
+            feeds: once(arcs.iter().filter_map(|arc| arc.feed)),
+            sweep_rad: [sweeps.clone().fold(f64::INFINITY, f64::min), sweeps.fold(0.0, f64::max)],
+        }
+    }
+
+    /// Lowest and highest Z.
+    pub fn depth(&self) -> [Nm; 2] {
+        let end = |level: Option<&Nm>| level.copied().unwrap_or_default();
+        [end(self.levels.first()), end(self.levels.last())]
+    }
+}
+
+/// Whether two ranges have nothing in common.
+pub fn are_apart<T: PartialOrd>(a: &RangeInclusive<T>, b: &RangeInclusive<T>) -> bool {
+    a.end() < b.start() || b.end() < a.start()
+}
+
+fn once(values: impl Iterator<Item = Nm>) -> Vec<Nm> {
+    let mut values: Vec<Nm> = values.collect();
+    values.sort_unstable();
+    values.dedup();
+    values
+}

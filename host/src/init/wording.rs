@@ -1,0 +1,112 @@
+//! Numbers and words of a job file and its comments.
+
+use std::fmt::Write;
+
+use arcfeed_shared::nc::modal::{Plane, Turn};
+use arcfeed_shared::units::{LengthUnit, Nm};
+
+use super::groups::Group;
+
+/// Levels and feeds named one by one; more are given as a range.
+const NAMED_MAX: usize = 6;
+
+/// A length in a unit, to a quarter of a micrometre, without idle zeros but with a point.
+pub fn length(mm: f64, unit: LengthUnit) -> String {
+    let decimals = if unit == LengthUnit::Inch { 5 } else { 4 };
+    let text = format!("{:.decimals$}", mm / unit.mm());
+    let text = text.trim_end_matches('0');
+    let text = if text.ends_with('.') { format!("{text}0") } else { text.to_owned() };
+    if text == "-0.0" { "0.0".into() } else { text }
+}
+
+/// Lengths one by one, or their range.
+pub fn lengths(values: &[Nm], unit: LengthUnit) -> String {
+    let one = |value: &Nm| length(value.to_mm(), unit);
+    match values {
+        [] => "none".into(),
+        [first, .., last] if values.len() > NAMED_MAX => {
+            format!("{} from {} to {}", values.len(), one(first), one(last))
+        }
+        _ => values.iter().map(one).collect::<Vec<_>>().join(", "),
+    }
+}
+
+/// As in job files.
+pub const fn direction(turn: Turn) -> &'static str {
+    match turn {
+        Turn::Ccw => "ccw",
+        Turn::Cw => "cw",
+    }
+}
+
+/// As in programs.
+pub const fn plane(plane: Plane) -> &'static str {
+    match plane {
+        Plane::Xy => "G17",
+        Plane::Zx => "G18",
+        Plane::Yz => "G19",
+    }
+}
+
+/// A group in a line.
+pub fn group(group: &Group, unit: LengthUnit) -> String {
+    let mut text = format!(
+        "{:>5} {:<4}{} R{}",
+        group.arcs,
+        direction(group.turn),
+        plane(group.plane),
+        length(group.radius_mm, unit)
+    );
+    let [least, most] = group.sweep_rad.map(f64::to_degrees);
+    // Writing to a string cannot fail.
+    let _ = match group.sequence {
+        Some([first, last]) if first != last => write!(text, "  N{first} to N{last}"),
+        Some([first, _]) => write!(text, "  N{first}"),
+        None => write!(text, "  lines {} to {}", group.lines[0], group.lines[1]),
+    };
+    let _ = write!(text, "  Z {}  F {}", lengths(&group.levels, unit), lengths(&group.feeds, unit));
+    let _ = if most - least < 0.5 {
+        write!(text, "  {least:.0} deg")
+    } else {
+        write!(text, "  {least:.0} to {most:.0} deg")
+    };
+    if group.helices > 0 {
+        let _ = write!(text, "  helices: {}", group.helices);
+    }
+    if let Some(tool) = group.tool {
+        let _ = write!(text, "  T{tool}");
+    }
+    text
+}
+
+/// A string as TOML writes it.
+pub fn quoted(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for c in text.chars() {
+        let _ = match c {
+            '"' | '\\' => write!(quoted, "\\{c}"),
+            c if c.is_control() => write!(quoted, "\\u{:04X}", u32::from(c)),
+            c => write!(quoted, "{c}"),
+        };
+    }
+    quoted + "\""
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_have_a_point_and_no_idle_zeros() {
+        let inch = |value: f64| length(value * 25.4, LengthUnit::Inch);
+        assert_eq!([inch(5.06205), inch(3.0), inch(-0.000_001), inch(0.5)], ["5.06205", "3.0", "0.0", "0.5"]);
+        assert_eq!(length(128.57607, LengthUnit::Mm), "128.5761");
+    }
+
+    #[test]
+    fn strings_come_back_from_toml_as_they_were() {
+        let text = "C:\\shop\\\"new\"\t\u{e9}.nc";
+        let read: toml::Table = toml::from_str(&format!("a = {}", quoted(text))).unwrap();
+        assert_eq!(read["a"].as_str(), Some(text));
+    }
+}

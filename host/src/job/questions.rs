@@ -1,0 +1,91 @@
+//! Questions that a job file leaves open: values written as `"?"`, as `arcfeed init` writes them.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::Complaint;
+
+/// What stands in place of an answer.
+pub const OPEN: &str = "?";
+
+/// A question that is still open.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Question {
+    /// Whose value it is: `tool.active_teeth`, `cut.2.stock` (rules counted from 1).
+    pub key: String,
+    /// Line and column of the `"?"`, counted from 1.
+    pub place: [usize; 2],
+    span: Range<usize>,
+}
+
+/// The open questions of a job file, in the order in which they stand there; none where it is no TOML.
+pub fn open(text: &str) -> Vec<Question> {
+    let mut found = Vec::new();
+    if let Ok(table) = DeTable::parse(text) {
+        for (key, value) in table.get_ref() {
+            look(key.get_ref(), value, text, &mut found);
+        }
+    }
+    found.sort_by_key(|question| question.span.start);
+    found
+}
+
+/// Refuses a job with open questions, at the first one.
+pub(super) fn refuse_open(text: &str) -> Result<(), Complaint> {
+    let questions = open(text);
+    let Some((first, others)) = questions.split_first() else { return Ok(()) };
+    let mut message =
+        format!("an open question: `{}`; put the answer in place of \"?\", the lines above it say how", first.key);
+    if !others.is_empty() {
+        let others: Vec<String> =
+            others.iter().map(|other| format!("{} (line {})", other.key, other.place[0])).collect();
+        message += &format!("; behind it are open: {}", others.join(", "));
+    }
+    Err((first.span.start, message))
+}
+
+/// Line and column of a byte offset, counted from 1.
+pub(super) fn place(text: &str, offset: usize) -> [usize; 2] {
+    let before = &text[..offset.min(text.len())];
+    let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
+    [before.matches('\n').count() + 1, column]
+}
+
+fn look(key: &str, value: &Spanned<DeValue<'_>>, text: &str, found: &mut Vec<Question>) {
+    match value.get_ref() {
+        DeValue::String(string) if string == OPEN => {
+            let span = value.span();
+            found.push(Question { key: key.to_owned(), place: place(text, span.start), span });
+        }
+        DeValue::Table(table) => {
+            for (name, value) in table {
+                look(&format!("{key}.{}", name.get_ref()), value, text, found);
+            }
+        }
+        DeValue::Array(values) => {
+            for (index, value) in values.iter().enumerate() {
+                look(&format!("{key}.{}", index + 1), value, text, found);
+            }
+        }
+        _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn open_questions_are_found_where_they_stand_and_comments_are_none() {
+        let text = "a = 1 # \"?\"\n[tool]\nkind = \"cup?\"\nteeth = \"?\"\n[[cut]]\nn = [1, 2]\n[[cut]]\n  stock = { disc = [0, \"?\", 1] }\n";
+        let found: Vec<(String, [usize; 2])> = open(text).into_iter().map(|open| (open.key, open.place)).collect();
+        assert_eq!(found, [("tool.teeth".into(), [4, 9]), ("cut.2.stock.disc.2".into(), [8, 24])]);
+        let (offset, message) = refuse_open(text).unwrap_err();
+        assert!(
+            text[offset..].starts_with("\"?\"\n[[cut]]") && message.contains("cut.2.stock.disc.2 (line 8)"),
+            "{message}"
+        );
+    }
+}

@@ -1,0 +1,86 @@
+//! `[override]`: how the wanted feed reaches the control, and within which bounds.
+
+use arcfeed_firmware::ramp::{LimitsError, Ramp};
+use arcfeed_shared::job::{FeedPolicy, OverrideLimits, PieceSettings};
+use arcfeed_shared::units::{LengthUnit, Nm};
+use toml::Spanned;
+
+use super::schema::OverrideTable;
+use super::{Complaint, at, length_mm};
+
+/// Largest setting of `piece_step` and `piece_hysteresis`, %.
+const RATIO_MAX_PERCENT: f32 = 50.0;
+/// Most pieces an arc may be cut into: more than a control takes in at its line's rate.
+const PIECES_MAX: u16 = 250;
+
+/// The mode and, where arcs are sent in pieces, how finely.
+pub fn policy(given: &OverrideTable, unit: LengthUnit) -> Result<FeedPolicy, Complaint> {
+    let policy = match given.mode.as_ref().as_str() {
+        "safe-base" => FeedPolicy::SafeBase,
+        "override-only" => FeedPolicy::OverrideOnly,
+        "rewrite-only" => return pieces(given, unit).map(FeedPolicy::RewriteOnly),
+        _ => {
+            let message = "no such mode; write \"safe-base\", \"override-only\" or \"rewrite-only\"";
+            return Err(at(&given.mode, message));
+        }
+    };
+    let ratio = given.piece_step.as_ref().or(given.piece_hysteresis.as_ref()).map(|value| value.span().start);
+    let length = given.piece_length.as_ref().map(|value| value.span().start);
+    let most = given.pieces_max.as_ref().map(|value| value.span().start);
+    match ratio.or(length).or(most) {
+        None => Ok(policy),
+        Some(offset) => {
+            Err((offset, "this mode cuts no arc into pieces; remove this, or write mode = \"rewrite-only\"".into()))
+        }
+    }
+}
+
+fn pieces(given: &OverrideTable, unit: LengthUnit) -> Result<PieceSettings, Complaint> {
+    let defaults = PieceSettings::default();
+    let least_length = match &given.piece_length {
+        Some(length) => Nm::from_mm(length_mm(length, unit, "piece_length")?),
+        None => defaults.least_length,
+    };
+    let most = match &given.pieces_max {
+        Some(most) if !(1..=PIECES_MAX).contains(most.as_ref()) => {
+            return Err(at(most, &format!("pieces_max must lie between 1 and {PIECES_MAX}")));
+        }
+        Some(most) => *most.as_ref(),
+        None => defaults.most,
+    };
+    Ok(PieceSettings {
+        step_percent: ratio(&given.piece_step, "piece_step", defaults.step_percent)?,
+        hysteresis_percent: ratio(&given.piece_hysteresis, "piece_hysteresis", defaults.hysteresis_percent)?,
+        least_length,
+        most,
+    })
+}
+
+fn ratio(given: &Option<Spanned<f32>>, name: &str, default: f32) -> Result<f32, Complaint> {
+    let Some(value) = given else { return Ok(default) };
+    let percent = *value.as_ref();
+    // A step of nothing would never come to an end.
+    let least = if name == "piece_step" { 0.1 } else { 0.0 };
+    if (least..=RATIO_MAX_PERCENT).contains(&percent) {
+        return Ok(percent);
+    }
+    Err(at(value, &format!("{name} must lie between {least} and {RATIO_MAX_PERCENT} %")))
+}
+
+/// The bounds of the override.
+pub fn limits(given: &OverrideTable) -> Result<OverrideLimits, Complaint> {
+    let limits = OverrideLimits {
+        min_percent: *given.min.as_ref(),
+        max_percent: *given.max.as_ref(),
+        step_percent: *given.step.as_ref(),
+        slew_up_percent_per_s: *given.slew_up.as_ref(),
+        slew_down_percent_per_s: *given.slew_down.as_ref(),
+    };
+    match Ramp::new(&limits) {
+        Ok(_) => Ok(limits),
+        Err(LimitsError::Range) if limits.min_percent > 100 => Err(at(&given.min, "min must be at most 100 %")),
+        Err(LimitsError::Range) => Err(at(&given.max, "max must lie between 100 % and 254 %, the control's limit")),
+        Err(LimitsError::Step) => Err(at(&given.step, "step must be a divisor of 100 %")),
+        Err(LimitsError::Slew) => Err(at(&given.slew_up, "slew_up and slew_down must be positive, in % per second")),
+    }
+}

@@ -1,0 +1,256 @@
+//! `arcfeed init`: what it makes of the examples, and of generated programs whose tool is known.
+
+mod generated;
+
+use arcfeed::init::groups::group;
+use arcfeed::init::propose::{LikelyTool, propose};
+use arcfeed::init::survey;
+use arcfeed::init::write::{Findings, job};
+use arcfeed::job::{JobFile, questions};
+use arcfeed_shared::tool::Tool;
+use arcfeed_tests::{Scratch, root, run};
+use fastrand::Rng;
+use generated::{cup_mill, end_mill};
+use serde_json::Value;
+
+/// Generated programs of each kind.
+const PROGRAMS: u64 = 200;
+
+fn text_of(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("arcfeed speaks UTF-8")
+}
+
+fn init(program: &str, job: &str) -> Value {
+    let output = run(&["init", program, "-o", job, "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text_of(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON object")
+}
+
+fn keys(report: &Value) -> Vec<&str> {
+    report["questions"].as_array().expect("a list").iter().map(|one| one["key"].as_str().expect("a key")).collect()
+}
+
+/// Puts the answers in place of the questions, in their order; an empty one removes the line.
+fn answer(job: &str, answers: &[&str]) {
+    let text = std::fs::read_to_string(job).expect("a job");
+    let mut answers = answers.iter();
+    let line = |line: &str| {
+        if line.starts_with('#') || !line.contains("\"?\"") {
+            return format!("{line}\n");
+        }
+        let answer = answers.next().expect("an answer for each question");
+        if answer.is_empty() { String::new() } else { format!("{}\n", line.replace("\"?\"", answer)) }
+    };
+    let answered: String = text.lines().map(line).collect();
+    assert_eq!(answers.next(), None);
+    std::fs::write(job, answered).expect("it was just written");
+}
+
+fn adapted(job: &str) -> Vec<Value> {
+    let output = run(&["adapt", job, "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text_of(&output.stderr));
+    text_of(&output.stdout).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+}
+
+/// Answering one question after another, check and adapt name the next one at its place.
+fn assert_asks_in_order(job: &str, report: &Value) {
+    let questions = report["questions"].as_array().expect("a list");
+    let text = std::fs::read_to_string(job).expect("a job");
+    for question in questions {
+        let place = format!("{job}:{}:{}: an open question: `", question["line"], question["column"]);
+        for command in ["check", "adapt", "simulate"] {
+            let output = run(&[command, job]);
+            let stderr = text_of(&output.stderr);
+            assert_eq!((output.status.code(), stderr.starts_with(&place)), (Some(1), true), "{stderr} where {place}");
+            assert!(stderr.contains(question["key"].as_str().expect("a key")), "{stderr}");
+        }
+        let line = question["line"].as_u64().expect("a line") as usize;
+        let now = std::fs::read_to_string(job).expect("a job");
+        let answered: Vec<String> = (1..)
+            .zip(now.lines())
+            .map(|(n, old)| if n == line { old.replace("\"?\"", "\"!\"") } else { old.into() })
+            .collect();
+        std::fs::write(job, answered.join("\n")).expect("it was just written");
+    }
+    std::fs::write(job, text).expect("it was just written");
+}
+
+#[test]
+fn the_published_cup_mill_is_found_and_its_four_movements_are_told_apart() {
+    let scratch = Scratch::new("init-slot");
+    let program =
+        scratch.write("ibr-slot.nc", std::fs::read(root().join("examples/ibr-slot/ibr-slot.nc")).expect("the example"));
+    let job = scratch.path("ibr-slot.toml");
+    let report = init(&program, &job);
+    let tool = &report["tool"];
+    // The program's coordinates have four decimals, and its arcs sweep 6 degrees.
+    for (field, published) in [("outer_radius", 5.06205), ("inner_radius", 4.43706)] {
+        let found = tool[field].as_f64().expect("a radius");
+        println!("{field}: {found:.5}, published {published}");
+        assert!((found - published).abs() < 1e-4, "{tool}");
+    }
+    assert_eq!((&tool["kind"], &tool["number"], &report["unit"]), (&"cup-mill".into(), &14.into(), &"in".into()));
+    let wanted =
+        ["tool.active_teeth", "law.feed_per_tooth", "cut.1.stock", "cut.2.stock", "cut.3.stock", "cut.4.stock"];
+    assert_eq!((keys(&report), &report["rules"]), (wanted.to_vec(), &4.into()));
+    assert_asks_in_order(&job, &report);
+    let stocks = [(54.187, 4.2391), (48.104, 10.4502), (81.715, 10.7843), (97.563, 7.2959)]
+        .map(|(normal, offset)| format!("{{ normal_deg = {normal}, offset = {offset} }}"));
+    answer(&job, &[&["10", "0.004"][..], &stocks.each_ref().map(String::as_str)].concat());
+    assert_eq!(run(&["check", &job]).status.code(), Some(0));
+    let published = adapted("examples/ibr-slot/job.toml");
+    let mut compared = 0;
+    for (mine, example) in adapted(&job).iter().zip(&published).filter(|(_, example)| example["reason"] == "law") {
+        for field in ["rotation", "direction", "side", "line"] {
+            assert_eq!(mine[field], example[field]);
+        }
+        let [mine, example] = [mine, example].map(|block| block["feed_min"].as_f64().expect("a feed"));
+        assert!((mine / example - 1.0).abs() < 1e-3, "{mine} in/min, not {example}");
+        compared += 1;
+    }
+    assert_eq!(compared, 20);
+}
+
+#[test]
+fn the_pockets_arcs_are_told_apart_by_their_numbers() {
+    let scratch = Scratch::new("init-pocket");
+    let program =
+        scratch.write("pocket.nc", std::fs::read(root().join("examples/pocket/pocket.nc")).expect("the example"));
+    let job = scratch.path("pocket.toml");
+    let report = init(&program, &job);
+    let found: Vec<(f64, u64, &Value)> = report["groups"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|group| {
+            (group["radius"].as_f64().expect("a radius"), group["arcs"].as_u64().expect("a count"), &group["n"])
+        })
+        .collect();
+    let n = |first: i64, last: i64| Value::from(vec![first, last]);
+    assert_eq!(found, [(3.0, 4, &n(140, 200)), (15.0, 1, &n(310, 310)), (25.0, 1, &n(440, 440))]);
+    assert_eq!((&report["tool"]["kind"], &report["spindle_speeds"]), (&"end-mill".into(), &vec![8_000].into()));
+    assert_asks_in_order(&job, &report);
+    answer(&job, &["10", "4", "0.1", "\"inside\"", "1.0", "\"slot\"", "", "\"outside\"", "1.0"]);
+    let (mine, example) = (adapted(&job), adapted("examples/pocket/job-contour.toml"));
+    for (mine, example) in mine.iter().zip(&example) {
+        assert_eq!((&mine["side"], &mine["law"]), (&example["side"], &example["law"]));
+        // The example wants half the feed in the slot, and no less than 30 % anywhere.
+        if mine["n"] != 440 {
+            assert_eq!(mine, example);
+        }
+    }
+}
+
+#[test]
+fn a_program_of_its_time_leaves_all_questions_open_and_its_job_says_so() {
+    let scratch = Scratch::new("init-corpus");
+    let job = scratch.path("first.toml");
+    let report = init("tests/corpus/cam-2003.nc", &job);
+    let wanted = [
+        "tool.diameter",
+        "tool.teeth",
+        "spindle.rev_per_min",
+        "law.feed_per_tooth",
+        "cut.1.side",
+        "cut.1.radial_depth",
+        "cut.2.side",
+        "cut.2.radial_depth",
+    ];
+    assert_eq!((keys(&report), &report["arcs"], &report["errors"]), (wanted.to_vec(), &3.into(), &0.into()));
+    assert_asks_in_order(&job, &report);
+    answer(&job, &["1", "4", "1000", "0.004", "\"inside\"", "0.1", "\"outside\"", "0.1"]);
+    assert_eq!(run(&["check", &job]).status.code(), Some(0));
+    assert_eq!(adapted(&job).iter().filter(|block| block["reason"] == "law").count(), 3);
+}
+
+#[test]
+fn nothing_is_written_over_without_force_and_nothing_made_up() {
+    let scratch = Scratch::new("init-force");
+    let program = scratch.write("bare.nc", "G90G94\nG0X1.Y0\nG3X0Y1.I-1.F10.S500\nS600\nM30\n");
+    let job = scratch.write("bare.toml", "mine\n");
+    let output = run(&["init", &program]);
+    assert_eq!((output.status.code(), std::fs::read_to_string(&job).expect("mine")), (Some(1), "mine\n".into()));
+    assert!(text_of(&output.stderr).starts_with(&format!("{job}: exists already")));
+    assert_eq!(run(&["init", &program, "--force"]).status.code(), Some(0));
+    let text = std::fs::read_to_string(&job).expect("a job");
+    let asked: Vec<String> = questions::open(&text).into_iter().map(|question| question.key).collect();
+    assert_eq!(asked[0], "units");
+    assert!(asked.contains(&"spindle.rev_per_min".to_owned()) && text.contains("S500, S600"));
+    let missing = run(&["init", &scratch.path("nothing.nc")]);
+    assert_eq!((missing.status.code(), scratch.files()), (Some(1), vec!["bare.nc".to_owned(), "bare.toml".into()]));
+    let broken = scratch.write("broken.nc", "G21G90G94\nG1X5.F100.\nG3X0.Y0.\nG3X0Y0I-2.5\n");
+    let output = run(&["init", &broken]);
+    assert!(output.status.success() && text_of(&output.stderr).contains("1 errors, see `arcfeed check`"));
+}
+
+/// What init makes of a text: the tool, and the job it writes.
+fn proposed(scratch: &Scratch, text: &str) -> (LikelyTool, String) {
+    let path = scratch.write("p.nc", text);
+    let (program, survey) = survey::load(path.as_ref()).expect("just written");
+    assert!(!program.has_errors(), "{:?}\n{text}", program.diagnostics);
+    let groups = group(&survey.arcs);
+    let proposal = propose(&groups);
+    let job = job(&Findings { program: "p.nc", survey: &survey, groups: &groups, proposal: &proposal });
+    (proposal.tool, job)
+}
+
+/// The job with an answer that makes sense for every question.
+fn sound(scratch: &Scratch, job: &str) -> JobFile {
+    let answers = [
+        ("teeth = \"?\"", "teeth = 4"),
+        ("diameter = \"?\"", "diameter = \"10 mm\""),
+        ("feed_per_tooth = \"?\"", "feed_per_tooth = \"0.1 mm\""),
+        ("stock = \"?\"", "stock = { from = [0, 1], to = [-1, 0] }"),
+        ("side = \"?\"", "side = \"inside\""),
+        ("radial_depth = \"?\"", "radial_depth = \"1 mm\""),
+    ];
+    let text = answers.iter().fold(job.to_owned(), |text, (question, answer)| text.replace(question, answer));
+    JobFile::parse(scratch.path("p.toml").as_ref(), &text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+#[test]
+fn a_generated_cup_mill_is_found_with_its_radii() {
+    let scratch = Scratch::new("init-cup-mills");
+    let mut worst = 0.0_f64;
+    for seed in 0..PROGRAMS {
+        let (text, [inner, outer]) = cup_mill(&mut Rng::with_seed(seed));
+        let (tool, job) = proposed(&scratch, &text);
+        let LikelyTool::CupMill { outer_mm, inner_mm } = tool else { panic!("seed {seed}: {tool:?}\n{text}") };
+        worst = worst.max((outer_mm / outer - 1.0).abs()).max((inner_mm / inner - 1.0).abs());
+        assert!(worst < 1e-4, "seed {seed}: {outer_mm}, {inner_mm}, not {outer}, {inner}");
+        let file = sound(&scratch, &job);
+        let Tool::CupMill(mill) = file.job.tool else { panic!("{:?}", file.job.tool) };
+        assert!((mill.outer_radius.to_mm() / outer - 1.0).abs() < 1e-4);
+        assert_eq!(file.job.rules.len(), 4);
+    }
+    println!("{PROGRAMS} cup mills, radii off by {worst:.1e} at most");
+}
+
+#[test]
+fn a_generated_contour_with_two_corner_radii_is_an_end_mills() {
+    let scratch = Scratch::new("init-end-mills");
+    for seed in 0..PROGRAMS {
+        let text = end_mill(&mut Rng::with_seed(seed));
+        let (tool, job) = proposed(&scratch, &text);
+        assert_eq!(tool, LikelyTool::EndMill, "seed {seed}:\n{text}");
+        assert!((1..=2).contains(&sound(&scratch, &job).job.rules.len()));
+    }
+}
+
+#[test]
+fn of_two_tools_the_one_with_more_arcs_gets_the_job_and_rules_that_leave_the_other_alone() {
+    let scratch = Scratch::new("init-two-tools");
+    let mut rng = Rng::with_seed(1);
+    let (cup, [_, outer]) = cup_mill(&mut rng);
+    let mut lines: Vec<String> = cup.lines().filter(|line| *line != "M30").map(str::to_owned).collect();
+    let unit = if cup.starts_with("G20") { 25.4 } else { 1.0 };
+    lines.push("T9M6".into());
+    lines.push("N9000G0X0Y0".into());
+    lines.push(format!("N9010G3X0Y0I{:.4}F30.", outer / unit));
+    lines.push("M30".into());
+    let (tool, job) = proposed(&scratch, &(lines.join("\n") + "\n"));
+    assert!(matches!(tool, LikelyTool::CupMill { .. }) && job.contains("The program uses T3, T9. This job is for T3"));
+    let rules = &sound(&scratch, &job).job.rules;
+    assert!(rules.iter().any(|rule| rule.sequence.is_some_and(|(_, last)| last < 9_000)), "{job}");
+    assert!(rules.iter().all(|rule| rule.sequence.is_none_or(|(_, last)| last < 9_000)), "{job}");
+}
