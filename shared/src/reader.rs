@@ -32,6 +32,11 @@ impl Reader {
         Reader { modal: Modal::at_power_on(unit), reading, lost: [false; 3] }
     }
 
+    /// The modal state after the lines read so far.
+    pub fn modal(&self) -> &Modal {
+        &self.modal
+    }
+
     /// Reads the next line, which must not contain its line end.
     ///
     /// # Errors

@@ -7,6 +7,8 @@ pub mod dnc_port;
 
 pub mod reader;
 
+pub mod executive;
+
 pub mod path;
 
 pub mod interpolator;
@@ -14,13 +16,15 @@ pub mod interpolator;
 use std::collections::VecDeque;
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
+use arcfeed_shared::nc::macros::program::Library;
 use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{LengthUnit, Micros, MmPerMin, US_PER_MS};
 
 use dnc_port::{DncPort, LineCounters, LineSettings};
+use executive::{Executive, Next, has_macros};
 use interpolator::{Dynamics, Interpolator};
-use reader::{Action, BlockReader};
+use reader::Action;
 
 /// Settings of the control; values marked assumed are published nowhere for the machine of the source.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +71,7 @@ pub struct AlarmRecord {
 pub struct Control {
     settings: ControlSettings,
     port: DncPort,
-    reader: BlockReader,
+    reader: Executive,
     interpolator: Interpolator,
     waits_until: Option<Micros>,
     after_move: Option<Stop>,
@@ -77,6 +81,8 @@ pub struct Control {
     executed: Vec<Vec<u8>>,
     starved_ms: u64,
     has_moved: bool,
+    /// The program is busy with macro statements, and gives no block this step.
+    is_computing: bool,
     ladder: VecDeque<u8>,
     override_percent: u8,
 }
@@ -84,19 +90,34 @@ pub struct Control {
 impl Control {
     /// A control that reads its program from the DNC line.
     pub fn on_line(settings: ControlSettings) -> Self {
-        Control::new(settings, DncPort::on_line(settings.line))
+        Control::with_library(settings, Box::new(()))
+    }
+
+    /// A control that reads its program from the DNC line and calls subprograms of a library.
+    pub fn with_library(settings: ControlSettings, library: Box<dyn Library>) -> Self {
+        Control::new(settings, DncPort::on_line(settings.line), Executive::on_line(settings.unit, library))
     }
 
     /// A control that has the whole program in its memory.
     pub fn from_memory(settings: ControlSettings, program: &[u8]) -> Self {
-        Control::new(settings, DncPort::from_memory(program))
+        Control::from_memory_with(settings, program, Box::new(()))
     }
 
-    fn new(settings: ControlSettings, port: DncPort) -> Self {
+    /// A control that has the whole program and a library of subprograms in its memory.
+    pub fn from_memory_with(settings: ControlSettings, program: &[u8], library: Box<dyn Library>) -> Self {
+        if has_macros(program) {
+            let executive = Executive::in_memory(program, settings.unit, library);
+            return Control::new(settings, DncPort::from_memory(b""), executive);
+        }
+        Control::new(settings, DncPort::from_memory(program), Executive::on_line(settings.unit, library))
+    }
+
+    fn new(settings: ControlSettings, port: DncPort, reader: Executive) -> Self {
         Control {
             settings,
             port,
-            reader: BlockReader::new(settings.unit),
+            reader,
+            is_computing: false,
             interpolator: Interpolator::new(settings.dynamics),
             waits_until: None,
             after_move: None,
@@ -142,13 +163,13 @@ impl Control {
             self.stop_with(AlarmRecord { line: self.reader.line(), fault });
         }
         self.override_percent = self.through_ladder(override_percent);
-        self.read_ahead();
+        self.read_ahead(now);
         let mut left_s = dt.to_s();
         while left_s > 0.0 {
             self.start_next(now);
             left_s = self.interpolator.advance(left_s, self.override_percent, self.held || self.is_over());
         }
-        let waits = self.waits_until.is_some() || self.is_over();
+        let waits = self.waits_until.is_some() || self.is_over() || self.is_computing;
         if self.interpolator.is_idle() && self.interpolator.queued() == 0 && !waits && self.port.is_exhausted() {
             self.stop_with(AlarmRecord { line: self.reader.line(), fault: Fault::alarm(Alarm::EndOfRecord, 0) });
         }
@@ -195,6 +216,16 @@ impl Control {
         &self.executed
     }
 
+    /// What the program has sent to the punch: DPRNT and the like, as far as it is read.
+    pub fn output(&self) -> &[u8] {
+        self.reader.output()
+    }
+
+    /// Messages of the program (#3006, #3000), and where in a called program an alarm came up.
+    pub fn messages(&self) -> impl Iterator<Item = &str> {
+        self.reader.messages()
+    }
+
     /// The alarm that stopped it.
     pub fn alarm(&self) -> Option<&AlarmRecord> {
         self.alarm.as_ref()
@@ -225,11 +256,20 @@ impl Control {
     }
 
     /// Fills the look-ahead. A block with a fault stops the control when its turn comes, not when it is read.
-    fn read_ahead(&mut self) {
+    fn read_ahead(&mut self, now: Micros) {
+        self.is_computing = false;
         while self.interpolator.queued() < self.settings.look_ahead {
-            let Some(text) = self.port.take_line() else { return };
-            if let Some(block) = self.reader.read(text) {
-                self.interpolator.queue(block);
+            match self.reader.next(now) {
+                Next::Block(block) => self.interpolator.queue(block),
+                Next::Starved => match self.port.take_line() {
+                    Some(text) => self.reader.take(&text),
+                    None => return,
+                },
+                Next::Busy => {
+                    self.is_computing = true;
+                    return;
+                }
+                Next::Over => return,
             }
         }
     }
