@@ -1,12 +1,18 @@
 //! An NC program as a file: every line with its bytes, its meaning and its place.
 
+mod expand;
+
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use arcfeed_shared::nc::alarm::{Alarm, Cause, Fault};
-use arcfeed_shared::nc::block::{Line, Notice, NoticeKind, Reading};
+use arcfeed_shared::nc::block::{Line, Notice, NoticeKind, Reading, parse_line};
+use arcfeed_shared::nc::modal::Step;
 use arcfeed_shared::reader::{Reader, Understood};
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_shared::segment::{self, Segment};
+use arcfeed_shared::units::{LengthUnit, Nm};
+
+use expand::{Expansion, first_macro};
 
 /// A program, read whole.
 #[derive(Clone, Debug)]
@@ -17,6 +23,39 @@ pub struct Program {
     pub lines: Vec<ProgramLine>,
     /// What is wrong with it, in order of place.
     pub diagnostics: Vec<Diagnostic>,
+    /// The first line with a macro statement or a call, counted from 1, if there is one: then its lines by themselves mean
+    /// nothing, and `expanded` says what they come to.
+    pub macro_line: Option<usize>,
+    /// The moves that a program with macro statements makes.
+    pub expanded: Tally,
+}
+
+/// Moves, counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Arcs, helices among them.
+    pub arcs: usize,
+    /// Arcs that also move across their plane.
+    pub helices: usize,
+    /// Straight cutting moves.
+    pub linear: usize,
+    /// Rapid moves.
+    pub rapids: usize,
+    /// Moves, of whatever kind, in which a rotary axis turns.
+    pub rotary: usize,
+}
+
+impl Tally {
+    /// One more.
+    pub fn add(&mut self, segment: &Segment) {
+        match segment.path {
+            segment::Path::Arc(_) => self.arcs += 1,
+            segment::Path::Line => self.linear += 1,
+            segment::Path::Rapid => self.rapids += 1,
+        }
+        self.helices += usize::from(segment.rise() != Nm(0));
+        self.rotary += usize::from(segment.turns_rotary_axis());
+    }
 }
 
 /// One line.
@@ -74,10 +113,36 @@ impl Program {
         Ok(Program::parse(path, &std::fs::read(path)?, unit, reading))
     }
 
+    /// Reads a program file whose subprograms lie in a folder.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn load_with(path: &Path, unit: LengthUnit, reading: Reading, library: Option<&Path>) -> std::io::Result<Self> {
+        let bytes = std::fs::read(path)?;
+        Ok(Program::parse_with(path, &bytes, &Expansion { unit, reading, library }))
+    }
+
     /// Reads a program from bytes.
     pub fn parse(path: &Path, bytes: &[u8], unit: LengthUnit, reading: Reading) -> Self {
+        Program::parse_with(path, bytes, &Expansion { unit, reading, library: None })
+    }
+
+    fn parse_with(path: &Path, bytes: &[u8], expansion: &Expansion<'_>) -> Self {
+        let macro_line = first_macro(bytes).map(|(line, _)| line);
+        let (lines, diagnostics, expanded) = (Vec::new(), Vec::new(), Tally::default());
+        let mut program = Program { path: path.to_owned(), lines, diagnostics, macro_line, expanded };
+        if macro_line.is_some() {
+            program.expand(bytes, expansion);
+        } else {
+            program.read(bytes, expansion.unit, expansion.reading);
+        }
+        program
+    }
+
+    /// Line by line, for a program whose lines are executed as they stand.
+    fn read(&mut self, bytes: &[u8], unit: LengthUnit, reading: Reading) {
         let mut reader = Reader::new(unit, reading);
-        let mut program = Program { path: path.to_owned(), lines: Vec::new(), diagnostics: Vec::new() };
+        let program = self;
         for raw in bytes.split_inclusive(|&byte| byte == b'\n') {
             let (text, ending) = split_ending(raw);
             let line = program.lines.len() + 1;
@@ -93,7 +158,26 @@ impl Program {
             };
             program.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning });
         }
-        program
+    }
+
+    /// As executed, for a program with macro statements.
+    fn expand(&mut self, bytes: &[u8], expansion: &Expansion<'_>) {
+        for (index, raw) in bytes.split_inclusive(|&byte| byte == b'\n').enumerate() {
+            let (text, ending) = split_ending(raw);
+            let parsed = parse_line(text, expansion.reading).ok();
+            for notice in parsed.iter().flat_map(|parsed| &parsed.notices) {
+                self.diagnostics.push(Diagnostic::of_notice(index + 1, text, *notice));
+            }
+            // Only what has no code means something by itself.
+            let has_code = |line: &Line| matches!(line, Line::Block(block) if !block.is_empty());
+            let without_code = parsed.filter(|parsed| !has_code(&parsed.line));
+            let meaning = without_code.map(|parsed| Understood { parsed, step: Step::default(), segment: None });
+            self.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning });
+        }
+        let mut tally = Tally::default();
+        self.diagnostics.extend(expansion.run(bytes, |segment| tally.add(segment)));
+        self.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));
+        self.expanded = tally;
     }
 
     /// The program's bytes.
@@ -116,14 +200,7 @@ impl Program {
             self.diagnostics.push(Diagnostic::of_notice(line, text, *notice));
         }
         if understood.lacks_feed() {
-            let mut diagnostic = Diagnostic::of_fault(line, text, Fault::alarm(Alarm::NoFeed, 0));
-            if reading == Reading::Lenient {
-                diagnostic.severity = Severity::Warning;
-                diagnostic.message = "no F before this cutting move: a control fresh from power-on raises PS0011; \
-                                      one that remembers a feed moves with that"
-                    .into();
-            }
-            self.diagnostics.push(diagnostic);
+            self.diagnostics.push(Diagnostic::of_missing_feed(line, text, reading));
         }
     }
 }
@@ -132,16 +209,31 @@ impl Diagnostic {
     fn of_fault(line: usize, text: &[u8], fault: Fault) -> Self {
         let alarm = match fault.cause {
             Cause::Alarm(alarm) => Some(alarm.number()),
+            Cause::Macro(alarm) => alarm.number(),
             Cause::NotModelled(_) => None,
         };
         let message = match fault.cause {
             Cause::Alarm(alarm) => alarm.explanation().to_string(),
+            Cause::Macro(alarm) => alarm.explanation().to_string(),
             cause @ Cause::NotModelled(_) => cause.to_string(),
         };
         let column = usize::from(fault.column).max(1);
         let whole_block = fault.column == 0;
         let found = if whole_block { printable(text) } else { printable(word_at(text, column)) };
         Diagnostic { severity: Severity::Error, line, column, alarm, message, found }
+    }
+
+    /// A cutting move for which no F was ever given.
+    fn of_missing_feed(line: usize, text: &[u8], reading: Reading) -> Self {
+        let mut diagnostic = Diagnostic::of_fault(line, text, Fault::alarm(Alarm::NoFeed, 0));
+        if reading == Reading::Lenient {
+            diagnostic.severity = Severity::Warning;
+            diagnostic.message =
+                "no F before this cutting move: a control fresh from power-on raises PS0011; one that \
+                                  remembers a feed moves with that"
+                    .into();
+        }
+        diagnostic
     }
 
     fn of_notice(line: usize, text: &[u8], notice: Notice) -> Self {

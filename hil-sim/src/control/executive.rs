@@ -8,9 +8,10 @@ use std::collections::VecDeque;
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::macros::interpreter::{Ending, Interpreter, PlainBlock, Settings, Step, Trouble};
+use arcfeed_shared::nc::macros::interpreter::Interpreter;
 use arcfeed_shared::nc::macros::program::{Library, needs_interpreter};
 use arcfeed_shared::nc::macros::stack::Place;
+use arcfeed_shared::nc::macros::step::{Ending, PlainBlock, Settings, Step, Trouble};
 use arcfeed_shared::nc::macros::variables::Context;
 use arcfeed_shared::nc::modal::Stop;
 use arcfeed_shared::reader::Reader;
@@ -36,7 +37,7 @@ pub struct Executive {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Next {
     /// A block.
-    Block(ReadBlock),
+    Block(Box<ReadBlock>),
     /// Nothing before the next step of time.
     Busy,
     /// Nothing before the next line.
@@ -94,26 +95,27 @@ impl Executive {
     /// The next block at `now`.
     pub fn next(&mut self, now: Micros) -> Next {
         if let Some(block) = self.pending.take() {
-            return Next::Block(block);
+            return Next::Block(Box::new(block));
         }
         while !self.is_over {
             let context = Context::new(self.reader.modal(), now);
             match self.interpreter.next(&context) {
-                Ok(Step::Block(block)) => return Next::Block(self.read(block)),
+                Ok(Step::Block(block)) => return Next::Block(Box::new(self.read(block))),
                 Ok(Step::Output(bytes)) => self.output.extend(bytes),
-                Ok(Step::Message(text)) => return Next::Block(self.wait_with(&text)),
+                Ok(Step::Message(text)) => return Next::Block(Box::new(self.wait_with(&text))),
                 Ok(Step::Restart) => {}
                 Ok(Step::Busy) => return Next::Busy,
                 Ok(Step::Starved) => return Next::Starved,
                 Ok(Step::End(ending)) => {
                     self.is_over = true;
                     if ending == Ending::Text {
-                        return Next::Block(self.block(Action::Fault(Fault::alarm(Alarm::EndOfRecord, 0))));
+                        let fault = Fault::alarm(Alarm::EndOfRecord, 0);
+                        return Next::Block(Box::new(self.block(Action::Fault(fault))));
                     }
                 }
                 Err(trouble) => {
                     self.is_over = true;
-                    return Next::Block(self.stop(&trouble));
+                    return Next::Block(Box::new(self.stop(&trouble)));
                 }
             }
         }

@@ -260,7 +260,7 @@ impl Control {
         self.is_computing = false;
         while self.interpolator.queued() < self.settings.look_ahead {
             match self.reader.next(now) {
-                Next::Block(block) => self.interpolator.queue(block),
+                Next::Block(block) => self.interpolator.queue(*block),
                 Next::Starved => match self.port.take_line() {
                     Some(text) => self.reader.take(&text),
                     None => return,

@@ -3,12 +3,11 @@
 use std::path::PathBuf;
 
 use arcfeed_shared::nc::block::{Line, Reading};
-use arcfeed_shared::segment::Path;
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_shared::units::LengthUnit;
 use serde::Serialize;
 
 use super::outcome::{Failure, file_failure, say};
-use crate::program::{Diagnostic, Program, ProgramLine, Severity};
+use crate::program::{Diagnostic, Program, ProgramLine, Severity, Tally};
 
 /// Check an NC program: every alarm with line and column
 #[derive(Debug, clap::Args)]
@@ -21,6 +20,9 @@ pub struct Check {
     /// The control
     #[arg(long, value_parser = ["fanuc-16i"], default_value = "fanuc-16i")]
     control: String,
+    /// Folder of subprograms that are not in the program's file: O9010, O9010.nc or 9010.nc
+    #[arg(long, value_name = "DIR")]
+    library: Option<PathBuf>,
     /// Print one JSON object (docs/json.md)
     #[arg(long)]
     json: bool,
@@ -73,7 +75,7 @@ impl Check {
     /// The program has errors, or cannot be read.
     pub fn run(&self) -> Result<(), Failure> {
         let reading = if self.strict { Reading::Strict } else { Reading::Lenient };
-        let program = Program::load(&self.program, LengthUnit::Inch, reading)
+        let program = Program::load_with(&self.program, LengthUnit::Inch, reading, self.library.as_deref())
             .map_err(|error| file_failure(&self.program, &error))?;
         let counts = count(&program);
         if self.json {
@@ -133,17 +135,10 @@ fn of_severity(program: &Program, severity: Severity) -> impl Iterator<Item = &D
 fn count(program: &Program) -> Counts {
     let mut counts = Counts { lines: program.lines.len(), blocks: program.block_count(), ..Counts::default() };
     counts.comments = program.lines.iter().filter(|line| line.is_block() && is_comment(line)).count();
-    let segments = program.lines.iter().filter_map(|line| line.meaning.as_ref()?.segment);
-    for segment in segments {
-        match segment.path {
-            Path::Arc(_) => counts.arcs += 1,
-            Path::Line => counts.linear += 1,
-            Path::Rapid => counts.rapids += 1,
-        }
-        counts.helices += usize::from(segment.rise() != Nm(0));
-        counts.rotary += usize::from(segment.turns_rotary_axis());
-    }
-    counts
+    let mut tally = program.expanded;
+    program.lines.iter().filter_map(|line| line.meaning.as_ref()?.segment).for_each(|segment| tally.add(&segment));
+    let Tally { arcs, helices, linear, rapids, rotary } = tally;
+    Counts { arcs, helices, linear, rapids, rotary, ..counts }
 }
 
 fn is_comment(line: &ProgramLine) -> bool {

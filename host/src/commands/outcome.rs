@@ -75,8 +75,20 @@ pub fn load(job: &Path) -> Result<(JobFile, Program), Failure> {
         .filter(|diagnostic| diagnostic.severity == Severity::Error)
         .map(|diagnostic| format!("{}:{diagnostic}", program.path.display()))
         .collect();
+    errors.extend(macro_refusal(&program));
     errors.extend(spindle_contradictions(&file, &program));
     if errors.is_empty() { Ok((file, program)) } else { Err(Failure::Input(errors.join("\n"))) }
+}
+
+/// An F written into a macro's body or a subprogram would be that of every call, so such programs keep their feeds.
+fn macro_refusal(program: &Program) -> Option<String> {
+    let line = program.macro_line?;
+    let found = program.lines.get(line - 1).map(|line| line.text.escape_ascii().to_string()).unwrap_or_default();
+    let path = program.path.display();
+    Some(format!(
+        "{path}:{line}:1: error: macro statements and calls cannot be adapted: a feed written into a body would serve every \
+         call; write the program out without them (found `{found}`)"
+    ))
 }
 
 /// The chip is as thick as feed over speed: a program that turns the spindle at another speed than the job says would

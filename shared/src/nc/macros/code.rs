@@ -143,6 +143,13 @@ impl<'a> Cursor<'a> {
     }
 }
 
+/// Whether these letters begin a macro statement.
+pub fn is_keyword(letters: &[u8]) -> bool {
+    const KEYWORDS: [&[u8]; 10] =
+        [b"IF", b"GOTO", b"WHILE", b"DO", b"END", b"THEN", b"DPRNT", b"BPRNT", b"POPEN", b"PCLOS"];
+    KEYWORDS.contains(&letters)
+}
+
 /// What stands before the words of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Head {

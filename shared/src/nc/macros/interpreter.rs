@@ -4,111 +4,17 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use super::arguments::{Letters, locals};
+use super::calls::{SEQUENCE_MAX, Then, macro_call, split_call};
 use super::code::{Code, Cursor, Head};
 use super::expression::{Evaluator, whole};
-use super::function::Angles;
-use super::print::{self, PUNCH_OFF, PUNCH_ON, PrintStyle};
+use super::print::{self, PUNCH_OFF, PUNCH_ON};
 use super::program::{File, Library, Line};
-use super::stack::{Bounds, Call, Place, Stack, When};
+use super::stack::{Call, Place, Stack, When};
+use super::step::{Ending, PlainBlock, Settings, Step, Trouble};
 use super::variables::{Context, Effect, Variables};
 use super::words::{self, Word, spell_block};
 use crate::nc::alarm::{Alarm, Fault, NotModelled};
 use crate::nc::macro_alarm::MacroAlarm;
-
-/// Largest number of a program: eight digits.
-const PROGRAM_MAX: u32 = 99_999_999;
-/// Largest sequence number.
-const SEQUENCE_MAX: u32 = 99_999;
-/// In P of M98 the digits before the last four say how often, if there is no L.
-const REPEAT_DIGITS: u32 = 10_000;
-
-/// How the control is set.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Settings {
-    /// Range of ATAN and ASIN.
-    pub angles: Angles,
-    /// How DPRNT writes.
-    pub print: PrintStyle,
-    /// Switches of block delete that are on: bit n for `/n`.
-    pub block_delete: u16,
-    /// Whether the main program comes line by line over the DNC line.
-    pub is_dnc: bool,
-    /// Bounds.
-    pub bounds: Bounds,
-}
-
-/// What the control does next.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Step {
-    /// Reads a block of plain words.
-    Block(PlainBlock),
-    /// Sends these bytes to the punch (POPEN, DPRNT, BPRNT, PCLOS).
-    Output(Vec<u8>),
-    /// Stops with a message until the operator presses cycle start (#3006).
-    Message(Vec<u8>),
-    /// Begins the main program again (M99 in it).
-    Restart,
-    /// Nothing yet: [`Bounds::slice`] statements without one of the others. Time passes.
-    Busy,
-    /// Waits for the next line of its main program (DNC operation).
-    Starved,
-    /// Is at its end.
-    End(Ending),
-}
-
-/// How a program ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
-    /// M02 or M30.
-    Program,
-    /// The text is over; a control raises PS5010.
-    Text,
-}
-
-/// A block without expressions, and where it comes from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PlainBlock {
-    /// What the reader of plain blocks reads.
-    pub text: Vec<u8>,
-    /// Its source line.
-    pub place: Place,
-    /// Where the programs it stands in were called, the main program's call first.
-    pub calls: Vec<Place>,
-    /// The source column of each byte of `text`; nothing if `text` is the line as written.
-    columns: Vec<u16>,
-}
-
-impl PlainBlock {
-    /// A fault of `text` in terms of the source line.
-    pub fn in_source(&self, fault: Fault) -> Fault {
-        let at = usize::from(fault.column).checked_sub(1);
-        let column = at.and_then(|at| self.columns.get(at).or(self.columns.last()).copied());
-        Fault { column: column.unwrap_or(fault.column), ..fault }
-    }
-}
-
-/// Why a program stopped.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Trouble {
-    /// What is wrong, and the column.
-    pub fault: Fault,
-    /// The line.
-    pub place: Place,
-    /// Where the programs it stands in were called, the main program's call first.
-    pub calls: Vec<Place>,
-    /// The text beside `#3000`.
-    pub message: Vec<u8>,
-}
-
-/// What happens when the block given out last is done.
-#[derive(Debug, Default)]
-enum Then {
-    #[default]
-    GoOn,
-    Call(Box<Call>),
-    Return(Option<(u32, u16)>),
-    End(Ending),
-}
 
 /// A program being executed.
 #[derive(Debug)]
@@ -414,63 +320,15 @@ impl Interpreter {
 
     /// G65, G66, G66.1 with the words behind it.
     fn call_macro(&mut self, words: &[Word], at: usize) -> Result<(), Fault> {
-        let (before, rest) = words.split_at_checked(at).unwrap_or_default();
-        let Some((code, arguments)) = rest.split_first() else { return Ok(()) };
-        if let Some(word) = before.first() {
-            return Err(Fault::in_macro(MacroAlarm::ArgumentAddress, word.column));
-        }
-        let is_of_call = |word: &&Word| matches!(word.letter, b'P' | b'L');
-        let last = |letter: u8| arguments.iter().rev().find(|word| word.letter == letter);
-        let program = last(b'P').ok_or(Fault::in_macro(MacroAlarm::NoProgramNumber, code.column))?;
-        let given = arguments.iter().filter(|word| !is_of_call(word));
-        let locals = locals(given, Letters::OfCall, self.variables.context.unit)?;
-        let number = number_of(program, PROGRAM_MAX)?;
-        let repeats = last(b'L').map_or(Ok(1), |word| number_of(word, 9_999))?;
-        let is_modal = code.value != 65.0;
-        let call = Call { number, repeats, arguments: Some(Box::new(locals)), is_modal, column: program.column };
-        if !is_modal {
+        let Some((when, call)) = macro_call(words, at, self.variables.context.unit)? else { return Ok(()) };
+        let Some(when) = when else {
             self.then = Then::Call(Box::new(call));
             return Ok(());
-        }
-        let when = if code.value == 66.0 { When::AfterMoves } else { When::EveryBlock };
+        };
+        let column = call.column;
         let is_set = self.stack.set_modal(when, call, &self.settings.bounds)?;
-        if is_set { Ok(()) } else { Err(Fault::not_modelled(NotModelled::GCode(660), code.column)) }
+        if is_set { Ok(()) } else { Err(Fault::not_modelled(NotModelled::GCode(660), column)) }
     }
-}
-
-/// Takes M98 and M99 with their P and L out of a block.
-fn split_call(words: Vec<Word>) -> Result<(Vec<Word>, Then), Fault> {
-    let is_m = |word: &Word, code: f64| word.letter == b'M' && word.value == code;
-    if let Some(word) = words.iter().find(|word| is_m(word, 198.0)) {
-        return Err(Fault::not_modelled(NotModelled::MCode(198), word.column));
-    }
-    let Some(code) = words.iter().find(|word| is_m(word, 98.0) || is_m(word, 99.0)).cloned() else {
-        return Ok((words, Then::GoOn));
-    };
-    let (own, others): (Vec<Word>, Vec<Word>) =
-        words.into_iter().partition(|word| matches!(word.letter, b'P' | b'L') || *word == code);
-    let last = |letter: u8| own.iter().rev().find(|word| word.letter == letter);
-    let program = last(b'P');
-    if code.value == 99.0 {
-        let sequence = program.map(|word| Ok((number_of(word, SEQUENCE_MAX)?, word.column))).transpose()?;
-        return Ok((others, Then::Return(sequence)));
-    }
-    if let Some(word) = others.iter().find(|word| matches!(word.letter, b'H' | b'Q')) {
-        return Err(Fault::not_modelled(NotModelled::MCode(98), word.column));
-    }
-    let program = program.ok_or(Fault::in_macro(MacroAlarm::NoProgramNumber, code.column))?;
-    let number = number_of(program, PROGRAM_MAX)?;
-    let (number, repeats) = match last(b'L') {
-        Some(word) => (number, number_of(word, PROGRAM_MAX)?),
-        None if number >= REPEAT_DIGITS => (number % REPEAT_DIGITS, number / REPEAT_DIGITS),
-        None => (number, 1),
-    };
-    let call = Call { number, repeats, arguments: None, is_modal: false, column: program.column };
-    Ok((others, Then::Call(Box::new(call))))
-}
-
-fn number_of(word: &Word, max: u32) -> Result<u32, Fault> {
-    whole(Some(word.value), 0..=max).ok_or(Fault::in_macro(MacroAlarm::ProgramNotFound, word.column))
 }
 
 /// Nothing may follow a macro statement.

@@ -24,4 +24,8 @@ pub mod arguments;
 
 pub mod stack;
 
+pub mod step;
+
+pub mod calls;
+
 pub mod interpreter;

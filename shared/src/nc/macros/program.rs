@@ -5,7 +5,7 @@
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
-use super::code::{Code, Head};
+use super::code::{Code, Head, is_keyword};
 
 /// Where subprograms come from that are not in the file of the main program.
 pub trait Library: core::fmt::Debug + Send {
@@ -62,6 +62,8 @@ impl File {
     /// Takes a text apart. It ends at its second `%`, if it begins with one, else at its first.
     pub fn new(text: &[u8]) -> Self {
         let mut file = File::default();
+        // A line end ends a line and begins none.
+        let text = text.strip_suffix(b"\n").unwrap_or(text);
         let mut open: Vec<(u32, u32)> = Vec::new();
         let (mut first, mut number) = (0, None);
         for (index, raw) in (0_u32..).zip(text.split(|&byte| byte == b'\n')) {
@@ -175,7 +177,8 @@ fn is_plain(rest: &[u8]) -> bool {
     }
     let has_macro = rest.iter().any(|byte| matches!(byte, b'#' | b'[' | b']' | b'='));
     let is_statement = matches!(rest, [a, b, ..] if a.is_ascii_uppercase() && b.is_ascii_uppercase());
-    !has_macro && !is_statement && !words(rest).any(|(letter, value)| is_call(letter, value))
+    let has_keyword = rest.split(|byte| !byte.is_ascii_uppercase()).any(is_keyword);
+    !has_macro && !is_statement && !has_keyword && !words(rest).any(|(letter, value)| is_call(letter, value))
 }
 
 /// Letters and the digits behind them, without leading zeros.

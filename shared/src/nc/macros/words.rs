@@ -6,7 +6,7 @@
 
 use alloc::vec::Vec;
 
-use super::code::Cursor;
+use super::code::{Cursor, is_keyword};
 use super::expression::Evaluator;
 use crate::nc::alarm::{Alarm, Fault};
 use crate::nc::macro_alarm::MacroAlarm;
@@ -128,13 +128,6 @@ fn spell(value: f64, decimals: i32, letter: u8) -> Option<Vec<u8>> {
     }
     reversed.reverse();
     Some(reversed)
-}
-
-/// Whether these letters begin a macro statement.
-fn is_keyword(letters: &[u8]) -> bool {
-    const KEYWORDS: [&[u8]; 10] =
-        [b"IF", b"GOTO", b"WHILE", b"DO", b"END", b"THEN", b"DPRNT", b"BPRNT", b"POPEN", b"PCLOS"];
-    KEYWORDS.contains(&letters)
 }
 
 /// Words spelled one behind the other, and for each byte the column of its word.
