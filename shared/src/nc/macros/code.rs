@@ -137,6 +137,29 @@ impl<'a> Cursor<'a> {
         Ok((len > 0).then_some(value))
     }
 
+    /// Nothing may follow a macro statement.
+    ///
+    /// # Errors
+    /// PS0127 or PS0114 where something does.
+    pub fn finish(&self) -> Result<(), Fault> {
+        match self.peek() {
+            None => Ok(()),
+            Some(b'A'..=b'Z') => Err(self.fault(MacroAlarm::MixedStatements)),
+            Some(_) => Err(self.fault(MacroAlarm::ExpressionFormat)),
+        }
+    }
+
+    /// Reads the number behind DO and END, which end a statement.
+    ///
+    /// # Errors
+    /// PS0126: not 1, 2 or 3; and as [`Cursor::finish`].
+    pub fn loop_number(&mut self) -> Result<(), Fault> {
+        let column = self.column();
+        let number = self.digits()?;
+        self.finish()?;
+        if matches!(number, Some(1..=3)) { Ok(()) } else { Err(Fault::in_macro(MacroAlarm::LoopNumber, column)) }
+    }
+
     /// A macro alarm at the next byte.
     pub fn fault(&self, alarm: MacroAlarm) -> Fault {
         Fault::in_macro(alarm, self.column())

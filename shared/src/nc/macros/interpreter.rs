@@ -164,13 +164,13 @@ impl Interpreter {
             return self.begin_loop(cursor, begin, true);
         }
         if cursor.eat_keyword(b"END") {
-            loop_number(&mut cursor)?;
+            cursor.loop_number()?;
             let (frame, file) = self.stack.top().ok_or(Fault::in_macro(MacroAlarm::EndMissing, begin))?;
             frame.line = file.other_end(self.index).ok_or(Fault::in_macro(MacroAlarm::EndMissing, begin))?;
             return Ok(None);
         }
         if let Some(bytes) = self.output(&mut cursor)? {
-            return finished(&cursor).map(|()| Some(Step::Output(bytes)));
+            return cursor.finish().map(|()| Some(Step::Output(bytes)));
         }
         self.block(head, cursor)
     }
@@ -187,7 +187,7 @@ impl Interpreter {
             return Err(cursor.fault(MacroAlarm::ExpressionFormat));
         }
         let value = self.evaluator().expression(&mut cursor)?;
-        finished(&cursor)?;
+        cursor.finish()?;
         match self.variables.write(number, value).map_err(|cause| Fault { cause, column })? {
             Effect::Kept => Ok(None),
             Effect::Stop => Ok(Some(Step::Message(code.comment.clone()))),
@@ -216,7 +216,7 @@ impl Interpreter {
                     return self.go_to(cursor, begin);
                 }
                 let bytes = self.output(&mut cursor)?.ok_or(cursor.fault(MacroAlarm::StatementFormat))?;
-                finished(&cursor).map(|()| Some(Step::Output(bytes)))
+                cursor.finish().map(|()| Some(Step::Output(bytes)))
             }
         }
     }
@@ -225,7 +225,7 @@ impl Interpreter {
         self.refuse_in_dnc(begin)?;
         let column = cursor.column();
         let value = self.evaluator().factor(&mut cursor)?;
-        finished(&cursor)?;
+        cursor.finish()?;
         let number = whole(value, 1..=SEQUENCE_MAX).ok_or(MacroAlarm::SequenceNumber);
         let gone = number.and_then(|number| self.stack.go_to(number, self.index));
         gone.map(|()| None).map_err(|alarm| Fault::in_macro(alarm, column))
@@ -236,7 +236,7 @@ impl Interpreter {
         if !cursor.eat(b"DO") {
             return Err(cursor.fault(MacroAlarm::StatementFormat));
         }
-        loop_number(&mut cursor)?;
+        cursor.loop_number()?;
         let missing = Fault::in_macro(MacroAlarm::EndMissing, begin);
         let (frame, file) = self.stack.top().ok_or(missing)?;
         let end = file.other_end(self.index).ok_or(missing)?;
@@ -329,21 +329,4 @@ impl Interpreter {
         let is_set = self.stack.set_modal(when, call, &self.settings.bounds)?;
         if is_set { Ok(()) } else { Err(Fault::not_modelled(NotModelled::GCode(660), column)) }
     }
-}
-
-/// Nothing may follow a macro statement.
-fn finished(cursor: &Cursor<'_>) -> Result<(), Fault> {
-    match cursor.peek() {
-        None => Ok(()),
-        Some(b'A'..=b'Z') => Err(cursor.fault(MacroAlarm::MixedStatements)),
-        Some(_) => Err(cursor.fault(MacroAlarm::ExpressionFormat)),
-    }
-}
-
-/// The number behind DO and END.
-fn loop_number(cursor: &mut Cursor<'_>) -> Result<(), Fault> {
-    let column = cursor.column();
-    let number = cursor.digits()?;
-    finished(cursor)?;
-    if matches!(number, Some(1..=3)) { Ok(()) } else { Err(Fault::in_macro(MacroAlarm::LoopNumber, column)) }
 }
