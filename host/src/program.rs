@@ -1,14 +1,22 @@
 //! An NC program as a file: every line with its bytes, its meaning and its place.
 
+mod expand;
+
+mod tally;
+
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use arcfeed_shared::nc::alarm::{Alarm, Cause, Fault};
 use arcfeed_shared::nc::block::{Line, Notice, NoticeKind, Reading};
+use arcfeed_shared::nc::macros::program::first_macro;
 use arcfeed_shared::nc::settings::{Preset, Settings, Tables};
 use arcfeed_shared::nc::text::{Lines, RawLine};
 use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::units::LengthUnit;
+
+pub use expand::Expansion;
+pub use tally::Tally;
 
 /// A program, read whole.
 #[derive(Clone, Debug)]
@@ -19,6 +27,10 @@ pub struct Program {
     pub lines: Vec<ProgramLine>,
     /// What is wrong with it, in order of place.
     pub diagnostics: Vec<Diagnostic>,
+    /// The moves it makes.
+    pub moves: Tally,
+    /// The first line with a macro statement or a call, counted from 1, if there is one.
+    pub macro_line: Option<usize>,
 }
 
 /// One line.
@@ -86,12 +98,13 @@ impl Program {
     /// Reads a program from bytes, as a control so set would.
     pub fn parse_with(path: &Path, bytes: &[u8], settings: Settings, tables: Tables) -> Self {
         let mut reader = Reader::with(settings, tables);
-        let mut program = Program { path: path.to_owned(), lines: Vec::new(), diagnostics: Vec::new() };
+        let mut program = Program::empty(path, first_macro(bytes));
         for RawLine { text, ending } in Lines::new(bytes) {
             let line = program.lines.len() + 1;
             let meaning = match reader.read(text) {
                 Ok(understood) => {
                     program.note(line, text, &understood, settings.reading);
+                    program.moves.add(&understood);
                     Some(understood)
                 }
                 Err(fault) => {
@@ -102,6 +115,11 @@ impl Program {
             program.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning });
         }
         program
+    }
+
+    fn empty(path: &Path, macro_line: Option<usize>) -> Self {
+        let (lines, diagnostics) = (Vec::new(), Vec::new());
+        Program { path: path.to_owned(), lines, diagnostics, moves: Tally::default(), macro_line }
     }
 
     /// The program's bytes.
@@ -124,14 +142,7 @@ impl Program {
             self.diagnostics.push(Diagnostic::of_notice(line, text, *notice));
         }
         if understood.lacks_feed() {
-            let mut diagnostic = Diagnostic::of_fault(line, text, Fault::alarm(Alarm::NoFeed, 0));
-            if reading == Reading::Lenient {
-                diagnostic.severity = Severity::Warning;
-                diagnostic.message = "no F before this cutting move: a control fresh from power-on raises PS0011; \
-                                      one that remembers a feed moves with that"
-                    .into();
-            }
-            self.diagnostics.push(diagnostic);
+            self.diagnostics.push(Diagnostic::of_missing_feed(line, text, reading));
         }
     }
 }
@@ -140,16 +151,30 @@ impl Diagnostic {
     fn of_fault(line: usize, text: &[u8], fault: Fault) -> Self {
         let alarm = match fault.cause {
             Cause::Alarm(alarm) => Some(alarm.number()),
+            Cause::Macro(alarm) => alarm.number(),
             Cause::NotModelled(_) => None,
         };
         let message = match fault.cause {
             Cause::Alarm(alarm) => alarm.explanation().to_string(),
+            Cause::Macro(alarm) => alarm.explanation().to_string(),
             cause @ Cause::NotModelled(_) => cause.to_string(),
         };
         let column = usize::from(fault.column).max(1);
         let place = if fault.column == 0 { text } else { word_at(text, column) };
         let end_column = column + place.len().max(1);
         Diagnostic { severity: Severity::Error, line, column, end_column, alarm, message, found: printable(place) }
+    }
+
+    /// A cutting move for which no F was ever given.
+    fn of_missing_feed(line: usize, text: &[u8], reading: Reading) -> Self {
+        let mut diagnostic = Diagnostic::of_fault(line, text, Fault::alarm(Alarm::NoFeed, 0));
+        if reading == Reading::Lenient {
+            diagnostic.severity = Severity::Warning;
+            diagnostic.message = "no F before this cutting move: a control fresh from power-on raises PS0011; \
+                                  one that remembers a feed moves with that"
+                .into();
+        }
+        diagnostic
     }
 
     fn of_notice(line: usize, text: &[u8], notice: Notice) -> Self {

@@ -28,26 +28,31 @@ pub mod reader;
 
 pub mod search;
 
+pub mod executive;
+
 pub mod interpolator;
 
 mod panel;
 
+mod ahead;
+
 use std::collections::VecDeque;
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
+use arcfeed_shared::nc::macros::program::{Library, first_macro};
 use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Micros, MmPerMin, US_PER_MS};
 
 use dnc_port::DncPort;
+use executive::Executive;
 use feeds::FeedConditions;
 use interpolator::Interpolator;
 use line::LineCounters;
 use panel::Phase;
 use reader::{Action, BlockReader};
-use search::{Approach, Found, Search};
+use search::Search;
 use signals::FeedOverrideLines;
-use tape::Received;
 
 pub use settings::{ControlSettings, Preset, Switches};
 
@@ -68,6 +73,8 @@ pub struct Control {
     switches: Switches,
     port: DncPort,
     reader: BlockReader,
+    /// A program in memory that has macro statements.
+    executive: Option<Executive>,
     /// What of the time for reading ahead is not used up.
     reading_time: Micros,
     reads_no_further: bool,
@@ -96,7 +103,16 @@ impl Control {
 
     /// A control that has the whole program in its memory.
     pub fn from_memory(settings: ControlSettings, program: &[u8]) -> Self {
-        Control::new(settings, DncPort::from_memory(program), false)
+        Control::from_memory_with(settings, program, Box::new(()))
+    }
+
+    /// A control that has the whole program and a library of subprograms in its memory.
+    pub fn from_memory_with(settings: ControlSettings, program: &[u8], library: Box<dyn Library>) -> Self {
+        if first_macro(program).is_none() {
+            return Control::new(settings, DncPort::from_memory(program), false);
+        }
+        let executive = Executive::new(program, settings.unit, settings.reading, library);
+        Control { executive: Some(executive), ..Control::new(settings, DncPort::from_memory(b""), false) }
     }
 
     fn new(settings: ControlSettings, port: DncPort, is_in_dnc: bool) -> Self {
@@ -106,6 +122,7 @@ impl Control {
             switches: settings.switches,
             port,
             reader: BlockReader::new(settings.unit, settings.reading, is_in_dnc),
+            executive: None,
             reading_time: read_before_start(&settings),
             reads_no_further: false,
             search: None,
@@ -149,7 +166,7 @@ impl Control {
         let lines = FeedOverrideLines::of_percent(override_percent);
         self.override_percent = self.through_ladder(lines.effective_percent(self.switches.override_cancel));
         self.operate(now);
-        self.read_ahead(dt);
+        self.read_ahead(now, dt);
         self.dwell(dt);
         let mut left_s = dt.to_s();
         while left_s > 0.0 {
@@ -176,7 +193,7 @@ impl Control {
         if !has_nothing || self.phase != Phase::Running || self.dwell_left > Micros(0) || self.is_over() {
             return;
         }
-        if self.port.is_exhausted() {
+        if self.has_nothing_to_read() {
             let alarm = if self.search.is_some() { Alarm::SequenceNotFound } else { Alarm::EndOfRecord };
             self.stop_with(AlarmRecord { line: self.reader.line(), fault: Fault::alarm(alarm, 0) });
         }
@@ -229,6 +246,16 @@ impl Control {
         self.interpolator.queued()
     }
 
+    /// What a program in memory has sent to the punch with its macro statements, as far as it is read.
+    pub fn output(&self) -> &[u8] {
+        self.executive.as_ref().map_or(&[], Executive::output)
+    }
+
+    /// Messages of a program in memory (#3006, #3000), and where in a called program an alarm came up.
+    pub fn messages(&self) -> impl Iterator<Item = &str> {
+        self.executive.iter().flat_map(Executive::messages)
+    }
+
     /// The alarm that stopped it.
     pub fn alarm(&self) -> Option<&AlarmRecord> {
         self.alarm.as_ref()
@@ -256,49 +283,6 @@ impl Control {
 
     fn stop_with(&mut self, alarm: AlarmRecord) {
         self.alarm.get_or_insert(alarm);
-    }
-
-    /// Fills the look-ahead, up to a block behind which nothing is read before it is executed. A block with a fault stops
-    /// the control when its turn comes, not when it is read.
-    fn read_ahead(&mut self, dt: Micros) {
-        let cost = self.settings.block_processing;
-        self.reading_time = self.reading_time.after(dt);
-        while self.interpolator.queued() < self.settings.look_ahead
-            && self.reading_time >= cost
-            && !self.reads_no_further
-            && self.phase == Phase::Running
-        {
-            let Some(received) = self.port.take_block() else { break };
-            self.reading_time = self.reading_time.since(cost);
-            let blocks = match self.search {
-                None => self.reader.read(received, &self.switches).into_iter().collect(),
-                Some(search) => self.searched(search, received),
-            };
-            for block in blocks {
-                self.reads_no_further = block.action.stops_reading();
-                self.interpolator.queue(block);
-            }
-        }
-        // An idle reader has one block's time saved up when the next step comes, and no more.
-        if self.has_moved && self.reading_time >= cost {
-            self.reading_time = cost.since(dt);
-        }
-    }
-
-    /// What a search makes of the next block: blocks to execute once it has come to its end.
-    fn searched(&mut self, search: Search, received: Received) -> Vec<reader::ReadBlock> {
-        let approach = Approach { stands: self.interpolator.position(), feed: self.settings.dry_run_feed };
-        match search.look(received, &mut self.reader, &self.switches, &approach) {
-            Found::NotYet => Vec::new(),
-            Found::Here(blocks) => {
-                self.search = None;
-                blocks
-            }
-            Found::Never(fault) => {
-                self.search = None;
-                vec![fault]
-            }
-        }
     }
 
     fn dwell(&mut self, dt: Micros) {

@@ -109,6 +109,7 @@ impl Control {
                 self.reads_no_further = false;
                 self.has_moved = false;
                 self.executed.clear();
+                self.executive = None;
                 self.phase = Phase::Ready;
             }
             Phase::Running | Phase::Resetting | Phase::Ready => {}

@@ -4,6 +4,7 @@
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::block::{Block, Line, Parsed, Reading};
+use arcfeed_shared::nc::macros::code::{Code, Cursor, Head};
 use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::segment::Segment;
@@ -15,9 +16,9 @@ use super::tape::Received;
 /// One block, ready to execute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadBlock {
-    /// Its line in what was received, counted from 1.
+    /// Its line in what was received, counted from 1; of a program of the library the line of the call.
     pub line: u32,
-    /// Its bytes, without the line end.
+    /// Its bytes, without the line end; where it has expressions, with their values in their place.
     pub text: Vec<u8>,
     /// What it does.
     pub action: Action,
@@ -169,20 +170,35 @@ fn deleted_by(text: &[u8]) -> Option<u8> {
     Some(after.first().filter(|byte| matches!(byte, b'1'..=b'9')).map_or(1, |digit| digit - b'0'))
 }
 
-/// Whether a block goes on somewhere else in its program: GOTO, WHILE, DO, END.
+/// Whether a block goes on somewhere else in its program: GOTO, also behind IF, WHILE, DO, END.
 fn branches(text: &[u8]) -> bool {
-    let code: Vec<u8> = text.split(|&byte| byte == b'(').next().unwrap_or_default().to_vec();
-    let statement = code.trim_ascii_start();
-    let after_n = statement.strip_prefix(b"N").map_or(statement, |rest| {
-        let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
-        &rest[digits..]
-    });
-    let statement = after_n.trim_ascii_start();
-    let jumps = statement.windows(4).any(|word| word == b"GOTO");
-    jumps || [b"WHILE".as_slice(), b"DO", b"END"].iter().any(|word| statement.starts_with(word))
+    let code = Code::new(text);
+    let mut statement = code.cursor();
+    Head::read(&mut statement);
+    if statement.eat_keyword(b"IF") {
+        skip_brackets(&mut statement);
+        statement.eat(b"THEN");
+    }
+    let jumps = [b"GOTO".as_slice(), b"WHILE", b"END"].iter().any(|keyword| statement.eat_keyword(keyword));
+    jumps || statement.letters() == b"DO"
 }
 
-fn action(understood: &Understood) -> Action {
+/// Skips from `[` to behind the `]` that belongs to it.
+fn skip_brackets(statement: &mut Cursor<'_>) {
+    let mut depth = 0_u32;
+    while let Some(byte) = statement.peek() {
+        match byte {
+            b'[' => depth += 1,
+            b']' => depth = depth.saturating_sub(1),
+            _ if depth == 0 => return,
+            _ => {}
+        }
+        statement.skip(1);
+    }
+}
+
+/// What a line that has been understood asks for.
+pub fn action(understood: &Understood) -> Action {
     let Understood { parsed, step, segment } = understood;
     let has_function = |block: &Block| block.words.iter().any(|word| matches!(word.letter, b'M' | b'S' | b'T'));
     match (step.stop, step.dwell, segment, &parsed.line) {
@@ -249,10 +265,11 @@ mod tests {
     #[test]
     fn jumps_are_refused_where_there_is_nothing_to_jump_in() {
         let refused = Action::Fault(Fault::alarm(Alarm::BranchInDnc, 0));
-        for line in ["GOTO10", "N20 IF[#1EQ2]GOTO10", "N5WHILE[#1LT9]DO1", "DO1", "END1"] {
+        for line in ["GOTO10", "N20 IF[#[1]EQ2](A)GOTO10", "IF[1EQ1]THEN GO5", "N5WHILE[#1LT9]DO1", "DO1", "END1"] {
             assert_eq!(blocks(line, true, &Switches::default())[0].action, refused, "{line}");
             assert_ne!(blocks(line, false, &Switches::default())[0].action, refused, "{line}");
         }
+        assert_ne!(blocks("IF[#1EQ2]THEN#2=1", true, &Switches::default())[0].action, refused);
         assert_eq!(blocks("(GOTO10)", true, &Switches::default())[0].action, Action::Nothing);
     }
 

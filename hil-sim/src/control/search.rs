@@ -47,35 +47,23 @@ impl Search {
                     Received::Block(text) if sequence_of(text) == Some(wanted) => {
                         Found::Here(reader.read_again(received, switches).into_iter().collect())
                     }
-                    _ if is_end => Found::Never(never(reader)),
+                    _ if is_end => Found::Never(never(reader.line())),
                     _ => Found::NotYet,
                 }
             }
             Search::Restart(wanted) => {
                 let start = reader.end();
                 let Some(block) = reader.read(received, switches) else { return Found::NotYet };
-                if sequence_of(&block.text) == Some(wanted) {
-                    let mut blocks = approach.blocks(start, block.line);
-                    blocks.push(block);
-                    return Found::Here(blocks);
-                }
-                match &block.action {
-                    Action::Stop(Stop::End) | Action::Move(_, Some(Stop::End)) => Found::Never(never(reader)),
-                    Action::Fault(fault) if *fault == Fault::alarm(Alarm::EndOfRecord, 1) => {
-                        Found::Never(never(reader))
-                    }
-                    Action::Fault(_) => Found::Never(block),
-                    _ => Found::NotYet,
-                }
+                approach.restart_at(wanted, block, start)
             }
         }
     }
 }
 
 /// The alarm of a number that is not there.
-pub fn never(reader: &BlockReader) -> ReadBlock {
+pub fn never(line: u32) -> ReadBlock {
     let fault = Fault::alarm(Alarm::SequenceNotFound, 0);
-    ReadBlock { line: reader.line(), text: Vec::new(), action: Action::Fault(fault) }
+    ReadBlock { line, text: Vec::new(), action: Action::Fault(fault) }
 }
 
 /// How the axes get to where the program is taken up.
@@ -88,6 +76,21 @@ pub struct Approach {
 }
 
 impl Approach {
+    /// What a block means to a restart at block N `wanted`; the block before it ends at `start`.
+    pub fn restart_at(&self, wanted: u32, block: ReadBlock, start: Pose) -> Found {
+        if sequence_of(&block.text) == Some(wanted) {
+            let mut blocks = self.blocks(start, block.line);
+            blocks.push(block);
+            return Found::Here(blocks);
+        }
+        match &block.action {
+            Action::Stop(Stop::End) | Action::Move(_, Some(Stop::End)) => Found::Never(never(block.line)),
+            Action::Fault(fault) if *fault == Fault::alarm(Alarm::EndOfRecord, 1) => Found::Never(never(block.line)),
+            Action::Fault(_) => Found::Never(block),
+            _ => Found::NotYet,
+        }
+    }
+
     /// One move for each axis that is elsewhere.
     fn blocks(&self, to: Pose, line: u32) -> Vec<ReadBlock> {
         let feed = Feed::PerMinute(Nm::from_mm(f64::from(self.feed.0)));

@@ -5,15 +5,13 @@ use std::path::PathBuf;
 
 use annotate_snippets::Renderer;
 use arcfeed_shared::nc::block::{Line, Reading};
-use arcfeed_shared::nc::modal::{Motion, MotionKind};
-use arcfeed_shared::nc::series::Act;
 use arcfeed_shared::nc::settings::Scope;
 use serde::Serialize;
 
 use super::outcome::{Failure, file_failure, say, spindle_contradictions};
 use crate::control::{self, Convention, PRESETS};
 use crate::job::JobFile;
-use crate::program::{Diagnostic, Program, ProgramLine, Severity};
+use crate::program::{Diagnostic, Expansion, Program, ProgramLine, Severity, Tally};
 use crate::snippet;
 
 /// Check an NC program, or a job and its program: every alarm with line and column
@@ -33,6 +31,9 @@ pub struct Check {
     /// How numbers without a decimal point count
     #[arg(long)]
     decimals: Option<Convention>,
+    /// Folder of subprograms that are not in the program's file: O9010, O9010.nc or 9010.nc
+    #[arg(long, value_name = "DIR")]
+    library: Option<PathBuf>,
     /// Print one JSON object (docs/json.md)
     #[arg(long)]
     json: bool,
@@ -96,7 +97,7 @@ impl Check {
         settings.decimals = self.decimals.map_or(settings.decimals, Into::into);
         settings.unit = job.as_ref().map_or(settings.unit, |file| file.job.unit);
         let bytes = std::fs::read(path).map_err(|error| file_failure(path, &error))?;
-        let program = Program::parse_with(path, &bytes, settings, tables);
+        let program = Program::run(path, &bytes, Expansion { settings, tables, library: self.library.as_deref() });
         let counts = count(&program);
         if self.json {
             self.print_json(&program, counts);
@@ -162,33 +163,8 @@ fn of_severity(program: &Program, severity: Severity) -> impl Iterator<Item = &D
 fn count(program: &Program) -> Counts {
     let mut counts = Counts { lines: program.lines.len(), blocks: program.block_count(), ..Counts::default() };
     counts.comments = program.lines.iter().filter(|line| line.is_block() && is_comment(line)).count();
-    for meaning in program.lines.iter().filter_map(|line| line.meaning.as_ref()) {
-        if let Some(motion) = meaning.segment.and(meaning.step.motion) {
-            counts.add(&motion);
-        }
-        for act in meaning.step.series.iter().flat_map(|series| series.acts()) {
-            if let Act::Move(motion) = act {
-                counts.add(&motion);
-            }
-        }
-    }
-    counts
-}
-
-impl Counts {
-    fn add(&mut self, motion: &Motion) {
-        let Motion { kind, plane, start, end, .. } = motion;
-        let (.., normal) = plane.axes();
-        match kind {
-            MotionKind::Arc(_) => {
-                self.arcs += 1;
-                self.helices += usize::from(start.linear[normal] != end.linear[normal]);
-            }
-            MotionKind::Line => self.linear += 1,
-            MotionKind::Rapid => self.rapids += 1,
-        }
-        self.rotary += usize::from(start.rotary != end.rotary);
-    }
+    let Tally { arcs, helices, linear, rapids, rotary } = program.moves;
+    Counts { arcs, helices, linear, rapids, rotary, ..counts }
 }
 
 fn is_comment(line: &ProgramLine) -> bool {

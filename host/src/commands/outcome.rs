@@ -69,6 +69,9 @@ pub fn load(job: &Path) -> Result<(JobFile, Program), Failure> {
     let file = JobFile::load(job)?;
     let program = Program::load(&file.program, file.job.unit, Reading::Lenient)
         .map_err(|error| file_failure(&file.program, &error))?;
+    if let Some(refusal) = macro_refusal(&program) {
+        return Err(Failure::Input(refusal));
+    }
     let mut errors: Vec<String> = program
         .diagnostics
         .iter()
@@ -77,6 +80,17 @@ pub fn load(job: &Path) -> Result<(JobFile, Program), Failure> {
         .collect();
     errors.extend(spindle_contradictions(&file, &program));
     if errors.is_empty() { Ok((file, program)) } else { Err(Failure::Input(errors.join("\n"))) }
+}
+
+/// An F written into a macro's body or a subprogram would be that of every call, so such programs keep their feeds.
+fn macro_refusal(program: &Program) -> Option<String> {
+    let line = program.macro_line?;
+    let found = program.lines.get(line - 1).map(|line| line.text.escape_ascii().to_string()).unwrap_or_default();
+    let path = program.path.display();
+    Some(format!(
+        "{path}:{line}:1: error: macro statements and calls cannot be adapted: a feed written into a body would serve every \
+         call; write the program out without them (found `{found}`)"
+    ))
 }
 
 /// The chip is as thick as feed over speed: a program that turns the spindle at another speed than the job says would

@@ -54,6 +54,7 @@ impl AlarmFigures {
     pub fn new(line: u32, column: u16, cause: Cause) -> Self {
         let (alarm, message) = match cause {
             Cause::Alarm(alarm) => (Some(alarm.number()), alarm.explanation().to_string()),
+            Cause::Macro(alarm) => (alarm.number(), alarm.explanation().to_string()),
             Cause::NotModelled(_) => (None, cause.to_string()),
         };
         AlarmFigures { line, column: (column > 0).then_some(column), alarm, message }

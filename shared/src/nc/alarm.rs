@@ -5,6 +5,8 @@
 
 use core::fmt;
 
+use super::macro_alarm::MacroAlarm;
+
 /// Declares [`Alarm`] from its table: number, when the control raises it, what to do.
 macro_rules! alarms {
     ($($name:ident = $number:literal: $when:literal, $remedy:literal;)*) => {
@@ -93,6 +95,8 @@ pub enum NotModelled {
     MCode(u16),
     /// Macro statements beyond `#variable=number`.
     Macro,
+    /// A system variable of the control whose value is not known here.
+    Variable(u32),
     /// An arc that also turns a rotary axis.
     RotaryArc,
     /// An arc given by R that ends where it starts in its plane, but not across it.
@@ -106,6 +110,8 @@ pub enum NotModelled {
 pub enum Cause {
     /// The control would stop with this alarm.
     Alarm(Alarm),
+    /// The control would stop with this alarm of a custom macro or a call.
+    Macro(MacroAlarm),
     /// The control may accept it; arcfeed does not interpret it, and refuses rather than guesses.
     NotModelled(NotModelled),
 }
@@ -123,6 +129,11 @@ impl Fault {
     /// An alarm at `column`.
     pub const fn alarm(alarm: Alarm, column: u16) -> Self {
         Fault { cause: Cause::Alarm(alarm), column }
+    }
+
+    /// A macro alarm at `column`.
+    pub const fn in_macro(alarm: MacroAlarm, column: u16) -> Self {
+        Fault { cause: Cause::Macro(alarm), column }
     }
 
     /// Something not modelled at `column`.
@@ -144,6 +155,7 @@ impl fmt::Display for NotModelled {
             }
             NotModelled::MCode(code) => write!(f, "M{code}"),
             NotModelled::Macro => f.write_str("this macro statement"),
+            NotModelled::Variable(number) => write!(f, "#{number}"),
             NotModelled::RotaryArc => f.write_str("an arc that also turns a rotary axis"),
             NotModelled::ArcWithoutAngle => f.write_str("an arc given by R that only moves across its plane"),
             NotModelled::LongBlock => f.write_str("a block of more than 32 words"),
@@ -162,6 +174,10 @@ impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Cause::Alarm(alarm) => write!(f, "PS{:04} {}", alarm.number(), alarm.explanation()),
+            Cause::Macro(alarm) => match alarm.number() {
+                Some(number) => write!(f, "PS{number:04} {}", alarm.explanation()),
+                None => f.write_str(alarm.explanation()),
+            },
             Cause::NotModelled(what) => {
                 write!(f, "{what} is not interpreted by this version; the program is refused rather than guessed at")
             }

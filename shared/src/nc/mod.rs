@@ -3,6 +3,8 @@
 //! Only lines are context for the text level, only [`modal::Modal`] for the meaning level; every fault carries the
 //! column it was found at, and the caller knows the line.
 
+pub mod macro_alarm;
+
 pub mod alarm;
 
 pub mod number;
@@ -34,3 +36,6 @@ mod oneshot;
 mod cycles;
 
 pub mod interpret;
+
+#[cfg(feature = "macros")]
+pub mod macros;

@@ -1,0 +1,214 @@
+//! A program in memory with macro statements, calls and subprograms, as the control reads it ahead.
+//!
+//! A control works macro statements out when it reads them ahead, not when the blocks before them are done; so does this
+//! one, and #5001 and on are where the last block read ends. Statements take time: one slice of them a step.
+
+use std::collections::VecDeque;
+
+use arcfeed_shared::nc::alarm::{Alarm, Fault};
+use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::macros::interpreter::Interpreter;
+use arcfeed_shared::nc::macros::program::Library;
+use arcfeed_shared::nc::macros::stack::Place;
+use arcfeed_shared::nc::macros::step::{Ending, PlainBlock, Settings, Step, Trouble};
+use arcfeed_shared::nc::macros::variables::Context;
+use arcfeed_shared::nc::modal::{Pose, Stop};
+use arcfeed_shared::reader::Reader;
+use arcfeed_shared::units::{LengthUnit, Micros};
+
+use super::reader::{Action, ReadBlock, action};
+use super::search::{Approach, Found, Search, never};
+use super::settings::Switches;
+
+/// The program being read.
+#[derive(Debug)]
+pub struct Executive {
+    reader: Reader,
+    interpreter: Interpreter,
+    line: u32,
+    end: Pose,
+    is_over: bool,
+    output: Vec<u8>,
+    messages: VecDeque<String>,
+}
+
+/// What comes next.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Next {
+    /// A block.
+    Block(Box<ReadBlock>),
+    /// Nothing before the next step of time.
+    Busy,
+    /// Nothing any more.
+    Over,
+}
+
+impl Executive {
+    /// At power-on, the axes at the origin; subprograms stand behind the program or in the library.
+    pub fn new(text: &[u8], unit: LengthUnit, reading: Reading, library: Box<dyn Library>) -> Self {
+        let reader = Reader::new(unit, reading);
+        let context = Context::with_length(reader.modal(), reader.machine(), Micros(0));
+        let interpreter = Interpreter::new(text, library, Settings::default(), &context);
+        Executive {
+            reader,
+            interpreter,
+            line: 0,
+            end: Pose::default(),
+            is_over: false,
+            output: Vec::new(),
+            messages: VecDeque::new(),
+        }
+    }
+
+    /// The next block at `now`.
+    pub fn next(&mut self, now: Micros, switches: &Switches) -> Next {
+        // Bit n - 1 of the panel is bit n of the interpreter.
+        self.interpreter.set_block_delete(switches.block_delete << 1);
+        while !self.is_over {
+            let context = Context::with_length(self.reader.modal(), self.reader.machine(), now);
+            let block = match self.interpreter.next(&context) {
+                Ok(Step::Block(block)) => self.read(block),
+                Ok(Step::Message(text)) => self.wait_with(&text),
+                Ok(Step::Busy) => return Next::Busy,
+                Ok(Step::End(Ending::Text)) => {
+                    self.is_over = true;
+                    self.block(Action::Fault(Fault::alarm(Alarm::EndOfRecord, 0)))
+                }
+                Err(trouble) => {
+                    self.is_over = true;
+                    self.stop(&trouble)
+                }
+                Ok(Step::Output(bytes)) => {
+                    self.output.extend(bytes);
+                    continue;
+                }
+                Ok(Step::Restart) => continue,
+                Ok(Step::Starved | Step::End(Ending::Program)) => {
+                    self.is_over = true;
+                    continue;
+                }
+            };
+            return Next::Block(Box::new(block));
+        }
+        Next::Over
+    }
+
+    /// What a search makes of what comes next; `None` if that takes more time.
+    pub fn look(&mut self, search: Search, now: Micros, switches: &Switches, approach: &Approach) -> Option<Found> {
+        if let Search::Sequence(wanted) = search {
+            let is_there = self.interpreter.seek(wanted);
+            return Some(if is_there { Found::Here(Vec::new()) } else { Found::Never(never(self.line)) });
+        }
+        let Search::Restart(wanted) = search else { return None };
+        let start = self.end;
+        match self.next(now, switches) {
+            Next::Block(block) => Some(approach.restart_at(wanted, *block, start)),
+            Next::Busy => None,
+            Next::Over => Some(Found::Never(never(self.line))),
+        }
+    }
+
+    /// Whether nothing comes any more.
+    pub fn is_over(&self) -> bool {
+        self.is_over
+    }
+
+    /// What the program has sent to the punch.
+    pub fn output(&self) -> &[u8] {
+        &self.output
+    }
+
+    /// Messages of `#3006` and `#3000`, and where in a called program an alarm came up.
+    pub fn messages(&self) -> impl Iterator<Item = &str> {
+        self.messages.iter().map(String::as_str)
+    }
+
+    fn read(&mut self, block: PlainBlock) -> ReadBlock {
+        let action = match self.reader.read(&block.text) {
+            Ok(understood) => action(&understood),
+            Err(fault) => Action::Fault(block.in_source(fault)),
+        };
+        if let Action::Move(segment, _) = &action {
+            self.end = segment.end;
+        }
+        self.line = main_line(block.place, &block.calls);
+        ReadBlock { line: self.line, text: block.text, action }
+    }
+
+    fn wait_with(&mut self, message: &[u8]) -> ReadBlock {
+        let message = String::from_utf8_lossy(message).into_owned();
+        let text = format!("({message})").into_bytes();
+        self.messages.push_back(message);
+        ReadBlock { text, ..self.block(Action::Stop(Stop::Program)) }
+    }
+
+    fn stop(&mut self, trouble: &Trouble) -> ReadBlock {
+        let Trouble { fault, place, calls, message } = trouble;
+        if !message.is_empty() {
+            self.messages.push_back(String::from_utf8_lossy(message).into_owned());
+        }
+        if let Some(program) = place.library {
+            self.messages.push_back(format!("in O{program}, line {}, column {}", place.line, fault.column));
+        }
+        self.line = main_line(*place, calls);
+        self.block(Action::Fault(*fault))
+    }
+
+    fn block(&self, action: Action) -> ReadBlock {
+        ReadBlock { line: self.line, text: Vec::new(), action }
+    }
+}
+
+/// The line of the main program's file to which a place belongs: its own, or that of the call that led to it.
+fn main_line(place: Place, calls: &[Place]) -> u32 {
+    let of_main = |place: &&Place| place.library.is_none();
+    std::iter::once(&place).chain(calls.iter().rev()).find(of_main).map_or(0, |place| place.line)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn executive(program: &str) -> Executive {
+        Executive::new(program.as_bytes(), LengthUnit::Mm, Reading::Lenient, Box::new(()))
+    }
+
+    fn texts(executive: &mut Executive, switches: &Switches) -> Vec<String> {
+        let mut texts = Vec::new();
+        while let Next::Block(block) = executive.next(Micros(0), switches) {
+            texts.push(String::from_utf8(block.text).unwrap());
+        }
+        texts
+    }
+
+    #[test]
+    fn switches_delete_blocks_and_statements() {
+        let program = "#1=1.\n/2#1=2.\n/X5.\nX#1\nM30\n";
+        let switches = Switches { block_delete: 0b10, ..Switches::default() };
+        assert_eq!(texts(&mut executive(program), &switches), ["/X5.", "X1.", "M30"]);
+        assert_eq!(texts(&mut executive(program), &Switches::default()), ["/X5.", "X2.", "M30"]);
+    }
+
+    #[test]
+    fn a_search_goes_on_at_its_block_and_a_restart_reads_what_is_before_it() {
+        let program = "#1=4.\nG1F100.X1.\nN20Y#1\nM30\n";
+        let stands = Pose::default();
+        let approach = Approach { stands, feed: arcfeed_shared::units::MmPerMin(1_000.0) };
+        let off = Switches::default();
+        let mut found = executive(program);
+        assert_eq!(found.look(Search::Sequence(20), Micros(0), &off, &approach), Some(Found::Here(Vec::new())));
+        assert_eq!(texts(&mut found, &off), ["N20", "M30"], "without #1 there is no Y");
+        let mut restarted = executive(program);
+        let mut look = || restarted.look(Search::Restart(20), Micros(0), &off, &approach);
+        assert_eq!(look(), Some(Found::NotYet));
+        let Some(Found::Here(blocks)) = look() else { panic!("N20 is there") };
+        let ends: Vec<_> = blocks
+            .iter()
+            .filter_map(|block| match &block.action {
+                Action::Move(segment, _) => Some(segment.end.linear.map(|axis| axis.to_mm())),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(ends, [[1.0, 0.0, 0.0], [1.0, 4.0, 0.0]]);
+    }
+}

@@ -1,0 +1,201 @@
+//! Programs with macro statements: interpreted to their end, as a control with them in memory would run them.
+//!
+//! Time stands still but for a millisecond that a slice of statements takes, so that a program which waits for a timer gets
+//! on. The first macro alarm ends the program; faults of plain blocks are collected, each once for its place.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use arcfeed_shared::nc::alarm::{Alarm, Fault};
+use arcfeed_shared::nc::block::{Line, Reading, parse_line};
+use arcfeed_shared::nc::macro_alarm::MacroAlarm;
+use arcfeed_shared::nc::macros::interpreter::Interpreter;
+use arcfeed_shared::nc::macros::program::{Library, first_macro};
+use arcfeed_shared::nc::macros::stack::Place;
+use arcfeed_shared::nc::macros::step::{self as macros, PlainBlock, Trouble};
+use arcfeed_shared::nc::macros::variables::Context;
+use arcfeed_shared::nc::modal::Step;
+use arcfeed_shared::nc::settings::{Settings, Tables};
+use arcfeed_shared::nc::text::{Lines, RawLine};
+use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::units::Micros;
+
+use super::{Diagnostic, Program, ProgramLine, Tally};
+
+/// Most blocks that are interpreted.
+const BLOCKS_MAX: usize = 2_000_000;
+/// Most places that faults are told of.
+const FAULTS_MAX: usize = 200;
+/// What a slice of statements takes.
+const SLICE: Micros = Micros::from_ms(1);
+
+/// A folder with subprograms, one a file: `O9010`, with `.nc` or without, or `9010.nc`.
+#[derive(Clone, Debug)]
+pub struct Folder(pub PathBuf);
+
+impl Folder {
+    /// The file of a program.
+    pub fn file(&self, number: u32) -> Option<PathBuf> {
+        let names = [format!("O{number:04}"), format!("O{number}"), format!("{number:04}"), format!("{number}")];
+        let paths =
+            names.iter().flat_map(|name| ["", ".nc", ".NC"].map(|ending| self.0.join(format!("{name}{ending}"))));
+        paths.into_iter().find(|path| path.is_file())
+    }
+}
+
+impl Library for Folder {
+    fn load(&mut self, number: u32) -> Option<Vec<u8>> {
+        std::fs::read(self.file(number)?).ok()
+    }
+}
+
+/// How a program is interpreted.
+#[derive(Clone, Debug)]
+pub struct Expansion<'a> {
+    /// The control's settings.
+    pub settings: Settings,
+    /// Its offsets.
+    pub tables: Tables,
+    /// Subprograms that are not in the file.
+    pub library: Option<&'a Path>,
+}
+
+impl Program {
+    /// Reads a program as a control with it in memory runs it: with macro statements and calls it is interpreted to its
+    /// end, without them it is [`Program::parse_with`].
+    pub fn run(path: &Path, bytes: &[u8], expansion: Expansion<'_>) -> Self {
+        let Some(macro_line) = first_macro(bytes) else {
+            return Program::parse_with(path, bytes, expansion.settings, expansion.tables);
+        };
+        let mut program = Program::empty(path, Some(macro_line));
+        for RawLine { text, ending } in Lines::new(bytes) {
+            program.keep(text, ending, &expansion.settings);
+        }
+        let (found, moves) = expansion.run(bytes, &program.lines);
+        program.moves = moves;
+        program.diagnostics.extend(found);
+        program.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));
+        program
+    }
+
+    /// Keeps a line as it stands. Only one without code means something by itself.
+    fn keep(&mut self, text: &[u8], ending: &[u8], settings: &Settings) {
+        let parsed = parse_line(text, settings.reading).ok();
+        let numbers = |line: &Line| match line {
+            Line::Block(block) => block.check_numbers(text, settings).ok().flatten(),
+            _ => None,
+        };
+        for notice in parsed.iter().flat_map(|parsed| parsed.notices.iter().copied().chain(numbers(&parsed.line))) {
+            self.diagnostics.push(Diagnostic::of_notice(self.lines.len() + 1, text, notice));
+        }
+        let has_code = |line: &Line| matches!(line, Line::Block(block) if !block.is_empty());
+        let without_code = parsed.filter(|parsed| !has_code(&parsed.line));
+        let meaning = without_code.map(|parsed| Understood { parsed, step: Step::default(), segment: None });
+        self.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning });
+    }
+}
+
+impl Expansion<'_> {
+    /// Interprets a program; answers what is wrong, in the order found, and the moves made.
+    fn run(self, bytes: &[u8], lines: &[ProgramLine]) -> (Vec<Diagnostic>, Tally) {
+        let folder = self.library.map(|path| Folder(path.to_owned()));
+        let library: Box<dyn Library> = match &folder {
+            Some(folder) => Box::new(folder.clone()),
+            None => Box::new(()),
+        };
+        let settings = macros::Settings { block_delete: self.settings.delete_switches, ..macros::Settings::default() };
+        let mut reader = Reader::with(self.settings, self.tables);
+        let mut found = Findings { lines, folder: folder.as_ref(), told: BTreeSet::new(), list: Vec::new() };
+        let mut interpreter = Interpreter::new(bytes, library, settings, &context(&reader, Micros(0)));
+        let (mut now, mut blocks, mut moves) = (Micros(0), 0, Tally::default());
+        loop {
+            match interpreter.next(&context(&reader, now)) {
+                Ok(macros::Step::Block(block)) if blocks == BLOCKS_MAX => {
+                    found.add(Fault::in_macro(MacroAlarm::Endless, 1), block.place, &block.calls, b"");
+                    break;
+                }
+                Ok(macros::Step::Block(block)) => {
+                    blocks += 1;
+                    let understood = found.read(&mut reader, &block, self.settings.reading);
+                    understood.iter().for_each(|block| moves.add(block));
+                }
+                Ok(macros::Step::Output(_) | macros::Step::Message(_)) => {}
+                Ok(macros::Step::Busy) => now = now.after(SLICE),
+                // M99 in a main program: what follows is what was.
+                Ok(macros::Step::Restart | macros::Step::Starved | macros::Step::End(_)) => break,
+                Err(Trouble { fault, place, calls, message }) => {
+                    found.add(fault, place, &calls, &message);
+                    break;
+                }
+            }
+        }
+        (found.list, moves)
+    }
+}
+
+fn context(reader: &Reader, now: Micros) -> Context {
+    Context::with_length(reader.modal(), reader.machine(), now)
+}
+
+/// What was found so far.
+struct Findings<'a> {
+    lines: &'a [ProgramLine],
+    folder: Option<&'a Folder>,
+    told: BTreeSet<(Option<u32>, u32, u16)>,
+    list: Vec<Diagnostic>,
+}
+
+impl Findings<'_> {
+    fn read(&mut self, reader: &mut Reader, block: &PlainBlock, reading: Reading) -> Option<Understood> {
+        match reader.read(&block.text) {
+            Ok(understood) => {
+                if understood.lacks_feed() && self.is_new(Fault::alarm(Alarm::NoFeed, 0), block.place) {
+                    let text = self.text(block.place);
+                    self.list.push(Diagnostic::of_missing_feed(block.place.line as usize, &text, reading));
+                }
+                Some(understood)
+            }
+            Err(fault) => {
+                self.add(block.in_source(fault), block.place, &block.calls, b"");
+                None
+            }
+        }
+    }
+
+    fn is_new(&mut self, fault: Fault, place: Place) -> bool {
+        self.told.len() < FAULTS_MAX && self.told.insert((place.library, place.line, fault.column))
+    }
+
+    fn text(&self, place: Place) -> Vec<u8> {
+        let line = self.lines.get((place.line as usize).saturating_sub(1));
+        line.map(|line| line.text.clone()).unwrap_or_default()
+    }
+
+    /// A fault in a program of the library is told at the call in the main program's file that led to it.
+    fn add(&mut self, fault: Fault, place: Place, calls: &[Place], message: &[u8]) {
+        if !self.is_new(fault, place) {
+            return;
+        }
+        let (own, inner) = match place.library {
+            None => ((place, fault), None),
+            Some(number) => {
+                let call = calls.iter().rev().find(|call| call.library.is_none()).copied().unwrap_or_default();
+                ((call, Fault { column: 0, ..fault }), Some(number))
+            }
+        };
+        let ((place_in_main, fault_in_main), text) = (own, self.text(own.0));
+        let mut diagnostic = Diagnostic::of_fault((place_in_main.line as usize).max(1), &text, fault_in_main);
+        if !message.is_empty() {
+            diagnostic.message = format!("{}: {}", diagnostic.message, message.escape_ascii());
+        }
+        if let Some(number) = inner {
+            let file = self.folder.and_then(|folder| folder.file(number));
+            let file = file.map_or(format!("O{number}"), |path| path.display().to_string());
+            let (line, column) = (place.line, fault.column.max(1));
+            diagnostic.message = format!("in {file}:{line}:{column}: {}", diagnostic.message);
+        } else if let Some(call) = calls.last() {
+            diagnostic.message = format!("{} (called from line {})", diagnostic.message, call.line);
+        }
+        self.list.push(diagnostic);
+    }
+}

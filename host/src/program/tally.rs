@@ -1,0 +1,48 @@
+//! Moves, counted.
+
+use arcfeed_shared::nc::modal::{Motion, MotionKind};
+use arcfeed_shared::nc::series::Act;
+use arcfeed_shared::reader::Understood;
+
+/// Moves, those of canned cycles and reference returns one by one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Arcs, helices among them.
+    pub arcs: usize,
+    /// Arcs that also move across their plane.
+    pub helices: usize,
+    /// Straight cutting moves.
+    pub linear: usize,
+    /// Rapid moves.
+    pub rapids: usize,
+    /// Moves, of whatever kind, in which a rotary axis turns.
+    pub rotary: usize,
+}
+
+impl Tally {
+    /// The moves of one more block.
+    pub fn add(&mut self, block: &Understood) {
+        if let Some(motion) = block.segment.and(block.step.motion) {
+            self.add_move(&motion);
+        }
+        for act in block.step.series.iter().flat_map(|series| series.acts()) {
+            if let Act::Move(motion) = act {
+                self.add_move(&motion);
+            }
+        }
+    }
+
+    fn add_move(&mut self, motion: &Motion) {
+        let Motion { kind, plane, start, end, .. } = motion;
+        let (.., normal) = plane.axes();
+        match kind {
+            MotionKind::Arc(_) => {
+                self.arcs += 1;
+                self.helices += usize::from(start.linear[normal] != end.linear[normal]);
+            }
+            MotionKind::Line => self.linear += 1,
+            MotionKind::Rapid => self.rapids += 1,
+        }
+        self.rotary += usize::from(start.rotary != end.rotary);
+    }
+}

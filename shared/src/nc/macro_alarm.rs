@@ -1,0 +1,118 @@
+//! What a control stops with in custom macros and subprogram calls.
+//!
+//! Numbers as in the program-error list of the Fanuc 16i; where the 30i words an alarm differently the 16i's meaning is
+//! taken (076: no P, 078: no such program).
+
+/// A macro alarm, or a bound of this interpreter that a control does not have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MacroAlarm {
+    /// PS0076.
+    NoProgramNumber,
+    /// PS0077.
+    SubprogramNesting,
+    /// PS0078.
+    ProgramNotFound,
+    /// PS0111.
+    Overflow,
+    /// PS0112.
+    DivisionByZero,
+    /// PS0113.
+    ImproperFunction,
+    /// PS0114.
+    ExpressionFormat,
+    /// PS0115.
+    VariableNumber,
+    /// PS0116.
+    WriteProtected,
+    /// PS0118.
+    BracketNesting,
+    /// PS0119.
+    IllegalArgument,
+    /// PS0122.
+    MacroNesting,
+    /// PS0123.
+    NotInDnc,
+    /// PS0124.
+    EndMissing,
+    /// PS0125.
+    StatementFormat,
+    /// PS0126.
+    LoopNumber,
+    /// PS0127.
+    MixedStatements,
+    /// PS0128.
+    SequenceNumber,
+    /// PS0129.
+    ArgumentAddress,
+    /// 3000 + n, raised by the program itself with `#3000 = n`.
+    User(u16),
+    /// No alarm of a control: so many statements without a move, and none in sight.
+    Endless,
+    /// No alarm of a control: the programs called are larger than the caller allows.
+    TooLarge,
+}
+
+impl MacroAlarm {
+    /// The number on the control's screen; nothing for a bound of this interpreter.
+    pub const fn number(self) -> Option<u16> {
+        Some(match self {
+            MacroAlarm::NoProgramNumber => 76,
+            MacroAlarm::SubprogramNesting => 77,
+            MacroAlarm::ProgramNotFound => 78,
+            MacroAlarm::Overflow => 111,
+            MacroAlarm::DivisionByZero => 112,
+            MacroAlarm::ImproperFunction => 113,
+            MacroAlarm::ExpressionFormat => 114,
+            MacroAlarm::VariableNumber => 115,
+            MacroAlarm::WriteProtected => 116,
+            MacroAlarm::BracketNesting => 118,
+            MacroAlarm::IllegalArgument => 119,
+            MacroAlarm::MacroNesting => 122,
+            MacroAlarm::NotInDnc => 123,
+            MacroAlarm::EndMissing => 124,
+            MacroAlarm::StatementFormat => 125,
+            MacroAlarm::LoopNumber => 126,
+            MacroAlarm::MixedStatements => 127,
+            MacroAlarm::SequenceNumber => 128,
+            MacroAlarm::ArgumentAddress => 129,
+            MacroAlarm::User(number) => 3_000_u16.saturating_add(number),
+            MacroAlarm::Endless | MacroAlarm::TooLarge => return None,
+        })
+    }
+
+    /// What it means and what to do, one sentence.
+    pub const fn explanation(self) -> &'static str {
+        match self {
+            MacroAlarm::NoProgramNumber => "M98, G65 or G66 without P; give the program's number",
+            MacroAlarm::SubprogramNesting => "subprogram calls nested too deep; a program that calls itself never ends",
+            MacroAlarm::ProgramNotFound => {
+                "no program, or no block N to return to, of this number; correct P or add it"
+            }
+            MacroAlarm::Overflow => "the result is beyond what a variable holds (10^47); check the formula",
+            MacroAlarm::DivisionByZero => "division by zero; test the divisor before",
+            MacroAlarm::ImproperFunction => "no such function or statement; correct its name",
+            MacroAlarm::ExpressionFormat => "this is no expression; check operators, brackets and variables",
+            MacroAlarm::VariableNumber => "no variable has this number, or it cannot take this value",
+            MacroAlarm::WriteProtected => "this variable can only be read",
+            MacroAlarm::BracketNesting => "more than five levels of brackets; split the expression",
+            MacroAlarm::IllegalArgument => "the function has no result for this argument; test the argument before",
+            MacroAlarm::MacroNesting => "macro calls nested more than four deep",
+            MacroAlarm::NotInDnc => {
+                "GOTO, WHILE and DO cannot be used in a main program in DNC operation: only subprograms are in memory"
+            }
+            MacroAlarm::EndMissing => {
+                "DO and END do not belong together one to one; write END with the number of its DO"
+            }
+            MacroAlarm::StatementFormat => "this is no macro statement; correct its form",
+            MacroAlarm::LoopNumber => "the number behind DO and END must be 1, 2 or 3",
+            MacroAlarm::MixedStatements => "NC words and a macro statement in one block; write two blocks",
+            MacroAlarm::SequenceNumber => "no block with this sequence number in the program",
+            MacroAlarm::ArgumentAddress => "this address cannot be an argument of a macro call",
+            MacroAlarm::User(_) => "the program stopped itself with #3000",
+            MacroAlarm::Endless => {
+                "the program goes round without a move: the limit of statements between two moves is reached"
+            }
+            MacroAlarm::TooLarge => "the called programs are larger than the limit for programs in memory",
+        }
+    }
+}

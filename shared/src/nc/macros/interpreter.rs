@@ -1,0 +1,342 @@
+//! The executor: statement by statement, what the control has to do next.
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+use super::arguments::{Letters, locals};
+use super::calls::{SEQUENCE_MAX, Then, macro_call, split_call};
+use super::code::{Code, Cursor, Head};
+use super::expression::{Evaluator, whole};
+use super::print::{self, PUNCH_OFF, PUNCH_ON};
+use super::program::{File, Library, Line};
+use super::stack::{Call, Place, Stack, When};
+use super::step::{Ending, PlainBlock, Settings, Step, Trouble};
+use super::variables::{Context, Effect, Variables};
+use super::words::{self, Word, spell_block};
+use crate::nc::alarm::{Alarm, Fault, NotModelled};
+use crate::nc::macro_alarm::MacroAlarm;
+
+/// A program being executed.
+#[derive(Debug)]
+pub struct Interpreter {
+    settings: Settings,
+    stack: Stack,
+    variables: Variables,
+    then: Then,
+    /// The line being executed, counted from 0 in its file, and its place.
+    index: u32,
+    place: Place,
+    steps: u32,
+    message: Vec<u8>,
+}
+
+impl Interpreter {
+    /// At the start of the first program in `text`; in DNC operation the text comes by [`Interpreter::feed`].
+    pub fn new(text: &[u8], library: Box<dyn Library>, settings: Settings, context: &Context) -> Self {
+        Interpreter {
+            settings,
+            stack: Stack::new(File::new(text), library),
+            variables: Variables::new(*context),
+            then: Then::GoOn,
+            index: 0,
+            place: Place::default(),
+            steps: 0,
+            message: Vec::new(),
+        }
+    }
+
+    /// Takes line `number` of the main program (DNC operation, when [`Step::Starved`]).
+    pub fn feed(&mut self, line: &[u8], number: u32) {
+        self.stack.feed(line, number);
+    }
+
+    /// The switches of block delete that are on from here: bit n for `/n`.
+    pub fn set_block_delete(&mut self, switches: u16) {
+        self.settings.block_delete = switches;
+    }
+
+    /// Goes on at block N `sequence` of the program that runs; whether there is one.
+    pub fn seek(&mut self, sequence: u32) -> bool {
+        self.stack.jump(sequence).is_some()
+    }
+
+    /// The variables, as they are now.
+    pub fn variables(&self) -> &Variables {
+        &self.variables
+    }
+
+    /// The variables, to preset common ones.
+    pub fn variables_mut(&mut self) -> &mut Variables {
+        &mut self.variables
+    }
+
+    /// Executes statements up to the next thing to do; `context` is what the control knows now.
+    ///
+    /// # Errors
+    /// The alarm the control stops with. The program is then at its end.
+    pub fn next(&mut self, context: &Context) -> Result<Step, Trouble> {
+        self.variables.context = *context;
+        for _ in 0..self.settings.bounds.slice {
+            match self.advance() {
+                Ok(None) => {}
+                Ok(Some(step)) => return Ok(step),
+                Err(fault) => {
+                    self.then = Then::End(Ending::Program);
+                    let (place, calls) = (self.place, self.stack.calls());
+                    return Err(Trouble { fault, place, calls, message: core::mem::take(&mut self.message) });
+                }
+            }
+        }
+        Ok(Step::Busy)
+    }
+
+    fn advance(&mut self) -> Result<Option<Step>, Fault> {
+        match core::mem::take(&mut self.then) {
+            Then::GoOn => {}
+            Then::Call(call) => {
+                let (place, bounds) = (self.place, self.settings.bounds);
+                self.stack.enter(*call, place, &mut self.variables.locals, &bounds)?;
+            }
+            Then::Return(sequence) => return self.leave(sequence),
+            Then::End(ending) => {
+                self.then = Then::End(ending);
+                return Ok(Some(Step::End(ending)));
+            }
+        }
+        if self.stack.is_at_end() {
+            return self.at_end_of_text();
+        }
+        let Some((frame, file)) = self.stack.top() else { return Ok(None) };
+        self.index = frame.line;
+        frame.line += 1;
+        let Some(line) = file.line(self.index).cloned() else { return Ok(None) };
+        self.place = self.stack.place(self.index);
+        self.steps += 1;
+        if self.steps > self.settings.bounds.steps {
+            return Err(Fault::in_macro(MacroAlarm::Endless, 1));
+        }
+        self.execute(line)
+    }
+
+    fn at_end_of_text(&mut self) -> Result<Option<Step>, Fault> {
+        if !self.stack.is_in_main() {
+            return Err(Fault::alarm(Alarm::EndOfRecord, 0));
+        }
+        if self.settings.is_dnc {
+            return Ok(Some(Step::Starved));
+        }
+        self.then = Then::End(Ending::Text);
+        Ok(None)
+    }
+
+    fn leave(&mut self, sequence: Option<(u32, u16)>) -> Result<Option<Step>, Fault> {
+        if self.stack.is_in_main() && self.settings.is_dnc {
+            return Err(Fault::not_modelled(NotModelled::MCode(99), 1));
+        }
+        let has_returned = self.stack.leave(sequence, &mut self.variables.locals)?;
+        Ok((!has_returned).then_some(Step::Restart))
+    }
+
+    fn execute(&mut self, line: Line) -> Result<Option<Step>, Fault> {
+        let code = Code::new(&line.text);
+        let mut cursor = code.cursor();
+        let head = Head::read(&mut cursor);
+        let is_off = |switch: u32| self.settings.block_delete.checked_shr(switch).unwrap_or(0) & 1 == 0;
+        if line.text.is_empty() || !head.delete.is_none_or(is_off) {
+            return Ok(None);
+        }
+        let is_block = !matches!(cursor.peek(), None | Some(b'O' | b':'));
+        let calls_macro = is_block && self.stack.modal_call(When::EveryBlock).is_some();
+        if line.is_plain && !calls_macro {
+            let code =
+                if is_block || head.program.is_some() || head.sequence.is_some() { code } else { Code::default() };
+            return Ok(Some(self.give(line.text, Vec::new(), &code)));
+        }
+        self.statement(&head, cursor, &code)
+    }
+
+    fn statement(&mut self, head: &Head, mut cursor: Cursor<'_>, code: &Code) -> Result<Option<Step>, Fault> {
+        let begin = cursor.column();
+        if cursor.peek() == Some(b'#') {
+            return self.assign(cursor, code);
+        }
+        if cursor.eat_keyword(b"IF") {
+            return self.condition(cursor, code);
+        }
+        if cursor.eat_keyword(b"GOTO") {
+            return self.go_to(cursor, begin);
+        }
+        if cursor.eat_keyword(b"WHILE") {
+            let holds = self.evaluator().bracketed(&mut cursor)?;
+            return self.begin_loop(cursor, begin, holds.unwrap_or(0.0) != 0.0);
+        }
+        if cursor.letters() == b"DO" {
+            return self.begin_loop(cursor, begin, true);
+        }
+        if cursor.eat_keyword(b"END") {
+            cursor.loop_number()?;
+            let (frame, file) = self.stack.top().ok_or(Fault::in_macro(MacroAlarm::EndMissing, begin))?;
+            frame.line = file.other_end(self.index).ok_or(Fault::in_macro(MacroAlarm::EndMissing, begin))?;
+            return Ok(None);
+        }
+        if let Some(bytes) = self.output(&mut cursor)? {
+            return cursor.finish().map(|()| Some(Step::Output(bytes)));
+        }
+        self.block(head, cursor)
+    }
+
+    fn evaluator(&self) -> Evaluator<'_> {
+        Evaluator::new(&self.variables, self.settings.angles)
+    }
+
+    fn assign(&mut self, mut cursor: Cursor<'_>, code: &Code) -> Result<Option<Step>, Fault> {
+        let column = cursor.column();
+        cursor.skip(1);
+        let number = self.evaluator().variable_number(&mut cursor)?;
+        if !cursor.eat(b"=") {
+            return Err(cursor.fault(MacroAlarm::ExpressionFormat));
+        }
+        let value = self.evaluator().expression(&mut cursor)?;
+        cursor.finish()?;
+        match self.variables.write(number, value).map_err(|cause| Fault { cause, column })? {
+            Effect::Kept => Ok(None),
+            Effect::Stop => Ok(Some(Step::Message(code.comment.clone()))),
+            Effect::Alarm(alarm) => {
+                self.message.clone_from(&code.comment);
+                Err(Fault::in_macro(MacroAlarm::User(alarm), column))
+            }
+        }
+    }
+
+    fn condition(&mut self, mut cursor: Cursor<'_>, code: &Code) -> Result<Option<Step>, Fault> {
+        let holds = self.evaluator().bracketed(&mut cursor)?.unwrap_or(0.0) != 0.0;
+        let begin = cursor.column();
+        if cursor.eat_keyword(b"GOTO") {
+            return if holds { self.go_to(cursor, begin) } else { Ok(None) };
+        }
+        if !cursor.eat(b"THEN") {
+            return Err(cursor.fault(MacroAlarm::StatementFormat));
+        }
+        match cursor.peek() {
+            _ if !holds => Ok(None),
+            Some(b'#') => self.assign(cursor, code),
+            _ => {
+                let begin = cursor.column();
+                if cursor.eat_keyword(b"GOTO") {
+                    return self.go_to(cursor, begin);
+                }
+                let bytes = self.output(&mut cursor)?.ok_or(cursor.fault(MacroAlarm::StatementFormat))?;
+                cursor.finish().map(|()| Some(Step::Output(bytes)))
+            }
+        }
+    }
+
+    fn go_to(&mut self, mut cursor: Cursor<'_>, begin: u16) -> Result<Option<Step>, Fault> {
+        self.refuse_in_dnc(begin)?;
+        let column = cursor.column();
+        let value = self.evaluator().factor(&mut cursor)?;
+        cursor.finish()?;
+        let number = whole(value, 1..=SEQUENCE_MAX).ok_or(MacroAlarm::SequenceNumber);
+        let gone = number.and_then(|number| self.stack.go_to(number, self.index));
+        gone.map(|()| None).map_err(|alarm| Fault::in_macro(alarm, column))
+    }
+
+    fn begin_loop(&mut self, mut cursor: Cursor<'_>, begin: u16, holds: bool) -> Result<Option<Step>, Fault> {
+        self.refuse_in_dnc(begin)?;
+        if !cursor.eat(b"DO") {
+            return Err(cursor.fault(MacroAlarm::StatementFormat));
+        }
+        cursor.loop_number()?;
+        let missing = Fault::in_macro(MacroAlarm::EndMissing, begin);
+        let (frame, file) = self.stack.top().ok_or(missing)?;
+        let end = file.other_end(self.index).ok_or(missing)?;
+        if !holds {
+            frame.line = end.saturating_add(1);
+        }
+        Ok(None)
+    }
+
+    fn refuse_in_dnc(&self, column: u16) -> Result<(), Fault> {
+        let is_refused = self.settings.is_dnc && self.stack.is_in_main();
+        if is_refused { Err(Fault::in_macro(MacroAlarm::NotInDnc, column)) } else { Ok(()) }
+    }
+
+    fn output(&self, cursor: &mut Cursor<'_>) -> Result<Option<Vec<u8>>, Fault> {
+        if cursor.eat_keyword(b"POPEN") {
+            return Ok(Some(Vec::from([PUNCH_ON])));
+        }
+        if cursor.eat_keyword(b"PCLOS") {
+            return Ok(Some(Vec::from([PUNCH_OFF])));
+        }
+        if cursor.eat_keyword(b"DPRNT") {
+            return print::decimal(cursor, self.evaluator(), self.settings.print).map(Some);
+        }
+        if cursor.eat_keyword(b"BPRNT") {
+            return print::binary(cursor, self.evaluator()).map(Some);
+        }
+        Ok(None)
+    }
+
+    fn block(&mut self, head: &Head, mut cursor: Cursor<'_>) -> Result<Option<Step>, Fault> {
+        let unit = self.variables.context.unit;
+        let words = words::read(&mut cursor, self.evaluator(), unit)?;
+        let tenths = |word: &Word| if word.letter == b'G' { whole(Some(word.value * 10.0), 0..=9_999) } else { None };
+        if let Some(at) = words.iter().position(|word| matches!(tenths(word), Some(650 | 660 | 661))) {
+            return self.call_macro(&words, at).map(|()| None);
+        }
+        let (cancels, words): (Vec<Word>, Vec<Word>) = words.into_iter().partition(|word| tenths(word) == Some(670));
+        if let Some(word) = cancels.first()
+            && !self.stack.cancel_modal()
+        {
+            return Err(Fault::not_modelled(NotModelled::GCode(670), word.column));
+        }
+        if let Some(call) = self.stack.modal_call(When::EveryBlock).filter(|_| !words.is_empty()) {
+            let arguments = Some(Box::new(locals(words.iter(), Letters::OfBlock, unit)?));
+            self.then = Then::Call(Box::new(Call { arguments, ..call }));
+            return Ok(None);
+        }
+        let (words, then) = split_call(words)?;
+        let has_words = !words.is_empty() || matches!(then, Then::GoOn);
+        let step = has_words.then(|| {
+            let (mut text, mut columns) = spell_block(words.iter());
+            if let Some(sequence) = head.sequence {
+                let number = alloc::format!("N{sequence}");
+                text.splice(..0, number.bytes());
+                columns.splice(..0, core::iter::repeat_n(1, number.len()));
+            }
+            let code = Code::new(&text);
+            self.give(text, columns, &code)
+        });
+        // A call beside a move comes first; M99 beside M30 never comes.
+        if !matches!(then, Then::GoOn) && !matches!(self.then, Then::End(_)) {
+            self.then = then;
+        }
+        Ok(step)
+    }
+
+    /// Gives a block out and prepares what comes behind it.
+    fn give(&mut self, text: Vec<u8>, columns: Vec<u16>, code: &Code) -> Step {
+        let kind = self.variables.codes.take_block(code.cursor());
+        if kind.moves || kind.dwells {
+            self.steps = 0;
+        }
+        if kind.ends {
+            self.then = Then::End(Ending::Program);
+        } else if let Some(call) = self.stack.modal_call(When::AfterMoves).filter(|_| kind.moves) {
+            self.then = Then::Call(Box::new(call));
+        }
+        Step::Block(PlainBlock { text, place: self.place, calls: self.stack.calls(), columns })
+    }
+
+    /// G65, G66, G66.1 with the words behind it.
+    fn call_macro(&mut self, words: &[Word], at: usize) -> Result<(), Fault> {
+        let Some((when, call)) = macro_call(words, at, self.variables.context.unit)? else { return Ok(()) };
+        let Some(when) = when else {
+            self.then = Then::Call(Box::new(call));
+            return Ok(());
+        };
+        let column = call.column;
+        let is_set = self.stack.set_modal(when, call, &self.settings.bounds)?;
+        if is_set { Ok(()) } else { Err(Fault::not_modelled(NotModelled::GCode(660), column)) }
+    }
+}

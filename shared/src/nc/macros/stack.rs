@@ -1,0 +1,277 @@
+//! Calls: the programs in memory, which of them run, and the macros that G66 calls after moves.
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+use super::program::{File, Library, Span};
+use super::variables::Locals;
+use crate::nc::alarm::Fault;
+use crate::nc::macro_alarm::MacroAlarm;
+
+/// A line of a program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    /// The program of the library whose file it stands in; `None` for the main program's file.
+    pub library: Option<u32>,
+    /// Line, counted from 1.
+    pub line: u32,
+}
+
+/// Bounds that a caller sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bounds {
+    /// Subprograms called by M98 within each other.
+    pub subprograms: usize,
+    /// Macros called by G65, G66, G66.1 within each other.
+    pub macros: usize,
+    /// Statements between two moves.
+    pub steps: u32,
+    /// Statements of one call of [`super::interpreter::Interpreter::next`].
+    pub slice: u32,
+    /// Bytes of all programs of the library.
+    pub memory: usize,
+}
+
+impl Default for Bounds {
+    /// Four and four as on a 16i, a million statements, 16 MB.
+    fn default() -> Self {
+        Bounds { subprograms: 4, macros: 4, steps: 1_000_000, slice: 1_000, memory: 16 << 20 }
+    }
+}
+
+/// A call to make.
+#[derive(Clone, Debug)]
+pub struct Call {
+    /// O of the program.
+    pub number: u32,
+    /// How often.
+    pub repeats: u32,
+    /// #1 to #33 of a macro; a subprogram has those of its caller.
+    pub arguments: Option<Box<Locals>>,
+    /// Whether G66 or G66.1 makes it.
+    pub is_modal: bool,
+    /// Where the program's number stands.
+    pub column: u16,
+}
+
+/// When a modal macro is called.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    /// G66.
+    AfterMoves,
+    /// G66.1.
+    EveryBlock,
+}
+
+/// A program that runs.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    file: usize,
+    span: Span,
+    /// The line to execute next, counted from 0 in its file.
+    pub line: u32,
+    repeats_left: u32,
+    arguments: Option<Box<Locals>>,
+    callers: Option<Box<Locals>>,
+    is_modal: bool,
+    /// Where it was called from.
+    pub from: Place,
+}
+
+/// All that runs, the main program first.
+#[derive(Debug)]
+pub struct Stack {
+    files: Vec<(Option<u32>, File)>,
+    library: Box<dyn Library>,
+    library_bytes: usize,
+    frames: Vec<Frame>,
+    modal: Vec<(When, Call)>,
+    /// Modal calls that do not call again, because they run.
+    masked: usize,
+    /// Lines of a main program in DNC operation that came before the one kept.
+    lines_before: u32,
+}
+
+impl Stack {
+    /// Ready to execute the first program of a text.
+    pub fn new(main: File, library: Box<dyn Library>) -> Self {
+        let span = main.main();
+        let mut stack = Stack {
+            files: Vec::from([(None, main)]),
+            library,
+            library_bytes: 0,
+            frames: Vec::new(),
+            modal: Vec::new(),
+            masked: 0,
+            lines_before: 0,
+        };
+        stack.frames.extend(span.map(|span| Frame {
+            file: 0,
+            span,
+            line: span.first,
+            repeats_left: 0,
+            arguments: None,
+            callers: None,
+            is_modal: false,
+            from: Place::default(),
+        }));
+        stack
+    }
+
+    /// The next line of a main program in DNC operation takes the place of the one before.
+    pub fn feed(&mut self, line: &[u8], number: u32) {
+        self.lines_before = number.saturating_sub(1);
+        let file = File::new(line);
+        if let (Some(frame), Some(span)) = (self.frames.first_mut(), file.main()) {
+            frame.span = span;
+            frame.line = 0;
+        }
+        if let Some((_, main)) = self.files.first_mut() {
+            *main = file;
+        }
+    }
+
+    /// The program that runs, with its file.
+    pub fn top(&mut self) -> Option<(&mut Frame, &File)> {
+        let frame = self.frames.last_mut()?;
+        let (_, file) = self.files.get(frame.file)?;
+        Some((frame, file))
+    }
+
+    /// Whether the main program runs.
+    pub fn is_in_main(&self) -> bool {
+        self.frames.len() <= 1
+    }
+
+    /// The place of a line of the program that runs.
+    pub fn place(&self, index: u32) -> Place {
+        let library = self.frames.last().and_then(|frame| self.files.get(frame.file)?.0);
+        let is_of_main = self.frames.last().is_some_and(|frame| frame.file == 0);
+        let before = if is_of_main { self.lines_before } else { 0 };
+        Place { library, line: before.saturating_add(index).saturating_add(1) }
+    }
+
+    /// Where the running programs were called from, the main program's call first.
+    pub fn calls(&self) -> Vec<Place> {
+        self.frames.iter().skip(1).map(|frame| frame.from).collect()
+    }
+
+    /// Begins a called program.
+    ///
+    /// # Errors
+    /// PS0077, PS0078, PS0122, or a library too large.
+    pub fn enter(&mut self, call: Call, from: Place, locals: &mut Locals, bounds: &Bounds) -> Result<(), Fault> {
+        let fault = |alarm| Fault::in_macro(alarm, call.column);
+        let macros = self.frames.iter().filter(|frame| frame.arguments.is_some()).count();
+        let subprograms = self.frames.len().saturating_sub(macros + 1);
+        match &call.arguments {
+            Some(_) if macros >= bounds.macros => return Err(fault(MacroAlarm::MacroNesting)),
+            None if subprograms >= bounds.subprograms => return Err(fault(MacroAlarm::SubprogramNesting)),
+            _ => {}
+        }
+        let (file, span) = self.find(call.number, bounds.memory).map_err(fault)?;
+        let Some(repeats_left) = call.repeats.checked_sub(1) else { return Ok(()) };
+        let callers = call.arguments.as_ref().map(|arguments| Box::new(core::mem::replace(locals, **arguments)));
+        self.masked += usize::from(call.is_modal);
+        let Call { arguments, is_modal, .. } = call;
+        self.frames.push(Frame { file, span, line: span.first, repeats_left, arguments, callers, is_modal, from });
+        Ok(())
+    }
+
+    /// In the files that are there, then in the library.
+    fn find(&mut self, number: u32, memory: usize) -> Result<(usize, Span), MacroAlarm> {
+        let known = |(index, (name, file)): (usize, &(Option<u32>, File))| {
+            let named = file.main().filter(|_| *name == Some(number));
+            Some((index, file.program(number).or(named)?))
+        };
+        if let Some(found) = self.files.iter().enumerate().find_map(known) {
+            return Ok(found);
+        }
+        let text = self.library.load(number).ok_or(MacroAlarm::ProgramNotFound)?;
+        self.library_bytes = self.library_bytes.saturating_add(text.len());
+        if self.library_bytes > memory {
+            return Err(MacroAlarm::TooLarge);
+        }
+        self.files.push((Some(number), File::new(&text)));
+        self.files.iter().enumerate().find_map(known).ok_or(MacroAlarm::ProgramNotFound)
+    }
+
+    /// M99: again from its start if it has repetitions left, else back to the caller, there to block N `sequence`.
+    /// Answers false for the main program, which begins again.
+    ///
+    /// # Errors
+    /// PS0078: no such block.
+    pub fn leave(&mut self, sequence: Option<(u32, u16)>, locals: &mut Locals) -> Result<bool, Fault> {
+        let is_main = self.is_in_main();
+        let Some(frame) = self.frames.last_mut() else { return Ok(false) };
+        if is_main {
+            frame.line = frame.span.first;
+        } else if frame.repeats_left > 0 && sequence.is_none() {
+            frame.repeats_left -= 1;
+            frame.line = frame.span.first;
+            frame.arguments.iter().for_each(|arguments| *locals = **arguments);
+        } else {
+            self.masked -= usize::from(frame.is_modal);
+            frame.callers.iter().for_each(|callers| *locals = **callers);
+            self.frames.pop();
+        }
+        if let Some((number, column)) = sequence {
+            self.jump(number).ok_or(Fault::in_macro(MacroAlarm::ProgramNotFound, column))?;
+        }
+        Ok(!is_main)
+    }
+
+    /// Goes on at a sequence number; `None` if there is none.
+    pub fn jump(&mut self, number: u32) -> Option<()> {
+        let (frame, file) = self.top()?;
+        frame.line = file.find(number, frame.span, frame.line)?;
+        Some(())
+    }
+
+    /// GOTO, from line `from`.
+    ///
+    /// # Errors
+    /// PS0128: no such block. PS0124: it lies in a loop that this line does not.
+    pub fn go_to(&mut self, number: u32, from: u32) -> Result<(), MacroAlarm> {
+        let (frame, file) = self.top().ok_or(MacroAlarm::SequenceNumber)?;
+        let line = file.find(number, frame.span, from).ok_or(MacroAlarm::SequenceNumber)?;
+        if file.enters_loop(from, line) {
+            return Err(MacroAlarm::EndMissing);
+        }
+        frame.line = line;
+        Ok(())
+    }
+
+    /// Whether the program that runs is at the end of its text.
+    pub fn is_at_end(&self) -> bool {
+        self.frames.last().is_none_or(|frame| frame.line >= frame.span.end)
+    }
+
+    /// The modal call to make now, if there is one.
+    pub fn modal_call(&self, when: When) -> Option<Call> {
+        let active = self.modal.len().checked_sub(self.masked + 1)?;
+        self.modal.get(active).filter(|(of, _)| *of == when).map(|(_, call)| call.clone())
+    }
+
+    /// G66, G66.1; false if a modal macro runs, in which there can be no other.
+    ///
+    /// # Errors
+    /// PS0122: too many within each other.
+    pub fn set_modal(&mut self, when: When, call: Call, bounds: &Bounds) -> Result<bool, Fault> {
+        if self.modal.len() >= bounds.macros {
+            return Err(Fault::in_macro(MacroAlarm::MacroNesting, call.column));
+        }
+        if self.masked == 0 {
+            self.modal.push((when, call));
+        }
+        Ok(self.masked == 0)
+    }
+
+    /// G67: the last modal call ends; false if it runs.
+    pub fn cancel_modal(&mut self) -> bool {
+        if self.masked == 0 {
+            self.modal.pop();
+        }
+        self.masked == 0
+    }
+}

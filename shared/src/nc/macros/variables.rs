@@ -1,0 +1,293 @@
+//! Variables: local to a call, common to all programs, and those of the system.
+//!
+//! | number | what |
+//! |---|---|
+//! | #0 | vacant, always |
+//! | #1-#33 | local, one set for each macro call |
+//! | #100-#199, #500-#999 | common |
+//! | #3000, #3006 | alarm and stop with a message |
+//! | #3001, #3002 | milliseconds and hours since they were set |
+//! | #3003, #3004 | switches of single block and of feed hold, override, exact stop |
+//! | #3011, #3012 | date and time of day |
+//! | #4001-#4130 | codes in effect |
+//! | #5001-#5006 | where the last block ends, in the work coordinate system |
+//! | #5021-#5026 | the same in machine coordinates |
+//! | #5041-#5046 | the same in the work coordinate system, longer by the tool |
+//!
+//! Offsets a program writes (#2001 and on, #5201 and on) it can read again; nothing moves by them, and one that nobody
+//! wrote cannot be read.
+
+use alloc::collections::BTreeMap;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use super::codes::Codes;
+use crate::nc::alarm::{Cause, NotModelled};
+use crate::nc::macro_alarm::MacroAlarm;
+use crate::nc::modal::{Modal, Pose};
+use crate::units::{LengthUnit, Micros, US_PER_MS, US_PER_S};
+
+/// Most offsets kept.
+const KEPT_MAX: usize = 4_096;
+/// Common variables: #100 to #199, then #500 to #999.
+const COMMON: usize = 600;
+const S_PER_MIN: u64 = 60;
+const S_PER_HOUR: u64 = 3_600;
+const HOURS_PER_DAY: u64 = 24;
+/// Alarms that #3000 can raise.
+const USER_ALARM_MAX: f64 = 200.0;
+
+/// What a variable holds; `None` is vacant.
+pub type Value = Option<f64>;
+
+/// The variables of one macro call, #1 first.
+pub type Locals = [Value; 33];
+
+/// What the control knows while a statement is executed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Context {
+    /// G20 or G21.
+    pub unit: LengthUnit,
+    /// Where the last block ends, in the program's coordinates.
+    pub end: Pose,
+    /// The same in machine coordinates.
+    pub machine: Pose,
+    /// The same in the program's coordinates, longer by the tool.
+    pub lengthened: Pose,
+    /// Time since power-on.
+    pub now: Micros,
+    /// The day at power-on: year, month, day in one number, as 20040229. Its clock showed midnight.
+    pub date: u32,
+}
+
+impl Context {
+    /// In this modal state, at this time, with no offset of the machine's.
+    pub fn new(modal: &Modal, now: Micros) -> Self {
+        let Modal { unit, program, position, .. } = *modal;
+        Context { unit, end: program, machine: position, lengthened: program, now, date: 20_000_101 }
+    }
+
+    /// Before a [`Reader`](crate::reader::Reader)'s next line: this modal state and where it stands in machine coordinates.
+    pub fn with_length(modal: &Modal, machine: Pose, now: Micros) -> Self {
+        let lengthened = modal.program.plus(machine.minus(modal.position));
+        Context { machine, lengthened, ..Context::new(modal, now) }
+    }
+}
+
+/// What a program does beside keeping a number when it sets a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// Nothing.
+    Kept,
+    /// #3000: the alarm of this number.
+    Alarm(u16),
+    /// #3006: stop with a message.
+    Stop,
+}
+
+/// All variables.
+#[derive(Clone, Debug)]
+pub struct Variables {
+    /// #1 to #33 of the macro that runs now.
+    pub locals: Locals,
+    /// What the control knows.
+    pub context: Context,
+    /// Codes in effect.
+    pub codes: Codes,
+    common: Vec<Value>,
+    kept: BTreeMap<u32, f64>,
+    /// When #3001 and #3002 were set to zero, in their own units.
+    timers: [f64; 2],
+}
+
+impl Variables {
+    /// All vacant.
+    pub fn new(context: Context) -> Self {
+        Variables {
+            locals: [None; 33],
+            context,
+            codes: Codes::new(context.unit),
+            common: vec![None; COMMON],
+            kept: BTreeMap::new(),
+            timers: [0.0; 2],
+        }
+    }
+
+    /// The value of a variable.
+    ///
+    /// # Errors
+    /// PS0115: there is none of this number. Not modelled: the control has it, its value is not known here.
+    pub fn read(&self, number: u32) -> Result<Value, Cause> {
+        let known = match number {
+            0 => return Ok(None),
+            1..=33 => return Ok(self.locals.get(number as usize - 1).copied().flatten()),
+            3_001 => Some(self.timer(0)),
+            3_002 => Some(self.timer(1)),
+            3_003 | 3_004 => Some(self.kept.get(&number).copied().unwrap_or(0.0)),
+            3_011 => Some(f64::from(self.context.date)),
+            3_012 => Some(self.time_of_day() as f64),
+            4_001..=4_130 => return self.codes.value(number).ok_or(Cause::Macro(MacroAlarm::VariableNumber)),
+            5_001..=5_006 => self.position(&self.context.end, number - 5_001),
+            5_021..=5_026 => self.position(&self.context.machine, number - 5_021),
+            5_041..=5_046 => self.position(&self.context.lengthened, number - 5_041),
+            _ if let Some(place) = common(number) => return Ok(self.common.get(place).copied().flatten()),
+            _ => self.kept.get(&number).copied(),
+        };
+        known.map(Some).ok_or(unknown(number))
+    }
+
+    /// Sets a variable.
+    ///
+    /// # Errors
+    /// PS0115, PS0116, or a variable of the control whose effect is not modelled.
+    pub fn write(&mut self, number: u32, value: Value) -> Result<Effect, Cause> {
+        let plain = value.unwrap_or(0.0);
+        match number {
+            1..=33 => {
+                if let Some(place) = self.locals.get_mut(number as usize - 1) {
+                    *place = value;
+                }
+            }
+            3_000 if (0.0..=USER_ALARM_MAX).contains(&plain) => return Ok(Effect::Alarm(libm::round(plain) as u16)),
+            3_006 => return Ok(Effect::Stop),
+            3_001 | 3_002 => self.set_timer(number as usize - 3_001, plain),
+            3_003 | 3_004 if !(0.0..=7.0).contains(&plain) => return Err(Cause::Macro(MacroAlarm::VariableNumber)),
+            0 | 3_011 | 3_012 | 4_001..=4_130 | 5_001..=5_105 => return Err(Cause::Macro(MacroAlarm::WriteProtected)),
+            _ if let Some(place) = common(number) => {
+                if let Some(place) = self.common.get_mut(place) {
+                    *place = value;
+                }
+            }
+            3_003 | 3_004 => self.keep(number, plain)?,
+            _ if is_offset(number) => self.keep(number, plain)?,
+            _ => return Err(unknown(number)),
+        }
+        Ok(Effect::Kept)
+    }
+
+    fn keep(&mut self, number: u32, value: f64) -> Result<(), Cause> {
+        if self.kept.len() >= KEPT_MAX && !self.kept.contains_key(&number) {
+            return Err(Cause::Macro(MacroAlarm::TooLarge));
+        }
+        self.kept.insert(number, value);
+        Ok(())
+    }
+
+    fn elapsed(&self, timer: usize) -> f64 {
+        let Micros(now) = self.context.now;
+        match timer {
+            0 => (now / US_PER_MS) as f64,
+            _ => now as f64 / US_PER_S as f64 / S_PER_HOUR as f64,
+        }
+    }
+
+    fn timer(&self, timer: usize) -> f64 {
+        self.elapsed(timer) - self.timers.get(timer).copied().unwrap_or_default()
+    }
+
+    fn set_timer(&mut self, timer: usize, value: f64) {
+        let zero = self.elapsed(timer) - value;
+        if let Some(place) = self.timers.get_mut(timer) {
+            *place = zero;
+        }
+    }
+
+    /// Hours, minutes, seconds in one number.
+    fn time_of_day(&self) -> u64 {
+        let seconds = self.context.now.0 / US_PER_S;
+        let (hours, minutes) = (seconds / S_PER_HOUR % HOURS_PER_DAY, seconds / S_PER_MIN % S_PER_MIN);
+        (hours * 100 + minutes) * 100 + seconds % S_PER_MIN
+    }
+
+    /// X, Y, Z in the program's unit, A, B, C in degrees.
+    fn position(&self, pose: &Pose, axis: u32) -> Option<f64> {
+        let Pose { linear, rotary } = pose;
+        let axis = axis as usize;
+        let length = linear.get(axis).map(|nm| nm.0 as f64 / self.context.unit.nm() as f64);
+        length.or_else(|| rotary.get(axis.checked_sub(3)?).map(|angle| angle.to_deg()))
+    }
+}
+
+/// The place of a common variable.
+fn common(number: u32) -> Option<usize> {
+    match number {
+        100..=199 => Some(number as usize - 100),
+        500..=999 => Some(number as usize - 400),
+        _ => None,
+    }
+}
+
+/// Offsets of tools and workpieces.
+fn is_offset(number: u32) -> bool {
+    matches!(number, 2_001..=2_999 | 5_201..=5_346 | 7_001..=7_946 | 10_001..=13_999)
+}
+
+fn unknown(number: u32) -> Cause {
+    let is_of_system = matches!(number, 1_000..=1_199 | 2_000..=2_999 | 3_000..=3_999 | 4_131..=5_999 | 7_000..=7_999 | 10_000..=19_999);
+    if is_of_system {
+        Cause::NotModelled(NotModelled::Variable(number))
+    } else {
+        Cause::Macro(MacroAlarm::VariableNumber)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::{MicroDeg, Nm};
+
+    fn variables() -> Variables {
+        let end = Pose {
+            linear: [Nm(25_400_000), Nm(0), Nm(-12_700_000)],
+            rotary: [MicroDeg(0), MicroDeg(45_500_000), MicroDeg(0)],
+        };
+        Variables::new(Context {
+            unit: LengthUnit::Inch,
+            end,
+            machine: end,
+            lengthened: end,
+            now: Micros(3_723_004_000),
+            date: 20_260_102,
+        })
+    }
+
+    #[test]
+    fn positions_are_in_the_unit_of_the_program() {
+        let read = |number| variables().read(number).unwrap().unwrap();
+        assert_eq!([5001, 5003, 5005, 5021, 5043].map(read), [1.0, -0.5, 45.5, 1.0, -0.5]);
+    }
+
+    #[test]
+    fn timers_count_from_where_they_are_set() {
+        let mut variables = variables();
+        assert_eq!(variables.read(3001), Ok(Some(3_723_004.0)));
+        assert_eq!((variables.read(3011), variables.read(3012)), (Ok(Some(20_260_102.0)), Ok(Some(10_203.0))));
+        variables.write(3001, Some(5.0)).unwrap();
+        variables.context.now = Micros(3_723_006_000);
+        assert_eq!(variables.read(3001), Ok(Some(7.0)));
+    }
+
+    #[test]
+    fn numbers_that_no_variable_has_are_refused() {
+        let mut variables = variables();
+        let alarm = |alarm| Err(Cause::Macro(alarm));
+        for number in [34, 99, 200, 499, 5000 + 90_000] {
+            assert_eq!(variables.read(number), alarm(MacroAlarm::VariableNumber), "#{number}");
+        }
+        for number in [0, 4001, 5001, 5041, 3011] {
+            assert_eq!(
+                variables.write(number, Some(1.0)).map(|_| None),
+                alarm(MacroAlarm::WriteProtected),
+                "#{number}"
+            );
+        }
+    }
+
+    #[test]
+    fn an_offset_can_be_read_once_it_is_written() {
+        let mut variables = variables();
+        assert_eq!(variables.read(5221), Err(Cause::NotModelled(NotModelled::Variable(5221))));
+        assert_eq!(variables.write(5221, Some(2.5)), Ok(Effect::Kept));
+        assert_eq!(variables.read(5221), Ok(Some(2.5)));
+    }
+}

@@ -1,0 +1,100 @@
+//! Runs macro programs through the interpreter and the reader, and keeps what came out.
+
+use std::collections::BTreeMap;
+
+use arcfeed_shared::nc::alarm::{Cause, Fault};
+use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::macros::interpreter::Interpreter;
+use arcfeed_shared::nc::macros::stack::{Bounds, Place};
+use arcfeed_shared::nc::macros::step::{Ending, Settings, Step, Trouble};
+use arcfeed_shared::nc::macros::variables::Context;
+use arcfeed_shared::reader::Reader;
+use arcfeed_shared::segment::Segment;
+use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_tests::root;
+
+/// What a program did.
+#[derive(Debug)]
+pub struct Run {
+    /// Its moves, with the line they stand in.
+    pub moves: Vec<(Place, Segment)>,
+    /// What it punched.
+    pub output: Vec<u8>,
+    /// Messages of #3006.
+    pub messages: Vec<String>,
+    /// How it ended.
+    pub ended: Result<Ending, Trouble>,
+    /// The interpreter at its end.
+    pub interpreter: Interpreter,
+}
+
+impl Run {
+    /// A variable at the end.
+    pub fn variable(&self, number: u32) -> Option<f64> {
+        self.interpreter.variables().read(number).expect("a variable")
+    }
+
+    /// Ends of the moves, mm.
+    pub fn ends_mm(&self) -> Vec<[f64; 3]> {
+        self.moves.iter().map(|(_, segment)| segment.end.linear.map(|axis| axis.to_mm())).collect()
+    }
+
+    /// Alarm number and column that it stopped with.
+    pub fn alarm(&self) -> Option<(u16, u16)> {
+        let Fault { cause, column } = self.ended.as_ref().err()?.fault;
+        match cause {
+            Cause::Macro(alarm) => Some((alarm.number()?, column)),
+            Cause::Alarm(alarm) => Some((alarm.number(), column)),
+            Cause::NotModelled(_) => None,
+        }
+    }
+}
+
+/// A program of the corpus.
+pub fn corpus(name: &str) -> String {
+    let path = root().join("tests/corpus/macro").join(name);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Runs a text in millimetres with few statements allowed.
+pub fn run(text: &str) -> Run {
+    run_with(text, &[], Settings { bounds: Bounds { steps: 100_000, ..Bounds::default() }, ..Settings::default() })
+}
+
+/// With a library of programs, and settings.
+pub fn run_with(text: &str, library: &[(u32, &str)], settings: Settings) -> Run {
+    let library: BTreeMap<u32, Vec<u8>> =
+        library.iter().map(|(number, text)| (*number, text.as_bytes().to_vec())).collect();
+    let mut reader = Reader::new(LengthUnit::Mm, Reading::Lenient);
+    let mut now = Micros(0);
+    let context = Context::new(reader.modal(), now);
+    let interpreter = Interpreter::new(text.as_bytes(), Box::new(library), settings, &context);
+    let (moves, output, messages) = (Vec::new(), Vec::new(), Vec::new());
+    let mut run = Run { moves, output, messages, ended: Ok(Ending::Text), interpreter };
+    // Restarts count as an end.
+    for _ in 0..100_000 {
+        match run.interpreter.next(&Context::with_length(reader.modal(), reader.machine(), now)) {
+            Ok(Step::Block(block)) => match reader.read(&block.text) {
+                Ok(understood) => run.moves.extend(understood.segment.map(|segment| (block.place, segment))),
+                Err(fault) => {
+                    let (place, calls) = (block.place, block.calls.clone());
+                    run.ended = Err(Trouble { fault: block.in_source(fault), place, calls, message: Vec::new() });
+                    return run;
+                }
+            },
+            Ok(Step::Output(bytes)) => run.output.extend(bytes),
+            Ok(Step::Message(text)) => run.messages.push(String::from_utf8_lossy(&text).into_owned()),
+            Ok(Step::Busy) => now = now.after(Micros::from_ms(1)),
+            Ok(Step::Starved | Step::Restart) => return run,
+            Ok(Step::End(ending)) => {
+                run.ended = Ok(ending);
+                return run;
+            }
+            Err(trouble) => {
+                run.ended = Err(trouble);
+                return run;
+            }
+        }
+    }
+    panic!("100 000 steps and no end");
+}
