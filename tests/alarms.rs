@@ -13,7 +13,15 @@ use arcfeed_tests::root;
 const CORPUS: &str = "tests/corpus/bad";
 const TABLE: &str = "docs/alarms.md";
 /// Those that the line or the end of what was sent raises, not a block: held by the tests of the control.
-const OF_THE_CONTROL: [Alarm; 2] = [Alarm::BufferOverflow, Alarm::EndOfRecord];
+const OF_THE_CONTROL: [Alarm; 7] = [
+    Alarm::BlockParity,
+    Alarm::SequenceNotFound,
+    Alarm::LineError,
+    Alarm::NotReady,
+    Alarm::BufferOverflow,
+    Alarm::BranchInDnc,
+    Alarm::EndOfRecord,
+];
 
 fn text(path: &str) -> String {
     std::fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
