@@ -94,8 +94,7 @@ impl Interpreter {
         match core::mem::take(&mut self.then) {
             Then::GoOn => {}
             Then::Call(call) => {
-                let (place, bounds) = (self.place, self.settings.bounds);
-                self.stack.enter(*call, place, &mut self.variables.locals, &bounds)?;
+                self.stack.enter(*call, self.place, &mut self.variables.locals, &self.settings.bounds)?;
             }
             Then::Return(sequence) => return self.leave(sequence),
             Then::End(ending) => {

@@ -6,7 +6,7 @@
 //! zero.
 //!
 //! Sources: Haas 96-8000 p. 116 (DPRNT), NCT 99M p. 193 (BPRNT); the sign column, the padding and the cut of digits
-//! beyond `w` are assumed for a Fanuc: [m] in docs/dialect.md.
+//! beyond `w` are assumed for a Fanuc: `[m]` in docs/dialect.md.
 
 use alloc::vec::Vec;
 
