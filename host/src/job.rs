@@ -8,6 +8,8 @@ mod machine;
 
 mod rules;
 
+mod serial;
+
 use std::path::{Path, PathBuf};
 
 use arcfeed_firmware::ramp::{LimitsError, Ramp};
@@ -17,6 +19,7 @@ use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
 
 use schema::{JobTable, LawTable, Quantity, ToolTable};
+pub use serial::{Parity, SerialSettings};
 
 /// A job file, checked.
 #[derive(Clone, Debug)]
@@ -27,39 +30,6 @@ pub struct JobFile {
     pub program: PathBuf,
     /// The DNC line.
     pub serial: SerialSettings,
-}
-
-/// The DNC line, under pyserial's names.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SerialSettings {
-    /// Bits per second.
-    pub baudrate: u32,
-    /// Data bits.
-    pub bytesize: u8,
-    /// Parity.
-    pub parity: Parity,
-    /// Stop bits.
-    pub stopbits: u8,
-    /// XON/XOFF, done by the sender itself.
-    pub xonxoff: bool,
-}
-
-/// Parity of the line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parity {
-    /// N.
-    None,
-    /// E.
-    Even,
-    /// O.
-    Odd,
-}
-
-impl SerialSettings {
-    /// Bits on the line for one character.
-    pub fn bits_per_char(&self) -> u32 {
-        1 + u32::from(self.bytesize) + u32::from(self.parity != Parity::None) + u32::from(self.stopbits)
-    }
 }
 
 /// What is wrong with a job file: `file:line:column: what and what to do`.
@@ -147,7 +117,7 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     if table.control.preset.as_ref() != "fanuc-16i" {
         return Err(at(&table.control.preset, "no such control; write \"fanuc-16i\""));
     }
-    Ok(JobFile { job, program: folder.join(table.program.as_ref()), serial: build_serial(table)? })
+    Ok(JobFile { job, program: folder.join(table.program.as_ref()), serial: serial::build(&table.serial)? })
 }
 
 fn build_tool(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {
@@ -241,34 +211,6 @@ fn build_limits(table: &JobTable) -> Result<OverrideLimits, Complaint> {
         Err(LimitsError::Step) => Err(at(&given.step, "step must be a divisor of 100 %")),
         Err(LimitsError::Slew) => Err(at(&given.slew_up, "slew_up and slew_down must be positive, in % per second")),
     }
-}
-
-fn build_serial(table: &JobTable) -> Result<SerialSettings, Complaint> {
-    let given = &table.serial;
-    let choice = |value: &Spanned<u8>, allowed: std::ops::RangeInclusive<u8>, name: &str| {
-        let (low, high) = (allowed.start(), allowed.end());
-        if allowed.contains(value.as_ref()) {
-            Ok(*value.as_ref())
-        } else {
-            Err(at(value, &format!("{name} must be {low} to {high}")))
-        }
-    };
-    let baudrate = *given.baudrate.as_ref();
-    if !(50..=4_000_000).contains(&baudrate) {
-        return Err(at(&given.baudrate, "baudrate must lie between 50 and 4000000"));
-    }
-    Ok(SerialSettings {
-        baudrate,
-        bytesize: choice(&given.bytesize, 5..=8, "bytesize")?,
-        parity: match given.parity.as_ref().as_str() {
-            "N" => Parity::None,
-            "E" => Parity::Even,
-            "O" => Parity::Odd,
-            _ => return Err(at(&given.parity, "parity must be \"N\", \"E\" or \"O\"")),
-        },
-        stopbits: choice(&given.stopbits, 1..=2, "stopbits")?,
-        xonxoff: given.xonxoff,
-    })
 }
 
 fn length_mm(quantity: &Spanned<Quantity>, unit: LengthUnit, name: &str) -> Result<f64, Complaint> {
