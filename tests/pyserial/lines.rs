@@ -8,7 +8,7 @@ use arcfeed::job::{Parity, SerialSettings};
 use arcfeed::port::open::open;
 use arcfeed::port::{Port, PortError};
 use arcfeed_shared::units::Micros;
-use arcfeed_tests::{Running, Scratch, run};
+use arcfeed_tests::{Running, Scratch, run, wait_for};
 
 use crate::python::{Script, python_or_skip};
 
@@ -88,19 +88,20 @@ fn a_server_that_suspends_gets_nothing_until_it_resumes() {
     let server = Script::start(python, "rfc2217_server.py", &["loop://", "suspend"], &scratch.path("out"));
     let mut port = opened(&format!("rfc2217://127.0.0.1:{}", server.line("port: "))).expect("the server agrees");
     assert_eq!(port.write(b"S").expect("the line stays"), 1);
-    let started = Instant::now();
-    let mut refused = 0;
-    // Until the word arrives some bytes may go; then none for half a second.
-    while started.elapsed() < Duration::from_secs(2) {
-        match port.write(b"x").expect("the line stays") {
-            0 => refused += 1,
-            _ if refused > 0 => break,
-            _ => {}
+    // Until its word arrives some bytes may go; then none for the half second that it waits.
+    let mut suspended: Option<Instant> = None;
+    let held = wait_for("the server to suspend and to resume", || {
+        match (port.write(b"x").expect("the line stays"), suspended) {
+            (0, None) => {
+                suspended = Some(Instant::now());
+                None
+            }
+            (0, Some(_)) | (_, None) => None,
+            (_, Some(since)) => Some(since.elapsed()),
         }
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    println!("{refused} writes refused in {:?}", started.elapsed());
-    assert!(refused >= 40 && started.elapsed() < Duration::from_secs(2), "{refused} writes refused");
+    });
+    println!("held for {held:?}");
+    assert!(held >= Duration::from_millis(400), "{held:?}");
 }
 
 #[test]
@@ -110,7 +111,7 @@ fn a_port_that_speaks_no_telnet_is_refused_in_time() {
     let started = Instant::now();
     let error = opened(&format!("rfc2217://{place}?timeout=0.4")).err().expect("nobody answers").to_string();
     assert!(error.contains("socket://"), "{error}");
-    assert!((350..1_500).contains(&started.elapsed().as_millis()), "{:?}", started.elapsed());
+    assert!((350..2_900).contains(&started.elapsed().as_millis()), "{:?}", started.elapsed());
 }
 
 #[test]

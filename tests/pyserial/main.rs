@@ -8,4 +8,7 @@ mod urls;
 
 mod lines;
 
-mod looks;
+mod spy;
+
+#[cfg(target_os = "linux")]
+mod list;

@@ -137,3 +137,22 @@ fn natural(text: &str) -> Vec<(String, u64)> {
     }
     parts
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn devices(regexp: &str, n: usize, skip_busy: bool) -> Option<String> {
+        let names = ["/dev/ttyUSB10", "/dev/ttyS0", "/dev/ttyUSB2"];
+        let ports = sorted(names.into_iter().map(PortInfo::unknown));
+        find(&ports, &Hwgrep { regexp: regexp.into(), n, skip_busy }, |device| device != "/dev/ttyUSB2")
+    }
+
+    #[test]
+    fn the_nth_in_natural_order_is_found_and_busy_ones_are_skipped_where_told() {
+        assert_eq!(devices("USB", 1, false).as_deref(), Some("/dev/ttyUSB2"));
+        assert_eq!(devices("usb", 2, false).as_deref(), Some("/dev/ttyUSB10"));
+        assert_eq!(devices("usb", 1, true).as_deref(), Some("/dev/ttyUSB10"));
+        assert_eq!((devices("usb", 2, true), devices("acm", 1, false)), (None, None));
+    }
+}
