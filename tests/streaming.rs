@@ -303,3 +303,11 @@ fn a_line_that_takes_nothing_ends_in_words_after_write_timeout() {
     assert_eq!(output.status.code(), Some(3), "{stderr}");
     assert!(stderr.contains("0.3 s") && stderr.contains("write_timeout"), "{stderr}");
 }
+
+#[test]
+fn a_lost_xoff_overruns_the_control_and_is_reported_as_its_alarm() {
+    let output = run(&["stream", JOB, "--port", "fault://lost_xoff=1,seed=1/sim:", "--json"]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(stderr.contains("PS0087"), "{stderr}");
+}
