@@ -259,6 +259,32 @@ fn both_ends_of_a_serial_line_print_what_is_documented() {
     documented.assert_fits("serve", &serde_json::from_str(lines[1]).expect("one object a line"));
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn what_ports_prints_is_documented_and_the_command_prints_it() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-ports");
+    for folder in ["dev", "sys/devices/1-2/1-2:1.0", "sys/bus/usb", "sys/class/tty/ttyACM0"] {
+        std::fs::create_dir_all(scratch.path(folder)).expect("a scratch folder");
+    }
+    scratch.write("dev/ttyACM0", "");
+    scratch.write("dev/ttyS7", "");
+    let link = |from: &str, to: &str| std::os::unix::fs::symlink(scratch.path(from), scratch.path(to)).expect("a link");
+    link("sys/devices/1-2/1-2:1.0", "sys/class/tty/ttyACM0/device");
+    link("sys/bus/usb", "sys/devices/1-2/1-2:1.0/subsystem");
+    for (name, text) in [("idVendor", "2341"), ("idProduct", "0043"), ("serial", "7"), ("product", "Uno")] {
+        scratch.write(&format!("sys/devices/1-2/{name}"), text);
+    }
+    let found = arcfeed::port::list::below(std::path::Path::new(&scratch.path("")), false);
+    assert_eq!((found[0].vid, found[1].vid), (Some(0x2341), None));
+    for port in found.iter() {
+        documented.assert_fits("ports", &serde_json::to_value(port).expect("JSON"));
+    }
+    let (code, here) = objects(&["ports"]);
+    assert_eq!(code, Some(0));
+    here.iter().for_each(|port| documented.assert_fits("ports", port));
+}
+
 #[test]
 fn every_field_of_a_schema_stands_in_a_table() {
     let document = file_text("docs/json.md");

@@ -52,14 +52,19 @@ pub fn shared_or_skip(file: &str, test: &str) -> Option<PathBuf> {
     if path.exists() {
         return Some(path);
     }
-    let message = format!("SKIPPED (loudly): {test}: there is no {file} in the shared folder beside the project");
+    skip_loudly(test, &format!("there is no {file} in the shared folder beside the project"));
+    None
+}
+
+/// Says that a test does not run, and why: on its own output and in the log that `cargo xtask test` prints at its end.
+pub fn skip_loudly(test: &str, why: &str) {
+    let message = format!("SKIPPED (loudly): {test}: {why}");
     println!("{message}");
     if let Some(log) = std::env::var_os("ARCFEED_SKIP_LOG") {
         use std::io::Write;
         let mut file = std::fs::OpenOptions::new().create(true).append(true).open(log).expect("the skip log opens");
         writeln!(file, "{message}").expect("the skip log takes a line");
     }
-    None
 }
 
 /// A folder of a test's own, which goes with it.

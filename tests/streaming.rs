@@ -213,3 +213,101 @@ fn a_port_that_is_not_there_is_named_and_the_exit_code_is_3() {
     assert_eq!(output.status.code(), Some(3), "{stderr}");
     assert!(stderr.contains("/dev/no-such-line"), "{stderr}");
 }
+
+#[test]
+fn a_url_that_cannot_be_read_is_a_matter_of_usage_and_names_its_part() {
+    for (url, hint) in [("socket://host", "host:port"), ("spy://loop://?dev=x", "dev"), ("tcp://h:1", "socket://")] {
+        let output = run(&["stream", JOB, "--port", url]);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{url}: {stderr}");
+        assert!(stderr.contains(hint) && stderr.contains(url), "{url}: {stderr}");
+    }
+    for (url, hint) in [("hwgrep://no such port", "arcfeed ports"), ("socket://127.0.0.1:1", "socket://127.0.0.1:1")] {
+        let output = run(&["stream", JOB, "--port", url]);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{url}: {stderr}");
+        assert!(stderr.contains(hint), "{url}: {stderr}");
+    }
+}
+
+#[test]
+fn a_spy_around_the_simulator_sees_the_whole_program_and_changes_nothing() {
+    let scratch = Scratch::new("spy-sim");
+    let (plain, _) = through_sim(&scratch);
+    let traffic = scratch.path("traffic");
+    let output =
+        run(&["stream", JOB, "--port", &format!("spy://fault://seed=1,short=0.3/sim:?raw&file={traffic}"), "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let spied = report(&String::from_utf8(output.stdout).expect("text"));
+    for field in MEASURED {
+        assert_eq!(spied[field], plain[field], "{field}");
+    }
+    let sent: Vec<u8> = read(&traffic).into_iter().filter(|byte| !matches!(*byte, DC1 | DC3)).collect();
+    assert_eq!(sent.escape_ascii().to_string(), adapted(&scratch).escape_ascii().to_string());
+}
+
+#[test]
+fn the_same_seed_spoils_a_run_the_same_way_and_a_dead_line_ends_it() {
+    let scratch = Scratch::new("faults");
+    let spoilt = |seed: &str| {
+        let executed = scratch.path("executed");
+        let port = format!("fault://tx.flip=0.002,seed={seed}/sim:");
+        let output = run(&["stream", JOB, "--port", &port, "--executed", &executed, "--json"]);
+        (
+            output.status.code(),
+            report(&String::from_utf8(output.stdout).expect("text"))["alarms"].clone(),
+            read(&executed),
+        )
+    };
+    assert_eq!(spoilt("5"), spoilt("5"));
+    assert_ne!(spoilt("5").2, spoilt("6").2);
+    let output = run(&["stream", JOB, "--port", "fault://disconnect=500/sim:"]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(stderr.contains("disconnected after byte 500"), "{stderr}");
+}
+
+/// The example as a job of its own, with these lines about its line.
+fn with_line(scratch: &Scratch, lines: &str) -> String {
+    scratch.write("ibr-slot.nc", read(PROGRAM));
+    let job = String::from_utf8(read(JOB)).expect("text");
+    let (before, _) = job.split_once("[serial]").expect("the example names its line");
+    scratch.write("job.toml", format!("{before}[serial]\n{lines}\n"))
+}
+
+#[test]
+fn a_loop_without_flow_control_takes_the_whole_program() {
+    let scratch = Scratch::new("loop");
+    let (job, traffic) = (with_line(&scratch, "baudrate = 115200"), scratch.path("traffic"));
+    let url = format!("fault://tx.delay=30/spy://loop://?file={traffic}");
+    let output = run(&["stream", &job, "--port", &url, "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let program = adapted(&scratch);
+    let report = report(&String::from_utf8(output.stdout).expect("text"));
+    assert_eq!(report["link"]["bytes"].as_u64(), Some(program.len() as u64));
+    // Also what was still under way when the sender was done.
+    let dump = String::from_utf8(read(&traffic)).expect("text");
+    let hex = |line: &str| line.get(22..22 + 49).expect("a line of a dump").to_owned();
+    let written: Vec<String> = dump.lines().filter(|line| line.contains(" TX ")).map(hex).collect();
+    let byte = |word: &str| u8::from_str_radix(word, 16).expect("a byte");
+    let written: Vec<u8> = written.iter().flat_map(|hex| hex.split_whitespace()).map(byte).collect();
+    assert_eq!(written.escape_ascii().to_string(), program.escape_ascii().to_string());
+}
+
+#[test]
+fn a_line_that_takes_nothing_ends_in_words_after_write_timeout() {
+    let scratch = Scratch::new("stuck");
+    let job = with_line(&scratch, "baudrate = 115200\nwrite_timeout = 0.3");
+    let output = run(&["stream", &job, "--port", "fault://short=1/loop://"]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(stderr.contains("0.3 s") && stderr.contains("write_timeout"), "{stderr}");
+}
+
+#[test]
+fn a_lost_xoff_overruns_the_control_and_is_reported_as_its_alarm() {
+    let output = run(&["stream", JOB, "--port", "fault://lost_xoff=1,seed=1/sim:", "--json"]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(stderr.contains("PS0087"), "{stderr}");
+}

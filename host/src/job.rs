@@ -10,6 +10,8 @@ mod rules;
 
 mod sending;
 
+mod serial;
+
 pub mod questions;
 
 use std::path::{Path, PathBuf};
@@ -22,6 +24,7 @@ use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
 
 use schema::{JobTable, LawTable, Quantity, ToolTable};
+pub use serial::{Parity, SerialSettings};
 
 /// A job file, checked.
 #[derive(Clone, Debug)]
@@ -59,39 +62,6 @@ impl ControlKind {
             "fanuc-31i" => Ok(ControlKind::Fanuc31i),
             _ => Err("no such control; write \"fanuc-16i\", \"fanuc-0i\" or \"fanuc-31i\""),
         }
-    }
-}
-
-/// The DNC line, under pyserial's names.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SerialSettings {
-    /// Bits per second.
-    pub baudrate: u32,
-    /// Data bits.
-    pub bytesize: u8,
-    /// Parity.
-    pub parity: Parity,
-    /// Stop bits.
-    pub stopbits: u8,
-    /// XON/XOFF, done by the sender itself.
-    pub xonxoff: bool,
-}
-
-/// Parity of the line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parity {
-    /// N.
-    None,
-    /// E.
-    Even,
-    /// O.
-    Odd,
-}
-
-impl SerialSettings {
-    /// Bits on the line for one character.
-    pub fn bits_per_char(&self) -> u32 {
-        1 + u32::from(self.bytesize) + u32::from(self.parity != Parity::None) + u32::from(self.stopbits)
     }
 }
 
@@ -154,7 +124,16 @@ impl JobFile {
             rules: heapless::Vec::new(),
             knots: Knots::default(),
         };
-        let serial = SerialSettings { baudrate: 9_600, bytesize: 7, parity: Parity::Even, stopbits: 2, xonxoff: true };
+        let serial = SerialSettings {
+            baudrate: 9_600,
+            bytesize: 7,
+            parity: Parity::Even,
+            stopbits: 2,
+            xonxoff: true,
+            rtscts: false,
+            write_timeout: None,
+            exclusive: false,
+        };
         JobFile { job, program: PathBuf::new(), control: ControlKind::Fanuc16i, serial }
     }
 
@@ -200,7 +179,7 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     };
     let preset = &table.control.preset;
     let control = ControlKind::named(preset.as_ref()).map_err(|message| at(preset, message))?;
-    Ok(JobFile { job, program: folder.join(table.program.as_ref()), control, serial: build_serial(table)? })
+    Ok(JobFile { job, program: folder.join(table.program.as_ref()), control, serial: serial::build(&table.serial)? })
 }
 
 fn build_tool(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {
@@ -266,34 +245,6 @@ fn build_law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
              mills), \"table\" or \"programmed\"",
         )),
     }
-}
-
-fn build_serial(table: &JobTable) -> Result<SerialSettings, Complaint> {
-    let given = &table.serial;
-    let choice = |value: &Spanned<u8>, allowed: std::ops::RangeInclusive<u8>, name: &str| {
-        let (low, high) = (allowed.start(), allowed.end());
-        if allowed.contains(value.as_ref()) {
-            Ok(*value.as_ref())
-        } else {
-            Err(at(value, &format!("{name} must be {low} to {high}")))
-        }
-    };
-    let baudrate = *given.baudrate.as_ref();
-    if !(50..=4_000_000).contains(&baudrate) {
-        return Err(at(&given.baudrate, "baudrate must lie between 50 and 4000000"));
-    }
-    Ok(SerialSettings {
-        baudrate,
-        bytesize: choice(&given.bytesize, 5..=8, "bytesize")?,
-        parity: match given.parity.as_ref().as_str() {
-            "N" => Parity::None,
-            "E" => Parity::Even,
-            "O" => Parity::Odd,
-            _ => return Err(at(&given.parity, "parity must be \"N\", \"E\" or \"O\"")),
-        },
-        stopbits: choice(&given.stopbits, 1..=2, "stopbits")?,
-        xonxoff: given.xonxoff,
-    })
 }
 
 fn length_mm(quantity: &Spanned<Quantity>, unit: LengthUnit, name: &str) -> Result<f64, Complaint> {

@@ -2,7 +2,9 @@
 
 use std::process::ExitCode;
 
-use arcfeed::commands::{adapt::Adapt, check::Check, init::Init, serve::Serve, simulate::Simulate, stream::Stream};
+use arcfeed::commands::{
+    adapt::Adapt, check::Check, init::Init, ports::Ports, serve::Serve, simulate::Simulate, stream::Stream,
+};
 use clap::{Parser, Subcommand};
 
 /// Constant chip load on circular moves, from the NC program to the override of the control
@@ -24,6 +26,7 @@ enum Command {
     Stream(Stream),
     Simulate(Simulate),
     Serve(Serve),
+    Ports(Ports),
 }
 
 fn main() -> ExitCode {
@@ -34,6 +37,7 @@ fn main() -> ExitCode {
         Command::Stream(command) => command.run(),
         Command::Simulate(command) => command.run(),
         Command::Serve(command) => command.run(),
+        Command::Ports(command) => command.run(),
     };
     match ended {
         Ok(()) => ExitCode::SUCCESS,

@@ -76,3 +76,13 @@ fn the_controls_port_takes_whatever_bytes_at_whatever_time() {
 fn job_files_are_read_or_refused() {
     feed("job", 5, targets::job);
 }
+
+#[test]
+fn port_urls_are_read_or_refused() {
+    feed("url", 6, targets::url);
+}
+
+#[test]
+fn the_rfc2217_client_takes_whatever_a_server_says() {
+    feed("rfc2217", 7, targets::rfc2217);
+}

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use arcfeed::job::JobFile;
+use arcfeed::job::{JobFile, Parity, SerialSettings};
+use arcfeed::port::rfc2217::client::{Client, Line};
+use arcfeed::port::url::{PortUrl, Rfc2217Options};
 use arcfeed_hil_sim::control::{Control, ControlSettings};
 use arcfeed_shared::nc::block::{Reading, parse_line};
 use arcfeed_shared::nc::word::Words;
@@ -68,4 +70,72 @@ pub fn port(input: &[u8], seed: u64) {
 /// A job file, or something like one.
 pub fn job(input: &[u8], _: u64) {
     let _refused_or_not = JobFile::parse(Path::new("job.toml"), &String::from_utf8_lossy(input));
+}
+
+/// Port URLs: read or refused, the same whatever stands around them.
+pub fn url(input: &[u8], seed: u64) {
+    const PIECES: [&str; 16] = [
+        "spy://",
+        "fault://seed=1,drop=0.5/",
+        "loop://",
+        "socket://h:1",
+        "rfc2217://[::1]:2",
+        "hwgrep://tty",
+        "alt://x",
+        "sim:",
+        "?",
+        "&",
+        "=",
+        "file=x",
+        "timeout=1",
+        "%41",
+        "n=2",
+        "://",
+    ];
+    let mut random = Rng::with_seed(seed);
+    let text = String::from_utf8_lossy(&input[..input.len().min(random.usize(..40))]).into_owned();
+    let mut url = String::new();
+    for _ in 0..random.usize(..6) {
+        url += PIECES[random.usize(..PIECES.len())];
+    }
+    url.insert_str(random.usize(..=url.len()), &text);
+    let parsed = url.parse::<PortUrl>();
+    if let Ok(port) = &parsed {
+        let wrapped: PortUrl = format!("fault://seed=3/{url}").parse().unwrap_or_else(|error| panic!("{url}: {error}"));
+        assert_eq!((&wrapped.base, &wrapped.wrappers[1..]), (&port.base, &port.wrappers[..]), "{url}");
+    }
+}
+
+/// What a server says, in pieces: the client goes on, waits or gives up, and never answers more than it was told.
+pub fn rfc2217(input: &[u8], seed: u64) {
+    let settings = SerialSettings {
+        baudrate: 9_600,
+        bytesize: 7,
+        parity: Parity::Even,
+        stopbits: 2,
+        xonxoff: true,
+        rtscts: seed.is_multiple_of(2),
+        write_timeout: None,
+        exclusive: true,
+    };
+    let options =
+        Rfc2217Options { ign_set_control: seed.is_multiple_of(3), poll_modem: true, timeout_s: 1.0, logging: None };
+    let mut client = Client::new(&Line::new(&settings), &options, Micros(0));
+    let (mut random, mut said, mut data) = (Rng::with_seed(seed), Vec::new(), [0; 64]);
+    let mut bytes: Vec<u8> = input.iter().take(300).copied().collect();
+    // Telnet's own, and the codes of RFC 2217 in both directions.
+    let meaningful: Vec<u8> = (240..=255).chain(0..13).chain(100..113).chain([44, 44, 44, 37, 128]).collect();
+    bytes.extend((0..200).map(|_| meaningful[random.usize(..meaningful.len())]));
+    for _ in 0..random.u8(..4) {
+        let at = random.usize(..=bytes.len());
+        bytes.splice(at..at, [255, 253, 44, 255, 250, 44, 101, 0, 0, 37, 128, 255, 240]);
+    }
+    for (at, piece) in bytes.chunks(1 + random.usize(..30)).enumerate() {
+        let now = Micros::from_ms(at as u64 * 20);
+        client.on_bytes(now, piece);
+        let _refused_or_not = client.check(now);
+        client.poll_transmit(&mut said);
+        while client.take_data(&mut data) > 0 {}
+    }
+    assert!(said.len() <= 4 * bytes.len() + 300, "{} bytes said to {}", said.len(), bytes.len());
 }

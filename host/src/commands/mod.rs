@@ -13,3 +13,5 @@ pub mod simulate;
 pub mod stream;
 
 pub mod serve;
+
+pub mod ports;

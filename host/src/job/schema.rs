@@ -211,6 +211,12 @@ pub struct SerialTable {
     pub parity: Spanned<String>,
     pub stopbits: Spanned<u8>,
     pub xonxoff: bool,
+    pub rtscts: Spanned<bool>,
+    pub dsrdtr: Spanned<bool>,
+    pub timeout: Option<Spanned<f64>>,
+    pub write_timeout: Option<Spanned<f64>>,
+    pub inter_byte_timeout: Option<Spanned<f64>>,
+    pub exclusive: Option<bool>,
 }
 
 impl Default for SerialTable {
@@ -222,6 +228,12 @@ impl Default for SerialTable {
             parity: unplaced("N".into()),
             stopbits: unplaced(1),
             xonxoff: false,
+            rtscts: unplaced(false),
+            dsrdtr: unplaced(false),
+            timeout: None,
+            write_timeout: None,
+            inter_byte_timeout: None,
+            exclusive: None,
         }
     }
 }

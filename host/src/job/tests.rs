@@ -216,3 +216,28 @@ fn the_control_is_one_of_three() {
     assert_eq!(parse(JOB).unwrap().control, ControlKind::Fanuc16i);
     assert!(with("fanuc-6").unwrap_err().contains("fanuc-31i"));
 }
+
+#[test]
+fn the_line_has_pyserials_names_and_refuses_what_a_sender_cannot_mean() {
+    let with = |line: &str| parse(&format!("{JOB}[serial]\n{line}\n"));
+    let patience = |line: &str| with(line).unwrap().serial.patience();
+    let ms = |ms| Some(arcfeed_shared::units::Micros::from_ms(ms));
+    assert_eq!((patience(""), patience("rtscts = true")), (ms(5_000), None));
+    assert_eq!(
+        (patience("write_timeout = 0.25"), patience("rtscts = true\nwrite_timeout = 60")),
+        (ms(250), ms(60_000))
+    );
+    assert!(with("").unwrap().serial.exclusive && !with("exclusive = false").unwrap().serial.exclusive);
+    for (line, hint) in [
+        ("rtscts = true\nxonxoff = true", "keep the one"),
+        ("dsrdtr = true", "rtscts = true"),
+        ("timeout = 1", "remove it"),
+        ("inter_byte_timeout = 0.1", "remove it"),
+        ("write_timeout = 0", "more than 0"),
+        ("parity = \"M\"", "\"E\""),
+        ("stopbits = 3", "1 to 2"),
+    ] {
+        let error = with(line).unwrap_err();
+        assert!(error.contains(hint) && error.contains("job.toml:"), "{line}: {error}");
+    }
+}

@@ -1,7 +1,29 @@
 //! The seam between the sender and whatever it sends to. It owns the clock: wall time for real ports, simulated time
 //! for simulated ones.
 
+mod log;
+
+mod clock;
+
+pub mod url;
+
+pub mod list;
+
 pub mod serial;
+
+pub mod loopback;
+
+mod tcp;
+
+pub mod socket;
+
+pub mod rfc2217;
+
+pub mod spy;
+
+pub mod fault;
+
+pub mod open;
 
 use arcfeed_shared::units::Micros;
 
@@ -16,11 +38,19 @@ pub trait Port {
     /// The line is gone.
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError>;
 
-    /// Puts bytes on the line, all of them.
+    /// Puts bytes on the line; answers how many of them it took, zero if it takes none now.
     ///
     /// # Errors
-    /// The line is gone or does not take them.
-    fn write(&mut self, bytes: &[u8]) -> Result<(), PortError>;
+    /// The line is gone.
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError>;
+
+    /// Bytes it took that have not left yet, as far as the port can know.
+    ///
+    /// # Errors
+    /// The line is gone.
+    fn out_waiting(&mut self) -> Result<usize, PortError> {
+        Ok(0)
+    }
 
     /// Lets time pass, until `deadline` at the latest.
     fn wait(&mut self, deadline: Micros);
@@ -36,6 +66,37 @@ pub trait Port {
     }
 }
 
+/// A borrowed port, so that who made it has it back afterwards.
+impl<P: Port + ?Sized> Port for &mut P {
+    fn now(&self) -> Micros {
+        (**self).now()
+    }
+
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {
+        (**self).read(buffer)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError> {
+        (**self).write(bytes)
+    }
+
+    fn out_waiting(&mut self) -> Result<usize, PortError> {
+        (**self).out_waiting()
+    }
+
+    fn wait(&mut self, deadline: Micros) {
+        (**self).wait(deadline);
+    }
+
+    fn control_is_done(&self) -> Option<bool> {
+        (**self).control_is_done()
+    }
+
+    fn feed_hold(&mut self) -> bool {
+        (**self).feed_hold()
+    }
+}
+
 /// The line failed.
 #[derive(Debug, thiserror::Error)]
 #[error("{name}: {source}")]
@@ -44,4 +105,11 @@ pub struct PortError {
     pub name: String,
     /// Why.
     pub source: std::io::Error,
+}
+
+impl PortError {
+    /// A failure in words, which say what to do.
+    pub fn in_words(name: &str, message: impl Into<String>) -> Self {
+        PortError { name: name.to_owned(), source: std::io::Error::other(message.into()) }
+    }
 }

@@ -1,22 +1,23 @@
-//! A native serial port, by its name: raw bytes, the operating system's own flow control off.
+//! A native serial port, by its name: raw bytes, the operating system's XON/XOFF off, its RTS/CTS as asked for.
 
 use std::io::{ErrorKind, Read, Write};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use arcfeed_shared::units::Micros;
 use serialport::{ClearBuffer, DataBits, FlowControl, SerialPort, StopBits};
 
+use super::clock::WallClock;
 use super::{Port, PortError};
 use crate::job::{Parity, SerialSettings};
 
-/// Longest time a write may take before the line counts as stuck.
-const WRITE_TIMEOUT: Duration = Duration::from_secs(5);
+/// Longest time one write may wait for room: the caller has other things to look after.
+const WRITE_TIMEOUT: Duration = Duration::from_millis(20);
 
 /// An open serial port.
 pub struct Serial {
     name: String,
     port: Box<dyn SerialPort>,
-    opened: Instant,
+    clock: WallClock,
 }
 
 impl Serial {
@@ -38,12 +39,13 @@ impl Serial {
                 Parity::Odd => serialport::Parity::Odd,
             })
             .stop_bits(if settings.stopbits == 2 { StopBits::Two } else { StopBits::One })
-            .flow_control(FlowControl::None)
+            .flow_control(if settings.rtscts { FlowControl::Hardware } else { FlowControl::None })
+            .exclusive(settings.exclusive)
             .timeout(WRITE_TIMEOUT);
         let failed = |source: std::io::Error| PortError { name: name.into(), source };
         let port = builder.open().map_err(|error| failed(error.into()))?;
         port.clear(ClearBuffer::Output).map_err(|error| failed(error.into()))?;
-        Ok(Serial { name: name.into(), port, opened: Instant::now() })
+        Ok(Serial { name: name.into(), port, clock: WallClock::start() })
     }
 
     fn failed(&self, source: std::io::Error) -> PortError {
@@ -53,7 +55,7 @@ impl Serial {
 
 impl Port for Serial {
     fn now(&self) -> Micros {
-        Micros(u64::try_from(self.opened.elapsed().as_micros()).unwrap_or(u64::MAX))
+        self.clock.now()
     }
 
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {
@@ -70,11 +72,23 @@ impl Port for Serial {
         }
     }
 
-    fn write(&mut self, bytes: &[u8]) -> Result<(), PortError> {
-        self.port.write_all(bytes).map_err(|error| self.failed(error))
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError> {
+        if bytes.is_empty() {
+            return Ok(0);
+        }
+        match self.port.write(bytes) {
+            Ok(len) => Ok(len),
+            Err(error) if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => Ok(0),
+            Err(error) => Err(self.failed(error)),
+        }
+    }
+
+    fn out_waiting(&mut self) -> Result<usize, PortError> {
+        // Some drivers cannot say.
+        Ok(self.port.bytes_to_write().map_or(0, |waiting| waiting as usize))
     }
 
     fn wait(&mut self, deadline: Micros) {
-        std::thread::sleep(Duration::from_micros(deadline.since(self.now()).0));
+        self.clock.wait(deadline);
     }
 }

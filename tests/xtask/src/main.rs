@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! target    the chip's Rust target, installed where it is missing        target.rs
-//! packages  the emulator of the chip, installed where it is missing      packages.rs
+//! packages  the chip's emulator and pyserial, installed where missing      packages.rs
 //! tests     cargo test over the whole workspace, results added up        tally.rs
 //! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs
 //! boards    format, lints and images of each board's workspace           boards.rs

@@ -2,6 +2,8 @@
 
 mod live;
 
+mod outbox;
+
 mod sim_port;
 
 use std::io::Write;
@@ -15,13 +17,15 @@ use arcfeed_shared::units::Micros;
 use super::outcome::{Failure, file_failure, load, on_interrupt};
 use super::simulate::{add_baseline, finish, measure};
 use crate::adapt::adapt;
-use crate::dnc::{CHUNK, Sender, State};
+use crate::dnc::{Sender, State};
 use crate::job::JobFile;
 use crate::port::Port;
-use crate::port::serial::Serial;
+use crate::port::open::{open, wrap};
+use crate::port::url::{Base, PortUrl};
 use crate::program::Program;
 use crate::report::figures::{LinkFigures, RunReport};
 use live::Progress;
+use outbox::Outbox;
 use sim_port::SimPort;
 
 /// Longest time the loop sleeps: how late it may see an XOFF or a Ctrl-C.
@@ -32,9 +36,9 @@ const LOOP_MAX: Micros = Micros::from_ms(20);
 pub struct Stream {
     /// The job file
     job: PathBuf,
-    /// The DNC line: a serial port's name, or `sim:`
-    #[arg(long, default_value = "sim:")]
-    port: String,
+    /// The DNC line: a serial port's name, one of pyserial's URLs (docs/ports.md), or `sim:`
+    #[arg(long, value_name = "URL", default_value = "sim:")]
+    port: PortUrl,
     /// Line rate, in place of the job's
     #[arg(long)]
     baudrate: Option<u32>,
@@ -65,13 +69,17 @@ impl Stream {
         let serial = file.serial;
         let text = adapt(&program, &file.job).text;
         let sender = Sender::new(text, serial.baudrate, serial.bits_per_char(), serial.xonxoff);
-        if self.port == "sim:" { self.to_simulator(&file, &program, sender) } else { self.to_serial(&file, sender) }
+        match self.port.base {
+            Base::Sim => self.to_simulator(&file, &program, sender),
+            _ => self.to_serial(&file, sender),
+        }
     }
 
     fn to_simulator(&self, file: &JobFile, program: &Program, mut sender: Sender) -> Result<(), Failure> {
         let started = Instant::now();
         let mut port = SimPort::new(file, ControllerFault::None)?;
-        let end = send(&mut port, &mut sender, !self.json)?;
+        let outbox = Outbox::new(file.serial.patience());
+        let end = send(&mut *wrap(&self.port, Box::new(&mut port))?, &mut sender, outbox, !self.json)?;
         let rig = port.rig();
         let mut report = measure(rig, &file.job);
         report.blocks_sent = Some(sender.blocks_sent());
@@ -95,8 +103,9 @@ impl Stream {
             let message = "--executed: a control on a serial line does not say what it executed; drop the option";
             return Err(Failure::Input(message.into()));
         }
-        let mut port = Serial::open(&self.port, &file.serial)?;
-        let end = send(&mut port, &mut sender, !self.json)?;
+        let mut port = open(&self.port, &file.serial)?;
+        let outbox = Outbox::new(file.serial.patience());
+        let end = send(&mut *port, &mut sender, outbox, !self.json)?;
         let (bytes, _) = sender.progress();
         let bits = bytes as f64 * f64::from(file.serial.bits_per_char());
         let mut report = RunReport { unit: file.job.unit.label(), ..RunReport::default() };
@@ -113,7 +122,7 @@ impl Stream {
     }
 
     fn finish(&self, file: &JobFile, report: &RunReport, sender: &Sender, end: &End) -> Result<(), Failure> {
-        let title = format!("{} to {}", file.program.display(), self.port);
+        let title = format!("{} to {}", file.program.display(), self.port.text);
         finish(report, self.json, title)?;
         let (sent, total) = sender.progress();
         match end {
@@ -130,20 +139,20 @@ impl Stream {
 }
 
 /// Sends until everything is out and, where the port can know, executed; `shown` on a terminal.
-fn send(port: &mut impl Port, sender: &mut Sender, shown: bool) -> Result<End, Failure> {
+fn send(port: &mut dyn Port, sender: &mut Sender, mut outbox: Outbox, shown: bool) -> Result<End, Failure> {
     let progress = Progress::new(sender.progress().1, shown);
     let interrupted: &AtomicBool = &on_interrupt();
-    let (mut incoming, mut outgoing) = ([0; 64], [0; CHUNK]);
+    let mut incoming = [0; 64];
     loop {
         let len = port.read(&mut incoming)?;
         sender.on_bytes(&incoming[..len]);
-        let len = sender.poll_transmit(port.now(), &mut outgoing);
-        port.write(&outgoing[..len])?;
+        outbox.pump(port, sender)?;
         progress.show(sender);
         if interrupted.load(Ordering::Relaxed) {
             return Ok(End::Interrupted { at_rest: port.feed_hold() });
         }
-        if port.control_is_done().unwrap_or(sender.state() == State::Sent) {
+        let is_out = sender.state() == State::Sent && outbox.is_empty() && port.out_waiting()? == 0;
+        if port.control_is_done().unwrap_or(is_out) {
             return Ok(End::Complete);
         }
         let latest = port.now().after(LOOP_MAX);

@@ -71,9 +71,9 @@ impl Port for SimPort {
         Ok(len)
     }
 
-    fn write(&mut self, bytes: &[u8]) -> Result<(), PortError> {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError> {
         self.rig.control_mut().port().on_bytes(bytes);
-        Ok(())
+        Ok(bytes.len())
     }
 
     fn wait(&mut self, deadline: Micros) {

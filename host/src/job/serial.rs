@@ -1,0 +1,112 @@
+//! `[serial]`: the DNC line, under pyserial's names and with its defaults; what a sender cannot mean is refused.
+
+use arcfeed_shared::units::{Micros, US_PER_S};
+use toml::Spanned;
+
+use super::schema::SerialTable;
+use super::{Complaint, at};
+
+/// Longest wait that can be asked for.
+const TIMEOUT_MAX_S: f64 = 86_400.0;
+
+/// The DNC line, under pyserial's names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SerialSettings {
+    /// Bits per second.
+    pub baudrate: u32,
+    /// Data bits.
+    pub bytesize: u8,
+    /// Parity.
+    pub parity: Parity,
+    /// Stop bits.
+    pub stopbits: u8,
+    /// XON/XOFF, done by the sender itself.
+    pub xonxoff: bool,
+    /// RTS/CTS, done by the driver or by the server at the other end of `rfc2217://`.
+    pub rtscts: bool,
+    /// How long the line may refuse characters before that counts as a failure; unless given see
+    /// [`SerialSettings::patience`].
+    pub write_timeout: Option<Micros>,
+    /// Whether nobody else may open the port.
+    pub exclusive: bool,
+}
+
+/// Parity of the line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parity {
+    /// N.
+    None,
+    /// E.
+    Even,
+    /// O.
+    Odd,
+}
+
+impl SerialSettings {
+    /// Bits on the line for one character.
+    pub fn bits_per_char(&self) -> u32 {
+        1 + u32::from(self.bytesize) + u32::from(self.parity != Parity::None) + u32::from(self.stopbits)
+    }
+
+    /// How long the line may take no characters: with RTS/CTS as long as the control likes, else a line that takes none
+    /// is broken, as nothing but the sender itself holds it up.
+    pub fn patience(&self) -> Option<Micros> {
+        self.write_timeout.or((!self.rtscts).then_some(Micros::from_ms(5_000)))
+    }
+}
+
+/// Checks the table.
+pub fn build(given: &SerialTable) -> Result<SerialSettings, Complaint> {
+    let choice = |value: &Spanned<u8>, allowed: std::ops::RangeInclusive<u8>, name: &str| {
+        let (low, high) = (allowed.start(), allowed.end());
+        if allowed.contains(value.as_ref()) {
+            Ok(*value.as_ref())
+        } else {
+            Err(at(value, &format!("{name} must be {low} to {high}")))
+        }
+    };
+    let baudrate = *given.baudrate.as_ref();
+    if !(50..=4_000_000).contains(&baudrate) {
+        return Err(at(&given.baudrate, "baudrate must lie between 50 and 4000000"));
+    }
+    refuse_what_has_no_meaning(given)?;
+    Ok(SerialSettings {
+        baudrate,
+        bytesize: choice(&given.bytesize, 5..=8, "bytesize")?,
+        parity: match given.parity.as_ref().as_str() {
+            "N" => Parity::None,
+            "E" => Parity::Even,
+            "O" => Parity::Odd,
+            _ => return Err(at(&given.parity, "parity must be \"N\", \"E\" or \"O\"")),
+        },
+        stopbits: choice(&given.stopbits, 1..=2, "stopbits")?,
+        xonxoff: given.xonxoff,
+        rtscts: *given.rtscts.as_ref(),
+        write_timeout: given.write_timeout.as_ref().map(write_timeout).transpose()?,
+        exclusive: given.exclusive.unwrap_or(true),
+    })
+}
+
+fn refuse_what_has_no_meaning(given: &SerialTable) -> Result<(), Complaint> {
+    if *given.rtscts.as_ref() && given.xonxoff {
+        return Err(at(&given.rtscts, "xonxoff and rtscts together: keep the one that the control is set to"));
+    }
+    if *given.dsrdtr.as_ref() {
+        return Err(at(&given.dsrdtr, "no DSR/DTR flow control here; write rtscts = true or xonxoff = true"));
+    }
+    for (value, name) in [(&given.timeout, "timeout"), (&given.inter_byte_timeout, "inter_byte_timeout")] {
+        if let Some(value) = value {
+            return Err(at(value, &format!("{name}: a sender never waits for characters to read; remove it")));
+        }
+    }
+    Ok(())
+}
+
+fn write_timeout(seconds: &Spanned<f64>) -> Result<Micros, Complaint> {
+    let given = *seconds.as_ref();
+    if given > 0.0 && given <= TIMEOUT_MAX_S {
+        Ok(Micros((given * US_PER_S as f64) as u64))
+    } else {
+        Err(at(seconds, "write_timeout must be seconds, more than 0 and at most 86400 (a day)"))
+    }
+}

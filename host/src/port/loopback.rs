@@ -1,0 +1,51 @@
+//! `loop://`: what is written is read, in order, without a line between.
+
+use std::collections::VecDeque;
+
+use arcfeed_shared::units::Micros;
+
+use super::clock::WallClock;
+use super::log::{Level, Log};
+use super::{Port, PortError};
+
+/// Bytes it holds, as pyserial's.
+pub const CAPACITY: usize = 4_096;
+
+/// A queue with a port's two ends.
+#[derive(Debug)]
+pub struct Loopback {
+    held: VecDeque<u8>,
+    clock: WallClock,
+}
+
+impl Loopback {
+    /// An empty one.
+    pub fn open(logging: Option<Level>) -> Self {
+        Log::new("loop", logging).say(Level::Debug, format_args!("enabled logging"));
+        Loopback { held: VecDeque::with_capacity(CAPACITY), clock: WallClock::start() }
+    }
+}
+
+impl Port for Loopback {
+    fn now(&self) -> Micros {
+        self.clock.now()
+    }
+
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {
+        let len = buffer.len().min(self.held.len());
+        for (slot, byte) in buffer.iter_mut().zip(self.held.drain(..len)) {
+            *slot = byte;
+        }
+        Ok(len)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError> {
+        let len = bytes.len().min(CAPACITY - self.held.len());
+        self.held.extend(&bytes[..len]);
+        Ok(len)
+    }
+
+    fn wait(&mut self, deadline: Micros) {
+        self.clock.wait(deadline);
+    }
+}

@@ -1,0 +1,50 @@
+//! From a URL to an open port.
+
+use super::fault::Fault;
+use super::list::{find, ports};
+use super::loopback::Loopback;
+use super::rfc2217::Rfc2217;
+use super::serial::Serial;
+use super::socket::Socket;
+use super::spy::Spy;
+use super::url::{Base, PortUrl, Wrapper};
+use super::{Port, PortError};
+use crate::job::SerialSettings;
+
+/// Opens the port and puts its wrappers around it.
+///
+/// # Errors
+/// It cannot be opened; `sim:` is no port of this machine and made elsewhere.
+pub fn open(url: &PortUrl, settings: &SerialSettings) -> Result<Box<dyn Port>, PortError> {
+    let port: Box<dyn Port> = match &url.base {
+        Base::Sim => {
+            return Err(PortError::in_words(&url.text, "the control in software is not there for this command"));
+        }
+        Base::Native(name) => Box::new(Serial::open(name, settings)?),
+        Base::Loop(logging) => Box::new(Loopback::open(*logging)),
+        Base::Socket(address, logging) => Box::new(Socket::open(address, *logging)?),
+        Base::Rfc2217(address, options) => Box::new(Rfc2217::open(address, options, settings)?),
+        Base::Hwgrep(wanted) => {
+            let can_be_opened = |name: &str| Serial::open(name, settings).is_ok();
+            let found = find(&ports(false), wanted, can_be_opened);
+            let message = "no such port; `arcfeed ports -v` lists what the expression is looked for in";
+            let name = found.ok_or_else(|| PortError::in_words(&url.text, message))?;
+            Box::new(Serial::open(&name, settings)?)
+        }
+    };
+    wrap(url, port)
+}
+
+/// Puts the wrappers of a URL around a port, the outermost last.
+///
+/// # Errors
+/// The file of a spy cannot be made.
+pub fn wrap<'p>(url: &PortUrl, port: Box<dyn Port + 'p>) -> Result<Box<dyn Port + 'p>, PortError> {
+    url.wrappers.iter().rev().try_fold(port, |inner, wrapper| {
+        let wrapped: Box<dyn Port + 'p> = match wrapper {
+            Wrapper::Spy(options) => Box::new(Spy::new(inner, options)?),
+            Wrapper::Fault(plan) => Box::new(Fault::new(inner, plan)),
+        };
+        Ok(wrapped)
+    })
+}

@@ -1,0 +1,354 @@
+//! The client's side of RFC 2217, without I/O: what to send, and whether the line is as asked for.
+//!
+//! ```text
+//!            DO 44              all answered           last answered
+//! Telnet ------------> Settings ------------> Controls -------------> Open
+//!    |                    |                      |
+//!    +--------------------+----------------------+--> Refusal: refused, or not answered in time
+//! ```
+//! Settings go out together, controls one by one: their answers bear one code. The order is pyserial's. What the server
+//! has received is not purged: the control may have said DC1 already, and says it once.
+
+use std::collections::VecDeque;
+
+use arcfeed_shared::units::{Micros, US_PER_S};
+
+use super::telnet::{Decoder, Event, Verb, say, subnegotiate};
+use crate::job::{Parity, SerialSettings};
+use crate::port::url::Rfc2217Options;
+
+/// Telnet's binary transmission: no bytes added behind CR.
+const BINARY: u8 = 0;
+/// Telnet's suppress go ahead.
+const SGA: u8 = 3;
+/// RFC 2217.
+const COM_PORT: u8 = 44;
+const OPTIONS: [u8; 3] = [COM_PORT, BINARY, SGA];
+
+const SET_CONTROL: u8 = 5;
+const NOTIFY_MODEMSTATE: u8 = 7;
+const SUSPEND: u8 = 8;
+const RESUME: u8 = 9;
+const PURGE_DATA: u8 = 12;
+/// From the code of a request to that of its answer.
+const ANSWER: u8 = 100;
+
+/// How old what is known of the modem lines may be, as pyserial's.
+const MODEM_STATE_AGE: Micros = Micros::from_ms(300);
+
+/// What the server's line is to be.
+#[derive(Clone, Copy, Debug)]
+pub struct Line {
+    baudrate: u32,
+    bytesize: u8,
+    parity: u8,
+    stopbits: u8,
+    rtscts: bool,
+}
+
+impl Line {
+    /// From the job's settings. The server does no XON/XOFF: the sender does, and must see DC1 and DC3.
+    pub fn new(settings: &SerialSettings) -> Self {
+        let parity = match settings.parity {
+            Parity::None => 1,
+            Parity::Odd => 2,
+            Parity::Even => 3,
+        };
+        let SerialSettings { baudrate, bytesize, stopbits, rtscts, .. } = *settings;
+        Line { baudrate, bytesize, parity, stopbits, rtscts }
+    }
+
+    fn settings(&self) -> Vec<Request> {
+        vec![
+            Request::new("baudrate", 1, &self.baudrate.to_be_bytes()),
+            Request::new("bytesize", 2, &[self.bytesize]),
+            Request::new("parity", 3, &[self.parity]),
+            Request::new("stopbits", 4, &[self.stopbits]),
+        ]
+    }
+
+    fn controls(&self) -> VecDeque<Request> {
+        let (none, hardware, dtr_on, rts_on) = (1, 3, 8, 11);
+        let flow = if self.rtscts { hardware } else { none };
+        let mut all = VecDeque::from([Request::new("flow control", SET_CONTROL, &[flow])]);
+        all.push_back(Request::new("DTR", SET_CONTROL, &[dtr_on]));
+        if !self.rtscts {
+            all.push_back(Request::new("RTS", SET_CONTROL, &[rts_on]));
+        }
+        all.push_back(Request::new("purge of what is to be sent", PURGE_DATA, &[2]));
+        all
+    }
+}
+
+/// Something asked of the server.
+#[derive(Clone, Debug)]
+struct Request {
+    name: &'static str,
+    code: u8,
+    value: Vec<u8>,
+    answered: bool,
+}
+
+impl Request {
+    fn new(name: &'static str, code: u8, value: &[u8]) -> Self {
+        Request { name, code, value: value.to_vec(), answered: false }
+    }
+}
+
+/// Why there will be no line.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Refusal {
+    /// The server wants no COM-PORT-OPTION, or says nothing.
+    #[error("the server does not speak RFC 2217{}; for bare TCP write socket://host:port", if *.silent { " or is slower than timeout" } else { "" })]
+    NotSpoken {
+        /// It said nothing at all about it.
+        silent: bool,
+    },
+    /// A setting was answered by another value.
+    #[error("the server refused {name}: it has {has:?} where {wanted:?} was asked for; change [serial] in the job")]
+    Setting {
+        /// pyserial's name.
+        name: &'static str,
+        /// As sent.
+        wanted: Vec<u8>,
+        /// As answered.
+        has: Vec<u8>,
+    },
+    /// No answer.
+    #[error("the server did not answer about {name}; give it longer (?timeout=10){}", if *.is_control { " or do not ask (?ign_set_control)" } else { "" })]
+    Late {
+        /// What was asked.
+        name: &'static str,
+        /// A SET-CONTROL, which some servers never answer.
+        is_control: bool,
+    },
+}
+
+#[derive(Clone, Debug)]
+enum State {
+    Telnet,
+    Settings(Vec<Request>),
+    Controls(VecDeque<Request>),
+    Open,
+}
+
+/// Who wants what: an option at one end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wish {
+    Asked,
+    Agreed,
+    Refused,
+}
+
+/// One connection.
+#[derive(Clone, Debug)]
+pub struct Client {
+    decoder: Decoder,
+    /// Ours and theirs, in the order of [`OPTIONS`].
+    wishes: [[Wish; OPTIONS.len()]; 2],
+    line: Line,
+    state: State,
+    deadline: Micros,
+    timeout: Micros,
+    ign_set_control: bool,
+    poll_modem: bool,
+    modem_state: Option<u8>,
+    modem_asked: Micros,
+    suspended: bool,
+    refusal: Option<Refusal>,
+    data: VecDeque<u8>,
+    outgoing: Vec<u8>,
+}
+
+impl Client {
+    /// A connection made at `now`.
+    pub fn new(line: &Line, options: &Rfc2217Options, now: Micros) -> Self {
+        let mut outgoing = Vec::new();
+        for option in OPTIONS {
+            say(Verb::Will, option, &mut outgoing);
+            say(Verb::Do, option, &mut outgoing);
+        }
+        let timeout = Micros((options.timeout_s * US_PER_S as f64) as u64);
+        Client {
+            decoder: Decoder::default(),
+            wishes: [[Wish::Asked; OPTIONS.len()]; 2],
+            line: *line,
+            state: State::Telnet,
+            deadline: now.after(timeout),
+            timeout,
+            ign_set_control: options.ign_set_control,
+            poll_modem: options.poll_modem,
+            modem_state: None,
+            modem_asked: now,
+            suspended: false,
+            refusal: None,
+            data: VecDeque::new(),
+            outgoing,
+        }
+    }
+
+    /// Takes what came from the server.
+    pub fn on_bytes(&mut self, now: Micros, bytes: &[u8]) {
+        for &byte in bytes {
+            match self.decoder.on_byte(byte) {
+                Some(Event::Data(byte)) => self.data.push_back(byte),
+                Some(Event::Option(verb, option)) => self.on_option(verb, option),
+                Some(Event::Subnegotiation(body)) => self.on_subnegotiation(&body),
+                Some(Event::Command(_)) | None => {}
+            }
+        }
+        self.advance(now);
+    }
+
+    fn on_option(&mut self, verb: Verb, option: u8) {
+        let (end, yes, no) = match verb {
+            Verb::Do | Verb::Dont => (0, Verb::Will, Verb::Wont),
+            Verb::Will | Verb::Wont => (1, Verb::Do, Verb::Dont),
+        };
+        let wanted = matches!(verb, Verb::Do | Verb::Will);
+        let known = OPTIONS.iter().position(|known| *known == option);
+        let Some(wish) = known.map(|at| &mut self.wishes[end][at]) else {
+            if wanted {
+                say(no, option, &mut self.outgoing);
+            }
+            return;
+        };
+        match (*wish, wanted) {
+            (Wish::Asked, _) | (Wish::Agreed, true) | (Wish::Refused, false) => {}
+            (Wish::Agreed, false) => say(no, option, &mut self.outgoing),
+            (Wish::Refused, true) => say(yes, option, &mut self.outgoing),
+        }
+        *wish = if wanted { Wish::Agreed } else { Wish::Refused };
+    }
+
+    fn on_subnegotiation(&mut self, body: &[u8]) {
+        let [COM_PORT, code, value @ ..] = body else { return };
+        // pyserial's own server sends these two with the code of a request.
+        match (*code, value) {
+            (code, [state, ..]) if code == NOTIFY_MODEMSTATE + ANSWER => self.modem_state = Some(*state),
+            (code, _) if code == SUSPEND || code == SUSPEND + ANSWER => self.suspended = true,
+            (code, _) if code == RESUME || code == RESUME + ANSWER => self.suspended = false,
+            (code, value) => self.on_answer(code, value),
+        }
+    }
+
+    fn on_answer(&mut self, code: u8, value: &[u8]) {
+        let request = match &mut self.state {
+            State::Settings(all) => all.iter_mut().find(|request| request.code + ANSWER == code),
+            State::Controls(left) => left.front_mut().filter(|request| request.code + ANSWER == code),
+            State::Telnet | State::Open => None,
+        };
+        let Some(request) = request else { return };
+        if value.starts_with(&request.value) {
+            request.answered = true;
+        } else if !(self.ign_set_control && request.code == SET_CONTROL) {
+            let Request { name, value: wanted, .. } = request.clone();
+            self.refusal = self.refusal.take().or(Some(Refusal::Setting { name, wanted, has: value.to_vec() }));
+        }
+    }
+
+    /// Goes on where everything is answered.
+    fn advance(&mut self, now: Micros) {
+        match &mut self.state {
+            State::Telnet => match self.wishes[0][0] {
+                Wish::Agreed => {
+                    let settings = self.line.settings();
+                    settings.iter().for_each(|request| ask(request, &mut self.outgoing));
+                    self.state = State::Settings(settings);
+                    self.deadline = now.after(self.timeout);
+                }
+                Wish::Refused => self.refusal = Some(Refusal::NotSpoken { silent: false }),
+                Wish::Asked => {}
+            },
+            State::Settings(all) if all.iter().all(|request| request.answered) => {
+                self.state = State::Controls(self.line.controls());
+                self.next_control(now);
+            }
+            State::Controls(left) => {
+                if left.front().is_none_or(|request| request.answered) {
+                    left.pop_front();
+                    self.next_control(now);
+                }
+            }
+            State::Settings(_) | State::Open => {}
+        }
+    }
+
+    /// Sends the control in front; one whose answer does not count is over at once.
+    fn next_control(&mut self, now: Micros) {
+        let State::Controls(left) = &mut self.state else { return };
+        self.deadline = now.after(self.timeout);
+        while let Some(request) = left.front() {
+            ask(request, &mut self.outgoing);
+            if !(self.ign_set_control && request.code == SET_CONTROL) {
+                return;
+            }
+            left.pop_front();
+        }
+        self.state = State::Open;
+    }
+
+    /// Whether it still may become a line; asks for the modem lines when it is time to.
+    ///
+    /// # Errors
+    /// The server refused, or is late.
+    pub fn check(&mut self, now: Micros) -> Result<(), Refusal> {
+        if let Some(refusal) = &self.refusal {
+            return Err(refusal.clone());
+        }
+        let late = match &self.state {
+            State::Telnet => Some(Refusal::NotSpoken { silent: true }),
+            State::Settings(all) => all.iter().find(|request| !request.answered).map(late),
+            State::Controls(left) => left.front().map(late),
+            State::Open => None,
+        };
+        if let Some(late) = late {
+            return if now >= self.deadline { Err(late) } else { Ok(()) };
+        }
+        if self.poll_modem && now.since(self.modem_asked) >= MODEM_STATE_AGE {
+            self.modem_asked = now;
+            subnegotiate(COM_PORT, NOTIFY_MODEMSTATE, &[], &mut self.outgoing);
+        }
+        Ok(())
+    }
+
+    /// Appends what is to be sent.
+    pub fn poll_transmit(&mut self, out: &mut Vec<u8>) {
+        out.append(&mut self.outgoing);
+    }
+
+    /// Takes data that arrived; answers how much.
+    pub fn take_data(&mut self, buffer: &mut [u8]) -> usize {
+        let len = buffer.len().min(self.data.len());
+        for (slot, byte) in buffer.iter_mut().zip(self.data.drain(..len)) {
+            *slot = byte;
+        }
+        len
+    }
+
+    /// Whether the line is as asked for.
+    pub fn is_open(&self) -> bool {
+        matches!(self.state, State::Open)
+    }
+
+    /// Whether the server wants no data now.
+    pub fn is_suspended(&self) -> bool {
+        self.suspended
+    }
+
+    /// The modem lines as last told: CD, RI, DSR, CTS in bits 7 to 4.
+    pub fn modem_state(&self) -> Option<u8> {
+        self.modem_state
+    }
+}
+
+fn ask(request: &Request, out: &mut Vec<u8>) {
+    subnegotiate(COM_PORT, request.code, &request.value, out);
+}
+
+fn late(request: &Request) -> Refusal {
+    Refusal::Late { name: request.name, is_control: request.code == SET_CONTROL }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,46 @@
+//! `socket://`: bytes over TCP as they are. The settings of the line are the server's business.
+
+use arcfeed_shared::units::Micros;
+
+use super::clock::WallClock;
+use super::log::{Level, Log};
+use super::tcp::Tcp;
+use super::url::Address;
+use super::{Port, PortError};
+
+/// An open connection.
+pub struct Socket {
+    tcp: Tcp,
+    clock: WallClock,
+}
+
+impl Socket {
+    /// Connects.
+    ///
+    /// # Errors
+    /// Nobody listens there.
+    pub fn open(address: &Address, logging: Option<Level>) -> Result<Self, PortError> {
+        let name = format!("socket://{}:{}", address.host, address.port);
+        let tcp = Tcp::connect(address, &name)?;
+        Log::new("socket", logging).say(Level::Info, format_args!("connected; line settings are the server's own"));
+        Ok(Socket { tcp, clock: WallClock::start() })
+    }
+}
+
+impl Port for Socket {
+    fn now(&self) -> Micros {
+        self.clock.now()
+    }
+
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {
+        self.tcp.read(buffer)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError> {
+        self.tcp.write(bytes)
+    }
+
+    fn wait(&mut self, deadline: Micros) {
+        self.clock.wait(deadline);
+    }
+}

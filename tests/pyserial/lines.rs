@@ -1,0 +1,172 @@
+//! Bytes through pyserial: its RFC 2217 server, its `socket://`.
+
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::time::{Duration, Instant};
+
+use arcfeed::job::{Parity, SerialSettings};
+use arcfeed::port::open::open;
+use arcfeed::port::{Port, PortError};
+use arcfeed_shared::units::Micros;
+use arcfeed_tests::{Running, Scratch, run, wait_for};
+
+use crate::python::{Script, python_or_skip};
+
+const JOB: &str = "examples/ibr-slot/job.toml";
+/// 9600 7E2.
+const SETTINGS: SerialSettings = SerialSettings {
+    baudrate: 9_600,
+    bytesize: 7,
+    parity: Parity::Even,
+    stopbits: 2,
+    xonxoff: true,
+    rtscts: false,
+    write_timeout: None,
+    exclusive: true,
+};
+
+fn opened(url: &str) -> Result<Box<dyn Port>, PortError> {
+    open(&url.parse().expect("a URL"), &SETTINGS)
+}
+
+/// Writes all and reads as much back.
+fn back(port: &mut dyn Port, sent: &[u8]) -> Vec<u8> {
+    let (mut left, mut back, mut buffer) = (sent, Vec::new(), [0; 512]);
+    let started = Instant::now();
+    while back.len() < sent.len() {
+        assert!(started.elapsed() < Duration::from_secs(30), "{} of {} bytes came back", back.len(), sent.len());
+        let taken = port.write(&left[..left.len().min(100)]).expect("the line stays");
+        left = &left[taken..];
+        let len = port.read(&mut buffer).expect("the line stays");
+        back.extend(&buffer[..len]);
+        port.wait(port.now().after(Micros::from_ms(1)));
+    }
+    back
+}
+
+/// Every byte, many times.
+fn every_byte() -> Vec<u8> {
+    (0..20_000_u32).map(|at| (at * 7 / 3) as u8).chain([0xff; 300]).collect()
+}
+
+#[test]
+fn pyserials_rfc2217_server_takes_our_settings_and_gives_every_byte_back() {
+    let Some(python) = python_or_skip("rfc2217 bytes") else { return };
+    let scratch = Scratch::new("rfc2217");
+    let server = Script::start(python, "rfc2217_server.py", &["loop://"], &scratch.path("out"));
+    let started = Instant::now();
+    let url = format!("rfc2217://127.0.0.1:{}?logging=info&poll_modem", server.line("port: "));
+    let mut port = opened(&url).expect("the server agrees");
+    println!("open after {:?}", started.elapsed());
+    let sent = every_byte();
+    assert_eq!(back(&mut *port, &sent), sent);
+    let settings = server.printed();
+    assert_eq!(settings.lines().last(), Some("settings: 9600 7E2 xonxoff=0 rtscts=0"), "{settings}");
+    drop(port);
+    let server = Script::start(python, "rfc2217_server.py", &["loop://"], &scratch.path("out"));
+    let hardware = SerialSettings { xonxoff: false, rtscts: true, ..SETTINGS };
+    let url = format!("rfc2217://127.0.0.1:{}", server.line("port: "));
+    let port = open(&url.parse().expect("a URL"), &hardware).expect("the server agrees");
+    assert_eq!(server.line("settings: 9600 7E2 xonxoff=0 rtscts=1"), "");
+    drop(port);
+}
+
+#[test]
+fn a_rate_that_pyserials_server_refuses_is_named() {
+    let Some(python) = python_or_skip("rfc2217 refusal") else { return };
+    let scratch = Scratch::new("refuse");
+    let server = Script::start(python, "rfc2217_server.py", &["loop://", "refuse-baudrate"], &scratch.path("out"));
+    let url = format!("rfc2217://127.0.0.1:{}", server.line("port: "));
+    let error = opened(&url).err().expect("1200 baud only").to_string();
+    assert!(error.contains(&url) && error.contains("refused baudrate") && error.contains("[0, 0, 4, 176]"), "{error}");
+}
+
+#[test]
+fn a_server_that_suspends_gets_nothing_until_it_resumes() {
+    let Some(python) = python_or_skip("rfc2217 suspend") else { return };
+    let scratch = Scratch::new("suspend");
+    let server = Script::start(python, "rfc2217_server.py", &["loop://", "suspend"], &scratch.path("out"));
+    let mut port = opened(&format!("rfc2217://127.0.0.1:{}", server.line("port: "))).expect("the server agrees");
+    assert_eq!(port.write(b"S").expect("the line stays"), 1);
+    // Until its word arrives some bytes may go; then none for the half second that it waits.
+    let mut suspended: Option<Instant> = None;
+    let held = wait_for("the server to suspend and to resume", || {
+        match (port.write(b"x").expect("the line stays"), suspended) {
+            (0, None) => {
+                suspended = Some(Instant::now());
+                None
+            }
+            (0, Some(_)) | (_, None) => None,
+            (_, Some(since)) => Some(since.elapsed()),
+        }
+    });
+    println!("held for {held:?}");
+    assert!(held >= Duration::from_millis(400), "{held:?}");
+}
+
+#[test]
+fn a_port_that_speaks_no_telnet_is_refused_in_time() {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let place = listener.local_addr().expect("an address");
+    let started = Instant::now();
+    let error = opened(&format!("rfc2217://{place}?timeout=0.4")).err().expect("nobody answers").to_string();
+    assert!(error.contains("socket://"), "{error}");
+    assert!((350..2_900).contains(&started.elapsed().as_millis()), "{:?}", started.elapsed());
+}
+
+#[test]
+fn our_socket_and_pyserials_understand_each_other() {
+    let Some(python) = python_or_skip("socket") else { return };
+    let scratch = Scratch::new("socket");
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let place = listener.local_addr().expect("an address").to_string();
+    let theirs = Script::start(python, "socket_client.py", &[&place], &scratch.path("out"));
+    let (one, _) = listener.accept().expect("pyserial connects");
+    theirs.line("open");
+    let mut port = opened(&format!("socket://{place}?logging=info")).expect("somebody listens");
+    let (other, _) = listener.accept().expect("we connect");
+    for (mut from, mut to) in [(clone(&one), clone(&other)), (other, one)] {
+        std::thread::spawn(move || {
+            let mut bytes = [0; 1_024];
+            while let Ok(len @ 1..) = from.read(&mut bytes) {
+                if to.write_all(&bytes[..len]).is_err() {
+                    break;
+                }
+            }
+        });
+    }
+    let sent = every_byte();
+    let inverted: Vec<u8> = sent.iter().map(|byte| !byte).collect();
+    assert_eq!(back(&mut *port, &sent), inverted);
+}
+
+fn clone(stream: &TcpStream) -> TcpStream {
+    stream.try_clone().expect("a second handle")
+}
+
+/// A whole job: our sender, pyserial's RFC 2217 server, a pseudo-terminal, our control.
+#[test]
+fn a_job_streamed_through_pyserials_server_is_executed_as_it_is() {
+    let Some(python) = python_or_skip("a job through rfc2217") else { return };
+    let scratch = Scratch::new("job2217");
+    let adapted = scratch.path("adapted.nc");
+    assert!(run(&["adapt", JOB, "-o", &adapted]).status.success());
+    let executed = scratch.path("served.nc");
+    // The control is twenty times as fast as its line: it takes all that comes, and nobody waits a minute.
+    let serve = ["serve", JOB, "--pty", "--once", "--json", "--executed", &executed, "--speed", "20"];
+    let mut control = Running::start(&scratch, "serve", &serve);
+    let pty = control.line("port: ");
+    let server = Script::start(python, "rfc2217_server.py", &[&pty], &scratch.path("out"));
+    let url = format!("rfc2217://127.0.0.1:{}", server.line("port: "));
+    let sender = Running::start(&scratch, "stream", &["stream", JOB, "--port", &url, "--json"]).end();
+    assert_eq!(sender.code, Some(0), "{}", sender.err);
+    let control = control.end();
+    assert_eq!(control.code, Some(0), "{}", control.err);
+    let adapted = std::fs::read(adapted).expect("the adapted program");
+    let is_block = |line: &&[u8]| !matches!(line.trim_ascii(), b"" | b"%");
+    let blocks: Vec<u8> = adapted.split_inclusive(|&byte| byte == b'\n').filter(is_block).flatten().copied().collect();
+    let executed = std::fs::read(executed).expect("what was executed");
+    assert_eq!(executed.escape_ascii().to_string(), blocks.escape_ascii().to_string());
+    let sent: serde_json::Value = serde_json::from_str(sender.out.trim()).expect("JSON");
+    assert_eq!(sent["link"]["bytes"].as_u64(), Some(adapted.len() as u64));
+}
