@@ -1,4 +1,4 @@
-//! The Fanuc dialect: text to words to blocks to modal motions, without allocation.
+//! The Fanuc dialect: text to words to blocks to modal motions, without allocation, macros apart.
 //!
 //! Only lines are context for the text level, only [`modal::Modal`] for the meaning level; every fault carries the
 //! column it was found at, and the caller knows the line.
