@@ -57,7 +57,12 @@ impl Modal {
                 self.select_additional(block, tables)?;
                 self.go(before, block, settings)?
             }
-            _ => self.once(one_shot, block, settings, tables)?,
+            _ => {
+                if one_shot != OneShot::Data && block.word(b'F').is_some() {
+                    let _of_no_move = self.take_feed(block);
+                }
+                self.once(one_shot, block, settings, tables)?
+            }
         };
         (step.stop, step.spindle) = (stop, spindle);
         if step.motion.is_some() || step.series.is_some() {
@@ -249,6 +254,13 @@ mod tests {
         for block in ["G2R1.", "G2X1.Y0R1.", "G3X1.I5.R-1."] {
             let (state, step) = run(&["G1X1.F1.", block]).unwrap();
             assert_eq!((step.motion, state.position.linear[0]), (None, inch(1.0)), "{block}");
+        }
+    }
+
+    #[test]
+    fn a_feed_beside_a_dwell_or_a_reference_point_is_kept() {
+        for line in ["G4P1F30.", "G28Z0F30.", "G53Z0F30.", "G92X0F30."] {
+            assert_eq!(motion(&["F25.", line, "G1X1."]).feed, Feed::PerMinute(inch(30.0)), "{line}");
         }
     }
 

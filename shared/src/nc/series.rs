@@ -126,11 +126,34 @@ const fn ops(code: u8) -> &'static [Op] {
 impl Series {
     /// Everything the block does, in order; moves of no length are left out.
     pub fn acts(&self) -> Acts<'_> {
+        Acts { series: self, cursor: self.begin() }
+    }
+
+    /// Before everything.
+    pub fn begin(&self) -> Cursor {
         let (at, depth) = match self {
             Series::Reference([start, ..]) => (*start, Nm(0)),
             Series::Drill(drill) => (drill.start, drill.levels.r),
         };
-        Acts { series: self, at, hole: 0, op: 0, depth, is_down: false }
+        Cursor { at, hole: 0, op: 0, depth, is_down: false, stage: Stage::Positioning }
+    }
+
+    /// What comes next.
+    pub fn advance(&self, cursor: &mut Cursor) -> Option<Act> {
+        loop {
+            let act = match self {
+                Series::Reference(way) => cursor.reference(way),
+                Series::Drill(drill) => cursor.drill(drill),
+            }?;
+            let is_idle = match act {
+                Act::Move(motion) => motion.start == motion.end,
+                Act::Dwell(span) => span == Micros(0),
+                Act::Spindle(_) => false,
+            };
+            if !is_idle {
+                return Some(act);
+            }
+        }
     }
 }
 
@@ -182,6 +205,12 @@ fn at_level(mut point: Pose, normal: usize, level: Nm) -> Pose {
 #[derive(Clone, Debug)]
 pub struct Acts<'a> {
     series: &'a Series,
+    cursor: Cursor,
+}
+
+/// How far a series is carried out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cursor {
     at: Pose,
     hole: u32,
     op: usize,
@@ -189,17 +218,35 @@ pub struct Acts<'a> {
     depth: Nm,
     /// Whether a pecking tool stands where its next cut begins.
     is_down: bool,
+    stage: Stage,
 }
 
-impl Acts<'_> {
+/// Parts of a cycle, and of the way to a reference point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// To the hole; to the intermediate point.
+    Positioning,
+    /// To the level where rapid turns to feed.
+    Approach,
+    /// In the hole and out of it; from the intermediate point on.
+    Work,
+}
+
+impl Cursor {
+    /// The hole, from 0, and the stage of what was given last.
+    pub fn stage(&self) -> (u32, Stage) {
+        (self.hole, self.stage)
+    }
+
     fn reference(&mut self, way: &[Pose; 3]) -> Option<Act> {
         let [start, between, end] = *way;
         self.op += 1;
-        let (from, to) = match self.op {
-            1 => (start, between),
-            2 => (between, end),
+        let (from, to, stage) = match self.op {
+            1 => (start, between, Stage::Positioning),
+            2 => (between, end, Stage::Work),
             _ => return None,
         };
+        self.stage = stage;
         Some(Act::Move(straight(MotionKind::Rapid, Plane::Xy, [from, to], Feed::Missing)))
     }
 
@@ -211,6 +258,12 @@ impl Acts<'_> {
                     return None;
                 }
                 continue;
+            };
+            let approach = ops(drill.code).iter().position(|op| *op == Op::RapidR).unwrap_or(0);
+            self.stage = match self.op {
+                0 => Stage::Positioning,
+                op if op <= approach => Stage::Approach,
+                _ => Stage::Work,
             };
             if *op != Op::Peck {
                 self.op += 1;
@@ -284,19 +337,6 @@ impl Iterator for Acts<'_> {
     type Item = Act;
 
     fn next(&mut self) -> Option<Act> {
-        loop {
-            let act = match self.series {
-                Series::Reference(way) => self.reference(way),
-                Series::Drill(drill) => self.drill(drill),
-            }?;
-            let is_idle = match act {
-                Act::Move(motion) => motion.start == motion.end,
-                Act::Dwell(span) => span == Micros(0),
-                Act::Spindle(_) => false,
-            };
-            if !is_idle {
-                return Some(act);
-            }
-        }
+        self.series.advance(&mut self.cursor)
     }
 }
