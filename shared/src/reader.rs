@@ -52,6 +52,11 @@ impl Reader {
         &self.tables
     }
 
+    /// Turns the block-delete switches: bit n for `/n`.
+    pub fn set_delete_switches(&mut self, switches: u16) {
+        self.settings.delete_switches = switches;
+    }
+
     /// Where the axes stand, in machine coordinates.
     pub fn machine(&self) -> Pose {
         self.modal.machine(&self.tables)

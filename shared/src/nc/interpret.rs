@@ -149,6 +149,16 @@ fn m_code(word: &Word) -> Result<Option<Stop>, Fault> {
 }
 
 impl Step {
+    /// Whether its move is the plain way of the tool centre, wherever the coordinates lie: no canned cycle, nothing under
+    /// G41, G42, G43.4 or G95. Only such a move can be looked at by itself.
+    pub fn is_plain(&self) -> bool {
+        match self.beyond_plain {
+            None => true,
+            Some(NotModelled::MoveUnder(code)) => !matches!(code, 410 | 420 | 434 | 950),
+            Some(_) => false,
+        }
+    }
+
     /// Whether this is a cutting move for which no feed was ever given: PS0011.
     pub fn lacks_feed(&self) -> bool {
         let of_series = match &self.series {

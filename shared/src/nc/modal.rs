@@ -155,12 +155,22 @@ impl Modal {
         self.is_unsettled = true;
     }
 
+    /// Where a workpiece's drawing has its origin, on the path: the work coordinate system's, shifted by G92. What G52 and
+    /// G68 move, they move in it.
+    pub fn work_origin(&self, tables: &Tables) -> Pose {
+        tables.origin(self.system).plus(self.preset)
+    }
+
+    /// What Z is longer by in machine coordinates.
+    pub fn tool_length(&self, tables: &Tables) -> Nm {
+        Nm(tables.length(self.length_offset).0.saturating_mul(i64::from(self.length_sign)))
+    }
+
     /// The axes in machine coordinates: the path's point, Z longer by the tool.
     pub fn machine(&self, tables: &Tables) -> Pose {
         let mut machine = self.position;
-        let length = tables.length(self.length_offset).0.saturating_mul(i64::from(self.length_sign));
         let [_, _, z] = &mut machine.linear;
-        z.0 = z.0.saturating_add(length);
+        z.0 = z.0.saturating_add(self.tool_length(tables).0);
         machine
     }
 }

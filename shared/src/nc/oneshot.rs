@@ -102,7 +102,7 @@ impl Modal {
     fn on_path(&self, machine: Pose, tables: &Tables) -> Pose {
         let mut shift = Pose::ORIGIN;
         let [_, _, z] = &mut shift.linear;
-        z.0 = tables.length(self.length_offset).0.saturating_mul(i64::from(self.length_sign));
+        *z = self.tool_length(tables);
         machine.minus(shift)
     }
 
