@@ -11,10 +11,12 @@ use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
 use arcfeed_firmware::supervisor::signals::Signals;
 use arcfeed_shared::cut::{self, CutRule};
 use arcfeed_shared::job::{FeedPolicy, Job};
+use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::{RADIUS_TOLERANCE, Segment};
 use arcfeed_shared::tool::Tool;
 use arcfeed_shared::units::{Micros, Nm};
 
+use crate::control::plain::Manner;
 use crate::control::{Control, ControlSettings};
 use crate::cutting::meter::{ChipMeter, MeterSettings};
 use crate::faults::ControllerFault;
@@ -36,6 +38,8 @@ pub struct Rig {
     meter: ChipMeter,
     overrides: Vec<MoveOverride>,
     first_move: Option<Micros>,
+    /// Of the move begun last. Positions and moves are the workpiece's: seen from its origin.
+    manner: Manner,
     /// The move begun last, and its rule.
     last: Option<(Segment, Option<usize>)>,
 }
@@ -120,6 +124,7 @@ impl Rig {
             fault,
             overrides: Vec::new(),
             first_move: None,
+            manner: Manner::default(),
             last: None,
         })
     }
@@ -127,16 +132,18 @@ impl Rig {
     /// One step of everything: the control moves, the machine reports, the meter measures, the controller decides.
     pub fn step(&mut self) {
         self.now = self.now.after(STEP);
-        let before = self.control.active().map(|(count, _)| count);
+        let before = self.control.active().map(|(count, segment)| (count, *segment));
         self.control.step(self.now, STEP, self.cabinet.output.percent);
         let active = self.control.active().map(|(count, segment)| (count, *segment));
-        if let Some((count, segment)) = active.filter(|(count, _)| Some(*count) != before) {
-            self.begin(count, &segment);
+        self.manner = self.control.manner().copied().unwrap_or(self.manner);
+        if let Some((count, segment)) = active.filter(|_| active != before) {
+            self.begin(count, &segment.shifted(Pose::ORIGIN.minus(self.manner.origin)));
         }
         if active.is_none() {
             self.cabinet.segment = None;
         }
-        let sample = machine::sample(&self.control, self.now);
+        let mut sample = machine::sample(&self.control, self.now);
+        sample.position = sample.position.minus(self.manner.origin);
         self.meter.take(&sample);
         self.record_override(sample.block, sample.override_percent);
         self.cabinet.input.measured.position = Some(machine::feedback(&sample.position));
@@ -185,6 +192,7 @@ impl Rig {
         let continued = self.last.filter(|(last, _)| self.is_in_pieces() && continues(last, segment));
         let found = match continued {
             Some((_, rule)) => rule.and_then(|index| Some((index, rules.get(index)?))),
+            None if self.manner.is_special => None,
             None => cut::find(rules, segment, &self.job.tool),
         };
         match continued {

@@ -73,6 +73,17 @@ impl Segment {
         Ok(Segment { sequence, start: motion.start, end: motion.end, feed: motion.feed, path })
     }
 
+    /// The same move elsewhere, or seen from elsewhere.
+    #[must_use]
+    pub fn shifted(&self, by: Pose) -> Self {
+        let mut path = self.path;
+        if let Path::Arc(arc) = &mut path {
+            let (first, second, _) = arc.plane.axes();
+            arc.center = add(arc.center, [first, second].map(|axis| pick(&by.linear, axis)));
+        }
+        Segment { start: self.start.plus(by), end: self.end.plus(by), path, ..*self }
+    }
+
     /// The arc, if it is one.
     pub fn arc(&self) -> Option<&Arc> {
         match &self.path {
@@ -269,6 +280,20 @@ mod tests {
         let arc_mm = 10.0 * FRAC_PI_2;
         assert!((segment.feed_length_mm() - arc_mm).abs() < 1e-12);
         assert!((segment.length_mm() - libm::sqrt(arc_mm * arc_mm + 49.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_shifted_arc_is_the_same_about_a_shifted_centre() {
+        let mut segment =
+            Segment::from_motion(&motion(Turn::Ccw, [10.0, 0.0], [0.0, 10.0], [-10.0, 0.0]), None).unwrap();
+        let by = Pose { linear: [1.0, 2.0, 3.0].map(Nm::from_mm), ..Pose::ORIGIN };
+        let shifted = segment.shifted(by);
+        assert_eq!(shifted.end.linear, [1.0, 12.0, 3.0].map(Nm::from_mm));
+        let (arc, moved) = (*segment.arc().unwrap(), *shifted.arc().unwrap());
+        assert_eq!(moved, Arc { center: mm([1.0, 2.0]), ..arc });
+        let Path::Arc(arc) = &mut segment.path else { unreachable!() };
+        arc.plane = Plane::Zx;
+        assert_eq!(segment.shifted(by).arc().unwrap().center, mm([3.0, 1.0]));
     }
 
     #[test]

@@ -32,6 +32,18 @@ impl Control {
         }
     }
 
+    /// Where a restart has found its block, the operator sees what was not sent and presses cycle start.
+    fn offer_restart(&mut self, now: Micros) {
+        let list = match &mut self.executive {
+            Some(executive) => executive.take_restart_list(),
+            None => self.reader.take_restart_list(),
+        };
+        if list.is_some() {
+            self.restart_list = list;
+            self.phase = Phase::Stopped { since: now };
+        }
+    }
+
     /// Whether nothing is left to read.
     pub(super) fn has_nothing_to_read(&self) -> bool {
         self.executive.as_ref().map_or_else(|| self.port.is_exhausted(), Executive::is_over)
@@ -59,11 +71,12 @@ impl Control {
             Found::NotYet => Vec::new(),
             Found::Here(blocks) => {
                 self.search = None;
+                self.offer_restart(now);
                 blocks
             }
             Found::Never(fault) => {
                 self.search = None;
-                vec![fault]
+                vec![*fault]
             }
         })
     }

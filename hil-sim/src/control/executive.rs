@@ -6,27 +6,26 @@
 use std::collections::VecDeque;
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
-use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::macros::interpreter::Interpreter;
 use arcfeed_shared::nc::macros::program::Library;
 use arcfeed_shared::nc::macros::stack::Place;
 use arcfeed_shared::nc::macros::step::{Ending, PlainBlock, Settings, Step, Trouble};
 use arcfeed_shared::nc::macros::variables::Context;
-use arcfeed_shared::nc::modal::{Pose, Stop};
-use arcfeed_shared::reader::Reader;
-use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_shared::nc::modal::Stop;
+use arcfeed_shared::units::Micros;
 
-use super::reader::{Action, ReadBlock, action};
+use super::plain::{Manner, Plain, PlainReader};
+use super::reader::{Action, ReadBlock};
+use super::restart::RestartList;
 use super::search::{Approach, Found, Search, never};
-use super::settings::Switches;
+use super::settings::{ControlSettings, Switches};
 
 /// The program being read.
 #[derive(Debug)]
 pub struct Executive {
-    reader: Reader,
+    reader: PlainReader,
     interpreter: Interpreter,
     line: u32,
-    end: Pose,
     is_over: bool,
     output: Vec<u8>,
     messages: VecDeque<String>,
@@ -45,19 +44,11 @@ pub enum Next {
 
 impl Executive {
     /// At power-on, the axes at the origin; subprograms stand behind the program or in the library.
-    pub fn new(text: &[u8], unit: LengthUnit, reading: Reading, library: Box<dyn Library>) -> Self {
-        let reader = Reader::new(unit, reading);
+    pub fn new(text: &[u8], settings: &ControlSettings, library: Box<dyn Library>) -> Self {
+        let reader = PlainReader::new(settings);
         let context = Context::with_length(reader.modal(), reader.machine(), Micros(0));
         let interpreter = Interpreter::new(text, library, Settings::default(), &context);
-        Executive {
-            reader,
-            interpreter,
-            line: 0,
-            end: Pose::default(),
-            is_over: false,
-            output: Vec::new(),
-            messages: VecDeque::new(),
-        }
+        Executive { reader, interpreter, line: 0, is_over: false, output: Vec::new(), messages: VecDeque::new() }
     }
 
     /// The next block at `now`.
@@ -97,14 +88,14 @@ impl Executive {
     pub fn look(&mut self, search: Search, now: Micros, switches: &Switches, approach: &Approach) -> Option<Found> {
         if let Search::Sequence(wanted) = search {
             let is_there = self.interpreter.seek(wanted);
-            return Some(if is_there { Found::Here(Vec::new()) } else { Found::Never(never(self.line)) });
+            return Some(if is_there { Found::Here(Vec::new()) } else { Found::Never(Box::new(never(self.line))) });
         }
         let Search::Restart(wanted) = search else { return None };
-        let start = self.end;
+        let start = self.reader.end();
         match self.next(now, switches) {
             Next::Block(block) => Some(approach.restart_at(wanted, *block, start)),
             Next::Busy => None,
-            Next::Over => Some(Found::Never(never(self.line))),
+            Next::Over => Some(Found::Never(Box::new(never(self.line)))),
         }
     }
 
@@ -123,16 +114,23 @@ impl Executive {
         self.messages.iter().map(String::as_str)
     }
 
+    /// Keeps from now on what a restart must tell the operator.
+    pub fn list_for_restart(&mut self) {
+        self.reader.list_for_restart();
+    }
+
+    /// What was kept before the last block.
+    pub fn take_restart_list(&mut self) -> Option<RestartList> {
+        self.reader.take_restart_list()
+    }
+
     fn read(&mut self, block: PlainBlock) -> ReadBlock {
-        let action = match self.reader.read(&block.text) {
-            Ok(understood) => action(&understood),
-            Err(fault) => Action::Fault(block.in_source(fault)),
+        let (action, manner) = match self.reader.read(&block.text) {
+            Ok(Plain { action, manner, .. }) => (action, manner),
+            Err(fault) => (Action::Fault(block.in_source(fault)), Manner::default()),
         };
-        if let Action::Move(segment, _) = &action {
-            self.end = segment.end;
-        }
         self.line = main_line(block.place, &block.calls);
-        ReadBlock { line: self.line, text: block.text, action }
+        ReadBlock { line: self.line, text: block.text, action, manner }
     }
 
     fn wait_with(&mut self, message: &[u8]) -> ReadBlock {
@@ -155,7 +153,7 @@ impl Executive {
     }
 
     fn block(&self, action: Action) -> ReadBlock {
-        ReadBlock { line: self.line, text: Vec::new(), action }
+        ReadBlock::new(self.line, Vec::new(), action)
     }
 }
 
@@ -170,7 +168,8 @@ mod tests {
     use super::*;
 
     fn executive(program: &str) -> Executive {
-        Executive::new(program.as_bytes(), LengthUnit::Mm, Reading::Lenient, Box::new(()))
+        let settings = ControlSettings::fanuc_16i(arcfeed_shared::units::LengthUnit::Mm);
+        Executive::new(program.as_bytes(), &settings, Box::new(()))
     }
 
     fn texts(executive: &mut Executive, switches: &Switches) -> Vec<String> {
@@ -192,7 +191,7 @@ mod tests {
     #[test]
     fn a_search_goes_on_at_its_block_and_a_restart_reads_what_is_before_it() {
         let program = "#1=4.\nG1F100.X1.\nN20Y#1\nM30\n";
-        let stands = Pose::default();
+        let stands = arcfeed_shared::nc::modal::Pose::default();
         let approach = Approach { stands, feed: arcfeed_shared::units::MmPerMin(1_000.0) };
         let off = Switches::default();
         let mut found = executive(program);

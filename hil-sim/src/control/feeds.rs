@@ -13,6 +13,7 @@ use arcfeed_shared::segment::Path;
 use arcfeed_shared::units::{MmPerMin, PERCENT, S_PER_MIN};
 
 use super::path::Travel;
+use super::plain::Manner;
 
 /// What stands at the control's inputs while a block runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +24,21 @@ pub struct FeedConditions {
     pub dry_run: Option<MmPerMin>,
     /// Feed hold, reset or alarm: the axes come to rest.
     pub holds: bool,
+    /// Of those, only feed hold: a tap goes on.
+    pub holds_but_taps: bool,
     /// The axes come to rest at the end of each block.
     pub stops_at_block_end: bool,
+}
+
+impl FeedConditions {
+    /// What of this counts for such a move.
+    #[must_use]
+    pub fn for_manner(&self, manner: &Manner) -> FeedConditions {
+        if !manner.is_tapping {
+            return *self;
+        }
+        FeedConditions { override_percent: PERCENT as u8, holds: self.holds && !self.holds_but_taps, ..*self }
+    }
 }
 
 /// Speed along the path, mm/s, of a block that need not stop or hold.

@@ -17,6 +17,7 @@ use arcfeed_shared::units::{MmPerMin, S_PER_MIN};
 use super::dynamics::Dynamics;
 use super::feeds::{FeedConditions, speed_mm_per_s};
 use super::path::Travel;
+use super::plain::Manner;
 use super::reader::{Action, ReadBlock};
 
 /// The interpolator's state.
@@ -42,6 +43,9 @@ struct Active {
     travel: Travel,
     done_mm: f64,
     count: u32,
+    manner: Manner,
+    /// Whether nothing flows from it into the next block.
+    ends_at_rest: bool,
 }
 
 impl Interpolator {
@@ -80,9 +84,18 @@ impl Interpolator {
         let Queued { block, travel } = self.queue.pop_front()?;
         if let Some(travel) = travel.filter(|travel| travel.length_mm > 0.0) {
             let count = u32::try_from(count + 1).unwrap_or(u32::MAX);
-            self.active = Some(Active { travel, done_mm: 0.0, count });
+            self.active = Some(Active { travel, done_mm: 0.0, count, manner: block.manner, ends_at_rest: false });
         }
         Some(block)
+    }
+
+    /// Begins a move of a block that makes several; `count` as in [`Interpolator::take_next`], this block among them.
+    pub fn begin(&mut self, segment: Segment, manner: Manner, count: usize) {
+        let travel = Travel::new(segment);
+        let count = u32::try_from(count).unwrap_or(u32::MAX);
+        if travel.length_mm > 0.0 {
+            self.active = Some(Active { travel, done_mm: 0.0, count, manner, ends_at_rest: true });
+        }
     }
 
     /// Moves on for `dt_s` or to the end of the block; answers the time left over.
@@ -93,6 +106,8 @@ impl Interpolator {
             self.commanded = MmPerMin(0.0);
             return 0.0;
         };
+        let exit_mm_per_s = if active.ends_at_rest { 0.0 } else { exit_mm_per_s };
+        let conditions = &conditions.for_manner(&active.manner);
         let wanted = speed_mm_per_s(&active.travel, conditions, self.arc_clamp.as_ref(), self.dynamics.rapid_mm_per_s);
         let feed = active.travel.speed_mm_per_s().map_or(0.0, |_| wanted / active.travel.speed_ratio);
         self.commanded = MmPerMin((feed * S_PER_MIN) as f32);
@@ -127,6 +142,11 @@ impl Interpolator {
     /// The active move and the count of blocks executed up to and including it.
     pub fn active(&self) -> Option<(u32, &Segment)> {
         self.active.as_ref().map(|active| (active.count, &active.travel.segment))
+    }
+
+    /// What holds for the active move.
+    pub fn manner(&self) -> Option<&Manner> {
+        self.active.as_ref().map(|active| &active.manner)
     }
 
     /// The feed of the active move with override, dry run and clamp; of a helix, along its arc in the plane.
@@ -165,12 +185,14 @@ impl Interpolator {
     fn exit_speed(&self, conditions: &FeedConditions) -> f64 {
         let Some(active) = &self.active else { return 0.0 };
         let flows = |queued: &&Queued| matches!(queued.block.action, Action::Move(_, None) | Action::Nothing);
-        let ahead: Vec<&Travel> =
-            self.queue.iter().take_while(flows).filter_map(|queued| queued.travel.as_ref()).collect();
+        let moves = self.queue.iter().take_while(flows);
+        let ahead: Vec<(&Travel, &Manner)> =
+            moves.filter_map(|queued| Some((queued.travel.as_ref()?, &queued.block.manner))).collect();
         let acceleration = self.dynamics.acceleration_mm_per_s2;
         let mut speed = 0.0;
-        for (index, travel) in ahead.iter().enumerate().rev() {
-            let before = index.checked_sub(1).map_or(&active.travel, |before| ahead[before]);
+        for (index, (travel, manner)) in ahead.iter().enumerate().rev() {
+            let before = index.checked_sub(1).map_or(&active.travel, |before| ahead[before].0);
+            let conditions = &conditions.for_manner(manner);
             speed = libm::sqrt(speed * speed + 2.0 * acceleration * travel.length_mm)
                 .min(self.corner_speed(before, travel))
                 .min(speed_mm_per_s(travel, conditions, self.arc_clamp.as_ref(), self.dynamics.rapid_mm_per_s));

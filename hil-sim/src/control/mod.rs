@@ -24,6 +24,12 @@ pub mod dynamics;
 
 pub mod settings;
 
+pub mod plain;
+
+pub mod course;
+
+pub mod restart;
+
 pub mod reader;
 
 pub mod search;
@@ -44,13 +50,16 @@ use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Micros, MmPerMin, US_PER_MS};
 
+use course::Course;
 use dnc_port::DncPort;
 use executive::Executive;
 use feeds::FeedConditions;
 use interpolator::Interpolator;
 use line::LineCounters;
 use panel::Phase;
-use reader::{Action, BlockReader};
+use plain::Manner;
+use reader::{Action, BlockReader, ReadBlock};
+use restart::RestartList;
 use search::Search;
 use signals::FeedOverrideLines;
 
@@ -79,6 +88,9 @@ pub struct Control {
     reading_time: Micros,
     reads_no_further: bool,
     search: Option<Search>,
+    restart_list: Option<RestartList>,
+    /// A block with several moves, under way.
+    course: Option<Course>,
     interpolator: Interpolator,
     phase: Phase,
     dwell_left: Micros,
@@ -111,7 +123,7 @@ impl Control {
         if first_macro(program).is_none() {
             return Control::new(settings, DncPort::from_memory(program), false);
         }
-        let executive = Executive::new(program, settings.unit, settings.reading, library);
+        let executive = Executive::new(program, &settings, library);
         Control { executive: Some(executive), ..Control::new(settings, DncPort::from_memory(b""), false) }
     }
 
@@ -121,11 +133,13 @@ impl Control {
             is_in_dnc,
             switches: settings.switches,
             port,
-            reader: BlockReader::new(settings.unit, settings.reading, is_in_dnc),
+            reader: BlockReader::new(&settings, is_in_dnc),
             executive: None,
             reading_time: read_before_start(&settings),
             reads_no_further: false,
             search: None,
+            restart_list: None,
+            course: None,
             interpolator: Interpolator::new(settings.dynamics, settings.arc_clamp),
             phase: Phase::Running,
             dwell_left: Micros(0),
@@ -180,16 +194,18 @@ impl Control {
     }
 
     fn conditions(&self) -> FeedConditions {
+        let stops = self.is_over() || self.phase == Phase::Resetting;
         FeedConditions {
             override_percent: self.override_percent,
             dry_run: self.switches.dry_run.then_some(self.settings.dry_run_feed),
-            holds: self.held || self.is_over() || self.phase == Phase::Resetting,
+            holds: self.held || stops,
+            holds_but_taps: !stops,
             stops_at_block_end: self.switches.single_block,
         }
     }
 
     fn look_for_the_end(&mut self, dt: Micros) {
-        let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0;
+        let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0 && self.course.is_none();
         if !has_nothing || self.phase != Phase::Running || self.dwell_left > Micros(0) || self.is_over() {
             return;
         }
@@ -219,6 +235,11 @@ impl Control {
     /// The move being executed and the count of blocks executed so far.
     pub fn active(&self) -> Option<(u32, &Segment)> {
         self.interpolator.active()
+    }
+
+    /// What holds for the active move.
+    pub fn manner(&self) -> Option<&Manner> {
+        self.interpolator.manner()
     }
 
     /// The feed of the active move with its override; zero at rapid and at rest.
@@ -286,46 +307,66 @@ impl Control {
     }
 
     fn dwell(&mut self, dt: Micros) {
-        if !self.held {
+        if !self.held || self.course.as_ref().is_some_and(Course::is_tapping) {
             self.dwell_left = self.dwell_left.since(dt);
         }
     }
 
     /// Takes up what is next: blocks that take no time, up to a move or a wait.
     fn start_next(&mut self, now: Micros) {
-        if !self.interpolator.is_idle() || self.dwell_left > Micros(0) || self.is_over() {
-            return;
-        }
-        if let Some(stop) = self.after_move.take() {
-            self.go_on(stop, now);
-        }
-        while self.phase == Phase::Running && self.dwell_left == Micros(0) && !self.is_over() {
+        while self.interpolator.is_idle()
+            && self.phase == Phase::Running
+            && self.dwell_left == Micros(0)
+            && !self.is_over()
+        {
+            if self.course.is_some() {
+                self.carry_on(now);
+                continue;
+            }
+            if let Some(stop) = self.after_move.take() {
+                self.go_on(stop, now);
+                continue;
+            }
             let is_halt = self.switches.single_block && self.interpolator.may_stop();
             if std::mem::take(&mut self.halts_after) && is_halt {
                 self.phase = Phase::Stopped { since: now };
                 return;
             }
             let Some(block) = self.interpolator.take_next(self.taken) else { return };
-            if let Action::Fault(fault) = block.action {
-                self.stop_with(AlarmRecord { line: block.line, fault });
+            if self.execute(block, now) {
                 return;
             }
-            self.taken += 1;
-            self.halts_after = block.is_halt_of_single_block();
-            if !block.text.is_empty() {
-                self.executed.push(block.text);
-            }
-            match block.action {
-                Action::Move(_, stop) => {
-                    self.after_move = stop;
-                    self.has_moved = true;
-                    return;
-                }
-                Action::Dwell(span) => self.dwell_left = span,
-                Action::Stop(stop) => self.go_on(stop, now),
-                Action::Nothing | Action::Auxiliary | Action::Fault(_) => {}
-            }
         }
+    }
+
+    /// Begins a block; whether it is one move.
+    fn execute(&mut self, block: ReadBlock, now: Micros) -> bool {
+        if let Action::Fault(fault) = block.action {
+            self.stop_with(AlarmRecord { line: block.line, fault });
+            return false;
+        }
+        self.taken += 1;
+        self.halts_after = block.is_halt_of_single_block();
+        let sequence = reader::sequence_of(&block.text).map(i64::from);
+        if !block.text.is_empty() {
+            self.executed.push(block.text);
+        }
+        match block.action {
+            Action::Move(_, stop) => {
+                self.after_move = stop;
+                self.has_moved = true;
+                return true;
+            }
+            Action::Series(series, stop) => {
+                self.course = Some(Course::new(series, block.manner, sequence));
+                self.after_move = stop;
+                self.has_moved = true;
+            }
+            Action::Dwell(span) => self.dwell_left = span,
+            Action::Stop(stop) => self.go_on(stop, now),
+            Action::Nothing | Action::Auxiliary | Action::Fault(_) => {}
+        }
+        false
     }
 
     fn go_on(&mut self, stop: Stop, now: Micros) {

@@ -15,6 +15,8 @@
 use arcfeed_shared::units::Micros;
 
 use super::Control;
+use super::executive::Executive;
+use super::restart::RestartList;
 use super::search::Search;
 use super::settings::Switches;
 
@@ -51,7 +53,8 @@ impl Control {
         match self.phase {
             Phase::Stopped { .. } => self.phase = Phase::Running,
             Phase::Ready => {
-                self.reader = super::BlockReader::new(self.settings.unit, self.settings.reading, self.is_in_dnc);
+                self.settings.tables = *self.reader.tables();
+                self.reader = super::BlockReader::new(&self.settings, self.is_in_dnc);
                 self.reader.stand_at(self.interpolator.position());
                 self.reading_time = super::read_before_start(&self.settings);
                 self.port.restart();
@@ -84,7 +87,17 @@ impl Control {
 
     /// Looks for a block in what comes next, before anything is executed.
     pub fn search(&mut self, search: Search) {
+        if let Search::Restart(_) = search {
+            self.reader.list_for_restart();
+            self.executive.iter_mut().for_each(Executive::list_for_restart);
+        }
         self.search = Some(search);
+    }
+
+    /// What a restart has found: the functions given before its block, which the operator has to give again, and the
+    /// state that the block meets.
+    pub fn restart_list(&self) -> Option<&RestartList> {
+        self.restart_list.as_ref()
     }
 
     /// The switches, to turn.
@@ -105,6 +118,8 @@ impl Control {
                 self.interpolator.clear();
                 self.dwell_left = Micros(0);
                 self.after_move = None;
+                self.course = None;
+                self.restart_list = None;
                 self.halts_after = false;
                 self.reads_no_further = false;
                 self.has_moved = false;

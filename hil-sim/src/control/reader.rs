@@ -3,14 +3,16 @@
 //! In DNC operation the control has no program to jump in: GOTO, WHILE, DO and END are alarm PS0123 there.
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
-use arcfeed_shared::nc::block::{Block, Line, Parsed, Reading};
 use arcfeed_shared::nc::macros::code::{Code, Cursor, Head};
 use arcfeed_shared::nc::modal::{Pose, Stop};
-use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::nc::series::Series;
+use arcfeed_shared::nc::settings::Tables;
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_shared::units::Micros;
 
-use super::settings::Switches;
+use super::plain::{Manner, Plain, PlainReader};
+use super::restart::RestartList;
+use super::settings::{ControlSettings, Switches};
 use super::tape::Received;
 
 /// One block, ready to execute.
@@ -22,6 +24,8 @@ pub struct ReadBlock {
     pub text: Vec<u8>,
     /// What it does.
     pub action: Action,
+    /// How its moves are made.
+    pub manner: Manner,
 }
 
 /// What a block does.
@@ -31,8 +35,10 @@ pub enum Action {
     Nothing,
     /// An M, S or T function: no time here, but moves before it come to rest.
     Auxiliary,
-    /// A move, and where the program goes on after it.
+    /// A move in machine coordinates, and where the program goes on after it.
     Move(Segment, Option<Stop>),
+    /// Several moves, on the path (see [`super::plain`]), and where the program goes on after them.
+    Series(Box<Series>, Option<Stop>),
     /// G4.
     Dwell(Micros),
     /// M0, M1, M2, M30.
@@ -44,11 +50,16 @@ pub enum Action {
 impl Action {
     /// Whether nothing behind this block is read before it is executed.
     pub fn stops_reading(&self) -> bool {
-        matches!(self, Action::Stop(_) | Action::Move(_, Some(_)) | Action::Fault(_))
+        matches!(self, Action::Stop(_) | Action::Move(_, Some(_)) | Action::Series(_, Some(_)) | Action::Fault(_))
     }
 }
 
 impl ReadBlock {
+    /// A block that asks for nothing special.
+    pub fn new(line: u32, text: Vec<u8>, action: Action) -> Self {
+        ReadBlock { line, text, action, manner: Manner::default() }
+    }
+
     /// Whether a control in single block waits after it: not after one with nothing but a comment.
     pub fn is_halt_of_single_block(&self) -> bool {
         let code = self.text.split(|&byte| byte == b'(').next().unwrap_or_default();
@@ -59,23 +70,36 @@ impl ReadBlock {
 /// The blocks of a program as they come in.
 #[derive(Debug)]
 pub struct BlockReader {
-    reader: Reader,
+    reader: PlainReader,
     in_dnc: bool,
     line: u32,
     has_begun: bool,
-    end: Pose,
 }
 
 impl BlockReader {
-    /// At power-on, the axes at the origin; `in_dnc`: the program comes over the line.
-    pub fn new(unit: LengthUnit, reading: Reading, in_dnc: bool) -> Self {
-        BlockReader { reader: Reader::new(unit, reading), in_dnc, line: 0, has_begun: false, end: Pose::default() }
+    /// At power-on, the axes at the machine's zero; `in_dnc`: the program comes over the line.
+    pub fn new(settings: &ControlSettings, in_dnc: bool) -> Self {
+        BlockReader { reader: PlainReader::new(settings), in_dnc, line: 0, has_begun: false }
     }
 
     /// The axes stand here.
-    pub fn stand_at(&mut self, pose: Pose) {
-        self.reader.stand_at(pose);
-        self.end = pose;
+    pub fn stand_at(&mut self, machine: Pose) {
+        self.reader.stand_at(machine);
+    }
+
+    /// The offsets as the program has left them.
+    pub fn tables(&mut self) -> &Tables {
+        self.reader.reader().tables()
+    }
+
+    /// Keeps from now on what a restart must tell the operator.
+    pub fn list_for_restart(&mut self) {
+        self.reader.list_for_restart();
+    }
+
+    /// What was kept before the last block.
+    pub fn take_restart_list(&mut self) -> Option<RestartList> {
+        self.reader.take_restart_list()
     }
 
     /// Lines read so far.
@@ -85,7 +109,7 @@ impl BlockReader {
 
     /// Where the last move that was read ends.
     pub fn end(&self) -> Pose {
-        self.end
+        self.reader.end()
     }
 
     /// Reads a block; `None` for `%`, empty and deleted ones, which do nothing.
@@ -103,15 +127,12 @@ impl BlockReader {
             return None;
         }
         let is_empty = text.is_empty() && refused.is_none();
-        let action = match refused.or(self.refused_in_dnc(&text)) {
-            Some(fault) => Action::Fault(fault),
-            None => self.understand(&text)?,
+        let (action, manner) = match refused.or(self.refused_in_dnc(&text)) {
+            Some(fault) => (Action::Fault(fault), Manner::default()),
+            None => self.understand(&text, switches)?,
         };
         self.has_begun |= !is_empty;
-        if let Action::Move(segment, _) = &action {
-            self.end = segment.end;
-        }
-        (!is_empty).then_some(ReadBlock { line: self.line, text, action })
+        (!is_empty).then_some(ReadBlock { line: self.line, text, action, manner })
     }
 
     /// Passes over a block, for a search: whether it was the end of the program.
@@ -139,26 +160,31 @@ impl BlockReader {
     }
 
     /// `None` for the mark that begins the program.
-    fn understand(&mut self, text: &[u8]) -> Option<Action> {
-        Some(match self.reader.read(text) {
+    fn understand(&mut self, text: &[u8], switches: &Switches) -> Option<(Action, Manner)> {
+        // Bit n - 1 of the panel is bit n of the reader.
+        self.reader.reader().set_delete_switches(switches.block_delete << 1);
+        match self.reader.read(text) {
             // The first mark begins the program, the next one ends it: a program that has not stopped before has no end.
-            Ok(Understood { parsed: Parsed { line: Line::ProgramMark, .. }, .. }) if self.has_begun => {
-                Action::Fault(Fault::alarm(Alarm::EndOfRecord, 1))
+            Ok(Plain { is_mark: true, manner, .. }) if self.has_begun => {
+                Some((Action::Fault(Fault::alarm(Alarm::EndOfRecord, 1)), manner))
             }
-            Ok(Understood { parsed: Parsed { line: Line::ProgramMark, .. }, .. }) => {
+            Ok(Plain { is_mark: true, .. }) => {
                 self.has_begun = true;
-                return None;
+                None
             }
-            Ok(understood) => action(&understood),
-            Err(fault) => Action::Fault(fault),
-        })
+            Ok(Plain { action, manner, .. }) => Some((action, manner)),
+            Err(fault) => Some((Action::Fault(fault), Manner::default())),
+        }
     }
 }
 
 /// The sequence number at the head of a block.
 pub fn sequence_of(text: &[u8]) -> Option<u32> {
     let code = text.trim_ascii_start();
-    let code = code.strip_prefix(b"/").unwrap_or(code).trim_ascii_start();
+    let code = match code.strip_prefix(b"/") {
+        Some([b'1'..=b'9', code @ ..] | code) => code.trim_ascii_start(),
+        None => code,
+    };
     let digits = code.strip_prefix(b"N")?;
     let len = digits.iter().take_while(|byte| byte.is_ascii_digit()).count();
     core::str::from_utf8(&digits[..len]).ok()?.parse().ok()
@@ -197,26 +223,13 @@ fn skip_brackets(statement: &mut Cursor<'_>) {
     }
 }
 
-/// What a line that has been understood asks for.
-pub fn action(understood: &Understood) -> Action {
-    let Understood { parsed, step, segment } = understood;
-    let has_function = |block: &Block| block.words.iter().any(|word| matches!(word.letter, b'M' | b'S' | b'T'));
-    match (step.stop, step.dwell, segment, &parsed.line) {
-        (_, _, Some(_), _) if understood.lacks_feed() => Action::Fault(Fault::alarm(Alarm::NoFeed, 0)),
-        (stop, _, Some(segment), _) => Action::Move(*segment, stop),
-        (Some(stop), ..) => Action::Stop(stop),
-        (None, Some(span), ..) => Action::Dwell(span),
-        (None, None, None, Line::Block(block)) if has_function(block) => Action::Auxiliary,
-        (None, None, None, _) => Action::Nothing,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use arcfeed_shared::units::LengthUnit;
 
     fn blocks(program: &str, in_dnc: bool, switches: &Switches) -> Vec<ReadBlock> {
-        let mut reader = BlockReader::new(LengthUnit::Inch, Reading::Lenient, in_dnc);
+        let mut reader = BlockReader::new(&ControlSettings::fanuc_16i(LengthUnit::Inch), in_dnc);
         program.lines().filter_map(|line| reader.read(Received::Block(line.into()), switches)).collect()
     }
 
@@ -275,7 +288,9 @@ mod tests {
 
     #[test]
     fn sequence_numbers_stand_at_the_head() {
-        for (text, number) in [("N10G1", Some(10)), ("/ N007", Some(7)), ("G1N5", None), ("N", None), ("(N1)", None)] {
+        for (text, number) in
+            [("N10G1", Some(10)), ("/ N007", Some(7)), ("/3N8", Some(8)), ("G1N5", None), ("N", None), ("(N1)", None)]
+        {
             assert_eq!(sequence_of(text.as_bytes()), number, "{text}");
         }
     }

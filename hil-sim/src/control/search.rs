@@ -34,7 +34,7 @@ pub enum Found {
     /// This one: the moves that lead to it, and itself.
     Here(Vec<ReadBlock>),
     /// It never comes.
-    Never(ReadBlock),
+    Never(Box<ReadBlock>),
 }
 
 impl Search {
@@ -47,7 +47,7 @@ impl Search {
                     Received::Block(text) if sequence_of(text) == Some(wanted) => {
                         Found::Here(reader.read_again(received, switches).into_iter().collect())
                     }
-                    _ if is_end => Found::Never(never(reader.line())),
+                    _ if is_end => Found::Never(Box::new(never(reader.line()))),
                     _ => Found::NotYet,
                 }
             }
@@ -63,7 +63,7 @@ impl Search {
 /// The alarm of a number that is not there.
 pub fn never(line: u32) -> ReadBlock {
     let fault = Fault::alarm(Alarm::SequenceNotFound, 0);
-    ReadBlock { line, text: Vec::new(), action: Action::Fault(fault) }
+    ReadBlock::new(line, Vec::new(), Action::Fault(fault))
 }
 
 /// How the axes get to where the program is taken up.
@@ -84,9 +84,13 @@ impl Approach {
             return Found::Here(blocks);
         }
         match &block.action {
-            Action::Stop(Stop::End) | Action::Move(_, Some(Stop::End)) => Found::Never(never(block.line)),
-            Action::Fault(fault) if *fault == Fault::alarm(Alarm::EndOfRecord, 1) => Found::Never(never(block.line)),
-            Action::Fault(_) => Found::Never(block),
+            Action::Stop(Stop::End) | Action::Move(_, Some(Stop::End)) | Action::Series(_, Some(Stop::End)) => {
+                Found::Never(Box::new(never(block.line)))
+            }
+            Action::Fault(fault) if *fault == Fault::alarm(Alarm::EndOfRecord, 1) => {
+                Found::Never(Box::new(never(block.line)))
+            }
+            Action::Fault(_) => Found::Never(Box::new(block)),
             _ => Found::NotYet,
         }
     }
@@ -99,7 +103,7 @@ impl Approach {
         let mut go = |end: Pose| {
             if end != at {
                 let segment = Segment { sequence: None, start: at, end, feed, path: Path::Line };
-                blocks.push(ReadBlock { line, text: Vec::new(), action: Action::Move(segment, None) });
+                blocks.push(ReadBlock::new(line, Vec::new(), Action::Move(segment, None)));
                 at = end;
             }
         };

@@ -3,7 +3,7 @@
 //! A value marked assumed is published nowhere that we know of; docs/control.md lists all of them.
 
 use arcfeed_shared::machine::ArcClamp;
-use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::settings as nc;
 use arcfeed_shared::units::{LengthUnit, Micros, MmPerMin};
 
 use super::dynamics::Dynamics;
@@ -12,10 +12,10 @@ use super::line::LineSettings;
 /// Settings of the control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControlSettings {
-    /// Unit at power-on.
-    pub unit: LengthUnit,
-    /// How blocks are read.
-    pub reading: Reading,
+    /// How blocks are read, and what the machine's canned cycles and reference points are set to.
+    pub nc: nc::Settings,
+    /// Work offsets and tool lengths at power-on.
+    pub tables: nc::Tables,
     /// The serial line.
     pub line: LineSettings,
     /// Blocks read ahead of the one being executed.
@@ -63,6 +63,14 @@ pub enum Preset {
 }
 
 impl Preset {
+    fn of_reader(self) -> nc::Preset {
+        match self {
+            Preset::Fanuc16i => nc::Preset::Fanuc16i,
+            Preset::Fanuc0i => nc::Preset::Fanuc0i,
+            Preset::Fanuc31i => nc::Preset::Fanuc31i,
+        }
+    }
+
     /// The settings of this control, on a mid-size five-axis machine.
     pub fn settings(self, unit: LengthUnit) -> ControlSettings {
         let line = LineSettings::default();
@@ -75,9 +83,10 @@ impl Preset {
                 (LineSettings { buffer: 4_096, xoff_below: 1_024, xon_above: 3_072, ..line }, 200, Micros(1_000))
             }
         };
+        let nc = nc::Settings::preset(self.of_reader(), unit, nc::Reading::Lenient);
         ControlSettings {
-            unit,
-            reading: Reading::Lenient,
+            nc: nc::Settings { scope: nc::Scope::Everything, ..nc },
+            tables: nc::Tables::default(),
             line,
             look_ahead,
             block_processing,

@@ -1,0 +1,101 @@
+//! A block that makes several moves, while it is carried out: canned cycles, G28, G30.
+//!
+//! Each move ends at rest. In single block the control stops where the tool is positioned, at the level where rapid turns to
+//! feed, and behind each hole; of G28 and G30 at the intermediate point. A tap in its hole knows neither override nor feed
+//! hold until it is out.
+
+use arcfeed_shared::nc::modal::{MotionKind, Pose};
+use arcfeed_shared::nc::series::{Act, Cursor, Series, Stage};
+use arcfeed_shared::segment::{Path, Segment};
+use arcfeed_shared::units::Micros;
+
+use super::Control;
+use super::panel::Phase;
+use super::plain::{Manner, along_z};
+
+/// A block under way.
+#[derive(Debug)]
+pub struct Course {
+    series: Box<Series>,
+    cursor: Cursor,
+    manner: Manner,
+    sequence: Option<i64>,
+    /// Hole and stage of what was given last; a stop in single block before what comes next counts as given.
+    given: Option<(u32, Stage)>,
+    taps: bool,
+}
+
+/// What comes next.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Next {
+    /// A move in machine coordinates.
+    Move(Box<Segment>, Manner),
+    /// A wait.
+    Dwell(Micros),
+    /// A place where single block stops.
+    Halt,
+}
+
+impl Course {
+    /// A block that begins.
+    pub fn new(series: Box<Series>, manner: Manner, sequence: Option<i64>) -> Self {
+        let cursor = series.begin();
+        Course { series, cursor, manner: Manner { is_special: true, ..manner }, sequence, given: None, taps: false }
+    }
+
+    /// Whether a tap is in its hole.
+    pub fn is_tapping(&self) -> bool {
+        self.taps || self.manner.is_tapping
+    }
+
+    /// What comes next of it, the axes standing at `stands`; `None` at its end.
+    pub fn advance(&mut self, stands: &Pose, in_single_block: bool) -> Option<Next> {
+        loop {
+            let mut ahead = self.cursor.clone();
+            let act = self.series.advance(&mut ahead);
+            let stage = ahead.stage();
+            if in_single_block && act.is_some() && self.given.is_some_and(|given| given != stage) {
+                self.given = Some(stage);
+                self.taps = false;
+                return Some(Next::Halt);
+            }
+            (self.cursor, self.given) = (ahead, Some(stage));
+            match act {
+                Some(Act::Spindle(_)) => {}
+                Some(Act::Dwell(span)) => return Some(Next::Dwell(span)),
+                Some(Act::Move(motion)) => {
+                    let is_cut = motion.kind == MotionKind::Line;
+                    let mut end = motion.end.plus(along_z(self.manner.tool));
+                    if let (Series::Drill(drill), (_, Stage::Positioning)) = (&*self.series, stage) {
+                        // A tool length that begins in this block counts from the approach on.
+                        let (.., normal) = drill.plane.axes();
+                        end.linear[normal] = stands.linear[normal];
+                    }
+                    self.taps =
+                        is_cut && matches!(&*self.series, Series::Drill(drill) if matches!(drill.code, 74 | 84));
+                    let path = if is_cut { Path::Line } else { Path::Rapid };
+                    let segment = Segment { sequence: self.sequence, start: *stands, end, feed: motion.feed, path };
+                    return Some(Next::Move(
+                        Box::new(segment),
+                        Manner { is_tapping: self.is_tapping(), ..self.manner },
+                    ));
+                }
+                None => return None,
+            }
+        }
+    }
+}
+
+impl Control {
+    /// What comes next of the block under way.
+    pub(super) fn carry_on(&mut self, now: Micros) {
+        let stands = self.interpolator.position();
+        let Some(course) = &mut self.course else { return };
+        match course.advance(&stands, self.switches.single_block) {
+            Some(Next::Move(segment, manner)) => self.interpolator.begin(*segment, manner, self.taken),
+            Some(Next::Dwell(span)) => self.dwell_left = span,
+            Some(Next::Halt) => self.phase = Phase::Stopped { since: now },
+            None => self.course = None,
+        }
+    }
+}

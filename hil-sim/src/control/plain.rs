@@ -1,0 +1,169 @@
+//! Plain blocks to actions in machine coordinates: the interpreter of `shared`, with all of its dialect.
+//!
+//! The interpreter's *path* is the tool tip's; the axes stand in machine coordinates, Z longer by the tool length. Each move
+//! begins where the axes are: a length offset that begins without a move of Z moves nothing, and the next move makes up
+//! for it. Under G41 and G42 the contour is executed as written, under G43.4 the tool tip's way.
+
+use arcfeed_shared::nc::alarm::{Alarm, Fault, NotModelled};
+use arcfeed_shared::nc::block::{Block, Line};
+use arcfeed_shared::nc::modal::{Modal, Plane, Pose};
+use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::segment::Segment;
+use arcfeed_shared::units::Nm;
+
+use super::reader::Action;
+use super::restart::RestartList;
+use super::settings::ControlSettings;
+
+/// What holds for all moves of a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Manner {
+    /// Machine coordinates of the workpiece's origin: of the work coordinate system, Z longer by the tool.
+    pub origin: Pose,
+    /// What of it is the tool's length.
+    pub tool: Nm,
+    /// Whether a law cannot govern its moves: canned cycles, and what is under G41, G42, G43.4 and G95.
+    pub is_special: bool,
+    /// G63, or a tap in its hole: the override counts 100 %, and feed hold waits.
+    pub is_tapping: bool,
+}
+
+/// A block as it was understood.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plain {
+    /// What it does.
+    pub action: Action,
+    /// How.
+    pub manner: Manner,
+    /// It is `%`.
+    pub is_mark: bool,
+}
+
+/// Reads blocks one after the other.
+#[derive(Debug)]
+pub struct PlainReader {
+    reader: Reader,
+    end: Pose,
+    taps: bool,
+    restart: Option<RestartList>,
+}
+
+impl PlainReader {
+    /// At power-on, the axes at the machine's zero.
+    pub fn new(settings: &ControlSettings) -> Self {
+        let reader = Reader::with(settings.nc, settings.tables);
+        PlainReader { reader, end: Pose::ORIGIN, taps: false, restart: None }
+    }
+
+    /// The modal state.
+    pub fn modal(&self) -> &Modal {
+        self.reader.modal()
+    }
+
+    /// The reader.
+    pub fn reader(&mut self) -> &mut Reader {
+        &mut self.reader
+    }
+
+    /// Where the axes stand behind what was read, as the program has it.
+    pub fn machine(&self) -> Pose {
+        self.reader.machine()
+    }
+
+    /// Where the last move that was read ends.
+    pub fn end(&self) -> Pose {
+        self.end
+    }
+
+    /// The axes stand here; the tool has no length then.
+    pub fn stand_at(&mut self, machine: Pose) {
+        self.reader.stand_at(machine);
+        self.end = machine;
+    }
+
+    /// Keeps from now on what a restart must tell the operator.
+    pub fn list_for_restart(&mut self) {
+        self.restart = Some(RestartList::default());
+    }
+
+    /// What was kept before the last block.
+    pub fn take_restart_list(&mut self) -> Option<RestartList> {
+        self.restart.take()
+    }
+
+    /// Reads a block.
+    ///
+    /// # Errors
+    /// As [`Reader::read`]; PS0011 for a cutting move without a feed; a tool length that begins in an arc along Z.
+    pub fn read(&mut self, text: &[u8]) -> Result<Plain, Fault> {
+        if let Some(list) = &mut self.restart {
+            list.begin_block(self.reader.modal());
+        }
+        let understood = self.reader.read(text)?;
+        if let Line::Block(block) = &understood.parsed.line {
+            self.note(block);
+        }
+        let manner = self.manner(&understood);
+        let mut action = action(&understood);
+        if let Action::Move(segment, _) = &mut action {
+            *segment = self.in_machine(segment, manner.tool)?;
+            self.end = segment.end;
+        }
+        if let Action::Series(..) = &action {
+            self.end = self.reader.machine();
+        }
+        Ok(Plain { action, manner, is_mark: understood.parsed.line == Line::ProgramMark })
+    }
+
+    fn note(&mut self, block: &Block) {
+        if let Some(list) = &mut self.restart {
+            list.take(block);
+        }
+        for word in block.words.iter().filter(|word| word.letter == b'G') {
+            match word.number.as_whole() {
+                Some(63) => self.taps = true,
+                Some(61 | 62 | 64) => self.taps = false,
+                _ => {}
+            }
+        }
+    }
+
+    fn manner(&self, understood: &Understood) -> Manner {
+        let (modal, tables) = (self.reader.modal(), self.reader.tables());
+        let tool = modal.tool_length(tables);
+        let origin = modal.work_origin(tables).plus(along_z(tool));
+        let is_special = !understood.step.is_plain() || self.taps;
+        Manner { origin, tool, is_special, is_tapping: self.taps }
+    }
+
+    fn in_machine(&self, segment: &Segment, tool: Nm) -> Result<Segment, Fault> {
+        let moved = segment.shifted(along_z(tool));
+        let is_along_z = moved.arc().is_some_and(|arc| arc.plane != Plane::Xy);
+        if is_along_z && moved.start != self.end {
+            return Err(Fault::not_modelled(NotModelled::MoveUnder(430), 0));
+        }
+        Ok(Segment { start: self.end, ..moved })
+    }
+}
+
+/// This much along Z, and nothing else.
+pub fn along_z(length: Nm) -> Pose {
+    Pose { linear: [Nm(0), Nm(0), length], ..Pose::ORIGIN }
+}
+
+/// What a line that has been understood asks for, on the path.
+fn action(understood: &Understood) -> Action {
+    let Understood { parsed, step, segment } = understood;
+    let has_function = |block: &Block| block.words.iter().any(|word| matches!(word.letter, b'M' | b'S' | b'T'));
+    if understood.lacks_feed() {
+        return Action::Fault(Fault::alarm(Alarm::NoFeed, 0));
+    }
+    match (step.stop, step.dwell, segment, &parsed.line) {
+        (stop, _, Some(segment), _) => Action::Move(*segment, stop),
+        (stop, ..) if let Some(series) = step.series => Action::Series(Box::new(series), stop),
+        (Some(stop), ..) => Action::Stop(stop),
+        (None, Some(span), ..) => Action::Dwell(span),
+        (None, None, None, Line::Block(block)) if has_function(block) => Action::Auxiliary,
+        (None, None, None, _) => Action::Nothing,
+    }
+}

@@ -1,0 +1,120 @@
+//! What a restart leaves to the operator: the functions that the program gave before the block, which the control does not
+//! send again, and the state that the block meets.
+
+use std::collections::VecDeque;
+use std::fmt;
+
+use arcfeed_shared::nc::block::Block;
+use arcfeed_shared::nc::modal::{FeedMode, Modal, MotionKind, Plane, Side, Turn};
+use arcfeed_shared::units::LengthUnit;
+
+/// Most M codes that are listed, the last ones.
+const M_CODES: usize = 35;
+
+/// The list.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RestartList {
+    /// M codes in the order given, the last ones; stops and calls are none.
+    pub m: VecDeque<i64>,
+    /// The last T.
+    pub t: Option<i64>,
+    /// The last S.
+    pub s: Option<i64>,
+    /// The modal state before the block.
+    pub modal: Option<Modal>,
+    pending: Vec<(u8, i64)>,
+}
+
+impl RestartList {
+    /// A further block is read; what the one before gave is given now.
+    pub(super) fn begin_block(&mut self, modal: &Modal) {
+        self.modal = Some(*modal);
+        for (letter, number) in self.pending.drain(..) {
+            match letter {
+                b'M' => {
+                    self.m.push_back(number);
+                    if self.m.len() > M_CODES {
+                        self.m.pop_front();
+                    }
+                }
+                b'T' => self.t = Some(number),
+                _ => self.s = Some(number),
+            }
+        }
+    }
+
+    /// Keeps the functions of a block until the next one is read.
+    pub(super) fn take(&mut self, block: &Block) {
+        let is_function = |letter, number| match letter {
+            b'M' => !matches!(number, 0..=2 | 30 | 98 | 99),
+            _ => matches!(letter, b'S' | b'T'),
+        };
+        let given = block.words.iter().filter_map(|word| Some((word.letter, word.number.as_whole()?)));
+        self.pending.extend(given.filter(|(letter, number)| is_function(*letter, *number)));
+    }
+}
+
+impl fmt::Display for RestartList {
+    /// `T1 S1200 M3 M8; in force: G1 G17 G90 G94 G21 G43 H1 G54, F100`
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let word = |letter: char, number: Option<i64>| number.map(|number| format!("{letter}{number}"));
+        let words = word('T', self.t).into_iter().chain(word('S', self.s));
+        let words: Vec<String> = words.chain(self.m.iter().filter_map(|code| word('M', Some(*code)))).collect();
+        f.write_str(if words.is_empty() { "no T, S, M" } else { "" })?;
+        f.write_str(&words.join(" "))?;
+        let Some(modal) = &self.modal else { return Ok(()) };
+        write!(f, "; in force: {}", codes(modal).join(" "))?;
+        modal.feed.map_or(Ok(()), |feed| write!(f, ", F{}", feed.0 as f64 / modal.unit.nm() as f64))
+    }
+}
+
+/// The modal G codes, group by group.
+fn codes(modal: &Modal) -> Vec<String> {
+    let motion = match modal.motion {
+        MotionKind::Rapid => 0,
+        MotionKind::Line => 1,
+        MotionKind::Arc(Turn::Cw) => 2,
+        MotionKind::Arc(Turn::Ccw) => 3,
+    };
+    let plane = match modal.plane {
+        Plane::Xy => 17,
+        Plane::Zx => 18,
+        Plane::Yz => 19,
+    };
+    let feed_mode = match modal.feed_mode {
+        FeedMode::InverseTime => 93,
+        FeedMode::PerMinute => 94,
+        FeedMode::PerRevolution => 95,
+    };
+    let compensation = match modal.compensation {
+        None => 40,
+        Some(Side::Left) => 41,
+        Some(Side::Right) => 42,
+    };
+    let motion = modal.cycle.map_or(motion, |cycle| i32::from(cycle.code));
+    let distance = if modal.absolute { 90 } else { 91 };
+    let unit = if modal.unit == LengthUnit::Inch { 20 } else { 21 };
+    let level = if modal.returns_to_r { 99 } else { 98 };
+    let whole = [motion, plane, distance, feed_mode, unit, compensation, level];
+    let mut codes: Vec<String> = whole.into_iter().map(|code| format!("G{code}")).collect();
+    codes.push(match modal.length_sign {
+        0 => "G49".to_owned(),
+        sign => {
+            let code = if modal.follows_tool_center {
+                "43.4"
+            } else if sign > 0 {
+                "43"
+            } else {
+                "44"
+            };
+            format!("G{code} H{}", modal.length_offset)
+        }
+    });
+    codes.push(match modal.system {
+        system @ 0..=5 => format!("G{}", 54 + system),
+        system => format!("G54.1 P{}", system - 5),
+    });
+    codes.extend(modal.polar.map(|_| "G16".to_owned()));
+    codes.extend(modal.frame.rotation.map(|turned| format!("G68 R{}", turned.angle.to_deg())));
+    codes
+}
