@@ -23,18 +23,6 @@ use arcfeed_shared::nc::settings::{Decimals, OFFSETS, Preset, SYSTEMS, Settings,
 use arcfeed_shared::units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Nm};
 use serde::Deserialize;
 
-/// The names of the presets.
-pub const PRESETS: [&str; 3] = ["fanuc-16i", "fanuc-0i", "fanuc-31i"];
-
-/// The preset of a name among [`PRESETS`].
-pub fn preset(name: &str) -> Preset {
-    match name {
-        "fanuc-0i" => Preset::Fanuc0i,
-        "fanuc-31i" => Preset::Fanuc31i,
-        _ => Preset::Fanuc16i,
-    }
-}
-
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct SettingsFile {

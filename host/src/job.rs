@@ -19,10 +19,12 @@ use std::path::{Path, PathBuf};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::machine::MachineLimits;
+use arcfeed_shared::nc::settings::{Preset, Reading, Scope, Settings, Tables};
 use arcfeed_shared::tool::{CupMill, EndMill, Tool};
 use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
 
+use crate::control;
 use schema::{JobTable, LawTable, Quantity, ToolTable};
 pub use serial::{Parity, SerialSettings};
 
@@ -35,6 +37,12 @@ pub struct JobFile {
     pub program: PathBuf,
     /// The control it runs on.
     pub control: ControlKind,
+    /// The file with what that control is set to.
+    pub settings: Option<PathBuf>,
+    /// How it reads a program; in effect at power-on.
+    pub nc: Settings,
+    /// Its offsets.
+    pub tables: Tables,
     /// The DNC line.
     pub serial: SerialSettings,
 }
@@ -51,6 +59,33 @@ pub enum ControlKind {
 }
 
 impl ControlKind {
+    /// As in job files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            ControlKind::Fanuc16i => "fanuc-16i",
+            ControlKind::Fanuc0i => "fanuc-0i",
+            ControlKind::Fanuc31i => "fanuc-31i",
+        }
+    }
+
+    /// Its standard settings.
+    pub const fn preset(self) -> Preset {
+        match self {
+            ControlKind::Fanuc16i => Preset::Fanuc16i,
+            ControlKind::Fanuc0i => Preset::Fanuc0i,
+            ControlKind::Fanuc31i => Preset::Fanuc31i,
+        }
+    }
+
+    /// Its settings and offsets, as a settings file changes them, at power-on in `unit`.
+    ///
+    /// # Errors
+    /// What is wrong with the file.
+    pub fn settings(self, unit: LengthUnit, file: Option<&Path>) -> Result<(Settings, Tables), String> {
+        let (settings, tables) = control::load(self.preset(), Reading::Lenient, file)?;
+        Ok((Settings { unit, scope: Scope::Everything, ..settings }, tables))
+    }
+
     /// The control of this name.
     ///
     /// # Errors
@@ -134,7 +169,17 @@ impl JobFile {
             write_timeout: None,
             exclusive: false,
         };
-        JobFile { job, program: PathBuf::new(), control: ControlKind::Fanuc16i, serial }
+        let nc = Settings::preset(Preset::Fanuc16i, unit, Reading::Lenient);
+        let nc = Settings { scope: Scope::Everything, ..nc };
+        JobFile {
+            job,
+            program: PathBuf::new(),
+            control: ControlKind::Fanuc16i,
+            settings: None,
+            nc,
+            tables: Tables::default(),
+            serial,
+        }
     }
 
     /// Checks a job given as text; `path` is for messages and for the program's place.
@@ -179,7 +224,12 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     };
     let preset = &table.control.preset;
     let control = ControlKind::named(preset.as_ref()).map_err(|message| at(preset, message))?;
-    Ok(JobFile { job, program: folder.join(table.program.as_ref()), control, serial: serial::build(&table.serial)? })
+    let place = table.control.settings.as_ref();
+    let settings = place.map(|file| folder.join(file.as_ref()));
+    let loaded = control.settings(unit, settings.as_deref());
+    let (nc, tables) = loaded.map_err(|message| at(place.unwrap_or(preset), &message))?;
+    let program = folder.join(table.program.as_ref());
+    Ok(JobFile { job, program, control, settings, nc, tables, serial: serial::build(&table.serial)? })
 }
 
 fn build_tool(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {

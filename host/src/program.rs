@@ -7,12 +7,14 @@ mod tally;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use arcfeed_shared::nc::alarm::{Alarm, Cause, Fault};
+use arcfeed_shared::nc::alarm::{Alarm, Cause, Fault, NotModelled};
 use arcfeed_shared::nc::block::{Line, Notice, NoticeKind, Reading};
 use arcfeed_shared::nc::macros::program::first_macro;
-use arcfeed_shared::nc::settings::{Preset, Settings, Tables};
+use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::nc::settings::{Preset, Scope, Settings, Tables};
 use arcfeed_shared::nc::text::{Lines, RawLine};
 use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::LengthUnit;
 
 pub use expand::Expansion;
@@ -31,6 +33,8 @@ pub struct Program {
     pub moves: Tally,
     /// The first line with a macro statement or a call, counted from 1, if there is one.
     pub macro_line: Option<usize>,
+    /// The control before its first line.
+    pub control: Reader,
 }
 
 /// One line.
@@ -42,6 +46,8 @@ pub struct ProgramLine {
     pub ending: Vec<u8>,
     /// Its meaning; `None` if a control would stop here.
     pub meaning: Option<Understood>,
+    /// The workpiece's origin, on the path: of the work coordinate system in force, shifted by G92.
+    pub origin: Pose,
 }
 
 /// Something to tell about a place in the program.
@@ -74,6 +80,12 @@ pub enum Severity {
 }
 
 impl ProgramLine {
+    /// Its move, seen from the workpiece's origin; nothing for blocks that make several.
+    pub fn segment(&self) -> Option<Segment> {
+        let segment = self.meaning.as_ref()?.segment?;
+        Some(segment.shifted(Pose::ORIGIN.minus(self.origin)))
+    }
+
     /// Whether the control counts it as a block: anything but `%` and an empty line.
     pub fn is_block(&self) -> bool {
         let is_mark = self.meaning.as_ref().is_some_and(|meaning| meaning.parsed.line == Line::ProgramMark);
@@ -90,15 +102,17 @@ impl Program {
         Ok(Program::parse(path, &std::fs::read(path)?, unit, reading))
     }
 
-    /// Reads a program from bytes, as a 16i would; refuses what is more than plain moves.
+    /// Reads a program from bytes, as a 16i in its standard settings would.
     pub fn parse(path: &Path, bytes: &[u8], unit: LengthUnit, reading: Reading) -> Self {
-        Program::parse_with(path, bytes, Settings::preset(Preset::Fanuc16i, unit, reading), Tables::default())
+        let settings = Settings::preset(Preset::Fanuc16i, unit, reading);
+        let settings = Settings { scope: Scope::Everything, ..settings };
+        Program::parse_with(path, bytes, settings, Tables::default())
     }
 
     /// Reads a program from bytes, as a control so set would.
     pub fn parse_with(path: &Path, bytes: &[u8], settings: Settings, tables: Tables) -> Self {
         let mut reader = Reader::with(settings, tables);
-        let mut program = Program::empty(path, first_macro(bytes));
+        let mut program = Program::empty(path, first_macro(bytes), &reader);
         for RawLine { text, ending } in Lines::new(bytes) {
             let line = program.lines.len() + 1;
             let meaning = match reader.read(text) {
@@ -112,14 +126,15 @@ impl Program {
                     None
                 }
             };
-            program.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning });
+            let origin = reader.modal().work_origin(reader.tables());
+            program.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning, origin });
         }
         program
     }
 
-    fn empty(path: &Path, macro_line: Option<usize>) -> Self {
-        let (lines, diagnostics) = (Vec::new(), Vec::new());
-        Program { path: path.to_owned(), lines, diagnostics, moves: Tally::default(), macro_line }
+    fn empty(path: &Path, macro_line: Option<usize>, control: &Reader) -> Self {
+        let (lines, diagnostics, control) = (Vec::new(), Vec::new(), control.clone());
+        Program { path: path.to_owned(), lines, diagnostics, moves: Tally::default(), macro_line, control }
     }
 
     /// The program's bytes.
@@ -174,6 +189,20 @@ impl Diagnostic {
                                   one that remembers a feed moves with that"
                 .into();
         }
+        diagnostic
+    }
+
+    /// A move that a law should govern and cannot: what `under` says is in force.
+    pub fn of_feed_kept(line: usize, of: &ProgramLine, under: NotModelled) -> Self {
+        let axis = match of.meaning.as_ref().map(|meaning| &meaning.parsed.line) {
+            Some(Line::Block(block)) => block.words.iter().find(|word| b"XYZABC".contains(&word.letter)),
+            _ => None,
+        };
+        let fault = Fault::not_modelled(under, axis.map_or(0, |word| word.column));
+        let mut diagnostic = Diagnostic::of_fault(line, &of.text, fault);
+        diagnostic.severity = Severity::Warning;
+        diagnostic.message =
+            format!("a cut rule speaks of {under}, but no law can look at it by itself: it keeps its own feed");
         diagnostic
     }
 

@@ -19,14 +19,13 @@ use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_shared::cut::{self, CutRule, Work};
 use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::machine::LimitedBy;
-use arcfeed_shared::nc::block::{Line, Reading};
 use arcfeed_shared::nc::modal::Feed;
 use arcfeed_shared::reader::Reader;
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::stock::Stock;
 use arcfeed_shared::units::{LengthUnit, Nm, PERCENT};
 
-use crate::program::{Program, ProgramLine};
+use crate::program::{Diagnostic, Program, ProgramLine};
 use profile::Profile;
 use range::WishRange;
 use rewrite::FeedRewriter;
@@ -92,6 +91,8 @@ pub enum PlanReason {
     Rapid,
     /// Inverse time: F is no feed.
     InverseTime,
+    /// Under G41, G42, G43.4 or G95: what the tool centre does, or what F means, is not looked at.
+    Special,
 }
 
 impl PlanReason {
@@ -108,6 +109,7 @@ impl PlanReason {
             PlanReason::NoRule => "no-rule",
             PlanReason::Rapid => "rapid",
             PlanReason::InverseTime => "inverse-time",
+            PlanReason::Special => "special",
         }
     }
 }
@@ -119,6 +121,19 @@ pub fn adapt(program: &Program, job: &Job) -> Adapted {
         writer.take(index + 1, line);
     }
     writer.adapted
+}
+
+impl Adapted {
+    /// Moves that a cut rule speaks of and that keep their own feed all the same, as warnings of their program.
+    pub fn left_alone(&self, program: &Program) -> Vec<Diagnostic> {
+        let special = self.blocks.iter().filter(|block| block.reason == PlanReason::Special && block.rule.is_some());
+        let warning = |block: &PlannedBlock| {
+            let line = program.lines.get(block.line - 1)?;
+            let under = line.meaning.as_ref()?.step.beyond_plain?;
+            Some(Diagnostic::of_feed_kept(block.line, line, under))
+        };
+        special.filter_map(warning).collect()
+    }
 }
 
 /// The program to send, as far as it is written.
@@ -141,8 +156,8 @@ impl<'a> Writer<'a> {
             job,
             adapted: Adapted { blocks: Vec::new(), text: Vec::new(), line_ends: Vec::new() },
             feeds: FeedRewriter::default(),
-            modes: Modes { unit: job.unit, absolute: true },
-            reader: cuts.then(|| Reader::new(job.unit, Reading::Lenient)),
+            modes: Modes::at_power_on(job.unit),
+            reader: cuts.then(|| program.control.clone()),
             line_end: if line_end.is_empty() { b"\n" } else { line_end },
         }
     }
@@ -153,11 +168,14 @@ impl<'a> Writer<'a> {
             // The program has no errors.
             let _understood = reader.read(&line.text);
         }
-        self.modes = modes_after(line, self.modes);
-        let segment = line.meaning.as_ref().and_then(|meaning| meaning.segment);
-        let planned = segment.map(|segment| plan_block(number, segment, self.job, self.modes.unit));
+        self.modes = self.modes.after(line);
+        let is_plain = line.meaning.as_ref().is_none_or(|meaning| meaning.step.is_plain());
+        let planned = line.segment().map(|segment| match is_plain {
+            true => plan_block(number, segment, self.job, self.modes.unit),
+            false => (PlannedBlock::special(number, segment, self.job), None),
+        });
         let texts = match planned {
-            None => vec![self.whole(line, None, None)],
+            None => vec![self.whole(line, None)],
             Some((mut block, profile)) => {
                 let texts = match (before, &profile) {
                     // Without a feed of its own it runs into an alarm, whatever we do.
@@ -168,7 +186,7 @@ impl<'a> Writer<'a> {
                 };
                 let texts = texts.unwrap_or_else(|| {
                     let governed = block.sent.filter(|_| block.wish.is_some());
-                    vec![self.whole(line, Some(block.segment), governed)]
+                    vec![self.whole(line, governed)]
                 });
                 block.f_words = texts.iter().filter(|text| has_feed(text)).count();
                 self.adapted.blocks.push(block);
@@ -182,8 +200,8 @@ impl<'a> Writer<'a> {
     }
 
     /// The line, with its feed or another.
-    fn whole(&mut self, line: &ProgramLine, segment: Option<Segment>, governed: Option<Nm>) -> Vec<u8> {
-        let edit = self.feeds.edit(line, segment, governed, self.modes.unit);
+    fn whole(&mut self, line: &ProgramLine, governed: Option<Nm>) -> Vec<u8> {
+        let edit = self.feeds.edit(line, governed, self.modes);
         rewrite::apply(&line.text, edit.as_slice())
     }
 
@@ -209,6 +227,31 @@ impl<'a> Writer<'a> {
 }
 
 impl PlannedBlock {
+    fn new(line: usize, segment: Segment) -> Self {
+        let mut block = PlannedBlock {
+            line,
+            segment,
+            rule: None,
+            wish: None,
+            sent: None,
+            reason: PlanReason::NoRule,
+            pieces: Vec::new(),
+            whole: None,
+            chip_error: None,
+            f_words: 0,
+        };
+        block.sent = block.programmed();
+        block
+    }
+
+    /// A move that no law can look at by itself.
+    fn special(line: usize, segment: Segment, job: &Job) -> Self {
+        let mut block = PlannedBlock::new(line, segment);
+        block.rule = cut::find(&job.rules, &segment, &job.tool).map(|(index, _)| index);
+        block.reason = if segment.path == Path::Rapid { PlanReason::Rapid } else { PlanReason::Special };
+        block
+    }
+
     /// Its own feed, per minute.
     pub fn programmed(&self) -> Option<Nm> {
         match self.segment.feed {
@@ -230,19 +273,7 @@ impl PlannedBlock {
 
 /// A block's plan, and what the law says along it.
 fn plan_block(line: usize, segment: Segment, job: &Job, unit: LengthUnit) -> (PlannedBlock, Option<Profile>) {
-    let mut block = PlannedBlock {
-        line,
-        segment,
-        rule: None,
-        wish: None,
-        sent: None,
-        reason: PlanReason::NoRule,
-        pieces: Vec::new(),
-        whole: None,
-        chip_error: None,
-        f_words: 0,
-    };
-    block.sent = block.programmed();
+    let mut block = PlannedBlock::new(line, segment);
     let mut profile = None;
     match (&segment.path, segment.feed) {
         (Path::Rapid, _) => block.reason = PlanReason::Rapid,
@@ -294,19 +325,6 @@ fn knots_mm(rule: &CutRule, job: &Job) -> Vec<f64> {
     };
     let paths = feeds.iter().map(|knot| knot.0).chain(engaged.iter().map(|knot| knot.travelled));
     paths.map(|path| f64::from(path.0)).collect()
-}
-
-/// The modes in force after a line's G words: what lengths and F words are written in.
-fn modes_after(line: &ProgramLine, modes: Modes) -> Modes {
-    let Some(Line::Block(block)) = line.meaning.as_ref().map(|meaning| &meaning.parsed.line) else { return modes };
-    let codes = block.words.iter().filter(|word| word.letter == b'G');
-    codes.fold(modes, |modes, word| match word.number.as_whole() {
-        Some(20) => Modes { unit: LengthUnit::Inch, ..modes },
-        Some(21) => Modes { unit: LengthUnit::Mm, ..modes },
-        Some(90) => Modes { absolute: true, ..modes },
-        Some(91) => Modes { absolute: false, ..modes },
-        _ => modes,
-    })
 }
 
 /// Whether a block's code, comments apart, has an F word.

@@ -2,12 +2,15 @@
 //!
 //! F is modal. A rewritten F would leak into the blocks behind it, so each of them gets its own programmed F back.
 
-use arcfeed_shared::nc::block::Line;
+use arcfeed_shared::nc::block::{Block, Line};
 use arcfeed_shared::nc::modal::Feed;
+use arcfeed_shared::nc::series::Series;
 use arcfeed_shared::nc::word::Word;
-use arcfeed_shared::segment::{Path, Segment};
+use arcfeed_shared::reader::Understood;
+use arcfeed_shared::segment::Path;
 use arcfeed_shared::units::{LengthUnit, Nm};
 
+use super::spelling::Modes;
 use crate::program::ProgramLine;
 
 /// Decimals of an F word: 0.01 in/min, 0.1 mm/min.
@@ -59,28 +62,32 @@ pub struct FeedRewriter {
 
 impl FeedRewriter {
     /// What makes the line be sent with `governed` as its feed, or with its own.
-    pub fn edit(
-        &mut self,
-        line: &ProgramLine,
-        segment: Option<Segment>,
-        governed: Option<Nm>,
-        unit: LengthUnit,
-    ) -> Option<Edit> {
-        let Some(Line::Block(block)) = line.meaning.as_ref().map(|meaning| &meaning.parsed.line) else {
-            return None;
-        };
-        let word = block.word(b'F');
-        let Some(segment) = segment.filter(|segment| segment.path != Path::Rapid) else {
-            // An F without a cutting move: it becomes modal as it stands.
-            if let Some(word) = word {
-                self.modal = Some(Nm(word.number.scaled(unit.nm())));
-            }
-            return None;
-        };
-        let Feed::PerMinute(own) = segment.feed else {
-            // Under G93 F is a time, and what a control makes of it under G94 is its own affair.
+    pub fn edit(&mut self, line: &ProgramLine, governed: Option<Nm>, modes: Modes) -> Option<Edit> {
+        let meaning = line.meaning.as_ref()?;
+        let Line::Block(block) = &meaning.parsed.line else { return None };
+        let edit = self.edit_block(block, cutting_feed(meaning), governed, modes);
+        if block.delete.is_some() {
+            // Whether the control has read it, its switch says.
             self.modal = None;
-            return None;
+        }
+        edit
+    }
+
+    fn edit_block(&mut self, block: &Block, own: Option<Feed>, governed: Option<Nm>, modes: Modes) -> Option<Edit> {
+        let Modes { unit, per_minute, .. } = modes;
+        let word = block.word(b'F');
+        let own = match own {
+            Some(Feed::PerMinute(own)) if per_minute => own,
+            None if per_minute => {
+                // An F without a cutting move: it becomes modal as it stands.
+                self.modal = word.map_or(self.modal, |word| Some(Nm(word.number.scaled(unit.nm()))));
+                return None;
+            }
+            _ => {
+                // Under G93 F is a time, under G95 a path; what a control makes of it under G94 is its own affair.
+                self.modal = None;
+                return None;
+            }
         };
         let wanted = governed.unwrap_or(own);
         let (had, written) = (self.modal, word.map(|word| Nm(word.number.scaled(unit.nm()))));
@@ -97,6 +104,15 @@ impl FeedRewriter {
     pub fn added(&mut self, feed: Nm, unit: LengthUnit) -> String {
         let had = self.modal.replace(feed);
         if had == Some(feed) { String::new() } else { feed_word(feed, unit) }
+    }
+}
+
+/// The feed of a block that cuts, with one move or several.
+fn cutting_feed(meaning: &Understood) -> Option<Feed> {
+    match (&meaning.segment, &meaning.step.series) {
+        (Some(segment), _) => Some(segment.feed).filter(|_| segment.path != Path::Rapid),
+        (None, Some(Series::Drill(drill))) => Some(drill.feed),
+        (None, Some(Series::Reference(_)) | None) => None,
     }
 }
 
@@ -125,21 +141,22 @@ fn feed_word(feed: Nm, unit: LengthUnit) -> String {
 mod tests {
     use super::*;
     use crate::program::Program;
-    use arcfeed_shared::nc::block::Reading;
+    use arcfeed_shared::nc::settings::Reading;
     use std::path::Path as FilePath;
 
     /// Rewrites a program; arcs are governed and sent with `governed` in/min.
     fn rewrite(program: &str, governed: f64) -> String {
         let unit = LengthUnit::Inch;
         let program = Program::parse(FilePath::new("t.nc"), program.as_bytes(), unit, Reading::Lenient);
-        let mut rewriter = FeedRewriter::default();
+        let (mut rewriter, mut modes) = (FeedRewriter::default(), Modes::at_power_on(unit));
         let lines = program.lines.iter().map(|line| {
             let segment = line.meaning.as_ref().and_then(|meaning| meaning.segment);
             let governed = segment.and_then(|segment| {
                 segment.arc()?;
                 Some(round_down(governed * unit.mm(), unit))
             });
-            let mut text = apply(&line.text, rewriter.edit(line, segment, governed, unit).as_slice());
+            modes = modes.after(line);
+            let mut text = apply(&line.text, rewriter.edit(line, governed, modes).as_slice());
             text.extend(&line.ending);
             String::from_utf8(text).unwrap()
         });
@@ -150,6 +167,29 @@ mod tests {
     fn a_rewritten_feed_never_leaks_into_the_next_block() {
         let program = "G1X0Y0F25.\nG2X1.I.5\nG1X2.\nX3.\nG2X4.I.5 (LAST)\r\n";
         assert_eq!(rewrite(program, 41.237), "G1X0Y0F25.\nG2X1.I.5F41.23\nG1X2.F25.\nX3.\nG2X4.I.5F41.23 (LAST)\r\n");
+    }
+
+    #[test]
+    fn cycles_and_moves_under_offsets_get_their_own_feed_back() {
+        let program = "G1X0F25.\nG2X1.I.5\nG81X2.R.1Z-1.\nX3.\nG80G2X4.I.5\nG83X5.R.1Z-1.Q.2F8.\nG80G3X4.I-.5\nX5.I.5\n\
+                       G28Z0F9.\nG1X6.\nG41D1X7.\n";
+        let sent = "G1X0F25.\nG2X1.I.5F41.23\nG81X2.R.1Z-1.F25.\nX3.\nG80G2X4.I.5F41.23\nG83X5.R.1Z-1.Q.2F8.\n\
+                    G80G3X4.I-.5F41.23\nX5.I.5\nG28Z0F9.\nG1X6.\nG41D1X7.\n";
+        assert_eq!(rewrite(program, 41.237), sent);
+    }
+
+    #[test]
+    fn behind_a_block_that_a_switch_may_skip_the_feed_is_said_again() {
+        assert_eq!(
+            rewrite("G1X0F25.\nG2X1.I.5\n/G1X2.\nX3.\n", 41.2),
+            "G1X0F25.\nG2X1.I.5F41.2\n/G1X2.F25.\nX3.F25.\n"
+        );
+    }
+
+    #[test]
+    fn a_feed_per_revolution_is_left_alone() {
+        let program = "G1X0F25.S100\nG2X1.I.5\nG95G1X2.F.05\nX3.\nG94X4.F25.\n";
+        assert_eq!(rewrite(program, 41.2), program.replace("I.5", "I.5F41.2"));
     }
 
     #[test]

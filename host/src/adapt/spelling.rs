@@ -4,7 +4,7 @@
 //! The first piece is the block itself with another end point; what else stands in the block stays there. The pieces behind
 //! it repeat only what they need: `/`, the G word if there was one, the end point, the centre.
 
-use arcfeed_shared::nc::block::Block;
+use arcfeed_shared::nc::block::{Block, Line};
 use arcfeed_shared::nc::modal::{Plane, Pose};
 use arcfeed_shared::nc::number::DIGITS_MAX;
 use arcfeed_shared::nc::word::Word;
@@ -12,6 +12,7 @@ use arcfeed_shared::segment::Arc;
 use arcfeed_shared::units::LengthUnit;
 
 use super::rewrite::Edit;
+use crate::program::ProgramLine;
 
 const AXES: [u8; 3] = *b"XYZ";
 const OFFSETS: [u8; 3] = *b"IJK";
@@ -26,6 +27,30 @@ pub struct Modes {
     pub unit: LengthUnit,
     /// G90.
     pub absolute: bool,
+    /// G94.
+    pub per_minute: bool,
+}
+
+impl Modes {
+    /// At power-on.
+    pub const fn at_power_on(unit: LengthUnit) -> Self {
+        Modes { unit, absolute: true, per_minute: true }
+    }
+
+    /// In force after a line's G words.
+    #[must_use]
+    pub fn after(self, line: &ProgramLine) -> Self {
+        let Some(Line::Block(block)) = line.meaning.as_ref().map(|meaning| &meaning.parsed.line) else { return self };
+        let codes = block.words.iter().filter(|word| word.letter == b'G');
+        codes.fold(self, |modes, word| match word.number.as_whole() {
+            Some(20) => Modes { unit: LengthUnit::Inch, ..modes },
+            Some(21) => Modes { unit: LengthUnit::Mm, ..modes },
+            Some(90) => Modes { absolute: true, ..modes },
+            Some(91) => Modes { absolute: false, ..modes },
+            Some(code @ (93..=95)) => Modes { per_minute: code == 94, ..modes },
+            _ => modes,
+        })
+    }
 }
 
 /// Least increment, nm.

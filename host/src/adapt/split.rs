@@ -6,6 +6,7 @@
 
 use arcfeed_shared::job::PieceSettings;
 use arcfeed_shared::nc::block::{Block, Line};
+use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::reader::Reader;
 use arcfeed_shared::segment::{Arc, Segment};
 use arcfeed_shared::units::Nm;
@@ -27,6 +28,8 @@ pub enum Whole {
     Line,
     /// Its block has words that pieces cannot share: M, T, a variable, another G.
     Words,
+    /// G52, G68 or G92 lays the program's coordinates elsewhere than the workpiece's.
+    Coordinates,
     /// No points on it, or no centre, that the control's increments and digits can express.
     Digits,
     /// The pieces do not read back as the arc.
@@ -39,6 +42,7 @@ impl Whole {
         match self {
             Whole::Line => "line",
             Whole::Words => "words",
+            Whole::Coordinates => "coordinates",
             Whole::Digits => "digits",
             Whole::ReadBack => "read-back",
         }
@@ -106,7 +110,7 @@ impl Governed<'_> {
                 Some(split)
             }
             Err(whole) => {
-                let edit = rewriter.edit(self.line, Some(*self.segment), Some(least), self.modes.unit);
+                let edit = rewriter.edit(self.line, Some(least), self.modes);
                 let pieces = vec![SentPiece { until_ratio: 1.0, feed: least }];
                 Some(Split { pieces, texts: vec![apply(&self.line.text, edit.as_slice())], whole })
             }
@@ -126,6 +130,9 @@ impl Governed<'_> {
                 .ok_or(None)
         };
         let Some(arc) = self.segment.arc() else { return Err(plan(settings).is_ok().then_some(Whole::Line)) };
+        if !self.is_in_program() {
+            return Err(plan(settings).is_ok().then_some(Whole::Coordinates));
+        }
         let divider = Divider::new(self.segment, arc, self.grid(), settings.least_length.to_mm());
         let longer = Nm::from_mm(settings.least_length.to_mm() + divider.allowance_mm());
         let pieces: Vec<Piece> = plan(&PieceSettings { least_length: longer, ..*settings })?;
@@ -143,7 +150,7 @@ impl Governed<'_> {
             let feed = self.feed(piece.path_mm_per_tooth);
             let text = if index == 0 {
                 let mut edits: Vec<Edit> = spelling.first(&start, end, rises).ok_or(Some(Whole::Digits))?;
-                edits.extend(rewriter.edit(self.line, Some(*self.segment), Some(feed), self.modes.unit));
+                edits.extend(rewriter.edit(self.line, Some(feed), self.modes));
                 apply(&self.line.text, &edits)
             } else {
                 let words = spelling.later(&start, end, arc, rises).ok_or(Some(Whole::Digits))?;
@@ -157,6 +164,14 @@ impl Governed<'_> {
             return Err(Some(Whole::ReadBack));
         }
         Ok(Split { pieces, texts, whole: None })
+    }
+
+    /// Whether the program's coordinates are the workpiece's.
+    fn is_in_program(&self) -> bool {
+        let mut reader = self.before.clone();
+        let _understood = reader.read(&self.line.text);
+        let frame = &reader.modal().frame;
+        frame.rotation.is_none() && frame.shift == self.line.origin
     }
 
     fn spelling(&self, arc: &Arc) -> Option<Spelling<'_>> {
@@ -179,7 +194,8 @@ impl Governed<'_> {
         let (mut reader, mut at) = (self.before.clone(), self.segment.start);
         let mut turned = 0.0;
         let as_meant = texts.iter().zip(parts).all(|(text, part)| {
-            let Some(segment) = reader.read(text).ok().and_then(|understood| understood.segment) else { return false };
+            let Some(read) = reader.read(text).ok().and_then(|understood| understood.segment) else { return false };
+            let segment = read.shifted(Pose::ORIGIN.minus(self.line.origin));
             let Some(piece) = segment.arc() else { return false };
             let starts = segment.start == at;
             at = segment.end;

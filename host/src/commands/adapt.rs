@@ -10,9 +10,9 @@ use arcfeed_shared::tool::{Edge, Tool};
 use arcfeed_shared::units::{LengthUnit, Nm};
 use serde::Serialize;
 
-use super::outcome::{Failure, file_failure, load, say};
+use super::outcome::{Failure, adapted, file_failure, load, say};
 use crate::adapt::split::Whole;
-use crate::adapt::{Adapted, PlannedBlock, adapt};
+use crate::adapt::{Adapted, PlannedBlock};
 use crate::program::Program;
 
 /// Rewrite a program's feeds as its job says: per block the programmed feed, the law, the factor, the reason
@@ -71,7 +71,7 @@ impl Adapt {
     /// The job or the program is at fault, or the output cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
         let (file, program) = load(&self.job)?;
-        let adapted = adapt(&program, &file.job);
+        let adapted = adapted(&program, &file.job);
         if self.json {
             for block in &adapted.blocks {
                 say(format_args!("{}", serde_json::json!(BlockFigures::new(block, &file.job))));

@@ -9,8 +9,8 @@ use arcfeed_shared::nc::settings::Scope;
 use serde::Serialize;
 
 use super::outcome::{Failure, file_failure, say, spindle_contradictions};
-use crate::control::{self, Convention, PRESETS};
-use crate::job::JobFile;
+use crate::control::{self, Convention};
+use crate::job::{ControlKind, JobFile};
 use crate::program::{Diagnostic, Expansion, Program, ProgramLine, Severity, Tally};
 use crate::snippet;
 
@@ -22,10 +22,10 @@ pub struct Check {
     /// Report exactly what the control would refuse, also in titles and comments
     #[arg(long)]
     strict: bool,
-    /// The control
-    #[arg(long, value_parser = PRESETS, default_value = "fanuc-16i")]
-    control: String,
-    /// What differs on this machine: offsets, lengths, switches (docs/dialect.md)
+    /// The control, in place of the job's: fanuc-16i, fanuc-0i, fanuc-31i; of a program alone a 16i
+    #[arg(long, value_parser = ControlKind::named)]
+    control: Option<ControlKind>,
+    /// What differs on this machine, in place of the job's: offsets, lengths, switches (docs/dialect.md)
     #[arg(long, value_name = "SETTINGS.toml")]
     settings: Option<PathBuf>,
     /// How numbers without a decimal point count
@@ -90,9 +90,11 @@ impl Check {
         let is_job = self.program.extension().is_some_and(|extension| extension == "toml");
         let job = is_job.then(|| JobFile::load(&self.program)).transpose()?;
         let path = job.as_ref().map_or(&self.program, |file| &file.program);
-        let preset = control::preset(&self.control);
+        let of_job = job.as_ref().map_or(ControlKind::Fanuc16i, |file| file.control);
+        let control = self.control.unwrap_or(of_job);
+        let file = self.settings.as_ref().or(job.as_ref().and_then(|file| file.settings.as_ref()));
         let (mut settings, tables) =
-            control::load(preset, reading, self.settings.as_deref()).map_err(Failure::Input)?;
+            control::load(control.preset(), reading, file.map(PathBuf::as_path)).map_err(Failure::Input)?;
         settings.scope = Scope::Everything;
         settings.decimals = self.decimals.map_or(settings.decimals, Into::into);
         settings.unit = job.as_ref().map_or(settings.unit, |file| file.job.unit);
@@ -100,7 +102,7 @@ impl Check {
         let program = Program::run(path, &bytes, Expansion { settings, tables, library: self.library.as_deref() });
         let counts = count(&program);
         if self.json {
-            self.print_json(&program, counts);
+            self.print_json(&program, counts, control);
         } else {
             self.print_text(&program, counts);
         }
@@ -135,11 +137,11 @@ impl Check {
         ));
     }
 
-    fn print_json(&self, program: &Program, counts: Counts) {
+    fn print_json(&self, program: &Program, counts: Counts, control: ControlKind) {
         let entries = |severity| of_severity(program, severity).map(Entry::new).collect();
         let report = CheckReport {
             program: program.path.display().to_string(),
-            control: &self.control,
+            control: control.name(),
             strict: self.strict,
             counts,
             errors: entries(Severity::Error),

@@ -6,8 +6,11 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::cut;
+use arcfeed_shared::job::Job;
+use arcfeed_shared::segment::Path as Way;
 
+use crate::adapt::{Adapted, adapt};
 use crate::job::{JobError, JobFile};
 use crate::port::PortError;
 use crate::program::{Program, Severity};
@@ -67,8 +70,8 @@ pub fn file_failure(path: &Path, error: &std::io::Error) -> Failure {
 /// Every error of the program, one a line.
 pub fn load(job: &Path) -> Result<(JobFile, Program), Failure> {
     let file = JobFile::load(job)?;
-    let program = Program::load(&file.program, file.job.unit, Reading::Lenient)
-        .map_err(|error| file_failure(&file.program, &error))?;
+    let bytes = std::fs::read(&file.program).map_err(|error| file_failure(&file.program, &error))?;
+    let program = Program::parse_with(&file.program, &bytes, file.nc, file.tables);
     if let Some(refusal) = macro_refusal(&program) {
         return Err(Failure::Input(refusal));
     }
@@ -82,6 +85,15 @@ pub fn load(job: &Path) -> Result<(JobFile, Program), Failure> {
     if errors.is_empty() { Ok((file, program)) } else { Err(Failure::Input(errors.join("\n"))) }
 }
 
+/// The program with its job's feeds; says on stderr which moves keep their own although a cut rule speaks of them.
+pub fn adapted(program: &Program, job: &Job) -> Adapted {
+    let adapted = adapt(program, job);
+    for warning in adapted.left_alone(program) {
+        eprintln!("{}:{warning}", program.path.display());
+    }
+    adapted
+}
+
 /// An F written into a macro's body or a subprogram would be that of every call, so such programs keep their feeds.
 fn macro_refusal(program: &Program) -> Option<String> {
     let line = program.macro_line?;
@@ -93,21 +105,31 @@ fn macro_refusal(program: &Program) -> Option<String> {
     ))
 }
 
-/// The chip is as thick as feed over speed: a program that turns the spindle at another speed than the job says would
-/// be adapted wrongly.
+/// The chip is as thick as feed over speed: where a law governs a move at another spindle speed than the job says, it
+/// would be adapted wrongly. Each such S word is told once; other tools have their own.
 pub fn spindle_contradictions(file: &JobFile, program: &Program) -> Vec<String> {
     let wanted = f64::from(file.job.spindle.0);
-    let spindles = program.lines.iter().enumerate().filter_map(|(index, line)| {
-        let (speed, column) = line.meaning.as_ref()?.step.spindle?;
-        Some((index + 1, speed, column))
-    });
-    spindles
-        .filter(|(_, speed, _)| *speed != 0 && *speed as f64 != wanted)
-        .map(|(line, speed, column)| {
-            let path = program.path.display();
-            format!("{path}:{line}:{column}: error: S{speed} contradicts [spindle] rev_per_min = {wanted} of the job")
-        })
-        .collect()
+    let (mut in_force, mut told) = (None, Vec::new());
+    for (index, line) in program.lines.iter().enumerate() {
+        let Some(meaning) = &line.meaning else { continue };
+        let given = meaning.step.spindle.filter(|(speed, _)| *speed != 0);
+        in_force = given.map(|(speed, column)| (index + 1, speed, column)).or(in_force);
+        let is_governed = meaning.step.is_plain()
+            && line.segment().is_some_and(|segment| {
+                segment.path != Way::Rapid && cut::find(&file.job.rules, &segment, &file.job.tool).is_some()
+            });
+        if let Some((_, speed, _)) = in_force
+            && is_governed
+            && speed as f64 != wanted
+        {
+            told.extend(in_force.take());
+        }
+    }
+    let path = program.path.display();
+    let say = |(line, speed, column): (usize, i64, u16)| {
+        format!("{path}:{line}:{column}: error: S{speed} contradicts [spindle] rev_per_min = {wanted} of the job")
+    };
+    told.into_iter().map(say).collect()
 }
 
 /// A flag that Ctrl-C (or a request to terminate) raises.

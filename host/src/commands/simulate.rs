@@ -6,7 +6,7 @@ use std::time::Instant;
 use arcfeed_hil_sim::control::code::Code;
 use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
 use arcfeed_hil_sim::control::tape::TapeSettings;
-use arcfeed_hil_sim::control::{ControlSettings, Preset};
+use arcfeed_hil_sim::control::{ControlSettings, Preset, Switches};
 use arcfeed_hil_sim::cutting::meter::MoveChips;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::rig::{MoveOverride, Rig};
@@ -16,8 +16,7 @@ use arcfeed_shared::report::{ChipFigures, LeftOut};
 use arcfeed_shared::units::{LengthUnit, Micros, MmPerTooth};
 
 use super::adapt::{direction_word, rotation_word, side_word};
-use super::outcome::{Failure, load, say};
-use crate::adapt::adapt;
+use super::outcome::{Failure, adapted, load, say};
 use crate::job::{ControlKind, JobFile, Parity, SerialSettings};
 use crate::program::Program;
 use crate::report::figures::{AlarmFigures, IptFigures, MovementFigures, OverrideFigures, RunReport};
@@ -44,7 +43,7 @@ impl Simulate {
     pub fn run(&self) -> Result<(), Failure> {
         let (file, program) = load(&self.job)?;
         let started = Instant::now();
-        let rig = run_in_memory(&file, &adapt(&program, &file.job).text, ControllerFault::None)?;
+        let rig = run_in_memory(&file, &adapted(&program, &file.job).text, ControllerFault::None)?;
         let mut report = measure(&rig, &file.job);
         report.real_time_factor = Some(rig.now().to_s() / started.elapsed().as_secs_f64());
         add_baseline(&mut report, &file, &program)?;
@@ -77,6 +76,8 @@ pub fn control_settings(file: &JobFile) -> ControlSettings {
         ControlKind::Fanuc31i => Preset::Fanuc31i,
     };
     let settings = preset.settings(file.job.unit);
+    // Bit n of the reader's is bit n - 1 of the panel's.
+    let switches = Switches { block_delete: file.nc.delete_switches >> 1, ..settings.switches };
     let (sender, code) = framing(&file.serial);
     let line = LineSettings {
         baudrate: file.serial.baudrate,
@@ -85,7 +86,8 @@ pub fn control_settings(file: &JobFile) -> ControlSettings {
         tape: TapeSettings { code, ..settings.line.tape },
         ..settings.line
     };
-    ControlSettings { line, arc_clamp: file.job.machine.arc_clamp, ..settings }
+    let (nc, tables, arc_clamp) = (file.nc, file.tables, file.job.machine.arc_clamp);
+    ControlSettings { nc, tables, line, arc_clamp, switches, ..settings }
 }
 
 /// What the job's line makes of a byte, and the code a control is set to on such a line: with seven bits and a parity bit

@@ -87,7 +87,7 @@ fn survey(program: &Program, unit: Option<LengthUnit>) -> Survey {
         }
         let speed = meaning.step.spindle.map(|(speed, _)| speed).filter(|speed| *speed != 0);
         found.speeds.extend(speed.filter(|speed| !found.speeds.contains(speed)));
-        let Some(segment) = meaning.segment else { continue };
+        let Some(segment) = line.segment().filter(|_| meaning.step.is_plain()) else { continue };
         // A corner needs a smooth way out, too.
         if let (Some(last), Some(before)) = (found.arcs.last_mut(), &before)
             && before.arc().is_some()

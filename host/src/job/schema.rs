@@ -164,12 +164,13 @@ pub struct StockTable {
 pub struct ControlTable {
     #[serde(default = "fanuc_16i")]
     pub preset: Spanned<String>,
+    pub settings: Option<Spanned<String>>,
     pub arc_clamp: Option<ArcClampTable>,
 }
 
 impl Default for ControlTable {
     fn default() -> Self {
-        ControlTable { preset: fanuc_16i(), arc_clamp: None }
+        ControlTable { preset: fanuc_16i(), settings: None, arc_clamp: None }
     }
 }
 

@@ -14,7 +14,7 @@ use arcfeed_shared::nc::macros::program::{Library, first_macro};
 use arcfeed_shared::nc::macros::stack::Place;
 use arcfeed_shared::nc::macros::step::{self as macros, PlainBlock, Trouble};
 use arcfeed_shared::nc::macros::variables::Context;
-use arcfeed_shared::nc::modal::Step;
+use arcfeed_shared::nc::modal::{Pose, Step};
 use arcfeed_shared::nc::settings::{Settings, Tables};
 use arcfeed_shared::nc::text::{Lines, RawLine};
 use arcfeed_shared::reader::{Reader, Understood};
@@ -67,7 +67,7 @@ impl Program {
         let Some(macro_line) = first_macro(bytes) else {
             return Program::parse_with(path, bytes, expansion.settings, expansion.tables);
         };
-        let mut program = Program::empty(path, Some(macro_line));
+        let mut program = Program::empty(path, Some(macro_line), &Reader::with(expansion.settings, expansion.tables));
         for RawLine { text, ending } in Lines::new(bytes) {
             program.keep(text, ending, &expansion.settings);
         }
@@ -91,7 +91,8 @@ impl Program {
         let has_code = |line: &Line| matches!(line, Line::Block(block) if !block.is_empty());
         let without_code = parsed.filter(|parsed| !has_code(&parsed.line));
         let meaning = without_code.map(|parsed| Understood { parsed, step: Step::default(), segment: None });
-        self.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning });
+        let origin = Pose::ORIGIN;
+        self.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning, origin });
     }
 }
 

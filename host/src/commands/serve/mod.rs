@@ -45,6 +45,9 @@ pub struct Serve {
     /// The control, in place of the job's: fanuc-16i, fanuc-0i, fanuc-31i
     #[arg(long, value_parser = ControlKind::named)]
     control: Option<ControlKind>,
+    /// The control's offsets, lengths and reference points, in place of the job's (docs/dialect.md)
+    #[arg(long, value_name = "SETTINGS.toml")]
+    settings: Option<PathBuf>,
     /// Simulated seconds per second of wall time
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
     speed: u32,
@@ -124,12 +127,12 @@ impl Panel {
             settings.line.sender = SenderParity::None;
         }
         if self.strict {
-            settings.reading = Reading::Strict;
+            settings.nc.reading = Reading::Strict;
         }
         settings.line.tape.strict_characters = self.strict;
         settings.line.tape.tv_check = self.tv_check;
         settings.switches.optional_stop = self.optional_stop;
-        settings.switches.block_delete = self.block_delete.iter().fold(0, |bits, switch| bits | 1 << (switch - 1));
+        settings.switches.block_delete |= self.block_delete.iter().fold(0, |bits, switch| bits | 1 << (switch - 1));
         settings.switches.dry_run = self.dry_run;
     }
 }
@@ -147,6 +150,9 @@ impl Serve {
         };
         file.serial.baudrate = self.baudrate.unwrap_or(file.serial.baudrate);
         file.control = self.control.unwrap_or(file.control);
+        file.settings = self.settings.clone().or(file.settings);
+        (file.nc, file.tables) =
+            file.control.settings(file.job.unit, file.settings.as_deref()).map_err(Failure::Input)?;
         let interrupted = on_interrupt();
         let mut line = match &self.place.tcp {
             Some(address) => Line::tcp(address)?,
@@ -160,7 +166,7 @@ impl Serve {
             if let Some(search) = search.take() {
                 rig.control_mut().search(search);
             }
-            serve_one(&mut rig, &mut line, self.speed, &interrupted)?;
+            self.serve_one(&mut rig, &mut line, &interrupted)?;
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Failure::Stopped("stopped by the operator".into()));
             }
@@ -200,25 +206,30 @@ impl Serve {
         }
         finish(&report, self.json, format!("program received on {name}"))
     }
-}
 
-/// Runs a control until its program is over or the operator has enough. It is switched on when a sender is there.
-fn serve_one(rig: &mut Rig, line: &mut Line, speed: u32, interrupted: &AtomicBool) -> Result<(), Failure> {
-    while !line.has_sender()? && !interrupted.load(Ordering::Relaxed) {
-        std::thread::sleep(PERIOD);
-    }
-    while !rig.is_done() && !interrupted.load(Ordering::Relaxed) {
-        let started = Instant::now();
-        line.listen(rig)?;
-        for _ in 0..speed {
-            if rig.is_done() {
-                break;
-            }
-            rig.step();
-            line.answer(rig)?;
+    /// Runs a control until its program is over or the operator has enough. It is switched on when a sender is there.
+    fn serve_one(&self, rig: &mut Rig, line: &mut Line, interrupted: &AtomicBool) -> Result<(), Failure> {
+        while !line.has_sender()? && !interrupted.load(Ordering::Relaxed) {
+            std::thread::sleep(PERIOD);
         }
-        std::thread::sleep(PERIOD.saturating_sub(started.elapsed()));
+        let mut has_restarted = false;
+        while !rig.is_done() && !interrupted.load(Ordering::Relaxed) {
+            let started = Instant::now();
+            line.listen(rig)?;
+            for _ in 0..self.speed {
+                if rig.is_done() {
+                    break;
+                }
+                rig.step();
+                line.answer(rig)?;
+            }
+            if let Some(list) = rig.control().restart_list().filter(|_| !has_restarted) {
+                has_restarted = true;
+                eprintln!("restart, not sent again: {list}");
+            }
+            std::thread::sleep(PERIOD.saturating_sub(started.elapsed()));
+        }
+        // The DC3 of the last step.
+        line.answer(rig)
     }
-    // The DC3 of the last step.
-    line.answer(rig)
 }

@@ -14,9 +14,8 @@ use std::time::Instant;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_shared::units::Micros;
 
-use super::outcome::{Failure, file_failure, load, on_interrupt};
+use super::outcome::{Failure, adapted, file_failure, load, on_interrupt};
 use super::simulate::{add_baseline, finish, measure};
-use crate::adapt::adapt;
 use crate::dnc::{Sender, State};
 use crate::job::JobFile;
 use crate::port::Port;
@@ -67,7 +66,7 @@ impl Stream {
         let (mut file, program) = load(&self.job)?;
         file.serial.baudrate = self.baudrate.unwrap_or(file.serial.baudrate);
         let serial = file.serial;
-        let text = adapt(&program, &file.job).text;
+        let text = adapted(&program, &file.job).text;
         let sender = Sender::new(text, serial.baudrate, serial.bits_per_char(), serial.xonxoff);
         match self.port.base {
             Base::Sim => self.to_simulator(&file, &program, sender),
