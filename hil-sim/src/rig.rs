@@ -16,7 +16,7 @@ use arcfeed_shared::segment::{RADIUS_TOLERANCE, Segment};
 use arcfeed_shared::tool::Tool;
 use arcfeed_shared::units::{Micros, Nm};
 
-use crate::control::plain::Manner;
+use crate::control::action::Manner;
 use crate::control::{Control, ControlSettings};
 use crate::cutting::meter::{ChipMeter, MeterSettings};
 use crate::faults::ControllerFault;

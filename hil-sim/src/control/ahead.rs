@@ -3,9 +3,9 @@
 use arcfeed_shared::units::Micros;
 
 use super::Control;
+use super::action::ReadBlock;
 use super::executive::{Executive, Next};
 use super::panel::Phase;
-use super::reader::ReadBlock;
 use super::search::{Approach, Found};
 
 impl Control {

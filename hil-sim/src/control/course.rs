@@ -10,8 +10,9 @@ use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::Micros;
 
 use super::Control;
+use super::action::Manner;
 use super::panel::Phase;
-use super::plain::{Manner, along_z};
+use super::plain::along_z;
 
 /// A block under way.
 #[derive(Debug)]

@@ -14,8 +14,8 @@ use arcfeed_shared::nc::macros::variables::Context;
 use arcfeed_shared::nc::modal::Stop;
 use arcfeed_shared::units::Micros;
 
-use super::plain::{Manner, Plain, PlainReader};
-use super::reader::{Action, ReadBlock};
+use super::action::{Action, Manner, ReadBlock};
+use super::plain::{Plain, PlainReader};
 use super::restart::RestartList;
 use super::search::{Approach, Found, Search, never};
 use super::settings::{ControlSettings, Switches};

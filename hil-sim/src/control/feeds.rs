@@ -12,8 +12,8 @@ use arcfeed_shared::machine::ArcClamp;
 use arcfeed_shared::segment::Path;
 use arcfeed_shared::units::{MmPerMin, PERCENT, S_PER_MIN};
 
+use super::action::Manner;
 use super::path::Travel;
-use super::plain::Manner;
 
 /// What stands at the control's inputs while a block runs.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,11 +14,10 @@ use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{MmPerMin, S_PER_MIN};
 
+use super::action::{Action, Manner, ReadBlock};
 use super::dynamics::Dynamics;
 use super::feeds::{FeedConditions, speed_mm_per_s};
 use super::path::Travel;
-use super::plain::Manner;
-use super::reader::{Action, ReadBlock};
 
 /// The interpolator's state.
 #[derive(Debug)]

@@ -16,6 +16,8 @@ pub mod dnc_port;
 
 pub mod signals;
 
+pub mod action;
+
 pub mod path;
 
 pub mod feeds;
@@ -24,11 +26,9 @@ pub mod dynamics;
 
 pub mod settings;
 
-pub mod plain;
-
-pub mod course;
-
 pub mod restart;
+
+pub mod plain;
 
 pub mod reader;
 
@@ -40,6 +40,8 @@ pub mod interpolator;
 
 mod panel;
 
+mod course;
+
 mod ahead;
 
 use std::collections::VecDeque;
@@ -50,6 +52,7 @@ use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Micros, MmPerMin, US_PER_MS};
 
+use action::{Action, Manner, ReadBlock};
 use course::Course;
 use dnc_port::DncPort;
 use executive::Executive;
@@ -57,8 +60,7 @@ use feeds::FeedConditions;
 use interpolator::Interpolator;
 use line::LineCounters;
 use panel::Phase;
-use plain::Manner;
-use reader::{Action, BlockReader, ReadBlock};
+use reader::BlockReader;
 use restart::RestartList;
 use search::Search;
 use signals::FeedOverrideLines;

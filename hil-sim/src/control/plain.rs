@@ -11,22 +11,9 @@ use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Nm;
 
-use super::reader::Action;
+use super::action::{Action, Manner};
 use super::restart::RestartList;
 use super::settings::ControlSettings;
-
-/// What holds for all moves of a block.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Manner {
-    /// Machine coordinates of the workpiece's origin: of the work coordinate system, Z longer by the tool.
-    pub origin: Pose,
-    /// What of it is the tool's length.
-    pub tool: Nm,
-    /// Whether a law cannot govern its moves: canned cycles, and what is under G41, G42, G43.4 and G95.
-    pub is_special: bool,
-    /// G63, or a tap in its hole: the override counts 100 %, and feed hold waits.
-    pub is_tapping: bool,
-}
 
 /// A block as it was understood.
 #[derive(Clone, Debug, PartialEq)]

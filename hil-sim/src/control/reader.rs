@@ -4,68 +4,14 @@
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::macros::code::{Code, Cursor, Head};
-use arcfeed_shared::nc::modal::{Pose, Stop};
-use arcfeed_shared::nc::series::Series;
+use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::nc::settings::Tables;
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::Micros;
 
-use super::plain::{Manner, Plain, PlainReader};
+use super::action::{Action, Manner, ReadBlock};
+use super::plain::{Plain, PlainReader};
 use super::restart::RestartList;
 use super::settings::{ControlSettings, Switches};
 use super::tape::Received;
-
-/// One block, ready to execute.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ReadBlock {
-    /// Its line in what was received, counted from 1; of a program of the library the line of the call.
-    pub line: u32,
-    /// Its bytes, without the line end; where it has expressions, with their values in their place.
-    pub text: Vec<u8>,
-    /// What it does.
-    pub action: Action,
-    /// How its moves are made.
-    pub manner: Manner,
-}
-
-/// What a block does.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Action {
-    /// A comment, a title, modal words: no time, and moves flow through it.
-    Nothing,
-    /// An M, S or T function: no time here, but moves before it come to rest.
-    Auxiliary,
-    /// A move in machine coordinates, and where the program goes on after it.
-    Move(Segment, Option<Stop>),
-    /// Several moves, on the path (see [`super::plain`]), and where the program goes on after them.
-    Series(Box<Series>, Option<Stop>),
-    /// G4.
-    Dwell(Micros),
-    /// M0, M1, M2, M30.
-    Stop(Stop),
-    /// The control stops here with an alarm.
-    Fault(Fault),
-}
-
-impl Action {
-    /// Whether nothing behind this block is read before it is executed.
-    pub fn stops_reading(&self) -> bool {
-        matches!(self, Action::Stop(_) | Action::Move(_, Some(_)) | Action::Series(_, Some(_)) | Action::Fault(_))
-    }
-}
-
-impl ReadBlock {
-    /// A block that asks for nothing special.
-    pub fn new(line: u32, text: Vec<u8>, action: Action) -> Self {
-        ReadBlock { line, text, action, manner: Manner::default() }
-    }
-
-    /// Whether a control in single block waits after it: not after one with nothing but a comment.
-    pub fn is_halt_of_single_block(&self) -> bool {
-        let code = self.text.split(|&byte| byte == b'(').next().unwrap_or_default();
-        self.action != Action::Nothing || !code.trim_ascii().is_empty()
-    }
-}
 
 /// The blocks of a program as they come in.
 #[derive(Debug)]
@@ -226,6 +172,7 @@ fn skip_brackets(statement: &mut Cursor<'_>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use arcfeed_shared::nc::modal::Stop;
     use arcfeed_shared::units::LengthUnit;
 
     fn blocks(program: &str, in_dnc: bool, switches: &Switches) -> Vec<ReadBlock> {

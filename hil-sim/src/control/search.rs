@@ -13,7 +13,8 @@ use arcfeed_shared::nc::modal::{Feed, Pose, Stop};
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{MmPerMin, Nm};
 
-use super::reader::{Action, BlockReader, ReadBlock, sequence_of};
+use super::action::{Action, ReadBlock};
+use super::reader::{BlockReader, sequence_of};
 use super::settings::Switches;
 use super::tape::Received;
 

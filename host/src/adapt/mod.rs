@@ -9,6 +9,8 @@ pub mod pieces;
 
 pub mod points;
 
+pub mod modes;
+
 pub mod rewrite;
 
 pub mod spelling;
@@ -26,10 +28,10 @@ use arcfeed_shared::stock::Stock;
 use arcfeed_shared::units::{LengthUnit, Nm, PERCENT};
 
 use crate::program::{Diagnostic, Program, ProgramLine};
+use modes::Modes;
 use profile::Profile;
 use range::WishRange;
 use rewrite::FeedRewriter;
-use spelling::Modes;
 use split::{ChipError, Governed, SentPiece, Whole};
 
 /// What becomes of a program.

@@ -10,7 +10,7 @@ use arcfeed_shared::reader::Understood;
 use arcfeed_shared::segment::Path;
 use arcfeed_shared::units::{LengthUnit, Nm};
 
-use super::spelling::Modes;
+use super::modes::Modes;
 use crate::program::ProgramLine;
 
 /// Decimals of an F word: 0.01 in/min, 0.1 mm/min.

@@ -4,54 +4,21 @@
 //! The first piece is the block itself with another end point; what else stands in the block stays there. The pieces behind
 //! it repeat only what they need: `/`, the G word if there was one, the end point, the centre.
 
-use arcfeed_shared::nc::block::{Block, Line};
+use arcfeed_shared::nc::block::Block;
 use arcfeed_shared::nc::modal::{Plane, Pose};
 use arcfeed_shared::nc::number::DIGITS_MAX;
 use arcfeed_shared::nc::word::Word;
 use arcfeed_shared::segment::Arc;
 use arcfeed_shared::units::LengthUnit;
 
+use super::modes::Modes;
 use super::rewrite::Edit;
-use crate::program::ProgramLine;
 
 const AXES: [u8; 3] = *b"XYZ";
 const OFFSETS: [u8; 3] = *b"IJK";
 /// Words that a block may have to be written in pieces: what they do holds for all pieces, or has no harm done twice.
 const G_WORDS: [i64; 25] =
     [2, 3, 17, 18, 19, 20, 21, 40, 49, 54, 55, 56, 57, 58, 59, 61, 64, 80, 90, 91, 94, 98, 99, 15, 69];
-
-/// The modes that words are written in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Modes {
-    /// G20, G21.
-    pub unit: LengthUnit,
-    /// G90.
-    pub absolute: bool,
-    /// G94.
-    pub per_minute: bool,
-}
-
-impl Modes {
-    /// At power-on.
-    pub const fn at_power_on(unit: LengthUnit) -> Self {
-        Modes { unit, absolute: true, per_minute: true }
-    }
-
-    /// In force after a line's G words.
-    #[must_use]
-    pub fn after(self, line: &ProgramLine) -> Self {
-        let Some(Line::Block(block)) = line.meaning.as_ref().map(|meaning| &meaning.parsed.line) else { return self };
-        let codes = block.words.iter().filter(|word| word.letter == b'G');
-        codes.fold(self, |modes, word| match word.number.as_whole() {
-            Some(20) => Modes { unit: LengthUnit::Inch, ..modes },
-            Some(21) => Modes { unit: LengthUnit::Mm, ..modes },
-            Some(90) => Modes { absolute: true, ..modes },
-            Some(91) => Modes { absolute: false, ..modes },
-            Some(code @ (93..=95)) => Modes { per_minute: code == 94, ..modes },
-            _ => modes,
-        })
-    }
-}
 
 /// Least increment, nm.
 pub const fn increment_nm(unit: LengthUnit) -> i64 {

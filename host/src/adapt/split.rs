@@ -11,11 +11,12 @@ use arcfeed_shared::reader::Reader;
 use arcfeed_shared::segment::{Arc, Segment};
 use arcfeed_shared::units::Nm;
 
+use super::modes::Modes;
 use super::pieces::{self, Piece};
 use super::points::{Divider, Grid, Part};
 use super::profile::{CELLS, Profile};
 use super::rewrite::{Edit, FeedRewriter, apply, round_down};
-use super::spelling::{Modes, Spelling, increment_nm};
+use super::spelling::{Spelling, increment_nm};
 use crate::program::ProgramLine;
 
 /// How far a piece's centre may lie from the arc's, nm: R and two points on the arc tell it no better.

@@ -1,0 +1,39 @@
+//! The modes that words are written in, followed from line to line.
+
+use arcfeed_shared::nc::block::Line;
+use arcfeed_shared::units::LengthUnit;
+
+use crate::program::ProgramLine;
+
+/// The modes that words are written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Modes {
+    /// G20, G21.
+    pub unit: LengthUnit,
+    /// G90.
+    pub absolute: bool,
+    /// G94.
+    pub per_minute: bool,
+}
+
+impl Modes {
+    /// At power-on.
+    pub const fn at_power_on(unit: LengthUnit) -> Self {
+        Modes { unit, absolute: true, per_minute: true }
+    }
+
+    /// In force after a line's G words.
+    #[must_use]
+    pub fn after(self, line: &ProgramLine) -> Self {
+        let Some(Line::Block(block)) = line.meaning.as_ref().map(|meaning| &meaning.parsed.line) else { return self };
+        let codes = block.words.iter().filter(|word| word.letter == b'G');
+        codes.fold(self, |modes, word| match word.number.as_whole() {
+            Some(20) => Modes { unit: LengthUnit::Inch, ..modes },
+            Some(21) => Modes { unit: LengthUnit::Mm, ..modes },
+            Some(90) => Modes { absolute: true, ..modes },
+            Some(91) => Modes { absolute: false, ..modes },
+            Some(code @ (93..=95)) => Modes { per_minute: code == 94, ..modes },
+            _ => modes,
+        })
+    }
+}
