@@ -260,6 +260,17 @@ fn a_broken_program_is_not_adapted_and_leaves_no_file() {
 }
 
 #[test]
+fn a_program_without_a_label_is_told_what_a_line_makes_of_it() {
+    let scratch = Scratch::new("label");
+    let program = scratch.write("p.nc", "G21G0X1.\nM30\n%\nrest of a mail\n");
+    let output = run(&["check", &program]);
+    let said = String::from_utf8(output.stdout).expect("text");
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains(&format!("{program}:1:1: warning: no % before the first block")), "{said}");
+    assert!(said.contains(&format!("{program}:4:1: warning: behind the closing %")), "{said}");
+}
+
+#[test]
 fn a_spindle_speed_that_contradicts_the_job_is_refused_at_its_place() {
     let scratch = example("spindle", |text| text.replacen("N30S1000M3", "N30S900M3", 1));
     let output = run(&["adapt", &scratch.path("job.toml")]);

@@ -79,6 +79,34 @@ fn the_switches_are_flags() {
     assert_eq!(executed(&scratch), ["N30X2.", "M1", "X3.", "M30"]);
     // The simulated operator waits a second at M01.
     assert!(report(&ended)["cycle_time_s"].as_f64() > Some(1.0), "{}", report(&ended));
+    assert_eq!(report(&ended)["restart"]["feed"], 6000.0);
+}
+
+#[test]
+fn a_restart_in_a_cycle_says_what_it_does_not_send_and_drills_where_the_offsets_say() {
+    let scratch = Scratch::new("restart");
+    let settings = scratch.write("machine.toml", "unit = 'mm'\n[work]\nG54 = { X = 100.0 }\n[length]\n1 = 50.0\n");
+    let (server, mut line) = serve(&scratch, &["--settings", &settings, "--restart-at", "50"]);
+    let program = "%\nT3M6\nS900M3\nG54G0X0Y0\nG43H1Z20.M8\nG99G81X10.Z-5.R2.F300\nN50X20.\nG80G28Z20.\nM30\n%\n";
+    send(&mut line, program.as_bytes());
+    let ended = server.end();
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    assert_eq!(executed(&scratch), ["N50X20.", "G80G28Z20.", "M30"]);
+    let restart = &report(&ended)["restart"];
+    assert_eq!((&restart["t"], &restart["s"], &restart["feed"]), (&3.into(), &900.into(), &300.0.into()));
+    assert_eq!(restart["m"], Value::from(vec![6, 3, 8]));
+    let codes = ["G81", "G17", "G90", "G94", "G21", "G40", "G99", "G43 H1", "G54"];
+    assert_eq!(restart["g"], Value::from(codes.to_vec()));
+    // X to 110, Z to 52 at the dry run feed; 10 mm over, 7 down and up; 18 up and 70 on by way of Z20.
+    let time_s = |mm: f64, speed: f64| {
+        if mm * 500.0 < speed * speed { 2.0 * (mm / 500.0).sqrt() } else { mm / speed + speed / 500.0 }
+    };
+    let dry = 2_000.0 / 60.0;
+    let kept = 2.0 * 5.0 / 500.0 - 25.0 / (500.0 * dry);
+    let rapids: f64 = [10.0, 7.0, 18.0, 70.0].map(|mm| time_s(mm, 200.0)).iter().sum();
+    let wanted_s = time_s(110.0, dry) + time_s(52.0, dry) - kept + time_s(7.0, 5.0) + rapids;
+    let took_s = report(&ended)["cycle_time_s"].as_f64().expect("a time");
+    assert!((took_s - wanted_s).abs() < 0.01, "{took_s} s, by hand {wanted_s} s");
 }
 
 #[test]

@@ -8,9 +8,9 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use arcfeed_shared::nc::alarm::{Alarm, Cause, Fault, NotModelled};
-use arcfeed_shared::nc::block::{Line, Notice, NoticeKind, Reading};
+use arcfeed_shared::nc::block::{Line, Notice, NoticeKind, Parsed, Reading};
 use arcfeed_shared::nc::macros::program::first_macro;
-use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::nc::modal::{Pose, Step};
 use arcfeed_shared::nc::settings::{Preset, Scope, Settings, Tables};
 use arcfeed_shared::nc::text::{Lines, RawLine};
 use arcfeed_shared::reader::{Reader, Understood};
@@ -69,6 +69,10 @@ pub struct Diagnostic {
     pub found: String,
 }
 
+const BEHIND_THE_END: &str = "behind the closing %: no control reads this or what follows; remove it";
+const NO_LABEL: &str = "no % before the first block: a control that reads it over a line takes this block for the label \
+                        and loses it, without an alarm; begin the program with a line %";
+
 /// How bad a [`Diagnostic`] is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -113,8 +117,16 @@ impl Program {
     pub fn parse_with(path: &Path, bytes: &[u8], settings: Settings, tables: Tables) -> Self {
         let mut reader = Reader::with(settings, tables);
         let mut program = Program::empty(path, first_macro(bytes), &reader);
+        let (mut has_begun, mut has_ended) = (false, false);
         for RawLine { text, ending } in Lines::new(bytes) {
             let line = program.lines.len() + 1;
+            if has_ended {
+                program.pass_over(text, ending);
+                continue;
+            }
+            let is_blank = is_blank(text);
+            has_ended = has_begun && text.first() == Some(&b'%');
+            has_begun |= !is_blank;
             let meaning = match reader.read(text) {
                 Ok(understood) => {
                     program.note(line, text, &understood, settings.reading);
@@ -130,6 +142,28 @@ impl Program {
             program.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning, origin });
         }
         program
+    }
+
+    /// Keeps a line behind the closing `%`, which no control reads.
+    fn pass_over(&mut self, text: &[u8], ending: &[u8]) {
+        let is_told = self.diagnostics.last().is_some_and(|last| last.message == BEHIND_THE_END);
+        if !is_told && !is_blank(text) && text.first() != Some(&b'%') {
+            self.diagnostics.push(Diagnostic::of_line(self.lines.len() + 1, text, BEHIND_THE_END));
+        }
+        let parsed = Parsed { line: Line::ProgramMark, notices: heapless::Vec::new() };
+        let meaning = Some(Understood { parsed, step: Step::default(), segment: None });
+        self.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning, origin: Pose::ORIGIN });
+    }
+
+    /// A first block that a control on a line takes for the label.
+    pub fn lost_label(&self) -> Option<Diagnostic> {
+        let first = self.lines.first()?;
+        let has_code = match first.meaning.as_ref().map(|meaning| &meaning.parsed.line) {
+            Some(Line::Block(block)) => !block.is_empty(),
+            Some(Line::ProgramMark | Line::Title) => false,
+            None => true,
+        };
+        has_code.then(|| Diagnostic::of_line(1, &first.text, NO_LABEL))
     }
 
     fn empty(path: &Path, macro_line: Option<usize>, control: &Reader) -> Self {
@@ -206,6 +240,20 @@ impl Diagnostic {
         diagnostic
     }
 
+    /// Something odd about a line as a whole.
+    fn of_line(line: usize, text: &[u8], message: &str) -> Self {
+        let (severity, message) = (Severity::Warning, message.into());
+        Diagnostic {
+            severity,
+            line,
+            column: 1,
+            end_column: text.len() + 1,
+            alarm: None,
+            message,
+            found: printable(text),
+        }
+    }
+
     fn of_notice(line: usize, text: &[u8], notice: Notice) -> Self {
         let column = usize::from(notice.column);
         let (alarm, message, place) = match notice.kind {
@@ -257,6 +305,11 @@ impl fmt::Display for Diagnostic {
     }
 }
 
+/// Nothing but blanks and control characters, such as the end mark of DOS.
+fn is_blank(text: &[u8]) -> bool {
+    text.iter().all(|byte| *byte <= b' ')
+}
+
 /// From `column` (counted from 1) to before the next address letter; at most a handful of bytes.
 fn word_at(text: &[u8], column: usize) -> &[u8] {
     let rest = text.get(column - 1..).unwrap_or_default();
@@ -288,6 +341,22 @@ mod tests {
         let program = parse("G1X1.F5.\nG14\nX2.\nG2X1.\nY1..\n", Reading::Lenient);
         let places: Vec<_> = program.diagnostics.iter().map(|found| (found.line, found.column, found.alarm)).collect();
         assert_eq!(places, [(2, 1, Some(10)), (4, 1, Some(22)), (5, 4, Some(7))]);
+    }
+
+    #[test]
+    fn nothing_behind_the_closing_mark_is_read() {
+        let program = parse("%\nG1X1.F5.\n%\n\x1a\nTHE END\nG14\n", Reading::Lenient);
+        let places: Vec<_> = program.diagnostics.iter().map(|found| (found.line, found.severity)).collect();
+        assert_eq!((places, program.block_count()), (vec![(5, Severity::Warning)], 1));
+        assert_eq!(parse("(LEADER)\nG1X1.F5.\n%\nG14\n", Reading::Lenient).diagnostics.len(), 1);
+        assert!(parse("%\nG14\n%\n", Reading::Lenient).has_errors());
+    }
+
+    #[test]
+    fn a_first_block_without_a_mark_is_lost_on_a_line() {
+        for (text, is_lost) in [("G1X1.\n", true), ("%\nG1X1.\n", false), ("\nG1X1.\n", false), ("(A)\nG1\n", false)] {
+            assert_eq!(parse(text, Reading::Lenient).lost_label().is_some(), is_lost, "{text}");
+        }
     }
 
     #[test]

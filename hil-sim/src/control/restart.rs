@@ -2,11 +2,10 @@
 //! send again, and the state that the block meets.
 
 use std::collections::VecDeque;
-use std::fmt;
 
 use arcfeed_shared::nc::block::Block;
 use arcfeed_shared::nc::modal::{FeedMode, Modal, MotionKind, Plane, Side, Turn};
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_shared::units::{LengthUnit, Nm};
 
 /// Most M codes that are listed, the last ones.
 const M_CODES: usize = 35;
@@ -43,6 +42,16 @@ impl RestartList {
         }
     }
 
+    /// The feed in force before the block.
+    pub fn feed(&self) -> Option<Nm> {
+        self.modal.and_then(|modal| modal.feed)
+    }
+
+    /// The modal G codes in force before the block.
+    pub fn codes(&self) -> Vec<String> {
+        self.modal.as_ref().map(codes).unwrap_or_default()
+    }
+
     /// Keeps the functions of a block until the next one is read.
     pub(super) fn take(&mut self, block: &Block) {
         let is_function = |letter, number| match letter {
@@ -51,20 +60,6 @@ impl RestartList {
         };
         let given = block.words.iter().filter_map(|word| Some((word.letter, word.number.as_whole()?)));
         self.pending.extend(given.filter(|(letter, number)| is_function(*letter, *number)));
-    }
-}
-
-impl fmt::Display for RestartList {
-    /// `T1 S1200 M3 M8; in force: G1 G17 G90 G94 G21 G43 H1 G54, F100`
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let word = |letter: char, number: Option<i64>| number.map(|number| format!("{letter}{number}"));
-        let words = word('T', self.t).into_iter().chain(word('S', self.s));
-        let words: Vec<String> = words.chain(self.m.iter().filter_map(|code| word('M', Some(*code)))).collect();
-        f.write_str(if words.is_empty() { "no T, S, M" } else { "" })?;
-        f.write_str(&words.join(" "))?;
-        let Some(modal) = &self.modal else { return Ok(()) };
-        write!(f, "; in force: {}", codes(modal).join(" "))?;
-        modal.feed.map_or(Ok(()), |feed| write!(f, ", F{}", feed.0 as f64 / modal.unit.nm() as f64))
     }
 }
 

@@ -21,6 +21,7 @@ use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_shared::cut::{self, CutRule, Work};
 use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::machine::LimitedBy;
+use arcfeed_shared::nc::alarm::NotModelled;
 use arcfeed_shared::nc::modal::Feed;
 use arcfeed_shared::reader::Reader;
 use arcfeed_shared::segment::{Path, Segment};
@@ -68,6 +69,8 @@ pub struct PlannedBlock {
     pub chip_error: Option<ChipError>,
     /// F words in its text as sent.
     pub f_words: usize,
+    /// Why no law can look at it by itself.
+    pub under: Option<NotModelled>,
 }
 
 /// Why a block is sent with the feed it is sent with.
@@ -93,7 +96,7 @@ pub enum PlanReason {
     Rapid,
     /// Inverse time: F is no feed.
     InverseTime,
-    /// Under G41, G42, G43.4 or G95: what the tool centre does, or what F means, is not looked at.
+    /// Under G41, G42, G43.4, G63 or G95: what the tool centre does, or what F means, is not looked at.
     Special,
 }
 
@@ -130,9 +133,7 @@ impl Adapted {
     pub fn left_alone(&self, program: &Program) -> Vec<Diagnostic> {
         let special = self.blocks.iter().filter(|block| block.reason == PlanReason::Special && block.rule.is_some());
         let warning = |block: &PlannedBlock| {
-            let line = program.lines.get(block.line - 1)?;
-            let under = line.meaning.as_ref()?.step.beyond_plain?;
-            Some(Diagnostic::of_feed_kept(block.line, line, under))
+            Some(Diagnostic::of_feed_kept(block.line, program.lines.get(block.line - 1)?, block.under?))
         };
         special.filter_map(warning).collect()
     }
@@ -171,10 +172,10 @@ impl<'a> Writer<'a> {
             let _understood = reader.read(&line.text);
         }
         self.modes = self.modes.after(line);
-        let is_plain = line.meaning.as_ref().is_none_or(|meaning| meaning.step.is_plain());
-        let planned = line.segment().map(|segment| match is_plain {
-            true => plan_block(number, segment, self.job, self.modes.unit),
-            false => (PlannedBlock::special(number, segment, self.job), None),
+        let under = self.special(line);
+        let planned = line.segment().map(|segment| match under {
+            None => plan_block(number, segment, self.job, self.modes.unit),
+            Some(under) => (PlannedBlock::special(number, segment, self.job, under), None),
         });
         let texts = match planned {
             None => vec![self.whole(line, None)],
@@ -199,6 +200,15 @@ impl<'a> Writer<'a> {
         self.adapted.text.extend(texts.join(end));
         self.adapted.text.extend(&line.ending);
         self.adapted.line_ends.push(self.adapted.text.len());
+    }
+
+    /// Why no law can look at a line's move by itself.
+    fn special(&self, line: &ProgramLine) -> Option<NotModelled> {
+        let step = &line.meaning.as_ref()?.step;
+        match step.beyond_plain {
+            Some(under) if !step.is_plain() => Some(under),
+            _ => self.modes.taps.then_some(NotModelled::MoveUnder(630)),
+        }
     }
 
     /// The line, with its feed or another.
@@ -241,14 +251,15 @@ impl PlannedBlock {
             whole: None,
             chip_error: None,
             f_words: 0,
+            under: None,
         };
         block.sent = block.programmed();
         block
     }
 
     /// A move that no law can look at by itself.
-    fn special(line: usize, segment: Segment, job: &Job) -> Self {
-        let mut block = PlannedBlock::new(line, segment);
+    fn special(line: usize, segment: Segment, job: &Job, under: NotModelled) -> Self {
+        let mut block = PlannedBlock { under: Some(under), ..PlannedBlock::new(line, segment) };
         block.rule = cut::find(&job.rules, &segment, &job.tool).map(|(index, _)| index);
         block.reason = if segment.path == Path::Rapid { PlanReason::Rapid } else { PlanReason::Special };
         block

@@ -14,12 +14,14 @@ pub struct Modes {
     pub absolute: bool,
     /// G94.
     pub per_minute: bool,
+    /// G63: the feed is a thread's.
+    pub taps: bool,
 }
 
 impl Modes {
     /// At power-on.
     pub const fn at_power_on(unit: LengthUnit) -> Self {
-        Modes { unit, absolute: true, per_minute: true }
+        Modes { unit, absolute: true, per_minute: true, taps: false }
     }
 
     /// In force after a line's G words.
@@ -32,6 +34,7 @@ impl Modes {
             Some(21) => Modes { unit: LengthUnit::Mm, ..modes },
             Some(90) => Modes { absolute: true, ..modes },
             Some(91) => Modes { absolute: false, ..modes },
+            Some(code @ (61..=64)) => Modes { taps: code == 63, ..modes },
             Some(code @ (93..=95)) => Modes { per_minute: code == 94, ..modes },
             _ => modes,
         })

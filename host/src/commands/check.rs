@@ -99,7 +99,8 @@ impl Check {
         settings.decimals = self.decimals.map_or(settings.decimals, Into::into);
         settings.unit = job.as_ref().map_or(settings.unit, |file| file.job.unit);
         let bytes = std::fs::read(path).map_err(|error| file_failure(path, &error))?;
-        let program = Program::run(path, &bytes, Expansion { settings, tables, library: self.library.as_deref() });
+        let mut program = Program::run(path, &bytes, Expansion { settings, tables, library: self.library.as_deref() });
+        program.diagnostics.splice(0..0, program.lost_label());
         let counts = count(&program);
         if self.json {
             self.print_json(&program, counts, control);

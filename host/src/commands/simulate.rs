@@ -19,7 +19,7 @@ use super::adapt::{direction_word, rotation_word, side_word};
 use super::outcome::{Failure, adapted, load, say};
 use crate::job::{ControlKind, JobFile, Parity, SerialSettings};
 use crate::program::Program;
-use crate::report::figures::{AlarmFigures, IptFigures, MovementFigures, OverrideFigures, RunReport};
+use crate::report::figures::{AlarmFigures, IptFigures, MovementFigures, OverrideFigures, RestartFigures, RunReport};
 use crate::report::summary::Summary;
 
 /// Longest simulated run: a program that takes longer is stuck.
@@ -147,6 +147,13 @@ pub fn measure(rig: &Rig, job: &Job) -> RunReport {
         ipt_circumference: ipt(job.unit, job.feed_per_tooth, moves.iter().map(|(chips, _)| *chips)),
         r#override: overrides(moves.iter().map(|(_, figures)| *figures)),
         movements,
+        restart: rig.control().restart_list().map(|list| RestartFigures {
+            t: list.t,
+            s: list.s,
+            m: list.m.iter().copied().collect(),
+            feed: list.feed().map(|feed| feed.0 as f64 / job.unit.nm() as f64),
+            g: list.codes(),
+        }),
         ..RunReport::default()
     }
 }

@@ -32,8 +32,25 @@ pub struct RunReport {
     pub movements: Vec<MovementFigures>,
     /// The serial line.
     pub link: Option<LinkFigures>,
+    /// What a restart in the middle of the program left to the operator.
+    pub restart: Option<RestartFigures>,
     /// Simulated time over wall time.
     pub real_time_factor: Option<f64>,
+}
+
+/// A restart: functions given before its block, which the control does not send again, and the state that the block meets.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RestartFigures {
+    /// The last T.
+    pub t: Option<i64>,
+    /// The last S.
+    pub s: Option<i64>,
+    /// M codes in the order given, the last 35.
+    pub m: Vec<i64>,
+    /// The feed in force, per minute or per revolution.
+    pub feed: Option<f64>,
+    /// The modal G codes in force.
+    pub g: Vec<String>,
 }
 
 /// An alarm of the control.

@@ -22,6 +22,14 @@ impl fmt::Display for Summary<'_> {
         if let Some(ipt) = &report.ipt_circumference {
             write_chips(f, report, ipt)?;
         }
+        if let Some(restart) = &report.restart {
+            let word = |letter: char, number: i64| format!(" {letter}{number}");
+            let given = [restart.t.map(|t| word('T', t)), restart.s.map(|s| word('S', s))].into_iter().flatten();
+            let given: String = given.chain(restart.m.iter().map(|m| word('M', *m))).collect();
+            writeln!(f, "  restart: not sent again:{}", if given.is_empty() { " nothing" } else { &given })?;
+            write!(f, "  restart: in force: {}", restart.g.join(" "))?;
+            writeln!(f, "{}", restart.feed.map_or(String::new(), |feed| format!(", F{feed}")))?;
+        }
         if let Some(link) = &report.link {
             write!(f, "  line: {} characters, busy {:.0} % of the time", link.bytes, 1e2 * link.utilization)?;
             write!(f, ", stopped by the control {} times", link.xoff_count)?;

@@ -212,7 +212,6 @@ impl Serve {
         while !line.has_sender()? && !interrupted.load(Ordering::Relaxed) {
             std::thread::sleep(PERIOD);
         }
-        let mut has_restarted = false;
         while !rig.is_done() && !interrupted.load(Ordering::Relaxed) {
             let started = Instant::now();
             line.listen(rig)?;
@@ -222,10 +221,6 @@ impl Serve {
                 }
                 rig.step();
                 line.answer(rig)?;
-            }
-            if let Some(list) = rig.control().restart_list().filter(|_| !has_restarted) {
-                has_restarted = true;
-                eprintln!("restart, not sent again: {list}");
             }
             std::thread::sleep(PERIOD.saturating_sub(started.elapsed()));
         }

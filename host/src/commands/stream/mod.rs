@@ -66,6 +66,9 @@ impl Stream {
         let (mut file, program) = load(&self.job)?;
         file.serial.baudrate = self.baudrate.unwrap_or(file.serial.baudrate);
         let serial = file.serial;
+        if let Some(warning) = program.lost_label() {
+            eprintln!("{}:{warning}", program.path.display());
+        }
         let text = adapted(&program, &file.job).text;
         let sender = Sender::new(text, serial.baudrate, serial.bits_per_char(), serial.xonxoff);
         match self.port.base {
