@@ -1,6 +1,7 @@
 //! Canned cycles, coordinates and offsets against closed forms: bolt circles, depths and feeds written out by hand or
 //! computed from the drawing, never from the reader.
 
+use arcfeed_shared::nc::alarm::{Alarm, Cause};
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::modal::{MotionKind, Pose};
 use arcfeed_shared::nc::series::Act;
@@ -56,6 +57,14 @@ const START: &str = "G0X0Y0Z50.\nF100.\n";
 fn assert_drills(cycle: &str, wanted: &[&str]) {
     let wanted: Vec<&str> = ["r 0 0 50"].iter().chain(wanted).copied().collect();
     assert_does(&format!("{START}{cycle}"), &wanted);
+}
+
+#[test]
+fn a_cycle_repeats_up_to_9999_times() {
+    let mut reader = reader(|_, _| ());
+    assert!(reader.read(b"G91G81X1.Z-1.R-1.F9.K9999").is_ok());
+    let fault = reader.read(b"X1.K10000").expect_err("five digits");
+    assert_eq!((fault.cause, fault.column), (Cause::Alarm(Alarm::TooManyDigits), 4));
 }
 
 #[test]

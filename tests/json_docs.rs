@@ -179,7 +179,7 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
         ("normal_deg = 54.187, offset = 4.2391", "engaged = [[0, 0, 40], [1, 60, 40]]"),
     ];
     let in_pieces = with_override("mode = \"rewrite-only\"");
-    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 15] = [
+    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 17] = [
         (CASE, &[("[control]", &in_pieces)], &[]),
         (CASE, &[("[control]", &in_pieces)], &[("F25.", "F25.M8")]),
         (CASE, &[("[control]", "[machine]\nmax_feed = { x = 45, y = 45 }\n\n[control]")], &[]),
@@ -195,8 +195,10 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
         (CASE, &in_mm, &[]),
         (CASE, &[], &[("F25.", "")]),
         (CASE, &[], &[("F25.", "Z-27.7F25.")]),
+        (CASE, &[], &[("F25.", "G63F25.")]),
+        (CASE, &[("[control]", &in_pieces)], &[("F25.", "F25.\nG52X.0001")]),
     ];
-    let (mut reasons, mut kinds) = (BTreeSet::new(), BTreeSet::new());
+    let (mut reasons, mut kinds, mut wholes) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
     for (folder, job, program) in jobs {
         let (code, blocks) = objects(&["adapt", &changed(&scratch, folder, job, program)]);
         assert_eq!((code, blocks.is_empty()), (Some(0), false));
@@ -204,6 +206,7 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
             documented.assert_fits("adapt", block);
             reasons.insert(block["reason"].to_string());
             kinds.insert(block["kind"].to_string());
+            wholes.insert(block["left_whole"].to_string());
         }
     }
     let schema = documented.texts.iter().find(|text| text["title"] == "adapt").expect("a schema");
@@ -211,6 +214,7 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
         schema["properties"][field]["enum"].as_array().expect("a list").iter().map(Value::to_string).collect()
     };
     assert_eq!((reasons, kinds), (listed("reason"), listed("kind")));
+    assert!(wholes.contains("\"coordinates\"") && wholes.is_subset(&listed("left_whole")), "{wholes:?}");
 }
 
 #[test]

@@ -329,7 +329,7 @@ fn random(state: &mut u64) -> u64 {
 
 #[test]
 fn whatever_comes_over_the_line_the_control_stops_or_goes_on() {
-    const PIECES: [&[u8]; 14] = [
+    const PIECES: [&[u8]; 22] = [
         b"%",
         b"\n",
         b"G1X1.F9.\n",
@@ -340,6 +340,14 @@ fn whatever_comes_over_the_line_the_control_stops_or_goes_on() {
         b"M0\n",
         b"G4P9\n",
         b"GOTO9\n",
+        b"G83X1.Z-9.R1.Q2.F99\n",
+        b"G91G84X1.Z-3.R-1.K3\n",
+        b"G80\n",
+        b"G28Z0\n",
+        b"G55G43H1\n",
+        b"G68X0Y0R30.\n",
+        b"G63\n",
+        b"G10L2P1X5.\n",
         b"\x80",
         b"\x00",
         b"\x13",

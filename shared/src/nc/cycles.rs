@@ -12,6 +12,9 @@ use super::series::{Drill, Levels, Series};
 use super::settings::Settings;
 use crate::units::{Micros, Nm, US_PER_MS};
 
+/// Most repeats of a cycle.
+const REPEATS_MAX: i64 = 9_999;
+
 impl Modal {
     /// The series that this block of a cycle makes; the tool stands behind it afterwards.
     pub(super) fn drill(
@@ -42,7 +45,10 @@ impl Modal {
         if matches!(cycle.code, 73 | 83) && cycle.q == Nm(0) {
             return Err(Fault::alarm(Alarm::NoPeck, 0));
         }
-        let holes = whole(block, b'K').or(whole(block, b'L')).map_or(1, |(times, _)| times);
+        let (holes, column) = whole(block, b'K').or(whole(block, b'L')).unwrap_or((1, 0));
+        if holes > REPEATS_MAX {
+            return Err(Fault::alarm(Alarm::TooManyDigits, column));
+        }
         self.refuse_odd_series(holes)?;
         self.resolve_polar(block, &mut target, settings.decimals);
         let mut above = target.end;
