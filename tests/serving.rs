@@ -99,7 +99,7 @@ fn a_restart_in_a_cycle_says_what_it_does_not_send_and_drills_where_the_offsets_
     assert_eq!(restart["g"], Value::from(codes.to_vec()));
     // X to 110, Z to 52 at the dry run feed; 10 mm over, 7 down and up; 18 up and 70 on by way of Z20.
     let time_s = |mm: f64, speed: f64| {
-        if mm * 500.0 < speed * speed { 2.0 * (mm / 500.0).sqrt() } else { mm / speed + speed / 500.0 }
+        if mm * 500.0 < speed * speed { 2.0 * libm::sqrt(mm / 500.0) } else { mm / speed + speed / 500.0 }
     };
     let dry = 2_000.0 / 60.0;
     let kept = 2.0 * 5.0 / 500.0 - 25.0 / (500.0 * dry);

@@ -147,7 +147,9 @@ impl Rig {
         self.meter.take(&sample);
         self.record_override(sample.block, sample.override_percent);
         self.cabinet.input.measured.position = Some(machine::feedback(&sample.position));
-        self.cabinet.input.signals = if self.control.is_held() { Signals::FEED_HOLD } else { Signals::NONE };
+        let held = if self.control.is_held() { Signals::FEED_HOLD } else { Signals::NONE };
+        let forced = if active.is_some() && self.manner.is_tapping { Signals::TAPPING } else { Signals::NONE };
+        self.cabinet.input.signals = held.with(forced);
         self.tick();
     }
 

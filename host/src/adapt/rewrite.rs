@@ -67,8 +67,7 @@ impl FeedRewriter {
         let Line::Block(block) = &meaning.parsed.line else { return None };
         let edit = self.edit_block(block, cutting_feed(meaning), governed, modes);
         if block.delete.is_some() {
-            // Whether the control has read it, its switch says.
-            self.modal = None;
+            self.forget();
         }
         edit
     }
@@ -98,6 +97,11 @@ impl FeedRewriter {
             None if had == Some(wanted) => None,
             None => Some(Edit { at: block.code_len, len: 0, new: feed_word(wanted, unit) }),
         }
+    }
+
+    /// Whether the control has read what was written last, a switch says.
+    pub fn forget(&mut self) {
+        self.modal = None;
     }
 
     /// The F of a block that is added behind the line; nothing where the control has it already.

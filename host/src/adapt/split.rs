@@ -161,6 +161,9 @@ impl Governed<'_> {
             pieces.push(SentPiece { until_ratio: piece.until_ratio, feed });
             start = *end;
         }
+        if self.block().is_some_and(|block| block.delete.is_some()) {
+            rewriter.forget();
+        }
         if !self.reads_back(arc, &texts, parts) {
             return Err(Some(Whole::ReadBack));
         }
