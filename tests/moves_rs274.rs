@@ -1,8 +1,12 @@
 //! Lines, offsets and canned cycles against another interpreter: every end point of `tests/cases/moves-rs274`, as LinuxCNC
 //! reads it.
 
+use arcfeed_hil_sim::control::{Control, Preset, Switches};
+use arcfeed_shared::nc::settings::Decimals;
+use arcfeed_shared::segment::Path;
+use arcfeed_shared::units::{LengthUnit, Micros, MmPerMin, Nm};
 use arcfeed_tests::root;
-use moves::{Move, moving, off_mm, ours};
+use moves::{CLEARANCE, Move, moving, off_mm, ours};
 
 #[path = "rs274/moves.rs"]
 mod moves;
@@ -27,10 +31,45 @@ fn expected() -> Vec<Move> {
     case("expected.txt").lines().map(row).collect()
 }
 
+/// The moves that the simulated control's axes make.
+fn executed(program: &str) -> Vec<Move> {
+    let mut settings = Preset::Fanuc31i.settings(LengthUnit::Mm);
+    settings.nc.decimals = Decimals::Calculator;
+    (settings.nc.peck_clearance, settings.nc.peck_return) = (CLEARANCE, CLEARANCE);
+    settings.switches = Switches { dry_run: true, ..settings.switches };
+    settings.dry_run_feed = MmPerMin(6_000.0);
+    let mut control = Control::from_memory(settings, program.as_bytes());
+    let (mut moves, mut last) = (Vec::new(), None);
+    for ms in 1.. {
+        control.step(Micros::from_ms(ms), Micros::from_ms(1), 100);
+        let active = control.active().map(|(count, segment)| (count, *segment));
+        if let Some((_, segment)) = active.filter(|_| active != last) {
+            let kind = if segment.path == Path::Rapid { 0 } else { 1 };
+            moves.push(Move { kind, end_mm: segment.end.linear.map(Nm::to_mm), center_mm: [0.0; 2] });
+        }
+        last = active;
+        if control.is_over() {
+            break;
+        }
+    }
+    assert_eq!(control.alarm(), None);
+    moves
+}
+
+#[test]
+fn the_simulated_control_makes_the_moves_that_linuxcnc_makes() {
+    let program = case("program.nc").replace(' ', "");
+    assert_all_as_expected(&moving(&executed(&program)));
+}
+
 #[test]
 fn every_move_is_the_one_that_linuxcnc_makes() {
     let program = case("program.nc").replace(' ', "");
-    let (ours, expected) = (moving(&ours(program.as_bytes()).expect("it is read")), expected());
+    assert_all_as_expected(&moving(&ours(program.as_bytes()).expect("it is read")));
+}
+
+fn assert_all_as_expected(ours: &[Move]) {
+    let expected = expected();
     let mut worst_mm = 0.0_f64;
     for (index, (found, wanted)) in ours.iter().zip(&expected).enumerate() {
         let off = off_mm(found, wanted);

@@ -10,7 +10,7 @@ use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{LengthUnit, Nm};
 
 /// G83 of rs274 turns to feed 0.010 in above the last depth, and G73 goes back by as much.
-const CLEARANCE: Nm = Nm(254_000);
+pub const CLEARANCE: Nm = Nm(254_000);
 
 /// One move, on the path.
 #[derive(Clone, Copy, Debug)]
