@@ -158,6 +158,37 @@ fn a_job_means_the_drawing_wherever_the_work_offset_is() {
     assert!(error(&there) < 5e-3);
 }
 
+/// The job of the example's fourth movement, its stock line turned by 90 degrees, and what it makes of a program.
+fn turned_arc(scratch: &Scratch, name: &str, program: &str) -> Value {
+    scratch.write(&format!("{name}.nc"), program);
+    let job = format!(
+        "units = \"inch\"\nprogram = \"{name}.nc\"\n[tool]\nkind = \"cup-mill\"\nouter_radius = 5.06205\n\
+         inner_radius = 4.43706\nactive_teeth = 10\n[spindle]\nrev_per_min = 1000\n[law]\nkind = \"circumference\"\n\
+         feed_per_tooth = 0.004\n[[cut]]\nrotation = \"interior\"\ndirection = \"cw\"\nside = \"inner\"\n\
+         stock = {{ normal_deg = 187.563, offset = 7.2959 }}\n"
+    );
+    let job = scratch.write(&format!("{name}.toml"), job);
+    let output = run(&["adapt", &job, "--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).expect("text");
+    let mut block: Value = serde_json::from_str(text.lines().last().expect("a block")).expect("JSON");
+    block["line"] = Value::Null;
+    block
+}
+
+#[test]
+fn a_law_governs_a_turned_and_shifted_arc_where_the_machine_makes_it() {
+    let scratch = Scratch::new("shop-turned");
+    // A point x, y turned by 90 degrees is -y, x.
+    let by_hand = "%\nG20G0X-10.5358Y-3.6044\nG2X-11.3322Y-3.0241I2.1989J3.8539F25.\nM30\n%\n";
+    let turned = "%\nG20G68X0Y0R90.\nG0X-3.6044Y10.5358\nG2X-3.0241Y11.3322I3.8539J-2.1989F25.\nM30\n%\n";
+    let shifted = "%\nG20G52X-10.Y-3.\nG0X-.5358Y-.6044\nG2X-1.3322Y-.0241I2.1989J3.8539F25.\nM30\n%\n";
+    let wanted = turned_arc(&scratch, "by-hand", by_hand);
+    assert_eq!(wanted["reason"], "law", "{wanted}");
+    assert_eq!(turned_arc(&scratch, "turned", turned), wanted);
+    assert_eq!(turned_arc(&scratch, "shifted", shifted), wanted);
+}
+
 #[test]
 fn a_move_under_g41_keeps_its_feed_and_that_is_said_at_its_place() {
     let scratch = Scratch::new("shop-g41");
