@@ -3,7 +3,7 @@
 
 use arcfeed_shared::nc::alarm::{Alarm, Cause};
 use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::modal::{MotionKind, Pose};
+use arcfeed_shared::nc::modal::{MotionKind, Pose, Turn};
 use arcfeed_shared::nc::series::Act;
 use arcfeed_shared::nc::settings::{Decimals, Preset, Scope, Settings, Tables};
 use arcfeed_shared::reader::Reader;
@@ -57,6 +57,53 @@ const START: &str = "G0X0Y0Z50.\nF100.\n";
 fn assert_drills(cycle: &str, wanted: &[&str]) {
     let wanted: Vec<&str> = ["r 0 0 50"].iter().chain(wanted).copied().collect();
     assert_does(&format!("{START}{cycle}"), &wanted);
+}
+
+#[test]
+fn a_mirror_turns_contours_over_and_holes_with_them() {
+    // Mirrored at X = 10: x becomes 20 - x, the arc runs the other way round, Y and Z stay.
+    assert_does(
+        "G0X0Y0Z5.\nG51.1X10.\nG0X4.Y1.\nG1Y3.F100.\nG91G1X-1.\nG90G99G81X2.Y0R1.Z-4.\nG80G50.1X0\nG0X1.Y0",
+        &["r 0 0 5", "r 16 1 5", "f 16 3 5", "f 17 3 5", "r 18 0 5", "r 18 0 1", "f 18 0 -4", "r 18 0 1", "r 1 0 1"],
+    );
+    let arc = |line: &str| {
+        let mut reader = reader(|_, _| ());
+        for line in ["G0X5.Y0", "G51.1X0", "G0X5.Y0F100."] {
+            assert!(reader.read(line.as_bytes()).is_ok());
+        }
+        let segment = reader.read(line.as_bytes()).expect("an arc").segment.expect("a move");
+        let arc = *segment.arc().expect("an arc");
+        (arc.turn, arc.center.map(Nm::to_mm), segment.end.linear.map(Nm::to_mm))
+    };
+    for line in ["G2X0Y-5.I-5.", "G2X0Y-5.R5."] {
+        assert_eq!(arc(line), (Turn::Ccw, [0.0, 0.0], [0.0, -5.0, 0.0]), "{line}");
+    }
+}
+
+#[test]
+fn scaling_is_about_its_point_and_an_axis_that_is_not_named_stays() {
+    // About 10, 20 by 2: 10 + 2 (x - 10), 20 + 2 (y - 20).
+    assert_does(
+        "G0X3.001Y7.\nG51X10.Y20.P2000\nX15.\nY25.\nG91X1.\nG90G50\nX0",
+        &["r 3.001 7 0", "r 20 7 0", "r 20 30 0", "r 22 30 0", "r 0 30 0"],
+    );
+    // Each axis its own, one of them mirrored; by a third there is no exact way back.
+    assert_does("G51X0Y0I-500J333K1000\nG0X8.Y1.Z4.\nX2.", &["r -4 0.333 4", "r -1 0.333 4"]);
+    let mut reader = reader(|_, _| ());
+    for line in ["G51X0Y0P3000", "G0X5.Y0F100."] {
+        assert!(reader.read(line.as_bytes()).is_ok());
+    }
+    let segment = reader.read(b"G2X0Y-5.R5.").expect("an arc").segment.expect("a move");
+    let arc = segment.arc().expect("an arc");
+    assert_eq!((arc.turn, arc.radius_mm(), arc.center.map(Nm::to_mm)), (Turn::Cw, 15.0, [0.0, 0.0]));
+}
+
+#[test]
+fn a_scaled_pattern_is_turned_behind_and_shifted_last() {
+    // 2 (1, 0) turned by 90 degrees about 2 (3, 0) is (6, -4); the work offset comes on top.
+    let mut reader = reader(|_, tables| tables.systems[0].linear[0] = Nm::from_mm(100.0));
+    let program = "G51X0Y0P2000\nG68X3.Y0R90.\nG0X1.Y0";
+    assert_eq!(run(&mut reader, program), ["r 106 -4 0"]);
 }
 
 #[test]

@@ -177,16 +177,20 @@ fn turned_arc(scratch: &Scratch, name: &str, program: &str) -> Value {
 }
 
 #[test]
-fn a_law_governs_a_turned_and_shifted_arc_where_the_machine_makes_it() {
+fn a_law_governs_an_arc_turned_shifted_or_mirrored_where_the_machine_makes_it() {
     let scratch = Scratch::new("shop-turned");
     // A point x, y turned by 90 degrees is -y, x.
     let by_hand = "%\nG20G0X-10.5358Y-3.6044\nG2X-11.3322Y-3.0241I2.1989J3.8539F25.\nM30\n%\n";
     let turned = "%\nG20G68X0Y0R90.\nG0X-3.6044Y10.5358\nG2X-3.0241Y11.3322I3.8539J-2.1989F25.\nM30\n%\n";
     let shifted = "%\nG20G52X-10.Y-3.\nG0X-.5358Y-.6044\nG2X-1.3322Y-.0241I2.1989J3.8539F25.\nM30\n%\n";
+    let mirrored = "%\nG20G51.1X0\nG0X10.5358Y-3.6044\nG3X11.3322Y-3.0241I-2.1989J3.8539F25.\nM30\n%\n";
+    let halved = "%\nG20G51X0Y0P500\nG0X-21.0716Y-7.2088\nG2X-22.6644Y-6.0482I4.3978J7.7078F25.\nM30\n%\n";
     let wanted = turned_arc(&scratch, "by-hand", by_hand);
     assert_eq!(wanted["reason"], "law", "{wanted}");
     assert_eq!(turned_arc(&scratch, "turned", turned), wanted);
     assert_eq!(turned_arc(&scratch, "shifted", shifted), wanted);
+    assert_eq!(turned_arc(&scratch, "mirrored", mirrored), wanted);
+    assert_eq!(turned_arc(&scratch, "halved", halved), wanted);
 }
 
 #[test]

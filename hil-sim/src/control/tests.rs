@@ -329,7 +329,7 @@ fn random(state: &mut u64) -> u64 {
 
 #[test]
 fn whatever_comes_over_the_line_the_control_stops_or_goes_on() {
-    const PIECES: [&[u8]; 22] = [
+    const PIECES: [&[u8]; 24] = [
         b"%",
         b"\n",
         b"G1X1.F9.\n",
@@ -347,6 +347,8 @@ fn whatever_comes_over_the_line_the_control_stops_or_goes_on() {
         b"G55G43H1\n",
         b"G68X0Y0R30.\n",
         b"G63\n",
+        b"G51.1X3.\n",
+        b"G51X1.Y0P700\n",
         b"G10L2P1X5.\n",
         b"\x80",
         b"\x00",

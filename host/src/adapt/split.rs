@@ -29,7 +29,7 @@ pub enum Whole {
     Line,
     /// Its block has words that pieces cannot share: M, T, a variable, another G.
     Words,
-    /// G52, G68 or G92 lays the program's coordinates elsewhere than the workpiece's.
+    /// G51, G52 or G68 lays the program's coordinates elsewhere than the workpiece's.
     Coordinates,
     /// No points on it, or no centre, that the control's increments and digits can express.
     Digits,
@@ -175,7 +175,7 @@ impl Governed<'_> {
         let mut reader = self.before.clone();
         let _understood = reader.read(&self.line.text);
         let frame = &reader.modal().frame;
-        frame.rotation.is_none() && frame.shift == self.line.origin
+        frame.is_shift() && frame.shift == self.line.origin
     }
 
     fn spelling(&self, arc: &Arc) -> Option<Spelling<'_>> {

@@ -20,8 +20,14 @@ pub(super) enum OneShot {
     Data,
     /// G28, G30.
     Reference(u8),
-    /// G50.1, G51, G51.1, G68.2 to G68.4: only tracked.
+    /// G68.2 to G68.4: only tracked.
     Tracked,
+    /// G50.1.
+    MirrorOff,
+    /// G51.
+    Scale,
+    /// G51.1.
+    Mirror,
     /// G52.
     Local,
     /// G53.
@@ -92,17 +98,20 @@ impl Modal {
                     _ => 1,
                 };
             }
-            500 => self.track(0, 0),
-            510 => one_shot = self.tracked(0, 510),
-            501 => one_shot = self.tracked(1, 0),
-            511 => one_shot = self.tracked(1, 511),
-            682..=684 => one_shot = self.tracked(2, tenths as u16),
+            500 => self.end_stretch(510),
+            510 => one_shot = OneShot::Scale,
+            501 => one_shot = OneShot::MirrorOff,
+            511 => one_shot = OneShot::Mirror,
+            682..=684 => {
+                self.unmodelled = tenths as u16;
+                one_shot = OneShot::Tracked;
+            }
             520 => one_shot = OneShot::Local,
             530 => one_shot = OneShot::Machine,
             541 => one_shot = OneShot::AdditionalSystem,
             680 => one_shot = OneShot::Rotate,
             690 => {
-                self.track(2, 0);
+                self.unmodelled = 0;
                 self.rotate(None::<Rotation>);
             }
             920 => one_shot = OneShot::Preset,
@@ -152,17 +161,6 @@ impl Modal {
         Polar {
             radius: Nm(libm::round(libm::hypot(x, y)) as i64),
             angle: MicroDeg(libm::round(degrees * crate::units::MICRODEG_PER_DEG as f64) as i64),
-        }
-    }
-
-    fn tracked(&mut self, kind: usize, code: u16) -> OneShot {
-        self.track(kind, code);
-        OneShot::Tracked
-    }
-
-    fn track(&mut self, kind: usize, code: u16) {
-        if let Some(slot) = self.unmodelled.get_mut(kind) {
-            *slot = code;
         }
     }
 }

@@ -83,12 +83,16 @@ impl Modal {
         Ok(Some(Series::Drill(drill)))
     }
 
-    /// What a control may do and this does not: repeated steps by an angle, holes across a turned plane.
+    /// What a control may do and this does not: repeated steps by an angle, holes across a turned plane, along a stretched
+    /// axis or with a stretched shift.
     fn refuse_odd_series(&self, holes: i64) -> Result<(), Fault> {
         let refuse = |code| Err(Fault::not_modelled(NotModelled::MoveUnder(code), 0));
         if self.polar.is_some() && !self.absolute && holes > 1 {
             return refuse(160);
         }
+        let (.., normal) = self.plane.axes();
+        let shifts = self.cycle.is_some_and(|cycle| matches!(cycle.code, 76 | 87));
+        self.refuse_under_stretch(Some(normal).filter(|_| !shifts))?;
         match self.frame.rotation {
             Some(rotation) if rotation.plane != self.plane => refuse(680),
             _ => Ok(()),

@@ -1,17 +1,18 @@
 //! From program coordinates to those of the path, and back.
 //!
 //! The *path* is the tool tip's, along the machine's axes, seen from the machine's zero: it runs on without a jump when a
-//! program changes its coordinates. With all offsets zero and no G52, G92 or G68 the two are the same numbers. With the
-//! shift s (work offset, G52, G92) and G68's centre c and angle a in its plane,
+//! program changes its coordinates. With all offsets zero and no G51, G52, G92 or G68 the two are the same numbers. With
+//! the shift s (work offset, G52, G92), G68's centre c and angle a in its plane, and what G51 makes of the program's point,
 //!
 //! ```text
-//! path = s + c + T(a) (program - c)        (1)
+//! path = s + c + T(a) (G51(program) - c)        (1)
 //! ```
 //!
 //! Lengths are exact integers but for (1), which rounds to nanometres. The machine's own coordinates are those of the
 //! path plus the tool length along Z.
 
 use super::motion::{Plane, Pose};
+use super::stretch::Stretch;
 use crate::units::{MicroDeg, Nm};
 
 /// G68 in force.
@@ -19,7 +20,7 @@ use crate::units::{MicroDeg, Nm};
 pub struct Rotation {
     /// The plane it turns in.
     pub plane: Plane,
-    /// Program coordinates of the centre, on the plane's first and second axis.
+    /// Coordinates of the centre, as G51 leaves them, on the plane's first and second axis.
     pub center: [Nm; 2],
     /// Counter-clockwise.
     pub angle: MicroDeg,
@@ -32,6 +33,8 @@ pub struct Rotation {
 pub struct Frame {
     /// The program's origin on the path.
     pub shift: Pose,
+    /// G51, G51.1.
+    pub stretch: Option<Stretch>,
     /// G68.
     pub rotation: Option<Rotation>,
 }
@@ -67,11 +70,19 @@ impl Rotation {
 impl Frame {
     /// Whether program and path coordinates are the same numbers.
     pub fn is_plain(&self) -> bool {
-        self.rotation.is_none() && self.shift == Pose::ORIGIN
+        self.is_shift() && self.shift == Pose::ORIGIN
+    }
+
+    /// Whether the program's coordinates are only elsewhere.
+    pub fn is_shift(&self) -> bool {
+        self.rotation.is_none() && self.stretch.is_none()
     }
 
     /// A point of the program, on the path.
     pub fn to_path(&self, mut program: Pose) -> Pose {
+        if let Some(stretch) = &self.stretch {
+            stretch.apply(&mut program.linear);
+        }
         if let Some(rotation) = &self.rotation {
             rotation.turn(&mut program.linear, rotation.center, rotation.sin);
         }
@@ -84,11 +95,17 @@ impl Frame {
         if let Some(rotation) = &self.rotation {
             rotation.turn(&mut program.linear, rotation.center, -rotation.sin);
         }
+        if let Some(stretch) = &self.stretch {
+            stretch.undo(&mut program.linear);
+        }
         program
     }
 
     /// A vector of the program, such as I, J, K, on the path.
     pub fn vector(&self, mut vector: [Nm; 3]) -> [Nm; 3] {
+        if let Some(stretch) = &self.stretch {
+            stretch.vector(&mut vector);
+        }
         if let Some(rotation) = &self.rotation {
             rotation.turn(&mut vector, [Nm(0); 2], rotation.sin);
         }
@@ -108,7 +125,7 @@ mod tests {
     fn a_quarter_about_a_centre_is_exact_and_leads_back() {
         let center = [10.0, 0.0].map(Nm::from_mm);
         let rotation = Rotation::new(Plane::Xy, center, MicroDeg(90_000_000));
-        let frame = Frame { shift: pose(100.0, 0.0), rotation: Some(rotation) };
+        let frame = Frame { shift: pose(100.0, 0.0), stretch: None, rotation: Some(rotation) };
         let mut wanted = pose(110.0, 5.0);
         wanted.linear[2] = Nm(14);
         assert_eq!(frame.to_path(pose(15.0, 0.0)), wanted);
@@ -119,7 +136,7 @@ mod tests {
     #[test]
     fn three_four_five_turned_back_is_within_a_nanometre() {
         let rotation = Rotation::new(Plane::Xy, [Nm(0); 2], MicroDeg(-36_869_898));
-        let turned = Frame { shift: Pose::ORIGIN, rotation: Some(rotation) }.to_path(pose(4.0, 3.0));
+        let turned = Frame { shift: Pose::ORIGIN, stretch: None, rotation: Some(rotation) }.to_path(pose(4.0, 3.0));
         // 36.869898 degrees is atan(3/4) to half a microdegree: 9e-9 rad over 5 mm.
         assert!((turned.linear[0].0 - 5_000_000).abs() <= 1 && turned.linear[1].0.abs() <= 45, "{turned:?}");
     }

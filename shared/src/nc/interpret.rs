@@ -122,6 +122,9 @@ impl Modal {
         if self.frame.is_plain() {
             return None;
         }
+        if let Some(stretch) = self.frame.stretch {
+            return under(stretch.code);
+        }
         under(match (self.frame.rotation, self.preset, self.local) {
             (Some(_), ..) => 680,
             (None, Pose::ORIGIN, Pose::ORIGIN) => 540 + 10 * self.system.min(5),
@@ -299,7 +302,12 @@ mod tests {
         for (line, what) in [
             ("G31X1.", NotModelled::GCode(310)),
             ("G88X1.", NotModelled::GCode(880)),
-            ("G51P2000\nG0X1.", NotModelled::MoveUnder(510)),
+            ("G51\nG0X1.", NotModelled::GCode(510)),
+            ("G51.1X0\nG51P2000", NotModelled::GCode(510)),
+            ("G51I2000\nG2X1.I.5", NotModelled::MoveUnder(510)),
+            ("G51.1Z0\nG81X1.R1.Z-1.F1.", NotModelled::MoveUnder(511)),
+            ("G51.1X0\nG76X1.R1.Z-1.Q.1F1.", NotModelled::MoveUnder(511)),
+            ("G51P500\nG92X0", NotModelled::MoveUnder(510)),
             ("G68.2X1.I5.\nG0X1.", NotModelled::MoveUnder(682)),
             ("G0X1.Y1.\nG68R30.\nG0X2.", NotModelled::AfterRotation),
             ("M98P1000", NotModelled::MCode(98)),

@@ -19,6 +19,8 @@ pub mod settings;
 
 pub mod block;
 
+pub mod stretch;
+
 pub mod frame;
 
 pub mod series;
@@ -30,6 +32,8 @@ pub mod address;
 mod codes;
 
 mod moves;
+
+mod scaling;
 
 mod oneshot;
 

@@ -52,8 +52,8 @@ pub struct Modal {
     pub returns_to_r: bool,
     /// G16.
     pub polar: Option<Polar>,
-    /// G codes in force under which no move is modelled, in tenths: scaling, mirror image, tilted plane; 0 for none.
-    pub unmodelled: [u16; 3],
+    /// The G code of a tilted plane in force, in tenths, under which no move is modelled; 0 for none.
+    pub unmodelled: u16,
     /// G43.4 in force.
     pub follows_tool_center: bool,
     /// G68 or G69 has turned the plane, and no move has named both its axes since.
@@ -128,7 +128,7 @@ impl Modal {
             cycle: None,
             returns_to_r: false,
             polar: None,
-            unmodelled: [0; 3],
+            unmodelled: 0,
             follows_tool_center: false,
             is_unsettled: false,
         }

@@ -143,11 +143,18 @@ impl Modal {
             return Err(Fault::alarm(Alarm::RotationPlane, 0));
         }
         let is_plain = self.frame.is_plain();
+        let (kind, radius) = match self.motion {
+            MotionKind::Arc(turn) => {
+                let (length, turn) = self.stretch_arc(radius.unwrap_or_default(), turn)?;
+                (MotionKind::Arc(turn), radius.map(|_| length))
+            }
+            straight => (straight, None),
+        };
         Ok(Some(Motion {
-            kind: self.motion,
+            kind,
             plane: self.plane,
             start: self.position,
-            end: if is_plain { target.end } else { self.frame.to_path(target.end) },
+            end: if is_plain { target.end } else { self.keep_unnamed(self.frame.to_path(target.end), target.named) },
             center: match radius {
                 Some(radius) => Center::Radius(radius),
                 None if is_plain => Center::Offset(target.offset),
@@ -159,8 +166,8 @@ impl Modal {
 
     /// Whether what is in force lets a move be interpreted.
     pub(super) fn may_move(&self, target: &Target) -> Result<(), Fault> {
-        if let Some(&code) = self.unmodelled.iter().find(|code| **code != 0) {
-            return Err(Fault::not_modelled(NotModelled::MoveUnder(code), 0));
+        if self.unmodelled != 0 {
+            return Err(Fault::not_modelled(NotModelled::MoveUnder(self.unmodelled), 0));
         }
         let (first, second, _) = self.plane.axes();
         let in_plane = (1_u8 << first) | (1_u8 << second);

@@ -1,4 +1,4 @@
-//! Blocks whose axis words are no target on the path: G4, G8, G10, G28, G30, G52, G53, G68, G92; and G54.1, whose P is no dwell.
+//! Blocks whose axis words are no target on the path: G4, G8, G10, G28, G30, G51, G52, G53, G68, G92; and G54.1, whose P is no dwell.
 
 use super::address::whole;
 use super::alarm::{Alarm, Fault, NotModelled};
@@ -44,7 +44,11 @@ impl Modal {
             OneShot::Reference(code) => step.series = Some(self.go_to_reference(code, block, settings, tables)?),
             OneShot::Machine => step.motion = self.go_by_machine(block, settings, tables)?,
             OneShot::Rotate => self.start_rotation(block, settings)?,
+            OneShot::Scale => self.start_scaling(block, settings)?,
+            OneShot::Mirror => self.start_mirror(block, settings)?,
+            OneShot::MirrorOff => self.end_mirror(block),
             OneShot::Local => {
+                self.refuse_under_stretch(None)?;
                 let target = self.given(block, settings);
                 self.each_axis(block, |modal, axis| {
                     *modal.local.axis_mut(axis)? = target.axis(axis);
@@ -53,6 +57,7 @@ impl Modal {
                 self.settle(tables);
             }
             OneShot::Preset => {
+                self.refuse_under_stretch(None)?;
                 // What the program calls this place from now on moves its origin, not the tool.
                 let target = self.given(block, settings);
                 let shift = self.program.minus(target);
@@ -65,6 +70,7 @@ impl Modal {
                 self.settle(tables);
             }
             OneShot::PresetBack => {
+                self.refuse_under_stretch(None)?;
                 self.each_axis(block, |modal, axis| {
                     *modal.preset.axis_mut(axis)? = 0;
                     *modal.local.axis_mut(axis)? = 0;
@@ -88,7 +94,7 @@ impl Modal {
     }
 
     /// The axis words as they stand, whatever G90 and G91 say.
-    fn given(&self, block: &Block, settings: &Settings) -> Pose {
+    pub(super) fn given(&self, block: &Block, settings: &Settings) -> Pose {
         Modal { absolute: true, ..*self }.target(block, settings.decimals).end
     }
 
@@ -125,7 +131,7 @@ impl Modal {
         };
         let target = self.target(block, settings.decimals);
         self.may_move(&target)?;
-        let between = self.frame.to_path(target.end);
+        let between = self.keep_unnamed(self.frame.to_path(target.end), target.named);
         let reference = settings.reference.get(point).copied().unwrap_or_default();
         let reference = self.on_path(reference, tables);
         let mut end = between;
@@ -167,10 +173,14 @@ impl Modal {
         let plain = Modal { frame: super::frame::Frame { rotation: None, ..self.frame }, ..*self };
         let here = plain.frame.to_program(self.position);
         let given = self.given(block, settings);
-        let center = [first, second].map(|index| {
-            let from = if block.word(b'X' + index as u8).is_some() { &given } else { &here };
-            from.linear.get(index).copied().unwrap_or_default()
-        });
+        let mut around = here.linear;
+        for (index, (place, given)) in around.iter_mut().zip(given.linear).enumerate() {
+            *place = if block.word(b'X' + index as u8).is_some() { given } else { *place };
+        }
+        if let Some(stretch) = &self.frame.stretch {
+            stretch.apply(&mut around);
+        }
+        let center = [first, second].map(|index| around.get(index).copied().unwrap_or_default());
         let angle = block.word(b'R').map_or(0, |word| rotary(word.number, settings.decimals));
         self.rotate(Some(Rotation::new(self.plane, center, MicroDeg(angle))));
         Ok(())

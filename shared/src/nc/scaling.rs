@@ -1,0 +1,123 @@
+//! G51, G51.1 and what they end with, in the modal state.
+
+use super::alarm::{Fault, NotModelled};
+use super::block::Block;
+use super::modal::{Modal, Pose, Turn};
+use super::settings::Settings;
+use super::stretch::{Stretch, WHOLE, stretched};
+use crate::units::Nm;
+
+/// Largest magnification, in thousandths.
+const LARGEST: i64 = 999_999;
+/// X, Y, Z with the letters of their own magnifications.
+const AXES: [(u8, u8); 3] = [(b'X', b'I'), (b'Y', b'J'), (b'Z', b'K')];
+
+impl Modal {
+    fn stretch(&mut self, stretch: Option<Stretch>) {
+        if self.frame.stretch != stretch {
+            self.frame.stretch = stretch;
+            self.program = self.frame.to_program(self.position);
+        }
+    }
+
+    /// G50: off with G51; G50.1 without an axis: off with G51.1.
+    pub(super) fn end_stretch(&mut self, code: u16) {
+        if self.frame.stretch.is_some_and(|stretch| stretch.code == code) {
+            self.stretch(None);
+        }
+    }
+
+    /// G51: about the point given, or about the tool, with P for all axes or I, J and K for each.
+    pub(super) fn start_scaling(&mut self, block: &Block, settings: &Settings) -> Result<(), Fault> {
+        self.may_stretch(510)?;
+        let given = self.given(block, settings);
+        let thousandths = |letter| block.word(letter).map(|word| (word.number.as_whole().unwrap_or(0), word.column));
+        let all = thousandths(b'P');
+        let own = AXES.map(|(_, letter)| thousandths(letter));
+        if all.is_none() && own.iter().all(Option::is_none) {
+            // The magnification is a parameter's then.
+            return Err(Fault::not_modelled(NotModelled::GCode(510), 0));
+        }
+        let mut stretch = Stretch { code: 510, center: given.linear, thousandths: [WHOLE; 3] };
+        for (by, found) in stretch.thousandths.iter_mut().zip(own.map(|own| own.or(all))) {
+            let (thousandths, column) = found.unwrap_or((WHOLE, 0));
+            if thousandths == 0 || thousandths.abs() > LARGEST {
+                return Err(Fault::not_modelled(NotModelled::GCode(510), column));
+            }
+            *by = thousandths;
+        }
+        self.stretch(Some(stretch));
+        Ok(())
+    }
+
+    /// G51.1: mirrored at the coordinate given, in each axis named; those mirrored before stay so.
+    pub(super) fn start_mirror(&mut self, block: &Block, settings: &Settings) -> Result<(), Fault> {
+        self.may_stretch(511)?;
+        let given = self.given(block, settings);
+        let none = Stretch { code: 511, center: [Nm(0); 3], thousandths: [WHOLE; 3] };
+        let mut stretch = self.frame.stretch.unwrap_or(none);
+        let places = stretch.center.iter_mut().zip(&mut stretch.thousandths).zip(given.linear);
+        for (((center, by), at), (letter, _)) in places.zip(AXES) {
+            if block.word(letter).is_some() {
+                (*center, *by) = (at, -WHOLE);
+            }
+        }
+        self.stretch(Some(stretch));
+        Ok(())
+    }
+
+    /// G50.1: no longer mirrored in the axes named.
+    pub(super) fn end_mirror(&mut self, block: &Block) {
+        let Some(mut stretch) = self.frame.stretch.filter(|stretch| stretch.code == 511) else { return };
+        for (by, (letter, _)) in stretch.thousandths.iter_mut().zip(AXES) {
+            if block.word(letter).is_some() {
+                *by = WHOLE;
+            }
+        }
+        self.stretch(Some(stretch).filter(|stretch| stretch.thousandths != [WHOLE; 3]));
+    }
+
+    /// One of the two at a time, and not inside G68 or a cycle.
+    fn may_stretch(&self, code: u16) -> Result<(), Fault> {
+        let has_other = self.frame.stretch.is_some_and(|stretch| stretch.code != code);
+        if has_other || self.frame.rotation.is_some() || self.cycle.is_some() {
+            return Err(Fault::not_modelled(NotModelled::GCode(code), 0));
+        }
+        Ok(())
+    }
+
+    /// Offsets are not moved under G51 and G51.1, nor are holes drilled along a stretched axis, nor boring tools shifted.
+    pub(super) fn refuse_under_stretch(&self, normal: Option<usize>) -> Result<(), Fault> {
+        match self.frame.stretch {
+            Some(stretch) if normal.is_none_or(|normal| stretch.is_along(normal)) => {
+                Err(Fault::not_modelled(NotModelled::MoveUnder(stretch.code), 0))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// An arc's radius and sense on the path.
+    pub(super) fn stretch_arc(&self, radius: Nm, turn: Turn) -> Result<(Nm, Turn), Fault> {
+        let Some(stretch) = self.frame.stretch else { return Ok((radius, turn)) };
+        let refused = Fault::not_modelled(NotModelled::MoveUnder(stretch.code), 0);
+        let (by, is_mirrored) = stretch.of_arc(self.plane).ok_or(refused)?;
+        let turn = match (is_mirrored, turn) {
+            (false, turn) => turn,
+            (true, Turn::Cw) => Turn::Ccw,
+            (true, Turn::Ccw) => Turn::Cw,
+        };
+        Ok((stretched(radius, Nm(0), by, WHOLE), turn))
+    }
+
+    /// A stretched point, its axes that are not named where they were: to the nanometre.
+    pub(super) fn keep_unnamed(&self, mut end: Pose, named: u8) -> Pose {
+        if self.frame.stretch.is_some() && self.frame.rotation.is_none() {
+            for (axis, (place, here)) in end.linear.iter_mut().zip(self.position.linear).enumerate() {
+                if named >> axis & 1 == 0 {
+                    *place = here;
+                }
+            }
+        }
+        end
+    }
+}

@@ -1,0 +1,87 @@
+//! G51 and G51.1: coordinates scaled about a point, axis by axis, or mirrored.
+//!
+//! Each axis of the program goes to
+//!
+//! ```text
+//! p' = c + m (p - c),    m in thousandths, negative: mirrored     (1)
+//! ```
+//!
+//! before G68 turns it and the offsets shift it. Rounded to nanometres. An arc stays one where the axes of its plane have
+//! the same |m|; mirrored in one of them it runs the other way round. Source: B-63534EN, programmable mirror image, scaling.
+
+use super::motion::Plane;
+use crate::units::Nm;
+
+/// One, in thousandths.
+pub const WHOLE: i64 = 1_000;
+
+/// G51 or G51.1 in force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stretch {
+    /// 510 for G51, 511 for G51.1.
+    pub code: u16,
+    /// What keeps its place.
+    pub center: [Nm; 3],
+    /// Magnifications.
+    pub thousandths: [i64; 3],
+}
+
+impl Stretch {
+    /// A point of the program, in the coordinates that G68 turns.
+    pub fn apply(&self, axes: &mut [Nm; 3]) {
+        for (axis, (center, by)) in axes.iter_mut().zip(self.center.iter().zip(self.thousandths)) {
+            *axis = stretched(*axis, *center, by, WHOLE); // (1)
+        }
+    }
+
+    /// The other way.
+    pub fn undo(&self, axes: &mut [Nm; 3]) {
+        for (axis, (center, by)) in axes.iter_mut().zip(self.center.iter().zip(self.thousandths)) {
+            *axis = stretched(*axis, *center, WHOLE, by);
+        }
+    }
+
+    /// A vector of the program.
+    pub fn vector(&self, axes: &mut [Nm; 3]) {
+        Stretch { center: [Nm(0); 3], ..*self }.apply(axes);
+    }
+
+    /// What an arc's radius grows by, in thousandths, and whether it turns the other way; nothing if it is no arc any more.
+    pub fn of_arc(&self, plane: Plane) -> Option<(i64, bool)> {
+        let (first, second, _) = plane.axes();
+        let (a, b) = (*self.thousandths.get(first)?, *self.thousandths.get(second)?);
+        (a.abs() == b.abs()).then_some((a.abs(), (a < 0) != (b < 0)))
+    }
+
+    /// Whether an axis is other than the program says.
+    pub fn is_along(&self, axis: usize) -> bool {
+        self.thousandths.get(axis).is_some_and(|by| *by != WHOLE)
+    }
+}
+
+/// (1) for one axis, by `by / over`.
+pub fn stretched(Nm(point): Nm, Nm(center): Nm, by: i64, over: i64) -> Nm {
+    let part = point.saturating_sub(center).saturating_mul(by);
+    let half = over.saturating_abs() / 2 * part.signum();
+    Nm(center.saturating_add(part.saturating_add(half).checked_div(over).unwrap_or(0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_and_back_is_within_half_an_original_nanometre_whatever_the_signs() {
+        for by in [-3_000, -1_000, -333, 1, 333, 999_999] {
+            let stretch = Stretch { code: 510, center: [Nm(7); 3], thousandths: [by; 3] };
+            for nm in [-1_000_001, -1, 0, 7, 8, 123_456_789] {
+                let mut axes = [Nm(nm); 3];
+                stretch.apply(&mut axes);
+                let exact = 7.0 + (nm - 7) as f64 * by as f64 / 1e3;
+                assert!((axes[0].0 as f64 - exact).abs() <= 0.5, "{nm} by {by}: {axes:?}");
+                stretch.undo(&mut axes);
+                assert!((axes[0].0 - nm).abs() as f64 <= 0.5 + 500.0 / by.abs() as f64, "{nm} by {by}: {axes:?}");
+            }
+        }
+    }
+}
