@@ -8,7 +8,7 @@ use super::stretch::{Stretch, WHOLE, stretched};
 use crate::units::Nm;
 
 /// Largest magnification, in thousandths.
-const LARGEST: i64 = 999_999;
+const LARGEST: i32 = 999_999;
 /// X, Y, Z with the letters of their own magnifications.
 const AXES: [(u8, u8); 3] = [(b'X', b'I'), (b'Y', b'J'), (b'Z', b'K')];
 
@@ -31,7 +31,12 @@ impl Modal {
     pub(super) fn start_scaling(&mut self, block: &Block, settings: &Settings) -> Result<(), Fault> {
         self.may_stretch(510)?;
         let given = self.given(block, settings);
-        let thousandths = |letter| block.word(letter).map(|word| (word.number.as_whole().unwrap_or(0), word.column));
+        let thousandths = |letter| {
+            block.word(letter).map(|word| {
+                let whole = word.number.as_whole().and_then(|whole| i32::try_from(whole).ok());
+                (whole.unwrap_or(0), word.column)
+            })
+        };
         let all = thousandths(b'P');
         let own = AXES.map(|(_, letter)| thousandths(letter));
         if all.is_none() && own.iter().all(Option::is_none) {
@@ -41,7 +46,7 @@ impl Modal {
         let mut stretch = Stretch { code: 510, center: given.linear, thousandths: [WHOLE; 3] };
         for (by, found) in stretch.thousandths.iter_mut().zip(own.map(|own| own.or(all))) {
             let (thousandths, column) = found.unwrap_or((WHOLE, 0));
-            if thousandths == 0 || thousandths.abs() > LARGEST {
+            if thousandths == 0 || !(-LARGEST..=LARGEST).contains(&thousandths) {
                 return Err(Fault::not_modelled(NotModelled::GCode(510), column));
             }
             *by = thousandths;

@@ -34,6 +34,7 @@ pub enum Spindle {
 
 /// The moves of one block, as a recipe; [`Series::acts`] carries it out.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "there is no heap to box into")]
 pub enum Series {
     /// G28, G30: from, by way of, to; on the path.
     Reference([Pose; 3]),

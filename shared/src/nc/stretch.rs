@@ -13,7 +13,7 @@ use super::motion::Plane;
 use crate::units::Nm;
 
 /// One, in thousandths.
-pub const WHOLE: i64 = 1_000;
+pub const WHOLE: i32 = 1_000;
 
 /// G51 or G51.1 in force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub struct Stretch {
     /// What keeps its place.
     pub center: [Nm; 3],
     /// Magnifications.
-    pub thousandths: [i64; 3],
+    pub thousandths: [i32; 3],
 }
 
 impl Stretch {
@@ -47,7 +47,7 @@ impl Stretch {
     }
 
     /// What an arc's radius grows by, in thousandths, and whether it turns the other way; nothing if it is no arc any more.
-    pub fn of_arc(&self, plane: Plane) -> Option<(i64, bool)> {
+    pub fn of_arc(&self, plane: Plane) -> Option<(i32, bool)> {
         let (first, second, _) = plane.axes();
         let (a, b) = (*self.thousandths.get(first)?, *self.thousandths.get(second)?);
         (a.abs() == b.abs()).then_some((a.abs(), (a < 0) != (b < 0)))
@@ -60,7 +60,8 @@ impl Stretch {
 }
 
 /// (1) for one axis, by `by / over`.
-pub fn stretched(Nm(point): Nm, Nm(center): Nm, by: i64, over: i64) -> Nm {
+pub fn stretched(Nm(point): Nm, Nm(center): Nm, by: i32, over: i32) -> Nm {
+    let (by, over) = (i64::from(by), i64::from(over));
     let part = point.saturating_sub(center).saturating_mul(by);
     let half = over.saturating_abs() / 2 * part.signum();
     Nm(center.saturating_add(part.saturating_add(half).checked_div(over).unwrap_or(0)))
