@@ -201,13 +201,13 @@ fn skip_brackets(statement: &mut Cursor<'_>) {
 pub fn action(understood: &Understood) -> Action {
     let Understood { parsed, step, segment } = understood;
     let has_function = |block: &Block| block.words.iter().any(|word| matches!(word.letter, b'M' | b'S' | b'T'));
-    match (step.stop, step.dwell, segment, &parsed.line) {
-        (_, _, Some(_), _) if understood.lacks_feed() => Action::Fault(Fault::alarm(Alarm::NoFeed, 0)),
-        (stop, _, Some(segment), _) => Action::Move(*segment, stop),
+    match (step.stop, step.dwell, segment) {
+        (_, _, Some(_)) if understood.lacks_feed() => Action::Fault(Fault::alarm(Alarm::NoFeed, 0)),
+        (stop, _, Some(segment)) => Action::Move(*segment, stop),
         (Some(stop), ..) => Action::Stop(stop),
         (None, Some(span), ..) => Action::Dwell(span),
-        (None, None, None, Line::Block(block)) if has_function(block) => Action::Auxiliary,
-        (None, None, None, _) => Action::Nothing,
+        (None, None, None) if has_function(&parsed.block) => Action::Auxiliary,
+        (None, None, None) => Action::Nothing,
     }
 }
 

@@ -19,7 +19,7 @@ use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_shared::cut::{self, CutRule, Work};
 use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::machine::LimitedBy;
-use arcfeed_shared::nc::block::{Line, Reading};
+use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::modal::Feed;
 use arcfeed_shared::reader::Reader;
 use arcfeed_shared::segment::{Path, Segment};
@@ -298,8 +298,8 @@ fn knots_mm(rule: &CutRule, job: &Job) -> Vec<f64> {
 
 /// The modes in force after a line's G words: what lengths and F words are written in.
 fn modes_after(line: &ProgramLine, modes: Modes) -> Modes {
-    let Some(Line::Block(block)) = line.meaning.as_ref().map(|meaning| &meaning.parsed.line) else { return modes };
-    let codes = block.words.iter().filter(|word| word.letter == b'G');
+    let Some(meaning) = &line.meaning else { return modes };
+    let codes = meaning.parsed.block.words.iter().filter(|word| word.letter == b'G');
     codes.fold(modes, |modes, word| match word.number.as_whole() {
         Some(20) => Modes { unit: LengthUnit::Inch, ..modes },
         Some(21) => Modes { unit: LengthUnit::Mm, ..modes },

@@ -2,7 +2,6 @@
 //!
 //! F is modal. A rewritten F would leak into the blocks behind it, so each of them gets its own programmed F back.
 
-use arcfeed_shared::nc::block::Line;
 use arcfeed_shared::nc::modal::Feed;
 use arcfeed_shared::nc::word::Word;
 use arcfeed_shared::segment::{Path, Segment};
@@ -66,9 +65,7 @@ impl FeedRewriter {
         governed: Option<Nm>,
         unit: LengthUnit,
     ) -> Option<Edit> {
-        let Some(Line::Block(block)) = line.meaning.as_ref().map(|meaning| &meaning.parsed.line) else {
-            return None;
-        };
+        let block = &line.meaning.as_ref()?.parsed.block;
         let word = block.word(b'F');
         let Some(segment) = segment.filter(|segment| segment.path != Path::Rapid) else {
             // An F without a cutting move: it becomes modal as it stands.

@@ -4,12 +4,15 @@
 //! G take a decimal point, and only axes and radii a minus sign, does not.
 
 use super::alarm::{Alarm, Fault};
-use super::block::Block;
+use super::block::{Block, letters};
 use super::settings::OFFSETS;
 use super::word::Word;
 
 /// Most digits of S (parameter 3031).
 const SPINDLE_MAX: i64 = 99_999;
+
+/// Letters whose numbers may be neither negative nor, but for F and G, broken.
+const RESTRICTED: u32 = letters(b"DFGHLMPST");
 
 /// Checks the words of a block that is no macro call.
 ///
@@ -20,15 +23,16 @@ pub fn check(block: &Block) -> Result<(), Fault> {
 }
 
 fn check_word(word: &Word) -> Result<(), Fault> {
-    match word.letter {
-        b'D' | b'H' | b'L' | b'M' | b'P' | b'S' | b'T' => {}
-        b'F' | b'G' if word.number.is_negative() => return Err(Fault::alarm(Alarm::MinusSign, word.column + 1)),
-        _ => return Ok(()),
+    if letters(&[word.letter]) & RESTRICTED == 0 {
+        return Ok(());
     }
     if word.number.is_negative() {
         return Err(Fault::alarm(Alarm::MinusSign, word.column + 1));
     }
-    let whole = word.number.as_whole().filter(|_| !word.number.has_point);
+    if matches!(word.letter, b'F' | b'G') {
+        return Ok(());
+    }
+    let whole = word.number.as_whole().filter(|_| !word.number.has_point());
     let value = whole.ok_or(Fault::alarm(Alarm::DecimalPoint, word.column))?;
     match word.letter {
         b'D' | b'H' if value > OFFSETS as i64 => Err(Fault::alarm(Alarm::OffsetNumber, word.column)),
