@@ -5,7 +5,7 @@ use crate::nc::block::{Block, Line, Parsed, Reading};
 use crate::nc::interpret::set_data;
 use crate::nc::modal::{Modal, Pose, Step};
 use crate::nc::settings::{Preset, Scope, Settings, Tables};
-use crate::segment::Segment;
+use crate::segment::{Path, Segment};
 use crate::units::LengthUnit;
 
 /// Reads a program line by line; the state is that of the control after the lines read so far.
@@ -92,10 +92,10 @@ impl Reader {
     fn understand(&mut self, text: &[u8], understood: &mut Understood) -> Result<(), Fault> {
         let Understood { parsed, step, segment } = understood;
         parsed.read(text, self.settings.reading)?;
-        *segment = None;
         let block = &mut parsed.block;
         if parsed.line != Line::Block {
             step.clear();
+            *segment = None;
             return Ok(());
         }
         if let Some(switch) = block.delete
@@ -135,11 +135,14 @@ impl Reader {
             self.modal.settle(&self.tables);
         }
         let is_lost = self.lost.contains(&true);
-        *segment = match step.motion.as_ref().map(|motion| Segment::from_motion(motion, block.sequence)) {
-            Some(Err(fault)) if !(is_lost && is_geometry(fault.cause)) => return Err(fault),
-            Some(Ok(segment)) if !is_lost => Some(segment),
-            Some(_) | None => None,
-        };
+        *segment = None;
+        if let Some(motion) = &step.motion {
+            match Path::of(motion) {
+                Ok(path) if !is_lost => *segment = Some(Segment::along(path, motion, block.sequence)),
+                Err(fault) if !(is_lost && is_geometry(fault.cause)) => return Err(fault),
+                Ok(_) | Err(_) => {}
+            }
+        }
         if is_lost && self.modal.absolute && step.dwell.is_none() {
             for (lost, axis) in self.lost.iter_mut().zip(b'X'..=b'Z') {
                 *lost &= block.word(axis).is_none();

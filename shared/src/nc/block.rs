@@ -103,6 +103,7 @@ impl Block {
     ///
     /// # Errors
     /// PS0003, PS0074.
+    #[inline]
     pub fn check_numbers(&self, text: &[u8], settings: &Settings) -> Result<Option<Notice>, Fault> {
         let is_usual = |number: Option<i64>, digits: u8| {
             let limit = POWERS_OF_TEN.get(usize::from(digits)).copied().unwrap_or(i32::MAX);
@@ -111,6 +112,11 @@ impl Block {
         if is_usual(self.sequence, settings.sequence_digits) && is_usual(self.program, settings.program_digits) {
             return Ok(None);
         }
+        self.check_unusual_numbers(text, settings)
+    }
+
+    #[cold]
+    fn check_unusual_numbers(&self, text: &[u8], settings: &Settings) -> Result<Option<Notice>, Fault> {
         let numbers = [(self.sequence, settings.sequence_digits, "N"), (self.program, settings.program_digits, "O:")];
         for (number, digits, letters) in numbers {
             let Some(value) = number else { continue };
@@ -166,8 +172,13 @@ impl Parsed {
         let mut words = Words::new(text);
         loop {
             while let Some(word) = words.next_word() {
-                block.add(word)?;
+                if !block.push(word) {
+                    block.add(word)?;
+                }
                 block.code_len = words.offset();
+            }
+            if words.offset() == text.len() {
+                return Ok(());
             }
             let Some(piece) = words.next() else { return Ok(()) };
             let Piece { token, start, end } = piece?;
@@ -205,6 +216,14 @@ impl Block {
         words.clear();
     }
 
+    /// Whether the word found its place: there is room, and its letter is neither N nor O nor no address.
+    #[inline]
+    fn push(&mut self, word: Word) -> bool {
+        let letter = letters(&[word.letter]) & ADDRESSES;
+        self.letters |= letter;
+        letter != 0 && self.words.push(word).is_ok()
+    }
+
     fn add(&mut self, word: Word) -> Result<(), Fault> {
         let whole = || match word.number.as_whole() {
             Some(value) if value < 0 => Err(Fault::alarm(Alarm::MinusSign, word.column + 1)),
@@ -215,15 +234,18 @@ impl Block {
         match word.letter {
             b'N' if self.words.is_empty() => self.sequence = Some(whole()?),
             b'O' if is_first() => self.program = Some(whole()?),
-            b'A'..=b'D' | b'F'..=b'M' | b'P'..=b'T' | b'X'..=b'Z' => {
-                self.letters |= letters(&[word.letter]);
-                self.words.push(word).map_err(|_| Fault::not_modelled(NotModelled::LongBlock, word.column))?;
+            letter if letters(&[letter]) & ADDRESSES == 0 => {
+                return Err(Fault::alarm(Alarm::IllegalAddress, word.column));
             }
-            _ => return Err(Fault::alarm(Alarm::IllegalAddress, word.column)),
+            _ if self.push(word) => {}
+            _ => return Err(Fault::not_modelled(NotModelled::LongBlock, word.column)),
         }
         Ok(())
     }
 }
+
+/// All but E, N, O, U, V and W.
+const ADDRESSES: u32 = letters(b"ABCDFGHIJKLMPQRSTXYZ");
 
 /// A bit for each of these capital letters.
 pub(super) const fn letters(of: &[u8]) -> u32 {

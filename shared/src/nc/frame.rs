@@ -66,8 +66,9 @@ impl Rotation {
 
 impl Frame {
     /// Whether program and path coordinates are the same numbers.
+    #[inline]
     pub fn is_plain(&self) -> bool {
-        self.rotation.is_none() && self.shift == Pose::ORIGIN
+        self.rotation.is_none() && self.shift.is_origin()
     }
 
     /// A point of the program, on the path.

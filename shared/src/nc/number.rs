@@ -39,13 +39,21 @@ impl Number {
     }
 
     /// The value if it has no fraction, as for `N`, `G` and `M` words.
+    #[inline]
     pub fn as_whole(self) -> Option<i64> {
+        if self.point == 0 {
+            return Some(i64::from(self.mantissa));
+        }
         let divisor = self.divisor();
         (self.mantissa % divisor == 0).then(|| i64::from(self.mantissa / divisor))
     }
 
     /// Tenths, if that is exact: `G43.4` is 434 tenths.
+    #[inline]
     pub fn as_tenths(self) -> Option<i64> {
+        if self.point == 0 {
+            return Some(i64::from(self.mantissa) * 10);
+        }
         let (tenfold, divisor) = (i64::from(self.mantissa) * 10, i64::from(self.divisor()));
         (tenfold % divisor == 0).then_some(tenfold / divisor)
     }
