@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use arcfeed_shared::nc::alarm::{Alarm, Cause, Fault, NotModelled};
 use arcfeed_shared::nc::block::{Line, Notice, NoticeKind, Parsed, Reading};
 use arcfeed_shared::nc::macros::program::first_macro;
-use arcfeed_shared::nc::modal::{Pose, Step};
+use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::nc::settings::{Preset, Scope, Settings, Tables};
 use arcfeed_shared::nc::text::{Lines, RawLine};
 use arcfeed_shared::reader::{Reader, Understood};
@@ -150,19 +150,15 @@ impl Program {
         if !is_told && !is_blank(text) && text.first() != Some(&b'%') {
             self.diagnostics.push(Diagnostic::of_line(self.lines.len() + 1, text, BEHIND_THE_END));
         }
-        let parsed = Parsed { line: Line::ProgramMark, notices: heapless::Vec::new() };
-        let meaning = Some(Understood { parsed, step: Step::default(), segment: None });
+        let parsed = Parsed { line: Line::ProgramMark, ..Parsed::default() };
+        let meaning = Some(Understood { parsed, ..Understood::default() });
         self.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning, origin: Pose::ORIGIN });
     }
 
     /// A first block that a control on a line takes for the label.
     pub fn lost_label(&self) -> Option<Diagnostic> {
         let first = self.lines.first()?;
-        let has_code = match first.meaning.as_ref().map(|meaning| &meaning.parsed.line) {
-            Some(Line::Block(block)) => !block.is_empty(),
-            Some(Line::ProgramMark | Line::Title) => false,
-            None => true,
-        };
+        let has_code = first.meaning.as_ref().is_none_or(|meaning| !meaning.parsed.block.is_empty());
         has_code.then(|| Diagnostic::of_line(1, &first.text, NO_LABEL))
     }
 
@@ -228,10 +224,8 @@ impl Diagnostic {
 
     /// A move that a law should govern and cannot: what `under` says is in force.
     pub fn of_feed_kept(line: usize, of: &ProgramLine, under: NotModelled) -> Self {
-        let axis = match of.meaning.as_ref().map(|meaning| &meaning.parsed.line) {
-            Some(Line::Block(block)) => block.words.iter().find(|word| b"XYZABC".contains(&word.letter)),
-            _ => None,
-        };
+        let words = of.meaning.iter().flat_map(|meaning| &meaning.parsed.block.words);
+        let axis = words.into_iter().find(|word| b"XYZABC".contains(&word.letter));
         let fault = Fault::not_modelled(under, axis.map_or(0, |word| word.column));
         let mut diagnostic = Diagnostic::of_fault(line, &of.text, fault);
         diagnostic.severity = Severity::Warning;

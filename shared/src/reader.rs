@@ -1,11 +1,11 @@
 //! Lines to what they do: a program's modal state carried from line to line.
 
 use crate::nc::alarm::{Alarm, Cause, Fault, NotModelled};
-use crate::nc::block::{Block, Line, Parsed, Reading, parse_line};
+use crate::nc::block::{Block, Line, Parsed, Reading};
 use crate::nc::interpret::set_data;
 use crate::nc::modal::{Modal, Pose, Step};
 use crate::nc::settings::{Preset, Scope, Settings, Tables};
-use crate::segment::Segment;
+use crate::segment::{Path, Segment};
 use crate::units::LengthUnit;
 
 /// Reads a program line by line; the state is that of the control after the lines read so far.
@@ -19,7 +19,7 @@ pub struct Reader {
 }
 
 /// A line, understood.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Understood {
     /// Its words and notices.
     pub parsed: Parsed,
@@ -75,20 +75,34 @@ impl Reader {
     /// state stands at its programmed end, and after a block that could not be read no arc is judged until X and Y, and Z
     /// if it stood there, are given again.
     pub fn read(&mut self, text: &[u8]) -> Result<Understood, Fault> {
-        let understood = self.understand(text);
-        if let Err(Fault { cause, .. }) = understood
+        let mut understood = Understood::default();
+        self.read_into(text, &mut understood)?;
+        Ok(understood)
+    }
+
+    /// [`Reader::read`] in place of a line understood before; behind a fault what stands there is of no use.
+    ///
+    /// # Errors
+    /// As [`Reader::read`].
+    pub fn read_into(&mut self, text: &[u8], understood: &mut Understood) -> Result<(), Fault> {
+        let result = self.understand(text, understood);
+        if let Err(Fault { cause, .. }) = result
             && !is_geometry(cause)
         {
             self.lose(text);
         }
-        understood
+        result
     }
 
-    fn understand(&mut self, text: &[u8]) -> Result<Understood, Fault> {
-        let mut parsed = parse_line(text, self.settings.reading)?;
-        let Line::Block(block) = &mut parsed.line else {
-            return Ok(Understood { parsed, step: Step::default(), segment: None });
-        };
+    fn understand(&mut self, text: &[u8], understood: &mut Understood) -> Result<(), Fault> {
+        let Understood { parsed, step, segment } = understood;
+        parsed.read(text, self.settings.reading)?;
+        let block = &mut parsed.block;
+        if parsed.line != Line::Block {
+            step.clear();
+            *segment = None;
+            return Ok(());
+        }
         if let Some(switch) = block.delete
             && self.settings.deletes(switch)
         {
@@ -98,11 +112,7 @@ impl Reader {
         if let Some(notice) = block.check_numbers(text, &self.settings)? {
             let _full = parsed.notices.push(notice);
         }
-        let Line::Block(block) = &parsed.line else {
-            return Ok(Understood { parsed, step: Step::default(), segment: None });
-        };
-        let (step, segment) = self.execute(block)?;
-        Ok(Understood { parsed, step, segment })
+        self.execute_into(&parsed.block, step, segment)
     }
 
     /// Carries out a block: the state moves on.
@@ -110,14 +120,17 @@ impl Reader {
     /// # Errors
     /// As [`Reader::read`].
     pub fn execute(&mut self, block: &Block) -> Result<(Step, Option<Segment>), Fault> {
+        let (mut step, mut segment) = (Step::default(), None);
+        self.execute_into(block, &mut step, &mut segment)?;
+        Ok((step, segment))
+    }
+
+    fn execute_into(&mut self, block: &Block, step: &mut Step, segment: &mut Option<Segment>) -> Result<(), Fault> {
         let before = self.modal;
-        let step = match self.modal.advance(&before, block, &self.settings, &self.tables) {
-            Ok(step) => step,
-            Err(fault) => {
-                self.modal = before;
-                return Err(fault);
-            }
-        };
+        if let Err(fault) = self.modal.advance(block, &self.settings, &self.tables, step) {
+            self.modal = before;
+            return Err(fault);
+        }
         if let (Some(what), Scope::PlainMoves) = (step.beyond_plain, self.settings.scope) {
             self.modal = before;
             return Err(Fault::not_modelled(what, 0));
@@ -127,17 +140,20 @@ impl Reader {
             self.modal.settle(&self.tables);
         }
         let is_lost = self.lost.contains(&true);
-        let segment = match step.motion.map(|motion| Segment::from_motion(&motion, block.sequence)) {
-            Some(Err(fault)) if !(is_lost && is_geometry(fault.cause)) => return Err(fault),
-            Some(Ok(segment)) if !is_lost => Some(segment),
-            Some(_) | None => None,
-        };
+        *segment = None;
+        if let Some(motion) = &step.motion {
+            match Path::of(motion) {
+                Ok(path) if !is_lost => *segment = Some(Segment::along(path, motion, block.sequence)),
+                Err(fault) if !(is_lost && is_geometry(fault.cause)) => return Err(fault),
+                Ok(_) | Err(_) => {}
+            }
+        }
         if is_lost && self.modal.absolute && step.dwell.is_none() {
             for (lost, axis) in self.lost.iter_mut().zip(b'X'..=b'Z') {
                 *lost &= block.word(axis).is_none();
             }
         }
-        Ok((step, segment))
+        Ok(())
     }
 
     /// A block that moves cannot be read: it moved in X and Y, whatever it names, and in Z if it names that.

@@ -65,12 +65,12 @@ impl Segment {
     /// PS0020 radius difference above [`RADIUS_TOLERANCE`], or ends that no circle of radius R reaches; PS0022 no radius
     /// at all; arcs that also turn a rotary axis, or have no angle, are not modelled.
     pub fn from_motion(motion: &Motion, sequence: Option<i64>) -> Result<Self, Fault> {
-        let path = match motion.kind {
-            MotionKind::Rapid => Path::Rapid,
-            MotionKind::Line => Path::Line,
-            MotionKind::Arc(turn) => Path::Arc(Arc::from_motion(motion, turn)?),
-        };
-        Ok(Segment { sequence, start: motion.start, end: motion.end, feed: motion.feed, path })
+        Ok(Segment::along(Path::of(motion)?, motion, sequence))
+    }
+
+    /// Of a motion whose path has been found.
+    pub(crate) fn along(path: Path, motion: &Motion, sequence: Option<i64>) -> Self {
+        Segment { sequence, start: motion.start, end: motion.end, feed: motion.feed, path }
     }
 
     /// The same move elsewhere, or seen from elsewhere.
@@ -125,6 +125,17 @@ impl Segment {
     /// Whether a rotary axis turns.
     pub fn turns_rotary_axis(&self) -> bool {
         self.start.rotary != self.end.rotary
+    }
+}
+
+impl Path {
+    /// The path of a motion, errors as [`Segment::from_motion`].
+    pub(crate) fn of(motion: &Motion) -> Result<Self, Fault> {
+        Ok(match motion.kind {
+            MotionKind::Rapid => Path::Rapid,
+            MotionKind::Line => Path::Line,
+            MotionKind::Arc(turn) => Path::Arc(Arc::from_motion(motion, turn)?),
+        })
     }
 }
 

@@ -87,9 +87,7 @@ impl PlainReader {
             list.begin_block(self.reader.modal());
         }
         let understood = self.reader.read(text)?;
-        if let Line::Block(block) = &understood.parsed.line {
-            self.note(block);
-        }
+        self.note(&understood.parsed.block);
         let manner = self.manner(&understood);
         let mut action = action(&understood);
         if let Action::Move(segment, _) = &mut action {
@@ -145,12 +143,12 @@ fn action(understood: &Understood) -> Action {
     if understood.lacks_feed() {
         return Action::Fault(Fault::alarm(Alarm::NoFeed, 0));
     }
-    match (step.stop, step.dwell, segment, &parsed.line) {
-        (stop, _, Some(segment), _) => Action::Move(*segment, stop),
+    match (step.stop, step.dwell, segment) {
+        (stop, _, Some(segment)) => Action::Move(*segment, stop),
         (stop, ..) if let Some(series) = step.series => Action::Series(Box::new(series), stop),
         (Some(stop), ..) => Action::Stop(stop),
         (None, Some(span), ..) => Action::Dwell(span),
-        (None, None, None, Line::Block(block)) if has_function(block) => Action::Auxiliary,
-        (None, None, None, _) => Action::Nothing,
+        (None, None, None) if has_function(&parsed.block) => Action::Auxiliary,
+        (None, None, None) => Action::Nothing,
     }
 }

@@ -1,6 +1,5 @@
 //! The modes that words are written in, followed from line to line.
 
-use arcfeed_shared::nc::block::Line;
 use arcfeed_shared::units::LengthUnit;
 
 use crate::program::ProgramLine;
@@ -27,8 +26,8 @@ impl Modes {
     /// In force after a line's G words.
     #[must_use]
     pub fn after(self, line: &ProgramLine) -> Self {
-        let Some(Line::Block(block)) = line.meaning.as_ref().map(|meaning| &meaning.parsed.line) else { return self };
-        let codes = block.words.iter().filter(|word| word.letter == b'G');
+        let Some(meaning) = &line.meaning else { return self };
+        let codes = meaning.parsed.block.words.iter().filter(|word| word.letter == b'G');
         codes.fold(self, |modes, word| match word.number.as_whole() {
             Some(20) => Modes { unit: LengthUnit::Inch, ..modes },
             Some(21) => Modes { unit: LengthUnit::Mm, ..modes },

@@ -2,7 +2,7 @@
 //!
 //! F is modal. A rewritten F would leak into the blocks behind it, so each of them gets its own programmed F back.
 
-use arcfeed_shared::nc::block::{Block, Line};
+use arcfeed_shared::nc::block::Block;
 use arcfeed_shared::nc::modal::Feed;
 use arcfeed_shared::nc::series::Series;
 use arcfeed_shared::nc::word::Word;
@@ -64,7 +64,7 @@ impl FeedRewriter {
     /// What makes the line be sent with `governed` as its feed, or with its own.
     pub fn edit(&mut self, line: &ProgramLine, governed: Option<Nm>, modes: Modes) -> Option<Edit> {
         let meaning = line.meaning.as_ref()?;
-        let Line::Block(block) = &meaning.parsed.line else { return None };
+        let block = &meaning.parsed.block;
         let edit = self.edit_block(block, cutting_feed(meaning), governed, modes);
         if block.delete.is_some() {
             self.forget();

@@ -128,11 +128,11 @@ impl<'a> Spelling<'a> {
             |word: &&Word| b"XYZIJKR".contains(&word.letter) && word.number.scaled(self.modes.unit.nm()) != 0;
         let mut lengths = self.block.words.iter().filter(is_length).peekable();
         let letter = char::from(letter);
-        if lengths.peek().is_none() || lengths.any(|word| word.number.has_point) {
+        if lengths.peek().is_none() || lengths.any(|word| word.number.has_point()) {
             return decimal(nm, self.modes.unit).map(|number| format!("{letter}{number}"));
         }
         let increment = increment_nm(self.modes.unit);
-        let is_whole = nm % increment == 0 && (nm / increment).abs() < 10_i64.pow(u32::from(DIGITS_MAX));
+        let is_whole = nm % increment == 0 && (nm / increment).abs() < 10_i64.pow(DIGITS_MAX as u32);
         is_whole.then(|| format!("{letter}{}", nm / increment))
     }
 }
@@ -159,7 +159,7 @@ fn decimal(nm: i64, unit: LengthUnit) -> Option<String> {
     let width = decimals as usize;
     let fraction = if width > 0 { format!("{fraction:0width$}") } else { String::new() };
     let digits = format!("{whole}{fraction}");
-    (digits.len() <= usize::from(DIGITS_MAX)).then(|| format!("{sign}{whole}.{fraction}"))
+    (digits.len() <= DIGITS_MAX).then(|| format!("{sign}{whole}.{fraction}"))
 }
 
 #[cfg(test)]

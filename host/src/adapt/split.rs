@@ -5,7 +5,7 @@
 //! what cannot be written in pieces, stays whole and is sent with the least feed the law wants on it.
 
 use arcfeed_shared::job::PieceSettings;
-use arcfeed_shared::nc::block::{Block, Line};
+use arcfeed_shared::nc::block::Block;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::reader::Reader;
 use arcfeed_shared::segment::{Arc, Segment};
@@ -183,10 +183,7 @@ impl Governed<'_> {
     }
 
     fn block(&self) -> Option<&Block> {
-        match &self.line.meaning.as_ref()?.parsed.line {
-            Line::Block(block) => Some(block),
-            Line::ProgramMark | Line::Title => None,
-        }
+        self.line.meaning.as_ref().map(|meaning| &meaning.parsed.block)
     }
 
     fn grid(&self) -> Grid {

@@ -171,9 +171,9 @@ fn count(program: &Program) -> Counts {
 }
 
 fn is_comment(line: &ProgramLine) -> bool {
-    match line.meaning.as_ref().map(|meaning| &meaning.parsed.line) {
-        Some(Line::Block(block)) => block.is_empty() && block.program.is_none(),
-        Some(Line::Title) => true,
-        Some(Line::ProgramMark) | None => false,
-    }
+    line.meaning.as_ref().is_some_and(|meaning| match meaning.parsed.line {
+        Line::Block => meaning.parsed.block.is_empty() && meaning.parsed.block.program.is_none(),
+        Line::Title => true,
+        Line::ProgramMark => false,
+    })
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path as FilePath;
 
-use arcfeed_shared::nc::block::{Block, Line, Reading};
+use arcfeed_shared::nc::block::{Block, Reading};
 use arcfeed_shared::nc::modal::{Feed, Plane, Turn};
 use arcfeed_shared::segment::{Arc, Path, Segment};
 use arcfeed_shared::units::{LengthUnit, Nm};
@@ -78,12 +78,11 @@ fn survey(program: &Program, unit: Option<LengthUnit>) -> Survey {
     let mut before: Option<Segment> = None;
     for (index, line) in program.lines.iter().enumerate() {
         let Some(meaning) = &line.meaning else { continue };
-        if let Line::Block(block) = &meaning.parsed.line {
-            chosen = block.word(b'T').and_then(|word| word.number.as_whole()).or(chosen);
-            if chosen != tool && (is_change(block) || !has_changes) {
-                tool = chosen;
-                found.tools.extend(tool.filter(|tool| !found.tools.contains(tool)));
-            }
+        let block = &meaning.parsed.block;
+        chosen = block.word(b'T').and_then(|word| word.number.as_whole()).or(chosen);
+        if chosen != tool && (is_change(block) || !has_changes) {
+            tool = chosen;
+            found.tools.extend(tool.filter(|tool| !found.tools.contains(tool)));
         }
         let speed = meaning.step.spindle.map(|(speed, _)| speed).filter(|speed| *speed != 0);
         found.speeds.extend(speed.filter(|speed| !found.speeds.contains(speed)));
@@ -128,10 +127,7 @@ impl FoundArc {
 }
 
 fn blocks(program: &Program) -> impl Iterator<Item = (usize, &Block)> {
-    program.lines.iter().enumerate().filter_map(|(index, line)| match &line.meaning.as_ref()?.parsed.line {
-        Line::Block(block) => Some((index + 1, block)),
-        Line::ProgramMark | Line::Title => None,
-    })
+    program.lines.iter().enumerate().filter_map(|(index, line)| Some((index + 1, &line.meaning.as_ref()?.parsed.block)))
 }
 
 fn unit_of(block: &Block) -> Option<LengthUnit> {

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
-use arcfeed_shared::nc::block::{Line, Reading, parse_line};
+use arcfeed_shared::nc::block::{Parsed, Reading, parse_line};
 use arcfeed_shared::nc::macro_alarm::MacroAlarm;
 use arcfeed_shared::nc::macros::interpreter::Interpreter;
 use arcfeed_shared::nc::macros::program::{Library, first_macro};
@@ -81,15 +81,11 @@ impl Program {
     /// Keeps a line as it stands. Only one without code means something by itself.
     fn keep(&mut self, text: &[u8], ending: &[u8], settings: &Settings) {
         let parsed = parse_line(text, settings.reading).ok();
-        let numbers = |line: &Line| match line {
-            Line::Block(block) => block.check_numbers(text, settings).ok().flatten(),
-            _ => None,
-        };
-        for notice in parsed.iter().flat_map(|parsed| parsed.notices.iter().copied().chain(numbers(&parsed.line))) {
+        let numbers = |parsed: &Parsed| parsed.block.check_numbers(text, settings).ok().flatten();
+        for notice in parsed.iter().flat_map(|parsed| parsed.notices.iter().copied().chain(numbers(parsed))) {
             self.diagnostics.push(Diagnostic::of_notice(self.lines.len() + 1, text, notice));
         }
-        let has_code = |line: &Line| matches!(line, Line::Block(block) if !block.is_empty());
-        let without_code = parsed.filter(|parsed| !has_code(&parsed.line));
+        let without_code = parsed.filter(|parsed| parsed.block.is_empty());
         let meaning = without_code.map(|parsed| Understood { parsed, step: Step::default(), segment: None });
         let origin = Pose::ORIGIN;
         self.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning, origin });

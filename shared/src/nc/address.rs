@@ -4,37 +4,45 @@
 //! G take a decimal point, and only axes and radii a minus sign, does not.
 
 use super::alarm::{Alarm, Fault};
-use super::block::Block;
+use super::block::{Block, letters};
 use super::settings::OFFSETS;
 use super::word::Word;
 
 /// Most digits of S (parameter 3031).
 const SPINDLE_MAX: i64 = 99_999;
 
-/// Checks the words of a block that is no macro call.
+/// Letters whose numbers may be neither negative nor broken.
+const RESTRICTED: u32 = letters(b"DHLMPST");
+
+/// Checks the words of a block that is no macro call, G apart: see [`check_sign`].
 ///
 /// # Errors
 /// PS0003, PS0006, PS0007, PS0030.
 pub fn check(block: &Block) -> Result<(), Fault> {
-    block.words.iter().try_for_each(check_word)
+    block.word(b'F').map_or(Ok(()), check_sign)?;
+    if block.may_have(RESTRICTED) { block.words.iter().try_for_each(check_word) } else { Ok(()) }
 }
 
 fn check_word(word: &Word) -> Result<(), Fault> {
-    match word.letter {
-        b'D' | b'H' | b'L' | b'M' | b'P' | b'S' | b'T' => {}
-        b'F' | b'G' if word.number.is_negative() => return Err(Fault::alarm(Alarm::MinusSign, word.column + 1)),
-        _ => return Ok(()),
+    if letters(&[word.letter]) & RESTRICTED == 0 {
+        return Ok(());
     }
-    if word.number.is_negative() {
-        return Err(Fault::alarm(Alarm::MinusSign, word.column + 1));
-    }
-    let whole = word.number.as_whole().filter(|_| !word.number.has_point);
+    check_sign(word)?;
+    let whole = word.number.as_whole().filter(|_| !word.number.has_point());
     let value = whole.ok_or(Fault::alarm(Alarm::DecimalPoint, word.column))?;
     match word.letter {
         b'D' | b'H' if value > OFFSETS as i64 => Err(Fault::alarm(Alarm::OffsetNumber, word.column)),
         b'S' if value > SPINDLE_MAX => Err(Fault::alarm(Alarm::TooManyDigits, word.column)),
         _ => Ok(()),
     }
+}
+
+/// For words whose numbers may be broken but not negative: F and G.
+pub(super) fn check_sign(word: &Word) -> Result<(), Fault> {
+    if word.number.is_negative() {
+        return Err(Fault::alarm(Alarm::MinusSign, word.column + 1));
+    }
+    Ok(())
 }
 
 /// The last word with this letter as a whole number, and its column.

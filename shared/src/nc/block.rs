@@ -8,8 +8,9 @@ use heapless::Vec;
 pub use super::settings::Reading;
 
 use super::alarm::{Alarm, Fault, NotModelled};
+use super::number::POWERS_OF_TEN;
 use super::settings::Settings;
-use super::word::{Piece, Token, Word, Words, column, is_control_character};
+use super::word::{LINE_MAX, Piece, Token, Word, Words, column, is_control_character};
 
 /// Most words in one block.
 pub const WORDS_MAX: usize = 32;
@@ -17,15 +18,15 @@ pub const WORDS_MAX: usize = 32;
 pub const NOTICES_MAX: usize = 4;
 
 /// What a line is.
-#[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and nearly every line is a block")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Line {
     /// `%`.
     ProgramMark,
     /// A CAM title (`O` without a number): no block for the control. Lenient reading only.
     Title,
     /// Anything else, also a line with nothing but a comment or nothing at all.
-    Block(Block),
+    #[default]
+    Block,
 }
 
 /// The words of one block.
@@ -45,6 +46,8 @@ pub struct Block {
     pub assigns: bool,
     /// Bytes up to the end of the last word: where one more word may be added.
     pub code_len: usize,
+    /// Bit n for the n-th letter: what is not here need not be looked for.
+    letters: u32,
 }
 
 /// Something a control might refuse, passed by lenient reading.
@@ -72,10 +75,12 @@ pub enum NoticeKind {
 }
 
 /// A line and what was noticed in it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Parsed {
-    /// The line's meaning.
+    /// What kind of line it is.
     pub line: Line,
+    /// Its block; without words for marks and titles.
+    pub block: Block,
     /// The first [`NOTICES_MAX`] notices.
     pub notices: Vec<Notice, NOTICES_MAX>,
 }
@@ -83,14 +88,35 @@ pub struct Parsed {
 impl Block {
     /// The last word with this letter, the one that counts.
     pub fn word(&self, letter: u8) -> Option<&Word> {
+        if !self.may_have(letters(&[letter])) {
+            return None;
+        }
         self.words.iter().rev().find(|word| word.letter == letter)
+    }
+
+    /// Whether any of these [`letters`] may stand among the words.
+    pub(super) const fn may_have(&self, letters: u32) -> bool {
+        self.letters & letters != 0
     }
 
     /// N and O against the control's limits: the alarms in strict reading, otherwise what to notice. `text` is the line.
     ///
     /// # Errors
     /// PS0003, PS0074.
+    #[inline]
     pub fn check_numbers(&self, text: &[u8], settings: &Settings) -> Result<Option<Notice>, Fault> {
+        let is_usual = |number: Option<i64>, digits: u8| {
+            let limit = POWERS_OF_TEN.get(usize::from(digits)).copied().unwrap_or(i32::MAX);
+            number.is_none_or(|number| (1..i64::from(limit)).contains(&number))
+        };
+        if is_usual(self.sequence, settings.sequence_digits) && is_usual(self.program, settings.program_digits) {
+            return Ok(None);
+        }
+        self.check_unusual_numbers(text, settings)
+    }
+
+    #[cold]
+    fn check_unusual_numbers(&self, text: &[u8], settings: &Settings) -> Result<Option<Notice>, Fault> {
         let numbers = [(self.sequence, settings.sequence_digits, "N"), (self.program, settings.program_digits, "O:")];
         for (number, digits, letters) in numbers {
             let Some(value) = number else { continue };
@@ -119,58 +145,113 @@ impl Block {
 /// # Errors
 /// The first fault of the line, as a control would stop at it.
 pub fn parse_line(text: &[u8], reading: Reading) -> Result<Parsed, Fault> {
-    let mut notices = Vec::new();
-    if reading == Reading::Lenient && is_title(text) {
-        push(&mut notices, NoticeKind::Title, 1);
-        return Ok(Parsed { line: Line::Title, notices });
-    }
-    let mut block = Block::default();
-    for piece in Words::new(text) {
-        let Piece { token, start, end } = piece?;
-        match token {
-            Token::ProgramMark if start == 0 => {
-                let line = Line::ProgramMark;
-                return Ok(Parsed { line, notices });
-            }
-            Token::ProgramMark => return Err(Fault::alarm(Alarm::IllegalAddress, column(start))),
-            Token::Comment { text: body, closed } => {
-                check_comment(body, start + 1, reading, &mut notices)?;
-                if !closed {
-                    push(&mut notices, NoticeKind::UnclosedComment, column(start));
-                }
-                continue;
-            }
-            Token::BlockDelete(switch) => {
-                block.delete = Some(switch);
-                block.delete_from = block.words.len();
-            }
-            Token::Assignment { .. } => block.assigns = true,
-            Token::Word(word) => block.add(word)?,
+    let mut parsed = Parsed::default();
+    parsed.read(text, reading)?;
+    Ok(parsed)
+}
+
+impl Parsed {
+    /// [`parse_line`] in place of the line read before: what the next line costs is its own words, not a copy of all
+    /// that a block has room for. Behind a fault what stands here is of no use.
+    ///
+    /// # Errors
+    /// As [`parse_line`].
+    pub fn read(&mut self, text: &[u8], reading: Reading) -> Result<(), Fault> {
+        if text.len() > LINE_MAX {
+            return Err(Fault::not_modelled(NotModelled::LongBlock, u16::MAX));
         }
-        block.code_len = end;
+        let Parsed { line, block, notices } = self;
+        notices.clear();
+        block.clear();
+        if reading == Reading::Lenient && is_title(text) {
+            push(notices, NoticeKind::Title, 1);
+            *line = Line::Title;
+            return Ok(());
+        }
+        *line = Line::Block;
+        let mut words = Words::new(text);
+        loop {
+            while let Some(word) = words.next_word() {
+                if !block.push(word) {
+                    block.add(word)?;
+                }
+                block.code_len = words.offset();
+            }
+            if words.offset() == text.len() {
+                return Ok(());
+            }
+            let Some(piece) = words.next() else { return Ok(()) };
+            let Piece { token, start, end } = piece?;
+            match token {
+                Token::ProgramMark if start == 0 => {
+                    *line = Line::ProgramMark;
+                    return Ok(());
+                }
+                Token::ProgramMark => return Err(Fault::alarm(Alarm::IllegalAddress, column(start))),
+                Token::Comment { text: body, closed } => {
+                    check_comment(body, start + 1, reading, notices)?;
+                    if !closed {
+                        push(notices, NoticeKind::UnclosedComment, column(start));
+                    }
+                    continue;
+                }
+                Token::BlockDelete(switch) => {
+                    block.delete = Some(switch);
+                    block.delete_from = block.words.len();
+                }
+                Token::Assignment { .. } => block.assigns = true,
+                Token::Word(word) => block.add(word)?,
+            }
+            block.code_len = end;
+        }
     }
-    let line = Line::Block(block);
-    Ok(Parsed { line, notices })
 }
 
 impl Block {
+    /// Field by field: an assignment would write all that `words` has room for.
+    fn clear(&mut self) {
+        let Block { sequence, program, delete, delete_from, words, assigns, code_len, letters } = self;
+        (*sequence, *program, *delete, *assigns) = (None, None, None, false);
+        (*delete_from, *code_len, *letters) = (0, 0, 0);
+        words.clear();
+    }
+
+    /// Whether the word found its place: there is room, and its letter is neither N nor O nor no address.
+    #[inline]
+    fn push(&mut self, word: Word) -> bool {
+        let letter = letters(&[word.letter]) & ADDRESSES;
+        self.letters |= letter;
+        letter != 0 && self.words.push(word).is_ok()
+    }
+
     fn add(&mut self, word: Word) -> Result<(), Fault> {
         let whole = || match word.number.as_whole() {
             Some(value) if value < 0 => Err(Fault::alarm(Alarm::MinusSign, word.column + 1)),
-            Some(value) if !word.number.has_point => Ok(value),
+            Some(value) if !word.number.has_point() => Ok(value),
             Some(_) | None => Err(Fault::alarm(Alarm::DecimalPoint, word.column)),
         };
-        let first = self.words.is_empty() && self.sequence.is_none() && self.program.is_none();
+        let is_first = || self.words.is_empty() && self.sequence.is_none() && self.program.is_none();
         match word.letter {
             b'N' if self.words.is_empty() => self.sequence = Some(whole()?),
-            b'O' if first => self.program = Some(whole()?),
-            b'A'..=b'D' | b'F'..=b'M' | b'P'..=b'T' | b'X'..=b'Z' => {
-                let long = Fault::not_modelled(NotModelled::LongBlock, word.column);
-                self.words.push(word).map_err(|_| long)?;
+            b'O' if is_first() => self.program = Some(whole()?),
+            letter if letters(&[letter]) & ADDRESSES == 0 => {
+                return Err(Fault::alarm(Alarm::IllegalAddress, word.column));
             }
-            _ => return Err(Fault::alarm(Alarm::IllegalAddress, word.column)),
+            _ if self.push(word) => {}
+            _ => return Err(Fault::not_modelled(NotModelled::LongBlock, word.column)),
         }
         Ok(())
+    }
+}
+
+/// All but E, N, O, U, V and W.
+const ADDRESSES: u32 = letters(b"ABCDFGHIJKLMPQRSTXYZ");
+
+/// A bit for each of these capital letters.
+pub(super) const fn letters(of: &[u8]) -> u32 {
+    match of {
+        [letter, others @ ..] => 1 << (*letter & 0x1f) | letters(others),
+        [] => 0,
     }
 }
 
@@ -209,10 +290,9 @@ mod tests {
     use super::*;
 
     fn block(text: &str) -> Block {
-        match parse_line(text.as_bytes(), Reading::Lenient).unwrap().line {
-            Line::Block(block) => block,
-            other => panic!("{text}: {other:?}"),
-        }
+        let parsed = parse_line(text.as_bytes(), Reading::Lenient).unwrap();
+        assert_eq!(parsed.line, Line::Block, "{text}");
+        parsed.block
     }
 
     fn notices(text: &[u8]) -> Vec<Notice, NOTICES_MAX> {
@@ -272,5 +352,8 @@ mod tests {
         let line = "M1".repeat(WORDS_MAX + 1);
         let fault = parse_line(line.as_bytes(), Reading::Lenient).unwrap_err();
         assert_eq!(fault, Fault::not_modelled(NotModelled::LongBlock, 65));
+        let line = " ".repeat(LINE_MAX + 1);
+        let fault = parse_line(line.as_bytes(), Reading::Lenient).unwrap_err();
+        assert_eq!(fault, Fault::not_modelled(NotModelled::LongBlock, u16::MAX));
     }
 }

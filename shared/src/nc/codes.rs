@@ -1,5 +1,6 @@
 //! G words to modal state.
 
+use super::address::check_sign;
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::frame::Rotation;
 use super::modal::{Cycle, FeedMode, Modal, MotionKind, Plane, Polar, Side, Turn};
@@ -47,6 +48,7 @@ pub(super) enum OneShot {
 impl Modal {
     /// Applies one G word.
     pub(super) fn apply_g(&mut self, word: &Word) -> Result<OneShot, Fault> {
+        check_sign(word)?;
         let improper = Fault::alarm(Alarm::ImproperGCode, word.column);
         let tenths = word.number.as_tenths().ok_or(improper)?;
         match tenths {

@@ -69,11 +69,13 @@ impl Rotation {
 
 impl Frame {
     /// Whether program and path coordinates are the same numbers.
+    #[inline]
     pub fn is_plain(&self) -> bool {
-        self.is_shift() && self.shift == Pose::ORIGIN
+        self.is_shift() && self.shift.is_origin()
     }
 
     /// Whether the program's coordinates are only elsewhere.
+    #[inline]
     pub fn is_shift(&self) -> bool {
         self.rotation.is_none() && self.stretch.is_none()
     }

@@ -2,7 +2,7 @@
 
 use super::address;
 use super::alarm::{Alarm, Fault, NotModelled};
-use super::block::Block;
+use super::block::{Block, letters};
 use super::codes::OneShot;
 use super::modal::{Feed, FeedMode, Modal, Motion, MotionKind, Pose, Step, Stop};
 use super::series::Series;
@@ -17,19 +17,21 @@ impl Modal {
     /// # Errors
     /// The first alarm the control would raise, or what this version does not interpret.
     pub fn interpret(&self, block: &Block, settings: &Settings, tables: &Tables) -> Result<(Modal, Step), Fault> {
-        let mut next = *self;
-        let step = next.advance(self, block, settings, tables)?;
+        let (mut next, mut step) = (*self, Step::default());
+        next.advance(block, settings, tables, &mut step)?;
         Ok((next, step))
     }
 
-    /// [`Modal::interpret`] in place, from a copy of itself; behind a fault the state is of no use.
+    /// [`Modal::interpret`] in place; behind a fault neither the state nor the step is of use.
     pub(crate) fn advance(
         &mut self,
-        before: &Modal,
         block: &Block,
         settings: &Settings,
         tables: &Tables,
-    ) -> Result<Step, Fault> {
+        step: &mut Step,
+    ) -> Result<(), Fault> {
+        step.clear();
+        let (system, compensation) = (self.system, self.compensation);
         address::check(block)?;
         let mut one_shot = OneShot::No;
         for word in block.words.iter().filter(|word| word.letter == b'G') {
@@ -38,55 +40,55 @@ impl Modal {
                 found => one_shot = found,
             }
         }
-        let (mut stop, mut spindle) = (None, None);
-        for word in &block.words {
+        let functions: &[Word] = if block.may_have(letters(b"HMS")) { &block.words } else { &[] };
+        for word in functions {
             match word.letter {
-                b'M' => stop = m_code(word)?.or(stop),
-                b'S' => spindle = Some((word.number.scaled(1), word.column)),
+                b'M' => step.stop = m_code(word)?.or(step.stop),
+                b'S' => step.spindle = Some((word.number.scaled(1), word.column)),
                 b'H' if one_shot != OneShot::Data => self.length_offset = word.number.scaled(1) as u16,
                 _ => {}
             }
         }
-        self.spindle = spindle.map_or(self.spindle, |(speed, _)| Some(speed));
-        if self.system != before.system {
+        self.spindle = step.spindle.map_or(self.spindle, |(speed, _)| Some(speed));
+        if self.system != system {
             self.settle(tables);
         }
-        let mut step = match one_shot {
-            OneShot::No => self.go(before, block, settings)?,
+        match one_shot {
+            OneShot::No => self.go(block, settings, step)?,
             OneShot::AdditionalSystem => {
                 self.select_additional(block, tables)?;
-                self.go(before, block, settings)?
+                self.go(block, settings, step)?;
             }
             _ => {
                 if one_shot != OneShot::Data && block.word(b'F').is_some() {
                     let _of_no_move = self.take_feed(block);
                 }
-                self.once(one_shot, block, settings, tables)?
+                self.once(one_shot, block, (settings, tables), step)?;
             }
-        };
-        (step.stop, step.spindle) = (stop, spindle);
-        if step.motion.is_some() || step.series.is_some() {
-            step.beyond_plain = self.beyond_plain(&step, one_shot);
         }
-        Ok(step)
+        let moves_on_arc = step.motion.as_ref().is_some_and(|motion| matches!(motion.kind, MotionKind::Arc(_)));
+        if moves_on_arc && self.compensation != compensation {
+            return Err(Fault::alarm(Alarm::ArcAtStartUp, 0));
+        }
+        if step.motion.is_some() || step.series.is_some() {
+            step.beyond_plain = self.beyond_plain(step, one_shot);
+        }
+        Ok(())
     }
 
     /// A move along the path, or a block of a cycle.
-    fn go(&mut self, before: &Modal, block: &Block, settings: &Settings) -> Result<Step, Fault> {
+    fn go(&mut self, block: &Block, settings: &Settings, step: &mut Step) -> Result<(), Fault> {
         let feed = self.take_feed(block);
         if let Some(cycle) = self.cycle {
-            let series = self.drill(cycle, block, settings, feed)?;
-            return Ok(Step { series, ..Step::default() });
+            step.series = self.drill(cycle, block, settings, feed)?;
+            return Ok(());
         }
         let mut target = self.target(block, settings.decimals);
         if self.polar.is_some() {
             self.resolve_polar(block, &mut target, settings.decimals);
         }
-        let motion = self.motion_to(block, &target, (feed, settings.decimals))?;
-        if let Some(motion) = motion {
-            if matches!(motion.kind, MotionKind::Arc(_)) && self.compensation != before.compensation {
-                return Err(Fault::alarm(Alarm::ArcAtStartUp, 0));
-            }
+        step.motion = self.motion_to(block, &target, (feed, settings.decimals))?;
+        if let Some(motion) = &step.motion {
             (self.position, self.program) = (motion.end, target.end);
             if self.is_unsettled {
                 let (first, second, _) = self.plane.axes();
@@ -94,7 +96,7 @@ impl Modal {
                 self.is_unsettled = target.named & in_plane != in_plane;
             }
         }
-        Ok(Step { motion, ..Step::default() })
+        Ok(())
     }
 
     /// Why who can only make plain moves cannot make this one.
@@ -162,6 +164,13 @@ impl Step {
         }
     }
 
+    /// Field by field: an assignment would write all that a series has room for.
+    pub(crate) fn clear(&mut self) {
+        let Step { motion, series, dwell, stop, spindle, beyond_plain, sets_data } = self;
+        (*motion, *series, *dwell, *stop) = (None, None, None, None);
+        (*spindle, *beyond_plain, *sets_data) = (None, None, false);
+    }
+
     /// Whether this is a cutting move for which no feed was ever given: PS0011.
     pub fn lacks_feed(&self) -> bool {
         let of_series = match &self.series {
@@ -175,7 +184,7 @@ impl Step {
 #[cfg(test)]
 mod tests {
     use super::super::alarm::Cause;
-    use super::super::block::{Line, Reading, parse_line};
+    use super::super::block::{Reading, parse_line};
     use super::super::modal::{Center, PER_MIN_SCALE, Turn};
     use super::super::settings::Preset;
     use super::*;
@@ -189,9 +198,7 @@ mod tests {
     fn run(lines: &[&str]) -> Result<(Modal, Step), Fault> {
         let mut state = (Modal::at_power_on(LengthUnit::Inch), Step::default());
         for line in lines {
-            let Line::Block(block) = parse_line(line.as_bytes(), Reading::Lenient)?.line else {
-                continue;
-            };
+            let block = parse_line(line.as_bytes(), Reading::Lenient)?.block;
             state = interpret(&state.0, &block)?;
         }
         Ok(state)
@@ -320,7 +327,7 @@ mod tests {
     #[test]
     fn a_refused_block_leaves_the_state_as_it_was() {
         let (before, _) = run(&["G1X1.F25."]).unwrap();
-        let Line::Block(block) = parse_line(b"G91G2X5.", Reading::Lenient).unwrap().line else { unreachable!() };
+        let block = parse_line(b"G91G2X5.", Reading::Lenient).unwrap().block;
         let kept = before;
         assert!(interpret(&before, &block).is_err());
         assert_eq!(before, kept);

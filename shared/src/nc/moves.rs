@@ -51,7 +51,7 @@ impl Modal {
         if let Some(word) = word {
             let per_point = self.unit.nm();
             let scale = match self.feed_mode {
-                FeedMode::PerRevolution if !word.number.has_point => per_point / revolution_increments(self.unit),
+                FeedMode::PerRevolution if !word.number.has_point() => per_point / revolution_increments(self.unit),
                 _ => per_point,
             };
             self.feed = Some(Nm(word.number.scaled(scale))).filter(|feed| feed.0 != 0);
@@ -180,7 +180,7 @@ impl Modal {
 
     /// A length word, nm.
     pub(super) fn length(&self, number: Number, decimals: Decimals) -> i64 {
-        if number.has_point || decimals == Decimals::Calculator {
+        if number.has_point() || decimals == Decimals::Calculator {
             number.scaled(self.unit.nm())
         } else {
             number.scaled(self.unit.nm() / increments_per_unit(self.unit))
@@ -190,7 +190,7 @@ impl Modal {
 
 /// An angle word, microdegrees.
 pub(super) fn rotary(number: Number, decimals: Decimals) -> i64 {
-    if number.has_point || decimals == Decimals::Calculator {
+    if number.has_point() || decimals == Decimals::Calculator {
         number.scaled(MICRODEG_PER_DEG)
     } else {
         number.scaled(MICRODEG_PER_DEG / ROTARY_INCREMENTS_PER_DEG)

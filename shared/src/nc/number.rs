@@ -5,120 +5,113 @@
 use super::alarm::Alarm;
 
 /// Most digits a control accepts in one number (beyond: PS0003).
-pub const DIGITS_MAX: u8 = 8;
+pub const DIGITS_MAX: usize = 8;
 
-const POWERS_OF_TEN: [i64; 9] = [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
+/// As far as the digits of a number go.
+pub(super) const POWERS_OF_TEN: [i32; 9] = [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
 
-/// A decimal number, `mantissa * 10^-decimals`.
+/// A decimal number of at most [`DIGITS_MAX`] digits, `mantissa * 10^-decimals`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Number {
-    mantissa: i64,
-    decimals: u8,
-    /// Whether a decimal point was written: without it, an axis word counts in least increments.
-    pub has_point: bool,
+    mantissa: i32,
+    /// 0 without a decimal point, otherwise one more than the digits behind it.
+    point: u8,
 }
 
 impl Number {
-    /// A whole number, as if written without a point.
-    pub const fn whole(value: i64) -> Self {
-        Number { mantissa: value, decimals: 0, has_point: false }
-    }
-
     /// Whether it is less than zero.
     pub const fn is_negative(self) -> bool {
         self.mantissa < 0
     }
 
-    /// `self * units_per_one`, rounded half away from zero to a whole number of units.
-    pub fn scaled(self, units_per_one: i64) -> i64 {
-        if let Some(product) = self.mantissa.checked_mul(units_per_one)
-            && let Some(&divisor) = POWERS_OF_TEN.get(usize::from(self.decimals))
-        {
-            // Away from zero: what is cut off counts from half the divisor on.
-            let (whole, rest) = (product / divisor, product % divisor);
-            return whole + i64::from(2 * rest >= divisor) - i64::from(2 * rest <= -divisor);
-        }
-        self.scaled_wide(units_per_one)
+    /// Whether a decimal point was written: without it, an axis word counts in least increments.
+    pub const fn has_point(self) -> bool {
+        self.point != 0
     }
 
-    /// For numbers longer than a control's.
-    fn scaled_wide(self, units_per_one: i64) -> i64 {
-        let product = i128::from(self.mantissa) * i128::from(units_per_one);
-        let divisor = 10_i128.pow(u32::from(self.decimals));
-        let half = divisor / 2;
-        let rounded = if product < 0 { (product - half) / divisor } else { (product + half) / divisor };
-        i64::try_from(rounded).unwrap_or(if rounded < 0 { i64::MIN } else { i64::MAX })
+    /// `self * units_per_one`, rounded half away from zero to a whole number of units; the units may be as small as a
+    /// ten-thousand-millionth.
+    pub fn scaled(self, units_per_one: i64) -> i64 {
+        let (product, divisor) = (i64::from(self.mantissa) * units_per_one, i64::from(self.divisor()));
+        // Away from zero: what is cut off counts from half the divisor on.
+        let (whole, rest) = (product / divisor, product % divisor);
+        whole + i64::from(2 * rest >= divisor) - i64::from(2 * rest <= -divisor)
     }
 
     /// The value if it has no fraction, as for `N`, `G` and `M` words.
+    #[inline]
     pub fn as_whole(self) -> Option<i64> {
-        if self.decimals == 0 {
-            return Some(self.mantissa);
+        if self.point == 0 {
+            return Some(i64::from(self.mantissa));
         }
-        let divisor = 10_i64.pow(u32::from(self.decimals));
-        (self.mantissa % divisor == 0).then_some(self.mantissa / divisor)
+        let divisor = self.divisor();
+        (self.mantissa % divisor == 0).then(|| i64::from(self.mantissa / divisor))
     }
 
     /// Tenths, if that is exact: `G43.4` is 434 tenths.
+    #[inline]
     pub fn as_tenths(self) -> Option<i64> {
-        if self.decimals == 0 {
-            return self.mantissa.checked_mul(10);
+        if self.point == 0 {
+            return Some(i64::from(self.mantissa) * 10);
         }
-        let divisor = 10_i64.pow(u32::from(self.decimals));
-        let tenfold = self.mantissa * 10;
+        let (tenfold, divisor) = (i64::from(self.mantissa) * 10, i64::from(self.divisor()));
         (tenfold % divisor == 0).then_some(tenfold / divisor)
     }
 
     /// The nearest f64.
     pub fn to_f64(self) -> f64 {
-        self.mantissa as f64 / 10_i64.pow(u32::from(self.decimals)) as f64
+        f64::from(self.mantissa) / f64::from(self.divisor())
+    }
+
+    fn divisor(self) -> i32 {
+        POWERS_OF_TEN.get(usize::from(self.point.saturating_sub(1))).copied().unwrap_or(1)
     }
 }
 
-/// Reads a number at the start of `text`: the number and the bytes it takes.
-///
-/// # Errors
-/// PS0003 more than [`DIGITS_MAX`] digits, PS0005 no digit at all, PS0007 a second point; each with the offset of the
-/// offending byte.
+/// Reads the number at byte `from` of `line`: the number and the byte behind it. [`what_is_wrong`] tells why there is none.
 #[inline]
-pub fn read(text: &[u8]) -> Result<(Number, usize), (Alarm, usize)> {
-    let mut at = 0;
-    let negative = match text.first() {
-        Some(b'-') => {
-            at = 1;
-            true
-        }
-        Some(b'+') => {
-            at = 1;
-            false
-        }
-        _ => false,
-    };
-    let (mut mantissa, mut digits, mut decimals, mut has_point) = (0_i64, 0_u8, 0_u8, false);
-    for &byte in text.get(at..).unwrap_or_default() {
+pub fn read(line: &[u8], from: usize) -> Option<(Number, usize)> {
+    let sign = line.get(from).copied().unwrap_or_default();
+    let first = from + usize::from(sign == b'-' || sign == b'+');
+    let (mut mantissa, mut behind_point, mut end) = (0_i32, 0, first);
+    while let Some(&byte) = line.get(end) {
         let digit = byte.wrapping_sub(b'0');
         if digit < 10 {
-            if digits == DIGITS_MAX {
-                return Err((Alarm::TooManyDigits, at));
-            }
-            mantissa = mantissa * 10 + i64::from(digit);
-            digits += 1;
-            decimals += u8::from(has_point);
-        } else if byte == b'.' {
-            if has_point {
-                return Err((Alarm::DecimalPoint, at));
-            }
-            has_point = true;
-        } else {
+            mantissa = mantissa.wrapping_mul(10).wrapping_add(i32::from(digit));
+        } else if byte != b'.' {
             break;
+        } else if behind_point == 0 {
+            behind_point = end + 1;
+        } else {
+            return None;
+        }
+        end += 1;
+    }
+    let point = if behind_point == 0 { 0 } else { end + 1 - behind_point };
+    let digits = end - first - usize::from(point != 0);
+    if digits.wrapping_sub(1) >= DIGITS_MAX {
+        return None;
+    }
+    let mantissa = if sign == b'-' { -mantissa } else { mantissa };
+    Some((Number { mantissa, point: point as u8 }, end))
+}
+
+/// Why there is no number at byte `from`, and at which byte: PS0003 more than [`DIGITS_MAX`] digits, PS0005 no digit at
+/// all, PS0007 a second point.
+#[cold]
+pub fn what_is_wrong(line: &[u8], from: usize) -> (Alarm, usize) {
+    let first = from + usize::from(matches!(line.get(from), Some(b'-' | b'+')));
+    let (mut digits, mut points, mut at) = (0, 0, first);
+    while let Some(byte @ (b'0'..=b'9' | b'.')) = line.get(at) {
+        match byte {
+            b'.' if points == 1 => return (Alarm::DecimalPoint, at),
+            b'.' => points = 1,
+            _ if digits == DIGITS_MAX => return (Alarm::TooManyDigits, at),
+            _ => digits += 1,
         }
         at += 1;
     }
-    if digits == 0 {
-        return Err((Alarm::NoDataAfterAddress, at));
-    }
-    let number = Number { mantissa: if negative { -mantissa } else { mantissa }, decimals, has_point };
-    Ok((number, at))
+    (Alarm::NoDataAfterAddress, at)
 }
 
 #[cfg(test)]
@@ -126,7 +119,7 @@ mod tests {
     use super::*;
 
     fn value(text: &str) -> f64 {
-        read(text.as_bytes()).unwrap().0.to_f64()
+        read(text.as_bytes(), 0).unwrap().0.to_f64()
     }
 
     #[test]
@@ -139,28 +132,32 @@ mod tests {
 
     #[test]
     fn a_published_coordinate_is_exact_in_nanometres() {
-        let (number, len) = read(b"-3.6044Y10").unwrap();
+        let (number, len) = read(b"-3.6044Y10", 0).unwrap();
         assert_eq!((number.scaled(25_400_000), len), (-91_551_760, 7));
     }
 
     #[test]
     fn halves_round_away_from_zero() {
-        assert_eq!(read(b"0.5").unwrap().0.scaled(1), 1);
-        assert_eq!(read(b"-0.5").unwrap().0.scaled(1), -1);
+        assert_eq!(read(b"0.5", 0).unwrap().0.scaled(1), 1);
+        assert_eq!(read(b"-0.5", 0).unwrap().0.scaled(1), -1);
     }
 
     #[test]
     fn what_is_not_a_number_names_its_alarm_and_place() {
-        assert_eq!(read(b"123456789"), Err((Alarm::TooManyDigits, 8)));
-        assert_eq!(read(b"-X"), Err((Alarm::NoDataAfterAddress, 1)));
-        assert_eq!(read(b"."), Err((Alarm::NoDataAfterAddress, 1)));
-        assert_eq!(read(b"1.2.3"), Err((Alarm::DecimalPoint, 3)));
+        assert_eq!(what_is_wrong(b"123456789", 0), (Alarm::TooManyDigits, 8));
+        assert_eq!(what_is_wrong(b"-1234.56789", 0), (Alarm::TooManyDigits, 10));
+        assert_eq!(what_is_wrong(b"123456789.1.1", 0), (Alarm::TooManyDigits, 8));
+        assert_eq!(what_is_wrong(b"12345678.1.1", 0), (Alarm::TooManyDigits, 9));
+        assert_eq!(what_is_wrong(&[b'1'; 100], 0), (Alarm::TooManyDigits, 8));
+        assert_eq!(what_is_wrong(b"-X", 0), (Alarm::NoDataAfterAddress, 1));
+        assert_eq!(what_is_wrong(b".", 0), (Alarm::NoDataAfterAddress, 1));
+        assert_eq!(what_is_wrong(b"1.2.3", 0), (Alarm::DecimalPoint, 3));
     }
 
     #[test]
     fn tenths_name_g_codes_with_a_decimal() {
-        assert_eq!(read(b"43.4").unwrap().0.as_tenths(), Some(434));
-        assert_eq!(read(b"02").unwrap().0.as_tenths(), Some(20));
-        assert_eq!(read(b"1.25").unwrap().0.as_tenths(), None);
+        assert_eq!(read(b"43.4", 0).unwrap().0.as_tenths(), Some(434));
+        assert_eq!(read(b"02", 0).unwrap().0.as_tenths(), Some(20));
+        assert_eq!(read(b"1.25", 0).unwrap().0.as_tenths(), None);
     }
 }

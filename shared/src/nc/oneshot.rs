@@ -21,10 +21,9 @@ impl Modal {
         &mut self,
         what: OneShot,
         block: &Block,
-        settings: &Settings,
-        tables: &Tables,
-    ) -> Result<Step, Fault> {
-        let mut step = Step::default();
+        (settings, tables): (&Settings, &Tables),
+        step: &mut Step,
+    ) -> Result<(), Fault> {
         match what {
             OneShot::No | OneShot::Tracked | OneShot::AdditionalSystem => {}
             OneShot::Dwell => step.dwell = Some(dwell_time(block)?),
@@ -79,7 +78,7 @@ impl Modal {
                 self.settle(tables);
             }
         }
-        Ok(step)
+        Ok(())
     }
 
     /// G54.1 P: the moves of its block already count there.
@@ -192,7 +191,7 @@ pub(super) fn dwell_time(block: &Block) -> Result<Micros, Fault> {
     let (word, scale) = match (block.word(b'P'), block.word(b'X')) {
         (Some(word), _) => (word, US_PER_MS),
         // Without a point X counts milliseconds, as an axis word does its increments.
-        (None, Some(word)) if !word.number.has_point => (word, US_PER_MS),
+        (None, Some(word)) if !word.number.has_point() => (word, US_PER_MS),
         (None, Some(word)) => (word, US_PER_S),
         (None, None) => return Ok(Micros(0)),
     };

@@ -6,6 +6,9 @@
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::number::{self, Number};
 
+/// Most bytes of a line: columns are 16 bits wide.
+pub const LINE_MAX: usize = u16::MAX as usize - 1;
+
 /// A token and the bytes of the line it takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Piece<'a> {
@@ -52,7 +55,7 @@ pub struct Word {
     /// Column of the letter, counted from 1.
     pub column: u16,
     /// Bytes from the letter to the number's last digit.
-    pub len: u16,
+    pub len: u8,
 }
 
 /// The tokens of one line, which must not contain its line end.
@@ -63,91 +66,92 @@ pub struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// Starts at the line's first byte.
+    /// Starts at the line's first byte; what is behind [`LINE_MAX`] bytes is not looked at.
     pub fn new(line: &'a [u8]) -> Self {
-        Words { line, at: 0 }
+        Words { line: line.get(..LINE_MAX).unwrap_or(line), at: 0 }
+    }
+
+    /// Offset of the next byte.
+    #[inline]
+    pub fn offset(&self) -> usize {
+        self.at
     }
 
     #[inline]
-    fn rest(&self) -> &'a [u8] {
-        self.line.get(self.at..).unwrap_or_default()
+    fn peek(&self) -> Option<u8> {
+        self.line.get(self.at).copied()
     }
 
+    /// The next token if it is a word, and plainly written: nearly every token is, and this way it is read in half the
+    /// instructions. [`Words::next`] has the others.
     #[inline]
-    fn column(&self) -> u16 {
-        column(self.at)
+    pub fn next_word(&mut self) -> Option<Word> {
+        let letter = self.peek().filter(u8::is_ascii_uppercase)?;
+        let (start, from) = (self.at, self.at + 1);
+        let (number, end) = number::read(self.line, from)?;
+        self.at = end;
+        // Both fit: `new` bounds the one, the digits of a number the other.
+        Some(Word { letter, number, column: from as u16, len: (end - start) as u8 })
     }
 
-    #[cold]
-    fn is_at_beginning(&self) -> bool {
-        self.line.get(..self.at).unwrap_or_default().iter().all(|byte| is_ignored(*byte))
-    }
-
-    #[inline]
-    fn number(&mut self) -> Result<Number, Fault> {
-        match number::read(self.rest()) {
-            Ok((number, len)) => {
-                self.at += len;
-                Ok(number)
-            }
-            Err((alarm, offset)) => {
-                self.at += offset;
-                Err(Fault::alarm(alarm, self.column()))
-            }
-        }
-    }
-
-    fn comment(&mut self) -> Token<'a> {
-        let body = self.rest().get(1..).unwrap_or_default();
-        match body.iter().position(|&byte| byte == b')') {
-            Some(len) => {
-                self.at += len + 2;
-                Token::Comment { text: body.get(..len).unwrap_or_default(), closed: true }
-            }
-            None => {
-                self.at = self.line.len();
-                Token::Comment { text: body, closed: false }
-            }
-        }
-    }
-
-    #[inline]
     fn word(&mut self, letter: u8) -> Result<Token<'a>, Fault> {
-        let (column, start) = (self.column(), self.at);
-        self.at += 1;
-        if matches!(self.rest().first(), Some(b'#' | b'[')) {
-            return Err(Fault::not_modelled(NotModelled::Macro, self.column()));
+        let start = self.at - 1;
+        if matches!(self.peek(), Some(b'#' | b'[')) {
+            return Err(Fault::not_modelled(NotModelled::Macro, column(self.at)));
         }
-        let number = self.number()?;
-        Ok(Token::Word(Word { letter, number, column, len: u16::try_from(self.at - start).unwrap_or(u16::MAX) }))
+        let Some(number) = self.number() else {
+            let (alarm, offset) = number::what_is_wrong(self.line, self.at);
+            return Err(Fault::alarm(alarm, column(offset)));
+        };
+        Ok(Token::Word(Word { letter, number, column: (start + 1) as u16, len: (self.at - start) as u8 }))
     }
 
+    fn number(&mut self) -> Option<Number> {
+        let (number, end) = number::read(self.line, self.at)?;
+        self.at = end;
+        Some(number)
+    }
+
+    /// Behind its bracket.
+    fn comment(&mut self) -> Token<'a> {
+        let body = self.line.get(self.at..).unwrap_or_default();
+        let end = body.iter().position(|&byte| byte == b')');
+        let text = body.get(..end.unwrap_or(body.len())).unwrap_or_default();
+        self.at += text.len() + usize::from(end.is_some());
+        Token::Comment { text, closed: end.is_some() }
+    }
+
+    /// Behind its `#`.
     fn assignment(&mut self) -> Result<Token<'a>, Fault> {
-        let column = self.column();
-        self.at += 1;
-        let macro_fault = Fault::not_modelled(NotModelled::Macro, column);
-        let variable = self.number().map_err(|_| macro_fault)?;
+        let macro_fault = Fault::not_modelled(NotModelled::Macro, column(self.at - 1));
+        let variable = self.number().ok_or(macro_fault)?;
         let variable = variable.as_whole().ok_or(macro_fault)?;
-        if self.rest().first() != Some(&b'=') {
+        if self.peek() != Some(b'=') {
             return Err(macro_fault);
         }
         self.at += 1;
-        let value = self.number().map_err(|_| macro_fault)?;
+        let value = self.number().ok_or(macro_fault)?;
         // `#1=2` is whole; `#1=2+3` and `#1=2X` are not what they look like.
-        match self.rest().first() {
+        match self.peek() {
             None | Some(b'(' | b' ') => Ok(Token::Assignment { variable, value }),
             Some(_) => Err(macro_fault),
         }
     }
 
+    /// Behind its slash.
     fn block_delete(&mut self) -> Token<'a> {
+        let Some(digit @ b'1'..=b'9') = self.peek() else { return Token::BlockDelete(1) };
         self.at += 1;
-        match self.rest().first() {
-            Some(&digit @ b'1'..=b'9') => {
-                self.at += 1;
-                Token::BlockDelete(digit - b'0')
-            }
-            _ => Token::BlockDelete(1),
+        Token::BlockDelete(digit - b'0')
+    }
+
+    #[cold]
+    fn what_is_wrong_with(&self, byte: u8, start: usize) -> Alarm {
+        let is_at_beginning = || self.line.iter().take(start).all(|byte| is_ignored(*byte));
+        match byte {
+            b'0'..=b'9' | b'+' | b'-' | b'.' if is_at_beginning() => Alarm::AddressNotFound,
+            b'0'..=b'9' | b'+' | b'-' | b'.' => Alarm::IllegalAddress,
+            _ => Alarm::Character,
         }
     }
 }
@@ -156,28 +160,20 @@ impl<'a> Iterator for Words<'a> {
     /// A token in its place, or the fault that ends the line.
     type Item = Result<Piece<'a>, Fault>;
 
-    #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        while self.rest().first().is_some_and(|byte| is_ignored(*byte)) {
+        while self.peek().is_some_and(is_ignored) {
             self.at += 1;
         }
-        let &byte = self.rest().first()?;
-        let start = self.at;
+        let (byte, start) = (self.peek()?, self.at);
+        self.at += 1;
         let token = match byte {
             b'A'..=b'Z' => self.word(byte),
             b':' => self.word(b'O'),
             b'(' => Ok(self.comment()),
             b'#' => self.assignment(),
             b'/' => Ok(self.block_delete()),
-            b'%' => {
-                self.at += 1;
-                Ok(Token::ProgramMark)
-            }
-            b'0'..=b'9' | b'+' | b'-' | b'.' if self.is_at_beginning() => {
-                Err(Fault::alarm(Alarm::AddressNotFound, self.column()))
-            }
-            b'0'..=b'9' | b'+' | b'-' | b'.' => Err(Fault::alarm(Alarm::IllegalAddress, self.column())),
-            _ => Err(Fault::alarm(Alarm::Character, self.column())),
+            b'%' => Ok(Token::ProgramMark),
+            _ => Err(Fault::alarm(self.what_is_wrong_with(byte, start), column(start))),
         };
         if token.is_err() {
             self.at = self.line.len();
@@ -238,7 +234,7 @@ mod tests {
     #[test]
     fn a_variable_takes_a_plain_number() {
         let token = Words::new(b"#5204=0").next().unwrap().unwrap().token;
-        let value = Number::whole(0);
+        let (value, _) = number::read(b"0", 0).unwrap();
         assert_eq!(token, Token::Assignment { variable: 5204, value });
         for line in ["#1=#2", "#[1]=0", "#1=2+3", "#1", "X#1", "X[1]"] {
             let fault = Words::new(line.as_bytes()).next().unwrap().unwrap_err();

@@ -108,16 +108,13 @@ impl<'a> Cursor<'a> {
     /// # Errors
     /// PS0003, PS0005, PS0007 at the offending byte.
     pub fn number(&mut self) -> Result<Number, Fault> {
-        match number::read(self.rest()) {
-            Ok((number, len)) => {
-                self.skip(len);
-                Ok(number)
-            }
-            Err((alarm, offset)) => {
-                self.skip(offset);
-                Err(Fault::alarm(alarm, self.column()))
-            }
-        }
+        let Some((number, end)) = number::read(&self.code.bytes, self.at) else {
+            let (alarm, at) = number::what_is_wrong(&self.code.bytes, self.at);
+            self.at = at;
+            return Err(Fault::alarm(alarm, self.column()));
+        };
+        self.at = end;
+        Ok(number)
     }
 
     /// Reads digits; `None` if there are none.
@@ -128,7 +125,7 @@ impl<'a> Cursor<'a> {
         let column = self.column();
         let rest = self.rest();
         let len = rest.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(rest.len());
-        if len > usize::from(number::DIGITS_MAX) {
+        if len > number::DIGITS_MAX {
             return Err(Fault::alarm(Alarm::TooManyDigits, column));
         }
         self.skip(len);

@@ -70,7 +70,7 @@ fn word(letter: u8, column: u16, cursor: &mut Cursor<'_>, evaluator: Evaluator<'
         let number = cursor.number()?;
         let len = before.len() - cursor.rest().len();
         let spelled = before.get(..len).unwrap_or_default().to_vec();
-        return Ok(Some(Word { letter, spelled, value: number.to_f64(), has_point: number.has_point, column }));
+        return Ok(Some(Word { letter, spelled, value: number.to_f64(), has_point: number.has_point(), column }));
     }
     if matches!(cursor.peek(), Some(b'A'..=b'Z')) && !cursor.rest().contains(&b'[') {
         return Err(Fault::alarm(Alarm::NoDataAfterAddress, cursor.column()));
