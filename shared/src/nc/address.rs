@@ -14,7 +14,7 @@ const SPINDLE_MAX: i64 = 99_999;
 /// Letters whose numbers may be neither negative nor broken.
 const RESTRICTED: u32 = letters(b"DHLMPST");
 
-/// Checks the words of a block that is no macro call, G apart: see [`check_sign`].
+/// Checks the words of a block that is no macro call, G apart: see `check_sign`.
 ///
 /// # Errors
 /// PS0003, PS0006, PS0007, PS0030.
