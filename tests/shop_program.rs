@@ -103,12 +103,25 @@ fn only_the_bore_is_adapted_and_what_follows_gets_its_feed_back() {
 }
 
 #[test]
+fn checked_with_the_settings_of_its_job_it_has_the_moves_that_are_counted_by_hand() {
+    let report = json(&["check", JOB, "--json"]);
+    let counts = ["arcs", "linear", "rapids"].map(|kind| report["counts"][kind].as_u64().expect("a count"));
+    // Cut straight: G81 once, two holes in three cuts each, the tap down and up.
+    assert_eq!(counts, [1, 9, 25]);
+    assert_eq!(counts.iter().sum::<u64>(), program_s(BORE).1 as u64);
+    assert_eq!((&report["warnings"], &report["control"]), (&Value::Array(vec![]), &Value::from("fanuc-16i")));
+}
+
+#[test]
 fn simulated_it_takes_the_time_of_its_moves() {
     let report = json(&["simulate", JOB, "--json"]);
     assert_eq!((&report["blocks_executed"], &report["alarms"]), (&Value::from(24), &Value::Array(vec![])));
     assert_time(&report["cycle_time_s"], BORE);
     assert_time(&report["baseline_cycle_time_s"], 1500.0);
     assert_eq!(report["movements"][0]["arcs"], 1, "the bore, at the level that the drawing says");
+    let streamed = json(&["stream", JOB, "--json"]);
+    assert_eq!((&streamed["blocks_executed"], &streamed["link"]["starved_ms"]), (&Value::from(24), &Value::from(0)));
+    assert_eq!(streamed["cycle_time_s"], report["cycle_time_s"]);
 }
 
 #[test]
