@@ -3,6 +3,8 @@
 //! Inputs are mutations of the programs in this repository and of a dictionary, from a seed that is printed. Here each
 //! target has a fixed number of them; `cargo xtask soak` goes on for as long as it is told.
 
+mod macros;
+
 mod mutate;
 
 mod targets;
@@ -12,15 +14,16 @@ use std::time::{Duration, Instant};
 
 use mutate::Mutator;
 
-/// Inputs per target, where nobody asks for more.
+/// Inputs of a target that reads, and of one in which a control runs, where nobody asks for more.
 const SMOKE: u32 = 100_000;
+const SMOKE_OF_CONTROLS: u32 = 3_000;
 /// Seconds per target, set by `cargo xtask soak`.
 const SOAK: &str = "ARCFEED_SOAK_SECONDS";
 /// No input takes a thousandth of this.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Feeds a target until its time is over; what hangs is reported with its seed and count.
-fn feed(name: &str, seed: u64, target: fn(&[u8], u64)) {
+fn feed(name: &str, seed: u64, smoke: u32, target: fn(&[u8], u64)) {
     let soak = std::env::var(SOAK).ok().map(|seconds| {
         Duration::from_secs(seconds.parse().unwrap_or_else(|_| panic!("{SOAK}={seconds}: not a number of seconds")))
     });
@@ -29,7 +32,7 @@ fn feed(name: &str, seed: u64, target: fn(&[u8], u64)) {
     let (done, progress) = mpsc::channel();
     let worker = std::thread::spawn(move || {
         let (started, mut mutator, mut count) = (Instant::now(), Mutator::new(seed), 0);
-        while soak.map_or(count < SMOKE, |time| started.elapsed() < time) {
+        while soak.map_or(count < smoke, |time| started.elapsed() < time) {
             let input = mutator.next();
             target(&input, seed.wrapping_add(u64::from(count)));
             count += 1;
@@ -54,35 +57,50 @@ fn feed(name: &str, seed: u64, target: fn(&[u8], u64)) {
 
 #[test]
 fn the_lexer_takes_whatever_comes() {
-    feed("lexer", 1, targets::lexer);
+    feed("lexer", 1, SMOKE, targets::lexer);
 }
 
 #[test]
 fn blocks_are_read_or_refused() {
-    feed("blocks", 2, targets::blocks);
+    feed("blocks", 2, SMOKE, targets::blocks);
 }
 
 #[test]
 fn whole_programs_are_understood_or_refused() {
-    feed("program", 3, targets::program);
+    feed("program", 3, SMOKE, targets::program);
 }
 
 #[test]
 fn the_controls_port_takes_whatever_bytes_at_whatever_time() {
-    feed("port", 4, targets::port);
+    feed("port", 4, SMOKE / 4, targets::port);
 }
 
 #[test]
 fn job_files_are_read_or_refused() {
-    feed("job", 5, targets::job);
+    feed("job", 5, SMOKE, targets::job);
 }
 
 #[test]
 fn port_urls_are_read_or_refused() {
-    feed("url", 6, targets::url);
+    feed("url", 6, SMOKE, targets::url);
 }
 
 #[test]
 fn the_rfc2217_client_takes_whatever_a_server_says() {
-    feed("rfc2217", 7, targets::rfc2217);
+    feed("rfc2217", 7, SMOKE, targets::rfc2217);
+}
+
+#[test]
+fn macro_programs_end_within_their_bounds() {
+    feed("macros", 8, SMOKE / 5, macros::interpreter);
+}
+
+#[test]
+fn the_control_runs_or_refuses_macro_programs() {
+    feed("memory", 9, SMOKE_OF_CONTROLS, macros::memory);
+}
+
+#[test]
+fn the_line_takes_whatever_bytes_under_whatever_settings() {
+    feed("line", 10, SMOKE / 4, targets::line);
 }

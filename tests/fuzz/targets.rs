@@ -5,6 +5,10 @@ use std::path::Path;
 use arcfeed::job::{JobFile, Parity, SerialSettings};
 use arcfeed::port::rfc2217::client::{Client, Line};
 use arcfeed::port::url::{PortUrl, Rfc2217Options};
+use arcfeed_hil_sim::control::code::Code;
+use arcfeed_hil_sim::control::dnc_port::DncPort;
+use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
+use arcfeed_hil_sim::control::tape::TapeSettings;
 use arcfeed_hil_sim::control::{Control, ControlSettings};
 use arcfeed_shared::nc::block::{Reading, parse_line};
 use arcfeed_shared::nc::word::Words;
@@ -64,6 +68,65 @@ pub fn port(input: &[u8], seed: u64) {
         now = now.after(STEP);
         control.step(now, STEP, random.u8(..));
         while control.port().poll_transmit().is_some() {}
+    }
+}
+
+/// The port by itself, set in any way: every character is counted once, a block comes out for each end of block, and after
+/// reset and cycle start it reads again.
+pub fn line(input: &[u8], seed: u64) {
+    let mut random = Rng::with_seed(seed);
+    let mut port = DncPort::on_line(line_settings(&mut random));
+    let (mut left, mut given, mut taken) = (input, 0, 0);
+    for _ in 0..200 {
+        let (burst, rest) = left.split_at(random.usize(..=left.len().min(60)));
+        port.on_bytes(burst);
+        given += burst.len();
+        left = rest;
+        match random.u8(..60) {
+            0 => port.on_framing_error(),
+            1 => port.set_ready(random.bool()),
+            2 => port.excuse_what_is_on_the_wire(),
+            3 => port.close(),
+            4 => port.reset(),
+            5 => port.restart(),
+            6 => {
+                let code = port.code();
+                port.punch().open();
+                port.punch().print(burst, code);
+                port.punch().close();
+            }
+            _ => {}
+        }
+        let _alarm_or_not = port.step(Micros(random.u64(..5_000)));
+        while random.u8(..3) > 0 && port.take_block().is_some() {
+            taken += 1;
+        }
+        while random.u8(..5) > 0 && port.poll_transmit().is_some() {}
+        assert!(
+            port.counters().bytes <= given as u64 && taken <= port.counters().bytes,
+            "{taken} blocks of {given} bytes"
+        );
+        assert!(port.buffered() as u64 <= port.counters().bytes);
+    }
+}
+
+fn line_settings(random: &mut Rng) -> LineSettings {
+    let buffer = random.usize(1..2_000);
+    let xon_above = random.usize(..=buffer);
+    LineSettings {
+        baudrate: *random.choice(&[0, 50, 9_600, 115_200, u32::MAX]).expect("rates"),
+        bits_per_char: random.u32(..13),
+        sender: *random.choice(&[SenderParity::None, SenderParity::Even, SenderParity::Odd]).expect("parities"),
+        buffer,
+        xoff_below: random.usize(..=xon_above),
+        xon_above,
+        after_dc3_max: random.u32(..12),
+        tape: TapeSettings {
+            code: *random.choice(&[None, Some(Code::Iso), Some(Code::Eia), Some(Code::Ascii)]).expect("codes"),
+            label_skip: random.bool(),
+            tv_check: random.bool(),
+            strict_characters: random.bool(),
+        },
     }
 }
 

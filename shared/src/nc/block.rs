@@ -255,8 +255,8 @@ pub(super) const fn letters(of: &[u8]) -> u32 {
     }
 }
 
-/// `O` (or `:`) with anything but a digit behind it.
-fn is_title(text: &[u8]) -> bool {
+/// `O` (or `:`) with anything but a digit behind it: a title, which lenient reading passes.
+pub fn is_title(text: &[u8]) -> bool {
     matches!(text, [b'O' | b':', next, ..] if !next.is_ascii_digit())
 }
 

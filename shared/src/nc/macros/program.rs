@@ -6,6 +6,7 @@ use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
 use super::code::{Code, Head, is_keyword, is_short_keyword};
+use crate::nc::block::is_title;
 use crate::nc::text::Lines;
 
 /// Where subprograms come from that are not in the file of the main program.
@@ -84,7 +85,7 @@ impl File {
             file.sequence.extend(head.sequence.map(|sequence| (sequence, index)));
             file.pair(loop_word(cursor.rest()), index, &mut open);
             let text = if is_mark { &[] } else { raw };
-            file.lines.push(Line { text: text.to_vec(), is_plain: is_plain(cursor.rest()) });
+            file.lines.push(Line { text: text.to_vec(), is_plain: is_title(raw) || is_plain(cursor.rest()) });
         }
         let end = u32::try_from(file.lines.len()).unwrap_or(u32::MAX);
         file.spans.push(Span { number, first, end });
@@ -170,10 +171,6 @@ fn loop_word(rest: &[u8]) -> Option<LoopWord> {
 
 /// Whether a block without its head is one of words and plain numbers, and calls nothing.
 fn is_plain(rest: &[u8]) -> bool {
-    // A CAM title: the block's reader decides what it is worth.
-    if matches!(rest, [b'O' | b':', ..]) {
-        return true;
-    }
     let has_macro = rest.iter().any(|byte| matches!(byte, b'#' | b'[' | b']' | b'='));
     let mut runs = rest.split(|byte| !byte.is_ascii_uppercase());
     let is_statement = runs.clone().next().is_some_and(is_short_keyword);
@@ -210,7 +207,7 @@ pub fn needs_interpreter(line: &[u8]) -> bool {
     let code = Code::new(line);
     let mut cursor = code.cursor();
     Head::read(&mut cursor);
-    if is_plain(cursor.rest()) {
+    if is_title(line) || is_plain(cursor.rest()) {
         return false;
     }
     // Alarms, messages and switches are more than a number kept.

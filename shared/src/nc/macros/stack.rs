@@ -247,10 +247,11 @@ impl Stack {
         self.frames.last().is_none_or(|frame| frame.line >= frame.span.end)
     }
 
-    /// The modal call to make now, if there is one.
+    /// The modal call to make now, if there is one. What is wrong with it is told of the block that makes it as a whole.
     pub fn modal_call(&self, when: When) -> Option<Call> {
         let active = self.modal.len().checked_sub(self.masked + 1)?;
-        self.modal.get(active).filter(|(of, _)| *of == when).map(|(_, call)| call.clone())
+        let call = self.modal.get(active).filter(|(of, _)| *of == when).map(|(_, call)| call.clone());
+        call.map(|call| Call { column: 0, ..call })
     }
 
     /// G66, G66.1; false if a modal macro runs, in which there can be no other.
