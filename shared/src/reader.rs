@@ -57,6 +57,12 @@ impl Reader {
         self.settings.delete_switches = switches;
     }
 
+    /// Sets the offsets, as a macro statement does; the axes stay where they are.
+    pub fn set_tables(&mut self, tables: &Tables) {
+        self.tables = *tables;
+        self.modal.settle(&self.tables);
+    }
+
     /// Where the axes stand, in machine coordinates.
     pub fn machine(&self) -> Pose {
         self.modal.machine(&self.tables)

@@ -1,6 +1,8 @@
 //! Blocks as they are executed: what each does, and how.
 
 use arcfeed_shared::nc::alarm::Fault;
+use arcfeed_shared::nc::macros::program::is_statement;
+use arcfeed_shared::nc::macros::variables::Ignored;
 use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::nc::series::Series;
 use arcfeed_shared::segment::Segment;
@@ -34,6 +36,8 @@ pub enum Action {
     Dwell(Micros),
     /// M0, M1, M2, M30.
     Stop(Stop),
+    /// What counts for nothing from here on: #3003, #3004.
+    Ignore(Ignored),
     /// The control stops here with an alarm.
     Fault(Fault),
 }
@@ -51,10 +55,15 @@ impl ReadBlock {
         ReadBlock { line, text, action, manner: Manner::default() }
     }
 
-    /// Whether a control in single block waits after it: not after one with nothing but a comment.
+    /// Whether a control in single block waits after it: not after one with nothing but a comment, not after a macro
+    /// statement or a call.
     pub fn is_halt_of_single_block(&self) -> bool {
         let code = self.text.split(|&byte| byte == b'(').next().unwrap_or_default();
-        self.action != Action::Nothing || !code.trim_ascii().is_empty()
+        match self.action {
+            Action::Nothing => !code.trim_ascii().is_empty() && !is_statement(&self.text),
+            Action::Ignore(_) => false,
+            _ => true,
+        }
     }
 }
 

@@ -22,8 +22,6 @@ pub struct Plain {
     pub action: Action,
     /// How.
     pub manner: Manner,
-    /// It is `%`.
-    pub is_mark: bool,
 }
 
 /// Reads blocks one after the other.
@@ -97,7 +95,7 @@ impl PlainReader {
         if let Action::Series(..) = &action {
             self.end = self.reader.machine();
         }
-        Ok(Plain { action, manner, is_mark: understood.parsed.line == Line::ProgramMark })
+        Ok(Plain { action, manner })
     }
 
     fn note(&mut self, block: &Block) {

@@ -1,9 +1,6 @@
 //! Blocks to actions: what the control reads ahead of its execution.
-//!
-//! In DNC operation the control has no program to jump in: GOTO, WHILE, DO and END are alarm PS0123 there.
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
-use arcfeed_shared::nc::macros::code::{Code, Cursor, Head};
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::nc::settings::Tables;
 
@@ -13,19 +10,27 @@ use super::restart::RestartList;
 use super::settings::{ControlSettings, Switches};
 use super::tape::Received;
 
+/// A block off the tape.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Opened {
+    /// Its text.
+    Text(Vec<u8>),
+    /// It stops the control.
+    Refused(Box<ReadBlock>),
+}
+
 /// The blocks of a program as they come in.
 #[derive(Debug)]
 pub struct BlockReader {
     reader: PlainReader,
-    in_dnc: bool,
     line: u32,
     has_begun: bool,
 }
 
 impl BlockReader {
-    /// At power-on, the axes at the machine's zero; `in_dnc`: the program comes over the line.
-    pub fn new(settings: &ControlSettings, in_dnc: bool) -> Self {
-        BlockReader { reader: PlainReader::new(settings), in_dnc, line: 0, has_begun: false }
+    /// At power-on, the axes at the machine's zero.
+    pub fn new(settings: &ControlSettings) -> Self {
+        BlockReader { reader: PlainReader::new(settings), line: 0, has_begun: false }
     }
 
     /// The axes stand here.
@@ -60,6 +65,14 @@ impl BlockReader {
 
     /// Reads a block; `None` for `%`, empty and deleted ones, which do nothing.
     pub fn read(&mut self, received: Received, switches: &Switches) -> Option<ReadBlock> {
+        match self.open(received, switches)? {
+            Opened::Text(text) => Some(self.understand(text, switches)),
+            Opened::Refused(block) => Some(*block),
+        }
+    }
+
+    /// Takes a block off the tape; `None` for `%`, empty and deleted ones, which do nothing.
+    pub fn open(&mut self, received: Received, switches: &Switches) -> Option<Opened> {
         self.line += 1;
         let (text, refused) = match received {
             Received::Label { has_mark } => {
@@ -72,13 +85,15 @@ impl BlockReader {
         if deleted_by(&text).is_some_and(|switch| switches.deletes(switch)) {
             return None;
         }
-        let is_empty = text.is_empty() && refused.is_none();
-        let (action, manner) = match refused.or(self.refused_in_dnc(&text)) {
-            Some(fault) => (Action::Fault(fault), Manner::default()),
-            None => self.understand(&text, switches)?,
-        };
-        self.has_begun |= !is_empty;
-        (!is_empty).then_some(ReadBlock { line: self.line, text, action, manner })
+        let has_begun = self.has_begun;
+        self.has_begun |= !text.is_empty() || refused.is_some();
+        // The first mark begins the program, the next one ends it: a program that has not stopped before has no end.
+        let is_mark = text.first() == Some(&b'%');
+        let at_end = Fault::alarm(Alarm::EndOfRecord, 1);
+        match refused.or((is_mark && has_begun).then_some(at_end)) {
+            Some(fault) => Some(Opened::Refused(Box::new(ReadBlock::new(self.line, text, Action::Fault(fault))))),
+            None => (!is_mark && !text.is_empty()).then_some(Opened::Text(text)),
+        }
     }
 
     /// Passes over a block, for a search: whether it was the end of the program.
@@ -95,31 +110,17 @@ impl BlockReader {
         false
     }
 
-    /// Reads a block that [`BlockReader::pass`] has passed over.
-    pub fn read_again(&mut self, received: Received, switches: &Switches) -> Option<ReadBlock> {
+    /// The block that [`BlockReader::pass`] has passed over is read next.
+    pub fn go_back(&mut self) {
         self.line -= 1;
-        self.read(received, switches)
     }
 
-    fn refused_in_dnc(&self, text: &[u8]) -> Option<Fault> {
-        (self.in_dnc && branches(text)).then_some(Fault::alarm(Alarm::BranchInDnc, 0))
-    }
-
-    /// `None` for the mark that begins the program.
-    fn understand(&mut self, text: &[u8], switches: &Switches) -> Option<(Action, Manner)> {
+    fn understand(&mut self, text: Vec<u8>, switches: &Switches) -> ReadBlock {
         // Bit n - 1 of the panel is bit n of the reader.
         self.reader.reader().set_delete_switches(switches.block_delete << 1);
-        match self.reader.read(text) {
-            // The first mark begins the program, the next one ends it: a program that has not stopped before has no end.
-            Ok(Plain { is_mark: true, manner, .. }) if self.has_begun => {
-                Some((Action::Fault(Fault::alarm(Alarm::EndOfRecord, 1)), manner))
-            }
-            Ok(Plain { is_mark: true, .. }) => {
-                self.has_begun = true;
-                None
-            }
-            Ok(Plain { action, manner, .. }) => Some((action, manner)),
-            Err(fault) => Some((Action::Fault(fault), Manner::default())),
+        match self.reader.read(&text) {
+            Ok(Plain { action, manner }) => ReadBlock { line: self.line, text, action, manner },
+            Err(fault) => ReadBlock::new(self.line, text, Action::Fault(fault)),
         }
     }
 }
@@ -142,46 +143,19 @@ fn deleted_by(text: &[u8]) -> Option<u8> {
     Some(after.first().filter(|byte| matches!(byte, b'1'..=b'9')).map_or(1, |digit| digit - b'0'))
 }
 
-/// Whether a block goes on somewhere else in its program: GOTO, also behind IF, WHILE, DO, END.
-fn branches(text: &[u8]) -> bool {
-    let code = Code::new(text);
-    let mut statement = code.cursor();
-    Head::read(&mut statement);
-    if statement.eat_keyword(b"IF") {
-        skip_brackets(&mut statement);
-        statement.eat(b"THEN");
-    }
-    let jumps = [b"GOTO".as_slice(), b"WHILE", b"END"].iter().any(|keyword| statement.eat_keyword(keyword));
-    jumps || statement.letters() == b"DO"
-}
-
-/// Skips from `[` to behind the `]` that belongs to it.
-fn skip_brackets(statement: &mut Cursor<'_>) {
-    let mut depth = 0_u32;
-    while let Some(byte) = statement.peek() {
-        match byte {
-            b'[' => depth += 1,
-            b']' => depth = depth.saturating_sub(1),
-            _ if depth == 0 => return,
-            _ => {}
-        }
-        statement.skip(1);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use arcfeed_shared::nc::modal::Stop;
     use arcfeed_shared::units::LengthUnit;
 
-    fn blocks(program: &str, in_dnc: bool, switches: &Switches) -> Vec<ReadBlock> {
-        let mut reader = BlockReader::new(&ControlSettings::fanuc_16i(LengthUnit::Inch), in_dnc);
+    fn blocks(program: &str, switches: &Switches) -> Vec<ReadBlock> {
+        let mut reader = BlockReader::new(&ControlSettings::fanuc_16i(LengthUnit::Inch));
         program.lines().filter_map(|line| reader.read(Received::Block(line.into()), switches)).collect()
     }
 
     fn actions(program: &str) -> Vec<Action> {
-        blocks(program, false, &Switches::default()).into_iter().map(|block| block.action).collect()
+        blocks(program, &Switches::default()).into_iter().map(|block| block.action).collect()
     }
 
     #[test]
@@ -217,20 +191,9 @@ mod tests {
     fn a_deleted_block_leaves_no_trace_also_in_the_modal_state() {
         let switches = Switches { block_delete: 1, ..Switches::default() };
         let program = "G1X1.F10.\n/G0X5.\n/2X6.\nX7.";
-        let texts: Vec<Vec<u8>> = blocks(program, false, &switches).into_iter().map(|block| block.text).collect();
+        let texts: Vec<Vec<u8>> = blocks(program, &switches).into_iter().map(|block| block.text).collect();
         assert_eq!(texts, [b"G1X1.F10.".as_slice(), b"/2X6.", b"X7."]);
-        assert_eq!(blocks(program, false, &Switches::default()).len(), 4);
-    }
-
-    #[test]
-    fn jumps_are_refused_where_there_is_nothing_to_jump_in() {
-        let refused = Action::Fault(Fault::alarm(Alarm::BranchInDnc, 0));
-        for line in ["GOTO10", "N20 IF[#[1]EQ2](A)GOTO10", "IF[1EQ1]THEN GO5", "N5WHILE[#1LT9]DO1", "DO1", "END1"] {
-            assert_eq!(blocks(line, true, &Switches::default())[0].action, refused, "{line}");
-            assert_ne!(blocks(line, false, &Switches::default())[0].action, refused, "{line}");
-        }
-        assert_ne!(blocks("IF[#1EQ2]THEN#2=1", true, &Switches::default())[0].action, refused);
-        assert_eq!(blocks("(GOTO10)", true, &Switches::default())[0].action, Action::Nothing);
+        assert_eq!(blocks(program, &Switches::default()).len(), 4);
     }
 
     #[test]

@@ -46,7 +46,8 @@ impl Search {
                 let is_end = reader.pass(&received);
                 match &received {
                     Received::Block(text) if sequence_of(text) == Some(wanted) => {
-                        Found::Here(reader.read_again(received, switches).into_iter().collect())
+                        reader.go_back();
+                        Found::Here(reader.read(received, switches).into_iter().collect())
                     }
                     _ if is_end => Found::Never(Box::new(never(reader.line()))),
                     _ => Found::NotYet,

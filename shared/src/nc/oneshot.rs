@@ -214,16 +214,14 @@ pub fn set_data(modal: &Modal, block: &Block, settings: &Settings, tables: &mut 
             let system = tables.systems.get_mut(index).ok_or(target_fault(at))?;
             write_system(modal, block, settings, system);
         }
-        (1 | 10 | 11, number) if (1..=OFFSETS as i64).contains(&number) => {
-            let entry = tables.lengths.get_mut(number as usize - 1).ok_or(target_fault(at))?;
-            let [geometry, wear] = entry;
-            let place = if kind == 11 { wear } else { geometry };
+        (1 | 10..=13, number) if (1..=OFFSETS as i64).contains(&number) => {
+            let offsets = if kind < 12 { &mut tables.lengths } else { &mut tables.radii };
+            let [geometry, wear] = offsets.get_mut(number as usize - 1).ok_or(target_fault(at))?;
+            let place = if matches!(kind, 11 | 13) { wear } else { geometry };
             let word: &Word = block.word(b'R').ok_or(target_fault(0))?;
             let value = modal.length(word.number, settings.decimals);
             place.0 = if modal.absolute { value } else { place.0.saturating_add(value) };
         }
-        // Cutter radii: where the contour is offset, the control offsets it.
-        (12 | 13, number) if (1..=OFFSETS as i64).contains(&number) => {}
         (1 | 2 | 10..=13 | 20, _) => return Err(target_fault(at)),
         (3 | 50 | 52, _) => return Err(Fault::not_modelled(NotModelled::GCode(100), column)),
         _ => return Err(target_fault(column)),

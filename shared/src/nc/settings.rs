@@ -78,6 +78,8 @@ pub struct Tables {
     pub systems: [Pose; SYSTEMS],
     /// Length compensation by H, geometry and wear, from H1.
     pub lengths: [[Nm; 2]; OFFSETS],
+    /// Cutter compensation by D, geometry and wear, from D1. Nothing here moves by them: the control offsets contours.
+    pub radii: [[Nm; 2]; OFFSETS],
 }
 
 /// A number of this control, as on its name plate.
@@ -121,7 +123,7 @@ impl Settings {
 
 impl Default for Tables {
     fn default() -> Self {
-        Tables { external: Pose::ORIGIN, systems: [Pose::ORIGIN; SYSTEMS], lengths: [[Nm(0); 2]; OFFSETS] }
+        Tables { external: Pose::ORIGIN, systems: [Pose::ORIGIN; SYSTEMS], lengths: [[Nm(0); 2]; OFFSETS], radii: [[Nm(0); 2]; OFFSETS] }
     }
 }
 

@@ -7,14 +7,15 @@ use super::arguments::{Letters, locals};
 use super::calls::{SEQUENCE_MAX, Then, macro_call, split_call};
 use super::code::{Code, Cursor, Head};
 use super::expression::{Evaluator, whole};
-use super::print::{self, PUNCH_OFF, PUNCH_ON};
+use super::print;
 use super::program::{File, Library, Line};
 use super::stack::{Call, Place, Stack, When};
-use super::step::{Ending, PlainBlock, Settings, Step, Trouble};
+use super::step::{Ending, Output, PlainBlock, Settings, Step, Trouble};
 use super::variables::{Context, Effect, Variables};
 use super::words::{self, Word, spell_block};
 use crate::nc::alarm::{Alarm, Fault, NotModelled};
 use crate::nc::macro_alarm::MacroAlarm;
+use crate::nc::settings::Tables;
 
 /// A program being executed.
 #[derive(Debug)]
@@ -58,6 +59,28 @@ impl Interpreter {
     /// Goes on at block N `sequence` of the program that runs; whether there is one.
     pub fn seek(&mut self, sequence: u32) -> bool {
         self.stack.jump(sequence).is_some()
+    }
+
+    /// Where subprograms come from that are not in the main program's file.
+    pub fn set_library(&mut self, library: Box<dyn Library>) {
+        self.stack.set_library(library);
+    }
+
+    /// The offsets as they are now.
+    pub fn tables(&self) -> &Tables {
+        &self.variables.tables
+    }
+
+    /// The offsets are these: at first, and after a block that wrote some with G10.
+    pub fn set_tables(&mut self, tables: &Tables) {
+        *self.variables.tables = *tables;
+    }
+
+    /// Reset: ready for the main program's next line from the DNC line. Common variables from #500 on and offsets stay.
+    pub fn reset(&mut self) {
+        self.stack.reset();
+        self.variables.reset();
+        (self.then, self.steps) = (Then::GoOn, 0);
     }
 
     /// The variables, as they are now.
@@ -173,13 +196,14 @@ impl Interpreter {
             return self.begin_loop(cursor, begin, true);
         }
         if cursor.eat_keyword(b"END") {
+            self.refuse_in_dnc(begin)?;
             cursor.loop_number()?;
             let (frame, file) = self.stack.top().ok_or(Fault::in_macro(MacroAlarm::EndMissing, begin))?;
             frame.line = file.other_end(self.index).ok_or(Fault::in_macro(MacroAlarm::EndMissing, begin))?;
             return Ok(None);
         }
-        if let Some(bytes) = self.output(&mut cursor)? {
-            return cursor.finish().map(|()| Some(Step::Output(bytes)));
+        if let Some(output) = self.output(&mut cursor)? {
+            return cursor.finish().map(|()| Some(Step::Output(output)));
         }
         self.block(head, cursor)
     }
@@ -200,6 +224,8 @@ impl Interpreter {
         match self.variables.write(number, value).map_err(|cause| Fault { cause, column })? {
             Effect::Kept => Ok(None),
             Effect::Stop => Ok(Some(Step::Message(code.comment.clone()))),
+            Effect::Ignore => Ok(Some(Step::Ignore(self.variables.ignored))),
+            Effect::Offset => Ok(Some(Step::Offset)),
             Effect::Alarm(alarm) => {
                 self.message.clone_from(&code.comment);
                 Err(Fault::in_macro(MacroAlarm::User(alarm), column))
@@ -211,6 +237,7 @@ impl Interpreter {
         let holds = self.evaluator().bracketed(&mut cursor)?.unwrap_or(0.0) != 0.0;
         let begin = cursor.column();
         if cursor.eat_keyword(b"GOTO") {
+            self.refuse_in_dnc(begin)?;
             return if holds { self.go_to(cursor, begin) } else { Ok(None) };
         }
         if !cursor.eat(b"THEN") {
@@ -224,8 +251,8 @@ impl Interpreter {
                 if cursor.eat_keyword(b"GOTO") {
                     return self.go_to(cursor, begin);
                 }
-                let bytes = self.output(&mut cursor)?.ok_or(cursor.fault(MacroAlarm::StatementFormat))?;
-                cursor.finish().map(|()| Some(Step::Output(bytes)))
+                let output = self.output(&mut cursor)?.ok_or(cursor.fault(MacroAlarm::StatementFormat))?;
+                cursor.finish().map(|()| Some(Step::Output(output)))
             }
         }
     }
@@ -260,20 +287,18 @@ impl Interpreter {
         if is_refused { Err(Fault::in_macro(MacroAlarm::NotInDnc, column)) } else { Ok(()) }
     }
 
-    fn output(&self, cursor: &mut Cursor<'_>) -> Result<Option<Vec<u8>>, Fault> {
-        if cursor.eat_keyword(b"POPEN") {
-            return Ok(Some(Vec::from([PUNCH_ON])));
-        }
-        if cursor.eat_keyword(b"PCLOS") {
-            return Ok(Some(Vec::from([PUNCH_OFF])));
-        }
-        if cursor.eat_keyword(b"DPRNT") {
-            return print::decimal(cursor, self.evaluator(), self.settings.print).map(Some);
-        }
-        if cursor.eat_keyword(b"BPRNT") {
-            return print::binary(cursor, self.evaluator()).map(Some);
-        }
-        Ok(None)
+    fn output(&self, cursor: &mut Cursor<'_>) -> Result<Option<Output>, Fault> {
+        Ok(if cursor.eat_keyword(b"POPEN") {
+            Some(Output::Open)
+        } else if cursor.eat_keyword(b"PCLOS") {
+            Some(Output::Close)
+        } else if cursor.eat_keyword(b"DPRNT") {
+            Some(Output::Text(print::decimal(cursor, self.evaluator(), self.settings.print)?))
+        } else if cursor.eat_keyword(b"BPRNT") {
+            Some(Output::Binary(print::binary(cursor, self.evaluator())?))
+        } else {
+            None
+        })
     }
 
     fn block(&mut self, head: &Head, mut cursor: Cursor<'_>) -> Result<Option<Step>, Fault> {

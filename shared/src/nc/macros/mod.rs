@@ -12,6 +12,8 @@ pub mod function;
 
 pub mod codes;
 
+pub mod offsets;
+
 pub mod variables;
 
 pub mod expression;

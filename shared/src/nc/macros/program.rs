@@ -178,6 +178,14 @@ fn is_plain(rest: &[u8]) -> bool {
     !has_macro && !is_statement && !has_keyword && !words(rest).any(|(letter, value)| is_call(letter, value))
 }
 
+/// Whether a line is more than words and plain numbers: a macro statement or a call.
+pub fn is_statement(line: &[u8]) -> bool {
+    let code = Code::new(line);
+    let mut cursor = code.cursor();
+    Head::read(&mut cursor);
+    !is_title(line) && !is_plain(cursor.rest())
+}
+
 /// Letters and the digits behind them, without leading zeros.
 fn words(rest: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
     rest.iter().enumerate().filter(|(_, byte)| byte.is_ascii_uppercase()).map(|(at, letter)| {

@@ -118,6 +118,18 @@ impl Stack {
         stack
     }
 
+    /// Where programs come from that are in no file yet.
+    pub fn set_library(&mut self, library: Box<dyn Library>) {
+        self.library = library;
+    }
+
+    /// Nothing runs but the main program, and no modal call is left.
+    pub fn reset(&mut self) {
+        self.frames.truncate(1);
+        self.modal.clear();
+        self.masked = 0;
+    }
+
     /// The next line of a main program in DNC operation takes the place of the one before.
     pub fn feed(&mut self, line: &[u8], number: u32) {
         self.lines_before = number.saturating_sub(1);

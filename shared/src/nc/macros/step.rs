@@ -3,8 +3,9 @@
 use alloc::vec::Vec;
 
 use super::function::Angles;
-use super::print::PrintStyle;
+use super::print::{PUNCH_OFF, PUNCH_ON, PrintStyle};
 use super::stack::{Bounds, Place};
+use super::variables::Ignored;
 use crate::nc::alarm::Fault;
 
 /// How the control is set.
@@ -27,8 +28,12 @@ pub struct Settings {
 pub enum Step {
     /// Reads a block of plain words.
     Block(PlainBlock),
-    /// Sends these bytes to the punch (POPEN, DPRNT, BPRNT, PCLOS).
-    Output(Vec<u8>),
+    /// Sends something to the punch.
+    Output(Output),
+    /// From here on passes over what #3003 and #3004 say.
+    Ignore(Ignored),
+    /// An offset is set: the reader of plain blocks gets [`super::interpreter::Interpreter::tables`].
+    Offset,
     /// Stops with a message until the operator presses cycle start (#3006).
     Message(Vec<u8>),
     /// Begins the main program again (M99 in it).
@@ -39,6 +44,30 @@ pub enum Step {
     Starved,
     /// Is at its end.
     End(Ending),
+}
+
+/// What goes to the punch.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// POPEN.
+    Open,
+    /// PCLOS.
+    Close,
+    /// DPRNT: a line of text with its line feed.
+    Text(Vec<u8>),
+    /// BPRNT: ISO codes and numbers, eight bits each, with a line feed.
+    Binary(Vec<u8>),
+}
+
+impl Output {
+    /// What goes out, in ASCII.
+    pub fn bytes(&self) -> &[u8] {
+        match self {
+            Output::Open => &[PUNCH_ON],
+            Output::Close => &[PUNCH_OFF],
+            Output::Text(bytes) | Output::Binary(bytes) => bytes,
+        }
+    }
 }
 
 /// How a program ended.

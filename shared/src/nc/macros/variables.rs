@@ -7,28 +7,27 @@
 //! | #100-#199, #500-#999 | common |
 //! | #3000, #3006 | alarm and stop with a message |
 //! | #3001, #3002 | milliseconds and hours since they were set |
-//! | #3003, #3004 | switches of single block and of feed hold, override, exact stop |
+//! | #3003, #3004 | what of single block, and of feed hold, override, exact stop, counts for nothing |
 //! | #3011, #3012 | date and time of day |
 //! | #4001-#4130 | codes in effect |
 //! | #5001-#5006 | where the last block ends, in the work coordinate system |
 //! | #5021-#5026 | the same in machine coordinates |
 //! | #5041-#5046 | the same in the work coordinate system, longer by the tool |
 //!
-//! Offsets a program writes (#2001 and on, #5201 and on) it can read again; nothing moves by them, and one that nobody
-//! wrote cannot be read.
+//! Those of offsets stand in [`super::offsets`].
 
-use alloc::collections::BTreeMap;
+use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
 use super::codes::Codes;
+use super::offsets;
 use crate::nc::alarm::{Cause, NotModelled};
 use crate::nc::macro_alarm::MacroAlarm;
 use crate::nc::modal::{Modal, Pose};
+use crate::nc::settings::Tables;
 use crate::units::{LengthUnit, Micros, US_PER_MS, US_PER_S};
 
-/// Most offsets kept.
-const KEPT_MAX: usize = 4_096;
 /// Common variables: #100 to #199, then #500 to #999.
 const COMMON: usize = 600;
 const S_PER_MIN: u64 = 60;
@@ -83,6 +82,19 @@ pub enum Effect {
     Alarm(u16),
     /// #3006: stop with a message.
     Stop,
+    /// #3003, #3004: other switches count for nothing from here on.
+    Ignore,
+    /// An offset.
+    Offset,
+}
+
+/// What the control passes over, bit by bit, as #3003 and #3004 say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Ignored {
+    /// Bit 0: single block. Bit 1: the end of auxiliary functions is not waited for.
+    pub stops: u8,
+    /// Bit 0: feed hold. Bit 1: the feed override. Bit 2: exact stop.
+    pub feed: u8,
 }
 
 /// All variables.
@@ -94,8 +106,11 @@ pub struct Variables {
     pub context: Context,
     /// Codes in effect.
     pub codes: Codes,
+    /// What #3003 and #3004 hold.
+    pub ignored: Ignored,
+    /// Offsets.
+    pub tables: Box<Tables>,
     common: Vec<Value>,
-    kept: BTreeMap<u32, f64>,
     /// When #3001 and #3002 were set to zero, in their own units.
     timers: [f64; 2],
 }
@@ -107,8 +122,9 @@ impl Variables {
             locals: [None; 33],
             context,
             codes: Codes::new(context.unit),
+            ignored: Ignored::default(),
+            tables: Box::default(),
             common: vec![None; COMMON],
-            kept: BTreeMap::new(),
             timers: [0.0; 2],
         }
     }
@@ -123,7 +139,8 @@ impl Variables {
             1..=33 => return Ok(self.locals.get(number as usize - 1).copied().flatten()),
             3_001 => Some(self.timer(0)),
             3_002 => Some(self.timer(1)),
-            3_003 | 3_004 => Some(self.kept.get(&number).copied().unwrap_or(0.0)),
+            3_003 => Some(f64::from(self.ignored.stops)),
+            3_004 => Some(f64::from(self.ignored.feed)),
             3_011 => Some(f64::from(self.context.date)),
             3_012 => Some(self.time_of_day() as f64),
             4_001..=4_130 => return self.codes.value(number).ok_or(Cause::Macro(MacroAlarm::VariableNumber)),
@@ -131,7 +148,7 @@ impl Variables {
             5_021..=5_026 => self.position(&self.context.machine, number - 5_021),
             5_041..=5_046 => self.position(&self.context.lengthened, number - 5_041),
             _ if let Some(place) = common(number) => return Ok(self.common.get(place).copied().flatten()),
-            _ => self.kept.get(&number).copied(),
+            _ => offsets::read(&self.tables, number, self.context.unit),
         };
         known.map(Some).ok_or(unknown(number))
     }
@@ -151,26 +168,40 @@ impl Variables {
             3_000 if (0.0..=USER_ALARM_MAX).contains(&plain) => return Ok(Effect::Alarm(libm::round(plain) as u16)),
             3_006 => return Ok(Effect::Stop),
             3_001 | 3_002 => self.set_timer(number as usize - 3_001, plain),
-            3_003 | 3_004 if !(0.0..=7.0).contains(&plain) => return Err(Cause::Macro(MacroAlarm::VariableNumber)),
+            3_003 | 3_004 => return self.ignore(number, plain),
             0 | 3_011 | 3_012 | 4_001..=4_130 | 5_001..=5_105 => return Err(Cause::Macro(MacroAlarm::WriteProtected)),
             _ if let Some(place) = common(number) => {
                 if let Some(place) = self.common.get_mut(place) {
                     *place = value;
                 }
             }
-            3_003 | 3_004 => self.keep(number, plain)?,
-            _ if is_offset(number) => self.keep(number, plain)?,
-            _ => return Err(unknown(number)),
+            _ => {
+                let is_set = offsets::write(&mut self.tables, number, plain, self.context.unit);
+                let fits = is_set.ok_or(unknown(number))?;
+                return if fits { Ok(Effect::Offset) } else { Err(Cause::Macro(MacroAlarm::VariableNumber)) };
+            }
         }
         Ok(Effect::Kept)
     }
 
-    fn keep(&mut self, number: u32, value: f64) -> Result<(), Cause> {
-        if self.kept.len() >= KEPT_MAX && !self.kept.contains_key(&number) {
-            return Err(Cause::Macro(MacroAlarm::TooLarge));
+    fn ignore(&mut self, number: u32, value: f64) -> Result<Effect, Cause> {
+        let (place, max) = match number {
+            3_003 => (&mut self.ignored.stops, 3.0),
+            _ => (&mut self.ignored.feed, 7.0),
+        };
+        if !(0.0..=max).contains(&value) {
+            return Err(Cause::Macro(MacroAlarm::VariableNumber));
         }
-        self.kept.insert(number, value);
-        Ok(())
+        *place = libm::round(value) as u8;
+        Ok(Effect::Ignore)
+    }
+
+    /// Reset: local variables and #100 to #199 are vacant, nothing is passed over any more.
+    pub fn reset(&mut self) {
+        self.locals = [None; 33];
+        self.ignored = Ignored::default();
+        self.common.iter_mut().take(100).for_each(|value| *value = None);
+        self.codes = Codes::new(self.context.unit);
     }
 
     fn elapsed(&self, timer: usize) -> f64 {
@@ -215,11 +246,6 @@ fn common(number: u32) -> Option<usize> {
         500..=999 => Some(number as usize - 400),
         _ => None,
     }
-}
-
-/// Offsets of tools and workpieces.
-fn is_offset(number: u32) -> bool {
-    matches!(number, 2_001..=2_999 | 5_201..=5_346 | 7_001..=7_946 | 10_001..=13_999)
 }
 
 fn unknown(number: u32) -> Cause {
@@ -284,10 +310,25 @@ mod tests {
     }
 
     #[test]
-    fn an_offset_can_be_read_once_it_is_written() {
+    fn an_offset_is_there_before_it_is_written() {
         let mut variables = variables();
-        assert_eq!(variables.read(5221), Err(Cause::NotModelled(NotModelled::Variable(5221))));
-        assert_eq!(variables.write(5221, Some(2.5)), Ok(Effect::Kept));
+        assert_eq!(variables.read(5221), Ok(Some(0.0)));
+        assert_eq!(variables.write(5221, Some(2.5)), Ok(Effect::Offset));
         assert_eq!(variables.read(5221), Ok(Some(2.5)));
+        assert_eq!(variables.read(5061), Err(Cause::NotModelled(NotModelled::Variable(5061))));
+    }
+
+    #[test]
+    fn switches_take_their_bits_and_no_others() {
+        let mut variables = variables();
+        assert_eq!(variables.write(3003, Some(1.0)), Ok(Effect::Ignore));
+        assert_eq!(variables.write(3004, Some(7.0)), Ok(Effect::Ignore));
+        assert_eq!(variables.ignored, Ignored { stops: 1, feed: 7 });
+        assert_eq!(variables.write(3004, None), Ok(Effect::Ignore));
+        assert_eq!((variables.read(3003), variables.read(3004)), (Ok(Some(1.0)), Ok(Some(0.0))));
+        for (number, value) in [(3003, 4.0), (3004, 8.0), (3004, -1.0)] {
+            let alarm = Err(Cause::Macro(MacroAlarm::VariableNumber));
+            assert_eq!(variables.write(number, Some(value)), alarm, "#{number}={value}");
+        }
     }
 }
