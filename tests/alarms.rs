@@ -13,13 +13,12 @@ use arcfeed_tests::root;
 const CORPUS: &str = "tests/corpus/bad";
 const TABLE: &str = "docs/alarms.md";
 /// Those that the line or the end of what was sent raises, not a block: held by the tests of the control.
-const OF_THE_CONTROL: [Alarm; 7] = [
+const OF_THE_CONTROL: [Alarm; 6] = [
     Alarm::BlockParity,
     Alarm::SequenceNotFound,
     Alarm::LineError,
     Alarm::NotReady,
     Alarm::BufferOverflow,
-    Alarm::BranchInDnc,
     Alarm::EndOfRecord,
 ];
 

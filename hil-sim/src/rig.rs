@@ -160,7 +160,7 @@ impl Rig {
 
     /// Whether the program is over and the axes rest.
     pub fn is_done(&self) -> bool {
-        self.control.is_over() && self.control.is_at_rest()
+        self.control.is_over() && self.control.is_at_rest() && !self.control.is_punching()
     }
 
     /// The control.

@@ -253,7 +253,7 @@ pub fn memory(input: &[u8], seed: u64) {
     settings.switches.single_block = random.bool();
     settings.switches.block_delete = random.u16(..4);
     settings.operator_restart = Some(STEP);
-    let mut control = Control::from_memory_with(settings, &main, Box::new(library));
+    let mut control = Control::from_memory(settings, &main).with_library(Box::new(library));
     for ms in 1..60 {
         control.step(Micros::from_ms(ms), STEP, random.u8(..));
         if random.u8(..20) == 0 {

@@ -13,4 +13,6 @@ mod alarms;
 
 mod garbage;
 
+mod control;
+
 mod wired;

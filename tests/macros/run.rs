@@ -75,14 +75,21 @@ pub fn run_with(text: &str, library: &[(u32, &str)], settings: Settings) -> Run 
     for _ in 0..100_000 {
         match run.interpreter.next(&Context::with_length(reader.modal(), reader.machine(), now)) {
             Ok(Step::Block(block)) => match reader.read(&block.text) {
-                Ok(understood) => run.moves.extend(understood.segment.map(|segment| (block.place, segment))),
+                Ok(understood) => {
+                    run.moves.extend(understood.segment.map(|segment| (block.place, segment)));
+                    if understood.step.sets_data {
+                        run.interpreter.set_tables(reader.tables());
+                    }
+                }
                 Err(fault) => {
                     let (place, calls) = (block.place, block.calls.clone());
                     run.ended = Err(Trouble { fault: block.in_source(fault), place, calls, message: Vec::new() });
                     return run;
                 }
             },
-            Ok(Step::Output(bytes)) => run.output.extend(bytes),
+            Ok(Step::Output(output)) => run.output.extend(output.bytes()),
+            Ok(Step::Offset) => reader.set_tables(run.interpreter.tables()),
+            Ok(Step::Ignore(_)) => {}
             Ok(Step::Message(text)) => run.messages.push(String::from_utf8_lossy(&text).into_owned()),
             Ok(Step::Busy) => now = now.after(Micros::from_ms(1)),
             Ok(Step::Starved | Step::Restart) => return run,

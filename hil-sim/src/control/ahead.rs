@@ -1,12 +1,15 @@
 //! Reading ahead: from the tape or the program in memory into the look-ahead.
 
+use arcfeed_shared::nc::macros::step::Output;
 use arcfeed_shared::units::Micros;
 
 use super::Control;
 use super::action::ReadBlock;
 use super::executive::{Executive, Next};
 use super::panel::Phase;
-use super::search::{Approach, Found};
+use super::reader::{Opened, sequence_of};
+use super::search::{Approach, Found, Search, never};
+use super::tape::Received;
 
 impl Control {
     /// Fills the look-ahead, up to a block behind which nothing is read before it is executed. A block with a fault stops
@@ -53,8 +56,14 @@ impl Control {
     fn next_blocks(&mut self, now: Micros) -> Option<Vec<ReadBlock>> {
         let approach = Approach { stands: self.interpolator.position(), feed: self.settings.dry_run_feed };
         let found = match (&mut self.executive, self.search) {
+            (Some(_), Some(search)) if self.is_in_dnc => self.look_on_line(search, now, &approach)?,
             (Some(executive), None) => match executive.next(now, &self.switches) {
-                Next::Block(block) => return Some(vec![*block]),
+                Next::Block(block) => {
+                    let outputs = executive.take_outputs();
+                    self.punch(&outputs);
+                    return Some(vec![*block]);
+                }
+                Next::Starved => return self.feed().map(|refused| refused.into_iter().collect()),
                 Next::Busy | Next::Over => return None,
             },
             (Some(executive), Some(search)) => executive.look(search, now, &self.switches, &approach)?,
@@ -68,7 +77,11 @@ impl Control {
             }
         };
         Some(match found {
-            Found::NotYet => Vec::new(),
+            // What was printed before the block is not printed again.
+            Found::NotYet => {
+                self.executive.iter_mut().for_each(|executive| drop(executive.take_outputs()));
+                Vec::new()
+            }
             Found::Here(blocks) => {
                 self.search = None;
                 self.offer_restart(now);
@@ -79,5 +92,54 @@ impl Control {
                 vec![*fault]
             }
         })
+    }
+
+    /// The next line of the DNC line to the interpreter, where it is not refused; `None` if there is none yet.
+    fn feed(&mut self) -> Option<Option<ReadBlock>> {
+        let received = self.port.take_block()?;
+        Some(match self.reader.open(received, &self.switches) {
+            Some(Opened::Refused(block)) => Some(*block),
+            Some(Opened::Text(text)) => {
+                let line = self.reader.line();
+                self.executive.iter_mut().for_each(|executive| executive.feed(text.clone(), line));
+                None
+            }
+            None => None,
+        })
+    }
+
+    /// What a search makes of what the DNC line brings.
+    fn look_on_line(&mut self, search: Search, now: Micros, approach: &Approach) -> Option<Found> {
+        let executive = self.executive.as_mut()?;
+        if let Search::Sequence(wanted) = search {
+            let received = self.port.take_block()?;
+            let is_end = self.reader.pass(&received);
+            return Some(match received {
+                Received::Block(text) if sequence_of(&text) == Some(wanted) => {
+                    executive.feed(text, self.reader.line());
+                    Found::Here(Vec::new())
+                }
+                _ if is_end => Found::Never(Box::new(never(self.reader.line()))),
+                _ => Found::NotYet,
+            });
+        }
+        let start = executive.end();
+        let block = match executive.next(now, &self.switches) {
+            Next::Block(block) => *block,
+            Next::Starved => match self.feed()? {
+                Some(refused) => refused,
+                None => return Some(Found::NotYet),
+            },
+            Next::Busy | Next::Over => return None,
+        };
+        let Search::Restart(wanted) = search else { return None };
+        Some(approach.restart_at(wanted, block, start))
+    }
+
+    fn punch(&mut self, outputs: &[Output]) {
+        for output in outputs {
+            self.output.extend(output.bytes());
+            self.port.put(output);
+        }
     }
 }

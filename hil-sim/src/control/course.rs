@@ -91,8 +91,9 @@ impl Control {
     /// What comes next of the block under way.
     pub(super) fn carry_on(&mut self, now: Micros) {
         let stands = self.interpolator.position();
+        let in_single_block = self.is_in_single_block();
         let Some(course) = &mut self.course else { return };
-        match course.advance(&stands, self.switches.single_block) {
+        match course.advance(&stands, in_single_block) {
             Some(Next::Move(segment, manner)) => self.interpolator.begin(*segment, manner, self.taken),
             Some(Next::Dwell(span)) => self.dwell_left = span,
             Some(Next::Halt) => self.phase = Phase::Stopped { since: now },

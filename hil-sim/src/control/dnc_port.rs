@@ -14,6 +14,7 @@
 use std::collections::VecDeque;
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
+use arcfeed_shared::nc::macros::step::Output;
 use arcfeed_shared::units::{Micros, US_PER_S};
 
 use super::code::{Code, DC1, DC3, with_even_parity, without_parity};
@@ -133,6 +134,19 @@ impl DncPort {
     /// The control's output to the sender.
     pub fn punch(&mut self) -> &mut Punch {
         &mut self.punch
+    }
+
+    /// A macro statement's output to the sender; without a line there is nobody to send it to.
+    pub fn put(&mut self, output: &Output) {
+        if self.settings.is_some() {
+            let code = self.code();
+            self.punch.put(output, code);
+        }
+    }
+
+    /// Whether output is on its way to the sender.
+    pub fn is_punching(&self) -> bool {
+        self.punch.is_sending()
     }
 
     /// The code of the line: what the program came in, ISO before it is known.

@@ -1,7 +1,9 @@
-//! A program in memory with macro statements, calls and subprograms, as the control reads it ahead.
+//! Programs with macro statements, calls and subprograms, as the control reads them ahead: one in memory, or one that comes
+//! over the line and calls others in memory.
 //!
 //! A control works macro statements out when it reads them ahead, not when the blocks before them are done; so does this
-//! one, and #5001 and on are where the last block read ends. Statements take time: one slice of them a step.
+//! one, and #5001 and on are where the last block read ends. Statements take time: one slice of them a step. What #3003 and
+//! #3004 say counts from the next block on. Over the line GOTO, WHILE, DO and END are alarm PS0123.
 
 use std::collections::VecDeque;
 
@@ -9,9 +11,10 @@ use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::macros::interpreter::Interpreter;
 use arcfeed_shared::nc::macros::program::Library;
 use arcfeed_shared::nc::macros::stack::Place;
-use arcfeed_shared::nc::macros::step::{Ending, PlainBlock, Settings, Step, Trouble};
+use arcfeed_shared::nc::macros::step::{Ending, Output, PlainBlock, Settings, Step, Trouble};
 use arcfeed_shared::nc::macros::variables::Context;
-use arcfeed_shared::nc::modal::Stop;
+use arcfeed_shared::nc::modal::{Pose, Stop};
+use arcfeed_shared::nc::settings::Tables;
 use arcfeed_shared::units::Micros;
 
 use super::action::{Action, Manner, ReadBlock};
@@ -27,7 +30,11 @@ pub struct Executive {
     interpreter: Interpreter,
     line: u32,
     is_over: bool,
-    output: Vec<u8>,
+    /// A line of the DNC line, up to the block that it gives.
+    fed: Option<Vec<u8>>,
+    /// A block of a called program that comes behind the one of its call.
+    pending: Option<ReadBlock>,
+    outputs: Vec<Output>,
     messages: VecDeque<String>,
 }
 
@@ -38,6 +45,8 @@ pub enum Next {
     Block(Box<ReadBlock>),
     /// Nothing before the next step of time.
     Busy,
+    /// Nothing before the next line of the DNC line.
+    Starved,
     /// Nothing any more.
     Over,
 }
@@ -45,16 +54,88 @@ pub enum Next {
 impl Executive {
     /// At power-on, the axes at the origin; subprograms stand behind the program or in the library.
     pub fn new(text: &[u8], settings: &ControlSettings, library: Box<dyn Library>) -> Self {
+        Executive::with(text, settings, library, false)
+    }
+
+    /// At power-on, the axes at the origin; the program comes by [`Executive::feed`].
+    pub fn on_line(settings: &ControlSettings) -> Self {
+        Executive::with(b"", settings, Box::new(()), true)
+    }
+
+    fn with(text: &[u8], settings: &ControlSettings, library: Box<dyn Library>, is_dnc: bool) -> Self {
         let reader = PlainReader::new(settings);
         let context = Context::with_length(reader.modal(), reader.machine(), Micros(0));
-        let interpreter = Interpreter::new(text, library, Settings::default(), &context);
-        Executive { reader, interpreter, line: 0, is_over: false, output: Vec::new(), messages: VecDeque::new() }
+        let of_macros = Settings { is_dnc, ..Settings::default() };
+        let mut interpreter = Interpreter::new(text, library, of_macros, &context);
+        interpreter.set_tables(&settings.tables);
+        Executive {
+            reader,
+            interpreter,
+            line: 0,
+            is_over: false,
+            fed: None,
+            pending: None,
+            outputs: Vec::new(),
+            messages: VecDeque::new(),
+        }
+    }
+
+    /// Where subprograms come from that are not in the program's file.
+    pub fn set_library(&mut self, library: Box<dyn Library>) {
+        self.interpreter.set_library(library);
+    }
+
+    /// Takes the next line of the DNC line, when starved.
+    pub fn feed(&mut self, text: Vec<u8>, line: u32) {
+        self.interpreter.feed(&text, line);
+        self.line = line;
+        self.fed = Some(text);
+    }
+
+    /// Reset: ready for another program of the DNC line, in the modal state of power-on, the axes where they stand.
+    /// Variables from #500 on and offsets are kept.
+    pub fn reset(&mut self, settings: &ControlSettings, stands: Pose) {
+        self.reader = PlainReader::new(settings);
+        self.reader.stand_at(stands);
+        self.interpreter.reset();
+        (self.line, self.is_over, self.fed, self.pending) = (0, false, None, None);
+        self.outputs.clear();
+        self.messages.clear();
+    }
+
+    /// Where the last move that was read ends.
+    pub fn end(&self) -> Pose {
+        self.reader.end()
+    }
+
+    /// The offsets as the program has left them.
+    pub fn tables(&self) -> &Tables {
+        self.interpreter.tables()
     }
 
     /// The next block at `now`.
     pub fn next(&mut self, now: Micros, switches: &Switches) -> Next {
+        let next = self.pending.take().map_or_else(|| self.advance(now, switches), |block| Next::Block(Box::new(block)));
+        // What the DNC line brought is executed as one block, also where it is a statement or a call.
+        let is_of_line = |block: &ReadBlock| !matches!(block.action, Action::Fault(_));
+        match (self.fed.take(), next) {
+            (Some(fed), Next::Starved) => Next::Block(Box::new(ReadBlock::new(self.line, fed, Action::Nothing))),
+            (Some(fed), Next::Block(block)) if is_of_line(&block) => {
+                self.pending = Some(*block);
+                Next::Block(Box::new(ReadBlock::new(self.line, fed, Action::Nothing)))
+            }
+            (fed, Next::Busy) => {
+                self.fed = fed;
+                Next::Busy
+            }
+            (_, next) => next,
+        }
+    }
+
+    fn advance(&mut self, now: Micros, switches: &Switches) -> Next {
         // Bit n - 1 of the panel is bit n of the interpreter.
         self.interpreter.set_block_delete(switches.block_delete << 1);
+        self.reader.reader().set_delete_switches(switches.block_delete << 1);
         while !self.is_over {
             let context = Context::with_length(self.reader.modal(), self.reader.machine(), now);
             let block = match self.interpreter.next(&context) {
@@ -69,12 +150,18 @@ impl Executive {
                     self.is_over = true;
                     self.stop(&trouble)
                 }
-                Ok(Step::Output(bytes)) => {
-                    self.output.extend(bytes);
+                Ok(Step::Ignore(ignored)) => self.own(Action::Ignore(ignored)),
+                Ok(Step::Output(output)) => {
+                    self.outputs.push(output);
+                    continue;
+                }
+                Ok(Step::Offset) => {
+                    self.reader.reader().set_tables(self.interpreter.tables());
                     continue;
                 }
                 Ok(Step::Restart) => continue,
-                Ok(Step::Starved | Step::End(Ending::Program)) => {
+                Ok(Step::Starved) => return Next::Starved,
+                Ok(Step::End(Ending::Program)) => {
                     self.is_over = true;
                     continue;
                 }
@@ -94,7 +181,7 @@ impl Executive {
         let start = self.reader.end();
         match self.next(now, switches) {
             Next::Block(block) => Some(approach.restart_at(wanted, *block, start)),
-            Next::Busy => None,
+            Next::Busy | Next::Starved => None,
             Next::Over => Some(Found::Never(Box::new(never(self.line)))),
         }
     }
@@ -104,9 +191,9 @@ impl Executive {
         self.is_over
     }
 
-    /// What the program has sent to the punch.
-    pub fn output(&self) -> &[u8] {
-        &self.output
+    /// What has gone to the punch since this was asked last.
+    pub fn take_outputs(&mut self) -> Vec<Output> {
+        std::mem::take(&mut self.outputs)
     }
 
     /// Messages of `#3006` and `#3000`, and where in a called program an alarm came up.
@@ -126,9 +213,15 @@ impl Executive {
 
     fn read(&mut self, block: PlainBlock) -> ReadBlock {
         let (action, manner) = match self.reader.read(&block.text) {
-            Ok(Plain { action, manner, .. }) => (action, manner),
+            Ok(Plain { action, manner }) => (action, manner),
             Err(fault) => (Action::Fault(block.in_source(fault)), Manner::default()),
         };
+        if self.reader.has_set_data() {
+            self.interpreter.set_tables(self.reader.reader().tables());
+        }
+        if block.place.library.is_none() && block.calls.is_empty() {
+            self.fed = None;
+        }
         self.line = main_line(block.place, &block.calls);
         ReadBlock { line: self.line, text: block.text, action, manner }
     }
@@ -137,7 +230,13 @@ impl Executive {
         let message = String::from_utf8_lossy(message).into_owned();
         let text = format!("({message})").into_bytes();
         self.messages.push_back(message);
-        ReadBlock { text, ..self.block(Action::Stop(Stop::Program)) }
+        let block = self.own(Action::Stop(Stop::Program));
+        if block.text.is_empty() { ReadBlock { text, ..block } } else { block }
+    }
+
+    /// A statement that is a block by itself, with its text if the DNC line brought it.
+    fn own(&mut self, action: Action) -> ReadBlock {
+        ReadBlock { text: self.fed.take().unwrap_or_default(), ..self.block(action) }
     }
 
     fn stop(&mut self, trouble: &Trouble) -> ReadBlock {

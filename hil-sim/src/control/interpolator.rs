@@ -183,7 +183,9 @@ impl Interpolator {
     /// The speed the active move may end with: from the last queued move backwards to it.
     fn exit_speed(&self, conditions: &FeedConditions) -> f64 {
         let Some(active) = &self.active else { return 0.0 };
-        let flows = |queued: &&Queued| matches!(queued.block.action, Action::Move(_, None) | Action::Nothing);
+        let flows = |queued: &&Queued| {
+            matches!(queued.block.action, Action::Move(_, None) | Action::Nothing | Action::Ignore(_))
+        };
         let moves = self.queue.iter().take_while(flows);
         let ahead: Vec<(&Travel, &Manner)> =
             moves.filter_map(|queued| Some((queued.travel.as_ref()?, &queued.block.manner))).collect();

@@ -48,9 +48,10 @@ use std::collections::VecDeque;
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::macros::program::{Library, first_macro};
+use arcfeed_shared::nc::macros::variables::Ignored;
 use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{Micros, MmPerMin, US_PER_MS};
+use arcfeed_shared::units::{Micros, MmPerMin, PERCENT, US_PER_MS};
 
 use action::{Action, Manner, ReadBlock};
 use course::Course;
@@ -66,6 +67,11 @@ use search::Search;
 use signals::FeedOverrideLines;
 
 pub use settings::{ControlSettings, Preset, Switches};
+
+/// Bits of #3003 and #3004. Exact stop (bit 2 of #3004) is not modelled, so there is nothing to switch off.
+const NO_SINGLE_BLOCK: u8 = 1;
+const NO_FEED_HOLD: u8 = 1;
+const NO_OVERRIDE: u8 = 2;
 
 /// Why the control stopped before the end of its program.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -84,7 +90,7 @@ pub struct Control {
     switches: Switches,
     port: DncPort,
     reader: BlockReader,
-    /// A program in memory that has macro statements.
+    /// A program that comes over the line, or one in memory that has macro statements.
     executive: Option<Executive>,
     /// What of the time for reading ahead is not used up.
     reading_time: Micros,
@@ -101,32 +107,45 @@ pub struct Control {
     alarm: Option<AlarmRecord>,
     ended: bool,
     held: bool,
+    /// What #3003 and #3004 switch off.
+    ignored: Ignored,
+    output: Vec<u8>,
     executed: Vec<Vec<u8>>,
     taken: usize,
     starved_ms: u64,
     has_moved: bool,
     ladder: VecDeque<u8>,
-    override_percent: u8,
+    ladder_percent: u8,
 }
 
 impl Control {
     /// A control that reads its program from the DNC line.
     pub fn on_line(settings: ControlSettings) -> Self {
-        Control::new(settings, DncPort::on_line(settings.line), true)
+        let executive = Some(Executive::on_line(&settings));
+        Control { executive, ..Control::new(settings, DncPort::on_line(settings.line), true) }
     }
 
     /// A control that has the whole program in its memory.
     pub fn from_memory(settings: ControlSettings, program: &[u8]) -> Self {
-        Control::from_memory_with(settings, program, Box::new(()))
-    }
-
-    /// A control that has the whole program and a library of subprograms in its memory.
-    pub fn from_memory_with(settings: ControlSettings, program: &[u8], library: Box<dyn Library>) -> Self {
         if first_macro(program).is_none() {
             return Control::new(settings, DncPort::from_memory(program), false);
         }
-        let executive = Executive::new(program, &settings, library);
+        let executive = Executive::new(program, &settings, Box::new(()));
         Control { executive: Some(executive), ..Control::new(settings, DncPort::from_memory(b""), false) }
+    }
+
+    /// With subprograms in its memory, for what is called beside the program itself.
+    #[must_use]
+    pub fn with_library(mut self, library: Box<dyn Library>) -> Self {
+        self.set_library(library);
+        self
+    }
+
+    /// Puts subprograms into its memory.
+    pub fn set_library(&mut self, library: Box<dyn Library>) {
+        if let Some(executive) = &mut self.executive {
+            executive.set_library(library);
+        }
     }
 
     fn new(settings: ControlSettings, port: DncPort, is_in_dnc: bool) -> Self {
@@ -135,7 +154,7 @@ impl Control {
             is_in_dnc,
             switches: settings.switches,
             port,
-            reader: BlockReader::new(&settings, is_in_dnc),
+            reader: BlockReader::new(&settings),
             executive: None,
             reading_time: read_before_start(&settings),
             reads_no_further: false,
@@ -150,12 +169,14 @@ impl Control {
             alarm: None,
             ended: false,
             held: false,
+            ignored: Ignored::default(),
+            output: Vec::new(),
             executed: Vec::new(),
             taken: 0,
             starved_ms: 0,
             has_moved: false,
             ladder: VecDeque::new(),
-            override_percent: 100,
+            ladder_percent: 100,
         }
     }
 
@@ -180,7 +201,7 @@ impl Control {
             self.stop_with(AlarmRecord { line: self.reader.line(), fault });
         }
         let lines = FeedOverrideLines::of_percent(override_percent);
-        self.override_percent = self.through_ladder(lines.effective_percent(self.switches.override_cancel));
+        self.ladder_percent = self.through_ladder(lines.effective_percent(self.switches.override_cancel));
         self.operate(now);
         self.read_ahead(now, dt);
         self.dwell(dt);
@@ -198,12 +219,22 @@ impl Control {
     fn conditions(&self) -> FeedConditions {
         let stops = self.is_over() || self.phase == Phase::Resetting;
         FeedConditions {
-            override_percent: self.override_percent,
+            override_percent: self.override_percent(),
             dry_run: self.switches.dry_run.then_some(self.settings.dry_run_feed),
-            holds: self.held || stops,
+            holds: self.holds() || stops,
             holds_but_taps: !stops,
-            stops_at_block_end: self.switches.single_block,
+            stops_at_block_end: self.is_in_single_block(),
         }
+    }
+
+    /// Whether feed hold is on and counts.
+    fn holds(&self) -> bool {
+        self.held && self.ignored.feed & NO_FEED_HOLD == 0
+    }
+
+    /// Whether single block is on and counts.
+    fn is_in_single_block(&self) -> bool {
+        self.switches.single_block && self.ignored.stops & NO_SINGLE_BLOCK == 0
     }
 
     fn look_for_the_end(&mut self, dt: Micros) {
@@ -226,7 +257,7 @@ impl Control {
         if self.ladder.len() > self.settings.ladder_delay_steps {
             return self.ladder.pop_front().unwrap_or(override_percent);
         }
-        self.override_percent
+        self.ladder_percent
     }
 
     /// Where the axes are commanded to.
@@ -256,7 +287,7 @@ impl Control {
 
     /// The override in effect, %.
     pub fn override_percent(&self) -> u8 {
-        self.override_percent
+        if self.ignored.feed & NO_OVERRIDE == 0 { self.ladder_percent } else { PERCENT as u8 }
     }
 
     /// Blocks executed, byte for byte as received, without their line ends.
@@ -269,12 +300,18 @@ impl Control {
         self.interpolator.queued()
     }
 
-    /// What a program in memory has sent to the punch with its macro statements, as far as it is read.
+    /// What the program has sent to the punch with its macro statements, as far as it is read; in DNC operation it also goes
+    /// out over the line.
     pub fn output(&self) -> &[u8] {
-        self.executive.as_ref().map_or(&[], Executive::output)
+        &self.output
     }
 
-    /// Messages of a program in memory (#3006, #3000), and where in a called program an alarm came up.
+    /// Whether some of it is still on its way.
+    pub fn is_punching(&self) -> bool {
+        self.port.is_punching()
+    }
+
+    /// Messages of the program (#3006, #3000), and where in a called program an alarm came up.
     pub fn messages(&self) -> impl Iterator<Item = &str> {
         self.executive.iter().flat_map(Executive::messages)
     }
@@ -309,7 +346,7 @@ impl Control {
     }
 
     fn dwell(&mut self, dt: Micros) {
-        if !self.held || self.course.as_ref().is_some_and(Course::is_tapping) {
+        if !self.holds() || self.course.as_ref().is_some_and(Course::is_tapping) {
             self.dwell_left = self.dwell_left.since(dt);
         }
     }
@@ -329,7 +366,7 @@ impl Control {
                 self.go_on(stop, now);
                 continue;
             }
-            let is_halt = self.switches.single_block && self.interpolator.may_stop();
+            let is_halt = self.is_in_single_block() && self.interpolator.may_stop();
             if std::mem::take(&mut self.halts_after) && is_halt {
                 self.phase = Phase::Stopped { since: now };
                 return;
@@ -366,6 +403,7 @@ impl Control {
             }
             Action::Dwell(span) => self.dwell_left = span,
             Action::Stop(stop) => self.go_on(stop, now),
+            Action::Ignore(ignored) => self.ignored = ignored,
             Action::Nothing | Action::Auxiliary | Action::Fault(_) => {}
         }
         false

@@ -12,6 +12,7 @@
 //! ```
 //! Feed hold lies across: axes come to rest and a dwell stands still until cycle start.
 
+use arcfeed_shared::nc::macros::variables::Ignored;
 use arcfeed_shared::units::Micros;
 
 use super::Control;
@@ -53,9 +54,12 @@ impl Control {
         match self.phase {
             Phase::Stopped { .. } => self.phase = Phase::Running,
             Phase::Ready => {
-                self.settings.tables = *self.reader.tables();
-                self.reader = super::BlockReader::new(&self.settings, self.is_in_dnc);
+                self.settings.tables = *self.executive.as_ref().map_or(self.reader.tables(), Executive::tables);
+                self.reader = super::BlockReader::new(&self.settings);
                 self.reader.stand_at(self.interpolator.position());
+                if let Some(executive) = &mut self.executive {
+                    executive.reset(&self.settings, self.interpolator.position());
+                }
                 self.reading_time = super::read_before_start(&self.settings);
                 self.port.restart();
                 self.phase = Phase::Running;
@@ -110,7 +114,7 @@ impl Control {
         match self.phase {
             Phase::Stopped { since } => {
                 let restart = self.settings.operator_restart;
-                if !self.held && restart.is_some_and(|wait| now >= since.after(wait)) {
+                if !self.holds() && restart.is_some_and(|wait| now >= since.after(wait)) {
                     self.cycle_start();
                 }
             }
@@ -124,7 +128,11 @@ impl Control {
                 self.reads_no_further = false;
                 self.has_moved = false;
                 self.executed.clear();
-                self.executive = None;
+                self.output.clear();
+                self.ignored = Ignored::default();
+                if !self.is_in_dnc {
+                    self.executive = None;
+                }
                 self.phase = Phase::Ready;
             }
             Phase::Running | Phase::Resetting | Phase::Ready => {}

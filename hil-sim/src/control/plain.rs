@@ -30,6 +30,7 @@ pub struct PlainReader {
     reader: Reader,
     end: Pose,
     taps: bool,
+    sets_data: bool,
     restart: Option<RestartList>,
 }
 
@@ -37,7 +38,7 @@ impl PlainReader {
     /// At power-on, the axes at the machine's zero.
     pub fn new(settings: &ControlSettings) -> Self {
         let reader = Reader::with(settings.nc, settings.tables);
-        PlainReader { reader, end: Pose::ORIGIN, taps: false, restart: None }
+        PlainReader { reader, end: Pose::ORIGIN, taps: false, sets_data: false, restart: None }
     }
 
     /// The modal state.
@@ -48,6 +49,11 @@ impl PlainReader {
     /// The reader.
     pub fn reader(&mut self) -> &mut Reader {
         &mut self.reader
+    }
+
+    /// Whether the block read last has written offsets.
+    pub fn has_set_data(&self) -> bool {
+        self.sets_data
     }
 
     /// Where the axes stand behind what was read, as the program has it.
@@ -84,7 +90,9 @@ impl PlainReader {
         if let Some(list) = &mut self.restart {
             list.begin_block(self.reader.modal());
         }
+        self.sets_data = false;
         let understood = self.reader.read(text)?;
+        self.sets_data = understood.step.sets_data;
         self.note(&understood.parsed.block);
         let manner = self.manner(&understood);
         let mut action = action(&understood);

@@ -1,9 +1,12 @@
 //! The control's own output: text to the sender (DPRNT), at line rate, stopped and started by the sender's DC3 and DC1.
 //!
 //! Opening sends DC2, closing DC4. After the sender's DC3 the control sends at most ten more characters; this one sends
-//! none. Source: B-63503EN p. 62; that POPEN and PCLOS send DC2 and DC4 is not published, an assumption.
+//! none. Source: B-63503EN p. 62; that POPEN and PCLOS send DC2 and DC4 is not published, an assumption. What BPRNT sends
+//! takes eight bits: a line of seven data bits cuts them, and a sender cannot tell DC1, DC3 and DC4 from numbers.
 
 use std::collections::VecDeque;
+
+use arcfeed_shared::nc::macros::step::Output;
 
 use super::code::{Code, DC1, DC2, DC3, DC4, with_even_parity};
 
@@ -16,6 +19,21 @@ pub struct Punch {
 }
 
 impl Punch {
+    /// What a macro statement sends; the control's code is `code`.
+    pub fn put(&mut self, output: &Output, code: Code) {
+        match output {
+            Output::Open => self.open(),
+            Output::Close => self.close(),
+            Output::Text(text) => self.print(text.strip_suffix(b"\n").unwrap_or(text), code),
+            Output::Binary(frames) => self.queue.extend(frames),
+        }
+    }
+
+    /// Whether something is left to send that nobody keeps it from.
+    pub fn is_sending(&self) -> bool {
+        !self.queue.is_empty() && !self.is_stopped
+    }
+
     /// POPEN.
     pub fn open(&mut self) {
         self.is_open = true;

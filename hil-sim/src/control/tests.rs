@@ -3,6 +3,7 @@
 use super::dynamics::Dynamics;
 use super::*;
 use arcfeed_shared::machine::ArcClamp;
+use arcfeed_shared::nc::macro_alarm::MacroAlarm;
 use arcfeed_shared::units::{LengthUnit, Mm, Nm, S_PER_MIN};
 
 const STEP: Micros = Micros::from_ms(1);
@@ -316,7 +317,7 @@ fn a_jump_in_a_program_over_the_line_is_alarm_123() {
     control.port().on_bytes(b"%\nG90\nN5 GOTO 5\nM30\n%");
     until(&mut control, &mut Micros(0), Control::is_over);
     let alarm = control.alarm().expect("it cannot jump");
-    assert_eq!((alarm.line, alarm.fault), (3, Fault::alarm(Alarm::BranchInDnc, 0)));
+    assert_eq!((alarm.line, alarm.fault), (3, Fault::in_macro(MacroAlarm::NotInDnc, 4)));
 }
 
 /// A random number generator of 64 bits (xorshift), seeded.

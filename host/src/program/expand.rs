@@ -104,6 +104,7 @@ impl Expansion<'_> {
         let mut reader = Reader::with(self.settings, self.tables);
         let mut found = Findings { lines, folder: folder.as_ref(), told: BTreeSet::new(), list: Vec::new() };
         let mut interpreter = Interpreter::new(bytes, library, settings, &context(&reader, Micros(0)));
+        interpreter.set_tables(&self.tables);
         let (mut now, mut blocks, mut moves) = (Micros(0), 0, Tally::default());
         loop {
             match interpreter.next(&context(&reader, now)) {
@@ -115,8 +116,12 @@ impl Expansion<'_> {
                     blocks += 1;
                     let understood = found.read(&mut reader, &block, self.settings.reading);
                     understood.iter().for_each(|block| moves.add(block));
+                    if understood.is_some_and(|block| block.step.sets_data) {
+                        interpreter.set_tables(reader.tables());
+                    }
                 }
-                Ok(macros::Step::Output(_) | macros::Step::Message(_)) => {}
+                Ok(macros::Step::Output(_) | macros::Step::Message(_) | macros::Step::Ignore(_)) => {}
+                Ok(macros::Step::Offset) => reader.set_tables(interpreter.tables()),
                 Ok(macros::Step::Busy) => now = now.after(SLICE),
                 // M99 in a main program: what follows is what was.
                 Ok(macros::Step::Restart | macros::Step::Starved | macros::Step::End(_)) => break,

@@ -76,8 +76,6 @@ alarms! {
         "keep it open to the end";
     BufferOverflow = 87: "buffer overflow: more than 10 characters arrived after DC3", "the sender must stop sooner";
     LookAheadFormat = 109: "G08 with anything but P0 and P1", "correct P";
-    BranchInDnc = 123: "GOTO, WHILE, DO or END in a program that comes over the line",
-        "run it from the control's memory";
     RotationPlane = 144: "an arc outside the plane in which G68 turns", "select the plane of G68 or cancel it with G69";
     EndOfRecord = 5010: "the program ended without M02 or M30", "write M30 before its last %";
 }
