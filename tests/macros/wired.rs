@@ -94,6 +94,25 @@ fn check_names_the_place_in_the_main_program_and_in_the_library() {
 }
 
 #[test]
+fn check_misses_the_end_of_a_program_that_has_none() {
+    let scratch = Scratch::new("macro-no-end");
+    for (text, place) in [
+        ("%\nO1\nG0X1.\n%\n", Some("4:1")),
+        ("O1\n#1=1\nG0X#1", Some("3:1")),
+        ("O1\nG65P2\nM30\nO2\nG0X1.", Some("5:1")),
+        ("%\nO1\nG0X1.M2\n%\n", None),
+        ("O1\nG0X1.\nM99\n", None),
+        ("O1\n#1=2\nIF[#1GT1]GOTO9\nN9G0X1.M30\n", None),
+    ] {
+        let main = scratch.write("main.nc", text);
+        let stderr = String::from_utf8(run(&["check", &main]).stderr).expect("UTF-8");
+        let wanted = place.map(|place| format!("{main}:{place}: error PS5010: "));
+        assert_eq!(wanted.is_some(), stderr.contains("PS5010"), "{text}: {stderr}");
+        assert!(wanted.is_none_or(|wanted| stderr.starts_with(&wanted)), "{text}: {stderr}");
+    }
+}
+
+#[test]
 fn an_error_in_a_loop_is_told_once() {
     let scratch = Scratch::new("macro-once");
     let main = scratch.write("main.nc", "#1=0\nWHILE[#1LT9]DO1\n#1=#1+1\nG2X#1\nEND1\n#2=1/0\nM30\n");

@@ -23,7 +23,7 @@ pub struct Move {
     pub center_mm: [f64; 2],
 }
 
-/// What our reader makes of it.
+/// What our reader makes of it, macro statements worked out.
 pub fn ours(text: &[u8]) -> Result<Vec<Move>, String> {
     let mut settings = Settings::preset(Preset::Fanuc31i, LengthUnit::Mm, Reading::Lenient);
     settings.scope = Scope::Everything;

@@ -115,7 +115,8 @@ impl Executive {
 
     /// The next block at `now`.
     pub fn next(&mut self, now: Micros, switches: &Switches) -> Next {
-        let next = self.pending.take().map_or_else(|| self.advance(now, switches), |block| Next::Block(Box::new(block)));
+        let next =
+            self.pending.take().map_or_else(|| self.advance(now, switches), |block| Next::Block(Box::new(block)));
         // What the DNC line brought is executed as one block, also where it is a statement or a call.
         let is_of_line = |block: &ReadBlock| !matches!(block.action, Action::Fault(_));
         match (self.fed.take(), next) {
@@ -219,11 +220,12 @@ impl Executive {
         if self.reader.has_set_data() {
             self.interpreter.set_tables(self.reader.reader().tables());
         }
-        if block.place.library.is_none() && block.calls.is_empty() {
-            self.fed = None;
-        }
         self.line = main_line(block.place, &block.calls);
-        ReadBlock { line: self.line, text: block.text, action, manner }
+        let is_of_main = block.place.library.is_none() && block.calls.is_empty();
+        let fed = if is_of_main { self.fed.take() } else { None };
+        // Of a block such as G67 no words are left.
+        let text = fed.filter(|_| block.text.is_empty()).unwrap_or(block.text);
+        ReadBlock { line: self.line, text, action, manner }
     }
 
     fn wait_with(&mut self, message: &[u8]) -> ReadBlock {

@@ -12,9 +12,9 @@ use arcfeed_shared::nc::macro_alarm::MacroAlarm;
 use arcfeed_shared::nc::macros::interpreter::Interpreter;
 use arcfeed_shared::nc::macros::program::{Library, first_macro};
 use arcfeed_shared::nc::macros::stack::Place;
-use arcfeed_shared::nc::macros::step::{self as macros, PlainBlock, Trouble};
+use arcfeed_shared::nc::macros::step::{self as macros, Ending, PlainBlock, Trouble};
 use arcfeed_shared::nc::macros::variables::Context;
-use arcfeed_shared::nc::modal::{Pose, Step};
+use arcfeed_shared::nc::modal::{Pose, Step, Stop};
 use arcfeed_shared::nc::settings::{Settings, Tables};
 use arcfeed_shared::nc::text::{Lines, RawLine};
 use arcfeed_shared::reader::{Reader, Understood};
@@ -62,10 +62,16 @@ pub struct Expansion<'a> {
 
 impl Program {
     /// Reads a program as a control with it in memory runs it: with macro statements and calls it is interpreted to its
-    /// end, without them it is [`Program::parse_with`].
+    /// end, without them it is [`Program::parse_with`]. One without M02, M30 or M99 ends in PS5010.
     pub fn run(path: &Path, bytes: &[u8], expansion: Expansion<'_>) -> Self {
         let Some(macro_line) = first_macro(bytes) else {
-            return Program::parse_with(path, bytes, expansion.settings, expansion.tables);
+            let mut program = Program::parse_with(path, bytes, expansion.settings, expansion.tables);
+            if program.block_count() > 0 && !program.lines.iter().any(may_end) {
+                let text = program.lines.last().map(|line| line.text.clone()).unwrap_or_default();
+                let fault = Fault::alarm(Alarm::EndOfRecord, 0);
+                program.diagnostics.push(Diagnostic::of_fault(program.lines.len(), &text, fault));
+            }
+            return program;
         };
         let mut program = Program::empty(path, Some(macro_line), &Reader::with(expansion.settings, expansion.tables));
         for RawLine { text, ending } in Lines::new(bytes) {
@@ -124,7 +130,12 @@ impl Expansion<'_> {
                 Ok(macros::Step::Offset) => reader.set_tables(interpreter.tables()),
                 Ok(macros::Step::Busy) => now = now.after(SLICE),
                 // M99 in a main program: what follows is what was.
-                Ok(macros::Step::Restart | macros::Step::Starved | macros::Step::End(_)) => break,
+                Ok(macros::Step::Restart | macros::Step::Starved | macros::Step::End(Ending::Program)) => break,
+                Ok(macros::Step::End(Ending::Text)) => {
+                    let end = Place { library: None, line: lines.len() as u32 };
+                    found.add(Fault::alarm(Alarm::EndOfRecord, 0), end, &[], b"");
+                    break;
+                }
                 Err(Trouble { fault, place, calls, message }) => {
                     found.add(fault, place, &calls, &message);
                     break;
@@ -132,6 +143,14 @@ impl Expansion<'_> {
             }
         }
         (found.list, moves)
+    }
+}
+
+/// Whether the program can end in this line; one that could not be read may hold its M30.
+fn may_end(line: &ProgramLine) -> bool {
+    match &line.meaning {
+        Some(understood) => understood.step.stop == Some(Stop::End),
+        None => [&b"M30"[..], b"M02", b"M2"].iter().any(|code| line.text.windows(code.len()).any(|text| text == *code)),
     }
 }
 

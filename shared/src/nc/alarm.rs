@@ -62,7 +62,7 @@ alarms! {
     NoRadius = 22: "an arc without R or I, J, K", "give its centre or radius";
     OffsetNumber = 30: "an offset number that the control does not have", "correct H, D or P";
     DataTarget = 31: "G10 without a P or L that says where the data belong", "correct P and L";
-    ArcAtStartUp = 34: "G40, G41 or G42 in the block of an arc", "write it in a line's block";
+    ArcAtStartUp = 34: "an arc as the first move in the plane with or behind G41, G42 or G40", "make that move a line";
     PlaneUnderCompensation = 37: "another plane under G41 or G42", "select the plane before G41 or G42, or after G40";
     ReferenceInCycle = 44: "G27 to G30 in a canned cycle", "write G80 before it";
     NoPeck = 45: "G73 or G83 without a depth of cut", "give Q";

@@ -89,9 +89,9 @@ impl Modal {
             150 => self.polar = None,
             160 => self.polar = Some(self.seen_from_pole()),
             280 | 300 => one_shot = OneShot::Reference((tenths / 10) as u8),
-            400 => self.compensation = None,
-            410 => self.compensation = Some(Side::Left),
-            420 => self.compensation = Some(Side::Right),
+            400 => self.compensate(None),
+            410 => self.compensate(Some(Side::Left)),
+            420 => self.compensate(Some(Side::Right)),
             430 | 440 | 434 | 490 => {
                 self.follows_tool_center = tenths == 434;
                 self.length_sign = match tenths {
@@ -130,6 +130,11 @@ impl Modal {
     fn set_motion(&mut self, kind: MotionKind) {
         self.motion = kind;
         self.cycle = None;
+    }
+
+    fn compensate(&mut self, side: Option<Side>) {
+        self.starts_up ^= self.compensation.is_some() != side.is_some();
+        self.compensation = side;
     }
 
     fn set_plane(&mut self, plane: Plane, word: &Word) -> Result<(), Fault> {

@@ -31,7 +31,7 @@ impl Modal {
         step: &mut Step,
     ) -> Result<(), Fault> {
         step.clear();
-        let (system, compensation) = (self.system, self.compensation);
+        let system = self.system;
         address::check(block)?;
         let mut one_shot = OneShot::No;
         for word in block.words.iter().filter(|word| word.letter == b'G') {
@@ -43,7 +43,7 @@ impl Modal {
         let functions: &[Word] = if block.may_have(letters(b"HMS")) { &block.words } else { &[] };
         for word in functions {
             match word.letter {
-                b'M' => step.stop = m_code(word)?.or(step.stop),
+                b'M' => step.stop = m_code(word, block)?.or(step.stop),
                 b'S' => step.spindle = Some((word.number.scaled(1), word.column)),
                 b'H' if one_shot != OneShot::Data => self.length_offset = word.number.scaled(1) as u16,
                 _ => {}
@@ -66,9 +66,10 @@ impl Modal {
                 self.once(one_shot, block, (settings, tables), step)?;
             }
         }
-        let moves_on_arc = step.motion.as_ref().is_some_and(|motion| matches!(motion.kind, MotionKind::Arc(_)));
-        if moves_on_arc && self.compensation != compensation {
-            return Err(Fault::alarm(Alarm::ArcAtStartUp, 0));
+        if self.starts_up
+            && let Some(motion) = &step.motion
+        {
+            self.start_up(motion)?;
         }
         if step.motion.is_some() || step.series.is_some() {
             step.beyond_plain = self.beyond_plain(step, one_shot);
@@ -96,6 +97,17 @@ impl Modal {
                 self.is_unsettled = target.named & in_plane != in_plane;
             }
         }
+        Ok(())
+    }
+
+    /// The first move in the plane behind G41, G42 or G40 brings the contour's offset in or takes it out: no arc can.
+    fn start_up(&mut self, motion: &Motion) -> Result<(), Fault> {
+        let (first, second, _) = motion.plane.axes();
+        let moves = |axis: usize| motion.start.linear.get(axis) != motion.end.linear.get(axis);
+        if matches!(motion.kind, MotionKind::Arc(_)) {
+            return Err(Fault::alarm(Alarm::ArcAtStartUp, 0));
+        }
+        self.starts_up = !moves(first) && !moves(second);
         Ok(())
     }
 
@@ -140,13 +152,14 @@ fn is_cut(motion: &Motion) -> bool {
     motion.kind != MotionKind::Rapid
 }
 
-fn m_code(word: &Word) -> Result<Option<Stop>, Fault> {
+fn m_code(word: &Word, block: &Block) -> Result<Option<Stop>, Fault> {
     let fault = Fault::alarm(Alarm::DecimalPoint, word.column);
     Ok(match word.number.as_whole().ok_or(fault)? {
         0 => Some(Stop::Program),
         1 => Some(Stop::Optional),
         2 | 30 => Some(Stop::End),
-        code @ (98 | 99) => {
+        // M96 P lets a signal call a program in the middle of any block.
+        code @ (96 | 98 | 99) if code != 96 || block.word(b'P').is_some() => {
             return Err(Fault::not_modelled(NotModelled::MCode(code as u16), word.column));
         }
         _ => None,
@@ -318,10 +331,29 @@ mod tests {
             ("G68.2X1.I5.\nG0X1.", NotModelled::MoveUnder(682)),
             ("G0X1.Y1.\nG68R30.\nG0X2.", NotModelled::AfterRotation),
             ("M98P1000", NotModelled::MCode(98)),
+            ("M96P9001", NotModelled::MCode(96)),
         ] {
             let fault = run(&line.lines().collect::<Vec<_>>()).unwrap_err();
             assert_eq!(fault.cause, Cause::NotModelled(what), "{line}");
         }
+    }
+
+    #[test]
+    fn an_arc_can_neither_bring_an_offset_in_nor_take_it_out() {
+        let last = |lines: &[&str]| run(lines).map(|_| ());
+        let fault = Err(Fault::alarm(Alarm::ArcAtStartUp, 0));
+        let arc = "G2X1.Y1.I1.";
+        for before in
+            [&["G41D1", arc][..], &["G41D1", "G1Z-1.F1.", arc], &["G42D1X1.", "G40", "G2X0I-.5"], &["G41G2X1.Y1.I1."]]
+        {
+            assert_eq!(last(&[&["G1F1."], before].concat()), fault, "{before:?}");
+        }
+        for before in
+            [&["G41D1", "G1X0Y-1.", "G2Y1.J1."][..], &["G41D1", "G40", arc], &["G41D1X-1.", "X0", "G42G2X1.Y1.I1."]]
+        {
+            assert_ne!(last(&[&["G1F1."], before].concat()), fault, "{before:?}");
+        }
+        assert_eq!(last(&["M96", "M97"]), Ok(()));
     }
 
     #[test]

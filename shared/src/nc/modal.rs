@@ -42,6 +42,8 @@ pub struct Modal {
     pub preset: Pose,
     /// G41 / G42.
     pub compensation: Option<Side>,
+    /// G41, G42 or G40 came behind the last move in the plane.
+    pub starts_up: bool,
     /// G43 (1), G44 (-1), G49 (0).
     pub length_sign: i8,
     /// H.
@@ -123,6 +125,7 @@ impl Modal {
             local: Pose::ORIGIN,
             preset: Pose::ORIGIN,
             compensation: None,
+            starts_up: false,
             length_sign: 0,
             length_offset: 0,
             cycle: None,

@@ -123,7 +123,12 @@ impl Settings {
 
 impl Default for Tables {
     fn default() -> Self {
-        Tables { external: Pose::ORIGIN, systems: [Pose::ORIGIN; SYSTEMS], lengths: [[Nm(0); 2]; OFFSETS], radii: [[Nm(0); 2]; OFFSETS] }
+        Tables {
+            external: Pose::ORIGIN,
+            systems: [Pose::ORIGIN; SYSTEMS],
+            lengths: [[Nm(0); 2]; OFFSETS],
+            radii: [[Nm(0); 2]; OFFSETS],
+        }
     }
 }
 
