@@ -138,7 +138,7 @@ fn what_check_prints_is_documented() {
     documented.assert_fits("check", &report);
     let alarms: Vec<_> =
         report["errors"].as_array().expect("a list").iter().map(|error| error["alarm"].as_u64()).collect();
-    assert_eq!(alarms, [Some(20), Some(10), None, Some(5010)]);
+    assert_eq!(alarms, [Some(22), Some(10), None, Some(5010)]);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use arcfeed_hil_sim::control::search::Search;
 use arcfeed_hil_sim::control::{Control, Preset};
 use arcfeed_shared::nc::alarm::{Cause, Fault, NotModelled};
 use arcfeed_shared::nc::block::Reading;
@@ -9,6 +10,7 @@ use arcfeed_shared::nc::macros::interpreter::Interpreter;
 use arcfeed_shared::nc::macros::stack::{Bounds, Place};
 use arcfeed_shared::nc::macros::step::{Settings, Step};
 use arcfeed_shared::nc::macros::variables::Context;
+use arcfeed_shared::nc::settings::{Preset as NcPreset, Scope, Settings as NcSettings, Tables};
 use arcfeed_shared::nc::text::Lines;
 use arcfeed_shared::reader::Reader;
 use arcfeed_shared::units::{LengthUnit, Micros};
@@ -215,7 +217,9 @@ pub fn interpreter(input: &[u8], seed: u64) {
     let (main, library) = programs(input, seed);
     let bounds = Bounds { steps: 500, slice: 50, memory: 20_000, ..Bounds::default() };
     let settings = Settings { bounds, block_delete: u16::from(seed.is_multiple_of(3)) * 2, ..Settings::default() };
-    let mut reader = Reader::new(LengthUnit::Mm, Reading::Lenient);
+    let mut settings_of_control = NcSettings::preset(NcPreset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);
+    settings_of_control.scope = Scope::Everything;
+    let mut reader = Reader::with(settings_of_control, Tables::default());
     let context =
         |reader: &Reader, ms: usize| Context::with_length(reader.modal(), reader.machine(), Micros::from_ms(ms as u64));
     let mut interpreter = Interpreter::new(&main, Box::new(library.clone()), settings, &context(&reader, 0));
@@ -226,11 +230,16 @@ pub fn interpreter(input: &[u8], seed: u64) {
                     .calls
                     .iter()
                     .for_each(|call| assert_inside(*call, Fault::not_modelled(NotModelled::Macro, 1), &main, &library));
-                if let Err(fault) = reader.read(&block.text) {
+                let read = reader.read(&block.text);
+                if read.as_ref().is_ok_and(|understood| understood.step.sets_data) {
+                    interpreter.set_tables(reader.tables());
+                }
+                if let Err(fault) = read {
                     assert_ne!(fault.cause, Cause::NotModelled(NotModelled::Macro), "{}", block.text.escape_ascii());
                     assert_inside(block.place, block.in_source(fault), &main, &library);
                 }
             }
+            Ok(Step::Offset) => reader.set_tables(interpreter.tables()),
             Ok(Step::End(_) | Step::Starved) => return,
             Err(trouble) => {
                 assert!(trouble.calls.len() <= 8, "{trouble:?}");
@@ -263,5 +272,41 @@ pub fn memory(input: &[u8], seed: u64) {
     }
     if let Some(alarm) = control.alarm() {
         assert!(alarm.line as usize <= Lines::new(&main).count(), "{alarm:?}");
+    }
+}
+
+/// The control with the program on its DNC line and the library in its memory; reset, restarted and searched in between.
+pub fn over_the_line(input: &[u8], seed: u64) {
+    let (main, library) = programs(input, seed);
+    let mut random = Rng::with_seed(seed);
+    let preset = [Preset::Fanuc16i, Preset::Fanuc0i, Preset::Fanuc31i][random.usize(..3)];
+    let mut settings = preset.settings(LengthUnit::Mm);
+    settings.line.baudrate = 1_000_000;
+    settings.switches.single_block = random.u8(..4) == 0;
+    settings.switches.block_delete = random.u16(..4);
+    settings.operator_restart = Some(STEP);
+    let mut control = Control::on_line(settings).with_library(Box::new(library));
+    match random.u8(..8) {
+        0 => control.search(Search::Restart(2)),
+        1 => control.search(Search::Sequence(2)),
+        _ => {}
+    }
+    let mut left = &main[..];
+    control.port().on_bytes(b"%\n");
+    for ms in 1..60 {
+        let (burst, rest) = left.split_at(random.usize(..=left.len().min(120)));
+        control.port().on_bytes(burst);
+        left = rest;
+        control.step(Micros::from_ms(ms), STEP, random.u8(..));
+        while random.u8(..9) > 0 && control.port().poll_transmit().is_some() {}
+        if random.u8(..60) == 0 {
+            control.reset();
+        }
+        if random.u8(..10) == 0 {
+            control.cycle_start();
+        }
+    }
+    if let Some(alarm) = control.alarm() {
+        assert!(alarm.line as usize <= Lines::new(&main).count() + 1, "{alarm:?}");
     }
 }

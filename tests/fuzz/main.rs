@@ -104,3 +104,8 @@ fn the_control_runs_or_refuses_macro_programs() {
 fn the_line_takes_whatever_bytes_under_whatever_settings() {
     feed("line", 10, SMOKE / 4, targets::line);
 }
+
+#[test]
+fn the_control_takes_macro_programs_over_its_line() {
+    feed("dnc", 11, SMOKE_OF_CONTROLS, macros::over_the_line);
+}

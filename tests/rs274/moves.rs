@@ -1,16 +1,24 @@
 //! The moves of a program as our reader has them, in the terms of another interpreter.
 
+use arcfeed_shared::nc::alarm::Fault;
 use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::macros::interpreter::Interpreter;
+use arcfeed_shared::nc::macros::program::first_macro;
+use arcfeed_shared::nc::macros::step as macros;
+use arcfeed_shared::nc::macros::variables::Context;
 use arcfeed_shared::nc::modal::{Motion, MotionKind, Stop};
 use arcfeed_shared::nc::series::Act;
 use arcfeed_shared::nc::settings::{Decimals, Preset, Scope, Settings, Tables};
 use arcfeed_shared::nc::text::Lines;
-use arcfeed_shared::reader::Reader;
+use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_shared::units::{LengthUnit, Micros, Nm};
 
 /// G83 of rs274 turns to feed 0.010 in above the last depth, and G73 goes back by as much.
 pub const CLEARANCE: Nm = Nm(254_000);
+
+/// Calls of the interpreter after which a program goes on for ever.
+const CALLS_MAX: u64 = 1_000_000;
 
 /// One move, on the path.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +31,7 @@ pub struct Move {
     pub center_mm: [f64; 2],
 }
 
-/// What our reader makes of it, macro statements worked out.
+/// What our reader makes of it, macro statements worked out. That a program ends without M02 or M30 is no matter here.
 pub fn ours(text: &[u8]) -> Result<Vec<Move>, String> {
     let mut settings = Settings::preset(Preset::Fanuc31i, LengthUnit::Mm, Reading::Lenient);
     settings.scope = Scope::Everything;
@@ -31,23 +39,57 @@ pub fn ours(text: &[u8]) -> Result<Vec<Move>, String> {
     (settings.peck_clearance, settings.peck_return) = (CLEARANCE, CLEARANCE);
     let mut reader = Reader::with(settings, Tables::default());
     let mut moves = Vec::new();
+    if first_macro(text).is_some() {
+        return interpreted(text, &mut reader);
+    }
     for (index, line) in Lines::new(text).enumerate() {
-        let understood = reader.read(line.text).map_err(|fault| {
-            let found: String = line.text.iter().take(24).map(|byte| char::from(*byte)).collect();
-            format!("line {}: {} (`{found}`)", index + 1, short(&fault.cause.to_string()))
-        })?;
-        if let Some(segment) = understood.segment {
-            moves.extend(understood.step.motion.map(|motion| of_motion(&motion, Some(&segment))));
-        }
-        let acts = understood.step.series.iter().flat_map(|series| series.acts());
-        moves.extend(
-            acts.filter_map(|act| if let Act::Move(motion) = act { Some(of_motion(&motion, None)) } else { None }),
-        );
+        let understood = reader.read(line.text).map_err(|fault| told(index + 1, line.text, fault))?;
+        add(&understood, &mut moves);
         if understood.step.stop == Some(Stop::End) {
             break;
         }
     }
     Ok(moves)
+}
+
+/// With the macro interpreter.
+fn interpreted(text: &[u8], reader: &mut Reader) -> Result<Vec<Move>, String> {
+    let context = |reader: &Reader, ms| Context::with_length(reader.modal(), reader.machine(), Micros::from_ms(ms));
+    let mut interpreter = Interpreter::new(text, Box::new(()), macros::Settings::default(), &context(reader, 0));
+    let mut moves = Vec::new();
+    let line = |number: u32| Lines::new(text).nth(number as usize - 1).map_or(&[][..], |line| line.text);
+    for ms in 0..CALLS_MAX {
+        match interpreter.next(&context(reader, ms)) {
+            Ok(macros::Step::Block(block)) => {
+                let number = block.place.line;
+                let understood =
+                    reader.read(&block.text).map_err(|fault| told(number as usize, line(number), fault))?;
+                add(&understood, &mut moves);
+                if understood.step.sets_data {
+                    interpreter.set_tables(reader.tables());
+                }
+            }
+            Ok(macros::Step::Offset) => reader.set_tables(interpreter.tables()),
+            Ok(macros::Step::End(_) | macros::Step::Restart) => return Ok(moves),
+            Ok(_) => {}
+            Err(trouble) => return Err(told(trouble.place.line as usize, line(trouble.place.line), trouble.fault)),
+        }
+    }
+    Err("no end".into())
+}
+
+fn told(number: usize, line: &[u8], fault: Fault) -> String {
+    let found: String = line.iter().take(24).map(|byte| char::from(*byte)).collect();
+    format!("line {number}: {} (`{found}`)", short(&fault.cause.to_string()))
+}
+
+fn add(understood: &Understood, moves: &mut Vec<Move>) {
+    if let Some(segment) = understood.segment {
+        moves.extend(understood.step.motion.map(|motion| of_motion(&motion, Some(&segment))));
+    }
+    let acts = understood.step.series.iter().flat_map(|series| series.acts());
+    moves
+        .extend(acts.filter_map(|act| if let Act::Move(motion) = act { Some(of_motion(&motion, None)) } else { None }));
 }
 
 /// What is wrong, without the advice.
