@@ -3,12 +3,12 @@
 #![cfg(unix)]
 
 use std::io::{ErrorKind, Read, Write};
-use std::net::TcpStream;
+use std::net::{TcpListener, TcpStream};
 use std::time::Duration;
 
 use arcfeed_hil_sim::control::code::Code;
 use arcfeed_tests::{Ended, Running, Scratch, run, wait_for};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 const DC1: u8 = 0x11;
 const DC3: u8 = 0x13;
@@ -160,6 +160,50 @@ fn a_sender_that_hangs_up_is_alarm_86() {
 }
 
 #[test]
+fn macros_call_programs_of_the_library_and_print_to_the_sender() {
+    let scratch = Scratch::new("macros");
+    scratch.write("O9010.nc", "O9010\n#100=#24*2\nDPRNT[X#100[33]]\n#3006=1(LOOK)\nM99\n");
+    let (server, mut line) = serve(&scratch, &["--library", &scratch.path("")]);
+    send(&mut line, b"%\nG21\nPOPEN\nG65P9010X1.5\nPCLOS\nG0X#100\nM30\n%\n");
+    let mut heard = Vec::new();
+    wait_for("DC4", || {
+        heard.extend(says(&mut line));
+        heard.contains(&0x14).then_some(())
+    });
+    let ended = server.end();
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    heard.retain(|byte| !matches!(*byte, DC1 | DC3));
+    assert_eq!(heard, b"\x12X   3.000\n\x14");
+    let report = report(&ended);
+    assert_eq!((&report["printed"], &report["messages"]), (&json!(["X   3.000"]), &json!(["LOOK"])));
+    assert_eq!(executed(&scratch), ["G21", "POPEN", "G65P9010X1.5", "O9010", "(LOOK)", "PCLOS", "G0X3.", "M30"]);
+}
+
+#[test]
+fn what_a_control_prints_is_in_the_report_of_the_sender() {
+    let scratch = Scratch::new("printed");
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = listener.local_addr().expect("an address");
+    let control = std::thread::spawn(move || {
+        let (mut line, _) = listener.accept().expect("a sender");
+        line.write_all(&[DC1]).expect("the line is up");
+        line.read_exact(&mut [0]).expect("the sender has begun");
+        line.write_all(b"\x12X  1.500\nY  2.000\n\x14").expect("the line is up");
+        let _until_it_hangs_up = line.read_to_end(&mut Vec::new());
+    });
+    let job = "examples/ibr-slot/job.toml";
+    let sender = Running::start(
+        &scratch,
+        "stream",
+        &["stream", job, "--port", &format!("socket://{address}"), "--json", "--baudrate", "115200"],
+    );
+    let ended = sender.end();
+    control.join().expect("the control");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    assert_eq!(report(&ended)["printed"], json!(["X  1.500", "Y  2.000"]));
+}
+
+#[test]
 fn a_command_line_without_sense_is_explained() {
     for (arguments, word) in [
         (&["serve"][..], "--pty"),
@@ -172,6 +216,10 @@ fn a_command_line_without_sense_is_explained() {
         assert_eq!(output.status.code(), Some(2), "{stderr}");
         assert!(stderr.contains(word), "{stderr}");
     }
+    let output = run(&["serve", "--pty", "--library", "no/such/folder"]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("no/such/folder") && stderr.contains("--library"), "{stderr}");
     let output = run(&["serve", "--tcp", "203.0.113.1:1"]);
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{stderr}");

@@ -18,6 +18,8 @@ use arcfeed_shared::units::{Micros, US_PER_S};
 const DC1: u8 = 0x11;
 /// XOFF.
 const DC3: u8 = 0x13;
+/// Most characters of the control's text that are kept.
+const HEARD_MAX: usize = 4_096;
 /// Most characters handed out at once: with as many again on their way, still below ten.
 pub const CHUNK: usize = 4;
 
@@ -30,6 +32,7 @@ pub struct Sender {
     xonxoff: bool,
     char_us: u64,
     line_free_at: Micros,
+    heard: Vec<u8>,
     counters: Counters,
 }
 
@@ -64,7 +67,16 @@ impl Sender {
         }
         let char_us = (u64::from(bits_per_char) * US_PER_S).div_ceil(u64::from(baudrate));
         let state = if xonxoff { State::Waiting } else { State::Sending };
-        Sender { program, sent: 0, state, xonxoff, char_us, line_free_at: Micros(0), counters: Counters::default() }
+        Sender {
+            program,
+            sent: 0,
+            state,
+            xonxoff,
+            char_us,
+            line_free_at: Micros(0),
+            heard: Vec::new(),
+            counters: Counters::default(),
+        }
     }
 
     /// Takes what came from the control.
@@ -79,6 +91,9 @@ impl Sender {
                 (DC1 | DC3, state) if self.xonxoff => state,
                 (_, state) => {
                     self.counters.ignored += 1;
+                    if self.heard.len() < HEARD_MAX {
+                        self.heard.push(byte);
+                    }
                     state
                 }
             };
@@ -121,6 +136,11 @@ impl Sender {
         let sent = &self.program[..self.sent];
         let lines = sent.split_inclusive(|&byte| byte == b'\n').filter(|line| line.ends_with(b"\n"));
         lines.filter(|line| !matches!(line.trim_ascii(), [] | [b'%', ..])).count()
+    }
+
+    /// What the control has printed since the last call: DC2, text, DC4.
+    pub fn take_heard(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.heard)
     }
 
     /// What happened on the line.

@@ -17,7 +17,7 @@ use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::LengthUnit;
 
-pub use expand::Expansion;
+pub use expand::{Expansion, Folder};
 pub use tally::Tally;
 
 /// A program, read whole.

@@ -307,6 +307,8 @@ pub fn over_the_line(input: &[u8], seed: u64) {
         }
     }
     if let Some(alarm) = control.alarm() {
-        assert!(alarm.line as usize <= Lines::new(&main).count() + 1, "{alarm:?}");
+        // With a bit too much a line feed is one all the same, and 0x80 ends a block in EIA.
+        let ends = main.iter().filter(|byte| matches!(*byte & 0x7F, b'\n' | 0)).count();
+        assert!(alarm.line as usize <= ends + 1, "{alarm:?}");
     }
 }

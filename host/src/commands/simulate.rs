@@ -20,6 +20,7 @@ use super::outcome::{Failure, adapted, load, say};
 use crate::job::{ControlKind, JobFile, Parity, SerialSettings};
 use crate::program::Program;
 use crate::report::figures::{AlarmFigures, IptFigures, MovementFigures, OverrideFigures, RestartFigures, RunReport};
+use crate::report::printed;
 use crate::report::summary::Summary;
 
 /// Longest simulated run: a program that takes longer is stuck.
@@ -143,6 +144,8 @@ pub fn measure(rig: &Rig, job: &Job) -> RunReport {
         unit: job.unit.label(),
         blocks_executed: Some(rig.control().executed().len()),
         alarms: alarm.into_iter().collect(),
+        printed: printed::lines(rig.control().output()),
+        messages: rig.control().messages().map(String::from).collect(),
         cycle_time_s: Some(rig.cycle_time().to_s()),
         ipt_circumference: ipt(job.unit, job.feed_per_tooth, moves.iter().map(|(chips, _)| *chips)),
         r#override: overrides(moves.iter().map(|(_, figures)| *figures)),

@@ -18,6 +18,10 @@ pub struct RunReport {
     pub blocks_executed: Option<usize>,
     /// What stopped the control.
     pub alarms: Vec<AlarmFigures>,
+    /// Lines that the program had the control print.
+    pub printed: Vec<String>,
+    /// What the program and its alarms say to the operator, and where in a called program an alarm came up.
+    pub messages: Vec<String>,
     /// From the first move to the program's end.
     pub cycle_time_s: Option<f64>,
     /// The same for the program as it was, without arcfeed.

@@ -2,4 +2,6 @@
 
 pub mod figures;
 
+pub mod printed;
+
 pub mod summary;

@@ -42,6 +42,12 @@ impl fmt::Display for Summary<'_> {
                 None => writeln!(f)?,
             }
         }
+        for line in &report.printed {
+            writeln!(f, "  printed: {line}")?;
+        }
+        for message in &report.messages {
+            writeln!(f, "  message: {message}")?;
+        }
         for alarm in &report.alarms {
             writeln!(f, "  ALARM at {alarm}")?;
         }

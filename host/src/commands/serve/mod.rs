@@ -24,6 +24,7 @@ use super::outcome::{Failure, on_interrupt, say};
 use super::simulate::{control_settings, finish, measure};
 use super::stream::write_executed;
 use crate::job::{ControlKind, JobFile};
+use crate::program::Folder;
 use crate::report::figures::LinkFigures;
 use line::Line;
 
@@ -48,6 +49,9 @@ pub struct Serve {
     /// The control's offsets, lengths and reference points, in place of the job's (docs/dialect.md)
     #[arg(long, value_name = "SETTINGS.toml")]
     settings: Option<PathBuf>,
+    /// Folder of subprograms in the control's memory: O9010, O9010.nc or 9010.nc
+    #[arg(long, value_name = "DIR")]
+    library: Option<PathBuf>,
     /// Simulated seconds per second of wall time
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
     speed: u32,
@@ -186,7 +190,17 @@ impl Serve {
         let mut settings = control_settings(file);
         self.panel.apply(&mut settings);
         let fault = if self.job.is_some() { ControllerFault::None } else { ControllerFault::LawOff };
-        Rig::on_line(settings, &file.job, fault).map_err(|error| Failure::Input(format!("override limits: {error:?}")))
+        let mut rig = Rig::on_line(settings, &file.job, fault)
+            .map_err(|error| Failure::Input(format!("override limits: {error:?}")))?;
+        match &self.library {
+            Some(folder) if !folder.is_dir() => {
+                let message = format!("{}: no folder; --library wants one with subprograms", folder.display());
+                return Err(Failure::Input(message));
+            }
+            Some(folder) => rig.control_mut().set_library(Box::new(Folder(folder.clone()))),
+            None => {}
+        }
+        Ok(rig)
     }
 
     fn report(&self, file: &JobFile, rig: &Rig, name: &str) -> Result<(), Failure> {

@@ -23,6 +23,7 @@ use crate::port::open::{open, wrap};
 use crate::port::url::{Base, PortUrl};
 use crate::program::Program;
 use crate::report::figures::{LinkFigures, RunReport};
+use crate::report::printed;
 use live::Progress;
 use outbox::Outbox;
 use sim_port::SimPort;
@@ -112,6 +113,7 @@ impl Stream {
         let bits = bytes as f64 * f64::from(file.serial.bits_per_char());
         let mut report = RunReport { unit: file.job.unit.label(), ..RunReport::default() };
         report.blocks_sent = Some(sender.blocks_sent());
+        report.printed = printed::lines(&sender.take_heard());
         report.link = Some(LinkFigures {
             bytes: bytes as u64,
             utilization: bits / f64::from(file.serial.baudrate) / port.now().to_s(),
