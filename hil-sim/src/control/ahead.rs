@@ -1,6 +1,6 @@
 //! Reading ahead: from the tape or the program in memory into the look-ahead.
 
-use arcfeed_shared::nc::macros::step::Output;
+use arcfeed_shared::nc::macros::print::Output;
 use arcfeed_shared::units::Micros;
 
 use super::Control;

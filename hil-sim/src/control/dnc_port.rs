@@ -14,7 +14,7 @@
 use std::collections::VecDeque;
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
-use arcfeed_shared::nc::macros::step::Output;
+use arcfeed_shared::nc::macros::print::Output;
 use arcfeed_shared::units::{Micros, US_PER_S};
 
 use super::code::{Code, DC1, DC3, with_even_parity, without_parity};

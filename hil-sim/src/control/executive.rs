@@ -9,9 +9,10 @@ use std::collections::VecDeque;
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::macros::interpreter::Interpreter;
+use arcfeed_shared::nc::macros::print::Output;
 use arcfeed_shared::nc::macros::program::Library;
 use arcfeed_shared::nc::macros::stack::Place;
-use arcfeed_shared::nc::macros::step::{Ending, Output, PlainBlock, Settings, Step, Trouble};
+use arcfeed_shared::nc::macros::step::{Ending, PlainBlock, Settings, Step, Trouble};
 use arcfeed_shared::nc::macros::variables::Context;
 use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::nc::settings::Tables;

@@ -44,6 +44,8 @@ mod course;
 
 mod ahead;
 
+mod conditions;
+
 use std::collections::VecDeque;
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
@@ -51,13 +53,12 @@ use arcfeed_shared::nc::macros::program::{Library, first_macro};
 use arcfeed_shared::nc::macros::variables::Ignored;
 use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{Micros, MmPerMin, PERCENT, US_PER_MS};
+use arcfeed_shared::units::{Micros, MmPerMin, US_PER_MS};
 
 use action::{Action, Manner, ReadBlock};
 use course::Course;
 use dnc_port::DncPort;
 use executive::Executive;
-use feeds::FeedConditions;
 use interpolator::Interpolator;
 use line::LineCounters;
 use panel::Phase;
@@ -67,11 +68,6 @@ use search::Search;
 use signals::FeedOverrideLines;
 
 pub use settings::{ControlSettings, Preset, Switches};
-
-/// Bits of #3003 and #3004. Exact stop (bit 2 of #3004) is not modelled, so there is nothing to switch off.
-const NO_SINGLE_BLOCK: u8 = 1;
-const NO_FEED_HOLD: u8 = 1;
-const NO_OVERRIDE: u8 = 2;
 
 /// Why the control stopped before the end of its program.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -216,27 +212,6 @@ impl Control {
         }
     }
 
-    fn conditions(&self) -> FeedConditions {
-        let stops = self.is_over() || self.phase == Phase::Resetting;
-        FeedConditions {
-            override_percent: self.override_percent(),
-            dry_run: self.switches.dry_run.then_some(self.settings.dry_run_feed),
-            holds: self.holds() || stops,
-            holds_but_taps: !stops,
-            stops_at_block_end: self.is_in_single_block(),
-        }
-    }
-
-    /// Whether feed hold is on and counts.
-    fn holds(&self) -> bool {
-        self.held && self.ignored.feed & NO_FEED_HOLD == 0
-    }
-
-    /// Whether single block is on and counts.
-    fn is_in_single_block(&self) -> bool {
-        self.switches.single_block && self.ignored.stops & NO_SINGLE_BLOCK == 0
-    }
-
     fn look_for_the_end(&mut self, dt: Micros) {
         let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0 && self.course.is_none();
         if !has_nothing || self.phase != Phase::Running || self.dwell_left > Micros(0) || self.is_over() {
@@ -283,11 +258,6 @@ impl Control {
     /// Speed along the path, mm/s.
     pub fn speed_mm_per_s(&self) -> f64 {
         self.interpolator.speed_mm_per_s()
-    }
-
-    /// The override in effect, %.
-    pub fn override_percent(&self) -> u8 {
-        if self.ignored.feed & NO_OVERRIDE == 0 { self.ladder_percent } else { PERCENT as u8 }
     }
 
     /// Blocks executed, byte for byte as received, without their line ends.

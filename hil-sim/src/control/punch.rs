@@ -6,7 +6,7 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_shared::nc::macros::step::Output;
+use arcfeed_shared::nc::macros::print::Output;
 
 use super::code::{Code, DC1, DC2, DC3, DC4, with_even_parity};
 

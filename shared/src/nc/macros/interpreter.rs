@@ -7,10 +7,10 @@ use super::arguments::{Letters, locals};
 use super::calls::{SEQUENCE_MAX, Then, macro_call, split_call};
 use super::code::{Code, Cursor, Head};
 use super::expression::{Evaluator, whole};
-use super::print;
+use super::print::{self, Output};
 use super::program::{File, Library, Line};
 use super::stack::{Call, Place, Stack, When};
-use super::step::{Ending, Output, PlainBlock, Settings, Step, Trouble};
+use super::step::{Ending, PlainBlock, Settings, Step, Trouble};
 use super::variables::{Context, Effect, Variables};
 use super::words::{self, Word, spell_block};
 use crate::nc::alarm::{Alarm, Fault, NotModelled};
@@ -186,7 +186,7 @@ impl Interpreter {
             return self.condition(cursor, code);
         }
         if cursor.eat_keyword(b"GOTO") {
-            return self.go_to(cursor, begin);
+            return self.go_to(cursor, begin, true);
         }
         if cursor.eat_keyword(b"WHILE") {
             let holds = self.evaluator().bracketed(&mut cursor)?;
@@ -235,30 +235,27 @@ impl Interpreter {
 
     fn condition(&mut self, mut cursor: Cursor<'_>, code: &Code) -> Result<Option<Step>, Fault> {
         let holds = self.evaluator().bracketed(&mut cursor)?.unwrap_or(0.0) != 0.0;
+        let is_then = cursor.eat(b"THEN");
         let begin = cursor.column();
         if cursor.eat_keyword(b"GOTO") {
-            self.refuse_in_dnc(begin)?;
-            return if holds { self.go_to(cursor, begin) } else { Ok(None) };
-        }
-        if !cursor.eat(b"THEN") {
-            return Err(cursor.fault(MacroAlarm::StatementFormat));
+            return self.go_to(cursor, begin, holds);
         }
         match cursor.peek() {
+            _ if !is_then => Err(cursor.fault(MacroAlarm::StatementFormat)),
             _ if !holds => Ok(None),
             Some(b'#') => self.assign(cursor, code),
             _ => {
-                let begin = cursor.column();
-                if cursor.eat_keyword(b"GOTO") {
-                    return self.go_to(cursor, begin);
-                }
                 let output = self.output(&mut cursor)?.ok_or(cursor.fault(MacroAlarm::StatementFormat))?;
                 cursor.finish().map(|()| Some(Step::Output(output)))
             }
         }
     }
 
-    fn go_to(&mut self, mut cursor: Cursor<'_>, begin: u16) -> Result<Option<Step>, Fault> {
+    fn go_to(&mut self, mut cursor: Cursor<'_>, begin: u16, goes: bool) -> Result<Option<Step>, Fault> {
         self.refuse_in_dnc(begin)?;
+        if !goes {
+            return Ok(None);
+        }
         let column = cursor.column();
         let value = self.evaluator().factor(&mut cursor)?;
         cursor.finish()?;
@@ -288,17 +285,7 @@ impl Interpreter {
     }
 
     fn output(&self, cursor: &mut Cursor<'_>) -> Result<Option<Output>, Fault> {
-        Ok(if cursor.eat_keyword(b"POPEN") {
-            Some(Output::Open)
-        } else if cursor.eat_keyword(b"PCLOS") {
-            Some(Output::Close)
-        } else if cursor.eat_keyword(b"DPRNT") {
-            Some(Output::Text(print::decimal(cursor, self.evaluator(), self.settings.print)?))
-        } else if cursor.eat_keyword(b"BPRNT") {
-            Some(Output::Binary(print::binary(cursor, self.evaluator())?))
-        } else {
-            None
-        })
+        print::statement(cursor, self.evaluator(), self.settings.print)
     }
 
     fn block(&mut self, head: &Head, mut cursor: Cursor<'_>) -> Result<Option<Step>, Fault> {

@@ -10,18 +10,14 @@
 //! | #7001-#7006 to #7941-#7946, #14001- to #14946 | the same of G54.1 P1 to P48 |
 //!
 //! Source: B-63534EN, system variables of tool compensation memory C and of workpiece origins. Values are in the program's
-//! unit and in degrees; a value set is rounded to the least increment.
+//! unit and in degrees.
 
 use crate::nc::motion::Pose;
 use crate::nc::settings::Tables;
-use crate::units::{LengthUnit, MICRODEG_PER_DEG};
+use crate::units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Nm};
 
-/// Largest value: eight digits.
-const VALUE_MAX: f64 = 99_999_999.0;
 /// Variables from one coordinate system to the next.
 const SYSTEM_STEP: u32 = 20;
-/// Least increment of an angle, per degree.
-const ANGLE_INCREMENTS: f64 = 1e3;
 const AXES: [u8; 6] = *b"XYZABC";
 
 enum Slot {
@@ -77,35 +73,20 @@ pub fn read(tables: &Tables, variable: u32, unit: LengthUnit) -> Option<f64> {
     })
 }
 
-/// Sets an offset; `None` if the variable is none, false if it cannot take the value.
-pub fn write(tables: &mut Tables, variable: u32, value: f64, unit: LengthUnit) -> Option<bool> {
-    let increments = match unit {
-        LengthUnit::Mm => 1e3,
-        LengthUnit::Inch => 1e4,
-    };
-    let of = |increments: f64, scale: i64| libm::round(value * increments) as i64 * (scale / increments as i64);
-    let place: &mut i64 = match slot(variable)? {
-        Slot::Length(number, place) => &mut tables.lengths.get_mut(number)?.get_mut(place)?.0,
-        Slot::Radius(number, place) => &mut tables.radii.get_mut(number)?.get_mut(place)?.0,
+/// Sets an offset to this length or, where it is one of an angle, to this angle; `None` if the variable is none.
+pub fn write(tables: &mut Tables, variable: u32, length: Nm, angle: MicroDeg) -> Option<()> {
+    match slot(variable)? {
+        Slot::Length(number, place) => *tables.lengths.get_mut(number)?.get_mut(place)? = length,
+        Slot::Radius(number, place) => *tables.radii.get_mut(number)?.get_mut(place)? = length,
         Slot::System(number, letter) => {
             let origin: &mut Pose = match number.checked_sub(1) {
                 None => &mut tables.external,
                 Some(index) => tables.systems.get_mut(index)?,
             };
-            let is_angle = letter < b'X';
-            let place = origin.axis_mut(letter)?;
-            if is_angle && libm::fabs(value) <= VALUE_MAX {
-                *place = of(ANGLE_INCREMENTS, MICRODEG_PER_DEG);
-                return Some(true);
-            }
-            place
+            *origin.axis_mut(letter)? = if letter < b'X' { angle.0 } else { length.0 };
         }
-    };
-    let fits = libm::fabs(value) <= VALUE_MAX;
-    if fits {
-        *place = of(increments, unit.nm());
     }
-    Some(fits)
+    Some(())
 }
 
 #[cfg(test)]
@@ -113,9 +94,14 @@ mod tests {
     use super::*;
     use crate::units::Nm;
 
+    type Place = fn(&Tables) -> i64;
+
+    const LENGTH: Nm = Nm(-31_356_300);
+    const ANGLE: MicroDeg = MicroDeg(45_000_000);
+
     #[test]
     fn each_number_is_one_place_of_the_tables_and_reads_back() {
-        let places: [(u32, fn(&Tables) -> i64); 10] = [
+        let places: [(u32, Place); 10] = [
             (2_001, |tables| tables.lengths[0][1].0),
             (2_400, |tables| tables.lengths[199][0].0),
             (10_400, |tables| tables.lengths[399][1].0),
@@ -129,25 +115,23 @@ mod tests {
         ];
         for (variable, place) in places {
             let mut tables = Tables::default();
-            assert_eq!(write(&mut tables, variable, -1.234_51, LengthUnit::Inch), Some(true), "#{variable}");
-            assert_eq!(place(&tables), -12_345 * 2_540, "#{variable}");
+            assert_eq!(write(&mut tables, variable, LENGTH, ANGLE), Some(()), "#{variable}");
+            assert_eq!(place(&tables), LENGTH.0, "#{variable}");
             assert_eq!(read(&tables, variable, LengthUnit::Inch), Some(-1.234_5), "#{variable}");
         }
         let mut tables = Tables::default();
-        assert_eq!(write(&mut tables, 5_325, 45.000_4, LengthUnit::Mm), Some(true));
-        assert_eq!(tables.systems[5].rotary[1].0, 45_000_000);
+        assert_eq!(write(&mut tables, 5_325, LENGTH, ANGLE), Some(()));
+        assert_eq!(tables.systems[5].rotary[1], ANGLE);
         assert_eq!(read(&tables, 5_325, LengthUnit::Inch), Some(45.0));
     }
 
     #[test]
-    fn what_is_no_offset_or_does_not_fit_changes_nothing() {
+    fn what_is_no_offset_changes_nothing() {
         let mut tables = Tables::default();
         for variable in [2_401, 2_507, 5_207, 5_327, 7_007, 7_947, 14_961, 10_401, 9_000] {
-            assert_eq!(write(&mut tables, variable, 1.0, LengthUnit::Mm), None, "#{variable}");
+            assert_eq!(write(&mut tables, variable, LENGTH, ANGLE), None, "#{variable}");
             assert_eq!(read(&tables, variable, LengthUnit::Mm), None, "#{variable}");
         }
-        assert_eq!(write(&mut tables, 5_221, 1e9, LengthUnit::Mm), Some(false));
-        assert_eq!(write(&mut tables, 5_224, f64::INFINITY, LengthUnit::Mm), Some(false));
-        assert_eq!((tables.systems[0], tables.lengths[0]), (Pose::ORIGIN, [Nm(0); 2]));
+        assert_eq!(tables, Tables::default());
     }
 }

@@ -34,11 +34,55 @@ pub enum PrintStyle {
     Growing,
 }
 
-/// Reads the brackets of a DPRNT and answers what it sends.
+/// What goes to the punch.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// POPEN.
+    Open,
+    /// PCLOS.
+    Close,
+    /// DPRNT: a line of text with its line feed.
+    Text(Vec<u8>),
+    /// BPRNT: ISO codes and numbers, eight bits each, with a line feed.
+    Binary(Vec<u8>),
+}
+
+impl Output {
+    /// What goes out, in ASCII.
+    pub fn bytes(&self) -> &[u8] {
+        match self {
+            Output::Open => &[PUNCH_ON],
+            Output::Close => &[PUNCH_OFF],
+            Output::Text(bytes) | Output::Binary(bytes) => bytes,
+        }
+    }
+}
+
+/// Reads POPEN, PCLOS, DPRNT or BPRNT; `None` if none of them stands here.
 ///
 /// # Errors
-/// PS0114 or PS0115 at the place that is no text, no variable or no format.
-pub fn decimal(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>, style: PrintStyle) -> Result<Vec<u8>, Fault> {
+/// PS0114 or PS0115 at the place that is no text, no variable or no format; PS0119 for a number that BPRNT's four bytes do
+/// not hold.
+pub fn statement(
+    cursor: &mut Cursor<'_>,
+    evaluator: Evaluator<'_>,
+    style: PrintStyle,
+) -> Result<Option<Output>, Fault> {
+    Ok(if cursor.eat_keyword(b"POPEN") {
+        Some(Output::Open)
+    } else if cursor.eat_keyword(b"PCLOS") {
+        Some(Output::Close)
+    } else if cursor.eat_keyword(b"DPRNT") {
+        Some(Output::Text(decimal(cursor, evaluator, style)?))
+    } else if cursor.eat_keyword(b"BPRNT") {
+        Some(Output::Binary(binary(cursor, evaluator)?))
+    } else {
+        None
+    })
+}
+
+/// Reads the brackets of a DPRNT and answers what it sends.
+fn decimal(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>, style: PrintStyle) -> Result<Vec<u8>, Fault> {
     print(cursor, evaluator, &|byte| byte, &|format, value, out| {
         let (before, behind) = (format / 10, format % 10);
         let is_format = format < 100 && (1..=DIGITS_MAX).contains(&(before + behind));
@@ -50,10 +94,7 @@ pub fn decimal(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>, style: PrintSt
 }
 
 /// Reads the brackets of a BPRNT and answers what it sends.
-///
-/// # Errors
-/// As [`decimal`], and PS0119 for a number that four bytes do not hold.
-pub fn binary(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>) -> Result<Vec<u8>, Fault> {
+fn binary(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>) -> Result<Vec<u8>, Fault> {
     print(cursor, evaluator, &with_parity, &|format, value, out| {
         let scaled = libm::round(value * libm::pow(10.0, f64::from(format)));
         let fits = format <= DIGITS_MAX && (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&scaled);

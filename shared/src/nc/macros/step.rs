@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::function::Angles;
-use super::print::{PUNCH_OFF, PUNCH_ON, PrintStyle};
+use super::print::{Output, PrintStyle};
 use super::stack::{Bounds, Place};
 use super::variables::Ignored;
 use crate::nc::alarm::Fault;
@@ -44,30 +44,6 @@ pub enum Step {
     Starved,
     /// Is at its end.
     End(Ending),
-}
-
-/// What goes to the punch.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Output {
-    /// POPEN.
-    Open,
-    /// PCLOS.
-    Close,
-    /// DPRNT: a line of text with its line feed.
-    Text(Vec<u8>),
-    /// BPRNT: ISO codes and numbers, eight bits each, with a line feed.
-    Binary(Vec<u8>),
-}
-
-impl Output {
-    /// What goes out, in ASCII.
-    pub fn bytes(&self) -> &[u8] {
-        match self {
-            Output::Open => &[PUNCH_ON],
-            Output::Close => &[PUNCH_OFF],
-            Output::Text(bytes) | Output::Binary(bytes) => bytes,
-        }
-    }
 }
 
 /// How a program ended.

@@ -26,8 +26,10 @@ use crate::nc::alarm::{Cause, NotModelled};
 use crate::nc::macro_alarm::MacroAlarm;
 use crate::nc::modal::{Modal, Pose};
 use crate::nc::settings::Tables;
-use crate::units::{LengthUnit, Micros, US_PER_MS, US_PER_S};
+use crate::units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Micros, Nm, US_PER_MS, US_PER_S};
 
+/// Largest offset: eight digits.
+const OFFSET_MAX: f64 = 99_999_999.0;
 /// Common variables: #100 to #199, then #500 to #999.
 const COMMON: usize = 600;
 const S_PER_MIN: u64 = 60;
@@ -176,9 +178,12 @@ impl Variables {
                 }
             }
             _ => {
-                let is_set = offsets::write(&mut self.tables, number, plain, self.context.unit);
-                let fits = is_set.ok_or(unknown(number))?;
-                return if fits { Ok(Effect::Offset) } else { Err(Cause::Macro(MacroAlarm::VariableNumber)) };
+                offsets::read(&self.tables, number, self.context.unit).ok_or(unknown(number))?;
+                let value = rounded(plain, self.context.unit).ok_or(Cause::Macro(MacroAlarm::VariableNumber))?;
+                let (length, angle) = value;
+                return offsets::write(&mut self.tables, number, length, angle)
+                    .map(|()| Effect::Offset)
+                    .ok_or(unknown(number));
             }
         }
         Ok(Effect::Kept)
@@ -239,6 +244,17 @@ impl Variables {
     }
 }
 
+/// An offset's value as a length or as an angle, to the least increment; `None` if no offset is so large.
+fn rounded(value: f64, unit: LengthUnit) -> Option<(Nm, MicroDeg)> {
+    let to = |per_unit: i64, whole: i64| libm::round(value * per_unit as f64) as i64 * (whole / per_unit);
+    let per_unit = match unit {
+        LengthUnit::Mm => 1_000,
+        LengthUnit::Inch => 10_000,
+    };
+    let value_fits = libm::fabs(value) <= OFFSET_MAX;
+    value_fits.then(|| (Nm(to(per_unit, unit.nm())), MicroDeg(to(1_000, MICRODEG_PER_DEG))))
+}
+
 /// The place of a common variable.
 fn common(number: u32) -> Option<usize> {
     match number {
@@ -260,7 +276,6 @@ fn unknown(number: u32) -> Cause {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::units::{MicroDeg, Nm};
 
     fn variables() -> Variables {
         let end = Pose {
@@ -315,6 +330,13 @@ mod tests {
         assert_eq!(variables.read(5221), Ok(Some(0.0)));
         assert_eq!(variables.write(5221, Some(2.5)), Ok(Effect::Offset));
         assert_eq!(variables.read(5221), Ok(Some(2.5)));
+        // To a ten-thousandth of an inch, a thousandth of a degree.
+        for (number, value, kept) in [(5221, -1.234_56, -1.234_6), (5225, 45.000_4, 45.0)] {
+            assert_eq!(variables.write(number, Some(value)), Ok(Effect::Offset));
+            assert_eq!(variables.read(number), Ok(Some(kept)), "#{number}");
+        }
+        assert_eq!(variables.write(5221, Some(1e9)), Err(Cause::Macro(MacroAlarm::VariableNumber)));
+        assert_eq!(variables.read(5221), Ok(Some(-1.234_6)));
         assert_eq!(variables.read(5061), Err(Cause::NotModelled(NotModelled::Variable(5061))));
     }
 

@@ -1,0 +1,40 @@
+//! What counts for the moves: the panel and the override input, and what the program has switched off with #3003 and #3004.
+
+use arcfeed_shared::units::PERCENT;
+
+use super::Control;
+use super::feeds::FeedConditions;
+use super::panel::Phase;
+
+/// Bits of #3003 and #3004. Exact stop (bit 2 of #3004) is not modelled, so there is nothing to switch off.
+const NO_SINGLE_BLOCK: u8 = 1;
+const NO_FEED_HOLD: u8 = 1;
+const NO_OVERRIDE: u8 = 2;
+
+impl Control {
+    /// The override in effect, %.
+    pub fn override_percent(&self) -> u8 {
+        if self.ignored.feed & NO_OVERRIDE == 0 { self.ladder_percent } else { PERCENT as u8 }
+    }
+
+    pub(super) fn conditions(&self) -> FeedConditions {
+        let stops = self.is_over() || self.phase == Phase::Resetting;
+        FeedConditions {
+            override_percent: self.override_percent(),
+            dry_run: self.switches.dry_run.then_some(self.settings.dry_run_feed),
+            holds: self.holds() || stops,
+            holds_but_taps: !stops,
+            stops_at_block_end: self.is_in_single_block(),
+        }
+    }
+
+    /// Whether feed hold is on and counts.
+    pub(super) fn holds(&self) -> bool {
+        self.held && self.ignored.feed & NO_FEED_HOLD == 0
+    }
+
+    /// Whether single block is on and counts.
+    pub(super) fn is_in_single_block(&self) -> bool {
+        self.switches.single_block && self.ignored.stops & NO_SINGLE_BLOCK == 0
+    }
+}
