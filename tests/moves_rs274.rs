@@ -1,5 +1,5 @@
-//! Lines, offsets and canned cycles against another interpreter: every end point of `tests/cases/moves-rs274`, as LinuxCNC
-//! reads it.
+//! Lines, offsets, canned cycles and macro expressions against another interpreter: every end point of
+//! `tests/cases/moves-rs274` and `tests/cases/macros-rs274`, as LinuxCNC reads it.
 
 use arcfeed_hil_sim::control::{Control, Preset, Switches};
 use arcfeed_shared::nc::settings::Decimals;
@@ -11,24 +11,46 @@ use moves::{CLEARANCE, Move, moving, off_mm, ours};
 #[path = "rs274/moves.rs"]
 mod moves;
 
-const CASE: &str = "tests/cases/moves-rs274";
 /// Half of the last decimal that rs274 prints, in inches where the program is.
 const PRINTED_MM: f64 = 0.000_05 * 25.4;
 /// And half of the last decimal of the table, with what a sum of three printed numbers adds.
 const ROUNDING_MM: f64 = 3.0 * PRINTED_MM + 0.000_05;
+/// Half of the least increment, to which the value of a word is rounded, and of the last decimals of rs274 in mm and of the
+/// table.
+const OF_WORDS_MM: f64 = 0.000_5 + 2.0 * 0.000_05 + 1e-9;
 
-fn case(file: &str) -> String {
-    let path = root().join(CASE).join(file);
+fn text(case: &str, file: &str) -> String {
+    let path = root().join("tests/cases").join(case).join(file);
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-fn expected() -> Vec<Move> {
+fn expected(case: &str) -> Vec<Move> {
     let row = |row: &str| {
         let numbers: Vec<f64> = row.split(' ').map(|number| number.parse().expect("a number")).collect();
         let [kind, x, y, z, u, v] = numbers[..] else { panic!("{row}") };
         Move { kind: kind as i8, end_mm: [x, y, z], center_mm: [u, v] }
     };
-    case("expected.txt").lines().map(row).collect()
+    text(case, "expected.txt").lines().map(row).collect()
+}
+
+fn program(case: &str) -> String {
+    text(case, "program.nc").replace(' ', "")
+}
+
+fn assert_all_as_expected(case: &str, ours: &[Move], limit_mm: f64) {
+    let expected = expected(case);
+    let mut worst_mm = 0.0_f64;
+    for (index, (found, wanted)) in ours.iter().zip(&expected).enumerate() {
+        let off = off_mm(found, wanted);
+        assert!(found.kind == wanted.kind && off <= limit_mm, "{case}, move {index}: {found:?}, not {wanted:?}");
+        worst_mm = worst_mm.max(off);
+    }
+    assert_eq!(ours.len(), expected.len(), "{case}");
+    println!("{case}: {} moves, worst difference {worst_mm:.6} mm of {limit_mm:.6} that is explained", ours.len());
+}
+
+fn read(case: &str) -> Vec<Move> {
+    moving(&ours(program(case).as_bytes()).expect("it is read"))
 }
 
 /// The moves that the simulated control's axes make.
@@ -58,24 +80,16 @@ fn executed(program: &str) -> Vec<Move> {
 
 #[test]
 fn the_simulated_control_makes_the_moves_that_linuxcnc_makes() {
-    let program = case("program.nc").replace(' ', "");
-    assert_all_as_expected(&moving(&executed(&program)));
+    let case = "moves-rs274";
+    assert_all_as_expected(case, &moving(&executed(&program(case))), ROUNDING_MM);
 }
 
 #[test]
 fn every_move_is_the_one_that_linuxcnc_makes() {
-    let program = case("program.nc").replace(' ', "");
-    assert_all_as_expected(&moving(&ours(program.as_bytes()).expect("it is read")));
+    assert_all_as_expected("moves-rs274", &read("moves-rs274"), ROUNDING_MM);
 }
 
-fn assert_all_as_expected(ours: &[Move]) {
-    let expected = expected();
-    let mut worst_mm = 0.0_f64;
-    for (index, (found, wanted)) in ours.iter().zip(&expected).enumerate() {
-        let off = off_mm(found, wanted);
-        assert!(found.kind == wanted.kind && off <= ROUNDING_MM, "move {index}: {found:?}, not {wanted:?}");
-        worst_mm = worst_mm.max(off);
-    }
-    assert_eq!(ours.len(), expected.len());
-    println!("{} moves, worst difference {worst_mm:.6} mm of {ROUNDING_MM:.6} that printing explains", ours.len());
+#[test]
+fn every_expression_is_worth_what_linuxcnc_makes_of_it() {
+    assert_all_as_expected("macros-rs274", &read("macros-rs274"), OF_WORDS_MM);
 }

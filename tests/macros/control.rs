@@ -104,7 +104,8 @@ fn over_the_line_statements_calls_and_plain_blocks_go_together() {
 
 #[test]
 fn over_the_line_nothing_jumps_whatever_its_condition() {
-    for text in ["GOTO1", "IF[1EQ2]GOTO1", "IF[1EQ1]THENGOTO1", "IF[1EQ2]THENGOTO1", "WHILE[1EQ2]DO1", "DO1", "N5 END1"] {
+    for text in ["GOTO1", "IF[1EQ2]GOTO1", "IF[1EQ1]THENGOTO1", "IF[1EQ2]THENGOTO1", "WHILE[1EQ2]DO1", "DO1", "N5 END1"]
+    {
         let mut bench = Bench::on_line(&format!("%\nG0X1.\n{text}\nM30\n%"), &[]);
         assert_eq!(bench.end(), [1.0, 0.0, 0.0]);
         let alarm = bench.control.alarm().unwrap_or_else(|| panic!("{text}"));

@@ -13,6 +13,9 @@ use moves::{Move, moving, off_mm, ours};
 
 mod moves;
 
+/// Tools in rs274's table, without length and radius.
+const TOOLS: u32 = 99;
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let (rs274, target) = match arguments.as_slice() {
@@ -58,6 +61,7 @@ fn programs(target: &Path) -> Vec<PathBuf> {
     found
 }
 
+/// As both read it; a part of another program gets an end.
 fn normalised(bytes: &[u8]) -> Vec<u8> {
     let mut text = Vec::new();
     for line in Lines::new(bytes) {
@@ -74,6 +78,10 @@ fn normalised(bytes: &[u8]) -> Vec<u8> {
         }
         text.push(b'\n');
     }
+    let last = text.split(|byte| *byte == b'\n').rfind(|line| !line.is_empty()).unwrap_or_default();
+    if !matches!(last, b"%" | b"M2" | b"M02" | b"M30") {
+        text.extend(b"M2\n");
+    }
     text
 }
 
@@ -82,7 +90,8 @@ fn theirs(rs274: &str, text: &[u8]) -> Result<Vec<Move>, String> {
     let folder = std::env::temp_dir().join(format!("rs274-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     std::fs::write(folder.join("p.ngc"), text).expect("a program");
-    std::fs::write(folder.join("t.tbl"), "T1 P1 D1\n").expect("a table");
+    let tools: String = (1..=TOOLS).map(|tool| format!("T{tool} P{tool} D0\n")).collect();
+    std::fs::write(folder.join("t.tbl"), tools).expect("a table");
     std::fs::write(folder.join("v.var"), "").expect("variables");
     let arguments = ["20", rs274, "-t", "t.tbl", "-v", "v.var", "-g", "p.ngc"];
     let output = Command::new("timeout").args(arguments).current_dir(&folder).output().expect("rs274 runs");

@@ -171,7 +171,10 @@ impl Variables {
             3_006 => return Ok(Effect::Stop),
             3_001 | 3_002 => self.set_timer(number as usize - 3_001, plain),
             3_003 | 3_004 => return self.ignore(number, plain),
-            0 | 3_011 | 3_012 | 4_001..=4_130 | 5_001..=5_105 => return Err(Cause::Macro(MacroAlarm::WriteProtected)),
+            // Among them the machine's signals to the program.
+            0 | 1_000..=1_035 | 3_011 | 3_012 | 4_001..=4_130 | 5_001..=5_105 => {
+                return Err(Cause::Macro(MacroAlarm::WriteProtected));
+            }
             _ if let Some(place) = common(number) => {
                 if let Some(place) = self.common.get_mut(place) {
                     *place = value;
@@ -315,7 +318,7 @@ mod tests {
         for number in [34, 99, 200, 499, 5000 + 90_000] {
             assert_eq!(variables.read(number), alarm(MacroAlarm::VariableNumber), "#{number}");
         }
-        for number in [0, 4001, 5001, 5041, 3011] {
+        for number in [0, 1000, 1032, 4001, 5001, 5041, 3011] {
             assert_eq!(
                 variables.write(number, Some(1.0)).map(|_| None),
                 alarm(MacroAlarm::WriteProtected),
