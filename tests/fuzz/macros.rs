@@ -239,7 +239,7 @@ pub fn interpreter(input: &[u8], seed: u64) {
                     assert_inside(block.place, block.in_source(fault), &main, &library);
                 }
             }
-            Ok(Step::Offset) => reader.set_tables(interpreter.tables()),
+            Ok(Step::Offset) => reader.set_tables(&interpreter.variables().tables),
             Ok(Step::End(_) | Step::Starved) => return,
             Err(trouble) => {
                 assert!(trouble.calls.len() <= 8, "{trouble:?}");

@@ -88,7 +88,7 @@ pub fn run_with(text: &str, library: &[(u32, &str)], settings: Settings) -> Run 
                 }
             },
             Ok(Step::Output(output)) => run.output.extend(output.bytes()),
-            Ok(Step::Offset) => reader.set_tables(run.interpreter.tables()),
+            Ok(Step::Offset) => reader.set_tables(&run.interpreter.variables().tables),
             Ok(Step::Ignore(_)) => {}
             Ok(Step::Message(text)) => run.messages.push(String::from_utf8_lossy(&text).into_owned()),
             Ok(Step::Busy) => now = now.after(Micros::from_ms(1)),

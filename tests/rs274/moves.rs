@@ -69,7 +69,7 @@ fn interpreted(text: &[u8], reader: &mut Reader) -> Result<Vec<Move>, String> {
                     interpreter.set_tables(reader.tables());
                 }
             }
-            Ok(macros::Step::Offset) => reader.set_tables(interpreter.tables()),
+            Ok(macros::Step::Offset) => reader.set_tables(&interpreter.variables().tables),
             Ok(macros::Step::End(_) | macros::Step::Restart) => return Ok(moves),
             Ok(_) => {}
             Err(trouble) => return Err(told(trouble.place.line as usize, line(trouble.place.line), trouble.fault)),

@@ -57,15 +57,12 @@ impl Control {
         let approach = Approach { stands: self.interpolator.position(), feed: self.settings.dry_run_feed };
         let found = match (&mut self.executive, self.search) {
             (Some(_), Some(search)) if self.is_in_dnc => self.look_on_line(search, now, &approach)?,
-            (Some(executive), None) => match executive.next(now, &self.switches) {
-                Next::Block(block) => {
-                    let outputs = executive.take_outputs();
-                    self.punch(&outputs);
-                    return Some(vec![*block]);
-                }
-                Next::Starved => return self.feed().map(|refused| refused.into_iter().collect()),
-                Next::Busy | Next::Over => return None,
-            },
+            (Some(_), None) => {
+                let block = self.next_block(now)?;
+                let outputs = self.executive.as_mut().map(Executive::take_outputs).unwrap_or_default();
+                self.punch(&outputs);
+                return Some(block.into_iter().collect());
+            }
             (Some(executive), Some(search)) => executive.look(search, now, &self.switches, &approach)?,
             (None, None) => {
                 let received = self.port.take_block()?;
@@ -94,18 +91,25 @@ impl Control {
         })
     }
 
-    /// The next line of the DNC line to the interpreter, where it is not refused; `None` if there is none yet.
-    fn feed(&mut self) -> Option<Option<ReadBlock>> {
+    /// What the interpreter makes of what is next in memory or on the DNC line: a block, or nothing of a line without code;
+    /// `None` if there is nothing yet.
+    fn next_block(&mut self, now: Micros) -> Option<Option<ReadBlock>> {
+        let executive = self.executive.as_mut()?;
+        match executive.next(now, &self.switches) {
+            Next::Block(block) => return Some(Some(*block)),
+            Next::Busy | Next::Over => return None,
+            Next::Starved => {}
+        }
         let received = self.port.take_block()?;
-        Some(match self.reader.open(received, &self.switches) {
-            Some(Opened::Refused(block)) => Some(*block),
-            Some(Opened::Text(text)) => {
-                let line = self.reader.line();
-                self.executive.iter_mut().for_each(|executive| executive.feed(text.clone(), line));
-                None
-            }
-            None => None,
-        })
+        match self.reader.open(received, &self.switches) {
+            None => return Some(None),
+            Some(Opened::Refused(block)) => return Some(Some(*block)),
+            Some(Opened::Text(text)) => executive.feed(text, self.reader.line()),
+        }
+        match executive.next(now, &self.switches) {
+            Next::Block(block) => Some(Some(*block)),
+            Next::Busy | Next::Over | Next::Starved => Some(None),
+        }
     }
 
     /// What a search makes of what the DNC line brings.
@@ -124,14 +128,7 @@ impl Control {
             });
         }
         let start = executive.end();
-        let block = match executive.next(now, &self.switches) {
-            Next::Block(block) => *block,
-            Next::Starved => match self.feed()? {
-                Some(refused) => refused,
-                None => return Some(Found::NotYet),
-            },
-            Next::Busy | Next::Over => return None,
-        };
+        let Some(block) = self.next_block(now)? else { return Some(Found::NotYet) };
         let Search::Restart(wanted) = search else { return None };
         Some(approach.restart_at(wanted, block, start))
     }

@@ -111,7 +111,7 @@ impl Executive {
 
     /// The offsets as the program has left them.
     pub fn tables(&self) -> &Tables {
-        self.interpreter.tables()
+        &self.interpreter.variables().tables
     }
 
     /// The next block at `now`.
@@ -158,7 +158,7 @@ impl Executive {
                     continue;
                 }
                 Ok(Step::Offset) => {
-                    self.reader.reader().set_tables(self.interpreter.tables());
+                    self.reader.reader().set_tables(&self.interpreter.variables().tables);
                     continue;
                 }
                 Ok(Step::Restart) => continue,

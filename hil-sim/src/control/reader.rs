@@ -4,7 +4,7 @@ use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::nc::settings::Tables;
 
-use super::action::{Action, Manner, ReadBlock};
+use super::action::{Action, ReadBlock};
 use super::plain::{Plain, PlainReader};
 use super::restart::RestartList;
 use super::settings::{ControlSettings, Switches};

@@ -127,7 +127,7 @@ impl Expansion<'_> {
                     }
                 }
                 Ok(macros::Step::Output(_) | macros::Step::Message(_) | macros::Step::Ignore(_)) => {}
-                Ok(macros::Step::Offset) => reader.set_tables(interpreter.tables()),
+                Ok(macros::Step::Offset) => reader.set_tables(&interpreter.variables().tables),
                 Ok(macros::Step::Busy) => now = now.after(SLICE),
                 // M99 in a main program: what follows is what was.
                 Ok(macros::Step::Restart | macros::Step::Starved | macros::Step::End(Ending::Program)) => break,

@@ -7,7 +7,7 @@ use super::arguments::{Letters, locals};
 use super::calls::{SEQUENCE_MAX, Then, macro_call, split_call};
 use super::code::{Code, Cursor, Head};
 use super::expression::{Evaluator, whole};
-use super::print::{self, Output};
+use super::print;
 use super::program::{File, Library, Line};
 use super::stack::{Call, Place, Stack, When};
 use super::step::{Ending, PlainBlock, Settings, Step, Trouble};
@@ -64,11 +64,6 @@ impl Interpreter {
     /// Where subprograms come from that are not in the main program's file.
     pub fn set_library(&mut self, library: Box<dyn Library>) {
         self.stack.set_library(library);
-    }
-
-    /// The offsets as they are now.
-    pub fn tables(&self) -> &Tables {
-        &self.variables.tables
     }
 
     /// The offsets are these: at first, and after a block that wrote some with G10.
@@ -202,7 +197,7 @@ impl Interpreter {
             frame.line = file.other_end(self.index).ok_or(Fault::in_macro(MacroAlarm::EndMissing, begin))?;
             return Ok(None);
         }
-        if let Some(output) = self.output(&mut cursor)? {
+        if let Some(output) = print::statement(&mut cursor, self.evaluator(), self.settings.print)? {
             return cursor.finish().map(|()| Some(Step::Output(output)));
         }
         self.block(head, cursor)
@@ -245,7 +240,8 @@ impl Interpreter {
             _ if !holds => Ok(None),
             Some(b'#') => self.assign(cursor, code),
             _ => {
-                let output = self.output(&mut cursor)?.ok_or(cursor.fault(MacroAlarm::StatementFormat))?;
+                let output = print::statement(&mut cursor, self.evaluator(), self.settings.print)?
+                    .ok_or(cursor.fault(MacroAlarm::StatementFormat))?;
                 cursor.finish().map(|()| Some(Step::Output(output)))
             }
         }
@@ -282,10 +278,6 @@ impl Interpreter {
     fn refuse_in_dnc(&self, column: u16) -> Result<(), Fault> {
         let is_refused = self.settings.is_dnc && self.stack.is_in_main();
         if is_refused { Err(Fault::in_macro(MacroAlarm::NotInDnc, column)) } else { Ok(()) }
-    }
-
-    fn output(&self, cursor: &mut Cursor<'_>) -> Result<Option<Output>, Fault> {
-        print::statement(cursor, self.evaluator(), self.settings.print)
     }
 
     fn block(&mut self, head: &Head, mut cursor: Cursor<'_>) -> Result<Option<Step>, Fault> {

@@ -32,7 +32,7 @@ pub enum Step {
     Output(Output),
     /// From here on passes over what #3003 and #3004 say.
     Ignore(Ignored),
-    /// An offset is set: the reader of plain blocks gets [`super::interpreter::Interpreter::tables`].
+    /// An offset is set: the reader of plain blocks gets those of [`super::variables::Variables`].
     Offset,
     /// Stops with a message until the operator presses cycle start (#3006).
     Message(Vec<u8>),
