@@ -47,7 +47,7 @@ pub struct Switches {
     pub block_delete: u16,
     /// Cutting moves run at the dry run feed.
     pub dry_run: bool,
-    /// OVC (G006 bit 4), #3004 bit 1: the override counts as 100 %.
+    /// OVC (G006 bit 4): the override counts as 100 %.
     pub override_cancel: bool,
 }
 
