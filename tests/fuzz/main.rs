@@ -16,7 +16,7 @@ use mutate::Mutator;
 
 /// Inputs of a target that reads, and of one in which a control runs, where nobody asks for more.
 const SMOKE: u32 = 100_000;
-const SMOKE_OF_CONTROLS: u32 = 3_000;
+const SMOKE_OF_CONTROLS: u32 = 1_000;
 /// Seconds per target, set by `cargo xtask soak`.
 const SOAK: &str = "ARCFEED_SOAK_SECONDS";
 /// No input takes a thousandth of this.
@@ -92,7 +92,7 @@ fn the_rfc2217_client_takes_whatever_a_server_says() {
 
 #[test]
 fn macro_programs_end_within_their_bounds() {
-    feed("macros", 8, SMOKE / 5, macros::interpreter);
+    feed("macros", 8, SMOKE / 10, macros::interpreter);
 }
 
 #[test]

@@ -5,7 +5,7 @@
 //! for it. Under G41 and G42 the contour is executed as written, under G43.4 the tool tip's way.
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault, NotModelled};
-use arcfeed_shared::nc::block::{Block, Line};
+use arcfeed_shared::nc::block::Block;
 use arcfeed_shared::nc::modal::{Modal, Plane, Pose};
 use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::segment::Segment;
