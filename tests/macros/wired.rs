@@ -113,6 +113,19 @@ fn check_misses_the_end_of_a_program_that_has_none() {
 }
 
 #[test]
+fn check_knows_the_offsets_of_its_settings_and_of_g10_as_variables() {
+    let scratch = Scratch::new("macro-offsets");
+    let settings = scratch.write("settings.toml", "unit = 'mm'\n[work]\nG54 = { X = -300.0 }\n[length]\n7 = 120.5\n");
+    let main = scratch.write(
+        "main.nc",
+        "O1\nG10L2P2Y-8.\nG10L13P4R0.25\nIF[#5221NE-300]THEN#3000=1\nIF[#2207NE120.5]THEN#3000=2\n\
+         IF[#5242NE-8]THEN#3000=3\nIF[#12004NE0.25]THEN#3000=4\n#2207=#2207+1\nIF[#11007NE121.5]THEN#3000=5\nM30\n",
+    );
+    let output = run(&["check", &main, "--settings", &settings]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
 fn an_error_in_a_loop_is_told_once() {
     let scratch = Scratch::new("macro-once");
     let main = scratch.write("main.nc", "#1=0\nWHILE[#1LT9]DO1\n#1=#1+1\nG2X#1\nEND1\n#2=1/0\nM30\n");
