@@ -151,6 +151,10 @@ fn a_reset_keeps_commons_from_500_and_offsets_and_the_library() {
 
 #[test]
 fn a_restart_over_the_line_works_the_statements_before_it_out() {
+    let mut bench = Bench::on_line("%\n#3004=2\nG1X1.F60\nN20X2.\nM30\n%", &[]);
+    bench.control.search(Search::Restart(20));
+    bench.end();
+    assert_eq!(bench.control.override_percent(), 100);
     let mut bench = Bench::on_line("%\n#100=4.\nPOPEN\nDPRNT[A]\nPCLOS\nG1F1000X#100\nN20Y#100\nM30\n%", &[]);
     bench.control.search(Search::Restart(20));
     assert_eq!(bench.end(), [4.0, 4.0, 0.0]);

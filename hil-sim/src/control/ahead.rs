@@ -81,6 +81,7 @@ impl Control {
             }
             Found::Here(blocks) => {
                 self.search = None;
+                self.ignored = self.executive.as_ref().map(Executive::ignored).unwrap_or_default();
                 self.offer_restart(now);
                 blocks
             }

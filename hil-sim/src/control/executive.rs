@@ -13,7 +13,7 @@ use arcfeed_shared::nc::macros::print::Output;
 use arcfeed_shared::nc::macros::program::Library;
 use arcfeed_shared::nc::macros::stack::Place;
 use arcfeed_shared::nc::macros::step::{Ending, PlainBlock, Settings, Step, Trouble};
-use arcfeed_shared::nc::macros::variables::Context;
+use arcfeed_shared::nc::macros::variables::{Context, Ignored};
 use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::nc::settings::Tables;
 use arcfeed_shared::units::Micros;
@@ -102,6 +102,11 @@ impl Executive {
         (self.line, self.is_over, self.fed, self.pending) = (0, false, None, None);
         self.outputs.clear();
         self.messages.clear();
+    }
+
+    /// What #3003 and #3004 switch off behind what was read.
+    pub fn ignored(&self) -> Ignored {
+        self.interpreter.variables().ignored
     }
 
     /// Where the last move that was read ends.

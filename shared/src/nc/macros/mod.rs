@@ -6,13 +6,13 @@
 
 pub mod code;
 
+pub mod offsets;
+
 pub mod program;
 
 pub mod function;
 
 pub mod codes;
-
-pub mod offsets;
 
 pub mod variables;
 

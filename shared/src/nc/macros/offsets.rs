@@ -54,6 +54,16 @@ fn slot(variable: u32) -> Option<Slot> {
     }
 }
 
+/// Whether a variable is an offset.
+pub fn is_offset(variable: u32) -> bool {
+    slot(variable).is_some()
+}
+
+/// Whether it is one of the external origin, which most machines have at zero.
+pub fn is_external(variable: u32) -> bool {
+    matches!(slot(variable), Some(Slot::System(0, _)))
+}
+
 /// The value of an offset; `None` if the variable is none.
 pub fn read(tables: &Tables, variable: u32, unit: LengthUnit) -> Option<f64> {
     let length = |nm: i64| nm as f64 / unit.nm() as f64;

@@ -6,6 +6,7 @@ use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
 use super::code::{Code, Head, is_keyword, is_short_keyword};
+use super::offsets;
 use crate::nc::block::is_title;
 use crate::nc::text::Lines;
 
@@ -210,7 +211,7 @@ pub fn first_macro(text: &[u8]) -> Option<usize> {
     Lines::new(text).position(|line| needs_interpreter(line.text)).map(|index| index + 1)
 }
 
-/// Whether a line needs the macro interpreter: anything but words, plain numbers and `#variable=number`.
+/// Whether a line needs the macro interpreter: anything but words, plain numbers and a `#variable=number` without effect.
 pub fn needs_interpreter(line: &[u8]) -> bool {
     let code = Code::new(line);
     let mut cursor = code.cursor();
@@ -218,10 +219,12 @@ pub fn needs_interpreter(line: &[u8]) -> bool {
     if is_title(line) || is_plain(cursor.rest()) {
         return false;
     }
-    // Alarms, messages and switches are more than a number kept.
-    let is_quiet = |variable: Option<u32>| variable.is_some_and(|number| !(3_000..4_000).contains(&number));
-    let is_kept = cursor.eat(b"#") && cursor.digits().is_ok_and(is_quiet) && cursor.eat(b"=");
-    !(is_kept && cursor.number().is_ok() && cursor.peek().is_none())
+    let variable = if cursor.eat(b"#") { cursor.digits().ok().flatten() } else { None };
+    let value = if cursor.eat(b"=") { cursor.number().ok() } else { None };
+    let (Some(variable), Some(value), None) = (variable, value, cursor.peek()) else { return true };
+    // Alarms, messages, switches and offsets are more than a number kept; an external origin is at zero as a rule.
+    let is_zeroed = offsets::is_external(variable) && value.to_f64() == 0.0;
+    (3_000..4_000).contains(&variable) || (offsets::is_offset(variable) && !is_zeroed)
 }
 
 #[cfg(test)]
@@ -262,9 +265,22 @@ mod tests {
         for line in ["N1G1X1.F5.", "#5204=0", "(#1=#2)", "OTITLE #1=2", "%", "", "M30", "G98", "M9", "G165"] {
             assert!(!needs_interpreter(line.as_bytes()), "{line}");
         }
-        for line in
-            ["X#1", "#1=#2", "IF[1EQ1]GOTO1", "M98P1", "M99", "G65P1", "G66.1P1", "END1", "GOTO 5", "#1=1+1", "#3000=1"]
-        {
+        for line in [
+            "X#1",
+            "#1=#2",
+            "IF[1EQ1]GOTO1",
+            "M98P1",
+            "M99",
+            "G65P1",
+            "G66.1P1",
+            "END1",
+            "GOTO 5",
+            "#1=1+1",
+            "#3000=1",
+            "#5201=1.",
+            "#5221=0",
+            "#11001=5.",
+        ] {
             assert!(needs_interpreter(line.as_bytes()), "{line}");
         }
     }
