@@ -14,8 +14,8 @@ use std::collections::VecDeque;
 use arcfeed_shared::units::{Micros, US_PER_S};
 
 use super::com_port::{
-    ANSWER, COM_PORT, NOTIFY_MODEMSTATE, OPTIONS, PURGE_DATA, RESUME, SET_BAUDRATE, SET_CONTROL, SET_DATASIZE, SET_PARITY,
-    SET_STOPSIZE, SUSPEND, parity_code,
+    ANSWER, COM_PORT, NOTIFY_MODEMSTATE, OPTIONS, PURGE_DATA, RESUME, SET_BAUDRATE, SET_CONTROL, SET_DATASIZE,
+    SET_PARITY, SET_STOPSIZE, SUSPEND, parity_code,
 };
 use super::telnet::{Decoder, Event, Verb, say, subnegotiate};
 use crate::job::SerialSettings;

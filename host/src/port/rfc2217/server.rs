@@ -134,6 +134,10 @@ impl Server {
             }
         }
         if option == COM_PORT && is_wanted {
+            if self.asked.is_none() {
+                // They will not change, and a client that does not ask counts on hearing of them once.
+                self.answer(NOTIFY_MODEMSTATE, &[MODEM_LINES]);
+            }
             self.asked = Some(now);
         }
     }

@@ -57,7 +57,7 @@ fn options_are_agreed_on_once_and_others_refused() {
     let mut server = Server::new(&line());
     // pyserial: DO ECHO, WILL SGA, DO SGA, DO 44, WILL 44.
     server.on_bytes(Micros(0), &[255, 253, 1, 255, 251, 3, 255, 253, 3, 255, 253, 44, 255, 251, 44]);
-    assert_eq!(said(&mut server), "fffc01fffd03fffb03fffb2cfffd2c");
+    assert_eq!(said(&mut server), "fffc01fffd03fffb03fffb2cfffa2c6bb0fff0fffd2c");
     server.on_bytes(Micros(0), &[255, 253, 44, 255, 251, 44, 255, 252, 1]);
     assert_eq!(said(&mut server), "");
     server.on_bytes(Micros(0), &[255, 254, 3]);
