@@ -27,7 +27,7 @@ enum End {
         /// The sender's end, held open so that the line outlives the sender.
         _theirs: File,
     },
-    Tcp(Caller),
+    Tcp(Box<Caller>),
 }
 
 impl Line {
@@ -52,7 +52,7 @@ impl Line {
     /// The address is none of this machine's, or taken.
     pub fn tcp(address: &str, serial: Option<SerialSettings>) -> Result<Self, Failure> {
         let caller = Caller::listen_on(address, serial)?;
-        Ok(Line { name: caller.name().to_owned(), end: End::Tcp(caller) })
+        Ok(Line { name: caller.name().to_owned(), end: End::Tcp(Box::new(caller)) })
     }
 
     /// What a sender opens.
