@@ -3,6 +3,8 @@
 //! Simulated time follows wall time (times `--speed`) and never catches up: where this process was held up, its control
 //! was held up with it, and what a sender wrote in the meantime was written before it could see an XOFF.
 
+mod caller;
+
 mod line;
 
 use std::io::Write;
@@ -23,7 +25,7 @@ use clap::ValueEnum;
 use super::outcome::{Failure, on_interrupt, say};
 use super::simulate::{control_settings, finish, measure};
 use super::stream::write_executed;
-use crate::job::{ControlKind, JobFile};
+use crate::job::{ControlKind, JobFile, Parity, SerialSettings};
 use crate::program::Folder;
 use crate::report::figures::LinkFigures;
 use line::Line;
@@ -79,6 +81,9 @@ struct Place {
     /// On a TCP port (HOST:PORT; port 0: any free one, printed first), one sender at a time
     #[arg(long, value_name = "ADDR")]
     tcp: Option<String>,
+    /// As a serial port that RFC 2217 reaches, rfc2217://HOST:PORT; the client sets its port as the control's line is
+    #[arg(long, value_name = "ADDR")]
+    rfc2217: Option<String>,
 }
 
 /// How the control is set.
@@ -121,6 +126,14 @@ enum CodeWord {
 }
 
 impl Panel {
+    /// What a sender's port must be set to: with `--code` its eight bits are the sender's own.
+    fn line(&self, serial: SerialSettings) -> SerialSettings {
+        match self.code {
+            Some(_) => SerialSettings { bytesize: 8, parity: Parity::None, ..serial },
+            None => serial,
+        }
+    }
+
     fn apply(&self, settings: &mut ControlSettings) {
         if let Some(code) = self.code {
             settings.line.tape.code = Some(match code {
@@ -158,9 +171,10 @@ impl Serve {
         (file.nc, file.tables) =
             file.control.settings(file.job.unit, file.settings.as_deref()).map_err(Failure::Input)?;
         let interrupted = on_interrupt();
-        let mut line = match &self.place.tcp {
-            Some(address) => Line::tcp(address)?,
-            None => Line::pty()?,
+        let mut line = match (&self.place.tcp, &self.place.rfc2217) {
+            (Some(address), _) => Line::tcp(address, None)?,
+            (None, Some(address)) => Line::tcp(address, Some(self.panel.line(file.serial)))?,
+            (None, None) => Line::pty()?,
         };
         say(format_args!("port: {}", line.name()));
         std::io::stdout().flush().map_err(|error| Failure::Machine(format!("stdout: {error}")))?;
@@ -228,8 +242,8 @@ impl Serve {
         }
         while !rig.is_done() && !interrupted.load(Ordering::Relaxed) {
             let started = Instant::now();
-            line.listen(rig)?;
             for _ in 0..self.speed {
+                line.listen(rig)?;
                 if rig.is_done() {
                     break;
                 }
