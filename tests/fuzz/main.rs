@@ -83,6 +83,6 @@ fn port_urls_are_read_or_refused() {
 }
 
 #[test]
-fn the_rfc2217_client_takes_whatever_a_server_says() {
+fn both_ends_of_rfc2217_take_whatever_the_other_says() {
     feed("rfc2217", 7, targets::rfc2217);
 }

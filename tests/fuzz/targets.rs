@@ -4,6 +4,7 @@ use std::path::Path;
 
 use arcfeed::job::{JobFile, Parity, SerialSettings};
 use arcfeed::port::rfc2217::client::{Client, Line};
+use arcfeed::port::rfc2217::server::Server;
 use arcfeed::port::url::{PortUrl, Rfc2217Options};
 use arcfeed_hil_sim::control::{Control, ControlSettings};
 use arcfeed_shared::nc::block::{Reading, parse_line};
@@ -106,7 +107,8 @@ pub fn url(input: &[u8], seed: u64) {
     }
 }
 
-/// What a server says, in pieces: the client goes on, waits or gives up, and never answers more than it was told.
+/// What the other end says, in pieces: a client goes on, waits or gives up, a server takes it for settings and data, and
+/// neither answers more than it was told.
 pub fn rfc2217(input: &[u8], seed: u64) {
     let settings = SerialSettings {
         baudrate: 9_600,
@@ -121,6 +123,7 @@ pub fn rfc2217(input: &[u8], seed: u64) {
     let options =
         Rfc2217Options { ign_set_control: seed.is_multiple_of(3), poll_modem: true, timeout_s: 1.0, logging: None };
     let mut client = Client::new(&Line::new(&settings), &options, Micros(0));
+    let (mut server, mut answered, mut on_line) = (Server::new(&settings), Vec::new(), 0);
     let (mut random, mut said, mut data) = (Rng::with_seed(seed), Vec::new(), [0; 64]);
     let mut bytes: Vec<u8> = input.iter().take(300).copied().collect();
     // Telnet's own, and the codes of RFC 2217 in both directions.
@@ -136,6 +139,12 @@ pub fn rfc2217(input: &[u8], seed: u64) {
         let _refused_or_not = client.check(now);
         client.poll_transmit(&mut said);
         while client.take_data(&mut data) > 0 {}
+        server.on_bytes(now, piece);
+        piece.iter().take(3).for_each(|byte| server.on_line(*byte));
+        server.poll_transmit(&mut answered);
+        on_line += std::iter::from_fn(|| server.next_for_line()).count() + server.take_breaks();
     }
+    assert!(on_line + server.waiting() <= bytes.len());
+    assert!(answered.len() <= 15 * bytes.len() + 300, "{} bytes answered to {}", answered.len(), bytes.len());
     assert!(said.len() <= 4 * bytes.len() + 300, "{} bytes said to {}", said.len(), bytes.len());
 }

@@ -170,3 +170,75 @@ fn a_job_streamed_through_pyserials_server_is_executed_as_it_is() {
     let sent: serde_json::Value = serde_json::from_str(sender.out.trim()).expect("JSON");
     assert_eq!(sent["link"]["bytes"].as_u64(), Some(adapted.len() as u64));
 }
+
+/// Our control behind our RFC 2217 server, at 9600 7E2.
+fn control_at_rfc2217(scratch: &Scratch, executed: &str) -> (Running, String) {
+    let serve = ["serve", JOB, "--rfc2217", "127.0.0.1:0", "--once", "--json", "--executed", executed, "--speed", "20"];
+    let mut control = Running::start(scratch, "serve", &serve);
+    let url = format!("rfc2217://{}", control.line("port: rfc2217://"));
+    (control, url)
+}
+
+fn blocks_of(program: &[u8]) -> String {
+    let is_block = |line: &&[u8]| !matches!(line.trim_ascii(), b"" | b"%");
+    let blocks = program.split_inclusive(|&byte| byte == b'\n').filter(is_block);
+    blocks.map(|block| block.escape_ascii().to_string() + "\n").collect()
+}
+
+fn read(path: &str) -> Vec<u8> {
+    std::fs::read(path).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+#[test]
+fn pyserials_client_sends_a_job_through_our_server_whoever_does_xonxoff() {
+    let Some(python) = python_or_skip("a job from pyserial through our rfc2217 server") else { return };
+    for who in ["server", "own"] {
+        let scratch = Scratch::new(&format!("serve2217-{who}"));
+        let (adapted, executed) = (scratch.path("adapted.nc"), scratch.path("executed.nc"));
+        assert!(run(&["adapt", JOB, "-o", &adapted]).status.success());
+        let (control, url) = control_at_rfc2217(&scratch, &executed);
+        let out = scratch.path("out");
+        let sender = Script::start(python, "rfc2217_client.py", &[&url, "9600", "7E2", &adapted, who], &out);
+        assert_eq!(sender.line("open: "), "cts=1 dsr=1 cd=1 ri=0");
+        let control = control.end();
+        assert_eq!(control.code, Some(0), "{who}: {}", control.err);
+        assert_eq!(blocks_of(&read(&executed)), blocks_of(&read(&adapted)), "{who}");
+        let report: serde_json::Value =
+            serde_json::from_str(control.out.lines().last().expect("a report")).expect("JSON");
+        assert_eq!(report["alarms"], serde_json::json!([]), "{who}");
+        if who == "server" {
+            let after_xoff = report["link"]["max_bytes_after_xoff"].as_u64().expect("a number");
+            assert!(after_xoff <= 10 && report["link"]["xoff_count"].as_u64() > Some(0), "{report}");
+        }
+    }
+}
+
+#[test]
+fn our_sender_sends_a_job_through_our_server() {
+    let scratch = Scratch::new("ours2217");
+    let (adapted, executed) = (scratch.path("adapted.nc"), scratch.path("executed.nc"));
+    assert!(run(&["adapt", JOB, "-o", &adapted]).status.success());
+    let (control, url) = control_at_rfc2217(&scratch, &executed);
+    let sender = Running::start(&scratch, "stream", &["stream", JOB, "--port", &url, "--json"]).end();
+    assert_eq!(sender.code, Some(0), "{}", sender.err);
+    let control = control.end();
+    assert_eq!(control.code, Some(0), "{}", control.err);
+    assert_eq!(blocks_of(&read(&executed)), blocks_of(&read(&adapted)));
+}
+
+#[test]
+fn a_port_at_another_rate_is_not_understood() {
+    let Some(python) = python_or_skip("another rate through our rfc2217 server") else { return };
+    let scratch = Scratch::new("rate2217");
+    let (program, executed) = (scratch.path("program.nc"), scratch.path("executed.nc"));
+    std::fs::write(&program, "%\nG1X1.F100\nM30\n%\n").expect("a scratch file");
+    for (rate, frame) in [("4800", "7E2"), ("9600", "8N1")] {
+        let (control, url) = control_at_rfc2217(&scratch, &executed);
+        let sender =
+            Script::start(python, "rfc2217_client.py", &[&url, rate, frame, &program, "server"], &scratch.path("out"));
+        let control = control.end();
+        assert_eq!(control.code, Some(3), "{}", control.err);
+        assert!(control.err.contains("PS0085"), "{}", control.err);
+        drop(sender);
+    }
+}

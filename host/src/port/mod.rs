@@ -3,7 +3,7 @@
 
 mod log;
 
-mod clock;
+pub mod clock;
 
 pub mod url;
 

@@ -1,8 +1,7 @@
-//! The control's end of a line without a line rate: a pseudo-terminal or a TCP connection.
+//! The control's end of its line: a pseudo-terminal, or a TCP port where senders call.
 
 use std::fs::File;
-use std::io::{ErrorKind, Read, Write};
-use std::net::{TcpListener, TcpStream};
+use std::io::{Read, Write};
 use std::time::{Duration, Instant};
 
 use arcfeed_hil_sim::control::code::{DC3, without_parity};
@@ -10,6 +9,8 @@ use arcfeed_hil_sim::rig::Rig;
 use serialport::{SerialPort, TTYPort};
 
 use super::super::outcome::Failure;
+use super::caller::{Caller, is_quiet};
+use crate::job::SerialSettings;
 
 /// A sender that has said nothing for this long has stopped.
 const QUIET: Duration = Duration::from_secs(1);
@@ -26,10 +27,7 @@ enum End {
         /// The sender's end, held open so that the line outlives the sender.
         _theirs: File,
     },
-    Tcp {
-        listener: TcpListener,
-        sender: Option<TcpStream>,
-    },
+    Tcp(Box<Caller>),
 }
 
 impl Line {
@@ -48,20 +46,13 @@ impl Line {
         Ok(Line { name, end: End::Pty { ours, _theirs: held } })
     }
 
-    /// Listens on an address and port.
+    /// Where senders call over TCP, with bare bytes or, with the line's settings, through RFC 2217.
     ///
     /// # Errors
     /// The address is none of this machine's, or taken.
-    pub fn tcp(address: &str) -> Result<Self, Failure> {
-        let listen = || {
-            let listener = TcpListener::bind(address)?;
-            listener.set_nonblocking(true)?;
-            Ok((listener.local_addr()?, listener))
-        };
-        let (bound, listener) = listen().map_err(|error: std::io::Error| {
-            Failure::Machine(format!("{address}: {error}; give an address of this machine and a free port"))
-        })?;
-        Ok(Line { name: format!("socket://{bound}"), end: End::Tcp { listener, sender: None } })
+    pub fn tcp(address: &str, serial: Option<SerialSettings>) -> Result<Self, Failure> {
+        let caller = Caller::listen_on(address, serial)?;
+        Ok(Line { name: caller.name().to_owned(), end: End::Tcp(Box::new(caller)) })
     }
 
     /// What a sender opens.
@@ -74,19 +65,10 @@ impl Line {
     /// # Errors
     /// The line is gone.
     pub fn has_sender(&mut self) -> Result<bool, Failure> {
-        let End::Tcp { listener, sender } = &mut self.end else { return Ok(true) };
-        if sender.is_none() {
-            match listener.accept() {
-                Ok((stream, _)) => {
-                    let ready = stream.set_nonblocking(true).and_then(|()| stream.set_nodelay(true));
-                    ready.map_err(|error| Failure::Machine(format!("{}: {error}", self.name)))?;
-                    *sender = Some(stream);
-                }
-                Err(error) if error.kind() == ErrorKind::WouldBlock => {}
-                Err(error) => return Err(Failure::Machine(format!("{}: {error}", self.name))),
-            }
+        match &mut self.end {
+            End::Pty { .. } => Ok(true),
+            End::Tcp(caller) => caller.has_sender(),
         }
-        Ok(sender.is_some())
     }
 
     /// Gives the control everything that has been written to the line, and tells it when the sender is gone.
@@ -94,16 +76,19 @@ impl Line {
     /// # Errors
     /// The line is gone.
     pub fn listen(&mut self, rig: &mut Rig) -> Result<(), Failure> {
-        let mut buffer = [0; 256];
-        loop {
-            let len = self.read(&mut buffer)?;
-            rig.control_mut().port().on_bytes(&buffer[..len]);
-            if len == 0 {
-                let is_there = self.has_sender()?;
-                rig.control_mut().port().set_ready(is_there);
-                return Ok(());
+        let port = rig.control_mut().port();
+        match &mut self.end {
+            End::Pty { .. } => {
+                let mut buffer = [0; 256];
+                while let len @ 1.. = self.read(&mut buffer)? {
+                    rig.control_mut().port().on_bytes(&buffer[..len]);
+                }
             }
+            End::Tcp(caller) => caller.feed(port),
         }
+        let is_there = self.has_sender()?;
+        rig.control_mut().port().set_ready(is_there);
+        Ok(())
     }
 
     /// Sends what the control has to say.
@@ -112,7 +97,7 @@ impl Line {
     /// The line is gone.
     pub fn answer(&mut self, rig: &mut Rig) -> Result<(), Failure> {
         while let Some(byte) = rig.control_mut().port().poll_transmit() {
-            if without_parity(byte) == DC3 {
+            if without_parity(byte) == DC3 && self.is_far() {
                 self.listen(rig)?;
                 rig.control_mut().port().excuse_what_is_on_the_wire();
             }
@@ -136,27 +121,29 @@ impl Line {
         Ok(())
     }
 
+    /// Whether DC3 has a way to go before the sender obeys it.
+    fn is_far(&self) -> bool {
+        match &self.end {
+            End::Pty { .. } => true,
+            End::Tcp(caller) => caller.is_far(),
+        }
+    }
+
     /// Reads what is there; zero if nothing is.
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Failure> {
-        let read = match &mut self.end {
-            End::Pty { ours, .. } => match ours.bytes_to_read() {
-                Ok(0) => return Ok(0),
-                Ok(_) => ours.read(buffer),
-                Err(error) => Err(error.into()),
-            },
-            End::Tcp { sender: None, .. } => return Ok(0),
-            End::Tcp { sender: Some(stream), .. } => stream.read(buffer),
+        let ours = match &mut self.end {
+            End::Pty { ours, .. } => ours,
+            End::Tcp(caller) => return Ok(caller.read(buffer)),
         };
-        let is_quiet = |kind| matches!(kind, ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted);
-        match (read, &mut self.end) {
-            (Err(error), _) if is_quiet(error.kind()) => Ok(0),
-            (Ok(len), _) if len > 0 => Ok(len),
-            (_, End::Tcp { sender, .. }) => {
-                *sender = None;
-                Ok(0)
-            }
-            (Ok(len), End::Pty { .. }) => Ok(len),
-            (Err(error), End::Pty { .. }) => Err(Failure::Machine(format!("{}: {error}", self.name))),
+        let read = match ours.bytes_to_read() {
+            Ok(0) => return Ok(0),
+            Ok(_) => ours.read(buffer),
+            Err(error) => Err(error.into()),
+        };
+        match read {
+            Err(error) if is_quiet(error.kind()) => Ok(0),
+            Ok(len) => Ok(len),
+            Err(error) => Err(Failure::Machine(format!("{}: {error}", self.name))),
         }
     }
 
@@ -165,10 +152,8 @@ impl Line {
             End::Pty { ours, .. } => {
                 ours.write_all(&[byte]).map_err(|error| Failure::Machine(format!("{}: {error}", self.name)))
             }
-            End::Tcp { sender, .. } => {
-                if sender.as_mut().is_some_and(|stream| stream.write_all(&[byte]).is_err()) {
-                    *sender = None;
-                }
+            End::Tcp(caller) => {
+                caller.write(byte);
                 Ok(())
             }
         }

@@ -3,6 +3,8 @@
 //! Simulated time follows wall time (times `--speed`) and never catches up: where this process was held up, its control
 //! was held up with it, and what a sender wrote in the meantime was written before it could see an XOFF.
 
+mod caller;
+
 mod line;
 
 use std::io::Write;
@@ -23,7 +25,7 @@ use clap::ValueEnum;
 use super::outcome::{Failure, on_interrupt, say};
 use super::simulate::{control_settings, finish, measure};
 use super::stream::write_executed;
-use crate::job::{ControlKind, JobFile};
+use crate::job::{ControlKind, JobFile, Parity, SerialSettings};
 use crate::report::figures::LinkFigures;
 use line::Line;
 
@@ -75,6 +77,9 @@ struct Place {
     /// On a TCP port (HOST:PORT; port 0: any free one, printed first), one sender at a time
     #[arg(long, value_name = "ADDR")]
     tcp: Option<String>,
+    /// As a serial port that RFC 2217 reaches, rfc2217://HOST:PORT; the client sets its port as the control's line is
+    #[arg(long, value_name = "ADDR")]
+    rfc2217: Option<String>,
 }
 
 /// How the control is set.
@@ -117,6 +122,14 @@ enum CodeWord {
 }
 
 impl Panel {
+    /// What a sender's port must be set to: with `--code` its eight bits are the sender's own.
+    fn line(&self, serial: SerialSettings) -> SerialSettings {
+        match self.code {
+            Some(_) => SerialSettings { bytesize: 8, parity: Parity::None, ..serial },
+            None => serial,
+        }
+    }
+
     fn apply(&self, settings: &mut ControlSettings) {
         if let Some(code) = self.code {
             settings.line.tape.code = Some(match code {
@@ -154,9 +167,10 @@ impl Serve {
         (file.nc, file.tables) =
             file.control.settings(file.job.unit, file.settings.as_deref()).map_err(Failure::Input)?;
         let interrupted = on_interrupt();
-        let mut line = match &self.place.tcp {
-            Some(address) => Line::tcp(address)?,
-            None => Line::pty()?,
+        let mut line = match (&self.place.tcp, &self.place.rfc2217) {
+            (Some(address), _) => Line::tcp(address, None)?,
+            (None, Some(address)) => Line::tcp(address, Some(self.panel.line(file.serial)))?,
+            (None, None) => Line::pty()?,
         };
         say(format_args!("port: {}", line.name()));
         std::io::stdout().flush().map_err(|error| Failure::Machine(format!("stdout: {error}")))?;
@@ -166,7 +180,7 @@ impl Serve {
             if let Some(search) = search.take() {
                 rig.control_mut().search(search);
             }
-            self.serve_one(&mut rig, &mut line, &interrupted)?;
+            serve_one(&mut rig, &mut line, self.speed, &interrupted)?;
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Failure::Stopped("stopped by the operator".into()));
             }
@@ -206,25 +220,25 @@ impl Serve {
         }
         finish(&report, self.json, format!("program received on {name}"))
     }
+}
 
-    /// Runs a control until its program is over or the operator has enough. It is switched on when a sender is there.
-    fn serve_one(&self, rig: &mut Rig, line: &mut Line, interrupted: &AtomicBool) -> Result<(), Failure> {
-        while !line.has_sender()? && !interrupted.load(Ordering::Relaxed) {
-            std::thread::sleep(PERIOD);
-        }
-        while !rig.is_done() && !interrupted.load(Ordering::Relaxed) {
-            let started = Instant::now();
-            line.listen(rig)?;
-            for _ in 0..self.speed {
-                if rig.is_done() {
-                    break;
-                }
-                rig.step();
-                line.answer(rig)?;
-            }
-            std::thread::sleep(PERIOD.saturating_sub(started.elapsed()));
-        }
-        // The DC3 of the last step.
-        line.answer(rig)
+/// Runs a control until its program is over or the operator has enough. It is switched on when a sender is there.
+fn serve_one(rig: &mut Rig, line: &mut Line, speed: u32, interrupted: &AtomicBool) -> Result<(), Failure> {
+    while !line.has_sender()? && !interrupted.load(Ordering::Relaxed) {
+        std::thread::sleep(PERIOD);
     }
+    while !rig.is_done() && !interrupted.load(Ordering::Relaxed) {
+        let started = Instant::now();
+        for _ in 0..speed {
+            line.listen(rig)?;
+            if rig.is_done() {
+                break;
+            }
+            rig.step();
+            line.answer(rig)?;
+        }
+        std::thread::sleep(PERIOD.saturating_sub(started.elapsed()));
+    }
+    // The DC3 of the last step.
+    line.answer(rig)
 }

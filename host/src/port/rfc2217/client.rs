@@ -13,25 +13,13 @@ use std::collections::VecDeque;
 
 use arcfeed_shared::units::{Micros, US_PER_S};
 
+use super::com_port::{
+    ANSWER, COM_PORT, NOTIFY_MODEMSTATE, OPTIONS, PURGE_DATA, RESUME, SET_BAUDRATE, SET_CONTROL, SET_DATASIZE,
+    SET_PARITY, SET_STOPSIZE, SUSPEND, parity_code,
+};
 use super::telnet::{Decoder, Event, Verb, say, subnegotiate};
-use crate::job::{Parity, SerialSettings};
+use crate::job::SerialSettings;
 use crate::port::url::Rfc2217Options;
-
-/// Telnet's binary transmission: no bytes added behind CR.
-const BINARY: u8 = 0;
-/// Telnet's suppress go ahead.
-const SGA: u8 = 3;
-/// RFC 2217.
-const COM_PORT: u8 = 44;
-const OPTIONS: [u8; 3] = [COM_PORT, BINARY, SGA];
-
-const SET_CONTROL: u8 = 5;
-const NOTIFY_MODEMSTATE: u8 = 7;
-const SUSPEND: u8 = 8;
-const RESUME: u8 = 9;
-const PURGE_DATA: u8 = 12;
-/// From the code of a request to that of its answer.
-const ANSWER: u8 = 100;
 
 /// How old what is known of the modem lines may be, as pyserial's.
 const MODEM_STATE_AGE: Micros = Micros::from_ms(300);
@@ -49,21 +37,16 @@ pub struct Line {
 impl Line {
     /// From the job's settings. The server does no XON/XOFF: the sender does, and must see DC1 and DC3.
     pub fn new(settings: &SerialSettings) -> Self {
-        let parity = match settings.parity {
-            Parity::None => 1,
-            Parity::Odd => 2,
-            Parity::Even => 3,
-        };
         let SerialSettings { baudrate, bytesize, stopbits, rtscts, .. } = *settings;
-        Line { baudrate, bytesize, parity, stopbits, rtscts }
+        Line { baudrate, bytesize, parity: parity_code(settings.parity), stopbits, rtscts }
     }
 
     fn settings(&self) -> Vec<Request> {
         vec![
-            Request::new("baudrate", 1, &self.baudrate.to_be_bytes()),
-            Request::new("bytesize", 2, &[self.bytesize]),
-            Request::new("parity", 3, &[self.parity]),
-            Request::new("stopbits", 4, &[self.stopbits]),
+            Request::new("baudrate", SET_BAUDRATE, &self.baudrate.to_be_bytes()),
+            Request::new("bytesize", SET_DATASIZE, &[self.bytesize]),
+            Request::new("parity", SET_PARITY, &[self.parity]),
+            Request::new("stopbits", SET_STOPSIZE, &[self.stopbits]),
         ]
     }
 

@@ -2,7 +2,11 @@
 
 pub mod telnet;
 
+mod com_port;
+
 pub mod client;
+
+pub mod server;
 
 use std::time::Duration;
 

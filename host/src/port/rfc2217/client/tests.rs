@@ -1,4 +1,5 @@
 use super::*;
+use crate::job::Parity;
 
 const SECOND: Micros = Micros::from_ms(1_000);
 
