@@ -184,7 +184,7 @@ impl Serve {
             if let Some(search) = search.take() {
                 rig.control_mut().search(search);
             }
-            self.serve_one(&mut rig, &mut line, &interrupted)?;
+            serve_one(&mut rig, &mut line, self.speed, &interrupted)?;
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Failure::Stopped("stopped by the operator".into()));
             }
@@ -234,25 +234,25 @@ impl Serve {
         }
         finish(&report, self.json, format!("program received on {name}"))
     }
+}
 
-    /// Runs a control until its program is over or the operator has enough. It is switched on when a sender is there.
-    fn serve_one(&self, rig: &mut Rig, line: &mut Line, interrupted: &AtomicBool) -> Result<(), Failure> {
-        while !line.has_sender()? && !interrupted.load(Ordering::Relaxed) {
-            std::thread::sleep(PERIOD);
-        }
-        while !rig.is_done() && !interrupted.load(Ordering::Relaxed) {
-            let started = Instant::now();
-            for _ in 0..self.speed {
-                line.listen(rig)?;
-                if rig.is_done() {
-                    break;
-                }
-                rig.step();
-                line.answer(rig)?;
-            }
-            std::thread::sleep(PERIOD.saturating_sub(started.elapsed()));
-        }
-        // The DC3 of the last step.
-        line.answer(rig)
+/// Runs a control until its program is over or the operator has enough. It is switched on when a sender is there.
+fn serve_one(rig: &mut Rig, line: &mut Line, speed: u32, interrupted: &AtomicBool) -> Result<(), Failure> {
+    while !line.has_sender()? && !interrupted.load(Ordering::Relaxed) {
+        std::thread::sleep(PERIOD);
     }
+    while !rig.is_done() && !interrupted.load(Ordering::Relaxed) {
+        let started = Instant::now();
+        for _ in 0..speed {
+            line.listen(rig)?;
+            if rig.is_done() {
+                break;
+            }
+            rig.step();
+            line.answer(rig)?;
+        }
+        std::thread::sleep(PERIOD.saturating_sub(started.elapsed()));
+    }
+    // The DC3 of the last step.
+    line.answer(rig)
 }
