@@ -250,8 +250,9 @@ fn both_ends_of_a_serial_line_print_what_is_documented() {
     let serve = ["serve", &job, "--pty", "--once", "--json", "--speed", "100", "--baudrate", "115200"];
     let mut server = Running::start(&scratch, "serve", &serve);
     let port = server.line("port: ");
-    documented
-        .assert_fits("stream to a serial port", &object(&["stream", &job, "--port", &port, "--baudrate", "115200"], 0));
+    let journal = scratch.path("journal");
+    let stream = ["stream", &job, "--port", &port, "--baudrate", "115200", "--journal", &journal];
+    documented.assert_fits("stream to a serial port", &object(&stream, 0));
     let served = server.end();
     assert_eq!(served.code, Some(0), "{}", served.err);
     let lines: Vec<&str> = served.out.lines().collect();

@@ -12,6 +12,8 @@ mod sending;
 
 mod serial;
 
+mod dnc;
+
 pub mod questions;
 
 use std::path::{Path, PathBuf};
@@ -23,6 +25,7 @@ use arcfeed_shared::tool::{CupMill, EndMill, Tool};
 use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
 
+pub use dnc::{DncSettings, TapeCode};
 use schema::{JobTable, LawTable, Quantity, ToolTable};
 pub use serial::{Parity, SerialSettings};
 
@@ -37,6 +40,8 @@ pub struct JobFile {
     pub control: ControlKind,
     /// The DNC line.
     pub serial: SerialSettings,
+    /// What is sent on it, and how.
+    pub dnc: DncSettings,
 }
 
 /// The controls there are.
@@ -134,7 +139,7 @@ impl JobFile {
             write_timeout: None,
             exclusive: false,
         };
-        JobFile { job, program: PathBuf::new(), control: ControlKind::Fanuc16i, serial }
+        JobFile { job, program: PathBuf::new(), control: ControlKind::Fanuc16i, serial, dnc: DncSettings::default() }
     }
 
     /// Checks a job given as text; `path` is for messages and for the program's place.
@@ -179,7 +184,9 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     };
     let preset = &table.control.preset;
     let control = ControlKind::named(preset.as_ref()).map_err(|message| at(preset, message))?;
-    Ok(JobFile { job, program: folder.join(table.program.as_ref()), control, serial: serial::build(&table.serial)? })
+    let serial = serial::build(&table.serial)?;
+    let dnc = dnc::build(&table.dnc, &serial)?;
+    Ok(JobFile { job, program: folder.join(table.program.as_ref()), control, serial, dnc })
 }
 
 fn build_tool(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {

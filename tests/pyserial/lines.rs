@@ -158,7 +158,12 @@ fn a_job_streamed_through_pyserials_server_is_executed_as_it_is() {
     let pty = control.line("port: ");
     let server = Script::start(python, "rfc2217_server.py", &[&pty], &scratch.path("out"));
     let url = format!("rfc2217://127.0.0.1:{}", server.line("port: "));
-    let sender = Running::start(&scratch, "stream", &["stream", JOB, "--port", &url, "--json"]).end();
+    let sender = Running::start(
+        &scratch,
+        "stream",
+        &["stream", JOB, "--port", &url, "--journal", &scratch.path("journal"), "--json"],
+    )
+    .end();
     assert_eq!(sender.code, Some(0), "{}", sender.err);
     let control = control.end();
     assert_eq!(control.code, Some(0), "{}", control.err);

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use arcfeed_shared::nc::block::Reading;
 
+use crate::dnc::outbox::LineError;
 use crate::job::{JobError, JobFile};
 use crate::port::PortError;
 use crate::program::{Program, Severity};
@@ -19,6 +20,8 @@ pub enum Failure {
     Input(String),
     /// The line or the machine is: exit code 3.
     Machine(String),
+    /// A person must decide first: exit code 4.
+    Undecided(String),
     /// The operator stopped it: exit code 130, as for any program ended by Ctrl-C.
     Stopped(String),
 }
@@ -29,6 +32,7 @@ impl Failure {
         let (message, code) = match self {
             Failure::Input(message) => (message, 1),
             Failure::Machine(message) => (message, 3),
+            Failure::Undecided(message) => (message, 4),
             Failure::Stopped(message) => (message, 130),
         };
         eprintln!("{message}");
@@ -39,6 +43,12 @@ impl Failure {
 impl From<JobError> for Failure {
     fn from(error: JobError) -> Self {
         Failure::Input(format!("{error}"))
+    }
+}
+
+impl From<LineError> for Failure {
+    fn from(error: LineError) -> Self {
+        Failure::Machine(format!("{error}"))
     }
 }
 

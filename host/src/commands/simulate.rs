@@ -18,7 +18,7 @@ use arcfeed_shared::units::{LengthUnit, Micros, MmPerTooth};
 use super::adapt::{direction_word, rotation_word, side_word};
 use super::outcome::{Failure, load, say};
 use crate::adapt::adapt;
-use crate::job::{ControlKind, JobFile, Parity, SerialSettings};
+use crate::job::{ControlKind, JobFile, Parity, SerialSettings, TapeCode};
 use crate::program::Program;
 use crate::report::figures::{AlarmFigures, IptFigures, MovementFigures, OverrideFigures, RunReport};
 use crate::report::summary::Summary;
@@ -78,14 +78,24 @@ pub fn control_settings(file: &JobFile) -> ControlSettings {
     };
     let settings = preset.settings(file.job.unit);
     let (sender, code) = framing(&file.serial);
+    let code = file.dnc.code.map_or(code, |code| Some(tape_code(code)));
     let line = LineSettings {
         baudrate: file.serial.baudrate,
         bits_per_char: file.serial.bits_per_char(),
         sender,
-        tape: TapeSettings { code, ..settings.line.tape },
+        tape: TapeSettings { code, tv_check: file.dnc.tv_check, ..settings.line.tape },
         ..settings.line
     };
     ControlSettings { line, arc_clamp: file.job.machine.arc_clamp, ..settings }
+}
+
+/// The code that the sender makes itself.
+pub fn tape_code(code: TapeCode) -> Code {
+    match code {
+        TapeCode::Iso => Code::Iso,
+        TapeCode::Eia => Code::Eia,
+        TapeCode::Ascii => Code::Ascii,
+    }
 }
 
 /// What the job's line makes of a byte, and the code a control is set to on such a line: with seven bits and a parity bit

@@ -90,6 +90,10 @@ impl Port for SimPort {
         Some(self.rig.is_done() || self.rig.control().starved_ms() > STARVED_MAX_MS)
     }
 
+    fn blocks_executed(&self) -> Option<usize> {
+        Some(self.rig.control().executed().len())
+    }
+
     fn feed_hold(&mut self) -> bool {
         self.rig.control_mut().hold();
         let latest = self.rig.now().after(REST_MAX);
