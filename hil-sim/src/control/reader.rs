@@ -5,7 +5,7 @@
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::block::{Block, Line, Parsed, Reading};
 use arcfeed_shared::nc::macros::code::{Code, Cursor, Head};
-use arcfeed_shared::nc::modal::{Pose, Stop};
+use arcfeed_shared::nc::modal::{Modal, Pose, Stop};
 use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{LengthUnit, Micros};
@@ -76,6 +76,11 @@ impl BlockReader {
     pub fn stand_at(&mut self, pose: Pose) {
         self.reader.stand_at(pose);
         self.end = pose;
+    }
+
+    /// The modal state behind the last block that was read.
+    pub fn modal(&self) -> &Modal {
+        self.reader.modal()
     }
 
     /// Lines read so far.
