@@ -86,7 +86,10 @@ fn breaks(text: &str, kind: Kind, check: Check, schedule: &Schedule) -> Option<S
     }
     let after = outcome.line.control.line_counters().max_bytes_after_xoff;
     let xoff_is_in_time = !schedule.0.iter().any(|fault| {
-        matches!(fault, Fault::RxLost(_) | Fault::RxFlip(..) | Fault::RxLate(..) | Fault::Garbage(_) | Fault::TxTwice(_))
+        matches!(
+            fault,
+            Fault::RxLost(_) | Fault::RxFlip(..) | Fault::RxLate(..) | Fault::Garbage(_) | Fault::TxTwice(_)
+        )
     });
     (xoff_is_in_time && after > 10).then(|| format!("{after} characters after DC3"))
 }

@@ -32,6 +32,10 @@ pub struct Line {
     heard: usize,
     /// Bytes as they reached the control.
     pub arrived: Vec<u8>,
+    /// What the control said, when, and how many characters it had then.
+    pub said: Vec<(Micros, u8, u64)>,
+    /// Blocks taken up, and how long the control had starved until the last of them.
+    fed: (usize, u64),
 }
 
 /// How a run ended.
@@ -40,7 +44,6 @@ pub struct Outcome {
     pub state: State,
     pub error: Option<LineError>,
     pub line: Line,
-    pub sent: usize,
 }
 
 impl Line {
@@ -60,12 +63,15 @@ impl Line {
             writes: 0,
             heard: 0,
             arrived: Vec::new(),
+            said: Vec::new(),
+            fed: (0, 0),
         }
     }
 
     fn listen(&mut self) {
         while let Some(byte) = self.control.port().poll_transmit() {
             let at = self.heard;
+            self.said.push((self.now, byte & 0x7F, self.control.line_counters().bytes));
             self.heard += 1;
             let mut copies = vec![byte];
             let mut late = Micros(0);
@@ -117,12 +123,15 @@ impl Line {
     }
 
     fn is_over(&self) -> bool {
-        self.control.is_over() || self.control.starved_ms() > STARVED_MAX_MS
+        self.control.is_over() || self.control.starved_ms() - self.fed.1 > STARVED_MAX_MS
     }
 
     pub fn tick(&mut self) {
         self.now = self.now.after(self.step);
         self.control.step(self.now, self.step, 100);
+        if self.fed.0 != self.control.executed().len() {
+            self.fed = (self.control.executed().len(), self.control.starved_ms());
+        }
         self.listen();
     }
 }
@@ -202,5 +211,5 @@ pub fn send(mut line: Line, sender: &mut Sender, mut stop: impl FnMut(&Line, &mu
         line.wait(sender.poll_at().map_or(latest, |at| at.min(latest)));
         assert!(line.now < RUN_MAX, "no end in sight: {:?}", sender.state());
     }
-    Outcome { state: sender.state(), error, sent: sender.progress().0, line }
+    Outcome { state: sender.state(), error, line }
 }

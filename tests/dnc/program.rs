@@ -1,10 +1,10 @@
 //! Programs to send: short, of every kind of block that the simulated control takes from its line.
 
 use arcfeed::dnc::transmission::{Transmission, Wire};
+use arcfeed_hil_sim::control::ControlSettings;
 use arcfeed_hil_sim::control::code::{Code, with_even_parity};
 use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
 use arcfeed_hil_sim::control::tape::TapeSettings;
-use arcfeed_hil_sim::control::ControlSettings;
 use arcfeed_shared::units::{LengthUnit, Micros};
 use fastrand::Rng;
 

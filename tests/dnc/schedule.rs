@@ -134,8 +134,6 @@ fn a_failing_schedule_shrinks_to_what_makes_it_fail() {
     let mut schedule = Schedule((0..30).map(Fault::Short).collect());
     schedule.0.insert(7, Fault::TxLost(5));
     schedule.0.insert(21, Fault::RxLost(1));
-    let fails = |schedule: &Schedule| {
-        schedule.0.contains(&Fault::TxLost(5)) && schedule.0.contains(&Fault::RxLost(1))
-    };
+    let fails = |schedule: &Schedule| schedule.0.contains(&Fault::TxLost(5)) && schedule.0.contains(&Fault::RxLost(1));
     assert_eq!(shrink(&schedule, fails).0, [Fault::TxLost(5), Fault::RxLost(1)]);
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! b2a9c3d1 0 arcfeed-journal 1 program=00.. job=00.. sent=00.. bytes=1680 from=0 blocks=0 ours=0 own=0
 //! 5d0b7f02 1 out sent=0 until=214
-//! 91c44e7a 2 executed blocks=7
+//! 91c44e7a 2 executed blocks=7 stands=0
 //! e81290bb 3 end sent=214 how=aborted
 //! ```
 //! The CRC-32 in front is of the rest of the line, behind it stands the record's number. `out` is on disk (fsync) before a
@@ -47,10 +47,12 @@ pub enum Record {
         /// To come.
         until: usize,
     },
-    /// The control has taken up so many blocks.
+    /// The control has taken up so many blocks, and goes on with what it has unless it stands.
     Executed {
         /// Of the transmission.
         blocks: usize,
+        /// Whether it is in alarm or feed hold, axes at rest.
+        stands: bool,
     },
     /// The sender ended.
     End {
@@ -79,8 +81,10 @@ pub struct History {
     pub start: Start,
     /// Least and most characters of the program that are out.
     pub sent: [usize; 2],
-    /// Blocks of the program that the control has taken up, if it says so.
+    /// Blocks of the program that the control had taken up at least, if it says so.
     pub executed: Option<usize>,
+    /// Whether it stood then, so that these are all.
+    pub stands: bool,
     /// How it ended, if it did.
     pub ended: Option<How>,
     /// Characters torn off at its end.
@@ -123,7 +127,9 @@ pub fn first_line(start: &Start) -> String {
 pub fn line(number: u32, record: &Record) -> String {
     seal(&match record {
         Record::Out { sent, until } => format!("{number} out sent={sent} until={until}"),
-        Record::Executed { blocks } => format!("{number} executed blocks={blocks}"),
+        Record::Executed { blocks, stands } => {
+            format!("{number} executed blocks={blocks} stands={}", u8::from(*stands))
+        }
         Record::End { sent, how } => format!("{number} end sent={sent} how={}", how.word()),
     })
 }
@@ -142,14 +148,14 @@ pub fn read(bytes: &[u8]) -> Result<History, Damage> {
     let mut lines = bytes.split_inclusive(|byte| *byte == b'\n');
     let first = lines.next().and_then(open).ok_or(Damage::NoStart)?;
     let start = parse_start(first).ok_or(Damage::NoStart)?;
-    let mut history = History { start, sent: [0; 2], executed: None, ended: None, torn: 0 };
+    let mut history = History { start, sent: [0; 2], executed: None, stands: false, ended: None, torn: 0 };
     let (mut sent, mut executed) = ([0; 2], None);
     for (index, line) in lines.enumerate() {
         let number = u32::try_from(index + 1).unwrap_or(u32::MAX);
         match open(line).and_then(|text| parse(text, number)) {
             Some(_) if history.torn > 0 => return Err(Damage::Line(index + 1)),
             Some(Record::Out { sent: out, until }) => sent = [out, until],
-            Some(Record::Executed { blocks }) => executed = Some(blocks),
+            Some(Record::Executed { blocks, stands }) => (executed, history.stands) = (Some(blocks), stands),
             // What a line that failed was given need not have left.
             Some(Record::End { sent: out, how: How::Failed }) => {
                 (sent, history.ended) = ([sent[0].min(out), out], Some(How::Failed));
@@ -199,7 +205,7 @@ fn parse(text: &str, number: u32) -> Option<Record> {
     let count = |name| field(fields, name)?.parse().ok();
     Some(match kind {
         "out" => Record::Out { sent: count("sent")?, until: count("until")? },
-        "executed" => Record::Executed { blocks: count("blocks")? },
+        "executed" => Record::Executed { blocks: count("blocks")?, stands: field(fields, "stands")? == "1" },
         "end" => {
             let word = field(fields, "how")?;
             let how = [How::Complete, How::Aborted, How::Failed].into_iter().find(|how| how.word() == word)?;
@@ -247,9 +253,9 @@ mod tests {
     fn records() -> [Record; 4] {
         [
             Record::Out { sent: 0, until: 100 },
-            Record::Executed { blocks: 2 },
+            Record::Executed { blocks: 2, stands: false },
             Record::Out { sent: 98, until: 210 },
-            Record::Executed { blocks: 5 },
+            Record::Executed { blocks: 5, stands: false },
         ]
     }
 
@@ -301,7 +307,7 @@ mod tests {
     #[test]
     fn a_resumed_transmission_counts_in_the_programs_characters() {
         let start = Start { from: 1_000, blocks: 40, ours: 120, own: 9, ..START };
-        let out = [Record::Out { sent: 60, until: 320 }, Record::Executed { blocks: 12 }];
+        let out = [Record::Out { sent: 60, until: 320 }, Record::Executed { blocks: 12, stands: false }];
         let history = read(&journal(&start, &out)).unwrap();
         assert_eq!((history.sent, history.executed), ([1_000, 1_200], Some(43)));
     }

@@ -1,8 +1,8 @@
 //! Taking a program up in its middle: from which line, with which blocks before it, and what that repeats or leaves out.
 //!
-//! *Sent* is not *executed*: between the two lie the control's buffer and what it has read ahead. Where the control does
-//! not say how far it came, only a person who looks at it can tell the block, and what may be cut twice or not at all is
-//! given as a range.
+//! *Sent* is not *executed*: between the two lie the control's buffer and what it has read ahead, and with that a control
+//! goes on when its sender is gone. Unless it said how far it came and stood then, only a person who looks at it can tell
+//! the block, and what may be cut twice or not at all is given as a range.
 
 use arcfeed_shared::nc::block::{Line, Reading};
 use arcfeed_shared::nc::modal::MotionKind;
@@ -22,8 +22,10 @@ pub struct Plan {
     pub line: usize,
     /// Lines between which the last character sent lies.
     pub sent: [usize; 2],
-    /// The line that was under way, where the control said so.
+    /// The line whose block was under way when the control last said so.
     pub executed: Option<usize>,
+    /// Whether the control stood then: no later one was taken up.
+    pub stands: bool,
     /// Blocks sent before that line.
     pub blocks: Vec<String>,
     /// Cutting blocks that were executed and come again.
@@ -68,15 +70,19 @@ impl Plan {
     /// There is none, and why.
     pub fn new(sent: &Transmission, history: &History, wanted: &Wanted, settings: &Settings) -> Result<Self, String> {
         let under_way = history.executed.map(|blocks| sent.line_of_block(blocks.max(1)).unwrap_or(1));
-        let index = match (wanted.line, under_way) {
+        let index = match (wanted.line, under_way.filter(|_| history.stands)) {
             (Some(line), _) => sent.lines().iter().position(|sent| sent.source == line).filter(|index| *index > 0),
             (None, Some(under_way)) => Some(under_way),
             (None, None) => {
                 let [low, high] = history.sent.map(|at| source(sent, at));
                 return Err(format!(
-                    "how far the control came is not known: characters up to line {low} are out, at most up to line {high}, \
-                     and the last of them need not be executed. Look at the control for the block it stopped in, press RESET \
-                     there, and give its line in the file with --from LINE"
+                    "how far the control came is not known: characters up to line {low} are out, at most up to line {high}{}, \
+                     and it goes on with what it has. Look at the control for the block it stopped in, press RESET there, and \
+                     give its line in the file with --from LINE",
+                    under_way.map_or(String::new(), |at| format!(
+                        ", executed at least up to line {}",
+                        sent.lines()[at].source
+                    ))
                 ));
             }
         };
@@ -88,15 +94,16 @@ impl Plan {
         let among = |from: usize, to: usize| Cuts::of(sent, &cuts, from, to);
         // Of the line under way nobody knows how much is cut: it counts as repeated, and as left out if it does not come.
         let out = sent.line_at(history.sent[1].saturating_sub(1)) + 1;
-        let nothing = Cuts::default();
-        let [repeats, may_repeat, skips, may_skip] = match under_way {
-            Some(done) => [among(index, done + 1), nothing, among(done, index), nothing],
-            None => [nothing, among(index, out), among(out, index), among(0, index.min(out))],
-        };
+        let least = under_way.unwrap_or(0);
+        let most = if history.stands { least } else { out.max(least) };
+        let repeats = among(index, under_way.map_or(0, |under_way| under_way + 1));
+        let may_repeat = among(index.max(under_way.map_or(0, |under_way| under_way + 1)), most);
+        let (may_skip, skips) = (among(least, index.min(most)), among(most.max(least), index));
         Ok(Plan {
             line,
             sent: history.sent.map(|at| source(sent, at)),
             executed: under_way.map(|index| sent.lines()[index].source),
+            stands: history.stands,
             blocks: blocks.lines().map(str::to_owned).collect(),
             repeats,
             may_repeat,
@@ -158,7 +165,8 @@ mod tests {
         let wire = Wire { encode: Some, filters: false, tv_check: false };
         let source = |at: usize| 1 + PROGRAM.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count();
         let transmission = Transmission::new(PROGRAM.as_bytes(), source, &wire).unwrap();
-        let history = History { start: Start::default(), sent, executed, ended: None, torn: 0 };
+        let history =
+            History { start: Start::default(), sent, executed, stands: executed.is_some(), ended: None, torn: 0 };
         let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);
         Plan::new(&transmission, &history, &Wanted { line, clearance: None }, &settings)
     }

@@ -66,7 +66,7 @@ impl Logbook {
         let Some(open) = &mut self.open else { return Ok(()) };
         if let Some(blocks) = executed.filter(|blocks| *blocks > open.executed) {
             open.executed = blocks;
-            open.write(&Record::Executed { blocks }, false)?;
+            open.write(&Record::Executed { blocks, stands: false }, false)?;
         }
         let (sent, total) = sender.progress();
         if open.until < total && open.until - sent.min(open.until) < open.ahead / 2 + 1 {
@@ -80,12 +80,15 @@ impl Logbook {
         Ok(())
     }
 
-    /// Closes it.
+    /// Closes it; `stands` is what the control had taken up, if it stands.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn end(&mut self, sender: &Sender, how: How) -> Result<(), Failure> {
+    pub fn end(&mut self, sender: &Sender, how: How, stands: Option<usize>) -> Result<(), Failure> {
         let Some(open) = &mut self.open else { return Ok(()) };
+        if let Some(blocks) = stands {
+            open.write(&Record::Executed { blocks, stands: true }, false)?;
+        }
         open.write(&Record::End { sent: sender.progress().0, how }, true)
     }
 

@@ -211,7 +211,13 @@ impl Stream {
         mut logbook: Logbook,
     ) -> Result<End, Failure> {
         let ended = self.send_all(port, sender, &mut outbox, &mut logbook);
-        logbook.end(sender, ended.as_ref().map_or(How::Failed, End::how))?;
+        let stands = match &ended {
+            Ok(End::Interrupted { at_rest }) => *at_rest,
+            Ok(_) => port.control_is_done() == Some(true),
+            Err(_) => false,
+        };
+        let executed = port.blocks_executed().filter(|_| stands);
+        logbook.end(sender, ended.as_ref().map_or(How::Failed, End::how), executed)?;
         match (ended, logbook.path()) {
             (Err(Failure::Machine(message)), Some(path)) => {
                 let journal = path.display();

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use arcfeed_hil_sim::control::code::{Code, with_even_parity};
 use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::modal::Feed;
+use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE};
 use arcfeed_shared::nc::settings::{Preset, Settings};
 use arcfeed_shared::units::{Micros, S_PER_MIN};
 
@@ -113,18 +113,23 @@ impl Prepared {
     /// Where the control will wait for the line.
     pub fn waits(&self, share: f64) -> Vec<Wait> {
         let control = control_settings(&self.file);
-        let rapid_mm_per_s = control.dynamics.rapid_mm_per_s;
+        let (rapid_mm_per_s, acceleration) = (control.dynamics.rapid_mm_per_s, control.dynamics.acceleration_mm_per_s2);
         let mut reader = arcfeed_shared::reader::Reader::with(self.settings(), Default::default());
         let loads = (0..self.whole.lines().len()).map(|index| {
             let text = self.whole.line_text(index).unwrap_or_default();
             let read = if index == 0 { None } else { reader.read(text.strip_suffix(b"\n").unwrap_or(text)).ok() };
             let dwell = read.as_ref().and_then(|read| read.step.dwell).map_or(0.0, Micros::to_s);
-            let travel = read.and_then(|read| read.segment).map_or(0.0, |segment| match segment.feed {
-                Feed::PerMinute(feed) => segment.feed_length_mm() / feed.to_mm() * S_PER_MIN,
-                Feed::InverseTime(times) => S_PER_MIN * arcfeed_shared::nc::modal::PER_MIN_SCALE as f64 / times as f64,
-                Feed::Missing => segment.length_mm() / rapid_mm_per_s,
-            });
-            Load { characters: text.len(), time_s: dwell + travel }
+            let Some(segment) = read.and_then(|read| read.segment) else { return Load::of_time(text.len(), dwell) };
+            let speed_mm_per_s = match segment.feed {
+                Feed::PerMinute(feed) => feed.to_mm() / S_PER_MIN * segment.length_mm() / segment.feed_length_mm(),
+                Feed::InverseTime(times) => segment.length_mm() * times as f64 / PER_MIN_SCALE as f64 / S_PER_MIN,
+                Feed::Missing => rapid_mm_per_s,
+            };
+            if segment.length_mm() > 0.0 && speed_mm_per_s > 0.0 {
+                Load::of_move(text.len(), segment.length_mm(), speed_mm_per_s, acceleration)
+            } else {
+                Load::of_time(text.len(), dwell)
+            }
         });
         predict(&loads.collect::<Vec<_>>(), self.chars_per_s() * share, control.line.buffer)
     }

@@ -124,7 +124,10 @@ fn show(plan: &Plan, history: &History) {
     };
     say(format_args!("{ended}; the last character sent lies in lines {low} to {high}"));
     match plan.executed {
-        Some(line) => say(format_args!("the control had taken up the block of line {line}")),
+        Some(line) if plan.stands => say(format_args!("the control stood in the block of line {line}")),
+        Some(line) => {
+            say(format_args!("the control had taken up the block of line {line}, and went on with what it had"));
+        }
         None => say(format_args!("how far the control came is not known: sent is not executed")),
     }
     say(format_args!("goes on with line {}, after these blocks:", plan.line));
