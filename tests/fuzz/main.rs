@@ -7,6 +7,8 @@ mod mutate;
 
 mod targets;
 
+mod dnc;
+
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
@@ -85,4 +87,14 @@ fn port_urls_are_read_or_refused() {
 #[test]
 fn both_ends_of_rfc2217_take_whatever_the_other_says() {
     feed("rfc2217", 7, targets::rfc2217);
+}
+
+#[test]
+fn the_sender_takes_whatever_a_control_says() {
+    feed("dnc", 8, dnc::sender);
+}
+
+#[test]
+fn a_journal_is_read_or_refused() {
+    feed("journal", 9, dnc::journal);
 }
