@@ -243,6 +243,20 @@ fn a_run_that_ends_in_an_alarm_is_documented_too() {
 }
 
 #[test]
+fn a_restart_prints_what_is_documented() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-resume");
+    let (job, journal) = (format!("{EXAMPLE}/job.toml"), scratch.path("journal"));
+    object(&["stream", &job, "--port", "fault://tx.flip=0.002,seed=5/sim:", "--journal", &journal], 3);
+    let resume = ["stream", &job, "--resume", "--journal", &journal];
+    documented.assert_fits("resume", &object(&resume, 4));
+    let (code, both) = objects(&[&resume[..], &["--approve"]].concat());
+    assert_eq!((code, both.len()), (Some(0), 2));
+    documented.assert_fits("resume", &both[0]);
+    documented.assert_fits("stream to sim:", &both[1]);
+}
+
+#[test]
 fn both_ends_of_a_serial_line_print_what_is_documented() {
     let documented = Documented::read();
     let scratch = Scratch::new("json-serve");
