@@ -167,3 +167,43 @@ fn what_the_line_or_the_control_cannot_carry_is_refused_before_the_first_charact
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(lines(&scratch, "executed.nc")[0].contains("(ONE BLISK SLOT"), "{:?}", lines(&scratch, "executed.nc")[0]);
 }
+
+#[test]
+fn a_program_arrives_in_every_code_and_under_the_tv_check() {
+    let scratch = Scratch::new("codes");
+    let job = job(&scratch);
+    let executed = scratch.path("executed.nc");
+    let text = std::fs::read_to_string(&job).expect("text");
+    let bare = text.replace("bytesize = 7", "bytesize = 8").replace("\"E\"", "\"N\"");
+    let stream_with = |job_text: String| {
+        scratch.write("job.toml", job_text);
+        let output = run(&["stream", &job, "--executed", &executed]);
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    assert_eq!(stream_with(text), (Some(0), String::new()));
+    let wanted = lines(&scratch, "executed.nc");
+    for dnc in ["code = \"iso\"", "code = \"eia\"", "code = \"ascii\"", "code = \"iso\"\ntv_check = true"] {
+        assert_eq!(stream_with(format!("{bare}\n[dnc]\n{dnc}\n")), (Some(0), String::new()), "{dnc}");
+        let found = lines(&scratch, "executed.nc");
+        assert_eq!(found.iter().map(|block| block.trim_end()).collect::<Vec<_>>(), wanted, "{dnc}");
+    }
+    for (dnc, hint) in [("code = \"utf-8\"", "\"iso\""), ("reaction = -1", "seconds"), ("echo = 1", "echo")] {
+        let (code, stderr) = stream_with(format!("{bare}\n[dnc]\n{dnc}\n"));
+        assert!(code == Some(1) && stderr.contains(hint) && stderr.contains("job.toml:"), "{stderr}");
+    }
+}
+
+#[test]
+fn a_dc1_that_is_lost_ends_in_words() {
+    let scratch = Scratch::new("lost-dc1");
+    let job = job(&scratch);
+    let (journal, text) = (scratch.path("journal"), std::fs::read_to_string(&job).expect("text"));
+    scratch.write("job.toml", format!("{text}\n[dnc]\nstart_timeout = 2\nxoff_timeout = 3\n"));
+    let output = run(&["stream", &job, "--port", "fault://lost_xon=1,seed=1/sim:", "--journal", &journal]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(3) && stderr.contains("no DC1"), "{stderr}");
+    // The first gets through, the next does not.
+    let output = run(&["stream", &job, "--port", "fault://lost_xon=0.5,seed=1/sim:", "--journal", &journal]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(3) && stderr.contains("nothing since its DC3"), "{stderr}");
+}

@@ -26,6 +26,7 @@ pub struct Line {
     /// From the control to the sender.
     latency: Micros,
     inbox: VecDeque<(Micros, u8)>,
+    outbox: VecDeque<(Micros, u8)>,
     schedule: Schedule,
     written: usize,
     writes: usize,
@@ -58,6 +59,7 @@ impl Line {
             step,
             latency,
             inbox: garbage.map(|byte| (Micros(0), byte)).collect(),
+            outbox: VecDeque::new(),
             schedule: schedule.clone(),
             written: 0,
             writes: 0,
@@ -93,12 +95,13 @@ impl Line {
     fn carry(&mut self, byte: u8) {
         let at = self.written;
         self.written += 1;
-        let mut frames = vec![byte];
+        let (mut frames, mut late) = (vec![byte], Micros(0));
         for fault in &self.schedule.0 {
             match fault {
                 Fault::TxLost(n) if *n == at => frames.clear(),
                 Fault::TxTwice(n) if *n == at => frames.push(byte),
                 Fault::TxFlip(n, mask) if *n == at => frames.iter_mut().for_each(|frame| *frame ^= mask),
+                Fault::TxLate(n, ms) if *n == at => late = Micros::from_ms(*ms),
                 Fault::TxNoise(n, noise) if (*n..*n + noise.len()).contains(&at) => frames = vec![noise[at - n]],
                 Fault::TxBreak(n) if *n == at => {
                     self.control.port().on_framing_error();
@@ -107,8 +110,17 @@ impl Line {
                 _ => {}
             }
         }
-        self.arrived.extend(&frames);
-        self.control.port().on_bytes(&frames);
+        let before = self.outbox.back().map_or(Micros(0), |(due, _)| *due);
+        let due = self.now.after(late).max(before);
+        self.outbox.extend(frames.into_iter().map(|frame| (due, frame)));
+        self.deliver();
+    }
+
+    fn deliver(&mut self) {
+        while let Some((_, frame)) = self.outbox.pop_front_if(|(due, _)| *due <= self.now) {
+            self.arrived.push(frame);
+            self.control.port().on_bytes(&[frame]);
+        }
     }
 
     fn is_cut(&self) -> bool {
@@ -128,6 +140,7 @@ impl Line {
 
     pub fn tick(&mut self) {
         self.now = self.now.after(self.step);
+        self.deliver();
         self.control.step(self.now, self.step, 100);
         if self.fed.0 != self.control.executed().len() {
             self.fed = (self.control.executed().len(), self.control.starved_ms());

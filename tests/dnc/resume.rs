@@ -227,3 +227,37 @@ fn a_line_cut_anywhere_is_taken_up_without_a_secret() {
     println!("{resumed} of {cases} taken up");
     assert!(5 * resumed > 4 * cases, "{resumed} of {cases}");
 }
+
+#[test]
+fn half_a_block_in_a_control_that_nobody_reset_never_moves() {
+    let mut refused = 0;
+    for seed in 0..20 {
+        let (mut rng, text, sent, settings) = case(seed);
+        let first = rng.usize(8..sent.lines().len() - 4);
+        let line = (first..).find(|line| sent.is_block(*line)).expect("M30 at last");
+        let at = sent.start_of(line) + rng.usize(1..sent.line_text(line).map_or(2, <[u8]>::len));
+        let mut broken = broken(&sent, &settings, usize::MAX, &Schedule(vec![Fault::Cut(at)]), false);
+        broken.line.run_out();
+        let taken = broken.line.control.executed().len();
+        // The next transmission, to a control that goes on asking.
+        let late = Micros::from_ms(9_000);
+        let mut next = Sender::new(transmission(&text, Check::Parity), line_use(&settings, Micros(0)));
+        let mut out = [0; 10];
+        assert_eq!(next.poll_transmit(late, &mut out), 0, "nothing leaves without a DC1");
+        next.on_bytes(late, &[0x11]);
+        let len = next.poll_transmit(late, &mut out);
+        assert!(len > 0);
+        broken.line.control.port().on_bytes(&out[..len]);
+        broken.line.control.port().on_bytes(&sent.frames()[len..100]);
+        for _ in 0..2_000 {
+            broken.line.tick();
+        }
+        let control = &broken.line.control;
+        let more = &control.executed()[taken..];
+        // An alarm, or the rest of a comment; then the program comes from its beginning.
+        let is_refused = control.alarm().is_some() && more.is_empty();
+        assert!(is_refused || more.first().is_some_and(|block| block.starts_with(b"(")), "seed {seed}: {more:?}");
+        refused += usize::from(is_refused);
+    }
+    assert!(refused > 10, "{refused}");
+}

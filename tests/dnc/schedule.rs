@@ -10,6 +10,8 @@ pub enum Fault {
     TxTwice(usize),
     TxFlip(usize, u8),
     TxBreak(usize),
+    /// The nth character and those behind it come so many ms late.
+    TxLate(usize, u64),
     /// From the nth on, noise in the place of characters.
     TxNoise(usize, Vec<u8>),
     /// The nth character from the control: DC1 and DC3.
@@ -42,8 +44,14 @@ pub enum Kind {
     Short,
     /// A character without stop bits.
     Break,
+    /// Characters on the way to the control that are late.
+    Late,
+    /// Several of these at once.
+    Several,
     /// One bit of a character.
     OneBit,
+    /// One bit of several characters.
+    BitsApart,
     /// Two bits of a character.
     TwoBits,
     /// A character lost.
@@ -56,13 +64,16 @@ pub enum Kind {
     Burst,
 }
 
-pub const KINDS: [Kind; 11] = [
+pub const KINDS: [Kind; 14] = [
     Kind::Signals,
     Kind::Garbage,
     Kind::Cut,
     Kind::Short,
     Kind::Break,
+    Kind::Late,
+    Kind::Several,
     Kind::OneBit,
+    Kind::BitsApart,
     Kind::TwoBits,
     Kind::Lost,
     Kind::Twice,
@@ -73,7 +84,7 @@ pub const KINDS: [Kind; 11] = [
 impl Kind {
     /// Whether the line itself can tell: nothing on the way to the control is spoilt without a trace.
     pub fn is_of_the_line(self) -> bool {
-        matches!(self, Kind::Signals | Kind::Garbage | Kind::Cut | Kind::Short | Kind::Break)
+        self <= Kind::Several
     }
 
     /// A schedule of this kind for a program of so many characters.
@@ -89,6 +100,15 @@ impl Kind {
             Kind::Cut => vec![Fault::Cut(first)],
             Kind::Short => (0..random.usize(1..20)).map(|_| Fault::Short(random.usize(1..100))).collect(),
             Kind::Break => vec![Fault::TxBreak(first)],
+            Kind::Late => (0..random.usize(1..4)).map(|_| late(random, len)).collect(),
+            Kind::Several => {
+                let kinds = [Kind::Signals, Kind::Garbage, Kind::Cut, Kind::Short, Kind::Late];
+                let chosen = kinds.into_iter().filter(|_| random.bool()).collect::<Vec<_>>();
+                chosen.into_iter().flat_map(|kind| kind.draw(random, len).0).collect()
+            }
+            Kind::BitsApart => {
+                (0..random.usize(2..6)).map(|_| Fault::TxFlip(random.usize(2..len), bit(random))).collect()
+            }
             Kind::OneBit => vec![Fault::TxFlip(first, bit(random))],
             Kind::TwoBits => {
                 let one = bit(random);
@@ -101,6 +121,10 @@ impl Kind {
             Kind::Burst => vec![Fault::TxNoise(first, noise(random, 16))],
         })
     }
+}
+
+fn late(random: &mut Rng, len: usize) -> Fault {
+    Fault::TxLate(random.usize(2..len), [1, 16, 100, 1_000][random.usize(..4)])
 }
 
 fn signal(random: &mut Rng) -> Fault {

@@ -21,7 +21,7 @@ impl Functions {
     /// A block is carried out.
     pub fn take(&mut self, block: &Block) {
         let of = |letter: u8| block.words.iter().filter(move |word| word.letter == letter);
-        self.prepared = of(b'T').last().map(|word| word.number.scaled(1)).or(self.prepared);
+        self.prepared = of(b'T').next_back().map(|word| word.number.scaled(1)).or(self.prepared);
         for code in of(b'M').filter_map(|word| word.number.as_whole()) {
             match code {
                 3..=5 => self.spindle = Some(code),

@@ -35,7 +35,8 @@ impl Outbox {
         Outbox { held: [0; CHUNK], len: 0, patience, stuck_since: None }
     }
 
-    /// One turn: what has come in goes to the sender, what it hands out to the line. Answers whether all is out.
+    /// One turn: what has come in goes to the sender, what it hands out to the line. Answers whether all has
+    /// arrived, as far as the line's rate tells.
     ///
     /// # Errors
     /// The line is gone, or has taken nothing for too long.
@@ -49,7 +50,8 @@ impl Outbox {
             }
         }
         self.pump(port, sender)?;
-        Ok(sender.state() == State::Sent && self.len == 0 && port.out_waiting()? == 0)
+        let is_out = sender.state() == State::Sent && self.len == 0 && port.out_waiting()? == 0;
+        Ok(is_out && port.now() >= sender.arrived_at())
     }
 
     fn pump(&mut self, port: &mut dyn Port, sender: &mut Sender) -> Result<(), LineError> {

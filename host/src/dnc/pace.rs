@@ -67,6 +67,12 @@ impl Pace {
         Micros(by_reaction.max(self.arrivals[AFTER_DC3_MAX - self.ahead]).div_ceil(NS_PER_US))
     }
 
+    /// When the last one has arrived, at the latest.
+    pub fn empty_at(&self) -> Micros {
+        let [.., last] = self.arrivals;
+        Micros((last + self.reaction_ns).div_ceil(NS_PER_US))
+    }
+
     /// Most characters handed out ahead of the line.
     pub fn ahead(&self) -> usize {
         self.ahead

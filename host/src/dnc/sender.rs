@@ -315,6 +315,11 @@ impl Sender {
         self.counters
     }
 
+    /// When the last character has arrived: a port closed before that is alarm PS0086 at the control.
+    pub fn arrived_at(&self) -> Micros {
+        self.line.pace.empty_at()
+    }
+
     /// The share of the line's rate at which the control's ten characters can be kept.
     pub fn share(&self) -> f64 {
         self.line.pace.share()
