@@ -7,7 +7,7 @@ use arcfeed::dnc::resume::{Plan, Wanted};
 use arcfeed::dnc::transmission::Transmission;
 use arcfeed::dnc::{Sender, State};
 use arcfeed_hil_sim::control::{Control, ControlSettings};
-use arcfeed_shared::nc::block::{Line as NcLine, Reading, parse_line};
+use arcfeed_shared::nc::block::{Reading, parse_line};
 use arcfeed_shared::nc::modal::Modal;
 use arcfeed_shared::nc::settings::{Preset, Settings};
 use arcfeed_shared::units::{LengthUnit, Micros, Nm};
@@ -75,10 +75,8 @@ fn state_after(settings: ControlSettings, text: &[u8]) -> (Modal, Functions) {
     }
     let mut functions = Functions::default();
     for block in control.executed() {
-        if let Ok(parsed) = parse_line(block, Reading::Lenient)
-            && let NcLine::Block(block) = parsed.line
-        {
-            functions.take(&block);
+        if let Ok(parsed) = parse_line(block, Reading::Lenient) {
+            functions.take(&parsed.block);
         }
     }
     (*control.modal(), functions)

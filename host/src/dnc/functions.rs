@@ -55,14 +55,13 @@ impl Functions {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_shared::nc::block::{Line, Reading, parse_line};
+    use arcfeed_shared::nc::block::{Reading, parse_line};
 
     #[test]
     fn the_last_word_of_each_kind_counts() {
         let mut functions = Functions::default();
         for text in ["T14M6", "S1000M3", "M8", "T15", "M64", "M7M9", "M8", "M64"] {
-            let Line::Block(block) = parse_line(text.as_bytes(), Reading::Lenient).unwrap().line else { panic!() };
-            functions.take(&block);
+            functions.take(&parse_line(text.as_bytes(), Reading::Lenient).unwrap().block);
         }
         assert_eq!((functions.tool, functions.prepared, functions.others.as_slice()), (Some(14), Some(15), &[64][..]));
         assert_eq!(functions.words(Some(1_000)), ["S1000M3", "M8"]);

@@ -6,7 +6,6 @@
 
 use std::fmt::Write;
 
-use arcfeed_shared::nc::block::Line;
 use arcfeed_shared::nc::modal::{Cycle, FeedMode, Modal, MotionKind, Plane, Pose, Turn};
 use arcfeed_shared::nc::settings::{Scope, Settings, Tables};
 use arcfeed_shared::reader::Reader;
@@ -67,11 +66,10 @@ impl Before {
         if understood.step.stop.is_some_and(|stop| stop == arcfeed_shared::nc::modal::Stop::End) {
             return Err(format!("line {source} ends the program"));
         }
-        if let Line::Block(block) = &understood.parsed.line {
-            self.functions.take(block);
-            for (named, letter) in self.rotary.iter_mut().zip(b'A'..) {
-                *named |= block.word(letter).is_some();
-            }
+        let block = &understood.parsed.block;
+        self.functions.take(block);
+        for (named, letter) in self.rotary.iter_mut().zip(b'A'..) {
+            *named |= block.word(letter).is_some();
         }
         let modal = reader.modal();
         if modal.frame.shift != shift {

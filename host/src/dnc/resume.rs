@@ -4,7 +4,7 @@
 //! goes on when its sender is gone. Unless it said how far it came and stood then, only a person who looks at it can tell
 //! the block, and what may be cut twice or not at all is given as a range.
 
-use arcfeed_shared::nc::block::{Line, Reading};
+use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::modal::MotionKind;
 use arcfeed_shared::nc::settings::{Scope, Settings, Tables};
 use arcfeed_shared::reader::Reader;
@@ -146,7 +146,7 @@ fn cutting(sent: &Transmission, settings: &Settings) -> Vec<bool> {
         let Ok(understood) = reader.read(text.strip_suffix(b"\n").unwrap_or(text)) else { continue };
         let moves = understood.step.motion.is_some_and(|motion| motion.kind != MotionKind::Rapid);
         let drills = understood.step.series.is_some() && reader.modal().cycle.is_some();
-        *cuts = matches!(understood.parsed.line, Line::Block(_)) && (moves || drills);
+        *cuts = moves || drills;
     }
     cuts
 }

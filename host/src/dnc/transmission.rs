@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use arcfeed_shared::nc::block::{Line, Reading, parse_line};
+use arcfeed_shared::nc::block::{Reading, parse_line};
 use arcfeed_shared::nc::text::Lines;
 use arcfeed_shared::nc::word::is_control_character;
 
@@ -137,19 +137,17 @@ impl Transmission {
     fn lost_label(&self) -> Option<Refusal> {
         let first = self.line_text(0)?;
         let Ok(parsed) = parse_line(first.trim_ascii_end(), Reading::Lenient) else { return None };
-        let Line::Block(block) = parsed.line else { return None };
         let message = "a control skips everything up to the first end of block: this block would be lost; begin the program \
                        with a line `%`";
-        (!block.is_empty()).then(|| Refusal { line: 1, column: 1, message: message.into() })
+        (!parsed.block.is_empty()).then(|| Refusal { line: 1, column: 1, message: message.into() })
     }
 
     fn without_end(&self) -> Option<Refusal> {
         let ends = |index: &usize| {
             let text = self.line_text(*index).unwrap_or_default().trim_ascii_end();
             let Ok(parsed) = parse_line(text, Reading::Lenient) else { return false };
-            let Line::Block(block) = parsed.line else { return false };
             let whole = |word: &arcfeed_shared::nc::word::Word| word.number.as_whole();
-            block.words.iter().any(|word| word.letter == b'M' && matches!(whole(word), Some(2 | 30)))
+            parsed.block.words.iter().any(|word| word.letter == b'M' && matches!(whole(word), Some(2 | 30)))
         };
         let message = "no M02 or M30 anywhere: the control would wait for more; end the program with one";
         let last = self.lines.last().map_or(1, |line| line.source);
