@@ -68,7 +68,11 @@ fn a_killed_sender_is_resumed_only_where_and_when_somebody_says_so() {
         let under_way = executed.last().expect("it had begun");
         let line = 1 + program.iter().position(|line| line == under_way).expect("a block of the program");
         let resume = |port: &str, more: &[&str]| {
-            run(&[&["stream", &job, "--port", port, "--baudrate", "9600", "--resume", "--json"][..], more].concat())
+            run(&[
+                &["stream", &job, "--port", port, "--baudrate", "9600", "--resume", "--clearance", "0", "--json"][..],
+                more,
+            ]
+            .concat())
         };
         let from = line.to_string();
         let said = |output: &std::process::Output| String::from_utf8_lossy(&output.stderr).into_owned();
