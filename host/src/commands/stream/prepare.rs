@@ -101,8 +101,8 @@ impl Prepared {
             let [first, last] = longest.blocks.map(|index| self.whole.lines()[index].source);
             let total: f64 = waits.iter().map(|wait| wait.time_s).sum();
             notes.push(format!(
-                "note: the line is slower than the program: the control will wait {} times, {total:.2} s in all, longest \
-                 before the blocks of lines {first} to {last} ({:.2} s); the tool then stands in the cut",
+                "note: the line is slower than the program: the control will wait in {} stretches, {total:.2} s in all, \
+                 longest before the blocks of lines {first} to {last} ({:.2} s); the tool then stands in the cut",
                 waits.len(),
                 longest.time_s
             ));
