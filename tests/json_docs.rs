@@ -249,6 +249,20 @@ fn a_run_that_ends_in_an_alarm_is_documented_too() {
 }
 
 #[test]
+fn a_restart_prints_what_is_documented() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-resume");
+    let (job, journal) = (format!("{EXAMPLE}/job.toml"), scratch.path("journal"));
+    object(&["stream", &job, "--port", "fault://tx.flip=0.002,seed=5/sim:", "--journal", &journal], 3);
+    let resume = ["stream", &job, "--resume", "--journal", &journal];
+    documented.assert_fits("resume", &object(&resume, 4));
+    let (code, both) = objects(&[&resume[..], &["--approve"]].concat());
+    assert_eq!((code, both.len()), (Some(0), 2));
+    documented.assert_fits("resume", &both[0]);
+    documented.assert_fits("stream to sim:", &both[1]);
+}
+
+#[test]
 fn both_ends_of_a_serial_line_print_what_is_documented() {
     let documented = Documented::read();
     let scratch = Scratch::new("json-serve");
@@ -256,8 +270,9 @@ fn both_ends_of_a_serial_line_print_what_is_documented() {
     let serve = ["serve", &job, "--pty", "--once", "--json", "--speed", "100", "--baudrate", "115200"];
     let mut server = Running::start(&scratch, "serve", &serve);
     let port = server.line("port: ");
-    documented
-        .assert_fits("stream to a serial port", &object(&["stream", &job, "--port", &port, "--baudrate", "115200"], 0));
+    let journal = scratch.path("journal");
+    let stream = ["stream", &job, "--port", &port, "--baudrate", "115200", "--journal", &journal];
+    documented.assert_fits("stream to a serial port", &object(&stream, 0));
     let served = server.end();
     assert_eq!(served.code, Some(0), "{}", served.err);
     let lines: Vec<&str> = served.out.lines().collect();

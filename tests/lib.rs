@@ -159,6 +159,11 @@ impl Running {
         assert!(sent.expect("kill runs").success(), "nothing left to interrupt");
     }
 
+    /// What `kill -9` does.
+    pub fn kill(&mut self) {
+        self.child.kill().expect("it still runs, or has been waited for");
+    }
+
     /// Waits for its end.
     pub fn end(mut self) -> Ended {
         let status = wait_for("the end of arcfeed", || self.child.try_wait().expect("a child can be waited for"));

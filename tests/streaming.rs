@@ -55,6 +55,11 @@ fn serve(scratch: &Scratch, speed: &str, baudrate: &str) -> (Running, String) {
     (server, port)
 }
 
+/// How the job is sent to a port.
+fn to_port<'a>(journal: &'a str, port: &'a str, baudrate: &'a str) -> [&'a str; 9] {
+    ["stream", JOB, "--port", port, "--baudrate", baudrate, "--journal", journal, "--json"]
+}
+
 /// What the embedded simulator reports, and what it executed.
 fn through_sim(scratch: &Scratch) -> (Value, Vec<u8>) {
     let executed = scratch.path("sim.nc");
@@ -66,7 +71,7 @@ fn through_sim(scratch: &Scratch) -> (Value, Vec<u8>) {
 /// What the machine behind a pseudo-terminal reports, and what it executed.
 fn through_pty(scratch: &Scratch) -> (Value, Vec<u8>) {
     let (server, port) = serve(scratch, "10", "115200");
-    let sender = Running::start(scratch, "stream", &["stream", JOB, "--port", &port, "--baudrate", "115200", "--json"]);
+    let sender = Running::start(scratch, "stream", &to_port(&scratch.path("journal"), &port, "115200"));
     let sent = sender.end();
     assert_eq!(sent.code, Some(0), "{}", sent.err);
     let served = server.end();
@@ -180,7 +185,7 @@ fn ctrl_c_on_a_serial_line_says_how_far_it_came_and_asks_for_feed_hold() {
     let scratch = Scratch::new("ctrl-c");
     let program = adapted(&scratch);
     let (server, port) = serve(&scratch, "1", "9600");
-    let sender = Running::start(&scratch, "stream", &["stream", JOB, "--port", &port, "--baudrate", "9600", "--json"]);
+    let sender = Running::start(&scratch, "stream", &to_port(&scratch.path("journal"), &port, "9600"));
     // The line needs two seconds for all of it, the machine a minute.
     std::thread::sleep(Duration::from_millis(500));
     sender.interrupt();

@@ -12,6 +12,8 @@ mod sending;
 
 mod serial;
 
+mod dnc;
+
 pub mod questions;
 
 use std::path::{Path, PathBuf};
@@ -25,6 +27,7 @@ use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
 
 use crate::control;
+pub use dnc::{DncSettings, TapeCode};
 use schema::{JobTable, LawTable, Quantity, ToolTable};
 pub use serial::{Parity, SerialSettings};
 
@@ -45,6 +48,8 @@ pub struct JobFile {
     pub tables: Tables,
     /// The DNC line.
     pub serial: SerialSettings,
+    /// What is sent on it, and how.
+    pub dnc: DncSettings,
 }
 
 /// The controls there are.
@@ -179,6 +184,7 @@ impl JobFile {
             nc,
             tables: Tables::default(),
             serial,
+            dnc: DncSettings::default(),
         }
     }
 
@@ -229,7 +235,9 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let loaded = control.settings(unit, settings.as_deref());
     let (nc, tables) = loaded.map_err(|message| at(place.unwrap_or(preset), &message))?;
     let program = folder.join(table.program.as_ref());
-    Ok(JobFile { job, program, control, settings, nc, tables, serial: serial::build(&table.serial)? })
+    let serial = serial::build(&table.serial)?;
+    let dnc = dnc::build(&table.dnc, &serial)?;
+    Ok(JobFile { job, program, control, settings, nc, tables, serial, dnc })
 }
 
 fn build_tool(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {

@@ -9,8 +9,8 @@ use clap::{Parser, Subcommand};
 
 /// Constant chip load on circular moves, from the NC program to the override of the control
 ///
-/// Exit codes: 0 done; 1 the program or the job is at fault; 2 usage; 3 the line or the machine failed; 130 stopped by
-/// the operator.
+/// Exit codes: 0 done; 1 the program or the job is at fault; 2 usage; 3 the line or the machine failed; 4 a person must
+/// decide first; 130 stopped by the operator.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {

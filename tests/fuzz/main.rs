@@ -9,6 +9,8 @@ mod mutate;
 
 mod targets;
 
+mod dnc;
+
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
@@ -108,4 +110,14 @@ fn the_line_takes_whatever_bytes_under_whatever_settings() {
 #[test]
 fn the_control_takes_macro_programs_over_its_line() {
     feed("dnc", 11, SMOKE_OF_CONTROLS, macros::over_the_line);
+}
+
+#[test]
+fn the_sender_takes_whatever_a_control_says() {
+    feed("sender", 12, SMOKE / 4, dnc::sender);
+}
+
+#[test]
+fn a_journal_is_read_or_refused() {
+    feed("journal", 13, SMOKE, dnc::journal);
 }

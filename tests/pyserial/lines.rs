@@ -158,7 +158,12 @@ fn a_job_streamed_through_pyserials_server_is_executed_as_it_is() {
     let pty = control.line("port: ");
     let server = Script::start(python, "rfc2217_server.py", &[&pty], &scratch.path("out"));
     let url = format!("rfc2217://127.0.0.1:{}", server.line("port: "));
-    let sender = Running::start(&scratch, "stream", &["stream", JOB, "--port", &url, "--json"]).end();
+    let sender = Running::start(
+        &scratch,
+        "stream",
+        &["stream", JOB, "--port", &url, "--journal", &scratch.path("journal"), "--json"],
+    )
+    .end();
     assert_eq!(sender.code, Some(0), "{}", sender.err);
     let control = control.end();
     assert_eq!(control.code, Some(0), "{}", control.err);
@@ -219,7 +224,12 @@ fn our_sender_sends_a_job_through_our_server() {
     let (adapted, executed) = (scratch.path("adapted.nc"), scratch.path("executed.nc"));
     assert!(run(&["adapt", JOB, "-o", &adapted]).status.success());
     let (control, url) = control_at_rfc2217(&scratch, &executed);
-    let sender = Running::start(&scratch, "stream", &["stream", JOB, "--port", &url, "--json"]).end();
+    let sender = Running::start(
+        &scratch,
+        "stream",
+        &["stream", JOB, "--port", &url, "--journal", &scratch.path("journal"), "--json"],
+    )
+    .end();
     assert_eq!(sender.code, Some(0), "{}", sender.err);
     let control = control.end();
     assert_eq!(control.code, Some(0), "{}", control.err);

@@ -51,7 +51,7 @@ use std::collections::VecDeque;
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::macros::program::{Library, first_macro};
 use arcfeed_shared::nc::macros::variables::Ignored;
-use arcfeed_shared::nc::modal::{Pose, Stop};
+use arcfeed_shared::nc::modal::{Modal, Pose, Stop};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Micros, MmPerMin, US_PER_MS};
 
@@ -284,6 +284,11 @@ impl Control {
     /// Messages of the program (#3006, #3000), and where in a called program an alarm came up.
     pub fn messages(&self) -> impl Iterator<Item = &str> {
         self.executive.iter().flat_map(Executive::messages)
+    }
+
+    /// The modal state behind the last block that was read from the line, or from a program without macro statements.
+    pub fn modal(&self) -> &Modal {
+        self.reader.modal()
     }
 
     /// The alarm that stopped it.

@@ -1,7 +1,7 @@
 //! Blocks to actions: what the control reads ahead of its execution.
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
-use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::nc::modal::{Modal, Pose};
 use arcfeed_shared::nc::settings::Tables;
 
 use super::action::{Action, ReadBlock};
@@ -51,6 +51,11 @@ impl BlockReader {
     /// What was kept before the last block.
     pub fn take_restart_list(&mut self) -> Option<RestartList> {
         self.reader.take_restart_list()
+    }
+
+    /// The modal state behind the last block that was read.
+    pub fn modal(&self) -> &Modal {
+        self.reader.modal()
     }
 
     /// Lines read so far.

@@ -11,6 +11,7 @@ use arcfeed_shared::job::Job;
 use arcfeed_shared::segment::Path as Way;
 
 use crate::adapt::{Adapted, adapt};
+use crate::dnc::outbox::LineError;
 use crate::job::{JobError, JobFile};
 use crate::port::PortError;
 use crate::program::{Program, Severity};
@@ -22,6 +23,8 @@ pub enum Failure {
     Input(String),
     /// The line or the machine is: exit code 3.
     Machine(String),
+    /// A person must decide first: exit code 4.
+    Undecided(String),
     /// The operator stopped it: exit code 130, as for any program ended by Ctrl-C.
     Stopped(String),
 }
@@ -32,6 +35,7 @@ impl Failure {
         let (message, code) = match self {
             Failure::Input(message) => (message, 1),
             Failure::Machine(message) => (message, 3),
+            Failure::Undecided(message) => (message, 4),
             Failure::Stopped(message) => (message, 130),
         };
         eprintln!("{message}");
@@ -42,6 +46,12 @@ impl Failure {
 impl From<JobError> for Failure {
     fn from(error: JobError) -> Self {
         Failure::Input(format!("{error}"))
+    }
+}
+
+impl From<LineError> for Failure {
+    fn from(error: LineError) -> Self {
+        Failure::Machine(format!("{error}"))
     }
 }
 

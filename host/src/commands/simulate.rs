@@ -17,7 +17,7 @@ use arcfeed_shared::units::{LengthUnit, Micros, MmPerTooth};
 
 use super::adapt::{direction_word, rotation_word, side_word};
 use super::outcome::{Failure, adapted, load, say};
-use crate::job::{ControlKind, JobFile, Parity, SerialSettings};
+use crate::job::{ControlKind, JobFile, Parity, SerialSettings, TapeCode};
 use crate::program::Program;
 use crate::report::figures::{AlarmFigures, IptFigures, MovementFigures, OverrideFigures, RestartFigures, RunReport};
 use crate::report::printed;
@@ -80,15 +80,25 @@ pub fn control_settings(file: &JobFile) -> ControlSettings {
     // Bit n of the reader's is bit n - 1 of the panel's.
     let switches = Switches { block_delete: file.nc.delete_switches >> 1, ..settings.switches };
     let (sender, code) = framing(&file.serial);
+    let code = file.dnc.code.map_or(code, |code| Some(tape_code(code)));
     let line = LineSettings {
         baudrate: file.serial.baudrate,
         bits_per_char: file.serial.bits_per_char(),
         sender,
-        tape: TapeSettings { code, ..settings.line.tape },
+        tape: TapeSettings { code, tv_check: file.dnc.tv_check, ..settings.line.tape },
         ..settings.line
     };
     let (nc, tables, arc_clamp) = (file.nc, file.tables, file.job.machine.arc_clamp);
     ControlSettings { nc, tables, line, arc_clamp, switches, ..settings }
+}
+
+/// The code that the sender makes itself.
+pub fn tape_code(code: TapeCode) -> Code {
+    match code {
+        TapeCode::Iso => Code::Iso,
+        TapeCode::Eia => Code::Eia,
+        TapeCode::Ascii => Code::Ascii,
+    }
 }
 
 /// What the job's line makes of a byte, and the code a control is set to on such a line: with seven bits and a parity bit

@@ -23,6 +23,8 @@ pub struct JobTable {
     pub machine: MachineTable,
     #[serde(default)]
     pub serial: SerialTable,
+    #[serde(default)]
+    pub dnc: DncTable,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -218,6 +220,16 @@ pub struct SerialTable {
     pub write_timeout: Option<Spanned<f64>>,
     pub inter_byte_timeout: Option<Spanned<f64>>,
     pub exclusive: Option<bool>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DncTable {
+    pub code: Option<Spanned<String>>,
+    pub tv_check: bool,
+    pub reaction: Option<Spanned<f64>>,
+    pub start_timeout: Option<Spanned<f64>>,
+    pub xoff_timeout: Option<Spanned<f64>>,
 }
 
 impl Default for SerialTable {

@@ -196,6 +196,10 @@ impl Port for Fault<'_> {
         self.inner.control_is_done()
     }
 
+    fn blocks_executed(&self) -> Option<usize> {
+        self.inner.blocks_executed()
+    }
+
     fn feed_hold(&mut self) -> bool {
         self.inner.feed_hold()
     }

@@ -23,6 +23,8 @@ pub mod spy;
 
 pub mod fault;
 
+pub mod reaction;
+
 pub mod open;
 
 use arcfeed_shared::units::Micros;
@@ -60,6 +62,11 @@ pub trait Port {
         None
     }
 
+    /// Blocks that the control has taken up, where the port can know.
+    fn blocks_executed(&self) -> Option<usize> {
+        None
+    }
+
     /// Asks for feed hold, where the port can; answers whether the axes rest.
     fn feed_hold(&mut self) -> bool {
         false
@@ -90,6 +97,10 @@ impl<P: Port + ?Sized> Port for &mut P {
 
     fn control_is_done(&self) -> Option<bool> {
         (**self).control_is_done()
+    }
+
+    fn blocks_executed(&self) -> Option<usize> {
+        (**self).blocks_executed()
     }
 
     fn feed_hold(&mut self) -> bool {

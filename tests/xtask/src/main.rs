@@ -30,7 +30,8 @@ use std::process::ExitCode;
 use command::Failure;
 
 const USAGE: &str = "usage: cargo xtask test    install what is missing, run every test, check the firmware's image
-       cargo xtask soak [MINUTES]    feed whatever reads with spoilt inputs, MINUTES (10) for each target
+       cargo xtask soak [MINUTES]    the DNC sender's full sets of faults, then spoilt inputs to whatever reads, MINUTES (10)
+                                  for each target
        cargo xtask help    this text";
 
 fn main() -> ExitCode {

@@ -6,10 +6,10 @@ use crate::command::{Failure, announce, cargo, run};
 const MINUTES: u64 = 10;
 const SECONDS_PER_MIN: u64 = 60;
 
-/// Feeds every target of `tests/fuzz` for some minutes.
+/// Feeds every target of `tests/fuzz` for some minutes, and runs the full sets of `tests/dnc`.
 ///
 /// # Errors
-/// The minutes are no number, or a target panics or hangs.
+/// The minutes are no number, a target panics or hangs, or a fault on the line is passed over.
 pub fn soak(minutes: Option<&str>) -> Result<(), Failure> {
     let minutes = match minutes {
         Some(text) => {
@@ -18,6 +18,12 @@ pub fn soak(minutes: Option<&str>) -> Result<(), Failure> {
         None => MINUTES,
     };
     announce(&format!("soak: {minutes} minutes for each target"));
-    let mut tests = cargo(&["test", "--release", "--package", "arcfeed-tests", "--test", "fuzz", "--", "--nocapture"]);
-    run(tests.env("ARCFEED_SOAK_SECONDS", (minutes * SECONDS_PER_MIN).to_string()))
+    let seconds = (minutes * SECONDS_PER_MIN).to_string();
+    let soaked = |test| {
+        let mut tests =
+            cargo(&["test", "--release", "--package", "arcfeed-tests", "--test", test, "--", "--nocapture"]);
+        run(tests.env("ARCFEED_SOAK_SECONDS", &seconds))
+    };
+    soaked("dnc")?;
+    soaked("fuzz")
 }

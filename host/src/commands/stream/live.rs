@@ -31,6 +31,8 @@ impl Progress {
             State::Waiting => "waiting for the control's DC1: start DNC operation there",
             State::Sending => "sending",
             State::Stopped => "the control's buffer is full (XOFF)",
+            State::Held => "held",
+            State::Cut | State::Failed(_) => "ended",
             State::Sent => "all sent, the control executes what it has",
         });
     }

@@ -2,30 +2,37 @@
 
 mod live;
 
-mod outbox;
+mod prepare;
+
+mod logbook;
+
+mod resume;
 
 mod sim_port;
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_shared::units::Micros;
 
-use super::outcome::{Failure, adapted, file_failure, load, on_interrupt};
+use super::outcome::{Failure, file_failure, on_interrupt};
 use super::simulate::{add_baseline, finish, measure};
+use crate::dnc::journal::How;
+use crate::dnc::outbox::Outbox;
+use crate::dnc::sender::Why;
 use crate::dnc::{Sender, State};
-use crate::job::JobFile;
 use crate::port::Port;
 use crate::port::open::{open, wrap};
 use crate::port::url::{Base, PortUrl};
-use crate::program::Program;
 use crate::report::figures::{LinkFigures, RunReport};
 use crate::report::printed;
 use live::Progress;
-use outbox::Outbox;
+use logbook::Logbook;
+use prepare::Prepared;
+use resume::Resume;
 use sim_port::SimPort;
 
 /// Longest time the loop sleeps: how late it may see an XOFF or a Ctrl-C.
@@ -42,10 +49,18 @@ pub struct Stream {
     /// Line rate, in place of the job's
     #[arg(long)]
     baudrate: Option<u32>,
+    /// Make comments upper case and leave out of them what the control's code does not have, in place of refusing
+    #[arg(long)]
+    filter: bool,
+    /// The journal that --resume reads (docs/dnc.md); without it JOB.journal beside the job, and none for sim:
+    #[arg(long, value_name = "FILE")]
+    journal: Option<PathBuf>,
+    #[command(flatten)]
+    resume: Resume,
     /// Write the blocks that the control executed here (sim: only)
     #[arg(long, value_name = "FILE")]
     executed: Option<PathBuf>,
-    /// Print one JSON object (docs/json.md)
+    /// Print one JSON object, with --resume two (docs/json.md)
     #[arg(long)]
     json: bool,
 }
@@ -56,6 +71,18 @@ enum End {
     Complete,
     /// The operator stopped it.
     Interrupted { at_rest: bool },
+    /// The sender has given up.
+    GivenUp(Why),
+}
+
+impl End {
+    fn how(&self) -> How {
+        match self {
+            End::Complete => How::Complete,
+            End::Interrupted { .. } => How::Aborted,
+            End::GivenUp(_) => How::Failed,
+        }
+    }
 }
 
 impl Stream {
@@ -64,25 +91,47 @@ impl Stream {
     /// # Errors
     /// The job or the program is at fault, the line or the machine failed, or the operator stopped it.
     pub fn run(&self) -> Result<(), Failure> {
-        let (mut file, program) = load(&self.job)?;
-        file.serial.baudrate = self.baudrate.unwrap_or(file.serial.baudrate);
-        let serial = file.serial;
-        if let Some(warning) = program.lost_label() {
-            eprintln!("{}:{warning}", program.path.display());
+        let ready = Prepared::load(&self.job, self.baudrate, self.filter)?;
+        let is_sim = self.port.base == Base::Sim;
+        if self.executed.is_some() && !is_sim {
+            let message = "--executed: a control on a serial line does not say what it executed; drop the option";
+            return Err(Failure::Input(message.into()));
         }
-        let text = adapted(&program, &file.job).text;
-        let sender = Sender::new(text, serial.baudrate, serial.bits_per_char(), serial.xonxoff);
-        match self.port.base {
-            Base::Sim => self.to_simulator(&file, &program, sender),
-            _ => self.to_serial(&file, sender),
+        let line = ready.line_use(&self.port);
+        let (sending, start) = if self.resume.is_wanted() {
+            self.resume.prepare(self, &ready)?
+        } else {
+            (ready.whole.clone(), ready.start)
+        };
+        for note in ready.notes(&line) {
+            eprintln!("{note}");
         }
+        let mut sender = Sender::new(sending, line);
+        // The line first: a port that does not open leaves the journal of the run before as it is.
+        let journal = |sender: &mut Sender| match is_sim && self.journal.is_none() {
+            true => Ok(Logbook::none()),
+            false => Logbook::create(&self.journal_path(), &start, ready.chars_per_s() as usize, sender),
+        };
+        if is_sim {
+            let logbook = journal(&mut sender)?;
+            return self.to_simulator(&ready, sender, logbook);
+        }
+        let port = open(&self.port, &ready.file.serial)?;
+        let logbook = journal(&mut sender)?;
+        self.to_serial(&ready, port, sender, logbook)
     }
 
-    fn to_simulator(&self, file: &JobFile, program: &Program, mut sender: Sender) -> Result<(), Failure> {
+    /// Where the journal lies.
+    fn journal_path(&self) -> PathBuf {
+        self.journal.clone().unwrap_or_else(|| self.job.with_extension("journal"))
+    }
+
+    fn to_simulator(&self, ready: &Prepared, mut sender: Sender, logbook: Logbook) -> Result<(), Failure> {
+        let file = &ready.file;
         let started = Instant::now();
         let mut port = SimPort::new(file, ControllerFault::None)?;
         let outbox = Outbox::new(file.serial.patience());
-        let end = send(&mut *wrap(&self.port, Box::new(&mut port))?, &mut sender, outbox, !self.json)?;
+        let end = self.send(&mut *wrap(&self.port, Box::new(&mut port))?, &mut sender, outbox, logbook)?;
         let rig = port.rig();
         let mut report = measure(rig, &file.job);
         report.blocks_sent = Some(sender.blocks_sent());
@@ -92,23 +141,29 @@ impl Stream {
             write_executed(path, rig.control().executed())?;
         }
         let waits_for_more = matches!(end, End::Complete) && !rig.is_done();
-        add_baseline(&mut report, file, program)?;
-        self.finish(file, &report, &sender, &end)?;
+        add_baseline(&mut report, file, &ready.program)?;
+        self.finish(ready, &report, &sender, &end)?;
         if waits_for_more {
-            let message = "the control executed all it got and waits for more: the program has no M02 or M30";
-            return Err(Failure::Machine(message.into()));
+            return Err(Failure::Machine(match sender.state() {
+                State::Sent => "the control executed all it got and waits for more: its M02 or M30 was lost".into(),
+                _ => {
+                    "the control has nothing left to execute, and its DC1 has not come: it was lost on the line".into()
+                }
+            }));
         }
         Ok(())
     }
 
-    fn to_serial(&self, file: &JobFile, mut sender: Sender) -> Result<(), Failure> {
-        if self.executed.is_some() {
-            let message = "--executed: a control on a serial line does not say what it executed; drop the option";
-            return Err(Failure::Input(message.into()));
-        }
-        let mut port = open(&self.port, &file.serial)?;
+    fn to_serial(
+        &self,
+        ready: &Prepared,
+        mut port: Box<dyn Port>,
+        mut sender: Sender,
+        logbook: Logbook,
+    ) -> Result<(), Failure> {
+        let file = &ready.file;
         let outbox = Outbox::new(file.serial.patience());
-        let end = send(&mut *port, &mut sender, outbox, !self.json)?;
+        let end = self.send(&mut *port, &mut sender, outbox, logbook)?;
         let (bytes, _) = sender.progress();
         let bits = bytes as f64 * f64::from(file.serial.bits_per_char());
         let mut report = RunReport { unit: file.job.unit.label(), ..RunReport::default() };
@@ -122,45 +177,87 @@ impl Stream {
             starved_ms: None,
             retries: 0,
         });
-        self.finish(file, &report, &sender, &end)
+        self.finish(ready, &report, &sender, &end)
     }
 
-    fn finish(&self, file: &JobFile, report: &RunReport, sender: &Sender, end: &End) -> Result<(), Failure> {
-        let title = format!("{} to {}", file.program.display(), self.port.text);
+    fn finish(&self, ready: &Prepared, report: &RunReport, sender: &Sender, end: &End) -> Result<(), Failure> {
+        let title = format!("{} to {}", ready.file.program.display(), self.port.text);
         finish(report, self.json, title)?;
         let (sent, total) = sender.progress();
+        let half = sender.half_block().map_or(String::new(), |half| {
+            format!(
+                ". The control holds `{}` without its end of block: it is not executed, but the next line sent would \
+                 complete it: press RESET there before that",
+                half.escape_ascii()
+            )
+        });
         match end {
             End::Complete => Ok(()),
+            End::GivenUp(why) => Err(Failure::Machine(format!("{sent} of {total} characters sent: {why}{half}"))),
             End::Interrupted { at_rest: true } => Err(Failure::Stopped(format!(
-                "stopped by the operator: feed hold, axes at rest, {sent} of {total} characters sent"
+                "stopped by the operator: feed hold, axes at rest, {sent} of {total} characters sent{half}"
             ))),
             End::Interrupted { at_rest: false } => Err(Failure::Stopped(format!(
                 "stopped by the operator after {sent} of {total} characters; the control goes on with what it has: press \
-                 FEED HOLD there"
+                 FEED HOLD there{half}"
             ))),
         }
     }
-}
 
-/// Sends until everything is out and, where the port can know, executed; `shown` on a terminal.
-fn send(port: &mut dyn Port, sender: &mut Sender, mut outbox: Outbox, shown: bool) -> Result<End, Failure> {
-    let progress = Progress::new(sender.progress().1, shown);
-    let interrupted: &AtomicBool = &on_interrupt();
-    let mut incoming = [0; 64];
-    loop {
-        let len = port.read(&mut incoming)?;
-        sender.on_bytes(&incoming[..len]);
-        outbox.pump(port, sender)?;
-        progress.show(sender);
-        if interrupted.load(Ordering::Relaxed) {
-            return Ok(End::Interrupted { at_rest: port.feed_hold() });
+    /// Sends until everything is out and, where the port can know, executed.
+    fn send(
+        &self,
+        port: &mut dyn Port,
+        sender: &mut Sender,
+        mut outbox: Outbox,
+        mut logbook: Logbook,
+    ) -> Result<End, Failure> {
+        let ended = self.send_all(port, sender, &mut outbox, &mut logbook);
+        let stands = match &ended {
+            Ok(End::Interrupted { at_rest }) => *at_rest,
+            Ok(_) => port.control_is_done() == Some(true),
+            Err(_) => false,
+        };
+        let executed = port.blocks_executed().filter(|_| stands);
+        logbook.end(sender, ended.as_ref().map_or(How::Failed, End::how), executed)?;
+        match (ended, logbook.path()) {
+            (Err(Failure::Machine(message)), Some(path)) => {
+                let journal = path.display();
+                Err(Failure::Machine(format!("{message}\nthe journal {journal} knows how far it came: see --resume")))
+            }
+            (ended, _) => ended,
         }
-        let is_out = sender.state() == State::Sent && outbox.is_empty() && port.out_waiting()? == 0;
-        if port.control_is_done().unwrap_or(is_out) {
-            return Ok(End::Complete);
+    }
+
+    fn send_all(
+        &self,
+        port: &mut dyn Port,
+        sender: &mut Sender,
+        outbox: &mut Outbox,
+        logbook: &mut Logbook,
+    ) -> Result<End, Failure> {
+        let progress = Progress::new(sender.progress().1, !self.json);
+        let interrupted = on_interrupt();
+        loop {
+            logbook.follow(sender, port.blocks_executed())?;
+            let is_out = outbox.turn(port, sender)?;
+            progress.show(sender);
+            match sender.state() {
+                State::Cut if outbox.is_empty() => return Ok(End::Interrupted { at_rest: port.feed_hold() }),
+                State::Failed(why) => return Ok(End::GivenUp(why)),
+                State::Sent if interrupted.load(Ordering::Relaxed) => {
+                    return Ok(End::Interrupted { at_rest: port.feed_hold() });
+                }
+                _ if interrupted.load(Ordering::Relaxed) => sender.abort(port.now()),
+                _ => {}
+            }
+            if port.control_is_done().unwrap_or(is_out) {
+                logbook.follow(sender, port.blocks_executed())?;
+                return Ok(End::Complete);
+            }
+            let latest = port.now().after(LOOP_MAX);
+            port.wait(sender.poll_at().map_or(latest, |at| at.min(latest)));
         }
-        let latest = port.now().after(LOOP_MAX);
-        port.wait(sender.poll_at().map_or(latest, |at| at.min(latest)));
     }
 }
 

@@ -21,6 +21,8 @@ pub struct SimPort {
     rig: Rig,
     line_bits_per_s: f64,
     bits_per_char: f64,
+    /// Blocks taken up, and how long the control had starved until the last of them.
+    fed: (usize, u64),
 }
 
 impl SimPort {
@@ -32,6 +34,7 @@ impl SimPort {
             rig,
             line_bits_per_s: f64::from(file.serial.baudrate),
             bits_per_char: f64::from(file.serial.bits_per_char()),
+            fed: (0, 0),
         })
     }
 
@@ -80,6 +83,10 @@ impl Port for SimPort {
         // One step at least, and none beyond the first that answers: the sender must see an XOFF at once.
         loop {
             self.rig.step();
+            let control = self.rig.control();
+            if self.fed.0 != control.executed().len() {
+                self.fed = (control.executed().len(), control.starved_ms());
+            }
             if self.rig.now() >= deadline || self.rig.is_done() || self.rig.control().has_to_say() {
                 return;
             }
@@ -87,7 +94,11 @@ impl Port for SimPort {
     }
 
     fn control_is_done(&self) -> Option<bool> {
-        Some(self.rig.is_done() || self.rig.control().starved_ms() > STARVED_MAX_MS)
+        Some(self.rig.is_done() || self.rig.control().starved_ms() - self.fed.1 > STARVED_MAX_MS)
+    }
+
+    fn blocks_executed(&self) -> Option<usize> {
+        Some(self.rig.control().executed().len())
     }
 
     fn feed_hold(&mut self) -> bool {

@@ -1,0 +1,160 @@
+//! The journal on disk: what may leave is written and synced before it does, beside the sending, so that a slow disk does
+//! not hold up the line.
+
+use std::fs::File;
+use std::io::{Error, Write};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender as Queue, channel};
+use std::thread::JoinHandle;
+
+use super::super::outcome::{Failure, file_failure};
+use crate::dnc::Sender;
+use crate::dnc::journal::{How, Record, Start, first_line, line};
+use crate::dnc::sender::CHUNK;
+
+/// How much of the line's time one sync is good for, as a part of a second.
+const SYNCS_PER_S: usize = 4;
+
+/// A journal being written; or none, where nobody asked for one.
+pub struct Logbook {
+    open: Option<Open>,
+}
+
+struct Open {
+    path: PathBuf,
+    /// To the thread that writes; none once it is closed.
+    records: Option<Queue<Record>>,
+    /// How far it may be sent, as what is on disk says.
+    permits: Receiver<usize>,
+    writer: Option<JoinHandle<Result<(), Error>>>,
+    /// Characters that one sync lets out.
+    ahead: usize,
+    until: usize,
+    executed: usize,
+}
+
+impl Logbook {
+    /// No journal.
+    pub fn none() -> Self {
+        Logbook { open: None }
+    }
+
+    /// Begins a journal; one that is there is kept as `.old`. Nothing leaves before the first record is on disk.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn create(path: &Path, start: &Start, chars_per_s: usize, sender: &mut Sender) -> Result<Self, Failure> {
+        let begin = || {
+            if let Ok(before) = File::open(path) {
+                before.try_lock()?;
+                std::fs::rename(path, old(path))?;
+            }
+            let mut file = File::options().append(true).create_new(true).open(path)?;
+            file.try_lock()?;
+            file.write_all(first_line(start).as_bytes())?;
+            file.sync_data()?;
+            Ok(file)
+        };
+        let file = begin().map_err(|error: Error| {
+            let Failure::Input(message) = file_failure(path, &error) else { unreachable!("a file failure is one") };
+            Failure::Input(format!("{message}; the journal must be written before anything is sent: see --journal"))
+        })?;
+        sender.permit(0);
+        let (records, inbox) = channel();
+        let (outbox, permits) = channel();
+        let writer = std::thread::spawn(move || write_all(file, &inbox, &outbox));
+        let ahead = (chars_per_s / SYNCS_PER_S).max(1);
+        let (records, writer) = (Some(records), Some(writer));
+        Ok(Logbook { open: Some(Open { path: path.into(), records, permits, writer, ahead, until: 0, executed: 0 }) })
+    }
+
+    /// Writes what is new, and permits the blocks that are on disk by now.
+    ///
+    /// # Errors
+    /// The file cannot be written: then nothing more leaves.
+    pub fn follow(&mut self, sender: &mut Sender, executed: Option<usize>) -> Result<(), Failure> {
+        let Some(open) = &mut self.open else { return Ok(()) };
+        if let Some(blocks) = executed.filter(|blocks| *blocks > open.executed) {
+            open.executed = blocks;
+            open.write(Record::Executed { blocks, stands: false })?;
+        }
+        let (sent, total) = sender.progress();
+        if open.until < total && open.until < sent + open.ahead / 2 + 1 {
+            let sending = sender.transmission();
+            let wanted = sending.line_at((sent + open.ahead).min(total - 1));
+            open.until = sending.start_of(wanted + 1);
+            // The last characters handed out may still be in the adapter.
+            open.write(Record::Out { sent: sent.saturating_sub(CHUNK), until: open.until })?;
+        }
+        // Where nothing may leave before the disk has answered, no time passes at the port, simulated or not.
+        while sender.wants_permit() {
+            match open.permits.recv() {
+                Ok(until) => sender.permit(until),
+                Err(_) => return open.close(),
+            }
+        }
+        if let Some(until) = open.permits.try_iter().last() {
+            sender.permit(until);
+        }
+        Ok(())
+    }
+
+    /// Closes it; `stands` is what the control had taken up, if it stands.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn end(&mut self, sender: &Sender, how: How, stands: Option<usize>) -> Result<(), Failure> {
+        let Some(open) = &mut self.open else { return Ok(()) };
+        if let Some(blocks) = stands {
+            open.write(Record::Executed { blocks, stands: true })?;
+        }
+        open.write(Record::End { sent: sender.progress().0, how })?;
+        open.close()
+    }
+
+    /// Its path, if there is one.
+    pub fn path(&self) -> Option<&Path> {
+        self.open.as_ref().map(|open| open.path.as_path())
+    }
+}
+
+impl Open {
+    fn write(&mut self, record: Record) -> Result<(), Failure> {
+        let is_taken = self.records.as_ref().is_some_and(|records| records.send(record).is_ok());
+        if is_taken { Ok(()) } else { self.close() }
+    }
+
+    /// Waits until all is written.
+    fn close(&mut self) -> Result<(), Failure> {
+        self.records = None;
+        let ended = self.writer.take().map(JoinHandle::join);
+        let message = match ended {
+            Some(Ok(Ok(()))) => return Ok(()),
+            Some(Ok(Err(error))) => error.to_string(),
+            Some(Err(_)) | None => "it is closed".into(),
+        };
+        Err(Failure::Machine(format!("{}: {message}: nothing more is sent without a journal", self.path.display())))
+    }
+}
+
+/// Writes records as they come; what lets characters out is synced before it is answered.
+fn write_all(mut file: File, records: &Receiver<Record>, permits: &Queue<usize>) -> Result<(), Error> {
+    for (number, record) in (1..).zip(records) {
+        file.write_all(line(number, &record).as_bytes())?;
+        match record {
+            Record::Out { until, .. } => {
+                file.sync_data()?;
+                let _nobody_sends_any_more = permits.send(until);
+            }
+            Record::End { .. } => file.sync_data()?,
+            Record::Executed { .. } => {}
+        }
+    }
+    Ok(())
+}
+
+fn old(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".old");
+    name.into()
+}

@@ -1,0 +1,152 @@
+//! From a job to what is sent: checked whole before the line is opened.
+
+use std::path::Path;
+
+use arcfeed_hil_sim::control::code::{Code, with_even_parity};
+use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE};
+use arcfeed_shared::units::{Micros, S_PER_MIN};
+
+use super::super::outcome::{Failure, adapted, file_failure, load};
+use super::super::simulate::{control_settings, tape_code};
+use crate::dnc::journal::{Start, fingerprint};
+use crate::dnc::pace::Pace;
+use crate::dnc::restore::PowerOn;
+use crate::dnc::sender::LineUse;
+use crate::dnc::starvation::{Load, Wait, predict};
+use crate::dnc::transmission::{Refusal, Transmission, Wire};
+use crate::job::{JobFile, Parity};
+use crate::port::reaction::reaction;
+use crate::port::url::PortUrl;
+use crate::program::Program;
+
+/// A wait shorter than this is not worth a word, s.
+const WAIT_MIN_S: f64 = 0.001;
+
+/// A program ready to be sent.
+pub struct Prepared {
+    pub file: JobFile,
+    pub program: Program,
+    pub whole: Transmission,
+    pub wire: Wire,
+    /// Of the whole program.
+    pub start: Start,
+}
+
+impl Prepared {
+    /// Reads and checks job and program.
+    ///
+    /// # Errors
+    /// Every error of the program, and everything that would not arrive, one a line.
+    pub fn load(job: &Path, baudrate: Option<u32>, filters: bool) -> Result<Self, Failure> {
+        let (mut file, program) = load(job)?;
+        file.serial.baudrate = baudrate.unwrap_or(file.serial.baudrate);
+        if let Some(warning) = program.lost_label() {
+            eprintln!("{}:{warning}", program.path.display());
+        }
+        let adapted = adapted(&program, &file.job);
+        let wire = Wire { encode: encode(&file), filters, tv_check: file.dnc.tv_check };
+        let line = |offset: usize| adapted.line_ends.partition_point(|end| *end <= offset) + 1;
+        let path = program.path.display();
+        let refused = |refusals: Vec<Refusal>| {
+            let lines: Vec<String> = refusals.iter().map(|refusal| format!("{path}:{refusal}")).collect();
+            Failure::Input(lines.join("\n"))
+        };
+        let whole = Transmission::new(&adapted.text, line, &wire).map_err(refused)?;
+        let job_bytes = std::fs::read(job).map_err(|error| file_failure(job, &error))?;
+        let start = Start {
+            program: fingerprint(&program.bytes()),
+            job: fingerprint(&job_bytes),
+            sent: fingerprint(whole.frames()),
+            bytes: whole.frames().len(),
+            ..Start::default()
+        };
+        Ok(Prepared { file, program, whole, wire, start })
+    }
+
+    /// How the line to this port is worked.
+    pub fn line_use(&self, port: &PortUrl) -> LineUse {
+        let (serial, dnc) = (&self.file.serial, &self.file.dnc);
+        let reaction = dnc.reaction.unwrap_or_else(|| reaction(port));
+        let pace = Pace::new(serial.bits_per_char(), serial.baudrate, serial.xonxoff.then_some(reaction));
+        let timeout = |time: Micros| (time > Micros(0)).then_some(time);
+        LineUse {
+            pace,
+            xonxoff: serial.xonxoff,
+            eight_bits: serial.bytesize == 8 && serial.parity == Parity::None,
+            start_timeout: timeout(dnc.start_timeout),
+            xoff_timeout: timeout(dnc.xoff_timeout),
+        }
+    }
+
+    /// The control before the program.
+    pub fn power_on(&self) -> PowerOn {
+        PowerOn { settings: self.file.nc, tables: self.file.tables }
+    }
+
+    /// What is to be said before the first character: a line that cannot be used in full, or is too slow for the program.
+    pub fn notes(&self, line: &LineUse) -> Vec<String> {
+        let mut notes = Vec::new();
+        let share = line.pace.share();
+        if share < 1.0 {
+            notes.push(format!(
+                "note: at {} baud a control's ten characters after XOFF last {:.1} ms, and this port may react later: only \
+                 {:.0} % of the line are used. Use RTS/CTS or a lower rate, set the adapter's latency timer to 1 ms, or tell \
+                 its reaction in seconds ([dnc] reaction) if it is faster",
+                self.file.serial.baudrate,
+                10.0 * 1e3 / self.chars_per_s(),
+                share * 100.0
+            ));
+        }
+        let waits: Vec<Wait> = self.waits(share).into_iter().filter(|wait| wait.time_s >= WAIT_MIN_S).collect();
+        if let Some(longest) = waits.iter().max_by(|a, b| a.time_s.total_cmp(&b.time_s)) {
+            let [first, last] = longest.blocks.map(|index| self.whole.lines()[index].source);
+            let total: f64 = waits.iter().map(|wait| wait.time_s).sum();
+            notes.push(format!(
+                "note: the line is slower than the program: the control will wait in {} stretches, {total:.2} s in all, \
+                 longest before the blocks of lines {first} to {last} ({:.2} s); the tool then stands in the cut",
+                waits.len(),
+                longest.time_s
+            ));
+        }
+        notes
+    }
+
+    /// Where the control will wait for the line.
+    pub fn waits(&self, share: f64) -> Vec<Wait> {
+        let control = control_settings(&self.file);
+        let (rapid_mm_per_s, acceleration) = (control.dynamics.rapid_mm_per_s, control.dynamics.acceleration_mm_per_s2);
+        let mut reader = self.power_on().reader();
+        let loads = (0..self.whole.lines().len()).map(|index| {
+            let text = self.whole.line_text(index).unwrap_or_default();
+            let read = if index == 0 { None } else { reader.read(text.strip_suffix(b"\n").unwrap_or(text)).ok() };
+            let dwell = read.as_ref().and_then(|read| read.step.dwell).map_or(0.0, Micros::to_s);
+            let Some(segment) = read.and_then(|read| read.segment) else { return Load::of_time(text.len(), dwell) };
+            let speed_mm_per_s = match segment.feed {
+                Feed::PerMinute(feed) => feed.to_mm() / S_PER_MIN * segment.length_mm() / segment.feed_length_mm(),
+                Feed::InverseTime(times) => segment.length_mm() * times as f64 / PER_MIN_SCALE as f64 / S_PER_MIN,
+                Feed::Missing => rapid_mm_per_s,
+            };
+            if segment.length_mm() > 0.0 && speed_mm_per_s > 0.0 {
+                Load::of_move(text.len(), segment.length_mm(), speed_mm_per_s, acceleration)
+            } else {
+                Load::of_time(text.len(), dwell)
+            }
+        });
+        predict(&loads.collect::<Vec<_>>(), self.chars_per_s() * share, control.line.buffer)
+    }
+
+    /// Characters that the line carries in a second.
+    pub fn chars_per_s(&self) -> f64 {
+        f64::from(self.file.serial.baudrate) / f64::from(self.file.serial.bits_per_char())
+    }
+}
+
+/// A character as the job's line needs it: the sender makes the code where the line has no parity bit of its own.
+fn encode(file: &JobFile) -> fn(u8) -> Option<u8> {
+    let seven_bits = |byte: u8| byte.is_ascii().then_some(byte);
+    match file.dnc.code.map(tape_code) {
+        Some(Code::Iso) => |byte| byte.is_ascii().then(|| with_even_parity(byte)),
+        Some(Code::Eia) => |byte| if byte.is_ascii_lowercase() { None } else { Code::Eia.encode(byte) },
+        Some(Code::Ascii) | None => seven_bits,
+    }
+}

@@ -1,0 +1,157 @@
+//! `--resume`: the journal read, the restart shown, and nothing sent before somebody has agreed to it.
+
+use std::io::{BufRead, IsTerminal, Write};
+use std::path::Path;
+
+use arcfeed_shared::units::Nm;
+use serde::Serialize;
+
+use super::super::outcome::{Failure, file_failure, say};
+use super::Stream;
+use super::prepare::Prepared;
+use crate::dnc::journal::{self, History, How, Start};
+use crate::dnc::resume::{Cuts, Plan, Wanted};
+use crate::dnc::transmission::Transmission;
+
+/// Where and how a program is taken up again.
+#[derive(Debug, clap::Args)]
+pub struct Resume {
+    /// Take the program up again after a crash or a cut cable, as far as the journal and the control say
+    #[arg(long)]
+    resume: bool,
+    /// The line of the program's file to go on with; needed where the control does not say how far it came
+    #[arg(long, value_name = "LINE", requires = "resume")]
+    from: Option<usize>,
+    /// Z above everything, in the program's coordinates; without it the highest that a rapid has led to
+    #[arg(long, value_name = "Z", requires = "resume", allow_negative_numbers = true)]
+    clearance: Option<f64>,
+    /// Agree to the restart without being asked: for scripts, after the plan has been looked at
+    #[arg(long, requires = "resume")]
+    approve: bool,
+}
+
+#[derive(Serialize)]
+struct Shown<'a> {
+    resume: &'a Plan,
+}
+
+impl Resume {
+    /// Whether it was asked for.
+    pub fn is_wanted(&self) -> bool {
+        self.resume
+    }
+
+    /// The rest of the program, once somebody has agreed; and what its journal begins with.
+    ///
+    /// # Errors
+    /// There is nothing to take up, it cannot be taken up there, or nobody has agreed.
+    pub fn prepare(&self, stream: &Stream, ready: &Prepared) -> Result<(Transmission, Start), Failure> {
+        let path = stream.journal_path();
+        let history = read(&path, ready)?;
+        let unit = ready.file.job.unit;
+        let clearance = self.clearance.map(|z| Nm::from_mm(z * unit.mm()));
+        let wanted = Wanted { line: self.from, clearance };
+        let file = ready.program.path.display();
+        let refused = |why: String| Failure::Input(format!("{file}: cannot be taken up: {why}"));
+        let plan = Plan::new(&ready.whole, &history, &wanted, &ready.power_on()).map_err(refused)?;
+        if stream.json {
+            say(format_args!("{}", serde_json::json!(Shown { resume: &plan })));
+        } else {
+            show(&plan, &history);
+        }
+        self.agree(&plan)?;
+        let rest = ready.whole.resumed(&plan.preamble(), plan.index, &ready.wire);
+        let rest = rest.map_err(|refusals| refused(format!("{refusals:?}")))?;
+        let ours = rest.frames().len() - (ready.whole.frames().len() - ready.whole.start_of(plan.index));
+        let own = rest.line_at(ours);
+        let start = Start {
+            bytes: rest.frames().len(),
+            from: ready.whole.start_of(plan.index),
+            blocks: (1..plan.index).filter(|index| ready.whole.is_block(*index)).count(),
+            ours,
+            own: (1..own).filter(|index| rest.is_block(*index)).count(),
+            ..ready.start
+        };
+        Ok((rest, start))
+    }
+
+    fn agree(&self, plan: &Plan) -> Result<(), Failure> {
+        if self.approve {
+            return Ok(());
+        }
+        if !std::io::stdin().is_terminal() {
+            let message = "nothing was sent: look at the restart above, and agree to it with --approve";
+            return Err(Failure::Undecided(message.into()));
+        }
+        say(format_args!("Type {} to send this, anything else to leave it:", plan.line));
+        let mut answer = String::new();
+        let _flushed = std::io::stdout().flush();
+        let read = std::io::stdin().lock().read_line(&mut answer);
+        if read.is_ok() && answer.trim() == plan.line.to_string() {
+            return Ok(());
+        }
+        Err(Failure::Undecided("nothing was sent".into()))
+    }
+}
+
+/// The journal, if it is of this program and job.
+fn read(path: &Path, ready: &Prepared) -> Result<History, Failure> {
+    let bytes = std::fs::read(path).map_err(|error| file_failure(path, &error))?;
+    let failed = |what: String| Failure::Input(format!("{}: {what}", path.display()));
+    let history = journal::read(&bytes).map_err(|damage| failed(damage.to_string()))?;
+    let (was, is) = (history.start, ready.start);
+    let changed = [
+        (was.program != is.program, "the program's file"),
+        (was.job != is.job, "the job's file"),
+        (was.sent != is.sent, "what arcfeed sends for them (another version, or --filter)"),
+    ];
+    if let Some((_, what)) = changed.into_iter().find(|(differs, _)| *differs) {
+        return Err(failed(format!(
+            "{what} is not what it was when this journal was written: its places mean nothing any more. Bring back the \
+             files as they were, or send the program from its beginning"
+        )));
+    }
+    Ok(history)
+}
+
+fn show(plan: &Plan, history: &History) {
+    let [low, high] = plan.sent;
+    let ended = match history.ended {
+        None => "the sender was cut off",
+        Some(How::Complete) => "the sender had sent everything",
+        Some(How::Aborted) => "the operator stopped the sender",
+        Some(How::Failed) => "the line or the control failed",
+    };
+    say(format_args!("{ended}; the last character sent lies in lines {low} to {high}"));
+    match plan.executed {
+        Some(line) if plan.stands => say(format_args!("the control stood in the block of line {line}")),
+        Some(line) => {
+            say(format_args!("the control had taken up the block of line {line}, and went on with what it had"));
+        }
+        None => say(format_args!("how far the control came is not known: sent is not executed")),
+    }
+    say(format_args!("goes on with line {}, after these blocks:", plan.line));
+    for block in &plan.blocks {
+        say(format_args!("    {block}"));
+    }
+    if let Some(tool) = plan.tool {
+        say(format_args!("tool {tool} must be in the spindle: it is not changed"));
+    }
+    if !plan.other_m.is_empty() {
+        let codes: Vec<String> = plan.other_m.iter().map(|code| format!("M{code}")).collect();
+        say(format_args!("not restored: {}; do at the machine what they stand for", codes.join(", ")));
+    }
+    let cuts = |cuts: &Cuts, what: &str| {
+        if let Some([first, last]) = cuts.lines {
+            say(format_args!("{} cutting blocks {what}: lines {first} to {last}", cuts.count));
+        }
+    };
+    cuts(&plan.repeats, "are cut AGAIN");
+    cuts(&plan.may_repeat, "are cut again if they were executed");
+    cuts(&plan.skips, "are LEFT OUT");
+    cuts(&plan.may_skip, "are left out if they were not executed");
+    say(format_args!(
+        "RESET the control first; jog the tool clear; the first move is Z to the clearance. At M0 look whether all is \
+         right, then press cycle start"
+    ));
+}

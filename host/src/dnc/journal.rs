@@ -1,0 +1,320 @@
+//! What is known of a transmission after a crash: the records of its journal, one a line.
+//!
+//! ```text
+//! b2a9c3d1 0 arcfeed-journal 1 program=00.. job=00.. sent=00.. bytes=1680 from=0 blocks=0 ours=0 own=0
+//! 5d0b7f02 1 out sent=0 until=214
+//! 91c44e7a 2 executed blocks=7 stands=0
+//! e81290bb 3 end sent=214 how=aborted
+//! ```
+//! The CRC-32 in front is of the rest of the line, behind it stands the record's number. `out` is on disk (fsync) before a
+//! character behind its `sent` leaves: after a crash between `sent` and `until` characters of the last one are out. What is
+//! torn off at the end had no effect yet and is dropped; damage anywhere else is refused. Offsets and blocks are those of
+//! the transmission; `from` and `ours` of a resumed one lead back to the program's (`from` characters and `blocks` of it are
+//! left out, `ours` characters and `own` blocks of ours stand in front).
+
+use std::fmt::Write;
+
+const NAME: &str = "arcfeed-journal 1";
+
+/// What a transmission was made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Start {
+    /// [`fingerprint`] of the program's file.
+    pub program: u64,
+    /// Of the job's file.
+    pub job: u64,
+    /// Of the whole program as it is sent.
+    pub sent: u64,
+    /// Characters of the transmission.
+    pub bytes: usize,
+    /// Characters of the program that are left out in front.
+    pub from: usize,
+    /// Blocks among them.
+    pub blocks: usize,
+    /// Characters of ours in front of the rest.
+    pub ours: usize,
+    /// Blocks among them.
+    pub own: usize,
+}
+
+/// One record behind the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Record {
+    /// So many characters are out; no more than `until` will be before the next record.
+    Out {
+        /// Out.
+        sent: usize,
+        /// To come.
+        until: usize,
+    },
+    /// The control has taken up so many blocks, and goes on with what it has unless it stands.
+    Executed {
+        /// Of the transmission.
+        blocks: usize,
+        /// Whether it is in alarm or feed hold, axes at rest.
+        stands: bool,
+    },
+    /// The sender ended.
+    End {
+        /// Characters out.
+        sent: usize,
+        /// Why.
+        how: How,
+    },
+}
+
+/// How a sender ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum How {
+    /// Everything is out.
+    Complete,
+    /// The operator stopped it.
+    Aborted,
+    /// The line or the control failed.
+    Failed,
+}
+
+/// A journal, read; in characters and blocks of the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct History {
+    /// Its first record.
+    pub start: Start,
+    /// Least and most characters of the program that are out.
+    pub sent: [usize; 2],
+    /// Blocks of the program that the control had taken up at least, if it says so.
+    pub executed: Option<usize>,
+    /// Whether it stood then, so that these are all.
+    pub stands: bool,
+    /// How it ended, if it did.
+    pub ended: Option<How>,
+    /// Characters torn off at its end.
+    pub torn: usize,
+}
+
+/// Why a journal cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Damage {
+    /// It does not begin as one.
+    #[error("this is no journal of arcfeed, or its first record was never written: nothing was sent with it")]
+    NoStart,
+    /// A record is spoilt, and good ones follow.
+    #[error(
+        "line {0} is damaged in the middle of the journal: it says nothing reliable any more; find the place at the control"
+    )]
+    Line(usize),
+}
+
+impl How {
+    const fn word(self) -> &'static str {
+        match self {
+            How::Complete => "complete",
+            How::Aborted => "aborted",
+            How::Failed => "failed",
+        }
+    }
+}
+
+/// The first line.
+pub fn first_line(start: &Start) -> String {
+    let Start { program, job, sent, bytes, from, blocks, ours, own } = start;
+    seal(&format!(
+        "0 {NAME} program={program:016x} job={job:016x} sent={sent:016x} bytes={bytes} from={from} blocks={blocks} \
+         ours={ours} own={own}"
+    ))
+}
+
+/// The line of a record; `number` counts from 1.
+pub fn line(number: u32, record: &Record) -> String {
+    seal(&match record {
+        Record::Out { sent, until } => format!("{number} out sent={sent} until={until}"),
+        Record::Executed { blocks, stands } => {
+            format!("{number} executed blocks={blocks} stands={}", u8::from(*stands))
+        }
+        Record::End { sent, how } => format!("{number} end sent={sent} how={}", how.word()),
+    })
+}
+
+fn seal(text: &str) -> String {
+    let mut line = String::with_capacity(text.len() + 10);
+    let _never_fails = writeln!(line, "{:08x} {text}", crc32(text.as_bytes()));
+    line
+}
+
+/// Reads a journal.
+///
+/// # Errors
+/// It says nothing reliable.
+pub fn read(bytes: &[u8]) -> Result<History, Damage> {
+    let mut lines = bytes.split_inclusive(|byte| *byte == b'\n');
+    let first = lines.next().and_then(open).ok_or(Damage::NoStart)?;
+    let start = parse_start(first).ok_or(Damage::NoStart)?;
+    let mut history = History { start, sent: [0; 2], executed: None, stands: false, ended: None, torn: 0 };
+    let (mut sent, mut executed) = ([0; 2], None);
+    for (index, line) in lines.enumerate() {
+        let number = u32::try_from(index + 1).unwrap_or(u32::MAX);
+        match open(line).and_then(|text| parse(text, number)) {
+            Some(_) if history.torn > 0 => return Err(Damage::Line(index + 1)),
+            Some(Record::Out { sent: out, until }) => sent = [out, until],
+            Some(Record::Executed { blocks, stands }) => (executed, history.stands) = (Some(blocks), stands),
+            // What a line that failed was given need not have left.
+            Some(Record::End { sent: out, how: How::Failed }) => {
+                (sent, history.ended) = ([sent[0].min(out), out], Some(How::Failed));
+            }
+            Some(Record::End { sent: out, how }) => (sent, history.ended) = ([out; 2], Some(how)),
+            // A good record in the wrong place: one before it is missing.
+            None if open(line).is_some() => return Err(Damage::Line(index + 2)),
+            None => history.torn += line.len(),
+        }
+    }
+    let of_program = |out: usize| start.from + out.saturating_sub(start.ours);
+    history.sent = sent.map(|out| of_program(out.min(start.bytes)));
+    history.executed = executed.map(|blocks: usize| start.blocks + blocks.saturating_sub(start.own));
+    Ok(history)
+}
+
+/// A line whose CRC is right, without it.
+fn open(line: &[u8]) -> Option<&str> {
+    let text = std::str::from_utf8(line.strip_suffix(b"\n")?).ok()?;
+    let (crc, rest) = text.split_once(' ')?;
+    let is_good = crc.len() == 8 && u32::from_str_radix(crc, 16).ok()? == crc32(rest.as_bytes());
+    is_good.then_some(rest)
+}
+
+fn parse_start(text: &str) -> Option<Start> {
+    let fields = text.strip_prefix("0 ")?.strip_prefix(NAME)?;
+    let hex = |name| u64::from_str_radix(field(fields, name)?, 16).ok();
+    let count = |name| field(fields, name)?.parse().ok();
+    Some(Start {
+        program: hex("program")?,
+        job: hex("job")?,
+        sent: hex("sent")?,
+        bytes: count("bytes")?,
+        from: count("from")?,
+        blocks: count("blocks")?,
+        ours: count("ours")?,
+        own: count("own")?,
+    })
+}
+
+fn parse(text: &str, number: u32) -> Option<Record> {
+    let (found, rest) = text.split_once(' ')?;
+    if found.parse() != Ok(number) {
+        return None;
+    }
+    let (kind, fields) = rest.split_once(' ')?;
+    let count = |name| field(fields, name)?.parse().ok();
+    Some(match kind {
+        "out" => Record::Out { sent: count("sent")?, until: count("until")? },
+        "executed" => Record::Executed { blocks: count("blocks")?, stands: field(fields, "stands")? == "1" },
+        "end" => {
+            let word = field(fields, "how")?;
+            let how = [How::Complete, How::Aborted, How::Failed].into_iter().find(|how| how.word() == word)?;
+            Record::End { sent: count("sent")?, how }
+        }
+        _ => return None,
+    })
+}
+
+fn field<'t>(fields: &'t str, name: &str) -> Option<&'t str> {
+    fields.split(' ').find_map(|field| field.strip_prefix(name)?.strip_prefix('='))
+}
+
+/// CRC-32 as in IEEE 802.3.
+pub fn crc32(bytes: &[u8]) -> u32 {
+    let mut crc = u32::MAX;
+    for byte in bytes {
+        crc ^= u32::from(*byte);
+        for _ in 0..8 {
+            crc = if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
+        }
+    }
+    !crc
+}
+
+/// FNV-1a, 64 bits: tells a file that was changed by mistake, not one that was forged.
+pub fn fingerprint(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const START: Start = Start { program: 1, job: 2, sent: 3, bytes: 400, from: 0, blocks: 0, ours: 0, own: 0 };
+
+    fn journal(start: &Start, records: &[Record]) -> Vec<u8> {
+        let mut text = first_line(start);
+        for (index, record) in records.iter().enumerate() {
+            text += &line(index as u32 + 1, record);
+        }
+        text.into_bytes()
+    }
+
+    fn records() -> [Record; 4] {
+        [
+            Record::Out { sent: 0, until: 100 },
+            Record::Executed { blocks: 2, stands: false },
+            Record::Out { sent: 98, until: 210 },
+            Record::Executed { blocks: 5, stands: false },
+        ]
+    }
+
+    #[test]
+    fn the_last_records_count() {
+        let history = read(&journal(&START, &records())).unwrap();
+        assert_eq!((history.sent, history.executed, history.ended), ([98, 210], Some(5), None));
+        let end = Record::End { sent: 207, how: How::Aborted };
+        let history = read(&journal(&START, &[records().as_slice(), &[end]].concat())).unwrap();
+        assert_eq!((history.sent, history.ended), ([207, 207], Some(How::Aborted)));
+    }
+
+    #[test]
+    fn a_journal_torn_anywhere_says_what_its_whole_records_say() {
+        let whole = journal(&START, &records());
+        let ends: Vec<usize> = (0..whole.len()).filter(|at| whole[*at] == b'\n').map(|at| at + 1).collect();
+        for len in 0..=whole.len() {
+            let found = read(&whole[..len]);
+            match ends.iter().rposition(|end| *end <= len) {
+                None => assert_eq!(found, Err(Damage::NoStart)),
+                Some(last) => {
+                    let history = found.unwrap();
+                    assert_eq!(history.torn, len - ends[last]);
+                    assert_eq!(history.sent, [[0, 0], [0, 100], [0, 100], [98, 210], [98, 210]][last]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn damage_in_the_middle_is_not_passed_over() {
+        let whole = journal(&START, &records());
+        let second = whole.iter().position(|byte| *byte == b'\n').unwrap() + 20;
+        let mut spoilt = whole.clone();
+        spoilt[second] ^= 1;
+        assert!(matches!(read(&spoilt), Err(Damage::Line(_))));
+        let lines: Vec<&[u8]> = whole.split_inclusive(|byte| *byte == b'\n').collect();
+        let missing = [lines[0], lines[2], lines[3]].concat();
+        assert!(matches!(read(&missing), Err(Damage::Line(_))));
+    }
+
+    #[test]
+    fn garbage_behind_the_last_record_is_torn_off() {
+        let mut bytes = journal(&START, &records());
+        bytes.extend([0; 40]);
+        assert_eq!(read(&bytes).unwrap().torn, 40);
+    }
+
+    #[test]
+    fn a_resumed_transmission_counts_in_the_programs_characters() {
+        let start = Start { from: 1_000, blocks: 40, ours: 120, own: 9, ..START };
+        let out = [Record::Out { sent: 60, until: 320 }, Record::Executed { blocks: 12, stands: false }];
+        let history = read(&journal(&start, &out)).unwrap();
+        assert_eq!((history.sent, history.executed), ([1_000, 1_200], Some(43)));
+    }
+
+    #[test]
+    fn the_checksums_are_the_published_ones() {
+        assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
+        assert_eq!(fingerprint(b"a"), 0xaf63_dc4c_8601_ec8c);
+    }
+}

@@ -1,0 +1,351 @@
+//! The machine that hands out characters; drawn in [`super`].
+//!
+//! DC1 and DC3 are all that a control says: a character lost on the way to it is not noticed here, and a DC1 that comes
+//! after a reset looks like any other. What ends without the last character ends at the end of a block where the control
+//! lets it: half a block does nothing until an end of block comes, and the next transmission would bring one.
+
+use std::fmt;
+
+use arcfeed_shared::units::Micros;
+
+use super::pace::{AFTER_DC3_MAX, Pace};
+use super::transmission::Transmission;
+
+const DC1: u8 = 0x11;
+const DC2: u8 = 0x12;
+const DC3: u8 = 0x13;
+const DC4: u8 = 0x14;
+const PARITY: u8 = 0x80;
+/// Most characters handed out at once.
+pub const CHUNK: usize = AFTER_DC3_MAX;
+/// A DC1 this close behind noise counts once the line has been quiet for so long: it may be part of it.
+const SETTLE: Micros = Micros::from_ms(50);
+/// How long an abort waits for the control to take the rest of a block.
+const ABORT_MAX: Micros = Micros::from_ms(2_000);
+/// Most characters of the control's text that are kept.
+const HEARD_MAX: usize = 4_096;
+
+/// How the line is worked.
+#[derive(Clone, Debug)]
+pub struct LineUse {
+    /// When characters may go out.
+    pub pace: Pace,
+    /// Whether the control says DC1 and DC3.
+    pub xonxoff: bool,
+    /// Whether what comes in has its parity bit (eight bits, none of them checked).
+    pub eight_bits: bool,
+    /// How long it may take until the control asks.
+    pub start_timeout: Option<Micros>,
+    /// How long a DC3 may last.
+    pub xoff_timeout: Option<Micros>,
+}
+
+/// A program on its way.
+#[derive(Debug)]
+pub struct Sender {
+    transmission: Transmission,
+    line: LineUse,
+    sent: usize,
+    permitted: usize,
+    flow: Flow,
+    /// When the flow became what it is.
+    since: Micros,
+    intent: Intent,
+    over: Option<State>,
+    noise_until: Micros,
+    is_asked: bool,
+    heard: Vec<u8>,
+    counters: Counters,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Flow {
+    Silent,
+    Go,
+    Stop,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Intent {
+    Send,
+    Hold,
+    Abort { since: Micros },
+}
+
+/// Where the sender stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// The control has not asked yet.
+    Waiting,
+    /// The control takes characters.
+    Sending,
+    /// The control takes none.
+    Stopped,
+    /// We send none.
+    Held,
+    /// All of it is out.
+    Sent,
+    /// Aborted.
+    Cut,
+    /// Given up.
+    Failed(Why),
+}
+
+/// Why it has given up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Why {
+    /// No DC1 in this time.
+    NoStart(Micros),
+    /// No DC1 after DC3 in this time.
+    NoXon(Micros),
+}
+
+/// What happened on the line, as the sender saw it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Times the control stopped us.
+    pub xoff_count: u32,
+    /// DC1 where we were sending already: a DC3 was lost before it, or somebody has started the control anew.
+    pub repeated_xon: u32,
+    /// Characters from the control that mean nothing here.
+    pub ignored: u32,
+}
+
+impl Sender {
+    /// A sender that may hand out everything at once (see [`Sender::permit`]).
+    pub fn new(transmission: Transmission, line: LineUse) -> Self {
+        Sender {
+            flow: if line.xonxoff { Flow::Silent } else { Flow::Go },
+            transmission,
+            line,
+            sent: 0,
+            permitted: usize::MAX,
+            since: Micros(0),
+            intent: Intent::Send,
+            over: None,
+            noise_until: Micros(0),
+            is_asked: false,
+            heard: Vec::new(),
+            counters: Counters::default(),
+        }
+    }
+
+    /// Takes what came from the control.
+    pub fn on_bytes(&mut self, now: Micros, bytes: &[u8]) {
+        for &byte in bytes {
+            self.hear(now, byte);
+        }
+    }
+
+    fn hear(&mut self, now: Micros, byte: u8) {
+        // DC3 has three ones: with an even-parity bit it is 0x93.
+        let byte = if self.line.eight_bits && byte == DC3 | PARITY { DC3 } else { byte };
+        match byte {
+            DC1 | DC3 if !self.line.xonxoff => self.counters.ignored += 1,
+            DC1 => match self.flow {
+                Flow::Silent => self.is_asked = true,
+                Flow::Stop => self.turn(now, Flow::Go),
+                Flow::Go => self.counters.repeated_xon += 1,
+            },
+            DC3 if self.flow == Flow::Go => {
+                self.counters.xoff_count += 1;
+                self.turn(now, Flow::Stop);
+            }
+            // The end of the program before, or the same again.
+            DC3 => {}
+            _ => {
+                self.counters.ignored += u32::from(!matches!(byte, DC2 | DC4));
+                self.noise_until = now.after(SETTLE);
+                self.is_asked = false;
+                if self.heard.len() < HEARD_MAX {
+                    self.heard.push(byte & !PARITY);
+                }
+            }
+        }
+        self.start_if_asked(now);
+    }
+
+    fn start_if_asked(&mut self, now: Micros) {
+        if self.is_asked && self.flow == Flow::Silent && now >= self.noise_until {
+            self.turn(now, Flow::Go);
+        }
+    }
+
+    fn turn(&mut self, now: Micros, flow: Flow) {
+        (self.flow, self.since) = (flow, now);
+    }
+
+    /// Puts the next characters into `out`; answers how many.
+    pub fn poll_transmit(&mut self, now: Micros, out: &mut [u8; CHUNK]) -> usize {
+        self.start_if_asked(now);
+        self.look_at_the_clock(now);
+        if self.over.is_some() || self.flow != Flow::Go || self.intent == Intent::Hold {
+            return 0;
+        }
+        let until = match self.intent {
+            Intent::Abort { .. } => self.block_end(),
+            Intent::Send | Intent::Hold => self.transmission.frames().len(),
+        };
+        let rest = &self.transmission.frames()[self.sent..until.min(self.permitted).max(self.sent)];
+        let len = rest.len().min(CHUNK).min(self.line.pace.room(now));
+        out[..len].copy_from_slice(&rest[..len]);
+        self.line.pace.take(now, len);
+        self.sent += len;
+        self.look_at_the_clock(now);
+        len
+    }
+
+    /// Ends what is over, and what has waited for too long.
+    fn look_at_the_clock(&mut self, now: Micros) {
+        if self.over.is_some() {
+            return;
+        }
+        let waited = now.since(self.since);
+        let is_late = |limit: Option<Micros>| limit.filter(|limit| waited >= *limit);
+        self.over = match (self.intent, self.flow) {
+            _ if self.sent == self.transmission.frames().len() => Some(State::Sent),
+            (Intent::Abort { since }, _) => {
+                (!self.is_within_block() || now.since(since) >= ABORT_MAX).then_some(State::Cut)
+            }
+            (_, Flow::Silent) => is_late(self.line.start_timeout).map(|limit| State::Failed(Why::NoStart(limit))),
+            (_, Flow::Stop) => is_late(self.line.xoff_timeout).map(|limit| State::Failed(Why::NoXon(limit))),
+            (_, Flow::Go) => None,
+        };
+    }
+
+    /// When it has something to do, unless the control says otherwise before.
+    pub fn poll_at(&self) -> Option<Micros> {
+        if self.over.is_some() {
+            return None;
+        }
+        match (self.intent, self.flow) {
+            (Intent::Hold, Flow::Go) => None,
+            (_, Flow::Go) => (self.sent < self.permitted).then(|| self.line.pace.free_at()),
+            (Intent::Abort { since }, _) => Some(since.after(ABORT_MAX)),
+            (_, Flow::Silent) if self.is_asked => Some(self.noise_until),
+            (_, Flow::Silent) => self.line.start_timeout.map(|limit| self.since.after(limit)),
+            (_, Flow::Stop) => self.line.xoff_timeout.map(|limit| self.since.after(limit)),
+        }
+    }
+
+    /// Sends no more until told.
+    pub fn hold(&mut self) {
+        if self.intent == Intent::Send {
+            self.intent = Intent::Hold;
+        }
+    }
+
+    /// Goes on after [`Sender::hold`], if the control still wants characters.
+    pub fn resume(&mut self) {
+        if self.intent == Intent::Hold {
+            self.intent = Intent::Send;
+        }
+    }
+
+    /// Ends with the block under way, or in it if the control takes no more for two seconds.
+    pub fn abort(&mut self, now: Micros) {
+        if !matches!(self.intent, Intent::Abort { .. }) {
+            self.intent = Intent::Abort { since: now };
+        }
+        self.look_at_the_clock(now);
+    }
+
+    /// Hands out nothing from this offset on until told again: what must be on disk before it leaves.
+    pub fn permit(&mut self, until: usize) {
+        self.permitted = until;
+    }
+
+    /// Whether it waits for [`Sender::permit`].
+    pub fn wants_permit(&self) -> bool {
+        self.over.is_none() && self.sent >= self.permitted
+    }
+
+    /// Where it stands.
+    pub fn state(&self) -> State {
+        match (self.over, self.intent, self.flow) {
+            (Some(over), ..) => over,
+            (None, _, Flow::Silent) => State::Waiting,
+            (None, Intent::Hold, _) => State::Held,
+            (None, _, Flow::Go) => State::Sending,
+            (None, _, Flow::Stop) => State::Stopped,
+        }
+    }
+
+    /// Characters sent and in all.
+    pub fn progress(&self) -> (usize, usize) {
+        (self.sent, self.transmission.frames().len())
+    }
+
+    /// What is being sent.
+    pub fn transmission(&self) -> &Transmission {
+        &self.transmission
+    }
+
+    /// Index of the line that the next character belongs to.
+    pub fn line(&self) -> usize {
+        self.transmission.line_at(self.sent)
+    }
+
+    /// Blocks whose line end went out, `%` and empty lines not counted.
+    pub fn blocks_sent(&self) -> usize {
+        self.transmission.blocks_before(self.line())
+    }
+
+    /// What of the block under way is out, if one is.
+    pub fn half_block(&self) -> Option<&[u8]> {
+        let half = &self.transmission.text()[self.transmission.start_of(self.line())..self.sent];
+        (!half.is_empty()).then_some(half)
+    }
+
+    fn is_within_block(&self) -> bool {
+        self.half_block().is_some()
+    }
+
+    fn block_end(&self) -> usize {
+        if self.is_within_block() { self.transmission.start_of(self.line() + 1) } else { self.sent }
+    }
+
+    /// What the control has printed since the last call: DC2, text, DC4.
+    pub fn take_heard(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.heard)
+    }
+
+    /// What happened on the line.
+    pub fn counters(&self) -> Counters {
+        self.counters
+    }
+
+    /// When the last character has arrived: a port closed before that is alarm PS0086 at the control.
+    pub fn arrived_at(&self) -> Micros {
+        self.line.pace.empty_at()
+    }
+
+    /// The share of the line's rate at which the control's ten characters can be kept.
+    pub fn share(&self) -> f64 {
+        self.line.pace.share()
+    }
+}
+
+impl fmt::Display for Why {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Why::NoStart(waited) => write!(
+                f,
+                "the control has not asked for the program for {} s (no DC1); nothing was sent. Start DNC operation after \
+                 this command, not before: DC1 comes once. Then check channel, baud rate, parity and that the cable's \
+                 transmit and receive lines are crossed",
+                waited.to_s()
+            ),
+            Why::NoXon(waited) => write!(
+                f,
+                "the control has taken nothing since its DC3 {} s ago. It executes a long block, waits at M00 or feed hold, \
+                 is in alarm, or its DC1 was lost on the line. Nothing is sent without it; look at the control, press RESET \
+                 there, and take the program up again with --resume (xoff_timeout in [serial] waits longer)",
+                waited.to_s()
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

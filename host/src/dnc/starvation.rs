@@ -1,0 +1,123 @@
+//! Where a control will wait for the line: blocks that are executed faster than their successors arrive.
+//!
+//! Block i has arrived a character's time per character after the one before, but not before the control's buffer has
+//! room, and begins when it has arrived and the block before is done. A control brakes for the end of what it has: a block
+//! whose successor is not there when it begins ends at rest, and takes longer for that.
+
+/// One block of what is sent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Characters, its end among them.
+    pub characters: usize,
+    /// What it takes in the midst of others, s.
+    pub time_s: f64,
+    /// What it takes from rest to rest, s.
+    pub alone_s: f64,
+}
+
+impl Load {
+    /// A way at a speed, with an acceleration: `s/v`, and from rest to rest `s/v + v/a` or, where v is not reached,
+    /// `2 sqrt(s/a)`.
+    pub fn of_move(characters: usize, way_mm: f64, speed_mm_per_s: f64, acceleration_mm_per_s2: f64) -> Self {
+        let (s, v, a) = (way_mm, speed_mm_per_s, acceleration_mm_per_s2);
+        let alone_s = if s * a < v * v { 2.0 * libm::sqrt(s / a) } else { s / v + v / a };
+        Load { characters, time_s: s / v, alone_s }
+    }
+
+    /// A wait, or nothing.
+    pub fn of_time(characters: usize, time_s: f64) -> Self {
+        Load { characters, time_s, alone_s: time_s }
+    }
+}
+
+/// A stretch of blocks before each of which the control waits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wait {
+    /// Indices of the first and the last of them.
+    pub blocks: [usize; 2],
+    /// How long it waits in all, s.
+    pub time_s: f64,
+}
+
+/// Predicts the waits at a line of `chars_per_s`, for a buffer of so many characters. What comes before the first block
+/// that takes time is no wait.
+pub fn predict(loads: &[Load], chars_per_s: f64, buffer: usize) -> Vec<Wait> {
+    let (mut waits, mut begun): (Vec<Wait>, Vec<f64>) = (Vec::new(), Vec::with_capacity(loads.len()));
+    let (mut arrived, mut free, mut has_moved) = (0.0_f64, 0.0_f64, false);
+    let (mut oldest, mut held, mut rests) = (0, 0, true);
+    for (index, load) in loads.iter().enumerate() {
+        held += load.characters;
+        while held > buffer && oldest < index {
+            // Its characters leave the buffer when it begins.
+            arrived = arrived.max(begun[oldest]);
+            held -= loads[oldest].characters;
+            oldest += 1;
+        }
+        arrived += load.characters as f64 / chars_per_s;
+        let start = arrived.max(free);
+        if has_moved && start > free {
+            add(&mut waits, index, start - free);
+        }
+        begun.push(start);
+        let follows_s = loads.get(index + 1).map_or(0.0, |next| next.characters as f64 / chars_per_s);
+        let (began_at_rest, ends_at_rest) = (rests || start > free, arrived + follows_s > start);
+        free = start
+            + match (began_at_rest, ends_at_rest) {
+                (true, true) => load.alone_s,
+                (false, false) => load.time_s,
+                _ => f64::midpoint(load.alone_s, load.time_s),
+            };
+        rests = ends_at_rest;
+        has_moved |= load.time_s > 0.0;
+    }
+    waits
+}
+
+fn add(waits: &mut Vec<Wait>, index: usize, time_s: f64) {
+    match waits.last_mut() {
+        Some(wait) if wait.blocks[1] + 1 == index => (wait.blocks[1], wait.time_s) = (index, wait.time_s + time_s),
+        _ => waits.push(Wait { blocks: [index; 2], time_s }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(characters: usize, time_s: f64) -> Load {
+        Load::of_time(characters, time_s)
+    }
+
+    #[test]
+    fn a_line_as_fast_as_the_program_starves_nobody() {
+        assert_eq!(predict(&[load(10, 0.01); 50], 1_000.0, 200), []);
+    }
+
+    #[test]
+    fn short_blocks_wait_for_what_they_are_short_of() {
+        // 20 ms on the line, 5 ms to execute: 15 ms before each but the first.
+        let waits = predict(&[load(20, 0.005); 11], 1_000.0, 200);
+        assert_eq!(waits.len(), 1);
+        assert_eq!(waits[0].blocks, [1, 10]);
+        assert!((waits[0].time_s - 0.150).abs() < 1e-9, "{waits:?}");
+    }
+
+    #[test]
+    fn a_block_that_is_alone_takes_longer() {
+        // 0.1 mm at 500 mm/s2 from rest to rest: 28.3 ms, where 20 characters take 20 ms: nobody waits.
+        let alone = Load::of_move(20, 0.1, 100.0, 500.0);
+        assert!((alone.alone_s - 0.028_284).abs() < 1e-6 && (alone.time_s - 0.001).abs() < 1e-12, "{alone:?}");
+        let waits = predict(&[alone; 50], 1_000.0, 200);
+        let waited: f64 = waits.iter().map(|wait| wait.time_s).sum();
+        assert!(waited < 0.050 * 0.020 * 50.0, "{waits:?}");
+    }
+
+    #[test]
+    fn a_long_block_fills_the_buffer_and_no_more_than_that() {
+        // A second fills 100 characters: five blocks of 20 are there, the sixth is short again.
+        let mut loads = vec![load(20, 1.0)];
+        loads.extend([load(20, 0.0); 20]);
+        let waits = predict(&loads, 1_000.0, 100);
+        assert_eq!(waits[0].blocks[0], 6, "{waits:?}");
+    }
+}

@@ -1,0 +1,294 @@
+//! What goes over the line: the program's text in the control's code, checked whole before the first character leaves.
+
+use std::fmt;
+
+use arcfeed_shared::nc::block::{Reading, parse_line};
+use arcfeed_shared::nc::text::Lines;
+use arcfeed_shared::nc::word::is_control_character;
+
+/// Longest block: one that does not fit the control's buffer never becomes whole there, and neither side goes on.
+const BLOCK_MAX: usize = 256;
+
+/// How text becomes what the control reads.
+#[derive(Clone, Copy, Debug)]
+pub struct Wire {
+    /// A character in the control's code; `None` for what the code does not have.
+    pub encode: fn(u8) -> Option<u8>,
+    /// Makes characters upper case or leaves them out, in comments, in place of refusing them.
+    pub filters: bool,
+    /// Fills blocks up to an even number of characters, for a control with its TV check on.
+    pub tv_check: bool,
+}
+
+/// A program on its way, whole or from some line on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Transmission {
+    text: Vec<u8>,
+    frames: Vec<u8>,
+    lines: Vec<SentLine>,
+}
+
+/// One line of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SentLine {
+    /// Where it ends in the text and in the frames, its end of block among them.
+    pub end: usize,
+    /// The line of the program's file that it comes from, counted from 1; 0 for our own.
+    pub source: usize,
+}
+
+/// Why a program is not sent.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// Line of the program's file, counted from 1.
+    pub line: usize,
+    /// Column, counted from 1; of a line that arcfeed has written, in that line.
+    pub column: usize,
+    /// What and what to do.
+    pub message: String,
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}: error: {}", self.line, self.column, self.message)
+    }
+}
+
+impl Transmission {
+    /// The text of a program; `source` tells from which line of the file the character at an offset comes.
+    ///
+    /// # Errors
+    /// Everything for which a control would not get the program, or would get another one.
+    pub fn new(text: &[u8], source: impl Fn(usize) -> usize, wire: &Wire) -> Result<Self, Vec<Refusal>> {
+        let mut sent = Transmission { text: Vec::with_capacity(text.len() + 1), frames: Vec::new(), lines: Vec::new() };
+        let (mut refusals, mut at) = (Vec::new(), 0);
+        for raw in Lines::new(text) {
+            let line = source(at);
+            at += raw.text.len() + raw.ending.len();
+            sent.add(raw.text, raw.ending, line, (wire, &mut refusals));
+        }
+        refusals.extend(sent.lost_label());
+        refusals.extend(sent.without_end());
+        if refusals.is_empty() { Ok(sent) } else { Err(refusals) }
+    }
+
+    /// Our own blocks, then this program from the line with index `from` on.
+    ///
+    /// # Errors
+    /// A character of ours that the control's code does not have.
+    pub fn resumed(&self, preamble: &str, from: usize, wire: &Wire) -> Result<Self, Vec<Refusal>> {
+        let mut sent = Transmission { text: Vec::new(), frames: Vec::new(), lines: Vec::new() };
+        let mut refusals = Vec::new();
+        for line in preamble.lines() {
+            sent.add(line.as_bytes(), b"\n", 0, (wire, &mut refusals));
+        }
+        if !refusals.is_empty() {
+            return Err(refusals);
+        }
+        let (start, shift) = (self.start_of(from), sent.text.len());
+        sent.text.extend_from_slice(&self.text[start..]);
+        sent.frames.extend_from_slice(&self.frames[start..]);
+        sent.lines.extend(self.lines[from..].iter().map(|line| SentLine { end: line.end - start + shift, ..*line }));
+        Ok(sent)
+    }
+
+    fn add(&mut self, text: &[u8], ending: &[u8], source: usize, (wire, refusals): (&Wire, &mut Vec<Refusal>)) {
+        let start = self.text.len();
+        let mut in_comment = false;
+        for (index, &byte) in text.iter().enumerate() {
+            in_comment |= byte == b'(';
+            let kept = match byte {
+                _ if fits(byte, wire) => Some(byte),
+                b'\r' | 0 => None,
+                _ if in_comment && wire.filters => Some(byte.to_ascii_uppercase()).filter(|upper| fits(*upper, wire)),
+                // One a line will do.
+                _ => {
+                    if refusals.last().is_none_or(|last| last.line != source) {
+                        refusals.push(refused_character(source, index + 1, byte));
+                    }
+                    None
+                }
+            };
+            self.text.extend(kept);
+            in_comment &= byte != b')';
+        }
+        if self.text.len() - start > BLOCK_MAX {
+            let message = format!(
+                "{} characters in one block: more than {BLOCK_MAX} may not fit the control's buffer, and then nothing goes \
+                 on; shorten the comment or split the block",
+                self.text.len() - start
+            );
+            refusals.push(Refusal { line: source, column: BLOCK_MAX + 1, message });
+        }
+        // A control takes a block at its LF: one without it would never be executed.
+        let ending = if ending.contains(&b'\n') { ending } else { b"\n" };
+        let ending: Vec<u8> = ending.iter().copied().filter(|byte| (wire.encode)(*byte).is_some()).collect();
+        let is_odd = (self.text.len() - start + ending.len()) % 2 == 1;
+        if wire.tv_check && is_odd && !text.starts_with(b"%") && !self.lines.is_empty() {
+            self.text.push(b' ');
+        }
+        self.text.extend_from_slice(&ending);
+        // What could not be encoded is refused already.
+        self.frames.extend(self.text[start..].iter().map(|byte| (wire.encode)(*byte).unwrap_or(*byte)));
+        self.lines.push(SentLine { end: self.text.len(), source });
+    }
+
+    /// A control skips everything up to the first end of block.
+    fn lost_label(&self) -> Option<Refusal> {
+        let first = self.line_text(0)?;
+        let Ok(parsed) = parse_line(first.trim_ascii_end(), Reading::Lenient) else { return None };
+        let message = "a control skips everything up to the first end of block: this block would be lost; begin the program \
+                       with a line `%`";
+        (!parsed.block.is_empty()).then(|| Refusal { line: 1, column: 1, message: message.into() })
+    }
+
+    fn without_end(&self) -> Option<Refusal> {
+        let ends = |index: &usize| {
+            let text = self.line_text(*index).unwrap_or_default().trim_ascii_end();
+            let Ok(parsed) = parse_line(text, Reading::Lenient) else { return false };
+            let whole = |word: &arcfeed_shared::nc::word::Word| word.number.as_whole();
+            parsed.block.words.iter().any(|word| word.letter == b'M' && matches!(whole(word), Some(2 | 30)))
+        };
+        let message = "no M02 or M30 anywhere: the control would wait for more; end the program with one";
+        let last = self.lines.last().map_or(1, |line| line.source);
+        let refusal = Refusal { line: last, column: 1, message: message.into() };
+        (!(0..self.lines.len()).any(|index| ends(&index))).then_some(refusal)
+    }
+
+    /// The text, character for character what [`Transmission::frames`] says in the control's code.
+    pub fn text(&self) -> &[u8] {
+        &self.text
+    }
+
+    /// What goes over the line.
+    pub fn frames(&self) -> &[u8] {
+        &self.frames
+    }
+
+    /// Its lines.
+    pub fn lines(&self) -> &[SentLine] {
+        &self.lines
+    }
+
+    /// Where a line begins; the end for the line behind the last.
+    pub fn start_of(&self, index: usize) -> usize {
+        index.checked_sub(1).and_then(|before| self.lines.get(before)).map_or(0, |before| before.end)
+    }
+
+    /// Index of the line that the character at an offset belongs to.
+    pub fn line_at(&self, offset: usize) -> usize {
+        self.lines.partition_point(|line| line.end <= offset)
+    }
+
+    /// A line with its end.
+    pub fn line_text(&self, index: usize) -> Option<&[u8]> {
+        let line = self.lines.get(index)?;
+        self.text.get(self.start_of(index)..line.end)
+    }
+
+    /// Whether a control counts a line as a block: all but `%` and empty lines.
+    pub fn is_block(&self, index: usize) -> bool {
+        let text = self.line_text(index).unwrap_or_default().trim_ascii();
+        !text.is_empty() && !text.starts_with(b"%")
+    }
+
+    /// Blocks among the lines before the one with this index.
+    pub fn blocks_before(&self, index: usize) -> usize {
+        (0..index.min(self.lines.len())).filter(|line| self.is_block(*line)).count()
+    }
+
+    /// Index of the line of the `count`th block, counted from 1; a control never sees the first line.
+    pub fn line_of_block(&self, count: usize) -> Option<usize> {
+        (1..self.lines.len()).filter(|line| self.is_block(*line)).nth(count.checked_sub(1)?)
+    }
+}
+
+/// Whether the line carries it and the control knows it.
+fn fits(byte: u8, wire: &Wire) -> bool {
+    let is_known = is_control_character(byte) || matches!(byte, b' ' | b'\t');
+    is_known && (wire.encode)(byte).is_some()
+}
+
+fn refused_character(line: usize, column: usize, byte: u8) -> Refusal {
+    let found = byte.escape_ascii();
+    let message = match byte {
+        0x11..=0x14 => format!("`{found}` is DC1 to DC4 to the control: it would start or stop the line; remove it"),
+        _ => format!(
+            "`{found}` is not in the control's code: it raises PS0001 or reads something else; write it otherwise, or give \
+             --filter, which makes comments upper case and leaves out what is left"
+        ),
+    };
+    Refusal { line, column, message }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLAIN: Wire = Wire { encode: Some, filters: false, tv_check: false };
+
+    fn transmission(text: &str, wire: &Wire) -> Result<Transmission, Vec<Refusal>> {
+        let line = |offset: usize| 1 + text.as_bytes()[..offset].iter().filter(|byte| **byte == b'\n').count();
+        Transmission::new(text.as_bytes(), line, wire)
+    }
+
+    fn refusal(text: &str, wire: &Wire) -> (usize, usize) {
+        let refusals = transmission(text, wire).unwrap_err();
+        assert_eq!(refusals.len(), 1, "{refusals:?}");
+        (refusals[0].line, refusals[0].column)
+    }
+
+    #[test]
+    fn a_plain_program_goes_as_it_is_and_gets_its_last_line_end() {
+        let sent = transmission("%\r\nG0X1.\n\nM30\n%", &PLAIN).unwrap();
+        assert_eq!(sent.frames(), b"%\r\nG0X1.\n\nM30\n%\n");
+        assert_eq!((sent.lines().len(), sent.blocks_before(9)), (5, 2));
+        assert_eq!((sent.line_of_block(2), sent.line_at(3), sent.line_at(8)), (Some(3), 1, 1));
+    }
+
+    #[test]
+    fn what_would_not_arrive_is_refused_with_its_place() {
+        for (text, place) in [
+            ("%\nG0X1.(Tool)\nM30\n%\n", (2, 8)),
+            ("%\n(\u{11})\nM30\n%\n", (2, 2)),
+            ("G0X1.\nM30\n%\n", (1, 1)),
+            ("%\nG0X1.\n%\n", (3, 1)),
+        ] {
+            let refusals = transmission(text, &PLAIN).unwrap_err();
+            assert_eq!((refusals[0].line, refusals[0].column), place, "{text:?}: {refusals:?}");
+        }
+        let long = format!("%\n({})\nM30\n%\n", "A".repeat(300));
+        assert_eq!(refusal(&long, &PLAIN), (2, 257));
+    }
+
+    #[test]
+    fn a_filter_spoils_comments_only() {
+        let wire = Wire { filters: true, ..PLAIN };
+        let sent = transmission("%\n(tool \"4\")G0X1.\nM30\n%\n", &wire).unwrap();
+        assert_eq!(sent.line_text(1), Some(b"(TOOL 4)G0X1.\n".as_slice()));
+        assert_eq!(refusal("%\ng0X1.\nM30\n%\n", &wire), (2, 1));
+    }
+
+    #[test]
+    fn blocks_are_made_even_for_the_tv_check() {
+        let sent = transmission("%\nG90\nG1X1.\nM30\n%\n", &Wire { tv_check: true, ..PLAIN }).unwrap();
+        assert_eq!(sent.frames(), b"%\nG90\nG1X1.\nM30\n%\n");
+        let sent = transmission("%\nG0\nG1X1\nM30\n%\n", &Wire { tv_check: true, ..PLAIN }).unwrap();
+        assert_eq!(sent.frames(), b"%\nG0 \nG1X1 \nM30\n%\n");
+    }
+
+    #[test]
+    fn a_program_with_bare_returns_gets_ends_that_the_control_knows() {
+        assert_eq!(transmission("%\rG0X1.\rM30\r%\r", &PLAIN).unwrap().frames(), b"%\nG0X1.\nM30\n%\n");
+    }
+
+    #[test]
+    fn resumed_it_has_our_blocks_before_the_rest() {
+        let wire = PLAIN;
+        let sent = transmission("%\nG0X1.\nG1X2.F1.\nM30\n%\n", &wire).unwrap();
+        let resumed = sent.resumed("%\nG90\n", 2, &wire).unwrap();
+        assert_eq!(resumed.frames(), b"%\nG90\nG1X2.F1.\nM30\n%\n");
+        let sources: Vec<usize> = resumed.lines().iter().map(|line| line.source).collect();
+        assert_eq!(sources, [0, 0, 3, 4, 5]);
+    }
+}

@@ -1,0 +1,49 @@
+//! How late a DC3 is acted on: from the control's decision to the last character that leaves after it, the time of the
+//! DC3 itself apart. Told nowhere by the systems; assumed unless the job says it.
+
+use arcfeed_shared::units::Micros;
+
+use super::url::{Base, PortUrl};
+
+/// A port in this machine: an interrupt, and a process that must be woken.
+const NATIVE: Micros = Micros::from_ms(1);
+/// An adapter that does not say: two frames of the bus each way.
+const USB: Micros = Micros::from_ms(4);
+/// A network that works.
+const NETWORK: Micros = Micros::from_ms(10);
+
+/// What is to be reckoned with at this port.
+pub fn reaction(url: &PortUrl) -> Micros {
+    match &url.base {
+        Base::Sim | Base::Loop(_) => Micros(0),
+        Base::Native(name) if is_usb(name) => latency_timer(name).map_or(USB, |timer| timer.after(NATIVE)),
+        Base::Native(_) => NATIVE,
+        Base::Hwgrep(_) => USB,
+        Base::Socket(..) | Base::Rfc2217(..) => NETWORK,
+    }
+}
+
+fn is_usb(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    name.contains("usb") || name.contains("ttyacm")
+}
+
+/// How long an FTDI adapter keeps what it has received, as Linux tells it.
+fn latency_timer(name: &str) -> Option<Micros> {
+    let device = std::path::Path::new(name).file_name()?.to_str()?;
+    let text = std::fs::read_to_string(format!("/sys/bus/usb-serial/devices/{device}/latency_timer")).ok()?;
+    text.trim().parse().ok().map(Micros::from_ms)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_farther_the_port_the_later_it_reacts() {
+        let of = |url: &str| reaction(&url.parse().expect("a URL"));
+        assert_eq!([of("sim:"), of("spy://loop://")], [Micros(0); 2]);
+        assert!(of("/dev/ttyS0") < of("/dev/ttyUSB987"));
+        assert!(of("COM3") < of("fault://seed=1/rfc2217://host:1"));
+    }
+}

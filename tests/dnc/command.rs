@@ -1,0 +1,92 @@
+//! `arcfeed stream` as a command: what it refuses before the first character, says before it, and says at the end.
+
+use arcfeed_tests::{Scratch, run};
+use serde_json::Value;
+
+use crate::kill::{job, lines};
+
+#[test]
+fn what_the_line_or_the_control_cannot_carry_is_refused_before_the_first_character() {
+    let scratch = Scratch::new("preflight");
+    let job = job(&scratch);
+    let program = std::fs::read_to_string(scratch.path("ibr-slot.nc")).expect("text");
+    let traffic = scratch.path("traffic");
+    let port = format!("spy://sim:?raw&file={traffic}");
+    for (text, place) in [
+        (program.replacen("(ONE BLISK", "(one blisk", 1), "ibr-slot.nc:2:8: error"),
+        (program.replacen("%\n", "", 1).replacen("O1546 (", "G90 (", 1), "ibr-slot.nc:1:1: error"),
+        (program.replace("M30", "M9"), "M02 or M30"),
+    ] {
+        scratch.write("ibr-slot.nc", &text);
+        let output = run(&["stream", &job, "--port", &port]);
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(1) && stderr.contains(place), "{place}: {stderr}");
+        assert!(!std::path::Path::new(&traffic).exists(), "the line was opened");
+    }
+    scratch.write("ibr-slot.nc", program.replacen("(ONE BLISK", "(one {blisk}", 1));
+    let executed = scratch.path("executed.nc");
+    let output = run(&["stream", &job, "--filter", "--executed", &executed]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(lines(&scratch, "executed.nc")[0].contains("(ONE BLISK SLOT"), "{:?}", lines(&scratch, "executed.nc")[0]);
+}
+
+#[test]
+fn a_program_arrives_in_every_code_and_under_the_tv_check() {
+    let scratch = Scratch::new("codes");
+    let job = job(&scratch);
+    let executed = scratch.path("executed.nc");
+    let text = std::fs::read_to_string(&job).expect("text");
+    let bare = text.replace("bytesize = 7", "bytesize = 8").replace("\"E\"", "\"N\"");
+    let stream_with = |job_text: String| {
+        scratch.write("job.toml", job_text);
+        let output = run(&["stream", &job, "--executed", &executed]);
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    assert_eq!(stream_with(text), (Some(0), String::new()));
+    let wanted = lines(&scratch, "executed.nc");
+    for dnc in ["code = \"iso\"", "code = \"eia\"", "code = \"ascii\"", "code = \"iso\"\ntv_check = true"] {
+        assert_eq!(stream_with(format!("{bare}\n[dnc]\n{dnc}\n")), (Some(0), String::new()), "{dnc}");
+        let found = lines(&scratch, "executed.nc");
+        assert_eq!(found.iter().map(|block| block.trim_end()).collect::<Vec<_>>(), wanted, "{dnc}");
+    }
+    for (dnc, hint) in [("code = \"utf-8\"", "\"iso\""), ("reaction = -1", "seconds"), ("echo = 1", "echo")] {
+        let (code, stderr) = stream_with(format!("{bare}\n[dnc]\n{dnc}\n"));
+        assert!(code == Some(1) && stderr.contains(hint) && stderr.contains("job.toml:"), "{stderr}");
+    }
+}
+
+#[test]
+fn a_dc1_that_is_lost_ends_in_words() {
+    let scratch = Scratch::new("lost-dc1");
+    let job = job(&scratch);
+    let (journal, text) = (scratch.path("journal"), std::fs::read_to_string(&job).expect("text"));
+    scratch.write("job.toml", format!("{text}\n[dnc]\nstart_timeout = 2\nxoff_timeout = 3\n"));
+    let output = run(&["stream", &job, "--port", "fault://lost_xon=1,seed=1/sim:", "--journal", &journal]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(3) && stderr.contains("no DC1"), "{stderr}");
+    // The first gets through, the next does not.
+    let output = run(&["stream", &job, "--port", "fault://lost_xon=0.5,seed=1/sim:", "--journal", &journal]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(3) && stderr.contains("nothing since its DC3"), "{stderr}");
+}
+
+#[test]
+fn a_line_that_is_too_slow_is_told_before_and_found_as_told() {
+    let scratch = Scratch::new("slow");
+    let job = job(&scratch);
+    for (baudrate, is_slow) in [("150", true), ("300", true), ("9600", false)] {
+        let output = run(&["stream", &job, "--baudrate", baudrate, "--json"]);
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        let report: Value = serde_json::from_slice(&output.stdout).expect("the report");
+        let found_s = report["link"]["starved_ms"].as_f64().expect("a number") / 1e3;
+        let told = stderr
+            .split(" s in all")
+            .next()
+            .and_then(|text| text.rsplit(' ').next())
+            .and_then(|text| text.parse().ok());
+        println!("{baudrate} baud: {told:?} s told, {found_s} s found");
+        assert_eq!((told.is_some(), found_s > 0.0), (is_slow, is_slow), "{stderr}");
+        let told: f64 = told.unwrap_or(0.0);
+        assert!((found_s - told).abs() <= 0.05 * found_s, "{baudrate} baud: {told} s told, {found_s} s found");
+    }
+}

@@ -1,0 +1,27 @@
+//! The DNC sender against the simulated control, in simulated time and as processes: what arrives, what is noticed, and
+//! what a restart does. `cargo xtask soak` runs the full sets, `cargo xtask test` a seeded part of each.
+
+mod line;
+
+mod schedule;
+
+mod program;
+
+mod campaign;
+
+mod utilization;
+
+mod resume;
+
+mod peers;
+
+#[cfg(unix)]
+mod kill;
+
+#[cfg(unix)]
+mod command;
+
+/// How many of a full set are tried here.
+fn of_full_set(full: u64, part: u64) -> u64 {
+    if std::env::var_os("ARCFEED_SOAK_SECONDS").is_some() { full } else { part }
+}

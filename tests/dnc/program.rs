@@ -1,0 +1,95 @@
+//! Programs to send: short, of every kind of block that the simulated control takes from its line.
+
+use arcfeed::dnc::restore::PowerOn;
+use arcfeed::dnc::transmission::{Transmission, Wire};
+use arcfeed_hil_sim::control::ControlSettings;
+use arcfeed_hil_sim::control::code::{Code, with_even_parity};
+use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
+use arcfeed_hil_sim::control::tape::TapeSettings;
+use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::settings::{Preset, Settings, Tables};
+use arcfeed_shared::units::{LengthUnit, Micros};
+use fastrand::Rng;
+
+/// What checks what arrives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Check {
+    /// Nothing.
+    None,
+    /// Even parity, as on every line of seven bits.
+    Parity,
+    /// Parity, and an even number of characters in every block.
+    ParityAndTv,
+}
+
+/// A program of random moves that a control executes in a few seconds.
+pub fn random(random: &mut Rng, blocks: usize) -> String {
+    let mut text = String::from("%\nO1\nG21G90G94G17\nT3M6\nS2000M3\nG0X0Y0Z5.\nM8\nG1Z-1.F3000.\n");
+    let mut x = 0;
+    for block in 0..blocks {
+        x += random.i64(1..40);
+        let place = format!("{}.{}", x / 10, x % 10);
+        text += &match random.u8(..8) {
+            0 => format!("N{}G1X{place}Y{}.F{}.\n", 10 * block + 10, random.u8(..9), 1_000 + 100 * random.u32(..30)),
+            1 => format!("X{place}\n"),
+            2 => format!("G0Z5.\nX{place}\nG1Z-1.\n"),
+            3 => format!("G3X{place}Y0R50.\nG1\n"),
+            4 => "(A COMMENT)\n".into(),
+            5 => format!("G91\nY1.\nY-1.\nG90X{place}\n"),
+            6 => format!("G93G1X{place}F{}.\nG94F2000.\n", 100 + random.u32(..200)),
+            _ => format!("G4P{}\nM9\nX{place}\nM8\n", random.u8(1..30)),
+        };
+    }
+    text + "G0Z5.\nM30\n%\n"
+}
+
+/// A text on the wire.
+pub fn wire(check: Check) -> Wire {
+    let iso: fn(u8) -> Option<u8> = |byte| byte.is_ascii().then(|| with_even_parity(byte));
+    let ascii: fn(u8) -> Option<u8> = |byte| byte.is_ascii().then_some(byte);
+    Wire {
+        encode: if check == Check::None { ascii } else { iso },
+        filters: false,
+        tv_check: check == Check::ParityAndTv,
+    }
+}
+
+/// The control that these programs are for, as the interpreter has it.
+pub fn power_on() -> PowerOn {
+    let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);
+    PowerOn { settings, tables: Tables::default() }
+}
+
+pub fn transmission(text: &str, check: Check) -> Transmission {
+    let source = |at: usize| 1 + text.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count();
+    Transmission::new(text.as_bytes(), source, &wire(check)).unwrap_or_else(|refusals| panic!("{refusals:?}\n{text}"))
+}
+
+/// A control that checks so, with a buffer small enough to fill.
+pub fn control(check: Check, baudrate: u32) -> ControlSettings {
+    let settings = ControlSettings::fanuc_16i(LengthUnit::Mm);
+    let code = if check == Check::None { Code::Ascii } else { Code::Iso };
+    let tape = TapeSettings { code: Some(code), tv_check: check == Check::ParityAndTv, ..settings.line.tape };
+    let line = LineSettings {
+        baudrate,
+        sender: SenderParity::None,
+        buffer: 192,
+        xoff_below: 48,
+        xon_above: 144,
+        tape,
+        ..settings.line
+    };
+    ControlSettings { line, operator_restart: Some(Micros::from_ms(50)), ..settings }
+}
+
+/// The blocks that a control must execute; the program number, which does nothing, apart.
+pub fn blocks(sent: &Transmission) -> Vec<Vec<u8>> {
+    let lines = (1..sent.lines().len()).filter(|index| sent.is_block(*index));
+    let texts = lines.map(|index| sent.line_text(index).unwrap_or_default());
+    of_code(texts.map(|text| text.strip_suffix(b"\n").unwrap_or(text).to_vec()))
+}
+
+/// The blocks without the program number.
+pub fn of_code(blocks: impl Iterator<Item = Vec<u8>>) -> Vec<Vec<u8>> {
+    blocks.filter(|block| !block.starts_with(b"O")).collect()
+}
