@@ -8,7 +8,7 @@ use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
 use arcfeed_hil_sim::control::tape::TapeSettings;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::settings::{Preset, Settings, Tables};
-use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_shared::units::{LengthUnit, Micros, Nm};
 use fastrand::Rng;
 
 /// What checks what arrives.
@@ -29,7 +29,7 @@ pub fn random(random: &mut Rng, blocks: usize) -> String {
     for block in 0..blocks {
         x += random.i64(1..40);
         let place = format!("{}.{}", x / 10, x % 10);
-        text += &match random.u8(..8) {
+        text += &match random.u8(..11) {
             0 => format!("N{}G1X{place}Y{}.F{}.\n", 10 * block + 10, random.u8(..9), 1_000 + 100 * random.u32(..30)),
             1 => format!("X{place}\n"),
             2 => format!("G0Z5.\nX{place}\nG1Z-1.\n"),
@@ -37,7 +37,10 @@ pub fn random(random: &mut Rng, blocks: usize) -> String {
             4 => "(A COMMENT)\n".into(),
             5 => format!("G91\nY1.\nY-1.\nG90X{place}\n"),
             6 => format!("G93G1X{place}F{}.\nG94F2000.\n", 100 + random.u32(..200)),
-            _ => format!("G4P{}\nM9\nX{place}\nM8\n", random.u8(1..30)),
+            7 => format!("G4P{}\nM9\nX{place}\nM8\n", random.u8(1..30)),
+            8 => format!("G0Z5.\nG81X{place}Z-{}.R2.F2000.\nY1.\nG80\nG1Z-1.F3000.\n", random.u8(1..4)),
+            9 => format!("G0Z5.\nG5{}\nG0X{place}Y1.\nG1Z-1.\n", random.u8(4..7)),
+            _ => format!("G0Z5.\nG43H{}\nG0Z6.\nG52X{}.\nX{place}\nG1Z-1.\n", random.u8(1..3), random.u8(..3)),
         };
     }
     text + "G0Z5.\nM30\n%\n"
@@ -54,10 +57,22 @@ pub fn wire(check: Check) -> Wire {
     }
 }
 
+/// Offsets that no program of ours writes, and none is another's.
+fn tables() -> Tables {
+    let mut tables = Tables::default();
+    for (index, system) in tables.systems.iter_mut().take(6).enumerate() {
+        system.linear = [10.0, -20.0, 3.0].map(|mm| Nm::from_mm(mm * index as f64));
+    }
+    for (index, [geometry, _]) in tables.lengths.iter_mut().take(3).enumerate() {
+        *geometry = Nm::from_mm(40.0 + index as f64);
+    }
+    tables
+}
+
 /// The control that these programs are for, as the interpreter has it.
 pub fn power_on() -> PowerOn {
     let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);
-    PowerOn { settings, tables: Tables::default() }
+    PowerOn { settings, tables: tables() }
 }
 
 pub fn transmission(text: &str, check: Check) -> Transmission {
@@ -79,7 +94,7 @@ pub fn control(check: Check, baudrate: u32) -> ControlSettings {
         tape,
         ..settings.line
     };
-    ControlSettings { line, operator_restart: Some(Micros::from_ms(50)), ..settings }
+    ControlSettings { line, tables: tables(), operator_restart: Some(Micros::from_ms(50)), ..settings }
 }
 
 /// The blocks that a control must execute; the program number, which does nothing, apart.

@@ -77,9 +77,10 @@ fn state_after(settings: ControlSettings, text: &[u8]) -> (Modal, Functions) {
     (*control.modal(), functions)
 }
 
-/// Which lines cut, found without the interpreter: with an axis word, and not under G0.
+/// Which lines cut, found without the interpreter: with an axis word, and not under G0; in a cycle all of them. G52's words
+/// lead nowhere.
 fn cutting_lines(text: &str) -> Vec<bool> {
-    let mut rapid = true;
+    let (mut rapid, mut drills) = (true, false);
     let lines = text.lines().map(|line| {
         let code = if line.starts_with('(') { "" } else { line };
         rapid = if code.contains("G0") {
@@ -87,8 +88,9 @@ fn cutting_lines(text: &str) -> Vec<bool> {
         } else {
             rapid && !["G1", "G3"].iter().any(|word| code.contains(word) && !code.contains("G17"))
         };
-        let names_axis = code.contains('X') || code.contains('Y') || code.contains('Z');
-        names_axis && !rapid
+        drills = code.contains("G81") || (drills && !code.contains("G80"));
+        let names_axis = !code.contains("G52") && (code.contains('X') || code.contains('Y') || code.contains('Z'));
+        names_axis && (drills || !rapid)
     });
     lines.collect()
 }
