@@ -2,7 +2,8 @@
 #![cfg(unix)]
 
 use std::io::{Read, Write};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Barrier, Mutex};
+use std::thread::JoinHandle;
 
 use arcfeed_tests::{Running, Scratch, arcfeed, root, run, wait_for};
 use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, native_pty_system};
@@ -18,6 +19,8 @@ struct Person {
     child: Box<dyn Child + Send + Sync>,
     keys: Box<dyn Write + Send>,
     terminal: Arc<Mutex<Parser>>,
+    /// Reads what is drawn, to its end.
+    reading: JoinHandle<()>,
     /// How the terminal was set before.
     found: String,
 }
@@ -25,17 +28,23 @@ struct Person {
 impl Person {
     /// Starts `arcfeed` on a terminal.
     fn starts(arguments: &[&str]) -> Self {
-        let pair = native_pty_system().openpty(SIZE).expect("a pseudo-terminal");
+        Person::starts_and_looks(arguments, SIZE, Arc::new(Barrier::new(1)))
+    }
+
+    /// The same on a terminal that takes nothing until somebody is at the gate.
+    fn starts_and_looks(arguments: &[&str], size: PtySize, gate: Arc<Barrier>) -> Self {
+        let pair = native_pty_system().openpty(size).expect("a pseudo-terminal");
         let found = format!("{:?}", pair.master.get_termios().expect("a terminal"));
         let mut command = CommandBuilder::new(arcfeed());
         command.args(arguments);
         command.cwd(root());
         command.env("TERM", "xterm-256color");
         let child = pair.slave.spawn_command(command).expect("arcfeed starts");
-        let terminal = Arc::new(Mutex::new(Parser::new(SIZE.rows, SIZE.cols, 0)));
+        let terminal = Arc::new(Mutex::new(Parser::new(size.rows, size.cols, 0)));
         let mut reader = pair.master.try_clone_reader().expect("a reader");
         let seen = Arc::clone(&terminal);
-        std::thread::spawn(move || {
+        let reading = std::thread::spawn(move || {
+            gate.wait();
             let mut buffer = [0; 4_096];
             while let Ok(len @ 1..) = reader.read(&mut buffer) {
                 seen.lock().expect("the parser").process(&buffer[..len]);
@@ -43,7 +52,7 @@ impl Person {
         });
         let keys = pair.master.take_writer().expect("a writer");
         // The last end of the program's side goes here: its end is seen.
-        Person { master: pair.master, child, keys, terminal, found }
+        Person { master: pair.master, child, keys, terminal, reading, found }
     }
 
     fn screen(&self) -> String {
@@ -66,13 +75,12 @@ impl Person {
     }
 
     /// Waits for the end; answers its exit code and what is left on the screen. The terminal is as it was.
-    fn is_left_with(mut self) -> (u32, String) {
+    fn goes(mut self) -> (u32, String) {
         let status = wait_for("the end of arcfeed", || self.child.try_wait().expect("a child can be waited for"));
-        let is_back = || {
-            let terminal = self.terminal.lock().expect("the parser");
-            (!terminal.screen().alternate_screen() && !terminal.screen().hide_cursor()).then_some(())
-        };
-        wait_for("the terminal as it was", is_back);
+        wait_for("all that it has drawn", || self.reading.is_finished().then_some(()));
+        let terminal = self.terminal.lock().expect("the parser");
+        assert!(!terminal.screen().alternate_screen() && !terminal.screen().hide_cursor());
+        drop(terminal);
         assert_eq!(format!("{:?}", self.master.get_termios().expect("a terminal")), self.found);
         (status.exit_code(), self.screen())
     }
@@ -111,7 +119,8 @@ fn a_program_is_watched_held_resumed_and_seen_to_its_end() {
             .find_map(|line| line.split_once("│ chip ")?.1.split('%').next()?.trim().parse::<f64>().ok())?;
         (98.0..102.0).contains(&chip).then_some(())
     });
-    let (code, left) = person.is_left_with();
+    println!("{}", person.screen());
+    let (code, left) = person.goes();
     assert_eq!(code, 0, "{left}");
     assert!(left.contains("52 sent, 52 executed, no alarm"), "{left}");
     let log = std::fs::read_to_string(&log).expect("a log");
@@ -142,9 +151,27 @@ fn an_abort_is_asked_for_once_more_and_what_the_line_does_not_tell_is_not_shown(
     person.presses(b"n");
     person.sees("q Ctrl-C: abort");
     person.presses(b"qy");
-    let (code, left) = person.is_left_with();
+    let (code, left) = person.goes();
     assert_eq!(code, 130, "{left}");
     assert!(left.contains("stopped by the operator") && left.contains("FEED HOLD"), "{left}");
+}
+
+#[test]
+fn a_terminal_that_takes_nothing_holds_nobody_up() {
+    let scratch = Scratch::new("screen-stuck");
+    let (log, gate) = (scratch.path("log"), Arc::new(Barrier::new(2)));
+    // The first picture alone is more than a pseudo-terminal keeps.
+    let huge = PtySize { rows: 200, cols: 900, ..SIZE };
+    let arguments = ["stream", JOB, "--tui", "--speed", "20", "--log", &log];
+    let person = Person::starts_and_looks(&arguments, huge, Arc::clone(&gate));
+    wait_for("the last block", || {
+        std::fs::read_to_string(&log).unwrap_or_default().contains("executes line 53\n").then_some(())
+    });
+    assert_eq!(person.screen().trim(), "");
+    gate.wait();
+    let (code, left) = person.goes();
+    assert_eq!(code, 0, "{left}");
+    assert!(left.contains("52 sent, 52 executed, no alarm"), "{left}");
 }
 
 #[test]
@@ -153,7 +180,7 @@ fn a_request_to_terminate_gives_the_terminal_back() {
     person.sees("> executed block");
     let pid = person.child.process_id().expect("it runs").to_string();
     assert!(std::process::Command::new("kill").args(["-TERM", &pid]).status().expect("kill runs").success());
-    let (code, left) = person.is_left_with();
+    let (code, left) = person.goes();
     assert_eq!(code, 130, "{left}");
     assert!(left.contains("feed hold, axes at rest"), "{left}");
 }

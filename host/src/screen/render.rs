@@ -10,7 +10,7 @@ use super::view::{Command, View};
 use crate::dnc::State;
 
 /// Width of the figures beside the program.
-const FIGURES: u16 = 34;
+const FIGURES: u16 = 36;
 /// Columns and rows below which only keys and state are shown.
 const SIZE_MIN: (u16, u16) = (64, 14);
 /// Top of the strip, %: what is thicker is as high.
@@ -102,14 +102,14 @@ fn draw_figures(frame: &mut Frame<'_>, area: Rect, view: &View) {
     lines.extend(
         [
             ("sent", format!("{} of {total}, {percent} %", view.characters)),
-            ("waiting there", or_unknown(view.at_control().map(|chars| format!("{chars} characters")))),
-            ("stopped us", format!("{} times", view.xoffs)),
+            ("at control", or_unknown(view.at_control().map(|chars| format!("{chars} characters")))),
+            ("stops", format!("{} times", view.xoffs)),
             ("override", or_unknown(machine.override_percent.map(|percent| format!("{percent} %")))),
             ("chip", or_unknown(machine.chip_ratio.map(|ratio| format!("{:.1} % of target", 1e2 * ratio)))),
             ("elapsed", time(view.elapsed_s)),
             ("left", format!("{at_least} {}", time(view.left_s))),
         ]
-        .map(|(name, value)| Line::raw(format!(" {name:<14}{value}"))),
+        .map(|(name, value)| Line::raw(format!(" {name:<11}{value}"))),
     );
     frame.render_widget(Paragraph::new(lines).block(Block::bordered().title(" line and machine ")), area);
 }
