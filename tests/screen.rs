@@ -2,6 +2,7 @@
 #![cfg(unix)]
 
 use std::io::{Read, Write};
+use std::num::NonZeroU16;
 use std::sync::{Arc, Barrier, Mutex};
 use std::thread::JoinHandle;
 
@@ -40,7 +41,8 @@ impl Person {
         command.cwd(root());
         command.env("TERM", "xterm-256color");
         let child = pair.slave.spawn_command(command).expect("arcfeed starts");
-        let terminal = Arc::new(Mutex::new(Parser::new(size.rows, size.cols, 0)));
+        let [rows, cols] = [size.rows, size.cols].map(|cells| NonZeroU16::new(cells).expect("a terminal has a size"));
+        let terminal = Arc::new(Mutex::new(Parser::new(rows, cols, 0)));
         let mut reader = pair.master.try_clone_reader().expect("a reader");
         let seen = Arc::clone(&terminal);
         let reading = std::thread::spawn(move || {
