@@ -59,6 +59,7 @@ pub struct ChipMeter {
     block: Option<u32>,
     cut: Option<RingCut>,
     moves: Vec<MoveChips>,
+    last_ratio: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -92,12 +93,18 @@ impl ChipMeter {
             block: None,
             cut: None,
             moves: Vec::new(),
+            last_ratio: None,
         }
     }
 
     /// What was measured, move by move.
     pub fn moves(&self) -> &[MoveChips] {
         &self.moves
+    }
+
+    /// Chip of the last tooth measured on the move in work, relative to the target.
+    pub fn last_ratio(&self) -> Option<f64> {
+        self.last_ratio
     }
 
     /// Whether a cut rule speaks of this block, the last one begun.
@@ -163,7 +170,10 @@ impl ChipMeter {
         let target = cut.target_mm_per_tooth;
         let contact = cut.cutting.contact_chip_mm(&first.position_mm, &cut.rotation_center_mm, &delta_mm, &cut.line);
         match contact {
-            Some(chip_mm) => chips.contact.add(chip_mm / target),
+            Some(chip_mm) => {
+                chips.contact.add(chip_mm / target);
+                self.last_ratio = Some(chip_mm / target);
+            }
             None => chips.left_out.no_contact += 1,
         }
         for (circle, figures) in cut.circles.iter().zip(&mut chips.thickest) {
@@ -189,6 +199,7 @@ impl ChipMeter {
             chips.left_out.block_end += self.history.len() as u64;
         }
         self.block = None;
+        self.last_ratio = None;
         self.history.clear();
     }
 }

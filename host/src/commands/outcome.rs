@@ -21,6 +21,8 @@ use crate::program::{Program, Severity};
 pub enum Failure {
     /// The program or the job is at fault: exit code 1.
     Input(String),
+    /// Options that make no sense here: exit code 2.
+    Usage(String),
     /// The line or the machine is: exit code 3.
     Machine(String),
     /// A person must decide first: exit code 4.
@@ -34,6 +36,7 @@ impl Failure {
     pub fn report(self) -> ExitCode {
         let (message, code) = match self {
             Failure::Input(message) => (message, 1),
+            Failure::Usage(message) => (message, 2),
             Failure::Machine(message) => (message, 3),
             Failure::Undecided(message) => (message, 4),
             Failure::Stopped(message) => (message, 130),

@@ -21,6 +21,8 @@ pub mod sender;
 
 pub mod outbox;
 
+pub mod events;
+
 pub mod journal;
 
 pub mod functions;

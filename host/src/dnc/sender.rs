@@ -271,6 +271,15 @@ impl Sender {
         }
     }
 
+    /// Whether the control takes characters, by its last word; `None` before its first DC1.
+    pub fn is_taken(&self) -> Option<bool> {
+        match self.flow {
+            Flow::Silent => None,
+            Flow::Go => Some(true),
+            Flow::Stop => Some(false),
+        }
+    }
+
     /// Characters sent and in all.
     pub fn progress(&self) -> (usize, usize) {
         (self.sent, self.transmission.frames().len())

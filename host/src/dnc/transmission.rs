@@ -197,6 +197,11 @@ impl Transmission {
         (0..index.min(self.lines.len())).filter(|line| self.is_block(*line)).count()
     }
 
+    /// Indices of the lines that a control executes as blocks, in order.
+    pub fn block_lines(&self) -> Vec<usize> {
+        (1..self.lines.len()).filter(|line| self.is_block(*line)).collect()
+    }
+
     /// Index of the line of the `count`th block, counted from 1; a control never sees the first line.
     pub fn line_of_block(&self, count: usize) -> Option<usize> {
         (1..self.lines.len()).filter(|line| self.is_block(*line)).nth(count.checked_sub(1)?)

@@ -10,7 +10,7 @@ use std::io::ErrorKind;
 use arcfeed_shared::units::Micros;
 
 use super::url::{FaultPlan, Faults};
-use super::{Port, PortError};
+use super::{Machine, Port, PortError};
 
 const DC1: u8 = 0x11;
 const DC3: u8 = 0x13;
@@ -198,6 +198,10 @@ impl Port for Fault<'_> {
 
     fn blocks_executed(&self) -> Option<usize> {
         self.inner.blocks_executed()
+    }
+
+    fn machine(&self) -> Machine {
+        self.inner.machine()
     }
 
     fn feed_hold(&mut self) -> bool {

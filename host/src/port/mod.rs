@@ -29,6 +29,17 @@ pub mod open;
 
 use arcfeed_shared::units::Micros;
 
+/// What a machine says of itself; nothing over a plain DNC line.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Machine {
+    /// The override in effect, %.
+    pub override_percent: Option<u8>,
+    /// Chip of the last tooth, relative to its target.
+    pub chip_ratio: Option<f64>,
+    /// What stopped it, in words.
+    pub alarm: Option<String>,
+}
+
 /// A line to a control.
 pub trait Port {
     /// Time since the port was opened.
@@ -67,6 +78,11 @@ pub trait Port {
         None
     }
 
+    /// What the machine says of itself, where the port can know.
+    fn machine(&self) -> Machine {
+        Machine::default()
+    }
+
     /// Asks for feed hold, where the port can; answers whether the axes rest.
     fn feed_hold(&mut self) -> bool {
         false
@@ -101,6 +117,10 @@ impl<P: Port + ?Sized> Port for &mut P {
 
     fn blocks_executed(&self) -> Option<usize> {
         (**self).blocks_executed()
+    }
+
+    fn machine(&self) -> Machine {
+        (**self).machine()
     }
 
     fn feed_hold(&mut self) -> bool {

@@ -12,7 +12,7 @@ use std::io::{BufWriter, Write};
 use arcfeed_shared::units::Micros;
 
 use super::url::SpyOptions;
-use super::{Port, PortError};
+use super::{Machine, Port, PortError};
 
 /// Bytes in a line of a dump.
 const ROW: usize = 16;
@@ -103,6 +103,10 @@ impl Port for Spy<'_> {
 
     fn blocks_executed(&self) -> Option<usize> {
         self.inner.blocks_executed()
+    }
+
+    fn machine(&self) -> Machine {
+        self.inner.machine()
     }
 
     fn feed_hold(&mut self) -> bool {

@@ -29,7 +29,8 @@ use crate::port::open::{open, wrap};
 use crate::port::url::{Base, PortUrl};
 use crate::report::figures::{LinkFigures, RunReport};
 use crate::report::printed;
-use live::Progress;
+use crate::screen::view::{Command, Listing, View};
+use live::{Live, need_terminal};
 use logbook::Logbook;
 use prepare::Prepared;
 use resume::Resume;
@@ -57,6 +58,15 @@ pub struct Stream {
     journal: Option<PathBuf>,
     #[command(flatten)]
     resume: Resume,
+    /// Show program, line and machine on the whole terminal, with keys to hold, resume and abort (docs/tui.md)
+    #[arg(long, conflicts_with = "json")]
+    tui: bool,
+    /// Write what happens here, one event a line: DC1, DC3, blocks, hold, alarms
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
+    /// Simulated seconds per second of wall time (sim: only); without it 1 with --tui, otherwise as fast as it goes
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100))]
+    speed: Option<u32>,
     /// Write the blocks that the control executed here (sim: only)
     #[arg(long, value_name = "FILE")]
     executed: Option<PathBuf>,
@@ -91,11 +101,19 @@ impl Stream {
     /// # Errors
     /// The job or the program is at fault, the line or the machine failed, or the operator stopped it.
     pub fn run(&self) -> Result<(), Failure> {
+        if self.tui {
+            need_terminal()?;
+        }
         let ready = Prepared::load(&self.job, self.baudrate, self.filter)?;
         let is_sim = self.port.base == Base::Sim;
         if self.executed.is_some() && !is_sim {
             let message = "--executed: a control on a serial line does not say what it executed; drop the option";
             return Err(Failure::Input(message.into()));
+        }
+        if self.speed.is_some() && !is_sim {
+            return Err(Failure::Usage(
+                "--speed: only the control in software (sim:) has a speed; drop the option".into(),
+            ));
         }
         let line = ready.line_use(&self.port);
         let (sending, start) = if self.resume.is_wanted() {
@@ -129,9 +147,12 @@ impl Stream {
     fn to_simulator(&self, ready: &Prepared, mut sender: Sender, logbook: Logbook) -> Result<(), Failure> {
         let file = &ready.file;
         let started = Instant::now();
-        let mut port = SimPort::new(file, ControllerFault::None)?;
+        let mut port = SimPort::new(file, ControllerFault::None, self.speed.or(self.tui.then_some(1)))?;
         let outbox = Outbox::new(file.serial.patience());
-        let end = self.send(&mut *wrap(&self.port, Box::new(&mut port))?, &mut sender, outbox, logbook)?;
+        let mut line = wrap(&self.port, Box::new(&mut port))?;
+        let live = self.live(ready, &sender)?;
+        let end = self.send(&mut *line, &mut sender, outbox, (logbook, live))?;
+        drop(line);
         let rig = port.rig();
         let mut report = measure(rig, &file.job);
         report.blocks_sent = Some(sender.blocks_sent());
@@ -163,7 +184,8 @@ impl Stream {
     ) -> Result<(), Failure> {
         let file = &ready.file;
         let outbox = Outbox::new(file.serial.patience());
-        let end = self.send(&mut *port, &mut sender, outbox, logbook)?;
+        let live = self.live(ready, &sender)?;
+        let end = self.send(&mut *port, &mut sender, outbox, (logbook, live))?;
         let (bytes, _) = sender.progress();
         let bits = bytes as f64 * f64::from(file.serial.bits_per_char());
         let mut report = RunReport { unit: file.job.unit.label(), ..RunReport::default() };
@@ -210,9 +232,12 @@ impl Stream {
         port: &mut dyn Port,
         sender: &mut Sender,
         mut outbox: Outbox,
-        mut logbook: Logbook,
+        (mut logbook, mut live): (Logbook, Live),
     ) -> Result<End, Failure> {
-        let ended = self.send_all(port, sender, &mut outbox, &mut logbook);
+        let ended = send_all(port, sender, &mut outbox, (&mut logbook, &mut live));
+        live.show(port, sender);
+        // The terminal is given back before anything is said.
+        drop(live);
         let stands = match &ended {
             Ok(End::Interrupted { at_rest }) => *at_rest,
             Ok(_) => port.control_is_done() == Some(true),
@@ -229,35 +254,60 @@ impl Stream {
         }
     }
 
-    fn send_all(
-        &self,
-        port: &mut dyn Port,
-        sender: &mut Sender,
-        outbox: &mut Outbox,
-        logbook: &mut Logbook,
-    ) -> Result<End, Failure> {
-        let progress = Progress::new(sender.progress().1, !self.json);
-        let interrupted = on_interrupt();
-        loop {
-            logbook.follow(sender, port.blocks_executed())?;
-            let is_out = outbox.turn(port, sender)?;
-            progress.show(sender);
-            match sender.state() {
-                State::Cut if outbox.is_empty() => return Ok(End::Interrupted { at_rest: port.feed_hold() }),
-                State::Failed(why) => return Ok(End::GivenUp(why)),
-                State::Sent if interrupted.load(Ordering::Relaxed) => {
-                    return Ok(End::Interrupted { at_rest: port.feed_hold() });
-                }
-                _ if interrupted.load(Ordering::Relaxed) => sender.abort(port.now()),
-                _ => {}
-            }
-            if port.control_is_done().unwrap_or(is_out) {
-                logbook.follow(sender, port.blocks_executed())?;
-                return Ok(End::Complete);
-            }
-            let latest = port.now().after(LOOP_MAX);
-            port.wait(sender.poll_at().map_or(latest, |at| at.min(latest)));
+    /// Who watches.
+    fn live(&self, ready: &Prepared, sender: &Sender) -> Result<Live, Failure> {
+        let program = ready.file.program.file_name().unwrap_or_default().to_string_lossy();
+        let title = format!("{program} to {}", self.port.text);
+        let live = if self.tui {
+            let times_s = ready.loads(sender.transmission()).iter().map(|load| load.time_s).collect::<Vec<_>>();
+            let listing = Listing::new(sender.transmission(), &times_s);
+            Live::screen(View::new(title.clone(), listing, ready.chars_per_s() * sender.share()))?
+        } else if self.json {
+            Live::nothing()
+        } else {
+            Live::bar(sender.progress().1)
+        };
+        match &self.log {
+            Some(path) => live.logging(path, &title, sender),
+            None => Ok(live),
         }
+    }
+}
+
+fn send_all(
+    port: &mut dyn Port,
+    sender: &mut Sender,
+    outbox: &mut Outbox,
+    (logbook, live): (&mut Logbook, &mut Live),
+) -> Result<End, Failure> {
+    let interrupted = on_interrupt();
+    loop {
+        logbook.follow(sender, port.blocks_executed())?;
+        // Before the turn: a control that has waited gets characters at once when it goes on.
+        match live.show(port, sender) {
+            Some(Command::Hold) => sender.hold(),
+            Some(Command::Resume) => sender.resume(),
+            Some(Command::Abort) => interrupted.store(true, Ordering::Relaxed),
+            None => {}
+        }
+        let is_out = outbox.turn(port, sender)?;
+        match sender.state() {
+            State::Cut if outbox.is_empty() => return Ok(End::Interrupted { at_rest: port.feed_hold() }),
+            State::Failed(why) => return Ok(End::GivenUp(why)),
+            State::Sent if interrupted.load(Ordering::Relaxed) => {
+                return Ok(End::Interrupted { at_rest: port.feed_hold() });
+            }
+            _ if interrupted.load(Ordering::Relaxed) => sender.abort(port.now()),
+            _ => {}
+        }
+        // A control that has nothing to do because we hold will get more; one in alarm will not.
+        let waits_for_us = sender.state() == State::Held && port.machine().alarm.is_none();
+        if port.control_is_done().unwrap_or(is_out) && !waits_for_us {
+            logbook.follow(sender, port.blocks_executed())?;
+            return Ok(End::Complete);
+        }
+        let latest = port.now().after(LOOP_MAX);
+        port.wait(sender.poll_at().map_or(latest, |at| at.min(latest)));
     }
 }
 

@@ -113,11 +113,17 @@ impl Prepared {
 
     /// Where the control will wait for the line.
     pub fn waits(&self, share: f64) -> Vec<Wait> {
+        let buffer = control_settings(&self.file).line.buffer;
+        predict(&self.loads(&self.whole), self.chars_per_s() * share, buffer)
+    }
+
+    /// What each line of what is sent takes at the programmed feed.
+    pub fn loads(&self, sending: &Transmission) -> Vec<Load> {
         let control = control_settings(&self.file);
         let (rapid_mm_per_s, acceleration) = (control.dynamics.rapid_mm_per_s, control.dynamics.acceleration_mm_per_s2);
         let mut reader = self.power_on().reader();
-        let loads = (0..self.whole.lines().len()).map(|index| {
-            let text = self.whole.line_text(index).unwrap_or_default();
+        let loads = (0..sending.lines().len()).map(|index| {
+            let text = sending.line_text(index).unwrap_or_default();
             let read = if index == 0 { None } else { reader.read(text.strip_suffix(b"\n").unwrap_or(text)).ok() };
             let dwell = read.as_ref().and_then(|read| read.step.dwell).map_or(0.0, Micros::to_s);
             let Some(segment) = read.and_then(|read| read.segment) else { return Load::of_time(text.len(), dwell) };
@@ -132,7 +138,7 @@ impl Prepared {
                 Load::of_time(text.len(), dwell)
             }
         });
-        predict(&loads.collect::<Vec<_>>(), self.chars_per_s() * share, control.line.buffer)
+        loads.collect()
     }
 
     /// Characters that the line carries in a second.

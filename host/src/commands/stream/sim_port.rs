@@ -1,5 +1,7 @@
 //! `sim:`: the control in software behind the same seam as a serial port, in simulated time.
 
+use std::time::{Duration, Instant};
+
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::rig::Rig;
 use arcfeed_shared::units::Micros;
@@ -7,14 +9,19 @@ use arcfeed_shared::units::Micros;
 use super::super::outcome::Failure;
 use super::super::simulate::control_settings;
 use crate::job::JobFile;
-use crate::port::{Port, PortError};
-use crate::report::figures::LinkFigures;
+use crate::port::{Machine, Port, PortError};
+use crate::report::figures::{AlarmFigures, LinkFigures};
 
 /// Longest time the axes take to rest after feed hold.
 const REST_MAX: Micros = Micros::from_ms(10_000);
 
 /// A control that has had nothing to execute for this long gets nothing more.
 const STARVED_MAX_MS: u64 = 10_000;
+
+/// A clock this far behind is set back: nobody wants to see a minute at once.
+const LATE_MAX: Duration = Duration::from_millis(200);
+/// Sleeping for less costs more than it gives.
+const NAP_MIN: Duration = Duration::from_millis(2);
 
 /// A rig, and a line to its control.
 pub struct SimPort {
@@ -23,11 +30,13 @@ pub struct SimPort {
     bits_per_char: f64,
     /// Blocks taken up, and how long the control had starved until the last of them.
     fed: (usize, u64),
+    /// When simulated time began, and its seconds per second; none: as fast as it goes.
+    tempo: Option<(Instant, u32)>,
 }
 
 impl SimPort {
     /// A control that has just been started in DNC operation.
-    pub fn new(file: &JobFile, fault: ControllerFault) -> Result<Self, Failure> {
+    pub fn new(file: &JobFile, fault: ControllerFault, speed: Option<u32>) -> Result<Self, Failure> {
         let rig = Rig::on_line(control_settings(file), &file.job, fault)
             .map_err(|error| Failure::Input(format!("override limits: {error:?}")))?;
         Ok(SimPort {
@@ -35,12 +44,25 @@ impl SimPort {
             line_bits_per_s: f64::from(file.serial.baudrate),
             bits_per_char: f64::from(file.serial.bits_per_char()),
             fed: (0, 0),
+            tempo: speed.map(|speed| (Instant::now(), speed)),
         })
     }
 
     /// The rig.
     pub fn rig(&self) -> &Rig {
         &self.rig
+    }
+
+    /// Waits until wall time has come as far as simulated time.
+    fn keep_tempo(&mut self) {
+        let Some((began, speed)) = &mut self.tempo else { return };
+        let due = *began + Duration::from_micros(self.rig.now().0) / *speed;
+        let now = Instant::now();
+        if now > due + LATE_MAX {
+            *began += now - due;
+        } else if due > now + NAP_MIN {
+            std::thread::sleep(due - now);
+        }
     }
 
     /// What went over the line.
@@ -76,6 +98,8 @@ impl Port for SimPort {
 
     fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError> {
         self.rig.control_mut().port().on_bytes(bytes);
+        // What is short of characters is not at its end.
+        self.fed.1 = self.rig.control().starved_ms();
         Ok(bytes.len())
     }
 
@@ -83,6 +107,7 @@ impl Port for SimPort {
         // One step at least, and none beyond the first that answers: the sender must see an XOFF at once.
         loop {
             self.rig.step();
+            self.keep_tempo();
             let control = self.rig.control();
             if self.fed.0 != control.executed().len() {
                 self.fed = (control.executed().len(), control.starved_ms());
@@ -99,6 +124,16 @@ impl Port for SimPort {
 
     fn blocks_executed(&self) -> Option<usize> {
         Some(self.rig.control().executed().len())
+    }
+
+    fn machine(&self) -> Machine {
+        let control = self.rig.control();
+        let alarm = control.alarm().map(|alarm| AlarmFigures::new(alarm.line, alarm.fault.column, alarm.fault.cause));
+        Machine {
+            override_percent: Some(control.override_percent()),
+            chip_ratio: self.rig.meter().last_ratio(),
+            alarm: alarm.map(|alarm| alarm.to_string()),
+        }
     }
 
     fn feed_hold(&mut self) -> bool {

@@ -1,0 +1,284 @@
+//! What is shown, and what a key means; no I/O.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use arcfeed_shared::units::Micros;
+
+use crate::dnc::transmission::Transmission;
+use crate::dnc::{Sender, State};
+use crate::port::Machine;
+
+/// Samples of the strip that are kept.
+const STRIP_MAX: usize = 200;
+
+/// What a screen shows.
+#[derive(Clone, Debug)]
+pub struct View {
+    /// What is sent, and where to.
+    pub title: String,
+    /// What is sent.
+    pub program: Arc<Listing>,
+    /// Index of the line that the control executes, where it says so.
+    pub executed: Option<usize>,
+    /// Index of the line being sent.
+    pub sent: usize,
+    /// Characters sent.
+    pub characters: usize,
+    /// Where the sender stands.
+    pub state: State,
+    /// Whether the control takes characters; `None` before its first DC1.
+    pub is_taken: Option<bool>,
+    /// Times that the control has stopped us.
+    pub xoffs: u32,
+    /// What the machine says.
+    pub machine: Machine,
+    /// Its chips, % of the target, or its overrides, %: the oldest first.
+    pub strip: VecDeque<u64>,
+    /// Whether the strip shows chips.
+    pub has_chips: bool,
+    /// Since the port was opened, s.
+    pub elapsed_s: f64,
+    /// Until the end, at the programmed feeds or at the line's rate, whichever takes longer, s.
+    pub left_s: f64,
+    /// What the operator is asked to confirm.
+    pub question: Option<Command>,
+    block_since: Micros,
+    chars_per_s: f64,
+}
+
+/// The program, prepared once.
+#[derive(Debug)]
+pub struct Listing {
+    /// Line of the program's file (0: ours) and text.
+    pub lines: Vec<(usize, String)>,
+    /// Where each line ends, in characters.
+    pub ends: Vec<usize>,
+    blocks: Vec<usize>,
+    /// Time from the start of each line to the end.
+    left_s: Vec<f64>,
+}
+
+/// What an operator tells the sender.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Command {
+    /// Send no more.
+    Hold,
+    /// Go on.
+    Resume,
+    /// End with the block under way.
+    Abort,
+}
+
+/// A key, by its meaning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Press {
+    /// Space, h.
+    Hold,
+    /// r.
+    Resume,
+    /// q, Ctrl-C.
+    Abort,
+    /// y.
+    Yes,
+    /// All others.
+    Other,
+}
+
+impl Press {
+    /// What the key leads to. To stop sending needs no second key; what moves the machine, or ends, does.
+    pub fn decide(self, question: &mut Option<Command>, state: State) -> Option<Command> {
+        match (question.take(), self) {
+            (_, Press::Hold) => Some(Command::Hold),
+            (Some(asked), Press::Yes) => Some(asked),
+            // Whoever presses it twice means it.
+            (Some(Command::Abort), Press::Abort) => Some(Command::Abort),
+            (_, Press::Abort) => {
+                *question = Some(Command::Abort);
+                None
+            }
+            (None, Press::Resume) if state == State::Held => {
+                *question = Some(Command::Resume);
+                None
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Listing {
+    /// Of what is sent; `times_s` is what each of its lines takes.
+    pub fn new(sending: &Transmission, times_s: &[f64]) -> Self {
+        let text =
+            |index: usize| String::from_utf8_lossy(sending.line_text(index).unwrap_or_default().trim_ascii_end());
+        let lines = sending.lines().iter().enumerate();
+        let mut left_s: Vec<f64> = times_s.to_vec();
+        left_s.push(0.0);
+        for index in (0..times_s.len()).rev() {
+            left_s[index] += left_s[index + 1];
+        }
+        Listing {
+            lines: lines.map(|(index, line)| (line.source, text(index).into_owned())).collect(),
+            ends: sending.lines().iter().map(|line| line.end).collect(),
+            blocks: sending.block_lines(),
+            left_s,
+        }
+    }
+
+    /// Characters in all.
+    pub fn characters(&self) -> usize {
+        self.ends.last().copied().unwrap_or(0)
+    }
+
+    fn left_s(&self, index: usize) -> f64 {
+        self.left_s.get(index).copied().unwrap_or(0.0)
+    }
+}
+
+impl View {
+    /// Before the first character, on a line of `chars_per_s`.
+    pub fn new(title: String, program: Listing, chars_per_s: f64) -> Self {
+        View {
+            title,
+            left_s: program.left_s(0),
+            program: Arc::new(program),
+            executed: None,
+            sent: 0,
+            characters: 0,
+            state: State::Waiting,
+            is_taken: None,
+            xoffs: 0,
+            machine: Machine::default(),
+            strip: VecDeque::new(),
+            has_chips: false,
+            elapsed_s: 0.0,
+            question: None,
+            block_since: Micros(0),
+            chars_per_s,
+        }
+    }
+
+    /// As things stand now; `executed` blocks have been taken up, where the control says so.
+    pub fn update(&mut self, now: Micros, sender: &Sender, executed: Option<usize>, machine: Machine) {
+        let line_of = |count: usize| self.program.blocks.get(count.checked_sub(1)?).copied();
+        let executed = executed.map(|count| line_of(count).unwrap_or(0));
+        if executed != self.executed {
+            (self.executed, self.block_since) = (executed, now);
+        }
+        (self.characters, _) = sender.progress();
+        (self.sent, self.state, self.is_taken) = (sender.line(), sender.state(), sender.is_taken());
+        self.xoffs = sender.counters().xoff_count;
+        self.elapsed_s = now.to_s();
+        self.left_s = self.time_left_s(now);
+        let chip = machine.chip_ratio.map(|ratio| libm::round(1e2 * ratio) as u64);
+        if chip.is_some() && !self.has_chips {
+            // Chips and overrides do not go on one strip.
+            self.strip.clear();
+            self.has_chips = true;
+        }
+        let sample = if self.has_chips { Some(chip.unwrap_or(0)) } else { machine.override_percent.map(u64::from) };
+        self.strip.extend(sample);
+        self.strip.drain(..self.strip.len().saturating_sub(STRIP_MAX));
+        self.machine = machine;
+    }
+
+    fn time_left_s(&self, now: Micros) -> f64 {
+        let line = self.center();
+        let into_s = self.executed.map_or(0.0, |_| now.since(self.block_since).to_s());
+        let block_s = self.program.left_s(line) - self.program.left_s(line + 1);
+        let on_line_s = (self.program.characters() - self.characters) as f64 / self.chars_per_s;
+        (self.program.left_s(line) - into_s.min(block_s)).max(on_line_s)
+    }
+
+    /// Index of the line that the program is shown around.
+    pub fn center(&self) -> usize {
+        self.executed.unwrap_or(self.sent)
+    }
+
+    /// Characters sent of blocks that the control has not taken up, where it says so.
+    pub fn at_control(&self) -> Option<usize> {
+        let end = self.program.ends.get(self.executed?)?;
+        Some(self.characters.saturating_sub(*end))
+    }
+
+    /// The sender's state, in words.
+    pub fn words(&self) -> &'static str {
+        match self.state {
+            State::Waiting => "waiting for DC1: start DNC operation at the control",
+            State::Sending => "sending",
+            State::Stopped => "the control's buffer is full",
+            State::Held => "HELD: nothing is sent; the control goes on with what it has",
+            State::Sent => "all sent; the control executes what it has",
+            State::Cut => "aborted",
+            State::Failed(_) => "given up",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dnc::pace::Pace;
+    use crate::dnc::sender::LineUse;
+    use crate::dnc::transmission::Wire;
+
+    fn decide(presses: &[Press], state: State) -> Vec<Command> {
+        let mut question = None;
+        presses.iter().filter_map(|press| press.decide(&mut question, state)).collect()
+    }
+
+    #[test]
+    fn a_hold_needs_one_key_and_all_else_two() {
+        use Press::{Abort, Hold, Other, Resume, Yes};
+        for (presses, state, wanted) in [
+            (&[Hold][..], State::Sending, &[Command::Hold][..]),
+            (&[Yes], State::Sending, &[]),
+            (&[Abort, Other, Yes], State::Sending, &[]),
+            (&[Abort, Yes, Yes], State::Sending, &[Command::Abort]),
+            (&[Abort, Abort], State::Sending, &[Command::Abort]),
+            (&[Abort, Hold, Yes], State::Sending, &[Command::Hold]),
+            (&[Resume, Yes], State::Held, &[Command::Resume]),
+            (&[Resume, Resume], State::Held, &[]),
+            (&[Resume, Yes], State::Sending, &[]),
+            (&[Resume, Abort, Yes], State::Held, &[Command::Abort]),
+        ] {
+            assert_eq!(decide(presses, state), wanted, "{presses:?}");
+        }
+    }
+
+    #[test]
+    fn time_left_is_the_machines_or_the_lines_whichever_is_longer() {
+        let wire = Wire { encode: Some, filters: false, tv_check: false };
+        let sending = Transmission::new(b"%\nG1X1.\nG1X2.\nM30\n%\n", |at| at, &wire).unwrap();
+        let listing = || Listing::new(&sending, &[0.0, 3.0, 5.0, 0.0, 0.0]);
+        let pace = Pace::new(11, 9_600, None);
+        let line = LineUse { pace, xonxoff: false, eight_bits: false, start_timeout: None, xoff_timeout: None };
+        let sender = Sender::new(sending.clone(), line);
+        let mut view = View::new(String::new(), listing(), 100.0);
+        view.update(Micros(0), &sender, Some(1), Machine::default());
+        assert_eq!((view.executed, view.left_s), (Some(1), 8.0));
+        view.update(Micros::from_ms(2_000), &sender, Some(1), Machine::default());
+        assert_eq!((view.left_s, view.at_control()), (6.0, Some(0)));
+        // A block takes longer than foreseen: those behind it still take their time.
+        view.update(Micros::from_ms(9_000), &sender, Some(1), Machine::default());
+        assert_eq!(view.left_s, 5.0);
+        let mut slow = View::new(String::new(), listing(), 1.0);
+        slow.update(Micros(0), &sender, None, Machine::default());
+        assert_eq!((slow.executed, slow.left_s), (None, 20.0));
+    }
+
+    #[test]
+    fn chips_and_overrides_are_not_mixed_on_one_strip() {
+        let wire = Wire { encode: Some, filters: false, tv_check: false };
+        let sending = Transmission::new(b"%\nM30\n%\n", |at| at, &wire).unwrap();
+        let pace = Pace::new(11, 9_600, None);
+        let line = LineUse { pace, xonxoff: false, eight_bits: false, start_timeout: None, xoff_timeout: None };
+        let mut view = View::new(String::new(), Listing::new(&sending, &[0.0; 3]), 100.0);
+        let sender = Sender::new(sending, line);
+        for chip_ratio in [None, Some(0.5), None, Some(0.996)] {
+            let machine = Machine { override_percent: Some(120), chip_ratio, alarm: None };
+            view.update(Micros(0), &sender, Some(0), machine);
+        }
+        assert_eq!((view.strip, view.has_chips), (VecDeque::from([50, 0, 100]), true));
+    }
+}

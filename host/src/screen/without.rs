@@ -1,0 +1,27 @@
+//! Built without a screen.
+
+use std::io;
+
+use super::view::{Command, View};
+
+/// There is none.
+#[derive(Debug)]
+pub enum Screen {}
+
+impl Screen {
+    /// Refuses.
+    ///
+    /// # Errors
+    /// Always.
+    pub fn open(_first: View) -> io::Result<Self> {
+        Err(io::Error::other("this arcfeed was built without its screen (cargo feature `tui`)"))
+    }
+
+    /// Shows nothing.
+    pub fn show(&self, _view: &View) {}
+
+    /// Hears nothing.
+    pub fn command(&self) -> Option<Command> {
+        None
+    }
+}
