@@ -167,11 +167,8 @@ fn a_job_streamed_through_pyserials_server_is_executed_as_it_is() {
     assert_eq!(sender.code, Some(0), "{}", sender.err);
     let control = control.end();
     assert_eq!(control.code, Some(0), "{}", control.err);
-    let adapted = std::fs::read(adapted).expect("the adapted program");
-    let is_block = |line: &&[u8]| !matches!(line.trim_ascii(), b"" | b"%");
-    let blocks: Vec<u8> = adapted.split_inclusive(|&byte| byte == b'\n').filter(is_block).flatten().copied().collect();
-    let executed = std::fs::read(executed).expect("what was executed");
-    assert_eq!(executed.escape_ascii().to_string(), blocks.escape_ascii().to_string());
+    let adapted = read(&adapted);
+    assert_eq!(blocks_of(&read(&executed)), blocks_of(&adapted));
     let sent: serde_json::Value = serde_json::from_str(sender.out.trim()).expect("JSON");
     assert_eq!(sent["link"]["bytes"].as_u64(), Some(adapted.len() as u64));
 }

@@ -117,3 +117,19 @@ impl Port for Rfc2217 {
         self.clock.wait(deadline);
     }
 }
+
+/// The line of the tests: 9600 7E2.
+#[cfg(test)]
+fn seven_even() -> SerialSettings {
+    use crate::job::Parity;
+    SerialSettings {
+        baudrate: 9_600,
+        bytesize: 7,
+        parity: Parity::Even,
+        stopbits: 2,
+        xonxoff: true,
+        rtscts: false,
+        write_timeout: None,
+        exclusive: true,
+    }
+}

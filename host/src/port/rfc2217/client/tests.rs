@@ -1,20 +1,7 @@
 use super::*;
-use crate::job::Parity;
+use crate::port::rfc2217::seven_even as settings;
 
 const SECOND: Micros = Micros::from_ms(1_000);
-
-fn settings() -> SerialSettings {
-    SerialSettings {
-        baudrate: 9_600,
-        bytesize: 7,
-        parity: Parity::Even,
-        stopbits: 2,
-        xonxoff: true,
-        rtscts: false,
-        write_timeout: None,
-        exclusive: true,
-    }
-}
 
 fn options() -> Rfc2217Options {
     Rfc2217Options { ign_set_control: false, poll_modem: false, timeout_s: 3.0, logging: None }

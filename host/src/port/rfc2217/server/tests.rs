@@ -1,20 +1,8 @@
 use super::*;
 use crate::job::Parity;
 use crate::port::rfc2217::client::{Client, Line};
+use crate::port::rfc2217::seven_even as line;
 use crate::port::url::Rfc2217Options;
-
-fn line() -> SerialSettings {
-    SerialSettings {
-        baudrate: 9_600,
-        bytesize: 7,
-        parity: Parity::Even,
-        stopbits: 2,
-        xonxoff: true,
-        rtscts: false,
-        write_timeout: None,
-        exclusive: true,
-    }
-}
 
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
