@@ -192,12 +192,9 @@ fn what_a_control_prints_is_in_the_report_of_the_sender() {
         let _until_it_hangs_up = line.read_to_end(&mut Vec::new());
     });
     let job = "examples/ibr-slot/job.toml";
-    let sender = Running::start(
-        &scratch,
-        "stream",
-        &["stream", job, "--port", &format!("socket://{address}"), "--json", "--baudrate", "115200"],
-    );
-    let ended = sender.end();
+    let (port, journal) = (format!("socket://{address}"), scratch.path("journal"));
+    let stream = ["stream", job, "--port", &port, "--json", "--baudrate", "115200", "--journal", &journal];
+    let ended = Running::start(&scratch, "stream", &stream).end();
     control.join().expect("the control");
     assert_eq!(ended.code, Some(0), "{}", ended.err);
     assert_eq!(report(&ended)["printed"], json!(["X  1.500", "Y  2.000"]));

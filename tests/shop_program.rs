@@ -132,7 +132,9 @@ fn served_on_a_pseudo_terminal_it_does_the_same() {
         ["serve", JOB, "--pty", "--once", "--json", "--executed", &executed, "--speed", "20", "--baudrate", "115200"];
     let mut server = Running::start(&scratch, "serve", &arguments);
     let port = server.line("port: ");
-    let sender = Running::start(&scratch, "stream", &["stream", JOB, "--port", &port, "--baudrate", "115200"]).end();
+    let journal = scratch.path("journal");
+    let stream = ["stream", JOB, "--port", &port, "--baudrate", "115200", "--journal", &journal];
+    let sender = Running::start(&scratch, "stream", &stream).end();
     assert_eq!(sender.code, Some(0), "{}", sender.err);
     let served = server.end();
     assert_eq!(served.code, Some(0), "{}", served.err);

@@ -1,6 +1,6 @@
 //! `--resume`: the journal read, the restart shown, and nothing sent before somebody has agreed to it.
 
-use std::io::{BufRead, IsTerminal, Write};
+use std::io::{BufRead, ErrorKind, IsTerminal, Write};
 use std::path::Path;
 
 use arcfeed_shared::units::Nm;
@@ -96,7 +96,14 @@ impl Resume {
 
 /// The journal, if it is of this program and job.
 fn read(path: &Path, ready: &Prepared) -> Result<History, Failure> {
-    let bytes = std::fs::read(path).map_err(|error| file_failure(path, &error))?;
+    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => Failure::Input(format!(
+            "{}: no journal there, so nothing is known of a run before: give its place with --journal, or send the program \
+             from its beginning",
+            path.display()
+        )),
+        _ => file_failure(path, &error),
+    })?;
     let failed = |what: String| Failure::Input(format!("{}: {what}", path.display()));
     let history = journal::read(&bytes).map_err(|damage| failed(damage.to_string()))?;
     let (was, is) = (history.start, ready.start);
