@@ -90,3 +90,16 @@ fn a_line_that_is_too_slow_is_told_before_and_found_as_told() {
         assert!((found_s - told).abs() <= 0.05 * found_s, "{baudrate} baud: {told} s told, {found_s} s found");
     }
 }
+
+#[test]
+fn what_was_executed_to_its_end_or_never_begun_is_not_taken_up() {
+    let scratch = Scratch::new("nothing-to-resume");
+    let (job, journal) = ("examples/ibr-slot/job.toml", scratch.path("journal"));
+    let resume = ["stream", job, "--journal", &journal, "--resume", "--approve"];
+    let stderr = |output: &std::process::Output| String::from_utf8_lossy(&output.stderr).into_owned();
+    let never = run(&resume);
+    assert_eq!((never.status.code(), stderr(&never).contains("no journal there")), (Some(1), true));
+    assert!(run(&["stream", job, "--journal", &journal, "--json"]).status.success());
+    let again = run(&resume);
+    assert_eq!((again.status.code(), stderr(&again).contains("executed to its end")), (Some(1), true), "{again:?}");
+}

@@ -48,6 +48,12 @@ impl Resume {
     pub fn prepare(&self, stream: &Stream, ready: &Prepared) -> Result<(Transmission, Start), Failure> {
         let path = stream.journal_path();
         let history = read(&path, ready)?;
+        let took_up_all = history.executed.is_some_and(|blocks| ready.whole.line_of_block(blocks + 1).is_none());
+        if history.ended == Some(How::Complete) && history.stands && took_up_all && self.from.is_none() {
+            let message =
+                "the program was executed to its end: there is nothing to take up; for a part of it give --from LINE";
+            return Err(Failure::Input(format!("{}: {message}", path.display())));
+        }
         let unit = ready.file.job.unit;
         let clearance = self.clearance.map(|z| Nm::from_mm(z * unit.mm()));
         let wanted = Wanted { line: self.from, clearance };
