@@ -8,7 +8,7 @@ use arcfeed::job::{Parity, SerialSettings};
 use arcfeed::port::open::open;
 use arcfeed::port::{Port, PortError};
 use arcfeed_shared::units::Micros;
-use arcfeed_tests::{Running, Scratch, run, wait_for};
+use arcfeed_tests::{Ended, Running, Scratch, run, wait_for};
 
 use crate::python::{Script, python_or_skip};
 
@@ -144,6 +144,17 @@ fn clone(stream: &TcpStream) -> TcpStream {
     stream.try_clone().expect("a second handle")
 }
 
+/// Our sender on the way to a control: both end well.
+fn streamed(scratch: &Scratch, url: &str, control: Running) -> Ended {
+    let journal = scratch.path("journal");
+    let stream = ["stream", JOB, "--port", url, "--journal", &journal, "--json"];
+    let sender = Running::start(scratch, "stream", &stream).end();
+    assert_eq!(sender.code, Some(0), "{}", sender.err);
+    let control = control.end();
+    assert_eq!(control.code, Some(0), "{}", control.err);
+    sender
+}
+
 /// A whole job: our sender, pyserial's RFC 2217 server, a pseudo-terminal, our control.
 #[test]
 fn a_job_streamed_through_pyserials_server_is_executed_as_it_is() {
@@ -158,15 +169,7 @@ fn a_job_streamed_through_pyserials_server_is_executed_as_it_is() {
     let pty = control.line("port: ");
     let server = Script::start(python, "rfc2217_server.py", &[&pty], &scratch.path("out"));
     let url = format!("rfc2217://127.0.0.1:{}", server.line("port: "));
-    let sender = Running::start(
-        &scratch,
-        "stream",
-        &["stream", JOB, "--port", &url, "--journal", &scratch.path("journal"), "--json"],
-    )
-    .end();
-    assert_eq!(sender.code, Some(0), "{}", sender.err);
-    let control = control.end();
-    assert_eq!(control.code, Some(0), "{}", control.err);
+    let sender = streamed(&scratch, &url, control);
     let adapted = read(&adapted);
     assert_eq!(blocks_of(&read(&executed)), blocks_of(&adapted));
     let sent: serde_json::Value = serde_json::from_str(sender.out.trim()).expect("JSON");
@@ -221,15 +224,7 @@ fn our_sender_sends_a_job_through_our_server() {
     let (adapted, executed) = (scratch.path("adapted.nc"), scratch.path("executed.nc"));
     assert!(run(&["adapt", JOB, "-o", &adapted]).status.success());
     let (control, url) = control_at_rfc2217(&scratch, &executed);
-    let sender = Running::start(
-        &scratch,
-        "stream",
-        &["stream", JOB, "--port", &url, "--journal", &scratch.path("journal"), "--json"],
-    )
-    .end();
-    assert_eq!(sender.code, Some(0), "{}", sender.err);
-    let control = control.end();
-    assert_eq!(control.code, Some(0), "{}", control.err);
+    streamed(&scratch, &url, control);
     assert_eq!(blocks_of(&read(&executed)), blocks_of(&read(&adapted)));
 }
 

@@ -101,3 +101,6 @@ impl Control {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

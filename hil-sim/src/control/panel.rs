@@ -139,3 +139,6 @@ impl Control {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
