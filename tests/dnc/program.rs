@@ -22,14 +22,23 @@ pub enum Check {
     ParityAndTv,
 }
 
-/// A program of random moves that a control executes in a few seconds.
-pub fn random(random: &mut Rng, blocks: usize) -> String {
+/// A program of random moves that a control executes in a few seconds, also where one of its characters is another.
+pub fn random(rng: &mut Rng, blocks: usize) -> String {
+    of_kinds(rng, blocks, 8)
+}
+
+/// The same among cycles, work offsets, tool lengths and G52; there a spoilt feed may take an hour.
+pub fn random_with_offsets(rng: &mut Rng, blocks: usize) -> String {
+    of_kinds(rng, blocks, 11)
+}
+
+fn of_kinds(random: &mut Rng, blocks: usize, kinds: u8) -> String {
     let mut text = String::from("%\nO1\nG21G90G94G17\nT3M6\nS2000M3\nG0X0Y0Z5.\nM8\nG1Z-1.F3000.\n");
     let mut x = 0;
     for block in 0..blocks {
         x += random.i64(1..40);
         let place = format!("{}.{}", x / 10, x % 10);
-        text += &match random.u8(..11) {
+        text += &match random.u8(..kinds) {
             0 => format!("N{}G1X{place}Y{}.F{}.\n", 10 * block + 10, random.u8(..9), 1_000 + 100 * random.u32(..30)),
             1 => format!("X{place}\n"),
             2 => format!("G0Z5.\nX{place}\nG1Z-1.\n"),

@@ -14,7 +14,7 @@ use fastrand::Rng;
 
 use crate::line::{Line, line_use, send};
 use crate::of_full_set;
-use crate::program::{Check, control, power_on, random, transmission, wire};
+use crate::program::{Check, control, power_on, random_with_offsets, transmission, wire};
 use crate::schedule::{Fault, Schedule};
 
 const STEP: Micros = Micros::from_ms(1);
@@ -178,7 +178,7 @@ fn aside(rng: &mut Rng) -> usize {
 fn case(seed: u64) -> (Rng, String, Transmission, ControlSettings) {
     let mut rng = Rng::with_seed(seed);
     let blocks = rng.usize(8..40);
-    let text = random(&mut rng, blocks);
+    let text = random_with_offsets(&mut rng, blocks);
     let sent = transmission(&text, Check::Parity);
     (rng, text, sent, control(Check::Parity, 19_200))
 }
