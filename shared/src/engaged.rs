@@ -91,6 +91,17 @@ impl EngagedInterval {
         [self.from, self.to].map(|units| f64::from(units) / UNITS_PER_DEGREE)
     }
 
+    /// From and to, 1/90 degree.
+    pub fn units(self) -> [i16; 2] {
+        [self.from, self.to]
+    }
+
+    /// From [`Self::units`]; `None` where [`Self::from_degrees`] has none.
+    pub fn from_units(units: [i16; 2]) -> Option<Self> {
+        let [from_deg, to_deg] = units.map(|units| f64::from(units) / UNITS_PER_DEGREE);
+        EngagedInterval::from_degrees(from_deg, to_deg)
+    }
+
     /// The arc at this part of the way from one knot to the next; `None` where it is empty.
     fn between(self, other: Self, ratio: f32) -> Option<EngagedSpan> {
         let part = |a: i16, b: i16| f32::from(a) + (f32::from(b) - f32::from(a)) * ratio;

@@ -28,6 +28,18 @@ pub struct Knots {
     knots: Vec<Knot, JOB_KNOTS_MAX>,
 }
 
+impl KnotRange {
+    /// So many knots from this one on.
+    pub const fn new(first: u8, count: u8) -> Self {
+        KnotRange { first, count }
+    }
+
+    /// The first, and how many.
+    pub const fn bounds(self) -> [u8; 2] {
+        [self.first, self.count]
+    }
+}
+
 impl Knots {
     /// None.
     pub const fn new() -> Self {
@@ -39,6 +51,11 @@ impl Knots {
         let range = KnotRange { first: u8::try_from(self.knots.len()).ok()?, count: u8::try_from(table.len()).ok()? };
         self.knots.extend_from_slice(table).ok()?;
         Some(range)
+    }
+
+    /// All of them, table after table.
+    pub fn all(&self) -> &[Knot] {
+        &self.knots
     }
 
     /// A table; none that is not there.

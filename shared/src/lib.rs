@@ -3,7 +3,8 @@
 //! Modules stand in the order in which data flows; a module imports only from those above it:
 //! NC text -> [`nc::word`] -> [`nc::block`] -> [`nc::modal`] -> [`radius`] -> [`segment`] -> [`reader`], then what a job adds
 //! to the program ([`machine`], [`tool`], [`engaged`], [`stock`], [`knots`], [`cut`], [`job`]) and what comes back from the machine
-//! ([`telemetry`], [`report`]).
+//! ([`telemetry`], [`report`]), and
+//! the line to a board ([`wire`]).
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 
@@ -39,3 +40,5 @@ pub mod job;
 pub mod telemetry;
 
 pub mod report;
+
+pub mod wire;

@@ -1,6 +1,7 @@
 //! Lines to what they do: a program's modal state carried from line to line.
 
 use crate::nc::alarm::{Alarm, Cause, Fault, NotModelled};
+use crate::nc::before::Before;
 use crate::nc::block::{Block, Line, Parsed, Reading};
 use crate::nc::interpret::set_data;
 use crate::nc::modal::{Modal, Pose, Step};
@@ -68,6 +69,14 @@ impl Reader {
         self.modal.machine(&self.tables)
     }
 
+    /// The modal state is that of power-on again; offsets and axes stay.
+    pub fn restart(&mut self) {
+        let position = self.modal.position;
+        self.modal = Modal::at_power_on(self.settings.unit);
+        self.modal.settle(&self.tables);
+        self.stand_at(position);
+    }
+
     /// The axes stand here, wherever the lines read so far have led.
     pub fn stand_at(&mut self, pose: Pose) {
         self.modal.stand_at(pose);
@@ -132,13 +141,13 @@ impl Reader {
     }
 
     fn execute_into(&mut self, block: &Block, step: &mut Step, segment: &mut Option<Segment>) -> Result<(), Fault> {
-        let before = self.modal;
-        if let Err(fault) = self.modal.advance(block, &self.settings, &self.tables, step) {
-            self.modal = before;
+        let mut before = Before::new(&self.modal, block);
+        if let Err(fault) = self.modal.advance(block, (&self.settings, &self.tables), step, &mut before) {
+            before.restore(&mut self.modal);
             return Err(fault);
         }
         if let (Some(what), Scope::PlainMoves) = (step.beyond_plain, self.settings.scope) {
-            self.modal = before;
+            before.restore(&mut self.modal);
             return Err(Fault::not_modelled(what, 0));
         }
         if step.sets_data {

@@ -10,7 +10,7 @@ pub use super::settings::Reading;
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::number::POWERS_OF_TEN;
 use super::settings::Settings;
-use super::word::{LINE_MAX, Piece, Token, Word, Words, column, is_control_character};
+use super::word::{LINE_MAX, Piece, Token, Word, Words, column, is_control_character, plain_word};
 
 /// Most words in one block.
 pub const WORDS_MAX: usize = 32;
@@ -169,19 +169,20 @@ impl Parsed {
             return Ok(());
         }
         *line = Line::Block;
-        let mut words = Words::new(text);
+        let mut at = 0;
         loop {
-            while let Some(word) = words.next_word() {
-                if !block.push(word) {
-                    block.add(word)?;
+            while let Some((word, end)) = plain_word(text, at) {
+                if !block.push(word) && !block.begin(word) {
+                    break;
                 }
-                block.code_len = words.offset();
+                (at, block.code_len) = (end, end);
             }
-            if words.offset() == text.len() {
+            if at == text.len() {
                 return Ok(());
             }
-            let Some(piece) = words.next() else { return Ok(()) };
+            let Some(piece) = Words::from(text, at).next() else { return Ok(()) };
             let Piece { token, start, end } = piece?;
+            at = end;
             match token {
                 Token::ProgramMark if start == 0 => {
                     *line = Line::ProgramMark;
@@ -222,6 +223,17 @@ impl Block {
         let letter = letters(&[word.letter]) & ADDRESSES;
         self.letters |= letter;
         letter != 0 && self.words.push(word).is_ok()
+    }
+
+    /// Whether the word is the block's number, plainly written.
+    #[inline]
+    fn begin(&mut self, word: Word) -> bool {
+        let is_number = word.letter == b'N' && self.words.is_empty() && !word.number.has_point();
+        match word.number.as_whole() {
+            Some(value @ 0..) if is_number => self.sequence = Some(value),
+            _ => return false,
+        }
+        true
     }
 
     fn add(&mut self, word: Word) -> Result<(), Fault> {

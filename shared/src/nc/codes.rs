@@ -3,7 +3,7 @@
 use super::address::check_sign;
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::frame::Rotation;
-use super::modal::{Cycle, FeedMode, Modal, MotionKind, Plane, Polar, Side, Turn};
+use super::modal::{Cycle, FeedMode, Modal, MotionKind, Plane, Polar, Side};
 use super::word::Word;
 use crate::units::{LengthUnit, MicroDeg, Nm};
 
@@ -52,10 +52,6 @@ impl Modal {
         let improper = Fault::alarm(Alarm::ImproperGCode, word.column);
         let tenths = word.number.as_tenths().ok_or(improper)?;
         match tenths {
-            0 => self.set_motion(MotionKind::Rapid),
-            10 => self.set_motion(MotionKind::Line),
-            20 => self.set_motion(MotionKind::Arc(Turn::Cw)),
-            30 => self.set_motion(MotionKind::Arc(Turn::Ccw)),
             170 => self.set_plane(Plane::Xy, word)?,
             180 => self.set_plane(Plane::Zx, word)?,
             190 => self.set_plane(Plane::Yz, word)?,
@@ -127,7 +123,8 @@ impl Modal {
         Some(Ok(one_shot))
     }
 
-    fn set_motion(&mut self, kind: MotionKind) {
+    #[inline]
+    pub(super) fn set_motion(&mut self, kind: MotionKind) {
         self.motion = kind;
         self.cycle = None;
     }

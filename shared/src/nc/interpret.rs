@@ -2,6 +2,7 @@
 
 use super::address;
 use super::alarm::{Alarm, Fault, NotModelled};
+use super::before::Before;
 use super::block::{Block, letters};
 use super::codes::OneShot;
 use super::modal::{Feed, FeedMode, Modal, Motion, MotionKind, Pose, Step, Stop};
@@ -11,6 +12,9 @@ use super::word::Word;
 
 pub use super::oneshot::set_data;
 
+/// Letters of functions: what they do does not wait for the move.
+const FUNCTIONS: u32 = letters(b"HMS");
+
 impl Modal {
     /// The state after `block` and what the block does; `self` stays as it was, so a refused block leaves no trace.
     ///
@@ -18,38 +22,27 @@ impl Modal {
     /// The first alarm the control would raise, or what this version does not interpret.
     pub fn interpret(&self, block: &Block, settings: &Settings, tables: &Tables) -> Result<(Modal, Step), Fault> {
         let (mut next, mut step) = (*self, Step::default());
-        next.advance(block, settings, tables, &mut step)?;
+        let mut before = Before::new(self, block);
+        next.advance(block, (settings, tables), &mut step, &mut before)?;
         Ok((next, step))
     }
 
-    /// [`Modal::interpret`] in place; behind a fault neither the state nor the step is of use.
+    /// [`Modal::interpret`] in place; behind a fault the state is to be restored, and the step is of no use. `before` is
+    /// this state.
     pub(crate) fn advance(
         &mut self,
         block: &Block,
-        settings: &Settings,
-        tables: &Tables,
+        (settings, tables): (&Settings, &Tables),
         step: &mut Step,
+        before: &mut Before,
     ) -> Result<(), Fault> {
         step.clear();
         let system = self.system;
         address::check(block)?;
-        let mut one_shot = OneShot::No;
-        for word in block.words.iter().filter(|word| word.letter == b'G') {
-            match self.apply_g(word)? {
-                OneShot::No => {}
-                found => one_shot = found,
-            }
+        let one_shot = self.take_codes(block, before)?;
+        if block.may_have(FUNCTIONS) {
+            self.take_functions(block, one_shot, step)?;
         }
-        let functions: &[Word] = if block.may_have(letters(b"HMS")) { &block.words } else { &[] };
-        for word in functions {
-            match word.letter {
-                b'M' => step.stop = m_code(word, block)?.or(step.stop),
-                b'S' => step.spindle = Some((word.number.scaled(1), word.column)),
-                b'H' if one_shot != OneShot::Data => self.length_offset = word.number.scaled(1) as u16,
-                _ => {}
-            }
-        }
-        self.spindle = step.spindle.map_or(self.spindle, |(speed, _)| Some(speed));
         if self.system != system {
             self.settle(tables);
         }
@@ -77,6 +70,39 @@ impl Modal {
         Ok(())
     }
 
+    /// The G codes of a block; the last that holds for it alone.
+    fn take_codes(&mut self, block: &Block, before: &mut Before) -> Result<OneShot, Fault> {
+        let mut one_shot = OneShot::No;
+        for word in block.words.iter().filter(|word| word.letter == b'G') {
+            if let Some(kind) = MotionKind::of_code(word.number.as_whole()) {
+                self.set_motion(kind);
+                continue;
+            }
+            before.keep_whole(self);
+            match self.apply_g(word)? {
+                OneShot::No => {}
+                found => one_shot = found,
+            }
+        }
+        Ok(one_shot)
+    }
+
+    /// M, S and H.
+    fn take_functions(&mut self, block: &Block, one_shot: OneShot, step: &mut Step) -> Result<(), Fault> {
+        for word in &block.words {
+            match word.letter {
+                b'M' => step.stop = m_code(word, block)?.or(step.stop),
+                b'S' => {
+                    let speed = word.number.scaled(1);
+                    (step.spindle, self.spindle) = (Some((speed, word.column)), Some(speed));
+                }
+                b'H' if one_shot != OneShot::Data => self.length_offset = word.number.scaled(1) as u16,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
     /// A move along the path, or a block of a cycle.
     fn go(&mut self, block: &Block, settings: &Settings, step: &mut Step) -> Result<(), Fault> {
         let feed = self.take_feed(block);
@@ -88,16 +114,7 @@ impl Modal {
         if self.polar.is_some() {
             self.resolve_polar(block, &mut target, settings.decimals);
         }
-        step.motion = self.motion_to(block, &target, (feed, settings.decimals))?;
-        if let Some(motion) = &step.motion {
-            (self.position, self.program) = (motion.end, target.end);
-            if self.is_unsettled {
-                let (first, second, _) = self.plane.axes();
-                let in_plane = (1_u8 << first) | (1_u8 << second);
-                self.is_unsettled = target.named & in_plane != in_plane;
-            }
-        }
-        Ok(())
+        self.move_to(block, &target, (feed, settings.decimals), step)
     }
 
     /// The first move in the plane behind G41, G42 or G40 brings the contour's offset in or takes it out: no arc can.
@@ -136,7 +153,7 @@ impl Modal {
         if self.frame.is_plain() {
             return None;
         }
-        if let Some(stretch) = self.frame.stretch {
+        if let Some(stretch) = &self.frame.stretch {
             return under(stretch.code);
         }
         under(match (self.frame.rotation, self.preset, self.local) {

@@ -3,6 +3,8 @@
 //! Only lines are context for the text level, only [`modal::Modal`] for the meaning level; every fault carries the
 //! column it was found at, and the caller knows the line.
 
+pub mod tape_code;
+
 pub mod macro_alarm;
 
 pub mod alarm;
@@ -17,6 +19,8 @@ pub mod motion;
 
 pub mod settings;
 
+mod scale;
+
 pub mod block;
 
 pub mod stretch;
@@ -28,6 +32,8 @@ pub mod series;
 pub mod modal;
 
 pub mod address;
+
+pub(crate) mod before;
 
 mod codes;
 

@@ -16,6 +16,20 @@ pub enum MotionKind {
     Arc(Turn),
 }
 
+impl MotionKind {
+    /// That of a G code; nothing for those of other groups.
+    #[inline]
+    pub const fn of_code(code: Option<i64>) -> Option<Self> {
+        match code {
+            Some(0) => Some(MotionKind::Rapid),
+            Some(1) => Some(MotionKind::Line),
+            Some(2) => Some(MotionKind::Arc(Turn::Cw)),
+            Some(3) => Some(MotionKind::Arc(Turn::Ccw)),
+            _ => None,
+        }
+    }
+}
+
 /// The sense of an arc, seen against the plane's normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {

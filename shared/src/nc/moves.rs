@@ -2,21 +2,11 @@
 
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::block::Block;
-use super::modal::{Center, Feed, FeedMode, Modal, Motion, MotionKind, PER_MIN_SCALE, Pose};
+use super::modal::{Center, Feed, FeedMode, Modal, Motion, MotionKind, PER_MIN_SCALE, Pose, Step};
 use super::number::Number;
+use super::scale::Scale;
 use super::settings::Decimals;
-use crate::units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Nm};
-
-/// Least increments of a rotary axis in a degree (0.001 deg).
-const ROTARY_INCREMENTS_PER_DEG: i64 = 1_000;
-
-/// Least increments in one unit of length: 0.001 mm, 0.0001 in.
-const fn increments_per_unit(unit: LengthUnit) -> i64 {
-    match unit {
-        LengthUnit::Mm => 1_000,
-        LengthUnit::Inch => 10_000,
-    }
-}
+use crate::units::{LengthUnit, MicroDeg, Nm};
 
 /// What a feed per revolution without a point counts in: hundredths of a millimetre, ten-thousandths of an inch.
 const fn revolution_increments(unit: LengthUnit) -> i64 {
@@ -40,6 +30,7 @@ pub(super) struct Target {
 
 impl Modal {
     /// The feed this block moves with; a G94 or G95 feed is remembered, an inverse time is not. F0 is none.
+    #[inline]
     pub(super) fn take_feed(&mut self, block: &Block) -> Feed {
         let word = block.word(b'F');
         if self.feed_mode == FeedMode::InverseTime {
@@ -49,12 +40,14 @@ impl Modal {
             return if times == 0 { Feed::Missing } else { Feed::InverseTime(times) };
         }
         if let Some(word) = word {
-            let per_point = self.unit.nm();
-            let scale = match self.feed_mode {
-                FeedMode::PerRevolution if !word.number.has_point() => per_point / revolution_increments(self.unit),
-                _ => per_point,
+            let feed = match self.feed_mode {
+                FeedMode::PerRevolution if !word.number.has_point() => {
+                    word.number.scaled(self.unit.nm() / revolution_increments(self.unit))
+                }
+                // Whole units, with and without a point.
+                _ => Scale::of_lengths(self.unit, Decimals::Calculator).of(word.number),
             };
-            self.feed = Some(Nm(word.number.scaled(scale))).filter(|feed| feed.0 != 0);
+            self.feed = Some(Nm(feed)).filter(|feed| feed.0 != 0);
         }
         let turns = if self.feed_mode == FeedMode::PerRevolution { self.spindle.unwrap_or(0) } else { 1 };
         match self.feed.map(|feed| Nm(feed.0.saturating_mul(turns))) {
@@ -64,25 +57,37 @@ impl Modal {
     }
 
     /// Reads X to Z, A to C and I to K.
+    #[inline(always)]
     pub(super) fn target(&self, block: &Block, decimals: Decimals) -> Target {
         let mut target = Target { end: self.program, named: 0, offset: [Nm(0); 3], has_offset: false };
+        let from = |axis: Option<i64>| if self.absolute { 0 } else { axis.unwrap_or(0) };
+        let lengths = Scale::of_lengths(self.unit, decimals);
         for word in &block.words {
-            let (index, value) = match word.letter {
-                letter @ b'X'..=b'Z' => (letter - b'X', self.length(word.number, decimals)),
-                letter @ b'A'..=b'C' => (letter - b'A' + 3, rotary(word.number, decimals)),
+            match word.letter {
+                letter @ b'X'..=b'Z' => {
+                    let index = usize::from(letter - b'X');
+                    let start = from(self.program.linear.get(index).map(|axis| axis.0));
+                    if let Some(axis) = target.end.linear.get_mut(index) {
+                        axis.0 = start.saturating_add(lengths.of(word.number));
+                    }
+                    target.named |= 1 << index;
+                }
                 letter @ b'I'..=b'K' => {
                     if let Some(axis) = target.offset.get_mut(usize::from(letter - b'I')) {
-                        *axis = Nm(self.length(word.number, decimals));
+                        axis.0 = lengths.of(word.number);
                     }
                     target.has_offset = true;
-                    continue;
                 }
-                _ => continue,
-            };
-            if let Some(axis) = target.end.axis_mut(word.letter) {
-                *axis = if self.absolute { value } else { self.program.axis(word.letter).saturating_add(value) };
+                letter @ b'A'..=b'C' => {
+                    let index = usize::from(letter - b'A');
+                    let start = from(self.program.rotary.get(index).map(|axis| axis.0));
+                    if let Some(axis) = target.end.rotary.get_mut(index) {
+                        axis.0 = start.saturating_add(rotary(word.number, decimals));
+                    }
+                    target.named |= 8 << index;
+                }
+                _ => {}
             }
-            target.named |= 1 << index;
         }
         target
     }
@@ -114,13 +119,14 @@ impl Modal {
         }
     }
 
-    /// The move to the target, if it is one.
-    pub(super) fn motion_to(
-        &self,
+    /// Moves to the target, if this is a move.
+    pub(super) fn move_to(
+        &mut self,
         block: &Block,
         target: &Target,
         ways: (Feed, Decimals),
-    ) -> Result<Option<Motion>, Fault> {
+        step: &mut Step,
+    ) -> Result<(), Fault> {
         let (feed, decimals) = ways;
         let (moves, has_offset) = (target.named != 0, target.has_offset);
         let is_arc = matches!(self.motion, MotionKind::Arc(_));
@@ -135,14 +141,13 @@ impl Modal {
             None => moves || (is_arc && has_offset),
         };
         if !is_move {
-            return Ok(None);
+            return Ok(());
         }
         self.may_move(target)?;
         let is_turned = self.frame.rotation.is_some_and(|rotation| rotation.plane != self.plane);
         if is_arc && is_turned {
             return Err(Fault::alarm(Alarm::RotationPlane, 0));
         }
-        let is_plain = self.frame.is_plain();
         let (kind, radius) = match self.motion {
             MotionKind::Arc(turn) => {
                 let (length, turn) = self.stretch_arc(radius.unwrap_or_default(), turn)?;
@@ -150,18 +155,26 @@ impl Modal {
             }
             straight => (straight, None),
         };
-        Ok(Some(Motion {
+        let motion = step.motion.insert(Motion {
             kind,
             plane: self.plane,
             start: self.position,
-            end: if is_plain { target.end } else { self.keep_unnamed(self.frame.to_path(target.end), target.named) },
-            center: match radius {
-                Some(radius) => Center::Radius(radius),
-                None if is_plain => Center::Offset(target.offset),
-                None => Center::Offset(self.frame.vector(target.offset)),
-            },
+            end: target.end,
+            center: Center::Offset(target.offset),
             feed: if self.motion == MotionKind::Rapid { Feed::Missing } else { feed },
-        }))
+        });
+        if !self.frame.is_plain() {
+            motion.end = self.keep_unnamed(self.frame.to_path(target.end), target.named);
+            motion.center = Center::Offset(self.frame.vector(target.offset));
+        }
+        if let Some(radius) = radius {
+            motion.center = Center::Radius(radius);
+        }
+        (self.position, self.program) = (motion.end, target.end);
+        if self.is_unsettled {
+            self.is_unsettled = target.named & self.in_plane() != self.in_plane();
+        }
+        Ok(())
     }
 
     /// Whether what is in force lets a move be interpreted.
@@ -169,30 +182,29 @@ impl Modal {
         if self.unmodelled != 0 {
             return Err(Fault::not_modelled(NotModelled::MoveUnder(self.unmodelled), 0));
         }
-        let (first, second, _) = self.plane.axes();
-        let in_plane = (1_u8 << first) | (1_u8 << second);
-        let named = target.named & in_plane;
-        if self.is_unsettled && named != 0 && (named != in_plane || !self.absolute) {
-            return Err(Fault::not_modelled(NotModelled::AfterRotation, 0));
+        if self.is_unsettled {
+            let named = target.named & self.in_plane();
+            if named != 0 && (named != self.in_plane() || !self.absolute) {
+                return Err(Fault::not_modelled(NotModelled::AfterRotation, 0));
+            }
         }
         Ok(())
     }
 
+    /// The plane's axes, as in [`Target::named`].
+    fn in_plane(&self) -> u8 {
+        let (first, second, _) = self.plane.axes();
+        1 << first | 1 << second
+    }
+
     /// A length word, nm.
+    #[inline]
     pub(super) fn length(&self, number: Number, decimals: Decimals) -> i64 {
-        if number.has_point() || decimals == Decimals::Calculator {
-            number.scaled(self.unit.nm())
-        } else {
-            number.scaled(self.unit.nm() / increments_per_unit(self.unit))
-        }
+        Scale::of_lengths(self.unit, decimals).of(number)
     }
 }
 
 /// An angle word, microdegrees.
 pub(super) fn rotary(number: Number, decimals: Decimals) -> i64 {
-    if number.has_point() || decimals == Decimals::Calculator {
-        number.scaled(MICRODEG_PER_DEG)
-    } else {
-        number.scaled(MICRODEG_PER_DEG / ROTARY_INCREMENTS_PER_DEG)
-    }
+    Scale::of_angles(decimals).of(number)
 }

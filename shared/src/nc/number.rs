@@ -10,6 +10,9 @@ pub const DIGITS_MAX: usize = 8;
 /// As far as the digits of a number go.
 pub(super) const POWERS_OF_TEN: [i32; 9] = [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
 
+/// Places that a point can have, none among them.
+pub(super) const PLACES_MAX: usize = DIGITS_MAX + 2;
+
 /// A decimal number of at most [`DIGITS_MAX`] digits, `mantissa * 10^-decimals`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Number {
@@ -34,8 +37,20 @@ impl Number {
     pub fn scaled(self, units_per_one: i64) -> i64 {
         let (product, divisor) = (i64::from(self.mantissa) * units_per_one, i64::from(self.divisor()));
         // Away from zero: what is cut off counts from half the divisor on.
-        let (whole, rest) = (product / divisor, product % divisor);
+        let (whole, rest) = (product.checked_div(divisor).unwrap_or(0), product.checked_rem(divisor).unwrap_or(0));
         whole + i64::from(2 * rest >= divisor) - i64::from(2 * rest <= -divisor)
+    }
+
+    /// 0 without a decimal point, otherwise one more than the digits behind it.
+    #[inline]
+    pub(super) const fn place(self) -> usize {
+        self.point as usize
+    }
+
+    /// All digits, the point left out.
+    #[inline]
+    pub(super) const fn mantissa(self) -> i64 {
+        self.mantissa as i64
     }
 
     /// The value if it has no fraction, as for `N`, `G` and `M` words.
@@ -45,7 +60,8 @@ impl Number {
             return Some(i64::from(self.mantissa));
         }
         let divisor = self.divisor();
-        (self.mantissa % divisor == 0).then(|| i64::from(self.mantissa / divisor))
+        let is_whole = self.mantissa.checked_rem(divisor) == Some(0);
+        self.mantissa.checked_div(divisor).filter(|_| is_whole).map(i64::from)
     }
 
     /// Tenths, if that is exact: `G43.4` is 434 tenths.
@@ -55,7 +71,7 @@ impl Number {
             return Some(i64::from(self.mantissa) * 10);
         }
         let (tenfold, divisor) = (i64::from(self.mantissa) * 10, i64::from(self.divisor()));
-        (tenfold % divisor == 0).then_some(tenfold / divisor)
+        tenfold.checked_div(divisor).filter(|_| tenfold.checked_rem(divisor) == Some(0))
     }
 
     /// The nearest f64.
@@ -63,6 +79,7 @@ impl Number {
         f64::from(self.mantissa) / f64::from(self.divisor())
     }
 
+    /// Never 0, which the compiler does not see: divisions by it are checked, as on a chip none may be able to panic.
     fn divisor(self) -> i32 {
         POWERS_OF_TEN.get(usize::from(self.point.saturating_sub(1))).copied().unwrap_or(1)
     }
@@ -159,5 +176,19 @@ mod tests {
         assert_eq!(read(b"43.4", 0).unwrap().0.as_tenths(), Some(434));
         assert_eq!(read(b"02", 0).unwrap().0.as_tenths(), Some(20));
         assert_eq!(read(b"1.25", 0).unwrap().0.as_tenths(), None);
+    }
+
+    #[test]
+    fn whole_units_and_broken_ones_are_scaled_alike() {
+        for (text, units, scaled) in [
+            ("1.2345", 25_400_000, 31_356_300),
+            ("-0.000001", 25_400_000, -25),
+            ("1.2345678", 25_400_000, 31_358_022),
+            ("-99999999", 25_400_000, -2_539_999_974_600_000),
+            ("3.1415926", 1_000_000, 3_141_593),
+            ("1.5", 10_000_000_000, 15_000_000_000),
+        ] {
+            assert_eq!(read(text.as_bytes(), 0).unwrap().0.scaled(units), scaled, "{text}");
+        }
     }
 }

@@ -71,6 +71,11 @@ impl<'a> Words<'a> {
         Words { line: line.get(..LINE_MAX).unwrap_or(line), at: 0 }
     }
 
+    /// Goes on at a byte of the line.
+    pub(super) fn from(line: &'a [u8], at: usize) -> Self {
+        Words { at, ..Words::new(line) }
+    }
+
     /// Offset of the next byte.
     #[inline]
     pub fn offset(&self) -> usize {
@@ -86,12 +91,9 @@ impl<'a> Words<'a> {
     /// instructions. [`Words::next`] has the others.
     #[inline]
     pub fn next_word(&mut self) -> Option<Word> {
-        let letter = self.peek().filter(u8::is_ascii_uppercase)?;
-        let (start, from) = (self.at, self.at + 1);
-        let (number, end) = number::read(self.line, from)?;
+        let (word, end) = plain_word(self.line, self.at)?;
         self.at = end;
-        // Both fit: `new` bounds the one, the digits of a number the other.
-        Some(Word { letter, number, column: from as u16, len: (end - start) as u8 })
+        Some(word)
     }
 
     fn word(&mut self, letter: u8) -> Result<Token<'a>, Fault> {
@@ -180,6 +182,16 @@ impl<'a> Iterator for Words<'a> {
         }
         Some(token.map(|token| Piece { token, start, end: self.at }))
     }
+}
+
+/// The word at byte `start` of a line of at most [`LINE_MAX`] bytes, if one stands there without blanks, and the byte
+/// behind it.
+#[inline]
+pub(super) fn plain_word(line: &[u8], start: usize) -> Option<(Word, usize)> {
+    let letter = line.get(start).copied().filter(u8::is_ascii_uppercase)?;
+    let (number, end) = number::read(line, start + 1)?;
+    // Both fit: the caller bounds the one, the digits of a number the other.
+    Some((Word { letter, number, column: (start + 1) as u16, len: (end - start) as u8 }, end))
 }
 
 /// The column, counted from 1, of the byte at `offset`.

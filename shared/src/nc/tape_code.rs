@@ -1,0 +1,236 @@
+//! The codes a control reads: ISO with an even-parity bit, EIA (RS-244) with odd parity, plain ASCII.
+//!
+//! A frame is the eight bits that the line's receiver hands on. In ISO the eighth is the parity bit, in EIA the fifth; in
+//! ASCII the eighth counts for nothing and nothing is checked. What does not obey its code is a TH alarm.
+//!
+//! Sources: ISO 840 and EIA as in the tables of tape codes that controls print (Yasnac LX3, table 2.4: what is
+//! disregarded, and the hole patterns 2-4-5 and 2-4-7 of the brackets). Fanuc B-63503EN p. 62: eight bits including parity.
+
+/// XON: reader start.
+pub const DC1: u8 = 0x11;
+/// Punch start.
+pub const DC2: u8 = 0x12;
+/// XOFF: reader stop.
+pub const DC3: u8 = 0x13;
+/// Punch stop.
+pub const DC4: u8 = 0x14;
+
+const PARITY: u8 = 0x80;
+const LINE_FEED: u8 = b'\n';
+const DELETE: u8 = 0x7F;
+const BACKSPACE: u8 = 0x08;
+const EIA_END_OF_BLOCK: u8 = 0x80;
+const EIA_BACKSPACE: u8 = 0x2A;
+
+/// A code of the tape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Code {
+    /// Seven bits and an even-parity bit.
+    Iso,
+    /// RS-244: letters of one case, odd parity.
+    Eia,
+    /// Seven bits, unchecked.
+    Ascii,
+}
+
+/// What a frame is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Symbol {
+    /// A character, in ASCII.
+    Character(u8),
+    /// The end of a block.
+    EndOfBlock,
+    /// Nothing for the control: NUL, CR, DEL and control codes in ISO, backspace and all holes in EIA.
+    Ignored,
+}
+
+/// A frame that its code does not have: alarm PS0001.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotInCode;
+
+/// ASCII and EIA.
+const EIA: [(u8, u8); 47] = [
+    (b'0', 0x20),
+    (b'1', 0x01),
+    (b'2', 0x02),
+    (b'3', 0x13),
+    (b'4', 0x04),
+    (b'5', 0x15),
+    (b'6', 0x16),
+    (b'7', 0x07),
+    (b'8', 0x08),
+    (b'9', 0x19),
+    (b'A', 0x61),
+    (b'B', 0x62),
+    (b'C', 0x73),
+    (b'D', 0x64),
+    (b'E', 0x75),
+    (b'F', 0x76),
+    (b'G', 0x67),
+    (b'H', 0x68),
+    (b'I', 0x79),
+    (b'J', 0x51),
+    (b'K', 0x52),
+    (b'L', 0x43),
+    (b'M', 0x54),
+    (b'N', 0x45),
+    (b'O', 0x46),
+    (b'P', 0x57),
+    (b'Q', 0x58),
+    (b'R', 0x49),
+    (b'S', 0x32),
+    (b'T', 0x23),
+    (b'U', 0x34),
+    (b'V', 0x25),
+    (b'W', 0x26),
+    (b'X', 0x37),
+    (b'Y', 0x38),
+    (b'Z', 0x29),
+    (b' ', 0x10),
+    (b'\t', 0x3E),
+    (b'%', 0x0B),
+    (b'&', 0x0E),
+    (b'(', 0x1A),
+    (b')', 0x4A),
+    (b'+', 0x70),
+    (b',', 0x3B),
+    (b'-', 0x40),
+    (b'.', 0x6B),
+    (b'/', 0x31),
+];
+
+impl Code {
+    /// The code that a first end of block tells: `None` where the frame is none.
+    pub fn of_end_of_block(frame: u8) -> Option<Self> {
+        match frame {
+            EIA_END_OF_BLOCK => Some(Code::Eia),
+            _ if frame & !PARITY == LINE_FEED => Some(Code::Iso),
+            _ => None,
+        }
+    }
+
+    /// Whether the frame ends a block, also with a wrong parity bit: the block it ends is refused, not run into the next.
+    pub fn ends_block(self, frame: u8) -> bool {
+        match self {
+            Code::Iso | Code::Ascii => frame & !PARITY == LINE_FEED,
+            Code::Eia => frame == EIA_END_OF_BLOCK,
+        }
+    }
+
+    /// What a frame is.
+    ///
+    /// # Errors
+    /// Wrong parity, or holes that mean nothing.
+    pub fn decode(self, frame: u8) -> Result<Symbol, NotInCode> {
+        match self {
+            Code::Ascii => Ok(ascii(frame & !PARITY)),
+            Code::Iso if frame.count_ones().is_multiple_of(2) => Ok(ascii(frame & !PARITY)),
+            Code::Iso => Err(NotInCode),
+            Code::Eia => match frame {
+                EIA_END_OF_BLOCK => Ok(Symbol::EndOfBlock),
+                EIA_BACKSPACE | DELETE => Ok(Symbol::Ignored),
+                _ => {
+                    let found = EIA.iter().find(|(_, eia)| *eia == frame);
+                    found.map(|(byte, _)| Symbol::Character(*byte)).ok_or(NotInCode)
+                }
+            },
+        }
+    }
+
+    /// The frame for an ASCII character, a line feed for the end of a block; `None` for what the code does not have.
+    pub fn encode(self, byte: u8) -> Option<u8> {
+        match (self, byte) {
+            (Code::Ascii, _) => Some(byte & !PARITY),
+            (Code::Iso, _) => Some(with_even_parity(byte)),
+            (Code::Eia, LINE_FEED) => Some(EIA_END_OF_BLOCK),
+            (Code::Eia, _) => EIA.iter().find(|(ascii, _)| *ascii == byte.to_ascii_uppercase()).map(|(_, eia)| *eia),
+        }
+    }
+}
+
+/// Seven bits and the eighth that makes the number of ones even.
+pub const fn with_even_parity(byte: u8) -> u8 {
+    let low = byte & !PARITY;
+    if low.count_ones().is_multiple_of(2) { low } else { low | PARITY }
+}
+
+/// The frame without what may be its parity bit.
+pub const fn without_parity(frame: u8) -> u8 {
+    frame & !PARITY
+}
+
+fn ascii(byte: u8) -> Symbol {
+    match byte {
+        LINE_FEED => Symbol::EndOfBlock,
+        0 | BACKSPACE | b'\r' | DC1..=DC4 | DELETE => Symbol::Ignored,
+        _ => Symbol::Character(byte),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Character, EIA and ISO in hexadecimal, as a published table prints them ("EIA-ASCII-ISO encoding" of
+    /// wiki.bastelbude.grade.de, after appendix F of the GrecoSystems CNC Minifile manual).
+    const PRINTED: &str = "0 20 30, 1 01 B1, 2 02 B2, 3 13 33, 4 04 B4, 5 15 35, 6 16 36, 7 07 B7, 8 08 B8, 9 19 39, \
+        A 61 41, B 62 42, C 73 C3, D 64 44, E 75 C5, F 76 C6, G 67 47, & 0E A6, ( 1A 28, ) 4A A9, + 70 2B, - 40 2D, \
+        . 6B 2E, / 31 AF";
+
+    #[test]
+    fn the_codes_are_those_of_a_printed_table() {
+        let hex = |text: &str| u8::from_str_radix(text, 16).unwrap();
+        let mut rows = 0;
+        for row in PRINTED.split(", ") {
+            let [byte, eia, iso] = <[&str; 3]>::try_from(row.split(' ').collect::<Vec<_>>()).unwrap();
+            let byte = byte.as_bytes()[0];
+            assert_eq!((Code::Eia.encode(byte), Code::Iso.encode(byte)), (Some(hex(eia)), Some(hex(iso))), "{row}");
+            assert_eq!(Code::Eia.decode(hex(eia)), Ok(Symbol::Character(byte)), "{row}");
+            assert_eq!(Code::Iso.decode(hex(iso)), Ok(Symbol::Character(byte)), "{row}");
+            rows += 1;
+        }
+        assert_eq!(rows, 24);
+    }
+
+    #[test]
+    fn every_code_of_eia_is_odd_and_there_is_one_for_each_character() {
+        for (index, (byte, eia)) in EIA.iter().enumerate() {
+            assert!(!eia.count_ones().is_multiple_of(2), "{}", char::from(*byte));
+            assert!(EIA[..index].iter().all(|(other, code)| other != byte && code != eia));
+        }
+        // Digits and letters count in the four lowest holes, as punched: 1 to 9 again in A to I, J to R and (2 to 9) S to Z.
+        let low = |byte| Code::Eia.encode(byte).unwrap() & 0x0F;
+        for (first, from) in [(b'1', 1), (b'A', 1), (b'J', 1), (b'S', 2)] {
+            for count in 0..=9 - from {
+                assert_eq!(low(first + count), from + count, "{}", char::from(first + count));
+            }
+        }
+    }
+
+    #[test]
+    fn one_wrong_hole_is_always_found() {
+        for code in [Code::Iso, Code::Eia] {
+            for byte in b"%O1234(DRILL)N10G1X-1.5Y+2,3/\n" {
+                let frame = code.encode(*byte).unwrap();
+                for hole in 0..8 {
+                    let decoded = code.decode(frame ^ (1 << hole));
+                    // In EIA all holes but one parity hole are a delete, which no character is one hole away from.
+                    assert_eq!(decoded, Err(NotInCode), "{code:?} {} hole {hole}", char::from(*byte));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn dc3_has_a_parity_bit_in_iso() {
+        assert_eq!([DC1, DC2, DC3, DC4].map(with_even_parity), [0x11, 0x12, 0x93, 0x14]);
+    }
+
+    #[test]
+    fn cr_nul_and_del_mean_nothing_in_iso() {
+        for byte in [0, b'\r', DELETE] {
+            assert_eq!(Code::Iso.decode(with_even_parity(byte)), Ok(Symbol::Ignored));
+        }
+        assert_eq!(Code::Eia.decode(0), Err(NotInCode));
+    }
+}

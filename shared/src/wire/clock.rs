@@ -1,0 +1,212 @@
+//! The other end's clock, from round trips.
+//!
+//! Of a round trip, a is by our clock and b by theirs: a1 ours goes out, b1 it comes in, b2 theirs goes out, a2 it comes in. Nothing arrives
+//! before it is sent, so for the offset O = b - a, whatever way took longer:
+//!
+//! ```text
+//! b2 - a2 <= O <= b1 - a1                                                           (1)
+//! ```
+//!
+//! Bounds of one round trip and of the next are intersected, after those of before were widened by what the two clocks may
+//! have drifted apart since (2). A round trip that was held up gives wide bounds and so changes nothing: no outliers to
+//! reject. Bounds that do not meet say that a clock stepped, or drifts more than it may; the newer ones stand then, counted.
+//! From the upper bound follows the least time at which something can have been sent (3): an age from that errs on the old side only.
+//!
+//! The drift itself is the slope of a line through the narrowest round trip of each second, older ones weighing less by 1/30 each
+//! (4), as in Klipper's `clocksync.py`; one more than twice as wide as the narrowest so far (which is forgotten by 1/16 each) is left out.
+//!
+//! Clocks are compared modulo 2^32 us, differences within half of that: 35 minutes.
+
+use crate::units::{Micros, Span, US_PER_S};
+
+use super::session::Echo;
+
+const PPM: u64 = 1_000_000;
+/// Between two points of the line.
+const WINDOW_US: u64 = US_PER_S;
+/// How much less a point weighs than the next one.
+const DECAY: f64 = 1.0 / 30.0;
+/// Points before a slope is believed.
+const POINTS_MIN: u32 = 4;
+const PPB_PER_ONE: f64 = 1e9;
+
+/// Where the offset must lie, and since when that is known.
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
+    at: Micros,
+    low: u32,
+    width: u32,
+}
+
+/// What is known of the other end's clock.
+#[derive(Clone, Copy, Debug)]
+pub struct PeerClock {
+    drift_max_ppm: u32,
+    bounds: Option<Bounds>,
+    steps: u32,
+    line: Line,
+}
+
+impl PeerClock {
+    /// Nothing yet; the two clocks drift apart by no more than this.
+    pub const fn new(drift_max_ppm: u32) -> Self {
+        PeerClock { drift_max_ppm, bounds: None, steps: 0, line: Line::NEW }
+    }
+
+    /// Learns from a frame that came in `now`, put on the line when their clock said `theirs_us`, with an echo of ours.
+    /// Answers the round trip, without the time the echo was held.
+    pub fn on_echo(&mut self, now: Micros, theirs_us: u32, echo: Echo) -> Option<Span> {
+        let there_and_back = low_bits(now).wrapping_sub(echo.t_us);
+        let width = there_and_back.wrapping_sub(echo.held_us);
+        // An echo of the future, or held for longer than it was away.
+        if there_and_back > i32::MAX as u32 || width > i32::MAX as u32 {
+            return None;
+        }
+        let low = theirs_us.wrapping_sub(low_bits(now)); // (1)
+        let new = Bounds { at: now, low, width: width.saturating_add(self.drift(there_and_back)) };
+        let known = self.bounds_at(now);
+        self.bounds = Some(known.and_then(|known| known.intersected(&new)).unwrap_or(new));
+        if known.is_some_and(|known| known.intersected(&new).is_none()) {
+            self.steps = self.steps.wrapping_add(1);
+            self.line = Line::NEW;
+        }
+        self.line.on_round_trip(now, low.wrapping_add(width / 2), width);
+        Some(Span(width))
+    }
+
+    /// The earliest time, by our clock, at which theirs can have said `theirs_us`: not after `now`. Nothing before the first
+    /// round trip.
+    pub fn earliest(&self, now: Micros, theirs_us: u32) -> Option<Micros> {
+        let bounds = self.bounds_at(now)?;
+        let ours = theirs_us.wrapping_sub(bounds.low.wrapping_add(bounds.width)); // (3)
+        Some(before(now, ours))
+    }
+
+    /// The likeliest time, by our clock, at which theirs said `theirs_us`: not after `now`. Nothing before the first round trip.
+    pub fn to_ours(&self, now: Micros, theirs_us: u32) -> Option<Micros> {
+        let bounds = self.bounds_at(now)?;
+        Some(before(now, theirs_us.wrapping_sub(bounds.low.wrapping_add(bounds.width / 2))))
+    }
+
+    /// How far [`Self::to_ours`] can be off, either way.
+    pub fn uncertainty(&self, now: Micros) -> Option<Span> {
+        self.bounds_at(now).map(|bounds| Span(bounds.width.div_ceil(2)))
+    }
+
+    /// By how much their clock is faster than ours, parts per thousand million; nothing before four seconds.
+    pub fn drift_ppb(&self) -> Option<i32> {
+        self.line.slope().map(|slope| libm::round(slope * PPB_PER_ONE) as i32)
+    }
+
+    /// How often it was found where it could not be.
+    pub const fn steps(&self) -> u32 {
+        self.steps
+    }
+
+    /// The bounds, widened to `now`.
+    fn bounds_at(&self, now: Micros) -> Option<Bounds> {
+        let Bounds { at, low, width } = self.bounds?;
+        let drift = self.drift(Span::from(now.since(at)).0);
+        let width = width.saturating_add(drift.saturating_mul(2)).min(i32::MAX as u32);
+        Some(Bounds { at: now, low: low.wrapping_sub(drift), width }) // (2)
+    }
+
+    /// How far the clocks drift apart at most, rounded up.
+    fn drift(&self, span_us: u32) -> u32 {
+        let drift = (u64::from(span_us) * u64::from(self.drift_max_ppm)).div_ceil(PPM);
+        u32::try_from(drift).unwrap_or(u32::MAX)
+    }
+}
+
+impl Bounds {
+    /// What both allow.
+    fn intersected(&self, other: &Bounds) -> Option<Bounds> {
+        let shift = i64::from(other.low.wrapping_sub(self.low) as i32);
+        let low = shift.max(0);
+        let high = i64::from(self.width).min(shift + i64::from(other.width));
+        let width = u32::try_from(high - low).ok()?;
+        Some(Bounds { at: other.at, low: self.low.wrapping_add(low as u32), width })
+    }
+}
+
+fn low_bits(at: Micros) -> u32 {
+    at.0 as u32
+}
+
+/// The point in time before `now` that has these low bits; `now` where they lie ahead.
+fn before(now: Micros, low: u32) -> Micros {
+    let age = low_bits(now).wrapping_sub(low) as i32;
+    Micros(now.0.saturating_sub(u64::from(age.max(0) as u32)))
+}
+
+/// A line through offset over time.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    /// The narrowest round trip of this window: when, offset, width.
+    best: Option<(Micros, u32, u32)>,
+    window_ends: Micros,
+    /// The narrowest of all, ageing.
+    least_width: u32,
+    /// The last point, from which the next one is counted.
+    last: Option<(Micros, u32)>,
+    points: u32,
+    /// Means of time and offset as seen from the last point, their variance and covariance: seconds.
+    mean_s: [f64; 2],
+    variance: f64,
+    covariance: f64,
+}
+
+impl Line {
+    const NEW: Line = Line {
+        best: None,
+        window_ends: Micros(0),
+        least_width: u32::MAX,
+        last: None,
+        points: 0,
+        mean_s: [0.0; 2],
+        variance: 0.0,
+        covariance: 0.0,
+    };
+
+    fn on_round_trip(&mut self, now: Micros, offset: u32, width: u32) {
+        if let Some((at, offset, width)) = self.best.filter(|_| now >= self.window_ends) {
+            let is_narrow = width / 2 <= self.least_width;
+            self.least_width = self.least_width.saturating_add(self.least_width / 16).min(width);
+            if is_narrow {
+                self.add(at, offset);
+            }
+            self.best = None;
+        }
+        if self.best.is_none() {
+            self.window_ends = now.after(Micros(WINDOW_US));
+        }
+        if self.best.is_none_or(|(_, _, least)| width < least) {
+            self.best = Some((now, offset, width));
+        }
+    }
+
+    /// Adds a point, as seen from which all others are remembered.
+    fn add(&mut self, at: Micros, offset: u32) {
+        if let Some((last_at, last_offset)) = self.last {
+            let time_s = at.since(last_at).to_s();
+            let offset_s = f64::from(offset.wrapping_sub(last_offset) as i32) / US_PER_S as f64;
+            let [mean_time_s, mean_offset_s] = self.mean_s;
+            // From the old mean to the new point.
+            let (ahead_s, off_s) = (time_s - mean_time_s, offset_s - mean_offset_s);
+            // A first few points weigh alike.
+            let weight = DECAY.max(1.0 / f64::from(self.points.saturating_add(1)));
+            self.variance = (1.0 - weight) * (self.variance + weight * ahead_s * ahead_s); // (4)
+            self.covariance = (1.0 - weight) * (self.covariance + weight * ahead_s * off_s); // (4)
+            self.mean_s = [-ahead_s * (1.0 - weight), -off_s * (1.0 - weight)];
+        }
+        self.last = Some((at, offset));
+        self.points = self.points.saturating_add(1);
+    }
+
+    fn slope(&self) -> Option<f64> {
+        (self.points >= POINTS_MIN && self.variance > 0.0).then(|| self.covariance / self.variance)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,168 @@
+//! The latest-wins class: a value has a kind and a time to live; a newer one takes the place of one that has not gone out.
+
+use heapless::Vec;
+
+use super::frame::PAYLOAD_MAX;
+use super::state::SendError;
+use crate::units::{Micros, Span, US_PER_MS};
+
+/// A value that has not gone out, or the place of one that has.
+#[derive(Clone, Debug)]
+pub struct Offer {
+    /// Of the message.
+    pub kind: u8,
+    /// Of the message.
+    pub payload: Vec<u8, PAYLOAD_MAX>,
+    expires: Micros,
+    /// Its turn among those waiting; `None` if it has gone out.
+    turn: Option<u32>,
+}
+
+/// The sender's side: one place for each kind.
+#[derive(Clone, Debug)]
+pub struct Offers<const KINDS: usize> {
+    places: Vec<Offer, KINDS>,
+    turns: u32,
+}
+
+impl<const KINDS: usize> Default for Offers<KINDS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const KINDS: usize> Offers<KINDS> {
+    /// Empty.
+    pub const fn new() -> Self {
+        Offers { places: Vec::new(), turns: 0 }
+    }
+
+    /// Takes a value; whether it replaced one. It keeps that one's turn, so that a kind offered often does go out.
+    ///
+    /// # Errors
+    /// No place for another kind, or the payload is too long.
+    pub fn put(&mut self, kind: u8, expires: Micros, payload: &[u8]) -> Result<bool, SendError> {
+        let payload = Vec::from_slice(payload).map_err(|_| SendError::TooLong(payload.len()))?;
+        self.turns = self.turns.wrapping_add(1);
+        let mut offer = Offer { kind, payload, expires, turn: Some(self.turns) };
+        let own = self.places.iter().position(|place| place.kind == kind);
+        let place = own.or_else(|| self.places.iter().position(|place| place.turn.is_none()));
+        let Some(place) = place.and_then(|place| self.places.get_mut(place)) else {
+            return self.places.push(offer).map(|()| false).map_err(|_| SendError::Full);
+        };
+        let waited = place.turn;
+        offer.turn = waited.or(offer.turn);
+        *place = offer;
+        Ok(waited.is_some())
+    }
+
+    /// Throws away what is over; how many.
+    pub fn expire(&mut self, now: Micros) -> u32 {
+        let mut count = 0;
+        for place in &mut self.places {
+            if place.turn.is_some() && milliseconds_left(now, place.expires) == 0 {
+                place.turn = None;
+                count += 1;
+            }
+        }
+        count
+    }
+
+    /// The value whose turn it is, and the milliseconds it has left, rounded down.
+    pub fn next(&self, now: Micros) -> Option<(&Offer, u16)> {
+        let waiting = self.places.iter().filter_map(|place| place.turn.map(|turn| (turn, place)));
+        // The count of turns wraps: how long ago, not how large.
+        let (_, offer) = waiting.max_by_key(|(turn, _)| self.turns.wrapping_sub(*turn))?;
+        Some((offer, milliseconds_left(now, offer.expires)))
+    }
+
+    /// It was put on the line.
+    pub fn sent(&mut self, kind: u8) {
+        if let Some(place) = self.places.iter_mut().find(|place| place.kind == kind) {
+            place.turn = None;
+        }
+    }
+
+    /// Whether any waits.
+    pub fn any(&self) -> bool {
+        self.places.iter().any(|place| place.turn.is_some())
+    }
+}
+
+fn milliseconds_left(now: Micros, expires: Micros) -> u16 {
+    u16::try_from(expires.since(now).0 / US_PER_MS).unwrap_or(u16::MAX)
+}
+
+/// The receiver's side: what came last.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Newest {
+    seq: Option<u16>,
+}
+
+impl Newest {
+    /// Whether a value is newer than the one that came last; it is the last one then.
+    pub fn is_news(&mut self, seq: u16) -> bool {
+        let is_news = self.seq.is_none_or(|last| (1..u16::MAX / 2).contains(&seq.wrapping_sub(last)));
+        if is_news {
+            self.seq = Some(seq);
+        }
+        is_news
+    }
+}
+
+/// When a value is over by our clock: sent at the earliest at `sent`, with so many milliseconds left.
+pub fn expiry(sent: Micros, left_ms: u16) -> Micros {
+    sent.after(Micros::from_ms(u64::from(left_ms)))
+}
+
+/// When a value offered now is over.
+pub fn deadline(now: Micros, ttl: Span) -> Micros {
+    now.after(Micros(u64::from(ttl.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const END: Micros = Micros(50_000);
+
+    #[test]
+    fn a_newer_value_replaces_the_one_that_waits_and_keeps_its_turn() {
+        let mut offers = Offers::<2>::new();
+        assert_eq!(offers.put(1, END, b"a"), Ok(false));
+        assert_eq!(offers.put(2, END, b"b"), Ok(false));
+        assert_eq!(offers.put(1, END, b"c"), Ok(true));
+        let next = |offers: &Offers<2>| offers.next(Micros(0)).map(|(offer, left)| (offer.payload.to_vec(), left));
+        assert_eq!(next(&offers), Some((b"c".to_vec(), 50)));
+        offers.sent(1);
+        assert_eq!(offers.put(1, END, b"d"), Ok(false));
+        assert_eq!(next(&offers), Some((b"b".to_vec(), 50)));
+    }
+
+    #[test]
+    fn the_place_of_a_kind_that_has_gone_out_is_free_for_another() {
+        let mut offers = Offers::<1>::new();
+        assert_eq!(offers.put(1, END, b"a"), Ok(false));
+        assert_eq!(offers.put(2, END, b"b"), Err(SendError::Full));
+        offers.sent(1);
+        assert_eq!(offers.put(2, END, b"b"), Ok(false));
+    }
+
+    #[test]
+    fn what_has_less_than_a_millisecond_left_does_not_go_out() {
+        let mut offers = Offers::<1>::new();
+        offers.put(1, END, b"a").unwrap();
+        assert_eq!(offers.expire(Micros(49_000)), 0);
+        assert_eq!(offers.expire(Micros(49_001)), 1);
+        assert!(!offers.any());
+    }
+
+    #[test]
+    fn what_is_older_or_the_same_is_no_news_also_around_the_wrap() {
+        let mut newest = Newest::default();
+        for (seq, is_news) in [(65_534, true), (65_534, false), (65_533, false), (1, true), (65_535, false), (2, true)]
+        {
+            assert_eq!(newest.is_news(seq), is_news, "{seq}");
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! What a frame does.
+
+use super::{End, LinkState, Loss, NEVER, Received, Refusal};
+use crate::units::Micros;
+use crate::wire::frame::{Class, Frame, NO_SALT, VERSION};
+use crate::wire::latest::expiry;
+use crate::wire::reliable::{Acked, Arrival};
+use crate::wire::session::{Echo, Hello, Peer};
+use crate::wire::state::Delivery;
+
+impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
+    /// A whole frame, whoever it is from.
+    pub(super) fn on_frame(&mut self, now: Micros, frame: &Frame<'_>, take: &mut dyn FnMut(Received<'_>)) {
+        if matches!(self.state, LinkState::Lost(_)) {
+            return;
+        }
+        if frame.salt == NO_SALT && frame.header.class == Class::Hello {
+            self.on_hello(now, frame);
+        } else if self.peer.is_some_and(|peer| frame.salt == peer.salt_in) && frame.version == VERSION {
+            self.on_frame_of_peer(now, frame, take);
+        } else if self.salt_before == Some(frame.salt) {
+            count(&mut self.counters.stale_sessions);
+            self.on_bad_frame();
+        } else {
+            count(&mut self.counters.crc_errors);
+            self.on_bad_frame();
+        }
+    }
+
+    /// Bytes between two delimiters that are no frame.
+    pub(super) fn on_framing_error(&mut self) {
+        if !matches!(self.state, LinkState::Lost(_)) {
+            count(&mut self.counters.framing_errors);
+            self.on_bad_frame();
+        }
+    }
+
+    fn on_bad_frame(&mut self) {
+        count(&mut self.bad_in_a_row);
+        if self.state == LinkState::Up && self.bad_in_a_row >= self.settings.bad_frames_max {
+            self.lose(Loss::Garbled);
+        }
+    }
+
+    /// Somebody greets.
+    fn on_hello(&mut self, now: Micros, frame: &Frame<'_>) {
+        if frame.version != VERSION {
+            return self.refuse(Refusal::Version(frame.version));
+        }
+        let Some(hello) = Hello::decode(frame.payload) else {
+            count(&mut self.counters.framing_errors);
+            return self.on_bad_frame();
+        };
+        if let Some(refusal) = hello.refusal(&self.settings) {
+            return self.refuse(refusal);
+        }
+        let knows_me = hello.peer_session == self.session;
+        if self.peer.is_none_or(|peer| peer.session != hello.session) {
+            if self.state == LinkState::Up {
+                return self.lose(Loss::PeerRestarted);
+            }
+            self.forget_peer();
+            self.peer = Some(Peer::new(&self.settings, self.session, hello.session));
+        }
+        if self.state != LinkState::Up {
+            self.state = LinkState::Greeting;
+        }
+        self.hear(now, frame);
+        if !knows_me {
+            self.due.hello = now;
+            return;
+        }
+        self.on_echo(now, frame, hello.echo);
+        self.come_up(now);
+        // It may not have heard that we know it, too.
+        self.due.heartbeat = now;
+    }
+
+    /// An echo of oneself on a link that is up is only noise.
+    fn refuse(&mut self, refusal: Refusal) {
+        match (self.state, refusal) {
+            (LinkState::Up, Refusal::Role(role)) if role == self.settings.role as u8 => self.on_bad_frame(),
+            (LinkState::Up, _) => self.lose(Loss::PeerRestarted),
+            _ => self.state = LinkState::Refused(refusal),
+        }
+    }
+
+    fn come_up(&mut self, now: Micros) {
+        if self.state != LinkState::Up {
+            self.state = LinkState::Up;
+            self.due.heartbeat = now;
+            self.due.hello = NEVER;
+        }
+    }
+
+    fn hear(&mut self, now: Micros, frame: &Frame<'_>) {
+        self.heard = Some((now, frame.header.t_us));
+        self.bad_in_a_row = 0;
+        count(&mut self.counters.frames_in);
+    }
+
+    /// A valid frame between our two sessions.
+    fn on_frame_of_peer(&mut self, now: Micros, frame: &Frame<'_>, take: &mut dyn FnMut(Received<'_>)) {
+        let is_up = self.state == LinkState::Up;
+        // A round trip first, then messages: without one, nobody knows how old they are.
+        if !is_up && frame.header.class != Class::Heartbeat {
+            return;
+        }
+        self.hear(now, frame);
+        if let Some(echo) = Some(frame.payload).filter(|_| frame.header.class == Class::Heartbeat) {
+            let Ok(echo) = echo.try_into() else { return count(&mut self.counters.framing_errors) };
+            self.on_echo(now, frame, Echo::decode(echo));
+            self.come_up(now);
+        }
+        self.on_acknowledgement(now, frame);
+        match frame.header.class {
+            Class::Reliable => self.on_reliable(now, frame, take),
+            Class::Latest => self.on_latest(now, frame, take),
+            Class::Bye => self.lose(Loss::PeerClosed),
+            Class::Hello | Class::Heartbeat | Class::Ack | Class::Nak | Class::Plain => {}
+        }
+    }
+
+    /// What of ours the peer answers: a round trip, for the clocks and the timer. A message's acknowledgement may wait a little.
+    fn on_echo(&mut self, now: Micros, frame: &Frame<'_>, echo: Echo) {
+        if let Some(round_trip) = self.clock.on_echo(now, frame.header.t_us, echo) {
+            self.rto.sample(round_trip.longer_by(self.settings.ack_delay));
+        }
+        self.counters.clock_steps = self.clock.steps();
+    }
+
+    /// What every frame says of the other direction.
+    fn on_acknowledgement(&mut self, now: Micros, frame: &Frame<'_>) {
+        match self.outbox.on_ack(now, frame.header.ack, self.rto.rto()) {
+            Acked::Nothing => {}
+            Acked::Some(sample) => {
+                if let Some(sample) = sample {
+                    self.rto.sample(sample);
+                }
+            }
+            Acked::Impossible => count(&mut self.counters.bad_acks),
+        }
+        self.outbox.on_busy(now, frame.header.is_busy);
+        if frame.header.class == Class::Nak && self.outbox.on_nak(now, frame.header.ack, self.rto.srtt()) {
+            count(&mut self.counters.naks);
+            self.due.delimiter = true;
+        }
+        (self.counters.srtt, self.counters.rto) = (self.rto.srtt(), self.rto.rto());
+    }
+
+    fn on_reliable(&mut self, now: Micros, frame: &Frame<'_>, take: &mut dyn FnMut(Received<'_>)) {
+        match self.inbox.judge(frame.header.seq) {
+            Arrival::Next if self.is_ready => {
+                self.inbox.taken();
+                self.due.nak = false;
+                let by = now.after(Micros(u64::from(self.settings.ack_delay.0)));
+                self.due.ack = Some(self.due.ack.map_or(by, |due| due.min(by)));
+                take(Received { kind: frame.header.kind, payload: frame.payload, delivery: Delivery::Reliable });
+            }
+            Arrival::Next => {
+                count(&mut self.counters.refused);
+                self.due.ack = Some(now);
+            }
+            Arrival::Again => {
+                count(&mut self.counters.duplicates);
+                self.due.ack = Some(now);
+            }
+            Arrival::Gap => {
+                count(&mut self.counters.gaps);
+                self.due.nak = true;
+            }
+        }
+    }
+
+    fn on_latest(&mut self, now: Micros, frame: &Frame<'_>, take: &mut dyn FnMut(Received<'_>)) {
+        if !self.newest.is_news(frame.header.seq) {
+            return count(&mut self.counters.outdated);
+        }
+        let Some((left_ms, payload)) = frame.payload.split_first_chunk::<2>() else {
+            return count(&mut self.counters.framing_errors);
+        };
+        let sent = self.clock.earliest(now, frame.header.t_us).unwrap_or(Micros(0));
+        let expires = expiry(sent, u16::from_le_bytes(*left_ms));
+        if expires <= now {
+            return count(&mut self.counters.expired_in);
+        }
+        take(Received { kind: frame.header.kind, payload, delivery: Delivery::Latest { expires } });
+    }
+}
+
+fn count(counter: &mut u32) {
+    *counter = counter.wrapping_add(1);
+}

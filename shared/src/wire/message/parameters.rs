@@ -1,0 +1,236 @@
+//! A job as the messages of a set of parameters: `Begin`, one message for each part, `Commit` with a check sum over them.
+
+use crate::cut::{CutRule, Moves, Rotation, Side, Work};
+use crate::engaged::EngagedKnot;
+use crate::job::{FeedPolicy, Job, LawKind};
+use crate::nc::modal::Turn;
+use crate::stock::{Stock, StockLine};
+use crate::tool::{Edge, Tool};
+use crate::units::{LengthUnit, Nm};
+
+use super::codes::{LawCode, MovesCode, PolicyCode, StockCode, ToolCode, UnitCode, WorkCode};
+use super::field::PAYLOAD_MAX;
+use super::fixed::{Q40, Q46, Q62};
+use super::table::{self, Message};
+
+/// Why a job cannot be sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParametersError {
+    /// `rewrite-only`: the board has nothing to do.
+    Policy,
+    /// A number that is none, or too large.
+    Number,
+}
+
+/// The check sum of a set so far: CRC-32C, as of frames, over kind and payload of each message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SetSum {
+    remainder: u32,
+    messages: u16,
+}
+
+impl SetSum {
+    /// Of no message.
+    pub const NONE: SetSum = SetSum { remainder: u32::MAX, messages: 0 };
+
+    /// Takes the next message.
+    pub fn take(&mut self, message: &Message) {
+        let mut buffer = [0; PAYLOAD_MAX];
+        let length = message.encode(&mut buffer).unwrap_or_default();
+        self.byte(message.kind());
+        buffer.iter().take(length).for_each(|byte| self.byte(*byte));
+        self.messages = self.messages.saturating_add(1);
+    }
+
+    /// The message that ends the set.
+    pub fn commit(&self, set: u32) -> table::Commit {
+        table::Commit { set, messages: self.messages, checksum: !self.remainder }
+    }
+
+    /// Without a table: a set is a kilobyte, once a job.
+    fn byte(&mut self, byte: u8) {
+        self.remainder ^= u32::from(byte);
+        for _ in 0..u8::BITS {
+            let carry = self.remainder & 1;
+            self.remainder = (self.remainder >> 1) ^ (0x82F6_3B78 * carry);
+        }
+    }
+}
+
+/// Hands out the messages of a set, in order. `set` is not 0, and another one than the set before.
+///
+/// # Errors
+/// See [`ParametersError`]; what was handed out till then is no whole set.
+pub fn messages(job: &Job, set: u32, give: &mut dyn FnMut(Message)) -> Result<(), ParametersError> {
+    give(table::Begin { set }.into());
+    let mut sum = SetSum::NONE;
+    let mut part = |message: Message| {
+        sum.take(&message);
+        give(message);
+    };
+    part(basics(job)?.into());
+    part(tool(&job.tool).into());
+    part(law(job.law)?.into());
+    part(limits(job)?.into());
+    machine(job, &mut part)?;
+    for (travelled, feed) in job.knots.all() {
+        part(table::Knot { travelled: q40(travelled.0)?, feed_per_tooth: q40(feed.0)? }.into());
+    }
+    for (index, rule) in (0..).zip(&job.rules) {
+        cut_rule(index, rule, &mut part)?;
+    }
+    give(sum.commit(set).into());
+    Ok(())
+}
+
+fn basics(job: &Job) -> Result<table::Basics, ParametersError> {
+    let policy = match job.policy {
+        FeedPolicy::SafeBase => PolicyCode::SafeBase,
+        FeedPolicy::OverrideOnly => PolicyCode::OverrideOnly,
+        FeedPolicy::RewriteOnly(_) => return Err(ParametersError::Policy),
+    };
+    let unit = match job.unit {
+        LengthUnit::Inch => UnitCode::Inch,
+        LengthUnit::Mm => UnitCode::Mm,
+    };
+    Ok(table::Basics { unit, spindle: q40(job.spindle.0)?, feed_per_tooth: q40(job.feed_per_tooth.0)?, policy })
+}
+
+const fn tool(tool: &Tool) -> table::Tool {
+    match tool {
+        Tool::CupMill(mill) => table::Tool {
+            shape: ToolCode::CupMill,
+            outer_radius: mill.outer_radius.0,
+            inner_radius: mill.inner_radius.0,
+            teeth: mill.active_teeth,
+        },
+        Tool::EndMill(mill) => {
+            table::Tool { shape: ToolCode::EndMill, outer_radius: mill.radius.0, inner_radius: 0, teeth: mill.teeth }
+        }
+    }
+}
+
+fn law(law: LawKind) -> Result<table::Law, ParametersError> {
+    let plain = |law| table::Law { law, option: false, floor: Q40(0) };
+    Ok(match law {
+        LawKind::Circumference => plain(LawCode::Circumference),
+        LawKind::EngagedArc { both_edges } => table::Law { option: both_edges, ..plain(LawCode::EngagedArc) },
+        LawKind::Contour { inside_only, floor_ratio } => {
+            table::Law { law: LawCode::Contour, option: inside_only, floor: q40(floor_ratio)? }
+        }
+        LawKind::Engagement => plain(LawCode::Engagement),
+        LawKind::Table => plain(LawCode::Table),
+        LawKind::Programmed => plain(LawCode::Programmed),
+    })
+}
+
+fn limits(job: &Job) -> Result<table::Limits, ParametersError> {
+    let limits = &job.limits;
+    Ok(table::Limits {
+        min_percent: limits.min_percent,
+        max_percent: limits.max_percent,
+        step_percent: limits.step_percent,
+        slew_up: q40(limits.slew_up_percent_per_s)?,
+        slew_down: q40(limits.slew_down_percent_per_s)?,
+    })
+}
+
+fn machine(job: &Job, part: &mut dyn FnMut(Message)) -> Result<(), ParametersError> {
+    let linear = job.machine.linear.map(|limit| limit.map(|limit| limit.0));
+    let rotary = job.machine.rotary.map(|limit| limit.map(|limit| limit.0));
+    if linear != [None; 3] || rotary != [None; 3] {
+        part(table::Axes { linear: each(linear)?, rotary: each(rotary)? }.into());
+    }
+    if let Some(clamp) = job.machine.arc_clamp {
+        let [feed, radius, floor] = [clamp.feed.0, clamp.radius.0, clamp.floor.0].map(q40);
+        part(table::ArcClamp { feed: feed?, radius: radius?, floor: floor? }.into());
+    }
+    Ok(())
+}
+
+fn each(limits: [Option<f32>; 3]) -> Result<[Option<Q40>; 3], ParametersError> {
+    let [a, b, c] = limits.map(|limit| limit.map(q40).transpose());
+    Ok([a?, b?, c?])
+}
+
+fn cut_rule(index: u8, rule: &CutRule, part: &mut dyn FnMut(Message)) -> Result<(), ParametersError> {
+    let (work, radial_depth, stock) = match &rule.work {
+        Work::Ring(Edge::Outer, stock) => (WorkCode::RingOuter, Nm(0), Some(stock)),
+        Work::Ring(Edge::Inner, stock) => (WorkCode::RingInner, Nm(0), Some(stock)),
+        Work::Mill { side, radial_depth } => (mill_code(*side), *radial_depth, None),
+    };
+    let (code, stock_parts) = match stock {
+        None => (StockCode::None, 0),
+        Some(Stock::Convex(lines)) => (StockCode::Convex, lines.len() as u8),
+        Some(Stock::Disc { .. }) => (StockCode::Disc, 1),
+        Some(Stock::Engaged(engaged)) => (StockCode::Engaged, engaged.knots().len() as u8),
+    };
+    let feed_per_tooth = rule.feed_per_tooth.map(|feed| q40(feed.0)).transpose()?;
+    part(
+        table::Rule {
+            index,
+            moves: moves_code(rule.moves),
+            work,
+            radial_depth: radial_depth.0,
+            stock: code,
+            stock_parts,
+            feed_per_tooth,
+            table: rule.table.map(|range| range.bounds()),
+            sequence: rule.sequence.map(|(first, last)| [first, last]),
+            level: rule.level.map(|(low, high)| [low.0, high.0]),
+        }
+        .into(),
+    );
+    stock.map_or(Ok(()), |stock| stock_of(stock, part))
+}
+
+fn stock_of(stock: &Stock, part: &mut dyn FnMut(Message)) -> Result<(), ParametersError> {
+    match stock {
+        Stock::Convex(lines) => lines.iter().try_for_each(|StockLine { normal: [x, y], offset_mm }| {
+            let normal = [q62(*x)?, q62(*y)?];
+            part(table::StockLine { normal, offset: q46(*offset_mm)? }.into());
+            Ok(())
+        }),
+        Stock::Disc { center_mm: [x, y], radius_mm } => {
+            part(table::StockDisc { center: [q46(*x)?, q46(*y)?], radius: q46(*radius_mm)? }.into());
+            Ok(())
+        }
+        Stock::Engaged(engaged) => engaged.knots().iter().try_for_each(|EngagedKnot { travelled, outer, inner }| {
+            let travelled = q40(travelled.0)?;
+            part(table::EngagedArcs { travelled, outer: outer.units(), inner: inner.units() }.into());
+            Ok(())
+        }),
+    }
+}
+
+const fn moves_code(moves: Moves) -> MovesCode {
+    match moves {
+        Moves::Rotations(Rotation::Interior, Turn::Cw) => MovesCode::InteriorCw,
+        Moves::Rotations(Rotation::Interior, Turn::Ccw) => MovesCode::InteriorCcw,
+        Moves::Rotations(Rotation::Exterior, Turn::Cw) => MovesCode::ExteriorCw,
+        Moves::Rotations(Rotation::Exterior, Turn::Ccw) => MovesCode::ExteriorCcw,
+        Moves::Arcs(Turn::Cw) => MovesCode::ArcsCw,
+        Moves::Arcs(Turn::Ccw) => MovesCode::ArcsCcw,
+        Moves::Lines => MovesCode::Lines,
+    }
+}
+
+const fn mill_code(side: Side) -> WorkCode {
+    match side {
+        Side::Inside => WorkCode::MillInside,
+        Side::Outside => WorkCode::MillOutside,
+        Side::Slot => WorkCode::MillSlot,
+    }
+}
+
+fn q40(value: f32) -> Result<Q40, ParametersError> {
+    Q40::of(value).ok_or(ParametersError::Number)
+}
+
+fn q46(value: f64) -> Result<Q46, ParametersError> {
+    Q46::of(value).ok_or(ParametersError::Number)
+}
+
+fn q62(value: f64) -> Result<Q62, ParametersError> {
+    Q62::of(value).ok_or(ParametersError::Number)
+}

@@ -1,0 +1,89 @@
+//! Whether the numbers of a job make sense, for an end that did not read them from the job's file itself.
+
+use crate::cut::{CutRule, Work};
+use crate::job::{Job, LawKind};
+use crate::knots::{Knot, TABLE_KNOTS_MAX};
+use crate::stock::{Stock, StockLine};
+use crate::tool::Tool;
+use crate::units::{Mm, MmPerTooth, Nm};
+
+/// How far the length of a unit normal may be from one.
+const NORMAL_TOLERANCE: f64 = 1e-9;
+/// No tool is larger, nm: 10 m.
+const RADIUS_MAX: i64 = 10_000_000_000;
+
+/// Whether every number is one that a job's file could have had. Bounds of the override are the ramp's to check.
+pub fn is_sound(job: &Job) -> bool {
+    let law = match job.law {
+        LawKind::Contour { floor_ratio, .. } => (0.0..=1.0).contains(&floor_ratio),
+        LawKind::Circumference | LawKind::EngagedArc { .. } => matches!(job.tool, Tool::CupMill(_)),
+        LawKind::Engagement | LawKind::Table | LawKind::Programmed => true,
+    };
+    law && is_positive(job.spindle.0)
+        && is_positive(job.feed_per_tooth.0)
+        && is_sound_tool(&job.tool)
+        && has_sound_limits(job)
+        && job.rules.iter().all(|rule| is_sound_rule(rule, job))
+}
+
+fn is_positive(number: f32) -> bool {
+    number > 0.0 && number.is_finite()
+}
+
+fn is_sound_tool(tool: &Tool) -> bool {
+    let is_radius = |radius: Nm| (1..=RADIUS_MAX).contains(&radius.0);
+    let radii = match tool {
+        Tool::CupMill(mill) => {
+            is_radius(mill.inner_radius) && is_radius(mill.outer_radius) && mill.inner_radius < mill.outer_radius
+        }
+        Tool::EndMill(mill) => is_radius(mill.radius),
+    };
+    radii && tool.active_teeth() > 0
+}
+
+fn has_sound_limits(job: &Job) -> bool {
+    let linear = job.machine.linear.iter().flatten().all(|limit| is_positive(limit.0));
+    let rotary = job.machine.rotary.iter().flatten().all(|limit| is_positive(limit.0));
+    let clamp = job
+        .machine
+        .arc_clamp
+        .is_none_or(|clamp| is_positive(clamp.feed.0) && is_positive(clamp.radius.0) && clamp.floor.0 >= 0.0);
+    linear && rotary && clamp
+}
+
+fn is_sound_rule(rule: &CutRule, job: &Job) -> bool {
+    let feed = rule.feed_per_tooth.is_none_or(|feed| is_positive(feed.0));
+    let in_order =
+        rule.sequence.is_none_or(|(first, last)| first <= last) && rule.level.is_none_or(|(low, high)| low <= high);
+    let work = match (&rule.work, &job.tool) {
+        (Work::Ring(_, stock), Tool::CupMill(_)) => is_sound_stock(stock),
+        (Work::Mill { radial_depth, .. }, Tool::EndMill(mill)) => {
+            (0..=mill.radius.0.saturating_mul(2)).contains(&radial_depth.0)
+        }
+        (Work::Ring(..), Tool::EndMill(_)) | (Work::Mill { .. }, Tool::CupMill(_)) => false,
+    };
+    let table = rule.table.is_none_or(|range| {
+        let knots = job.knots.table(range);
+        let [_, count] = range.bounds();
+        knots.len() == usize::from(count) && is_sound_table(knots)
+    });
+    feed && in_order && work && table && (job.law != LawKind::Table || rule.table.is_some())
+}
+
+fn is_sound_stock(stock: &Stock) -> bool {
+    match stock {
+        Stock::Convex(lines) => lines.iter().all(|StockLine { normal: [x, y], .. }| {
+            let excess = libm::hypot(*x, *y) - 1.0;
+            libm::fabs(excess) <= NORMAL_TOLERANCE
+        }),
+        Stock::Disc { radius_mm, .. } => *radius_mm > 0.0,
+        // Checked when it was made.
+        Stock::Engaged(_) => true,
+    }
+}
+
+fn is_sound_table(knots: &[Knot]) -> bool {
+    let feeds = knots.iter().all(|(_, MmPerTooth(feed))| is_positive(*feed));
+    let paths = knots.is_sorted_by(|(Mm(before), _), (Mm(after), _)| before < after);
+    feeds && paths && (1..=TABLE_KNOTS_MAX).contains(&knots.len())
+}

@@ -1,0 +1,318 @@
+//! A set of parameters as it comes in: nothing of it takes effect before it is whole, checked by its sum, and sound.
+
+use heapless::Vec;
+
+use crate::cut::{CutRule, Moves, Rotation, Side, Work};
+use crate::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
+use crate::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use crate::knots::{KnotRange, Knots};
+use crate::machine::{self, MachineLimits};
+use crate::nc::modal::Turn;
+use crate::stock::{Stock, StockLine};
+use crate::tool::{CupMill, Edge, EndMill, Tool};
+use crate::units::{DegPerMin, LengthUnit, Mm, MmPerMin, MmPerTooth, Nm, RevPerMin};
+
+use super::codes::{LawCode, MovesCode, PolicyCode, RefusalCode, StockCode, ToolCode, UnitCode, WorkCode};
+use super::parameters::SetSum;
+use super::sound;
+use super::table::{self, Message};
+
+/// What a whole set has: basics, tool, law and limits.
+const NEEDED: u8 = 0b00_1111;
+
+/// A set on its way in; state.
+#[derive(Clone, Debug)]
+pub struct Staging {
+    /// 0: none, or one that was refused.
+    set: u32,
+    job: Job,
+    sum: SetSum,
+    /// Messages that come once, a bit each.
+    seen: u8,
+    /// What describes the stock of the last rule, and how much of it is still to come.
+    due: (StockCode, u8),
+    engaged: Vec<EngagedKnot, ENGAGED_KNOTS_MAX>,
+}
+
+impl Default for Staging {
+    fn default() -> Self {
+        Staging::new()
+    }
+}
+
+impl Staging {
+    /// Nothing staged.
+    pub const fn new() -> Self {
+        Staging { set: 0, job: empty_job(), sum: SetSum::NONE, seen: 0, due: (StockCode::None, 0), engaged: Vec::new() }
+    }
+
+    /// The set on its way in; 0 for none.
+    pub fn set(&self) -> u32 {
+        self.set
+    }
+
+    /// Forgets what was staged.
+    pub fn forget(&mut self) {
+        self.set = 0;
+    }
+
+    /// Begins a set.
+    ///
+    /// # Errors
+    /// [`RefusalCode::Value`] for the number 0.
+    pub fn begin(&mut self, set: u32) -> Result<(), RefusalCode> {
+        // In place: the staged job is too large to be made elsewhere.
+        self.job.rules.clear();
+        self.job.knots = Knots::new();
+        self.job.machine = MachineLimits::default();
+        self.engaged.clear();
+        (self.set, self.sum, self.seen, self.due) = (set, SetSum::NONE, 0, (StockCode::None, 0));
+        if set == 0 { Err(RefusalCode::Value) } else { Ok(()) }
+    }
+
+    /// Takes one part of the set. After an error the set is forgotten.
+    ///
+    /// # Errors
+    /// Why it is no part of a sound set.
+    pub fn take(&mut self, message: &Message) -> Result<(), RefusalCode> {
+        if self.set == 0 {
+            return Err(RefusalCode::NoSet);
+        }
+        self.sum.take(message);
+        let taken = self.part(message);
+        if taken.is_err() {
+            self.forget();
+        }
+        taken
+    }
+
+    /// The job of a whole set. The set is forgotten, whatever comes of it.
+    ///
+    /// # Errors
+    /// Why it is no sound set.
+    pub fn commit(&mut self, commit: &table::Commit) -> Result<&Job, RefusalCode> {
+        let set = core::mem::take(&mut self.set);
+        if set == 0 || set != commit.set {
+            Err(RefusalCode::NoSet)
+        } else if self.sum.commit(set) != *commit {
+            Err(RefusalCode::Checksum)
+        } else if self.seen & NEEDED != NEEDED || self.due.1 > 0 {
+            Err(RefusalCode::Incomplete)
+        } else if !sound::is_sound(&self.job) {
+            Err(RefusalCode::Value)
+        } else {
+            Ok(&self.job)
+        }
+    }
+
+    fn part(&mut self, message: &Message) -> Result<(), RefusalCode> {
+        match message {
+            Message::StockLine(line) => return self.stock_line(line),
+            Message::StockDisc(disc) => return self.stock_disc(disc),
+            Message::EngagedArcs(arcs) => return self.engaged_arcs(arcs),
+            _ if self.due.1 > 0 => return Err(RefusalCode::Incomplete),
+            Message::Rule(rule) => return self.rule(rule),
+            Message::Knot(knot) => {
+                let knot = (Mm(knot.travelled.value()), MmPerTooth(knot.feed_per_tooth.value()));
+                return self.job.knots.add(&[knot]).map(|_| ()).ok_or(RefusalCode::Full);
+            }
+            _ => {}
+        }
+        let place = match message {
+            Message::Basics(basics) => self.basics(basics),
+            Message::Tool(tool) => self.tool(tool),
+            Message::Law(law) => self.law(law),
+            Message::Limits(limits) => self.limits(limits),
+            Message::Axes(axes) => self.axes(axes),
+            Message::ArcClamp(clamp) => self.arc_clamp(clamp),
+            _ => return Err(RefusalCode::Message),
+        };
+        let bit = 1 << place;
+        if self.seen & bit != 0 {
+            return Err(RefusalCode::Incomplete);
+        }
+        self.seen |= bit;
+        Ok(())
+    }
+
+    fn basics(&mut self, basics: &table::Basics) -> u8 {
+        self.job.unit = match basics.unit {
+            UnitCode::Inch => LengthUnit::Inch,
+            UnitCode::Mm => LengthUnit::Mm,
+        };
+        self.job.spindle = RevPerMin(basics.spindle.value());
+        self.job.feed_per_tooth = MmPerTooth(basics.feed_per_tooth.value());
+        self.job.policy = match basics.policy {
+            PolicyCode::SafeBase => FeedPolicy::SafeBase,
+            PolicyCode::OverrideOnly => FeedPolicy::OverrideOnly,
+        };
+        0
+    }
+
+    fn tool(&mut self, tool: &table::Tool) -> u8 {
+        let table::Tool { outer_radius, inner_radius, teeth, .. } = *tool;
+        self.job.tool = match tool.shape {
+            ToolCode::CupMill => Tool::CupMill(CupMill {
+                outer_radius: Nm(outer_radius),
+                inner_radius: Nm(inner_radius),
+                active_teeth: teeth,
+            }),
+            ToolCode::EndMill => Tool::EndMill(EndMill { radius: Nm(outer_radius), teeth }),
+        };
+        1
+    }
+
+    fn law(&mut self, law: &table::Law) -> u8 {
+        self.job.law = match law.law {
+            LawCode::Circumference => LawKind::Circumference,
+            LawCode::EngagedArc => LawKind::EngagedArc { both_edges: law.option },
+            LawCode::Contour => LawKind::Contour { inside_only: law.option, floor_ratio: law.floor.value() },
+            LawCode::Engagement => LawKind::Engagement,
+            LawCode::Table => LawKind::Table,
+            LawCode::Programmed => LawKind::Programmed,
+        };
+        2
+    }
+
+    fn limits(&mut self, limits: &table::Limits) -> u8 {
+        self.job.limits = OverrideLimits {
+            min_percent: limits.min_percent,
+            max_percent: limits.max_percent,
+            step_percent: limits.step_percent,
+            slew_up_percent_per_s: limits.slew_up.value(),
+            slew_down_percent_per_s: limits.slew_down.value(),
+        };
+        3
+    }
+
+    fn axes(&mut self, axes: &table::Axes) -> u8 {
+        self.job.machine.linear = axes.linear.map(|limit| limit.map(|limit| MmPerMin(limit.value())));
+        self.job.machine.rotary = axes.rotary.map(|limit| limit.map(|limit| DegPerMin(limit.value())));
+        4
+    }
+
+    fn arc_clamp(&mut self, clamp: &table::ArcClamp) -> u8 {
+        let table::ArcClamp { feed, radius, floor } = clamp;
+        self.job.machine.arc_clamp = Some(machine::ArcClamp {
+            feed: MmPerMin(feed.value()),
+            radius: Mm(radius.value()),
+            floor: MmPerMin(floor.value()),
+        });
+        5
+    }
+
+    fn rule(&mut self, rule: &table::Rule) -> Result<(), RefusalCode> {
+        if usize::from(rule.index) != self.job.rules.len() {
+            return Err(RefusalCode::Order);
+        }
+        let is_due = match rule.stock {
+            StockCode::None => rule.stock_parts == 0,
+            StockCode::Disc => rule.stock_parts == 1,
+            StockCode::Convex => true,
+            StockCode::Engaged => rule.stock_parts > 0,
+        };
+        if !is_due {
+            return Err(RefusalCode::Value);
+        }
+        let cut = CutRule {
+            moves: moves(rule.moves),
+            work: work(rule)?,
+            feed_per_tooth: rule.feed_per_tooth.map(|feed| MmPerTooth(feed.value())),
+            table: rule.table.map(|[first, count]| KnotRange::new(first, count)),
+            sequence: rule.sequence.map(|[first, last]| (first, last)),
+            level: rule.level.map(|[low, high]| (Nm(low), Nm(high))),
+        };
+        self.job.rules.push(cut).map_err(|_| RefusalCode::Full)?;
+        self.due = (rule.stock, rule.stock_parts);
+        self.engaged.clear();
+        Ok(())
+    }
+
+    /// The stock that a part belongs to; counts the part.
+    fn stock(&mut self, code: StockCode) -> Result<&mut Stock, RefusalCode> {
+        let (due, parts) = &mut self.due;
+        *parts = if *due == code { parts.checked_sub(1).ok_or(RefusalCode::Order)? } else { 0 };
+        match self.job.rules.last_mut().map(|rule| &mut rule.work) {
+            Some(Work::Ring(_, stock)) if *due == code => Ok(stock),
+            _ => Err(RefusalCode::Order),
+        }
+    }
+
+    fn stock_line(&mut self, line: &table::StockLine) -> Result<(), RefusalCode> {
+        let line = StockLine { normal: line.normal.map(|part| part.value()), offset_mm: line.offset.value() };
+        match self.stock(StockCode::Convex)? {
+            Stock::Convex(lines) => lines.push(line).map_err(|_| RefusalCode::Full),
+            Stock::Disc { .. } | Stock::Engaged(_) => Err(RefusalCode::Order),
+        }
+    }
+
+    fn stock_disc(&mut self, disc: &table::StockDisc) -> Result<(), RefusalCode> {
+        let (center_mm, radius_mm) = (disc.center.map(|at| at.value()), disc.radius.value());
+        *self.stock(StockCode::Disc)? = Stock::Disc { center_mm, radius_mm };
+        Ok(())
+    }
+
+    fn engaged_arcs(&mut self, arcs: &table::EngagedArcs) -> Result<(), RefusalCode> {
+        let interval = |units| EngagedInterval::from_units(units).ok_or(RefusalCode::Value);
+        let knot = EngagedKnot {
+            travelled: Mm(arcs.travelled.value()),
+            outer: interval(arcs.outer)?,
+            inner: interval(arcs.inner)?,
+        };
+        self.stock(StockCode::Engaged)?;
+        self.engaged.push(knot).map_err(|_| RefusalCode::Full)?;
+        if self.due.1 == 0 {
+            let table = EngagedTable::new(&self.engaged).map_err(|_| RefusalCode::Value)?;
+            if let Some(Work::Ring(_, stock)) = self.job.rules.last_mut().map(|rule| &mut rule.work) {
+                *stock = Stock::Engaged(table);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn work(rule: &table::Rule) -> Result<Work, RefusalCode> {
+    let mill = |side| Work::Mill { side, radial_depth: Nm(rule.radial_depth) };
+    let ring = |edge| Work::Ring(edge, Stock::everywhere());
+    match (rule.work, rule.stock) {
+        (WorkCode::MillInside, StockCode::None) => Ok(mill(Side::Inside)),
+        (WorkCode::MillOutside, StockCode::None) => Ok(mill(Side::Outside)),
+        (WorkCode::MillSlot, StockCode::None) => Ok(mill(Side::Slot)),
+        (WorkCode::RingOuter, StockCode::Convex | StockCode::Disc | StockCode::Engaged) => Ok(ring(Edge::Outer)),
+        (WorkCode::RingInner, StockCode::Convex | StockCode::Disc | StockCode::Engaged) => Ok(ring(Edge::Inner)),
+        _ => Err(RefusalCode::Value),
+    }
+}
+
+const fn moves(code: MovesCode) -> Moves {
+    match code {
+        MovesCode::InteriorCw => Moves::Rotations(Rotation::Interior, Turn::Cw),
+        MovesCode::InteriorCcw => Moves::Rotations(Rotation::Interior, Turn::Ccw),
+        MovesCode::ExteriorCw => Moves::Rotations(Rotation::Exterior, Turn::Cw),
+        MovesCode::ExteriorCcw => Moves::Rotations(Rotation::Exterior, Turn::Ccw),
+        MovesCode::ArcsCw => Moves::Arcs(Turn::Cw),
+        MovesCode::ArcsCcw => Moves::Arcs(Turn::Ccw),
+        MovesCode::Lines => Moves::Lines,
+    }
+}
+
+const fn empty_job() -> Job {
+    Job {
+        unit: LengthUnit::Mm,
+        tool: Tool::EndMill(EndMill { radius: Nm(0), teeth: 0 }),
+        spindle: RevPerMin(0.0),
+        law: LawKind::Programmed,
+        feed_per_tooth: MmPerTooth(0.0),
+        policy: FeedPolicy::SafeBase,
+        limits: OverrideLimits {
+            min_percent: 10,
+            max_percent: 200,
+            step_percent: 1,
+            slew_up_percent_per_s: 50.0,
+            slew_down_percent_per_s: 200.0,
+        },
+        machine: MachineLimits { linear: [None; 3], rotary: [None; 3], arc_clamp: None },
+        rules: Vec::new(),
+        knots: Knots::new(),
+    }
+}
