@@ -1,7 +1,7 @@
 //! The tick: (segment, position, spindle) -> override, feed per tooth at the centre, reason.
 
 use arcfeed_shared::fmath;
-use arcfeed_shared::job::Job;
+use arcfeed_shared::job::{Job, OverrideLimits};
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{MmPerMin, MmPerTooth, RevPerMin, Span};
 
@@ -116,7 +116,15 @@ impl Controller {
     /// # Errors
     /// Bounds of the override that make no sense.
     pub fn new(job: &Job) -> Result<Self, LimitsError> {
-        let ramp = Ramp::new(&job.limits)?;
+        Controller::within(&job.limits)
+    }
+
+    /// A controller for every job with these bounds.
+    ///
+    /// # Errors
+    /// As of [`Controller::new`].
+    pub fn within(limits: &OverrideLimits) -> Result<Self, LimitsError> {
+        let ramp = Ramp::new(limits)?;
         Ok(Controller { ramp, filter: PositionFilter::Exact })
     }
 

@@ -3,9 +3,12 @@
 //! No heap, no clock, no I/O: one call of [`controller::Controller::tick`] per sample of the position. Modules stand
 //! in the order in which data flows: the [`law`] says which feed per tooth the tool's centre needs, [`progress`] says
 //! where on the segment it is, [`ramp`] turns the wish into an override the control can follow, [`active`] is a segment with
-//! all of that prepared, [`controller`] joins them, [`supervisor`] decides whether they may act at all, [`queue`] finds the segment in work where nobody tells,
+//! all of that prepared, [`controller`] joins them, [`supervisor`] decides whether they may act at all, [`queue`] finds the segment in work where nobody tells, [`spsc`] is
+//! what lies between main loop and tick, [`tap`] reads the program off the DNC line,
 //! [`input`] makes sense of what a board counts and measures, [`output`] carries the override to the control, [`board`] is
-//! the seam to the hardware.
+//! the seam to the hardware, [`station`] a whole board between its link and its tick,
+//! [`assembly`] puts one together, [`front`] is
+//! its side of the main loop, [`lockstep`] runs it at the pace of a simulated machine.
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 #![doc = include_str!("../README.md")]
@@ -24,8 +27,20 @@ pub mod supervisor;
 
 pub mod queue;
 
+pub mod spsc;
+
+pub mod tap;
+
 pub mod input;
 
 pub mod output;
 
 pub mod board;
+
+pub mod station;
+
+pub mod assembly;
+
+pub mod front;
+
+pub mod lockstep;

@@ -23,7 +23,7 @@ pub mod report;
 
 pub mod memory;
 
-use arcfeed_shared::job::Job;
+use arcfeed_shared::job::{Job, OverrideLimits};
 use arcfeed_shared::units::{MmPerTooth, Span};
 
 use crate::active::ActiveSegment;
@@ -82,15 +82,33 @@ impl Supervisor {
     /// # Errors
     /// Settings or bounds of the override that make no sense.
     pub fn new(job: &Job, settings: Settings) -> Result<Self, SettingsError> {
+        Supervisor::within(&job.limits, settings)
+    }
+
+    /// A supervisor for every job with these bounds.
+    ///
+    /// # Errors
+    /// As of [`Supervisor::new`].
+    pub fn within(limits: &OverrideLimits, settings: Settings) -> Result<Self, SettingsError> {
         settings.check()?;
-        let controller = Controller::new(job).map_err(SettingsError::Limits)?;
-        Ok(Supervisor { controller, limits: Limits::new(&job.limits, settings.longest_tick), settings })
+        let controller = Controller::within(limits).map_err(SettingsError::Limits)?;
+        Ok(Supervisor { controller, limits: Limits::new(limits, settings.longest_tick), settings })
+    }
+
+    /// The controller in it, for whoever follows the position with its filter.
+    pub fn controller(&self) -> &Controller {
+        &self.controller
     }
 
     /// The same supervisor for positions that are noisy, late or now and then missing.
     #[must_use]
     pub fn with_filter(self, filter: PositionFilter) -> Self {
         Supervisor { controller: self.controller.with_filter(filter), ..self }
+    }
+
+    /// What it was told of times and thresholds.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
     }
 
     /// One tick.

@@ -9,14 +9,12 @@ use super::input::{Freshness, Loss, Quality, Source};
 /// Times and thresholds; config.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// A sample or frame older than this is stale: the override stays as it is.
-    pub stale_after: Span,
-    /// Silence this long is a loss.
-    pub lost_after: Span,
+    /// Of the position.
+    pub position: Patience,
+    /// Of the link.
+    pub link: Patience,
     /// So many invalid frames in a row are a loss (K).
     pub lost_after_frames: u8,
-    /// How long the last value stays in force, counted from the last valid sample.
-    pub time_to_live: Span,
     /// How long samples must be fresh without a gap before arming is accepted after a loss.
     pub resync: Span,
     /// A tick longer than this raises the override no further than one of this length would.
@@ -27,16 +25,27 @@ pub struct Settings {
     pub take_over_drop_percent: u8,
 }
 
+/// How long one source may be silent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Patience {
+    /// A sample or frame older than this is stale: the override stays as it is.
+    pub stale_after: Span,
+    /// Silence this long is a loss.
+    pub lost_after: Span,
+    /// How long the last value stays in force, counted from the last valid sample or frame.
+    pub time_to_live: Span,
+}
+
 /// Why a supervisor is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SettingsError {
     /// The bounds of the override make no sense.
     Limits(LimitsError),
-    /// Not 0 < `stale_after` <= `lost_after` <= `time_to_live` <= `resync`.
+    /// Not 0 < `stale_after` <= `lost_after` <= `time_to_live` <= `resync`, of position or link.
     Times,
     /// No invalid frame would be a loss.
     Frames,
-    /// The longest tick is zero or longer than `stale_after`.
+    /// The longest tick is zero or longer than `stale_after` of position or link.
     Tick,
     /// A threshold of the dial is zero or above 100 %.
     Dial,
@@ -45,15 +54,31 @@ pub enum SettingsError {
 impl Default for Settings {
     fn default() -> Self {
         Settings {
-            stale_after: Span::from_ms(20),
-            lost_after: Span::from_ms(50),
+            position: Patience::from_ms(20, 50, 300),
+            // A byte of a serial line is some 90 us, a lost frame comes again after 100 ms: see docs/protocol.md.
+            link: Patience::from_ms(100, 250, 300),
             lost_after_frames: 5,
-            time_to_live: Span::from_ms(300),
             resync: Span::from_ms(500),
             longest_tick: Span::from_ms(10),
             take_over_below_percent: 50,
             take_over_drop_percent: 10,
         }
+    }
+}
+
+impl Patience {
+    /// Stale, lost, and how long the last value stays.
+    pub const fn from_ms(stale_ms: u32, lost_ms: u32, keep_ms: u32) -> Self {
+        Patience {
+            stale_after: Span::from_ms(stale_ms),
+            lost_after: Span::from_ms(lost_ms),
+            time_to_live: Span::from_ms(keep_ms),
+        }
+    }
+
+    /// How much longer the last value may stay.
+    fn keep(&self, age: Span) -> Span {
+        self.time_to_live.shorter_by(age)
     }
 }
 
@@ -63,13 +88,16 @@ impl Settings {
     /// # Errors
     /// See [`SettingsError`].
     pub fn check(&self) -> Result<(), SettingsError> {
-        let times = [Span(1), self.stale_after, self.lost_after, self.time_to_live, self.resync];
+        let both = [self.position, self.link];
+        let is_in_order = |Patience { stale_after, lost_after, time_to_live }: Patience| {
+            [Span(1), stale_after, lost_after, time_to_live, self.resync].is_sorted()
+        };
         let is_dial = |percent: u8| (1..=100).contains(&percent);
-        if !times.is_sorted() {
+        if !both.into_iter().all(is_in_order) {
             Err(SettingsError::Times)
         } else if self.lost_after_frames == 0 {
             Err(SettingsError::Frames)
-        } else if self.longest_tick == Span(0) || self.longest_tick > self.stale_after {
+        } else if self.longest_tick == Span(0) || both.iter().any(|patience| self.longest_tick > patience.stale_after) {
             Err(SettingsError::Tick)
         } else if !is_dial(self.take_over_below_percent) || !is_dial(self.take_over_drop_percent) {
             Err(SettingsError::Dial)
@@ -81,21 +109,23 @@ impl Settings {
     /// Whether position and link are [`Quality::Fresh`] as far as their age goes.
     #[inline(always)]
     pub fn is_fresh(&self, position: &Freshness, link: &Freshness) -> bool {
-        position.age <= self.stale_after && link.age <= self.stale_after
+        position.age <= self.position.stale_after && link.age <= self.link.stale_after
     }
 
     /// What position and link are worth now, the worse of the two.
     pub fn quality(&self, position: &Freshness, link: &Freshness) -> Quality {
-        let age = position.age.max(link.age);
-        let invalid = position.invalid_in_row.max(link.invalid_in_row);
-        if self.is_fresh(position, link) && invalid == 0 {
+        let is_lost = |source: &Freshness, patience: &Patience| {
+            source.age > patience.lost_after || source.invalid_in_row >= self.lost_after_frames
+        };
+        let keep = self.position.keep(position.age).min(self.link.keep(link.age));
+        if self.is_fresh(position, link) && position.invalid_in_row.max(link.invalid_in_row) == 0 {
             Quality::Fresh
-        } else if age <= self.lost_after && invalid < self.lost_after_frames {
-            Quality::Stale
+        } else if is_lost(position, &self.position) {
+            Quality::Lost(Loss { source: Source::Position, keep })
+        } else if is_lost(link, &self.link) {
+            Quality::Lost(Loss { source: Source::Link, keep })
         } else {
-            let is_lost = position.age > self.lost_after || position.invalid_in_row >= self.lost_after_frames;
-            let source = if is_lost { Source::Position } else { Source::Link };
-            Quality::Lost(Loss { source, keep: self.time_to_live.shorter_by(age) })
+            Quality::Stale
         }
     }
 }
@@ -109,9 +139,12 @@ mod tests {
         let good = Settings::default();
         assert_eq!(good.check(), Ok(()));
         for (bad, error) in [
-            (Settings { stale_after: Span(0), ..good }, SettingsError::Times),
-            (Settings { lost_after: Span::from_ms(10), ..good }, SettingsError::Times),
-            (Settings { time_to_live: Span::from_ms(40), ..good }, SettingsError::Times),
+            (Settings { position: Patience::from_ms(0, 50, 300), ..good }, SettingsError::Times),
+            (Settings { position: Patience::from_ms(20, 10, 300), ..good }, SettingsError::Times),
+            (Settings { position: Patience::from_ms(20, 50, 40), ..good }, SettingsError::Times),
+            (Settings { link: Patience::from_ms(100, 90, 300), ..good }, SettingsError::Times),
+            (Settings { link: Patience::from_ms(100, 250, 600), ..good }, SettingsError::Times),
+            (Settings { link: Patience::from_ms(9, 250, 300), ..good }, SettingsError::Tick),
             (Settings { resync: Span::from_ms(200), ..good }, SettingsError::Times),
             (Settings { lost_after_frames: 0, ..good }, SettingsError::Frames),
             (Settings { longest_tick: Span(0), ..good }, SettingsError::Tick),
@@ -128,12 +161,15 @@ mod tests {
         let settings = Settings::default();
         let aged = |ms: u32, invalid_in_row: u8| Freshness { age: Span::from_ms(ms), invalid_in_row };
         let quality = |position, link| settings.quality(&position, &link);
-        assert_eq!(quality(aged(20, 0), aged(0, 0)), Quality::Fresh);
+        assert_eq!(quality(aged(20, 0), aged(100, 0)), Quality::Fresh);
         assert_eq!(quality(aged(21, 0), aged(0, 0)), Quality::Stale);
-        assert_eq!(quality(aged(0, 0), aged(0, 4)), Quality::Stale);
+        assert_eq!(quality(aged(0, 0), aged(101, 0)), Quality::Stale);
+        assert_eq!(quality(aged(0, 0), aged(250, 4)), Quality::Stale);
         let lost = |source, ms| Quality::Lost(Loss { source, keep: Span::from_ms(ms) });
         assert_eq!(quality(aged(51, 0), aged(0, 0)), lost(Source::Position, 249));
+        assert_eq!(quality(aged(0, 0), aged(251, 0)), lost(Source::Link, 49));
         assert_eq!(quality(aged(0, 0), aged(5, 5)), lost(Source::Link, 295));
         assert_eq!(quality(aged(0, 0), aged(900, 0)), lost(Source::Link, 0));
+        assert_eq!(quality(aged(51, 0), aged(280, 0)), lost(Source::Position, 20));
     }
 }

@@ -78,6 +78,19 @@ impl Signals {
         Signals(1 << (16 + request as u32))
     }
 
+    /// Conditions and buttons by their bits, as a machine line brings them; `None` if other bits are among them: what is wrong
+    /// with the board only the board knows.
+    pub const fn of_machine(bits: u32) -> Option<Self> {
+        const CONDITIONS: u32 = 0x7F;
+        const REQUESTS: u32 = 0b111 << 16;
+        if bits & !(CONDITIONS | REQUESTS) == 0 { Some(Signals(bits)) } else { None }
+    }
+
+    /// A bit each, as in docs/protocol.md.
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
     /// Both these and those.
     #[must_use]
     pub const fn with(self, others: Signals) -> Self {

@@ -203,12 +203,12 @@ impl Bench {
 
     fn age(&mut self) {
         let (random, dt) = (&mut self.random, self.input.measured.dt);
-        for line in [&mut self.input.position, &mut self.input.link] {
-            let is_gone = line.age > Span::from_ms(20) || line.invalid_in_row > 0;
+        for (line, stale_ms) in [(&mut self.input.position, 20), (&mut self.input.link, 100)] {
+            let is_gone = line.age > Span::from_ms(stale_ms) || line.invalid_in_row > 0;
             if random.one_in(if is_gone { 40 } else { 2 }) {
                 *line = Freshness { age: Span(random.below(20_001) as u32), invalid_in_row: 0 };
             } else if is_gone || random.one_in(2_000) {
-                line.age = line.age.longer_by(dt).max(Span::from_ms(20));
+                line.age = line.age.longer_by(dt).max(Span::from_ms(stale_ms));
                 line.invalid_in_row = line.invalid_in_row.saturating_add(random.below(2) as u8);
             }
         }

@@ -36,11 +36,14 @@ pub fn module(name: &str, job: &Path, out: &Path) -> String {
     let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
     let mut text = adapt(&program, &file.job).text;
     text.push(b'\n');
+    let as_sent = out.join(format!("{name}.nc"));
+    fs::write(&as_sent, &text).expect("the program is written");
     let rig = Rig::from_memory(control_settings(&file), &text, &file.job, ControllerFault::None);
     let (blocks, ticks) = record(rig.expect("the limits of the override make sense"));
     let table = out.join(format!("{name}.bin"));
     fs::write(&table, &ticks).expect("the table is written");
     let mut text = format!("/// `{name}`.\npub mod {name} {{\n    use super::*;\n");
+    text += &program_source(&as_sent);
     text += &job_source(&file.job);
     text += &run_source(&file.job, &blocks, &table, ticks.len());
     text + "}\n"
@@ -69,6 +72,15 @@ fn record(mut rig: Rig) -> (Vec<Block>, Vec<u8>) {
         }
     }
     (blocks, ticks)
+}
+
+/// The program as it is sent, beside the run: the line brings it.
+fn program_source(file: &Path) -> String {
+    let section = "#[unsafe(link_section = \".recorded_run\")]";
+    format!(
+        "    {section}\n    static TEXT: [u8; include_bytes!({file:?}).len()] = *include_bytes!({file:?});\n    \
+         /// Its program, adapted.\n    pub const PROGRAM: &[u8] = &TEXT;\n"
+    )
 }
 
 /// The job as Rust: what `Debug` prints of these types is what one would write.

@@ -15,7 +15,7 @@ const NS_PER_STEP: u64 = 40;
 const ICOUNT_SHIFT: u32 = 7;
 
 /// Counts instructions.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct InstructionCounter {
     /// What reading the timer twice takes itself.
     overhead: u32,
@@ -41,9 +41,13 @@ impl InstructionCounter {
         let before = steps();
         let answer = work();
         let after = steps();
-        let ns = u64::from(after.wrapping_sub(before)) * NS_PER_STEP;
-        let instructions = (ns + (1 << (ICOUNT_SHIFT - 1))) >> ICOUNT_SHIFT;
-        ((instructions as u32).saturating_sub(self.overhead), answer)
+        (Self::of_steps(after.wrapping_sub(before)).saturating_sub(self.overhead), answer)
+    }
+
+    /// Instructions in this many steps of the board's clock.
+    pub fn of_steps(steps: u32) -> u32 {
+        let ns = u64::from(steps) * NS_PER_STEP;
+        ((ns + (1 << (ICOUNT_SHIFT - 1))) >> ICOUNT_SHIFT) as u32
     }
 }
 

@@ -1,17 +1,65 @@
 //! The interrupt lines of the board that an image may use; the others end in `DefaultHandler`.
+//!
+//! The tick comes before everything else and is never held up: no image masks interrupts, and the lines' handlers
+//! ([`crate::serial`]) give way to it.
 
-/// Lines by their number.
-#[derive(Clone, Copy, Debug)]
+use cortex_m::peripheral::NVIC;
+
+/// Lines by their number. A UART's transmitter is the line behind its receiver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Interrupt {
+    /// Receiver of UART 0.
+    Uart0Rx = 0,
+    /// Transmitter of UART 0.
+    Uart0Tx = 1,
+    /// Receiver of UART 1.
+    Uart1Rx = 2,
+    /// Transmitter of UART 1.
+    Uart1Tx = 3,
+    /// Receiver of UART 2.
+    Uart2Rx = 4,
+    /// Transmitter of UART 2.
+    Uart2Tx = 5,
     /// CMSDK timer 0.
     Timer0 = 8,
+    /// Receiver of UART 3.
+    Uart3Rx = 18,
+    /// Transmitter of UART 3.
+    Uart3Tx = 19,
+}
+
+/// Who goes first; the chip has more levels than these.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Priority {
+    /// The tick.
+    First = 0,
+    /// The bytes of the lines.
+    Second = 0x40,
 }
 
 // SAFETY: the numbers are those of the board's vector table, and no two are the same.
 unsafe impl cortex_m::interrupt::InterruptNumber for Interrupt {
     fn number(self) -> u16 {
         self as u16
+    }
+}
+
+/// Lets an interrupt through.
+///
+/// # Safety
+/// Its handler is ready to run: what it uses is in place.
+pub unsafe fn enable(interrupt: Interrupt, priority: Priority) {
+    let index = usize::from(interrupt as u16);
+    // SAFETY: one byte of the interrupt's own in the NVIC, and the caller's promise about the handler. Nobody else writes
+    // the byte, so that no reference to the whole NVIC is needed.
+    unsafe {
+        let nvic = &*NVIC::PTR;
+        if let Some(level) = nvic.ipr.get(index) {
+            level.write(priority as u8);
+        }
+        NVIC::unmask(interrupt);
     }
 }
 
@@ -23,15 +71,31 @@ pub union Vector {
 }
 
 unsafe extern "C" {
+    fn UART0_RX();
+    fn UART0_TX();
+    fn UART1_RX();
+    fn UART1_TX();
+    fn UART2_RX();
+    fn UART2_TX();
+    fn UART3_RX();
+    fn UART3_TX();
     fn TIMER0();
     fn DefaultHandler();
 }
 
-/// Lines 0 to 15; the board has more, which nothing enables.
+/// Lines 0 to 31; the board has more, which nothing enables.
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]
-pub static __INTERRUPTS: [Vector; 16] = {
-    let mut table = [Vector { handler: DefaultHandler }; 16];
+pub static __INTERRUPTS: [Vector; 32] = {
+    let mut table = [Vector { handler: DefaultHandler }; 32];
+    table[Interrupt::Uart0Rx as usize] = Vector { handler: UART0_RX };
+    table[Interrupt::Uart0Tx as usize] = Vector { handler: UART0_TX };
+    table[Interrupt::Uart1Rx as usize] = Vector { handler: UART1_RX };
+    table[Interrupt::Uart1Tx as usize] = Vector { handler: UART1_TX };
+    table[Interrupt::Uart2Rx as usize] = Vector { handler: UART2_RX };
+    table[Interrupt::Uart2Tx as usize] = Vector { handler: UART2_TX };
+    table[Interrupt::Uart3Rx as usize] = Vector { handler: UART3_RX };
+    table[Interrupt::Uart3Tx as usize] = Vector { handler: UART3_TX };
     table[Interrupt::Timer0 as usize] = Vector { handler: TIMER0 };
     table
 };

@@ -1,10 +1,13 @@
 //! Arm MPS2 with the AN386 image, a Cortex-M4F, as QEMU emulates it.
 //!
-//! What the images of this board share. `tick-cost` and `trace-hash` produce figures and may fail loudly; `feedboard` is
-//! the controller and may not fail at all: a panic that it could reach keeps it from linking.
+//! What the images of this board share. `tick-cost` and `trace-hash` produce figures and may fail loudly. `feedboard`
+//! is the board, and `example-run` its controller alone; they may not fail at all: a panic that they could reach keeps them from
+//! linking.
 #![no_std]
 
 pub mod interrupts;
+
+pub mod handed;
 
 pub mod clock;
 
@@ -13,6 +16,16 @@ pub mod stack;
 pub mod timer;
 
 pub mod uart;
+
+pub mod serial;
+
+pub mod mirror;
+
+pub mod flash;
+
+pub mod tick;
+
+pub mod main_loop;
 
 pub mod log;
 

@@ -2,8 +2,9 @@
 
 /// What no function leaves behind by chance.
 const PAINT: u32 = 0x5ca1_ab1e;
-/// Bytes painted; more than the deepest call needs.
-const DEPTH: usize = 8192;
+/// Bytes painted; more than the deepest call needs: of the controller alone, and of a whole board.
+const DEPTH: usize = 8_192;
+const DEPTH_OF_A_BOARD: usize = 262_144;
 /// Bytes right below the stack pointer that are left alone: what painting itself may use.
 const CLEARANCE: usize = 64;
 
@@ -12,14 +13,27 @@ const CLEARANCE: usize = 64;
 pub struct Painted {
     /// The address where the paint begins, going down.
     top: usize,
+    /// How far it goes.
+    depth: usize,
 }
 
 impl Painted {
     /// Paints what is free below the caller's frame.
     #[inline(always)]
     pub fn below_here() -> Self {
-        let painted = Painted { top: cortex_m::register::msp::read() as usize - CLEARANCE };
-        for word in 0..DEPTH / 4 {
+        Painted::so_deep(DEPTH)
+    }
+
+    /// The same for a board with its link.
+    #[inline(always)]
+    pub fn far_below_here() -> Self {
+        Painted::so_deep(DEPTH_OF_A_BOARD)
+    }
+
+    #[inline(always)]
+    fn so_deep(depth: usize) -> Self {
+        let painted = Painted { top: cortex_m::register::msp::read() as usize - CLEARANCE, depth };
+        for word in 0..depth / 4 {
             // SAFETY: free stack below every frame in use; interrupts use it too, but only while they run.
             unsafe { painted.word(word).write_volatile(PAINT) }
         }
@@ -31,7 +45,7 @@ impl Painted {
     pub fn used(self) -> usize {
         // SAFETY: reads of the words that were painted.
         let is_used = |word: &usize| unsafe { self.word(*word).read_volatile() } != PAINT;
-        (0..DEPTH / 4).rev().find(is_used).map_or(0, |word| (word + 1) * 4 + CLEARANCE)
+        (0..self.depth / 4).rev().find(is_used).map_or(0, |word| (word + 1) * 4 + CLEARANCE)
     }
 
     /// Bytes in use already when the paint was laid.

@@ -1,5 +1,7 @@
 //! CMSDK timer 0: the interrupt that is the tick.
 
+use crate::interrupts::{Interrupt, Priority, enable};
+
 const CONTROL: *mut u32 = 0x4000_0000 as *mut u32;
 const VALUE: *mut u32 = 0x4000_0004 as *mut u32;
 const RELOAD: *mut u32 = 0x4000_0008 as *mut u32;
@@ -19,8 +21,15 @@ pub unsafe fn start(period_us: u32) {
         RELOAD.write_volatile(period_us * STEPS_PER_US - 1);
         VALUE.write_volatile(period_us * STEPS_PER_US - 1);
         CONTROL.write_volatile(RUNNING);
-        cortex_m::peripheral::NVIC::unmask(crate::interrupts::Interrupt::Timer0);
+        enable(Interrupt::Timer0, Priority::First);
     }
+}
+
+/// Steps of the board's clock since the tick was due; `None` while the timer stands.
+pub fn late_steps() -> Option<u32> {
+    // SAFETY: reading has no effect on the timer.
+    let (control, value, reload) = unsafe { (CONTROL.read_volatile(), VALUE.read_volatile(), RELOAD.read_volatile()) };
+    (control == RUNNING).then(|| reload.wrapping_sub(value))
 }
 
 /// Ends the tick.

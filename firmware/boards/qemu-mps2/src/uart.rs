@@ -1,46 +1,121 @@
-//! CMSDK UART, transmitting only.
+//! Registers of a CMSDK APB UART.
+//!
+//! One byte deep either way. As QEMU emulates it, a byte is on its way the moment it is written, and the sender of the
+//! other end waits while the receiver is full; the chip has neither kindness, and nothing here relies on them.
 
-/// Data, state, control and baud rate divider.
+use crate::interrupts::Interrupt;
+
+/// Behind the data: state, control, interrupts, baud rate divider.
 const STATE: usize = 0x04;
 const CONTROL: usize = 0x08;
+const INTERRUPTS: usize = 0x0C;
 const DIVIDER: usize = 0x10;
-/// State: the transmitter holds a byte. Control: transmitter on.
+/// State: the transmitter holds a byte; the receiver does; a byte came while the receiver held one.
 const TX_FULL: u32 = 1;
+const RX_FULL: u32 = 1 << 1;
+const RX_OVERRUN: u32 = 1 << 3;
+/// Control: transmitter and receiver on, interrupts of both.
+const BOTH_ON: u32 = 0b1111;
 const TX_ON: u32 = 1;
+/// Interrupts, to take back.
+const TX_SENT: u32 = 1;
+const RX_RECEIVED: u32 = 1 << 1;
 /// 25 MHz / 217 = 115 207 Bd.
 const DIVISOR: u32 = 217;
-/// UART 1 of the board.
-pub const UART1: usize = 0x4000_5000;
 
-/// A transmitter.
+/// A UART of the board: where its registers are, and its interrupts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Uart {
+    base: usize,
+    /// A byte came.
+    pub received: Interrupt,
+    /// The transmitter has room again.
+    pub sent: Interrupt,
+}
+
+/// UART 0.
+pub const UART0: Uart = Uart { base: 0x4000_4000, received: Interrupt::Uart0Rx, sent: Interrupt::Uart0Tx };
+/// UART 1.
+pub const UART1: Uart = Uart { base: 0x4000_5000, received: Interrupt::Uart1Rx, sent: Interrupt::Uart1Tx };
+/// UART 2.
+pub const UART2: Uart = Uart { base: 0x4000_6000, received: Interrupt::Uart2Rx, sent: Interrupt::Uart2Tx };
+/// UART 3.
+pub const UART3: Uart = Uart { base: 0x4000_7000, received: Interrupt::Uart3Rx, sent: Interrupt::Uart3Tx };
+
+/// The registers of a UART, for its one user.
 #[derive(Debug)]
-pub struct Transmitter {
+pub struct Registers {
     base: usize,
 }
 
-impl Transmitter {
-    /// Switches the transmitter on.
+impl Registers {
+    /// Switches transmitter and receiver on, with their interrupts.
     ///
     /// # Safety
-    /// `base` is that of a UART that nobody else uses.
-    pub unsafe fn new(base: usize) -> Self {
-        // SAFETY: as required of the caller.
-        unsafe {
-            ((base + DIVIDER) as *mut u32).write_volatile(DIVISOR);
-            ((base + CONTROL) as *mut u32).write_volatile(TX_ON);
-        }
-        Transmitter { base }
+    /// Nobody else uses this UART.
+    pub unsafe fn start(uart: Uart) -> Self {
+        let registers = Registers { base: uart.base };
+        registers.write(DIVIDER, DIVISOR);
+        registers.write(CONTROL, BOTH_ON);
+        registers
+    }
+
+    /// Switches the transmitter on, without interrupts.
+    ///
+    /// # Safety
+    /// Nobody else uses this UART.
+    pub unsafe fn start_transmitter(uart: Uart) -> Self {
+        let registers = Registers { base: uart.base };
+        registers.write(DIVIDER, DIVISOR);
+        registers.write(CONTROL, TX_ON);
+        registers
     }
 
     /// Sends a byte, unless the one before is still under way.
     pub fn try_send(&mut self, byte: u8) -> bool {
-        // SAFETY: registers of the UART that `new` was promised.
-        unsafe {
-            if ((self.base + STATE) as *const u32).read_volatile() & TX_FULL != 0 {
-                return false;
-            }
-            (self.base as *mut u32).write_volatile(u32::from(byte));
+        let has_room = self.has_room();
+        if has_room {
+            self.write(0, u32::from(byte));
         }
-        true
+        has_room
+    }
+
+    /// Whether the transmitter takes a byte.
+    pub fn has_room(&self) -> bool {
+        self.read(STATE) & TX_FULL == 0
+    }
+
+    /// The byte received, if there is one.
+    pub fn receive(&mut self) -> Option<u8> {
+        (self.read(STATE) & RX_FULL != 0).then(|| self.read(0) as u8)
+    }
+
+    /// Whether a byte was lost in the receiver since the last call.
+    pub fn take_overrun(&mut self) -> bool {
+        let is_overrun = self.read(STATE) & RX_OVERRUN != 0;
+        if is_overrun {
+            self.write(STATE, RX_OVERRUN);
+        }
+        is_overrun
+    }
+
+    /// Takes back the receiver's interrupt.
+    pub fn acknowledge_received(&mut self) {
+        self.write(INTERRUPTS, RX_RECEIVED);
+    }
+
+    /// Takes back the transmitter's interrupt.
+    pub fn acknowledge_sent(&mut self) {
+        self.write(INTERRUPTS, TX_SENT);
+    }
+
+    fn read(&self, register: usize) -> u32 {
+        // SAFETY: a register of the UART that this is the one user of.
+        unsafe { ((self.base + register) as *const u32).read_volatile() }
+    }
+
+    fn write(&self, register: usize, value: u32) {
+        // SAFETY: a register of the UART that this is the one user of.
+        unsafe { ((self.base + register) as *mut u32).write_volatile(value) }
     }
 }

@@ -60,25 +60,16 @@ struct Readers {
 }
 
 /// The board between two ticks.
-#[derive(Debug)]
 pub struct Cabinet {
     sensors: Sensors,
     outputs: Outputs,
     readers: Readers,
     contacts: Contacts,
     tacho: Tacho,
-    /// Public, as blocks are pushed to it from outside.
-    pub guard: Guard,
+    guard: Guard<'static>,
     /// What the start found, or a tick that came late: reported once, the guard keeps it.
     once: Option<BoardFault>,
     ticks: u32,
-}
-
-/// What a tick asks of the main loop.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Asked {
-    /// Blocks from the program's first on.
-    pub restart: bool,
 }
 
 impl Cabinet {
@@ -86,15 +77,20 @@ impl Cabinet {
     pub fn new(
         (sensors, outputs): (Sensors, Outputs),
         tacho: Tacho,
-        guard: Guard,
+        guard: Guard<'static>,
         at_start: Option<BoardFault>,
     ) -> Self {
         let contacts = Contacts::at(AT_START);
         Cabinet { sensors, outputs, readers: Readers::default(), contacts, tacho, guard, once: at_start, ticks: 0 }
     }
 
+    /// Which run's blocks are wanted.
+    pub fn run(&self) -> u32 {
+        self.guard.run()
+    }
+
     /// One tick.
-    pub fn tick(&mut self) -> Asked {
+    pub fn tick(&mut self) {
         let levels = self.sensors.contacts.idr().read().bits() as u16;
         let said = self.readers.panel.read(self.contacts.follow(!levels));
         // Not debounced: a receiver that complains for a moment may have lost counts in it.
@@ -115,7 +111,6 @@ impl Cabinet {
         self.ticks = self.ticks.wrapping_add(1);
         self.outputs.status.set_ready(decided.alarm != Alarm::Latched);
         self.outputs.status.set_heartbeat(self.ticks / HEARTBEAT_TICKS % 2 == 1);
-        Asked { restart }
     }
 
     /// A tick came late: a fault of the board, as times are no longer what they seem.

@@ -1,58 +1,40 @@
 //! The supervisor around the tick, with the block in work found from the position. Pure; all that this board uses of
 //! [`arcfeed_firmware::supervisor`] to decide is here.
-//!
-//! The queue follows the axes with a progress of its own: the supervisor's stands still, at what it was on a segment before,
-//! while samples are stale or the segment in work is one whose beginning it did not see; and the queue must get past that
-//! one for the next to begin.
 
 use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_firmware::controller::{self, Controller};
-use arcfeed_firmware::queue::SegmentQueue;
+use arcfeed_firmware::queue::Follower;
 use arcfeed_firmware::supervisor::input::Input;
 use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
 use arcfeed_firmware::supervisor::{Output, Supervisor};
 use arcfeed_shared::job::Job;
+use heapless::spsc::Consumer;
 
-/// Blocks at hand: the one in work, and some for short ones behind it.
-const AT_HAND: usize = 4;
+/// A prepared block, and the run of the program it belongs to.
+pub type Prepared = (u32, ActiveSegment);
 
-/// Supervisor, queue and what they remember.
-#[derive(Debug)]
-pub struct Guard {
+/// Supervisor, the blocks ahead and what they remember.
+pub struct Guard<'q> {
     supervisor: Supervisor,
     memory: Memory,
-    controller: Controller,
-    followed: controller::State,
-    entered: Option<u32>,
-    queue: SegmentQueue<AT_HAND>,
+    follower: Follower,
+    blocks: Consumer<'q, Prepared>,
+    run: u32,
 }
 
-impl Guard {
-    /// A guard for a job, with the default settings.
+impl<'q> Guard<'q> {
+    /// A guard for a job, with the default settings; blocks come from elsewhere.
     ///
     /// # Errors
     /// Bounds of the override that make no sense.
-    pub fn new(job: &Job) -> Result<Self, SettingsError> {
+    pub fn new(job: &Job, blocks: Consumer<'q, Prepared>) -> Result<Self, SettingsError> {
         let supervisor = Supervisor::new(job, Settings::default())?;
-        Ok(Guard {
-            supervisor,
-            memory: Memory::default(),
-            controller: Controller::new(job).map_err(SettingsError::Limits)?,
-            followed: controller::State::default(),
-            entered: None,
-            queue: SegmentQueue::new(),
-        })
+        Ok(Guard { supervisor, memory: Memory::default(), follower: Follower::default(), blocks, run: 0 })
     }
 
-    /// Whether a block can be pushed.
-    pub fn has_room(&self) -> bool {
-        !self.queue.is_full()
-    }
-
-    /// Adds a block behind the others; lost if there is no room.
-    pub fn push(&mut self, segment: ActiveSegment) {
-        self.queue.push(segment);
+    /// Which run's blocks are taken.
+    pub fn run(&self) -> u32 {
+        self.run
     }
 
     /// Whether the laws have the override or get it back by themselves: no time to set zero.
@@ -60,29 +42,23 @@ impl Guard {
         self.memory.state().is_engaged()
     }
 
-    /// Forgets all blocks: the program begins anew. At least one tick must come before the next block.
+    /// The program begins anew: blocks of the runs till now are forgotten.
     pub fn restart(&mut self) {
-        self.queue = SegmentQueue::new();
-        self.followed = controller::State::default();
-        self.entered = None;
+        self.run = self.run.wrapping_add(1);
+        self.follower.restart();
     }
 
     /// One tick.
     pub fn tick(&mut self, input: &Input) -> Output {
-        let output = self.supervisor.tick(&mut self.memory, self.queue.in_work(), input);
-        self.follow(&input.measured);
-        output
-    }
-
-    /// Moves along the block in work, and on to the next at its end.
-    fn follow(&mut self, measured: &controller::Input) {
-        let Some((count, segment)) = self.queue.in_work() else { return };
-        if self.entered != Some(count) {
-            self.controller.begin(&mut self.followed, segment, measured);
-            self.entered = Some(count);
-        } else {
-            self.controller.tick(&mut self.followed, segment, measured);
+        while self.blocks.peek().is_some_and(|(run, _)| *run != self.run) {
+            let _of_another_run = self.blocks.dequeue();
         }
-        self.queue.leave_if_done(&self.followed, measured.position.as_ref());
+        let front = self.blocks.peek().map(|(_, segment)| segment);
+        let output = self.supervisor.tick(&mut self.memory, self.follower.in_work(front), input);
+        let controller = self.supervisor.controller();
+        if front.is_some_and(|segment| self.follower.follow(controller, segment, &input.measured)) {
+            let _done = self.blocks.dequeue();
+        }
+        output
     }
 }

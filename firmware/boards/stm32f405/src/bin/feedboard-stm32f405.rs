@@ -15,7 +15,6 @@
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::output::latched::Latched;
 use arcfeed_firmware::output::port_lines::PortLines;
 use arcfeed_firmware::output::settling::Settling;
@@ -24,27 +23,23 @@ use arcfeed_stm32f405::cabinet::{Cabinet, Outputs, Sensors};
 use arcfeed_stm32f405::clock::{self, Clock};
 use arcfeed_stm32f405::dial::DialConverter;
 use arcfeed_stm32f405::encoders::Encoders;
-use arcfeed_stm32f405::guard::Guard;
+use arcfeed_stm32f405::guard::{Guard, Prepared};
 use arcfeed_stm32f405::lines::{CycleDelay, FvPort, PinsDiffer, StatusPins, let_go};
 use arcfeed_stm32f405::spindle::SpindleTimer;
 use arcfeed_stm32f405::tick_timer::{self, TickTimer};
 use arcfeed_stm32f405::watchdog::Watchdog;
 use arcfeed_stm32f405::{machine, pins, program, reset_cause};
 use cortex_m_rt::{ExceptionFrame, entry, exception};
-use heapless::spsc::{Consumer, Producer, Queue};
+use heapless::spsc::{Producer, Queue};
 use stm32f4::stm32f405::{GPIOC, Peripherals, RCC, interrupt};
 
 /// Blocks prepared ahead of the tick.
 const AHEAD: usize = 8;
 
-/// A prepared block, and the run of the program it belongs to.
-type Prepared = (u32, ActiveSegment);
-
 /// What only the tick touches while it runs.
 struct TickState {
     timer: TickTimer,
     cabinet: Cabinet,
-    blocks: Consumer<'static, Prepared>,
 }
 
 /// Handed over before the timer starts, then the handler's.
@@ -90,17 +85,10 @@ fn TIM5() {
 }
 
 fn tick(state: &mut TickState) {
-    let TickState { timer, cabinet, blocks } = state;
+    let TickState { timer, cabinet } = state;
     timer.acknowledge();
-    if cabinet.guard.has_room()
-        && let Some((run, segment)) = blocks.dequeue()
-        && run == RUN.load(Ordering::Relaxed)
-    {
-        cabinet.guard.push(segment);
-    }
-    if cabinet.tick().restart {
-        RUN.store(RUN.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
-    }
+    cabinet.tick();
+    RUN.store(cabinet.run(), Ordering::Relaxed);
     if timer.is_late() {
         cabinet.report_late();
     }
@@ -123,7 +111,11 @@ fn main() -> ! {
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
 
     let job = program::job();
-    let (Ok(guard), Some(tacho)) = (Guard::new(&job), machine::tacho()) else { rest(Some(watchdog)) };
+    static QUEUE: Handed<Queue<Prepared, AHEAD>> = Handed(UnsafeCell::new(Some(Queue::new())));
+    // SAFETY: taken once, by the one main.
+    let Some(queue) = (unsafe { &mut *QUEUE.0.get() }) else { rest(Some(watchdog)) };
+    let (producer, consumer) = queue.split();
+    let (Ok(guard), Some(tacho)) = (Guard::new(&job, consumer), machine::tacho()) else { rest(Some(watchdog)) };
     let Ok(outputs) = outputs(port_c, clock) else { rest(Some(watchdog)) };
     let sensors = Sensors {
         encoders: Encoders::start(chip.TIM3, chip.TIM4, chip.TIM1),
@@ -133,15 +125,11 @@ fn main() -> ! {
     };
     let cabinet = Cabinet::new((sensors, outputs), tacho, guard, cause);
 
-    static QUEUE: Handed<Queue<Prepared, AHEAD>> = Handed(UnsafeCell::new(Some(Queue::new())));
-    // SAFETY: taken once, by the one main.
-    let Some(queue) = (unsafe { &mut *QUEUE.0.get() }) else { rest(Some(watchdog)) };
-    let (producer, consumer) = queue.split();
     watchdog.feed();
     let timer = TickTimer::start(chip.TIM5, clock.timer_mhz);
     // SAFETY: nobody sees the state before the interrupt is allowed, and only its handler does from then on.
     unsafe {
-        *TICK_STATE.0.get() = Some(TickState { timer, cabinet, blocks: consumer });
+        *TICK_STATE.0.get() = Some(TickState { timer, cabinet });
         tick_timer::allow();
     }
     serve(&job, producer, watchdog)

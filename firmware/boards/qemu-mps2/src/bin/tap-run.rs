@@ -1,0 +1,146 @@
+//! The tap and the controller by themselves: the example's program comes in character by character, the positions of its run tick by
+//! tick, and nothing else.
+//!
+//! Each tick puts its override out on UART 1, as `example-run` does, which is told which block is in work: `tests/board/reading.rs`
+//! holds the two against each other. At the end it logs what reading and following needed.
+//!
+//! No panic can be reached here, by whatever characters: it would not link.
+#![no_std]
+#![no_main]
+
+use arcfeed_firmware::active::ActiveSegment;
+use arcfeed_firmware::controller::{self, Controller};
+use arcfeed_firmware::queue::Follower;
+use arcfeed_firmware::supervisor::Supervisor;
+use arcfeed_firmware::supervisor::input::Input;
+use arcfeed_firmware::supervisor::memory::Memory;
+use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_firmware::tap::Tap;
+use arcfeed_firmware::tap::settings::TapSettings;
+use arcfeed_qemu_mps2::example::TICK;
+use arcfeed_qemu_mps2::example::ibr_slot::{EXAMPLE, PROGRAM, add_rules, job};
+use arcfeed_qemu_mps2::handed::Handed;
+use arcfeed_qemu_mps2::leave;
+use arcfeed_qemu_mps2::stack::Painted;
+use arcfeed_qemu_mps2::uart::{Registers, UART1};
+use arcfeed_shared::job::Job;
+use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::nc::tape_code::Code;
+use arcfeed_shared::units::Micros;
+use cortex_m_semihosting::debug;
+use heapless::Deque;
+
+/// Characters between the sender and the machine: a control's buffer, and some.
+const ROOM: usize = 4_096;
+/// Segments that the tick has at hand.
+const AT_HAND: usize = 8;
+/// Positions at rest before the program comes.
+const BEFORE: u32 = 20;
+
+type Line = Tap<ROOM>;
+
+static TAP: Handed<Line> = Handed::nothing();
+
+/// What follows the axes along the segments, and decides.
+struct Tick {
+    supervisor: Supervisor,
+    memory: Memory,
+    controller: Controller,
+    follower: Follower,
+    queue: Deque<ActiveSegment, AT_HAND>,
+    executed: u32,
+    input: Input,
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    unsafe extern "C" {
+        fn arcfeed_a_panic_can_be_reached() -> !;
+    }
+    // SAFETY: never linked, hence never called.
+    unsafe { arcfeed_a_panic_can_be_reached() }
+}
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    let mut job = job();
+    add_rules(&mut job);
+    let (Some(tap), Some(mut tick)) = (start(&job), Tick::new(&job)) else { leave(debug::EXIT_FAILURE) };
+    // SAFETY: UART 1 is used here only.
+    let mut line = unsafe { Registers::start_transmitter(UART1) };
+    let painted = Painted::below_here();
+    for byte in PROGRAM.iter().copied().chain([b'\n']) {
+        tap.from_sender(Micros(0), byte);
+    }
+    for (position, _) in EXAMPLE.run() {
+        tick.follow(&position);
+        // Counts begin with 0, and none is dropped: the count of the one in work is how many were done.
+        tap.follow(tick.queue.front().map(|_| tick.executed), tick.executed, &position);
+        let is_to_clear = tap.must_clear();
+        while !is_to_clear && !tick.queue.is_full() {
+            let Some(handed) = tap.next(&job) else { break };
+            let _room = tick.queue.push_back(handed.segment);
+        }
+        let percent = tick.decide();
+        while !line.try_send(percent) {}
+    }
+    let counters = tap.counters();
+    #[cfg(feature = "prove-the-gate")]
+    core::hint::black_box(PROGRAM[counters.segments as usize]);
+    defmt::info!(
+        "tap: {=u32} segments, {=u32} governed, {=u32} lost",
+        counters.segments,
+        counters.governed,
+        counters.losses
+    );
+    defmt::info!("tap: {=usize} bytes", size_of::<Line>());
+    defmt::info!("stack: {=usize} bytes", painted.used());
+    leave(if counters.losses == 0 { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE })
+}
+
+/// The tap in its place, with the axes seen at rest. What building it needs of the stack is not its own any more.
+#[inline(never)]
+fn start(job: &Job) -> Option<&'static mut Line> {
+    let settings = TapSettings { code: Some(Code::Ascii), ..TapSettings::new(job.unit) };
+    let tap = Tap::new(settings).ok()?;
+    // SAFETY: no handler runs, and nobody else takes it.
+    let tap = unsafe {
+        TAP.put(tap);
+        TAP.get()?
+    };
+    for _ in 0..BEFORE {
+        tap.follow(None, 0, &Pose::ORIGIN);
+    }
+    Some(tap)
+}
+
+impl Tick {
+    fn new(job: &Job) -> Option<Self> {
+        let measured = controller::Input { position: None, spindle: job.spindle, dt: TICK };
+        Some(Tick {
+            supervisor: Supervisor::new(job, Settings::default()).ok()?,
+            memory: Memory::armed(),
+            controller: Controller::new(job).ok()?,
+            follower: Follower::default(),
+            queue: Deque::new(),
+            executed: 0,
+            input: Input::of(measured),
+        })
+    }
+
+    fn follow(&mut self, position: &Pose) {
+        self.input.measured.position = Some(*position);
+        let Some(segment) = self.queue.front() else { return };
+        if self.follower.follow(&self.controller, segment, &self.input.measured) {
+            self.queue.pop_front();
+            self.executed = self.executed.wrapping_add(1);
+        }
+    }
+
+    fn decide(&mut self) -> u8 {
+        self.supervisor
+            .tick(&mut self.memory, self.follower.in_work(self.queue.front()), &self.input)
+            .feed_override
+            .percent
+    }
+}

@@ -1,0 +1,207 @@
+//! The feed board: link, tapped line and machine line in the main loop, the tick in a timer's interrupt.
+//!
+//! ```text
+//! UART 0 <-> Desk --- orders, words ---> Ticker <- TIMER0
+//!                 <------ told --------
+//! UART 1  -> samples --> | tick side | -> setpoints -> UART 1      (*FV0 to *FV7: the emulator has no pins)
+//! UART 2 <-> UART 3: the tapped line
+//! ```
+//!
+//! Who speaks first says how time goes. A sample in lockstep: the board ticks once for each sample and the timer stands. Anything
+//! else: the timer ticks every millisecond, whatever comes or does not.
+
+use crate::handed::Once;
+use crate::interrupts::{Interrupt, Priority, enable};
+use crate::serial::Lines;
+use crate::stack::Painted;
+use crate::tick::{Costs, MainSide, PERIOD, costs, prepare};
+use crate::{flash, timer};
+use arcfeed_firmware::assembly::{Config, assemble};
+use arcfeed_firmware::front::Front;
+use arcfeed_firmware::lockstep::{Line, Lines as _, Lockstep, pass};
+use arcfeed_firmware::station::clerk::Identity;
+use arcfeed_firmware::station::order::Queues;
+use arcfeed_firmware::station::ticker::Supply;
+use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_firmware::tap::Tap;
+use arcfeed_shared::job::Job;
+use arcfeed_shared::units::Micros;
+use arcfeed_shared::wire::frame::ENCODED_MAX;
+use arcfeed_shared::wire::message::Message;
+use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode, StateCode};
+use arcfeed_shared::wire::message::moves::pose;
+use arcfeed_shared::wire::message::table::Setpoint;
+use arcfeed_shared::wire::plain::PlainLine;
+use cortex_m::peripheral::NVIC;
+
+/// The job that is in the image rather than sent by a host.
+const OWN_SET: u32 = 1;
+/// Orders ahead of the tick, less one.
+const AHEAD: usize = 32;
+/// Ticks from one line of the log with figures to the next.
+const FIGURES_EVERY: u32 = 1_000;
+/// Bytes taken off the link at a time.
+const PART: usize = 64;
+
+/// In place of a setpoint that is not there: all lines released.
+const NOTHING: Setpoint = Setpoint { at: 0, lines: 0, state: StateCode::Faulted, link_bytes: 0, tap_bytes: 0 };
+
+/// The main program. The tap has room for `N` characters.
+pub struct Main<const N: usize> {
+    front: Front<'static, N>,
+    lines: Lines,
+    tick: MainSide,
+    painted: Painted,
+    figures_at: u32,
+}
+
+impl<const N: usize> Main<N> {
+    /// A board that has just started; with a tap and its job the segments are the tapped line's. `None` if what it is told makes no
+    /// sense, or if it was called before.
+    pub fn start(tapped: Option<(Tap<N>, &Job)>) -> Option<Self> {
+        static QUEUES: Once<Queues<AHEAD>> = Once::new(Queues::new());
+        let painted = Painted::far_below_here();
+        let starts = flash::count_start();
+        defmt::info!("feedboard: start {=u32}, a tick every {=u32} us", starts, PERIOD.0);
+        let identity = Identity { name: "feedboard", version: [0, 1, 0], reset: ResetCode::Power, starts };
+        let supply = if tapped.is_some() { Supply::Tap } else { Supply::Link };
+        let config = Config { supply, settings: Settings::default(), identity, fault: None };
+        let (lines, queues) = (Lines::start()?, QUEUES.take()?);
+        let (mut desk, ticker) = assemble(queues, config).ok()?;
+        let tap = match tapped {
+            Some((tap, job)) => {
+                desk.clerk_mut().adopt(job, OWN_SET).ok()?;
+                Some(tap)
+            }
+            None => None,
+        };
+        let tick = prepare(ticker)?;
+        Some(Main { front: Front::new(desk, tap), lines, tick, painted, figures_at: FIGURES_EVERY })
+    }
+
+    /// Goes on for ever.
+    pub fn run(mut self) -> ! {
+        let mut lockstep = Lockstep::new();
+        // SAFETY: the tick's side is prepared.
+        unsafe { enable(Interrupt::Timer0, Priority::First) };
+        loop {
+            match lockstep.mode(&mut self.lines) {
+                Some(ModeCode::Lockstep) => self.keep_step(lockstep),
+                Some(ModeCode::Free) => self.run_free(),
+                None if self.lines.waiting(Line::Link) > 0 => self.run_free(),
+                None => self.lines.sleep(),
+            }
+        }
+    }
+
+    /// One tick for each sample.
+    fn keep_step(mut self, mut lockstep: Lockstep) -> ! {
+        loop {
+            let Main { front, lines, tick, .. } = &mut self;
+            let is_done = lockstep.poll(front, lines, &mut |_, sample| {
+                let _room = tick.heard.enqueue(Some(*sample));
+                NVIC::pend(Interrupt::Timer0);
+                cortex_m::asm::isb();
+                // The tick is done: nothing goes before it.
+                tick.setpoints.dequeue().unwrap_or(Setpoint { at: sample.at, ..NOTHING })
+            });
+            if is_done {
+                self.log_figures();
+            } else {
+                self.lines.sleep();
+            }
+        }
+    }
+
+    /// A tick every millisecond.
+    fn run_free(mut self) -> ! {
+        // SAFETY: the tick's side is prepared.
+        unsafe { timer::start(PERIOD.0) };
+        let (mut machine, mut now) = (PlainLine::new(), Micros(0));
+        loop {
+            self.hear_machine(&mut machine);
+            self.hear_link(now);
+            let _count = pass(&mut self.front, &mut self.lines, now);
+            if let Some(setpoint) = self.last_setpoint() {
+                now = Micros(setpoint.at);
+                self.show(&mut machine, now, setpoint);
+            }
+            self.front.run(now);
+            self.speak_link(now);
+            self.log_figures();
+            // The next tick wakes it, if nothing else does.
+            cortex_m::asm::wfi();
+        }
+    }
+
+    fn hear_machine(&mut self, machine: &mut PlainLine) {
+        while let Some(byte) = self.lines.receive(Line::Machine) {
+            let invalid = machine.invalid();
+            let heard = match machine.on_byte(byte) {
+                Some(Message::Sample(sample)) => Some(sample),
+                _ if machine.invalid() != invalid => None,
+                _ => continue,
+            };
+            let position = heard.and_then(|sample| pose(sample.linear?, sample.rotary).ok());
+            if let Some(position) = position {
+                self.front.see(&position);
+            }
+            // With no room, the tick has plenty to go on.
+            let _room = self.tick.heard.enqueue(heard);
+        }
+    }
+
+    fn hear_link(&mut self, now: Micros) {
+        let mut part = heapless::Vec::<u8, PART>::new();
+        while let Some(byte) = self.lines.receive(Line::Link) {
+            let _room = part.push(byte);
+            if part.is_full() {
+                self.front.on_link_bytes(now, &part);
+                part.clear();
+            }
+        }
+        self.front.on_link_bytes(now, &part);
+    }
+
+    fn speak_link(&mut self, now: Micros) {
+        let mut frame = [0; ENCODED_MAX];
+        while self.lines.link.room() >= ENCODED_MAX {
+            let length = self.front.poll_link(now, &mut frame);
+            match frame.get(..length) {
+                Some(frame) if !frame.is_empty() => self.lines.send(Line::Link, frame),
+                _ => return,
+            };
+        }
+    }
+
+    fn last_setpoint(&mut self) -> Option<Setpoint> {
+        core::iter::from_fn(|| self.tick.setpoints.dequeue()).last()
+    }
+
+    /// Only the latest setpoint counts: what finds no room is not missed.
+    fn show(&mut self, machine: &mut PlainLine, now: Micros, setpoint: Setpoint) {
+        let mut frame = [0; ENCODED_MAX];
+        if self.lines.machine.room() >= ENCODED_MAX {
+            let length = machine.encode(now, &Message::Setpoint(setpoint), &mut frame);
+            let _sent = frame.get(..length).map(|frame| self.lines.send(Line::Machine, frame));
+        }
+    }
+
+    fn log_figures(&mut self) {
+        let Costs { ticks, worst, late: [earliest, latest] } = costs();
+        if ticks < self.figures_at {
+            return;
+        }
+        self.figures_at = ticks.saturating_add(FIGURES_EVERY);
+        let stack = self.painted.above() + self.painted.used();
+        defmt::info!(
+            "{=u32} ticks, worst {=u32} instructions, late {=u32} to {=u32}, lost {=u32} bytes, stack {=usize} bytes",
+            ticks,
+            worst,
+            earliest,
+            latest,
+            self.lines.lost(),
+            stack
+        );
+    }
+}

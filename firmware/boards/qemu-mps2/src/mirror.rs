@@ -1,0 +1,50 @@
+//! The eight lines *FV0 to *FV7 of a board whose emulator has no pins: a register in memory, which the machine line shows.
+
+use core::convert::Infallible;
+use core::sync::atomic::{AtomicU8, Ordering};
+
+use arcfeed_firmware::output::OverrideOutput;
+use arcfeed_firmware::output::line_code::LineCode;
+use arcfeed_firmware::ramp::FeedOverride;
+
+/// Lines that are low, a bit each; all released at the start.
+static LOW: AtomicU8 = AtomicU8::new(0);
+
+/// The lines, for their one user.
+#[derive(Debug)]
+pub struct Mirror(());
+
+impl Mirror {
+    /// The lines.
+    ///
+    /// # Safety
+    /// Called once.
+    pub const unsafe fn new() -> Self {
+        Mirror(())
+    }
+}
+
+/// Lines that are low now, a bit each.
+pub fn low() -> u8 {
+    LOW.load(Ordering::Relaxed)
+}
+
+/// Releases all lines, whoever uses them: for when nothing else can be relied on.
+pub fn release() {
+    LOW.store(0, Ordering::Relaxed);
+}
+
+impl OverrideOutput for Mirror {
+    type Error = Infallible;
+
+    fn put(&mut self, feed_override: FeedOverride) -> Result<(), Infallible> {
+        // One store changes all lines at once: nothing in between is ever read.
+        LOW.store(!LineCode::of(feed_override).levels(), Ordering::Relaxed);
+        Ok(())
+    }
+
+    fn release(&mut self) -> Result<(), Infallible> {
+        release();
+        Ok(())
+    }
+}

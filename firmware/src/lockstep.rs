@@ -1,0 +1,173 @@
+//! A board in lockstep with a simulated machine: for each sample it takes exactly the bytes that the sample counts, ticks once,
+//! and answers. What it does depends on bytes alone, not on when they arrive, so a run is the same every time, on a chip, on
+//! an emulated one, and in process.
+//!
+//! ```text
+//!        sample                  its bytes are all here            answered
+//! Idle ----------> Waiting ----------------------------------> front, tick, front -----> Idle
+//! ```
+
+use arcfeed_shared::units::Micros;
+use arcfeed_shared::wire::frame::ENCODED_MAX;
+use arcfeed_shared::wire::message::Message;
+use arcfeed_shared::wire::message::codes::ModeCode;
+use arcfeed_shared::wire::message::moves::pose;
+use arcfeed_shared::wire::message::table::{Sample, Setpoint};
+use arcfeed_shared::wire::plain::PlainLine;
+
+use crate::front::Front;
+
+/// A line of a board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Line {
+    /// To the host.
+    Link,
+    /// To the machine.
+    Machine,
+    /// To the sender of NC text, tapped.
+    Sender,
+    /// To the control.
+    Control,
+}
+
+/// The board's ends of its lines.
+pub trait Lines {
+    /// Bytes that have come and wait.
+    fn waiting(&self, line: Line) -> usize;
+    /// The next of them.
+    fn receive(&mut self, line: Line) -> Option<u8>;
+    /// Sends bytes; how many were taken.
+    fn send(&mut self, line: Line, bytes: &[u8]) -> usize;
+}
+
+/// The board's end of the machine line; state.
+#[derive(Debug, Default)]
+pub struct Lockstep {
+    line: PlainLine,
+    waiting: Option<Sample>,
+    taken: Counts,
+    put: Counts,
+    incomplete: u32,
+}
+
+/// Bytes of link and tapped line; they wrap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Counts {
+    link: u32,
+    tap: u32,
+}
+
+impl Lockstep {
+    /// Before the first sample.
+    pub const fn new() -> Self {
+        let none = Counts { link: 0, tap: 0 };
+        Lockstep { line: PlainLine::new(), waiting: None, taken: none, put: none, incomplete: 0 }
+    }
+
+    /// What the first sample says of the mode; `None` before it has come.
+    pub fn mode(&mut self, lines: &mut impl Lines) -> Option<ModeCode> {
+        self.sample(lines).map(|sample| sample.mode)
+    }
+
+    /// Goes on as far as the bytes allow; whether a period was done. `tick` ticks once, with a sample, and
+    /// answers what is put out; what it says of bytes is of no meaning.
+    pub fn poll<const N: usize>(
+        &mut self,
+        front: &mut Front<'_, N>,
+        lines: &mut impl Lines,
+        tick: &mut dyn FnMut(Micros, &Sample) -> Setpoint,
+    ) -> bool {
+        let Some(sample) = self.sample(lines) else { return false };
+        if !self.are_bytes_here(&sample, lines) {
+            return false;
+        }
+        self.waiting = None;
+        let now = Micros(sample.at);
+        self.take_link(&sample, front, lines);
+        self.pass_tapped(&sample, front, lines);
+        front.run(now);
+        let position = sample.linear.and_then(|linear| pose(linear, sample.rotary).ok());
+        if let Some(position) = position {
+            front.see(&position);
+        }
+        let setpoint = tick(now, &sample);
+        front.run(now);
+        self.put_link(now, front, lines);
+        self.answer(now, &setpoint, lines);
+        true
+    }
+
+    /// The sample that waits, or the next to come.
+    fn sample(&mut self, lines: &mut impl Lines) -> Option<Sample> {
+        while self.waiting.is_none() {
+            let byte = lines.receive(Line::Machine)?;
+            if let Some(Message::Sample(sample)) = self.line.on_byte(byte) {
+                self.waiting = Some(sample);
+            }
+        }
+        self.waiting
+    }
+
+    fn are_bytes_here(&self, sample: &Sample, lines: &impl Lines) -> bool {
+        let tapped = lines.waiting(Line::Sender).saturating_add(lines.waiting(Line::Control));
+        lines.waiting(Line::Link) >= distance(self.taken.link, sample.link_bytes)
+            && tapped >= distance(self.taken.tap, sample.tap_bytes)
+    }
+
+    fn take_link<const N: usize>(&mut self, sample: &Sample, front: &mut Front<'_, N>, lines: &mut impl Lines) {
+        for _ in 0..distance(self.taken.link, sample.link_bytes) {
+            if let Some(byte) = lines.receive(Line::Link) {
+                front.on_link_bytes(Micros(sample.at), &[byte]);
+            }
+        }
+        self.taken.link = sample.link_bytes;
+    }
+
+    fn pass_tapped<const N: usize>(&mut self, sample: &Sample, front: &mut Front<'_, N>, lines: &mut impl Lines) {
+        self.put.tap = self.put.tap.wrapping_add(pass(front, lines, Micros(sample.at)));
+        self.taken.tap = sample.tap_bytes;
+    }
+
+    /// What is due: the link keeps its bit rate by the machine's time.
+    fn put_link<const N: usize>(&mut self, now: Micros, front: &mut Front<'_, N>, lines: &mut impl Lines) {
+        let mut frame = [0; ENCODED_MAX];
+        loop {
+            let length = front.poll_link(now, &mut frame);
+            let Some(frame) = frame.get(..length).filter(|frame| !frame.is_empty()) else { return };
+            self.put.link = self.put.link.wrapping_add(lines.send(Line::Link, frame) as u32);
+        }
+    }
+
+    fn answer(&mut self, now: Micros, setpoint: &Setpoint, lines: &mut impl Lines) {
+        let Counts { link, tap } = self.put;
+        let message = Message::Setpoint(Setpoint { link_bytes: link, tap_bytes: tap, ..*setpoint });
+        let mut frame = [0; ENCODED_MAX];
+        let length = self.line.encode(now, &message, &mut frame);
+        let sent = frame.get(..length).map_or(0, |frame| lines.send(Line::Machine, frame));
+        self.incomplete = self.incomplete.wrapping_add(u32::from(sent < length));
+    }
+
+    /// Frames of the machine line that were none, and answers that found no room; wrap.
+    pub fn faults(&self) -> [u32; 2] {
+        [self.line.invalid(), self.incomplete]
+    }
+}
+
+/// Passes on what has come at either end of the tapped line; how many characters.
+pub fn pass<const N: usize>(front: &mut Front<'_, N>, lines: &mut impl Lines, now: Micros) -> u32 {
+    let mut passed = 0_u32;
+    while let Some(byte) = lines.receive(Line::Sender) {
+        let byte = front.from_sender(now, byte);
+        passed = passed.wrapping_add(lines.send(Line::Control, &[byte]) as u32);
+    }
+    while let Some(byte) = lines.receive(Line::Control) {
+        let byte = front.from_control(now, byte);
+        passed = passed.wrapping_add(lines.send(Line::Sender, &[byte]) as u32);
+    }
+    passed
+}
+
+/// From one count to the next.
+fn distance(from: u32, to: u32) -> usize {
+    to.wrapping_sub(from) as usize
+}

@@ -1,0 +1,60 @@
+//! How things stand, in the words of the link.
+
+use arcfeed_shared::wire::message::codes::{AlarmCode, RefusalCode, StateCode};
+use arcfeed_shared::wire::message::table::Report;
+
+use crate::supervisor::report::{Alarm, Refusal};
+use crate::supervisor::state::State;
+
+use super::order::Told;
+
+/// In place of a number: there is none.
+const NONE: u32 = u32::MAX;
+
+/// The code of a state.
+pub const fn state_code(state: &State) -> StateCode {
+    match state {
+        State::Idle => StateCode::Idle,
+        State::Armed => StateCode::Armed,
+        State::Running => StateCode::Running,
+        State::Holding { .. } => StateCode::Holding,
+        State::Fallback { .. } => StateCode::Fallback,
+        State::Faulted { .. } => StateCode::Faulted,
+        State::Inhibited { .. } => StateCode::Inhibited,
+        State::Disarmed { .. } => StateCode::Disarmed,
+    }
+}
+
+/// The code of why arming was refused.
+pub const fn refusal_code(refusal: Refusal) -> RefusalCode {
+    match refusal {
+        Refusal::Faulted => RefusalCode::Faulted,
+        Refusal::NotFresh | Refusal::NotResynchronised => RefusalCode::NotFresh,
+        Refusal::Operator => RefusalCode::Operator,
+        Refusal::Condition(_) => RefusalCode::Condition,
+    }
+}
+
+/// A report; `room` for segments, `set` of parameters in force.
+pub fn report(told: &Told, room: usize, set: u32) -> Report {
+    let record = &told.record;
+    Report {
+        at: record.at.0,
+        state: state_code(&told.state),
+        cause: record.cause as u8,
+        alarm: match told.alarm {
+            Alarm::None => AlarmCode::None,
+            Alarm::Passing => AlarmCode::Passing,
+            Alarm::Latched => AlarmCode::Latched,
+        },
+        override_percent: record.feed_override.percent,
+        epoch: told.epoch,
+        executed: told.executed,
+        in_work: told.is_in_work.then_some(record.block),
+        room: u16::try_from(room).unwrap_or(u16::MAX),
+        set,
+        ipt_center: record.ipt_center_nm.unwrap_or(NONE),
+        feed: record.feed_um_per_min.unwrap_or(NONE),
+        chip_excess_percent: record.chip_excess_percent,
+    }
+}

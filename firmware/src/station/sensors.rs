@@ -1,0 +1,165 @@
+//! What a board sees of the machine, and the machine line of a board that has no sensors of its own.
+
+use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::units::{Micros, RevPerMin, Span};
+use arcfeed_shared::wire::message::moves::pose;
+use arcfeed_shared::wire::message::table::{Sample, Setpoint};
+
+use crate::output::line_code::LineCode;
+use crate::supervisor::Output;
+use crate::supervisor::input::Freshness;
+use crate::supervisor::signals::Signals;
+
+use super::report::state_code;
+
+/// What is measured at a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensors {
+    /// Where the tool's centre is, in the workpiece's coordinates; `None` before the first sample.
+    pub position: Option<Pose>,
+    /// How good that is.
+    pub freshness: Freshness,
+    /// Spindle speed.
+    pub spindle: RevPerMin,
+    /// The operator's dial, %.
+    pub operator_percent: u8,
+    /// Conditions of the control, buttons, and what the board finds wrong with itself.
+    pub signals: Signals,
+}
+
+/// The samples of a machine line; state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MachineLine {
+    seen: Sensors,
+    heard: Option<Micros>,
+}
+
+impl Default for MachineLine {
+    fn default() -> Self {
+        MachineLine::new()
+    }
+}
+
+impl MachineLine {
+    /// Nothing heard yet: the position is as old as can be, the dial at 0.
+    pub const fn new() -> Self {
+        let seen = Sensors {
+            position: None,
+            freshness: Freshness { age: Span(u32::MAX), invalid_in_row: 0 },
+            spindle: RevPerMin(0.0),
+            operator_percent: 0,
+            signals: Signals::NONE,
+        };
+        MachineLine { seen, heard: None }
+    }
+
+    /// Takes a sample that came at `now`; false, and counted, if it makes no sense.
+    pub fn take(&mut self, now: Micros, sample: &Sample) -> bool {
+        let position = sample.linear.map(|linear| pose(linear, sample.rotary)).transpose();
+        let (Ok(position), Some(signals)) = (position, Signals::of_machine(sample.signals)) else {
+            self.take_invalid();
+            return false;
+        };
+        if position.is_some() {
+            (self.seen.position, self.heard) = (position, Some(now));
+            self.seen.freshness.invalid_in_row = 0;
+        }
+        self.seen.spindle = RevPerMin(sample.spindle.value());
+        (self.seen.operator_percent, self.seen.signals) = (sample.operator_percent, signals);
+        true
+    }
+
+    /// Counts a frame that was none.
+    pub fn take_invalid(&mut self) {
+        let invalid = &mut self.seen.freshness.invalid_in_row;
+        *invalid = invalid.saturating_add(1);
+    }
+
+    /// What is known at `now`.
+    pub fn sensors(&self, now: Micros) -> Sensors {
+        let age = self.heard.map_or(Span(u32::MAX), |heard| now.since(heard).into());
+        Sensors { freshness: Freshness { age, ..self.seen.freshness }, ..self.seen }
+    }
+}
+
+/// The answer to a sample: what is put out. `bytes` are those put on link and tapped line before it.
+pub fn setpoint(at: u64, output: &Output, [link_bytes, tap_bytes]: [u32; 2]) -> Setpoint {
+    let lines = !LineCode::of(output.feed_override).levels();
+    Setpoint { at, lines, state: state_code(&output.state), link_bytes, tap_bytes }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ramp::FeedOverride;
+    use crate::supervisor::report::{Alarm, Reason};
+    use crate::supervisor::signals::{BoardFault, Request};
+    use crate::supervisor::state::{Hold, State};
+    use arcfeed_shared::units::Nm;
+    use arcfeed_shared::wire::message::codes::{ModeCode, StateCode};
+    use arcfeed_shared::wire::message::fixed::Q40;
+
+    fn sample() -> Sample {
+        Sample {
+            at: 5,
+            mode: ModeCode::Free,
+            linear: Some([1_000, -2_000, 3_000]),
+            rotary: None,
+            spindle: Q40::of(1_000.0_f32).unwrap(),
+            operator_percent: 100,
+            signals: 0,
+            link_bytes: 0,
+            tap_bytes: 0,
+        }
+    }
+
+    #[test]
+    fn before_the_first_sample_there_is_no_position_and_the_dial_is_down() {
+        let sensors = MachineLine::new().sensors(Micros(7));
+        assert_eq!((sensors.position, sensors.operator_percent), (None, 0));
+        assert_eq!(sensors.freshness.age, Span(u32::MAX));
+    }
+
+    #[test]
+    fn a_sample_is_what_it_says_and_grows_old() {
+        let mut line = MachineLine::new();
+        let signals = Signals::FEED_HOLD.with(Signals::of_request(Request::Arm));
+        assert!(line.take(Micros(1_000), &Sample { signals: signals.bits(), ..sample() }));
+        let sensors = line.sensors(Micros(4_500));
+        assert_eq!(sensors.position.unwrap().linear, [1_000, -2_000, 3_000].map(Nm));
+        assert_eq!((sensors.spindle.0, sensors.signals, sensors.freshness.age), (1_000.0, signals, Span(3_500)));
+        // Without a new position the rest is news, the position is not.
+        line.take(Micros(5_000), &Sample { linear: None, operator_percent: 80, ..sample() });
+        let sensors = line.sensors(Micros(5_000));
+        assert_eq!((sensors.operator_percent, sensors.freshness.age), (80, Span(4_000)));
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_counted_and_changes_nothing_else() {
+        let mut line = MachineLine::new();
+        line.take(Micros(0), &sample());
+        let before = line.sensors(Micros(9));
+        let fault = Signals::of_fault(BoardFault::Watchdog).bits();
+        assert!(!line.take(Micros(5), &Sample { signals: fault, ..sample() }), "only the board knows its faults");
+        assert!(!line.take(Micros(5), &Sample { linear: Some([i64::MAX; 3]), ..sample() }));
+        line.take_invalid();
+        let freshness = Freshness { invalid_in_row: 3, ..before.freshness };
+        assert_eq!(line.sensors(Micros(9)), Sensors { freshness, ..before });
+        line.take(Micros(9), &sample());
+        assert_eq!(line.sensors(Micros(9)).freshness, Freshness::NOW);
+    }
+
+    #[test]
+    fn a_setpoint_has_the_lines_that_are_low() {
+        let output = Output {
+            feed_override: FeedOverride { percent: 117 },
+            state: State::Holding { cause: Hold::Feed },
+            reason: Reason::Law,
+            alarm: Alarm::None,
+            refusal: None,
+            ipt_center: None,
+        };
+        let expected = Setpoint { at: 9, lines: 117, state: StateCode::Holding, link_bytes: 1, tap_bytes: 2 };
+        assert_eq!(setpoint(9, &output, [1, 2]), expected);
+    }
+}

@@ -1,0 +1,209 @@
+//! Blocks to moves in workpiece coordinates, and what of them the axes can be followed on.
+//!
+//! A move can be followed if its way is the one that is written: no canned cycle, no way to a reference point, nothing under G41,
+//! G42 or G43.4, and every axis known. What cannot be followed is passed over, up to a place that is known again: the end of
+//! the first plain move behind it, or of a cycle. Offsets are those of the panel and not known here: positions are seen
+//! from the workpiece's origin, where they do not matter.
+
+use arcfeed_shared::nc::alarm::{Fault, NotModelled};
+use arcfeed_shared::nc::block::Block;
+use arcfeed_shared::nc::modal::{Feed, FeedMode, Pose, Stop};
+use arcfeed_shared::nc::series::{Drill, Series};
+use arcfeed_shared::nc::settings::{Settings, Tables};
+use arcfeed_shared::nc::word::{Token, Words};
+use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::segment::Segment;
+
+use super::status::Why;
+
+/// System variables that make the control behave otherwise (#3000 to #3999: alarms, clocks, ignored switches).
+const BEHAVIOUR: core::ops::RangeInclusive<i64> = 3_000..=3_999;
+/// Bits of X, Y and Z.
+const LINEAR: u8 = 0b111;
+/// Letters of the bits. Rotary axes have no place in the coordinates that are followed.
+const AXES: [u8; 3] = *b"XYZ";
+/// What a program must say before it can be relied on, where it does not begin afresh: unit, plane, distance, feed mode.
+const ALL_SAID: u8 = 0b1111;
+
+/// Reads the blocks of a program, one after the other.
+#[derive(Debug)]
+pub(super) struct Blocks {
+    begins_afresh: bool,
+    reader: Reader,
+    /// In place of the block before: it is large.
+    understood: Understood,
+    /// Bits of [`AXES`] whose place is not known.
+    unknown: u8,
+    /// The axes are not where the last block that was followed ends.
+    is_apart: bool,
+    is_tapping: bool,
+    said: u8,
+    has_moved: bool,
+}
+
+/// What a block is for who follows the axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and there is one at a time")]
+pub(super) enum Course {
+    /// It moves nothing, or nowhere that is known.
+    Nothing,
+    /// A move along its path; whether a law may have it.
+    Along(Segment, bool),
+    /// A way that is not known, by way of a place to another.
+    Passes {
+        /// There first.
+        via: Option<Pose>,
+        /// Its end.
+        to: Pose,
+    },
+}
+
+impl Blocks {
+    pub fn new(settings: Settings, begins_afresh: bool) -> Self {
+        Blocks {
+            reader: Reader::with(settings, Tables::default()),
+            begins_afresh,
+            understood: Understood::default(),
+            unknown: LINEAR,
+            is_apart: true,
+            is_tapping: false,
+            said: 0,
+            has_moved: false,
+        }
+    }
+
+    /// A program begins, with the axes at rest here, if that is known.
+    pub fn begin(&mut self, at: Option<Pose>) {
+        self.reader.restart();
+        (self.is_tapping, self.said, self.has_moved) = (false, 0, false);
+        (self.unknown, self.is_apart) = (if at.is_some() { 0 } else { LINEAR }, at.is_none());
+        if let Some(at) = at {
+            self.reader.stand_at(at);
+        }
+    }
+
+    /// Reads the next block: its course, and whether the program ends with it.
+    ///
+    /// # Errors
+    /// From here on the control is not known to do what is written.
+    pub fn read(&mut self, text: &[u8]) -> Result<(Course, bool), Why> {
+        self.reader.read_into(text, &mut self.understood).map_err(Why::NotUnderstood)?;
+        let block = &self.understood.parsed.block;
+        let is_other_program = block.program.is_some() && self.has_moved;
+        if is_other_program || self.understood.lacks_feed() || (block.assigns && changes_behaviour(text)) {
+            return Err(Why::OutOfSight);
+        }
+        self.note_codes();
+        let ends = self.understood.step.stop == Some(Stop::End);
+        let course = match self.understood.segment {
+            _ if self.understood.step.series.is_some() => self.pass(),
+            Some(segment) => self.go(&segment),
+            None if self.understood.step.motion.is_some() => return Err(Why::OutOfSight),
+            None => Course::Nothing,
+        };
+        self.has_moved |= course != Course::Nothing;
+        Ok((course, ends))
+    }
+
+    /// G words that the reader does not keep.
+    fn note_codes(&mut self) {
+        for word in self.understood.parsed.block.words.iter().filter(|word| word.letter == b'G') {
+            match word.number.as_whole() {
+                Some(63) => self.is_tapping = true,
+                Some(61 | 62 | 64) => self.is_tapping = false,
+                Some(20 | 21) => self.said |= 1,
+                Some(17..=19) => self.said |= 2,
+                Some(90 | 91) => self.said |= 4,
+                Some(93..=95) => self.said |= 8,
+                _ => {}
+            }
+        }
+    }
+
+    fn pass(&mut self) -> Course {
+        let Some(Series::Drill(drill)) = &self.understood.step.series else {
+            self.forget_named();
+            return Course::Nothing;
+        };
+        if self.unknown != 0 {
+            return Course::Nothing;
+        }
+        let to = self.in_workpiece(self.reader.modal().position);
+        let via = Some(at_bottom(drill, to));
+        self.is_apart = false;
+        Course::Passes { via, to }
+    }
+
+    fn go(&mut self, segment: &Segment) -> Course {
+        let step = &self.understood.step;
+        if step.beyond_plain == Some(NotModelled::GCode(530)) {
+            self.forget_named();
+            return Course::Nothing;
+        }
+        self.know_named();
+        if !self.understood.step.is_plain() && self.reader.modal().feed_mode != FeedMode::PerRevolution {
+            self.is_apart = true;
+            return Course::Nothing;
+        }
+        if self.unknown != 0 {
+            return Course::Nothing;
+        }
+        let origin = self.reader.modal().work_origin(self.reader.tables());
+        let segment = segment.shifted(Pose::ORIGIN.minus(origin));
+        if core::mem::take(&mut self.is_apart) {
+            return Course::Passes { via: None, to: segment.end };
+        }
+        let per_minute = self.reader.modal().feed_mode != FeedMode::PerRevolution;
+        // What a feed per revolution amounts to is the spindle's business; the override must leave it alone.
+        let feed = if per_minute { segment.feed } else { Feed::Missing };
+        let is_said = self.begins_afresh || self.said == ALL_SAID;
+        Course::Along(Segment { feed, ..segment }, per_minute && is_said && !self.is_tapping)
+    }
+
+    /// A way to a place of the machine's: where that is in the workpiece's coordinates is not known.
+    fn forget_named(&mut self) {
+        self.unknown |= named(&self.understood.parsed.block);
+        self.is_apart = true;
+    }
+
+    /// An absolute coordinate says where its axis stands, whatever was before.
+    fn know_named(&mut self) {
+        let modal = self.reader.modal();
+        if modal.absolute && modal.polar.is_none() {
+            self.unknown &= !named(&self.understood.parsed.block);
+        }
+    }
+
+    fn in_workpiece(&self, position: Pose) -> Pose {
+        position.minus(self.reader.modal().work_origin(self.reader.tables()))
+    }
+}
+
+/// The axes that a block names.
+fn named(block: &Block) -> u8 {
+    let bits = AXES.iter().enumerate().filter(|(_, letter)| block.word(**letter).is_some());
+    bits.fold(0, |named, (bit, _)| named | 1 << bit)
+}
+
+/// The bottom of a cycle's last hole, which ends at `end`.
+fn at_bottom(drill: &Drill, end: Pose) -> Pose {
+    let (.., normal) = drill.plane.axes();
+    let level = |pose: &Pose| pose.linear.get(normal).map_or(0, |axis| axis.0);
+    let down = drill.levels.bottom.0.saturating_sub(level(&drill.end()));
+    let mut bottom = end;
+    if let Some(axis) = bottom.linear.get_mut(normal) {
+        axis.0 = axis.0.saturating_add(down);
+    }
+    bottom
+}
+
+fn changes_behaviour(text: &[u8]) -> bool {
+    Words::new(text).any(|piece| match piece.map(|piece| piece.token) {
+        Ok(Token::Assignment { variable, .. }) => BEHAVIOUR.contains(&variable),
+        Ok(_) => false,
+        Err(Fault { .. }) => true,
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,319 @@
+//! Feed adaptation between any sender and the control: what goes over the DNC line is read here too, and changed by nothing.
+//!
+//! ```text
+//! sender --> from_sender --> control        characters, each at once
+//!                |
+//!             intake: blocks that wait, as in the control's buffer
+//!                |
+//!       next: blocks -> moves -> segments with their law, a few ahead of the machine
+//!                |                                        ^
+//!                v                                        | follow: segment in work, position
+//!        the queue of the tick ---------------------------+
+//! ```
+//! The control's own program is what counts: its F is the feed as sent, and the override is the wanted feed over it. What the
+//! tap cannot know ends the adaptation until the next program begins, or until the axes stand at a place that is known:
+//! docs/tap.md says what and why. No heap, no clock, no I/O.
+
+pub mod settings;
+
+pub mod status;
+
+mod intake;
+
+mod blocks;
+
+mod watch;
+
+use arcfeed_shared::cut;
+use arcfeed_shared::job::{FeedPolicy, Job};
+use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::nc::tape_code::{DC1, DC3, without_parity};
+use arcfeed_shared::segment::Segment;
+use arcfeed_shared::units::Micros;
+use heapless::{Deque, Vec};
+
+use crate::active::ActiveSegment;
+use blocks::{Blocks, Course};
+use intake::Intake;
+use settings::{LINE_MAX, TapSettings, TapSettingsError};
+use status::{TapCounters, TapState, Why};
+use watch::{Gate, Place, Way};
+
+/// Most segments handed out that are not done yet.
+pub const AHEAD_MAX: usize = 16;
+/// Positions in a row at one place: the axes are at rest.
+const AT_REST: u8 = 10;
+
+/// A tap with room for `N` characters between the sender and the machine: as many as the control's buffer, and a few blocks.
+#[derive(Debug)]
+pub struct Tap<const N: usize> {
+    settings: TapSettings,
+    intake: Intake<N>,
+    blocks: Blocks,
+    line: Vec<u8, LINE_MAX>,
+    /// Handed out and not done yet, with their counts.
+    handed: Deque<(u32, Segment), AHEAD_MAX>,
+    /// What the next segment waits for.
+    gate: Option<Gate>,
+    /// What was handed out will not be executed.
+    has_to_clear: bool,
+    state: TapState,
+    counters: TapCounters,
+    tick: Tick,
+    axes: Axes,
+    heard: Micros,
+}
+
+/// How the tick stands; state.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tick {
+    /// Segments it has done.
+    executed: u32,
+    /// A segment, and how many it had done when that came to be the next.
+    known: (u32, u32),
+}
+
+/// What the positions tell; state.
+#[derive(Clone, Copy, Debug, Default)]
+struct Axes {
+    /// Where they came to rest, or passed last.
+    place: Option<Pose>,
+    /// Positions there in a row.
+    still: u8,
+    /// The segment they are on, and how far they have come along it.
+    way: Option<(u32, Way)>,
+    /// Positions off its path in a row.
+    off_path: u8,
+}
+
+/// A segment for the tick's queue, behind the others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Handed {
+    /// Its running count.
+    pub count: u32,
+    /// The segment.
+    pub segment: ActiveSegment,
+}
+
+impl<const N: usize> Tap<N> {
+    /// A tap that listens.
+    ///
+    /// # Errors
+    /// Settings that make no sense.
+    pub fn new(settings: TapSettings) -> Result<Self, TapSettingsError> {
+        let settings = settings.checked()?;
+        Ok(Tap {
+            intake: Intake::new(settings.code),
+            blocks: Blocks::new(settings.nc, settings.begins_afresh),
+            settings,
+            line: Vec::new(),
+            handed: Deque::new(),
+            gate: None,
+            has_to_clear: false,
+            state: TapState::Listening,
+            counters: TapCounters::default(),
+            tick: Tick::default(),
+            axes: Axes::default(),
+            heard: Micros(0),
+        })
+    }
+
+    /// Hears a character of the sender: the same, to be passed on.
+    #[inline]
+    pub fn from_sender(&mut self, now: Micros, byte: u8) -> u8 {
+        if self.is_long_since(now) {
+            self.intake.part();
+        }
+        self.heard = now;
+        self.counters.from_sender = self.counters.from_sender.wrapping_add(1);
+        if self.intake.take(byte) {
+            self.begin();
+        }
+        byte
+    }
+
+    /// Hears a character of the control: the same, to be passed on.
+    #[inline]
+    pub fn from_control(&mut self, now: Micros, byte: u8) -> u8 {
+        self.counters.from_control = self.counters.from_control.wrapping_add(1);
+        match without_parity(byte) {
+            DC1 => {
+                self.intake.part();
+                if self.is_long_since(now) {
+                    self.intake.expect_label();
+                }
+            }
+            DC3 => self.counters.stops = self.counters.stops.wrapping_add(1),
+            _ => {}
+        }
+        self.heard = now;
+        byte
+    }
+
+    /// A character of the sender was lost, or could not be read, in the board's receiver.
+    pub fn on_line_error(&mut self) {
+        self.intake.take_error();
+    }
+
+    /// Takes a position, workpiece coordinates, and how the tick stands: the count of the segment in work, if one is, and how many it
+    /// has done so far. To be called at each new position.
+    pub fn follow(&mut self, in_work: Option<u32>, executed: u32, position: &Pose) {
+        self.axes.rest(position);
+        let in_work = self.tick.next_or_in_work(in_work, executed);
+        let is_done = |(count, _): &(u32, Segment)| (count.wrapping_sub(in_work) as i32) < 0;
+        while self.handed.front().is_some_and(is_done) {
+            self.handed.pop_front();
+        }
+        let Some((count, segment)) = self.handed.front() else {
+            if self.gate.as_mut().is_some_and(|gate| gate.passes(position)) {
+                (self.gate, self.state) = (None, TapState::InStep);
+            }
+            return;
+        };
+        let far_mm = self.settings.off_path.to_mm() as f32;
+        let off_mm = self.axes.off_mm(*count, watch::place(segment, position));
+        self.axes.off_path = if off_mm > far_mm { self.axes.off_path.saturating_add(1) } else { 0 };
+        if self.axes.off_path >= self.settings.patience {
+            self.clear();
+            self.lose(Why::OffPath);
+        }
+    }
+
+    /// Whether all segments handed out must be dropped now, the one in work too; asked once. It must not wait behind them in
+    /// a queue: the axes are elsewhere, and a law would act on a move that it is not for.
+    pub fn must_clear(&mut self) -> bool {
+        core::mem::take(&mut self.has_to_clear)
+    }
+
+    /// The next segment; to be called while the tick's queue has room, behind [`Tap::must_clear`].
+    pub fn next(&mut self, job: &Job) -> Option<Handed> {
+        while self.gate.is_none() && !self.handed.is_full() {
+            let fits = self.intake.next_block(&mut self.line)?;
+            if self.state != TapState::InStep {
+                self.counters.passed_over = self.counters.passed_over.wrapping_add(1);
+                continue;
+            }
+            self.counters.blocks = self.counters.blocks.wrapping_add(1);
+            match self.read(fits) {
+                Ok(Some((segment, may_govern))) => return Some(self.hand_out(segment, may_govern, job)),
+                Ok(None) => {}
+                Err(why) => self.lose(why),
+            }
+        }
+        None
+    }
+
+    /// Whether blocks are adapted, and why not.
+    pub fn state(&self) -> TapState {
+        self.state
+    }
+
+    /// What has happened.
+    pub fn counters(&self) -> &TapCounters {
+        &self.counters
+    }
+
+    fn is_long_since(&self, now: Micros) -> bool {
+        now.since(self.heard).0 >= u64::from(self.settings.silence.0)
+    }
+
+    /// Reads the block in the line: its move, and whether a law may have it.
+    fn read(&mut self, fits: bool) -> Result<Option<(Segment, bool)>, Why> {
+        match self.line.as_slice() {
+            _ if !fits => return Err(Why::LongBlock),
+            [intake::DAMAGED] => return Err(Why::Damaged),
+            [intake::MISSING] => return Err(Why::TooFarAhead),
+            _ => {}
+        }
+        let (course, ends) = self.blocks.read(&self.line)?;
+        if let Course::Passes { via, to } = course {
+            (self.gate, self.state) = (Some(Gate::new(via, to)), TapState::Passing);
+        }
+        if ends {
+            (self.gate, self.state) = (None, TapState::Listening);
+        }
+        Ok(match course {
+            Course::Along(segment, may_govern) => Some((segment, may_govern)),
+            Course::Nothing | Course::Passes { .. } => None,
+        })
+    }
+
+    fn hand_out(&mut self, segment: Segment, may_govern: bool, job: &Job) -> Handed {
+        let count = self.counters.segments;
+        let has_override = !matches!(job.policy, FeedPolicy::RewriteOnly(_));
+        let found = if may_govern && has_override { cut::find(&job.rules, &segment, &job.tool) } else { None };
+        let rule = found.map(|(_, rule)| rule);
+        self.counters.segments = count.wrapping_add(1);
+        self.counters.governed = self.counters.governed.wrapping_add(u32::from(rule.is_some()));
+        if self.handed.is_empty() {
+            self.tick.expect(count);
+        }
+        let _room = self.handed.push_back((count, segment));
+        Handed { count, segment: ActiveSegment::new(&segment, rule, job) }
+    }
+
+    /// A program begins; whatever was before is over, or will not be executed.
+    fn begin(&mut self) {
+        let was_on = !matches!(self.state, TapState::Listening | TapState::Lost(_)) || !self.handed.is_empty();
+        self.counters.programs = self.counters.programs.wrapping_add(1);
+        self.counters.restarts = self.counters.restarts.wrapping_add(u32::from(was_on));
+        self.clear();
+        self.blocks.begin(self.axes.resting_place());
+        self.state = TapState::InStep;
+    }
+
+    fn clear(&mut self) {
+        self.has_to_clear |= !self.handed.is_empty();
+        self.handed.clear();
+        (self.gate, self.axes.off_path) = (None, 0);
+    }
+
+    fn lose(&mut self, why: Why) {
+        self.counters.losses = self.counters.losses.wrapping_add(1);
+        (self.gate, self.state) = (None, TapState::Lost(why));
+    }
+}
+
+impl Tick {
+    /// The next segment to come, with all before it done.
+    fn expect(&mut self, count: u32) {
+        self.known = (count, self.executed);
+    }
+
+    /// The count of the segment in work, or of the next to come.
+    fn next_or_in_work(&mut self, in_work: Option<u32>, executed: u32) -> u32 {
+        self.executed = executed;
+        if let Some(count) = in_work {
+            self.expect(count);
+        }
+        let (count, before) = self.known;
+        count.wrapping_add(executed.wrapping_sub(before))
+    }
+}
+
+impl Axes {
+    fn rest(&mut self, position: &Pose) {
+        if self.place.is_some_and(|place| watch::is_at(position, &place)) {
+            self.still = self.still.saturating_add(1);
+        } else {
+            (self.place, self.still) = (Some(*position), 0);
+        }
+    }
+
+    /// How far off the path of a segment they are, mm.
+    fn off_mm(&mut self, count: u32, place: Option<Place>) -> f32 {
+        let Some(place) = place else { return 0.0 };
+        let before = self.way.filter(|(same, _)| *same == count).map(|(_, way)| way);
+        let mut way = before.unwrap_or_default();
+        let off_mm = way.off_mm(&place);
+        self.way = Some((count, way));
+        off_mm
+    }
+
+    fn resting_place(&self) -> Option<Pose> {
+        self.place.filter(|_| self.still >= AT_REST)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,171 @@
+//! The axes against the moves that were handed out: are they where the program says?
+//!
+//! A law must not act on a move that the control does not make. So each position is held against the path in work, from its
+//! start to its end: with p relative to the start of a line of length L along the unit vector u, or to the centre of an
+//! arc of radius r that rises by h over its sweep w, at the angle phi behind its start,
+//!
+//! ```text
+//! line  s = p . u clamped to 0..L,           distance = |p - s u|                                (1)
+//! arc   in the plane d = |p| - r,  across it e = z - h phi / w,      distance = |(d, e)|,  s = r phi  (2)
+//!       behind its end: the distance to the nearer of start and end, which is s too             (3)
+//! ```
+//! The same path the other way round is another move: s must not fall far behind the largest it was. On a full circle s
+//! changes by less than half of it from sample to sample. Rapids have no path. Source: plane geometry.
+
+use core::f32::consts::TAU;
+
+use arcfeed_shared::fmath;
+use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::segment::{Arc, Path, Segment};
+use arcfeed_shared::units::Nm;
+
+/// Millimetres in a nanometre.
+const MM_PER_NM: f32 = 1e-6;
+/// How near every axis must be to a place to stand there.
+const AT: Nm = Nm(20_000);
+/// How far an axis must be from a place to have left it.
+const AWAY: Nm = Nm(100_000);
+
+/// A stretch that cannot be followed, and how far the axes have come on it; state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Gate {
+    from: Option<Pose>,
+    has_left: bool,
+    via: Option<Pose>,
+    to: Pose,
+}
+
+impl Gate {
+    /// Up to a place, by way of another.
+    pub fn new(via: Option<Pose>, to: Pose) -> Self {
+        Gate { from: None, has_left: false, via, to }
+    }
+
+    /// Takes a position on the stretch, or before it: whether its end is reached. Where the stretch ends where it begins,
+    /// the axes must have gone.
+    pub fn passes(&mut self, position: &Pose) -> bool {
+        let from = *self.from.get_or_insert(*position);
+        self.has_left |= farthest(position, &from) > AWAY.0.unsigned_abs();
+        if self.via.is_some_and(|via| is_at(position, &via)) {
+            (self.via, self.has_left) = (None, true);
+        }
+        self.has_left && self.via.is_none() && is_at(position, &self.to)
+    }
+}
+
+/// Whether the linear axes stand at a place.
+pub(super) fn is_at(position: &Pose, place: &Pose) -> bool {
+    farthest(position, place) <= AT.0.unsigned_abs()
+}
+
+fn farthest(position: &Pose, place: &Pose) -> u64 {
+    let axes = position.linear.iter().zip(&place.linear);
+    axes.map(|(at, to)| at.0.abs_diff(to.0)).max().unwrap_or(0)
+}
+
+/// How the axes come along the path of a move; state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Way {
+    along_mm: f32,
+    back_mm: f32,
+}
+
+/// Where a position lies, seen from a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    /// How far from it, mm.
+    pub distance_mm: f32,
+    /// How far along it, mm.
+    pub along_mm: f32,
+    /// Its length, if it ends where it starts.
+    around_mm: Option<f32>,
+}
+
+impl Way {
+    /// Takes the next place on the same path: how far the axes are from where they should be, mm.
+    pub fn off_mm(&mut self, place: &Place) -> f32 {
+        let step = place.along_mm - self.along_mm;
+        let step = match place.around_mm {
+            Some(around) if step > around / 2.0 => step - around,
+            Some(around) if step < -around / 2.0 => step + around,
+            _ => step,
+        };
+        self.along_mm = place.along_mm;
+        self.back_mm = fmath::max(self.back_mm - step, 0.0);
+        fmath::max(place.distance_mm, self.back_mm)
+    }
+}
+
+/// Where a position lies on the path of a move; nothing for rapids.
+pub(super) fn place(segment: &Segment, position: &Pose) -> Option<Place> {
+    match &segment.path {
+        Path::Rapid => None,
+        Path::Line => Some(on_line(segment, position)),
+        Path::Arc(arc) => Some(on_arc(segment, arc, position)),
+    }
+}
+
+fn on_line(segment: &Segment, position: &Pose) -> Place {
+    let along = between(&segment.start, &segment.end);
+    let point = between(&segment.start, position);
+    let square = dot(along, along);
+    let ratio = if square > 0.0 { dot(point, along) / square } else { 0.0 };
+    let ratio = fmath::max(fmath::min(ratio, 1.0), 0.0);
+    let distance_mm = norm([0, 1, 2].map(|axis| part(point, axis) - ratio * part(along, axis))); // (1)
+    Place { distance_mm, along_mm: ratio * fmath::sqrt(square), around_mm: None }
+}
+
+fn on_arc(segment: &Segment, arc: &Arc, position: &Pose) -> Place {
+    let (first, second, normal) = arc.plane.axes();
+    let axis = |pose: &Pose, index: usize| pose.linear.get(index).copied().unwrap_or_default();
+    let [center_first, center_second] = arc.center;
+    let point = [mm(center_first, axis(position, first)), mm(center_second, axis(position, second))];
+    let [from, to] = [arc.from, arc.to].map(|vector| vector.map(|axis| mm(Nm(0), axis)));
+    let turn = f32::from(arc.turn.sign());
+    let (phi, to_end) = (angle(turn, from, point), angle(turn, from, to));
+    let is_around = arc.from == arc.to;
+    let sweep = if is_around || to_end == 0.0 { TAU } else { to_end };
+    let [from_x, from_y] = from;
+    let radius = fmath::length(from_x, from_y);
+    if phi > sweep {
+        let [start, end] = [&segment.start, &segment.end].map(|place| norm(between(place, position)));
+        let along_mm = if start <= end { 0.0 } else { radius * sweep };
+        return Place { distance_mm: fmath::min(start, end), along_mm, around_mm: None }; // (3)
+    }
+    let [start, end] = [&segment.start, &segment.end].map(|place| mm(axis(place, normal), axis(position, normal)));
+    let across = start + phi / sweep * (end - start);
+    let [x, y] = point;
+    let distance_mm = fmath::length(fmath::length(x, y) - radius, across); // (2)
+    Place { distance_mm, along_mm: radius * phi, around_mm: is_around.then_some(radius * sweep) }
+}
+
+/// The angle from one vector to another in the sense of a turn, 0 to a whole turn.
+fn angle(turn: f32, [x, y]: [f32; 2], [to_x, to_y]: [f32; 2]) -> f32 {
+    let angle = fmath::atan2(turn * (x * to_y - y * to_x), x * to_x + y * to_y);
+    if angle < 0.0 { angle + TAU } else { angle }
+}
+
+fn between(from: &Pose, to: &Pose) -> [f32; 3] {
+    let [x, y, z] = from.linear;
+    let [to_x, to_y, to_z] = to.linear;
+    [mm(x, to_x), mm(y, to_y), mm(z, to_z)]
+}
+
+fn mm(from: Nm, to: Nm) -> f32 {
+    to.0.saturating_sub(from.0) as f32 * MM_PER_NM
+}
+
+fn part(vector: [f32; 3], axis: usize) -> f32 {
+    vector.get(axis).copied().unwrap_or_default()
+}
+
+fn dot([ax, ay, az]: [f32; 3], [bx, by, bz]: [f32; 3]) -> f32 {
+    ax * bx + ay * by + az * bz
+}
+
+fn norm([x, y, z]: [f32; 3]) -> f32 {
+    fmath::length(fmath::length(x, y), z)
+}
+
+#[cfg(test)]
+mod tests;
