@@ -2,7 +2,8 @@
 //!
 //! One time base, simulated, in steps of one millisecond; no wall clock, no randomness. Modules stand in the order of
 //! cause and effect: bytes arrive at the [`control`], which moves the axes; the [`machine`] reports them; [`cutting`]
-//! measures the chips from what the axes did; [`faults`] spoil the controller on purpose; the [`rig`] joins them all.
+//! measures the chips from what the axes did; [`faults`] spoil the controller on purpose; a [`decider`] has the override; the
+//! [`rig`] joins them all.
 
 pub mod control;
 
@@ -11,5 +12,7 @@ pub mod machine;
 pub mod cutting;
 
 pub mod faults;
+
+pub mod decider;
 
 pub mod rig;

@@ -1,24 +1,19 @@
 //! Control, machine, controller and meter on one time base: a run.
 
-use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_firmware::board::{Board, Task};
-use arcfeed_firmware::controller;
 use arcfeed_firmware::ramp::FeedOverride;
-use arcfeed_firmware::supervisor::Supervisor;
-use arcfeed_firmware::supervisor::input::{Input, Work};
-use arcfeed_firmware::supervisor::memory::Memory;
-use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
+use arcfeed_firmware::supervisor::settings::SettingsError;
 use arcfeed_firmware::supervisor::signals::Signals;
-use arcfeed_shared::cut::{self, CutRule};
+use arcfeed_shared::cut;
 use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::{RADIUS_TOLERANCE, Segment};
-use arcfeed_shared::tool::Tool;
-use arcfeed_shared::units::{Micros, Nm};
+use arcfeed_shared::units::{Micros, Nm, PERCENT};
 
 use crate::control::action::Manner;
 use crate::control::{Control, ControlSettings};
 use crate::cutting::meter::{ChipMeter, MeterSettings};
+use crate::decider::told::Told;
+use crate::decider::{Begun, Decider, Shown};
 use crate::faults::ControllerFault;
 use crate::machine;
 
@@ -27,14 +22,12 @@ pub const STEP: Micros = Micros::from_ms(1);
 
 /// Everything that runs; deterministic.
 #[derive(Debug)]
-pub struct Rig {
+pub struct Rig<D = Told> {
     now: Micros,
     control: Control,
-    cabinet: Cabinet,
-    supervisor: Option<Supervisor>,
-    task: Task,
+    decider: D,
+    output: FeedOverride,
     job: Job,
-    fault: ControllerFault,
     meter: ChipMeter,
     overrides: Vec<MoveOverride>,
     first_move: Option<Micros>,
@@ -56,37 +49,13 @@ pub struct MoveOverride {
     last_percent: u8,
 }
 
-/// The controller's surroundings: the segment in work, the inputs, the override output.
-#[derive(Debug)]
-struct Cabinet {
-    segment: Option<(u32, ActiveSegment)>,
-    input: Input,
-    output: FeedOverride,
-}
-
-impl Board for Cabinet {
-    fn work(&self) -> Work<'_> {
-        self.segment.as_ref().map(|(count, segment)| (*count, segment))
-    }
-
-    fn measure(&mut self) {}
-
-    fn input(&self) -> &Input {
-        &self.input
-    }
-
-    fn set_override(&mut self, feed_override: FeedOverride) {
-        self.output = feed_override;
-    }
-}
-
 impl Rig {
     /// A control that reads from its DNC line, with the controller of the job.
     ///
     /// # Errors
     /// Bounds of the override that make no sense.
     pub fn on_line(settings: ControlSettings, job: &Job, fault: ControllerFault) -> Result<Self, SettingsError> {
-        Rig::new(Control::on_line(settings), job, fault)
+        Ok(Rig::new(Control::on_line(settings), job, Told::new(job, fault, STEP.into())?))
     }
 
     /// A control with the program in its memory, with the controller of the job.
@@ -99,58 +68,49 @@ impl Rig {
         job: &Job,
         fault: ControllerFault,
     ) -> Result<Self, SettingsError> {
-        Rig::new(Control::from_memory(settings, program), job, fault)
+        Ok(Rig::new(Control::from_memory(settings, program), job, Told::new(job, fault, STEP.into())?))
     }
+}
 
-    fn new(control: Control, job: &Job, fault: ControllerFault) -> Result<Self, SettingsError> {
-        // What is cut into pieces needs no override, and the machine may have none.
-        let has_override = !matches!(job.policy, FeedPolicy::RewriteOnly(_));
-        let is_on = has_override && fault != ControllerFault::LawOff;
-        let supervisor = is_on.then(|| Supervisor::new(job, Settings::default())).transpose()?;
-        let measured = controller::Input { position: Some(control.position()), spindle: job.spindle, dt: STEP.into() };
-        Ok(Rig {
+impl<D: Decider> Rig<D> {
+    /// A control whose override is decided by `decider`.
+    pub fn new(control: Control, job: &Job, decider: D) -> Self {
+        Rig {
             now: Micros(0),
-            cabinet: Cabinet { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED },
             control,
-            supervisor,
-            // The operator has armed before cycle start.
-            task: Task::from(Memory::armed()),
+            decider,
+            output: FeedOverride::PROGRAMMED,
             meter: ChipMeter::new(MeterSettings {
                 tool: job.tool,
                 spindle: job.spindle,
                 target_mm_per_tooth: f64::from(job.feed_per_tooth.0),
             }),
             job: job.clone(),
-            fault,
             overrides: Vec::new(),
             first_move: None,
             manner: Manner::default(),
             last: None,
-        })
+        }
     }
 
     /// One step of everything: the control moves, the machine reports, the meter measures, the controller decides.
     pub fn step(&mut self) {
         self.now = self.now.after(STEP);
         let before = self.control.active().map(|(count, segment)| (count, *segment));
-        self.control.step(self.now, STEP, self.cabinet.output.percent);
+        self.control.step(self.now, STEP, self.output.percent);
         let active = self.control.active().map(|(count, segment)| (count, *segment));
         self.manner = self.control.manner().copied().unwrap_or(self.manner);
         if let Some((count, segment)) = active.filter(|_| active != before) {
             self.begin(count, &segment.shifted(Pose::ORIGIN.minus(self.manner.origin)));
         }
         if active.is_none() {
-            self.cabinet.segment = None;
+            self.decider.begin(None);
         }
         let mut sample = machine::sample(&self.control, self.now);
         sample.position = sample.position.minus(self.manner.origin);
         self.meter.take(&sample);
         self.record_override(sample.block, sample.override_percent);
-        self.cabinet.input.measured.position = Some(machine::feedback(&sample.position));
-        let held = if self.control.is_held() { Signals::FEED_HOLD } else { Signals::NONE };
-        let forced = if active.is_some() && self.manner.is_tapping { Signals::TAPPING } else { Signals::NONE };
-        self.cabinet.input.signals = held.with(forced);
-        self.tick();
+        self.output = self.decider.decide(&self.shown(&sample.position, active.is_some()));
     }
 
     /// Time since power-on.
@@ -171,6 +131,26 @@ impl Rig {
     /// The control, to act on.
     pub fn control_mut(&mut self) -> &mut Control {
         &mut self.control
+    }
+
+    /// Who decides the override.
+    pub fn decider(&self) -> &D {
+        &self.decider
+    }
+
+    /// Who decides the override, to act on.
+    pub fn decider_mut(&mut self) -> &mut D {
+        &mut self.decider
+    }
+
+    /// Who decided the override.
+    pub fn into_decider(self) -> D {
+        self.decider
+    }
+
+    /// The override as it was decided last.
+    pub fn decided(&self) -> FeedOverride {
+        self.output
     }
 
     /// The meter.
@@ -205,29 +185,23 @@ impl Rig {
             self.overrides.push(MoveOverride { min_percent: u8::MAX, max_percent: 0, changes: 0, last_percent: 0 });
         }
         self.last = Some((*segment, found.map(|(index, _)| index)));
-        self.cabinet.segment = Some((count, self.believed(segment, found.map(|(_, rule)| rule))));
+        self.decider.begin(Some(Begun { count, segment, rule: found.map(|(_, rule)| rule) }));
+    }
+
+    fn shown(&self, position: &Pose, is_moving: bool) -> Shown {
+        let held = if self.control.is_held() { Signals::FEED_HOLD } else { Signals::NONE };
+        let forced = if is_moving && self.manner.is_tapping { Signals::TAPPING } else { Signals::NONE };
+        Shown {
+            at: self.now,
+            position: machine::feedback(position),
+            spindle: self.job.spindle,
+            operator_percent: PERCENT as u8,
+            signals: held.with(forced),
+        }
     }
 
     fn is_in_pieces(&self) -> bool {
         matches!(self.job.policy, FeedPolicy::RewriteOnly(_))
-    }
-
-    /// The segment as the controller believes it to be.
-    fn believed(&self, segment: &Segment, rule: Option<&CutRule>) -> ActiveSegment {
-        let mut job = self.job.clone();
-        if let (ControllerFault::RadiusScale(scale), Tool::CupMill(mill)) = (self.fault, &mut job.tool) {
-            let scaled = |radius: Nm| Nm::from_mm(radius.to_mm() * scale);
-            mill.outer_radius = scaled(mill.outer_radius);
-            mill.inner_radius = scaled(mill.inner_radius);
-        }
-        ActiveSegment::new(segment, rule, &job)
-    }
-
-    fn tick(&mut self) {
-        let frozen = matches!(self.fault, ControllerFault::FrozenAfter(ticks) if self.now >= Micros(ticks * STEP.0));
-        if let Some(supervisor) = self.supervisor.as_ref().filter(|_| !frozen) {
-            self.task.run(supervisor, &mut self.cabinet);
-        }
     }
 
     fn record_override(&mut self, block: u32, percent: u8) {

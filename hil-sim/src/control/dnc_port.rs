@@ -36,6 +36,8 @@ pub struct DncPort {
     punch: Punch,
     flow: Flow,
     is_ready: bool,
+    /// DC1 came while no program was read.
+    is_asked: bool,
     counters: LineCounters,
 }
 
@@ -81,14 +83,22 @@ impl DncPort {
             punch: Punch::default(),
             flow: Flow::Silent,
             is_ready: true,
+            is_asked: false,
             counters: LineCounters::default(),
         }
     }
 
     /// The host puts bytes on the line; they arrive at line rate.
     pub fn on_bytes(&mut self, bytes: &[u8]) {
-        if let (Some(settings), false) = (self.settings, matches!(self.flow, Flow::Closed)) {
+        let Some(settings) = self.settings else { return };
+        if !matches!(self.flow, Flow::Closed) {
             self.wire.extend(bytes.iter().map(|byte| Arriving::Frame(settings.sender.frame(*byte))));
+            return;
+        }
+        // Of a sender that nobody reads from, only whether it takes characters itself.
+        for byte in bytes.iter().map(|byte| without_parity(settings.sender.frame(*byte))) {
+            self.is_asked |= byte == DC1;
+            self.punch.take(byte);
         }
     }
 
@@ -129,6 +139,11 @@ impl DncPort {
         if let Flow::Stopped { excused, .. } = &mut self.flow {
             *excused = self.wire.len();
         }
+    }
+
+    /// Whether the other side has said since the last call, while no program was read, that it takes characters.
+    pub fn take_request(&mut self) -> bool {
+        std::mem::take(&mut self.is_asked)
     }
 
     /// The control's output to the sender.

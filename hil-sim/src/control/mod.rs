@@ -4,8 +4,6 @@
 //! operator's panel, execution of blocks at override-scaled feed under acceleration limits, alarms. Not modelled here:
 //! drives (positions are as commanded). All settings: docs/control.md.
 
-pub mod code;
-
 pub mod tape;
 
 pub mod line;
@@ -13,6 +11,8 @@ pub mod line;
 pub mod punch;
 
 pub mod dnc_port;
+
+pub mod store;
 
 pub mod signals;
 
@@ -67,6 +67,7 @@ use restart::RestartList;
 use search::Search;
 use signals::FeedOverrideLines;
 
+pub use arcfeed_shared::nc::tape_code as code;
 pub use settings::{ControlSettings, Preset, Switches};
 
 /// Why the control stopped before the end of its program.

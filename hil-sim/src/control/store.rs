@@ -1,0 +1,166 @@
+//! READ and PUNCH in EDIT mode: a program over the line into the control's memory, and out of it again.
+//!
+//! ```text
+//!          % behind the program             DC1 (or the operator: punch)          all is out
+//! Reading -----------------------> Stored ------------------------------> Punching ----------> Stored
+//!    |                                                                                            and so on
+//!    +--> Refused: TH, TV, a line error
+//! ```
+//! Kept are the characters of blocks; blanks outside comments and empty blocks are not (generally said of these controls,
+//! read in no manual). Out goes DC2, `%`, the blocks, `%`, DC4. That DC1 begins it stands in for an operator who presses
+//! PUNCH when the other side is ready.
+
+use arcfeed_shared::nc::alarm::Fault;
+use arcfeed_shared::units::Micros;
+
+use super::dnc_port::DncPort;
+use super::line::LineSettings;
+use super::tape::Received;
+
+/// A control that is being read into and out of.
+#[derive(Debug)]
+pub struct Store {
+    port: DncPort,
+    blocks: Vec<Vec<u8>>,
+    state: State,
+}
+
+/// Where it stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// It takes a program in.
+    Reading,
+    /// It has one.
+    Stored,
+    /// It sends it.
+    Punching,
+    /// It has refused one.
+    Refused(Fault),
+}
+
+impl Store {
+    /// READ has been pressed.
+    pub fn new(line: LineSettings) -> Self {
+        Store { port: DncPort::on_line(line), blocks: Vec::new(), state: State::Reading }
+    }
+
+    /// Its line.
+    pub fn port(&mut self) -> &mut DncPort {
+        &mut self.port
+    }
+
+    /// Where it stands.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// The program's blocks, as kept.
+    pub fn blocks(&self) -> &[Vec<u8>] {
+        &self.blocks
+    }
+
+    /// Lets time pass on the line.
+    pub fn step(&mut self, dt: Micros) {
+        let fault = self.port.step(dt);
+        match self.state {
+            State::Reading => self.read(fault),
+            State::Stored if self.port.take_request() => self.punch(),
+            State::Punching if !self.port.is_punching() => self.state = State::Stored,
+            State::Stored | State::Punching | State::Refused(_) => {}
+        }
+    }
+
+    /// PUNCH has been pressed.
+    pub fn punch(&mut self) {
+        let code = self.port.code();
+        let punch = self.port.punch();
+        punch.open();
+        let marks = [b"%".as_slice(), b"%"];
+        let [first, last] = marks.map(std::iter::once);
+        first.chain(self.blocks.iter().map(Vec::as_slice)).chain(last).for_each(|block| punch.print(block, code));
+        punch.close();
+        self.state = State::Punching;
+    }
+
+    fn read(&mut self, mut fault: Option<Fault>) {
+        while let Some(received) = self.port.take_block() {
+            match received {
+                Received::Label { .. } => {}
+                Received::Block(text) if text.starts_with(b"%") => {
+                    self.state = State::Stored;
+                    break;
+                }
+                Received::Block(text) => self.blocks.extend(kept(&text)),
+                Received::Refused { fault: found, .. } => fault = fault.or(Some(found)),
+            }
+        }
+        if let Some(fault) = fault {
+            self.state = State::Refused(fault);
+        }
+        if self.state != State::Reading {
+            self.port.close();
+        }
+    }
+}
+
+/// What memory keeps of a block.
+fn kept(text: &[u8]) -> Option<Vec<u8>> {
+    let mut depth = 0;
+    let is_kept = |byte: &u8| {
+        depth += i32::from(*byte == b'(');
+        let keeps = depth > 0 || !matches!(byte, b' ' | b'\t');
+        depth -= i32::from(*byte == b')');
+        keeps
+    };
+    let block: Vec<u8> = text.iter().copied().filter(is_kept).collect();
+    (!block.is_empty()).then_some(block)
+}
+
+#[cfg(test)]
+mod tests {
+    use arcfeed_shared::nc::alarm::Alarm;
+
+    use super::*;
+    use crate::control::code::{Code, DC1};
+
+    const MS: Micros = Micros::from_ms(1);
+
+    fn read(text: &str, spoil: impl Fn(u8) -> u8) -> Store {
+        let mut store = Store::new(LineSettings::default());
+        let frames: Vec<u8> = text.bytes().filter_map(|byte| Code::Iso.encode(byte)).map(spoil).collect();
+        // Eight bits, as the sender of a line without parity of its own sends them.
+        let mut line = LineSettings::default();
+        line.sender = crate::control::line::SenderParity::None;
+        store.port = DncPort::on_line(line);
+        store.port().on_bytes(&frames);
+        (0..2_000).for_each(|_| store.step(MS));
+        store
+    }
+
+    fn punched(store: &mut Store) -> Vec<u8> {
+        let mut out = Vec::new();
+        for _ in 0..2_000 {
+            store.step(MS);
+            out.extend(std::iter::from_fn(|| store.port().poll_transmit()).map(|byte| byte & 0x7F));
+        }
+        out
+    }
+
+    #[test]
+    fn what_was_read_comes_out_when_the_other_side_is_ready() {
+        let mut store = read("%\nO1 (A PART)\nG1 X1.\n\nM30\n%\n", |byte| byte);
+        assert_eq!(store.state(), State::Stored);
+        assert_eq!(store.blocks(), [b"O1(A PART)".to_vec(), b"G1X1.".to_vec(), b"M30".to_vec()]);
+        assert_eq!(punched(&mut store), [0x11, 0x13], "it has read; nobody has asked");
+        store.port().on_bytes(&[DC1]);
+        assert_eq!(punched(&mut store), b"\x12%\nO1(A PART)\nG1X1.\nM30\n%\n\x14");
+        assert_eq!(store.state(), State::Stored);
+    }
+
+    #[test]
+    fn a_character_with_wrong_parity_is_refused() {
+        let store = read("%\nO1\nG1X1.\nM30\n%\n", |byte| if byte == b'X' | 0x80 { b'X' } else { byte });
+        let State::Refused(fault) = store.state() else { panic!("{:?}", store.state()) };
+        assert_eq!(fault, Fault::alarm(Alarm::Character, 3));
+    }
+}

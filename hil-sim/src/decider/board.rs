@@ -1,0 +1,298 @@
+//! A board decides: it is told by the bytes of a line what a machine shows, and answers with the levels of *FV0 to *FV7.
+//!
+//! ```text
+//! Sample { what the machine shows, bytes put on the other lines so far } ->  board
+//!          board:  takes exactly these bytes, ticks once              ->  Setpoint { lines, bytes put so far }
+//! ```
+//!
+//! In lockstep the machine waits for the answer and for exactly the bytes that it counts: a run is the same every time, however
+//! long the board takes by the clock of the wall. Free running, each goes on by itself: the machine takes what has come.
+//! Frames: docs/protocol.md, outside of any session.
+
+use arcfeed_firmware::ramp::FeedOverride;
+use arcfeed_firmware::supervisor::signals::Signals;
+use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::units::Micros;
+use arcfeed_shared::wire::frame::{ENCODED_MAX, OVERHEAD};
+use arcfeed_shared::wire::message::Message;
+use arcfeed_shared::wire::message::codes::{ModeCode, StateCode};
+use arcfeed_shared::wire::message::fixed::Q40;
+use arcfeed_shared::wire::message::table::{Sample, Setpoint};
+use arcfeed_shared::wire::plain::PlainLine;
+
+use super::{Decider, Shown};
+use crate::control::signals::FeedOverrideLines;
+
+/// What a frame with a setpoint takes on the line.
+const SETPOINT_BYTES: usize = OVERHEAD + 18;
+
+/// The lines of a board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wire {
+    /// To the host.
+    Link,
+    /// To the machine.
+    Machine,
+    /// To the sender of NC text, which the board taps.
+    Sender,
+    /// To the control.
+    Control,
+}
+
+/// The far ends of a board's lines.
+pub trait Wires {
+    /// Sends bytes.
+    ///
+    /// # Errors
+    /// The line is broken.
+    fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), Broken>;
+
+    /// Waits for bytes until `bytes` is full.
+    ///
+    /// # Errors
+    /// They do not come.
+    fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), Broken>;
+
+    /// Takes what has come; how many bytes.
+    ///
+    /// # Errors
+    /// The line is broken.
+    fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, Broken>;
+}
+
+/// What is at the far ends of the board's other lines.
+pub trait Attached {
+    /// What they send in this period, as far as their lines' bit rates allow.
+    fn send(&mut self, at: Micros, traffic: &mut Traffic);
+    /// What they receive.
+    fn receive(&mut self, at: Micros, wire: Wire, bytes: &[u8]);
+}
+
+/// Nothing is attached.
+impl Attached for () {
+    fn send(&mut self, _at: Micros, _traffic: &mut Traffic) {}
+    fn receive(&mut self, _at: Micros, _wire: Wire, _bytes: &[u8]) {}
+}
+
+/// Bytes on their way to the board.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// From the host.
+    pub link: Vec<u8>,
+    /// From the sender.
+    pub sender: Vec<u8>,
+    /// From the control.
+    pub control: Vec<u8>,
+}
+
+/// Why a board decides nothing any more. Its lines are released then, as by a loss of power: 0 %.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Broken {
+    /// A line is closed.
+    Closed(Wire),
+    /// No answer in time.
+    Silent(Wire),
+    /// What came on the machine line is no setpoint.
+    NoSetpoint,
+    /// A setpoint answers the sample of this time, not the last one.
+    OutOfStep(Micros),
+    /// A tap passed on this many bytes, not all that came in the period.
+    Tap(usize),
+}
+
+/// A board at the end of its lines.
+#[derive(Debug)]
+pub struct Board<W, A = ()> {
+    wires: W,
+    attached: A,
+    mode: ModeCode,
+    panel: Signals,
+    machine: PlainLine,
+    traffic: Traffic,
+    /// Bytes of this period on their way to the control and to the sender.
+    tapped: [usize; 2],
+    sent: Counts,
+    received: Counts,
+    has_begun: bool,
+    last: Option<Setpoint>,
+    broken: Option<Broken>,
+}
+
+/// Bytes on the link and on the tapped line so far; they wrap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Counts {
+    link: u32,
+    tap: u32,
+}
+
+impl<W: Wires, A: Attached> Board<W, A> {
+    /// A board with something attached to its other lines.
+    pub fn new(wires: W, attached: A, mode: ModeCode) -> Self {
+        Board {
+            wires,
+            attached,
+            mode,
+            panel: Signals::NONE,
+            machine: PlainLine::new(),
+            traffic: Traffic::default(),
+            tapped: [0; 2],
+            sent: Counts::default(),
+            received: Counts::default(),
+            has_begun: false,
+            last: None,
+            broken: None,
+        }
+    }
+
+    /// What people at the machine's panel press from now on, and what other signals there are beside the control's.
+    pub fn set_panel(&mut self, panel: Signals) {
+        self.panel = panel;
+    }
+
+    /// What is attached.
+    pub fn attached(&self) -> &A {
+        &self.attached
+    }
+
+    /// What is attached, to act on.
+    pub fn attached_mut(&mut self) -> &mut A {
+        &mut self.attached
+    }
+
+    /// What was attached.
+    pub fn into_attached(self) -> A {
+        self.attached
+    }
+
+    /// The far ends of its lines.
+    pub fn wires(&self) -> &W {
+        &self.wires
+    }
+
+    /// Who has the override, as the board said last.
+    pub fn state(&self) -> Option<StateCode> {
+        self.last.map(|setpoint| setpoint.state)
+    }
+
+    /// Why it decides nothing any more.
+    pub fn broken(&self) -> Option<Broken> {
+        self.broken
+    }
+
+    fn exchange(&mut self, shown: &Shown) -> Result<(), Broken> {
+        // The first word is the machine's: it tells the board in which mode they are.
+        if self.has_begun {
+            self.attached.send(shown.at, &mut self.traffic);
+        }
+        self.has_begun = true;
+        self.put_traffic()?;
+        self.put_sample(shown)?;
+        match self.mode {
+            ModeCode::Lockstep => self.take_answer(shown.at),
+            ModeCode::Free => self.take_what_came(shown.at),
+        }
+    }
+
+    fn put_traffic(&mut self) -> Result<(), Broken> {
+        let Traffic { link, sender, control } = &mut self.traffic;
+        self.tapped = [sender.len(), control.len()];
+        self.sent.link = self.sent.link.wrapping_add(link.len() as u32);
+        self.sent.tap = self.sent.tap.wrapping_add((sender.len() + control.len()) as u32);
+        for (wire, bytes) in [(Wire::Link, link), (Wire::Sender, sender), (Wire::Control, control)] {
+            if !bytes.is_empty() {
+                self.wires.put(wire, bytes)?;
+                bytes.clear();
+            }
+        }
+        Ok(())
+    }
+
+    fn put_sample(&mut self, shown: &Shown) -> Result<(), Broken> {
+        let Pose { linear, rotary } = shown.position;
+        let rotary = rotary.map(|angle| angle.0);
+        let sample = Sample {
+            at: shown.at.0,
+            mode: self.mode,
+            linear: Some(linear.map(|axis| axis.0)),
+            rotary: (rotary != [0; 3]).then_some(rotary),
+            spindle: Q40::of(shown.spindle.0).unwrap_or_default(),
+            operator_percent: shown.operator_percent,
+            signals: shown.signals.with(self.panel).bits(),
+            link_bytes: self.sent.link,
+            tap_bytes: self.sent.tap,
+        };
+        let mut frame = [0; ENCODED_MAX];
+        let length = self.machine.encode(shown.at, &Message::Sample(sample), &mut frame);
+        self.wires.put(Wire::Machine, &frame[..length])
+    }
+
+    /// Waits for the setpoint that answers the sample of this time, then for the bytes that it counts.
+    fn take_answer(&mut self, at: Micros) -> Result<(), Broken> {
+        let mut frame = [0; SETPOINT_BYTES];
+        self.wires.take(Wire::Machine, &mut frame)?;
+        let setpoint = frame.iter().find_map(|byte| self.machine.on_byte(*byte));
+        let Some(Message::Setpoint(setpoint)) = setpoint else { return Err(Broken::NoSetpoint) };
+        if setpoint.at != at.0 {
+            return Err(Broken::OutOfStep(Micros(setpoint.at)));
+        }
+        self.last = Some(setpoint);
+        let mut bytes = vec![0; setpoint.link_bytes.wrapping_sub(self.received.link) as usize];
+        self.wires.take(Wire::Link, &mut bytes)?;
+        self.received.link = setpoint.link_bytes;
+        self.attached.receive(at, Wire::Link, &bytes);
+        self.take_tapped(at, setpoint.tap_bytes)
+    }
+
+    /// A tap passes every byte on, in the period it came in.
+    fn take_tapped(&mut self, at: Micros, until: u32) -> Result<(), Broken> {
+        let [to_control, to_sender] = core::mem::take(&mut self.tapped);
+        let count = until.wrapping_sub(self.received.tap) as usize;
+        if count == 0 {
+            return Ok(());
+        }
+        if count != to_control + to_sender {
+            return Err(Broken::Tap(count));
+        }
+        self.received.tap = until;
+        for (wire, length) in [(Wire::Control, to_control), (Wire::Sender, to_sender)] {
+            let mut bytes = vec![0; length];
+            self.wires.take(wire, &mut bytes)?;
+            self.attached.receive(at, wire, &bytes);
+        }
+        Ok(())
+    }
+
+    fn take_what_came(&mut self, at: Micros) -> Result<(), Broken> {
+        for wire in [Wire::Machine, Wire::Link, Wire::Sender, Wire::Control] {
+            loop {
+                let mut bytes = [0; ENCODED_MAX];
+                let length = self.wires.take_waiting(wire, &mut bytes)?;
+                match (wire, length) {
+                    (_, 0) => break,
+                    (Wire::Machine, _) => {
+                        let messages = bytes[..length].iter().filter_map(|byte| self.machine.on_byte(*byte));
+                        for message in messages {
+                            let Message::Setpoint(setpoint) = message else { return Err(Broken::NoSetpoint) };
+                            self.last = Some(setpoint);
+                        }
+                    }
+                    _ => self.attached.receive(at, wire, &bytes[..length]),
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<W: Wires, A: Attached> Decider for Board<W, A> {
+    fn decide(&mut self, shown: &Shown) -> FeedOverride {
+        if self.broken.is_none() {
+            self.broken = self.exchange(shown).err();
+        }
+        let low = self.last.filter(|_| self.broken.is_none()).map_or(0, |setpoint| setpoint.lines);
+        FeedOverride { percent: FeedOverrideLines(!low).percent() }
+    }
+}
+
+#[cfg(test)]
+mod tests;

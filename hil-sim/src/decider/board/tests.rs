@@ -1,0 +1,102 @@
+use arcfeed_shared::units::RevPerMin;
+
+use super::*;
+
+/// A board that answers each sample with the setpoint that `answer` makes of it.
+struct Answering<F> {
+    line: PlainLine,
+    answer: F,
+    out: Vec<u8>,
+}
+
+impl<F: FnMut(&Sample) -> Option<Setpoint>> Wires for Answering<F> {
+    fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), Broken> {
+        assert_eq!(wire, Wire::Machine);
+        let samples = bytes.iter().filter_map(|byte| self.line.on_byte(*byte));
+        let answers: Vec<Setpoint> = samples
+            .filter_map(|message| match message {
+                Message::Sample(sample) => (self.answer)(&sample),
+                _ => None,
+            })
+            .collect();
+        for setpoint in answers {
+            let mut frame = [0; ENCODED_MAX];
+            let length = self.line.encode(Micros(0), &Message::Setpoint(setpoint), &mut frame);
+            self.out.extend(&frame[..length]);
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), Broken> {
+        let length = self.take_waiting(wire, bytes)?;
+        if length == bytes.len() { Ok(()) } else { Err(Broken::Silent(wire)) }
+    }
+
+    fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, Broken> {
+        let length = if wire == Wire::Machine { self.out.len().min(bytes.len()) } else { 0 };
+        bytes.iter_mut().zip(self.out.drain(..length)).for_each(|(place, byte)| *place = byte);
+        Ok(length)
+    }
+}
+
+/// *FV0 to *FV7 of 100 %.
+const HUNDRED: u8 = 0b0110_0100;
+
+fn setpoint(sample: &Sample) -> Setpoint {
+    Setpoint { at: sample.at, lines: HUNDRED, state: StateCode::Armed, link_bytes: 0, tap_bytes: 0 }
+}
+
+fn board<F: FnMut(&Sample) -> Option<Setpoint>>(mode: ModeCode, answer: F) -> Board<Answering<F>> {
+    Board::new(Answering { line: PlainLine::new(), answer, out: Vec::new() }, (), mode)
+}
+
+fn shown(ms: u64) -> Shown {
+    let signals = Signals::NONE;
+    Shown {
+        at: Micros::from_ms(ms),
+        position: Pose::ORIGIN,
+        spindle: RevPerMin(1_000.0),
+        operator_percent: 100,
+        signals,
+    }
+}
+
+#[test]
+fn the_lines_of_the_answer_are_the_override() {
+    let mut board = board(ModeCode::Lockstep, |sample| Some(setpoint(sample)));
+    for ms in 1..4 {
+        assert_eq!(board.decide(&shown(ms)).percent, 100);
+    }
+    assert_eq!((board.state(), board.broken()), (Some(StateCode::Armed), None));
+}
+
+#[test]
+fn in_lockstep_a_board_that_does_not_answer_as_it_should_is_0_percent_from_then_on() {
+    type Answer = fn(&Sample) -> Option<Setpoint>;
+    let cases: [(Answer, Broken); 4] = [
+        (|sample| (sample.at != 3_000).then(|| setpoint(sample)), Broken::Silent(Wire::Machine)),
+        (
+            |sample| Some(Setpoint { at: sample.at - u64::from(sample.at == 3_000), ..setpoint(sample) }),
+            Broken::OutOfStep(Micros(2_999)),
+        ),
+        (
+            |sample| Some(Setpoint { link_bytes: u32::from(sample.at == 3_000), ..setpoint(sample) }),
+            Broken::Silent(Wire::Link),
+        ),
+        (|sample| Some(Setpoint { tap_bytes: u32::from(sample.at == 3_000), ..setpoint(sample) }), Broken::Tap(1)),
+    ];
+    for (answer, why) in cases {
+        let mut board = board(ModeCode::Lockstep, answer);
+        let percents: Vec<u8> = (1..6).map(|ms| board.decide(&shown(ms)).percent).collect();
+        assert_eq!((percents, board.broken()), (vec![100, 100, 0, 0, 0], Some(why)));
+    }
+}
+
+#[test]
+fn free_running_the_last_setpoint_stays_in_force() {
+    let mut board = board(ModeCode::Free, |sample| (sample.at == 2_000).then(|| setpoint(sample)));
+    let percents: Vec<u8> = (1..5).map(|ms| board.decide(&shown(ms)).percent).collect();
+    // Before the first one no line is low: 0 %.
+    assert_eq!(percents, [0, 100, 100, 100]);
+    assert_eq!(board.broken(), None);
+}

@@ -1,0 +1,95 @@
+//! The application of a board in this process: the same objects as on the chip, bytes in and bytes out.
+
+use std::collections::VecDeque;
+
+use arcfeed_firmware::front::Front;
+use arcfeed_firmware::lockstep::{Line, Lines, Lockstep};
+use arcfeed_firmware::station::sensors::{MachineLine, setpoint};
+use arcfeed_firmware::station::ticker::Ticker;
+
+use super::board::{Broken, Wire, Wires};
+
+/// How many lines a board has.
+const LINES: usize = 4;
+
+/// A station and its rings.
+pub struct InProcess<'q, const N: usize> {
+    front: Front<'q, N>,
+    ticker: Ticker<'q>,
+    machine: MachineLine,
+    lockstep: Lockstep,
+    rings: Rings,
+}
+
+/// Bytes to the board and from it, by line.
+#[derive(Debug, Default)]
+struct Rings {
+    inward: [VecDeque<u8>; LINES],
+    outward: [VecDeque<u8>; LINES],
+}
+
+impl Lines for Rings {
+    fn waiting(&self, line: Line) -> usize {
+        self.inward[line as usize].len()
+    }
+
+    fn receive(&mut self, line: Line) -> Option<u8> {
+        self.inward[line as usize].pop_front()
+    }
+
+    fn send(&mut self, line: Line, bytes: &[u8]) -> usize {
+        self.outward[line as usize].extend(bytes);
+        bytes.len()
+    }
+}
+
+impl<'q, const N: usize> InProcess<'q, N> {
+    /// A board that has just started.
+    pub fn new(front: Front<'q, N>, ticker: Ticker<'q>) -> Self {
+        InProcess { front, ticker, machine: MachineLine::new(), lockstep: Lockstep::new(), rings: Rings::default() }
+    }
+
+    /// The side of the main loop.
+    pub fn front(&self) -> &Front<'q, N> {
+        &self.front
+    }
+
+    fn run(&mut self) {
+        let InProcess { front, ticker, machine, lockstep, rings } = self;
+        let mut tick = |now, sample: &_| {
+            machine.take(now, sample);
+            setpoint(sample.at, &ticker.tick(now, &machine.sensors(now)), [0; 2])
+        };
+        while lockstep.poll(front, rings, &mut tick) {}
+    }
+}
+
+impl<const N: usize> Wires for InProcess<'_, N> {
+    fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), Broken> {
+        self.rings.inward[line(wire) as usize].extend(bytes);
+        self.run();
+        Ok(())
+    }
+
+    fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), Broken> {
+        let length = self.take_waiting(wire, bytes)?;
+        if length == bytes.len() { Ok(()) } else { Err(Broken::Silent(wire)) }
+    }
+
+    fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, Broken> {
+        let ring = &mut self.rings.outward[line(wire) as usize];
+        let length = ring.len().min(bytes.len());
+        bytes.iter_mut().zip(ring.drain(..length)).for_each(|(place, byte)| *place = byte);
+        Ok(length)
+    }
+}
+
+/// The board's end of a line.
+fn line(wire: Wire) -> Line {
+    match wire {
+        Wire::Link => Line::Link,
+        Wire::Machine => Line::Machine,
+        Wire::Sender => Line::Sender,
+        Wire::Control => Line::Control,
+    }
+}

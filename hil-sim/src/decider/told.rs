@@ -1,0 +1,107 @@
+//! The controller in this process, told which move is in work.
+
+use arcfeed_firmware::active::ActiveSegment;
+use arcfeed_firmware::board::{Board, Task};
+use arcfeed_firmware::controller;
+use arcfeed_firmware::ramp::FeedOverride;
+use arcfeed_firmware::supervisor::Supervisor;
+use arcfeed_firmware::supervisor::input::{Input, Work};
+use arcfeed_firmware::supervisor::memory::Memory;
+use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
+use arcfeed_shared::job::{FeedPolicy, Job};
+use arcfeed_shared::tool::Tool;
+use arcfeed_shared::units::{Micros, Nm, Span};
+
+use super::{Begun, Decider, Shown};
+use crate::faults::ControllerFault;
+
+/// A controller and what it is spoilt by.
+#[derive(Debug)]
+pub struct Told {
+    supervisor: Option<Supervisor>,
+    task: Task,
+    cabinet: Cabinet,
+    /// The job as the controller believes it to be.
+    believed: Job,
+    frozen_from: Option<Micros>,
+}
+
+/// The controller's surroundings: the segment in work, the inputs, the override output.
+#[derive(Debug)]
+struct Cabinet {
+    segment: Option<(u32, ActiveSegment)>,
+    input: Input,
+    output: FeedOverride,
+}
+
+impl Board for Cabinet {
+    fn work(&self) -> Work<'_> {
+        self.segment.as_ref().map(|(count, segment)| (*count, segment))
+    }
+
+    fn measure(&mut self) {}
+
+    fn input(&self) -> &Input {
+        &self.input
+    }
+
+    fn set_override(&mut self, feed_override: FeedOverride) {
+        self.output = feed_override;
+    }
+}
+
+impl Told {
+    /// The controller of a job, ticking every `period`; the operator has armed before cycle start.
+    ///
+    /// # Errors
+    /// Bounds of the override that make no sense.
+    pub fn new(job: &Job, fault: ControllerFault, period: Span) -> Result<Self, SettingsError> {
+        // What is cut into pieces needs no override, and the machine may have none.
+        let has_override = !matches!(job.policy, FeedPolicy::RewriteOnly(_));
+        let is_on = has_override && fault != ControllerFault::LawOff;
+        let supervisor = is_on.then(|| Supervisor::new(job, Settings::default())).transpose()?;
+        let measured = controller::Input { position: None, spindle: job.spindle, dt: period };
+        let frozen_from = match fault {
+            ControllerFault::FrozenAfter(ticks) => Some(Micros(ticks * u64::from(period.0))),
+            _ => None,
+        };
+        Ok(Told {
+            supervisor,
+            task: Task::from(Memory::armed()),
+            cabinet: Cabinet { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED },
+            believed: believed(job, fault),
+            frozen_from,
+        })
+    }
+}
+
+impl Decider for Told {
+    fn begin(&mut self, begun: Option<Begun<'_>>) {
+        self.cabinet.segment =
+            begun.map(|Begun { count, segment, rule }| (count, ActiveSegment::new(segment, rule, &self.believed)));
+    }
+
+    fn decide(&mut self, shown: &Shown) -> FeedOverride {
+        let input = &mut self.cabinet.input;
+        input.measured.position = Some(shown.position);
+        input.measured.spindle = shown.spindle;
+        input.operator_percent = shown.operator_percent;
+        input.signals = shown.signals;
+        let is_frozen = self.frozen_from.is_some_and(|from| shown.at >= from);
+        if let Some(supervisor) = self.supervisor.as_ref().filter(|_| !is_frozen) {
+            self.task.run(supervisor, &mut self.cabinet);
+        }
+        self.cabinet.output
+    }
+}
+
+/// The job with the tool that the controller takes it to have.
+fn believed(job: &Job, fault: ControllerFault) -> Job {
+    let mut job = job.clone();
+    if let (ControllerFault::RadiusScale(scale), Tool::CupMill(mill)) = (fault, &mut job.tool) {
+        let scaled = |radius: Nm| Nm::from_mm(radius.to_mm() * scale);
+        mill.outer_radius = scaled(mill.outer_radius);
+        mill.inner_radius = scaled(mill.inner_radius);
+    }
+    job
+}
