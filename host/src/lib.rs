@@ -19,6 +19,8 @@ pub mod port;
 
 pub mod dnc;
 
+pub mod board;
+
 pub mod screen;
 
 pub mod report;

@@ -3,7 +3,8 @@
 use std::process::ExitCode;
 
 use arcfeed::commands::{
-    adapt::Adapt, check::Check, init::Init, ports::Ports, serve::Serve, simulate::Simulate, stream::Stream,
+    adapt::Adapt, board::Board, check::Check, init::Init, ports::Ports, serve::Serve, simulate::Simulate,
+    stream::Stream, verify::Verify,
 };
 use clap::{Parser, Subcommand};
 
@@ -24,9 +25,11 @@ enum Command {
     Init(Init),
     Adapt(Adapt),
     Stream(Stream),
+    Verify(Verify),
     Simulate(Simulate),
     Serve(Serve),
     Ports(Ports),
+    Board(Board),
 }
 
 fn main() -> ExitCode {
@@ -35,9 +38,11 @@ fn main() -> ExitCode {
         Command::Init(command) => command.run(),
         Command::Adapt(command) => command.run(),
         Command::Stream(command) => command.run(),
+        Command::Verify(command) => command.run(),
         Command::Simulate(command) => command.run(),
         Command::Serve(command) => command.run(),
         Command::Ports(command) => command.run(),
+        Command::Board(command) => command.run(),
     };
     match ended {
         Ok(()) => ExitCode::SUCCESS,

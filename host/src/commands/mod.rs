@@ -10,7 +10,11 @@ pub mod adapt;
 
 pub mod simulate;
 
+pub mod board;
+
 pub mod stream;
+
+pub mod verify;
 
 pub mod serve;
 

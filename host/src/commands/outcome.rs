@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
+use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use arcfeed_shared::cut;
@@ -145,11 +145,11 @@ pub fn spindle_contradictions(file: &JobFile, program: &Program) -> Vec<String> 
     told.into_iter().map(say).collect()
 }
 
-/// A flag that Ctrl-C (or a request to terminate) raises.
-pub fn on_interrupt() -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let raised = Arc::clone(&flag);
-    // Only fails where a handler is already set; then that one stays in charge.
-    let _already_set = ctrlc::set_handler(move || raised.store(true, Ordering::Relaxed));
-    flag
+/// The flag that Ctrl-C (or a request to terminate) raises: one for the process, whoever asks.
+pub fn on_interrupt() -> &'static AtomicBool {
+    static RAISED: AtomicBool = AtomicBool::new(false);
+    static WATCH: Once = Once::new();
+    // Fails where somebody else has set a handler, as nobody does.
+    WATCH.call_once(|| drop(ctrlc::set_handler(|| RAISED.store(true, Ordering::Relaxed))));
+    &RAISED
 }

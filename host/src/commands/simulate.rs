@@ -8,6 +8,7 @@ use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
 use arcfeed_hil_sim::control::tape::TapeSettings;
 use arcfeed_hil_sim::control::{ControlSettings, Preset, Switches};
 use arcfeed_hil_sim::cutting::meter::MoveChips;
+use arcfeed_hil_sim::decider::Decider;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::rig::{MoveOverride, Rig};
 use arcfeed_shared::cut::Moves;
@@ -146,7 +147,7 @@ pub fn add_baseline(report: &mut RunReport, file: &JobFile, program: &Program) -
 }
 
 /// The figures of what the rig executed so far.
-pub fn measure(rig: &Rig, job: &Job) -> RunReport {
+pub fn measure<D: Decider>(rig: &Rig<D>, job: &Job) -> RunReport {
     let moves: Vec<(&MoveChips, &MoveOverride)> = rig.meter().moves().iter().zip(rig.overrides()).collect();
     let movements = (0..job.rules.len()).map(|rule| movement(job, rule, &moves)).collect();
     let alarm = rig.control().alarm().map(|alarm| AlarmFigures::new(alarm.line, alarm.fault.column, alarm.fault.cause));

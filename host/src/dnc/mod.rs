@@ -10,16 +10,20 @@
 //!  Failed             Sent              Failed
 //! ```
 //! [`transmission`] is what is sent, [`pace`] says when, [`sender`] is the machine above, [`journal`] what a restart knows,
-//! [`resume`] where and in which state it can take up the program, [`starvation`] where the line will be too slow. What is
+//! [`damage`] what the operating system has seen go wrong, [`readback`] what comes back from its memory, [`reports`] what the control says of itself, [`resume`] where and in which state it can take up the program, [`starvation`] where the line will be too slow. What is
 //! guaranteed and what is not: docs/dnc.md.
 
 pub mod pace;
 
 pub mod transmission;
 
+pub mod readback;
+
 pub mod sender;
 
 pub mod outbox;
+
+pub mod damage;
 
 pub mod events;
 
@@ -28,6 +32,8 @@ pub mod journal;
 pub mod functions;
 
 pub mod restore;
+
+pub mod reports;
 
 pub mod resume;
 

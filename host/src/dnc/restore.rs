@@ -74,6 +74,9 @@ impl Before {
     }
 
     fn take(&mut self, reader: &mut Reader, sent: &Transmission, line: usize) -> Result<(), String> {
+        if sent.is_of_report(line) {
+            return Ok(());
+        }
         let text = sent.line_text(line).unwrap_or_default();
         let text = text.strip_suffix(b"\n").unwrap_or(text);
         let source = sent.lines()[line].source;

@@ -137,7 +137,7 @@ fn source(sent: &Transmission, at: usize) -> usize {
 fn cutting(sent: &Transmission, control: &PowerOn) -> Vec<bool> {
     let mut reader = control.reader();
     let mut cuts = vec![false; sent.lines().len()];
-    for (index, cuts) in cuts.iter_mut().enumerate().skip(1) {
+    for (index, cuts) in cuts.iter_mut().enumerate().skip(1).filter(|(index, _)| !sent.is_of_report(*index)) {
         let text = sent.line_text(index).unwrap_or_default();
         let Ok(understood) = reader.read(text.strip_suffix(b"\n").unwrap_or(text)) else { continue };
         let moves = understood.step.motion.is_some_and(|motion| motion.kind != MotionKind::Rapid);

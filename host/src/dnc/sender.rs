@@ -46,7 +46,8 @@ pub struct Sender {
     transmission: Transmission,
     line: LineUse,
     sent: usize,
-    permitted: usize,
+    /// By [`Gate`].
+    permitted: [usize; GATES],
     flow: Flow,
     /// When the flow became what it is.
     since: Micros,
@@ -57,6 +58,17 @@ pub struct Sender {
     heard: Vec<u8>,
     counters: Counters,
 }
+
+/// Who must have had a part of the program before it leaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gate {
+    /// The journal on disk.
+    Journal,
+    /// The feed board.
+    Board,
+}
+
+const GATES: usize = 2;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Flow {
@@ -119,7 +131,7 @@ impl Sender {
             transmission,
             line,
             sent: 0,
-            permitted: usize::MAX,
+            permitted: [usize::MAX; GATES],
             since: Micros(0),
             intent: Intent::Send,
             over: None,
@@ -186,7 +198,7 @@ impl Sender {
             Intent::Abort { .. } => self.block_end(),
             Intent::Send | Intent::Hold => self.transmission.frames().len(),
         };
-        let rest = &self.transmission.frames()[self.sent..until.min(self.permitted).max(self.sent)];
+        let rest = &self.transmission.frames()[self.sent..until.min(self.permitted()).max(self.sent)];
         let len = rest.len().min(CHUNK).min(self.line.pace.room(now));
         out[..len].copy_from_slice(&rest[..len]);
         self.line.pace.take(now, len);
@@ -220,7 +232,7 @@ impl Sender {
         }
         match (self.intent, self.flow) {
             (Intent::Hold, Flow::Go) => None,
-            (_, Flow::Go) => (self.sent < self.permitted).then(|| self.line.pace.free_at()),
+            (_, Flow::Go) => (self.sent < self.permitted()).then(|| self.line.pace.free_at()),
             (Intent::Abort { since }, _) => Some(since.after(ABORT_MAX)),
             (_, Flow::Silent) if self.is_asked => Some(self.noise_until),
             (_, Flow::Silent) => self.line.start_timeout.map(|limit| self.since.after(limit)),
@@ -250,14 +262,19 @@ impl Sender {
         self.look_at_the_clock(now);
     }
 
-    /// Hands out nothing from this offset on until told again: what must be on disk before it leaves.
-    pub fn permit(&mut self, until: usize) {
-        self.permitted = until;
+    /// Hands out nothing from this offset on until the same gate is opened further.
+    pub fn permit(&mut self, gate: Gate, until: usize) {
+        self.permitted[gate as usize] = until;
     }
 
-    /// Whether it waits for [`Sender::permit`].
-    pub fn wants_permit(&self) -> bool {
-        self.over.is_none() && self.sent >= self.permitted
+    /// Whether it waits for a gate.
+    pub fn wants_permit(&self, gate: Gate) -> bool {
+        self.over.is_none() && self.sent >= self.permitted[gate as usize]
+    }
+
+    fn permitted(&self) -> usize {
+        let [journal, board] = self.permitted;
+        journal.min(board)
     }
 
     /// Where it stands.

@@ -8,6 +8,8 @@ use arcfeed_shared::nc::word::is_control_character;
 
 /// Longest block: one that does not fit the control's buffer never becomes whole there, and neither side goes on.
 const BLOCK_MAX: usize = 256;
+/// How the lines of a report begin; programs with macro statements of their own are not sent.
+const REPORT: [&str; 3] = ["POPEN", "PCLOS", "DPRNT["];
 
 /// How text becomes what the control reads.
 #[derive(Clone, Copy, Debug)]
@@ -90,6 +92,31 @@ impl Transmission {
         sent.frames.extend_from_slice(&self.frames[start..]);
         sent.lines.extend(self.lines[from..].iter().map(|line| SentLine { end: line.end - start + shift, ..*line }));
         Ok(sent)
+    }
+
+    /// The same with lines of ours behind some of its own: index and text, in order; they count as of that line.
+    ///
+    /// # Errors
+    /// A character of ours that the control's code does not have.
+    pub fn with_lines(&self, added: &[(usize, String)], wire: &Wire) -> Result<Self, Vec<Refusal>> {
+        let mut sent = Transmission { text: Vec::new(), frames: Vec::new(), lines: Vec::new() };
+        let (mut refusals, mut added) = (Vec::new(), added.iter().peekable());
+        for (index, line) in self.lines.iter().enumerate() {
+            let range = self.start_of(index)..line.end;
+            sent.text.extend_from_slice(&self.text[range.clone()]);
+            sent.frames.extend_from_slice(&self.frames[range]);
+            sent.lines.push(SentLine { end: sent.text.len(), ..*line });
+            while let Some((_, text)) = added.next_if(|(behind, _)| *behind == index) {
+                text.lines().for_each(|text| sent.add(text.as_bytes(), b"\n", line.source, (wire, &mut refusals)));
+            }
+        }
+        if refusals.is_empty() { Ok(sent) } else { Err(refusals) }
+    }
+
+    /// Whether a line is one of a report that the control is to make, which the interpreter of plain blocks cannot read.
+    pub fn is_of_report(&self, index: usize) -> bool {
+        let text = self.line_text(index).unwrap_or_default();
+        REPORT.iter().any(|begin| text.starts_with(begin.as_bytes()))
     }
 
     fn add(&mut self, text: &[u8], ending: &[u8], source: usize, (wire, refusals): (&Wire, &mut Vec<Refusal>)) {

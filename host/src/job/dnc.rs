@@ -11,6 +11,8 @@ use super::{Complaint, at};
 const TIMEOUT_MAX_S: f64 = 86_400.0;
 /// Slowest reaction that can be told.
 const REACTION_MAX_S: f64 = 10.0;
+/// Blocks that a control reads ahead unless the job says it: the most of those in docs/control.md, assumed.
+const READ_AHEAD: usize = 200;
 
 /// How the control reads, and how long the sender waits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +28,10 @@ pub struct DncSettings {
     pub start_timeout: Micros,
     /// How long it may then take nothing.
     pub xoff_timeout: Micros,
+    /// Behind how many blocks the control is to report where it stands; `None`: it reports nothing.
+    pub report_every: Option<usize>,
+    /// Blocks that it reads ahead at most.
+    pub read_ahead: usize,
 }
 
 /// A code that the sender makes itself, on a line of eight bits.
@@ -47,6 +53,8 @@ impl Default for DncSettings {
             reaction: None,
             start_timeout: Micros::from_ms(300_000),
             xoff_timeout: Micros::from_ms(1_800_000),
+            report_every: None,
+            read_ahead: READ_AHEAD,
         }
     }
 }
@@ -74,6 +82,18 @@ pub fn build(given: &DncTable, serial: &SerialSettings) -> Result<DncSettings, C
         Some(value) if (0.0..=most).contains(value.as_ref()) => Ok(Micros((value.as_ref() * US_PER_S as f64) as u64)),
         Some(value) => Err(at(value, &format!("{name} must be seconds, 0 to {most}"))),
     };
+    match (&given.report_every, code) {
+        (Some(every), Some(TapeCode::Eia)) => {
+            return Err(at(
+                every,
+                "EIA has no # [ ]: a control cannot be asked for reports in it; remove this, or use ISO",
+            ));
+        }
+        (Some(every), _) if *every.as_ref() == 0 => {
+            return Err(at(every, "report_every counts blocks, from 1; leave it out for no reports"));
+        }
+        _ => {}
+    }
     let reaction = time(&given.reaction, "reaction", REACTION_MAX_S, Micros(0))?;
     Ok(DncSettings {
         code,
@@ -81,5 +101,7 @@ pub fn build(given: &DncTable, serial: &SerialSettings) -> Result<DncSettings, C
         reaction: given.reaction.is_some().then_some(reaction),
         start_timeout: time(&given.start_timeout, "start_timeout", TIMEOUT_MAX_S, default.start_timeout)?,
         xoff_timeout: time(&given.xoff_timeout, "xoff_timeout", TIMEOUT_MAX_S, default.xoff_timeout)?,
+        report_every: given.report_every.as_ref().map(|every| *every.as_ref()),
+        read_ahead: given.read_ahead.unwrap_or(READ_AHEAD),
     })
 }

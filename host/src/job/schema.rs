@@ -230,6 +230,8 @@ pub struct DncTable {
     pub reaction: Option<Spanned<f64>>,
     pub start_timeout: Option<Spanned<f64>>,
     pub xoff_timeout: Option<Spanned<f64>>,
+    pub report_every: Option<Spanned<usize>>,
+    pub read_ahead: Option<usize>,
 }
 
 impl Default for SerialTable {

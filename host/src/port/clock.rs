@@ -1,26 +1,77 @@
-//! Wall time since a port was opened.
+//! Wall time: since a port was opened, and of day.
 
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use arcfeed_shared::units::Micros;
 
+const S_PER_DAY: u64 = 86_400;
+/// Days of 400 years: after them the calendar begins anew.
+const DAYS_PER_ERA: u64 = 146_097;
+/// From 0000-03-01 to 1970-01-01.
+const DAYS_TO_EPOCH: u64 = 719_468;
+
 /// Starts when it is made.
 #[derive(Clone, Copy, Debug)]
-pub struct WallClock(Instant);
+pub struct WallClock {
+    since: Instant,
+    started: SystemTime,
+}
 
 impl WallClock {
     /// Zero is now.
     pub fn start() -> Self {
-        WallClock(Instant::now())
+        WallClock { since: Instant::now(), started: SystemTime::now() }
     }
 
     /// Time since the start.
     pub fn now(&self) -> Micros {
-        Micros(u64::try_from(self.0.elapsed().as_micros()).unwrap_or(u64::MAX))
+        Micros(u64::try_from(self.since.elapsed().as_micros()).unwrap_or(u64::MAX))
+    }
+
+    /// Day and time of the start.
+    pub fn started(&self) -> SystemTime {
+        self.started
     }
 
     /// Sleeps until then.
     pub fn wait(&self, deadline: Micros) {
         std::thread::sleep(Duration::from_micros(deadline.since(self.now()).0));
+    }
+}
+
+/// Day and time in UTC as ISO 8601 has them, to the second: `2026-11-22T06:04:45Z`. Before 1970 it is 1970.
+///
+/// Source: H. Hinnant, "chrono-Compatible Low-Level Date Algorithms", `civil_from_days`: years begin in March.
+pub fn iso_8601(time: SystemTime) -> String {
+    let s = time.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    let days = s / S_PER_DAY + DAYS_TO_EPOCH;
+    let (era, day_of_era) = (days / DAYS_PER_ERA, days % DAYS_PER_ERA);
+    let year_of_era = (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let months_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * months_from_march + 2) / 5 + 1;
+    let month = if months_from_march < 10 { months_from_march + 3 } else { months_from_march - 9 };
+    let year = 400 * era + year_of_era + u64::from(month <= 2);
+    let (hour, minute, second) = (s / 3_600 % 24, s / 60 % 60, s % 60);
+    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_and_times_are_those_of_the_calendar() {
+        // Computed with `date -u -d @SECONDS +%FT%TZ` (GNU coreutils).
+        for (s, wanted) in [
+            (0, "1970-01-01T00:00:00Z"),
+            (951_782_399, "2000-02-28T23:59:59Z"),
+            (951_782_400, "2000-02-29T00:00:00Z"),
+            (1_709_251_199, "2024-02-29T23:59:59Z"),
+            (1_795_328_685, "2026-11-22T06:24:45Z"),
+            (4_107_542_400, "2100-03-01T00:00:00Z"),
+        ] {
+            assert_eq!(iso_8601(SystemTime::UNIX_EPOCH + Duration::from_secs(s)), wanted);
+        }
     }
 }

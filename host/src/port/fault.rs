@@ -6,7 +6,9 @@
 
 use std::collections::VecDeque;
 use std::io::ErrorKind;
+use std::time::SystemTime;
 
+use arcfeed_line_errors::Counts;
 use arcfeed_shared::units::Micros;
 
 use super::url::{FaultPlan, Faults};
@@ -190,6 +192,14 @@ impl Port for Fault<'_> {
         let due = self.tx.queue.front().map_or(deadline, |(due, _)| *due);
         let soon = self.inner.now().after(Micros(1));
         self.inner.wait(deadline.min(due).max(soon));
+    }
+
+    fn line_errors(&self) -> Option<Counts> {
+        self.inner.line_errors()
+    }
+
+    fn opened(&self) -> Option<SystemTime> {
+        self.inner.opened()
     }
 
     fn control_is_done(&self) -> Option<bool> {

@@ -1,6 +1,7 @@
 //! `loop://`: what is written is read, in order, without a line between.
 
 use std::collections::VecDeque;
+use std::time::SystemTime;
 
 use arcfeed_shared::units::Micros;
 
@@ -29,6 +30,10 @@ impl Loopback {
 impl Port for Loopback {
     fn now(&self) -> Micros {
         self.clock.now()
+    }
+
+    fn opened(&self) -> Option<SystemTime> {
+        Some(self.clock.started())
     }
 
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {

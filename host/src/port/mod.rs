@@ -27,6 +27,11 @@ pub mod reaction;
 
 pub mod open;
 
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::time::SystemTime;
+
+use arcfeed_line_errors::Counts;
 use arcfeed_shared::units::Micros;
 
 /// What a machine says of itself; nothing over a plain DNC line.
@@ -68,6 +73,16 @@ pub trait Port {
     /// Lets time pass, until `deadline` at the latest.
     fn wait(&mut self, deadline: Micros);
 
+    /// Characters from the other end that came in damaged since the port was opened, where the port can say.
+    fn line_errors(&self) -> Option<Counts> {
+        None
+    }
+
+    /// The day and time at which the port was opened, where its time is that of the wall.
+    fn opened(&self) -> Option<SystemTime> {
+        None
+    }
+
     /// Whether the control is done with the program, where the port can know.
     fn control_is_done(&self) -> Option<bool> {
         None
@@ -89,42 +104,50 @@ pub trait Port {
     }
 }
 
-/// A borrowed port, so that who made it has it back afterwards.
-impl<P: Port + ?Sized> Port for &mut P {
+/// A shared port: who made it still sees what is behind it.
+impl<P: Port> Port for Rc<RefCell<P>> {
     fn now(&self) -> Micros {
-        (**self).now()
+        self.as_ref().borrow().now()
     }
 
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {
-        (**self).read(buffer)
+        self.as_ref().borrow_mut().read(buffer)
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError> {
-        (**self).write(bytes)
+        self.as_ref().borrow_mut().write(bytes)
     }
 
     fn out_waiting(&mut self) -> Result<usize, PortError> {
-        (**self).out_waiting()
+        self.as_ref().borrow_mut().out_waiting()
     }
 
     fn wait(&mut self, deadline: Micros) {
-        (**self).wait(deadline);
+        self.as_ref().borrow_mut().wait(deadline);
+    }
+
+    fn line_errors(&self) -> Option<Counts> {
+        self.as_ref().borrow().line_errors()
+    }
+
+    fn opened(&self) -> Option<SystemTime> {
+        self.as_ref().borrow().opened()
     }
 
     fn control_is_done(&self) -> Option<bool> {
-        (**self).control_is_done()
+        self.as_ref().borrow().control_is_done()
     }
 
     fn blocks_executed(&self) -> Option<usize> {
-        (**self).blocks_executed()
+        self.as_ref().borrow().blocks_executed()
     }
 
     fn machine(&self) -> Machine {
-        (**self).machine()
+        self.as_ref().borrow().machine()
     }
 
     fn feed_hold(&mut self) -> bool {
-        (**self).feed_hold()
+        self.as_ref().borrow_mut().feed_hold()
     }
 }
 

@@ -1,8 +1,9 @@
 //! A native serial port, by its name: raw bytes, the operating system's XON/XOFF off, its RTS/CTS as asked for.
 
 use std::io::{ErrorKind, Read, Write};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
+use arcfeed_line_errors::{Counts, NativePort, counts};
 use arcfeed_shared::units::Micros;
 use serialport::{ClearBuffer, DataBits, FlowControl, SerialPort, StopBits};
 
@@ -16,8 +17,10 @@ const WRITE_TIMEOUT: Duration = Duration::from_millis(20);
 /// An open serial port.
 pub struct Serial {
     name: String,
-    port: Box<dyn SerialPort>,
+    port: NativePort,
     clock: WallClock,
+    /// What its driver had counted before.
+    errors_before: Option<Counts>,
 }
 
 impl Serial {
@@ -43,9 +46,10 @@ impl Serial {
             .exclusive(settings.exclusive)
             .timeout(WRITE_TIMEOUT);
         let failed = |source: std::io::Error| PortError { name: name.into(), source };
-        let port = builder.open().map_err(|error| failed(error.into()))?;
+        let port = builder.open_native().map_err(|error| failed(error.into()))?;
         port.clear(ClearBuffer::Output).map_err(|error| failed(error.into()))?;
-        Ok(Serial { name: name.into(), port, clock: WallClock::start() })
+        let errors_before = counts(&port);
+        Ok(Serial { name: name.into(), port, clock: WallClock::start(), errors_before })
     }
 
     fn failed(&self, source: std::io::Error) -> PortError {
@@ -86,6 +90,14 @@ impl Port for Serial {
     fn out_waiting(&mut self) -> Result<usize, PortError> {
         // Some drivers cannot say.
         Ok(self.port.bytes_to_write().map_or(0, |waiting| waiting as usize))
+    }
+
+    fn line_errors(&self) -> Option<Counts> {
+        counts(&self.port).zip(self.errors_before).map(|(now, before)| now.since(&before))
+    }
+
+    fn opened(&self) -> Option<SystemTime> {
+        Some(self.clock.started())
     }
 
     fn wait(&mut self, deadline: Micros) {

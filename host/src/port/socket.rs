@@ -1,5 +1,7 @@
 //! `socket://`: bytes over TCP as they are. The settings of the line are the server's business.
 
+use std::time::SystemTime;
+
 use arcfeed_shared::units::Micros;
 
 use super::clock::WallClock;
@@ -30,6 +32,10 @@ impl Socket {
 impl Port for Socket {
     fn now(&self) -> Micros {
         self.clock.now()
+    }
+
+    fn opened(&self) -> Option<SystemTime> {
+        Some(self.clock.started())
     }
 
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {

@@ -8,7 +8,9 @@
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
+use std::time::SystemTime;
 
+use arcfeed_line_errors::Counts;
 use arcfeed_shared::units::Micros;
 
 use super::url::SpyOptions;
@@ -95,6 +97,14 @@ impl Port for Spy<'_> {
 
     fn wait(&mut self, deadline: Micros) {
         self.inner.wait(deadline);
+    }
+
+    fn line_errors(&self) -> Option<Counts> {
+        self.inner.line_errors()
+    }
+
+    fn opened(&self) -> Option<SystemTime> {
+        self.inner.opened()
     }
 
     fn control_is_done(&self) -> Option<bool> {

@@ -2,10 +2,13 @@
 
 use std::fmt;
 
+use arcfeed_line_errors::Counts;
 use arcfeed_shared::nc::alarm::Cause;
 use arcfeed_shared::report::{ChipFigures, LeftOut};
 use arcfeed_shared::units::LengthUnit;
 use serde::Serialize;
+
+use crate::dnc::reports::Reports;
 
 /// A run of `stream`, `simulate` or `serve`. What does not apply is null.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -36,6 +39,8 @@ pub struct RunReport {
     pub movements: Vec<MovementFigures>,
     /// The serial line.
     pub link: Option<LinkFigures>,
+    /// What the control reported of itself, where the job has it do so.
+    pub reports: Option<ReportFigures>,
     /// What a restart in the middle of the program left to the operator.
     pub restart: Option<RestartFigures>,
     /// Simulated time over wall time.
@@ -196,6 +201,25 @@ pub struct MovementFigures {
     pub changes_per_arc: Vec<u32>,
 }
 
+/// Reports of the control (`[dnc] report_every`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct ReportFigures {
+    /// Asked for.
+    pub asked: usize,
+    /// Come, and as the program has it.
+    pub confirmed: usize,
+    /// The line of the program's file up to which the control has read, by the last of them.
+    pub line: Option<usize>,
+}
+
+impl ReportFigures {
+    /// The figures of what was heard; `None` if nothing was asked for.
+    pub fn of(reports: &Reports) -> Option<Self> {
+        let (asked, confirmed) = reports.counts();
+        (asked > 0).then(|| ReportFigures { asked, confirmed, line: reports.read_up_to() })
+    }
+}
+
 /// The serial line during a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LinkFigures {
@@ -211,4 +235,28 @@ pub struct LinkFigures {
     pub starved_ms: Option<u64>,
     /// Repeated transmissions; a plain DNC line knows none.
     pub retries: u32,
+    /// Characters from the other end that came in damaged, where the port can say.
+    pub line_errors: Option<LineErrorFigures>,
+}
+
+/// What the operating system has counted since the port was opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct LineErrorFigures {
+    /// Characters without stop bits.
+    pub frame: u32,
+    /// Characters that the chip has lost.
+    pub overrun: u32,
+    /// Characters with wrong parity.
+    pub parity: u32,
+    /// Breaks.
+    pub r#break: u32,
+    /// Characters that the driver has lost.
+    pub buffer_overrun: u32,
+}
+
+impl From<Counts> for LineErrorFigures {
+    fn from(counts: Counts) -> Self {
+        let Counts { frame, overrun, parity, breaks, buffer_overrun } = counts;
+        LineErrorFigures { frame, overrun, parity, r#break: breaks, buffer_overrun }
+    }
 }

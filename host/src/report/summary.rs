@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write};
 
-use super::figures::{IptFigures, MovementFigures, RunReport};
+use super::figures::{IptFigures, LineErrorFigures, MovementFigures, ReportFigures, RunReport};
 
 /// Prints as several lines, each ended.
 #[derive(Debug)]
@@ -41,6 +41,13 @@ impl fmt::Display for Summary<'_> {
                 Some(ms) => writeln!(f, ", control starved for {ms} ms")?,
                 None => writeln!(f)?,
             }
+            if let Some(errors) = &link.line_errors {
+                write_line_errors(f, errors)?;
+            }
+        }
+        if let Some(ReportFigures { asked, confirmed, line }) = &report.reports {
+            write!(f, "  reports of the control: {confirmed} of {asked} as the program has it")?;
+            writeln!(f, "{}", line.map_or(String::new(), |line| format!(", it has read up to line {line}")))?;
         }
         for line in &report.printed {
             writeln!(f, "  printed: {line}")?;
@@ -53,6 +60,21 @@ impl fmt::Display for Summary<'_> {
         }
         Ok(())
     }
+}
+
+fn write_line_errors(f: &mut fmt::Formatter<'_>, errors: &LineErrorFigures) -> fmt::Result {
+    let LineErrorFigures { frame, overrun, parity, r#break, buffer_overrun } = errors;
+    let is_clean = [frame, overrun, parity, r#break, buffer_overrun].into_iter().all(|count| *count == 0);
+    let from_control = "characters from the control";
+    if is_clean {
+        return writeln!(f, "  line: no damaged {from_control}, as the operating system counts them");
+    }
+    writeln!(
+        f,
+        "  line: DAMAGED {from_control}: {parity} with wrong parity, {frame} without stop bits, {} breaks, {overrun} lost in \
+         the chip, {buffer_overrun} lost in the driver",
+        r#break
+    )
 }
 
 fn write_blocks(f: &mut fmt::Formatter<'_>, report: &RunReport) -> fmt::Result {

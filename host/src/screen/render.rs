@@ -15,6 +15,8 @@ const FIGURES: u16 = 36;
 const SIZE_MIN: (u16, u16) = (64, 14);
 /// Top of the strip, %: what is thicker is as high.
 const STRIP_TOP: u64 = 200;
+/// Most rows of a note.
+const NOTE_ROWS: usize = 3;
 
 /// Draws it.
 pub fn render(frame: &mut Frame<'_>, view: &View) {
@@ -23,11 +25,11 @@ pub fn render(frame: &mut Frame<'_>, view: &View) {
         let lines = vec![keys_line(view), Line::raw(view.words()), Line::raw(small)];
         return frame.render_widget(Paragraph::new(lines), frame.area());
     }
-    let rows = [1, 0, 4, 1, 1, 1].map(|rows| match rows {
-        0 => Constraint::Min(3),
-        rows => Constraint::Length(rows),
-    });
-    let [head, middle, strip, state, alarm, keys] = Layout::vertical(rows).areas(frame.area());
+    let words_of_note = note(view, usize::from(frame.area().width));
+    let note_rows = words_of_note.len() as u16;
+    let [one, strip] = [1, 4].map(Constraint::Length);
+    let rows = [one, Constraint::Min(3), strip, one, one, Constraint::Length(note_rows), one];
+    let [head, middle, strip, state, alarm, note, keys] = Layout::vertical(rows).areas(frame.area());
     let [program, figures] = Layout::horizontal([Constraint::Min(20), Constraint::Length(FIGURES)]).areas(middle);
     frame.render_widget(bold(format!(" {}", view.title)), head);
     draw_program(frame, program, view);
@@ -37,20 +39,34 @@ pub fn render(frame: &mut Frame<'_>, view: &View) {
     frame.render_widget(Line::styled(format!(" {}", view.words()), style.add_modifier(Modifier::BOLD)), state);
     let (words, colour) = match &view.machine.alarm {
         Some(words) => (format!(" ALARM {words}"), Color::Red),
-        None if view.executed.is_some() => (" no alarm".into(), Color::Reset),
+        None if view.executed.is_some() && !view.is_least => (" no alarm".into(), Color::Reset),
         None => (" alarms: look at the control, its line does not tell them".into(), Color::Reset),
     };
     frame.render_widget(Line::styled(words, Style::new().fg(colour)), alarm);
+    frame.render_widget(Paragraph::new(words_of_note), note);
     frame.render_widget(keys_line(view), keys);
+}
+
+/// What is to be known beside: a warning, or a note from before the start.
+fn note(view: &View, width: usize) -> Vec<Line<'static>> {
+    let style = if view.warning.is_some() { Style::new().fg(Color::Red) } else { Style::new().fg(Color::Yellow) };
+    let mut rows: Vec<String> = Vec::new();
+    for word in view.note().unwrap_or_default().split_whitespace() {
+        match rows.last_mut().filter(|row| row.chars().count() + 1 + word.chars().count() < width) {
+            Some(row) => *row += &format!(" {word}"),
+            None => rows.push(format!(" {word}")),
+        }
+    }
+    rows.into_iter().take(NOTE_ROWS).map(|row| Line::styled(row, style)).collect()
 }
 
 /// The keys, or the question that waits for one.
 fn keys_line(view: &View) -> Line<'static> {
     let question = match view.question {
-        None => return Line::raw(" space h: hold   r: resume   q Ctrl-C: abort"),
+        None => return Line::raw(" space h: hold sending   r: resume   q Ctrl-C: abort"),
         Some(Command::Abort) => " ABORT after the block under way? y: yes, any other key: no",
         Some(Command::Resume) => " RESUME sending? The machine may move. y: yes, any other key: no",
-        Some(Command::Hold) => " HOLD? y: yes, any other key: no",
+        Some(Command::Hold) => " HOLD sending? y: yes, any other key: no",
     };
     Line::styled(question, Style::new().add_modifier(Modifier::REVERSED))
 }
@@ -62,6 +78,7 @@ fn bold<'a>(text: String) -> Line<'a> {
 /// The lines around the one in work.
 fn draw_program(frame: &mut Frame<'_>, area: Rect, view: &View) {
     let title = match view.executed {
+        Some(_) if view.is_least => " > executed, by reports: at least   * sent ",
         Some(_) => " > executed block   * sent ",
         None => " * sent; executed: not told ",
     };
@@ -98,12 +115,14 @@ fn draw_figures(frame: &mut Frame<'_>, area: Rect, view: &View) {
     let or_unknown = |known: Option<String>| known.unwrap_or_else(|| "not told".into());
     let machine = &view.machine;
     let mut lines = vec![Line::from(vec![Span::styled(" ● ", Style::new().fg(colour)), Span::raw(lamp)])];
+    let most = if view.is_least { "at most " } else { "" };
     let at_least = if view.executed.is_some() { "about" } else { "at least" };
     lines.extend(
         [
             ("sent", format!("{} of {total}, {percent} %", view.characters)),
-            ("at control", or_unknown(view.at_control().map(|chars| format!("{chars} characters")))),
+            ("at control", or_unknown(view.at_control().map(|chars| format!("{most}{chars} characters")))),
             ("stops", format!("{} times", view.xoffs)),
+            ("damaged", or_unknown(view.damaged.map(|count| format!("{count} from the control")))),
             ("override", or_unknown(machine.override_percent.map(|percent| format!("{percent} %")))),
             ("chip", or_unknown(machine.chip_ratio.map(|ratio| format!("{:.1} % of target", 1e2 * ratio)))),
             ("elapsed", time(view.elapsed_s)),
@@ -180,7 +199,13 @@ mod tests {
         let mut view = view();
         (view.sent, view.characters, view.is_taken, view.state) = (4, 40, Some(true), State::Held);
         let shown = picture(&view, 72, 20).join("\n");
-        for words in ["executed: not told", "*     5  N3G1X3.F40.", "HELD", "held by us", "at least 2:00"] {
+        for words in [
+            "executed: not told",
+            "*     5  N3G1X3.F40.",
+            "HELD: sending stopped, the axes NOT",
+            "held by us",
+            "at least 2:00",
+        ] {
             assert!(shown.contains(words), "{words}:\n{shown}");
         }
         assert!(shown.contains("its line does not tell") && !shown.contains('>'), "{shown}");
@@ -194,6 +219,19 @@ mod tests {
         let shown = picture(&view, 72, 20);
         assert!(shown[19].contains("ABORT after the block under way? y: yes"), "{shown:?}");
         assert!(shown[18].contains("ALARM line 3: PS0010"), "{shown:?}");
+    }
+
+    #[test]
+    fn a_warning_is_shown_in_the_place_of_the_notes_and_takes_three_rows_at_most() {
+        let mut view = view();
+        (view.notes, view.damaged) = (vec!["note: the line is slow".into()], Some(0));
+        let shown = picture(&view, 72, 20);
+        assert!(shown[18].contains("note: the line is slow") && shown[6].contains("damaged    0 from"), "{shown:?}");
+        (view.warning, view.damaged) = (Some(format!("warning: {}", "damaged characters ".repeat(20))), Some(7));
+        let shown = picture(&view, 72, 20);
+        assert!(shown[16].contains("warning: damaged") && shown[18].contains("damaged"), "{shown:?}");
+        assert!(shown[19].contains("h: hold sending") && !shown.join("").contains("note: the line"), "{shown:?}");
+        assert!(shown[6].contains("damaged    7 from the control"), "{shown:?}");
     }
 
     #[test]

@@ -11,6 +11,8 @@ use crate::port::Machine;
 
 /// Samples of the strip that are kept.
 const STRIP_MAX: usize = 200;
+/// How long each note is shown, s.
+const NOTE_S: f64 = 6.0;
 
 /// What a screen shows.
 #[derive(Clone, Debug)]
@@ -21,6 +23,8 @@ pub struct View {
     pub program: Arc<Listing>,
     /// Index of the line that the control executes, where it says so.
     pub executed: Option<usize>,
+    /// Whether it may be further: what it says comes from its reports.
+    pub is_least: bool,
     /// Index of the line being sent.
     pub sent: usize,
     /// Characters sent.
@@ -41,6 +45,12 @@ pub struct View {
     pub elapsed_s: f64,
     /// Until the end, at the programmed feeds or at the line's rate, whichever takes longer, s.
     pub left_s: f64,
+    /// Damaged characters from the control since the line was opened, where the port can say.
+    pub damaged: Option<u64>,
+    /// What was to be said before the start; shown in turn.
+    pub notes: Vec<String>,
+    /// The latest warning, shown in the place of the notes.
+    pub warning: Option<String>,
     /// What the operator is asked to confirm.
     pub question: Option<Command>,
     block_since: Micros,
@@ -143,6 +153,7 @@ impl View {
             left_s: program.left_s(0),
             program: Arc::new(program),
             executed: None,
+            is_least: false,
             sent: 0,
             characters: 0,
             state: State::Waiting,
@@ -152,6 +163,9 @@ impl View {
             strip: VecDeque::new(),
             has_chips: false,
             elapsed_s: 0.0,
+            damaged: None,
+            notes: Vec::new(),
+            warning: None,
             question: None,
             block_since: Micros(0),
             chars_per_s,
@@ -201,13 +215,19 @@ impl View {
         Some(self.characters.saturating_sub(*end))
     }
 
+    /// The note whose turn it is, or the warning.
+    pub fn note(&self) -> Option<&str> {
+        let turn = (self.elapsed_s / NOTE_S) as usize % self.notes.len().max(1);
+        self.warning.as_ref().or_else(|| self.notes.get(turn)).map(String::as_str)
+    }
+
     /// The sender's state, in words.
     pub fn words(&self) -> &'static str {
         match self.state {
             State::Waiting => "waiting for DC1: start DNC operation at the control",
             State::Sending => "sending",
             State::Stopped => "the control's buffer is full",
-            State::Held => "HELD: nothing is sent; the control goes on with what it has",
+            State::Held => "HELD: sending stopped, the axes NOT: FEED HOLD at the machine stops them",
             State::Sent => "all sent; the control executes what it has",
             State::Cut => "aborted",
             State::Failed(_) => "given up",
@@ -265,6 +285,22 @@ mod tests {
         let mut slow = View::new(String::new(), listing(), 1.0);
         slow.update(Micros(0), &sender, None, Machine::default());
         assert_eq!((slow.executed, slow.left_s), (None, 20.0));
+    }
+
+    #[test]
+    fn notes_take_turns_until_there_is_a_warning() {
+        let wire = Wire { encode: Some, filters: false, tv_check: false };
+        let sending = Transmission::new(b"%\nM30\n%\n", |at| at, &wire).unwrap();
+        let mut view = View::new(String::new(), Listing::new(&sending, &[0.0; 3]), 100.0);
+        assert_eq!(view.note(), None);
+        view.notes = vec!["slow".into(), "slower".into()];
+        let shown = [0.0, 5.9, 6.0, 12.0].map(|elapsed_s| {
+            view.elapsed_s = elapsed_s;
+            view.note().map(str::to_owned).unwrap_or_default()
+        });
+        assert_eq!(shown, ["slow", "slow", "slower", "slow"]);
+        view.warning = Some("damaged".into());
+        assert_eq!(view.note(), Some("damaged"));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 use std::time::{Duration, Instant};
 
 use arcfeed_hil_sim::control::code::{DC3, without_parity};
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::control::dnc_port::DncPort;
 use serialport::{SerialPort, TTYPort};
 
 use super::super::outcome::Failure;
@@ -75,19 +75,18 @@ impl Line {
     ///
     /// # Errors
     /// The line is gone.
-    pub fn listen(&mut self, rig: &mut Rig) -> Result<(), Failure> {
-        let port = rig.control_mut().port();
+    pub fn listen(&mut self, port: &mut DncPort) -> Result<(), Failure> {
         match &mut self.end {
             End::Pty { .. } => {
                 let mut buffer = [0; 256];
                 while let len @ 1.. = self.read(&mut buffer)? {
-                    rig.control_mut().port().on_bytes(&buffer[..len]);
+                    port.on_bytes(&buffer[..len]);
                 }
             }
             End::Tcp(caller) => caller.feed(port),
         }
         let is_there = self.has_sender()?;
-        rig.control_mut().port().set_ready(is_there);
+        port.set_ready(is_there);
         Ok(())
     }
 
@@ -95,11 +94,11 @@ impl Line {
     ///
     /// # Errors
     /// The line is gone.
-    pub fn answer(&mut self, rig: &mut Rig) -> Result<(), Failure> {
-        while let Some(byte) = rig.control_mut().port().poll_transmit() {
+    pub fn answer(&mut self, port: &mut DncPort) -> Result<(), Failure> {
+        while let Some(byte) = port.poll_transmit() {
             if without_parity(byte) == DC3 && self.is_far() {
-                self.listen(rig)?;
-                rig.control_mut().port().excuse_what_is_on_the_wire();
+                self.listen(port)?;
+                port.excuse_what_is_on_the_wire();
             }
             self.write(byte)?;
         }

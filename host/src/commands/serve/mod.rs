@@ -7,6 +7,8 @@ mod caller;
 
 mod line;
 
+mod memory;
+
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -63,6 +65,9 @@ pub struct Serve {
     /// Stop after one program; without it, programs are taken until one ends in an alarm
     #[arg(long)]
     once: bool,
+    /// Take a program into the control's memory in place of executing it, and punch it out when the other side says DC1
+    #[arg(long, conflicts_with_all = ["executed", "json"])]
+    store: bool,
     /// Write the blocks that the control executed here; a later program replaces them
     #[arg(long, value_name = "FILE")]
     executed: Option<PathBuf>,
@@ -178,13 +183,16 @@ impl Serve {
         };
         say(format_args!("port: {}", line.name()));
         std::io::stdout().flush().map_err(|error| Failure::Machine(format!("stdout: {error}")))?;
+        if self.store {
+            return self.keep_programs(&file, &mut line, interrupted);
+        }
         let mut search = self.panel.restart_at.map(Search::Restart);
         loop {
             let mut rig = self.rig(&file)?;
             if let Some(search) = search.take() {
                 rig.control_mut().search(search);
             }
-            serve_one(&mut rig, &mut line, self.speed, &interrupted)?;
+            serve_one(&mut rig, &mut line, self.speed, interrupted)?;
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Failure::Stopped("stopped by the operator".into()));
             }
@@ -228,6 +236,7 @@ impl Serve {
             max_bytes_after_xoff: Some(counters.max_bytes_after_xoff),
             starved_ms: Some(rig.control().starved_ms()),
             retries: 0,
+            line_errors: None,
         });
         if let Some(path) = &self.executed {
             write_executed(path, rig.control().executed())?;
@@ -244,15 +253,15 @@ fn serve_one(rig: &mut Rig, line: &mut Line, speed: u32, interrupted: &AtomicBoo
     while !rig.is_done() && !interrupted.load(Ordering::Relaxed) {
         let started = Instant::now();
         for _ in 0..speed {
-            line.listen(rig)?;
+            line.listen(rig.control_mut().port())?;
             if rig.is_done() {
                 break;
             }
             rig.step();
-            line.answer(rig)?;
+            line.answer(rig.control_mut().port())?;
         }
         std::thread::sleep(PERIOD.saturating_sub(started.elapsed()));
     }
     // The DC3 of the last step.
-    line.answer(rig)
+    line.answer(rig.control_mut().port())
 }

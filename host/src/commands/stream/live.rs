@@ -3,14 +3,16 @@
 use std::fs::File;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
+use arcfeed_shared::units::Micros;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::super::outcome::{Failure, file_failure};
 use crate::dnc::events::Events;
 use crate::dnc::{Sender, State};
 use crate::port::Port;
+use crate::port::clock::iso_8601;
 use crate::screen::Screen;
 use crate::screen::view::{Command, View};
 
@@ -58,10 +60,17 @@ impl Live {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn logging(mut self, path: &Path, title: &str, sender: &Sender) -> Result<Self, Failure> {
+    pub fn logging(
+        mut self,
+        path: &Path,
+        title: &str,
+        opened: Option<SystemTime>,
+        sender: &Sender,
+    ) -> Result<Self, Failure> {
+        let opened = opened.map_or("simulated time".into(), |time| format!("opened {}", iso_8601(time)));
         let begin = || {
             let mut file = File::create(path)?;
-            writeln!(file, "# {title}; seconds since the line was opened")?;
+            writeln!(file, "# {title}; {opened}; seconds since the line was opened")?;
             Ok(file)
         };
         let file = begin().map_err(|error: std::io::Error| file_failure(path, &error))?;
@@ -69,17 +78,34 @@ impl Live {
         Ok(self)
     }
 
-    /// Shows where things stand; answers what the operator wants.
-    pub fn show(&mut self, port: &dyn Port, sender: &Sender) -> Option<Command> {
+    /// Says at once what cannot wait for the end: on the screen, or on stderr, and in the log.
+    pub fn warn(&mut self, now: Micros, warning: String) {
+        self.log_lines(now, std::slice::from_ref(&warning));
+        match (&mut self.screen, &self.bar) {
+            (Some((_, view, due)), _) => {
+                view.warning = Some(warning);
+                *due = Instant::now();
+            }
+            (None, Some(bar)) if !bar.is_hidden() => bar.println(warning),
+            (None, _) => eprintln!("{warning}"),
+        }
+    }
+
+    /// Shows where things stand, so many blocks taken up as far as that is known; answers what the operator wants.
+    pub fn show(&mut self, port: &dyn Port, sender: &Sender, executed: Option<usize>) -> Option<Command> {
         self.write_events(port, sender);
         if let Some(bar) = self.bar.as_ref().filter(|bar| !bar.is_hidden()) {
             bar.set_position(sender.progress().0 as u64);
-            bar.set_message(words(sender.state()));
+            let damaged = port.line_errors().map_or(0, |errors| errors.total());
+            let damage = if damaged > 0 { format!(", {damaged} damaged characters") } else { String::new() };
+            bar.set_message(format!("{}{damage}", words(sender.state())));
         }
         let (screen, view, due) = self.screen.as_mut()?;
         if Instant::now() >= *due {
             *due = Instant::now() + PERIOD;
-            view.update(port.now(), sender, port.blocks_executed(), port.machine());
+            view.is_least = port.blocks_executed().is_none();
+            view.update(port.now(), sender, executed, port.machine());
+            view.damaged = port.line_errors().map(|errors| errors.total());
             screen.show(view);
         }
         screen.command()
@@ -88,8 +114,13 @@ impl Live {
     fn write_events(&mut self, port: &dyn Port, sender: &Sender) {
         let Some(log) = &mut self.log else { return };
         let alarm = port.machine().alarm;
-        let at = port.now().to_s();
         let lines = log.events.look(sender, port.blocks_executed(), alarm.as_deref());
+        self.log_lines(port.now(), &lines);
+    }
+
+    fn log_lines(&mut self, now: Micros, lines: &[String]) {
+        let Some(log) = &mut self.log else { return };
+        let at = now.to_s();
         let text: String = lines.iter().map(|event| format!("{at:>10.3}  {event}\n")).collect();
         if !text.is_empty() && log.file.write_all(text.as_bytes()).is_err() {
             // A full disk is no reason to leave the tool standing in the cut.

@@ -10,7 +10,7 @@ use std::thread::JoinHandle;
 use super::super::outcome::{Failure, file_failure};
 use crate::dnc::Sender;
 use crate::dnc::journal::{How, Record, Start, first_line, line};
-use crate::dnc::sender::CHUNK;
+use crate::dnc::sender::{CHUNK, Gate};
 
 /// How much of the line's time one sync is good for, as a part of a second.
 const SYNCS_PER_S: usize = 4;
@@ -59,7 +59,7 @@ impl Logbook {
             let Failure::Input(message) = file_failure(path, &error) else { unreachable!("a file failure is one") };
             Failure::Input(format!("{message}; the journal must be written before anything is sent: see --journal"))
         })?;
-        sender.permit(0);
+        sender.permit(Gate::Journal, 0);
         let (records, inbox) = channel();
         let (outbox, permits) = channel();
         let writer = std::thread::spawn(move || write_all(file, &inbox, &outbox));
@@ -87,14 +87,14 @@ impl Logbook {
             open.write(Record::Out { sent: sent.saturating_sub(CHUNK), until: open.until })?;
         }
         // Where nothing may leave before the disk has answered, no time passes at the port, simulated or not.
-        while sender.wants_permit() {
+        while sender.wants_permit(Gate::Journal) {
             match open.permits.recv() {
-                Ok(until) => sender.permit(until),
+                Ok(until) => sender.permit(Gate::Journal, until),
                 Err(_) => return open.close(),
             }
         }
         if let Some(until) = open.permits.try_iter().last() {
-            sender.permit(until);
+            sender.permit(Gate::Journal, until);
         }
         Ok(())
     }

@@ -2,7 +2,9 @@
 
 mod live;
 
-mod prepare;
+pub(super) mod prepare;
+
+mod along;
 
 mod logbook;
 
@@ -10,34 +12,35 @@ mod resume;
 
 mod sim_port;
 
+mod sim_link;
+
+mod sending;
+
+mod simulated;
+
 use std::io::Write;
 use std::path::PathBuf;
-use std::sync::atomic::Ordering;
-use std::time::Instant;
+use std::time::SystemTime;
 
-use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_shared::units::Micros;
 
-use super::outcome::{Failure, file_failure, on_interrupt};
-use super::simulate::{add_baseline, finish, measure};
-use crate::dnc::journal::How;
+use super::outcome::{Failure, file_failure};
+use super::simulate::finish;
+use crate::board::line::{BAUDRATE, Line};
+use crate::dnc::Sender;
 use crate::dnc::outbox::Outbox;
-use crate::dnc::sender::Why;
-use crate::dnc::{Sender, State};
 use crate::port::Port;
-use crate::port::open::{open, wrap};
+use crate::port::open::open;
 use crate::port::url::{Base, PortUrl};
-use crate::report::figures::{LinkFigures, RunReport};
+use crate::report::figures::{LineErrorFigures, LinkFigures, ReportFigures, RunReport};
 use crate::report::printed;
-use crate::screen::view::{Command, Listing, View};
+use crate::screen::view::{Listing, View};
+use along::Along;
 use live::{Live, need_terminal};
 use logbook::Logbook;
 use prepare::Prepared;
 use resume::Resume;
-use sim_port::SimPort;
-
-/// Longest time the loop sleeps: how late it may see an XOFF or a Ctrl-C.
-const LOOP_MAX: Micros = Micros::from_ms(20);
+use sending::{Aides, Echo, End, send};
 
 /// Adapt a program and send it to a control; `sim:` is the control in software
 #[derive(Debug, clap::Args)]
@@ -47,6 +50,12 @@ pub struct Stream {
     /// The DNC line: a serial port's name, one of pyserial's URLs (docs/ports.md), or `sim:`
     #[arg(long, value_name = "URL", default_value = "sim:")]
     port: PortUrl,
+    /// A feed board that runs along, at this port (docs/board.md): it gets the job and each move ahead of the control
+    #[arg(long, value_name = "URL")]
+    board: Option<PortUrl>,
+    /// Rate of the board's link; 8N1, no flow control
+    #[arg(long, default_value_t = BAUDRATE, requires = "board")]
+    board_baudrate: u32,
     /// Line rate, in place of the job's
     #[arg(long)]
     baudrate: Option<u32>,
@@ -75,26 +84,6 @@ pub struct Stream {
     json: bool,
 }
 
-/// How sending ended.
-enum End {
-    /// All is sent, and as far as the port knows executed.
-    Complete,
-    /// The operator stopped it.
-    Interrupted { at_rest: bool },
-    /// The sender has given up.
-    GivenUp(Why),
-}
-
-impl End {
-    fn how(&self) -> How {
-        match self {
-            End::Complete => How::Complete,
-            End::Interrupted { .. } => How::Aborted,
-            End::GivenUp(_) => How::Failed,
-        }
-    }
-}
-
 impl Stream {
     /// Runs the command.
     ///
@@ -104,7 +93,7 @@ impl Stream {
         if self.tui {
             need_terminal()?;
         }
-        let ready = Prepared::load(&self.job, self.baudrate, self.filter)?;
+        let mut ready = Prepared::load(&self.job, self.baudrate, self.filter)?;
         let is_sim = self.port.base == Base::Sim;
         if self.executed.is_some() && !is_sim {
             let message = "--executed: a control on a serial line does not say what it executed; drop the option";
@@ -116,12 +105,14 @@ impl Stream {
             ));
         }
         let line = ready.line_use(&self.port);
-        let (sending, start) = if self.resume.is_wanted() {
+        let (sending, start, reports) = if self.resume.is_wanted() {
             self.resume.prepare(self, &ready)?
         } else {
-            (ready.whole.clone(), ready.start)
+            (ready.whole.clone(), ready.start, ready.reports.clone())
         };
-        for note in ready.notes(&line) {
+        ready.reports = reports;
+        ready.notes = ready.look_at(&line);
+        for note in &ready.notes {
             eprintln!("{note}");
         }
         let mut sender = Sender::new(sending, line);
@@ -134,9 +125,19 @@ impl Stream {
             let logbook = journal(&mut sender)?;
             return self.to_simulator(&ready, sender, logbook);
         }
+        let mut along = self.along(&ready, &sender)?;
+        along.arm(&mut || {})?;
         let port = open(&self.port, &ready.file.serial)?;
         let logbook = journal(&mut sender)?;
-        self.to_serial(&ready, port, sender, logbook)
+        self.to_serial(&ready, port, sender, (logbook, along))
+    }
+
+    /// The board, where one is asked for.
+    fn along(&self, ready: &Prepared, sender: &Sender) -> Result<Along<'static>, Failure> {
+        match &self.board {
+            None => Ok(Along::none()),
+            Some(url) => Along::with(Line::open(url, self.board_baudrate)?, ready, sender.transmission(), !self.tui),
+        }
     }
 
     /// Where the journal lies.
@@ -144,53 +145,35 @@ impl Stream {
         self.journal.clone().unwrap_or_else(|| self.job.with_extension("journal"))
     }
 
-    fn to_simulator(&self, ready: &Prepared, mut sender: Sender, logbook: Logbook) -> Result<(), Failure> {
-        let file = &ready.file;
-        let started = Instant::now();
-        let mut port = SimPort::new(file, ControllerFault::None, self.speed.or(self.tui.then_some(1)))?;
-        let outbox = Outbox::new(file.serial.patience());
-        let mut line = wrap(&self.port, Box::new(&mut port))?;
-        let live = self.live(ready, &sender)?;
-        let end = self.send(&mut *line, &mut sender, outbox, (logbook, live))?;
-        drop(line);
-        let rig = port.rig();
-        let mut report = measure(rig, &file.job);
-        report.blocks_sent = Some(sender.blocks_sent());
-        report.link = Some(port.link_figures());
-        report.real_time_factor = Some(rig.now().to_s() / started.elapsed().as_secs_f64());
-        if let Some(path) = &self.executed {
-            write_executed(path, rig.control().executed())?;
-        }
-        let waits_for_more = matches!(end, End::Complete) && !rig.is_done();
-        add_baseline(&mut report, file, &ready.program)?;
-        self.finish(ready, &report, &sender, &end)?;
-        if waits_for_more {
-            return Err(Failure::Machine(match sender.state() {
-                State::Sent => "the control executed all it got and waits for more: its M02 or M30 was lost".into(),
-                _ => {
-                    "the control has nothing left to execute, and its DC1 has not come: it was lost on the line".into()
-                }
-            }));
-        }
-        Ok(())
-    }
-
     fn to_serial(
         &self,
         ready: &Prepared,
         mut port: Box<dyn Port>,
         mut sender: Sender,
-        logbook: Logbook,
+        (logbook, along): (Logbook, Along<'_>),
     ) -> Result<(), Failure> {
+        let (report, end) = self.over_line(ready, &mut *port, &mut sender, (logbook, along))?;
+        self.finish(ready, &report, &sender, &end)
+    }
+
+    /// Sends over a line whose control says nothing of itself; what is known of it then.
+    fn over_line(
+        &self,
+        ready: &Prepared,
+        port: &mut dyn Port,
+        sender: &mut Sender,
+        (logbook, along): (Logbook, Along<'_>),
+    ) -> Result<(RunReport, End), Failure> {
         let file = &ready.file;
         let outbox = Outbox::new(file.serial.patience());
-        let live = self.live(ready, &sender)?;
-        let end = self.send(&mut *port, &mut sender, outbox, (logbook, live))?;
+        let aides = self.aides(ready, (&*port, sender), (logbook, along))?;
+        let (end, heard) = send(port, sender, outbox, aides)?;
         let (bytes, _) = sender.progress();
         let bits = bytes as f64 * f64::from(file.serial.bits_per_char());
         let mut report = RunReport { unit: file.job.unit.label(), ..RunReport::default() };
         report.blocks_sent = Some(sender.blocks_sent());
-        report.printed = printed::lines(&sender.take_heard());
+        report.printed = printed::lines(&heard.printed());
+        report.reports = ReportFigures::of(&heard);
         report.link = Some(LinkFigures {
             bytes: bytes as u64,
             utilization: bits / f64::from(file.serial.baudrate) / port.now().to_s(),
@@ -198,8 +181,9 @@ impl Stream {
             max_bytes_after_xoff: None,
             starved_ms: None,
             retries: 0,
+            line_errors: port.line_errors().map(LineErrorFigures::from),
         });
-        self.finish(ready, &report, &sender, &end)
+        Ok((report, end))
     }
 
     fn finish(&self, ready: &Prepared, report: &RunReport, sender: &Sender, end: &End) -> Result<(), Failure> {
@@ -215,7 +199,20 @@ impl Stream {
         });
         match end {
             End::Complete => Ok(()),
+            End::WithoutBoard(why) => Err(Failure::Machine(format!(
+                "{why}. Sending stopped after {sent} of {total} characters{half}; the control goes on with what it has, at \
+                 100 % once the board's last value is too old. To go on: look at board and machine, take the program up \
+                 again with --resume, and arm"
+            ))),
             End::GivenUp(why) => Err(Failure::Machine(format!("{sent} of {total} characters sent: {why}{half}"))),
+            End::Differs { what, at_rest } => Err(Failure::Machine(format!(
+                "{what}. Nothing more is sent, {sent} of {total} characters were; {}{half}",
+                if *at_rest {
+                    "feed hold, axes at rest"
+                } else {
+                    "the control goes on with what it has: press FEED HOLD there"
+                }
+            ))),
             End::Interrupted { at_rest: true } => Err(Failure::Stopped(format!(
                 "stopped by the operator: feed hold, axes at rest, {sent} of {total} characters sent{half}"
             ))),
@@ -226,88 +223,38 @@ impl Stream {
         }
     }
 
-    /// Sends until everything is out and, where the port can know, executed.
-    fn send(
+    /// Who stands beside the sender at this port.
+    fn aides<'p>(
         &self,
-        port: &mut dyn Port,
-        sender: &mut Sender,
-        mut outbox: Outbox,
-        (mut logbook, mut live): (Logbook, Live),
-    ) -> Result<End, Failure> {
-        let ended = send_all(port, sender, &mut outbox, (&mut logbook, &mut live));
-        live.show(port, sender);
-        // The terminal is given back before anything is said.
-        drop(live);
-        let stands = match &ended {
-            Ok(End::Interrupted { at_rest }) => *at_rest,
-            Ok(_) => port.control_is_done() == Some(true),
-            Err(_) => false,
-        };
-        let executed = port.blocks_executed().filter(|_| stands);
-        logbook.end(sender, ended.as_ref().map_or(How::Failed, End::how), executed)?;
-        match (ended, logbook.path()) {
-            (Err(Failure::Machine(message)), Some(path)) => {
-                let journal = path.display();
-                Err(Failure::Machine(format!("{message}\nthe journal {journal} knows how far it came: see --resume")))
-            }
-            (ended, _) => ended,
-        }
+        ready: &Prepared,
+        (port, sender): (&dyn Port, &Sender),
+        (logbook, along): (Logbook, Along<'p>),
+    ) -> Result<Aides<'p>, Failure> {
+        let live = self.live(ready, sender, port.opened())?;
+        let (dnc, reports) = (&ready.file.dnc, ready.reports.clone());
+        let patience = (dnc.xoff_timeout > Micros(0)).then_some(dnc.xoff_timeout);
+        Ok(Aides { logbook, live, echo: Echo::new(reports, dnc.read_ahead, patience), along })
     }
 
     /// Who watches.
-    fn live(&self, ready: &Prepared, sender: &Sender) -> Result<Live, Failure> {
+    fn live(&self, ready: &Prepared, sender: &Sender, opened: Option<SystemTime>) -> Result<Live, Failure> {
         let program = ready.file.program.file_name().unwrap_or_default().to_string_lossy();
         let title = format!("{program} to {}", self.port.text);
         let live = if self.tui {
             let times_s = ready.loads(sender.transmission()).iter().map(|load| load.time_s).collect::<Vec<_>>();
             let listing = Listing::new(sender.transmission(), &times_s);
-            Live::screen(View::new(title.clone(), listing, ready.chars_per_s() * sender.share()))?
+            let mut view = View::new(title.clone(), listing, ready.chars_per_s() * sender.share());
+            view.notes.clone_from(&ready.notes);
+            Live::screen(view)?
         } else if self.json {
             Live::nothing()
         } else {
             Live::bar(sender.progress().1)
         };
         match &self.log {
-            Some(path) => live.logging(path, &title, sender),
+            Some(path) => live.logging(path, &title, opened, sender),
             None => Ok(live),
         }
-    }
-}
-
-fn send_all(
-    port: &mut dyn Port,
-    sender: &mut Sender,
-    outbox: &mut Outbox,
-    (logbook, live): (&mut Logbook, &mut Live),
-) -> Result<End, Failure> {
-    let interrupted = on_interrupt();
-    loop {
-        logbook.follow(sender, port.blocks_executed())?;
-        // Before the turn: a control that has waited gets characters at once when it goes on.
-        match live.show(port, sender) {
-            Some(Command::Hold) => sender.hold(),
-            Some(Command::Resume) => sender.resume(),
-            Some(Command::Abort) => interrupted.store(true, Ordering::Relaxed),
-            None => {}
-        }
-        let is_out = outbox.turn(port, sender)?;
-        match sender.state() {
-            State::Cut if outbox.is_empty() => return Ok(End::Interrupted { at_rest: port.feed_hold() }),
-            State::Failed(why) => return Ok(End::GivenUp(why)),
-            State::Sent if interrupted.load(Ordering::Relaxed) => {
-                return Ok(End::Interrupted { at_rest: port.feed_hold() });
-            }
-            _ if interrupted.load(Ordering::Relaxed) => sender.abort(port.now()),
-            _ => {}
-        }
-        // A control that has nothing to do because we hold will get more; one in alarm will not.
-        let waits_for_us = sender.state() == State::Held && port.machine().alarm.is_none();
-        if port.control_is_done().unwrap_or(is_out) && !waits_for_us {
-            logbook.follow(sender, port.blocks_executed())?;
-            return Ok(End::Complete);
-        }
-        let latest = port.now().after(LOOP_MAX);
-        port.wait(sender.poll_at().map_or(latest, |at| at.min(latest)));
     }
 }
 
@@ -326,3 +273,6 @@ pub fn write_executed(path: &PathBuf, blocks: &[Vec<u8>]) -> Result<(), Failure>
     };
     write().map_err(|error| file_failure(path, &error))
 }
+
+#[cfg(test)]
+mod tests;

@@ -10,6 +10,7 @@ use super::super::outcome::{Failure, adapted, file_failure, load};
 use super::super::simulate::{control_settings, tape_code};
 use crate::dnc::journal::{Start, fingerprint};
 use crate::dnc::pace::Pace;
+use crate::dnc::reports::Reports;
 use crate::dnc::restore::PowerOn;
 use crate::dnc::sender::LineUse;
 use crate::dnc::starvation::{Load, Wait, predict};
@@ -30,6 +31,10 @@ pub struct Prepared {
     pub wire: Wire,
     /// Of the whole program.
     pub start: Start,
+    /// What the control reports of the whole program.
+    pub reports: Reports,
+    /// What was said before the first character.
+    pub notes: Vec<String>,
 }
 
 impl Prepared {
@@ -51,7 +56,12 @@ impl Prepared {
             let lines: Vec<String> = refusals.iter().map(|refusal| format!("{path}:{refusal}")).collect();
             Failure::Input(lines.join("\n"))
         };
-        let whole = Transmission::new(&adapted.text, line, &wire).map_err(refused)?;
+        let mut whole = Transmission::new(&adapted.text, line, &wire).map_err(&refused)?;
+        let mut reports = Reports::default();
+        if let Some(every) = file.dnc.report_every {
+            let control = PowerOn { settings: file.nc, tables: file.tables };
+            (whole, reports) = Reports::put_into(&whole, every, &control, &wire).map_err(refused)?;
+        }
         let job_bytes = std::fs::read(job).map_err(|error| file_failure(job, &error))?;
         let start = Start {
             program: fingerprint(&program.bytes()),
@@ -60,7 +70,7 @@ impl Prepared {
             bytes: whole.frames().len(),
             ..Start::default()
         };
-        Ok(Prepared { file, program, whole, wire, start })
+        Ok(Prepared { file, program, whole, wire, start, reports, notes: Vec::new() })
     }
 
     /// How the line to this port is worked.
@@ -84,7 +94,7 @@ impl Prepared {
     }
 
     /// What is to be said before the first character: a line that cannot be used in full, or is too slow for the program.
-    pub fn notes(&self, line: &LineUse) -> Vec<String> {
+    pub fn look_at(&self, line: &LineUse) -> Vec<String> {
         let mut notes = Vec::new();
         let share = line.pace.share();
         if share < 1.0 {
@@ -124,7 +134,11 @@ impl Prepared {
         let mut reader = self.power_on().reader();
         let loads = (0..sending.lines().len()).map(|index| {
             let text = sending.line_text(index).unwrap_or_default();
-            let read = if index == 0 { None } else { reader.read(text.strip_suffix(b"\n").unwrap_or(text)).ok() };
+            let read = if index == 0 || sending.is_of_report(index) {
+                None
+            } else {
+                reader.read(text.strip_suffix(b"\n").unwrap_or(text)).ok()
+            };
             let dwell = read.as_ref().and_then(|read| read.step.dwell).map_or(0.0, Micros::to_s);
             let Some(segment) = read.and_then(|read| read.segment) else { return Load::of_time(text.len(), dwell) };
             let speed_mm_per_s = match segment.feed {

@@ -10,6 +10,7 @@ use super::super::outcome::{Failure, file_failure, say};
 use super::Stream;
 use super::prepare::Prepared;
 use crate::dnc::journal::{self, History, How, Start};
+use crate::dnc::reports::Reports;
 use crate::dnc::resume::{Cuts, Plan, Wanted};
 use crate::dnc::transmission::Transmission;
 
@@ -41,11 +42,11 @@ impl Resume {
         self.resume
     }
 
-    /// The rest of the program, once somebody has agreed; and what its journal begins with.
+    /// The rest of the program, once somebody has agreed; what its journal begins with; the reports that come of it.
     ///
     /// # Errors
     /// There is nothing to take up, it cannot be taken up there, or nobody has agreed.
-    pub fn prepare(&self, stream: &Stream, ready: &Prepared) -> Result<(Transmission, Start), Failure> {
+    pub fn prepare(&self, stream: &Stream, ready: &Prepared) -> Result<(Transmission, Start, Reports), Failure> {
         let path = stream.journal_path();
         let history = read(&path, ready)?;
         let took_up_all = history.executed.is_some_and(|blocks| ready.whole.line_of_block(blocks + 1).is_none());
@@ -78,7 +79,7 @@ impl Resume {
             own: (1..own).filter(|index| rest.is_block(*index)).count(),
             ..ready.start
         };
-        Ok((rest, start))
+        Ok((rest, start, ready.reports.clone().resumed(plan.index, own)))
     }
 
     fn agree(&self, plan: &Plan) -> Result<(), Failure> {
@@ -139,7 +140,9 @@ fn show(plan: &Plan, history: &History) {
     match plan.executed {
         Some(line) if plan.stands => say(format_args!("the control stood in the block of line {line}")),
         Some(line) => {
-            say(format_args!("the control had taken up the block of line {line}, and went on with what it had"));
+            say(format_args!(
+                "the control had taken up the block of line {line} at least, and went on with what it had"
+            ));
         }
         None => say(format_args!("how far the control came is not known: sent is not executed")),
     }

@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use arcfeed_hil_sim::decider::Decider;
+use arcfeed_hil_sim::decider::told::Told;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::rig::Rig;
 use arcfeed_shared::units::Micros;
@@ -24,8 +26,8 @@ const LATE_MAX: Duration = Duration::from_millis(200);
 const NAP_MIN: Duration = Duration::from_millis(2);
 
 /// A rig, and a line to its control.
-pub struct SimPort {
-    rig: Rig,
+pub struct SimPort<D = Told> {
+    rig: Rig<D>,
     line_bits_per_s: f64,
     bits_per_char: f64,
     /// Blocks taken up, and how long the control had starved until the last of them.
@@ -39,18 +41,30 @@ impl SimPort {
     pub fn new(file: &JobFile, fault: ControllerFault, speed: Option<u32>) -> Result<Self, Failure> {
         let rig = Rig::on_line(control_settings(file), &file.job, fault)
             .map_err(|error| Failure::Input(format!("override limits: {error:?}")))?;
-        Ok(SimPort {
+        Ok(SimPort::of(rig, file, speed))
+    }
+}
+
+impl<D: Decider> SimPort<D> {
+    /// The line to the control of a rig.
+    pub fn of(rig: Rig<D>, file: &JobFile, speed: Option<u32>) -> Self {
+        SimPort {
             rig,
             line_bits_per_s: f64::from(file.serial.baudrate),
             bits_per_char: f64::from(file.serial.bits_per_char()),
             fed: (0, 0),
             tempo: speed.map(|speed| (Instant::now(), speed)),
-        })
+        }
     }
 
     /// The rig.
-    pub fn rig(&self) -> &Rig {
+    pub fn rig(&self) -> &Rig<D> {
         &self.rig
+    }
+
+    /// The rig, to act on.
+    pub fn rig_mut(&mut self) -> &mut Rig<D> {
+        &mut self.rig
     }
 
     /// Waits until wall time has come as far as simulated time.
@@ -76,11 +90,12 @@ impl SimPort {
             max_bytes_after_xoff: Some(counters.max_bytes_after_xoff),
             starved_ms: Some(self.rig.control().starved_ms()),
             retries: 0,
+            line_errors: None,
         }
     }
 }
 
-impl Port for SimPort {
+impl<D: Decider> Port for SimPort<D> {
     fn now(&self) -> Micros {
         self.rig.now()
     }

@@ -143,10 +143,10 @@ fn an_abort_that_the_control_does_not_let_end_says_which_half_is_out() {
 #[test]
 fn nothing_leaves_before_it_is_permitted() {
     let mut sender = sender();
-    sender.permit(0);
+    sender.permit(Gate::Journal, 0);
     sender.on_bytes(LATER, &[DC1]);
-    assert_eq!((run(&mut sender, LATER, 20), sender.wants_permit()), (vec![], true));
-    sender.permit(8);
+    assert_eq!((run(&mut sender, LATER, 20), sender.wants_permit(Gate::Journal)), (vec![], true));
+    sender.permit(Gate::Journal, 8);
     assert_eq!(run(&mut sender, LATER, 20), b"%\nG0X1.\n");
-    assert!(sender.wants_permit());
+    assert!(sender.wants_permit(Gate::Journal));
 }

@@ -8,7 +8,7 @@ pub mod client;
 
 pub mod server;
 
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use arcfeed_shared::units::Micros;
 
@@ -90,6 +90,10 @@ impl Rfc2217 {
 impl Port for Rfc2217 {
     fn now(&self) -> Micros {
         self.clock.now()
+    }
+
+    fn opened(&self) -> Option<SystemTime> {
+        Some(self.clock.started())
     }
 
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {

@@ -1,0 +1,99 @@
+//! What the operating system has counted of damaged characters at a serial port: Linux, `TIOCGICOUNT` (tty_ioctl(4)).
+//!
+//! The counters are the driver's, since it was loaded, of all that came in; a pseudo-terminal has none, nor have some
+//! drivers of adapters. A crate of its own because the call is `unsafe` and no safe crate offers it: this is the only place
+//! in the host where that word may stand.
+
+/// A port of this operating system, opened natively.
+#[cfg(unix)]
+pub type NativePort = serialport::TTYPort;
+/// A port of this operating system, opened natively.
+#[cfg(windows)]
+pub type NativePort = serialport::COMPort;
+
+/// Characters that came in damaged, or not at all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Without stop bits.
+    pub frame: u32,
+    /// Lost in the chip: nobody fetched them in time.
+    pub overrun: u32,
+    /// With wrong parity.
+    pub parity: u32,
+    /// Breaks.
+    pub breaks: u32,
+    /// Lost in the driver: its buffer was full.
+    pub buffer_overrun: u32,
+}
+
+impl Counts {
+    /// What was counted between `before` and these; the counters wrap.
+    #[must_use]
+    pub fn since(&self, before: &Counts) -> Counts {
+        Counts {
+            frame: self.frame.wrapping_sub(before.frame),
+            overrun: self.overrun.wrapping_sub(before.overrun),
+            parity: self.parity.wrapping_sub(before.parity),
+            breaks: self.breaks.wrapping_sub(before.breaks),
+            buffer_overrun: self.buffer_overrun.wrapping_sub(before.buffer_overrun),
+        }
+    }
+
+    /// All of them.
+    pub fn total(&self) -> u64 {
+        [self.frame, self.overrun, self.parity, self.breaks, self.buffer_overrun].into_iter().map(u64::from).sum()
+    }
+}
+
+/// The counters as they stand; `None` where the driver or the system has none.
+#[cfg(target_os = "linux")]
+pub fn counts(port: &NativePort) -> Option<Counts> {
+    use std::os::fd::{AsRawFd, BorrowedFd};
+
+    use rustix::ioctl::{Getter, Opcode, ioctl};
+
+    /// `asm-generic/ioctls.h`; MIPS has numbers of its own.
+    const TIOCGICOUNT: Opcode = if cfg!(any(target_arch = "mips", target_arch = "mips64")) { 0x5492 } else { 0x545D };
+    /// `struct serial_icounter_struct` of `linux/serial.h`: cts, dsr, rng, dcd, rx, tx, frame, overrun, parity, brk,
+    /// buf_overrun, and nine kept free.
+    type Counters = [i32; 20];
+
+    // SAFETY: `port` keeps its descriptor open as long as it is borrowed, which is longer than this call. TIOCGICOUNT only
+    // writes, on success, one `struct serial_icounter_struct`: twenty `int`s, as long and aligned as the array that
+    // `Getter` gives it, for which all bits are values.
+    #[allow(unsafe_code, reason = "no safe crate offers this call")]
+    let counted: Counters = unsafe {
+        let descriptor = BorrowedFd::borrow_raw(port.as_raw_fd());
+        ioctl(descriptor, Getter::<TIOCGICOUNT, Counters>::new())
+    }
+    .ok()?;
+    let [_, _, _, _, _, _, errors @ .., _, _, _, _, _, _, _, _, _] = counted;
+    let [frame, overrun, parity, breaks, buffer_overrun] = errors.map(i32::cast_unsigned);
+    Some(Counts { frame, overrun, parity, breaks, buffer_overrun })
+}
+
+/// The counters as they stand: this system has none.
+#[cfg(not(target_os = "linux"))]
+pub fn counts(_port: &NativePort) -> Option<Counts> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counters_that_wrap_are_counted_on() {
+        let before = Counts { frame: u32::MAX, parity: 3, ..Counts::default() };
+        let now = Counts { frame: 1, parity: 3, breaks: 2, ..Counts::default() };
+        let since = now.since(&before);
+        assert_eq!((since, since.total()), (Counts { frame: 2, breaks: 2, ..Counts::default() }, 4));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_pseudo_terminal_counts_nothing_and_says_so() {
+        let (ours, theirs) = NativePort::pair().expect("a pseudo-terminal");
+        assert_eq!((counts(&ours), counts(&theirs)), (None, None));
+    }
+}

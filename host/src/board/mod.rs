@@ -1,0 +1,14 @@
+//! The feed board, as the desk sees it: its link, what a run gives it, and what it says.
+//!
+//! ```text
+//! program as sent + job -> plan -> Board -- parameters, segments ahead of the control --> link -> port -> board
+//!                                    ^------------------- reports, answers -------------------------------+
+//! ```
+
+pub mod words;
+
+pub mod line;
+
+pub mod plan;
+
+pub mod run;

@@ -1,0 +1,107 @@
+//! What a board and its link say, for people.
+
+use arcfeed_shared::wire::link::{LinkState, Loss, Refusal};
+use arcfeed_shared::wire::message::SCHEMA_HASH;
+use arcfeed_shared::wire::message::codes::{RefusalCode, ResetCode, SettingCode, StateCode};
+
+/// Who has the override.
+pub const fn state(state: StateCode) -> &'static str {
+    match state {
+        StateCode::Idle => "idle",
+        StateCode::Armed => "armed",
+        StateCode::Running => "running",
+        StateCode::Holding => "holding",
+        StateCode::Fallback => "fallback",
+        StateCode::Faulted => "faulted",
+        StateCode::Inhibited => "inhibited",
+        StateCode::Disarmed => "disarmed",
+    }
+}
+
+/// Whether the laws have the override in this state, or will as soon as a segment begins.
+pub const fn is_engaged(state: StateCode) -> bool {
+    matches!(state, StateCode::Armed | StateCode::Running | StateCode::Holding | StateCode::Inhibited)
+}
+
+/// Why it started.
+pub const fn reset(reset: ResetCode) -> &'static str {
+    match reset {
+        ResetCode::Power => "power-on or its reset pin",
+        ResetCode::Watchdog => "its watchdog",
+        ResetCode::Hardware => "a fault of supply or clock",
+        ResetCode::Software => "asked to",
+    }
+}
+
+/// Why it did not do what it was asked for.
+pub const fn refusal(why: RefusalCode) -> &'static str {
+    match why {
+        RefusalCode::Message => "it does not know such a message",
+        RefusalCode::Busy => "the laws have the override: disarm it first",
+        RefusalCode::NoSet => "a parameter that belongs to no set",
+        RefusalCode::Checksum => "the parameters did not arrive whole",
+        RefusalCode::Incomplete => "the parameters are not all there",
+        RefusalCode::Value => "a value makes no sense to it",
+        RefusalCode::NoParameters => "it has no parameters of this session",
+        RefusalCode::Full => "it has no room for another segment",
+        RefusalCode::Order => "not the segment that comes next",
+        RefusalCode::Outdated => "the override was taken away meanwhile: look again",
+        RefusalCode::Faulted => "a fault is there, or was not reset at the board",
+        RefusalCode::NotFresh => "position or link is not there, or not for long enough",
+        RefusalCode::Operator => "the operator's dial stands too low",
+        RefusalCode::Condition => "a condition of the control (G41, G42, #3004) forbids it",
+    }
+}
+
+/// Where its link stands, if it is not up.
+pub fn link(state: LinkState) -> String {
+    match state {
+        LinkState::Up => "up".into(),
+        LinkState::Greeting => {
+            "nobody answers: check the port, the cable, 115 200 baud, 8N1, no flow control, and that \
+                                the board is on"
+                .into()
+        }
+        LinkState::Refused(Refusal::Version(theirs)) => {
+            format!("the board speaks version {theirs} of the protocol; flash firmware of this release")
+        }
+        LinkState::Refused(Refusal::Schema(theirs)) => format!(
+            "the board's messages are others ({theirs:08x}) than ours ({SCHEMA_HASH:08x}): flash firmware of this release"
+        ),
+        LinkState::Refused(Refusal::Role(_)) => "our own echo, or another host: check the cable".into(),
+        LinkState::Refused(Refusal::Heartbeat(theirs)) => {
+            format!("the board's heartbeat of {} ms is slower than we wait", theirs.0 / 1_000)
+        }
+        LinkState::Lost(loss) => lost(loss).into(),
+    }
+}
+
+/// Why its link is over.
+pub const fn lost(loss: Loss) -> &'static str {
+    match loss {
+        Loss::Silence => "the board is silent",
+        Loss::PeerRestarted => "the board has restarted",
+        Loss::Unacknowledged => "the board is heard but takes nothing",
+        Loss::Garbled => "hardly a frame of the board arrives whole: check cable and baud rate",
+        Loss::PeerClosed => "the board has closed the link",
+        Loss::Closed => "closed",
+    }
+}
+
+/// A setting's name on the command line, and what it counts.
+pub const fn setting(setting: SettingCode) -> (&'static str, &'static str) {
+    match setting {
+        SettingCode::PositionStale => ("position-stale", "us"),
+        SettingCode::PositionLost => ("position-lost", "us"),
+        SettingCode::PositionKeep => ("position-keep", "us"),
+        SettingCode::LinkStale => ("link-stale", "us"),
+        SettingCode::LinkLost => ("link-lost", "us"),
+        SettingCode::LinkKeep => ("link-keep", "us"),
+        SettingCode::LostFrames => ("lost-frames", ""),
+        SettingCode::Resync => ("resync", "us"),
+        SettingCode::LongestTick => ("longest-tick", "us"),
+        SettingCode::DialBelow => ("dial-below", "%"),
+        SettingCode::DialDrop => ("dial-drop", "%"),
+        SettingCode::ReportEvery => ("report-every", "us"),
+    }
+}

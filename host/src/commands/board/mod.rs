@@ -1,0 +1,156 @@
+//! `arcfeed board`: what a feed board is, how it is set, what it logs, what it does.
+
+mod talk;
+
+mod log;
+
+mod monitor;
+
+use serde::Serialize;
+
+use arcfeed_shared::wire::message::codes::SettingCode;
+use arcfeed_shared::wire::message::{Message, table};
+
+use super::outcome::{Failure, say};
+use crate::board::line::BAUDRATE;
+use crate::board::words;
+use crate::port::url::PortUrl;
+use log::Log;
+use monitor::Monitor;
+use talk::Talk;
+
+/// Talk to a feed board: what it is, its settings, its log, what it does
+///
+/// Only one host at a time: what a run has told the board is forgotten when another host greets it.
+#[derive(Debug, clap::Args)]
+pub struct Board {
+    /// The board link: a serial port's name or one of pyserial's URLs (docs/ports.md)
+    url: PortUrl,
+    /// Rate of the link; 8N1, no flow control
+    #[arg(long, default_value_t = BAUDRATE)]
+    baudrate: u32,
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum What {
+    /// What the board is, and how its link is
+    Info {
+        /// Print one JSON object (docs/json.md)
+        #[arg(long)]
+        json: bool,
+    },
+    /// Change a setting, or list all
+    Set {
+        /// The setting's name, as listed
+        #[arg(requires = "value")]
+        name: Option<String>,
+        /// Its value, in the unit listed
+        value: Option<u32>,
+    },
+    Log(Log),
+    Monitor(Monitor),
+}
+
+#[derive(Debug, Serialize)]
+struct Info {
+    name: String,
+    version: String,
+    reset: &'static str,
+    starts: u32,
+    capacity: u16,
+    parameter_set: Option<u32>,
+    round_trip_us: u32,
+    clock_uncertainty_us: Option<u32>,
+    clock_drift_ppb: Option<i32>,
+    crc_errors: u32,
+    retransmissions: u32,
+}
+
+impl Board {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// The board does not answer, or refuses.
+    pub fn run(&self) -> Result<(), Failure> {
+        let mut talk = Talk::open(&self.url, self.baudrate)?;
+        match &self.what {
+            What::Info { json } => info(&mut talk, *json)?,
+            What::Set { name: Some(name), value: Some(value) } => set(&mut talk, name, *value)?,
+            What::Set { .. } => list(&mut talk)?,
+            What::Log(log) => log.run(&mut talk)?,
+            What::Monitor(monitor) => monitor.run(&mut talk)?,
+        }
+        talk.close()
+    }
+}
+
+fn info(talk: &mut Talk, json: bool) -> Result<(), Failure> {
+    let info = talk.ask(&table::AskInfo {}.into(), |message| match message {
+        Message::Info(info) => Some(info),
+        _ => None,
+    })?;
+    talk.listen()?;
+    let [major, minor, patch] = info.version;
+    let (link, now) = (talk.line().link(), talk.line().now());
+    let shown = Info {
+        name: String::from_utf8_lossy(info.name.bytes()).into_owned(),
+        version: format!("{major}.{minor}.{patch}"),
+        reset: words::reset(info.reset),
+        starts: info.starts,
+        capacity: info.capacity,
+        parameter_set: Some(info.set).filter(|set| *set != 0),
+        round_trip_us: link.counters().srtt.0,
+        clock_uncertainty_us: link.clock().uncertainty(now).map(|span| span.0),
+        clock_drift_ppb: link.clock().drift_ppb(),
+        crc_errors: link.counters().crc_errors,
+        retransmissions: link.counters().retransmissions,
+    };
+    if json {
+        let object = serde_json::to_string(&shown).map_err(|error| Failure::Input(error.to_string()))?;
+        say(format_args!("{object}"));
+        return Ok(());
+    }
+    say(format_args!("{} {}", shown.name, shown.version));
+    say(format_args!("started {} times, last by {}", shown.starts, shown.reset));
+    say(format_args!("holds {} segments ahead", shown.capacity));
+    match shown.parameter_set {
+        Some(set) => say(format_args!("parameter set {set} in force")),
+        None => say(format_args!("no parameters in force")),
+    }
+    let clock = shown.clock_uncertainty_us.map_or("clock not compared yet".into(), |us| format!("clocks to {us} us"));
+    say(format_args!(
+        "link: round trip {:.1} ms, {clock}, {} bad frames, {} sent again",
+        f64::from(shown.round_trip_us) / 1e3,
+        shown.crc_errors,
+        shown.retransmissions
+    ));
+    Ok(())
+}
+
+fn list(talk: &mut Talk) -> Result<(), Failure> {
+    for setting in SettingCode::ALL {
+        let value = talk.ask(&table::AskSetting { setting: *setting }.into(), |message| match message {
+            Message::Setting(told) if told.setting == *setting => Some(told.value),
+            _ => None,
+        })?;
+        let (name, unit) = words::setting(*setting);
+        say(format_args!("{name:<16}{value:>10} {unit}"));
+    }
+    Ok(())
+}
+
+fn set(talk: &mut Talk, name: &str, value: u32) -> Result<(), Failure> {
+    let named = SettingCode::ALL.iter().find(|setting| words::setting(**setting).0 == name);
+    let Some(setting) = named else {
+        let names: Vec<&str> = SettingCode::ALL.iter().map(|setting| words::setting(*setting).0).collect();
+        return Err(Failure::Usage(format!("`{name}` is no setting of a board; there are {}", names.join(", "))));
+    };
+    let told = talk.ask(&table::SetSetting { setting: *setting, value }.into(), |message| match message {
+        Message::Setting(told) if told.setting == *setting => Some(told.value),
+        _ => None,
+    })?;
+    say(format_args!("{name} is {told} {}", words::setting(*setting).1));
+    Ok(())
+}

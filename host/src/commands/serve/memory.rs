@@ -1,0 +1,66 @@
+//! `--store`: programs into the control's memory and out of it, as an operator does with READ and PUNCH.
+
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use arcfeed_hil_sim::control::store::{State, Store};
+use arcfeed_hil_sim::rig::STEP;
+
+use super::super::outcome::{Failure, say};
+use super::super::simulate::control_settings;
+use super::line::Line;
+use super::{PERIOD, Serve};
+use crate::job::JobFile;
+
+impl Serve {
+    /// Reads a program and punches it as often as somebody asks; with `--once` one time.
+    pub(super) fn keep_programs(
+        &self,
+        file: &JobFile,
+        line: &mut Line,
+        interrupted: &AtomicBool,
+    ) -> Result<(), Failure> {
+        let mut settings = control_settings(file);
+        self.panel.apply(&mut settings);
+        let mut store = Store::new(settings.line);
+        let mut state = store.state();
+        while !interrupted.load(Ordering::Relaxed) {
+            let started = Instant::now();
+            for _ in 0..self.speed {
+                let has_sender = line.has_sender()?;
+                if has_sender {
+                    line.listen(store.port())?;
+                }
+                // Who has read the last character may be gone before the control knows that it was the last.
+                if has_sender || store.state() == State::Punching {
+                    store.step(STEP);
+                }
+                line.answer(store.port())?;
+            }
+            match (state, store.state()) {
+                (_, State::Refused(fault)) => {
+                    line.wait_for_silence(|| interrupted.load(Ordering::Relaxed))?;
+                    return Err(Failure::Machine(format!("the control refused the program: {}", fault.cause)));
+                }
+                (State::Reading, State::Stored) => tell(format_args!("stored: {} blocks", store.blocks().len()))?,
+                (State::Punching, State::Stored) => {
+                    tell(format_args!("punched: {} blocks", store.blocks().len()))?;
+                    if self.once {
+                        // Who closes a pseudo-terminal takes with it what is not read yet.
+                        return line.wait_for_silence(|| interrupted.load(Ordering::Relaxed));
+                    }
+                }
+                _ => {}
+            }
+            state = store.state();
+            std::thread::sleep(PERIOD.saturating_sub(started.elapsed()));
+        }
+        Err(Failure::Stopped("stopped by the operator".into()))
+    }
+}
+
+fn tell(line: std::fmt::Arguments<'_>) -> Result<(), Failure> {
+    say(line);
+    std::io::stdout().flush().map_err(|error| Failure::Machine(format!("stdout: {error}")))
+}

@@ -1,0 +1,150 @@
+//! A feed board that runs along while a program is sent: greeted, told, armed by a person, watched.
+
+use std::io::BufRead;
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{Receiver, channel};
+
+use arcfeed_shared::job::Job;
+
+use super::super::outcome::{Failure, on_interrupt};
+use super::prepare::Prepared;
+use crate::board::line::Line;
+use crate::board::plan::{Plan, PlanError};
+use crate::board::run::{Board, Stage};
+use crate::board::words;
+use crate::dnc::Sender;
+use crate::dnc::sender::Gate;
+use crate::dnc::transmission::Transmission;
+
+/// What a person types.
+const ARM: &str = "arm";
+
+/// A board that runs along, or none.
+pub struct Along<'p> {
+    board: Option<Board<'p>>,
+    person: Option<Receiver<String>>,
+    is_told_of_disarming: bool,
+}
+
+impl<'p> Along<'p> {
+    /// No board.
+    pub fn none() -> Self {
+        Along { board: None, person: None, is_told_of_disarming: false }
+    }
+
+    /// A board at the end of a line, and what it is to be told of what is sent. `hears_person`: whether somebody types on
+    /// stdin.
+    ///
+    /// # Errors
+    /// A job or a move that no board can be told.
+    pub fn with(line: Line<'p>, ready: &Prepared, sending: &Transmission, hears_person: bool) -> Result<Self, Failure> {
+        let job: &Job = &ready.file.job;
+        let path = ready.file.program.display();
+        let plan = Plan::new(sending, &ready.power_on(), job)
+            .map_err(|PlanError { source, why }| Failure::Input(format!("{path}:{source}:1: error: {why}")))?;
+        let board = Board::new(line, job, plan).map_err(Failure::Input)?;
+        Ok(Along { board: Some(board), person: hears_person.then(typed), is_told_of_disarming: false })
+    }
+
+    /// Waits until the board has its parameters and somebody has armed it. Nothing is sent before that. `press` is done
+    /// at its panel meanwhile, again and again.
+    ///
+    /// # Errors
+    /// It does not answer or refuses, or the operator stopped it.
+    pub fn arm(&mut self, press: &mut dyn FnMut()) -> Result<(), Failure> {
+        let interrupted = on_interrupt();
+        let mut is_asked = false;
+        while let Some(board) = self.board.as_mut().filter(|board| !board.is_armed()) {
+            board.turn().map_err(|error| Failure::Machine(error.to_string()))?;
+            if interrupted.load(Ordering::Relaxed) {
+                return Err(Failure::Stopped(
+                    "stopped by the operator: the board was not armed, nothing was sent".into(),
+                ));
+            }
+            if board.stage() == Stage::Ready && !is_asked && board.report().is_some() {
+                is_asked = true;
+                if self.person.is_some() {
+                    eprintln!("{}", how_to_arm(board));
+                }
+            }
+            press();
+            board.wait();
+            self.obey_person();
+        }
+        Ok(())
+    }
+
+    /// One turn: what it has taken may leave. Answers why the run must end.
+    pub fn turn(&mut self, sender: &mut Sender) -> Option<String> {
+        self.obey_person();
+        let board = self.board.as_mut()?;
+        if let Err(error) = board.turn() {
+            // What it was told holds no more; what has left, has left.
+            self.board = None;
+            return Some(error.to_string());
+        }
+        let until = board.permitted(sender.transmission());
+        sender.permit(Gate::Board, until);
+        let is_disarmed = board.was_disarmed();
+        if is_disarmed && !self.is_told_of_disarming {
+            eprintln!("note: {}; the program goes on at its own feeds", how_to_arm(board));
+        }
+        self.is_told_of_disarming = is_disarmed;
+        None
+    }
+
+    /// Whether the board, if there is one, has seen all moves done.
+    pub fn is_done(&self) -> bool {
+        self.board.as_ref().is_none_or(Board::is_done)
+    }
+
+    /// Gives the override back and says goodbye.
+    ///
+    /// # Errors
+    /// The port is gone.
+    pub fn leave(self) -> Result<(), Failure> {
+        match self.board {
+            Some(board) => board.leave().map_err(|error| Failure::Machine(error.to_string())),
+            None => Ok(()),
+        }
+    }
+
+    fn obey_person(&mut self) {
+        let (Some(board), Some(person)) = (&mut self.board, &self.person) else { return };
+        for line in person.try_iter() {
+            match line.trim() {
+                ARM => {
+                    if board.arm().is_err() {
+                        eprintln!("the board has not said yet how things stand: look, and type {ARM} again");
+                    }
+                }
+                "" => {}
+                other => eprintln!("`{other}` means nothing here; {ARM} arms the board"),
+            }
+        }
+        if let Some(why) = board.take_arm_refusal() {
+            eprintln!("the board is not armed: {why}");
+        }
+    }
+}
+
+fn how_to_arm(board: &Board<'_>) -> String {
+    let state = board.report().map_or("silent", |report| words::state(report.state));
+    format!(
+        "the board is {state}. Look at the machine: dial at 100 %, the right tool, the program's zero set at the board. \
+         Then press ARM there, or type {ARM} and Enter here"
+    )
+}
+
+/// Lines that a person types, as they come.
+fn typed() -> Receiver<String> {
+    let (lines, typed) = channel();
+    std::thread::spawn(move || {
+        for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+            if lines.send(line).is_err() {
+                return;
+            }
+        }
+    });
+    typed
+}

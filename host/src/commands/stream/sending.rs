@@ -1,0 +1,190 @@
+//! The loop around sender and port, and who stands beside it: the journal, the person who watches, the control's reports.
+
+use std::sync::atomic::Ordering;
+
+use arcfeed_shared::units::Micros;
+
+use super::super::outcome::{Failure, on_interrupt};
+use super::along::Along;
+use super::live::Live;
+use super::logbook::Logbook;
+use crate::dnc::damage::Damage;
+use crate::dnc::journal::How;
+use crate::dnc::outbox::Outbox;
+use crate::dnc::reports::{Remark, Reports};
+use crate::dnc::sender::Why;
+use crate::dnc::{Sender, State};
+use crate::port::Port;
+use crate::screen::view::Command;
+
+/// Longest time the loop sleeps: how late it may see an XOFF or a Ctrl-C.
+const LOOP_MAX: Micros = Micros::from_ms(20);
+
+/// How sending ended.
+pub enum End {
+    /// All is sent, and as far as the port knows executed.
+    Complete,
+    /// The operator stopped it.
+    Interrupted { at_rest: bool },
+    /// The sender has given up.
+    GivenUp(Why),
+    /// The board does not run along any more.
+    WithoutBoard(String),
+    /// The control has reported another program.
+    Differs { what: String, at_rest: bool },
+}
+
+impl End {
+    fn how(&self) -> How {
+        match self {
+            End::Complete => How::Complete,
+            End::Interrupted { .. } => How::Aborted,
+            End::GivenUp(_) | End::WithoutBoard(_) | End::Differs { .. } => How::Failed,
+        }
+    }
+}
+
+/// Who stands beside a sender.
+pub struct Aides<'p> {
+    pub logbook: Logbook,
+    pub live: Live,
+    pub echo: Echo,
+    pub along: Along<'p>,
+}
+
+/// What the control reports, where the job has it do so.
+#[derive(Default)]
+pub struct Echo {
+    pub reports: Reports,
+    /// Blocks that the control reads ahead at most.
+    pub read_ahead: usize,
+    /// How long a report may take; none: without end.
+    pub patience: Option<Micros>,
+    heard_at: Micros,
+    /// Another program than ours.
+    differs: Option<String>,
+}
+
+impl Echo {
+    /// These reports, of a control that reads so far ahead.
+    pub fn new(reports: Reports, read_ahead: usize, patience: Option<Micros>) -> Self {
+        Echo { reports, read_ahead, patience, ..Echo::default() }
+    }
+
+    /// Takes what was heard; what is to be said of it.
+    fn hear(&mut self, now: Micros, bytes: &[u8]) -> Vec<String> {
+        if !bytes.is_empty() {
+            self.heard_at = now;
+        }
+        let mut said = Vec::new();
+        for remark in self.reports.hear(bytes) {
+            match remark {
+                Remark::Differs(what) => self.differs = self.differs.take().or(Some(what)),
+                Remark::Doubtful(what) => said.push(format!("warning: {what}")),
+            }
+        }
+        said
+    }
+
+    /// Whether a report is still to come, and may.
+    fn waits(&self, now: Micros, sender: &Sender) -> bool {
+        let since = self.heard_at.max(sender.arrived_at());
+        self.reports.awaited().is_some() && self.patience.is_none_or(|patience| now.since(since) < patience)
+    }
+}
+
+/// Blocks that the control has taken up: by the port's word, or at least so many by the control's own.
+fn executed(port: &dyn Port, sender: &Sender, echo: &Echo) -> Option<usize> {
+    port.blocks_executed().or_else(|| echo.reports.taken_up(sender.transmission(), echo.read_ahead))
+}
+
+/// Sends until everything is out and, where the port can know, executed; closes the journal and gives the terminal back.
+///
+/// # Errors
+/// The line is gone, or the journal cannot be written.
+pub fn send(
+    port: &mut dyn Port,
+    sender: &mut Sender,
+    mut outbox: Outbox,
+    mut aides: Aides<'_>,
+) -> Result<(End, Reports), Failure> {
+    let ended = send_all(port, sender, &mut outbox, &mut aides);
+    let known = executed(port, sender, &aides.echo);
+    let Aides { mut logbook, mut live, echo, along } = aides;
+    live.show(port, sender, known);
+    // The terminal is given back before anything is said.
+    drop(live);
+    let stands = match &ended {
+        Ok(End::Interrupted { at_rest } | End::Differs { at_rest, .. }) => *at_rest,
+        Ok(_) => port.control_is_done() == Some(true),
+        Err(_) => false,
+    };
+    let stood = port.blocks_executed().filter(|_| stands);
+    logbook.end(sender, ended.as_ref().map_or(How::Failed, End::how), stood)?;
+    along.leave()?;
+    match (ended, logbook.path()) {
+        (Err(Failure::Machine(message)), Some(path)) => {
+            let journal = path.display();
+            Err(Failure::Machine(format!("{message}\nthe journal {journal} knows how far it came: see --resume")))
+        }
+        (ended, _) => Ok((ended?, echo.reports)),
+    }
+}
+
+fn send_all(
+    port: &mut dyn Port,
+    sender: &mut Sender,
+    outbox: &mut Outbox,
+    aides: &mut Aides<'_>,
+) -> Result<End, Failure> {
+    let Aides { logbook, live, echo, along } = aides;
+    let interrupted = on_interrupt();
+    let (mut damage, mut without_board) = (Damage::default(), None);
+    loop {
+        let known = executed(port, sender, echo);
+        logbook.follow(sender, known)?;
+        // Before the turn: a control that has waited gets characters at once when it goes on.
+        match live.show(port, sender, known) {
+            Some(Command::Hold) => sender.hold(),
+            Some(Command::Resume) => sender.resume(),
+            Some(Command::Abort) => interrupted.store(true, Ordering::Relaxed),
+            None => {}
+        }
+        without_board = without_board.or(along.turn(sender));
+        let is_out = outbox.turn(port, sender)?;
+        let now = port.now();
+        let warnings = damage.look(now, || port.line_errors()).into_iter().chain(echo.hear(now, &sender.take_heard()));
+        warnings.for_each(|warning| live.warn(now, warning));
+        let stops = interrupted.load(Ordering::Relaxed) || echo.differs.is_some() || without_board.is_some();
+        let is_over = matches!(sender.state(), State::Cut | State::Sent) && outbox.is_empty();
+        if is_over && let Some(why) = without_board.take() {
+            return Ok(End::WithoutBoard(why));
+        }
+        match sender.state() {
+            State::Cut | State::Sent if stops && outbox.is_empty() => return Ok(stopped(port, echo.differs.take())),
+            State::Failed(why) => return Ok(End::GivenUp(why)),
+            _ if stops => sender.abort(now),
+            _ => {}
+        }
+        // A control that has nothing to do because we hold will get more; one in alarm will not.
+        let waits_for_us = sender.state() == State::Held && port.machine().alarm.is_none();
+        let has_all = port.control_is_done().unwrap_or_else(|| is_out && !echo.waits(now, sender) && along.is_done());
+        if has_all && !waits_for_us {
+            logbook.follow(sender, executed(port, sender, echo))?;
+            if let Some(line) = echo.reports.awaited() {
+                live.warn(now, format!("warning: no report of line {line} has come: look at the control"));
+            }
+            return Ok(End::Complete);
+        }
+        let latest = port.now().after(LOOP_MAX);
+        port.wait(sender.poll_at().map_or(latest, |at| at.min(latest)));
+    }
+}
+
+fn stopped(port: &mut dyn Port, differs: Option<String>) -> End {
+    let at_rest = port.feed_hold();
+    match differs {
+        Some(what) => End::Differs { what, at_rest },
+        None => End::Interrupted { at_rest },
+    }
+}

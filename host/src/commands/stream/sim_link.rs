@@ -1,0 +1,71 @@
+//! `--board sim:`: the link to the board in software behind the same seam as a serial port, in the machine's time.
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+use arcfeed_hil_sim::decider::Decider;
+use arcfeed_hil_sim::decider::board::{Attached, Traffic, Wire};
+use arcfeed_shared::units::Micros;
+
+use super::sim_port::SimPort;
+use crate::port::{Port, PortError};
+
+/// Bytes between host and board.
+#[derive(Debug, Default)]
+pub struct Pipe {
+    to_board: Vec<u8>,
+    to_host: VecDeque<u8>,
+}
+
+/// The board's end.
+#[derive(Debug)]
+pub struct BoardEnd(pub Rc<RefCell<Pipe>>);
+
+impl Attached for BoardEnd {
+    fn send(&mut self, _at: Micros, traffic: &mut Traffic) {
+        traffic.link.append(&mut self.0.borrow_mut().to_board);
+    }
+
+    fn receive(&mut self, _at: Micros, wire: Wire, bytes: &[u8]) {
+        // Nothing is on the tapped lines.
+        if wire == Wire::Link {
+            self.0.borrow_mut().to_host.extend(bytes);
+        }
+    }
+}
+
+/// The host's end.
+pub struct SimLink<D> {
+    sim: Rc<RefCell<SimPort<D>>>,
+    pipe: Rc<RefCell<Pipe>>,
+}
+
+impl<D> SimLink<D> {
+    /// The end of a pipe to the board of a machine.
+    pub fn new(sim: Rc<RefCell<SimPort<D>>>, pipe: Rc<RefCell<Pipe>>) -> Self {
+        SimLink { sim, pipe }
+    }
+}
+
+impl<D: Decider> Port for SimLink<D> {
+    fn now(&self) -> Micros {
+        self.sim.borrow().now()
+    }
+
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {
+        let mut pipe = self.pipe.borrow_mut();
+        let len = pipe.to_host.len().min(buffer.len());
+        buffer.iter_mut().zip(pipe.to_host.drain(..len)).for_each(|(slot, byte)| *slot = byte);
+        Ok(len)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError> {
+        self.pipe.borrow_mut().to_board.extend(bytes);
+        Ok(bytes.len())
+    }
+
+    fn wait(&mut self, deadline: Micros) {
+        self.sim.borrow_mut().wait(deadline);
+    }
+}

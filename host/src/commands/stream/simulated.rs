@@ -1,0 +1,131 @@
+//! `--port sim:`: the control in software, with the controller that is told its moves, or with a board behind a link.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::time::Instant;
+
+use arcfeed_firmware::assembly::{Config, assemble};
+use arcfeed_firmware::front::Untapped;
+use arcfeed_firmware::station::clerk::Identity;
+use arcfeed_firmware::station::order::Queues;
+use arcfeed_firmware::station::ticker::Supply;
+use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_firmware::supervisor::signals::{Request, Signals};
+use arcfeed_hil_sim::control::Control;
+use arcfeed_hil_sim::decider::Decider;
+use arcfeed_hil_sim::decider::board::Board;
+use arcfeed_hil_sim::decider::in_process::InProcess;
+use arcfeed_hil_sim::faults::ControllerFault;
+use arcfeed_hil_sim::rig::Rig;
+use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode};
+
+use super::super::outcome::Failure;
+use super::super::simulate::{add_baseline, control_settings, measure};
+use super::along::Along;
+use super::logbook::Logbook;
+use super::prepare::Prepared;
+use super::sending::{End, send};
+use super::sim_link::{BoardEnd, Pipe, SimLink};
+use super::sim_port::SimPort;
+use super::{Stream, write_executed};
+use crate::board::line::{BAUDRATE, Line};
+use crate::dnc::outbox::Outbox;
+use crate::dnc::reports;
+use crate::dnc::{Sender, State};
+use crate::port::open::wrap;
+use crate::port::url::Base;
+use crate::report::figures::ReportFigures;
+
+/// Moves that the board in software holds ahead, and one.
+const AHEAD: usize = 65;
+/// What it says of itself.
+const IDENTITY: Identity = Identity { name: "sim:", version: [0, 1, 0], reset: ResetCode::Power, starts: 1 };
+
+impl Stream {
+    /// Sends to the control in software.
+    ///
+    /// # Errors
+    /// As [`Stream::run`].
+    pub(super) fn to_simulator(&self, ready: &Prepared, sender: Sender, logbook: Logbook) -> Result<(), Failure> {
+        match &self.board {
+            None => {
+                let sim = SimPort::new(&ready.file, ControllerFault::None, self.tempo())?;
+                self.send_simulated(ready, sender, (logbook, Along::none()), &Rc::new(RefCell::new(sim)))
+            }
+            Some(url) if url.base == Base::Sim => self.with_board_in_software(ready, sender, logbook),
+            Some(_) => Err(Failure::Usage(
+                "--board: the machine in software has no line to that board; give --board sim: or another --port"
+                    .into(),
+            )),
+        }
+    }
+
+    fn with_board_in_software(&self, ready: &Prepared, sender: Sender, logbook: Logbook) -> Result<(), Failure> {
+        let file = &ready.file;
+        let mut queues = Box::new(Queues::<AHEAD>::new());
+        let config = Config { supply: Supply::Link, settings: Settings::default(), identity: IDENTITY, fault: None };
+        let parts = assemble(&mut queues, config).map_err(|error| Failure::Input(format!("{error:?}")))?;
+        let pipe = Rc::new(RefCell::new(Pipe::default()));
+        let board = Board::new(
+            InProcess::new(Untapped::new(parts.0, None), parts.1),
+            BoardEnd(Rc::clone(&pipe)),
+            ModeCode::Lockstep,
+        );
+        let rig = Rig::new(Control::on_line(control_settings(file)), &file.job, board);
+        let sim = Rc::new(RefCell::new(SimPort::of(rig, file, self.tempo())));
+        let link = Line::new(Box::new(SimLink::new(Rc::clone(&sim), pipe)), BAUDRATE)?;
+        let mut along = Along::with(link, ready, sender.transmission(), false)?;
+        // Nobody stands at its panel: whoever starts the simulation has armed.
+        let mut is_pressed = false;
+        along.arm(&mut || {
+            is_pressed = !is_pressed;
+            let pressed = if is_pressed { Signals::of_request(Request::Arm) } else { Signals::NONE };
+            sim.borrow_mut().rig_mut().decider_mut().set_panel(pressed);
+        })?;
+        sim.borrow_mut().rig_mut().decider_mut().set_panel(Signals::NONE);
+        self.send_simulated(ready, sender, (logbook, along), &sim)
+    }
+
+    fn send_simulated<D: Decider>(
+        &self,
+        ready: &Prepared,
+        mut sender: Sender,
+        (logbook, along): (Logbook, Along<'_>),
+        sim: &Rc<RefCell<SimPort<D>>>,
+    ) -> Result<(), Failure> {
+        let (file, started) = (&ready.file, Instant::now());
+        let outbox = Outbox::new(file.serial.patience());
+        let mut line = wrap(&self.port, Box::new(Rc::clone(sim)))?;
+        let aides = self.aides(ready, (&*line, &sender), (logbook, along))?;
+        let (end, heard) = send(&mut *line, &mut sender, outbox, aides)?;
+        drop(line);
+        let sim = sim.borrow();
+        let rig = sim.rig();
+        let mut report = measure(rig, &file.job);
+        report.blocks_sent = Some(sender.blocks_sent());
+        report.link = Some(sim.link_figures());
+        report.reports = ReportFigures::of(&heard);
+        report.printed.retain(|line| report.reports.is_none() || !line.starts_with(reports::NAME));
+        report.real_time_factor = Some(rig.now().to_s() / started.elapsed().as_secs_f64());
+        if let Some(path) = &self.executed {
+            write_executed(path, rig.control().executed())?;
+        }
+        let waits_for_more = matches!(end, End::Complete) && !rig.is_done();
+        add_baseline(&mut report, file, &ready.program)?;
+        self.finish(ready, &report, &sender, &end)?;
+        if waits_for_more {
+            return Err(Failure::Machine(match sender.state() {
+                State::Sent => "the control executed all it got and waits for more: its M02 or M30 was lost".into(),
+                _ => {
+                    "the control has nothing left to execute, and its DC1 has not come: it was lost on the line".into()
+                }
+            }));
+        }
+        Ok(())
+    }
+
+    /// Simulated seconds per second; none: as fast as it goes.
+    fn tempo(&self) -> Option<u32> {
+        self.speed.or(self.tui.then_some(1))
+    }
+}

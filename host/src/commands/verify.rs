@@ -1,0 +1,144 @@
+//! `arcfeed verify`: a program out of the control's memory, held against what arcfeed sends for the job.
+
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+use arcfeed_shared::units::Micros;
+use serde::Serialize;
+
+use super::outcome::{Failure, file_failure, on_interrupt, say};
+use super::stream::prepare::Prepared;
+use crate::dnc::readback::{Difference, ReadBack};
+use crate::port::Port;
+use crate::port::open::open;
+use crate::port::url::{Base, PortUrl};
+
+const DC1: u8 = 0x11;
+/// Time between two looks at the line.
+const PERIOD: Micros = Micros::from_ms(5);
+/// A program that says nothing more for so long has ended without its end.
+const SILENCE: Micros = Micros::from_ms(10_000);
+
+/// Compare a program that the control punches out of its memory with what is sent for a job
+#[derive(Debug, clap::Args)]
+pub struct Verify {
+    /// The job file
+    job: PathBuf,
+    /// The line: a serial port's name or one of pyserial's URLs (docs/ports.md)
+    #[arg(long, value_name = "URL")]
+    port: PortUrl,
+    /// Line rate, in place of the job's
+    #[arg(long)]
+    baudrate: Option<u32>,
+    /// Compare with what `stream --filter` sends
+    #[arg(long)]
+    filter: bool,
+    /// Write what the control has sent here
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md)
+    #[arg(long)]
+    json: bool,
+}
+
+/// The figures of a comparison.
+#[derive(Debug, Serialize)]
+struct Verdict<'a> {
+    same: bool,
+    blocks: Option<usize>,
+    difference: Option<Shown<'a>>,
+}
+
+#[derive(Debug, Serialize)]
+struct Shown<'a> {
+    line: usize,
+    column: usize,
+    sent: Option<&'a str>,
+    received: Option<&'a str>,
+}
+
+impl Verify {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// The job is at fault, the control has another program, or the line failed.
+    pub fn run(&self) -> Result<(), Failure> {
+        if self.port.base == Base::Sim {
+            let message = "--port sim: has no program in its memory; `arcfeed serve --store` is a control that has one";
+            return Err(Failure::Usage(message.into()));
+        }
+        let ready = Prepared::load(&self.job, self.baudrate, self.filter)?;
+        let mut port = open(&self.port, &ready.file.serial)?;
+        let mut back = ReadBack::new(ready.wire.encode);
+        if !self.json {
+            eprintln!("waiting for the program: press PUNCH at the control (EDIT mode), its line set as the job's");
+        }
+        self.listen(&mut *port, &mut back, ready.file.dnc.start_timeout)?;
+        if let Some(path) = &self.output {
+            std::fs::write(path, back.text()).map_err(|error| file_failure(path, &error))?;
+        }
+        self.tell(&ready, back.compare(&ready.whole))
+    }
+
+    /// Takes what comes, to the program's end.
+    fn listen(&self, port: &mut dyn Port, back: &mut ReadBack, start_timeout: Micros) -> Result<(), Failure> {
+        let interrupted = on_interrupt();
+        let (mut buffer, mut heard_at, mut is_ready) = ([0; 256], None, false);
+        loop {
+            if interrupted.load(Ordering::Relaxed) {
+                return Err(Failure::Stopped("stopped by the operator".into()));
+            }
+            // A DC3 of a run before may still be in force there.
+            is_ready = is_ready || port.write(&[DC1])? > 0;
+            let len = port.read(&mut buffer)?;
+            if back.take(&buffer[..len]) {
+                return Ok(());
+            }
+            let now = port.now();
+            heard_at = if len > 0 && back.has_begun() { Some(now) } else { heard_at };
+            match heard_at {
+                Some(heard_at) if now.since(heard_at) > SILENCE => {
+                    let message = "the control has stopped sending before the `%` behind its program: look whether it is in alarm, \
+                                   and check cable and flow control";
+                    return Err(Failure::Machine(message.into()));
+                }
+                None if start_timeout > Micros(0) && now > start_timeout => {
+                    return Err(Failure::Machine(format!(
+                        "no program in {} s: press PUNCH at the control after this command, not before; then check channel, baud \
+                         rate, parity and cable",
+                        start_timeout.to_s()
+                    )));
+                }
+                _ => {}
+            }
+            if len == 0 {
+                port.wait(now.after(PERIOD));
+            }
+        }
+    }
+
+    fn tell(&self, ready: &Prepared, compared: Result<usize, Box<Difference>>) -> Result<(), Failure> {
+        let path = ready.program.path.display();
+        if self.json {
+            let difference = compared.as_ref().err().map(|found| Shown {
+                line: found.line,
+                column: found.column,
+                sent: found.sent.as_deref(),
+                received: found.received.as_deref(),
+            });
+            let verdict = Verdict { same: compared.is_ok(), blocks: compared.as_ref().ok().copied(), difference };
+            say(format_args!("{}", serde_json::json!(verdict)));
+        } else if let Ok(blocks) = &compared {
+            say(format_args!("{path}: {blocks} blocks, in the control as they are sent"));
+        }
+        compared.map(|_| ()).map_err(|found| {
+            let Difference { line, column, sent, received } = *found;
+            let what = match (sent, received) {
+                (Some(sent), Some(received)) => format!("the control has `{received}`, sent is `{sent}`"),
+                (Some(sent), None) => format!("the control's program ends before `{sent}`"),
+                (_, received) => format!("the control has `{}` behind the program's end", received.unwrap_or_default()),
+            };
+            Failure::Input(format!("{path}:{line}:{column}: error: {what}; do not run it"))
+        })
+    }
+}

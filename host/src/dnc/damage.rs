@@ -1,0 +1,75 @@
+//! Characters from the control that the operating system has counted as damaged: who watches, and what is said at once.
+
+use arcfeed_line_errors::Counts;
+use arcfeed_shared::units::Micros;
+
+/// Time between two looks at the counters.
+const PERIOD: Micros = Micros::from_ms(200);
+
+/// What the last look has seen.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Damage {
+    seen: Counts,
+    due: Micros,
+}
+
+impl Damage {
+    /// Looks if it is time to; a warning if characters were damaged since the last look.
+    pub fn look(&mut self, now: Micros, count: impl FnOnce() -> Option<Counts>) -> Option<String> {
+        if now < self.due {
+            return None;
+        }
+        self.due = now.after(PERIOD);
+        let counts = count()?;
+        let new = counts.since(&std::mem::replace(&mut self.seen, counts));
+        (new.total() > 0).then(|| {
+            format!(
+                "warning: the operating system counts damaged characters from the control: {}. All that a control sends is \
+                 DC1, DC3 and what it prints: one of these may be lost. What is sent to it goes the same way: check cable, \
+                 earthing, baud rate and parity",
+                in_words(&new)
+            )
+        })
+    }
+}
+
+/// The kinds there are, with their numbers.
+pub fn in_words(counts: &Counts) -> String {
+    let Counts { frame, overrun, parity, breaks, buffer_overrun } = *counts;
+    let kinds = [
+        (parity, "with wrong parity"),
+        (frame, "without stop bits"),
+        (breaks, "breaks"),
+        (overrun, "lost in the chip"),
+        (buffer_overrun, "lost in the driver"),
+    ];
+    let found: Vec<String> =
+        kinds.iter().filter(|(count, _)| *count > 0).map(|(count, kind)| format!("{count} {kind}")).collect();
+    if found.is_empty() { "none".into() } else { found.join(", ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_increase_is_told_once_and_not_more_often_than_counters_are_read() {
+        let mut damage = Damage::default();
+        let parity = |parity| Some(Counts { parity, ..Counts::default() });
+        let at = Micros::from_ms;
+        assert_eq!(damage.look(at(0), || parity(0)), None);
+        assert_eq!(damage.look(at(100), || panic!("too soon")), None);
+        let told = damage.look(at(200), || parity(2)).expect("two damaged characters");
+        assert!(told.contains("2 with wrong parity.") && told.contains("DC3"), "{told}");
+        assert_eq!(damage.look(at(400), || parity(2)), None);
+        let both = Counts { parity: 3, breaks: 1, ..Counts::default() };
+        assert!(
+            damage.look(at(600), || Some(both)).is_some_and(|told| told.contains("1 with wrong parity, 1 breaks."))
+        );
+    }
+
+    #[test]
+    fn a_port_that_cannot_say_is_no_reason_for_a_warning() {
+        assert_eq!(Damage::default().look(Micros(0), || None), None);
+    }
+}
