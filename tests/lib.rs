@@ -6,6 +6,8 @@ use std::process::{Child, Command, Output, Stdio};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
+pub mod emulation;
+
 /// Longest wait for a process under test.
 const WAIT_MAX: Duration = Duration::from_secs(60);
 

@@ -9,7 +9,7 @@ use arcfeed::program::Program;
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::controller::{Controller, Input, State};
 use arcfeed_firmware::progress::PositionFilter;
-use arcfeed_firmware::queue::SegmentQueue;
+use arcfeed_firmware::queue::Follower;
 use arcfeed_hil_sim::control::{Control, ControlSettings};
 use arcfeed_shared::cut;
 use arcfeed_shared::job::Job;
@@ -88,16 +88,11 @@ fn follow(
     samples: impl Iterator<Item = Option<Pose>>,
 ) -> Vec<(usize, f32, u8)> {
     let controller = Controller::new(job).expect("the limits are sound").with_filter(filter);
-    let (mut queue, mut state, mut entered) = (SegmentQueue::<4>::new(), State::default(), None);
-    let mut ahead = segments.iter();
+    let (mut follower, mut state, mut entered) = (Follower::default(), State::default(), None);
+    let mut ahead = segments.iter().map(|segment| active(segment, job)).peekable();
     let mut said = Vec::new();
     for position in samples {
-        while !queue.is_full()
-            && let Some(segment) = ahead.next()
-        {
-            queue.push(active(segment, job));
-        }
-        let Some((count, segment)) = queue.in_work() else { break };
+        let Some((count, segment)) = follower.in_work(ahead.peek()) else { break };
         let input = Input { position, spindle: job.spindle, dt: TICK.into() };
         let output = if entered == Some(count) {
             controller.tick(&mut state, segment, &input)
@@ -107,7 +102,9 @@ fn follow(
         entered = Some(count);
         let travelled_mm = state.progress().travelled_mm();
         said.push((count as usize, travelled_mm, output.feed_override.percent));
-        queue.leave_if_done(&state, position.as_ref());
+        if ahead.peek().is_some_and(|front| follower.follow(&controller, front, &input)) {
+            ahead.next();
+        }
     }
     said
 }

@@ -103,7 +103,7 @@ fn a_program_is_watched_held_resumed_and_seen_to_its_end() {
     person.sees("> executed block");
     let first = wait_for("an executed block", || person.executed().filter(|line| *line > 1));
     person.presses(b" ");
-    person.sees("HELD: nothing is sent");
+    person.sees("HELD: sending stopped, the axes NOT: FEED HOLD");
     person.presses(b"r");
     person.sees("RESUME sending?");
     person.presses(b"n");
@@ -126,6 +126,7 @@ fn a_program_is_watched_held_resumed_and_seen_to_its_end() {
     assert_eq!(code, 0, "{left}");
     assert!(left.contains("52 sent, 52 executed, no alarm"), "{left}");
     let log = std::fs::read_to_string(&log).expect("a log");
+    assert!(log.starts_with("# ibr-slot.nc to sim:; simulated time; seconds since the line was opened\n"), "{log}");
     let order =
         ["DC1\n", "sent line 2: O1546", "executes line 2\n", "held\n", "resumed\n", "all sent\n", "executes line 53\n"];
     let mut rest = log.as_str();
@@ -178,7 +179,9 @@ fn a_terminal_that_takes_nothing_holds_nobody_up() {
 
 #[test]
 fn a_request_to_terminate_gives_the_terminal_back() {
-    let person = Person::starts(&["stream", JOB, "--tui"]);
+    let person = Person::starts(&["stream", JOB, "--tui", "--baudrate", "300"]);
+    // What was said before the start is not hidden behind the screen.
+    person.sees("note: the line is slower than the program");
     person.sees("> executed block");
     let pid = person.child.process_id().expect("it runs").to_string();
     assert!(std::process::Command::new("kill").args(["-TERM", &pid]).status().expect("kill runs").success());

@@ -4,16 +4,20 @@ use std::collections::BTreeSet;
 
 use crate::complaints::assert_none;
 use crate::manifest::{Entry, array, dependencies, entries, string};
-use crate::source::{Source, read, rust_files, tokens};
+use crate::source::{Source, read, rust_files, rust_files_of, tokens};
 
 /// Each package of the workspace with those it may use.
-const ARROWS: [(&str, &[&str]); 7] = [
+const ARROWS: [(&str, &[&str]); 8] = [
     ("arcfeed-shared", &[]),
     ("arcfeed-firmware", &["arcfeed-shared"]),
     ("arcfeed-bench", &["arcfeed-shared", "arcfeed-firmware"]),
     ("arcfeed-hil-sim", &["arcfeed-shared", "arcfeed-firmware"]),
-    ("arcfeed", &["arcfeed-shared", "arcfeed-firmware", "arcfeed-hil-sim"]),
-    ("arcfeed-tests", &["arcfeed-shared", "arcfeed-firmware", "arcfeed-bench", "arcfeed-hil-sim", "arcfeed"]),
+    ("arcfeed-line-errors", &[]),
+    ("arcfeed", &["arcfeed-shared", "arcfeed-firmware", "arcfeed-hil-sim", "arcfeed-line-errors"]),
+    (
+        "arcfeed-tests",
+        &["arcfeed-shared", "arcfeed-firmware", "arcfeed-bench", "arcfeed-hil-sim", "arcfeed-line-errors", "arcfeed"],
+    ),
     ("xtask", &[]),
 ];
 
@@ -78,6 +82,27 @@ fn the_firmware_is_seen_to_use_shared() {
 fn the_host_names_the_simulator_only_where_it_composes_it() {
     let sources = rust_files("host/src");
     assert_eq!(naming(&sources, &["arcfeed_hil_sim", "hil_sim"], &COMPOSITION_ROOT), [""; 0]);
+}
+
+#[test]
+fn unsafe_stands_where_no_safe_crate_helps_and_nowhere_else() {
+    let folders =
+        ["shared/src", "firmware/src", "firmware/bench/src", "hil-sim/src", "host/src", "host/line-errors/src"];
+    let names_it = |source: &Source| tokens(&source.code).contains(&"unsafe");
+    let found: Vec<String> = rust_files_of(&folders).into_iter().filter(names_it).map(|source| source.path).collect();
+    assert_eq!(found, ["shared/src/fmath.rs", "host/line-errors/src/lib.rs"]);
+    let call = read("host/line-errors/src/lib.rs");
+    assert_eq!((call.matches("unsafe {").count(), call.matches("// SAFETY:").count()), (1, 1));
+    for (package, manifest) in members() {
+        let own = |value| Entry { section: "lints.rust", key: "unsafe_code", value };
+        let of_workspace = Entry { section: "lints", key: "workspace", value: "true" };
+        let is_exempt = ["arcfeed-shared", "arcfeed-line-errors"].contains(&package.as_str());
+        let wanted = if is_exempt { [own("\"deny\""); 2] } else { [own("\"forbid\""), of_workspace] };
+        let is_kept_out = entries(&manifest).iter().any(|entry| wanted.contains(entry));
+        assert!(is_kept_out, "{package}: its lints do not keep `unsafe` out");
+    }
+    let forbidden = Entry { section: "workspace.lints.rust", key: "unsafe_code", value: "\"forbid\"" };
+    assert!(entries(&read("Cargo.toml")).contains(&forbidden));
 }
 
 #[test]

@@ -3,13 +3,13 @@
 use std::fs;
 use std::slice;
 
-use crate::defmt_log::messages;
 use crate::elf::{Elf, Section};
-use crate::emulator::run;
 use crate::figures;
-use crate::images::image;
+use arcfeed_tests::emulation::images::image;
+use arcfeed_tests::emulation::log::messages;
+use arcfeed_tests::emulation::qemu::run;
 
-/// Bytes that `feedboard` may take: program with its constants; variables; stack, interrupts included.
+/// Bytes that an image may take: program with its constants; variables; stack, interrupts included.
 const FLASH_MAX: u32 = 54 * 1024;
 const RAM_MAX: u32 = 5 * 1024;
 const STACK_MAX: u32 = 11 * 1024;
@@ -41,9 +41,9 @@ fn bytes(lines: &[String], name: &str) -> u32 {
 
 #[test]
 fn flash_ram_and_stack_stay_within_their_budgets() {
-    let file = fs::read(image("feedboard")).expect("the image is there");
+    let file = fs::read(image("example-run")).expect("the image is there");
     let (flash, ram) = sizes(&Elf::parse(&file), NOT_COUNTED);
-    let stack = bytes(&messages(&file, &run("feedboard").console), "stack:");
+    let stack = bytes(&messages(&file, &run("example-run").console), "stack:");
     let figures: Vec<String> = figures::text().lines().map(str::to_owned).collect();
     // The law that takes most.
     let stacks = figures.iter().filter(|line| line.starts_with("stack-"));
@@ -56,5 +56,19 @@ fn flash_ram_and_stack_stay_within_their_budgets() {
     ] {
         println!("{name}: {used} of {max} bytes");
         assert!(used > 0 && used <= max, "{name}: {used} of {max} bytes");
+    }
+}
+
+/// Bytes that the whole board may take, with its rings, its queues and, behind a tap, the reader of NC text: flash and RAM.
+const BOARDS: [(&str, u32, u32); 2] = [("feedboard", 112 * 1024, 25 * 1024), ("feedboard-tap", 178 * 1024, 25 * 1024)];
+
+#[test]
+fn whole_boards_stay_within_their_budgets() {
+    for (name, flash_max, ram_max) in BOARDS {
+        let file = fs::read(image(name)).expect("the image is there");
+        let (flash, ram) = sizes(&Elf::parse(&file), NOT_COUNTED);
+        println!("{name}: {flash} of {flash_max} bytes of flash, {ram} of {ram_max} of RAM");
+        assert!(flash > 0 && flash <= flash_max, "{name}: {flash} of {flash_max} bytes of flash");
+        assert!(ram > 0 && ram <= ram_max, "{name}: {ram} of {ram_max} bytes of RAM");
     }
 }

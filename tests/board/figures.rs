@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use crate::emulator::run;
+use arcfeed_tests::emulation::qemu::run;
 
 /// What a tick may cost, instructions: median and worst where the law has a wish, worst where it has none, and how often
 /// it must have one for that to say anything.

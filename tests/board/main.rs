@@ -10,14 +10,22 @@ mod defmt_log;
 
 mod elf;
 
-mod emulator;
-
 mod figures;
 
 mod images;
+
+mod load;
+
+mod lockstep;
+
+mod reading;
+
+mod runs;
 
 mod same_everywhere;
 
 mod stm32f405;
 
 mod stm32f405_logic;
+
+mod tapped;

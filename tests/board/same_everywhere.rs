@@ -13,9 +13,9 @@ use arcfeed_hil_sim::rig::Rig;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_tests::root;
 
-use crate::defmt_log::messages;
-use crate::emulator::run;
-use crate::images::image;
+use arcfeed_tests::emulation::images::image;
+use arcfeed_tests::emulation::log::messages;
+use arcfeed_tests::emulation::qemu::run;
 
 /// The hashes of this machine, in debug or release.
 fn on_the_desk(profile: &[&str]) -> String {
@@ -95,8 +95,8 @@ fn the_ticks_that_agree_are_of_all_kinds() {
 
 #[test]
 fn the_board_puts_out_what_the_simulated_controller_does_and_logs_it() {
-    let run = run("feedboard");
-    let log = messages(&std::fs::read(image("feedboard")).expect("the image is there"), &run.console);
+    let run = run("example-run");
+    let log = messages(&std::fs::read(image("example-run")).expect("the image is there"), &run.console);
     println!("{}", log.join("\n"));
     let simulated = simulated_overrides();
     assert_eq!(run.uart1.len(), simulated.len(), "an override for every tick");

@@ -15,7 +15,9 @@ use arcfeed_tests::root;
 
 use crate::budgets::sizes;
 use crate::elf::Elf;
-use crate::images::{assert_gated, built};
+use arcfeed_tests::emulation::images::built;
+
+use crate::images::assert_gated;
 
 const BOARD: &str = "stm32f405";
 const IMAGE: &str = "feedboard-stm32f405";

@@ -20,7 +20,8 @@ use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Nm, Span};
 use arcfeed_tests::root;
 
-use guard::Guard;
+use guard::{Guard, Prepared};
+use heapless::spsc::{Producer, Queue};
 use panel::{AT_START, ENCODERS_SOUND, Panel};
 
 #[path = "../../firmware/boards/stm32f405/src/reset_cause.rs"]
@@ -82,15 +83,19 @@ fn request(request: Request) -> Signals {
     Signals::of_request(request)
 }
 
+/// Blocks ahead, as in the image.
+type Blocks = Queue<Prepared, 8>;
+
 /// Armed at the program's zero and at 100 %, no block yet.
-fn armed(job: &Job) -> Guard {
-    let mut guard = Guard::new(job).expect("the limits are sound");
+fn armed<'q>(job: &Job, blocks: &'q mut Blocks) -> (Guard<'q>, Producer<'q, Prepared>) {
+    let (ahead, blocks) = blocks.split();
+    let mut guard = Guard::new(job, blocks).expect("the limits are sound");
     for tick in 0..BEFORE {
         let signals = if tick == BEFORE - 100 { request(Request::Arm) } else { Signals::NONE };
         guard.tick(&Input { signals, ..quiet(job, Pose::default()) });
     }
     assert!(guard.is_engaged());
-    guard
+    (guard, ahead)
 }
 
 fn prepared(segment: &Segment, job: &Job) -> ActiveSegment {
@@ -101,14 +106,15 @@ fn prepared(segment: &Segment, job: &Job) -> ActiveSegment {
 #[test]
 fn the_guard_finds_the_blocks_by_position_and_puts_out_what_a_controller_does_that_is_told_them() {
     let Example { job, segments, ticks } = example();
-    let mut guard = armed(&job);
+    let mut blocks = Blocks::new();
+    let (mut guard, mut queue) = armed(&job, &mut blocks);
     let mut ahead = segments.iter();
     let (mut same, mut highest, mut state) = (0, 0, State::Idle);
     for (position, told) in &ticks {
-        if guard.has_room()
+        if queue.ready()
             && let Some(segment) = ahead.next()
         {
-            guard.push(prepared(segment, &job));
+            queue.enqueue((0, prepared(segment, &job))).expect("there is room");
         }
         let output = guard.tick(&quiet(&job, *position));
         let found = output.feed_override.percent;
@@ -119,7 +125,7 @@ fn the_guard_finds_the_blocks_by_position_and_puts_out_what_a_controller_does_th
     }
     println!("{same} of {} ticks the same, none above by more than 1 %, highest {highest} %", ticks.len());
     assert!(ahead.next().is_none(), "blocks are left");
-    assert!(!guard.has_room() || state == State::Armed, "{state:?}");
+    assert_eq!((queue.len(), state), (0, State::Armed));
     assert!(highest > 100);
     // Only where a block gives way to the next, found by position some ticks from where it is told.
     assert!(same * 1_000 > ticks.len() * 999);
@@ -128,8 +134,9 @@ fn the_guard_finds_the_blocks_by_position_and_puts_out_what_a_controller_does_th
 #[test]
 fn a_fault_is_0_percent_at_once_and_until_a_person_resets() {
     let Example { job, segments, .. } = example();
-    let mut guard = armed(&job);
-    guard.push(prepared(&segments[0], &job));
+    let mut blocks = Blocks::new();
+    let (mut guard, mut queue) = armed(&job, &mut blocks);
+    queue.enqueue((0, prepared(&segments[0], &job))).expect("there is room");
     let at_zero = quiet(&job, Pose::default());
     assert_eq!(guard.tick(&at_zero).feed_override.percent, 100);
     let signals = Signals::of_fault(BoardFault::Hardware);
@@ -142,15 +149,18 @@ fn a_fault_is_0_percent_at_once_and_until_a_person_resets() {
 #[test]
 fn a_program_begun_anew_is_taken_up_from_its_first_block() {
     let Example { job, segments, .. } = example();
-    let mut guard = Guard::new(&job).expect("the limits are sound");
+    let mut blocks = Blocks::new();
+    let (mut queue, consumer) = blocks.split();
+    let mut guard = Guard::new(&job, consumer).expect("the limits are sound");
     let at_zero = quiet(&job, Pose::default());
     // As at power-on: the block is there before anybody said where the axes are.
-    guard.push(prepared(&segments[0], &job));
+    queue.enqueue((guard.run(), prepared(&segments[0], &job))).expect("there is room");
     let nowhere = Freshness { age: Span(u32::MAX), invalid_in_row: 0 };
     guard.tick(&Input { position: nowhere, ..at_zero });
     guard.restart();
     guard.tick(&at_zero);
-    guard.push(prepared(&segments[0], &job));
+    assert_eq!(queue.len(), 0, "blocks of the run before are forgotten");
+    queue.enqueue((guard.run(), prepared(&segments[0], &job))).expect("there is room");
     guard.tick(&at_zero);
     let output = guard.tick(&Input { signals: request(Request::Arm), ..at_zero });
     assert_eq!((output.state, output.refusal), (State::Armed, None));
@@ -240,7 +250,8 @@ fn while_disarm_is_open_arm_does_not_count_and_must_be_let_go_first() {
 #[test]
 fn a_disarm_wire_that_stays_cut_keeps_the_guard_off() {
     let job = example().job;
-    let (mut guard, mut panel) = (armed(&job), Panel::default());
+    let mut blocks = Blocks::new();
+    let ((mut guard, _), mut panel) = (armed(&job, &mut blocks), Panel::default());
     let mut tick = |closed| {
         let signals = panel.read(closed).signals;
         guard.tick(&Input { signals, ..quiet(&job, Pose::default()) }).state

@@ -1,6 +1,6 @@
 //! `arcfeed stream` as a command: what it refuses before the first character, says before it, and says at the end.
 
-use arcfeed_tests::{Scratch, run};
+use arcfeed_tests::{Running, Scratch, run};
 use serde_json::Value;
 
 use crate::kill::{job, lines};
@@ -102,4 +102,69 @@ fn what_was_executed_to_its_end_or_never_begun_is_not_taken_up() {
     assert!(run(&["stream", job, "--journal", &journal, "--json"]).status.success());
     let again = run(&resume);
     assert_eq!((again.status.code(), stderr(&again).contains("executed to its end")), (Some(1), true), "{again:?}");
+}
+
+/// The example with reports behind every tenth block; its job.
+fn reporting(scratch: &Scratch) -> String {
+    let job = job(scratch);
+    let text = std::fs::read_to_string(&job).expect("text");
+    scratch.write("job.toml", format!("{text}\n[dnc]\nreport_every = 10\nread_ahead = 15\n"))
+}
+
+#[test]
+fn the_control_reports_where_it_is_and_the_file_stays_as_it_is() {
+    let scratch = Scratch::new("reports");
+    let job = reporting(&scratch);
+    let (program, executed) =
+        (std::fs::read(scratch.path("ibr-slot.nc")).expect("a program"), scratch.path("executed.nc"));
+    let output = run(&["stream", &job, "--executed", &executed, "--json"]);
+    let report: Value = serde_json::from_slice(&output.stdout).expect("the report");
+    assert_eq!(report["reports"], serde_json::json!({ "asked": 6, "confirmed": 6, "line": 52 }), "{report}");
+    assert_eq!(report["printed"], serde_json::json!([]));
+    let dprnt = |line: &&String| line.starts_with("DPRNT[ARCFEED*L");
+    assert_eq!(lines(&scratch, "executed.nc").iter().filter(dprnt).count(), 6);
+    assert_eq!(std::fs::read(scratch.path("ibr-slot.nc")).expect("a program"), program);
+}
+
+#[test]
+fn reports_over_a_line_that_tells_nothing_else_reach_the_journal_and_a_restart() {
+    let scratch = Scratch::new("reports-line");
+    let job = reporting(&scratch);
+    let serve = ["serve", &job, "--tcp", "127.0.0.1:0", "--once", "--speed", "10"];
+    let mut server = Running::start(&scratch, "whole", &serve);
+    let port = server.line("port: ");
+    let output = run(&["stream", &job, "--port", &port]);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(said.contains("6 of 6 as the program has it, it has read up to line 52"), "{said}");
+    let journal = std::fs::read_to_string(scratch.path("job.journal")).expect("a journal");
+    assert!(journal.contains(" executed blocks=") && journal.contains("stands=0"), "{journal}");
+    assert!(!journal.contains("stands=1"), "how far it is now nobody knows");
+    drop(server);
+    let mut server = Running::start(&scratch, "cut", &serve);
+    let port = server.line("port: ");
+    let output = run(&["stream", &job, "--port", &format!("fault://disconnect=2000/{port}")]);
+    assert_eq!(output.status.code(), Some(3));
+    let output = run(&["stream", &job, "--port", &port, "--resume", "--clearance", "0"]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    let line: usize = stderr
+        .split_once("executed at least up to line ")
+        .and_then(|(_, rest)| rest.split(',').next())
+        .and_then(|line| line.parse().ok())
+        .unwrap_or_else(|| panic!("no least line: {stderr}"));
+    assert!((3..50).contains(&line), "{stderr}");
+}
+
+#[test]
+fn a_report_of_another_program_stops_the_sender() {
+    let scratch = Scratch::new("reports-differ");
+    let job = reporting(&scratch);
+    let text = std::fs::read_to_string(&job).expect("text").replace("bytesize = 7", "bytesize = 8");
+    scratch.write("job.toml", text.replace("\"E\"", "\"N\""));
+    // A line without parity: a digit becomes another, and nothing but the report shows it.
+    let output = run(&["stream", &job, "--port", "fault://tx.flip=0.0005,seed=13/sim:"]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(3) && stderr.contains("is not what was sent"), "{stderr}");
+    assert!(stderr.contains("feed hold, axes at rest"), "{stderr}");
 }

@@ -123,6 +123,11 @@ impl Line {
         }
     }
 
+    /// What has come from the control and nobody has read.
+    pub fn take_inbox(&mut self) -> Vec<u8> {
+        self.inbox.drain(..).map(|(_, byte)| byte).collect()
+    }
+
     fn is_cut(&self) -> bool {
         self.schedule.0.iter().any(|fault| matches!(fault, Fault::Cut(n) if self.written >= *n))
     }

@@ -9,6 +9,8 @@ mod program;
 
 mod campaign;
 
+mod echo;
+
 mod utilization;
 
 mod resume;
@@ -20,6 +22,12 @@ mod kill;
 
 #[cfg(unix)]
 mod command;
+
+#[cfg(unix)]
+mod verify;
+
+#[cfg(target_os = "linux")]
+mod port;
 
 /// How many of a full set are tried here.
 fn of_full_set(full: u64, part: u64) -> u64 {

@@ -4,6 +4,7 @@
 use arcfeed::dnc::functions::Functions;
 use arcfeed::dnc::journal::{How, Record, Start, first_line, line as record_line, read};
 use arcfeed::dnc::resume::{Plan, Wanted};
+use arcfeed::dnc::sender::Gate;
 use arcfeed::dnc::transmission::Transmission;
 use arcfeed::dnc::{Sender, State};
 use arcfeed_hil_sim::control::{Control, ControlSettings};
@@ -37,7 +38,7 @@ fn broken(sent: &Transmission, settings: &ControlSettings, turns: usize, schedul
         journal.extend(record_line(number, record).bytes());
     };
     let mut sender = Sender::new(sent.clone(), line_use(settings, Micros(0)));
-    sender.permit(0);
+    sender.permit(Gate::Journal, 0);
     let line = Line::new(*settings, STEP, Micros(0), schedule);
     let outcome = send(line, &mut sender, |line, sender| {
         let now = line.control.executed().len();
@@ -49,7 +50,7 @@ fn broken(sent: &Transmission, settings: &ControlSettings, turns: usize, schedul
         if until < total && until < out + AHEAD / 2 {
             until = sent.start_of(sent.line_at((out + AHEAD).min(total - 1)) + 1);
             write(&Record::Out { sent: out.saturating_sub(10), until }, &mut journal);
-            sender.permit(until);
+            sender.permit(Gate::Journal, until);
         }
         turn += 1;
         turn > turns

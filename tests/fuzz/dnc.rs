@@ -3,7 +3,7 @@
 use arcfeed::dnc::Sender;
 use arcfeed::dnc::journal::{Record, Start, first_line, line, read};
 use arcfeed::dnc::pace::{AFTER_DC3_MAX, Pace};
-use arcfeed::dnc::sender::{CHUNK, LineUse, State};
+use arcfeed::dnc::sender::{CHUNK, Gate, LineUse, State};
 use arcfeed::dnc::transmission::{Transmission, Wire};
 use arcfeed_shared::units::Micros;
 use fastrand::Rng;
@@ -34,7 +34,7 @@ pub fn sender(input: &[u8], seed: u64) {
         match rng.u8(..30) {
             0 => sender.hold(),
             1 | 2 => sender.resume(),
-            3 => sender.permit(rng.usize(..frames.len() + 9)),
+            3 => sender.permit(Gate::Journal, rng.usize(..frames.len() + 9)),
             4 if rng.u8(..9) == 0 => sender.abort(now),
             _ => {}
         }
@@ -51,7 +51,7 @@ pub fn sender(input: &[u8], seed: u64) {
     }
     // Left alone, it ends.
     sender.resume();
-    sender.permit(usize::MAX);
+    sender.permit(Gate::Journal, usize::MAX);
     for _ in 0..3 * frames.len() + 10 {
         let Some(at) = sender.poll_at() else { break };
         now = now.max(at);

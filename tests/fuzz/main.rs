@@ -11,6 +11,10 @@ mod targets;
 
 mod dnc;
 
+mod wire;
+
+mod tap;
+
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
@@ -120,4 +124,14 @@ fn the_sender_takes_whatever_a_control_says() {
 #[test]
 fn a_journal_is_read_or_refused() {
     feed("journal", 13, SMOKE, dnc::journal);
+}
+
+#[test]
+fn both_ends_of_the_board_link_take_whatever_the_line_makes_of_what_they_say() {
+    feed("wire", 14, SMOKE / 10, wire::link);
+}
+
+#[test]
+fn the_tap_takes_whatever_goes_over_its_line() {
+    feed("tap", 15, SMOKE / 4, tap::tap);
 }

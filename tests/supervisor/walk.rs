@@ -99,13 +99,13 @@ fn measure_badly(bench: &mut Bench, random: &mut Xorshift) {
     };
     let speeds = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -0.0, 1e-45, -1.0, f32::MAX, f32::MIN_POSITIVE];
     bench.spindle = RevPerMin(if random.one_in(50) { random.of(&speeds) } else { 1_000.0 });
-    for line in [&mut bench.position, &mut bench.link] {
-        let is_gone = line.age > Span::from_ms(20);
+    for (line, stale_ms) in [(&mut bench.position, 20), (&mut bench.link, 100)] {
+        let is_gone = line.age > Span::from_ms(stale_ms);
         if random.one_in(if is_gone { 60 } else { 3 }) {
             line.age = Span(random.below(15_000) as u32);
             line.invalid_in_row = 0;
         } else if is_gone || random.one_in(3_000) {
-            line.age = line.age.longer_by(bench.dt).max(Span::from_ms(21));
+            line.age = line.age.longer_by(bench.dt).max(Span::from_ms(stale_ms + 1));
         } else if random.one_in(1_000) {
             line.invalid_in_row = line.invalid_in_row.saturating_add(random.below(7) as u8);
         }
@@ -161,8 +161,8 @@ impl Judge {
             assert!(!bench.conditions.has(refusing.with(quiet)), "runs under a condition");
             assert!(bench.conditions == Signals::NONE || self.before.state == State::Running);
             assert!(percent <= 200.0 * Judge::share(bench.dial), "above the operator's share");
-            let gone = Span::from_ms(50);
-            assert!(bench.position.age <= gone && bench.link.age <= gone, "runs without samples");
+            let [gone, silent] = [50, 250].map(Span::from_ms);
+            assert!(bench.position.age <= gone && bench.link.age <= silent, "runs without samples");
         }
         if now.state == (State::Holding { cause: Hold::Feed }) && self.before.state == now.state {
             assert!(now.feed_override <= self.before.feed_override, "rises while held");

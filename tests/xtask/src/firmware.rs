@@ -11,12 +11,15 @@ use crate::command::{Failure, announce, build_dir, cargo, output, program, run};
 use crate::target::TARGET;
 
 /// What may run on the chip. A crate is added here after a look at it: no heap, no panics on the tick, licence.
-const CRATES: [&str; 20] = [
+const CRATES: [&str; 24] = [
     "arcfeed-firmware",
     "arcfeed-shared",
     "approx",
     "bitflags",
     "byteorder",
+    "cobs",
+    "crc",
+    "crc-catalog",
     "defmt",
     "embedded-hal",
     "embedded-io",
@@ -31,6 +34,7 @@ const CRATES: [&str; 20] = [
     "num-traits",
     "simba",
     "stable_deref_trait",
+    "thiserror",
     "typenum",
 ];
 

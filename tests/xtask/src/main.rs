@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! target    the chip's Rust target, installed where it is missing        target.rs
-//! packages  the chip's emulator and pyserial, installed where missing      packages.rs
+//! packages  the chip's emulator and Python's packages, where missing       packages.rs
 //! tests     cargo test over the whole workspace, results added up        tally.rs
 //! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs
 //! boards    format, lints and images of each board's workspace           boards.rs
@@ -30,8 +30,8 @@ use std::process::ExitCode;
 use command::Failure;
 
 const USAGE: &str = "usage: cargo xtask test    install what is missing, run every test, check the firmware's image
-       cargo xtask soak [MINUTES]    the DNC sender's full sets of faults, then spoilt inputs to whatever reads, MINUTES (10)
-                                  for each target
+       cargo xtask soak [MINUTES]    the full sets of faults for DNC sender and board link, then spoilt inputs to whatever
+                                  reads, MINUTES (10) for each target
        cargo xtask help    this text";
 
 fn main() -> ExitCode {

@@ -1,8 +1,9 @@
-//! Programs of the operating system that the tests run: present, or installed from Debian's packages.
+//! Programs of the operating system that the tests run: present, or installed from Debian's packages; and what
+//! `tests/wire/decode.py` decodes with, from the Python Package Index, into the build directory.
 
 use std::process::{Command, Stdio};
 
-use crate::command::{Failure, announce, program, run};
+use crate::command::{Failure, announce, build_dir, program, run};
 
 /// What the tests need, and the package it comes in.
 struct Need {
@@ -29,12 +30,38 @@ const NEEDS: [Need; 2] = [
     },
 ];
 
+/// What the script decodes with.
+const PYTHON_PACKAGES: [&str; 2] = ["cobs==1.2.2", "crc==8.0.0"];
+
 /// Installs what is missing.
 ///
 /// # Errors
 /// Not there and not to be had; says what was tried and what to do.
 pub fn install() -> Result<(), Failure> {
-    NEEDS.iter().map(install_one).fold(Ok(()), Result::and)
+    NEEDS.iter().map(install_one).fold(Ok(()), Result::and).and(install_python_packages())
+}
+
+/// Into `tools/python` of the build directory, where `tests/wire/python.rs` looks: no Python of the system is touched.
+fn install_python_packages() -> Result<(), Failure> {
+    announce("stuffing and checksums in Python, to decode with");
+    let folder = build_dir()?.join("tools/python");
+    let mut import = Command::new("python3");
+    import.args(["-c", "import cobs.cobs, crc"]).env("PYTHONPATH", &folder);
+    if import.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success()) {
+        return Ok(());
+    }
+    let mut pip = program("python3", &["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--target"]);
+    run(pip.arg(&folder).args(PYTHON_PACKAGES)).map_err(|failure| {
+        let what = format!(
+            "{} of the Python Package Index are missing ({}). With pip and the network, run `python3 -m pip install --target \
+             {} {}`.",
+            PYTHON_PACKAGES.join(" and "),
+            failure.what,
+            folder.display(),
+            PYTHON_PACKAGES.join(" ")
+        );
+        Failure { what, ..failure }
+    })
 }
 
 fn install_one(need: &Need) -> Result<(), Failure> {

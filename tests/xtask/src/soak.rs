@@ -6,7 +6,8 @@ use crate::command::{Failure, announce, cargo, run};
 const MINUTES: u64 = 10;
 const SECONDS_PER_MIN: u64 = 60;
 
-/// Feeds every target of `tests/fuzz` for some minutes, and runs the full sets of `tests/dnc`.
+/// Feeds every target of `tests/fuzz` for some minutes, and runs the full sets of `tests/dnc`, `tests/wire` and
+/// `tests/station`.
 ///
 /// # Errors
 /// The minutes are no number, a target panics or hangs, or a fault on the line is passed over.
@@ -25,5 +26,7 @@ pub fn soak(minutes: Option<&str>) -> Result<(), Failure> {
         run(tests.env("ARCFEED_SOAK_SECONDS", &seconds))
     };
     soaked("dnc")?;
+    soaked("wire")?;
+    soaked("station")?;
     soaked("fuzz")
 }

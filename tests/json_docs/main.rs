@@ -2,129 +2,19 @@
 //! when one does not.
 #![cfg(unix)]
 
+mod document;
+
 use std::collections::BTreeSet;
 
-use arcfeed_tests::{Running, Scratch, root, run};
-use boon::{Compiler, SchemaIndex, Schemas};
+use arcfeed_tests::emulation::served::ServedBoard;
+use arcfeed_tests::{Running, Scratch};
 use serde_json::{Value, json};
+
+use document::{Change, Documented, changed, file_text, object, objects, objects_in};
 
 const CORPUS: &str = "tests/corpus/cam-2003.nc";
 const EXAMPLE: &str = "examples/ibr-slot";
 const CASE: &str = "tests/cases/table-5-4";
-
-/// Old text and new one.
-type Change<'a> = (&'a str, &'a str);
-
-/// The schemas of docs/json.md, by their titles.
-struct Documented {
-    texts: Vec<Value>,
-    compiled: Schemas,
-    indices: Vec<(String, SchemaIndex)>,
-}
-
-impl Documented {
-    fn read() -> Self {
-        let document = file_text("docs/json.md");
-        let blocks =
-            document.split("```json-schema\n").skip(1).map(|rest| rest.split("```").next().unwrap_or_default());
-        let texts: Vec<Value> = blocks.map(|text| serde_json::from_str(text).expect("schemas are JSON")).collect();
-        let mut compiler = Compiler::new();
-        let locations: Vec<String> = (0..texts.len()).map(|at| format!("https://arcfeed.invalid/block/{at}")).collect();
-        for (location, text) in locations.iter().zip(&texts) {
-            let location = text["$id"].as_str().unwrap_or(location);
-            compiler.add_resource(location, text.clone()).expect("each schema has a place of its own");
-        }
-        let mut compiled = Schemas::new();
-        let mut compile = |(location, text): (&String, &Value)| {
-            let location = text["$id"].as_str().unwrap_or(location);
-            let title = text["title"].as_str().expect("each schema has a title").to_owned();
-            (title, compiler.compile(location, &mut compiled).expect("schemas obey JSON Schema"))
-        };
-        let indices = locations.iter().zip(&texts).map(&mut compile).collect();
-        Documented { texts, compiled, indices }
-    }
-
-    fn validate(&self, title: &str, value: &Value) -> Result<(), String> {
-        let (_, index) = self.indices.iter().find(|(other, _)| other == title).expect("a documented shape");
-        self.compiled.validate(value, *index).map_err(|error| error.to_string())
-    }
-
-    /// It is valid, and no longer so when any field of it is damaged.
-    fn assert_fits(&self, title: &str, value: &Value) {
-        if let Err(error) = self.validate(title, value) {
-            panic!("{title}: {error}\n{value}");
-        }
-        let damaged = damages(value);
-        assert!(!damaged.is_empty());
-        for (what, damaged) in damaged {
-            assert!(self.validate(title, &damaged).is_err(), "{title} allows {what}");
-        }
-    }
-}
-
-fn file_text(path: &str) -> String {
-    std::fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
-}
-
-/// The JSON objects that a command prints, and its exit code.
-fn objects(arguments: &[&str]) -> (Option<i32>, Vec<Value>) {
-    let output = run(&[arguments, &["--json"]].concat());
-    let text = String::from_utf8(output.stdout).expect("JSON is text");
-    (output.status.code(), text.lines().map(|line| serde_json::from_str(line).expect("one object a line")).collect())
-}
-
-/// The one object of a command that must end with `code`.
-fn object(arguments: &[&str], code: i32) -> Value {
-    let (found, mut objects) = objects(arguments);
-    assert_eq!((found, objects.len()), (Some(code), 1), "{arguments:?}");
-    objects.remove(0)
-}
-
-/// The value with each object in it damaged in turn: a field too few, one too many, one of another type.
-fn damages(value: &Value) -> Vec<(String, Value)> {
-    let mut damaged = Vec::new();
-    for pointer in objects_in(value, "") {
-        let mut damage = |what: String, field: &str, new: Option<Value>| {
-            let mut copy = value.clone();
-            let object = copy.pointer_mut(&pointer).and_then(Value::as_object_mut).expect("it was just found");
-            match new {
-                Some(new) => object.insert(field.to_owned(), new),
-                None => object.remove(field),
-            };
-            damaged.push((what, copy));
-        };
-        damage(format!("an unknown field in {pointer}/"), "surprise", Some(json!(1)));
-        for field in value.pointer(&pointer).and_then(Value::as_object).expect("it was just found").keys() {
-            damage(format!("no {pointer}/{field}"), field, None);
-            damage(format!("an object as {pointer}/{field}"), field, Some(json!({ "surprise": 1 })));
-        }
-    }
-    damaged
-}
-
-/// JSON pointers of all objects in a value.
-fn objects_in(value: &Value, pointer: &str) -> Vec<String> {
-    let children: Vec<(String, &Value)> = match value {
-        Value::Object(object) => object.iter().map(|(name, child)| (format!("{pointer}/{name}"), child)).collect(),
-        Value::Array(items) => items.iter().enumerate().map(|(at, child)| (format!("{pointer}/{at}"), child)).collect(),
-        _ => return vec![],
-    };
-    let own = value.is_object().then(|| pointer.to_owned());
-    own.into_iter().chain(children.into_iter().flat_map(|(pointer, child)| objects_in(child, &pointer))).collect()
-}
-
-/// A copy of a folder's job and program, both changed.
-fn changed(scratch: &Scratch, folder: &str, job: &[Change<'_>], program: &[Change<'_>]) -> String {
-    let change = |path: String, changes: &[Change<'_>]| {
-        changes.iter().fold(file_text(&path), |text, (old, new)| {
-            assert!(text.contains(old), "no {old} in {path}");
-            text.replace(old, new)
-        })
-    };
-    let name = if folder == CASE { "program.nc" } else { "ibr-slot.nc" };
-    scratch.write(name, change(format!("{folder}/{name}"), program));
-    scratch.write("job.toml", change(format!("{folder}/job.toml"), job))
-}
 
 #[test]
 fn what_check_prints_is_documented() {
@@ -232,6 +122,11 @@ fn what_simulate_and_stream_print_is_documented_and_the_same_in_every_run() {
         });
         assert_eq!(one, other, "{title}");
     }
+    let scratch = Scratch::new("json-reports");
+    let reporting = changed(&scratch, EXAMPLE, &[("[serial]", "[dnc]\nreport_every = 10\n\n[serial]")], &[]);
+    let report = object(&["stream", &reporting], 0);
+    assert!(report["reports"].is_object(), "{report}");
+    documented.assert_fits("stream to sim:", &report);
 }
 
 #[test]
@@ -280,6 +175,24 @@ fn both_ends_of_a_serial_line_print_what_is_documented() {
     documented.assert_fits("serve", &serde_json::from_str(lines[1]).expect("one object a line"));
 }
 
+#[test]
+fn what_a_program_read_back_is_found_to_be_is_documented() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-verify");
+    let job = format!("{EXAMPLE}/job.toml");
+    let serve = ["serve", &job, "--tcp", "127.0.0.1:0", "--store", "--speed", "20"];
+    let mut server = Running::start(&scratch, "serve", &serve);
+    let port = server.line("port: ");
+    let journal = scratch.path("journal");
+    object(&["stream", &job, "--port", &port, "--journal", &journal], 0);
+    server.line("stored: ");
+    documented.assert_fits("verify", &object(&["verify", &job, "--port", &port], 0));
+    let other = changed(&scratch, EXAMPLE, &[], &[("M9", "M8")]);
+    let verdict = object(&["verify", &other, "--port", &port], 1);
+    assert_eq!(verdict["difference"]["received"], "N206M9");
+    documented.assert_fits("verify", &verdict);
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn what_ports_prints_is_documented_and_the_command_prints_it() {
@@ -304,6 +217,17 @@ fn what_ports_prints_is_documented_and_the_command_prints_it() {
     let (code, here) = objects(&["ports"]);
     assert_eq!(code, Some(0));
     here.iter().for_each(|port| documented.assert_fits("ports", port));
+}
+
+#[test]
+fn what_a_board_tells_is_documented() {
+    let documented = Documented::read();
+    let board = ServedBoard::start();
+    for (title, arguments) in [("board info", &["info"][..]), ("board monitor", &["monitor", "--seconds", "1"])] {
+        let (code, told) = objects(&[&["board", &board.url], arguments].concat());
+        assert!(code == Some(0) && !told.is_empty(), "{title}: {code:?}");
+        told.iter().for_each(|object| documented.assert_fits(title, object));
+    }
 }
 
 #[test]

@@ -1,0 +1,133 @@
+//! The tick while the link is as good as idle, and while it is loaded to 95 % of its bit rate with the queue of segments full: in
+//! lockstep for what it costs, by the timer for when it comes.
+
+use std::fs;
+use std::time::{Duration, Instant};
+
+use arcfeed_hil_sim::decider::board::{Wire, Wires};
+use arcfeed_shared::units::Micros;
+use arcfeed_shared::wire::frame::ENCODED_MAX;
+use arcfeed_shared::wire::message::codes::ModeCode;
+use arcfeed_shared::wire::plain::PlainLine;
+use arcfeed_tests::emulation::host::FILLER;
+use arcfeed_tests::emulation::images::image;
+use arcfeed_tests::emulation::log::messages;
+use arcfeed_tests::emulation::qemu::{Clock, Emulator};
+
+use crate::runs::{Example, prepare};
+
+const LOAD_PERCENT: i64 = 95;
+/// Periods from cycle start on in lockstep: the first arcs under their law, with segments coming in behind them.
+const PERIODS: u32 = 8_000;
+/// For how long boards tick by their timer.
+const FREE: Duration = Duration::from_secs(3);
+/// What all of a tick may take, instructions: samples, orders, supervisor, law, telemetry, output.
+const TICK_MAX: u32 = 2_300;
+/// Bytes of stack, of main loop and interrupts together.
+const STACK_MAX: u32 = 98 * 1024;
+/// From the timer's end to the tick.
+const LATE_MAX: u32 = 40;
+
+/// What the board logs of itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Costs {
+    ticks: u32,
+    worst: u32,
+    late: [u32; 2],
+    lost: u32,
+    stack: u32,
+}
+
+/// The last figures in a log.
+fn costs(console: &[u8]) -> Costs {
+    let image = fs::read(image("feedboard")).expect("the image is there");
+    let whole = console.iter().rposition(|byte| *byte == 0).map_or(0, |end| end + 1);
+    let log = messages(&image, &console[..whole]);
+    let line =
+        log.iter().rfind(|line| line.contains("ticks, worst")).unwrap_or_else(|| panic!("no figures in {log:?}"));
+    let words = line.split_whitespace().map(|word| word.trim_end_matches(','));
+    let numbers: Vec<u32> = words.filter_map(|word| word.parse().ok()).collect();
+    let [ticks, worst, earliest, latest, lost, stack] = numbers[..] else { panic!("{line}") };
+    Costs { ticks, worst, late: [earliest, latest], lost, stack }
+}
+
+/// Figures of a run in lockstep, and the part of its line that each end kept busy, %.
+fn in_lockstep(example: &Example, load_percent: i64) -> (Costs, [u64; 2]) {
+    let host = example.host();
+    let host = if load_percent > 0 { host.with_load(load_percent) } else { host };
+    let mut rig = example.rig(Emulator::start("feedboard", Clock::CountedWaiting), host, ModeCode::Lockstep);
+    prepare(&mut rig, |_| {});
+    let before = rig.decider().attached().bytes();
+    rig.control_mut().cycle_start();
+    (0..PERIODS).for_each(|_| rig.step());
+    assert_eq!(rig.decider().broken(), None);
+    let after = rig.decider().attached().bytes();
+    let carried = u64::from(PERIODS) * 1_152 / 100;
+    let busy = [0, 1].map(|way| (after[way] - before[way]) * 100 / carried);
+    (costs(&rig.decider().wires().console()), busy)
+}
+
+/// Figures of a board that ticks by its timer, and the bytes it got on its link for each 100 ticks. Its clock is that of its
+/// instructions, much faster than the wall's: what comes on the link comes at every phase of the tick, as fast as the emulator
+/// takes it.
+fn by_timer(is_loaded: bool) -> (Costs, u64) {
+    let mut board = Emulator::start("feedboard", Clock::Counted);
+    // The first word is the link's: the board runs free.
+    board.put(Wire::Link, &[0]).expect("the line is open");
+    let (began, mut bytes) = (Instant::now(), 1);
+    let mut line = PlainLine::new();
+    let mut frame = [0; ENCODED_MAX];
+    while began.elapsed() < FREE {
+        if is_loaded {
+            let length = line.encode(Micros(0), &FILLER, &mut frame);
+            board.put(Wire::Link, &frame[..length]).expect("the line is open");
+            bytes += length as u64;
+        } else {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+    let costs = costs(&board.console());
+    (costs, bytes * 100 / u64::from(costs.ticks))
+}
+
+#[test]
+fn a_loaded_link_and_a_full_queue_cost_the_tick_nothing() {
+    let example = Example::load();
+    let ((idle, idle_busy), (loaded, busy)) = (in_lockstep(&example, 0), in_lockstep(&example, LOAD_PERCENT));
+    println!("idle, {idle_busy:?} % busy: {idle:?}");
+    println!("loaded, {busy:?} % busy: {loaded:?}");
+    assert!(busy[0] >= 94 && busy[1] >= 90 && idle_busy[0] < 20, "to the board and from it");
+    assert!(idle.worst <= TICK_MAX && loaded.worst <= TICK_MAX);
+    assert!(loaded.stack <= STACK_MAX, "{} bytes of stack", loaded.stack);
+    // A tick hears of the host more often on a loaded link: so much it may cost.
+    assert!(loaded.worst <= idle.worst + idle.worst / 20, "{} against {}", loaded.worst, idle.worst);
+    assert_eq!((idle.lost, loaded.lost), (0, 0), "bytes");
+}
+
+#[test]
+fn no_tick_is_late_whatever_comes_on_the_link() {
+    let ((idle, _), (loaded, bytes)) = (by_timer(false), by_timer(true));
+    println!("idle: {idle:?}");
+    println!("loaded, {bytes} bytes in 100 ticks: {loaded:?}");
+    assert!(idle.ticks > 1_000 && loaded.ticks > 1_000, "it ticks");
+    assert!(bytes > 0, "something came");
+    assert!(idle.late[1] <= LATE_MAX && loaded.late[1] <= LATE_MAX, "instructions from the timer to the tick");
+    // Loaded, more comes than any line of its bit rate brings: what finds no room is lost, counted, and nobody's delay.
+    assert_eq!(idle.lost, 0, "bytes");
+}
+
+#[test]
+fn by_the_walls_clock_the_link_comes_up_and_a_person_arms() {
+    let example = Example::load();
+    let mut rig = example.rig(Emulator::start("feedboard", Clock::Wall), example.host(), ModeCode::Free);
+    let began = Instant::now();
+    let mut periods = 0;
+    prepare(&mut rig, |host| {
+        periods += 1;
+        let due = began + Duration::from_millis(periods);
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+        assert!(host.link().counters().crc_errors == 0, "no frame is spoilt");
+    });
+    println!("armed after {:?}, round trip {:?}", began.elapsed(), rig.decider().attached().link().counters().srtt);
+    assert_eq!(rig.decider().broken(), None);
+}

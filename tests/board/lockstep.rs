@@ -1,0 +1,57 @@
+//! A board decides in place of the controller that is told each block: in process, and on the emulated chip.
+
+use arcfeed_tests::emulation::qemu::{Clock, Emulator};
+
+use crate::runs::{Example, chip_range};
+
+#[test]
+fn the_chip_decides_bit_for_bit_what_the_station_in_process_does() {
+    let example = Example::load();
+    let (chip, chips_host) = example.by_board(Emulator::start("feedboard", Clock::CountedWaiting));
+    let (station, host) = example.by_station();
+    println!(
+        "{} periods, trace {:08x} on the chip, {:08x} in process",
+        chip.overrides.len(),
+        chip.hash(),
+        station.hash()
+    );
+    let differs = chip.overrides.iter().zip(&station.overrides).position(|(chip, station)| chip != station);
+    assert_eq!(differs, None, "first period with another override");
+    assert_eq!(chip.overrides.len(), station.overrides.len());
+    assert_eq!(chip.chips, station.chips, "the meter saw the same chips");
+    // Not only the overrides: every byte of the link.
+    assert_eq!(chips_host.bytes(), host.bytes());
+    assert_eq!(chips_host.report, host.report);
+}
+
+#[test]
+fn a_station_that_follows_the_position_cuts_the_chips_of_a_controller_that_is_told_each_block() {
+    let example = Example::load();
+    let (told, (station, host)) = (example.by_told(), example.by_station());
+    let differing = told.overrides.iter().zip(&station.overrides).filter(|(told, station)| told != station);
+    let furthest = differing.clone().map(|(told, station)| told.abs_diff(*station)).max().unwrap_or(0);
+    let (told_range, range) = (chip_range(&told.chips), chip_range(&station.chips));
+    let stretches = stretches(&told.overrides, &station.overrides);
+    println!("{} of {} overrides differ, by {furthest} points at most", differing.count(), told.overrides.len());
+    println!("in {} stretches of periods: {stretches:?}", stretches.len());
+    println!("chip over target: told {told_range:.5?}, by position {range:.5?}");
+    assert!(stretches.iter().all(|[first, last]| last - first < 2), "where moves begin, for a tick or two");
+    assert!(stretches.len() <= told.chips.len(), "no more often than moves begin");
+    assert!(host.is_through() && host.link().counters().retransmissions == 0);
+    assert_eq!(told.chips.len(), station.chips.len());
+    assert!(told_range.iter().zip(range).all(|(told, by_position)| (told - by_position).abs() < 0.01));
+}
+
+/// First and last period of each stretch in which two traces differ.
+fn stretches(one: &[u8], other: &[u8]) -> Vec<[usize; 2]> {
+    let mut stretches: Vec<[usize; 2]> = Vec::new();
+    for period in
+        one.iter().zip(other).enumerate().filter_map(|(period, (one, other))| (one != other).then_some(period))
+    {
+        match stretches.last_mut() {
+            Some([_, last]) if *last + 1 == period => *last = period,
+            _ => stretches.push([period, period]),
+        }
+    }
+    stretches
+}

@@ -1,0 +1,165 @@
+//! Runs of the example with one controller or another.
+
+use arcfeed::adapt::adapt;
+use arcfeed::commands::simulate::control_settings;
+use arcfeed::job::JobFile;
+use arcfeed::program::Program;
+use arcfeed_firmware::assembly::{Config, assemble};
+use arcfeed_firmware::front::Untapped;
+use arcfeed_firmware::ramp::FeedOverride;
+use arcfeed_firmware::station::clerk::Identity;
+use arcfeed_firmware::station::order::Queues;
+use arcfeed_firmware::station::ticker::Supply;
+use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_firmware::supervisor::signals::{Request, Signals};
+use arcfeed_hil_sim::control::Control;
+use arcfeed_hil_sim::cutting::meter::MoveChips;
+use arcfeed_hil_sim::decider::board::{Attached, Board, Wires};
+use arcfeed_hil_sim::decider::in_process::InProcess;
+use arcfeed_hil_sim::decider::told::Told;
+use arcfeed_hil_sim::decider::{Begun, Decider, Shown};
+use arcfeed_hil_sim::faults::ControllerFault;
+use arcfeed_hil_sim::rig::{Rig, STEP};
+use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::segment::Segment;
+use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode, StateCode};
+use arcfeed_tests::emulation::host::Host;
+use arcfeed_tests::root;
+
+/// Orders ahead of the tick, less one: as in the image.
+pub const AHEAD: usize = 32;
+/// Periods in which a link must come up and a job be sent.
+const PREPARING: u32 = 5_000;
+
+/// The example's job, and its program as it is sent.
+pub struct Example {
+    pub file: JobFile,
+    pub text: Vec<u8>,
+}
+
+/// What came of a run.
+pub struct Outcome {
+    /// Override at each period from cycle start on, %.
+    pub overrides: Vec<u8>,
+    /// What the meter saw on each move.
+    pub chips: Vec<MoveChips>,
+}
+
+/// Takes down the moves that the control begins.
+#[derive(Default)]
+struct Listener(Vec<Segment>);
+
+impl Decider for Listener {
+    fn begin(&mut self, begun: Option<Begun<'_>>) {
+        self.0.extend(begun.map(|begun| *begun.segment));
+    }
+
+    fn decide(&mut self, _shown: &Shown) -> FeedOverride {
+        FeedOverride::PROGRAMMED
+    }
+}
+
+impl Example {
+    pub fn load() -> Self {
+        let path = root().join("examples/ibr-slot/job.toml");
+        let file = JobFile::load(&path).expect("the example's job is sound");
+        let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
+        let text = [adapt(&program, &file.job).text, b"\n".to_vec()].concat();
+        Example { file, text }
+    }
+
+    pub fn control(&self) -> Control {
+        Control::from_memory(control_settings(&self.file), &self.text)
+    }
+
+    /// The moves of the program, in order.
+    pub fn segments(&self) -> Vec<Segment> {
+        let mut rig = Rig::new(self.control(), &self.file.job, Listener::default());
+        finish(&mut rig);
+        rig.decider().0.clone()
+    }
+
+    /// The host at the far end of the link, with the whole job.
+    pub fn host(&self) -> Host {
+        Host::new(&self.file.job, &self.segments())
+    }
+
+    /// A machine whose override a board decides, with feed hold on.
+    pub fn rig<W: Wires, A: Attached>(&self, wires: W, attached: A, mode: ModeCode) -> Rig<Board<W, A>> {
+        let mut rig = Rig::new(self.control(), &self.file.job, Board::new(wires, attached, mode));
+        rig.control_mut().hold();
+        rig
+    }
+
+    /// A run by the controller that is told each block.
+    pub fn by_told(&self) -> Outcome {
+        let told = Told::new(&self.file.job, ControllerFault::None, STEP.into()).expect("the job is sound");
+        finish(&mut Rig::new(self.control(), &self.file.job, told))
+    }
+
+    /// A run by a station in this process.
+    pub fn by_station(&self) -> (Outcome, Host) {
+        let mut queues = Queues::<AHEAD>::new();
+        let identity = Identity { name: "in process", version: [0, 1, 0], reset: ResetCode::Power, starts: 1 };
+        let config = Config { supply: Supply::Link, settings: Settings::default(), identity, fault: None };
+        let (desk, ticker) = assemble(&mut queues, config).expect("the settings are sound");
+        self.by_board(InProcess::new(Untapped::new(desk, None), ticker))
+    }
+
+    /// A run by a board at the end of these lines.
+    pub fn by_board<W: Wires>(&self, wires: W) -> (Outcome, Host) {
+        let mut rig = self.rig(wires, self.host(), ModeCode::Lockstep);
+        prepare(&mut rig, |_| {});
+        rig.control_mut().cycle_start();
+        let outcome = finish(&mut rig);
+        assert_eq!(rig.decider().broken(), None);
+        (outcome, rig.into_decider().into_attached())
+    }
+}
+
+/// Steps until the board has a job and segments ahead; then a person arms, and the override rises to the dial. `between` is called
+/// between steps.
+pub fn prepare<W: Wires>(rig: &mut Rig<Board<W, Host>>, mut between: impl FnMut(&Host)) {
+    let mut armed = false;
+    for _ in 0..PREPARING {
+        rig.step();
+        let board = rig.decider();
+        assert_eq!(board.broken(), None);
+        between(board.attached());
+        let is_armed = board.state().is_some_and(|state| matches!(state, StateCode::Armed | StateCode::Inhibited));
+        let is_full = board.attached().report.is_some_and(|report| report.in_work.is_some() && report.room == 0);
+        if armed && is_armed && rig.decided() == FeedOverride::PROGRAMMED {
+            rig.decider_mut().set_panel(Signals::NONE);
+            return;
+        }
+        if is_full && !armed {
+            rig.decider_mut().set_panel(Signals::of_request(Request::Arm));
+            armed = true;
+        }
+    }
+    panic!("not armed: {:?}, {:?}", rig.decider().state(), rig.decider().attached().report);
+}
+
+/// Steps to the end of the program.
+pub fn finish<D: Decider>(rig: &mut Rig<D>) -> Outcome {
+    let mut overrides = Vec::new();
+    while !rig.is_done() {
+        rig.step();
+        overrides.push(rig.decided().percent);
+    }
+    Outcome { overrides, chips: rig.meter().moves().to_vec() }
+}
+
+/// Least and largest chip over target, over all moves with a contact.
+pub fn chip_range(chips: &[MoveChips]) -> [f64; 2] {
+    let contacts = || chips.iter().map(|chips| &chips.contact).filter(|contact| contact.samples > 0);
+    let min = contacts().map(|contact| contact.min_ratio).fold(f64::INFINITY, f64::min);
+    [min, contacts().map(|contact| contact.max_ratio).fold(0.0, f64::max)]
+}
+
+impl Outcome {
+    /// FNV-1a over the overrides.
+    pub fn hash(&self) -> u32 {
+        self.overrides.iter().fold(0x811C_9DC5, |hash, percent| (hash ^ u32::from(*percent)).wrapping_mul(0x0100_0193))
+    }
+}

@@ -1,0 +1,159 @@
+//! The example through the tap: a sender that knows of no board, the board on the DNC line, the control.
+
+use std::collections::VecDeque;
+
+use arcfeed::commands::simulate::control_settings;
+use arcfeed_firmware::assembly::{Config, assemble};
+use arcfeed_firmware::front::Front;
+use arcfeed_firmware::station::clerk::Identity;
+use arcfeed_firmware::station::order::Queues;
+use arcfeed_firmware::station::ticker::Supply;
+use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_firmware::supervisor::signals::{Request, Signals};
+use arcfeed_firmware::tap::Tap;
+use arcfeed_firmware::tap::settings::TapSettings;
+use arcfeed_hil_sim::control::code::{Code, DC1, DC3, without_parity};
+use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
+use arcfeed_hil_sim::control::{Control, ControlSettings};
+use arcfeed_hil_sim::decider::board::{Attached, Board, Traffic, Wire, Wires};
+use arcfeed_hil_sim::decider::in_process::InProcess;
+use arcfeed_hil_sim::rig::Rig;
+use arcfeed_shared::units::Micros;
+use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode, StateCode};
+use arcfeed_tests::emulation::qemu::{Clock, Emulator};
+
+use crate::runs::{AHEAD, Example, Outcome, chip_range};
+
+/// Characters between the sender and the machine, as in the image.
+const ROOM: usize = 4_096;
+/// Periods until the override of a board just switched on is at the dial, and for how long a button is held.
+const SETTLING: u32 = 2_100;
+const HELD: u32 = 20;
+/// No run takes longer, ms of machine time.
+const RUN_MAX: u32 = 200_000;
+
+/// What is at both ends of the tapped line.
+#[derive(Debug, Default)]
+struct Cable {
+    text: VecDeque<u8>,
+    may_send: bool,
+    /// Characters that the line takes now.
+    room: usize,
+    /// What the control says, and what has come for it.
+    from_control: Vec<u8>,
+    to_control: Vec<u8>,
+    passed: Vec<u8>,
+}
+
+impl Attached for Cable {
+    fn send(&mut self, _at: Micros, traffic: &mut Traffic) {
+        let count = if self.may_send { self.room.min(self.text.len()) } else { 0 };
+        traffic.sender.extend(self.text.drain(..count));
+        traffic.control.append(&mut self.from_control);
+    }
+
+    fn receive(&mut self, _at: Micros, wire: Wire, bytes: &[u8]) {
+        match wire {
+            Wire::Control => self.to_control.extend(bytes),
+            Wire::Sender => {
+                for byte in bytes {
+                    self.may_send = match without_parity(*byte) {
+                        DC1 => true,
+                        DC3 => false,
+                        _ => self.may_send,
+                    };
+                }
+            }
+            Wire::Link | Wire::Machine => assert!(bytes.is_empty() || wire == Wire::Link),
+        }
+    }
+}
+
+/// The control on a line of eight bits: what the sender puts out is what arrives.
+fn control(example: &Example) -> ControlSettings {
+    let settings = control_settings(&example.file);
+    let mut line = LineSettings { sender: SenderParity::None, ..settings.line };
+    line.tape.code = Some(Code::Ascii);
+    ControlSettings { line, ..settings }
+}
+
+fn tap_settings(example: &Example) -> TapSettings {
+    TapSettings { code: Some(Code::Ascii), ..TapSettings::new(example.file.job.unit) }
+}
+
+/// Sends the program through a board; what the control got, and what came of it.
+fn run<W: Wires>(example: &Example, wires: W) -> (Outcome, Vec<u8>) {
+    let board = Board::new(wires, Cable::default(), ModeCode::Lockstep);
+    let mut rig = Rig::new(Control::on_line(control(example)), &example.file.job, board);
+    for period in 0..SETTLING + HELD {
+        let pressed = if period < SETTLING { Signals::NONE } else { Signals::of_request(Request::Arm) };
+        rig.decider_mut().set_panel(pressed);
+        step(&mut rig);
+    }
+    rig.decider_mut().set_panel(Signals::NONE);
+    assert_eq!((rig.decider().state(), rig.decided().percent), (Some(StateCode::Armed), 100));
+    rig.decider_mut().attached_mut().text = example.text.iter().copied().collect();
+    let mut overrides = Vec::new();
+    while !rig.is_done() {
+        step(&mut rig);
+        overrides.push(rig.decided().percent);
+        assert!(overrides.len() < RUN_MAX as usize, "the program never ends");
+    }
+    let chips = rig.meter().moves().to_vec();
+    (Outcome { overrides, chips }, rig.into_decider().into_attached().passed)
+}
+
+fn step<W: Wires>(rig: &mut Rig<Board<W, Cable>>) {
+    let on_wire = rig.control_mut().port().on_wire();
+    let said: Vec<u8> = std::iter::from_fn(|| rig.control_mut().port().poll_transmit()).collect();
+    let cable = rig.decider_mut().attached_mut();
+    cable.from_control.extend(said);
+    // One character on the line, one behind it, one on its way through the board.
+    cable.room = 3_usize.saturating_sub(on_wire);
+    rig.step();
+    assert_eq!(rig.decider().broken(), None);
+    let cable = rig.decider_mut().attached_mut();
+    let arrived = std::mem::take(&mut cable.to_control);
+    cable.passed.extend(&arrived);
+    rig.control_mut().port().on_bytes(&arrived);
+}
+
+/// A board in this process with the image's tap.
+fn in_process(example: &Example) -> (Outcome, Vec<u8>) {
+    let mut queues = Queues::<AHEAD>::new();
+    let identity = Identity { name: "in process", version: [0, 1, 0], reset: ResetCode::Power, starts: 1 };
+    let config = Config { supply: Supply::Tap, settings: Settings::default(), identity, fault: None };
+    let (mut desk, ticker) = assemble(&mut queues, config).expect("the settings are sound");
+    desk.clerk_mut().adopt(&example.file.job, 1).expect("the job is sound");
+    let tap = Tap::<ROOM>::new(tap_settings(example)).expect("the settings are sound");
+    run(example, InProcess::new(Front::new(desk, Some(tap)), ticker))
+}
+
+#[test]
+fn through_the_tap_the_chip_decides_bit_for_bit_what_the_board_in_process_does() {
+    let example = Example::load();
+    let (chip, passed) = run(&example, Emulator::start("feedboard-tap", Clock::CountedWaiting));
+    let (station, _) = in_process(&example);
+    println!(
+        "{} periods, trace {:08x} on the chip, {:08x} in process",
+        chip.overrides.len(),
+        chip.hash(),
+        station.hash()
+    );
+    assert_eq!(passed, example.text, "byte for byte");
+    let differs = chip.overrides.iter().zip(&station.overrides).position(|(chip, station)| chip != station);
+    assert_eq!(differs, None, "first period with another override");
+    assert_eq!(chip.overrides.len(), station.overrides.len());
+    assert_eq!(chip.chips, station.chips, "the meter saw the same chips");
+}
+
+#[test]
+fn through_the_tap_the_chips_are_those_of_a_controller_that_is_told_each_block() {
+    let example = Example::load();
+    let (told, (tapped, passed)) = (example.by_told(), in_process(&example));
+    let (told_range, range) = (chip_range(&told.chips), chip_range(&tapped.chips));
+    println!("chip over target: told {told_range:.5?}, through the tap {range:.5?}");
+    assert_eq!(passed, example.text, "byte for byte");
+    assert_eq!(told.chips.len(), tapped.chips.len());
+    assert!(told_range.iter().zip(range).all(|(told, tapped)| (told - tapped).abs() < 0.01));
+}

@@ -1,0 +1,59 @@
+//! The sockets of an emulated board as the far ends of its lines.
+
+use std::io::{ErrorKind, Read, Write};
+use std::os::fd::AsRawFd;
+use std::os::unix::net::UnixStream;
+
+use arcfeed_hil_sim::decider::board::{Broken, Wire, Wires};
+
+use nix::errno::Errno;
+use nix::sys::socket::{MsgFlags, recv};
+
+use super::qemu::Emulator;
+
+impl Emulator {
+    fn line(&self, wire: Wire) -> &UnixStream {
+        let [link, machine, sender, control] = self.lines();
+        match wire {
+            Wire::Link => link,
+            Wire::Machine => machine,
+            Wire::Sender => sender,
+            Wire::Control => control,
+        }
+    }
+}
+
+impl Wires for Emulator {
+    fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), Broken> {
+        self.line(wire).write_all(bytes).map_err(|_| Broken::Closed(wire))
+    }
+
+    fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), Broken> {
+        let line = self.line(wire).as_raw_fd();
+        let mut taken = 0;
+        while taken < bytes.len() {
+            // All at once: the emulator sends byte by byte, and a wake for each costs more than all the rest.
+            match recv(line, &mut bytes[taken..], MsgFlags::MSG_WAITALL) {
+                Ok(0) => return Err(Broken::Closed(wire)),
+                Ok(more) => taken += more,
+                Err(Errno::EINTR) => {}
+                Err(Errno::EAGAIN) => return Err(Broken::Silent(wire)),
+                Err(_) => return Err(Broken::Closed(wire)),
+            }
+        }
+        Ok(())
+    }
+
+    fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, Broken> {
+        let mut line = self.line(wire);
+        line.set_nonblocking(true).expect("a socket need not block");
+        let taken = line.read(bytes);
+        line.set_nonblocking(false).expect("a socket may block");
+        match taken {
+            Ok(0) if !bytes.is_empty() => Err(Broken::Closed(wire)),
+            Ok(length) => Ok(length),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => Ok(0),
+            Err(_) => Err(Broken::Closed(wire)),
+        }
+    }
+}

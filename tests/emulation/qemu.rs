@@ -1,0 +1,200 @@
+//! QEMU, with bounded time and nothing left behind.
+
+use std::fs::{self, File};
+use std::io::ErrorKind;
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+use super::images::image;
+use crate::Scratch;
+
+/// No image takes more than some seconds.
+const PATIENCE: Duration = Duration::from_secs(300);
+/// How long QEMU takes to open its lines, at most.
+const OPENING: Duration = Duration::from_secs(30);
+/// How long an answer may take: a board that hangs is found out, one that is slow is not.
+const SILENCE: Duration = Duration::from_secs(60);
+/// Lines that [`Emulator::start`] opens.
+pub const LINES: usize = 4;
+/// QEMU's console multiplexer takes 32 bytes off a socket at a time rather than one, at a third of the cost. Its escape
+/// character is put where no byte is.
+const NO_ESCAPE: [&str; 2] = ["-echr", "256"];
+
+/// How the board's clock runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// By instructions, 2^7 ns each (`clock.rs` of the board); waiting takes no time. Every run is the same, as long as nothing
+    /// comes in from outside.
+    Counted,
+    /// The same, but waiting takes as long as it does: for boards in lockstep, whose own clock is their machine's.
+    CountedWaiting,
+    /// As that of the wall.
+    Wall,
+}
+
+/// What a run left behind.
+#[derive(Debug)]
+pub struct Run {
+    /// What the image wrote to the emulator's console.
+    pub console: Vec<u8>,
+    /// What UART 1 sent.
+    pub uart1: Vec<u8>,
+}
+
+/// A board that runs, ended with this value.
+#[derive(Debug)]
+pub struct Emulator {
+    name: String,
+    child: Child,
+    scratch: Scratch,
+    /// UART 0 to 3.
+    lines: [UnixStream; LINES],
+}
+
+impl Clock {
+    fn arguments(self) -> &'static [&'static str] {
+        match self {
+            Clock::Counted => &["-icount", "shift=7,sleep=off"],
+            Clock::CountedWaiting => &["-icount", "shift=7,sleep=on"],
+            Clock::Wall => &[],
+        }
+    }
+}
+
+impl Run {
+    /// The console as text.
+    pub fn text(&self) -> String {
+        String::from_utf8_lossy(&self.console).into_owned()
+    }
+}
+
+/// Runs an image to its end, which must be a good one.
+///
+/// # Panics
+/// It ends badly, or not at all.
+pub fn run(name: &str) -> Run {
+    let scratch = scratch(name);
+    let uart1 = PathBuf::from(scratch.path("uart1"));
+    let mut qemu = command(&image(name), &scratch, Clock::Counted);
+    qemu.args(["-serial", "null", "-serial"]).arg(format!("file:{}", uart1.display()));
+    let mut child = spawn(&mut qemu);
+    let status = wait(name, &mut child);
+    let run = Run { console: console(&scratch), uart1: fs::read(uart1).unwrap_or_default() };
+    assert!(status.success(), "{name}: {status}\n{}", run.text());
+    run
+}
+
+impl Emulator {
+    /// Starts an image with UART 0 to 3 as sockets, all open.
+    ///
+    /// # Panics
+    /// There is no QEMU, or it does not open them.
+    pub fn start(name: &str, clock: Clock) -> Self {
+        let scratch = scratch(name);
+        let mut qemu = command(&image(name), &scratch, clock);
+        qemu.args(NO_ESCAPE);
+        let paths: [String; LINES] = std::array::from_fn(|uart| scratch.path(&format!("uart{uart}")));
+        // The test listens and QEMU calls: nobody has to guess when the other is ready.
+        let listeners = paths.each_ref().map(|path| UnixListener::bind(path).expect("a socket in a folder of its own"));
+        for (uart, path) in paths.iter().enumerate() {
+            qemu.args(["-chardev", &format!("socket,id=uart{uart},path={path},mux=on")]);
+            qemu.args(["-serial", &format!("chardev:uart{uart}")]);
+        }
+        let mut child = spawn(&mut qemu);
+        let lines = listeners.map(|listener| accept(&listener, &mut child));
+        Emulator { name: name.to_owned(), child, scratch, lines }
+    }
+
+    /// The sockets of UART 0 to 3.
+    pub fn lines(&self) -> &[UnixStream; LINES] {
+        &self.lines
+    }
+
+    /// What the image wrote to the emulator's console so far.
+    pub fn console(&self) -> Vec<u8> {
+        console(&self.scratch)
+    }
+
+    /// Waits for the image to end by itself, well; answers its console.
+    ///
+    /// # Panics
+    /// It ends badly, or not at all.
+    pub fn end(mut self) -> Vec<u8> {
+        let status = wait(&self.name, &mut self.child);
+        let console = self.console();
+        assert!(status.success(), "{}: {status}\n{}", self.name, String::from_utf8_lossy(&console));
+        console
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        let _already_over = self.child.kill();
+        let _reaped = self.child.wait();
+    }
+}
+
+/// What every start has in common; the console goes to a file.
+fn command(image: &Path, scratch: &Scratch, clock: Clock) -> Command {
+    let mut qemu = Command::new("qemu-system-arm");
+    qemu.args(["-machine", "mps2-an386", "-cpu", "cortex-m4", "-display", "none", "-monitor", "none"]);
+    qemu.args(clock.arguments()).args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
+    // What the board keeps in files in place of flash goes with the folder.
+    qemu.current_dir(Path::new(&scratch.path("console")).parent().expect("a folder"));
+    qemu.stdin(Stdio::null()).stdout(File::create(scratch.path("console")).expect("a file for the console"));
+    qemu
+}
+
+fn spawn(qemu: &mut Command) -> Child {
+    qemu.spawn().unwrap_or_else(|error| {
+        panic!("qemu-system-arm: {error}. It is what stands for the chip here; `cargo xtask test` installs it.")
+    })
+}
+
+fn console(scratch: &Scratch) -> Vec<u8> {
+    fs::read(scratch.path("console")).unwrap_or_default()
+}
+
+/// The next caller, if the emulator lives to call.
+fn accept(listener: &UnixListener, child: &mut Child) -> UnixStream {
+    listener.set_nonblocking(true).expect("a socket need not block");
+    let started = Instant::now();
+    loop {
+        match listener.accept() {
+            Ok((line, _)) => {
+                line.set_nonblocking(false).expect("a socket may block");
+                line.set_read_timeout(Some(SILENCE)).expect("a socket can be given patience");
+                return line;
+            }
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+            Err(error) => panic!("the emulator's line: {error}"),
+        }
+        let status = child.try_wait().expect("the emulator can be waited for");
+        assert!(status.is_none(), "the emulator ended before it opened its lines: {status:?}");
+        assert!(started.elapsed() < OPENING, "the emulator does not open its lines");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn wait(name: &str, child: &mut Child) -> ExitStatus {
+    let started = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait().expect("the emulator can be waited for") {
+            return status;
+        }
+        if started.elapsed() > PATIENCE {
+            child.kill().expect("the emulator can be stopped");
+            panic!("{name} still runs after {PATIENCE:?}");
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// A folder for this run alone.
+fn scratch(name: &str) -> Scratch {
+    static RUNS: AtomicU32 = AtomicU32::new(0);
+    Scratch::new(&format!("{name}-{}", RUNS.fetch_add(1, Ordering::Relaxed)))
+}

@@ -1,0 +1,65 @@
+//! The example job as it ran on the simulated machine with the controller told each block: positions and overrides.
+
+use std::sync::OnceLock;
+
+use arcfeed::adapt::adapt;
+use arcfeed::commands::simulate::control_settings;
+use arcfeed::job::JobFile;
+use arcfeed::program::Program;
+use arcfeed_hil_sim::faults::ControllerFault;
+use arcfeed_hil_sim::machine;
+use arcfeed_hil_sim::rig::Rig;
+use arcfeed_shared::cut;
+use arcfeed_shared::job::Job;
+use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::segment::Segment;
+use arcfeed_tests::root;
+
+/// A run.
+pub struct Recorded {
+    pub job: Job,
+    /// Its moves in order.
+    pub segments: Vec<Segment>,
+    /// Position feedback and override at each tick, and how many moves had begun.
+    pub ticks: Vec<(Pose, u8, usize)>,
+}
+
+impl Recorded {
+    /// Which cut rule speaks of a move.
+    pub fn rule(&self, segment: &Segment) -> Option<usize> {
+        cut::find(&self.job.rules, segment, &self.job.tool).map(|(index, _)| index)
+    }
+}
+
+/// The run of `examples/ibr-slot`.
+pub fn ibr_slot() -> &'static Recorded {
+    static RUN: OnceLock<Recorded> = OnceLock::new();
+    RUN.get_or_init(record)
+}
+
+fn record() -> Recorded {
+    let file = JobFile::load(&root().join("examples/ibr-slot/job.toml")).expect("the example's job is sound");
+    let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
+    let text = [adapt(&program, &file.job).text, b"\n".to_vec()].concat();
+    let mut settings = control_settings(&file);
+    // The override of a tick is in effect at the next one.
+    settings.ladder_delay_steps = 0;
+    let rig = Rig::from_memory(settings, &text, &file.job, ControllerFault::None);
+    let mut rig = rig.expect("the limits of the override make sense");
+    let (mut segments, mut positions, mut overrides, mut last) = (Vec::new(), Vec::new(), Vec::new(), None);
+    while !rig.is_done() {
+        rig.step();
+        let active = rig.control().active().map(|(count, segment)| (count, *segment));
+        if let Some((count, segment)) = active.filter(|(count, _)| last != Some(*count)) {
+            segments.push(segment);
+            last = Some(count);
+        }
+        positions.push((machine::feedback(&rig.control().position()), segments.len()));
+        overrides.push(rig.control().override_percent());
+    }
+    rig.step();
+    overrides.push(rig.control().override_percent());
+    let ticks = positions.into_iter().zip(overrides.split_off(1));
+    Recorded { job: file.job, segments, ticks: ticks.map(|((pose, begun), percent)| (pose, percent, begun)).collect() }
+}

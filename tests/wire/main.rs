@@ -1,0 +1,23 @@
+//! The board link as docs/protocol.md promises it: two ends in virtual time over lines that lose, spoil, repeat and delay, and
+//! the document's own examples. `cargo xtask soak` runs the full sets, `cargo xtask test` a seeded part of each.
+
+mod sim;
+
+mod schedule;
+
+mod campaign;
+
+mod table;
+
+mod restart;
+
+mod corruption;
+
+mod document;
+
+mod python;
+
+/// How many of a full set are tried here.
+fn of_full_set(full: u64, part: u64) -> u64 {
+    if std::env::var_os("ARCFEED_SOAK_SECONDS").is_some() { full } else { part }
+}

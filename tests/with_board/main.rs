@@ -1,0 +1,223 @@
+//! `arcfeed board` and `arcfeed stream --board`, against a board in software: what it is told, what leaves and when, and
+//! what ends a run.
+
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use arcfeed_tests::emulation::served::{AHEAD, ServedBoard};
+use arcfeed_tests::{Scratch, arcfeed, root, run, wait_for};
+use serde_json::Value;
+
+const JOB: &str = "examples/ibr-slot/job.toml";
+const DC1: u8 = 0x11;
+/// A link is lost after a quarter of a second: tests that keep one up do not share the machine.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
+/// A control that asks for a program and takes all it gets.
+struct Taker {
+    url: String,
+    taken: Arc<Mutex<Vec<u8>>>,
+}
+
+impl Taker {
+    fn start() -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+        let url = format!("socket://{}", listener.local_addr().expect("it has an address"));
+        let taken = Arc::new(Mutex::new(Vec::new()));
+        let into = Arc::clone(&taken);
+        std::thread::spawn(move || {
+            let (mut stream, _) = listener.accept().expect("a sender");
+            stream.write_all(&[DC1]).expect("the sender is there");
+            let _gone = take(&mut stream, &into);
+        });
+        Taker { url, taken }
+    }
+
+    fn taken(&self) -> Vec<u8> {
+        self.taken.lock().expect("nobody panicked").clone()
+    }
+}
+
+fn take(stream: &mut TcpStream, into: &Mutex<Vec<u8>>) -> std::io::Result<()> {
+    let mut bytes = [0; 64];
+    loop {
+        let len = stream.read(&mut bytes)?;
+        if len == 0 {
+            return Ok(());
+        }
+        into.lock().expect("nobody panicked").extend(&bytes[..len]);
+    }
+}
+
+/// A sender with a person who may type.
+fn stream(scratch: &Scratch, control: &Taker, board: &ServedBoard) -> Child {
+    let journal = scratch.path("journal");
+    Command::new(arcfeed())
+        .args(["stream", JOB, "--port", &control.url, "--board", &board.url, "--journal", &journal])
+        .current_dir(root())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("arcfeed starts")
+}
+
+/// Types `arm` until the board is armed: characters begin to leave.
+fn arm(sender: &mut Child, control: &Taker) {
+    let mut stdin = sender.stdin.take().expect("it is piped");
+    wait_for("the first character", || {
+        if stdin.write_all(b"arm\n").is_err() {
+            let mut said = String::new();
+            let _text = sender.stderr.take().map(|mut stderr| stderr.read_to_string(&mut said));
+            panic!("the sender has ended: {said}");
+        }
+        std::thread::sleep(Duration::from_millis(100));
+        (!control.taken().is_empty()).then_some(())
+    });
+    // Kept open: at its end nobody could type any more.
+    std::mem::forget(stdin);
+}
+
+/// Waits until no more characters come.
+fn settled(control: &Taker) -> Vec<u8> {
+    wait_for("the characters to stop", || {
+        let before = control.taken();
+        std::thread::sleep(Duration::from_millis(700));
+        (control.taken() == before).then_some(before)
+    })
+}
+
+fn ended(sender: Child) -> (Option<i32>, String) {
+    let output = sender.wait_with_output().expect("it ends");
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+/// Lines of the text with a move: a word of an axis or a centre.
+fn moves(text: &[u8]) -> usize {
+    text.split(|byte| *byte == b'\n').filter(|line| line.iter().any(|byte| b"XYZB".contains(byte))).count()
+}
+
+fn figures(arguments: &[&str]) -> Value {
+    let output = run(arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+#[test]
+fn behind_a_link_the_example_is_cut_as_by_a_controller_that_is_told() {
+    let _alone = ONE_AT_A_TIME.lock();
+    let told = figures(&["stream", JOB, "--json"]);
+    let linked = figures(&["stream", JOB, "--board", "sim:", "--json"]);
+    assert_eq!(linked["blocks_executed"], told["blocks_executed"]);
+    let chip = |report: &Value, field: &str| report["ipt_circumference"][field].as_f64().expect("measured");
+    for field in ["min", "max", "error_ratio_min", "error_ratio_max"] {
+        let (a, b) = (chip(&told, field), chip(&linked, field));
+        println!("{field}: told {a:.6}, behind a link {b:.6}");
+        assert!((a - b).abs() < 1e-3, "{field}: {a} {b}");
+    }
+    assert!(chip(&linked, "error_ratio_max") <= 0.0, "no chip above its target");
+    let cycle = |report: &Value| report["cycle_time_s"].as_f64().expect("a time");
+    println!("cycle time: told {} s, behind a link {} s", cycle(&told), cycle(&linked));
+    assert!((cycle(&told) - cycle(&linked)).abs() < 0.1);
+}
+
+#[test]
+fn a_control_that_reports_where_it_is_is_cut_the_same_behind_a_link() {
+    let _alone = ONE_AT_A_TIME.lock();
+    let scratch = Scratch::new("board-reports");
+    let read = |file: &str| std::fs::read_to_string(root().join("examples/ibr-slot").join(file)).expect("the example");
+    scratch.write("ibr-slot.nc", read("ibr-slot.nc"));
+    let job = scratch.write("job.toml", read("job.toml") + "\n[dnc]\nreport_every = 5\n");
+    let report = figures(&["stream", &job, "--board", "sim:", "--json"]);
+    assert!(report["blocks_executed"].as_u64() > Some(80), "{report}");
+    let chip = report["ipt_circumference"]["error_ratio_max"].as_f64().expect("measured");
+    println!("thickest chip {:+.2} %", chip * 100.0);
+    assert!(chip <= 0.0, "a move left out puts the laws of all others on the wrong ones: {chip}");
+}
+
+#[test]
+fn nothing_leaves_before_a_person_has_armed_and_no_block_before_its_move() {
+    let _alone = ONE_AT_A_TIME.lock();
+    let (scratch, board, control) = (Scratch::new("board-gate"), ServedBoard::start(), Taker::start());
+    let mut sender = stream(&scratch, &control, &board);
+    std::thread::sleep(Duration::from_millis(1_500));
+    assert_eq!(control.taken(), b"", "not armed");
+    arm(&mut sender, &control);
+    let taken = settled(&control);
+    // The axes of this board stand still, so it takes what it has room for and no more.
+    let (sent, held) = (moves(&taken), AHEAD);
+    println!("{sent} moves sent to the control, the board holds at most {held}");
+    assert!((2..=held).contains(&sent), "{sent} {held}");
+    sender.kill().expect("it still runs");
+    ended(sender);
+}
+
+#[test]
+fn a_board_that_restarts_or_falls_silent_ends_the_sending_with_the_reason() {
+    let _alone = ONE_AT_A_TIME.lock();
+    type Fate = fn(&ServedBoard);
+    let fates: [(&str, Fate, &str); 2] = [
+        ("restart", ServedBoard::restart, "board: the board has restarted"),
+        ("silence", ServedBoard::fall_silent, "board: the board is silent"),
+    ];
+    for (name, fate, reason) in fates {
+        let scratch = Scratch::new(&format!("board-{name}"));
+        let (board, control) = (ServedBoard::start(), Taker::start());
+        let mut sender = stream(&scratch, &control, &board);
+        arm(&mut sender, &control);
+        let before = settled(&control);
+        fate(&board);
+        let (code, said) = ended(sender);
+        assert_eq!(code, Some(3), "{said}");
+        assert!(said.contains(reason) && said.contains("--resume"), "{said}");
+        let taken = control.taken();
+        let more = &taken[before.len()..];
+        assert!(moves(more) <= 1, "after the {name} {:?} left", String::from_utf8_lossy(more));
+        let journal = std::fs::read_to_string(scratch.path("journal")).expect("a journal");
+        assert!(journal.contains("end"), "{journal}");
+    }
+}
+
+#[test]
+fn a_board_tells_what_it_is_and_takes_settings_that_make_sense() {
+    let _alone = ONE_AT_A_TIME.lock();
+    let board = ServedBoard::start();
+    let info = figures(&["board", &board.url, "info", "--json"]);
+    assert_eq!((&info["name"], &info["capacity"], &info["starts"]), (&"served".into(), &(AHEAD - 1).into(), &1.into()));
+    let said = |arguments: &[&str]| {
+        let output = run(&[&["board", &board.url], arguments].concat());
+        let text = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+        (output.status.code(), text)
+    };
+    let (code, listed) = said(&["set"]);
+    assert!(code == Some(0) && listed.lines().count() == 12 && listed.contains("link-lost"), "{listed}");
+    assert_eq!(said(&["set", "resync", "600000"]), (Some(0), "resync is 600000 us\n".into()));
+    assert!(said(&["set"]).1.contains("600000 us"));
+    let (code, refused) = said(&["set", "position-stale", "0"]);
+    assert!(code == Some(3) && refused.contains("makes no sense"), "{refused}");
+    let (code, unknown) = said(&["set", "resinc", "1"]);
+    assert!(code == Some(2) && unknown.contains("resync"), "{unknown}");
+    let (code, half) = said(&["set", "resync"]);
+    assert!(code == Some(2), "{half}");
+    let (code, seen) = said(&["monitor", "--seconds", "1"]);
+    assert!(code == Some(0) && seen.contains("idle") && seen.contains("NotArmed"), "{seen}");
+}
+
+#[test]
+fn where_no_board_answers_it_says_what_to_check() {
+    let output = run(&["board", "loop://", "info"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3));
+    assert!(said.contains("our own echo"), "{said}");
+    let silent = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let url = format!("socket://{}", silent.local_addr().expect("it has an address"));
+    let output = run(&["stream", JOB, "--port", "loop://", "--board", &url, "--journal", "/nonexistent/x"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(said.contains("nobody answers") && said.contains("115 200"), "{said}");
+    let output = run(&["stream", JOB, "--board", &url]);
+    assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
+}
