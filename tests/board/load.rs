@@ -14,13 +14,19 @@ use arcfeed_tests::emulation::images::image;
 use arcfeed_tests::emulation::log::messages;
 use arcfeed_tests::emulation::qemu::{Clock, Emulator};
 
-use crate::runs::{Example, prepare};
+use crate::runs::{Example, prepare, try_prepare};
 
 const LOAD_PERCENT: i64 = 95;
 /// Periods from cycle start on in lockstep: the first arcs under their law, with segments coming in behind them.
 const PERIODS: u32 = 8_000;
-/// For how long boards tick by their timer.
-const FREE: Duration = Duration::from_secs(3);
+/// How often boards tick by their timer before they are judged: for as long as this machine takes over it.
+const FREE_TICKS: u32 = 4_000;
+/// How long between two looks at its log.
+const LOOK: Duration = Duration::from_millis(100);
+/// A board that does not get there hangs.
+const PATIENCE: Duration = Duration::from_secs(300);
+/// A machine with much else to do may lose a link by the wall's clock; not every time.
+const ATTEMPTS: u32 = 10;
 /// What all of a tick may take, instructions: samples, orders, supervisor, law, telemetry, output.
 const TICK_MAX: u32 = 2_300;
 /// Bytes of stack, of main loop and interrupts together.
@@ -38,17 +44,16 @@ struct Costs {
     stack: u32,
 }
 
-/// The last figures in a log.
-fn costs(console: &[u8]) -> Costs {
+/// The last figures in a log, if there are any yet.
+fn costs(console: &[u8]) -> Option<Costs> {
     let image = fs::read(image("feedboard")).expect("the image is there");
     let whole = console.iter().rposition(|byte| *byte == 0).map_or(0, |end| end + 1);
     let log = messages(&image, &console[..whole]);
-    let line =
-        log.iter().rfind(|line| line.contains("ticks, worst")).unwrap_or_else(|| panic!("no figures in {log:?}"));
+    let line = log.iter().rfind(|line| line.contains("ticks, worst"))?;
     let words = line.split_whitespace().map(|word| word.trim_end_matches(','));
     let numbers: Vec<u32> = words.filter_map(|word| word.parse().ok()).collect();
     let [ticks, worst, earliest, latest, lost, stack] = numbers[..] else { panic!("{line}") };
-    Costs { ticks, worst, late: [earliest, latest], lost, stack }
+    Some(Costs { ticks, worst, late: [earliest, latest], lost, stack })
 }
 
 /// Figures of a run in lockstep, and the part of its line that each end kept busy, %.
@@ -56,7 +61,7 @@ fn in_lockstep(example: &Example, load_percent: i64) -> (Costs, [u64; 2]) {
     let host = example.host();
     let host = if load_percent > 0 { host.with_load(load_percent) } else { host };
     let mut rig = example.rig(Emulator::start("feedboard", Clock::CountedWaiting), host, ModeCode::Lockstep);
-    prepare(&mut rig, |_| {});
+    prepare(&mut rig);
     let before = rig.decider().attached().bytes();
     rig.control_mut().cycle_start();
     (0..PERIODS).for_each(|_| rig.step());
@@ -64,7 +69,7 @@ fn in_lockstep(example: &Example, load_percent: i64) -> (Costs, [u64; 2]) {
     let after = rig.decider().attached().bytes();
     let carried = u64::from(PERIODS) * 1_152 / 100;
     let busy = [0, 1].map(|way| (after[way] - before[way]) * 100 / carried);
-    (costs(&rig.decider().wires().console()), busy)
+    (costs(&rig.decider().wires().console()).expect("it logs its figures"), busy)
 }
 
 /// Figures of a board that ticks by its timer, and the bytes it got on its link for each 100 ticks. Its clock is that of its
@@ -77,17 +82,24 @@ fn by_timer(is_loaded: bool) -> (Costs, u64) {
     let (began, mut bytes) = (Instant::now(), 1);
     let mut line = PlainLine::new();
     let mut frame = [0; ENCODED_MAX];
-    while began.elapsed() < FREE {
+    let mut looked = began;
+    loop {
         if is_loaded {
             let length = line.encode(Micros(0), &FILLER, &mut frame);
             board.put(Wire::Link, &frame[..length]).expect("the line is open");
             bytes += length as u64;
         } else {
-            std::thread::sleep(Duration::from_millis(10));
+            std::thread::sleep(LOOK / 10);
         }
+        if looked.elapsed() < LOOK {
+            continue;
+        }
+        looked = Instant::now();
+        if let Some(costs) = costs(&board.console()).filter(|costs| costs.ticks >= FREE_TICKS) {
+            return (costs, bytes * 100 / u64::from(costs.ticks));
+        }
+        assert!(began.elapsed() < PATIENCE, "it does not tick");
     }
-    let costs = costs(&board.console());
-    (costs, bytes * 100 / u64::from(costs.ticks))
 }
 
 #[test]
@@ -109,7 +121,6 @@ fn no_tick_is_late_whatever_comes_on_the_link() {
     let ((idle, _), (loaded, bytes)) = (by_timer(false), by_timer(true));
     println!("idle: {idle:?}");
     println!("loaded, {bytes} bytes in 100 ticks: {loaded:?}");
-    assert!(idle.ticks > 1_000 && loaded.ticks > 1_000, "it ticks");
     assert!(bytes > 0, "something came");
     assert!(idle.late[1] <= LATE_MAX && loaded.late[1] <= LATE_MAX, "instructions from the timer to the tick");
     // Loaded, more comes than any line of its bit rate brings: what finds no room is lost, counted, and nobody's delay.
@@ -119,15 +130,24 @@ fn no_tick_is_late_whatever_comes_on_the_link() {
 #[test]
 fn by_the_walls_clock_the_link_comes_up_and_a_person_arms() {
     let example = Example::load();
-    let mut rig = example.rig(Emulator::start("feedboard", Clock::Wall), example.host(), ModeCode::Free);
-    let began = Instant::now();
-    let mut periods = 0;
-    prepare(&mut rig, |host| {
-        periods += 1;
-        let due = began + Duration::from_millis(periods);
-        std::thread::sleep(due.saturating_duration_since(Instant::now()));
-        assert!(host.link().counters().crc_errors == 0, "no frame is spoilt");
-    });
-    println!("armed after {:?}, round trip {:?}", began.elapsed(), rig.decider().attached().link().counters().srtt);
-    assert_eq!(rig.decider().broken(), None);
+    for attempt in 1..=ATTEMPTS {
+        let mut rig = example.rig(Emulator::start("feedboard", Clock::Wall), example.host(), ModeCode::Free);
+        let began = Instant::now();
+        let mut periods = 0;
+        let prepared = try_prepare(&mut rig, |host| {
+            periods += 1;
+            let due = began + Duration::from_millis(periods);
+            std::thread::sleep(due.saturating_duration_since(Instant::now()));
+            assert!(host.link().counters().crc_errors == 0, "no frame is spoilt");
+        });
+        match prepared {
+            Ok(()) => {
+                let srtt = rig.decider().attached().link().counters().srtt;
+                println!("attempt {attempt}: armed after {:?}, round trip {srtt:?}", began.elapsed());
+                return;
+            }
+            Err(reason) => println!("attempt {attempt}: {reason}"),
+        }
+    }
+    panic!("never armed");
 }

@@ -109,7 +109,7 @@ impl Example {
     /// A run by a board at the end of these lines.
     pub fn by_board<W: Wires>(&self, wires: W) -> (Outcome, Host) {
         let mut rig = self.rig(wires, self.host(), ModeCode::Lockstep);
-        prepare(&mut rig, |_| {});
+        prepare(&mut rig);
         rig.control_mut().cycle_start();
         let outcome = finish(&mut rig);
         assert_eq!(rig.decider().broken(), None);
@@ -119,25 +119,35 @@ impl Example {
 
 /// Steps until the board has a job and segments ahead; then a person arms, and the override rises to the dial. `between` is called
 /// between steps.
-pub fn prepare<W: Wires>(rig: &mut Rig<Board<W, Host>>, mut between: impl FnMut(&Host)) {
+///
+/// # Errors
+/// It is not armed in the end, or the board is gone.
+pub fn try_prepare<W: Wires>(rig: &mut Rig<Board<W, Host>>, mut between: impl FnMut(&Host)) -> Result<(), String> {
     let mut armed = false;
     for _ in 0..PREPARING {
         rig.step();
         let board = rig.decider();
-        assert_eq!(board.broken(), None);
+        if let Some(broken) = board.broken() {
+            return Err(format!("{broken:?}"));
+        }
         between(board.attached());
         let is_armed = board.state().is_some_and(|state| matches!(state, StateCode::Armed | StateCode::Inhibited));
         let is_full = board.attached().report.is_some_and(|report| report.in_work.is_some() && report.room == 0);
         if armed && is_armed && rig.decided() == FeedOverride::PROGRAMMED {
             rig.decider_mut().set_panel(Signals::NONE);
-            return;
+            return Ok(());
         }
         if is_full && !armed {
             rig.decider_mut().set_panel(Signals::of_request(Request::Arm));
             armed = true;
         }
     }
-    panic!("not armed: {:?}, {:?}", rig.decider().state(), rig.decider().attached().report);
+    Err(format!("not armed: {:?}, {:?}", rig.decider().state(), rig.decider().attached().report))
+}
+
+/// As [`try_prepare`], where nothing can come between.
+pub fn prepare<W: Wires>(rig: &mut Rig<Board<W, Host>>) {
+    try_prepare(rig, |_| {}).unwrap_or_else(|reason| panic!("{reason}"));
 }
 
 /// Steps to the end of the program.

@@ -15,6 +15,18 @@ const JOB: &str = "examples/ibr-slot/job.toml";
 const DC1: u8 = 0x11;
 /// A link is lost after a quarter of a second: tests that keep one up do not share the machine.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+/// Others may still keep it busy for so long, and cost a test its link; not every time.
+const ATTEMPTS: u32 = 10;
+const LOST: &str = "board: the board is silent";
+
+/// The machine was too busy to keep the link up.
+struct LinkLost;
+
+/// One attempt after the other, until the link holds throughout.
+fn while_the_link_holds(mut attempt: impl FnMut() -> Result<(), LinkLost>) {
+    let held = (0..ATTEMPTS).any(|_| attempt().is_ok());
+    assert!(held, "the link was lost {ATTEMPTS} times");
+}
 
 /// A control that asks for a program and takes all it gets.
 struct Taker {
@@ -66,19 +78,21 @@ fn stream(scratch: &Scratch, control: &Taker, board: &ServedBoard) -> Child {
 }
 
 /// Types `arm` until the board is armed: characters begin to leave.
-fn arm(sender: &mut Child, control: &Taker) {
+fn arm(sender: &mut Child, control: &Taker) -> Result<(), LinkLost> {
     let mut stdin = sender.stdin.take().expect("it is piped");
     wait_for("the first character", || {
         if stdin.write_all(b"arm\n").is_err() {
             let mut said = String::new();
             let _text = sender.stderr.take().map(|mut stderr| stderr.read_to_string(&mut said));
-            panic!("the sender has ended: {said}");
+            assert!(said.contains(LOST), "the sender has ended: {said}");
+            return Some(Err(LinkLost));
         }
         std::thread::sleep(Duration::from_millis(100));
-        (!control.taken().is_empty()).then_some(())
-    });
+        (!control.taken().is_empty()).then_some(Ok(()))
+    })?;
     // Kept open: at its end nobody could type any more.
     std::mem::forget(stdin);
+    Ok(())
 }
 
 /// Waits until no more characters come.
@@ -141,44 +155,59 @@ fn a_control_that_reports_where_it_is_is_cut_the_same_behind_a_link() {
 #[test]
 fn nothing_leaves_before_a_person_has_armed_and_no_block_before_its_move() {
     let _alone = ONE_AT_A_TIME.lock();
-    let (scratch, board, control) = (Scratch::new("board-gate"), ServedBoard::start(), Taker::start());
-    let mut sender = stream(&scratch, &control, &board);
-    std::thread::sleep(Duration::from_millis(1_500));
-    assert_eq!(control.taken(), b"", "not armed");
-    arm(&mut sender, &control);
-    let taken = settled(&control);
-    // The axes of this board stand still, so it takes what it has room for and no more.
-    let (sent, held) = (moves(&taken), AHEAD);
-    println!("{sent} moves sent to the control, the board holds at most {held}");
-    assert!((2..=held).contains(&sent), "{sent} {held}");
-    sender.kill().expect("it still runs");
-    ended(sender);
+    while_the_link_holds(|| {
+        let (scratch, board, control) = (Scratch::new("board-gate"), ServedBoard::start(), Taker::start());
+        let mut sender = stream(&scratch, &control, &board);
+        std::thread::sleep(Duration::from_millis(1_500));
+        assert_eq!(control.taken(), b"", "not armed");
+        let armed = arm(&mut sender, &control);
+        let taken = settled(&control);
+        // The axes of this board stand still, so it takes what it has room for and no more.
+        let (sent, held) = (moves(&taken), AHEAD);
+        println!("{sent} moves sent to the control, the board holds at most {held}");
+        assert!(sent <= held, "{sent} {held}");
+        let _may_have_ended = sender.kill();
+        let (_, said) = ended(sender);
+        armed?;
+        if said.contains(LOST) {
+            return Err(LinkLost);
+        }
+        assert!(sent >= 2, "{sent}");
+        Ok(())
+    });
 }
 
 #[test]
 fn a_board_that_restarts_or_falls_silent_ends_the_sending_with_the_reason() {
     let _alone = ONE_AT_A_TIME.lock();
-    type Fate = fn(&ServedBoard);
-    let fates: [(&str, Fate, &str); 2] = [
-        ("restart", ServedBoard::restart, "board: the board has restarted"),
-        ("silence", ServedBoard::fall_silent, "board: the board is silent"),
-    ];
-    for (name, fate, reason) in fates {
-        let scratch = Scratch::new(&format!("board-{name}"));
-        let (board, control) = (ServedBoard::start(), Taker::start());
-        let mut sender = stream(&scratch, &control, &board);
-        arm(&mut sender, &control);
-        let before = settled(&control);
-        fate(&board);
-        let (code, said) = ended(sender);
-        assert_eq!(code, Some(3), "{said}");
-        assert!(said.contains(reason) && said.contains("--resume"), "{said}");
-        let taken = control.taken();
-        let more = &taken[before.len()..];
-        assert!(moves(more) <= 1, "after the {name} {:?} left", String::from_utf8_lossy(more));
-        let journal = std::fs::read_to_string(scratch.path("journal")).expect("a journal");
-        assert!(journal.contains("end"), "{journal}");
+    while_the_link_holds(|| ends_the_sending("restart", ServedBoard::restart, "board: the board has restarted"));
+    while_the_link_holds(|| ends_the_sending("silence", ServedBoard::fall_silent, LOST));
+}
+
+fn ends_the_sending(name: &str, fate: fn(&ServedBoard), reason: &str) -> Result<(), LinkLost> {
+    let scratch = Scratch::new(&format!("board-{name}"));
+    let (board, control) = (ServedBoard::start(), Taker::start());
+    let mut sender = stream(&scratch, &control, &board);
+    arm(&mut sender, &control)?;
+    let before = settled(&control);
+    if let Ok(Some(_)) = sender.try_wait() {
+        let (_, said) = ended(sender);
+        assert!(said.contains(LOST), "before the {name}: {said}");
+        return Err(LinkLost);
     }
+    fate(&board);
+    let (code, said) = ended(sender);
+    assert_eq!(code, Some(3), "{said}");
+    if reason != LOST && said.contains(LOST) {
+        return Err(LinkLost);
+    }
+    assert!(said.contains(reason) && said.contains("--resume"), "{said}");
+    let taken = control.taken();
+    let more = &taken[before.len()..];
+    assert!(moves(more) <= 1, "after the {name} {:?} left", String::from_utf8_lossy(more));
+    let journal = std::fs::read_to_string(scratch.path("journal")).expect("a journal");
+    assert!(journal.contains("end"), "{journal}");
+    Ok(())
 }
 
 #[test]
@@ -202,7 +231,7 @@ fn a_board_tells_what_it_is_and_takes_settings_that_make_sense() {
     assert!(code == Some(2) && unknown.contains("resync"), "{unknown}");
     let (code, half) = said(&["set", "resync"]);
     assert!(code == Some(2), "{half}");
-    let (code, seen) = said(&["monitor", "--seconds", "1"]);
+    let (code, seen) = said(&["monitor", "--seconds", "3"]);
     assert!(code == Some(0) && seen.contains("idle") && seen.contains("NotArmed"), "{seen}");
 }
 
