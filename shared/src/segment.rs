@@ -161,11 +161,10 @@ impl Arc {
             from: offset.map(|Nm(nm)| Nm(nm.saturating_neg())),
             to: subtract(end, center),
         };
-        let (radius_mm, end_radius_mm) = (arc.radius_mm(), length_mm(arc.to));
-        if radius_mm == 0.0 {
+        if arc.from == [Nm(0); 2] {
             return Err(Fault::alarm(Alarm::NoRadius, 0));
         }
-        if libm::fabs(radius_mm - end_radius_mm) > RADIUS_TOLERANCE.to_mm() {
+        if !are_equally_long(arc.from, arc.to) {
             return Err(Fault::alarm(Alarm::RadiusTolerance, 0));
         }
         Ok(arc)
@@ -218,6 +217,19 @@ fn add(a: [Nm; 2], b: [Nm; 2]) -> [Nm; 2] {
 fn subtract(a: [Nm; 2], b: [Nm; 2]) -> [Nm; 2] {
     let ([ax, ay], [bx, by]) = (a, b);
     [Nm(ax.0.saturating_sub(bx.0)), Nm(ay.0.saturating_sub(by.0))]
+}
+
+/// Whether the lengths a and b of two vectors differ by [`RADIUS_TOLERANCE`] t at most. As (a + b)^2 >= a^2 + b^2, it is enough
+/// that (a^2 - b^2)^2 <= t^2 (a^2 + b^2), which takes no root and holds of nearly every arc.
+fn are_equally_long(a: [Nm; 2], b: [Nm; 2]) -> bool {
+    let square = |vector: [Nm; 2]| {
+        let [x, y] = vector.map(|Nm(nm)| nm as f64);
+        x * x + y * y
+    };
+    let (a_squared, b_squared, tolerance) = (square(a), square(b), RADIUS_TOLERANCE.0 as f64);
+    let difference = a_squared - b_squared;
+    difference * difference <= tolerance * tolerance * (a_squared + b_squared)
+        || libm::fabs(length_mm(a) - length_mm(b)) <= RADIUS_TOLERANCE.to_mm()
 }
 
 fn length_mm(vector: [Nm; 2]) -> f64 {
@@ -333,5 +345,25 @@ mod tests {
         straight.end.linear[2] = Nm(1);
         let fault = Segment::from_motion(&straight, None).unwrap_err();
         assert_eq!(fault, Fault::not_modelled(NotModelled::ArcWithoutAngle, 0));
+    }
+
+    #[test]
+    fn the_short_way_to_compare_two_radii_never_accepts_what_the_roots_refuse() {
+        let mut seed = 1_u64;
+        let mut next = |below: i64| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((seed >> 16) as i64).rem_euclid(below)
+        };
+        let mut equal = 0;
+        for _ in 0..200_000 {
+            let radius = 10_i64.pow(next(12) as u32 + 1) + next(1_000);
+            let turned = next(1_000_000) as f64 * TAU / 1e6;
+            let longer = (radius + next(90_000) - 45_000) as f64;
+            let (a, b) = ([Nm(radius), Nm(0)], [turned.cos(), turned.sin()].map(|part| Nm((part * longer) as i64)));
+            let by_roots = libm::fabs(length_mm(a) - length_mm(b)) <= RADIUS_TOLERANCE.to_mm();
+            assert_eq!(are_equally_long(a, b), by_roots, "{a:?} {b:?}");
+            equal += u32::from(by_roots);
+        }
+        assert!((50_000..190_000).contains(&equal), "{equal}");
     }
 }

@@ -110,7 +110,7 @@ fn codes(modal: &Modal) -> Vec<String> {
         system => format!("G54.1 P{}", system - 5),
     });
     codes.extend(modal.polar.map(|_| "G16".to_owned()));
-    codes.extend(modal.frame.stretch.map(|stretch| if stretch.code == 510 { "G51" } else { "G51.1" }.to_owned()));
-    codes.extend(modal.frame.rotation.map(|turned| format!("G68 R{}", turned.angle.to_deg())));
+    codes.extend(modal.frame.stretch().map(|stretch| if stretch.code == 510 { "G51" } else { "G51.1" }.to_owned()));
+    codes.extend(modal.frame.rotation().map(|turned| format!("G68 R{}", turned.angle.to_deg())));
     codes
 }

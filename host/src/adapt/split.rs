@@ -175,7 +175,7 @@ impl Governed<'_> {
         let mut reader = self.before.clone();
         let _understood = reader.read(&self.line.text);
         let frame = &reader.modal().frame;
-        frame.is_shift() && frame.shift == self.line.origin
+        frame.is_shift() && frame.shift() == self.line.origin
     }
 
     fn spelling(&self, arc: &Arc) -> Option<Spelling<'_>> {

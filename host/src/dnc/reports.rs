@@ -219,8 +219,8 @@ fn is_told(modal: &Modal) -> bool {
     modal.compensation.is_none()
         && modal.cycle.is_none()
         && modal.polar.is_none()
-        && modal.frame.stretch.is_none()
-        && modal.frame.rotation.is_none()
+        && modal.frame.stretch().is_none()
+        && modal.frame.rotation().is_none()
         && modal.unmodelled == 0
         && !modal.follows_tool_center
 }

@@ -80,7 +80,7 @@ impl Before {
         let text = sent.line_text(line).unwrap_or_default();
         let text = text.strip_suffix(b"\n").unwrap_or(text);
         let source = sent.lines()[line].source;
-        let shift = reader.modal().frame.shift;
+        let shift = reader.modal().frame.shift();
         let understood =
             reader.read(text).map_err(|fault| format!("line {source} cannot be read any more: {}", fault.cause))?;
         if understood.step.stop.is_some_and(|stop| stop == arcfeed_shared::nc::modal::Stop::End) {
@@ -92,7 +92,7 @@ impl Before {
             *named |= block.word(letter).is_some();
         }
         let modal = reader.modal();
-        if modal.frame.shift != shift {
+        if modal.frame.shift() != shift {
             self.clearance = None;
         }
         let is_rapid = understood.step.motion.is_some_and(|motion| motion.kind == MotionKind::Rapid);
@@ -112,7 +112,7 @@ impl Before {
         let found = [
             (modal.compensation.is_some(), "G41 or G42 is in force: the tool meets the contour only where it began"),
             (modal.polar.is_some(), "G16 is in force"),
-            (modal.frame.stretch.is_some(), "scaling or mirror image is in force"),
+            (modal.frame.stretch().is_some(), "scaling or mirror image is in force"),
             (modal.unmodelled != 0, "a tilted plane is in force"),
             (modal.follows_tool_center, "G43.4 is in force"),
             (modal.preset != Pose::ORIGIN, "G92 has set coordinates: what they refer to is gone"),
@@ -157,7 +157,7 @@ impl Before {
         let mut start = self.modal.program;
         if let Some(cycle) = self.modal.cycle {
             let (.., normal) = self.modal.plane.axes();
-            start.linear[normal] = Nm(cycle.initial.0 - self.modal.frame.shift.linear[normal].0);
+            start.linear[normal] = Nm(cycle.initial.0 - self.modal.frame.shift().linear[normal].0);
         }
         start
     }
@@ -186,7 +186,7 @@ impl Before {
         if !rotary.is_empty() {
             line(&mut text, &rotary);
         }
-        if let Some(rotation) = &modal.frame.rotation {
+        if let Some(rotation) = modal.frame.rotation() {
             let (g, [first, second]) = plane(rotation.plane);
             let [x, y] = rotation.center.map(|center| self.length(center));
             line(&mut text, &format!("{g}G68{first}{x}{second}{y}R{}", degrees(rotation.angle)));

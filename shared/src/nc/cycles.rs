@@ -26,7 +26,8 @@ impl Modal {
     ) -> Result<Option<Series>, Fault> {
         let (first, second, normal) = self.plane.axes();
         let depth_axis = b'X' + normal as u8;
-        let initial = Nm(cycle.initial.0.saturating_sub(self.frame.shift.linear.get(normal).map_or(0, |axis| axis.0)));
+        let initial =
+            Nm(cycle.initial.0.saturating_sub(self.frame.shift().linear.get(normal).map_or(0, |axis| axis.0)));
         let length = |letter| block.word(letter).map(|word| self.length(word.number, settings.decimals));
         let relative = |from: Nm, value: i64| Nm(if self.absolute { value } else { from.0.saturating_add(value) });
         cycle.r = length(b'R').map(|value| relative(initial, value)).or(cycle.r);
@@ -93,7 +94,7 @@ impl Modal {
         let (.., normal) = self.plane.axes();
         let shifts = self.cycle.is_some_and(|cycle| matches!(cycle.code, 76 | 87));
         self.refuse_under_stretch(Some(normal).filter(|_| !shifts))?;
-        match self.frame.rotation {
+        match self.frame.rotation() {
             Some(rotation) if rotation.plane != self.plane => refuse(680),
             _ => Ok(()),
         }

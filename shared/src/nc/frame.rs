@@ -31,12 +31,11 @@ pub struct Rotation {
 /// Where program coordinates lie.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frame {
-    /// The program's origin on the path.
-    pub shift: Pose,
-    /// G51, G51.1.
-    pub stretch: Option<Stretch>,
-    /// G68.
-    pub rotation: Option<Rotation>,
+    shift: Pose,
+    stretch: Option<Stretch>,
+    rotation: Option<Rotation>,
+    /// Each block asks, hardly any changes it.
+    is_elsewhere: bool,
 }
 
 impl Rotation {
@@ -68,10 +67,31 @@ impl Rotation {
 }
 
 impl Frame {
+    /// The program's origin on the path, G51 or G51.1, and G68.
+    pub fn new(shift: Pose, stretch: Option<Stretch>, rotation: Option<Rotation>) -> Self {
+        let is_elsewhere = stretch.is_some() || rotation.is_some() || shift != Pose::ORIGIN;
+        Frame { shift, stretch, rotation, is_elsewhere }
+    }
+
+    /// The program's origin on the path.
+    pub fn shift(&self) -> Pose {
+        self.shift
+    }
+
+    /// G51, G51.1.
+    pub fn stretch(&self) -> Option<&Stretch> {
+        self.stretch.as_ref()
+    }
+
+    /// G68.
+    pub fn rotation(&self) -> Option<&Rotation> {
+        self.rotation.as_ref()
+    }
+
     /// Whether program and path coordinates are the same numbers.
     #[inline]
     pub fn is_plain(&self) -> bool {
-        self.is_shift() && self.shift.is_origin()
+        !self.is_elsewhere
     }
 
     /// Whether the program's coordinates are only elsewhere.
@@ -127,7 +147,7 @@ mod tests {
     fn a_quarter_about_a_centre_is_exact_and_leads_back() {
         let center = [10.0, 0.0].map(Nm::from_mm);
         let rotation = Rotation::new(Plane::Xy, center, MicroDeg(90_000_000));
-        let frame = Frame { shift: pose(100.0, 0.0), stretch: None, rotation: Some(rotation) };
+        let frame = Frame::new(pose(100.0, 0.0), None, Some(rotation));
         let mut wanted = pose(110.0, 5.0);
         wanted.linear[2] = Nm(14);
         assert_eq!(frame.to_path(pose(15.0, 0.0)), wanted);
@@ -138,7 +158,7 @@ mod tests {
     #[test]
     fn three_four_five_turned_back_is_within_a_nanometre() {
         let rotation = Rotation::new(Plane::Xy, [Nm(0); 2], MicroDeg(-36_869_898));
-        let turned = Frame { shift: Pose::ORIGIN, stretch: None, rotation: Some(rotation) }.to_path(pose(4.0, 3.0));
+        let turned = Frame::new(Pose::ORIGIN, None, Some(rotation)).to_path(pose(4.0, 3.0));
         // 36.869898 degrees is atan(3/4) to half a microdegree: 9e-9 rad over 5 mm.
         assert!((turned.linear[0].0 - 5_000_000).abs() <= 1 && turned.linear[1].0.abs() <= 45, "{turned:?}");
     }

@@ -153,10 +153,10 @@ impl Modal {
         if self.frame.is_plain() {
             return None;
         }
-        if let Some(stretch) = &self.frame.stretch {
+        if let Some(stretch) = self.frame.stretch() {
             return under(stretch.code);
         }
-        under(match (self.frame.rotation, self.preset, self.local) {
+        under(match (self.frame.rotation(), self.preset, self.local) {
             (Some(_), ..) => 680,
             (None, Pose::ORIGIN, Pose::ORIGIN) => 540 + 10 * self.system.min(5),
             (None, Pose::ORIGIN, _) => 520,

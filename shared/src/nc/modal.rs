@@ -139,7 +139,8 @@ impl Modal {
 
     /// Lays the program's coordinates where the offsets say; the tool stays where it is.
     pub fn settle(&mut self, tables: &Tables) {
-        self.frame.shift = tables.origin(self.system).plus(self.preset).plus(self.local);
+        let shift = tables.origin(self.system).plus(self.preset).plus(self.local);
+        self.frame = Frame::new(shift, self.frame.stretch().copied(), self.frame.rotation().copied());
         self.program = self.frame.to_program(self.position);
     }
 
@@ -150,10 +151,10 @@ impl Modal {
     }
 
     pub(super) fn rotate(&mut self, rotation: Option<Rotation>) {
-        if self.frame.rotation == rotation {
+        if self.frame.rotation() == rotation.as_ref() {
             return;
         }
-        self.frame.rotation = rotation;
+        self.frame = Frame::new(self.frame.shift(), self.frame.stretch().copied(), rotation);
         self.program = self.frame.to_program(self.position);
         self.is_unsettled = true;
     }

@@ -152,13 +152,6 @@ impl Pose {
     /// All axes at zero.
     pub const ORIGIN: Pose = Pose { linear: [Nm(0); 3], rotary: [MicroDeg(0); 3] };
 
-    /// Whether this is the origin.
-    #[inline]
-    pub fn is_origin(&self) -> bool {
-        let linear = self.linear.iter().fold(0, |bits, axis| bits | axis.0);
-        self.rotary.iter().fold(linear, |bits, axis| bits | axis.0) == 0
-    }
-
     /// Axis by axis.
     #[must_use]
     pub fn plus(self, other: Pose) -> Pose {

@@ -144,7 +144,7 @@ impl Modal {
             return Ok(());
         }
         self.may_move(target)?;
-        let is_turned = self.frame.rotation.is_some_and(|rotation| rotation.plane != self.plane);
+        let is_turned = self.frame.rotation().is_some_and(|rotation| rotation.plane != self.plane);
         if is_arc && is_turned {
             return Err(Fault::alarm(Alarm::RotationPlane, 0));
         }

@@ -4,7 +4,7 @@ use super::address::whole;
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::block::Block;
 use super::codes::OneShot;
-use super::frame::Rotation;
+use super::frame::{Frame, Rotation};
 use super::modal::{Center, Feed, Modal, Motion, MotionKind, Pose, Step};
 use super::moves::rotary;
 use super::series::Series;
@@ -169,14 +169,14 @@ impl Modal {
             return Err(Fault::not_modelled(NotModelled::GCode(680), word.column));
         }
         let (first, second, _) = self.plane.axes();
-        let plain = Modal { frame: super::frame::Frame { rotation: None, ..self.frame }, ..*self };
-        let here = plain.frame.to_program(self.position);
+        let unturned = Frame::new(self.frame.shift(), self.frame.stretch().copied(), None);
+        let here = unturned.to_program(self.position);
         let given = self.given(block, settings);
         let mut around = here.linear;
         for (index, (place, given)) in around.iter_mut().zip(given.linear).enumerate() {
             *place = if block.word(b'X' + index as u8).is_some() { given } else { *place };
         }
-        if let Some(stretch) = &self.frame.stretch {
+        if let Some(stretch) = self.frame.stretch() {
             stretch.apply(&mut around);
         }
         let center = [first, second].map(|index| around.get(index).copied().unwrap_or_default());

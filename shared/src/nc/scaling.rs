@@ -2,6 +2,7 @@
 
 use super::alarm::{Fault, NotModelled};
 use super::block::Block;
+use super::frame::Frame;
 use super::modal::{Modal, Pose, Turn};
 use super::settings::Settings;
 use super::stretch::{Stretch, WHOLE, stretched};
@@ -14,15 +15,15 @@ const AXES: [(u8, u8); 3] = [(b'X', b'I'), (b'Y', b'J'), (b'Z', b'K')];
 
 impl Modal {
     fn stretch(&mut self, stretch: Option<Stretch>) {
-        if self.frame.stretch != stretch {
-            self.frame.stretch = stretch;
+        if self.frame.stretch() != stretch.as_ref() {
+            self.frame = Frame::new(self.frame.shift(), stretch, self.frame.rotation().copied());
             self.program = self.frame.to_program(self.position);
         }
     }
 
     /// G50: off with G51; G50.1 without an axis: off with G51.1.
     pub(super) fn end_stretch(&mut self, code: u16) {
-        if self.frame.stretch.is_some_and(|stretch| stretch.code == code) {
+        if self.frame.stretch().is_some_and(|stretch| stretch.code == code) {
             self.stretch(None);
         }
     }
@@ -60,7 +61,7 @@ impl Modal {
         self.may_stretch(511)?;
         let given = self.given(block, settings);
         let none = Stretch { code: 511, center: [Nm(0); 3], thousandths: [WHOLE; 3] };
-        let mut stretch = self.frame.stretch.unwrap_or(none);
+        let mut stretch = self.frame.stretch().copied().unwrap_or(none);
         let places = stretch.center.iter_mut().zip(&mut stretch.thousandths).zip(given.linear);
         for (((center, by), at), (letter, _)) in places.zip(AXES) {
             if block.word(letter).is_some() {
@@ -73,7 +74,7 @@ impl Modal {
 
     /// G50.1: no longer mirrored in the axes named.
     pub(super) fn end_mirror(&mut self, block: &Block) {
-        let Some(mut stretch) = self.frame.stretch.filter(|stretch| stretch.code == 511) else { return };
+        let Some(mut stretch) = self.frame.stretch().copied().filter(|stretch| stretch.code == 511) else { return };
         for (by, (letter, _)) in stretch.thousandths.iter_mut().zip(AXES) {
             if block.word(letter).is_some() {
                 *by = WHOLE;
@@ -84,8 +85,8 @@ impl Modal {
 
     /// One of the two at a time, and not inside G68 or a cycle.
     fn may_stretch(&self, code: u16) -> Result<(), Fault> {
-        let has_other = self.frame.stretch.is_some_and(|stretch| stretch.code != code);
-        if has_other || self.frame.rotation.is_some() || self.cycle.is_some() {
+        let has_other = self.frame.stretch().is_some_and(|stretch| stretch.code != code);
+        if has_other || self.frame.rotation().is_some() || self.cycle.is_some() {
             return Err(Fault::not_modelled(NotModelled::GCode(code), 0));
         }
         Ok(())
@@ -93,7 +94,7 @@ impl Modal {
 
     /// Offsets are not moved under G51 and G51.1, nor are holes drilled along a stretched axis, nor boring tools shifted.
     pub(super) fn refuse_under_stretch(&self, normal: Option<usize>) -> Result<(), Fault> {
-        match self.frame.stretch {
+        match self.frame.stretch() {
             Some(stretch) if normal.is_none_or(|normal| stretch.is_along(normal)) => {
                 Err(Fault::not_modelled(NotModelled::MoveUnder(stretch.code), 0))
             }
@@ -103,7 +104,7 @@ impl Modal {
 
     /// An arc's radius and sense on the path.
     pub(super) fn stretch_arc(&self, radius: Nm, turn: Turn) -> Result<(Nm, Turn), Fault> {
-        let Some(stretch) = self.frame.stretch else { return Ok((radius, turn)) };
+        let Some(stretch) = self.frame.stretch() else { return Ok((radius, turn)) };
         let refused = Fault::not_modelled(NotModelled::MoveUnder(stretch.code), 0);
         let (by, is_mirrored) = stretch.of_arc(self.plane).ok_or(refused)?;
         let turn = match (is_mirrored, turn) {
@@ -116,7 +117,7 @@ impl Modal {
 
     /// A stretched point, its axes that are not named where they were: to the nanometre.
     pub(super) fn keep_unnamed(&self, mut end: Pose, named: u8) -> Pose {
-        if self.frame.stretch.is_some() && self.frame.rotation.is_none() {
+        if self.frame.stretch().is_some() && self.frame.rotation().is_none() {
             for (axis, (place, here)) in end.linear.iter_mut().zip(self.position.linear).enumerate() {
                 if named >> axis & 1 == 0 {
                     *place = here;
