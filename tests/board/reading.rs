@@ -15,12 +15,12 @@ use crate::images::assert_gated;
 /// Instructions, median and worst, over the motion blocks of an example, just above what is needed: a block's text to words (the goal
 /// is 1100 for a block), to a segment; a character, a block to its segment, all of a block, a position.
 const BUDGETS: [(&str, [u32; 2], [u32; 2]); 6] = [
-    ("lex", [1_000, 1_110], [600, 950]),
-    ("read", [10_200, 10_500], [2_100, 3_600]),
-    ("hear", [165, 1_750], [165, 1_750]),
-    ("segment", [28_000, 40_000], [9_200, 12_000]),
-    ("block", [35_000, 47_000], [12_000, 16_500]),
-    ("follow", [1_050, 1_050], [800, 1_000]),
+    ("lex", [990, 1_100], [530, 890]),
+    ("read", [3_400, 3_850], [1_420, 3_000]),
+    ("hear", [160, 1_750], [160, 1_750]),
+    ("segment", [21_000, 32_300], [8_400, 11_100]),
+    ("block", [28_000, 39_000], [11_200, 15_700]),
+    ("follow", [1_000, 1_000], [760, 930]),
 ];
 const EXAMPLES: [(&str, u32); 2] = [("ibr-slot", 43), ("pocket", 20)];
 /// Bytes: program with its constants, the tap itself, stack of reading and following.

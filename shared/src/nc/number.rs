@@ -104,8 +104,8 @@ pub fn read(line: &[u8], from: usize) -> Option<(Number, usize)> {
         }
         end += 1;
     }
-    let point = if behind_point == 0 { 0 } else { end + 1 - behind_point };
-    let digits = end - first - usize::from(point != 0);
+    let (point, dots) = if behind_point == 0 { (0, 0) } else { (end + 1 - behind_point, 1) };
+    let digits = end - first - dots;
     if digits.wrapping_sub(1) >= DIGITS_MAX {
         return None;
     }
