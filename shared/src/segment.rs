@@ -359,7 +359,8 @@ mod tests {
             let radius = 10_i64.pow(next(12) as u32 + 1) + next(1_000);
             let turned = next(1_000_000) as f64 * TAU / 1e6;
             let longer = (radius + next(90_000) - 45_000) as f64;
-            let (a, b) = ([Nm(radius), Nm(0)], [turned.cos(), turned.sin()].map(|part| Nm((part * longer) as i64)));
+            let (a, b) =
+                ([Nm(radius), Nm(0)], [libm::cos(turned), libm::sin(turned)].map(|part| Nm((part * longer) as i64)));
             let by_roots = libm::fabs(length_mm(a) - length_mm(b)) <= RADIUS_TOLERANCE.to_mm();
             assert_eq!(are_equally_long(a, b), by_roots, "{a:?} {b:?}");
             equal += u32::from(by_roots);

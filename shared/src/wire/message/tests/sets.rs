@@ -1,0 +1,243 @@
+//! Sets of parameters: a job in messages and back, what a set that was spoilt on its way or makes no sense is.
+
+use super::super::parameters::{SetSum, messages};
+use super::super::staging::Staging;
+use super::super::*;
+use super::{Random, encoded};
+use crate::cut::{CutRule, Moves, Rotation, Side, Work};
+use crate::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
+use crate::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use crate::knots::{KnotRange, Knots};
+use crate::machine::{ArcClamp, MachineLimits};
+use crate::nc::modal::Turn;
+use crate::stock::{Stock, StockLine};
+use crate::tool::{CupMill, Edge, EndMill, Tool};
+use crate::units::{DegPerMin, LengthUnit, Mm, MmPerMin, MmPerTooth, Nm, RevPerMin};
+use crate::wire::frame;
+use codes::RefusalCode;
+
+fn ring_job() -> Job {
+    let (normal, offset_mm) = ([0.6, -0.8], 107.673_123);
+    let line = |normal| StockLine { normal, offset_mm };
+    let corners = [[0.0, 0.0], [10.5, 0.25], [9.0, 7.0], [-1.0, 6.5]];
+    let arcs = |from, to| EngagedInterval::from_degrees(from, to).unwrap();
+    let knot = |at, from| EngagedKnot { travelled: Mm(at), outer: arcs(from, 120.5), inner: EngagedInterval::EMPTY };
+    let stocks = [
+        Stock::half_plane(line(normal)),
+        Stock::everywhere(),
+        Stock::polygon(&corners).unwrap(),
+        Stock::Disc { center_mm: [3.25, -4.5], radius_mm: 100.125 },
+        Stock::Engaged(EngagedTable::new(&[knot(0.0, 10.0), knot(2.5, 90.011), knot(7.1, -33.3)]).unwrap()),
+    ];
+    let rule = |(index, stock): (usize, Stock)| CutRule {
+        moves: Moves::Rotations(if index % 2 == 0 { Rotation::Interior } else { Rotation::Exterior }, Turn::Ccw),
+        work: Work::Ring(if index % 3 == 0 { Edge::Outer } else { Edge::Inner }, stock),
+        feed_per_tooth: (index == 1).then_some(MmPerTooth(0.0777)),
+        table: None,
+        sequence: (index == 2).then_some((-1, 152)),
+        level: (index == 3).then_some((Nm(-703_580_000), Nm(-1))),
+    };
+    Job {
+        unit: LengthUnit::Inch,
+        tool: Tool::CupMill(CupMill { outer_radius: Nm(128_576_070), inner_radius: Nm(112_701_324), active_teeth: 10 }),
+        spindle: RevPerMin(1_000.0),
+        law: LawKind::EngagedArc { both_edges: true },
+        feed_per_tooth: MmPerTooth(0.1016),
+        policy: FeedPolicy::SafeBase,
+        limits: OverrideLimits { min_percent: 12, slew_up_percent_per_s: 33.3, ..OverrideLimits::default() },
+        machine: MachineLimits {
+            linear: [Some(MmPerMin(12_000.0)), None, Some(MmPerMin(9_999.9))],
+            rotary: [None, Some(DegPerMin(360.0)), None],
+            arc_clamp: Some(ArcClamp { feed: MmPerMin(6_000.0), radius: Mm(5.0), floor: MmPerMin(100.0) }),
+        },
+        rules: stocks.into_iter().enumerate().map(rule).collect(),
+        knots: Knots::new(),
+    }
+}
+
+fn mill_job() -> Job {
+    let mut knots = Knots::new();
+    let table = |feed| [(Mm(0.0), MmPerTooth(feed)), (Mm(10.0), MmPerTooth(2.0 * feed))];
+    let ranges: [KnotRange; 2] = [0.05, 0.06].map(|feed| knots.add(&table(feed)).unwrap());
+    let rule = |(side, range)| CutRule {
+        moves: if side == Side::Slot { Moves::Lines } else { Moves::Arcs(Turn::Cw) },
+        work: Work::Mill { side, radial_depth: Nm(1_500_000) },
+        feed_per_tooth: None,
+        table: Some(range),
+        sequence: None,
+        level: None,
+    };
+    Job {
+        unit: LengthUnit::Mm,
+        tool: Tool::EndMill(EndMill { radius: Nm(6_000_000), teeth: 4 }),
+        law: LawKind::Table,
+        policy: FeedPolicy::OverrideOnly,
+        machine: MachineLimits::default(),
+        rules: [(Side::Slot, ranges[1]), (Side::Inside, ranges[0])].into_iter().map(rule).collect(),
+        knots,
+        ..ring_job()
+    }
+}
+
+fn set_of(job: &Job, set: u32) -> Vec<Message> {
+    let mut all = Vec::new();
+    messages(job, set, &mut |message| all.push(message)).unwrap();
+    all
+}
+
+/// What a board makes of a set.
+fn staged(staging: &mut Staging, all: &[Message]) -> Result<Job, RefusalCode> {
+    for message in all {
+        match message {
+            Message::Begin(begin) => staging.begin(begin.set)?,
+            Message::Commit(commit) => return staging.commit(commit).cloned(),
+            part => staging.take(part)?,
+        }
+    }
+    panic!("a set without an end")
+}
+
+#[test]
+fn a_job_arrives_as_it_was_to_the_bit() {
+    let laws = [LawKind::Contour { inside_only: true, floor_ratio: 0.3 }, LawKind::Engagement, LawKind::Programmed];
+    let others = laws.map(|law| Job { law, ..mill_job() });
+    let mut staging = Staging::new();
+    for job in [ring_job(), mill_job(), Job { law: LawKind::Circumference, ..ring_job() }].iter().chain(&others) {
+        assert_eq!(staged(&mut staging, &set_of(job, 5)).as_ref(), Ok(job));
+    }
+}
+
+#[test]
+fn the_sum_of_a_set_is_the_frames_own_over_kind_and_payload() {
+    let all = set_of(&ring_job(), 9);
+    let (parts, commit) = (&all[1..all.len() - 1], all[all.len() - 1]);
+    let bytes: Vec<u8> = parts.iter().flat_map(|part| [vec![part.kind()], encoded(part)].concat()).collect();
+    let expected = table::Commit { set: 9, messages: parts.len() as u16, checksum: frame::checksum(&bytes) };
+    assert_eq!(commit, Message::from(expected));
+    assert_eq!(SetSum::NONE.commit(9).checksum, frame::checksum(&[]));
+}
+
+#[test]
+fn a_set_that_lost_gained_or_swapped_a_message_is_no_set() {
+    let all = set_of(&ring_job(), 3);
+    let mut staging = Staging::new();
+    for at in 1..all.len() - 1 {
+        let mut torn = all.clone();
+        torn.remove(at);
+        assert!(staged(&mut staging, &torn).is_err(), "without {:?}", all[at]);
+        let mut twice = all.clone();
+        twice.insert(at, all[at]);
+        assert!(staged(&mut staging, &twice).is_err(), "twice {:?}", all[at]);
+        if at + 2 < all.len() && all[at] != all[at + 1] {
+            let mut swapped = all.clone();
+            swapped.swap(at, at + 1);
+            assert!(staged(&mut staging, &swapped).is_err(), "swapped {:?}", all[at]);
+        }
+    }
+    assert_eq!(staged(&mut staging, &all), Ok(ring_job()), "and the next whole one is one");
+}
+
+#[test]
+fn nothing_of_a_refused_set_stays() {
+    let mut staging = Staging::new();
+    let (good, other) = (set_of(&ring_job(), 3), set_of(&mill_job(), 4));
+    assert_eq!(staging.take(&good[1]), Err(RefusalCode::NoSet));
+    staging.begin(3).unwrap();
+    staging.take(&good[1]).unwrap();
+    assert_eq!(staging.take(&good[1]), Err(RefusalCode::Incomplete));
+    assert_eq!((staging.set(), staging.take(&good[2])), (0, Err(RefusalCode::NoSet)));
+    assert_eq!(staged(&mut staging, &other), Ok(mill_job()));
+    let Message::Commit(commit) = other[other.len() - 1] else { unreachable!() };
+    assert_eq!(staging.commit(&commit), Err(RefusalCode::NoSet), "a set counts once");
+    assert_eq!(staging.begin(0), Err(RefusalCode::Value));
+}
+
+/// The set of a job with one message replaced, its sum true.
+fn altered(job: &Job, alter: impl Fn(Message) -> Option<Message>) -> Vec<Message> {
+    let mut all: Vec<Message> = set_of(job, 3);
+    let mut sum = SetSum::NONE;
+    let mut altered = 0;
+    let last = all.len() - 1;
+    for message in &mut all[1..last] {
+        if let Some(other) = alter(*message) {
+            *message = other;
+            altered += 1;
+        }
+        sum.take(message);
+    }
+    assert!(altered > 0);
+    all[last] = sum.commit(3).into();
+    all
+}
+
+#[test]
+fn values_that_make_no_sense_are_refused() {
+    use Message as M;
+    use fixed::{Q40, Q46, Q62};
+    type Alter = fn(Message) -> Option<Message>;
+    let ring: [Alter; 12] = [
+        |m| if let M::Basics(b) = m { Some(table::Basics { spindle: Q40(0), ..b }.into()) } else { None },
+        |m| if let M::Basics(b) = m { Some(table::Basics { feed_per_tooth: Q40(-1), ..b }.into()) } else { None },
+        |m| if let M::Tool(t) = m { Some(table::Tool { teeth: 0, ..t }.into()) } else { None },
+        |m| if let M::Tool(t) = m { Some(table::Tool { inner_radius: t.outer_radius, ..t }.into()) } else { None },
+        |m| if let M::Tool(t) = m { Some(table::Tool { outer_radius: i64::MIN, ..t }.into()) } else { None },
+        |m| if let M::Tool(t) = m { Some(table::Tool { shape: codes::ToolCode::EndMill, ..t }.into()) } else { None },
+        |m| if let M::Axes(a) = m { Some(table::Axes { linear: [Some(Q40(-5)); 3], ..a }.into()) } else { None },
+        |m| if let M::ArcClamp(c) = m { Some(table::ArcClamp { radius: Q40(0), ..c }.into()) } else { None },
+        |m| {
+            if let M::StockLine(l) = m {
+                Some(table::StockLine { normal: [Q62(1 << 61); 2], ..l }.into())
+            } else {
+                None
+            }
+        },
+        |m| if let M::StockDisc(d) = m { Some(table::StockDisc { radius: Q46(0), ..d }.into()) } else { None },
+        |m| if let M::Rule(r) = m { Some(table::Rule { table: Some([60, 10]), ..r }.into()) } else { None },
+        |m| if let M::Rule(r) = m { Some(table::Rule { sequence: Some([2, 1]), ..r }.into()) } else { None },
+    ];
+    let mut staging = Staging::new();
+    for (at, alter) in ring.into_iter().enumerate() {
+        assert_eq!(staged(&mut staging, &altered(&ring_job(), alter)), Err(RefusalCode::Value), "ring {at}");
+    }
+    let mill: [Alter; 4] = [
+        |m| if let M::Knot(k) = m { Some(table::Knot { feed_per_tooth: Q40(0), ..k }.into()) } else { None },
+        |m| if let M::Knot(k) = m { Some(table::Knot { travelled: Q40(0), ..k }.into()) } else { None },
+        |m| if let M::Rule(r) = m { Some(table::Rule { radial_depth: -1, ..r }.into()) } else { None },
+        |m| if let M::Rule(r) = m { Some(table::Rule { table: None, ..r }.into()) } else { None },
+    ];
+    for (at, alter) in mill.into_iter().enumerate() {
+        assert_eq!(staged(&mut staging, &altered(&mill_job(), alter)), Err(RefusalCode::Value), "mill {at}");
+    }
+}
+
+#[test]
+fn whatever_comes_staging_never_ends_but_in_a_sound_job_or_a_refusal() {
+    let mut random = Random(42);
+    let mut staging = Staging::new();
+    let (mut accepted, mut refused) = (0, 0);
+    for round in 0..3_000 {
+        let job = if round % 2 == 0 { ring_job() } else { mill_job() };
+        let mut all = set_of(&job, 1 + round);
+        for _ in 0..random.below(3) {
+            // The payload of one message gets a flipped bit, and the sum is made to fit.
+            let at = 1 + random.below(all.len() - 2);
+            let mut payload = encoded(&all[at]);
+            let bit = random.below(payload.len() * 8);
+            payload[bit / 8] ^= 1 << (bit % 8);
+            all[at] = Message::decode(all[at].kind(), &payload).unwrap_or(all[at]);
+        }
+        let mut sum = SetSum::NONE;
+        let last = all.len() - 1;
+        all[1..last].iter().for_each(|message| sum.take(message));
+        all[last] = sum.commit(1 + round).into();
+        match staged(&mut staging, &all) {
+            Ok(job) => {
+                assert!(sound::is_sound(&job));
+                accepted += 1;
+            }
+            Err(_) => refused += 1,
+        }
+    }
+    println!("{accepted} sets accepted, {refused} refused");
+    assert!(accepted > 500 && refused > 300);
+}
