@@ -19,31 +19,45 @@ use crate::dnc::transmission::Transmission;
 /// What a person types.
 const ARM: &str = "arm";
 
+/// Where a person arms the board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arming {
+    /// At its button, or by typing it here.
+    Typed,
+    /// At its button: the keys here are the screen's.
+    Button,
+    /// Nowhere: the board is simulated, and so is its button.
+    Simulated,
+}
+
 /// A board that runs along, or none.
 pub struct Along<'p> {
     board: Option<Board<'p>>,
+    arming: Arming,
     person: Option<Receiver<String>>,
     is_told_of_disarming: bool,
+    /// What a person is to be told, and has not been yet.
+    said: Vec<String>,
 }
 
 impl<'p> Along<'p> {
     /// No board.
     pub fn none() -> Self {
-        Along { board: None, person: None, is_told_of_disarming: false }
+        Along { board: None, arming: Arming::Simulated, person: None, is_told_of_disarming: false, said: Vec::new() }
     }
 
-    /// A board at the end of a line, and what it is to be told of what is sent. `hears_person`: whether somebody types on
-    /// stdin.
+    /// A board at the end of a line, and what it is to be told of what is sent.
     ///
     /// # Errors
     /// A job or a move that no board can be told.
-    pub fn with(line: Line<'p>, ready: &Prepared, sending: &Transmission, hears_person: bool) -> Result<Self, Failure> {
+    pub fn with(line: Line<'p>, ready: &Prepared, sending: &Transmission, arming: Arming) -> Result<Self, Failure> {
         let job: &Job = &ready.file.job;
         let path = ready.file.program.display();
         let plan = Plan::new(sending, &ready.power_on(), job)
             .map_err(|PlanError { source, why }| Failure::Input(format!("{path}:{source}:1: error: {why}")))?;
         let board = Board::new(line, job, plan).map_err(Failure::Input)?;
-        Ok(Along { board: Some(board), person: hears_person.then(typed), is_told_of_disarming: false })
+        let person = (arming == Arming::Typed).then(typed);
+        Ok(Along { board: Some(board), arming, person, is_told_of_disarming: false, said: Vec::new() })
     }
 
     /// Waits until the board has its parameters and somebody has armed it. Nothing is sent before that. `press` is done
@@ -63,13 +77,14 @@ impl<'p> Along<'p> {
             }
             if board.stage() == Stage::Ready && !is_asked && board.report().is_some() {
                 is_asked = true;
-                if self.person.is_some() {
-                    eprintln!("{}", how_to_arm(board));
+                if self.arming != Arming::Simulated {
+                    self.said.push(how_to_arm(board, self.arming));
                 }
             }
             press();
             board.wait();
             self.obey_person();
+            self.said.drain(..).for_each(|line| eprintln!("{line}"));
         }
         Ok(())
     }
@@ -87,10 +102,15 @@ impl<'p> Along<'p> {
         sender.permit(Gate::Board, until);
         let is_disarmed = board.was_disarmed();
         if is_disarmed && !self.is_told_of_disarming {
-            eprintln!("note: {}; the program goes on at its own feeds", how_to_arm(board));
+            self.said.push(format!("note: {}; the program goes on at its own feeds", how_to_arm(board, self.arming)));
         }
         self.is_told_of_disarming = is_disarmed;
         None
+    }
+
+    /// What a person is to be told, each once.
+    pub fn take_said(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.said)
     }
 
     /// Whether the board, if there is one, has seen all moves done.
@@ -115,24 +135,26 @@ impl<'p> Along<'p> {
             match line.trim() {
                 ARM => {
                     if board.arm().is_err() {
-                        eprintln!("the board has not said yet how things stand: look, and type {ARM} again");
+                        self.said
+                            .push(format!("the board has not said yet how things stand: look, and type {ARM} again"));
                     }
                 }
                 "" => {}
-                other => eprintln!("`{other}` means nothing here; {ARM} arms the board"),
+                other => self.said.push(format!("`{other}` means nothing here; {ARM} arms the board")),
             }
         }
         if let Some(why) = board.take_arm_refusal() {
-            eprintln!("the board is not armed: {why}");
+            self.said.push(format!("the board is not armed: {why}"));
         }
     }
 }
 
-fn how_to_arm(board: &Board<'_>) -> String {
+fn how_to_arm(board: &Board<'_>, arming: Arming) -> String {
     let state = board.report().map_or("silent", |report| words::state(report.state));
+    let or_here = if arming == Arming::Typed { format!(", or type {ARM} and Enter here") } else { String::new() };
     format!(
         "the board is {state}. Look at the machine: dial at 100 %, the right tool, the program's zero set at the board. \
-         Then press ARM there, or type {ARM} and Enter here"
+         Then press ARM there{or_here}"
     )
 }
 

@@ -35,7 +35,7 @@ use crate::port::url::{Base, PortUrl};
 use crate::report::figures::{LineErrorFigures, LinkFigures, ReportFigures, RunReport};
 use crate::report::printed;
 use crate::screen::view::{Listing, View};
-use along::Along;
+use along::{Along, Arming};
 use live::{Live, need_terminal};
 use logbook::Logbook;
 use prepare::Prepared;
@@ -136,7 +136,10 @@ impl Stream {
     fn along(&self, ready: &Prepared, sender: &Sender) -> Result<Along<'static>, Failure> {
         match &self.board {
             None => Ok(Along::none()),
-            Some(url) => Along::with(Line::open(url, self.board_baudrate)?, ready, sender.transmission(), !self.tui),
+            Some(url) => {
+                let arming = if self.tui { Arming::Button } else { Arming::Typed };
+                Along::with(Line::open(url, self.board_baudrate)?, ready, sender.transmission(), arming)
+            }
         }
     }
 

@@ -21,7 +21,7 @@ use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode};
 
 use super::super::outcome::Failure;
 use super::super::simulate::{add_baseline, control_settings, measure};
-use super::along::Along;
+use super::along::{Along, Arming};
 use super::logbook::Logbook;
 use super::prepare::Prepared;
 use super::sending::{End, send};
@@ -74,7 +74,7 @@ impl Stream {
         let rig = Rig::new(Control::on_line(control_settings(file)), &file.job, board);
         let sim = Rc::new(RefCell::new(SimPort::of(rig, file, self.tempo())));
         let link = Line::new(Box::new(SimLink::new(Rc::clone(&sim), pipe)), BAUDRATE)?;
-        let mut along = Along::with(link, ready, sender.transmission(), false)?;
+        let mut along = Along::with(link, ready, sender.transmission(), Arming::Simulated)?;
         // Nobody stands at its panel: whoever starts the simulation has armed.
         let mut is_pressed = false;
         along.arm(&mut || {
