@@ -22,6 +22,8 @@ pub mod sound;
 
 pub mod staging;
 
+pub mod page;
+
 use super::settings::{LinkSettings, Role};
 use crate::units::Span;
 

@@ -20,6 +20,8 @@ pub enum ParametersError {
     Policy,
     /// A number that is none, or too large.
     Number,
+    /// More than a page of flash holds.
+    Large,
 }
 
 /// The check sum of a set so far: CRC-32C, as of frames, over kind and payload of each message.

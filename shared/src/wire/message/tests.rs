@@ -1,6 +1,6 @@
 //! Codecs against the schema: payloads built from what the document says, not by the codec; garbage.
 
-mod sets;
+pub(super) mod sets;
 
 use super::field::PAYLOAD_MAX;
 use super::schema::{Entry, FieldType, Optional};

@@ -16,7 +16,7 @@ use crate::units::{DegPerMin, LengthUnit, Mm, MmPerMin, MmPerTooth, Nm, RevPerMi
 use crate::wire::frame;
 use codes::RefusalCode;
 
-fn ring_job() -> Job {
+pub fn ring_job() -> Job {
     let (normal, offset_mm) = ([0.6, -0.8], 107.673_123);
     let line = |normal| StockLine { normal, offset_mm };
     let corners = [[0.0, 0.0], [10.5, 0.25], [9.0, 7.0], [-1.0, 6.5]];
@@ -55,7 +55,7 @@ fn ring_job() -> Job {
     }
 }
 
-fn mill_job() -> Job {
+pub fn mill_job() -> Job {
     let mut knots = Knots::new();
     let table = |feed| [(Mm(0.0), MmPerTooth(feed)), (Mm(10.0), MmPerTooth(2.0 * feed))];
     let ranges: [KnotRange; 2] = [0.05, 0.06].map(|feed| knots.add(&table(feed)).unwrap());

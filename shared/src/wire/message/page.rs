@@ -1,0 +1,171 @@
+//! A job as it lies in a board's flash: what a board at a tapped line has in place of a host.
+//!
+//! ```text
+//! byte    what
+//! 0..4    "AFPG"
+//! 4..8    hash of the schema that the messages are written in
+//! 8       code of the line: 0 ISO or EIA, as each program says; 1 ISO, 2 EIA, 3 ASCII
+//! 9       0
+//! 10..12  bytes of the messages, n
+//! 12..    the messages of a set, Begin to Commit: kind, bytes of the payload, payload
+//! 12 + n  CRC-32C over all before, four bytes
+//! ```
+//! Numbers are little endian. What lies behind does not count: flash is written by the page. Source: our own; the messages are those
+//! of `docs/protocol.md`.
+
+use super::codes::RefusalCode;
+use super::field::PAYLOAD_MAX;
+use super::parameters::{ParametersError, messages};
+use super::staging::Staging;
+use super::{Message, SCHEMA_HASH};
+use crate::job::Job;
+use crate::nc::tape_code::Code;
+use crate::wire::frame::checksum;
+
+/// No page is longer, bytes.
+pub const PAGE_MAX: usize = 16 * 1024;
+
+const MAGIC: [u8; 4] = *b"AFPG";
+const HEADER_LEN: usize = 12;
+const CHECK_LEN: usize = 4;
+/// The number of the set does not matter: there is one.
+const SET: u32 = 1;
+/// What flash holds that nobody has written.
+const ERASED: u8 = 0xFF;
+
+/// Why a page is none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PageError {
+    /// Nothing was ever written.
+    Blank,
+    /// It does not begin like a page, or is cut off.
+    Form,
+    /// It was written for another version of the messages.
+    Schema,
+    /// Its check sum is another one.
+    Checksum,
+    /// Its messages are no sound set.
+    Set(RefusalCode),
+}
+
+/// A page.
+pub type Page = heapless::Vec<u8, PAGE_MAX>;
+
+/// The page of a job for a line in this code; `None`: ISO or EIA.
+///
+/// # Errors
+/// A job that no board can be told.
+pub fn write(job: &Job, code: Option<Code>) -> Result<Page, ParametersError> {
+    let mut entries = Page::new();
+    let mut has_room = true;
+    messages(job, SET, &mut |message| {
+        let mut payload = [0; PAYLOAD_MAX];
+        let length = message.encode(&mut payload).unwrap_or_default();
+        let payload = payload.get(..length).unwrap_or_default();
+        has_room &= entries.extend_from_slice(&[message.kind(), length as u8]).is_ok();
+        has_room &= entries.extend_from_slice(payload).is_ok();
+    })?;
+    let code = match code {
+        None => 0,
+        Some(Code::Iso) => 1,
+        Some(Code::Eia) => 2,
+        Some(Code::Ascii) => 3,
+    };
+    let [low, high] = (entries.len() as u16).to_le_bytes();
+    let mut page = Page::new();
+    for part in [&MAGIC[..], &SCHEMA_HASH.to_le_bytes(), &[code, 0, low, high], &entries] {
+        has_room &= page.extend_from_slice(part).is_ok();
+    }
+    let sum = checksum(&page).to_le_bytes();
+    has_room &= page.extend_from_slice(&sum).is_ok();
+    if has_room { Ok(page) } else { Err(ParametersError::Large) }
+}
+
+/// The job of a page, by way of `staging`, and the code of its line.
+///
+/// # Errors
+/// See [`PageError`].
+pub fn read<'s>(page: &[u8], staging: &'s mut Staging) -> Result<(&'s Job, Option<Code>), PageError> {
+    if page.iter().take(HEADER_LEN).all(|byte| *byte == ERASED) {
+        return Err(PageError::Blank);
+    }
+    let Some((&[m0, m1, m2, m3, s0, s1, s2, s3, code, _, low, high], body)) = page.split_first_chunk::<HEADER_LEN>()
+    else {
+        return Err(PageError::Form);
+    };
+    if [m0, m1, m2, m3] != MAGIC {
+        return Err(PageError::Form);
+    }
+    if u32::from_le_bytes([s0, s1, s2, s3]) != SCHEMA_HASH {
+        return Err(PageError::Schema);
+    }
+    let length = usize::from(u16::from_le_bytes([low, high]));
+    let (entries, behind) = body.split_at_checked(length).ok_or(PageError::Form)?;
+    let sum = behind.first_chunk::<CHECK_LEN>().ok_or(PageError::Form)?;
+    if page.get(..HEADER_LEN + length).map(checksum) != Some(u32::from_le_bytes(*sum)) {
+        return Err(PageError::Checksum);
+    }
+    let code = match code {
+        0 => None,
+        1 => Some(Code::Iso),
+        2 => Some(Code::Eia),
+        3 => Some(Code::Ascii),
+        _ => return Err(PageError::Form),
+    };
+    stage(entries, staging).map(|job| (job, code)).map_err(PageError::Set)
+}
+
+fn stage<'s>(mut entries: &[u8], staging: &'s mut Staging) -> Result<&'s Job, RefusalCode> {
+    loop {
+        let (&[kind, length], rest) = entries.split_first_chunk().ok_or(RefusalCode::Incomplete)?;
+        let (payload, rest) = rest.split_at_checked(usize::from(length)).ok_or(RefusalCode::Incomplete)?;
+        match Message::decode(kind, payload).map_err(|_| RefusalCode::Message)? {
+            Message::Begin(begin) => staging.begin(begin.set)?,
+            Message::Commit(commit) => return staging.commit(&commit),
+            message => staging.take(&message)?,
+        }
+        entries = rest;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::sets::{mill_job, ring_job};
+    use super::*;
+
+    #[test]
+    fn a_job_lies_there_as_it_was_to_the_bit() {
+        for (job, code) in [(ring_job(), None), (mill_job(), Some(Code::Eia)), (ring_job(), Some(Code::Ascii))] {
+            let page = write(&job, code).unwrap();
+            let mut staging = Staging::new();
+            assert_eq!(read(&page, &mut staging), Ok((&job, code)));
+            let in_flash = [&page[..], &[ERASED; 100]].concat();
+            assert_eq!(read(&in_flash, &mut staging), Ok((&job, code)), "what lies behind does not count");
+        }
+    }
+
+    #[test]
+    fn a_page_with_any_byte_altered_or_cut_off_is_none() {
+        let page = write(&ring_job(), Some(Code::Iso)).unwrap();
+        let mut staging = Staging::new();
+        for at in 0..page.len() {
+            for bit in 0..8 {
+                let mut altered = page.clone();
+                altered[at] ^= 1 << bit;
+                assert!(read(&altered, &mut staging).is_err(), "byte {at}, bit {bit}");
+            }
+            assert!(read(&page[..at], &mut staging).is_err(), "{at} bytes");
+        }
+    }
+
+    #[test]
+    fn what_was_never_written_is_told_from_what_is_broken() {
+        let mut staging = Staging::new();
+        assert_eq!(read(&[ERASED; PAGE_MAX], &mut staging), Err(PageError::Blank));
+        assert_eq!(read(&[], &mut staging), Err(PageError::Blank));
+        assert_eq!(read(&[0; 64], &mut staging), Err(PageError::Form));
+        let mut page = write(&mill_job(), None).unwrap();
+        page[4] ^= 1;
+        assert_eq!(read(&page, &mut staging), Err(PageError::Schema));
+    }
+}
