@@ -11,6 +11,7 @@ use super::prepare::Prepared;
 use crate::board::line::Line;
 use crate::board::plan::{Plan, PlanError};
 use crate::board::run::{Board, Stage};
+use crate::board::standstill::PATIENCE;
 use crate::board::words;
 use crate::dnc::Sender;
 use crate::dnc::sender::Gate;
@@ -91,6 +92,18 @@ impl<'p> Along<'p> {
         }
         self.is_told_of_disarming = is_disarmed;
         None
+    }
+
+    /// What is to be said where the board sees no moves any more though the control, which has taken up so many blocks, makes them.
+    pub fn look_behind(&mut self, blocks: Option<usize>, sending: &Transmission) -> Option<String> {
+        let line = self.board.as_mut()?.stands_at(blocks?, sending)?;
+        let source = sending.lines().get(line).map_or(0, |line| line.source);
+        Some(format!(
+            "warning: the board has stood for {} s at the move of line {source}, and the control is past it: the board has not seen \
+             its end. The override stays at 100 %, and no more leaves than the board has room for. Check the position that it \
+             gets; then stop, and go on with --resume",
+            PATIENCE.to_s()
+        ))
     }
 
     /// Whether the board, if there is one, has seen all moves done.

@@ -151,10 +151,11 @@ fn send_all(
             None => {}
         }
         without_board = without_board.or(along.turn(sender));
+        let stands = along.look_behind(known, sender.transmission());
         let is_out = outbox.turn(port, sender)?;
         let now = port.now();
         let warnings = damage.look(now, || port.line_errors()).into_iter().chain(echo.hear(now, &sender.take_heard()));
-        warnings.for_each(|warning| live.warn(now, warning));
+        warnings.chain(stands).for_each(|warning| live.warn(now, warning));
         let stops = interrupted.load(Ordering::Relaxed) || echo.differs.is_some() || without_board.is_some();
         let is_over = matches!(sender.state(), State::Cut | State::Sent) && outbox.is_empty();
         if is_over && let Some(why) = without_board.take() {
