@@ -20,6 +20,8 @@ mod lockstep;
 
 mod reading;
 
+mod restarts;
+
 mod runs;
 
 mod same_everywhere;
@@ -29,3 +31,5 @@ mod stm32f405;
 mod stm32f405_logic;
 
 mod tapped;
+
+mod pyserial;

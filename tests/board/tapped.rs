@@ -13,7 +13,7 @@ use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_firmware::tap::Tap;
 use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_hil_sim::control::code::{Code, DC1, DC3, without_parity};
-use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
+use arcfeed_hil_sim::control::line::{LineCounters, LineSettings, SenderParity};
 use arcfeed_hil_sim::control::{Control, ControlSettings};
 use arcfeed_hil_sim::decider::board::{Attached, Board, Traffic, Wire, Wires};
 use arcfeed_hil_sim::decider::in_process::InProcess;
@@ -32,10 +32,26 @@ const HELD: u32 = 20;
 /// No run takes longer, ms of machine time.
 const RUN_MAX: u32 = 200_000;
 
+/// Who sends a program.
+pub trait Sender {
+    /// The next characters, so many or all that are left: a line that is free waits for them.
+    fn take(&mut self, most: usize) -> Vec<u8>;
+
+    /// What the control says.
+    fn hear(&mut self, bytes: &[u8]);
+}
+
+/// What the control got, and what came of it.
+pub struct Passage {
+    pub outcome: Outcome,
+    pub text: Vec<u8>,
+    pub line: LineCounters,
+}
+
 /// What is at both ends of the tapped line.
-#[derive(Debug, Default)]
-struct Cable {
-    text: VecDeque<u8>,
+struct Cable<S> {
+    /// Not plugged in before the board is armed.
+    sender: Option<S>,
     may_send: bool,
     /// Characters that the line takes now.
     room: usize,
@@ -45,10 +61,20 @@ struct Cable {
     passed: Vec<u8>,
 }
 
-impl Attached for Cable {
+/// A sender in this process, with characters at hand at any time.
+impl Sender for VecDeque<u8> {
+    fn take(&mut self, most: usize) -> Vec<u8> {
+        self.drain(..most.min(self.len())).collect()
+    }
+
+    fn hear(&mut self, _bytes: &[u8]) {}
+}
+
+impl<S: Sender> Attached for Cable<S> {
     fn send(&mut self, _at: Micros, traffic: &mut Traffic) {
-        let count = if self.may_send { self.room.min(self.text.len()) } else { 0 };
-        traffic.sender.extend(self.text.drain(..count));
+        if let Some(sender) = self.sender.as_mut().filter(|_| self.may_send && self.room > 0) {
+            traffic.sender.extend(sender.take(self.room));
+        }
         traffic.control.append(&mut self.from_control);
     }
 
@@ -56,6 +82,7 @@ impl Attached for Cable {
         match wire {
             Wire::Control => self.to_control.extend(bytes),
             Wire::Sender => {
+                self.sender.iter_mut().for_each(|sender| sender.hear(bytes));
                 for byte in bytes {
                     self.may_send = match without_parity(*byte) {
                         DC1 => true,
@@ -81,9 +108,11 @@ fn tap_settings(example: &Example) -> TapSettings {
     TapSettings { code: Some(Code::Ascii), ..TapSettings::new(example.file.job.unit) }
 }
 
-/// Sends the program through a board; what the control got, and what came of it.
-fn run<W: Wires>(example: &Example, wires: W) -> (Outcome, Vec<u8>) {
-    let board = Board::new(wires, Cable::default(), ModeCode::Lockstep);
+/// Sends the example through a board.
+pub fn run<W: Wires, S: Sender>(example: &Example, wires: W, sender: S) -> Passage {
+    let cable =
+        Cable { sender: None, may_send: false, room: 0, from_control: vec![], to_control: vec![], passed: vec![] };
+    let board = Board::new(wires, cable, ModeCode::Lockstep);
     let mut rig = Rig::new(Control::on_line(control(example)), &example.file.job, board);
     for period in 0..SETTLING + HELD {
         let pressed = if period < SETTLING { Signals::NONE } else { Signals::of_request(Request::Arm) };
@@ -92,18 +121,19 @@ fn run<W: Wires>(example: &Example, wires: W) -> (Outcome, Vec<u8>) {
     }
     rig.decider_mut().set_panel(Signals::NONE);
     assert_eq!((rig.decider().state(), rig.decided().percent), (Some(StateCode::Armed), 100));
-    rig.decider_mut().attached_mut().text = example.text.iter().copied().collect();
+    rig.decider_mut().attached_mut().sender = Some(sender);
     let mut overrides = Vec::new();
     while !rig.is_done() {
         step(&mut rig);
         overrides.push(rig.decided().percent);
         assert!(overrides.len() < RUN_MAX as usize, "the program never ends");
     }
-    let chips = rig.meter().moves().to_vec();
-    (Outcome { overrides, chips }, rig.into_decider().into_attached().passed)
+    let outcome = Outcome { overrides, chips: rig.meter().moves().to_vec() };
+    let line = rig.control().line_counters();
+    Passage { outcome, text: rig.into_decider().into_attached().passed, line }
 }
 
-fn step<W: Wires>(rig: &mut Rig<Board<W, Cable>>) {
+fn step<W: Wires, S: Sender>(rig: &mut Rig<Board<W, Cable<S>>>) {
     let on_wire = rig.control_mut().port().on_wire();
     let said: Vec<u8> = std::iter::from_fn(|| rig.control_mut().port().poll_transmit()).collect();
     let cable = rig.decider_mut().attached_mut();
@@ -118,42 +148,52 @@ fn step<W: Wires>(rig: &mut Rig<Board<W, Cable>>) {
     rig.control_mut().port().on_bytes(&arrived);
 }
 
-/// A board in this process with the image's tap.
-fn in_process(example: &Example) -> (Outcome, Vec<u8>) {
+/// A board in this process with the image's tap, and a sender in this process.
+pub fn in_process(example: &Example) -> Passage {
     let mut queues = Queues::<AHEAD>::new();
     let identity = Identity { name: "in process", version: [0, 1, 0], reset: ResetCode::Power, starts: 1 };
     let config = Config { supply: Supply::Tap, settings: Settings::default(), identity, fault: None };
     let (mut desk, ticker) = assemble(&mut queues, config).expect("the settings are sound");
     desk.clerk_mut().adopt(&example.file.job, 1).expect("the job is sound");
     let tap = Tap::<ROOM>::new(tap_settings(example)).expect("the settings are sound");
-    run(example, InProcess::new(Front::new(desk, Some(tap)), ticker))
+    run(example, InProcess::new(Front::new(desk, Some(tap)), ticker), at_hand(example))
+}
+
+fn at_hand(example: &Example) -> VecDeque<u8> {
+    example.text.iter().copied().collect()
+}
+
+/// Asserts that the chip decided what the board in this process did, the senders whoever they were.
+pub fn assert_same(chip: &Passage, station: &Passage, example: &Example) {
+    let Passage { outcome: chip_outcome, text, line } = chip;
+    println!(
+        "{} periods, trace {:08x} on the chip, {:08x} in process; {line:?}",
+        chip_outcome.overrides.len(),
+        chip_outcome.hash(),
+        station.outcome.hash()
+    );
+    assert_eq!(*text, example.text, "byte for byte");
+    let mut pairs = chip_outcome.overrides.iter().zip(&station.outcome.overrides);
+    assert_eq!(pairs.position(|(chip, station)| chip != station), None, "first period with another override");
+    assert_eq!(chip_outcome.overrides.len(), station.outcome.overrides.len());
+    assert_eq!(chip_outcome.chips, station.outcome.chips, "the meter saw the same chips");
+    assert_eq!(*line, station.line);
 }
 
 #[test]
 fn through_the_tap_the_chip_decides_bit_for_bit_what_the_board_in_process_does() {
     let example = Example::load();
-    let (chip, passed) = run(&example, Emulator::start("feedboard-tap", Clock::CountedWaiting));
-    let (station, _) = in_process(&example);
-    println!(
-        "{} periods, trace {:08x} on the chip, {:08x} in process",
-        chip.overrides.len(),
-        chip.hash(),
-        station.hash()
-    );
-    assert_eq!(passed, example.text, "byte for byte");
-    let differs = chip.overrides.iter().zip(&station.overrides).position(|(chip, station)| chip != station);
-    assert_eq!(differs, None, "first period with another override");
-    assert_eq!(chip.overrides.len(), station.overrides.len());
-    assert_eq!(chip.chips, station.chips, "the meter saw the same chips");
+    let chip = run(&example, Emulator::start("feedboard-tap", Clock::CountedWaiting), at_hand(&example));
+    assert_same(&chip, &in_process(&example), &example);
 }
 
 #[test]
 fn through_the_tap_the_chips_are_those_of_a_controller_that_is_told_each_block() {
     let example = Example::load();
-    let (told, (tapped, passed)) = (example.by_told(), in_process(&example));
+    let (told, Passage { outcome: tapped, text, .. }) = (example.by_told(), in_process(&example));
     let (told_range, range) = (chip_range(&told.chips), chip_range(&tapped.chips));
     println!("chip over target: told {told_range:.5?}, through the tap {range:.5?}");
-    assert_eq!(passed, example.text, "byte for byte");
+    assert_eq!(text, example.text, "byte for byte");
     assert_eq!(told.chips.len(), tapped.chips.len());
     assert!(told_range.iter().zip(range).all(|(told, tapped)| (told - tapped).abs() < 0.01));
 }

@@ -24,7 +24,9 @@ pub const FILLER: Message = Message::StockDisc(StockDisc { center: [Q46(1); 2], 
 /// Long enough to go out.
 const FILLER_TTL: Span = Span::from_ms(100);
 /// The host's number of the set.
-const SET: u32 = 1;
+pub const SET: u32 = 1;
+/// Of a host that starts once.
+const SESSION: u32 = 0x4051_0001;
 
 /// A host; state.
 #[derive(Debug)]
@@ -44,14 +46,25 @@ pub struct Host {
 impl Host {
     /// A host with a job and the moves of its program.
     pub fn new(job: &Job, segments: &[Segment]) -> Self {
+        let mut host = Host::begun_anew(job, SESSION);
+        host.give(job, segments);
+        host
+    }
+
+    /// A host with a job, and with no move before it is told where to go on. Each start has a session of its own.
+    pub fn begun_anew(job: &Job, session: u32) -> Self {
         let mut to_send = VecDeque::new();
         parameters::messages(job, SET, &mut |message| to_send.push_back(message)).expect("the job can be told");
+        let link = Link::new(link_settings(Role::Host), session).expect("the settings are sound");
+        Host { link, to_send, load_percent: 0, room: 0, bytes: [0; 2], heard: Vec::new(), report: None }
+    }
+
+    /// Gives it the moves of its one run.
+    pub fn give(&mut self, job: &Job, segments: &[Segment]) {
         for (count, segment) in (1..).zip(segments) {
             let rule = cut::find(&job.rules, segment, &job.tool).map(|(index, _)| index as u8);
-            to_send.push_back(moves::encode(segment, count, rule).expect("the move can be told").into());
+            self.to_send.push_back(moves::encode(segment, count, rule).expect("the move can be told").into());
         }
-        let link = Link::new(link_settings(Role::Host), 0x4051_0001).expect("the settings are sound");
-        Host { link, to_send, load_percent: 0, room: 0, bytes: [0; 2], heard: Vec::new(), report: None }
     }
 
     /// The same host on a line that it keeps busy to this part of its bit rate, and the board with reports the other way.

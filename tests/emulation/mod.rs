@@ -10,4 +10,6 @@ pub mod lines;
 
 pub mod host;
 
+pub mod cable;
+
 pub mod served;

@@ -48,6 +48,7 @@ pub struct Run {
 #[derive(Debug)]
 pub struct Emulator {
     name: String,
+    clock: Clock,
     child: Child,
     scratch: Scratch,
     /// UART 0 to 3.
@@ -94,18 +95,19 @@ impl Emulator {
     /// There is no QEMU, or it does not open them.
     pub fn start(name: &str, clock: Clock) -> Self {
         let scratch = scratch(name);
-        let mut qemu = command(&image(name), &scratch, clock);
-        qemu.args(NO_ESCAPE);
-        let paths: [String; LINES] = std::array::from_fn(|uart| scratch.path(&format!("uart{uart}")));
-        // The test listens and QEMU calls: nobody has to guess when the other is ready.
-        let listeners = paths.each_ref().map(|path| UnixListener::bind(path).expect("a socket in a folder of its own"));
-        for (uart, path) in paths.iter().enumerate() {
-            qemu.args(["-chardev", &format!("socket,id=uart{uart},path={path},mux=on")]);
-            qemu.args(["-serial", &format!("chardev:uart{uart}")]);
-        }
-        let mut child = spawn(&mut qemu);
-        let lines = listeners.map(|listener| accept(&listener, &mut child));
-        Emulator { name: name.to_owned(), child, scratch, lines }
+        let (child, lines) = power_on(name, &scratch, clock);
+        Emulator { name: name.to_owned(), clock, child, scratch, lines }
+    }
+
+    /// Power off and on: another emulator, that has nothing of this one but the files in place of flash. What was on the lines is
+    /// lost.
+    ///
+    /// # Panics
+    /// As [`Emulator::start`].
+    pub fn power_cycle(&mut self) {
+        self.child.kill().expect("the emulator can be stopped");
+        self.child.wait().expect("the emulator can be waited for");
+        (self.child, self.lines) = power_on(&self.name, &self.scratch, self.clock);
     }
 
     /// The sockets of UART 0 to 3.
@@ -135,6 +137,25 @@ impl Drop for Emulator {
         let _already_over = self.child.kill();
         let _reaped = self.child.wait();
     }
+}
+
+/// QEMU in this folder, with UART 0 to 3 as sockets there, all open.
+fn power_on(name: &str, scratch: &Scratch, clock: Clock) -> (Child, [UnixStream; LINES]) {
+    let mut qemu = command(&image(name), scratch, clock);
+    qemu.args(NO_ESCAPE);
+    let paths: [String; LINES] = std::array::from_fn(|uart| scratch.path(&format!("uart{uart}")));
+    // The test listens and QEMU calls: nobody has to guess when the other is ready.
+    let listeners = paths.each_ref().map(|path| {
+        let _of_the_start_before = fs::remove_file(path);
+        UnixListener::bind(path).expect("a socket in a folder of its own")
+    });
+    for (uart, path) in paths.iter().enumerate() {
+        qemu.args(["-chardev", &format!("socket,id=uart{uart},path={path},mux=on")]);
+        qemu.args(["-serial", &format!("chardev:uart{uart}")]);
+    }
+    let mut child = spawn(&mut qemu);
+    let lines = listeners.map(|listener| accept(&listener, &mut child));
+    (child, lines)
 }
 
 /// What every start has in common; the console goes to a file.

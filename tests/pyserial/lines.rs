@@ -10,7 +10,7 @@ use arcfeed::port::{Port, PortError};
 use arcfeed_shared::units::Micros;
 use arcfeed_tests::{Ended, Running, Scratch, run, wait_for};
 
-use crate::python::{Script, python_or_skip};
+use arcfeed_tests::python::{Script, python_or_skip};
 
 const JOB: &str = "examples/ibr-slot/job.toml";
 /// 9600 7E2.

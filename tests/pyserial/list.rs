@@ -7,7 +7,7 @@ use std::path::Path;
 use arcfeed::port::list::{PortInfo, below};
 use arcfeed_tests::{Scratch, run};
 
-use crate::python::{output, python_or_skip};
+use arcfeed_tests::python::{output, python_or_skip};
 
 /// A system with every kind of port that pyserial knows.
 fn system(root: &Path) {

@@ -2,8 +2,6 @@
 //! format of its spy, the list of its `list_ports`. `cargo xtask test` installs it.
 #![cfg(unix)]
 
-mod python;
-
 mod urls;
 
 mod lines;

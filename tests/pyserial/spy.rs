@@ -6,7 +6,7 @@ use arcfeed::job::{Parity, SerialSettings};
 use arcfeed::port::open::open;
 use arcfeed_tests::Scratch;
 
-use crate::python::{output, python_or_skip};
+use arcfeed_tests::python::{output, python_or_skip};
 
 const SETTINGS: SerialSettings = SerialSettings {
     baudrate: 9_600,

@@ -5,7 +5,7 @@ use arcfeed::port::list::{PortInfo, find};
 use arcfeed::port::url::{Base, PortUrl, Wrapper};
 use arcfeed_tests::root;
 
-use crate::python::{output, python_or_skip};
+use arcfeed_tests::python::{output, python_or_skip};
 
 /// Where both say the same.
 const SAME: [&str; 50] = [

@@ -1,6 +1,7 @@
 //! `arcfeed board` and `arcfeed stream --board`, against a board in software: what it is told, what leaves and when, and
 //! what ends a run.
 
+use std::fs::File;
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::process::{Child, Command, Stdio};
@@ -8,7 +9,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use arcfeed_tests::emulation::served::{AHEAD, ServedBoard};
-use arcfeed_tests::{Scratch, arcfeed, root, run, wait_for};
+use arcfeed_tests::{Running, Scratch, arcfeed, root, run, wait_for};
 use serde_json::Value;
 
 const JOB: &str = "examples/ibr-slot/job.toml";
@@ -116,7 +117,9 @@ fn moves(text: &[u8]) -> usize {
 
 fn figures(arguments: &[&str]) -> Value {
     let output = run(arguments);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(!said.contains("the board has stood"), "{said}");
     serde_json::from_slice(&output.stdout).expect("JSON")
 }
 
@@ -249,4 +252,38 @@ fn where_no_board_answers_it_says_what_to_check() {
     assert!(said.contains("nobody answers") && said.contains("115 200"), "{said}");
     let output = run(&["stream", JOB, "--board", &url]);
     assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn a_board_that_sees_no_move_while_the_control_reports_others_is_told_of() {
+    let _alone = ONE_AT_A_TIME.lock();
+    while_the_link_holds(|| {
+        let (scratch, board) = (Scratch::new("board-stands"), ServedBoard::start());
+        let read =
+            |file: &str| std::fs::read_to_string(root().join("examples/ibr-slot").join(file)).expect("the example");
+        scratch.write("ibr-slot.nc", read("ibr-slot.nc"));
+        let job = scratch.write("job.toml", read("job.toml") + "\n[dnc]\nreport_every = 1\nread_ahead = 1\n");
+        let mut control = Running::start(&scratch, "serve", &["serve", &job, "--tcp", "127.0.0.1:0", "--speed", "10"]);
+        let url = control.line("port: ");
+        let err = File::create(scratch.path("stream.err")).expect("a scratch file can be made");
+        let mut sender = Command::new(arcfeed())
+            .args(["stream", &job, "--port", &url, "--board", &board.url, "--journal", &scratch.path("journal")])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(err)
+            .spawn()
+            .expect("arcfeed starts");
+        let said = || std::fs::read_to_string(scratch.path("stream.err")).expect("text");
+        let mut person = sender.stdin.take().expect("it is piped");
+        let warned = wait_for("the warning", || {
+            let _gone = person.write_all(b"arm\n");
+            std::thread::sleep(Duration::from_millis(100));
+            let warned = said().contains("at the move of line").then_some(Ok(()));
+            warned.or_else(|| said().contains(LOST).then_some(Err(LinkLost)))
+        });
+        let _may_have_ended = sender.kill();
+        let _reaped = sender.wait();
+        println!("{}", said());
+        warned
+    });
 }

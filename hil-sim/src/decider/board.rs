@@ -144,6 +144,14 @@ impl<W: Wires, A: Attached> Board<W, A> {
         }
     }
 
+    /// The board begins anew, as `restart` does it at the far ends: what was counted and what was on its way is gone.
+    pub fn begin_anew(&mut self, restart: impl FnOnce(&mut W)) {
+        restart(&mut self.wires);
+        (self.machine, self.traffic, self.tapped) = (PlainLine::new(), Traffic::default(), [0; 2]);
+        (self.sent, self.received) = (Counts::default(), Counts::default());
+        (self.has_begun, self.last, self.broken) = (false, None, None);
+    }
+
     /// What people at the machine's panel press from now on, and what other signals there are beside the control's.
     pub fn set_panel(&mut self, panel: Signals) {
         self.panel = panel;

@@ -11,4 +11,6 @@ pub mod line;
 
 pub mod plan;
 
+pub mod standstill;
+
 pub mod run;

@@ -90,6 +90,17 @@ impl Plan {
         &self.moves
     }
 
+    /// How many moves are over once the control has taken up so many blocks: those of all lines before the last of them.
+    pub fn over(&self, blocks: usize, sending: &Transmission) -> usize {
+        let in_work = sending.line_of_block(blocks).unwrap_or(0);
+        self.lines.partition_point(|line| *line < in_work)
+    }
+
+    /// Index of the line that a move belongs to, counted from 0.
+    pub fn line_of(&self, count: usize) -> Option<usize> {
+        self.lines.get(count).copied()
+    }
+
     /// How far the text may go out once so many moves are the board's: to the line of the next one.
     pub fn permitted(&self, delivered: usize, sending: &Transmission) -> usize {
         self.lines.get(delivered).map_or(usize::MAX, |line| sending.start_of(*line))

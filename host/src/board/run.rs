@@ -20,6 +20,7 @@ use arcfeed_shared::wire::message::{Message, table};
 
 use super::line::Line;
 use super::plan::Plan;
+use super::standstill::Standstill;
 use super::words;
 use crate::dnc::transmission::Transmission;
 use crate::port::PortError;
@@ -48,6 +49,7 @@ pub struct Board<'p> {
     executed_before: Option<u32>,
     refusal: Option<table::Refused>,
     has_been_engaged: bool,
+    standstill: Standstill,
 }
 
 /// How far a board has come.
@@ -106,6 +108,7 @@ impl<'p> Board<'p> {
             executed_before: None,
             refusal: None,
             has_been_engaged: false,
+            standstill: Standstill::default(),
         })
     }
 
@@ -195,9 +198,15 @@ impl<'p> Board<'p> {
 
     /// Whether all moves are done, as the board saw it.
     pub fn is_done(&self) -> bool {
-        let done =
-            self.report.zip(self.executed_before).map(|(now, before)| now.executed.wrapping_sub(before) as usize);
-        done.is_some_and(|done| done >= self.plan.moves().len())
+        self.executed_before.is_some() && self.done() >= self.plan.moves().len()
+    }
+
+    /// The line of the move that the board waits for the end of, if it stands there though the control has gone on; once for each
+    /// standstill. The control has taken up so many blocks.
+    pub fn stands_at(&mut self, blocks: usize, sending: &Transmission) -> Option<usize> {
+        let (now, done, by_control) = (self.line.now(), self.done(), self.plan.over(blocks, sending));
+        let stands = self.standstill.look(now, done, by_control);
+        self.plan.line_of(done).filter(|_| stands)
     }
 
     /// Asks to arm, on behalf of a person who has seen the last report.

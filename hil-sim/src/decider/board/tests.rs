@@ -100,3 +100,42 @@ fn free_running_the_last_setpoint_stays_in_force() {
     assert_eq!(percents, [0, 100, 100, 100]);
     assert_eq!(board.broken(), None);
 }
+
+#[test]
+fn a_board_that_begins_anew_is_counted_with_from_the_beginning() {
+    /// Says so much each period.
+    struct Talker;
+    impl Attached for Talker {
+        fn send(&mut self, _at: Micros, traffic: &mut Traffic) {
+            traffic.link.extend([1; 3]);
+        }
+        fn receive(&mut self, _at: Micros, _wire: Wire, _bytes: &[u8]) {}
+    }
+    /// Its line to the machine is answered, the one to the host goes nowhere.
+    struct Both<F>(Answering<F>);
+    impl<F: FnMut(&Sample) -> Option<Setpoint>> Wires for Both<F> {
+        fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), Broken> {
+            if wire == Wire::Machine { self.0.put(wire, bytes) } else { Ok(()) }
+        }
+        fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), Broken> {
+            self.0.take(wire, bytes)
+        }
+        fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, Broken> {
+            self.0.take_waiting(wire, bytes)
+        }
+    }
+    let mut counted = Vec::new();
+    let answer = |sample: &Sample| {
+        counted.push(sample.link_bytes);
+        (counted.len() != 3).then(|| setpoint(sample))
+    };
+    let wires = Both(Answering { line: PlainLine::new(), answer, out: Vec::new() });
+    let mut board = Board::new(wires, Talker, ModeCode::Lockstep);
+    let percents: Vec<u8> = (1..4).map(|ms| board.decide(&shown(ms)).percent).collect();
+    assert_eq!((percents, board.broken()), (vec![100, 100, 0], Some(Broken::Silent(Wire::Machine))));
+    board.begin_anew(|_| {});
+    assert_eq!((board.state(), board.broken()), (None, None));
+    assert_eq!((4..6).map(|ms| board.decide(&shown(ms)).percent).collect::<Vec<u8>>(), [100, 100]);
+    drop(board);
+    assert_eq!(counted, [0, 3, 6, 0, 3]);
+}

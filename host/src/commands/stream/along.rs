@@ -11,6 +11,7 @@ use super::prepare::Prepared;
 use crate::board::line::Line;
 use crate::board::plan::{Plan, PlanError};
 use crate::board::run::{Board, Stage};
+use crate::board::standstill::PATIENCE;
 use crate::board::words;
 use crate::dnc::Sender;
 use crate::dnc::sender::Gate;
@@ -111,6 +112,19 @@ impl<'p> Along<'p> {
     /// What a person is to be told, each once.
     pub fn take_said(&mut self) -> Vec<String> {
         std::mem::take(&mut self.said)
+    }
+
+    /// Looks whether the board sees no moves any more though the control, which has taken up so many blocks, makes them.
+    pub fn look_behind(&mut self, blocks: Option<usize>, sending: &Transmission) {
+        let stands = self.board.as_mut().zip(blocks).and_then(|(board, blocks)| board.stands_at(blocks, sending));
+        let Some(line) = stands else { return };
+        let source = sending.lines().get(line).map_or(0, |line| line.source);
+        self.said.push(format!(
+            "warning: the board has stood for {} s at the move of line {source}, and the control is past it: the board has not seen \
+             its end. The override stays at 100 %, and no more leaves than the board has room for. Check the position that it \
+             gets; then stop, and go on with --resume",
+            PATIENCE.to_s()
+        ));
     }
 
     /// Whether the board, if there is one, has seen all moves done.

@@ -151,6 +151,7 @@ fn send_all(
             None => {}
         }
         without_board = without_board.or(along.turn(sender));
+        along.look_behind(known, sender.transmission());
         let is_out = outbox.turn(port, sender)?;
         let now = port.now();
         let warnings = damage.look(now, || port.line_errors()).into_iter().chain(echo.hear(now, &sender.take_heard()));

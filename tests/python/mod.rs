@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
 
-use arcfeed_tests::{root, skip_loudly, wait_for};
+use crate::{root, skip_loudly, wait_for};
 
 /// Where Debian's packages put theirs, if it is not the first.
 const CANDIDATES: [&str; 2] = ["python3", "/usr/bin/python3"];

@@ -1,0 +1,67 @@
+//! A cable to the host that takes time and spoils frames, in machine time: the same for each seed.
+
+use std::collections::VecDeque;
+
+use arcfeed_hil_sim::decider::board::{Attached, Traffic, Wire};
+use arcfeed_shared::units::Micros;
+
+/// What is on its way, with the time when it arrives.
+type OnItsWay = VecDeque<(Micros, Vec<u8>)>;
+
+/// A cable with something at its far end; state.
+#[derive(Debug)]
+pub struct Cable<A> {
+    /// What is at its far end.
+    pub far: A,
+    latency: Micros,
+    spoilt_per_mille: u64,
+    random: u64,
+    to_board: OnItsWay,
+    from_board: OnItsWay,
+}
+
+impl<A> Cable<A> {
+    /// A cable with this latency each way, on which of a thousand periods so many have a byte flipped, if they have any.
+    pub fn new(far: A, latency: Micros, spoilt_per_mille: u64, seed: u64) -> Self {
+        let random = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+        Cable { far, latency, spoilt_per_mille, random, to_board: OnItsWay::new(), from_board: OnItsWay::new() }
+    }
+
+    fn bits(&mut self) -> u64 {
+        self.random ^= self.random << 13;
+        self.random ^= self.random >> 7;
+        self.random ^= self.random << 17;
+        self.random
+    }
+
+    fn spoil(&mut self, bytes: &mut [u8]) {
+        if !bytes.is_empty() && self.bits() % 1_000 < self.spoilt_per_mille {
+            let at = self.bits() as usize % bytes.len();
+            bytes[at] ^= 1 << (self.bits() % 8);
+        }
+    }
+}
+
+impl<A: Attached> Attached for Cable<A> {
+    fn send(&mut self, at: Micros, traffic: &mut Traffic) {
+        for bytes in arrived(&mut self.from_board, at) {
+            self.far.receive(at, Wire::Link, &bytes);
+        }
+        let mut said = Traffic::default();
+        self.far.send(at, &mut said);
+        self.spoil(&mut said.link);
+        self.to_board.push_back((at.after(self.latency), said.link));
+        traffic.link.extend(arrived(&mut self.to_board, at).flatten());
+    }
+
+    fn receive(&mut self, at: Micros, wire: Wire, bytes: &[u8]) {
+        assert_eq!(wire, Wire::Link, "nothing else is attached");
+        let mut bytes = bytes.to_vec();
+        self.spoil(&mut bytes);
+        self.from_board.push_back((at.after(self.latency), bytes));
+    }
+}
+
+fn arrived(on_its_way: &mut OnItsWay, now: Micros) -> impl Iterator<Item = Vec<u8>> + '_ {
+    std::iter::from_fn(move || on_its_way.pop_front_if(|(at, _)| *at <= now).map(|(_, bytes)| bytes))
+}
