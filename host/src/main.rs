@@ -3,8 +3,8 @@
 use std::process::ExitCode;
 
 use arcfeed::commands::{
-    adapt::Adapt, board::Board, check::Check, init::Init, ports::Ports, serve::Serve, simulate::Simulate,
-    stream::Stream, verify::Verify,
+    adapt::Adapt, board::Board, check::Check, init::Init, parameters::Parameters, ports::Ports, serve::Serve,
+    simulate::Simulate, stream::Stream, verify::Verify,
 };
 use clap::{Parser, Subcommand};
 
@@ -30,6 +30,7 @@ enum Command {
     Serve(Serve),
     Ports(Ports),
     Board(Board),
+    Parameters(Parameters),
 }
 
 fn main() -> ExitCode {
@@ -43,6 +44,7 @@ fn main() -> ExitCode {
         Command::Serve(command) => command.run(),
         Command::Ports(command) => command.run(),
         Command::Board(command) => command.run(),
+        Command::Parameters(command) => command.run(),
     };
     match ended {
         Ok(()) => ExitCode::SUCCESS,

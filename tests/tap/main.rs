@@ -4,6 +4,8 @@ mod bench;
 
 mod damage;
 
+mod flash;
+
 mod machining;
 
 mod pass_through;

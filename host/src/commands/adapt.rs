@@ -1,7 +1,6 @@
 //! `arcfeed adapt`: the feeds a job gives a program, shown and written.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use arcfeed_shared::cut::{Moves, Rotation, Side, Work};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind};
@@ -10,7 +9,7 @@ use arcfeed_shared::tool::{Edge, Tool};
 use arcfeed_shared::units::{LengthUnit, Nm};
 use serde::Serialize;
 
-use super::outcome::{Failure, adapted, file_failure, load, say};
+use super::outcome::{Failure, adapted, load, say, write_whole};
 use crate::adapt::split::Whole;
 use crate::adapt::{Adapted, PlannedBlock};
 use crate::program::Program;
@@ -82,19 +81,8 @@ impl Adapt {
             print_table(&adapted, &file.job);
         }
         let Some(output) = &self.output else { return Ok(()) };
-        write_whole(output, &adapted.text).map_err(|error| file_failure(output, &error))
+        write_whole(output, &adapted.text)
     }
-}
-
-/// Writes a file so that either all of it is there or nothing has changed.
-fn write_whole(path: &Path, text: &[u8]) -> std::io::Result<()> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
-    let part = path.with_file_name(name);
-    let mut file = std::fs::File::create(&part)?;
-    file.write_all(text)?;
-    file.sync_all()?;
-    std::fs::rename(&part, path)
 }
 
 fn print_diff(program: &Program, adapted: &Adapted) {

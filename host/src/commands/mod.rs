@@ -12,6 +12,8 @@ pub mod simulate;
 
 pub mod board;
 
+pub mod parameters;
+
 pub mod stream;
 
 pub mod verify;

@@ -77,6 +77,23 @@ pub fn file_failure(path: &Path, error: &std::io::Error) -> Failure {
     Failure::Input(format!("{}: {error}", path.display()))
 }
 
+/// Writes a file so that either all of it is there or nothing has changed.
+///
+/// # Errors
+/// It cannot be written.
+pub fn write_whole(path: &Path, text: &[u8]) -> Result<(), Failure> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".part");
+    let part = path.with_file_name(name);
+    let write = || -> std::io::Result<()> {
+        let mut file = std::fs::File::create(&part)?;
+        file.write_all(text)?;
+        file.sync_all()?;
+        std::fs::rename(&part, path)
+    };
+    write().map_err(|error| file_failure(path, &error))
+}
+
 /// A job and its program, both without errors.
 ///
 /// # Errors

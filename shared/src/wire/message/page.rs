@@ -5,7 +5,7 @@
 //! 0..4    "AFPG"
 //! 4..8    hash of the schema that the messages are written in
 //! 8       code of the line: 0 ISO or EIA, as each program says; 1 ISO, 2 EIA, 3 ASCII
-//! 9       0
+//! 9       what a number without a point counts in: 0 least increments, 1 whole units
 //! 10..12  bytes of the messages, n
 //! 12..    the messages of a set, Begin to Commit: kind, bytes of the payload, payload
 //! 12 + n  CRC-32C over all before, four bytes
@@ -19,6 +19,7 @@ use super::parameters::{ParametersError, messages};
 use super::staging::Staging;
 use super::{Message, SCHEMA_HASH};
 use crate::job::Job;
+use crate::nc::settings::Decimals;
 use crate::nc::tape_code::Code;
 use crate::wire::frame::checksum;
 
@@ -48,14 +49,23 @@ pub enum PageError {
     Set(RefusalCode),
 }
 
+/// What a tap must know of the line and the control at its end; config.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tapped {
+    /// The line's code; `None`: ISO or EIA, as each program says.
+    pub code: Option<Code>,
+    /// What a number without a point counts in.
+    pub decimals: Decimals,
+}
+
 /// A page.
 pub type Page = heapless::Vec<u8, PAGE_MAX>;
 
-/// The page of a job for a line in this code; `None`: ISO or EIA.
+/// The page of a job.
 ///
 /// # Errors
 /// A job that no board can be told.
-pub fn write(job: &Job, code: Option<Code>) -> Result<Page, ParametersError> {
+pub fn write(job: &Job, tapped: Tapped) -> Result<Page, ParametersError> {
     let mut entries = Page::new();
     let mut has_room = true;
     messages(job, SET, &mut |message| {
@@ -65,15 +75,19 @@ pub fn write(job: &Job, code: Option<Code>) -> Result<Page, ParametersError> {
         has_room &= entries.extend_from_slice(&[message.kind(), length as u8]).is_ok();
         has_room &= entries.extend_from_slice(payload).is_ok();
     })?;
-    let code = match code {
+    let code = match tapped.code {
         None => 0,
         Some(Code::Iso) => 1,
         Some(Code::Eia) => 2,
         Some(Code::Ascii) => 3,
     };
+    let decimals = match tapped.decimals {
+        Decimals::LeastIncrement => 0,
+        Decimals::Calculator => 1,
+    };
     let [low, high] = (entries.len() as u16).to_le_bytes();
     let mut page = Page::new();
-    for part in [&MAGIC[..], &SCHEMA_HASH.to_le_bytes(), &[code, 0, low, high], &entries] {
+    for part in [&MAGIC[..], &SCHEMA_HASH.to_le_bytes(), &[code, decimals, low, high], &entries] {
         has_room &= page.extend_from_slice(part).is_ok();
     }
     let sum = checksum(&page).to_le_bytes();
@@ -81,15 +95,16 @@ pub fn write(job: &Job, code: Option<Code>) -> Result<Page, ParametersError> {
     if has_room { Ok(page) } else { Err(ParametersError::Large) }
 }
 
-/// The job of a page, by way of `staging`, and the code of its line.
+/// The job of a page, by way of `staging`, and its line.
 ///
 /// # Errors
 /// See [`PageError`].
-pub fn read<'s>(page: &[u8], staging: &'s mut Staging) -> Result<(&'s Job, Option<Code>), PageError> {
+pub fn read<'s>(page: &[u8], staging: &'s mut Staging) -> Result<(&'s Job, Tapped), PageError> {
     if page.iter().take(HEADER_LEN).all(|byte| *byte == ERASED) {
         return Err(PageError::Blank);
     }
-    let Some((&[m0, m1, m2, m3, s0, s1, s2, s3, code, _, low, high], body)) = page.split_first_chunk::<HEADER_LEN>()
+    let Some((&[m0, m1, m2, m3, s0, s1, s2, s3, code, decimals, low, high], body)) =
+        page.split_first_chunk::<HEADER_LEN>()
     else {
         return Err(PageError::Form);
     };
@@ -112,7 +127,12 @@ pub fn read<'s>(page: &[u8], staging: &'s mut Staging) -> Result<(&'s Job, Optio
         3 => Some(Code::Ascii),
         _ => return Err(PageError::Form),
     };
-    stage(entries, staging).map(|job| (job, code)).map_err(PageError::Set)
+    let decimals = match decimals {
+        0 => Decimals::LeastIncrement,
+        1 => Decimals::Calculator,
+        _ => return Err(PageError::Form),
+    };
+    stage(entries, staging).map(|job| (job, Tapped { code, decimals })).map_err(PageError::Set)
 }
 
 fn stage<'s>(mut entries: &[u8], staging: &'s mut Staging) -> Result<&'s Job, RefusalCode> {
@@ -136,17 +156,19 @@ mod tests {
     #[test]
     fn a_job_lies_there_as_it_was_to_the_bit() {
         for (job, code) in [(ring_job(), None), (mill_job(), Some(Code::Eia)), (ring_job(), Some(Code::Ascii))] {
-            let page = write(&job, code).unwrap();
+            let decimals = if code.is_none() { Decimals::Calculator } else { Decimals::LeastIncrement };
+            let tapped = Tapped { code, decimals };
+            let page = write(&job, tapped).unwrap();
             let mut staging = Staging::new();
-            assert_eq!(read(&page, &mut staging), Ok((&job, code)));
+            assert_eq!(read(&page, &mut staging), Ok((&job, tapped)));
             let in_flash = [&page[..], &[ERASED; 100]].concat();
-            assert_eq!(read(&in_flash, &mut staging), Ok((&job, code)), "what lies behind does not count");
+            assert_eq!(read(&in_flash, &mut staging), Ok((&job, tapped)), "what lies behind does not count");
         }
     }
 
     #[test]
     fn a_page_with_any_byte_altered_or_cut_off_is_none() {
-        let page = write(&ring_job(), Some(Code::Iso)).unwrap();
+        let page = write(&ring_job(), Tapped { code: Some(Code::Iso), ..Tapped::default() }).unwrap();
         let mut staging = Staging::new();
         for at in 0..page.len() {
             for bit in 0..8 {
@@ -164,7 +186,7 @@ mod tests {
         assert_eq!(read(&[ERASED; PAGE_MAX], &mut staging), Err(PageError::Blank));
         assert_eq!(read(&[], &mut staging), Err(PageError::Blank));
         assert_eq!(read(&[0; 64], &mut staging), Err(PageError::Form));
-        let mut page = write(&mill_job(), None).unwrap();
+        let mut page = write(&mill_job(), Tapped::default()).unwrap();
         page[4] ^= 1;
         assert_eq!(read(&page, &mut staging), Err(PageError::Schema));
     }

@@ -1,0 +1,57 @@
+//! `arcfeed parameters`: a job as it lies in the flash of a board at a tapped line.
+
+use std::path::PathBuf;
+
+use arcfeed_shared::nc::tape_code::Code;
+use arcfeed_shared::wire::message::page::{self, Tapped};
+use arcfeed_shared::wire::message::parameters::ParametersError;
+use arcfeed_shared::wire::message::staging::Staging;
+
+use super::outcome::{Failure, say, write_whole};
+use crate::job::{JobFile, TapeCode};
+
+/// Write tool, laws and cut rules of a job as a board at a tapped line keeps them in flash (docs/tap.md)
+#[derive(Debug, clap::Args)]
+pub struct Parameters {
+    /// The job file
+    job: PathBuf,
+    /// Write the page of flash here
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+}
+
+impl Parameters {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// The job is at fault or leaves a board nothing to do, or the file cannot be written.
+    pub fn run(&self) -> Result<(), Failure> {
+        let file = JobFile::load(&self.job)?;
+        let job = self.job.display();
+        let code = match file.dnc.code {
+            Some(TapeCode::Iso) => Code::Iso,
+            Some(TapeCode::Eia) => Code::Eia,
+            // Whatever parity the line has, the receiver takes it away.
+            Some(TapeCode::Ascii) | None => Code::Ascii,
+        };
+        let tapped = Tapped { code: Some(code), decimals: file.nc.decimals };
+        let page = page::write(&file.job, tapped).map_err(|error| {
+            Failure::Input(match error {
+                ParametersError::Policy => {
+                    format!(
+                        "{job}: the mode rewrite-only leaves a board nothing to do: write safe-base or override-only"
+                    )
+                }
+                ParametersError::Number => format!("{job}: it has a number that no board takes"),
+                ParametersError::Large => format!("{job}: it does not fit into {} bytes", page::PAGE_MAX),
+            })
+        })?;
+        // As the board will read it.
+        if let Err(error) = page::read(&page, &mut Staging::new()) {
+            return Err(Failure::Input(format!("{job}: no board takes it: {error:?}")));
+        }
+        write_whole(&self.output, &page)?;
+        say(format_args!("{}: {} bytes, {} cut rules", self.output.display(), page.len(), file.job.rules.len()));
+        Ok(())
+    }
+}
