@@ -29,3 +29,5 @@ mod stm32f405;
 mod stm32f405_logic;
 
 mod tapped;
+
+mod watchdog;

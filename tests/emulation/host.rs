@@ -50,8 +50,19 @@ impl Host {
             let rule = cut::find(&job.rules, segment, &job.tool).map(|(index, _)| index as u8);
             to_send.push_back(moves::encode(segment, count, rule).expect("the move can be told").into());
         }
+        Host::saying(to_send)
+    }
+
+    /// A host with just this to say.
+    pub fn saying(messages: impl IntoIterator<Item = Message>) -> Self {
         let link = Link::new(link_settings(Role::Host), 0x4051_0001).expect("the settings are sound");
+        let to_send = messages.into_iter().collect();
         Host { link, to_send, load_percent: 0, room: 0, bytes: [0; 2], heard: Vec::new(), report: None }
+    }
+
+    /// Says this behind all else.
+    pub fn say_later(&mut self, message: impl Into<Message>) {
+        self.to_send.push_back(message.into());
     }
 
     /// The same host on a line that it keeps busy to this part of its bit rate, and the board with reports the other way.

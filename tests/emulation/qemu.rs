@@ -18,7 +18,7 @@ const OPENING: Duration = Duration::from_secs(30);
 /// How long an answer may take: a board that hangs is found out, one that is slow is not.
 const SILENCE: Duration = Duration::from_secs(60);
 /// Lines that [`Emulator::start`] opens.
-pub const LINES: usize = 4;
+pub const LINES: usize = 5;
 /// QEMU's console multiplexer takes 32 bytes off a socket at a time rather than one, at a third of the cost. Its escape
 /// character is put where no byte is.
 const NO_ESCAPE: [&str; 2] = ["-echr", "256"];
@@ -50,7 +50,7 @@ pub struct Emulator {
     name: String,
     child: Child,
     scratch: Scratch,
-    /// UART 0 to 3.
+    /// UART 0 to 4.
     lines: [UnixStream; LINES],
 }
 
@@ -88,7 +88,7 @@ pub fn run(name: &str) -> Run {
 }
 
 impl Emulator {
-    /// Starts an image with UART 0 to 3 as sockets, all open.
+    /// Starts an image with UART 0 to 4 as sockets, all open.
     ///
     /// # Panics
     /// There is no QEMU, or it does not open them.
@@ -108,7 +108,7 @@ impl Emulator {
         Emulator { name: name.to_owned(), child, scratch, lines }
     }
 
-    /// The sockets of UART 0 to 3.
+    /// The sockets of UART 0 to 4.
     pub fn lines(&self) -> &[UnixStream; LINES] {
         &self.lines
     }

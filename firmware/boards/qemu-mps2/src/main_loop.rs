@@ -15,7 +15,8 @@ use crate::interrupts::{Interrupt, Priority, enable};
 use crate::serial::Lines;
 use crate::stack::Painted;
 use crate::tick::{Costs, MainSide, PERIOD, costs, prepare};
-use crate::{flash, timer};
+use crate::watchdog::Watchdog;
+use crate::{flash, reset_cause, timer};
 use arcfeed_firmware::assembly::{Config, assemble};
 use arcfeed_firmware::front::Front;
 use arcfeed_firmware::lockstep::{Line, Lines as _, Lockstep, pass};
@@ -23,6 +24,7 @@ use arcfeed_firmware::station::clerk::Identity;
 use arcfeed_firmware::station::order::Queues;
 use arcfeed_firmware::station::ticker::Supply;
 use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_firmware::supervisor::signals::BoardFault;
 use arcfeed_firmware::tap::Tap;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::units::Micros;
@@ -61,11 +63,12 @@ impl<const N: usize> Main<N> {
     pub fn start(tapped: Option<(Tap<N>, &Job)>) -> Option<Self> {
         static QUEUES: Once<Queues<AHEAD>> = Once::new(Queues::new());
         let painted = Painted::far_below_here();
-        let starts = flash::count_start();
+        let (starts, reset) = (flash::count_start(), reset_cause::take_bite().map_or(ResetCode::Power, told_bite));
         defmt::info!("feedboard: start {=u32}, a tick every {=u32} us", starts, PERIOD.0);
-        let identity = Identity { name: "feedboard", version: [0, 1, 0], reset: ResetCode::Power, starts };
+        let fault = (reset == ResetCode::Watchdog).then_some(BoardFault::Watchdog);
+        let identity = Identity { name: "feedboard", version: [0, 1, 0], reset, starts };
         let supply = if tapped.is_some() { Supply::Tap } else { Supply::Link };
-        let config = Config { supply, settings: Settings::default(), identity, fault: None };
+        let config = Config { supply, settings: Settings::default(), identity, fault };
         let (lines, queues) = (Lines::start()?, QUEUES.take()?);
         let (mut desk, ticker) = assemble(queues, config).ok()?;
         let tap = match tapped {
@@ -94,7 +97,7 @@ impl<const N: usize> Main<N> {
         }
     }
 
-    /// One tick for each sample.
+    /// One tick for each sample. The machine waits for the board, however long it takes: no watchdog.
     fn keep_step(mut self, mut lockstep: Lockstep) -> ! {
         loop {
             let Main { front, lines, tick, .. } = &mut self;
@@ -115,8 +118,11 @@ impl<const N: usize> Main<N> {
 
     /// A tick every millisecond.
     fn run_free(mut self) -> ! {
-        // SAFETY: the tick's side is prepared.
-        unsafe { timer::start(PERIOD.0) };
+        // SAFETY: the tick's side is prepared; the image has the handler of the board's last act.
+        let mut watchdog = unsafe {
+            timer::start(PERIOD.0);
+            Watchdog::start()
+        };
         let (mut machine, mut now) = (PlainLine::new(), Micros(0));
         loop {
             self.hear_machine(&mut machine);
@@ -129,13 +135,16 @@ impl<const N: usize> Main<N> {
             self.front.run(now);
             self.speak_link(now);
             self.log_figures();
+            watchdog.feed_after_tick(costs().ticks);
             // The next tick wakes it, if nothing else does.
             cortex_m::asm::wfi();
         }
     }
 
+    /// As everything that is heard: what waits, and not what comes meanwhile. A line that never rests must not hold the loop.
     fn hear_machine(&mut self, machine: &mut PlainLine) {
-        while let Some(byte) = self.lines.receive(Line::Machine) {
+        for _ in 0..self.lines.waiting(Line::Machine) {
+            let Some(byte) = self.lines.receive(Line::Machine) else { return };
             let invalid = machine.invalid();
             let heard = match machine.on_byte(byte) {
                 Some(Message::Sample(sample)) => Some(sample),
@@ -153,7 +162,8 @@ impl<const N: usize> Main<N> {
 
     fn hear_link(&mut self, now: Micros) {
         let mut part = heapless::Vec::<u8, PART>::new();
-        while let Some(byte) = self.lines.receive(Line::Link) {
+        for _ in 0..self.lines.waiting(Line::Link) {
+            let Some(byte) = self.lines.receive(Line::Link) else { break };
             let _room = part.push(byte);
             if part.is_full() {
                 self.front.on_link_bytes(now, &part);
@@ -204,4 +214,10 @@ impl<const N: usize> Main<N> {
             stack
         );
     }
+}
+
+/// Says in the log how the last start ended.
+fn told_bite(ticks_since_fed: u32) -> ResetCode {
+    defmt::error!("the watchdog bit, {=u32} ticks after it was fed: 0 % until a person resets", ticks_since_fed);
+    ResetCode::Watchdog
 }
