@@ -38,6 +38,13 @@ impl<'q, const N: usize> Front<'q, N> {
         self.parts().1.map_or(byte, |tap| tap.from_control(now, byte))
     }
 
+    /// A character of the sender was lost, or could not be read, behind all that was heard so far.
+    pub fn on_line_error(&mut self) {
+        if let Some(tap) = self.parts().1 {
+            tap.on_line_error();
+        }
+    }
+
     /// A new position, before the tick that takes it.
     pub fn see(&mut self, position: &Pose) {
         let (desk, Some(tap)) = self.parts() else { return };

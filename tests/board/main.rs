@@ -18,6 +18,8 @@ mod load;
 
 mod lockstep;
 
+mod passing;
+
 mod reading;
 
 mod runs;

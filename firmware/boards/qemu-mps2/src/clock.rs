@@ -55,7 +55,7 @@ impl InstructionCounter {
 
 /// The timer, counting up.
 #[inline(always)]
-fn steps() -> u32 {
+pub fn steps() -> u32 {
     // SAFETY: reading the value has no effect on the timer.
     !unsafe { VALUE.read_volatile() }
 }

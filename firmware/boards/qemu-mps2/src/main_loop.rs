@@ -10,13 +10,15 @@
 //! Who speaks first says how time goes. A sample in lockstep: the board ticks once for each sample and the timer stands. Anything
 //! else: the timer ticks every millisecond, whatever comes or does not.
 
+use core::mem::MaybeUninit;
+
 use crate::handed::Once;
 use crate::interrupts::{Interrupt, Priority, enable};
 use crate::serial::Lines;
 use crate::stack::Painted;
 use crate::tick::{Costs, MainSide, PERIOD, costs, prepare};
 use crate::watchdog::Watchdog;
-use crate::{flash, reset_cause, timer};
+use crate::{flash, log, reset_cause, timer};
 use arcfeed_firmware::assembly::{Config, assemble};
 use arcfeed_firmware::front::Front;
 use arcfeed_firmware::lockstep::{Line, Lines as _, Lockstep, pass};
@@ -26,6 +28,7 @@ use arcfeed_firmware::station::ticker::Supply;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::BoardFault;
 use arcfeed_firmware::tap::Tap;
+use arcfeed_firmware::tap::status::{TapState, Why};
 use arcfeed_shared::job::Job;
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::frame::ENCODED_MAX;
@@ -55,13 +58,15 @@ pub struct Main<const N: usize> {
     tick: MainSide,
     painted: Painted,
     figures_at: u32,
+    tap_state: TapState,
 }
 
 impl<const N: usize> Main<N> {
     /// A board that has just started; with a tap and its job the segments are the tapped line's. `None` if what it is told makes no
     /// sense, or if it was called before.
     pub fn start(tapped: Option<(Tap<N>, &Job)>) -> Option<Self> {
-        static QUEUES: Once<Queues<AHEAD>> = Once::new(Queues::new());
+        // Filled at the start: with its values in the image it would take as much of flash as of RAM.
+        static QUEUES: Once<MaybeUninit<Queues<AHEAD>>> = Once::new(MaybeUninit::uninit());
         let painted = Painted::far_below_here();
         let (starts, reset) = (flash::count_start(), reset_cause::take_bite().map_or(ResetCode::Power, told_bite));
         defmt::info!("feedboard: start {=u32}, a tick every {=u32} us", starts, PERIOD.0);
@@ -69,7 +74,7 @@ impl<const N: usize> Main<N> {
         let identity = Identity { name: "feedboard", version: [0, 1, 0], reset, starts };
         let supply = if tapped.is_some() { Supply::Tap } else { Supply::Link };
         let config = Config { supply, settings: Settings::default(), identity, fault };
-        let (lines, queues) = (Lines::start()?, QUEUES.take()?);
+        let (lines, queues) = (Lines::start()?, QUEUES.take()?.write(Queues::new()));
         let (mut desk, ticker) = assemble(queues, config).ok()?;
         let tap = match tapped {
             Some((tap, job)) => {
@@ -79,7 +84,14 @@ impl<const N: usize> Main<N> {
             None => None,
         };
         let tick = prepare(ticker)?;
-        Some(Main { front: Front::new(desk, tap), lines, tick, painted, figures_at: FIGURES_EVERY })
+        Some(Main {
+            front: Front::new(desk, tap),
+            lines,
+            tick,
+            painted,
+            figures_at: FIGURES_EVERY,
+            tap_state: TapState::Listening,
+        })
     }
 
     /// Goes on for ever.
@@ -109,7 +121,7 @@ impl<const N: usize> Main<N> {
                 tick.setpoints.dequeue().unwrap_or(Setpoint { at: sample.at, ..NOTHING })
             });
             if is_done {
-                self.log_figures();
+                self.log();
             } else {
                 self.lines.sleep();
             }
@@ -118,6 +130,11 @@ impl<const N: usize> Main<N> {
 
     /// A tick every millisecond.
     fn run_free(mut self) -> ! {
+        cortex_m::interrupt::free(|_| {
+            let _count = pass(&mut self.front, &mut self.lines, Micros(0));
+            // SAFETY: interrupts are held back.
+            unsafe { self.lines.bridge() };
+        });
         // SAFETY: the tick's side is prepared; the image has the handler of the board's last act.
         let mut watchdog = unsafe {
             timer::start(PERIOD.0);
@@ -127,14 +144,14 @@ impl<const N: usize> Main<N> {
         loop {
             self.hear_machine(&mut machine);
             self.hear_link(now);
-            let _count = pass(&mut self.front, &mut self.lines, now);
+            self.hear_tapped(now);
             if let Some(setpoint) = self.last_setpoint() {
                 now = Micros(setpoint.at);
                 self.show(&mut machine, now, setpoint);
             }
             self.front.run(now);
             self.speak_link(now);
-            self.log_figures();
+            self.log();
             watchdog.feed_after_tick(costs().ticks);
             // The next tick wakes it, if nothing else does.
             cortex_m::asm::wfi();
@@ -173,6 +190,23 @@ impl<const N: usize> Main<N> {
         self.front.on_link_bytes(now, &part);
     }
 
+    /// What the receivers' handlers have passed on.
+    fn hear_tapped(&mut self, now: Micros) {
+        for _ in 0..self.lines.waiting(Line::Sender) {
+            let Some(byte) = self.lines.receive(Line::Sender) else { break };
+            let _passed = self.front.from_sender(now, byte);
+        }
+        if self.lines.sender.take_gap() {
+            self.front.on_line_error();
+        }
+        for _ in 0..self.lines.waiting(Line::Control) {
+            let Some(byte) = self.lines.receive(Line::Control) else { break };
+            let _passed = self.front.from_control(now, byte);
+        }
+        // Of the control's characters the tap only counts.
+        let _gap = self.lines.control.take_gap();
+    }
+
     fn speak_link(&mut self, now: Micros) {
         let mut frame = [0; ENCODED_MAX];
         while self.lines.link.room() >= ENCODED_MAX {
@@ -197,6 +231,20 @@ impl<const N: usize> Main<N> {
         }
     }
 
+    /// Logs what has changed or is due, and hands the log on behind all else.
+    fn log(&mut self) {
+        self.log_tap();
+        self.log_figures();
+        // SAFETY: this is the main loop; nothing of the desk logs.
+        unsafe { log::hand_on(|bytes| self.front.desk_mut().log(bytes)) };
+    }
+
+    fn log_tap(&mut self) {
+        let Some(state) = self.front.tap().map(Tap::state).filter(|state| *state != self.tap_state) else { return };
+        self.tap_state = state;
+        defmt::info!("tap: {=str}", words(state));
+    }
+
     fn log_figures(&mut self) {
         let Costs { ticks, worst, late: [earliest, latest] } = costs();
         if ticks < self.figures_at {
@@ -213,6 +261,29 @@ impl<const N: usize> Main<N> {
             self.lines.lost(),
             stack
         );
+        // SAFETY: this is the main loop.
+        let (passed_within, dropped) = (self.lines.passed_within(), unsafe { log::dropped() });
+        if passed_within > 0 {
+            defmt::info!("characters passed on within {=u32} instructions", passed_within);
+        }
+        if dropped > 0 {
+            defmt::info!("{=u32} messages found no room in the log", dropped);
+        }
+    }
+}
+
+/// A state of the tap, in the log's words.
+fn words(state: TapState) -> &'static str {
+    match state {
+        TapState::Listening => "listening",
+        TapState::InStep => "in step",
+        TapState::Passing => "passing over",
+        TapState::Lost(Why::Damaged) => "lost, a damaged block",
+        TapState::Lost(Why::LongBlock) => "lost, a block too long",
+        TapState::Lost(Why::TooFarAhead) => "lost, the sender too far ahead",
+        TapState::Lost(Why::NotUnderstood(_)) => "lost, a block not understood",
+        TapState::Lost(Why::OutOfSight) => "lost, a block that depends on the control",
+        TapState::Lost(Why::OffPath) => "lost, the axes off the path",
     }
 }
 

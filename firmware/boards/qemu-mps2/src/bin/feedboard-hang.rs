@@ -9,6 +9,7 @@
 
 use arcfeed_qemu_mps2::handed::Handed;
 use arcfeed_qemu_mps2::interrupts::{Priority, enable};
+use arcfeed_qemu_mps2::serial::lost_of_sender;
 use arcfeed_qemu_mps2::tick::on_timer;
 use arcfeed_qemu_mps2::uart::{Registers, UART4};
 use arcfeed_qemu_mps2::{last_act_handlers, leave, line_handlers, tapped, timer};
@@ -44,6 +45,13 @@ extern "C" fn UART4_RX() {
         Some(b'm') => loop {
             core::hint::spin_loop();
         },
+        // The main loop is held up until the tapped line has lost something.
+        Some(b'l') => {
+            let before = lost_of_sender();
+            while lost_of_sender() == before {
+                core::hint::spin_loop();
+            }
+        }
         // The tick stops.
         Some(b't') => timer::stop(),
         // A fault of the core.
