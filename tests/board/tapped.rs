@@ -125,8 +125,8 @@ fn in_process(example: &Example) -> (Outcome, Vec<u8>) {
     let config = Config { supply: Supply::Tap, settings: Settings::default(), identity, fault: None };
     let (mut desk, ticker) = assemble(&mut queues, config).expect("the settings are sound");
     desk.clerk_mut().adopt(&example.file.job, 1).expect("the job is sound");
-    let tap = Tap::<ROOM>::new(tap_settings(example)).expect("the settings are sound");
-    run(example, InProcess::new(Front::new(desk, Some(tap)), ticker))
+    let mut tap = Tap::<ROOM>::new(tap_settings(example)).expect("the settings are sound");
+    run(example, InProcess::new(Front::new(desk, Some(&mut tap)), ticker))
 }
 
 #[test]

@@ -64,7 +64,7 @@ pub struct Main<const N: usize> {
 impl<const N: usize> Main<N> {
     /// A board that has just started; with a tap and its job the segments are the tapped line's. `None` if what it is told makes no
     /// sense, or if it was called before.
-    pub fn start(tapped: Option<(Tap<N>, &Job)>) -> Option<Self> {
+    pub fn start(tapped: Option<(&'static mut Tap<N>, &Job)>) -> Option<Self> {
         // Filled at the start: with its values in the image it would take as much of flash as of RAM.
         static QUEUES: Once<MaybeUninit<Queues<AHEAD>>> = Once::new(MaybeUninit::uninit());
         let painted = Painted::far_below_here();
@@ -262,9 +262,9 @@ impl<const N: usize> Main<N> {
             stack
         );
         // SAFETY: this is the main loop.
-        let (passed_within, dropped) = (self.lines.passed_within(), unsafe { log::dropped() });
-        if passed_within > 0 {
-            defmt::info!("characters passed on within {=u32} instructions", passed_within);
+        let dropped = unsafe { log::dropped() };
+        if let Some(instructions) = self.lines.passed_in() {
+            defmt::info!("characters passed on in {=u32} instructions", instructions);
         }
         if dropped > 0 {
             defmt::info!("{=u32} messages found no room in the log", dropped);

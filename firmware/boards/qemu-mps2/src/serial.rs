@@ -37,8 +37,8 @@ struct Hardware {
     lost: AtomicU32,
     /// A byte was lost behind those that wait, and none is put behind them before the main program knows.
     has_gap: AtomicBool,
-    /// Instructions in which a byte was passed on, at most.
-    passed_within: AtomicU32,
+    /// Instructions in which a byte was passed on, where nothing held the handler up.
+    passed_in: AtomicU32,
 }
 
 /// What the handlers of a line own.
@@ -105,10 +105,12 @@ impl Lines {
         }
     }
 
-    /// Instructions from a receiver's interrupt to its byte in the other transmitter, at most; 0 if none was passed on so.
-    pub fn passed_within(&self) -> u32 {
+    /// Instructions from a receiver's interrupt to its byte in the other transmitter, the least; `None` if none was passed on so. It is more
+    /// only by what goes before the handler: a tick.
+    pub fn passed_in(&self) -> Option<u32> {
         let [.., sender, control] = &LINES;
-        sender.passed_within.load(Ordering::Relaxed).max(control.passed_within.load(Ordering::Relaxed))
+        let [sender, control] = [sender, control].map(|end| end.passed_in.load(Ordering::Relaxed));
+        Some(sender.min(control)).filter(|instructions| *instructions < u32::MAX)
     }
 
     /// Bytes received and lost so far, on all lines.
@@ -202,8 +204,8 @@ impl Line {
 impl Hardware {
     const fn of(uart: Uart) -> Self {
         let rings = Once::new([const { Queue::new() }; 2]);
-        let (lost, passed_within) = (AtomicU32::new(0), AtomicU32::new(0));
-        Hardware { uart, handler: Handed::nothing(), rings, lost, has_gap: AtomicBool::new(false), passed_within }
+        let (lost, passed_in) = (AtomicU32::new(0), AtomicU32::new(u32::MAX));
+        Hardware { uart, handler: Handed::nothing(), rings, lost, has_gap: AtomicBool::new(false), passed_in }
     }
 
     fn start(&'static self) -> Option<Line> {
@@ -221,7 +223,7 @@ impl Hardware {
     }
 
     fn on_received(&self) {
-        let began = steps();
+        let mut began = steps();
         // SAFETY: called by the lines' handlers alone, which are of one priority.
         let Some(Handler { registers, received, onward, .. }) = (unsafe { self.handler.get() }) else { return };
         registers.acknowledge_received();
@@ -234,16 +236,18 @@ impl Hardware {
             };
             lost += u32::from(into.enqueue(byte).is_err());
             on_sent(*place);
+            let passed = steps();
+            let cost = InstructionCounter::of_steps(passed.wrapping_sub(began));
+            self.passed_in.store(self.passed_in.load(Ordering::Relaxed).min(cost), Ordering::Relaxed);
+            began = passed;
             lost += u32::from(!self.put_behind(received, byte));
         }
         if lost > 0 {
             self.lost.store(self.lost.load(Ordering::Relaxed).wrapping_add(lost), Ordering::Relaxed);
         }
-        if onward.is_some() {
+        if is_overrun && onward.is_some() {
             // What the receiver lost, it lost behind the byte that it held.
-            self.has_gap.fetch_or(is_overrun, Ordering::Release);
-            let cost = InstructionCounter::of_steps(steps().wrapping_sub(began));
-            self.passed_within.store(self.passed_within.load(Ordering::Relaxed).max(cost), Ordering::Relaxed);
+            self.has_gap.store(true, Ordering::Release);
         }
     }
 
