@@ -9,12 +9,12 @@ use crate::tap::{Handed, Tap};
 /// Desk and tap; state. The tap has room for `N` characters; with 0 there is none, and no code for one.
 pub struct Front<'q, const N: usize> {
     desk: Desk<'q>,
-    tap: Option<Tap<N>>,
+    tap: Option<&'q mut Tap<N>>,
 }
 
 impl<'q, const N: usize> Front<'q, N> {
     /// A desk; with a tap the segments are the tapped line's, and the job must have been adopted.
-    pub fn new(desk: Desk<'q>, tap: Option<Tap<N>>) -> Self {
+    pub fn new(desk: Desk<'q>, tap: Option<&'q mut Tap<N>>) -> Self {
         Front { desk, tap }
     }
 
@@ -36,6 +36,13 @@ impl<'q, const N: usize> Front<'q, N> {
     /// A character of the control: the same, for the sender.
     pub fn from_control(&mut self, now: Micros, byte: u8) -> u8 {
         self.parts().1.map_or(byte, |tap| tap.from_control(now, byte))
+    }
+
+    /// A character of the sender was lost, or could not be read, behind all that was heard so far.
+    pub fn on_line_error(&mut self) {
+        if let Some(tap) = self.parts().1 {
+            tap.on_line_error();
+        }
     }
 
     /// A new position, before the tick that takes it.
@@ -61,7 +68,7 @@ impl<'q, const N: usize> Front<'q, N> {
 
     fn parts(&mut self) -> (&mut Desk<'q>, Option<&mut Tap<N>>) {
         let Front { desk, tap } = self;
-        (desk, if N == 0 { None } else { tap.as_mut() })
+        (desk, if N == 0 { None } else { tap.as_deref_mut() })
     }
 
     /// The desk.
@@ -76,7 +83,7 @@ impl<'q, const N: usize> Front<'q, N> {
 
     /// The tap.
     pub fn tap(&self) -> Option<&Tap<N>> {
-        self.tap.as_ref()
+        self.tap.as_deref()
     }
 }
 

@@ -9,6 +9,7 @@ pub struct Section<'f> {
     pub address: u32,
     /// Bytes.
     pub size: u32,
+    offset: u32,
     kind: u32,
     flags: u32,
 }
@@ -45,10 +46,16 @@ impl<'f> Elf<'f> {
         };
         let names = header(half(file, 50))[4];
         let section = |index| {
-            let [name, kind, flags, address, _, size] = header(index);
-            Section { name: text(file, names + name), address, size, kind, flags }
+            let [name, kind, flags, address, offset, size] = header(index);
+            Section { name: text(file, names + name), address, size, offset, kind, flags }
         };
         Elf { sections: (0..count).map(section).collect() }
+    }
+
+    /// What is in a section.
+    pub fn content(&self, file: &'f [u8], name: &str) -> &'f [u8] {
+        let section = self.sections.iter().find(|section| section.name == name).expect("a section of this name");
+        &file[section.offset as usize..][..section.size as usize]
     }
 }
 

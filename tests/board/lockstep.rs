@@ -1,14 +1,22 @@
 //! A board decides in place of the controller that is told each block: in process, and on the emulated chip.
 
+use arcfeed_shared::wire::message::Message;
+use arcfeed_tests::emulation::host::Host;
+use arcfeed_tests::emulation::images::image;
+use arcfeed_tests::emulation::log::messages;
 use arcfeed_tests::emulation::qemu::{Clock, Emulator};
 
 use crate::runs::{Example, chip_range};
 
+/// Ticks from one line with figures to the next, in the image.
+const FIGURES_EVERY: usize = 1_000;
+
 #[test]
 fn the_chip_decides_bit_for_bit_what_the_station_in_process_does() {
     let example = Example::load();
-    let (chip, chips_host) = example.by_board(Emulator::start("feedboard", Clock::CountedWaiting));
-    let (station, host) = example.by_station();
+    let (chip, chips_host, board) = example.by_board(Emulator::start("feedboard", Clock::CountedWaiting));
+    let console = board.console();
+    let (station, host) = example.by_station(logged(&console));
     println!(
         "{} periods, trace {:08x} on the chip, {:08x} in process",
         chip.overrides.len(),
@@ -22,12 +30,33 @@ fn the_chip_decides_bit_for_bit_what_the_station_in_process_does() {
     // Not only the overrides: every byte of the link.
     assert_eq!(chips_host.bytes(), host.bytes());
     assert_eq!(chips_host.report, host.report);
+    assert_log_came(&chips_host, &console);
+}
+
+/// What the image logs, frame by frame, and behind how many ticks: that it started, then its figures.
+fn logged(console: &[u8]) -> Vec<(u32, Vec<u8>)> {
+    (0..).step_by(FIGURES_EVERY).zip(console.split_inclusive(|byte| *byte == 0).map(<[u8]>::to_vec)).collect()
+}
+
+/// The log that came over the link, decoded with the image, is that of the console as far as the link was up.
+fn assert_log_came(host: &Host, console: &[u8]) {
+    let parts = host.heard.iter().filter_map(|message| match message {
+        Message::Log(log) => Some(log.bytes.bytes()),
+        _ => None,
+    });
+    let log: Vec<u8> = parts.flatten().copied().collect();
+    let image = std::fs::read(image("feedboard")).expect("the image is there");
+    let (over_link, at_console) = (messages(&image, &log), messages(&image, console));
+    println!("{} of {} messages over the link: {:?}", over_link.len(), at_console.len(), over_link.last());
+    assert_eq!(over_link, at_console[..over_link.len()]);
+    assert!(over_link.len() + 1 >= at_console.len(), "but for the last, all of them");
+    assert!(over_link.len() > 50 && over_link[0].contains("feedboard: start 1"), "{:?}", over_link.first());
 }
 
 #[test]
 fn a_station_that_follows_the_position_cuts_the_chips_of_a_controller_that_is_told_each_block() {
     let example = Example::load();
-    let (told, (station, host)) = (example.by_told(), example.by_station());
+    let (told, (station, host)) = (example.by_told(), example.by_station(Vec::new()));
     let differing = told.overrides.iter().zip(&station.overrides).filter(|(told, station)| told != station);
     let furthest = differing.clone().map(|(told, station)| told.abs_diff(*station)).max().unwrap_or(0);
     let (told_range, range) = (chip_range(&told.chips), chip_range(&station.chips));

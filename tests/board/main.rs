@@ -18,6 +18,8 @@ mod load;
 
 mod lockstep;
 
+mod passing;
+
 mod reading;
 
 mod restarts;
@@ -33,3 +35,5 @@ mod stm32f405_logic;
 mod tapped;
 
 mod pyserial;
+
+mod watchdog;

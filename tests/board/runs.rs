@@ -97,23 +97,25 @@ impl Example {
         finish(&mut Rig::new(self.control(), &self.file.job, told))
     }
 
-    /// A run by a station in this process.
-    pub fn by_station(&self) -> (Outcome, Host) {
+    /// A run by a station in this process, that logs these frames behind so many ticks each.
+    pub fn by_station(&self, log: Vec<(u32, Vec<u8>)>) -> (Outcome, Host) {
         let mut queues = Queues::<AHEAD>::new();
         let identity = Identity { name: "in process", version: [0, 1, 0], reset: ResetCode::Power, starts: 1 };
         let config = Config { supply: Supply::Link, settings: Settings::default(), identity, fault: None };
         let (desk, ticker) = assemble(&mut queues, config).expect("the settings are sound");
-        self.by_board(InProcess::new(Untapped::new(desk, None), ticker))
+        let (outcome, host, _) = self.by_board(InProcess::new(Untapped::new(desk, None), ticker).with_log(log));
+        (outcome, host)
     }
 
     /// A run by a board at the end of these lines.
-    pub fn by_board<W: Wires>(&self, wires: W) -> (Outcome, Host) {
+    pub fn by_board<W: Wires>(&self, wires: W) -> (Outcome, Host, W) {
         let mut rig = self.rig(wires, self.host(), ModeCode::Lockstep);
         prepare(&mut rig);
         rig.control_mut().cycle_start();
         let outcome = finish(&mut rig);
         assert_eq!(rig.decider().broken(), None);
-        (outcome, rig.into_decider().into_attached())
+        let (wires, host) = rig.into_decider().into_parts();
+        (outcome, host, wires)
     }
 }
 

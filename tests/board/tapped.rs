@@ -155,8 +155,8 @@ pub fn in_process(example: &Example) -> Passage {
     let config = Config { supply: Supply::Tap, settings: Settings::default(), identity, fault: None };
     let (mut desk, ticker) = assemble(&mut queues, config).expect("the settings are sound");
     desk.clerk_mut().adopt(&example.file.job, 1).expect("the job is sound");
-    let tap = Tap::<ROOM>::new(tap_settings(example)).expect("the settings are sound");
-    run(example, InProcess::new(Front::new(desk, Some(tap)), ticker), at_hand(example))
+    let mut tap = Tap::<ROOM>::new(tap_settings(example)).expect("the settings are sound");
+    run(example, InProcess::new(Front::new(desk, Some(&mut tap)), ticker), at_hand(example))
 }
 
 fn at_hand(example: &Example) -> VecDeque<u8> {

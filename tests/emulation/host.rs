@@ -55,8 +55,7 @@ impl Host {
     pub fn begun_anew(job: &Job, session: u32) -> Self {
         let mut to_send = VecDeque::new();
         parameters::messages(job, SET, &mut |message| to_send.push_back(message)).expect("the job can be told");
-        let link = Link::new(link_settings(Role::Host), session).expect("the settings are sound");
-        Host { link, to_send, load_percent: 0, room: 0, bytes: [0; 2], heard: Vec::new(), report: None }
+        Host::of(to_send, session)
     }
 
     /// Gives it the moves of its one run.
@@ -65,6 +64,21 @@ impl Host {
             let rule = cut::find(&job.rules, segment, &job.tool).map(|(index, _)| index as u8);
             self.to_send.push_back(moves::encode(segment, count, rule).expect("the move can be told").into());
         }
+    }
+
+    /// A host with just this to say.
+    pub fn saying(messages: impl IntoIterator<Item = Message>) -> Self {
+        Host::of(messages.into_iter().collect(), SESSION)
+    }
+
+    fn of(to_send: VecDeque<Message>, session: u32) -> Self {
+        let link = Link::new(link_settings(Role::Host), session).expect("the settings are sound");
+        Host { link, to_send, load_percent: 0, room: 0, bytes: [0; 2], heard: Vec::new(), report: None }
+    }
+
+    /// Says this behind all else.
+    pub fn say_later(&mut self, message: impl Into<Message>) {
+        self.to_send.push_back(message.into());
     }
 
     /// The same host on a line that it keeps busy to this part of its bit rate, and the board with reports the other way.

@@ -13,13 +13,24 @@ use super::qemu::Emulator;
 
 impl Emulator {
     fn line(&self, wire: Wire) -> &UnixStream {
-        let [link, machine, sender, control] = self.lines();
+        let [link, machine, sender, control, _orders] = self.lines();
         match wire {
             Wire::Link => link,
             Wire::Machine => machine,
             Wire::Sender => sender,
             Wire::Control => control,
         }
+    }
+}
+
+impl Emulator {
+    /// Tells an image that takes orders, on the line that no other image listens to.
+    ///
+    /// # Panics
+    /// The line is closed.
+    pub fn order(&self, order: u8) {
+        let [.., mut orders] = self.lines().each_ref();
+        orders.write_all(&[order]).expect("the line of orders is open");
     }
 }
 

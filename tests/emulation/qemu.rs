@@ -18,7 +18,7 @@ const OPENING: Duration = Duration::from_secs(30);
 /// How long an answer may take: a board that hangs is found out, one that is slow is not.
 const SILENCE: Duration = Duration::from_secs(60);
 /// Lines that [`Emulator::start`] opens.
-pub const LINES: usize = 4;
+pub const LINES: usize = 5;
 /// QEMU's console multiplexer takes 32 bytes off a socket at a time rather than one, at a third of the cost. Its escape
 /// character is put where no byte is.
 const NO_ESCAPE: [&str; 2] = ["-echr", "256"];
@@ -51,7 +51,7 @@ pub struct Emulator {
     clock: Clock,
     child: Child,
     scratch: Scratch,
-    /// UART 0 to 3.
+    /// UART 0 to 4.
     lines: [UnixStream; LINES],
 }
 
@@ -89,7 +89,7 @@ pub fn run(name: &str) -> Run {
 }
 
 impl Emulator {
-    /// Starts an image with UART 0 to 3 as sockets, all open.
+    /// Starts an image with UART 0 to 4 as sockets, all open.
     ///
     /// # Panics
     /// There is no QEMU, or it does not open them.
@@ -110,7 +110,7 @@ impl Emulator {
         (self.child, self.lines) = power_on(&self.name, &self.scratch, self.clock);
     }
 
-    /// The sockets of UART 0 to 3.
+    /// The sockets of UART 0 to 4.
     pub fn lines(&self) -> &[UnixStream; LINES] {
         &self.lines
     }

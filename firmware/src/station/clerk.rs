@@ -10,7 +10,6 @@ use arcfeed_shared::segment::Path;
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::message::codes::{RefusalCode, RequestCode, ResetCode};
 use arcfeed_shared::wire::message::field::Chunk;
-use arcfeed_shared::wire::message::staging::Staging;
 use arcfeed_shared::wire::message::{Message, moves, sound, table};
 use heapless::Deque;
 
@@ -22,6 +21,7 @@ use crate::supervisor::signals::BoardFault;
 use super::dispatch::Dispatch;
 use super::knobs::Knobs;
 use super::order::{DeskQueues, Told, Word};
+use super::papers::Papers;
 use super::report;
 
 /// Answers that may wait.
@@ -45,8 +45,7 @@ pub struct Clerk<'q> {
     dispatch: Dispatch<'q>,
     identity: Identity,
     knobs: Knobs,
-    staging: Staging,
-    job: Option<Job>,
+    papers: &'q mut Papers,
     /// The set in force; 0 for none.
     set: u32,
     /// Whether that set came in this session.
@@ -69,12 +68,15 @@ impl<'q> Clerk<'q> {
     /// # Errors
     /// Settings that make no sense.
     pub fn new(queues: DeskQueues<'q>, identity: Identity, settings: Settings) -> Result<Self, SettingsError> {
+        let DeskQueues { orders, words, told, papers } = queues;
+        // In place: they are too large to be made elsewhere.
+        papers.job = None;
+        papers.staging.forget();
         Ok(Clerk {
-            dispatch: Dispatch::new(queues),
+            dispatch: Dispatch::new(orders, words, told),
             identity,
             knobs: Knobs::new(settings)?,
-            staging: Staging::new(),
-            job: None,
+            papers,
             set: 0,
             is_current: false,
             is_tapped: false,
@@ -189,14 +191,14 @@ impl<'q> Clerk<'q> {
             self.dispatch.say(Word::Fault(BoardFault::Parameters));
             return Err(RefusalCode::Value);
         }
-        self.job = Some(job.clone());
+        self.papers.job = Some(job.clone());
         self.take_effect(set);
         Ok(())
     }
 
     /// The job in force.
     pub fn job(&self) -> Option<&Job> {
-        self.job.as_ref()
+        self.papers.job.as_ref()
     }
 
     /// Begins a new run: segments that are not done are forgotten.
@@ -216,7 +218,7 @@ impl<'q> Clerk<'q> {
     }
 
     fn part(&mut self) {
-        self.staging.forget();
+        self.papers.staging.forget();
         self.is_current = false;
         self.replies.clear();
     }
@@ -226,7 +228,7 @@ impl<'q> Clerk<'q> {
             Message::Begin(_) | Message::Segment(_) | Message::Clear(_) if self.is_tapped => {
                 Err((0, RefusalCode::Message))
             }
-            Message::Begin(begin) => self.staging.begin(begin.set).map_err(|why| (begin.set, why)),
+            Message::Begin(begin) => self.papers.staging.begin(begin.set).map_err(|why| (begin.set, why)),
             Message::Commit(commit) => self.commit(commit).map_err(|why| (commit.set, why)),
             Message::Segment(segment) => self.segment(segment).map_err(|why| (segment.count, why)),
             Message::Request(request) => self.request(request).map_err(|why| (u32::from(request.epoch), why)),
@@ -256,8 +258,8 @@ impl<'q> Clerk<'q> {
 
     /// Only the first part that is not sound is answered; what comes behind it has no set to belong to.
     fn part_of_set(&mut self, part: &Message) -> Result<(), (u32, RefusalCode)> {
-        let set = self.staging.set();
-        match self.staging.take(part) {
+        let set = self.papers.staging.set();
+        match self.papers.staging.take(part) {
             Ok(()) | Err(RefusalCode::NoSet) => Ok(()),
             Err(why) => {
                 self.dispatch.say(Word::Fault(BoardFault::Parameters));
@@ -268,11 +270,11 @@ impl<'q> Clerk<'q> {
 
     fn commit(&mut self, commit: &table::Commit) -> Result<(), RefusalCode> {
         let is_busy = self.is_busy();
-        let sound = self.staging.commit(commit).and_then(|job| {
+        let sound = self.papers.staging.commit(commit).and_then(|job| {
             if is_busy {
                 Err(RefusalCode::Busy)
             } else if self.knobs.suit(&job.limits) {
-                self.job = Some(job.clone());
+                self.papers.job = Some(job.clone());
                 Ok(())
             } else {
                 Err(RefusalCode::Value)
@@ -310,7 +312,7 @@ impl<'q> Clerk<'q> {
     }
 
     fn order_parameters(&mut self) {
-        let limits = self.job.as_ref().map_or(OverrideLimits::default(), |job| job.limits);
+        let limits = self.papers.job.as_ref().map_or(OverrideLimits::default(), |job| job.limits);
         // Bounds and settings were checked when they were taken.
         if let Ok(supervisor) = Supervisor::within(&limits, self.knobs.settings) {
             self.dispatch.order(supervisor);
@@ -318,7 +320,9 @@ impl<'q> Clerk<'q> {
     }
 
     fn segment(&mut self, segment: &table::Segment) -> Result<(), RefusalCode> {
-        let Some(job) = self.job.as_ref().filter(|_| self.is_current) else { return Err(RefusalCode::NoParameters) };
+        let Some(job) = self.papers.job.as_ref().filter(|_| self.is_current) else {
+            return Err(RefusalCode::NoParameters);
+        };
         if self.next.is_some_and(|next| next != segment.count) {
             return Err(RefusalCode::Order);
         }
@@ -340,7 +344,7 @@ impl<'q> Clerk<'q> {
 
     /// A segment that was checked, and for which there is room.
     fn prepare(&mut self, message: &table::Segment) {
-        if let (Some(job), Ok(segment)) = (&self.job, moves::decode(message)) {
+        if let (Some(job), Ok(segment)) = (&self.papers.job, moves::decode(message)) {
             let rule = message.rule.and_then(|rule| job.rules.get(usize::from(rule)));
             let active = ActiveSegment::new(&segment, rule, job);
             // The way of a rapid is the machine's, from wherever it is.
@@ -355,7 +359,7 @@ impl<'q> Clerk<'q> {
         match request.what {
             RequestCode::Disarm => self.dispatch.say(Word::Disarm),
             // Those of a tapped line are the board's own.
-            RequestCode::Arm if !(self.is_current || self.is_tapped && self.job.is_some()) => {
+            RequestCode::Arm if !(self.is_current || self.is_tapped && self.papers.job.is_some()) => {
                 return Err(RefusalCode::NoParameters);
             }
             RequestCode::Arm if self.told.as_ref().is_none_or(|told| told.epoch != request.epoch) => {

@@ -4,17 +4,20 @@ use arcfeed_shared::units::{Micros, Nm};
 use heapless::Deque;
 
 use crate::active::ActiveSegment;
+use crate::spsc::{Consumer, Producer};
 use crate::supervisor::Supervisor;
 
-use super::order::{Ahead, DeskQueues, Order, Told, Word};
+use super::order::{Ahead, Order, Told, Word};
 
 /// Words that may wait for the tick.
 const WORDS: usize = 8;
 
 /// The desk's side of the queues; state.
 pub struct Dispatch<'q> {
-    queues: DeskQueues<'q>,
-    words: Deque<Word, WORDS>,
+    orders: Producer<'q, Order>,
+    words: Producer<'q, Word>,
+    told: Consumer<'q, Told>,
+    waiting: Deque<Word, WORDS>,
     /// Parameters or settings that the tick has still to be told.
     owed: Option<Supervisor>,
     run: u32,
@@ -22,43 +25,43 @@ pub struct Dispatch<'q> {
 
 impl<'q> Dispatch<'q> {
     /// Nothing said yet.
-    pub fn new(queues: DeskQueues<'q>) -> Self {
-        Dispatch { queues, words: Deque::new(), owed: None, run: 0 }
+    pub fn new(orders: Producer<'q, Order>, words: Producer<'q, Word>, told: Consumer<'q, Told>) -> Self {
+        Dispatch { orders, words, told, waiting: Deque::new(), owed: None, run: 0 }
     }
 
     /// Whether nothing waits for room.
     pub fn is_done(&self) -> bool {
-        self.words.is_empty() && self.owed.is_none()
+        self.waiting.is_empty() && self.owed.is_none()
     }
 
     /// Hands on what waits, as far as there is room.
     pub fn hand_on(&mut self) {
-        while self.queues.words.ready()
-            && let Some(word) = self.words.pop_front()
+        while self.words.ready()
+            && let Some(word) = self.waiting.pop_front()
         {
-            let _room = self.queues.words.enqueue(word);
+            let _room = self.words.enqueue(word);
         }
-        if self.words.is_empty()
-            && self.queues.orders.ready()
+        if self.waiting.is_empty()
+            && self.orders.ready()
             && let Some(supervisor) = self.owed.take()
         {
-            let _room = self.queues.orders.enqueue(Order::Parameters(supervisor));
+            let _room = self.orders.enqueue(Order::Parameters(supervisor));
         }
     }
 
     /// Says something that the tick must know at once.
     pub fn say(&mut self, word: Word) {
-        let at_once = self.words.is_empty() && self.queues.words.enqueue(word).is_ok();
+        let at_once = self.waiting.is_empty() && self.words.enqueue(word).is_ok();
         if !at_once {
             // Full only where no tick comes any more.
-            let _room = self.words.push_back(word);
+            let _room = self.waiting.push_back(word);
         }
     }
 
     /// The host was heard. It will be heard again: other words go first.
     pub fn heard(&mut self, at: Micros) {
-        if self.words.is_empty() && self.queues.words.len() < self.queues.words.capacity() / 2 {
-            let _room = self.queues.words.enqueue(Word::Heard(at));
+        if self.waiting.is_empty() && self.words.len() < self.words.capacity() / 2 {
+            let _room = self.words.enqueue(Word::Heard(at));
         }
     }
 
@@ -77,26 +80,26 @@ impl<'q> Dispatch<'q> {
     /// Adds a segment of this run; false, and nothing changed, if there is no room.
     pub fn put(&mut self, count: u32, segment: ActiveSegment, begins_at: Option<[Nm; 3]>) -> bool {
         let ahead = Ahead { run: self.run, count, begins_at, segment };
-        self.queues.orders.enqueue(Order::Segment(ahead)).is_ok()
+        self.orders.enqueue(Order::Segment(ahead)).is_ok()
     }
 
     /// Whether nothing is ahead of the tick.
     pub fn is_empty(&self) -> bool {
-        self.queues.orders.is_empty()
+        self.orders.is_empty()
     }
 
     /// How many segments there is room for.
     pub fn room(&self) -> usize {
-        self.capacity().saturating_sub(self.queues.orders.len())
+        self.capacity().saturating_sub(self.orders.len())
     }
 
     /// How many there could be room for.
     pub fn capacity(&self) -> usize {
-        self.queues.orders.capacity()
+        self.orders.capacity()
     }
 
     /// What the tick told next.
     pub fn told(&mut self) -> Option<Told> {
-        self.queues.told.dequeue()
+        self.told.dequeue()
     }
 }

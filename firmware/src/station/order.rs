@@ -12,6 +12,8 @@ use crate::supervisor::report::{Alarm, Refusal};
 use crate::supervisor::signals::BoardFault;
 use crate::supervisor::state::State;
 
+use super::papers::Papers;
+
 /// How near its beginning every axis must stand for the first segment of a run: what a tick or two at a cutting feed may leave.
 const BEGIN_TOLERANCE_NM: u64 = 100_000;
 /// Words on their way.
@@ -19,12 +21,13 @@ const WORDS: usize = 17;
 /// What the tick told, and nobody has heard yet.
 const TOLD: usize = 9;
 
-/// The queues between main loop and tick, with room for `AHEAD` - 1 segments.
+/// The queues between main loop and tick, with room for `AHEAD` - 1 segments, and the desk's papers.
 #[derive(Debug)]
 pub struct Queues<const AHEAD: usize> {
     orders: Queue<Order, AHEAD>,
     words: Queue<Word, WORDS>,
     told: Queue<Told, TOLD>,
+    papers: Papers,
 }
 
 /// The desk's ends of the queues.
@@ -35,6 +38,8 @@ pub struct DeskQueues<'q> {
     pub words: Producer<'q, Word>,
     /// What it tells.
     pub told: Consumer<'q, Told>,
+    /// Memory of its own.
+    pub papers: &'q mut Papers,
 }
 
 /// The tick's ends of the queues.
@@ -117,14 +122,16 @@ impl<const AHEAD: usize> Default for Queues<AHEAD> {
 impl<const AHEAD: usize> Queues<AHEAD> {
     /// Empty.
     pub const fn new() -> Self {
-        Queues { orders: Queue::new(), words: Queue::new(), told: Queue::new() }
+        Queues { orders: Queue::new(), words: Queue::new(), told: Queue::new(), papers: Papers::new() }
     }
 
     /// Both sides.
     pub fn split(&mut self) -> (DeskQueues<'_>, TickerQueues<'_>) {
         let ((orders, taken_orders), (words, taken_words)) = (split(&mut self.orders), split(&mut self.words));
         let (told, heard) = split(&mut self.told);
-        (DeskQueues { orders, words, told: heard }, TickerQueues { orders: taken_orders, words: taken_words, told })
+        let papers = &mut self.papers;
+        let at_tick = TickerQueues { orders: taken_orders, words: taken_words, told };
+        (DeskQueues { orders, words, told: heard, papers }, at_tick)
     }
 }
 

@@ -24,6 +24,8 @@ mod blocks;
 
 mod watch;
 
+use core::mem::MaybeUninit;
+
 use arcfeed_shared::cut;
 use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::nc::modal::Pose;
@@ -101,8 +103,21 @@ impl<const N: usize> Tap<N> {
     /// # Errors
     /// Settings that make no sense.
     pub fn new(settings: TapSettings) -> Result<Self, TapSettingsError> {
+        settings.checked().map(Tap::of)
+    }
+
+    /// The same in a place that it is made for: it is too large to be handed on.
+    ///
+    /// # Errors
+    /// Settings that make no sense.
+    pub fn place(place: &mut MaybeUninit<Self>, settings: TapSettings) -> Result<&mut Self, TapSettingsError> {
         let settings = settings.checked()?;
-        Ok(Tap {
+        Ok(place.write(Tap::of(settings)))
+    }
+
+    #[inline(always)]
+    fn of(settings: TapSettings) -> Self {
+        Tap {
             intake: Intake::new(settings.code),
             blocks: Blocks::new(settings.nc, settings.begins_afresh),
             settings,
@@ -115,7 +130,7 @@ impl<const N: usize> Tap<N> {
             tick: Tick::default(),
             axes: Axes::default(),
             heard: Micros(0),
-        })
+        }
     }
 
     /// Hears a character of the sender: the same, to be passed on.

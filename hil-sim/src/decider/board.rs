@@ -172,6 +172,11 @@ impl<W: Wires, A: Attached> Board<W, A> {
         self.attached
     }
 
+    /// Its lines and what was attached.
+    pub fn into_parts(self) -> (W, A) {
+        (self.wires, self.attached)
+    }
+
     /// The far ends of its lines.
     pub fn wires(&self) -> &W {
         &self.wires

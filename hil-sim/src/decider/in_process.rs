@@ -19,6 +19,16 @@ pub struct InProcess<'q, const N: usize> {
     machine: MachineLine,
     lockstep: Lockstep,
     rings: Rings,
+    log: Log,
+}
+
+/// What it logs; state.
+#[derive(Debug, Default)]
+struct Log {
+    /// Each frame, and behind how many ticks it comes.
+    frames: VecDeque<(u32, Vec<u8>)>,
+    ticks: u32,
+    waiting: Vec<u8>,
 }
 
 /// Bytes to the board and from it, by line.
@@ -46,7 +56,16 @@ impl Lines for Rings {
 impl<'q, const N: usize> InProcess<'q, N> {
     /// A board that has just started.
     pub fn new(front: Front<'q, N>, ticker: Ticker<'q>) -> Self {
-        InProcess { front, ticker, machine: MachineLine::new(), lockstep: Lockstep::new(), rings: Rings::default() }
+        let (machine, lockstep) = (MachineLine::new(), Lockstep::new());
+        InProcess { front, ticker, machine, lockstep, rings: Rings::default(), log: Log::default() }
+    }
+
+    /// The same, with a log over its link: frames, and behind how many ticks each comes. What a board logs is its image's; a board in
+    /// this process can only be told.
+    #[must_use]
+    pub fn with_log(mut self, frames: impl IntoIterator<Item = (u32, Vec<u8>)>) -> Self {
+        self.log.frames = frames.into_iter().collect();
+        self
     }
 
     /// The side of the main loop.
@@ -55,12 +74,19 @@ impl<'q, const N: usize> InProcess<'q, N> {
     }
 
     fn run(&mut self) {
-        let InProcess { front, ticker, machine, lockstep, rings } = self;
+        let InProcess { front, ticker, machine, lockstep, rings, log } = self;
         let mut tick = |now, sample: &_| {
             machine.take(now, sample);
             setpoint(sample.at, &ticker.tick(now, &machine.sensors(now)), [0; 2])
         };
-        while lockstep.poll(front, rings, &mut tick) {}
+        while lockstep.poll(front, rings, &mut tick) {
+            log.ticks += 1;
+            while log.frames.front().is_some_and(|(ticks, _)| *ticks <= log.ticks) {
+                log.waiting.extend(log.frames.pop_front().map_or(Vec::new(), |(_, frame)| frame));
+            }
+            let sent = front.desk_mut().log(&log.waiting);
+            log.waiting.drain(..sent);
+        }
     }
 }
 

@@ -11,6 +11,8 @@ const CONTROL: *mut u32 = 0x4000_2008 as *mut u32;
 /// Enabled, 32 bits, free running, not divided.
 const FREE_RUNNING: u32 = (1 << 7) | (1 << 1);
 const NS_PER_STEP: u64 = 40;
+/// Steps of the board's clock in a microsecond.
+pub const STEPS_PER_US: u32 = 25;
 /// As given to QEMU.
 const ICOUNT_SHIFT: u32 = 7;
 
@@ -53,7 +55,7 @@ impl InstructionCounter {
 
 /// The timer, counting up.
 #[inline(always)]
-fn steps() -> u32 {
+pub fn steps() -> u32 {
     // SAFETY: reading the value has no effect on the timer.
     !unsafe { VALUE.read_volatile() }
 }

@@ -27,6 +27,10 @@ pub enum Interrupt {
     Uart3Rx = 18,
     /// Transmitter of UART 3.
     Uart3Tx = 19,
+    /// Receiver of UART 4.
+    Uart4Rx = 20,
+    /// Transmitter of UART 4.
+    Uart4Tx = 21,
 }
 
 /// Who goes first; the chip has more levels than these.
@@ -37,6 +41,8 @@ pub enum Priority {
     First = 0,
     /// The bytes of the lines.
     Second = 0x40,
+    /// What holds up nothing but the main program.
+    Third = 0x80,
 }
 
 // SAFETY: the numbers are those of the board's vector table, and no two are the same.
@@ -79,6 +85,7 @@ unsafe extern "C" {
     fn UART2_TX();
     fn UART3_RX();
     fn UART3_TX();
+    fn UART4_RX();
     fn TIMER0();
     fn DefaultHandler();
 }
@@ -96,6 +103,7 @@ pub static __INTERRUPTS: [Vector; 32] = {
     table[Interrupt::Uart2Tx as usize] = Vector { handler: UART2_TX };
     table[Interrupt::Uart3Rx as usize] = Vector { handler: UART3_RX };
     table[Interrupt::Uart3Tx as usize] = Vector { handler: UART3_TX };
+    table[Interrupt::Uart4Rx as usize] = Vector { handler: UART4_RX };
     table[Interrupt::Timer0 as usize] = Vector { handler: TIMER0 };
     table
 };

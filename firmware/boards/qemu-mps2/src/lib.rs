@@ -25,6 +25,12 @@ pub mod flash;
 
 pub mod tick;
 
+pub mod reset_cause;
+
+pub mod watchdog;
+
+pub mod last_act;
+
 pub mod main_loop;
 
 pub mod log;
@@ -32,6 +38,8 @@ pub mod log;
 pub mod figures;
 
 pub mod example;
+
+pub mod tapped;
 
 pub mod baseline;
 

@@ -1,4 +1,5 @@
-//! Where `defmt` writes: the emulator, by semihosting, in one piece per frame.
+//! Where `defmt` writes: the emulator, by semihosting, in one piece per frame; and a buffer, out of which the main loop hands whole frames
+//! to the link as it has room. What finds none in the buffer is dropped whole and counted.
 //!
 //! For the main loop only: the tick never logs. `defmt-semihosting` would do, but for its panic on reentry, which would
 //! keep the image from linking; here a frame that does not fit is dropped whole.
@@ -10,6 +11,8 @@ use heapless::Vec;
 
 /// Longest frame, encoded.
 const FRAME_MAX: usize = 128;
+/// Bytes that wait for the link.
+const WAITING_MAX: usize = 512;
 /// `:tt` opened for writing: the emulator's console.
 const OPEN_TO_WRITE: usize = 4;
 
@@ -18,6 +21,8 @@ struct State {
     frame: Vec<u8, FRAME_MAX>,
     fits: bool,
     console: Option<usize>,
+    waiting: Vec<u8, WAITING_MAX>,
+    dropped: u32,
 }
 
 struct Shared(UnsafeCell<State>);
@@ -25,8 +30,39 @@ struct Shared(UnsafeCell<State>);
 // SAFETY: only the main loop logs (see above), so there is one user at a time.
 unsafe impl Sync for Shared {}
 
-static LOG: Shared =
-    Shared(UnsafeCell::new(State { encoder: defmt::Encoder::new(), frame: Vec::new(), fits: true, console: None }));
+static LOG: Shared = Shared(UnsafeCell::new(State {
+    encoder: defmt::Encoder::new(),
+    frame: Vec::new(),
+    fits: true,
+    console: None,
+    waiting: Vec::new(),
+    dropped: 0,
+}));
+
+/// Hands on what waits; `send` answers how many bytes it took.
+///
+/// # Safety
+/// Called by the main loop, and `send` does not log.
+pub unsafe fn hand_on(send: impl FnOnce(&[u8]) -> usize) {
+    // SAFETY: only the main loop logs, and not meanwhile, says the caller.
+    let State { waiting, .. } = unsafe { &mut *LOG.0.get() };
+    if waiting.is_empty() {
+        return;
+    }
+    let sent = send(waiting);
+    if sent > 0 {
+        *waiting = waiting.get(sent..).and_then(|rest| Vec::from_slice(rest).ok()).unwrap_or_default();
+    }
+}
+
+/// Frames that found no room so far.
+///
+/// # Safety
+/// Called by the main loop.
+pub unsafe fn dropped() -> u32 {
+    // SAFETY: only the main loop logs.
+    unsafe { (*LOG.0.get()).dropped }
+}
 
 #[defmt::global_logger]
 struct Console;
@@ -46,6 +82,8 @@ impl State {
             // SAFETY: address and length of the frame.
             unsafe { syscall!(WRITE, console, self.frame.as_ptr() as usize, self.frame.len()) };
         }
+        let is_taken = self.fits && self.waiting.extend_from_slice(&self.frame).is_ok();
+        self.dropped = self.dropped.saturating_add(u32::from(!is_taken));
         self.frame.clear();
         self.fits = true;
     }

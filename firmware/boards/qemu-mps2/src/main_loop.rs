@@ -10,12 +10,15 @@
 //! Who speaks first says how time goes. A sample in lockstep: the board ticks once for each sample and the timer stands. Anything
 //! else: the timer ticks every millisecond, whatever comes or does not.
 
+use core::mem::MaybeUninit;
+
 use crate::handed::Once;
 use crate::interrupts::{Interrupt, Priority, enable};
 use crate::serial::Lines;
 use crate::stack::Painted;
 use crate::tick::{Costs, MainSide, PERIOD, costs, prepare};
-use crate::{flash, timer};
+use crate::watchdog::Watchdog;
+use crate::{flash, log, reset_cause, timer};
 use arcfeed_firmware::assembly::{Config, assemble};
 use arcfeed_firmware::front::Front;
 use arcfeed_firmware::lockstep::{Line, Lines as _, Lockstep, pass};
@@ -23,7 +26,9 @@ use arcfeed_firmware::station::clerk::Identity;
 use arcfeed_firmware::station::order::Queues;
 use arcfeed_firmware::station::ticker::Supply;
 use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_firmware::supervisor::signals::BoardFault;
 use arcfeed_firmware::tap::Tap;
+use arcfeed_firmware::tap::status::{TapState, Why};
 use arcfeed_shared::job::Job;
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::frame::ENCODED_MAX;
@@ -53,20 +58,23 @@ pub struct Main<const N: usize> {
     tick: MainSide,
     painted: Painted,
     figures_at: u32,
+    tap_state: TapState,
 }
 
 impl<const N: usize> Main<N> {
     /// A board that has just started; with a tap and its job the segments are the tapped line's. `None` if what it is told makes no
     /// sense, or if it was called before.
-    pub fn start(tapped: Option<(Tap<N>, &Job)>) -> Option<Self> {
-        static QUEUES: Once<Queues<AHEAD>> = Once::new(Queues::new());
+    pub fn start(tapped: Option<(&'static mut Tap<N>, &Job)>) -> Option<Self> {
+        // Filled at the start: with its values in the image it would take as much of flash as of RAM.
+        static QUEUES: Once<MaybeUninit<Queues<AHEAD>>> = Once::new(MaybeUninit::uninit());
         let painted = Painted::far_below_here();
-        let starts = flash::count_start();
+        let (starts, reset) = (flash::count_start(), reset_cause::take_bite().map_or(ResetCode::Power, told_bite));
         defmt::info!("feedboard: start {=u32}, a tick every {=u32} us", starts, PERIOD.0);
-        let identity = Identity { name: "feedboard", version: [0, 1, 0], reset: ResetCode::Power, starts };
+        let fault = (reset == ResetCode::Watchdog).then_some(BoardFault::Watchdog);
+        let identity = Identity { name: "feedboard", version: [0, 1, 0], reset, starts };
         let supply = if tapped.is_some() { Supply::Tap } else { Supply::Link };
-        let config = Config { supply, settings: Settings::default(), identity, fault: None };
-        let (lines, queues) = (Lines::start()?, QUEUES.take()?);
+        let config = Config { supply, settings: Settings::default(), identity, fault };
+        let (lines, queues) = (Lines::start()?, QUEUES.take()?.write(Queues::new()));
         let (mut desk, ticker) = assemble(queues, config).ok()?;
         let tap = match tapped {
             Some((tap, job)) => {
@@ -76,7 +84,14 @@ impl<const N: usize> Main<N> {
             None => None,
         };
         let tick = prepare(ticker)?;
-        Some(Main { front: Front::new(desk, tap), lines, tick, painted, figures_at: FIGURES_EVERY })
+        Some(Main {
+            front: Front::new(desk, tap),
+            lines,
+            tick,
+            painted,
+            figures_at: FIGURES_EVERY,
+            tap_state: TapState::Listening,
+        })
     }
 
     /// Goes on for ever.
@@ -94,7 +109,7 @@ impl<const N: usize> Main<N> {
         }
     }
 
-    /// One tick for each sample.
+    /// One tick for each sample. The machine waits for the board, however long it takes: no watchdog.
     fn keep_step(mut self, mut lockstep: Lockstep) -> ! {
         loop {
             let Main { front, lines, tick, .. } = &mut self;
@@ -106,7 +121,7 @@ impl<const N: usize> Main<N> {
                 tick.setpoints.dequeue().unwrap_or(Setpoint { at: sample.at, ..NOTHING })
             });
             if is_done {
-                self.log_figures();
+                self.log();
             } else {
                 self.lines.sleep();
             }
@@ -115,27 +130,38 @@ impl<const N: usize> Main<N> {
 
     /// A tick every millisecond.
     fn run_free(mut self) -> ! {
-        // SAFETY: the tick's side is prepared.
-        unsafe { timer::start(PERIOD.0) };
+        cortex_m::interrupt::free(|_| {
+            let _count = pass(&mut self.front, &mut self.lines, Micros(0));
+            // SAFETY: interrupts are held back.
+            unsafe { self.lines.bridge() };
+        });
+        // SAFETY: the tick's side is prepared; the image has the handler of the board's last act.
+        let mut watchdog = unsafe {
+            timer::start(PERIOD.0);
+            Watchdog::start()
+        };
         let (mut machine, mut now) = (PlainLine::new(), Micros(0));
         loop {
             self.hear_machine(&mut machine);
             self.hear_link(now);
-            let _count = pass(&mut self.front, &mut self.lines, now);
+            self.hear_tapped(now);
             if let Some(setpoint) = self.last_setpoint() {
                 now = Micros(setpoint.at);
                 self.show(&mut machine, now, setpoint);
             }
             self.front.run(now);
             self.speak_link(now);
-            self.log_figures();
+            self.log();
+            watchdog.feed_after_tick(costs().ticks);
             // The next tick wakes it, if nothing else does.
             cortex_m::asm::wfi();
         }
     }
 
+    /// As everything that is heard: what waits, and not what comes meanwhile. A line that never rests must not hold the loop.
     fn hear_machine(&mut self, machine: &mut PlainLine) {
-        while let Some(byte) = self.lines.receive(Line::Machine) {
+        for _ in 0..self.lines.waiting(Line::Machine) {
+            let Some(byte) = self.lines.receive(Line::Machine) else { return };
             let invalid = machine.invalid();
             let heard = match machine.on_byte(byte) {
                 Some(Message::Sample(sample)) => Some(sample),
@@ -153,7 +179,8 @@ impl<const N: usize> Main<N> {
 
     fn hear_link(&mut self, now: Micros) {
         let mut part = heapless::Vec::<u8, PART>::new();
-        while let Some(byte) = self.lines.receive(Line::Link) {
+        for _ in 0..self.lines.waiting(Line::Link) {
+            let Some(byte) = self.lines.receive(Line::Link) else { break };
             let _room = part.push(byte);
             if part.is_full() {
                 self.front.on_link_bytes(now, &part);
@@ -161,6 +188,23 @@ impl<const N: usize> Main<N> {
             }
         }
         self.front.on_link_bytes(now, &part);
+    }
+
+    /// What the receivers' handlers have passed on.
+    fn hear_tapped(&mut self, now: Micros) {
+        for _ in 0..self.lines.waiting(Line::Sender) {
+            let Some(byte) = self.lines.receive(Line::Sender) else { break };
+            let _passed = self.front.from_sender(now, byte);
+        }
+        if self.lines.sender.take_gap() {
+            self.front.on_line_error();
+        }
+        for _ in 0..self.lines.waiting(Line::Control) {
+            let Some(byte) = self.lines.receive(Line::Control) else { break };
+            let _passed = self.front.from_control(now, byte);
+        }
+        // Of the control's characters the tap only counts.
+        let _gap = self.lines.control.take_gap();
     }
 
     fn speak_link(&mut self, now: Micros) {
@@ -187,6 +231,20 @@ impl<const N: usize> Main<N> {
         }
     }
 
+    /// Logs what has changed or is due, and hands the log on behind all else.
+    fn log(&mut self) {
+        self.log_tap();
+        self.log_figures();
+        // SAFETY: this is the main loop; nothing of the desk logs.
+        unsafe { log::hand_on(|bytes| self.front.desk_mut().log(bytes)) };
+    }
+
+    fn log_tap(&mut self) {
+        let Some(state) = self.front.tap().map(Tap::state).filter(|state| *state != self.tap_state) else { return };
+        self.tap_state = state;
+        defmt::info!("tap: {=str}", words(state));
+    }
+
     fn log_figures(&mut self) {
         let Costs { ticks, worst, late: [earliest, latest] } = costs();
         if ticks < self.figures_at {
@@ -203,5 +261,34 @@ impl<const N: usize> Main<N> {
             self.lines.lost(),
             stack
         );
+        // SAFETY: this is the main loop.
+        let dropped = unsafe { log::dropped() };
+        if let Some(instructions) = self.lines.passed_in() {
+            defmt::info!("characters passed on in {=u32} instructions", instructions);
+        }
+        if dropped > 0 {
+            defmt::info!("{=u32} messages found no room in the log", dropped);
+        }
     }
+}
+
+/// A state of the tap, in the log's words.
+fn words(state: TapState) -> &'static str {
+    match state {
+        TapState::Listening => "listening",
+        TapState::InStep => "in step",
+        TapState::Passing => "passing over",
+        TapState::Lost(Why::Damaged) => "lost, a damaged block",
+        TapState::Lost(Why::LongBlock) => "lost, a block too long",
+        TapState::Lost(Why::TooFarAhead) => "lost, the sender too far ahead",
+        TapState::Lost(Why::NotUnderstood(_)) => "lost, a block not understood",
+        TapState::Lost(Why::OutOfSight) => "lost, a block that depends on the control",
+        TapState::Lost(Why::OffPath) => "lost, the axes off the path",
+    }
+}
+
+/// Says in the log how the last start ended.
+fn told_bite(ticks_since_fed: u32) -> ResetCode {
+    defmt::error!("the watchdog bit, {=u32} ticks after it was fed: 0 % until a person resets", ticks_since_fed);
+    ResetCode::Watchdog
 }

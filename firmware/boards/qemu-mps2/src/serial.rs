@@ -4,18 +4,26 @@
 //! receiver -> UARTn_RX -> ring -> main program -> ring -> UARTn_TX -> transmitter
 //! ```
 //!
+//! The tapped line, once the board runs free, is passed on by the receivers' handlers themselves, and heard by the main program later:
+//!
+//! ```text
+//! receiver -> UARTn_RX -+-> ring of the other line -> its transmitter
+//!                       +-> ring -> main program
+//! ```
+//!
 //! Rings have one producer and one consumer and need no lock, so a line holds up nothing but its own bytes. What finds a
 //! ring full is dropped and counted: the protocols above find it missing, and the count says where it went.
 
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use arcfeed_firmware::lockstep;
 use arcfeed_firmware::spsc::{Consumer, Producer, split};
 use cortex_m::peripheral::NVIC;
 use heapless::spsc::Queue;
 
+use crate::clock::{InstructionCounter, steps};
 use crate::handed::{Handed, Once};
-use crate::interrupts::{Interrupt, Priority, enable};
+use crate::interrupts::{Priority, enable};
 use crate::uart::{Registers, UART0, UART1, UART2, UART3, Uart};
 
 /// Bytes of each ring, less one. At 115 200 Bd it fills in 89 ms.
@@ -27,6 +35,10 @@ struct Hardware {
     handler: Handed<Handler>,
     rings: Once<[Queue<u8, RING>; 2]>,
     lost: AtomicU32,
+    /// A byte was lost behind those that wait, and none is put behind them before the main program knows.
+    has_gap: AtomicBool,
+    /// Instructions in which a byte was passed on, where nothing held the handler up.
+    passed_in: AtomicU32,
 }
 
 /// What the handlers of a line own.
@@ -34,16 +46,22 @@ struct Handler {
     registers: Registers,
     received: Producer<'static, u8>,
     to_send: Consumer<'static, u8>,
+    /// Where bytes are passed on to: a line's ring, and its place among the lines.
+    onward: Option<(Producer<'static, u8>, usize)>,
 }
+
+/// Places of the two ends of the tapped line.
+const SENDER: usize = 2;
+const CONTROL: usize = 3;
 
 static LINES: [Hardware; 4] = [Hardware::of(UART0), Hardware::of(UART1), Hardware::of(UART2), Hardware::of(UART3)];
 
 /// The main program's end of a line.
 pub struct Line {
     received: Consumer<'static, u8>,
-    to_send: Producer<'static, u8>,
-    sent: Interrupt,
-    lost: &'static AtomicU32,
+    /// `None` once another line's handler has it.
+    to_send: Option<Producer<'static, u8>>,
+    hardware: &'static Hardware,
 }
 
 /// The lines of the board, all running.
@@ -72,6 +90,29 @@ impl Lines {
 }
 
 impl Lines {
+    /// Passes on from now on, in the receivers' handlers, what comes at one end of the tapped line; the main program only hears it.
+    ///
+    /// # Safety
+    /// Interrupts are held back.
+    pub unsafe fn bridge(&mut self) {
+        let [.., sender, control] = &LINES;
+        let ends = [(sender, self.control.to_send.take(), CONTROL), (control, self.sender.to_send.take(), SENDER)];
+        for (from, into, place) in ends {
+            // SAFETY: no handler runs, says the caller.
+            if let (Some(handler), Some(into)) = (unsafe { from.handler.get() }, into) {
+                handler.onward = Some((into, place));
+            }
+        }
+    }
+
+    /// Instructions from a receiver's interrupt to its byte in the other transmitter, the least; `None` if none was passed on so. It is more
+    /// only by what goes before the handler: a tick.
+    pub fn passed_in(&self) -> Option<u32> {
+        let [.., sender, control] = &LINES;
+        let [sender, control] = [sender, control].map(|end| end.passed_in.load(Ordering::Relaxed));
+        Some(sender.min(control)).filter(|instructions| *instructions < u32::MAX)
+    }
+
     /// Bytes received and lost so far, on all lines.
     pub fn lost(&self) -> u32 {
         let lines = [&self.link, &self.machine, &self.sender, &self.control];
@@ -132,27 +173,39 @@ impl Line {
 
     /// How many bytes [`Line::send`] takes.
     pub fn room(&self) -> usize {
-        self.to_send.capacity() - self.to_send.len()
+        self.to_send.as_ref().map_or(0, |ring| ring.capacity() - ring.len())
     }
 
     /// Sends bytes; as many as there is room for.
     pub fn send(&mut self, bytes: &[u8]) -> usize {
-        let taken = bytes.iter().take_while(|byte| self.to_send.enqueue(**byte).is_ok()).count();
+        let Some(to_send) = &mut self.to_send else { return 0 };
+        let taken = bytes.iter().take_while(|byte| to_send.enqueue(**byte).is_ok()).count();
         // The handler alone touches the transmitter: it is called, and goes on by itself.
-        NVIC::pend(self.sent);
+        NVIC::pend(self.hardware.uart.sent);
         taken
     }
 
-    /// Bytes received and lost so far, as the ring was full or the receiver overrun.
+    /// Bytes received and lost so far, as a ring was full or the receiver overrun.
     pub fn lost(&self) -> u32 {
-        self.lost.load(Ordering::Relaxed)
+        self.hardware.lost.load(Ordering::Relaxed)
+    }
+
+    /// Whether bytes of a tapped line are missing behind all that was received so far; asked once.
+    pub fn take_gap(&mut self) -> bool {
+        // In this order: while there is a gap, nothing is put behind it.
+        let is_here = self.hardware.has_gap.load(Ordering::Acquire) && self.received.is_empty();
+        if is_here {
+            self.hardware.has_gap.store(false, Ordering::Release);
+        }
+        is_here
     }
 }
 
 impl Hardware {
     const fn of(uart: Uart) -> Self {
         let rings = Once::new([const { Queue::new() }; 2]);
-        Hardware { uart, handler: Handed::nothing(), rings, lost: AtomicU32::new(0) }
+        let (lost, passed_in) = (AtomicU32::new(0), AtomicU32::new(u32::MAX));
+        Hardware { uart, handler: Handed::nothing(), rings, lost, has_gap: AtomicBool::new(false), passed_in }
     }
 
     fn start(&'static self) -> Option<Line> {
@@ -162,24 +215,49 @@ impl Hardware {
         // interrupts, both of one priority, are not let through.
         unsafe {
             let registers = Registers::start(self.uart);
-            self.handler.put(Handler { registers, received: into, to_send: from });
+            self.handler.put(Handler { registers, received: into, to_send: from, onward: None });
             enable(self.uart.received, Priority::Second);
             enable(self.uart.sent, Priority::Second);
         }
-        Some(Line { received, to_send, sent: self.uart.sent, lost: &self.lost })
+        Some(Line { received, to_send: Some(to_send), hardware: self })
     }
 
     fn on_received(&self) {
-        // SAFETY: called by this line's handlers alone, which are of one priority.
-        let Some(Handler { registers, received, .. }) = (unsafe { self.handler.get() }) else { return };
+        let mut began = steps();
+        // SAFETY: called by the lines' handlers alone, which are of one priority.
+        let Some(Handler { registers, received, onward, .. }) = (unsafe { self.handler.get() }) else { return };
         registers.acknowledge_received();
-        let mut lost = u32::from(registers.take_overrun());
+        let is_overrun = registers.take_overrun();
+        let mut lost = u32::from(is_overrun);
         while let Some(byte) = registers.receive() {
-            lost += u32::from(received.enqueue(byte).is_err());
+            let Some((into, place)) = onward else {
+                lost += u32::from(received.enqueue(byte).is_err());
+                continue;
+            };
+            lost += u32::from(into.enqueue(byte).is_err());
+            on_sent(*place);
+            let passed = steps();
+            let cost = InstructionCounter::of_steps(passed.wrapping_sub(began));
+            self.passed_in.store(self.passed_in.load(Ordering::Relaxed).min(cost), Ordering::Relaxed);
+            began = passed;
+            lost += u32::from(!self.put_behind(received, byte));
         }
         if lost > 0 {
             self.lost.store(self.lost.load(Ordering::Relaxed).wrapping_add(lost), Ordering::Relaxed);
         }
+        if is_overrun && onward.is_some() {
+            // What the receiver lost, it lost behind the byte that it held.
+            self.has_gap.store(true, Ordering::Release);
+        }
+    }
+
+    /// Puts a byte behind those that wait for the main program; false, and a gap, where it has no place.
+    fn put_behind(&self, received: &mut Producer<'static, u8>, byte: u8) -> bool {
+        let has_place = !self.has_gap.load(Ordering::Acquire) && received.enqueue(byte).is_ok();
+        if !has_place {
+            self.has_gap.store(true, Ordering::Release);
+        }
+        has_place
     }
 
     fn on_sent(&self) {
@@ -196,6 +274,12 @@ impl Hardware {
 /// Bytes came on a line: what its receiver's handler does.
 pub fn on_received(line: usize) {
     LINES.get(line).into_iter().for_each(Hardware::on_received);
+}
+
+/// Bytes received and lost so far on the sender's end of the tapped line.
+pub fn lost_of_sender() -> u32 {
+    let [.., sender, _] = &LINES;
+    sender.lost.load(Ordering::Relaxed)
 }
 
 /// A line takes more bytes, or is asked to: what its transmitter's handler does.

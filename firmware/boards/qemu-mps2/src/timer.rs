@@ -1,5 +1,6 @@
 //! CMSDK timer 0: the interrupt that is the tick.
 
+use crate::clock::STEPS_PER_US;
 use crate::interrupts::{Interrupt, Priority, enable};
 
 const CONTROL: *mut u32 = 0x4000_0000 as *mut u32;
@@ -8,8 +9,6 @@ const RELOAD: *mut u32 = 0x4000_0008 as *mut u32;
 const CLEAR: *mut u32 = 0x4000_000C as *mut u32;
 /// Counting, with interrupt.
 const RUNNING: u32 = 1 | (1 << 3);
-/// Steps of the board's clock in a microsecond.
-const STEPS_PER_US: u32 = 25;
 
 /// Starts the tick.
 ///

@@ -41,6 +41,8 @@ pub const UART1: Uart = Uart { base: 0x4000_5000, received: Interrupt::Uart1Rx, 
 pub const UART2: Uart = Uart { base: 0x4000_6000, received: Interrupt::Uart2Rx, sent: Interrupt::Uart2Tx };
 /// UART 3.
 pub const UART3: Uart = Uart { base: 0x4000_7000, received: Interrupt::Uart3Rx, sent: Interrupt::Uart3Tx };
+/// UART 4, of which no image for use has a handler.
+pub const UART4: Uart = Uart { base: 0x4000_9000, received: Interrupt::Uart4Rx, sent: Interrupt::Uart4Tx };
 
 /// The registers of a UART, for its one user.
 #[derive(Debug)]
@@ -69,6 +71,14 @@ impl Registers {
         registers.write(DIVIDER, DIVISOR);
         registers.write(CONTROL, TX_ON);
         registers
+    }
+
+    /// The registers of a UART that is running.
+    ///
+    /// # Safety
+    /// Nobody else uses this UART any more.
+    pub unsafe fn seize(uart: Uart) -> Self {
+        Registers { base: uart.base }
     }
 
     /// Sends a byte, unless the one before is still under way.

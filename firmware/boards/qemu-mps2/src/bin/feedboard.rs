@@ -7,10 +7,11 @@
 
 use arcfeed_qemu_mps2::main_loop::Main;
 use arcfeed_qemu_mps2::tick::on_timer;
-use arcfeed_qemu_mps2::{leave, line_handlers};
+use arcfeed_qemu_mps2::{last_act_handlers, leave, line_handlers};
 use cortex_m_semihosting::debug;
 
 line_handlers!();
+last_act_handlers!();
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {

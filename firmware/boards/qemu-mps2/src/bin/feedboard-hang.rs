@@ -1,0 +1,75 @@
+//! The board of `feedboard-tap` that hangs when it is told to, for tests of what happens then.
+//!
+//! Orders come as bytes on UART 4, of which no image for use has a handler: what is here is in none of them. They are obeyed above
+//! the main program, and below the lines and the tick, which go on.
+//!
+//! No panic can be reached here: it would not link.
+#![no_std]
+#![no_main]
+
+use arcfeed_qemu_mps2::handed::Handed;
+use arcfeed_qemu_mps2::interrupts::{Priority, enable};
+use arcfeed_qemu_mps2::serial::lost_of_sender;
+use arcfeed_qemu_mps2::tick::on_timer;
+use arcfeed_qemu_mps2::uart::{Registers, UART4};
+use arcfeed_qemu_mps2::{last_act_handlers, leave, line_handlers, tapped, timer};
+use cortex_m_semihosting::debug;
+
+static ORDERS: Handed<Registers> = Handed::nothing();
+
+line_handlers!();
+last_act_handlers!();
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    unsafe extern "C" {
+        fn arcfeed_a_panic_can_be_reached() -> !;
+    }
+    // SAFETY: never linked, hence never called.
+    unsafe { arcfeed_a_panic_can_be_reached() }
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn TIMER0() {
+    // SAFETY: this is the timer's handler.
+    unsafe { on_timer() };
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn UART4_RX() {
+    // SAFETY: this is the receiver's handler, the one user.
+    let Some(registers) = (unsafe { ORDERS.get() }) else { return };
+    registers.acknowledge_received();
+    match registers.receive() {
+        // The main loop stops.
+        Some(b'm') => loop {
+            core::hint::spin_loop();
+        },
+        // The main loop is held up until the tapped line has lost something.
+        Some(b'l') => {
+            let before = lost_of_sender();
+            while lost_of_sender() == before {
+                core::hint::spin_loop();
+            }
+        }
+        // The tick stops.
+        Some(b't') => timer::stop(),
+        // A fault of the core.
+        Some(b'f') => cortex_m::asm::udf(),
+        _ => {}
+    }
+}
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    let Some(board) = tapped::start() else {
+        defmt::error!("the board's settings make no sense");
+        leave(debug::EXIT_FAILURE)
+    };
+    // SAFETY: UART 4 is used here only; what its handler uses is in place when it is let through.
+    unsafe {
+        ORDERS.put(Registers::start(UART4));
+        enable(UART4.received, Priority::Third);
+    }
+    board.run()
+}

@@ -1,0 +1,26 @@
+//! The largest things that a desk keeps, in memory that its board gives it: handed on by value they would be copied along the stack.
+
+use arcfeed_shared::job::Job;
+use arcfeed_shared::wire::message::staging::Staging;
+
+/// The job in force and the set on its way in; state.
+#[derive(Debug)]
+pub struct Papers {
+    /// The job in force.
+    pub(super) job: Option<Job>,
+    /// The set on its way in.
+    pub(super) staging: Staging,
+}
+
+impl Default for Papers {
+    fn default() -> Self {
+        Papers::new()
+    }
+}
+
+impl Papers {
+    /// No job, nothing on its way.
+    pub const fn new() -> Self {
+        Papers { job: None, staging: Staging::new() }
+    }
+}
