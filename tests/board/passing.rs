@@ -40,7 +40,7 @@ struct Tapped {
 
 impl Tapped {
     fn start() -> Self {
-        let mut tapped = Tapped { board: Emulator::start(IMAGE, Clock::CountedWaiting), line: PlainLine::new() };
+        let mut tapped = Tapped { board: chip_with_page(IMAGE, &page_of(&Example::load())), line: PlainLine::new() };
         tapped.show();
         while tapped.log().is_empty() {
             std::thread::sleep(Duration::from_millis(50));

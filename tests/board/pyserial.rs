@@ -14,12 +14,11 @@ use std::time::Duration;
 
 use arcfeed_hil_sim::control::code::{DC1, DC3};
 use arcfeed_tests::Scratch;
-use arcfeed_tests::emulation::qemu::{Clock, Emulator};
 use arcfeed_tests::python::{Script, python_or_skip};
 use serialport::{SerialPort, TTYPort};
 
 use crate::runs::Example;
-use crate::tapped::{Sender, assert_same, in_process, run};
+use crate::tapped::{Sender, assert_same, in_process, run, tapped_chip};
 
 /// A pyserial that writes nothing for so long has died.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -92,7 +91,7 @@ fn pyserials_program_is_cut_through_the_chips_tap_bit_for_bit_as_that_of_a_sende
     let Some(python) = python_or_skip("pyserial through the chip's tap") else { return };
     let example = Example::load();
     let sender = Pyserial::start(python, "tap-pyserial", &example.text);
-    let chip = run(&example, Emulator::start("feedboard-tap", Clock::CountedWaiting), sender);
+    let chip = run(&example, tapped_chip(&example), sender);
     assert_same(&chip, &in_process(&example), &example);
     assert!(chip.line.xoff_count > 0 && chip.line.max_bytes_after_xoff <= 10, "{:?}", chip.line);
 }

@@ -20,6 +20,7 @@ use arcfeed_hil_sim::decider::in_process::InProcess;
 use arcfeed_hil_sim::rig::Rig;
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode, StateCode};
+use arcfeed_shared::wire::message::page::{self, Page, Tapped};
 use arcfeed_tests::emulation::qemu::{Clock, Emulator};
 
 use crate::runs::{AHEAD, Example, Outcome, chip_range};
@@ -159,6 +160,22 @@ pub fn in_process(example: &Example) -> Passage {
     run(example, InProcess::new(Front::new(desk, Some(&mut tap)), ticker), at_hand(example))
 }
 
+/// The chip's board, with the example's job in its flash.
+pub fn tapped_chip(example: &Example) -> Emulator {
+    chip_with_page("feedboard-tap", &page_of(example))
+}
+
+/// A tapped board's image with this page of flash.
+pub fn chip_with_page(image: &str, page: &[u8]) -> Emulator {
+    Emulator::with_flash(image, Clock::CountedWaiting, &[("parameters.flash", page)])
+}
+
+/// The example's job as it lies in flash.
+pub fn page_of(example: &Example) -> Page {
+    let tapped = Tapped { code: Some(Code::Ascii), ..Tapped::default() };
+    page::write(&example.file.job, tapped).expect("a board can be told the job")
+}
+
 fn at_hand(example: &Example) -> VecDeque<u8> {
     example.text.iter().copied().collect()
 }
@@ -183,7 +200,7 @@ pub fn assert_same(chip: &Passage, station: &Passage, example: &Example) {
 #[test]
 fn through_the_tap_the_chip_decides_bit_for_bit_what_the_board_in_process_does() {
     let example = Example::load();
-    let chip = run(&example, Emulator::start("feedboard-tap", Clock::CountedWaiting), at_hand(&example));
+    let chip = run(&example, tapped_chip(&example), at_hand(&example));
     assert_same(&chip, &in_process(&example), &example);
 }
 
@@ -196,4 +213,25 @@ fn through_the_tap_the_chips_are_those_of_a_controller_that_is_told_each_block()
     assert_eq!(text, example.text, "byte for byte");
     assert_eq!(told.chips.len(), tapped.chips.len());
     assert!(told_range.iter().zip(range).all(|(told, tapped)| (told - tapped).abs() < 0.01));
+}
+
+#[test]
+fn without_parameters_a_tapped_chip_adapts_nothing_and_with_broken_ones_it_is_at_0_percent() {
+    let example = Example::load();
+    let mut page = page_of(&example);
+    page[40] ^= 1;
+    let erased = [0xFF; 64];
+    for (what, page, state, percent) in
+        [("never written", &erased[..], StateCode::Idle, 100), ("a bit flipped", &page[..], StateCode::Faulted, 0)]
+    {
+        let board = Board::new(chip_with_page("feedboard-tap", page), (), ModeCode::Lockstep);
+        let mut rig = Rig::new(Control::on_line(control(&example)), &example.file.job, board);
+        for period in 0..SETTLING + HELD {
+            let pressed = if period < SETTLING { Signals::NONE } else { Signals::of_request(Request::Arm) };
+            rig.decider_mut().set_panel(pressed);
+            rig.step();
+            assert_eq!(rig.decider().broken(), None);
+        }
+        assert_eq!((rig.decider().state(), rig.decided().percent), (Some(state), percent), "{what}");
+    }
 }

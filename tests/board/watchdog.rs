@@ -57,7 +57,7 @@ struct Machine {
 
 impl Machine {
     fn start() -> Self {
-        Machine { board: Emulator::start(HANGING, Clock::CountedWaiting), line: PlainLine::new() }
+        Machine { board: chip_with_page(HANGING, &page_of(&Example::load())), line: PlainLine::new() }
     }
 
     fn show(&mut self) {

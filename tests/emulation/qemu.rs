@@ -94,7 +94,18 @@ impl Emulator {
     /// # Panics
     /// There is no QEMU, or it does not open them.
     pub fn start(name: &str, clock: Clock) -> Self {
+        Emulator::with_flash(name, clock, &[])
+    }
+
+    /// The same with files in place of flash, by their names.
+    ///
+    /// # Panics
+    /// As [`Emulator::start`].
+    pub fn with_flash(name: &str, clock: Clock, files: &[(&str, &[u8])]) -> Self {
         let scratch = scratch(name);
+        for (file, bytes) in files {
+            scratch.write(file, bytes);
+        }
         let (child, lines) = power_on(name, &scratch, clock);
         Emulator { name: name.to_owned(), clock, child, scratch, lines }
     }

@@ -10,7 +10,8 @@ use arcfeed_shared::segment::Path;
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::message::codes::{RefusalCode, RequestCode, ResetCode};
 use arcfeed_shared::wire::message::field::Chunk;
-use arcfeed_shared::wire::message::{Message, moves, sound, table};
+use arcfeed_shared::wire::message::page::{PageError, Tapped};
+use arcfeed_shared::wire::message::{Message, moves, page, sound, table};
 use heapless::Deque;
 
 use crate::active::ActiveSegment;
@@ -182,7 +183,29 @@ impl<'q> Clerk<'q> {
         }
     }
 
-    /// Parameters from elsewhere than the link, as from flash.
+    /// Parameters as they lie in flash; answers the line that they are for. Where none were ever written the board goes on without.
+    ///
+    /// # Errors
+    /// What is wrong with the page. If it is broken, or makes no sense, the fault is raised.
+    pub fn adopt_page(&mut self, page: &[u8], set: u32) -> Result<Tapped, PageError> {
+        let Papers { job: own, staging } = &mut *self.papers;
+        let knobs = &self.knobs;
+        let read = page::read(page, staging).and_then(|(job, tapped)| {
+            if !knobs.suit(&job.limits) {
+                return Err(PageError::Set(RefusalCode::Value));
+            }
+            *own = Some(job.clone());
+            Ok(tapped)
+        });
+        match read {
+            Ok(_) => self.take_effect(set),
+            Err(PageError::Blank) => {}
+            Err(_) => self.dispatch.say(Word::Fault(BoardFault::Parameters)),
+        }
+        read
+    }
+
+    /// Parameters from elsewhere than the link.
     ///
     /// # Errors
     /// The same as for those of the link; the fault is raised all the same.

@@ -3,6 +3,7 @@
 use arcfeed_shared::nc::settings::{Preset, Reading, Scope, Settings};
 use arcfeed_shared::nc::tape_code::Code;
 use arcfeed_shared::units::{LengthUnit, Nm, Span};
+use arcfeed_shared::wire::message::page::Tapped;
 
 /// Most characters of a block, comments and blanks apart.
 pub const LINE_MAX: usize = 256;
@@ -49,6 +50,14 @@ impl TapSettings {
             patience: 5,
             silence: Span::from_ms(2_000),
         }
+    }
+
+    /// For a line as the parameters in flash describe it.
+    pub const fn of_line(line: Tapped, unit: LengthUnit) -> Self {
+        let mut settings = TapSettings::new(unit);
+        settings.code = line.code;
+        settings.nc.decimals = line.decimals;
+        settings
     }
 
     /// # Errors

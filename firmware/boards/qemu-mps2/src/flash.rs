@@ -1,9 +1,11 @@
-//! What outlasts a loss of power: a file beside the emulator, in place of a page of flash.
+//! What outlasts a loss of power: files beside the emulator, in place of pages of flash.
 
 use cortex_m_semihosting::syscall;
 
 /// Four bytes: how often the board started.
-const NAME: &[u8] = b"feedboard.flash\0";
+const STARTS: &[u8] = b"feedboard.flash\0";
+/// What `arcfeed parameters` writes.
+const PARAMETERS: &[u8] = b"parameters.flash\0";
 /// Modes of `fopen`: "rb" and "wb".
 const TO_READ: usize = 1;
 const TO_WRITE: usize = 5;
@@ -12,32 +14,42 @@ const REFUSED: usize = usize::MAX;
 
 /// Counts a start; how many there were, this one among them. Without a file, the first.
 pub fn count_start() -> u32 {
-    let starts = read().unwrap_or(0).wrapping_add(1);
-    write(starts);
+    let mut bytes = [0; 4];
+    let before = match read(STARTS, &mut bytes) {
+        4 => u32::from_le_bytes(bytes),
+        _ => 0,
+    };
+    let starts = before.wrapping_add(1);
+    write(STARTS, &starts.to_le_bytes());
     starts
 }
 
-fn read() -> Option<u32> {
-    let mut bytes = [0; 4];
-    let file = open(TO_READ)?;
-    // SAFETY: address and length of the buffer; the file is open.
-    let left = unsafe { syscall!(READ, file, bytes.as_mut_ptr() as usize, bytes.len()) };
-    close(file);
-    (left == 0).then_some(u32::from_le_bytes(bytes))
+/// The page with the parameters of a board at a tapped line, as far as `place` has room; nothing of it if there is none.
+pub fn parameters(place: &mut [u8]) -> &[u8] {
+    let length = read(PARAMETERS, place);
+    place.get(..length).unwrap_or_default()
 }
 
-fn write(starts: u32) {
-    let bytes = starts.to_le_bytes();
-    if let Some(file) = open(TO_WRITE) {
+/// How many bytes were read.
+fn read(name: &[u8], into: &mut [u8]) -> usize {
+    let Some(file) = open(name, TO_READ) else { return 0 };
+    // SAFETY: address and length of the buffer; the file is open.
+    let left = unsafe { syscall!(READ, file, into.as_mut_ptr() as usize, into.len()) };
+    close(file);
+    into.len().saturating_sub(left)
+}
+
+fn write(name: &[u8], bytes: &[u8]) {
+    if let Some(file) = open(name, TO_WRITE) {
         // SAFETY: address and length of the buffer; the file is open.
         unsafe { syscall!(WRITE, file, bytes.as_ptr() as usize, bytes.len()) };
         close(file);
     }
 }
 
-fn open(mode: usize) -> Option<usize> {
+fn open(name: &[u8], mode: usize) -> Option<usize> {
     // SAFETY: address and length of a name that ends in a zero, as the call wants them.
-    let file = unsafe { syscall!(OPEN, NAME.as_ptr() as usize, mode, NAME.len() - 1) };
+    let file = unsafe { syscall!(OPEN, name.as_ptr() as usize, mode, name.len() - 1) };
     (file != REFUSED).then_some(file)
 }
 

@@ -22,14 +22,13 @@ use crate::{flash, log, reset_cause, timer};
 use arcfeed_firmware::assembly::{Config, assemble};
 use arcfeed_firmware::front::Front;
 use arcfeed_firmware::lockstep::{Line, Lines as _, Lockstep, pass};
-use arcfeed_firmware::station::clerk::Identity;
+use arcfeed_firmware::station::clerk::{Clerk, Identity};
 use arcfeed_firmware::station::order::Queues;
 use arcfeed_firmware::station::ticker::Supply;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::BoardFault;
 use arcfeed_firmware::tap::Tap;
 use arcfeed_firmware::tap::status::{TapState, Why};
-use arcfeed_shared::job::Job;
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::frame::ENCODED_MAX;
 use arcfeed_shared::wire::message::Message;
@@ -39,8 +38,6 @@ use arcfeed_shared::wire::message::table::Setpoint;
 use arcfeed_shared::wire::plain::PlainLine;
 use cortex_m::peripheral::NVIC;
 
-/// The job that is in the image rather than sent by a host.
-const OWN_SET: u32 = 1;
 /// Orders ahead of the tick, less one.
 const AHEAD: usize = 32;
 /// Ticks from one line of the log with figures to the next.
@@ -62,9 +59,9 @@ pub struct Main<const N: usize> {
 }
 
 impl<const N: usize> Main<N> {
-    /// A board that has just started; with a tap and its job the segments are the tapped line's. `None` if what it is told makes no
-    /// sense, or if it was called before.
-    pub fn start(tapped: Option<(&'static mut Tap<N>, &Job)>) -> Option<Self> {
+    /// A board that has just started; with a tap, made when there is a clerk to have its parameters, the segments are the tapped
+    /// line's. `None` if its settings make no sense, or if it was called before.
+    pub fn start(tapped: Option<fn(&mut Clerk<'_>) -> Option<&'static mut Tap<N>>>) -> Option<Self> {
         // Filled at the start: with its values in the image it would take as much of flash as of RAM.
         static QUEUES: Once<MaybeUninit<Queues<AHEAD>>> = Once::new(MaybeUninit::uninit());
         let painted = Painted::far_below_here();
@@ -77,10 +74,7 @@ impl<const N: usize> Main<N> {
         let (lines, queues) = (Lines::start()?, QUEUES.take()?.write(Queues::new()));
         let (mut desk, ticker) = assemble(queues, config).ok()?;
         let tap = match tapped {
-            Some((tap, job)) => {
-                desk.clerk_mut().adopt(job, OWN_SET).ok()?;
-                Some(tap)
-            }
+            Some(tap) => Some(tap(desk.clerk_mut())?),
             None => None,
         };
         let tick = prepare(ticker)?;

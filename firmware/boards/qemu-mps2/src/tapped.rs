@@ -1,29 +1,49 @@
-//! The board on the DNC line between a sender and the control, with the example's job in place of parameters in flash.
+//! The board on the DNC line between a sender and the control, with tool, laws and cut rules from flash.
 
 use core::mem::MaybeUninit;
 
+use arcfeed_firmware::station::clerk::Clerk;
 use arcfeed_firmware::tap::Tap;
 use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_shared::job::Job;
-use arcfeed_shared::nc::tape_code::Code;
+use arcfeed_shared::units::LengthUnit;
+use arcfeed_shared::wire::message::page::{PAGE_MAX, PageError};
 
-use crate::example::ibr_slot::{add_rules, job};
+use crate::flash;
 use crate::handed::Once;
 use crate::main_loop::Main;
 
 /// Characters between the sender and the machine: a control's buffer, and some.
 const ROOM: usize = 4_096;
+/// There is one set of parameters.
+const SET: u32 = 1;
 
-static JOB: Once<MaybeUninit<Job>> = Once::new(MaybeUninit::uninit());
+/// A chip reads its flash in place.
+static PAGE: Once<[u8; PAGE_MAX]> = Once::new([0; PAGE_MAX]);
 static TAP: Once<MaybeUninit<Tap<ROOM>>> = Once::new(MaybeUninit::uninit());
 
 /// A board with its tap.
 pub type Tapped = Main<ROOM>;
 
-/// A tapped board that has just started; `None` if what it is told makes no sense, or if it was called before.
+/// A tapped board that has just started; `None` if it was called before.
 pub fn start() -> Option<Tapped> {
-    let job = JOB.take()?.write(job());
-    add_rules(job);
-    let settings = TapSettings { code: Some(Code::Ascii), ..TapSettings::new(job.unit) };
-    Main::start(Some((Tap::place(TAP.take()?, settings).ok()?, job)))
+    Main::start(Some(tap))
+}
+
+fn tap(clerk: &mut Clerk<'_>) -> Option<&'static mut Tap<ROOM>> {
+    let settings = adopt(clerk, flash::parameters(PAGE.take()?));
+    Tap::place(TAP.take()?, settings).ok()
+}
+
+/// Takes the parameters in flash, and says how the line is that they are for. Without any, or with broken ones, a tap only passes
+/// characters on.
+fn adopt(clerk: &mut Clerk<'_>, page: &[u8]) -> TapSettings {
+    let line = clerk.adopt_page(page, SET).unwrap_or_else(|error| {
+        match error {
+            PageError::Blank => defmt::warn!("no parameters in flash: nothing is adapted"),
+            PageError::Schema => defmt::error!("the parameters in flash are of another version: write them anew"),
+            _ => defmt::error!("the parameters in flash are broken: write them anew"),
+        }
+        Default::default()
+    });
+    TapSettings::of_line(line, clerk.job().map_or(LengthUnit::Mm, |job| job.unit))
 }
