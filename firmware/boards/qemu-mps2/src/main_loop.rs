@@ -135,11 +135,9 @@ impl<const N: usize> Main<N> {
             // SAFETY: interrupts are held back.
             unsafe { self.lines.bridge() };
         });
-        // SAFETY: the tick's side is prepared; the image has the handler of the board's last act.
-        let mut watchdog = unsafe {
-            timer::start(PERIOD.0);
-            Watchdog::start()
-        };
+        // SAFETY: the tick's side is prepared.
+        unsafe { timer::start(PERIOD.0) };
+        let mut watchdog = None;
         let (mut machine, mut now) = (PlainLine::new(), Micros(0));
         loop {
             self.hear_machine(&mut machine);
@@ -152,7 +150,11 @@ impl<const N: usize> Main<N> {
             self.front.run(now);
             self.speak_link(now);
             self.log();
-            watchdog.feed_after_tick(costs().ticks);
+            let ticks = costs().ticks;
+            if ticks > 0 {
+                // Behind the first tick: nothing was put out before it. SAFETY: the image has the handler of the board's last act.
+                watchdog.get_or_insert_with(|| unsafe { Watchdog::start() }).feed_after_tick(ticks);
+            }
             // The next tick wakes it, if nothing else does.
             cortex_m::asm::wfi();
         }
