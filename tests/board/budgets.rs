@@ -59,8 +59,8 @@ fn flash_ram_and_stack_stay_within_their_budgets() {
     }
 }
 
-/// Bytes that the whole board may take, with its rings, its queues and, behind a tap, the reader of NC text: flash and RAM.
-const BOARDS: [(&str, u32, u32); 2] = [("feedboard", 112 * 1024, 25 * 1024), ("feedboard-tap", 178 * 1024, 25 * 1024)];
+/// Bytes that the whole board may take, with its rings, its queues, its jobs and, behind a tap, the tap with its reader of NC text: flash and RAM.
+const BOARDS: [(&str, u32, u32); 2] = [("feedboard", 114 * 1024, 36 * 1024), ("feedboard-tap", 182 * 1024, 66 * 1024)];
 
 #[test]
 fn whole_boards_stay_within_their_budgets() {

@@ -35,7 +35,15 @@ fn the_chip_decides_bit_for_bit_what_the_station_in_process_does() {
 
 /// What the image logs, frame by frame, and behind how many ticks: that it started, then its figures.
 fn logged(console: &[u8]) -> Vec<(u32, Vec<u8>)> {
-    (0..).step_by(FIGURES_EVERY).zip(console.split_inclusive(|byte| *byte == 0).map(<[u8]>::to_vec)).collect()
+    let mut frames: Vec<Vec<u8>> = Vec::new();
+    for part in console.split_inclusive(|byte| *byte == 0) {
+        match frames.last_mut() {
+            // The delimiter before the first one.
+            Some(delimiter) if delimiter == &[0] => delimiter.extend(part),
+            _ => frames.push(part.to_vec()),
+        }
+    }
+    (0..).step_by(FIGURES_EVERY).zip(frames).collect()
 }
 
 /// The log that came over the link, decoded with the image, is that of the console as far as the link was up.

@@ -14,9 +14,10 @@ use arcfeed_shared::wire::message::table::Sample;
 use arcfeed_shared::wire::plain::PlainLine;
 use arcfeed_tests::emulation::images::image;
 use arcfeed_tests::emulation::log::messages;
-use arcfeed_tests::emulation::qemu::{Clock, Emulator};
+use arcfeed_tests::emulation::qemu::Emulator;
 
 use crate::runs::Example;
+use crate::tapped::{chip_with_page, page_of};
 
 /// The tapped board that obeys orders, and the order to hold the main loop up until the tapped line has lost a character.
 const IMAGE: &str = "feedboard-hang";

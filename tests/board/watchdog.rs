@@ -21,9 +21,11 @@ use arcfeed_shared::wire::plain::PlainLine;
 use arcfeed_tests::emulation::host::Host;
 use arcfeed_tests::emulation::images::image;
 use arcfeed_tests::emulation::log::messages;
-use arcfeed_tests::emulation::qemu::{Clock, Emulator};
+use arcfeed_tests::emulation::qemu::Emulator;
 
 use crate::elf::Elf;
+use crate::runs::Example;
+use crate::tapped::{chip_with_page, page_of};
 
 /// The image that obeys orders, and those that must not.
 const HANGING: &str = "feedboard-hang";
@@ -214,7 +216,7 @@ fn a_start_by_the_watchdog_is_told_and_nothing_is_armed_before_a_person_has_rese
 
 #[test]
 fn a_start_by_power_is_told_as_such() {
-    let board = Emulator::start(HANGING, Clock::CountedWaiting);
+    let board = chip_with_page(HANGING, &page_of(&Example::load()));
     let (mut board, mut at_ms) = (Board::new(board, Host::saying([AskInfo {}.into()]), ModeCode::Lockstep), 1);
     assert_eq!(pass(&mut board, &mut at_ms, Signals::NONE, 500).0, StateCode::Idle);
     let is_power = |message: &Message| matches!(message, Message::Info(info) if info.reset == ResetCode::Power);

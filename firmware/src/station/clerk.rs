@@ -70,9 +70,6 @@ impl<'q> Clerk<'q> {
     /// Settings that make no sense.
     pub fn new(queues: DeskQueues<'q>, identity: Identity, settings: Settings) -> Result<Self, SettingsError> {
         let DeskQueues { orders, words, told, papers } = queues;
-        // In place: they are too large to be made elsewhere.
-        papers.job = None;
-        papers.staging.forget();
         Ok(Clerk {
             dispatch: Dispatch::new(orders, words, told),
             identity,

@@ -130,6 +130,7 @@ impl<const AHEAD: usize> Queues<AHEAD> {
         let ((orders, taken_orders), (words, taken_words)) = (split(&mut self.orders), split(&mut self.words));
         let (told, heard) = split(&mut self.told);
         let papers = &mut self.papers;
+        papers.clear();
         let at_tick = TickerQueues { orders: taken_orders, words: taken_words, told };
         (DeskQueues { orders, words, told: heard, papers }, at_tick)
     }

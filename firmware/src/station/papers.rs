@@ -23,4 +23,10 @@ impl Papers {
     pub const fn new() -> Self {
         Papers { job: None, staging: Staging::new() }
     }
+
+    /// The same in place: they are too large to be made elsewhere.
+    pub(super) fn clear(&mut self) {
+        self.job = None;
+        self.staging.forget();
+    }
 }

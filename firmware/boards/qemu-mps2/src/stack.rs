@@ -4,7 +4,7 @@
 const PAINT: u32 = 0x5ca1_ab1e;
 /// Bytes painted; more than the deepest call needs: of the controller alone, and of a whole board.
 const DEPTH: usize = 8_192;
-const DEPTH_OF_A_BOARD: usize = 262_144;
+const DEPTH_OF_A_BOARD: usize = 98_304;
 /// Bytes right below the stack pointer that are left alone: what painting itself may use.
 const CLEARANCE: usize = 64;
 

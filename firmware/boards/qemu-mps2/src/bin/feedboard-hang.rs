@@ -7,6 +7,8 @@
 #![no_std]
 #![no_main]
 
+use core::sync::atomic::{AtomicBool, Ordering};
+
 use arcfeed_qemu_mps2::handed::Handed;
 use arcfeed_qemu_mps2::interrupts::{Priority, enable};
 use arcfeed_qemu_mps2::serial::lost_of_sender;
@@ -16,6 +18,7 @@ use arcfeed_qemu_mps2::{last_act_handlers, leave, line_handlers, tapped, timer};
 use cortex_m_semihosting::debug;
 
 static ORDERS: Handed<Registers> = Handed::nothing();
+static IS_GUARDED: AtomicBool = AtomicBool::new(true);
 
 line_handlers!();
 last_act_handlers!();
@@ -54,6 +57,8 @@ extern "C" fn UART4_RX() {
         }
         // The tick stops.
         Some(b't') => timer::stop(),
+        // The watchdog does not start.
+        Some(b'w') => IS_GUARDED.store(false, Ordering::Relaxed),
         // A fault of the core.
         Some(b'f') => cortex_m::asm::udf(),
         _ => {}
@@ -71,5 +76,5 @@ fn main() -> ! {
         ORDERS.put(Registers::start(UART4));
         enable(UART4.received, Priority::Third);
     }
-    board.run()
+    board.run_guarded(|| IS_GUARDED.load(Ordering::Relaxed))
 }
