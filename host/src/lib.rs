@@ -5,6 +5,8 @@
 
 pub mod control;
 
+pub mod machine_file;
+
 pub mod program;
 
 pub mod snippet;

@@ -22,6 +22,8 @@ use super::vector::{TURN_DEG, wrapped_deg};
 
 /// No axis has more whole turns than this to choose from.
 const TURNS_MAX: usize = 64;
+/// Travels that differ by less are equal.
+const SAME_DEG: f64 = 1e-9;
 
 /// A point that no positions reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -147,7 +149,7 @@ impl Machine {
     /// The best way from the candidates before.
     fn arrival(&self, before: &[Candidate], rotary_deg: [f64; 2]) -> Option<Candidate> {
         let costs = before.iter().map(|candidate| candidate.cost + self.travel_deg(candidate.rotary_deg, rotary_deg));
-        let (from, cost) = costs.enumerate().min_by(|(_, one), (_, other)| one.total_cmp(other))?;
+        let (from, cost) = cheapest(costs)?;
         Some(Candidate { rotary_deg, cost, from })
     }
 
@@ -180,17 +182,19 @@ fn turns_of(axis: &RotaryAxis, angle_deg: f64) -> impl Iterator<Item = f64> {
 
 /// The cheapest way through the layers.
 fn backtrack(layers: &[Vec<Candidate>]) -> Vec<[f64; 2]> {
-    let cheapest = |layer: &Vec<Candidate>| {
-        let costs = layer.iter().enumerate().map(|(at, candidate)| (at, candidate.cost));
-        costs.min_by(|(_, one), (_, other)| one.total_cmp(other)).map(|(at, _)| at)
-    };
-    let mut at = layers.last().and_then(cheapest).unwrap_or(0);
+    let ends = layers.last().and_then(|layer| cheapest(layer.iter().map(|candidate| candidate.cost)));
+    let mut at = ends.map_or(0, |(at, _)| at);
     let mut chosen = Vec::with_capacity(layers.len());
     for candidate in layers.iter().rev().map_while(|layer| layer.get(at).copied().inspect(|found| at = found.from)) {
         chosen.push(candidate.rotary_deg);
     }
     chosen.reverse();
     chosen
+}
+
+/// The first of the least costs; what rounding makes of equal ones does not count.
+fn cheapest(costs: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
+    costs.enumerate().reduce(|best, next| if next.1 < best.1 - SAME_DEG { next } else { best })
 }
 
 impl fmt::Display for Unreached {

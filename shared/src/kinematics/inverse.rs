@@ -22,7 +22,7 @@ use super::machine::{AxisName, Letter, Machine, RotaryAxis};
 use super::vector::{HALF_TURN_DEG, Vector, angle_deg, cross, difference, dot, length, scaled, sum, wrapped_deg};
 
 /// Directions are taken for a pole, or for the very end of what the axes reach, below this.
-const NOTHING: f64 = 1e-13;
+const NOTHING: f64 = 1e-15;
 
 /// Positions of the rotary axes that give a direction, without whole turns and whatever their ranges.
 #[derive(Clone, Copy, Debug, PartialEq)]
