@@ -9,6 +9,8 @@ pub mod machine_file;
 
 pub mod program;
 
+pub mod post;
+
 pub mod snippet;
 
 pub mod job;
