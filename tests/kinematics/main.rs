@@ -21,6 +21,8 @@ mod repairs;
 
 mod between;
 
+mod posting;
+
 /// How many of a full set are tried here.
 fn of_full_set(full: u64, part: u64) -> u64 {
     if std::env::var_os("ARCFEED_SOAK_SECONDS").is_some() { full } else { part }

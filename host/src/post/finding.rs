@@ -11,6 +11,9 @@ use serde::Serialize;
 
 use crate::program::Severity;
 
+/// The last digit shown of a position.
+const SHOWN: f64 = 1e-3;
+
 /// Something to tell about a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
@@ -23,8 +26,13 @@ pub struct Finding {
 /// What there is to tell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum What {
-    /// No axes reach the direction.
-    Unreachable(Unreachable),
+    /// No axes reach the direction, here and at the points that follow.
+    Unreachable {
+        /// Why not.
+        why: Unreachable,
+        /// How many follow.
+        more: usize,
+    },
     /// An axis would leave its range.
     OverLimit(AxisName),
     /// The rotary axes change their branch on the move to the point.
@@ -70,7 +78,7 @@ impl Finding {
     /// Whether the program must not run.
     pub fn severity(&self) -> Severity {
         match &self.what {
-            What::Unreachable(_) | What::OverLimit(_) | What::Change(..) => Severity::Error,
+            What::Unreachable { .. } | What::OverLimit(_) | What::Change(..) => Severity::Error,
             _ => Severity::Warning,
         }
     }
@@ -78,7 +86,7 @@ impl Finding {
     /// For `--json`.
     pub fn entry(&self) -> Entry {
         let kind = match &self.what {
-            What::Unreachable(_) => "unreachable",
+            What::Unreachable { .. } => "unreachable",
             What::OverLimit(_) => "over-limit",
             What::Change(..) => "branch-change",
             What::Pole { .. } => "pole",
@@ -100,7 +108,10 @@ impl fmt::Display for Finding {
 impl fmt::Display for What {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            What::Unreachable(why) => write!(f, "{why}; tilt the tool less, or clamp the part differently"),
+            What::Unreachable { why, more } => {
+                write!(f, "{why}; tilt the tool less, or clamp the part differently")?;
+                if *more > 0 { write!(f, " (and {more} points after it)") } else { Ok(()) }
+            }
             What::OverLimit(axis) => {
                 write!(f, "{axis} would leave its range; move the part or take another tool length")
             }
@@ -147,7 +158,9 @@ fn write_change(f: &mut fmt::Formatter<'_>, change: &Change, way: &WayRound) -> 
 }
 
 fn write_axes(f: &mut fmt::Formatter<'_>, name: &str, axes: &Axes) -> fmt::Result {
-    let ([x, y, z], [first, second]) = (axes.linear_mm, axes.rotary_deg);
+    // Without the sign that rounding leaves to nothing.
+    let plain = |value: f64| libm::round(value / SHOWN) * SHOWN + 0.0;
+    let ([x, y, z], [first, second]) = (axes.linear_mm.map(plain), axes.rotary_deg.map(plain));
     write!(f, " {name} ({x:.3}, {y:.3}, {z:.3}; {first:.3}, {second:.3})")
 }
 

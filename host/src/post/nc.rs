@@ -4,13 +4,13 @@
 //! |---|---|---|---|
 //! | `tcp`: G43.5 | tip in the part's frame | I J K | G94, of the tip |
 //! | `part-rotary`: G43.4 | tip in the part's frame | A B C | G94, of the tip |
-//! | `machine`: no compensation | gauge point in the machine frame | A B C | G93: no other feed means the tip's |
+//! | `machine`: no compensation | gauge point in the machine frame | A B C | G93, no faster than the axes |
 //!
 //! Where the axes are computed here, points are added until every straight move keeps to the tolerance.
 
 use std::fmt::Write;
 
-use arcfeed_shared::kinematics::between::{Mode, Stop};
+use arcfeed_shared::kinematics::between::{Deviation, Mode, Stop};
 use arcfeed_shared::kinematics::change::WayRound;
 use arcfeed_shared::kinematics::forward::Axes;
 use arcfeed_shared::kinematics::linearise::Tolerance;
@@ -22,6 +22,8 @@ use super::plan::{Plan, Task};
 
 /// Decimals of I, J, K.
 const DIRECTION_DECIMALS: usize = 6;
+/// Decimals of F in G93: controls take eight digits.
+const INVERSE_TIME_DECIMALS: usize = 3;
 /// Most decimals of a coordinate.
 const DECIMALS_MAX: usize = 6;
 
@@ -41,7 +43,7 @@ pub struct Style<'a> {
 /// # Errors
 /// A move that cannot be made straight, or a change of branch where the program cannot leave the part.
 pub fn write(cl: &Cl, plan: &Plan, task: &Task, style: &Style<'_>) -> Result<(String, usize), String> {
-    let ways = ways_round(cl, plan);
+    let ways = ways_round(plan);
     if let Some((point, _)) = ways.first().filter(|_| style.mode != Mode::Machine) {
         let line = cl.points.get(*point).map_or(0, |point| point.line);
         return Err(format!(
@@ -60,9 +62,7 @@ pub fn write(cl: &Cl, plan: &Plan, task: &Task, style: &Style<'_>) -> Result<(St
         let path = match from {
             Some(from) => {
                 let straight = task.machine.linearise(style.mode, &task.setup, &[from, *stop], &style.tolerance);
-                straight.map_err(|error| {
-                    format!("{}: no points make the move here straight: {:?}", point.line, error.left)
-                })?
+                straight.map_err(|error| not_straight(point.line, error.left))?
             }
             None => vec![*stop, *stop],
         };
@@ -78,12 +78,14 @@ pub fn write(cl: &Cl, plan: &Plan, task: &Task, style: &Style<'_>) -> Result<(St
 }
 
 /// Changes of branch with the points they end at.
-fn ways_round<'p>(cl: &Cl, plan: &'p Plan) -> Vec<(usize, &'p WayRound)> {
-    let way = |finding: &'p super::finding::Finding| match &finding.what {
-        What::Change(change, way) => Some((change.point.min(cl.points.len()), way.as_ref())),
-        _ => None,
-    };
-    plan.findings.iter().filter_map(way).collect()
+fn ways_round(plan: &Plan) -> Vec<(usize, &WayRound)> {
+    let mut ways = Vec::new();
+    for finding in &plan.findings {
+        if let What::Change(change, way) = &finding.what {
+            ways.push((change.point, way.as_ref()));
+        }
+    }
+    ways
 }
 
 fn header(cl: &Cl, style: &Style<'_>) -> String {
@@ -111,11 +113,9 @@ impl Writer<'_> {
     /// One move; rapid where there is no feed.
     fn block(&mut self, text: &mut String, from: &Stop, to: &Stop, feed_mm_per_min: Option<f64>) {
         self.points += 1;
-        let way_mm = length(difference(to.pose.tip_mm, from.pose.tip_mm));
         let feed = feed_mm_per_min.map(|feed| match self.mode {
-            // A turn on the spot has no way: it takes the time of a millimetre.
-            Mode::Machine => format!("{:.4}", feed / if way_mm > 0.0 { way_mm } else { 1.0 }),
-            Mode::Tcp | Mode::PartRotary => format!("{feed:.3}"),
+            Mode::Machine => self.inverse_time(from, to, feed),
+            Mode::Tcp | Mode::PartRotary => shown(feed, 3),
         });
         let code = match (&feed, self.mode) {
             (None, Mode::Machine) => "G94G0",
@@ -131,6 +131,16 @@ impl Writer<'_> {
             self.feed = Some(feed);
         }
         text.push('\n');
+    }
+
+    /// One over the minutes of a move, as long as the slowest axis takes.
+    fn inverse_time(&self, from: &Stop, to: &Stop, feed_mm_per_min: f64) -> String {
+        let way_mm = length(difference(to.pose.tip_mm, from.pose.tip_mm));
+        // A turn on the spot has no way: it takes the time of a millimetre.
+        let way_mm = if way_mm > 0.0 { way_mm } else { 1.0 };
+        let allowed = self.task.machine.axis_feed(&from.axes, &to.axes, way_mm);
+        let feed = allowed.map_or(feed_mm_per_min, |allowed| feed_mm_per_min.min(allowed.feed_mm_per_min));
+        shown(feed / way_mm, INVERSE_TIME_DECIMALS)
     }
 
     /// The words of a place.
@@ -164,10 +174,22 @@ impl Writer<'_> {
 }
 
 fn word(text: &mut String, letter: &str, value: f64, decimals: usize) {
-    let shown = format!("{value:.decimals$}");
-    let shown = if shown.contains('.') { shown.trim_end_matches('0') } else { &shown };
-    let is_nothing = shown.trim_start_matches('-').trim_matches(|c| c == '0' || c == '.').is_empty();
-    let _infallible = write!(text, "{letter}{}", if is_nothing { "0." } else { shown });
+    let _infallible = write!(text, "{letter}{}", shown(value, decimals));
+}
+
+/// A number with a point and without zeros that say nothing.
+fn shown(value: f64, decimals: usize) -> String {
+    let digits = format!("{value:.decimals$}");
+    let pointed = if digits.contains('.') { digits } else { digits + "." };
+    let short = pointed.trim_end_matches('0');
+    if short == "-0." { "0.".into() } else { short.into() }
+}
+
+fn not_straight(line: usize, Deviation { tip_mm, axis_deg }: Deviation) -> String {
+    format!(
+        "{line}: no points make the move here straight, {tip_mm:.3} mm and {axis_deg:.3} degrees are left: a pole is too close; try --repair, \
+         or a wider --axis-tolerance"
+    )
 }
 
 /// Decimals that show a resolution.

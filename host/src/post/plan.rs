@@ -66,9 +66,17 @@ impl Plan {
         match task.machine.course(poses, None) {
             Ok(course) => Some(course),
             Err(_) => {
+                let refusal = |pose: &Pose| task.machine.course(std::slice::from_ref(pose), None).err();
+                let mut open = false;
                 for (point, pose) in cl.points.iter().zip(poses) {
-                    if let Err(refused) = task.machine.course(std::slice::from_ref(pose), None) {
-                        self.findings.push(Finding { line: point.line, what: What::Unreachable(refused.why) });
+                    match (refusal(pose), self.findings.last_mut()) {
+                        (Some(_), Some(Finding { what: What::Unreachable { more, .. }, .. })) if open => *more += 1,
+                        (Some(refused), _) => {
+                            let what = What::Unreachable { why: refused.why, more: 0 };
+                            self.findings.push(Finding { line: point.line, what });
+                            open = true;
+                        }
+                        (None, _) => open = false,
                     }
                 }
                 None
@@ -112,7 +120,8 @@ impl Plan {
             };
             self.findings.push(Finding { line: point.line, what });
         }
-        self.findings.extend(slowest(cl, task, &self.stops));
+        let changed: Vec<usize> = self.changes().map(|finding| finding.line).collect();
+        self.findings.extend(slowest(cl, task, &self.stops, &changed));
     }
 
     /// The changes of branch.
@@ -127,11 +136,14 @@ pub fn stop(task: &Task, pose: &Pose, rotary_deg: [f64; 2]) -> Stop {
     Stop { pose: *pose, axes: Axes { linear_mm, rotary_deg } }
 }
 
-/// The move that the axes slow down most.
-fn slowest(cl: &Cl, task: &Task, stops: &[Stop]) -> Option<Finding> {
+/// The move that the axes slow down most, changes of branch apart.
+fn slowest(cl: &Cl, task: &Task, stops: &[Stop], changed: &[usize]) -> Option<Finding> {
     let mut slowed = Vec::new();
     for (pair, point) in stops.windows(2).zip(cl.points.iter().skip(1)) {
         let ([from, to], Some(asked)) = (pair, point.feed_mm_per_min) else { continue };
+        if changed.contains(&point.line) {
+            continue;
+        }
         let way_mm = length(difference(to.pose.tip_mm, from.pose.tip_mm));
         slowed.extend(
             task.machine

@@ -1,7 +1,8 @@
 //! Points added to a path so that straight moves of the axes keep it to a tolerance.
 //!
-//! A move that leaves its line or its arc by more than the tolerance is halved: tip in the middle of the line, direction in the middle
-//! of the arc, rotary axes nearest to the middle of theirs. The deviation falls with the square of the length, so that a few halvings
+//! A move that leaves its line or its arc by more than the tolerance is halved: tip in the middle of the line; where the tool axis keeps
+//! its tolerance, rotary axes in the middle of theirs; where it does not, direction in the middle of the arc and rotary axes nearest to the
+//! middle of theirs. The deviation falls with the square of the length, so that a few halvings
 //! do; a move that is still out after the last one is a swing ([`super::change`]) or passes a pole too closely ([`super::incoherent`]).
 //!
 //! Source: Tournier, 4.1.1 ("sampling of the movement"); halving is the plain way.
@@ -62,7 +63,9 @@ impl Machine {
                     path.push(to);
                     continue;
                 }
-                let middle = if halvings < HALVINGS { self.middle(setup, &from, &to) } else { None };
+                let keeps_axis = left.axis_deg <= tolerance.axis_deg;
+                let may_halve = halvings < HALVINGS;
+                let middle = if may_halve { self.middle(setup, [&from, &to], keeps_axis) } else { None };
                 let middle = middle.ok_or(NotStraight { point, left })?;
                 ahead.push((to, halvings + 1));
                 ahead.push((middle, halvings + 1));
@@ -72,11 +75,15 @@ impl Machine {
     }
 
     /// The point in the middle of a move.
-    fn middle(&self, setup: &Setup, from: &Stop, to: &Stop) -> Option<Stop> {
+    fn middle(&self, setup: &Setup, [from, to]: [&Stop; 2], keeps_axis: bool) -> Option<Stop> {
         let tip_mm = scaled(sum(from.pose.tip_mm, to.pose.tip_mm), 0.5);
-        let axis = along_arc(from.pose.axis, to.pose.axis, 0.5)?;
-        let near_deg = mixed(&from.axes, &to.axes, 0.5).rotary_deg;
-        let rotary_deg = self.nearest(axis, near_deg, true)?;
+        let between_deg = mixed(&from.axes, &to.axes, 0.5).rotary_deg;
+        let (axis, rotary_deg) = if keeps_axis {
+            (self.axis_at(between_deg), between_deg)
+        } else {
+            let axis = along_arc(from.pose.axis, to.pose.axis, 0.5)?;
+            (axis, self.nearest(axis, between_deg, true)?)
+        };
         let linear_mm = self.linear_for(tip_mm, rotary_deg, setup);
         Some(Stop { pose: Pose { tip_mm, axis }, axes: Axes { linear_mm, rotary_deg } })
     }
