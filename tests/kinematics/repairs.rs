@@ -64,3 +64,18 @@ fn a_stretch_at_the_end_of_the_path_has_no_room() {
     let moved = half.iter().zip(&old).map(|(new, old)| length(difference(new.axis, old.axis))).fold(0.0, f64::max);
     assert_eq!(moved, 0.0);
 }
+
+#[test]
+fn two_passes_of_one_path_are_two_stretches() {
+    let mikron = machine("mikron-ucp710");
+    let there = beside_the_pole(0.06, 0.1);
+    let back = there.iter().rev().skip(1).copied();
+    let old: Vec<Pose> = there.iter().copied().chain(back).collect();
+    let mut new = old.clone();
+    let before = mikron.course(&old, None).expect("within reach");
+    let found = mikron.repair(&mut new, &before, BALL, &RepairLimits::default());
+    let after = mikron.course(&new, None).expect("within reach");
+    println!("there and back beside the pole: C travel {:.2} -> {:.2}", travels(&before)[0], travels(&after)[0]);
+    assert!(found.len() == 2 && found.iter().all(|stretch| stretch.fate == Fate::Repaired));
+    assert!(found[0].after <= found[1].before && travels(&after)[0] < 50.0);
+}

@@ -54,7 +54,7 @@ pub struct Change {
 pub struct WayRound {
     /// Along the tool axis, out of the part.
     pub retract: Axes,
-    /// On to the end of the spindle's axis, where its range is known; the retracted place where not.
+    /// On to the upper end of Z, where its range is known; the retracted place where not.
     pub clear: Axes,
     /// Rotary axes only.
     pub reorient: Axes,

@@ -98,13 +98,13 @@ impl Machine {
         let mut found = Vec::new();
         let mut from = 0;
         while let Some((before, after, gain_ratio)) = self.stretch(poses, course, from, limits) {
-            let mended = self.mended(poses, [before, after], limits.gain_ratio);
+            let mended = self.mended(poses, [before, after], from, limits.gain_ratio);
             let stretch = Incoherent { before, after, gain_ratio, error_deg: 0.0, fate: Fate::NoRoom };
             found.push(
                 mended
                     .map_or(stretch, |(before, directions)| apply(poses, before, &directions, (stretch, end, limits))),
             );
-            from = after;
+            from = found.last().map_or(after, |stretch| stretch.after);
         }
         found
     }
@@ -146,8 +146,9 @@ impl Machine {
         turned / angle_deg(directions[0], directions[1])
     }
 
-    /// New directions for the points within a stretch, widened until they are coherent, and the point before the first.
-    fn mended(&self, poses: &[Pose], ends: [usize; 2], gain_ratio: f64) -> Option<(usize, Vec<Vector>)> {
+    /// New directions for the points within a stretch, widened until they are coherent but not to before `floor`, and the point
+    /// before the first.
+    fn mended(&self, poses: &[Pose], ends: [usize; 2], floor: usize, gain_ratio: f64) -> Option<(usize, Vec<Vector>)> {
         let [mut before, mut after] = ends;
         loop {
             if after > before + 1
@@ -155,7 +156,7 @@ impl Machine {
             {
                 return Some((before, directions));
             }
-            before = before.checked_sub(1)?;
+            before = before.checked_sub(1).filter(|before| *before >= floor)?;
             after = (after + 1 < poses.len()).then_some(after + 1)?;
         }
     }
