@@ -155,6 +155,7 @@ mod tests {
             (format!("{c}{}", rotary('C', "[1, 0, 0]", "")), "both rotary axes are called C"),
             (format!("{c}{}", rotary('A', "[0, 0, 0]", "")), "no length"),
             (format!("{c}{}", rotary('A', "[1, 0, 0]", "range = [5, -95]")), "the range of A"),
+            (format!("{c}{}", rotary('A', "[1, 0, 0]", "range = [-9999, 9999]")), "wider than 16 turns"),
             (format!("{c}{}", rotary('A', "[1, 0, 0]", "max_feed = 0")), "A must be above zero"),
             (format!("{c}{}", rotary('A', "[1, 0, 0]", "colour = 1")), "colour"),
             (format!("{}{a}", c.replace("part", "tool")), "table before head"),

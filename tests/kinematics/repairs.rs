@@ -44,6 +44,27 @@ fn a_path_close_by_the_pole_goes_through_it_and_the_error_is_the_distance() {
 }
 
 #[test]
+fn poles_of_other_machines_are_as_good() {
+    for file in ["ferrari-rtttr", "mitsui-seiki-hu80a-5x"] {
+        let machine = machine(file);
+        let about_y = file.starts_with("mitsui");
+        let lay = |pose: Pose| {
+            let [x, y, z] = pose.axis;
+            Pose { axis: if about_y { [x, z, y] } else { [x, y, z] }, ..pose }
+        };
+        let old: Vec<Pose> = beside_the_pole(0.06, 0.1).into_iter().map(lay).collect();
+        let mut new = old.clone();
+        let before = machine.course(&old, None).expect("within reach");
+        let found = machine.repair(&mut new, &before, BALL, &RepairLimits::default());
+        let after = machine.course(&new, None).expect("within reach");
+        let [[first_before, second_before], [first_after, second_after]] = [travels(&before), travels(&after)];
+        println!("{file}: {first_before:.2} -> {first_after:.2}, second axis {second_before:.3} -> {second_after:.3}");
+        assert!(found.len() == 1 && found[0].fate == Fate::Repaired);
+        assert!(first_before > 150.0 && first_after < 25.0);
+    }
+}
+
+#[test]
 fn what_is_far_from_the_pole_or_slow_is_left_alone() {
     let mikron = machine("mikron-ucp710");
     for beside in [8.0, 20.0] {

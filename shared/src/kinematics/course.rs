@@ -17,11 +17,9 @@ use core::fmt;
 
 use super::forward::Pose;
 use super::inverse::{Angles, Unreachable};
-use super::machine::{Machine, RotaryAxis};
+use super::machine::{Machine, RotaryAxis, TURNS_MAX};
 use super::vector::{TURN_DEG, wrapped_deg};
 
-/// No axis has more whole turns than this to choose from.
-const TURNS_MAX: usize = 64;
 /// Travels that differ by less are equal.
 const SAME_DEG: f64 = 1e-9;
 
@@ -174,8 +172,8 @@ impl Machine {
 /// The positions that an angle has in the range of its axis; of an axis without end one.
 fn turns_of(axis: &RotaryAxis, angle_deg: f64) -> impl Iterator<Item = f64> {
     let lowest = axis.nearest_in_range(angle_deg, axis.range_deg.map_or(angle_deg, |[least, _]| least));
-    let turns = if axis.range_deg.is_some() { TURNS_MAX } else { 1 };
-    let positions = (0..turns).filter_map(move |turn| Some(lowest? + TURN_DEG * turn as f64));
+    let turns = if axis.range_deg.is_some() { TURNS_MAX + 1 } else { 1 };
+    let positions = (0..turns).filter_map(move |turn| Some(lowest? + TURN_DEG * f64::from(turn)));
     let axis = *axis;
     positions.take_while(move |position| axis.allows(*position))
 }

@@ -9,6 +9,8 @@ use super::vector::{TURN_DEG, Vector, angle_deg, cross, length, unit};
 
 /// Cosine's side: rotary axes closer to parallel than this span no directions.
 const PARALLEL_DEG: f64 = 0.1;
+/// Whole turns in the widest range; axes that turn further are taken for endless.
+pub const TURNS_MAX: u32 = 16;
 /// How far a position may lie behind the end of its range by rounding.
 const RANGE_SLACK: f64 = 1e-9;
 
@@ -95,6 +97,8 @@ pub enum MachineError {
     SameLetter(Letter),
     /// The end of a range lies below its beginning.
     Range(AxisName),
+    /// A range of more turns than there can be to choose from.
+    TooWide(Letter),
     /// A resolution or a speed that is not above zero.
     NotPositive(AxisName),
 }
@@ -181,6 +185,9 @@ fn check_rotary(axis: &RotaryAxis) -> Result<(), MachineError> {
     if axis.point_mm.iter().any(|coordinate| !coordinate.is_finite()) {
         return Err(MachineError::NoDirection);
     }
+    if axis.range_deg.is_some_and(|[least, greatest]| greatest - least > f64::from(TURNS_MAX) * TURN_DEG) {
+        return Err(MachineError::TooWide(axis.letter));
+    }
     check(name, axis.range_deg, [Some(axis.resolution_deg), axis.speed_deg_per_min])
 }
 
@@ -226,6 +233,10 @@ impl fmt::Display for MachineError {
             }
             MachineError::SameLetter(letter) => write!(f, "both rotary axes are called {letter}"),
             MachineError::Range(axis) => write!(f, "the range of {axis} ends below its beginning"),
+            MachineError::TooWide(letter) => write!(
+                f,
+                "the range of {letter} is wider than {TURNS_MAX} turns; leave it out, then the axis turns for ever"
+            ),
             MachineError::NotPositive(axis) => write!(f, "resolution and speed of {axis} must be above zero"),
         }
     }
