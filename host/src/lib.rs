@@ -5,7 +5,11 @@
 
 pub mod control;
 
+pub mod machine_file;
+
 pub mod program;
+
+pub mod post;
 
 pub mod snippet;
 

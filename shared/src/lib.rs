@@ -2,13 +2,13 @@
 //!
 //! Modules stand in the order in which data flows; a module imports only from those above it:
 //! NC text -> [`nc::word`] -> [`nc::block`] -> [`nc::modal`] -> [`radius`] -> [`segment`] -> [`reader`], then what a job adds
-//! to the program ([`machine`], [`tool`], [`engaged`], [`stock`], [`knots`], [`cut`], [`job`]) and what comes back from the machine
+//! to the program ([`machine`], `kinematics`, [`tool`], [`engaged`], [`stock`], [`knots`], [`cut`], [`job`]) and what comes back from the machine
 //! ([`telemetry`], [`report`]), and
 //! the line to a board ([`wire`]).
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 
-#[cfg(feature = "macros")]
+#[cfg(any(feature = "macros", feature = "kinematics"))]
 extern crate alloc;
 
 pub mod units;
@@ -24,6 +24,9 @@ pub mod segment;
 pub mod reader;
 
 pub mod machine;
+
+#[cfg(feature = "kinematics")]
+pub mod kinematics;
 
 pub mod tool;
 

@@ -32,6 +32,36 @@ fn what_check_prints_is_documented() {
 }
 
 #[test]
+fn what_check_and_post_print_of_a_five_axis_machine_is_documented() {
+    let documented = Documented::read();
+    let machine = |name: &str| format!("examples/machines/{name}.toml");
+    let scratch = Scratch::new("json-five-axis");
+    let strategy_2 = "examples/five-axis/tournier-strategy-2.apt";
+    let head = "FEDRAT/100\nGOTO/0,0,0,0,0,1\n";
+    let far = scratch.write("far.apt", format!("{head}GOTO/9999,0,0,0,0.6,0.8\nGOTO/9999,0,0,0,-0.6,0.8\n"));
+    let below = scratch.write("below.apt", format!("{head}GOTO/0,0,0,0,0.6,-0.8\nGOTO/0,0,0,0,0,-1\n"));
+    let mut kinds = BTreeSet::new();
+    for (path, name, code) in [
+        (strategy_2, "mikron-ucp710", 0),
+        (strategy_2, "ferrari-rtttr", 0),
+        (&far, "ferrari-rtttr", 1),
+        (&below, "mikron-ucp710", 1),
+        (&below, "mitsui-seiki-hu80a-5x", 1),
+    ] {
+        let report = object(&["check", path, "--machine", &machine(name)], code);
+        documented.assert_fits("check --machine", &report);
+        let posted = ["post", path, "--machine", &machine(name), "-o", &scratch.path("out.nc")];
+        let (_, reports) = objects(&posted);
+        assert_eq!(reports, std::slice::from_ref(&report));
+        kinds.extend(report["findings"].as_array().expect("a list").iter().map(|entry| entry["kind"].to_string()));
+    }
+    println!("{kinds:?}");
+    assert!(
+        ["incoherent", "feed", "over-limit", "unreachable"].iter().all(|kind| kinds.contains(&format!("\"{kind}\"")))
+    );
+}
+
+#[test]
 fn what_init_prints_is_documented_for_every_kind_of_program() {
     let documented = Documented::read();
     let scratch = Scratch::new("json-init");

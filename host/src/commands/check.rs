@@ -1,24 +1,32 @@
 //! `arcfeed check`: what a control would say to a program.
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use annotate_snippets::Renderer;
 use arcfeed_shared::nc::block::{Line, Reading};
 use arcfeed_shared::nc::settings::Scope;
 use serde::Serialize;
 
+use super::five_axis::{Placing, Told, is_cl, load_cl, load_machine};
 use super::outcome::{Failure, file_failure, say, spindle_contradictions};
 use crate::control::{self, Convention};
 use crate::job::{ControlKind, JobFile};
+use crate::post::plan::Plan;
 use crate::program::{Diagnostic, Expansion, Program, ProgramLine, Severity, Tally};
 use crate::snippet;
 
-/// Check an NC program, or a job and its program: every alarm with line and column
+/// Check an NC program, or a job and its program: every alarm with line and column; with --machine CL data: everything
+/// that the machine cannot follow
 #[derive(Debug, clap::Args)]
 pub struct Check {
-    /// The NC program, or a job file (.toml)
+    /// The NC program, a job file (.toml), or with --machine CL data (.apt, .cl, .cls)
     program: PathBuf,
+    /// Check CL data on this five-axis machine (docs/kinematics.md)
+    #[arg(long, value_name = "MACHINE.toml", conflicts_with_all = ["strict", "control", "settings", "decimals", "library"])]
+    machine: Option<PathBuf>,
+    #[command(flatten)]
+    placing: Placing,
     /// Report exactly what the control would refuse, also in titles and comments
     #[arg(long)]
     strict: bool,
@@ -86,6 +94,9 @@ impl Check {
     /// # Errors
     /// The program has errors, or cannot be read.
     pub fn run(&self) -> Result<(), Failure> {
+        if let Some(machine) = &self.machine {
+            return self.run_on(machine);
+        }
         let reading = if self.strict { Reading::Strict } else { Reading::Lenient };
         let is_job = self.program.extension().is_some_and(|extension| extension == "toml");
         let job = is_job.then(|| JobFile::load(&self.program)).transpose()?;
@@ -114,6 +125,26 @@ impl Check {
         }
         let path = path.display();
         Err(Failure::Input(format!("{path}: {errors} errors: the control would stop")))
+    }
+
+    /// CL data on a machine.
+    fn run_on(&self, machine: &Path) -> Result<(), Failure> {
+        if !is_cl(&self.program) {
+            let advice =
+                "--machine takes CL data (.apt, .cl, .cls); `post --reverse` makes them from the machine's own program";
+            return Err(Failure::Usage(advice.into()));
+        }
+        let file = load_machine(machine)?;
+        let cl = load_cl(&self.program)?;
+        let plan = Plan::new(&cl, &self.placing.task(&file, None));
+        let told = Told { path: &self.program, cl: &cl, machine: &file.name, plan: &plan };
+        if self.json {
+            told.print_json();
+        } else {
+            told.complain();
+            say(format_args!("{}", told.summary()));
+        }
+        told.verdict()
     }
 
     fn print_text(&self, program: &Program, counts: Counts) {

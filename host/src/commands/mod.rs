@@ -2,7 +2,11 @@
 
 pub mod outcome;
 
+pub mod five_axis;
+
 pub mod check;
+
+pub mod post;
 
 pub mod init;
 

@@ -6,8 +6,8 @@ use crate::command::{Failure, announce, cargo, run};
 const MINUTES: u64 = 10;
 const SECONDS_PER_MIN: u64 = 60;
 
-/// Feeds every target of `tests/fuzz` for some minutes, and runs the full sets of `tests/dnc`, `tests/wire`, `tests/station` and
-/// `tests/board`.
+/// Feeds every target of `tests/fuzz` for some minutes, and runs the full sets of `tests/dnc`, `tests/wire`, `tests/station`,
+/// `tests/board` and `tests/kinematics`.
 ///
 /// # Errors
 /// The minutes are no number, a target panics or hangs, or a fault on the line is passed over.
@@ -29,5 +29,6 @@ pub fn soak(minutes: Option<&str>) -> Result<(), Failure> {
     soaked("wire")?;
     soaked("station")?;
     soaked("board")?;
+    soaked("kinematics")?;
     soaked("fuzz")
 }

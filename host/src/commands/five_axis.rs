@@ -1,0 +1,168 @@
+//! What `post` and `check --machine` share: a machine, where part and tool are, and telling what is wrong.
+
+use std::path::Path;
+
+use arcfeed_shared::kinematics::forward::Setup;
+use arcfeed_shared::kinematics::incoherent::{RepairLimits, ToolEnd};
+use serde::Serialize;
+
+use super::outcome::{Failure, file_failure, say};
+use crate::machine_file::MachineFile;
+use crate::post::cl::Cl;
+use crate::post::finding::Entry;
+use crate::post::plan::{Plan, Task};
+use crate::program::Severity;
+
+/// Where part and tool are on the machine.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Placing {
+    /// The part's zero point in the machine frame with all axes at zero, X,Y,Z in mm
+    #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", value_parser = point, allow_hyphen_values = true, requires = "machine")]
+    part_zero: Point,
+    /// From the gauge line to the tool's tip, mm
+    #[arg(long, value_name = "MM", default_value_t = 0.0, requires = "machine")]
+    tool_length: f64,
+    /// How far a change of branch is to leave the part, mm
+    #[arg(long, value_name = "MM", default_value_t = 50.0, requires = "machine")]
+    retract: f64,
+}
+
+/// Three coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct Point([f64; 3]);
+
+/// What was found, as JSON.
+#[derive(Serialize)]
+struct Report<'a> {
+    cl: String,
+    machine: &'a str,
+    points: usize,
+    rotary_travel_deg: Option<[f64; 2]>,
+    rotary_travel_repaired_deg: Option<[f64; 2]>,
+    findings: Vec<Entry>,
+}
+
+impl Placing {
+    /// Part and tool.
+    pub fn setup(&self) -> Setup {
+        Setup { part_zero_mm: self.part_zero.0, tool_length_mm: self.tool_length }
+    }
+
+    /// What the axes are to be chosen for.
+    pub fn task(&self, file: &MachineFile, repair: Option<ToolEnd>) -> Task {
+        let limits = RepairLimits::default();
+        Task { machine: file.machine, setup: self.setup(), repair, limits, retract_mm: self.retract }
+    }
+}
+
+/// A machine's file.
+///
+/// # Errors
+/// It cannot be read, or describes no machine.
+pub fn load_machine(path: &Path) -> Result<MachineFile, Failure> {
+    MachineFile::load(path).map_err(Failure::Input)
+}
+
+/// CL data.
+///
+/// # Errors
+/// They cannot be read.
+pub fn load_cl(path: &Path) -> Result<Cl, Failure> {
+    let bytes = std::fs::read(path).map_err(|error| file_failure(path, &error))?;
+    Cl::read(&String::from_utf8_lossy(&bytes)).map_err(|error| Failure::Input(format!("{}:{error}", path.display())))
+}
+
+/// What was read and found.
+#[derive(Clone, Copy, Debug)]
+pub struct Told<'a> {
+    /// The CL data's file.
+    pub path: &'a Path,
+    /// The CL data.
+    pub cl: &'a Cl,
+    /// The machine's name.
+    pub machine: &'a str,
+    /// The axes and what is wrong.
+    pub plan: &'a Plan,
+}
+
+impl Told<'_> {
+    /// The report on stdout.
+    pub fn print_json(&self) {
+        let travel = |of: [f64; 2]| (!self.plan.stops.is_empty()).then_some(of);
+        let [before, after] = self.plan.travel_deg;
+        let report = Report {
+            cl: self.path.display().to_string(),
+            machine: self.machine,
+            points: self.cl.points.len(),
+            rotary_travel_deg: travel(before),
+            rotary_travel_repaired_deg: travel(after),
+            findings: self.plan.findings.iter().map(|finding| finding.entry()).collect(),
+        };
+        say(format_args!("{}", serde_json::json!(report)));
+    }
+
+    /// All findings on stderr.
+    pub fn complain(&self) {
+        for finding in &self.plan.findings {
+            eprintln!("{}:{finding}", self.path.display());
+        }
+    }
+
+    /// One line about the path.
+    pub fn summary(&self) -> String {
+        let Told { path, cl, machine, plan } = self;
+        let [[before_0, before_1], [after_0, after_1]] = plan.travel_deg;
+        let path = path.display();
+        let points = cl.points.len();
+        let words = cl.passed_over;
+        if plan.stops.is_empty() {
+            return format!("{path}: {points} points; {machine} does not reach all of them");
+        }
+        let repaired = if plan.travel_deg[0] == plan.travel_deg[1] {
+            String::new()
+        } else {
+            format!(", before the repair {before_0:.3} and {before_1:.3}")
+        };
+        format!(
+            "{path}: {points} points on {machine}, {words} other words passed over; the rotary axes turn {after_0:.3} and {after_1:.3} \
+             degrees{repaired}; {} findings",
+            plan.findings.len()
+        )
+    }
+
+    /// Whether the program may run.
+    ///
+    /// # Errors
+    /// It may not: how many findings say so.
+    pub fn verdict(&self) -> Result<(), Failure> {
+        let errors = self.plan.findings.iter().filter(|finding| finding.severity() == Severity::Error).count();
+        if errors == 0 {
+            return Ok(());
+        }
+        Err(Failure::Input(format!(
+            "{}: {errors} errors: not to be run on {} as it is",
+            self.path.display(),
+            self.machine
+        )))
+    }
+}
+
+/// The tool's end, where a repair is wanted.
+pub fn tool_end(repair: bool, ball_radius: Option<f64>) -> Option<ToolEnd> {
+    let ball = ball_radius.map(|radius_mm| ToolEnd::Ball { radius_mm });
+    repair.then(|| ball.unwrap_or(ToolEnd::Other))
+}
+
+/// Whether a file's name says that it holds CL data.
+pub fn is_cl(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
+    matches!(extension.as_deref(), Some("apt" | "cl" | "cls" | "aptsource"))
+}
+
+fn point(text: &str) -> Result<Point, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok([x, y, z]) if [x, y, z].iter().all(|number| number.is_finite()) => Ok(Point([*x, *y, *z])),
+        _ => Err("write X,Y,Z in mm: 0,0,120.5".into()),
+    }
+}

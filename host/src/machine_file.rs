@@ -1,0 +1,167 @@
+//! A five-axis machine as a file (docs/kinematics.md).
+//!
+//! ```toml
+//! name = "..."
+//! tool = [0, 0, 1]          # from the tip to the holder, all axes at zero; this unless given
+//! [[rotary]]                # two, in the order from the part to the tool
+//! letter = "C"              # A, B or C: its address in the program
+//! carries = "part"          # an axis of the table; "tool": of the head
+//! direction = [0, 0, 1]     # positive turns the tool relative to the part about it, by the right-hand rule
+//! point = [0, 0, 0]         # mm; a point on the axis, all axes at zero. Table: machine frame; head: from the gauge point
+//! range = [-120, 30]        # degrees; turns for ever unless given
+//! resolution = 0.001        # degrees
+//! max_feed = 5400           # degrees per minute; no limit known unless given
+//! [linear.X]                # and Y and Z: mm, mm per minute
+//! range = [0, 710]
+//! resolution = 0.001
+//! max_feed = 20000
+//! ```
+
+use std::path::Path;
+
+use arcfeed_shared::kinematics::machine::{Carries, Letter, LinearAxis, Machine, RotaryAxis};
+use serde::Deserialize;
+
+/// A machine with its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MachineFile {
+    /// As the file names it.
+    pub name: String,
+    /// The chain.
+    pub machine: Machine,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MachineTable {
+    name: String,
+    tool: Option<[f64; 3]>,
+    rotary: [RotaryTable; 2],
+    linear: LinearTables,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RotaryTable {
+    letter: LetterWord,
+    carries: CarriesWord,
+    direction: [f64; 3],
+    point: [f64; 3],
+    range: Option<[f64; 2]>,
+    resolution: f64,
+    max_feed: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(non_snake_case, reason = "axes are named as in a program")]
+struct LinearTables {
+    X: LinearTable,
+    Y: LinearTable,
+    Z: LinearTable,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LinearTable {
+    range: Option<[f64; 2]>,
+    resolution: f64,
+    max_feed: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+enum LetterWord {
+    A,
+    B,
+    C,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum CarriesWord {
+    Part,
+    Tool,
+}
+
+impl MachineFile {
+    /// Reads and checks a file.
+    ///
+    /// # Errors
+    /// The file, and what is wrong with it.
+    pub fn load(path: &Path) -> Result<Self, String> {
+        let in_file = |error: String| format!("{}: {}", path.display(), error.trim_end());
+        let text = std::fs::read_to_string(path).map_err(|error| in_file(error.to_string()))?;
+        Self::parse(&text).map_err(in_file)
+    }
+
+    /// Checks a machine given as text.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let table: MachineTable = toml::from_str(text).map_err(|error| error.to_string())?;
+        let LinearTables { X, Y, Z } = &table.linear;
+        let linear = [X, Y, Z].map(linear_axis);
+        let rotary = table.rotary.each_ref().map(rotary_axis);
+        let machine = Machine::new(rotary, linear, table.tool.unwrap_or([0.0, 0.0, 1.0]));
+        Ok(MachineFile { name: table.name, machine: machine.map_err(|error| error.to_string())? })
+    }
+}
+
+fn rotary_axis(table: &RotaryTable) -> RotaryAxis {
+    RotaryAxis {
+        letter: match table.letter {
+            LetterWord::A => Letter::A,
+            LetterWord::B => Letter::B,
+            LetterWord::C => Letter::C,
+        },
+        carries: match table.carries {
+            CarriesWord::Part => Carries::Part,
+            CarriesWord::Tool => Carries::Tool,
+        },
+        direction: table.direction,
+        point_mm: table.point,
+        range_deg: table.range,
+        resolution_deg: table.resolution,
+        speed_deg_per_min: table.max_feed,
+    }
+}
+
+fn linear_axis(table: &LinearTable) -> LinearAxis {
+    LinearAxis { range_mm: table.range, resolution_mm: table.resolution, speed_mm_per_min: table.max_feed }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LINEAR: &str =
+        "[linear]\nX = { resolution = 0.001 }\nY = { resolution = 0.001 }\nZ = { resolution = 0.001 }\n";
+
+    fn rotary(letter: char, direction: &str, more: &str) -> String {
+        format!(
+            "[[rotary]]\nletter = '{letter}'\ncarries = 'part'\ndirection = {direction}\npoint = [0, 0, 0]\n\
+             resolution = 0.001\n{more}\n"
+        )
+    }
+
+    #[test]
+    fn what_makes_no_machine_is_said() {
+        let [c, a] = [rotary('C', "[0, 0, 1]", ""), rotary('A', "[1, 0, 0]", "")];
+        assert!(MachineFile::parse(&format!("name = 'm'\n{c}{a}{LINEAR}")).is_ok());
+        for (axes, expected) in [
+            (c.clone(), "rotary"),
+            (format!("{a}{c}"), "parallel"),
+            (format!("{c}{}", rotary('C', "[1, 0, 0]", "")), "both rotary axes are called C"),
+            (format!("{c}{}", rotary('A', "[0, 0, 0]", "")), "no length"),
+            (format!("{c}{}", rotary('A', "[1, 0, 0]", "range = [5, -95]")), "the range of A"),
+            (format!("{c}{}", rotary('A', "[1, 0, 0]", "range = [-9999, 9999]")), "wider than 16 turns"),
+            (format!("{c}{}", rotary('A', "[1, 0, 0]", "max_feed = 0")), "A must be above zero"),
+            (format!("{c}{}", rotary('A', "[1, 0, 0]", "colour = 1")), "colour"),
+            (format!("{}{a}", c.replace("part", "tool")), "table before head"),
+        ] {
+            let error = MachineFile::parse(&format!("name = 'm'\n{axes}{LINEAR}")).unwrap_err();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+}

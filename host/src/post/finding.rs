@@ -1,0 +1,182 @@
+//! What is wrong with CL data on a machine, before the first cut.
+
+use std::fmt;
+
+use arcfeed_shared::kinematics::change::{Change, WayRound};
+use arcfeed_shared::kinematics::forward::Axes;
+use arcfeed_shared::kinematics::incoherent::{Fate, Incoherent};
+use arcfeed_shared::kinematics::inverse::Unreachable;
+use arcfeed_shared::kinematics::machine::{AxisName, Letter};
+use serde::Serialize;
+
+use crate::program::Severity;
+
+/// The last digit shown of a position.
+const SHOWN: f64 = 1e-3;
+
+/// Something to tell about a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// Line of the CL data, counted from 1.
+    pub line: usize,
+    /// What it is.
+    pub what: What,
+}
+
+/// What there is to tell.
+#[derive(Clone, Debug, PartialEq)]
+pub enum What {
+    /// No axes reach the direction, here and at the points that follow.
+    Unreachable {
+        /// Why not.
+        why: Unreachable,
+        /// How many follow.
+        more: usize,
+    },
+    /// An axis would leave its range.
+    OverLimit(AxisName),
+    /// The rotary axes change their branch on the move to the point.
+    Change(Change, Box<WayRound>),
+    /// The point lies in a pole's cone: the first axis is held.
+    Pole {
+        /// That axis.
+        letter: Letter,
+    },
+    /// The move leaves its arc by this without points between.
+    Coarse {
+        /// Degrees.
+        departure_deg: f64,
+    },
+    /// Incoherent movement ends here.
+    Incoherent {
+        /// The stretch.
+        found: Incoherent,
+        /// Whether a repair was asked for.
+        asked: bool,
+    },
+    /// The axes do not follow the programmed feed.
+    Feed {
+        /// The moves of which this is the slowest.
+        moves: usize,
+        /// What they allow.
+        feed_mm_per_min: f64,
+        /// The axis.
+        axis: AxisName,
+    },
+}
+
+/// A finding as JSON.
+#[derive(Clone, Debug, Serialize)]
+pub struct Entry {
+    line: usize,
+    severity: Severity,
+    kind: &'static str,
+    message: String,
+}
+
+impl Finding {
+    /// Whether the program must not run.
+    pub fn severity(&self) -> Severity {
+        match &self.what {
+            What::Unreachable { .. } | What::OverLimit(_) | What::Change(..) => Severity::Error,
+            _ => Severity::Warning,
+        }
+    }
+
+    /// For `--json`.
+    pub fn entry(&self) -> Entry {
+        let kind = match &self.what {
+            What::Unreachable { .. } => "unreachable",
+            What::OverLimit(_) => "over-limit",
+            What::Change(..) => "branch-change",
+            What::Pole { .. } => "pole",
+            What::Coarse { .. } => "coarse",
+            What::Incoherent { .. } => "incoherent",
+            What::Feed { .. } => "feed",
+        };
+        Entry { line: self.line, severity: self.severity(), kind, message: self.what.to_string() }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let level = if self.severity() == Severity::Error { "error" } else { "warning" };
+        write!(f, "{}: {level}: {}", self.line, self.what)
+    }
+}
+
+impl fmt::Display for What {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            What::Unreachable { why, more } => {
+                write!(f, "{why}; tilt the tool less, or clamp the part differently")?;
+                if *more > 0 { write!(f, " (and {more} points after it)") } else { Ok(()) }
+            }
+            What::OverLimit(axis) => {
+                write!(f, "{axis} would leave its range; move the part or take another tool length")
+            }
+            What::Change(change, way) => write_change(f, change, way),
+            What::Pole { letter } => write!(f, "the tool axis lies along {letter}, which is held where it was"),
+            What::Coarse { departure_deg } => {
+                write!(
+                    f,
+                    "on the move here the tool axis leaves its arc by {departure_deg:.3} degrees; `post` adds points"
+                )
+            }
+            What::Incoherent { found, asked } => write_incoherent(f, found, *asked),
+            What::Feed { moves, feed_mm_per_min, axis } => {
+                write!(
+                    f,
+                    "{axis} allows {feed_mm_per_min:.1} mm/min here, the least of {moves} moves that ask for more than the axes do"
+                )
+            }
+        }
+    }
+}
+
+fn write_change(f: &mut fmt::Formatter<'_>, change: &Change, way: &WayRound) -> fmt::Result {
+    let Change { from_deg: [from_0, from_1], to_deg: [to_0, to_1], departure_deg, .. } = change;
+    write!(
+        f,
+        "the rotary axes jump from ({from_0:.3}, {from_1:.3}) to ({to_0:.3}, {to_1:.3}) and would swing the tool by {departure_deg:.1} degrees"
+    )?;
+    match change.forced_by {
+        Some((letter, _)) => write!(f, ", because {letter} comes to its end")?,
+        None => f.write_str(", which is the shorter way")?,
+    }
+    f.write_str("; instead:")?;
+    for (name, at) in [
+        ("retract to", way.retract),
+        ("clear", way.clear),
+        ("reorient", way.reorient),
+        ("return above", way.above),
+        ("into the cut", way.back),
+    ] {
+        write_axes(f, name, &at)?;
+    }
+    Ok(())
+}
+
+fn write_axes(f: &mut fmt::Formatter<'_>, name: &str, axes: &Axes) -> fmt::Result {
+    // Without the sign that rounding leaves to nothing.
+    let plain = |value: f64| libm::round(value / SHOWN) * SHOWN + 0.0;
+    let ([x, y, z], [first, second]) = (axes.linear_mm.map(plain), axes.rotary_deg.map(plain));
+    write!(f, " {name} ({x:.3}, {y:.3}, {z:.3}; {first:.3}, {second:.3})")
+}
+
+fn write_incoherent(f: &mut fmt::Formatter<'_>, found: &Incoherent, asked: bool) -> fmt::Result {
+    write!(
+        f,
+        "up to here the first rotary axis races beside the pole, {:.0} degrees a degree of the tool; ",
+        found.gain_ratio
+    )?;
+    let error = found.error_deg;
+    match found.fate {
+        Fate::Refused if !asked => write!(f, "--repair would turn the tool axis by {error:.4} degrees"),
+        Fate::Repaired => write!(f, "repaired by turning the tool axis by up to {error:.4} degrees"),
+        Fate::Refused => {
+            write!(f, "not repaired, as the tool is no ball end mill and would turn by {error:.4} degrees")
+        }
+        Fate::NoRoom => f.write_str("no repair, as the path begins or ends too close by"),
+    }
+}

@@ -1,0 +1,14 @@
+//! From CL data to a machine's program and back: APT `GOTO/x,y,z,i,j,k` <-> NC.
+//!
+//! [`cl`] reads and writes CL data, [`plan`] chooses the axes and says what is wrong ([`finding`]), [`nc`] writes the program in one of
+//! three modes, [`back`] reads such a program.
+
+pub mod cl;
+
+pub mod finding;
+
+pub mod plan;
+
+pub mod nc;
+
+pub mod back;

@@ -1,0 +1,198 @@
+//! A program for the machine, in one of three modes.
+//!
+//! | mode | X Y Z | direction | F |
+//! |---|---|---|---|
+//! | `tcp`: G43.5 | tip in the part's frame | I J K | G94, of the tip |
+//! | `part-rotary`: G43.4 | tip in the part's frame | A B C | G94, of the tip |
+//! | `machine`: no compensation | gauge point in the machine frame | A B C | G93, no faster than the axes |
+//!
+//! Where the axes are computed here, points are added until every straight move keeps to the tolerance.
+
+use std::fmt::Write;
+
+use arcfeed_shared::kinematics::between::{Deviation, Mode, Stop};
+use arcfeed_shared::kinematics::change::WayRound;
+use arcfeed_shared::kinematics::forward::Axes;
+use arcfeed_shared::kinematics::linearise::Tolerance;
+use arcfeed_shared::kinematics::vector::{difference, length};
+
+use super::cl::Cl;
+use super::finding::What;
+use super::plan::{Plan, Task};
+
+/// Decimals of I, J, K.
+const DIRECTION_DECIMALS: usize = 6;
+/// Decimals of F in G93: controls take eight digits.
+const INVERSE_TIME_DECIMALS: usize = 3;
+/// Most decimals of a coordinate.
+const DECIMALS_MAX: usize = 6;
+
+/// How a program is to be written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Style<'a> {
+    /// The machine's name.
+    pub name: &'a str,
+    /// Who computes the axes.
+    pub mode: Mode,
+    /// What straight moves may be off.
+    pub tolerance: Tolerance,
+}
+
+/// The program, and the points it has.
+///
+/// # Errors
+/// A move that cannot be made straight, or a change of branch where the program cannot leave the part.
+pub fn write(cl: &Cl, plan: &Plan, task: &Task, style: &Style<'_>) -> Result<(String, usize), String> {
+    let ways = ways_round(plan);
+    if let Some((point, _)) = ways.first().filter(|_| style.mode != Mode::Machine) {
+        let line = cl.points.get(*point).map_or(0, |point| point.line);
+        return Err(format!(
+            "{line}: a change of branch leaves the part only in --mode machine; see what `check --machine` says"
+        ));
+    }
+    let mut text = header(cl, style);
+    let mut writer = Writer { task, mode: style.mode, feed: None, points: 0 };
+    let mut before: Option<Stop> = None;
+    for (index, (point, stop)) in cl.points.iter().zip(&plan.stops).enumerate() {
+        let way = ways.iter().find(|(at, _)| *at == index).map(|(_, way)| way);
+        let from = match (way, before) {
+            (Some(way), Some(last)) => Some(writer.round(&mut text, way, &last, point.feed_mm_per_min)),
+            _ => before,
+        };
+        let path = match from {
+            Some(from) => {
+                let straight = task.machine.linearise(style.mode, &task.setup, &[from, *stop], &style.tolerance);
+                straight.map_err(|error| not_straight(point.line, error.left))?
+            }
+            None => vec![*stop, *stop],
+        };
+        for pair in path.windows(2) {
+            if let [from, to] = pair {
+                writer.block(&mut text, from, to, point.feed_mm_per_min.filter(|_| before.is_some()));
+            }
+        }
+        before = Some(*stop);
+    }
+    text.push_str(if style.mode == Mode::Machine { "G94\nM30\n%\n" } else { "G49\nM30\n%\n" });
+    Ok((text, writer.points))
+}
+
+/// Changes of branch with the points they end at.
+fn ways_round(plan: &Plan) -> Vec<(usize, &WayRound)> {
+    let mut ways = Vec::new();
+    for finding in &plan.findings {
+        if let What::Change(change, way) = &finding.what {
+            ways.push((change.point, way.as_ref()));
+        }
+    }
+    ways
+}
+
+fn header(cl: &Cl, style: &Style<'_>) -> String {
+    let (mode, start) = match style.mode {
+        Mode::Tcp => ("TCP", "G94\nG43.5H1\n"),
+        Mode::PartRotary => ("PART-ROTARY", "G94\nG43.4H1\n"),
+        Mode::Machine => ("MACHINE", ""),
+    };
+    let plain = |text: &str| -> String {
+        let kept = text.chars().filter(|c| c.is_ascii_alphanumeric() || " .-/".contains(*c));
+        kept.collect::<String>().to_ascii_uppercase()
+    };
+    let name = plain(cl.name.as_deref().unwrap_or("CL DATA"));
+    format!("%\nO1({name})\n(MACHINE {}, MODE {mode})\nG21G17G40G90\n{start}", plain(style.name))
+}
+
+struct Writer<'t> {
+    task: &'t Task,
+    mode: Mode,
+    feed: Option<String>,
+    points: usize,
+}
+
+impl Writer<'_> {
+    /// One move; rapid where there is no feed.
+    fn block(&mut self, text: &mut String, from: &Stop, to: &Stop, feed_mm_per_min: Option<f64>) {
+        self.points += 1;
+        let feed = feed_mm_per_min.map(|feed| match self.mode {
+            Mode::Machine => self.inverse_time(from, to, feed),
+            Mode::Tcp | Mode::PartRotary => shown(feed, 3),
+        });
+        let code = match (&feed, self.mode) {
+            (None, Mode::Machine) => "G94G0",
+            (None, _) => "G0",
+            (Some(_), Mode::Machine) => "G93G1",
+            (Some(_), _) => "G1",
+        };
+        text.push_str(code);
+        self.place(text, to);
+        // In G93 every block has its own F.
+        if let Some(feed) = feed.filter(|feed| self.mode == Mode::Machine || self.feed.as_ref() != Some(feed)) {
+            let _infallible = write!(text, "F{feed}");
+            self.feed = Some(feed);
+        }
+        text.push('\n');
+    }
+
+    /// One over the minutes of a move, as long as the slowest axis takes.
+    fn inverse_time(&self, from: &Stop, to: &Stop, feed_mm_per_min: f64) -> String {
+        let way_mm = length(difference(to.pose.tip_mm, from.pose.tip_mm));
+        // A turn on the spot has no way: it takes the time of a millimetre.
+        let way_mm = if way_mm > 0.0 { way_mm } else { 1.0 };
+        let allowed = self.task.machine.axis_feed(&from.axes, &to.axes, way_mm);
+        let feed = allowed.map_or(feed_mm_per_min, |allowed| feed_mm_per_min.min(allowed.feed_mm_per_min));
+        shown(feed / way_mm, INVERSE_TIME_DECIMALS)
+    }
+
+    /// The words of a place.
+    fn place(&self, text: &mut String, to: &Stop) {
+        let linear = if self.mode == Mode::Machine { to.axes.linear_mm } else { to.pose.tip_mm };
+        for ((letter, value), axis) in ["X", "Y", "Z"].into_iter().zip(linear).zip(self.task.machine.linear()) {
+            word(text, letter, value, decimals(axis.resolution_mm));
+        }
+        if self.mode == Mode::Tcp {
+            for (letter, value) in ["I", "J", "K"].into_iter().zip(to.pose.axis) {
+                word(text, letter, value, DIRECTION_DECIMALS);
+            }
+            return;
+        }
+        for (axis, value) in self.task.machine.rotary().iter().zip(to.axes.rotary_deg) {
+            word(text, &axis.letter.to_string(), value, decimals(axis.resolution_deg));
+        }
+    }
+
+    /// Out of the part, reorient, and above where the path goes on; answers where that is.
+    fn round(&mut self, text: &mut String, way: &WayRound, last: &Stop, feed: Option<f64>) -> Stop {
+        let at = |axes: Axes| Stop { pose: self.task.machine.forward(&axes, &self.task.setup), axes };
+        let [retract, clear, reorient, above] = [way.retract, way.clear, way.reorient, way.above].map(at);
+        text.push_str("(RETRACT, REORIENT, RETURN)\n");
+        self.block(text, last, &retract, feed);
+        for (from, to) in [(&retract, &clear), (&clear, &reorient), (&reorient, &above)] {
+            self.block(text, from, to, None);
+        }
+        above
+    }
+}
+
+fn word(text: &mut String, letter: &str, value: f64, decimals: usize) {
+    let _infallible = write!(text, "{letter}{}", shown(value, decimals));
+}
+
+/// A number with a point and without zeros that say nothing.
+fn shown(value: f64, decimals: usize) -> String {
+    let digits = format!("{value:.decimals$}");
+    let pointed = if digits.contains('.') { digits } else { digits + "." };
+    let short = pointed.trim_end_matches('0');
+    if short == "-0." { "0.".into() } else { short.into() }
+}
+
+fn not_straight(line: usize, Deviation { tip_mm, axis_deg }: Deviation) -> String {
+    format!(
+        "{line}: no points make the move here straight, {tip_mm:.3} mm and {axis_deg:.3} degrees are left: a pole is too close; try --repair, \
+         or a wider --axis-tolerance"
+    )
+}
+
+/// Decimals that show a resolution.
+fn decimals(resolution: f64) -> usize {
+    (libm::ceil(-libm::log10(resolution) - 1e-9).max(0.0) as usize).min(DECIMALS_MAX)
+}

@@ -1,0 +1,166 @@
+//! The axes for CL data: the course of the rotary axes, repairs, and everything that is wrong.
+
+use arcfeed_shared::kinematics::between::Stop;
+use arcfeed_shared::kinematics::change::Passage;
+use arcfeed_shared::kinematics::feed::AxisFeed;
+use arcfeed_shared::kinematics::forward::{Axes, Pose, Setup};
+use arcfeed_shared::kinematics::incoherent::{Incoherent, RepairLimits, ToolEnd};
+use arcfeed_shared::kinematics::machine::Machine;
+use arcfeed_shared::kinematics::vector::{difference, length};
+
+use super::cl::Cl;
+use super::finding::{Finding, What};
+
+/// What the axes are chosen for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Task {
+    /// The machine.
+    pub machine: Machine,
+    /// Part and tool on it.
+    pub setup: Setup,
+    /// The cutting end, where incoherent movement is to be repaired.
+    pub repair: Option<ToolEnd>,
+    /// What counts as incoherent and as a swing.
+    pub limits: RepairLimits,
+    /// How far the tool leaves the part at a change of branch.
+    pub retract_mm: f64,
+}
+
+/// The path on the machine.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Plan {
+    /// Each point with its axes.
+    pub stops: Vec<Stop>,
+    /// Everything there is to tell, in the order of lines.
+    pub findings: Vec<Finding>,
+    /// What the rotary axes turn, before the repairs and after.
+    pub travel_deg: [[f64; 2]; 2],
+}
+
+impl Plan {
+    /// Chooses the axes. A path with points out of reach has findings and no stops.
+    pub fn new(cl: &Cl, task: &Task) -> Self {
+        let Task { machine, limits, .. } = task;
+        let mut poses: Vec<Pose> = cl.points.iter().map(|point| point.pose).collect();
+        let mut plan = Plan::default();
+        let Some(mut course) = plan.course(cl, task, &poses) else { return plan };
+        plan.travel_deg = [travel(&course); 2];
+        // Without a tool to repair for nothing may move.
+        let nothing = RepairLimits { error_deg: -1.0, ..*limits };
+        let (end, allowed) = task.repair.map_or((ToolEnd::Other, &nothing), |end| (end, limits));
+        let found = machine.repair(&mut poses, &course, end, allowed);
+        plan.add_incoherent(cl, &found, task.repair.is_some());
+        if poses.iter().zip(&cl.points).any(|(pose, point)| *pose != point.pose) {
+            let Some(again) = plan.course(cl, task, &poses) else { return plan };
+            course = again;
+            plan.travel_deg[1] = travel(&course);
+        }
+        plan.stops = poses.iter().zip(&course).map(|(pose, at)| stop(task, pose, *at)).collect();
+        plan.judge(cl, task, &poses, &course);
+        plan.findings.sort_by_key(|finding| finding.line);
+        plan
+    }
+
+    /// The course, or every point out of reach.
+    fn course(&mut self, cl: &Cl, task: &Task, poses: &[Pose]) -> Option<Vec<[f64; 2]>> {
+        match task.machine.course(poses, None) {
+            Ok(course) => Some(course),
+            Err(_) => {
+                let refusal = |pose: &Pose| task.machine.course(std::slice::from_ref(pose), None).err();
+                let mut open = false;
+                for (point, pose) in cl.points.iter().zip(poses) {
+                    match (refusal(pose), self.findings.last_mut()) {
+                        (Some(_), Some(Finding { what: What::Unreachable { more, .. }, .. })) if open => *more += 1,
+                        (Some(refused), _) => {
+                            let what = What::Unreachable { why: refused.why, more: 0 };
+                            self.findings.push(Finding { line: point.line, what });
+                            open = true;
+                        }
+                        (None, _) => open = false,
+                    }
+                }
+                None
+            }
+        }
+    }
+
+    fn add_incoherent(&mut self, cl: &Cl, found: &[Incoherent], asked: bool) {
+        let told = found.iter().filter_map(|stretch| {
+            let point = cl.points.get(stretch.after)?;
+            Some(Finding { line: point.line, what: What::Incoherent { found: *stretch, asked } })
+        });
+        self.findings.extend(told);
+    }
+
+    /// Ranges, poles, moves and feeds.
+    fn judge(&mut self, cl: &Cl, task: &Task, poses: &[Pose], course: &[[f64; 2]]) {
+        let Task { machine, setup, limits, retract_mm, .. } = task;
+        let [first, _] = machine.rotary();
+        let mut told_over = Vec::new();
+        for (point, stop) in cl.points.iter().zip(&self.stops) {
+            for axis in machine.over_limits(&stop.axes) {
+                // An axis that stays outside is told once.
+                if !told_over.contains(&axis) {
+                    told_over.push(axis);
+                    self.findings.push(Finding { line: point.line, what: What::OverLimit(axis) });
+                }
+            }
+            if machine.is_in_pole_cone(stop.pose.axis) {
+                self.findings.push(Finding { line: point.line, what: What::Pole { letter: first.letter } });
+            }
+        }
+        let passages = machine.passages(poses, course, limits.departure_deg);
+        for ((point, passage), pair) in cl.points.iter().skip(1).zip(passages).zip(poses.windows(2)) {
+            let what = match (passage, pair) {
+                (Passage::Coarse { departure_deg }, _) => What::Coarse { departure_deg },
+                (Passage::Change(change), [last, next]) => {
+                    What::Change(change, Box::new(machine.way_round(&change, [last, next], setup, *retract_mm)))
+                }
+                _ => continue,
+            };
+            self.findings.push(Finding { line: point.line, what });
+        }
+        let changed: Vec<usize> = self.changes().map(|finding| finding.line).collect();
+        self.findings.extend(slowest(cl, task, &self.stops, &changed));
+    }
+
+    /// The changes of branch.
+    pub fn changes(&self) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(|finding| matches!(finding.what, What::Change(..)))
+    }
+}
+
+/// Where the axes stand for a pose.
+pub fn stop(task: &Task, pose: &Pose, rotary_deg: [f64; 2]) -> Stop {
+    let linear_mm = task.machine.linear_for(pose.tip_mm, rotary_deg, &task.setup);
+    Stop { pose: *pose, axes: Axes { linear_mm, rotary_deg } }
+}
+
+/// The move that the axes slow down most, changes of branch apart.
+fn slowest(cl: &Cl, task: &Task, stops: &[Stop], changed: &[usize]) -> Option<Finding> {
+    let mut slowed = Vec::new();
+    for (pair, point) in stops.windows(2).zip(cl.points.iter().skip(1)) {
+        let ([from, to], Some(asked)) = (pair, point.feed_mm_per_min) else { continue };
+        if changed.contains(&point.line) {
+            continue;
+        }
+        let way_mm = length(difference(to.pose.tip_mm, from.pose.tip_mm));
+        slowed.extend(
+            task.machine
+                .axis_feed(&from.axes, &to.axes, way_mm)
+                .filter(|found| found.feed_mm_per_min < asked)
+                .map(|found| (point.line, found)),
+        );
+    }
+    let least = slowed.iter().min_by(|(_, one), (_, other)| one.feed_mm_per_min.total_cmp(&other.feed_mm_per_min));
+    let (line, AxisFeed { feed_mm_per_min, axis }) = *least?;
+    Some(Finding { line, what: What::Feed { moves: slowed.len(), feed_mm_per_min, axis } })
+}
+
+fn travel(course: &[[f64; 2]]) -> [f64; 2] {
+    let turned = |axis: fn(&[f64; 2]) -> f64| {
+        let moves = course.windows(2).map(|pair| if let [from, to] = pair { axis(to) - axis(from) } else { 0.0 });
+        moves.map(libm::fabs).sum()
+    };
+    [turned(|place| place[0]), turned(|place| place[1])]
+}

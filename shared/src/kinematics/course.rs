@@ -1,0 +1,204 @@
+//! The rotary axes over a whole path: the least travel within their ranges.
+//!
+//! Each point of the path has up to two branches, each with as many whole turns as the range of its axes allows. Over all of them
+//! the shortest way through the points is searched for (dynamic programming), its length being the sum of what both axes turn:
+//!
+//! ```text
+//! cost of a move = |q0' - q0| + |q1' - q1|,   of an axis without end the shorter way round        (1)
+//! ```
+//!
+//! In a pole's cone the first axis is free: it stays where it was, which by the triangle inequality costs no more than any other
+//! place. A path that begins there begins where the first point outside needs it. Equal costs: the smaller angles.
+//!
+//! Source: Tournier, 2 (choice among the solutions as an optimisation); the search is Bellman's.
+
+use alloc::vec::Vec;
+use core::fmt;
+
+use super::forward::Pose;
+use super::inverse::{Angles, Unreachable};
+use super::machine::{Machine, RotaryAxis, TURNS_MAX};
+use super::vector::{TURN_DEG, wrapped_deg};
+
+/// Travels that differ by less are equal.
+const SAME_DEG: f64 = 1e-9;
+
+/// A point that no positions reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unreached {
+    /// Which one of the path.
+    pub point: usize,
+    /// Why.
+    pub why: Unreachable,
+}
+
+/// A way to have a point, and the best way to get there.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    rotary_deg: [f64; 2],
+    cost: f64,
+    from: usize,
+}
+
+impl Machine {
+    /// Positions of the rotary axes at each point of a path, unwrapped, with the least travel; from `start_deg`, or from
+    /// wherever is best.
+    ///
+    /// # Errors
+    /// The first point that cannot be reached.
+    pub fn course(&self, poses: &[Pose], start_deg: Option<[f64; 2]>) -> Result<Vec<[f64; 2]>, Unreached> {
+        let mut layers: Vec<Vec<Candidate>> = Vec::with_capacity(poses.len());
+        for (point, places) in self.places(poses, start_deg)?.into_iter().enumerate() {
+            let arrive = |rotary_deg: [f64; 2]| match layers.last() {
+                Some(before) => self.arrival(before, rotary_deg),
+                None => {
+                    let cost = start_deg.map_or(0.0, |start| self.travel_deg(start, rotary_deg));
+                    Some(Candidate { rotary_deg, cost, from: 0 })
+                }
+            };
+            let layer: Vec<Candidate> = places.into_iter().filter_map(arrive).collect();
+            if layer.is_empty() {
+                return Err(Unreached { point, why: Unreachable::Direction });
+            }
+            layers.push(layer);
+        }
+        Ok(self.unwrapped(backtrack(&layers), start_deg))
+    }
+
+    /// What both axes turn from one place to another. (1)
+    pub fn travel_deg(&self, from_deg: [f64; 2], to_deg: [f64; 2]) -> f64 {
+        let [first, second] = self.rotary();
+        let turned = |axis: &RotaryAxis, from: f64, to: f64| match axis.range_deg {
+            Some(_) => libm::fabs(to - from),
+            None => libm::fabs(wrapped_deg(to - from)),
+        };
+        turned(first, from_deg[0], to_deg[0]) + turned(second, from_deg[1], to_deg[1])
+    }
+
+    /// Where the axes may stand at each point.
+    fn places(&self, poses: &[Pose], start_deg: Option<[f64; 2]>) -> Result<Vec<Vec<[f64; 2]>>, Unreached> {
+        let mut places: Vec<Vec<[f64; 2]>> = Vec::with_capacity(poses.len());
+        for (point, pose) in poses.iter().enumerate() {
+            let found = if self.is_in_pole_cone(pose.axis) {
+                let firsts = match (places.last(), start_deg) {
+                    (Some(before), _) => before.iter().map(|place| place[0]).collect(),
+                    (None, Some(start)) => alloc::vec![self.free_first(start[0])],
+                    (None, None) => self.firsts_ahead(poses),
+                };
+                self.pole_places(pose, firsts)
+            } else {
+                self.turns(pose)
+            };
+            places.push(found.map_err(|why| Unreached { point, why })?);
+        }
+        Ok(places)
+    }
+
+    /// All places of a point outside the poles' cones, the smallest angles first.
+    fn turns(&self, pose: &Pose) -> Result<Vec<[f64; 2]>, Unreachable> {
+        let [first, second] = self.rotary();
+        let angles = self.angles(pose.axis);
+        let branches: &[[f64; 2]] = match &angles {
+            Angles::None | Angles::Any { .. } => return Err(Unreachable::Direction),
+            Angles::One(only) => &[*only],
+            Angles::Two(both) => &both[..],
+        };
+        let mut places = Vec::new();
+        for branch in branches {
+            for first_deg in turns_of(first, branch[0]) {
+                places.extend(turns_of(second, branch[1]).map(|second_deg| [first_deg, second_deg]));
+            }
+        }
+        match branches.first() {
+            Some(branch) if places.is_empty() => {
+                Err(self.in_range(*branch, [0.0; 2]).err().unwrap_or(Unreachable::Direction))
+            }
+            _ => {
+                let size = |place: &[f64; 2]| libm::fabs(place[0]) + libm::fabs(place[1]);
+                places.sort_by(|a, b| size(a).total_cmp(&size(b)));
+                Ok(places)
+            }
+        }
+    }
+
+    /// All places of a point in a pole's cone with the first axis at one of `firsts`.
+    fn pole_places(&self, pose: &Pose, mut firsts: Vec<f64>) -> Result<Vec<[f64; 2]>, Unreachable> {
+        let [_, second] = self.rotary();
+        let Angles::Any { second_deg } = self.angles(self.nearest_pole(pose.axis)) else {
+            return Err(Unreachable::Direction);
+        };
+        firsts.sort_by(f64::total_cmp);
+        firsts.dedup();
+        let mut places = Vec::new();
+        for first_deg in firsts {
+            places.extend(turns_of(second, second_deg).map(|second_deg| [first_deg, second_deg]));
+        }
+        let out = Unreachable::Range { letter: second.letter, position_deg: second_deg };
+        if places.is_empty() { Err(out) } else { Ok(places) }
+    }
+
+    /// Where the first point outside the poles' cones needs the first axis.
+    fn firsts_ahead(&self, poses: &[Pose]) -> Vec<f64> {
+        let ahead = poses.iter().find(|pose| !self.is_in_pole_cone(pose.axis)).and_then(|pose| self.turns(pose).ok());
+        let firsts: Vec<f64> = ahead.into_iter().flatten().map(|place| place[0]).collect();
+        if firsts.is_empty() { alloc::vec![self.free_first(0.0)] } else { firsts }
+    }
+
+    /// The best way from the candidates before.
+    fn arrival(&self, before: &[Candidate], rotary_deg: [f64; 2]) -> Option<Candidate> {
+        let costs = before.iter().map(|candidate| candidate.cost + self.travel_deg(candidate.rotary_deg, rotary_deg));
+        let (from, cost) = cheapest(costs)?;
+        Some(Candidate { rotary_deg, cost, from })
+    }
+
+    /// Axes without end, each point on the shorter way from the one before.
+    fn unwrapped(&self, mut chosen: Vec<[f64; 2]>, start_deg: Option<[f64; 2]>) -> Vec<[f64; 2]> {
+        let [first, second] = self.rotary();
+        let mut before = start_deg;
+        for place in &mut chosen {
+            if let Some(before) = before {
+                let follow = |axis: &RotaryAxis, at: f64, near: f64| match axis.range_deg {
+                    Some(_) => at,
+                    None => RotaryAxis::nearest_turn(at, near),
+                };
+                *place = [follow(first, place[0], before[0]), follow(second, place[1], before[1])];
+            }
+            before = Some(*place);
+        }
+        chosen
+    }
+}
+
+/// The positions that an angle has in the range of its axis; of an axis without end one.
+fn turns_of(axis: &RotaryAxis, angle_deg: f64) -> impl Iterator<Item = f64> {
+    let lowest = axis.nearest_in_range(angle_deg, axis.range_deg.map_or(angle_deg, |[least, _]| least));
+    let turns = if axis.range_deg.is_some() { TURNS_MAX + 1 } else { 1 };
+    let positions = (0..turns).filter_map(move |turn| Some(lowest? + TURN_DEG * f64::from(turn)));
+    let axis = *axis;
+    positions.take_while(move |position| axis.allows(*position))
+}
+
+/// The cheapest way through the layers.
+fn backtrack(layers: &[Vec<Candidate>]) -> Vec<[f64; 2]> {
+    let ends = layers.last().and_then(|layer| cheapest(layer.iter().map(|candidate| candidate.cost)));
+    let mut at = ends.map_or(0, |(at, _)| at);
+    let mut chosen = Vec::with_capacity(layers.len());
+    for candidate in layers.iter().rev().map_while(|layer| layer.get(at).copied().inspect(|found| at = found.from)) {
+        chosen.push(candidate.rotary_deg);
+    }
+    chosen.reverse();
+    chosen
+}
+
+/// The first of the least costs; what rounding makes of equal ones does not count.
+fn cheapest(costs: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
+    costs.enumerate().reduce(|best, next| if next.1 < best.1 - SAME_DEG { next } else { best })
+}
+
+impl fmt::Display for Unreached {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "point {}: {}", self.point + 1, self.why)
+    }
+}
+
+impl core::error::Error for Unreached {}

@@ -1,0 +1,91 @@
+//! From positions of the axes to the pose of the tool, and the linear axes for given rotary ones.
+//!
+//! With T_i(v) the turn of v by the position q_i about axis i (through its point), h the tip as the head holds it, L the
+//! positions of X, Y, Z and p0 the part's zero point in the machine frame, both axes of the table, one or none applied:
+//!
+//! ```text
+//! h   = T_0 T_1 (-l t0)                  axes of the head            (1)
+//! tip = T_0 T_1 (L + h) - p0             axes of the table           (2)
+//! t   = R_0 R_1 t0                       all axes                    (3)
+//! L   = T_1^-1 T_0^-1 (tip + p0) - h                                 (4)
+//! ```
+//!
+//! Source: the chain itself; for A/C tables (3) is Tournier eq. 1.
+
+use super::machine::{Carries, Machine, RotaryAxis};
+use super::vector::{Vector, difference, scaled, sum, turned};
+
+/// Where tip and tool axis are, in the part's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// The tool's tip.
+    pub tip_mm: Vector,
+    /// (i, j, k): unit vector from the tip to the holder.
+    pub axis: Vector,
+}
+
+/// Where the axes are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes {
+    /// X, Y, Z: the gauge point of the spindle in the machine frame.
+    pub linear_mm: Vector,
+    /// The rotary axes, from the part to the tool.
+    pub rotary_deg: [f64; 2],
+}
+
+/// How part and tool are set up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Setup {
+    /// The part's zero point in the machine frame, all axes at zero.
+    pub part_zero_mm: Vector,
+    /// From the gauge point to the tip.
+    pub tool_length_mm: f64,
+}
+
+impl Machine {
+    /// The pose at these positions. (2), (3)
+    pub fn forward(&self, axes: &Axes, setup: &Setup) -> Pose {
+        let held = sum(axes.linear_mm, self.held(axes.rotary_deg, setup));
+        let on_table = self.through(Carries::Part, axes.rotary_deg, held);
+        Pose { tip_mm: difference(on_table, setup.part_zero_mm), axis: self.axis_at(axes.rotary_deg) }
+    }
+
+    /// The tool axis at these positions. (3)
+    pub fn axis_at(&self, rotary_deg: [f64; 2]) -> Vector {
+        let [first, second] = self.rotary();
+        turned(turned(self.tool(), second.direction, rotary_deg[1]), first.direction, rotary_deg[0])
+    }
+
+    /// X, Y, Z for a tip at these positions of the rotary axes. (4)
+    pub fn linear_for(&self, tip_mm: Vector, rotary_deg: [f64; 2], setup: &Setup) -> Vector {
+        let [first, second] = self.rotary();
+        let mut point = sum(tip_mm, setup.part_zero_mm);
+        for (axis, position_deg) in [(first, rotary_deg[0]), (second, rotary_deg[1])] {
+            if axis.carries == Carries::Part {
+                point = turned_about(point, axis, -position_deg);
+            }
+        }
+        difference(point, self.held(rotary_deg, setup))
+    }
+
+    /// (1)
+    fn held(&self, rotary_deg: [f64; 2], setup: &Setup) -> Vector {
+        self.through(Carries::Tool, rotary_deg, scaled(self.tool(), -setup.tool_length_mm))
+    }
+
+    /// A point through the axes of one side, the one next to the tool first.
+    fn through(&self, side: Carries, rotary_deg: [f64; 2], point_mm: Vector) -> Vector {
+        let [first, second] = self.rotary();
+        let mut point = point_mm;
+        for (axis, position_deg) in [(second, rotary_deg[1]), (first, rotary_deg[0])] {
+            if axis.carries == side {
+                point = turned_about(point, axis, position_deg);
+            }
+        }
+        point
+    }
+}
+
+fn turned_about(point_mm: Vector, axis: &RotaryAxis, by_deg: f64) -> Vector {
+    sum(axis.point_mm, turned(difference(point_mm, axis.point_mm), axis.direction, by_deg))
+}

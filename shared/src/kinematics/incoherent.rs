@@ -1,0 +1,233 @@
+//! Incoherent movement beside a pole, and its repair.
+//!
+//! In the plane across the first rotary axis, for an A/C table that of (i, j), a direction has a radius (its angle from the pole)
+//! and an azimuth, and the first axis turns with the azimuth alone. A path that passes the pole at a small radius makes that axis
+//! race although the tool hardly turns. With dpsi the angle between the directions of two points,
+//!
+//! ```text
+//! gain = |dq0| / dpsi,    incoherent where it is above a limit                                  (1)
+//! ```
+//!
+//! Repair: directions within such a stretch move on their circles about the pole, so that the second axis keeps its positions; their
+//! azimuths run evenly, by dpsi, from that of the last coherent point to that of the next. If these two lie more than a quarter turn
+//! apart, the path goes through the pole: behind it the azimuth is that opposite, and the second axis changes its sign while the
+//! first runs on. The stretch is widened until (1) holds.
+//!
+//! A ball end mill keeps its contact if its centre stays, so its tip moves by r (t - t'). Any other tool changes the surface with its
+//! direction: beyond a tolerance the repair is refused.
+//!
+//! Source: Tournier, 4.1.2 (the circle, and that only ball end mills are free). The circle's radius is hypot(i, j) itself; the
+//! source's sqrt(1 - k^2) is 5 % off at its printed digits. Widening and the even run of the azimuth are ours.
+
+use alloc::vec::Vec;
+
+use super::forward::Pose;
+use super::machine::Machine;
+use super::vector::{HALF_TURN_DEG, Vector, angle_deg, cross, difference, dot, scaled, sum, turned, unit, wrapped_deg};
+
+/// Turns of the first axis below this are nobody's trouble.
+const TURN_MIN_DEG: f64 = 1.0;
+/// A quarter turn.
+const QUARTER_DEG: f64 = 90.0;
+
+/// The cutting end of the tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ToolEnd {
+    /// A ball.
+    Ball {
+        /// Its radius.
+        radius_mm: f64,
+    },
+    /// Any other.
+    Other,
+}
+
+/// What counts as incoherent, and what a repair may cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RepairLimits {
+    /// Degrees of the first axis for each degree of the tool. (1)
+    pub gain_ratio: f64,
+    /// How far the tool axis may leave its arc between two points before the move is a swing, which no repair is for.
+    pub departure_deg: f64,
+    /// The greatest change of direction for a tool that is no ball end mill.
+    pub error_deg: f64,
+}
+
+impl Default for RepairLimits {
+    /// 10 degrees a degree; half a degree of swing; 0.01 degree for tools that are no ball.
+    fn default() -> Self {
+        RepairLimits { gain_ratio: 10.0, departure_deg: 0.5, error_deg: 0.01 }
+    }
+}
+
+/// A stretch of incoherent movement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Incoherent {
+    /// The last coherent point before it.
+    pub before: usize,
+    /// The next one after it.
+    pub after: usize,
+    /// The greatest gain found. (1)
+    pub gain_ratio: f64,
+    /// The greatest change of direction that its repair takes.
+    pub error_deg: f64,
+    /// What came of it.
+    pub fate: Fate,
+}
+
+/// What came of a stretch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// The directions within have moved.
+    Repaired,
+    /// The tool is no ball end mill and the error above the tolerance: nothing has moved.
+    Refused,
+    /// No room on the path: it begins or ends within the stretch, or nothing lies within.
+    NoRoom,
+}
+
+impl Machine {
+    /// Finds stretches of incoherent movement and repairs their poses; the course is to be chosen anew afterwards.
+    pub fn repair(
+        &self,
+        poses: &mut [Pose],
+        course: &[[f64; 2]],
+        end: ToolEnd,
+        limits: &RepairLimits,
+    ) -> Vec<Incoherent> {
+        let mut found = Vec::new();
+        let mut from = 0;
+        while let Some((before, after, gain_ratio)) = self.stretch(poses, course, from, limits) {
+            let mended = self.mended(poses, [before, after], from, limits.gain_ratio);
+            let stretch = Incoherent { before, after, gain_ratio, error_deg: 0.0, fate: Fate::NoRoom };
+            found.push(
+                mended
+                    .map_or(stretch, |(before, directions)| apply(poses, before, &directions, (stretch, end, limits))),
+            );
+            from = found.last().map_or(after, |stretch| stretch.after);
+        }
+        found
+    }
+
+    /// The next stretch behind a point: its ends and the greatest gain.
+    fn stretch(
+        &self,
+        poses: &[Pose],
+        course: &[[f64; 2]],
+        from: usize,
+        limits: &RepairLimits,
+    ) -> Option<(usize, usize, f64)> {
+        let gains = poses.windows(2).zip(course.windows(2)).enumerate().skip(from);
+        let mut stretch: Option<(usize, usize, f64)> = None;
+        for (index, (poses, places)) in gains {
+            let gain = match (poses, places) {
+                ([start, end], [from, to]) => self.gain([start.axis, end.axis], [*from, *to], limits.departure_deg),
+                _ => 0.0,
+            };
+            match &mut stretch {
+                None if gain > limits.gain_ratio => stretch = Some((index, index + 1, gain)),
+                Some((_, after, greatest)) if gain > limits.gain_ratio => {
+                    (*after, *greatest) = (index + 1, greatest.max(gain))
+                }
+                Some(_) => break,
+                None => {}
+            }
+        }
+        stretch
+    }
+
+    /// (1); nothing for small turns and for swings.
+    fn gain(&self, directions: [Vector; 2], places: [[f64; 2]; 2], departure_deg: f64) -> f64 {
+        let [from, to] = places;
+        let turned = libm::fabs(to[0] - from[0]);
+        if turned < TURN_MIN_DEG || self.axis_departure_deg(from, to, directions) > departure_deg {
+            return 0.0;
+        }
+        turned / angle_deg(directions[0], directions[1])
+    }
+
+    /// New directions for the points within a stretch, widened until they are coherent but not to before `floor`, and the point
+    /// before the first.
+    fn mended(&self, poses: &[Pose], ends: [usize; 2], floor: usize, gain_ratio: f64) -> Option<(usize, Vec<Vector>)> {
+        let [mut before, mut after] = ends;
+        loop {
+            if after > before + 1
+                && let Some(directions) = self.evened(poses.get(before..=after)?, gain_ratio)
+            {
+                return Some((before, directions));
+            }
+            before = before.checked_sub(1).filter(|before| *before >= floor)?;
+            after = (after + 1 < poses.len()).then_some(after + 1)?;
+        }
+    }
+
+    /// The directions between the first and the last of `poses` with azimuths that run evenly; `None` where those race too.
+    fn evened(&self, poses: &[Pose], gain_ratio: f64) -> Option<Vec<Vector>> {
+        let [axis, _] = self.rotary().map(|axis| axis.direction);
+        let (first, last) = (poses.first()?.axis, poses.last()?.axis);
+        let start = self.azimuth_deg(first)?;
+        let whole = folded_deg(self.azimuth_deg(last)? - start);
+        let steps: Vec<f64> =
+            poses.windows(2).map(|pair| if let [a, b] = pair { angle_deg(a.axis, b.axis) } else { 0.0 }).collect();
+        let way: f64 = steps.iter().sum();
+        if libm::fabs(whole) > gain_ratio * way {
+            return None;
+        }
+        let mut gone = 0.0;
+        let mut directions = Vec::with_capacity(poses.len());
+        for (pose, step) in poses.iter().skip(1).zip(&steps).take(poses.len() - 2) {
+            gone += step;
+            let wanted = start + whole * gone / way;
+            // In the pole itself there is no azimuth to change.
+            let by_deg = self.azimuth_deg(pose.axis).map_or(0.0, |own| folded_deg(wanted - own));
+            directions.push(turned(pose.axis, axis, by_deg));
+        }
+        Some(directions)
+    }
+
+    /// The angle of a direction about the first axis; `None` in a pole's cone.
+    fn azimuth_deg(&self, direction: Vector) -> Option<f64> {
+        if self.is_in_pole_cone(direction) {
+            return None;
+        }
+        let [about, second] = self.rotary().map(|axis| axis.direction);
+        let x = unit(cross(about, second))?;
+        Some(libm::atan2(dot(cross(about, x), direction), dot(x, direction)).to_degrees())
+    }
+}
+
+/// The same line through the pole, whichever way along it: above -90 and up to 90.
+fn folded_deg(angle_deg: f64) -> f64 {
+    let wrapped = wrapped_deg(angle_deg);
+    if wrapped > QUARTER_DEG {
+        wrapped - HALF_TURN_DEG
+    } else if wrapped <= -QUARTER_DEG {
+        wrapped + HALF_TURN_DEG
+    } else {
+        wrapped
+    }
+}
+
+/// Gives the points behind `before` their new directions, if the tool may have them.
+fn apply(
+    poses: &mut [Pose],
+    before: usize,
+    directions: &[Vector],
+    (stretch, end, limits): (Incoherent, ToolEnd, &RepairLimits),
+) -> Incoherent {
+    let within = || before + 1..before + 1 + directions.len();
+    let old = poses.get(within()).unwrap_or_default();
+    let error_deg = old.iter().zip(directions).map(|(pose, new)| angle_deg(pose.axis, *new)).fold(0.0, f64::max);
+    let after = before + directions.len() + 1;
+    let stretch = Incoherent { before, after, error_deg, ..stretch };
+    if end == ToolEnd::Other && error_deg > limits.error_deg {
+        return Incoherent { fate: Fate::Refused, ..stretch };
+    }
+    for (pose, new) in poses.get_mut(within()).unwrap_or_default().iter_mut().zip(directions) {
+        if let ToolEnd::Ball { radius_mm } = end {
+            pose.tip_mm = sum(pose.tip_mm, scaled(difference(pose.axis, *new), radius_mm));
+        }
+        pose.axis = *new;
+    }
+    Incoherent { fate: Fate::Repaired, ..stretch }
+}

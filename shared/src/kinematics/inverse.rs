@@ -1,0 +1,212 @@
+//! From a pose to the positions of the axes: all solutions.
+//!
+//! Wanted are q0, q1 with R_0(q0) R_1(q1) t0 = t. With the directions u0, u1 of the axes, w = R_1(q1) t0 lies on the circle of t0
+//! about u1 and on that of t about u0:
+//!
+//! ```text
+//! c = u0.u1,  a = t.u0,  b = t0.u1,  d = u1.(t0 - a u0),  n = u0 x u1,  p = |t x u0| |n|        (1)
+//! w = ((a - b c) u0 + d u1 +- sqrt((p - d)(p + d)) n) / n.n                                     (2)
+//! q1: angle from t0 to w about u1,    q0: angle from w to t about u0                            (3)
+//! ```
+//!
+//! |d| > p: no angles reach t. t x u0 = 0: t is a *pole*, it lies along the first axis and any q0 serves. The root is formed
+//! from t x u0, so that nothing cancels beside a pole, where acos(k) would lose half of the digits.
+//!
+//! Source: two circles on a sphere (the second of the problems named after Paden and Kahan); for A/C tables the two solutions
+//! are those of Tournier, table 1.
+
+use core::fmt;
+
+use super::forward::{Axes, Pose, Setup};
+use super::machine::{AxisName, Letter, Machine, RotaryAxis};
+use super::vector::{HALF_TURN_DEG, Vector, angle_deg, cross, difference, dot, length, scaled, sum, wrapped_deg};
+
+/// Directions are taken for a pole, or for the very end of what the axes reach, below this.
+const NOTHING: f64 = 1e-15;
+
+/// Positions of the rotary axes that give a direction, without whole turns and whatever their ranges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Angles {
+    /// No angles reach it.
+    None,
+    /// The very end of what they reach.
+    One([f64; 2]),
+    /// The two branches.
+    Two([[f64; 2]; 2]),
+    /// A pole: the second axis stands here, the first anywhere.
+    Any {
+        /// The second axis.
+        second_deg: f64,
+    },
+}
+
+/// Positions of all axes for a pose, the rotary ones in their ranges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Solutions {
+    /// None, and why.
+    None(Unreachable),
+    /// One.
+    One(Axes),
+    /// One of each branch.
+    Two([Axes; 2]),
+    /// Infinitely many: this one has the first rotary axis where it was asked to be near.
+    Any(Axes),
+}
+
+/// Why no positions give a direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Unreachable {
+    /// No angles of these two axes do.
+    Direction,
+    /// The range of this axis leaves them out.
+    Range {
+        /// The axis.
+        letter: Letter,
+        /// Where it would have to stand.
+        position_deg: f64,
+    },
+}
+
+impl Machine {
+    /// All angles for a direction, a unit vector in the part's frame. (1) to (3)
+    pub fn angles(&self, direction: Vector) -> Angles {
+        let [u0, u1] = self.rotary().map(|axis| axis.direction);
+        let t0 = self.tool();
+        let (c, a, b) = (dot(u0, u1), dot(direction, u0), dot(t0, u1));
+        let d = dot(u1, difference(t0, scaled(u0, a)));
+        let (n, from_pole) = (cross(u0, u1), length(cross(direction, u0)));
+        let square = dot(n, n);
+        let p = from_pole * length(n); // (1)
+        if libm::fabs(d) > p + NOTHING {
+            return Angles::None;
+        }
+        let root = libm::sqrt(((p - d) * (p + d)).max(0.0));
+        let on_both = sum(scaled(u0, (a - b * c) / square), scaled(u1, d / square));
+        let solve = |sign: f64| {
+            let w = sum(on_both, scaled(n, sign * root / square)); // (2)
+            [turn_about(u0, w, direction), turn_about(u1, t0, w)] // (3)
+        };
+        if from_pole < NOTHING {
+            let [_, second_deg] = solve(1.0);
+            return Angles::Any { second_deg };
+        }
+        if root == 0.0 { Angles::One(solve(1.0)) } else { Angles::Two([solve(-1.0), solve(1.0)]) }
+    }
+
+    /// All positions for a pose with the rotary axes in their ranges, each as near to `near_deg` as whole turns allow.
+    pub fn inverse(&self, pose: &Pose, setup: &Setup, near_deg: [f64; 2]) -> Solutions {
+        let axes =
+            |rotary_deg: [f64; 2]| Axes { linear_mm: self.linear_for(pose.tip_mm, rotary_deg, setup), rotary_deg };
+        let one = |angles: [f64; 2]| self.in_range(angles, near_deg).map(axes);
+        match self.angles(pose.axis) {
+            Angles::None => Solutions::None(Unreachable::Direction),
+            Angles::One(angles) => match one(angles) {
+                Ok(axes) => Solutions::One(axes),
+                Err(why) => Solutions::None(why),
+            },
+            Angles::Two([first, second]) => match (one(first), one(second)) {
+                (Ok(first), Ok(second)) => Solutions::Two([first, second]),
+                (Ok(axes), Err(_)) | (Err(_), Ok(axes)) => Solutions::One(axes),
+                (Err(why), Err(_)) => Solutions::None(why),
+            },
+            Angles::Any { second_deg } => match one([self.free_first(near_deg[0]), second_deg]) {
+                Ok(axes) => Solutions::Any(axes),
+                Err(why) => Solutions::None(why),
+            },
+        }
+    }
+
+    /// Angles moved into the ranges by whole turns.
+    ///
+    /// # Errors
+    /// The axis whose range leaves its angle out.
+    pub fn in_range(&self, angles_deg: [f64; 2], near_deg: [f64; 2]) -> Result<[f64; 2], Unreachable> {
+        let [first, second] = self.rotary();
+        let place = |axis: &RotaryAxis, angle_deg: f64, near_deg: f64| {
+            let nearest = axis.nearest_in_range(angle_deg, near_deg);
+            nearest.ok_or(Unreachable::Range { letter: axis.letter, position_deg: angle_deg })
+        };
+        Ok([place(first, angles_deg[0], near_deg[0])?, place(second, angles_deg[1], near_deg[1])?])
+    }
+
+    /// The positions for a direction that lie nearest to where the axes stand; the ranges count only where asked to.
+    pub fn nearest(&self, direction: Vector, near_deg: [f64; 2], ranged: bool) -> Option<[f64; 2]> {
+        let [first, second] = self.rotary();
+        let place = |axis: &RotaryAxis, angle_deg: f64, near_deg: f64| {
+            if ranged {
+                axis.nearest_in_range(angle_deg, near_deg)
+            } else {
+                Some(RotaryAxis::nearest_turn(angle_deg, near_deg))
+            }
+        };
+        let both =
+            |angles: [f64; 2]| Some([place(first, angles[0], near_deg[0])?, place(second, angles[1], near_deg[1])?]);
+        let way = |at: &[f64; 2]| libm::fabs(at[0] - near_deg[0]) + libm::fabs(at[1] - near_deg[1]);
+        let found = match self.angles(direction) {
+            Angles::None => [None, None],
+            Angles::One(only) => [both(only), None],
+            Angles::Two(branches) => branches.map(both),
+            Angles::Any { second_deg } => [both([near_deg[0], second_deg]), None],
+        };
+        found.into_iter().flatten().min_by(|one, other| way(one).total_cmp(&way(other)))
+    }
+
+    /// The axes that stand outside their ranges.
+    pub fn over_limits(&self, axes: &Axes) -> impl Iterator<Item = AxisName> {
+        let linear = self.linear().iter().zip(axes.linear_mm).enumerate();
+        let linear = linear.filter(|(_, (axis, at))| !axis.allows(*at)).map(|(index, _)| AxisName::Linear(index));
+        let rotary = self.rotary().iter().zip(axes.rotary_deg).filter(|(axis, at)| !axis.allows(*at));
+        linear.chain(rotary.map(|(axis, _)| AxisName::Rotary(axis.letter)))
+    }
+
+    /// Where the first axis stays while a direction leaves it free.
+    pub fn free_first(&self, near_deg: f64) -> f64 {
+        let [first, _] = self.rotary();
+        first.range_deg.map_or(near_deg, |[least, greatest]| near_deg.clamp(least, greatest))
+    }
+
+    /// The angle of a direction from the nearest pole.
+    pub fn from_pole_deg(&self, direction: Vector) -> f64 {
+        let [first, _] = self.rotary();
+        let angle = angle_deg(direction, first.direction);
+        angle.min(HALF_TURN_DEG - angle)
+    }
+
+    /// Half the opening of the cone about a pole in which the axes cannot tell directions apart: one step of the second axis
+    /// there moves the tool axis by that much.
+    pub fn pole_cone_deg(&self) -> f64 {
+        let [_, second] = self.rotary();
+        second.resolution_deg * length(cross(second.direction, self.tool()))
+    }
+
+    /// Whether a direction lies in a pole's cone, and the poles are within reach.
+    pub fn is_in_pole_cone(&self, direction: Vector) -> bool {
+        self.from_pole_deg(direction) <= self.pole_cone_deg()
+    }
+
+    /// The pole nearest to a direction: the first axis or its opposite.
+    pub fn nearest_pole(&self, direction: Vector) -> Vector {
+        let [first, _] = self.rotary();
+        scaled(first.direction, if dot(direction, first.direction) < 0.0 { -1.0 } else { 1.0 })
+    }
+}
+
+/// The angle about u that brings v to w, which lie equally far along u.
+fn turn_about(u: Vector, v: Vector, w: Vector) -> f64 {
+    let across = |x: Vector| difference(x, scaled(u, dot(u, x)));
+    let (v, w) = (across(v), across(w));
+    wrapped_deg(libm::atan2(dot(u, cross(v, w)), dot(v, w)).to_degrees())
+}
+
+impl fmt::Display for Unreachable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Unreachable::Direction => f.write_str("no positions of the rotary axes give this direction"),
+            Unreachable::Range { letter, position_deg } => {
+                write!(f, "{letter} would have to stand at {position_deg:.3} degrees, outside its range")
+            }
+        }
+    }
+}
+
+impl core::error::Error for Unreachable {}

@@ -1,0 +1,103 @@
+//! Points added to a path so that straight moves of the axes keep it to a tolerance.
+//!
+//! A move that leaves its line or its arc by more than the tolerance is halved: tip in the middle of the line; where the tool axis keeps
+//! its tolerance, rotary axes in the middle of theirs; where it does not, direction in the middle of the arc and rotary axes nearest to the
+//! middle of theirs. The deviation falls with the square of the length, so that a few halvings
+//! do; a move that is still out after the last one is a swing ([`super::change`]) or passes a pole too closely ([`super::incoherent`]).
+//!
+//! Source: Tournier, 4.1.1 ("sampling of the movement"); halving is the plain way.
+
+use alloc::vec::Vec;
+use core::fmt;
+
+use super::between::{Deviation, Mode, Stop, mixed};
+use super::forward::{Axes, Pose, Setup};
+use super::machine::Machine;
+use super::vector::{along_arc, scaled, sum};
+
+/// Halvings of one move: 4096 points.
+const HALVINGS: u32 = 12;
+
+/// What a path may be off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// The tip off its line.
+    pub tip_mm: f64,
+    /// The tool axis off its arc.
+    pub axis_deg: f64,
+}
+
+/// A move that no points make straight enough.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NotStraight {
+    /// The point of the path that it ends at.
+    pub point: usize,
+    /// What is left.
+    pub left: Deviation,
+}
+
+impl Tolerance {
+    fn holds(&self, found: Deviation) -> bool {
+        found.tip_mm <= self.tip_mm && found.axis_deg <= self.axis_deg
+    }
+}
+
+impl Machine {
+    /// A path with points added until each move keeps to the tolerance.
+    ///
+    /// # Errors
+    /// A move that none make straight.
+    pub fn linearise(
+        &self,
+        mode: Mode,
+        setup: &Setup,
+        stops: &[Stop],
+        tolerance: &Tolerance,
+    ) -> Result<Vec<Stop>, NotStraight> {
+        let mut path: Vec<Stop> = stops.first().copied().into_iter().collect();
+        for (point, to) in stops.iter().enumerate().skip(1) {
+            let mut ahead = alloc::vec![(*to, 0)];
+            while let (Some(&from), Some((to, halvings))) = (path.last(), ahead.pop()) {
+                let left = self.deviation(mode, setup, &from, &to);
+                if tolerance.holds(left) {
+                    path.push(to);
+                    continue;
+                }
+                let keeps_axis = left.axis_deg <= tolerance.axis_deg;
+                let may_halve = halvings < HALVINGS;
+                let middle = if may_halve { self.middle(setup, [&from, &to], keeps_axis) } else { None };
+                let middle = middle.ok_or(NotStraight { point, left })?;
+                ahead.push((to, halvings + 1));
+                ahead.push((middle, halvings + 1));
+            }
+        }
+        Ok(path)
+    }
+
+    /// The point in the middle of a move.
+    fn middle(&self, setup: &Setup, [from, to]: [&Stop; 2], keeps_axis: bool) -> Option<Stop> {
+        let tip_mm = scaled(sum(from.pose.tip_mm, to.pose.tip_mm), 0.5);
+        let between_deg = mixed(&from.axes, &to.axes, 0.5).rotary_deg;
+        let (axis, rotary_deg) = if keeps_axis {
+            (self.axis_at(between_deg), between_deg)
+        } else {
+            let axis = along_arc(from.pose.axis, to.pose.axis, 0.5)?;
+            (axis, self.nearest(axis, between_deg, true)?)
+        };
+        let linear_mm = self.linear_for(tip_mm, rotary_deg, setup);
+        Some(Stop { pose: Pose { tip_mm, axis }, axes: Axes { linear_mm, rotary_deg } })
+    }
+}
+
+impl fmt::Display for NotStraight {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Deviation { tip_mm, axis_deg } = self.left;
+        let point = self.point + 1;
+        write!(
+            f,
+            "point {point}: no points make the move to it straight: {tip_mm:.4} mm and {axis_deg:.4} degrees are left"
+        )
+    }
+}
+
+impl core::error::Error for NotStraight {}

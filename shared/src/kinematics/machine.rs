@@ -1,0 +1,245 @@
+//! A machine as data: two rotary axes, three linear ones at right angles, and the tool's direction.
+//!
+//! The chain runs part - rotary axes of the table - X, Y, Z - rotary axes of the head - tool; every structure in which no
+//! linear axis rides on a rotary one is of this kind (RRTTT, RTTTR, TTTRR, whichever side moves along X, Y and Z).
+
+use core::fmt;
+
+use super::vector::{TURN_DEG, Vector, angle_deg, cross, length, unit};
+
+/// Cosine's side: rotary axes closer to parallel than this span no directions.
+const PARALLEL_DEG: f64 = 0.1;
+/// Whole turns in the widest range; axes that turn further are taken for endless.
+pub const TURNS_MAX: u32 = 16;
+/// How far a position may lie behind the end of its range by rounding.
+const RANGE_SLACK: f64 = 1e-9;
+
+/// The name of a rotary axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Letter {
+    /// About X.
+    A,
+    /// About Y.
+    B,
+    /// About Z.
+    C,
+}
+
+/// The name of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AxisName {
+    /// X, Y, Z: 0, 1, 2.
+    Linear(usize),
+    /// A, B, C.
+    Rotary(Letter),
+}
+
+/// What a rotary axis turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Carries {
+    /// The part: an axis of the table.
+    Part,
+    /// The tool: an axis of the head.
+    Tool,
+}
+
+/// A rotary axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RotaryAxis {
+    /// Its address in the program.
+    pub letter: Letter,
+    /// On which side of the linear axes it stands.
+    pub carries: Carries,
+    /// Unit vector in the machine frame, all axes at zero; positive turns the tool relative to the part about it.
+    pub direction: Vector,
+    /// A point on the axis, all axes at zero: in the machine frame for the table, from the gauge point for the head.
+    pub point_mm: Vector,
+    /// Least and greatest position; `None` turns for ever.
+    pub range_deg: Option<[f64; 2]>,
+    /// The least step.
+    pub resolution_deg: f64,
+    /// The greatest speed, degrees per minute; `None` where nobody says.
+    pub speed_deg_per_min: Option<f64>,
+}
+
+/// A linear axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearAxis {
+    /// Least and greatest position of the gauge point.
+    pub range_mm: Option<[f64; 2]>,
+    /// The least step.
+    pub resolution_mm: f64,
+    /// The greatest speed; `None` where nobody says.
+    pub speed_mm_per_min: Option<f64>,
+}
+
+/// A five-axis machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Machine {
+    rotary: [RotaryAxis; 2],
+    linear: [LinearAxis; 3],
+    tool: Vector,
+}
+
+/// Why a description is of no machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MachineError {
+    /// A direction without length, or a value that is no number.
+    NoDirection,
+    /// The rotary axes, or the second one and the tool, are parallel: they span no directions.
+    Parallel {
+        /// The angle between them.
+        angle_deg: f64,
+    },
+    /// An axis of the head before one of the table: the order is from the part to the tool.
+    Order,
+    /// Both rotary axes have the same letter.
+    SameLetter(Letter),
+    /// The end of a range lies below its beginning.
+    Range(AxisName),
+    /// A range of more turns than there can be to choose from.
+    TooWide(Letter),
+    /// A resolution or a speed that is not above zero.
+    NotPositive(AxisName),
+}
+
+impl Machine {
+    /// A machine of two rotary axes in the order from the part to the tool, X, Y, Z, and the direction from the tool's tip
+    /// to its holder at zero of all axes.
+    ///
+    /// # Errors
+    /// The rotary axes span no directions, their order is wrong, or a value makes no sense.
+    pub fn new(rotary: [RotaryAxis; 2], linear: [LinearAxis; 3], tool: Vector) -> Result<Self, MachineError> {
+        let direction = |v: Vector| unit(v).ok_or(MachineError::NoDirection);
+        let [mut first, mut second] = rotary;
+        (first.direction, second.direction) = (direction(first.direction)?, direction(second.direction)?);
+        let tool = direction(tool)?;
+        if first.carries == Carries::Tool && second.carries == Carries::Part {
+            return Err(MachineError::Order);
+        }
+        if first.letter == second.letter {
+            return Err(MachineError::SameLetter(first.letter));
+        }
+        for (one, other) in [(first.direction, second.direction), (second.direction, tool)] {
+            if libm::asin(length(cross(one, other)).min(1.0)).to_degrees() < PARALLEL_DEG {
+                return Err(MachineError::Parallel { angle_deg: angle_deg(one, other) });
+            }
+        }
+        [first, second].iter().try_for_each(check_rotary)?;
+        linear.iter().enumerate().try_for_each(|(at, axis)| check_linear(AxisName::Linear(at), axis))?;
+        Ok(Machine { rotary: [first, second], linear, tool })
+    }
+
+    /// The rotary axes, from the part to the tool.
+    pub fn rotary(&self) -> &[RotaryAxis; 2] {
+        &self.rotary
+    }
+
+    /// X, Y, Z.
+    pub fn linear(&self) -> &[LinearAxis; 3] {
+        &self.linear
+    }
+
+    /// From the tool's tip to its holder at zero of all axes: a unit vector.
+    pub fn tool(&self) -> Vector {
+        self.tool
+    }
+}
+
+impl RotaryAxis {
+    /// Whether a position lies in the range.
+    pub fn allows(&self, position_deg: f64) -> bool {
+        within(self.range_deg, position_deg)
+    }
+
+    /// The position nearest to `near_deg` that is `position_deg` but for whole turns, in the range or not.
+    pub fn nearest_turn(position_deg: f64, near_deg: f64) -> f64 {
+        position_deg + TURN_DEG * libm::round((near_deg - position_deg) / TURN_DEG)
+    }
+
+    /// The same within the range; `None` where no whole turn brings it there.
+    pub fn nearest_in_range(&self, position_deg: f64, near_deg: f64) -> Option<f64> {
+        let Some([least, greatest]) = self.range_deg else {
+            return Some(Self::nearest_turn(position_deg, near_deg));
+        };
+        let wanted = Self::nearest_turn(position_deg, near_deg);
+        let lowest = position_deg + TURN_DEG * libm::ceil((least - RANGE_SLACK - position_deg) / TURN_DEG);
+        let highest = position_deg + TURN_DEG * libm::floor((greatest + RANGE_SLACK - position_deg) / TURN_DEG);
+        (lowest <= highest).then(|| wanted.clamp(lowest, highest))
+    }
+}
+
+impl LinearAxis {
+    /// Whether a position lies in the range.
+    pub fn allows(&self, position_mm: f64) -> bool {
+        within(self.range_mm, position_mm)
+    }
+}
+
+fn within(range: Option<[f64; 2]>, position: f64) -> bool {
+    range.is_none_or(|[least, greatest]| position >= least - RANGE_SLACK && position <= greatest + RANGE_SLACK)
+}
+
+fn check_rotary(axis: &RotaryAxis) -> Result<(), MachineError> {
+    let name = AxisName::Rotary(axis.letter);
+    if axis.point_mm.iter().any(|coordinate| !coordinate.is_finite()) {
+        return Err(MachineError::NoDirection);
+    }
+    if axis.range_deg.is_some_and(|[least, greatest]| greatest - least > f64::from(TURNS_MAX) * TURN_DEG) {
+        return Err(MachineError::TooWide(axis.letter));
+    }
+    check(name, axis.range_deg, [Some(axis.resolution_deg), axis.speed_deg_per_min])
+}
+
+fn check_linear(name: AxisName, axis: &LinearAxis) -> Result<(), MachineError> {
+    check(name, axis.range_mm, [Some(axis.resolution_mm), axis.speed_mm_per_min])
+}
+
+fn check(name: AxisName, range: Option<[f64; 2]>, positive: [Option<f64>; 2]) -> Result<(), MachineError> {
+    if range.is_some_and(|[least, greatest]| !(least <= greatest && least.is_finite() && greatest.is_finite())) {
+        return Err(MachineError::Range(name));
+    }
+    if positive.into_iter().flatten().any(|value| !(value > 0.0 && value.is_finite())) {
+        return Err(MachineError::NotPositive(name));
+    }
+    Ok(())
+}
+
+impl fmt::Display for Letter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self:?}")
+    }
+}
+
+impl fmt::Display for AxisName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            AxisName::Linear(at) => f.write_str(["X", "Y", "Z"].get(*at).copied().unwrap_or("?")),
+            AxisName::Rotary(letter) => write!(f, "{letter}"),
+        }
+    }
+}
+
+impl fmt::Display for MachineError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            MachineError::NoDirection => f.write_str("a direction has no length, or a value is no number"),
+            MachineError::Parallel { angle_deg } => write!(
+                f,
+                "at {angle_deg:.3} degrees the rotary axes, or the second one and the tool, are parallel and reach no directions"
+            ),
+            MachineError::Order => {
+                f.write_str("rotary axes stand in the order from the part to the tool: table before head")
+            }
+            MachineError::SameLetter(letter) => write!(f, "both rotary axes are called {letter}"),
+            MachineError::Range(axis) => write!(f, "the range of {axis} ends below its beginning"),
+            MachineError::TooWide(letter) => write!(
+                f,
+                "the range of {letter} is wider than {TURNS_MAX} turns; leave it out, then the axis turns for ever"
+            ),
+            MachineError::NotPositive(axis) => write!(f, "resolution and speed of {axis} must be above zero"),
+        }
+    }
+}
+
+impl core::error::Error for MachineError {}

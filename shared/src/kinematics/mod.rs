@@ -1,0 +1,33 @@
+//! Five-axis machines: from poses of the tool to positions of the axes and back, and what lies between two poses.
+//!
+//! Everything is f64. Lengths are millimetres, angles degrees. Frames:
+//!
+//! | frame | what |
+//! |---|---|
+//! | part | what CL data are written in; fixed to the part |
+//! | machine | fixed to the bed; at positions zero of all axes the part's axes are parallel to it |
+//!
+//! A rotary axis counts positive where it turns the *tool relative to the part* by the right-hand rule about its direction
+//! vector (ISO 841 for A, B, C about +X, +Y, +Z). A table whose scale counts the other way has the vector reversed.
+//!
+//! docs/kinematics.md has conventions, machines and figures.
+
+pub mod vector;
+
+pub mod machine;
+
+pub mod forward;
+
+pub mod inverse;
+
+pub mod between;
+
+pub mod course;
+
+pub mod change;
+
+pub mod incoherent;
+
+pub mod linearise;
+
+pub mod feed;

@@ -1,0 +1,29 @@
+//! Five-axis kinematics against a published post-processor, closed forms, homogeneous matrices and brute force.
+//! `cargo xtask soak` runs the full sets, `cargo xtask test` a seeded part of each.
+
+mod bench;
+
+mod oracle;
+
+mod conventions;
+
+mod published;
+
+mod leading_edge;
+
+mod round_trip;
+
+mod course;
+
+mod changes;
+
+mod repairs;
+
+mod between;
+
+mod posting;
+
+/// How many of a full set are tried here.
+fn of_full_set(full: u64, part: u64) -> u64 {
+    if std::env::var_os("ARCFEED_SOAK_SECONDS").is_some() { full } else { part }
+}
