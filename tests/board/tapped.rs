@@ -222,7 +222,7 @@ fn without_parameters_a_tapped_chip_adapts_nothing_and_with_broken_ones_it_is_at
     page[40] ^= 1;
     let erased = [0xFF; 64];
     for (what, page, state, percent) in
-        [("never written", &erased[..], StateCode::Idle, 100), ("a bit flipped", &page[..], StateCode::Faulted, 0)]
+        [("never written", &erased[..], StateCode::Armed, 100), ("a bit flipped", &page[..], StateCode::Faulted, 0)]
     {
         let board = Board::new(chip_with_page("feedboard-tap", page), (), ModeCode::Lockstep);
         let mut rig = Rig::new(Control::on_line(control(&example)), &example.file.job, board);
