@@ -14,13 +14,13 @@ use arcfeed_tests::emulation::images::image;
 use arcfeed_tests::emulation::log::messages;
 use arcfeed_tests::emulation::qemu::{Clock, Emulator};
 
+use crate::free::OBEYING;
 use crate::runs::{Example, prepare, try_prepare};
 
 const LOAD_PERCENT: i64 = 95;
 /// Periods from cycle start on in lockstep: the first arcs under their law, with segments coming in behind them.
 const PERIODS: u32 = 8_000;
-/// The image that obeys orders, and the order not to start its watchdog.
-const OBEYING: &str = "feedboard-hang";
+/// The order not to start its watchdog.
 const WITHOUT_WATCHDOG: u8 = b'w';
 /// How often boards tick by their timer before they are judged: for as long as this machine takes over it.
 const FREE_TICKS: u32 = 4_000;

@@ -12,6 +12,8 @@ mod elf;
 
 mod figures;
 
+mod free;
+
 mod images;
 
 mod load;

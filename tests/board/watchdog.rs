@@ -12,23 +12,17 @@ use arcfeed_hil_sim::decider::board::{Board, Wire, Wires};
 use arcfeed_hil_sim::decider::{Decider, Shown};
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{Micros, RevPerMin};
-use arcfeed_shared::wire::frame::ENCODED_MAX;
 use arcfeed_shared::wire::message::Message;
 use arcfeed_shared::wire::message::codes::{ModeCode, RefusalCode, RequestCode, ResetCode, StateCode};
-use arcfeed_shared::wire::message::fixed::Q40;
-use arcfeed_shared::wire::message::table::{AskInfo, Request as Asked, Sample, Setpoint};
-use arcfeed_shared::wire::plain::PlainLine;
+use arcfeed_shared::wire::message::table::{AskInfo, Request as Asked, Setpoint};
 use arcfeed_tests::emulation::host::Host;
 use arcfeed_tests::emulation::images::image;
-use arcfeed_tests::emulation::log::messages;
 use arcfeed_tests::emulation::qemu::Emulator;
 
 use crate::elf::Elf;
-use crate::runs::Example;
-use crate::tapped::{chip_with_page, page_of};
+use crate::free::{Free, OBEYING};
 
-/// The image that obeys orders, and those that must not.
-const HANGING: &str = "feedboard-hang";
+/// Images that must not obey orders.
 const FOR_USE: [&str; 2] = ["feedboard", "feedboard-tap"];
 /// Its orders: the main loop stops, the tick does, the core faults.
 const MAIN_LOOP: u8 = b'm';
@@ -52,40 +46,16 @@ const LONG_SILENCE: Duration = Duration::from_millis(500);
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// The machine's end of a board that runs free.
-struct Machine {
-    board: Emulator,
-    line: PlainLine,
-}
+struct Machine(Free);
 
 impl Machine {
-    fn start() -> Self {
-        Machine { board: chip_with_page(HANGING, &page_of(&Example::load())), line: PlainLine::new() }
-    }
-
-    fn show(&mut self) {
-        let sample = Sample {
-            at: 0,
-            mode: ModeCode::Free,
-            linear: Some([0; 3]),
-            rotary: None,
-            spindle: Q40::of(1_000.0_f32).expect("a speed"),
-            operator_percent: 100,
-            signals: 0,
-            link_bytes: 0,
-            tap_bytes: 0,
-        };
-        let mut frame = [0; ENCODED_MAX];
-        let length = self.line.encode(Micros(0), &Message::Sample(sample), &mut frame);
-        self.board.put(Wire::Machine, &frame[..length]).expect("the machine line is open");
-    }
-
     /// The next setpoint; `None` once the board has started anew.
     fn setpoint(&mut self) -> Option<Setpoint> {
         let began = Instant::now();
         loop {
             let mut byte = [0];
-            if self.board.take_waiting(Wire::Machine, &mut byte).expect("the machine line is open") > 0 {
-                if let Some(Message::Setpoint(setpoint)) = self.line.on_byte(byte[0]) {
+            if self.0.board.take_waiting(Wire::Machine, &mut byte).expect("the machine line is open") > 0 {
+                if let Some(Message::Setpoint(setpoint)) = self.0.line.on_byte(byte[0]) {
                     return Some(setpoint);
                 }
                 continue;
@@ -94,21 +64,21 @@ impl Machine {
             if began.elapsed() < LONG_SILENCE {
                 continue;
             }
-            if self.starts() > 1 {
+            if self.0.starts() > 1 {
                 return None;
             }
-            assert!(began.elapsed() < PATIENCE, "neither setpoints nor a restart: {:?}", self.log());
+            assert!(began.elapsed() < PATIENCE, "neither setpoints nor a restart: {:?}", self.0.log());
         }
     }
 
     /// Until the override is at the dial, with the last sample long read; `None` if the watchdog bit.
     fn settle(&mut self) -> Option<()> {
-        self.show();
+        self.0.show();
         let mut last = self.setpoint()?;
         for count in 1..SETTLING + 2 * SAMPLE_EVERY {
             last = self.setpoint()?;
             if count % SAMPLE_EVERY == 0 && count <= SETTLING {
-                self.show();
+                self.0.show();
             }
         }
         assert!(last.lines == HUNDRED || last.state == StateCode::Faulted, "{last:?}");
@@ -118,37 +88,27 @@ impl Machine {
     /// Gives the order, until the board shows that its lines are released; `None` if it starts anew before it has shown that.
     fn hang(&mut self, order: u8) -> Option<()> {
         self.settle()?;
-        self.board.order(order);
+        self.0.board.order(order);
         while self.setpoint()?.state != StateCode::Faulted {}
         let began = Instant::now();
-        while self.starts() < 2 {
-            assert!(began.elapsed() < PATIENCE, "no restart: {:?}", self.log());
+        while self.0.starts() < 2 {
+            assert!(began.elapsed() < PATIENCE, "no restart: {:?}", self.0.log());
             std::thread::sleep(Duration::from_millis(200));
         }
         Some(())
-    }
-
-    fn log(&self) -> Vec<String> {
-        let console = self.board.console();
-        let whole = console.iter().rposition(|byte| *byte == 0).map_or(0, |end| end + 1);
-        if whole == 0 { Vec::new() } else { messages(&fs::read(image(HANGING)).expect("the image"), &console[..whole]) }
-    }
-
-    fn starts(&self) -> usize {
-        self.log().iter().filter(|line| line.contains("feedboard: start")).count()
     }
 }
 
 /// Orders a hang of a board at 100 %, which lets the lines go before it restarts; the board after its restart.
 fn hang(order: u8) -> Machine {
     let bitten = |mut machine: Machine| machine.hang(order).is_some().then_some(machine);
-    let machine = (0..ATTEMPTS).map(|_| Machine::start()).find_map(bitten);
+    let machine = (0..ATTEMPTS).map(|_| Machine(Free::start())).find_map(bitten);
     machine.expect("fed it does not bite; when it does the lines are shown released")
 }
 
 /// Ticks from the last feed to the release of the lines, as the board told after its restart.
 fn ticks_to_release(order: u8) -> u32 {
-    let log = hang(order).log();
+    let log = hang(order).0.log();
     let line = log.iter().find(|line| line.contains("the watchdog bit"));
     let line = line.unwrap_or_else(|| panic!("it does not say why it started: {log:?}"));
     println!("{line}");
@@ -191,7 +151,7 @@ fn a_fault_of_the_core_lets_the_lines_go_at_once() {
 #[test]
 fn a_start_by_the_watchdog_is_told_and_nothing_is_armed_before_a_person_has_reset_and_armed() {
     let host = Host::saying([AskInfo {}.into()]);
-    let (mut board, mut at_ms) = (Board::new(hang(MAIN_LOOP).board, host, ModeCode::Lockstep), 1);
+    let (mut board, mut at_ms) = (Board::new(hang(MAIN_LOOP).0.board, host, ModeCode::Lockstep), 1);
     let [none, arm, reset] = [Signals::NONE, Signals::of_request(Request::Arm), Signals::of_request(Request::Reset)];
     assert_eq!(pass(&mut board, &mut at_ms, none, 3_000), (StateCode::Faulted, 0));
     let epoch = board.attached().report.expect("a report").epoch;
@@ -216,7 +176,7 @@ fn a_start_by_the_watchdog_is_told_and_nothing_is_armed_before_a_person_has_rese
 
 #[test]
 fn a_start_by_power_is_told_as_such() {
-    let board = chip_with_page(HANGING, &page_of(&Example::load()));
+    let board = Free::start().board;
     let (mut board, mut at_ms) = (Board::new(board, Host::saying([AskInfo {}.into()]), ModeCode::Lockstep), 1);
     assert_eq!(pass(&mut board, &mut at_ms, Signals::NONE, 500).0, StateCode::Idle);
     let is_power = |message: &Message| matches!(message, Message::Info(info) if info.reset == ResetCode::Power);
@@ -238,6 +198,6 @@ fn no_image_for_use_has_a_handler_that_takes_orders() {
         let [orders, unused] = handlers(name);
         assert_eq!(orders, unused, "{name}: both are the handler of what is not used");
     }
-    let [orders, unused] = handlers(HANGING);
+    let [orders, unused] = handlers(OBEYING);
     assert_ne!(orders, unused);
 }
