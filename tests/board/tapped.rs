@@ -155,7 +155,7 @@ pub fn in_process(example: &Example) -> Passage {
     let identity = Identity { name: "in process", version: [0, 1, 0], reset: ResetCode::Power, starts: 1 };
     let config = Config { supply: Supply::Tap, settings: Settings::default(), identity, fault: None };
     let (mut desk, ticker) = assemble(&mut queues, config).expect("the settings are sound");
-    desk.clerk_mut().adopt(&example.file.job, 1).expect("the job is sound");
+    desk.clerk_mut().adopt_page(&page_of(example), 1).expect("the job is sound");
     let mut tap = Tap::<ROOM>::new(tap_settings(example)).expect("the settings are sound");
     run(example, InProcess::new(Front::new(desk, Some(&mut tap)), ticker), at_hand(example))
 }

@@ -7,6 +7,7 @@ use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_firmware::supervisor::state::State;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::wire::message::codes::{RefusalCode, RequestCode, SettingCode};
+use arcfeed_shared::wire::message::page::{self, Tapped};
 use arcfeed_shared::wire::message::schema::{FieldType, Optional};
 use arcfeed_shared::wire::message::{Message, SCHEMA, moves, parameters, table};
 
@@ -225,7 +226,8 @@ fn a_host_that_comes_and_goes_at_a_tapped_line_looks_on_and_changes_nothing() {
     world.host.is_silent = true;
     world.board = crate::world::Board::supplied(Supply::Tap, 1, None);
     let clerk = world.board.desk.clerk_mut();
-    clerk.adopt(&run.job, 7).expect("the job is sound");
+    let page = page::write(&run.job, Tapped::default()).expect("a board can be told the job");
+    clerk.adopt_page(&page, 7).expect("the job is sound");
     let (first, rule) = all_moves()[0];
     let rule = rule.map(|rule| &run.job.rules[rule]);
     assert!(clerk.push(1, ActiveSegment::new(&first, rule, &run.job)));

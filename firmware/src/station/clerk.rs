@@ -8,10 +8,10 @@
 use arcfeed_shared::job::{Job, OverrideLimits};
 use arcfeed_shared::segment::Path;
 use arcfeed_shared::units::Micros;
-use arcfeed_shared::wire::message::codes::{RefusalCode, RequestCode, ResetCode};
+use arcfeed_shared::wire::message::codes::{RefusalCode, RequestCode};
 use arcfeed_shared::wire::message::field::Chunk;
 use arcfeed_shared::wire::message::page::{PageError, Tapped};
-use arcfeed_shared::wire::message::{Message, moves, page, sound, table};
+use arcfeed_shared::wire::message::{Message, moves, table};
 use heapless::Deque;
 
 use crate::active::ActiveSegment;
@@ -20,6 +20,7 @@ use crate::supervisor::settings::{Settings, SettingsError};
 use crate::supervisor::signals::BoardFault;
 
 use super::dispatch::Dispatch;
+pub use super::identity::Identity;
 use super::knobs::Knobs;
 use super::order::{DeskQueues, Told, Word};
 use super::papers::Papers;
@@ -27,19 +28,6 @@ use super::report;
 
 /// Answers that may wait.
 const REPLIES: usize = 8;
-
-/// What the board is; config.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Identity {
-    /// Its name.
-    pub name: &'static str,
-    /// Version of its firmware.
-    pub version: [u8; 3],
-    /// Why it started.
-    pub reset: ResetCode,
-    /// How often it started, as far as it knows.
-    pub starts: u32,
-}
 
 /// Obeys the host; state.
 pub struct Clerk<'q> {
@@ -185,35 +173,13 @@ impl<'q> Clerk<'q> {
     /// # Errors
     /// What is wrong with the page. If it is broken, or makes no sense, the fault is raised.
     pub fn adopt_page(&mut self, page: &[u8], set: u32) -> Result<Tapped, PageError> {
-        let Papers { job: own, staging } = &mut *self.papers;
-        let knobs = &self.knobs;
-        let read = page::read(page, staging).and_then(|(job, tapped)| {
-            if !knobs.suit(&job.limits) {
-                return Err(PageError::Set(RefusalCode::Value));
-            }
-            *own = Some(job.clone());
-            Ok(tapped)
-        });
+        let read = self.papers.read_page(page, |job| self.knobs.suit(&job.limits));
         match read {
             Ok(_) => self.take_effect(set),
             Err(PageError::Blank) => {}
             Err(_) => self.dispatch.say(Word::Fault(BoardFault::Parameters)),
         }
         read
-    }
-
-    /// Parameters from elsewhere than the link.
-    ///
-    /// # Errors
-    /// The same as for those of the link; the fault is raised all the same.
-    pub fn adopt(&mut self, job: &Job, set: u32) -> Result<(), RefusalCode> {
-        if !sound::is_sound(job) || !self.knobs.suit(&job.limits) {
-            self.dispatch.say(Word::Fault(BoardFault::Parameters));
-            return Err(RefusalCode::Value);
-        }
-        self.papers.job = Some(job.clone());
-        self.take_effect(set);
-        Ok(())
     }
 
     /// The job in force.

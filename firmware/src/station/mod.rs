@@ -13,6 +13,8 @@
 
 pub mod papers;
 
+pub mod identity;
+
 pub mod order;
 
 pub mod report;

@@ -1,6 +1,8 @@
 //! The largest things that a desk keeps, in memory that its board gives it: handed on by value they would be copied along the stack.
 
 use arcfeed_shared::job::Job;
+use arcfeed_shared::wire::message::codes::RefusalCode;
+use arcfeed_shared::wire::message::page::{self, PageError, Tapped};
 use arcfeed_shared::wire::message::staging::Staging;
 
 /// The job in force and the set on its way in; state.
@@ -28,5 +30,15 @@ impl Papers {
     pub(super) fn clear(&mut self) {
         self.job = None;
         self.staging.forget();
+    }
+
+    /// Takes the job of a page of flash, if it suits; answers the line that it is for.
+    pub(super) fn read_page(&mut self, page: &[u8], suits: impl Fn(&Job) -> bool) -> Result<Tapped, PageError> {
+        let (job, tapped) = page::read(page, &mut self.staging)?;
+        if !suits(job) {
+            return Err(PageError::Set(RefusalCode::Value));
+        }
+        self.job = Some(job.clone());
+        Ok(tapped)
     }
 }

@@ -150,7 +150,7 @@ fn stage<'s>(mut entries: &[u8], staging: &'s mut Staging) -> Result<&'s Job, Re
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::sets::{mill_job, ring_job};
+    use super::super::tests::{mill_job, ring_job};
     use super::*;
 
     #[test]

@@ -316,3 +316,6 @@ const fn empty_job() -> Job {
         knots: Knots::new(),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,25 +1,32 @@
 //! Codecs against the schema: payloads built from what the document says, not by the codec; garbage.
 
-pub(super) mod sets;
-
 use super::field::PAYLOAD_MAX;
 use super::schema::{Entry, FieldType, Optional};
 use super::*;
+use crate::cut::{CutRule, Moves, Rotation, Side, Work};
+use crate::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
+use crate::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use crate::knots::{KnotRange, Knots};
+use crate::machine::{ArcClamp, MachineLimits};
+use crate::nc::modal::Turn;
+use crate::stock::{Stock, StockLine};
+use crate::tool::{CupMill, Edge, EndMill, Tool};
+use crate::units::{DegPerMin, LengthUnit, Mm, MmPerMin, MmPerTooth, Nm, RevPerMin};
 use crate::wire::frame;
 use field::{CHUNK_MAX, Chunk, DecodeError, EncodeError};
 
 /// xorshift64: reproducible without a dependency.
-struct Random(u64);
+pub(super) struct Random(pub u64);
 
 impl Random {
-    fn bits(&mut self) -> u64 {
+    pub fn bits(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         self.0
     }
 
-    fn below(&mut self, end: usize) -> usize {
+    pub fn below(&mut self, end: usize) -> usize {
         (self.bits() % end as u64) as usize
     }
 }
@@ -68,7 +75,7 @@ fn payload_of(entry: &Entry, random: &mut Random) -> Vec<u8> {
     payload
 }
 
-fn encoded(message: &Message) -> Vec<u8> {
+pub(super) fn encoded(message: &Message) -> Vec<u8> {
     let mut buffer = [0xAA; PAYLOAD_MAX];
     let length = message.encode(&mut buffer).unwrap();
     buffer[..length].to_vec()
@@ -159,4 +166,67 @@ fn a_byte_that_is_no_code_is_refused_by_its_number() {
 fn a_text_longer_than_its_chunk_is_cut_and_an_encoded_one_refused() {
     assert_eq!(Chunk::of(&[7; CHUNK_MAX + 5]).bytes(), [7; CHUNK_MAX]);
     assert_eq!(Message::decode(0x44, &[7; CHUNK_MAX + 5]), Err(DecodeError::Long(5)));
+}
+
+pub(super) fn ring_job() -> Job {
+    let (normal, offset_mm) = ([0.6, -0.8], 107.673_123);
+    let line = |normal| StockLine { normal, offset_mm };
+    let corners = [[0.0, 0.0], [10.5, 0.25], [9.0, 7.0], [-1.0, 6.5]];
+    let arcs = |from, to| EngagedInterval::from_degrees(from, to).unwrap();
+    let knot = |at, from| EngagedKnot { travelled: Mm(at), outer: arcs(from, 120.5), inner: EngagedInterval::EMPTY };
+    let stocks = [
+        Stock::half_plane(line(normal)),
+        Stock::everywhere(),
+        Stock::polygon(&corners).unwrap(),
+        Stock::Disc { center_mm: [3.25, -4.5], radius_mm: 100.125 },
+        Stock::Engaged(EngagedTable::new(&[knot(0.0, 10.0), knot(2.5, 90.011), knot(7.1, -33.3)]).unwrap()),
+    ];
+    let rule = |(index, stock): (usize, Stock)| CutRule {
+        moves: Moves::Rotations(if index % 2 == 0 { Rotation::Interior } else { Rotation::Exterior }, Turn::Ccw),
+        work: Work::Ring(if index % 3 == 0 { Edge::Outer } else { Edge::Inner }, stock),
+        feed_per_tooth: (index == 1).then_some(MmPerTooth(0.0777)),
+        table: None,
+        sequence: (index == 2).then_some((-1, 152)),
+        level: (index == 3).then_some((Nm(-703_580_000), Nm(-1))),
+    };
+    Job {
+        unit: LengthUnit::Inch,
+        tool: Tool::CupMill(CupMill { outer_radius: Nm(128_576_070), inner_radius: Nm(112_701_324), active_teeth: 10 }),
+        spindle: RevPerMin(1_000.0),
+        law: LawKind::EngagedArc { both_edges: true },
+        feed_per_tooth: MmPerTooth(0.1016),
+        policy: FeedPolicy::SafeBase,
+        limits: OverrideLimits { min_percent: 12, slew_up_percent_per_s: 33.3, ..OverrideLimits::default() },
+        machine: MachineLimits {
+            linear: [Some(MmPerMin(12_000.0)), None, Some(MmPerMin(9_999.9))],
+            rotary: [None, Some(DegPerMin(360.0)), None],
+            arc_clamp: Some(ArcClamp { feed: MmPerMin(6_000.0), radius: Mm(5.0), floor: MmPerMin(100.0) }),
+        },
+        rules: stocks.into_iter().enumerate().map(rule).collect(),
+        knots: Knots::new(),
+    }
+}
+
+pub(super) fn mill_job() -> Job {
+    let mut knots = Knots::new();
+    let table = |feed| [(Mm(0.0), MmPerTooth(feed)), (Mm(10.0), MmPerTooth(2.0 * feed))];
+    let ranges: [KnotRange; 2] = [0.05, 0.06].map(|feed| knots.add(&table(feed)).unwrap());
+    let rule = |(side, range)| CutRule {
+        moves: if side == Side::Slot { Moves::Lines } else { Moves::Arcs(Turn::Cw) },
+        work: Work::Mill { side, radial_depth: Nm(1_500_000) },
+        feed_per_tooth: None,
+        table: Some(range),
+        sequence: None,
+        level: None,
+    };
+    Job {
+        unit: LengthUnit::Mm,
+        tool: Tool::EndMill(EndMill { radius: Nm(6_000_000), teeth: 4 }),
+        law: LawKind::Table,
+        policy: FeedPolicy::OverrideOnly,
+        machine: MachineLimits::default(),
+        rules: [(Side::Slot, ranges[1]), (Side::Inside, ranges[0])].into_iter().map(rule).collect(),
+        knots,
+        ..ring_job()
+    }
 }

@@ -1,83 +1,12 @@
 //! Sets of parameters: a job in messages and back, what a set that was spoilt on its way or makes no sense is.
 
 use super::super::parameters::{SetSum, messages};
-use super::super::staging::Staging;
+use super::super::tests::{Random, encoded, mill_job, ring_job};
 use super::super::*;
-use super::{Random, encoded};
-use crate::cut::{CutRule, Moves, Rotation, Side, Work};
-use crate::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
-use crate::job::{FeedPolicy, Job, LawKind, OverrideLimits};
-use crate::knots::{KnotRange, Knots};
-use crate::machine::{ArcClamp, MachineLimits};
-use crate::nc::modal::Turn;
-use crate::stock::{Stock, StockLine};
-use crate::tool::{CupMill, Edge, EndMill, Tool};
-use crate::units::{DegPerMin, LengthUnit, Mm, MmPerMin, MmPerTooth, Nm, RevPerMin};
+use super::Staging;
+use crate::job::{Job, LawKind};
 use crate::wire::frame;
 use codes::RefusalCode;
-
-pub fn ring_job() -> Job {
-    let (normal, offset_mm) = ([0.6, -0.8], 107.673_123);
-    let line = |normal| StockLine { normal, offset_mm };
-    let corners = [[0.0, 0.0], [10.5, 0.25], [9.0, 7.0], [-1.0, 6.5]];
-    let arcs = |from, to| EngagedInterval::from_degrees(from, to).unwrap();
-    let knot = |at, from| EngagedKnot { travelled: Mm(at), outer: arcs(from, 120.5), inner: EngagedInterval::EMPTY };
-    let stocks = [
-        Stock::half_plane(line(normal)),
-        Stock::everywhere(),
-        Stock::polygon(&corners).unwrap(),
-        Stock::Disc { center_mm: [3.25, -4.5], radius_mm: 100.125 },
-        Stock::Engaged(EngagedTable::new(&[knot(0.0, 10.0), knot(2.5, 90.011), knot(7.1, -33.3)]).unwrap()),
-    ];
-    let rule = |(index, stock): (usize, Stock)| CutRule {
-        moves: Moves::Rotations(if index % 2 == 0 { Rotation::Interior } else { Rotation::Exterior }, Turn::Ccw),
-        work: Work::Ring(if index % 3 == 0 { Edge::Outer } else { Edge::Inner }, stock),
-        feed_per_tooth: (index == 1).then_some(MmPerTooth(0.0777)),
-        table: None,
-        sequence: (index == 2).then_some((-1, 152)),
-        level: (index == 3).then_some((Nm(-703_580_000), Nm(-1))),
-    };
-    Job {
-        unit: LengthUnit::Inch,
-        tool: Tool::CupMill(CupMill { outer_radius: Nm(128_576_070), inner_radius: Nm(112_701_324), active_teeth: 10 }),
-        spindle: RevPerMin(1_000.0),
-        law: LawKind::EngagedArc { both_edges: true },
-        feed_per_tooth: MmPerTooth(0.1016),
-        policy: FeedPolicy::SafeBase,
-        limits: OverrideLimits { min_percent: 12, slew_up_percent_per_s: 33.3, ..OverrideLimits::default() },
-        machine: MachineLimits {
-            linear: [Some(MmPerMin(12_000.0)), None, Some(MmPerMin(9_999.9))],
-            rotary: [None, Some(DegPerMin(360.0)), None],
-            arc_clamp: Some(ArcClamp { feed: MmPerMin(6_000.0), radius: Mm(5.0), floor: MmPerMin(100.0) }),
-        },
-        rules: stocks.into_iter().enumerate().map(rule).collect(),
-        knots: Knots::new(),
-    }
-}
-
-pub fn mill_job() -> Job {
-    let mut knots = Knots::new();
-    let table = |feed| [(Mm(0.0), MmPerTooth(feed)), (Mm(10.0), MmPerTooth(2.0 * feed))];
-    let ranges: [KnotRange; 2] = [0.05, 0.06].map(|feed| knots.add(&table(feed)).unwrap());
-    let rule = |(side, range)| CutRule {
-        moves: if side == Side::Slot { Moves::Lines } else { Moves::Arcs(Turn::Cw) },
-        work: Work::Mill { side, radial_depth: Nm(1_500_000) },
-        feed_per_tooth: None,
-        table: Some(range),
-        sequence: None,
-        level: None,
-    };
-    Job {
-        unit: LengthUnit::Mm,
-        tool: Tool::EndMill(EndMill { radius: Nm(6_000_000), teeth: 4 }),
-        law: LawKind::Table,
-        policy: FeedPolicy::OverrideOnly,
-        machine: MachineLimits::default(),
-        rules: [(Side::Slot, ranges[1]), (Side::Inside, ranges[0])].into_iter().map(rule).collect(),
-        knots,
-        ..ring_job()
-    }
-}
 
 fn set_of(job: &Job, set: u32) -> Vec<Message> {
     let mut all = Vec::new();
