@@ -5,6 +5,8 @@
 //! measures the chips from what the axes did; [`faults`] spoil the controller on purpose; a [`decider`] has the override; the
 //! [`rig`] joins them all.
 
+pub mod drives;
+
 pub mod control;
 
 pub mod machine;

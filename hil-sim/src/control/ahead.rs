@@ -1,15 +1,16 @@
 //! Reading ahead: from the tape or the program in memory into the look-ahead.
 
+use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::macros::print::Output;
-use arcfeed_shared::units::Micros;
+use arcfeed_shared::units::{Micros, US_PER_MS};
 
-use super::Control;
 use super::action::ReadBlock;
 use super::executive::{Executive, Next};
 use super::panel::Phase;
 use super::reader::{Opened, sequence_of};
 use super::search::{Approach, Found, Search, never};
 use super::tape::Received;
+use super::{AlarmRecord, Control};
 
 impl Control {
     /// Fills the look-ahead, up to a block behind which nothing is read before it is executed. A block with a fault stops
@@ -50,6 +51,21 @@ impl Control {
     /// Whether nothing is left to read.
     pub(super) fn has_nothing_to_read(&self) -> bool {
         self.executive.as_ref().map_or_else(|| self.port.is_exhausted(), Executive::is_over)
+    }
+
+    /// A program that ends without M30 is an alarm; what is starved of blocks on the way is counted.
+    pub(super) fn look_for_the_end(&mut self, dt: Micros) {
+        let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0 && self.course.is_none();
+        if !has_nothing || self.phase != Phase::Running || self.dwell_left > Micros(0) || self.is_over() {
+            return;
+        }
+        if self.has_nothing_to_read() {
+            let alarm = if self.search.is_some() { Alarm::SequenceNotFound } else { Alarm::EndOfRecord };
+            self.stop_with(AlarmRecord { line: self.reader.line(), fault: Fault::alarm(alarm, 0) });
+        }
+        if self.has_moved {
+            self.starved_ms += dt.0 / US_PER_MS;
+        }
     }
 
     /// What the next line gives to execute, often one block; `None` if there is none yet.

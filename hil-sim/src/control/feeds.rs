@@ -31,6 +31,15 @@ pub struct FeedConditions {
 }
 
 impl FeedConditions {
+    /// The programmed feed, and nobody at the panel.
+    pub const PROGRAMMED: FeedConditions = FeedConditions {
+        override_percent: PERCENT as u8,
+        dry_run: None,
+        holds: false,
+        holds_but_taps: false,
+        stops_at_block_end: false,
+    };
+
     /// What of this counts for such a move.
     #[must_use]
     pub fn for_manner(&self, manner: &Manner) -> FeedConditions {

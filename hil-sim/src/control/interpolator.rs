@@ -1,11 +1,8 @@
-//! Blocks to motion: look-ahead and execution at override-scaled feed under acceleration limits.
+//! Blocks to motion: the queue of blocks read ahead, the move in work, and where the axes are on it.
 //!
-//! One trapezoid along the path, also of a helix, where the feed counts in the plane of its arc. The speed at a corner is
-//! such that no axis jumps by more than the permitted speed difference, and low enough for everything that is queued
-//! behind it to be stopped in time. What is not queued yet counts as a stop. Feed hold, dry run and override change the
-//! speed wanted; how fast the axes follow is the acceleration's.
-//!
-//! Source: the corner rule is that of the 16i's look-ahead control (permissible speed difference, parameter 1783).
+//! How fast the axes go is the affair of one of two: a trapezoid along the path ([`Trapezoid`]), which is what there is
+//! without data of the drives, or limits of speed, acceleration and jerk of every axis ([`LookAhead`]). Feed hold, dry run
+//! and override change the speed wanted; how fast the axes follow is theirs.
 
 use std::collections::VecDeque;
 
@@ -14,49 +11,51 @@ use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{MmPerMin, S_PER_MIN};
 
+use crate::drives::limits::{AXES, DriveLimits};
+
 use super::action::{Action, Manner, ReadBlock};
-use super::dynamics::Dynamics;
-use super::feeds::{FeedConditions, speed_mm_per_s};
-use super::path::Travel;
+use super::feeds::FeedConditions;
+use super::leg::{Active, Advance, Conditions, Leg, Queued};
+use super::look_ahead::LookAhead;
+use super::path::to_pose;
+use super::settings::ControlSettings;
+use super::trapezoid::Trapezoid;
 
 /// The interpolator's state.
 #[derive(Debug)]
 pub struct Interpolator {
-    dynamics: Dynamics,
+    pace: Pace,
     arc_clamp: Option<ArcClamp>,
+    dry_run_mm_per_s: f64,
     queue: VecDeque<Queued>,
     active: Option<Active>,
+    axes: [f64; AXES],
     position: Pose,
-    speed_mm_per_s: f64,
     commanded: MmPerMin,
 }
 
+/// Who says how fast.
 #[derive(Debug)]
-struct Queued {
-    block: ReadBlock,
-    travel: Option<Travel>,
-}
-
-#[derive(Debug)]
-struct Active {
-    travel: Travel,
-    done_mm: f64,
-    count: u32,
-    manner: Manner,
-    /// Whether nothing flows from it into the next block.
-    ends_at_rest: bool,
+enum Pace {
+    Trapezoid(Trapezoid),
+    LookAhead(LookAhead),
 }
 
 impl Interpolator {
     /// At rest at the origin, nothing queued.
-    pub fn new(dynamics: Dynamics, arc_clamp: Option<ArcClamp>) -> Self {
+    pub fn new(settings: &ControlSettings) -> Self {
+        let pace = match settings.drives {
+            Some(drives) => Pace::LookAhead(LookAhead::new(drives)),
+            None => Pace::Trapezoid(Trapezoid { dynamics: settings.dynamics, speed_mm_per_s: 0.0 }),
+        };
         Interpolator {
-            dynamics,
-            arc_clamp,
+            pace,
+            arc_clamp: settings.arc_clamp,
+            dry_run_mm_per_s: f64::from(settings.dry_run_feed.0) / S_PER_MIN,
             queue: VecDeque::new(),
             active: None,
+            axes: [0.0; AXES],
             position: Pose::default(),
-            speed_mm_per_s: 0.0,
             commanded: MmPerMin(0.0),
         }
     }
@@ -68,11 +67,19 @@ impl Interpolator {
 
     /// Adds a block behind the others.
     pub fn queue(&mut self, block: ReadBlock) {
-        let travel = match &block.action {
-            Action::Move(segment, _) => Some(Travel::new(*segment)),
+        let leg = match &block.action {
+            Action::Move(segment, _) => Some(self.leg(*segment)).filter(|leg| leg.travel.length_mm > 0.0),
             _ => None,
         };
-        self.queue.push_back(Queued { block, travel });
+        let flows = leg.as_ref().is_some_and(|leg| leg.entry.is_some());
+        self.queue.push_back(Queued { block, leg });
+        if flows
+            && let (Pace::LookAhead(look_ahead), Some(active)) = (&mut self.pace, &self.active)
+            && !look_ahead.can_follow(active, &self.queue)
+            && let Some(leg) = self.queue.back_mut().and_then(|queued| queued.leg.as_mut())
+        {
+            leg.entry = None;
+        }
     }
 
     /// Takes the next block up if the one before is done; `count` is the number of blocks executed before it.
@@ -80,67 +87,69 @@ impl Interpolator {
         if self.active.is_some() {
             return None;
         }
-        let Queued { block, travel } = self.queue.pop_front()?;
-        if let Some(travel) = travel.filter(|travel| travel.length_mm > 0.0) {
+        let Queued { block, leg } = self.queue.pop_front()?;
+        if let Some(leg) = leg {
             let count = u32::try_from(count + 1).unwrap_or(u32::MAX);
-            self.active = Some(Active { travel, done_mm: 0.0, count, manner: block.manner, ends_at_rest: false });
+            self.active = Some(Active { leg, done_mm: 0.0, count, manner: block.manner, ends_at_rest: false });
         }
         Some(block)
     }
 
     /// Begins a move of a block that makes several; `count` as in [`Interpolator::take_next`], this block among them.
     pub fn begin(&mut self, segment: Segment, manner: Manner, count: usize) {
-        let travel = Travel::new(segment);
+        let leg = Leg::new(segment, self.drives(), self.dry_run_mm_per_s);
         let count = u32::try_from(count).unwrap_or(u32::MAX);
-        if travel.length_mm > 0.0 {
-            self.active = Some(Active { travel, done_mm: 0.0, count, manner, ends_at_rest: true });
+        if leg.travel.length_mm > 0.0 {
+            self.active = Some(Active { leg, done_mm: 0.0, count, manner, ends_at_rest: true });
         }
     }
 
     /// Moves on for `dt_s` or to the end of the block; answers the time left over.
     pub fn advance(&mut self, dt_s: f64, conditions: &FeedConditions) -> f64 {
-        let exit_mm_per_s = if conditions.stops_at_block_end { 0.0 } else { self.exit_speed(conditions) };
         let Some(active) = &mut self.active else {
-            self.speed_mm_per_s = 0.0;
+            self.pace.rest();
             self.commanded = MmPerMin(0.0);
             return 0.0;
         };
-        let exit_mm_per_s = if active.ends_at_rest { 0.0 } else { exit_mm_per_s };
-        let conditions = &conditions.for_manner(&active.manner);
-        let wanted = speed_mm_per_s(&active.travel, conditions, self.arc_clamp.as_ref(), self.dynamics.rapid_mm_per_s);
-        let feed = active.travel.speed_mm_per_s().map_or(0.0, |_| wanted / active.travel.speed_ratio);
+        let rapid_mm_per_s = self.pace.rapid_mm_per_s();
+        let conditions = Conditions { feed: conditions, arc_clamp: self.arc_clamp.as_ref(), rapid_mm_per_s };
+        let travel = &active.leg.travel;
+        let wanted = active.leg.wanted(&active.manner, &conditions).min(active.leg.limits.speed);
+        let feed = travel.speed_mm_per_s().map_or(0.0, |_| wanted / travel.speed_ratio);
         self.commanded = MmPerMin((feed * S_PER_MIN) as f32);
-        let target = if conditions.holds { 0.0 } else { wanted };
-        let left_mm = active.travel.length_mm - active.done_mm;
-        let acceleration = self.dynamics.acceleration_mm_per_s2;
-        let speed = self.speed_mm_per_s;
-        let reached = target
-            .clamp(speed - acceleration * dt_s, speed + acceleration * dt_s)
-            .min(braking_speed(speed, exit_mm_per_s, left_mm, acceleration, dt_s))
-            .max(0.0);
-        let step_mm = 0.5 * (speed + reached) * dt_s;
-        let creeps = !conditions.holds && reached < acceleration * dt_s && left_mm < acceleration * dt_s * dt_s;
-        if step_mm < left_mm && !creeps {
-            active.done_mm += step_mm;
-            self.speed_mm_per_s = reached;
-            self.position = active.travel.pose_at(active.done_mm / active.travel.length_mm);
-            return 0.0;
+        let advance = match &mut self.pace {
+            Pace::Trapezoid(trapezoid) => trapezoid.advance(dt_s, active, &self.queue, &conditions),
+            Pace::LookAhead(look_ahead) => look_ahead.advance(dt_s, active, &mut self.queue, &conditions),
+        };
+        match advance {
+            Advance::To(done_mm, left_s) => {
+                active.done_mm = done_mm;
+                self.axes = active.axes(&self.queue);
+                self.position = to_pose(&self.axes);
+                left_s
+            }
+            Advance::Over(left_s) => {
+                self.axes = active.leg.travel.axes_at(1.0);
+                self.position = travel.segment.end;
+                self.active = None;
+                left_s
+            }
         }
-        let used_ratio = if step_mm > left_mm { left_mm / step_mm } else { 1.0 };
-        self.speed_mm_per_s = speed + (reached - speed) * used_ratio;
-        self.position = active.travel.segment.end;
-        self.active = None;
-        dt_s * (1.0 - used_ratio)
     }
 
-    /// Where the axes are.
+    /// Where the axes are, to whole nanometres and microdegrees.
     pub fn position(&self) -> Pose {
         self.position
     }
 
+    /// The same unrounded: X, Y, Z in mm, A, B, C in degrees.
+    pub fn axes(&self) -> &[f64; AXES] {
+        &self.axes
+    }
+
     /// The active move and the count of blocks executed up to and including it.
     pub fn active(&self) -> Option<(u32, &Segment)> {
-        self.active.as_ref().map(|active| (active.count, &active.travel.segment))
+        self.active.as_ref().map(|active| (active.count, &active.leg.travel.segment))
     }
 
     /// What holds for the active move.
@@ -162,55 +171,71 @@ impl Interpolator {
     pub fn clear(&mut self) {
         self.queue.clear();
         self.active = None;
-        self.speed_mm_per_s = 0.0;
+        self.pace.rest();
     }
 
     /// Whether the axes are slow enough to stop with a jump that they are permitted.
     pub fn may_stop(&self) -> bool {
-        self.speed_mm_per_s <= self.dynamics.corner_jump_mm_per_s
+        match &self.pace {
+            Pace::Trapezoid(trapezoid) => trapezoid.may_stop(),
+            Pace::LookAhead(_) => self.is_at_rest(),
+        }
     }
 
     /// Speed along the path.
     pub fn speed_mm_per_s(&self) -> f64 {
-        self.speed_mm_per_s
+        match &self.pace {
+            Pace::Trapezoid(trapezoid) => trapezoid.speed_mm_per_s,
+            Pace::LookAhead(look_ahead) => look_ahead.speed_mm_per_s(),
+        }
     }
 
     /// Whether the axes rest.
     pub fn is_at_rest(&self) -> bool {
-        self.speed_mm_per_s == 0.0
+        self.speed_mm_per_s() == 0.0
     }
 
-    /// The speed the active move may end with: from the last queued move backwards to it.
-    fn exit_speed(&self, conditions: &FeedConditions) -> f64 {
-        let Some(active) = &self.active else { return 0.0 };
-        let flows = |queued: &&Queued| {
-            matches!(queued.block.action, Action::Move(_, None) | Action::Nothing | Action::Ignore(_))
-        };
-        let moves = self.queue.iter().take_while(flows);
-        let ahead: Vec<(&Travel, &Manner)> =
-            moves.filter_map(|queued| Some((queued.travel.as_ref()?, &queued.block.manner))).collect();
-        let acceleration = self.dynamics.acceleration_mm_per_s2;
-        let mut speed = 0.0;
-        for (index, (travel, manner)) in ahead.iter().enumerate().rev() {
-            let before = index.checked_sub(1).map_or(&active.travel, |before| ahead[before].0);
-            let conditions = &conditions.for_manner(manner);
-            speed = libm::sqrt(speed * speed + 2.0 * acceleration * travel.length_mm)
-                .min(self.corner_speed(before, travel))
-                .min(speed_mm_per_s(travel, conditions, self.arc_clamp.as_ref(), self.dynamics.rapid_mm_per_s));
+    /// A move, with the corner to the one before it where both flow into each other and there is still time to round it.
+    fn leg(&self, segment: Segment) -> Leg {
+        let mut leg = Leg::new(segment, self.drives(), self.dry_run_mm_per_s);
+        if let Some((drives, (before, left_mm))) = self.drives().zip(self.last()) {
+            leg.join(before, drives);
+            leg.entry = leg.entry.filter(|corner| corner.junction.half_mm < left_mm);
         }
-        speed
+        leg
     }
 
-    fn corner_speed(&self, before: &Travel, after: &Travel) -> f64 {
-        let jump = (after.direction_in() - before.direction_out()).amax();
-        if jump > 0.0 { self.dynamics.corner_jump_mm_per_s / jump } else { f64::INFINITY }
+    /// The last move that flows into what comes next, and what of it is to do.
+    fn last(&self) -> Option<(&Leg, f64)> {
+        let mut flowing = self.queue.iter().rev().take_while(|queued| queued.flows());
+        if let Some(leg) = flowing.find_map(|queued| queued.leg.as_ref()) {
+            return Some((leg, leg.travel.length_mm));
+        }
+        let active = self.active.as_ref().filter(|active| !active.ends_at_rest)?;
+        self.queue.iter().all(Queued::flows).then(|| (&active.leg, active.left_mm()))
+    }
+
+    fn drives(&self) -> Option<&DriveLimits> {
+        match &self.pace {
+            Pace::Trapezoid(_) => None,
+            Pace::LookAhead(look_ahead) => Some(&look_ahead.drives),
+        }
     }
 }
 
-/// The speed to have in `dt_s` so that constant braking from there ends with `exit` at the end of the way:
-/// `reached^2 = exit^2 + 2 a (left - (speed + reached) dt / 2)`.
-fn braking_speed(speed: f64, exit: f64, left_mm: f64, acceleration: f64, dt_s: f64) -> f64 {
-    let half = 0.5 * acceleration * dt_s;
-    let square = half * half + exit * exit + acceleration * (2.0 * left_mm - speed * dt_s);
-    if square > 0.0 { (libm::sqrt(square) - half).max(0.0) } else { 0.0 }
+impl Pace {
+    fn rest(&mut self) {
+        match self {
+            Pace::Trapezoid(trapezoid) => trapezoid.speed_mm_per_s = 0.0,
+            Pace::LookAhead(look_ahead) => look_ahead.rest(),
+        }
+    }
+
+    /// Speed at G0, where not the axes say it.
+    fn rapid_mm_per_s(&self) -> f64 {
+        match self {
+            Pace::Trapezoid(trapezoid) => trapezoid.dynamics.rapid_mm_per_s,
+            Pace::LookAhead(_) => f64::INFINITY,
+        }
+    }
 }

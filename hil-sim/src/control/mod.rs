@@ -36,6 +36,16 @@ pub mod search;
 
 pub mod executive;
 
+mod junction;
+
+mod leg;
+
+mod stretches;
+
+mod trapezoid;
+
+mod look_ahead;
+
 pub mod interpolator;
 
 mod panel;
@@ -48,12 +58,14 @@ mod conditions;
 
 use std::collections::VecDeque;
 
-use arcfeed_shared::nc::alarm::{Alarm, Fault};
+use arcfeed_shared::nc::alarm::Fault;
 use arcfeed_shared::nc::macros::program::{Library, first_macro};
 use arcfeed_shared::nc::macros::variables::Ignored;
 use arcfeed_shared::nc::modal::{Modal, Pose, Stop};
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{Micros, MmPerMin, US_PER_MS};
+use arcfeed_shared::units::{Micros, MmPerMin};
+
+use crate::drives::limits::AXES;
 
 use action::{Action, Manner, ReadBlock};
 use course::Course;
@@ -158,7 +170,7 @@ impl Control {
             search: None,
             restart_list: None,
             course: None,
-            interpolator: Interpolator::new(settings.dynamics, settings.arc_clamp),
+            interpolator: Interpolator::new(&settings),
             phase: Phase::Running,
             dwell_left: Micros(0),
             after_move: None,
@@ -213,20 +225,6 @@ impl Control {
         }
     }
 
-    fn look_for_the_end(&mut self, dt: Micros) {
-        let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0 && self.course.is_none();
-        if !has_nothing || self.phase != Phase::Running || self.dwell_left > Micros(0) || self.is_over() {
-            return;
-        }
-        if self.has_nothing_to_read() {
-            let alarm = if self.search.is_some() { Alarm::SequenceNotFound } else { Alarm::EndOfRecord };
-            self.stop_with(AlarmRecord { line: self.reader.line(), fault: Fault::alarm(alarm, 0) });
-        }
-        if self.has_moved {
-            self.starved_ms += dt.0 / US_PER_MS;
-        }
-    }
-
     /// The override takes effect one scan of the machine's ladder after it stood at the input.
     fn through_ladder(&mut self, override_percent: u8) -> u8 {
         self.ladder.push_back(override_percent);
@@ -239,6 +237,11 @@ impl Control {
     /// Where the axes are commanded to.
     pub fn position(&self) -> Pose {
         self.interpolator.position()
+    }
+
+    /// The same unrounded: X, Y, Z in mm, A, B, C in degrees.
+    pub fn axes(&self) -> &[f64; AXES] {
+        self.interpolator.axes()
     }
 
     /// The move being executed and the count of blocks executed so far.

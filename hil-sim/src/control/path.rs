@@ -6,8 +6,12 @@
 
 use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE, Pose};
 use arcfeed_shared::segment::{Arc, Path, Segment};
-use arcfeed_shared::units::{MicroDeg, Nm, S_PER_MIN};
+use arcfeed_shared::units::{MICRODEG_PER_DEG, MicroDeg, Nm, S_PER_MIN};
 use nalgebra::Vector3;
+
+use crate::drives::limits::{AXES, Bend};
+
+const DEG: f64 = MICRODEG_PER_DEG as f64;
 
 /// A segment with what execution needs of it.
 #[derive(Clone, Debug)]
@@ -51,11 +55,13 @@ impl Travel {
         }
     }
 
-    /// Where the axes are at `ratio` (0 to 1) of the way.
+    /// Where the axes are at `ratio` (0 to 1) of the way, to whole nanometres and microdegrees.
     pub fn pose_at(&self, ratio: f64) -> Pose {
-        if ratio >= 1.0 {
-            return self.segment.end;
-        }
+        if ratio >= 1.0 { self.segment.end } else { to_pose(&self.axes_at(ratio)) }
+    }
+
+    /// The same unrounded: X, Y, Z in mm, A, B, C in degrees.
+    pub fn axes_at(&self, ratio: f64) -> [f64; AXES] {
         let point = match &self.shape {
             Shape::Straight { start, end } => start + (end - start) * ratio,
             Shape::Circular { start, center, axes, angle, radius, rise } => {
@@ -69,11 +75,63 @@ impl Travel {
             }
         };
         let (from, to) = (self.segment.start.rotary, self.segment.end.rotary);
-        let turned = |axis: usize| {
-            let swing = (to[axis].0 - from[axis].0) as f64;
-            MicroDeg(from[axis].0 + libm::round(swing * ratio) as i64)
-        };
-        Pose { linear: [0, 1, 2].map(|axis| Nm::from_mm(point[axis])), rotary: [0, 1, 2].map(turned) }
+        let [a, b, c] = [0, 1, 2].map(|axis| from[axis].to_deg() + (to[axis].0 - from[axis].0) as f64 / DEG * ratio);
+        [point[0], point[1], point[2], a, b, c]
+    }
+
+    /// First and second derivative of all axes by the way, at `ratio` of it.
+    pub fn derivatives_at(&self, ratio: f64) -> [[f64; AXES]; 2] {
+        let (mut first, mut second) = ([0.0; AXES], [0.0; AXES]);
+        match &self.shape {
+            Shape::Straight { start, end } => {
+                (0..3).for_each(|axis| first[axis] = (end[axis] - start[axis]) / self.length_mm);
+            }
+            Shape::Circular { axes, angle, radius, rise, .. } => {
+                let (sin, cos) = libm::sincos(angle[0] + angle[1] * ratio);
+                let (turn, drift) = (angle[1] / self.length_mm, (radius[1] - radius[0]) / self.length_mm);
+                let radius_mm = radius[0] + (radius[1] - radius[0]) * ratio;
+                let (across, inwards) = (radius_mm * turn, radius_mm * turn * turn);
+                first[axes[0]] = drift * cos - across * sin;
+                first[axes[1]] = drift * sin + across * cos;
+                first[axes[2]] = rise / self.length_mm;
+                second[axes[0]] = -2.0 * drift * turn * sin - inwards * cos;
+                second[axes[1]] = 2.0 * drift * turn * cos - inwards * sin;
+            }
+        }
+        first[3..].copy_from_slice(&self.turning());
+        [first, second]
+    }
+
+    /// How the whole of it bends at most.
+    pub fn bend(&self) -> Bend {
+        let mut bend = Bend::default();
+        match &self.shape {
+            Shape::Straight { .. } => bend.first = self.derivatives_at(0.0)[0].map(f64::abs),
+            Shape::Circular { axes, angle, radius, rise, .. } => {
+                let turn = (angle[1] / self.length_mm).abs();
+                let drift = ((radius[1] - radius[0]) / self.length_mm).abs();
+                let radius_mm = radius[0].max(radius[1]);
+                for axis in &axes[..2] {
+                    bend.first[*axis] = radius_mm * turn + drift;
+                    bend.second[*axis] = (radius_mm * turn + 2.0 * drift) * turn;
+                    bend.third[*axis] = (radius_mm * turn + 3.0 * drift) * turn * turn;
+                }
+                bend.first[axes[2]] = (rise / self.length_mm).abs();
+            }
+        }
+        bend.first[3..].copy_from_slice(&self.turning().map(f64::abs));
+        bend
+    }
+
+    /// Whether only rotary axes move: the way is in degrees then.
+    pub fn is_rotary(&self) -> bool {
+        self.segment.length_mm() == 0.0
+    }
+
+    /// What the rotary axes turn on a unit of the way.
+    fn turning(&self) -> [f64; 3] {
+        let (from, to) = (self.segment.start.rotary, self.segment.end.rotary);
+        [0, 1, 2].map(|axis| (to[axis].0 - from[axis].0) as f64 / DEG / self.length_mm)
     }
 
     /// Unit direction of motion of the linear axes at the start.
@@ -113,6 +171,15 @@ fn circular(start: Vector3<f64>, arc: &Arc, rise: f64) -> Shape {
         angle: [libm::atan2(y, x), f64::from(arc.turn.sign()) * arc.sweep_rad()],
         radius: [libm::hypot(x, y), libm::hypot(to_x, to_y)],
         rise,
+    }
+}
+
+/// To whole nanometres and microdegrees.
+pub fn to_pose(axes: &[f64; AXES]) -> Pose {
+    let [x, y, z, a, b, c] = *axes;
+    Pose {
+        linear: [x, y, z].map(Nm::from_mm),
+        rotary: [a, b, c].map(|degrees| MicroDeg(libm::round(degrees * DEG) as i64)),
     }
 }
 

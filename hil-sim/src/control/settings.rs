@@ -6,6 +6,8 @@ use arcfeed_shared::machine::ArcClamp;
 use arcfeed_shared::nc::settings as nc;
 use arcfeed_shared::units::{LengthUnit, Micros, MmPerMin};
 
+use crate::drives::limits::DriveLimits;
+
 use super::dynamics::Dynamics;
 use super::line::LineSettings;
 
@@ -22,8 +24,10 @@ pub struct ControlSettings {
     pub look_ahead: usize,
     /// What reading a block ahead takes. What is read ahead before the axes start costs none.
     pub block_processing: Micros,
-    /// What the axes can do.
+    /// What the axes can do along the path, where nothing is known of the drives.
     pub dynamics: Dynamics,
+    /// What each drive can do.
+    pub drives: Option<DriveLimits>,
     /// The control's own clamp of the feed on arcs; a control without the function has none.
     pub arc_clamp: Option<ArcClamp>,
     /// Feed of cutting moves in dry run (parameter 1410).
@@ -91,6 +95,7 @@ impl Preset {
             look_ahead,
             block_processing,
             dynamics: Dynamics::default(),
+            drives: None,
             arc_clamp: None,
             dry_run_feed: MmPerMin(2_000.0),
             ladder_delay_steps: 8,

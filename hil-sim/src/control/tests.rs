@@ -4,7 +4,7 @@ use super::dynamics::Dynamics;
 use super::*;
 use arcfeed_shared::machine::ArcClamp;
 use arcfeed_shared::nc::macro_alarm::MacroAlarm;
-use arcfeed_shared::units::{LengthUnit, Mm, S_PER_MIN};
+use arcfeed_shared::units::{LengthUnit, Mm, S_PER_MIN, US_PER_MS};
 
 pub(super) const STEP: Micros = Micros::from_ms(1);
 

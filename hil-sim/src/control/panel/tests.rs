@@ -3,6 +3,7 @@
 use crate::control::dynamics::Dynamics;
 use crate::control::tests::{STEP, alone, close, run, time_s, until, x_mm};
 use crate::control::*;
+use arcfeed_shared::nc::alarm::Alarm;
 use arcfeed_shared::units::{LengthUnit, Nm, S_PER_MIN};
 
 #[test]

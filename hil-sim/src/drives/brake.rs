@@ -1,0 +1,197 @@
+//! The shortest way down to a speed under limits of acceleration and jerk: acceleration ramps down, holds, ramps back to zero.
+//!
+//! From speed v and acceleration a to the speed c, with the deceleration d held for the time h:
+//!
+//! ```text
+//! a to -d at -J,  -d for h,  -d to 0 at +J
+//! d = sqrt(J (v - c) + a^2/2), h = 0            where that is at most A     (1)
+//! d = A, h = (v - c + (a^2 - 2 A^2)/2J)/A       else                        (2)
+//! ```
+//!
+//! Source: the jerk-limited profile of Erkorkmaz, Altintas, High speed CNC system design, part I, Int. J. Machine Tools &
+//! Manufacture 41 (2001).
+
+use super::limits::PathLimits;
+
+/// Speed and acceleration along the path.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Motion {
+    /// Speed; never backwards.
+    pub(crate) speed: f64,
+    /// Acceleration.
+    pub(crate) acceleration: f64,
+}
+
+impl Motion {
+    /// Distance and motion after `t_s` of constant jerk.
+    pub(crate) fn after(&self, jerk: f64, t_s: f64) -> (f64, Motion) {
+        let Motion { speed, acceleration } = *self;
+        let way = ((jerk * t_s / 6.0 + acceleration / 2.0) * t_s + speed) * t_s;
+        let speed = (jerk * t_s / 2.0 + acceleration) * t_s + speed;
+        (way, Motion { speed, acceleration: acceleration + jerk * t_s })
+    }
+
+    /// The speed at the end of what is left of accelerating, or of braking, when it is broken off now.
+    pub(crate) fn settles_at(&self, jerk: f64) -> f64 {
+        self.speed + 0.5 * self.acceleration * self.acceleration.abs() / jerk
+    }
+}
+
+/// A way down, in phases of constant jerk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Brake {
+    from: Motion,
+    to: f64,
+    /// Jerk and time, s.
+    phases: [(f64, f64); 3],
+    /// The same behind its end, where it comes there still braking.
+    tail: (f64, f64),
+}
+
+impl Brake {
+    /// The way down to `speed`; none is needed where the motion never gets beyond it.
+    pub(crate) fn to(speed: f64, from: Motion, limits: &PathLimits) -> Option<Brake> {
+        let PathLimits { acceleration: most, jerk, .. } = *limits;
+        let highest = if from.acceleration > 0.0 { from.settles_at(jerk) } else { from.speed };
+        if highest <= speed {
+            return None;
+        }
+        if from.settles_at(jerk) <= speed {
+            let until_s = until(speed, &from, jerk);
+            let tail = (jerk, -from.acceleration / jerk - until_s);
+            return Some(Brake { from, to: speed, phases: [(jerk, until_s), (0.0, 0.0), (0.0, 0.0)], tail });
+        }
+        let a = from.acceleration;
+        let peak = libm::sqrt((jerk * (from.speed - speed) + 0.5 * a * a).max(0.0)); // (1)
+        let (peak, hold_s) = if peak <= most {
+            (peak, 0.0)
+        } else {
+            (most, ((from.speed - speed + (a * a - 2.0 * most * most) / (2.0 * jerk)) / most).max(0.0)) // (2)
+        };
+        let ramp_s = (a + peak) / jerk;
+        // Braking harder than is allowed here, it eases first.
+        let first = if ramp_s < 0.0 { (jerk, -ramp_s) } else { (-jerk, ramp_s) };
+        Some(Brake { from, to: speed, phases: [first, (0.0, hold_s), (jerk, peak / jerk)], tail: (0.0, 0.0) })
+    }
+
+    /// The time that it takes.
+    pub(crate) fn lasts_s(&self) -> f64 {
+        self.phases.iter().map(|(_, lasts_s)| lasts_s).sum()
+    }
+
+    /// Whether nothing moves at its end.
+    pub(crate) fn ends_at_rest(&self) -> bool {
+        self.to == 0.0
+    }
+
+    /// The way that it takes.
+    pub(crate) fn way(&self) -> f64 {
+        self.phases.iter().fold((0.0, self.from), |done, phase| go_on(done, *phase)).0
+    }
+
+    /// Distance and motion after `t_s`; beyond its end the speed stays.
+    pub(crate) fn after(&self, t_s: f64) -> (f64, Motion) {
+        let (mut done, mut left_s) = ((0.0, self.from), t_s);
+        for (jerk, lasts_s) in self.phases.into_iter().chain([self.tail]) {
+            done = go_on(done, (jerk, lasts_s.min(left_s)));
+            left_s = (left_s - lasts_s).max(0.0);
+        }
+        let (way, motion) = done;
+        (way + motion.speed * left_s, motion)
+    }
+}
+
+/// A phase of constant jerk behind what is done already.
+fn go_on((way, motion): (f64, Motion), (jerk, lasts_s): (f64, f64)) -> (f64, Motion) {
+    let (covered, motion) = motion.after(jerk, lasts_s);
+    (way + covered, motion)
+}
+
+/// The fastest speed without acceleration that a way down to another fits into.
+///
+/// ```text
+/// 2 L = (v + u) ((v - u)/A + A/J)     where v - u >= A^2/J        (3)
+/// L sqrt(J) = w^3 + 2 u w             else, w^2 = v - u           (4)
+/// ```
+pub(crate) fn fastest_into(speed: f64, way: f64, limits: &PathLimits) -> f64 {
+    let PathLimits { acceleration, jerk, .. } = *limits;
+    if way <= 0.0 {
+        return speed;
+    }
+    let half = 0.5 * acceleration * acceleration / jerk;
+    let fast = libm::sqrt((speed - half) * (speed - half) + 2.0 * way * acceleration) - half; // (3)
+    if fast - speed >= 2.0 * half {
+        return fast;
+    }
+    let (p, q) = (2.0 * speed, way * libm::sqrt(jerk));
+    let third = libm::sqrt(p / 3.0);
+    // Cardano's root, by sinh; a way down to rest has none of p.
+    let root =
+        if p > 0.0 { 2.0 * third * libm::sinh(libm::asinh(q / (2.0 * third * third * third)) / 3.0) } else { 0.0 };
+    let root = if root > 0.0 { root } else { libm::cbrt(q) };
+    speed + root * root // (4)
+}
+
+/// When easing at `jerk` comes down to `speed`.
+fn until(speed: f64, from: &Motion, jerk: f64) -> f64 {
+    let root = libm::sqrt((from.acceleration * from.acceleration - 2.0 * jerk * (from.speed - speed)).max(0.0));
+    (-from.acceleration - root) / jerk
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: PathLimits = PathLimits { speed: 100.0, acceleration: 500.0, jerk: 20_000.0, axis: None };
+
+    #[test]
+    fn every_way_down_ends_at_its_speed_without_acceleration() {
+        for speed in [0.0, 3.0, 40.0] {
+            for from in [(50.0, 0.0), (50.0, 400.0), (50.0, -300.0), (90.0, 500.0), (41.0, 10.0)] {
+                let from = Motion { speed: from.0, acceleration: from.1 };
+                let Some(brake) = Brake::to(speed, from, &LIMITS) else { continue };
+                let (_, end) = brake.after(brake.lasts_s());
+                assert!((end.speed - speed).abs() < 1e-9, "{from:?} to {speed}: {end:?}");
+                let eases = from.settles_at(LIMITS.jerk) <= speed;
+                assert!(end.acceleration.abs() < 1e-9 || eases, "{from:?} to {speed}: {end:?}");
+            }
+        }
+    }
+
+    /// From rest of acceleration, with the greatest deceleration reached: v^2/2A + v A/2J.
+    #[test]
+    fn a_long_way_down_is_that_of_the_closed_form() {
+        let speed = 60.0;
+        let brake = Brake::to(0.0, Motion { speed, acceleration: 0.0 }, &LIMITS).unwrap();
+        let way = speed * speed / (2.0 * 500.0) + speed * 500.0 / (2.0 * 20_000.0);
+        assert!((brake.way() - way).abs() < 1e-12);
+    }
+
+    /// Without reaching it: v sqrt(v/J).
+    #[test]
+    fn a_short_way_down_is_that_of_the_closed_form() {
+        let speed = 5.0;
+        let brake = Brake::to(0.0, Motion { speed, acceleration: 0.0 }, &LIMITS).unwrap();
+        assert!((brake.way() - speed * libm::sqrt(speed / 20_000.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_fastest_speed_into_a_way_takes_all_of_it() {
+        for speed in [0.0, 1e-9, 0.3, 7.0, 80.0] {
+            for way in [1e-6, 1e-3, 0.4, 5.0, 90.0] {
+                let from = Motion { speed: fastest_into(speed, way, &LIMITS), acceleration: 0.0 };
+                let took = Brake::to(speed, from, &LIMITS).unwrap().way();
+                assert!((took / way - 1.0).abs() < 1e-6, "{way} to {speed}: {took}");
+            }
+        }
+    }
+
+    #[test]
+    fn in_pieces_it_is_the_same_way() {
+        let from = Motion { speed: 60.0, acceleration: 300.0 };
+        let brake = Brake::to(2.0, from, &LIMITS).unwrap();
+        let (first, middle) = brake.after(0.05);
+        let rest = Brake::to(2.0, middle, &LIMITS).unwrap();
+        assert!((first + rest.way() - brake.way()).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,11 @@
+//! What the axes do between the control's wish and the tool: limits of speed, acceleration and jerk, and how the position
+//! follows.
+//!
+//! [`limits`] of the axes become limits along the path; [`brake`] is the shortest way down to a speed under them, [`profile`]
+//! the fastest speed, period by period, that leaves this way open.
+
+pub mod limits;
+
+pub(crate) mod brake;
+
+pub(crate) mod profile;

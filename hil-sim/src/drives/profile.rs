@@ -1,0 +1,286 @@
+//! The speed along a path, period by period: as fast as the limits allow, as long as what comes can still be braked for.
+//!
+//! A stretch ahead has a speed to keep to, and a safe one: from the safe speed, without acceleration, everything behind can be
+//! kept to. A state is safe if a way down ([`Brake`]) ends at the safe speed of some stretch before it begins, and ways down
+//! to the speeds of all stretches before that one end before those. From a safe state the largest acceleration is taken whose state is safe a period later; where even the smallest is not, the way
+//! down itself is followed, which keeps a safe state safe, to the last fraction of a period. On a straight stretch this is
+//! the time-optimal profile of seven phases but for the period's grain; as nothing is planned beyond the period, override,
+//! feed hold and blocks that come late need no planning anew.
+//!
+//! ```text
+//! wanted speed w: in n periods T from acceleration n J T down to 0, v gains J T^2 n (n + 1)/2          (1)
+//! ```
+//!
+//! Source: the largest reachable step that still allows a stop, found by bisection, is how Beudaert, Lavernhe, Tournier, Int.
+//! J. Machine Tools & Manufacture 57 (2012), set the feedrate; safety by ways down of constant A and J is ours.
+
+use super::brake::{Brake, Motion, fastest_into};
+use super::limits::PathLimits;
+
+/// Halvings of the interval of accelerations: to a hundred-millionth of the jerk's step.
+const HALVINGS: usize = 26;
+/// The same of time, to a billionth of a period.
+const HALVINGS_OF_TIME: usize = 30;
+/// Ways that agree to this are equal: far below a nanometre.
+const EQUAL: f64 = 1e-11;
+
+/// Periods before a stop in which its way down is followed, and how closely that has to end there.
+const LAST: f64 = 3.0;
+const TIGHT: f64 = 1e-10;
+
+/// Where the way ahead becomes slower: by what the axes allow from there on, or by what is wanted there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ahead {
+    /// From here.
+    pub(crate) at: f64,
+    /// The speed to have there.
+    pub(crate) speed: f64,
+    /// Whether it is but wanted: by programmed feed and override, which may fall later than the axes can follow.
+    pub(crate) is_wish: bool,
+    /// The safe speeds there, as [`secure`] has them: for what the axes allow behind it, and for what is wanted too.
+    pub(crate) safe: [f64; 2],
+    /// The limits from there on.
+    pub(crate) limits: PathLimits,
+    /// What of acceleration and jerk is allowed all the way to it.
+    pub(crate) on_the_way: PathLimits,
+}
+
+/// What is kept to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Keep {
+    /// What the axes allow.
+    Limits,
+    /// That, and what is wanted.
+    Wishes,
+}
+
+/// What a period comes to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Step {
+    /// The way covered.
+    pub(crate) way: f64,
+    /// Speed and acceleration at its end.
+    pub(crate) motion: Motion,
+    /// What of it is left over: the way ended before.
+    pub(crate) left_s: f64,
+    course: Course,
+}
+
+/// How a period goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Course {
+    Jerk(Motion, f64),
+    Down(Brake),
+}
+
+/// A period.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Profile<'a> {
+    /// Its length, s.
+    pub(crate) period_s: f64,
+    /// The limits of the stretch that the axes are on.
+    pub(crate) here: PathLimits,
+    /// The stretches ahead, in their order, as far as the axes can get before they come to rest, or to where nothing is known
+    /// any more: speed 0.
+    pub(crate) ahead: &'a [Ahead],
+}
+
+impl Profile<'_> {
+    /// The next period, towards the speed wanted here.
+    pub(crate) fn step(&self, from: Motion, wanted: f64) -> Step {
+        if let Some(last) = self.last(from) {
+            return last;
+        }
+        let best = self.with(from, self.towards(from, wanted, &self.least()));
+        let fast = self.fastest(from, best, Keep::Limits);
+        let slow = self.fastest(from, fast, Keep::Wishes);
+        if slow == fast || self.is_safe(&slow, Keep::Limits) {
+            return slow;
+        }
+        // A wish must not be followed into braking that the limits ahead do not allow.
+        let allowed = |step: &Step| self.is_safe(step, Keep::Limits);
+        self.between(from, [fast.motion.acceleration, slow.motion.acceleration], allowed).unwrap_or(fast)
+    }
+
+    /// Whether the axes can keep to what they are allowed, from where they are.
+    pub(crate) fn can_go_on(&self, from: Motion) -> bool {
+        let here = Step { way: 0.0, motion: from, left_s: 0.0, course: Course::Jerk(from, 0.0) };
+        self.is_safe(&here, Keep::Limits)
+    }
+
+    /// The fastest safe period, no faster than `best`.
+    fn fastest(&self, from: Motion, best: Step, keep: Keep) -> Step {
+        let is_safe = |step: &Step| self.is_safe(step, keep);
+        if is_safe(&best) {
+            return best;
+        }
+        // As hard as it goes, but for ending in a speed below zero where less jerk is allowed.
+        let hardest = PathLimits { jerk: self.least().jerk, ..self.here };
+        let hardest = self.towards(from, 0.0, &hardest).min(best.motion.acceleration);
+        self.between(from, [hardest, best.motion.acceleration], is_safe)
+            .or_else(|| self.way_down(from, keep))
+            .unwrap_or_else(|| self.with(from, hardest))
+    }
+
+    /// The last good period on the way from one acceleration to another, if the first is good.
+    fn between(&self, from: Motion, [first, last]: [f64; 2], is_good: impl Fn(&Step) -> bool) -> Option<Step> {
+        let mut best = Some(self.with(from, first)).filter(&is_good)?;
+        let (mut good, mut bad) = (first, last);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (good + bad);
+            let step = self.with(from, middle);
+            if is_good(&step) { (good, best) = (middle, step) } else { bad = middle }
+        }
+        Some(best)
+    }
+
+    /// The acceleration to have in a period on the way to a speed, were nothing ahead, braking within `braking`. (1)
+    fn towards(&self, from: Motion, wanted: f64, braking: &PathLimits) -> f64 {
+        let t = self.period_s;
+        let gain = wanted - from.speed - 0.5 * from.acceleration * t;
+        let of = |limits: &PathLimits| {
+            let step = limits.jerk * t;
+            let periods = gain.abs() / (step * t);
+            let whole = libm::floor(0.5 * (libm::sqrt(1.0 + 8.0 * periods) - 1.0));
+            let part = (periods - 0.5 * whole * (whole + 1.0)) / (whole + 1.0);
+            (step * (whole + part)).min(limits.acceleration)
+        };
+        let aim = if gain < 0.0 { -of(braking) } else { of(&self.here) };
+        let change = self.here.jerk * t;
+        aim.clamp(from.acceleration - change, from.acceleration + change)
+    }
+
+    /// What all stretches in sight allow.
+    fn least(&self) -> PathLimits {
+        self.ahead.last().map_or(self.here, |last| last.on_the_way.and(&last.limits).and(&self.here))
+    }
+
+    /// A period of constant jerk to that acceleration.
+    fn with(&self, from: Motion, acceleration: f64) -> Step {
+        let jerk = (acceleration - from.acceleration) / self.period_s;
+        let (way, motion) = from.after(jerk, self.period_s);
+        Step { way, motion: Motion { acceleration, ..motion }, left_s: 0.0, course: Course::Jerk(from, jerk) }
+    }
+
+    /// A period of a way down.
+    fn down(&self, brake: &Brake) -> Step {
+        let (way, motion) = brake.after(self.period_s);
+        let left_s = if brake.ends_at_rest() { (self.period_s - brake.lasts_s()).max(0.0) } else { 0.0 };
+        Step { way, motion, left_s, course: Course::Down(*brake) }
+    }
+
+    /// The last periods before a stop: of the way down to it, if that ends there.
+    fn last(&self, from: Motion) -> Option<Step> {
+        let stop =
+            self.ahead.last().filter(|ahead| ahead.speed == 0.0 && ahead.at <= from.speed * LAST * self.period_s)?;
+        let brake = brake_to(0.0, stop, &from)?;
+        let is_tight = (brake.way() - stop.at).abs() <= TIGHT && brake.lasts_s() <= LAST * self.period_s;
+        is_tight.then(|| self.down(&brake))
+    }
+
+    /// What is ahead of what is kept to, with its safe speed.
+    fn kept(&self, keep: Keep) -> impl Iterator<Item = (&Ahead, f64)> {
+        let all = keep == Keep::Wishes;
+        self.ahead
+            .iter()
+            .filter(move |ahead| all || !ahead.is_wish)
+            .map(move |ahead| (ahead, ahead.safe[usize::from(all)]))
+    }
+
+    /// Whether everything ahead can be kept to, and the acceleration is down in time to what each stretch allows.
+    fn is_safe(&self, step: &Step, keep: Keep) -> bool {
+        let Step { way, motion, .. } = step;
+        let fits = |brake: Option<Brake>, left: f64| brake.is_none_or(|brake| brake.way() <= left + EQUAL);
+        let arrives = |ahead: &Ahead| arrives(motion, &ahead.limits, ahead.at - way, self.here.jerk);
+        if motion.speed < 0.0 || !self.ahead.iter().all(arrives) {
+            return false;
+        }
+        let settled = self.settled(motion);
+        for (ahead, safe) in self.kept(keep) {
+            let left = ahead.at - way;
+            if settled <= left.max(0.0) && fits(brake_to(safe, ahead, motion), left) {
+                return true;
+            }
+            if !fits(brake_to(ahead.speed, ahead, motion), left) {
+                return false;
+            }
+        }
+        self.ahead.is_empty()
+    }
+
+    /// The way within which accelerating comes to its end: a safe speed is one without acceleration.
+    fn settled(&self, from: &Motion) -> f64 {
+        from.after(-self.here.jerk, from.acceleration.max(0.0) / self.here.jerk).0
+    }
+
+    /// The hardest of the ways down that make this state safe, for one period.
+    fn way_down(&self, from: Motion, keep: Keep) -> Option<Step> {
+        let mut hardest: Option<Step> = None;
+        let settled = self.settled(&from);
+        for (ahead, safe) in self.kept(keep) {
+            let secure = brake_to(safe, ahead, &from);
+            let is_secure = secure.is_none_or(|brake| brake.way() <= ahead.at + 2.0 * EQUAL) && settled <= ahead.at;
+            let brake = if is_secure { secure } else { brake_to(ahead.speed, ahead, &from) };
+            if let Some(brake) = brake {
+                let step = self.down(&brake);
+                let is_harder = hardest.is_none_or(|hardest| step.motion.speed < hardest.motion.speed);
+                if brake.way() + step.way >= ahead.at - EQUAL && is_harder {
+                    hardest = Some(step);
+                }
+            }
+            if is_secure {
+                break;
+            }
+        }
+        hardest
+    }
+}
+
+impl Step {
+    /// The part of it up to a place on its way; `lasts_s` is how long all of it takes.
+    #[must_use]
+    pub(crate) fn up_to(&self, way: f64, lasts_s: f64) -> Step {
+        let at = |t_s: f64| match &self.course {
+            Course::Jerk(from, jerk) => from.after(*jerk, t_s),
+            Course::Down(brake) => brake.after(t_s),
+        };
+        let (mut before, mut behind) = (0.0, lasts_s);
+        for _ in 0..HALVINGS_OF_TIME {
+            let middle = 0.5 * (before + behind);
+            if at(middle).0 < way { before = middle } else { behind = middle }
+        }
+        let (way, motion) = at(behind);
+        Step { way, motion, left_s: lasts_s - behind, course: self.course }
+    }
+}
+
+/// Sets the safe speeds: from the end backwards, each such that the next can be reached. The end is a stop.
+pub(crate) fn secure(ahead: &mut [Ahead]) {
+    let mut behind: Option<Ahead> = None;
+    for ahead in ahead.iter_mut().rev() {
+        let fastest = |keep: usize| match behind {
+            Some(behind) => fastest_into(behind.safe[keep], behind.at - ahead.at, &ahead.limits),
+            None => 0.0,
+        };
+        let [limit, wish] = [fastest(0), fastest(1)];
+        ahead.safe = [if ahead.is_wish { limit } else { limit.min(ahead.speed) }, wish.min(ahead.speed)];
+        behind = Some(*ahead);
+    }
+}
+
+/// The way down to a speed before a stretch begins, with what the stretches before it allow.
+fn brake_to(speed: f64, ahead: &Ahead, from: &Motion) -> Option<Brake> {
+    Brake::to(speed, *from, &ahead.on_the_way)
+}
+
+/// Whether the acceleration is down to what a stretch allows when it begins after `left`, easing at `jerk` before it; braking,
+/// to what leaves a speed above zero there.
+fn arrives(motion: &Motion, there: &PathLimits, left: f64, jerk: f64) -> bool {
+    let a = motion.acceleration;
+    if a >= 0.0 {
+        let excess = (a - there.acceleration).max(0.0);
+        return motion.after(-jerk, excess / jerk).0 <= left.max(0.0);
+    }
+    let allowed = a >= -there.acceleration && motion.settles_at(there.jerk) >= 0.0;
+    allowed || motion.after(jerk, -a / jerk).0 <= left + EQUAL
+}

@@ -1,0 +1,10 @@
+//! What the axes do when every one of them is limited in speed, acceleration and jerk: measured from their positions, a
+//! millisecond apart, and compared with closed forms.
+
+mod motion;
+
+mod closed_forms;
+
+mod limits;
+
+mod contour;
