@@ -111,14 +111,21 @@ impl Emulator {
     }
 
     /// Power off and on: another emulator, that has nothing of this one but the files in place of flash. What was on the lines is
-    /// lost.
+    /// lost. The other one opens its lines before this one ends, and its image waits for the first word on them: a chip does not take
+    /// as long as an emulator to begin.
     ///
     /// # Panics
     /// As [`Emulator::start`].
     pub fn power_cycle(&mut self) {
+        let (child, lines) = power_on(&self.name, &self.scratch, self.clock);
         self.child.kill().expect("the emulator can be stopped");
         self.child.wait().expect("the emulator can be waited for");
-        (self.child, self.lines) = power_on(&self.name, &self.scratch, self.clock);
+        (self.child, self.lines) = (child, lines);
+    }
+
+    /// Its image.
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// The sockets of UART 0 to 4.
@@ -176,6 +183,8 @@ fn command(image: &Path, scratch: &Scratch, clock: Clock) -> Command {
     qemu.args(clock.arguments()).args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
     // What the board keeps in files in place of flash goes with the folder.
     qemu.current_dir(Path::new(&scratch.path("console")).parent().expect("a folder"));
+    // Another one than that of an emulator that still writes.
+    let _of_the_start_before = fs::remove_file(scratch.path("console"));
     qemu.stdin(Stdio::null()).stdout(File::create(scratch.path("console")).expect("a file for the console"));
     qemu
 }
