@@ -16,7 +16,8 @@ use arcfeed_shared::wire::message::fixed::Q40;
 use arcfeed_shared::wire::message::table::Sample;
 use arcfeed_shared::wire::plain::PlainLine;
 
-use super::qemu::{Clock, Emulator};
+use super::qemu::{Clock, Emulator, Place};
+use crate::wait_for;
 
 const ROUND: Duration = Duration::from_millis(1);
 /// Rounds from one sample to the next: positions are fresh for 50 ms.
@@ -26,6 +27,7 @@ const SHOWN_EVERY: u32 = 8;
 pub struct ServedChip {
     /// To give to arcfeed.
     pub url: String,
+    place: Place,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
@@ -33,7 +35,8 @@ pub struct ServedChip {
 #[derive(Default)]
 struct Shared {
     is_over: AtomicBool,
-    is_power_cycled: AtomicBool,
+    /// To be switched on in place of the one that runs.
+    next: Mutex<Option<Emulator>>,
     /// Who has the override, as this start of the chip said last.
     state: Mutex<Option<StateCode>>,
     log: Mutex<Vec<String>>,
@@ -53,16 +56,21 @@ impl ServedChip {
         listener.set_nonblocking(true).expect("a listener can be asked without waiting");
         let url = format!("socket://{}", listener.local_addr().expect("it has an address"));
         let shared = Arc::new(Shared::default());
-        let chip = Emulator::start("feedboard", Clock::Wall);
+        // By instructions: its watchdog does not bite a chip that a busy machine keeps from running.
+        let chip = Emulator::start("feedboard", Clock::CountedWaiting);
+        let place = chip.place().clone();
         let bench = Bench { chip, machine: PlainLine::new(), host: None };
         let of_thread = Arc::clone(&shared);
         let thread = std::thread::spawn(move || bench.serve(&listener, &of_thread));
-        ServedChip { url, shared, thread: Some(thread) }
+        ServedChip { url, place, shared, thread: Some(thread) }
     }
 
-    /// Power off and on.
+    /// Power off and on. The emulator that is next has begun before the other one ends: a chip does not take as long. Its image waits
+    /// for the first word on its lines, and nobody hears of it before it has their far ends.
     pub fn power_cycle(&self) {
-        self.shared.is_power_cycled.store(true, Ordering::SeqCst);
+        let next = self.place.power_on();
+        wait_for("the start of the image", || (!next.console().is_empty()).then_some(()));
+        *self.shared.next.lock().expect("nobody panicked") = Some(next);
     }
 
     /// Who has the override, as this start of the chip said last.
@@ -96,9 +104,8 @@ impl Bench {
             if shared.is_over.load(Ordering::SeqCst) {
                 break;
             }
-            if shared.is_power_cycled.swap(false, Ordering::SeqCst) {
-                self.chip.power_cycle();
-                self.machine = PlainLine::new();
+            if let Some(next) = shared.next.lock().expect("nobody panicked").take() {
+                (self.chip, self.machine) = (next, PlainLine::new());
                 *shared.state.lock().expect("nobody panicked") = None;
             }
             if let Ok((stream, _)) = listener.accept() {
