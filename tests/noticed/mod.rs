@@ -9,7 +9,7 @@
 //! ```
 //!
 //! way: periods until a first hello is heard that nothing spoils, its own among them; k: hellos spoilt before the first that
-//! was not. A k of two is still within a heartbeat and the way.
+//! was not. Up to a k of three that is within a heartbeat and the way.
 
 use arcfeed_shared::units::US_PER_MS;
 use arcfeed_shared::wire::message::link_settings;

@@ -17,6 +17,9 @@ use crate::world::{Board, Channel, Host, TICK, World, standing};
 
 /// Of each kind.
 const POINTS: u64 = 100;
+/// Of a thousand frames a line may spoil so many, and one that is hardly a line.
+const SPOILT_PER_MILLE: u64 = 50;
+const BAD_PER_MILLE: u64 = 300;
 /// How long the machine goes on before, at most, and after, ticks.
 const BEFORE: usize = 3_000;
 const AFTER: usize = 1_500;
@@ -49,7 +52,7 @@ impl UnderWay {
         let all = moves(run);
         let first = random.below(all.len() - 4);
         let tick = run.ticks.iter().position(|(_, _, begun)| *begun == first + 1).expect("it began");
-        let (latency, lost) = (random.below(20) as u64, random.below(2) as u64 * 50);
+        let (latency, lost) = (random.below(20) as u64, random.below(2) as u64 * SPOILT_PER_MILLE);
         let channels = [seed, seed + 1].map(|seed| Channel::new(latency, lost, seed));
         let mut world = World::new(&run.job, &all[first..], channels);
         world.sensors = standing(run.ticks[tick].0, run.job.spindle);
@@ -81,6 +84,13 @@ impl UnderWay {
         panic!("not within {most} ticks: {:?}", self.world.output);
     }
 
+    /// From now on the line spoils so many of a thousand frames either way; how many before.
+    fn spoil(&mut self, per_mille: u64) -> u64 {
+        let World { up, down, .. } = &mut self.world;
+        up.lost_per_mille = per_mille;
+        std::mem::replace(&mut down.lost_per_mille, per_mille)
+    }
+
     /// Frames that a channel spoilt of those sent since then that have come through; `None` if it spoils none.
     fn spoilt(&self, channel: &Channel, since: Micros) -> Option<usize> {
         let counts = |sent: &&Micros| **sent > since && sent.after(channel.latency) <= self.world.now;
@@ -92,18 +102,20 @@ impl UnderWay {
     }
 }
 
-/// When the board noticed that its host is another one; the rest is asserted.
-fn host_restarts(seed: u64) -> Noticed {
+/// When the board noticed that its host is another one, on a line as bad as told until then; the rest is asserted.
+fn host_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     let mut way = UnderWay::new(seed);
     let was_engaged = way.state().is_engaged();
     assert!(was_engaged, "{:?}", way.state());
     let before = way.world.output.expect("a tick").feed_override.percent;
     let (rest, since) = (way.all[way.first..].to_vec(), way.world.now);
     way.world.host = Host::new(1_000 + seed as u32, &way.run.job, &rest);
+    let usual = per_mille.map(|per_mille| way.spoil(per_mille));
     let after = way.until(LOST + 60, |world| !world.output.expect("a tick").state.is_engaged());
     // What the host says in a tick, the board may hear in it.
     let down = &way.world.down;
     let noticed = Noticed { after, way: 1 + ticks(down.latency), spoilt: way.spoilt(down, since) };
+    usual.map(|usual| way.spoil(usual));
     let output = way.world.output.expect("a tick");
     assert!(matches!(output.state, State::Fallback { .. }), "{:?}", output.state);
     assert_eq!(output.alarm, Alarm::Latched);
@@ -132,11 +144,12 @@ fn host_restarts(seed: u64) -> Noticed {
     noticed
 }
 
-/// When the host noticed that its board is another one; the rest is asserted.
-fn board_restarts(seed: u64) -> Noticed {
+/// When the host noticed that its board is another one, on a line as bad as told until then; the rest is asserted.
+fn board_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     let mut way = UnderWay::new(seed);
     let (is_bitten, since) = (seed.is_multiple_of(3), way.world.now);
     way.world.board = Board::boot(2 + seed as u32, is_bitten.then_some(BoardFault::Watchdog));
+    let usual = per_mille.map(|per_mille| way.spoil(per_mille));
     let first = way.step();
     assert_eq!(first, 0, "power-on is 0 %");
     let after = 1 + way.until(LOST + 60, |world| world.host.loss().is_some());
@@ -144,6 +157,7 @@ fn board_restarts(seed: u64) -> Noticed {
     // What the board says in a tick, the host hears in the next one at the earliest.
     let up = &way.world.up;
     let noticed = Noticed { after, way: 1 + ticks(up.latency).max(1), spoilt: way.spoilt(up, since) };
+    usual.map(|usual| way.spoil(usual));
     let sent = way.world.host.link.counters().frames_out;
     let mut last = way.world.output.expect("a tick").feed_override.percent;
     for _ in 0..AFTER {
@@ -166,18 +180,25 @@ fn ticks(time: Micros) -> usize {
     (time.0 / TICK.0) as usize
 }
 
-fn points(restart: fn(u64) -> Noticed) -> Vec<Noticed> {
-    (0..POINTS).map(restart).collect()
+fn points(restart: fn(u64, Option<u64>) -> Noticed, per_mille: Option<u64>) -> Vec<Noticed> {
+    (0..POINTS).map(|seed| restart(seed, per_mille)).collect()
 }
 
 #[test]
 fn a_host_that_begins_anew_at_any_point_is_noticed_and_arms_nothing() {
-    assert_explained(&points(host_restarts));
+    assert_explained(&points(host_restarts, None));
 }
 
 #[test]
 fn a_board_that_begins_anew_at_any_point_is_noticed_and_boots_disarmed() {
-    assert_explained(&points(board_restarts));
+    assert_explained(&points(board_restarts, None));
+}
+
+#[test]
+fn on_a_line_that_spoils_nearly_every_third_frame_it_takes_as_many_more_hellos_as_are_spoilt() {
+    for restart in [host_restarts, board_restarts] {
+        assert_explained(&points(restart, Some(BAD_PER_MILLE)));
+    }
 }
 
 #[test]
