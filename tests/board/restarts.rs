@@ -263,7 +263,7 @@ fn board_restarts(way: &mut UnderWay) -> Outcome {
 }
 
 /// Restarts, one after the other, in as many programs as it takes; what they came to.
-fn restarts(seed: u64, restart: fn(&mut UnderWay) -> Outcome) {
+fn restarts(who: &str, seed: u64, restart: fn(&mut UnderWay) -> Outcome) {
     let points = if std::env::var_os("ARCFEED_SOAK_SECONDS").is_some() { FULL } else { SHORT };
     let (mut outcomes, mut programs) = (Vec::new(), 0);
     while outcomes.len() < points {
@@ -283,16 +283,16 @@ fn restarts(seed: u64, restart: fn(&mut UnderWay) -> Outcome) {
     let [before, at, later] =
         [0, 1, 2].map(|when| [column(when).min(), column(when).max()].map(Option::unwrap_or_default));
     println!("{points} points in {programs} programs");
-    assert_explained(&outcomes.iter().map(|outcome| outcome.noticed).collect::<Vec<_>>());
+    assert_explained(who, &outcomes.iter().map(|outcome| outcome.noticed).collect::<Vec<_>>());
     println!("override, least and largest, %: {before:?} before, {at:?} when noticed, {later:?} {AFTER} ms later");
 }
 
 #[test]
 fn a_host_that_begins_anew_is_noticed_by_the_chip_which_a_person_has_to_arm_again() {
-    restarts(1, host_restarts);
+    restarts("host", 1, host_restarts);
 }
 
 #[test]
 fn a_chip_that_begins_anew_is_noticed_by_the_host_and_boots_disarmed() {
-    restarts(1_001, board_restarts);
+    restarts("chip", 1_001, board_restarts);
 }

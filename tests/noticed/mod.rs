@@ -32,11 +32,11 @@ fn hello_and_heartbeat() -> [usize; 2] {
     [settings.hello_every(), settings.heartbeat].map(|span| span.0 as usize / US_PER_MS as usize)
 }
 
-/// Each one is just as late as its line explains; prints the median and the worst of each kind of line.
+/// Each one is just as late as its line explains; prints the median and the worst of each kind of line, and who began anew.
 ///
 /// # Panics
 /// Something else cost time.
-pub fn assert_explained(points: &[Noticed]) {
+pub fn assert_explained(who: &str, points: &[Noticed]) {
     let [hello, heartbeat] = hello_and_heartbeat();
     assert_eq!(3 * hello, heartbeat);
     for point in points {
@@ -44,15 +44,15 @@ pub fn assert_explained(points: &[Noticed]) {
         assert_eq!(point.after, explained, "{point:?}");
     }
     let spoilt_max = points.iter().filter_map(|point| point.spoilt).max();
-    print_kind("a line that spoils nothing", points.iter().filter(|point| point.spoilt.is_none()));
+    print_kind(&format!("{who}, line that spoils nothing"), points.iter().filter(|point| point.spoilt.is_none()));
     for spoilt in 0..=spoilt_max.unwrap_or_default() {
-        let kind = format!("a line that spoils, {spoilt} hellos spoilt");
+        let kind = format!("{who}, line that spoils, {spoilt} hellos spoilt");
         print_kind(&kind, points.iter().filter(|point| point.spoilt == Some(spoilt)));
     }
-    print_kind("all", points.iter());
+    print_kind(&format!("{who}, all"), points.iter());
     let is_within = |point: &&Noticed| point.after <= heartbeat + point.way;
-    println!("within {heartbeat} ms: {}", points.iter().filter(|point| point.after <= heartbeat).count());
-    println!("within {heartbeat} ms and the way: {}", points.iter().filter(is_within).count());
+    println!("{who}, within {heartbeat} ms: {}", points.iter().filter(|point| point.after <= heartbeat).count());
+    println!("{who}, within {heartbeat} ms and the way: {}", points.iter().filter(is_within).count());
 }
 
 fn print_kind<'a>(kind: &str, points: impl Iterator<Item = &'a Noticed>) {
