@@ -10,6 +10,8 @@ pub mod python;
 
 pub mod emulation;
 
+pub mod noticed;
+
 /// Longest wait for a process under test.
 const WAIT_MAX: Duration = Duration::from_secs(60);
 

@@ -5,6 +5,11 @@ use std::collections::VecDeque;
 use arcfeed_hil_sim::decider::board::{Attached, Traffic, Wire};
 use arcfeed_shared::units::Micros;
 
+/// Ways.
+pub const TO_BOARD: usize = 0;
+/// The other one.
+pub const FROM_BOARD: usize = 1;
+
 /// What is on its way, with the time when it arrives.
 type OnItsWay = VecDeque<(Micros, Vec<u8>)>;
 
@@ -13,6 +18,8 @@ type OnItsWay = VecDeque<(Micros, Vec<u8>)>;
 pub struct Cable<A> {
     /// What is at its far end.
     pub far: A,
+    /// When it spoilt a byte on the way to the board, and on the way from it.
+    pub spoilt: [Vec<Micros>; 2],
     latency: Micros,
     spoilt_per_mille: u64,
     random: u64,
@@ -24,7 +31,18 @@ impl<A> Cable<A> {
     /// A cable with this latency each way, on which of a thousand periods so many have a byte flipped, if they have any.
     pub fn new(far: A, latency: Micros, spoilt_per_mille: u64, seed: u64) -> Self {
         let random = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-        Cable { far, latency, spoilt_per_mille, random, to_board: OnItsWay::new(), from_board: OnItsWay::new() }
+        let [to_board, from_board] = [OnItsWay::new(), OnItsWay::new()];
+        Cable { far, latency, spoilt_per_mille, random, spoilt: [vec![], vec![]], to_board, from_board }
+    }
+
+    /// Each way.
+    pub fn latency(&self) -> Micros {
+        self.latency
+    }
+
+    /// Whether it spoils no byte, ever.
+    pub fn is_clean(&self) -> bool {
+        self.spoilt_per_mille == 0
     }
 
     fn bits(&mut self) -> u64 {
@@ -34,10 +52,12 @@ impl<A> Cable<A> {
         self.random
     }
 
-    fn spoil(&mut self, bytes: &mut [u8]) {
+    /// Flips a bit of what is sent in a period, or none.
+    fn spoil(&mut self, at: Micros, way: usize, bytes: &mut [u8]) {
         if !bytes.is_empty() && self.bits() % 1_000 < self.spoilt_per_mille {
-            let at = self.bits() as usize % bytes.len();
-            bytes[at] ^= 1 << (self.bits() % 8);
+            let index = self.bits() as usize % bytes.len();
+            bytes[index] ^= 1 << (self.bits() % 8);
+            self.spoilt[way].push(at);
         }
     }
 }
@@ -49,7 +69,7 @@ impl<A: Attached> Attached for Cable<A> {
         }
         let mut said = Traffic::default();
         self.far.send(at, &mut said);
-        self.spoil(&mut said.link);
+        self.spoil(at, TO_BOARD, &mut said.link);
         self.to_board.push_back((at.after(self.latency), said.link));
         traffic.link.extend(arrived(&mut self.to_board, at).flatten());
     }
@@ -57,7 +77,7 @@ impl<A: Attached> Attached for Cable<A> {
     fn receive(&mut self, at: Micros, wire: Wire, bytes: &[u8]) {
         assert_eq!(wire, Wire::Link, "nothing else is attached");
         let mut bytes = bytes.to_vec();
-        self.spoil(&mut bytes);
+        self.spoil(at, FROM_BOARD, &mut bytes);
         self.from_board.push_back((at.after(self.latency), bytes));
     }
 }

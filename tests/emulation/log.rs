@@ -1,7 +1,27 @@
 //! The image's log in plain words, by the protocol's own decoder: defmt sends the index of a message and its arguments,
 //! the message itself stays in the ELF.
 
+use std::fs;
+
 use defmt_decoder::{DecodeError, Table};
+
+use super::images::image;
+use super::qemu::Emulator;
+
+impl Emulator {
+    /// What its image has logged since it was started, but for what has come in part.
+    ///
+    /// # Panics
+    /// It is no log.
+    pub fn log(&self) -> Vec<String> {
+        let console = self.console();
+        let whole = console.iter().rposition(|byte| *byte == 0).map_or(0, |end| end + 1);
+        if whole == 0 {
+            return Vec::new();
+        }
+        messages(&fs::read(image(self.name())).expect("the image"), &console[..whole])
+    }
+}
 
 /// Every message of a log, `LEVEL text`; each of its frames must be sound and whole.
 pub fn messages(image: &[u8], log: &[u8]) -> Vec<String> {

@@ -2,9 +2,9 @@
 
 pub mod images;
 
-pub mod log;
-
 pub mod qemu;
+
+pub mod log;
 
 pub mod lines;
 
@@ -13,3 +13,5 @@ pub mod host;
 pub mod cable;
 
 pub mod served;
+
+pub mod served_chip;

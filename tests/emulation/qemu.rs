@@ -5,6 +5,7 @@ use std::io::ErrorKind;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
@@ -44,13 +45,19 @@ pub struct Run {
     pub uart1: Vec<u8>,
 }
 
+/// What a board has without power: its image, and a folder with the files in place of flash.
+#[derive(Clone, Debug)]
+pub struct Place {
+    name: String,
+    clock: Clock,
+    scratch: Arc<Scratch>,
+}
+
 /// A board that runs, ended with this value.
 #[derive(Debug)]
 pub struct Emulator {
-    name: String,
-    clock: Clock,
+    place: Place,
     child: Child,
-    scratch: Scratch,
     /// UART 0 to 4.
     lines: [UnixStream; LINES],
 }
@@ -106,8 +113,7 @@ impl Emulator {
         for (file, bytes) in files {
             scratch.write(file, bytes);
         }
-        let (child, lines) = power_on(name, &scratch, clock);
-        Emulator { name: name.to_owned(), clock, child, scratch, lines }
+        Place { name: name.to_owned(), clock, scratch: Arc::new(scratch) }.power_on()
     }
 
     /// Power off and on: another emulator, that has nothing of this one but the files in place of flash. What was on the lines is
@@ -116,9 +122,18 @@ impl Emulator {
     /// # Panics
     /// As [`Emulator::start`].
     pub fn power_cycle(&mut self) {
-        self.child.kill().expect("the emulator can be stopped");
-        self.child.wait().expect("the emulator can be waited for");
-        (self.child, self.lines) = power_on(&self.name, &self.scratch, self.clock);
+        // It opens its lines before this one ends, and its image waits for the first word on them.
+        *self = self.place.power_on();
+    }
+
+    /// What is left of it without power.
+    pub fn place(&self) -> &Place {
+        &self.place
+    }
+
+    /// Its image.
+    pub fn name(&self) -> &str {
+        &self.place.name
     }
 
     /// The sockets of UART 0 to 4.
@@ -128,7 +143,7 @@ impl Emulator {
 
     /// What the image wrote to the emulator's console so far.
     pub fn console(&self) -> Vec<u8> {
-        console(&self.scratch)
+        console(&self.place.scratch)
     }
 
     /// Waits for the image to end by itself, well; answers its console.
@@ -136,10 +151,35 @@ impl Emulator {
     /// # Panics
     /// It ends badly, or not at all.
     pub fn end(mut self) -> Vec<u8> {
-        let status = wait(&self.name, &mut self.child);
+        let status = wait(&self.place.name, &mut self.child);
         let console = self.console();
-        assert!(status.success(), "{}: {status}\n{}", self.name, String::from_utf8_lossy(&console));
+        assert!(status.success(), "{}: {status}\n{}", self.name(), String::from_utf8_lossy(&console));
         console
+    }
+}
+
+impl Place {
+    /// QEMU in this folder, with UART 0 to 4 as sockets there, all open.
+    ///
+    /// # Panics
+    /// As [`Emulator::start`].
+    pub fn power_on(&self) -> Emulator {
+        let Place { name, clock, scratch } = self;
+        let mut qemu = command(&image(name), scratch, *clock);
+        qemu.args(NO_ESCAPE);
+        let paths: [String; LINES] = std::array::from_fn(|uart| scratch.path(&format!("uart{uart}")));
+        // The test listens and QEMU calls: nobody has to guess when the other is ready.
+        let listeners = paths.each_ref().map(|path| {
+            let _of_the_start_before = fs::remove_file(path);
+            UnixListener::bind(path).expect("a socket in a folder of its own")
+        });
+        for (uart, path) in paths.iter().enumerate() {
+            qemu.args(["-chardev", &format!("socket,id=uart{uart},path={path},mux=on")]);
+            qemu.args(["-serial", &format!("chardev:uart{uart}")]);
+        }
+        let mut child = spawn(&mut qemu);
+        let lines = listeners.map(|listener| accept(&listener, &mut child));
+        Emulator { place: self.clone(), child, lines }
     }
 }
 
@@ -150,25 +190,6 @@ impl Drop for Emulator {
     }
 }
 
-/// QEMU in this folder, with UART 0 to 3 as sockets there, all open.
-fn power_on(name: &str, scratch: &Scratch, clock: Clock) -> (Child, [UnixStream; LINES]) {
-    let mut qemu = command(&image(name), scratch, clock);
-    qemu.args(NO_ESCAPE);
-    let paths: [String; LINES] = std::array::from_fn(|uart| scratch.path(&format!("uart{uart}")));
-    // The test listens and QEMU calls: nobody has to guess when the other is ready.
-    let listeners = paths.each_ref().map(|path| {
-        let _of_the_start_before = fs::remove_file(path);
-        UnixListener::bind(path).expect("a socket in a folder of its own")
-    });
-    for (uart, path) in paths.iter().enumerate() {
-        qemu.args(["-chardev", &format!("socket,id=uart{uart},path={path},mux=on")]);
-        qemu.args(["-serial", &format!("chardev:uart{uart}")]);
-    }
-    let mut child = spawn(&mut qemu);
-    let lines = listeners.map(|listener| accept(&listener, &mut child));
-    (child, lines)
-}
-
 /// What every start has in common; the console goes to a file.
 fn command(image: &Path, scratch: &Scratch, clock: Clock) -> Command {
     let mut qemu = Command::new("qemu-system-arm");
@@ -176,6 +197,8 @@ fn command(image: &Path, scratch: &Scratch, clock: Clock) -> Command {
     qemu.args(clock.arguments()).args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
     // What the board keeps in files in place of flash goes with the folder.
     qemu.current_dir(Path::new(&scratch.path("console")).parent().expect("a folder"));
+    // Another one than that of an emulator that still writes.
+    let _of_the_start_before = fs::remove_file(scratch.path("console"));
     qemu.stdin(Stdio::null()).stdout(File::create(scratch.path("console")).expect("a file for the console"));
     qemu
 }

@@ -6,19 +6,25 @@ use arcfeed_firmware::supervisor::report::Alarm;
 use arcfeed_firmware::supervisor::signals::BoardFault;
 use arcfeed_firmware::supervisor::state::State;
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::Span;
+use arcfeed_shared::units::{Micros, Span};
 use arcfeed_shared::wire::link::{LinkState, Loss};
 use arcfeed_shared::wire::message::codes::RequestCode;
+use arcfeed_tests::noticed::{Noticed, assert_explained};
 
 use crate::example::moves;
 use crate::recorded::{Recorded, ibr_slot};
-use crate::world::{Board, Channel, Host, World, standing};
+use crate::world::{Board, Channel, Host, TICK, World, standing};
 
+/// Of each kind.
+const POINTS: u64 = 100;
+/// Of a thousand frames a line may spoil so many, and one that is hardly a line.
+const SPOILT_PER_MILLE: u64 = 50;
+const BAD_PER_MILLE: u64 = 300;
 /// How long the machine goes on before, at most, and after, ticks.
 const BEFORE: usize = 3_000;
 const AFTER: usize = 1_500;
-/// The link's patience with silence, and the slowest hello, ticks.
-const LOST: u32 = 250;
+/// The link's patience with silence, ticks.
+const LOST: usize = 250;
 
 /// A machine under way: the moves from one on, and where it is at each tick from its beginning on.
 struct UnderWay {
@@ -46,7 +52,7 @@ impl UnderWay {
         let all = moves(run);
         let first = random.below(all.len() - 4);
         let tick = run.ticks.iter().position(|(_, _, begun)| *begun == first + 1).expect("it began");
-        let (latency, lost) = (random.below(20) as u64, random.below(2) as u64 * 50);
+        let (latency, lost) = (random.below(20) as u64, random.below(2) as u64 * SPOILT_PER_MILLE);
         let channels = [seed, seed + 1].map(|seed| Channel::new(latency, lost, seed));
         let mut world = World::new(&run.job, &all[first..], channels);
         world.sensors = standing(run.ticks[tick].0, run.job.spindle);
@@ -68,7 +74,7 @@ impl UnderWay {
     }
 
     /// Ticks until something holds.
-    fn until(&mut self, most: u32, holds: impl Fn(&World) -> bool) -> u32 {
+    fn until(&mut self, most: usize, holds: impl Fn(&World) -> bool) -> usize {
         for ticks in 0..=most {
             if holds(&self.world) {
                 return ticks;
@@ -78,20 +84,38 @@ impl UnderWay {
         panic!("not within {most} ticks: {:?}", self.world.output);
     }
 
+    /// From now on the line spoils so many of a thousand frames either way; how many before.
+    fn spoil(&mut self, per_mille: u64) -> u64 {
+        let World { up, down, .. } = &mut self.world;
+        up.lost_per_mille = per_mille;
+        std::mem::replace(&mut down.lost_per_mille, per_mille)
+    }
+
+    /// Frames that a channel spoilt of those sent since then that have come through; `None` if it spoils none.
+    fn spoilt(&self, channel: &Channel, since: Micros) -> Option<usize> {
+        let counts = |sent: &&Micros| **sent > since && sent.after(channel.latency) <= self.world.now;
+        (channel.lost_per_mille > 0).then(|| channel.spoilt.iter().filter(counts).count())
+    }
+
     fn state(&self) -> State {
         self.world.output.expect("a tick").state
     }
 }
 
-/// Ticks till the board noticed that its host is another one; the rest is asserted.
-fn host_restarts(seed: u64) -> u32 {
+/// When the board noticed that its host is another one, on a line as bad as told until then; the rest is asserted.
+fn host_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     let mut way = UnderWay::new(seed);
     let was_engaged = way.state().is_engaged();
     assert!(was_engaged, "{:?}", way.state());
     let before = way.world.output.expect("a tick").feed_override.percent;
-    let rest: Vec<_> = way.all[way.first..].to_vec();
+    let (rest, since) = (way.all[way.first..].to_vec(), way.world.now);
     way.world.host = Host::new(1_000 + seed as u32, &way.run.job, &rest);
-    let noticed = way.until(LOST + 60, |world| !world.output.expect("a tick").state.is_engaged());
+    let usual = per_mille.map(|per_mille| way.spoil(per_mille));
+    let after = way.until(LOST + 60, |world| !world.output.expect("a tick").state.is_engaged());
+    // What the host says in a tick, the board may hear in it.
+    let down = &way.world.down;
+    let noticed = Noticed { after, way: 1 + ticks(down.latency), spoilt: way.spoilt(down, since) };
+    usual.map(|usual| way.spoil(usual));
     let output = way.world.output.expect("a tick");
     assert!(matches!(output.state, State::Fallback { .. }), "{:?}", output.state);
     assert_eq!(output.alarm, Alarm::Latched);
@@ -120,16 +144,20 @@ fn host_restarts(seed: u64) -> u32 {
     noticed
 }
 
-/// Ticks till the host noticed that its board is another one; the rest is asserted.
-fn board_restarts(seed: u64) -> u32 {
+/// When the host noticed that its board is another one, on a line as bad as told until then; the rest is asserted.
+fn board_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     let mut way = UnderWay::new(seed);
-    let is_bitten = seed.is_multiple_of(3);
+    let (is_bitten, since) = (seed.is_multiple_of(3), way.world.now);
     way.world.board = Board::boot(2 + seed as u32, is_bitten.then_some(BoardFault::Watchdog));
+    let usual = per_mille.map(|per_mille| way.spoil(per_mille));
     let first = way.step();
     assert_eq!(first, 0, "power-on is 0 %");
-    let noticed = way.until(LOST + 60, |world| world.host.loss().is_some());
-    // The peer's hello tells at once, a line that lost it only silence.
-    assert!(matches!(way.world.host.loss(), Some(Loss::PeerRestarted | Loss::Silence)), "{:?}", way.world.host.loss());
+    let after = 1 + way.until(LOST + 60, |world| world.host.loss().is_some());
+    assert_eq!(way.world.host.loss(), Some(Loss::PeerRestarted));
+    // What the board says in a tick, the host hears in the next one at the earliest.
+    let up = &way.world.up;
+    let noticed = Noticed { after, way: 1 + ticks(up.latency).max(1), spoilt: way.spoilt(up, since) };
+    usual.map(|usual| way.spoil(usual));
     let sent = way.world.host.link.counters().frames_out;
     let mut last = way.world.output.expect("a tick").feed_override.percent;
     for _ in 0..AFTER {
@@ -148,26 +176,28 @@ fn board_restarts(seed: u64) -> u32 {
     noticed
 }
 
-fn worst(points: u64, restart: fn(u64) -> u32) -> u32 {
-    let mut noticed: Vec<u32> = (0..points).map(restart).collect();
-    noticed.sort_unstable();
-    println!(
-        "{points} points: noticed after {} ticks at the median, {} at worst",
-        noticed[noticed.len() / 2],
-        noticed[noticed.len() - 1]
-    );
-    noticed[noticed.len() - 1]
+fn ticks(time: Micros) -> usize {
+    (time.0 / TICK.0) as usize
+}
+
+fn points(restart: fn(u64, Option<u64>) -> Noticed, per_mille: Option<u64>) -> Vec<Noticed> {
+    (0..POINTS).map(|seed| restart(seed, per_mille)).collect()
 }
 
 #[test]
 fn a_host_that_begins_anew_at_any_point_is_noticed_and_arms_nothing() {
-    // Never later than a silence would be: its hello is heard at once, or the line lost it.
-    assert!(worst(100, host_restarts) <= LOST + 25);
+    assert_explained("host", &points(host_restarts, None));
 }
 
 #[test]
 fn a_board_that_begins_anew_at_any_point_is_noticed_and_boots_disarmed() {
-    assert!(worst(100, board_restarts) <= LOST + 25);
+    assert_explained("board", &points(board_restarts, None));
+}
+
+#[test]
+fn on_a_line_that_spoils_nearly_every_third_frame_it_takes_as_many_more_hellos_as_are_spoilt() {
+    assert_explained("host, bad line", &points(host_restarts, Some(BAD_PER_MILLE)));
+    assert_explained("board, bad line", &points(board_restarts, Some(BAD_PER_MILLE)));
 }
 
 #[test]

@@ -29,10 +29,12 @@ const AHEAD: usize = 17;
 
 /// One direction of the line.
 pub struct Channel {
-    latency: Micros,
+    pub latency: Micros,
     /// Of a thousand frames.
     pub lost_per_mille: u64,
     random: u64,
+    /// When it spoilt a frame.
+    pub spoilt: Vec<Micros>,
     on_its_way: VecDeque<(Micros, Vec<u8>)>,
     /// Whether it is plugged in.
     pub is_open: bool,
@@ -83,6 +85,7 @@ impl Channel {
             latency: Micros::from_ms(latency_ms),
             lost_per_mille,
             random,
+            spoilt: Vec::new(),
             on_its_way: VecDeque::new(),
             is_open: true,
         }
@@ -99,6 +102,7 @@ impl Channel {
         let is_spoilt = self.bits() % 1_000 < self.lost_per_mille;
         let mut frame = frame.to_vec();
         if is_spoilt {
+            self.spoilt.push(now);
             let at = self.bits() as usize % frame.len();
             // Half of the spoilt frames are gone, half have a wrong byte.
             match self.bits() % 2 {

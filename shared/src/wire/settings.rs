@@ -9,6 +9,8 @@ pub const BITS_PER_BYTE: u64 = 10;
 const HEARTBEAT_MIN: Span = Span::from_ms(1);
 const HEARTBEAT_MAX: Span = Span::from_ms(50_000);
 const DRIFT_MAX_PPM: u32 = 10_000;
+/// A line that is only greeted on has room: who begins anew is noticed within a heartbeat even if two hellos are spoilt.
+const HELLOS_PER_HEARTBEAT: u32 = 3;
 
 /// Who speaks: each end must hear the other one, not an echo of itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,6 +99,11 @@ impl LinkSettings {
             drift_max_ppm: 500,
             bad_frames_max: 20,
         }
+    }
+
+    /// Time between two hellos, of an end that greets.
+    pub const fn hello_every(&self) -> Span {
+        Span(self.heartbeat.0 / HELLOS_PER_HEARTBEAT)
     }
 
     /// How long the longest frame takes on the line.

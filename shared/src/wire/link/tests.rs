@@ -271,6 +271,21 @@ fn another_version_is_named_by_its_number() {
 }
 
 #[test]
+fn who_begins_anew_is_noticed_within_a_heartbeat_though_two_of_its_hellos_are_lost() {
+    for lost in 0..4 {
+        let (mut a, _) = up();
+        let (mut anew, heartbeat) = (Link::new(settings(Role::Board), 33).unwrap(), settings(Role::Board).heartbeat);
+        let (mut hellos, began) = (0, 5);
+        let until = began + u64::from(heartbeat.0) / 1_000;
+        run((&mut a, &mut anew), [began, until], |is_down, _| {
+            hellos += usize::from(!is_down);
+            hellos > lost
+        });
+        assert_eq!(a.state() == LinkState::Lost(Loss::PeerRestarted), lost < 3, "{lost} lost");
+    }
+}
+
+#[test]
 fn an_end_that_hears_itself_never_comes_up() {
     let (mut a, _) = ends();
     for ms in 0..500 {

@@ -53,7 +53,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
             return 0;
         }
         let is_up = self.state == LinkState::Up;
-        self.due.hello = if is_up { NEVER } else { later(now, self.settings.heartbeat) };
+        self.due.hello = if is_up { NEVER } else { later(now, self.settings.hello_every()) };
         let peer_session = self.peer.map_or(0, |peer| peer.session);
         let hello = Hello::new(&self.settings, self.session, peer_session, self.echo(now));
         // Whatever was on the line before a greeting is not ours.

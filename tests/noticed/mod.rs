@@ -1,0 +1,65 @@
+//! How soon the other side knew of a restart, and that the line explains all of it.
+//!
+//! Who begins anew greets in its first period and then with each third of a heartbeat, and as long as it greets nothing but hellos goes
+//! its way. So one spoilt byte or frame is one spoilt hello, and no hello suffers from another one: there is a delimiter
+//! before each. The other side knows in the period
+//!
+//! ```text
+//! noticed = way + k * hello     (1)
+//! ```
+//!
+//! way: periods until a first hello is heard that nothing spoils, its own among them; k: hellos spoilt before the first that
+//! was not. Up to a k of three that is within a heartbeat and the way.
+
+use arcfeed_shared::units::US_PER_MS;
+use arcfeed_shared::wire::message::link_settings;
+use arcfeed_shared::wire::settings::Role;
+
+/// What a restart came to, in periods of a millisecond.
+#[derive(Clone, Copy, Debug)]
+pub struct Noticed {
+    /// Until the other side knew.
+    pub after: usize,
+    /// Until it hears a hello that nothing spoils.
+    pub way: usize,
+    /// Hellos that were spoilt before; `None` on a line that spoils none.
+    pub spoilt: Option<usize>,
+}
+
+/// A third of the heartbeat of host and board, and the heartbeat.
+fn hello_and_heartbeat() -> [usize; 2] {
+    let settings = link_settings(Role::Board);
+    [settings.hello_every(), settings.heartbeat].map(|span| span.0 as usize / US_PER_MS as usize)
+}
+
+/// Each one is just as late as its line explains; prints the median and the worst of each kind of line, and who began anew.
+///
+/// # Panics
+/// Something else cost time.
+pub fn assert_explained(who: &str, points: &[Noticed]) {
+    let [hello, heartbeat] = hello_and_heartbeat();
+    assert_eq!(3 * hello, heartbeat);
+    for point in points {
+        let explained = point.way + hello * point.spoilt.unwrap_or_default(); // (1)
+        assert_eq!(point.after, explained, "{point:?}");
+    }
+    let spoilt_max = points.iter().filter_map(|point| point.spoilt).max();
+    print_kind(&format!("{who}, line that spoils nothing"), points.iter().filter(|point| point.spoilt.is_none()));
+    for spoilt in 0..=spoilt_max.unwrap_or_default() {
+        let kind = format!("{who}, line that spoils, {spoilt} hellos spoilt");
+        print_kind(&kind, points.iter().filter(|point| point.spoilt == Some(spoilt)));
+    }
+    print_kind(&format!("{who}, all"), points.iter());
+    let is_within = |point: &&Noticed| point.after <= heartbeat + point.way;
+    println!("{who}, within {heartbeat} ms: {}", points.iter().filter(|point| point.after <= heartbeat).count());
+    println!("{who}, within {heartbeat} ms and the way: {}", points.iter().filter(is_within).count());
+}
+
+fn print_kind<'a>(kind: &str, points: impl Iterator<Item = &'a Noticed>) {
+    let mut after: Vec<usize> = points.map(|point| point.after).collect();
+    after.sort_unstable();
+    if let Some(worst) = after.last() {
+        let median = after[after.len() / 2];
+        println!("{kind}: {} points, noticed after {median} ms at the median, {worst} at worst", after.len());
+    }
+}
