@@ -4,8 +4,8 @@
 //!
 //! ```text
 //! a to -d at -J,  -d for h,  -d to 0 at +J
-//! d = sqrt(J (v - c) + a^2/2), h = 0            where that is at most A     (1)
-//! d = A, h = (v - c + (a^2 - 2 A^2)/2J)/A       else                        (2)
+//! d = min(sqrt(J (v - c) + a^2/2), A)           (1)
+//! h: what of v - c both ramps leave, over d     (2)
 //! ```
 //!
 //! Source: the jerk-limited profile of Erkorkmaz, Altintas, High speed CNC system design, part I, Int. J. Machine Tools &
@@ -62,15 +62,13 @@ impl Brake {
             return Some(Brake { from, to: speed, phases: [(jerk, until_s), (0.0, 0.0), (0.0, 0.0)], tail });
         }
         let a = from.acceleration;
-        let peak = libm::sqrt((jerk * (from.speed - speed) + 0.5 * a * a).max(0.0)); // (1)
-        let (peak, hold_s) = if peak <= most {
-            (peak, 0.0)
-        } else {
-            (most, ((from.speed - speed + (a * a - 2.0 * most * most) / (2.0 * jerk)) / most).max(0.0)) // (2)
-        };
-        let ramp_s = (a + peak) / jerk;
+        let peak = libm::sqrt((jerk * (from.speed - speed) + 0.5 * a * a).max(0.0)).min(most); // (1)
         // Braking harder than is allowed here, it eases first.
-        let first = if ramp_s < 0.0 { (jerk, -ramp_s) } else { (-jerk, ramp_s) };
+        let turn = if a < -peak { jerk } else { -jerk };
+        let ramp_s = (-peak - a) / turn;
+        let held = from.speed + 0.5 * (a - peak) * ramp_s - 0.5 * peak * peak / jerk - speed;
+        let hold_s = if peak > 0.0 { (held / peak).max(0.0) } else { 0.0 }; // (2)
+        let first = (turn, ramp_s);
         Some(Brake { from, to: speed, phases: [first, (0.0, hold_s), (jerk, peak / jerk)], tail: (0.0, 0.0) })
     }
 
@@ -147,7 +145,7 @@ mod tests {
     #[test]
     fn every_way_down_ends_at_its_speed_without_acceleration() {
         for speed in [0.0, 3.0, 40.0] {
-            for from in [(50.0, 0.0), (50.0, 400.0), (50.0, -300.0), (90.0, 500.0), (41.0, 10.0)] {
+            for from in [(50.0, 0.0), (50.0, 400.0), (50.0, -300.0), (90.0, 500.0), (41.0, 10.0), (90.0, -900.0)] {
                 let from = Motion { speed: from.0, acceleration: from.1 };
                 let Some(brake) = Brake::to(speed, from, &LIMITS) else { continue };
                 let (_, end) = brake.after(brake.lasts_s());
