@@ -55,12 +55,12 @@ impl Placing {
     }
 }
 
-/// A machine's file.
+/// A machine, by its file or as a preset.
 ///
 /// # Errors
 /// It cannot be read, or describes no machine.
 pub fn load_machine(path: &Path) -> Result<MachineFile, Failure> {
-    MachineFile::load(path).map_err(Failure::Input)
+    MachineFile::named(path).map_err(Failure::Input)
 }
 
 /// CL data.
