@@ -11,6 +11,10 @@ mod published;
 
 mod leading_edge;
 
+mod following;
+
+mod governing;
+
 mod round_trip;
 
 mod course;
