@@ -48,8 +48,10 @@ pub struct ProgramLine {
     pub meaning: Option<Understood>,
     /// The workpiece's origin, on the path: of the work coordinate system in force, shifted by G92.
     pub origin: Pose,
-    /// Under G43.4 the tool's length: the line's coordinates are those of the tool's tip in the part.
-    pub tip_control: Option<Nm>,
+    /// What Z is longer by in machine coordinates.
+    pub tool_length: Nm,
+    /// G43.4: its coordinates are those of the tool's tip in the part, and the machine's axes follow.
+    pub follows_tip: bool,
 }
 
 /// Something to tell about a place in the program.
@@ -89,15 +91,15 @@ impl ProgramLine {
     /// A line behind which a control stands like `reader`.
     fn new(text: &[u8], ending: &[u8], meaning: Option<Understood>, reader: &Reader) -> Self {
         let (modal, tables) = (reader.modal(), reader.tables());
-        let tip_control = modal.follows_tool_center.then(|| modal.tool_length(tables));
-        let origin = modal.work_origin(tables);
-        ProgramLine { origin, tip_control, ..ProgramLine::bare(text, ending, meaning) }
+        let (origin, tool_length) = (modal.work_origin(tables), modal.tool_length(tables));
+        let follows_tip = modal.follows_tool_center;
+        ProgramLine { origin, tool_length, follows_tip, ..ProgramLine::bare(text, ending, meaning) }
     }
 
     /// A line that no control has carried out.
     fn bare(text: &[u8], ending: &[u8], meaning: Option<Understood>) -> Self {
         let (text, ending) = (text.to_vec(), ending.to_vec());
-        ProgramLine { text, ending, meaning, origin: Pose::ORIGIN, tip_control: None }
+        ProgramLine { text, ending, meaning, origin: Pose::ORIGIN, tool_length: Nm(0), follows_tip: false }
     }
 
     /// Its move, seen from the workpiece's origin; nothing for blocks that make several.

@@ -6,12 +6,12 @@
 use arcfeed_shared::job::Job;
 use arcfeed_shared::kinematics::follow::TipMove;
 use arcfeed_shared::kinematics::forward::Setup;
-use arcfeed_shared::kinematics::machine::{Letter, Machine};
+use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::machine::{FeedLimit, LimitedBy};
-use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{MicroDeg, MmPerMin, Nm};
+use arcfeed_shared::units::{MmPerMin, Nm};
 
+use crate::post::walk::rotary_deg;
 use crate::program::ProgramLine;
 
 /// The fastest feed on a move.
@@ -48,26 +48,17 @@ impl From<MoveLimit> for FeedLimit {
 /// Whether a line is a straight cutting move under G43.4.
 pub fn is_tip_line(line: &ProgramLine) -> bool {
     let segment = line.meaning.as_ref().and_then(|meaning| meaning.segment);
-    line.tip_control.is_some() && segment.is_some_and(|segment| segment.path == Path::Line)
+    line.follows_tip && segment.is_some_and(|segment| segment.path == Path::Line)
 }
 
 /// A move under G43.4 by the machine's kinematics.
 fn of_tip(line: &ProgramLine, machine: &Machine) -> Option<MoveLimit> {
-    let tool_length = line.tip_control.filter(|_| is_tip_line(line))?;
-    let segment = line.meaning.as_ref()?.segment?;
-    let setup = Setup { part_zero_mm: [0.0; 3], tool_length_mm: tool_length.to_mm() };
+    let segment = line.meaning.as_ref()?.segment.filter(|_| is_tip_line(line))?;
+    let setup = Setup { part_zero_mm: [0.0; 3], tool_length_mm: line.tool_length.to_mm() };
     let ends = [segment.start, segment.end];
     let tip_mm = ends.map(|pose| pose.linear.map(Nm::to_mm));
     let found =
         machine.tip_feed(&TipMove { tip_mm, rotary_deg: ends.map(|pose| rotary_deg(&pose, machine)) }, &setup)?;
     let axis = found.axis.to_string().chars().next();
     Some(MoveLimit { feed_mm_per_min: found.feed_mm_per_min, by: LimitedBy::Axis, axis })
-}
-
-/// Where a program has a machine's rotary axes.
-pub fn rotary_deg(pose: &Pose, machine: &Machine) -> [f64; 2] {
-    machine.rotary().each_ref().map(|axis| {
-        let at = Letter::ALL.iter().zip(pose.rotary).find(|(letter, _)| **letter == axis.letter);
-        at.map_or(0.0, |(_, MicroDeg(at))| MicroDeg(at).to_deg())
-    })
 }
