@@ -7,7 +7,7 @@ use arcfeed::program::Program;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::rig::Rig;
 use arcfeed_shared::units::Nm;
-use arcfeed_tests::{Scratch, run};
+use arcfeed_tests::{Scratch, root, run};
 use serde_json::Value;
 
 /// The tip goes up by 20 mm at radius 100 while C turns by 30 degrees, then by 90 while X and Y of the machine go round.
@@ -35,7 +35,23 @@ fn blocks(job: &str) -> Vec<Value> {
 #[test]
 fn the_plan_sends_what_the_axes_can_follow_and_names_the_one_that_sets_it() {
     let scratch = Scratch::new("governing-plan");
-    let planned = blocks(&job(&scratch, "safe-base", MACHINE));
+    for mode in ["safe-base", "rewrite-only"] {
+        assert_planned(&blocks(&job(&scratch, mode, MACHINE)));
+    }
+    let copied =
+        std::fs::read_to_string(root().join("examples/machines/mikron-ucp710.toml")).expect("an example machine");
+    std::fs::create_dir_all(scratch.path("machines")).expect("a scratch folder");
+    scratch.write("machines/mikron.toml", copied);
+    let by_file = MACHINE.replace("preset = 'mikron-ucp710'", "file = 'machines/mikron.toml'");
+    assert_planned(&blocks(&job(&scratch, "safe-base", &by_file)));
+    let said = run(&["adapt", &job(&scratch, "safe-base", MACHINE)]);
+    assert!(String::from_utf8_lossy(&said.stdout).contains("axis, limited by C to 1600.00"));
+    // Without its kinematics nobody knows what X and Y do.
+    let unnamed = blocks(&job(&scratch, "safe-base", "[machine]\nmax_feed = { x = 5000 }\n"));
+    assert!(unnamed.iter().skip(1).all(|block| block["reason"] == "special" && block["sent_feed"] == 1_000.0));
+}
+
+fn assert_planned(planned: &[Value]) {
     for (line, axis, closed, reason) in [(6, "C", BY_C, "axis"), (7, "X", BY_X, "axis"), (8, "Z", 20_000.0, "law")] {
         let block = planned.iter().find(|block| block["line"] == line).expect("a block");
         let (limit, sent) =
@@ -44,11 +60,6 @@ fn the_plan_sends_what_the_axes_can_follow_and_names_the_one_that_sets_it() {
         assert_eq!((&block["limit_axis"], &block["reason"]), (&axis.into(), &reason.into()));
         assert!(limit <= closed && limit > closed * (1.0 - 1.1e-3) && sent <= limit, "{block}");
     }
-    let said = run(&["adapt", &job(&scratch, "safe-base", MACHINE)]);
-    assert!(String::from_utf8_lossy(&said.stdout).contains("axis, limited by C to 1600.00"));
-    // Without its kinematics nobody knows what X and Y do.
-    let unnamed = blocks(&job(&scratch, "safe-base", "[machine]\nmax_feed = { x = 5000 }\n"));
-    assert!(unnamed.iter().skip(1).all(|block| block["reason"] == "special" && block["sent_feed"] == 1_000.0));
 }
 
 /// The overrides put out while each move is in work, by the tip's height at its end.
@@ -88,4 +99,29 @@ fn the_controller_asks_for_no_more_than_the_axes_can_follow() {
     );
     let unnamed = overrides(&job(&scratch, "override-only", ""));
     assert!(unnamed.iter().filter(|(top, _)| top.0 > Nm::from_mm(50.0).0).all(|(_, percent)| *percent == 100));
+}
+
+#[test]
+fn over_the_line_it_is_the_same_and_a_board_leaves_such_moves_alone() {
+    let scratch = Scratch::new("governing-stream");
+    let job = job(&scratch, "override-only", MACHINE);
+    let journal = scratch.path("journal");
+    let report = |arguments: &[&str]| -> Value {
+        let output = run(&[arguments, &["--json"]].concat());
+        serde_json::from_slice(&output.stdout)
+            .unwrap_or_else(|error| panic!("{error}: {}", String::from_utf8_lossy(&output.stderr)))
+    };
+    let simulated = report(&["simulate", &job]);
+    let streamed = report(&["stream", &job, "--journal", &journal]);
+    let boarded = report(&["stream", &job, "--board", "sim:", "--journal", &journal]);
+    println!(
+        "{} s, {} s, with a board {} s",
+        simulated["cycle_time_s"], streamed["cycle_time_s"], boarded["cycle_time_s"]
+    );
+    assert_eq!(simulated["override"]["min"], 38);
+    assert_eq!(
+        [&simulated["override"], &simulated["cycle_time_s"]],
+        [&streamed["override"], &streamed["cycle_time_s"]]
+    );
+    assert_eq!(boarded["override"], Value::Null);
 }

@@ -248,8 +248,8 @@ impl<'a> Writer<'a> {
         let FeedPolicy::RewriteOnly(settings) = &self.job.policy else { return None };
         let teeth_per_min = teeth_per_min(self.job);
         let most_ratio = f64::from(self.job.limits.max_percent) / f64::from(PERCENT);
-        let (segment, modes) = (&block.segment, self.modes);
-        let governed = Governed { line, segment, profile, modes, before, teeth_per_min, most_ratio };
+        let (segment, modes, limit_mm_per_min) = (&block.segment, self.modes, block.limit_mm_per_min());
+        let governed = Governed { line, segment, profile, modes, before, teeth_per_min, most_ratio, limit_mm_per_min };
         let split = governed.split(settings, &mut self.feeds)?;
         block.chip_error = ChipError::of(&split.pieces, profile, teeth_per_min);
         block.sent = split.pieces.iter().map(|piece| piece.feed).min();
@@ -294,6 +294,10 @@ impl PlannedBlock {
         }
     }
 
+    fn limit_mm_per_min(&self) -> f64 {
+        self.limit.map_or(f64::INFINITY, |limit| limit.feed_mm_per_min)
+    }
+
     /// As written in tables and JSON.
     pub fn kind(&self) -> &'static str {
         match self.segment.path {
@@ -330,7 +334,7 @@ fn govern(block: &mut PlannedBlock, job: &Job, unit: LengthUnit) -> Option<Profi
         return None;
     };
     block.wish = Some(wish);
-    let limit_mm_per_min = block.limit.map_or(f64::INFINITY, |limit| limit.feed_mm_per_min);
+    let limit_mm_per_min = block.limit_mm_per_min();
     if job.policy != FeedPolicy::OverrideOnly {
         block.sent = Some(rewrite::round_down(wish.safe_mm_per_min.min(limit_mm_per_min), unit));
     }

@@ -1,7 +1,7 @@
 //! `arcfeed check`: what a control would say to a program.
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use annotate_snippets::Renderer;
 use arcfeed_shared::kinematics::between::Mode;
@@ -16,6 +16,7 @@ use crate::job::{ControlKind, JobFile};
 use crate::machine_file::MachineFile;
 use crate::post::back;
 use crate::post::cl::Cl;
+use crate::post::finding::What;
 use crate::post::judge::judge;
 use crate::post::plan::Plan;
 use crate::program::{Diagnostic, Expansion, Program, ProgramLine, Severity, Tally};
@@ -99,10 +100,15 @@ impl Check {
     /// # Errors
     /// The program has errors, or cannot be read.
     pub fn run(&self) -> Result<(), Failure> {
-        match &self.machine {
-            Some(machine) if is_cl(&self.program) => return self.run_cl(&load_machine(machine)?),
-            Some(machine) if self.is_by_direction()? => return self.run_directions(&load_machine(machine)?),
-            _ => {}
+        if let Some(machine) = &self.machine {
+            if is_cl(&self.program) {
+                return self.run_cl(&load_machine(machine)?);
+            }
+            let path = self.program_path()?;
+            let bytes = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+            if back::is_by_direction(&bytes) {
+                return self.run_directions(&path, &bytes, &load_machine(machine)?);
+            }
         }
         let (job, program, control) = self.read()?;
         let counts = count(&program);
@@ -128,8 +134,7 @@ impl Check {
     /// The program, read as its control would.
     fn read(&self) -> Result<(Option<JobFile>, Program, ControlKind), Failure> {
         let reading = if self.strict { Reading::Strict } else { Reading::Lenient };
-        let is_job = self.program.extension().is_some_and(|extension| extension == "toml");
-        let job = is_job.then(|| JobFile::load(&self.program)).transpose()?;
+        let job = self.is_job().then(|| JobFile::load(&self.program)).transpose()?;
         let path = job.as_ref().map_or(&self.program, |file| &file.program);
         let of_job = job.as_ref().map_or(ControlKind::Fanuc16i, |file| file.control);
         let control = self.control.unwrap_or(of_job);
@@ -145,10 +150,13 @@ impl Check {
         Ok((job, program, control))
     }
 
-    /// Whether the program gives directions by I, J, K (G43.5), which no control here interprets.
-    fn is_by_direction(&self) -> Result<bool, Failure> {
-        let bytes = std::fs::read(&self.program).map_err(|error| file_failure(&self.program, &error))?;
-        Ok(back::is_by_direction(&bytes))
+    /// The program itself, or that of the job.
+    fn program_path(&self) -> Result<PathBuf, Failure> {
+        Ok(if self.is_job() { JobFile::load(&self.program)?.program } else { self.program.clone() })
+    }
+
+    fn is_job(&self) -> bool {
+        self.program.extension().is_some_and(|extension| extension == "toml")
     }
 
     /// CL data on a machine.
@@ -159,21 +167,23 @@ impl Check {
                 "--strict, --control, --settings, --decimals and --library are for NC programs, not for CL data";
             return Err(Failure::Usage(advice.into()));
         }
-        self.run_points(&load_cl(&self.program)?, file)
+        let cl = load_cl(&self.program)?;
+        self.tell_points(&self.program, &cl, file, &Plan::new(&cl, &self.placing.task(file, None)))
     }
 
-    /// A program with directions on a machine: its points, for which the axes are chosen here.
-    fn run_directions(&self, file: &MachineFile) -> Result<(), Failure> {
-        let bytes = std::fs::read(&self.program).map_err(|error| file_failure(&self.program, &error))?;
-        let read = back::read(&bytes, &file.machine, &self.placing.setup(), Mode::Tcp);
-        let cl = read.map_err(|error| Failure::Input(format!("{}:{error}", self.program.display())))?;
-        self.run_points(&cl, file)
+    /// A program with directions (G43.5), which no control here interprets: its points, for which the axes are chosen here.
+    fn run_directions(&self, path: &Path, bytes: &[u8], file: &MachineFile) -> Result<(), Failure> {
+        let read = back::read(bytes, &file.machine, &self.placing.setup(), Mode::Tcp);
+        let cl = read.map_err(|error| Failure::Input(format!("{}:{error}", path.display())))?;
+        let mut plan = Plan::new(&cl, &self.placing.task(file, None));
+        // Such a control keeps the tool axis on its arc by itself.
+        plan.findings.retain(|finding| !matches!(finding.what, What::Coarse { .. }));
+        self.tell_points(path, &cl, file, &plan)
     }
 
-    fn run_points(&self, cl: &Cl, file: &MachineFile) -> Result<(), Failure> {
-        let plan = Plan::new(cl, &self.placing.task(file, None));
+    fn tell_points(&self, path: &Path, cl: &Cl, file: &MachineFile, plan: &Plan) -> Result<(), Failure> {
         let (points, passed_over) = (cl.points.len(), Some(cl.passed_over));
-        self.tell(&Told { path: &self.program, points, passed_over, machine: &file.name, plan: &plan })
+        self.tell(&Told { path, points, passed_over, machine: &file.name, plan })
     }
 
     /// A program that says itself where the rotary axes go.
