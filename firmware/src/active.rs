@@ -55,9 +55,19 @@ struct MachineRatio {
 impl ActiveSegment {
     /// Prepares a segment of the program as the control received it, with the cut rule that speaks of it.
     pub fn new(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
+        ActiveSegment::limited(segment, rule, job, || job.machine.feed_limit(segment))
+    }
+
+    /// The same where the fastest feed on the segment is known from elsewhere; it is only asked where the override acts.
+    pub fn limited(
+        segment: &Segment,
+        rule: Option<&CutRule>,
+        job: &Job,
+        limit: impl FnOnce() -> Option<FeedLimit>,
+    ) -> Self {
         let feed = match (&segment.path, segment.feed) {
             (Path::Line | Path::Arc(_), Feed::PerMinute(feed)) if feed.0 > 0 => {
-                Some(SentFeed::new(MmPerMin(feed.to_mm() as f32), job.machine.feed_limit(segment), job))
+                Some(SentFeed::new(MmPerMin(feed.to_mm() as f32), limit(), job))
             }
             _ => None,
         };

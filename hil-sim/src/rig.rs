@@ -1,10 +1,13 @@
 //! Control, machine, controller and meter on one time base: a run.
 
+use std::collections::VecDeque;
+
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::settings::SettingsError;
 use arcfeed_firmware::supervisor::signals::Signals;
 use arcfeed_shared::cut;
 use arcfeed_shared::job::{FeedPolicy, Job};
+use arcfeed_shared::machine::FeedLimit;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::{RADIUS_TOLERANCE, Segment};
 use arcfeed_shared::units::{Micros, Nm, PERCENT};
@@ -35,6 +38,19 @@ pub struct Rig<D = Told> {
     manner: Manner,
     /// The move begun last, and its rule.
     last: Option<(Segment, Option<usize>)>,
+    /// Those still to come.
+    foreseen: VecDeque<Foreseen>,
+}
+
+/// A move that cannot be looked at by itself, and what was worked out of it beforehand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Foreseen {
+    /// The move, in the workpiece's coordinates; its feed does not count.
+    pub segment: Segment,
+    /// Index of the cut rule that governs it.
+    pub rule: Option<usize>,
+    /// The fastest feed on it, where that is known.
+    pub limit: Option<FeedLimit>,
 }
 
 /// What the override did on one move that a cut rule speaks of.
@@ -90,7 +106,13 @@ impl<D: Decider> Rig<D> {
             first_move: None,
             manner: Manner::default(),
             last: None,
+            foreseen: VecDeque::new(),
         }
+    }
+
+    /// Takes what is known of special moves, in the order in which they come; one that never comes hides none behind it.
+    pub fn foresee(&mut self, moves: impl IntoIterator<Item = Foreseen>) {
+        self.foreseen = moves.into_iter().collect();
     }
 
     /// One step of everything: the control moves, the machine reports, the meter measures, the controller decides.
@@ -172,9 +194,12 @@ impl<D: Decider> Rig<D> {
         self.first_move.get_or_insert(self.now);
         let rules = &self.job.rules;
         let continued = self.last.filter(|(last, _)| self.is_in_pieces() && continues(last, segment));
+        let foreseen = if self.manner.is_special { foreseen(&mut self.foreseen, segment) } else { None };
         let found = match continued {
             Some((_, rule)) => rule.and_then(|index| Some((index, rules.get(index)?))),
-            None if self.manner.is_special => None,
+            None if self.manner.is_special => {
+                foreseen.and_then(|known| known.rule).and_then(|index| Some((index, rules.get(index)?)))
+            }
             None => cut::find(rules, segment, &self.job.tool),
         };
         match continued {
@@ -185,7 +210,8 @@ impl<D: Decider> Rig<D> {
             self.overrides.push(MoveOverride { min_percent: u8::MAX, max_percent: 0, changes: 0, last_percent: 0 });
         }
         self.last = Some((*segment, found.map(|(index, _)| index)));
-        self.decider.begin(Some(Begun { count, segment, rule: found.map(|(_, rule)| rule) }));
+        let limit = foreseen.and_then(|known| known.limit);
+        self.decider.begin(Some(Begun { count, segment, rule: found.map(|(_, rule)| rule), limit }));
     }
 
     fn shown(&self, position: &Pose, is_moving: bool) -> Shown {
@@ -211,6 +237,13 @@ impl<D: Decider> Rig<D> {
         figures.max_percent = figures.max_percent.max(percent);
         figures.last_percent = percent;
     }
+}
+
+/// The next of these moves that is this one; those before it are over.
+fn foreseen(ahead: &mut VecDeque<Foreseen>, segment: &Segment) -> Option<Foreseen> {
+    let is_it = |other: &Segment| (other.start, other.end, other.path) == (segment.start, segment.end, segment.path);
+    let at = ahead.iter().position(|known| is_it(&known.segment))?;
+    ahead.drain(..=at).next_back()
 }
 
 /// Whether an arc is the next piece of another: it has no N, begins where that one ended, and goes on about the same

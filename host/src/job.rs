@@ -27,6 +27,8 @@ use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
 
 use crate::control;
+use crate::machine_file::MachineFile;
+use crate::place::place;
 pub use dnc::{DncSettings, TapeCode};
 use schema::{JobTable, LawTable, Quantity, ToolTable};
 pub use serial::{Parity, SerialSettings};
@@ -46,6 +48,8 @@ pub struct JobFile {
     pub nc: Settings,
     /// Its offsets.
     pub tables: Tables,
+    /// The five-axis machine it runs on, where the job names one.
+    pub machine: Option<MachineFile>,
     /// The DNC line.
     pub serial: SerialSettings,
     /// What is sent on it, and how.
@@ -183,6 +187,7 @@ impl JobFile {
             settings: None,
             nc,
             tables: Tables::default(),
+            machine: None,
             serial,
             dnc: DncSettings::default(),
         }
@@ -201,7 +206,7 @@ impl JobFile {
             .and_then(|()| read())
             .and_then(|table| build(&table, path.parent().unwrap_or(Path::new(""))))
             .map_err(|(offset, message)| {
-                let [line, column] = questions::place(text, offset);
+                let [line, column] = place(text, offset);
                 let is_toml = path.extension().is_some_and(|extension| extension == "toml");
                 let hint = if is_toml { "" } else { " (this command takes a job file, JOB.toml, not a program)" };
                 JobError::Content { path: path.into(), line, column, message: format!("{message}{hint}") }
@@ -215,6 +220,7 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let feed_mm = length_mm(&table.law.feed_per_tooth, unit, "the feed per tooth")?;
     let tool = build_tool(&table.tool, unit)?;
     let law = build_law(&table.law, &tool)?;
+    let machine = machine::named(&table.machine, folder)?;
     let (rules, knots) = rules::build(&table.cut, &Around { unit, tool: &tool, law })?;
     let job = Job {
         unit,
@@ -223,12 +229,13 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
         feed_per_tooth: MmPerTooth(feed_mm as f32),
         policy: sending::policy(&table.r#override, unit)?,
         limits: sending::limits(&table.r#override)?,
-        machine: machine::build(table, unit)?,
+        machine: machine::build(table, unit, machine.as_ref())?,
         rules,
         knots,
         tool,
     };
     let preset = &table.control.preset;
+    let machine = machine.map(|file| machine::with_limits(file, &job.machine));
     let control = ControlKind::named(preset.as_ref()).map_err(|message| at(preset, message))?;
     let place = table.control.settings.as_ref();
     let settings = place.map(|file| folder.join(file.as_ref()));
@@ -237,7 +244,7 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let program = folder.join(table.program.as_ref());
     let serial = serial::build(&table.serial)?;
     let dnc = dnc::build(&table.dnc, &serial)?;
-    Ok(JobFile { job, program, control, settings, nc, tables, serial, dnc })
+    Ok(JobFile { job, program, control, settings, nc, tables, machine, serial, dnc })
 }
 
 fn build_tool(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {

@@ -3,6 +3,8 @@
 //! Modules stand in the order in which data flows; a module imports only from those above it. Only
 //! [`commands`] knows the simulator.
 
+mod place;
+
 pub mod control;
 
 pub mod machine_file;

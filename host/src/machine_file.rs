@@ -17,10 +17,15 @@
 //! max_feed = 20000
 //! ```
 
+mod presets;
+
 use std::path::Path;
 
-use arcfeed_shared::kinematics::machine::{Carries, Letter, LinearAxis, Machine, RotaryAxis};
+use arcfeed_shared::kinematics::machine::{AxisName, Carries, Letter, LinearAxis, Machine, MachineError, RotaryAxis};
 use serde::Deserialize;
+use toml::Spanned;
+
+use crate::place::place;
 
 /// A machine with its name.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +41,7 @@ pub struct MachineFile {
 struct MachineTable {
     name: String,
     tool: Option<[f64; 3]>,
-    rotary: [RotaryTable; 2],
+    rotary: [Spanned<RotaryTable>; 2],
     linear: LinearTables,
 }
 
@@ -56,9 +61,9 @@ struct RotaryTable {
 #[serde(deny_unknown_fields)]
 #[allow(non_snake_case, reason = "axes are named as in a program")]
 struct LinearTables {
-    X: LinearTable,
-    Y: LinearTable,
-    Z: LinearTable,
+    X: Spanned<LinearTable>,
+    Y: Spanned<LinearTable>,
+    Z: Spanned<LinearTable>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -87,24 +92,52 @@ impl MachineFile {
     /// Reads and checks a file.
     ///
     /// # Errors
-    /// The file, and what is wrong with it.
+    /// `file:line:column: what is wrong with it`, or that it cannot be read.
     pub fn load(path: &Path) -> Result<Self, String> {
-        let in_file = |error: String| format!("{}: {}", path.display(), error.trim_end());
-        let text = std::fs::read_to_string(path).map_err(|error| in_file(error.to_string()))?;
-        Self::parse(&text).map_err(in_file)
+        let shown = path.display();
+        let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
+        Self::parse(&text).map_err(|error| format!("{shown}:{error}"))
     }
 
     /// Checks a machine given as text.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// `line:column: what is wrong with it`.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let table: MachineTable = toml::from_str(text).map_err(|error| error.to_string())?;
+        let at = |offset: usize, message: String| {
+            let [line, column] = place(text, offset);
+            format!("{line}:{column}: {message}")
+        };
+        let read = toml::from_str(text);
+        let table: MachineTable =
+            read.map_err(|error| at(error.span().map_or(0, |span| span.start), error.message().into()))?;
         let LinearTables { X, Y, Z } = &table.linear;
-        let linear = [X, Y, Z].map(linear_axis);
-        let rotary = table.rotary.each_ref().map(rotary_axis);
+        let linear = [X, Y, Z].map(|axis| linear_axis(axis.as_ref()));
+        let rotary = table.rotary.each_ref().map(|axis| rotary_axis(axis.as_ref()));
         let machine = Machine::new(rotary, linear, table.tool.unwrap_or([0.0, 0.0, 1.0]));
-        Ok(MachineFile { name: table.name, machine: machine.map_err(|error| error.to_string())? })
+        let machine = machine.map_err(|error| at(table.offset_of(&error), error.to_string()))?;
+        Ok(MachineFile { name: table.name, machine })
+    }
+}
+
+impl MachineTable {
+    /// Where the axis stands that an error is about.
+    fn offset_of(&self, error: &MachineError) -> usize {
+        let [first, second] = &self.rotary;
+        let LinearTables { X, Y, Z } = &self.linear;
+        match *error {
+            MachineError::Range(AxisName::Linear(at)) | MachineError::NotPositive(AxisName::Linear(at)) => {
+                [X, Y, Z].get(at).map_or(0, |axis| axis.span().start)
+            }
+            MachineError::Range(AxisName::Rotary(letter))
+            | MachineError::NotPositive(AxisName::Rotary(letter))
+            | MachineError::TooWide(letter) => {
+                let is_first = rotary_axis(first.as_ref()).letter == letter;
+                if is_first { first.span().start } else { second.span().start }
+            }
+            MachineError::NoDirection => first.span().start,
+            MachineError::Parallel { .. } | MachineError::Order | MachineError::SameLetter(_) => second.span().start,
+        }
     }
 }
 
@@ -150,14 +183,14 @@ mod tests {
         let [c, a] = [rotary('C', "[0, 0, 1]", ""), rotary('A', "[1, 0, 0]", "")];
         assert!(MachineFile::parse(&format!("name = 'm'\n{c}{a}{LINEAR}")).is_ok());
         for (axes, expected) in [
-            (c.clone(), "rotary"),
+            (c.clone(), "2:1: invalid length 1"),
             (format!("{a}{c}"), "parallel"),
             (format!("{c}{}", rotary('C', "[1, 0, 0]", "")), "both rotary axes are called C"),
             (format!("{c}{}", rotary('A', "[0, 0, 0]", "")), "no length"),
-            (format!("{c}{}", rotary('A', "[1, 0, 0]", "range = [5, -95]")), "the range of A"),
+            (format!("{c}{}", rotary('A', "[1, 0, 0]", "range = [5, -95]")), "9:1: the range of A"),
             (format!("{c}{}", rotary('A', "[1, 0, 0]", "range = [-9999, 9999]")), "wider than 16 turns"),
             (format!("{c}{}", rotary('A', "[1, 0, 0]", "max_feed = 0")), "A must be above zero"),
-            (format!("{c}{}", rotary('A', "[1, 0, 0]", "colour = 1")), "colour"),
+            (format!("{c}{}", rotary('A', "[1, 0, 0]", "colour = 1")), "15:1: unknown field `colour`"),
             (format!("{}{a}", c.replace("part", "tool")), "table before head"),
         ] {
             let error = MachineFile::parse(&format!("name = 'm'\n{axes}{LINEAR}")).unwrap_err();

@@ -15,7 +15,7 @@ use arcfeed_shared::nc::settings::{Preset, Scope, Settings, Tables};
 use arcfeed_shared::nc::text::{Lines, RawLine};
 use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_shared::units::{LengthUnit, Nm};
 
 pub use expand::{Expansion, Folder};
 pub use tally::Tally;
@@ -48,6 +48,10 @@ pub struct ProgramLine {
     pub meaning: Option<Understood>,
     /// The workpiece's origin, on the path: of the work coordinate system in force, shifted by G92.
     pub origin: Pose,
+    /// What Z is longer by in machine coordinates.
+    pub tool_length: Nm,
+    /// G43.4: its coordinates are those of the tool's tip in the part, and the machine's axes follow.
+    pub follows_tip: bool,
 }
 
 /// Something to tell about a place in the program.
@@ -84,6 +88,20 @@ pub enum Severity {
 }
 
 impl ProgramLine {
+    /// A line behind which a control stands like `reader`.
+    fn new(text: &[u8], ending: &[u8], meaning: Option<Understood>, reader: &Reader) -> Self {
+        let (modal, tables) = (reader.modal(), reader.tables());
+        let (origin, tool_length) = (modal.work_origin(tables), modal.tool_length(tables));
+        let follows_tip = modal.follows_tool_center;
+        ProgramLine { origin, tool_length, follows_tip, ..ProgramLine::bare(text, ending, meaning) }
+    }
+
+    /// A line that no control has carried out.
+    fn bare(text: &[u8], ending: &[u8], meaning: Option<Understood>) -> Self {
+        let (text, ending) = (text.to_vec(), ending.to_vec());
+        ProgramLine { text, ending, meaning, origin: Pose::ORIGIN, tool_length: Nm(0), follows_tip: false }
+    }
+
     /// Its move, seen from the workpiece's origin; nothing for blocks that make several.
     pub fn segment(&self) -> Option<Segment> {
         let segment = self.meaning.as_ref()?.segment?;
@@ -138,8 +156,7 @@ impl Program {
                     None
                 }
             };
-            let origin = reader.modal().work_origin(reader.tables());
-            program.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning, origin });
+            program.lines.push(ProgramLine::new(text, ending, meaning, &reader));
         }
         program
     }
@@ -152,7 +169,7 @@ impl Program {
         }
         let parsed = Parsed { line: Line::ProgramMark, ..Parsed::default() };
         let meaning = Some(Understood { parsed, ..Understood::default() });
-        self.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning, origin: Pose::ORIGIN });
+        self.lines.push(ProgramLine::bare(text, ending, meaning));
     }
 
     /// A first block that a control on a line takes for the label.

@@ -82,18 +82,33 @@ impl MachineLimits {
         }
     }
 
+    /// The axis that would set the limit if the control's clamp did not: `X` to `Z`, `A` to `C`.
+    pub fn limiting_axis(&self, segment: &Segment) -> Option<char> {
+        let feeds = ['X', 'Y', 'Z', 'A', 'B', 'C'].into_iter().zip(self.axis_feeds(segment));
+        let known = feeds.filter_map(|(name, feed)| Some((name, feed?)));
+        known.min_by(|(_, one), (_, other)| one.total_cmp(other)).map(|(name, _)| name)
+    }
+
     /// (1)
     fn axes_limit(&self, segment: &Segment) -> Option<MmPerMin> {
+        let feeds = self.axis_feeds(segment).flatten();
+        feeds.reduce(f64::min).map(|feed| MmPerMin(feed as f32))
+    }
+
+    /// What X, Y, Z, A, B, C allow along the path, mm/min.
+    fn axis_feeds(&self, segment: &Segment) -> impl Iterator<Item = Option<f64>> {
         let way = segment.feed_length_mm();
         let linear =
             linear_parts(segment, way).into_iter().zip(self.linear.map(|limit| limit.map(|MmPerMin(feed)| feed)));
-        let turned = segment.start.rotary.iter().zip(&segment.end.rotary).map(|(from, to)| to.0.saturating_sub(from.0));
-        let turned = turned.map(|swing| MicroDeg(swing).to_deg() / way);
+        let turned =
+            segment.start.rotary.into_iter().zip(segment.end.rotary).map(|(from, to)| to.0.saturating_sub(from.0));
+        let turned = turned.map(move |swing| MicroDeg(swing).to_deg() / way);
         let rotary = turned.zip(self.rotary.map(|limit| limit.map(|DegPerMin(feed)| feed)));
-        let limits = linear.chain(rotary).filter_map(|(part, limit)| Some((libm::fabs(part), f64::from(limit?))));
-        // An axis that does not move, or moves while nothing else does, sets no limit along the path.
-        let feeds = limits.filter(|(part, _)| *part > 0.0 && part.is_finite()).map(|(part, limit)| limit / part);
-        feeds.reduce(f64::min).map(|feed| MmPerMin(feed as f32))
+        linear.chain(rotary).map(|(part, limit)| {
+            let part = libm::fabs(part);
+            // An axis that does not move, or moves while nothing else does, sets no limit along the path.
+            limit.filter(|_| part > 0.0 && part.is_finite()).map(|limit| f64::from(limit) / part)
+        })
     }
 }
 

@@ -55,7 +55,12 @@ fn what_check_and_post_print_of_a_five_axis_machine_is_documented() {
         assert_eq!(reports, std::slice::from_ref(&report));
         kinds.extend(report["findings"].as_array().expect("a list").iter().map(|entry| entry["kind"].to_string()));
     }
+    let program = "%\nG21G90\nG0X0Y0Z100.A-20.C0\nG1X1.A20.C180.F9999.\nX999.\nM30\n%\n";
+    let report = object(&["check", &scratch.write("both.nc", program), "--machine", "mikron-ucp710"], 1);
+    documented.assert_fits("check --machine", &report);
+    kinds.extend(report["findings"].as_array().expect("a list").iter().map(|entry| entry["kind"].to_string()));
     println!("{kinds:?}");
+    assert!(["pole", "branch-change"].iter().all(|kind| kinds.contains(&format!("\"{kind}\""))));
     assert!(
         ["incoherent", "feed", "over-limit", "unreachable"].iter().all(|kind| kinds.contains(&format!("\"{kind}\"")))
     );

@@ -11,6 +11,10 @@ mod published;
 
 mod leading_edge;
 
+mod following;
+
+mod governing;
+
 mod round_trip;
 
 mod course;
@@ -22,6 +26,8 @@ mod repairs;
 mod between;
 
 mod posting;
+
+mod programs;
 
 /// How many of a full set are tried here.
 fn of_full_set(full: u64, part: u64) -> u64 {

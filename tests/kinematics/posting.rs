@@ -128,7 +128,7 @@ fn what_makes_no_sense_is_usage_or_the_file_at_fault() {
     let cl = scratch.write("one.apt", "GOTO/0,0,0,0,0,1\nCIRCLE/0,0,0\n");
     let arc = scratch.write("arc.nc", "G21G90\nG1X0Y0Z0A0C0F100.\nG2X1.Y1.R1.\n");
     for (arguments, code, said) in [
-        (vec!["check", "examples/ibr-slot/ibr-slot.nc", "--machine", &machine], 2, "post --reverse"),
+        (vec!["check", STRATEGY_2, "--machine", &machine, "--strict"], 2, "not for CL data"),
         (vec!["post", &cl, "--machine", &machine], 1, "one.apt:2: CIRCLE"),
         (vec!["post", STRATEGY_2, "--machine", job], 1, "job.toml"),
         (vec!["post", STRATEGY_2], 2, "--machine"),

@@ -77,8 +77,10 @@ impl Told {
 
 impl Decider for Told {
     fn begin(&mut self, begun: Option<Begun<'_>>) {
-        self.cabinet.segment =
-            begun.map(|Begun { count, segment, rule }| (count, ActiveSegment::new(segment, rule, &self.believed)));
+        let job = &self.believed;
+        self.cabinet.segment = begun.map(|Begun { count, segment, rule, limit }| {
+            (count, ActiveSegment::limited(segment, rule, job, || limit.or_else(|| job.machine.feed_limit(segment))))
+        });
     }
 
     fn decide(&mut self, shown: &Shown) -> FeedOverride {

@@ -11,6 +11,8 @@ pub mod points;
 
 pub mod modes;
 
+pub mod limit;
+
 pub mod rewrite;
 
 pub mod spelling;
@@ -20,6 +22,7 @@ pub mod split;
 use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_shared::cut::{self, CutRule, Work};
 use arcfeed_shared::job::{FeedPolicy, Job};
+use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::machine::LimitedBy;
 use arcfeed_shared::nc::alarm::NotModelled;
 use arcfeed_shared::nc::modal::Feed;
@@ -29,6 +32,7 @@ use arcfeed_shared::stock::Stock;
 use arcfeed_shared::units::{LengthUnit, Nm, PERCENT};
 
 use crate::program::{Diagnostic, Program, ProgramLine};
+use limit::{MoveLimit, is_tip_line};
 use modes::Modes;
 use profile::Profile;
 use range::WishRange;
@@ -71,6 +75,8 @@ pub struct PlannedBlock {
     pub f_words: usize,
     /// Why no law can look at it by itself.
     pub under: Option<NotModelled>,
+    /// The fastest feed that machine and control can follow on it, and what sets it; nothing for rapids.
+    pub limit: Option<MoveLimit>,
 }
 
 /// Why a block is sent with the feed it is sent with.
@@ -121,7 +127,13 @@ impl PlanReason {
 
 /// Plans the feeds of a program without errors.
 pub fn adapt(program: &Program, job: &Job) -> Adapted {
-    let mut writer = Writer::new(program, job);
+    adapt_on(program, job, None)
+}
+
+/// The same for a machine of which all is known: laws also govern straight moves under G43.4, within what all of its axes can
+/// follow.
+pub fn adapt_on(program: &Program, job: &Job, machine: Option<&Machine>) -> Adapted {
+    let mut writer = Writer::new(program, job, machine);
     for (index, line) in program.lines.iter().enumerate() {
         writer.take(index + 1, line);
     }
@@ -142,6 +154,7 @@ impl Adapted {
 /// The program to send, as far as it is written.
 struct Writer<'a> {
     job: &'a Job,
+    machine: Option<&'a Machine>,
     adapted: Adapted,
     feeds: FeedRewriter,
     modes: Modes,
@@ -152,11 +165,12 @@ struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    fn new(program: &'a Program, job: &'a Job) -> Self {
+    fn new(program: &'a Program, job: &'a Job, machine: Option<&'a Machine>) -> Self {
         let cuts = matches!(job.policy, FeedPolicy::RewriteOnly(_));
         let line_end = program.lines.first().map_or(&b""[..], |line| &line.ending);
         Writer {
             job,
+            machine,
             adapted: Adapted { blocks: Vec::new(), text: Vec::new(), line_ends: Vec::new() },
             feeds: FeedRewriter::default(),
             modes: Modes::at_power_on(job.unit),
@@ -173,9 +187,13 @@ impl<'a> Writer<'a> {
         }
         self.modes = self.modes.after(line);
         let under = self.special(line);
-        let planned = line.segment().map(|segment| match under {
-            None => plan_block(number, segment, self.job, self.modes.unit),
-            Some(under) => (PlannedBlock::special(number, segment, self.job, under), None),
+        let planned = line.segment().map(|segment| {
+            let limit = MoveLimit::of(line, &segment, self.job, self.machine);
+            let block = PlannedBlock { limit, ..PlannedBlock::new(number, segment) };
+            match under {
+                None => plan_block(block, self.job, self.modes.unit),
+                Some(under) => (block.special(self.job, under), None),
+            }
         });
         let texts = match planned {
             None => vec![self.whole(line, None)],
@@ -206,9 +224,11 @@ impl<'a> Writer<'a> {
     fn special(&self, line: &ProgramLine) -> Option<NotModelled> {
         let step = &line.meaning.as_ref()?.step;
         match step.beyond_plain {
-            Some(under) if !step.is_plain() => Some(under),
-            _ => self.modes.taps.then_some(NotModelled::MoveUnder(630)),
+            Some(_) if self.machine.is_some() && self.modes.per_minute && is_tip_line(line) => None,
+            Some(under) if !step.is_plain() => return Some(under),
+            _ => None,
         }
+        .or(self.modes.taps.then_some(NotModelled::MoveUnder(630)))
     }
 
     /// The line, with its feed or another.
@@ -228,8 +248,8 @@ impl<'a> Writer<'a> {
         let FeedPolicy::RewriteOnly(settings) = &self.job.policy else { return None };
         let teeth_per_min = teeth_per_min(self.job);
         let most_ratio = f64::from(self.job.limits.max_percent) / f64::from(PERCENT);
-        let (segment, modes) = (&block.segment, self.modes);
-        let governed = Governed { line, segment, profile, modes, before, teeth_per_min, most_ratio };
+        let (segment, modes, limit_mm_per_min) = (&block.segment, self.modes, block.limit_mm_per_min());
+        let governed = Governed { line, segment, profile, modes, before, teeth_per_min, most_ratio, limit_mm_per_min };
         let split = governed.split(settings, &mut self.feeds)?;
         block.chip_error = ChipError::of(&split.pieces, profile, teeth_per_min);
         block.sent = split.pieces.iter().map(|piece| piece.feed).min();
@@ -252,16 +272,17 @@ impl PlannedBlock {
             chip_error: None,
             f_words: 0,
             under: None,
+            limit: None,
         };
         block.sent = block.programmed();
         block
     }
 
     /// A move that no law can look at by itself.
-    fn special(line: usize, segment: Segment, job: &Job, under: NotModelled) -> Self {
-        let mut block = PlannedBlock { under: Some(under), ..PlannedBlock::new(line, segment) };
-        block.rule = cut::find(&job.rules, &segment, &job.tool).map(|(index, _)| index);
-        block.reason = if segment.path == Path::Rapid { PlanReason::Rapid } else { PlanReason::Special };
+    fn special(self, job: &Job, under: NotModelled) -> Self {
+        let mut block = PlannedBlock { under: Some(under), ..self };
+        block.rule = cut::find(&job.rules, &block.segment, &job.tool).map(|(index, _)| index);
+        block.reason = if block.segment.path == Path::Rapid { PlanReason::Rapid } else { PlanReason::Special };
         block
     }
 
@@ -271,6 +292,10 @@ impl PlannedBlock {
             Feed::PerMinute(feed) => Some(feed),
             Feed::InverseTime(_) | Feed::Missing => None,
         }
+    }
+
+    fn limit_mm_per_min(&self) -> f64 {
+        self.limit.map_or(f64::INFINITY, |limit| limit.feed_mm_per_min)
     }
 
     /// As written in tables and JSON.
@@ -285,10 +310,9 @@ impl PlannedBlock {
 }
 
 /// A block's plan, and what the law says along it.
-fn plan_block(line: usize, segment: Segment, job: &Job, unit: LengthUnit) -> (PlannedBlock, Option<Profile>) {
-    let mut block = PlannedBlock::new(line, segment);
+fn plan_block(mut block: PlannedBlock, job: &Job, unit: LengthUnit) -> (PlannedBlock, Option<Profile>) {
     let mut profile = None;
-    match (&segment.path, segment.feed) {
+    match (&block.segment.path, block.segment.feed) {
         (Path::Rapid, _) => block.reason = PlanReason::Rapid,
         (_, Feed::InverseTime(_)) => block.reason = PlanReason::InverseTime,
         (Path::Line | Path::Arc(_), _) => profile = govern(&mut block, job, unit),
@@ -310,19 +334,18 @@ fn govern(block: &mut PlannedBlock, job: &Job, unit: LengthUnit) -> Option<Profi
         return None;
     };
     block.wish = Some(wish);
-    let limit = job.machine.feed_limit(&block.segment);
-    let limit_mm_per_min = limit.map_or(f64::INFINITY, |limit| f64::from(limit.feed.0));
+    let limit_mm_per_min = block.limit_mm_per_min();
     if job.policy != FeedPolicy::OverrideOnly {
         block.sent = Some(rewrite::round_down(wish.safe_mm_per_min.min(limit_mm_per_min), unit));
     }
-    let factor = |feed_mm_per_min: f64| block.sent.map(|sent| feed_mm_per_min / sent.to_mm() * f64::from(PERCENT));
-    block.reason = match (factor(wish.feed_min_mm_per_min), factor(wish.feed_max_mm_per_min)) {
-        (Some(least), _) if least < f64::from(job.limits.min_percent) => PlanReason::Floor,
-        (_, Some(most)) if most > f64::from(job.limits.max_percent) => PlanReason::Ceiling,
-        _ if wish.feed_max_mm_per_min > limit_mm_per_min => match limit.map(|limit| limit.by) {
-            Some(LimitedBy::ArcClamp) => PlanReason::ArcClamp,
-            _ => PlanReason::Axis,
-        },
+    let at_percent = |percent: u8| block.sent.map(|sent| sent.to_mm() * f64::from(percent) / f64::from(PERCENT));
+    let ceiling = at_percent(job.limits.max_percent).unwrap_or(f64::INFINITY);
+    let floor = at_percent(job.limits.min_percent).unwrap_or(0.0);
+    block.reason = match block.limit.map(|limit| limit.by) {
+        _ if wish.feed_min_mm_per_min < floor => PlanReason::Floor,
+        _ if wish.feed_max_mm_per_min > ceiling && ceiling < limit_mm_per_min => PlanReason::Ceiling,
+        Some(LimitedBy::ArcClamp) if wish.feed_max_mm_per_min > limit_mm_per_min => PlanReason::ArcClamp,
+        Some(LimitedBy::Axis) if wish.feed_max_mm_per_min > limit_mm_per_min => PlanReason::Axis,
         _ if wish.covers_all => PlanReason::Law,
         _ => PlanReason::LawInPart,
     };

@@ -98,6 +98,8 @@ pub struct Governed<'a> {
     pub teeth_per_min: f64,
     /// Largest feed over the least one.
     pub most_ratio: f64,
+    /// The fastest feed that machine and control can follow; infinite where nobody knows of one.
+    pub limit_mm_per_min: f64,
 }
 
 impl Governed<'_> {
@@ -119,7 +121,7 @@ impl Governed<'_> {
     }
 
     fn feed(&self, path_mm_per_tooth: f64) -> Nm {
-        round_down(self.teeth_per_min * path_mm_per_tooth, self.modes.unit)
+        round_down((self.teeth_per_min * path_mm_per_tooth).min(self.limit_mm_per_min), self.modes.unit)
     }
 
     /// The pieces with their ends; an error where it stays whole, for a reason or because one feed does for all of it.

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::outcome::{Failure, adapted, load, say, write_whole};
 use crate::adapt::split::Whole;
-use crate::adapt::{Adapted, PlannedBlock};
+use crate::adapt::{Adapted, PlanReason, PlannedBlock};
 use crate::program::Program;
 
 /// Rewrite a program's feeds as its job says: per block the programmed feed, the law, the factor, the reason
@@ -61,6 +61,8 @@ struct BlockFigures {
     chip_error_mean: Option<f64>,
     chip_error_max: Option<f64>,
     f_words: usize,
+    limit_feed: Option<f64>,
+    limit_axis: Option<char>,
 }
 
 impl Adapt {
@@ -70,7 +72,7 @@ impl Adapt {
     /// The job or the program is at fault, or the output cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
         let (file, program) = load(&self.job)?;
-        let adapted = adapted(&program, &file.job);
+        let adapted = adapted(&program, &file);
         if self.json {
             for block in &adapted.blocks {
                 say(format_args!("{}", serde_json::json!(BlockFigures::new(block, &file.job))));
@@ -112,7 +114,7 @@ fn print_table(adapted: &Adapted, job: &Job) {
         let number = |value: Option<f64>, decimals| value.map_or("-".into(), |value| format!("{value:.decimals$}"));
         let range = |low, high, decimals| format!("{} .. {}", number(low, decimals), number(high, decimals));
         say(format_args!(
-            "{:>7}  {:<7}{:>12}{:>12}{:>18}{:>15}{:>15}  {}{}{}",
+            "{:>7}  {:<7}{:>12}{:>12}{:>18}{:>15}{:>15}  {}{}{}{}",
             block.line,
             block.segment.sequence.map_or("-".into(), |n| format!("N{n}")),
             number(figures.programmed_feed, 2),
@@ -122,6 +124,7 @@ fn print_table(adapted: &Adapted, job: &Job) {
             range(figures.contact_deg_start, figures.contact_deg_end, 1),
             if in_pieces { pieces_column(&figures) } else { String::new() },
             figures.reason,
+            limited_by(block, &figures),
             figures.left_whole.map_or(String::new(), |why| format!(", left whole: {why}"))
         ));
     }
@@ -136,6 +139,14 @@ fn print_table(adapted: &Adapted, job: &Job) {
         format!("Override {} .. {} %.", limits.min_percent, limits.max_percent)
     };
     say(format_args!("{count} of {moves} moves are governed by the law; the others keep their own feed. {how}"));
+}
+
+/// The axis that cannot follow the law, and what it allows.
+fn limited_by(block: &PlannedBlock, figures: &BlockFigures) -> String {
+    match (block.reason, figures.limit_axis, figures.limit_feed) {
+        (PlanReason::Axis, Some(axis), Some(feed)) => format!(", limited by {axis} to {feed:.2}"),
+        _ => String::new(),
+    }
 }
 
 /// Pieces, F words, and the least, mean and largest error of the chip.
@@ -182,6 +193,8 @@ impl BlockFigures {
             chip_error_mean: block.chip_error.map(|error| error.mean),
             chip_error_max: block.chip_error.map(|error| error.max),
             f_words: block.f_words,
+            limit_feed: block.limit.map(|limit| limit.feed_mm_per_min / unit_mm),
+            limit_axis: block.limit.and_then(|limit| limit.axis),
         }
     }
 }

@@ -4,6 +4,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use annotate_snippets::Renderer;
+use arcfeed_shared::kinematics::between::Mode;
 use arcfeed_shared::nc::block::{Line, Reading};
 use arcfeed_shared::nc::settings::Scope;
 use serde::Serialize;
@@ -12,18 +13,23 @@ use super::five_axis::{Placing, Told, is_cl, load_cl, load_machine};
 use super::outcome::{Failure, file_failure, say, spindle_contradictions};
 use crate::control::{self, Convention};
 use crate::job::{ControlKind, JobFile};
+use crate::machine_file::MachineFile;
+use crate::post::back;
+use crate::post::cl::Cl;
+use crate::post::finding::What;
+use crate::post::judge::judge;
 use crate::post::plan::Plan;
 use crate::program::{Diagnostic, Expansion, Program, ProgramLine, Severity, Tally};
 use crate::snippet;
 
-/// Check an NC program, or a job and its program: every alarm with line and column; with --machine CL data: everything
-/// that the machine cannot follow
+/// Check an NC program, or a job and its program: every alarm with line and column; with --machine also everything that
+/// the machine cannot follow, in CL data too
 #[derive(Debug, clap::Args)]
 pub struct Check {
     /// The NC program, a job file (.toml), or with --machine CL data (.apt, .cl, .cls)
     program: PathBuf,
-    /// Check CL data on this five-axis machine (docs/kinematics.md)
-    #[arg(long, value_name = "MACHINE.toml", conflicts_with_all = ["strict", "control", "settings", "decimals", "library"])]
+    /// Check on this five-axis machine, a file or the name of a preset (docs/kinematics.md)
+    #[arg(long, value_name = "MACHINE.toml")]
     machine: Option<PathBuf>,
     #[command(flatten)]
     placing: Placing,
@@ -95,11 +101,40 @@ impl Check {
     /// The program has errors, or cannot be read.
     pub fn run(&self) -> Result<(), Failure> {
         if let Some(machine) = &self.machine {
-            return self.run_on(machine);
+            if is_cl(&self.program) {
+                return self.run_cl(&load_machine(machine)?);
+            }
+            let path = self.program_path()?;
+            let bytes = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+            if back::is_by_direction(&bytes) {
+                return self.run_directions(&path, &bytes, &load_machine(machine)?);
+            }
         }
+        let (job, program, control) = self.read()?;
+        let counts = count(&program);
+        let errors = of_severity(&program, Severity::Error).count();
+        // Nobody knows where the axes of a faulty program go.
+        let on = self.machine.as_ref().filter(|_| errors == 0).map(|machine| load_machine(machine)).transpose()?;
+        match (&on, self.json) {
+            (None, true) => self.print_json(&program, counts, control),
+            (Some(_), true) => {}
+            (_, false) => self.print_text(&program, counts),
+        }
+        if errors > 0 {
+            let path = program.path.display();
+            return Err(Failure::Input(format!("{path}: {errors} errors: the control would stop")));
+        }
+        let contradictions = job.map_or(vec![], |file| spindle_contradictions(&file, &program));
+        if !contradictions.is_empty() {
+            return Err(Failure::Input(contradictions.join("\n")));
+        }
+        on.map_or(Ok(()), |file| self.run_program(&program, &file))
+    }
+
+    /// The program, read as its control would.
+    fn read(&self) -> Result<(Option<JobFile>, Program, ControlKind), Failure> {
         let reading = if self.strict { Reading::Strict } else { Reading::Lenient };
-        let is_job = self.program.extension().is_some_and(|extension| extension == "toml");
-        let job = is_job.then(|| JobFile::load(&self.program)).transpose()?;
+        let job = self.is_job().then(|| JobFile::load(&self.program)).transpose()?;
         let path = job.as_ref().map_or(&self.program, |file| &file.program);
         let of_job = job.as_ref().map_or(ControlKind::Fanuc16i, |file| file.control);
         let control = self.control.unwrap_or(of_job);
@@ -112,32 +147,57 @@ impl Check {
         let bytes = std::fs::read(path).map_err(|error| file_failure(path, &error))?;
         let mut program = Program::run(path, &bytes, Expansion { settings, tables, library: self.library.as_deref() });
         program.diagnostics.splice(0..0, program.lost_label());
-        let counts = count(&program);
-        if self.json {
-            self.print_json(&program, counts, control);
-        } else {
-            self.print_text(&program, counts);
-        }
-        let errors = of_severity(&program, Severity::Error).count();
-        if errors == 0 {
-            let contradictions = job.map_or(vec![], |file| spindle_contradictions(&file, &program));
-            return if contradictions.is_empty() { Ok(()) } else { Err(Failure::Input(contradictions.join("\n"))) };
-        }
-        let path = path.display();
-        Err(Failure::Input(format!("{path}: {errors} errors: the control would stop")))
+        Ok((job, program, control))
+    }
+
+    /// The program itself, or that of the job.
+    fn program_path(&self) -> Result<PathBuf, Failure> {
+        Ok(if self.is_job() { JobFile::load(&self.program)?.program } else { self.program.clone() })
+    }
+
+    fn is_job(&self) -> bool {
+        self.program.extension().is_some_and(|extension| extension == "toml")
     }
 
     /// CL data on a machine.
-    fn run_on(&self, machine: &Path) -> Result<(), Failure> {
-        if !is_cl(&self.program) {
+    fn run_cl(&self, file: &MachineFile) -> Result<(), Failure> {
+        let is_of_program = self.strict || self.control.is_some() || self.settings.is_some();
+        if is_of_program || self.decimals.is_some() || self.library.is_some() {
             let advice =
-                "--machine takes CL data (.apt, .cl, .cls); `post --reverse` makes them from the machine's own program";
+                "--strict, --control, --settings, --decimals and --library are for NC programs, not for CL data";
             return Err(Failure::Usage(advice.into()));
         }
-        let file = load_machine(machine)?;
         let cl = load_cl(&self.program)?;
-        let plan = Plan::new(&cl, &self.placing.task(&file, None));
-        let told = Told { path: &self.program, cl: &cl, machine: &file.name, plan: &plan };
+        self.tell_points(&self.program, &cl, file, &Plan::new(&cl, &self.placing.task(file, None)))
+    }
+
+    /// A program with directions (G43.5), which no control here interprets: its points, for which the axes are chosen here.
+    fn run_directions(&self, path: &Path, bytes: &[u8], file: &MachineFile) -> Result<(), Failure> {
+        let read = back::read(bytes, &file.machine, &self.placing.setup(), Mode::Tcp);
+        let cl = read.map_err(|error| Failure::Input(format!("{}:{error}", path.display())))?;
+        let mut plan = Plan::new(&cl, &self.placing.task(file, None));
+        // Such a control keeps the tool axis on its arc by itself.
+        plan.findings.retain(|finding| !matches!(finding.what, What::Coarse { .. }));
+        self.tell_points(path, &cl, file, &plan)
+    }
+
+    fn tell_points(&self, path: &Path, cl: &Cl, file: &MachineFile, plan: &Plan) -> Result<(), Failure> {
+        let (points, passed_over) = (cl.points.len(), Some(cl.passed_over));
+        self.tell(&Told { path, points, passed_over, machine: &file.name, plan })
+    }
+
+    /// A program that says itself where the rotary axes go.
+    fn run_program(&self, program: &Program, file: &MachineFile) -> Result<(), Failure> {
+        if let Some(line) = program.macro_line {
+            let path = program.path.display();
+            let advice = "with macro statements or calls the axes are not followed; write the program out without them";
+            return Err(Failure::Input(format!("{path}:{line}:1: error: {advice}")));
+        }
+        let (plan, points) = judge(program, &self.placing.task(file, None));
+        self.tell(&Told { path: &program.path, points, passed_over: None, machine: &file.name, plan: &plan })
+    }
+
+    fn tell(&self, told: &Told<'_>) -> Result<(), Failure> {
         if self.json {
             told.print_json();
         } else {

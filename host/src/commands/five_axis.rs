@@ -16,10 +16,10 @@ use crate::program::Severity;
 /// Where part and tool are on the machine.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Placing {
-    /// The part's zero point in the machine frame with all axes at zero, X,Y,Z in mm
+    /// The part's zero point in the machine frame with all axes at zero, X,Y,Z in mm; under G43.4 beyond the work offset
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", value_parser = point, allow_hyphen_values = true, requires = "machine")]
     part_zero: Point,
-    /// From the gauge line to the tool's tip, mm
+    /// From the gauge line to the tool's tip, mm; under G43.4 beyond that of H
     #[arg(long, value_name = "MM", default_value_t = 0.0, requires = "machine")]
     tool_length: f64,
     /// How far a change of branch is to leave the part, mm
@@ -55,12 +55,12 @@ impl Placing {
     }
 }
 
-/// A machine's file.
+/// A machine, by its file or as a preset.
 ///
 /// # Errors
 /// It cannot be read, or describes no machine.
 pub fn load_machine(path: &Path) -> Result<MachineFile, Failure> {
-    MachineFile::load(path).map_err(Failure::Input)
+    MachineFile::named(path).map_err(Failure::Input)
 }
 
 /// CL data.
@@ -75,10 +75,12 @@ pub fn load_cl(path: &Path) -> Result<Cl, Failure> {
 /// What was read and found.
 #[derive(Clone, Copy, Debug)]
 pub struct Told<'a> {
-    /// The CL data's file.
+    /// The file of the CL data or the program.
     pub path: &'a Path,
-    /// The CL data.
-    pub cl: &'a Cl,
+    /// Its points, or its moves.
+    pub points: usize,
+    /// Words of CL data that say nothing of where the tool goes; nothing of programs.
+    pub passed_over: Option<usize>,
     /// The machine's name.
     pub machine: &'a str,
     /// The axes and what is wrong.
@@ -88,12 +90,12 @@ pub struct Told<'a> {
 impl Told<'_> {
     /// The report on stdout.
     pub fn print_json(&self) {
-        let travel = |of: [f64; 2]| (!self.plan.stops.is_empty()).then_some(of);
+        let travel = |of: [f64; 2]| self.is_reached().then_some(of);
         let [before, after] = self.plan.travel_deg;
         let report = Report {
             cl: self.path.display().to_string(),
             machine: self.machine,
-            points: self.cl.points.len(),
+            points: self.points,
             rotary_travel_deg: travel(before),
             rotary_travel_repaired_deg: travel(after),
             findings: self.plan.findings.iter().map(|finding| finding.entry()).collect(),
@@ -110,24 +112,30 @@ impl Told<'_> {
 
     /// One line about the path.
     pub fn summary(&self) -> String {
-        let Told { path, cl, machine, plan } = self;
+        let Told { path, points, machine, plan, .. } = self;
         let [[before_0, before_1], [after_0, after_1]] = plan.travel_deg;
         let path = path.display();
-        let points = cl.points.len();
-        let words = cl.passed_over;
-        if plan.stops.is_empty() {
+        if !self.is_reached() {
             return format!("{path}: {points} points; {machine} does not reach all of them");
         }
+        let counted = match self.passed_over {
+            Some(words) => format!("{points} points on {machine}, {words} other words passed over"),
+            None => format!("{points} moves on {machine}"),
+        };
         let repaired = if plan.travel_deg[0] == plan.travel_deg[1] {
             String::new()
         } else {
             format!(", before the repair {before_0:.3} and {before_1:.3}")
         };
         format!(
-            "{path}: {points} points on {machine}, {words} other words passed over; the rotary axes turn {after_0:.3} and {after_1:.3} \
-             degrees{repaired}; {} findings",
+            "{path}: {counted}; the rotary axes turn {after_0:.3} and {after_1:.3} degrees{repaired}; {} findings",
             plan.findings.len()
         )
+    }
+
+    /// Whether there are axes for every point; a program says itself where they are.
+    fn is_reached(&self) -> bool {
+        !self.plan.stops.is_empty() || self.passed_over.is_none()
     }
 
     /// Whether the program may run.

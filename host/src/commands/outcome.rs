@@ -7,10 +7,9 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use arcfeed_shared::cut;
-use arcfeed_shared::job::Job;
 use arcfeed_shared::segment::Path as Way;
 
-use crate::adapt::{Adapted, adapt};
+use crate::adapt::{Adapted, adapt_on};
 use crate::dnc::outbox::LineError;
 use crate::job::{JobError, JobFile};
 use crate::port::PortError;
@@ -116,8 +115,8 @@ pub fn load(job: &Path) -> Result<(JobFile, Program), Failure> {
 }
 
 /// The program with its job's feeds; says on stderr which moves keep their own although a cut rule speaks of them.
-pub fn adapted(program: &Program, job: &Job) -> Adapted {
-    let adapted = adapt(program, job);
+pub fn adapted(program: &Program, file: &JobFile) -> Adapted {
+    let adapted = adapt_on(program, &file.job, file.machine.as_ref().map(|named| &named.machine));
     for warning in adapted.left_alone(program) {
         eprintln!("{}:{warning}", program.path.display());
     }

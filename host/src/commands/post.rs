@@ -88,7 +88,8 @@ impl Post {
         let cl = load_cl(&self.input)?;
         let task = self.placing.task(file, tool_end(self.repair, self.ball_radius));
         let plan = Plan::new(&cl, &task);
-        let told = Told { path: &self.input, cl: &cl, machine: &file.name, plan: &plan };
+        let (points, passed_over) = (cl.points.len(), Some(cl.passed_over));
+        let told = Told { path: &self.input, points, passed_over, machine: &file.name, plan: &plan };
         told.complain();
         if self.json {
             told.print_json();

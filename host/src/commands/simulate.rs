@@ -10,14 +10,17 @@ use arcfeed_hil_sim::control::{ControlSettings, Preset, Switches};
 use arcfeed_hil_sim::cutting::meter::MoveChips;
 use arcfeed_hil_sim::decider::Decider;
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::rig::{MoveOverride, Rig};
+use arcfeed_hil_sim::rig::{Foreseen, MoveOverride, Rig};
 use arcfeed_shared::cut::Moves;
 use arcfeed_shared::job::Job;
+use arcfeed_shared::machine::FeedLimit;
 use arcfeed_shared::report::{ChipFigures, LeftOut};
 use arcfeed_shared::units::{LengthUnit, Micros, MmPerTooth};
 
 use super::adapt::{direction_word, rotation_word, side_word};
 use super::outcome::{Failure, adapted, load, say};
+use crate::adapt::limit::is_tip_line;
+use crate::adapt::{Adapted, PlannedBlock};
 use crate::job::{ControlKind, JobFile, Parity, SerialSettings, TapeCode};
 use crate::program::Program;
 use crate::report::figures::{AlarmFigures, IptFigures, MovementFigures, OverrideFigures, RestartFigures, RunReport};
@@ -45,7 +48,10 @@ impl Simulate {
     pub fn run(&self) -> Result<(), Failure> {
         let (file, program) = load(&self.job)?;
         let started = Instant::now();
-        let rig = run_in_memory(&file, &adapted(&program, &file.job).text, ControllerFault::None)?;
+        let adapted = adapted(&program, &file);
+        let mut rig = in_memory(&file, &adapted.text, ControllerFault::None)?;
+        rig.foresee(foreseen(&program, &adapted));
+        let rig = run_to_end(rig)?;
         let mut report = measure(&rig, &file.job);
         report.real_time_factor = Some(rig.now().to_s() / started.elapsed().as_secs_f64());
         add_baseline(&mut report, &file, &program)?;
@@ -117,10 +123,29 @@ fn framing(serial: &SerialSettings) -> (SenderParity, Option<Code>) {
 /// # Errors
 /// The run never ends.
 pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Rig, Failure> {
+    run_to_end(in_memory(file, program, fault)?)
+}
+
+fn in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Rig, Failure> {
     // A last line without its end would never be a block.
     let program = [program, b"\n"].concat();
-    let mut rig = Rig::from_memory(control_settings(file), &program, &file.job, fault)
-        .map_err(|error| Failure::Input(format!("override limits: {error:?}")))?;
+    Rig::from_memory(control_settings(file), &program, &file.job, fault)
+        .map_err(|error| Failure::Input(format!("override limits: {error:?}")))
+}
+
+/// What the plan knows of the moves under G43.4, which the machine in software does not look at by itself.
+pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<Foreseen> {
+    let is_of_tip = |block: &&PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
+    let moves = adapted.blocks.iter().filter(is_of_tip);
+    let known = moves.map(|block| Foreseen {
+        segment: block.segment,
+        rule: block.rule.filter(|_| block.under.is_none()),
+        limit: block.limit.map(FeedLimit::from),
+    });
+    known.collect()
+}
+
+fn run_to_end(mut rig: Rig) -> Result<Rig, Failure> {
     while !rig.is_done() {
         rig.step();
         if rig.now() > RUN_MAX {

@@ -1,14 +1,35 @@
 //! `[machine]`, and what `[control]` says of feeds: what the machine can follow.
 
+use std::path::Path;
+
+use arcfeed_shared::kinematics::machine::{Letter, Machine};
 use arcfeed_shared::machine::{ArcClamp, MachineLimits};
 use arcfeed_shared::units::{DegPerMin, LengthUnit, Mm, MmPerMin};
 use toml::Spanned;
 
-use super::schema::{ArcClampTable, JobTable, MaxFeedTable, Quantity};
-use super::{Complaint, length_mm, positive};
+use super::schema::{ArcClampTable, JobTable, MachineTable, MaxFeedTable, Quantity};
+use super::{Complaint, at, length_mm, positive};
+use crate::machine_file::MachineFile;
 
-/// What the machine can follow; feeds are per minute, those of rotary axes in degrees.
-pub fn build(table: &JobTable, unit: LengthUnit) -> Result<MachineLimits, Complaint> {
+/// The five-axis machine that the job names, by a file beside it or as a preset.
+pub fn named(table: &MachineTable, folder: &Path) -> Result<Option<MachineFile>, Complaint> {
+    match (&table.file, &table.preset) {
+        (None, None) => Ok(None),
+        (Some(_), Some(preset)) => Err(at(preset, "a machine is a `file` or a `preset`; remove one of them")),
+        (Some(file), None) => {
+            let read = MachineFile::load(&folder.join(file.as_ref()));
+            read.map(Some).map_err(|message| at(file, &message))
+        }
+        (None, Some(preset)) => match MachineFile::preset(preset.as_ref()) {
+            Some(read) => read.map(Some).map_err(|message| at(preset, &message)),
+            None => Err(at(preset, &format!("no such machine; write {}, or a `file`", MachineFile::preset_names()))),
+        },
+    }
+}
+
+/// What the machine can follow; feeds are per minute, those of rotary axes in degrees. The job's own `max_feed` of an axis
+/// counts before that of the machine's file.
+pub fn build(table: &JobTable, unit: LengthUnit, of: Option<&MachineFile>) -> Result<MachineLimits, Complaint> {
     let feed = |given: &Spanned<Quantity>, name: &str| {
         length_mm(given, unit, name).map(|mm_per_min| MmPerMin(mm_per_min as f32))
     };
@@ -23,9 +44,34 @@ pub fn build(table: &JobTable, unit: LengthUnit) -> Result<MachineLimits, Compla
         let radius = Mm(length_mm(&clamp.radius, unit, "radius")? as f32);
         Ok(ArcClamp { feed: feed(&clamp.feed, "feed")?, radius, floor })
     };
+    let MachineLimits { linear: filed, rotary: filed_rotary, .. } =
+        of.map_or(MachineLimits::default(), |file| limits(&file.machine));
+    let [filed_x, filed_y, filed_z] = filed;
+    let [filed_a, filed_b, filed_c] = filed_rotary;
     Ok(MachineLimits {
-        linear: [linear(x)?, linear(y)?, linear(z)?],
-        rotary: [rotary(a)?, rotary(b)?, rotary(c)?],
+        linear: [linear(x)?.or(filed_x), linear(y)?.or(filed_y), linear(z)?.or(filed_z)],
+        rotary: [rotary(a)?.or(filed_a), rotary(b)?.or(filed_b), rotary(c)?.or(filed_c)],
         arc_clamp: table.control.arc_clamp.as_ref().map(clamp).transpose()?,
     })
+}
+
+/// The fastest feed of each axis that a machine has.
+fn limits(machine: &Machine) -> MachineLimits {
+    let speed = |mm_per_min: f64| MmPerMin(mm_per_min as f32);
+    let linear = machine.linear().map(|axis| axis.speed_mm_per_min.map(speed));
+    let rotary = Letter::ALL.map(|letter| {
+        let axis = machine.rotary().iter().find(|axis| axis.letter == letter)?;
+        axis.speed_deg_per_min.map(|speed| DegPerMin(speed as f32))
+    });
+    MachineLimits { linear, rotary, arc_clamp: None }
+}
+
+/// The machine with the speeds that its job leaves it.
+pub fn with_limits(file: MachineFile, limits: &MachineLimits) -> MachineFile {
+    let linear = limits.linear.map(|limit| limit.map(|MmPerMin(speed)| f64::from(speed)));
+    let rotary = file.machine.rotary().each_ref().map(|axis| {
+        let limit = Letter::ALL.iter().zip(limits.rotary).find(|(letter, _)| **letter == axis.letter);
+        limit.and_then(|(_, limit)| limit).map(|DegPerMin(speed)| f64::from(speed))
+    });
+    MachineFile { machine: file.machine.with_speeds(linear, rotary), ..file }
 }

@@ -6,6 +6,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::Complaint;
+use crate::place::place;
 
 /// What stands in place of an answer.
 pub const OPEN: &str = "?";
@@ -44,13 +45,6 @@ pub(super) fn refuse_open(text: &str) -> Result<(), Complaint> {
         message += &format!("; behind it are open: {}", others.join(", "));
     }
     Err((first.span.start, message))
-}
-
-/// Line and column of a byte offset, counted from 1.
-pub(super) fn place(text: &str, offset: usize) -> [usize; 2] {
-    let before = &text[..offset.min(text.len())];
-    let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
-    [before.matches('\n').count() + 1, column]
 }
 
 fn look(key: &str, value: &Spanned<DeValue<'_>>, text: &str, found: &mut Vec<Question>) {

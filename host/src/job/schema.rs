@@ -191,6 +191,8 @@ pub struct ArcClampTable {
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MachineTable {
+    pub file: Option<Spanned<String>>,
+    pub preset: Option<Spanned<String>>,
     #[serde(default)]
     pub max_feed: MaxFeedTable,
 }

@@ -65,6 +65,26 @@ fn a_machine_says_what_it_can_follow_in_the_files_units_and_degrees() {
 }
 
 #[test]
+fn a_named_machine_gives_its_feeds_and_the_jobs_own_count_before_them() {
+    let with = |machine: &str| parse(&JOB.replacen("[[cut]]", &format!("[machine]\n{machine}\n[[cut]]"), 1));
+    let file = with("preset = \"mitsui-seiki-hu80a-5x\"\nmax_feed = { y = 100, b = 1800 }").unwrap();
+    let MachineLimits { linear, rotary, .. } = file.job.machine;
+    assert_eq!(linear, [Some(MmPerMin(12_000.0)), Some(MmPerMin(2_540.0)), Some(MmPerMin(24_000.0))]);
+    assert_eq!(rotary, [Some(DegPerMin(2_160.0)), Some(DegPerMin(1_800.0)), None]);
+    let machine = file.machine.expect("a machine").machine;
+    assert_eq!(machine.linear().map(|axis| axis.speed_mm_per_min), [Some(12_000.0), Some(2_540.0), Some(24_000.0)]);
+    assert_eq!(machine.rotary().map(|axis| axis.speed_deg_per_min), [Some(1_800.0), Some(2_160.0)]);
+    for (machine, said) in [
+        ("preset = \"mikron\"", "shop/job.toml:8:10: no such machine; write \"ferrari-rtttr\", "),
+        ("file = \"none.toml\"", "shop/job.toml:8:8: shop/none.toml: "),
+        ("file = \"m.toml\"\npreset = \"mikron-ucp710\"", "shop/job.toml:9:10: a machine is a `file` or a `preset`"),
+    ] {
+        let error = with(machine).unwrap_err();
+        assert!(error.starts_with(said), "{error}");
+    }
+}
+
+#[test]
 fn rewrite_only_has_settings_of_its_own() {
     let policy = |lines: &str| {
         let text = format!("{JOB}[override]\nmode = \"rewrite-only\"\n{lines}");

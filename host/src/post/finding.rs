@@ -1,4 +1,4 @@
-//! What is wrong with CL data on a machine, before the first cut.
+//! What is wrong with CL data, or with a program, on a machine, before the first cut.
 
 use std::fmt;
 
@@ -11,13 +11,16 @@ use serde::Serialize;
 
 use crate::program::Severity;
 
+/// A whole.
+const PERCENT: f64 = 100.0;
+
 /// The last digit shown of a position.
 const SHOWN: f64 = 1e-3;
 
 /// Something to tell about a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// Line of the CL data, counted from 1.
+    /// Line of the CL data or the program, counted from 1.
     pub line: usize,
     /// What it is.
     pub what: What,
@@ -37,6 +40,22 @@ pub enum What {
     OverLimit(AxisName),
     /// The rotary axes change their branch on the move to the point.
     Change(Change, Box<WayRound>),
+    /// The program turns an axis that the machine lacks.
+    NoAxis(Letter),
+    /// A move of the program leads to the other branch.
+    Reversal {
+        /// Where the rotary axes stand before it.
+        from_deg: [f64; 2],
+        /// Where they stand after it.
+        to_deg: [f64; 2],
+        /// How far the tool axis leaves its arc.
+        departure_deg: f64,
+    },
+    /// The tool axis comes into a pole's cone on the move here.
+    Passage {
+        /// The axis along which it lies then.
+        letter: Letter,
+    },
     /// The point lies in a pole's cone: the first axis is held.
     Pole {
         /// That axis.
@@ -58,8 +77,12 @@ pub enum What {
     Feed {
         /// The moves of which this is the slowest.
         moves: usize,
-        /// What they allow.
-        feed_mm_per_min: f64,
+        /// What they allow on it.
+        feed_per_min: f64,
+        /// Of which this is the unit.
+        unit: &'static str,
+        /// The same over what is asked for.
+        asked_ratio: f64,
         /// The axis.
         axis: AxisName,
     },
@@ -78,7 +101,8 @@ impl Finding {
     /// Whether the program must not run.
     pub fn severity(&self) -> Severity {
         match &self.what {
-            What::Unreachable { .. } | What::OverLimit(_) | What::Change(..) => Severity::Error,
+            What::Unreachable { .. } | What::NoAxis(_) | What::OverLimit(_) => Severity::Error,
+            What::Change(..) | What::Reversal { .. } => Severity::Error,
             _ => Severity::Warning,
         }
     }
@@ -86,10 +110,10 @@ impl Finding {
     /// For `--json`.
     pub fn entry(&self) -> Entry {
         let kind = match &self.what {
-            What::Unreachable { .. } => "unreachable",
+            What::Unreachable { .. } | What::NoAxis(_) => "unreachable",
             What::OverLimit(_) => "over-limit",
-            What::Change(..) => "branch-change",
-            What::Pole { .. } => "pole",
+            What::Change(..) | What::Reversal { .. } => "branch-change",
+            What::Pole { .. } | What::Passage { .. } => "pole",
             What::Coarse { .. } => "coarse",
             What::Incoherent { .. } => "incoherent",
             What::Feed { .. } => "feed",
@@ -112,10 +136,25 @@ impl fmt::Display for What {
                 write!(f, "{why}; tilt the tool less, or clamp the part differently")?;
                 if *more > 0 { write!(f, " (and {more} points after it)") } else { Ok(()) }
             }
+            What::NoAxis(letter) => write!(f, "the machine has no axis {letter}"),
+            What::OverLimit(axis @ AxisName::Rotary(_)) => {
+                write!(f, "{axis} would leave its range; take the other branch, or another number of whole turns")
+            }
             What::OverLimit(axis) => {
                 write!(f, "{axis} would leave its range; move the part or take another tool length")
             }
             What::Change(change, way) => write_change(f, change, way),
+            What::Reversal { from_deg: [from_0, from_1], to_deg: [to_0, to_1], departure_deg } => write!(
+                f,
+                "in this cut the rotary axes go from ({from_0:.3}, {from_1:.3}) to ({to_0:.3}, {to_1:.3}), to the other branch, and swing \
+                 the tool by {departure_deg:.1} degrees; leave the part to reorient"
+            ),
+            What::Passage { letter } => {
+                write!(
+                    f,
+                    "on the move here the tool axis comes to lie along {letter}: a pole, beside which that axis races"
+                )
+            }
             What::Pole { letter } => write!(f, "the tool axis lies along {letter}, which is held where it was"),
             What::Coarse { departure_deg } => {
                 write!(
@@ -124,12 +163,12 @@ impl fmt::Display for What {
                 )
             }
             What::Incoherent { found, asked } => write_incoherent(f, found, *asked),
-            What::Feed { moves, feed_mm_per_min, axis } => {
-                write!(
-                    f,
-                    "{axis} allows {feed_mm_per_min:.1} mm/min here, the least of {moves} moves that ask for more than the axes do"
-                )
-            }
+            What::Feed { moves, feed_per_min, unit, asked_ratio, axis } => write!(
+                f,
+                "{axis} allows {feed_per_min:.1} {unit} here, {:.1} % of what is asked, the least of {moves} moves that ask for more \
+                 than the axes do",
+                asked_ratio * PERCENT
+            ),
         }
     }
 }

@@ -149,12 +149,13 @@ fn slowest(cl: &Cl, task: &Task, stops: &[Stop], changed: &[usize]) -> Option<Fi
             task.machine
                 .axis_feed(&from.axes, &to.axes, way_mm)
                 .filter(|found| found.feed_mm_per_min < asked)
-                .map(|found| (point.line, found)),
+                .map(|found| (point.line, found, found.feed_mm_per_min / asked)),
         );
     }
-    let least = slowed.iter().min_by(|(_, one), (_, other)| one.feed_mm_per_min.total_cmp(&other.feed_mm_per_min));
-    let (line, AxisFeed { feed_mm_per_min, axis }) = *least?;
-    Some(Finding { line, what: What::Feed { moves: slowed.len(), feed_mm_per_min, axis } })
+    let least = slowed.iter().min_by(|(.., one), (.., other)| one.total_cmp(other));
+    let (line, AxisFeed { feed_mm_per_min, axis }, asked_ratio) = *least?;
+    let (moves, feed_per_min, unit) = (slowed.len(), feed_mm_per_min, "mm/min");
+    Some(Finding { line, what: What::Feed { moves, feed_per_min, unit, asked_ratio, axis } })
 }
 
 fn travel(course: &[[f64; 2]]) -> [f64; 2] {

@@ -14,7 +14,7 @@ use arcfeed_shared::nc::macros::program::{Library, first_macro};
 use arcfeed_shared::nc::macros::stack::Place;
 use arcfeed_shared::nc::macros::step::{self as macros, Ending, PlainBlock, Trouble};
 use arcfeed_shared::nc::macros::variables::Context;
-use arcfeed_shared::nc::modal::{Pose, Step, Stop};
+use arcfeed_shared::nc::modal::{Step, Stop};
 use arcfeed_shared::nc::settings::{Settings, Tables};
 use arcfeed_shared::nc::text::{Lines, RawLine};
 use arcfeed_shared::reader::{Reader, Understood};
@@ -93,8 +93,7 @@ impl Program {
         }
         let without_code = parsed.filter(|parsed| parsed.block.is_empty());
         let meaning = without_code.map(|parsed| Understood { parsed, step: Step::default(), segment: None });
-        let origin = Pose::ORIGIN;
-        self.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), meaning, origin });
+        self.lines.push(ProgramLine::bare(text, ending, meaning));
     }
 }
 

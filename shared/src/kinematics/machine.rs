@@ -103,6 +103,11 @@ pub enum MachineError {
     NotPositive(AxisName),
 }
 
+impl Letter {
+    /// In the order of a program's words.
+    pub const ALL: [Letter; 3] = [Letter::A, Letter::B, Letter::C];
+}
+
 impl Machine {
     /// A machine of two rotary axes in the order from the part to the tool, X, Y, Z, and the direction from the tool's tip
     /// to its holder at zero of all axes.
@@ -138,6 +143,19 @@ impl Machine {
     /// X, Y, Z.
     pub fn linear(&self) -> &[LinearAxis; 3] {
         &self.linear
+    }
+
+    /// The same machine with other greatest speeds, mm/min and degrees per minute; one that is not above zero counts as unknown.
+    #[must_use]
+    pub fn with_speeds(mut self, linear: [Option<f64>; 3], rotary: [Option<f64>; 2]) -> Self {
+        let known = |speed: Option<f64>| speed.filter(|speed| *speed > 0.0 && speed.is_finite());
+        for (axis, speed) in self.linear.iter_mut().zip(linear) {
+            axis.speed_mm_per_min = known(speed);
+        }
+        for (axis, speed) in self.rotary.iter_mut().zip(rotary) {
+            axis.speed_deg_per_min = known(speed);
+        }
+        self
     }
 
     /// From the tool's tip to its holder at zero of all axes: a unit vector.

@@ -31,3 +31,5 @@ pub mod incoherent;
 pub mod linearise;
 
 pub mod feed;
+
+pub mod follow;

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use arcfeed_hil_sim::control::code::{Code, with_even_parity};
+use arcfeed_hil_sim::rig::Foreseen;
 use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE};
 use arcfeed_shared::units::{Micros, S_PER_MIN};
 
 use super::super::outcome::{Failure, adapted, file_failure, load};
-use super::super::simulate::{control_settings, tape_code};
+use super::super::simulate::{control_settings, foreseen, tape_code};
 use crate::dnc::journal::{Start, fingerprint};
 use crate::dnc::pace::Pace;
 use crate::dnc::reports::Reports;
@@ -33,6 +34,8 @@ pub struct Prepared {
     pub start: Start,
     /// What the control reports of the whole program.
     pub reports: Reports,
+    /// What the machine in software cannot know of the moves under G43.4.
+    pub foreseen: Vec<Foreseen>,
     /// What was said before the first character.
     pub notes: Vec<String>,
 }
@@ -48,7 +51,7 @@ impl Prepared {
         if let Some(warning) = program.lost_label() {
             eprintln!("{}:{warning}", program.path.display());
         }
-        let adapted = adapted(&program, &file.job);
+        let adapted = adapted(&program, &file);
         let wire = Wire { encode: encode(&file), filters, tv_check: file.dnc.tv_check };
         let line = |offset: usize| adapted.line_ends.partition_point(|end| *end <= offset) + 1;
         let path = program.path.display();
@@ -70,7 +73,8 @@ impl Prepared {
             bytes: whole.frames().len(),
             ..Start::default()
         };
-        Ok(Prepared { file, program, whole, wire, start, reports, notes: Vec::new() })
+        let foreseen = foreseen(&program, &adapted);
+        Ok(Prepared { file, program, whole, wire, start, reports, foreseen, notes: Vec::new() })
     }
 
     /// How the line to this port is worked.

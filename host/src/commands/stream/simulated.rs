@@ -49,7 +49,8 @@ impl Stream {
     pub(super) fn to_simulator(&self, ready: &Prepared, sender: Sender, logbook: Logbook) -> Result<(), Failure> {
         match &self.board {
             None => {
-                let sim = SimPort::new(&ready.file, ControllerFault::None, self.tempo())?;
+                let mut sim = SimPort::new(&ready.file, ControllerFault::None, self.tempo())?;
+                sim.rig_mut().foresee(ready.foreseen.iter().copied());
                 self.send_simulated(ready, sender, (logbook, Along::none()), &Rc::new(RefCell::new(sim)))
             }
             Some(url) if url.base == Base::Sim => self.with_board_in_software(ready, sender, logbook),

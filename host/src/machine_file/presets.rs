@@ -1,0 +1,48 @@
+//! The machines that need no file: those of `examples/machines`, under their files' names.
+
+use std::path::Path;
+
+use super::MachineFile;
+
+const PRESETS: [(&str, &str); 3] = [
+    ("ferrari-rtttr", include_str!("../../../examples/machines/ferrari-rtttr.toml")),
+    ("mikron-ucp710", include_str!("../../../examples/machines/mikron-ucp710.toml")),
+    ("mitsui-seiki-hu80a-5x", include_str!("../../../examples/machines/mitsui-seiki-hu80a-5x.toml")),
+];
+
+impl MachineFile {
+    /// The machine of this name; nothing where there is none.
+    pub fn preset(name: &str) -> Option<Result<Self, String>> {
+        let (name, text) = PRESETS.iter().find(|(known, _)| *known == name)?;
+        Some(Self::parse(text).map_err(|error| format!("{name}:{error}")))
+    }
+
+    /// All of their names, for messages.
+    pub fn preset_names() -> String {
+        PRESETS.map(|(name, _)| format!("\"{name}\"")).join(", ")
+    }
+
+    /// A preset's name, or a file: `./NAME` is always a file.
+    ///
+    /// # Errors
+    /// As [`MachineFile::load`].
+    pub fn named(word: &Path) -> Result<Self, String> {
+        let preset = word.to_str().and_then(Self::preset);
+        preset.unwrap_or_else(|| Self::load(word))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_preset_is_a_machine_and_the_file_of_its_name() {
+        for (name, text) in PRESETS {
+            let file = MachineFile::named(Path::new(name)).unwrap();
+            assert_eq!(Ok(file), MachineFile::parse(text));
+        }
+        let missing = MachineFile::named(Path::new("./mikron-ucp710")).unwrap_err();
+        assert!(missing.starts_with("./mikron-ucp710: "), "{missing}");
+    }
+}
