@@ -11,11 +11,20 @@
 //! range = [-120, 30]        # degrees; turns for ever unless given
 //! resolution = 0.001        # degrees
 //! max_feed = 5400           # degrees per minute; no limit known unless given
+//! acceleration = 500        # degrees/s^2 and
+//! jerk = 5000               # degrees/s^3: of all axes or of none; the simulated control keeps to them (docs/drives.md)
 //! [linear.X]                # and Y and Z: mm, mm per minute
 //! range = [0, 710]
 //! resolution = 0.001
 //! max_feed = 20000
+//! acceleration = 2000       # mm/s^2
+//! jerk = 20000              # mm/s^3
+//! [corners]                 # how far the control may cut them: mm, degrees; these unless given
+//! linear = 0.01
+//! rotary = 0.01
 //! ```
+
+pub mod drives;
 
 mod presets;
 
@@ -27,6 +36,8 @@ use toml::Spanned;
 
 use crate::place::place;
 
+use drives::{DriveError, Drives, Told, Tolerance};
+
 /// A machine with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineFile {
@@ -34,6 +45,8 @@ pub struct MachineFile {
     pub name: String,
     /// The chain.
     pub machine: Machine,
+    /// What the drives can do, where the file tells.
+    pub drives: Option<Drives>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -43,6 +56,8 @@ struct MachineTable {
     tool: Option<[f64; 3]>,
     rotary: [Spanned<RotaryTable>; 2],
     linear: LinearTables,
+    #[serde(default)]
+    corners: Tolerance,
 }
 
 #[derive(Debug, Deserialize)]
@@ -55,6 +70,8 @@ struct RotaryTable {
     range: Option<[f64; 2]>,
     resolution: f64,
     max_feed: Option<f64>,
+    acceleration: Option<f64>,
+    jerk: Option<f64>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -72,6 +89,8 @@ struct LinearTable {
     range: Option<[f64; 2]>,
     resolution: f64,
     max_feed: Option<f64>,
+    acceleration: Option<f64>,
+    jerk: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -116,11 +135,33 @@ impl MachineFile {
         let rotary = table.rotary.each_ref().map(|axis| rotary_axis(axis.as_ref()));
         let machine = Machine::new(rotary, linear, table.tool.unwrap_or([0.0, 0.0, 1.0]));
         let machine = machine.map_err(|error| at(table.offset_of(&error), error.to_string()))?;
-        Ok(MachineFile { name: table.name, machine })
+        let drives = Drives::new(table.told(), table.corners)
+            .map_err(|error| at(table.offset_of_drive(error), error.to_string()))?;
+        Ok(MachineFile { name: table.name, machine, drives })
     }
 }
 
 impl MachineTable {
+    /// Of X, Y, Z and the rotary axes.
+    fn told(&self) -> [Told; 5] {
+        let LinearTables { X, Y, Z } = &self.linear;
+        let [x, y, z] = [X, Y, Z].map(|axis| axis.as_ref()).map(|axis| [axis.max_feed, axis.acceleration, axis.jerk]);
+        let [first, second] =
+            self.rotary.each_ref().map(|axis| axis.as_ref()).map(|axis| [axis.max_feed, axis.acceleration, axis.jerk]);
+        [x, y, z, first, second]
+    }
+
+    /// Where the axis stands whose drive makes no sense.
+    fn offset_of_drive(&self, error: DriveError) -> usize {
+        let LinearTables { X, Y, Z } = &self.linear;
+        match error {
+            DriveError::Axis(axis @ 0..3) => [X, Y, Z][axis].span().start,
+            DriveError::Axis(3) => self.rotary[0].span().start,
+            DriveError::Axis(_) => self.rotary[1].span().start,
+            DriveError::Tolerance => 0,
+        }
+    }
+
     /// Where the axis stands that an error is about.
     fn offset_of(&self, error: &MachineError) -> usize {
         let [first, second] = &self.rotary;

@@ -4,6 +4,7 @@ use arcfeed_shared::units::PERCENT;
 
 use super::Control;
 use super::feeds::FeedConditions;
+use super::interpolator::AxisLimited;
 use super::panel::Phase;
 
 /// Bits of #3003 and #3004. Exact stop (bit 2 of #3004) is not modelled, so there is nothing to switch off.
@@ -15,6 +16,11 @@ impl Control {
     /// The override in effect, %.
     pub fn override_percent(&self) -> u8 {
         if self.ignored.feed & NO_OVERRIDE == 0 { self.ladder_percent } else { PERCENT as u8 }
+    }
+
+    /// Blocks that an axis kept from their programmed speed.
+    pub fn limited(&self) -> &[AxisLimited] {
+        self.interpolator.limited()
     }
 
     pub(super) fn conditions(&self) -> FeedConditions {

@@ -32,6 +32,24 @@ pub struct Interpolator {
     axes: [f64; AXES],
     position: Pose,
     commanded: MmPerMin,
+    limited: Vec<AxisLimited>,
+}
+
+/// A block whose programmed speed, with its override, one axis did not allow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisLimited {
+    /// Count of blocks executed up to and including it.
+    pub count: u32,
+    /// Its N, if it has one.
+    pub sequence: Option<i64>,
+    /// X, Y, Z, A, B, C as 0 to 5.
+    pub axis: usize,
+    /// Whether only rotary axes move: degrees for mm below.
+    pub is_rotary: bool,
+    /// Asked for along the path, when it was asked for first.
+    pub wanted_mm_per_s: f64,
+    /// Allowed.
+    pub allowed_mm_per_s: f64,
 }
 
 /// Who says how fast.
@@ -57,6 +75,7 @@ impl Interpolator {
             axes: [0.0; AXES],
             position: Pose::default(),
             commanded: MmPerMin(0.0),
+            limited: Vec::new(),
         }
     }
 
@@ -114,8 +133,19 @@ impl Interpolator {
         let rapid_mm_per_s = self.pace.rapid_mm_per_s();
         let conditions = Conditions { feed: conditions, arc_clamp: self.arc_clamp.as_ref(), rapid_mm_per_s };
         let travel = &active.leg.travel;
-        let wanted = active.leg.wanted(&active.manner, &conditions).min(active.leg.limits.speed);
+        let asked = active.leg.wanted(&active.manner, &conditions);
+        let wanted = asked.min(active.leg.limits.speed);
         let feed = travel.speed_mm_per_s().map_or(0.0, |_| wanted / travel.speed_ratio);
+        if asked > wanted && feed > 0.0 && self.limited.last().is_none_or(|limited| limited.count != active.count) {
+            self.limited.push(AxisLimited {
+                count: active.count,
+                sequence: travel.segment.sequence,
+                axis: active.leg.limits.axis.unwrap_or_default(),
+                is_rotary: travel.is_rotary(),
+                wanted_mm_per_s: asked,
+                allowed_mm_per_s: wanted,
+            });
+        }
         self.commanded = MmPerMin((feed * S_PER_MIN) as f32);
         let advance = match &mut self.pace {
             Pace::Trapezoid(trapezoid) => trapezoid.advance(dt_s, active, &self.queue, &conditions),
@@ -145,6 +175,11 @@ impl Interpolator {
     /// The same unrounded: X, Y, Z in mm, A, B, C in degrees.
     pub fn axes(&self) -> &[f64; AXES] {
         &self.axes
+    }
+
+    /// Blocks that an axis kept from their programmed speed.
+    pub fn limited(&self) -> &[AxisLimited] {
+        &self.limited
     }
 
     /// The active move and the count of blocks executed up to and including it.

@@ -4,26 +4,33 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use arcfeed_hil_sim::control::code::Code;
+use arcfeed_hil_sim::control::interpolator::AxisLimited;
 use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
 use arcfeed_hil_sim::control::tape::TapeSettings;
 use arcfeed_hil_sim::control::{ControlSettings, Preset, Switches};
 use arcfeed_hil_sim::cutting::meter::MoveChips;
 use arcfeed_hil_sim::decider::Decider;
+use arcfeed_hil_sim::drives::limits::{AxisLimits, DriveLimits};
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::rig::{Foreseen, MoveOverride, Rig};
 use arcfeed_shared::cut::Moves;
 use arcfeed_shared::job::Job;
+use arcfeed_shared::kinematics::machine::Letter;
 use arcfeed_shared::machine::FeedLimit;
 use arcfeed_shared::report::{ChipFigures, LeftOut};
-use arcfeed_shared::units::{LengthUnit, Micros, MmPerTooth};
+use arcfeed_shared::units::{LengthUnit, Micros, MmPerTooth, S_PER_MIN};
 
 use super::adapt::{direction_word, rotation_word, side_word};
 use super::outcome::{Failure, adapted, load, say};
 use crate::adapt::limit::is_tip_line;
 use crate::adapt::{Adapted, PlannedBlock};
 use crate::job::{ControlKind, JobFile, Parity, SerialSettings, TapeCode};
+use crate::machine_file::MachineFile;
+use crate::machine_file::drives::{Drive, Drives};
 use crate::program::Program;
-use crate::report::figures::{AlarmFigures, IptFigures, MovementFigures, OverrideFigures, RestartFigures, RunReport};
+use crate::report::figures::{
+    AlarmFigures, AxisLimitFigures, IptFigures, MovementFigures, OverrideFigures, RestartFigures, RunReport,
+};
 use crate::report::printed;
 use crate::report::summary::Summary;
 
@@ -96,7 +103,26 @@ pub fn control_settings(file: &JobFile) -> ControlSettings {
         ..settings.line
     };
     let (nc, tables, arc_clamp) = (file.nc, file.tables, file.job.machine.arc_clamp);
-    ControlSettings { nc, tables, line, arc_clamp, switches, ..settings }
+    let drives = file.machine.as_ref().and_then(drive_limits);
+    ControlSettings { nc, tables, line, arc_clamp, switches, drives, ..settings }
+}
+
+/// What the drives of a machine can do, axis by axis. A rotary axis that it does not have is as its first.
+fn drive_limits(file: &MachineFile) -> Option<DriveLimits> {
+    let Drives { linear, rotary, tolerance } = file.drives?;
+    let limits = |drive: &Drive| AxisLimits {
+        speed_mm_per_s: drive.speed_mm_per_s,
+        acceleration_mm_per_s2: drive.acceleration_mm_per_s2,
+        jerk_mm_per_s3: drive.jerk_mm_per_s3,
+    };
+    let of = |letter: Letter| usize::from(file.machine.rotary()[1].letter == letter);
+    let [a, b, c] = Letter::ALL.map(|letter| limits(&rotary[of(letter)]));
+    let [x, y, z] = linear.each_ref().map(limits);
+    Some(DriveLimits {
+        axes: [x, y, z, a, b, c],
+        tolerance_mm: tolerance.linear_mm,
+        tolerance_deg: tolerance.rotary_deg,
+    })
 }
 
 /// The code that the sender makes itself.
@@ -186,6 +212,7 @@ pub fn measure<D: Decider>(rig: &Rig<D>, job: &Job) -> RunReport {
         ipt_circumference: ipt(job.unit, job.feed_per_tooth, moves.iter().map(|(chips, _)| *chips)),
         r#override: overrides(moves.iter().map(|(_, figures)| *figures)),
         movements,
+        axis_limited: rig.control().limited().iter().map(|limited| axis_limit(job.unit, limited)).collect(),
         restart: rig.control().restart_list().map(|list| RestartFigures {
             t: list.t,
             s: list.s,
@@ -194,6 +221,24 @@ pub fn measure<D: Decider>(rig: &Rig<D>, job: &Job) -> RunReport {
             g: list.codes(),
         }),
         ..RunReport::default()
+    }
+}
+
+fn axis_limit(unit: LengthUnit, limited: &AxisLimited) -> AxisLimitFigures {
+    let AxisLimited { count, sequence, axis, is_rotary, wanted_mm_per_s, allowed_mm_per_s } = *limited;
+    let (of_mm, unit) = match unit {
+        _ if is_rotary => (1.0, "deg/min"),
+        LengthUnit::Inch => (unit.mm(), "in/min"),
+        LengthUnit::Mm => (1.0, "mm/min"),
+    };
+    let per_min = |speed: f64| speed * S_PER_MIN / of_mm;
+    AxisLimitFigures {
+        block: count,
+        n: sequence,
+        axis: ["X", "Y", "Z", "A", "B", "C"][axis],
+        asked: per_min(wanted_mm_per_s),
+        allowed: per_min(allowed_mm_per_s),
+        unit,
     }
 }
 

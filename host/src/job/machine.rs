@@ -73,5 +73,9 @@ pub fn with_limits(file: MachineFile, limits: &MachineLimits) -> MachineFile {
         let limit = Letter::ALL.iter().zip(limits.rotary).find(|(letter, _)| **letter == axis.letter);
         limit.and_then(|(_, limit)| limit).map(|DegPerMin(speed)| f64::from(speed))
     });
-    MachineFile { machine: file.machine.with_speeds(linear, rotary), ..file }
+    let machine = file.machine.with_speeds(linear, rotary);
+    let [x, y, z] = machine.linear().map(|axis| axis.speed_mm_per_min);
+    let [first, second] = machine.rotary().map(|axis| axis.speed_deg_per_min);
+    let drives = file.drives.map(|drives| drives.with_speeds([x, y, z, first, second]));
+    MachineFile { machine, drives, ..file }
 }

@@ -37,6 +37,8 @@ pub struct RunReport {
     pub r#override: Option<OverrideFigures>,
     /// The same, cut rule by cut rule.
     pub movements: Vec<MovementFigures>,
+    /// Blocks that an axis of the machine kept from their programmed feed.
+    pub axis_limited: Vec<AxisLimitFigures>,
     /// The serial line.
     pub link: Option<LinkFigures>,
     /// What the control reported of itself, where the job has it do so.
@@ -94,6 +96,34 @@ impl fmt::Display for AlarmFigures {
             write!(f, "PS{alarm:04} ")?;
         }
         f.write_str(&self.message)
+    }
+}
+
+/// A block whose feed, with its override, one axis did not allow.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AxisLimitFigures {
+    /// Blocks executed, up to and including it.
+    pub block: u32,
+    /// Its N.
+    pub n: Option<i64>,
+    /// The axis.
+    pub axis: &'static str,
+    /// Asked for, when it was asked for first.
+    pub asked: f64,
+    /// Allowed.
+    pub allowed: f64,
+    /// Of both.
+    pub unit: &'static str,
+}
+
+impl fmt::Display for AxisLimitFigures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let AxisLimitFigures { block, n, axis, asked, allowed, unit } = self;
+        match n {
+            Some(n) => write!(f, "N{n}")?,
+            None => write!(f, "block {block}")?,
+        }
+        write!(f, ": {axis} allows {allowed:.1} of {asked:.1} {unit}")
     }
 }
 

@@ -4,6 +4,9 @@ use std::fmt::{self, Write};
 
 use super::figures::{IptFigures, LineErrorFigures, MovementFigures, ReportFigures, RunReport};
 
+/// Blocks limited by an axis that are shown.
+const SHOWN: usize = 10;
+
 /// Prints as several lines, each ended.
 #[derive(Debug)]
 pub struct Summary<'a> {
@@ -48,6 +51,12 @@ impl fmt::Display for Summary<'_> {
         if let Some(ReportFigures { asked, confirmed, line }) = &report.reports {
             write!(f, "  reports of the control: {confirmed} of {asked} as the program has it")?;
             writeln!(f, "{}", line.map_or(String::new(), |line| format!(", it has read up to line {line}")))?;
+        }
+        for limited in report.axis_limited.iter().take(SHOWN) {
+            writeln!(f, "  slower than programmed: {limited}")?;
+        }
+        if let more @ 1.. = report.axis_limited.len().saturating_sub(SHOWN) {
+            writeln!(f, "  slower than programmed: {more} more blocks")?;
         }
         for line in &report.printed {
             writeln!(f, "  printed: {line}")?;

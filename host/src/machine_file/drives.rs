@@ -1,0 +1,129 @@
+//! What the drives of a machine file can do, and how far the control may cut a corner.
+
+use serde::Deserialize;
+
+/// What one axis can do; of a rotary axis, degrees for mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Greatest speed, mm/s.
+    pub speed_mm_per_s: f64,
+    /// Greatest acceleration, mm/s^2.
+    pub acceleration_mm_per_s2: f64,
+    /// Greatest jerk, mm/s^3.
+    pub jerk_mm_per_s3: f64,
+}
+
+/// The drives of a machine, if its file tells of all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drives {
+    /// X, Y, Z.
+    pub linear: [Drive; 3],
+    /// The rotary axes, from the part to the tool.
+    pub rotary: [Drive; 2],
+    /// Greatest distance from a corner, mm and degrees.
+    pub tolerance: Tolerance,
+}
+
+/// How far a corner may be missed.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Tolerance {
+    /// Of the linear axes, mm.
+    #[serde(rename = "linear")]
+    pub linear_mm: f64,
+    /// Of the rotary ones, degrees.
+    #[serde(rename = "rotary")]
+    pub rotary_deg: f64,
+}
+
+/// Why the drives of a file make no sense.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriveError {
+    /// Some of what must be told of an axis is not, or is not above zero; X, Y, Z, and the rotary axes as they stand.
+    Axis(usize),
+    /// A tolerance that is not above zero.
+    Tolerance,
+}
+
+/// What a file tells of an axis: speed per minute, acceleration, jerk.
+pub type Told = [Option<f64>; 3];
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Tolerance { linear_mm: 0.01, rotary_deg: 0.01 }
+    }
+}
+
+impl Drives {
+    /// The drives of X, Y, Z and both rotary axes; none where no axis has an acceleration or a jerk.
+    ///
+    /// # Errors
+    /// One axis has them and another has not all three, or a value is not above zero.
+    pub fn new(told: [Told; 5], tolerance: Tolerance) -> Result<Option<Self>, DriveError> {
+        if told.iter().all(|[_, acceleration, jerk]| acceleration.is_none() && jerk.is_none()) {
+            return Ok(None);
+        }
+        if ![tolerance.linear_mm, tolerance.rotary_deg]
+            .iter()
+            .all(|tolerance| *tolerance > 0.0 && tolerance.is_finite())
+        {
+            return Err(DriveError::Tolerance);
+        }
+        let drive = |axis: usize| {
+            let [speed, acceleration, jerk] = told[axis];
+            let positive = |value: Option<f64>| value.filter(|value| *value > 0.0 && value.is_finite());
+            let per_min = positive(speed).ok_or(DriveError::Axis(axis))?;
+            Ok(Drive {
+                speed_mm_per_s: per_min / arcfeed_shared::units::S_PER_MIN,
+                acceleration_mm_per_s2: positive(acceleration).ok_or(DriveError::Axis(axis))?,
+                jerk_mm_per_s3: positive(jerk).ok_or(DriveError::Axis(axis))?,
+            })
+        };
+        let linear = [drive(0)?, drive(1)?, drive(2)?];
+        Ok(Some(Drives { linear, rotary: [drive(3)?, drive(4)?], tolerance }))
+    }
+
+    /// With the speeds that the machine has now, where it has them: a job may have given it others.
+    #[must_use]
+    pub fn with_speeds(mut self, per_min: [Option<f64>; 5]) -> Self {
+        for (drive, speed) in self.linear.iter_mut().chain(&mut self.rotary).zip(per_min) {
+            drive.speed_mm_per_s = speed.map_or(drive.speed_mm_per_s, |speed| speed / arcfeed_shared::units::S_PER_MIN);
+        }
+        self
+    }
+}
+
+impl std::fmt::Display for DriveError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            DriveError::Axis(_) => f.write_str(
+                "an axis has an acceleration or a jerk, so each needs `max_feed`, `acceleration` and `jerk`, above zero",
+            ),
+            DriveError::Tolerance => f.write_str("the tolerances of corners must be above zero"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const AXIS: Told = [Some(6_000.0), Some(500.0), Some(20_000.0)];
+
+    #[test]
+    fn drives_are_told_of_all_axes_or_of_none() {
+        let tolerance = Tolerance::default();
+        assert_eq!(Drives::new([[Some(6_000.0), None, None]; 5], tolerance), Ok(None));
+        let drives = Drives::new([AXIS; 5], tolerance).unwrap().unwrap();
+        assert!((drives.rotary[1].speed_mm_per_s - 100.0).abs() < 1e-12);
+        for missing in 0..3 {
+            let mut told = [AXIS; 5];
+            told[4][missing] = None;
+            assert_eq!(Drives::new(told, tolerance), Err(DriveError::Axis(4)));
+            told[4][missing] = Some(0.0);
+            assert_eq!(Drives::new(told, tolerance), Err(DriveError::Axis(4)));
+        }
+        let none = Tolerance { linear_mm: 0.0, rotary_deg: 0.01 };
+        assert_eq!(Drives::new([AXIS; 5], none), Err(DriveError::Tolerance));
+    }
+}
