@@ -75,6 +75,7 @@ fn side_milling_takes_depth_times_length() {
     let tool = Tool::cylinder(5.0, 100.0).unwrap();
     for (depth_mm, name) in [(1.0, "1.0"), (2.5, "2.5"), (5.0, "5.0"), (7.5, "7.5")] {
         let exact_mm2 = published(&format!("side milling ae={name}, steady per L=40"));
+        // Depth and length are whole steps: no face along the rays is off, and the errors at both ends cancel.
         let mut sheet = sheet([-10.0, 5.0 - depth_mm], [55.0, 15.0], 0.1);
         let (from, to) = (upright(0.013, 0.0), upright(40.013, 0.0));
         area_mm2(&mut sheet, &tool, &straight(from, from).sweeps(&tool, 1e-3).unwrap());

@@ -127,6 +127,20 @@ fn the_surface_of_a_stock_is_closed_and_encloses_what_is_left() {
 }
 
 #[test]
+fn walls_and_floors_right_on_the_nodes_leave_no_hole_in_the_surface() {
+    // Every face of these slots passes through nodes: the rays of the three families need not agree on them.
+    let tool = Tool::cylinder(1.0, 4.0).unwrap();
+    for eighths in 0..16 {
+        let at = f64::from(eighths) / 8.0;
+        let mut stock = Stock::new(&block([8.0, 8.0, 8.0]), 0.25, MEMORY_MAX).unwrap();
+        cut(&mut stock, &tool, &straight([2.0 + at, 2.0, 2.125], [2.0 + at, 5.0, 2.125]));
+        cut(&mut stock, &tool, &straight([1.0, 4.0 + at, 3.0 + at], [7.0, 4.0 + at, 3.0 + at]));
+        let left_mm3 = surface(&stock).expect("a closed surface").volume_mm3();
+        assert!((left_mm3 / stock.volume().mean_mm3() - 1.0).abs() < 0.02, "{at}: {left_mm3}");
+    }
+}
+
+#[test]
 fn a_surface_goes_through_a_file_and_back() {
     let mut stock = Stock::new(&block([10.0, 8.0, 6.0]), 0.5, MEMORY_MAX).unwrap();
     cut(&mut stock, &Tool::ball(2.0, 9.0, 1e-3).unwrap(), &straight([2.0, 3.0, 4.0], [8.0, 5.0, 3.0]));
