@@ -1,7 +1,9 @@
 //! What cuts cost: rays asked a second, threads, memory. Times are those of the processor, so that other work on the machine
-//! shows less; the clock's are printed beside them.
+//! shows less; the clock's are printed beside them. The gain of two threads is what one takes over what the busier of two takes.
 //!
 //! `cargo run --release -p arcfeed-hil-sim --example stock_bench [STEP_MM]`. Figures of one run and its machine are in docs/stock.md.
+
+use std::collections::HashMap;
 
 use arcfeed_hil_sim::stock::motion::{Move, Pose};
 use arcfeed_hil_sim::stock::solid::Block;
@@ -47,19 +49,32 @@ fn rays_asked(stock: &Stock, tool: &Tool, moves: &[Move], tolerance_mm: f64) -> 
     Ok((asked, count))
 }
 
-/// Time of the processor that this process has had, in hundredths of a second as Linux counts; 0 elsewhere.
-fn processor_s() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let after_name = stat.rsplit(')').next().unwrap_or_default();
-    after_name.split_whitespace().skip(11).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / 100.0
+/// Time of the processor that each thread of this process has had, in hundredths of a second as Linux counts.
+fn processor_s() -> HashMap<String, f64> {
+    let of_thread = |entry: std::fs::DirEntry| {
+        let stat = std::fs::read_to_string(entry.path().join("stat")).unwrap_or_default();
+        let after_name = stat.rsplit(')').next().unwrap_or_default();
+        let ticks = after_name.split_whitespace().skip(11).take(2).filter_map(|ticks| ticks.parse::<f64>().ok());
+        (entry.file_name().to_string_lossy().into_owned(), ticks.sum::<f64>() / 100.0)
+    };
+    std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten().map(of_thread).collect()
 }
 
-/// Cuts the block, move by move; the seconds it took, of the processor and by the clock, and what is left of it.
-fn cut(threads: usize, step_mm: f64, tool: &Tool, moves: &[Move]) -> Result<([f64; 2], Stock), Error> {
+/// What a run took.
+struct Took {
+    /// By all threads together.
+    all_s: f64,
+    /// By the busiest thread: what the run takes where every thread has a core of its own.
+    busiest_s: f64,
+    clock_s: f64,
+}
+
+/// Cuts the block, move by move; what it took and what is left.
+fn cut(threads: usize, step_mm: f64, tool: &Tool, moves: &[Move]) -> Result<(Took, Stock), Error> {
     let block = Block { lowest_mm: [0.0; 3], highest_mm: [EDGE_MM, EDGE_MM, HEIGHT_MM] };
     let mut stock = Stock::new(&block, step_mm, MEMORY_MAX)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-    let (started, before_s) = (std::time::Instant::now(), processor_s());
+    let (started, before) = (std::time::Instant::now(), processor_s());
     pool.install(|| -> Result<(), Error> {
         // Sixteen moves at a time: what a simulation hands over between two looks at the volume.
         for moves in moves.chunks(16) {
@@ -71,7 +86,10 @@ fn cut(threads: usize, step_mm: f64, tool: &Tool, moves: &[Move]) -> Result<([f6
         }
         Ok(())
     })?;
-    Ok(([processor_s() - before_s, started.elapsed().as_secs_f64()], stock))
+    let clock_s = started.elapsed().as_secs_f64();
+    let spent = processor_s().into_iter().map(|(thread, s)| s - before.get(&thread).copied().unwrap_or_default());
+    let (all_s, busiest_s) = spent.fold((0.0, 0.0), |(all, most): (f64, f64), s| (all + s, most.max(s)));
+    Ok((Took { all_s, busiest_s, clock_s }, stock))
 }
 
 fn main() -> Result<(), Error> {
@@ -86,16 +104,24 @@ fn main() -> Result<(), Error> {
     ];
     let volume_mm3 = EDGE_MM * EDGE_MM * HEIGHT_MM;
     println!("block {EDGE_MM} x {EDGE_MM} x {HEIGHT_MM} mm, step {step_mm} mm");
-    println!("tool                   sweeps  rays asked  CPU s: 1 thread  Mrays/s  2 threads  clock s: 1 thread, 2");
+    println!(
+        "tool                   sweeps  rays asked  CPU s: 1 thread  Mrays/s  2 threads  busiest  gain  clock s: 1, 2"
+    );
     for (name, tool, moves) in cases {
         let block = Block { lowest_mm: [0.0; 3], highest_mm: [EDGE_MM, EDGE_MM, HEIGHT_MM] };
         let whole = Stock::new(&block, step_mm, MEMORY_MAX)?;
         let (asked, sweeps) = rays_asked(&whole, &tool, &moves, step_mm / 20.0)?;
-        let ([alone_s, alone_clock_s], stock) = cut(1, step_mm, &tool, &moves)?;
-        let ([both_s, both_clock_s], _) = cut(2, step_mm, &tool, &moves)?;
+        let (alone, stock) = cut(1, step_mm, &tool, &moves)?;
+        let (both, _) = cut(2, step_mm, &tool, &moves)?;
         println!(
-            "{name:20} {sweeps:8}  {asked:10}  {alone_s:15.2}  {:7.1}  {both_s:9.2}  {alone_clock_s:17.2}  {both_clock_s:.2}",
-            asked as f64 / alone_s / 1e6,
+            "{name:20} {sweeps:8}  {asked:10}  {:15.2}  {:7.1}  {:9.2}  {:7.2}  {:4.2}  {:10.2}, {:.2}",
+            alone.all_s,
+            asked as f64 / alone.all_s / 1e6,
+            both.all_s,
+            both.busiest_s,
+            alone.all_s / both.busiest_s,
+            alone.clock_s,
+            both.clock_s,
         );
         let [before, after] = [&whole, &stock].map(|stock| stock.memory_bytes() as f64 / volume_mm3);
         let removed_mm3 = volume_mm3 - stock.volume().mean_mm3();

@@ -1,9 +1,11 @@
 //! What a sweep takes from a ray, against brute force: the tool is put at thousands of places along its way, and for each
 //! point of the ray the deepest it ever comes into the tool is found. It shares nothing with the kernel but the solid.
 
-use arcfeed_hil_sim::stock::dexel::Interval;
+use arcfeed_hil_sim::stock::dexel::{Dexel, Interval};
+use arcfeed_hil_sim::stock::profile::Profile;
 use arcfeed_hil_sim::stock::section::{Section, Sweep};
-use arcfeed_hil_sim::stock::tool::Slab;
+use arcfeed_hil_sim::stock::sweep::passes;
+use arcfeed_hil_sim::stock::tool::{Slab, Tool};
 use fastrand::Rng;
 
 /// Places along the way.
@@ -71,6 +73,25 @@ fn sweep(rng: &mut Rng) -> Sweep {
     Sweep { from_mm, to_mm: [0, 1, 2].map(|i| from_mm[i] + way[i]), axis }
 }
 
+/// The same cut, through the boxes and stretches that keep most rays from being asked.
+fn assert_not_culled(slab: &Slab, sweep: &Sweep, (ray_axis, point): (usize, [f64; 3]), spans: &[Interval]) {
+    let [low, high] = slab.heights_mm;
+    let wall = |radii: [f64; 2]| Profile::from(radii[0], low, 1.0).unwrap().line(radii[1], high).unwrap();
+    let tool = Tool::new(&wall(slab.outer_mm), slab.inner_mm.map(wall).as_ref()).unwrap();
+    let pass = passes(&tool, &[*sweep], ray_axis)[0];
+    let taken_mm: f64 = spans.iter().map(Interval::length_mm).sum();
+    let whole = Interval::new(-60.0, 60.0);
+    let mut ray = Dexel::One(whole);
+    let removed_mm = pass.cut(point, &whole, &mut ray);
+    assert!((removed_mm - taken_mm).abs() < 1e-9, "{removed_mm} {taken_mm} {slab:?} {sweep:?} {point:?}");
+    let corners = pass.box_mm().map(|corner| corner[ray_axis]);
+    let way = sweep.motion_mm()[ray_axis];
+    for span in spans {
+        assert!(pass.is_near(&point), "{slab:?} {sweep:?} {point:?}");
+        assert!(corners[0] + way.min(0.0) <= span.from_mm && span.to_mm <= corners[1] + way.max(0.0));
+    }
+}
+
 #[test]
 fn a_ray_loses_what_the_tool_meets_on_its_way_and_nothing_else() {
     let mut rng = Rng::with_seed(8);
@@ -83,6 +104,7 @@ fn a_ray_loses_what_the_tool_meets_on_its_way_and_nothing_else() {
         let mut spans: Vec<Interval> = Vec::new();
         let anywhere = Interval::new(-1e9, 1e9);
         Section::new(&slab, &sweep, ray_axis).for_each_span(point, &anywhere, |span| spans.push(span));
+        assert_not_culled(&slab, &sweep, (ray_axis, point), &spans);
         split += usize::from(spans.len() > 1);
         let way_mm = libm::sqrt((0..3).map(|i| (sweep.to_mm[i] - sweep.from_mm[i]).powi(2)).sum());
         for _ in 0..12 {

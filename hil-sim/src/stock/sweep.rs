@@ -2,11 +2,12 @@
 //!
 //! A slab lies in a box about it, which moves with it. At a row of rays only those s count at which the box is on that
 //! row; they bound the columns and the stretch of the rays. Of these rays only those are asked that come as close to the
-//! slab's axis, halfway along its way, as its radius and half of its way: seen along the rays, the axis is a line.
+//! slab's axis, halfway along its way, as its radius and half of its way: seen along the rays, the axis is a line. What is
+//! left then is the stretch of the ray between the slab's two planes and within that cylinder.
 
 use std::ops::Range;
 
-use arcfeed_shared::kinematics::vector::Vector;
+use arcfeed_shared::kinematics::vector::{Vector, dot, length, scaled, sum};
 
 use super::dexel::{Dexel, Interval};
 use super::lattice::Lattice;
@@ -14,7 +15,10 @@ use super::section::{Section, Sweep};
 use super::tool::{Slab, Tool};
 
 /// By how much boxes are wider than what they hold, for rounding.
-const MARGIN_MM: f64 = 1e-9;
+const MARGIN_MM: f64 = 1e-7;
+
+/// Below this a ray counts as lying in a plane, or along an axis.
+const STEEP_RATIO: f64 = 1e-3;
 
 /// One slab of a tool on its way, for the rays of one direction, with its box.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +31,11 @@ pub struct Pass {
     /// The line that is the axis as seen along the rays, halfway: its lower end, to its upper end, and how near it is near.
     line_mm: [[f64; 2]; 2],
     near_mm: f64,
+    axis: Vector,
+    /// The tip halfway.
+    halfway_mm: Vector,
+    /// The slab's planes, wider by half of the way along the axis.
+    heights_mm: [f64; 2],
 }
 
 /// The rays of one row that a pass can meet, and where on them.
@@ -58,7 +67,7 @@ impl Pass {
         let motion_mm = sweep.motion_mm();
         let across = Lattice::across(ray_axis);
         let [low_mm, high_mm] = slab.heights_mm;
-        let half_way = across.map(|axis| motion_mm[axis] / 2.0);
+        let half_rise_mm = dot(motion_mm, sweep.axis).abs() / 2.0;
         let low = across.map(|axis| sweep.from_mm[axis] + motion_mm[axis] / 2.0 + low_mm * sweep.axis[axis]);
         Pass {
             ray_axis,
@@ -66,7 +75,10 @@ impl Pass {
             corners_mm: [corner(-1.0), corner(1.0)],
             motion_mm,
             line_mm: [low, across.map(|axis| (high_mm - low_mm) * sweep.axis[axis])],
-            near_mm: radius_mm + libm::hypot(half_way[0], half_way[1]) + MARGIN_MM,
+            near_mm: radius_mm + length(motion_mm) / 2.0 + MARGIN_MM,
+            axis: sweep.axis,
+            halfway_mm: sum(sweep.from_mm, scaled(motion_mm, 0.5)),
+            heights_mm: [low_mm - half_rise_mm - MARGIN_MM, high_mm + half_rise_mm + MARGIN_MM],
         }
     }
 
@@ -114,10 +126,39 @@ impl Pass {
         off[0] * off[0] + off[1] * off[1] <= self.near_mm * self.near_mm
     }
 
+    /// Where on a ray it may meet the slab, within a stretch beyond which it does not reach.
+    fn stretch(&self, ray_point_mm: &Vector, along: &Interval) -> Option<Interval> {
+        let [low_mm, high_mm] = self.heights_mm;
+        let along_u = self.axis[self.ray_axis];
+        // From the tip, halfway, to the ray's point at 0.
+        let mut w = [0, 1, 2].map(|axis| ray_point_mm[axis] - self.halfway_mm[axis]);
+        w[self.ray_axis] = -self.halfway_mm[self.ray_axis];
+        let height_mm = dot(w, self.axis);
+        let mut stretch = *along;
+        if along_u.abs() > STEEP_RATIO {
+            let ends = [(low_mm - height_mm) / along_u, (high_mm - height_mm) / along_u];
+            stretch = stretch.common(&Interval::new(ends[0].min(ends[1]), ends[0].max(ends[1])));
+        }
+        let square = 1.0 - along_u * along_u;
+        if square > STEEP_RATIO {
+            let half = w[self.ray_axis] - height_mm * along_u;
+            let rest = dot(w, w) - height_mm * height_mm - self.near_mm * self.near_mm;
+            let root = libm::sqrt(half * half - square * rest);
+            if root.is_nan() {
+                return None;
+            }
+            stretch = stretch.common(&Interval::new((-half - root) / square, (-half + root) / square));
+        }
+        (stretch.length_mm() > 0.0).then_some(stretch)
+    }
+
     /// Takes its sweep from a stretch of a ray, beyond which it does not reach; answers the length that was there.
     pub fn cut(&self, ray_point_mm: Vector, along: &Interval, dexel: &mut Dexel) -> f64 {
         let mut removed_mm = 0.0;
-        self.section.for_each_span(ray_point_mm, along, |span| removed_mm += dexel.subtract(span));
+        let Some(stretch) = self.stretch(&ray_point_mm, along).filter(|stretch| dexel.meets(stretch)) else {
+            return removed_mm;
+        };
+        self.section.for_each_span(ray_point_mm, &stretch, |span| removed_mm += dexel.subtract(span));
         removed_mm
     }
 
