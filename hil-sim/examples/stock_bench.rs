@@ -1,0 +1,131 @@
+//! What cuts cost: rays asked a second, threads, memory. Times are those of the processor, so that other work on the machine
+//! shows less; the clock's are printed beside them. The gain of two threads is what one takes over what the busier of two takes.
+//!
+//! `cargo run --release -p arcfeed-hil-sim --example stock_bench [STEP_MM]`. Figures of one run and its machine are in docs/stock.md.
+
+use std::collections::HashMap;
+
+use arcfeed_hil_sim::stock::motion::{Move, Pose};
+use arcfeed_hil_sim::stock::solid::Block;
+use arcfeed_hil_sim::stock::sweep::passes;
+use arcfeed_hil_sim::stock::tool::Tool;
+use arcfeed_hil_sim::stock::workpiece::Stock;
+
+const EDGE_MM: f64 = 50.0;
+const HEIGHT_MM: f64 = 20.0;
+const MEMORY_MAX: usize = 4 << 30;
+
+type Error = Box<dyn std::error::Error + Send + Sync>;
+
+/// Lines across the block, to and fro, 1 mm forward at a time, each line further by `stepover_mm`.
+fn zigzag(depth_mm: f64, stepover_mm: f64, axis: impl Fn(f64) -> [f64; 3]) -> Vec<Move> {
+    let lines = (EDGE_MM / stepover_mm) as u32;
+    let pieces = EDGE_MM as u32;
+    let pose = |line: u32, piece: u32| {
+        let along = f64::from(if line.is_multiple_of(2) { piece } else { pieces - piece });
+        let tip_mm = [along, (f64::from(line) + 0.5) * stepover_mm, HEIGHT_MM - depth_mm];
+        Pose { tip_mm, axis: axis(along) }
+    };
+    let pairs = (0..lines).flat_map(|line| (0..pieces).map(move |piece| (line, piece)));
+    pairs.map(|(line, piece)| Move::Straight { from: pose(line, piece), to: pose(line, piece + 1) }).collect()
+}
+
+/// Rays in the boxes of all sweeps: what is asked at all.
+fn rays_asked(stock: &Stock, tool: &Tool, moves: &[Move], tolerance_mm: f64) -> Result<(usize, usize), Error> {
+    let (mut asked, mut count) = (0, 0);
+    for moved in moves {
+        let sweeps = moved.sweeps(tool, tolerance_mm)?;
+        count += sweeps.len();
+        for axis in 0..3 {
+            let [_, row_axis] = arcfeed_hil_sim::stock::lattice::Lattice::across(axis);
+            for pass in passes(tool, &sweeps, axis) {
+                let lattice = stock.lattice();
+                let reaches =
+                    pass.rows(lattice).filter_map(|row| pass.reach(lattice, lattice.center_mm(row_axis, row)));
+                asked += reaches.map(|reach| reach.columns.len()).sum::<usize>();
+            }
+        }
+    }
+    Ok((asked, count))
+}
+
+/// Time of the processor that each thread of this process has had, in hundredths of a second as Linux counts.
+fn processor_s() -> HashMap<String, f64> {
+    let of_thread = |entry: std::fs::DirEntry| {
+        let stat = std::fs::read_to_string(entry.path().join("stat")).unwrap_or_default();
+        let after_name = stat.rsplit(')').next().unwrap_or_default();
+        let ticks = after_name.split_whitespace().skip(11).take(2).filter_map(|ticks| ticks.parse::<f64>().ok());
+        (entry.file_name().to_string_lossy().into_owned(), ticks.sum::<f64>() / 100.0)
+    };
+    std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten().map(of_thread).collect()
+}
+
+/// What a run took.
+struct Took {
+    /// By all threads together.
+    all_s: f64,
+    /// By the busiest thread: what the run takes where every thread has a core of its own.
+    busiest_s: f64,
+    clock_s: f64,
+}
+
+/// Cuts the block, move by move; what it took and what is left.
+fn cut(threads: usize, step_mm: f64, tool: &Tool, moves: &[Move]) -> Result<(Took, Stock), Error> {
+    let block = Block { lowest_mm: [0.0; 3], highest_mm: [EDGE_MM, EDGE_MM, HEIGHT_MM] };
+    let mut stock = Stock::new(&block, step_mm, MEMORY_MAX)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    let (started, before) = (std::time::Instant::now(), processor_s());
+    pool.install(|| -> Result<(), Error> {
+        // Sixteen moves at a time: what a simulation hands over between two looks at the volume.
+        for moves in moves.chunks(16) {
+            let mut sweeps = Vec::new();
+            for moved in moves {
+                sweeps.extend(moved.sweeps(tool, step_mm / 20.0)?);
+            }
+            stock.cut(tool, &sweeps)?;
+        }
+        Ok(())
+    })?;
+    let clock_s = started.elapsed().as_secs_f64();
+    let spent = processor_s().into_iter().map(|(thread, s)| s - before.get(&thread).copied().unwrap_or_default());
+    let (all_s, busiest_s) = spent.fold((0.0, 0.0), |(all, most): (f64, f64), s| (all + s, most.max(s)));
+    Ok((Took { all_s, busiest_s, clock_s }, stock))
+}
+
+fn main() -> Result<(), Error> {
+    let step_mm = std::env::args().nth(1).map_or(Ok(0.2), |step| step.parse())?;
+    let up = |_| [0.0, 0.0, 1.0];
+    let swaying = |along: f64| [0.3 * libm::sin(along / 4.0), 0.1, 1.0];
+    let cases = [
+        ("flat R5, 3 axes", Tool::cylinder(5.0, 30.0)?, zigzag(4.0, 4.0, up)),
+        ("ring 12/9, corner 1", Tool::ring([12.0, 9.0], 1.0, 30.0, step_mm / 20.0)?, zigzag(4.0, 6.0, up)),
+        ("ball R3, 3 axes", Tool::ball(3.0, 30.0, step_mm / 20.0)?, zigzag(3.0, 2.0, up)),
+        ("ball R3, 5 axes", Tool::ball(3.0, 10.0, step_mm / 20.0)?, zigzag(3.0, 5.0, swaying)),
+    ];
+    let volume_mm3 = EDGE_MM * EDGE_MM * HEIGHT_MM;
+    println!("block {EDGE_MM} x {EDGE_MM} x {HEIGHT_MM} mm, step {step_mm} mm");
+    println!(
+        "tool                   sweeps  rays asked  CPU s: 1 thread  Mrays/s  2 threads  busiest  gain  clock s: 1, 2"
+    );
+    for (name, tool, moves) in cases {
+        let block = Block { lowest_mm: [0.0; 3], highest_mm: [EDGE_MM, EDGE_MM, HEIGHT_MM] };
+        let whole = Stock::new(&block, step_mm, MEMORY_MAX)?;
+        let (asked, sweeps) = rays_asked(&whole, &tool, &moves, step_mm / 20.0)?;
+        let (alone, stock) = cut(1, step_mm, &tool, &moves)?;
+        let (both, _) = cut(2, step_mm, &tool, &moves)?;
+        println!(
+            "{name:20} {sweeps:8}  {asked:10}  {:15.2}  {:7.1}  {:9.2}  {:7.2}  {:4.2}  {:10.2}, {:.2}",
+            alone.all_s,
+            asked as f64 / alone.all_s / 1e6,
+            both.all_s,
+            both.busiest_s,
+            alone.all_s / both.busiest_s,
+            alone.clock_s,
+            both.clock_s,
+        );
+        let [before, after] = [&whole, &stock].map(|stock| stock.memory_bytes() as f64 / volume_mm3);
+        let removed_mm3 = volume_mm3 - stock.volume().mean_mm3();
+        println!("  removed {removed_mm3:.2} mm3; {before:.1} bytes/mm3 of block before, {after:.1} after");
+    }
+    Ok(())
+}

@@ -1,0 +1,101 @@
+//! Heights of a stock along an axis, and how far they are from another stock's on the same lattice.
+
+use std::fmt;
+use std::io::{self, Write};
+
+use super::dexel::Interval;
+use super::lattice::Lattice;
+use super::workpiece::Stock;
+
+/// Heights, or differences of heights, over the columns and rows of the rays along an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightMap {
+    axis: usize,
+    lattice: Lattice,
+    heights_mm: Vec<Option<f64>>,
+}
+
+/// A map in four numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figures {
+    /// Rays with a height.
+    pub rays: usize,
+    /// The lowest.
+    pub min_mm: f64,
+    /// The highest.
+    pub max_mm: f64,
+    /// Root of the mean square.
+    pub rms_mm: f64,
+}
+
+/// Two maps of which each has its own columns and rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OtherLattice;
+
+impl fmt::Display for OtherLattice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "heights can only be compared along the same axis on the same lattice")
+    }
+}
+
+impl std::error::Error for OtherLattice {}
+
+impl HeightMap {
+    /// Where the material ends along an axis (0, 1, 2 for x, y, z); none where there is none.
+    pub fn new(stock: &Stock, axis: usize) -> Self {
+        let axis = axis % 3;
+        let top = |extent: Interval| extent.to_mm;
+        let heights_mm = stock.grids()[axis].dexels().iter().map(|dexel| dexel.extent().map(top)).collect();
+        HeightMap { axis, lattice: *stock.lattice(), heights_mm }
+    }
+
+    /// What is too much, positive, or missing, negative, against a reference; none where one of both has no height.
+    ///
+    /// # Errors
+    /// The maps are not of the same rays.
+    pub fn above(&self, reference: &HeightMap) -> Result<HeightMap, OtherLattice> {
+        if self.axis != reference.axis || self.lattice != reference.lattice {
+            return Err(OtherLattice);
+        }
+        let pairs = self.heights_mm.iter().zip(&reference.heights_mm);
+        let heights_mm = pairs.map(|(own, other)| Some((*own)? - (*other)?)).collect();
+        Ok(HeightMap { heights_mm, ..*self })
+    }
+
+    /// Row by row.
+    pub fn heights_mm(&self) -> &[Option<f64>] {
+        &self.heights_mm
+    }
+
+    /// Lowest, highest, mean square; none if no ray has a height.
+    pub fn figures(&self) -> Option<Figures> {
+        let heights: Vec<f64> = self.heights_mm.iter().copied().flatten().collect();
+        let squares: f64 = heights.iter().map(|height_mm| height_mm * height_mm).sum();
+        Some(Figures {
+            rays: heights.len(),
+            min_mm: heights.iter().copied().reduce(f64::min)?,
+            max_mm: heights.iter().copied().reduce(f64::max)?,
+            rms_mm: libm::sqrt(squares / heights.len() as f64),
+        })
+    }
+
+    /// Writes one line a ray, `column coordinate, row coordinate, height`, in millimetres; rays without a height are left out.
+    ///
+    /// # Errors
+    /// The file takes no more.
+    pub fn write_csv<W: Write>(&self, file: W) -> io::Result<()> {
+        let mut file = io::BufWriter::new(file);
+        let [column_axis, row_axis] = Lattice::across(self.axis);
+        let name = |axis: usize| ["x", "y", "z"][axis];
+        writeln!(file, "{}_mm,{}_mm,{}_mm", name(column_axis), name(row_axis), name(self.axis))?;
+        let [width, _] = self.lattice.size(self.axis);
+        for (index, height_mm) in self.heights_mm.iter().enumerate() {
+            if let Some(height_mm) = height_mm {
+                let column_mm = self.lattice.center_mm(column_axis, index % width);
+                let row_mm = self.lattice.center_mm(row_axis, index / width);
+                writeln!(file, "{column_mm:.6},{row_mm:.6},{height_mm:.6}")?;
+            }
+        }
+        file.flush()
+    }
+}

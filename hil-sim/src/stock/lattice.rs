@@ -1,0 +1,155 @@
+//! Where the rays stand: through the centres of cubic cells, in the three directions of the axes.
+//!
+//! Rays of all three directions meet in the cells' centres, the *nodes*. A ray along axis k stands at a column, counted
+//! along axis k + 1, and a row, counted along axis k + 2 (mod 3).
+
+use std::fmt;
+
+/// Cells a lattice may have along one axis, so that no count of rays overflows.
+const CELLS_MAX: f64 = 65_536.0;
+
+/// Part of a cell that a box may be over a whole number of cells: rounding, no material.
+const OVERHANG_RATIO: f64 = 1e-9;
+
+/// Cubic cells in a box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lattice {
+    lowest_mm: [f64; 3],
+    step_mm: f64,
+    cells: [usize; 3],
+}
+
+/// Why there is no such lattice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LatticeError {
+    /// The step is not a positive number.
+    Step {
+        /// As told.
+        step_mm: f64,
+    },
+    /// The box has no cells along an axis, or too many.
+    Box {
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// Its edge.
+        length_mm: f64,
+    },
+}
+
+impl fmt::Display for LatticeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            LatticeError::Step { step_mm } => write!(f, "a step of {step_mm} mm between rays is none"),
+            LatticeError::Box { axis, length_mm } => {
+                let name = ["x", "y", "z"].get(*axis).unwrap_or(&"?");
+                write!(f, "{length_mm} mm along {name} are none or more than {CELLS_MAX} cells of this step")
+            }
+        }
+    }
+}
+
+impl std::error::Error for LatticeError {}
+
+impl Lattice {
+    /// Cells with edges of `step_mm` from the lowest corner to the highest or, where that is no whole number of them, beyond.
+    ///
+    /// # Errors
+    /// The step is not positive, or the box is empty or has more than 65 536 cells along an axis.
+    pub fn new(lowest_mm: [f64; 3], highest_mm: [f64; 3], step_mm: f64) -> Result<Self, LatticeError> {
+        if !(step_mm > 0.0 && step_mm.is_finite()) {
+            return Err(LatticeError::Step { step_mm });
+        }
+        let mut cells = [0; 3];
+        for axis in 0..3 {
+            let length_mm = highest_mm[axis] - lowest_mm[axis];
+            let count = (length_mm / step_mm - OVERHANG_RATIO).ceil();
+            if !((1.0..=CELLS_MAX).contains(&count) && lowest_mm[axis].is_finite()) {
+                return Err(LatticeError::Box { axis, length_mm });
+            }
+            cells[axis] = count as usize;
+        }
+        Ok(Lattice { lowest_mm, step_mm, cells })
+    }
+
+    /// Distance of neighbouring rays.
+    pub fn step_mm(&self) -> f64 {
+        self.step_mm
+    }
+
+    /// What one ray stands for, mm2.
+    pub fn area_mm2(&self) -> f64 {
+        self.step_mm * self.step_mm
+    }
+
+    /// Cells along x, y and z.
+    pub fn cells(&self) -> [usize; 3] {
+        self.cells
+    }
+
+    /// The lowest corner of the first cell.
+    pub fn lowest_mm(&self) -> [f64; 3] {
+        self.lowest_mm
+    }
+
+    /// The axes along which columns and rows of the rays along `axis` are counted.
+    pub fn across(axis: usize) -> [usize; 2] {
+        [(axis + 1) % 3, (axis + 2) % 3]
+    }
+
+    /// Columns and rows of the rays along `axis`.
+    pub fn size(&self, axis: usize) -> [usize; 2] {
+        Self::across(axis).map(|across| self.cells[across])
+    }
+
+    /// Coordinate of a cell's centre along `axis`.
+    pub fn center_mm(&self, axis: usize, cell: usize) -> f64 {
+        self.lowest_mm[axis] + (cell as f64 + 0.5) * self.step_mm
+    }
+
+    /// The cells along `axis` whose centres lie between two coordinates, as a range.
+    pub fn cells_between(&self, axis: usize, from_mm: f64, to_mm: f64) -> std::ops::Range<usize> {
+        let place = |at_mm: f64| (at_mm - self.lowest_mm[axis]) / self.step_mm - 0.5;
+        // A cast from float to whole number saturates.
+        let first = place(from_mm).ceil() as usize;
+        let end = (place(to_mm).floor() + 1.0) as usize;
+        first.min(self.cells[axis])..end.min(self.cells[axis]).max(first.min(self.cells[axis]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_cover_the_box() {
+        let lattice = Lattice::new([1.0, 2.0, 3.0], [2.0, 4.05, 3.1], 0.1).unwrap();
+        assert_eq!(lattice.cells(), [10, 21, 1]);
+        assert!((lattice.center_mm(0, 9) - 1.95).abs() < 1e-12);
+        assert_eq!(lattice.size(0), [21, 1]);
+        assert_eq!(lattice.size(1), [1, 10]);
+    }
+
+    #[test]
+    fn a_range_has_the_centres_in_it() {
+        let lattice = Lattice::new([0.0; 3], [1.0; 3], 0.25).unwrap();
+        for (from_mm, to_mm, range) in [
+            (-9.0, 9.0, 0..4),
+            (0.2, 0.4, 1..2),
+            (0.125, 0.125, 0..1),
+            (0.2, 0.3, 1..1),
+            (2.0, 3.0, 4..4),
+            (-2.0, -1.0, 0..0),
+        ] {
+            assert_eq!(lattice.cells_between(0, from_mm, to_mm), range, "{from_mm} {to_mm}");
+        }
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        let step = |step_mm| Lattice::new([0.0; 3], [1.0; 3], step_mm);
+        assert!(matches!(step(0.0), Err(LatticeError::Step { .. })));
+        assert!(matches!(step(f64::NAN), Err(LatticeError::Step { .. })));
+        assert!(matches!(step(1e-6), Err(LatticeError::Box { axis: 0, .. })));
+        assert!(matches!(Lattice::new([0.0; 3], [1.0, -1.0, 1.0], 0.1), Err(LatticeError::Box { axis: 1, .. })));
+    }
+}

@@ -1,0 +1,181 @@
+//! Which rays a moving tool can meet at all: boxes, so that most rays are never asked.
+//!
+//! A slab lies in a box about it, which moves with it. At a row of rays only those s count at which the box is on that
+//! row; they bound the columns and the stretch of the rays. Of these rays only those are asked that come as close to the
+//! slab's axis, halfway along its way, as its radius and half of its way: seen along the rays, the axis is a line. What is
+//! left then is the stretch of the ray between the slab's two planes and within that cylinder.
+
+use std::ops::Range;
+
+use arcfeed_shared::kinematics::vector::{Vector, dot, length, scaled, sum};
+
+use super::dexel::{Dexel, Interval};
+use super::lattice::Lattice;
+use super::section::{Section, Sweep};
+use super::tool::{Slab, Tool};
+
+/// By how much boxes are wider than what they hold, for rounding.
+const MARGIN_MM: f64 = 1e-7;
+
+/// Below this a ray counts as lying in a plane, or along an axis.
+const STEEP_RATIO: f64 = 1e-3;
+
+/// One slab of a tool on its way, for the rays of one direction, with its box.
+#[derive(Clone, Copy, Debug)]
+pub struct Pass {
+    ray_axis: usize,
+    section: Section,
+    /// Lowest and highest corner of the box at s = 0.
+    corners_mm: [Vector; 2],
+    motion_mm: Vector,
+    /// The line that is the axis as seen along the rays, halfway: its lower end, to its upper end, and how near it is near.
+    line_mm: [[f64; 2]; 2],
+    near_mm: f64,
+    axis: Vector,
+    /// The tip halfway.
+    halfway_mm: Vector,
+    /// The slab's planes, wider by half of the way along the axis.
+    heights_mm: [f64; 2],
+}
+
+/// The rays of one row that a pass can meet, and where on them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reach {
+    /// Columns of the row.
+    pub columns: Range<usize>,
+    /// Stretch of each ray.
+    pub along: Interval,
+}
+
+/// All slabs of a tool on all ways, for rays along an axis.
+pub fn passes(tool: &Tool, sweeps: &[Sweep], ray_axis: usize) -> Vec<Pass> {
+    let pairs = sweeps.iter().flat_map(|sweep| tool.slabs().iter().map(move |slab| (slab, sweep)));
+    pairs.map(|(slab, sweep)| Pass::new(slab, sweep, ray_axis)).collect()
+}
+
+impl Pass {
+    fn new(slab: &Slab, sweep: &Sweep, ray_axis: usize) -> Self {
+        let radius_mm = slab.outer_mm[0].max(slab.outer_mm[1]);
+        let corner = |side: f64| {
+            [0, 1, 2].map(|axis| {
+                let along = sweep.axis[axis];
+                let ends = slab.heights_mm.map(|height_mm| height_mm * along * side);
+                let disc_mm = radius_mm * libm::sqrt((1.0 - along * along).max(0.0));
+                sweep.from_mm[axis] + side * (ends[0].max(ends[1]) + disc_mm + MARGIN_MM)
+            })
+        };
+        let motion_mm = sweep.motion_mm();
+        let across = Lattice::across(ray_axis);
+        let [low_mm, high_mm] = slab.heights_mm;
+        let half_rise_mm = dot(motion_mm, sweep.axis).abs() / 2.0;
+        let low = across.map(|axis| sweep.from_mm[axis] + motion_mm[axis] / 2.0 + low_mm * sweep.axis[axis]);
+        Pass {
+            ray_axis,
+            section: Section::new(slab, sweep, ray_axis),
+            corners_mm: [corner(-1.0), corner(1.0)],
+            motion_mm,
+            line_mm: [low, across.map(|axis| (high_mm - low_mm) * sweep.axis[axis])],
+            near_mm: radius_mm + length(motion_mm) / 2.0 + MARGIN_MM,
+            axis: sweep.axis,
+            halfway_mm: sum(sweep.from_mm, scaled(motion_mm, 0.5)),
+            heights_mm: [low_mm - half_rise_mm - MARGIN_MM, high_mm + half_rise_mm + MARGIN_MM],
+        }
+    }
+
+    /// The lowest and highest corner of the box around it before it moves.
+    pub fn box_mm(&self) -> [Vector; 2] {
+        self.corners_mm
+    }
+
+    /// The rows that it can meet.
+    pub fn rows(&self, lattice: &Lattice) -> Range<usize> {
+        let [_, across] = Lattice::across(self.ray_axis);
+        let Interval { from_mm, to_mm } = self.extent(across, [0.0, 1.0]);
+        lattice.cells_between(across, from_mm, to_mm)
+    }
+
+    /// What it can meet of the row at this coordinate.
+    pub fn reach(&self, lattice: &Lattice, row_mm: f64) -> Option<Reach> {
+        let [column_axis, row_axis] = Lattice::across(self.ray_axis);
+        let (low_mm, high_mm) = (self.corners_mm[0][row_axis], self.corners_mm[1][row_axis]);
+        let motion_mm = self.motion_mm[row_axis];
+        let mut during = [0.0_f64, 1.0_f64];
+        if motion_mm != 0.0 {
+            let ends = [(row_mm - low_mm) / motion_mm, (row_mm - high_mm) / motion_mm];
+            during = [during[0].max(ends[0].min(ends[1])), during[1].min(ends[0].max(ends[1]))];
+        } else if row_mm < low_mm || row_mm > high_mm {
+            return None;
+        }
+        if during[0] > during[1] {
+            return None;
+        }
+        let across = self.extent(column_axis, during);
+        let columns = lattice.cells_between(column_axis, across.from_mm, across.to_mm);
+        (!columns.is_empty()).then(|| Reach { columns, along: self.extent(self.ray_axis, during) })
+    }
+
+    /// Whether a ray is so near that it may meet the slab.
+    pub fn is_near(&self, ray_point_mm: &Vector) -> bool {
+        let across = Lattice::across(self.ray_axis);
+        let [low, line] = self.line_mm;
+        let arm = [ray_point_mm[across[0]] - low[0], ray_point_mm[across[1]] - low[1]];
+        let square = line[0] * line[0] + line[1] * line[1];
+        let along = arm[0] * line[0] + arm[1] * line[1];
+        let part = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
+        let off = [arm[0] - part * line[0], arm[1] - part * line[1]];
+        off[0] * off[0] + off[1] * off[1] <= self.near_mm * self.near_mm
+    }
+
+    /// Where on a ray it may meet the slab, within a stretch beyond which it does not reach.
+    fn stretch(&self, ray_point_mm: &Vector, along: &Interval) -> Option<Interval> {
+        let [low_mm, high_mm] = self.heights_mm;
+        let along_u = self.axis[self.ray_axis];
+        // From the tip, halfway, to the ray's point at 0.
+        let mut w = [0, 1, 2].map(|axis| ray_point_mm[axis] - self.halfway_mm[axis]);
+        w[self.ray_axis] = -self.halfway_mm[self.ray_axis];
+        let height_mm = dot(w, self.axis);
+        let mut stretch = *along;
+        if along_u.abs() > STEEP_RATIO {
+            let ends = [(low_mm - height_mm) / along_u, (high_mm - height_mm) / along_u];
+            stretch = stretch.common(&Interval::new(ends[0].min(ends[1]), ends[0].max(ends[1])));
+        }
+        let square = 1.0 - along_u * along_u;
+        if square > STEEP_RATIO {
+            let half = w[self.ray_axis] - height_mm * along_u;
+            let rest = dot(w, w) - height_mm * height_mm - self.near_mm * self.near_mm;
+            let root = libm::sqrt(half * half - square * rest);
+            if root.is_nan() {
+                return None;
+            }
+            stretch = stretch.common(&Interval::new((-half - root) / square, (-half + root) / square));
+        }
+        (stretch.length_mm() > 0.0).then_some(stretch)
+    }
+
+    /// Takes its sweep from a stretch of a ray, beyond which it does not reach; answers the length that was there.
+    pub fn cut(&self, ray_point_mm: Vector, along: &Interval, dexel: &mut Dexel) -> f64 {
+        let mut removed_mm = 0.0;
+        let Some(stretch) = self.stretch(&ray_point_mm, along).filter(|stretch| dexel.meets(stretch)) else {
+            return removed_mm;
+        };
+        self.section.for_each_span(ray_point_mm, &stretch, |span| removed_mm += dexel.subtract(span));
+        removed_mm
+    }
+
+    /// The pieces of the ray that it sweeps.
+    pub fn spans(&self, ray_point_mm: Vector) -> Vec<Interval> {
+        let mut spans = Vec::new();
+        let along = self.extent(self.ray_axis, [0.0, 1.0]);
+        self.section.for_each_span(ray_point_mm, &along, |span| spans.push(span));
+        spans
+    }
+
+    /// Where the box is along an axis while s is in a range.
+    fn extent(&self, axis: usize, during: [f64; 2]) -> Interval {
+        let moved = during.map(|s| s * self.motion_mm[axis]);
+        Interval {
+            from_mm: self.corners_mm[0][axis] + moved[0].min(moved[1]),
+            to_mm: self.corners_mm[1][axis] + moved[0].max(moved[1]),
+        }
+    }
+}

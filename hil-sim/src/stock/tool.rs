@@ -1,0 +1,172 @@
+//! Tools and other solids of revolution: slabs, each between two cones about the axis.
+//!
+//! The origin is the tool's tip, the axis points from there to the holder.
+//!
+//! ```text
+//! volume of a slab:  pi/3 H (R0^2 + R0 R1 + R1^2 - r0^2 - r0 r1 - r1^2)        (1)
+//! ```
+//!
+//! Source: (1) the frustum of a cone.
+
+use std::f64::consts::PI;
+
+use super::profile::{Knot, Profile, ProfileError};
+
+/// Between two heights: outside and inside are straight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slab {
+    /// The heights above the tip, the lower first.
+    pub heights_mm: [f64; 2],
+    /// Radii of the outside at these heights.
+    pub outer_mm: [f64; 2],
+    /// Radii of the hole; none if it is solid.
+    pub inner_mm: Option<[f64; 2]>,
+}
+
+impl Slab {
+    /// (1)
+    pub fn volume_mm3(&self) -> f64 {
+        let squares = |[a, b]: [f64; 2]| a * a + a * b + b * b;
+        let height_mm = self.heights_mm[1] - self.heights_mm[0];
+        PI / 3.0 * height_mm * (squares(self.outer_mm) - self.inner_mm.map_or(0.0, squares))
+    }
+}
+
+/// A solid of revolution.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tool {
+    slabs: Vec<Slab>,
+    middle_mm: f64,
+    reach_mm: f64,
+}
+
+impl Tool {
+    /// From its outside and, for a ring, its inside.
+    ///
+    /// # Errors
+    /// The outlines do not belong together.
+    pub fn new(outside: &Profile, inside: Option<&Profile>) -> Result<Self, ProfileError> {
+        let span_mm = outside.span_mm()?;
+        if inside.map_or(Ok(span_mm), Profile::span_mm)? != span_mm {
+            return Err(ProfileError::Heights);
+        }
+        let knots = outside.knots().iter().chain(inside.map_or(&[][..], Profile::knots));
+        let mut heights_mm: Vec<f64> = knots.map(|knot| knot.height_mm).collect();
+        heights_mm.sort_by(f64::total_cmp);
+        heights_mm.dedup();
+        let mut slabs = Vec::new();
+        for pair in heights_mm.windows(2) {
+            let [low_mm, high_mm] = [pair[0], pair[1]];
+            let outer_mm = outside.radii_between(low_mm, high_mm).ok_or(ProfileError::Flat)?;
+            let inner_mm = inside.and_then(|inside| inside.radii_between(low_mm, high_mm));
+            if inner_mm.is_some_and(|inner| inner[0] > outer_mm[0] || inner[1] > outer_mm[1]) {
+                return Err(ProfileError::InsideOut { height_mm: low_mm });
+            }
+            slabs.push(Slab { heights_mm: [low_mm, high_mm], outer_mm, inner_mm });
+        }
+        let middle_mm = (span_mm[0] + span_mm[1]) / 2.0;
+        let from_middle = |knot: &Knot| libm::hypot(knot.radius_mm, knot.height_mm - middle_mm);
+        let reach_mm = outside.knots().iter().map(from_middle).fold(0.0, f64::max);
+        Ok(Tool { slabs, middle_mm, reach_mm })
+    }
+
+    /// A flat end mill.
+    ///
+    /// # Errors
+    /// The measures are none of a tool, as with all tools below.
+    pub fn cylinder(radius_mm: f64, height_mm: f64) -> Result<Self, ProfileError> {
+        Tool::new(&edge(radius_mm, 0.0, height_mm, 1.0)?, None)
+    }
+
+    /// A ball end mill, its ball kept within the tolerance.
+    ///
+    /// # Errors
+    /// The ball is higher than the tool.
+    pub fn ball(radius_mm: f64, height_mm: f64, tolerance_mm: f64) -> Result<Self, ProfileError> {
+        Tool::bull_nose([radius_mm, radius_mm], height_mm, tolerance_mm)
+    }
+
+    /// An end mill with a rounded corner: radius of the tool, radius of the corner.
+    ///
+    /// # Errors
+    /// The corner is larger than the tool.
+    pub fn bull_nose(radii_mm: [f64; 2], height_mm: f64, tolerance_mm: f64) -> Result<Self, ProfileError> {
+        let [radius_mm, corner_mm] = radii_mm;
+        Tool::new(&edge(radius_mm, -corner_mm, height_mm, tolerance_mm)?, None)
+    }
+
+    /// The ring of a cup mill: outer radius, inner radius, and the corner of its inserts on both sides (0: square).
+    ///
+    /// # Errors
+    /// The corners are wider than the ring.
+    pub fn ring(radii_mm: [f64; 2], corner_mm: f64, height_mm: f64, tolerance_mm: f64) -> Result<Self, ProfileError> {
+        let outside = edge(radii_mm[0], -corner_mm, height_mm, tolerance_mm)?;
+        let inside = edge(radii_mm[1], corner_mm, height_mm, tolerance_mm)?;
+        Tool::new(&outside, Some(&inside))
+    }
+
+    /// From bottom to top.
+    pub fn slabs(&self) -> &[Slab] {
+        &self.slabs
+    }
+
+    /// The height halfway up.
+    pub fn middle_mm(&self) -> f64 {
+        self.middle_mm
+    }
+
+    /// The distance from the point of the axis halfway up within which all of it lies.
+    pub fn reach_mm(&self) -> f64 {
+        self.reach_mm
+    }
+
+    /// (1), of the chords.
+    pub fn volume_mm3(&self) -> f64 {
+        self.slabs.iter().map(Slab::volume_mm3).sum()
+    }
+}
+
+/// A wall with a rounded foot that reaches `foot_mm` to the outside at the bottom.
+fn edge(radius_mm: f64, foot_mm: f64, height_mm: f64, tolerance_mm: f64) -> Result<Profile, ProfileError> {
+    let corner_mm = foot_mm.abs();
+    let start = Profile::from(radius_mm + foot_mm, 0.0, tolerance_mm)?;
+    if corner_mm == 0.0 {
+        return start.line(radius_mm, height_mm);
+    }
+    let center = Knot { radius_mm: radius_mm + foot_mm, height_mm: corner_mm };
+    start.arc(Knot { radius_mm, height_mm: corner_mm }, center)?.line(radius_mm, height_mm)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn volumes_are_those_of_the_solids() {
+        let ring = Tool::ring([5.0, 3.0], 0.0, 2.0, 1e-3).unwrap();
+        assert!((ring.volume_mm3() - PI * 16.0 * 2.0).abs() < 1e-12);
+        let ball = Tool::ball(5.0, 8.0, 1e-6).unwrap();
+        let exact_mm3 = PI * (2.0 / 3.0 * 125.0 + 25.0 * 3.0);
+        assert!((0.0..2e-4).contains(&(exact_mm3 - ball.volume_mm3())), "{exact_mm3} {}", ball.volume_mm3());
+        // A quarter of a torus of tube 1 about 4, the disc inside it, and the cylinder above.
+        let bull = Tool::bull_nose([5.0, 1.0], 2.0, 1e-7).unwrap();
+        let exact_mm3 = PI * 16.0 + 2.0 * PI * (PI / 4.0) * (4.0 + 4.0 / (3.0 * PI)) + PI * 25.0;
+        assert!((0.0..2e-5).contains(&(exact_mm3 - bull.volume_mm3())), "{exact_mm3} {}", bull.volume_mm3());
+    }
+
+    #[test]
+    fn nothing_of_a_tool_is_beyond_its_reach() {
+        let tool = Tool::cylinder(3.0, 8.0).unwrap();
+        assert_eq!((tool.middle_mm(), tool.reach_mm()), (4.0, 5.0));
+    }
+
+    #[test]
+    fn impossible_tools_are_refused() {
+        assert_eq!(Tool::ring([3.0, 5.0], 0.0, 2.0, 0.1), Err(ProfileError::InsideOut { height_mm: 0.0 }));
+        assert!(Tool::ring([5.0, 4.0], 0.6, 2.0, 0.1).is_err());
+        assert!(Tool::bull_nose([5.0, 6.0], 9.0, 0.1).is_err());
+        assert!(Tool::ball(5.0, 4.0, 0.1).is_err());
+        assert!(Tool::cylinder(5.0, 0.0).is_err());
+        assert!(Tool::cylinder(-5.0, 1.0).is_err());
+    }
+}

@@ -1,0 +1,139 @@
+//! The stock: three grids of rays that are cut together.
+
+use std::fmt;
+
+use super::dexel::Dexel;
+use super::grid::Grid;
+use super::lattice::{Lattice, LatticeError};
+use super::section::Sweep;
+use super::solid::Solid;
+use super::sweep::passes;
+use super::tool::Tool;
+
+/// Sweeps prepared at a time: bounds what a long list of them takes.
+const SWEEPS_AT_A_TIME: usize = 1_024;
+
+/// A workpiece.
+#[derive(Clone, Debug)]
+pub struct Stock {
+    lattice: Lattice,
+    grids: [Grid; 3],
+    memory_max_bytes: usize,
+}
+
+/// What is, or was, there: as each of the three grids has it, x first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Volume {
+    /// mm3.
+    pub by_axis: [f64; 3],
+}
+
+/// Why there is no stock, or none any more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StockError {
+    /// It has no rays.
+    Lattice(LatticeError),
+    /// It takes more memory than it may.
+    Memory {
+        /// What it takes.
+        needed_bytes: usize,
+        /// What it may take.
+        allowed_bytes: usize,
+    },
+}
+
+impl fmt::Display for StockError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            StockError::Lattice(error) => write!(f, "{error}"),
+            StockError::Memory { needed_bytes, allowed_bytes } => write!(
+                f,
+                "the stock takes {needed_bytes} bytes, more than the {allowed_bytes} it may: take a larger step between rays"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for StockError {}
+
+impl From<LatticeError> for StockError {
+    fn from(error: LatticeError) -> Self {
+        StockError::Lattice(error)
+    }
+}
+
+impl Volume {
+    /// The mean of the three.
+    pub fn mean_mm3(&self) -> f64 {
+        self.by_axis.iter().sum::<f64>() / 3.0
+    }
+
+    /// The largest less the smallest: how far the grids disagree.
+    pub fn spread_mm3(&self) -> f64 {
+        let [a, b, c] = self.by_axis;
+        a.max(b).max(c) - a.min(b).min(c)
+    }
+}
+
+impl Stock {
+    /// A solid, by rays `step_mm` apart in the box around it, that will never take more than the memory allowed.
+    ///
+    /// # Errors
+    /// The solid has no extent, the step is none, or the rays alone take more than the memory allowed.
+    pub fn new(solid: &dyn Solid, step_mm: f64, memory_max_bytes: usize) -> Result<Self, StockError> {
+        let [lowest_mm, highest_mm] = solid.bounds_mm();
+        Stock::on(&Lattice::new(lowest_mm, highest_mm, step_mm)?, solid, memory_max_bytes)
+    }
+
+    /// A solid on rays that are there already, so that two stocks can be compared.
+    ///
+    /// # Errors
+    /// The rays take more than the memory allowed.
+    pub fn on(lattice: &Lattice, solid: &dyn Solid, memory_max_bytes: usize) -> Result<Self, StockError> {
+        let rays: usize = [0, 1, 2].map(|axis| lattice.size(axis).iter().product::<usize>()).iter().sum();
+        within(rays.saturating_mul(size_of::<Dexel>()), memory_max_bytes)?;
+        let stock =
+            Stock { lattice: *lattice, grids: [0, 1, 2].map(|axis| solid.grid(lattice, axis)), memory_max_bytes };
+        within(stock.memory_bytes(), memory_max_bytes)?;
+        Ok(stock)
+    }
+
+    /// Where its rays are.
+    pub fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// The rays along x, y and z.
+    pub fn grids(&self) -> &[Grid; 3] {
+        &self.grids
+    }
+
+    /// Takes away what the tool sweeps; answers how much that was.
+    ///
+    /// # Errors
+    /// The pieces that are left take more than the memory allowed; what was swept is gone all the same.
+    pub fn cut(&mut self, tool: &Tool, sweeps: &[Sweep]) -> Result<Volume, StockError> {
+        let mut removed = Volume { by_axis: [0.0; 3] };
+        for sweeps in sweeps.chunks(SWEEPS_AT_A_TIME) {
+            for (grid, removed_mm3) in self.grids.iter_mut().zip(&mut removed.by_axis) {
+                *removed_mm3 += grid.cut(&passes(tool, sweeps, grid.axis()));
+            }
+            within(self.memory_bytes(), self.memory_max_bytes)?;
+        }
+        Ok(removed)
+    }
+
+    /// What is left.
+    pub fn volume(&self) -> Volume {
+        Volume { by_axis: [0, 1, 2].map(|axis: usize| self.grids[axis].volume_mm3()) }
+    }
+
+    /// Bytes of the rays and of their pieces.
+    pub fn memory_bytes(&self) -> usize {
+        self.grids.iter().map(Grid::memory_bytes).sum()
+    }
+}
+
+fn within(needed_bytes: usize, allowed_bytes: usize) -> Result<(), StockError> {
+    if needed_bytes > allowed_bytes { Err(StockError::Memory { needed_bytes, allowed_bytes }) } else { Ok(()) }
+}
