@@ -37,3 +37,17 @@ fn from_rest_to_rest_it_takes_the_least_time() {
         }
     }
 }
+
+/// A stop is made by a function that has to wait for the axes.
+#[test]
+fn a_corner_is_never_slower_than_a_stop() {
+    for (step, across) in [0.02, 0.1, 0.5, 2.0, 10.0].into_iter().flat_map(|step| [(step, step), (step, 0.1 * step)]) {
+        let corner = |i: i32| format!("G1X{:.4}Y{:.4}F6000", step * f64::from(i), across * f64::from(i % 2));
+        let program = |between: &str| (1..40).map(|i| corner(i) + between).collect::<String>();
+        let [flowing, stopping] =
+            ["\n", "\nM9\n"].map(|between| Motion::of(&program(between), settings(drives()), |_| 100));
+        let [flowing, stopping] = [flowing, stopping].map(|motion| motion.seconds());
+        println!("40 corners {step} by {across:.3} mm: {flowing:.3} s, {stopping:.3} s with stops");
+        assert!(flowing <= stopping, "{step} by {across} mm: {flowing} s, {stopping} s with stops");
+    }
+}

@@ -50,11 +50,12 @@ fn the_path_leaves_the_programmed_one_by_no_more_than_the_tolerance() {
     assert!(worst.iter().zip(tolerances).all(|(worst, tolerance)| *worst > 0.5 * tolerance), "not rounded: {worst:?}");
 }
 
-/// A right angle in a plane: the corner is missed by the share of the tolerance that corners have.
+/// A right angle in a plane, so slow that nobody stops for it: the corner is missed by the share of the tolerance that corners
+/// have.
 #[test]
 fn a_right_angle_is_missed_by_three_quarters_of_the_tolerance() {
     let drives = drives();
-    let motion = Motion::of("G1X10.F1200\nY10.", settings(drives), |_| 100);
-    let miss = motion.axes.iter().map(|[x, y, ..]| libm::hypot(x - 10.0, *y)).fold(f64::INFINITY, f64::min);
+    let motion = Motion::of("G1X1.F60\nY1.", settings(drives), |_| 100);
+    let miss = motion.axes.iter().map(|[x, y, ..]| libm::hypot(x - 1.0, *y)).fold(f64::INFINITY, f64::min);
     assert!((miss - 0.75 * drives.tolerance_mm).abs() < 0.02 * drives.tolerance_mm, "{miss} mm");
 }

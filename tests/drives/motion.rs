@@ -69,7 +69,7 @@ impl Motion {
         greatest
     }
 
-    /// Fails where an axis was beyond what it can do. A stop is met to 1e-10 mm, which is 0.4 mm/s3 of jerk a period; the rest is
+    /// Fails where an axis was beyond what it can do. A stop is met to 1e-10 mm, which is up to 1 mm/s3 of jerk in differences; the rest is
     /// rounding in differences.
     pub fn keeps(&self, drives: &DriveLimits, what: &str) {
         let greatest = self.greatest();
@@ -77,7 +77,7 @@ impl Motion {
             let over = [
                 greatest.speed[axis] / limits.speed_mm_per_s - 1.0,
                 greatest.acceleration[axis] / limits.acceleration_mm_per_s2 - 1.0,
-                (greatest.jerk[axis] - 0.5) / limits.jerk_mm_per_s3 - 1.0,
+                (greatest.jerk[axis] - 1.0) / limits.jerk_mm_per_s3 - 1.0,
             ];
             assert!(over.iter().all(|over| *over <= 1e-6), "{what}: axis {axis}: {over:?} over its limits");
         }

@@ -6,6 +6,7 @@ use arcfeed_shared::machine::ArcClamp;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::PERCENT;
 
+use crate::drives::brake::time_s;
 use crate::drives::limits::{AXES, DriveLimits, PathLimits};
 
 use super::action::{Action, Manner, ReadBlock};
@@ -89,7 +90,7 @@ impl Leg {
         Leg { travel, limits: limits.unwrap_or(PathLimits::NONE), entry: None }
     }
 
-    /// Lets the move before flow into it.
+    /// Lets the move before flow into it, where that is faster than to stop between them.
     pub fn join(&mut self, before: &Leg, drives: &DriveLimits) {
         // Degrees do not go on as millimetres.
         if before.travel.is_rotary() != self.travel.is_rotary() || self.travel.length_mm == 0.0 {
@@ -98,7 +99,18 @@ impl Leg {
         let junction = Junction::new(&before.travel, &self.travel, drives);
         let bend = junction.bend(&before.travel, &self.travel);
         let most = before.limits.speed.min(self.limits.speed);
-        self.entry = Some(Corner { junction, limits: drives.along(&bend, most) });
+        let corner = Corner { junction, limits: drives.along(&bend, most) };
+        let [flowing_s, stopping_s] = [Some(&corner), None].map(|corner| before.half_s(corner) + self.half_s(corner));
+        self.entry = (flowing_s <= stopping_s).then_some(corner);
+    }
+
+    /// The time from a corner, or from rest at its end, to its middle, at the programmed feed.
+    fn half_s(&self, corner: Option<&Corner>) -> f64 {
+        let most = self.travel.speed_mm_per_s().unwrap_or(f64::INFINITY).min(self.limits.speed);
+        let (half_mm, speed) =
+            corner.map_or((0.0, 0.0), |corner| (corner.junction.half_mm, corner.limits.speed.min(most)));
+        let rounding_s = if half_mm > 0.0 { half_mm / speed } else { 0.0 };
+        rounding_s + time_s(speed, 0.5 * self.travel.length_mm - half_mm, most, &self.limits)
     }
 
     /// The speed wanted on it, mm/s.

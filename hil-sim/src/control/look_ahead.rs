@@ -14,7 +14,7 @@ use super::feeds::FeedConditions;
 use super::leg::{Active, Advance, Conditions, Queued, flowing};
 use super::stretches::{Stretch, walk};
 
-/// What is left of a way when it counts as done: a ten-thousandth of a nanometre.
+/// What is left of a way when it counts as done, far below a nanometre.
 const DONE: f64 = 1e-10;
 
 /// The speed of the moment, under limits of all axes.
@@ -78,11 +78,16 @@ impl LookAhead {
         }
         self.motion = step.motion;
         let stops = flowing(queue).next().is_none_or(|(leg, _)| leg.entry.is_none());
-        if stops && active.left_mm() - step.way <= DONE {
-            self.rest();
-            return Advance::Over(step.left_s);
+        let is_there = active.left_mm() - step.way <= DONE;
+        match stops && is_there {
+            false => self.carried(active.done_mm + step.way, active, step.left_s),
+            true if step.is_over() => {
+                self.rest();
+                Advance::Over(step.left_s)
+            }
+            // What of the way down is left takes longer than its way would tell.
+            true => Advance::To(active.leg.travel.length_mm.next_down(), 0.0),
         }
-        self.carried(active.done_mm + step.way, active, step.left_s)
     }
 
     fn carried(&mut self, done_mm: f64, active: &Active, left_s: f64) -> Advance {
@@ -120,7 +125,8 @@ impl LookAhead {
         let mut on_the_way = PathLimits::NONE;
         walk(active, queue, conditions, |stretch| {
             let Stretch { at_mm: at, limits, wanted_mm_per_s: wanted } = stretch;
-            if at <= DONE {
+            // A stop is ahead until the axes rest.
+            if at <= DONE && limits.speed > 0.0 {
                 (here, on_the_way) = (stretch, limits);
                 return true;
             }

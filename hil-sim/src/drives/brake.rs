@@ -130,6 +130,19 @@ pub(crate) fn fastest_into(speed: f64, way: f64, limits: &PathLimits) -> f64 {
     speed + root * root // (4)
 }
 
+/// The time for a way that begins at a speed without acceleration and ends as fast as it can, but for `most`.
+pub(crate) fn time_s(speed: f64, way: f64, most: f64, limits: &PathLimits) -> f64 {
+    let PathLimits { acceleration, jerk, .. } = *limits;
+    let reached = fastest_into(speed, way, limits).min(most).max(speed);
+    let gain = reached - speed;
+    let ramp_s = if gain >= acceleration * acceleration / jerk {
+        gain / acceleration + acceleration / jerk
+    } else {
+        2.0 * libm::sqrt(gain / jerk)
+    };
+    ramp_s + (way - 0.5 * (speed + reached) * ramp_s) / reached
+}
+
 /// When easing at `jerk` comes down to `speed`.
 fn until(speed: f64, from: &Motion, jerk: f64) -> f64 {
     let root = libm::sqrt((from.acceleration * from.acceleration - 2.0 * jerk * (from.speed - speed)).max(0.0));

@@ -237,6 +237,11 @@ impl Profile<'_> {
 }
 
 impl Step {
+    /// Whether nothing moves at its end.
+    pub(crate) fn is_over(&self) -> bool {
+        self.left_s > 0.0 || self.motion == Motion::default()
+    }
+
     /// The part of it up to a place on its way; `lasts_s` is how long all of it takes.
     #[must_use]
     pub(crate) fn up_to(&self, way: f64, lasts_s: f64) -> Step {
