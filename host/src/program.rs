@@ -4,6 +4,8 @@ mod expand;
 
 mod tally;
 
+mod made;
+
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -18,6 +20,7 @@ use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{LengthUnit, Nm};
 
 pub use expand::{Expansion, Folder};
+pub use made::Made;
 pub use tally::Tally;
 
 /// A program, read whole.
@@ -35,6 +38,8 @@ pub struct Program {
     pub macro_line: Option<usize>,
     /// The control before its first line.
     pub control: Reader,
+    /// The moves of a run.
+    run: Vec<Made>,
 }
 
 /// One line.
@@ -90,9 +95,8 @@ pub enum Severity {
 impl ProgramLine {
     /// A line behind which a control stands like `reader`.
     fn new(text: &[u8], ending: &[u8], meaning: Option<Understood>, reader: &Reader) -> Self {
-        let (modal, tables) = (reader.modal(), reader.tables());
-        let (origin, tool_length) = (modal.work_origin(tables), modal.tool_length(tables));
-        let follows_tip = modal.follows_tool_center;
+        let origin = reader.modal().work_origin(reader.tables());
+        let (tool_length, follows_tip) = made::tool_of(reader);
         ProgramLine { origin, tool_length, follows_tip, ..ProgramLine::bare(text, ending, meaning) }
     }
 
@@ -181,7 +185,15 @@ impl Program {
 
     fn empty(path: &Path, macro_line: Option<usize>, control: &Reader) -> Self {
         let (lines, diagnostics, control) = (Vec::new(), Vec::new(), control.clone());
-        Program { path: path.to_owned(), lines, diagnostics, moves: Tally::default(), macro_line, control }
+        Program {
+            path: path.to_owned(),
+            lines,
+            diagnostics,
+            moves: Tally::default(),
+            macro_line,
+            control,
+            run: Vec::new(),
+        }
     }
 
     /// The program's bytes.

@@ -145,7 +145,8 @@ impl Check {
         settings.decimals = self.decimals.map_or(settings.decimals, Into::into);
         settings.unit = job.as_ref().map_or(settings.unit, |file| file.job.unit);
         let bytes = std::fs::read(path).map_err(|error| file_failure(path, &error))?;
-        let mut program = Program::run(path, &bytes, Expansion { settings, tables, library: self.library.as_deref() });
+        let (library, keeps_moves) = (self.library.as_deref(), self.machine.is_some());
+        let mut program = Program::run(path, &bytes, Expansion { settings, tables, library, keeps_moves });
         program.diagnostics.splice(0..0, program.lost_label());
         Ok((job, program, control))
     }
@@ -188,11 +189,6 @@ impl Check {
 
     /// A program that says itself where the rotary axes go.
     fn run_program(&self, program: &Program, file: &MachineFile) -> Result<(), Failure> {
-        if let Some(line) = program.macro_line {
-            let path = program.path.display();
-            let advice = "with macro statements or calls the axes are not followed; write the program out without them";
-            return Err(Failure::Input(format!("{path}:{line}:1: error: {advice}")));
-        }
         let (plan, points) = judge(program, &self.placing.task(file, None));
         self.tell(&Told { path: &program.path, points, passed_over: None, machine: &file.name, plan: &plan })
     }

@@ -21,7 +21,7 @@ use crate::program::Severity;
 pub struct Post {
     /// CL data; with --reverse an NC program
     input: PathBuf,
-    /// The machine (docs/kinematics.md)
+    /// The machine: a file, or the name of a preset (docs/kinematics.md)
     #[arg(long, value_name = "MACHINE.toml")]
     machine: PathBuf,
     /// Who computes the axes: the control (tcp: G43.5 with I J K), the post-processor with the tip in the part's frame

@@ -29,18 +29,18 @@ const STEPS: usize = 40;
 pub fn judge(program: &Program, task: &Task) -> (Plan, usize) {
     let moves = walk(program, &task.machine, &task.setup);
     let mut judge = Judge { task, plan: Plan::default(), told_over: Vec::new(), told_missing: Vec::new() };
-    for made in &moves {
-        judge.ranges(made);
-        if made.goes_on {
-            judge.rotary(made);
+    for step in &moves {
+        judge.ranges(step);
+        if step.goes_on {
+            judge.rotary(step);
         }
     }
     judge.racing(&moves);
     judge.plan.findings.extend(slowest(&task.machine, &moves));
     judge.plan.findings.sort_by_key(|finding| finding.line);
     let turned =
-        |axis: usize| moves.iter().filter(|made| made.goes_on).map(move |made| libm::fabs(made.turned_deg()[axis]));
-    judge.plan.travel_deg = [[turned(0).sum(), turned(1).sum()]; 2];
+        |axis: usize| moves.iter().filter(|step| step.goes_on).map(move |step| libm::fabs(step.turned_deg()[axis]));
+    judge.plan.travel_deg = [[0, 1].map(|axis| turned(axis).fold(0.0, |sum, deg| sum + deg)); 2];
     (judge.plan, moves.len())
 }
 
@@ -57,41 +57,42 @@ impl Judge<'_> {
     }
 
     /// Axes that leave their ranges, each told once, and axes that the machine lacks.
-    fn ranges(&mut self, made: &Move) {
+    fn ranges(&mut self, step: &Move) {
         let machine = &self.task.machine;
-        for place in made.places.iter().skip(1) {
+        for place in step.places(machine).iter().skip(1) {
             for axis in machine.over_limits(place) {
                 if !self.told_over.contains(&axis) {
                     self.told_over.push(axis);
-                    self.tell(made.line, What::OverLimit(axis));
+                    self.tell(step.made.line, What::OverLimit(axis));
                 }
             }
         }
-        let turns = made.segment.start.rotary.iter().zip(&made.segment.end.rotary).map(|(from, to)| from != to);
+        let turns =
+            step.made.segment.start.rotary.iter().zip(&step.made.segment.end.rotary).map(|(from, to)| from != to);
         for (letter, _) in Letter::ALL.into_iter().zip(turns).filter(|(_, turns)| *turns) {
             let has = machine.rotary().iter().any(|axis| axis.letter == letter);
             if !has && !self.told_missing.contains(&letter) {
                 self.told_missing.push(letter);
-                self.tell(made.line, What::NoAxis(letter));
+                self.tell(step.made.line, What::NoAxis(letter));
             }
         }
     }
 
     /// Poles and changes of branch.
-    fn rotary(&mut self, made: &Move) {
+    fn rotary(&mut self, step: &Move) {
         let Task { machine, limits, .. } = self.task;
-        let [from, to] = [0.0, 1.0].map(|part| made.rotary_at(part));
+        let [from, to] = [0.0, 1.0].map(|part| step.rotary_at(part));
         if from == to {
             return;
         }
         let [first, _] = machine.rotary();
-        if !in_cone(machine, from) && least_from_pole_deg(machine, made) <= machine.pole_cone_deg() {
-            self.tell(made.line, What::Passage { letter: first.letter });
+        if !in_cone(machine, from) && least_from_pole_deg(machine, step) <= machine.pole_cone_deg() {
+            self.tell(step.made.line, What::Passage { letter: first.letter });
         }
         let departure_deg = machine.axis_departure_deg(from, to, [from, to].map(|at| machine.axis_at(at)));
         let changes = matches!((branch(machine, from), branch(machine, to)), (Some(one), Some(other)) if one != other);
-        if made.is_cut() && changes && departure_deg > limits.departure_deg {
-            self.tell(made.line, What::Reversal { from_deg: from, to_deg: to, departure_deg });
+        if step.is_cut() && changes && departure_deg > limits.departure_deg {
+            self.tell(step.made.line, What::Reversal { from_deg: from, to_deg: to, departure_deg });
         }
     }
 
@@ -100,19 +101,19 @@ impl Judge<'_> {
         let Task { machine, limits, .. } = self.task;
         // Nothing may move: the tool is unknown.
         let nothing = RepairLimits { error_deg: -1.0, ..*limits };
-        let is_beside = |made: &&Move| {
-            let ends = [made.rotary_at(0.0), made.rotary_at(1.0)];
-            made.is_cut() && made.goes_on && !ends.iter().any(|at| in_cone(machine, *at))
+        let is_beside = |step: &&Move| {
+            let ends = [step.rotary_at(0.0), step.rotary_at(1.0)];
+            step.is_cut() && step.goes_on && !ends.iter().any(|at| in_cone(machine, *at))
         };
         let mut rest = moves;
         while !rest.is_empty() {
             let run: Vec<&Move> = rest.iter().take_while(is_beside).collect();
-            let starts = run.first().map(|made| made.rotary_at(0.0));
-            let course: Vec<[f64; 2]> = starts.into_iter().chain(run.iter().map(|made| made.rotary_at(1.0))).collect();
+            let starts = run.first().map(|step| step.rotary_at(0.0));
+            let course: Vec<[f64; 2]> = starts.into_iter().chain(run.iter().map(|step| step.rotary_at(1.0))).collect();
             let pose = |at: &[f64; 2]| Pose { tip_mm: [0.0; 3], axis: machine.axis_at(*at) };
             let mut poses: Vec<Pose> = course.iter().map(pose).collect();
             for found in machine.repair(&mut poses, &course, ToolEnd::Other, &nothing) {
-                let line = run.get(found.after.saturating_sub(1)).map_or(0, |made| made.line);
+                let line = run.get(found.after.saturating_sub(1)).map_or(0, |step| step.made.line);
                 self.tell(line, What::Incoherent { found, asked: false });
             }
             rest = rest.get(run.len().max(1)..).unwrap_or_default();
@@ -132,9 +133,9 @@ fn branch(machine: &Machine, rotary_deg: [f64; 2]) -> Option<bool> {
 }
 
 /// How near the tool axis comes to a pole.
-fn least_from_pole_deg(machine: &Machine, made: &Move) -> f64 {
-    let from_pole = |part: f64| machine.from_pole_deg(machine.axis_at(made.rotary_at(part)));
-    let [first, second] = made.turned_deg().map(libm::fabs);
+fn least_from_pole_deg(machine: &Machine, step: &Move) -> f64 {
+    let from_pole = |part: f64| machine.from_pole_deg(machine.axis_at(step.rotary_at(part)));
+    let [first, second] = step.turned_deg().map(libm::fabs);
     let places = libm::ceil(first.max(second)).max(PLACES_MIN);
     let nearest = (0..=places as u32).map(|place| f64::from(place) / places);
     let nearest = nearest.min_by(|one, other| from_pole(*one).total_cmp(&from_pole(*other))).unwrap_or(0.0);
@@ -148,17 +149,17 @@ fn least_from_pole_deg(machine: &Machine, made: &Move) -> f64 {
 
 /// The move that the axes slow down most.
 fn slowest(machine: &Machine, moves: &[Move]) -> Option<Finding> {
-    let cuts = moves.iter().filter(|made| made.is_cut() && made.goes_on);
+    let cuts = moves.iter().filter(|step| step.is_cut() && step.goes_on);
     let mut slowed = Vec::new();
-    for made in cuts {
-        let Some((allowed, way, unit)) = allowed(machine, made) else { continue };
-        let asked = match made.segment.feed {
+    for step in cuts {
+        let Some((allowed, way, unit)) = allowed(machine, step) else { continue };
+        let asked = match step.made.segment.feed {
             Feed::PerMinute(feed) => feed.to_mm(),
             Feed::InverseTime(times) => times as f64 / PER_MIN_SCALE as f64 * way,
             Feed::Missing => continue,
         };
         if allowed.feed_mm_per_min < asked * (1.0 - SLACK_RATIO) {
-            slowed.push((made.line, allowed, allowed.feed_mm_per_min / asked, unit));
+            slowed.push((step.made.line, allowed, allowed.feed_mm_per_min / asked, unit));
         }
     }
     let (line, AxisFeed { feed_mm_per_min, axis }, asked_ratio, unit) =
@@ -168,26 +169,27 @@ fn slowest(machine: &Machine, moves: &[Move]) -> Option<Finding> {
 }
 
 /// The fastest feed on a move, the way that it counts along, and the unit of both: degrees where only rotary axes turn.
-fn allowed(machine: &Machine, made: &Move) -> Option<(AxisFeed, f64, &'static str)> {
-    let way_mm = made.segment.feed_length_mm();
+fn allowed(machine: &Machine, step: &Move) -> Option<(AxisFeed, f64, &'static str)> {
+    let way_mm = step.made.segment.feed_length_mm();
     if way_mm > 0.0 {
-        let feed = match made.of_tip() {
-            Some(tip) => machine.tip_feed(&tip, &made.setup)?,
-            None => along_places(machine, made, way_mm)?,
+        let feed = match step.of_tip() {
+            Some(tip) => machine.tip_feed(&tip, &step.setup)?,
+            None => along_places(machine, step, way_mm)?,
         };
         return Some((feed, way_mm, "mm/min"));
     }
-    let Path::Line = made.segment.path else { return None };
-    let turns = made.segment.start.rotary.iter().zip(&made.segment.end.rotary);
+    let Path::Line = step.made.segment.path else { return None };
+    let turns = step.made.segment.start.rotary.iter().zip(&step.made.segment.end.rotary);
     let turned = turns.map(|(from, to)| MicroDeg(to.0.saturating_sub(from.0)).to_deg());
     let way_deg = libm::sqrt(turned.map(|deg| deg * deg).sum());
-    let (from, to) = (made.places.first()?, made.places.last()?);
-    Some((machine.axis_feed(from, to, way_deg)?, way_deg, "deg/min"))
+    let places = step.places(machine);
+    Some((machine.axis_feed(places.first()?, places.last()?, way_deg)?, way_deg, "deg/min"))
 }
 
 /// The least feed from place to place.
-fn along_places(machine: &Machine, made: &Move, way_mm: f64) -> Option<AxisFeed> {
-    let part_mm = way_mm / (made.places.len() - 1) as f64;
-    let pairs = made.places.windows(2).filter_map(|pair| machine.axis_feed(pair.first()?, pair.last()?, part_mm));
+fn along_places(machine: &Machine, step: &Move, way_mm: f64) -> Option<AxisFeed> {
+    let places = step.places(machine);
+    let part_mm = way_mm / (places.len() - 1) as f64;
+    let pairs = places.windows(2).filter_map(|pair| machine.axis_feed(pair.first()?, pair.last()?, part_mm));
     pairs.min_by(|one, other| one.feed_mm_per_min.total_cmp(&other.feed_mm_per_min))
 }

@@ -8,12 +8,11 @@ use arcfeed_shared::kinematics::follow::TipMove;
 use arcfeed_shared::kinematics::forward::{Axes, Setup};
 use arcfeed_shared::kinematics::machine::{Letter, Machine};
 use arcfeed_shared::kinematics::vector::{Vector, difference, scaled, sum};
-use arcfeed_shared::nc::modal::{Motion, Pose};
-use arcfeed_shared::nc::series::Act;
+use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{MicroDeg, Nm};
 
-use crate::program::{Program, ProgramLine};
+use crate::program::{Made, Program};
 
 /// The least number of steps on a way that is bent.
 const STEPS_MIN: f64 = 8.0;
@@ -21,89 +20,80 @@ const STEPS_MIN: f64 = 8.0;
 /// One move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
-    /// Its line, counted from 1.
-    pub line: usize,
-    /// On the path (see docs/dialect.md).
-    pub segment: Segment,
-    /// Whether G43.4 is in force.
-    pub follows_tip: bool,
+    /// As the control makes it.
+    pub made: Made,
     /// Whether it begins where the one before ended: not behind a change of offsets, nor at the program's start.
     pub goes_on: bool,
     /// Part and tool; of a plain move what Z is longer by.
     pub setup: Setup,
-    /// Where the axes stand: at both ends, and on a bent way a degree or less apart.
-    pub places: Vec<Axes>,
+    /// The rotary axes at both ends.
+    pub rotary_deg: [[f64; 2]; 2],
 }
 
 /// All moves of a program without errors; `setup` is what the control does not know of part and tool.
 pub fn walk(program: &Program, machine: &Machine, setup: &Setup) -> Vec<Move> {
     let mut moves: Vec<Move> = Vec::new();
-    for (index, line) in program.lines.iter().enumerate() {
-        for segment in segments(line) {
-            let mut made = Move::new(index + 1, line, segment, setup);
-            made.places = made.places_on(machine);
-            made.goes_on = moves.last().is_some_and(|last| {
-                last.segment.end == made.segment.start
-                    && (last.follows_tip, last.setup) == (made.follows_tip, made.setup)
-            });
-            moves.push(made);
-        }
+    for made in program.made() {
+        let mut next = Move::new(made, machine, setup);
+        next.goes_on = moves.last().is_some_and(|last| {
+            let is_as_before = last.made.follows_tip == made.follows_tip && last.setup == next.setup;
+            is_as_before && last.made.segment.end == made.segment.start
+        });
+        moves.push(next);
     }
     moves
 }
 
 impl Move {
-    fn new(line: usize, of: &ProgramLine, segment: Segment, around: &Setup) -> Self {
-        let length_mm = of.tool_length.to_mm();
-        let setup = match of.follows_tip {
-            true => Setup { tool_length_mm: length_mm + around.tool_length_mm, ..*around },
+    fn new(made: Made, machine: &Machine, around: &Setup) -> Self {
+        let tool_length_mm = made.tool_length.to_mm();
+        let setup = match made.follows_tip {
+            true => Setup { tool_length_mm: tool_length_mm + around.tool_length_mm, ..*around },
             // The control knows where its axes are, whatever part and tool are.
-            false => Setup { tool_length_mm: length_mm, ..Setup::default() },
+            false => Setup { tool_length_mm, ..Setup::default() },
         };
-        Move { line, segment, follows_tip: of.follows_tip, goes_on: false, setup, places: Vec::new() }
+        let rotary_deg = [made.segment.start, made.segment.end].map(|pose| rotary_deg(&pose, machine));
+        Move { made, goes_on: false, setup, rotary_deg }
     }
 
     /// Whether it cuts.
     pub fn is_cut(&self) -> bool {
-        self.segment.path != Path::Rapid
+        self.made.segment.path != Path::Rapid
     }
 
     /// What the rotary axes turn.
     pub fn turned_deg(&self) -> [f64; 2] {
-        match (self.places.first(), self.places.last()) {
-            (Some(from), Some(to)) => [to.rotary_deg[0] - from.rotary_deg[0], to.rotary_deg[1] - from.rotary_deg[1]],
-            _ => [0.0; 2],
-        }
+        let [from, to] = self.rotary_deg;
+        [to[0] - from[0], to[1] - from[1]]
     }
 
     /// The rotary axes at a part of the way.
     pub fn rotary_at(&self, part: f64) -> [f64; 2] {
-        let from = self.places.first().map_or([0.0; 2], |place| place.rotary_deg);
-        let turned = self.turned_deg();
+        let ([from, _], turned) = (self.rotary_deg, self.turned_deg());
         [from[0] + part * turned[0], from[1] + part * turned[1]]
     }
 
     /// The tip's move, if it is a straight one under G43.4.
     pub fn of_tip(&self) -> Option<TipMove> {
-        let is_straight = self.follows_tip && self.segment.path == Path::Line;
-        let tip_mm = [self.segment.start, self.segment.end].map(|pose| pose.linear.map(Nm::to_mm));
-        is_straight.then(|| TipMove { tip_mm, rotary_deg: [self.rotary_at(0.0), self.rotary_at(1.0)] })
+        let is_straight = self.made.follows_tip && self.made.segment.path == Path::Line;
+        let tip_mm = [self.made.segment.start, self.made.segment.end].map(|pose| pose.linear.map(Nm::to_mm));
+        is_straight.then_some(TipMove { tip_mm, rotary_deg: self.rotary_deg })
     }
 
-    fn places_on(&self, machine: &Machine) -> Vec<Axes> {
-        let [from, to] = [self.segment.start, self.segment.end].map(|pose| rotary_deg(&pose, machine));
-        let turned = [to[0] - from[0], to[1] - from[1]];
-        let bend_deg = match &self.segment.path {
+    /// Where the axes stand: at both ends, and on a bent way a degree or less apart.
+    pub fn places(&self, machine: &Machine) -> Vec<Axes> {
+        let turned = self.turned_deg();
+        let bend_deg = match &self.made.segment.path {
             Path::Arc(arc) => arc.sweep_rad().to_degrees(),
-            Path::Rapid | Path::Line if self.follows_tip => libm::fabs(turned[0]).max(libm::fabs(turned[1])),
+            Path::Rapid | Path::Line if self.made.follows_tip => libm::fabs(turned[0]).max(libm::fabs(turned[1])),
             Path::Rapid | Path::Line => 0.0,
         };
         let steps = if bend_deg > 0.0 { libm::ceil(bend_deg).max(STEPS_MIN) } else { 1.0 };
         let place = |step: u32| {
             let part = f64::from(step) / steps;
-            let rotary_deg = [from[0] + part * turned[0], from[1] + part * turned[1]];
-            let on_path = point_at(&self.segment, part);
-            let linear_mm = match self.follows_tip {
+            let rotary_deg = self.rotary_at(part);
+            let on_path = point_at(&self.made.segment, part);
+            let linear_mm = match self.made.follows_tip {
                 true => machine.linear_for(on_path, rotary_deg, &self.setup),
                 false => sum(on_path, [0.0, 0.0, self.setup.tool_length_mm]),
             };
@@ -119,21 +109,6 @@ pub fn rotary_deg(pose: &Pose, machine: &Machine) -> [f64; 2] {
         let at = Letter::ALL.iter().zip(pose.rotary).find(|(letter, _)| **letter == axis.letter);
         at.map_or(0.0, |(_, MicroDeg(at))| MicroDeg(at).to_deg())
     })
-}
-
-/// The moves of a line, those of cycles and reference returns one by one.
-fn segments(line: &ProgramLine) -> Vec<Segment> {
-    let Some(meaning) = &line.meaning else { return Vec::new() };
-    let sequence = meaning.parsed.block.sequence;
-    let of_series = meaning.step.series.iter().flat_map(|series| series.acts()).filter_map(|act| match act {
-        Act::Move(motion) => segment_of(&motion, sequence),
-        Act::Dwell(_) | Act::Spindle(_) => None,
-    });
-    meaning.segment.into_iter().chain(of_series).collect()
-}
-
-fn segment_of(motion: &Motion, sequence: Option<i64>) -> Option<Segment> {
-    Segment::from_motion(motion, sequence).ok()
 }
 
 /// A point of a segment's path.

@@ -20,7 +20,7 @@ use arcfeed_shared::nc::text::{Lines, RawLine};
 use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::units::Micros;
 
-use super::{Diagnostic, Program, ProgramLine, Tally};
+use super::{Diagnostic, Made, Program, ProgramLine, Tally};
 
 /// Most blocks that are interpreted.
 const BLOCKS_MAX: usize = 2_000_000;
@@ -58,6 +58,8 @@ pub struct Expansion<'a> {
     pub tables: Tables,
     /// Subprograms that are not in the file.
     pub library: Option<&'a Path>,
+    /// Whether the moves of a run are kept, for [`Program::made`].
+    pub keeps_moves: bool,
 }
 
 impl Program {
@@ -77,8 +79,8 @@ impl Program {
         for RawLine { text, ending } in Lines::new(bytes) {
             program.keep(text, ending, &expansion.settings);
         }
-        let (found, moves) = expansion.run(bytes, &program.lines);
-        program.moves = moves;
+        let (found, moves, run) = expansion.run(bytes, &program.lines);
+        (program.moves, program.run) = (moves, run);
         program.diagnostics.extend(found);
         program.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));
         program
@@ -98,8 +100,8 @@ impl Program {
 }
 
 impl Expansion<'_> {
-    /// Interprets a program; answers what is wrong, in the order found, and the moves made.
-    fn run(self, bytes: &[u8], lines: &[ProgramLine]) -> (Vec<Diagnostic>, Tally) {
+    /// Interprets a program; answers what is wrong, in the order found, and the moves made, counted and where asked for kept.
+    fn run(self, bytes: &[u8], lines: &[ProgramLine]) -> (Vec<Diagnostic>, Tally, Vec<Made>) {
         let folder = self.library.map(|path| Folder(path.to_owned()));
         let library: Box<dyn Library> = match &folder {
             Some(folder) => Box::new(folder.clone()),
@@ -110,7 +112,7 @@ impl Expansion<'_> {
         let mut found = Findings { lines, folder: folder.as_ref(), told: BTreeSet::new(), list: Vec::new() };
         let mut interpreter = Interpreter::new(bytes, library, settings, &context(&reader, Micros(0)));
         interpreter.set_tables(&self.tables);
-        let (mut now, mut blocks, mut moves) = (Micros(0), 0, Tally::default());
+        let (mut now, mut blocks, mut moves, mut run) = (Micros(0), 0, Tally::default(), Vec::new());
         loop {
             match interpreter.next(&context(&reader, now)) {
                 Ok(macros::Step::Block(block)) if blocks == BLOCKS_MAX => {
@@ -121,6 +123,10 @@ impl Expansion<'_> {
                     blocks += 1;
                     let understood = found.read(&mut reader, &block, self.settings.reading);
                     understood.iter().for_each(|block| moves.add(block));
+                    if let Some(understood) = understood.as_ref().filter(|_| self.keeps_moves) {
+                        let line = in_main(block.place, &block.calls).line as usize;
+                        run.extend(Made::of_block(line, understood, &reader));
+                    }
                     if understood.is_some_and(|block| block.step.sets_data) {
                         interpreter.set_tables(reader.tables());
                     }
@@ -141,7 +147,7 @@ impl Expansion<'_> {
                 }
             }
         }
-        (found.list, moves)
+        (found.list, moves, run)
     }
 }
 
@@ -151,6 +157,12 @@ fn may_end(line: &ProgramLine) -> bool {
         Some(understood) => understood.step.stop == Some(Stop::End),
         None => [&b"M30"[..], b"M02", b"M2"].iter().any(|code| line.text.windows(code.len()).any(|text| text == *code)),
     }
+}
+
+/// A place in the main program's file: of one in the library the call that led to it.
+fn in_main(place: Place, calls: &[Place]) -> Place {
+    let call = || calls.iter().rev().find(|call| call.library.is_none()).copied().unwrap_or_default();
+    if place.library.is_none() { place } else { call() }
 }
 
 fn context(reader: &Reader, now: Micros) -> Context {
@@ -198,10 +210,7 @@ impl Findings<'_> {
         }
         let (own, inner) = match place.library {
             None => ((place, fault), None),
-            Some(number) => {
-                let call = calls.iter().rev().find(|call| call.library.is_none()).copied().unwrap_or_default();
-                ((call, Fault { column: 0, ..fault }), Some(number))
-            }
+            Some(number) => ((in_main(place, calls), Fault { column: 0, ..fault }), Some(number)),
         };
         let ((place_in_main, fault_in_main), text) = (own, self.text(own.0));
         let mut diagnostic = Diagnostic::of_fault((place_in_main.line as usize).max(1), &text, fault_in_main);

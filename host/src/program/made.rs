@@ -1,0 +1,62 @@
+//! Moves as a control makes them, in order: what a machine's axes are followed by.
+
+use arcfeed_shared::nc::modal::Motion;
+use arcfeed_shared::nc::series::Act;
+use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::segment::Segment;
+use arcfeed_shared::units::Nm;
+
+use super::{Program, ProgramLine};
+
+/// One move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Made {
+    /// Its line in the main program's file, counted from 1.
+    pub line: usize,
+    /// On the path (see docs/dialect.md).
+    pub segment: Segment,
+    /// As [`ProgramLine::tool_length`].
+    pub tool_length: Nm,
+    /// As [`ProgramLine::follows_tip`].
+    pub follows_tip: bool,
+}
+
+impl Made {
+    /// The moves of a block, those of cycles and reference returns one by one; the control stands behind it like `reader`.
+    pub fn of_block(line: usize, block: &Understood, reader: &Reader) -> impl Iterator<Item = Made> {
+        let (tool_length, follows_tip) = tool_of(reader);
+        segments(block).map(move |segment| Made { line, segment, tool_length, follows_tip })
+    }
+
+    fn of_line(line: usize, of: &ProgramLine) -> impl Iterator<Item = Made> {
+        let ProgramLine { tool_length, follows_tip, .. } = *of;
+        let segments = of.meaning.iter().flat_map(segments);
+        segments.map(move |segment| Made { line, segment, tool_length, follows_tip })
+    }
+}
+
+impl Program {
+    /// All moves; of a program with macro statements those of its run, if it was asked to keep them.
+    pub fn made(&self) -> Vec<Made> {
+        if self.macro_line.is_some() {
+            return self.run.clone();
+        }
+        self.lines.iter().enumerate().flat_map(|(index, line)| Made::of_line(index + 1, line)).collect()
+    }
+}
+
+/// What Z is longer by in machine coordinates, and whether G43.4 is in force.
+pub(super) fn tool_of(reader: &Reader) -> (Nm, bool) {
+    let modal = reader.modal();
+    (modal.tool_length(reader.tables()), modal.follows_tool_center)
+}
+
+fn segments(block: &Understood) -> impl Iterator<Item = Segment> {
+    let sequence = block.parsed.block.sequence;
+    let segment = move |motion: Motion| Segment::from_motion(&motion, sequence).ok();
+    let of_series = block.step.series.iter().flat_map(|series| series.acts()).filter_map(move |act| match act {
+        Act::Move(motion) => segment(motion),
+        Act::Dwell(_) | Act::Spindle(_) => None,
+    });
+    block.segment.into_iter().chain(of_series)
+}
