@@ -71,11 +71,7 @@ impl LookAhead {
         let holds = conditions.feed.for_manner(&active.manner).holds;
         let wanted = if holds { 0.0 } else { now.wanted_mm_per_s.min(now.limits.speed) };
         let profile = Profile { period_s: dt_s, here: now.limits, ahead: &self.ahead };
-        let mut step = profile.step(self.motion, wanted);
-        // Behind it other limits count.
-        if let Some(next) = self.ahead.first().filter(|next| next.at + DONE < step.way) {
-            step = step.up_to(next.at, dt_s);
-        }
+        let step = profile.step(self.motion, wanted);
         self.motion = step.motion;
         let stops = flowing(queue).next().is_none_or(|(leg, _)| leg.entry.is_none());
         let is_there = active.left_mm() - step.way <= DONE;

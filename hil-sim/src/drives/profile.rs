@@ -159,14 +159,23 @@ impl Profile<'_> {
     fn with(&self, from: Motion, acceleration: f64) -> Step {
         let jerk = (acceleration - from.acceleration) / self.period_s;
         let (way, motion) = from.after(jerk, self.period_s);
-        Step { way, motion: Motion { acceleration, ..motion }, left_s: 0.0, course: Course::Jerk(from, jerk) }
+        let motion = Motion { acceleration, ..motion };
+        self.up_to_next(Step { way, motion, left_s: 0.0, course: Course::Jerk(from, jerk) })
     }
 
     /// A period of a way down.
     fn down(&self, brake: &Brake) -> Step {
         let (way, motion) = brake.after(self.period_s);
         let left_s = if brake.ends_at_rest() { (self.period_s - brake.lasts_s()).max(0.0) } else { 0.0 };
-        Step { way, motion, left_s, course: Course::Down(*brake) }
+        self.up_to_next(Step { way, motion, left_s, course: Course::Down(*brake) })
+    }
+
+    /// No further than to the next stretch: behind its beginning other limits count.
+    fn up_to_next(&self, step: Step) -> Step {
+        match self.ahead.first() {
+            Some(next) if next.at + EQUAL < step.way => step.up_to(next.at, self.period_s),
+            _ => step,
+        }
     }
 
     /// The last periods before a stop: of the way down to it, if that ends there.
@@ -195,10 +204,9 @@ impl Profile<'_> {
         if motion.speed < 0.0 || !self.ahead.iter().all(arrives) {
             return false;
         }
-        let settled = self.settled(motion);
         for (ahead, safe) in self.kept(keep) {
             let left = ahead.at - way;
-            if settled <= left.max(0.0) && fits(brake_to(safe, ahead, motion), left) {
+            if settles(motion, ahead) <= left.max(0.0) && fits(brake_to(safe, ahead, motion), left) {
                 return true;
             }
             if !fits(brake_to(ahead.speed, ahead, motion), left) {
@@ -208,18 +216,13 @@ impl Profile<'_> {
         self.ahead.is_empty()
     }
 
-    /// The way within which accelerating comes to its end: a safe speed is one without acceleration.
-    fn settled(&self, from: &Motion) -> f64 {
-        from.after(-self.here.jerk, from.acceleration.max(0.0) / self.here.jerk).0
-    }
-
     /// The hardest of the ways down that make this state safe, for one period.
     fn way_down(&self, from: Motion, keep: Keep) -> Option<Step> {
         let mut hardest: Option<Step> = None;
-        let settled = self.settled(&from);
         for (ahead, safe) in self.kept(keep) {
             let secure = brake_to(safe, ahead, &from);
-            let is_secure = secure.is_none_or(|brake| brake.way() <= ahead.at + 2.0 * EQUAL) && settled <= ahead.at;
+            let is_secure =
+                secure.is_none_or(|brake| brake.way() <= ahead.at + 2.0 * EQUAL) && settles(&from, ahead) <= ahead.at;
             let brake = if is_secure { secure } else { brake_to(ahead.speed, ahead, &from) };
             if let Some(brake) = brake {
                 let step = self.down(&brake);
@@ -243,8 +246,7 @@ impl Step {
     }
 
     /// The part of it up to a place on its way; `lasts_s` is how long all of it takes.
-    #[must_use]
-    pub(crate) fn up_to(&self, way: f64, lasts_s: f64) -> Step {
+    fn up_to(&self, way: f64, lasts_s: f64) -> Step {
         let at = |t_s: f64| match &self.course {
             Course::Jerk(from, jerk) => from.after(*jerk, t_s),
             Course::Down(brake) => brake.after(t_s),
@@ -276,6 +278,12 @@ pub(crate) fn secure(ahead: &mut [Ahead]) {
 /// The way down to a speed before a stretch begins, with what the stretches before it allow.
 fn brake_to(speed: f64, ahead: &Ahead, from: &Motion) -> Option<Brake> {
     Brake::to(speed, *from, &ahead.on_the_way)
+}
+
+/// The way within which accelerating comes to its end, before a stretch begins: a safe speed is one without acceleration.
+fn settles(from: &Motion, ahead: &Ahead) -> f64 {
+    let jerk = ahead.on_the_way.jerk;
+    from.after(-jerk, from.acceleration.max(0.0) / jerk).0
 }
 
 /// Whether the acceleration is down to what a stretch allows when it begins after `left`, easing at `jerk` before it; braking,
