@@ -1,8 +1,8 @@
 //! A Fanuc-like control in DNC or memory operation: bytes in, axis positions out.
 //!
 //! Modelled: the reader/punch interface with its codes, checks and flow control, reading ahead and what it costs, the
-//! operator's panel, execution of blocks at override-scaled feed under acceleration limits, alarms. Not modelled here:
-//! drives (positions are as commanded). All settings: docs/control.md.
+//! operator's panel, execution of blocks at override-scaled feed under limits of the path or of every axis, alarms. Positions
+//! are as commanded. All settings: docs/control.md.
 
 pub mod tape;
 

@@ -173,7 +173,7 @@ impl Profile<'_> {
     /// No further than to the next stretch: behind its beginning other limits count.
     fn up_to_next(&self, step: Step) -> Step {
         match self.ahead.first() {
-            Some(next) if next.at + EQUAL < step.way => step.up_to(next.at, self.period_s),
+            Some(next) if next.speed > 0.0 && next.at + EQUAL < step.way => step.up_to(next.at, self.period_s),
             _ => step,
         }
     }
