@@ -1,8 +1,8 @@
 //! The machine in software: what the firmware and the host meet in place of hardware.
 //!
 //! One time base, simulated, in steps of one millisecond; no wall clock, no randomness. Modules stand in the order of
-//! cause and effect: bytes arrive at the [`control`], which moves the axes; the [`machine`] reports them; the [`stock`]
-//! loses what the tool sweeps; [`cutting`] measures the chips from what the axes did; [`faults`] spoil the controller on
+//! cause and effect: what the [`drives`] can do; bytes arrive at the [`control`], which moves the axes; the [`machine`] reports
+//! them; the [`stock`] loses what the tool sweeps; [`cutting`] measures the chips from what the axes did; [`faults`] spoil the controller on
 //! purpose; a [`decider`] has the override; the [`rig`] joins them all.
 
 pub mod drives;
