@@ -8,3 +8,7 @@ mod closed_forms;
 mod limits;
 
 mod contour;
+
+mod servo;
+
+mod spindle;
