@@ -209,7 +209,8 @@ impl<D: Decider> Rig<D> {
         }
     }
 
-    /// Chips are measured with the spindle's speed, once the axes are on the move in work.
+    /// Chips are measured with the spindle's speed, once the axes are on the move in work. What its feed is to be compared with
+    /// reaches the axes as late as they are.
     fn measure(&mut self, sample: &Sample) {
         if self.control.spindle().is_some() {
             self.meter.set_spindle(self.spindle());
@@ -217,7 +218,7 @@ impl<D: Decider> Rig<D> {
         if self.now < self.settles_until {
             self.meter.leave_out(sample);
         } else {
-            self.meter.take(sample);
+            self.meter.take(&Sample { commanded: self.control.followed_feed(), ..*sample });
         }
     }
 

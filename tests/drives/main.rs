@@ -11,4 +11,6 @@ mod contour;
 
 mod servo;
 
+mod runs;
+
 mod spindle;

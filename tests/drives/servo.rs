@@ -1,25 +1,17 @@
 //! Axes that lag behind their commands, against closed forms and a published circle.
 
-use arcfeed::commands::simulate::control_settings;
-use arcfeed::job::JobFile;
-use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_hil_sim::control::{Control, ControlSettings, Preset};
-use arcfeed_hil_sim::decider::{Decider, Shown};
 use arcfeed_hil_sim::drives::limits::AXES;
-use arcfeed_hil_sim::drives::servo::{AxisServo, Servo};
-use arcfeed_hil_sim::machine;
-use arcfeed_hil_sim::rig::Rig;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::{LengthUnit, Micros, Nm};
-use arcfeed_tests::root;
+use arcfeed_hil_sim::drives::servo::{AxisServo, PositionLoops, Servo};
+use arcfeed_shared::units::{LengthUnit, Micros};
 
 use crate::motion::{STEP, drives, settings};
 
 /// What is left of closed forms by rounding.
 const EXACT: f64 = 1e-9;
-const WIDTH_MM: f64 = 0.01;
+pub const WIDTH_MM: f64 = 0.01;
 
-fn axis(gain_per_s: f64, feed_forward_ratio: f64) -> AxisServo {
+pub fn axis(gain_per_s: f64, feed_forward_ratio: f64) -> AxisServo {
     AxisServo { gain_per_s, feed_forward_ratio, in_position_mm: WIDTH_MM }
 }
 
@@ -31,7 +23,7 @@ fn unequal(x: f64, y: f64) -> Servo {
 }
 
 /// A control whose commands are known exactly: speed constant along the path but for its ends.
-fn with_servo(servo: Servo) -> ControlSettings {
+pub fn with_servo(servo: Servo) -> ControlSettings {
     let settings = Preset::Fanuc31i.settings(LengthUnit::Mm);
     ControlSettings { servo: Some(servo), operator_restart: None, ..settings }
 }
@@ -200,6 +192,14 @@ fn the_next_block_waits_for_the_axes_behind_a_rapid() {
 }
 
 #[test]
+fn a_dwell_begins_when_the_axes_are_there() {
+    let at = followed("G1X10.F600\nG4P500\nG1Y1.", with_servo(Servo::of_all(axis(30.0, 0.0))));
+    let there = at.iter().position(|[_, actual]| 10.0 - actual[0] <= WIDTH_MM).expect("it gets there");
+    let begins = at.iter().position(|[commanded, _]| commanded[1] > 0.0).expect("it goes on");
+    assert!((begins - there).abs_diff(500) <= 1, "{} ms", begins - there);
+}
+
+#[test]
 fn limits_of_the_axes_hold_for_the_actual_positions_too() {
     let servo = Servo::of_all(axis(30.0, 0.5));
     let limited = ControlSettings { servo: Some(servo), ..settings(drives()) };
@@ -209,40 +209,15 @@ fn limits_of_the_axes_hold_for_the_actual_positions_too() {
     crate::motion::Motion { axes }.keeps(&drives(), "actual positions");
 }
 
-/// Shows what a controller sees.
-#[derive(Debug, Default)]
-struct Listener(Vec<Pose>);
-
-impl Decider for Listener {
-    fn decide(&mut self, shown: &Shown) -> FeedOverride {
-        self.0.push(shown.position);
-        FeedOverride::PROGRAMMED
-    }
-}
-
+/// The mean over a period of v (1 - (1 - f) exp(-K t)).
 #[test]
-fn feedback_meter_and_end_of_a_run_are_those_of_the_actual_positions() {
-    let file = JobFile::load(&root().join("examples/ibr-slot/job.toml")).expect("the example's job is sound");
-    let text = std::fs::read(&file.program).expect("the program is there");
-    let servo = Servo::of_all(axis(30.0, 0.0));
-    let settings = ControlSettings { servo: Some(servo), ..control_settings(&file) };
-    let mut rig = Rig::new(Control::from_memory(settings, &text), &file.job, Listener::default());
-    let (mut seen_mm, mut rested_ms) = (0.0_f64, 0);
-    while !rig.is_done() {
-        rig.step();
-        let control = rig.control();
-        rested_ms += u32::from(control.is_over() && control.is_at_rest());
-        let shown = rig.decider().0.last().expect("it was asked");
-        let origin = control.manner().map(|manner| manner.origin);
-        if let Some(origin) = origin {
-            assert_eq!(*shown, machine::feedback(&control.actual_position().minus(origin)));
-            let lag = |index: usize| control.axes()[index] - control.actual_axes()[index];
-            seen_mm = seen_mm.max(libm::hypot(lag(0), lag(1)));
+fn a_sudden_feed_reaches_the_axes_in_time() {
+    for (gain, feed_forward) in [(30.0, 0.0), (50.0, 0.6), (40.0, 1.0)] {
+        let mut loops = PositionLoops::new(Servo::of_all(axis(gain, feed_forward)), [0.0; AXES]);
+        for ms in 1..500 {
+            let gone = |ms: i32| libm::exp(-gain * f64::from(ms) * STEP.to_s());
+            let missing = (1.0 - feed_forward) * (gone(ms - 1) - gone(ms)) / (gain * STEP.to_s());
+            assert!((loops.follow(20.0, STEP.to_s()) - 20.0 * (1.0 - missing)).abs() < EXACT, "{ms} ms");
         }
     }
-    let samples: u64 = rig.meter().moves().iter().map(|chips| chips.contact.samples).sum();
-    println!("lag up to {seen_mm:.3} mm, {rested_ms} ms at rest before done, {samples} chips measured");
-    assert!(seen_mm > 0.1 && samples > 0 && rig.control().is_in_position());
-    let left = rig.control().position().minus(rig.control().actual_position()).linear;
-    assert!(left.iter().all(|Nm(nm)| nm.abs() <= Nm::from_mm(WIDTH_MM).0));
 }

@@ -1,8 +1,9 @@
 //! What counts for the moves: the panel and the override input, and what the program has switched off with #3003 and #3004.
 
-use arcfeed_shared::units::PERCENT;
+use arcfeed_shared::units::{Micros, PERCENT};
 
 use super::Control;
+use super::course::Course;
 use super::feeds::FeedConditions;
 use super::panel::Phase;
 
@@ -34,6 +35,14 @@ impl Control {
             holds: self.holds() || stops,
             holds_but_taps: !stops,
             stops_at_block_end: self.is_in_single_block() || self.driven.stops_at_block_end(),
+        }
+    }
+
+    /// A dwell goes on, but in feed hold and before the axes are in position.
+    pub(super) fn dwell(&mut self, dt: Micros) {
+        let goes_on = !self.holds() || self.course.as_ref().is_some_and(Course::is_tapping);
+        if goes_on && self.is_in_position() {
+            self.dwell_left = self.dwell_left.since(dt);
         }
     }
 

@@ -3,10 +3,10 @@
 //! A rapid ends at rest, and the next block waits until all axes are in position (parameter 1601#5, NCI, at 0). With speed
 //! arrival (parameter 3708#0, SAR) the first cutting feed behind a rapid, an S or a change of M3, M4, M5 is held until the
 //! spindle has its speed; where the S stands in the block of a move that flows, the axes brake on it. A feed that has begun
-//! goes on whatever the load does to the spindle.
+//! goes on whatever the load does to the spindle. A dwell begins when the axes are in position.
 //!
 //! Without data of the drives the axes are where they are commanded to, and nothing waits. Not modelled: the position check
-//! behind cutting feed (blocks without a move begin at once), the time 3740 before SAR is looked at, the spindle in canned
+//! before M, S, T functions behind cutting feed, the time 3740 before SAR is looked at, the spindle in canned
 //! cycles.
 //!
 //! Source: when SAR is looked at, Fanuc Power Mate i-H/D connection manual B-63443EN/02 p. 197.
@@ -15,7 +15,7 @@ use arcfeed_shared::nc::block::{Block, parse_line};
 use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::nc::settings::Reading;
 use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::Micros;
+use arcfeed_shared::units::{Micros, MmPerMin, S_PER_MIN};
 
 use crate::drives::limits::AXES;
 use crate::drives::servo::PositionLoops;
@@ -31,6 +31,7 @@ use super::settings::{ControlSettings, Switches};
 pub struct Driven {
     loops: Option<PositionLoops>,
     spindle: Option<SpindleState>,
+    feed: MmPerMin,
     /// The move begun last is a rapid.
     is_rapid: bool,
     /// The next cutting feed waits for the spindle.
@@ -43,6 +44,7 @@ impl Driven {
         Driven {
             loops: settings.servo.map(|servo| PositionLoops::new(servo, [0.0; AXES])),
             spindle: settings.spindle.map(SpindleState::new),
+            feed: MmPerMin(0.0),
             is_rapid: false,
             awaits_spindle: false,
         }
@@ -54,10 +56,12 @@ impl Driven {
         self.awaits_spindle = self.is_rapid || self.awaits_spindle && self.is_waited_for();
     }
 
-    /// One period, at the end of which the axes are commanded to `axes`.
-    pub fn step(&mut self, axes: &[f64; AXES], dt: Micros) {
+    /// One period, at the end of which the axes are commanded to `axes`, with the feed `commanded`.
+    pub fn step(&mut self, axes: &[f64; AXES], commanded: MmPerMin, dt: Micros) {
+        self.feed = commanded;
         if let Some(loops) = &mut self.loops {
             loops.step(axes, dt.to_s());
+            self.feed = MmPerMin((loops.follow(f64::from(commanded.0) / S_PER_MIN, dt.to_s()) * S_PER_MIN) as f32);
         }
         if let Some(spindle) = &mut self.spindle {
             spindle.step(dt.to_s());
@@ -105,6 +109,11 @@ impl Control {
     /// The same unrounded: X, Y, Z in mm, A, B, C in degrees.
     pub fn actual_axes(&self) -> [f64; AXES] {
         self.driven.loops.as_ref().map_or(*self.axes(), PositionLoops::axes)
+    }
+
+    /// The feed that the axes have when they follow the one commanded, late as they are.
+    pub fn followed_feed(&self) -> MmPerMin {
+        self.driven.feed
     }
 
     /// Whether all axes are near enough to where they are commanded to.

@@ -227,7 +227,7 @@ impl Control {
             }
             left_s = self.interpolator.advance(left_s, &self.conditions());
         }
-        self.driven.step(self.interpolator.axes(), dt);
+        self.driven.step(self.interpolator.axes(), self.interpolator.commanded(), dt);
         self.look_for_the_end(dt);
         if self.is_over() {
             self.port.close();
@@ -322,12 +322,6 @@ impl Control {
 
     fn stop_with(&mut self, alarm: AlarmRecord) {
         self.alarm.get_or_insert(alarm);
-    }
-
-    fn dwell(&mut self, dt: Micros) {
-        if !self.holds() || self.course.as_ref().is_some_and(Course::is_tapping) {
-            self.dwell_left = self.dwell_left.since(dt);
-        }
     }
 
     /// Takes up what is next: blocks that take no time, up to a move or a wait.

@@ -18,13 +18,13 @@
 //! ```
 //!
 //! With equal gains a straight line stays straight and a circle a circle. With unequal ones a line is missed by
-//! (e_x - e_y) sin 2a/2 at its angle a, and a circle becomes an ellipse at 45 degrees.
+//! v (1 - f)(1/K_x - 1/K_y) sin(2a)/2 at its angle a, and a circle becomes an ellipse at about 45 degrees.
 //!
 //! Valid where the velocity loop is much faster than K, and while no motor is at its limit of torque. Not modelled: backlash,
 //! friction at reversals, elastic ball screws, position gain switched at standstill.
 //!
-//! Source: (1) is the velocity-type position loop of the textbooks, Altintas, Manufacturing Automation (2nd ed., 2012),
-//! chapter 5, in its limit of an ideal velocity loop; (2) to (6) are derived here. Figures: docs/servo.md.
+//! Source: (3) without feed-forward is how controls define the gain (Beckhoff TwinCAT CNC, "Position controller gain"); that the
+//! loop is the proportional one of (1) all the way is assumed; the rest follows from (1). Figures: docs/servo.md.
 
 use super::limits::AXES;
 
@@ -52,23 +52,31 @@ pub struct PositionLoops {
     servo: Servo,
     commanded: [f64; AXES],
     lag: [f64; AXES],
+    /// Of a point that runs with the feed commanded.
+    path_lag_mm: f64,
 }
 
 impl PositionLoops {
     /// At rest where they are commanded to.
     pub fn new(servo: Servo, commanded: [f64; AXES]) -> Self {
-        PositionLoops { servo, commanded, lag: [0.0; AXES] }
+        PositionLoops { servo, commanded, lag: [0.0; AXES], path_lag_mm: 0.0 }
     }
 
     /// A period in which the command goes on to `commanded`, at constant speed: mm and degrees.
     pub fn step(&mut self, commanded: &[f64; AXES], dt_s: f64) {
         let axes = self.servo.axes.iter().zip(commanded).zip(self.commanded.iter_mut().zip(&mut self.lag));
         for ((servo, to), (from, lag)) in axes {
-            let periods = servo.gain_per_s * dt_s;
-            let settled = (1.0 - servo.feed_forward_ratio) * (to - *from) / periods; // (3)
-            *lag = *lag * libm::exp(-periods) - settled * libm::expm1(-periods); // (2)
+            *lag = servo.lag_after(*lag, to - *from, dt_s);
             *from = *to;
         }
+    }
+
+    /// The speed along the path, in the mean of a period, of axes that are commanded to run with `feed_mm_per_s` all through it
+    /// and have been with what was given before: what the slowest of X, Y, Z makes of it.
+    pub fn follow(&mut self, feed_mm_per_s: f64, dt_s: f64) -> f64 {
+        let before_mm = self.path_lag_mm;
+        self.path_lag_mm = self.servo.slowest().lag_after(before_mm, feed_mm_per_s * dt_s, dt_s);
+        feed_mm_per_s - (self.path_lag_mm - before_mm) / dt_s
     }
 
     /// Where the axes are: X, Y, Z in mm, A, B, C in degrees.
@@ -87,6 +95,15 @@ impl PositionLoops {
     }
 }
 
+impl AxisServo {
+    /// The lag after a period in which the command moves by `way_mm`, at constant speed.
+    fn lag_after(&self, lag_mm: f64, way_mm: f64, dt_s: f64) -> f64 {
+        let periods = self.gain_per_s * dt_s;
+        let settled_mm = (1.0 - self.feed_forward_ratio) * way_mm / periods; // (3)
+        lag_mm * libm::exp(-periods) - settled_mm * libm::expm1(-periods) // (2)
+    }
+}
+
 impl Servo {
     /// The same loop for all axes.
     pub fn of_all(axis: AxisServo) -> Self {
@@ -97,5 +114,11 @@ impl Servo {
     pub fn settling_s(&self, ratio: f64) -> f64 {
         let of_axis = |servo: &AxisServo| libm::log((1.0 - servo.feed_forward_ratio) / ratio) / servo.gain_per_s;
         self.axes.iter().map(of_axis).fold(0.0, f64::max)
+    }
+
+    /// The loop of X, Y, Z with the least gain.
+    fn slowest(&self) -> &AxisServo {
+        let [x, y, z, ..] = &self.axes;
+        [y, z].into_iter().fold(x, |slow, axis| if axis.gain_per_s < slow.gain_per_s { axis } else { slow })
     }
 }
