@@ -9,11 +9,11 @@ use crate::control::Control;
 /// Resolution of the linear axes' position feedback.
 const FEEDBACK_STEP: Nm = Nm(1_000);
 
-/// The report at this instant, with the positions as they are.
+/// The report at this instant, with the positions as they are, not as they are commanded.
 pub fn sample(control: &Control, at: Micros) -> Sample {
     Sample {
         at,
-        position: control.position(),
+        position: control.actual_position(),
         block: control.active().map_or(0, |(count, _)| count),
         commanded: control.commanded(),
         override_percent: control.override_percent(),

@@ -10,11 +10,12 @@ use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::machine::FeedLimit;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::{RADIUS_TOLERANCE, Segment};
-use arcfeed_shared::units::{Micros, Nm, PERCENT};
+use arcfeed_shared::telemetry::Sample;
+use arcfeed_shared::units::{Micros, Nm, PERCENT, RevPerMin, US_PER_S};
 
 use crate::control::action::Manner;
 use crate::control::{Control, ControlSettings};
-use crate::cutting::meter::{ChipMeter, MeterSettings};
+use crate::cutting::meter::{ChipMeter, MeterSettings, STEADY_RATIO};
 use crate::decider::told::Told;
 use crate::decider::{Begun, Decider, Shown};
 use crate::faults::ControllerFault;
@@ -34,6 +35,8 @@ pub struct Rig<D = Told> {
     meter: ChipMeter,
     overrides: Vec<MoveOverride>,
     first_move: Option<Micros>,
+    /// Up to here the axes still come from the move before.
+    settles_until: Micros,
     /// Of the move begun last. Positions and moves are the workpiece's: seen from its origin.
     manner: Manner,
     /// The move begun last, and its rule.
@@ -104,6 +107,7 @@ impl<D: Decider> Rig<D> {
             job: job.clone(),
             overrides: Vec::new(),
             first_move: None,
+            settles_until: Micros(0),
             manner: Manner::default(),
             last: None,
             foreseen: VecDeque::new(),
@@ -130,7 +134,7 @@ impl<D: Decider> Rig<D> {
         }
         let mut sample = machine::sample(&self.control, self.now);
         sample.position = sample.position.minus(self.manner.origin);
-        self.meter.take(&sample);
+        self.measure(&sample);
         self.record_override(sample.block, sample.override_percent);
         self.output = self.decider.decide(&self.shown(&sample.position, active.is_some()));
     }
@@ -140,9 +144,10 @@ impl<D: Decider> Rig<D> {
         self.now
     }
 
-    /// Whether the program is over and the axes rest.
+    /// Whether the program is over and the axes rest in position.
     pub fn is_done(&self) -> bool {
-        self.control.is_over() && self.control.is_at_rest() && !self.control.is_punching()
+        let rests = self.control.is_at_rest() && self.control.is_in_position();
+        self.control.is_over() && rests && !self.control.is_punching()
     }
 
     /// The control.
@@ -204,7 +209,11 @@ impl<D: Decider> Rig<D> {
         };
         match continued {
             Some(_) => self.meter.go_on(count, segment, found),
-            None => self.meter.begin(count, segment, found),
+            None => {
+                let settling_us = self.control.settling_s(STEADY_RATIO) * US_PER_S as f64;
+                self.settles_until = self.now.after(Micros(settling_us as u64));
+                self.meter.begin(count, segment, found);
+            }
         }
         if found.is_some() && continued.is_none() {
             self.overrides.push(MoveOverride { min_percent: u8::MAX, max_percent: 0, changes: 0, last_percent: 0 });
@@ -220,10 +229,28 @@ impl<D: Decider> Rig<D> {
         Shown {
             at: self.now,
             position: machine::feedback(position),
-            spindle: self.job.spindle,
+            spindle: self.spindle(),
             operator_percent: PERCENT as u8,
             signals: held.with(forced),
         }
+    }
+
+    /// Chips are measured with the spindle's speed, once the axes are on the move in work. What its feed is to be compared with
+    /// reaches the axes as late as they are.
+    fn measure(&mut self, sample: &Sample) {
+        if self.control.spindle().is_some() {
+            self.meter.set_spindle(self.spindle());
+        }
+        if self.now < self.settles_until {
+            self.meter.leave_out(sample);
+        } else {
+            self.meter.take(&Sample { commanded: self.control.followed_feed(), ..*sample });
+        }
+    }
+
+    /// What the spindle turns with; of one without a drive, what the job says.
+    fn spindle(&self) -> RevPerMin {
+        self.control.spindle().map_or(self.job.spindle, |spindle| RevPerMin(libm::fabs(spindle.rev_per_min()) as f32))
     }
 
     fn is_in_pieces(&self) -> bool {

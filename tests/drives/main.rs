@@ -12,3 +12,9 @@ mod contour;
 mod indexing;
 
 mod example;
+
+mod servo;
+
+mod runs;
+
+mod spindle;

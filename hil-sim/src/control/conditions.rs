@@ -1,8 +1,9 @@
 //! What counts for the moves: the panel and the override input, and what the program has switched off with #3003 and #3004.
 
-use arcfeed_shared::units::PERCENT;
+use arcfeed_shared::units::{Micros, PERCENT};
 
 use super::Control;
+use super::course::Course;
 use super::feeds::FeedConditions;
 use super::interpolator::AxisLimited;
 use super::panel::Phase;
@@ -13,6 +14,15 @@ const NO_FEED_HOLD: u8 = 1;
 const NO_OVERRIDE: u8 = 2;
 
 impl Control {
+    /// The override takes effect one scan of the machine's ladder after it stood at the input.
+    pub(super) fn through_ladder(&mut self, override_percent: u8) -> u8 {
+        self.ladder.push_back(override_percent);
+        if self.ladder.len() > self.settings.ladder_delay_steps {
+            return self.ladder.pop_front().unwrap_or(override_percent);
+        }
+        self.ladder_percent
+    }
+
     /// The override in effect, %.
     pub fn override_percent(&self) -> u8 {
         if self.ignored.feed & NO_OVERRIDE == 0 { self.ladder_percent } else { PERCENT as u8 }
@@ -24,13 +34,21 @@ impl Control {
     }
 
     pub(super) fn conditions(&self) -> FeedConditions {
-        let stops = self.is_over() || self.phase == Phase::Resetting;
+        let stops = self.is_over() || self.phase == Phase::Resetting || self.driven.holds();
         FeedConditions {
             override_percent: self.override_percent(),
             dry_run: self.switches.dry_run.then_some(self.settings.dry_run_feed),
             holds: self.holds() || stops,
             holds_but_taps: !stops,
-            stops_at_block_end: self.is_in_single_block(),
+            stops_at_block_end: self.is_in_single_block() || self.driven.stops_at_block_end(),
+        }
+    }
+
+    /// A dwell goes on, but in feed hold and before the axes are in position.
+    pub(super) fn dwell(&mut self, dt: Micros) {
+        let goes_on = !self.holds() || self.course.as_ref().is_some_and(Course::is_tapping);
+        if goes_on && self.is_in_position() {
+            self.dwell_left = self.dwell_left.since(dt);
         }
     }
 

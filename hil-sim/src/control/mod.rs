@@ -1,8 +1,8 @@
 //! A Fanuc-like control in DNC or memory operation: bytes in, axis positions out.
 //!
 //! Modelled: the reader/punch interface with its codes, checks and flow control, reading ahead and what it costs, the
-//! operator's panel, execution of blocks at override-scaled feed under limits of the path or of every axis, alarms. Positions
-//! are as commanded. All settings: docs/control.md.
+//! operator's panel, execution of blocks at override-scaled feed under limits of the path or of every axis, alarms. Where the
+//! axes are then is told by [`drives`](crate::drives). All settings: docs/control.md.
 
 pub mod tape;
 
@@ -50,6 +50,8 @@ pub mod interpolator;
 
 mod panel;
 
+mod driven;
+
 mod course;
 
 mod ahead;
@@ -70,6 +72,7 @@ use crate::drives::limits::AXES;
 use action::{Action, Manner, ReadBlock};
 use course::Course;
 use dnc_port::DncPort;
+use driven::Driven;
 use executive::Executive;
 use interpolator::Interpolator;
 use line::LineCounters;
@@ -109,6 +112,7 @@ pub struct Control {
     /// A block with several moves, under way.
     course: Option<Course>,
     interpolator: Interpolator,
+    driven: Driven,
     phase: Phase,
     dwell_left: Micros,
     after_move: Option<Stop>,
@@ -171,6 +175,7 @@ impl Control {
             restart_list: None,
             course: None,
             interpolator: Interpolator::new(&settings),
+            driven: Driven::new(&settings),
             phase: Phase::Running,
             dwell_left: Micros(0),
             after_move: None,
@@ -217,21 +222,16 @@ impl Control {
         let mut left_s = dt.to_s();
         while left_s > 0.0 {
             self.start_next(now);
+            if let Some((_, segment)) = self.interpolator.active() {
+                self.driven.begin(segment);
+            }
             left_s = self.interpolator.advance(left_s, &self.conditions());
         }
+        self.driven.step(self.interpolator.axes(), self.interpolator.commanded(), dt);
         self.look_for_the_end(dt);
         if self.is_over() {
             self.port.close();
         }
-    }
-
-    /// The override takes effect one scan of the machine's ladder after it stood at the input.
-    fn through_ladder(&mut self, override_percent: u8) -> u8 {
-        self.ladder.push_back(override_percent);
-        if self.ladder.len() > self.settings.ladder_delay_steps {
-            return self.ladder.pop_front().unwrap_or(override_percent);
-        }
-        self.ladder_percent
     }
 
     /// Where the axes are commanded to.
@@ -324,18 +324,13 @@ impl Control {
         self.alarm.get_or_insert(alarm);
     }
 
-    fn dwell(&mut self, dt: Micros) {
-        if !self.holds() || self.course.as_ref().is_some_and(Course::is_tapping) {
-            self.dwell_left = self.dwell_left.since(dt);
-        }
-    }
-
     /// Takes up what is next: blocks that take no time, up to a move or a wait.
     fn start_next(&mut self, now: Micros) {
         while self.interpolator.is_idle()
             && self.phase == Phase::Running
             && self.dwell_left == Micros(0)
             && !self.is_over()
+            && !self.awaits_position()
         {
             if self.course.is_some() {
                 self.carry_on(now);
@@ -366,6 +361,7 @@ impl Control {
         self.taken += 1;
         self.halts_after = block.is_halt_of_single_block();
         let sequence = reader::sequence_of(&block.text).map(i64::from);
+        self.driven.take(&block, &self.switches);
         if !block.text.is_empty() {
             self.executed.push(block.text);
         }
@@ -390,6 +386,7 @@ impl Control {
 
     fn go_on(&mut self, stop: Stop, now: Micros) {
         self.reads_no_further = false;
+        self.driven.end(stop);
         match stop {
             Stop::Optional if !self.switches.optional_stop => {}
             Stop::Program | Stop::Optional => self.phase = Phase::Stopped { since: now },

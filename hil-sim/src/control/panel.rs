@@ -13,6 +13,7 @@
 //! Feed hold lies across: axes come to rest and a dwell stands still until cycle start.
 
 use arcfeed_shared::nc::macros::variables::Ignored;
+use arcfeed_shared::nc::modal::Stop;
 use arcfeed_shared::units::Micros;
 
 use super::Control;
@@ -81,6 +82,7 @@ impl Control {
         self.ended = false;
         self.held = false;
         self.search = None;
+        self.driven.end(Stop::End);
         self.phase = Phase::Resetting;
     }
 

@@ -7,6 +7,8 @@ use arcfeed_shared::nc::settings as nc;
 use arcfeed_shared::units::{LengthUnit, Micros, MmPerMin};
 
 use crate::drives::limits::DriveLimits;
+use crate::drives::servo::Servo;
+use crate::drives::spindle::SpindleDrive;
 
 use super::dynamics::Dynamics;
 use super::line::LineSettings;
@@ -28,6 +30,10 @@ pub struct ControlSettings {
     pub dynamics: Dynamics,
     /// What each drive can do.
     pub drives: Option<DriveLimits>,
+    /// How the axes follow; without it they are where they are commanded to.
+    pub servo: Option<Servo>,
+    /// How the spindle follows; without it it turns as the job has it, whatever the program says.
+    pub spindle: Option<SpindleDrive>,
     /// The control's own clamp of the feed on arcs; a control without the function has none.
     pub arc_clamp: Option<ArcClamp>,
     /// Feed of cutting moves in dry run (parameter 1410).
@@ -96,6 +102,8 @@ impl Preset {
             block_processing,
             dynamics: Dynamics::default(),
             drives: None,
+            servo: None,
+            spindle: None,
             arc_clamp: None,
             dry_run_feed: MmPerMin(2_000.0),
             ladder_delay_steps: 8,

@@ -4,7 +4,8 @@
 //! the chip across that axis.
 //!
 //! A sample counts if the machine ran within 0.5 % of the commanded feed through the whole of its tooth's cut, within
-//! one block, and the cutting circle had an admissible contact. All others are counted by cause.
+//! one block, and the cutting circle had an admissible contact. All others are counted by cause. A tooth takes as long as the
+//! spindle's speed at its begin says.
 
 use std::collections::VecDeque;
 
@@ -67,6 +68,8 @@ struct Measured {
     at: Micros,
     position_mm: Vector2<f64>,
     steady: bool,
+    /// Time of the tooth that begins here.
+    tooth_us: f64,
 }
 
 /// An arc of a ring up to a stock line.
@@ -85,16 +88,20 @@ struct RingCut {
 impl ChipMeter {
     /// A meter for a tool at a speed.
     pub fn new(settings: MeterSettings) -> Self {
-        let teeth_per_min = f64::from(settings.spindle.0) * f64::from(settings.tool.active_teeth());
         ChipMeter {
             settings,
-            tooth_us: S_PER_MIN * US_PER_S as f64 / teeth_per_min,
+            tooth_us: settings.tooth_us(settings.spindle),
             history: VecDeque::new(),
             block: None,
             cut: None,
             moves: Vec::new(),
             last_ratio: None,
         }
+    }
+
+    /// The spindle turns with another speed from here on.
+    pub fn set_spindle(&mut self, spindle: RevPerMin) {
+        self.tooth_us = self.settings.tooth_us(spindle);
     }
 
     /// What was measured, move by move.
@@ -133,8 +140,22 @@ impl ChipMeter {
         self.cut = segment.arc().and_then(|arc| RingCut::new(arc, rule, &self.settings));
     }
 
+    /// A report that does not count: the axes are not on the move yet, or the spindle stands.
+    pub fn leave_out(&mut self, sample: &Sample) {
+        if !self.is_on(sample.block) {
+            self.end_block();
+        }
+        if let (Some(_), Some(chips)) = (self.cut, self.moves.last_mut()) {
+            chips.left_out.not_steady += 1 + self.history.len() as u64;
+        }
+        self.history.clear();
+    }
+
     /// Takes the machine's report.
     pub fn take(&mut self, sample: &Sample) {
+        if !self.tooth_us.is_finite() {
+            return self.leave_out(sample);
+        }
         if !self.is_on(sample.block) {
             self.end_block();
         }
@@ -147,9 +168,9 @@ impl ChipMeter {
             let commanded = f64::from(sample.commanded.0);
             libm::fabs(speed - commanded) <= STEADY_RATIO * commanded
         });
-        self.history.push_back(Measured { at, position_mm, steady });
+        self.history.push_back(Measured { at, position_mm, steady, tooth_us: self.tooth_us });
         while let Some(first) = self.history.front().copied() {
-            if (at.since(first.at).0 as f64) < self.tooth_us {
+            if (at.since(first.at).0 as f64) < first.tooth_us {
                 break;
             }
             self.measure(&cut, first);
@@ -159,7 +180,7 @@ impl ChipMeter {
 
     /// Measures the tooth that began at the oldest sample.
     fn measure(&mut self, cut: &RingCut, first: Measured) {
-        let Some(end_mm) = self.position_after_tooth(first.at) else { return };
+        let Some(end_mm) = self.position_after_tooth(first) else { return };
         let Some(chips) = self.moves.last_mut() else { return };
         // The speed at the oldest sample itself is that of the step before the tooth.
         if !self.history.iter().skip(1).all(|measured| measured.steady) {
@@ -183,13 +204,13 @@ impl ChipMeter {
         }
     }
 
-    /// The position one tooth after `start`, between two samples. Only differences of time become floats, so that a run
+    /// The position one tooth after `first`, between two samples. Only differences of time become floats, so that a run
     /// gives the same figures whenever it starts.
-    fn position_after_tooth(&self, start: Micros) -> Option<Vector2<f64>> {
-        let since_us = |measured: &Measured| measured.at.since(start).0 as f64;
-        let after = self.history.iter().position(|measured| since_us(measured) >= self.tooth_us)?;
+    fn position_after_tooth(&self, first: Measured) -> Option<Vector2<f64>> {
+        let since_us = |measured: &Measured| measured.at.since(first.at).0 as f64;
+        let after = self.history.iter().position(|measured| since_us(measured) >= first.tooth_us)?;
         let (a, b) = (self.history.get(after.checked_sub(1)?)?, self.history.get(after)?);
-        let ratio = (self.tooth_us - since_us(a)) / (since_us(b) - since_us(a));
+        let ratio = (first.tooth_us - since_us(a)) / (since_us(b) - since_us(a));
         Some(a.position_mm + (b.position_mm - a.position_mm) * ratio)
     }
 
@@ -201,6 +222,14 @@ impl ChipMeter {
         self.block = None;
         self.last_ratio = None;
         self.history.clear();
+    }
+}
+
+impl MeterSettings {
+    /// Time of one tooth, microseconds; infinite at rest.
+    fn tooth_us(&self, spindle: RevPerMin) -> f64 {
+        let teeth_per_min = f64::from(spindle.0) * f64::from(self.tool.active_teeth());
+        S_PER_MIN * US_PER_S as f64 / teeth_per_min
     }
 }
 

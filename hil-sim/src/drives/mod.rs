@@ -2,10 +2,15 @@
 //! follows.
 //!
 //! [`limits`] of the axes become limits along the path; [`brake`] is the shortest way down to a speed under them, [`profile`]
-//! the fastest speed, period by period, that leaves this way open.
+//! the fastest speed, period by period, that leaves this way open. [`servo`] is how the axes follow, [`spindle`] how the
+//! spindle does.
 
 pub mod limits;
 
 pub(crate) mod brake;
 
 pub(crate) mod profile;
+
+pub mod servo;
+
+pub mod spindle;

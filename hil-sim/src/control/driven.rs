@@ -1,0 +1,157 @@
+//! What the drives make of the control's commands, and what the control waits for: axes in position, the spindle's speed.
+//!
+//! A rapid ends at rest, and the next block waits until all axes are in position (parameter 1601#5, NCI, at 0). With speed
+//! arrival (parameter 3708#0, SAR) the first cutting feed behind a rapid, an S or a change of M3, M4, M5 is held until the
+//! spindle has its speed; where the S stands in the block of a move that flows, the axes brake on it. A feed that has begun
+//! goes on whatever the load does to the spindle. A dwell begins when the axes are in position.
+//!
+//! Without data of the drives the axes are where they are commanded to, and nothing waits. Not modelled: the position check
+//! before M, S, T functions behind cutting feed, the time 3740 before SAR is looked at, the spindle in canned
+//! cycles.
+//!
+//! Source: when SAR is looked at, Fanuc Power Mate i-H/D connection manual B-63443EN/02 p. 197.
+
+use arcfeed_shared::nc::block::{Block, parse_line};
+use arcfeed_shared::nc::modal::{Pose, Stop};
+use arcfeed_shared::nc::settings::Reading;
+use arcfeed_shared::segment::{Path, Segment};
+use arcfeed_shared::units::{Micros, MmPerMin, S_PER_MIN};
+
+use crate::drives::limits::AXES;
+use crate::drives::servo::PositionLoops;
+use crate::drives::spindle::{SpindleState, Turn};
+
+use super::Control;
+use super::action::{Action, ReadBlock};
+use super::path::to_pose;
+use super::settings::{ControlSettings, Switches};
+
+/// The drives' state.
+#[derive(Debug)]
+pub struct Driven {
+    loops: Option<PositionLoops>,
+    spindle: Option<SpindleState>,
+    feed: MmPerMin,
+    /// The move begun last is a rapid.
+    is_rapid: bool,
+    /// The next cutting feed waits for the spindle.
+    awaits_spindle: bool,
+}
+
+impl Driven {
+    /// At rest at the origin.
+    pub fn new(settings: &ControlSettings) -> Self {
+        Driven {
+            loops: settings.servo.map(|servo| PositionLoops::new(servo, [0.0; AXES])),
+            spindle: settings.spindle.map(SpindleState::new),
+            feed: MmPerMin(0.0),
+            is_rapid: false,
+            awaits_spindle: false,
+        }
+    }
+
+    /// A move is in work.
+    pub fn begin(&mut self, segment: &Segment) {
+        self.is_rapid = segment.path == Path::Rapid;
+        self.awaits_spindle = self.is_rapid || self.awaits_spindle && self.is_waited_for();
+    }
+
+    /// One period, at the end of which the axes are commanded to `axes`, with the feed `commanded`.
+    pub fn step(&mut self, axes: &[f64; AXES], commanded: MmPerMin, dt: Micros) {
+        self.feed = commanded;
+        if let Some(loops) = &mut self.loops {
+            loops.step(axes, dt.to_s());
+            self.feed = MmPerMin((loops.follow(f64::from(commanded.0) / S_PER_MIN, dt.to_s()) * S_PER_MIN) as f32);
+        }
+        if let Some(spindle) = &mut self.spindle {
+            spindle.step(dt.to_s());
+        }
+    }
+
+    /// S and M of a block.
+    pub fn take(&mut self, block: &ReadBlock, switches: &Switches) {
+        let Some(spindle) = self.spindle.as_mut().filter(|_| block.action != Action::Nothing) else { return };
+        let before = spindle.commanded_rev_per_min();
+        if let Ok(parsed) = parse_line(&block.text, Reading::Lenient) {
+            command(spindle, &parsed.block, switches);
+        }
+        self.awaits_spindle |= spindle.commanded_rev_per_min() != before;
+    }
+
+    /// M2, M30 and reset stop the spindle, as the ladder of a machine does.
+    pub fn end(&mut self, stop: Stop) {
+        if let (Some(spindle), Stop::End) = (&mut self.spindle, stop) {
+            spindle.set_turn(Turn::Stop);
+        }
+    }
+
+    /// Whether the move in work is held until the spindle has its speed.
+    pub fn holds(&self) -> bool {
+        self.awaits_spindle && !self.is_rapid && self.is_waited_for()
+    }
+
+    /// Whether the move in work ends at rest: a rapid behind which something waits.
+    pub fn stops_at_block_end(&self) -> bool {
+        self.is_rapid && (self.loops.is_some() || self.is_waited_for())
+    }
+
+    fn is_waited_for(&self) -> bool {
+        self.spindle.as_ref().is_some_and(SpindleState::is_waited_for)
+    }
+}
+
+impl Control {
+    /// Where the axes are, which lag behind where they are commanded to.
+    pub fn actual_position(&self) -> Pose {
+        self.driven.loops.as_ref().map_or(self.position(), |loops| to_pose(&loops.axes()))
+    }
+
+    /// The same unrounded: X, Y, Z in mm, A, B, C in degrees.
+    pub fn actual_axes(&self) -> [f64; AXES] {
+        self.driven.loops.as_ref().map_or(*self.axes(), PositionLoops::axes)
+    }
+
+    /// The feed that the axes have when they follow the one commanded, late as they are.
+    pub fn followed_feed(&self) -> MmPerMin {
+        self.driven.feed
+    }
+
+    /// Whether all axes are near enough to where they are commanded to.
+    pub fn is_in_position(&self) -> bool {
+        self.driven.loops.as_ref().is_none_or(PositionLoops::is_in_position)
+    }
+
+    /// What the spindle does, where there is one.
+    pub fn spindle(&self) -> Option<&SpindleState> {
+        self.driven.spindle.as_ref()
+    }
+
+    /// The spindle, to load it.
+    pub fn spindle_mut(&mut self) -> Option<&mut SpindleState> {
+        self.driven.spindle.as_mut()
+    }
+
+    /// The time after which the axes have but `ratio` left of a sudden change of speed, s.
+    pub fn settling_s(&self, ratio: f64) -> f64 {
+        self.settings.servo.map_or(0.0, |servo| servo.settling_s(ratio))
+    }
+
+    /// Whether the next block waits for the axes.
+    pub(super) fn awaits_position(&self) -> bool {
+        self.driven.is_rapid && !self.is_in_position()
+    }
+}
+
+fn command(spindle: &mut SpindleState, block: &Block, switches: &Switches) {
+    let is_cut_off = block.delete.is_some_and(|switch| switches.deletes(switch));
+    let count = if is_cut_off { block.delete_from } else { block.words.len() };
+    for word in block.words.iter().take(count) {
+        match (word.letter, word.number.as_whole()) {
+            (b'S', _) => spindle.set_speed(word.number.scaled(1) as f64),
+            (b'M', Some(3)) => spindle.set_turn(Turn::Clockwise),
+            (b'M', Some(4)) => spindle.set_turn(Turn::CounterClockwise),
+            (b'M', Some(5)) => spindle.set_turn(Turn::Stop),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! How the spindle follows S, M3, M4 and M5: it runs up and down, and gives way to a load.
+//!
+//! ```text
+//! towards the commanded speed:     dn/dt = +-a,  a of running up or down    (1)
+//! under a load q of the rated:     N = n (1 - s),  s' = (D q - s)/t         (2)
+//! s(T) = D q + (s(0) - D q) exp(-T/t)                                       (3)
+//! arrived:                         |N - commanded| <= b |commanded|         (4)
+//! ```
+//!
+//! (1) is linear, not a lag: a drive runs up at its limit of torque, and what turns is always the same. That holds up to the
+//! base speed; above it a drive has constant power and is slower, which is not modelled. M4 turns the other way: negative
+//! speeds. A reversal runs down to rest, then up.
+//!
+//! (2) is static droop D at the rated load with the time t of the speed loop; t = 0 is a stiff line. A drive with an integral
+//! part makes the loss good after a while: D = 0 then, and its dip is not modelled.
+//!
+//! Source: (1), (2) are assumed, as no manual gives a time law; (4) is how drives tell speed arrival. docs/servo.md.
+
+/// A spindle and its drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpindleDrive {
+    /// Away from rest.
+    pub run_up_rev_per_min_s: f64,
+    /// Towards rest.
+    pub run_down_rev_per_min_s: f64,
+    /// D, 0 to 1: what is lost of the speed at the rated load.
+    pub droop_ratio: f64,
+    /// t, not less than 0.
+    pub droop_s: f64,
+    /// b: how near the commanded speed counts as arrived.
+    pub arrival_ratio: f64,
+    /// Whether cutting feed waits for speed arrival: Fanuc's parameter 3708#0, SAR.
+    pub waits_for_arrival: bool,
+}
+
+/// What the spindle does; state. Speeds in rev/min, negative counter-clockwise (M4).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpindleState {
+    drive: SpindleDrive,
+    speed: f64,
+    turn: Turn,
+    ramped: f64,
+    lost: f64,
+    load: f64,
+}
+
+/// M3, M4, M5.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// M3.
+    Clockwise,
+    /// M4.
+    CounterClockwise,
+    /// M5.
+    Stop,
+}
+
+impl SpindleState {
+    /// At rest, without an S.
+    pub fn new(drive: SpindleDrive) -> Self {
+        SpindleState { drive, speed: 0.0, turn: Turn::Stop, ramped: 0.0, lost: 0.0, load: 0.0 }
+    }
+
+    /// S.
+    pub fn set_speed(&mut self, rev_per_min: f64) {
+        self.speed = rev_per_min;
+    }
+
+    /// M3, M4, M5.
+    pub fn set_turn(&mut self, turn: Turn) {
+        self.turn = turn;
+    }
+
+    /// What it cuts, as a ratio of the rated load.
+    pub fn set_load(&mut self, ratio: f64) {
+        self.load = ratio;
+    }
+
+    /// A period with what is commanded.
+    pub fn step(&mut self, dt_s: f64) {
+        self.ramped = self.ramp(self.ramped, dt_s);
+        let end = self.drive.droop_ratio * self.load;
+        self.lost = end + (self.lost - end) * libm::exp(-dt_s / self.drive.droop_s); // (3)
+    }
+
+    /// Its speed.
+    pub fn rev_per_min(&self) -> f64 {
+        self.ramped * (1.0 - self.lost) // (2)
+    }
+
+    /// The speed that is commanded.
+    pub fn commanded_rev_per_min(&self) -> f64 {
+        match self.turn {
+            Turn::Clockwise => self.speed,
+            Turn::CounterClockwise => -self.speed,
+            Turn::Stop => 0.0,
+        }
+    }
+
+    /// Whether it has the commanded speed; one that shall stand, when it stands.
+    pub fn has_arrived(&self) -> bool {
+        let commanded = self.commanded_rev_per_min();
+        libm::fabs(self.rev_per_min() - commanded) <= self.drive.arrival_ratio * libm::fabs(commanded) // (4)
+    }
+
+    /// Whether cutting feed waits for it.
+    pub fn is_waited_for(&self) -> bool {
+        self.drive.waits_for_arrival && !self.has_arrived()
+    }
+
+    /// Without load, from a speed. (1)
+    fn ramp(&self, from: f64, dt_s: f64) -> f64 {
+        let to = self.commanded_rev_per_min();
+        let slowest = if from * to < 0.0 { 0.0 } else { to };
+        let is_down = libm::fabs(slowest) < libm::fabs(from);
+        let rate = if is_down { self.drive.run_down_rev_per_min_s } else { self.drive.run_up_rev_per_min_s };
+        let way = slowest - from;
+        let needed_s = libm::fabs(way) / rate;
+        if needed_s > dt_s {
+            return from + libm::copysign(rate * dt_s, way);
+        }
+        if slowest == to { to } else { self.ramp(0.0, dt_s - needed_s) }
+    }
+}
