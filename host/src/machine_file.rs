@@ -22,6 +22,15 @@
 //! [corners]                 # how far the control may cut them: mm, degrees; these unless given
 //! linear = 0.01
 //! rotary = 0.01
+//! [servo]                   # without it the axes are where they are commanded to (docs/servo.md)
+//! gain = 33                 # 1/s
+//! feed_forward = 0          # 0 to 1; 0 unless given
+//! in_position = 0.01        # mm, degrees; this unless given
+//! [spindle]                 # without it the spindle turns as the job has it
+//! run_up = 2000             # rev/min each second
+//! run_down = 2000
+//! arrival = 0.05            # of the commanded speed; this unless given
+//! waits = false             # whether cutting feed waits for the speed to have arrived
 //! ```
 
 pub mod drives;
@@ -36,7 +45,7 @@ use toml::Spanned;
 
 use crate::place::place;
 
-use drives::{DriveError, Drives, Told, Tolerance};
+use drives::{DriveError, Drives, Loops, SpindleRamps, Told, Tolerance};
 
 /// A machine with its name.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +56,10 @@ pub struct MachineFile {
     pub machine: Machine,
     /// What the drives can do, where the file tells.
     pub drives: Option<Drives>,
+    /// The position loops, where the file tells.
+    pub servo: Option<Loops>,
+    /// The spindle's drive, where the file tells.
+    pub spindle: Option<SpindleRamps>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -58,6 +71,8 @@ struct MachineTable {
     linear: LinearTables,
     #[serde(default)]
     corners: Tolerance,
+    servo: Option<Spanned<Loops>>,
+    spindle: Option<Spanned<SpindleRamps>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -137,7 +152,19 @@ impl MachineFile {
         let machine = machine.map_err(|error| at(table.offset_of(&error), error.to_string()))?;
         let drives = Drives::new(table.told(), table.corners)
             .map_err(|error| at(table.offset_of_drive(error), error.to_string()))?;
-        Ok(MachineFile { name: table.name, machine, drives })
+        let possible = |is_possible: bool, offset: usize, what: &str| {
+            if is_possible { Ok(()) } else { Err(at(offset, what.into())) }
+        };
+        if let Some(servo) = &table.servo {
+            let what = "`gain` and `in_position` must be above zero, `feed_forward` from 0 to 1";
+            possible(servo.as_ref().are_possible(), servo.span().start, what)?;
+        }
+        if let Some(spindle) = &table.spindle {
+            let what = "`run_up`, `run_down` and `arrival` must be above zero";
+            possible(spindle.as_ref().are_possible(), spindle.span().start, what)?;
+        }
+        let (servo, spindle) = (table.servo.map(Spanned::into_inner), table.spindle.map(Spanned::into_inner));
+        Ok(MachineFile { name: table.name, machine, drives, servo, spindle })
     }
 }
 
@@ -233,6 +260,9 @@ mod tests {
             (format!("{c}{}", rotary('A', "[1, 0, 0]", "max_feed = 0")), "A must be above zero"),
             (format!("{c}{}", rotary('A', "[1, 0, 0]", "colour = 1")), "15:1: unknown field `colour`"),
             (format!("{}{a}", c.replace("part", "tool")), "table before head"),
+            (format!("{c}{a}[servo]\ngain = 0\n"), "16:1: `gain` and `in_position` must be above zero"),
+            (format!("{c}{a}[spindle]\nrun_up = 0\nrun_down = 1\n"), "16:1: `run_up`, `run_down` and `arrival`"),
+            (format!("{c}{}", rotary('A', "[1, 0, 0]", "max_feed = 5\njerk = 9")), "each needs `max_feed`"),
         ] {
             let error = MachineFile::parse(&format!("name = 'm'\n{axes}{LINEAR}")).unwrap_err();
             assert!(error.contains(expected), "{error}");

@@ -10,7 +10,9 @@ use arcfeed_hil_sim::control::tape::TapeSettings;
 use arcfeed_hil_sim::control::{ControlSettings, Preset, Switches};
 use arcfeed_hil_sim::cutting::meter::MoveChips;
 use arcfeed_hil_sim::decider::Decider;
-use arcfeed_hil_sim::drives::limits::{AxisLimits, DriveLimits};
+use arcfeed_hil_sim::drives::limits::{AXES, AxisLimits, DriveLimits};
+use arcfeed_hil_sim::drives::servo::{AxisServo, Servo};
+use arcfeed_hil_sim::drives::spindle::SpindleDrive;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::rig::{Foreseen, MoveOverride, Rig};
 use arcfeed_shared::cut::Moves;
@@ -26,7 +28,7 @@ use crate::adapt::limit::is_tip_line;
 use crate::adapt::{Adapted, PlannedBlock};
 use crate::job::{ControlKind, JobFile, Parity, SerialSettings, TapeCode};
 use crate::machine_file::MachineFile;
-use crate::machine_file::drives::{Drive, Drives};
+use crate::machine_file::drives::{Drive, Drives, Loops, SpindleRamps};
 use crate::program::Program;
 use crate::report::figures::{
     AlarmFigures, AxisLimitFigures, IptFigures, MovementFigures, OverrideFigures, RestartFigures, RunReport,
@@ -104,7 +106,25 @@ pub fn control_settings(file: &JobFile) -> ControlSettings {
     };
     let (nc, tables, arc_clamp) = (file.nc, file.tables, file.job.machine.arc_clamp);
     let drives = file.machine.as_ref().and_then(drive_limits);
-    ControlSettings { nc, tables, line, arc_clamp, switches, drives, ..settings }
+    let servo = file.machine.as_ref().and_then(|machine| machine.servo).map(|loops| {
+        let Loops { gain_per_s, feed_forward_ratio, in_position_mm } = loops;
+        Servo { axes: [AxisServo { gain_per_s, feed_forward_ratio, in_position_mm }; AXES] }
+    });
+    let spindle = file.machine.as_ref().and_then(|machine| machine.spindle).map(spindle_drive);
+    ControlSettings { nc, tables, line, arc_clamp, switches, drives, servo, spindle, ..settings }
+}
+
+/// A spindle of which only the ramps are told: nothing loads it here, so it does not droop.
+fn spindle_drive(ramps: SpindleRamps) -> SpindleDrive {
+    let SpindleRamps { run_up_rev_per_min_s, run_down_rev_per_min_s, arrival_ratio, waits } = ramps;
+    SpindleDrive {
+        run_up_rev_per_min_s,
+        run_down_rev_per_min_s,
+        droop_ratio: 0.0,
+        droop_s: 0.0,
+        arrival_ratio,
+        waits_for_arrival: waits,
+    }
 }
 
 /// What the drives of a machine can do, axis by axis. A rotary axis that it does not have is as its first.

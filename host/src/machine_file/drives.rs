@@ -36,6 +36,63 @@ pub struct Tolerance {
     pub rotary_deg: f64,
 }
 
+/// The position loops, alike in all axes.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Loops {
+    /// Loop gain.
+    #[serde(rename = "gain")]
+    pub gain_per_s: f64,
+    /// Velocity feed-forward, 0 to 1.
+    #[serde(rename = "feed_forward", default)]
+    pub feed_forward_ratio: f64,
+    /// Greatest lag of an axis that is in position, mm or degrees.
+    #[serde(rename = "in_position", default = "in_position")]
+    pub in_position_mm: f64,
+}
+
+/// The spindle's drive.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct SpindleRamps {
+    /// Speeding up, rev/min each second.
+    #[serde(rename = "run_up")]
+    pub run_up_rev_per_min_s: f64,
+    /// Slowing down.
+    #[serde(rename = "run_down")]
+    pub run_down_rev_per_min_s: f64,
+    /// How near the commanded speed counts as arrived.
+    #[serde(rename = "arrival", default = "arrival")]
+    pub arrival_ratio: f64,
+    /// Whether cutting feed waits for that.
+    #[serde(default)]
+    pub waits: bool,
+}
+
+fn in_position() -> f64 {
+    0.01
+}
+
+fn arrival() -> f64 {
+    0.05
+}
+
+impl Loops {
+    /// Whether the values make sense.
+    pub fn are_possible(&self) -> bool {
+        let positive = [self.gain_per_s, self.in_position_mm].into_iter().all(|value| value > 0.0 && value.is_finite());
+        positive && (0.0..=1.0).contains(&self.feed_forward_ratio)
+    }
+}
+
+impl SpindleRamps {
+    /// Whether the values make sense.
+    pub fn are_possible(&self) -> bool {
+        let positive = [self.run_up_rev_per_min_s, self.run_down_rev_per_min_s, self.arrival_ratio];
+        positive.into_iter().all(|value| value > 0.0 && value.is_finite())
+    }
+}
+
 /// Why the drives of a file make no sense.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveError {
