@@ -15,7 +15,7 @@ fn seeds(short: u64, long: u64) -> std::ops::Range<u64> {
 
 /// A program of 60 blocks over five axes: lines, arcs in all planes, helices, turns of the rotary axes alone, reversals, from
 /// a micrometre to 50 mm, some tangent and most not.
-fn any_program(random: &mut fastrand::Rng) -> String {
+pub fn any_program(random: &mut fastrand::Rng) -> String {
     let mut text = String::from("G90G1F3000\n");
     let (mut at, mut b, mut c) = ([0.0_f64; 3], 0.0_f64, 0.0_f64);
     for _ in 0..60 {

@@ -7,6 +7,8 @@ mod closed_forms;
 
 mod limits;
 
+mod panel;
+
 mod contour;
 
 mod indexing;

@@ -52,6 +52,13 @@ impl Control {
         }
     }
 
+    /// Whether what is next may begin. Axes that have run beyond the end of a move go on to where they can rest, whatever has
+    /// happened.
+    pub(super) fn may_begin(&self) -> bool {
+        let is_running = self.phase == Phase::Running && self.dwell_left == Micros(0) && !self.is_over();
+        self.interpolator.is_between() || is_running && !self.awaits_position()
+    }
+
     /// Whether feed hold is on and counts.
     pub(super) fn holds(&self) -> bool {
         self.held && self.ignored.feed & NO_FEED_HOLD == 0

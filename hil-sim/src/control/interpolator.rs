@@ -202,6 +202,11 @@ impl Interpolator {
         self.active.is_none()
     }
 
+    /// Whether the axes are on their way from a move into the next one, which is not taken up yet.
+    pub fn is_between(&self) -> bool {
+        matches!(&self.pace, Pace::LookAhead(look_ahead) if look_ahead.is_between())
+    }
+
     /// Forgets what is queued and what is active: after a reset, with the axes at rest.
     pub fn clear(&mut self) {
         self.queue.clear();

@@ -39,6 +39,11 @@ impl LookAhead {
         self.motion.speed
     }
 
+    /// Whether a way is covered already that belongs to the next move.
+    pub fn is_between(&self) -> bool {
+        self.over.is_some()
+    }
+
     /// No move is in work.
     pub fn rest(&mut self) {
         (self.motion, self.over) = (Motion::default(), None);

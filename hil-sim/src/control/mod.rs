@@ -326,12 +326,7 @@ impl Control {
 
     /// Takes up what is next: blocks that take no time, up to a move or a wait.
     fn start_next(&mut self, now: Micros) {
-        while self.interpolator.is_idle()
-            && self.phase == Phase::Running
-            && self.dwell_left == Micros(0)
-            && !self.is_over()
-            && !self.awaits_position()
-        {
+        while self.interpolator.is_idle() && self.may_begin() {
             if self.course.is_some() {
                 self.carry_on(now);
                 continue;
