@@ -1,7 +1,7 @@
 //! Blocks to motion: the queue of blocks read ahead, the move in work, and where the axes are on it.
 //!
-//! How fast the axes go is the affair of one of two: a trapezoid along the path ([`Trapezoid`]), which is what there is
-//! without data of the drives, or limits of speed, acceleration and jerk of every axis ([`LookAhead`]). Feed hold, dry run
+//! How fast the axes go is the affair of one of two: a trapezoid along the path (`trapezoid.rs`), which is what there is
+//! without data of the drives, or limits of speed, acceleration and jerk of every axis (`look_ahead.rs`). Feed hold, dry run
 //! and override change the speed wanted; how fast the axes follow is theirs.
 
 use std::collections::VecDeque;
