@@ -113,17 +113,18 @@ fn slides(machine: &Machine, tip_mm: Vector, rotary_deg: [f64; 2]) -> Vector {
 
 /// The feed at which the first axis of a move is at its fastest, by the way that each axis covers from place to place.
 fn by_brute_force(machine: &Machine, of: &TipMove) -> f64 {
-    let at = |place: i32| {
-        let s = f64::from(place) / f64::from(PLACES);
+    let at = |place: f64| {
+        let s = place / f64::from(PLACES);
         let mixed = |from: f64, to: f64| from + s * (to - from);
         let tip = [0, 1, 2].map(|axis: usize| mixed(of.tip_mm[0][axis], of.tip_mm[1][axis]));
         let rotary = [0, 1].map(|axis: usize| mixed(of.rotary_deg[0][axis], of.rotary_deg[1][axis]));
         (slides(machine, tip, rotary), rotary)
     };
     let mut longest = 0.0_f64;
-    let mut before = at(0);
-    for place in 1..=PLACES {
-        let here = at(place);
+    // Around each place, the ends too: a mean of one side would miss what is greatest at an end.
+    let mut before = at(-0.5);
+    for place in 0..=PLACES {
+        let here = at(f64::from(place) + 0.5);
         for (axis, slide) in machine.linear().iter().enumerate() {
             let covered = (here.0[axis] - before.0[axis]).abs();
             longest = longest.max(covered / slide.speed_mm_per_min.unwrap_or(f64::INFINITY));
@@ -157,7 +158,7 @@ fn it_is_never_above_what_brute_force_finds_and_hardly_below() {
             (least, most) = (least.min(ratio), most.max(ratio));
         }
         println!("{file}: {least:.6} to {most:.6} of what brute force finds");
-        // Brute force sees means over a four-thousandth of the move, which at its ends lie below the greatest rate.
-        assert!(most < 1.0 + 1e-5 && least > 1.0 - 1.1 * GIVEN_AWAY);
+        // Brute force sees means over a four-thousandth of the move.
+        assert!(most < 1.0 + 1e-5 && least > 1.0 - 1.01 * GIVEN_AWAY, "{least} to {most}");
     }
 }
