@@ -92,6 +92,7 @@ impl Interpolator {
         };
         let flows = leg.as_ref().is_some_and(|leg| leg.entry.is_some());
         self.queue.push_back(Queued { block, leg });
+        // Read too late, its corner is a stop.
         if flows
             && let (Pace::LookAhead(look_ahead), Some(active)) = (&mut self.pace, &self.active)
             && !look_ahead.can_follow(active, &self.queue)
@@ -238,7 +239,7 @@ impl Interpolator {
     /// A move, with the corner to the one before it where both flow into each other and there is still time to round it.
     fn leg(&self, segment: Segment) -> Leg {
         let mut leg = Leg::new(segment, self.drives(), self.dry_run_mm_per_s);
-        if let Some((drives, (before, left_mm))) = self.drives().zip(self.last()) {
+        if let Some((drives, (before, left_mm))) = self.drives().zip(self.before()) {
             leg.join(before, drives);
             leg.entry = leg.entry.filter(|corner| corner.junction.half_mm < left_mm);
         }
@@ -246,7 +247,7 @@ impl Interpolator {
     }
 
     /// The last move that flows into what comes next, and what of it is to do.
-    fn last(&self) -> Option<(&Leg, f64)> {
+    fn before(&self) -> Option<(&Leg, f64)> {
         let mut flowing = self.queue.iter().rev().take_while(|queued| queued.flows());
         if let Some(leg) = flowing.find_map(|queued| queued.leg.as_ref()) {
             return Some((leg, leg.travel.length_mm));

@@ -23,8 +23,8 @@ pub struct LookAhead {
     /// What limits it.
     pub drives: DriveLimits,
     motion: Motion,
-    /// The way that was covered beyond the end of a move, and what was left of the period then.
-    over: Option<(f64, f64)>,
+    /// The way that was covered beyond the end of a move, until the next one takes it.
+    over: Option<f64>,
     ahead: Vec<Ahead>,
 }
 
@@ -66,8 +66,8 @@ impl LookAhead {
         queue: &mut VecDeque<Queued>,
         conditions: &Conditions<'_>,
     ) -> Advance {
-        if let Some((over, left_s)) = self.over.take() {
-            return self.carried(active.done_mm + over, active, left_s);
+        if let Some(over) = self.over.take() {
+            return self.carried(active.done_mm + over, active, dt_s);
         }
         if conditions.feed.stops_at_block_end {
             self.stop_at_block_end(active, queue);
@@ -79,25 +79,25 @@ impl LookAhead {
         let step = profile.step(self.motion, wanted);
         self.motion = step.motion;
         let stops = flowing(queue).next().is_none_or(|(leg, _)| leg.entry.is_none());
-        let is_there = active.left_mm() - step.way <= DONE;
-        match stops && is_there {
-            false => self.carried(active.done_mm + step.way, active, step.left_s),
-            true if step.is_over() => {
-                self.rest();
-                Advance::Over(step.left_s)
-            }
-            // What of the way down is left takes longer than its way would tell.
-            true => Advance::To(active.leg.travel.length_mm.next_down(), 0.0),
+        if !stops || active.left_mm() - step.way > DONE {
+            return self.carried(active.done_mm + step.way, active, step.left_s);
         }
+        if !step.is_over() {
+            // What is left of the way down takes longer than its way would tell.
+            return Advance::To(active.leg.travel.length_mm.next_down(), 0.0);
+        }
+        self.rest();
+        Advance::Over(step.left_s)
     }
 
+    /// So far in this move, or beyond its end into the next one.
     fn carried(&mut self, done_mm: f64, active: &Active, left_s: f64) -> Advance {
         let over = done_mm - active.leg.travel.length_mm;
         if over < 0.0 {
             return Advance::To(done_mm, left_s);
         }
-        self.over = Some((over, left_s));
-        Advance::Over(f64::MIN_POSITIVE)
+        self.over = Some(over);
+        Advance::Over(left_s)
     }
 
     /// Lets the first move that can still be stopped at its end stop there.

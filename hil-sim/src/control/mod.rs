@@ -220,7 +220,7 @@ impl Control {
         self.read_ahead(now, dt);
         self.dwell(dt);
         let mut left_s = dt.to_s();
-        while left_s > 0.0 {
+        while left_s > 0.0 || self.interpolator.is_between() {
             self.start_next(now);
             if let Some((_, segment)) = self.interpolator.active() {
                 self.driven.begin(segment);

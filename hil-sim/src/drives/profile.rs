@@ -2,10 +2,11 @@
 //!
 //! A stretch ahead has a speed to keep to, and a safe one: from the safe speed, without acceleration, everything behind can be
 //! kept to. A state is safe if a way down ([`Brake`]) ends at the safe speed of some stretch before it begins, and ways down
-//! to the speeds of all stretches before that one end before those. From a safe state the largest acceleration is taken whose state is safe a period later; where even the smallest is not, the way
-//! down itself is followed, which keeps a safe state safe, to the last fraction of a period. On a straight stretch this is
-//! the time-optimal profile of seven phases but for the period's grain; as nothing is planned beyond the period, override,
-//! feed hold and blocks that come late need no planning anew.
+//! to the speeds of all stretches before that one end before those. From a safe state the largest acceleration is taken whose
+//! state is safe a period later; where even the smallest is not, the way down itself is followed, which keeps a safe state
+//! safe, to the last fraction of a period. On a straight stretch this is the time-optimal profile of seven phases but for the
+//! period's grain; as nothing is planned beyond the period, override, feed hold and blocks that come late need no planning
+//! anew.
 //!
 //! ```text
 //! wanted speed w: in n periods T from acceleration n J T down to 0, v gains J T^2 n (n + 1)/2          (1)
@@ -23,7 +24,6 @@ const HALVINGS: usize = 26;
 const HALVINGS_OF_TIME: usize = 30;
 /// Ways that agree to this are equal: far below a nanometre.
 const EQUAL: f64 = 1e-11;
-
 /// Periods before a stop in which its way down is followed, and how closely that has to end there.
 const LAST: f64 = 3.0;
 const TIGHT: f64 = 1e-10;

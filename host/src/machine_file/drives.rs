@@ -1,5 +1,6 @@
 //! What the drives of a machine file can do, and how far the control may cut a corner.
 
+use arcfeed_shared::units::S_PER_MIN;
 use serde::Deserialize;
 
 /// What one axis can do; of a rotary axis, degrees for mm.
@@ -131,7 +132,7 @@ impl Drives {
             let positive = |value: Option<f64>| value.filter(|value| *value > 0.0 && value.is_finite());
             let per_min = positive(speed).ok_or(DriveError::Axis(axis))?;
             Ok(Drive {
-                speed_mm_per_s: per_min / arcfeed_shared::units::S_PER_MIN,
+                speed_mm_per_s: per_min / S_PER_MIN,
                 acceleration_mm_per_s2: positive(acceleration).ok_or(DriveError::Axis(axis))?,
                 jerk_mm_per_s3: positive(jerk).ok_or(DriveError::Axis(axis))?,
             })
@@ -144,7 +145,7 @@ impl Drives {
     #[must_use]
     pub fn with_speeds(mut self, per_min: [Option<f64>; 5]) -> Self {
         for (drive, speed) in self.linear.iter_mut().chain(&mut self.rotary).zip(per_min) {
-            drive.speed_mm_per_s = speed.map_or(drive.speed_mm_per_s, |speed| speed / arcfeed_shared::units::S_PER_MIN);
+            drive.speed_mm_per_s = speed.map_or(drive.speed_mm_per_s, |speed| speed / S_PER_MIN);
         }
         self
     }
