@@ -8,6 +8,8 @@
 pub const NM_PER_MM: i64 = 1_000_000;
 /// Micrometres in a millimetre.
 pub const UM_PER_MM: i64 = 1_000;
+/// Millimetres in a metre.
+pub const MM_PER_M: f64 = 1_000.0;
 /// Nanometres in an inch (exact).
 pub const NM_PER_INCH: i64 = 25_400_000;
 /// Millimetres in an inch (exact).

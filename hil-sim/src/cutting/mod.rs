@@ -3,3 +3,9 @@
 pub mod chip;
 
 pub mod meter;
+
+pub mod edges;
+
+pub mod material;
+
+pub mod force;

@@ -1,0 +1,327 @@
+//! Cutting edges in pieces so short that each is a straight tool of its own.
+//!
+//! The tool frame stands still: its origin is the tool's tip, z points along the axis to the holder, and M3 turns the tool
+//! clockwise as seen from there. A piece at radius r, angle a (counter-clockwise from x) has, with u = (cos a, sin a, 0),
+//! k its lead angle, s = +1 on an outer edge and -1 on an inner one,
+//!
+//! ```text
+//! width of its cut               b = dz / sin k                     (1)
+//! its angle                      a = a0 - turned                    (2)
+//! direction in which it moves    t = (sin a, -cos a, 0)             (3)
+//! outward normal                 n = s u sin k - z cos k            (4)
+//! along the edge, upwards        m = s u cos k + z sin k            (5)
+//! helix: lag at height z         a0(z) - a0(0) = z tan(helix) / R   (6)
+//! ```
+//!
+//! so u sin k - z cos k looks sideways on a cylinder's side (k = 90 degrees) and down at the bottom of a ball (k = 0). The
+//! width (1) lies in the plane of axis and radius: it is not divided by cos(helix), as cutting coefficients are
+//! identified for the chip seen in that plane, and h b is then the section that the stock loses.
+//!
+//! Source: elementary tools after Lorong et al., Simulation of a finishing operation, 2012, sections 1 and 2.3; (2) to (5)
+//! are geometry; (1) and (6), a constant lead also on a ball, are the usual ones of mechanistic models (Engin, Altintas,
+//! Int. J. Machine Tools & Manufacture 41, 2001, recalled); docs/forces.md.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::fmt;
+
+use nalgebra::{Vector2, Vector3};
+
+use self::meridian::Meridian;
+
+mod meridian;
+
+/// How far the pitches of all teeth may be from a full turn.
+const TURN_TOLERANCE_RAD: f64 = 1e-9;
+
+/// Which way an edge cuts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Away from the tool's axis.
+    Outer,
+    /// Towards the tool's axis: the inside of a ring.
+    Inner,
+}
+
+/// A short piece of a cutting edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgePiece {
+    /// Which tooth it belongs to, in the order in which M3 brings them to a place.
+    pub tooth: usize,
+    /// Its middle above the tip.
+    pub height_mm: f64,
+    /// What it extends along the axis.
+    pub rise_mm: f64,
+    /// From the spindle's axis.
+    pub radius_mm: f64,
+    /// About the spindle's axis before it turns, counter-clockwise as seen from the holder.
+    pub angle_rad: f64,
+    /// Between its outward normal and the direction from the holder to the tip.
+    pub lead_rad: f64,
+    /// Which way it cuts.
+    pub side: Side,
+}
+
+/// Directions of a piece, unit vectors in the tool frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Directions {
+    /// (3)
+    pub motion: Vector3<f64>,
+    /// (4)
+    pub normal: Vector3<f64>,
+    /// (5)
+    pub along: Vector3<f64>,
+}
+
+/// An end mill: square, with rounded corners, or a ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EndMill {
+    /// Of the cylinder.
+    pub diameter_mm: f64,
+    /// Radius of the corner: 0 square, half of the diameter a ball.
+    pub corner_mm: f64,
+    /// Number of teeth.
+    pub teeth: usize,
+    /// Positive for a right-hand helix.
+    pub helix_rad: f64,
+    /// How far up the edges go.
+    pub height_mm: f64,
+}
+
+/// The ring of a cup mill, outer and inner inserts by turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ring {
+    /// Radius of the outer edges.
+    pub outer_radius_mm: f64,
+    /// Radius of the inner edges.
+    pub inner_radius_mm: f64,
+    /// Radius of the inserts' corners, 0 for square ones.
+    pub corner_mm: f64,
+    /// Inserts on each of the two circles; teeth are twice as many, even ones outside, odd ones inside.
+    pub active_teeth: usize,
+    /// How far up the edges go.
+    pub height_mm: f64,
+}
+
+/// The edges of a tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cutter {
+    pieces: Vec<EdgePiece>,
+    /// Angles of the teeth about the tool's own axis.
+    teeth_rad: Vec<f64>,
+    /// The tool's axis from the spindle's, before it turns.
+    eccentricity_mm: Vector2<f64>,
+}
+
+/// Why there is no such cutter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EdgeError {
+    /// A measure is no number, negative, or too large for another one.
+    Measures,
+    /// No teeth, or no pieces.
+    Nothing,
+    /// One value a tooth is needed.
+    Count {
+        /// Teeth.
+        teeth: usize,
+        /// Values.
+        told: usize,
+    },
+    /// Pitches are positive and make up a full turn.
+    Pitch,
+    /// A piece would lie on the axis or beyond it.
+    Radius {
+        /// Of this tooth.
+        tooth: usize,
+    },
+}
+
+impl EdgePiece {
+    /// Width of its cut where all of it is engaged. (1)
+    pub fn width_mm(&self) -> f64 {
+        self.rise_mm / libm::sin(self.lead_rad)
+    }
+
+    /// Its angle when M3 has turned the spindle so far. (2)
+    pub fn angle_at_rad(&self, turned_rad: f64) -> f64 {
+        self.angle_rad - turned_rad
+    }
+
+    /// Where its middle is when M3 has turned the spindle so far.
+    pub fn place_mm(&self, turned_rad: f64) -> Vector3<f64> {
+        let (sin, cos) = libm::sincos(self.angle_at_rad(turned_rad));
+        Vector3::new(self.radius_mm * cos, self.radius_mm * sin, self.height_mm)
+    }
+
+    /// Its directions when M3 has turned the spindle so far.
+    pub fn directions(&self, turned_rad: f64) -> Directions {
+        let (sin, cos) = libm::sincos(self.angle_at_rad(turned_rad));
+        let (sin_lead, cos_lead) = libm::sincos(self.lead_rad);
+        let side = self.side.sign();
+        Directions {
+            motion: Vector3::new(sin, -cos, 0.0),                                          // (3)
+            normal: Vector3::new(side * cos * sin_lead, side * sin * sin_lead, -cos_lead), // (4)
+            along: Vector3::new(side * cos * cos_lead, side * sin * cos_lead, sin_lead),   // (5)
+        }
+    }
+}
+
+impl Side {
+    /// s: +1 for an outer edge, -1 for an inner one.
+    pub fn sign(self) -> f64 {
+        match self {
+            Side::Outer => 1.0,
+            Side::Inner => -1.0,
+        }
+    }
+}
+
+impl Cutter {
+    /// An end mill, each tooth in about so many pieces of equal length.
+    ///
+    /// # Errors
+    /// The measures are none of a tool, as with a ring.
+    pub fn end_mill(mill: &EndMill, pieces: usize) -> Result<Self, EdgeError> {
+        let radius_mm = mill.diameter_mm / 2.0;
+        let fits = mill.corner_mm <= radius_mm && libm::fabs(mill.helix_rad) < FRAC_PI_2;
+        let meridian = Meridian {
+            side: Side::Outer,
+            radius_mm,
+            corner_mm: mill.corner_mm,
+            height_mm: mill.height_mm,
+            lag_rad_per_mm: libm::tan(mill.helix_rad) / radius_mm, // (6)
+        };
+        let of_tooth = meridian.pieces(pieces).filter(|_| fits).ok_or(EdgeError::Measures)?;
+        Cutter::new(mill.teeth, |_| &of_tooth)
+    }
+
+    /// The ring of a cup mill, each insert in about so many pieces.
+    ///
+    /// # Errors
+    /// The corners are wider than the ring, or there is none.
+    pub fn ring(ring: &Ring, pieces: usize) -> Result<Self, EdgeError> {
+        let fits = ring.inner_radius_mm + 2.0 * ring.corner_mm <= ring.outer_radius_mm;
+        let of_side = |side, radius_mm| {
+            let (corner_mm, height_mm) = (ring.corner_mm, ring.height_mm);
+            let meridian = Meridian { side, radius_mm, corner_mm, height_mm, lag_rad_per_mm: 0.0 };
+            meridian.pieces(pieces).filter(|_| fits).ok_or(EdgeError::Measures)
+        };
+        let outer = of_side(Side::Outer, ring.outer_radius_mm)?;
+        let inner = of_side(Side::Inner, ring.inner_radius_mm)?;
+        Cutter::new(2 * ring.active_teeth, |tooth| if tooth % 2 == 0 { &outer } else { &inner })
+    }
+
+    /// Teeth at equal angles, tooth 0 along x, each with its pieces.
+    fn new<'a>(teeth: usize, of_tooth: impl Fn(usize) -> &'a Vec<EdgePiece>) -> Result<Self, EdgeError> {
+        let teeth_rad: Vec<f64> = (0..teeth).map(|tooth| TAU * tooth as f64 / teeth as f64).collect();
+        let mut pieces = Vec::new();
+        for (tooth, tooth_rad) in teeth_rad.iter().enumerate() {
+            let placed = |piece: &EdgePiece| EdgePiece { tooth, angle_rad: piece.angle_rad + tooth_rad, ..*piece };
+            pieces.extend(of_tooth(tooth).iter().map(placed));
+        }
+        if pieces.is_empty() {
+            return Err(EdgeError::Nothing);
+        }
+        Ok(Cutter { pieces, teeth_rad, eccentricity_mm: Vector2::zeros() })
+    }
+
+    /// Tooth by tooth, from the tip upwards.
+    pub fn pieces(&self) -> &[EdgePiece] {
+        &self.pieces
+    }
+
+    /// How many teeth it has.
+    pub fn teeth(&self) -> usize {
+        self.teeth_rad.len()
+    }
+
+    /// Teeth at other angles: from each tooth to the next one, the last to the first.
+    ///
+    /// # Errors
+    /// The angles are not one a tooth, or do not make up a full turn.
+    pub fn with_pitch(mut self, pitches_rad: &[f64]) -> Result<Self, EdgeError> {
+        self.one_each(pitches_rad)?;
+        let whole = libm::fabs(pitches_rad.iter().sum::<f64>() - TAU) <= TURN_TOLERANCE_RAD;
+        if !(whole && pitches_rad.iter().all(|pitch_rad| *pitch_rad > 0.0)) {
+            return Err(EdgeError::Pitch);
+        }
+        let mut angle_rad = 0.0;
+        let moved: Vec<f64> = (0..self.teeth())
+            .map(|tooth| {
+                let by_rad = angle_rad - self.teeth_rad[tooth];
+                angle_rad += pitches_rad[tooth];
+                by_rad
+            })
+            .collect();
+        self.teeth_rad.iter_mut().zip(&moved).for_each(|(tooth_rad, by_rad)| *tooth_rad += by_rad);
+        self.change(|piece| piece.angle_rad += moved[piece.tooth])
+    }
+
+    /// Teeth that stand further from the tool's own axis, each by its own amount.
+    ///
+    /// # Errors
+    /// The amounts are not one a tooth, or take an edge to the axis.
+    pub fn with_offsets(self, offsets_mm: &[f64]) -> Result<Self, EdgeError> {
+        self.one_each(offsets_mm)?;
+        self.change(|piece| piece.radius_mm += offsets_mm[piece.tooth])
+    }
+
+    /// The tool's axis beside the spindle's, in this direction before it turns; in place of what there was.
+    ///
+    /// # Errors
+    /// An edge comes to the spindle's axis.
+    pub fn with_runout(mut self, eccentricity_mm: f64, direction_rad: f64) -> Result<Self, EdgeError> {
+        let (sin, cos) = libm::sincos(direction_rad);
+        let before_mm = self.eccentricity_mm;
+        self.eccentricity_mm = Vector2::new(cos, sin) * eccentricity_mm;
+        self.shift(self.eccentricity_mm - before_mm);
+        self.checked()
+    }
+
+    fn one_each(&self, values: &[f64]) -> Result<(), EdgeError> {
+        let (teeth, told) = (self.teeth(), values.len());
+        if teeth == told { Ok(()) } else { Err(EdgeError::Count { teeth, told }) }
+    }
+
+    /// Changes every piece as seen from the tool's own axis.
+    fn change(mut self, change: impl Fn(&mut EdgePiece)) -> Result<Self, EdgeError> {
+        self.shift(-self.eccentricity_mm);
+        self.pieces.iter_mut().for_each(change);
+        self.shift(self.eccentricity_mm);
+        self.checked()
+    }
+
+    /// Moves all pieces; their normals are still taken along the radius, off by the eccentricity over it.
+    fn shift(&mut self, by_mm: Vector2<f64>) {
+        if by_mm == Vector2::zeros() {
+            return;
+        }
+        for piece in &mut self.pieces {
+            let (sin, cos) = libm::sincos(piece.angle_rad);
+            let radial_mm = piece.radius_mm + by_mm.x * cos + by_mm.y * sin;
+            let across_mm = by_mm.y * cos - by_mm.x * sin;
+            piece.radius_mm = libm::copysign(libm::hypot(radial_mm, across_mm), radial_mm);
+            piece.angle_rad += libm::atan(across_mm / radial_mm);
+        }
+    }
+
+    fn checked(self) -> Result<Self, EdgeError> {
+        match self.pieces.iter().find(|piece| !(piece.radius_mm > 0.0 && piece.angle_rad.is_finite())) {
+            Some(piece) => Err(EdgeError::Radius { tooth: piece.tooth }),
+            None => Ok(self),
+        }
+    }
+}
+
+impl fmt::Display for EdgeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            EdgeError::Measures => write!(f, "the measures are none of a cutter"),
+            EdgeError::Nothing => write!(f, "a cutter needs teeth, and each tooth pieces"),
+            EdgeError::Count { teeth, told } => write!(f, "{teeth} teeth need one value each, not {told}"),
+            EdgeError::Pitch => write!(f, "pitches are positive angles that make up a full turn"),
+            EdgeError::Radius { tooth } => write!(f, "tooth {tooth} would lie on the spindle's axis"),
+        }
+    }
+}
+
+impl std::error::Error for EdgeError {}

@@ -1,0 +1,50 @@
+//! Forces of the edges together, as they act on the tool.
+//!
+//! A piece adds, in the tool frame of [`super::edges`],
+//!
+//! ```text
+//! F = -(Ft t + Fr n + Fa m)        (1)
+//! T = r Ft                         (2) about the axis, against the spindle
+//! P = 2 pi n T                     (3)
+//! ```
+//!
+//! On a cylinder's side z is not met by Ft and Fr, so a positive Fa gives Fz = -Fa: towards the workpiece.
+//!
+//! Source: own geometry; (1) has the signs of the transformation of Engin, Altintas, Int. J. Machine Tools & Manufacture 41,
+//! 2001 (recalled): +Fr cos k - Fa sin k along z.
+
+use std::f64::consts::TAU;
+
+use arcfeed_shared::units::{MM_PER_M, S_PER_MIN};
+use nalgebra::Vector3;
+
+use super::edges::EdgePiece;
+use super::material::EdgeForce;
+
+/// Sums over the edges at one time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Loads {
+    /// On the tool, in the tool frame.
+    pub force_n: Vector3<f64>,
+    /// About the spindle's axis, against its rotation.
+    pub torque_n_m: f64,
+}
+
+impl Loads {
+    /// Adds what a piece takes when M3 has turned the spindle so far.
+    pub fn add(&mut self, piece: &EdgePiece, turned_rad: f64, force: &EdgeForce) {
+        let to = piece.directions(turned_rad);
+        self.force_n -= to.motion * force.tangential_n + to.normal * force.radial_n + to.along * force.axial_n; // (1)
+        self.torque_n_m += piece.radius_mm * force.tangential_n / MM_PER_M; // (2)
+    }
+
+    /// Across the axis: what bends the tool.
+    pub fn bending_n(&self) -> f64 {
+        libm::hypot(self.force_n.x, self.force_n.y)
+    }
+
+    /// What the spindle gives at this speed. (3)
+    pub fn power_w(&self, spindle_rev_per_min: f64) -> f64 {
+        TAU * spindle_rev_per_min / S_PER_MIN * self.torque_n_m
+    }
+}
