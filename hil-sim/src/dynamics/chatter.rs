@@ -1,0 +1,117 @@
+//! Is a cut stable? Told from where the tool is, once for each tooth that passes the same angle.
+//!
+//! In a stable cut every tooth finds the tool where the one before did. With samples x_1 .. x_n, one a tooth,
+//!
+//! ```text
+//! M_k = mean |x_i - x_(i-k)|        (1)
+//! M_1 = 0              each tooth as the one before: stable
+//! M_2 = 0              every other tooth: period doubling (flip)
+//! M_z = 0              each tooth as a turn before: stable, teeth or runout uneven
+//! none of them         chatter: a frequency that is no multiple of the teeth's
+//! ```
+//!
+//! where 0 is a floor that the caller sets. Samples once a *turn* cannot see period doubling of an even number of teeth. With two teeth
+//! doubling and runout look the same: told as doubling.
+//!
+//! Samples of a frequency f at the rate r of the teeth show it at its distance from the nearest multiple of r.
+//!
+//! Source: (1) with k of one turn is the stability metric of T. Schmitz and co-workers; once a tooth and the cases are ours.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::Vector3;
+
+/// At most so many of the last samples are asked for their frequency.
+const LINES_MAX: usize = 512;
+
+/// Frequencies tried for each that so many samples can tell apart.
+const FINER: usize = 4;
+
+/// What repeats.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict {
+    /// Every tooth.
+    Stable,
+    /// Every turn, but not every tooth.
+    Uneven,
+    /// Every second tooth.
+    PeriodDoubling,
+    /// Nothing.
+    Chatter {
+        /// Distance of the strongest frequency from the nearest multiple of the teeth's.
+        alias_hz: f64,
+    },
+}
+
+/// What the samples are taken from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampling {
+    /// Teeth of a turn.
+    pub teeth: usize,
+    /// Teeth in a second.
+    pub tooth_hz: f64,
+    /// The largest M that counts as none.
+    pub floor_mm: f64,
+}
+
+impl Sampling {
+    /// Samples once a tooth, of a cut whose beginning is forgotten. Too few to compare count as stable.
+    pub fn judge(&self, samples_mm: &[Vector3<f64>]) -> Verdict {
+        let repeats = |lag| metric_mm(samples_mm, lag) <= self.floor_mm;
+        if repeats(1) {
+            Verdict::Stable
+        } else if repeats(2) {
+            Verdict::PeriodDoubling
+        } else if repeats(self.teeth) {
+            Verdict::Uneven
+        } else {
+            Verdict::Chatter { alias_hz: strongest_ratio(samples_mm) * self.tooth_hz }
+        }
+    }
+
+    /// The frequency nearest to `natural_hz` among those that show up at `alias_hz`.
+    pub fn chatter_hz(&self, alias_hz: f64, natural_hz: f64) -> f64 {
+        let multiple = libm::round(natural_hz / self.tooth_hz);
+        let around = [multiple - 1.0, multiple, multiple + 1.0].map(|k| k * self.tooth_hz);
+        let candidates = around.into_iter().flat_map(|hz| [hz - alias_hz, hz + alias_hz]);
+        let distance = |hz: &f64| libm::fabs(hz - natural_hz);
+        candidates.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(natural_hz)
+    }
+}
+
+/// M_k; nothing to compare gives 0. (1)
+pub fn metric_mm(samples_mm: &[Vector3<f64>], lag: usize) -> f64 {
+    let later = samples_mm.get(lag..).unwrap_or(&[]);
+    let sum_mm: f64 = later.iter().zip(samples_mm).map(|(after, before)| (after - before).norm()).sum();
+    sum_mm / later.len().max(1) as f64
+}
+
+/// Standard deviation of samples from their mean, all directions together.
+pub fn deviation_mm(samples_mm: &[Vector3<f64>]) -> f64 {
+    let count = samples_mm.len().max(1) as f64;
+    let mean_mm = samples_mm.iter().sum::<Vector3<f64>>() / count;
+    libm::sqrt(samples_mm.iter().map(|sample| (sample - mean_mm).norm_squared()).sum::<f64>() / count)
+}
+
+/// The strongest frequency, in those of the samples: up to 1/2.
+fn strongest_ratio(samples_mm: &[Vector3<f64>]) -> f64 {
+    let last = &samples_mm[samples_mm.len().saturating_sub(LINES_MAX)..];
+    let (steps, count) = (FINER * last.len() / 2, last.len() as f64);
+    let mean_mm = last.iter().sum::<Vector3<f64>>() / count;
+    // A Hann window keeps what is far from a line from looking like one.
+    let window = |at: usize| libm::sin(PI * (at as f64 + 0.5) / count) * libm::sin(PI * (at as f64 + 0.5) / count);
+    let flat: Vec<Vector3<f64>> = last.iter().enumerate().map(|(at, sample)| (sample - mean_mm) * window(at)).collect();
+    let ratio = |step: usize| step as f64 / (FINER * last.len()) as f64;
+    let powers = (1..=steps).map(|step| power_mm2(&flat, ratio(step)));
+    let strongest = powers.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+    strongest.map_or(0.0, |(at, _)| ratio(at + 1))
+}
+
+fn power_mm2(samples_mm: &[Vector3<f64>], ratio: f64) -> f64 {
+    let mut sums = [Vector3::zeros(); 2];
+    for (at, sample) in samples_mm.iter().enumerate() {
+        let (sin, cos) = libm::sincos(TAU * ratio * at as f64);
+        sums = [sums[0] + sample * cos, sums[1] + sample * sin];
+    }
+    sums[0].norm_squared() + sums[1].norm_squared()
+}

@@ -1,0 +1,11 @@
+//! How tool and workpiece give way to the forces of the cut, and whether the cut is stable.
+//!
+//! Conventions, accuracy and cost: docs/forces.md.
+
+pub mod modal;
+
+pub mod transition;
+
+pub mod vibration;
+
+pub mod chatter;
