@@ -92,6 +92,29 @@ fn forces_of_single_pieces_are_those_of_a_drawing() {
     assert!((on_tool(&piece(Side::Inner, 0.0)) - at(7.0, 100.0, 40.0)).norm() < 1e-12);
 }
 
+#[test]
+fn rounded_edges_under_an_even_load_give_closed_forms() {
+    // 10, 10, 4 N/mm on a quarter circle of 1.5 mm: the integrals of sin and cos over it are 1.5 mm each.
+    let cutting = Cutting::linear([0.0; 3], [10.0, 10.0, 4.0]);
+    let ring = Ring { outer_radius_mm: 20.0, inner_radius_mm: 12.0, corner_mm: 1.5, active_teeth: 1, height_mm: 1.5 };
+    let cutter = Cutter::ring(&ring, 400).unwrap();
+    for (tooth, wall_mm, side) in [(0, 20.0, 1.0), (1, 12.0, -1.0)] {
+        let mut loads = Loads::default();
+        // Each tooth in turn to the x axis, where M3 moves it to -y.
+        let turned_rad = PI * tooth as f64;
+        for piece in cutter.pieces().iter().filter(|piece| piece.tooth == tooth) {
+            let chip = ChipSection { thickness_mm: 0.1, width_mm: piece.width_mm() };
+            loads.add(piece, turned_rad, &cutting.force(&chip));
+        }
+        let tangential_n = 15.0 * FRAC_PI_2;
+        let expected_n = Vector3::new(-side * (15.0 + 6.0), tangential_n, 15.0 - 6.0);
+        assert!((loads.force_n - expected_n).norm() < 1e-4, "{} {expected_n}", loads.force_n);
+        // The integral of the radius, wall -+ 1.5 (1 - sin k), over the arc.
+        let moment = 10.0 * 1.5 * (wall_mm * FRAC_PI_2 - side * 1.5 * (FRAC_PI_2 - 1.0));
+        assert!((loads.torque_n_m * 1e3 - moment).abs() < 1e-3, "{} {moment}", loads.torque_n_m);
+    }
+}
+
 /// Tangential forces of two teeth straight ahead, where each meets what the other left: fz + r - r before.
 fn ahead_n(cutter: &Cutter) -> [f64; 2] {
     let cutting = Cutting::linear([1000.0, 0.0, 0.0], [20.0, 0.0, 0.0]);

@@ -1,6 +1,8 @@
 //! Coefficients against figures computed elsewhere, and no force where nothing is cut.
 
-use arcfeed_hil_sim::cutting::material::{ChipSection, Cutting, EdgeForce, MATERIALS, TI_6AL_4V_HELIX_30};
+use arcfeed_hil_sim::cutting::material::{
+    AL_6082_T6, AL_7075_T6, ChipSection, Cutting, EdgeForce, MATERIALS, TI_6AL_4V_HELIX_30,
+};
 
 fn tangential(name: &str) -> Cutting {
     let found = MATERIALS.iter().find(|material| material.name.starts_with(name)).expect("a material of the list");
@@ -53,4 +55,15 @@ fn out_of_the_cut_there_is_no_force_not_even_that_of_the_edge() {
     }
     let rubbing = TI_6AL_4V_HELIX_30.force(&ChipSection { thickness_mm: 1e-9, width_mm: 2.0 });
     assert!((rubbing.tangential_n - 59.4).abs() < 1e-5 && (rubbing.radial_n - 111.4).abs() < 1e-5);
+}
+
+#[test]
+fn linear_coefficients_are_those_printed() {
+    let chip = ChipSection { thickness_mm: 0.1, width_mm: 2.0 };
+    // (767.01 * 0.1 + 27.7) * 2 and so on.
+    let expected = [(AL_7075_T6, [208.802, 86.96, 45.8]), (AL_6082_T6, [152.2, 39.8, 60.2])];
+    for (cutting, [t, r, a]) in expected {
+        let EdgeForce { tangential_n, radial_n, axial_n } = cutting.force(&chip);
+        assert!((tangential_n - t).abs() + (radial_n - r).abs() + (axial_n - a).abs() < 1e-12);
+    }
 }

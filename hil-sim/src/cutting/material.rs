@@ -125,6 +125,14 @@ pub const MATERIALS: [Material; 11] = [
     Material::new("stainless steel, austenitic", 14, 2150.0, 0.20),
 ];
 
+/// Al 7075-T6, linear; cemented carbide, dry. Source: Chinese Journal of Mechanical Engineering 34, 2021, doi
+/// 10.1186/s10033-021-00536-9, table 5 (its reference 190), which prints N mm where N/mm is meant. For 7075 alone the same table
+/// has Ktc from 600 to 1319 N/mm2.
+pub const AL_7075_T6: Cutting = Cutting::linear([767.01, 168.8, 222.0], [27.7, 26.6, 0.7]);
+
+/// Al 6082-T6, linear; cemented carbide, dry. Source: the same table (its reference 189).
+pub const AL_6082_T6: Cutting = Cutting::linear([631.0, 99.0, 273.0], [13.0, 10.0, 2.8]);
+
 /// Ti-6Al-4V with a right-hand helix of 30 degrees, linear. Not verified: recalled from text-books, no page was at hand, and an
 /// oblique transformation of recalled orthogonal data gives 1510, 215, 515 N/mm2 instead. For tests and demonstrations.
 pub const TI_6AL_4V_HELIX_30: Cutting = Cutting::linear([1825.0, 770.0, 735.0], [29.7, 55.7, 1.8]);

@@ -1,6 +1,6 @@
 //! How tool and workpiece give way to the forces of the cut, and whether the cut is stable.
 //!
-//! Conventions, accuracy and cost: docs/forces.md.
+//! Conventions, and what steps do to a verdict: docs/forces.md.
 
 pub mod modal;
 
