@@ -148,10 +148,11 @@ fn a_force_that_cannot_agree_is_told() {
 fn seen_from_elsewhere_the_same_modes_give_way_otherwise() {
     let mut vibration = alone(EXACT);
     let shape = vibration.modes()[0].shape;
-    vibration.step(0.2, |_| Vector3::x() * 10.0);
+    vibration.step(1e-4, |_| Vector3::x() * 10.0);
     vibration.see_from(&[shape / 2.0]);
     for _ in 0..20_000 {
-        vibration.step(1e-4, |_| Vector3::x() * 10.0);
+        let step = vibration.step(1e-4, |_| Vector3::x() * 10.0);
+        assert!((vibration.displacement_mm() - step.displacement_mm).norm() < 1e-15);
     }
     assert!((vibration.displacement_mm().x - 10.0 / STIFFNESS / 4.0).abs() < 1e-12);
 }
