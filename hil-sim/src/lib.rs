@@ -3,7 +3,8 @@
 //! One time base, simulated, in steps of one millisecond; no wall clock, no randomness. Modules stand in the order of
 //! cause and effect: what the [`drives`] can do; bytes arrive at the [`control`], which moves the axes; the [`machine`] reports
 //! them; the [`stock`] loses what the tool sweeps; [`cutting`] measures the chips from what the axes did, and
-//! what they do to the tool; [`dynamics`] is how tool and workpiece give way; [`faults`] spoil the controller on
+//! what they do to the tool; [`dynamics`] is how tool and workpiece give way; a [`process`] is all of
+//! that together; [`faults`] spoil the controller on
 //! purpose; a [`decider`] has the override; the [`rig`] joins them all.
 
 pub mod drives;
@@ -17,6 +18,8 @@ pub mod stock;
 pub mod cutting;
 
 pub mod dynamics;
+
+pub mod process;
 
 pub mod faults;
 

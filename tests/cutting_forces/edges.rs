@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EdgeError, EdgePiece, EndMill, Ring, Side};
 use arcfeed_hil_sim::cutting::force::Loads;
 use arcfeed_hil_sim::cutting::material::{ChipSection, Cutting, EdgeForce};
@@ -15,7 +16,7 @@ const CUP: Ring =
 #[test]
 fn pieces_of_a_ball_make_up_its_quarter_circle_and_its_section() {
     let ball = EndMill { corner_mm: 5.0, height_mm: 5.0, helix_rad: 0.5, ..FLAT };
-    let cutter = Cutter::end_mill(&ball, 200).unwrap();
+    let cutter = Cutter::end_mill(&ball, Pieces::Along(200)).unwrap();
     let tooth = || cutter.pieces().iter().filter(|piece| piece.tooth == 1);
     let width_mm: f64 = tooth().map(EdgePiece::width_mm).sum();
     assert!((width_mm - 5.0 * FRAC_PI_2).abs() < 1e-4, "{width_mm}");
@@ -35,7 +36,7 @@ fn pieces_of_a_ball_make_up_its_quarter_circle_and_its_section() {
 
 #[test]
 fn directions_are_a_frame_and_the_edge_moves_as_told() {
-    let cutter = Cutter::ring(&CUP, 12).unwrap();
+    let cutter = Cutter::ring(&CUP, Pieces::Along(12)).unwrap();
     for piece in cutter.pieces() {
         let to = piece.directions(0.7);
         let step_rad = 1e-6;
@@ -51,7 +52,7 @@ fn directions_are_a_frame_and_the_edge_moves_as_told() {
 
 #[test]
 fn inserts_of_a_ring_stand_by_turns_outside_and_inside() {
-    let cutter = Cutter::ring(&CUP, 8).unwrap();
+    let cutter = Cutter::ring(&CUP, Pieces::Along(8)).unwrap();
     assert_eq!(cutter.teeth(), 10);
     for piece in cutter.pieces() {
         let (side, wall_mm) = if piece.tooth % 2 == 0 { (Side::Outer, 128.576) } else { (Side::Inner, 112.701) };
@@ -97,7 +98,7 @@ fn rounded_edges_under_an_even_load_give_closed_forms() {
     // 10, 10, 4 N/mm on a quarter circle of 1.5 mm: the integrals of sin and cos over it are 1.5 mm each.
     let cutting = Cutting::linear([0.0; 3], [10.0, 10.0, 4.0]);
     let ring = Ring { outer_radius_mm: 20.0, inner_radius_mm: 12.0, corner_mm: 1.5, active_teeth: 1, height_mm: 1.5 };
-    let cutter = Cutter::ring(&ring, 400).unwrap();
+    let cutter = Cutter::ring(&ring, Pieces::Along(400)).unwrap();
     for (tooth, wall_mm, side) in [(0, 20.0, 1.0), (1, 12.0, -1.0)] {
         let mut loads = Loads::default();
         // Each tooth in turn to the x axis, where M3 moves it to -y.
@@ -129,7 +130,7 @@ fn ahead_n(cutter: &Cutter) -> [f64; 2] {
 
 #[test]
 fn runout_and_offsets_change_the_force_of_each_tooth() {
-    let cutter = Cutter::end_mill(&FLAT, 3).unwrap();
+    let cutter = Cutter::end_mill(&FLAT, Pieces::Along(3)).unwrap();
     // 4 mm wide: (1000 * 0.1 + 20) * 4 = 480 N.
     let expect = |cutter: &Cutter, expected_n: [f64; 2]| {
         let found_n = ahead_n(cutter);
@@ -148,7 +149,7 @@ fn runout_and_offsets_change_the_force_of_each_tooth() {
 #[test]
 fn runout_moves_every_place_by_the_same() {
     let mill = EndMill { teeth: 3, helix_rad: 0.6, ..FLAT };
-    let plain = Cutter::end_mill(&mill, 5).unwrap();
+    let plain = Cutter::end_mill(&mill, Pieces::Along(5)).unwrap();
     let moved = plain.clone().with_runout(0.05, 1.0).unwrap();
     let by = Vector3::new(0.05 * libm::cos(1.0), 0.05 * libm::sin(1.0), 0.0);
     for (before, after) in plain.pieces().iter().zip(moved.pieces()) {
@@ -169,7 +170,7 @@ fn runout_moves_every_place_by_the_same() {
 fn pitches_put_each_tooth_where_they_say() {
     let mill = EndMill { teeth: 4, helix_rad: 0.5, ..FLAT };
     let pitches_rad = [85.0_f64, 95.0, 80.0, 100.0].map(f64::to_radians);
-    let plain = Cutter::end_mill(&mill, 4).unwrap();
+    let plain = Cutter::end_mill(&mill, Pieces::Along(4)).unwrap();
     let cutter = plain.clone().with_pitch(&pitches_rad).unwrap();
     for (piece, before) in cutter.pieces().iter().zip(plain.pieces()) {
         let expected_deg = [0.0, 85.0, 180.0, 260.0][piece.tooth] - 90.0 * piece.tooth as f64;
@@ -181,16 +182,16 @@ fn pitches_put_each_tooth_where_they_say() {
 
 #[test]
 fn what_is_no_cutter_is_refused() {
-    let refused = |mill: EndMill| Cutter::end_mill(&mill, 4).unwrap_err();
+    let refused = |mill: EndMill| Cutter::end_mill(&mill, Pieces::Along(4)).unwrap_err();
     assert_eq!(refused(EndMill { teeth: 0, ..FLAT }), EdgeError::Nothing);
     assert_eq!(refused(EndMill { corner_mm: 5.1, ..FLAT }), EdgeError::Measures);
     assert_eq!(refused(EndMill { corner_mm: f64::NAN, ..FLAT }), EdgeError::Measures);
     assert_eq!(refused(EndMill { diameter_mm: 0.0, ..FLAT }), EdgeError::Measures);
     assert_eq!(refused(EndMill { height_mm: f64::INFINITY, ..FLAT }), EdgeError::Measures);
     assert_eq!(refused(EndMill { helix_rad: FRAC_PI_2, ..FLAT }), EdgeError::Measures);
-    assert_eq!(Cutter::end_mill(&FLAT, 0), Err(EdgeError::Nothing));
-    assert_eq!(Cutter::ring(&Ring { corner_mm: 8.0, ..CUP }, 4), Err(EdgeError::Measures));
-    let cutter = || Cutter::end_mill(&FLAT, 4).unwrap();
+    assert_eq!(Cutter::end_mill(&FLAT, Pieces::Along(0)), Err(EdgeError::Nothing));
+    assert_eq!(Cutter::ring(&Ring { corner_mm: 8.0, ..CUP }, Pieces::Along(4)), Err(EdgeError::Measures));
+    let cutter = || Cutter::end_mill(&FLAT, Pieces::Along(4)).unwrap();
     assert_eq!(cutter().with_pitch(&[TAU]), Err(EdgeError::Count { teeth: 2, told: 1 }));
     assert_eq!(cutter().with_pitch(&[PI, 3.0]), Err(EdgeError::Pitch));
     assert_eq!(cutter().with_pitch(&[-PI, 3.0 * PI]), Err(EdgeError::Pitch));

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EdgePiece, EndMill};
 use arcfeed_hil_sim::cutting::force::Loads;
 use arcfeed_hil_sim::cutting::material::{ChipSection, Cutting};
@@ -20,7 +21,7 @@ impl InPieces {
         let Milling { teeth, helix_rad, .. } = milling;
         let diameter_mm = 2.0 * milling.radius_mm;
         let mill = EndMill { diameter_mm, corner_mm: 0.0, teeth, helix_rad, height_mm: milling.depth_mm };
-        let cutter = Cutter::end_mill(&mill, pieces).unwrap();
+        let cutter = Cutter::end_mill(&mill, Pieces::Along(pieces)).unwrap();
         InPieces { milling, cutter, cutting: Cutting::linear(milling.cutting, milling.edge) }
     }
 

@@ -26,9 +26,9 @@ use std::fmt;
 
 use nalgebra::{Vector2, Vector3};
 
-use self::meridian::Meridian;
+use self::meridian::{Meridian, Pieces};
 
-mod meridian;
+pub mod meridian;
 
 /// How far the pitches of all teeth may be from a full turn.
 const TURN_TOLERANCE_RAD: f64 = 1e-9;
@@ -176,11 +176,11 @@ impl Side {
 }
 
 impl Cutter {
-    /// An end mill, each tooth in about so many pieces of equal length.
+    /// An end mill, each tooth in pieces.
     ///
     /// # Errors
     /// The measures are none of a tool, as with a ring.
-    pub fn end_mill(mill: &EndMill, pieces: usize) -> Result<Self, EdgeError> {
+    pub fn end_mill(mill: &EndMill, pieces: Pieces) -> Result<Self, EdgeError> {
         let radius_mm = mill.diameter_mm / 2.0;
         let fits = mill.corner_mm <= radius_mm && libm::fabs(mill.helix_rad) < FRAC_PI_2;
         let meridian = Meridian {
@@ -194,11 +194,11 @@ impl Cutter {
         Cutter::new(mill.teeth, |_| &of_tooth)
     }
 
-    /// The ring of a cup mill, each insert in about so many pieces.
+    /// The ring of a cup mill, each insert in pieces.
     ///
     /// # Errors
     /// The corners are wider than the ring, or there is none.
-    pub fn ring(ring: &Ring, pieces: usize) -> Result<Self, EdgeError> {
+    pub fn ring(ring: &Ring, pieces: Pieces) -> Result<Self, EdgeError> {
         let fits = ring.inner_radius_mm + 2.0 * ring.corner_mm <= ring.outer_radius_mm;
         let of_side = |side, radius_mm| {
             let (corner_mm, height_mm) = (ring.corner_mm, ring.height_mm);

@@ -9,3 +9,11 @@ pub mod edges;
 pub mod material;
 
 pub mod force;
+
+pub mod layer;
+
+pub mod rake;
+
+pub mod layers;
+
+pub mod bite;

