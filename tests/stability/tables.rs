@@ -83,7 +83,7 @@ fn the_boundary_of_stability_is_that_of_the_linear_theory() {
         let missed_plain = missed(&milling, &asked);
         println!("{name}: {} of {} rows within {BAND}", asked.len() - missed_plain.len(), asked.len());
         if is_soak {
-            println!("  beside cusps: {} missed of {}: {:?}", missed(&milling, &steep).len(), steep.len(), missed(&milling, &steep));
+            println!("  beside cusps, missed of {}: {:?}", steep.len(), missed(&milling, &steep));
         }
         assert_eq!(missed_plain, Vec::<[f64; 2]>::new(), "{name}");
     }
