@@ -2,7 +2,7 @@
 //!
 //! One time base, simulated, in steps of one millisecond; no wall clock, no randomness. Modules stand in the order of
 //! cause and effect: what the [`drives`] can do; bytes arrive at the [`control`], which moves the axes; the [`machine`] reports
-//! them; the [`stock`] loses what the tool sweeps; [`cutting`] measures the chips from what the axes did; [`faults`] spoil the controller on
+//! them; the [`stock`] loses what the tool sweeps; [`cutting`] measures the chips from what the axes did; [`fe`] knows how tools and workpieces vibrate; [`faults`] spoil the controller on
 //! purpose; a [`decider`] has the override; the [`rig`] joins them all.
 
 pub mod drives;
@@ -14,6 +14,8 @@ pub mod machine;
 pub mod stock;
 
 pub mod cutting;
+
+pub mod fe;
 
 pub mod faults;
 
