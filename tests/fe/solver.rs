@@ -71,6 +71,20 @@ fn vectors_solve_the_equation_are_orthonormal_in_the_mass_and_none_is_missed() {
     }
 }
 
+/// The thinner, the more of a solid's stiffness cancels out in bending: rounding grows with the fourth power of span over thickness (docs/fe.md).
+#[test]
+fn a_thin_sheet_is_solved_as_a_plate_is() {
+    for thickness_mm in [0.5, 0.2] {
+        let body = Body::new(Blade::plate(100.0, 100.0, thickness_mm).mesh([6, 1, 8], 0.5).unwrap(), &TITANIUM_6AL_4V);
+        let (k, m) = body.matrices(&Unknowns::clamped(body.mesh(), &Blade::foot(body.mesh())));
+        let pairs = lowest(&k, &m, 6).unwrap();
+        for (i, pair) in pairs.iter().enumerate() {
+            assert_eq!(below(&k, &m, pair.lambda_per_s2 * (1.0 - 1e-4)), Ok(i), "{thickness_mm} mm");
+            assert_eq!(below(&k, &m, pair.lambda_per_s2 * (1.0 + 1e-4)), Ok(i + 1), "{thickness_mm} mm");
+        }
+    }
+}
+
 #[test]
 fn repeated_eigenvalues_are_all_found() {
     // A square bar bends in two planes alike.

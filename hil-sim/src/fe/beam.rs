@@ -25,7 +25,7 @@ use arcfeed_shared::units::T_PER_KG;
 pub struct Section {
     /// Along the axis.
     pub length_mm: f64,
-    /// Outside. Fluted parts: that of the full bar as stiff, 0.8 of the cutting diameter is usual.
+    /// Outside. Fluted parts: that of the full bar as stiff, about 0.8 of the cutting diameter (Kops, Vo, CIRP Annals 39, 1990).
     pub diameter_mm: f64,
     /// What it is made of.
     pub material: Material,

@@ -84,7 +84,7 @@ struct Krylov<'a> {
     m: &'a Sparse,
     inverse: Factor,
     basis: Vec<Vec<f64>>,
-    /// Lower triangle of A.
+    /// Columns of A, each down to the last vector there was when it was made.
     projected: Vec<Vec<f64>>,
     noise: Noise,
 }
@@ -179,7 +179,7 @@ impl Krylov<'_> {
 
     /// (3) with the first `done` vectors: the `count` lowest, if they are exact enough.
     fn pairs(&self, done: usize, count: usize, is_all: bool) -> Option<Vec<Eigenpair>> {
-        // Column j of A has entries up to the vectors that existed when it was made; A is symmetric.
+        // A is symmetric: of each two entries the one in the later column, which has all rows that are asked for.
         let entry = |row: usize, column: usize| self.projected[column].get(row).copied().unwrap_or(0.0);
         let a = DMatrix::from_fn(done, done, |i, j| entry(i.min(j), i.max(j)));
         let eigen = SymmetricEigen::new(a);
