@@ -20,6 +20,10 @@ pub const MICRODEG_PER_DEG: i64 = 1_000_000;
 pub const US_PER_MS: u64 = 1_000;
 /// Microseconds in a second.
 pub const US_PER_S: u64 = 1_000_000;
+/// Tonnes per cubic millimetre in a kilogram per cubic metre (mm, N, t and s are one set: 1 N = 1 t mm/s2).
+pub const T_PER_MM3_IN_KG_PER_M3: f64 = 1e-12;
+/// Tonnes in a kilogram.
+pub const T_PER_KG: f64 = 1e-3;
 /// Seconds in a minute.
 pub const S_PER_MIN: f64 = 60.0;
 /// Per cent in the whole.

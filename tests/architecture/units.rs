@@ -19,7 +19,7 @@ const WHOLE_FACTORS: [f64; 2] = [60_000.0, 25_400_000.0];
 const MATHS: &str = "shared/src/fmath.rs";
 
 /// How a name ends that carries its unit.
-const SUFFIXES: [&str; 21] = [
+const SUFFIXES: [&str; 24] = [
     "_mm",
     "_mm_per_min",
     "_mm_per_s",
@@ -41,6 +41,9 @@ const SUFFIXES: [&str; 21] = [
     "_mpa",
     "_n_per_mm",
     "_n_m",
+    "_kg",
+    "_kg_per_m3",
+    "_per_s2",
 ];
 
 /// Whether a number of the code is a conversion factor, however it is spelled.

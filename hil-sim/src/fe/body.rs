@@ -1,0 +1,77 @@
+//! A body of one material, and how it vibrates.
+
+use super::eigen::{EigenError, Eigenpair, lowest};
+use super::element::{Mass, Stiffness, mass, stiffness};
+use super::material::Material;
+use super::mesh::Mesh;
+use super::sparse::Sparse;
+use super::unknowns::Unknowns;
+
+/// A mesh and the matrices of its elements.
+#[derive(Clone, Debug)]
+pub struct Body {
+    mesh: Mesh,
+    elements: Vec<(Stiffness, Mass)>,
+}
+
+/// Natural frequencies and shapes, the lowest first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modes {
+    /// Angular frequencies.
+    pub omega_rad_per_s: Vec<f64>,
+    /// Of each mode the displacements of all nodes, 1/sqrt(t): such that the modal mass is one.
+    pub shapes: Vec<Vec<[f64; 3]>>,
+}
+
+/// The angular frequency of an eigenvalue.
+pub(super) fn omega_rad_per_s(pair: &Eigenpair) -> f64 {
+    libm::sqrt(pair.lambda_per_s2)
+}
+
+impl Modes {
+    /// Natural frequencies.
+    pub fn frequencies_hz(&self) -> Vec<f64> {
+        self.omega_rad_per_s.iter().map(|omega| omega / std::f64::consts::TAU).collect()
+    }
+}
+
+impl Body {
+    /// A body with this mesh, of this material.
+    pub fn new(mesh: Mesh, material: &Material) -> Self {
+        let of = |element| {
+            let nodes_mm = mesh.nodes_of_mm(element);
+            (stiffness(&nodes_mm, material), mass(&nodes_mm, material))
+        };
+        let elements = (0..mesh.elements().len()).map(of).collect();
+        Body { mesh, elements }
+    }
+
+    /// Its mesh.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// Stiffness (N/mm) and mass (t) over some unknowns.
+    pub fn matrices(&self, unknowns: &Unknowns) -> (Sparse, Sparse) {
+        unknowns.assemble(&self.mesh, &self.elements)
+    }
+
+    /// Mass of the whole.
+    pub fn mass_t(&self) -> f64 {
+        self.elements.iter().map(|(_, mass)| mass.sum()).sum()
+    }
+
+    /// The `count` lowest modes with some nodes clamped.
+    ///
+    /// # Errors
+    /// The clamped nodes do not hold the body, or it has fewer modes.
+    pub fn modes(&self, clamped: &[usize], count: usize) -> Result<Modes, EigenError> {
+        let unknowns = Unknowns::clamped(&self.mesh, clamped);
+        let (k, m) = self.matrices(&unknowns);
+        let pairs = lowest(&k, &m, count)?;
+        Ok(Modes {
+            omega_rad_per_s: pairs.iter().map(omega_rad_per_s).collect(),
+            shapes: pairs.iter().map(|pair| unknowns.displacements(0, &pair.vector)).collect(),
+        })
+    }
+}

@@ -1,0 +1,216 @@
+//! Modes of a body of equal sectors from the mesh of one.
+//!
+//! With alpha = 2 pi / N and R the turn about the axis, a mode with d nodal diameters goes around as a wave of complex shape a + i b:
+//!
+//! ```text
+//! u_s = R(s alpha) Re((a + i b) e^(i d s alpha)) = R(s alpha) (a cos(d s alpha) - b sin(d s alpha))       (1)
+//! right face: a_right = R(alpha) (cos(d alpha) a_left - sin(d alpha) b_left)
+//!             b_right = R(alpha) (sin(d alpha) a_left + cos(d alpha) b_left)                              (2)
+//! T' diag(K, K) T x = lambda T' diag(M, M) T x                                                            (3)
+//! ```
+//!
+//! (2) makes T, so the Hermitian problem of the sector becomes the real one (3) of twice its size, in which every eigenvalue is there
+//! twice; both vectors are modes of the disk. For d = 0 and d = N/2 there is no b. A mode of unit mass in (3) has on all sectors the mass N/2, or N without b,
+//! and modes orthogonal there are orthogonal on the disk.
+//! Source: Thomas, Dynamics of rotationally periodic structures, Int. J. Numer. Meth. Engng 14, 1979.
+
+use std::f64::consts::TAU;
+use std::fmt;
+
+use super::body::{Body, omega_rad_per_s};
+use super::disk::turned;
+use super::eigen::{EigenError, lowest};
+use super::material::Material;
+use super::mesh::Mesh;
+use super::unknowns::{Row, Unknowns, numbers};
+
+/// How far left and right face may differ, of the distance from the axis.
+const GAP_RATIO: f64 = 1e-9;
+
+/// One sector; the axis is z, the first axis of the lattice goes around.
+#[derive(Clone, Debug)]
+pub struct Sector {
+    body: Body,
+    sectors: usize,
+    /// Of each node on the right face the one on the left.
+    left: Vec<Option<usize>>,
+}
+
+/// A mode of the whole disk.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wave {
+    /// Angular frequency.
+    pub omega_rad_per_s: f64,
+    /// Nodal diameters.
+    pub diameters: usize,
+    /// a, by the sector's nodes, 1/sqrt(t): such that the modal mass of the whole disk is one.
+    pub real: Vec<[f64; 3]>,
+    /// b.
+    pub imaginary: Vec<[f64; 3]>,
+}
+
+/// Why a mesh is no sector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SectorError {
+    /// There are fewer than two.
+    Few,
+    /// A node on the right face has none on the left.
+    Unpaired {
+        /// The node.
+        node: usize,
+    },
+    /// A node on the right face is not where the left one is after the turn.
+    Gap {
+        /// The node on the right.
+        node: usize,
+        /// By how much.
+        gap_mm: f64,
+    },
+}
+
+impl fmt::Display for SectorError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            SectorError::Few => write!(f, "a disk has two sectors or more"),
+            SectorError::Unpaired { node } => write!(f, "node {node} of the sector's right face has none on the left"),
+            SectorError::Gap { node, gap_mm } => {
+                write!(
+                    f,
+                    "node {node} of the sector's right face is {gap_mm} mm from where the left face is after the turn"
+                )
+            }
+        }
+    }
+}
+
+impl std::error::Error for SectorError {}
+
+impl Sector {
+    /// One of `sectors` equal ones.
+    ///
+    /// # Errors
+    /// Left and right face do not match.
+    pub fn new(mesh: Mesh, sectors: usize, material: &Material) -> Result<Self, SectorError> {
+        if sectors < 2 {
+            return Err(SectorError::Few);
+        }
+        let right = 2 * mesh.cells()[0];
+        let mut left = vec![None; mesh.nodes_mm().len()];
+        for node in mesh.nodes_where(|place| place[0] == right) {
+            let [_, along, outwards] = mesh.places()[node];
+            let pair = mesh.places().iter().position(|place| *place == [0, along, outwards]);
+            let pair = pair.ok_or(SectorError::Unpaired { node })?;
+            let (there, here) = (turned(mesh.nodes_mm()[pair], TAU / sectors as f64), mesh.nodes_mm()[node]);
+            let gap_mm = (0..3).map(|axis| (there[axis] - here[axis]).abs()).fold(0.0, f64::max);
+            if gap_mm > GAP_RATIO * libm::hypot(here[0], here[1]) {
+                return Err(SectorError::Gap { node, gap_mm });
+            }
+            left[node] = Some(pair);
+        }
+        Ok(Sector { body: Body::new(mesh, material), sectors, left })
+    }
+
+    /// The sector itself.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// How many there are.
+    pub fn sectors(&self) -> usize {
+        self.sectors
+    }
+
+    /// Whether waves of so many diameters stand still: a mode each, not a pair.
+    fn is_single(&self, diameters: usize) -> bool {
+        diameters == 0 || 2 * diameters == self.sectors
+    }
+
+    /// T of (2), its real and its imaginary part.
+    fn unknowns(&self, clamped: &[usize], diameters: usize) -> Unknowns {
+        let mut leaders: Vec<Option<usize>> =
+            (0..self.left.len()).map(|node| Some(self.left[node].unwrap_or(node))).collect();
+        for node in clamped {
+            leaders[*node] = None;
+        }
+        let numbers = numbers(self.body.mesh(), &leaders);
+        let parts = if self.is_single(diameters) { 1 } else { 2 };
+        let count = numbers.iter().flatten().max().map_or(0, |last| 3 * parts * (last + 1));
+        let alpha = TAU / self.sectors as f64;
+        let (sin, cos) = libm::sincos(diameters as f64 * alpha);
+        // Of each part the coefficients of a and b on the left.
+        let of_left = [[cos, -sin], [sin, cos]];
+        let row = |part: usize, node: usize, axis: usize| -> Row {
+            let Some(number) = numbers[node] else { return Row::new() };
+            let first = 3 * parts * number;
+            if self.left[node].is_none() {
+                return vec![(first + 3 * part + axis, 1.0)];
+            }
+            let mut row = Row::new();
+            for from in 0..3 {
+                let turn = turned(std::array::from_fn(|k| if k == from { 1.0 } else { 0.0 }), alpha)[axis];
+                let of_parts = of_left[part][..parts].iter().enumerate();
+                row.extend(of_parts.map(|(other, factor)| (first + 3 * other + from, turn * factor)));
+            }
+            row.retain(|(_, coefficient)| *coefficient != 0.0);
+            row
+        };
+        let nodes = 0..self.left.len();
+        let of_part = |part| {
+            nodes.clone().flat_map(|node| (0..3).map(move |axis| (node, axis))).map(|(n, a)| row(part, n, a)).collect()
+        };
+        Unknowns::told((0..parts).map(of_part).collect(), count)
+    }
+
+    /// The `count` lowest modes of the disk among those with `diameters` nodal diameters. Except for 0 and N/2 they come in pairs.
+    ///
+    /// # Errors
+    /// The clamped nodes do not hold the disk, or it has fewer modes.
+    pub fn waves(&self, clamped: &[usize], diameters: usize, count: usize) -> Result<Vec<Wave>, EigenError> {
+        let unknowns = self.unknowns(clamped, diameters);
+        let (k, m) = self.body.matrices(&unknowns);
+        let share = if self.is_single(diameters) { 1.0 } else { 2.0 };
+        let scale = libm::sqrt(share / self.sectors as f64);
+        let scaled = |part: usize, x: &[f64]| -> Vec<[f64; 3]> {
+            unknowns.displacements(part, x).into_iter().map(|u| u.map(|u| u * scale)).collect()
+        };
+        let wave = |pair: super::eigen::Eigenpair| Wave {
+            omega_rad_per_s: omega_rad_per_s(&pair),
+            diameters,
+            real: scaled(0, &pair.vector),
+            imaginary: if share > 1.0 { scaled(1, &pair.vector) } else { vec![[0.0; 3]; self.left.len()] },
+        };
+        Ok(lowest(&k, &m, count)?.into_iter().map(wave).collect())
+    }
+
+    /// The `count` lowest modes of the disk, of 0 to N/2 diameters. None is missed: the last one known of every number of diameters lies above them all.
+    ///
+    /// # Errors
+    /// As of [`Self::waves`].
+    pub fn modes(&self, clamped: &[usize], count: usize) -> Result<Vec<Wave>, EigenError> {
+        let mut families: Vec<Vec<Wave>> = vec![Vec::new(); self.sectors / 2 + 1];
+        loop {
+            let mut known: Vec<f64> = families.iter().flatten().map(|wave| wave.omega_rad_per_s).collect();
+            known.sort_by(f64::total_cmp);
+            let limit = if count == 0 { 0.0 } else { known.get(count - 1).copied().unwrap_or(f64::INFINITY) };
+            let mut is_done = true;
+            for (diameters, family) in families.iter_mut().enumerate() {
+                let size = self.unknowns(clamped, diameters).count();
+                if family.last().is_none_or(|wave| wave.omega_rad_per_s < limit) && family.len() < size {
+                    let more = if family.is_empty() { 2 * (count / self.sectors + 1) } else { family.len() / 2 + 2 };
+                    *family = self.waves(clamped, diameters, (family.len() + more).min(size))?;
+                    is_done = false;
+                }
+            }
+            if is_done {
+                break;
+            }
+        }
+        let mut waves: Vec<Wave> = families.into_iter().flatten().collect();
+        if waves.len() < count {
+            return Err(EigenError::TooMany { size: waves.len() });
+        }
+        waves.sort_by(|a, b| a.omega_rad_per_s.total_cmp(&b.omega_rad_per_s));
+        waves.truncate(count);
+        Ok(waves)
+    }
+}

@@ -1,0 +1,101 @@
+//! A disk with blades, by sectors: a ring with a hub to hold it by, on its rim a straight blade a sector, tapered and twisted.
+//!
+//! Frame: the disk's axis is z, the first sector's middle points along x. Lattice: around, along the axis, outwards.
+
+use super::mesh::{HalfCells, Mesh, MeshError};
+
+/// A bladed disk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BladedDisk {
+    /// Blades all around.
+    pub sectors: usize,
+    /// Of the hub, where the disk is clamped.
+    pub bore_radius_mm: f64,
+    /// Of the rim, where blades begin.
+    pub rim_radius_mm: f64,
+    /// Along the axis.
+    pub width_mm: f64,
+    /// Of the blades.
+    pub span_mm: f64,
+    /// Section of the blades at the tip over that at the rim, each way.
+    pub taper_ratio: f64,
+    /// What the blades turn by from rim to tip, about their own radius.
+    pub twist_rad: f64,
+    /// Cells of a sector.
+    pub cells: SectorCells,
+}
+
+/// Cells of a sector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SectorCells {
+    /// Around: in the gap on either side of the blade, and in each half of the blade. So they are even in number, and all sectors of a whole
+    /// disk have the same mesh, though neighbouring cells are mirror images.
+    pub around: [usize; 2],
+    /// Along the axis.
+    pub along: usize,
+    /// Outwards: in the disk, and in the blade.
+    pub outwards: [usize; 2],
+}
+
+impl BladedDisk {
+    fn sector_cells(&self) -> [usize; 3] {
+        let SectorCells { around, along, outwards } = self.cells;
+        [2 * (around[0] + around[1]), along, outwards[0] + outwards[1]]
+    }
+
+    /// Whether a cell is of the disk or of a blade; `around` may count through all sectors.
+    fn is_kept(&self, [around, _, outwards]: [usize; 3]) -> bool {
+        let [gap, half] = self.cells.around;
+        let in_sector = around % self.sector_cells()[0];
+        outwards < self.cells.outwards[0] || (gap..gap + 2 * half).contains(&in_sector)
+    }
+
+    /// Where a place of a sector is, `around` counted in cells from its left face. Left and right faces are the same but for the turn.
+    fn point_mm(&self, [around, along, outwards]: [f64; 3]) -> [f64; 3] {
+        let [cells_around, cells_along, _] = self.sector_cells();
+        let angle = std::f64::consts::TAU / self.sectors as f64 * (around / cells_around as f64 - 0.5);
+        let z_mm = self.width_mm * (along / cells_along as f64 - 0.5);
+        let [in_disk, in_blade] = self.cells.outwards.map(|cells| cells as f64);
+        let part = (outwards / in_disk).min(1.0);
+        let radius_mm = self.bore_radius_mm + part * (self.rim_radius_mm - self.bore_radius_mm);
+        let (sin, cos) = libm::sincos(angle);
+        let height = ((outwards - in_disk) / in_blade).max(0.0);
+        let taper = 1.0 + (self.taper_ratio - 1.0) * height;
+        let (turn_sin, turn_cos) = libm::sincos(self.twist_rad * height);
+        let (y_mm, z_mm) = (radius_mm * sin * taper, z_mm * taper);
+        [radius_mm * cos + height * self.span_mm, turn_cos * y_mm - turn_sin * z_mm, turn_sin * y_mm + turn_cos * z_mm]
+    }
+
+    /// The first sector.
+    ///
+    /// # Errors
+    /// No cells, or a shape that folds them.
+    pub fn sector(&self) -> Result<Mesh, MeshError> {
+        Mesh::mapped(self.sector_cells(), |cell| self.is_kept(cell), |at| self.point_mm(at))
+    }
+
+    /// All sectors as one mesh.
+    ///
+    /// # Errors
+    /// As of [`Self::sector`].
+    pub fn whole(&self) -> Result<Mesh, MeshError> {
+        let [around, along, outwards] = self.sector_cells();
+        let point_mm = |at: [f64; 3]| {
+            let sector = (at[0] / around as f64).floor();
+            let point_mm = self.point_mm([at[0] - sector * around as f64, at[1], at[2]]);
+            turned(point_mm, std::f64::consts::TAU / self.sectors as f64 * sector)
+        };
+        Mesh::ring([around * self.sectors, along, outwards], |cell| self.is_kept(cell), point_mm)
+    }
+
+    /// Whether a place of the lattice is on the hub.
+    pub fn is_hub(place: HalfCells) -> bool {
+        place[2] == 0
+    }
+}
+
+/// A vector turned about z.
+pub(super) fn turned([x, y, z]: [f64; 3], angle_rad: f64) -> [f64; 3] {
+    let (sin, cos) = libm::sincos(angle_rad);
+    [cos * x - sin * y, sin * x + cos * y, z]
+}

@@ -1,0 +1,108 @@
+//! A vibrating disk: its displacement at any point, kept for one sector.
+
+use std::f64::consts::TAU;
+
+use super::body::Modes;
+use super::cyclic::{Sector, Wave};
+use super::disk::turned;
+use super::field::{Field, settled_mm};
+use super::locate::TooFar;
+use super::station::Station;
+
+/// Modes of a disk, and a way to find points in it.
+#[derive(Clone, Debug)]
+pub struct DiskField {
+    /// a and b of the waves by turns.
+    sector: Field,
+    omega_rad_per_s: Vec<f64>,
+    diameters: Vec<usize>,
+    /// Cosine and sine of 0 to N - 1 sectors.
+    turns: Vec<[f64; 2]>,
+    /// Where the first sector begins.
+    begin_rad: f64,
+}
+
+impl DiskField {
+    /// The modes of a disk, and how far outside of it points may be: see [`Field::new`].
+    pub fn new(sector: &Sector, waves: &[Wave], reach_mm: f64) -> Self {
+        let mesh = sector.body().mesh();
+        let of_left =
+            mesh.nodes_where(|place| place[0] == 0).first().map_or([1.0, 0.0, 0.0], |node| mesh.nodes_mm()[*node]);
+        let modes = Modes {
+            omega_rad_per_s: waves.iter().flat_map(|wave| [wave.omega_rad_per_s; 2]).collect(),
+            shapes: waves.iter().flat_map(|wave| [wave.real.clone(), wave.imaginary.clone()]).collect(),
+        };
+        let turn = |k: usize| {
+            let (sin, cos) = libm::sincos(TAU * k as f64 / sector.sectors() as f64);
+            [cos, sin]
+        };
+        DiskField {
+            sector: Field::new(mesh.clone(), &modes, reach_mm),
+            omega_rad_per_s: waves.iter().map(|wave| wave.omega_rad_per_s).collect(),
+            diameters: waves.iter().map(|wave| wave.diameters).collect(),
+            turns: (0..sector.sectors()).map(turn).collect(),
+            begin_rad: libm::atan2(of_left[1], of_left[0]),
+        }
+    }
+
+    /// Angular frequencies of the modes, rad/s.
+    pub fn omega_rad_per_s(&self) -> &[f64] {
+        &self.omega_rad_per_s
+    }
+
+    /// Sets `station` to a point of the undeformed disk and answers how far outside it is, mm.
+    ///
+    /// # Errors
+    /// The point is beyond the reach.
+    pub fn at(&self, point_mm: [f64; 3], station: &mut Station) -> Result<f64, TooFar> {
+        let sectors = self.turns.len();
+        let angle = libm::atan2(point_mm[1], point_mm[0]) - self.begin_rad;
+        let guess = libm::floor(angle / TAU * sectors as f64) as isize;
+        // A twisted blade hangs over into the sectors beside its own.
+        let mut best = Err(TooFar { point_mm });
+        let mut other = Station { element: station.element, ..Station::default() };
+        for sector in [guess, guess - 1, guess + 1].map(|s| s.rem_euclid(sectors as isize) as usize) {
+            let [cos, sin] = self.turns[sector];
+            let in_first_mm =
+                [cos * point_mm[0] + sin * point_mm[1], cos * point_mm[1] - sin * point_mm[0], point_mm[2]];
+            let Ok(outside_mm) = self.sector.at(in_first_mm, &mut other) else { continue };
+            if best.is_err() || best.is_ok_and(|(least_mm, _)| outside_mm < least_mm) {
+                best = Ok((outside_mm, sector));
+                std::mem::swap(station, &mut other);
+            }
+            if outside_mm == 0.0 {
+                break;
+            }
+        }
+        let (outside_mm, sector) = best?;
+        self.expand(sector, station);
+        Ok(outside_mm)
+    }
+
+    /// From a and b in the first sector to the displacement in another one: (1) of [`super::cyclic`].
+    fn expand(&self, sector: usize, station: &mut Station) {
+        let around = TAU * sector as f64 / self.turns.len() as f64;
+        for (mode, diameters) in self.diameters.iter().enumerate() {
+            let [cos, sin] = self.turns[diameters * sector % self.turns.len()];
+            let [a, b] = [station.shapes[2 * mode], station.shapes[2 * mode + 1]];
+            station.shapes[mode] = turned(std::array::from_fn(|axis| a[axis] * cos - b[axis] * sin), around);
+        }
+        station.shapes.truncate(self.diameters.len());
+    }
+
+    /// Which point of the undeformed disk is now at `now_mm`; `station`, at a point nearby or at none, is set to it.
+    ///
+    /// # Errors
+    /// The point is beyond the reach.
+    pub fn material_point_mm(
+        &self,
+        now_mm: [f64; 3],
+        amplitudes: &[f64],
+        station: &mut Station,
+    ) -> Result<[f64; 3], TooFar> {
+        settled_mm(now_mm, station.displacement_mm(amplitudes), |point_mm| {
+            self.at(point_mm, station)?;
+            Ok(station.displacement_mm(amplitudes))
+        })
+    }
+}

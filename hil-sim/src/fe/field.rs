@@ -1,0 +1,101 @@
+//! A vibrating body: its displacement at any point, and which of its points is where.
+//!
+//! ```text
+//! phi_r(X) = sum over the element's nodes of N_a(X) phi_ra                       (1)
+//! Phi(X)   = X + u(X)                                                            (2)
+//! Phi^-1(x): X <- x - u(X), again and again, u from the last point first          (3)
+//! ```
+//!
+//! Source: Lorong et al., 2012: (1) is [H(X)] of its (7), (2) the map of its section 3.1. There it is carried on outside of the part by a mesh of its own; here
+//! by the functions of the nearest element, evaluated beyond its border, as far as the reach. (3) comes closer by the strain each time.
+
+use super::body::Modes;
+use super::locate::{Locator, TooFar};
+use super::mesh::Mesh;
+use super::station::Station;
+use super::tetrahedron::functions;
+
+/// Change of X below which (3) is at its end.
+const STILL_MM: f64 = 1e-10;
+
+/// Rounds of (3). With strains below 0.1 ten would do.
+const ROUNDS: usize = 30;
+
+/// A mesh, its modes, and a way to find points in it.
+#[derive(Clone, Debug)]
+pub struct Field {
+    mesh: Mesh,
+    locator: Locator,
+    /// By nodes, and of each node by modes: what one point needs lies together.
+    shapes: Vec<Vec<[f64; 3]>>,
+    omega_rad_per_s: Vec<f64>,
+}
+
+impl Field {
+    /// The modes of a mesh, and how far outside of it points may be: at most about the thickness of an element, see docs/fe.md.
+    pub fn new(mesh: Mesh, modes: &Modes, reach_mm: f64) -> Self {
+        let at_node = |node| modes.shapes.iter().map(|shape| shape[node]).collect();
+        let shapes = (0..mesh.nodes_mm().len()).map(at_node).collect();
+        let locator = Locator::new(&mesh, reach_mm);
+        Field { mesh, locator, shapes, omega_rad_per_s: modes.omega_rad_per_s.clone() }
+    }
+
+    /// Angular frequencies of the modes, rad/s.
+    pub fn omega_rad_per_s(&self) -> &[f64] {
+        &self.omega_rad_per_s
+    }
+
+    /// Sets `station` to a point of the undeformed body and answers how far outside it is, mm. One that was near before is found fastest.
+    ///
+    /// # Errors
+    /// The point is beyond the reach.
+    pub fn at(&self, point_mm: [f64; 3], station: &mut Station) -> Result<f64, TooFar> {
+        let found = self.locator.find(&self.mesh, point_mm, station.element)?;
+        station.element = Some(found.element);
+        station.shapes.clear();
+        station.shapes.resize(self.omega_rad_per_s.len(), [0.0; 3]);
+        for (node, n) in self.mesh.elements()[found.element].iter().zip(functions(found.place)) {
+            for (sum, shape) in station.shapes.iter_mut().zip(&self.shapes[*node]) {
+                for axis in 0..3 {
+                    sum[axis] += n * shape[axis]; // (1)
+                }
+            }
+        }
+        Ok(found.outside_mm)
+    }
+
+    /// Which point of the undeformed body is now at `now_mm`; `station`, at a point nearby or at none, is set to it.
+    ///
+    /// # Errors
+    /// The point is beyond the reach.
+    pub fn material_point_mm(
+        &self,
+        now_mm: [f64; 3],
+        amplitudes: &[f64],
+        station: &mut Station,
+    ) -> Result<[f64; 3], TooFar> {
+        settled_mm(now_mm, station.displacement_mm(amplitudes), |point_mm| {
+            self.at(point_mm, station)?;
+            Ok(station.displacement_mm(amplitudes))
+        })
+    }
+}
+
+/// (3), with u as told, and first as it was nearby.
+pub(super) fn settled_mm(
+    now_mm: [f64; 3],
+    near_mm: [f64; 3],
+    mut displacement_mm: impl FnMut([f64; 3]) -> Result<[f64; 3], TooFar>,
+) -> Result<[f64; 3], TooFar> {
+    let before = |u_mm: [f64; 3]| -> [f64; 3] { std::array::from_fn(|axis| now_mm[axis] - u_mm[axis]) };
+    let mut point_mm = before(near_mm);
+    for _ in 0..ROUNDS {
+        let next_mm = before(displacement_mm(point_mm)?); // (3)
+        let moved_mm = (0..3).map(|axis| (next_mm[axis] - point_mm[axis]).abs()).fold(0.0, f64::max);
+        point_mm = next_mm;
+        if moved_mm < STILL_MM {
+            break;
+        }
+    }
+    Ok(point_mm)
+}

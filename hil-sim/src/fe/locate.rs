@@ -1,0 +1,189 @@
+//! In which element a point is, and where in it; or which is the nearest.
+//!
+//! A coarse grid knows for each of its cells which elements come near; in an element the place is found by Newton's method, whose first step is exact
+//! where edges are straight. A point outside belongs to the element whose straight tetrahedron is nearest to it (nearest of all corners, edges, faces), and its
+//! place is beyond that element's border.
+
+use std::fmt;
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::element::jacobian;
+use super::mesh::Mesh;
+use super::tetrahedron::{MIDDLE, NODES, Place, barycentric, functions};
+
+/// How far beyond its border, of an element's size, a place still counts as in it.
+const BORDER_RATIO: f64 = 1e-9;
+
+/// Part of an element's box by which bent edges may leave it.
+const BULGE_RATIO: f64 = 0.1;
+
+/// Steps of Newton's method.
+const STEPS: usize = 12;
+
+/// A place in a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// The element.
+    pub element: usize,
+    /// Where in it, or beyond it.
+    pub place: Place,
+    /// Distance to the body, 0 inside.
+    pub outside_mm: f64,
+}
+
+/// No element is within reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TooFar {
+    /// The point asked for.
+    pub point_mm: [f64; 3],
+}
+
+impl fmt::Display for TooFar {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.point_mm;
+        write!(f, "the point {x:.3} {y:.3} {z:.3} is too far from the body to move with it")
+    }
+}
+
+impl std::error::Error for TooFar {}
+
+/// Lowest and highest corner.
+type Box3 = [Vector3<f64>; 2];
+
+/// The grid.
+#[derive(Clone, Debug)]
+pub struct Locator {
+    boxes: Vec<Box3>,
+    lowest_mm: Vector3<f64>,
+    step_mm: Vector3<f64>,
+    counts: [usize; 3],
+    elements: Vec<Vec<usize>>,
+    reach_mm: f64,
+}
+
+/// How far a point is from a box.
+fn distance_mm([low, high]: &Box3, point: &Vector3<f64>) -> f64 {
+    (low - point).sup(&(point - high)).sup(&Vector3::zeros()).norm()
+}
+
+/// Where a point is in an element, in or beyond it; none where the element's bend does not reach it.
+fn place_of(nodes_mm: &[[f64; 3]; NODES], point: &Vector3<f64>) -> Option<Place> {
+    let mut place = Vector3::from(MIDDLE);
+    for _ in 0..STEPS {
+        let at: Place = place.into();
+        let here: Vector3<f64> =
+            functions(at).iter().zip(nodes_mm).map(|(n, node_mm)| Vector3::from(*node_mm) * *n).sum();
+        let step = jacobian(nodes_mm, at).try_inverse()? * (point - here);
+        place += step;
+        if step.amax() < BORDER_RATIO {
+            return Some(place.into());
+        }
+    }
+    None
+}
+
+/// Distance of a point from the straight tetrahedron between four corners: the least over the nearest points of all hulls of some of the
+/// corners that are within them.
+fn from_corners_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> f64 {
+    let corner = |i: usize| Vector3::from(corners_mm[i]);
+    let mut least_mm = f64::INFINITY;
+    for some in 1_usize..16 {
+        let is_chosen = |i: usize| some >> i & 1 == 1;
+        let base = some.trailing_zeros() as usize;
+        let edge = |i: usize| if is_chosen(i) { corner(i) - corner(base) } else { Vector3::zeros() };
+        // The other corners, whether chosen or not; those that are not get a part of zero.
+        let others: [usize; 3] = std::array::from_fn(|k| (base + 1 + k) % 4);
+        let edges = others.map(edge);
+        let gram = Matrix3::from_fn(|i, j| edges[i].dot(&edges[j]) + f64::from(i == j && !is_chosen(others[i])));
+        let right = Vector3::from_fn(|i, _| edges[i].dot(&(point - corner(base))));
+        let Some(inverse) = gram.try_inverse() else { continue };
+        let parts = inverse * right;
+        if parts.min() >= 0.0 && parts.sum() <= 1.0 {
+            let nearest: Vector3<f64> = edges.iter().zip(parts.iter()).map(|(edge, part)| edge * *part).sum();
+            least_mm = least_mm.min((point - corner(base) - nearest).norm());
+        }
+    }
+    least_mm
+}
+
+impl Locator {
+    /// For the points of a mesh and those up to `reach_mm` outside.
+    pub fn new(mesh: &Mesh, reach_mm: f64) -> Self {
+        let boxes: Vec<Box3> = (0..mesh.elements().len()).map(|element| around(mesh, element)).collect();
+        let infinite = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
+        let [low, high] = boxes.iter().fold(infinite, |[low, high], b| [low.inf(&b[0]), high.sup(&b[1])]);
+        let reach = Vector3::repeat(reach_mm);
+        let (lowest_mm, size) = (low - reach, high - low + reach * 2.0);
+        // About as many cells as elements, near to cubes.
+        let edge_mm = libm::cbrt(size.product() / boxes.len() as f64);
+        let counts: [usize; 3] = std::array::from_fn(|axis| (size[axis] / edge_mm).ceil().max(1.0) as usize);
+        let step_mm = Vector3::from_fn(|axis, _| size[axis] / counts[axis] as f64);
+        let elements = vec![Vec::new(); counts.iter().product()];
+        let mut locator = Locator { boxes, lowest_mm, step_mm, counts, elements, reach_mm };
+        for element in 0..locator.boxes.len() {
+            let [low, high] = locator.boxes[element];
+            let (first, last) = (locator.cell(&(low - reach)), locator.cell(&(high + reach)));
+            for z in first[2]..=last[2] {
+                for y in first[1]..=last[1] {
+                    for x in first[0]..=last[0] {
+                        let index = locator.index([x, y, z]);
+                        locator.elements[index].push(element);
+                    }
+                }
+            }
+        }
+        locator
+    }
+
+    /// The cell of a point, or the nearest one.
+    fn cell(&self, point: &Vector3<f64>) -> [usize; 3] {
+        // A cast from float to whole number saturates.
+        std::array::from_fn(|axis| {
+            let place = (point[axis] - self.lowest_mm[axis]) / self.step_mm[axis];
+            (place as usize).min(self.counts[axis] - 1)
+        })
+    }
+
+    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
+        (z * self.counts[1] + y) * self.counts[0] + x
+    }
+
+    /// Where a point is. `near` is an element to look at first.
+    ///
+    /// # Errors
+    /// The point is outside by more than the reach.
+    pub fn find(&self, mesh: &Mesh, point_mm: [f64; 3], near: Option<usize>) -> Result<Found, TooFar> {
+        let point = Vector3::from(point_mm);
+        let candidates = || near.into_iter().chain(self.elements[self.index(self.cell(&point))].iter().copied());
+        for element in candidates().filter(|element| distance_mm(&self.boxes[*element], &point) == 0.0) {
+            let place = place_of(&mesh.nodes_of_mm(element), &point);
+            if let Some(place) = place.filter(|place| barycentric(*place).iter().all(|l| *l >= -BORDER_RATIO)) {
+                return Ok(Found { element, place, outside_mm: 0.0 });
+            }
+        }
+        let mut best = Found { element: 0, place: MIDDLE, outside_mm: f64::INFINITY };
+        for element in candidates() {
+            if distance_mm(&self.boxes[element], &point) > best.outside_mm.min(self.reach_mm) {
+                continue;
+            }
+            let nodes_mm = mesh.nodes_of_mm(element);
+            let outside_mm = from_corners_mm(&nodes_mm[..4], &point);
+            if outside_mm < best.outside_mm
+                && let Some(place) = place_of(&nodes_mm, &point)
+            {
+                best = Found { element, place, outside_mm };
+            }
+        }
+        if best.outside_mm <= self.reach_mm { Ok(best) } else { Err(TooFar { point_mm }) }
+    }
+}
+
+/// The box of an element, with room for its bends.
+fn around(mesh: &Mesh, element: usize) -> Box3 {
+    let nodes = mesh.nodes_of_mm(element).map(Vector3::from);
+    let low = nodes.iter().fold(nodes[0], |low, node| low.inf(node));
+    let high = nodes.iter().fold(nodes[0], |high, node| high.sup(node));
+    let bulge = (high - low) * BULGE_RATIO;
+    [low - bulge, high + bulge]
+}

@@ -1,0 +1,185 @@
+//! Meshes of ten-node tetrahedra: a lattice of hexahedra, six tetrahedra each, bent into shape by a function.
+//!
+//! All nodes stand on the lattice of half cells: corners of cells, the middles of their edges and of the diagonals across faces and
+//! cells. So neighbours share the nodes between them, and faces on opposite sides have the same pattern. A cell is cut along
+//! the diagonal between two corners: a tetrahedron for each order in which the three axes can be gone along (H. Freudenthal, Annals of Mathematics 43,
+//! 1942; often named after Kuhn). Neighbours are mirror images: a plate is as stiff one way as the other, and bends more freely than with all diagonals alike.
+
+use std::fmt;
+
+use super::tetrahedron::{EDGES, NODES};
+
+/// A place on the lattice, in half cells from the lowest corner.
+pub type HalfCells = [usize; 3];
+
+/// Nodes and the elements between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    nodes_mm: Vec<[f64; 3]>,
+    places: Vec<HalfCells>,
+    elements: Vec<[usize; NODES]>,
+    cells: [usize; 3],
+}
+
+/// Why there is no such mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MeshError {
+    /// No cell is kept.
+    Empty,
+    /// The function folds an element: at a corner its volume is nothing or less.
+    Folded {
+        /// The element, counted from 0.
+        element: usize,
+    },
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            MeshError::Empty => write!(f, "a mesh without elements"),
+            MeshError::Folded { element } => {
+                write!(f, "element {element} is folded: a shape too strongly bent for its mesh")
+            }
+        }
+    }
+}
+
+impl std::error::Error for MeshError {}
+
+/// The orders of three axes, even ones first.
+const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
+
+/// The ten nodes of a cell's tetrahedron, in half cells; cells with odd numbers are mirrored.
+fn tetrahedron(cell: [usize; 3], order: usize) -> [HalfCells; NODES] {
+    let is_mirrored = cell.map(|c| c % 2 == 1);
+    let mut corners = [[0; 3]; 4];
+    for (step, axis) in ORDERS[order].into_iter().enumerate() {
+        for corner in &mut corners[step + 1..] {
+            corner[axis] = 2;
+        }
+    }
+    // An odd order is a mirror image, and so is a cell mirrored once or thrice.
+    if (order >= 3) != (is_mirrored.iter().filter(|m| **m).count() % 2 == 1) {
+        corners.swap(1, 2);
+    }
+    let corners = corners.map(|corner| {
+        std::array::from_fn(|axis| 2 * cell[axis] + if is_mirrored[axis] { 2 - corner[axis] } else { corner[axis] })
+    });
+    let mut nodes: [HalfCells; NODES] = [corners[0]; NODES];
+    nodes[..4].copy_from_slice(&corners);
+    for (edge, [i, j]) in EDGES.into_iter().enumerate() {
+        nodes[4 + edge] = std::array::from_fn(|axis| (corners[i][axis] + corners[j][axis]) / 2);
+    }
+    nodes
+}
+
+impl Mesh {
+    /// The cells of a lattice of `cells` that `keep` keeps, each node put where `map` says. `map` takes a place in cells, from
+    /// zero to `cells`, gives millimetres, and must not mirror.
+    ///
+    /// # Errors
+    /// No cell is left, or an element is folded.
+    pub fn mapped(
+        cells: [usize; 3],
+        keep: impl Fn([usize; 3]) -> bool,
+        map: impl Fn([f64; 3]) -> [f64; 3],
+    ) -> Result<Mesh, MeshError> {
+        Mesh::with_ends(2 * cells[0] + 1, cells, keep, map)
+    }
+
+    /// The same, but the lattice closes along its first axis: the end is the beginning.
+    ///
+    /// # Errors
+    /// As of [`Self::mapped`].
+    pub fn ring(
+        cells: [usize; 3],
+        keep: impl Fn([usize; 3]) -> bool,
+        map: impl Fn([f64; 3]) -> [f64; 3],
+    ) -> Result<Mesh, MeshError> {
+        Mesh::with_ends(2 * cells[0], cells, keep, map)
+    }
+
+    /// With so many different places along the first axis.
+    fn with_ends(
+        around: usize,
+        cells: [usize; 3],
+        keep: impl Fn([usize; 3]) -> bool,
+        map: impl Fn([f64; 3]) -> [f64; 3],
+    ) -> Result<Mesh, MeshError> {
+        let size = [around, 2 * cells[1] + 1, 2 * cells[2] + 1];
+        let mut numbers = vec![usize::MAX; size.iter().product()];
+        let mut mesh = Mesh { nodes_mm: Vec::new(), places: Vec::new(), elements: Vec::new(), cells };
+        for index in 0..cells.iter().product() {
+            let cell = [index % cells[0], index / cells[0] % cells[1], index / (cells[0] * cells[1])];
+            if !keep(cell) {
+                continue;
+            }
+            for order in 0..ORDERS.len() {
+                mesh.elements.push(tetrahedron(cell, order).map(|[x, y, z]| {
+                    let place = [x % around, y, z];
+                    let number = &mut numbers[(z * size[1] + y) * around + place[0]];
+                    if *number == usize::MAX {
+                        *number = mesh.places.len();
+                        mesh.places.push(place);
+                        mesh.nodes_mm.push(map(place.map(|half| half as f64 / 2.0)));
+                    }
+                    *number
+                }));
+            }
+        }
+        mesh.checked()
+    }
+
+    /// A box from the origin.
+    ///
+    /// # Errors
+    /// No cells along an axis, or no length.
+    pub fn block(edges_mm: [f64; 3], cells: [usize; 3]) -> Result<Mesh, MeshError> {
+        Mesh::mapped(cells, |_| true, |at| std::array::from_fn(|axis| edges_mm[axis] * at[axis] / cells[axis] as f64))
+    }
+
+    fn checked(self) -> Result<Mesh, MeshError> {
+        if self.elements.is_empty() {
+            return Err(MeshError::Empty);
+        }
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let is_folded = |element: &usize| {
+            let nodes_mm = self.nodes_of_mm(*element);
+            !corners.iter().all(|corner| super::element::jacobian(&nodes_mm, *corner).determinant() > 0.0)
+        };
+        match (0..self.elements.len()).find(is_folded) {
+            Some(element) => Err(MeshError::Folded { element }),
+            None => Ok(self),
+        }
+    }
+
+    /// Where the nodes are.
+    pub fn nodes_mm(&self) -> &[[f64; 3]] {
+        &self.nodes_mm
+    }
+
+    /// Where the nodes are on the lattice.
+    pub fn places(&self) -> &[HalfCells] {
+        &self.places
+    }
+
+    /// The nodes of each element, in the order of [`super::tetrahedron`].
+    pub fn elements(&self) -> &[[usize; NODES]] {
+        &self.elements
+    }
+
+    /// Cells of the lattice along its axes.
+    pub fn cells(&self) -> [usize; 3] {
+        self.cells
+    }
+
+    /// Where one element's nodes are.
+    pub fn nodes_of_mm(&self, element: usize) -> [[f64; 3]; NODES] {
+        self.elements[element].map(|node| self.nodes_mm[node])
+    }
+
+    /// The nodes whose place on the lattice is as wanted.
+    pub fn nodes_where(&self, wanted: impl Fn(HalfCells) -> bool) -> Vec<usize> {
+        (0..self.places.len()).filter(|node| wanted(self.places[*node])).collect()
+    }
+}

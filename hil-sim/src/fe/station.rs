@@ -1,0 +1,40 @@
+//! What the modes of a body do at one of its points.
+//!
+//! With the mass-normalised shapes phi_r of the modes and their amplitudes q_r (mm sqrt(t)),
+//!
+//! ```text
+//! u(X) = sum over r of phi_r(X) q_r                                              (1)
+//! Q_r  = phi_r(X) . F                                                            (2)
+//! q_r'' + 2 zeta_r omega_r q_r' + omega_r^2 q_r = Q_r                            (3)
+//! ```
+//!
+//! Source: Lorong et al., Simulation of a finishing operation, 2012: (1) is its (7) and (8), (2) its (4) and (6), both reduced to modes (its section 1). (3) is for
+//! others to step; F in N and X in mm give seconds, with masses in t.
+
+/// A point as the modes see it, and where it was found, for the next one is near.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Station {
+    /// phi_r(X), 1/sqrt(t).
+    pub shapes: Vec<[f64; 3]>,
+    pub(super) element: Option<usize>,
+}
+
+impl Station {
+    /// (1), mm; `amplitudes` in mm sqrt(t).
+    pub fn displacement_mm(&self, amplitudes: &[f64]) -> [f64; 3] {
+        let mut u_mm = [0.0; 3];
+        for (shape, amplitude) in self.shapes.iter().zip(amplitudes) {
+            for axis in 0..3 {
+                u_mm[axis] += shape[axis] * amplitude; // (1)
+            }
+        }
+        u_mm
+    }
+
+    /// Adds a force at the point to the forces on the modes, (2), N/sqrt(t).
+    pub fn add_force(&self, force_n: [f64; 3], onto: &mut [f64]) {
+        for (modal, shape) in onto.iter_mut().zip(&self.shapes) {
+            *modal += (0..3).map(|axis| shape[axis] * force_n[axis]).sum::<f64>(); // (2)
+        }
+    }
+}

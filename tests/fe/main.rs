@@ -1,0 +1,14 @@
+//! Finite elements against closed forms, published tables and each other: what vibrates how fast, in which shape, and what a
+//! force at a point does.
+
+mod random;
+
+mod beams;
+
+mod plates;
+
+mod solver;
+
+mod points;
+
+mod disks;
