@@ -13,3 +13,5 @@ mod trochoids;
 mod teeth;
 
 mod volumes;
+
+mod slot;
