@@ -3,7 +3,7 @@
 //! One time base, simulated, in steps of one millisecond; no wall clock, no randomness. Modules stand in the order of
 //! cause and effect: what the [`drives`] can do; bytes arrive at the [`control`], which moves the axes; the [`machine`] reports
 //! them; the [`stock`] loses what the tool sweeps; [`cutting`] measures the chips from what the axes did; [`faults`] spoil the controller on
-//! purpose; a [`decider`] has the override; the [`rig`] joins them all.
+//! purpose; a [`decider`] has the override; the [`rig`] joins them all; [`removal`] cuts a stock with what it does.
 
 pub mod drives;
 
@@ -20,3 +20,5 @@ pub mod faults;
 pub mod decider;
 
 pub mod rig;
+
+pub mod removal;

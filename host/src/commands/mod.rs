@@ -12,6 +12,8 @@ pub mod init;
 
 pub mod adapt;
 
+pub mod cutting;
+
 pub mod simulate;
 
 pub mod board;
