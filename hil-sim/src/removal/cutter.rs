@@ -16,6 +16,9 @@ use super::placing::{Placing, Unplaced};
 use super::rate::Piece;
 use super::trail::{Of, Seen, Stretch, Trail};
 
+/// Less than this of a cell is rounding where a tool goes along what it has cut, and counts for nothing.
+const ROUNDING_RATIO: f64 = 1e-6;
+
 /// What cuts what.
 #[derive(Clone, Debug)]
 pub struct CutterSettings {
@@ -183,7 +186,8 @@ impl Cutter {
                 return Ok(());
             }
         };
-        let removed = stock.cut(tool, &sweeps)?.by_axis;
+        let rounding_mm3 = ROUNDING_RATIO * stock.lattice().area_mm2() * stock.lattice().step_mm();
+        let removed = stock.cut(tool, &sweeps)?.by_axis.map(|mm3| if mm3 > rounding_mm3 { mm3 } else { 0.0 });
         if self.blocks.last() != Some(&stretch.of) {
             self.blocks.push(stretch.of);
         }

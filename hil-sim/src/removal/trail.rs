@@ -3,6 +3,15 @@
 //! Places are compared in six coordinates, a turn by the way of the tool's farthest point. A chord ends where a place
 //! lies farther than the tolerance from it, after a quarter of a second, and where the block changes, so that
 //! what is taken along it belongs to one block and to a short time.
+//!
+//! A chord that has been compared with all places may turn by an angle before it must be compared again: with places at
+//! r_k from its beginning, off it by d_k, and the tolerance t,
+//!
+//! ```text
+//! angle <= min over k of (t - d_k) / r_k        (1)
+//! ```
+//!
+//! Source: (1) the way of a point at r_k under a turn.
 
 use arcfeed_shared::units::{Micros, Nm};
 
@@ -72,12 +81,30 @@ pub struct Trail {
     open: Option<Stretch>,
     /// Places behind the last chord's beginning.
     passed: Vec<Place>,
+    checked: Option<Checked>,
+}
+
+/// A chord that has been compared with all that it passes.
+#[derive(Clone, Copy, Debug)]
+struct Checked {
+    /// From its beginning, mm.
+    way_mm: Place,
+    length_mm: f64,
+    /// (1)
+    angle_rad: f64,
 }
 
 impl Trail {
     /// Nowhere yet; no point of the tool is farther than the reach from its tip.
     pub fn new(tolerance_mm: f64, reach_mm: f64) -> Self {
-        Trail { tolerance_mm, mm_per_deg: reach_mm.to_radians(), last: None, open: None, passed: Vec::new() }
+        Trail {
+            tolerance_mm,
+            mm_per_deg: reach_mm.to_radians(),
+            last: None,
+            open: None,
+            passed: Vec::new(),
+            checked: None,
+        }
     }
 
     /// Goes on; answers the stretch that is over by that.
@@ -102,6 +129,7 @@ impl Trail {
         if !is_on_chord {
             open.places.extend(self.passed.last());
             self.passed.clear();
+            self.checked = None;
         }
         open.to = seen.at;
         self.passed.push(to);
@@ -113,27 +141,38 @@ impl Trail {
         let mut over = self.open.take()?;
         over.places.extend(self.passed.last());
         self.passed.clear();
+        self.checked = None;
         Some(over)
     }
 
     /// Whether a chord to this place would be near enough to all that it passes.
-    fn is_on_chord(&self, to: &Place) -> bool {
-        let Some(from) = self.open.as_ref().and_then(|open| open.places.last()) else { return true };
-        let turns = (3..AXES).any(|axis| (to[axis] - from[axis]).abs() > TURN_MAX_DEG);
-        !turns && self.passed.iter().all(|place| self.off_chord_mm(place, from, to) <= self.tolerance_mm)
-    }
-
-    fn off_chord_mm(&self, place: &Place, from: &Place, to: &Place) -> f64 {
-        let (arm, way) = (self.way_mm(from, place), self.way_mm(from, to));
-        let dot = |v: &Place, w: &Place| v.iter().zip(w).map(|(a, b)| a * b).sum::<f64>();
-        let square = dot(&way, &way);
-        let part = if square > 0.0 { (dot(&arm, &way) / square).clamp(0.0, 1.0) } else { 0.0 };
-        let off: Place = std::array::from_fn(|axis| arm[axis] - part * way[axis]);
-        libm::sqrt(dot(&off, &off))
+    fn is_on_chord(&mut self, to: &Place) -> bool {
+        let Some(from) = self.open.as_ref().and_then(|open| open.places.last().copied()) else { return true };
+        if (3..AXES).any(|axis| (to[axis] - from[axis]).abs() > TURN_MAX_DEG) {
+            return false;
+        }
+        let way_mm = self.way_mm(&from, to);
+        let length_mm = length(&way_mm);
+        if let Some(checked) = &mut self.checked {
+            let along = dot(&checked.way_mm, &way_mm) / (checked.length_mm * length_mm);
+            let off_mm = length_mm * libm::sqrt((1.0 - along * along).max(0.0));
+            let turn_max_mm = (checked.angle_rad * length_mm * along).min(self.tolerance_mm);
+            if length_mm >= checked.length_mm && off_mm <= turn_max_mm {
+                checked.angle_rad = checked.angle_rad.min((self.tolerance_mm - off_mm) / length_mm); // (1)
+                return true;
+            }
+        }
+        let mut angle_rad = f64::INFINITY;
+        for place in &self.passed {
+            let arm_mm = self.way_mm(&from, place);
+            angle_rad = angle_rad.min((self.tolerance_mm - off_mm(&arm_mm, &way_mm)) / length(&arm_mm)); // (1)
+        }
+        self.checked = Some(Checked { way_mm, length_mm, angle_rad });
+        angle_rad >= 0.0
     }
 
     fn distance_mm(&self, from: &Place, to: &Place) -> f64 {
-        libm::sqrt(self.way_mm(from, to).iter().map(|along| along * along).sum())
+        length(&self.way_mm(from, to))
     }
 
     fn way_mm(&self, from: &Place, to: &Place) -> Place {
@@ -155,6 +194,22 @@ impl Stretch {
         let turn = |place: &Place| (3..AXES).map(|axis| (place[axis] - self.places[0][axis]).abs()).fold(0.0, f64::max);
         self.places.iter().map(turn).fold(0.0, f64::max)
     }
+}
+
+fn dot(v: &Place, w: &Place) -> f64 {
+    v.iter().zip(w).map(|(a, b)| a * b).sum()
+}
+
+fn length(v: &Place) -> f64 {
+    libm::sqrt(dot(v, v))
+}
+
+/// How far the end of an arm is from a way that begins with it.
+fn off_mm(arm_mm: &Place, way_mm: &Place) -> f64 {
+    let square = dot(way_mm, way_mm);
+    let part = if square > 0.0 { (dot(arm_mm, way_mm) / square).clamp(0.0, 1.0) } else { 0.0 };
+    let off: Place = std::array::from_fn(|axis| arm_mm[axis] - part * way_mm[axis]);
+    length(&off)
 }
 
 /// The tool's tip, where the axes are with the tool of a move.

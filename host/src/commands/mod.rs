@@ -12,8 +12,6 @@ pub mod init;
 
 pub mod adapt;
 
-pub mod cutting;
-
 pub mod simulate;
 
 pub mod board;

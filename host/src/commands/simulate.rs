@@ -1,4 +1,13 @@
-//! `arcfeed simulate`: the program before and after, on the machine in software, as fast as it goes.
+//! `arcfeed simulate`: the program before and after, on the machine in software, as fast as it goes, and what it takes from
+//! the job's workpiece.
+
+mod setup;
+
+mod watch;
+
+mod told;
+
+mod drawn;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -23,10 +32,6 @@ use arcfeed_shared::report::{ChipFigures, LeftOut};
 use arcfeed_shared::units::{LengthUnit, MmPerTooth, S_PER_MIN};
 
 use super::adapt::{direction_word, rotation_word, side_word};
-use super::cutting::drawn::{Shown, SurfaceFormat};
-use super::cutting::setup::Setup;
-use super::cutting::told;
-use super::cutting::watch::Watch;
 use super::outcome::{Failure, adapted, load, say};
 use crate::adapt::limit::is_tip_line;
 use crate::adapt::{Adapted, PlannedBlock};
@@ -39,6 +44,9 @@ use crate::report::figures::{
 };
 use crate::report::printed;
 use crate::report::summary::Summary;
+use drawn::{Shown, SurfaceFormat};
+use setup::Setup;
+use watch::Watch;
 
 /// Run a job on the simulated machine, before and after, as fast as it goes
 #[derive(Debug, clap::Args)]

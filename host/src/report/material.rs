@@ -168,7 +168,9 @@ impl MaterialFigures {
         }
         warnings.extend(self.left_out.iter().map(|left_out| {
             let LeftOutFigures { blocks, first_block, first_n, .. } = left_out;
-            format!("{blocks} blocks from {} on took no material: {}", name(*first_block, *first_n), left_out.words())
+            let first = name(*first_block, *first_n);
+            let which = if *blocks == 1 { first } else { format!("{blocks} blocks from {first} on") };
+            format!("{which} took no material: {}", left_out.words())
         }));
         warnings
     }
@@ -178,12 +180,12 @@ impl LeftOutFigures {
     /// Why.
     pub fn words(&self) -> &'static str {
         match self.cause {
-            "turning" => "rotary axes turn on them, and only G43.4 tells a turning tool's way on the part",
+            "turning" => "rotary axes turn, and only G43.4 tells a turning tool's way on the part",
             "other-position" => {
                 "the rotary axes stand elsewhere than for the first cut, in whose coordinates the workpiece is"
             }
-            "no-machine" => "they are under G43.4, and the job names no machine",
-            _ => "they are under G41 or G42, whose contour the simulated control executes as written",
+            "no-machine" => "under G43.4, and the job names no machine",
+            _ => "under G41 or G42, whose contour the simulated control executes as written",
         }
     }
 }
