@@ -1,7 +1,7 @@
 //! Removal rates: volume over time, in windows long enough for the rays to tell.
 //!
 //! Rays lie a step apart, so what is taken on less than a step comes in lumps. A window lasts a quarter of a second
-//! and four steps of way at least, unless the axes stand first. What is left over at an end belongs to the window before.
+//! and four steps of way at least, unless the axes stand first.
 
 use arcfeed_shared::units::{Micros, S_PER_MIN};
 
@@ -72,7 +72,8 @@ impl Taken {
             taken.time = taken.time.after(piece.to.since(piece.from));
             taken.removed.iter_mut().zip(piece.removed).for_each(|(sum, removed)| *sum += removed);
         }
-        taken.rate_max_per_min = windows(pieces, step_mm).iter().map(Window::rate_per_min).fold(0.0, f64::max);
+        let pieces: Vec<Window> = pieces.map(Window::of).collect();
+        taken.rate_max_per_min = rate_max_per_min(&pieces, step_mm);
         taken
     }
 
@@ -93,25 +94,17 @@ impl Taken {
     }
 }
 
-/// Windows over pieces in the order of time.
+/// Windows over pieces in the order of time, one behind the other.
 pub fn windows<'p>(pieces: impl Iterator<Item = &'p Piece>, step_mm: f64) -> Vec<Window> {
     let mut windows: Vec<Window> = Vec::new();
-    let is_long = |window: &Window| window.cut >= STRETCH_MAX && window.way_mm >= STEPS * step_mm;
     for piece in pieces {
-        let own = Window {
-            from: piece.from,
-            to: piece.to,
-            removed_mm3: piece.mean_mm3(),
-            way_mm: piece.way_mm,
-            cut: piece.to.since(piece.from),
-        };
-        let follows = |window: &&mut Window| piece.from.since(window.to) < STRETCH_MAX && !is_long(window);
-        match windows.last_mut().filter(follows) {
+        let own = Window::of(piece);
+        match windows.last_mut().filter(|window| window.goes_on_with(&own) && !window.is_long(step_mm)) {
             Some(window) => window.join(&own),
             None => windows.push(own),
         }
     }
-    let is_rest = |pair: &[Window]| pair[1].from.since(pair[0].to) < STRETCH_MAX && !is_long(&pair[1]);
+    let is_rest = |pair: &[Window]| pair[0].goes_on_with(&pair[1]) && !pair[1].is_long(step_mm);
     if windows.len() > 1 && is_rest(&windows[windows.len() - 2..]) {
         let rest = windows.pop();
         windows.last_mut().zip(rest).into_iter().for_each(|(last, rest)| last.join(&rest));
@@ -119,7 +112,40 @@ pub fn windows<'p>(pieces: impl Iterator<Item = &'p Piece>, step_mm: f64) -> Vec
     windows
 }
 
+/// The largest rate of all windows that begin with a piece, mm3/min. Pieces between two pauses that make no whole
+/// window are one.
+fn rate_max_per_min(pieces: &[Window], step_mm: f64) -> f64 {
+    let mut most: f64 = 0.0;
+    for (start, first) in pieces.iter().enumerate() {
+        let mut window = *first;
+        for next in &pieces[start + 1..] {
+            if window.is_long(step_mm) || !window.goes_on_with(next) {
+                break;
+            }
+            window.join(next);
+        }
+        let is_first = start.checked_sub(1).is_none_or(|before| !pieces[before].goes_on_with(first));
+        if is_first || window.is_long(step_mm) {
+            most = most.max(window.rate_per_min());
+        }
+    }
+    most
+}
+
 impl Window {
+    fn of(piece: &Piece) -> Self {
+        let Piece { from, to, way_mm, .. } = *piece;
+        Window { from, to, removed_mm3: piece.mean_mm3(), way_mm, cut: to.since(from) }
+    }
+
+    fn is_long(&self, step_mm: f64) -> bool {
+        self.cut >= STRETCH_MAX && self.way_mm >= STEPS * step_mm
+    }
+
+    fn goes_on_with(&self, next: &Window) -> bool {
+        next.from.since(self.to) < STRETCH_MAX
+    }
+
     fn join(&mut self, next: &Window) {
         self.to = next.to;
         self.removed_mm3 += next.removed_mm3;

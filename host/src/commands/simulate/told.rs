@@ -27,7 +27,7 @@ pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &Cutter, baseline: &
     let taken = |choose: &dyn Fn(&Cutter, &Piece) -> bool| {
         runs.map(|run| taken_of(run.pieces().iter().filter(|piece| choose(run, piece)), step_mm, volumes))
     };
-    let [total, before] = taken(&|_, _| true);
+    let [mut total, mut before] = taken(&|_, _| true);
     let [rapid, _] = taken(&|run, piece| run.blocks()[piece.block].is_rapid);
     let whole_mm3 = setup.settings.stock.volume().mean_mm3();
     let stock = cutter.stock();
@@ -38,6 +38,12 @@ pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &Cutter, baseline: &
         let [after, before] = taken(&|run, piece| run.blocks()[piece.block].rule == rule);
         RuleFigures { rule: rule.map(|rule| rule + 1), taken: after, baseline: before }
     });
+    let rules: Vec<RuleFigures> = rules.collect();
+    // A window of a rule alone may be shorter than one over its neighbours, too.
+    for rule in &rules {
+        total.rate_max = total.rate_max.max(rule.taken.rate_max);
+        before.rate_max = before.rate_max.max(rule.baseline.rate_max);
+    }
     MaterialFigures {
         volume_unit: volumes.label,
         rate_unit: volumes.rate_label,
@@ -50,7 +56,7 @@ pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &Cutter, baseline: &
         rays: stock.grids().iter().map(|grid| grid.dexels().len()).sum(),
         memory_bytes: stock.memory_bytes(),
         bytes_per_mm3: stock.memory_bytes() as f64 / whole_mm3,
-        rules: rules.collect(),
+        rules,
         blocks: blocks(cutter, baseline, step_mm, volumes),
         left_out: cutter
             .left_out()
