@@ -47,7 +47,7 @@ impl Milling {
     pub fn chatters(&self, spindle_rev_per_min: f64, depth_mm: f64) -> bool {
         let differences_mm = self.differences_mm(spindle_rev_per_min, depth_mm);
         let late = &differences_mm[differences_mm.len() / 2..];
-        let growth = slope(late.iter().map(|mm| mm.ln())).exp() - 1.0;
+        let growth = libm::exp(slope(late.iter().map(|mm| libm::log(*mm)))) - 1.0;
         let mean_mm = late.iter().sum::<f64>() / late.len() as f64;
         if growth.abs() > STANDING { growth > 0.0 } else { mean_mm > NOTICED_MM }
     }
@@ -56,7 +56,7 @@ impl Milling {
     fn differences_mm(&self, spindle_rev_per_min: f64, depth_mm: f64) -> Vec<f64> {
         let difference = |pair: &[Vec<Vector3<f64>>]| {
             let squares = pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b).norm_squared());
-            (squares.sum::<f64>() / pair[0].len() as f64).sqrt()
+            libm::sqrt(squares.sum::<f64>() / pair[0].len() as f64)
         };
         self.ways_mm(spindle_rev_per_min, depth_mm).windows(2).map(difference).collect()
     }
