@@ -78,7 +78,7 @@ fn engaged_deg(
     let ends: Vec<f64> = circle.engaged_rad(layer, ahead_mm).iter().flatten().map(|end| from_towards(*end)).collect();
     let (from, to) = ends.iter().fold((360.0_f64, -360.0_f64), |(low, high), end| (low.min(*end), high.max(*end)));
     // Nothing behind can be cut; where nothing is engaged the arc is empty.
-    [from.max(0.0).min(360.0), to.max(0.0)]
+    [from.clamp(0.0, 360.0), to.max(0.0)]
 }
 
 /// The thickest chip of the outer edges of each twentieth of the arc, over the one wanted.

@@ -140,7 +140,7 @@ fn chips_of_the_example_slot_are_those_of_the_geometric_meter() {
         let track = &tracks[&sequence];
         let compared = compare(track, &mill, *edge, line, file.job.spindle);
         let count = compared.chips as f64;
-        let (mean_mm, rms_mm) = (compared.sum_mm / count, (compared.squares_mm2 / count).sqrt());
+        let (mean_mm, rms_mm) = (compared.sum_mm / count, libm::sqrt(compared.squares_mm2 / count));
         let circle = usize::from(*edge == Edge::Inner);
         let thickest_mm = track.chips.thickest[circle].max_ratio * target_mm;
         println!(
