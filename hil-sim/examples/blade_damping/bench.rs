@@ -1,5 +1,6 @@
 //! The blade, the tool, the pass, and what comes out for one pair of damping ratios.
 
+use std::collections::BTreeMap;
 use std::error::Error;
 
 use arcfeed_hil_sim::cutting::edges::EndMill;
@@ -13,7 +14,7 @@ use arcfeed_hil_sim::fe::material::{Material, TITANIUM_6AL_4V};
 use arcfeed_hil_sim::finishing::marks::{Mark, deviation_mm, marks};
 use arcfeed_hil_sim::finishing::pass::{Fineness, Machined, Pass};
 use arcfeed_hil_sim::finishing::side::Side;
-use arcfeed_hil_sim::flexible::{Workpiece, tool_modes};
+use arcfeed_hil_sim::flexible::{Modal, Workpiece, tool_modes};
 
 /// Its first ten modes are near those of the paper, which does not tell its blade's measures.
 pub const BLADE: Blade = Blade {
@@ -54,10 +55,10 @@ pub struct Damping {
     pub tool: Option<f64>,
 }
 
-/// Everything that all passes have in common.
-pub struct Bench {
+/// Everything that all passes over a workpiece have in common.
+pub struct Bench<B> {
     pub pass: Pass,
-    pub field: Field,
+    pub body: B,
     pub tool: BeamModes,
     rigid: Machined,
 }
@@ -76,48 +77,53 @@ pub struct Outcome {
     pub force_n: f64,
 }
 
-impl Bench {
-    pub fn new(stepover_mm: f64, steps: usize) -> Result<Self, Failure> {
-        let body = Body::new(BLADE.mesh([12, 1, 16], 0.4)?, &TITANIUM_6AL_4V);
-        let modes = body.modes(&Blade::foot(body.mesh()), MODES)?;
-        let field = Field::new(body.mesh().clone(), &modes, BLADE.thickness_mm[1]);
+/// A blade alone.
+pub fn blade_alone(blade: &Blade, edge_mm: f64) -> Result<Field, Failure> {
+    let body = Body::new(blade.mesh([12, 1, 16], 0.4)?, &TITANIUM_6AL_4V);
+    let modes = body.modes(&Blade::foot(body.mesh()), MODES)?;
+    Ok(Field::new(body.mesh().clone(), &modes, edge_mm))
+}
+
+/// Where forces act on the tool: the ball's centre.
+pub fn tool_point_mm() -> [f64; 3] {
+    [0.0, 0.0, DIAMETER_MM / 2.0]
+}
+
+impl<B: Modal> Bench<B> {
+    /// A body with the shape of this blade where it is cut.
+    pub fn new(body: B, blade: Blade, stepover_mm: f64, fineness: Fineness) -> Result<Self, Failure> {
         let section = |length_mm, diameter_mm| Section { length_mm, diameter_mm, material: CARBIDE };
         let sections = vec![section(SHANK_MM, DIAMETER_MM), section(FLUTES_MM, 0.8 * DIAMETER_MM)];
         let tool = Beam { sections, tip_mass_kg: 0.0, elements: 10 }.modes(1)?;
         let pass = Pass {
-            side: Side::new(BLADE, HEIGHT_RATIO),
+            side: Side::new(blade, HEIGHT_RATIO),
             mill: EndMill {
                 diameter_mm: DIAMETER_MM,
                 corner_mm: DIAMETER_MM / 2.0,
                 teeth: 4,
                 helix_rad: 30.0_f64.to_radians(),
-                height_mm: DIAMETER_MM / 2.0 + stepover_mm + 0.2,
+                height_mm: DIAMETER_MM / 2.0 + stepover_mm + fineness.rise_mm,
             },
             allowance_mm: 0.2,
             stepover_mm,
             feed_mm_per_tooth: FEED_MM_PER_TOOTH,
             tooth_hz: 4.0 * SPINDLE_REV_PER_S,
             cutting: MATERIALS[0].tangential.with_ratios(FORCE_RATIOS[0], FORCE_RATIOS[1]),
-            fineness: Fineness { rise_mm: 0.2, ray_mm: 0.05, steps },
+            fineness,
         };
-        let rigid = pass.run::<Field>(Vec::new(), None)?;
-        Ok(Bench { pass, field, tool, rigid })
-    }
-
-    /// Where forces act on the tool: the ball's centre.
-    pub fn tool_point_mm() -> [f64; 3] {
-        [0.0, 0.0, DIAMETER_MM / 2.0]
+        let rigid = pass.run::<B>(Vec::new(), None)?;
+        Ok(Bench { pass, body, tool, rigid })
     }
 
     pub fn run(&self, damping: Damping) -> Result<Outcome, Failure> {
         let (mut modes, mut seen) = (Vec::new(), None);
         if let Some(ratio) = damping.workpiece {
-            let mut workpiece = Workpiece::new(&self.field);
+            let mut workpiece = Workpiece::new(&self.body);
             modes = workpiece.modes(self.pass.side.place_mm(0.0), ratio)?;
             seen = Some(workpiece);
         }
         if let Some(ratio) = damping.tool {
-            modes.extend(tool_modes(&self.tool, Bench::tool_point_mm(), ratio)?);
+            modes.extend(tool_modes(&self.tool, tool_point_mm(), ratio)?);
         }
         let machined = self.pass.run(modes, seen)?;
         eprintln!("{damping:?}");
@@ -150,6 +156,21 @@ impl Outcome {
     /// Of the whole surface, 0.3 mm at the edges apart.
     pub fn deviation_mm(&self) -> f64 {
         deviation_mm(self.marks.iter())
+    }
+
+    /// Of the surface from its own mean in each window and layer: marks without the bending that all teeth share.
+    pub fn scatter_mm(&self) -> f64 {
+        let ends = self.marks.iter().map(|mark| mark.along_mm);
+        let (first, last) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), mm| (a.min(mm), b.max(mm)));
+        let cell = |mark: &Mark| (mark.layer, (((mark.along_mm - first) / (last - first)) * WINDOWS as f64) as usize);
+        let mut cells: BTreeMap<(usize, usize), [f64; 3]> = BTreeMap::new();
+        for mark in &self.marks {
+            let sums = cells.entry(cell(mark)).or_default();
+            let of_mark = [1.0, mark.deviation_mm, mark.deviation_mm * mark.deviation_mm];
+            sums.iter_mut().zip(of_mark).for_each(|(sum, of_mark)| *sum += of_mark);
+        }
+        let squares: f64 = cells.values().map(|[count, sum, square]| square - sum * sum / count).sum();
+        libm::sqrt(squares / self.marks.len().max(1) as f64)
     }
 
     /// How far the tool went into the nominal surface at worst.

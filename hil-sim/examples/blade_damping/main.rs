@@ -4,23 +4,30 @@
 
 use std::path::PathBuf;
 
-use arcfeed_hil_sim::finishing::marks::Mark;
+use arcfeed_hil_sim::fe::field::Field;
+use arcfeed_hil_sim::finishing::pass::Fineness;
 use arcfeed_hil_sim::flexible::{Workpiece, tool_modes};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::bench::{Bench, Damping, Failure, Outcome, WINDOWS};
+use crate::bench::{BLADE, Bench, Damping, Failure, Outcome, WINDOWS, blade_alone, tool_point_mm};
 use crate::picture::Picture;
 
 mod bench;
+
+mod blisk;
 
 mod picture;
 
 /// Chosen once: the limit of the tool alone is then near the 0.03 of the paper.
 const STEPOVER_MM: f64 = 0.21;
-const STEPS: usize = 400;
+const FINENESS: Fineness = Fineness { rise_mm: 0.2, ray_mm: 0.05, steps: 400 };
+/// To see what that leaves out.
+const FINER: Fineness = Fineness { rise_mm: 0.1, ray_mm: 0.025, steps: 800 };
 /// Halvings of the range in which a limit is, by its logarithm.
 const HALVINGS: usize = 6;
+const OF_WORKPIECE: [f64; 2] = [0.002, 0.016];
+const OF_TOOL: [f64; 2] = [0.01, 0.08];
 const UM_PER_MM: f64 = 1e3;
 
 const fn both(workpiece: f64, tool: f64) -> Damping {
@@ -51,18 +58,32 @@ const CASES: [Damping; 12] = [
     both(0.0075, 0.045),
 ];
 
+/// Parts of the limits of either alone: those of the paper's pairs to its limits, and two nearer to them.
+const PARTS: [[f64; 2]; 4] = [[0.6, 0.33], [0.8, 0.67], [0.8, 0.8], [0.9, 0.9]];
+
 fn main() -> Result<(), Failure> {
     let path = std::env::args().nth(1).map_or_else(|| PathBuf::from("blade_damping.png"), PathBuf::from);
-    let bench = Bench::new(STEPOVER_MM, STEPS)?;
-    print_parts(&bench)?;
-    let outcomes: Vec<Outcome> = CASES.par_iter().map(|case| bench.run(*case)).collect::<Result<_, Failure>>()?;
-    print_cases(&outcomes);
-    let mut picture = Picture::new(bench.pass.side.length_mm());
+    let bench = |fineness| Bench::new(blade_alone(&BLADE, BLADE.thickness_mm[1])?, BLADE, STEPOVER_MM, fineness);
+    let rough = bench(FINENESS)?;
+    print_parts(&rough)?;
+    let outcomes = print_cases(&rough, &CASES)?;
+    let mut picture = Picture::new(rough.pass.side.length_mm());
     for (case, outcome) in CASES.iter().zip(&outcomes) {
         picture.add(&label(case), &outcome.marks);
     }
     picture.save(&path)?;
-    print_limits(&bench)
+    let (of_workpiece, of_tool) = print_limits_alone(&rough)?;
+    print_limits_together(&rough, of_workpiece, of_tool)?;
+    let parts = PARTS.iter().flat_map(|[w, t]| {
+        let (w, t) = (w * of_workpiece, t * of_tool);
+        [workpiece(w), tool(t), both(w, t)]
+    });
+    print_cases(&rough, &parts.collect::<Vec<Damping>>())?;
+    blisk::compare(&[both(0.005, 0.03), both(0.0075, 0.045)])?;
+    let around = [0.85, 1.15].map(|part| [workpiece(part * of_workpiece), tool(part * of_tool)]);
+    println!("finer, at 0.85 and 1.15 of both limits:");
+    print_cases(&bench(FINER)?, &around.concat())?;
+    Ok(())
 }
 
 fn label(damping: &Damping) -> String {
@@ -71,11 +92,11 @@ fn label(damping: &Damping) -> String {
 }
 
 /// Frequencies, and what blade and tool give way along the blade's thickness to a force that stands.
-fn print_parts(bench: &Bench) -> Result<(), Failure> {
-    let tool = tool_modes(&bench.tool, Bench::tool_point_mm(), 0.0)?;
+fn print_parts(bench: &Bench<Field>) -> Result<(), Failure> {
+    let tool = tool_modes(&bench.tool, tool_point_mm(), 0.0)?;
     println!("tool: {:.1} Hz, {:.0} N/mm", tool[0].frequency_hz, 1.0 / tool[0].static_mm(&Vector3::x()).x);
     let side = &bench.pass.side;
-    let mut seen = Workpiece::new(&bench.field);
+    let mut seen = Workpiece::new(&bench.body);
     let modes = seen.modes(side.place_mm(0.0), 0.0)?;
     let hz: Vec<String> = modes.iter().map(|mode| format!("{:.0}", mode.frequency_hz)).collect();
     println!("blade: {} Hz; the line {:.1} mm long at {:.1} mm", hz.join(", "), side.length_mm(), side.height_mm());
@@ -87,50 +108,54 @@ fn print_parts(bench: &Bench) -> Result<(), Failure> {
     Ok(())
 }
 
-fn print_cases(outcomes: &[Outcome]) {
-    let tenths = |each: &[f64]| -> Vec<String> {
-        let most = each.chunks(WINDOWS / 10).map(|pair| pair.iter().copied().fold(0.0, f64::max) * UM_PER_MM);
-        most.map(|um| format!("{um:.1}")).collect()
-    };
-    for (case, outcome) in CASES.iter().zip(outcomes) {
-        let quality = [outcome.deviation_mm(), outcome.gouge_mm()].map(|mm| mm * UM_PER_MM);
-        println!(
-            "{}: stable {}, surface {:.2} um, deepest {:.1} um, force {:.0} N, open {}",
-            label(case),
-            outcome.is_stable(),
-            quality[0],
-            quality[1],
-            outcome.force_n,
-            outcome.open
-        );
-        println!("  M um       | {}", tenths(&outcome.metrics_mm).join(" | "));
-        println!("  swing um   | {}", tenths(&outcome.swings_mm).join(" | "));
-        println!("  surface um | {}", tenths(&outcome.deviations_mm).join(" | "));
-        println!("  left, deepest um: {:?}", extremes_um(&outcome.marks));
+fn print_cases(bench: &Bench<Field>, cases: &[Damping]) -> Result<Vec<Outcome>, Failure> {
+    let outcomes: Vec<Outcome> = cases.par_iter().map(|case| bench.run(*case)).collect::<Result<_, Failure>>()?;
+    for (case, outcome) in cases.iter().zip(&outcomes) {
+        print_outcome("", case, outcome);
     }
+    Ok(outcomes)
 }
 
-fn extremes_um(marks: &[Mark]) -> [f64; 2] {
-    let ends =
-        marks.iter().fold([0.0_f64; 2], |[high, low], mark| [high.max(mark.deviation_mm), low.min(mark.deviation_mm)]);
-    ends.map(|mm| (mm * UM_PER_MM * 10.0).round() / 10.0)
+fn print_outcome(name: &str, case: &Damping, outcome: &Outcome) {
+    let tenths = |each: &[f64]| {
+        let most = each.chunks(WINDOWS / 10).map(|pair| pair.iter().copied().fold(0.0, f64::max) * UM_PER_MM);
+        most.map(|um| format!("{um:.1}")).collect::<Vec<String>>().join(" | ")
+    };
+    let [surface_um, deepest_um] = [outcome.deviation_mm(), outcome.gouge_mm()].map(|mm| mm * UM_PER_MM);
+    println!(
+        "{name} {}: stable {}, surface {surface_um:.2} um, scatter {:.2} um, deepest {deepest_um:.1} um, force {:.0} N, open {}",
+        label(case),
+        outcome.is_stable(),
+        outcome.scatter_mm() * UM_PER_MM,
+        outcome.force_n,
+        outcome.open
+    );
+    println!("  M um       | {}", tenths(&outcome.metrics_mm));
+    println!("  swing um   | {}", tenths(&outcome.swings_mm));
+    println!("  surface um | {}", tenths(&outcome.deviations_mm));
 }
 
-fn print_limits(bench: &Bench) -> Result<(), Failure> {
-    let alone = rayon::join(|| limit(bench, [0.002, 0.016], workpiece), || limit(bench, [0.01, 0.08], tool));
+fn print_limits_alone(bench: &Bench<Field>) -> Result<(f64, f64), Failure> {
+    let alone = rayon::join(|| limit(bench, OF_WORKPIECE, workpiece), || limit(bench, OF_TOOL, tool));
     let (of_workpiece, of_tool) = (alone.0?, alone.1?);
     println!("limit, workpiece alone: {of_workpiece:.5}; tool alone: {of_tool:.4}");
-    let together = rayon::join(
-        || limit(bench, [0.35, 2.8], |part| both(part * of_workpiece, part * of_tool)),
-        || limit(bench, [0.002, 0.016], |ratio| both(ratio, 2.0 * of_tool)),
-    );
-    println!("limit, both: {:.3} of these", together.0?);
-    println!("limit of the workpiece, tool at twice its own: {:.5}", together.1?);
+    Ok((of_workpiece, of_tool))
+}
+
+fn print_limits_together(bench: &Bench<Field>, of_workpiece: f64, of_tool: f64) -> Result<(), Failure> {
+    let part = |part: f64| both(part * of_workpiece, part * of_tool);
+    let with_tool = |ratio| both(ratio, 2.0 * of_tool);
+    let with_workpiece = |ratio| both(2.0 * of_workpiece, ratio);
+    let together = limit(bench, [0.35, 2.8], part)?;
+    let beside = rayon::join(|| limit(bench, OF_WORKPIECE, with_tool), || limit(bench, OF_TOOL, with_workpiece));
+    println!("limit, both: {together:.3} of these: {:.5}, {:.4}", together * of_workpiece, together * of_tool);
+    println!("limit of the workpiece, tool damped twice its limit: {:.5}", beside.0?);
+    println!("limit of the tool, workpiece damped twice its limit: {:.4}", beside.1?);
     Ok(())
 }
 
-/// The least damping of a stable pass, between two that are not and that are.
-fn limit(bench: &Bench, range: [f64; 2], damping: impl Fn(f64) -> Damping) -> Result<f64, Failure> {
+/// The least damping of a stable pass, between one that is not and one that is.
+fn limit(bench: &Bench<Field>, range: [f64; 2], damping: impl Fn(f64) -> Damping) -> Result<f64, Failure> {
     let [mut unstable, mut stable] = range;
     for _ in 0..HALVINGS {
         let middle = libm::sqrt(unstable * stable);
