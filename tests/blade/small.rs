@@ -16,7 +16,7 @@ pub const TOOTH_HZ: f64 = 180.0;
 pub fn pass(blade: Blade, ray_mm: f64) -> Pass {
     Pass {
         side: Side::new(blade, 0.5),
-        mill: EndMill { diameter_mm: 4.0, corner_mm: 2.0, teeth: 4, helix_rad: 0.5236, height_mm: 2.5 },
+        mill: EndMill { diameter_mm: 4.0, corner_mm: 2.0, teeth: 4, helix_rad: 30.0_f64.to_radians(), height_mm: 2.5 },
         allowance_mm: 0.1,
         stepover_mm: 0.2,
         feed_mm_per_tooth: FEED_MM_PER_TOOTH,

@@ -58,8 +58,8 @@ const CASES: [Damping; 12] = [
     both(0.0075, 0.045),
 ];
 
-/// Parts of the limits of either alone: those of the paper's pairs to its limits, and two nearer to them.
-const PARTS: [[f64; 2]; 4] = [[0.6, 0.33], [0.8, 0.67], [0.8, 0.8], [0.9, 0.9]];
+/// Parts of the limits of either alone: those of the paper's pairs to its limits first.
+const PARTS: [[f64; 2]; 6] = [[0.6, 0.33], [0.8, 0.67], [0.7, 0.7], [0.8, 0.8], [0.9, 0.9], [1.0, 1.0]]; 4] = [[0.6, 0.33], [0.8, 0.67], [0.8, 0.8], [0.9, 0.9]];
 
 fn main() -> Result<(), Failure> {
     let path = std::env::args().nth(1).map_or_else(|| PathBuf::from("blade_damping.png"), PathBuf::from);
