@@ -59,7 +59,7 @@ const CASES: [Damping; 12] = [
 ];
 
 /// Parts of the limits of either alone: those of the paper's pairs to its limits first.
-const PARTS: [[f64; 2]; 6] = [[0.6, 0.33], [0.8, 0.67], [0.7, 0.7], [0.8, 0.8], [0.9, 0.9], [1.0, 1.0]]; 4] = [[0.6, 0.33], [0.8, 0.67], [0.8, 0.8], [0.9, 0.9]];
+const PARTS: [[f64; 2]; 6] = [[0.6, 0.33], [0.8, 0.67], [0.7, 0.7], [0.8, 0.8], [0.9, 0.9], [1.0, 1.0]];
 
 fn main() -> Result<(), Failure> {
     let path = std::env::args().nth(1).map_or_else(|| PathBuf::from("blade_damping.png"), PathBuf::from);
@@ -87,7 +87,7 @@ fn main() -> Result<(), Failure> {
 }
 
 fn label(damping: &Damping) -> String {
-    let ratio = |ratio: Option<f64>| ratio.map_or("-".to_owned(), |ratio| ratio.to_string());
+    let ratio = |ratio: Option<f64>| ratio.map_or("-".to_owned(), |ratio| (libm::round(ratio * 1e4) / 1e4).to_string());
     format!("W {}  T {}", ratio(damping.workpiece), ratio(damping.tool))
 }
 
