@@ -5,7 +5,7 @@
 //! them; the [`stock`] loses what the tool sweeps; [`cutting`] measures the chips from what the axes did, and
 //! what they do to the tool; [`fe`] knows how tools and workpieces vibrate, [`dynamics`] how they give way to forces; a
 //! [`process`] is all of that together; [`faults`] spoil the controller on
-//! purpose; a [`decider`] has the override; the [`rig`] joins them all.
+//! purpose; a [`decider`] has the override; the [`rig`] joins them all; [`removal`] cuts a stock with what it does.
 
 pub mod drives;
 
@@ -28,3 +28,5 @@ pub mod faults;
 pub mod decider;
 
 pub mod rig;
+
+pub mod removal;

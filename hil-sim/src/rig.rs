@@ -190,6 +190,16 @@ impl<D: Decider> Rig<D> {
         &self.overrides
     }
 
+    /// Index of the cut rule that governs the move begun last.
+    pub fn rule(&self) -> Option<usize> {
+        self.last.and_then(|(_, rule)| rule)
+    }
+
+    /// What holds for the move begun last.
+    pub fn manner(&self) -> &Manner {
+        &self.manner
+    }
+
     /// Time from the first move to now.
     pub fn cycle_time(&self) -> Micros {
         self.first_move.map_or(Micros(0), |first| self.now.since(first))

@@ -1,5 +1,7 @@
 //! `JOB.toml`: read, checked once, every complaint with its place in the file.
 
+mod quantity;
+
 mod schema;
 
 mod tables;
@@ -7,6 +9,8 @@ mod tables;
 mod machine;
 
 mod rules;
+
+pub mod workpiece;
 
 mod sending;
 
@@ -32,6 +36,7 @@ use crate::place::place;
 pub use dnc::{DncSettings, TapeCode};
 use schema::{JobTable, LawTable, Quantity, ToolTable};
 pub use serial::{Parity, SerialSettings};
+pub use workpiece::Workpiece;
 
 /// A job file, checked.
 #[derive(Clone, Debug)]
@@ -50,6 +55,8 @@ pub struct JobFile {
     pub tables: Tables,
     /// The five-axis machine it runs on, where the job names one.
     pub machine: Option<MachineFile>,
+    /// What it cuts, where the job says so.
+    pub workpiece: Option<Workpiece>,
     /// The DNC line.
     pub serial: SerialSettings,
     /// What is sent on it, and how.
@@ -188,6 +195,7 @@ impl JobFile {
             nc,
             tables: Tables::default(),
             machine: None,
+            workpiece: None,
             serial,
             dnc: DncSettings::default(),
         }
@@ -242,13 +250,14 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let loaded = control.settings(unit, settings.as_deref());
     let (nc, tables) = loaded.map_err(|message| at(place.unwrap_or(preset), &message))?;
     let program = folder.join(table.program.as_ref());
+    let workpiece = workpiece::build(table, &job, folder)?;
     let serial = serial::build(&table.serial)?;
     let dnc = dnc::build(&table.dnc, &serial)?;
-    Ok(JobFile { job, program, control, settings, nc, tables, machine, serial, dnc })
+    Ok(JobFile { job, program, control, settings, nc, tables, machine, workpiece, serial, dnc })
 }
 
 fn build_tool(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {
-    let ToolTable { kind, outer_radius, inner_radius, active_teeth, diameter, teeth } = table;
+    let ToolTable { kind, outer_radius, inner_radius, active_teeth, diameter, teeth, .. } = table;
     match (kind.as_ref().as_str(), outer_radius, inner_radius, active_teeth, diameter, teeth) {
         ("cup-mill", Some(outer), Some(inner), Some(teeth), None, None) => {
             let outer_mm = length_mm(outer, unit, "outer_radius")?;

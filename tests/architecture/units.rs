@@ -19,8 +19,9 @@ const WHOLE_FACTORS: [f64; 2] = [60_000.0, 25_400_000.0];
 const MATHS: &str = "shared/src/fmath.rs";
 
 /// How a name ends that carries its unit.
-const SUFFIXES: [&str; 24] = [
+const SUFFIXES: [&str; 25] = [
     "_mm",
+    "_mm3",
     "_mm_per_min",
     "_mm_per_s",
     "_mm_per_s2",

@@ -165,6 +165,23 @@ fn what_simulate_and_stream_print_is_documented_and_the_same_in_every_run() {
 }
 
 #[test]
+fn what_is_left_out_of_a_cut_and_how_far_it_is_from_its_target_is_documented() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-cut");
+    let head = "units = \"mm\"\nprogram = \"cut.nc\"\ntool = { kind = \"end-mill\", diameter = 4, teeth = 2, height = 9 }\n\
+                spindle = { rev_per_min = 9000 }\nlaw = { kind = \"programmed\", feed_per_tooth = 0.05 }\n\
+                [workpiece]\nblock = { from = [0, 0, -4], to = [12, 8, 0] }\nstep = 0.5\n";
+    scratch.write("cut.nc", "G21G90G94\nN1G0X-5.Y4.Z1.\nG1Z-2.F800.\nN2X6.\nN3G41D1X9.\nN4G0Z5.\nM30\n");
+    let (plain, stl) = (scratch.write("plain.toml", head), scratch.path("left.stl"));
+    object(&["simulate", &plain, "--surface", &stl], 0);
+    let job = scratch.write("job.toml", format!("{head}target = \"left.stl\"\n"));
+    let report = object(&["simulate", &job], 0);
+    documented.assert_fits("simulate", &report);
+    let material = &report["material"];
+    assert!(material["deviation"].is_object() && material["left_out"][0]["cause"] == "contour", "{material}");
+}
+
+#[test]
 fn a_run_that_ends_in_an_alarm_is_documented_too() {
     let documented = Documented::read();
     let scratch = Scratch::new("json-alarm");

@@ -78,4 +78,18 @@ pub struct Manner {
     pub is_special: bool,
     /// G63, or a tap in its hole: the override counts 100 %, and feed hold waits.
     pub is_tapping: bool,
+    /// Whose way its moves are.
+    pub way: Way,
+}
+
+/// Whose way a block's moves are written as.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Way {
+    /// The axes'.
+    #[default]
+    Axes,
+    /// The tool tip's on the part: G43.4.
+    Tip,
+    /// The part's contour: G41, G42.
+    Contour,
 }

@@ -111,6 +111,11 @@ impl Control {
         self.driven.loops.as_ref().map_or(*self.axes(), PositionLoops::axes)
     }
 
+    /// Whether the axes go through the very place where a block ends and the next one begins.
+    pub fn meets_corners(&self) -> bool {
+        self.settings.drives.is_none() && self.settings.servo.is_none()
+    }
+
     /// The feed that the axes have when they follow the one commanded, late as they are.
     pub fn followed_feed(&self) -> MmPerMin {
         self.driven.feed

@@ -11,7 +11,7 @@ use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Nm;
 
-use super::action::{Action, Manner};
+use super::action::{Action, Manner, Way};
 use super::restart::RestartList;
 use super::settings::ControlSettings;
 
@@ -124,7 +124,12 @@ impl PlainReader {
         let tool = modal.tool_length(tables);
         let origin = modal.work_origin(tables).plus(along_z(tool));
         let is_special = !understood.step.is_plain() || self.taps;
-        Manner { origin, tool, is_special, is_tapping: self.taps }
+        let way = match modal.compensation {
+            Some(_) => Way::Contour,
+            None if modal.follows_tool_center => Way::Tip,
+            None => Way::Axes,
+        };
+        Manner { origin, tool, is_special, is_tapping: self.taps, way }
     }
 
     fn in_machine(&self, segment: &Segment, tool: Nm) -> Result<Segment, Fault> {

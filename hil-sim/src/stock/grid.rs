@@ -108,7 +108,7 @@ impl Removed {
         for column in reach.columns.clone() {
             let Some(dexel) = dexels.get_mut(column) else { break };
             let point_mm = point_mm(column);
-            if dexel.meets(&reach.along) && pass.is_near(&point_mm) {
+            if dexel.meets(&reach.along) && pass.may_cut(&point_mm, dexel) {
                 self.bytes_before += dexel.heap_bytes();
                 self.length_mm += pass.cut(point_mm, &reach.along, dexel);
                 self.bytes_after += dexel.heap_bytes();

@@ -17,6 +17,8 @@ pub mod quadratic;
 
 pub mod section;
 
+pub mod flat;
+
 pub mod sweep;
 
 pub mod grid;

@@ -2,14 +2,16 @@
 //!
 //! A slab lies in a box about it, which moves with it. At a row of rays only those s count at which the box is on that
 //! row; they bound the columns and the stretch of the rays. Of these rays only those are asked that come as close to the
-//! slab's axis, halfway along its way, as its radius and half of its way: seen along the rays, the axis is a line. What is
-//! left then is the stretch of the ray between the slab's two planes and within that cylinder.
+//! slab's axis, halfway along its way, as its radius and half of its way: seen along the rays, the axis is a line; where
+//! a slab moves across an axis that is one of the lattice's, [`flat`](super::flat) says it exactly. What is left then is the
+//! stretch of the ray between the slab's two planes and within that cylinder.
 
 use std::ops::Range;
 
 use arcfeed_shared::kinematics::vector::{Vector, dot, length, scaled, sum};
 
 use super::dexel::{Dexel, Interval};
+use super::flat::Flat;
 use super::lattice::Lattice;
 use super::section::{Section, Sweep};
 use super::tool::{Slab, Tool};
@@ -31,6 +33,7 @@ pub struct Pass {
     /// The line that is the axis as seen along the rays, halfway: its lower end, to its upper end, and how near it is near.
     line_mm: [[f64; 2]; 2],
     near_mm: f64,
+    flat: Option<Flat>,
     axis: Vector,
     /// The tip halfway.
     halfway_mm: Vector,
@@ -68,6 +71,7 @@ impl Pass {
         let across = Lattice::across(ray_axis);
         let [low_mm, high_mm] = slab.heights_mm;
         let half_rise_mm = dot(motion_mm, sweep.axis).abs() / 2.0;
+        let half_way_mm = length(motion_mm) / 2.0;
         let low = across.map(|axis| sweep.from_mm[axis] + motion_mm[axis] / 2.0 + low_mm * sweep.axis[axis]);
         Pass {
             ray_axis,
@@ -75,7 +79,8 @@ impl Pass {
             corners_mm: [corner(-1.0), corner(1.0)],
             motion_mm,
             line_mm: [low, across.map(|axis| (high_mm - low_mm) * sweep.axis[axis])],
-            near_mm: radius_mm + length(motion_mm) / 2.0 + MARGIN_MM,
+            near_mm: radius_mm + half_way_mm + MARGIN_MM,
+            flat: Flat::new(slab, sweep, MARGIN_MM),
             axis: sweep.axis,
             halfway_mm: sum(sweep.from_mm, scaled(motion_mm, 0.5)),
             heights_mm: [low_mm - half_rise_mm - MARGIN_MM, high_mm + half_rise_mm + MARGIN_MM],
@@ -114,8 +119,15 @@ impl Pass {
         (!columns.is_empty()).then(|| Reach { columns, along: self.extent(self.ray_axis, during) })
     }
 
-    /// Whether a ray is so near that it may meet the slab.
-    pub fn is_near(&self, ray_point_mm: &Vector) -> bool {
+    /// Whether a ray is so near that it may lose any of its material to the slab.
+    pub fn may_cut(&self, ray_point_mm: &Vector, dexel: &Dexel) -> bool {
+        match &self.flat {
+            Some(flat) => flat.may_cut(self.ray_axis, ray_point_mm, dexel),
+            None => self.is_near(ray_point_mm),
+        }
+    }
+
+    fn is_near(&self, ray_point_mm: &Vector) -> bool {
         let across = Lattice::across(self.ray_axis);
         let [low, line] = self.line_mm;
         let arm = [ray_point_mm[across[0]] - low[0], ray_point_mm[across[1]] - low[1]];

@@ -1,6 +1,15 @@
-//! `arcfeed simulate`: the program before and after, on the machine in software, as fast as it goes.
+//! `arcfeed simulate`: the program before and after, on the machine in software, as fast as it goes, and what it takes from
+//! the job's workpiece.
 
-use std::path::PathBuf;
+mod setup;
+
+mod watch;
+
+mod told;
+
+mod drawn;
+
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use arcfeed_hil_sim::control::code::Code;
@@ -20,7 +29,7 @@ use arcfeed_shared::job::Job;
 use arcfeed_shared::kinematics::machine::Letter;
 use arcfeed_shared::machine::FeedLimit;
 use arcfeed_shared::report::{ChipFigures, LeftOut};
-use arcfeed_shared::units::{LengthUnit, Micros, MmPerTooth, S_PER_MIN};
+use arcfeed_shared::units::{LengthUnit, MmPerTooth, S_PER_MIN};
 
 use super::adapt::{direction_word, rotation_word, side_word};
 use super::outcome::{Failure, adapted, load, say};
@@ -35,9 +44,9 @@ use crate::report::figures::{
 };
 use crate::report::printed;
 use crate::report::summary::Summary;
-
-/// Longest simulated run: a program that takes longer is stuck.
-const RUN_MAX: Micros = Micros::from_ms(24 * 3_600 * 1_000);
+use drawn::{Shown, SurfaceFormat};
+use setup::Setup;
+use watch::Watch;
 
 /// Run a job on the simulated machine, before and after, as fast as it goes
 #[derive(Debug, clap::Args)]
@@ -47,6 +56,12 @@ pub struct Simulate {
     /// Print one JSON object (docs/json.md)
     #[arg(long)]
     json: bool,
+    /// Write the report with its plots and maps here, as one HTML file (docs/simulate.md)
+    #[arg(long, value_name = "OUT.html")]
+    report: Option<PathBuf>,
+    /// Write the surface that is left of the job's [workpiece] here, in millimetres: .stl or .ply, binary
+    #[arg(long, value_name = "OUT.stl|OUT.ply")]
+    surface: Option<PathBuf>,
 }
 
 impl Simulate {
@@ -56,16 +71,47 @@ impl Simulate {
     /// The job or the program is at fault, or the simulated control raised an alarm.
     pub fn run(&self) -> Result<(), Failure> {
         let (file, program) = load(&self.job)?;
+        let setup = Setup::of(&self.job, &file)?;
+        let surface = self.surface(setup.as_ref())?;
+        let target = setup.as_ref().map_or(Ok(None), Setup::target)?;
+        let mut watches = [(); 2].map(|()| Watch::on(setup.as_ref()));
         let started = Instant::now();
         let adapted = adapted(&program, &file);
         let mut rig = in_memory(&file, &adapted.text, ControllerFault::None)?;
         rig.foresee(foreseen(&program, &adapted));
-        let rig = run_to_end(rig)?;
+        let rig = watches[0].run(rig)?;
         let mut report = measure(&rig, &file.job);
         report.real_time_factor = Some(rig.now().to_s() / started.elapsed().as_secs_f64());
-        add_baseline(&mut report, &file, &program)?;
+        let before = watches[1].run(in_memory(&file, &program.bytes(), ControllerFault::LawOff)?)?;
+        compare(&mut report, measure(&before, &file.job));
+        let unit = file.job.unit;
         let title = format!("{}: simulated", file.program.display());
+        let mut deviation = None;
+        if let (Some(setup), [Some(after), Some(before)]) = (&setup, watches.each_ref().map(|watch| &watch.cutter)) {
+            let mut material = told::figures(unit, setup, after, before);
+            material.warnings(unit).iter().for_each(|warning| eprintln!("warning: {warning}"));
+            deviation = target.and_then(|target| told::deviation(unit, after.stock(), &target));
+            material.deviation = deviation.as_ref().map(|(_, figures)| *figures);
+            report.material = Some(material);
+            if let Some((path, format)) = surface {
+                format.write(after.stock(), path)?;
+            }
+        }
+        if let Some(path) = &self.report {
+            let runs = [(&watches[0], rig.now()), (&watches[1], before.now())];
+            Shown { title: &title, report: &report, unit, runs, deviation }.write(path)?;
+        }
         finish(&report, self.json, title)
+    }
+
+    /// Where the surface goes, and how; asked before anything runs.
+    fn surface(&self, setup: Option<&Setup<'_>>) -> Result<Option<(&Path, SurfaceFormat)>, Failure> {
+        let Some(path) = self.surface.as_deref() else { return Ok(None) };
+        let format = SurfaceFormat::of(path)?;
+        match setup {
+            Some(_) => Ok(Some((path, format))),
+            None => Err(Failure::Usage(format!("--surface: {} has no [workpiece] to be cut", self.job.display()))),
+        }
     }
 }
 
@@ -169,7 +215,7 @@ fn framing(serial: &SerialSettings) -> (SenderParity, Option<Code>) {
 /// # Errors
 /// The run never ends.
 pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Rig, Failure> {
-    run_to_end(in_memory(file, program, fault)?)
+    Watch::default().run(in_memory(file, program, fault)?)
 }
 
 fn in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Rig, Failure> {
@@ -191,30 +237,24 @@ pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<Foreseen> {
     known.collect()
 }
 
-fn run_to_end(mut rig: Rig) -> Result<Rig, Failure> {
-    while !rig.is_done() {
-        rig.step();
-        if rig.now() > RUN_MAX {
-            return Err(Failure::Machine("the program still runs after 24 hours of machine time".into()));
-        }
-    }
-    Ok(rig)
-}
-
 /// Runs the program as it was, without arcfeed, and adds its figures.
 ///
 /// # Errors
 /// The run never ends.
 pub fn add_baseline(report: &mut RunReport, file: &JobFile, program: &Program) -> Result<(), Failure> {
     let rig = run_in_memory(file, &program.bytes(), ControllerFault::LawOff)?;
-    let baseline = measure(&rig, &file.job);
+    compare(report, measure(&rig, &file.job));
+    Ok(())
+}
+
+/// Adds the figures of the program as it was.
+fn compare(report: &mut RunReport, baseline: RunReport) {
     // A program that its control does not finish has no time to compare with.
     report.baseline_cycle_time_s = baseline.cycle_time_s.filter(|_| baseline.alarms.is_empty());
     report.baseline_ipt_circumference = baseline.ipt_circumference;
     for (movement, before) in report.movements.iter_mut().zip(baseline.movements) {
         movement.baseline_ipt = before.ipt;
     }
-    Ok(())
 }
 
 /// The figures of what the rig executed so far.

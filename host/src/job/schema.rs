@@ -2,8 +2,9 @@
 
 use arcfeed_shared::units::LengthUnit;
 use serde::Deserialize;
-use serde::de::{Deserializer, Error};
 use toml::Spanned;
+
+pub use super::quantity::Quantity;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -11,6 +12,7 @@ pub struct JobTable {
     pub units: UnitWord,
     pub program: Spanned<String>,
     pub tool: ToolTable,
+    pub workpiece: Option<Spanned<WorkpieceTable>>,
     pub spindle: SpindleTable,
     pub law: LawTable,
     #[serde(default)]
@@ -52,6 +54,36 @@ pub struct ToolTable {
     pub active_teeth: Option<Spanned<u16>>,
     pub diameter: Option<Spanned<Quantity>>,
     pub teeth: Option<Spanned<u16>>,
+    pub corner_radius: Option<Spanned<Quantity>>,
+    pub height: Option<Spanned<Quantity>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorkpieceTable {
+    pub block: Option<Spanned<BlockTable>>,
+    pub round: Option<Spanned<RoundTable>>,
+    pub stl: Option<Spanned<String>>,
+    pub target: Option<Spanned<String>>,
+    pub stl_units: Option<UnitWord>,
+    pub step: Spanned<Quantity>,
+    pub memory_mib: Option<Spanned<usize>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BlockTable {
+    pub from: [Quantity; 3],
+    pub to: [Quantity; 3],
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RoundTable {
+    pub from: [Quantity; 3],
+    pub to: [Quantity; 3],
+    pub radius: Spanned<Quantity>,
+    pub bore: Option<Spanned<Quantity>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -253,54 +285,6 @@ impl Default for SerialTable {
             exclusive: None,
         }
     }
-}
-
-/// A length: a number in the file's units, or a string that names its own (`"0.004 in"`, `"0.1 mm"`).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Quantity {
-    value: f64,
-    unit: Option<LengthUnit>,
-}
-
-impl Quantity {
-    /// In millimetres, `unit` counting where the quantity names none.
-    pub fn to_mm(self, unit: LengthUnit) -> f64 {
-        self.value * self.unit.unwrap_or(unit).mm()
-    }
-
-    /// The number, where it names no unit: what stands among lengths, but is none.
-    pub fn bare(self) -> Option<f64> {
-        self.unit.is_none().then_some(self.value)
-    }
-}
-
-impl<'de> Deserialize<'de> for Quantity {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged, expecting = "a length must be a number or a string such as \"0.004 in\" or \"0.1 mm\"")]
-        enum Written {
-            Whole(i64),
-            Decimal(f64),
-            Text(String),
-        }
-        match Written::deserialize(deserializer)? {
-            Written::Whole(value) => Ok(Quantity { value: value as f64, unit: None }),
-            Written::Decimal(value) => Ok(Quantity { value, unit: None }),
-            Written::Text(text) => with_unit(&text).ok_or_else(|| {
-                D::Error::custom(format!("`{text}` is no length; write for example \"0.004 in\" or \"0.1 mm\""))
-            }),
-        }
-    }
-}
-
-fn with_unit(text: &str) -> Option<Quantity> {
-    let (number, unit) = match text.trim() {
-        text if text.ends_with("in") => (text.trim_end_matches("in"), LengthUnit::Inch),
-        text if text.ends_with("mm") => (text.trim_end_matches("mm"), LengthUnit::Mm),
-        _ => return None,
-    };
-    let value = number.trim().parse().ok()?;
-    Some(Quantity { value, unit: Some(unit) })
 }
 
 /// A default has no place in the file: complaints about it point at the file's start.

@@ -8,6 +8,7 @@ use arcfeed_shared::report::{ChipFigures, LeftOut};
 use arcfeed_shared::units::LengthUnit;
 use serde::Serialize;
 
+use super::material::MaterialFigures;
 use crate::dnc::reports::Reports;
 
 /// A run of `stream`, `simulate` or `serve`. What does not apply is null.
@@ -39,6 +40,8 @@ pub struct RunReport {
     pub movements: Vec<MovementFigures>,
     /// Blocks that an axis of the machine kept from their programmed feed.
     pub axis_limited: Vec<AxisLimitFigures>,
+    /// What it took from the workpiece, where the job has one.
+    pub material: Option<MaterialFigures>,
     /// The serial line.
     pub link: Option<LinkFigures>,
     /// What the control reported of itself, where the job has it do so.

@@ -1,7 +1,11 @@
 //! What a run gave: the figures as data (and JSON), and as a summary for a person.
 
+pub mod material;
+
 pub mod figures;
 
 pub mod printed;
 
 pub mod summary;
+
+pub mod page;

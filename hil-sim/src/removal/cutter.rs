@@ -1,0 +1,216 @@
+//! A stock under a run: each stretch of the way takes its material as soon as it is over.
+
+use arcfeed_shared::kinematics::machine::Machine;
+use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::segment::Path;
+use arcfeed_shared::units::{MicroDeg, Micros, Nm};
+
+use crate::control::action::Manner;
+use crate::decider::Decider;
+use crate::drives::limits::AXES;
+use crate::rig::{Rig, STEP};
+use crate::stock::tool::Tool;
+use crate::stock::workpiece::{Stock, StockError};
+
+use super::placing::{Placing, Unplaced};
+use super::rate::Piece;
+use super::trail::{Of, Seen, Stretch, Trail};
+
+/// Less than this of a cell is rounding where a tool goes along what it has cut, and counts for nothing.
+const ROUNDING_RATIO: f64 = 1e-6;
+
+/// What cuts what.
+#[derive(Clone, Debug)]
+pub struct CutterSettings {
+    /// The workpiece, in the program's coordinates.
+    pub stock: Stock,
+    /// What of the tool cuts.
+    pub tool: Tool,
+    /// Where the tool points under G43.4.
+    pub machine: Option<Machine>,
+    /// How far chords may be from where the axes were.
+    pub tolerance_mm: f64,
+}
+
+/// Blocks that took nothing although they cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Why.
+    pub why: Unplaced,
+    /// The first of them.
+    pub first: Of,
+    /// How many.
+    pub blocks: usize,
+    last: u32,
+}
+
+/// A stock, and what has been taken from it.
+#[derive(Debug)]
+pub struct Cutter {
+    settings: CutterSettings,
+    trail: Trail,
+    placing: Placing,
+    /// Rapids before the first cut.
+    waiting: Vec<Stretch>,
+    approach: Approach,
+    /// The block in work last.
+    last: Option<(Of, Manner)>,
+    blocks: Vec<Of>,
+    pieces: Vec<Piece>,
+    left_out: Vec<LeftOut>,
+}
+
+/// Nothing tells where the axes stand at first: rapids do not count before Z has been moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Approach {
+    Unknown,
+    /// In this block Z moves first.
+    Lifts(u32),
+    Over,
+}
+
+impl Cutter {
+    /// Before the run.
+    pub fn new(settings: CutterSettings) -> Self {
+        let reach_mm = settings.tool.middle_mm().abs() + settings.tool.reach_mm();
+        Cutter {
+            trail: Trail::new(settings.tolerance_mm, reach_mm),
+            settings,
+            placing: Placing::default(),
+            waiting: Vec::new(),
+            approach: Approach::Unknown,
+            last: None,
+            blocks: Vec::new(),
+            pieces: Vec::new(),
+            left_out: Vec::new(),
+        }
+    }
+
+    /// Sees a period of the run.
+    ///
+    /// # Errors
+    /// What is left takes more memory than allowed.
+    pub fn see<D: Decider>(&mut self, rig: &Rig<D>) -> Result<(), StockError> {
+        let active = rig.control().active().map(|(count, segment)| {
+            let is_rapid = segment.path == Path::Rapid;
+            (Of { count, sequence: segment.sequence, rule: rig.rule(), is_rapid }, segment.start)
+        });
+        if let (Some((of, start)), Some((before, manner))) = (active, self.last)
+            && of.count != before.count
+            && rig.control().meets_corners()
+        {
+            let at = Micros(rig.now().0 - STEP.0 / 2);
+            self.go_on(&Seen { at, axes: axes_of(&start), of: before, manner })?;
+        }
+        self.last = active.map(|(of, _)| (of, *rig.manner())).or(self.last);
+        let Some((of, manner)) = self.last else { return Ok(()) };
+        self.go_on(&Seen { at: rig.now(), axes: rig.control().actual_axes(), of, manner })
+    }
+
+    /// The end of the run.
+    ///
+    /// # Errors
+    /// What is left takes more memory than allowed.
+    pub fn end(&mut self) -> Result<(), StockError> {
+        self.trail.end().map_or(Ok(()), |stretch| self.take(stretch))
+    }
+
+    /// What is left.
+    pub fn stock(&self) -> &Stock {
+        &self.settings.stock
+    }
+
+    /// What of the tool cuts.
+    pub fn tool(&self) -> &Tool {
+        &self.settings.tool
+    }
+
+    /// How far chords may be from where the axes were.
+    pub fn tolerance_mm(&self) -> f64 {
+        self.settings.tolerance_mm
+    }
+
+    /// Blocks that moved with the workpiece in a known place, in order.
+    pub fn blocks(&self) -> &[Of] {
+        &self.blocks
+    }
+
+    /// What each stretch took, in order.
+    pub fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// Cutting blocks whose place on the workpiece is not known.
+    pub fn left_out(&self) -> &[LeftOut] {
+        &self.left_out
+    }
+
+    fn go_on(&mut self, seen: &Seen) -> Result<(), StockError> {
+        self.trail.go_on(seen).map_or(Ok(()), |stretch| self.take(stretch))
+    }
+
+    fn take(&mut self, stretch: Stretch) -> Result<(), StockError> {
+        if stretch.of.is_rapid && self.is_approach(&stretch) {
+            return Ok(());
+        }
+        if stretch.of.is_rapid && !self.placing.is_known() {
+            self.waiting.push(stretch);
+            return Ok(());
+        }
+        if !stretch.of.is_rapid {
+            self.approach = Approach::Over;
+            self.placing.learn(&stretch);
+        }
+        for waiting in std::mem::take(&mut self.waiting) {
+            self.cut(&waiting)?;
+        }
+        self.cut(&stretch)
+    }
+
+    fn is_approach(&mut self, stretch: &Stretch) -> bool {
+        let rises = stretch.places.iter().any(|place| place[2] != stretch.places[0][2]);
+        self.approach = match self.approach {
+            Approach::Unknown if rises => Approach::Lifts(stretch.of.count),
+            Approach::Lifts(count) if count != stretch.of.count => Approach::Over,
+            other => other,
+        };
+        self.approach != Approach::Over
+    }
+
+    fn cut(&mut self, stretch: &Stretch) -> Result<(), StockError> {
+        let CutterSettings { stock, tool, machine, tolerance_mm } = &mut self.settings;
+        let sweeps = match self.placing.sweeps(stretch, tool, machine.as_ref(), *tolerance_mm) {
+            Ok(sweeps) => sweeps,
+            Err(why) => {
+                self.leave_out(stretch.of, why);
+                return Ok(());
+            }
+        };
+        let rounding_mm3 = ROUNDING_RATIO * stock.lattice().area_mm2() * stock.lattice().step_mm();
+        let removed = stock.cut(tool, &sweeps)?.by_axis.map(|mm3| if mm3 > rounding_mm3 { mm3 } else { 0.0 });
+        if self.blocks.last() != Some(&stretch.of) {
+            self.blocks.push(stretch.of);
+        }
+        let (block, way_mm) = (self.blocks.len() - 1, stretch.way_mm());
+        self.pieces.push(Piece { block, from: stretch.from, to: stretch.to, way_mm, removed });
+        Ok(())
+    }
+
+    fn leave_out(&mut self, of: Of, why: Unplaced) {
+        if of.is_rapid {
+            return;
+        }
+        match self.left_out.iter_mut().find(|left_out| left_out.why == why) {
+            Some(left_out) => {
+                left_out.blocks += usize::from(left_out.last != of.count);
+                left_out.last = of.count;
+            }
+            None => self.left_out.push(LeftOut { why, first: of, blocks: 1, last: of.count }),
+        }
+    }
+}
+
+fn axes_of(pose: &Pose) -> [f64; AXES] {
+    let ([x, y, z], [a, b, c]) = (pose.linear.map(Nm::to_mm), pose.rotary.map(MicroDeg::to_deg));
+    [x, y, z, a, b, c]
+}

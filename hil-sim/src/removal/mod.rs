@@ -1,0 +1,13 @@
+//! What a run takes from a workpiece: the way that the axes have gone, cut from a stock block by block.
+//!
+//! The way is the one executed, sampled once a millisecond, not the one programmed: [`trail`] makes chords of it,
+//! [`placing`] says where tool and part are to each other then, [`cutter`] takes the material, [`rate`] has the removal
+//! rates. What is left out, and how exact it is: docs/simulate.md.
+
+pub mod trail;
+
+pub mod placing;
+
+pub mod rate;
+
+pub mod cutter;

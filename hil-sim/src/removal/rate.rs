@@ -1,0 +1,188 @@
+//! Removal rates: volume over time, in windows long enough for the rays to tell.
+//!
+//! Rays lie a step apart, so what is taken on less than a step comes in lumps. A window lasts a quarter of a second
+//! and four steps of way at least, unless the axes stand first.
+
+use arcfeed_shared::units::{Micros, S_PER_MIN};
+
+use super::trail::STRETCH_MAX;
+
+/// Steps between rays on the way of a window.
+const STEPS: f64 = 4.0;
+
+/// What was taken on a stretch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// Index of its block among those that cut.
+    pub block: usize,
+    /// When it began.
+    pub from: Micros,
+    /// When it ended.
+    pub to: Micros,
+    /// Its way.
+    pub way_mm: f64,
+    /// The volume, as the rays along x, y, z see it, mm3.
+    pub removed: [f64; 3],
+}
+
+/// A time with its removal rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// When it began.
+    pub from: Micros,
+    /// When it ended.
+    pub to: Micros,
+    /// Volume, the mean of the three families of rays.
+    pub removed_mm3: f64,
+    way_mm: f64,
+    /// Time of its stretches.
+    cut: Micros,
+}
+
+/// What several pieces come to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Taken {
+    /// The volume, as the rays along x, y, z see it, mm3.
+    pub removed: [f64; 3],
+    /// Time of the pieces that took something.
+    pub time: Micros,
+    /// Largest rate of a window, mm3/min.
+    pub rate_max_per_min: f64,
+}
+
+impl Piece {
+    /// The volume, mm3, the mean of the three families of rays.
+    pub fn mean_mm3(&self) -> f64 {
+        mean(&self.removed)
+    }
+}
+
+impl Window {
+    /// mm3/min over the time of its stretches.
+    pub fn rate_per_min(&self) -> f64 {
+        self.removed_mm3 / self.cut.to_s() * S_PER_MIN
+    }
+}
+
+impl Taken {
+    /// Of pieces in the order of time.
+    pub fn of<'p>(pieces: impl Iterator<Item = &'p Piece> + Clone, step_mm: f64) -> Self {
+        let mut taken = Taken::default();
+        for piece in pieces.clone().filter(|piece| piece.mean_mm3() > 0.0) {
+            taken.time = taken.time.after(piece.to.since(piece.from));
+            taken.removed.iter_mut().zip(piece.removed).for_each(|(sum, removed)| *sum += removed);
+        }
+        let pieces: Vec<Window> = pieces.map(Window::of).collect();
+        taken.rate_max_per_min = rate_max_per_min(&pieces, step_mm);
+        taken
+    }
+
+    /// The volume, mm3, the mean of the three families of rays.
+    pub fn mean_mm3(&self) -> f64 {
+        mean(&self.removed)
+    }
+
+    /// How far the three disagree, mm3.
+    pub fn spread_mm3(&self) -> f64 {
+        let [x, y, z] = self.removed;
+        x.max(y).max(z) - x.min(y).min(z)
+    }
+
+    /// Over the time in which something was taken, mm3/min.
+    pub fn rate_mean_per_min(&self) -> f64 {
+        if self.time.0 > 0 { self.mean_mm3() / self.time.to_s() * S_PER_MIN } else { 0.0 }
+    }
+}
+
+/// Windows over pieces in the order of time, one behind the other.
+pub fn windows<'p>(pieces: impl Iterator<Item = &'p Piece>, step_mm: f64) -> Vec<Window> {
+    let mut windows: Vec<Window> = Vec::new();
+    for piece in pieces {
+        let own = Window::of(piece);
+        match windows.last_mut().filter(|window| window.goes_on_with(&own) && !window.is_long(step_mm)) {
+            Some(window) => window.join(&own),
+            None => windows.push(own),
+        }
+    }
+    let is_rest = |pair: &[Window]| pair[0].goes_on_with(&pair[1]) && !pair[1].is_long(step_mm);
+    if windows.len() > 1 && is_rest(&windows[windows.len() - 2..]) {
+        let rest = windows.pop();
+        windows.last_mut().zip(rest).into_iter().for_each(|(last, rest)| last.join(&rest));
+    }
+    windows
+}
+
+/// The largest rate of all windows that begin with a piece, mm3/min. Pieces between two pauses that make no whole
+/// window are one.
+fn rate_max_per_min(pieces: &[Window], step_mm: f64) -> f64 {
+    let mut most: f64 = 0.0;
+    for (start, first) in pieces.iter().enumerate() {
+        let mut window = *first;
+        for next in &pieces[start + 1..] {
+            if window.is_long(step_mm) || !window.goes_on_with(next) {
+                break;
+            }
+            window.join(next);
+        }
+        let is_first = start.checked_sub(1).is_none_or(|before| !pieces[before].goes_on_with(first));
+        if is_first || window.is_long(step_mm) {
+            most = most.max(window.rate_per_min());
+        }
+    }
+    most
+}
+
+impl Window {
+    fn of(piece: &Piece) -> Self {
+        let Piece { from, to, way_mm, .. } = *piece;
+        Window { from, to, removed_mm3: piece.mean_mm3(), way_mm, cut: to.since(from) }
+    }
+
+    fn is_long(&self, step_mm: f64) -> bool {
+        self.cut >= STRETCH_MAX && self.way_mm >= STEPS * step_mm
+    }
+
+    fn goes_on_with(&self, next: &Window) -> bool {
+        next.from.since(self.to) < STRETCH_MAX
+    }
+
+    fn join(&mut self, next: &Window) {
+        self.to = next.to;
+        self.removed_mm3 += next.removed_mm3;
+        self.way_mm += next.way_mm;
+        self.cut = self.cut.after(next.cut);
+    }
+}
+
+fn mean(by_axis: &[f64; 3]) -> f64 {
+    by_axis.iter().sum::<f64>() / 3.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn piece(from_ms: u64, to_ms: u64, way_mm: f64, removed: f64) -> Piece {
+        let [from, to] = [from_ms, to_ms].map(Micros::from_ms);
+        Piece { block: 0, from, to, way_mm, removed: [removed; 3] }
+    }
+
+    #[test]
+    fn a_window_lasts_until_its_way_is_long_enough_and_a_rest_joins_the_one_before() {
+        let pieces: Vec<Piece> = (0..9).map(|n| piece(n * 100, n * 100 + 100, 1.0, f64::from(n as u32))).collect();
+        let spans = |step_mm: f64| -> Vec<(u64, u64, f64)> {
+            let windows = windows(pieces.iter(), step_mm);
+            windows.iter().map(|w| (w.from.0 / 1000, w.to.0 / 1000, w.removed_mm3)).collect()
+        };
+        assert_eq!(spans(0.1), [(0, 300, 3.0), (300, 600, 12.0), (600, 900, 21.0)]);
+        assert_eq!(spans(1.0), [(0, 400, 6.0), (400, 900, 30.0)]);
+    }
+
+    #[test]
+    fn standing_still_is_no_cutting_time() {
+        let pieces = [piece(0, 200, 9.0, 2.0), piece(5_000, 5_300, 9.0, 1.0), piece(5_300, 5_600, 9.0, 0.0)];
+        let taken = Taken::of(pieces.iter(), 0.1);
+        assert_eq!((taken.time, taken.removed, taken.spread_mm3()), (Micros::from_ms(500), [3.0; 3], 0.0));
+        assert!((taken.rate_mean_per_min() - 360.0).abs() < 1e-9 && (taken.rate_max_per_min - 600.0).abs() < 1e-9);
+    }
+}

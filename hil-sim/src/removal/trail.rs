@@ -1,0 +1,277 @@
+//! The way of the axes as chords, each within a tolerance of all places at which the axes were seen.
+//!
+//! Places are compared in six coordinates, a turn by the way of the tool's farthest point. A chord ends where a place
+//! lies farther than the tolerance from it, after a quarter of a second, and where the block changes, so that
+//! what is taken along it belongs to one block and to a short time.
+//!
+//! A chord that has been compared with all places may turn by an angle before it must be compared again: with places at
+//! r_k from its beginning, off it by d_k, and the tolerance t,
+//!
+//! ```text
+//! angle <= min over k of (t - d_k) / r_k        (1)
+//! ```
+//!
+//! Source: (1) the way of a point at r_k under a turn.
+
+use arcfeed_shared::units::{Micros, Nm};
+
+use crate::control::action::Manner;
+use crate::drives::limits::AXES;
+
+/// Longest time of a stretch: the resolution of the removal rate.
+pub const STRETCH_MAX: Micros = Micros::from_ms(250);
+
+/// Less than this in a period is standing still.
+const STILL_MM: f64 = 1e-9;
+
+/// Largest turn of a chord: its tool axis is on the shortest way between both ends.
+const TURN_MAX_DEG: f64 = 1.0;
+
+/// X, Y, Z of the tool's tip in machine coordinates, mm; A, B, C, degrees.
+pub type Place = [f64; AXES];
+
+/// Whose way it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Of {
+    /// Blocks executed, up to and including it.
+    pub count: u32,
+    /// Its N.
+    pub sequence: Option<i64>,
+    /// Index of the cut rule that governs it.
+    pub rule: Option<usize>,
+    /// A rapid.
+    pub is_rapid: bool,
+}
+
+/// What is seen of the axes in a period.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// The end of the period.
+    pub at: Micros,
+    /// Axes in machine coordinates then: X, Y, Z in mm, A, B, C in degrees.
+    pub axes: [f64; AXES],
+    /// The block in work.
+    pub of: Of,
+    /// What holds for it.
+    pub manner: Manner,
+}
+
+/// A way of one block, as chords.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stretch {
+    /// Whose it is.
+    pub of: Of,
+    /// What holds for it.
+    pub manner: Manner,
+    /// When it began.
+    pub from: Micros,
+    /// When it ended.
+    pub to: Micros,
+    /// The chords' ends, one after the other; two or more.
+    pub places: Vec<Place>,
+}
+
+/// The way up to now.
+#[derive(Clone, Debug)]
+pub struct Trail {
+    tolerance_mm: f64,
+    mm_per_deg: f64,
+    /// The end of the last period.
+    last: Option<(Micros, [f64; AXES])>,
+    open: Option<Stretch>,
+    /// Places behind the last chord's beginning.
+    passed: Vec<Place>,
+    checked: Option<Checked>,
+}
+
+/// A chord that has been compared with all that it passes.
+#[derive(Clone, Copy, Debug)]
+struct Checked {
+    /// From its beginning, mm.
+    way_mm: Place,
+    length_mm: f64,
+    /// (1)
+    angle_rad: f64,
+}
+
+impl Trail {
+    /// Nowhere yet; no point of the tool is farther than the reach from its tip.
+    pub fn new(tolerance_mm: f64, reach_mm: f64) -> Self {
+        Trail {
+            tolerance_mm,
+            mm_per_deg: reach_mm.to_radians(),
+            last: None,
+            open: None,
+            passed: Vec::new(),
+            checked: None,
+        }
+    }
+
+    /// Goes on; answers the stretch that is over by that.
+    pub fn go_on(&mut self, seen: &Seen) -> Option<Stretch> {
+        let (before, axes) = self.last.replace((seen.at, seen.axes))?;
+        let (from, to) = (at_tip(&axes, &seen.manner), at_tip(&seen.axes, &seen.manner));
+        if self.distance_mm(&from, &to) <= STILL_MM {
+            return self.end();
+        }
+        let is_over = self.open.as_ref().is_some_and(|open| {
+            open.of != seen.of || open.manner != seen.manner || before.since(open.from) >= STRETCH_MAX
+        });
+        let over = if is_over { self.end() } else { None };
+        let is_on_chord = self.is_on_chord(&to);
+        let open = self.open.get_or_insert_with(|| Stretch {
+            of: seen.of,
+            manner: seen.manner,
+            from: before,
+            to: before,
+            places: vec![from],
+        });
+        if !is_on_chord {
+            open.places.extend(self.passed.last());
+            self.passed.clear();
+            self.checked = None;
+        }
+        open.to = seen.at;
+        self.passed.push(to);
+        over
+    }
+
+    /// What is not over yet, at an end.
+    pub fn end(&mut self) -> Option<Stretch> {
+        let mut over = self.open.take()?;
+        over.places.extend(self.passed.last());
+        self.passed.clear();
+        self.checked = None;
+        Some(over)
+    }
+
+    /// Whether a chord to this place would be near enough to all that it passes.
+    fn is_on_chord(&mut self, to: &Place) -> bool {
+        let Some(from) = self.open.as_ref().and_then(|open| open.places.last().copied()) else { return true };
+        if (3..AXES).any(|axis| (to[axis] - from[axis]).abs() > TURN_MAX_DEG) {
+            return false;
+        }
+        let way_mm = self.way_mm(&from, to);
+        let length_mm = length(&way_mm);
+        if let Some(checked) = &mut self.checked {
+            let along = dot(&checked.way_mm, &way_mm) / (checked.length_mm * length_mm);
+            let off_mm = length_mm * libm::sqrt((1.0 - along * along).max(0.0));
+            let turn_max_mm = (checked.angle_rad * length_mm * along).min(self.tolerance_mm);
+            if length_mm >= checked.length_mm && off_mm <= turn_max_mm {
+                checked.angle_rad = checked.angle_rad.min((self.tolerance_mm - off_mm) / length_mm); // (1)
+                return true;
+            }
+        }
+        let mut angle_rad = f64::INFINITY;
+        for place in &self.passed {
+            let arm_mm = self.way_mm(&from, place);
+            angle_rad = angle_rad.min((self.tolerance_mm - off_mm(&arm_mm, &way_mm)) / length(&arm_mm)); // (1)
+        }
+        self.checked = Some(Checked { way_mm, length_mm, angle_rad });
+        angle_rad >= 0.0
+    }
+
+    fn distance_mm(&self, from: &Place, to: &Place) -> f64 {
+        length(&self.way_mm(from, to))
+    }
+
+    fn way_mm(&self, from: &Place, to: &Place) -> Place {
+        std::array::from_fn(|axis| (to[axis] - from[axis]) * if axis < 3 { 1.0 } else { self.mm_per_deg })
+    }
+}
+
+impl Stretch {
+    /// Length of the tip's way.
+    pub fn way_mm(&self) -> f64 {
+        let chord = |pair: &[Place]| {
+            libm::sqrt((0..3).map(|axis| (pair[1][axis] - pair[0][axis]) * (pair[1][axis] - pair[0][axis])).sum())
+        };
+        self.places.windows(2).map(chord).sum()
+    }
+
+    /// What a rotary axis turns at most.
+    pub fn turn_deg(&self) -> f64 {
+        let turn = |place: &Place| (3..AXES).map(|axis| (place[axis] - self.places[0][axis]).abs()).fold(0.0, f64::max);
+        self.places.iter().map(turn).fold(0.0, f64::max)
+    }
+}
+
+fn dot(v: &Place, w: &Place) -> f64 {
+    v.iter().zip(w).map(|(a, b)| a * b).sum()
+}
+
+fn length(v: &Place) -> f64 {
+    libm::sqrt(dot(v, v))
+}
+
+/// How far the end of an arm is from a way that begins with it.
+fn off_mm(arm_mm: &Place, way_mm: &Place) -> f64 {
+    let square = dot(way_mm, way_mm);
+    let part = if square > 0.0 { (dot(arm_mm, way_mm) / square).clamp(0.0, 1.0) } else { 0.0 };
+    let off: Place = std::array::from_fn(|axis| arm_mm[axis] - part * way_mm[axis]);
+    length(&off)
+}
+
+/// The tool's tip, where the axes are with the tool of a move.
+fn at_tip(axes: &[f64; AXES], manner: &Manner) -> Place {
+    let mut place = *axes;
+    place[2] -= Nm::to_mm(manner.tool);
+    place
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seen(ms: u64, x: f64, y: f64, count: u32) -> Seen {
+        let of = Of { count, sequence: None, rule: None, is_rapid: false };
+        Seen { at: Micros::from_ms(ms), axes: [x, y, 0.0, 0.0, 0.0, 0.0], of, manner: Manner::default() }
+    }
+
+    fn stretches(ways: impl IntoIterator<Item = Seen>) -> Vec<Stretch> {
+        let mut trail = Trail::new(0.01, 10.0);
+        let mut over: Vec<Stretch> = ways.into_iter().filter_map(|seen| trail.go_on(&seen)).collect();
+        over.extend(trail.end());
+        over
+    }
+
+    #[test]
+    fn a_line_is_one_chord_for_a_quarter_of_a_second() {
+        let over = stretches((0..=600).map(|ms| seen(ms, ms as f64 * 0.01, 0.0, 1)));
+        let spans: Vec<(u64, u64, usize)> = over.iter().map(|s| (s.from.0, s.to.0, s.places.len())).collect();
+        assert_eq!(spans, [(0, 250_000, 2), (250_000, 500_000, 2), (500_000, 600_000, 2)]);
+    }
+
+    #[test]
+    fn chords_of_an_arc_pass_within_the_tolerance_and_meet() {
+        let way = |ms: u64| (20.0 * libm::cos(ms as f64 * 1e-3), 20.0 * libm::sin(ms as f64 * 1e-3));
+        let over = stretches((0..=1000).map(|ms| seen(ms, way(ms).0, way(ms).1, 1)));
+        for pair in over.iter().flat_map(|stretch| stretch.places.windows(2)) {
+            let middle = libm::hypot((pair[0][0] + pair[1][0]) / 2.0, (pair[0][1] + pair[1][1]) / 2.0);
+            assert!((0.0..=0.0101).contains(&(20.0 - middle)), "{middle}");
+        }
+        for pair in over.windows(2) {
+            assert_eq!(pair[0].places.last(), pair[1].places.first());
+        }
+        let chords: usize = over.iter().map(|stretch| stretch.places.len() - 1).sum();
+        // sqrt(8 * 0.01 / 20) rad a chord.
+        assert!((16..=20).contains(&chords), "{chords}");
+    }
+
+    #[test]
+    fn a_stretch_ends_where_the_block_does_and_where_the_axes_stand() {
+        let over = stretches([
+            seen(0, 0.0, 0.0, 1),
+            seen(1, 1.0, 0.0, 1),
+            seen(2, 2.0, 0.0, 2),
+            seen(3, 2.0, 0.0, 2),
+            seen(4, 3.0, 0.0, 2),
+            seen(5, 3.0, 1.0, 2),
+        ]);
+        let ways: Vec<(u32, u64, u64, usize)> =
+            over.iter().map(|s| (s.of.count, s.from.0 / 1000, s.to.0 / 1000, s.places.len())).collect();
+        assert_eq!(ways, [(1, 0, 1, 2), (2, 1, 2, 2), (2, 3, 5, 3)]);
+        let (way_mm, turn_deg) = (over[2].way_mm(), over[2].turn_deg());
+        assert!((way_mm - 2.0).abs() < 1e-12 && turn_deg == 0.0);
+    }
+}

@@ -1,0 +1,177 @@
+//! A slab that moves across its own axis, which is one of the lattice's: what it can reach, seen along the axis.
+//!
+//! The outside sweeps the discs about all places of its way, the hole leaves out what is in it all the way:
+//!
+//! ```text
+//! reached: distance to the way <= R, and distance to one of its ends >= r        (1)
+//! ```
+//!
+//! The way is straight, so the farthest place of it is one of its ends. Along a line in the plane the reached is what lies
+//! between the first and the last place of (1)'s left part, less the stretch that both ends' holes have in common.
+//! All of it is wider by a margin, so that it only tells which rays need not be asked: three axes cut mostly air.
+//!
+//! Source: own derivation.
+
+use super::dexel::{Dexel, Interval};
+use super::section::Sweep;
+use super::tool::Slab;
+
+/// A slab on its way, in the plane across the axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Flat {
+    axis: usize,
+    /// Both ends of the way; all coordinates, that along the axis without meaning.
+    ends_mm: [[f64; 3]; 2],
+    outer_mm: f64,
+    hole_mm: f64,
+}
+
+impl Flat {
+    /// Of a slab, wider by a margin; `None` where it moves otherwise.
+    pub fn new(slab: &Slab, sweep: &Sweep, margin_mm: f64) -> Option<Self> {
+        let axis = (0..3).find(|axis| sweep.axis[*axis].abs() == 1.0)?;
+        let is_across = sweep.from_mm[axis] == sweep.to_mm[axis];
+        let hole_mm = slab.inner_mm.map_or(0.0, |inner| inner[0].min(inner[1]) - margin_mm).max(0.0);
+        let outer_mm = slab.outer_mm[0].max(slab.outer_mm[1]) + margin_mm;
+        is_across.then_some(Flat { axis, ends_mm: [sweep.from_mm, sweep.to_mm], outer_mm, hole_mm })
+    }
+
+    /// Whether a ray through a point can lose any of its material.
+    pub fn may_cut(&self, ray_axis: usize, point_mm: &[f64; 3], dexel: &Dexel) -> bool {
+        if ray_axis == self.axis {
+            return self.may_reach(point_mm);
+        }
+        let Some(outside) = self.along(ray_axis, point_mm) else { return false };
+        match self.hollow(ray_axis, point_mm) {
+            None => dexel.meets(&outside),
+            Some(hollow) => {
+                dexel.meets(&Interval { to_mm: hollow.from_mm, ..outside })
+                    || dexel.meets(&Interval { from_mm: hollow.to_mm, ..outside })
+            }
+        }
+    }
+
+    /// (1)
+    fn may_reach(&self, point_mm: &[f64; 3]) -> bool {
+        let [from, to] = self.ends_mm.map(|end| self.across(&end, point_mm));
+        let way = [to[0] - from[0], to[1] - from[1]];
+        let square = |v: [f64; 2]| v[0] * v[0] + v[1] * v[1];
+        let length_square = square(way);
+        let along = -(from[0] * way[0] + from[1] * way[1]);
+        let part = if length_square > 0.0 { (along / length_square).clamp(0.0, 1.0) } else { 0.0 };
+        let nearest = square([from[0] + part * way[0], from[1] + part * way[1]]);
+        nearest <= self.outer_mm * self.outer_mm && square(from).max(square(to)) >= self.hole_mm * self.hole_mm
+    }
+
+    /// From the first to the last place of a line that the outside reaches.
+    fn along(&self, ray_axis: usize, point_mm: &[f64; 3]) -> Option<Interval> {
+        let off_axis = 3 - ray_axis - self.axis;
+        let [from, to] = self.ends_mm.map(|end| [end[ray_axis], point_mm[off_axis] - end[off_axis]]);
+        let mut reached: Option<Interval> = None;
+        let mut take = |at_mm: f64| {
+            let other = reached.unwrap_or(Interval::new(at_mm, at_mm));
+            reached = Some(Interval::new(other.from_mm.min(at_mm), other.to_mm.max(at_mm)));
+        };
+        for [center_mm, off_mm] in [from, to] {
+            if let Some(half_mm) = half_chord_mm(self.outer_mm, off_mm) {
+                take(center_mm - half_mm);
+                take(center_mm + half_mm);
+            }
+        }
+        // The two lines that touch the discs at both ends: off the way by the radius, square to it.
+        let way = [to[0] - from[0], from[1] - to[1]];
+        let length_mm = libm::sqrt(way[0] * way[0] + way[1] * way[1]);
+        if length_mm > 0.0 && way[1] != 0.0 {
+            for side in [-1.0, 1.0] {
+                let normal = [-side * way[1] / length_mm * self.outer_mm, side * way[0] / length_mm * self.outer_mm];
+                let part = (from[1] - normal[1]) / way[1];
+                if (0.0..=1.0).contains(&part) {
+                    take(from[0] + part * way[0] + normal[0]);
+                }
+            }
+        }
+        reached
+    }
+
+    /// What of a line is in the hole all the way.
+    fn hollow(&self, ray_axis: usize, point_mm: &[f64; 3]) -> Option<Interval> {
+        let off_axis = 3 - ray_axis - self.axis;
+        let [from, to] = self.ends_mm.map(|end| {
+            let half_mm = half_chord_mm(self.hole_mm, point_mm[off_axis] - end[off_axis])?;
+            Some(Interval::new(end[ray_axis] - half_mm, end[ray_axis] + half_mm))
+        });
+        from.zip(to).map(|(from, to)| from.common(&to)).filter(|common| common.length_mm() > 0.0)
+    }
+
+    /// From a point to an end, in the plane.
+    fn across(&self, end_mm: &[f64; 3], point_mm: &[f64; 3]) -> [f64; 2] {
+        let [first, second] = [(self.axis + 1) % 3, (self.axis + 2) % 3];
+        [end_mm[first] - point_mm[first], end_mm[second] - point_mm[second]]
+    }
+}
+
+fn half_chord_mm(radius_mm: f64, off_mm: f64) -> Option<f64> {
+    let square = radius_mm * radius_mm - off_mm * off_mm;
+    (square >= 0.0).then(|| libm::sqrt(square))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flat(inner_mm: Option<[f64; 2]>) -> Flat {
+        let slab = Slab { heights_mm: [0.0, 1.0], outer_mm: [5.0, 5.0], inner_mm };
+        let sweep = Sweep { from_mm: [0.0, 0.0, 3.0], to_mm: [6.0, 8.0, 3.0], axis: [0.0, 0.0, 1.0] };
+        Flat::new(&slab, &sweep, 0.0).unwrap()
+    }
+
+    #[test]
+    fn a_point_is_reached_within_the_radius_of_the_way_and_not_in_the_hole_of_both_ends() {
+        let (mill, ring) = (flat(None), flat(Some([4.9, 4.9])));
+        let points = [[3.0, 4.0], [0.0, 6.2], [0.0, 6.3], [-5.1, 0.0], [-4.9, 0.0], [9.9, 11.0], [9.1, 12.0]];
+        for [x, y] in points {
+            // By brute force along the way.
+            let off = |n: u32| libm::hypot(x - 6e-4 * f64::from(n), y - 8e-4 * f64::from(n));
+            let (near, far) = (0..=10_000).map(off).fold((9e9_f64, 0.0_f64), |(a, b), off| (a.min(off), b.max(off)));
+            assert_eq!(mill.may_reach(&[x, y, 0.0]), near <= 5.0, "{x} {y}");
+            assert_eq!(ring.may_reach(&[x, y, 0.0]), near <= 5.0 && far >= 4.9, "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn along_a_line_the_outside_begins_and_ends_where_brute_force_does() {
+        for (ray_axis, off) in (0..2).flat_map(|axis| (-6..=14).map(move |n| (axis, f64::from(n) * 0.97))) {
+            let mut point = [0.0; 3];
+            point[1 - ray_axis] = off;
+            let places = (0..=20_000).filter_map(|n: u32| {
+                let end = [3e-4 * f64::from(n), 4e-4 * f64::from(n)];
+                let half = half_chord_mm(5.0, off - end[1 - ray_axis])?;
+                Some([end[ray_axis] - half, end[ray_axis] + half])
+            });
+            let brute = places.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+            match (flat(None).along(ray_axis, &point), brute) {
+                (Some(Interval { from_mm, to_mm }), Some([from, to])) => {
+                    assert!(
+                        (from_mm - from).abs() < 1e-4 && (to_mm - to).abs() < 1e-4,
+                        "{ray_axis} {off} {from_mm} {from} {to_mm} {to}"
+                    );
+                }
+                (found, brute) => assert!(found.is_none() && brute.is_none(), "{ray_axis} {off} {found:?} {brute:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn material_in_the_hole_is_safe() {
+        let ring = flat(None);
+        let (point, inside) = ([0.0, 4.0, 0.0], Dexel::One(Interval::new(2.0, 4.0)));
+        assert!(ring.may_cut(0, &point, &inside));
+        let slab = Slab { heights_mm: [0.0, 1.0], outer_mm: [50.0, 50.0], inner_mm: Some([40.0, 40.0]) };
+        let sweep = Sweep { from_mm: [0.0, 0.0, 3.0], to_mm: [6.0, 8.0, 3.0], axis: [0.0, 0.0, 1.0] };
+        let ring = Flat::new(&slab, &sweep, 0.0).unwrap();
+        assert!(!ring.may_cut(0, &point, &inside) && !ring.may_cut(2, &point, &inside));
+        assert!(ring.may_cut(0, &point, &Dexel::One(Interval::new(2.0, 45.0))));
+        let tilted = Sweep { axis: [0.0, 0.6, 0.8], ..sweep };
+        assert!(Flat::new(&slab, &tilted, 0.0).is_none());
+    }
+}

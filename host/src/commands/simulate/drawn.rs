@@ -1,0 +1,140 @@
+//! The report of a run as a page, and the surface that it left, as files.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use arcfeed_hil_sim::removal::cutter::Cutter;
+use arcfeed_hil_sim::removal::rate::windows;
+use arcfeed_hil_sim::stock::deviation::HeightMap;
+use arcfeed_hil_sim::stock::files::{write_ply, write_stl};
+use arcfeed_hil_sim::stock::lattice::Lattice;
+use arcfeed_hil_sim::stock::surface::surface;
+use arcfeed_hil_sim::stock::workpiece::Stock;
+use arcfeed_shared::units::{LengthUnit, Micros};
+
+use super::super::outcome::{Failure, write_whole};
+use super::told::UPRIGHT;
+use super::watch::Watch;
+use crate::report::figures::RunReport;
+use crate::report::material::{DeviationFigures, VolumeUnit};
+use crate::report::page::map::Map;
+use crate::report::page::plot::{Lane, Series, svg};
+use crate::report::page::{Page, Section, tables};
+
+/// The formats of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceFormat {
+    /// Binary STL.
+    Stl,
+    /// Binary PLY.
+    Ply,
+}
+
+/// What a page shows of a run.
+pub struct Shown<'a> {
+    /// Its headline.
+    pub title: &'a str,
+    /// Its figures.
+    pub report: &'a RunReport,
+    /// Unit of lengths.
+    pub unit: LengthUnit,
+    /// The run and the program as it was; each with the time of its end.
+    pub runs: [(&'a Watch, Micros); 2],
+    /// Where the job has a target.
+    pub deviation: Option<(HeightMap, DeviationFigures)>,
+}
+
+impl SurfaceFormat {
+    /// By the name of the file.
+    ///
+    /// # Errors
+    /// It is neither `.stl` nor `.ply`.
+    pub fn of(path: &Path) -> Result<Self, Failure> {
+        let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
+        match extension.as_deref() {
+            Some("stl") => Ok(SurfaceFormat::Stl),
+            Some("ply") => Ok(SurfaceFormat::Ply),
+            _ => Err(Failure::Usage(format!("--surface {}: write a name that ends in .stl or .ply", path.display()))),
+        }
+    }
+
+    /// Writes what is left of a stock, in millimetres.
+    ///
+    /// # Errors
+    /// Nothing is left, or the file cannot be written.
+    pub fn write(self, stock: &Stock, path: &Path) -> Result<(), Failure> {
+        let told = |error: &dyn std::fmt::Display| Failure::Input(format!("{}: {error}", path.display()));
+        let mesh = surface(stock).map_err(|error| told(&error))?;
+        let mut bytes = Cursor::new(Vec::new());
+        let written = match self {
+            SurfaceFormat::Stl => write_stl(&mesh, &mut bytes),
+            SurfaceFormat::Ply => write_ply(&mesh, &mut bytes),
+        };
+        written.map_err(|error| told(&error))?;
+        write_whole(path, bytes.get_ref())
+    }
+}
+
+impl Shown<'_> {
+    /// The whole page.
+    pub fn page(&self) -> Page {
+        let [(watch, _), _] = self.runs;
+        let mut sections = vec![tables::summary(self.title, self.report)];
+        sections.extend(self.report.material.as_ref().map(|material| tables::material(material, self.unit)));
+        sections.push(Section { heading: "Along time".into(), body: svg(&self.lanes()) });
+        if let Some(cutter) = &watch.cutter {
+            let heights = self.map(&HeightMap::new(cutter.stock(), UPRIGHT), cutter.stock(), None);
+            sections.push(Section { heading: "Heights, seen along Z".into(), body: heights.svg() });
+            if let Some((off, figures)) = &self.deviation {
+                let largest = Some((figures.largest, [figures.x, figures.y]));
+                let map = self.map(off, cutter.stock(), largest);
+                sections.push(Section {
+                    heading: "Above (red) and below (blue) the target, along Z".into(),
+                    body: map.svg(),
+                });
+            }
+        }
+        Page { title: self.title.to_owned(), sections }
+    }
+
+    /// Writes the page.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), Failure> {
+        write_whole(path, self.page().to_string().as_bytes())
+    }
+
+    fn lanes(&self) -> Vec<Lane> {
+        let [(after, ends), (before, _)] = self.runs;
+        let mut lanes = Vec::new();
+        if let (Some(after), Some(before)) = (&after.cutter, &before.cutter) {
+            let volumes = VolumeUnit::of(self.unit);
+            let series = [("before", "#999", before), ("after", "#c03020", after)]
+                .map(|(name, color, cutter)| Series { name, color, steps: rates(cutter, volumes) });
+            lanes.push(Lane { title: format!("removal rate, {}", volumes.rate_label), series: series.into() });
+        }
+        let changes = after.overrides.iter().zip(after.overrides.iter().skip(1).map(|(at, _)| *at).chain([ends]));
+        let steps = changes.map(|((from, percent), to)| ([from.to_s(), to.to_s()], f64::from(*percent))).collect();
+        let series = vec![Series { name: "after", color: "#2050a0", steps }];
+        lanes.push(Lane { title: "override, %".into(), series });
+        lanes
+    }
+
+    fn map(&self, heights: &HeightMap, stock: &Stock, largest: Option<(f64, [f64; 2])>) -> Map {
+        let lattice = stock.lattice();
+        let in_unit = |mm: f64| mm / self.unit.mm();
+        let [columns, _] = lattice.size(UPRIGHT);
+        let lowest = Lattice::across(UPRIGHT).map(|axis| in_unit(lattice.lowest_mm()[axis]));
+        let values = heights.heights_mm().iter().map(|height| height.map(in_unit)).collect();
+        Map { columns, values, lowest, step: in_unit(lattice.step_mm()), unit: self.unit.label(), largest }
+    }
+}
+
+fn rates(cutter: &Cutter, volumes: VolumeUnit) -> Vec<([f64; 2], f64)> {
+    let windows = windows(cutter.pieces().iter(), cutter.stock().lattice().step_mm());
+    let step = |window: &arcfeed_hil_sim::removal::rate::Window| {
+        ([window.from.to_s(), window.to.to_s()], volumes.of_mm3(window.rate_per_min()))
+    };
+    windows.iter().map(step).collect()
+}

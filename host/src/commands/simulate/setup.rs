@@ -1,0 +1,127 @@
+//! The job's workpiece as a stock, and its tool as what cuts it.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use arcfeed_hil_sim::removal::cutter::{Cutter, CutterSettings};
+use arcfeed_hil_sim::stock::files::read_stl;
+use arcfeed_hil_sim::stock::mesh::Mesh;
+use arcfeed_hil_sim::stock::motion::Pose;
+use arcfeed_hil_sim::stock::profile::ProfileError;
+use arcfeed_hil_sim::stock::solid::{Block, Revolved, Solid};
+use arcfeed_hil_sim::stock::tool::Tool;
+use arcfeed_hil_sim::stock::workpiece::Stock;
+use arcfeed_shared::kinematics::vector::{difference, length};
+use arcfeed_shared::tool::Tool as JobTool;
+use arcfeed_shared::units::Nm;
+
+use super::super::outcome::{Failure, file_failure};
+use crate::job::workpiece::{Blank, Body, StlFile};
+use crate::job::{JobFile, Workpiece};
+use crate::place::place;
+
+/// How far chords may be from the path, and from the tool's corners, as a part of the step between rays.
+const TOLERANCE_RATIO: f64 = 1.0 / 50.0;
+
+/// The workpiece of a job, with its place in the job file for what goes wrong later.
+pub struct Setup<'a> {
+    /// As told.
+    pub workpiece: &'a Workpiece,
+    /// Before the run, with what cuts it.
+    pub settings: CutterSettings,
+    /// `file:line:column` of its table.
+    pub place: String,
+}
+
+impl<'a> Setup<'a> {
+    /// Of a job; `None` where it has no workpiece.
+    ///
+    /// # Errors
+    /// The workpiece is none, or larger than it may be, or the tool has no such shape.
+    pub fn of(path: &Path, file: &'a JobFile) -> Result<Option<Self>, Failure> {
+        let Some(workpiece) = &file.workpiece else { return Ok(None) };
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        let [line, column] = place(&text, workpiece.offset);
+        let place = format!("{}:{line}:{column}", path.display());
+        let tolerance_mm = workpiece.step_mm * TOLERANCE_RATIO;
+        let told = |error: &dyn std::fmt::Display| Failure::Input(format!("{place}: {error}"));
+        let tool = tool(&file.job.tool, &workpiece.body, tolerance_mm).map_err(|error| told(&error))?;
+        let blank = solid(&workpiece.blank, tolerance_mm).map_err(|error| error.at(&place))?;
+        let stock = Stock::new(&*blank, workpiece.step_mm, workpiece.memory_max_bytes).map_err(|error| told(&error))?;
+        let machine = file.machine.as_ref().map(|named| named.machine);
+        Ok(Some(Setup { workpiece, settings: CutterSettings { stock, tool, machine, tolerance_mm }, place }))
+    }
+
+    /// What cuts it in a run.
+    pub fn cutter(&self) -> Cutter {
+        Cutter::new(self.settings.clone())
+    }
+
+    /// The finished part on the same rays.
+    ///
+    /// # Errors
+    /// Its file has no solid, or it takes too much memory.
+    pub fn target(&self) -> Result<Option<Stock>, Failure> {
+        let Some(file) = &self.workpiece.target else { return Ok(None) };
+        let mesh = mesh(file).map_err(|error| error.at(&self.place))?;
+        let stock = Stock::on(self.settings.stock.lattice(), &mesh, self.workpiece.memory_max_bytes);
+        stock.map(Some).map_err(|error| Failure::Input(format!("{}: {error}", self.place)))
+    }
+}
+
+/// Why a shape is none: already told with its file, or still without a place.
+enum Trouble {
+    Told(Failure),
+    Here(String),
+}
+
+impl Trouble {
+    fn at(self, place: &str) -> Failure {
+        match self {
+            Trouble::Told(failure) => failure,
+            Trouble::Here(message) => Failure::Input(format!("{place}: {message}")),
+        }
+    }
+}
+
+fn solid(blank: &Blank, tolerance_mm: f64) -> Result<Box<dyn Solid>, Trouble> {
+    match blank {
+        Blank::Block { lowest_mm, highest_mm } => {
+            Ok(Box::new(Block { lowest_mm: *lowest_mm, highest_mm: *highest_mm }))
+        }
+        Blank::Round { from_mm, to_mm, radius_mm, bore_mm } => {
+            let along = difference(*to_mm, *from_mm);
+            let body = match bore_mm {
+                Some(bore_mm) => Tool::ring([*radius_mm, *bore_mm], 0.0, length(along), tolerance_mm),
+                None => Tool::cylinder(*radius_mm, length(along)),
+            };
+            let body = body.map_err(|error| Trouble::Here(error.to_string()))?;
+            let round = Revolved::new(body, &Pose { tip_mm: *from_mm, axis: along });
+            round.map(|round| Box::new(round) as Box<dyn Solid>).ok_or_else(|| Trouble::Here("it has no axis".into()))
+        }
+        Blank::Stl(file) => mesh(file).map(|mesh| Box::new(mesh) as Box<dyn Solid>),
+    }
+}
+
+/// A mesh in millimetres.
+fn mesh(file: &StlFile) -> Result<Mesh, Trouble> {
+    let StlFile { path, unit } = file;
+    let opened = File::open(path).map_err(|error| Trouble::Told(file_failure(path, &error)))?;
+    let wrong = |error: String| Trouble::Told(Failure::Input(format!("{}: {error}", path.display())));
+    let mesh = read_stl(BufReader::new(opened)).map_err(|error| wrong(error.to_string()))?;
+    let scaled = |corners: [[f64; 3]; 3]| corners.map(|corner| corner.map(|along| along * unit.mm()));
+    Mesh::from_corners(mesh.corners_mm().map(scaled)).map_err(|error| wrong(error.to_string()))
+}
+
+/// What of the job's tool cuts.
+fn tool(tool: &JobTool, body: &Body, tolerance_mm: f64) -> Result<Tool, ProfileError> {
+    let Body { corner_mm, height_mm } = *body;
+    match tool {
+        JobTool::CupMill(cup) => {
+            let radii_mm = [cup.outer_radius, cup.inner_radius].map(Nm::to_mm);
+            Tool::ring(radii_mm, corner_mm, height_mm, tolerance_mm)
+        }
+        JobTool::EndMill(mill) => Tool::bull_nose([mill.radius.to_mm(), corner_mm], height_mm, tolerance_mm),
+    }
+}

@@ -1,0 +1,140 @@
+//! What was cut, in the figures of the report.
+
+use std::collections::BTreeMap;
+
+use arcfeed_hil_sim::removal::cutter::Cutter;
+use arcfeed_hil_sim::removal::placing::Unplaced;
+use arcfeed_hil_sim::removal::rate::{Piece, Taken};
+use arcfeed_hil_sim::removal::trail::Of;
+use arcfeed_hil_sim::stock::deviation::HeightMap;
+use arcfeed_hil_sim::stock::lattice::Lattice;
+use arcfeed_hil_sim::stock::workpiece::Stock;
+use arcfeed_shared::units::LengthUnit;
+
+use super::setup::Setup;
+use crate::report::material::{
+    BlockFigures, DeviationFigures, LeftOutFigures, MaterialFigures, RuleFigures, TakenFigures, VolumeUnit,
+};
+
+/// Z: the tool's axis, but under G43.4.
+pub const UPRIGHT: usize = 2;
+
+/// The figures of a run, and of the program as it was.
+pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &Cutter, baseline: &Cutter) -> MaterialFigures {
+    let volumes = VolumeUnit::of(unit);
+    let step_mm = setup.workpiece.step_mm;
+    let runs = [cutter, baseline];
+    let taken = |choose: &dyn Fn(&Cutter, &Piece) -> bool| {
+        runs.map(|run| taken_of(run.pieces().iter().filter(|piece| choose(run, piece)), step_mm, volumes))
+    };
+    let [mut total, mut before] = taken(&|_, _| true);
+    let [rapid, _] = taken(&|run, piece| run.blocks()[piece.block].is_rapid);
+    let whole_mm3 = setup.settings.stock.volume().mean_mm3();
+    let stock = cutter.stock();
+    let mut rules: Vec<Option<usize>> = cutter.blocks().iter().map(|of| of.rule).collect();
+    rules.sort_unstable_by_key(|rule| rule.unwrap_or(usize::MAX));
+    rules.dedup();
+    let rules = rules.into_iter().map(|rule| {
+        let [after, before] = taken(&|run, piece| run.blocks()[piece.block].rule == rule);
+        RuleFigures { rule: rule.map(|rule| rule + 1), taken: after, baseline: before }
+    });
+    let rules: Vec<RuleFigures> = rules.collect();
+    // A window of a rule alone may be shorter than one over its neighbours, too.
+    for rule in &rules {
+        total.rate_max = total.rate_max.max(rule.taken.rate_max);
+        before.rate_max = before.rate_max.max(rule.baseline.rate_max);
+    }
+    MaterialFigures {
+        volume_unit: volumes.label,
+        rate_unit: volumes.rate_label,
+        taken: total,
+        baseline: before,
+        at_rapid: rapid.removed,
+        left: volumes.of_mm3(stock.volume().mean_mm3()),
+        step: step_mm / unit.mm(),
+        path_tolerance: cutter.tolerance_mm() / unit.mm(),
+        rays: stock.grids().iter().map(|grid| grid.dexels().len()).sum(),
+        memory_bytes: stock.memory_bytes(),
+        bytes_per_mm3: stock.memory_bytes() as f64 / whole_mm3,
+        rules,
+        blocks: blocks(cutter, baseline, step_mm, volumes),
+        left_out: cutter
+            .left_out()
+            .iter()
+            .map(|left_out| left_out_figures(left_out.why, &left_out.first, left_out.blocks))
+            .collect(),
+        deviation: None,
+    }
+}
+
+/// The deviation of what is left from the finished part, along the tool's axis.
+pub fn deviation(unit: LengthUnit, stock: &Stock, target: &Stock) -> Option<(HeightMap, DeviationFigures)> {
+    let heights = [stock, target].map(|stock| HeightMap::new(stock, UPRIGHT));
+    let map = heights[0].above(&heights[1]).ok()?;
+    let of_all = map.figures()?;
+    let worst = map.heights_mm().iter().enumerate().filter_map(|(index, off)| Some((index, (*off)?)));
+    let (index, off_mm) = worst.reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a })?;
+    let (lattice, [width, _]) = (stock.lattice(), stock.lattice().size(UPRIGHT));
+    let [column_axis, row_axis] = Lattice::across(UPRIGHT);
+    let at = [lattice.center_mm(column_axis, index % width), lattice.center_mm(row_axis, index / width)];
+    let in_unit = |mm: f64| mm / unit.mm();
+    let figures = DeviationFigures {
+        min: in_unit(of_all.min_mm),
+        max: in_unit(of_all.max_mm),
+        rms: in_unit(of_all.rms_mm),
+        rays: of_all.rays,
+        largest: in_unit(off_mm),
+        x: in_unit(at[0]),
+        y: in_unit(at[1]),
+    };
+    Some((map, figures))
+}
+
+/// Those that took something, each once.
+fn blocks(cutter: &Cutter, baseline: &Cutter, step_mm: f64, volumes: VolumeUnit) -> Vec<BlockFigures> {
+    let [after, before] = [cutter, baseline].map(by_block);
+    let taken = |pieces: &[&Piece]| taken_of(pieces.iter().copied(), step_mm, volumes);
+    let cutting = after.into_iter().map(|(key, (of, pieces))| {
+        let before = before.get(&key).filter(|(other, _)| other.sequence == of.sequence);
+        BlockFigures {
+            block: of.count,
+            n: of.sequence,
+            rule: of.rule.map(|rule| rule + 1),
+            rapid: of.is_rapid,
+            taken: taken(&pieces),
+            baseline: before.map(|(_, pieces)| taken(pieces)),
+        }
+    });
+    cutting.filter(|block| block.taken.removed > 0.0).collect()
+}
+
+/// The pieces of each block, its rapids apart.
+fn by_block(cutter: &Cutter) -> BTreeMap<(u32, bool), (Of, Vec<&Piece>)> {
+    let mut found = BTreeMap::new();
+    for piece in cutter.pieces() {
+        let of = cutter.blocks()[piece.block];
+        found.entry((of.count, of.is_rapid)).or_insert((of, Vec::new())).1.push(piece);
+    }
+    found
+}
+
+fn taken_of<'p>(pieces: impl Iterator<Item = &'p Piece> + Clone, step_mm: f64, volumes: VolumeUnit) -> TakenFigures {
+    let taken = Taken::of(pieces, step_mm);
+    TakenFigures {
+        removed: volumes.of_mm3(taken.mean_mm3()),
+        spread: volumes.of_mm3(taken.spread_mm3()),
+        cutting_time_s: taken.time.to_s(),
+        rate_mean: volumes.of_mm3(taken.rate_mean_per_min()),
+        rate_max: volumes.of_mm3(taken.rate_max_per_min),
+    }
+}
+
+fn left_out_figures(why: Unplaced, first: &Of, blocks: usize) -> LeftOutFigures {
+    let cause = match why {
+        Unplaced::Turning => "turning",
+        Unplaced::OtherPosition => "other-position",
+        Unplaced::NoMachine => "no-machine",
+        Unplaced::Contour => "contour",
+    };
+    LeftOutFigures { cause, blocks, first_block: first.count, first_n: first.sequence }
+}

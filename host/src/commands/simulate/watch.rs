@@ -1,0 +1,73 @@
+//! A run, watched: the stock is cut as the axes go, the override noted, and a person told how far it is.
+
+use arcfeed_hil_sim::decider::told::Told;
+use arcfeed_hil_sim::removal::cutter::Cutter;
+use arcfeed_hil_sim::rig::Rig;
+use arcfeed_shared::units::Micros;
+use indicatif::{ProgressBar, ProgressDrawTarget};
+
+use super::super::outcome::Failure;
+use super::setup::Setup;
+
+/// Longest simulated run: a program that takes longer is stuck.
+const RUN_MAX: Micros = Micros::from_ms(24 * 3_600 * 1_000);
+
+/// Periods between two signs of life.
+const SIGN_EVERY: u64 = 200;
+
+/// Who watches a run.
+#[derive(Debug, Default)]
+pub struct Watch {
+    /// The workpiece under it.
+    pub cutter: Option<Cutter>,
+    /// The override, %, from each time on.
+    pub overrides: Vec<(Micros, u8)>,
+    place: String,
+}
+
+impl Watch {
+    /// Of a run on this workpiece, if there is one.
+    pub fn on(setup: Option<&Setup<'_>>) -> Self {
+        let place = setup.map_or(String::new(), |setup| setup.place.clone());
+        Watch { cutter: setup.map(Setup::cutter), overrides: Vec::new(), place }
+    }
+
+    /// Runs to the end.
+    ///
+    /// # Errors
+    /// The run never ends, or the stock takes more memory than it may.
+    pub fn run(&mut self, mut rig: Rig<Told>) -> Result<Rig<Told>, Failure> {
+        let bar = self.cutter.as_ref().map(|_| ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr()));
+        for period in 0_u64.. {
+            if rig.is_done() {
+                break;
+            }
+            rig.step();
+            self.see(&rig)?;
+            if rig.now() > RUN_MAX {
+                return Err(Failure::Machine("the program still runs after 24 hours of machine time".into()));
+            }
+            if let Some(bar) = bar.as_ref().filter(|_| period % SIGN_EVERY == 0) {
+                let (executed, now_s) = (rig.control().executed().len(), rig.now().to_s());
+                bar.set_message(format!("cutting: {executed} blocks, {now_s:.0} s of machine time"));
+                bar.tick();
+            }
+        }
+        if let Some(cutter) = &mut self.cutter {
+            cutter.end().map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
+        }
+        bar.inspect(ProgressBar::finish_and_clear);
+        Ok(rig)
+    }
+
+    fn see(&mut self, rig: &Rig<Told>) -> Result<(), Failure> {
+        if let Some(cutter) = &mut self.cutter {
+            cutter.see(rig).map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
+        }
+        let percent = rig.control().override_percent();
+        if self.overrides.last().is_none_or(|(_, last)| *last != percent) {
+            self.overrides.push((rig.now(), percent));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,53 @@
+//! Lengths as job files have them.
+
+use arcfeed_shared::units::LengthUnit;
+use serde::Deserialize;
+use serde::de::{Deserializer, Error};
+
+/// A length: a number in the file's units, or a string that names its own (`"0.004 in"`, `"0.1 mm"`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quantity {
+    value: f64,
+    unit: Option<LengthUnit>,
+}
+
+impl Quantity {
+    /// In millimetres, `unit` counting where the quantity names none.
+    pub fn to_mm(self, unit: LengthUnit) -> f64 {
+        self.value * self.unit.unwrap_or(unit).mm()
+    }
+
+    /// The number, where it names no unit: what stands among lengths, but is none.
+    pub fn bare(self) -> Option<f64> {
+        self.unit.is_none().then_some(self.value)
+    }
+}
+
+impl<'de> Deserialize<'de> for Quantity {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged, expecting = "a length must be a number or a string such as \"0.004 in\" or \"0.1 mm\"")]
+        enum Written {
+            Whole(i64),
+            Decimal(f64),
+            Text(String),
+        }
+        match Written::deserialize(deserializer)? {
+            Written::Whole(value) => Ok(Quantity { value: value as f64, unit: None }),
+            Written::Decimal(value) => Ok(Quantity { value, unit: None }),
+            Written::Text(text) => with_unit(&text).ok_or_else(|| {
+                D::Error::custom(format!("`{text}` is no length; write for example \"0.004 in\" or \"0.1 mm\""))
+            }),
+        }
+    }
+}
+
+fn with_unit(text: &str) -> Option<Quantity> {
+    let (number, unit) = match text.trim() {
+        text if text.ends_with("in") => (text.trim_end_matches("in"), LengthUnit::Inch),
+        text if text.ends_with("mm") => (text.trim_end_matches("mm"), LengthUnit::Mm),
+        _ => return None,
+    };
+    let value = number.trim().parse().ok()?;
+    Some(Quantity { value, unit: Some(unit) })
+}

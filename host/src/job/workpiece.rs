@@ -1,0 +1,175 @@
+//! `[workpiece]`, and what `[tool]` says of the body that cuts it.
+
+use std::path::{Path, PathBuf};
+
+use arcfeed_shared::job::Job;
+use arcfeed_shared::kinematics::vector::{Vector, difference, length};
+use arcfeed_shared::tool::Tool;
+use arcfeed_shared::units::{LengthUnit, Nm};
+use toml::Spanned;
+
+use super::schema::{BlockTable, JobTable, Quantity, RoundTable, ToolTable, WorkpieceTable};
+use super::{Complaint, at, length_mm};
+
+/// Memory of a stock where the job says nothing.
+const MEMORY_MIB: usize = 512;
+
+/// Bytes in a MiB.
+const MIB: usize = 1 << 20;
+
+/// What is cut, in the coordinates of the program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Workpiece {
+    /// Before the program.
+    pub blank: Blank,
+    /// What it is to become.
+    pub target: Option<StlFile>,
+    /// Distance of the rays that stand for it.
+    pub step_mm: f64,
+    /// Memory it may take.
+    pub memory_max_bytes: usize,
+    /// What cuts it.
+    pub body: Body,
+    /// Byte offset of its table in the job file.
+    pub offset: usize,
+}
+
+/// A shape.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Blank {
+    /// A block, its edges along the axes.
+    Block {
+        /// The lowest corner.
+        lowest_mm: Vector,
+        /// The highest corner.
+        highest_mm: Vector,
+    },
+    /// A bar or a tube.
+    Round {
+        /// The middle of one end.
+        from_mm: Vector,
+        /// The middle of the other end.
+        to_mm: Vector,
+        /// Outside.
+        radius_mm: f64,
+        /// Inside; none of a bar.
+        bore_mm: Option<f64>,
+    },
+    /// A closed mesh.
+    Stl(StlFile),
+}
+
+/// A mesh in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StlFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// Of its coordinates.
+    pub unit: LengthUnit,
+}
+
+/// What of a tool cuts, beside its radii.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Radius of the corner: of an insert on both sides, of a mill's end; that of a ball is the mill's own.
+    pub corner_mm: f64,
+    /// How far up it cuts.
+    pub height_mm: f64,
+}
+
+/// Checks the workpiece of a job, and its tool's body even where there is none.
+pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpiece>, Complaint> {
+    let corner_mm = corner_mm(&table.tool, job)?;
+    let height_mm = table.tool.height.as_ref().map(|height| length_mm(height, job.unit, "height")).transpose()?;
+    let Some(told) = &table.workpiece else { return Ok(None) };
+    let WorkpieceTable { stl_units, step, memory_mib, target, .. } = told.as_ref();
+    let Some(height_mm) = height_mm else {
+        return Err(at(told, "a workpiece needs [tool] height: how far up from its tip the tool cuts"));
+    };
+    if height_mm < corner_mm {
+        return Err(at(&table.tool.kind, "the tool's height must be at least its corner_radius"));
+    }
+    let stl_unit = stl_units.map_or(LengthUnit::Mm, LengthUnit::from);
+    let target = target.as_ref().map(|file| stl(file, folder, stl_unit)).transpose()?;
+    let memory_max_bytes = match memory_mib {
+        Some(mib) if !(1..=1 << 20).contains(mib.as_ref()) => {
+            return Err(at(mib, "memory_mib must be 1 or more, in MiB"));
+        }
+        given => given.as_ref().map_or(MEMORY_MIB, |mib| *mib.as_ref()) * MIB,
+    };
+    Ok(Some(Workpiece {
+        blank: blank(told, job.unit, folder, stl_unit)?,
+        target,
+        step_mm: length_mm(step, job.unit, "step")?,
+        memory_max_bytes,
+        body: Body { corner_mm, height_mm },
+        offset: told.span().start,
+    }))
+}
+
+fn corner_mm(table: &ToolTable, job: &Job) -> Result<f64, Complaint> {
+    let Some(given) = &table.corner_radius else { return Ok(0.0) };
+    let corner_mm = given.as_ref().to_mm(job.unit);
+    let (most_mm, message) = match job.tool {
+        Tool::CupMill(cup) => (
+            Nm(cup.outer_radius.0 - cup.inner_radius.0).to_mm() / 2.0,
+            "corner_radius of a cup-mill's inserts must be 0 to half the width of its ring",
+        ),
+        Tool::EndMill(mill) => {
+            (mill.radius.to_mm(), "corner_radius of an end-mill must be 0 (flat) to half its diameter (a ball)")
+        }
+    };
+    if (0.0..=most_mm + Nm(1).to_mm()).contains(&corner_mm) {
+        Ok(corner_mm.min(most_mm))
+    } else {
+        Err(at(given, message))
+    }
+}
+
+fn blank(
+    told: &Spanned<WorkpieceTable>,
+    unit: LengthUnit,
+    folder: &Path,
+    stl_unit: LengthUnit,
+) -> Result<Blank, Complaint> {
+    let point = |point: &[Quantity; 3]| point.map(|quantity| quantity.to_mm(unit));
+    match (&told.as_ref().block, &told.as_ref().round, &told.as_ref().stl) {
+        (Some(block), None, None) => {
+            let BlockTable { from, to } = block.as_ref();
+            let (lowest_mm, highest_mm) = (point(from), point(to));
+            let is_block = lowest_mm.iter().zip(highest_mm).all(|(low, high)| *low < high);
+            let message = "`from` must be below `to` in X, Y and Z";
+            if is_block { Ok(Blank::Block { lowest_mm, highest_mm }) } else { Err(at(block, message)) }
+        }
+        (None, Some(round), None) => {
+            let RoundTable { from, to, radius, bore } = round.as_ref();
+            let (from_mm, to_mm) = (point(from), point(to));
+            if length(difference(to_mm, from_mm)) == 0.0 {
+                return Err(at(round, "`from` and `to`, the middles of both ends, are the same point"));
+            }
+            let radius_mm = length_mm(radius, unit, "radius")?;
+            let bore_mm = bore.as_ref().map(|bore| length_mm(bore, unit, "bore")).transpose()?;
+            match (bore, bore_mm) {
+                (Some(bore), Some(bore_mm)) if bore_mm >= radius_mm => {
+                    Err(at(bore, "bore, a radius, must be less than radius"))
+                }
+                _ => Ok(Blank::Round { from_mm, to_mm, radius_mm, bore_mm }),
+            }
+        }
+        (None, None, Some(file)) => stl(file, folder, stl_unit).map(Blank::Stl),
+        _ => Err(at(
+            told,
+            "give the workpiece as one of block = { from = [x, y, z], to = [x, y, z] }, round = { from = [x, y, z], \
+             to = [x, y, z], radius, bore } or stl = \"file.stl\"",
+        )),
+    }
+}
+
+fn stl(file: &Spanned<String>, folder: &Path, unit: LengthUnit) -> Result<StlFile, Complaint> {
+    let path = folder.join(file.as_ref());
+    match std::fs::metadata(&path) {
+        Ok(found) if found.is_file() => Ok(StlFile { path, unit }),
+        Ok(_) => Err(at(file, &format!("{}: no file", path.display()))),
+        Err(error) => Err(at(file, &format!("{}: {error}", path.display()))),
+    }
+}

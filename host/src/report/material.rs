@@ -1,0 +1,235 @@
+//! What a run took from its workpiece: figures (JSON of docs/json.md), and the same for a person.
+
+use std::fmt;
+
+use arcfeed_shared::units::LengthUnit;
+use serde::Serialize;
+
+/// Cubic millimetres in a cubic centimetre.
+const MM3_PER_CM3: f64 = 1e3;
+
+/// Blocks that cut at rapid that are shown.
+const SHOWN: usize = 10;
+
+/// In what a shop has volumes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VolumeUnit {
+    /// `in3` or `cm3`.
+    pub label: &'static str,
+    /// The same a minute.
+    pub rate_label: &'static str,
+    mm3: f64,
+}
+
+/// The workpiece of a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MaterialFigures {
+    /// `cm3` or `in3`.
+    pub volume_unit: &'static str,
+    /// The same a minute.
+    pub rate_unit: &'static str,
+    /// Of the whole run.
+    pub taken: TakenFigures,
+    /// Of the program as it was.
+    pub baseline: TakenFigures,
+    /// Of that, what rapids took.
+    pub at_rapid: f64,
+    /// What is left.
+    pub left: f64,
+    /// Distance of the rays.
+    pub step: f64,
+    /// How far the swept path may be from the one executed.
+    pub path_tolerance: f64,
+    /// Rays, all three families.
+    pub rays: usize,
+    /// Memory of the stock at the end.
+    pub memory_bytes: usize,
+    /// The same over the volume before the run.
+    pub bytes_per_mm3: f64,
+    /// Cut rule by cut rule; at the end what no rule speaks of.
+    pub rules: Vec<RuleFigures>,
+    /// Blocks that took something.
+    pub blocks: Vec<BlockFigures>,
+    /// Blocks that cut, but not this workpiece.
+    pub left_out: Vec<LeftOutFigures>,
+    /// From the finished part, where the job has one.
+    pub deviation: Option<DeviationFigures>,
+}
+
+/// What was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TakenFigures {
+    /// Volume: the mean of the three families of rays.
+    pub removed: f64,
+    /// How far the three disagree.
+    pub spread: f64,
+    /// Time in which something was taken.
+    pub cutting_time_s: f64,
+    /// Over that time.
+    pub rate_mean: f64,
+    /// Largest over a quarter of a second, and four steps between rays.
+    pub rate_max: f64,
+}
+
+/// All blocks of a cut rule.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RuleFigures {
+    /// The rule, counted from 1; null for blocks without one.
+    pub rule: Option<usize>,
+    /// What they took.
+    pub taken: TakenFigures,
+    /// The same of the program as it was.
+    pub baseline: TakenFigures,
+}
+
+/// A block.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BlockFigures {
+    /// Blocks executed, up to and including it.
+    pub block: u32,
+    /// Its N.
+    pub n: Option<i64>,
+    /// Its rule, counted from 1.
+    pub rule: Option<usize>,
+    /// Whether this is what its rapids took.
+    pub rapid: bool,
+    /// What it took.
+    pub taken: TakenFigures,
+    /// The same of the program as it was, where that has the same block.
+    pub baseline: Option<TakenFigures>,
+}
+
+/// Blocks that took nothing, as nobody knows where the workpiece is to the tool.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct LeftOutFigures {
+    /// `turning`, `other-position`, `no-machine`, `contour`.
+    pub cause: &'static str,
+    /// How many.
+    pub blocks: usize,
+    /// The first: blocks executed, up to and including it.
+    pub first_block: u32,
+    /// Its N.
+    pub first_n: Option<i64>,
+}
+
+/// Heights above the finished part, negative below.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DeviationFigures {
+    /// Least.
+    pub min: f64,
+    /// Largest.
+    pub max: f64,
+    /// Root of the mean square.
+    pub rms: f64,
+    /// Rays on which both have a height.
+    pub rays: usize,
+    /// The largest either way.
+    pub largest: f64,
+    /// Where that is.
+    pub x: f64,
+    /// Where that is.
+    pub y: f64,
+}
+
+impl VolumeUnit {
+    /// For a job in this unit.
+    pub fn of(unit: LengthUnit) -> Self {
+        match unit {
+            LengthUnit::Inch => {
+                VolumeUnit { label: "in3", rate_label: "in3/min", mm3: unit.mm() * unit.mm() * unit.mm() }
+            }
+            LengthUnit::Mm => VolumeUnit { label: "cm3", rate_label: "cm3/min", mm3: MM3_PER_CM3 },
+        }
+    }
+
+    /// A volume, or a rate in mm3 a minute, in this unit.
+    pub fn of_mm3(&self, mm3: f64) -> f64 {
+        mm3 / self.mm3
+    }
+}
+
+impl MaterialFigures {
+    /// Blocks that took more than a cell between rays at rapid.
+    pub fn rapids(&self, unit: LengthUnit) -> impl Iterator<Item = &BlockFigures> {
+        let cell = VolumeUnit::of(unit).of_mm3((self.step * unit.mm()).powi(3));
+        self.blocks.iter().filter(move |block| block.rapid && block.taken.removed > cell)
+    }
+
+    /// What a person must know before anything else, one sentence each.
+    pub fn warnings(&self, unit: LengthUnit) -> Vec<String> {
+        let name = |block: u32, n: Option<i64>| n.map_or(format!("block {block}"), |n| format!("N{n}"));
+        let at_rapid = self.rapids(unit).map(|block| {
+            let BlockFigures { block, n, taken, .. } = block;
+            format!("{}: {} {} taken at rapid", name(*block, *n), short(taken.removed), self.volume_unit)
+        });
+        let mut warnings: Vec<String> = at_rapid.take(SHOWN).collect();
+        if let more @ 1.. = self.rapids(unit).count().saturating_sub(SHOWN) {
+            warnings.push(format!("{more} more blocks take material at rapid"));
+        }
+        warnings.extend(self.left_out.iter().map(|left_out| {
+            let LeftOutFigures { blocks, first_block, first_n, .. } = left_out;
+            let first = name(*first_block, *first_n);
+            let which = if *blocks == 1 { first } else { format!("{blocks} blocks from {first} on") };
+            format!("{which} took no material: {}", left_out.words())
+        }));
+        warnings
+    }
+}
+
+impl LeftOutFigures {
+    /// Why.
+    pub fn words(&self) -> &'static str {
+        match self.cause {
+            "turning" => "rotary axes turn, and only G43.4 tells a turning tool's way on the part",
+            "other-position" => {
+                "the rotary axes stand elsewhere than for the first cut, in whose coordinates the workpiece is"
+            }
+            "no-machine" => "under G43.4, and the job names no machine",
+            _ => "under G41 or G42, whose contour the simulated control executes as written",
+        }
+    }
+}
+
+impl fmt::Display for MaterialFigures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let MaterialFigures { volume_unit, rate_unit, taken, left, .. } = self;
+        writeln!(
+            f,
+            "  workpiece: {} {volume_unit} removed (its rays agree within {}), {} left",
+            short(taken.removed),
+            short(taken.spread),
+            short(*left)
+        )?;
+        let columns = ["removed", "before, mean", "max", "after, mean", "max"];
+        write!(f, "    {:<24}", format!("removal rate, {rate_unit}"))?;
+        columns.iter().try_for_each(|column| write!(f, "{column:>14}"))?;
+        writeln!(f)?;
+        for RuleFigures { rule, taken, baseline } in &self.rules {
+            write!(f, "    {:<24}", rule.map_or("other blocks".into(), |rule| format!("movement {rule}")))?;
+            write_rates(f, taken, baseline)?;
+        }
+        write!(f, "    {:<24}", "all")?;
+        write_rates(f, taken, &self.baseline)?;
+        let (mib, per_mm3) = (self.memory_bytes as f64 / f64::from(1 << 20), self.bytes_per_mm3);
+        writeln!(f, "    {} rays, {mib:.1} MiB, {per_mm3:.1} bytes/mm3", self.rays)?;
+        if let Some(DeviationFigures { min, max, rms, largest, x, y, .. }) = &self.deviation {
+            writeln!(f, "    from the target: {min:+.4} .. {max:+.4}, rms {rms:.4}; {largest:+.4} at X{x:.3} Y{y:.3}")?;
+        }
+        Ok(())
+    }
+}
+
+fn write_rates(f: &mut fmt::Formatter<'_>, after: &TakenFigures, before: &TakenFigures) -> fmt::Result {
+    let rates = [after.removed, before.rate_mean, before.rate_max, after.rate_mean, after.rate_max];
+    rates.iter().try_for_each(|rate| write!(f, "{:>14}", short(*rate)))?;
+    writeln!(f)
+}
+
+/// Four digits, or what there is before the point.
+pub fn short(value: f64) -> String {
+    let digits = match value.abs() {
+        0.0 => 0,
+        size => (3 - size.log10().floor() as i32).clamp(0, 9),
+    };
+    format!("{value:.*}", digits as usize)
+}

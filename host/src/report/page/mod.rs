@@ -1,0 +1,70 @@
+//! A report as one HTML file that needs no other: a title, and sections one below the other.
+//!
+//! A section is a heading and a body; whoever has something to tell adds one of its own.
+
+pub mod png;
+
+pub mod plot;
+
+pub mod map;
+
+pub mod tables;
+
+use std::fmt;
+
+/// A report.
+#[derive(Clone, Debug)]
+pub struct Page {
+    /// In its head.
+    pub title: String,
+    /// In order.
+    pub sections: Vec<Section>,
+}
+
+/// A part of it.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// Plain text.
+    pub heading: String,
+    /// HTML.
+    pub body: String,
+}
+
+impl fmt::Display for Page {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let title = escaped(&self.title);
+        write!(
+            f,
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>\n\
+             body {{ font: 15px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }}\n\
+             pre {{ overflow-x: auto; background: #f6f6f6; padding: 1em; font-size: 12px }}\n\
+             table {{ border-collapse: collapse }}\n\
+             th, td {{ padding: .2em .8em; border-bottom: 1px solid #ddd; text-align: right }}\n\
+             th:first-child, td:first-child {{ text-align: left }}\n\
+             svg {{ max-width: 100%; height: auto; font: 12px sans-serif }}\n\
+             .warning {{ color: #a00000; font-weight: bold }}\n</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
+        )?;
+        for Section { heading, body } in &self.sections {
+            writeln!(f, "<h2>{}</h2>\n{}", escaped(heading), body.trim_end())?;
+        }
+        f.write_str("</body>\n</html>\n")
+    }
+}
+
+/// Text between tags and in attributes.
+pub fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_of_others_is_no_markup() {
+        let page =
+            Page { title: "<b>&\"".into(), sections: vec![Section { heading: "a<b".into(), body: "<p>".into() }] };
+        let html = page.to_string();
+        assert!(html.contains("<h1>&lt;b&gt;&amp;&quot;</h1>\n<h2>a&lt;b</h2>\n<p>\n</body>"), "{html}");
+    }
+}
