@@ -69,7 +69,8 @@ impl Layer {
 
     /// The lowest and the highest corner of its cells.
     pub fn extent_mm(&self) -> [[f64; 2]; 2] {
-        let highest_mm = [0, 1].map(|axis: usize| self.lowest_mm[axis] + self.rays[1 - axis].len() as f64 * self.step_mm);
+        let highest_mm =
+            [0, 1].map(|axis: usize| self.lowest_mm[axis] + self.rays[1 - axis].len() as f64 * self.step_mm);
         [self.lowest_mm, highest_mm]
     }
 

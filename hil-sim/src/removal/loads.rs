@@ -119,6 +119,8 @@ impl LoadMeter {
     /// The end of the run.
     pub fn end(&mut self) {
         self.lift();
+        self.blocks.retain(|(_, tally)| tally.time_s > 0.0);
+        self.windows.retain(|window| window.tally.time_s > 0.0);
     }
 
     /// What each block came to that had chips, in order.
@@ -126,7 +128,7 @@ impl LoadMeter {
         &self.blocks
     }
 
-    /// The same by quarters of a second, those with chips.
+    /// The same by quarters of a second.
     pub fn windows(&self) -> &[Window] {
         &self.windows
     }
