@@ -31,8 +31,7 @@ pub struct Sample {
 /// Largest and mean of a load.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Level {
-    /// Largest.
-    pub max: f64,
+    max: f64,
     /// Times time, s.
     integral: f64,
 }
@@ -74,6 +73,11 @@ pub struct Turn {
 }
 
 impl Level {
+    /// Largest.
+    pub fn max(&self) -> f64 {
+        self.max
+    }
+
     fn add(&mut self, value: f64, dt_s: f64) {
         self.max = self.max.max(value);
         self.integral += value * dt_s;

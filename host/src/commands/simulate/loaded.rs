@@ -55,7 +55,7 @@ pub fn lanes(after: &LoadMeter, before: &LoadMeter) -> [Lane; 2] {
         Lane { title: title.into(), series: series.into() }
     };
     [
-        lane("largest bending force, N", &|tally| tally.bending.max),
+        lane("largest bending force, N", &|tally| tally.bending.max()),
         lane("mean power in the cut, kW", &|tally| tally.mean(&tally.power) / W_PER_KW),
     ]
 }
@@ -94,12 +94,12 @@ fn load(tally: &Tally, unit: LengthUnit) -> LoadFigures {
     let in_unit = |mm: f64| mm / unit.mm();
     LoadFigures {
         time_s: tally.time_s,
-        force_max_n: tally.bending.max,
+        force_max_n: tally.bending.max(),
         force_mean_n: tally.mean(&tally.bending),
         force_variation_ratio: tally.variation_ratio(),
-        torque_max_n_m: tally.torque.max,
+        torque_max_n_m: tally.torque.max(),
         torque_mean_n_m: tally.mean(&tally.torque),
-        power_max_w: tally.power.max,
+        power_max_w: tally.power.max(),
         power_mean_w: tally.mean(&tally.power),
         chips: tally.passes.map(|passes| passes.count),
         chip_mean: tally.passes.map(|passes| passes.mean_mm().map(in_unit)),
