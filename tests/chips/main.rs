@@ -15,3 +15,5 @@ mod teeth;
 mod volumes;
 
 mod slot;
+
+mod governed;

@@ -26,19 +26,24 @@ use arcfeed_tests::root;
 use nalgebra::Vector2;
 
 const STEP_MM: f64 = 1.0;
-const STEPS_A_MS: usize = 2;
-const HEIGHT_MM: f64 = 2.38;
+pub const STEPS_A_MS: usize = 2;
+pub const HEIGHT_MM: f64 = 2.38;
 const TOOTH_MS: usize = 6;
 /// Until the spindle has turned a few times, the ring stands in walls that no edge has cut.
 const SETTLED_MS: usize = 200;
 
 /// The axes' way on one block, a place a millisecond, and what the meter saw of it.
-struct Track {
-    places_mm: Vec<Vector2<f64>>,
-    chips: MoveChips,
+pub struct Track {
+    pub places_mm: Vec<Vector2<f64>>,
+    pub chips: MoveChips,
 }
 
-fn tracks(file: &JobFile) -> BTreeMap<i64, Track> {
+/// A job, by its path from the top of the repository or from everywhere.
+pub fn job(path: &str) -> JobFile {
+    JobFile::load(&root().join(path)).expect("a sound job")
+}
+
+pub fn tracks(file: &JobFile) -> BTreeMap<i64, Track> {
     let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
     let text = [&adapt(&program, &file.job).text[..], b"\n"].concat();
     let settings = control_settings(file);
@@ -67,7 +72,7 @@ fn layer(line: &StockLine, mill: &CupMill, center_mm: Vector2<f64>) -> Layer {
     layer
 }
 
-fn edges(mill: &CupMill) -> Cutter {
+pub fn edges(mill: &CupMill) -> Cutter {
     let ring = Ring {
         outer_radius_mm: mill.outer_radius.to_mm(),
         inner_radius_mm: mill.inner_radius.to_mm(),
@@ -125,7 +130,7 @@ fn compare(track: &Track, mill: &CupMill, edge: Edge, line: &StockLine, spindle:
 
 #[test]
 fn chips_of_the_example_slot_are_those_of_the_geometric_meter() {
-    let file = JobFile::load(&root().join("examples/ibr-slot/job.toml")).expect("the example's job is sound");
+    let file = job("examples/ibr-slot/job.toml");
     let Tool::CupMill(mill) = file.job.tool else { panic!("the example has a cup mill") };
     let target_mm = f64::from(file.job.feed_per_tooth.0);
     let tracks = tracks(&file);
@@ -135,7 +140,7 @@ fn chips_of_the_example_slot_are_those_of_the_geometric_meter() {
         let track = &tracks[&sequence];
         let compared = compare(track, &mill, *edge, line, file.job.spindle);
         let count = compared.chips as f64;
-        let (mean_mm, rms_mm) = (compared.sum_mm / count, (compared.squares_mm2 / count).sqrt());
+        let (mean_mm, rms_mm) = (compared.sum_mm / count, libm::sqrt(compared.squares_mm2 / count));
         let circle = usize::from(*edge == Edge::Inner);
         let thickest_mm = track.chips.thickest[circle].max_ratio * target_mm;
         println!(

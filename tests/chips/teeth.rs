@@ -90,8 +90,8 @@ fn a_ring_cuts_outside_in_front_and_inside_behind() {
         Straight { feed_mm_per_turn: 0.4, step_mm: 0.1, material_mm: [-21.0, 21.0], steps_a_turn: 720, turns: [6, 5] };
     let seen = straight.seen_in(layer, cutter);
     // Beside the tool, where chips begin and end, is left out.
-    for seen in seen.iter().filter(|seen| seen.angle_rad.sin().abs() > 0.2) {
-        let (is_outer, ahead) = (seen.tooth % 2 == 0, seen.angle_rad.sin());
+    for seen in seen.iter().filter(|seen| libm::sin(seen.angle_rad).abs() > 0.2) {
+        let (is_outer, ahead) = (seen.tooth % 2 == 0, libm::sin(seen.angle_rad));
         // Each circle is moved by the feed of one of its own teeth: outside in front, inside behind.
         let should_mm = if is_outer == (ahead > 0.0) { 0.1 * ahead.abs() } else { 0.0 };
         // The path is no circle: z fz / (2 pi R) of the chip, and fz^2 / 2R beside the tool.

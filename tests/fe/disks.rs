@@ -11,6 +11,7 @@ use arcfeed_hil_sim::fe::sparse::Sparse;
 use arcfeed_hil_sim::fe::station::Station;
 use arcfeed_hil_sim::fe::unknowns::Unknowns;
 
+use crate::at_nodes::unknowns_of_nodes;
 use crate::solver::all_of_dense;
 
 fn disk(sectors: usize) -> BladedDisk {
@@ -54,13 +55,11 @@ fn expanded(field: &DiskField, body: &Body, unknowns: &Unknowns) -> Vec<Vec<f64>
             station.shapes.clone()
         })
         .collect();
-    // Which displacement an unknown is shows in the displacements of 1, 2, 3, and so on.
-    let numbers: Vec<f64> = (0..unknowns.count()).map(|unknown| (unknown + 1) as f64).collect();
     let mut vectors = vec![vec![0.0; unknowns.count()]; field.omega_rad_per_s().len()];
-    for (node, numbers) in unknowns.displacements(0, &numbers).iter().enumerate() {
-        for axis in (0..3).filter(|axis| numbers[*axis] > 0.0) {
-            for (vector, shape) in vectors.iter_mut().zip(&at_nodes[node]) {
-                vector[numbers[axis] as usize - 1] = shape[axis];
+    for (shapes, numbers) in at_nodes.iter().zip(unknowns_of_nodes(unknowns)) {
+        for (vector, shape) in vectors.iter_mut().zip(shapes) {
+            for (u, unknown) in shape.iter().zip(numbers) {
+                unknown.into_iter().for_each(|unknown| vector[unknown] = *u);
             }
         }
     }

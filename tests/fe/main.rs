@@ -3,6 +3,8 @@
 
 mod random;
 
+mod at_nodes;
+
 mod beams;
 
 mod plates;
@@ -12,3 +14,5 @@ mod solver;
 mod points;
 
 mod disks;
+
+mod twisted_beam;

@@ -10,6 +10,7 @@ use arcfeed_hil_sim::fe::station::Station;
 use arcfeed_hil_sim::fe::tetrahedron::functions;
 use arcfeed_hil_sim::fe::unknowns::Unknowns;
 
+use crate::at_nodes::unknowns_of_nodes;
 use crate::random::fractions;
 
 const TWISTED: Blade = Blade {
@@ -85,16 +86,12 @@ fn a_static_force_moves_the_body_as_its_stiffness_says() {
     let (k, m) = body.matrices(&unknowns);
     let modes = body.modes(&clamped, k.size()).unwrap();
     let (pushed, seen) = (mesh.nodes_mm().len() - 1, mesh.nodes_mm().len() / 2);
-    // By the stiffness: which unknown is which shows in the displacements of unit vectors.
+    // By the stiffness.
     let force_n = [3.0, -5.0, 2.0];
-    let mut x: Vec<f64> = (0..k.size())
-        .map(|unknown| {
-            let mut unit = vec![0.0; k.size()];
-            unit[unknown] = 1.0;
-            let u = unknowns.displacements(0, &unit)[pushed];
-            (0..3).map(|axis| u[axis] * force_n[axis]).sum()
-        })
-        .collect();
+    let mut x = vec![0.0; k.size()];
+    for (unknown, force_n) in unknowns_of_nodes(&unknowns)[pushed].into_iter().zip(force_n) {
+        x[unknown.expect("the tip is free")] = force_n;
+    }
     Factor::of(&k, 0.0, &m).unwrap().solve(&mut x);
     let truth_mm = unknowns.displacements(0, &x)[seen];
     // By the modes.

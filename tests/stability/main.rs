@@ -9,3 +9,5 @@ mod rows;
 mod milling;
 
 mod tables;
+
+mod flip;

@@ -16,7 +16,7 @@ use arcfeed_hil_sim::process::Process;
 use nalgebra::{Vector2, Vector3};
 
 const RADIUS_MM: f64 = 50.0;
-const FEED_MM_PER_TOOTH: f64 = 0.02;
+pub const FEED_MM_PER_TOOTH: f64 = 0.02;
 /// Between rays: a wave of the fastest vibration on the slowest cut has 100 of them.
 const STEP_MM: f64 = 0.2;
 /// Seen for so long, and for so many teeth, so that what the start leaves has died out.
@@ -47,13 +47,22 @@ impl Milling {
     pub fn chatters(&self, spindle_rev_per_min: f64, depth_mm: f64) -> bool {
         let differences_mm = self.differences_mm(spindle_rev_per_min, depth_mm);
         let late = &differences_mm[differences_mm.len() / 2..];
-        let growth = slope(late.iter().map(|mm| mm.ln())).exp() - 1.0;
+        let growth = libm::exp(slope(late.iter().map(|mm| libm::log(*mm)))) - 1.0;
         let mean_mm = late.iter().sum::<f64>() / late.len() as f64;
         if growth.abs() > STANDING { growth > 0.0 } else { mean_mm > NOTICED_MM }
     }
 
     /// Root mean square of what the tool's way over one tooth differs by from that over the tooth before.
     fn differences_mm(&self, spindle_rev_per_min: f64, depth_mm: f64) -> Vec<f64> {
+        let difference = |pair: &[Vec<Vector3<f64>>]| {
+            let squares = pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b).norm_squared());
+            libm::sqrt(squares.sum::<f64>() / pair[0].len() as f64)
+        };
+        self.ways_mm(spindle_rev_per_min, depth_mm).windows(2).map(difference).collect()
+    }
+
+    /// Where the tool is bent to in every step of every tooth; the first one begins along the feed.
+    pub fn ways_mm(&self, spindle_rev_per_min: f64, depth_mm: f64) -> Vec<Vec<Vector3<f64>>> {
         let tooth_s = 60.0 / spindle_rev_per_min / self.teeth as f64;
         let periods = self.modes.iter().map(|mode| mode.frequency_hz * tooth_s).fold(0.0, f64::max);
         let steps = ((periods * STEPS_A_PERIOD) as usize).max(STEPS_A_TOOTH);
@@ -74,12 +83,7 @@ impl Milling {
         }
         // Where an edge enters just so, its force can be had with the edge in or out, and with neither.
         assert!(open * 1000 < ways_mm.len(), "{open} of {} steps disagree", ways_mm.len());
-        let teeth: Vec<&[Vector3<f64>]> = ways_mm.chunks(steps).collect();
-        let difference = |pair: &[&[Vector3<f64>]]| {
-            let squares = pair[0].iter().zip(pair[1]).map(|(a, b)| (a - b).norm_squared());
-            (squares.sum::<f64>() / steps as f64).sqrt()
-        };
-        teeth.windows(2).map(difference).collect()
+        ways_mm.chunks(steps).map(<[_]>::to_vec).collect()
     }
 
     /// The tool half in the material, everything behind its axis gone.

@@ -99,6 +99,13 @@ impl Layer {
         [0, 1].map(|axis: usize| self.rays[axis].iter().map(Dexel::length_mm).sum::<f64>() * self.step_mm)
     }
 
+    /// Whether there is material at a point, as the nearest ray along an axis has it.
+    pub fn has_material(&self, point_mm: Vector2<f64>, axis: usize) -> bool {
+        let ray = libm::round(self.index(axis, point_mm[1 - axis]));
+        let is_there = (0.0..self.rays[axis].len() as f64).contains(&ray);
+        is_there && self.rays[axis][ray as usize].contains(point_mm[axis])
+    }
+
     /// Takes away a convex polygon; answers its area of material as the rays along each axis have it, mm2.
     pub fn clear(&mut self, corners_mm: &[Vector2<f64>]) -> [f64; 2] {
         self.clear_within(corners_mm, |_, crossing_mm, _, _| crossing_mm)

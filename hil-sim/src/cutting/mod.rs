@@ -17,3 +17,5 @@ pub mod rake;
 pub mod layers;
 
 pub mod bite;
+
+pub mod engaged;

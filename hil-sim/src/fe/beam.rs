@@ -45,11 +45,11 @@ pub struct Beam {
 /// The bending modes of a tool in its own frame: z along the axis from the tip towards the clamp.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BeamModes {
-    /// Angular frequencies, the lowest first, each of two modes: along x, then along y.
+    /// Angular frequencies, the lowest first, in pairs: the mode along x, the mode along y.
     pub omega_rad_per_s: Vec<f64>,
     /// Of each element from the clamp on: where it begins (distance from the clamp), its length, its Phi.
     spans: Vec<[f64; 3]>,
-    /// Of each frequency deflection and rotation of all nodes.
+    /// Of each pair deflection and rotation of all nodes.
     shapes: Vec<Vec<f64>>,
     length_mm: f64,
 }
@@ -132,14 +132,14 @@ impl Section {
 }
 
 impl Beam {
-    /// The `count` lowest bending frequencies and their shapes.
+    /// The `pairs` lowest pairs of bending modes.
     ///
     /// # Errors
     /// The tool has fewer, or a section without length, diameter or substance.
-    pub fn modes(&self, count: usize) -> Result<BeamModes, EigenError> {
+    pub fn modes(&self, pairs: usize) -> Result<BeamModes, EigenError> {
         let elements = self.elements.max(1);
         let size = 2 * elements * self.sections.len();
-        if count > size || size == 0 {
+        if pairs > size || size == 0 {
             return Err(EigenError::TooMany { size });
         }
         // With the clamped node, whose two rows are left out in the end.
@@ -159,13 +159,13 @@ impl Beam {
         }
         m[(size, size)] += self.tip_mass_kg * T_PER_KG;
         let (k, m) = (k.remove_rows(0, 2).remove_columns(0, 2), m.remove_rows(0, 2).remove_columns(0, 2));
-        let (omega_rad_per_s, shapes) = solve(k, &m, count)?;
+        let (omega_rad_per_s, shapes) = solve(k, &m, pairs)?;
         Ok(BeamModes { omega_rad_per_s, spans, shapes, length_mm: from_mm })
     }
 }
 
 /// The lowest of `K x = lambda M x`, dense: with K = L L' the largest 1 / lambda of L^-1 M L'^-1, whose lowest frequencies are the most exact.
-fn solve(k: DMatrix<f64>, m: &DMatrix<f64>, count: usize) -> Result<(Vec<f64>, Vec<Vec<f64>>), EigenError> {
+fn solve(k: DMatrix<f64>, m: &DMatrix<f64>, pairs: usize) -> Result<(Vec<f64>, Vec<Vec<f64>>), EigenError> {
     let lower = k.cholesky().ok_or(EigenError::Singular)?.unpack();
     let half = lower.solve_lower_triangular(m).ok_or(EigenError::Singular)?.transpose();
     let whole = lower.solve_lower_triangular(&half).ok_or(EigenError::Singular)?;
@@ -173,13 +173,13 @@ fn solve(k: DMatrix<f64>, m: &DMatrix<f64>, count: usize) -> Result<(Vec<f64>, V
     let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
     order.sort_by(|i, j| eigen.eigenvalues[*j].total_cmp(&eigen.eigenvalues[*i]));
     let mut modes = (Vec::new(), Vec::new());
-    for mode in order.into_iter().take(count) {
+    for mode in order.into_iter().take(pairs) {
         let omega = libm::sqrt(1.0 / eigen.eigenvalues[mode]);
         let y = eigen.eigenvectors.column(mode) * omega;
         let x = lower.tr_solve_lower_triangular(&y).ok_or(EigenError::Singular)?;
         // The clamped node's two, then all others.
         modes.1.push([0.0, 0.0].into_iter().chain(x.iter().copied()).collect());
-        modes.0.push(omega);
+        modes.0.extend([omega; 2]);
     }
     Ok(modes)
 }
@@ -190,7 +190,7 @@ impl BeamModes {
         self.omega_rad_per_s.iter().map(|omega| omega / std::f64::consts::TAU).collect()
     }
 
-    /// Sets `station` to a point of the tool: for each frequency the mode along x and the one along y. Sections stay plane, so off the axis a
+    /// Sets `station` to a point of the tool. Sections stay plane, so off the axis a
     /// point also moves along it; what lies below the tip moves as the tip's section does.
     pub fn at(&self, point_mm: [f64; 3], station: &mut Station) {
         let from_clamp_mm = self.length_mm - point_mm[2];

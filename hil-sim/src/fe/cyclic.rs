@@ -19,7 +19,7 @@ use std::fmt;
 
 use super::body::{Body, omega_rad_per_s};
 use super::disk::turned;
-use super::eigen::{EigenError, lowest};
+use super::eigen::{EigenError, Eigenpair, lowest};
 use super::material::Material;
 use super::mesh::Mesh;
 use super::unknowns::{Row, Unknowns, numbers};
@@ -131,6 +131,7 @@ impl Sector {
             (0..self.left.len()).map(|node| Some(self.left[node].unwrap_or(node))).collect();
         for node in clamped {
             leaders[*node] = None;
+            leaders[self.left[*node].unwrap_or(*node)] = None;
         }
         let numbers = numbers(self.body.mesh(), &leaders);
         let parts = if self.is_single(diameters) { 1 } else { 2 };
@@ -173,7 +174,7 @@ impl Sector {
         let scaled = |part: usize, x: &[f64]| -> Vec<[f64; 3]> {
             unknowns.displacements(part, x).into_iter().map(|u| u.map(|u| u * scale)).collect()
         };
-        let wave = |pair: super::eigen::Eigenpair| Wave {
+        let wave = |pair: Eigenpair| Wave {
             omega_rad_per_s: omega_rad_per_s(&pair),
             diameters,
             real: scaled(0, &pair.vector),
@@ -194,10 +195,13 @@ impl Sector {
             let limit = if count == 0 { 0.0 } else { known.get(count - 1).copied().unwrap_or(f64::INFINITY) };
             let mut is_done = true;
             for (diameters, family) in families.iter_mut().enumerate() {
-                let size = self.unknowns(clamped, diameters).count();
-                if family.last().is_none_or(|wave| wave.omega_rad_per_s < limit) && family.len() < size {
-                    let more = if family.is_empty() { 2 * (count / self.sectors + 1) } else { family.len() / 2 + 2 };
-                    *family = self.waves(clamped, diameters, (family.len() + more).min(size))?;
+                if family.last().is_some_and(|wave| wave.omega_rad_per_s >= limit) {
+                    continue;
+                }
+                let more = if family.is_empty() { 2 * (count / self.sectors + 1) } else { family.len() / 2 + 2 };
+                let wanted = (family.len() + more).min(self.unknowns(clamped, diameters).count());
+                if wanted > family.len() {
+                    *family = self.waves(clamped, diameters, wanted)?;
                     is_done = false;
                 }
             }

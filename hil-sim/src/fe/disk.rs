@@ -95,7 +95,12 @@ impl BladedDisk {
 }
 
 /// A vector turned about z.
-pub(super) fn turned([x, y, z]: [f64; 3], angle_rad: f64) -> [f64; 3] {
+pub(super) fn turned(vector: [f64; 3], angle_rad: f64) -> [f64; 3] {
     let (sin, cos) = libm::sincos(angle_rad);
+    turned_by(vector, [cos, sin])
+}
+
+/// The same by cosine and sine.
+pub(super) fn turned_by([x, y, z]: [f64; 3], [cos, sin]: [f64; 2]) -> [f64; 3] {
     [cos * x - sin * y, sin * x + cos * y, z]
 }

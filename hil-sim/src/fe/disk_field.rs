@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::body::Modes;
 use super::cyclic::{Sector, Wave};
-use super::disk::turned;
+use super::disk::turned_by;
 use super::field::{Field, settled_mm};
 use super::locate::TooFar;
 use super::station::Station;
@@ -63,8 +63,7 @@ impl DiskField {
         let mut other = Station { element: station.element, ..Station::default() };
         for sector in [guess, guess - 1, guess + 1].map(|s| s.rem_euclid(sectors as isize) as usize) {
             let [cos, sin] = self.turns[sector];
-            let in_first_mm =
-                [cos * point_mm[0] + sin * point_mm[1], cos * point_mm[1] - sin * point_mm[0], point_mm[2]];
+            let in_first_mm = turned_by(point_mm, [cos, -sin]);
             let Ok(outside_mm) = self.sector.at(in_first_mm, &mut other) else { continue };
             if best.is_err() || best.is_ok_and(|(least_mm, _)| outside_mm < least_mm) {
                 best = Ok((outside_mm, sector));
@@ -81,11 +80,11 @@ impl DiskField {
 
     /// From a and b in the first sector to the displacement in another one: (1) of [`super::cyclic`].
     fn expand(&self, sector: usize, station: &mut Station) {
-        let around = TAU * sector as f64 / self.turns.len() as f64;
+        let around = self.turns[sector];
         for (mode, diameters) in self.diameters.iter().enumerate() {
             let [cos, sin] = self.turns[diameters * sector % self.turns.len()];
             let [a, b] = [station.shapes[2 * mode], station.shapes[2 * mode + 1]];
-            station.shapes[mode] = turned(std::array::from_fn(|axis| a[axis] * cos - b[axis] * sin), around);
+            station.shapes[mode] = turned_by(std::array::from_fn(|axis| a[axis] * cos - b[axis] * sin), around);
         }
         station.shapes.truncate(self.diameters.len());
     }

@@ -83,6 +83,16 @@ fn place_of(nodes_mm: &[[f64; 3]; NODES], point: &Vector3<f64>) -> Option<Place>
     None
 }
 
+/// How far a point is beyond the planes of the four faces between straight corners, at the most: it is no nearer to the tetrahedron.
+fn beyond_faces_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> f64 {
+    let base = Vector3::from(corners_mm[0]);
+    let edges = [1, 2, 3].map(|i| Vector3::from(corners_mm[i]) - base);
+    let Some(gradients) = Matrix3::from_columns(&edges).try_inverse() else { return f64::INFINITY };
+    let l = gradients * (point - base);
+    let of_base = (l.sum() - 1.0) / gradients.row_sum().norm();
+    (0..3).map(|k| -l[k] / gradients.row(k).norm()).fold(of_base, f64::max)
+}
+
 /// Distance of a point from the straight tetrahedron between four corners: the least over the nearest points of all hulls of some of the
 /// corners that are within them.
 fn from_corners_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> f64 {
@@ -168,6 +178,10 @@ impl Locator {
                 continue;
             }
             let nodes_mm = mesh.nodes_of_mm(element);
+            // Where faces lie in one plane the first of them will do.
+            if beyond_faces_mm(&nodes_mm[..4], &point) >= best.outside_mm {
+                continue;
+            }
             let outside_mm = from_corners_mm(&nodes_mm[..4], &point);
             if outside_mm < best.outside_mm
                 && let Some(place) = place_of(&nodes_mm, &point)

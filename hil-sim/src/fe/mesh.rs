@@ -7,7 +7,8 @@
 
 use std::fmt;
 
-use super::tetrahedron::{EDGES, NODES};
+use super::element::jacobian;
+use super::tetrahedron::{EDGES, NODES, nodes};
 
 /// A place on the lattice, in half cells from the lowest corner.
 pub type HalfCells = [usize; 3];
@@ -26,7 +27,7 @@ pub struct Mesh {
 pub enum MeshError {
     /// No cell is kept.
     Empty,
-    /// The function folds an element: at a corner its volume is nothing or less.
+    /// The function folds an element: at one of its nodes its volume is nothing or less.
     Folded {
         /// The element, counted from 0.
         element: usize,
@@ -142,10 +143,9 @@ impl Mesh {
         if self.elements.is_empty() {
             return Err(MeshError::Empty);
         }
-        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let is_folded = |element: &usize| {
             let nodes_mm = self.nodes_of_mm(*element);
-            !corners.iter().all(|corner| super::element::jacobian(&nodes_mm, *corner).determinant() > 0.0)
+            !nodes().iter().all(|place| jacobian(&nodes_mm, *place).determinant() > 0.0)
         };
         match (0..self.elements.len()).find(is_folded) {
             Some(element) => Err(MeshError::Folded { element }),

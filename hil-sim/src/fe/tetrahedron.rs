@@ -31,6 +31,18 @@ pub fn barycentric(place: Place) -> [f64; 4] {
     [1.0 - place[0] - place[1] - place[2], place[0], place[1], place[2]]
 }
 
+/// The places of the nodes.
+pub fn nodes() -> [Place; NODES] {
+    let mut places = [[0.0; 3]; NODES];
+    for corner in 1..4 {
+        places[corner][corner - 1] = 1.0;
+    }
+    for (edge, [i, j]) in EDGES.into_iter().enumerate() {
+        places[4 + edge] = std::array::from_fn(|k| 0.5 * (places[i][k] + places[j][k]));
+    }
+    places
+}
+
 /// The ten functions at a place, inside the element or not.
 pub fn functions(place: Place) -> [f64; NODES] {
     let l = barycentric(place);
@@ -125,11 +137,8 @@ mod tests {
 
     #[test]
     fn each_function_is_one_at_its_node_and_zero_at_the_others() {
-        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let middle = |[i, j]: [usize; 2]| std::array::from_fn(|k| 0.5 * (corners[i][k] + corners[j][k]));
-        let nodes: Vec<Place> = corners.into_iter().chain(EDGES.map(middle)).collect();
-        for (at, place) in nodes.iter().enumerate() {
-            for (of, value) in functions(*place).into_iter().enumerate() {
+        for (at, place) in nodes().into_iter().enumerate() {
+            for (of, value) in functions(place).into_iter().enumerate() {
                 assert_eq!(value, if at == of { 1.0 } else { 0.0 }, "function {of} at node {at}");
             }
         }

@@ -1,0 +1,105 @@
+//! Which part of a circle stands in front of material: engagement as the stock has it, for laws that are told so.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Vector2;
+
+use super::edges::Side;
+use super::layer::Layer;
+
+/// Directions looked into for each ray that the circle passes.
+const LOOKS_A_STEP: f64 = 4.0;
+
+/// A circle of edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeCircle {
+    /// The tool's axis.
+    pub center_mm: Vector2<f64>,
+    /// Of the edges.
+    pub radius_mm: f64,
+    /// Which way they cut.
+    pub side: Side,
+}
+
+impl EdgeCircle {
+    /// From where to where there is material `ahead_mm` before the edges, right of a quarter of the rays' distance: angles
+    /// counter-clockwise from the first axis, each arc from less than a turn on, none twice.
+    pub fn engaged_rad(&self, layer: &Layer, ahead_mm: f64) -> Vec<[f64; 2]> {
+        let looks = (TAU * self.radius_mm / layer.step_mm() * LOOKS_A_STEP).ceil() as usize;
+        let at_rad = |look: usize| (look as f64 + 0.5) * TAU / looks as f64;
+        let reach_mm = self.radius_mm + self.side.sign() * ahead_mm;
+        let is_in = |look: usize| {
+            let (sin, cos) = libm::sincos(at_rad(look % looks));
+            layer.has_material(self.center_mm + Vector2::new(cos, sin) * reach_mm, usize::from(sin * sin > cos * cos))
+        };
+        let half_rad = TAU / looks as f64 / 2.0;
+        let begins = (0..looks).filter(|look| is_in(*look) && !is_in(look + looks - 1));
+        let arcs: Vec<[f64; 2]> = begins
+            .map(|begin| {
+                let end = (begin..begin + looks).find(|look| !is_in(*look)).unwrap_or(begin + looks);
+                [at_rad(begin) - half_rad, at_rad(end) - half_rad]
+            })
+            .collect();
+        if arcs.is_empty() && is_in(0) { vec![[0.0, TAU]] } else { arcs }
+    }
+}
+
+/// Picks at most `count` of some samples, told by where they are and their values, between which the others lie as nearly on straight
+/// lines as can be had by adding the worst one again and again; answers their indices in order.
+pub fn knots(at: &[f64], values: &[[f64; 2]], count: usize) -> Vec<usize> {
+    let last = at.len().min(values.len()).saturating_sub(1);
+    let mut picked = vec![0, last];
+    picked.dedup();
+    while picked.len() < count {
+        let off = |index: usize| {
+            let next = picked.partition_point(|knot| *knot < index).clamp(1, picked.len() - 1);
+            let (a, b) = (picked[next - 1], picked[next]);
+            let part = (at[index] - at[a]) / (at[b] - at[a]);
+            let along = |end: usize| values[a][end] + (values[b][end] - values[a][end]) * part - values[index][end];
+            libm::fabs(along(0)).max(libm::fabs(along(1)))
+        };
+        let others = (0..=last).filter(|index| picked.binary_search(index).is_err());
+        let Some(worst) = others.max_by(|a, b| off(*a).total_cmp(&off(*b))) else { break };
+        let place = picked.partition_point(|knot| *knot < worst);
+        picked.insert(place, worst);
+    }
+    picked
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_arc_ends_where_the_material_does() {
+        // Material from x = 3 on.
+        let layer = Layer::rectangle([3.0, -20.0], [20.0, 40.0], 0.1);
+        let circle = EdgeCircle { center_mm: Vector2::zeros(), radius_mm: 5.0, side: Side::Outer };
+        let arcs = circle.engaged_rad(&layer, 0.0);
+        let end = libm::acos(0.6);
+        assert_eq!(arcs.len(), 1);
+        for (found, should) in arcs[0].into_iter().zip([TAU - end, TAU + end]) {
+            assert!((found - should).abs() < 0.1 / 5.0, "{arcs:?}");
+        }
+    }
+
+    #[test]
+    fn knots_stand_where_lines_bend() {
+        let at: Vec<f64> = (0..=100).map(f64::from).collect();
+        let bent = |x: f64| if x < 30.0 { x } else { 30.0 + 4.0 * (x - 30.0).min(10.0) };
+        let values: Vec<[f64; 2]> = at.iter().map(|x| [0.0, bent(*x)]).collect();
+        assert_eq!(knots(&at, &values, 4), [0, 30, 40, 100]);
+        assert_eq!(knots(&at[..2], &values[..2], 16), [0, 1]);
+        assert_eq!(knots(&at[..1], &values[..1], 16), [0]);
+    }
+
+    #[test]
+    fn all_round_and_not_at_all() {
+        let layer = Layer::rectangle([-20.0; 2], [40.0; 2], 0.5);
+        let circle = EdgeCircle { center_mm: Vector2::zeros(), radius_mm: 5.0, side: Side::Inner };
+        assert_eq!(circle.engaged_rad(&layer, 0.1), [[0.0, TAU]]);
+        let mut gone = layer;
+        gone.clear_ring(Vector2::zeros(), 0.0, 6.0);
+        assert!(circle.engaged_rad(&gone, 0.1).is_empty());
+    }
+}
