@@ -33,7 +33,7 @@ impl Slot<'_> {
             self.cutting
         );
         let program = format!(
-            "%\nG21G17G90G94\nN1G0X.013Y.021\nN2G0Z5.\nN3G1Z-{axial_depth_mm}F400.\nN4G1X{:.3}F{feed:.3}\nN5G0Z5.\n\
+            "%\nG21G17G90G94\nN1G0X.013Y.021\nN2G0Z5.\nN3G1Z-{axial_depth_mm:.3}F400.\nN4G1X{:.3}F{feed:.3}\nN5G0Z5.\n\
              N6G1X0.F9000.\nN7M30\n%\n",
             way_mm + 0.013
         );

@@ -10,7 +10,7 @@ use super::layer::Layer;
 const WHOLE_RATIO: f64 = 1e-9;
 
 /// Layers that are a mistake in their height.
-const LAYERS_MAX: f64 = 1e4;
+const LAYERS_MAX: f64 = 65_536.0;
 
 /// Layers of equal height.
 #[derive(Clone, Debug)]
