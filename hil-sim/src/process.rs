@@ -21,6 +21,7 @@ pub struct Process {
     cutting: Cutting,
     /// Of the tool against the workpiece.
     vibration: Vibration,
+    chips_mm: Vec<f64>,
 }
 
 /// What happened in a step.
@@ -41,12 +42,23 @@ pub struct Moment {
 impl Process {
     /// A cutter in its workpiece, and what both do under forces; a rigid pair has no modes.
     pub fn new(bite: Bite, cutting: Cutting, vibration: Vibration) -> Self {
-        Process { bite, cutting, vibration }
+        let chips_mm = vec![0.0; bite.cutter().teeth()];
+        Process { bite, cutting, vibration, chips_mm }
     }
 
     /// The cutter and the workpiece.
     pub fn bite(&self) -> &Bite {
         &self.bite
+    }
+
+    /// The cutter and the workpiece, to be moved without a cut.
+    pub fn bite_mut(&mut self) -> &mut Bite {
+        &mut self.bite
+    }
+
+    /// The thickest chip of each tooth at the end of the last step.
+    pub fn chips_mm(&self) -> &[f64] {
+        &self.chips_mm
     }
 
     /// The modes, to see them from another place of the cut.
@@ -56,25 +68,34 @@ impl Process {
 
     /// Goes to the next place, `dt_s` later, less than a quarter of a turn on.
     pub fn step(&mut self, dt_s: f64, stand: &Stand) -> Moment {
-        let (bite, cutting) = (&self.bite, &self.cutting);
-        let (mut loads, mut thickest_mm) = (Loads::default(), 0.0);
+        let (bite, cutting, chips_mm) = (&self.bite, &self.cutting, &mut self.chips_mm);
+        let mut loads = Loads::default();
         let step = self.vibration.step(dt_s, |displacement_mm| {
-            (loads, thickest_mm) = loaded(bite, cutting, stand, displacement_mm);
+            loads = loaded(bite, cutting, stand, (displacement_mm, chips_mm));
             loads.force_n
         });
+        let thickest_mm = self.chips_mm.iter().copied().fold(0.0, f64::max);
         let bent = step.displacement_mm.xy();
         let removed_mm3 = self.bite.cut(stand, |_| bent);
         Moment { loads, displacement_mm: step.displacement_mm, thickest_mm, removed_mm3, agrees: step.agrees }
     }
 }
 
-/// What the edges find where they are bent to: the loads, and the thickest chip.
-fn loaded(bite: &Bite, cutting: &Cutting, stand: &Stand, displacement_mm: &Vector3<f64>) -> (Loads, f64) {
+/// What the edges find where they are bent to: the loads, and into the list the thickest chip of each tooth.
+fn loaded(
+    bite: &Bite,
+    cutting: &Cutting,
+    stand: &Stand,
+    (displacement_mm, chips_mm): (&Vector3<f64>, &mut [f64]),
+) -> Loads {
     let bent: Vector2<f64> = displacement_mm.xy();
-    let (mut loads, mut thickest_mm) = (Loads::default(), 0.0_f64);
+    let mut loads = Loads::default();
+    chips_mm.fill(0.0);
     for (piece, chip) in bite.chips(stand, |_| bent) {
         loads.add(piece, stand.turned_rad, &cutting.force(&chip));
-        thickest_mm = thickest_mm.max(chip.thickness_mm);
+        if let Some(thickest_mm) = chips_mm.get_mut(piece.tooth) {
+            *thickest_mm = thickest_mm.max(chip.thickness_mm);
+        }
     }
-    (loads, thickest_mm)
+    loads
 }

@@ -259,7 +259,7 @@ impl<D: Decider> Rig<D> {
     }
 
     /// What the spindle turns with; of one without a drive, what the job says.
-    fn spindle(&self) -> RevPerMin {
+    pub fn spindle(&self) -> RevPerMin {
         self.control.spindle().map_or(self.job.spindle, |spindle| RevPerMin(libm::fabs(spindle.rev_per_min()) as f32))
     }
 

@@ -2,6 +2,8 @@
 
 mod quantity;
 
+pub mod cutting;
+
 mod schema;
 
 mod tables;
@@ -33,6 +35,7 @@ use toml::Spanned;
 use crate::control;
 use crate::machine_file::MachineFile;
 use crate::place::place;
+pub use cutting::Cutting;
 pub use dnc::{DncSettings, TapeCode};
 use schema::{JobTable, LawTable, Quantity, ToolTable};
 pub use serial::{Parity, SerialSettings};
@@ -57,6 +60,8 @@ pub struct JobFile {
     pub machine: Option<MachineFile>,
     /// What it cuts, where the job says so.
     pub workpiece: Option<Workpiece>,
+    /// What cutting it takes, where the job says so.
+    pub cutting: Option<Cutting>,
     /// The DNC line.
     pub serial: SerialSettings,
     /// What is sent on it, and how.
@@ -196,6 +201,7 @@ impl JobFile {
             tables: Tables::default(),
             machine: None,
             workpiece: None,
+            cutting: None,
             serial,
             dnc: DncSettings::default(),
         }
@@ -251,9 +257,11 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let (nc, tables) = loaded.map_err(|message| at(place.unwrap_or(preset), &message))?;
     let program = folder.join(table.program.as_ref());
     let workpiece = workpiece::build(table, &job, folder)?;
+    let height_mm = workpiece.as_ref().map(|workpiece| workpiece.body.height_mm);
+    let cutting = table.cutting.as_ref().map(|told| cutting::build(told, &job, height_mm)).transpose()?;
     let serial = serial::build(&table.serial)?;
     let dnc = dnc::build(&table.dnc, &serial)?;
-    Ok(JobFile { job, program, control, settings, nc, tables, machine, workpiece, serial, dnc })
+    Ok(JobFile { job, program, control, settings, nc, tables, machine, workpiece, cutting, serial, dnc })
 }
 
 fn build_tool(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {

@@ -1,5 +1,7 @@
 //! All edges of a cutter in the layers of a workpiece: what each has in front of it, and what it takes.
 //!
+//! What the tool's end takes when it comes into a layer, in a plunge, is no edge's: it goes without chips ([`Bite::sink`]).
+//!
 //! The cutter's axis stands square to the layers. A piece of an edge meets one layer, and what is in front of it there is what
 //! itself, the other teeth, earlier passes and vibration have left: nothing is told by a formula.
 
@@ -7,7 +9,7 @@ use std::fmt;
 
 use nalgebra::Vector2;
 
-use super::edges::{Cutter, EdgePiece};
+use super::edges::{Cutter, EdgePiece, Side};
 use super::layers::Layers;
 use super::material::ChipSection;
 use super::rake::{Rake, Wake};
@@ -23,6 +25,17 @@ pub struct Bite {
     depth_mm: f64,
     /// One a piece, and the layer it was in.
     wakes: Vec<(Option<usize>, Wake)>,
+    /// The solid that the edges turn.
+    slices: Vec<Slice>,
+}
+
+/// What the pieces at one height turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Slice {
+    height_mm: f64,
+    /// 0 without inner edges.
+    inner_mm: f64,
+    outer_mm: f64,
 }
 
 /// Where the cutter is.
@@ -81,7 +94,8 @@ impl Bite {
             return Err(BiteError::Slice { rise_mm: piece.rise_mm, layer_mm });
         }
         let wakes = vec![Default::default(); cutter.pieces().len()];
-        Ok(Bite { cutter, layers, depth_mm, wakes })
+        let slices = slices(&cutter);
+        Ok(Bite { cutter, layers, depth_mm, wakes, slices })
     }
 
     /// The cutter.
@@ -132,6 +146,32 @@ impl Bite {
         removed_mm3
     }
 
+    /// Whether any edge is in a layer there.
+    pub fn is_in(&self, tip_mm: f64) -> bool {
+        self.slices.iter().any(|slice| self.layers.index(tip_mm + slice.height_mm).is_some())
+    }
+
+    /// Whether an edge would be in another layer there than where it cut last.
+    pub fn changes_layer(&self, tip_mm: f64) -> bool {
+        let each = self.cutter.pieces().iter().zip(&self.wakes).take(self.slices.len());
+        each.into_iter().any(|(piece, (was_in, _))| *was_in != self.layers.index(tip_mm + piece.height_mm))
+    }
+
+    /// Takes everything where the tool stands, without chips.
+    pub fn sink(&mut self, stand: &Stand) {
+        for slice in &self.slices {
+            let index = self.layers.index(stand.tip_mm + slice.height_mm);
+            if let Some(layer) = index.and_then(|index| self.layers.layers_mut().get_mut(index)) {
+                layer.clear_ring(stand.axis_mm, slice.inner_mm, slice.outer_mm);
+            }
+        }
+    }
+
+    /// The tool is out of the cut: what it cut next to is forgotten.
+    pub fn lift(&mut self) {
+        self.wakes.fill(Default::default());
+    }
+
     fn rake(&self, piece: &EdgePiece, stand: &Stand, bent_mm: Vector2<f64>) -> Rake {
         let (sin, cos) = libm::sincos(piece.angle_at_rad(stand.turned_rad));
         Rake {
@@ -143,4 +183,24 @@ impl Bite {
             depth_mm: self.depth_mm,
         }
     }
+}
+
+/// Pieces of the first tooth stand one above the other, and so do those of all others, at the same heights.
+fn slices(cutter: &Cutter) -> Vec<Slice> {
+    let mut slices: Vec<Slice> = Vec::new();
+    for piece in cutter.pieces() {
+        let found = slices.iter().position(|slice| slice.height_mm == piece.height_mm);
+        let index = found.unwrap_or_else(|| {
+            slices.push(Slice { height_mm: piece.height_mm, inner_mm: 0.0, outer_mm: 0.0 });
+            slices.len() - 1
+        });
+        let slice = &mut slices[index];
+        match piece.side {
+            Side::Outer => slice.outer_mm = slice.outer_mm.max(piece.radius_mm),
+            // The innermost of several.
+            Side::Inner if slice.inner_mm == 0.0 => slice.inner_mm = piece.radius_mm,
+            Side::Inner => slice.inner_mm = slice.inner_mm.min(piece.radius_mm),
+        }
+    }
+    slices
 }

@@ -234,6 +234,20 @@ impl Cutter {
         self.teeth_rad.len()
     }
 
+    /// From the spindle's axis to its farthest edge.
+    pub fn reach_mm(&self) -> f64 {
+        self.pieces.iter().map(|piece| piece.radius_mm).fold(0.0, f64::max)
+    }
+
+    /// How deep rake faces may be that reach neither the axis nor edges on the other side of a ring: half-way.
+    pub fn rake_max_mm(&self) -> f64 {
+        let [outer_mm, inner_mm] = [Side::Outer, Side::Inner].map(|side| {
+            let of_side = self.pieces.iter().filter(move |piece| piece.side == side).map(|piece| piece.radius_mm);
+            of_side.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], mm| [least.min(mm), most.max(mm)])
+        });
+        (outer_mm[0] - inner_mm[1]) / 2.0
+    }
+
     /// Teeth at other angles: from each tooth to the next one, the last to the first.
     ///
     /// # Errors

@@ -9,7 +9,8 @@ use nalgebra::Vector2;
 
 use crate::stock::dexel::{Dexel, Interval};
 use crate::stock::grid::Grid;
-use crate::stock::lattice::Lattice;
+use crate::stock::lattice::{Lattice, LatticeError};
+use crate::stock::solid::Solid;
 use crate::stock::workpiece::Stock;
 
 /// Rays along the two axes of the plane.
@@ -71,6 +72,27 @@ impl Layer {
         let rays =
             [along(first, lattice.cells()[second], &|n| (n, at)), along(second, lattice.cells()[first], &|n| (at, n))];
         Layer { lowest_mm: [lowest_mm[first], lowest_mm[second]], step_mm: lattice.step_mm(), rays }
+    }
+
+    /// A solid at a height along `axis`; the plane has the two axes that follow it.
+    ///
+    /// # Errors
+    /// There are no such rays, or too many.
+    pub fn at(solid: &dyn Solid, axis: usize, height_mm: f64, step_mm: f64) -> Result<Self, LatticeError> {
+        let [mut lowest_mm, mut highest_mm] = solid.bounds_mm();
+        // One cell along the axis, so that a grid across it has one line of rays.
+        (lowest_mm[axis], highest_mm[axis]) = (height_mm - step_mm / 2.0, height_mm + step_mm / 2.0);
+        let lattice = Lattice::new(lowest_mm, highest_mm, step_mm)?;
+        let across = Lattice::across(axis);
+        let rays = across.map(|axis| solid.grid(&lattice, axis).dexels().to_vec());
+        Ok(Layer { lowest_mm: across.map(|axis| lowest_mm[axis]), step_mm, rays })
+    }
+
+    /// The lowest and the highest corner of its cells.
+    pub fn extent_mm(&self) -> [[f64; 2]; 2] {
+        let highest_mm =
+            [0, 1].map(|axis: usize| self.lowest_mm[axis] + self.rays[1 - axis].len() as f64 * self.step_mm);
+        [self.lowest_mm, highest_mm]
     }
 
     /// Distance of neighbouring rays.
@@ -250,6 +272,8 @@ mod tests {
             let layer = Layer::of(&stock, axis, 3.1);
             assert_eq!(layer.areas_mm2(), [sizes[0] * sizes[1]; 2], "{axis}");
             assert_eq!(layer.rays(0).len() as f64 * 0.5, sizes[1]);
+            assert_eq!(Layer::at(&block, axis, 3.1, 0.5).unwrap().areas_mm2(), layer.areas_mm2());
+            assert_eq!(Layer::at(&block, axis, 9.0, 0.5).unwrap().areas_mm2(), [0.0; 2]);
             assert_eq!(Layer::of(&stock, axis, 9.0).areas_mm2(), [0.0; 2]);
         }
     }

@@ -1,8 +1,16 @@
 //! The workpiece as layers one above the other, square to the tool's axis.
 
+use crate::stock::lattice::LatticeError;
+use crate::stock::solid::Solid;
 use crate::stock::workpiece::Stock;
 
 use super::layer::Layer;
+
+/// Part of a layer that a solid may be higher than a whole number of them: rounding.
+const WHOLE_RATIO: f64 = 1e-9;
+
+/// Layers that are a mistake in their height.
+const LAYERS_MAX: f64 = 65_536.0;
 
 /// Layers of equal height.
 #[derive(Clone, Debug)]
@@ -32,6 +40,30 @@ impl Layers {
             rise_mm: lattice.step_mm(),
             layers: (0..lattice.cells()[axis]).map(cell).collect(),
         }
+    }
+
+    /// A solid along `axis`, from its top downwards until it is covered; each layer is as the solid is in the layer's middle.
+    ///
+    /// # Errors
+    /// There are no such layers or rays, or too many.
+    pub fn of_solid(solid: &dyn Solid, axis: usize, rise_mm: f64, step_mm: f64) -> Result<Self, LatticeError> {
+        let [lowest_mm, highest_mm] = solid.bounds_mm();
+        let length_mm = highest_mm[axis] - lowest_mm[axis];
+        let count = libm::ceil(length_mm / rise_mm - WHOLE_RATIO);
+        if !(1.0..=LAYERS_MAX).contains(&count) {
+            return Err(LatticeError::Box { axis, length_mm });
+        }
+        let lowest_mm = highest_mm[axis] - count * rise_mm;
+        let layer = |n: usize| Layer::at(solid, axis, lowest_mm + (n as f64 + 0.5) * rise_mm, step_mm);
+        let layers: Result<Vec<Layer>, LatticeError> = (0..count as usize).map(layer).collect();
+        Ok(Layers { lowest_mm, rise_mm, layers: layers? })
+    }
+
+    /// The lowest and the highest corner of all layers, in their plane.
+    pub fn extent_mm(&self) -> Option<[[f64; 2]; 2]> {
+        self.layers.iter().map(Layer::extent_mm).reduce(|[a, b], [c, d]| {
+            [[0, 1].map(|axis: usize| a[axis].min(c[axis])), [0, 1].map(|axis: usize| b[axis].max(d[axis]))]
+        })
     }
 
     /// How high each of them is.

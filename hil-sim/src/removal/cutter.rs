@@ -69,6 +69,22 @@ enum Approach {
     Over,
 }
 
+impl LeftOut {
+    /// Counts a block among those that were left out; a rapid is none.
+    pub(super) fn count(list: &mut Vec<LeftOut>, of: Of, why: Unplaced) {
+        if of.is_rapid {
+            return;
+        }
+        match list.iter_mut().find(|left_out| left_out.why == why) {
+            Some(left_out) => {
+                left_out.blocks += usize::from(left_out.last != of.count);
+                left_out.last = of.count;
+            }
+            None => list.push(LeftOut { why, first: of, blocks: 1, last: of.count }),
+        }
+    }
+}
+
 impl Cutter {
     /// Before the run.
     pub fn new(settings: CutterSettings) -> Self {
@@ -182,7 +198,7 @@ impl Cutter {
         let sweeps = match self.placing.sweeps(stretch, tool, machine.as_ref(), *tolerance_mm) {
             Ok(sweeps) => sweeps,
             Err(why) => {
-                self.leave_out(stretch.of, why);
+                LeftOut::count(&mut self.left_out, stretch.of, why);
                 return Ok(());
             }
         };
@@ -194,19 +210,6 @@ impl Cutter {
         let (block, way_mm) = (self.blocks.len() - 1, stretch.way_mm());
         self.pieces.push(Piece { block, from: stretch.from, to: stretch.to, way_mm, removed });
         Ok(())
-    }
-
-    fn leave_out(&mut self, of: Of, why: Unplaced) {
-        if of.is_rapid {
-            return;
-        }
-        match self.left_out.iter_mut().find(|left_out| left_out.why == why) {
-            Some(left_out) => {
-                left_out.blocks += usize::from(left_out.last != of.count);
-                left_out.last = of.count;
-            }
-            None => self.left_out.push(LeftOut { why, first: of, blocks: 1, last: of.count }),
-        }
     }
 }
 

@@ -19,6 +19,9 @@ use super::trail::{Place, Stretch};
 /// Rotary axes nearer than this are where they were.
 const SAME_DEG: f64 = 1e-4;
 
+/// A tool axis that leans by less than this, rad, stands upright.
+const UPRIGHT_RAD: f64 = 1e-6;
+
 /// Without rotary axes, or for the part as it lies.
 const UP: Vector = [0.0, 0.0, 1.0];
 
@@ -33,6 +36,8 @@ pub enum Unplaced {
     NoMachine,
     /// The way is the part's contour: G41, G42.
     Contour,
+    /// The tool leans on the part, and edges are asked for chips only where it stands upright.
+    Tilted,
 }
 
 /// The workpiece's place.
@@ -69,6 +74,24 @@ impl Placing {
         machine: Option<&Machine>,
         tolerance_mm: f64,
     ) -> Result<Vec<Sweep>, Unplaced> {
+        let poses = self.poses(stretch, machine)?;
+        let chords = poses.windows(2).map(|pair| Move::Straight { from: pair[0], to: pair[1] });
+        let sweeps: Result<Vec<Vec<Sweep>>, MoveError> = chords.map(|chord| chord.sweeps(tool, tolerance_mm)).collect();
+        sweeps.map(|sweeps| sweeps.concat()).map_err(|_| Unplaced::Turning)
+    }
+
+    /// Where the tip of an upright tool is on the part, place by place.
+    ///
+    /// # Errors
+    /// It is not known where the tool is to the workpiece, or it leans.
+    pub fn upright_mm(&self, stretch: &Stretch, machine: Option<&Machine>) -> Result<Vec<Vector>, Unplaced> {
+        let poses = self.poses(stretch, machine)?;
+        let leans = |pose: &Pose| pose.axis[2] < 0.0 || libm::hypot(pose.axis[0], pose.axis[1]) > UPRIGHT_RAD;
+        if poses.iter().any(leans) { Err(Unplaced::Tilted) } else { Ok(poses.iter().map(|pose| pose.tip_mm).collect()) }
+    }
+
+    /// Tip and axis on the part, place by place.
+    fn poses(&self, stretch: &Stretch, machine: Option<&Machine>) -> Result<Vec<Pose>, Unplaced> {
         let axis: Box<dyn Fn(&Place) -> Vector + '_> = match (stretch.manner.way, machine) {
             (Way::Contour, _) => return Err(Unplaced::Contour),
             (Way::Tip, None) => return Err(Unplaced::NoMachine),
@@ -78,13 +101,8 @@ impl Placing {
             (Way::Axes, _) => Box::new(|_| UP),
         };
         let origin_mm = self.origin_mm.unwrap_or_default();
-        let pose = |place: &Place| Pose {
-            tip_mm: [0, 1, 2].map(|along: usize| place[along] - origin_mm[along]),
-            axis: axis(place),
-        };
-        let chords = stretch.places.windows(2).map(|pair| Move::Straight { from: pose(&pair[0]), to: pose(&pair[1]) });
-        let sweeps: Result<Vec<Vec<Sweep>>, MoveError> = chords.map(|chord| chord.sweeps(tool, tolerance_mm)).collect();
-        sweeps.map(|sweeps| sweeps.concat()).map_err(|_| Unplaced::Turning)
+        let tip_mm = |place: &Place| [0, 1, 2].map(|along: usize| place[along] - origin_mm[along]);
+        Ok(stretch.places.iter().map(|place| Pose { tip_mm: tip_mm(place), axis: axis(place) }).collect())
     }
 
     fn is_at_first_cut(&self, stretch: &Stretch) -> bool {

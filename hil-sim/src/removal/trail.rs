@@ -213,7 +213,7 @@ fn off_mm(arm_mm: &Place, way_mm: &Place) -> f64 {
 }
 
 /// The tool's tip, where the axes are with the tool of a move.
-fn at_tip(axes: &[f64; AXES], manner: &Manner) -> Place {
+pub(super) fn at_tip(axes: &[f64; AXES], manner: &Manner) -> Place {
     let mut place = *axes;
     place[2] -= Nm::to_mm(manner.tool);
     place

@@ -1,11 +1,15 @@
 //! `arcfeed simulate`: the program before and after, on the machine in software, as fast as it goes, and what it takes from
 //! the job's workpiece.
 
+mod edges;
+
 mod setup;
 
 mod watch;
 
 mod told;
+
+mod loaded;
 
 mod drawn;
 
@@ -93,6 +97,11 @@ impl Simulate {
             deviation = target.and_then(|target| told::deviation(unit, after.stock(), &target));
             material.deviation = deviation.as_ref().map(|(_, figures)| *figures);
             report.material = Some(material);
+            if let [Some(after), Some(before)] = watches.each_ref().map(|watch| watch.loads.as_ref()) {
+                let loads = loaded::figures(unit, after, before);
+                loads.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+                report.loads = Some(loads);
+            }
             if let Some((path, format)) = surface {
                 format.write(after.stock(), path)?;
             }

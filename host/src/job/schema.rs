@@ -4,6 +4,7 @@ use arcfeed_shared::units::LengthUnit;
 use serde::Deserialize;
 use toml::Spanned;
 
+pub use super::cutting::CuttingTable;
 pub use super::quantity::Quantity;
 
 #[derive(Debug, Deserialize)]
@@ -13,6 +14,7 @@ pub struct JobTable {
     pub program: Spanned<String>,
     pub tool: ToolTable,
     pub workpiece: Option<Spanned<WorkpieceTable>>,
+    pub cutting: Option<Spanned<CuttingTable>>,
     pub spindle: SpindleTable,
     pub law: LawTable,
     #[serde(default)]

@@ -8,6 +8,7 @@ use arcfeed_shared::report::{ChipFigures, LeftOut};
 use arcfeed_shared::units::LengthUnit;
 use serde::Serialize;
 
+use super::loads::LoadsFigures;
 use super::material::MaterialFigures;
 use crate::dnc::reports::Reports;
 
@@ -42,6 +43,8 @@ pub struct RunReport {
     pub axis_limited: Vec<AxisLimitFigures>,
     /// What it took from the workpiece, where the job has one.
     pub material: Option<MaterialFigures>,
+    /// What its edges met there, where the job tells of cutting.
+    pub loads: Option<LoadsFigures>,
     /// The serial line.
     pub link: Option<LinkFigures>,
     /// What the control reported of itself, where the job has it do so.

@@ -102,7 +102,7 @@ pub struct BlockFigures {
 /// Blocks that took nothing, as nobody knows where the workpiece is to the tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LeftOutFigures {
-    /// `turning`, `other-position`, `no-machine`, `contour`.
+    /// `turning`, `other-position`, `no-machine`, `contour`; of loads also `tilted`.
     pub cause: &'static str,
     /// How many.
     pub blocks: usize,
@@ -185,6 +185,7 @@ impl LeftOutFigures {
                 "the rotary axes stand elsewhere than for the first cut, in whose coordinates the workpiece is"
             }
             "no-machine" => "under G43.4, and the job names no machine",
+            "tilted" => "the tool leans, and edges are asked only where it stands upright",
             _ => "under G41 or G42, whose contour the simulated control executes as written",
         }
     }

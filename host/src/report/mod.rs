@@ -2,6 +2,8 @@
 
 pub mod material;
 
+pub mod loads;
+
 pub mod figures;
 
 pub mod printed;

@@ -28,6 +28,9 @@ impl fmt::Display for Summary<'_> {
         if let Some(material) = &report.material {
             write!(f, "{material}")?;
         }
+        if let Some(loads) = &report.loads {
+            write!(f, "{loads}")?;
+        }
         if let Some(restart) = &report.restart {
             let word = |letter: char, number: i64| format!(" {letter}{number}");
             let given = [restart.t.map(|t| word('T', t)), restart.s.map(|s| word('S', s))].into_iter().flatten();

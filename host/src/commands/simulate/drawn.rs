@@ -13,10 +13,12 @@ use arcfeed_hil_sim::stock::workpiece::Stock;
 use arcfeed_shared::units::{LengthUnit, Micros};
 
 use super::super::outcome::{Failure, write_whole};
-use super::told::UPRIGHT;
+use super::edges::UPRIGHT;
+use super::loaded;
 use super::watch::Watch;
 use crate::report::figures::RunReport;
 use crate::report::material::{DeviationFigures, VolumeUnit};
+use crate::report::page::loads::section as loads_section;
 use crate::report::page::map::Map;
 use crate::report::page::plot::{Lane, Series, svg};
 use crate::report::page::{Page, Section, tables};
@@ -81,6 +83,7 @@ impl Shown<'_> {
         let [(watch, _), _] = self.runs;
         let mut sections = vec![tables::summary(self.title, self.report)];
         sections.extend(self.report.material.as_ref().map(|material| tables::material(material, self.unit)));
+        sections.extend(self.report.loads.as_ref().map(loads_section));
         sections.push(Section { heading: "Along time".into(), body: svg(&self.lanes()) });
         if let Some(cutter) = &watch.cutter {
             let heights = self.map(&HeightMap::new(cutter.stock(), UPRIGHT), cutter.stock(), None);
@@ -113,6 +116,9 @@ impl Shown<'_> {
             let series = [("before", "#999", before), ("after", "#c03020", after)]
                 .map(|(name, color, cutter)| Series { name, color, steps: rates(cutter, volumes) });
             lanes.push(Lane { title: format!("removal rate, {}", volumes.rate_label), series: series.into() });
+        }
+        if let (Some(after), Some(before)) = (&after.loads, &before.loads) {
+            lanes.extend(loaded::lanes(after, before));
         }
         let changes = after.overrides.iter().zip(after.overrides.iter().skip(1).map(|(at, _)| *at).chain([ends]));
         let steps = changes.map(|((from, percent), to)| ([from.to_s(), to.to_s()], f64::from(*percent))).collect();

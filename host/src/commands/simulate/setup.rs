@@ -1,10 +1,11 @@
-//! The job's workpiece as a stock, and its tool as what cuts it.
+//! The job's workpiece as a stock, its tool as what cuts it, and as edges.
 
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
 use arcfeed_hil_sim::removal::cutter::{Cutter, CutterSettings};
+use arcfeed_hil_sim::removal::loads::{LoadMeter, LoadSettings};
 use arcfeed_hil_sim::stock::files::read_stl;
 use arcfeed_hil_sim::stock::mesh::Mesh;
 use arcfeed_hil_sim::stock::motion::Pose;
@@ -17,6 +18,7 @@ use arcfeed_shared::tool::Tool as JobTool;
 use arcfeed_shared::units::Nm;
 
 use super::super::outcome::{Failure, file_failure};
+use super::edges;
 use crate::job::workpiece::{Blank, Body, StlFile};
 use crate::job::{JobFile, Workpiece};
 use crate::place::place;
@@ -32,6 +34,8 @@ pub struct Setup<'a> {
     pub settings: CutterSettings,
     /// `file:line:column` of its table.
     pub place: String,
+    /// The edges in it before the run, where the job tells of cutting.
+    pub loads: Option<LoadSettings>,
 }
 
 impl<'a> Setup<'a> {
@@ -42,15 +46,31 @@ impl<'a> Setup<'a> {
     pub fn of(path: &Path, file: &'a JobFile) -> Result<Option<Self>, Failure> {
         let Some(workpiece) = &file.workpiece else { return Ok(None) };
         let text = std::fs::read_to_string(path).unwrap_or_default();
-        let [line, column] = place(&text, workpiece.offset);
-        let place = format!("{}:{line}:{column}", path.display());
+        let located = |offset: usize| {
+            let [line, column] = place(&text, offset);
+            format!("{}:{line}:{column}", path.display())
+        };
+        let place = located(workpiece.offset);
         let tolerance_mm = workpiece.step_mm * TOLERANCE_RATIO;
         let told = |error: &dyn std::fmt::Display| Failure::Input(format!("{place}: {error}"));
         let tool = tool(&file.job.tool, &workpiece.body, tolerance_mm).map_err(|error| told(&error))?;
         let blank = solid(&workpiece.blank, tolerance_mm).map_err(|error| error.at(&place))?;
         let stock = Stock::new(&*blank, workpiece.step_mm, workpiece.memory_max_bytes).map_err(|error| told(&error))?;
         let machine = file.machine.as_ref().map(|named| named.machine);
-        Ok(Some(Setup { workpiece, settings: CutterSettings { stock, tool, machine, tolerance_mm }, place }))
+        let cutting = file.cutting.as_ref().map(|cutting| (cutting, edges::process(file, cutting, &*blank)));
+        let loads = cutting.map(|(cutting, process)| match process {
+            Ok(process) => Ok(LoadSettings { process, machine, step_max_rad: edges::STEP_RAD }),
+            Err((offset, message)) => {
+                Err(Failure::Input(format!("{}: {message}", located(offset.unwrap_or(cutting.offset)))))
+            }
+        });
+        let loads = loads.transpose()?;
+        Ok(Some(Setup { workpiece, settings: CutterSettings { stock, tool, machine, tolerance_mm }, place, loads }))
+    }
+
+    /// What its edges meet in a run.
+    pub fn load_meter(&self) -> Option<LoadMeter> {
+        self.loads.clone().map(LoadMeter::new)
     }
 
     /// What cuts it in a run.

@@ -11,13 +11,11 @@ use arcfeed_hil_sim::stock::lattice::Lattice;
 use arcfeed_hil_sim::stock::workpiece::Stock;
 use arcfeed_shared::units::LengthUnit;
 
+use super::edges::UPRIGHT;
 use super::setup::Setup;
 use crate::report::material::{
     BlockFigures, DeviationFigures, LeftOutFigures, MaterialFigures, RuleFigures, TakenFigures, VolumeUnit,
 };
-
-/// Z: the tool's axis, but under G43.4.
-pub const UPRIGHT: usize = 2;
 
 /// The figures of a run, and of the program as it was.
 pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &Cutter, baseline: &Cutter) -> MaterialFigures {
@@ -129,12 +127,13 @@ fn taken_of<'p>(pieces: impl Iterator<Item = &'p Piece> + Clone, step_mm: f64, v
     }
 }
 
-fn left_out_figures(why: Unplaced, first: &Of, blocks: usize) -> LeftOutFigures {
+pub(super) fn left_out_figures(why: Unplaced, first: &Of, blocks: usize) -> LeftOutFigures {
     let cause = match why {
         Unplaced::Turning => "turning",
         Unplaced::OtherPosition => "other-position",
         Unplaced::NoMachine => "no-machine",
         Unplaced::Contour => "contour",
+        Unplaced::Tilted => "tilted",
     };
     LeftOutFigures { cause, blocks, first_block: first.count, first_n: first.sequence }
 }

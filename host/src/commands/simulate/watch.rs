@@ -2,6 +2,7 @@
 
 use arcfeed_hil_sim::decider::told::Told;
 use arcfeed_hil_sim::removal::cutter::Cutter;
+use arcfeed_hil_sim::removal::loads::LoadMeter;
 use arcfeed_hil_sim::rig::Rig;
 use arcfeed_shared::units::Micros;
 use indicatif::{ProgressBar, ProgressDrawTarget};
@@ -20,6 +21,8 @@ const SIGN_EVERY: u64 = 200;
 pub struct Watch {
     /// The workpiece under it.
     pub cutter: Option<Cutter>,
+    /// The edges in it.
+    pub loads: Option<LoadMeter>,
     /// The override, %, from each time on.
     pub overrides: Vec<(Micros, u8)>,
     place: String,
@@ -29,7 +32,8 @@ impl Watch {
     /// Of a run on this workpiece, if there is one.
     pub fn on(setup: Option<&Setup<'_>>) -> Self {
         let place = setup.map_or(String::new(), |setup| setup.place.clone());
-        Watch { cutter: setup.map(Setup::cutter), overrides: Vec::new(), place }
+        let loads = setup.and_then(Setup::load_meter);
+        Watch { cutter: setup.map(Setup::cutter), loads, overrides: Vec::new(), place }
     }
 
     /// Runs to the end.
@@ -56,6 +60,7 @@ impl Watch {
         if let Some(cutter) = &mut self.cutter {
             cutter.end().map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
         }
+        self.loads.iter_mut().for_each(LoadMeter::end);
         bar.inspect(ProgressBar::finish_and_clear);
         Ok(rig)
     }
@@ -64,6 +69,7 @@ impl Watch {
         if let Some(cutter) = &mut self.cutter {
             cutter.see(rig).map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
         }
+        self.loads.iter_mut().for_each(|loads| loads.see(rig));
         let percent = rig.control().override_percent();
         if self.overrides.last().is_none_or(|(_, last)| *last != percent) {
             self.overrides.push((rig.now(), percent));

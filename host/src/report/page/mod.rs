@@ -10,6 +10,8 @@ pub mod map;
 
 pub mod tables;
 
+pub mod loads;
+
 use std::fmt;
 
 /// A report.

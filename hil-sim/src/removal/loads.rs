@@ -1,0 +1,261 @@
+//! The edges of the tool under a run: what each has in front of it, and what that does to the tool.
+//!
+//! The edges turn in steps of equal angle, a whole number from one tooth to the next, so that every tooth is asked at the same
+//! angles. Where the axes are within a millisecond is taken as straight. Chips are those of the side of the tool: what its end
+//! takes in a plunge, and what a rapid takes, goes without.
+//!
+//! Source: own; what it leaves out: docs/simulate.md.
+
+use std::f64::consts::TAU;
+
+use arcfeed_shared::kinematics::machine::Machine;
+use arcfeed_shared::kinematics::vector::Vector;
+use arcfeed_shared::segment::Path;
+use arcfeed_shared::units::{Micros, S_PER_MIN};
+use nalgebra::Vector2;
+
+use crate::control::action::Manner;
+use crate::cutting::bite::Stand;
+use crate::cutting::edges::Side;
+use crate::decider::Decider;
+use crate::drives::limits::AXES;
+use crate::process::Process;
+use crate::rig::{Rig, STEP};
+
+use super::cutter::LeftOut;
+use super::placing::Placing;
+use super::tally::{Sample, Tally, Turn};
+use super::trail::{Of, STRETCH_MAX, Stretch, at_tip};
+
+/// Around the workpiece: nearer than this the edges are asked.
+const NEAR_MM: f64 = 1.0;
+
+/// Steps of a millisecond in which nothing is asked: a spindle that fast is a mistake.
+const STEPS_MAX: f64 = 1e4;
+
+/// What cuts what.
+#[derive(Clone, Debug)]
+pub struct LoadSettings {
+    /// The edges in the layers of the workpiece, in the program's coordinates; layers along Z.
+    pub process: Process,
+    /// Where the tool points under G43.4.
+    pub machine: Option<Machine>,
+    /// Largest turn in a step.
+    pub step_max_rad: f64,
+}
+
+/// The loads of a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// When it began.
+    pub from: Micros,
+    /// When it ended.
+    pub to: Micros,
+    /// What it came to.
+    pub tally: Tally,
+}
+
+/// The edges at work, and what they have met.
+#[derive(Clone, Debug)]
+pub struct LoadMeter {
+    settings: LoadSettings,
+    placing: Placing,
+    axes: Option<[f64; AXES]>,
+    /// The block in work last.
+    last: Option<(Of, Manner)>,
+    /// Steps of a turn, and how many there have been.
+    steps_a_turn: usize,
+    steps: u64,
+    /// Part of a step that is due.
+    due: f64,
+    turn: Turn,
+    /// The thickest chip of each tooth's pass, and which way the tooth cuts.
+    passes: Vec<(f64, Side)>,
+    blocks: Vec<(Of, Tally)>,
+    windows: Vec<Window>,
+    left_out: Vec<LeftOut>,
+}
+
+impl LoadMeter {
+    /// Before the run.
+    pub fn new(settings: LoadSettings) -> Self {
+        let cutter = settings.process.bite().cutter();
+        let mut passes = vec![(0.0, Side::Outer); cutter.teeth()];
+        for piece in cutter.pieces() {
+            passes[piece.tooth].1 = piece.side;
+        }
+        let of_pitch = libm::ceil(TAU / cutter.teeth() as f64 / settings.step_max_rad).max(1.0);
+        LoadMeter {
+            steps_a_turn: of_pitch as usize * cutter.teeth(),
+            settings,
+            placing: Placing::default(),
+            axes: None,
+            last: None,
+            steps: 0,
+            due: 0.0,
+            turn: Turn::new(),
+            passes,
+            blocks: Vec::new(),
+            windows: Vec::new(),
+            left_out: Vec::new(),
+        }
+    }
+
+    /// Sees a period of the run.
+    pub fn see<D: Decider>(&mut self, rig: &Rig<D>) {
+        let active = rig.control().active().map(|(count, segment)| {
+            let is_rapid = segment.path == Path::Rapid;
+            let of = Of { count, sequence: segment.sequence, rule: rig.rule(), is_rapid };
+            (of, *rig.manner())
+        });
+        self.last = active.or(self.last);
+        let (axes, rev_per_min) = (rig.control().actual_axes(), f64::from(rig.spindle().0));
+        let (Some(before), Some((of, manner))) = (self.axes.replace(axes), self.last) else { return };
+        let places = vec![at_tip(&before, &manner), at_tip(&axes, &manner)];
+        let stretch = Stretch { of, manner, from: Micros(rig.now().0 - STEP.0), to: rig.now(), places };
+        self.go(&stretch, rev_per_min);
+    }
+
+    /// The end of the run.
+    pub fn end(&mut self) {
+        self.lift();
+        self.blocks.retain(|(_, tally)| tally.time_s > 0.0);
+        self.windows.retain(|window| window.tally.time_s > 0.0);
+    }
+
+    /// What each block came to that had chips, in order.
+    pub fn blocks(&self) -> &[(Of, Tally)] {
+        &self.blocks
+    }
+
+    /// The same by quarters of a second.
+    pub fn windows(&self) -> &[Window] {
+        &self.windows
+    }
+
+    /// Cutting blocks whose place on the workpiece is not known, or that lean.
+    pub fn left_out(&self) -> &[LeftOut] {
+        &self.left_out
+    }
+
+    /// What a step turns.
+    pub fn step_rad(&self) -> f64 {
+        TAU / self.steps_a_turn as f64
+    }
+
+    /// What is in work.
+    pub fn process(&self) -> &Process {
+        &self.settings.process
+    }
+
+    fn go(&mut self, stretch: &Stretch, rev_per_min: f64) {
+        let moves = stretch.places[0] != stretch.places[1];
+        if !stretch.of.is_rapid && moves {
+            self.placing.learn(stretch);
+        }
+        if !self.placing.is_known() {
+            return;
+        }
+        let ends = match self.placing.upright_mm(stretch, self.settings.machine.as_ref()).as_deref() {
+            Ok([from, to]) => [*from, *to],
+            Ok(_) => return,
+            Err(why) => {
+                LeftOut::count(&mut self.left_out, stretch.of, *why);
+                return self.lift();
+            }
+        };
+        let turned = rev_per_min / S_PER_MIN * STEP.to_s() * self.steps_a_turn as f64;
+        let turns = turned > 0.0 && turned < STEPS_MAX;
+        if !(turns && ends.iter().any(|tip_mm| self.is_near(tip_mm))) {
+            return self.lift();
+        }
+        if stretch.of.is_rapid {
+            self.lift();
+            let stand = self.stand(&ends[1]);
+            return self.settings.process.bite_mut().sink(&stand);
+        }
+        let was_due = self.due;
+        let count = libm::floor(was_due + turned);
+        self.due = was_due + turned - count;
+        for step in 1..=count as u64 {
+            let part = (step as f64 - was_due) / turned;
+            let tip_mm = [0, 1, 2].map(|axis: usize| ends[0][axis] + (ends[1][axis] - ends[0][axis]) * part);
+            self.step(stretch, &tip_mm, rev_per_min);
+        }
+    }
+
+    /// One step of the edges, to a place of the tip.
+    fn step(&mut self, stretch: &Stretch, tip_mm: &Vector, rev_per_min: f64) {
+        self.steps += 1;
+        let stand = self.stand(tip_mm);
+        let bite = self.settings.process.bite_mut();
+        if bite.changes_layer(stand.tip_mm) {
+            bite.sink(&stand);
+        }
+        let dt_s = S_PER_MIN / rev_per_min / self.steps_a_turn as f64;
+        let moment = self.settings.process.step(dt_s, &stand);
+        let loads = moment.loads;
+        let sample = Sample {
+            dt_s,
+            bending_n: loads.bending_n(),
+            torque_n_m: loads.torque_n_m,
+            power_w: loads.power_w(rev_per_min),
+        };
+        self.count(stretch, &sample, moment.thickest_mm);
+    }
+
+    fn count(&mut self, stretch: &Stretch, sample: &Sample, thickest_mm: f64) {
+        if self.blocks.last().is_none_or(|(of, _)| *of != stretch.of) {
+            self.turn = Turn::new();
+            self.blocks.push((stretch.of, Tally::default()));
+        }
+        let from = Micros(stretch.from.0 / STRETCH_MAX.0 * STRETCH_MAX.0);
+        if self.windows.last().is_none_or(|window| window.from != from) {
+            self.windows.push(Window { from, to: from.after(STRETCH_MAX), tally: Tally::default() });
+        }
+        let tallies = self.blocks.last_mut().map(|(_, tally)| tally).into_iter();
+        for tally in tallies.chain(self.windows.last_mut().map(|window| &mut window.tally)) {
+            if thickest_mm > 0.0 {
+                tally.add(sample);
+            }
+            for ((pass_mm, side), chip_mm) in self.passes.iter().zip(self.settings.process.chips_mm()) {
+                if *chip_mm == 0.0 && *pass_mm > 0.0 {
+                    tally.pass(*side, *pass_mm);
+                }
+            }
+        }
+        for ((pass_mm, _), chip_mm) in self.passes.iter_mut().zip(self.settings.process.chips_mm()) {
+            *pass_mm = if *chip_mm > 0.0 { pass_mm.max(*chip_mm) } else { 0.0 };
+        }
+        self.turn.add(sample.bending_n);
+        if self.steps.is_multiple_of(self.steps_a_turn as u64) {
+            let turn = std::mem::take(&mut self.turn);
+            if let Some((_, tally)) = self.blocks.last_mut() {
+                tally.turn(&turn, self.steps_a_turn);
+            }
+        }
+    }
+
+    /// Out of the cut: passes and turns that are not over do not count.
+    fn lift(&mut self) {
+        self.settings.process.bite_mut().lift();
+        self.passes.iter_mut().for_each(|(pass_mm, _)| *pass_mm = 0.0);
+        self.turn = Turn::new();
+    }
+
+    fn stand(&self, tip_mm: &Vector) -> Stand {
+        let turned = self.steps % self.steps_a_turn as u64;
+        let turned_rad = TAU * turned as f64 / self.steps_a_turn as f64;
+        Stand { axis_mm: Vector2::new(tip_mm[0], tip_mm[1]), tip_mm: tip_mm[2], turned_rad }
+    }
+
+    /// Whether an edge may touch the workpiece, or what its layers stand for.
+    fn is_near(&self, tip_mm: &Vector) -> bool {
+        let bite = self.settings.process.bite();
+        let reach_mm = bite.cutter().reach_mm() + NEAR_MM;
+        let is_beside = |[lowest_mm, highest_mm]: [[f64; 2]; 2]| {
+            (0..2).all(|axis| (lowest_mm[axis] - reach_mm..=highest_mm[axis] + reach_mm).contains(&tip_mm[axis]))
+        };
+        bite.layers().extent_mm().is_some_and(is_beside) && bite.is_in(tip_mm[2])
+    }
+}

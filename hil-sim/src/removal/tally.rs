@@ -1,0 +1,203 @@
+//! What the loads of a cut come to: peaks, means, how much they vary within a turn, how thick the chips are.
+//!
+//! ```text
+//! mean = integral of a load over the time in cut / that time          (1)
+//! variation = mean over whole turns of (largest - least) / mean       (2) of the bending force in a turn
+//! ```
+//!
+//! The time in cut is that in which any edge has a chip in front of it. A turn counts in (2) if all of it belongs to one block. A tooth's
+//! *pass* goes from where it meets material to where it leaves it, and counts with its thickest chip.
+//!
+//! Source: own definitions.
+
+use crate::cutting::edges::Side;
+
+/// A tooth with less than this in front of it goes along what is cut already: no pass.
+const CHIP_MIN_MM: f64 = 1e-3;
+
+/// A step of the tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// How long it took.
+    pub dt_s: f64,
+    /// Across the tool's axis.
+    pub bending_n: f64,
+    /// Against the spindle.
+    pub torque_n_m: f64,
+    /// Of the spindle.
+    pub power_w: f64,
+}
+
+/// Largest and mean of a load.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Level {
+    max: f64,
+    /// Times time, s.
+    integral: f64,
+}
+
+/// Thickest chips of passes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Passes {
+    /// How many.
+    pub count: u64,
+    /// The thickest of all.
+    pub max_mm: f64,
+    sum_mm: f64,
+}
+
+/// What a block, or several, came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// In which an edge had a chip in front of it.
+    pub time_s: f64,
+    /// Across the tool's axis, N.
+    pub bending: Level,
+    /// N m.
+    pub torque: Level,
+    /// W.
+    pub power: Level,
+    /// Of outer edges and of inner ones.
+    pub passes: [Passes; 2],
+    turns: u64,
+    variation_sum: f64,
+}
+
+/// A turn that is not over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    steps: usize,
+    least_n: f64,
+    most_n: f64,
+    sum_n: f64,
+}
+
+impl Level {
+    /// Largest.
+    pub fn max(&self) -> f64 {
+        self.max
+    }
+
+    fn add(&mut self, value: f64, dt_s: f64) {
+        self.max = self.max.max(value);
+        self.integral += value * dt_s;
+    }
+
+    fn merge(&mut self, other: &Level) {
+        self.max = self.max.max(other.max);
+        self.integral += other.integral;
+    }
+}
+
+impl Passes {
+    /// Mean of the thickest chips; none without passes.
+    pub fn mean_mm(&self) -> Option<f64> {
+        (self.count > 0).then(|| self.sum_mm / self.count as f64)
+    }
+
+    fn merge(&mut self, other: &Passes) {
+        self.count += other.count;
+        self.max_mm = self.max_mm.max(other.max_mm);
+        self.sum_mm += other.sum_mm;
+    }
+}
+
+impl Tally {
+    /// A step in the cut.
+    pub fn add(&mut self, sample: &Sample) {
+        self.time_s += sample.dt_s;
+        self.bending.add(sample.bending_n, sample.dt_s);
+        self.torque.add(sample.torque_n_m, sample.dt_s);
+        self.power.add(sample.power_w, sample.dt_s);
+    }
+
+    /// A tooth has left the material.
+    pub fn pass(&mut self, side: Side, thickest_mm: f64) {
+        if thickest_mm < CHIP_MIN_MM {
+            return;
+        }
+        let passes = &mut self.passes[usize::from(side == Side::Inner)];
+        passes.merge(&Passes { count: 1, max_mm: thickest_mm, sum_mm: thickest_mm });
+    }
+
+    /// A turn is over that has so many steps if it is a whole one.
+    pub fn turn(&mut self, turn: &Turn, steps: usize) {
+        let mean_n = turn.sum_n / turn.steps as f64;
+        if turn.steps == steps && mean_n > 0.0 {
+            self.turns += 1;
+            self.variation_sum += (turn.most_n - turn.least_n) / mean_n;
+        }
+    }
+
+    /// What several come to together.
+    pub fn merge(&mut self, other: &Tally) {
+        self.time_s += other.time_s;
+        self.bending.merge(&other.bending);
+        self.torque.merge(&other.torque);
+        self.power.merge(&other.power);
+        self.passes.iter_mut().zip(&other.passes).for_each(|(passes, others)| passes.merge(others));
+        self.turns += other.turns;
+        self.variation_sum += other.variation_sum;
+    }
+
+    /// Mean of one of its loads; 0 out of the cut. (1)
+    pub fn mean(&self, level: &Level) -> f64 {
+        if self.time_s > 0.0 { level.integral / self.time_s } else { 0.0 }
+    }
+
+    /// None without a whole turn. (2)
+    pub fn variation_ratio(&self) -> Option<f64> {
+        (self.turns > 0).then(|| self.variation_sum / self.turns as f64)
+    }
+}
+
+impl Turn {
+    /// Before its first step.
+    pub fn new() -> Self {
+        Turn { steps: 0, least_n: f64::INFINITY, most_n: 0.0, sum_n: 0.0 }
+    }
+
+    /// A step of it.
+    pub fn add(&mut self, bending_n: f64) {
+        self.steps += 1;
+        self.least_n = self.least_n.min(bending_n);
+        self.most_n = self.most_n.max(bending_n);
+        self.sum_n += bending_n;
+    }
+}
+
+impl Default for Turn {
+    fn default() -> Self {
+        Turn::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_are_over_time_and_variation_over_whole_turns() {
+        let mut tally = Tally::default();
+        let mut turn = Turn::new();
+        for (dt_s, bending_n) in [(1.0, 10.0), (3.0, 30.0)] {
+            tally.add(&Sample { dt_s, bending_n, torque_n_m: 0.0, power_w: 0.0 });
+            turn.add(bending_n);
+        }
+        tally.turn(&turn, 3);
+        assert_eq!((tally.mean(&tally.bending), tally.variation_ratio()), (25.0, None));
+        tally.turn(&turn, 2);
+        assert_eq!(tally.variation_ratio(), Some(1.0));
+    }
+
+    #[test]
+    fn passes_are_told_by_side_and_rubbing_is_none() {
+        let mut tally = Tally::default();
+        for thickest_mm in [0.1, 0.3, 1e-4] {
+            tally.pass(Side::Inner, thickest_mm);
+        }
+        assert_eq!(tally.passes[0].mean_mm(), None);
+        assert_eq!((tally.passes[1].count, tally.passes[1].max_mm), (2, 0.3));
+        assert!((tally.passes[1].mean_mm().unwrap() - 0.2).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,97 @@
+//! The edges of the job's tool in the layers of its workpiece, and the forces of its material.
+
+use arcfeed_hil_sim::cutting::bite::Bite;
+use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
+use arcfeed_hil_sim::cutting::edges::{Cutter, EdgeError, EndMill, Ring};
+use arcfeed_hil_sim::cutting::layers::Layers;
+use arcfeed_hil_sim::cutting::material::{Cutting as Forces, Kienzle, MATERIALS};
+use arcfeed_hil_sim::dynamics::transition::Rule;
+use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
+use arcfeed_hil_sim::process::Process;
+use arcfeed_hil_sim::stock::solid::Solid;
+use arcfeed_shared::tool::Tool;
+use arcfeed_shared::units::Nm;
+
+use crate::job::cutting::Coefficients;
+use crate::job::{Cutting, JobFile};
+
+/// Z: the tool's axis, but under G43.4.
+pub const UPRIGHT: usize = 2;
+
+/// Largest turn in a step of the edges.
+pub const STEP_RAD: f64 = 3.0 / 180.0 * std::f64::consts::PI;
+
+/// A rigid tool moves nowhere, in one pass.
+const RIGID: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 0.0, passes_max: 1 };
+
+/// What is wrong, and the byte offset in the job file if it is not the table's.
+pub type Trouble = (Option<usize>, String);
+
+/// The edges in a blank, before a run.
+///
+/// # Errors
+/// The material is not known, the edges are none, or there are too many layers.
+pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<Process, Trouble> {
+    let Some(workpiece) = &file.workpiece else { return Err((None, "there is no workpiece".into())) };
+    let forces = forces(&cutting.coefficients)?;
+    let told = |error: &dyn std::fmt::Display| (None, error.to_string());
+    let rise_mm = cutting.axial_depth_mm / cutting.layers as f64;
+    let edges = edges(file, cutting, workpiece.body.corner_mm, rise_mm).map_err(|error| told(&error))?;
+    let layers = Layers::of_solid(blank, UPRIGHT, rise_mm, workpiece.step_mm).map_err(|error| told(&error))?;
+    let depth_mm = edges.rake_max_mm();
+    let bite = Bite::new(edges, layers, depth_mm).map_err(|error| told(&error))?;
+    Ok(Process::new(bite, forces, Vibration::new(Vec::new(), RIGID)))
+}
+
+fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64, rise_mm: f64) -> Result<Cutter, EdgeError> {
+    let (slices, height_mm) = (Pieces::Slices { rise_mm }, cutting.axial_depth_mm);
+    let mut cutter = match &file.job.tool {
+        Tool::CupMill(cup) => {
+            let ring = Ring {
+                outer_radius_mm: cup.outer_radius.to_mm(),
+                inner_radius_mm: cup.inner_radius.to_mm(),
+                corner_mm,
+                active_teeth: usize::from(cup.active_teeth),
+                height_mm,
+            };
+            Cutter::ring(&ring, slices)?
+        }
+        Tool::EndMill(mill) => {
+            let mill = EndMill {
+                diameter_mm: 2.0 * Nm::to_mm(mill.radius),
+                corner_mm,
+                teeth: usize::from(mill.teeth),
+                helix_rad: cutting.helix_rad,
+                height_mm,
+            };
+            Cutter::end_mill(&mill, slices)?
+        }
+    };
+    if !cutting.pitch_rad.is_empty() {
+        cutter = cutter.with_pitch(&cutting.pitch_rad)?;
+    }
+    if !cutting.offsets_mm.is_empty() {
+        cutter = cutter.with_offsets(&cutting.offsets_mm)?;
+    }
+    match cutting.runout {
+        Some((eccentricity_mm, direction_rad)) => cutter.with_runout(eccentricity_mm, direction_rad),
+        None => Ok(cutter),
+    }
+}
+
+fn forces(coefficients: &Coefficients) -> Result<Forces, Trouble> {
+    match coefficients {
+        Coefficients::Material { name, offset, ratios: [radial, axial] } => {
+            let found = MATERIALS.iter().find(|material| material.name == name);
+            found.map(|material| material.tangential.with_ratios(*radial, *axial)).ok_or_else(|| {
+                let names = MATERIALS.map(|material| format!("\"{}\"", material.name)).join(", ");
+                (Some(*offset), format!("no coefficients are known of `{name}`; write one of {names}, or kc11 and mc"))
+            })
+        }
+        Coefficients::Kienzle { specific_mpa, exponent_ratio, ratios: [radial, axial] } => {
+            let (specific_mpa, exponent_ratio) = (*specific_mpa, *exponent_ratio);
+            Ok(Kienzle { specific_mpa, exponent_ratio }.with_ratios(*radial, *axial))
+        }
+        Coefficients::Linear { cutting_mpa, edge_n_per_mm } => Ok(Forces::linear(*cutting_mpa, *edge_n_per_mm)),
+    }
+}

@@ -1,0 +1,108 @@
+//! What the edges met, in the figures of the report and along time.
+
+use std::collections::BTreeMap;
+
+use arcfeed_hil_sim::removal::loads::LoadMeter;
+use arcfeed_hil_sim::removal::tally::Tally;
+use arcfeed_hil_sim::removal::trail::Of;
+use arcfeed_shared::units::LengthUnit;
+
+use super::told::left_out_figures;
+use crate::report::loads::{LoadBlockFigures, LoadFigures, LoadRuleFigures, LoadsFigures};
+use crate::report::page::plot::{Lane, Series};
+
+/// W in a kW.
+const W_PER_KW: f64 = 1e3;
+
+/// The figures of a run, and of the program as it was.
+pub fn figures(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> LoadsFigures {
+    let runs = [meter, baseline];
+    let of = |choose: &dyn Fn(&Of) -> bool| runs.map(|run| load(&sum(run, choose), unit));
+    let [total, before] = of(&|_| true);
+    let mut rules: Vec<Option<usize>> = runs.iter().flat_map(|run| run.blocks()).map(|(of, _)| of.rule).collect();
+    rules.sort_unstable_by_key(|rule| rule.unwrap_or(usize::MAX));
+    rules.dedup();
+    let rules = rules.into_iter().map(|rule| {
+        let [load, baseline] = of(&|of| of.rule == rule);
+        LoadRuleFigures { rule: rule.map(|rule| rule + 1), load, baseline }
+    });
+    let layers = meter.process().bite().layers();
+    LoadsFigures {
+        unit: unit.label(),
+        load: total,
+        baseline: before,
+        layer: layers.rise_mm() / unit.mm(),
+        step_deg: meter.step_rad().to_degrees(),
+        rules: rules.collect(),
+        blocks: blocks(unit, meter, baseline),
+        left_out: meter
+            .left_out()
+            .iter()
+            .map(|left_out| left_out_figures(left_out.why, &left_out.first, left_out.blocks))
+            .collect(),
+    }
+}
+
+/// Force and power along time.
+pub fn lanes(after: &LoadMeter, before: &LoadMeter) -> [Lane; 2] {
+    let lane = |title: &str, value: &dyn Fn(&Tally) -> f64| {
+        let series = [("before", "#999", before), ("after", "#c03020", after)].map(|(name, color, meter)| {
+            let step = |window: &arcfeed_hil_sim::removal::loads::Window| {
+                ([window.from.to_s(), window.to.to_s()], value(&window.tally))
+            };
+            Series { name, color, steps: meter.windows().iter().map(step).collect() }
+        });
+        Lane { title: title.into(), series: series.into() }
+    };
+    [
+        lane("largest bending force, N", &|tally| tally.bending.max()),
+        lane("mean power in the cut, kW", &|tally| tally.mean(&tally.power) / W_PER_KW),
+    ]
+}
+
+fn sum(meter: &LoadMeter, choose: &dyn Fn(&Of) -> bool) -> Tally {
+    let mut sum = Tally::default();
+    meter.blocks().iter().filter(|(of, _)| choose(of)).for_each(|(_, tally)| sum.merge(tally));
+    sum
+}
+
+/// Those of the run; of the program as it was, where it has the same block.
+fn blocks(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Vec<LoadBlockFigures> {
+    let [after, before] = [meter, baseline].map(by_block);
+    let block = |(count, (of, tally)): (&u32, &(Of, Tally))| {
+        let before = before.get(count).filter(|(other, _)| other.sequence == of.sequence);
+        LoadBlockFigures {
+            block: *count,
+            n: of.sequence,
+            rule: of.rule.map(|rule| rule + 1),
+            load: load(tally, unit),
+            baseline: before.map(|(_, tally)| load(tally, unit)),
+        }
+    };
+    after.iter().map(block).collect()
+}
+
+fn by_block(meter: &LoadMeter) -> BTreeMap<u32, (Of, Tally)> {
+    let mut found = BTreeMap::new();
+    for (of, tally) in meter.blocks() {
+        found.entry(of.count).or_insert((*of, Tally::default())).1.merge(tally);
+    }
+    found
+}
+
+fn load(tally: &Tally, unit: LengthUnit) -> LoadFigures {
+    let in_unit = |mm: f64| mm / unit.mm();
+    LoadFigures {
+        time_s: tally.time_s,
+        force_max_n: tally.bending.max(),
+        force_mean_n: tally.mean(&tally.bending),
+        force_variation_ratio: tally.variation_ratio(),
+        torque_max_n_m: tally.torque.max(),
+        torque_mean_n_m: tally.mean(&tally.torque),
+        power_max_w: tally.power.max(),
+        power_mean_w: tally.mean(&tally.power),
+        chips: tally.passes.map(|passes| passes.count),
+        chip_mean: tally.passes.map(|passes| passes.mean_mm().map(in_unit)),
+        chip_max: tally.passes.map(|passes| (passes.count > 0).then(|| in_unit(passes.max_mm))),
+    }
+}

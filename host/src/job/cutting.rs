@@ -1,0 +1,166 @@
+//! `[cutting]`: the edges, how far up they are asked for chips, and what a chip does to them.
+
+use arcfeed_shared::job::Job;
+use arcfeed_shared::tool::Tool;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::quantity::Quantity;
+use super::{Complaint, at, length_mm};
+
+/// Layers of an axial depth.
+const LAYERS_MAX: usize = 100;
+
+/// As serde sees it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CuttingTable {
+    material: Option<Spanned<String>>,
+    kc11: Option<Spanned<f64>>,
+    mc: Option<Spanned<f64>>,
+    radial: Option<Spanned<f64>>,
+    axial: Option<Spanned<f64>>,
+    cutting: Option<Spanned<[f64; 3]>>,
+    edge: Option<Spanned<[f64; 3]>>,
+    axial_depth: Spanned<Quantity>,
+    layers: Option<Spanned<usize>>,
+    helix: Option<Spanned<f64>>,
+    runout: Option<Spanned<RunoutTable>>,
+    offsets: Option<Spanned<Vec<Quantity>>>,
+    pitch: Option<Spanned<Vec<f64>>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RunoutTable {
+    eccentricity: Quantity,
+    direction: f64,
+}
+
+/// What cutting takes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cutting {
+    /// Of the forces.
+    pub coefficients: Coefficients,
+    /// How far up from the tip edges are asked for chips.
+    pub axial_depth_mm: f64,
+    /// Layers of that depth.
+    pub layers: usize,
+    /// Of an end mill, positive for a right-hand one.
+    pub helix_rad: f64,
+    /// The tool's axis from the spindle's: how far, and in which direction before it turns.
+    pub runout: Option<(f64, f64)>,
+    /// How much further out each tooth stands; none if all are alike.
+    pub offsets_mm: Vec<f64>,
+    /// From each tooth to the next; none if they are equal.
+    pub pitch_rad: Vec<f64>,
+    /// Byte offset of its table in the job file.
+    pub offset: usize,
+}
+
+/// What forces are worked out with.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Coefficients {
+    /// Those of a material, by its name.
+    Material {
+        /// As the table of materials has it.
+        name: String,
+        /// Byte offset of the name.
+        offset: usize,
+        /// Radial and axial force over the tangential one.
+        ratios: [f64; 2],
+    },
+    /// Kienzle's.
+    Kienzle {
+        /// kc1.1, N/mm2.
+        specific_mpa: f64,
+        /// mc.
+        exponent_ratio: f64,
+        /// Radial and axial force over the tangential one.
+        ratios: [f64; 2],
+    },
+    /// Linear: tangential, radial, axial.
+    Linear {
+        /// N/mm2.
+        cutting_mpa: [f64; 3],
+        /// N/mm.
+        edge_n_per_mm: [f64; 3],
+    },
+}
+
+/// Checks what a job says of cutting; the height is that of the tool, where there is a workpiece.
+pub(super) fn build(told: &Spanned<CuttingTable>, job: &Job, height_mm: Option<f64>) -> Result<Cutting, Complaint> {
+    let CuttingTable { axial_depth, layers, helix, runout, offsets, pitch, .. } = told.as_ref();
+    let Some(height_mm) = height_mm else {
+        return Err(at(told, "[cutting] needs a [workpiece]: edges find their chips in it"));
+    };
+    let axial_depth_mm = length_mm(axial_depth, job.unit, "axial_depth")?;
+    if axial_depth_mm > height_mm {
+        return Err(at(axial_depth, "axial_depth must be at most the tool's height"));
+    }
+    if let Some(helix) = helix
+        && !(matches!(job.tool, Tool::EndMill(_)) && (-80.0..=80.0).contains(helix.as_ref()))
+    {
+        return Err(at(helix, "helix is that of an end-mill, -80 to 80 degrees"));
+    }
+    let layers = match layers {
+        Some(layers) if !(1..=LAYERS_MAX).contains(layers.as_ref()) => {
+            return Err(at(layers, "layers must be 1 to 100"));
+        }
+        given => given.as_ref().map_or(1, |layers| *layers.as_ref()),
+    };
+    let to_mm = |quantity: &Quantity| quantity.to_mm(job.unit);
+    Ok(Cutting {
+        coefficients: coefficients(told)?,
+        axial_depth_mm,
+        layers,
+        helix_rad: helix.as_ref().map_or(0.0, |helix| helix.as_ref().to_radians()),
+        runout: runout.as_ref().map(|runout| {
+            let RunoutTable { eccentricity, direction } = runout.as_ref();
+            (to_mm(eccentricity), direction.to_radians())
+        }),
+        offsets_mm: offsets.iter().flat_map(|offsets| offsets.as_ref()).map(to_mm).collect(),
+        pitch_rad: pitch.iter().flat_map(|pitch| pitch.as_ref()).map(|degrees| degrees.to_radians()).collect(),
+        offset: told.span().start,
+    })
+}
+
+fn coefficients(told: &Spanned<CuttingTable>) -> Result<Coefficients, Complaint> {
+    let CuttingTable { material, kc11, mc, radial, axial, cutting, edge, .. } = told.as_ref();
+    let ratios = || match (radial, axial) {
+        (Some(radial), Some(axial)) => Ok([number(radial, "radial")?, number(axial, "axial")?]),
+        _ => Err(at(told, "give `radial` and `axial`, these forces over the tangential one: no source has a default")),
+    };
+    match (material, kc11, mc, cutting, edge) {
+        (Some(name), None, None, None, None) => {
+            Ok(Coefficients::Material { name: name.as_ref().clone(), offset: name.span().start, ratios: ratios()? })
+        }
+        (None, Some(kc11), Some(mc), None, None) => {
+            let (specific_mpa, exponent_ratio) = (number(kc11, "kc11")?, number(mc, "mc")?);
+            if !(0.0..1.0).contains(&exponent_ratio) {
+                return Err(at(mc, "mc must be 0 to less than 1"));
+            }
+            Ok(Coefficients::Kienzle { specific_mpa, exponent_ratio, ratios: ratios()? })
+        }
+        (None, None, None, Some(cutting), Some(edge)) => match (radial, axial) {
+            (None, None) => Ok(Coefficients::Linear { cutting_mpa: *cutting.as_ref(), edge_n_per_mm: *edge.as_ref() }),
+            (Some(ratio), _) | (_, Some(ratio)) => {
+                Err(at(ratio, "`cutting` and `edge` have radial and axial values of their own"))
+            }
+        },
+        _ => Err(at(
+            told,
+            "give the coefficients as one of material = \"Ti-6Al-4V\", kc11 and mc, or cutting = [Ktc, Krc, Kac] and \
+             edge = [Kte, Kre, Kae]",
+        )),
+    }
+}
+
+fn number(given: &Spanned<f64>, name: &str) -> Result<f64, Complaint> {
+    let value = *given.as_ref();
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(at(given, &format!("{name} must be a number, 0 or more")))
+    }
+}

@@ -1,0 +1,141 @@
+//! What the edges met: figures (JSON of docs/json.md), and the same for a person.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use super::material::{LeftOutFigures, short};
+
+/// Loads of a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LoadsFigures {
+    #[serde(skip)]
+    /// Of lengths.
+    pub unit: &'static str,
+    /// Of the whole run.
+    pub load: LoadFigures,
+    /// Of the program as it was.
+    pub baseline: LoadFigures,
+    /// Height of a layer, the unit along the tool's axis in which chips are told.
+    pub layer: f64,
+    /// What a step turns.
+    pub step_deg: f64,
+    /// Cut rule by cut rule; at the end what no rule speaks of.
+    pub rules: Vec<LoadRuleFigures>,
+    /// Blocks with chips.
+    pub blocks: Vec<LoadBlockFigures>,
+    /// Blocks that cut, but have no chips here.
+    pub left_out: Vec<LeftOutFigures>,
+}
+
+/// Loads of a time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LoadFigures {
+    /// In which an edge had a chip in front of it.
+    pub time_s: f64,
+    /// Across the tool's axis, largest.
+    pub force_max_n: f64,
+    /// Mean over that time.
+    pub force_mean_n: f64,
+    /// Mean over whole turns of (largest - least) / mean.
+    pub force_variation_ratio: Option<f64>,
+    /// About the spindle's axis, largest.
+    pub torque_max_n_m: f64,
+    /// Mean.
+    pub torque_mean_n_m: f64,
+    /// Of the spindle, largest.
+    pub power_max_w: f64,
+    /// Mean.
+    pub power_mean_w: f64,
+    /// Passes of outer teeth and of inner ones.
+    pub chips: [u64; 2],
+    /// Mean of their thickest chips.
+    pub chip_mean: [Option<f64>; 2],
+    /// The thickest.
+    pub chip_max: [Option<f64>; 2],
+}
+
+/// All blocks of a cut rule.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LoadRuleFigures {
+    /// The rule, counted from 1; null for blocks without one.
+    pub rule: Option<usize>,
+    /// Their loads.
+    pub load: LoadFigures,
+    /// The same of the program as it was.
+    pub baseline: LoadFigures,
+}
+
+/// A block.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LoadBlockFigures {
+    /// Blocks executed, up to and including it.
+    pub block: u32,
+    /// Its N.
+    pub n: Option<i64>,
+    /// Its rule, counted from 1.
+    pub rule: Option<usize>,
+    /// Its loads.
+    pub load: LoadFigures,
+    /// The same of the program as it was, where that has the same block.
+    pub baseline: Option<LoadFigures>,
+}
+
+impl LoadFigures {
+    /// The thickest chip of both sides.
+    pub fn thickest(&self) -> Option<f64> {
+        self.chip_max.into_iter().flatten().reduce(f64::max)
+    }
+
+    /// In words: force, variation, torque, power, chip.
+    pub fn cells(&self) -> [String; 5] {
+        let percent = |ratio: f64| format!("{:.0}", 1e2 * ratio);
+        [
+            format!("{:.0}", self.force_max_n),
+            self.force_variation_ratio.map_or("-".into(), percent),
+            format!("{:.1}", self.torque_max_n_m),
+            format!("{:.2}", self.power_max_w / 1e3),
+            self.thickest().map_or("-".into(), short),
+        ]
+    }
+}
+
+impl LoadsFigures {
+    /// Heads of the columns of [`LoadFigures::cells`].
+    pub fn columns(&self) -> [String; 5] {
+        let chip = format!("chip, {}", self.unit);
+        ["force, N", "varies, %", "torque, N m", "power, kW", &chip].map(String::from)
+    }
+
+    /// Rows: a name, then before and after.
+    pub fn rows(&self) -> Vec<(String, [LoadFigures; 2])> {
+        let name = |rule: Option<usize>| rule.map_or("other blocks".into(), |rule| format!("movement {rule}"));
+        let mut rows: Vec<_> = self.rules.iter().map(|rule| (name(rule.rule), [rule.baseline, rule.load])).collect();
+        rows.push(("all".into(), [self.baseline, self.load]));
+        rows
+    }
+
+    /// What a person must know, one sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let tilted = self.left_out.iter().filter(|left_out| left_out.cause == "tilted");
+        tilted
+            .map(|left_out| format!("{} blocks have no chips and forces: {}", left_out.blocks, left_out.words()))
+            .collect()
+    }
+}
+
+impl fmt::Display for LoadsFigures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "  edges in the workpiece, largest values; before, then after:")?;
+        write!(f, "    {:<24}", "")?;
+        self.columns().iter().try_for_each(|column| write!(f, "{column:>22}"))?;
+        writeln!(f)?;
+        for (name, [before, after]) in self.rows() {
+            write!(f, "    {name:<24}")?;
+            let pairs = before.cells().into_iter().zip(after.cells());
+            pairs.into_iter().try_for_each(|(before, after)| write!(f, "{before:>11}{after:>11}"))?;
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+}

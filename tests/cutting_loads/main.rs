@@ -1,0 +1,14 @@
+//! `simulate` with edges in the workpiece, as a whole: chips, forces, torque and power of programs held to closed forms and root
+//! finding that nothing of the measured chips went into, and what is wrong with a `[cutting]`.
+#![cfg(unix)]
+
+#[path = "../cutting_forces/trochoid.rs"]
+mod trochoid;
+
+mod story;
+
+mod slots;
+
+mod arcs;
+
+mod complaints;

@@ -1,0 +1,65 @@
+//! Jobs of a few lines, and what `simulate --json` says of their loads.
+
+use arcfeed_tests::{Scratch, run};
+use serde_json::Value;
+
+/// A mill in a block, its tool table and `[cutting]` to be filled in.
+#[derive(Clone, Copy, Debug)]
+pub struct Slot<'a> {
+    pub diameter_mm: f64,
+    pub teeth: usize,
+    pub rev_per_min: f64,
+    pub feed_mm_per_tooth: f64,
+    pub axial_depth_mm: f64,
+    pub way_mm: f64,
+    /// Lines of `[cutting]` but the axial depth.
+    pub cutting: &'a str,
+}
+
+impl Slot<'_> {
+    /// Along X in the middle of a block, from a plunge.
+    pub fn told(&self, name: &str) -> Value {
+        let Slot { diameter_mm, teeth, rev_per_min, axial_depth_mm, way_mm, .. } = *self;
+        let feed = self.feed_mm_per_tooth * teeth as f64 * rev_per_min;
+        let beside_mm = diameter_mm / 2.0 + 2.0;
+        let job = format!(
+            "units = \"mm\"\nprogram = \"program.nc\"\n\
+             [tool]\nkind = \"end-mill\"\ndiameter = {diameter_mm}\nteeth = {teeth}\nheight = {axial_depth_mm}\n\
+             [workpiece]\nblock = {{ from = [{0}, {0}, -9], to = [{1}, {beside_mm}, 0] }}\nstep = 0.25\n\
+             [cutting]\naxial_depth = {axial_depth_mm}\n{2}\
+             [spindle]\nrev_per_min = {rev_per_min}\n[law]\nkind = \"programmed\"\nfeed_per_tooth = 0.05\n",
+            -beside_mm,
+            beside_mm + way_mm,
+            self.cutting
+        );
+        let program = format!(
+            "%\nG21G17G90G94\nN1G0X.013Y.021\nN2G0Z5.\nN3G1Z-{axial_depth_mm:.3}F400.\nN4G1X{:.3}F{feed:.3}\nN5G0Z5.\n\
+             N6G1X0.F9000.\nN7M30\n%\n",
+            way_mm + 0.013
+        );
+        told(name, &job, &program)
+    }
+}
+
+/// What a job gave.
+#[track_caller]
+pub fn told(name: &str, job: &str, program: &str) -> Value {
+    let (code, report, complaints) = ran(name, job, program);
+    assert_eq!((code, complaints.as_str()), (Some(0), ""));
+    serde_json::from_str(&report).expect("one object")
+}
+
+/// Exit code, standard output and what went wrong.
+pub fn ran(name: &str, job: &str, program: &str) -> (Option<i32>, String, String) {
+    let scratch = Scratch::new(&format!("loads-{name}"));
+    scratch.write("program.nc", program);
+    let output = run(&["simulate", &scratch.write("job.toml", job), "--json"]);
+    let text = |bytes| String::from_utf8(bytes).expect("text");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+/// A number in it.
+#[track_caller]
+pub fn number(value: &Value, pointer: &str) -> f64 {
+    value.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no {pointer} in {value}"))
+}
