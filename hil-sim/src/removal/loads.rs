@@ -24,7 +24,7 @@ use crate::rig::{Rig, STEP};
 
 use super::cutter::LeftOut;
 use super::placing::Placing;
-use super::tally::{Sample, Tally, Turn};
+use super::tally::{CHIP_MIN_MM, Sample, Tally, Turn};
 use super::trail::{Of, STRETCH_MAX, Stretch, at_tip};
 
 /// Around the workpiece: nearer than this the edges are asked.
@@ -32,6 +32,9 @@ const NEAR_MM: f64 = 1.0;
 
 /// Steps of a millisecond in which nothing is asked: a spindle that fast is a mistake.
 const STEPS_MAX: f64 = 1e4;
+
+/// Places in a millisecond of a rapid at which all that the tool meets is taken: at 60 m/min a mill of 6 mm leaves marks of 0.7 um.
+const SINKS: u32 = 8;
 
 /// What cuts what.
 #[derive(Clone, Debug)]
@@ -171,15 +174,18 @@ impl LoadMeter {
         }
         if stretch.of.is_rapid {
             self.lift();
-            let stand = self.stand(&ends[1]);
-            return self.settings.process.bite_mut().sink(&stand);
+            for sink in 1..=SINKS {
+                let stand = self.stand(&between(&ends, f64::from(sink) / f64::from(SINKS)));
+                self.settings.process.bite_mut().sink(&stand);
+            }
+            return;
         }
         let was_due = self.due;
         let count = libm::floor(was_due + turned);
         self.due = was_due + turned - count;
         for step in 1..=count as u64 {
             let part = (step as f64 - was_due) / turned;
-            let tip_mm = [0, 1, 2].map(|axis: usize| ends[0][axis] + (ends[1][axis] - ends[0][axis]) * part);
+            let tip_mm = between(&ends, part);
             self.step(stretch, &tip_mm, rev_per_min);
         }
     }
@@ -215,17 +221,17 @@ impl LoadMeter {
         }
         let tallies = self.blocks.last_mut().map(|(_, tally)| tally).into_iter();
         for tally in tallies.chain(self.windows.last_mut().map(|window| &mut window.tally)) {
-            if thickest_mm > 0.0 {
+            if thickest_mm >= CHIP_MIN_MM {
                 tally.add(sample);
             }
             for ((pass_mm, side), chip_mm) in self.passes.iter().zip(self.settings.process.chips_mm()) {
-                if *chip_mm == 0.0 && *pass_mm > 0.0 {
+                if *chip_mm < CHIP_MIN_MM && *pass_mm > 0.0 {
                     tally.pass(*side, *pass_mm);
                 }
             }
         }
         for ((pass_mm, _), chip_mm) in self.passes.iter_mut().zip(self.settings.process.chips_mm()) {
-            *pass_mm = if *chip_mm > 0.0 { pass_mm.max(*chip_mm) } else { 0.0 };
+            *pass_mm = if *chip_mm >= CHIP_MIN_MM { pass_mm.max(*chip_mm) } else { 0.0 };
         }
         self.turn.add(sample.bending_n);
         if self.steps.is_multiple_of(self.steps_a_turn as u64) {
@@ -258,4 +264,9 @@ impl LoadMeter {
         };
         bite.layers().extent_mm().is_some_and(is_beside) && bite.is_in(tip_mm[2])
     }
+}
+
+/// A part of the way from one place to another.
+fn between(ends_mm: &[Vector; 2], part: f64) -> Vector {
+    [0, 1, 2].map(|axis: usize| ends_mm[0][axis] + (ends_mm[1][axis] - ends_mm[0][axis]) * part)
 }

@@ -5,15 +5,15 @@
 //! variation = mean over whole turns of (largest - least) / mean       (2) of the bending force in a turn
 //! ```
 //!
-//! The time in cut is that in which any edge has a chip in front of it. A turn counts in (2) if all of it belongs to one block. A tooth's
+//! The time in cut is that in which any edge has a chip of a thousandth of a millimetre or more in front of it. A turn counts in (2) if all of it belongs to one block. A tooth's
 //! *pass* goes from where it meets material to where it leaves it, and counts with its thickest chip.
 //!
 //! Source: own definitions.
 
 use crate::cutting::edges::Side;
 
-/// A tooth with less than this in front of it goes along what is cut already: no pass.
-const CHIP_MIN_MM: f64 = 1e-3;
+/// An edge with less than this in front of it goes along what is cut already.
+pub const CHIP_MIN_MM: f64 = 1e-3;
 
 /// A step of the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,9 +113,6 @@ impl Tally {
 
     /// A tooth has left the material.
     pub fn pass(&mut self, side: Side, thickest_mm: f64) {
-        if thickest_mm < CHIP_MIN_MM {
-            return;
-        }
         let passes = &mut self.passes[usize::from(side == Side::Inner)];
         passes.merge(&Passes { count: 1, max_mm: thickest_mm, sum_mm: thickest_mm });
     }
@@ -191,9 +188,9 @@ mod tests {
     }
 
     #[test]
-    fn passes_are_told_by_side_and_rubbing_is_none() {
+    fn passes_are_told_by_side() {
         let mut tally = Tally::default();
-        for thickest_mm in [0.1, 0.3, 1e-4] {
+        for thickest_mm in [0.1, 0.3] {
             tally.pass(Side::Inner, thickest_mm);
         }
         assert_eq!(tally.passes[0].mean_mm(), None);
