@@ -4,8 +4,8 @@
 //! cause and effect: what the [`drives`] can do; bytes arrive at the [`control`], which moves the axes; the [`machine`] reports
 //! them; the [`stock`] loses what the tool sweeps; [`cutting`] measures the chips from what the axes did, and
 //! what they do to the tool; [`fe`] knows how tools and workpieces vibrate, [`dynamics`] how they give way to forces; a
-//! [`process`] is all of that together; [`faults`] spoil the controller on
-//! purpose; a [`decider`] has the override; the [`rig`] joins them all; [`removal`] cuts a stock with what it does.
+//! [`process`] is all of that together, a [`finishing`] pass along a blade one that leaves its marks; [`faults`] spoil the
+//! controller on purpose; a [`decider`] has the override; the [`rig`] joins them all; [`removal`] cuts a stock with what it does.
 
 pub mod drives;
 
@@ -22,6 +22,10 @@ pub mod fe;
 pub mod dynamics;
 
 pub mod process;
+
+pub mod flexible;
+
+pub mod finishing;
 
 pub mod faults;
 

@@ -33,6 +33,27 @@ impl Layer {
         Layer { lowest_mm, step_mm, rays: [whole(0), whole(1)] }
     }
 
+    /// What lies inside of a closed line that does not cross itself.
+    pub fn outline(corners_mm: &[Vector2<f64>], step_mm: f64) -> Self {
+        let ends_mm = |axis: usize| {
+            let along = corners_mm.iter().map(|corner| corner[axis]);
+            along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
+        };
+        let lowest_mm = [0, 1].map(|axis| libm::floor(ends_mm(axis)[0] / step_mm - 1.0) * step_mm);
+        let sizes_mm = [0, 1].map(|axis| ends_mm(axis)[1] - lowest_mm[axis] + step_mm);
+        let mut layer = Layer::rectangle(lowest_mm, sizes_mm, step_mm);
+        for axis in [0, 1] {
+            for ray in 0..layer.rays[axis].len() {
+                let mut ends: Vec<f64> =
+                    crossings(corners_mm, axis, layer.place_mm(axis, ray)).map(|(_, at_mm)| at_mm).collect();
+                ends.sort_by(f64::total_cmp);
+                let pieces = ends.chunks_exact(2).map(|pair| Interval::new(pair[0], pair[1]));
+                layer.rays[axis][ray] = Dexel::new(pieces.collect());
+            }
+        }
+        layer
+    }
+
     /// The cells of a stock whose middle is nearest to a height along `axis`; the plane has the two axes that follow it.
     pub fn of(stock: &Stock, axis: usize, height_mm: f64) -> Self {
         let lattice = stock.lattice();
@@ -222,6 +243,15 @@ mod tests {
         assert_eq!(layer.clear(&corners), [0.0; 2]);
         for (left, removed) in layer.areas_mm2().into_iter().zip(removed) {
             assert!((left + removed - 80.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn an_outline_has_its_area() {
+        // An arrow head, hollow behind: 12 - 4.
+        let corners = [(-1.0, 0.5), (5.0, 2.5), (-1.0, 4.5), (3.0, 2.5)].map(|(x, y)| Vector2::new(x, y));
+        for area in Layer::outline(&corners, 0.01).areas_mm2() {
+            assert!((area - 4.0).abs() < 1e-3, "{area}");
         }
     }
 

@@ -21,6 +21,11 @@ pub struct Layers {
 }
 
 impl Layers {
+    /// These, from a height upwards.
+    pub fn new(lowest_mm: f64, rise_mm: f64, layers: Vec<Layer>) -> Self {
+        Layers { lowest_mm, rise_mm, layers }
+    }
+
     /// So many copies of a layer, from a height upwards.
     pub fn alike(layer: &Layer, lowest_mm: f64, rise_mm: f64, count: usize) -> Self {
         Layers { lowest_mm, rise_mm, layers: vec![layer.clone(); count] }
@@ -64,6 +69,11 @@ impl Layers {
     /// How high each of them is.
     pub fn rise_mm(&self) -> f64 {
         self.rise_mm
+    }
+
+    /// Height of the middle of one.
+    pub fn middle_mm(&self, layer: usize) -> f64 {
+        self.lowest_mm + (layer as f64 + 0.5) * self.rise_mm
     }
 
     /// All, from the lowest upwards.

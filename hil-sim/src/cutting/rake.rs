@@ -21,6 +21,9 @@ use super::layer::Layer;
 /// What is no further from the rake face was cut by it: rounding.
 const AT_RAKE_MM: f64 = 1e-9;
 
+/// So many rays beyond the last one an edge neither meets material nor sees any ahead.
+const APART_RAYS: f64 = 3.0;
+
 /// Where an elementary edge stands in its layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rake {
@@ -66,6 +69,15 @@ impl Rake {
     /// The other end of the rake face.
     fn root_mm(&self) -> Vector2<f64> {
         self.edge_mm() - self.outward() * self.depth_mm
+    }
+
+    /// Whether all of the rake face is so far to one side of the layer's rays that nothing there matters.
+    fn is_apart(&self, layer: &Layer) -> bool {
+        [0, 1].into_iter().any(|axis: usize| {
+            let at = [self.edge_mm(), self.root_mm()].map(|end| layer.index(axis, end[1 - axis]));
+            let end = layer.rays(axis).len() as f64;
+            at.iter().all(|at| *at < -APART_RAYS) || at.iter().all(|at| *at > end + APART_RAYS)
+        })
     }
 
     /// From the rake face to the material.
@@ -150,6 +162,9 @@ impl Rake {
 impl Wake {
     /// Thickness of the chip in front of the edge, across its circle, mm; the edge has come here from its last cut.
     pub fn chip_mm(&self, rake: &Rake, layer: &Layer) -> f64 {
+        if rake.is_apart(layer) {
+            return 0.0;
+        }
         // On the circle, neighbouring rays are this far apart.
         let apart_mm = layer.step_mm() / libm::fabs(rake.towards[rake.axis()]);
         let (behind, next) = self.around(rake, layer);
@@ -173,6 +188,10 @@ impl Wake {
     /// The edge goes to its next place, less than a quarter of a turn on, and takes what it sweeps; answers the area as the rays
     /// along each axis have it, mm2.
     pub fn cut(&mut self, rake: &Rake, layer: &mut Layer) -> [f64; 2] {
+        if rake.is_apart(layer) && self.last.is_none_or(|last| last.is_apart(layer)) {
+            *self = Wake { last: Some(*rake), behind: None };
+            return [0.0; 2];
+        }
         self.behind = self.around(rake, layer).0;
         let Some(from) = self.last.replace(*rake) else { return [0.0; 2] };
         let ends_mm = |rake: &Rake| [rake.root_mm(), rake.edge_mm()];

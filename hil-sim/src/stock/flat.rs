@@ -8,7 +8,8 @@
 //!
 //! The way is straight, so the farthest place of it is one of its ends. Along a line in the plane the reached is what lies
 //! between the first and the last place of (1)'s left part, less the stretch that both ends' holes have in common.
-//! All of it is wider by a margin, so that it only tells which rays need not be asked: three axes cut mostly air.
+//! It is asked with a margin to tell which rays need not be asked more: three axes cut mostly air. Of a slab with upright walls
+//! (1) without a margin is all there is to know.
 //!
 //! Source: own derivation.
 
@@ -24,6 +25,15 @@ pub struct Flat {
     ends_mm: [[f64; 3]; 2],
     outer_mm: f64,
     hole_mm: f64,
+    upright: Option<Upright>,
+}
+
+/// A slab with upright walls, without a margin: its ends along the axis, and its radii.
+#[derive(Clone, Copy, Debug)]
+struct Upright {
+    heights: Interval,
+    outer_mm: f64,
+    hole_mm: f64,
 }
 
 impl Flat {
@@ -33,16 +43,38 @@ impl Flat {
         let is_across = sweep.from_mm[axis] == sweep.to_mm[axis];
         let hole_mm = slab.inner_mm.map_or(0.0, |inner| inner[0].min(inner[1]) - margin_mm).max(0.0);
         let outer_mm = slab.outer_mm[0].max(slab.outer_mm[1]) + margin_mm;
-        is_across.then_some(Flat { axis, ends_mm: [sweep.from_mm, sweep.to_mm], outer_mm, hole_mm })
+        let upright = Upright::of(slab, sweep, axis);
+        is_across.then_some(Flat { axis, ends_mm: [sweep.from_mm, sweep.to_mm], outer_mm, hole_mm, upright })
+    }
+
+    /// What a ray loses to a slab with upright walls, in at most two stretches; `None` where the walls are not upright.
+    pub fn losses(&self, ray_axis: usize, point_mm: &[f64; 3]) -> Option<[Option<Interval>; 2]> {
+        let upright = self.upright.as_ref()?;
+        let Upright { heights, outer_mm, hole_mm } = *upright;
+        if ray_axis == self.axis {
+            return Some([self.reaches(point_mm, outer_mm, hole_mm).then_some(heights), None]);
+        }
+        let is_beside = (heights.from_mm..=heights.to_mm).contains(&point_mm[self.axis]);
+        let Some(outside) = self.along(ray_axis, point_mm, outer_mm).filter(|_| is_beside) else {
+            return Some([None, None]);
+        };
+        Some(match self.hollow(ray_axis, point_mm, hole_mm) {
+            None => [Some(outside), None],
+            Some(hollow) => {
+                let rests =
+                    [Interval { to_mm: hollow.from_mm, ..outside }, Interval { from_mm: hollow.to_mm, ..outside }];
+                rests.map(|rest| Some(rest).filter(|rest| rest.length_mm() > 0.0))
+            }
+        })
     }
 
     /// Whether a ray through a point can lose any of its material.
     pub fn may_cut(&self, ray_axis: usize, point_mm: &[f64; 3], dexel: &Dexel) -> bool {
         if ray_axis == self.axis {
-            return self.may_reach(point_mm);
+            return self.reaches(point_mm, self.outer_mm, self.hole_mm);
         }
-        let Some(outside) = self.along(ray_axis, point_mm) else { return false };
-        match self.hollow(ray_axis, point_mm) {
+        let Some(outside) = self.along(ray_axis, point_mm, self.outer_mm) else { return false };
+        match self.hollow(ray_axis, point_mm, self.hole_mm) {
             None => dexel.meets(&outside),
             Some(hollow) => {
                 dexel.meets(&Interval { to_mm: hollow.from_mm, ..outside })
@@ -52,7 +84,7 @@ impl Flat {
     }
 
     /// (1)
-    fn may_reach(&self, point_mm: &[f64; 3]) -> bool {
+    fn reaches(&self, point_mm: &[f64; 3], outer_mm: f64, hole_mm: f64) -> bool {
         let [from, to] = self.ends_mm.map(|end| self.across(&end, point_mm));
         let way = [to[0] - from[0], to[1] - from[1]];
         let square = |v: [f64; 2]| v[0] * v[0] + v[1] * v[1];
@@ -60,11 +92,11 @@ impl Flat {
         let along = -(from[0] * way[0] + from[1] * way[1]);
         let part = if length_square > 0.0 { (along / length_square).clamp(0.0, 1.0) } else { 0.0 };
         let nearest = square([from[0] + part * way[0], from[1] + part * way[1]]);
-        nearest <= self.outer_mm * self.outer_mm && square(from).max(square(to)) >= self.hole_mm * self.hole_mm
+        nearest <= outer_mm * outer_mm && square(from).max(square(to)) >= hole_mm * hole_mm
     }
 
     /// From the first to the last place of a line that the outside reaches.
-    fn along(&self, ray_axis: usize, point_mm: &[f64; 3]) -> Option<Interval> {
+    fn along(&self, ray_axis: usize, point_mm: &[f64; 3], outer_mm: f64) -> Option<Interval> {
         let off_axis = 3 - ray_axis - self.axis;
         let [from, to] = self.ends_mm.map(|end| [end[ray_axis], point_mm[off_axis] - end[off_axis]]);
         let mut reached: Option<Interval> = None;
@@ -73,7 +105,7 @@ impl Flat {
             reached = Some(Interval::new(other.from_mm.min(at_mm), other.to_mm.max(at_mm)));
         };
         for [center_mm, off_mm] in [from, to] {
-            if let Some(half_mm) = half_chord_mm(self.outer_mm, off_mm) {
+            if let Some(half_mm) = half_chord_mm(outer_mm, off_mm) {
                 take(center_mm - half_mm);
                 take(center_mm + half_mm);
             }
@@ -83,7 +115,7 @@ impl Flat {
         let length_mm = libm::sqrt(way[0] * way[0] + way[1] * way[1]);
         if length_mm > 0.0 && way[1] != 0.0 {
             for side in [-1.0, 1.0] {
-                let normal = [-side * way[1] / length_mm * self.outer_mm, side * way[0] / length_mm * self.outer_mm];
+                let normal = [-side * way[1] / length_mm * outer_mm, side * way[0] / length_mm * outer_mm];
                 let part = (from[1] - normal[1]) / way[1];
                 if (0.0..=1.0).contains(&part) {
                     take(from[0] + part * way[0] + normal[0]);
@@ -94,10 +126,10 @@ impl Flat {
     }
 
     /// What of a line is in the hole all the way.
-    fn hollow(&self, ray_axis: usize, point_mm: &[f64; 3]) -> Option<Interval> {
+    fn hollow(&self, ray_axis: usize, point_mm: &[f64; 3], hole_mm: f64) -> Option<Interval> {
         let off_axis = 3 - ray_axis - self.axis;
         let [from, to] = self.ends_mm.map(|end| {
-            let half_mm = half_chord_mm(self.hole_mm, point_mm[off_axis] - end[off_axis])?;
+            let half_mm = half_chord_mm(hole_mm, point_mm[off_axis] - end[off_axis])?;
             Some(Interval::new(end[ray_axis] - half_mm, end[ray_axis] + half_mm))
         });
         from.zip(to).map(|(from, to)| from.common(&to)).filter(|common| common.length_mm() > 0.0)
@@ -107,6 +139,18 @@ impl Flat {
     fn across(&self, end_mm: &[f64; 3], point_mm: &[f64; 3]) -> [f64; 2] {
         let [first, second] = [(self.axis + 1) % 3, (self.axis + 2) % 3];
         [end_mm[first] - point_mm[first], end_mm[second] - point_mm[second]]
+    }
+}
+
+impl Upright {
+    fn of(slab: &Slab, sweep: &Sweep, axis: usize) -> Option<Self> {
+        let is_upright = |radii: [f64; 2]| radii[0] == radii[1];
+        let [one, other] = slab.heights_mm.map(|height_mm| sweep.from_mm[axis] + height_mm * sweep.axis[axis]);
+        (is_upright(slab.outer_mm) && slab.inner_mm.is_none_or(is_upright)).then_some(Upright {
+            heights: Interval::new(one.min(other), one.max(other)),
+            outer_mm: slab.outer_mm[0],
+            hole_mm: slab.inner_mm.map_or(0.0, |inner| inner[0]),
+        })
     }
 }
 
@@ -133,8 +177,8 @@ mod tests {
             // By brute force along the way.
             let off = |n: u32| libm::hypot(x - 6e-4 * f64::from(n), y - 8e-4 * f64::from(n));
             let (near, far) = (0..=10_000).map(off).fold((9e9_f64, 0.0_f64), |(a, b), off| (a.min(off), b.max(off)));
-            assert_eq!(mill.may_reach(&[x, y, 0.0]), near <= 5.0, "{x} {y}");
-            assert_eq!(ring.may_reach(&[x, y, 0.0]), near <= 5.0 && far >= 4.9, "{x} {y}");
+            assert_eq!(mill.reaches(&[x, y, 0.0], 5.0, 0.0), near <= 5.0, "{x} {y}");
+            assert_eq!(ring.reaches(&[x, y, 0.0], 5.0, 4.9), near <= 5.0 && far >= 4.9, "{x} {y}");
         }
     }
 
@@ -149,7 +193,7 @@ mod tests {
                 Some([end[ray_axis] - half, end[ray_axis] + half])
             });
             let brute = places.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-            match (flat(None).along(ray_axis, &point), brute) {
+            match (flat(None).along(ray_axis, &point, 5.0), brute) {
                 (Some(Interval { from_mm, to_mm }), Some([from, to])) => {
                     assert!(
                         (from_mm - from).abs() < 1e-4 && (to_mm - to).abs() < 1e-4,

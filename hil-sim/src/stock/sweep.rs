@@ -166,6 +166,9 @@ impl Pass {
 
     /// Takes its sweep from a stretch of a ray, beyond which it does not reach; answers the length that was there.
     pub fn cut(&self, ray_point_mm: Vector, along: &Interval, dexel: &mut Dexel) -> f64 {
+        if let Some(losses) = self.flat.as_ref().and_then(|flat| flat.losses(self.ray_axis, &ray_point_mm)) {
+            return losses.into_iter().flatten().map(|loss| dexel.subtract(loss)).sum();
+        }
         let mut removed_mm = 0.0;
         let Some(stretch) = self.stretch(&ray_point_mm, along).filter(|stretch| dexel.meets(stretch)) else {
             return removed_mm;
