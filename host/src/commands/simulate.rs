@@ -63,7 +63,7 @@ pub struct Simulate {
     /// Write the report with its plots and maps here, as one HTML file (docs/simulate.md)
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
-    /// Write the surface that is left of the job's [workpiece] here, in millimetres: .stl or .ply, binary
+    /// Write the surface that is left of the job's workpiece here, in millimetres: .stl or .ply, binary
     #[arg(long, value_name = "OUT.stl|OUT.ply")]
     surface: Option<PathBuf>,
 }
