@@ -61,6 +61,17 @@ impl Process {
         &self.chips_mm
     }
 
+    /// The edges are out of the material, and the tool is at rest when they come again.
+    pub fn lift(&mut self) {
+        self.bite.lift();
+        self.vibration.rest();
+    }
+
+    /// The modes.
+    pub fn vibration(&self) -> &Vibration {
+        &self.vibration
+    }
+
     /// The modes, to see them from another place of the cut.
     pub fn vibration_mut(&mut self) -> &mut Vibration {
         &mut self.vibration

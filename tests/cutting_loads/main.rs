@@ -12,3 +12,5 @@ mod slots;
 mod arcs;
 
 mod complaints;
+
+mod vibration;

@@ -77,6 +77,17 @@ impl Vibration {
         self.modes.iter().zip(&self.states).map(|(mode, state)| mode.shape * state.q).sum()
     }
 
+    /// Whether nothing can be moved: there are no modes.
+    pub fn is_rigid(&self) -> bool {
+        self.modes.is_empty()
+    }
+
+    /// Comes to rest, without force.
+    pub fn rest(&mut self) {
+        self.states.fill(State::default());
+        self.force_n = Vector3::zeros();
+    }
+
     /// The cut is elsewhere, or is seen in another frame: the same modes with other shapes. Shapes left out stay as they are.
     pub fn see_from(&mut self, shapes: &[Vector3<f64>]) {
         for (mode, shape) in self.modes.iter_mut().zip(shapes) {

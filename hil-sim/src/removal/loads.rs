@@ -19,11 +19,12 @@ use crate::cutting::bite::Stand;
 use crate::cutting::edges::Side;
 use crate::decider::Decider;
 use crate::drives::limits::AXES;
-use crate::process::Process;
+use crate::process::{Moment, Process};
 use crate::rig::{Rig, STEP};
 
 use super::cutter::LeftOut;
 use super::placing::Placing;
+use super::steadiness::{Samples, Steadiness};
 use super::tally::{CHIP_MIN_MM, Sample, Tally, Turn};
 use super::trail::{Of, STRETCH_MAX, Stretch, at_tip};
 
@@ -45,6 +46,8 @@ pub struct LoadSettings {
     pub machine: Option<Machine>,
     /// Largest turn in a step.
     pub step_max_rad: f64,
+    /// Where tool and workpiece give way: samples in a turn, and what counts as no change of their place.
+    pub samples: Samples,
 }
 
 /// The loads of a time.
@@ -69,6 +72,8 @@ pub struct LoadMeter {
     /// Steps of a turn, and how many there have been.
     steps_a_turn: usize,
     steps: u64,
+    /// Steps since there was a chip.
+    steps_idle: usize,
     /// Part of a step that is due.
     due: f64,
     turn: Turn,
@@ -95,6 +100,7 @@ impl LoadMeter {
             axes: None,
             last: None,
             steps: 0,
+            steps_idle: 0,
             due: 0.0,
             turn: Turn::new(),
             passes,
@@ -139,6 +145,16 @@ impl LoadMeter {
     /// Cutting blocks whose place on the workpiece is not known, or that lean.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
+    }
+
+    /// How the blocks cut that were long enough to tell; none of a rigid tool.
+    pub fn steadiness(&self) -> &[Steadiness] {
+        self.settings.samples.blocks()
+    }
+
+    /// What counts there as no change.
+    pub fn floor_mm(&self) -> f64 {
+        self.settings.samples.floor_mm()
     }
 
     /// What a step turns.
@@ -201,6 +217,7 @@ impl LoadMeter {
         let dt_s = S_PER_MIN / rev_per_min / self.steps_a_turn as f64;
         let moment = self.settings.process.step(dt_s, &stand);
         let loads = moment.loads;
+        self.sample(&stretch.of, &moment, rev_per_min);
         let sample = Sample {
             dt_s,
             bending_n: loads.bending_n(),
@@ -208,6 +225,18 @@ impl LoadMeter {
             power_w: loads.power_w(rev_per_min),
         };
         self.count(stretch, &sample, moment.thickest_mm);
+    }
+
+    /// Where the tool is bent to, while there is a chip in every turn.
+    fn sample(&mut self, of: &Of, moment: &Moment, rev_per_min: f64) {
+        self.steps_idle = if moment.thickest_mm >= CHIP_MIN_MM { 0 } else { self.steps_idle + 1 };
+        if self.settings.process.vibration().is_rigid() || self.steps_idle > self.steps_a_turn {
+            return self.settings.samples.lift();
+        }
+        let every = (self.steps_a_turn / self.settings.samples.a_turn()) as u64;
+        if self.steps.is_multiple_of(every) {
+            self.settings.samples.take(of, moment.displacement_mm, rev_per_min / S_PER_MIN);
+        }
     }
 
     fn count(&mut self, stretch: &Stretch, sample: &Sample, thickest_mm: f64) {
@@ -244,7 +273,8 @@ impl LoadMeter {
 
     /// Out of the cut: passes and turns that are not over do not count.
     fn lift(&mut self) {
-        self.settings.process.bite_mut().lift();
+        self.settings.process.lift();
+        self.settings.samples.lift();
         self.passes.iter_mut().for_each(|(pass_mm, _)| *pass_mm = 0.0);
         self.turn = Turn::new();
     }

@@ -14,4 +14,6 @@ pub mod cutter;
 
 pub mod tally;
 
+pub mod steadiness;
+
 pub mod loads;

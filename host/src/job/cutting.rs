@@ -28,6 +28,17 @@ pub struct CuttingTable {
     runout: Option<Spanned<RunoutTable>>,
     offsets: Option<Spanned<Vec<Quantity>>>,
     pitch: Option<Spanned<Vec<f64>>>,
+    #[serde(default)]
+    modes: Vec<Spanned<ModeTable>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModeTable {
+    frequency: f64,
+    damping: f64,
+    stiffness: f64,
+    direction: [f64; 3],
 }
 
 #[derive(Debug, Deserialize)]
@@ -54,7 +65,24 @@ pub struct Cutting {
     pub offsets_mm: Vec<f64>,
     /// From each tooth to the next; none if they are equal.
     pub pitch_rad: Vec<f64>,
+    /// How tool and workpiece give way to each other; none if both are rigid.
+    pub modes: Vec<Mode>,
     /// Byte offset of its table in the job file.
+    pub offset: usize,
+}
+
+/// A mode of tool against workpiece, as a tap test tells it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mode {
+    /// Natural frequency.
+    pub frequency_hz: f64,
+    /// Of critical damping.
+    pub damping_ratio: f64,
+    /// Along its direction.
+    pub stiffness_n_per_mm: f64,
+    /// Of any length, in the program's coordinates.
+    pub direction: [f64; 3],
+    /// Byte offset in the job file.
     pub offset: usize,
 }
 
@@ -110,6 +138,16 @@ pub(super) fn build(told: &Spanned<CuttingTable>, job: &Job, height_mm: Option<f
         given => given.as_ref().map_or(1, |layers| *layers.as_ref()),
     };
     let to_mm = |quantity: &Quantity| quantity.to_mm(job.unit);
+    let mode = |told: &Spanned<ModeTable>| {
+        let ModeTable { frequency, damping, stiffness, direction } = *told.as_ref();
+        Mode {
+            frequency_hz: frequency,
+            damping_ratio: damping,
+            stiffness_n_per_mm: stiffness,
+            direction,
+            offset: told.span().start,
+        }
+    };
     Ok(Cutting {
         coefficients: coefficients(told)?,
         axial_depth_mm,
@@ -121,6 +159,7 @@ pub(super) fn build(told: &Spanned<CuttingTable>, job: &Job, height_mm: Option<f
         }),
         offsets_mm: offsets.iter().flat_map(|offsets| offsets.as_ref()).map(to_mm).collect(),
         pitch_rad: pitch.iter().flat_map(|pitch| pitch.as_ref()).map(|degrees| degrees.to_radians()).collect(),
+        modes: told.as_ref().modes.iter().map(mode).collect(),
         offset: told.span().start,
     })
 }

@@ -24,8 +24,42 @@ pub struct LoadsFigures {
     pub rules: Vec<LoadRuleFigures>,
     /// Blocks with chips.
     pub blocks: Vec<LoadBlockFigures>,
+    /// Whether tool and workpiece come to rest against each other; none if both are rigid.
+    pub vibration: Option<VibrationFigures>,
     /// Blocks that cut, but have no chips here.
     pub left_out: Vec<LeftOutFigures>,
+}
+
+/// How the tool's place against the workpiece changes from tooth to tooth.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VibrationFigures {
+    /// What counts as no change.
+    pub floor: f64,
+    /// Blocks that were long enough to tell.
+    pub judged: usize,
+    /// The largest mean change of a window of teeth.
+    pub metric_max: Option<f64>,
+    /// The same of the program as it was.
+    pub baseline_metric_max: Option<f64>,
+    /// Blocks in which a tooth does not find the tool where the one before did.
+    pub unsteady: Vec<UnsteadyFigures>,
+    /// The same of the program as it was.
+    pub baseline_unsteady: Vec<UnsteadyFigures>,
+}
+
+/// A block that is not steady.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct UnsteadyFigures {
+    /// Blocks executed, up to and including it.
+    pub block: u32,
+    /// Its N.
+    pub n: Option<i64>,
+    /// Its rule, counted from 1.
+    pub rule: Option<usize>,
+    /// `uneven`: repeats every turn; `period-doubling`: every other tooth; `chatter`: not at all.
+    pub verdict: &'static str,
+    /// Mean change from tooth to tooth in its worst window.
+    pub metric: f64,
 }
 
 /// Loads of a time.
@@ -136,6 +170,31 @@ impl fmt::Display for LoadsFigures {
             pairs.into_iter().try_for_each(|(before, after)| write!(f, "{before:>11}{after:>11}"))?;
             writeln!(f)?;
         }
-        Ok(())
+        self.vibration.as_ref().map_or(Ok(()), |vibration| writeln!(f, "    {}", vibration.words(self.unit)))
+    }
+}
+
+impl VibrationFigures {
+    /// For a person.
+    pub fn words(&self, unit: &str) -> String {
+        let side = |metric: Option<f64>, unsteady: &[UnsteadyFigures]| {
+            let changes = metric.map_or("too short to tell".into(), |metric| format!("up to {}", short(metric)));
+            match unsteady.iter().max_by(|a, b| a.metric.total_cmp(&b.metric)) {
+                None => changes,
+                Some(worst) => format!("{changes} ({} in {}, worst)", worst.verdict, worst.name()),
+            }
+        };
+        format!(
+            "place of the tool from tooth to tooth, {unit}: before {}; after {}; stable up to {}",
+            side(self.baseline_metric_max, &self.baseline_unsteady),
+            side(self.metric_max, &self.unsteady),
+            short(self.floor)
+        )
+    }
+}
+
+impl UnsteadyFigures {
+    fn name(&self) -> String {
+        self.n.map_or_else(|| format!("block {}", self.block), |n| format!("N{n}"))
     }
 }

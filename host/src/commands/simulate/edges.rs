@@ -1,25 +1,35 @@
 //! The edges of the job's tool in the layers of its workpiece, and the forces of its material.
 
+use std::f64::consts::{PI, TAU};
+
 use arcfeed_hil_sim::cutting::bite::Bite;
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EdgeError, EndMill, Ring};
 use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::cutting::material::{Cutting as Forces, Kienzle, MATERIALS};
+use arcfeed_hil_sim::dynamics::modal::Mode;
 use arcfeed_hil_sim::dynamics::transition::Rule;
 use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
 use arcfeed_hil_sim::process::Process;
+use arcfeed_hil_sim::removal::steadiness::{FLOOR_RATIO, Samples};
 use arcfeed_hil_sim::stock::solid::Solid;
 use arcfeed_shared::tool::Tool;
-use arcfeed_shared::units::Nm;
+use arcfeed_shared::units::{Nm, S_PER_MIN};
 
-use crate::job::cutting::Coefficients;
+use crate::job::cutting::{Coefficients, Mode as ModeFigures};
 use crate::job::{Cutting, JobFile};
 
 /// Z: the tool's axis, but under G43.4.
 pub const UPRIGHT: usize = 2;
 
 /// Largest turn in a step of the edges.
-pub const STEP_RAD: f64 = 3.0 / 180.0 * std::f64::consts::PI;
+const STEP_RAD: f64 = 3.0 / 180.0 * PI;
+
+/// Steps of the fastest mode's period: coarser ones hide chatter or invent it (docs/forces.md).
+const STEPS_A_PERIOD: f64 = 25.0;
+
+/// Displacements that agree to this with their forces.
+const FLEXIBLE: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-7, passes_max: 20 };
 
 /// A rigid tool moves nowhere, in one pass.
 const RIGID: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 0.0, passes_max: 1 };
@@ -40,7 +50,27 @@ pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<P
     let layers = Layers::of_solid(blank, UPRIGHT, rise_mm, workpiece.step_mm).map_err(|error| told(&error))?;
     let depth_mm = edges.rake_max_mm();
     let bite = Bite::new(edges, layers, depth_mm).map_err(|error| told(&error))?;
-    Ok(Process::new(bite, forces, Vibration::new(Vec::new(), RIGID)))
+    let modes = cutting.modes.iter().map(mode).collect::<Result<Vec<Mode>, Trouble>>()?;
+    let stepping = if modes.is_empty() { RIGID } else { FLEXIBLE };
+    Ok(Process::new(bite, forces, Vibration::new(modes, stepping)))
+}
+
+/// The largest turn in a step.
+pub fn step_max_rad(file: &JobFile, cutting: &Cutting) -> f64 {
+    let turned_rad_per_s = f64::from(file.job.spindle.0) * TAU / S_PER_MIN;
+    let fastest_hz = cutting.modes.iter().map(|mode| mode.frequency_hz).fold(0.0, f64::max);
+    STEP_RAD.min(turned_rad_per_s / (fastest_hz * STEPS_A_PERIOD))
+}
+
+/// No samples yet: one a tooth, of a ring one for an outer and an inner tooth.
+pub fn samples(file: &JobFile) -> Samples {
+    let teeth = usize::from(file.job.tool.active_teeth());
+    Samples::new(teeth, f64::from(file.job.feed_per_tooth.0) * FLOOR_RATIO)
+}
+
+fn mode(told: &ModeFigures) -> Result<Mode, Trouble> {
+    Mode::from_stiffness(told.frequency_hz, told.damping_ratio, told.stiffness_n_per_mm, &told.direction.into())
+        .map_err(|error| (Some(told.offset), error.to_string()))
 }
 
 fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64, rise_mm: f64) -> Result<Cutter, EdgeError> {

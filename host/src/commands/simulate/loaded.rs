@@ -2,13 +2,16 @@
 
 use std::collections::BTreeMap;
 
+use arcfeed_hil_sim::dynamics::chatter::Verdict;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
 use arcfeed_hil_sim::removal::tally::Tally;
 use arcfeed_hil_sim::removal::trail::Of;
 use arcfeed_shared::units::LengthUnit;
 
 use super::told::left_out_figures;
-use crate::report::loads::{LoadBlockFigures, LoadFigures, LoadRuleFigures, LoadsFigures};
+use crate::report::loads::{
+    LoadBlockFigures, LoadFigures, LoadRuleFigures, LoadsFigures, UnsteadyFigures, VibrationFigures,
+};
 use crate::report::page::plot::{Lane, Series};
 
 /// W in a kW.
@@ -35,11 +38,38 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Loa
         step_deg: meter.step_rad().to_degrees(),
         rules: rules.collect(),
         blocks: blocks(unit, meter, baseline),
+        vibration: (!meter.process().vibration().is_rigid()).then(|| vibration(unit, meter, baseline)),
         left_out: meter
             .left_out()
             .iter()
             .map(|left_out| left_out_figures(left_out.why, &left_out.first, left_out.blocks))
             .collect(),
+    }
+}
+
+fn vibration(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> VibrationFigures {
+    let worst = |meter: &LoadMeter| meter.steadiness().iter().map(|block| block.metric_mm / unit.mm()).reduce(f64::max);
+    let unsteady = |meter: &LoadMeter| {
+        let told = meter.steadiness().iter().filter_map(|block| {
+            let verdict = match block.verdict {
+                Verdict::Stable => return None,
+                Verdict::Uneven => "uneven",
+                Verdict::PeriodDoubling => "period-doubling",
+                Verdict::Chatter { .. } => "chatter",
+            };
+            let Of { count, sequence, rule, .. } = block.of;
+            let (rule, metric) = (rule.map(|rule| rule + 1), block.metric_mm / unit.mm());
+            Some(UnsteadyFigures { block: count, n: sequence, rule, verdict, metric })
+        });
+        told.collect()
+    };
+    VibrationFigures {
+        floor: meter.floor_mm() / unit.mm(),
+        judged: meter.steadiness().len(),
+        metric_max: worst(meter),
+        baseline_metric_max: worst(baseline),
+        unsteady: unsteady(meter),
+        baseline_unsteady: unsteady(baseline),
     }
 }
 

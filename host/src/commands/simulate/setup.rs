@@ -59,7 +59,10 @@ impl<'a> Setup<'a> {
         let machine = file.machine.as_ref().map(|named| named.machine);
         let cutting = file.cutting.as_ref().map(|cutting| (cutting, edges::process(file, cutting, &*blank)));
         let loads = cutting.map(|(cutting, process)| match process {
-            Ok(process) => Ok(LoadSettings { process, machine, step_max_rad: edges::STEP_RAD }),
+            Ok(process) => {
+                let (step_max_rad, samples) = (edges::step_max_rad(file, cutting), edges::samples(file));
+                Ok(LoadSettings { process, machine, step_max_rad, samples })
+            }
             Err((offset, message)) => {
                 Err(Failure::Input(format!("{}: {message}", located(offset.unwrap_or(cutting.offset)))))
             }
