@@ -7,6 +7,16 @@ use crate::trochoid::Trochoid;
 
 const LINEAR: &str = "cutting = [600, 200, 0]\nedge = [0, 0, 0]\n";
 
+const TWO_TEETH: Slot<'_> = Slot {
+    diameter_mm: 10.0,
+    teeth: 2,
+    rev_per_min: 3000.0,
+    feed_mm_per_tooth: 0.1,
+    axial_depth_mm: 1.0,
+    way_mm: 20.0,
+    cutting: LINEAR,
+};
+
 /// Relative; steps of 3 degrees meet a maximum within 1.5 degrees of it, and rays 0.25 mm apart tell a chip to 3e-4.
 const NEAR: f64 = 1e-3;
 
@@ -20,16 +30,7 @@ fn assert_near(name: &str, found: f64, expected: f64, tolerance: f64) {
 #[test]
 fn two_teeth_in_a_slot_have_the_forces_in_closed_form() {
     // Ft = 600 N/mm2 x 0.1 mm x 1 mm, Fr a third of it, at R 5 mm; one tooth at a time.
-    let slot = Slot {
-        diameter_mm: 10.0,
-        teeth: 2,
-        rev_per_min: 3000.0,
-        feed_mm_per_tooth: 0.1,
-        axial_depth_mm: 1.0,
-        way_mm: 20.0,
-        cutting: LINEAR,
-    };
-    let load = slot.told("linear")["loads"]["load"].clone();
+    let load = TWO_TEETH.told("linear")["loads"]["load"].clone();
     assert_near("largest force, N", number(&load, "/force_max_n"), 20.0 * libm::sqrt(10.0), NEAR);
     assert_near("largest torque, N m", number(&load, "/torque_max_n_m"), 0.3, NEAR);
     assert_near("largest power, W", number(&load, "/power_max_w"), TAU * 50.0 * 0.3, NEAR);
@@ -93,16 +94,7 @@ fn a_helix_in_layers_has_the_forces_of_an_independent_program() {
 
 #[test]
 fn nothing_is_met_out_of_the_cut() {
-    let slot = Slot {
-        diameter_mm: 10.0,
-        teeth: 2,
-        rev_per_min: 3000.0,
-        feed_mm_per_tooth: 0.1,
-        axial_depth_mm: 1.0,
-        way_mm: 20.0,
-        cutting: LINEAR,
-    };
-    let report = slot.told("zero");
+    let report = TWO_TEETH.told("zero");
     let blocks = report["loads"]["blocks"].as_array().expect("a list");
     // The plunge has no chips on its side, the way back is above.
     assert_eq!(blocks.iter().map(|block| block["n"].as_i64()).collect::<Vec<_>>(), [Some(4)]);
