@@ -120,9 +120,7 @@ pub fn tool_modes(tool: &BeamModes, point_mm: [f64; 3], damping_ratio: f64) -> R
     let mut station = Station::default();
     tool.at(point_mm, &mut station);
     let shapes: Vec<Vector3<f64>> = station.shapes.iter().map(per_root_kg).collect();
-    // A frequency is that of two modes.
-    let omegas: Vec<f64> = tool.omega_rad_per_s.iter().flat_map(|omega| [*omega; 2]).collect();
-    modes(&omegas, &shapes, damping_ratio)
+    modes(&tool.omega_rad_per_s, &shapes, damping_ratio)
 }
 
 fn modes(omegas: &[f64], shapes: &[Vector3<f64>], damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
