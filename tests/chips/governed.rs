@@ -4,7 +4,6 @@
 use std::f64::consts::TAU;
 
 use arcfeed_hil_sim::cutting::bite::{Bite, Stand};
-use arcfeed_hil_sim::cutting::edges::Side;
 use arcfeed_hil_sim::cutting::engaged::{EdgeCircle, knots};
 use arcfeed_hil_sim::cutting::layer::Layer;
 use arcfeed_hil_sim::cutting::layers::Layers;
@@ -66,7 +65,7 @@ fn engaged_deg(
     center_mm: &Vector2<f64>,
     ahead_mm: f64,
 ) -> [f64; 2] {
-    let circle = EdgeCircle { center_mm: *place_mm, radius_mm: mill.radius(Edge::Outer).to_mm(), side: Side::Outer };
+    let circle = EdgeCircle { center_mm: *place_mm, radius_mm: mill.radius(Edge::Outer).to_mm(), side: Edge::Outer };
     // Seen from the tool, what points at the centre is to the right of the motion.
     let towards = (center_mm - place_mm).normalize();
     let motion = Vector2::new(-towards.y, towards.x);
@@ -91,7 +90,7 @@ fn thickest(mill: &CupMill, layer: &Layer, places_mm: &[Vector2<f64>], target_mm
         let axis_mm = places_mm[ms] + (places_mm[ms + 1] - places_mm[ms]) * part;
         // 1000 turns a minute.
         let stand = Stand { axis_mm, tip_mm: 0.0, turned_rad: TAU / 60.0 * step as f64 / STEPS_A_MS as f64 };
-        let outer = bite.chips(&stand, |_| Vector2::zeros()).filter(|(piece, _)| piece.side == Side::Outer);
+        let outer = bite.chips(&stand, |_| Vector2::zeros()).filter(|(piece, _)| piece.side == Edge::Outer);
         let now = outer.map(|(_, chip)| chip.thickness_mm / target_mm).fold(0.0, f64::max);
         thickest[step * 20 / steps] = thickest[step * 20 / steps].max(now);
         bite.cut(&stand, |_| Vector2::zeros());

@@ -11,7 +11,7 @@ use arcfeed::program::Program;
 use arcfeed_hil_sim::cutting::bite::{Bite, Stand};
 use arcfeed_hil_sim::cutting::chip::Circle;
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
-use arcfeed_hil_sim::cutting::edges::{Cutter, Ring, Side};
+use arcfeed_hil_sim::cutting::edges::{Cutter, Ring};
 use arcfeed_hil_sim::cutting::layer::Layer;
 use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::cutting::meter::MoveChips;
@@ -99,7 +99,6 @@ fn compare(track: &Track, mill: &CupMill, edge: Edge, line: &StockLine, spindle:
         places[ms] + (places[ms + 1] - places[ms]) * part
     };
     let circle = Circle { radius_mm: mill.radius(edge).to_mm(), advance_ratio: f64::from(edge.advance()) };
-    let side = if edge == Edge::Outer { Side::Outer } else { Side::Inner };
     let layers = Layers::alike(&layer(line, mill, places[0]), 0.0, HEIGHT_MM, 1);
     let mut bite = Bite::new(edges(mill), layers, 2.0).expect("a ring in its layer");
     let mut compared = Compared::default();
@@ -109,7 +108,7 @@ fn compare(track: &Track, mill: &CupMill, edge: Edge, line: &StockLine, spindle:
         // The axes come to rest at the end of the block: the last teeth are no concern of the meter either.
         if (SETTLED_MS..places.len() - SETTLED_MS / 2).contains(&(step / STEPS_A_MS)) {
             let delta_mm = place(step) - place(step - TOOTH_MS * STEPS_A_MS);
-            for (piece, chip) in bite.chips(&stand, |_| Vector2::zeros()).filter(|(piece, _)| piece.side == side) {
+            for (piece, chip) in bite.chips(&stand, |_| Vector2::zeros()).filter(|(piece, _)| piece.side == edge) {
                 let towards = piece.place_mm(turned_rad).xy().normalize();
                 let at_mm = stand.axis_mm + towards * circle.radius_mm;
                 let formula_mm = circle.chip_mm(&towards, &delta_mm);

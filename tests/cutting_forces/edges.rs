@@ -3,9 +3,10 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
-use arcfeed_hil_sim::cutting::edges::{Cutter, EdgeError, EdgePiece, EndMill, Ring, Side};
+use arcfeed_hil_sim::cutting::edges::{Cutter, EdgeError, EdgePiece, EndMill, Ring};
 use arcfeed_hil_sim::cutting::force::Loads;
 use arcfeed_hil_sim::cutting::material::{ChipSection, Cutting, EdgeForce};
+use arcfeed_shared::tool::Edge;
 use nalgebra::Vector3;
 
 const FLAT: EndMill = EndMill { diameter_mm: 10.0, corner_mm: 0.0, teeth: 2, helix_rad: 0.0, height_mm: 4.0 };
@@ -45,7 +46,7 @@ fn directions_are_a_frame_and_the_edge_moves_as_told() {
         assert!((moved - to.motion).norm() < 1e-9, "M3 turns clockwise as seen from the holder");
         assert!(to.motion.dot(&to.normal).abs() < 1e-15 && to.normal.dot(&to.along).abs() < 1e-15);
         let outwards = piece.place_mm(0.7).xy().dot(&to.normal.xy());
-        assert_eq!(outwards > 0.0, piece.side == Side::Outer);
+        assert_eq!(outwards > 0.0, piece.side == Edge::Outer);
         assert!(to.along.z > 0.0 && to.normal.z <= 1e-15);
     }
 }
@@ -55,10 +56,10 @@ fn inserts_of_a_ring_stand_by_turns_outside_and_inside() {
     let cutter = Cutter::ring(&CUP, Pieces::Along(8)).unwrap();
     assert_eq!(cutter.teeth(), 10);
     for piece in cutter.pieces() {
-        let (side, wall_mm) = if piece.tooth % 2 == 0 { (Side::Outer, 128.576) } else { (Side::Inner, 112.701) };
+        let (side, wall_mm) = if piece.tooth % 2 == 0 { (Edge::Outer, 128.576) } else { (Edge::Inner, 112.701) };
         assert_eq!(piece.side, side);
         assert!((piece.angle_rad - TAU * piece.tooth as f64 / 10.0).abs() < 1e-12);
-        let inset_mm = (wall_mm - piece.radius_mm) * if side == Side::Outer { 1.0 } else { -1.0 };
+        let inset_mm = (wall_mm - piece.radius_mm) * if side == Edge::Outer { 1.0 } else { -1.0 };
         assert!((0.0..1.0).contains(&inset_mm) && (piece.height_mm > 1.0) == (inset_mm == 0.0));
     }
     let of_tooth = |tooth| cutter.pieces().iter().filter(move |piece| piece.tooth == tooth);
@@ -87,10 +88,10 @@ fn forces_of_single_pieces_are_those_of_a_drawing() {
     };
     // M3 brings the piece from y to x, where it moves to -y.
     let at = |x, y, z| Vector3::new(x, y, z);
-    assert!((on_tool(&piece(Side::Outer, FRAC_PI_2)) - at(-40.0, 100.0, -7.0)).norm() < 1e-12);
-    assert!((on_tool(&piece(Side::Inner, FRAC_PI_2)) - at(40.0, 100.0, -7.0)).norm() < 1e-12);
-    assert!((on_tool(&piece(Side::Outer, 0.0)) - at(-7.0, 100.0, 40.0)).norm() < 1e-12);
-    assert!((on_tool(&piece(Side::Inner, 0.0)) - at(7.0, 100.0, 40.0)).norm() < 1e-12);
+    assert!((on_tool(&piece(Edge::Outer, FRAC_PI_2)) - at(-40.0, 100.0, -7.0)).norm() < 1e-12);
+    assert!((on_tool(&piece(Edge::Inner, FRAC_PI_2)) - at(40.0, 100.0, -7.0)).norm() < 1e-12);
+    assert!((on_tool(&piece(Edge::Outer, 0.0)) - at(-7.0, 100.0, 40.0)).norm() < 1e-12);
+    assert!((on_tool(&piece(Edge::Inner, 0.0)) - at(7.0, 100.0, 40.0)).norm() < 1e-12);
 }
 
 #[test]

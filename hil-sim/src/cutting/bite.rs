@@ -7,9 +7,10 @@
 
 use std::fmt;
 
+use arcfeed_shared::tool::Edge;
 use nalgebra::Vector2;
 
-use super::edges::{Cutter, EdgePiece, Side};
+use super::edges::{Cutter, EdgePiece};
 use super::layers::Layers;
 use super::material::ChipSection;
 use super::rake::{Rake, Wake};
@@ -196,10 +197,10 @@ fn slices(cutter: &Cutter) -> Vec<Slice> {
         });
         let slice = &mut slices[index];
         match piece.side {
-            Side::Outer => slice.outer_mm = slice.outer_mm.max(piece.radius_mm),
+            Edge::Outer => slice.outer_mm = slice.outer_mm.max(piece.radius_mm),
             // The innermost of several.
-            Side::Inner if slice.inner_mm == 0.0 => slice.inner_mm = piece.radius_mm,
-            Side::Inner => slice.inner_mm = slice.inner_mm.min(piece.radius_mm),
+            Edge::Inner if slice.inner_mm == 0.0 => slice.inner_mm = piece.radius_mm,
+            Edge::Inner => slice.inner_mm = slice.inner_mm.min(piece.radius_mm),
         }
     }
     slices

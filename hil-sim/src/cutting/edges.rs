@@ -24,6 +24,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt;
 
+use arcfeed_shared::tool::Edge;
 use nalgebra::{Vector2, Vector3};
 
 use self::meridian::{Meridian, Pieces};
@@ -32,15 +33,6 @@ pub mod meridian;
 
 /// How far the pitches of all teeth may be from a full turn.
 const TURN_TOLERANCE_RAD: f64 = 1e-9;
-
-/// Which way an edge cuts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// Away from the tool's axis.
-    Outer,
-    /// Towards the tool's axis: the inside of a ring.
-    Inner,
-}
 
 /// A short piece of a cutting edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +50,7 @@ pub struct EdgePiece {
     /// Between its outward normal and the direction from the holder to the tip.
     pub lead_rad: f64,
     /// Which way it cuts.
-    pub side: Side,
+    pub side: Edge,
 }
 
 /// Directions of a piece, unit vectors in the tool frame.
@@ -156,21 +148,11 @@ impl EdgePiece {
     pub fn directions(&self, turned_rad: f64) -> Directions {
         let (sin, cos) = libm::sincos(self.angle_at_rad(turned_rad));
         let (sin_lead, cos_lead) = libm::sincos(self.lead_rad);
-        let side = self.side.sign();
+        let side = f64::from(self.side.advance());
         Directions {
             motion: Vector3::new(sin, -cos, 0.0),                                          // (3)
             normal: Vector3::new(side * cos * sin_lead, side * sin * sin_lead, -cos_lead), // (4)
             along: Vector3::new(side * cos * cos_lead, side * sin * cos_lead, sin_lead),   // (5)
-        }
-    }
-}
-
-impl Side {
-    /// s: +1 for an outer edge, -1 for an inner one.
-    pub fn sign(self) -> f64 {
-        match self {
-            Side::Outer => 1.0,
-            Side::Inner => -1.0,
         }
     }
 }
@@ -184,7 +166,7 @@ impl Cutter {
         let radius_mm = mill.diameter_mm / 2.0;
         let fits = mill.corner_mm <= radius_mm && libm::fabs(mill.helix_rad) < FRAC_PI_2;
         let meridian = Meridian {
-            side: Side::Outer,
+            side: Edge::Outer,
             radius_mm,
             corner_mm: mill.corner_mm,
             height_mm: mill.height_mm,
@@ -205,8 +187,8 @@ impl Cutter {
             let meridian = Meridian { side, radius_mm, corner_mm, height_mm, lag_rad_per_mm: 0.0 };
             meridian.pieces(pieces).filter(|_| fits).ok_or(EdgeError::Measures)
         };
-        let outer = of_side(Side::Outer, ring.outer_radius_mm)?;
-        let inner = of_side(Side::Inner, ring.inner_radius_mm)?;
+        let outer = of_side(Edge::Outer, ring.outer_radius_mm)?;
+        let inner = of_side(Edge::Inner, ring.inner_radius_mm)?;
         Cutter::new(2 * ring.active_teeth, |tooth| if tooth % 2 == 0 { &outer } else { &inner })
     }
 
@@ -241,7 +223,7 @@ impl Cutter {
 
     /// How deep rake faces may be that reach neither the axis nor edges on the other side of a ring: half-way.
     pub fn rake_max_mm(&self) -> f64 {
-        let [outer_mm, inner_mm] = [Side::Outer, Side::Inner].map(|side| {
+        let [outer_mm, inner_mm] = [Edge::Outer, Edge::Inner].map(|side| {
             let of_side = self.pieces.iter().filter(move |piece| piece.side == side).map(|piece| piece.radius_mm);
             of_side.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], mm| [least.min(mm), most.max(mm)])
         });

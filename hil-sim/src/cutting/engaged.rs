@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use arcfeed_shared::tool::Edge;
 use nalgebra::Vector2;
 
-use super::edges::Side;
 use super::layer::Layer;
 
 /// Directions looked into for each ray that the circle passes.
@@ -18,7 +18,7 @@ pub struct EdgeCircle {
     /// Of the edges.
     pub radius_mm: f64,
     /// Which way they cut.
-    pub side: Side,
+    pub side: Edge,
 }
 
 impl EdgeCircle {
@@ -27,7 +27,7 @@ impl EdgeCircle {
     pub fn engaged_rad(&self, layer: &Layer, ahead_mm: f64) -> Vec<[f64; 2]> {
         let looks = (TAU * self.radius_mm / layer.step_mm() * LOOKS_A_STEP).ceil() as usize;
         let at_rad = |look: usize| (look as f64 + 0.5) * TAU / looks as f64;
-        let reach_mm = self.radius_mm + self.side.sign() * ahead_mm;
+        let reach_mm = self.radius_mm + f64::from(self.side.advance()) * ahead_mm;
         let is_in = |look: usize| {
             let (sin, cos) = libm::sincos(at_rad(look % looks));
             layer.has_material(self.center_mm + Vector2::new(cos, sin) * reach_mm, usize::from(sin * sin > cos * cos))
@@ -74,7 +74,7 @@ mod tests {
     fn an_arc_ends_where_the_material_does() {
         // Material from x = 3 on.
         let layer = Layer::rectangle([3.0, -20.0], [20.0, 40.0], 0.1);
-        let circle = EdgeCircle { center_mm: Vector2::zeros(), radius_mm: 5.0, side: Side::Outer };
+        let circle = EdgeCircle { center_mm: Vector2::zeros(), radius_mm: 5.0, side: Edge::Outer };
         let arcs = circle.engaged_rad(&layer, 0.0);
         let end = libm::acos(0.6);
         assert_eq!(arcs.len(), 1);
@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn all_round_and_not_at_all() {
         let layer = Layer::rectangle([-20.0; 2], [40.0; 2], 0.5);
-        let circle = EdgeCircle { center_mm: Vector2::zeros(), radius_mm: 5.0, side: Side::Inner };
+        let circle = EdgeCircle { center_mm: Vector2::zeros(), radius_mm: 5.0, side: Edge::Inner };
         assert_eq!(circle.engaged_rad(&layer, 0.1), [[0.0, TAU]]);
         let mut gone = layer;
         gone.clear_ring(Vector2::zeros(), 0.0, 6.0);

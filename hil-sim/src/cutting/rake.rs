@@ -13,9 +13,9 @@
 //! In a vibrating cut with waves of length l on the surface (3) is A/2 (pi step/l)^2 for an amplitude A. Where the surface
 //! begins or ends between two rays, the chip begins and ends half-way.
 
+use arcfeed_shared::tool::Edge;
 use nalgebra::Vector2;
 
-use super::edges::Side;
 use super::layer::Layer;
 
 /// What is no further from the rake face was cut by it: rounding.
@@ -34,7 +34,7 @@ pub struct Rake {
     /// From the axis to the edge.
     pub radius_mm: f64,
     /// Which way the edge cuts.
-    pub side: Side,
+    pub side: Edge,
     /// 1 where the tool turns counter-clockwise in the plane, else -1.
     pub turn_ratio: f64,
     /// How far the rake face reaches behind the edge.
@@ -82,12 +82,12 @@ impl Rake {
 
     /// From the rake face to the material.
     fn outward(&self) -> Vector2<f64> {
-        self.towards * self.side.sign()
+        self.towards * f64::from(self.side.advance())
     }
 
     /// (1)
     fn inside_mm(&self, point_mm: &Vector2<f64>) -> f64 {
-        self.side.sign() * (self.radius_mm - (point_mm - self.center_mm).norm())
+        f64::from(self.side.advance()) * (self.radius_mm - (point_mm - self.center_mm).norm())
     }
 
     /// How far a point is ahead of the rake face, along the tangent at the edge; infinite beyond a quarter of a turn.
@@ -134,7 +134,8 @@ impl Rake {
             point
         };
         let edge_mm = along(self.radius_mm)?;
-        let root_mm = along(self.radius_mm - self.side.sign() * self.depth_mm).unwrap_or(self.center_mm[axis]);
+        let root_mm =
+            along(self.radius_mm - f64::from(self.side.advance()) * self.depth_mm).unwrap_or(self.center_mm[axis]);
         let (low, high) = (edge_mm.min(root_mm), edge_mm.max(root_mm));
         let dexel = usize::try_from(ray).ok().and_then(|ray| layer.rays(axis).get(ray));
         let pieces = dexel.map_or(&[][..], |dexel| dexel.intervals());
@@ -195,7 +196,7 @@ impl Wake {
         self.behind = self.around(rake, layer).0;
         let Some(from) = self.last.replace(*rake) else { return [0.0; 2] };
         let ends_mm = |rake: &Rake| [rake.root_mm(), rake.edge_mm()];
-        layer.clear_strip(ends_mm(&from), ends_mm(rake), rake.side.sign() * rake.radius_mm)
+        layer.clear_strip(ends_mm(&from), ends_mm(rake), f64::from(rake.side.advance()) * rake.radius_mm)
     }
 
     /// The points of the old surface on both sides of a rake face that has come here from the last cut.

@@ -11,12 +11,12 @@ use std::f64::consts::TAU;
 use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::kinematics::vector::Vector;
 use arcfeed_shared::segment::Path;
+use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{Micros, S_PER_MIN};
 use nalgebra::Vector2;
 
 use crate::control::action::Manner;
 use crate::cutting::bite::Stand;
-use crate::cutting::edges::Side;
 use crate::decider::Decider;
 use crate::drives::limits::AXES;
 use crate::process::{Moment, Process};
@@ -78,7 +78,7 @@ pub struct LoadMeter {
     due: f64,
     turn: Turn,
     /// The thickest chip of each tooth's pass, and which way the tooth cuts.
-    passes: Vec<(f64, Side)>,
+    passes: Vec<(f64, Edge)>,
     blocks: Vec<(Of, Tally)>,
     windows: Vec<Window>,
     left_out: Vec<LeftOut>,
@@ -88,7 +88,7 @@ impl LoadMeter {
     /// Before the run.
     pub fn new(settings: LoadSettings) -> Self {
         let cutter = settings.process.bite().cutter();
-        let mut passes = vec![(0.0, Side::Outer); cutter.teeth()];
+        let mut passes = vec![(0.0, Edge::Outer); cutter.teeth()];
         for piece in cutter.pieces() {
             passes[piece.tooth].1 = piece.side;
         }

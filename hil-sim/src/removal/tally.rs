@@ -10,7 +10,7 @@
 //!
 //! Source: own definitions.
 
-use crate::cutting::edges::Side;
+use arcfeed_shared::tool::Edge;
 
 /// An edge with less than this in front of it goes along what is cut already.
 pub const CHIP_MIN_MM: f64 = 1e-3;
@@ -112,8 +112,8 @@ impl Tally {
     }
 
     /// A tooth has left the material.
-    pub fn pass(&mut self, side: Side, thickest_mm: f64) {
-        let passes = &mut self.passes[usize::from(side == Side::Inner)];
+    pub fn pass(&mut self, side: Edge, thickest_mm: f64) {
+        let passes = &mut self.passes[usize::from(side == Edge::Inner)];
         passes.merge(&Passes { count: 1, max_mm: thickest_mm, sum_mm: thickest_mm });
     }
 
@@ -191,7 +191,7 @@ mod tests {
     fn passes_are_told_by_side() {
         let mut tally = Tally::default();
         for thickest_mm in [0.1, 0.3] {
-            tally.pass(Side::Inner, thickest_mm);
+            tally.pass(Edge::Inner, thickest_mm);
         }
         assert_eq!(tally.passes[0].mean_mm(), None);
         assert_eq!((tally.passes[1].count, tally.passes[1].max_mm), (2, 0.3));

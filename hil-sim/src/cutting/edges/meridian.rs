@@ -5,7 +5,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{EdgePiece, Side};
+use arcfeed_shared::tool::Edge;
+
+use super::EdgePiece;
 
 /// Part of a slice that an edge may be higher than a whole number of them: rounding.
 const WHOLE_RATIO: f64 = 1e-9;
@@ -27,7 +29,7 @@ pub enum Pieces {
 
 /// Half a section through an edge: a rounded corner, then a straight wall.
 pub(super) struct Meridian {
-    pub(super) side: Side,
+    pub(super) side: Edge,
     /// Of the wall.
     pub(super) radius_mm: f64,
     pub(super) corner_mm: f64,
@@ -93,7 +95,7 @@ impl Meridian {
             tooth: 0,
             height_mm,
             rise_mm,
-            radius_mm: self.radius_mm - self.side.sign() * inset_mm,
+            radius_mm: self.radius_mm - f64::from(self.side.advance()) * inset_mm,
             angle_rad: height_mm * self.lag_rad_per_mm, // (6) of the parent
             lead_rad,
             side: self.side,
