@@ -1,0 +1,95 @@
+//! A cup mill and what holds it, as solids of revolution.
+//!
+//! ```text
+//!          |  holder   |
+//!       +--+-----------+--+   height
+//!       |      body       |
+//!       |  +-----------+  |   cavity_depth
+//!       |  |           |  |
+//!       (__)           (__)   corners of insert_radius; 0 at the bottom
+//!      R   r           r   R
+//! ```
+//!
+//! Distances are from outside to the union of ring, body and holder, exact, in the half plane through the axis:
+//!
+//! ```text
+//! d(box) = |max(|p - m| - h, 0)| - rounding                                   (1)
+//! ```
+
+/// Radii and heights of a cup mill, mm; heights count from its bottom. Built by [`CupMill::new`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct CupMill {
+    /// R
+    pub outer_radius_mm: f64,
+    /// r
+    pub inner_radius_mm: f64,
+    /// Of the inserts' corners.
+    pub insert_radius_mm: f64,
+    /// How deep the cup is hollow.
+    pub cavity_depth_mm: f64,
+    /// From its bottom to its back.
+    pub height_mm: f64,
+    /// Cylinders behind it, from below: radius and length.
+    pub holder_mm: Vec<[f64; 2]>,
+    /// Teeth in a cut at once, on one circle.
+    pub active_teeth: u16,
+}
+
+/// Which part of the tool is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    /// The wall with its inserts.
+    Ring,
+    /// The closed back.
+    Body,
+    /// What it sits on.
+    Holder,
+}
+
+impl CupMill {
+    /// How far a point is from the tool, mm, by its distance from the axis and its height above the bottom; negative inside,
+    /// where only the sign holds.
+    pub fn distance_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
+        let parts = [self.ring_mm(radius_mm, height_mm), self.body_mm(radius_mm, height_mm)];
+        parts.into_iter().fold(self.holder_distance_mm(radius_mm, height_mm), f64::min)
+    }
+
+    /// The same from one part.
+    pub fn distance_of_mm(&self, part: Part, radius_mm: f64, height_mm: f64) -> f64 {
+        match part {
+            Part::Ring => self.ring_mm(radius_mm, height_mm),
+            Part::Body => self.body_mm(radius_mm, height_mm),
+            Part::Holder => self.holder_distance_mm(radius_mm, height_mm),
+        }
+    }
+
+    /// From the wall: rounded at the bottom, ended by the body at the top.
+    fn ring_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
+        let rounding = self.insert_radius_mm;
+        let low = [self.inner_radius_mm + rounding, rounding];
+        let high = [self.outer_radius_mm - rounding, self.height_mm - rounding];
+        outside([radius_mm, height_mm], low, high) - rounding // (1)
+    }
+
+    fn body_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
+        outside([radius_mm, height_mm], [0.0, self.cavity_depth_mm], [self.outer_radius_mm, self.height_mm])
+    }
+
+    fn holder_distance_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
+        let mut from_mm = self.height_mm;
+        let mut least = f64::INFINITY;
+        for [holder_radius_mm, length_mm] in &self.holder_mm {
+            let to_mm = from_mm + length_mm;
+            least = least.min(outside([radius_mm, height_mm], [0.0, from_mm], [*holder_radius_mm, to_mm]));
+            from_mm = to_mm;
+        }
+        least
+    }
+}
+
+/// How far a place is outside of a box; negative inside.
+fn outside(place: [f64; 2], low: [f64; 2], high: [f64; 2]) -> f64 {
+    let beyond = |axis: usize| (low[axis] - place[axis]).max(place[axis] - high[axis]);
+    let (across, up) = (beyond(0), beyond(1));
+    if across < 0.0 && up < 0.0 { across.max(up) } else { libm::hypot(across.max(0.0), up.max(0.0)) }
+}

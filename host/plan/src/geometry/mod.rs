@@ -1,0 +1,5 @@
+//! What a bladed rotor looks like.
+
+pub mod face;
+
+pub mod blisk;

@@ -1,0 +1,20 @@
+//! From the blades of a rotor to the path of a cup mill between them, and the proof that it touches nothing.
+//!
+//! M. Petean, *Roughing integrally bladed rotors using cup mill cutters*, master's thesis, Ecole Polytechnique de Montreal
+//! 2004, chapters 3 and 4, without a CAD system. Nothing here reads or writes files.
+//!
+//! # Frames
+//!
+//! *Part*: the rotor's axis is z; blades count upwards with the angle about it. *Slot*: the tool's axis is z, pointing from the
+//! part to the spindle; y is the rotor's axis seen along the tool, x completes them. Both share their origin. A slot's coordinates
+//! are those of the NC program. All lengths are millimetres, all angles radians unless their names say otherwise.
+
+pub mod vector;
+
+pub mod geometry;
+
+pub mod cutter;
+
+pub mod frame;
+
+pub mod path;

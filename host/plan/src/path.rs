@@ -1,0 +1,140 @@
+//! The way of the tool's centre through one slot: two arcs a level, one line between levels (Petean, section 3.3.3).
+//!
+//! ```text
+//! level 1          C -> E                      about B1
+//! even levels      E -> C -> D                 about B1, then A
+//! odd levels       D -> C -> E                 about A, then B1
+//! the last one     and back to C
+//! ```
+//!
+//! Places are the tool's axis in the slot frame, heights its bottom.
+
+use arcfeed_shared::nc::modal::Turn;
+
+use crate::vector::Flat;
+
+/// The slot's path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlotPath {
+    /// A, on the outer circle at the base position: the same on all levels.
+    pub exterior: Flat,
+    /// B1, on the inner circle at the base position.
+    pub interior: Flat,
+    /// C: the tool's centre at the base position.
+    pub base: Flat,
+    /// In which sense the centre leaves the base position.
+    pub outward: Turn,
+    /// From the top.
+    pub levels: Vec<Level>,
+    /// Where the tool is above all material, mm.
+    pub clear_mm: f64,
+}
+
+/// One level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level {
+    /// Its height, mm.
+    pub height_mm: f64,
+    /// D: where the turn about A ends.
+    pub exterior_end: Flat,
+    /// E: where the turn about B1 ends.
+    pub interior_end: Flat,
+}
+
+/// What a piece of the way is there for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Purpose {
+    /// Down to the first level, at the base position.
+    Approach,
+    /// About B1 towards the base position, cutting with the outer circle.
+    Movement1,
+    /// About A away from it, outer circle.
+    Movement2,
+    /// About A towards it, inner circle.
+    Movement3,
+    /// About B1 away from it, inner circle.
+    Movement4,
+    /// From one level to the next.
+    Link,
+    /// Up, at the base position.
+    Retract,
+}
+
+/// A piece of the way: where to, and about what.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Why.
+    pub purpose: Purpose,
+    /// Level, from 0; that which a link leads to.
+    pub level: usize,
+    /// Where from.
+    pub from: [f64; 3],
+    /// Where to.
+    pub to: [f64; 3],
+    /// Centre and sense of an arc; a line otherwise.
+    pub about: Option<(Flat, Turn)>,
+}
+
+impl SlotPath {
+    /// The way, piece by piece, without approach and retract where there are no levels.
+    pub fn steps(&self) -> Vec<Step> {
+        let mut way = Way { path: self, steps: Vec::new(), at: [self.base.x, self.base.y, self.clear_mm] };
+        for (index, level) in self.levels.iter().enumerate() {
+            let begin = if index == 0 { Purpose::Approach } else { Purpose::Link };
+            let last = index + 1 == self.levels.len();
+            match index {
+                0 => {
+                    way.line(begin, index, self.base, level.height_mm);
+                    way.arc(Purpose::Movement4, index, level.interior_end);
+                }
+                _ if index % 2 == 1 => {
+                    way.line(begin, index, level.interior_end, level.height_mm);
+                    way.arc(Purpose::Movement1, index, self.base);
+                    way.arc(Purpose::Movement2, index, level.exterior_end);
+                }
+                _ => {
+                    way.line(begin, index, level.exterior_end, level.height_mm);
+                    way.arc(Purpose::Movement3, index, self.base);
+                    way.arc(Purpose::Movement4, index, level.interior_end);
+                }
+            }
+            if last {
+                let back = if index % 2 == 1 { Purpose::Movement3 } else { Purpose::Movement1 };
+                way.arc(back, index, self.base);
+                way.line(Purpose::Retract, index, self.base, self.clear_mm);
+            }
+        }
+        way.steps
+    }
+}
+
+struct Way<'p> {
+    path: &'p SlotPath,
+    steps: Vec<Step>,
+    at: [f64; 3],
+}
+
+impl Way<'_> {
+    fn line(&mut self, purpose: Purpose, level: usize, to: Flat, height_mm: f64) {
+        self.push(Step { purpose, level, from: self.at, to: [to.x, to.y, height_mm], about: None });
+    }
+
+    fn arc(&mut self, purpose: Purpose, level: usize, to: Flat) {
+        let back = match self.path.outward {
+            Turn::Cw => Turn::Ccw,
+            Turn::Ccw => Turn::Cw,
+        };
+        let about = match purpose {
+            Purpose::Movement1 => (self.path.interior, back),
+            Purpose::Movement4 => (self.path.interior, self.path.outward),
+            Purpose::Movement3 => (self.path.exterior, back),
+            _ => (self.path.exterior, self.path.outward),
+        };
+        self.push(Step { purpose, level, from: self.at, to: [to.x, to.y, self.at[2]], about: Some(about) });
+    }
+
+    fn push(&mut self, step: Step) {
+        self.at = step.to;
+        self.steps.push(step);
+    }
+}
