@@ -22,3 +22,5 @@ pub mod frame;
 pub mod path;
 
 pub mod cup_mill;
+
+pub mod proof;
