@@ -1,0 +1,5 @@
+//! The planning of cup-mill paths: the rotor's geometry.
+
+mod published_rotor;
+
+mod generator;
