@@ -3,3 +3,5 @@
 mod published_rotor;
 
 mod generator;
+
+mod slots;

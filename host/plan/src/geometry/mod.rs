@@ -9,3 +9,5 @@ pub mod blade;
 mod naca65;
 
 pub mod generate;
+
+pub mod slot;
