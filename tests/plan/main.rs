@@ -5,3 +5,5 @@ mod published_rotor;
 mod generator;
 
 mod slots;
+
+mod meshes;

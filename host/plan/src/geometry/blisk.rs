@@ -45,6 +45,23 @@ pub struct Slot {
 }
 
 impl Revolution {
+    /// The generatrix between two places along the axis; beyond its ends it goes on at their radii.
+    pub fn between(&self, [from_mm, to_mm]: [f64; 2]) -> Vec<[f64; 2]> {
+        let inner = self.profile_mm.iter().filter(|place| place[0] > from_mm && place[0] < to_mm);
+        let ends = [from_mm, to_mm].map(|z| [z, self.radius_mm(z)]);
+        std::iter::once(ends[0]).chain(inner.copied()).chain([ends[1]]).collect()
+    }
+
+    /// Its radius at a place along the axis, mm; beyond its ends theirs.
+    pub fn radius_mm(&self, z_mm: f64) -> f64 {
+        let after = self.profile_mm.iter().position(|place| place[0] >= z_mm).unwrap_or(self.profile_mm.len());
+        match (after.checked_sub(1).and_then(|at| self.profile_mm.get(at)), self.profile_mm.get(after)) {
+            (Some(a), Some(b)) => a[1] + (b[1] - a[1]) * (z_mm - a[0]) / (b[0] - a[0]),
+            (Some(end), None) | (None, Some(end)) => end[1],
+            (None, None) => 0.0,
+        }
+    }
+
     /// How far `point` lies outside of the surface, along the surface's normal, mm; negative below it.
     pub fn height_mm(&self, point: &Point) -> f64 {
         let place = [point.z, libm::hypot(point.x, point.y)];

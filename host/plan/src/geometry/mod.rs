@@ -11,3 +11,5 @@ mod naca65;
 pub mod generate;
 
 pub mod slot;
+
+pub mod mesh;
