@@ -4,6 +4,8 @@ mod published_rotor;
 
 mod generator;
 
+mod files;
+
 mod slots;
 
 mod meshes;

@@ -10,6 +10,16 @@ mod naca65;
 
 pub mod generate;
 
+pub mod reading;
+
+mod resample;
+
+pub mod sections;
+
+mod closed;
+
+pub mod curves;
+
 pub mod slot;
 
 pub mod mesh;
