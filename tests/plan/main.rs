@@ -3,3 +3,9 @@
 mod published_rotor;
 
 mod generator;
+
+mod files;
+
+mod slots;
+
+mod meshes;
