@@ -1,4 +1,8 @@
-//! The planning of cup-mill paths: the proof that nothing is touched.
+//! The planning of cup-mill paths: the rotor's geometry, and the proof that nothing is touched.
+
+mod published_rotor;
+
+mod generator;
 
 mod proof_cases;
 

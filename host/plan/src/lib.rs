@@ -11,6 +11,8 @@
 
 pub mod vector;
 
+pub mod search;
+
 pub mod geometry;
 
 pub mod cutter;
@@ -18,5 +20,7 @@ pub mod cutter;
 pub mod frame;
 
 pub mod path;
+
+pub mod cup_mill;
 
 pub mod proof;

@@ -3,3 +3,9 @@
 pub mod face;
 
 pub mod blisk;
+
+pub mod blade;
+
+mod naca65;
+
+pub mod generate;

@@ -1,0 +1,116 @@
+//! One side of a blade with its allowance, and the hub with its.
+//!
+//! The round edges of a blade belong to both of its sides; a side in the sense of the method is what lies between them, as in a CAD model: where
+//! the normal stays near that of the middle. It begins where it leaves the hub with its allowance.
+
+use nalgebra::Rotation3;
+
+use crate::geometry::blisk::{Blisk, Revolution};
+use crate::geometry::face::Face;
+use crate::vector::{Flat, Point, Vector};
+
+use super::patch::Patch;
+
+/// A side of a blade turns by less than this from its middle to its edges, where the round ones begin.
+const EDGE_TURN_DEG: f64 = 35.0;
+/// Sections on which that is asked.
+const SECTIONS: i32 = 8;
+/// Steps in which a side is walked from its middle outwards.
+const WALK: i32 = 200;
+/// Halvings that leave nothing of a parameter.
+const HALVINGS: i32 = 50;
+
+/// A side of a blade with its allowance.
+#[derive(Debug)]
+pub struct Side {
+    /// Finished, any frame.
+    pub face: Face,
+    /// The offset surface between the edges, above the hub.
+    pub patch: Patch,
+    /// First and last u.
+    pub edges: [f64; 2],
+}
+
+impl Side {
+    /// The side `allowance_mm` outside of `face`, which is given in the part frame, after `turn`, above `hub` with the same allowance.
+    /// Nothing if the blade is not above it anywhere.
+    pub fn new(face: &Face, hub: &Revolution, allowance_mm: f64, turn: &Rotation3<f64>) -> Option<Self> {
+        let edges = edges(face);
+        let low = foot(face, hub, allowance_mm, edges)?;
+        let face = face.turned(turn);
+        let surface = face.clone();
+        let patch = Patch::new([edges, [low, 1.0]], move |u, v| surface.offset(u, v, allowance_mm));
+        Some(Side { face, patch, edges })
+    }
+
+    /// A point of the tip's edge, seen along the tool.
+    pub fn tip(&self, u: f64) -> Flat {
+        self.patch.point(u, 1.0).xy()
+    }
+
+    /// Middle of the tip's edge.
+    pub fn tip_middle(&self) -> Flat {
+        self.tip((self.edges[0] + self.edges[1]) / 2.0)
+    }
+}
+
+/// The hub with its allowance, about the slot, in the slot frame: u along the rotor's axis from one face of the blank to the
+/// other, v about it.
+pub fn floor(blisk: &Blisk, allowance_mm: f64, about: [f64; 2], turn: &Rotation3<f64>) -> Patch {
+    let (hub, turn) = (blisk.hub.clone(), *turn);
+    Patch::new([blisk.blank.faces_mm, about], move |z, angle| {
+        let (sin, cos) = libm::sincos(angle);
+        let radius_mm = hub.radius_mm(z);
+        let on = Point::new(radius_mm * cos, radius_mm * sin, z);
+        turn * (on + hub.normal(&on) * allowance_mm)
+    })
+}
+
+/// First and last u between which no section's normal leaves that of its middle by more than [`EDGE_TURN_DEG`].
+pub fn edges(face: &Face) -> [f64; 2] {
+    let least_cos = libm::cos(EDGE_TURN_DEG.to_radians());
+    let bounds = (0..=SECTIONS).map(|j| {
+        let v = f64::from(j) / f64::from(SECTIONS);
+        let middle = face.normal(0.5, v);
+        let is_side = |u: f64| face.normal(u, v).dot(&middle) >= least_cos;
+        [0.0, 1.0].map(|end| farthest(0.5, end, is_side))
+    });
+    bounds.fold([0.0, 1.0], |[first, last]: [f64; 2], [low, high]| [first.max(low), last.min(high)])
+}
+
+/// Where on a section's height a side with its allowance leaves the hub with its.
+pub fn leaves_hub(face: &Face, hub: &Revolution, allowance_mm: f64, u: f64) -> Option<f64> {
+    let is_above = |v: f64| hub.height_mm(&face.offset(u, v, allowance_mm)) >= allowance_mm;
+    is_above(1.0).then(|| farthest(1.0, 0.0, is_above))
+}
+
+/// The lowest of these heights.
+fn foot(face: &Face, hub: &Revolution, allowance_mm: f64, [first, last]: [f64; 2]) -> Option<f64> {
+    let places = (0..=SECTIONS).map(|i| first + (last - first) * f64::from(i) / f64::from(SECTIONS));
+    places.filter_map(|u| leaves_hub(face, hub, allowance_mm, u)).min_by(f64::total_cmp)
+}
+
+/// The farthest place from `inside` towards `end` up to which `holds` does.
+fn farthest(inside: f64, end: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    // Walked, not only halved: a curve may waver about its end.
+    let mut good = inside;
+    for step in 1..=WALK {
+        let place = inside + (end - inside) * f64::from(step) / f64::from(WALK);
+        if !holds(place) {
+            let mut bad = place;
+            for _ in 0..HALVINGS {
+                let middle = (good + bad) / 2.0;
+                if holds(middle) { good = middle } else { bad = middle }
+            }
+            return good;
+        }
+        good = place;
+    }
+    good
+}
+
+/// The pressure side's normal where its tip meets its leading edge, and that place: PT1.
+pub fn leading_tip(face: &Face, allowance_mm: f64) -> (Point, Vector) {
+    let [first, _] = edges(face);
+    (face.offset(first, 1.0, allowance_mm), face.normal(first, 1.0))
+}
