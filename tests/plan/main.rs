@@ -11,3 +11,5 @@ mod proof_exact;
 mod proof_dense;
 
 mod proof_volumes;
+
+mod proof_published;

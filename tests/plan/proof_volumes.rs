@@ -89,11 +89,12 @@ fn small_tool(insert_radius_mm: f64) -> CupMill {
     CupMill { outer_radius_mm: 40.0, inner_radius_mm: 30.0, insert_radius_mm, ..published_tool() }
 }
 
-/// Two plane walls at x = 10 and -10 with y from -8 to 8 and z from 40 to 60, and a hub of radius 30.
+/// Two plane walls at x = 10 and -10 with y from -8 to 8 and z from 40 to 60 of the slot frame, and a hub of radius 30. Part frame.
 fn plane_slot() -> (Slot, Revolution) {
     let wall = |x: f64, outward: Vector| {
         let row = |z: f64| (0..5).map(|k| Point::new(x, f64::from(k) * 4.0 - 8.0, z)).collect();
-        Face::through(&[row(40.0), row(46.0), row(53.0), row(60.0)], outward).expect("a plane")
+        let face = Face::through(&[row(40.0), row(46.0), row(53.0), row(60.0)], outward).expect("a plane");
+        face.turned(&across_rotor().inverse())
     };
     let hub = Revolution { profile_mm: vec![[-20.0, 30.0], [20.0, 30.0]] };
     (Slot { pressure: wall(10.0, -Vector::x()), suction: wall(-10.0, Vector::x()) }, hub)
@@ -109,7 +110,7 @@ const COLUMNS: usize = 9;
 
 fn left(tool: &CupMill) -> Left {
     let (slot, hub) = plane_slot();
-    let walls = Walls { slot: &slot, hub: &hub, to_slot: across_rotor(), allowance_mm: 0.5 };
+    let walls = Walls::new(&slot, &hub, 0.5, across_rotor()).expect("walls");
     let motions = along_the_wall().map(|step| Motion::new(&step));
     let ring = Ring { sections: &Section::of(tool, Part::Ring), motions: &motions, gap_mm: GAP_MM };
     ring.leaves(&walls, [ROWS, COLUMNS])
@@ -145,7 +146,7 @@ fn what_is_left_on_plane_walls_is_the_gap_and_the_corner_below() {
 
 fn taken(tool: &CupMill, steps: &[Step], blank: Blank, cell_mm: f64) -> Removed {
     let (slot, hub) = plane_slot();
-    let walls = Walls { slot: &slot, hub: &hub, to_slot: across_rotor(), allowance_mm: 0.5 };
+    let walls = Walls::new(&slot, &hub, 0.5, across_rotor()).expect("walls");
     let stock = Stock { blank: &blank, to_slot: across_rotor() };
     removed(&Floor::new(tool, steps), 2, &stock, &walls, cell_mm)
 }

@@ -44,6 +44,12 @@ impl Patch {
         (self.point)(u, v)
     }
 
+    /// The point at shares of its ranges, 0 to 1.
+    pub fn at(&self, shares: [f64; 2]) -> Point {
+        let [u, v] = [0, 1].map(|k: usize| self.ranges[k][0] + (self.ranges[k][1] - self.ranges[k][0]) * shares[k]);
+        self.point(u, v)
+    }
+
     /// The points on which it is searched.
     pub fn samples(&self) -> impl Iterator<Item = &Point> {
         self.samples.iter().map(|(_, point)| point)

@@ -82,9 +82,9 @@ impl Near {
     /// The best of (1) and (4) to (6), for a stretch of so much to both sides.
     pub fn bound(&self, pose: &Pose, half_mm: f64, extent: &Extent) -> Bound {
         let (way_mm, piece_mm) = if self.across < 0.0 {
-            self.from_within(pose, half_mm, extent.across_mm)
+            self.inner_losses_mm(pose, half_mm, extent.across_mm)
         } else {
-            self.from_without(pose, half_mm, extent.across_mm)
+            self.outer_losses_mm(pose, half_mm, extent.across_mm)
         };
         let along_mm = half_mm * self.gradient.dot(&pose.tangent).abs();
         let (way_mm, piece_mm) = (way_mm + along_mm, piece_mm + extent.sink_mm);
@@ -97,7 +97,7 @@ impl Near {
     }
 
     /// What (4) loses by second order, a half of what both make for each.
-    fn from_within(&self, pose: &Pose, half_mm: f64, across_mm: f64) -> (f64, f64) {
+    fn inner_losses_mm(&self, pose: &Pose, half_mm: f64, across_mm: f64) -> (f64, f64) {
         let per_mm = -self.across / self.axis_mm;
         let bend_per_mm = (self.gradient.dot(&pose.curvature) + per_mm).max(0.0);
         let both_mm = per_mm * across_mm * half_mm / 2.0;
@@ -105,7 +105,7 @@ impl Near {
     }
 
     /// The same of the better of (5) and (6).
-    fn from_without(&self, pose: &Pose, half_mm: f64, across_mm: f64) -> (f64, f64) {
+    fn outer_losses_mm(&self, pose: &Pose, half_mm: f64, across_mm: f64) -> (f64, f64) {
         let toward_per_mm = self.gradient.dot(&pose.curvature);
         let plain_mm = toward_per_mm.max(0.0) * half_mm * half_mm / 2.0;
         let turn_rad = pose.curvature.norm() * half_mm;

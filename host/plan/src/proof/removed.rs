@@ -119,8 +119,7 @@ fn middles([low_mm, high_mm]: [f64; 2], cell_mm: f64) -> Vec<f64> {
 
 /// The volume between the offset surfaces, and what is gone of it.
 fn slot_mm3(floor: &Floor, stock: &Stock<'_>, walls: &Walls<'_>, cell_mm: f64) -> [f64; 2] {
-    let sides = [&walls.slot.pressure, &walls.slot.suction];
-    let feet = |u: f64, v: f64| sides.map(|face| face.offset(u, v, walls.allowance_mm));
+    let feet = |u: f64, v: f64| [0, 1].map(|side| walls.side(side, u, v));
     let pieces = |[from, to]: [Point; 2]| (libm::ceil((to - from).norm() / cell_mm) as usize).max(1);
     let [columns, rows] = [[feet(0.0, 0.5)[0], feet(1.0, 0.5)[0]], [feet(0.5, 0.0)[0], feet(0.5, 1.0)[0]]].map(pieces);
     let layers = pieces(feet(0.5, 0.5));
@@ -136,9 +135,8 @@ fn slot_mm3(floor: &Floor, stock: &Stock<'_>, walls: &Walls<'_>, cell_mm: f64) -
             let cut = |share: f64| edges.map(|[from, to]| from + (to - from) * share);
             let volume_mm3 = volume_mm3(&[share(layer, layers), share(layer + 1, layers)].map(cut));
             let point = middle(cut((layer as f64 + shift) / layers as f64));
-            let above_mm = walls.hub.height_mm(&(stock.to_slot.inverse() * point)) - walls.allowance_mm;
             let [bottom_mm, top_mm] = stock.column_mm(&point.xy());
-            if above_mm >= 0.0 && (bottom_mm..=top_mm).contains(&point.z) {
+            if !walls.is_hub(&point) && (bottom_mm..=top_mm).contains(&point.z) {
                 volumes_mm3[0] += volume_mm3;
                 volumes_mm3[1] += if floor.at_mm(&point.xy()) <= point.z { volume_mm3 } else { 0.0 };
             }
