@@ -36,6 +36,8 @@ pub struct Side {
     pub patch: Patch,
     /// First and last u of the side between its round edges.
     pub edges: [f64; 2],
+    /// The v at which it leaves the hub.
+    pub foot: f64,
 }
 
 /// The hub, and what is left on it and on the blades.
@@ -66,16 +68,22 @@ impl Side {
             FarEdge::Leading => [0.0, edges[1]],
             FarEdge::Trailing => [edges[0], 1.0],
         };
-        let low = foot(face, hub, allowance_mm, edges)?;
+        let foot = foot(face, hub, allowance_mm, edges)?;
         let face = face.turned(turn);
         let surface = face.clone();
         let high = 1.0 + allowance_mm / face.jet(0.5, 1.0).v.norm();
-        let patch = Patch::new([around, [low, high]], SIDE_STEPS, move |u, v| {
+        let patch = Patch::new([around, [foot, high]], SIDE_STEPS, move |u, v| {
             let beyond = (v - 1.0).max(0.0);
             let tip = surface.offset(u, v, allowance_mm);
             if beyond > 0.0 { tip + surface.jet(u, 1.0).v * beyond } else { tip }
         });
-        Some(Side { face, patch, edges })
+        Some(Side { face, patch, edges, foot })
+    }
+
+    /// A point of the side between its edges, by shares of the way from the leading to the trailing edge and from the hub to the tip.
+    pub fn at(&self, [along, up]: [f64; 2]) -> Point {
+        let between = |[from, to]: [f64; 2], share: f64| from + (to - from) * share;
+        self.patch.point(between(self.edges, along), between([self.foot, 1.0], up))
     }
 
     /// A point of the tip's edge, seen along the tool.
