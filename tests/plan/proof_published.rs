@@ -14,9 +14,9 @@ use nalgebra::Rotation3;
 use crate::proof_cases::published_tool;
 use crate::published_rotor;
 
-const ALLOWANCE_MM: f64 = 0.889;
+pub const ALLOWANCE_MM: f64 = 0.889;
 
-const ROUGHING: Roughing = Roughing {
+pub const ROUGHING: Roughing = Roughing {
     allowance_mm: ALLOWANCE_MM,
     axial_depth_max_mm: 2.54,
     interior_contact: 0.1,
@@ -24,9 +24,14 @@ const ROUGHING: Roughing = Roughing {
     axis: AxisChoice::Auto,
 };
 
-fn slot(blisk: &Blisk) -> Slot {
-    let next = Rotation3::from_axis_angle(&Vector::z_axis(), TAU / f64::from(blisk.blades));
-    Slot { pressure: blisk.pressure.clone(), suction: blisk.suction.turned(&next) }
+/// The turn of a blade by so many pitches.
+pub fn next(blisk: &Blisk, pitches: i32) -> Rotation3<f64> {
+    Rotation3::from_axis_angle(&Vector::z_axis(), f64::from(pitches) * TAU / f64::from(blisk.blades))
+}
+
+/// What is about a slot of a rotor whose pressure sides look to growing angles.
+pub fn slot(blisk: &Blisk) -> Slot {
+    Slot { pressure: blisk.pressure.clone(), suction: blisk.suction.turned(&next(blisk, 1)) }
 }
 
 fn proof(blisk: &Blisk, tool: &CupMill, plan: &SlotPlan) -> Proof {
