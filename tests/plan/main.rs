@@ -4,6 +4,12 @@ mod published_rotor;
 
 mod generator;
 
+mod files;
+
+mod slots;
+
+mod meshes;
+
 mod proof_cases;
 
 mod proof_exact;

@@ -18,6 +18,8 @@ pub mod interior;
 
 pub mod level;
 
+pub mod link;
+
 use arcfeed_shared::nc::modal::Turn;
 use nalgebra::Rotation3;
 use thiserror::Error;
@@ -26,6 +28,7 @@ use crate::cutter::CupMill;
 use crate::frame::slot_frame;
 use crate::geometry::blisk::{Blisk, Slot};
 use crate::path::{Level, SlotPath};
+use crate::search::{Least, descend};
 use crate::vector::{Flat, Point, Vector};
 
 use self::axis::{Axis, axis};
@@ -33,9 +36,10 @@ use self::base::{Base, settle};
 use self::fit::{Room, Walls};
 use self::interior::{Interior, interior};
 use self::level::{Obstacle, Stop, stop};
+use self::link::{Below, shortened_rad};
 use self::lowest::{levels_mm, lowest_mm};
 use self::patch::Patch;
-use self::side::{Side, floor};
+use self::side::{FarEdge, Hub, Side, floor};
 use self::turn::Turning;
 
 /// What the planner may do.
@@ -146,11 +150,12 @@ struct Around {
 pub fn plan(blisk: &Blisk, slot: &Slot, cutter: &CupMill, roughing: &Roughing) -> Result<SlotPlan, Infeasible> {
     let allowance_mm = roughing.allowance_mm;
     let lying = Rotation3::identity();
-    let side = |face, name, turn: &Rotation3<f64>| {
-        Side::new(face, &blisk.hub, allowance_mm, turn).ok_or(Infeasible::NoFoot(name))
-    };
+    let above = Hub { hub: &blisk.hub, allowance_mm };
+    let pressure =
+        |turn| Side::new(&slot.pressure, FarEdge::Trailing, &above, turn).ok_or(Infeasible::NoFoot("pressure"));
+    let suction = |turn| Side::new(&slot.suction, FarEdge::Leading, &above, turn).ok_or(Infeasible::NoFoot("suction"));
     let blade_axis = axis(&slot.pressure, &blisk.hub, allowance_mm).ok_or(Infeasible::NoFoot("pressure"))?;
-    let walls = Walls::new(&side(&slot.pressure, "pressure", &lying)?, &side(&slot.suction, "suction", &lying)?);
+    let walls = Walls::new(&pressure(&lying)?, &suction(&lying)?);
     let blade_room = walls.room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
     let room = match roughing.axis {
         AxisChoice::Blade => blade_room,
@@ -162,7 +167,7 @@ pub fn plan(blisk: &Blisk, slot: &Slot, cutter: &CupMill, roughing: &Roughing) -
         AxisChoice::Roomiest => walls.roomiest(cutter).ok_or(Infeasible::NoAxis)?,
     };
     let turn = slot_frame(&room.direction).ok_or(Infeasible::NoAxis)?;
-    let (pressure, suction) = (side(&slot.pressure, "pressure", &turn)?, side(&slot.suction, "suction", &turn)?);
+    let (pressure, suction) = (pressure(&turn)?, suction(&turn)?);
     if room.room_mm < 0.0 {
         return Err(narrow(&room, &pressure, &suction));
     }
@@ -246,6 +251,8 @@ struct Turns<'a> {
 
 /// Places along an arc where the hub is asked for.
 const HUB_STEPS: i32 = 12;
+/// How often the lowest level is raised for its arcs.
+const HUB_ROUNDS: i32 = 2;
 
 impl Turns<'_> {
     fn turning(&self, pivot: Flat, bottom_mm: f64) -> Turning<'_> {
@@ -255,18 +262,30 @@ impl Turns<'_> {
     /// The lowest level: at which the whole of its path is clear of the hub.
     fn lowest_mm(&self) -> Option<f64> {
         let hub = &self.around.hub;
-        let low_mm = lowest_mm(self.cutter, self.centre, hub)?;
+        let mut low_mm = lowest_mm(self.cutter, self.centre, hub)?;
         let blades =
             [(Obstacle::Pressure, &self.around.pressure.patch), (Obstacle::Suction, &self.around.suction.patch)];
-        let under_arcs = self.pivots.into_iter().flat_map(|pivot| {
-            let turning = self.turning(pivot, low_mm);
-            let whole_rad = stop(&turning, &blades).turn_rad;
-            (1..=HUB_STEPS).filter_map(move |k| {
-                let centre = turning.centre_after(whole_rad * f64::from(k) / f64::from(HUB_STEPS));
-                lowest_mm(self.cutter, centre, hub)
-            })
-        });
-        Some(under_arcs.fold(low_mm, f64::max))
+        // Higher up the turns are longer, so they are asked again.
+        for _ in 0..HUB_ROUNDS {
+            low_mm = self.pivots.into_iter().fold(low_mm, |low_mm, pivot| {
+                let turning = self.turning(pivot, low_mm);
+                let whole_rad = stop(&turning, &blades).turn_rad;
+                self.highest_hub_mm(&turning, whole_rad).map_or(low_mm, |high_mm| high_mm.max(low_mm))
+            });
+        }
+        Some(low_mm)
+    }
+
+    /// The lowest position that the hub allows all along a turn.
+    fn highest_hub_mm(&self, turning: &Turning<'_>, whole_rad: f64) -> Option<f64> {
+        let allowed = |[share, _]: [f64; 2]| {
+            let centre = turning.centre_after(whole_rad * share);
+            lowest_mm(self.cutter, centre, &self.around.hub).map_or(f64::INFINITY, |low_mm| -low_mm)
+        };
+        let places = (0..=HUB_STEPS).map(|k| [f64::from(k) / f64::from(HUB_STEPS), 0.0]);
+        let start = places.map(|at| Least { at, value: allowed(at) }).min_by(|a, b| a.value.total_cmp(&b.value))?;
+        let found = descend([[0.0, 1.0], [0.0, 0.0]], start, [1.0 / f64::from(HUB_STEPS), 0.0], allowed);
+        found.value.is_finite().then_some(-found.value)
     }
 
     /// How the turns end, level by level. Where one meets nothing, there is no more of the slot than below it.
@@ -274,15 +293,30 @@ impl Turns<'_> {
         let Around { pressure, suction, hub, .. } = self.around;
         let obstacles =
             [(Obstacle::Pressure, &pressure.patch), (Obstacle::Suction, &suction.patch), (Obstacle::Hub, hub)];
-        let mut below: [Option<Stop>; 2] = [None, None];
+        let mut below: Option<([Stop; 2], f64)> = None;
         let mut stops: Vec<[Stop; 2]> = Vec::new();
-        for height_mm in heights_mm.iter().rev() {
+        for (index, height_mm) in heights_mm.iter().enumerate().rev() {
             let both = [0, 1].map(|which: usize| {
-                let met = stop(&self.turning(self.pivots[which], *height_mm), &obstacles);
-                let limit = below[which].filter(|_| met.at.is_none());
-                limit.map_or(met, |below| Stop { at: None, ..below })
+                let turning = self.turning(self.pivots[which], *height_mm);
+                let met = stop(&turning, &obstacles);
+                let Some((below, bottom_mm)) = below else { return met };
+                let below = below[which];
+                if met.at.is_none() {
+                    return Stop { at: None, ..below };
+                }
+                // A level ends where the next one begins.
+                if which != SlotPath::end_of(index) {
+                    return met;
+                }
+                let below = Below { centre: below.centre, bottom_mm, turn_rad: below.turn_rad };
+                let turn_rad = shortened_rad(&turning, met.turn_rad, &below, &[&pressure.patch, &suction.patch]);
+                if turn_rad < met.turn_rad {
+                    Stop { turn_rad, centre: turning.centre_after(turn_rad), at: None }
+                } else {
+                    met
+                }
             });
-            below = both.map(Some);
+            below = Some((both, *height_mm));
             stops.push(both);
         }
         stops.reverse();
@@ -293,7 +327,7 @@ impl Turns<'_> {
 /// The blank's outside above the slot.
 fn top(blisk: &Blisk, about: [f64; 2], turn: &Rotation3<f64>) -> Patch {
     let (blank, turn) = (blisk.blank, *turn);
-    Patch::new([blank.faces_mm, about], move |z, angle| {
+    Patch::new([blank.faces_mm, about], [16, 48], move |z, angle| {
         let (sin, cos) = libm::sincos(angle);
         turn * Point::new(blank.radius_mm * cos, blank.radius_mm * sin, z)
     })

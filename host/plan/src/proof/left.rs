@@ -4,7 +4,7 @@
 
 use nalgebra::Rotation3;
 
-use crate::cup_mill::side::Side;
+use crate::cup_mill::side::{FarEdge, Hub, Side};
 use crate::geometry::blisk::{Revolution, Slot};
 use crate::vector::Point;
 
@@ -99,13 +99,14 @@ impl Ring<'_> {
 impl<'w> Walls<'w> {
     /// The walls of a slot, which is given in the part frame as its hub is. Nothing if a blade is not above the hub.
     pub fn new(slot: &Slot, hub: &'w Revolution, allowance_mm: f64, to_slot: Rotation3<f64>) -> Option<Self> {
-        let side = |face| Side::new(face, hub, allowance_mm, &to_slot);
-        Some(Walls { sides: [side(&slot.pressure)?, side(&slot.suction)?], hub, to_slot, allowance_mm })
+        let side = |face, far| Side::new(face, far, &Hub { hub, allowance_mm }, &to_slot);
+        let sides = [side(&slot.pressure, FarEdge::Trailing)?, side(&slot.suction, FarEdge::Leading)?];
+        Some(Walls { sides, hub, to_slot, allowance_mm })
     }
 
     /// A point of the pressure (0) or suction side (1): from the leading to the trailing edge, from the hub to the tip.
     pub fn side(&self, side: usize, u: f64, v: f64) -> Point {
-        self.sides[side].patch.at([u, v])
+        self.sides[side].at([u, v])
     }
 
     /// A point of the hub between corresponding points of the blades' feet, `across` from the pressure to the suction side.
