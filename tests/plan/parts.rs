@@ -1,9 +1,10 @@
 //! Twenty rotors, from easy to impossible: what the planner says of each, and what searches and samples say that share nothing with
 //! planner and proof but the blades' surfaces and the tool's shape. The table is docs/plan-parts.md.
 
-use arcfeed_plan::cup_mill::{Infeasible, SlotPlan, plan};
+use arcfeed_plan::cup_mill::{SlotPlan, plan};
 use arcfeed_plan::cutter::{CupMill, Part};
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
+use arcfeed_plan::geometry::face::Face;
 use arcfeed_plan::geometry::generate::Rotor;
 use arcfeed_plan::proof::clearance::{Obstacle, clearance};
 use arcfeed_plan::proof::verdict::{Case, bodies};
@@ -11,7 +12,7 @@ use arcfeed_plan::vector::{Flat, Point, Vector};
 use nalgebra::Rotation3;
 
 use crate::proof_cases::{GAP_MM, poses, published_tool};
-use crate::proof_published::{ALLOWANCE_MM, ROUGHING, next, slot};
+use crate::proof_published::{ALLOWANCE_MM, ROUGHING};
 use crate::published_rotor::ROTOR;
 
 /// What of a side belongs to its round edges.
@@ -64,18 +65,15 @@ fn parts() -> Vec<(&'static str, Rotor, CupMill)> {
     ]
 }
 
-/// Points of the finished faces about a slot, slot frame: both blades and their other neighbours.
+/// Points of the finished faces about a slot, slot frame: both blades and others beside them.
 fn surface(blisk: &Blisk, turn: &Rotation3<f64>) -> Vec<Point> {
-    let grid = |face: &arcfeed_plan::geometry::face::Face| -> Vec<Point> {
+    let grid = |face: &Face| -> Vec<Point> {
         let at = |k: u32, count: u32| f64::from(k) / f64::from(count);
         (0..=80).flat_map(|i| (0..=40).map(move |j| [at(i, 80), at(j, 40)])).map(|[u, v]| face.point(u, v)).collect()
     };
-    let blade = [grid(&blisk.pressure), grid(&blisk.suction)].concat();
-    let copies = (-1..=2).flat_map(|k| {
-        let lying = turn * next(blisk, k);
-        blade.iter().map(move |point| lying * point).collect::<Vec<_>>()
-    });
-    copies.collect()
+    let blades = (-2..=2).map(|k| blisk.blade(k));
+    let points = blades.flat_map(|blade| [grid(&blade.pressure), grid(&blade.suction)].concat());
+    points.map(|point| turn * point).collect()
 }
 
 /// The least distance of the ring from points, over poses half a millimetre apart. Those that are far are told by squares.
@@ -96,17 +94,8 @@ fn sampled_mm(plan: &SlotPlan, tool: &CupMill, points: &[Point]) -> f64 {
 
 /// What is certain of the ring and the finished blades.
 fn proven_mm(blisk: &Blisk, plan: &SlotPlan, tool: &CupMill) -> [f64; 2] {
-    let slot = slot(blisk);
-    let Case { path, .. } = Case {
-        blisk,
-        slot: &slot,
-        tool,
-        path: &plan.path,
-        to_slot: plan.turn,
-        allowance_mm: ALLOWANCE_MM,
-        fixture: &[],
-    };
-    let case = Case { blisk, slot: &slot, tool, path, to_slot: plan.turn, allowance_mm: ALLOWANCE_MM, fixture: &[] };
+    let case =
+        Case { blisk, tool, path: &plan.path, to_slot: plan.turn, allowance_mm: ALLOWANCE_MM, fixture: &[] };
     let bodies = bodies(&case, CHORD_MM);
     let blades = bodies.iter().find(|body| body.obstacle == Obstacle::Blades).expect("blades");
     clearance(tool, Part::Ring, &plan.path.steps(), blades, GAP_MM).bounds_mm
@@ -123,8 +112,8 @@ struct Room {
 
 impl Room {
     fn new(blisk: &Blisk, tool: &CupMill) -> Self {
-        let slot = slot(blisk);
-        let grid = |face: &arcfeed_plan::geometry::face::Face| -> Vec<Point> {
+        let slot = blisk.slot();
+        let grid = |face: &Face| -> Vec<Point> {
             let at = |k: u32| f64::from(k) / 16.0;
             let places =
                 (0..=16).flat_map(|i| (0..=16).map(move |j| [ROUND_RATIO + (1.0 - 2.0 * ROUND_RATIO) * at(i), at(j)]));
@@ -186,7 +175,7 @@ fn twenty_rotors_from_easy_to_impossible() {
     for (name, rotor, tool) in parts() {
         let blisk = blisk(&rotor);
         let t = std::time::Instant::now();
-        let verdict = plan(&blisk, &slot(&blisk), &tool, &ROUGHING);
+        let verdict = plan(&blisk, &blisk.slot(), &tool, &ROUGHING);
         let t1 = t.elapsed();
         let t = std::time::Instant::now();
         let room_mm = Room::new(&blisk, &tool).most_mm();

@@ -2,7 +2,7 @@
 
 use arcfeed_plan::cutter::{CupMill, Part};
 use arcfeed_plan::path::Step;
-use arcfeed_plan::proof::spheres::Triangle;
+use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::vector::{Flat, Point};
 use arcfeed_shared::nc::modal::Turn;
 use fastrand::Rng;

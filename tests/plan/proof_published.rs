@@ -1,15 +1,12 @@
 //! The proof of the plan for the 19-blade rotor with the published tool.
 
-use core::f64::consts::TAU;
-
 use arcfeed_plan::cup_mill::{AxisChoice, Roughing, SlotPlan, plan};
 use arcfeed_plan::cutter::{CupMill, Part};
-use arcfeed_plan::geometry::blisk::{Blisk, Slot};
+use arcfeed_plan::geometry::blisk::Blisk;
 use arcfeed_plan::proof::clearance::{Clearance, Obstacle};
 use arcfeed_plan::proof::removed::Removed;
 use arcfeed_plan::proof::verdict::{Case, Fineness, Proof, prove};
-use arcfeed_plan::vector::{Point, Vector};
-use nalgebra::Rotation3;
+use arcfeed_plan::vector::Point;
 
 use crate::proof_cases::published_tool;
 use crate::published_rotor;
@@ -24,22 +21,10 @@ pub const ROUGHING: Roughing = Roughing {
     axis: AxisChoice::Auto,
 };
 
-/// The turn of a blade by so many pitches.
-pub fn next(blisk: &Blisk, pitches: i32) -> Rotation3<f64> {
-    Rotation3::from_axis_angle(&Vector::z_axis(), f64::from(pitches) * TAU / f64::from(blisk.blades))
-}
-
-/// What is about a slot of a rotor whose pressure sides look to growing angles.
-pub fn slot(blisk: &Blisk) -> Slot {
-    Slot { pressure: blisk.pressure.clone(), suction: blisk.suction.turned(&next(blisk, 1)) }
-}
-
 fn proof(blisk: &Blisk, tool: &CupMill, plan: &SlotPlan) -> Proof {
     let fixture = [[Point::new(-40.0, -40.0, -80.0), Point::new(40.0, 40.0, -15.0)]];
-    let slot = slot(blisk);
     let case = Case {
         blisk,
-        slot: &slot,
         tool,
         path: &plan.path,
         to_slot: plan.turn,
@@ -52,7 +37,7 @@ fn proof(blisk: &Blisk, tool: &CupMill, plan: &SlotPlan) -> Proof {
 #[test]
 fn the_plan_of_the_published_tool_touches_no_finished_surface() {
     let (blisk, tool) = (published_rotor::blisk(), published_tool());
-    let plan = plan(&blisk, &slot(&blisk), &tool, &ROUGHING).expect("a plan");
+    let plan = plan(&blisk, &blisk.slot(), &tool, &ROUGHING).expect("a plan");
     let proof = proof(&blisk, &tool, &plan);
     for found in &proof.clearances {
         let Clearance { part, obstacle, bounds_mm: [low, high], pieces, .. } = found;
@@ -72,7 +57,7 @@ fn the_plan_of_the_published_tool_touches_no_finished_surface() {
 #[test]
 fn the_published_tool_takes_most_of_the_slot() {
     let (blisk, tool) = (published_rotor::blisk(), published_tool());
-    let plan = plan(&blisk, &slot(&blisk), &tool, &ROUGHING).expect("a plan");
+    let plan = plan(&blisk, &blisk.slot(), &tool, &ROUGHING).expect("a plan");
     let proof = proof(&blisk, &tool, &plan);
     for (name, map) in [("pressure", &proof.left.pressure), ("suction", &proof.left.suction), ("hub", &proof.left.hub)]
     {
