@@ -19,3 +19,5 @@ mod proof_dense;
 mod proof_volumes;
 
 mod proof_published;
+
+mod parts;

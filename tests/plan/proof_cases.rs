@@ -3,8 +3,9 @@
 use arcfeed_plan::cutter::{CupMill, Part};
 use arcfeed_plan::path::{Purpose, Step};
 use arcfeed_plan::proof::clearance::{Body, Clearance, Obstacle, clearance};
-use arcfeed_plan::proof::spheres::{Tree, Triangle};
-use arcfeed_plan::vector::Flat;
+use arcfeed_plan::geometry::mesh::Triangle;
+use arcfeed_plan::proof::spheres::Tree;
+use arcfeed_plan::vector::{Flat, Point};
 use arcfeed_shared::nc::modal::Turn;
 use nalgebra::Rotation3;
 
@@ -51,4 +52,20 @@ pub fn least(tool: &CupMill, part: Part, steps: &[Step], body: &Body) -> Clearan
     let gap_mm = GAP_MM.max(-high_mm / 50.0);
     assert!((0.0..=gap_mm + 2.0 * body.chord_mm + 1e-12).contains(&(high_mm - low_mm)), "{found:?}");
     found
+}
+
+/// Poses of a step that are not farther apart than a spacing, by turns of a vector; of less than half a turn.
+pub fn poses(step: &Step, spacing_mm: f64) -> Vec<Point> {
+    let (from, to) = (Point::from(step.from), Point::from(step.to));
+    let shares = |length_mm: f64| {
+        let count = (length_mm / spacing_mm).ceil().max(1.0) as u32;
+        (0..=count).map(move |k| f64::from(k) / f64::from(count))
+    };
+    let Some((centre, _)) = step.about else {
+        return shares((to - from).norm()).map(|share| from + (to - from) * share).collect();
+    };
+    let (a, b) = (from.xy() - centre, to.xy() - centre);
+    let sweep_rad = libm::atan2(a.perp(&b), a.dot(&b));
+    let at = |share: f64| centre + nalgebra::Rotation2::new(sweep_rad * share) * a;
+    shares(sweep_rad.abs() * a.norm()).map(|share| Point::new(at(share).x, at(share).y, from.z)).collect()
 }

@@ -2,15 +2,15 @@
 
 use arcfeed_plan::cutter::{CupMill, Part};
 use arcfeed_plan::path::Step;
-use arcfeed_plan::proof::spheres::Triangle;
+use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::vector::{Flat, Point};
 use arcfeed_shared::nc::modal::Turn;
 use fastrand::Rng;
 
-use crate::proof_cases::{body, least, step};
+use crate::proof_cases::{body, least, poses, step};
 
-/// Poses along each step, and points along each side of a triangle.
-const POSES: u32 = 240;
+/// Between poses, and points along each side of a triangle.
+const SPACING_MM: f64 = 0.1;
 const SIDE: u32 = 11;
 
 fn between(random: &mut Rng, low: f64, high: f64) -> f64 {
@@ -47,18 +47,6 @@ fn way(random: &mut Rng) -> Vec<Step> {
     steps
 }
 
-/// Poses of a step, by homogeneous turns about its centre.
-fn poses(step: &Step) -> Vec<Point> {
-    let (from, to) = (Point::from(step.from), Point::from(step.to));
-    let share = |k: u32| f64::from(k) / f64::from(POSES - 1);
-    let Some((centre, _)) = step.about else { return (0..POSES).map(|k| from + (to - from) * share(k)).collect() };
-    let (a, b) = (from.xy() - centre, to.xy() - centre);
-    // Less than half a turn, either way.
-    let sweep_rad = libm::atan2(a.perp(&b), a.dot(&b));
-    let at = |k: u32| centre + nalgebra::Rotation2::new(sweep_rad * share(k)) * a;
-    (0..POSES).map(|k| Point::new(at(k).x, at(k).y, from.z)).collect()
-}
-
 fn points([a, b, c]: &Triangle) -> Vec<Point> {
     let inner = (0..SIDE).flat_map(|i| (0..SIDE - i).map(move |j| [i, j].map(|k| f64::from(k) / f64::from(SIDE - 1))));
     inner.map(|[s, t]| a + (b - a) * s + (c - a) * t).collect()
@@ -77,7 +65,7 @@ fn no_sample_is_nearer_than_the_certified_bound() {
         let (tool, steps) = (tool(&mut random), way(&mut random));
         let triangles: Vec<Triangle> = (0..4).map(|_| triangle(&mut random)).collect();
         let points: Vec<Point> = triangles.iter().flat_map(points).collect();
-        let poses: Vec<Point> = steps.iter().flat_map(poses).collect();
+        let poses: Vec<Point> = steps.iter().flat_map(|step| poses(step, SPACING_MM)).collect();
         for part in [Part::Ring, Part::Body, Part::Holder] {
             let found = least(&tool, part, &steps, &body(triangles.clone(), 0.0));
             let off = |pose: &Point, point: &Point| (libm::hypot(point.x - pose.x, point.y - pose.y), point.z - pose.z);

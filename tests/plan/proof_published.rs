@@ -1,22 +1,19 @@
 //! The proof of the plan for the 19-blade rotor with the published tool.
 
-use core::f64::consts::TAU;
-
 use arcfeed_plan::cup_mill::{AxisChoice, Roughing, SlotPlan, plan};
 use arcfeed_plan::cutter::{CupMill, Part};
-use arcfeed_plan::geometry::blisk::{Blisk, Slot};
+use arcfeed_plan::geometry::blisk::Blisk;
 use arcfeed_plan::proof::clearance::{Clearance, Obstacle};
 use arcfeed_plan::proof::removed::Removed;
 use arcfeed_plan::proof::verdict::{Case, Fineness, Proof, prove};
-use arcfeed_plan::vector::{Point, Vector};
-use nalgebra::Rotation3;
+use arcfeed_plan::vector::Point;
 
 use crate::proof_cases::published_tool;
 use crate::published_rotor;
 
-const ALLOWANCE_MM: f64 = 0.889;
+pub const ALLOWANCE_MM: f64 = 0.889;
 
-const ROUGHING: Roughing = Roughing {
+pub const ROUGHING: Roughing = Roughing {
     allowance_mm: ALLOWANCE_MM,
     axial_depth_max_mm: 2.54,
     interior_contact: 0.1,
@@ -24,17 +21,10 @@ const ROUGHING: Roughing = Roughing {
     axis: AxisChoice::Auto,
 };
 
-fn slot(blisk: &Blisk) -> Slot {
-    let next = Rotation3::from_axis_angle(&Vector::z_axis(), TAU / f64::from(blisk.blades));
-    Slot { pressure: blisk.pressure.clone(), suction: blisk.suction.turned(&next) }
-}
-
 fn proof(blisk: &Blisk, tool: &CupMill, plan: &SlotPlan) -> Proof {
     let fixture = [[Point::new(-40.0, -40.0, -80.0), Point::new(40.0, 40.0, -15.0)]];
-    let slot = slot(blisk);
     let case = Case {
         blisk,
-        slot: &slot,
         tool,
         path: &plan.path,
         to_slot: plan.turn,
@@ -47,7 +37,7 @@ fn proof(blisk: &Blisk, tool: &CupMill, plan: &SlotPlan) -> Proof {
 #[test]
 fn the_plan_of_the_published_tool_touches_no_finished_surface() {
     let (blisk, tool) = (published_rotor::blisk(), published_tool());
-    let plan = plan(&blisk, &slot(&blisk), &tool, &ROUGHING).expect("a plan");
+    let plan = plan(&blisk, &blisk.slot(), &tool, &ROUGHING).expect("a plan");
     let proof = proof(&blisk, &tool, &plan);
     for found in &proof.clearances {
         let Clearance { part, obstacle, bounds_mm: [low, high], pieces, .. } = found;
@@ -67,7 +57,7 @@ fn the_plan_of_the_published_tool_touches_no_finished_surface() {
 #[test]
 fn the_published_tool_takes_most_of_the_slot() {
     let (blisk, tool) = (published_rotor::blisk(), published_tool());
-    let plan = plan(&blisk, &slot(&blisk), &tool, &ROUGHING).expect("a plan");
+    let plan = plan(&blisk, &blisk.slot(), &tool, &ROUGHING).expect("a plan");
     let proof = proof(&blisk, &tool, &plan);
     for (name, map) in [("pressure", &proof.left.pressure), ("suction", &proof.left.suction), ("hub", &proof.left.hub)]
     {

@@ -8,12 +8,13 @@ use std::collections::BinaryHeap;
 
 use nalgebra::Rotation3;
 
+use crate::geometry::mesh::Triangle;
 use crate::vector::Point;
 
 use super::bound::{Extent, Near};
 use super::motion::Motion;
 use super::section::Section;
-use super::spheres::{Branch, Tree, Triangle};
+use super::spheres::{Branch, Tree};
 
 /// Pieces after which a search ends with what it has: its lower bound is true at any time.
 const MOST_PIECES: usize = 4_000_000;
