@@ -94,8 +94,7 @@ fn sampled_mm(plan: &SlotPlan, tool: &CupMill, points: &[Point]) -> f64 {
 
 /// What is certain of the ring and the finished blades.
 fn proven_mm(blisk: &Blisk, plan: &SlotPlan, tool: &CupMill) -> [f64; 2] {
-    let case =
-        Case { blisk, tool, path: &plan.path, to_slot: plan.turn, allowance_mm: ALLOWANCE_MM, fixture: &[] };
+    let case = Case { blisk, tool, path: &plan.path, to_slot: plan.turn, allowance_mm: ALLOWANCE_MM, fixture: &[] };
     let bodies = bodies(&case, CHORD_MM);
     let blades = bodies.iter().find(|body| body.obstacle == Obstacle::Blades).expect("blades");
     clearance(tool, Part::Ring, &plan.path.steps(), blades, GAP_MM).bounds_mm

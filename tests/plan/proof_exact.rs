@@ -4,10 +4,10 @@ use core::f64::consts::PI;
 
 use arcfeed_plan::cutter::Part;
 use arcfeed_plan::geometry::blisk::Revolution;
+use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::path::Step;
 use arcfeed_plan::proof::bodies::{cuboid, revolved};
 use arcfeed_plan::proof::clearance::Body;
-use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::vector::{Point, Vector};
 
 use crate::proof_cases::{GAP_MM, arc, body, least, published_tool, step};

@@ -39,8 +39,6 @@ pub struct Roughing {
 pub enum AxisChoice {
     /// LN3 where the ring passes along it, otherwise the direction nearest to it, towards the roomiest, in which it does.
     #[default]
-    Auto,
-    /// LN3.
     Blade,
     /// The roomiest.
     Roomiest,
@@ -105,9 +103,8 @@ pub fn plan(blisk: &Blisk, slot: &Slot, cutter: &CupMill, roughing: &Roughing) -
 /// The direction of the tool.
 fn choose(walls: &Walls, cutter: &CupMill, blade: &Room, choice: AxisChoice) -> Option<Room> {
     match choice {
-        AxisChoice::Blade => Some(*blade),
-        AxisChoice::Auto if blade.room_mm >= ENOUGH_MM => Some(*blade),
-        AxisChoice::Auto => {
+        AxisChoice::Blade if blade.room_mm >= ENOUGH_MM => Some(*blade),
+        AxisChoice::Blade => {
             let roomiest = walls.roomiest(cutter)?;
             Some(walls.nearest(cutter, blade, &roomiest, ENOUGH_MM.min(roomiest.room_mm / 2.0)))
         }
