@@ -21,6 +21,8 @@ pub mod frame;
 
 pub mod path;
 
+pub mod placing;
+
 pub mod cup_mill;
 
 pub mod proof;
