@@ -76,6 +76,13 @@ impl Revolution {
         let nearest = self.profile_mm.windows(2).map(|pair| beside(place, pair[0], pair[1]));
         nearest.min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::INFINITY)
     }
+
+    /// The generatrix between two places along the axis; beyond its ends it goes on at their radii.
+    pub fn between(&self, faces_mm: [f64; 2]) -> Vec<[f64; 2]> {
+        let [from, to] = faces_mm.map(|z| [z, self.radius_mm(z)]);
+        let inner = self.profile_mm.iter().filter(|place| place[0] > from[0] && place[0] < to[0]);
+        std::iter::once(from).chain(inner.copied()).chain([to]).collect()
+    }
 }
 
 /// Signed distance of a place from a piece of profile, positive on its outer side.

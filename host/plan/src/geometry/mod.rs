@@ -9,3 +9,17 @@ pub mod blade;
 mod naca65;
 
 pub mod generate;
+
+pub mod reading;
+
+mod resample;
+
+pub mod sections;
+
+mod closed;
+
+pub mod curves;
+
+pub mod slot;
+
+pub mod mesh;
