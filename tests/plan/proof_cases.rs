@@ -1,9 +1,9 @@
 //! Tools, ways and bodies for the proof's tests.
 
 use arcfeed_plan::cutter::{CupMill, Part};
+use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::path::{Purpose, Step};
 use arcfeed_plan::proof::clearance::{Body, Clearance, Obstacle, clearance};
-use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::proof::spheres::Tree;
 use arcfeed_plan::vector::{Flat, Point};
 use arcfeed_shared::nc::modal::Turn;

@@ -1,8 +1,8 @@
 //! Clearances against dense samples of way and surface: no sample may be below the lower bound, and some must come near it.
 
 use arcfeed_plan::cutter::{CupMill, Part};
-use arcfeed_plan::path::Step;
 use arcfeed_plan::geometry::mesh::Triangle;
+use arcfeed_plan::path::Step;
 use arcfeed_plan::vector::{Flat, Point};
 use arcfeed_shared::nc::modal::Turn;
 use fastrand::Rng;

@@ -4,10 +4,10 @@ use core::f64::consts::PI;
 
 use arcfeed_plan::cutter::Part;
 use arcfeed_plan::geometry::blisk::Revolution;
+use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::path::Step;
 use arcfeed_plan::proof::bodies::{cuboid, revolved};
 use arcfeed_plan::proof::clearance::Body;
-use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::vector::{Point, Vector};
 
 use crate::proof_cases::{GAP_MM, arc, body, least, published_tool, step};
@@ -16,7 +16,8 @@ const CHORD_MM: f64 = 0.002;
 
 /// A surface of revolution about an upright line.
 fn standing(profile_mm: Vec<[f64; 2]>, [x, y]: [f64; 2]) -> Vec<Triangle> {
-    let triangles = revolved(&Revolution { profile_mm }, CHORD_MM);
+    let faces_mm = [profile_mm[0][0], profile_mm[profile_mm.len() - 1][0]];
+    let triangles = revolved(&Revolution { profile_mm }, faces_mm, CHORD_MM);
     triangles.into_iter().map(|corners| corners.map(|corner| corner + Vector::new(x, y, 0.0))).collect()
 }
 
