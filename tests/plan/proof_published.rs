@@ -1,6 +1,6 @@
 //! The proof of the plan for the 19-blade rotor with the published tool.
 
-use arcfeed_plan::cup_mill::{AxisChoice, Roughing, SlotPlan, plan};
+use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing, SlotPlan, plan};
 use arcfeed_plan::cutter::{CupMill, Part};
 use arcfeed_plan::geometry::blisk::Blisk;
 use arcfeed_plan::proof::clearance::{Clearance, Obstacle};
@@ -18,7 +18,7 @@ pub const ROUGHING: Roughing = Roughing {
     axial_depth_max_mm: 2.54,
     interior_contact: 0.1,
     clearance_mm: 5.0,
-    axis: AxisChoice::Auto,
+    axis: AxisChoice::Blade,
 };
 
 fn proof(blisk: &Blisk, tool: &CupMill, plan: &SlotPlan) -> Proof {

@@ -24,3 +24,5 @@ pub mod path;
 pub mod cup_mill;
 
 pub mod proof;
+
+pub mod optimise;

@@ -8,7 +8,7 @@
 //! turn <- turn - p / (L (1 - s))                                              (1)
 //! ```
 //!
-//! L is the arm of the turn, so that (1) takes the ring back by p there.
+//! L is the arm of the turn, so that (1) takes the ring back by p there; but never by more than half of what is longer than below.
 
 use crate::vector::{Flat, Point};
 
@@ -48,7 +48,8 @@ pub fn shortened_rad(turning: &Turning<'_>, turn_rad: f64, below: &Below, walls:
         if deep_mm <= CLEAR_MM {
             return turn_rad;
         }
-        turn_rad -= deep_mm / (arm_mm * (1.0 - share)); // (1)
+        let back_rad = deep_mm / (arm_mm * (1.0 - share)); // (1)
+        turn_rad = (turn_rad - back_rad).max((turn_rad + below.turn_rad) / 2.0);
     }
     turn_rad.min(below.turn_rad)
 }

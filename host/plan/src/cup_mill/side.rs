@@ -110,6 +110,15 @@ pub fn floor(blisk: &Blisk, allowance_mm: f64, about: [f64; 2], turn: &Rotation3
     })
 }
 
+/// The blank's round outside about the slot, in the slot frame.
+pub fn roof(blisk: &Blisk, about: [f64; 2], turn: &Rotation3<f64>) -> Patch {
+    let (radius_mm, turn) = (blisk.blank.radius_mm, *turn);
+    Patch::new([blisk.blank.faces_mm, about], SIDE_STEPS, move |z, angle| {
+        let (sin, cos) = libm::sincos(angle);
+        turn * Point::new(radius_mm * cos, radius_mm * sin, z)
+    })
+}
+
 /// First and last u between which no section's normal leaves that of its middle by more than [`EDGE_TURN_DEG`].
 pub fn edges(face: &Face) -> [f64; 2] {
     let least_cos = libm::cos(EDGE_TURN_DEG.to_radians());
