@@ -9,3 +9,5 @@ mod files;
 mod slots;
 
 mod meshes;
+
+mod flaws;
