@@ -7,8 +7,7 @@
 //! ```
 //!
 //! Source: M. P. do Carmo, *Differential Geometry of Curves and Surfaces*, 1976, section 3-3. Everything is looked for on samples of the
-//! faces, and the distance of two blades then by ever smaller steps from the nearest pair: a flaw smaller than a sample may
-//! be missed.
+//! faces, and from the worst one by ever smaller steps: a flaw smaller than a sample may be missed.
 
 use std::fmt;
 
@@ -23,7 +22,7 @@ const SAMPLES: [usize; 2] = [80, 16];
 /// A blade may end so far above the hub, or above the blank: what a polyline or a file's digits leave open.
 const SLACK_MM: f64 = 0.05;
 
-/// Steps of the search for the nearest pair end here, as parts of a side.
+/// Steps of the search end here, as parts of a side.
 const STEP_MIN: f64 = 1e-6;
 
 /// A side of a blade.
@@ -187,10 +186,20 @@ fn places() -> impl Iterator<Item = [f64; 2]> {
     (0..=along).flat_map(move |i| (0..=across).map(move |j| [i as f64 / along as f64, j as f64 / across as f64]))
 }
 
-/// The place where something is greatest, and how great.
+/// The place where something is greatest, and how great: the greatest sample, and from there uphill.
 fn worst(of: impl Fn([f64; 2]) -> f64) -> ([f64; 2], f64) {
     let found = places().map(|at| (at, of(at))).max_by(|a, b| a.1.total_cmp(&b.1));
-    found.unwrap_or(([0.0; 2], f64::NEG_INFINITY))
+    let mut best = found.unwrap_or(([0.0; 2], f64::NEG_INFINITY));
+    let mut step = 1.0 / SAMPLES[1] as f64;
+    while step > STEP_MIN {
+        let ways = [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]];
+        let tries = ways.map(|way| [0, 1].map(|axis| (best.0[axis] + way[axis]).clamp(0.0, 1.0)));
+        match tries.into_iter().map(|at| (at, of(at))).find(|tried| tried.1 > best.1) {
+            Some(better) => best = better,
+            None => step /= 2.0,
+        }
+    }
+    best
 }
 
 fn folded(side: Side, face: &Face, allowance_mm: f64) -> Option<Flaw> {
