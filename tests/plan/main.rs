@@ -21,3 +21,5 @@ mod proof_volumes;
 mod proof_published;
 
 mod parts;
+
+mod flaws;
