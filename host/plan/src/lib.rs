@@ -18,3 +18,5 @@ pub mod cutter;
 pub mod frame;
 
 pub mod path;
+
+pub mod output;

@@ -1,0 +1,6 @@
+//! The planner: what it makes of a rotor, held to what the planner did not make.
+
+mod job;
+mod limits;
+mod listing;
+mod rise;
