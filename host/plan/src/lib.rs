@@ -28,3 +28,5 @@ pub mod cup_mill;
 pub mod proof;
 
 pub mod optimise;
+
+pub mod output;
