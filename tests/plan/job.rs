@@ -75,7 +75,12 @@ fn a_planned_program_is_governed_on_all_levels_but_the_way_back() {
         coolant: true,
         tilt_deg: 6.0,
         slots_deg: vec![0.0, 360.0 / 19.0],
-        feeds: Feeds { cutting_mm_per_min: 635.0, axial_mm_per_min: Some(254.0), indexing_per_min: 50.0 },
+        feeds: Feeds {
+            cutting_mm_per_min: 635.0,
+            approach_mm_per_min: Some(254.0),
+            axial_mm_per_min: Some(254.0),
+            indexing_per_min: 50.0,
+        },
         indexing: Indexing::AtClearance,
         labels: true,
         reports: false,
