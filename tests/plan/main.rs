@@ -1,6 +1,34 @@
-//! The planner: what it makes of a rotor, held to what the planner did not make.
+//! The planner of cup-mill paths: its rotors, its method, the proof that nothing is touched, and what it writes; held to what the planner did not
+//! make.
+
+mod published_rotor;
+
+mod generator;
+
+mod files;
+
+mod slots;
+
+mod meshes;
+
+mod flaws;
+
+mod proof_cases;
+
+mod proof_exact;
+
+mod proof_dense;
+
+mod proof_volumes;
+
+mod proof_published;
+
+mod parts;
+
+mod listing;
+
+mod limits;
+
+mod rise;
 
 mod job;
-mod limits;
-mod listing;
-mod rise;

@@ -50,21 +50,42 @@ impl CupMill {
     /// How far a point is from the tool, mm, by its distance from the axis and its height above the bottom; negative inside,
     /// where only the sign holds.
     pub fn distance_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
-        let parts = [self.ring_mm(radius_mm, height_mm), self.body_mm(radius_mm, height_mm)];
+        let parts = [self.ring_distance_mm(radius_mm, height_mm), self.body_mm(radius_mm, height_mm)];
         parts.into_iter().fold(self.holder_distance_mm(radius_mm, height_mm), f64::min)
     }
 
     /// The same from one part.
     pub fn distance_of_mm(&self, part: Part, radius_mm: f64, height_mm: f64) -> f64 {
         match part {
-            Part::Ring => self.ring_mm(radius_mm, height_mm),
+            Part::Ring => self.ring_distance_mm(radius_mm, height_mm),
             Part::Body => self.body_mm(radius_mm, height_mm),
             Part::Holder => self.holder_distance_mm(radius_mm, height_mm),
         }
     }
 
-    /// From the wall: rounded at the bottom, ended by the body at the top.
-    fn ring_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
+    /// Inner and outer radius of the ring at a height above its bottom, mm; nothing below it. Above the cavity the tool is solid.
+    pub fn radii_mm(&self, height_mm: f64) -> Option<[f64; 2]> {
+        if height_mm < 0.0 {
+            return None;
+        }
+        let rounding = self.insert_radius_mm;
+        let below_mm = (rounding - height_mm).max(0.0);
+        let drawn_in_mm = rounding - libm::sqrt(rounding * rounding - below_mm * below_mm);
+        let inner_mm = if height_mm > self.cavity_depth_mm { 0.0 } else { self.inner_radius_mm + drawn_in_mm };
+        Some([inner_mm, self.outer_radius_mm - drawn_in_mm])
+    }
+
+    /// How high the ring's underside is at a distance from the axis, mm; nothing beside it.
+    pub fn underside_mm(&self, radius_mm: f64) -> Option<f64> {
+        let rounding = self.insert_radius_mm;
+        let inner_mm = self.inner_radius_mm + rounding - radius_mm;
+        let outer_mm = radius_mm - (self.outer_radius_mm - rounding);
+        let beyond_mm = inner_mm.max(outer_mm).max(0.0);
+        (beyond_mm <= rounding).then(|| rounding - libm::sqrt(rounding * rounding - beyond_mm * beyond_mm))
+    }
+
+    /// From the wall alone: rounded at the bottom, ended by the body at the top.
+    pub fn ring_distance_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
         let rounding = self.insert_radius_mm;
         let low = [self.inner_radius_mm + rounding, rounding];
         let high = [self.outer_radius_mm - rounding, self.height_mm - rounding];

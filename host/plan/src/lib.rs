@@ -11,6 +11,8 @@
 
 pub mod vector;
 
+pub mod search;
+
 pub mod geometry;
 
 pub mod cutter;
@@ -18,5 +20,13 @@ pub mod cutter;
 pub mod frame;
 
 pub mod path;
+
+pub mod placing;
+
+pub mod cup_mill;
+
+pub mod proof;
+
+pub mod optimise;
 
 pub mod output;

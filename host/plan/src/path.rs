@@ -115,6 +115,11 @@ impl Step {
 }
 
 impl SlotPath {
+    /// Which end a level, from 0, is left from: 0 for D, 1 for E.
+    pub fn end_of(level: usize) -> usize {
+        usize::from(level.is_multiple_of(2))
+    }
+
     /// The way, piece by piece, without approach and retract where there are no levels.
     pub fn steps(&self) -> Vec<Step> {
         let mut way = Way { path: self, steps: Vec::new(), at: [self.base.x, self.base.y, self.clear_mm] };

@@ -1,6 +1,6 @@
 //! A rotor with its blades in one piece.
 
-use crate::vector::Point;
+use crate::vector::{Point, Vector};
 
 use super::face::Face;
 
@@ -45,11 +45,43 @@ pub struct Slot {
 }
 
 impl Revolution {
+    /// Its radius at a place along the axis, mm; beyond its ends that of the end.
+    pub fn radius_mm(&self, z_mm: f64) -> f64 {
+        let pieces = self.profile_mm.windows(2);
+        let at = pieces.clone().find(|pair| z_mm <= pair[1][0]).or_else(|| pieces.last());
+        at.map_or(0.0, |pair| {
+            let [[from, low], [to, high]] = [pair[0], pair[1]];
+            let share = if to > from { ((z_mm - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+            low + (high - low) * share
+        })
+    }
+
+    /// The unit normal at the point of the surface nearest to `point`, away from the axis.
+    pub fn normal(&self, point: &Point) -> Vector {
+        let radius_mm = libm::hypot(point.x, point.y);
+        let place = [point.z, radius_mm];
+        let pieces = self.profile_mm.windows(2);
+        let nearest = pieces.min_by(|a, b| {
+            let off = |pair: &[[f64; 2]]| beside(place, pair[0], pair[1]).abs();
+            off(a).total_cmp(&off(b))
+        });
+        let [from, to] = nearest.map_or([[0.0, 0.0], [1.0, 0.0]], |pair| [pair[0], pair[1]]);
+        let (along, up) = (to[0] - from[0], to[1] - from[1]);
+        Vector::new(point.x / radius_mm * along, point.y / radius_mm * along, -up).normalize()
+    }
+
     /// How far `point` lies outside of the surface, along the surface's normal, mm; negative below it.
     pub fn height_mm(&self, point: &Point) -> f64 {
         let place = [point.z, libm::hypot(point.x, point.y)];
         let nearest = self.profile_mm.windows(2).map(|pair| beside(place, pair[0], pair[1]));
         nearest.min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::INFINITY)
+    }
+
+    /// The generatrix between two places along the axis; beyond its ends it goes on at their radii.
+    pub fn between(&self, faces_mm: [f64; 2]) -> Vec<[f64; 2]> {
+        let [from, to] = faces_mm.map(|z| [z, self.radius_mm(z)]);
+        let inner = self.profile_mm.iter().filter(|place| place[0] > from[0] && place[0] < to[0]);
+        std::iter::once(from).chain(inner.copied()).chain([to]).collect()
     }
 }
 

@@ -1,0 +1,79 @@
+//! The base position (Petean, section 3.3.2): the outer circle through the pressure side's limit line, the inner one through the suction
+//! side's.
+//!
+//! ```text
+//! cos(alpha) = (R^2 + a^2 - r^2) / (2 R a),  a = |AB|                        (5)
+//! C = A + R (e cos(alpha) +- n sin(alpha)),  e = (B - A) / a, n square to it
+//! ```
+//!
+//! Of the two centres the one that has the suction side within the ring. The source's limit lines, LN3 and LN4, go through the ends of the tip
+//! curves. That holds for the whole depth only if neither side leans over them; so here the lines begin there, and the point that the ring
+//! would take most of takes its line's place, until there is none.
+
+use crate::cutter::CupMill;
+use crate::vector::Flat;
+
+use super::side::Side;
+
+/// The triangle of the base position, slot frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Base {
+    /// A: on the outer circle.
+    pub exterior: Flat,
+    /// B: on the inner circle.
+    pub interior: Flat,
+    /// C: the tool's centre.
+    pub centre: Flat,
+    /// alpha, at A.
+    pub alpha_rad: f64,
+}
+
+/// A side may be this far within the ring: rounding of a nanometre.
+const WITHIN_MM: f64 = 1e-6;
+/// Limit lines are exchanged so often at most.
+const EXCHANGES_MAX: usize = 60;
+
+/// The base position of a ring of radii R, r (`radii_mm`) through `exterior` and `interior`, with `inside` in its hollow.
+///
+/// Nothing where no triangle has these sides: the limit lines are nearer than the ring is wide, or farther than it reaches.
+pub fn triangle(exterior: Flat, interior: Flat, radii_mm: [f64; 2], inside: Flat) -> Option<Base> {
+    let [outer_mm, inner_mm] = radii_mm;
+    let a_mm = (interior - exterior).norm();
+    let cos = (outer_mm * outer_mm + a_mm * a_mm - inner_mm * inner_mm) / (2.0 * outer_mm * a_mm); // (5)
+    if !(-1.0..=1.0).contains(&cos) {
+        return None;
+    }
+    let along = (interior - exterior) / a_mm;
+    let square = nalgebra::Vector2::new(-along.y, along.x);
+    let alpha_rad = libm::acos(cos);
+    let sin = libm::sin(alpha_rad);
+    let centres = [1.0, -1.0].map(|side| exterior + (along * cos + square * (side * sin)) * outer_mm);
+    let centre = centres.into_iter().min_by(|a, b| (a - inside).norm().total_cmp(&(b - inside).norm()))?;
+    Some(Base { exterior, interior, centre, alpha_rad })
+}
+
+/// The base position between two sides (pressure, suction), from the limit lines through `exterior` (PT1) and `interior` (PT3).
+///
+/// Nothing if no position clears both sides.
+pub fn settle(sides: [&Side; 2], cutter: &CupMill, lines: [Flat; 2]) -> Option<Base> {
+    let [pressure, suction] = sides;
+    let radii_mm = [cutter.outer_radius_mm, cutter.inner_radius_mm];
+    let inside = suction.tip_middle();
+    let [mut exterior, mut interior] = lines;
+    for _ in 0..EXCHANGES_MAX {
+        let base = triangle(exterior, interior, radii_mm, inside)?;
+        let off = |place: Flat| (place - base.centre).norm();
+        let outer = pressure.patch.least(|p| off(p.xy()) - radii_mm[0])?;
+        let inner = suction.patch.least(|p| radii_mm[1] - off(p.xy()))?;
+        if outer.value >= -WITHIN_MM && inner.value >= -WITHIN_MM {
+            return Some(base);
+        }
+        // One at a time: where both are exchanged, each may undo the other.
+        if outer.value < inner.value {
+            exterior = pressure.patch.point(outer.at[0], outer.at[1]).xy();
+        } else {
+            interior = suction.patch.point(inner.at[0], inner.at[1]).xy();
+        }
+    }
+    None
+}

@@ -1,0 +1,131 @@
+//! How much room a ring has in a slot over its whole depth, for a direction of the tool.
+//!
+//! ```text
+//! room(C) = min( min |p - C| - R,  r - max |s - C| )                          (1)
+//! ```
+//!
+//! over the points p of the pressure, s of the suction side, seen along the tool; the room of a direction is the largest of (1) over all
+//! centres. A ring wider by twice the room has none left; where it is negative, that is what is missing.
+//!
+//! The published axis lies along one blade. The other one leans over it by the pitch, less what twist gives back: with 19 blades 1 mm in
+//! 3 of depth. [`Walls::roomiest`] is the direction that has most, [`Walls::nearest`] one that has enough on the way there.
+
+use crate::cutter::CupMill;
+use crate::frame::slot_frame;
+use crate::search::{Least, descend};
+use crate::vector::{Flat, Point, Vector};
+
+use super::side::Side;
+
+/// The room of a ring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Room {
+    /// (1) at the best centre, mm.
+    pub room_mm: f64,
+    /// That centre, slot frame.
+    pub centre: Flat,
+    /// The direction of the tool, part frame.
+    pub direction: Vector,
+}
+
+/// Both sides' points, part frame.
+pub struct Walls {
+    pressure: Vec<Point>,
+    suction: Vec<Point>,
+}
+
+/// Of the samples of a side each way: a divisor of both numbers of steps.
+const STRIDE: usize = 4;
+/// Directions are looked for up to this far from the slot's middle, rad.
+const LEAN_MAX_RAD: f64 = 0.5;
+/// Steps of the first look, each way.
+const LEANS: i32 = 6;
+/// Centres of the first look, about the slot, degrees.
+const BEARINGS_DEG: [f64; 25] = {
+    let mut bearings = [0.0; 25];
+    let mut k = 0;
+    while k < 25 {
+        bearings[k] = (k as f64 - 12.0) * 5.0;
+        k += 1;
+    }
+    bearings
+};
+
+impl Walls {
+    /// From sides in the part frame.
+    pub fn new(pressure: &Side, suction: &Side) -> Self {
+        let points = |side: &Side| side.patch.thinned(STRIDE).copied().collect();
+        Walls { pressure: points(pressure), suction: points(suction) }
+    }
+
+    /// The room along a direction; nothing along the rotor's axis.
+    pub fn room(&self, cutter: &CupMill, direction: &Vector) -> Option<Room> {
+        let turn = slot_frame(direction)?;
+        let seen = |points: &[Point]| -> Vec<Flat> { points.iter().map(|point| (turn * point).xy()).collect() };
+        let (pressure, suction) = (seen(&self.pressure), seen(&self.suction));
+        let short_mm = |[x, y]: [f64; 2]| {
+            let centre = Flat::new(x, y);
+            let nearest = pressure.iter().map(|p| (p - centre).norm_squared()).fold(f64::INFINITY, f64::min);
+            let farthest = suction.iter().map(|s| (s - centre).norm_squared()).fold(0.0, f64::max);
+            let outer = libm::sqrt(nearest) - cutter.outer_radius_mm;
+            let inner = cutter.inner_radius_mm - libm::sqrt(farthest);
+            -outer.min(inner) // (1)
+        };
+        let (from, to) = (middle(&pressure), middle(&suction));
+        let bearing = libm::atan2(to.y - from.y, to.x - from.x);
+        let between = nalgebra::center(&from, &to);
+        let reach_mm = (cutter.outer_radius_mm + cutter.inner_radius_mm) / 2.0;
+        let starts = BEARINGS_DEG.map(|deg| {
+            let (sin, cos) = libm::sincos(bearing + deg.to_radians());
+            let at = [between.x + reach_mm * cos, between.y + reach_mm * sin];
+            Least { at, value: short_mm(at) }
+        });
+        let start = starts.into_iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
+        let everywhere = [[f64::MIN, f64::MAX]; 2];
+        let found = descend(everywhere, start, [2.0, 2.0], short_mm);
+        Some(Room { room_mm: -found.value, centre: Flat::from(found.at), direction: *direction })
+    }
+
+    /// The first direction from `from` towards `to` with `enough_mm` of room: `to` if there is none before.
+    pub fn nearest(&self, cutter: &CupMill, from: &Room, to: &Room, enough_mm: f64) -> Room {
+        if from.room_mm >= enough_mm {
+            return *from;
+        }
+        let at = |share: f64| self.room(cutter, &(from.direction * (1.0 - share) + to.direction * share).normalize());
+        let (mut short, mut best, mut best_share) = (0.0, *to, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = (short + best_share) / 2.0;
+            match at(middle).filter(|room| room.room_mm >= enough_mm) {
+                Some(room) => (best, best_share) = (room, middle),
+                None => short = middle,
+            }
+        }
+        best
+    }
+
+    /// The direction with the most room, and that.
+    pub fn roomiest(&self, cutter: &CupMill) -> Option<Room> {
+        let whole = self.pressure.iter().chain(&self.suction).map(|point| point.coords);
+        let mean = whole.sum::<Vector>();
+        let about = nalgebra::Vector3::new(mean.x, mean.y, 0.0).try_normalize(1e-9)?;
+        let aside = Vector::z().cross(&about);
+        let direction = |[lean, tilt]: [f64; 2]| (about + aside * lean + Vector::z() * tilt).normalize();
+        let missing = |at: [f64; 2]| self.room(cutter, &direction(at)).map_or(f64::INFINITY, |room| -room.room_mm);
+        let step = LEAN_MAX_RAD / f64::from(LEANS);
+        let places =
+            (-LEANS..=LEANS).flat_map(|i| (-LEANS..=LEANS).map(move |j| [f64::from(i) * step, f64::from(j) * step]));
+        let starts = places.map(|at| Least { at, value: missing(at) });
+        let start = starts.min_by(|a, b| a.value.total_cmp(&b.value))?;
+        let range = [-LEAN_MAX_RAD, LEAN_MAX_RAD];
+        let found = descend([range, range], start, [step / 2.0; 2], missing);
+        self.room(cutter, &direction(found.at))
+    }
+}
+
+/// Halvings of the way between two directions.
+const HALVINGS: i32 = 20;
+
+fn middle(places: &[Flat]) -> Flat {
+    let sum = places.iter().map(|place| place.coords).sum::<nalgebra::Vector2<f64>>();
+    Flat::from(sum / places.len() as f64)
+}

@@ -1,0 +1,27 @@
+//! The method, one step a file: from the blades about a slot to the way of a cup mill's centre through it.
+
+pub mod patch;
+
+pub mod side;
+
+pub mod axis;
+
+pub mod fit;
+
+pub mod base;
+
+pub mod lowest;
+
+pub mod turn;
+
+pub mod interior;
+
+pub mod level;
+
+pub mod link;
+
+pub mod turns;
+
+pub mod infeasible;
+
+pub mod plan;

@@ -1,0 +1,169 @@
+//! One side of a blade with its allowance, and the hub with its.
+//!
+//! The round edges of a blade belong to both of its sides; a side in the sense of the method is what lies between them, as in a CAD model: where
+//! the normal stays near that of the middle. The ring turns about points beside one of its edges; at the other one, which it comes up to, the
+//! round is looked at, too. (About a point of the first edge's own round a ring cannot turn without cutting into it: by half the square of the
+//! turn, of the allowance.) A side begins where it leaves the hub with its allowance, and goes on above the tip, straight, by
+//! the allowance: the tip's edge is to keep its distance, too.
+
+use nalgebra::Rotation3;
+
+use crate::geometry::blisk::{Blisk, Revolution};
+use crate::geometry::face::Face;
+use crate::vector::{Flat, Point, Vector};
+
+use super::patch::Patch;
+
+/// A side of a blade turns by less than this from its middle to its edges, where the round ones begin.
+const EDGE_TURN_DEG: f64 = 35.0;
+/// Steps in which a side is searched.
+const SIDE_STEPS: [usize; 2] = [48, 32];
+/// Steps in which the hub is: a ring that cuts a few hundredths into it does so on a few millimetres of it.
+const HUB_STEPS: [usize; 2] = [32, 128];
+/// Sections on which that is asked.
+const SECTIONS: i32 = 8;
+/// Steps in which a side is walked from its middle outwards.
+const WALK: i32 = 200;
+/// Halvings that leave nothing of a parameter.
+const HALVINGS: i32 = 50;
+
+/// A side of a blade with its allowance.
+#[derive(Debug)]
+pub struct Side {
+    /// Finished, any frame.
+    pub face: Face,
+    /// The offset surface between the edges, above the hub.
+    pub patch: Patch,
+    /// First and last u of the side between its round edges.
+    pub edges: [f64; 2],
+    /// The v at which it leaves the hub.
+    pub foot: f64,
+}
+
+/// The hub, and what is left on it and on the blades.
+#[derive(Clone, Copy, Debug)]
+pub struct Hub<'h> {
+    /// The hub, part frame.
+    pub hub: &'h Revolution,
+    /// The allowance, mm.
+    pub allowance_mm: f64,
+}
+
+/// Which round edge the ring comes up to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FarEdge {
+    /// The leading one: of a suction side.
+    Leading,
+    /// The trailing one: of a pressure side.
+    Trailing,
+}
+
+impl Side {
+    /// The side of `face`, which is given in the part frame, with the hub's allowance, after `turn`.
+    /// Nothing if the blade is not above it anywhere.
+    pub fn new(face: &Face, far: FarEdge, above: &Hub<'_>, turn: &Rotation3<f64>) -> Option<Self> {
+        let Hub { hub, allowance_mm } = *above;
+        let edges = edges(face);
+        let around = match far {
+            FarEdge::Leading => [0.0, edges[1]],
+            FarEdge::Trailing => [edges[0], 1.0],
+        };
+        let foot = foot(face, hub, allowance_mm, edges)?;
+        let face = face.turned(turn);
+        let surface = face.clone();
+        let high = 1.0 + allowance_mm / face.jet(0.5, 1.0).v.norm();
+        let patch = Patch::new([around, [foot, high]], SIDE_STEPS, move |u, v| {
+            let beyond = (v - 1.0).max(0.0);
+            let tip = surface.offset(u, v, allowance_mm);
+            if beyond > 0.0 { tip + surface.jet(u, 1.0).v * beyond } else { tip }
+        });
+        Some(Side { face, patch, edges, foot })
+    }
+
+    /// A point of the side between its edges, by shares of the way from the leading to the trailing edge and from the hub to the tip.
+    pub fn at(&self, [along, up]: [f64; 2]) -> Point {
+        let between = |[from, to]: [f64; 2], share: f64| from + (to - from) * share;
+        self.patch.point(between(self.edges, along), between([self.foot, 1.0], up))
+    }
+
+    /// A point of the tip's edge, seen along the tool.
+    pub fn tip(&self, u: f64) -> Flat {
+        self.patch.point(u, 1.0).xy()
+    }
+
+    /// Middle of the tip's edge.
+    pub fn tip_middle(&self) -> Flat {
+        self.tip((self.edges[0] + self.edges[1]) / 2.0)
+    }
+}
+
+/// The hub with its allowance, about the slot, in the slot frame: u along the rotor's axis from one face of the blank to the
+/// other, and by the allowance beyond them, v about it.
+pub fn floor(blisk: &Blisk, allowance_mm: f64, about: [f64; 2], turn: &Rotation3<f64>) -> Patch {
+    let (hub, turn) = (blisk.hub.clone(), *turn);
+    let [low, high] = blisk.blank.faces_mm;
+    Patch::new([[low - allowance_mm, high + allowance_mm], about], HUB_STEPS, move |z, angle| {
+        let (sin, cos) = libm::sincos(angle);
+        let radius_mm = hub.radius_mm(z);
+        let on = Point::new(radius_mm * cos, radius_mm * sin, z);
+        turn * (on + hub.normal(&on) * allowance_mm)
+    })
+}
+
+/// The blank's round outside about the slot, in the slot frame.
+pub fn roof(blisk: &Blisk, about: [f64; 2], turn: &Rotation3<f64>) -> Patch {
+    let (radius_mm, turn) = (blisk.blank.radius_mm, *turn);
+    Patch::new([blisk.blank.faces_mm, about], SIDE_STEPS, move |z, angle| {
+        let (sin, cos) = libm::sincos(angle);
+        turn * Point::new(radius_mm * cos, radius_mm * sin, z)
+    })
+}
+
+/// First and last u between which no section's normal leaves that of its middle by more than [`EDGE_TURN_DEG`].
+pub fn edges(face: &Face) -> [f64; 2] {
+    let least_cos = libm::cos(EDGE_TURN_DEG.to_radians());
+    let bounds = (0..=SECTIONS).map(|j| {
+        let v = f64::from(j) / f64::from(SECTIONS);
+        let middle = face.normal(0.5, v);
+        let is_side = |u: f64| face.normal(u, v).dot(&middle) >= least_cos;
+        [0.0, 1.0].map(|end| farthest(0.5, end, is_side))
+    });
+    bounds.fold([0.0, 1.0], |[first, last]: [f64; 2], [low, high]| [first.max(low), last.min(high)])
+}
+
+/// Where on a section's height a side with its allowance leaves the hub with its.
+pub fn leaves_hub(face: &Face, hub: &Revolution, allowance_mm: f64, u: f64) -> Option<f64> {
+    let is_above = |v: f64| hub.height_mm(&face.offset(u, v, allowance_mm)) >= allowance_mm;
+    is_above(1.0).then(|| farthest(1.0, 0.0, is_above))
+}
+
+/// The lowest of these heights.
+fn foot(face: &Face, hub: &Revolution, allowance_mm: f64, [first, last]: [f64; 2]) -> Option<f64> {
+    let places = (0..=SECTIONS).map(|i| first + (last - first) * f64::from(i) / f64::from(SECTIONS));
+    places.filter_map(|u| leaves_hub(face, hub, allowance_mm, u)).min_by(f64::total_cmp)
+}
+
+/// The farthest place from `inside` towards `end` up to which `holds` does.
+fn farthest(inside: f64, end: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    // Walked, not only halved: a curve may waver about its end.
+    let mut good = inside;
+    for step in 1..=WALK {
+        let place = inside + (end - inside) * f64::from(step) / f64::from(WALK);
+        if !holds(place) {
+            let mut bad = place;
+            for _ in 0..HALVINGS {
+                let middle = (good + bad) / 2.0;
+                if holds(middle) { good = middle } else { bad = middle }
+            }
+            return good;
+        }
+        good = place;
+    }
+    good
+}
+
+/// The pressure side's normal where its tip meets its leading edge, and that place: PT1.
+pub fn leading_tip(face: &Face, allowance_mm: f64) -> (Point, Vector) {
+    let [first, _] = edges(face);
+    (face.offset(first, 1.0, allowance_mm), face.normal(first, 1.0))
+}

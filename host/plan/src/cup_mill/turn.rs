@@ -1,0 +1,90 @@
+//! By how much a tool may turn about a point of its own circle before it meets something.
+//!
+//! The tool is a solid of revolution: when its centre turns about a pivot, it moves as if it were turned as a whole. A fixed point q is
+//! met where the annulus at its height, [r_h, R_h], arrives:
+//!
+//! ```text
+//! |q - C|^2 = s^2 + L^2 - 2 s L cos(psi),  s = |q - pivot|, L = |C - pivot|   (1)
+//! psi_h = acos((s^2 + L^2 - rho^2) / (2 s L)),  rho = R_h or r_h              (2)
+//! turn = least positive of  +-(psi0 -+ psi_h)                                 (3)
+//! ```
+//!
+//! with psi the angle from C to q as the pivot sees it, psi0 its value at the beginning. So the turn up to contact with a surface is the least
+//! of (3) over its points, and nothing is passed over: no steps in time.
+
+use arcfeed_shared::nc::modal::Turn;
+
+use crate::cutter::CupMill;
+use crate::vector::{Flat, Point};
+
+/// A tool about to turn.
+#[derive(Clone, Copy, Debug)]
+pub struct Turning<'c> {
+    /// What turns.
+    pub cutter: &'c CupMill,
+    /// Its centre at the beginning.
+    pub centre: Flat,
+    /// Its bottom, mm.
+    pub bottom_mm: f64,
+    /// What it turns about.
+    pub pivot: Flat,
+    /// In which sense.
+    pub turn: Turn,
+}
+
+/// Which circle of the ring meets a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Circle {
+    /// The inner one.
+    Inner,
+    /// The outer one.
+    Outer,
+}
+
+impl Turning<'_> {
+    /// The turn, rad, after which the ring meets `point`; nothing if it never does or has it inside already.
+    pub fn until(&self, point: &Point) -> Option<(f64, Circle)> {
+        let radii = self.cutter.radii_mm(point.z - self.bottom_mm)?;
+        let place = Flat::new(point.x, point.y);
+        let from_centre_mm = (place - self.centre).norm();
+        let circle = if from_centre_mm > (radii[0] + radii[1]) / 2.0 { Circle::Outer } else { Circle::Inner };
+        let radius_mm = if circle == Circle::Outer { radii[1] } else { radii[0] };
+        self.circle_until(place, radius_mm, circle).map(|turn| (turn, circle))
+    }
+
+    /// Where the centre is after a turn.
+    pub fn centre_after(&self, turn_rad: f64) -> Flat {
+        let turn = nalgebra::Rotation2::new(turn_rad * self.sense());
+        self.pivot + turn * (self.centre - self.pivot)
+    }
+
+    fn sense(&self) -> f64 {
+        if self.turn == Turn::Ccw { 1.0 } else { -1.0 }
+    }
+
+    /// The turn, rad, after which the ring's circle of `radius_mm` goes through `place`: none where it never does, 0 where the ring
+    /// has it already.
+    pub fn circle_until(&self, place: Flat, radius_mm: f64, circle: Circle) -> Option<f64> {
+        let (to_place, to_centre) = (place - self.pivot, self.centre - self.pivot);
+        let (s, l) = (to_place.norm(), to_centre.norm());
+        let from_centre_mm = (place - self.centre).norm();
+        let (rho, has_it) = match circle {
+            Circle::Outer => (radius_mm - TOUCH_MM, from_centre_mm < radius_mm - TOUCH_MM),
+            Circle::Inner => (radius_mm + TOUCH_MM, from_centre_mm > radius_mm + TOUCH_MM),
+        };
+        let cos = (s * s + l * l - rho * rho) / (2.0 * s * l); // (1)
+        if has_it {
+            return Some(0.0);
+        }
+        if !(-1.0..=1.0).contains(&cos) {
+            return None;
+        }
+        let met = libm::acos(cos); // (2)
+        let now = libm::atan2(to_centre.perp(&to_place), to_centre.dot(&to_place)) * self.sense();
+        let ahead = [now - met, now + met].map(|turn| if turn < 0.0 { turn + core::f64::consts::TAU } else { turn });
+        Some(ahead[0].min(ahead[1])) // (3)
+    }
+}
+
+/// Touching is no contact, mm: the pivot's own place stays on its circle, and rounding must not make it one.
+const TOUCH_MM: f64 = 2e-6;

@@ -1,0 +1,82 @@
+//! One blade as sections: what a generator makes and what files tell.
+
+use crate::vector::{Point, Vector};
+
+use super::blisk::Revolution;
+use super::face::{Face, FaceError};
+
+/// Sections of one blade, from the hub to the tip; each side from the leading to the trailing edge. Part frame, mm.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sections {
+    /// The concave side.
+    pub pressure: Vec<Vec<Point>>,
+    /// The convex side.
+    pub suction: Vec<Vec<Point>>,
+}
+
+/// About which axis of its own coordinates a rotor was drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RotorAxis {
+    /// x
+    X,
+    /// y
+    Y,
+    /// z
+    #[default]
+    Z,
+}
+
+impl RotorAxis {
+    /// A place of the drawing in the part frame: axes change places in turn, so that no rotor is mirrored.
+    pub fn to_part(self, [x, y, z]: [f64; 3]) -> Point {
+        match self {
+            RotorAxis::X => Point::new(y, z, x),
+            RotorAxis::Y => Point::new(z, x, y),
+            RotorAxis::Z => Point::new(x, y, z),
+        }
+    }
+}
+
+impl Sections {
+    /// Surfaces through the sections: pressure, then suction side.
+    ///
+    /// # Errors
+    /// As [`Face::through`].
+    pub fn faces(&self) -> Result<[Face; 2], FaceError> {
+        let out = self.across();
+        Ok([Face::through(&self.pressure, out)?, Face::through(&self.suction, -out)?])
+    }
+
+    /// From the suction to the pressure side, all points together: a place where they have changed sides does not turn it.
+    fn across(&self) -> Vector {
+        let pairs = self.pressure.iter().flatten().zip(self.suction.iter().flatten());
+        pairs.map(|(pressure, suction)| pressure - suction).sum()
+    }
+
+    /// How much longer the suction side is, mm, all sections together. A camber makes it so.
+    pub fn bulge_mm(&self) -> f64 {
+        let whole_mm = |side: &[Vec<Point>]| side.iter().map(|points| length_mm(points)).sum::<f64>();
+        whole_mm(&self.suction) - whole_mm(&self.pressure)
+    }
+
+    /// The same blade with its sides the other way round.
+    pub fn swapped(self) -> Self {
+        Sections { pressure: self.suction, suction: self.pressure }
+    }
+
+    /// How high each section stands above the hub, mm, by its points.
+    pub fn heights_mm(&self, hub: &Revolution) -> Vec<f64> {
+        let sides = self.pressure.iter().zip(&self.suction);
+        sides
+            .map(|(pressure, suction)| {
+                let heights = pressure.iter().chain(suction).map(|point| hub.height_mm(point));
+                heights.sum::<f64>() / (pressure.len() + suction.len()) as f64
+            })
+            .collect()
+    }
+}
+
+/// Length of a polyline.
+pub fn length_mm(points: &[Point]) -> f64 {
+    points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+}

@@ -1,0 +1,166 @@
+//! Blades as ANSYS TurboGrid takes them: `hub.curve`, `shroud.curve` and `profile.curve`.
+//!
+//! ```text
+//! # Profile 1 at 0.00 %
+//! -6.095401  -11.478319  69.734110  le
+//! ...                                          a closed loop around the blade
+//! # Profile 2 at 50.00 %
+//! ```
+//!
+//! One point a line, `x y z`, parted by blanks or commas. In a profile file each line that begins with `#` opens a section, in the other two it
+//! is a remark. Hub and shroud run from inlet to outlet. A point may be marked `le` or `te`, with a number behind it or
+//! without. Source: the layout that published writers and readers of these files share; docs/plan.md.
+
+use crate::vector::Point;
+
+use super::blade::Sections;
+use super::blisk::Revolution;
+use super::closed::{Loop, Mark};
+use super::reading::{Drawn, Fault, ReadError, number, words};
+use super::resample::resampled;
+
+/// Points of a side: as many as the file has, but within these.
+const POINTS: [usize; 2] = [41, 161];
+
+/// The rotor of a set of curve files.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curves {
+    /// Inner end of the gas path.
+    pub hub: Revolution,
+    /// Outer end of the gas path.
+    pub shroud: Revolution,
+    /// One blade.
+    pub blade: Sections,
+}
+
+/// Which of the files is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Which {
+    /// `hub.curve`
+    Hub,
+    /// `shroud.curve`
+    Shroud,
+    /// `profile.curve`
+    Profile,
+}
+
+/// The texts of the three files.
+#[derive(Clone, Copy, Debug)]
+pub struct Texts<'t> {
+    /// `hub.curve`
+    pub hub: &'t str,
+    /// `shroud.curve`
+    pub shroud: &'t str,
+    /// `profile.curve`
+    pub profile: &'t str,
+}
+
+/// Reads a set of curve files.
+///
+/// # Errors
+/// What is wrong, in which file and where.
+pub fn read(texts: &Texts<'_>, drawn: &Drawn) -> Result<Curves, (Which, ReadError)> {
+    let (hub, from_low_z) = revolution(texts.hub, drawn).map_err(|error| (Which::Hub, error))?;
+    let (shroud, _) = revolution(texts.shroud, drawn).map_err(|error| (Which::Shroud, error))?;
+    check_shroud(&hub, &shroud).map_err(|fault| (Which::Shroud, fault.at(1, 1)))?;
+    let blade = profiles(texts.profile, drawn, &hub, from_low_z).map_err(|error| (Which::Profile, error))?;
+    Ok(Curves { hub, shroud, blade })
+}
+
+/// A generatrix, and whether it begins at low z.
+fn revolution(text: &str, drawn: &Drawn) -> Result<(Revolution, bool), ReadError> {
+    let mut places: Vec<([f64; 2], usize)> = Vec::new();
+    for (at, line) in text.lines().enumerate() {
+        if let Some((place, _)) = point(line, at + 1, drawn)? {
+            places.push(([place.z, libm::hypot(place.x, place.y)], at + 1));
+        }
+    }
+    if places.len() < 2 {
+        return Err(Fault::Points { section: 1, found: places.len(), least: 2 }.at(text.lines().count().max(1), 1));
+    }
+    let is_growing = places[places.len() - 1].0[0] > places[0].0[0];
+    let goes_on =
+        |pair: &[([f64; 2], usize)]| (pair[1].0[0] > pair[0].0[0]) == is_growing && pair[1].0[0] != pair[0].0[0];
+    if let Some(back) = places.windows(2).find(|pair| !goes_on(pair)) {
+        return Err(Fault::TurnsBack { axis: drawn.axis }.at(back[1].1, 1));
+    }
+    let mut profile_mm: Vec<[f64; 2]> = places.into_iter().map(|(place, _)| place).collect();
+    if !is_growing {
+        profile_mm.reverse();
+    }
+    Ok((Revolution { profile_mm }, is_growing))
+}
+
+fn check_shroud(hub: &Revolution, shroud: &Revolution) -> Result<(), Fault> {
+    let below = |place: &[f64; 2]| (hub.radius_mm(place[0]) - place[1], place[0]);
+    match shroud.profile_mm.iter().map(below).find(|(below_mm, _)| *below_mm >= 0.0) {
+        Some((below_mm, z_mm)) => Err(Fault::Shroud { below_mm, z_mm }),
+        None => Ok(()),
+    }
+}
+
+/// The point of a line and its mark; none where there is nothing but a remark.
+fn point(text: &str, line: usize, drawn: &Drawn) -> Result<Option<(Point, Option<Mark>)>, ReadError> {
+    let words = words(text);
+    let mut place = [0.0; 3];
+    match words.as_slice() {
+        [] => return Ok(None),
+        [(_, first), ..] if first.starts_with('#') => return Ok(None),
+        few if few.len() < 3 => return Err(Fault::Coordinates(few.len()).at(line, few[0].0)),
+        _ => {}
+    }
+    for (value, word) in place.iter_mut().zip(&words) {
+        *value = number(line, *word)?;
+    }
+    let mark = words.get(3).filter(|(_, word)| !word.starts_with('#')).map(|(column, word)| {
+        match word.to_lowercase().trim_end_matches(|c: char| c.is_ascii_digit()) {
+            "le" => Ok(Mark::Leading),
+            "te" => Ok(Mark::Trailing),
+            _ => Err(Fault::Mark((*word).to_owned()).at(line, *column)),
+        }
+    });
+    Ok(Some((drawn.point(place), mark.transpose()?)))
+}
+
+fn profiles(text: &str, drawn: &Drawn, hub: &Revolution, from_low_z: bool) -> Result<Sections, ReadError> {
+    let mut loops: Vec<(Loop, usize)> = Vec::new();
+    let mut is_new = true;
+    for (at, line) in text.lines().enumerate() {
+        is_new |= line.trim_start().starts_with('#');
+        let Some((place, mark)) = point(line, at + 1, drawn)? else { continue };
+        if std::mem::take(&mut is_new) {
+            loops.push((Loop::default(), at + 1));
+        }
+        if let Some((around, _)) = loops.last_mut() {
+            around.marks.extend(mark.map(|mark| (around.points.len(), mark)));
+            around.points.push(place);
+        }
+    }
+    if loops.len() < 2 {
+        return Err(Fault::Sections { found: loops.len() }.at(text.lines().count().max(1), 1));
+    }
+    let lines: Vec<usize> = loops.iter().map(|(_, line)| *line).collect();
+    let mut sides = Vec::new();
+    for (at, (around, line)) in loops.into_iter().enumerate() {
+        sides.push(around.split(at + 1, from_low_z).map_err(|fault| fault.at(line, 1))?);
+    }
+    let blade = told_apart(sides);
+    drawn.check(&blade, hub, &lines)?;
+    Ok(blade)
+}
+
+/// Which side is which: the convex one is the suction side. Every section's first side is the one at greater angles.
+fn told_apart(sides: Vec<[Vec<Point>; 2]>) -> Sections {
+    let most = sides.iter().flatten().map(Vec::len).max().unwrap_or(0).clamp(POINTS[0], POINTS[1]);
+    let mut blade = Sections::default();
+    for [one, other] in sides {
+        let [one, other] = [resampled(&one, most), resampled(&other, most)];
+        let middle = most / 2;
+        let across = one[middle] - other[middle];
+        let is_ahead = one[middle].coords.cross(&across).z > 0.0;
+        let (ahead, behind) = if is_ahead { (one, other) } else { (other, one) };
+        blade.pressure.push(ahead);
+        blade.suction.push(behind);
+    }
+    if blade.bulge_mm() < 0.0 { blade.swapped() } else { blade }
+}

@@ -1,0 +1,232 @@
+//! What files of points have in common: words with their places, numbers, and what can be wrong.
+
+use thiserror::Error;
+
+use super::blade::{RotorAxis, Sections};
+use super::blisk::Revolution;
+use crate::vector::Point;
+
+/// How a file's coordinates are to be understood.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drawn {
+    /// About which of its axes the rotor turns.
+    pub axis: RotorAxis,
+    /// Millimetres in one of its units.
+    pub unit_mm: f64,
+}
+
+/// What is wrong with a file of points, and where.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{line}:{column}: {fault}")]
+pub struct ReadError {
+    /// Counted from 1.
+    pub line: usize,
+    /// Counted from 1.
+    pub column: usize,
+    /// What it is.
+    pub fault: Fault,
+}
+
+/// What can be wrong with points.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Fault {
+    /// Not a finite number.
+    #[error("`{0}` is no number")]
+    NotANumber(String),
+    /// Fewer coordinates than three.
+    #[error("a point has three coordinates, x y z, not {0}")]
+    Coordinates(usize),
+    /// A column of the table is missing.
+    #[error(
+        "no column `{0}`; the first line names the columns: s,side,x_mm,y_mm,z_mm, and R_mm and i where they are known"
+    )]
+    Column(&'static str),
+    /// Neither side.
+    #[error("`{0}` is no side; write PS (pressure, the concave one) or SS (suction, the convex one)")]
+    Side(String),
+    /// No mark of a point.
+    #[error("`{0}` marks nothing; a point may be marked `le` or `te`, as the leading or trailing edge")]
+    Mark(String),
+    /// The same mark twice, or one of two.
+    #[error("section {section} has {found} points marked `{mark}`; mark one leading and one trailing edge, or none")]
+    Marks {
+        /// Counted from 1.
+        section: usize,
+        /// The mark.
+        mark: &'static str,
+        /// How many.
+        found: usize,
+    },
+    /// Points out of order.
+    #[error(
+        "point {found} where point {expected} was to come; number the points of a side from 0, the leading edge first"
+    )]
+    Index {
+        /// The number there.
+        found: String,
+        /// The one to come.
+        expected: usize,
+    },
+    /// Too few sections.
+    #[error("{found} sections; a blade needs 2 at least, from the hub to the tip, on both sides alike")]
+    Sections {
+        /// How many.
+        found: usize,
+    },
+    /// Too few points.
+    #[error("section {section} has {found} points on a side; {least} at least make a curve")]
+    Points {
+        /// Counted from 1.
+        section: usize,
+        /// How many.
+        found: usize,
+        /// How many it takes.
+        least: usize,
+    },
+    /// Not closed.
+    #[error(
+        "section {section} is open: {gap_mm:.3} mm from its last point to its first, over steps of {step_mm:.3} mm at most; close the loop around the blade"
+    )]
+    Open {
+        /// Counted from 1.
+        section: usize,
+        /// Between its ends.
+        gap_mm: f64,
+        /// Its greatest step.
+        step_mm: f64,
+    },
+    /// Not from the hub to the tip.
+    #[error(
+        "section {section} lies {below_mm:.3} mm lower over the hub than the one before; sections go from the hub to the tip"
+    )]
+    Order {
+        /// Counted from 1.
+        section: usize,
+        /// How much.
+        below_mm: f64,
+    },
+    /// Radii that are none.
+    #[error(
+        "the file says R = {told_mm:.3} mm here, but the point is {found_mm:.3} mm from the {axis:?} axis; tell the rotor's `axis`{hint}"
+    )]
+    Radius {
+        /// The column.
+        told_mm: f64,
+        /// From the coordinates.
+        found_mm: f64,
+        /// About which.
+        axis: RotorAxis,
+        /// The axis that would do.
+        hint: &'static str,
+    },
+    /// The axis runs through the blade.
+    #[error(
+        "the {axis:?} axis runs through or close by section {section} (from {least_mm:.3} to {most_mm:.3} mm off it); tell the rotor's `axis`"
+    )]
+    Axis {
+        /// Counted from 1.
+        section: usize,
+        /// About which.
+        axis: RotorAxis,
+        /// Least distance.
+        least_mm: f64,
+        /// Greatest distance.
+        most_mm: f64,
+    },
+    /// Goes back.
+    #[error(
+        "the curve turns back along the {axis:?} axis here; give it from inlet to outlet in one sense, or tell the rotor's `axis`"
+    )]
+    TurnsBack {
+        /// About which.
+        axis: RotorAxis,
+    },
+    /// Shroud within the hub.
+    #[error(
+        "the shroud lies {below_mm:.3} mm below the hub at {z_mm:.3} mm along the axis; the files may be exchanged"
+    )]
+    Shroud {
+        /// How much.
+        below_mm: f64,
+        /// Where.
+        z_mm: f64,
+    },
+    /// Far from the hub.
+    #[error(
+        "section 1 lies {height_mm:.3} mm off the hub; the files do not belong together, or `axis` or `units` is wrong"
+    )]
+    OffTheHub {
+        /// How much, greater than the blade's own size.
+        height_mm: f64,
+    },
+    /// Names of the sides.
+    #[error(
+        "the suction side is {shorter_mm:.3} mm shorter than the pressure side, all sections together: the convex side is the suction side; exchange PS and SS"
+    )]
+    Swapped {
+        /// How much.
+        shorter_mm: f64,
+    },
+}
+
+impl Fault {
+    /// With its place.
+    pub fn at(self, line: usize, column: usize) -> ReadError {
+        ReadError { line, column, fault: self }
+    }
+}
+
+/// Words of a line with their columns, counted from 1; blanks, commas and semicolons part them.
+pub fn words(line: &str) -> Vec<(usize, &str)> {
+    let is_gap = |c: char| c.is_whitespace() || matches!(c, ',' | ';');
+    let mut found = Vec::new();
+    let mut at = 0;
+    while let Some(start) = line[at..].find(|c| !is_gap(c)) {
+        let from = at + start;
+        let to = line[from..].find(is_gap).map_or(line.len(), |length| from + length);
+        found.push((line[..from].chars().count() + 1, &line[from..to]));
+        at = to;
+    }
+    found
+}
+
+/// A finite number.
+///
+/// # Errors
+/// It is none.
+pub fn number(line: usize, (column, word): (usize, &str)) -> Result<f64, ReadError> {
+    let value = word.parse::<f64>().ok().filter(|value| value.is_finite());
+    value.ok_or_else(|| Fault::NotANumber(word.to_owned()).at(line, column))
+}
+
+impl Drawn {
+    /// A place of the file in the part frame.
+    pub fn point(&self, place: [f64; 3]) -> Point {
+        self.axis.to_part(place.map(|value| value * self.unit_mm))
+    }
+
+    /// What is wrong with a blade as a whole; `lines` are those where its sections begin.
+    pub(super) fn check(&self, blade: &Sections, hub: &Revolution, lines: &[usize]) -> Result<(), ReadError> {
+        let line = |section: usize| lines.get(section).copied().unwrap_or(1);
+        for (section, (pressure, suction)) in blade.pressure.iter().zip(&blade.suction).enumerate() {
+            let radii = || pressure.iter().chain(suction).map(|point| libm::hypot(point.x, point.y));
+            let (least_mm, most_mm) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
+            if least_mm < most_mm / 4.0 {
+                let fault = Fault::Axis { section: section + 1, axis: self.axis, least_mm, most_mm };
+                return Err(fault.at(line(section), 1));
+            }
+        }
+        let heights = blade.heights_mm(hub);
+        let across_mm = blade.pressure[0].first().zip(blade.pressure[0].last()).map_or(0.0, |(a, b)| (a - b).norm());
+        if heights[0].abs() > across_mm {
+            return Err(Fault::OffTheHub { height_mm: heights[0] }.at(line(0), 1));
+        }
+        match heights.windows(2).position(|pair| pair[1] <= pair[0]) {
+            Some(at) => {
+                let fault = Fault::Order { section: at + 2, below_mm: heights[at] - heights[at + 1] };
+                Err(fault.at(line(at + 1), 1))
+            }
+            None => Ok(()),
+        }
+    }
+}

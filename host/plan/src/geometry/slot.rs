@@ -1,0 +1,55 @@
+//! The room between two blades, and copies of blades.
+//!
+//! Which neighbour a pressure side looks at is read from its normals, so that rotors of both hands have their slots.
+
+use nalgebra::Rotation3;
+
+use crate::vector::Vector;
+
+use super::blisk::{Blisk, Slot};
+use super::face::Face;
+
+/// Both sides of one blade.
+#[derive(Clone, Debug)]
+pub struct Blade {
+    /// The concave side.
+    pub pressure: Face,
+    /// The convex side.
+    pub suction: Face,
+}
+
+/// Where a side is asked which way it looks, along both of its parameters.
+const PROBES: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+
+impl Blisk {
+    /// From one blade to the next.
+    pub fn pitch_rad(&self) -> f64 {
+        core::f64::consts::TAU / f64::from(self.blades)
+    }
+
+    /// The blade `index` places further on about the axis; 0 is the first one.
+    pub fn blade(&self, index: i32) -> Blade {
+        let turn = Rotation3::from_axis_angle(&Vector::z_axis(), f64::from(index) * self.pitch_rad());
+        Blade { pressure: self.pressure.turned(&turn), suction: self.suction.turned(&turn) }
+    }
+
+    /// All blades, by their angles.
+    pub fn blades(&self) -> impl Iterator<Item = Blade> + '_ {
+        (0..self.blades).map(|index| self.blade(index.cast_signed()))
+    }
+
+    /// Where the blade lies that the first one's pressure side looks at: 1 at growing angles, -1 at falling ones.
+    pub fn facing(&self) -> i32 {
+        let places = PROBES.iter().flat_map(|u| PROBES.map(|v| (*u, v)));
+        let around = |(u, v)| {
+            let point = self.pressure.point(u, v);
+            Vector::z().cross(&point.coords).normalize().dot(&self.pressure.normal(u, v))
+        };
+        if places.map(around).sum::<f64>() < 0.0 { -1 } else { 1 }
+    }
+
+    /// The first blade's pressure side, and the suction side across the slot. Part frame.
+    pub fn slot(&self) -> Slot {
+        Slot { pressure: self.pressure.clone(), suction: self.blade(self.facing()).suction }
+    }
+}

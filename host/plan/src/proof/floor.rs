@@ -1,0 +1,131 @@
+//! How deep the ring cuts at a place seen along the tool axis: all that stands above its lowest pass is gone, its walls go straight up.
+//!
+//! The ring's underside is flat but for its rounded corners. Over an arc only the range of distances between the place and the tool's axis
+//! matters: the ring passes lowest with what of its underside is lowest in that range. Over a line between levels the height is taken where the flat
+//! part comes and goes and at both ends, which may leave a corner's height too much in between, never too little.
+
+use crate::cutter::CupMill;
+use crate::path::Step;
+use crate::vector::Flat;
+
+use super::motion::{Arc, Motion};
+
+/// A ring's underside and its way.
+pub struct Floor {
+    /// Where its flat part begins and ends, from the axis, mm.
+    flat_mm: [f64; 2],
+    rounding_mm: f64,
+    passes: Vec<(usize, Motion)>,
+}
+
+impl Floor {
+    /// The floor that a way leaves.
+    pub fn new(tool: &CupMill, steps: &[Step]) -> Self {
+        let rounding_mm = tool.insert_radius_mm;
+        Floor {
+            flat_mm: [tool.inner_radius_mm + rounding_mm, tool.outer_radius_mm - rounding_mm],
+            rounding_mm,
+            passes: steps.iter().map(|step| (step.level, Motion::new(step))).collect(),
+        }
+    }
+
+    /// The lowest height of the ring over a place, mm, slot frame; infinite where it never comes.
+    pub fn at_mm(&self, place: &Flat) -> f64 {
+        self.passes.iter().map(|(_, motion)| self.pass_mm(motion, place)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The same after each level: it falls from one to the next.
+    pub fn by_level_mm(&self, place: &Flat, levels: usize) -> Vec<f64> {
+        let mut floors_mm = vec![f64::INFINITY; levels];
+        for (level, motion) in &self.passes {
+            if let Some(floor_mm) = floors_mm.get_mut(*level) {
+                *floor_mm = floor_mm.min(self.pass_mm(motion, place));
+            }
+        }
+        for level in 1..levels {
+            floors_mm[level] = floors_mm[level].min(floors_mm[level - 1]);
+        }
+        floors_mm
+    }
+
+    fn pass_mm(&self, motion: &Motion, place: &Flat) -> f64 {
+        match motion.arc() {
+            Some(arc) => motion.at(0.0).place.z + self.lip_mm(range_mm(arc, place)),
+            None => self.line_mm(motion, place),
+        }
+    }
+
+    /// How high the underside is above the bottom, at its lowest, in a range of distances from the axis.
+    fn lip_mm(&self, [from_mm, to_mm]: [f64; 2]) -> f64 {
+        let beyond_mm = (from_mm - self.flat_mm[1]).max(self.flat_mm[0] - to_mm).max(0.0);
+        if beyond_mm > self.rounding_mm {
+            return f64::INFINITY;
+        }
+        self.rounding_mm - libm::sqrt((self.rounding_mm - beyond_mm) * (self.rounding_mm + beyond_mm))
+    }
+
+    fn line_mm(&self, motion: &Motion, place: &Flat) -> f64 {
+        let (start, end) = (motion.at(0.0), motion.at(motion.length_mm));
+        let (way, off) = ((end.place - start.place).xy(), start.place.xy() - place);
+        // |off + share way| = a radius of the flat part's
+        let crossings = self.flat_mm.into_iter().flat_map(|radius_mm| {
+            let (square, half) = (way.norm_squared(), off.dot(&way));
+            let root = libm::sqrt(half * half - square * (off.norm_squared() - radius_mm * radius_mm));
+            [(-half - root) / square, (-half + root) / square]
+        });
+        let shares = crossings.filter(|share| *share > 0.0 && *share < 1.0).chain([0.0, 1.0]);
+        let height_mm = |share: f64| {
+            let axis_mm = (off + way * share).norm();
+            start.place.z + share * (end.place.z - start.place.z) + self.lip_mm([axis_mm; 2])
+        };
+        shares.map(height_mm).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The least and the greatest distance of a place from the points of an arc.
+fn range_mm(arc: &Arc, place: &Flat) -> [f64; 2] {
+    let off = place - arc.centre;
+    let far_mm = off.norm();
+    let toward_rad = libm::atan2(off.y, off.x);
+    let to = |angle_rad: f64| {
+        let (sin, cos) = libm::sincos(angle_rad);
+        libm::hypot(off.x - arc.radius_mm * cos, off.y - arc.radius_mm * sin)
+    };
+    let holds = |angle_rad: f64| {
+        let turn_rad = (angle_rad - arc.start_rad) * arc.sweep_rad.signum();
+        turn_rad.rem_euclid(core::f64::consts::TAU) <= arc.sweep_rad.abs()
+    };
+    let ends_mm = [to(arc.start_rad), to(arc.start_rad + arc.sweep_rad)];
+    let least_mm = if holds(toward_rad) { (far_mm - arc.radius_mm).abs() } else { ends_mm[0].min(ends_mm[1]) };
+    let away_rad = toward_rad + core::f64::consts::PI;
+    let greatest_mm = if holds(away_rad) { far_mm + arc.radius_mm } else { ends_mm[0].max(ends_mm[1]) };
+    [least_mm, greatest_mm]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_from_an_arc_are_those_of_its_points() {
+        for case in 0..200 {
+            let number = |k: usize| ((case * 37 + k * 101) % 211) as f64 / 211.0;
+            let sweep_rad = (number(1) - 0.5) * 12.0;
+            let arc = Arc {
+                centre: Flat::new(number(2), number(3)),
+                radius_mm: 3.0 * number(4) + 0.1,
+                start_rad: 6.0 * number(5),
+                sweep_rad,
+            };
+            let place = Flat::new(8.0 * number(6) - 4.0, 8.0 * number(7) - 4.0);
+            let [least_mm, greatest_mm] = range_mm(&arc, &place);
+            let points = (0..=4000).map(|k| {
+                let angle = arc.start_rad + sweep_rad * f64::from(k) / 4000.0;
+                (place - arc.centre - nalgebra::Vector2::new(libm::cos(angle), libm::sin(angle)) * arc.radius_mm).norm()
+            });
+            let [low, high] = points.fold([f64::MAX, 0.0_f64], |[low, high], d| [low.min(d), high.max(d)]);
+            assert!((low - least_mm).abs() < 1e-4 && low > least_mm - 1e-12, "{case}: {low} {least_mm}");
+            assert!((high - greatest_mm).abs() < 1e-4 && high < greatest_mm + 1e-12, "{case}: {high} {greatest_mm}");
+        }
+    }
+}

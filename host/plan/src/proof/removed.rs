@@ -1,0 +1,157 @@
+//! What the ring takes from the blank, and how much of what it could take in the slot.
+//!
+//! Columns along the tool axis over a square grid, each from the blank's top to the floor that the ring leaves; midpoints, so the error falls
+//! at least with the cell's size, and the difference to a grid of twice the size tells how large it is. The slot is what lies between the offset faces, leading edge with leading edge,
+//! from the hub's offset to the blank's outside: cells of straight edges, each gone or not by
+//! one point of it. The points are shifted from one bar of cells across the slot to the next by the golden ratio: the ring leaves layers along the
+//! walls, thinner than a cell, which points in rows would all see or all miss.
+
+use nalgebra::Rotation3;
+
+use crate::geometry::blisk::Blank;
+use crate::vector::{Flat, Point, Vector};
+
+use super::floor::Floor;
+use super::left::Walls;
+
+/// Its multiples fill the unit interval evenly.
+const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
+
+/// Volumes, mm3.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Removed {
+    /// By each level, from the top.
+    pub by_level_mm3: Vec<f64>,
+    /// How much all of them may be off: the difference to a grid of twice the size.
+    pub error_mm3: f64,
+    /// Between the offset surfaces of the slot.
+    pub slot_mm3: f64,
+    /// What of that is gone.
+    pub slot_removed_mm3: f64,
+}
+
+/// A blank as it lies in the slot frame.
+pub struct Stock<'s> {
+    /// The blank.
+    pub blank: &'s Blank,
+    /// From the part frame to the slot frame.
+    pub to_slot: Rotation3<f64>,
+}
+
+impl Removed {
+    /// All levels.
+    pub fn total_mm3(&self) -> f64 {
+        self.by_level_mm3.iter().sum()
+    }
+
+    /// What is gone of the slot, 0 to 1.
+    pub fn share_ratio(&self) -> f64 {
+        self.slot_removed_mm3 / self.slot_mm3
+    }
+}
+
+/// What a way removes in so many levels, over cells of a size.
+pub fn removed(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: &Walls<'_>, cell_mm: f64) -> Removed {
+    let by_level_mm3 = stock.cut_mm3(floor, levels, cell_mm);
+    let coarse_mm3: f64 = stock.cut_mm3(floor, levels, 2.0 * cell_mm).iter().sum();
+    let error_mm3 = (by_level_mm3.iter().sum::<f64>() - coarse_mm3).abs();
+    let [slot_mm3, slot_removed_mm3] = slot_mm3(floor, stock, walls, cell_mm);
+    Removed { by_level_mm3, error_mm3, slot_mm3, slot_removed_mm3 }
+}
+
+impl Stock<'_> {
+    /// The stretch of a column that is in the blank, lower end first; empty where the first is not below the second.
+    pub fn column_mm(&self, place: &Flat) -> [f64; 2] {
+        let back = self.to_slot.inverse();
+        let (origin, up) = (back * Point::new(place.x, place.y, 0.0), back * Vector::z());
+        let (square, half) = (up.xy().norm_squared(), origin.coords.xy().dot(&up.xy()));
+        let rest = origin.coords.xy().norm_squared() - self.blank.radius_mm * self.blank.radius_mm;
+        // Negative under the root: the column misses the blank, and nothing is not below nothing.
+        let root = libm::sqrt(half * half - square * rest);
+        let around = [(-half - root) / square, (-half + root) / square];
+        let between = self.blank.faces_mm.map(|face_mm| face_mm - origin.z);
+        let between = match up.z {
+            z if z.abs() > 1e-9 => between.map(|way_mm| way_mm / z),
+            _ if between[0] <= 0.0 && between[1] >= 0.0 => [f64::NEG_INFINITY, f64::INFINITY],
+            _ => return [0.0; 2],
+        };
+        if root.is_nan() {
+            return [0.0; 2];
+        }
+        [around[0].max(between[0].min(between[1])), around[1].min(between[0].max(between[1]))]
+    }
+
+    /// How far the blank reaches along x and y: low and high.
+    fn reach_mm(&self) -> [[f64; 2]; 2] {
+        let axis = self.to_slot * Vector::z();
+        [axis.x, axis.y].map(|along| {
+            let wide_mm = self.blank.radius_mm * libm::sqrt((1.0 - along) * (1.0 + along));
+            let [a, b] = self.blank.faces_mm.map(|face_mm| face_mm * along);
+            [a.min(b) - wide_mm, a.max(b) + wide_mm]
+        })
+    }
+
+    /// What each level takes.
+    fn cut_mm3(&self, floor: &Floor, levels: usize, cell_mm: f64) -> Vec<f64> {
+        let [xs, ys] = self.reach_mm().map(|reach_mm| middles(reach_mm, cell_mm));
+        let mut taken_mm3 = vec![0.0; levels];
+        for place in ys.iter().flat_map(|y| xs.iter().map(|x| Flat::new(*x, *y))) {
+            let [low_mm, high_mm] = self.column_mm(&place);
+            if low_mm >= high_mm {
+                continue;
+            }
+            let mut top_mm = high_mm;
+            for (taken, floor_mm) in taken_mm3.iter_mut().zip(floor.by_level_mm(&place, levels)) {
+                let down_mm = floor_mm.clamp(low_mm, top_mm);
+                *taken += (top_mm - down_mm) * cell_mm * cell_mm;
+                top_mm = down_mm;
+            }
+        }
+        taken_mm3
+    }
+}
+
+/// Middles of cells of a size that cover a stretch; they lie at the same places for every stretch.
+fn middles([low_mm, high_mm]: [f64; 2], cell_mm: f64) -> Vec<f64> {
+    let (first, last) = (libm::floor(low_mm / cell_mm) as i64, libm::ceil(high_mm / cell_mm) as i64);
+    (first..last).map(|k| (k as f64 + 0.5) * cell_mm).collect()
+}
+
+/// The volume between the offset surfaces, and what is gone of it.
+fn slot_mm3(floor: &Floor, stock: &Stock<'_>, walls: &Walls<'_>, cell_mm: f64) -> [f64; 2] {
+    let feet = |u: f64, v: f64| [0, 1].map(|side| walls.side(side, u, v));
+    let pieces = |[from, to]: [Point; 2]| (libm::ceil((to - from).norm() / cell_mm) as usize).max(1);
+    let [columns, rows] = [[feet(0.0, 0.5)[0], feet(1.0, 0.5)[0]], [feet(0.5, 0.0)[0], feet(0.5, 1.0)[0]]].map(pieces);
+    let layers = pieces(feet(0.5, 0.5));
+    let share = |k: usize, count: usize| k as f64 / count as f64;
+    let row = |row: usize| (0..=columns).map(|column| feet(share(column, columns), share(row, rows))).collect();
+    let lattice: Vec<Vec<[Point; 2]>> = (0..=rows).map(row).collect();
+    let bars = lattice.windows(2).flat_map(|pair| pair[0].windows(2).zip(pair[1].windows(2)));
+    let mut volumes_mm3 = [0.0; 2];
+    for (bar, (low, high)) in bars.enumerate() {
+        let edges = [low[0], low[1], high[1], high[0]];
+        let shift = (bar as f64 * GOLDEN_RATIO).fract();
+        for layer in 0..layers {
+            let cut = |share: f64| edges.map(|[from, to]| from + (to - from) * share);
+            let volume_mm3 = volume_mm3(&[share(layer, layers), share(layer + 1, layers)].map(cut));
+            let point = middle(cut((layer as f64 + shift) / layers as f64));
+            let [bottom_mm, top_mm] = stock.column_mm(&point.xy());
+            if !walls.is_hub(&point) && (bottom_mm..=top_mm).contains(&point.z) {
+                volumes_mm3[0] += volume_mm3;
+                volumes_mm3[1] += if floor.at_mm(&point.xy()) <= point.z { volume_mm3 } else { 0.0 };
+            }
+        }
+    }
+    volumes_mm3
+}
+
+fn middle(points: [Point; 4]) -> Point {
+    Point::from(points.iter().map(|point| point.coords).sum::<Vector>() / 4.0)
+}
+
+/// The volume between two quadrilaterals, by the vectors between the middles of opposite sides.
+fn volume_mm3([near, far]: &[[Point; 4]; 2]) -> f64 {
+    let side = |a: usize, b: usize| middle([near[a], near[b], far[a], far[b]]);
+    let across = middle(*far) - middle(*near);
+    across.dot(&(side(1, 2) - side(0, 3)).cross(&(side(2, 3) - side(0, 1)))).abs()
+}

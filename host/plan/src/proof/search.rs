@@ -1,0 +1,216 @@
+//! The least distance of a part of the tool from a body along its whole way, by branch and bound over way and body at once.
+//!
+//! What can be nearest is looked at first; of a stretch of the way and a piece of the body the one is halved that makes the bound loose.
+//! When what can be nearest of all is no more than a gap below what was found, the rest need not be looked at.
+
+use core::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use nalgebra::Rotation3;
+
+use crate::geometry::mesh::Triangle;
+use crate::vector::Point;
+
+use super::bound::{Extent, Near};
+use super::motion::Motion;
+use super::section::Section;
+use super::spheres::{Branch, Tree};
+
+/// Pieces after which a search ends with what it has: its lower bound is true at any time.
+const MOST_PIECES: usize = 4_000_000;
+
+/// How exactly a depth is wanted, in parts of it: it tells what to change, not whether.
+const DEPTH_RATIO: f64 = 0.02;
+
+/// A part of a tool, its way, and copies of a body.
+pub struct Search<'s> {
+    /// The part's.
+    pub sections: &'s [Section],
+    /// The way, step by step.
+    pub motions: &'s [Motion],
+    /// The body's surface.
+    pub tree: &'s Tree,
+    /// How its copies lie in the slot frame.
+    pub turns: &'s [Rotation3<f64>],
+}
+
+/// Where something is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Step of the way, from 0.
+    pub step: usize,
+    /// The length along it, mm.
+    pub way_mm: f64,
+    /// The middle of the tool's bottom.
+    pub tool: Point,
+    /// The point of the body.
+    pub point: Point,
+    /// Which copy of the body, from 0.
+    pub copy: usize,
+}
+
+/// What a search knows in the end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Least {
+    /// Nothing is nearer than the first, and something is as near as the second, mm; infinite where there is nothing.
+    pub bounds_mm: [f64; 2],
+    /// Where that is.
+    pub place: Option<Place>,
+    /// How many pieces were looked at.
+    pub pieces: usize,
+}
+
+/// A stretch of the way with a piece of the body.
+#[derive(Clone, Copy)]
+struct Piece {
+    step: usize,
+    middle_mm: f64,
+    half_mm: f64,
+    copy: usize,
+    shape: Shape,
+}
+
+#[derive(Clone, Copy)]
+enum Shape {
+    Sphere(usize),
+    /// In the slot frame.
+    Triangle(Triangle),
+}
+
+struct Bounded {
+    least_mm: f64,
+    halve_way: bool,
+    piece: Piece,
+}
+
+impl Search<'_> {
+    /// The least distance, to within `gap_mm`; a depth to within a fiftieth.
+    pub fn least(&self, gap_mm: f64) -> Least {
+        let mut least = Least { bounds_mm: [f64::INFINITY; 2], place: None, pieces: 0 };
+        let mut heap = BinaryHeap::new();
+        for (step, motion) in self.motions.iter().enumerate() {
+            let half_mm = motion.length_mm / 2.0;
+            for (copy, root) in (0..self.turns.len()).filter_map(|copy| Some((copy, self.tree.root()?))) {
+                let piece = Piece { step, middle_mm: half_mm, half_mm, copy, shape: self.shape(root, copy) };
+                heap.push(self.bounded(piece, f64::NEG_INFINITY, &mut least));
+            }
+        }
+        while let Some(nearest) = heap.pop() {
+            let gap_mm = gap_mm.max(-least.bounds_mm[1] * DEPTH_RATIO);
+            if nearest.least_mm >= least.bounds_mm[1] - gap_mm || least.pieces >= MOST_PIECES {
+                least.bounds_mm[0] = nearest.least_mm.min(least.bounds_mm[1]);
+                break;
+            }
+            for piece in self.halves(&nearest) {
+                heap.push(self.bounded(piece, nearest.least_mm, &mut least));
+            }
+        }
+        least
+    }
+
+    fn shape(&self, branch: Branch, copy: usize) -> Shape {
+        match branch {
+            Branch::Sphere(number) => Shape::Sphere(number),
+            Branch::Triangle(number) => {
+                Shape::Triangle(self.tree.triangles()[number].map(|corner| self.turns[copy] * corner))
+            }
+        }
+    }
+
+    fn halves(&self, whole: &Bounded) -> [Piece; 2] {
+        let piece = whole.piece;
+        if whole.halve_way {
+            let half_mm = piece.half_mm / 2.0;
+            return [-half_mm, half_mm].map(|by| Piece { middle_mm: piece.middle_mm + by, half_mm, ..piece });
+        }
+        let shapes = match &piece.shape {
+            Shape::Sphere(number) => self.tree.sphere(*number).halves.map(|half| self.shape(half, piece.copy)),
+            Shape::Triangle(corners) => halved(corners).map(Shape::Triangle),
+        };
+        shapes.map(|shape| Piece { shape, ..piece })
+    }
+
+    /// The piece with its bound, no lower than that of what it is part of; what is found at its middle may be the least so far.
+    fn bounded(&self, piece: Piece, no_less_mm: f64, least: &mut Least) -> Bounded {
+        least.pieces += 1;
+        let pose = self.motions[piece.step].at(piece.middle_mm);
+        let (middle, radius_mm) = match &piece.shape {
+            Shape::Sphere(number) => {
+                let sphere = self.tree.sphere(*number);
+                (self.turns[piece.copy] * sphere.centre, sphere.radius_mm)
+            }
+            Shape::Triangle(corners) => about(corners),
+        };
+        let across_mm = match &piece.shape {
+            Shape::Sphere(_) => radius_mm,
+            Shape::Triangle(corners) => {
+                let square = corners.iter().map(|corner| (corner - middle).xy().norm_squared()).fold(0.0, f64::max);
+                libm::sqrt(square)
+            }
+        };
+        let mut found = Bounded { least_mm: f64::INFINITY, halve_way: true, piece };
+        for section in self.sections {
+            let near = Near::new(section, &(middle - pose.place));
+            let mut sink_mm = radius_mm;
+            if let Shape::Triangle(corners) = &piece.shape {
+                let sinks_mm = corners.map(|corner| near.gradient.dot(&(middle - corner)));
+                let lowest = (0..3).max_by(|a, b| sinks_mm[*a].total_cmp(&sinks_mm[*b])).unwrap_or(0);
+                sink_mm = sinks_mm[lowest].max(0.0);
+                for (point, distance_mm) in [
+                    (middle, near.distance_mm),
+                    (corners[lowest], Near::new(section, &(corners[lowest] - pose.place)).distance_mm),
+                ] {
+                    if distance_mm < least.bounds_mm[1] {
+                        let Piece { step, middle_mm: way_mm, copy, .. } = piece;
+                        least.bounds_mm[1] = distance_mm;
+                        least.place = Some(Place { step, way_mm, tool: pose.place, point, copy });
+                    }
+                }
+            }
+            let bound = near.bound(&pose, piece.half_mm, &Extent { radius_mm, across_mm, sink_mm });
+            if bound.least_mm < found.least_mm {
+                found.least_mm = bound.least_mm;
+                found.halve_way = bound.way_mm > bound.piece_mm;
+            }
+        }
+        found.least_mm = found.least_mm.max(no_less_mm);
+        found
+    }
+}
+
+/// The middle of a triangle, and how far it is from its farthest corner.
+fn about(corners: &Triangle) -> (Point, f64) {
+    let middle = Point::from((corners[0].coords + corners[1].coords + corners[2].coords) / 3.0);
+    let square = corners.iter().map(|corner| (corner - middle).norm_squared()).fold(0.0, f64::max);
+    (middle, libm::sqrt(square))
+}
+
+/// Across the longest side.
+fn halved(corners: &Triangle) -> [Triangle; 2] {
+    let side = |k: usize| (corners[(k + 1) % 3] - corners[k]).norm_squared();
+    let longest = (0..3).max_by(|a, b| side(*a).total_cmp(&side(*b))).unwrap_or(0);
+    let [from, to, tip] = [0, 1, 2].map(|k| corners[(longest + k) % 3]);
+    let between = nalgebra::center(&from, &to);
+    [[from, between, tip], [between, to, tip]]
+}
+
+impl Ord for Bounded {
+    /// The lowest bound is the greatest.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.least_mm.total_cmp(&self.least_mm)
+    }
+}
+
+impl PartialOrd for Bounded {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Bounded {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Bounded {}

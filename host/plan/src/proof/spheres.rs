@@ -1,0 +1,109 @@
+//! Spheres about triangles, spheres about pairs of spheres.
+//!
+//! A sphere is about the middle of its triangles' box and reaches to their farthest corner: it holds the triangles, not the spheres below it.
+
+use crate::geometry::mesh::Triangle;
+use crate::vector::Point;
+
+/// A sphere about more than one triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct Sphere {
+    /// Its middle.
+    pub centre: Point,
+    /// Its radius, mm.
+    pub radius_mm: f64,
+    /// Its halves.
+    pub halves: [Branch; 2],
+}
+
+/// What a tree consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Branch {
+    /// A triangle, by its number.
+    Triangle(usize),
+    /// A sphere, by its number.
+    Sphere(usize),
+}
+
+/// Triangles, and spheres about them.
+#[derive(Clone, Debug, Default)]
+pub struct Tree {
+    triangles: Vec<Triangle>,
+    spheres: Vec<Sphere>,
+    root: Option<Branch>,
+}
+
+impl Tree {
+    /// A tree of halves of about as many triangles each.
+    pub fn new(triangles: Vec<Triangle>) -> Self {
+        let mut order: Vec<usize> = (0..triangles.len()).collect();
+        let mut tree = Tree { triangles, spheres: Vec::new(), root: None };
+        tree.root = tree.grown(&mut order);
+        tree
+    }
+
+    /// What holds all triangles; nothing where there are none.
+    pub fn root(&self) -> Option<Branch> {
+        self.root
+    }
+
+    /// A sphere by its number.
+    pub fn sphere(&self, number: usize) -> &Sphere {
+        &self.spheres[number]
+    }
+
+    /// All triangles.
+    pub fn triangles(&self) -> &[Triangle] {
+        &self.triangles
+    }
+
+    /// What holds some triangles.
+    fn grown(&mut self, order: &mut [usize]) -> Option<Branch> {
+        let first = *order.first()?;
+        if order.len() == 1 {
+            return Some(Branch::Triangle(first));
+        }
+        let corners = || order.iter().flat_map(|number| self.triangles[*number]);
+        let start = self.triangles[first][0];
+        let (low, high) = corners().fold((start, start), |(low, high), at| (low.inf(&at), high.sup(&at)));
+        let centre = nalgebra::center(&low, &high);
+        let square = corners().map(|corner| (corner - centre).norm_squared()).fold(0.0, f64::max);
+        let axis = (high - low).imax();
+        let place = |number: &usize| self.triangles[*number].iter().map(|corner| corner[axis]).sum::<f64>();
+        let half = order.len() / 2;
+        order.select_nth_unstable_by(half, |a, b| place(a).total_cmp(&place(b)));
+        let (left, right) = order.split_at_mut(half);
+        let halves = [self.grown(left)?, self.grown(right)?];
+        self.spheres.push(Sphere { centre, radius_mm: libm::sqrt(square), halves });
+        Some(Branch::Sphere(self.spheres.len() - 1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The triangles below a branch; all lie in all spheres on the way.
+    fn below(tree: &Tree, branch: Branch) -> Vec<usize> {
+        let number = match branch {
+            Branch::Triangle(number) => return vec![number],
+            Branch::Sphere(number) => number,
+        };
+        let sphere = tree.sphere(number);
+        let found = sphere.halves.map(|half| below(tree, half)).concat();
+        for corner in found.iter().flat_map(|triangle| tree.triangles()[*triangle]) {
+            assert!((corner - sphere.centre).norm() <= sphere.radius_mm + 1e-12);
+        }
+        found
+    }
+
+    #[test]
+    fn every_sphere_holds_its_triangles_and_every_triangle_is_there_once() {
+        let place = |k: usize| Point::new((k * 7 % 31) as f64, (k * 11 % 37) as f64, (k * 13 % 41) as f64);
+        let tree = Tree::new((0..101).map(|k| [place(k), place(k + 1), place(k + 5)]).collect());
+        let mut all = below(&tree, tree.root().unwrap());
+        all.sort_unstable();
+        assert_eq!(all, (0..101).collect::<Vec<_>>());
+        assert_eq!(Tree::new(Vec::new()).root(), None);
+    }
+}

@@ -1,0 +1,124 @@
+//! The proof of one slot's path.
+
+use nalgebra::Rotation3;
+
+use crate::cutter::{CupMill, Part};
+use crate::geometry::blisk::Blisk;
+use crate::path::SlotPath;
+use crate::vector::{Point, Vector};
+
+use super::bodies;
+use super::clearance::{Body, Clearance, Obstacle, clearance};
+use super::floor::Floor;
+use super::left::{Left, Ring, Walls};
+use super::motion::Motion;
+use super::removed::{Removed, Stock, removed};
+use super::section::Section;
+use super::spheres::Tree;
+use super::turning::highest_mm;
+
+/// A tool's way through a slot, and what is about it.
+pub struct Case<'c> {
+    /// The finished part and its blank.
+    pub blisk: &'c Blisk,
+    /// The tool with its holder.
+    pub tool: &'c CupMill,
+    /// Its way, slot frame.
+    pub path: &'c SlotPath,
+    /// From the part frame to the slot frame.
+    pub to_slot: Rotation3<f64>,
+    /// What is to be left on blades and hub.
+    pub allowance_mm: f64,
+    /// Boxes that hold the part and turn with it: opposite corners, part frame.
+    pub fixture: &'c [[Point; 2]],
+}
+
+/// How exactly a proof looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fineness {
+    /// How far triangles may be from the surfaces.
+    pub chord_mm: f64,
+    /// How far apart the bounds of a distance may be, beyond that.
+    pub gap_mm: f64,
+    /// Rows and columns of the maps.
+    pub grid: [usize; 2],
+    /// Cells of the volumes.
+    pub cell_mm: f64,
+}
+
+/// What is known of a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proof {
+    /// Of ring, body and holder from blades, hub, fixture and, but for the ring, the blank.
+    pub clearances: Vec<Clearance>,
+    /// How far the lifted tool is above all that turns while the part is indexed, mm; infinite where there is no path.
+    pub indexing_mm: f64,
+    /// What the ring leaves on the walls.
+    pub left: Left,
+    /// What it takes away.
+    pub removed: Removed,
+}
+
+impl Default for Fineness {
+    fn default() -> Self {
+        Fineness { chord_mm: 0.01, gap_mm: 0.0005, grid: [13, 25], cell_mm: 0.5 }
+    }
+}
+
+impl Proof {
+    /// Those of which it is not proven that nothing touches.
+    pub fn open(&self) -> impl Iterator<Item = &Clearance> {
+        self.clearances.iter().filter(|clearance| !clearance.is_free())
+    }
+
+    /// Whether nothing is touched that must not be, the ring leaves the allowance but for `tolerance_mm`, and the part can be indexed.
+    pub fn holds(&self, allowance_mm: f64, tolerance_mm: f64) -> bool {
+        let is_kept = |found: &Clearance| {
+            found.part != Part::Ring
+                || found.obstacle == Obstacle::Fixture
+                || found.beyond_mm(allowance_mm)[0] >= -tolerance_mm
+        };
+        self.open().next().is_none() && self.clearances.iter().all(is_kept) && self.indexing_mm > 0.0
+    }
+
+    /// A clearance by part and obstacle.
+    pub fn clearance(&self, part: Part, obstacle: Obstacle) -> Option<&Clearance> {
+        self.clearances.iter().find(|found| found.part == part && found.obstacle == obstacle)
+    }
+}
+
+/// Proves, or shows what is wrong. Nothing if a blade is not above the hub.
+pub fn prove(case: &Case<'_>, fineness: &Fineness) -> Option<Proof> {
+    let steps = case.path.steps();
+    let motions: Vec<Motion> = steps.iter().map(Motion::new).collect();
+    let ring = Ring { sections: &Section::of(case.tool, Part::Ring), motions: &motions, gap_mm: fineness.gap_mm };
+    let walls = Walls::new(&case.blisk.slot(), &case.blisk.hub, case.allowance_mm, case.to_slot)?;
+    let stock = Stock { blank: &case.blisk.blank, to_slot: case.to_slot };
+    let floor = Floor::new(case.tool, &steps);
+    let bodies = bodies(case, fineness.chord_mm);
+    let parts = [Part::Ring, Part::Body, Part::Holder];
+    // The ring is there to cut the blank.
+    let pairs = parts.into_iter().flat_map(|part| bodies.iter().map(move |body| (part, body)));
+    let pairs = pairs.filter(|(part, body)| *part != Part::Ring || body.obstacle != Obstacle::Blank);
+    Some(Proof {
+        clearances: pairs.map(|(part, body)| clearance(case.tool, part, &steps, body, fineness.gap_mm)).collect(),
+        indexing_mm: case.path.clear_mm - highest_mm(&case.blisk.blank, case.fixture, &case.to_slot),
+        left: ring.leaves(&walls, fineness.grid),
+        removed: removed(&floor, case.path.levels.len(), &stock, &walls, fineness.cell_mm),
+    })
+}
+
+/// All obstacles of a case, in triangles as far as `chord_mm` from them.
+pub fn bodies(case: &Case<'_>, chord_mm: f64) -> Vec<Body> {
+    let Case { blisk, to_slot, .. } = case;
+    let blade = |k: u32| to_slot * Rotation3::from_axis_angle(&Vector::z_axis(), f64::from(k) * blisk.pitch_rad());
+    let here = vec![*to_slot];
+    let body = |obstacle, triangles, turns, chord_mm| Body { obstacle, tree: Tree::new(triangles), turns, chord_mm };
+    let fixture = case.fixture.iter().flat_map(bodies::cuboid).collect();
+    vec![
+        body(Obstacle::Blades, bodies::blade(blisk, chord_mm), (0..blisk.blades).map(blade).collect(), chord_mm),
+        body(Obstacle::Hub, bodies::hub(blisk, chord_mm), here.clone(), chord_mm),
+        body(Obstacle::Fixture, fixture, here.clone(), 0.0),
+        body(Obstacle::Blank, bodies::blank(&blisk.blank, chord_mm), here, chord_mm),
+    ]
+}

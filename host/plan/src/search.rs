@@ -1,0 +1,77 @@
+//! The least value of a function over a rectangle.
+//!
+//! ```text
+//! f(x + d) = f + g.d + d.H.d / 2,  d = -(H + damping)^-1 g                    (1)
+//! ```
+//!
+//! Differences over a stencil whose spacing shrinks where it finds nothing better make g and H, so that kinks and borders slow it down, but do
+//! not lead it astray.
+
+/// Where a function is least, and how little it is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Least {
+    /// Where.
+    pub at: [f64; 2],
+    /// How little.
+    pub value: f64,
+}
+
+/// Spacing at which a search ends, of the rectangle.
+const FINEST: f64 = 1e-6;
+/// Rounds of a search, more than it needs.
+const ROUNDS_MAX: usize = 2000;
+
+/// The least value near `start`, within `ranges`, beginning with a stencil `spacing` wide.
+pub fn descend(ranges: [[f64; 2]; 2], start: Least, spacing: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> Least {
+    let inside = |at: [f64; 2]| [at[0].clamp(ranges[0][0], ranges[0][1]), at[1].clamp(ranges[1][0], ranges[1][1])];
+    let mut best = start;
+    let mut scale = 1.0;
+    for _ in 0..ROUNDS_MAX {
+        if scale < FINEST {
+            break;
+        }
+        let step = spacing.map(|width| width * scale);
+        let around = |i: f64, j: f64| inside([best.at[0] + i * step[0], best.at[1] + j * step[1]]);
+        // Along one line only the neighbours on it count.
+        let neighbours = NEIGHBOURS.iter().filter(|[_, j]| *j == 0.0 || step[1] > 0.0);
+        let stencil: Vec<Least> =
+            neighbours.map(|[i, j]| around(*i, *j)).map(|at| Least { at, value: f(at) }).collect();
+        let newton = newton(best.value, &stencil).map(|[i, j]| around(i, j)).map(|at| Least { at, value: f(at) });
+        let found = stencil.into_iter().chain(newton).min_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or(best);
+        if found.value < best.value {
+            best = found;
+            scale *= 1.3;
+        } else {
+            scale *= 0.3;
+        }
+    }
+    best
+}
+
+/// The stencil around a place, in its spacings: two pairs along the axes, one along each diagonal.
+const NEIGHBOURS: [[f64; 2]; 8] =
+    [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]];
+
+/// Farthest step of (1), in spacings of the stencil.
+const FARTHEST: f64 = 8.0;
+
+/// The step (1), in spacings of the stencil; none where the stencil has no values.
+fn newton(middle: f64, stencil: &[Least]) -> Option<[f64; 2]> {
+    if stencil.len() < NEIGHBOURS.len() {
+        let (low, high) = (stencil[1].value, stencil[0].value);
+        let curvature = libm::fabs(high + low - 2.0 * middle);
+        let step = -(high - low) / 2.0 / curvature;
+        return step.is_finite().then(|| [step.clamp(-FARTHEST, FARTHEST), 0.0]);
+    }
+    let at = |index: usize| stencil[index].value;
+    let gradient = [(at(0) - at(1)) / 2.0, (at(2) - at(3)) / 2.0];
+    let (xx, yy) = (at(0) + at(1) - 2.0 * middle, at(2) + at(3) - 2.0 * middle);
+    let xy = (at(4) + at(5) - at(6) - at(7)) / 4.0;
+    let damping = (libm::fabs(xx) + libm::fabs(yy)) * 1e-3;
+    let (xx, yy) = (libm::fabs(xx) + damping, libm::fabs(yy) + damping);
+    let determinant = xx * yy - xy * xy;
+    let step =
+        [(xy * gradient[1] - yy * gradient[0]) / determinant, (xy * gradient[0] - xx * gradient[1]) / determinant];
+    let is_sound = determinant > 0.0 && step.iter().all(|part| part.is_finite());
+    is_sound.then(|| step.map(|part| part.clamp(-FARTHEST, FARTHEST)))
+}
