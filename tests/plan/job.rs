@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use arcfeed::job;
-use arcfeed_plan::output::job::{JobFile, Machine, Workpiece};
+use arcfeed_plan::output::job::{JobFile, Law, Machine, Workpiece};
 use arcfeed_plan::output::limits::{StockLimit, stock_limits};
 use arcfeed_plan::output::nc::{Feeds, Indexing, Setup, write};
 use arcfeed_plan::output::stl::to_stl;
@@ -24,6 +24,7 @@ fn text(unit: LengthUnit, limits: &[StockLimit], workpiece: Option<Workpiece<'_>
         rev_per_min: 1_000.0,
         feed_per_tooth_mm: CHIP_MM,
         limits,
+        law: Law::Circumference,
         workpiece,
         control: "fanuc-16i",
         machine: Some(Machine::Preset("mitsui-seiki-hu80a-5x")),
