@@ -11,3 +11,5 @@ mod slots;
 mod meshes;
 
 mod flaws;
+
+mod rotor37;
