@@ -1,4 +1,5 @@
-//! The planning of cup-mill paths: the rotor's geometry.
+//! The planner of cup-mill paths: its rotors, its method, the proof that nothing is touched, and what it writes; held to what the planner did not
+//! make.
 
 mod published_rotor;
 
@@ -13,3 +14,23 @@ mod meshes;
 mod flaws;
 
 mod rotor37;
+
+mod proof_cases;
+
+mod proof_exact;
+
+mod proof_dense;
+
+mod proof_volumes;
+
+mod proof_published;
+
+mod parts;
+
+mod listing;
+
+mod limits;
+
+mod rise;
+
+mod job;

@@ -50,14 +50,14 @@ impl CupMill {
     /// How far a point is from the tool, mm, by its distance from the axis and its height above the bottom; negative inside,
     /// where only the sign holds.
     pub fn distance_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
-        let parts = [self.ring_mm(radius_mm, height_mm), self.body_mm(radius_mm, height_mm)];
+        let parts = [self.ring_distance_mm(radius_mm, height_mm), self.body_mm(radius_mm, height_mm)];
         parts.into_iter().fold(self.holder_distance_mm(radius_mm, height_mm), f64::min)
     }
 
     /// The same from one part.
     pub fn distance_of_mm(&self, part: Part, radius_mm: f64, height_mm: f64) -> f64 {
         match part {
-            Part::Ring => self.ring_mm(radius_mm, height_mm),
+            Part::Ring => self.ring_distance_mm(radius_mm, height_mm),
             Part::Body => self.body_mm(radius_mm, height_mm),
             Part::Holder => self.holder_distance_mm(radius_mm, height_mm),
         }
@@ -84,8 +84,8 @@ impl CupMill {
         (beyond_mm <= rounding).then(|| rounding - libm::sqrt(rounding * rounding - beyond_mm * beyond_mm))
     }
 
-    /// From the wall: rounded at the bottom, ended by the body at the top.
-    fn ring_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
+    /// From the wall alone: rounded at the bottom, ended by the body at the top.
+    pub fn ring_distance_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
         let rounding = self.insert_radius_mm;
         let low = [self.inner_radius_mm + rounding, rounding];
         let high = [self.outer_radius_mm - rounding, self.height_mm - rounding];

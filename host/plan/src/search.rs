@@ -17,9 +17,9 @@ pub struct Least {
 }
 
 /// Spacing at which a search ends, of the rectangle.
-const FINEST: f64 = 1e-8;
+const FINEST: f64 = 1e-6;
 /// Rounds of a search, more than it needs.
-const ROUNDS_MAX: usize = 200;
+const ROUNDS_MAX: usize = 2000;
 
 /// The least value near `start`, within `ranges`, beginning with a stencil `spacing` wide.
 pub fn descend(ranges: [[f64; 2]; 2], start: Least, spacing: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> Least {
@@ -32,13 +32,15 @@ pub fn descend(ranges: [[f64; 2]; 2], start: Least, spacing: [f64; 2], f: impl F
         }
         let step = spacing.map(|width| width * scale);
         let around = |i: f64, j: f64| inside([best.at[0] + i * step[0], best.at[1] + j * step[1]]);
+        // Along one line only the neighbours on it count.
+        let neighbours = NEIGHBOURS.iter().filter(|[_, j]| *j == 0.0 || step[1] > 0.0);
         let stencil: Vec<Least> =
-            NEIGHBOURS.iter().map(|[i, j]| around(*i, *j)).map(|at| Least { at, value: f(at) }).collect();
+            neighbours.map(|[i, j]| around(*i, *j)).map(|at| Least { at, value: f(at) }).collect();
         let newton = newton(best.value, &stencil).map(|[i, j]| around(i, j)).map(|at| Least { at, value: f(at) });
         let found = stencil.into_iter().chain(newton).min_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or(best);
         if found.value < best.value {
             best = found;
-            scale *= 0.8;
+            scale *= 1.3;
         } else {
             scale *= 0.3;
         }
@@ -55,6 +57,12 @@ const FARTHEST: f64 = 8.0;
 
 /// The step (1), in spacings of the stencil; none where the stencil has no values.
 fn newton(middle: f64, stencil: &[Least]) -> Option<[f64; 2]> {
+    if stencil.len() < NEIGHBOURS.len() {
+        let (low, high) = (stencil[1].value, stencil[0].value);
+        let curvature = libm::fabs(high + low - 2.0 * middle);
+        let step = -(high - low) / 2.0 / curvature;
+        return step.is_finite().then(|| [step.clamp(-FARTHEST, FARTHEST), 0.0]);
+    }
     let at = |index: usize| stencil[index].value;
     let gradient = [(at(0) - at(1)) / 2.0, (at(2) - at(3)) / 2.0];
     let (xx, yy) = (at(0) + at(1) - 2.0 * middle, at(2) + at(3) - 2.0 * middle);

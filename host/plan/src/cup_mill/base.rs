@@ -52,10 +52,10 @@ pub fn triangle(exterior: Flat, interior: Flat, radii_mm: [f64; 2], inside: Flat
     Some(Base { exterior, interior, centre, alpha_rad })
 }
 
-/// The base position between two sides, down to `floor_mm`, from the limit lines through `exterior` (PT1) and `interior` (PT3).
+/// The base position between two sides (pressure, suction), from the limit lines through `exterior` (PT1) and `interior` (PT3).
 ///
 /// Nothing if no position clears both sides.
-pub fn settle(sides: [&Side; 2], cutter: &CupMill, lines: [Flat; 2], floor_mm: f64) -> Option<Base> {
+pub fn settle(sides: [&Side; 2], cutter: &CupMill, lines: [Flat; 2]) -> Option<Base> {
     let [pressure, suction] = sides;
     let radii_mm = [cutter.outer_radius_mm, cutter.inner_radius_mm];
     let inside = suction.tip_middle();
@@ -63,8 +63,8 @@ pub fn settle(sides: [&Side; 2], cutter: &CupMill, lines: [Flat; 2], floor_mm: f
     for _ in 0..EXCHANGES_MAX {
         let base = triangle(exterior, interior, radii_mm, inside)?;
         let off = |place: Flat| (place - base.centre).norm();
-        let outer = pressure.patch.least(|p| if p.z < floor_mm { f64::INFINITY } else { off(p.xy()) - radii_mm[0] })?;
-        let inner = suction.patch.least(|p| if p.z < floor_mm { f64::INFINITY } else { radii_mm[1] - off(p.xy()) })?;
+        let outer = pressure.patch.least(|p| off(p.xy()) - radii_mm[0])?;
+        let inner = suction.patch.least(|p| radii_mm[1] - off(p.xy()))?;
         if outer.value >= -WITHIN_MM && inner.value >= -WITHIN_MM {
             return Some(base);
         }

@@ -34,7 +34,7 @@ pub struct Walls {
     suction: Vec<Point>,
 }
 
-/// Of the samples of a side each way: a divisor of both numbers.
+/// Of the samples of a side each way: a divisor of both numbers of steps.
 const STRIDE: usize = 4;
 /// Directions are looked for up to this far from the slot's middle, rad.
 const LEAN_MAX_RAD: f64 = 0.5;

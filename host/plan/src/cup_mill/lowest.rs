@@ -22,6 +22,16 @@ pub fn lowest_mm(cutter: &CupMill, centre: Flat, hub: &Patch) -> Option<f64> {
     hub.least(deepest).map(|least| -least.value) // (1)
 }
 
+/// The highest place of the blank's `roof` under the ring at `centre`, mm. Nothing if the ring is nowhere above it.
+pub fn top_mm(cutter: &CupMill, centre: Flat, roof: &Patch) -> Option<f64> {
+    let under = |p: &Point| {
+        let radius_mm = (p.xy() - centre).norm();
+        let is_under = (cutter.inner_radius_mm..=cutter.outer_radius_mm).contains(&radius_mm);
+        if is_under { -p.z } else { f64::INFINITY }
+    };
+    roof.least(under).map(|least| -least.value)
+}
+
 /// Heights of the tool's bottom, from the top, for a cutting plane that goes from `top_mm` to the lowest level in steps of at most
 /// `depth_max_mm`.
 pub fn levels_mm(cutter: &CupMill, top_mm: f64, lowest_mm: f64, depth_max_mm: f64) -> Vec<f64> {

@@ -5,11 +5,9 @@ use std::fmt;
 use crate::search::{Least, descend};
 use crate::vector::Point;
 
-/// Points on which a surface is searched, along and across.
-const SAMPLES: [usize; 2] = [48, 32];
 /// Best samples from which a search descends.
 const STARTS: usize = 3;
-/// Samples nearer than this, in their spacing, lead to one place.
+/// Samples nearer than this, in their mean spacing, lead to one place.
 const ONE_PLACE: f64 = 2.5;
 
 type Surface = dyn Fn(f64, f64) -> Point + Send + Sync;
@@ -18,6 +16,8 @@ type Surface = dyn Fn(f64, f64) -> Point + Send + Sync;
 pub struct Patch {
     point: Box<Surface>,
     ranges: [[f64; 2]; 2],
+    /// Steps between samples, along and across.
+    steps: [usize; 2],
     samples: Vec<([f64; 2], Point)>,
 }
 
@@ -28,15 +28,21 @@ impl fmt::Debug for Patch {
 }
 
 impl Patch {
-    /// `point` over `ranges`.
-    pub fn new(ranges: [[f64; 2]; 2], point: impl Fn(f64, f64) -> Point + Send + Sync + 'static) -> Self {
+    /// `point` over `ranges`, searched on samples so many steps apart.
+    pub fn new(
+        ranges: [[f64; 2]; 2],
+        steps: [usize; 2],
+        point: impl Fn(f64, f64) -> Point + Send + Sync + 'static,
+    ) -> Self {
         let place = |axis: usize, index: usize| {
             let [low, high] = ranges[axis];
-            low + (high - low) * index as f64 / SAMPLES[axis] as f64
+            let share = index as f64 / steps[axis] as f64;
+            // Closer along the border, where blades are round.
+            low + (high - low) * (1.0 - libm::cos(core::f64::consts::PI * share)) / 2.0
         };
-        let places = (0..=SAMPLES[0]).flat_map(|i| (0..=SAMPLES[1]).map(move |j| [place(0, i), place(1, j)]));
+        let places = (0..=steps[0]).flat_map(|i| (0..=steps[1]).map(move |j| [place(0, i), place(1, j)]));
         let samples = places.map(|at| (at, point(at[0], at[1]))).collect();
-        Patch { point: Box::new(point), ranges, samples }
+        Patch { point: Box::new(point), ranges, steps, samples }
     }
 
     /// The point at `(u, v)`.
@@ -51,7 +57,7 @@ impl Patch {
 
     /// Every `stride`th of them each way, with the border: for what is asked often and needs no more.
     pub fn thinned(&self, stride: usize) -> impl Iterator<Item = &Point> {
-        let row = SAMPLES[1] + 1;
+        let row = self.steps[1] + 1;
         let is_kept = move |index: usize| (index / row).is_multiple_of(stride) && (index % row).is_multiple_of(stride);
         self.samples.iter().enumerate().filter(move |(index, _)| is_kept(*index)).map(|(_, (_, point))| point)
     }
@@ -61,7 +67,7 @@ impl Patch {
         let valued = self.samples.iter().map(|(at, point)| Least { at: *at, value: f(point) });
         let mut candidates: Vec<Least> = valued.filter(|least| least.value.is_finite()).collect();
         candidates.sort_by(|a, b| a.value.total_cmp(&b.value));
-        let spacing = [0, 1].map(|axis: usize| (self.ranges[axis][1] - self.ranges[axis][0]) / SAMPLES[axis] as f64);
+        let spacing = [0, 1].map(|axis: usize| (self.ranges[axis][1] - self.ranges[axis][0]) / self.steps[axis] as f64);
         let is_near = |a: &Least, b: &Least| (0..2).all(|k| (a.at[k] - b.at[k]).abs() < ONE_PLACE * spacing[k]);
         let mut starts: Vec<Least> = Vec::new();
         for candidate in candidates {

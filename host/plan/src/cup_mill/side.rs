@@ -1,7 +1,10 @@
 //! One side of a blade with its allowance, and the hub with its.
 //!
 //! The round edges of a blade belong to both of its sides; a side in the sense of the method is what lies between them, as in a CAD model: where
-//! the normal stays near that of the middle. It begins where it leaves the hub with its allowance.
+//! the normal stays near that of the middle. The ring turns about points beside one of its edges; at the other one, which it comes up to, the
+//! round is looked at, too. (About a point of the first edge's own round a ring cannot turn without cutting into it: by half the square of the
+//! turn, of the allowance.) A side begins where it leaves the hub with its allowance, and goes on above the tip, straight, by
+//! the allowance: the tip's edge is to keep its distance, too.
 
 use nalgebra::Rotation3;
 
@@ -13,6 +16,10 @@ use super::patch::Patch;
 
 /// A side of a blade turns by less than this from its middle to its edges, where the round ones begin.
 const EDGE_TURN_DEG: f64 = 35.0;
+/// Steps in which a side is searched.
+const SIDE_STEPS: [usize; 2] = [48, 32];
+/// Steps in which the hub is: a ring that cuts a few hundredths into it does so on a few millimetres of it.
+const HUB_STEPS: [usize; 2] = [32, 128];
 /// Sections on which that is asked.
 const SECTIONS: i32 = 8;
 /// Steps in which a side is walked from its middle outwards.
@@ -27,20 +34,56 @@ pub struct Side {
     pub face: Face,
     /// The offset surface between the edges, above the hub.
     pub patch: Patch,
-    /// First and last u.
+    /// First and last u of the side between its round edges.
     pub edges: [f64; 2],
+    /// The v at which it leaves the hub.
+    pub foot: f64,
+}
+
+/// The hub, and what is left on it and on the blades.
+#[derive(Clone, Copy, Debug)]
+pub struct Hub<'h> {
+    /// The hub, part frame.
+    pub hub: &'h Revolution,
+    /// The allowance, mm.
+    pub allowance_mm: f64,
+}
+
+/// Which round edge the ring comes up to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FarEdge {
+    /// The leading one: of a suction side.
+    Leading,
+    /// The trailing one: of a pressure side.
+    Trailing,
 }
 
 impl Side {
-    /// The side `allowance_mm` outside of `face`, which is given in the part frame, after `turn`, above `hub` with the same allowance.
+    /// The side of `face`, which is given in the part frame, with the hub's allowance, after `turn`.
     /// Nothing if the blade is not above it anywhere.
-    pub fn new(face: &Face, hub: &Revolution, allowance_mm: f64, turn: &Rotation3<f64>) -> Option<Self> {
+    pub fn new(face: &Face, far: FarEdge, above: &Hub<'_>, turn: &Rotation3<f64>) -> Option<Self> {
+        let Hub { hub, allowance_mm } = *above;
         let edges = edges(face);
-        let low = foot(face, hub, allowance_mm, edges)?;
+        let around = match far {
+            FarEdge::Leading => [0.0, edges[1]],
+            FarEdge::Trailing => [edges[0], 1.0],
+        };
+        let foot = foot(face, hub, allowance_mm, edges)?;
         let face = face.turned(turn);
         let surface = face.clone();
-        let patch = Patch::new([edges, [low, 1.0]], move |u, v| surface.offset(u, v, allowance_mm));
-        Some(Side { face, patch, edges })
+        let high = 1.0 + allowance_mm / face.jet(0.5, 1.0).v.norm();
+        let patch = Patch::new([around, [foot, high]], SIDE_STEPS, move |u, v| {
+            let beyond = (v - 1.0).max(0.0);
+            let tip = surface.offset(u, v, allowance_mm);
+            if beyond > 0.0 { tip + surface.jet(u, 1.0).v * beyond } else { tip }
+        });
+        Some(Side { face, patch, edges, foot })
+    }
+
+    /// A point of the side between its edges, by shares of the way from the leading to the trailing edge and from the hub to the tip.
+    pub fn at(&self, [along, up]: [f64; 2]) -> Point {
+        let between = |[from, to]: [f64; 2], share: f64| from + (to - from) * share;
+        self.patch.point(between(self.edges, along), between([self.foot, 1.0], up))
     }
 
     /// A point of the tip's edge, seen along the tool.
@@ -55,14 +98,24 @@ impl Side {
 }
 
 /// The hub with its allowance, about the slot, in the slot frame: u along the rotor's axis from one face of the blank to the
-/// other, v about it.
+/// other, and by the allowance beyond them, v about it.
 pub fn floor(blisk: &Blisk, allowance_mm: f64, about: [f64; 2], turn: &Rotation3<f64>) -> Patch {
     let (hub, turn) = (blisk.hub.clone(), *turn);
-    Patch::new([blisk.blank.faces_mm, about], move |z, angle| {
+    let [low, high] = blisk.blank.faces_mm;
+    Patch::new([[low - allowance_mm, high + allowance_mm], about], HUB_STEPS, move |z, angle| {
         let (sin, cos) = libm::sincos(angle);
         let radius_mm = hub.radius_mm(z);
         let on = Point::new(radius_mm * cos, radius_mm * sin, z);
         turn * (on + hub.normal(&on) * allowance_mm)
+    })
+}
+
+/// The blank's round outside about the slot, in the slot frame.
+pub fn roof(blisk: &Blisk, about: [f64; 2], turn: &Rotation3<f64>) -> Patch {
+    let (radius_mm, turn) = (blisk.blank.radius_mm, *turn);
+    Patch::new([blisk.blank.faces_mm, about], SIDE_STEPS, move |z, angle| {
+        let (sin, cos) = libm::sincos(angle);
+        turn * Point::new(radius_mm * cos, radius_mm * sin, z)
     })
 }
 

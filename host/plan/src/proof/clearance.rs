@@ -68,7 +68,8 @@ impl Clearance {
     }
 }
 
-/// The least distance between a part of the tool on its way and an obstacle, to within `gap_mm` and twice the obstacle's chord error.
+/// The least distance between a part of the tool on its way and an obstacle, to within `gap_mm` and twice the obstacle's
+/// chord error; a depth to within a fiftieth.
 pub fn clearance(tool: &CupMill, part: Part, steps: &[Step], body: &Body, gap_mm: f64) -> Clearance {
     let motions: Vec<Motion> = steps.iter().map(Motion::new).collect();
     let sections = Section::of(tool, part);

@@ -4,6 +4,7 @@
 
 use nalgebra::Rotation3;
 
+use crate::cup_mill::side::{FarEdge, Hub, Side};
 use crate::geometry::blisk::{Revolution, Slot};
 use crate::vector::Point;
 
@@ -42,16 +43,15 @@ pub struct Ring<'r> {
     pub gap_mm: f64,
 }
 
-/// The surfaces of a slot, and how far beyond them the ring may not go.
+/// The surfaces of a slot with their allowance.
 pub struct Walls<'w> {
-    /// The blades, slot frame.
-    pub slot: &'w Slot,
+    /// Pressure and suction side between the blades' round edges, from where they leave the hub's; slot frame.
+    sides: [Side; 2],
     /// The hub, part frame.
-    pub hub: &'w Revolution,
+    hub: &'w Revolution,
     /// From the part frame to the slot frame.
-    pub to_slot: Rotation3<f64>,
-    /// Allowance.
-    pub allowance_mm: f64,
+    to_slot: Rotation3<f64>,
+    allowance_mm: f64,
 }
 
 impl Map {
@@ -76,12 +76,8 @@ impl Ring<'_> {
     /// What the ring leaves on the walls of a slot, at a grid of rows and columns.
     pub fn leaves(&self, walls: &Walls<'_>, [rows, columns]: [usize; 2]) -> Left {
         let over = |point: &dyn Fn(f64, f64) -> Point| self.map([rows, columns], point);
-        let Walls { slot, allowance_mm, .. } = walls;
-        Left {
-            pressure: over(&|u, v| slot.pressure.offset(u, v, *allowance_mm)),
-            suction: over(&|u, v| slot.suction.offset(u, v, *allowance_mm)),
-            hub: over(&|u, v| walls.floor(u, v)),
-        }
+        let [pressure, suction] = [0, 1].map(|side| over(&|u, v| walls.side(side, u, v)));
+        Left { pressure, suction, hub: over(&|u, v| walls.floor(u, v)) }
     }
 
     /// The least distance of one point from the ring, mm.
@@ -100,22 +96,32 @@ impl Ring<'_> {
     }
 }
 
-impl Walls<'_> {
-    /// A point of the hub's offset between corresponding points of the blades' offset feet, `across` from the pressure to the suction side.
-    pub fn floor(&self, u: f64, across: f64) -> Point {
-        let Walls { slot, hub, to_slot, allowance_mm } = self;
-        let feet = [&slot.pressure, &slot.suction].map(|face| to_slot.inverse() * face.offset(u, 0.0, *allowance_mm));
-        let angles = feet.map(|foot| libm::atan2(foot.y, foot.x));
-        let between_rad = nearest_turn(angles[1] - angles[0]);
-        let angle_rad = angles[0] + across * between_rad;
-        let [z, radius_mm] = beyond(hub, feet[0].z + across * (feet[1].z - feet[0].z), *allowance_mm);
-        *to_slot * Point::new(radius_mm * libm::cos(angle_rad), radius_mm * libm::sin(angle_rad), z)
+impl<'w> Walls<'w> {
+    /// The walls of a slot, which is given in the part frame as its hub is. Nothing if a blade is not above the hub.
+    pub fn new(slot: &Slot, hub: &'w Revolution, allowance_mm: f64, to_slot: Rotation3<f64>) -> Option<Self> {
+        let side = |face, far| Side::new(face, far, &Hub { hub, allowance_mm }, &to_slot);
+        let sides = [side(&slot.pressure, FarEdge::Trailing)?, side(&slot.suction, FarEdge::Leading)?];
+        Some(Walls { sides, hub, to_slot, allowance_mm })
     }
-}
 
-/// The same angle between minus and plus half a turn.
-fn nearest_turn(angle_rad: f64) -> f64 {
-    angle_rad - core::f64::consts::TAU * libm::round(angle_rad / core::f64::consts::TAU)
+    /// A point of the pressure (0) or suction side (1): from the leading to the trailing edge, from the hub to the tip.
+    pub fn side(&self, side: usize, u: f64, v: f64) -> Point {
+        self.sides[side].at([u, v])
+    }
+
+    /// A point of the hub between corresponding points of the blades' feet, `across` from the pressure to the suction side.
+    pub fn floor(&self, u: f64, across: f64) -> Point {
+        let feet = [0, 1].map(|side| self.to_slot.inverse() * self.side(side, u, 0.0));
+        let angles = feet.map(|foot| libm::atan2(foot.y, foot.x));
+        let angle_rad = angles[0] + across * libm::remainder(angles[1] - angles[0], core::f64::consts::TAU);
+        let [z, radius_mm] = beyond(self.hub, feet[0].z + across * (feet[1].z - feet[0].z), self.allowance_mm);
+        self.to_slot * Point::new(radius_mm * libm::cos(angle_rad), radius_mm * libm::sin(angle_rad), z)
+    }
+
+    /// Whether a point, slot frame, is in the hub's allowance or below.
+    pub fn is_hub(&self, point: &Point) -> bool {
+        self.hub.height_mm(&(self.to_slot.inverse() * point)) < self.allowance_mm
+    }
 }
 
 /// The point of a profile at some z, moved along its normal: z and radius.

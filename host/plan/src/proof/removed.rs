@@ -2,7 +2,9 @@
 //!
 //! Columns along the tool axis over a square grid, each from the blank's top to the floor that the ring leaves; midpoints, so the error falls
 //! at least with the cell's size, and the difference to a grid of twice the size tells how large it is. The slot is what lies between the offset faces, leading edge with leading edge,
-//! from the hub's offset to the blank's outside: cells of straight edges, each gone or not by its middle.
+//! from the hub's offset to the blank's outside: cells of straight edges, each gone or not by
+//! one point of it. The points are shifted from one bar of cells across the slot to the next by the golden ratio: the ring leaves layers along the
+//! walls, thinner than a cell, which points in rows would all see or all miss.
 
 use nalgebra::Rotation3;
 
@@ -11,6 +13,9 @@ use crate::vector::{Flat, Point, Vector};
 
 use super::floor::Floor;
 use super::left::Walls;
+
+/// Its multiples fill the unit interval evenly.
+const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 
 /// Volumes, mm3.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,40 +119,39 @@ fn middles([low_mm, high_mm]: [f64; 2], cell_mm: f64) -> Vec<f64> {
 
 /// The volume between the offset surfaces, and what is gone of it.
 fn slot_mm3(floor: &Floor, stock: &Stock<'_>, walls: &Walls<'_>, cell_mm: f64) -> [f64; 2] {
-    let corner = |[u, v]: [f64; 2]| {
-        [&walls.slot.pressure, &walls.slot.suction].map(|face| face.offset(u, v, walls.allowance_mm))
-    };
-    let counts = |from: Point, to: Point| (libm::ceil((to - from).norm() / cell_mm) as usize).max(1);
-    let [near, far] = corner([0.5, 0.5]);
-    let (columns, rows) =
-        (counts(corner([0.0, 0.5])[0], corner([1.0, 0.5])[0]), counts(corner([0.5, 0.0])[0], corner([0.5, 1.0])[0]));
-    let layers = counts(near, far);
+    let feet = |u: f64, v: f64| [0, 1].map(|side| walls.side(side, u, v));
+    let pieces = |[from, to]: [Point; 2]| (libm::ceil((to - from).norm() / cell_mm) as usize).max(1);
+    let [columns, rows] = [[feet(0.0, 0.5)[0], feet(1.0, 0.5)[0]], [feet(0.5, 0.0)[0], feet(0.5, 1.0)[0]]].map(pieces);
+    let layers = pieces(feet(0.5, 0.5));
     let share = |k: usize, count: usize| k as f64 / count as f64;
-    let lattice: Vec<Vec<[Point; 2]>> = (0..=rows)
-        .map(|row| (0..=columns).map(|column| corner([share(column, columns), share(row, rows)])).collect())
-        .collect();
+    let row = |row: usize| (0..=columns).map(|column| feet(share(column, columns), share(row, rows))).collect();
+    let lattice: Vec<Vec<[Point; 2]>> = (0..=rows).map(row).collect();
+    let bars = lattice.windows(2).flat_map(|pair| pair[0].windows(2).zip(pair[1].windows(2)));
     let mut volumes_mm3 = [0.0; 2];
-    for (low, high) in lattice.windows(2).flat_map(|pair| pair[0].windows(2).zip(pair[1].windows(2))) {
+    for (bar, (low, high)) in bars.enumerate() {
+        let edges = [low[0], low[1], high[1], high[0]];
+        let shift = (bar as f64 * GOLDEN_RATIO).fract();
         for layer in 0..layers {
-            let cell = [layer, layer + 1]
-                .map(|k| [low[0], low[1], high[1], high[0]].map(|[from, to]| from + (to - from) * share(k, layers)));
-            let (middle, volume_mm3) = measured(&cell);
-            let above_mm = walls.hub.height_mm(&(stock.to_slot.inverse() * middle)) - walls.allowance_mm;
-            let [bottom_mm, top_mm] = stock.column_mm(&middle.xy());
-            if above_mm >= 0.0 && (bottom_mm..=top_mm).contains(&middle.z) {
+            let cut = |share: f64| edges.map(|[from, to]| from + (to - from) * share);
+            let volume_mm3 = volume_mm3(&[share(layer, layers), share(layer + 1, layers)].map(cut));
+            let point = middle(cut((layer as f64 + shift) / layers as f64));
+            let [bottom_mm, top_mm] = stock.column_mm(&point.xy());
+            if !walls.is_hub(&point) && (bottom_mm..=top_mm).contains(&point.z) {
                 volumes_mm3[0] += volume_mm3;
-                volumes_mm3[1] += if floor.at_mm(&middle.xy()) <= middle.z { volume_mm3 } else { 0.0 };
+                volumes_mm3[1] += if floor.at_mm(&point.xy()) <= point.z { volume_mm3 } else { 0.0 };
             }
         }
     }
     volumes_mm3
 }
 
-/// Middle and volume of a cell between two quadrilaterals, by the vectors between the middles of its faces.
-fn measured([near, far]: &[[Point; 4]; 2]) -> (Point, f64) {
-    let mean = |points: [&Point; 4]| points.into_iter().map(|point| point.coords).sum::<Vector>() / 4.0;
-    let side = |a: usize, b: usize| mean([&near[a], &near[b], &far[a], &far[b]]);
-    let across = mean(far.each_ref()) - mean(near.each_ref());
-    let middle = Point::from((mean(far.each_ref()) + mean(near.each_ref())) / 2.0);
-    (middle, across.dot(&(side(1, 2) - side(0, 3)).cross(&(side(2, 3) - side(0, 1)))).abs())
+fn middle(points: [Point; 4]) -> Point {
+    Point::from(points.iter().map(|point| point.coords).sum::<Vector>() / 4.0)
+}
+
+/// The volume between two quadrilaterals, by the vectors between the middles of opposite sides.
+fn volume_mm3([near, far]: &[[Point; 4]; 2]) -> f64 {
+    let side = |a: usize, b: usize| middle([near[a], near[b], far[a], far[b]]);
+    let across = middle(*far) - middle(*near);
+    across.dot(&(side(1, 2) - side(0, 3)).cross(&(side(2, 3) - side(0, 1)))).abs()
 }

@@ -8,15 +8,19 @@ use std::collections::BinaryHeap;
 
 use nalgebra::Rotation3;
 
+use crate::geometry::mesh::Triangle;
 use crate::vector::Point;
 
 use super::bound::{Extent, Near};
 use super::motion::Motion;
 use super::section::Section;
-use super::spheres::{Branch, Tree, Triangle};
+use super::spheres::{Branch, Tree};
 
 /// Pieces after which a search ends with what it has: its lower bound is true at any time.
 const MOST_PIECES: usize = 4_000_000;
+
+/// How exactly a depth is wanted, in parts of it: it tells what to change, not whether.
+const DEPTH_RATIO: f64 = 0.02;
 
 /// A part of a tool, its way, and copies of a body.
 pub struct Search<'s> {
@@ -80,7 +84,7 @@ struct Bounded {
 }
 
 impl Search<'_> {
-    /// The least distance, to within `gap_mm`.
+    /// The least distance, to within `gap_mm`; a depth to within a fiftieth.
     pub fn least(&self, gap_mm: f64) -> Least {
         let mut least = Least { bounds_mm: [f64::INFINITY; 2], place: None, pieces: 0 };
         let mut heap = BinaryHeap::new();
@@ -92,6 +96,7 @@ impl Search<'_> {
             }
         }
         while let Some(nearest) = heap.pop() {
+            let gap_mm = gap_mm.max(-least.bounds_mm[1] * DEPTH_RATIO);
             if nearest.least_mm >= least.bounds_mm[1] - gap_mm || least.pieces >= MOST_PIECES {
                 least.bounds_mm[0] = nearest.least_mm.min(least.bounds_mm[1]);
                 break;
@@ -136,6 +141,13 @@ impl Search<'_> {
             }
             Shape::Triangle(corners) => about(corners),
         };
+        let across_mm = match &piece.shape {
+            Shape::Sphere(_) => radius_mm,
+            Shape::Triangle(corners) => {
+                let square = corners.iter().map(|corner| (corner - middle).xy().norm_squared()).fold(0.0, f64::max);
+                libm::sqrt(square)
+            }
+        };
         let mut found = Bounded { least_mm: f64::INFINITY, halve_way: true, piece };
         for section in self.sections {
             let near = Near::new(section, &(middle - pose.place));
@@ -155,7 +167,7 @@ impl Search<'_> {
                     }
                 }
             }
-            let bound = near.bound(&pose, piece.half_mm, &Extent { radius_mm, sink_mm });
+            let bound = near.bound(&pose, piece.half_mm, &Extent { radius_mm, across_mm, sink_mm });
             if bound.least_mm < found.least_mm {
                 found.least_mm = bound.least_mm;
                 found.halve_way = bound.way_mm > bound.piece_mm;

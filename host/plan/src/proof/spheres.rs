@@ -2,10 +2,8 @@
 //!
 //! A sphere is about the middle of its triangles' box and reaches to their farthest corner: it holds the triangles, not the spheres below it.
 
+use crate::geometry::mesh::Triangle;
 use crate::vector::Point;
-
-/// Corners.
-pub type Triangle = [Point; 3];
 
 /// A sphere about more than one triangle.
 #[derive(Clone, Copy, Debug)]

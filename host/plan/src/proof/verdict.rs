@@ -3,7 +3,7 @@
 use nalgebra::Rotation3;
 
 use crate::cutter::{CupMill, Part};
-use crate::geometry::blisk::{Blisk, Slot};
+use crate::geometry::blisk::Blisk;
 use crate::path::SlotPath;
 use crate::vector::{Point, Vector};
 
@@ -21,8 +21,6 @@ use super::turning::highest_mm;
 pub struct Case<'c> {
     /// The finished part and its blank.
     pub blisk: &'c Blisk,
-    /// The blades beside the slot, slot frame.
-    pub slot: &'c Slot,
     /// The tool with its holder.
     pub tool: &'c CupMill,
     /// Its way, slot frame.
@@ -89,12 +87,12 @@ impl Proof {
     }
 }
 
-/// Proves, or shows what is wrong.
-pub fn prove(case: &Case<'_>, fineness: &Fineness) -> Proof {
+/// Proves, or shows what is wrong. Nothing if a blade is not above the hub.
+pub fn prove(case: &Case<'_>, fineness: &Fineness) -> Option<Proof> {
     let steps = case.path.steps();
     let motions: Vec<Motion> = steps.iter().map(Motion::new).collect();
     let ring = Ring { sections: &Section::of(case.tool, Part::Ring), motions: &motions, gap_mm: fineness.gap_mm };
-    let walls = Walls { slot: case.slot, hub: &case.blisk.hub, to_slot: case.to_slot, allowance_mm: case.allowance_mm };
+    let walls = Walls::new(&case.blisk.slot(), &case.blisk.hub, case.allowance_mm, case.to_slot)?;
     let stock = Stock { blank: &case.blisk.blank, to_slot: case.to_slot };
     let floor = Floor::new(case.tool, &steps);
     let bodies = bodies(case, fineness.chord_mm);
@@ -102,25 +100,24 @@ pub fn prove(case: &Case<'_>, fineness: &Fineness) -> Proof {
     // The ring is there to cut the blank.
     let pairs = parts.into_iter().flat_map(|part| bodies.iter().map(move |body| (part, body)));
     let pairs = pairs.filter(|(part, body)| *part != Part::Ring || body.obstacle != Obstacle::Blank);
-    Proof {
+    Some(Proof {
         clearances: pairs.map(|(part, body)| clearance(case.tool, part, &steps, body, fineness.gap_mm)).collect(),
         indexing_mm: case.path.clear_mm - highest_mm(&case.blisk.blank, case.fixture, &case.to_slot),
         left: ring.leaves(&walls, fineness.grid),
         removed: removed(&floor, case.path.levels.len(), &stock, &walls, fineness.cell_mm),
-    }
+    })
 }
 
 /// All obstacles of a case, in triangles as far as `chord_mm` from them.
 pub fn bodies(case: &Case<'_>, chord_mm: f64) -> Vec<Body> {
     let Case { blisk, to_slot, .. } = case;
-    let pitch_rad = core::f64::consts::TAU / f64::from(blisk.blades);
-    let blade = |k: u32| to_slot * Rotation3::from_axis_angle(&Vector::z_axis(), f64::from(k) * pitch_rad);
+    let blade = |k: u32| to_slot * Rotation3::from_axis_angle(&Vector::z_axis(), f64::from(k) * blisk.pitch_rad());
     let here = vec![*to_slot];
     let body = |obstacle, triangles, turns, chord_mm| Body { obstacle, tree: Tree::new(triangles), turns, chord_mm };
     let fixture = case.fixture.iter().flat_map(bodies::cuboid).collect();
     vec![
         body(Obstacle::Blades, bodies::blade(blisk, chord_mm), (0..blisk.blades).map(blade).collect(), chord_mm),
-        body(Obstacle::Hub, bodies::revolved(&blisk.hub, chord_mm), here.clone(), chord_mm),
+        body(Obstacle::Hub, bodies::hub(blisk, chord_mm), here.clone(), chord_mm),
         body(Obstacle::Fixture, fixture, here.clone(), 0.0),
         body(Obstacle::Blank, bodies::blank(&blisk.blank, chord_mm), here, chord_mm),
     ]

@@ -1,0 +1,71 @@
+//! Why a slot cannot be planned, in words.
+
+use thiserror::Error;
+
+use crate::vector::Point;
+
+use super::fit::Room;
+use super::side::Side;
+
+/// Why there is no plan.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Infeasible {
+    /// A blade ends above the hub.
+    #[error("the {0} side does not reach the hub with its allowance")]
+    NoFoot(&'static str),
+    /// The tool would lie along the rotor's axis.
+    #[error("the blade's edge lies along the rotor's axis: no tool comes in along it")]
+    NoAxis,
+    /// No ring of this width passes.
+    #[error("no ring of this width passes: {missing_mm:.1} mm missing {place}")]
+    TooNarrow {
+        /// By how much it would have to be narrower.
+        missing_mm: f64,
+        /// Where.
+        place: String,
+    },
+    /// There is room, but not from this base position.
+    #[error(
+        "the ring passes ({room_mm:.2} mm to spare on each side), but not where it touches both blades as the base position does"
+    )]
+    NoBase {
+        /// Room, mm.
+        room_mm: f64,
+    },
+    /// The ring is nowhere above the hub.
+    #[error("the ring is nowhere above the hub at the base position: its radius does not suit the slot")]
+    NoFloor,
+    /// The hollow is not deep enough.
+    #[error(
+        "the cup is {cavity_mm:.1} mm deep, but the blade inside it reaches {needed_mm:.1} mm up from the lowest level"
+    )]
+    Shallow {
+        /// The cutter's.
+        cavity_mm: f64,
+        /// What it takes.
+        needed_mm: f64,
+    },
+}
+
+/// In words where the ring is held.
+pub fn narrow(room: &Room, pressure: &Side, suction: &Side) -> Infeasible {
+    let off = |point: &Point| (point.xy() - room.centre).norm();
+    let tightest = [(pressure, 1.0, "pressure"), (suction, -1.0, "suction")].map(|(side, sign, name)| {
+        let least = side.patch.least(|point| sign * off(point));
+        least.map_or(String::new(), |least| {
+            let [u, v] = least.at;
+            let share = (u - side.edges[0]) / (side.edges[1] - side.edges[0]);
+            format!("the {name} side's {} {:.0} % up the blade", along(share), 100.0 * v)
+        })
+    });
+    Infeasible::TooNarrow { missing_mm: -2.0 * room.room_mm, place: format!("between {}", tightest.join(" and ")) }
+}
+
+/// Where along a side.
+fn along(share: f64) -> &'static str {
+    match share {
+        ..0.2 => "leading edge",
+        0.2..0.8 => "middle",
+        _ => "trailing edge",
+    }
+}

@@ -1,0 +1,86 @@
+//! How far a turn may go so that a straight line leads down from its end to the next level.
+//!
+//! The line joins two limit points, and between the levels a limit lies where it does: the ring on its way down may cut what
+//! it clears at both ends. A shorter turn on the upper level helps; none longer than the lower one's is always clear, for then the line goes straight
+//! down, and what a ring clears it clears from above. With the worst place of the line, at a share s of it from above, p deep:
+//!
+//! ```text
+//! turn <- turn - p / (L (1 - s))                                              (1)
+//! ```
+//!
+//! L is the arm of the turn, so that (1) takes the ring back by p there; but never by more than half of what is longer than below.
+
+use crate::vector::{Flat, Point};
+
+use super::patch::Patch;
+use super::turn::Turning;
+
+/// Places on the line that are looked at.
+const PLACES: [f64; 7] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875];
+/// So deep counts as clear, mm: the line is a chord of the turn, and a side that the pivot lies on would allow none.
+const CLEAR_MM: f64 = 0.01;
+/// Turns are shortened so often before they are given up for the lower one's.
+const ROUNDS_MAX: usize = 8;
+/// Every second sample, each way, tells which place of the line is the worst.
+const STRIDE: usize = 2;
+
+/// The end of a line on the lower level.
+#[derive(Clone, Copy, Debug)]
+pub struct Below {
+    /// The tool's centre there.
+    pub centre: Flat,
+    /// Its bottom, mm.
+    pub bottom_mm: f64,
+    /// Its turn, rad.
+    pub turn_rad: f64,
+}
+
+/// The turn, at most `turn_rad`, from whose end a line leads to `below` clear of `walls`.
+pub fn shortened_rad(turning: &Turning<'_>, turn_rad: f64, below: &Below, walls: &[&Patch]) -> f64 {
+    let arm_mm = (turning.centre - turning.pivot).norm();
+    let mut turn_rad = turn_rad;
+    for _ in 0..ROUNDS_MAX {
+        if turn_rad <= below.turn_rad {
+            break;
+        }
+        let line = Line { turning, from: turning.centre_after(turn_rad), below };
+        let (share, deep_mm) = line.worst(walls);
+        if deep_mm <= CLEAR_MM {
+            return turn_rad;
+        }
+        let back_rad = deep_mm / (arm_mm * (1.0 - share)); // (1)
+        turn_rad = (turn_rad - back_rad).max((turn_rad + below.turn_rad) / 2.0);
+    }
+    turn_rad.min(below.turn_rad)
+}
+
+struct Line<'l> {
+    turning: &'l Turning<'l>,
+    from: Flat,
+    below: &'l Below,
+}
+
+impl Line<'_> {
+    /// The share of the line at which the ring is deepest in a wall, and how deep.
+    fn worst(&self, walls: &[&Patch]) -> (f64, f64) {
+        let mut worst = (PLACES[0], f64::NEG_INFINITY);
+        for wall in walls {
+            let roughly = |share: &f64| {
+                let gaps = wall.thinned(STRIDE).map(|point| self.gap_mm(*share, point));
+                gaps.fold(f64::INFINITY, f64::min)
+            };
+            let share = PLACES.into_iter().min_by(|a, b| roughly(a).total_cmp(&roughly(b))).unwrap_or(PLACES[0]);
+            let gap_mm = wall.least(|point| self.gap_mm(share, point)).map_or(f64::INFINITY, |least| least.value);
+            if -gap_mm > worst.1 {
+                worst = (share, -gap_mm);
+            }
+        }
+        worst
+    }
+
+    fn gap_mm(&self, share: f64, point: &Point) -> f64 {
+        let centre = self.from + (self.below.centre - self.from) * share;
+        let bottom_mm = self.turning.bottom_mm + (self.below.bottom_mm - self.turning.bottom_mm) * share;
+        self.turning.cutter.ring_distance_mm((point.xy() - centre).norm(), point.z - bottom_mm)
+    }
+}

@@ -1,0 +1,187 @@
+//! The plan of one slot: every step of the method, in order.
+
+use arcfeed_shared::nc::modal::Turn;
+use nalgebra::Rotation3;
+
+use crate::cutter::CupMill;
+use crate::frame::slot_frame;
+use crate::geometry::blisk::{Blisk, Slot};
+use crate::path::{Level, SlotPath};
+use crate::vector::{Point, Vector};
+
+use super::axis::{Axis, axis};
+use super::base::{Base, settle};
+use super::fit::{Room, Walls};
+use super::infeasible::{Infeasible, narrow};
+use super::interior::{Interior, interior};
+use super::level::Stop;
+use super::lowest::{levels_mm, top_mm};
+use super::side::{FarEdge, Hub, Side, floor, roof};
+use super::turns::{Around, Turns};
+
+/// What the planner may do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Roughing {
+    /// Left on blades and hub, mm.
+    pub allowance_mm: f64,
+    /// ADC_MAX, mm.
+    pub axial_depth_max_mm: f64,
+    /// How near the leading edge the turn about B1 meets the suction side's tip curve, as a share of it.
+    pub interior_contact: f64,
+    /// Approach height above the blank, mm.
+    pub clearance_mm: f64,
+    /// The tool's axis.
+    pub axis: AxisChoice,
+}
+
+/// Which axis a tool has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AxisChoice {
+    /// LN3 where the ring passes along it, otherwise the direction nearest to it, towards the roomiest, in which it does.
+    #[default]
+    Blade,
+    /// The roomiest.
+    Roomiest,
+}
+
+/// A slot's plan.
+#[derive(Clone, Debug)]
+pub struct SlotPlan {
+    /// LN3 and the points it goes through, part frame.
+    pub blade_axis: Axis,
+    /// Room along LN3.
+    pub blade_room: Room,
+    /// Room along the axis taken.
+    pub room: Room,
+    /// Turns the part into the slot frame.
+    pub turn: Rotation3<f64>,
+    /// The base position.
+    pub base: Base,
+    /// B1.
+    pub interior: Interior,
+    /// From the top: how the turns about A and about B1 end.
+    pub stops: Vec<[Stop; 2]>,
+    /// Highest material under the ring at the base position, mm.
+    pub top_mm: f64,
+    /// The way.
+    pub path: SlotPath,
+}
+
+/// Room that a direction must leave before another is looked for, mm: rooms are judged on samples of the sides.
+const ENOUGH_MM: f64 = 0.1;
+
+/// Plans the slot of a rotor, given in the part frame.
+///
+/// # Errors
+/// The ring does not pass, or does not reach.
+pub fn plan(blisk: &Blisk, slot: &Slot, cutter: &CupMill, roughing: &Roughing) -> Result<SlotPlan, Infeasible> {
+    let allowance_mm = roughing.allowance_mm;
+    let above = Hub { hub: &blisk.hub, allowance_mm };
+    let pressure =
+        |turn| Side::new(&slot.pressure, FarEdge::Trailing, &above, turn).ok_or(Infeasible::NoFoot("pressure"));
+    let suction = |turn| Side::new(&slot.suction, FarEdge::Leading, &above, turn).ok_or(Infeasible::NoFoot("suction"));
+    let lying = Rotation3::identity();
+    let walls = Walls::new(&pressure(&lying)?, &suction(&lying)?);
+    let blade_axis = axis(&slot.pressure, &blisk.hub, allowance_mm).ok_or(Infeasible::NoFoot("pressure"))?;
+    let blade_room = walls.room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
+    let room = choose(&walls, cutter, &blade_room, roughing.axis).ok_or(Infeasible::NoAxis)?;
+    let turn = slot_frame(&room.direction).ok_or(Infeasible::NoAxis)?;
+    let about = bearings(slot);
+    let hub = floor(blisk, allowance_mm, about, &turn);
+    let around = Around { pressure: pressure(&turn)?, suction: suction(&turn)?, hub };
+    if room.room_mm < 0.0 {
+        return Err(narrow(&room, &around.pressure, &around.suction));
+    }
+    let way = around.way(cutter, roughing).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
+    let top_mm = top_mm(cutter, way.base.centre, &roof(blisk, about, &turn)).ok_or(Infeasible::NoFloor)?;
+    way.levels(cutter, roughing, top_mm).map(|(stops, path)| {
+        let (base, interior) = (way.base, way.interior);
+        SlotPlan { blade_axis, blade_room, room, turn, base, interior, stops, top_mm, path }
+    })
+}
+
+/// The direction of the tool.
+fn choose(walls: &Walls, cutter: &CupMill, blade: &Room, choice: AxisChoice) -> Option<Room> {
+    match choice {
+        AxisChoice::Blade if blade.room_mm >= ENOUGH_MM => Some(*blade),
+        AxisChoice::Blade => {
+            let roomiest = walls.roomiest(cutter)?;
+            Some(walls.nearest(cutter, blade, &roomiest, ENOUGH_MM.min(roomiest.room_mm / 2.0)))
+        }
+        AxisChoice::Roomiest => walls.roomiest(cutter),
+    }
+}
+
+/// What is the same on all levels.
+struct Way<'a> {
+    around: &'a Around,
+    base: Base,
+    interior: Interior,
+    outward: Turn,
+}
+
+impl Around {
+    /// Base position and B1. Nothing if no position touches both blades as it should.
+    fn way(&self, cutter: &CupMill, roughing: &Roughing) -> Option<Way<'_>> {
+        let Around { pressure, suction, .. } = self;
+        let lines = [pressure.tip(pressure.edges[0]), suction.tip(suction.edges[1])];
+        let base = settle([pressure, suction], cutter, lines)?;
+        // In the sense in which the outer circle, turned about A, comes nearer to the pressure side's middle.
+        let spoke = pressure.tip_middle() - base.exterior;
+        let away = pressure.tip_middle() - suction.tip_middle();
+        let outward = if spoke.perp(&away) >= 0.0 { Turn::Ccw } else { Turn::Cw };
+        let interior = interior(suction, cutter, &base, outward, roughing.interior_contact)?;
+        Some(Way { around: self, base, interior, outward })
+    }
+}
+
+impl Way<'_> {
+    fn levels(
+        &self,
+        cutter: &CupMill,
+        roughing: &Roughing,
+        top_mm: f64,
+    ) -> Result<(Vec<[Stop; 2]>, SlotPath), Infeasible> {
+        let Way { around, base, interior, outward } = self;
+        let pivots = [base.exterior, interior.pivot];
+        let turns = Turns { around, cutter, centre: base.centre, pivots, outward: *outward };
+        let low_mm = turns.lowest_mm().ok_or(Infeasible::NoFloor)?;
+        let tallest_mm = around.suction.patch.samples().map(|point| point.z).fold(f64::MIN, f64::max);
+        let needed_mm = tallest_mm - low_mm;
+        if needed_mm > cutter.cavity_depth_mm {
+            return Err(Infeasible::Shallow { cavity_mm: cutter.cavity_depth_mm, needed_mm });
+        }
+        let heights = levels_mm(cutter, top_mm, low_mm, roughing.axial_depth_max_mm);
+        let stops = turns.stops(&heights);
+        let levels = heights.iter().zip(&stops).map(|(height_mm, [exterior, interior])| Level {
+            height_mm: *height_mm,
+            exterior_end: exterior.centre,
+            interior_end: interior.centre,
+        });
+        let path = SlotPath {
+            exterior: base.exterior,
+            interior: interior.pivot,
+            base: base.centre,
+            outward: *outward,
+            levels: levels.collect(),
+            clear_mm: top_mm + roughing.clearance_mm,
+        };
+        Ok((stops, path))
+    }
+}
+
+/// Angles about the rotor's axis between which a slot and its neighbours lie.
+fn bearings(slot: &Slot) -> [f64; 2] {
+    let at = |point: Point| libm::atan2(point.y, point.x);
+    let (from, to) = (at(slot.pressure.point(0.5, 0.5)), at(slot.suction.point(0.5, 0.5)));
+    let pitch = libm::remainder(to - from, core::f64::consts::TAU);
+    let middle = from + pitch / 2.0;
+    [middle - 1.5 * pitch.abs(), middle + 1.5 * pitch.abs()]
+}
+
+impl SlotPlan {
+    /// The tool's axis, part frame.
+    pub fn tool_axis(&self) -> Vector {
+        self.room.direction
+    }
+}

@@ -1,0 +1,115 @@
+//! Both turns out of the base position, level by level, and the lowest level at which they are clear of the hub.
+
+use arcfeed_shared::nc::modal::Turn;
+
+use crate::cutter::CupMill;
+use crate::path::SlotPath;
+use crate::search::{Least, descend};
+use crate::vector::Flat;
+
+use super::level::{Obstacle, Stop, stop};
+use super::link::{Below, shortened_rad};
+use super::lowest::lowest_mm;
+use super::patch::Patch;
+use super::side::Side;
+use super::turn::Turning;
+
+/// What stands about a slot with its allowance, slot frame.
+#[derive(Debug)]
+pub struct Around {
+    /// The pressure side.
+    pub pressure: Side,
+    /// The suction side.
+    pub suction: Side,
+    /// The hub.
+    pub hub: Patch,
+}
+
+/// Both turns out of the base position.
+pub struct Turns<'a> {
+    /// What stops them.
+    pub around: &'a Around,
+    /// What turns.
+    pub cutter: &'a CupMill,
+    /// Its centre at the base position.
+    pub centre: Flat,
+    /// A, B1.
+    pub pivots: [Flat; 2],
+    /// In which sense.
+    pub outward: Turn,
+}
+
+/// Places along an arc where the hub is asked for.
+const HUB_STEPS: i32 = 12;
+/// How often the lowest level is raised for its arcs.
+const HUB_ROUNDS: i32 = 2;
+
+impl Turns<'_> {
+    fn turning(&self, pivot: Flat, bottom_mm: f64) -> Turning<'_> {
+        Turning { cutter: self.cutter, centre: self.centre, bottom_mm, pivot, turn: self.outward }
+    }
+
+    /// The lowest level: at which the whole of its path is clear of the hub.
+    pub fn lowest_mm(&self) -> Option<f64> {
+        let hub = &self.around.hub;
+        let mut low_mm = lowest_mm(self.cutter, self.centre, hub)?;
+        let blades =
+            [(Obstacle::Pressure, &self.around.pressure.patch), (Obstacle::Suction, &self.around.suction.patch)];
+        // Higher up the turns are longer, so they are asked again.
+        for _ in 0..HUB_ROUNDS {
+            low_mm = self.pivots.into_iter().fold(low_mm, |low_mm, pivot| {
+                let turning = self.turning(pivot, low_mm);
+                let whole_rad = stop(&turning, &blades).turn_rad;
+                self.highest_hub_mm(&turning, whole_rad).map_or(low_mm, |high_mm| high_mm.max(low_mm))
+            });
+        }
+        Some(low_mm)
+    }
+
+    /// The lowest position that the hub allows all along a turn.
+    fn highest_hub_mm(&self, turning: &Turning<'_>, whole_rad: f64) -> Option<f64> {
+        let allowed = |[share, _]: [f64; 2]| {
+            let centre = turning.centre_after(whole_rad * share);
+            lowest_mm(self.cutter, centre, &self.around.hub).map_or(f64::INFINITY, |low_mm| -low_mm)
+        };
+        let places = (0..=HUB_STEPS).map(|k| [f64::from(k) / f64::from(HUB_STEPS), 0.0]);
+        let start = places.map(|at| Least { at, value: allowed(at) }).min_by(|a, b| a.value.total_cmp(&b.value))?;
+        let found = descend([[0.0, 1.0], [0.0, 0.0]], start, [1.0 / f64::from(HUB_STEPS), 0.0], allowed);
+        found.value.is_finite().then_some(-found.value)
+    }
+
+    /// How the turns end, level by level. Where one meets nothing, there is no more of the slot than below it.
+    pub fn stops(&self, heights_mm: &[f64]) -> Vec<[Stop; 2]> {
+        let Around { pressure, suction, hub, .. } = self.around;
+        let obstacles =
+            [(Obstacle::Pressure, &pressure.patch), (Obstacle::Suction, &suction.patch), (Obstacle::Hub, hub)];
+        let mut below: Option<([Stop; 2], f64)> = None;
+        let mut stops: Vec<[Stop; 2]> = Vec::new();
+        for (index, height_mm) in heights_mm.iter().enumerate().rev() {
+            let both = [0, 1].map(|which: usize| {
+                let turning = self.turning(self.pivots[which], *height_mm);
+                let met = stop(&turning, &obstacles);
+                let Some((below, bottom_mm)) = below else { return met };
+                let below = below[which];
+                if met.at.is_none() {
+                    return Stop { at: None, ..below };
+                }
+                // A level ends where the next one begins.
+                if which != SlotPath::end_of(index) {
+                    return met;
+                }
+                let below = Below { centre: below.centre, bottom_mm, turn_rad: below.turn_rad };
+                let turn_rad = shortened_rad(&turning, met.turn_rad, &below, &[&pressure.patch, &suction.patch]);
+                if turn_rad < met.turn_rad {
+                    Stop { turn_rad, centre: turning.centre_after(turn_rad), at: None }
+                } else {
+                    met
+                }
+            });
+            below = Some((both, *height_mm));
+            stops.push(both);
+        }
+        stops.reverse();
+        stops
+    }
+}
