@@ -7,16 +7,25 @@ use crate::manifest::{Entry, array, dependencies, entries, string};
 use crate::source::{Source, read, rust_files, rust_files_of, tokens};
 
 /// Each package of the workspace with those it may use.
-const ARROWS: [(&str, &[&str]); 8] = [
+const ARROWS: [(&str, &[&str]); 9] = [
     ("arcfeed-shared", &[]),
     ("arcfeed-firmware", &["arcfeed-shared"]),
     ("arcfeed-bench", &["arcfeed-shared", "arcfeed-firmware"]),
     ("arcfeed-hil-sim", &["arcfeed-shared", "arcfeed-firmware"]),
     ("arcfeed-line-errors", &[]),
-    ("arcfeed", &["arcfeed-shared", "arcfeed-firmware", "arcfeed-hil-sim", "arcfeed-line-errors"]),
+    ("arcfeed-plan", &["arcfeed-shared"]),
+    ("arcfeed", &["arcfeed-shared", "arcfeed-firmware", "arcfeed-hil-sim", "arcfeed-line-errors", "arcfeed-plan"]),
     (
         "arcfeed-tests",
-        &["arcfeed-shared", "arcfeed-firmware", "arcfeed-bench", "arcfeed-hil-sim", "arcfeed-line-errors", "arcfeed"],
+        &[
+            "arcfeed-shared",
+            "arcfeed-firmware",
+            "arcfeed-bench",
+            "arcfeed-hil-sim",
+            "arcfeed-line-errors",
+            "arcfeed-plan",
+            "arcfeed",
+        ],
     ),
     ("xtask", &[]),
 ];
@@ -86,8 +95,15 @@ fn the_host_names_the_simulator_only_where_it_composes_it() {
 
 #[test]
 fn unsafe_stands_where_no_safe_crate_helps_and_nowhere_else() {
-    let folders =
-        ["shared/src", "firmware/src", "firmware/bench/src", "hil-sim/src", "host/src", "host/line-errors/src"];
+    let folders = [
+        "shared/src",
+        "firmware/src",
+        "firmware/bench/src",
+        "hil-sim/src",
+        "host/src",
+        "host/line-errors/src",
+        "host/plan/src",
+    ];
     let names_it = |source: &Source| tokens(&source.code).contains(&"unsafe");
     let found: Vec<String> = rust_files_of(&folders).into_iter().filter(names_it).map(|source| source.path).collect();
     assert_eq!(found, ["shared/src/fmath.rs", "host/line-errors/src/lib.rs"]);
