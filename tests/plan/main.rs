@@ -13,6 +13,8 @@ mod meshes;
 
 mod flaws;
 
+mod rotor37;
+
 mod proof_cases;
 
 mod proof_exact;
