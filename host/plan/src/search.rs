@@ -19,7 +19,7 @@ pub struct Least {
 /// Spacing at which a search ends, of the rectangle.
 const FINEST: f64 = 1e-6;
 /// Rounds of a search, more than it needs.
-const ROUNDS_MAX: usize = 200;
+const ROUNDS_MAX: usize = 2000;
 
 /// The least value near `start`, within `ranges`, beginning with a stencil `spacing` wide.
 pub fn descend(ranges: [[f64; 2]; 2], start: Least, spacing: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> Least {
@@ -40,7 +40,7 @@ pub fn descend(ranges: [[f64; 2]; 2], start: Least, spacing: [f64; 2], f: impl F
         let found = stencil.into_iter().chain(newton).min_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or(best);
         if found.value < best.value {
             best = found;
-            scale *= 0.8;
+            scale *= 1.3;
         } else {
             scale *= 0.3;
         }
