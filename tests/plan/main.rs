@@ -23,6 +23,8 @@ mod proof_volumes;
 
 mod proof_published;
 
+mod proof_dexels;
+
 mod parts;
 
 mod listing;

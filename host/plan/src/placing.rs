@@ -28,10 +28,14 @@ pub struct Placing {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PlacingError {
     /// Its axes are others.
-    #[error("slots are indexed by a table B about Y that stands on a tilting A about X: this machine has no such table")]
+    #[error(
+        "slots are indexed by a table B about Y that stands on a tilting A about X: this machine has no such table"
+    )]
     Axes,
     /// The axes do not reach.
-    #[error("the tool leans by {tilt_deg:.3} degrees against the rotor's axis, beyond the machine's A: choose another axis in [roughing]")]
+    #[error(
+        "the tool leans by {tilt_deg:.3} degrees against the rotor's axis, beyond the machine's A: choose another axis in [roughing]"
+    )]
     Range {
         /// The angle asked of A.
         tilt_deg: f64,
