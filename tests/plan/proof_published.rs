@@ -60,7 +60,11 @@ fn the_published_tool_takes_most_of_the_slot() {
         let [least, most] = map.range_mm();
         println!("{name}: {least:.3} to {most:.3} mm left beyond the allowance, {:.3} in the mean", map.mean_mm());
     }
-    let Removed { by_level_mm3, error_mm3, slot_mm3, .. } = &proof.removed;
+    let Removed { by_level_mm3, error_mm3, slot_mm3, slot_by_level_mm3 } = &proof.removed;
+    for (level, (all_mm3, slot_mm3)) in by_level_mm3.iter().zip(slot_by_level_mm3).enumerate() {
+        println!("level {}: {all_mm3:.0} mm3, {slot_mm3:.0} of them in the slot", level + 1);
+        assert!(slot_mm3 < all_mm3);
+    }
     println!("{:.0} +- {error_mm3:.0} mm3 in {} levels", proof.removed.total_mm3(), by_level_mm3.len());
     println!("{:.1} % of the slot's {slot_mm3:.0} mm3", 100.0 * proof.removed.share_ratio());
     assert!(*error_mm3 < 0.005 * proof.removed.total_mm3());
