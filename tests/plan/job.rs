@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use arcfeed::job;
-use arcfeed_plan::output::job::{JobFile, Machine, Workpiece};
+use arcfeed_plan::output::job::{JobFile, Law, Machine, Workpiece};
 use arcfeed_plan::output::limits::{StockLimit, stock_limits};
 use arcfeed_plan::output::nc::{Feeds, Indexing, Setup, write};
 use arcfeed_plan::output::stl::to_stl;
@@ -24,6 +24,7 @@ fn text(unit: LengthUnit, limits: &[StockLimit], workpiece: Option<Workpiece<'_>
         rev_per_min: 1_000.0,
         feed_per_tooth_mm: CHIP_MM,
         limits,
+        law: Law::Circumference,
         workpiece,
         control: "fanuc-16i",
         machine: Some(Machine::Preset("mitsui-seiki-hu80a-5x")),
@@ -75,7 +76,12 @@ fn a_planned_program_is_governed_on_all_levels_but_the_way_back() {
         coolant: true,
         tilt_deg: 6.0,
         slots_deg: vec![0.0, 360.0 / 19.0],
-        feeds: Feeds { cutting_mm_per_min: 635.0, axial_mm_per_min: Some(254.0), indexing_per_min: 50.0 },
+        feeds: Feeds {
+            cutting_mm_per_min: 635.0,
+            approach_mm_per_min: Some(254.0),
+            axial_mm_per_min: Some(254.0),
+            indexing_per_min: 50.0,
+        },
         indexing: Indexing::AtClearance,
         labels: true,
         reports: false,

@@ -4,7 +4,7 @@ use arcfeed_firmware::law::{FeedLaw, Place, SegmentLaw};
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::frame::slot_frame;
 use arcfeed_plan::geometry::blisk::Blank;
-use arcfeed_plan::output::limits::{BlankFace, LimitError, StockLimit, stock_limits};
+use arcfeed_plan::output::limits::{BlankFace, Bound, LimitError, StockLimit, bounds, stock_limits};
 use arcfeed_plan::path::{Level, Purpose, SlotPath, Step};
 use arcfeed_plan::vector::{Flat, Point, Vector};
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
@@ -115,11 +115,20 @@ fn laid_open_mm(u: [f64; 2], delta: [f64; 2], radius_mm: f64, edge: Edge) -> f64
     f64::from(edge.advance()) * (reach_mm - radius_mm)
 }
 
-fn job(limit: &StockLimit) -> Job {
+/// One line and the law of the source, or several and the law of the whole engaged arc.
+fn job(limit: &StockLimit, bounds: &[Bound]) -> Job {
+    let of = |bound: &Bound| StockLine {
+        rise_ratio: bound.rise_ratio,
+        ..StockLine::from_angle(bound.normal_deg, bound.offset_mm)
+    };
     let line = StockLine { rise_ratio: limit.rise_ratio, ..StockLine::from_angle(limit.normal_deg, limit.offset_mm) };
+    let (stock, law) = match bounds {
+        [] => (Stock::half_plane(line), LawKind::Circumference),
+        _ => (Stock::Convex(bounds.iter().map(of).collect()), LawKind::EngagedArc { both_edges: true }),
+    };
     let rule = CutRule {
         moves: Moves::Rotations(limit.rotation, limit.turn),
-        work: Work::Ring(limit.edge, Stock::half_plane(line)),
+        work: Work::Ring(limit.edge, stock),
         feed_per_tooth: None,
         table: None,
         sequence: None,
@@ -130,7 +139,7 @@ fn job(limit: &StockLimit) -> Job {
         unit: LengthUnit::Mm,
         tool: Tool::CupMill(tool::CupMill { outer_radius, inner_radius, active_teeth: 10 }),
         spindle: RevPerMin(1_000.0),
-        law: LawKind::Circumference,
+        law,
         feed_per_tooth: MmPerTooth(CHIP_MM as f32),
         policy: FeedPolicy::SafeBase,
         limits: OverrideLimits::default(),
@@ -156,9 +165,9 @@ fn segment(step: &Step, center: Flat, turn: Turn) -> Segment {
 
 /// Chips at the face of one movement with the law's feed: at the limit, and the thickest of both circles on either side of the pivot
 /// that a scan over the stock between the faces finds.
-fn chips(limit: &StockLimit, step: &Step, lean_deg: f64) -> Vec<[f64; 2]> {
+fn chips(limit: &StockLimit, bounds: &[Bound], step: &Step, lean_deg: f64) -> Vec<[f64; 2]> {
     let (center, turn) = step.about.expect("an arc");
-    let (segment, job) = (segment(step, center, turn), job(limit));
+    let (segment, job) = (segment(step, center, turn), job(limit, bounds));
     let law = SegmentLaw::for_segment(&segment, job.rules.first(), &job);
     let to_part = slot_frame(&leaning(lean_deg)).expect("a frame").inverse();
     let [low_mm, high_mm] = blank(lean_deg).faces_mm;
@@ -176,8 +185,8 @@ fn chips(limit: &StockLimit, step: &Step, lean_deg: f64) -> Vec<[f64; 2]> {
             let delta = [next.x - at.x, next.y - at.y];
             let mut found = [0.0_f64; 2];
             for (edge, circle_mm) in [(Edge::Outer, OUTER_MM), (Edge::Inner, INNER_MM)] {
-                for angle in 0..36_000 {
-                    let (sin, cos) = libm::sincos(f64::from(angle) * 1e-2_f64.to_radians());
+                for angle in 0..18_000 {
+                    let (sin, cos) = libm::sincos(f64::from(angle) * 2e-2_f64.to_radians());
                     let point =
                         to_part * Point::new(at.x + circle_mm * cos, at.y + circle_mm * sin, step.from[2] + 0.8);
                     // The ring meets the blank's planes again further round, where there is no blank.
@@ -198,10 +207,12 @@ fn the_thickest_chip_anywhere_between_the_faces_is_the_wanted_one() {
     for (mirror, lean_deg) in [(false, 0.0), (false, 9.0), (true, -9.0)] {
         let path = path(mirror);
         for limit in limits(&path, lean_deg) {
-            let steps = path.steps();
+            let mut steps = path.steps();
+            // But for the way back and up.
+            steps.truncate(steps.len() - 2);
             let own = |step: &&Step| step.purpose.movement() == Some(limit.movement);
             let all: Vec<[f64; 2]> =
-                steps.iter().filter(own).take(2).flat_map(|step| chips(&limit, step, lean_deg)).collect();
+                steps.iter().filter(own).flat_map(|step| chips(&limit, &[], step, lean_deg)).collect();
             let [least, most] =
                 [f64::min, f64::max].map(|pick| all.iter().map(|chip| chip[0]).reduce(pick).expect("chips"));
             let other = all.iter().map(|chip| chip[1]).fold(0.0, f64::max);
@@ -209,9 +220,27 @@ fn the_thickest_chip_anywhere_between_the_faces_is_the_wanted_one() {
                 "lean {lean_deg}, movement {}: {least:.5} to {most:.5} of the wanted chip, other circle {other:.3}",
                 limit.movement
             );
-            // The scan's directions stand a hundredth of a degree apart: 4e-4 of the chip at 20 degrees.
-            assert!(least > 0.999 * limit.kept_ratio && most > 0.999 && most < 1.000_01, "{limit:?}");
-            assert!((other / limit.elsewhere_ratio - 1.0).abs() < 0.02, "{other}: {limit:?}");
+            // The scan's directions stand a fiftieth of a degree apart: 2e-3 of the chip at 10 degrees.
+            assert!(least > 0.998 * limit.kept_ratio && most > 0.998 && most < 1.000_01, "{limit:?}");
+            assert!(other < limit.elsewhere_ratio + 1e-3, "{other}: {limit:?}");
+            assert!(limit.kept_ratio < 1.0 || other > 0.98 * limit.elsewhere_ratio, "{other}: {limit:?}");
+        }
+    }
+}
+
+#[test]
+fn the_law_of_the_whole_arc_keeps_the_thickest_chip_of_both_circles() {
+    for (mirror, lean_deg) in [(false, 0.0), (false, 9.0), (true, -9.0)] {
+        let path = path(mirror);
+        let bounds = bounds(&path, &mill(), &blank(lean_deg), &leaning(lean_deg)).expect("bounds");
+        let mut steps = path.steps();
+        steps.truncate(steps.len() - 2);
+        for limit in limits(&path, lean_deg) {
+            let own = steps.iter().filter(|step| step.purpose.movement() == Some(limit.movement));
+            let all = own.flat_map(|step| chips(&limit, &bounds, step, lean_deg)).map(|[own, other]| own.max(other));
+            let (least, most) = all.fold((f64::INFINITY, 0.0_f64), |(low, high), chip| (low.min(chip), high.max(chip)));
+            println!("lean {lean_deg}, movement {}: {least:.5} to {most:.5} of the wanted chip", limit.movement);
+            assert!(least > 0.998 && most < 1.000_01, "{limit:?}");
         }
     }
 }

@@ -105,7 +105,12 @@ fn setup() -> Setup {
         coolant: true,
         tilt_deg: 0.0,
         slots_deg: (0..4).map(|index| FIRST_DEG + f64::from(index) * 360.0 / BLADES).collect(),
-        feeds: Feeds { cutting_mm_per_min: feed(25.0), axial_mm_per_min: None, indexing_per_min: 50.0 },
+        feeds: Feeds {
+            cutting_mm_per_min: feed(25.0),
+            approach_mm_per_min: None,
+            axial_mm_per_min: None,
+            indexing_per_min: 50.0,
+        },
         indexing: Indexing::WhileDescending,
         labels: false,
         reports: false,

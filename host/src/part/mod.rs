@@ -9,7 +9,7 @@ mod tool;
 
 use std::path::{Path, PathBuf};
 
-use arcfeed_plan::cup_mill::{AxisChoice, Roughing};
+use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing};
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::geometry::blisk::{Blank, Blisk};
 use arcfeed_plan::vector::Point;
@@ -19,7 +19,7 @@ use toml::Spanned;
 use crate::job::{Complaint, Quantity, at, length_mm, machine, positive};
 use crate::machine_file::MachineFile;
 use crate::place::place;
-use schema::{AxisWord, BaselineTable, BlankTable, FixtureTable, OutputTable, PartTable, RoughingTable};
+use schema::{AxisWord, BaselineTable, BlankTable, FixtureTable, MachineTable, OutputTable, PartTable, RoughingTable};
 
 /// Shares and heights where a file tells none.
 const INTERIOR_CONTACT: f64 = 0.1;
@@ -38,16 +38,29 @@ pub struct Part {
     pub cutter: CupMill,
     /// What is asked of the path.
     pub roughing: Roughing,
+    /// The tool's axis; that which takes most where the file leaves it open.
+    pub axis: Option<AxisChoice>,
     /// How fast.
     pub feeds: Feeds,
     /// What holds it, as boxes: lowest and highest corner.
     pub fixtures: Vec<[Point; 2]>,
     /// The machine, where the file names one.
     pub machine: Option<MachineFile>,
+    /// How it names it.
+    pub machine_told: Option<MachineTold>,
     /// How the program is written.
     pub output: Output,
     /// What the plan's time is compared with, where the file tells.
     pub baseline: Option<Baseline>,
+}
+
+/// How a part names its machine.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MachineTold {
+    /// By a file, from the working directory.
+    File(PathBuf),
+    /// By a machine of ours.
+    Preset(String),
 }
 
 /// Speed and feeds.
@@ -171,13 +184,28 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<Part, Wrong> {
         unit,
         cutter,
         roughing,
+        axis: axis(table.roughing.axis),
         feeds,
         fixtures,
         machine: machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?,
+        machine_told: machine_told(&table.machine, folder),
         output: output(&table.output, unit)?,
         baseline: table.baseline.as_ref().map(|told| baseline(told, unit)).transpose()?,
         blisk: geometry::build(&table.geometry, unit, blank, folder)?,
     })
+}
+
+fn machine_told(told: &MachineTable, folder: &Path) -> Option<MachineTold> {
+    let file = told.file.as_ref().map(|file| MachineTold::File(folder.join(file.as_ref())));
+    file.or_else(|| told.preset.as_ref().map(|preset| MachineTold::Preset(preset.as_ref().clone())))
+}
+
+fn axis(told: AxisWord) -> Option<AxisChoice> {
+    match told {
+        AxisWord::Auto => None,
+        AxisWord::Blade => Some(AxisChoice::Blade),
+        AxisWord::Roomiest => Some(AxisChoice::Roomiest),
+    }
 }
 
 fn blank(told: &BlankTable, unit: LengthUnit) -> Result<Blank, Complaint> {
@@ -203,11 +231,7 @@ fn roughing(told: &RoughingTable, unit: LengthUnit) -> Result<(Roughing, Feeds),
         axial_depth_max_mm: length_mm(&told.axial_depth_max, unit, "axial_depth_max")?,
         interior_contact,
         clearance_mm: feed(&told.clearance, "clearance")?.unwrap_or(CLEARANCE_MM),
-        axis: match told.axis {
-            AxisWord::Auto => AxisChoice::Auto,
-            AxisWord::Blade => AxisChoice::Blade,
-            AxisWord::Roomiest => AxisChoice::Roomiest,
-        },
+        axis: axis(told.axis).unwrap_or_default(),
     };
     let feeds = Feeds {
         rev_per_min: positive(&told.rev_per_min, "rev_per_min")?,

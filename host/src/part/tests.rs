@@ -23,7 +23,7 @@ fn the_example_is_a_part() {
     let part = parse(EXAMPLE).unwrap();
     assert_eq!((part.name.as_str(), part.unit, part.blisk.blades), ("blisk-19", LengthUnit::Inch, 19));
     assert!((part.cutter.outer_radius_mm - 5.06205 * 25.4).abs() < 1e-9 && part.cutter.active_teeth == 10);
-    assert!((part.roughing.allowance_mm - 0.889).abs() < 1e-9 && part.roughing.axis == AxisChoice::Auto);
+    assert!((part.roughing.allowance_mm - 0.889).abs() < 1e-9 && part.axis.is_none());
     assert!((part.roughing.clearance_mm, part.roughing.interior_contact) == (CLEARANCE_MM, INTERIOR_CONTACT));
     assert_eq!(part.feeds.axial_mm_per_min, Some(254.0));
     let [from, to] = part.blisk.blank.faces_mm;

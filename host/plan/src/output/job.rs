@@ -8,7 +8,7 @@ use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{LengthUnit, MM_PER_INCH};
 
 use crate::cutter::CupMill;
-use crate::output::limits::{BlankFace, StockLimit};
+use crate::output::limits::{BlankFace, Bound, StockLimit};
 
 /// Everything that a job file says.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,12 +25,24 @@ pub struct JobFile<'a> {
     pub feed_per_tooth_mm: f64,
     /// A rule each.
     pub limits: &'a [StockLimit],
+    /// What the law looks at.
+    pub law: Law<'a>,
     /// What is cut in simulation.
     pub workpiece: Option<Workpiece<'a>>,
     /// Preset of the control.
     pub control: &'a str,
     /// The machine, if it is known.
     pub machine: Option<Machine<'a>>,
+}
+
+/// Which law keeps the chip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law<'a> {
+    /// That of the source: the contact with one line. On its far side a ring may meet that line again; where it does the law is slow
+    /// ([`StockLimit::kept_ratio`]), and it does not look at the other circle ([`StockLimit::elsewhere_ratio`]).
+    Circumference,
+    /// The whole engaged arc of both circles, between these lines.
+    EngagedArc(&'a [Bound]),
 }
 
 /// Meshes in millimetres, relative to the job file.
@@ -67,11 +79,14 @@ impl JobFile<'_> {
         );
         self.tool(&mut text);
         let _ = writeln!(text, "\n[spindle]\nrev_per_min = {}", number(self.rev_per_min));
-        let _ = writeln!(
-            text,
-            "\n# The same chip on the circumference all along an arc.\n[law]\nkind = \"circumference\"\nfeed_per_tooth = {}",
-            self.length(self.feed_per_tooth_mm)
-        );
+        let (why, law) = match self.law {
+            Law::Circumference => {
+                ("The same chip on the circumference all along an arc, at the stock's limit", "circumference")
+            }
+            Law::EngagedArc(_) => ("The thickest chip of both circles the same all along an arc", "engaged-arc"),
+        };
+        let feed = self.length(self.feed_per_tooth_mm);
+        let _ = writeln!(text, "\n# {why}.\n[law]\nkind = \"{law}\"\nfeed_per_tooth = {feed}");
         self.cuts(&mut text);
         if let Some(workpiece) = &self.workpiece {
             self.workpiece(&mut text, workpiece);
@@ -131,7 +146,15 @@ impl JobFile<'_> {
              that point.",
             limit.movement
         );
-        if limit.elsewhere_ratio > 1.0 {
+        if self.law == Law::Circumference && limit.kept_ratio < 1.0 {
+            let _ = writeln!(
+                text,
+                "# Where the circle meets the line once more, on its far side, the law keeps the chip there: that at the face is down to \
+                 {:.2} of it.",
+                limit.kept_ratio
+            );
+        }
+        if self.law == Law::Circumference && limit.elsewhere_ratio > 1.0 {
             let _ = writeln!(
                 text,
                 "# The other circle meets material there with up to {:.2} times this chip, if any is left.",
@@ -139,13 +162,25 @@ impl JobFile<'_> {
             );
         }
         let [low, high] = limit.heights_mm.map(|mm| self.length(mm));
+        let stock = match self.law {
+            Law::Circumference => format!(
+                "normal_deg = {}, offset = {}, rise = {}",
+                number(limit.normal_deg),
+                self.length(limit.offset_mm),
+                limit.rise_ratio
+            ),
+            Law::EngagedArc(bounds) => {
+                // Angle and rise are no lengths, and TOML wants them to be floats.
+                let line = |bound: &Bound| {
+                    format!("[{:?}, {}, {:?}]", bound.normal_deg, self.length(bound.offset_mm), bound.rise_ratio)
+                };
+                format!("lines = [{}]", bounds.iter().map(line).collect::<Vec<_>>().join(", "))
+            }
+        };
         let _ = writeln!(
             text,
             "[[cut]]\nrotation = \"{rotation}\"\ndirection = \"{direction}\"\nside = \"{side}\"\n\
-             stock = {{ normal_deg = {}, offset = {}, rise = {} }}\nz = [{low}, {high}]",
-            number(limit.normal_deg),
-            self.length(limit.offset_mm),
-            limit.rise_ratio
+             stock = {{ {stock} }}\nz = [{low}, {high}]"
         );
     }
 

@@ -77,6 +77,17 @@ pub struct StockLimit {
     pub kept_ratio: f64,
 }
 
+/// One of the lines that the stock is inside of, in a level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// Direction of its normal, out of the material, from x.
+    pub normal_deg: f64,
+    /// Its distance from the origin along the normal at height 0.
+    pub offset_mm: f64,
+    /// What the distance grows by per unit of height.
+    pub rise_ratio: f64,
+}
+
 /// Why there are no limits.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum LimitError {
@@ -112,6 +123,23 @@ pub fn stock_limits(
     found.map(|purpose| limit(*purpose, &of(*purpose), &faces, mill)).collect()
 }
 
+/// What bounds the stock of the slot: both faces, and the line along y through the base position, beyond which the ring meets the
+/// planes of the faces once more, outside of the blank. For the law that looks at the whole engaged arc.
+///
+/// # Errors
+/// The tool stands along the rotor's axis.
+pub fn bounds(path: &SlotPath, mill: &CupMill, blank: &Blank, tool_axis: &Vector) -> Result<[Bound; 3], LimitError> {
+    let frame = slot_frame(tool_axis).ok_or(LimitError::AlongRotor)?;
+    let rotor = frame * Vector::z();
+    let face = |face: BlankFace| {
+        let line = line(face, blank, &rotor, mill.insert_radius_mm);
+        Bound { normal_deg: line.normal_deg(), offset_mm: line.offset_mm, rise_ratio: line.rise_ratio }
+    };
+    let is_right = path.exterior.x > path.base.x;
+    let (normal_deg, offset_mm) = if is_right { (180.0, -path.base.x) } else { (0.0, path.base.x) };
+    Ok([face(BlankFace::Lower), face(BlankFace::Upper), Bound { normal_deg, offset_mm, rise_ratio: 0.0 }])
+}
+
 /// A face's line: (2).
 #[derive(Clone, Copy, Debug)]
 struct Line {
@@ -120,6 +148,12 @@ struct Line {
     outward: f64,
     offset_mm: f64,
     rise_ratio: f64,
+}
+
+impl Line {
+    fn normal_deg(&self) -> f64 {
+        if self.outward > 0.0 { 90.0 } else { 270.0 }
+    }
 }
 
 fn line(face: BlankFace, blank: &Blank, rotor: &Vector, above_mm: f64) -> Line {
@@ -173,7 +207,7 @@ fn limit(purpose: Purpose, steps: &[&Step], faces: &[Line; 2], mill: &CupMill) -
         turn: steps.iter().find_map(|step| step.about).map_or(Turn::Cw, |(_, turn)| turn),
         edge: chosen.edge,
         face: chosen.line.face,
-        normal_deg: if chosen.line.outward > 0.0 { 90.0 } else { 270.0 },
+        normal_deg: chosen.line.normal_deg(),
         offset_mm: chosen.line.offset_mm,
         rise_ratio: chosen.line.rise_ratio,
         heights_mm: [

@@ -58,10 +58,24 @@ pub struct Setup {
 pub struct Feeds {
     /// Of all arcs, and of what has none of its own.
     pub cutting_mm_per_min: f64,
-    /// From level to level, down and up.
+    /// Down to the first level, and up from the last.
+    pub approach_mm_per_min: Option<f64>,
+    /// From level to level.
     pub axial_mm_per_min: Option<f64>,
     /// Of indexing, inverse time.
     pub indexing_per_min: f64,
+}
+
+impl Feeds {
+    /// The feed of what is there for a purpose, mm/min.
+    pub fn of(&self, purpose: Purpose) -> f64 {
+        let own = match purpose {
+            Purpose::Approach | Purpose::Retract => self.approach_mm_per_min,
+            Purpose::Link => self.axial_mm_per_min,
+            _ => None,
+        };
+        own.unwrap_or(self.cutting_mm_per_min)
+    }
 }
 
 /// How the rotor gets from slot to slot.
@@ -115,7 +129,11 @@ fn check(path: &SlotPath, setup: &Setup) -> Result<(), NcError> {
     let feeds = [setup.feeds.cutting_mm_per_min, setup.feeds.indexing_per_min, setup.rev_per_min];
     let places = steps.iter().flat_map(|step| step.to.into_iter().chain(step.about.map(|(a, _)| a.x + a.y)));
     let is_sound = places.chain([setup.tilt_deg]).chain(setup.slots_deg.iter().copied()).all(f64::is_finite)
-        && feeds.into_iter().chain(setup.feeds.axial_mm_per_min).all(|feed| feed > 0.0 && feed.is_finite());
+        && feeds
+            .into_iter()
+            .chain(setup.feeds.axial_mm_per_min)
+            .chain(setup.feeds.approach_mm_per_min)
+            .all(|feed| feed > 0.0 && feed.is_finite());
     if is_sound { Ok(()) } else { Err(NcError::NotANumber) }
 }
 
@@ -210,8 +228,8 @@ impl Writer<'_> {
         }
         self.at = to;
         if !words.is_empty() {
-            let feed_mm_per_min = self.setup.feeds.axial_mm_per_min.unwrap_or(self.setup.feeds.cutting_mm_per_min);
-            self.sheet.motion("G1", &words, Some(("G94", self.in_unit(feed_mm_per_min))));
+            let feed = self.in_unit(self.setup.feeds.of(step.purpose));
+            self.sheet.motion("G1", &words, Some(("G94", feed)));
         }
     }
 

@@ -34,7 +34,12 @@ fn setup() -> Setup {
         coolant: true,
         tilt_deg: 0.0,
         slots_deg: vec![85.0, 85.0 + 360.0 / 19.0],
-        feeds: Feeds { cutting_mm_per_min: 635.0, axial_mm_per_min: Some(254.0), indexing_per_min: 50.0 },
+        feeds: Feeds {
+            cutting_mm_per_min: 635.0,
+            approach_mm_per_min: Some(254.0),
+            axial_mm_per_min: Some(254.0),
+            indexing_per_min: 50.0,
+        },
         indexing: Indexing::AtClearance,
         labels: true,
         reports: false,

@@ -92,6 +92,6 @@ fn tags_close() {
 fn an_arc_is_drawn_in_its_sense() {
     let picture = picture::slot(&report());
     // From C counter-clockwise about B1, which lies above it: to the right and up, on the screen without the flag.
-    assert!(picture.contains(" 0 0 0 "), "{picture}");
-    assert!(!picture.contains(" 0 1 "), "no long arc: {picture}");
+    assert!(picture.contains(" 0 0 0 605.68 37.50"), "{picture}");
+    assert!(!picture.contains(" 0 1 0 ") && !picture.contains(" 0 1 1 "), "no long arc: {picture}");
 }
