@@ -25,6 +25,8 @@ mod proof_volumes;
 
 mod proof_published;
 
+mod proof_dexels;
+
 mod parts;
 
 mod listing;
