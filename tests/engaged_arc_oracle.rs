@@ -330,7 +330,7 @@ impl Row {
         let (path_radius, feed_per_tooth) = (Mm(arc.radius_mm() as f32), MmPerTooth(a));
         let edge_radius = if self.edge == Edge::Outer { outer } else { inner };
         let ring = Ring { outer_radius: Mm(outer), inner_radius: Mm(inner), path_radius, feed_per_tooth };
-        let region = Region::new(&Stock::Convex([stock].into_iter().collect()), arc.center.map(Nm::to_mm));
+        let region = Region::new(&Stock::Convex([stock].into_iter().collect()), arc.center.map(Nm::to_mm), 0.0);
         let direction = arc.direction_at(ratio).map(|x| x as f32);
         let place = Place::on_arc(direction, f32::from(arc.turn.sign()), path_radius.0, 0.0);
         let one = Circumference::for_arc(&arc, Mm(edge_radius), self.edge, &stock, feed_per_tooth).wish(&place);

@@ -345,7 +345,7 @@ mod tests {
         let frame = good.frame(good.arc.direction_at(0.5));
         let through = |angle: f64, normal: [f64; 2]| {
             let offset_mm = dot(normal, frame.at(good.r0, 1.0, angle));
-            Scene { stock: StockLine { normal, offset_mm }, ..good }.law(direction)
+            Scene { stock: StockLine { normal, offset_mm, rise_ratio: 0.0 }, ..good }.law(direction)
         };
         // A line through the circle at 100 and 170 degrees, one behind O, one that passes the circle by.
         let middle = frame.at(1.0, 1.0, 135_f64.to_radians());
@@ -360,7 +360,7 @@ mod tests {
     fn nonsense_is_refused_as_bad_input() {
         let good = ROWS[0].scene();
         let direction = good.arc.direction_at(0.5).map(|x| x as f32);
-        let stock = |normal, offset_mm| Scene { stock: StockLine { normal, offset_mm }, ..good };
+        let stock = |normal, offset_mm| Scene { stock: StockLine { normal, offset_mm, rise_ratio: 0.0 }, ..good };
         let arc = Arc { from: [Nm(0); 2], ..good.arc };
         let mut scenes = vec![Scene { arc, ..good }, stock([f64::NAN, 0.0], 100.0), stock([0.0, f64::NAN], 100.0)];
         scenes.push(stock([1.0, 0.0], f64::NAN));
@@ -389,7 +389,7 @@ mod tests {
             let [from, center] = [[value(), value()], [value(), value()]].map(|point| point.map(Nm::from_mm));
             let direction = pairs[random.usize(..pairs.len())].map(|x| x as f32);
             let ordinary = Scene::sample(&mut random);
-            let stock = StockLine { normal, offset_mm };
+            let stock = StockLine { normal, offset_mm, rise_ratio: 0.0 };
             let weird = Arc { from, center, ..ordinary.arc };
             // One, two or three ordinary parts, or refusals would be all there is.
             let scene = match random.u8(..4) {

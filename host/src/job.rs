@@ -8,7 +8,7 @@ mod schema;
 
 mod tables;
 
-mod machine;
+pub(crate) mod machine;
 
 mod rules;
 
@@ -37,7 +37,8 @@ use crate::machine_file::MachineFile;
 use crate::place::place;
 pub use cutting::Cutting;
 pub use dnc::{DncSettings, TapeCode};
-use schema::{JobTable, LawTable, Quantity, ToolTable};
+use schema::{JobTable, LawTable, ToolTable};
+pub(crate) use schema::{Quantity, UnitWord};
 pub use serial::{Parity, SerialSettings};
 pub use workpiece::Workpiece;
 
@@ -147,7 +148,7 @@ pub enum JobError {
 }
 
 /// A complaint at a byte offset of the file.
-type Complaint = (usize, String);
+pub(crate) type Complaint = (usize, String);
 
 /// What a cut rule is read with.
 struct Around<'t> {
@@ -234,7 +235,7 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let feed_mm = length_mm(&table.law.feed_per_tooth, unit, "the feed per tooth")?;
     let tool = build_tool(&table.tool, unit)?;
     let law = build_law(&table.law, &tool)?;
-    let machine = machine::named(&table.machine, folder)?;
+    let machine = machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?;
     let (rules, knots) = rules::build(&table.cut, &Around { unit, tool: &tool, law })?;
     let job = Job {
         unit,
@@ -329,17 +330,17 @@ fn build_law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
     }
 }
 
-fn length_mm(quantity: &Spanned<Quantity>, unit: LengthUnit, name: &str) -> Result<f64, Complaint> {
+pub(crate) fn length_mm(quantity: &Spanned<Quantity>, unit: LengthUnit, name: &str) -> Result<f64, Complaint> {
     let mm = quantity.as_ref().to_mm(unit);
     if mm > 0.0 && mm < 1e5 { Ok(mm) } else { Err(at(quantity, &format!("{name} must be a positive length"))) }
 }
 
-fn positive(value: &Spanned<f64>, name: &str) -> Result<f64, Complaint> {
+pub(crate) fn positive(value: &Spanned<f64>, name: &str) -> Result<f64, Complaint> {
     let number = *value.as_ref();
     if number > 0.0 && number < 1e6 { Ok(number) } else { Err(at(value, &format!("{name} must be positive"))) }
 }
 
-fn at<T>(place: &Spanned<T>, message: &str) -> Complaint {
+pub(crate) fn at<T>(place: &Spanned<T>, message: &str) -> Complaint {
     (place.span().start, message.to_string())
 }
 

@@ -17,6 +17,8 @@ pub mod snippet;
 
 pub mod job;
 
+pub mod part;
+
 pub mod init;
 
 pub mod adapt;

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use arcfeed::commands::{
-    adapt::Adapt, board::Board, check::Check, init::Init, parameters::Parameters, ports::Ports, post::Post,
+    adapt::Adapt, board::Board, check::Check, init::Init, parameters::Parameters, plan::Plan, ports::Ports, post::Post,
     serve::Serve, simulate::Simulate, stream::Stream, verify::Verify,
 };
 use clap::{Parser, Subcommand};
@@ -24,6 +24,7 @@ enum Command {
     Check(Check),
     Init(Init),
     Adapt(Adapt),
+    Plan(Plan),
     Post(Post),
     Stream(Stream),
     Verify(Verify),
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
         Command::Check(command) => command.run(),
         Command::Init(command) => command.run(),
         Command::Adapt(command) => command.run(),
+        Command::Plan(command) => command.run(),
         Command::Post(command) => command.run(),
         Command::Stream(command) => command.run(),
         Command::Verify(command) => command.run(),

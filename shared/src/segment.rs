@@ -99,6 +99,13 @@ impl Segment {
         Nm(pick(&self.end.linear, normal).0.saturating_sub(pick(&self.start.linear, normal).0))
     }
 
+    /// How high an arc's plane lies at its start, along the plane's normal; 0 for lines.
+    pub fn height(&self) -> Nm {
+        let Path::Arc(arc) = &self.path else { return Nm(0) };
+        let (_, _, normal) = arc.plane.axes();
+        pick(&self.start.linear, normal)
+    }
+
     /// Length along which F counts, mm: that of the path, of a helix that of its arc in the plane (HTG = 0).
     pub fn feed_length_mm(&self) -> f64 {
         match &self.path {

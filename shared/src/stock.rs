@@ -26,23 +26,32 @@ pub enum Stock {
     Engaged(EngagedTable),
 }
 
-/// The stock limit as a line `normal . p = offset`; the normal points out of the material.
+/// The stock limit as a line `normal . p = offset + rise h`; the normal points out of the material, h is the height of the
+/// segment's plane. A plane face that leans is one line with a rise for all levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StockLine {
     /// Unit normal, in the arc's plane.
     pub normal: [f64; 2],
-    /// Distance of the line from the program's origin along the normal, mm.
+    /// Distance of the line from the program's origin along the normal at height 0, mm.
     pub offset_mm: f64,
+    /// How much the offset grows per millimetre of height: Z in G17, Y in G18, X in G19.
+    pub rise_ratio: f64,
 }
 
 impl StockLine {
     /// A line by the direction of its normal, degrees from the plane's first axis, and its offset, mm.
     pub fn from_angle(normal_deg: f64, offset_mm: f64) -> Self {
         let (sin, cos) = libm::sincos(normal_deg.to_radians());
-        StockLine { normal: [cos, sin], offset_mm }
+        StockLine { normal: [cos, sin], offset_mm, rise_ratio: 0.0 }
     }
 
-    /// How far the line lies from `point` (mm) along its normal; positive if the point is inside the material.
+    /// The line at a height, mm: from there on it has no rise.
+    #[must_use]
+    pub fn at_height(&self, height_mm: f64) -> Self {
+        StockLine { offset_mm: self.offset_mm + self.rise_ratio * height_mm, rise_ratio: 0.0, ..*self }
+    }
+
+    /// How far the line at height 0 lies from `point` (mm) along its normal; positive if the point is inside the material.
     pub fn distance_mm(&self, point: [f64; 2]) -> f64 {
         let ([nx, ny], [x, y]) = (self.normal, point);
         self.offset_mm - (nx * x + ny * y)
@@ -87,7 +96,7 @@ impl Stock {
             let length_mm = libm::hypot(to_x - x, to_y - y);
             let normal = [outward * (to_y - y) / length_mm, -outward * (to_x - x) / length_mm];
             let [nx, ny] = normal;
-            let line = StockLine { normal, offset_mm: nx * x + ny * y };
+            let line = StockLine { normal, offset_mm: nx * x + ny * y, rise_ratio: 0.0 };
             let is_corner = |corner: [f64; 2]| corner == [x, y] || corner == [to_x, to_y];
             if !corners_mm.iter().filter(|corner| !is_corner(**corner)).all(|corner| line.distance_mm(*corner) > 0.0) {
                 return None;
@@ -111,6 +120,14 @@ mod tests {
     fn a_stock_line_measures_into_the_material() {
         let line = StockLine::from_angle(90.0, 10.0);
         assert!((line.distance_mm([123.0, 4.0]) - 6.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_line_that_rises_is_further_out_by_its_rise_times_the_height() {
+        let line = StockLine { rise_ratio: 0.25, ..StockLine::from_angle(0.0, 10.0) };
+        let above = line.at_height(8.0);
+        assert!((above.distance_mm([3.0, 123.0]) - 9.0).abs() < 1e-12);
+        assert_eq!(above.at_height(-100.0), above);
     }
 
     #[test]

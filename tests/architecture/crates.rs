@@ -7,16 +7,25 @@ use crate::manifest::{Entry, array, dependencies, entries, string};
 use crate::source::{Source, read, rust_files, rust_files_of, tokens};
 
 /// Each package of the workspace with those it may use.
-const ARROWS: [(&str, &[&str]); 8] = [
+const ARROWS: [(&str, &[&str]); 9] = [
     ("arcfeed-shared", &[]),
     ("arcfeed-firmware", &["arcfeed-shared"]),
     ("arcfeed-bench", &["arcfeed-shared", "arcfeed-firmware"]),
     ("arcfeed-hil-sim", &["arcfeed-shared", "arcfeed-firmware"]),
     ("arcfeed-line-errors", &[]),
-    ("arcfeed", &["arcfeed-shared", "arcfeed-firmware", "arcfeed-hil-sim", "arcfeed-line-errors"]),
+    ("arcfeed-plan", &["arcfeed-shared"]),
+    ("arcfeed", &["arcfeed-shared", "arcfeed-firmware", "arcfeed-hil-sim", "arcfeed-line-errors", "arcfeed-plan"]),
     (
         "arcfeed-tests",
-        &["arcfeed-shared", "arcfeed-firmware", "arcfeed-bench", "arcfeed-hil-sim", "arcfeed-line-errors", "arcfeed"],
+        &[
+            "arcfeed-shared",
+            "arcfeed-firmware",
+            "arcfeed-bench",
+            "arcfeed-hil-sim",
+            "arcfeed-line-errors",
+            "arcfeed-plan",
+            "arcfeed",
+        ],
     ),
     ("xtask", &[]),
 ];

@@ -215,7 +215,7 @@ impl RingScene {
             }
             Stock::Engaged(table) => Stock::Engaged(table.clone()),
         };
-        EngagedArc::new(ring, self.policy, Region::new(&stock, self.seen(self.origin)))
+        EngagedArc::new(ring, self.policy, Region::new(&stock, self.seen(self.origin), 0.0))
     }
 
     /// How deep the edge lies in the stock in a direction of the moving frame.
@@ -282,7 +282,11 @@ pub fn engaged_table(knots: &[(f64, [Point; 2])]) -> Option<EngagedTable> {
 /// A stock whose boundary, or near it, goes through `touch`.
 fn stock_at(random: &mut Rng, touch: Point, size: f64) -> Stock {
     let normal_rad = between(random, 0.0, TAU);
-    let line = |angle: f64, point: Point| StockLine { normal: unit(angle), offset_mm: dot(unit(angle), point) };
+    let line = |angle: f64, point: Point| StockLine {
+        normal: unit(angle),
+        offset_mm: dot(unit(angle), point),
+        rise_ratio: 0.0,
+    };
     match random.u8(..4) {
         0 => Stock::Convex([line(normal_rad, touch)].into_iter().collect()),
         1 => {

@@ -27,6 +27,7 @@ impl Scene for RingScene {
                 let line = |line: &StockLine| StockLine {
                     normal: turned(line.normal),
                     offset_mm: view.scale * (line.offset_mm + grown),
+                    ..*line
                 };
                 Stock::Convex(lines.iter().map(line).collect())
             }
@@ -211,7 +212,7 @@ impl CircumferenceScene {
     }
 
     pub fn stock(&self) -> StockLine {
-        StockLine { normal: self.seen_in_mirror(self.normal), offset_mm: self.offset }
+        StockLine { normal: self.seen_in_mirror(self.normal), offset_mm: self.offset, rise_ratio: 0.0 }
     }
 }
 

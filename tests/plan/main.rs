@@ -1,4 +1,5 @@
-//! The planning of cup-mill paths: the rotor's geometry, and the proof that nothing is touched.
+//! The planner of cup-mill paths: its rotors, its method, the proof that nothing is touched, and what it writes; held to what the planner did not
+//! make.
 
 mod published_rotor;
 
@@ -9,6 +10,8 @@ mod files;
 mod slots;
 
 mod meshes;
+
+mod flaws;
 
 mod proof_cases;
 
@@ -21,3 +24,11 @@ mod proof_volumes;
 mod proof_published;
 
 mod parts;
+
+mod listing;
+
+mod limits;
+
+mod rise;
+
+mod job;

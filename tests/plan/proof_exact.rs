@@ -16,7 +16,8 @@ const CHORD_MM: f64 = 0.002;
 
 /// A surface of revolution about an upright line.
 fn standing(profile_mm: Vec<[f64; 2]>, [x, y]: [f64; 2]) -> Vec<Triangle> {
-    let triangles = revolved(&Revolution { profile_mm }, CHORD_MM);
+    let faces_mm = [profile_mm[0][0], profile_mm[profile_mm.len() - 1][0]];
+    let triangles = revolved(&Revolution { profile_mm }, faces_mm, CHORD_MM);
     triangles.into_iter().map(|corners| corners.map(|corner| corner + Vector::new(x, y, 0.0))).collect()
 }
 

@@ -40,9 +40,11 @@ fn the_plan_of_the_published_tool_touches_no_finished_surface() {
     assert_eq!((proof.open().count(), proof.clearances.len()), (0, 11));
     let ring = |obstacle| proof.clearance(Part::Ring, obstacle).expect("a ring").beyond_mm(ALLOWANCE_MM);
     println!("beyond the allowance: blades {:.4?}, hub {:.4?} mm", ring(Obstacle::Blades), ring(Obstacle::Hub));
-    // The hub's chord error, and the gap.
-    assert!(ring(Obstacle::Hub)[0] > -0.011 && ring(Obstacle::Hub)[1] < 0.021);
-    assert!((4.9..5.0).contains(&proof.indexing_mm), "{}", proof.indexing_mm);
+    // The chord error, and the gap.
+    assert!(ring(Obstacle::Hub)[0] > -0.011);
+    // The planner keeps to the sides between the round edges and looks at those it comes up to; a turn about a point of one cuts into it.
+    assert!(ring(Obstacle::Blades)[0] > -0.1 * ALLOWANCE_MM);
+    assert!((4.9..5.1).contains(&proof.indexing_mm), "{}", proof.indexing_mm);
     let pieces: usize = proof.clearances.iter().map(|found| found.pieces).sum();
     println!("{pieces} pieces for {} steps and {} blades", plan.path.steps().len(), blisk.blades);
     assert!(pieces < 200_000);
@@ -62,9 +64,9 @@ fn the_published_tool_takes_most_of_the_slot() {
     println!("{:.0} +- {error_mm3:.0} mm3 in {} levels", proof.removed.total_mm3(), by_level_mm3.len());
     println!("{:.1} % of the slot's {slot_mm3:.0} mm3", 100.0 * proof.removed.share_ratio());
     assert!(*error_mm3 < 0.001 * proof.removed.total_mm3());
-    assert!((0.7..0.9).contains(&proof.removed.share_ratio()));
-    // The ring comes up to the hub and to both sides somewhere.
-    for map in [&proof.left.pressure, &proof.left.suction, &proof.left.hub] {
-        assert!(map.range_mm()[0] < 0.05);
+    assert!((0.6..0.9).contains(&proof.removed.share_ratio()));
+    // The ring comes up to both sides somewhere.
+    for map in [&proof.left.pressure, &proof.left.suction] {
+        assert!((-0.01..0.05).contains(&map.range_mm()[0]));
     }
 }

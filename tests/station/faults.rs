@@ -28,7 +28,10 @@ const SETTLE: usize = 5_000;
 fn job() -> Job {
     let rule = CutRule {
         moves: Moves::Rotations(Rotation::Exterior, Turn::Cw),
-        work: Work::Ring(Edge::Outer, Stock::half_plane(StockLine { normal: [0.0, 1.0], offset_mm: 50.0 })),
+        work: Work::Ring(
+            Edge::Outer,
+            Stock::half_plane(StockLine { normal: [0.0, 1.0], offset_mm: 50.0, rise_ratio: 0.0 }),
+        ),
         feed_per_tooth: None,
         table: None,
         sequence: None,

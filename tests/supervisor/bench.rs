@@ -211,7 +211,7 @@ fn job(limits: OverrideLimits) -> Job {
 /// A rule whose stock line meets the cutting circle at 60 degrees from the rotation centre, or not at all.
 fn rule(misses: bool) -> CutRule {
     let offset_mm = if misses { -500.0 } else { 50.0 };
-    let stock = StockLine { normal: [0.0, 1.0], offset_mm };
+    let stock = StockLine { normal: [0.0, 1.0], offset_mm, rise_ratio: 0.0 };
     CutRule {
         moves: Moves::Rotations(Rotation::Exterior, Turn::Cw),
         work: Work::Ring(Edge::Outer, Stock::half_plane(stock)),

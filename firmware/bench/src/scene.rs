@@ -239,7 +239,7 @@ fn line(random: &mut Random, arc: &Arc, tool: &CupMill) -> StockLine {
     let normal = vector(random, 1e9).map(|Nm(nm)| nm as f64 * 1e-9);
     let [x, y] = arc.center.map(Nm::to_mm);
     let beside_mm = (random.below(2_000) as f64 * 1e-3 - 1.0) * tool.outer_radius.to_mm();
-    StockLine { normal, offset_mm: normal[0] * x + normal[1] * y + beside_mm }
+    StockLine { normal, offset_mm: normal[0] * x + normal[1] * y + beside_mm, rise_ratio: 0.0 }
 }
 
 /// A piece with its corners on a circle near the arc: in their order they are convex.

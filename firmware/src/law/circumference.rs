@@ -50,7 +50,7 @@ struct Contact {
 }
 
 impl Circumference {
-    /// Prepares the law for an arc; the one place with f64, once per block.
+    /// Prepares the law for an arc, with the stock's line at the arc's height; the one place with f64, once per block.
     pub fn for_arc(arc: &Arc, edge_radius: Mm, edge: Edge, stock: &StockLine, feed_per_tooth: MmPerTooth) -> Self {
         let [nx, ny] = stock.normal;
         let path_radius = Mm(arc.radius_mm() as f32);

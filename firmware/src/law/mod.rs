@@ -176,9 +176,11 @@ fn for_ring(
     feed_per_tooth: MmPerTooth,
 ) -> SegmentLaw {
     let Some(arc) = segment.arc() else { return SegmentLaw::Programmed };
+    let height_mm = segment.height().to_mm();
     match (law, stock.line()) {
         (LawKind::Circumference, Some(line)) => {
-            let law = Circumference::for_arc(arc, mill.radius_mm(edge), edge, line, feed_per_tooth);
+            let law =
+                Circumference::for_arc(arc, mill.radius_mm(edge), edge, &line.at_height(height_mm), feed_per_tooth);
             SegmentLaw::Circumference(law)
         }
         (LawKind::EngagedArc { both_edges }, _) => {
@@ -189,7 +191,7 @@ fn for_ring(
                 feed_per_tooth,
             };
             let policy = if both_edges { EdgePolicy::Protect } else { EdgePolicy::Only(edge) };
-            let region = Region::new(stock, arc.center.map(Nm::to_mm));
+            let region = Region::new(stock, arc.center.map(Nm::to_mm), height_mm);
             SegmentLaw::EngagedArc(EngagedArc::new(ring, policy, region))
         }
         _ => SegmentLaw::Programmed,

@@ -59,8 +59,8 @@ impl HalfPlane {
 }
 
 impl Region {
-    /// The stock of a program seen from a segment's origin (mm).
-    pub fn new(stock: &Stock, origin_mm: [f64; 2]) -> Self {
+    /// The stock of a program seen from a segment's origin (mm) at the segment's height.
+    pub fn new(stock: &Stock, origin_mm: [f64; 2], height_mm: f64) -> Self {
         match stock {
             Stock::Convex(lines) => {
                 let mut planes = Vec::new();
@@ -68,7 +68,7 @@ impl Region {
                     // As many as there are lines: there is room; `collect` would bring a panic along.
                     let _room = planes.push(HalfPlane {
                         normal: Vector2::from(line.normal).cast(),
-                        offset_mm: line.distance_mm(origin_mm) as f32,
+                        offset_mm: line.at_height(height_mm).distance_mm(origin_mm) as f32,
                     });
                 }
                 Region::Convex(planes)

@@ -80,7 +80,7 @@ fn job(limits: OverrideLimits) -> Job {
 
 /// A stock line that the cutting circle meets at 60 degrees from the rotation centre, or never.
 fn rule(offset_mm: f64) -> CutRule {
-    let stock = Stock::half_plane(StockLine { normal: [0.0, 1.0], offset_mm });
+    let stock = Stock::half_plane(StockLine { normal: [0.0, 1.0], offset_mm, rise_ratio: 0.0 });
     CutRule {
         moves: Moves::Rotations(Rotation::Exterior, ArcTurn::Cw),
         work: arcfeed_shared::cut::Work::Ring(Edge::Outer, stock),

@@ -12,7 +12,7 @@ use std::collections::VecDeque;
 use arcfeed_shared::cut::{CutRule, Work};
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::report::{ChipFigures, LeftOut};
-use arcfeed_shared::segment::{Arc, Segment};
+use arcfeed_shared::segment::Segment;
 use arcfeed_shared::stock::StockLine;
 use arcfeed_shared::telemetry::Sample;
 use arcfeed_shared::tool::{Edge, Tool};
@@ -137,7 +137,7 @@ impl ChipMeter {
         self.end_block();
         let Some((_, rule)) = found else { return };
         self.block = Some(block);
-        self.cut = segment.arc().and_then(|arc| RingCut::new(arc, rule, &self.settings));
+        self.cut = RingCut::new(segment, rule, &self.settings);
     }
 
     /// A report that does not count: the axes are not on the move yet, or the spindle stands.
@@ -234,8 +234,9 @@ impl MeterSettings {
 }
 
 impl RingCut {
-    fn new(arc: &Arc, rule: &CutRule, settings: &MeterSettings) -> Option<Self> {
+    fn new(segment: &Segment, rule: &CutRule, settings: &MeterSettings) -> Option<Self> {
         let (Tool::CupMill(mill), Work::Ring(edge, stock)) = (&settings.tool, &rule.work) else { return None };
+        let arc = segment.arc()?;
         let (first, second, _) = arc.plane.axes();
         let circle =
             |edge: Edge| Circle { radius_mm: mill.radius(edge).to_mm(), advance_ratio: f64::from(edge.advance()) };
@@ -244,7 +245,7 @@ impl RingCut {
             rotation_center_mm: Vector2::from(arc.center.map(Nm::to_mm)),
             cutting: circle(*edge),
             circles: [circle(Edge::Outer), circle(Edge::Inner)],
-            line: *stock.line()?,
+            line: stock.line()?.at_height(segment.height().to_mm()),
             target_mm_per_tooth: rule.feed_per_tooth.map_or(settings.target_mm_per_tooth, |feed| f64::from(feed.0)),
         })
     }

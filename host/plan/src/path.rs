@@ -13,6 +13,9 @@ use arcfeed_shared::nc::modal::Turn;
 
 use crate::vector::Flat;
 
+/// An arc that ends so little before its start is one of no length.
+const SWEEP_NOISE_RAD: f64 = 1e-9;
+
 /// The slot's path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlotPath {
@@ -73,6 +76,42 @@ pub struct Step {
     pub to: [f64; 3],
     /// Centre and sense of an arc; a line otherwise.
     pub about: Option<(Flat, Turn)>,
+}
+
+impl Purpose {
+    /// Its number in Petean's table 5.1; nothing for lines.
+    pub const fn movement(self) -> Option<usize> {
+        match self {
+            Purpose::Movement1 => Some(1),
+            Purpose::Movement2 => Some(2),
+            Purpose::Movement3 => Some(3),
+            Purpose::Movement4 => Some(4),
+            Purpose::Approach | Purpose::Link | Purpose::Retract => None,
+        }
+    }
+}
+
+impl Step {
+    /// Angle about its centre from start to end in its own sense, in [0, 2 pi); 0 for a line.
+    pub fn sweep_rad(&self) -> f64 {
+        use std::f64::consts::TAU;
+        let Some((center, turn)) = self.about else { return 0.0 };
+        let arm = |[x, y, _]: [f64; 3]| [x - center.x, y - center.y];
+        let ([x, y], [to_x, to_y]) = (arm(self.from), arm(self.to));
+        let ccw_rad = libm::atan2(x * to_y - y * to_x, x * to_x + y * to_y);
+        let sweep_rad = ccw_rad * f64::from(turn.sign());
+        let is_before = sweep_rad < -SWEEP_NOISE_RAD;
+        if is_before { sweep_rad + TAU } else { sweep_rad.max(0.0) }
+    }
+
+    /// Length of the centre's way, mm.
+    pub fn length_mm(&self) -> f64 {
+        let [dx, dy, dz] = std::array::from_fn(|axis| self.to[axis] - self.from[axis]);
+        match self.about {
+            Some((center, _)) => self.sweep_rad() * libm::hypot(self.from[0] - center.x, self.from[1] - center.y),
+            None => libm::hypot(libm::hypot(dx, dy), dz),
+        }
+    }
 }
 
 impl SlotPath {

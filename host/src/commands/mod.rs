@@ -25,3 +25,5 @@ pub mod verify;
 pub mod serve;
 
 pub mod ports;
+
+pub mod plan;

@@ -7,13 +7,17 @@ use arcfeed_shared::machine::{ArcClamp, MachineLimits};
 use arcfeed_shared::units::{DegPerMin, LengthUnit, Mm, MmPerMin};
 use toml::Spanned;
 
-use super::schema::{ArcClampTable, JobTable, MachineTable, MaxFeedTable, Quantity};
+use super::schema::{ArcClampTable, JobTable, MaxFeedTable, Quantity};
 use super::{Complaint, at, length_mm, positive};
 use crate::machine_file::MachineFile;
 
-/// The five-axis machine that the job names, by a file beside it or as a preset.
-pub fn named(table: &MachineTable, folder: &Path) -> Result<Option<MachineFile>, Complaint> {
-    match (&table.file, &table.preset) {
+/// The five-axis machine that a job or a part names, by a file beside it or as a preset.
+pub fn named(
+    file: Option<&Spanned<String>>,
+    preset: Option<&Spanned<String>>,
+    folder: &Path,
+) -> Result<Option<MachineFile>, Complaint> {
+    match (file, preset) {
         (None, None) => Ok(None),
         (Some(_), Some(preset)) => Err(at(preset, "a machine is a `file` or a `preset`; remove one of them")),
         (Some(file), None) => {

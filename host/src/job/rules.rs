@@ -107,29 +107,49 @@ fn turn(direction: DirectionWord) -> Turn {
 
 fn build_stock(stock: &Spanned<StockTable>, edge: Edge, around: &Around<'_>) -> Result<Stock, Complaint> {
     let mm = |quantity: &Quantity| quantity.to_mm(around.unit);
-    let StockTable { normal_deg, offset, from, to, polygon, disc, engaged } = stock.as_ref();
-    match (normal_deg, offset, from, to, polygon, disc, engaged) {
-        (Some(normal_deg), Some(offset), None, None, None, None, None) => {
-            Ok(Stock::half_plane(StockLine::from_angle(*normal_deg, mm(offset))))
+    let StockTable { normal_deg, offset, from, to, rise, lines, polygon, disc, engaged } = stock.as_ref();
+    let half_plane = |line| Stock::half_plane(StockLine { rise_ratio: rise.unwrap_or(0.0), ..line });
+    let is_line = normal_deg.is_some() || from.is_some();
+    if rise.is_some_and(|rise| !rise.is_finite() || !is_line) {
+        return Err(at(
+            stock,
+            "`rise` is how much the offset of a line grows per unit of height, and goes with a line only",
+        ));
+    }
+    match (normal_deg, offset, from, to, lines, polygon, disc, engaged) {
+        (Some(normal_deg), Some(offset), None, None, None, None, None, None) => {
+            Ok(half_plane(StockLine::from_angle(*normal_deg, mm(offset))))
         }
-        (None, None, Some(from), Some(to), None, None, None) => {
+        (None, None, Some(from), Some(to), None, None, None, None) => {
             let line = line_through(from.each_ref().map(mm), to.each_ref().map(mm));
-            line.map(Stock::half_plane).ok_or_else(|| at(stock, "`from` and `to` are the same point"))
+            line.map(half_plane).ok_or_else(|| at(stock, "`from` and `to` are the same point"))
         }
-        (None, None, None, None, Some(corners), None, None) => {
+        (None, None, None, None, Some(lines), None, None, None) => {
+            let line = |(normal_deg, offset, rise): &(f64, Quantity, f64)| StockLine {
+                rise_ratio: *rise,
+                ..StockLine::from_angle(*normal_deg, mm(offset))
+            };
+            let is_sound =
+                (1..=EDGES_MAX).contains(&lines.len()) && lines.iter().all(|(deg, _, rise)| (deg + rise).is_finite());
+            let message =
+                format!("`lines` are 1 to {EDGES_MAX} of [normal_deg, offset, rise]; the stock is inside of all");
+            if is_sound { Ok(Stock::Convex(lines.iter().map(line).collect())) } else { Err(at(stock, &message)) }
+        }
+        (None, None, None, None, None, Some(corners), None, None) => {
             let corners: Vec<[f64; 2]> = corners.iter().map(|corner| corner.each_ref().map(mm)).collect();
             let message = format!("a stock polygon must be convex and have 3 to {EDGES_MAX} corners");
             Stock::polygon(&corners).ok_or_else(|| at(stock, &message))
         }
-        (None, None, None, None, None, Some(disc), None) => {
+        (None, None, None, None, None, None, Some(disc), None) => {
             let [x, y, radius_mm] = disc.each_ref().map(mm);
             let disc = Stock::Disc { center_mm: [x, y], radius_mm };
             if radius_mm > 0.0 { Ok(disc) } else { Err(at(stock, "a disc is [x, y, radius], its radius positive")) }
         }
-        (None, None, None, None, None, None, Some(rows)) => tables::engaged(rows, edge, around.unit, around.law),
+        (None, None, None, None, None, None, None, Some(rows)) => tables::engaged(rows, edge, around.unit, around.law),
         _ => Err(at(
             stock,
-            "give the stock as { normal_deg, offset }, { from = [x, y], to = [x, y] }, { polygon = [[x, y], ...] }, \
+            "give the stock as { normal_deg, offset } or { from = [x, y], to = [x, y] } (both may have a rise), { lines = [[normal_deg, offset, rise], ...] }, \
+             { polygon = [[x, y], ...] }, \
              { disc = [x, y, radius] } or { engaged = [[path, from_deg, to_deg], ...] }",
         )),
     }
@@ -140,5 +160,5 @@ fn line_through([x, y]: [f64; 2], [to_x, to_y]: [f64; 2]) -> Option<StockLine> {
     let (dx, dy) = (to_x - x, to_y - y);
     let length = libm::hypot(dx, dy);
     let normal = [dy / length, -dx / length];
-    (length > 0.0).then(|| StockLine { normal, offset_mm: normal[0] * x + normal[1] * y })
+    (length > 0.0).then(|| StockLine { normal, offset_mm: normal[0] * x + normal[1] * y, rise_ratio: 0.0 })
 }

@@ -190,6 +190,8 @@ pub struct StockTable {
     pub offset: Option<Quantity>,
     pub from: Option<[Quantity; 2]>,
     pub to: Option<[Quantity; 2]>,
+    pub rise: Option<f64>,
+    pub lines: Option<Vec<(f64, Quantity, f64)>>,
     pub polygon: Option<Vec<[Quantity; 2]>>,
     pub disc: Option<[Quantity; 3]>,
     pub engaged: Option<Spanned<Vec<Spanned<Vec<Quantity>>>>>,

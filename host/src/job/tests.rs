@@ -105,6 +105,24 @@ fn a_line_through_two_points_has_the_material_on_its_left() {
 }
 
 #[test]
+fn only_a_line_rises() {
+    let text = JOB.replace("offset = 1", "offset = 1, rise = -0.25");
+    let stock = stock_line(&parse(&text).unwrap());
+    assert_eq!(stock.rise_ratio, -0.25);
+    assert!((stock.at_height(8.0).offset_mm - 23.4).abs() < 1e-12);
+    let through = JOB.replace("normal_deg = 90.0, offset = 1", "from = [0, 1], to = [-5, 1], rise = 0.5");
+    assert_eq!(stock_line(&parse(&through).unwrap()).rise_ratio, 0.5);
+    let lines = JOB.replace("normal_deg = 90.0, offset = 1", "lines = [[90.0, 1, 0.25], [180.0, \"3 mm\", 0.0]]");
+    let Work::Ring(_, Stock::Convex(lines)) = &parse(&lines).unwrap().job.rules[0].work else { panic!("two lines") };
+    assert_eq!((lines.len(), lines[0].rise_ratio), (2, 0.25));
+    assert!((lines[0].offset_mm - 25.4).abs() < 1e-12 && (lines[1].offset_mm - 3.0).abs() < 1e-12);
+    for stock in ["disc = [0, 0, 1], rise = 0.1", "normal_deg = 90.0, offset = 1, rise = inf"] {
+        let message = parse(&JOB.replace("normal_deg = 90.0, offset = 1", stock)).unwrap_err();
+        assert!(message.starts_with("shop/job.toml:11:") && message.contains("`rise`"), "{message}");
+    }
+}
+
+#[test]
 fn complaints_name_file_line_column_and_the_way_out() {
     for (from, to, start, hint) in [
         ("active_teeth = 10", "active_teeth = 0", "shop/job.toml:4:", "at least one"),

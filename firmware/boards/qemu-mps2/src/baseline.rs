@@ -45,14 +45,15 @@ impl Baseline {
 /// What the source's equations take at this position: the stock limit in the frame at O, by two points a tool's radius
 /// either side of the foot of the perpendicular from O.
 fn movement(block: &Block, position: &Pose, job: &Job) -> Option<Movement<f64>> {
-    let (arc, rule) = (block.segment.as_ref()?.arc()?, block.cut(job)?);
+    let segment = block.segment.as_ref()?;
+    let (arc, rule) = (segment.arc()?, block.cut(job)?);
     let [x, y, _] = position.linear.map(Nm::to_mm);
     let [center_x, center_y] = arc.center.map(Nm::to_mm);
     let path_radius = arc.radius_mm();
     let (ex, ey) = ((x - center_x) / path_radius, (y - center_y) / path_radius);
     let turn = if arc.turn == Turn::Ccw { 1.0 } else { -1.0 };
     let (Tool::CupMill(tool), Work::Ring(edge, stock)) = (&job.tool, &rule.work) else { return None };
-    let line = stock.line()?;
+    let line = stock.line()?.at_height(segment.height().to_mm());
     let [nx, ny] = line.normal;
     let (normal_x, normal_y) = (turn * (ny * ex - nx * ey), -(nx * ex + ny * ey));
     let distance = line.distance_mm([x, y]);

@@ -43,17 +43,14 @@ impl Sections {
     /// # Errors
     /// As [`Face::through`].
     pub fn faces(&self) -> Result<[Face; 2], FaceError> {
-        let out = self.across().unwrap_or_default();
+        let out = self.across();
         Ok([Face::through(&self.pressure, out)?, Face::through(&self.suction, -out)?])
     }
 
-    /// From the suction to the pressure side, in the middle of the blade.
-    fn across(&self) -> Option<Vector> {
-        let [pressure, suction] = [&self.pressure, &self.suction].map(|side| {
-            let section = side.get(side.len() / 2)?;
-            section.get(section.len() / 2)
-        });
-        Some(pressure? - suction?)
+    /// From the suction to the pressure side, all points together: a place where they have changed sides does not turn it.
+    fn across(&self) -> Vector {
+        let pairs = self.pressure.iter().flatten().zip(self.suction.iter().flatten());
+        pairs.map(|(pressure, suction)| pressure - suction).sum()
     }
 
     /// How much longer the suction side is, mm, all sections together. A camber makes it so.

@@ -23,3 +23,5 @@ pub mod curves;
 pub mod slot;
 
 pub mod mesh;
+
+pub mod flaws;

@@ -11,16 +11,20 @@ pub fn blade(blisk: &Blisk, chord_mm: f64) -> Vec<Triangle> {
     mesh::blade(&blisk.blade(0), chord_mm, chord_mm)
 }
 
-/// All that is below a surface of revolution. Part frame.
-pub fn revolved(surface: &Revolution, chord_mm: f64) -> Vec<Triangle> {
-    let ends = surface.profile_mm.first().zip(surface.profile_mm.last());
-    let faces_mm = ends.map_or([0.0; 2], |(first, last)| [first[0], last[0]]);
+/// All that is below a surface of revolution, between two planes across its axis.
+pub fn revolved(surface: &Revolution, faces_mm: [f64; 2], chord_mm: f64) -> Vec<Triangle> {
     mesh::revolved(surface, &Sector { angles_rad: [0.0, TAU], faces_mm, inner_radius_mm: 0.0 }, chord_mm)
+}
+
+/// What of the blank is below the gas path. Part frame.
+pub fn hub(blisk: &Blisk, chord_mm: f64) -> Vec<Triangle> {
+    revolved(&blisk.hub, blisk.blank.faces_mm, chord_mm)
 }
 
 /// The blank. Part frame.
 pub fn blank(blank: &Blank, chord_mm: f64) -> Vec<Triangle> {
-    revolved(&Revolution { profile_mm: blank.faces_mm.map(|z| [z, blank.radius_mm]).to_vec() }, chord_mm)
+    let side = Revolution { profile_mm: blank.faces_mm.map(|z| [z, blank.radius_mm]).to_vec() };
+    revolved(&side, blank.faces_mm, chord_mm)
 }
 
 /// A box between opposite corners, along the axes of its frame.

@@ -117,7 +117,7 @@ pub fn bodies(case: &Case<'_>, chord_mm: f64) -> Vec<Body> {
     let fixture = case.fixture.iter().flat_map(bodies::cuboid).collect();
     vec![
         body(Obstacle::Blades, bodies::blade(blisk, chord_mm), (0..blisk.blades).map(blade).collect(), chord_mm),
-        body(Obstacle::Hub, bodies::revolved(&blisk.hub, chord_mm), here.clone(), chord_mm),
+        body(Obstacle::Hub, bodies::hub(blisk, chord_mm), here.clone(), chord_mm),
         body(Obstacle::Fixture, fixture, here.clone(), 0.0),
         body(Obstacle::Blank, bodies::blank(&blisk.blank, chord_mm), here, chord_mm),
     ]

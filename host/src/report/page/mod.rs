@@ -12,6 +12,8 @@ pub mod tables;
 
 pub mod loads;
 
+pub mod plan;
+
 use std::fmt;
 
 /// A report.

@@ -188,9 +188,9 @@ fn cut_rule(index: u8, rule: &CutRule, part: &mut dyn FnMut(Message)) -> Result<
 
 fn stock_of(stock: &Stock, part: &mut dyn FnMut(Message)) -> Result<(), ParametersError> {
     match stock {
-        Stock::Convex(lines) => lines.iter().try_for_each(|StockLine { normal: [x, y], offset_mm }| {
+        Stock::Convex(lines) => lines.iter().try_for_each(|StockLine { normal: [x, y], offset_mm, rise_ratio }| {
             let normal = [q62(*x)?, q62(*y)?];
-            part(table::StockLine { normal, offset: q46(*offset_mm)? }.into());
+            part(table::StockLine { normal, offset: q46(*offset_mm)?, rise: q46(*rise_ratio)? }.into());
             Ok(())
         }),
         Stock::Disc { center_mm: [x, y], radius_mm } => {

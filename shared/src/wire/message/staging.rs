@@ -239,7 +239,11 @@ impl Staging {
     }
 
     fn stock_line(&mut self, line: &table::StockLine) -> Result<(), RefusalCode> {
-        let line = StockLine { normal: line.normal.map(|part| part.value()), offset_mm: line.offset.value() };
+        let line = StockLine {
+            normal: line.normal.map(|part| part.value()),
+            offset_mm: line.offset.value(),
+            rise_ratio: line.rise.value(),
+        };
         match self.stock(StockCode::Convex)? {
             Stock::Convex(lines) => lines.push(line).map_err(|_| RefusalCode::Full),
             Stock::Disc { .. } | Stock::Engaged(_) => Err(RefusalCode::Order),

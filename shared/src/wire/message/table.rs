@@ -191,8 +191,10 @@ messages! {
     0x18 Down StockLine {
         /// Unit normal, out of the material.
         normal: [Q62; 2],
-        /// Distance from the origin along it, mm.
+        /// Distance from the origin along it at height 0, mm.
         offset: Q46,
+        /// Growth of the offset per millimetre of height.
+        rise: Q46,
     }
     /// The round blank of the rule before.
     0x19 Down StockDisc {

@@ -170,7 +170,7 @@ fn a_text_longer_than_its_chunk_is_cut_and_an_encoded_one_refused() {
 
 pub(super) fn ring_job() -> Job {
     let (normal, offset_mm) = ([0.6, -0.8], 107.673_123);
-    let line = |normal| StockLine { normal, offset_mm };
+    let line = |normal| StockLine { normal, offset_mm, rise_ratio: -0.031_25 };
     let corners = [[0.0, 0.0], [10.5, 0.25], [9.0, 7.0], [-1.0, 6.5]];
     let arcs = |from, to| EngagedInterval::from_degrees(from, to).unwrap();
     let knot = |at, from| EngagedKnot { travelled: Mm(at), outer: arcs(from, 120.5), inner: EngagedInterval::EMPTY };

@@ -1,0 +1,231 @@
+//! How long a slot takes, and how long it takes today: flank milling with a ball-end mill.
+//!
+//! The planned path's time is its length over the feed, movement by movement, at the feeds that the program has. What it is compared
+//! with is figure 6.8 of the source, of which the text has the conditions only (3.5 in/min, 1000 rev/min, three teeth; no times):
+//! passes along the slot, side by side, level by level,
+//!
+//! ```text
+//! levels = ceil(depth / axial_depth)                                         (1)
+//! passes = 1 + ceil(max(width - diameter, 0) / stepover), on each level      (2)
+//! time   = sum(passes (length + diameter)) / feed                            (3)
+//! ```
+//!
+//! Assumed: (2) both walls are left where a ball of the given diameter leaves them, a slot narrower than the ball is one it cannot
+//! pass; (3) every pass runs in by half a diameter and out by as much, and the way back and between the passes is at rapid and
+//! counts nothing. Both favour the baseline.
+
+use thiserror::Error;
+
+use crate::path::{Purpose, SlotPath};
+
+/// The mill of today, and how it is used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlankMilling {
+    /// Of its ball.
+    pub diameter_mm: f64,
+    /// Along the passes.
+    pub feed_mm_per_min: f64,
+    /// From level to level, at most.
+    pub axial_depth_mm: f64,
+    /// From pass to pass, at most.
+    pub stepover_mm: f64,
+}
+
+/// A slot as a mill from above finds it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlotSize {
+    /// From the blank's rim to the hub's allowance.
+    pub depth_mm: f64,
+    /// Along it, from face to face.
+    pub length_mm: f64,
+    /// Between the allowances of both blades, evenly from the rim to the hub; the narrowest place of each depth.
+    pub widths_mm: Vec<f64>,
+}
+
+/// What the baseline takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Passes {
+    /// Levels (1).
+    pub levels: usize,
+    /// On all of them (2).
+    pub passes: usize,
+}
+
+/// Time of a slot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlotTime {
+    /// Cutting.
+    pub cutting_min: f64,
+    /// Volume removed over it, mm3/min.
+    pub rate_mm3_per_min: f64,
+}
+
+/// The planned path's time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedTime {
+    /// What each purpose takes: length, mm, and time, min.
+    pub parts: Vec<PartTime>,
+    /// Everything.
+    pub slot: SlotTime,
+}
+
+/// Of all pieces of the way that are there for one thing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartTime {
+    /// For what.
+    pub purpose: Purpose,
+    /// Length of the centre's way, mm.
+    pub length_mm: f64,
+    /// At which feed, mm/min.
+    pub feed_mm_per_min: f64,
+    /// Length over feed.
+    pub time_min: f64,
+}
+
+/// Why there is no baseline.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum BaselineError {
+    /// It does not pass.
+    #[error(
+        "a ball of {diameter_mm:.2} mm does not pass the slot, {width_mm:.2} mm wide at {depth_mm:.1} mm: give [baseline] a smaller diameter"
+    )]
+    Narrow {
+        /// The mill's.
+        diameter_mm: f64,
+        /// The slot's narrowest.
+        width_mm: f64,
+        /// Where, below the rim.
+        depth_mm: f64,
+    },
+    /// A number is not one, or not positive.
+    #[error(
+        "diameter, feed, axial depth and stepover of the baseline, and the slot's depth and length, must be positive numbers"
+    )]
+    NotPositive,
+}
+
+impl FlankMilling {
+    /// Levels and passes of a slot.
+    ///
+    /// # Errors
+    /// The mill does not pass, or a number makes no sense.
+    pub fn passes(&self, slot: &SlotSize) -> Result<Passes, BaselineError> {
+        let numbers = [self.diameter_mm, self.feed_mm_per_min, self.axial_depth_mm, self.stepover_mm];
+        let is_positive = |number: f64| number > 0.0 && number.is_finite();
+        if !numbers.into_iter().chain([slot.depth_mm, slot.length_mm]).all(is_positive) || slot.widths_mm.is_empty() {
+            return Err(BaselineError::NotPositive);
+        }
+        let narrowest = slot.widths_mm.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+        if let Some((at, width_mm)) = narrowest.filter(|(_, width_mm)| **width_mm < self.diameter_mm) {
+            let depth_mm = slot.depth_mm * at as f64 / (slot.widths_mm.len() - 1).max(1) as f64;
+            return Err(BaselineError::Narrow { diameter_mm: self.diameter_mm, width_mm: *width_mm, depth_mm });
+        }
+        let levels = whole(slot.depth_mm / self.axial_depth_mm); // (1)
+        let passes = |level: usize| {
+            // Each level clears down to its lower end; the wider end of it decides.
+            let [top_mm, bottom_mm] = [level, level + 1].map(|end| slot.width_mm(end as f64 / levels as f64));
+            1 + whole((top_mm.max(bottom_mm) - self.diameter_mm) / self.stepover_mm) // (2)
+        };
+        Ok(Passes { levels, passes: (0..levels).map(passes).sum() })
+    }
+
+    /// Time of a slot of which `volume_mm3` is to go.
+    ///
+    /// # Errors
+    /// As [`FlankMilling::passes`].
+    pub fn time(&self, slot: &SlotSize, volume_mm3: f64) -> Result<SlotTime, BaselineError> {
+        let Passes { passes, .. } = self.passes(slot)?;
+        let cutting_min = passes as f64 * (slot.length_mm + self.diameter_mm) / self.feed_mm_per_min; // (3)
+        Ok(SlotTime { cutting_min, rate_mm3_per_min: volume_mm3 / cutting_min })
+    }
+}
+
+impl SlotSize {
+    /// The width at a part of the depth, straight between the given ones.
+    fn width_mm(&self, part: f64) -> f64 {
+        let last = self.widths_mm.len() - 1;
+        let place = part.clamp(0.0, 1.0) * last as f64;
+        let index = (place as usize).min(last.saturating_sub(1));
+        let next = self.widths_mm[(index + 1).min(last)];
+        self.widths_mm[index] + (next - self.widths_mm[index]) * (place - index as f64)
+    }
+}
+
+/// Time of one slot on the planned path: `feed_mm_per_min` says how fast each purpose is. Indexing is not in it.
+pub fn planned_time(path: &SlotPath, feed_mm_per_min: impl Fn(Purpose) -> f64, volume_mm3: f64) -> PlannedTime {
+    let steps = path.steps();
+    let mut purposes: Vec<Purpose> = steps.iter().map(|step| step.purpose).collect();
+    purposes.sort_unstable();
+    purposes.dedup();
+    let part = |purpose: Purpose| {
+        let length_mm: f64 = steps.iter().filter(|step| step.purpose == purpose).map(|step| step.length_mm()).sum();
+        let feed_mm_per_min = feed_mm_per_min(purpose);
+        PartTime { purpose, length_mm, feed_mm_per_min, time_min: length_mm / feed_mm_per_min }
+    };
+    let parts: Vec<PartTime> = purposes.into_iter().map(part).collect();
+    let cutting_min: f64 = parts.iter().map(|part| part.time_min).sum();
+    PlannedTime { parts, slot: SlotTime { cutting_min, rate_mm3_per_min: volume_mm3 / cutting_min } }
+}
+
+/// The next whole number, but not for the noise of a division.
+fn whole(ratio: f64) -> usize {
+    libm::ceil((ratio - 1e-9).max(0.0)) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use arcfeed_shared::nc::modal::Turn;
+
+    use super::*;
+    use crate::path::Level;
+    use crate::vector::Flat;
+
+    const MILL: FlankMilling =
+        FlankMilling { diameter_mm: 10.0, feed_mm_per_min: 100.0, axial_depth_mm: 2.5, stepover_mm: 4.0 };
+
+    fn slot(widths_mm: &[f64]) -> SlotSize {
+        SlotSize { depth_mm: 10.0, length_mm: 40.0, widths_mm: widths_mm.to_vec() }
+    }
+
+    #[test]
+    fn a_slot_as_wide_as_the_ball_is_one_pass_a_level() {
+        assert_eq!(MILL.passes(&slot(&[10.0, 10.0])), Ok(Passes { levels: 4, passes: 4 }));
+        let time = MILL.time(&slot(&[10.0]), 8_000.0).unwrap();
+        assert!((time.cutting_min - 2.0).abs() < 1e-12 && (time.rate_mm3_per_min - 4_000.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_slot_that_narrows_takes_fewer_passes_further_down() {
+        // Tops at 18, 16, 14, 12: 8, 6, 4, 2 mm beside the ball.
+        assert_eq!(MILL.passes(&slot(&[18.0, 10.0])), Ok(Passes { levels: 4, passes: 3 + 3 + 2 + 2 }));
+    }
+
+    #[test]
+    fn a_ball_that_does_not_pass_is_told_where() {
+        let error = MILL.passes(&slot(&[12.0, 9.5, 11.0])).unwrap_err();
+        assert_eq!(error, BaselineError::Narrow { diameter_mm: 10.0, width_mm: 9.5, depth_mm: 5.0 });
+        let still = FlankMilling { feed_mm_per_min: 0.0, ..MILL };
+        assert_eq!(still.passes(&slot(&[12.0])), Err(BaselineError::NotPositive));
+    }
+
+    #[test]
+    fn a_path_takes_its_lengths_over_its_feeds() {
+        let level =
+            |height_mm| Level { height_mm, exterior_end: Flat::new(0.0, -20.0), interior_end: Flat::new(10.0, 10.0) };
+        let path = SlotPath {
+            exterior: Flat::new(0.0, -10.0),
+            interior: Flat::new(0.0, 10.0),
+            base: Flat::new(0.0, 0.0),
+            outward: Turn::Ccw,
+            levels: vec![level(-1.0)],
+            clear_mm: 4.0,
+        };
+        let time = planned_time(&path, |purpose| if purpose.movement().is_some() { 10.0 } else { 5.0 }, 100.0);
+        // 5 mm down, a quarter of a circle of 10 mm there and back, 5 mm up.
+        let arcs_mm = 10.0 * std::f64::consts::PI;
+        let wanted_min = 10.0 / 5.0 + arcs_mm / 10.0;
+        assert!((time.slot.cutting_min - wanted_min).abs() < 1e-12, "{time:?}");
+        let lengths_mm: f64 = time.parts.iter().map(|part| part.length_mm).sum();
+        assert!((lengths_mm - 10.0 - arcs_mm).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,232 @@
+//! The job of a planned program: what a feed controller is to know of it, as the text of a job file (docs/job.md).
+
+use std::fmt::Write;
+
+use arcfeed_shared::cut::Rotation;
+use arcfeed_shared::nc::modal::Turn;
+use arcfeed_shared::tool::Edge;
+use arcfeed_shared::units::{LengthUnit, MM_PER_INCH};
+
+use crate::cutter::CupMill;
+use crate::output::limits::{BlankFace, Bound, StockLimit};
+
+/// Everything that a job file says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JobFile<'a> {
+    /// Of the file, and of the program.
+    pub unit: LengthUnit,
+    /// The program, relative to the file.
+    pub program: &'a str,
+    /// The tool.
+    pub mill: &'a CupMill,
+    /// S of the program.
+    pub rev_per_min: f64,
+    /// What the law keeps.
+    pub feed_per_tooth_mm: f64,
+    /// A rule each.
+    pub limits: &'a [StockLimit],
+    /// What the law looks at.
+    pub law: Law<'a>,
+    /// What is cut in simulation.
+    pub workpiece: Option<Workpiece<'a>>,
+    /// Preset of the control.
+    pub control: &'a str,
+    /// The machine, if it is known.
+    pub machine: Option<Machine<'a>>,
+}
+
+/// Which law keeps the chip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law<'a> {
+    /// That of the source: the contact with one line. On its far side a ring may meet that line again; where it does the law is slow
+    /// ([`StockLimit::kept_ratio`]), and it does not look at the other circle ([`StockLimit::elsewhere_ratio`]).
+    Circumference,
+    /// The whole engaged arc of both circles, between these lines.
+    EngagedArc(&'a [Bound]),
+}
+
+/// Meshes in millimetres, relative to the job file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Workpiece<'a> {
+    /// The blank.
+    pub stl: &'a str,
+    /// What is to be left.
+    pub target: Option<&'a str>,
+    /// Distance of the rays that stand for it.
+    pub step_mm: f64,
+}
+
+/// Where the machine is described.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Machine<'a> {
+    /// A machine file, relative to the job file.
+    File(&'a str),
+    /// A machine of ours.
+    Preset(&'a str),
+}
+
+impl JobFile<'_> {
+    /// The file's text.
+    pub fn text(&self) -> String {
+        let unit = match self.unit {
+            LengthUnit::Inch => "inch",
+            LengthUnit::Mm => "mm",
+        };
+        let mut text = format!(
+            "# The job of a planned program: `arcfeed adapt` and `arcfeed simulate` take it. The planner wrote it, and writes it anew.\n\
+             units = \"{unit}\"\nprogram = {}\n",
+            quoted(self.program)
+        );
+        self.tool(&mut text);
+        let _ = writeln!(text, "\n[spindle]\nrev_per_min = {}", number(self.rev_per_min));
+        let (why, law) = match self.law {
+            Law::Circumference => {
+                ("The same chip on the circumference all along an arc, at the stock's limit", "circumference")
+            }
+            Law::EngagedArc(_) => ("The thickest chip of both circles the same all along an arc", "engaged-arc"),
+        };
+        let feed = self.length(self.feed_per_tooth_mm);
+        let _ = writeln!(text, "\n# {why}.\n[law]\nkind = \"{law}\"\nfeed_per_tooth = {feed}");
+        self.cuts(&mut text);
+        if let Some(workpiece) = &self.workpiece {
+            self.workpiece(&mut text, workpiece);
+        }
+        let _ = writeln!(text, "\n[control]\npreset = {}", quoted(self.control));
+        match self.machine {
+            Some(Machine::File(file)) => text += &format!("\n[machine]\nfile = {}\n", quoted(file)),
+            Some(Machine::Preset(preset)) => text += &format!("\n[machine]\npreset = {}\n", quoted(preset)),
+            None => {}
+        }
+        text
+    }
+
+    fn tool(&self, text: &mut String) {
+        let CupMill { outer_radius_mm, inner_radius_mm, insert_radius_mm, cavity_depth_mm, active_teeth, .. } =
+            self.mill;
+        let [outer, inner, corner, height] =
+            [outer_radius_mm, inner_radius_mm, insert_radius_mm, cavity_depth_mm].map(|mm| self.length(*mm));
+        let _ = writeln!(
+            text,
+            "\n# Its height is the cavity's depth: so far up it cuts as a ring.\n[tool]\nkind = \"cup-mill\"\nouter_radius = {outer}\n\
+             inner_radius = {inner}\nactive_teeth = {active_teeth}\ncorner_radius = {corner}\nheight = {height}"
+        );
+    }
+
+    fn cuts(&self, text: &mut String) {
+        *text += "\n# The blank's faces are the stock's limits. Each lies square to the rotor's axis and leans with the tool: `rise` is what its\n\
+                  # distance grows by per unit of Z. A rule holds on the levels where its movement cuts, the last way back left out.\n";
+        for limit in self.limits {
+            self.cut(text, limit);
+        }
+    }
+
+    fn cut(&self, text: &mut String, limit: &StockLimit) {
+        let (rotation, point) = match limit.rotation {
+            Rotation::Interior => ("interior", "B1, on the inner circle"),
+            Rotation::Exterior => ("exterior", "A, on the outer circle"),
+        };
+        let (side, face) = (
+            match limit.edge {
+                Edge::Outer => "outer",
+                Edge::Inner => "inner",
+            },
+            match limit.face {
+                BlankFace::Lower => "lower",
+                BlankFace::Upper => "upper",
+            },
+        );
+        let direction = match limit.turn {
+            Turn::Cw => "cw",
+            Turn::Ccw => "ccw",
+        };
+        let [least_deg, most_deg] = limit.contact_deg;
+        let _ = writeln!(
+            text,
+            "\n# Movement {}: about {point}; thickest chip with the {side} circle at the {face} face, {least_deg:.0} to {most_deg:.0} degrees from \
+             that point.",
+            limit.movement
+        );
+        if self.law == Law::Circumference && limit.kept_ratio < 1.0 {
+            let _ = writeln!(
+                text,
+                "# Where the circle meets the line once more, on its far side, the law keeps the chip there: that at the face is down to \
+                 {:.2} of it.",
+                limit.kept_ratio
+            );
+        }
+        if self.law == Law::Circumference && limit.elsewhere_ratio > 1.0 {
+            let _ = writeln!(
+                text,
+                "# The other circle meets material there with up to {:.2} times this chip, if any is left.",
+                limit.elsewhere_ratio
+            );
+        }
+        let [low, high] = limit.heights_mm.map(|mm| self.length(mm));
+        let stock = match self.law {
+            Law::Circumference => format!(
+                "normal_deg = {}, offset = {}, rise = {}",
+                number(limit.normal_deg),
+                self.length(limit.offset_mm),
+                limit.rise_ratio
+            ),
+            Law::EngagedArc(bounds) => {
+                // Angle and rise are no lengths, and TOML wants them to be floats.
+                let line = |bound: &Bound| {
+                    format!("[{:?}, {}, {:?}]", bound.normal_deg, self.length(bound.offset_mm), bound.rise_ratio)
+                };
+                format!("lines = [{}]", bounds.iter().map(line).collect::<Vec<_>>().join(", "))
+            }
+        };
+        let _ = writeln!(
+            text,
+            "[[cut]]\nrotation = \"{rotation}\"\ndirection = \"{direction}\"\nside = \"{side}\"\n\
+             stock = {{ {stock} }}\nz = [{low}, {high}]"
+        );
+    }
+
+    fn workpiece(&self, text: &mut String, workpiece: &Workpiece<'_>) {
+        let _ = writeln!(text, "\n[workpiece]\nstl = {}\nstl_units = \"mm\"", quoted(workpiece.stl));
+        if let Some(target) = workpiece.target {
+            let _ = writeln!(text, "target = {}", quoted(target));
+        }
+        let _ = writeln!(text, "step = {}", self.length(workpiece.step_mm));
+    }
+
+    fn length(&self, length_mm: f64) -> String {
+        match self.unit {
+            LengthUnit::Inch => number(length_mm / MM_PER_INCH),
+            LengthUnit::Mm => number(length_mm),
+        }
+    }
+}
+
+/// To a millionth, without trailing zeros.
+fn number(value: f64) -> String {
+    let text = format!("{value:.6}");
+    let short = text.trim_end_matches('0').trim_end_matches('.');
+    if short == "-0" { "0".into() } else { short.into() }
+}
+
+/// A basic string of TOML.
+fn quoted(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => quoted.extend(['\\', c]),
+            c if c.is_control() => quoted += &format!("\\u{:04X}", u32::from(c)),
+            c => quoted.push(c),
+        }
+    }
+    quoted + "\""
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_names_are_toml() {
+        assert_eq!([128.576_07, 90.0, -0.000_000_1, -691.5].map(number), ["128.57607", "90", "0", "-691.5"]);
+        assert_eq!(quoted("a \"b\"\\c\n"), "\"a \\\"b\\\"\\\\c\\u000A\"");
+    }
+}

@@ -1,0 +1,13 @@
+//! What comes out of the planner, as text and bytes.
+
+pub mod words;
+
+pub mod nc;
+
+pub mod limits;
+
+pub mod job;
+
+pub mod stl;
+
+pub mod baseline;

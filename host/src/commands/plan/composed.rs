@@ -1,0 +1,137 @@
+//! A plan with everything that belongs to it: the proof, the stock's limits, the times.
+
+use arcfeed_plan::geometry::blisk::Slot;
+use arcfeed_plan::geometry::flaws::flaws;
+use arcfeed_plan::optimise::{Problem, Valued};
+use arcfeed_plan::output::baseline::{FlankMilling, PlannedTime, SlotSize, planned_time};
+use arcfeed_plan::output::limits::{StockLimit, stock_limits};
+use arcfeed_plan::output::nc;
+use arcfeed_plan::placing::{Placing, any_table, placing};
+use arcfeed_plan::proof::verdict::{Case, Fineness, Proof, prove};
+
+use crate::part::Part;
+use crate::report::page::plan::Baseline;
+
+/// The ring may be this much nearer to a finished blade than the allowance, as a share of it: beside its round leading edge, about
+/// which it turns (docs/plan.md).
+pub const NEARER_RATIO: f64 = 0.15;
+/// Of inverse time, as in the published listing: 1/50 min for a way from slot to slot.
+const INDEXING_PER_MIN: f64 = 50.0;
+/// Places along a slot's side on which its widths are measured, and depths.
+const WIDTH_PLACES: u32 = 40;
+const WIDTH_DEPTHS: u32 = 8;
+
+/// Everything about one part's plan.
+pub struct Composed {
+    /// What was asked.
+    pub part: Part,
+    /// The slot, part frame.
+    pub slot: Slot,
+    /// The plan.
+    pub valued: Valued,
+    /// How the machine presents it.
+    pub placing: Placing,
+    /// What is proven.
+    pub proof: Proof,
+    /// Where the stock ends.
+    pub limits: Vec<StockLimit>,
+    /// Of one slot.
+    pub time: PlannedTime,
+    /// Flank milling of one slot, or why it is not compared with.
+    pub baseline: Result<Baseline, String>,
+}
+
+impl Composed {
+    /// Plans a part.
+    ///
+    /// # Errors
+    /// In words, why there is no plan.
+    pub fn of(part: Part) -> Result<Self, String> {
+        let found = flaws(&part.blisk, part.roughing.allowance_mm);
+        if !found.is_empty() {
+            let said: Vec<String> = found.iter().map(ToString::to_string).collect();
+            return Err(format!("this rotor cannot be planned: {}", said.join("; ")));
+        }
+        let slot = part.blisk.slot();
+        let problem = Problem { blisk: &part.blisk, slot: &slot, cutter: &part.cutter, roughing: &part.roughing };
+        let valued = part.axis.map_or_else(|| problem.best(), |axis| problem.along(axis));
+        let valued = valued.map_err(|why| why.to_string())?;
+        let plan = &valued.plan;
+        let any = any_table().map_err(|error| format!("{error:?}"))?;
+        let machine = part.machine.as_ref().map_or(&any, |file| &file.machine);
+        let placing = placing(machine, &plan.turn).map_err(|error| error.to_string())?;
+        let case = Case {
+            blisk: &part.blisk,
+            tool: &part.cutter,
+            path: &plan.path,
+            to_slot: plan.turn,
+            allowance_mm: part.roughing.allowance_mm,
+            fixture: &part.fixtures,
+        };
+        let proof = prove(&case, &Fineness::default()).ok_or("a blade is not above the hub")?;
+        let limits = stock_limits(&plan.path, &part.cutter, &part.blisk.blank, &plan.tool_axis());
+        let limits = limits.map_err(|error| error.to_string())?;
+        let volume_mm3 = proof.removed.total_mm3();
+        let feeds = feeds(&part);
+        let time = planned_time(&plan.path, |purpose| feeds.of(purpose), volume_mm3);
+        let baseline = baseline(&part, &slot, volume_mm3);
+        Ok(Composed { slot, placing, proof, limits, time, baseline, valued, part })
+    }
+
+    /// Whether nothing is touched that must not be, and the allowance is left but beside the leading edge.
+    pub fn is_safe(&self) -> bool {
+        let allowance_mm = self.part.roughing.allowance_mm;
+        self.proof.holds(allowance_mm, NEARER_RATIO * allowance_mm)
+    }
+
+    /// B of each slot, degrees.
+    pub fn slots_deg(&self) -> Vec<f64> {
+        let pitch_deg = 360.0 / f64::from(self.part.blisk.blades);
+        (0..self.part.blisk.blades).map(|slot| self.placing.index_deg + pitch_deg * f64::from(slot)).collect()
+    }
+}
+
+/// The program's feeds.
+pub fn feeds(part: &Part) -> nc::Feeds {
+    let told = &part.feeds;
+    nc::Feeds {
+        cutting_mm_per_min: told.per_tooth_mm * f64::from(part.cutter.active_teeth) * told.rev_per_min,
+        approach_mm_per_min: told.approach_mm_per_min,
+        axial_mm_per_min: told.axial_mm_per_min,
+        indexing_per_min: INDEXING_PER_MIN,
+    }
+}
+
+fn baseline(part: &Part, slot: &Slot, volume_mm3: f64) -> Result<Baseline, String> {
+    let told = part.baseline.ok_or("the part has no [baseline]")?;
+    let mill = FlankMilling {
+        diameter_mm: told.diameter_mm,
+        feed_mm_per_min: told.feed_mm_per_min,
+        axial_depth_mm: told.axial_depth_mm,
+        stepover_mm: told.stepover_mm,
+    };
+    let size = slot_size(part, slot);
+    let passes = mill.passes(&size).map_err(|error| error.to_string())?;
+    let time = mill.time(&size, volume_mm3).map_err(|error| error.to_string())?;
+    Ok(Baseline { mill, passes, time })
+}
+
+/// The slot between its allowances: the nearest points of both sides, height by height.
+fn slot_size(part: &Part, slot: &Slot) -> SlotSize {
+    let allowance_mm = part.roughing.allowance_mm;
+    let places = |face: &arcfeed_plan::geometry::face::Face, v: f64| -> Vec<_> {
+        (0..=WIDTH_PLACES).map(|k| face.point(f64::from(k) / f64::from(WIDTH_PLACES), v)).collect()
+    };
+    let widths_mm = (0..=WIDTH_DEPTHS).map(|k| {
+        let v = 1.0 - f64::from(k) / f64::from(WIDTH_DEPTHS);
+        let (pressure, suction) = (places(&slot.pressure, v), places(&slot.suction, v));
+        let gaps = pressure.iter().flat_map(|p| suction.iter().map(move |s| (s - p).norm()));
+        gaps.fold(f64::INFINITY, f64::min) - 2.0 * allowance_mm
+    });
+    let [from, to] = [0.0, 1.0].map(|u| slot.pressure.point(u, 0.5));
+    let [low_mm, high_mm] = part.blisk.blank.faces_mm;
+    let along_ratio = (to - from).norm() / (to.z - from.z).abs();
+    let middle = slot.pressure.point(0.5, 0.5);
+    let depth_mm = part.blisk.blank.radius_mm - part.blisk.hub.radius_mm(middle.z) - allowance_mm;
+    SlotSize { depth_mm, length_mm: (high_mm - low_mm) * along_ratio, widths_mm: widths_mm.collect() }
+}

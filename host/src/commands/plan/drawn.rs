@@ -1,0 +1,112 @@
+//! What the report's page shows of a plan.
+
+use arcfeed_plan::proof::clearance::Clearance as Found;
+use arcfeed_plan::proof::left::Map;
+use arcfeed_plan::vector::Point;
+
+use super::composed::Composed;
+use super::told::{met, obstacle_word, part_word, refusal};
+use crate::report::page::plan::{Axis, Clearance, LeftMap, Outline, PlanReport, Removed, Stops, Times, Verdict};
+
+/// Points of an outline.
+const OUTLINE: u32 = 40;
+
+/// The page's contents.
+pub fn report(composed: &Composed) -> PlanReport {
+    let plan = &composed.valued.plan;
+    let direction = plan.tool_axis();
+    let near = composed.proof.clearances.iter().filter(|found| found.place.is_some());
+    let stops =
+        plan.stops.iter().map(|[exterior, interior]| Stops { exterior: met(exterior), interior: met(interior) });
+    PlanReport {
+        name: composed.part.name.clone(),
+        unit: composed.part.output.unit,
+        verdict: verdict(composed),
+        axis: Axis {
+            direction: direction.into(),
+            tilt_deg: composed.placing.tilt_deg,
+            first_deg: composed.placing.index_deg,
+            slots: composed.part.blisk.blades,
+        },
+        mill: composed.part.cutter.clone(),
+        path: plan.path.clone(),
+        stops: stops.collect(),
+        limits: composed.limits.clone(),
+        times: Times { planned: composed.time.clone(), baseline: composed.baseline.clone() },
+        clearances: near.map(clearance).collect(),
+        removed: Some(Removed {
+            available_mm3: composed.proof.removed.slot_mm3,
+            removed_mm3: composed.proof.removed.slot_removed_mm3,
+            levels_mm3: composed.proof.removed.by_level_mm3.clone(),
+        }),
+        left: left(composed),
+        outlines: outlines(composed),
+    }
+}
+
+fn verdict(composed: &Composed) -> Verdict {
+    let is_safe = composed.is_safe();
+    let mut sentences = Vec::new();
+    if is_safe {
+        sentences.push(
+            "Ring, body and holder touch nothing on the whole way of a slot, and the part can be indexed.".into(),
+        );
+    } else {
+        sentences.push(refusal(composed));
+    }
+    let plan = &composed.valued.plan;
+    if plan.room == plan.blade_room {
+        sentences.push("The tool lies along the blade's edge (LN3).".into());
+    } else {
+        sentences.push(format!(
+            "The tool does not lie along the blade's edge: there the ring has {:.2} mm of room, here {:.2} mm.",
+            plan.blade_room.room_mm, plan.room.room_mm
+        ));
+    }
+    Verdict { is_safe, sentences }
+}
+
+fn clearance(found: &Found) -> Clearance {
+    let [certified_mm, found_mm] = found.bounds_mm;
+    let place = found.place.as_ref().map_or(String::new(), |place| {
+        let [x, y, z] = [place.point.x, place.point.y, place.point.z];
+        format!("piece {} of the way, at X{x:.2} Y{y:.2} Z{z:.2} mm", place.step + 1)
+    });
+    let (part, obstacle) = (part_word(found.part).into(), obstacle_word(found.obstacle).into());
+    Clearance { part, obstacle, certified_mm, found_mm, place }
+}
+
+fn left(composed: &Composed) -> Vec<LeftMap> {
+    let left = &composed.proof.left;
+    let along = |low: &str, high: &str| ["leading edge", "trailing edge", low, high].map(String::from);
+    let map = |surface: &str, map: &Map, sides| LeftMap {
+        surface: surface.into(),
+        sides,
+        columns: map.columns,
+        values_mm: map.values_mm.iter().copied().map(Some).collect(),
+    };
+    vec![
+        map("pressure side", &left.pressure, along("hub", "tip")),
+        map("suction side", &left.suction, along("hub", "tip")),
+        map("hub", &left.hub, along("pressure side", "suction side")),
+    ]
+}
+
+/// Both blades' sections at the tip and at the hub, seen along the tool.
+fn outlines(composed: &Composed) -> Vec<Outline> {
+    let blisk = &composed.part.blisk;
+    let turn = composed.valued.plan.turn;
+    let section = |index: i32, v: f64| -> Vec<[f64; 2]> {
+        let blade = blisk.blade(index);
+        let share = |k: u32| f64::from(k) / f64::from(OUTLINE);
+        let pressure = (0..=OUTLINE).map(|k| blade.pressure.point(share(k), v));
+        let suction = (0..=OUTLINE).rev().map(|k| blade.suction.point(share(k), v));
+        let seen = |point: Point| (turn * point).xy().into();
+        pressure.chain(suction).map(seen).collect()
+    };
+    let blades = [(0, "blade"), (blisk.facing(), "next blade")];
+    let places = blades.into_iter().flat_map(|(index, name)| [(index, name, 1.0, "tip"), (index, name, 0.0, "hub")]);
+    places
+        .map(|(index, name, v, end)| Outline { name: format!("{name}, {end}"), points_mm: section(index, v) })
+        .collect()
+}

@@ -1,0 +1,315 @@
+//! A plan on stdout: as text, as JSON, and what other widths would take.
+
+use std::fmt::Write as _;
+
+use arcfeed_plan::cup_mill::level::{Obstacle as Met, Stop};
+use arcfeed_plan::cup_mill::plan::AxisChoice;
+use arcfeed_plan::cutter::Part as ToolPart;
+use arcfeed_plan::optimise::Problem;
+use arcfeed_plan::proof::clearance::{Clearance, Obstacle};
+use serde::Serialize;
+
+use super::super::outcome::{Failure, say};
+use super::composed::Composed;
+
+/// One plan, `arcfeed plan cup-mill --json` (docs/json.md). Lengths mm, angles degrees, volumes mm3, times minutes; slot frame unless told.
+#[derive(Debug, Serialize)]
+pub struct Figures {
+    /// Of the part.
+    pub name: String,
+    /// Nothing is touched that must not be.
+    pub safe: bool,
+    /// Of the tool, part frame.
+    pub tool_axis: [f64; 3],
+    /// A.
+    pub tilt_deg: f64,
+    /// B of the first slot.
+    pub index_deg: f64,
+    /// How many.
+    pub slots: u32,
+    /// Room of the ring over the whole depth, on each side.
+    pub room_mm: f64,
+    /// C, A, B1.
+    pub base_mm: [f64; 2],
+    /// A.
+    pub exterior_mm: [f64; 2],
+    /// B1.
+    pub interior_mm: [f64; 2],
+    /// From the top.
+    pub levels: Vec<LevelFigures>,
+    /// What the tool keeps clear of.
+    pub clearances: Vec<ClearanceFigures>,
+    /// What is taken of a slot.
+    pub removed: RemovedFigures,
+    /// Of one slot on the planned path.
+    pub slot_min: f64,
+    /// Of one slot by the baseline.
+    pub baseline_slot_min: Option<f64>,
+}
+
+/// A level.
+#[derive(Debug, Serialize)]
+pub struct LevelFigures {
+    /// Of the tool's bottom.
+    pub height_mm: f64,
+    /// D
+    pub exterior_end_mm: [f64; 2],
+    /// Turn about A.
+    pub exterior_deg: f64,
+    /// What ended it.
+    pub exterior_stop: String,
+    /// E
+    pub interior_end_mm: [f64; 2],
+    /// Turn about B1.
+    pub interior_deg: f64,
+    /// What ended it.
+    pub interior_stop: String,
+}
+
+/// A clearance.
+#[derive(Debug, Serialize)]
+pub struct ClearanceFigures {
+    /// `ring`, `body`, `holder`.
+    pub part: String,
+    /// `blades`, `hub`, `fixture`, `blank`.
+    pub obstacle: String,
+    /// Never less.
+    pub certified_mm: f64,
+    /// What was found.
+    pub found_mm: f64,
+}
+
+/// Volumes of a slot.
+#[derive(Debug, Serialize)]
+pub struct RemovedFigures {
+    /// Of the blank, whole.
+    pub total_mm3: f64,
+    /// Between the allowances, within the blank.
+    pub slot_mm3: f64,
+    /// Share of that which is gone.
+    pub share_ratio: f64,
+    /// Thickest material left above the allowance: pressure side, suction side, hub.
+    pub left_max_mm: [f64; 3],
+    /// Least there; negative where the ring has cut into the allowance.
+    pub left_min_mm: [f64; 3],
+}
+
+impl Figures {
+    /// Of a plan.
+    pub fn of(composed: &Composed) -> Self {
+        let plan = &composed.valued.plan;
+        let left = [&composed.proof.left.pressure, &composed.proof.left.suction, &composed.proof.left.hub];
+        let levels = plan.path.levels.iter().zip(&plan.stops).map(|(level, [exterior, interior])| LevelFigures {
+            height_mm: level.height_mm,
+            exterior_end_mm: level.exterior_end.into(),
+            exterior_deg: exterior.turn_rad.to_degrees(),
+            exterior_stop: met(exterior),
+            interior_end_mm: level.interior_end.into(),
+            interior_deg: interior.turn_rad.to_degrees(),
+            interior_stop: met(interior),
+        });
+        let near = composed.proof.clearances.iter().filter(|found| found.place.is_some());
+        Figures {
+            name: composed.part.name.clone(),
+            safe: composed.is_safe(),
+            tool_axis: plan.tool_axis().into(),
+            tilt_deg: composed.placing.tilt_deg,
+            index_deg: composed.placing.index_deg,
+            slots: composed.part.blisk.blades,
+            room_mm: plan.room.room_mm,
+            base_mm: plan.base.centre.into(),
+            exterior_mm: plan.base.exterior.into(),
+            interior_mm: plan.interior.pivot.into(),
+            levels: levels.collect(),
+            clearances: near.map(clearance).collect(),
+            removed: RemovedFigures {
+                total_mm3: composed.proof.removed.total_mm3(),
+                slot_mm3: composed.proof.removed.slot_mm3,
+                share_ratio: composed.proof.removed.share_ratio(),
+                left_max_mm: left.map(|map| map.range_mm()[1]),
+                left_min_mm: left.map(|map| map.range_mm()[0]),
+            },
+            slot_min: composed.time.slot.cutting_min,
+            baseline_slot_min: composed.baseline.as_ref().ok().map(|baseline| baseline.time.cutting_min),
+        }
+    }
+}
+
+fn clearance(found: &Clearance) -> ClearanceFigures {
+    let [certified_mm, found_mm] = found.bounds_mm;
+    ClearanceFigures {
+        part: part_word(found.part).into(),
+        obstacle: obstacle_word(found.obstacle).into(),
+        certified_mm,
+        found_mm,
+    }
+}
+
+/// As the JSON and the page have it.
+pub fn part_word(part: ToolPart) -> &'static str {
+    match part {
+        ToolPart::Ring => "ring",
+        ToolPart::Body => "body",
+        ToolPart::Holder => "holder",
+    }
+}
+
+/// As the JSON and the page have it.
+pub fn obstacle_word(obstacle: Obstacle) -> &'static str {
+    match obstacle {
+        Obstacle::Blades => "blades",
+        Obstacle::Hub => "hub",
+        Obstacle::Fixture => "fixture",
+        Obstacle::Blank => "blank",
+    }
+}
+
+/// What ended a turn, in words.
+pub fn met(stop: &Stop) -> String {
+    match stop.at {
+        None => "as far as the level below".into(),
+        Some((met, ..)) => match met {
+            Met::Pressure => "pressure side".into(),
+            Met::Suction => "suction side".into(),
+            Met::Hub => "hub".into(),
+        },
+    }
+}
+
+/// The plan for people.
+pub fn text(composed: &Composed, figures: &Figures) -> String {
+    let plan = &composed.valued.plan;
+    let [pressure, suction, hub] = figures.removed.left_max_mm;
+    let mut text = format!(
+        "{}: {} slots, {} levels of {:.3} mm\n  tool: A {:.3} degrees, B {:.3} for the first slot; {:.3} mm of room on each side over the whole depth\n",
+        figures.name,
+        figures.slots,
+        figures.levels.len(),
+        plan.path.levels.first().zip(plan.path.levels.get(1)).map_or(0.0, |(a, b)| a.height_mm - b.height_mm),
+        figures.tilt_deg,
+        figures.index_deg,
+        figures.room_mm,
+    );
+    let _ =
+        writeln!(text, "  level  height, mm   D, degrees about A, ended by            E, degrees about B1, ended by");
+    for (index, level) in figures.levels.iter().enumerate() {
+        let _ = writeln!(
+            text,
+            "  {:>5}  {:>10.3}   {:>8.3}  {:<27}    {:>8.3}  {}",
+            index + 1,
+            level.height_mm,
+            level.exterior_deg,
+            level.exterior_stop,
+            level.interior_deg,
+            level.interior_stop
+        );
+    }
+    let _ = writeln!(text, "  clearances over the whole way, mm, at least:");
+    for found in &figures.clearances {
+        let _ = writeln!(text, "    {:<6} from {:<8} {:>9.3}", found.part, found.obstacle, found.certified_mm);
+    }
+    let _ = writeln!(
+        text,
+        "  taken: {:.1} % of the slot between the allowances ({:.2} of {:.2} cm3); left above them at most {pressure:.2} mm on the pressure side, \
+         {suction:.2} on the suction side, {hub:.2} on the hub",
+        100.0 * figures.removed.share_ratio,
+        figures.removed.share_ratio * figures.removed.slot_mm3 / 1e3,
+        figures.removed.slot_mm3 / 1e3,
+    );
+    let slots = f64::from(figures.slots);
+    let _ = write!(
+        text,
+        "  time: {:.1} min a slot, {:.0} min the part, without indexing",
+        figures.slot_min,
+        slots * figures.slot_min
+    );
+    match &composed.baseline {
+        Ok(baseline) => {
+            let minutes = baseline.time.cutting_min;
+            let _ = write!(
+                text,
+                "; flank milling {minutes:.1} min a slot ({} passes), {:.1} times as long",
+                baseline.passes.passes,
+                minutes / figures.slot_min
+            );
+        }
+        Err(why) => {
+            let _ = write!(text, "; not compared: {why}");
+        }
+    }
+    text
+}
+
+/// Why nothing is written.
+pub fn refusal(composed: &Composed) -> String {
+    let allowance_mm = composed.part.roughing.allowance_mm;
+    let touched: Vec<String> = composed
+        .proof
+        .open()
+        .map(|found| format!("the {} touches the {}", part_word(found.part), obstacle_word(found.obstacle)))
+        .collect();
+    if !touched.is_empty() {
+        return format!("{}; nothing is written", touched.join(", "));
+    }
+    if composed.proof.indexing_mm <= 0.0 {
+        return "the lifted tool is not above all that turns while the part is indexed; raise `clearance`; nothing is written".into();
+    }
+    let nearest = composed.proof.clearance(ToolPart::Ring, Obstacle::Blades).map_or(0.0, |found| found.bounds_mm[0]);
+    format!(
+        "the ring comes as near as {nearest:.3} mm to a finished blade, of {allowance_mm:.3} mm that are to be left; nothing is written"
+    )
+}
+
+/// One width of the ring.
+#[derive(Debug, Serialize)]
+struct WidthFigures {
+    width_mm: f64,
+    share_ratio: Option<f64>,
+    why: Option<String>,
+}
+
+/// Widths to either side of the cutter's own.
+const WIDTHS: i32 = 8;
+
+/// What rings of other widths would take, along the plan's own kind of axis.
+///
+/// # Errors
+/// None of them passes.
+pub fn widths(composed: &Composed, json: bool) -> Result<(), Failure> {
+    let part = &composed.part;
+    let problem = Problem { blisk: &part.blisk, slot: &composed.slot, cutter: &part.cutter, roughing: &part.roughing };
+    let axis = part.axis.unwrap_or(if composed.valued.plan.room == composed.valued.plan.blade_room {
+        AxisChoice::Blade
+    } else {
+        AxisChoice::Roomiest
+    });
+    let own_mm = part.cutter.outer_radius_mm - part.cutter.inner_radius_mm;
+    let step_mm = (composed.valued.plan.room.room_mm * 4.0 / f64::from(WIDTHS)).max(0.1);
+    let mut trials: Vec<_> =
+        (-WIDTHS / 2..=WIDTHS).map(|k| problem.trial(own_mm + step_mm * f64::from(k), axis)).collect();
+    let best = problem.best_width(axis).ok_or_else(|| Failure::Input("no ring of any width passes".into()))?;
+    trials.push(best.clone());
+    trials.sort_by(|a, b| a.width_mm.total_cmp(&b.width_mm));
+    if !json {
+        say(format_args!("  ring's width, mm   taken of the slot, %"));
+    }
+    for trial in &trials {
+        let (share_ratio, why) = match &trial.share_ratio {
+            Ok(share) => (Some(*share), None),
+            Err(why) => (None, Some(why.to_string())),
+        };
+        let mark = match trial.width_mm {
+            width_mm if (width_mm - best.width_mm).abs() < 1e-9 => "  most",
+            width_mm if (width_mm - own_mm).abs() < 1e-9 => "  this cutter",
+            _ => "",
+        };
+        if json {
+            let figures = WidthFigures { width_mm: trial.width_mm, share_ratio, why };
+            say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
+        } else {
+            let taken = share_ratio.map(|share| format!("{:.2}", 100.0 * share)).or(why).unwrap_or_default();
+            say(format_args!("  {:>16.3}   {taken}{mark}", trial.width_mm));
+        }
+    }
+    Ok(())
+}

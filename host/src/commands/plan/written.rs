@@ -1,0 +1,136 @@
+//! The files of a plan. All of them are made before the first is written.
+
+use std::path::{Path, PathBuf};
+
+use arcfeed_plan::geometry::mesh::{Sector, Triangle, blank, finished};
+use arcfeed_plan::output::job::{JobFile, Machine, Workpiece};
+use arcfeed_plan::output::nc::{Indexing, Setup, write as program};
+use arcfeed_plan::output::stl::to_stl;
+use arcfeed_plan::vector::Point;
+
+use super::super::outcome::{Failure, file_failure, write_whole};
+use super::composed::{Composed, feeds};
+use super::drawn;
+use crate::part::MachineTold;
+
+/// How far meshes may be from the surfaces, mm.
+const CHORD_MM: f64 = 0.02;
+/// Of the stock on either side of the slot, in pitches.
+const BESIDE_PITCHES: f64 = 0.75;
+/// How much of the ring below the hub is in the stock, mm.
+const BELOW_HUB_MM: f64 = 5.0;
+/// Distance of the simulation's rays, mm.
+const RAYS_MM: f64 = 0.5;
+/// The control that the programs are for.
+const CONTROL: &str = "fanuc-16i";
+
+/// Writes the plan's files into a folder.
+///
+/// # Errors
+/// The program cannot be written in words of a control, or a file not at all.
+pub fn write(composed: &Composed, folder: &Path) -> Result<(), Failure> {
+    let failed = |error: &dyn std::fmt::Display| Failure::Input(error.to_string());
+    let stem = file_stem(&composed.part.name);
+    let name = format!("{stem}.nc");
+    let text = program(&composed.valued.plan.path, &setup(composed)).map_err(|error| failed(&error))?;
+    let [stock, part] = meshes(composed).map(|triangles| to_stl(&triangles));
+    let (stock, part) = (stock.map_err(|error| failed(&error))?, part.map_err(|error| failed(&error))?);
+    let machine_file = machine_file(composed, folder);
+    let job = job(composed, &name, machine_file.as_deref());
+    let page = drawn::report(composed).page().to_string();
+    std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
+    let files: [(&str, &[u8]); 5] = [
+        (&name, text.as_bytes()),
+        ("job.toml", job.as_bytes()),
+        ("stock.stl", &stock),
+        ("finished.stl", &part),
+        ("report.html", page.as_bytes()),
+    ];
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        write_whole(&path, bytes)?;
+        eprintln!("{}: {} bytes", path.display(), bytes.len());
+    }
+    Ok(())
+}
+
+fn setup(composed: &Composed) -> Setup {
+    let part = &composed.part;
+    let title = vec![
+        part.name.clone(),
+        format!(
+            "{} slots, cup mill R{:.3} r{:.3} mm",
+            part.blisk.blades, part.cutter.outer_radius_mm, part.cutter.inner_radius_mm
+        ),
+        "zero: where A and B cross, the rotor's axis along B".into(),
+    ];
+    Setup {
+        number: part.output.number,
+        title,
+        unit: part.output.unit,
+        tool: part.output.tool,
+        rev_per_min: part.feeds.rev_per_min,
+        coolant: part.output.coolant,
+        tilt_deg: composed.placing.tilt_deg,
+        slots_deg: composed.slots_deg(),
+        feeds: feeds(part),
+        indexing: Indexing::AtClearance,
+        labels: true,
+        reports: part.output.dprnt,
+    }
+}
+
+/// The blank and the finished part about the slot, slot frame.
+fn meshes(composed: &Composed) -> [Vec<Triangle>; 2] {
+    let blisk = &composed.part.blisk;
+    let at = |point: Point| libm::atan2(point.y, point.x);
+    let from = at(composed.slot.pressure.point(0.5, 0.5));
+    let facing = f64::from(blisk.facing());
+    let middle = from + facing * blisk.pitch_rad() / 2.0;
+    let reach = (0.5 + BESIDE_PITCHES) * blisk.pitch_rad();
+    let lowest_mm = blisk.hub.profile_mm.iter().map(|[_, radius_mm]| *radius_mm).fold(f64::INFINITY, f64::min);
+    let sector = Sector {
+        angles_rad: [middle - reach, middle + reach],
+        faces_mm: blisk.blank.faces_mm,
+        inner_radius_mm: lowest_mm - BELOW_HUB_MM,
+    };
+    let blades = if blisk.facing() > 0 { [0, 1] } else { [-1, 0] };
+    let turn = composed.valued.plan.turn;
+    [blank(blisk, &sector, CHORD_MM), finished(blisk, &sector, blades, CHORD_MM)]
+        .map(|triangles| triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect())
+}
+
+fn job(composed: &Composed, program: &str, machine_file: Option<&str>) -> String {
+    let part = &composed.part;
+    let machine = match &part.machine_told {
+        Some(MachineTold::Preset(preset)) => Some(Machine::Preset(preset)),
+        Some(MachineTold::File(_)) => machine_file.map(Machine::File),
+        None => None,
+    };
+    JobFile {
+        unit: part.output.unit,
+        program,
+        mill: &part.cutter,
+        rev_per_min: part.feeds.rev_per_min,
+        feed_per_tooth_mm: part.feeds.per_tooth_mm,
+        limits: &composed.limits,
+        workpiece: Some(Workpiece { stl: "stock.stl", target: Some("finished.stl"), step_mm: RAYS_MM }),
+        control: CONTROL,
+        machine,
+    }
+    .text()
+}
+
+/// The machine's file as the job in `folder` finds it: its whole path, wherever the command was typed.
+fn machine_file(composed: &Composed, _folder: &Path) -> Option<String> {
+    let Some(MachineTold::File(path)) = &composed.part.machine_told else { return None };
+    let whole = path.canonicalize().unwrap_or_else(|_| PathBuf::from(path));
+    Some(whole.to_string_lossy().into_owned())
+}
+
+/// A name that every file system takes.
+fn file_stem(name: &str) -> String {
+    let stem: String =
+        name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect();
+    if stem.trim_matches(['-', '.']).is_empty() { "plan".into() } else { stem }
+}

@@ -1,0 +1,139 @@
+//! `[geometry]`: the rotor, from numbers or from files beside the part.
+
+use std::path::Path;
+
+use arcfeed_plan::geometry::blade::{RotorAxis, Sections};
+use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
+use arcfeed_plan::geometry::curves::{self, Texts, Which};
+use arcfeed_plan::geometry::generate::{Hand, POINTS, Rotor, SECTIONS};
+use arcfeed_plan::geometry::reading::{Drawn, ReadError};
+use arcfeed_plan::geometry::sections;
+use arcfeed_shared::units::LengthUnit;
+use toml::Spanned;
+
+use super::schema::{CurvesTable, GenerateTable, GeometryTable, HandWord, PointUnit, RotorWord, SectionsTable};
+use super::{PartError, Wrong};
+use crate::job::{Complaint, at, length_mm};
+
+/// The rotor in its blank.
+pub(super) fn build(
+    told: &Spanned<GeometryTable>,
+    unit: LengthUnit,
+    blank: Blank,
+    folder: &Path,
+) -> Result<Blisk, Wrong> {
+    let GeometryTable { generate, curves, sections } = told.as_ref();
+    let (blades, hub, blade) = match (generate, curves, sections) {
+        (Some(numbers), None, None) => generated(numbers, unit, &blank)?,
+        (None, Some(files), None) => from_curves(files, unit, &blank, folder)?,
+        (None, None, Some(file)) => from_sections(file, unit, &blank, folder)?,
+        _ => {
+            let message = "give the rotor as exactly one of `generate`, `curves` or `sections`";
+            return Err(at(told, message).into());
+        }
+    };
+    let [pressure, suction] = blade.faces().map_err(|error| at(told, &error.to_string()))?;
+    Ok(Blisk { blades, pressure, suction, hub, blank })
+}
+
+/// A cylinder through the blank.
+fn cylinder(radius_mm: f64, blank: &Blank) -> Revolution {
+    Revolution { profile_mm: blank.faces_mm.map(|z| [z, radius_mm]).to_vec() }
+}
+
+fn generated(
+    told: &Spanned<GenerateTable>,
+    unit: LengthUnit,
+    blank: &Blank,
+) -> Result<(u32, Revolution, Sections), Complaint> {
+    let numbers = told.as_ref();
+    let rotor = Rotor {
+        blades: numbers.blades,
+        hub_radius_mm: numbers.hub_radius.to_mm(unit),
+        tip_radius_mm: numbers.tip_radius.to_mm(unit),
+        chord_mm: numbers.chord.map(|chord| chord.to_mm(unit)),
+        stagger_deg: numbers.stagger_deg,
+        camber_deg: numbers.camber_deg,
+        thickness_ratio: numbers.thickness_ratio,
+        edge_mm: numbers.edge.map_or(0.0, |edge| edge.to_mm(unit)),
+        lean_deg: numbers.lean_deg,
+        hand: match numbers.hand {
+            HandWord::Right => Hand::Right,
+            HandWord::Left => Hand::Left,
+        },
+    };
+    let blade = rotor.sections(SECTIONS, POINTS).map_err(|error| at(told, &error.to_string()))?;
+    Ok((rotor.blades, cylinder(rotor.hub_radius_mm, blank), blade))
+}
+
+fn from_curves(
+    told: &Spanned<CurvesTable>,
+    unit: LengthUnit,
+    blank: &Blank,
+    folder: &Path,
+) -> Result<(u32, Revolution, Sections), Wrong> {
+    let files = told.as_ref();
+    let blades = blades(&files.blades)?;
+    let [hub, shroud, profile] = [&files.hub, &files.shroud, &files.profile].map(|file| read(file, folder));
+    let (hub, shroud, profile) = (hub?, shroud?, profile?);
+    let texts = Texts { hub: &hub, shroud: &shroud, profile: &profile };
+    let found = curves::read(&texts, &drawn(files.axis, files.units, unit)).map_err(|(which, error)| {
+        let file = match which {
+            Which::Hub => &files.hub,
+            Which::Shroud => &files.shroud,
+            Which::Profile => &files.profile,
+        };
+        there(file, folder, &error)
+    })?;
+    Ok((blades, Revolution { profile_mm: found.hub.between(blank.faces_mm) }, found.blade))
+}
+
+fn from_sections(
+    told: &Spanned<SectionsTable>,
+    unit: LengthUnit,
+    blank: &Blank,
+    folder: &Path,
+) -> Result<(u32, Revolution, Sections), Wrong> {
+    let table = told.as_ref();
+    let blades = blades(&table.blades)?;
+    let hub = cylinder(length_mm(&table.hub_radius, unit, "hub_radius")?, blank);
+    let text = read(&table.file, folder)?;
+    let blade = sections::read(&text, &drawn(table.axis, table.units, unit), &hub)
+        .map_err(|error| there(&table.file, folder, &error))?;
+    Ok((blades, hub, blade))
+}
+
+fn blades(told: &Spanned<u32>) -> Result<u32, Complaint> {
+    match *told.as_ref() {
+        0 | 1 => Err(at(told, "a rotor has 2 blades at least")),
+        blades => Ok(blades),
+    }
+}
+
+/// How the points of a file are meant; in the part's units unless told.
+fn drawn(axis: RotorWord, units: Option<PointUnit>, unit: LengthUnit) -> Drawn {
+    let axis = match axis {
+        RotorWord::X => RotorAxis::X,
+        RotorWord::Y => RotorAxis::Y,
+        RotorWord::Z => RotorAxis::Z,
+    };
+    let unit_mm = match units {
+        None => unit.mm(),
+        Some(PointUnit::Inch) => LengthUnit::Inch.mm(),
+        Some(PointUnit::Mm) => 1.0,
+        Some(PointUnit::Cm) => 10.0,
+        Some(PointUnit::M) => 1000.0,
+    };
+    Drawn { axis, unit_mm }
+}
+
+fn read(file: &Spanned<String>, folder: &Path) -> Result<String, Complaint> {
+    let path = folder.join(file.as_ref());
+    std::fs::read_to_string(&path).map_err(|error| at(file, &format!("{}: {error}", path.display())))
+}
+
+fn there(file: &Spanned<String>, folder: &Path, error: &ReadError) -> Wrong {
+    let ReadError { line, column, fault } = error;
+    let path = folder.join(file.as_ref());
+    Wrong::There(PartError::Content { path, line: *line, column: *column, message: fault.to_string() })
+}

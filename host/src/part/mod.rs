@@ -1,0 +1,279 @@
+//! `PART.toml` (docs/plan.md): a bladed rotor, what it is cut from and with; read, checked once, every complaint with its place
+//! in the file.
+
+mod schema;
+
+mod geometry;
+
+mod tool;
+
+use std::path::{Path, PathBuf};
+
+use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing};
+use arcfeed_plan::cutter::CupMill;
+use arcfeed_plan::geometry::blisk::{Blank, Blisk};
+use arcfeed_plan::vector::Point;
+use arcfeed_shared::units::LengthUnit;
+use toml::Spanned;
+
+use crate::job::{Complaint, Quantity, at, length_mm, machine, positive};
+use crate::machine_file::MachineFile;
+use crate::place::place;
+use schema::{AxisWord, BaselineTable, BlankTable, FixtureTable, MachineTable, OutputTable, PartTable, RoughingTable};
+
+/// Shares and heights where a file tells none.
+const INTERIOR_CONTACT: f64 = 0.1;
+const CLEARANCE_MM: f64 = 5.0;
+
+/// A part file, checked. Part frame, millimetres.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// As the file names it; the file's own name otherwise.
+    pub name: String,
+    /// Of the file.
+    pub unit: LengthUnit,
+    /// The rotor.
+    pub blisk: Blisk,
+    /// What cuts it.
+    pub cutter: CupMill,
+    /// What is asked of the path.
+    pub roughing: Roughing,
+    /// The tool's axis; that which takes most where the file leaves it open.
+    pub axis: Option<AxisChoice>,
+    /// How fast.
+    pub feeds: Feeds,
+    /// What holds it, as boxes: lowest and highest corner.
+    pub fixtures: Vec<[Point; 2]>,
+    /// The machine, where the file names one.
+    pub machine: Option<MachineFile>,
+    /// How it names it.
+    pub machine_told: Option<MachineTold>,
+    /// How the program is written.
+    pub output: Output,
+    /// What the plan's time is compared with, where the file tells.
+    pub baseline: Option<Baseline>,
+}
+
+/// How a part names its machine.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MachineTold {
+    /// By a file, from the working directory.
+    File(PathBuf),
+    /// By a machine of ours.
+    Preset(String),
+}
+
+/// Speed and feeds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Feeds {
+    /// Of the spindle.
+    pub rev_per_min: f64,
+    /// On the cutting circumference.
+    pub per_tooth_mm: f64,
+    /// Down to the first level; as when cutting where not told.
+    pub approach_mm_per_min: Option<f64>,
+    /// From level to level; as when cutting where not told.
+    pub axial_mm_per_min: Option<f64>,
+}
+
+/// How the program is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Output {
+    /// G20 or G21.
+    pub unit: LengthUnit,
+    /// O number.
+    pub number: u32,
+    /// T and H.
+    pub tool: u32,
+    /// M8 and M9.
+    pub coolant: bool,
+    /// Whether the control reports slots and levels.
+    pub dprnt: bool,
+}
+
+/// Flank milling with a ball-end mill.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Baseline {
+    /// Of its ball.
+    pub diameter_mm: f64,
+    /// Teeth.
+    pub teeth: u16,
+    /// Along the passes.
+    pub feed_mm_per_min: f64,
+    /// From level to level, at most.
+    pub axial_depth_mm: f64,
+    /// From pass to pass, at most.
+    pub stepover_mm: f64,
+}
+
+/// What is wrong with a part file, or a file it names: `file:line:column: what and what to do`.
+#[derive(Debug, thiserror::Error)]
+pub enum PartError {
+    /// The file cannot be read.
+    #[error("{path}: {source}")]
+    Read {
+        /// The part file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file says something that makes no sense.
+    #[error("{path}:{line}:{column}: {message}")]
+    Content {
+        /// The part file, or one with points that it names.
+        path: PathBuf,
+        /// Line, counted from 1.
+        line: usize,
+        /// Column, counted from 1.
+        column: usize,
+        /// What was found and what to do.
+        message: String,
+    },
+}
+
+/// What is wrong: here at a byte offset, or in another file.
+enum Wrong {
+    Here(Complaint),
+    There(PartError),
+}
+
+impl From<Complaint> for Wrong {
+    fn from(complaint: Complaint) -> Self {
+        Wrong::Here(complaint)
+    }
+}
+
+impl Part {
+    /// Reads and checks a part file and the files it names.
+    ///
+    /// # Errors
+    /// See [`PartError`].
+    pub fn load(path: &Path) -> Result<Self, PartError> {
+        let text = std::fs::read_to_string(path).map_err(|source| PartError::Read { path: path.into(), source })?;
+        Part::parse(path, &text)
+    }
+
+    /// Checks a part given as text; `path` is for messages and for the places of the files it names.
+    ///
+    /// # Errors
+    /// See [`PartError`].
+    pub fn parse(path: &Path, text: &str) -> Result<Self, PartError> {
+        let table: Result<PartTable, Complaint> = toml::from_str(text)
+            .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()));
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let built = table.map_err(Wrong::Here).and_then(|table| build(&table, path, folder));
+        built.map_err(|wrong| match wrong {
+            Wrong::There(error) => error,
+            Wrong::Here((offset, message)) => {
+                let [line, column] = place(text, offset);
+                PartError::Content { path: path.into(), line, column, message }
+            }
+        })
+    }
+}
+
+fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<Part, Wrong> {
+    let unit: LengthUnit = table.units.into();
+    let own_name = || path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let blank = blank(&table.blank, unit)?;
+    let cutter = tool::build(&table.cutter, unit)?;
+    let (roughing, feeds) = roughing(&table.roughing, unit)?;
+    let fixtures = table.fixture.iter().map(|told| fixture(told, unit)).collect::<Result<_, _>>()?;
+    Ok(Part {
+        name: table.name.clone().unwrap_or_else(own_name),
+        unit,
+        cutter,
+        roughing,
+        axis: axis(table.roughing.axis),
+        feeds,
+        fixtures,
+        machine: machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?,
+        machine_told: machine_told(&table.machine, folder),
+        output: output(&table.output, unit)?,
+        baseline: table.baseline.as_ref().map(|told| baseline(told, unit)).transpose()?,
+        blisk: geometry::build(&table.geometry, unit, blank, folder)?,
+    })
+}
+
+fn machine_told(told: &MachineTable, folder: &Path) -> Option<MachineTold> {
+    let file = told.file.as_ref().map(|file| MachineTold::File(folder.join(file.as_ref())));
+    file.or_else(|| told.preset.as_ref().map(|preset| MachineTold::Preset(preset.as_ref().clone())))
+}
+
+fn axis(told: AxisWord) -> Option<AxisChoice> {
+    match told {
+        AxisWord::Auto => None,
+        AxisWord::Blade => Some(AxisChoice::Blade),
+        AxisWord::Roomiest => Some(AxisChoice::Roomiest),
+    }
+}
+
+fn blank(told: &BlankTable, unit: LengthUnit) -> Result<Blank, Complaint> {
+    let faces_mm = [&told.from, &told.to].map(|face| face.as_ref().to_mm(unit));
+    if faces_mm[0].is_nan() || faces_mm[1].is_nan() || faces_mm[0] >= faces_mm[1] {
+        return Err(at(&told.to, "`to` must lie above `from`, along the rotor's axis"));
+    }
+    Ok(Blank { radius_mm: length_mm(&told.radius, unit, "radius")?, faces_mm })
+}
+
+fn roughing(told: &RoughingTable, unit: LengthUnit) -> Result<(Roughing, Feeds), Complaint> {
+    let feed = |given: &Option<Spanned<Quantity>>, name: &str| {
+        given.as_ref().map(|given| length_mm(given, unit, name)).transpose()
+    };
+    let interior_contact = match &told.interior_contact {
+        Some(share) if !(*share.as_ref() > 0.0 && *share.as_ref() < 1.0) => {
+            return Err(at(share, "interior_contact is a share of the suction side's tip curve, between 0 and 1"));
+        }
+        given => given.as_ref().map_or(INTERIOR_CONTACT, |share| *share.as_ref()),
+    };
+    let roughing = Roughing {
+        allowance_mm: length_mm(&told.allowance, unit, "allowance")?,
+        axial_depth_max_mm: length_mm(&told.axial_depth_max, unit, "axial_depth_max")?,
+        interior_contact,
+        clearance_mm: feed(&told.clearance, "clearance")?.unwrap_or(CLEARANCE_MM),
+        axis: axis(told.axis).unwrap_or_default(),
+    };
+    let feeds = Feeds {
+        rev_per_min: positive(&told.rev_per_min, "rev_per_min")?,
+        per_tooth_mm: length_mm(&told.feed_per_tooth, unit, "feed_per_tooth")?,
+        approach_mm_per_min: feed(&told.approach_feed, "approach_feed")?,
+        axial_mm_per_min: feed(&told.axial_feed, "axial_feed")?,
+    };
+    Ok((roughing, feeds))
+}
+
+fn fixture(told: &Spanned<FixtureTable>, unit: LengthUnit) -> Result<[Point; 2], Complaint> {
+    let FixtureTable { from, to } = told.as_ref();
+    let [low, high] = [from, to].map(|corner| Point::from(corner.map(|value| value.to_mm(unit))));
+    let is_box = (0..3).all(|axis| low[axis] < high[axis]);
+    if is_box { Ok([low, high]) } else { Err(at(told, "a fixture's `to` must lie above its `from`, along x, y and z")) }
+}
+
+fn output(told: &OutputTable, unit: LengthUnit) -> Result<Output, Complaint> {
+    let within = |given: &Option<Spanned<u32>>, name: &str, most: u32, unless: u32| match given {
+        Some(number) if !(1..=most).contains(number.as_ref()) => {
+            Err(at(number, &format!("{name} must be 1 to {most}")))
+        }
+        given => Ok(given.as_ref().map_or(unless, |number| *number.as_ref())),
+    };
+    Ok(Output {
+        unit: told.units.map_or(unit, Into::into),
+        number: within(&told.number, "number", 9999, 1)?,
+        tool: within(&told.tool, "tool", 9999, 1)?,
+        coolant: told.coolant.unwrap_or(true),
+        dprnt: told.dprnt.unwrap_or(false),
+    })
+}
+
+fn baseline(told: &BaselineTable, unit: LengthUnit) -> Result<Baseline, Complaint> {
+    Ok(Baseline {
+        diameter_mm: length_mm(&told.diameter, unit, "diameter")?,
+        teeth: tool::teeth(&told.teeth)?,
+        feed_mm_per_min: length_mm(&told.feed, unit, "feed")?,
+        axial_depth_mm: length_mm(&told.axial_depth, unit, "axial_depth")?,
+        stepover_mm: length_mm(&told.stepover, unit, "stepover")?,
+    })
+}
+
+#[cfg(test)]
+mod tests;

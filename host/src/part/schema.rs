@@ -1,0 +1,178 @@
+//! The shape of `PART.toml`, as serde sees it. Values are checked in the modules beside.
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::job::{Quantity, UnitWord};
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PartTable {
+    pub units: UnitWord,
+    pub name: Option<String>,
+    pub geometry: Spanned<GeometryTable>,
+    pub blank: BlankTable,
+    pub cutter: CutterTable,
+    pub roughing: RoughingTable,
+    #[serde(default)]
+    pub fixture: Vec<Spanned<FixtureTable>>,
+    #[serde(default)]
+    pub machine: MachineTable,
+    #[serde(default)]
+    pub output: OutputTable,
+    pub baseline: Option<BaselineTable>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GeometryTable {
+    pub generate: Option<Spanned<GenerateTable>>,
+    pub curves: Option<Spanned<CurvesTable>>,
+    pub sections: Option<Spanned<SectionsTable>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GenerateTable {
+    pub blades: u32,
+    pub hub_radius: Quantity,
+    pub tip_radius: Quantity,
+    pub chord: [Quantity; 2],
+    pub stagger_deg: [f64; 2],
+    pub camber_deg: [f64; 2],
+    pub thickness_ratio: [f64; 2],
+    pub edge: Option<Quantity>,
+    #[serde(default)]
+    pub lean_deg: f64,
+    #[serde(default)]
+    pub hand: HandWord,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum HandWord {
+    #[default]
+    Right,
+    Left,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CurvesTable {
+    pub hub: Spanned<String>,
+    pub shroud: Spanned<String>,
+    pub profile: Spanned<String>,
+    pub blades: Spanned<u32>,
+    #[serde(default)]
+    pub axis: RotorWord,
+    pub units: Option<PointUnit>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SectionsTable {
+    pub file: Spanned<String>,
+    pub blades: Spanned<u32>,
+    #[serde(default)]
+    pub axis: RotorWord,
+    pub units: Option<PointUnit>,
+    pub hub_radius: Spanned<Quantity>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RotorWord {
+    X,
+    Y,
+    #[default]
+    Z,
+}
+
+/// Units that files of points come in.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PointUnit {
+    Mm,
+    Cm,
+    M,
+    Inch,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BlankTable {
+    pub radius: Spanned<Quantity>,
+    pub from: Spanned<Quantity>,
+    pub to: Spanned<Quantity>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CutterTable {
+    pub outer_radius: Spanned<Quantity>,
+    pub inner_radius: Spanned<Quantity>,
+    pub insert_radius: Spanned<Quantity>,
+    pub active_teeth: Spanned<u16>,
+    pub cavity_depth: Spanned<Quantity>,
+    pub height: Spanned<Quantity>,
+    #[serde(default)]
+    pub holder: Vec<Spanned<[Quantity; 2]>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RoughingTable {
+    pub allowance: Spanned<Quantity>,
+    pub axial_depth_max: Spanned<Quantity>,
+    pub interior_contact: Option<Spanned<f64>>,
+    pub clearance: Option<Spanned<Quantity>>,
+    #[serde(default)]
+    pub axis: AxisWord,
+    pub rev_per_min: Spanned<f64>,
+    pub feed_per_tooth: Spanned<Quantity>,
+    pub approach_feed: Option<Spanned<Quantity>>,
+    pub axial_feed: Option<Spanned<Quantity>>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AxisWord {
+    #[default]
+    Auto,
+    Blade,
+    Roomiest,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FixtureTable {
+    pub from: [Quantity; 3],
+    pub to: [Quantity; 3],
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MachineTable {
+    pub file: Option<Spanned<String>>,
+    pub preset: Option<Spanned<String>>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OutputTable {
+    pub units: Option<UnitWord>,
+    pub number: Option<Spanned<u32>>,
+    pub tool: Option<Spanned<u32>>,
+    pub coolant: Option<bool>,
+    pub dprnt: Option<bool>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BaselineTable {
+    pub diameter: Spanned<Quantity>,
+    pub teeth: Spanned<u16>,
+    pub feed: Spanned<Quantity>,
+    pub axial_depth: Spanned<Quantity>,
+    pub stepover: Spanned<Quantity>,
+}
