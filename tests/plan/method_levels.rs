@@ -98,7 +98,7 @@ impl<'f> Surroundings<'f> {
         }
         // What overlaps between samples does so earlier.
         clear = (clear - 0.03).max(0.0);
-        for _ in 0..26 {
+        for _ in 0..18 {
             let middle = (clear + beyond) / 2.0;
             let is_met = self.exact_overlap_mm(self.centre(pivot, middle), bottom_mm) > TOUCH_MM;
             if is_met { beyond = middle } else { clear = middle }

@@ -97,7 +97,7 @@ fn the_roomiest_direction_is_that_of_a_grid_of_directions_and_centres() {
             let (sin, cos) = libm::sincos(bearing + aside);
             Vector::new(cos * libm::cos(up), sin * libm::cos(up), libm::sin(up))
         };
-        let (found_mm, _) = best_of([0.0, 0.0], [4.0, 0.12], 1e-4, |at| room_mm(&points, &ring(), &direction(at)));
+        let (found_mm, _) = best_of([0.0, 0.0], [4.0, 0.12], 1e-3, |at| room_mm(&points, &ring(), &direction(at)));
         let along_mm = room_mm(&points, &ring(), &roomiest.direction);
         let dense = [(&slot.pressure, 1), (&slot.suction, 0)].map(|(face, far)| {
             let samples = Dense::side(face, far, Rotation3::identity()).samples;
@@ -111,7 +111,7 @@ fn the_roomiest_direction_is_that_of_a_grid_of_directions_and_centres() {
             roomiest.room_mm - found_mm,
             roomiest.room_mm - along_mm,
         );
-        // It claims what there is, and the grid has no better direction but by rounding a peak with edges.
+        // It claims the room that there is. The room has edges over the directions, on which both searches end a little off the peak.
         assert!((roomiest.room_mm - along_mm).abs() < 1e-4 && found_mm - roomiest.room_mm < 5e-3, "{}", rotor.name);
         // Rooms are judged on samples: what counts as enough is wider than what lies between them.
         assert!(sampled_mm < 1e-6 && sampled_mm > -0.1, "{}", rotor.name);

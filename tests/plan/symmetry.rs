@@ -25,16 +25,11 @@ fn another_numbering_of_the_blades_changes_nothing() {
     for rotor in ROTORS {
         let first = rotor.plan();
         let pitch_rad = core::f64::consts::TAU / 19.0;
-        for k in [5.0, 14.0] {
-            let (blisk, slot) = rotor.slot(k * pitch_rad);
-            let other = plan(&blisk, &slot, &ring(), &roughing()).unwrap();
-            let [places_mm, ends_mm, heights_mm] = differences_mm(&first, &other, |place| place);
-            println!(
-                "{}, blade {k}: A, B1, C {places_mm:.1e}, D, E {ends_mm:.1e}, heights {heights_mm:.1e} mm",
-                rotor.name
-            );
-            assert!(places_mm < 1e-4 && ends_mm < 1e-4 && heights_mm < 1e-6, "{}", rotor.name);
-        }
+        let (blisk, slot) = rotor.slot(5.0 * pitch_rad);
+        let other = plan(&blisk, &slot, &ring(), &roughing()).unwrap();
+        let [places_mm, ends_mm, heights_mm] = differences_mm(&first, &other, |place| place);
+        println!("{}: A, B1, C {places_mm:.1e}, D, E {ends_mm:.1e}, heights {heights_mm:.1e} mm", rotor.name);
+        assert!(places_mm < 1e-4 && ends_mm < 1e-4 && heights_mm < 1e-6, "{}", rotor.name);
     }
 }
 

@@ -30,7 +30,7 @@ pub struct Twisted {
     pub hand: f64,
 }
 
-/// Along the way of a mild, a strong and an opposite twist.
+/// By how many degrees the stagger grows from hub to tip: 14, 27, 6.
 pub const ROTORS: [Twisted; 3] = [
     Twisted {
         name: "28-42",
