@@ -36,3 +36,17 @@ mod limits;
 mod rise;
 
 mod job;
+
+mod twisted;
+
+mod dense;
+
+mod closed_form;
+
+mod method;
+
+mod method_levels;
+
+mod method_room;
+
+mod symmetry;
