@@ -36,8 +36,15 @@ fn declared_tests(manifest: &str) -> BTreeSet<String> {
 
 #[test]
 fn no_file_has_more_than_300_lines_of_code() {
-    let sources =
-        rust_files_of(&["shared/src", "firmware/src", "hil-sim/src", "host/src", "host/line-errors/src", "tests"]);
+    let sources = rust_files_of(&[
+        "shared/src",
+        "firmware/src",
+        "hil-sim/src",
+        "host/src",
+        "host/line-errors/src",
+        "host/plan/src",
+        "tests",
+    ]);
     let sizes = sources.iter().map(|source| (source.path.as_str(), lines_of_code(source)));
     let long: Vec<String> =
         sizes.filter(|(_, lines)| *lines > LIMIT).map(|(path, lines)| format!("{path}: {lines}")).collect();

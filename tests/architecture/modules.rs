@@ -10,8 +10,8 @@ use crate::complaints::assert_none;
 use crate::source::{Source, rust_files, tokens};
 
 /// Roots of crates, `lib.rs` or `main.rs` in them.
-const ROOTS: [&str; 6] =
-    ["shared/src", "firmware/src", "hil-sim/src", "host/src", "tests/xtask/src", "tests/architecture"];
+const ROOTS: [&str; 7] =
+    ["shared/src", "firmware/src", "hil-sim/src", "host/src", "host/plan/src", "tests/xtask/src", "tests/architecture"];
 
 type Path = Vec<String>;
 

@@ -199,7 +199,12 @@ fn wrong_curve_files_are_refused_by_file_and_line() {
     assert!(matches!(error.fault, Fault::Marks { section: 1, mark: "te", found: 0 }), "{error}");
     let (_, error) = refused(&hub, &shroud, "# Profile 1\n1 2 3\n", &Z);
     assert!(matches!(error.fault, Fault::Sections { found: 1 }), "{error}");
-    // Drawn in inches, read as millimetres: a hub that belongs to another rotor.
+    for axis in [RotorAxis::X, RotorAxis::Y] {
+        let (which, error) = refused(&hub, &shroud, &good, &Drawn { axis, unit_mm: 1.0 });
+        assert!(matches!((which, &error.fault), (Which::Hub, Fault::TurnsBack { .. })), "{error}");
+        assert!(error.to_string().contains("tell the rotor's `axis`"));
+    }
+    // A hub that belongs to another rotor.
     let (which, error) = refused(&curve(700.0, [-20.0, 20.0]), &curve(990.0, [-20.0, 20.0]), &good, &Z);
     assert!(matches!((which, error.fault), (Which::Profile, Fault::OffTheHub { .. })));
 }

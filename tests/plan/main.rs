@@ -13,6 +13,8 @@ mod meshes;
 
 mod flaws;
 
+mod rotor37;
+
 mod proof_cases;
 
 mod proof_exact;
@@ -23,6 +25,8 @@ mod proof_volumes;
 
 mod proof_published;
 
+mod proof_dexels;
+
 mod parts;
 
 mod listing;
@@ -32,3 +36,17 @@ mod limits;
 mod rise;
 
 mod job;
+
+mod twisted;
+
+mod dense;
+
+mod closed_form;
+
+mod method;
+
+mod method_levels;
+
+mod method_room;
+
+mod symmetry;

@@ -1,7 +1,8 @@
 //! Twenty rotors, from easy to impossible: what the planner says of each, and what searches and samples say that share nothing with
 //! planner and proof but the blades' surfaces and the tool's shape. The table is docs/plan-parts.md, whose verdicts are held.
 
-use arcfeed_plan::cup_mill::{Infeasible, SlotPlan, plan};
+use arcfeed_plan::cup_mill::infeasible::Infeasible;
+use arcfeed_plan::cup_mill::plan::{SlotPlan, plan};
 use arcfeed_plan::cutter::{CupMill, Part};
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
 use arcfeed_plan::geometry::face::Face;

@@ -40,10 +40,10 @@ fn the_plan_of_the_published_tool_touches_no_finished_surface() {
     assert_eq!((proof.open().count(), proof.clearances.len()), (0, 11));
     let ring = |obstacle| proof.clearance(Part::Ring, obstacle).expect("a ring").beyond_mm(ALLOWANCE_MM);
     println!("beyond the allowance: blades {:.4?}, hub {:.4?} mm", ring(Obstacle::Blades), ring(Obstacle::Hub));
-    // The chord error, and the gap.
-    assert!(ring(Obstacle::Hub)[0] > -0.011);
-    // The planner keeps to the sides between the round edges and looks at those it comes up to; a turn about a point of one cuts into it.
-    assert!(ring(Obstacle::Blades)[0] > -0.1 * ALLOWANCE_MM);
+    // The chord error, the gap, and the planner's own tolerance.
+    for obstacle in [Obstacle::Blades, Obstacle::Hub] {
+        assert!(ring(obstacle)[0] > -0.0125, "{obstacle:?}");
+    }
     assert!((4.9..5.1).contains(&proof.indexing_mm), "{}", proof.indexing_mm);
     let pieces: usize = proof.clearances.iter().map(|found| found.pieces).sum();
     println!("{pieces} pieces for {} steps and {} blades", plan.path.steps().len(), blisk.blades);
@@ -60,10 +60,14 @@ fn the_published_tool_takes_most_of_the_slot() {
         let [least, most] = map.range_mm();
         println!("{name}: {least:.3} to {most:.3} mm left beyond the allowance, {:.3} in the mean", map.mean_mm());
     }
-    let Removed { by_level_mm3, error_mm3, slot_mm3, .. } = &proof.removed;
+    let Removed { by_level_mm3, error_mm3, slot_mm3, slot_by_level_mm3 } = &proof.removed;
+    for (level, (all_mm3, slot_mm3)) in by_level_mm3.iter().zip(slot_by_level_mm3).enumerate() {
+        println!("level {}: {all_mm3:.0} mm3, {slot_mm3:.0} of them in the slot", level + 1);
+        assert!(slot_mm3 < all_mm3);
+    }
     println!("{:.0} +- {error_mm3:.0} mm3 in {} levels", proof.removed.total_mm3(), by_level_mm3.len());
     println!("{:.1} % of the slot's {slot_mm3:.0} mm3", 100.0 * proof.removed.share_ratio());
-    assert!(*error_mm3 < 0.001 * proof.removed.total_mm3());
+    assert!(*error_mm3 < 0.005 * proof.removed.total_mm3());
     assert!((0.6..0.9).contains(&proof.removed.share_ratio()));
     // The ring comes up to both sides somewhere.
     for map in [&proof.left.pressure, &proof.left.suction] {

@@ -19,7 +19,9 @@ use toml::Spanned;
 use crate::job::{Complaint, Quantity, at, length_mm, machine, positive};
 use crate::machine_file::MachineFile;
 use crate::place::place;
-use schema::{AxisWord, BaselineTable, BlankTable, FixtureTable, MachineTable, OutputTable, PartTable, RoughingTable};
+use schema::{
+    AxisWord, BaselineTable, BlankTable, FixtureTable, LawWord, MachineTable, OutputTable, PartTable, RoughingTable,
+};
 
 /// Shares and heights where a file tells none.
 const INTERIOR_CONTACT: f64 = 0.1;
@@ -42,6 +44,8 @@ pub struct Part {
     pub axis: Option<AxisChoice>,
     /// How fast.
     pub feeds: Feeds,
+    /// Whether its job asks for the whole engaged arc of both circles, not for the contact at the stock's limit alone.
+    pub is_engaged_arc: bool,
     /// What holds it, as boxes: lowest and highest corner.
     pub fixtures: Vec<[Point; 2]>,
     /// The machine, where the file names one.
@@ -185,6 +189,7 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<Part, Wrong> {
         cutter,
         roughing,
         axis: axis(table.roughing.axis),
+        is_engaged_arc: table.roughing.law == LawWord::EngagedArc,
         feeds,
         fixtures,
         machine: machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?,

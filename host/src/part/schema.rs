@@ -128,10 +128,20 @@ pub struct RoughingTable {
     pub clearance: Option<Spanned<Quantity>>,
     #[serde(default)]
     pub axis: AxisWord,
+    #[serde(default)]
+    pub law: LawWord,
     pub rev_per_min: Spanned<f64>,
     pub feed_per_tooth: Spanned<Quantity>,
     pub approach_feed: Option<Spanned<Quantity>>,
     pub axial_feed: Option<Spanned<Quantity>>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum LawWord {
+    #[default]
+    Circumference,
+    EngagedArc,
 }
 
 #[derive(Clone, Copy, Debug, Default, Deserialize)]

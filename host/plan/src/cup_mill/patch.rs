@@ -6,7 +6,7 @@ use crate::search::{Least, descend};
 use crate::vector::Point;
 
 /// Best samples from which a search descends.
-const STARTS: usize = 3;
+const STARTS: usize = 4;
 /// Samples nearer than this, in their mean spacing, lead to one place.
 const ONE_PLACE: f64 = 2.5;
 

@@ -100,8 +100,8 @@ pub fn finished(blisk: &Blisk, sector: &Sector, blades: [i32; 2], tolerance_mm: 
     let mut triangles = revolved(&blisk.hub, sector, tolerance_mm);
     for index in blades[0]..=blades[1] {
         let of_one = blisk.blade(index);
-        let edge = [0.0, 0.5, 1.0].map(|u| blisk.hub.height_mm(&of_one.pressure.point(u, 0.0)).abs());
-        let root_mm = (edge.into_iter().fold(0.0, f64::max) + tolerance_mm) * 2.0;
+        let foot_mm = |u: f64| blisk.hub.height_mm(&of_one.pressure.point(u, 0.0)).max(0.0);
+        let root_mm = (PROBES.map(foot_mm).into_iter().fold(0.0, f64::max) + tolerance_mm) * 2.0;
         triangles.extend(blade(&of_one, root_mm, tolerance_mm));
     }
     triangles

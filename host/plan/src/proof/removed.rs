@@ -26,8 +26,8 @@ pub struct Removed {
     pub error_mm3: f64,
     /// Between the offset surfaces of the slot.
     pub slot_mm3: f64,
-    /// What of that is gone.
-    pub slot_removed_mm3: f64,
+    /// What of that each level takes.
+    pub slot_by_level_mm3: Vec<f64>,
 }
 
 /// A blank as it lies in the slot frame.
@@ -46,7 +46,37 @@ impl Removed {
 
     /// What is gone of the slot, 0 to 1.
     pub fn share_ratio(&self) -> f64 {
-        self.slot_removed_mm3 / self.slot_mm3
+        self.slot_by_level_mm3.iter().sum::<f64>() / self.slot_mm3
+    }
+
+    /// Adds the volume between the offset surfaces, and what is gone of it.
+    fn add_slot(&mut self, floor: &Floor, stock: &Stock<'_>, walls: &Walls<'_>, cell_mm: f64) {
+        let feet = |u: f64, v: f64| [0, 1].map(|side| walls.side(side, u, v));
+        let pieces = |[from, to]: [Point; 2]| (libm::ceil((to - from).norm() / cell_mm) as usize).max(1);
+        let [columns, rows] =
+            [[feet(0.0, 0.5)[0], feet(1.0, 0.5)[0]], [feet(0.5, 0.0)[0], feet(0.5, 1.0)[0]]].map(pieces);
+        let layers = pieces(feet(0.5, 0.5));
+        let share = |k: usize, count: usize| k as f64 / count as f64;
+        let row = |row: usize| (0..=columns).map(|column| feet(share(column, columns), share(row, rows))).collect();
+        let lattice: Vec<Vec<[Point; 2]>> = (0..=rows).map(row).collect();
+        let bars = lattice.windows(2).flat_map(|pair| pair[0].windows(2).zip(pair[1].windows(2)));
+        for (bar, (low, high)) in bars.enumerate() {
+            let edges = [low[0], low[1], high[1], high[0]];
+            let shift = (bar as f64 * GOLDEN_RATIO).fract();
+            for layer in 0..layers {
+                let cut = |share: f64| edges.map(|[from, to]| from + (to - from) * share);
+                let volume_mm3 = volume_mm3(&[share(layer, layers), share(layer + 1, layers)].map(cut));
+                let point = middle(cut((layer as f64 + shift) / layers as f64));
+                let [bottom_mm, top_mm] = stock.column_mm(&point.xy());
+                if !walls.is_hub(&point) && (bottom_mm..=top_mm).contains(&point.z) {
+                    self.slot_mm3 += volume_mm3;
+                    let floors_mm = floor.by_level_mm(&point.xy(), self.slot_by_level_mm3.len());
+                    if let Some(level) = floors_mm.iter().position(|floor_mm| *floor_mm <= point.z) {
+                        self.slot_by_level_mm3[level] += volume_mm3;
+                    }
+                }
+            }
+        }
     }
 }
 
@@ -55,8 +85,9 @@ pub fn removed(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: &Walls<'_
     let by_level_mm3 = stock.cut_mm3(floor, levels, cell_mm);
     let coarse_mm3: f64 = stock.cut_mm3(floor, levels, 2.0 * cell_mm).iter().sum();
     let error_mm3 = (by_level_mm3.iter().sum::<f64>() - coarse_mm3).abs();
-    let [slot_mm3, slot_removed_mm3] = slot_mm3(floor, stock, walls, cell_mm);
-    Removed { by_level_mm3, error_mm3, slot_mm3, slot_removed_mm3 }
+    let mut removed = Removed { by_level_mm3, error_mm3, slot_mm3: 0.0, slot_by_level_mm3: vec![0.0; levels] };
+    removed.add_slot(floor, stock, walls, cell_mm);
+    removed
 }
 
 impl Stock<'_> {
@@ -66,8 +97,10 @@ impl Stock<'_> {
         let (origin, up) = (back * Point::new(place.x, place.y, 0.0), back * Vector::z());
         let (square, half) = (up.xy().norm_squared(), origin.coords.xy().dot(&up.xy()));
         let rest = origin.coords.xy().norm_squared() - self.blank.radius_mm * self.blank.radius_mm;
-        // Negative under the root: the column misses the blank, and nothing is not below nothing.
         let root = libm::sqrt(half * half - square * rest);
+        if root.is_nan() {
+            return [0.0; 2];
+        }
         let around = [(-half - root) / square, (-half + root) / square];
         let between = self.blank.faces_mm.map(|face_mm| face_mm - origin.z);
         let between = match up.z {
@@ -75,9 +108,6 @@ impl Stock<'_> {
             _ if between[0] <= 0.0 && between[1] >= 0.0 => [f64::NEG_INFINITY, f64::INFINITY],
             _ => return [0.0; 2],
         };
-        if root.is_nan() {
-            return [0.0; 2];
-        }
         [around[0].max(between[0].min(between[1])), around[1].min(between[0].max(between[1]))]
     }
 
@@ -115,34 +145,6 @@ impl Stock<'_> {
 fn middles([low_mm, high_mm]: [f64; 2], cell_mm: f64) -> Vec<f64> {
     let (first, last) = (libm::floor(low_mm / cell_mm) as i64, libm::ceil(high_mm / cell_mm) as i64);
     (first..last).map(|k| (k as f64 + 0.5) * cell_mm).collect()
-}
-
-/// The volume between the offset surfaces, and what is gone of it.
-fn slot_mm3(floor: &Floor, stock: &Stock<'_>, walls: &Walls<'_>, cell_mm: f64) -> [f64; 2] {
-    let feet = |u: f64, v: f64| [0, 1].map(|side| walls.side(side, u, v));
-    let pieces = |[from, to]: [Point; 2]| (libm::ceil((to - from).norm() / cell_mm) as usize).max(1);
-    let [columns, rows] = [[feet(0.0, 0.5)[0], feet(1.0, 0.5)[0]], [feet(0.5, 0.0)[0], feet(0.5, 1.0)[0]]].map(pieces);
-    let layers = pieces(feet(0.5, 0.5));
-    let share = |k: usize, count: usize| k as f64 / count as f64;
-    let row = |row: usize| (0..=columns).map(|column| feet(share(column, columns), share(row, rows))).collect();
-    let lattice: Vec<Vec<[Point; 2]>> = (0..=rows).map(row).collect();
-    let bars = lattice.windows(2).flat_map(|pair| pair[0].windows(2).zip(pair[1].windows(2)));
-    let mut volumes_mm3 = [0.0; 2];
-    for (bar, (low, high)) in bars.enumerate() {
-        let edges = [low[0], low[1], high[1], high[0]];
-        let shift = (bar as f64 * GOLDEN_RATIO).fract();
-        for layer in 0..layers {
-            let cut = |share: f64| edges.map(|[from, to]| from + (to - from) * share);
-            let volume_mm3 = volume_mm3(&[share(layer, layers), share(layer + 1, layers)].map(cut));
-            let point = middle(cut((layer as f64 + shift) / layers as f64));
-            let [bottom_mm, top_mm] = stock.column_mm(&point.xy());
-            if !walls.is_hub(&point) && (bottom_mm..=top_mm).contains(&point.z) {
-                volumes_mm3[0] += volume_mm3;
-                volumes_mm3[1] += if floor.at_mm(&point.xy()) <= point.z { volume_mm3 } else { 0.0 };
-            }
-        }
-    }
-    volumes_mm3
 }
 
 fn middle(points: [Point; 4]) -> Point {

@@ -4,7 +4,7 @@ use arcfeed_plan::geometry::blisk::Slot;
 use arcfeed_plan::geometry::flaws::flaws;
 use arcfeed_plan::optimise::{Problem, Valued};
 use arcfeed_plan::output::baseline::{FlankMilling, PlannedTime, SlotSize, planned_time};
-use arcfeed_plan::output::limits::{StockLimit, stock_limits};
+use arcfeed_plan::output::limits::{Bound, StockLimit, bounds, stock_limits};
 use arcfeed_plan::output::nc;
 use arcfeed_plan::placing::{Placing, any_table, placing};
 use arcfeed_plan::proof::verdict::{Case, Fineness, Proof, prove};
@@ -35,6 +35,8 @@ pub struct Composed {
     pub proof: Proof,
     /// Where the stock ends.
     pub limits: Vec<StockLimit>,
+    /// The lines that it lies between.
+    pub bounds: [Bound; 3],
     /// Of one slot.
     pub time: PlannedTime,
     /// Flank milling of one slot, or why it is not compared with.
@@ -69,13 +71,14 @@ impl Composed {
             fixture: &part.fixtures,
         };
         let proof = prove(&case, &Fineness::default()).ok_or("a blade is not above the hub")?;
-        let limits = stock_limits(&plan.path, &part.cutter, &part.blisk.blank, &plan.tool_axis());
-        let limits = limits.map_err(|error| error.to_string())?;
+        let (blank, tool_axis) = (&part.blisk.blank, plan.tool_axis());
+        let limits = stock_limits(&plan.path, &part.cutter, blank, &tool_axis).map_err(|error| error.to_string())?;
+        let bounds = bounds(&plan.path, &part.cutter, blank, &tool_axis).map_err(|error| error.to_string())?;
         let volume_mm3 = proof.removed.total_mm3();
         let feeds = feeds(&part);
         let time = planned_time(&plan.path, |purpose| feeds.of(purpose), volume_mm3);
         let baseline = baseline(&part, &slot, volume_mm3);
-        Ok(Composed { slot, placing, proof, limits, time, baseline, valued, part })
+        Ok(Composed { slot, placing, proof, limits, bounds, time, baseline, valued, part })
     }
 
     /// Whether nothing is touched that must not be, and the allowance is left but beside the leading edge.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use arcfeed_plan::geometry::mesh::{Sector, Triangle, blank, finished};
-use arcfeed_plan::output::job::{JobFile, Machine, Workpiece};
+use arcfeed_plan::output::job::{JobFile, Law, Machine, Workpiece};
 use arcfeed_plan::output::nc::{Indexing, Setup, write as program};
 use arcfeed_plan::output::stl::to_stl;
 use arcfeed_plan::vector::Point;
@@ -35,7 +35,7 @@ pub fn write(composed: &Composed, folder: &Path) -> Result<(), Failure> {
     let text = program(&composed.valued.plan.path, &setup(composed)).map_err(|error| failed(&error))?;
     let [stock, part] = meshes(composed).map(|triangles| to_stl(&triangles));
     let (stock, part) = (stock.map_err(|error| failed(&error))?, part.map_err(|error| failed(&error))?);
-    let machine_file = machine_file(composed, folder);
+    let machine_file = machine_file(composed);
     let job = job(composed, &name, machine_file.as_deref());
     let page = drawn::report(composed).page().to_string();
     std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
@@ -114,6 +114,7 @@ fn job(composed: &Composed, program: &str, machine_file: Option<&str>) -> String
         rev_per_min: part.feeds.rev_per_min,
         feed_per_tooth_mm: part.feeds.per_tooth_mm,
         limits: &composed.limits,
+        law: if part.is_engaged_arc { Law::EngagedArc(&composed.bounds) } else { Law::Circumference },
         workpiece: Some(Workpiece { stl: "stock.stl", target: Some("finished.stl"), step_mm: RAYS_MM }),
         control: CONTROL,
         machine,
@@ -121,8 +122,8 @@ fn job(composed: &Composed, program: &str, machine_file: Option<&str>) -> String
     .text()
 }
 
-/// The machine's file as the job in `folder` finds it: its whole path, wherever the command was typed.
-fn machine_file(composed: &Composed, _folder: &Path) -> Option<String> {
+/// The machine's file as the job finds it wherever it lies: its whole path.
+fn machine_file(composed: &Composed) -> Option<String> {
     let Some(MachineTold::File(path)) = &composed.part.machine_told else { return None };
     let whole = path.canonicalize().unwrap_or_else(|_| PathBuf::from(path));
     Some(whole.to_string_lossy().into_owned())

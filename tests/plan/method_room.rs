@@ -1,0 +1,145 @@
+//! The room of a ring against plain grids of directions and centres.
+
+use arcfeed_plan::cup_mill::fit::{Room, Walls};
+use arcfeed_plan::cup_mill::side::{FarEdge, Hub, Side};
+use arcfeed_plan::cutter::CupMill;
+use arcfeed_plan::geometry::blisk::{Blisk, Slot};
+use arcfeed_plan::vector::{Flat, Point, Vector};
+use nalgebra::{Rotation3, Vector2};
+
+use crate::dense::Dense;
+use crate::twisted::{ALLOWANCE_MM, ROTORS, ring};
+
+/// Every so manieth sample of the planner's sides each way; the dense ones of a slot are the yardstick of what that costs.
+const STRIDE: usize = 4;
+
+fn sides(blisk: &Blisk, slot: &Slot) -> [Side; 2] {
+    let hub = Hub { hub: &blisk.hub, allowance_mm: ALLOWANCE_MM };
+    let faces = [(&slot.pressure, FarEdge::Trailing), (&slot.suction, FarEdge::Leading)];
+    faces.map(|(face, far)| Side::new(face, far, &hub, &Rotation3::identity()).unwrap())
+}
+
+/// Both sides' points as a tool along `direction` sees them, in a frame of our own.
+fn seen(points: &[Vec<Point>; 2], direction: &Vector) -> [Vec<Flat>; 2] {
+    let across = direction.cross(&Vector::z()).normalize();
+    let along = direction.cross(&across);
+    let flat = |p: &Point| Flat::new(p.coords.dot(&across), p.coords.dot(&along));
+    [0, 1].map(|side: usize| points[side].iter().map(flat).collect())
+}
+
+/// What a ring has to spare at a centre, at the outer and at the inner circle.
+fn spare_mm([pressure, suction]: &[Vec<Flat>; 2], cutter: &CupMill, centre: Flat) -> [f64; 2] {
+    let nearest = pressure.iter().map(|p| (p - centre).norm_squared()).fold(f64::INFINITY, f64::min);
+    let farthest = suction.iter().map(|s| (s - centre).norm_squared()).fold(0.0, f64::max);
+    [libm::sqrt(nearest) - cutter.outer_radius_mm, cutter.inner_radius_mm - libm::sqrt(farthest)]
+}
+
+/// The best of a grid, then of grids about the best one that become finer where they find nothing better.
+fn best_of(start: [f64; 2], [count, step]: [f64; 2], finest: f64, f: impl Fn([f64; 2]) -> f64) -> (f64, [f64; 2]) {
+    let grid = |middle: [f64; 2], count: i32, step: f64| {
+        let places = (-count..=count).flat_map(move |i| (-count..=count).map(move |j| [f64::from(i), f64::from(j)]));
+        places.map(move |[i, j]| [middle[0] + i * step, middle[1] + j * step])
+    };
+    let better = |a: (f64, [f64; 2]), b: (f64, [f64; 2])| if b.0 > a.0 { b } else { a };
+    let mut best = grid(start, count as i32, step).map(|at| (f(at), at)).fold((f64::MIN, start), better);
+    let mut step = step / 2.0;
+    while step > finest {
+        let found = grid(best.1, 2, step).map(|at| (f(at), at)).fold(best, better);
+        step *= if found.0 > best.0 { 1.1 } else { 0.5 };
+        best = found;
+    }
+    best
+}
+
+/// The room along a direction. For each bearing of the centre the one distance that spares as much outside as inside, found by secants: farther off,
+/// the outer circle has more and the inner one less. Bearings by a grid, and by thirds about its best.
+fn room_mm(points: &[Vec<Point>; 2], cutter: &CupMill, direction: &Vector) -> f64 {
+    let seen = seen(points, direction);
+    let middle = |side: &[Flat]| side.iter().fold(Vector2::zeros(), |sum, p| sum + p.coords) / side.len() as f64;
+    let (from, to) = (middle(&seen[0]), middle(&seen[1]));
+    let bearing = libm::atan2(to.y - from.y, to.x - from.x);
+    let room = |turn: f64| {
+        let (sin, cos) = libm::sincos(bearing + turn);
+        let spare = |off_mm: f64| spare_mm(&seen, cutter, Flat::from(from + Vector2::new(cos, sin) * off_mm));
+        let uneven = |[outer, inner]: [f64; 2]| outer - inner;
+        let (mut before_mm, mut off_mm) = (cutter.outer_radius_mm - 5.0, cutter.outer_radius_mm);
+        let mut before = uneven(spare(before_mm));
+        for _ in 0..20 {
+            let now = uneven(spare(off_mm));
+            if now.abs() < 1e-12 || now == before {
+                break;
+            }
+            let next_mm = off_mm - now * (off_mm - before_mm) / (now - before);
+            (before_mm, before, off_mm) = (off_mm, now, next_mm);
+        }
+        let [outer_mm, inner_mm] = spare(off_mm);
+        outer_mm.min(inner_mm)
+    };
+    let bearings = (-24..=24).map(|k| f64::from(k) * 0.03);
+    let best = bearings.map(|turn| (room(turn), turn)).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap().1;
+    let [mut low, mut high] = [best - 0.03, best + 0.03];
+    for _ in 0..40 {
+        let third = (high - low) / 3.0;
+        if room(low + third) < room(high - third) { low += third } else { high -= third }
+    }
+    room((low + high) / 2.0)
+}
+
+#[test]
+fn the_roomiest_direction_is_that_of_a_grid_of_directions_and_centres() {
+    for rotor in &ROTORS {
+        let (blisk, slot) = rotor.slot(0.0);
+        let sides = sides(&blisk, &slot);
+        let roomiest = Walls::new(&sides[0], &sides[1]).roomiest(&ring()).unwrap();
+        let points = [0, 1].map(|k: usize| sides[k].patch.thinned(STRIDE).copied().collect::<Vec<Point>>());
+        let bearing = libm::atan2(slot.pressure.point(0.5, 0.5).y, slot.pressure.point(0.5, 0.5).x);
+        let direction = |[aside, up]: [f64; 2]| {
+            let (sin, cos) = libm::sincos(bearing + aside);
+            Vector::new(cos * libm::cos(up), sin * libm::cos(up), libm::sin(up))
+        };
+        let (found_mm, _) = best_of([0.0, 0.0], [4.0, 0.12], 1e-3, |at| room_mm(&points, &ring(), &direction(at)));
+        let along_mm = room_mm(&points, &ring(), &roomiest.direction);
+        let dense = [(&slot.pressure, 1), (&slot.suction, 0)].map(|(face, far)| {
+            let samples = Dense::side(face, far, Rotation3::identity()).samples;
+            samples.into_iter().map(|(_, point)| point).collect::<Vec<Point>>()
+        });
+        let sampled_mm = room_mm(&dense, &ring(), &roomiest.direction) - roomiest.room_mm;
+        println!(
+            "{}: roomiest {:.4} mm, grid {:.1e}, centres along it {:.1e}; dense samples {sampled_mm:.1e}",
+            rotor.name,
+            roomiest.room_mm,
+            roomiest.room_mm - found_mm,
+            roomiest.room_mm - along_mm,
+        );
+        // It claims the room that there is. The room has edges over the directions, on which both searches end a little off the peak.
+        assert!((roomiest.room_mm - along_mm).abs() < 1e-4 && found_mm - roomiest.room_mm < 5e-3, "{}", rotor.name);
+        // Rooms are judged on samples: what counts as enough is wider than what lies between them.
+        assert!(sampled_mm < 1e-6 && sampled_mm > -0.1, "{}", rotor.name);
+    }
+}
+
+#[test]
+fn a_wider_ring_has_less_room_by_what_it_is_wider_on_each_side() {
+    let mut worst_mm = 0.0_f64;
+    for rotor in &ROTORS {
+        let (blisk, slot) = rotor.slot(0.0);
+        let sides = sides(&blisk, &slot);
+        let walls = Walls::new(&sides[0], &sides[1]);
+        let plain = walls.roomiest(&ring()).unwrap();
+        let aside = (plain.direction + Vector::z() * 0.1).normalize();
+        for direction in [plain.direction, aside] {
+            let room = |cutter: &CupMill| -> Room { walls.room(cutter, &direction).unwrap() };
+            for wider_mm in [-1.5, 0.3, 1.0, 2.5] {
+                let plain = room(&ring());
+                let wide = room(&CupMill {
+                    outer_radius_mm: ring().outer_radius_mm + wider_mm,
+                    inner_radius_mm: ring().inner_radius_mm - wider_mm,
+                    ..ring()
+                });
+                worst_mm = worst_mm.max((wide.room_mm + wider_mm - plain.room_mm).abs());
+            }
+        }
+    }
+    println!("wider rings: {worst_mm:.1e} mm");
+    assert!(worst_mm < 1e-6);
+}
