@@ -36,7 +36,7 @@ pub fn report(composed: &Composed) -> PlanReport {
         clearances: near.map(clearance).collect(),
         removed: Some(Removed {
             available_mm3: composed.proof.removed.slot_mm3,
-            removed_mm3: composed.proof.removed.slot_removed_mm3,
+            removed_mm3: composed.proof.removed.slot_removed_mm3(),
             levels_mm3: composed.proof.removed.by_level_mm3.clone(),
         }),
         left: left(composed),
