@@ -46,7 +46,12 @@ impl Removed {
 
     /// What is gone of the slot, 0 to 1.
     pub fn share_ratio(&self) -> f64 {
-        self.slot_by_level_mm3.iter().sum::<f64>() / self.slot_mm3
+        self.slot_removed_mm3() / self.slot_mm3
+    }
+
+    /// What all levels take of the slot.
+    pub fn slot_removed_mm3(&self) -> f64 {
+        self.slot_by_level_mm3.iter().sum()
     }
 
     /// Adds the volume between the offset surfaces, and what is gone of it.

@@ -36,8 +36,8 @@ pub fn report(composed: &Composed) -> PlanReport {
         clearances: near.map(clearance).collect(),
         removed: Some(Removed {
             available_mm3: composed.proof.removed.slot_mm3,
-            removed_mm3: composed.proof.removed.slot_by_level_mm3.iter().sum(),
-            levels_mm3: composed.proof.removed.by_level_mm3.clone(),
+            removed_mm3: composed.proof.removed.slot_removed_mm3(),
+            levels_mm3: composed.proof.removed.slot_by_level_mm3.clone(),
         }),
         left: left(composed),
         outlines: outlines(composed),
