@@ -50,3 +50,5 @@ mod method_levels;
 mod method_room;
 
 mod symmetry;
+
+mod chain;

@@ -92,6 +92,8 @@ impl JobFile<'_> {
             self.workpiece(&mut text, workpiece);
         }
         let _ = writeln!(text, "\n[control]\npreset = {}", quoted(self.control));
+        text += "\n# A Fanuc's usual: seven bits, even parity, DC1 and DC3. Give your line's own.\n[serial]\nbaudrate = 9600\nbytesize = 7\n\
+                 parity = \"E\"\nstopbits = 2\nxonxoff = true\n";
         match self.machine {
             Some(Machine::File(file)) => text += &format!("\n[machine]\nfile = {}\n", quoted(file)),
             Some(Machine::Preset(preset)) => text += &format!("\n[machine]\npreset = {}\n", quoted(preset)),

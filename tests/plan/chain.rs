@@ -1,0 +1,87 @@
+//! The whole chain on the example rotor: `plan`, `check`, `adapt`, `simulate`, `stream`. What is cut is measured in the dexels of `simulate`, which know
+//! neither the planner nor its proof.
+
+use arcfeed_tests::{Scratch, root, run};
+use serde_json::Value;
+
+const PART: &str = "examples/blisk-19/PART.toml";
+const MM_PER_INCH: f64 = 25.4;
+/// The rays of `simulate` on the planned stock stand this far apart, mm.
+const RAYS_MM: f64 = 0.5;
+
+/// The one object that a command prints, after it has ended well.
+fn object(arguments: &[&str]) -> Value {
+    let output = run(&[arguments, &["--json"]].concat());
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {said}");
+    serde_json::from_slice(&output.stdout).expect("one JSON object")
+}
+
+fn number(value: &Value, pointer: &str) -> f64 {
+    value.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}: {value}"))
+}
+
+#[test]
+fn the_example_rotor_is_planned_checked_simulated_and_streamed() {
+    let scratch = Scratch::new("plan-chain");
+    // Ten times the spindle speed: a tenth of the machine's time.
+    let text = std::fs::read_to_string(root().join(PART)).expect("the example");
+    let text =
+        text.replace("rev_per_min = 100\n", "rev_per_min = 1000\n").replace("axial_feed = 2\n", "axial_feed = 20\n");
+    let part = scratch.write("PART.toml", &text);
+    let folder = scratch.path("out");
+    let plan = object(&["plan", "cup-mill", &part, "-o", &folder]);
+    let levels = plan["levels"].as_array().expect("levels").len();
+    assert!(plan["safe"] == true && plan["slots"] == 19, "{plan}");
+
+    let program = format!("{folder}/blisk-19.nc");
+    let counts = &object(&["check", &program, "--strict"])["counts"];
+    // Two arcs a level, one on the first, three on the last.
+    assert_eq!(counts["arcs"], 19 * 2 * levels, "{counts}");
+    let machine = object(&["check", &program, "--machine", "mitsui-seiki-hu80a-5x"]);
+    assert_eq!(machine["findings"], Value::Array(vec![]), "{machine}");
+
+    let job = format!("{folder}/job.toml");
+    let report = object(&["simulate", &job]);
+    assert_eq!(report["alarms"], Value::Array(vec![]));
+    let material = &report["material"];
+    println!("planned: {}; simulated: {} in3, deviation {}", plan["removed"], material["taken"], material["deviation"]);
+    let removed_mm3 = number(material, "/taken/removed") * MM_PER_INCH * MM_PER_INCH * MM_PER_INCH;
+    let planned_mm3 = number(&plan, "/removed/total_mm3");
+    assert!((removed_mm3 / planned_mm3 - 1.0).abs() < 0.02, "{removed_mm3} of {planned_mm3}");
+    // The finished part is not cut into: what is left nowhere lies below it by more than a ray's width can hide on a wall.
+    let lowest_mm = number(material, "/deviation/min") * MM_PER_INCH;
+    assert!(lowest_mm > -0.1 * RAYS_MM, "{lowest_mm}");
+
+    let streamed = object(&["stream", &job, "--port", "sim:"]);
+    assert_eq!((&streamed["alarms"], &streamed["blocks_executed"]), (&report["alarms"], &report["blocks_executed"]));
+}
+
+#[test]
+fn what_cannot_be_planned_is_said_and_nothing_is_written() {
+    let scratch = Scratch::new("plan-refused");
+    let text = std::fs::read_to_string(root().join(PART)).expect("the example");
+    let folder = scratch.path("out");
+    let refused = |changes: &[(&str, &str)]| {
+        let changed = changes.iter().fold(text.clone(), |text, (old, new)| {
+            assert!(text.contains(old), "{old}");
+            text.replace(old, new)
+        });
+        let part = scratch.write("PART.toml", changed);
+        let output = run(&["plan", "cup-mill", &part, "-o", &folder]);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(!std::path::Path::new(&folder).exists());
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let wide = refused(&[("inner_radius = 4.43706", "inner_radius = 4.3")]);
+    assert!(wide.contains("no ring of this width passes") && wide.contains("mm missing between"), "{wide}");
+    let crowded = refused(&[("blades = 19", "blades = 100")]);
+    assert!(crowded.contains("this rotor cannot be planned"), "{crowded}");
+    let shallow = refused(&[("cavity_depth = 1.5", "cavity_depth = 0.5")]);
+    assert!(shallow.contains("the cup is 12.7 mm deep"), "{shallow}");
+    let fixture = "[[fixture]]\nfrom = [\"70 mm\", \"-60 mm\", \"-60 mm\"]\nto = [\"140 mm\", \"60 mm\", \"-15 mm\"]\n\n[machine]";
+    let fixed = refused(&[("[machine]", fixture)]);
+    assert!(fixed.contains("touches the fixture") && fixed.contains("nothing is written"), "{fixed}");
+    let unknown = refused(&[("insert_radius", "insert_radios")]);
+    assert!(unknown.contains("PART.toml:") && unknown.contains("insert_radios"), "{unknown}");
+}
