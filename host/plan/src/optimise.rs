@@ -3,13 +3,18 @@
 //! A wider ring with the same limit points lies closer to both blades, until it does not pass any more. What a plan is worth is the share of the slot
 //! that it takes, between the blades and above the hub with their allowances: the volume of the columns under the ring's way.
 
+use nalgebra::Rotation3;
+
+use crate::cup_mill::fit;
 use crate::cup_mill::infeasible::Infeasible;
 use crate::cup_mill::plan::{AxisChoice, Roughing, SlotPlan, plan};
+use crate::cup_mill::side::{FarEdge, Hub, Side};
 use crate::cutter::CupMill;
 use crate::geometry::blisk::{Blisk, Slot};
 use crate::proof::floor::Floor;
 use crate::proof::left::Walls;
 use crate::proof::removed::{Removed, Stock, removed};
+use crate::vector::Vector;
 
 /// A slot to be planned.
 #[derive(Clone, Copy, Debug)]
@@ -44,28 +49,41 @@ pub struct Trial {
 
 /// Cells in which plans are compared, mm.
 const CELL_MM: f64 = 1.0;
+/// Directions of the ridge that are planned at most.
+const RIDGE_MAX: usize = 12;
 /// Widths of the first look.
-const LOOKS: i32 = 8;
+const LOOKS: i32 = 24;
 /// Steps of the golden section after it.
 const SECTIONS: i32 = 8;
 /// The golden section's share.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 impl Problem<'_> {
-    /// The plan that takes most: along the blade's axis or along the roomiest.
+    /// The plan that takes most of those that `admits` lets pass: along the blade's axis, the roomiest, and others with at least half of its room.
     ///
     /// # Errors
-    /// That of the roomiest axis, where neither has one: what is missing at least.
-    pub fn best(&self) -> Result<Valued, Infeasible> {
-        let along = |axis| self.along(axis);
-        match (along(AxisChoice::Blade), along(AxisChoice::Roomiest)) {
-            (Ok(blade), Ok(roomiest)) => {
-                let is_better = roomiest.removed.share_ratio() > blade.removed.share_ratio();
-                Ok(if is_better { roomiest } else { blade })
-            }
-            (Ok(found), Err(_)) | (Err(_), Ok(found)) => Ok(found),
-            (Err(_), Err(why)) => Err(why),
-        }
+    /// That of the roomiest axis, where there is no plan: what is missing at least.
+    pub fn best(&self, admits: impl Fn(&SlotPlan) -> bool) -> Result<Valued, Infeasible> {
+        let roomiest = self.along(AxisChoice::Roomiest);
+        let room_mm = roomiest.as_ref().map_or(0.0, |valued| valued.plan.room.room_mm);
+        let others = self.ridge(room_mm / 2.0);
+        let tried = others.into_iter().map(AxisChoice::Given).chain([AxisChoice::Blade]).map(|axis| self.along(axis));
+        let found = tried.chain([roomiest.clone()]).flatten().filter(|valued| admits(&valued.plan));
+        let best = found.max_by(|a, b| a.removed.share_ratio().total_cmp(&b.removed.share_ratio()));
+        best.map_or(roomiest, Ok)
+    }
+
+    /// Directions with enough room, not too many of them.
+    fn ridge(&self, enough_mm: f64) -> Vec<Vector> {
+        let roughing = self.roughing;
+        let above = Hub { hub: &self.blisk.hub, allowance_mm: roughing.allowance_mm };
+        let lying = Rotation3::identity();
+        let pressure = Side::new(&self.slot.pressure, FarEdge::Trailing, &above, &lying);
+        let suction = Side::new(&self.slot.suction, FarEdge::Leading, &above, &lying);
+        let Some((pressure, suction)) = pressure.zip(suction).filter(|_| enough_mm > 0.0) else { return Vec::new() };
+        let rooms = fit::Walls::new(&pressure, &suction).roomy(self.cutter, enough_mm);
+        let stride = rooms.len().div_ceil(RIDGE_MAX).max(1);
+        rooms.iter().step_by(stride).map(|room| room.direction).collect()
     }
 
     /// The plan with one axis.
@@ -90,11 +108,11 @@ impl Problem<'_> {
         Trial { width_mm, share_ratio: valued.map(|valued| valued.removed.share_ratio()) }
     }
 
-    /// The width that takes most along an axis, between that of two insert radii and that for which there is no room any more.
+    /// The width that takes most along an axis, between half the cutter's and that for which there is no room any more.
     pub fn best_width(&self, axis: AxisChoice) -> Option<Trial> {
         let here = self.along(axis).ok()?.plan.room;
         let width_mm = self.cutter.outer_radius_mm - self.cutter.inner_radius_mm;
-        let range = [2.0 * self.cutter.insert_radius_mm, width_mm + 2.0 * here.room_mm];
+        let range = [width_mm / 2.0, width_mm + 2.0 * here.room_mm];
         let step_mm = (range[1] - range[0]) / f64::from(LOOKS);
         let looks = (0..=LOOKS).map(|k| self.trial(range[0] + step_mm * f64::from(k), axis));
         let mut best = looks.max_by(|a, b| a.worth().total_cmp(&b.worth()))?;

@@ -40,6 +40,7 @@ const STRIDE: usize = 4;
 const LEAN_MAX_RAD: f64 = 0.5;
 /// Steps of the first look, each way.
 const LEANS: i32 = 6;
+const LEAN_STEP_RAD: f64 = LEAN_MAX_RAD / LEANS as f64;
 /// Centres of the first look, about the slot, degrees.
 const BEARINGS_DEG: [f64; 25] = {
     let mut bearings = [0.0; 25];
@@ -105,25 +106,50 @@ impl Walls {
 
     /// The direction with the most room, and that.
     pub fn roomiest(&self, cutter: &CupMill) -> Option<Room> {
-        let whole = self.pressure.iter().chain(&self.suction).map(|point| point.coords);
-        let mean = whole.sum::<Vector>();
-        let about = nalgebra::Vector3::new(mean.x, mean.y, 0.0).try_normalize(1e-9)?;
-        let aside = Vector::z().cross(&about);
-        let direction = |[lean, tilt]: [f64; 2]| (about + aside * lean + Vector::z() * tilt).normalize();
-        let missing = |at: [f64; 2]| self.room(cutter, &direction(at)).map_or(f64::INFINITY, |room| -room.room_mm);
-        let step = LEAN_MAX_RAD / f64::from(LEANS);
-        let places =
-            (-LEANS..=LEANS).flat_map(|i| (-LEANS..=LEANS).map(move |j| [f64::from(i) * step, f64::from(j) * step]));
-        let starts = places.map(|at| Least { at, value: missing(at) });
+        let about = About::the(self)?;
+        let missing =
+            |at: [f64; 2]| self.room(cutter, &about.direction(at)).map_or(f64::INFINITY, |room| -room.room_mm);
+        let starts = leans().map(|at| Least { at, value: missing(at) });
         let start = starts.min_by(|a, b| a.value.total_cmp(&b.value))?;
         let range = [-LEAN_MAX_RAD, LEAN_MAX_RAD];
-        let found = descend([range, range], start, [step / 2.0; 2], missing);
-        self.room(cutter, &direction(found.at))
+        let found = descend([range, range], start, [LEAN_STEP_RAD / 2.0; 2], missing);
+        self.room(cutter, &about.direction(found.at))
+    }
+
+    /// Directions of a grid with at least `enough_mm` of room: often a ridge, along which room hardly changes, and what a ring can take does.
+    pub fn roomy(&self, cutter: &CupMill, enough_mm: f64) -> Vec<Room> {
+        let Some(about) = About::the(self) else { return Vec::new() };
+        let rooms = leans().filter_map(|at| self.room(cutter, &about.direction(at)));
+        rooms.filter(|room| room.room_mm >= enough_mm).collect()
     }
 }
 
 /// Halvings of the way between two directions.
 const HALVINGS: i32 = 20;
+
+/// Directions about the slot's middle, by their lean along the circumference and their tilt along the rotor's axis.
+struct About {
+    middle: Vector,
+    aside: Vector,
+}
+
+impl About {
+    fn the(walls: &Walls) -> Option<Self> {
+        let mean = walls.pressure.iter().chain(&walls.suction).map(|point| point.coords).sum::<Vector>();
+        let middle = Vector::new(mean.x, mean.y, 0.0).try_normalize(1e-9)?;
+        Some(About { middle, aside: Vector::z().cross(&middle) })
+    }
+
+    fn direction(&self, [lean, tilt]: [f64; 2]) -> Vector {
+        (self.middle + self.aside * lean + Vector::z() * tilt).normalize()
+    }
+}
+
+/// The first look's leans and tilts.
+fn leans() -> impl Iterator<Item = [f64; 2]> {
+    let step = |index: i32| f64::from(index) * LEAN_STEP_RAD;
+    (-LEANS..=LEANS).flat_map(move |i| (-LEANS..=LEANS).map(move |j| [step(i), step(j)]))
+}
 
 fn middle(places: &[Flat]) -> Flat {
     let sum = places.iter().map(|place| place.coords).sum::<nalgebra::Vector2<f64>>();

@@ -35,13 +35,15 @@ pub struct Roughing {
 }
 
 /// Which axis a tool has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum AxisChoice {
     /// LN3 where the ring passes along it, otherwise the direction nearest to it, towards the roomiest, in which it does.
     #[default]
     Blade,
     /// The roomiest.
     Roomiest,
+    /// This one, part frame.
+    Given(Vector),
 }
 
 /// A slot's plan.
@@ -109,6 +111,7 @@ fn choose(walls: &Walls, cutter: &CupMill, blade: &Room, choice: AxisChoice) -> 
             Some(walls.nearest(cutter, blade, &roomiest, ENOUGH_MM.min(roomiest.room_mm / 2.0)))
         }
         AxisChoice::Roomiest => walls.roomiest(cutter),
+        AxisChoice::Given(direction) => walls.room(cutter, &direction.try_normalize(0.0)?),
     }
 }
 

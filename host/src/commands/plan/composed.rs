@@ -1,5 +1,6 @@
 //! A plan with everything that belongs to it: the proof, the stock's limits, the times.
 
+use arcfeed_plan::cup_mill::plan::SlotPlan;
 use arcfeed_plan::geometry::blisk::Slot;
 use arcfeed_plan::geometry::flaws::flaws;
 use arcfeed_plan::optimise::{Problem, Valued};
@@ -56,11 +57,12 @@ impl Composed {
         }
         let slot = part.blisk.slot();
         let problem = Problem { blisk: &part.blisk, slot: &slot, cutter: &part.cutter, roughing: &part.roughing };
-        let valued = part.axis.map_or_else(|| problem.best(), |axis| problem.along(axis));
-        let valued = valued.map_err(|why| why.to_string())?;
-        let plan = &valued.plan;
         let any = any_table().map_err(|error| format!("{error:?}"))?;
         let machine = part.machine.as_ref().map_or(&any, |file| &file.machine);
+        let presents = |plan: &SlotPlan| placing(machine, &plan.turn).is_ok();
+        let valued = part.axis.map_or_else(|| problem.best(presents), |axis| problem.along(axis));
+        let valued = valued.map_err(|why| why.to_string())?;
+        let plan = &valued.plan;
         let placing = placing(machine, &plan.turn).map_err(|error| error.to_string())?;
         let case = Case {
             blisk: &part.blisk,

@@ -278,11 +278,8 @@ const WIDTHS: i32 = 8;
 pub fn widths(composed: &Composed, json: bool) -> Result<(), Failure> {
     let part = &composed.part;
     let problem = Problem { blisk: &part.blisk, slot: &composed.slot, cutter: &part.cutter, roughing: &part.roughing };
-    let axis = part.axis.unwrap_or(if composed.valued.plan.room == composed.valued.plan.blade_room {
-        AxisChoice::Blade
-    } else {
-        AxisChoice::Roomiest
-    });
+    // Along the very axis of the plan: another one is another slot to a ring.
+    let axis = AxisChoice::Given(composed.valued.plan.tool_axis());
     let own_mm = part.cutter.outer_radius_mm - part.cutter.inner_radius_mm;
     let step_mm = (composed.valued.plan.room.room_mm * 4.0 / f64::from(WIDTHS)).max(0.1);
     let mut trials: Vec<_> =
