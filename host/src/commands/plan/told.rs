@@ -268,6 +268,8 @@ struct WidthFigures {
     why: Option<String>,
 }
 
+/// Widths nearer than this are one, mm.
+const SAME_MM: f64 = 1e-3;
 /// Widths to either side of the cutter's own.
 const WIDTHS: i32 = 8;
 
@@ -285,6 +287,7 @@ pub fn widths(composed: &Composed, json: bool) -> Result<(), Failure> {
     let mut trials: Vec<_> =
         (-WIDTHS / 2..=WIDTHS).map(|k| problem.trial(own_mm + step_mm * f64::from(k), axis)).collect();
     let best = problem.best_width(axis).ok_or_else(|| Failure::Input("no ring of any width passes".into()))?;
+    trials.retain(|trial| (trial.width_mm - best.width_mm).abs() > SAME_MM);
     trials.push(best.clone());
     trials.sort_by(|a, b| a.width_mm.total_cmp(&b.width_mm));
     if !json {
@@ -296,8 +299,8 @@ pub fn widths(composed: &Composed, json: bool) -> Result<(), Failure> {
             Err(why) => (None, Some(why.to_string())),
         };
         let mark = match trial.width_mm {
-            width_mm if (width_mm - best.width_mm).abs() < 1e-9 => "  most",
-            width_mm if (width_mm - own_mm).abs() < 1e-9 => "  this cutter",
+            width_mm if (width_mm - best.width_mm).abs() < SAME_MM => "  most",
+            width_mm if (width_mm - own_mm).abs() < SAME_MM => "  this cutter",
             _ => "",
         };
         if json {
