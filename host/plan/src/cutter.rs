@@ -16,7 +16,7 @@
 //! d(box) = |max(|p - m| - h, 0)| - rounding                                   (1)
 //! ```
 
-/// Radii and heights of a cup mill, mm; heights count from its bottom. Built by [`CupMill::new`].
+/// Radii and heights of a cup mill, mm; heights count from its bottom. Inner below outer radius, inserts not wider than the ring, the cavity less deep than the cup is high.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CupMill {
     /// R

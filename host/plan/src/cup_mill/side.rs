@@ -119,7 +119,7 @@ pub fn roof(blisk: &Blisk, about: [f64; 2], turn: &Rotation3<f64>) -> Patch {
     })
 }
 
-/// First and last u between which no section's normal leaves that of its middle by more than [`EDGE_TURN_DEG`].
+/// First and last u between which no section's normal leaves that of its middle by more than 35 degrees.
 pub fn edges(face: &Face) -> [f64; 2] {
     let least_cos = libm::cos(EDGE_TURN_DEG.to_radians());
     let bounds = (0..=SECTIONS).map(|j| {
