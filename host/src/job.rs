@@ -33,6 +33,7 @@ use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
 
 use crate::control;
+use crate::file_error::FileError;
 use crate::machine_file::MachineFile;
 use crate::place::place;
 pub use cutting::Cutting;
@@ -122,31 +123,6 @@ impl ControlKind {
     }
 }
 
-/// What is wrong with a job file: `file:line:column: what and what to do`.
-#[derive(Debug, thiserror::Error)]
-pub enum JobError {
-    /// The file cannot be read.
-    #[error("{path}: {source}")]
-    Read {
-        /// The job file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// The file says something that makes no sense.
-    #[error("{path}:{line}:{column}: {message}")]
-    Content {
-        /// The job file.
-        path: PathBuf,
-        /// Line, counted from 1.
-        line: usize,
-        /// Column, counted from 1.
-        column: usize,
-        /// What was found and what to do.
-        message: String,
-    },
-}
-
 /// A complaint at a byte offset of the file.
 pub(crate) type Complaint = (usize, String);
 
@@ -161,9 +137,9 @@ impl JobFile {
     /// Reads and checks a job file.
     ///
     /// # Errors
-    /// See [`JobError`].
-    pub fn load(path: &Path) -> Result<Self, JobError> {
-        let text = std::fs::read_to_string(path).map_err(|source| JobError::Read { path: path.into(), source })?;
+    /// See [`FileError`].
+    pub fn load(path: &Path) -> Result<Self, FileError> {
+        let text = std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.into(), source })?;
         JobFile::parse(path, &text)
     }
 
@@ -211,8 +187,8 @@ impl JobFile {
     /// Checks a job given as text; `path` is for messages and for the program's place.
     ///
     /// # Errors
-    /// See [`JobError`].
-    pub fn parse(path: &Path, text: &str) -> Result<Self, JobError> {
+    /// See [`FileError`].
+    pub fn parse(path: &Path, text: &str) -> Result<Self, FileError> {
         let read = || -> Result<JobTable, Complaint> {
             toml::from_str(text)
                 .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))
@@ -224,7 +200,7 @@ impl JobFile {
                 let [line, column] = place(text, offset);
                 let is_toml = path.extension().is_some_and(|extension| extension == "toml");
                 let hint = if is_toml { "" } else { " (this command takes a job file, JOB.toml, not a program)" };
-                JobError::Content { path: path.into(), line, column, message: format!("{message}{hint}") }
+                FileError::Content { path: path.into(), line, column, message: format!("{message}{hint}") }
             })
     }
 }

@@ -5,6 +5,8 @@
 
 mod place;
 
+pub mod file_error;
+
 pub mod control;
 
 pub mod machine_file;

@@ -11,7 +11,8 @@ use arcfeed_shared::segment::Path as Way;
 
 use crate::adapt::{Adapted, adapt_on};
 use crate::dnc::outbox::LineError;
-use crate::job::{JobError, JobFile};
+use crate::file_error::FileError;
+use crate::job::JobFile;
 use crate::port::PortError;
 use crate::program::{Program, Severity};
 
@@ -45,8 +46,8 @@ impl Failure {
     }
 }
 
-impl From<JobError> for Failure {
-    fn from(error: JobError) -> Self {
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
         Failure::Input(format!("{error}"))
     }
 }

@@ -11,8 +11,9 @@ use arcfeed_plan::geometry::sections;
 use arcfeed_shared::units::LengthUnit;
 use toml::Spanned;
 
+use super::Wrong;
 use super::schema::{CurvesTable, GenerateTable, GeometryTable, HandWord, PointUnit, RotorWord, SectionsTable};
-use super::{PartError, Wrong};
+use crate::file_error::FileError;
 use crate::job::{Complaint, at, length_mm};
 
 /// The rotor in its blank.
@@ -135,5 +136,5 @@ fn read(file: &Spanned<String>, folder: &Path) -> Result<String, Complaint> {
 fn there(file: &Spanned<String>, folder: &Path, error: &ReadError) -> Wrong {
     let ReadError { line, column, fault } = error;
     let path = folder.join(file.as_ref());
-    Wrong::There(PartError::Content { path, line: *line, column: *column, message: fault.to_string() })
+    Wrong::There(FileError::Content { path, line: *line, column: *column, message: fault.to_string() })
 }

@@ -16,6 +16,7 @@ use arcfeed_plan::vector::Point;
 use arcfeed_shared::units::LengthUnit;
 use toml::Spanned;
 
+use crate::file_error::FileError;
 use crate::job::{Complaint, Quantity, at, length_mm, machine, positive};
 use crate::machine_file::MachineFile;
 use crate::place::place;
@@ -110,35 +111,10 @@ pub struct Baseline {
     pub stepover_mm: f64,
 }
 
-/// What is wrong with a part file, or a file it names: `file:line:column: what and what to do`.
-#[derive(Debug, thiserror::Error)]
-pub enum PartError {
-    /// The file cannot be read.
-    #[error("{path}: {source}")]
-    Read {
-        /// The part file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// A file says something that makes no sense.
-    #[error("{path}:{line}:{column}: {message}")]
-    Content {
-        /// The part file, or one with points that it names.
-        path: PathBuf,
-        /// Line, counted from 1.
-        line: usize,
-        /// Column, counted from 1.
-        column: usize,
-        /// What was found and what to do.
-        message: String,
-    },
-}
-
 /// What is wrong: here at a byte offset, or in another file.
 enum Wrong {
     Here(Complaint),
-    There(PartError),
+    There(FileError),
 }
 
 impl From<Complaint> for Wrong {
@@ -151,17 +127,17 @@ impl Part {
     /// Reads and checks a part file and the files it names.
     ///
     /// # Errors
-    /// See [`PartError`].
-    pub fn load(path: &Path) -> Result<Self, PartError> {
-        let text = std::fs::read_to_string(path).map_err(|source| PartError::Read { path: path.into(), source })?;
+    /// See [`FileError`].
+    pub fn load(path: &Path) -> Result<Self, FileError> {
+        let text = std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.into(), source })?;
         Part::parse(path, &text)
     }
 
     /// Checks a part given as text; `path` is for messages and for the places of the files it names.
     ///
     /// # Errors
-    /// See [`PartError`].
-    pub fn parse(path: &Path, text: &str) -> Result<Self, PartError> {
+    /// See [`FileError`].
+    pub fn parse(path: &Path, text: &str) -> Result<Self, FileError> {
         let table: Result<PartTable, Complaint> = toml::from_str(text)
             .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()));
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -170,7 +146,7 @@ impl Part {
             Wrong::There(error) => error,
             Wrong::Here((offset, message)) => {
                 let [line, column] = place(text, offset);
-                PartError::Content { path: path.into(), line, column, message }
+                FileError::Content { path: path.into(), line, column, message }
             }
         })
     }

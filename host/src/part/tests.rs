@@ -2,7 +2,7 @@ use super::*;
 
 const EXAMPLE: &str = include_str!("../../../examples/blisk-19/PART.toml");
 
-fn parse(text: &str) -> Result<Part, PartError> {
+fn parse(text: &str) -> Result<Part, FileError> {
     Part::parse(Path::new("shop/PART.toml"), text)
 }
 
@@ -60,7 +60,7 @@ fn a_rotor_comes_from_exactly_one_place() {
 }
 
 /// The example with its rotor from files in a folder.
-fn with_files(folder: &Path, geometry: &str) -> Result<Part, PartError> {
+fn with_files(folder: &Path, geometry: &str) -> Result<Part, FileError> {
     let lines = EXAMPLE.lines().map(|line| if line.starts_with("generate") { geometry } else { line });
     Part::parse(&folder.join("PART.toml"), &lines.collect::<Vec<_>>().join("\n"))
 }

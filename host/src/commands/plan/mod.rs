@@ -57,7 +57,7 @@ impl Plan {
 
 impl CupMill {
     fn run(&self) -> Result<(), Failure> {
-        let part = Part::load(&self.part).map_err(|error| Failure::Input(error.to_string()))?;
+        let part = Part::load(&self.part)?;
         let composed = Composed::of(part).map_err(|why| Failure::Input(format!("{}: {why}", self.part.display())))?;
         if self.widths {
             return told::widths(&composed, self.json);
