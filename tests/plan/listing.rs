@@ -4,7 +4,9 @@
 //! turns end, read from the first of the three slots, whose end points are not the base position's. Not fed in: I and J, and any
 //! digit of the other two slots. The listing came from a CAD system that did not round alike each time: its three slots, one path,
 //! differ from each other, and the centres that its I and J lead to lie at X 0.4353 and 0.4354, Y 8.3369 and 8.3370. So the golden
-//! table below: every word in which slots and writer are not all equal, and each of them is off by one in the last digit.
+//! table below: every word in which slots and writer are not all equal, and each of them is off by one in the last digit. At 15 of
+//! its places the slots agree with each other, or two values are printed, and none is ours (N132 J): what more digits of A and B1
+//! would mend there they spoil elsewhere.
 
 use std::fmt::Write;
 

@@ -6,7 +6,7 @@
 //!
 //! with A the true rotation centre and P the start as written: the control's own centre then lies within half a step of A
 //! whatever was rounded before, and start and end radius agree within one and a half steps (3.8 um in inches). Source of words and
-//! order: the published listing (Petean, annex).
+//! order: the published listing (Petean, annex); the blocks before the first slot and behind the last are ours.
 
 use arcfeed_shared::nc::modal::Turn;
 use arcfeed_shared::units::{LengthUnit, MM_PER_INCH};
