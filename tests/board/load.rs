@@ -33,7 +33,7 @@ const ATTEMPTS: u32 = 10;
 /// What all of a tick may take, instructions: samples, orders, supervisor, law, telemetry, output.
 const TICK_MAX: u32 = 2_300;
 /// Bytes of stack, of main loop and interrupts together.
-const STACK_MAX: u32 = 35 * 1024;
+const STACK_MAX: u32 = 37 * 1024;
 /// From the timer's end to the tick.
 const LATE_MAX: u32 = 40;
 
