@@ -51,4 +51,6 @@ mod method_room;
 
 mod symmetry;
 
+mod widths;
+
 mod chain;
