@@ -10,7 +10,7 @@
 //!      R   r           r   R
 //! ```
 //!
-//! Distances are from outside to the union of ring, body and holder, exact, in the half plane through the axis:
+//! Distances from ring, body or holder are exact from outside, in the half plane through the axis:
 //!
 //! ```text
 //! d(box) = |max(|p - m| - h, 0)| - rounding                                   (1)
@@ -47,14 +47,8 @@ pub enum Part {
 }
 
 impl CupMill {
-    /// How far a point is from the tool, mm, by its distance from the axis and its height above the bottom; negative inside,
-    /// where only the sign holds.
-    pub fn distance_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
-        let parts = [self.ring_distance_mm(radius_mm, height_mm), self.body_mm(radius_mm, height_mm)];
-        parts.into_iter().fold(self.holder_distance_mm(radius_mm, height_mm), f64::min)
-    }
-
-    /// The same from one part.
+    /// How far a point is from one part, mm, by its distance from the axis and its height above the bottom; negative inside, where
+    /// only the sign holds.
     pub fn distance_of_mm(&self, part: Part, radius_mm: f64, height_mm: f64) -> f64 {
         match part {
             Part::Ring => self.ring_distance_mm(radius_mm, height_mm),

@@ -16,7 +16,14 @@
 
 use thiserror::Error;
 
+use crate::geometry::blisk::{Blisk, Slot};
+use crate::geometry::face::Face;
 use crate::path::{Purpose, SlotPath};
+use crate::vector::Point;
+
+/// Places along a slot's side on which its widths are measured, and depths.
+const WIDTH_PLACES: u32 = 40;
+const WIDTH_DEPTHS: u32 = 8;
 
 /// The mill of today, and how it is used.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,6 +148,28 @@ impl FlankMilling {
 }
 
 impl SlotSize {
+    /// The slot between its allowances: the nearest places of both sides, height by height.
+    pub fn of(slot: &Slot, blisk: &Blisk, allowance_mm: f64) -> Self {
+        let places = |face: &Face, v: f64| -> Vec<Point> {
+            (0..=WIDTH_PLACES).map(|k| face.point(f64::from(k) / f64::from(WIDTH_PLACES), v)).collect()
+        };
+        let width_mm = |depth: u32| {
+            let v = 1.0 - f64::from(depth) / f64::from(WIDTH_DEPTHS);
+            let (pressure, suction) = (places(&slot.pressure, v), places(&slot.suction, v));
+            let gaps = pressure.iter().flat_map(|p| suction.iter().map(move |s| (s - p).norm()));
+            gaps.fold(f64::INFINITY, f64::min) - 2.0 * allowance_mm
+        };
+        let [from, to] = [0.0, 1.0].map(|u| slot.pressure.point(u, 0.5));
+        let [low_mm, high_mm] = blisk.blank.faces_mm;
+        let along_ratio = (to - from).norm() / (to.z - from.z).abs();
+        let middle = slot.pressure.point(0.5, 0.5);
+        SlotSize {
+            depth_mm: blisk.blank.radius_mm - blisk.hub.radius_mm(middle.z) - allowance_mm,
+            length_mm: (high_mm - low_mm) * along_ratio,
+            widths_mm: (0..=WIDTH_DEPTHS).map(width_mm).collect(),
+        }
+    }
+
     /// The width at a part of the depth, straight between the given ones.
     fn width_mm(&self, part: f64) -> f64 {
         let last = self.widths_mm.len() - 1;

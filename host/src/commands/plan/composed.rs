@@ -18,9 +18,6 @@ use crate::report::page::plan::Baseline;
 pub const NEARER_RATIO: f64 = 0.15;
 /// Of inverse time, as in the published listing: 1/50 min for a way from slot to slot.
 const INDEXING_PER_MIN: f64 = 50.0;
-/// Places along a slot's side on which its widths are measured, and depths.
-const WIDTH_PLACES: u32 = 40;
-const WIDTH_DEPTHS: u32 = 8;
 
 /// Everything about one part's plan.
 pub struct Composed {
@@ -115,28 +112,8 @@ fn baseline(part: &Part, slot: &Slot, volume_mm3: f64) -> Result<Baseline, Strin
         axial_depth_mm: told.axial_depth_mm,
         stepover_mm: told.stepover_mm,
     };
-    let size = slot_size(part, slot);
+    let size = SlotSize::of(slot, &part.blisk, part.roughing.allowance_mm);
     let passes = mill.passes(&size).map_err(|error| error.to_string())?;
     let time = mill.time(&size, volume_mm3).map_err(|error| error.to_string())?;
     Ok(Baseline { mill, passes, time })
-}
-
-/// The slot between its allowances: the nearest points of both sides, height by height.
-fn slot_size(part: &Part, slot: &Slot) -> SlotSize {
-    let allowance_mm = part.roughing.allowance_mm;
-    let places = |face: &arcfeed_plan::geometry::face::Face, v: f64| -> Vec<_> {
-        (0..=WIDTH_PLACES).map(|k| face.point(f64::from(k) / f64::from(WIDTH_PLACES), v)).collect()
-    };
-    let widths_mm = (0..=WIDTH_DEPTHS).map(|k| {
-        let v = 1.0 - f64::from(k) / f64::from(WIDTH_DEPTHS);
-        let (pressure, suction) = (places(&slot.pressure, v), places(&slot.suction, v));
-        let gaps = pressure.iter().flat_map(|p| suction.iter().map(move |s| (s - p).norm()));
-        gaps.fold(f64::INFINITY, f64::min) - 2.0 * allowance_mm
-    });
-    let [from, to] = [0.0, 1.0].map(|u| slot.pressure.point(u, 0.5));
-    let [low_mm, high_mm] = part.blisk.blank.faces_mm;
-    let along_ratio = (to - from).norm() / (to.z - from.z).abs();
-    let middle = slot.pressure.point(0.5, 0.5);
-    let depth_mm = part.blisk.blank.radius_mm - part.blisk.hub.radius_mm(middle.z) - allowance_mm;
-    SlotSize { depth_mm, length_mm: (high_mm - low_mm) * along_ratio, widths_mm: widths_mm.collect() }
 }
