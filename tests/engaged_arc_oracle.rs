@@ -227,6 +227,7 @@ impl<'s> EdgeAt<'s> {
             }
             Stock::Disc { center_mm, radius_mm } => from_origin(*center_mm) + radius_mm,
             Stock::Engaged(table) => return self.angles(table),
+            Stock::Along => f64::NAN,
         };
         let r0 = self.circle().1;
         (from_origin(self.frame.position) + stock + r0) / r0
@@ -330,7 +331,8 @@ impl Row {
         let (path_radius, feed_per_tooth) = (Mm(arc.radius_mm() as f32), MmPerTooth(a));
         let edge_radius = if self.edge == Edge::Outer { outer } else { inner };
         let ring = Ring { outer_radius: Mm(outer), inner_radius: Mm(inner), path_radius, feed_per_tooth };
-        let region = Region::new(&Stock::Convex([stock].into_iter().collect()), arc.center.map(Nm::to_mm), 0.0);
+        let half_plane = Stock::Convex([stock].into_iter().collect());
+        let region = Region::new(&half_plane, arc.center.map(Nm::to_mm), 0.0).expect("a shape");
         let direction = arc.direction_at(ratio).map(|x| x as f32);
         let place = Place::on_arc(direction, f32::from(arc.turn.sign()), path_radius.0, 0.0);
         let one = Circumference::for_arc(&arc, Mm(edge_radius), self.edge, &stock, feed_per_tooth).wish(&place);

@@ -48,7 +48,7 @@ pub enum Moves {
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and a job has few rules")]
 pub enum Work {
-    /// A ring, with one of its circles, up to the stock's limit.
+    /// A ring, with one of its circles, up to the stock's limit. An end mill is a ring without a bore: its circle is the outer one.
     Ring(Edge, Stock),
     /// An end mill, along a contour.
     Mill {

@@ -22,8 +22,10 @@ pub enum Stock {
         /// Its radius.
         radius_mm: f64,
     },
-    /// No shape, but the arcs in which the ring's circles meet it along the segment.
+    /// No shape, but the arcs in which the tool's circles meet it along the segment.
     Engaged(EngagedTable),
+    /// The same, told with each segment: no two are alike. Nothing is known of a segment without such a table.
+    Along,
 }
 
 /// The stock limit as a line `normal . p = offset + rise h`; the normal points out of the material, h is the height of the
@@ -79,7 +81,7 @@ impl Stock {
                 [line] => Some(line),
                 _ => None,
             },
-            Stock::Disc { .. } | Stock::Engaged(_) => None,
+            Stock::Disc { .. } | Stock::Engaged(_) | Stock::Along => None,
         }
     }
 

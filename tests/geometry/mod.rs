@@ -45,7 +45,7 @@ fn depth_mm(stock: &Stock, point: Point) -> f64 {
         Stock::Disc { center_mm, radius_mm } => {
             radius_mm - libm::hypot(point[0] - center_mm[0], point[1] - center_mm[1])
         }
-        Stock::Engaged(_) => f64::NAN,
+        Stock::Engaged(_) | Stock::Along => f64::NAN,
     }
 }
 
@@ -213,9 +213,10 @@ impl RingScene {
             Stock::Disc { center_mm, radius_mm } => {
                 Stock::Disc { center_mm: self.seen(*center_mm), radius_mm: *radius_mm }
             }
-            Stock::Engaged(table) => Stock::Engaged(table.clone()),
+            told => told.clone(),
         };
-        EngagedArc::new(ring, self.policy, Region::new(&stock, self.seen(self.origin), 0.0))
+        let region = Region::new(&stock, self.seen(self.origin), 0.0).expect("a shape or a table");
+        EngagedArc::new(ring, self.policy, region)
     }
 
     /// How deep the edge lies in the stock in a direction of the moving frame.

@@ -35,7 +35,7 @@ impl Scene for RingScene {
                 Stock::Disc { center_mm: place(*center_mm), radius_mm: view.scale * (radius_mm + grown) }
             }
             // [`EngagedTableScene`]'s.
-            Stock::Engaged(table) => Stock::Engaged(table.clone()),
+            told => told.clone(),
         };
         RingScene {
             stock,
@@ -66,7 +66,7 @@ impl Scene for RingScene {
                 numbers.extend(center_mm.iter_mut());
                 numbers.push(radius_mm);
             }
-            Stock::Engaged(_) => {}
+            Stock::Engaged(_) | Stock::Along => {}
         }
         numbers
     }

@@ -18,6 +18,7 @@ pub mod engagement;
 pub mod table;
 
 use arcfeed_shared::cut::{CutRule, Side, Work};
+use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::fmath;
 use arcfeed_shared::job::{Job, LawKind};
 use arcfeed_shared::segment::Segment;
@@ -137,14 +138,30 @@ impl SegmentLaw {
         if job.law == LawKind::Table {
             return for_table(rule, job);
         }
-        match (&job.tool, &rule.work) {
-            (Tool::CupMill(mill), Work::Ring(edge, stock)) => {
-                for_ring(segment, mill, (*edge, stock), job.law, job.feed_per_tooth_of(rule))
+        let feed_per_tooth = job.feed_per_tooth_of(rule);
+        match (&job.tool, &rule.work, job.law) {
+            (Tool::CupMill(mill), Work::Ring(edge, stock), LawKind::Circumference) => {
+                for_rotation(segment, mill, (*edge, stock), feed_per_tooth)
             }
-            (Tool::EndMill(mill), Work::Mill { side, radial_depth }) => {
-                for_mill(segment, mill, (*side, *radial_depth), job.law, job.feed_per_tooth_of(rule))
+            (_, Work::Ring(_, stock), LawKind::EngagedArc { .. }) => {
+                let region = Region::new(stock, origin_mm(segment), segment.height().to_mm());
+                region.map_or(SegmentLaw::Programmed, |region| for_circles(segment, rule, region, job))
             }
-            (Tool::CupMill(_), Work::Mill { .. }) | (Tool::EndMill(_), Work::Ring(..)) => SegmentLaw::Programmed,
+            (Tool::EndMill(mill), Work::Mill { side, radial_depth }, law) => {
+                for_mill(segment, mill, (*side, *radial_depth), law, feed_per_tooth)
+            }
+            _ => SegmentLaw::Programmed,
+        }
+    }
+
+    /// The law for a segment whose engaged arcs are told with it, where its rule says so; as of [`SegmentLaw::for_segment`]
+    /// otherwise.
+    pub fn along(segment: &Segment, rule: &CutRule, table: &EngagedTable, job: &Job) -> Self {
+        match (&rule.work, job.law) {
+            (Work::Ring(_, Stock::Along), LawKind::EngagedArc { .. }) => {
+                for_circles(segment, rule, Region::Engaged(table.clone()), job)
+            }
+            _ => SegmentLaw::for_segment(segment, Some(rule), job),
         }
     }
 }
@@ -168,34 +185,41 @@ fn for_table(rule: &CutRule, job: &Job) -> SegmentLaw {
     table.map_or(SegmentLaw::Programmed, SegmentLaw::Table)
 }
 
-fn for_ring(
+fn for_rotation(
     segment: &Segment,
     mill: &CupMill,
     (edge, stock): (Edge, &Stock),
-    law: LawKind,
     feed_per_tooth: MmPerTooth,
 ) -> SegmentLaw {
-    let Some(arc) = segment.arc() else { return SegmentLaw::Programmed };
-    let height_mm = segment.height().to_mm();
-    match (law, stock.line()) {
-        (LawKind::Circumference, Some(line)) => {
-            let law =
-                Circumference::for_arc(arc, mill.radius_mm(edge), edge, &line.at_height(height_mm), feed_per_tooth);
-            SegmentLaw::Circumference(law)
+    let (Some(arc), Some(line)) = (segment.arc(), stock.line()) else { return SegmentLaw::Programmed };
+    let line = line.at_height(segment.height().to_mm());
+    let law = Circumference::for_arc(arc, mill.radius_mm(edge), edge, &line, feed_per_tooth);
+    SegmentLaw::Circumference(law)
+}
+
+/// Both circles of a ring on an arc; the one circle of an end mill on any move.
+fn for_circles(segment: &Segment, rule: &CutRule, region: Region, job: &Job) -> SegmentLaw {
+    let (Work::Ring(edge, _), LawKind::EngagedArc { both_edges }) = (&rule.work, job.law) else {
+        return SegmentLaw::Programmed;
+    };
+    let path_radius = segment.arc().map(|arc| Mm(arc.radius_mm() as f32));
+    let (radii, path_radius) = match (&job.tool, path_radius) {
+        (Tool::CupMill(_), None) => return SegmentLaw::Programmed,
+        (Tool::CupMill(mill), Some(radius)) => ([Edge::Outer, Edge::Inner].map(|edge| mill.radius_mm(edge)), radius),
+        (Tool::EndMill(mill), radius) => {
+            ([Mm(mill.radius.to_mm() as f32), Mm(0.0)], radius.unwrap_or(Mm(f32::INFINITY)))
         }
-        (LawKind::EngagedArc { both_edges }, _) => {
-            let ring = Ring {
-                outer_radius: mill.radius_mm(Edge::Outer),
-                inner_radius: mill.radius_mm(Edge::Inner),
-                path_radius: Mm(arc.radius_mm() as f32),
-                feed_per_tooth,
-            };
-            let policy = if both_edges { EdgePolicy::Protect } else { EdgePolicy::Only(edge) };
-            let region = Region::new(stock, arc.center.map(Nm::to_mm), height_mm);
-            SegmentLaw::EngagedArc(EngagedArc::new(ring, policy, region))
-        }
-        _ => SegmentLaw::Programmed,
-    }
+    };
+    let [outer_radius, inner_radius] = radii;
+    let ring = Ring { outer_radius, inner_radius, path_radius, feed_per_tooth: job.feed_per_tooth_of(rule) };
+    let policy = if both_edges { EdgePolicy::Protect } else { EdgePolicy::Only(*edge) };
+    SegmentLaw::EngagedArc(EngagedArc::new(ring, policy, region))
+}
+
+/// Origin of a segment's plane coordinates: the rotation centre of an arc, the start of a line.
+fn origin_mm(segment: &Segment) -> [f64; 2] {
+    let [x, y, _] = segment.start.linear;
+    segment.arc().map_or([x, y], |arc| arc.center).map(Nm::to_mm)
 }
 
 fn for_mill(

@@ -59,9 +59,9 @@ impl HalfPlane {
 }
 
 impl Region {
-    /// The stock of a program seen from a segment's origin (mm) at the segment's height.
-    pub fn new(stock: &Stock, origin_mm: [f64; 2], height_mm: f64) -> Self {
-        match stock {
+    /// The stock of a program seen from a segment's origin (mm) at the segment's height; `None` where it is told with the segment.
+    pub fn new(stock: &Stock, origin_mm: [f64; 2], height_mm: f64) -> Option<Self> {
+        Some(match stock {
             Stock::Convex(lines) => {
                 let mut planes = Vec::new();
                 for line in lines {
@@ -78,7 +78,8 @@ impl Region {
                 radius_mm: *radius_mm as f32,
             },
             Stock::Engaged(table) => Region::Engaged(table.clone()),
-        }
+            Stock::Along => return None,
+        })
     }
 
     /// Whether all its numbers are.

@@ -21,6 +21,7 @@ pub mod split;
 
 use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_shared::cut::{self, CutRule, Work};
+use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::machine::LimitedBy;
@@ -59,6 +60,8 @@ pub struct PlannedBlock {
     pub segment: Segment,
     /// Index of the cut rule that speaks of it.
     pub rule: Option<usize>,
+    /// Where the tool's circles are engaged along it, where its rule leaves that to be told with each move.
+    pub along: Option<EngagedTable>,
     /// What the law wants along it.
     pub wish: Option<WishRange>,
     /// The feed it is sent with, per minute; the least where it is sent in pieces.
@@ -264,6 +267,7 @@ impl PlannedBlock {
             line,
             segment,
             rule: None,
+            along: None,
             wish: None,
             sent: None,
             reason: PlanReason::NoRule,

@@ -122,6 +122,8 @@ codes! {
         Disc = 2,
         /// By `stock_parts` knots of engaged arcs.
         Engaged = 3,
+        /// With each segment, by the `SegmentArcs` before it.
+        Along = 4,
     }
     /// The shape of a segment.
     PathCode {

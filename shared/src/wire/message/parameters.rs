@@ -166,6 +166,7 @@ fn cut_rule(index: u8, rule: &CutRule, part: &mut dyn FnMut(Message)) -> Result<
         Some(Stock::Convex(lines)) => (StockCode::Convex, lines.len() as u8),
         Some(Stock::Disc { .. }) => (StockCode::Disc, 1),
         Some(Stock::Engaged(engaged)) => (StockCode::Engaged, engaged.knots().len() as u8),
+        Some(Stock::Along) => (StockCode::Along, 0),
     };
     let feed_per_tooth = rule.feed_per_tooth.map(|feed| q40(feed.0)).transpose()?;
     part(
@@ -202,6 +203,7 @@ fn stock_of(stock: &Stock, part: &mut dyn FnMut(Message)) -> Result<(), Paramete
             part(table::EngagedArcs { travelled, outer: outer.units(), inner: inner.units() }.into());
             Ok(())
         }),
+        Stock::Along => Ok(()),
     }
 }
 

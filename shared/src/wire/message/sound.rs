@@ -4,7 +4,7 @@ use crate::cut::{CutRule, Work};
 use crate::job::{Job, LawKind};
 use crate::knots::{Knot, TABLE_KNOTS_MAX};
 use crate::stock::{Stock, StockLine};
-use crate::tool::Tool;
+use crate::tool::{Edge, Tool};
 use crate::units::{Mm, MmPerTooth, Nm};
 
 /// How far the length of a unit normal may be from one.
@@ -16,8 +16,8 @@ const RADIUS_MAX: i64 = 10_000_000_000;
 pub fn is_sound(job: &Job) -> bool {
     let law = match job.law {
         LawKind::Contour { floor_ratio, .. } => (0.0..=1.0).contains(&floor_ratio),
-        LawKind::Circumference | LawKind::EngagedArc { .. } => matches!(job.tool, Tool::CupMill(_)),
-        LawKind::Engagement | LawKind::Table | LawKind::Programmed => true,
+        LawKind::Circumference => matches!(job.tool, Tool::CupMill(_)),
+        LawKind::EngagedArc { .. } | LawKind::Engagement | LawKind::Table | LawKind::Programmed => true,
     };
     law && is_positive(job.spindle.0)
         && is_positive(job.feed_per_tooth.0)
@@ -56,11 +56,13 @@ fn is_sound_rule(rule: &CutRule, job: &Job) -> bool {
     let in_order =
         rule.sequence.is_none_or(|(first, last)| first <= last) && rule.level.is_none_or(|(low, high)| low <= high);
     let work = match (&rule.work, &job.tool) {
-        (Work::Ring(_, stock), Tool::CupMill(_)) => is_sound_stock(stock),
+        (Work::Ring(_, stock), Tool::CupMill(_)) | (Work::Ring(Edge::Outer, stock), Tool::EndMill(_)) => {
+            is_sound_stock(stock)
+        }
         (Work::Mill { radial_depth, .. }, Tool::EndMill(mill)) => {
             (0..=mill.radius.0.saturating_mul(2)).contains(&radial_depth.0)
         }
-        (Work::Ring(..), Tool::EndMill(_)) | (Work::Mill { .. }, Tool::CupMill(_)) => false,
+        (Work::Ring(Edge::Inner, _), Tool::EndMill(_)) | (Work::Mill { .. }, Tool::CupMill(_)) => false,
     };
     let table = rule.table.is_none_or(|range| {
         let knots = job.knots.table(range);
@@ -77,8 +79,8 @@ fn is_sound_stock(stock: &Stock) -> bool {
             libm::fabs(excess) <= NORMAL_TOLERANCE
         }),
         Stock::Disc { radius_mm, .. } => *radius_mm > 0.0,
-        // Checked when it was made.
-        Stock::Engaged(_) => true,
+        // Checked when it was made, or is told.
+        Stock::Engaged(_) | Stock::Along => true,
     }
 }
 

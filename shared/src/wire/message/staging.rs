@@ -206,7 +206,7 @@ impl Staging {
             return Err(RefusalCode::Order);
         }
         let is_due = match rule.stock {
-            StockCode::None => rule.stock_parts == 0,
+            StockCode::None | StockCode::Along => rule.stock_parts == 0,
             StockCode::Disc => rule.stock_parts == 1,
             StockCode::Convex => true,
             StockCode::Engaged => rule.stock_parts > 0,
@@ -246,7 +246,7 @@ impl Staging {
         };
         match self.stock(StockCode::Convex)? {
             Stock::Convex(lines) => lines.push(line).map_err(|_| RefusalCode::Full),
-            Stock::Disc { .. } | Stock::Engaged(_) => Err(RefusalCode::Order),
+            Stock::Disc { .. } | Stock::Engaged(_) | Stock::Along => Err(RefusalCode::Order),
         }
     }
 
@@ -282,6 +282,8 @@ fn work(rule: &table::Rule) -> Result<Work, RefusalCode> {
         (WorkCode::MillInside, StockCode::None) => Ok(mill(Side::Inside)),
         (WorkCode::MillOutside, StockCode::None) => Ok(mill(Side::Outside)),
         (WorkCode::MillSlot, StockCode::None) => Ok(mill(Side::Slot)),
+        (WorkCode::RingOuter, StockCode::Along) => Ok(Work::Ring(Edge::Outer, Stock::Along)),
+        (WorkCode::RingInner, StockCode::Along) => Ok(Work::Ring(Edge::Inner, Stock::Along)),
         (WorkCode::RingOuter, StockCode::Convex | StockCode::Disc | StockCode::Engaged) => Ok(ring(Edge::Outer)),
         (WorkCode::RingInner, StockCode::Convex | StockCode::Disc | StockCode::Engaged) => Ok(ring(Edge::Inner)),
         _ => Err(RefusalCode::Value),
