@@ -5,11 +5,13 @@ use std::collections::VecDeque;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::settings::SettingsError;
 use arcfeed_firmware::supervisor::signals::Signals;
-use arcfeed_shared::cut;
+use arcfeed_shared::cut::{self, Work};
+use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::machine::FeedLimit;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::{RADIUS_TOLERANCE, Segment};
+use arcfeed_shared::stock::Stock;
 use arcfeed_shared::telemetry::Sample;
 use arcfeed_shared::units::{Micros, Nm, PERCENT, RevPerMin, US_PER_S};
 
@@ -46,12 +48,14 @@ pub struct Rig<D = Told> {
 }
 
 /// A move that cannot be looked at by itself, and what was worked out of it beforehand.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Foreseen {
     /// The move, in the workpiece's coordinates; its feed does not count.
     pub segment: Segment,
     /// Index of the cut rule that governs it.
     pub rule: Option<usize>,
+    /// Where the tool's circles are engaged along it, where its rule leaves that to be told.
+    pub along: Option<EngagedTable>,
     /// The fastest feed on it, where that is known.
     pub limit: Option<FeedLimit>,
 }
@@ -114,7 +118,7 @@ impl<D: Decider> Rig<D> {
         }
     }
 
-    /// Takes what is known of special moves, in the order in which they come; one that never comes hides none behind it.
+    /// Takes what is known of special moves, and of those whose engagement is told, in the order in which they come; one that never comes hides none behind it.
     pub fn foresee(&mut self, moves: impl IntoIterator<Item = Foreseen>) {
         self.foreseen = moves.into_iter().collect();
     }
@@ -209,13 +213,15 @@ impl<D: Decider> Rig<D> {
         self.first_move.get_or_insert(self.now);
         let rules = &self.job.rules;
         let continued = self.last.filter(|(last, _)| self.is_in_pieces() && continues(last, segment));
-        let foreseen = if self.manner.is_special { foreseen(&mut self.foreseen, segment) } else { None };
+        let is_special = self.manner.is_special;
+        let plain = if is_special { None } else { cut::find(rules, segment, &self.job.tool) };
+        let is_told = plain.is_some_and(|(_, rule)| matches!(rule.work, Work::Ring(_, Stock::Along)));
+        let known = if is_special || is_told { foreseen(&mut self.foreseen, segment) } else { None };
+        let by_index = |index: usize| Some((index, rules.get(index)?));
         let found = match continued {
-            Some((_, rule)) => rule.and_then(|index| Some((index, rules.get(index)?))),
-            None if self.manner.is_special => {
-                foreseen.and_then(|known| known.rule).and_then(|index| Some((index, rules.get(index)?)))
-            }
-            None => cut::find(rules, segment, &self.job.tool),
+            Some((_, rule)) => rule.and_then(by_index),
+            None if is_special => known.as_ref().and_then(|known| known.rule).and_then(by_index),
+            None => plain,
         };
         match continued {
             Some(_) => self.meter.go_on(count, segment, found),
@@ -229,8 +235,9 @@ impl<D: Decider> Rig<D> {
             self.overrides.push(MoveOverride { min_percent: u8::MAX, max_percent: 0, changes: 0, last_percent: 0 });
         }
         self.last = Some((*segment, found.map(|(index, _)| index)));
-        let limit = foreseen.and_then(|known| known.limit);
-        self.decider.begin(Some(Begun { count, segment, rule: found.map(|(_, rule)| rule), limit }));
+        let limit = known.as_ref().and_then(|known| known.limit);
+        let along = known.as_ref().and_then(|known| known.along.as_ref());
+        self.decider.begin(Some(Begun { count, segment, rule: found.map(|(_, rule)| rule), along, limit }));
     }
 
     fn shown(&self, position: &Pose, is_moving: bool) -> Shown {

@@ -33,6 +33,7 @@ use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
 
 use crate::control;
+use crate::engagement::EngagementMap;
 use crate::file_error::FileError;
 use crate::machine_file::MachineFile;
 use crate::place::place;
@@ -60,6 +61,10 @@ pub struct JobFile {
     pub tables: Tables,
     /// The five-axis machine it runs on, where the job names one.
     pub machine: Option<MachineFile>,
+    /// The engagement map that its rules name.
+    pub map_file: Option<MapFile>,
+    /// That map, once it was read.
+    pub map: Option<EngagementMap>,
     /// What it cuts, where the job says so.
     pub workpiece: Option<Workpiece>,
     /// What cutting it takes, where the job says so.
@@ -68,6 +73,15 @@ pub struct JobFile {
     pub serial: SerialSettings,
     /// What is sent on it, and how.
     pub dnc: DncSettings,
+}
+
+/// Where an engagement map is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MapFile {
+    /// Its file.
+    pub path: PathBuf,
+    /// Byte offset of its first name in the job file.
+    pub offset: usize,
 }
 
 /// The controls there are.
@@ -177,6 +191,8 @@ impl JobFile {
             nc,
             tables: Tables::default(),
             machine: None,
+            map_file: None,
+            map: None,
             workpiece: None,
             cutting: None,
             serial,
@@ -236,9 +252,12 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let workpiece = workpiece::build(table, &job, folder)?;
     let height_mm = workpiece.as_ref().map(|workpiece| workpiece.body.height_mm);
     let cutting = table.cutting.as_ref().map(|told| cutting::build(told, &job, height_mm)).transpose()?;
+    let map = rules::map(&table.cut)?;
+    let map_file = map.map(|file| MapFile { path: folder.join(file.as_ref()), offset: file.span().start });
     let serial = serial::build(&table.serial)?;
     let dnc = dnc::build(&table.dnc, &serial)?;
-    Ok(JobFile { job, program, control, settings, nc, tables, machine, workpiece, cutting, serial, dnc })
+    let map = None;
+    Ok(JobFile { job, program, control, settings, nc, tables, machine, map_file, map, workpiece, cutting, serial, dnc })
 }
 
 fn build_tool(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {
@@ -284,6 +303,7 @@ fn build_law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
                 Some(_) => Err(at(&table.kind, "edges must be \"both\" or \"side\" (the one the cut rule names)")),
             }
         }
+        ("engaged-arc", Tool::EndMill(_), (None, None, None)) => Ok(LawKind::EngagedArc { both_edges: false }),
         ("engagement", Tool::EndMill(_), (None, None, None)) => Ok(LawKind::Engagement),
         ("contour", Tool::EndMill(_), (None, inside_only, floor)) => {
             let floor_ratio = floor.as_ref().map_or(0.0, |floor| *floor.as_ref() / PERCENT);
@@ -292,7 +312,8 @@ fn build_law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
                 _ => Ok(LawKind::Contour { inside_only: inside_only.unwrap_or(true), floor_ratio }),
             }
         }
-        ("circumference" | "engaged-arc", Tool::EndMill(_), _) => Err(at(&table.kind, "this law needs a cup-mill")),
+        ("engaged-arc", Tool::EndMill(_), (Some(edges), ..)) => Err(at(edges, "an end-mill has one circle only")),
+        ("circumference", Tool::EndMill(_), _) => Err(at(&table.kind, "this law needs a cup-mill")),
         ("engagement" | "contour", Tool::CupMill(_), _) => Err(at(&table.kind, "this law needs an end-mill")),
         ("circumference" | "engaged-arc" | "engagement" | "contour" | "table" | "programmed", ..) => Err(at(
             &table.kind,
@@ -300,8 +321,8 @@ fn build_law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
         )),
         _ => Err(at(
             &table.kind,
-            "no such law; write \"circumference\" or \"engaged-arc\" (cup mills), \"contour\" or \"engagement\" (end \
-             mills), \"table\" or \"programmed\"",
+            "no such law; write \"circumference\" (cup mills), \"contour\" or \"engagement\" (end mills), \"engaged-arc\", \
+             \"table\" or \"programmed\"",
         )),
     }
 }

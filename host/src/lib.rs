@@ -5,6 +5,8 @@
 
 mod place;
 
+pub mod checksum;
+
 pub mod file_error;
 
 pub mod control;
@@ -16,6 +18,8 @@ pub mod program;
 pub mod post;
 
 pub mod snippet;
+
+pub mod engagement;
 
 pub mod job;
 

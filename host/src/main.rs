@@ -3,8 +3,8 @@
 use std::process::ExitCode;
 
 use arcfeed::commands::{
-    adapt::Adapt, board::Board, check::Check, init::Init, parameters::Parameters, plan::Plan, ports::Ports, post::Post,
-    serve::Serve, simulate::Simulate, stream::Stream, verify::Verify,
+    adapt::Adapt, board::Board, check::Check, engage::Engage, init::Init, parameters::Parameters, plan::Plan,
+    ports::Ports, post::Post, serve::Serve, simulate::Simulate, stream::Stream, verify::Verify,
 };
 use clap::{Parser, Subcommand};
 
@@ -23,6 +23,7 @@ struct Arguments {
 enum Command {
     Check(Check),
     Init(Init),
+    Engage(Engage),
     Adapt(Adapt),
     Plan(Plan),
     Post(Post),
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
     let ended = match Arguments::parse().command {
         Command::Check(command) => command.run(),
         Command::Init(command) => command.run(),
+        Command::Engage(command) => command.run(),
         Command::Adapt(command) => command.run(),
         Command::Plan(command) => command.run(),
         Command::Post(command) => command.run(),

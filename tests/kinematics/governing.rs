@@ -1,6 +1,6 @@
 //! Laws on the straight moves of a tip under G43.4: within what the job's machine can follow, and only where one is named.
 
-use arcfeed::adapt::adapt_on;
+use arcfeed::adapt::{Known, adapt_with};
 use arcfeed::commands::simulate::{control_settings, foreseen};
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
@@ -67,7 +67,7 @@ fn overrides(job: &str) -> Vec<(Nm, u8)> {
     let file = JobFile::load(job.as_ref()).expect("a job");
     let bytes = std::fs::read(&file.program).expect("a program");
     let program = Program::parse_with(&file.program, &bytes, file.nc, file.tables);
-    let adapted = adapt_on(&program, &file.job, file.machine.as_ref().map(|named| &named.machine));
+    let adapted = adapt_with(&program, &file.job, Known::of(&file));
     let rig = Rig::from_memory(control_settings(&file), &adapted.text, &file.job, ControllerFault::None);
     let mut rig = rig.expect("the limits make sense");
     rig.foresee(foreseen(&program, &adapted));

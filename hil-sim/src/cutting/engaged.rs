@@ -44,28 +44,6 @@ impl EdgeCircle {
     }
 }
 
-/// Picks at most `count` of some samples, told by where they are and their values, between which the others lie as nearly on straight
-/// lines as can be had by adding the worst one again and again; answers their indices in order.
-pub fn knots(at: &[f64], values: &[[f64; 2]], count: usize) -> Vec<usize> {
-    let last = at.len().min(values.len()).saturating_sub(1);
-    let mut picked = vec![0, last];
-    picked.dedup();
-    while picked.len() < count {
-        let off = |index: usize| {
-            let next = picked.partition_point(|knot| *knot < index).clamp(1, picked.len() - 1);
-            let (a, b) = (picked[next - 1], picked[next]);
-            let part = (at[index] - at[a]) / (at[b] - at[a]);
-            let along = |end: usize| values[a][end] + (values[b][end] - values[a][end]) * part - values[index][end];
-            libm::fabs(along(0)).max(libm::fabs(along(1)))
-        };
-        let others = (0..=last).filter(|index| picked.binary_search(index).is_err());
-        let Some(worst) = others.max_by(|a, b| off(*a).total_cmp(&off(*b))) else { break };
-        let place = picked.partition_point(|knot| *knot < worst);
-        picked.insert(place, worst);
-    }
-    picked
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,16 +59,6 @@ mod tests {
         for (found, should) in arcs[0].into_iter().zip([TAU - end, TAU + end]) {
             assert!((found - should).abs() < 0.1 / 5.0, "{arcs:?}");
         }
-    }
-
-    #[test]
-    fn knots_stand_where_lines_bend() {
-        let at: Vec<f64> = (0..=100).map(f64::from).collect();
-        let bent = |x: f64| if x < 30.0 { x } else { 30.0 + 4.0 * (x - 30.0).min(10.0) };
-        let values: Vec<[f64; 2]> = at.iter().map(|x| [0.0, bent(*x)]).collect();
-        assert_eq!(knots(&at, &values, 4), [0, 30, 40, 100]);
-        assert_eq!(knots(&at[..2], &values[..2], 16), [0, 1]);
-        assert_eq!(knots(&at[..1], &values[..1], 16), [0]);
     }
 
     #[test]

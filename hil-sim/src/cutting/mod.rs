@@ -19,3 +19,5 @@ pub mod layers;
 pub mod bite;
 
 pub mod engaged;
+
+pub mod covering;

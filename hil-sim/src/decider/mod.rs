@@ -12,6 +12,7 @@ pub mod in_process;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::signals::Signals;
 use arcfeed_shared::cut::CutRule;
+use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::machine::FeedLimit;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
@@ -41,6 +42,8 @@ pub struct Begun<'a> {
     pub segment: &'a Segment,
     /// The job's cut rule that speaks of it.
     pub rule: Option<&'a CutRule>,
+    /// Where the tool's circles are engaged along it, where the rule leaves that to be told.
+    pub along: Option<&'a EngagedTable>,
     /// The fastest feed on it, where it is not the one of the job's axes.
     pub limit: Option<FeedLimit>,
 }

@@ -3,6 +3,7 @@
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::board::{Board, Task};
 use arcfeed_firmware::controller;
+use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::Supervisor;
 use arcfeed_firmware::supervisor::input::{Input, Work};
@@ -78,8 +79,11 @@ impl Told {
 impl Decider for Told {
     fn begin(&mut self, begun: Option<Begun<'_>>) {
         let job = &self.believed;
-        self.cabinet.segment = begun.map(|Begun { count, segment, rule, limit }| {
-            (count, ActiveSegment::limited(segment, rule, job, || limit.or_else(|| job.machine.feed_limit(segment))))
+        self.cabinet.segment = begun.map(|Begun { count, segment, rule, along, limit }| {
+            let limit = || limit.or_else(|| job.machine.feed_limit(segment));
+            let active = ActiveSegment::limited(segment, rule, job, limit);
+            let told = rule.zip(along).map(|(rule, table)| SegmentLaw::along(segment, rule, table, job));
+            (count, told.map_or(active.clone(), |law| active.with_law(law)))
         });
     }
 

@@ -32,6 +32,8 @@ use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::stock::Stock;
 use arcfeed_shared::units::{LengthUnit, Nm, PERCENT};
 
+use crate::engagement::{EngagementMap, Lookup};
+use crate::job::JobFile;
 use crate::program::{Diagnostic, Program, ProgramLine};
 use limit::{MoveLimit, is_tip_line};
 use modes::Modes;
@@ -128,15 +130,30 @@ impl PlanReason {
     }
 }
 
-/// Plans the feeds of a program without errors.
-pub fn adapt(program: &Program, job: &Job) -> Adapted {
-    adapt_on(program, job, None)
+/// What is known beside program and job.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Known<'a> {
+    /// The machine: laws also govern straight moves under G43.4, within what all of its axes can follow.
+    pub machine: Option<&'a Machine>,
+    /// Where the tool's circles are engaged, for rules that leave it to be told with each move.
+    pub map: Option<&'a EngagementMap>,
 }
 
-/// The same for a machine of which all is known: laws also govern straight moves under G43.4, within what all of its axes can
-/// follow.
-pub fn adapt_on(program: &Program, job: &Job, machine: Option<&Machine>) -> Adapted {
-    let mut writer = Writer::new(program, job, machine);
+impl<'a> Known<'a> {
+    /// All that a job's files tell.
+    pub fn of(file: &'a JobFile) -> Self {
+        Known { machine: file.machine.as_ref().map(|named| &named.machine), map: file.map.as_ref() }
+    }
+}
+
+/// Plans the feeds of a program without errors.
+pub fn adapt(program: &Program, job: &Job) -> Adapted {
+    adapt_with(program, job, Known::default())
+}
+
+/// The same with all that is known.
+pub fn adapt_with(program: &Program, job: &Job, known: Known<'_>) -> Adapted {
+    let mut writer = Writer::new(program, job, known);
     for (index, line) in program.lines.iter().enumerate() {
         writer.take(index + 1, line);
     }
@@ -158,6 +175,7 @@ impl Adapted {
 struct Writer<'a> {
     job: &'a Job,
     machine: Option<&'a Machine>,
+    engaged: Option<Lookup<'a>>,
     adapted: Adapted,
     feeds: FeedRewriter,
     modes: Modes,
@@ -168,12 +186,13 @@ struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    fn new(program: &'a Program, job: &'a Job, machine: Option<&'a Machine>) -> Self {
+    fn new(program: &'a Program, job: &'a Job, known: Known<'a>) -> Self {
         let cuts = matches!(job.policy, FeedPolicy::RewriteOnly(_));
         let line_end = program.lines.first().map_or(&b""[..], |line| &line.ending);
         Writer {
             job,
-            machine,
+            machine: known.machine,
+            engaged: known.map.map(EngagementMap::lookup),
             adapted: Adapted { blocks: Vec::new(), text: Vec::new(), line_ends: Vec::new() },
             feeds: FeedRewriter::default(),
             modes: Modes::at_power_on(job.unit),
@@ -192,7 +211,8 @@ impl<'a> Writer<'a> {
         let under = self.special(line);
         let planned = line.segment().map(|segment| {
             let limit = MoveLimit::of(line, &segment, self.job, self.machine);
-            let block = PlannedBlock { limit, ..PlannedBlock::new(number, segment) };
+            let along = self.engaged.as_mut().and_then(|engaged| engaged.next(&segment)).cloned();
+            let block = PlannedBlock { limit, along, ..PlannedBlock::new(number, segment) };
             match under {
                 None => plan_block(block, self.job, self.modes.unit),
                 Some(under) => (block.special(self.job, under), None),
@@ -331,8 +351,13 @@ fn teeth_per_min(job: &Job) -> f64 {
 fn govern(block: &mut PlannedBlock, job: &Job, unit: LengthUnit) -> Option<Profile> {
     let (index, rule) = cut::find(&job.rules, &block.segment, &job.tool)?;
     block.rule = Some(index);
-    let law = SegmentLaw::for_segment(&block.segment, Some(rule), job);
-    let profile = Profile::ask(&law, &block.segment, &knots_mm(rule, job));
+    let is_told = matches!(rule.work, Work::Ring(_, Stock::Along));
+    block.along = block.along.take().filter(|_| is_told);
+    let law = match &block.along {
+        Some(table) => SegmentLaw::along(&block.segment, rule, table, job),
+        None => SegmentLaw::for_segment(&block.segment, Some(rule), job),
+    };
+    let profile = Profile::ask(&law, &block.segment, &knots_mm(rule, block.along.as_ref(), job));
     let Some(wish) = WishRange::of(&profile, teeth_per_min(job)) else {
         block.reason = PlanReason::NoWish;
         return None;
@@ -357,10 +382,11 @@ fn govern(block: &mut PlannedBlock, job: &Job, unit: LengthUnit) -> Option<Profi
 }
 
 /// Where along a move the tables of a rule have their knots.
-fn knots_mm(rule: &CutRule, job: &Job) -> Vec<f64> {
+fn knots_mm(rule: &CutRule, along: Option<&EngagedTable>, job: &Job) -> Vec<f64> {
     let feeds = rule.table.map(|range| job.knots.table(range)).unwrap_or_default();
     let engaged = match &rule.work {
         Work::Ring(_, Stock::Engaged(table)) => table.knots(),
+        Work::Ring(_, Stock::Along) => along.map_or(&[][..], EngagedTable::knots),
         Work::Ring(..) | Work::Mill { .. } => &[],
     };
     let paths = feeds.iter().map(|knot| knot.0).chain(engaged.iter().map(|knot| knot.travelled));

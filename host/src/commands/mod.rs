@@ -14,6 +14,8 @@ pub mod adapt;
 
 pub mod simulate;
 
+pub mod engage;
+
 pub mod board;
 
 pub mod parameters;

@@ -3,11 +3,11 @@
 
 mod edges;
 
-mod setup;
+pub(super) mod setup;
 
-mod watch;
+pub(super) mod watch;
 
-mod told;
+pub(super) mod told;
 
 mod loaded;
 
@@ -234,13 +234,15 @@ fn in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<R
         .map_err(|error| Failure::Input(format!("override limits: {error:?}")))
 }
 
-/// What the plan knows of the moves under G43.4, which the machine in software does not look at by itself.
+/// What the plan knows of moves that the machine in software does not look at by itself: those under G43.4, and those whose
+/// engagement is told.
 pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<Foreseen> {
-    let is_of_tip = |block: &&PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
-    let moves = adapted.blocks.iter().filter(is_of_tip);
+    let is_of_tip = |block: &PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
+    let moves = adapted.blocks.iter().filter(|block| block.along.is_some() || is_of_tip(block));
     let known = moves.map(|block| Foreseen {
         segment: block.segment,
         rule: block.rule.filter(|_| block.under.is_none()),
+        along: block.along.clone(),
         limit: block.limit.map(FeedLimit::from),
     });
     known.collect()

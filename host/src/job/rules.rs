@@ -12,6 +12,16 @@ use toml::Spanned;
 use super::schema::{CutTable, DirectionWord, MovesWord, Quantity, RotationWord, SideWord, StockTable};
 use super::{Around, Complaint, at, length_mm, tables};
 
+/// The engagement map that rules name: one for all of them.
+pub fn map(cuts: &[Spanned<CutTable>]) -> Result<Option<&Spanned<String>>, Complaint> {
+    let mut named = cuts.iter().filter_map(|cut| cut.as_ref().stock.as_ref()?.as_ref().map.as_ref());
+    let Some(first) = named.next() else { return Ok(None) };
+    match named.find(|other| other.as_ref() != first.as_ref()) {
+        None => Ok(Some(first)),
+        Some(other) => Err(at(other, &format!("one map is for all rules of a job: write \"{}\"", first.as_ref()))),
+    }
+}
+
 /// Checks the rules of a job, in order, and collects their knots.
 pub fn build(
     cuts: &[Spanned<CutTable>],
@@ -21,7 +31,10 @@ pub fn build(
     for cut in cuts {
         let rule = match around.tool {
             Tool::CupMill(_) => ring_rule(cut, around)?,
-            Tool::EndMill(_) => mill_rule(cut, around.unit)?,
+            Tool::EndMill(_) => match around.law {
+                LawKind::EngagedArc { .. } => circle_rule(cut, around)?,
+                _ => mill_rule(cut, around.unit)?,
+            },
         };
         let table = tables::feeds(cut, around.unit, around.law, &mut knots)?;
         rules.push(CutRule { table, ..rule }).map_err(|_| at(cut, &format!("more than {RULES_MAX} cut rules")))?;
@@ -57,15 +70,33 @@ fn ring_rule(cut: &Spanned<CutTable>, around: &Around<'_>) -> Result<CutRule, Co
     restricted(moves, Work::Ring(edge, stock), table, around.unit)
 }
 
+/// An end mill, seen as the circle that cuts.
+fn circle_rule(cut: &Spanned<CutTable>, around: &Around<'_>) -> Result<CutRule, Complaint> {
+    let table = cut.as_ref();
+    let needs = "an end-mill's rule under engaged-arc has moves = \"arcs\" (with direction) or \"lines\", side = \"outer\", \
+                 and stock";
+    let moves = mill_moves(table).ok_or_else(|| at(cut, needs))?;
+    let Some(stock) = &table.stock else { return Err(at(cut, needs)) };
+    if table.rotation.is_some() || table.radial_depth.is_some() || !matches!(table.side.as_ref(), SideWord::Outer) {
+        return Err(at(cut, needs));
+    }
+    let work = Work::Ring(Edge::Outer, build_stock(stock, Edge::Outer, around)?);
+    restricted(moves, work, table, around.unit)
+}
+
+fn mill_moves(table: &CutTable) -> Option<Moves> {
+    match (table.moves, table.direction) {
+        (Some(MovesWord::Arcs), Some(direction)) => Some(Moves::Arcs(turn(direction))),
+        (Some(MovesWord::Lines), None) => Some(Moves::Lines),
+        _ => None,
+    }
+}
+
 fn mill_rule(cut: &Spanned<CutTable>, unit: LengthUnit) -> Result<CutRule, Complaint> {
     let table = cut.as_ref();
     let needs = "an end-mill's rule has moves = \"arcs\" (with direction) or \"lines\", side = \"inside\", \"outside\" or \
                  \"slot\", and radial_depth (but for a slot)";
-    let moves = match (table.moves, table.direction) {
-        (Some(MovesWord::Arcs), Some(direction)) => Moves::Arcs(turn(direction)),
-        (Some(MovesWord::Lines), None) => Moves::Lines,
-        _ => return Err(at(cut, needs)),
-    };
+    let moves = mill_moves(table).ok_or_else(|| at(cut, needs))?;
     if table.rotation.is_some() || table.stock.is_some() {
         return Err(at(cut, needs));
     }
@@ -107,7 +138,27 @@ fn turn(direction: DirectionWord) -> Turn {
 
 fn build_stock(stock: &Spanned<StockTable>, edge: Edge, around: &Around<'_>) -> Result<Stock, Complaint> {
     let mm = |quantity: &Quantity| quantity.to_mm(around.unit);
-    let StockTable { normal_deg, offset, from, to, rise, lines, polygon, disc, engaged } = stock.as_ref();
+    let StockTable { normal_deg, offset, from, to, rise, lines, polygon, disc, engaged, map } = stock.as_ref();
+    if let Some(map) = map {
+        return match stock.as_ref() {
+            _ if !matches!(around.law, LawKind::EngagedArc { .. }) => {
+                Err(at(map, "`map` is for the engaged-arc law; give this law a line"))
+            }
+            StockTable {
+                normal_deg: None,
+                offset: None,
+                from: None,
+                to: None,
+                rise: None,
+                lines: None,
+                polygon: None,
+                disc: None,
+                engaged: None,
+                ..
+            } => Ok(Stock::Along),
+            _ => Err(at(map, "with a `map` the stock has no shape: remove the rest")),
+        };
+    }
     let half_plane = |line| Stock::half_plane(StockLine { rise_ratio: rise.unwrap_or(0.0), ..line });
     let is_line = normal_deg.is_some() || from.is_some();
     if rise.is_some_and(|rise| !rise.is_finite() || !is_line) {
@@ -150,7 +201,7 @@ fn build_stock(stock: &Spanned<StockTable>, edge: Edge, around: &Around<'_>) -> 
             stock,
             "give the stock as { normal_deg, offset } or { from = [x, y], to = [x, y] } (both may have a rise), { lines = [[normal_deg, offset, rise], ...] }, \
              { polygon = [[x, y], ...] }, \
-             { disc = [x, y, radius] } or { engaged = [[path, from_deg, to_deg], ...] }",
+             { disc = [x, y, radius] }, { engaged = [[path, from_deg, to_deg], ...] } or { map = FILE }",
         )),
     }
 }

@@ -195,6 +195,7 @@ pub struct StockTable {
     pub polygon: Option<Vec<[Quantity; 2]>>,
     pub disc: Option<[Quantity; 3]>,
     pub engaged: Option<Spanned<Vec<Spanned<Vec<Quantity>>>>>,
+    pub map: Option<Spanned<String>>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
+use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::removal::cutter::{Cutter, CutterSettings};
 use arcfeed_hil_sim::removal::loads::{LoadMeter, LoadSettings};
 use arcfeed_hil_sim::stock::files::read_stl;
@@ -34,6 +35,8 @@ pub struct Setup<'a> {
     pub settings: CutterSettings,
     /// `file:line:column` of its table.
     pub place: String,
+    /// How far up from its tip the tool cuts.
+    depth_mm: f64,
     /// The edges in it before the run, where the job tells of cutting.
     pub loads: Option<LoadSettings>,
 }
@@ -68,12 +71,23 @@ impl<'a> Setup<'a> {
             }
         });
         let loads = loads.transpose()?;
-        Ok(Some(Setup { workpiece, settings: CutterSettings { stock, tool, machine, tolerance_mm }, place, loads }))
+        let depth_mm = file.cutting.as_ref().map_or(workpiece.body.height_mm, |cutting| cutting.axial_depth_mm);
+        let settings = CutterSettings { stock, tool, machine, tolerance_mm };
+        Ok(Some(Setup { workpiece, settings, place, depth_mm, loads }))
     }
 
     /// What its edges meet in a run.
     pub fn load_meter(&self) -> Option<LoadMeter> {
         self.loads.clone().map(LoadMeter::new)
+    }
+
+    /// The workpiece in layers along Z, and up to which height above the tip they are cut in levels: as deep as the job
+    /// tells of cutting, otherwise the tool's height in layers as high as the rays are apart.
+    pub fn layers(&self) -> (Layers, f64) {
+        match &self.loads {
+            Some(loads) => (loads.process.bite().layers().clone(), self.depth_mm),
+            None => (Layers::of(&self.settings.stock, edges::UPRIGHT), self.depth_mm),
+        }
     }
 
     /// What cuts it in a run.

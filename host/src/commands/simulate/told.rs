@@ -127,7 +127,7 @@ fn taken_of<'p>(pieces: impl Iterator<Item = &'p Piece> + Clone, step_mm: f64, v
     }
 }
 
-pub(super) fn left_out_figures(why: Unplaced, first: &Of, blocks: usize) -> LeftOutFigures {
+pub fn left_out_figures(why: Unplaced, first: &Of, blocks: usize) -> LeftOutFigures {
     let cause = match why {
         Unplaced::Turning => "turning",
         Unplaced::OtherPosition => "other-position",

@@ -11,7 +11,7 @@ use super::super::outcome::Failure;
 use super::setup::Setup;
 
 /// Longest simulated run: a program that takes longer is stuck.
-const RUN_MAX: Micros = Micros::from_ms(24 * 3_600 * 1_000);
+pub const RUN_MAX: Micros = Micros::from_ms(24 * 3_600 * 1_000);
 
 /// Periods between two signs of life.
 const SIGN_EVERY: u64 = 200;

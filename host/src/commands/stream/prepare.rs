@@ -9,7 +9,8 @@ use arcfeed_shared::units::{Micros, S_PER_MIN};
 
 use super::super::outcome::{Failure, adapted, file_failure, load};
 use super::super::simulate::{control_settings, foreseen, tape_code};
-use crate::dnc::journal::{Start, fingerprint};
+use crate::checksum::fingerprint;
+use crate::dnc::journal::Start;
 use crate::dnc::pace::Pace;
 use crate::dnc::reports::Reports;
 use crate::dnc::restore::PowerOn;

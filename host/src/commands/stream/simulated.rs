@@ -50,7 +50,7 @@ impl Stream {
         match &self.board {
             None => {
                 let mut sim = SimPort::new(&ready.file, ControllerFault::None, self.tempo())?;
-                sim.rig_mut().foresee(ready.foreseen.iter().copied());
+                sim.rig_mut().foresee(ready.foreseen.iter().cloned());
                 self.send_simulated(ready, sender, (logbook, Along::none()), &Rc::new(RefCell::new(sim)))
             }
             Some(url) if url.base == Base::Sim => self.with_board_in_software(ready, sender, logbook),

@@ -2,6 +2,8 @@
 //!
 //! Source: PNG (Third Edition), W3C 2025, sections 5, 11 and annex D; RFC 1950, RFC 1951 (3.2.4), RFC 4648 (4).
 
+use crate::checksum::crc32;
+
 /// Most bytes of a stored block.
 const BLOCK_MAX: usize = 0xFFFF;
 
@@ -34,7 +36,7 @@ fn chunk(file: &mut Vec<u8>, kind: &[u8; 4], data: &[u8]) {
     let from = file.len();
     file.extend(kind);
     file.extend(data);
-    let check = crc_32(&file[from..]);
+    let check = crc32(&file[from..]);
     file.extend(check.to_be_bytes());
 }
 
@@ -63,11 +65,6 @@ fn adler_32(data: &[u8]) -> u32 {
     b << 16 | a
 }
 
-fn crc_32(data: &[u8]) -> u32 {
-    let shift = |crc: u32| if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
-    !data.iter().fold(!0, |crc: u32, byte| (0..8).fold(crc ^ u32::from(*byte), |crc, _| shift(crc)))
-}
-
 fn base64(data: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(data.len().div_ceil(3) * 4);
@@ -88,7 +85,7 @@ mod tests {
 
     #[test]
     fn check_sums_and_digits_are_those_of_the_standards() {
-        assert_eq!((crc_32(b"IEND"), crc_32(b"123456789")), (0xAE42_6082, 0xCBF4_3926));
+        assert_eq!(crc32(b"IEND"), 0xAE42_6082);
         assert_eq!(adler_32(b"Wikipedia"), 0x11E6_0398);
         let pairs = [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")];
         pairs.iter().for_each(|(plain, coded)| assert_eq!(base64(plain.as_bytes()), *coded));

@@ -1,0 +1,163 @@
+//! Few knots for many samples of an interval, between which straight lines leave nothing of any sample out.
+//!
+//! Knots are picked by adding the sample that lies farthest from the lines, again and again; then each is widened by what
+//! the lines beside it still cut off:
+//!
+//! ```text
+//! excess of a line over its samples' ends, e = max (from(line) - from(sample), to(sample) - to(line), 0)
+//! each of its two knots moves outwards by e                                                              (1)
+//! ```
+//!
+//! A line whose ends both move outwards by e does so everywhere.
+//!
+//! Source: the picking is Douglas and Peucker's (1973), breadth first; (1) own.
+
+/// Where a sample was taken, and the intervals that it has: from and to, none where there is nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample<const N: usize> {
+    /// Grows from sample to sample.
+    pub at: f64,
+    /// One for each thing looked at.
+    pub intervals: [Option<[f64; 2]>; N],
+}
+
+/// Knots that cover the samples, at most `count` and at least the first and the last one; an empty interval is one whose ends
+/// are the same. What lies between two samples is covered where it is part of both their intervals together.
+pub fn covering<const N: usize>(samples: &[Sample<N>], count: usize) -> Vec<(f64, [[f64; 2]; N])> {
+    let wide = dilated(samples);
+    let at: Vec<f64> = samples.iter().map(|sample| sample.at).collect();
+    let ends: [Vec<[f64; 2]>; N] = std::array::from_fn(|which| closed(&wide, which));
+    let picked = picked(&at, &ends, count);
+    let mut knots: Vec<(f64, [[f64; 2]; N])> =
+        picked.iter().map(|index| (at[*index], std::array::from_fn(|which| ends[which][*index]))).collect();
+    let mut excess = vec![[[0.0_f64; 2]; N]; knots.len()];
+    for (line, pair) in picked.windows(2).enumerate() {
+        for index in pair[0]..=pair[1] {
+            let part = (at[index] - at[pair[0]]) / (at[pair[1]] - at[pair[0]]);
+            for which in 0..N {
+                let Some([from, to]) = wide[index].intervals[which] else { continue };
+                let on_line = |end: usize| between(knots[line].1[which][end], knots[line + 1].1[which][end], part);
+                let off = [on_line(0) - from, to - on_line(1)];
+                for knot in [line, line + 1] {
+                    excess[knot][which] = [0, 1].map(|end: usize| excess[knot][which][end].max(off[end]));
+                }
+            }
+        }
+    }
+    for ((_, intervals), excess) in knots.iter_mut().zip(&excess) {
+        for (interval, excess) in intervals.iter_mut().zip(excess) {
+            *interval = [interval[0] - excess[0], interval[1] + excess[1]];
+        }
+    }
+    knots
+}
+
+fn between(a: f64, b: f64, part: f64) -> f64 {
+    a + (b - a) * part
+}
+
+/// Each sample with its neighbours'.
+fn dilated<const N: usize>(samples: &[Sample<N>]) -> Vec<Sample<N>> {
+    let near = |index: usize| &samples[index.saturating_sub(1)..(index + 2).min(samples.len())];
+    let hull =
+        |index: usize, which: usize| near(index).iter().filter_map(|sample| sample.intervals[which]).reduce(hull);
+    let at =
+        |index: usize| Sample { at: samples[index].at, intervals: std::array::from_fn(|which| hull(index, which)) };
+    (0..samples.len()).map(at).collect()
+}
+
+/// From the lower beginning to the higher end.
+pub fn hull([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    [a.min(c), b.max(d)]
+}
+
+/// The intervals of one thing, an empty one in the middle of the last before it that is none; of the first behind it, in front.
+fn closed<const N: usize>(samples: &[Sample<N>], which: usize) -> Vec<[f64; 2]> {
+    let middle = |[from, to]: [f64; 2]| (from + to) / 2.0;
+    let first = samples.iter().find_map(|sample| sample.intervals[which]);
+    let mut last = first.map_or(0.0, middle);
+    let each = samples.iter().map(|sample| match sample.intervals[which] {
+        Some(interval) => {
+            last = middle(interval);
+            interval
+        }
+        None => [last; 2],
+    });
+    each.collect()
+}
+
+/// Which of the samples are knots, in order.
+fn picked<const N: usize>(at: &[f64], ends: &[Vec<[f64; 2]>; N], count: usize) -> Vec<usize> {
+    let last = at.len().saturating_sub(1);
+    let mut picked = vec![0, last];
+    picked.truncate(at.len());
+    while picked.len() < count {
+        let off = |index: usize| {
+            let next = picked.partition_point(|knot| *knot < index).clamp(1, picked.len() - 1);
+            let (a, b) = (picked[next - 1], picked[next]);
+            let part = (at[index] - at[a]) / (at[b] - at[a]);
+            let along = |values: &[[f64; 2]], end: usize| {
+                libm::fabs(between(values[a][end], values[b][end], part) - values[index][end])
+            };
+            ends.iter().map(|values| along(values, 0).max(along(values, 1))).fold(0.0, f64::max)
+        };
+        let others = (0..at.len()).filter(|index| picked.binary_search(index).is_err());
+        let worst = others.map(|index| (off(index), index)).max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, worst)) = worst.filter(|(off, _)| *off > 0.0) else { break };
+        let place = picked.partition_point(|knot| *knot < worst);
+        picked.insert(place, worst);
+    }
+    picked
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(interval: impl Fn(f64) -> Option<[f64; 2]>) -> Vec<Sample<1>> {
+        (0..=200).map(|at| Sample { at: f64::from(at), intervals: [interval(f64::from(at))] }).collect()
+    }
+
+    /// As a reader of the knots has it.
+    fn read(knots: &[(f64, [[f64; 2]; 1])], at: f64) -> [f64; 2] {
+        let next = knots.partition_point(|knot| knot.0 <= at).clamp(1, knots.len() - 1);
+        let ((a, [from]), (b, [to])) = (knots[next - 1], knots[next]);
+        [0, 1].map(|end: usize| between(from[end], to[end], (at - a) / (b - a)))
+    }
+
+    #[test]
+    fn knots_stand_where_lines_bend() {
+        let bent = |x: f64| if x < 30.0 { x } else { 30.0 + 4.0 * (x - 30.0).min(10.0) };
+        // Neighbours' ends count, so that what grows does so one sample earlier.
+        let knots = covering(&samples(|at| Some([0.0, bent(at)])), 4);
+        assert_eq!(knots.iter().map(|knot| knot.0).collect::<Vec<_>>(), [0.0, 29.0, 39.0, 200.0]);
+        let [first, .., last] = knots.as_slice() else { panic!("knots") };
+        assert!(first.1[0][1] >= 1.0 && last.1[0] == [0.0, 70.0], "{knots:?}");
+    }
+
+    #[test]
+    fn nothing_of_any_sample_is_left_out_however_few_the_knots() {
+        let wavy = |at: f64| [40.0 * libm::sin(at / 9.0), 60.0 + 30.0 * libm::cos(at / 17.0)];
+        let torn = |at: f64| (!(60.0..90.0).contains(&at) && at < 170.0).then(|| wavy(at));
+        for count in [2, 3, 8, 16, 300] {
+            let samples = samples(torn);
+            let knots = covering(&samples, count);
+            assert!(knots.len() <= count);
+            for at in (0..=2000).map(|tenth| f64::from(tenth) / 10.0) {
+                let (Some(before), Some(behind)) = (torn(libm::floor(at)), torn(libm::ceil(at))) else { continue };
+                let (told, [from, to]) = (read(&knots, at), hull(before, behind));
+                assert!(told[0] <= from + 1e-9 && told[1] >= to - 1e-9, "{count} {at}: {told:?} {from} {to}");
+            }
+        }
+    }
+
+    #[test]
+    fn with_a_knot_at_each_sample_nothing_is_where_nothing_was() {
+        let knots = covering(&samples(|at| (at < 60.0).then_some([10.0, 20.0])), 300);
+        let [from, to] = read(&knots, 61.5);
+        assert!(from >= to, "{from} {to}");
+        assert_eq!(covering(&samples(|_| None), 16), [(0.0, [[0.0; 2]]), (200.0, [[0.0; 2]])]);
+        assert_eq!(covering(&samples(|_| Some([1.0, 2.0]))[..1], 16), [(0.0, [[1.0, 2.0]])]);
+        assert_eq!(covering::<1>(&[], 16), []);
+    }
+}

@@ -1,0 +1,343 @@
+//! Where the circles of a tool stand in material along the moves of a run, for laws that are to be told so.
+//!
+//! What is found depends on the way alone, not on feeds: a run of the program as it is tells what holds for every other
+//! that keeps to its path. The material is a stack of layers, each cleared by the solid that the edges turn; a circle is engaged
+//! where any layer up to the depth has material in front of it. Angles are those of [`arcfeed_shared::engaged`]; of what lies
+//! behind the circle, where its edges recede, nothing is told. Several arcs are told as one, from the first to the last.
+//!
+//! Source: own; what it leaves out: docs/engagement.md.
+
+use std::f64::consts::TAU;
+
+use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
+use arcfeed_shared::kinematics::machine::Machine;
+use arcfeed_shared::kinematics::vector::{Vector, difference, length};
+use arcfeed_shared::nc::modal::Plane;
+use arcfeed_shared::segment::{Path, Segment};
+use arcfeed_shared::tool::Edge;
+use arcfeed_shared::units::{Micros, Mm, Nm};
+use nalgebra::Vector2;
+
+use crate::control::action::Manner;
+use crate::cutting::covering::{Sample, covering, hull};
+use crate::cutting::engaged::EdgeCircle;
+use crate::cutting::layers::Layers;
+use crate::decider::Decider;
+use crate::drives::limits::AXES;
+use crate::rig::{Rig, STEP};
+use crate::stock::tool::{Slab, Tool};
+
+use super::cutter::LeftOut;
+use super::placing::Placing;
+use super::trail::{Of, Stretch, at_tip};
+
+/// Between two places at which the material is cleared, in parts of the rays' distance: a circle leaves a fiftieth of that
+/// squared over its radius.
+const CLEAR_RATIO: f64 = 0.1;
+/// From abeam to abeam, over the front.
+const AHEAD_DEG: [f64; 2] = [0.0, 180.0];
+const TURN_DEG: f64 = 360.0;
+/// Half of what the ends of a table's arcs are rounded to.
+const ROUNDING_DEG: f64 = 0.5 / 90.0;
+
+/// What is looked at.
+#[derive(Clone, Debug)]
+pub struct EngagementSettings {
+    /// The workpiece, in the program's coordinates; layers along Z.
+    pub layers: Layers,
+    /// What of the tool cuts.
+    pub tool: Tool,
+    /// How far up from the tip it is asked.
+    pub depth_mm: f64,
+    /// So far in front of a circle there must be material: a chip's thickness.
+    pub ahead_mm: f64,
+    /// Between two samples of a move.
+    pub every_mm: f64,
+    /// The cut rules whose moves are sampled, a value for each of the job's.
+    pub rules: Vec<bool>,
+    /// Where the tool points under G43.4.
+    pub machine: Option<Machine>,
+}
+
+/// A move and where along it the outer and the inner circle are engaged: path in mm, degrees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EngagedMove {
+    /// Which one.
+    pub of: Of,
+    /// In order; none where its place on the workpiece is not known.
+    pub samples: Vec<Sample<2>>,
+}
+
+/// The tool in the layers, and what it has met; state.
+#[derive(Clone, Debug)]
+pub struct EngagementMeter {
+    settings: EngagementSettings,
+    slices: Vec<Slice>,
+    placing: Placing,
+    axes: Option<[f64; AXES]>,
+    /// The block in work last.
+    last: Option<(Of, Manner, Segment)>,
+    /// Where the material was cleared last.
+    cleared_mm: Option<Vector>,
+    moves: Vec<EngagedMove>,
+    left_out: Vec<LeftOut>,
+}
+
+/// What the edges turn at a height above the tip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Slice {
+    height_mm: f64,
+    /// Outer and inner radius; the latter 0 of a solid tool.
+    radii_mm: [f64; 2],
+}
+
+/// How a tool stands on its move.
+struct Heading {
+    travelled_mm: f64,
+    towards: Vector2<f64>,
+    motion: Vector2<f64>,
+}
+
+impl EngagementMeter {
+    /// Before the run.
+    pub fn new(settings: EngagementSettings) -> Self {
+        let rise_mm = settings.layers.rise_mm();
+        let heights =
+            (0..).map(|n| (f64::from(n) + 0.5) * rise_mm).take_while(|height_mm| *height_mm < settings.depth_mm);
+        let slices = heights.filter_map(|height_mm| Slice::of(&settings.tool, height_mm)).collect();
+        EngagementMeter {
+            settings,
+            slices,
+            placing: Placing::default(),
+            axes: None,
+            last: None,
+            cleared_mm: None,
+            moves: Vec::new(),
+            left_out: Vec::new(),
+        }
+    }
+
+    /// Sees a period of the run.
+    pub fn see<D: Decider>(&mut self, rig: &Rig<D>) {
+        let active = rig.control().active().map(|(count, segment)| {
+            let is_rapid = segment.path == Path::Rapid;
+            (Of { count, sequence: segment.sequence, rule: rig.rule(), is_rapid }, *rig.manner(), *segment)
+        });
+        if let Some((of, ..)) = active.filter(|(of, ..)| self.is_asked_of(of)) {
+            self.open(of);
+        }
+        self.last = active.or(self.last);
+        let axes = rig.control().actual_axes();
+        let (Some(before), Some((of, manner, segment))) = (self.axes.replace(axes), self.last) else { return };
+        let places = vec![at_tip(&before, &manner), at_tip(&axes, &manner)];
+        let stretch = Stretch { of, manner, from: Micros(rig.now().0 - STEP.0), to: rig.now(), places };
+        self.go(&stretch, &segment, [before, axes]);
+    }
+
+    /// The moves that were to be sampled, in the order in which they were made.
+    pub fn moves(&self) -> &[EngagedMove] {
+        &self.moves
+    }
+
+    /// Cutting blocks whose place on the workpiece is not known, or that lean.
+    pub fn left_out(&self) -> &[LeftOut] {
+        &self.left_out
+    }
+
+    /// What is left.
+    pub fn layers(&self) -> &Layers {
+        &self.settings.layers
+    }
+
+    fn is_asked_of(&self, of: &Of) -> bool {
+        of.rule.is_some_and(|rule| self.settings.rules.get(rule) == Some(&true))
+    }
+
+    fn open(&mut self, of: Of) {
+        if self.moves.last().is_none_or(|last| last.of != of) {
+            self.moves.push(EngagedMove { of, samples: Vec::new() });
+        }
+    }
+
+    fn go(&mut self, stretch: &Stretch, segment: &Segment, axes: [[f64; AXES]; 2]) {
+        if !stretch.of.is_rapid && stretch.places[0] != stretch.places[1] {
+            self.placing.learn(stretch);
+        }
+        if !self.placing.is_known() {
+            return;
+        }
+        let ends = match self.placing.upright_mm(stretch, self.settings.machine.as_ref()).as_deref() {
+            Ok([from, to]) => [*from, *to],
+            Ok(_) => return,
+            Err(why) => return LeftOut::count(&mut self.left_out, stretch.of, *why),
+        };
+        let fine_mm = CLEAR_RATIO * self.step_mm();
+        let count = libm::ceil(length(difference(ends[1], ends[0])) / fine_mm).max(1.0);
+        for step in 1..=count as u64 {
+            let part = step as f64 / count;
+            let tip_mm = between(&ends[0], &ends[1], part);
+            if self.is_asked_of(&stretch.of) {
+                let [from, to] = &axes;
+                let at = std::array::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * part);
+                self.sample(segment, &at, &tip_mm);
+            }
+            if self.cleared_mm.is_none_or(|last| length(difference(tip_mm, last)) >= fine_mm) {
+                self.clear(&tip_mm);
+                self.cleared_mm = Some(tip_mm);
+            }
+        }
+    }
+
+    fn step_mm(&self) -> f64 {
+        self.settings.layers.layers().first().map_or(f64::INFINITY, |layer| layer.step_mm())
+    }
+
+    fn clear(&mut self, tip_mm: &Vector) {
+        let layers = &mut self.settings.layers;
+        for Slice { height_mm, radii_mm: [outer_mm, inner_mm] } in &self.slices {
+            let index = layers.index(tip_mm[2] + height_mm);
+            if let Some(layer) = index.and_then(|index| layers.layers_mut().get_mut(index)) {
+                layer.clear_ring(Vector2::new(tip_mm[0], tip_mm[1]), *inner_mm, *outer_mm);
+            }
+        }
+    }
+
+    /// Looks around at a place of the axes, with the tip there on the workpiece, where that is far enough from the last sample.
+    fn sample(&mut self, segment: &Segment, axes: &[f64; AXES], tip_mm: &Vector) {
+        let Some(heading) = Heading::of(segment, axes) else { return };
+        let Some(last) = self.moves.last().map(|moved| moved.samples.last().map(|sample| sample.at)) else { return };
+        if last.is_some_and(|last_mm| heading.travelled_mm < last_mm + self.settings.every_mm) {
+            return;
+        }
+        let intervals = [Edge::Outer, Edge::Inner].map(|side| self.engaged_deg(side, tip_mm, &heading));
+        if let Some(moved) = self.moves.last_mut() {
+            moved.samples.push(Sample { at: heading.travelled_mm, intervals });
+        }
+    }
+
+    fn engaged_deg(&self, side: Edge, tip_mm: &Vector, heading: &Heading) -> Option<[f64; 2]> {
+        let (layers, center_mm) = (&self.settings.layers, Vector2::new(tip_mm[0], tip_mm[1]));
+        let of_slice = |slice: &Slice| {
+            let layer = layers.layers().get(layers.index(tip_mm[2] + slice.height_mm)?)?;
+            let radius_mm = slice.radii_mm[usize::from(side == Edge::Inner)];
+            let circle = (radius_mm > 0.0).then_some(EdgeCircle { center_mm, radius_mm, side })?;
+            // Right of half the rays' distance: to the safe side.
+            let spare_rad = layer.step_mm() / 2.0 / radius_mm;
+            let arcs = circle.engaged_rad(layer, self.settings.ahead_mm);
+            arcs.iter().filter_map(|[a, b]| heading.told_deg(side, &[a - spare_rad, b + spare_rad])).reduce(hull)
+        };
+        self.slices.iter().filter_map(of_slice).reduce(hull)
+    }
+}
+
+impl EngagedMove {
+    /// Both circles' arcs as a table that covers all samples; `None` where there are none.
+    pub fn table(&self) -> Option<EngagedTable> {
+        let knots = covering(&self.samples, ENGAGED_KNOTS_MAX).into_iter().map(|(path_mm, [outer, inner])| {
+            Some(EngagedKnot { travelled: Mm(path_mm as f32), outer: outwards(outer)?, inner: outwards(inner)? })
+        });
+        EngagedTable::new(&knots.collect::<Option<Vec<_>>>()?).ok()
+    }
+}
+
+/// An arc rounded outwards to what a table can say; one that is empty stays so.
+fn outwards([from_deg, to_deg]: [f64; 2]) -> Option<EngagedInterval> {
+    let spare_deg = if from_deg < to_deg { ROUNDING_DEG } else { 0.0 };
+    EngagedInterval::from_degrees((from_deg - spare_deg).max(-TURN_DEG / 2.0), (to_deg + spare_deg).min(TURN_DEG / 2.0))
+}
+
+impl Slice {
+    /// `None` where nothing of the tool cuts.
+    fn of(tool: &Tool, height_mm: f64) -> Option<Self> {
+        let slab = tool.slabs().iter().find(|slab| (slab.heights_mm[0]..slab.heights_mm[1]).contains(&height_mm))?;
+        let Slab { heights_mm: [low_mm, high_mm], outer_mm, inner_mm } = *slab;
+        let part = (height_mm - low_mm) / (high_mm - low_mm);
+        let at = |[low_mm, high_mm]: [f64; 2]| low_mm + (high_mm - low_mm) * part;
+        Some(Slice { height_mm, radii_mm: [at(outer_mm), inner_mm.map_or(0.0, at)] })
+    }
+}
+
+impl Heading {
+    /// `None` where a move has no direction in the plane of the layers.
+    fn of(segment: &Segment, axes: &[f64; AXES]) -> Option<Self> {
+        let [x, y, _] = segment.start.linear.map(Nm::to_mm);
+        let Some(arc) = segment.arc() else {
+            let way = difference(segment.end.linear.map(Nm::to_mm), segment.start.linear.map(Nm::to_mm));
+            let from = difference([axes[0], axes[1], axes[2]], segment.start.linear.map(Nm::to_mm));
+            let travelled_mm = (0..3).map(|axis| from[axis] * way[axis]).sum::<f64>() / length(way);
+            let motion = Vector2::new(way[0], way[1]).try_normalize(1e-9)?;
+            return Some(Heading { travelled_mm, towards: Vector2::new(-motion.y, motion.x), motion });
+        };
+        if arc.plane != Plane::Xy {
+            return None;
+        }
+        let [center_x, center_y] = arc.center.map(Nm::to_mm);
+        let (begin, turn) = (Vector2::new(x - center_x, y - center_y), f64::from(arc.turn.sign()));
+        let arm = Vector2::new(axes[0] - center_x, axes[1] - center_y).try_normalize(1e-9)?;
+        let turned_rad = turn * libm::atan2(begin.perp(&arm), begin.dot(&arm));
+        // A little before the start, or far along a long arc: what is nearer to it.
+        let is_far = turned_rad < 0.0 && arc.sweep_rad() > TAU + 2.0 * turned_rad;
+        let turned_rad = if is_far { turned_rad + TAU } else { turned_rad };
+        Some(Heading {
+            travelled_mm: arc.radius_mm() * turned_rad,
+            towards: -arm,
+            motion: Vector2::new(-arm.y, arm.x) * turn,
+        })
+    }
+
+    /// What of an arc, counter-clockwise in radians, lies in front of a circle, as laws are told.
+    fn told_deg(&self, side: Edge, arc_rad: &[f64; 2]) -> Option<[f64; 2]> {
+        let advance = self.motion * f64::from(side.advance());
+        let base_rad = libm::atan2(self.towards.y, self.towards.x);
+        let [from_deg, to_deg] = arc_rad.map(|end_rad| (end_rad - base_rad).to_degrees());
+        let [from_deg, to_deg] =
+            if self.towards.perp(&advance) > 0.0 { [from_deg, to_deg] } else { [-to_deg, -from_deg] };
+        let part = |turns: i8| {
+            let [from_deg, to_deg] = [from_deg, to_deg].map(|deg| deg + TURN_DEG * f64::from(turns));
+            let part = [from_deg.max(AHEAD_DEG[0]), to_deg.min(AHEAD_DEG[1])];
+            (part[0] < part[1]).then_some(part)
+        };
+        (-2..=2).filter_map(part).reduce(hull)
+    }
+}
+
+/// A part of the way from one place to another.
+fn between(from: &Vector, to: &Vector, part: f64) -> Vector {
+    [0, 1, 2].map(|axis: usize| from[axis] + (to[axis] - from[axis]) * part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn heading(towards_deg: f64, turn: f64) -> Heading {
+        let (sin, cos) = libm::sincos(towards_deg.to_radians());
+        let towards = Vector2::new(cos, sin);
+        Heading { travelled_mm: 0.0, towards, motion: Vector2::new(towards.y, -towards.x) * turn }
+    }
+
+    #[test]
+    fn angles_are_counted_from_the_centre_to_where_the_edges_advance() {
+        let arc = |from: f64, to: f64| [from.to_radians(), to.to_radians()];
+        // Counter-clockwise about a centre to the left of the motion: straight ahead is clockwise of it.
+        let ccw = heading(120.0, 1.0);
+        for (side, [from, to], told) in [
+            (Edge::Outer, [80.0, 100.0], Some([20.0, 40.0])),
+            (Edge::Inner, [140.0, 160.0], Some([20.0, 40.0])),
+            (Edge::Outer, [130.0, 290.0], None),
+            (Edge::Outer, [100.0, 460.0], Some([0.0, 180.0])),
+            (Edge::Outer, [110.0, 130.0], Some([0.0, 10.0])),
+            (Edge::Outer, [290.0, 320.0], Some([160.0, 180.0])),
+        ] {
+            let found = ccw.told_deg(side, &arc(from, to));
+            let is_it = match (found, told) {
+                (Some(found), Some(told)) => found.iter().zip(told).all(|(a, b)| (a - b).abs() < 1e-9),
+                (None, None) => true,
+                _ => false,
+            };
+            assert!(is_it, "{side:?} {from} {to}: {found:?}");
+        }
+        let mirrored = heading(120.0, -1.0).told_deg(Edge::Outer, &arc(140.0, 160.0)).expect("in front");
+        assert!((mirrored[0] - 20.0).abs() < 1e-9 && (mirrored[1] - 40.0).abs() < 1e-9, "{mirrored:?}");
+    }
+}

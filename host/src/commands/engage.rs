@@ -1,0 +1,204 @@
+//! `arcfeed engage`: where the circles of a job's tool stand in its workpiece along each move, for the engaged-arc law.
+
+use std::path::PathBuf;
+
+use arcfeed_hil_sim::control::ControlSettings;
+use arcfeed_hil_sim::faults::ControllerFault;
+use arcfeed_hil_sim::removal::engagement::{EngagementMeter, EngagementSettings};
+use arcfeed_hil_sim::rig::Rig;
+use arcfeed_shared::cut::Work;
+use arcfeed_shared::engaged::{EngagedKnot, EngagedTable};
+use arcfeed_shared::stock::Stock;
+use indicatif::{ProgressBar, ProgressDrawTarget};
+use serde::Serialize;
+
+use super::outcome::{Failure, load_unmapped, made_of, say, write_whole};
+use super::simulate::control_settings;
+use super::simulate::setup::Setup;
+use super::simulate::told::left_out_figures;
+use super::simulate::watch::RUN_MAX;
+use crate::adapt::{PlanReason, PlannedBlock, adapt};
+use crate::engagement::{EngagementMap, MappedMove, key};
+use crate::job::JobFile;
+use crate::program::Program;
+use crate::report::material::LeftOutFigures;
+
+/// Periods between two signs of life.
+const SIGN_EVERY: u64 = 200;
+
+/// Find where the tool stands in material along each move, for rules with stock = { map = FILE }
+///
+/// The program runs on the machine in software through the job's workpiece, once, as it is. What is found depends on its way
+/// alone, so it holds for every feed. The map is written where the job's rules look for it; make it anew when program, tool or
+/// workpiece change (docs/engagement.md).
+#[derive(Debug, clap::Args)]
+pub struct Engage {
+    /// The job file
+    job: PathBuf,
+    /// Write the map here instead
+    #[arg(short, long, value_name = "OUT.toml")]
+    output: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md)
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was found, as JSON; degrees.
+#[derive(Debug, Serialize)]
+struct Report {
+    map: String,
+    moves: Vec<MoveFigures>,
+    left_out: Vec<LeftOutFigures>,
+}
+
+#[derive(Debug, Serialize)]
+struct MoveFigures {
+    n: Option<i64>,
+    line: usize,
+    knots: usize,
+    outer_deg: Option<[f64; 2]>,
+    inner_deg: Option<[f64; 2]>,
+}
+
+impl Engage {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// The job or the program is at fault, no rule asks for a map, or it cannot be written.
+    pub fn run(&self) -> Result<(), Failure> {
+        let (file, program) = load_unmapped(&self.job)?;
+        let Some(named) = &file.map_file else {
+            let job = self.job.display();
+            let message =
+                format!("{job}: no rule asks for an engagement map; write stock = {{ map = \"FILE.toml\" }} in one");
+            return Err(Failure::Input(message));
+        };
+        let output = self.output.as_ref().unwrap_or(&named.path);
+        let Some(setup) = Setup::of(&self.job, &file)? else {
+            let job = self.job.display();
+            return Err(Failure::Input(format!(
+                "{job}: an engagement map is looked up in a [workpiece], and there is none"
+            )));
+        };
+        let meter = run(&file, &program, &setup)?;
+        let map = map(&file, &program, &meter)?;
+        let left_out = meter.left_out().iter();
+        let left_out = left_out.map(|left_out| left_out_figures(left_out.why, &left_out.first, left_out.blocks));
+        let report = Report {
+            map: output.display().to_string(),
+            moves: map.moves.iter().map(MoveFigures::new).collect(),
+            left_out: left_out.collect(),
+        };
+        write_whole(output, map.text(made_of(&file, &program)?, file.job.unit).as_bytes())?;
+        report.tell(self.json);
+        Ok(())
+    }
+}
+
+/// Runs the program as it is, through the workpiece: on drives that follow at once, for the map is of the way as programmed.
+fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<EngagementMeter, Failure> {
+    let settings = ControlSettings { drives: None, servo: None, ..control_settings(file) };
+    let text = [&program.bytes()[..], b"\n"].concat();
+    let mut rig = Rig::from_memory(settings, &text, &file.job, ControllerFault::LawOff)
+        .map_err(|error| Failure::Input(format!("override limits: {error:?}")))?;
+    let (layers, depth_mm) = setup.layers();
+    let mut meter = EngagementMeter::new(EngagementSettings {
+        layers,
+        tool: setup.settings.tool.clone(),
+        depth_mm,
+        ahead_mm: f64::from(file.job.feed_per_tooth.0),
+        every_mm: setup.workpiece.step_mm,
+        rules: file.job.rules.iter().map(|rule| is_told(&rule.work)).collect(),
+        machine: file.machine.as_ref().map(|named| named.machine),
+    });
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+    for period in 0_u64.. {
+        if rig.is_done() {
+            break;
+        }
+        rig.step();
+        meter.see(&rig);
+        if rig.now() > RUN_MAX {
+            return Err(Failure::Machine("the program still runs after 24 hours of machine time".into()));
+        }
+        if period % SIGN_EVERY == 0 {
+            let (executed, now_s) = (rig.control().executed().len(), rig.now().to_s());
+            bar.set_message(format!("looking: {executed} blocks, {now_s:.0} s of machine time"));
+            bar.tick();
+        }
+    }
+    bar.finish_and_clear();
+    match rig.control().alarm() {
+        None => Ok(meter),
+        Some(alarm) => Err(Failure::Machine(format!("{}:{}: the control stopped", program.path.display(), alarm.line))),
+    }
+}
+
+fn is_told(work: &Work) -> bool {
+    matches!(work, Work::Ring(_, Stock::Along))
+}
+
+/// What was found, by the moves of the program.
+fn map(file: &JobFile, program: &Program, meter: &EngagementMeter) -> Result<EngagementMap, Failure> {
+    let planned = adapt(program, &file.job).blocks;
+    let asked = |block: &&PlannedBlock| {
+        let rule = block.rule.and_then(|index| file.job.rules.get(index));
+        block.reason != PlanReason::Special && rule.is_some_and(|rule| is_told(&rule.work))
+    };
+    let asked: Vec<&PlannedBlock> = planned.iter().filter(asked).collect();
+    let same = |block: &PlannedBlock, sequence: Option<i64>| block.segment.sequence == sequence;
+    let is_whole = asked.len() == meter.moves().len()
+        && asked.iter().zip(meter.moves()).all(|(block, found)| same(block, found.of.sequence));
+    if !is_whole {
+        let (planned, made) = (asked.len(), meter.moves().len());
+        let program = program.path.display();
+        return Err(Failure::Machine(format!("{program}: {made} of {planned} moves with a map were made")));
+    }
+    let moves = asked.iter().zip(meter.moves()).map(|(block, found)| MappedMove {
+        line: block.line,
+        sequence: block.segment.sequence,
+        key: key(&block.segment),
+        table: found.table(),
+    });
+    Ok(EngagementMap { moves: moves.collect() })
+}
+
+impl Report {
+    fn tell(&self, json: bool) {
+        if json {
+            return say(format_args!("{}", serde_json::json!(self)));
+        }
+        say(format_args!("   line  N        knots   outer circle, deg   inner circle, deg"));
+        let range = |deg: Option<[f64; 2]>| deg.map_or("-".into(), |[from, to]| format!("{from:.1} .. {to:.1}"));
+        for MoveFigures { n, line, knots, outer_deg, inner_deg } in &self.moves {
+            let n = n.map_or("-".into(), |n| format!("N{n}"));
+            let (outer, inner) = (range(*outer_deg), range(*inner_deg));
+            say(format_args!("{line:>7}  {n:<7}{knots:>7}{outer:>20}{inner:>20}"));
+        }
+        let unknown = self.moves.iter().filter(|found| found.knots == 0).count();
+        for left_out in &self.left_out {
+            eprintln!("warning: {} blocks take nothing: {}", left_out.blocks, left_out.words());
+        }
+        if unknown > 0 {
+            eprintln!("warning: nothing is known of {unknown} moves; they keep their own feed");
+        }
+        say(format_args!("{}: {} moves", self.map, self.moves.len()));
+    }
+}
+
+impl MoveFigures {
+    fn new(found: &MappedMove) -> Self {
+        let knots = found.table.as_ref().map_or(&[][..], EngagedTable::knots);
+        let along = |arc: &dyn Fn(&EngagedKnot) -> [f64; 2]| {
+            let arcs = knots.iter().map(arc).filter(|[from, to]| from < to);
+            arcs.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+        };
+        MoveFigures {
+            n: found.sequence,
+            line: found.line,
+            knots: knots.len(),
+            outer_deg: along(&|knot| knot.outer.degrees()),
+            inner_deg: along(&|knot| knot.inner.degrees()),
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! Engagement maps: where the circles of the tool stand in material along each move, found beforehand by `arcfeed engage` and
+//! named by a job's rules.
+//!
+//! A map is of one program, tool and workpiece, and says so by a fingerprint: with others it is refused. Its moves are known by
+//! where they go, so that what is sent of a program (feeds changed, begun in the middle) finds its own.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedError, EngagedInterval, EngagedKnot, EngagedTable};
+use arcfeed_shared::segment::{Path as Way, Segment};
+use arcfeed_shared::units::{LengthUnit, MicroDeg, Mm, Nm};
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::checksum::fingerprint;
+use crate::file_error::FileError;
+use crate::place::place;
+
+/// What to do about nearly everything that can be wrong.
+const AGAIN: &str = "make the map anew with `arcfeed engage`";
+
+/// The moves of a program that a map speaks of, in order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EngagementMap {
+    /// In the order in which they are made.
+    pub moves: Vec<MappedMove>,
+}
+
+/// One move.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MappedMove {
+    /// Line of the program, counted from 1.
+    pub line: usize,
+    /// Its N.
+    pub sequence: Option<i64>,
+    /// [`key`] of it.
+    pub key: u64,
+    /// Where both circles are engaged; `None` where that is not known.
+    pub table: Option<EngagedTable>,
+}
+
+/// Moves looked up in the order in which they are made; state.
+#[derive(Clone, Debug)]
+pub struct Lookup<'m> {
+    ahead: &'m [MappedMove],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MapTable {
+    made_of: Spanned<String>,
+    #[serde(default)]
+    r#move: Vec<MoveTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MoveTable {
+    line: usize,
+    n: Option<i64>,
+    key: Spanned<String>,
+    engaged: Option<Spanned<Vec<[f64; 5]>>>,
+}
+
+/// Where a move goes: what tells it from others, whatever its feed and N.
+pub fn key(segment: &Segment) -> u64 {
+    let ends = [segment.start, segment.end];
+    let mut numbers: Vec<i64> = ends.iter().flat_map(|end| end.linear.map(|Nm(nm)| nm)).collect();
+    numbers.extend(ends.iter().flat_map(|end| end.rotary.map(|MicroDeg(microdeg)| microdeg)));
+    match &segment.path {
+        Way::Rapid => numbers.push(0),
+        Way::Line => numbers.push(1),
+        Way::Arc(arc) => {
+            let (first, second, _) = arc.plane.axes();
+            let plane = [first as i64, second as i64];
+            numbers.extend([2, i64::from(arc.turn.sign())].into_iter().chain(plane));
+            numbers.extend(arc.center.map(|Nm(nm)| nm));
+        }
+    }
+    fingerprint(&numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>())
+}
+
+impl EngagementMap {
+    /// Reads a map that was made of this.
+    ///
+    /// # Errors
+    /// It is none, or of something else.
+    pub fn read(path: &Path, made_of: u64) -> Result<Self, FileError> {
+        let text = std::fs::read_to_string(path).map_err(|source| match source.kind() {
+            std::io::ErrorKind::NotFound => FileError::Content {
+                path: path.into(),
+                line: 1,
+                column: 1,
+                message: "there is no such engagement map yet; make it with `arcfeed engage`".into(),
+            },
+            _ => FileError::Read { path: path.into(), source },
+        })?;
+        EngagementMap::parse(&text, made_of).map_err(|(offset, message)| {
+            let [line, column] = place(&text, offset);
+            FileError::Content { path: path.into(), line, column, message }
+        })
+    }
+
+    fn parse(text: &str, made_of: u64) -> Result<Self, (usize, String)> {
+        let table: MapTable = toml::from_str(text).map_err(|error| {
+            (error.span().map_or(0, |span| span.start), format!("no engagement map: {}; {AGAIN}", error.message()))
+        })?;
+        if hex(&table.made_of) != Some(made_of) {
+            let message = format!("this map is of another program, tool or workpiece than the job's; {AGAIN}");
+            return Err((table.made_of.span().start, message));
+        }
+        let moves = table.r#move.iter().map(MappedMove::parse);
+        Ok(EngagementMap { moves: moves.collect::<Result<_, _>>()? })
+    }
+
+    /// The text of its file; paths in the job's unit.
+    pub fn text(&self, made_of: u64, unit: LengthUnit) -> String {
+        let mut text = format!(
+            "# Where the tool's circles are engaged along each move, by `arcfeed engage`: path, mm; outer circle from, to, inner circle from, to, degrees\n\
+             # (0: towards the rotation centre, on a line to its left; 90: straight ahead). Reports are in {}.\n\
+             made_of = \"{made_of:016x}\"\n",
+            unit.label()
+        );
+        for MappedMove { line, sequence, key, table } in &self.moves {
+            // Writing to a string never fails.
+            let _ = write!(text, "\n[[move]]\nline = {line}\n");
+            if let Some(n) = sequence {
+                let _ = writeln!(text, "n = {n}");
+            }
+            let _ = writeln!(text, "key = \"{key:016x}\"");
+            if let Some(table) = table {
+                let rows: Vec<String> = table.knots().iter().map(row).collect();
+                let _ = writeln!(text, "engaged = [\n    {},\n]", rows.join(",\n    "));
+            }
+        }
+        text
+    }
+
+    /// Before the first move.
+    pub fn lookup(&self) -> Lookup<'_> {
+        Lookup { ahead: &self.moves }
+    }
+}
+
+impl<'m> Lookup<'m> {
+    /// What is told of a move: that of the next one that goes there. One that never comes hides none behind it.
+    pub fn next(&mut self, segment: &Segment) -> Option<&'m EngagedTable> {
+        let key = key(segment);
+        let at = self.ahead.iter().position(|moved| moved.key == key)?;
+        let found = &self.ahead[at];
+        self.ahead = &self.ahead[at + 1..];
+        found.table.as_ref()
+    }
+}
+
+impl MappedMove {
+    fn parse(table: &MoveTable) -> Result<Self, (usize, String)> {
+        let wrong = |offset: usize, what: String| (offset, format!("{what}; {AGAIN}"));
+        let key = hex(&table.key);
+        let key = key.ok_or_else(|| wrong(table.key.span().start, "`key` is 16 hexadecimal digits".into()))?;
+        let engaged = table.engaged.as_ref().map(|rows| {
+            let knots = rows.as_ref().iter().map(knot).collect::<Option<Vec<EngagedKnot>>>();
+            let knots =
+                knots.ok_or("from and to are degrees between -360 and 360, `to` at most 360 above `from`".into());
+            let built = knots.and_then(|knots| EngagedTable::new(&knots).map_err(|error| why(&error)));
+            built.map_err(|what| wrong(rows.span().start, what))
+        });
+        Ok(MappedMove { line: table.line, sequence: table.n, key, table: engaged.transpose()? })
+    }
+}
+
+fn why(error: &EngagedError) -> String {
+    match error {
+        EngagedError::Count => format!("a move has 1 to {ENGAGED_KNOTS_MAX} knots"),
+        EngagedError::Order(index) => format!("the path must grow from knot to knot, and does not at {}", index + 1),
+    }
+}
+
+fn knot([path_mm, outer_from, outer_to, inner_from, inner_to]: &[f64; 5]) -> Option<EngagedKnot> {
+    Some(EngagedKnot {
+        travelled: Mm(*path_mm as f32),
+        outer: EngagedInterval::from_degrees(*outer_from, *outer_to)?,
+        inner: EngagedInterval::from_degrees(*inner_from, *inner_to)?,
+    })
+}
+
+/// As it is read back to the bit: an interval is whole ninetieths of a degree.
+fn row(knot: &EngagedKnot) -> String {
+    let ([a, b], [c, d]) = (knot.outer.degrees(), knot.inner.degrees());
+    format!("[{}, {a:.3}, {b:.3}, {c:.3}, {d:.3}]", float(knot.travelled.0))
+}
+
+/// TOML tells a float by its point.
+fn float(number: f32) -> String {
+    format!("{number:?}")
+}
+
+fn hex(text: &Spanned<String>) -> Option<u64> {
+    let text = text.as_ref();
+    (text.len() == 16).then(|| u64::from_str_radix(text, 16).ok()).flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arcfeed_shared::nc::modal::{Feed, Pose};
+
+    fn line_to(x: i64) -> Segment {
+        let end = Pose { linear: [Nm(x), Nm(0), Nm(0)], ..Pose::default() };
+        Segment { sequence: None, start: Pose::default(), end, feed: Feed::Missing, path: Way::Line }
+    }
+
+    fn moved(x: i64, travelled_mm: f32) -> MappedMove {
+        let interval = |from, to| EngagedInterval::from_degrees(from, to).unwrap();
+        let knot =
+            |mm| EngagedKnot { travelled: Mm(mm), outer: interval(1.0 / 3.0, 91.0), inner: interval(-0.1, 7.01) };
+        let table = EngagedTable::new(&[knot(0.0), knot(travelled_mm)]).ok();
+        MappedMove { line: 3, sequence: Some(x), key: key(&line_to(x)), table }
+    }
+
+    #[test]
+    fn a_map_comes_back_to_the_bit() {
+        let unknown = MappedMove { table: None, sequence: None, ..moved(9, 1.0) };
+        let map = EngagementMap { moves: vec![moved(5, 0.1), unknown, moved(7, 12.345_679)] };
+        assert_eq!(EngagementMap::parse(&map.text(77, LengthUnit::Inch), 77), Ok(map));
+    }
+
+    #[test]
+    fn a_move_finds_the_next_of_its_kind_and_passes_those_that_never_come() {
+        let map = EngagementMap { moves: vec![moved(5, 1.0), moved(7, 2.0), moved(5, 3.0)] };
+        let mut lookup = map.lookup();
+        let path = |table: Option<&EngagedTable>| table.map(|table| table.knots()[1].travelled.0);
+        assert_eq!(path(lookup.next(&line_to(7))), Some(2.0));
+        assert_eq!(path(lookup.next(&line_to(6))), None);
+        assert_eq!(path(lookup.next(&line_to(5))), Some(3.0));
+        assert_eq!(path(lookup.next(&line_to(5))), None);
+    }
+
+    #[test]
+    fn what_is_no_map_of_this_is_refused_with_its_place() {
+        let text = EngagementMap { moves: vec![moved(5, 1.0)] }.text(77, LengthUnit::Mm);
+        let said = |text: &str, made_of| {
+            let (offset, message) = EngagementMap::parse(text, made_of).unwrap_err();
+            format!("{:?} {message}", place(text, offset))
+        };
+        assert!(said(&text, 78).starts_with("[3, 11] this map is of another program"), "{}", said(&text, 78));
+        for (from, to, told) in [
+            ("engaged", "engage", "[8, 1] no engagement map"),
+            ("key = \"", "key = \"0", "[8, 7] `key` is 16"),
+            ("[1.0,", "[0.0,", "[9, 11] the path must grow"),
+            ("91.000", "999.0", "[9, 11] from and to are degrees"),
+        ] {
+            let said = said(&text.replacen(from, to, 1), 77);
+            assert!(said.contains(&told[7..]) && said.contains("arcfeed engage"), "{said}");
+        }
+    }
+}
