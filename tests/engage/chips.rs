@@ -1,0 +1,54 @@
+//! The loop closed on the example: stock, map, law, machine, and the chips that the edges then find.
+
+use serde_json::Value;
+
+use arcfeed_tests::{Scratch, root, run};
+
+/// Wanted, inches.
+const CHIP_IN: f64 = 0.004;
+
+fn example(file: &str) -> String {
+    std::fs::read_to_string(root().join("examples/ibr-slot").join(file)).expect("a file of the example")
+}
+
+/// The thickest chip of any edge in each movement, over the wanted one, by a job that is the example's with these changes.
+fn thickest(name: &str, changes: &[(&str, &str)]) -> Vec<f64> {
+    let scratch = Scratch::new(&format!("engage-{name}"));
+    scratch.write("ibr-slot.nc", example("ibr-slot.nc"));
+    let job = changes.iter().fold(example("job-engaged.toml"), |job, (from, to)| {
+        assert!(job.contains(from), "{from}");
+        job.replace(from, to)
+    });
+    let job = scratch.write("job.toml", job);
+    assert!(run(&["engage", &job]).status.success());
+    let output = run(&["simulate", &job, "--json"]);
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one object");
+    let chips = |rule: &Value| {
+        let circles = rule["load"]["chip_max"].as_array().expect("two circles").iter().filter_map(Value::as_f64);
+        circles.fold(0.0, f64::max) / CHIP_IN
+    };
+    let rules = report["loads"]["rules"].as_array().expect("rules").iter().filter(|rule| !rule["rule"].is_null());
+    let thickest: Vec<f64> = rules.map(chips).collect();
+    println!("{name}: {thickest:.4?} of the chip wanted, {} s", report["cycle_time_s"]);
+    thickest
+}
+
+#[test]
+fn no_edge_finds_a_thicker_chip_than_wanted_whoever_makes_the_feed() {
+    // With 200 % a second the override comes too late at the corner of the stock, on movement 2.
+    let live = thickest("live", &[("slew_down = 200", "slew_down = 2000")]);
+    let pieces = thickest("pieces", &[("mode = \"safe-base\"", "mode = \"rewrite-only\"")]);
+    for thickest in [live, pieces] {
+        // Movement 4 would need more than 200 % of its least feed.
+        assert_eq!(thickest.len(), 4);
+        assert!(thickest.iter().all(|ratio| *ratio <= 1.002), "{thickest:?}");
+        assert!(thickest[..3].iter().all(|ratio| *ratio >= 0.98), "{thickest:?}");
+    }
+}
+
+#[test]
+fn as_the_example_stands_the_override_is_an_eighth_too_late_at_the_corner() {
+    let thickest = thickest("slow", &[]);
+    let [first, corner, third, fourth] = thickest[..] else { panic!("four movements") };
+    assert!(first <= 1.002 && third <= 1.002 && fourth <= 1.002 && (1.05..1.2).contains(&corner), "{thickest:?}");
+}
