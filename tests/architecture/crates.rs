@@ -31,8 +31,8 @@ const ARROWS: [(&str, &[&str]); 9] = [
 ];
 
 /// Where the host composes the simulator for `sim:`, as files or folders.
-const COMPOSITION_ROOT: [&str; 3] =
-    ["host/src/commands/stream", "host/src/commands/simulate", "host/src/commands/serve"];
+const COMPOSITION_ROOT: [&str; 4] =
+    ["host/src/commands/stream", "host/src/commands/simulate", "host/src/commands/engage", "host/src/commands/serve"];
 
 /// What cannot be done where a panic is not allowed.
 const PANICS: [&str; 4] = ["unwrap_used", "expect_used", "panic", "indexing_slicing"];

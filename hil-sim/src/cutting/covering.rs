@@ -16,16 +16,16 @@
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample<const N: usize> {
     /// Grows from sample to sample.
-    pub at: f64,
+    pub at_mm: f64,
     /// One for each thing looked at.
-    pub intervals: [Option<[f64; 2]>; N],
+    pub intervals_deg: [Option<[f64; 2]>; N],
 }
 
 /// Knots that cover the samples, at most `count` and at least the first and the last one; an empty interval is one whose ends
 /// are the same. What lies between two samples is covered where it is part of both their intervals together.
 pub fn covering<const N: usize>(samples: &[Sample<N>], count: usize) -> Vec<(f64, [[f64; 2]; N])> {
     let wide = dilated(samples);
-    let at: Vec<f64> = samples.iter().map(|sample| sample.at).collect();
+    let at: Vec<f64> = samples.iter().map(|sample| sample.at_mm).collect();
     let ends: [Vec<[f64; 2]>; N] = std::array::from_fn(|which| closed(&wide, which));
     let picked = picked(&at, &ends, count);
     let mut knots: Vec<(f64, [[f64; 2]; N])> =
@@ -35,7 +35,7 @@ pub fn covering<const N: usize>(samples: &[Sample<N>], count: usize) -> Vec<(f64
         for index in pair[0]..=pair[1] {
             let part = (at[index] - at[pair[0]]) / (at[pair[1]] - at[pair[0]]);
             for which in 0..N {
-                let Some([from, to]) = wide[index].intervals[which] else { continue };
+                let Some([from, to]) = wide[index].intervals_deg[which] else { continue };
                 let on_line = |end: usize| between(knots[line].1[which][end], knots[line + 1].1[which][end], part);
                 let off = [on_line(0) - from, to - on_line(1)];
                 for knot in [line, line + 1] {
@@ -60,9 +60,11 @@ fn between(a: f64, b: f64, part: f64) -> f64 {
 fn dilated<const N: usize>(samples: &[Sample<N>]) -> Vec<Sample<N>> {
     let near = |index: usize| &samples[index.saturating_sub(1)..(index + 2).min(samples.len())];
     let hull =
-        |index: usize, which: usize| near(index).iter().filter_map(|sample| sample.intervals[which]).reduce(hull);
-    let at =
-        |index: usize| Sample { at: samples[index].at, intervals: std::array::from_fn(|which| hull(index, which)) };
+        |index: usize, which: usize| near(index).iter().filter_map(|sample| sample.intervals_deg[which]).reduce(hull);
+    let at = |index: usize| Sample {
+        at_mm: samples[index].at_mm,
+        intervals_deg: std::array::from_fn(|which| hull(index, which)),
+    };
     (0..samples.len()).map(at).collect()
 }
 
@@ -74,9 +76,9 @@ pub fn hull([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
 /// The intervals of one thing, an empty one in the middle of the last before it that is none; of the first behind it, in front.
 fn closed<const N: usize>(samples: &[Sample<N>], which: usize) -> Vec<[f64; 2]> {
     let middle = |[from, to]: [f64; 2]| (from + to) / 2.0;
-    let first = samples.iter().find_map(|sample| sample.intervals[which]);
+    let first = samples.iter().find_map(|sample| sample.intervals_deg[which]);
     let mut last = first.map_or(0.0, middle);
-    let each = samples.iter().map(|sample| match sample.intervals[which] {
+    let each = samples.iter().map(|sample| match sample.intervals_deg[which] {
         Some(interval) => {
             last = middle(interval);
             interval
@@ -115,7 +117,7 @@ mod tests {
     use super::*;
 
     fn samples(interval: impl Fn(f64) -> Option<[f64; 2]>) -> Vec<Sample<1>> {
-        (0..=200).map(|at| Sample { at: f64::from(at), intervals: [interval(f64::from(at))] }).collect()
+        (0..=200).map(|at| Sample { at_mm: f64::from(at), intervals_deg: [interval(f64::from(at))] }).collect()
     }
 
     /// As a reader of the knots has it.

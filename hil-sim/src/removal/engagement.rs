@@ -205,13 +205,13 @@ impl EngagementMeter {
     /// Looks around at a place of the axes, with the tip there on the workpiece, where that is far enough from the last sample.
     fn sample(&mut self, segment: &Segment, axes: &[f64; AXES], tip_mm: &Vector) {
         let Some(heading) = Heading::of(segment, axes) else { return };
-        let Some(last) = self.moves.last().map(|moved| moved.samples.last().map(|sample| sample.at)) else { return };
+        let Some(last) = self.moves.last().map(|moved| moved.samples.last().map(|sample| sample.at_mm)) else { return };
         if last.is_some_and(|last_mm| heading.travelled_mm < last_mm + self.settings.every_mm) {
             return;
         }
-        let intervals = [Edge::Outer, Edge::Inner].map(|side| self.engaged_deg(side, tip_mm, &heading));
+        let intervals_deg = [Edge::Outer, Edge::Inner].map(|side| self.engaged_deg(side, tip_mm, &heading));
         if let Some(moved) = self.moves.last_mut() {
-            moved.samples.push(Sample { at: heading.travelled_mm, intervals });
+            moved.samples.push(Sample { at_mm: heading.travelled_mm, intervals_deg });
         }
     }
 
