@@ -97,6 +97,18 @@ fn what_init_prints_is_documented_for_every_kind_of_program() {
 }
 
 #[test]
+fn what_engage_prints_is_documented() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-engage");
+    scratch.write("ibr-slot.nc", file_text(&format!("{EXAMPLE}/ibr-slot.nc")));
+    let job = scratch.write("job.toml", file_text(&format!("{EXAMPLE}/job-engaged.toml")));
+    let report = object(&["engage", &job], 0);
+    documented.assert_fits("engage", &report);
+    let moves = report["moves"].as_array().expect("moves");
+    assert!(moves.iter().any(|found| found["outer_deg"].is_null()) && moves.iter().all(|found| found["n"].is_i64()));
+}
+
+#[test]
 fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
     let documented = Documented::read();
     let scratch = Scratch::new("json-adapt");
