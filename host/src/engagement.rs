@@ -66,8 +66,23 @@ struct MoveTable {
 /// Where a move goes: what tells it from others, whatever its feed and N.
 pub fn key(segment: &Segment) -> u64 {
     let ends = [segment.start, segment.end];
+    let rotary = ends.iter().flat_map(|end| end.rotary.map(|MicroDeg(microdeg)| microdeg));
+    key_of(linear(segment).into_iter().chain(rotary))
+}
+
+/// The same wherever the rotary axes stand.
+pub fn key_at_any_position(segment: &Segment) -> u64 {
+    key_of(linear(segment).into_iter())
+}
+
+fn key_of(numbers: impl Iterator<Item = i64>) -> u64 {
+    fingerprint(&numbers.flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>())
+}
+
+/// Ends of a move and its shape.
+fn linear(segment: &Segment) -> Vec<i64> {
+    let ends = [segment.start, segment.end];
     let mut numbers: Vec<i64> = ends.iter().flat_map(|end| end.linear.map(|Nm(nm)| nm)).collect();
-    numbers.extend(ends.iter().flat_map(|end| end.rotary.map(|MicroDeg(microdeg)| microdeg)));
     match &segment.path {
         Way::Rapid => numbers.push(0),
         Way::Line => numbers.push(1),
@@ -78,7 +93,7 @@ pub fn key(segment: &Segment) -> u64 {
             numbers.extend(arc.center.map(|Nm(nm)| nm));
         }
     }
-    fingerprint(&numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>())
+    numbers
 }
 
 impl EngagementMap {

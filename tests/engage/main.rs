@@ -10,4 +10,6 @@ mod feeds;
 
 mod chips;
 
+mod planned;
+
 mod complaints;

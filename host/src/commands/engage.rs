@@ -1,5 +1,6 @@
 //! `arcfeed engage`: where the circles of a job's tool stand in its workpiece along each move, for the engaged-arc law.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 
 use arcfeed_hil_sim::control::ControlSettings;
@@ -18,7 +19,7 @@ use super::simulate::setup::Setup;
 use super::simulate::told::left_out_figures;
 use super::simulate::watch::RUN_MAX;
 use crate::adapt::{PlanReason, PlannedBlock, adapt};
-use crate::engagement::{EngagementMap, MappedMove, key};
+use crate::engagement::{EngagementMap, MappedMove, key, key_at_any_position};
 use crate::job::JobFile;
 use crate::program::Program;
 use crate::report::material::LeftOutFigures;
@@ -35,6 +36,9 @@ const SIGN_EVERY: u64 = 200;
 pub struct Engage {
     /// The job file
     job: PathBuf,
+    /// Moves at other positions of the rotary axes cut as those before them that go the same way: a part with slots all alike
+    #[arg(long)]
+    alike: bool,
     /// Write the map here instead
     #[arg(short, long, value_name = "OUT.toml")]
     output: Option<PathBuf>,
@@ -81,7 +85,7 @@ impl Engage {
             )));
         };
         let meter = run(&file, &program, &setup)?;
-        let map = map(&file, &program, &meter)?;
+        let map = map(&file, &program, &meter, self.alike)?;
         let left_out = meter.left_out().iter();
         let left_out = left_out.map(|left_out| left_out_figures(left_out.why, &left_out.first, left_out.blocks));
         let report = Report {
@@ -139,7 +143,12 @@ fn is_told(work: &Work) -> bool {
 }
 
 /// What was found, by the moves of the program.
-fn map(file: &JobFile, program: &Program, meter: &EngagementMeter) -> Result<EngagementMap, Failure> {
+fn map(
+    file: &JobFile,
+    program: &Program,
+    meter: &EngagementMeter,
+    positions_alike: bool,
+) -> Result<EngagementMap, Failure> {
     let planned = adapt(program, &file.job).blocks;
     let asked = |block: &&PlannedBlock| {
         let rule = block.rule.and_then(|index| file.job.rules.get(index));
@@ -154,11 +163,11 @@ fn map(file: &JobFile, program: &Program, meter: &EngagementMeter) -> Result<Eng
         let program = program.path.display();
         return Err(Failure::Machine(format!("{program}: {made} of {planned} moves with a map were made")));
     }
-    let moves = asked.iter().zip(meter.moves()).map(|(block, found)| MappedMove {
-        line: block.line,
-        sequence: block.segment.sequence,
-        key: key(&block.segment),
-        table: found.table(),
+    let mut by_way = HashMap::new();
+    let moves = asked.iter().zip(meter.moves()).map(|(block, found)| {
+        let known = by_way.entry(key_at_any_position(&block.segment)).or_insert_with(|| found.table());
+        let table = if positions_alike { found.table().or_else(|| known.clone()) } else { found.table() };
+        MappedMove { line: block.line, sequence: block.segment.sequence, key: key(&block.segment), table }
     });
     Ok(EngagementMap { moves: moves.collect() })
 }
@@ -180,7 +189,10 @@ impl Report {
             eprintln!("warning: {} blocks take nothing: {}", left_out.blocks, left_out.words());
         }
         if unknown > 0 {
-            eprintln!("warning: nothing is known of {unknown} moves; they keep their own feed");
+            eprintln!(
+                "warning: nothing is known of {unknown} moves; they keep their own feed (where they only repeat others at other \
+                 positions of the rotary axes: --alike)"
+            );
         }
         say(format_args!("{}: {} moves", self.map, self.moves.len()));
     }
