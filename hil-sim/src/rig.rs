@@ -5,13 +5,12 @@ use std::collections::VecDeque;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::settings::SettingsError;
 use arcfeed_firmware::supervisor::signals::Signals;
-use arcfeed_shared::cut::{self, Work};
+use arcfeed_shared::cut;
 use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::machine::FeedLimit;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::{RADIUS_TOLERANCE, Segment};
-use arcfeed_shared::stock::Stock;
 use arcfeed_shared::telemetry::Sample;
 use arcfeed_shared::units::{Micros, Nm, PERCENT, RevPerMin, US_PER_S};
 
@@ -215,7 +214,7 @@ impl<D: Decider> Rig<D> {
         let continued = self.last.filter(|(last, _)| self.is_in_pieces() && continues(last, segment));
         let is_special = self.manner.is_special;
         let plain = if is_special { None } else { cut::find(rules, segment, &self.job.tool) };
-        let is_told = plain.is_some_and(|(_, rule)| matches!(rule.work, Work::Ring(_, Stock::Along)));
+        let is_told = plain.is_some_and(|(_, rule)| rule.is_told_along());
         let known = if is_special || is_told { foreseen(&mut self.foreseen, segment) } else { None };
         let by_index = |index: usize| Some((index, rules.get(index)?));
         let found = match continued {

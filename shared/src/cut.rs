@@ -88,6 +88,11 @@ impl CutRule {
         let in_level = self.level.is_none_or(|(low, high)| (low..=high).contains(&z));
         in_sequence && in_level && self.moves.include(segment, tool)
     }
+
+    /// Whether what its moves cut is told with each of them.
+    pub const fn is_told_along(&self) -> bool {
+        matches!(self.work, Work::Ring(_, Stock::Along))
+    }
 }
 
 impl Moves {

@@ -168,7 +168,7 @@ impl<'a> Writer<'a> {
         let under = self.special(line);
         let planned = line.segment().map(|segment| {
             let limit = MoveLimit::of(line, &segment, self.job, self.machine);
-            let along = self.engaged.as_mut().and_then(|engaged| engaged.next(&segment)).cloned();
+            let along = self.told_along(&segment);
             let block = PlannedBlock { limit, along, ..PlannedBlock::new(number, segment) };
             match under {
                 None => plan_block(block, self.job, self.modes.unit),
@@ -198,6 +198,13 @@ impl<'a> Writer<'a> {
         self.adapted.text.extend(texts.join(end));
         self.adapted.text.extend(&line.ending);
         self.adapted.line_ends.push(self.adapted.text.len());
+    }
+
+    /// Where the circles are engaged along a move, where its rule leaves that to be told.
+    fn told_along(&mut self, segment: &Segment) -> Option<EngagedTable> {
+        let (_, rule) = cut::find(&self.job.rules, segment, &self.job.tool)?;
+        let engaged = self.engaged.as_mut().filter(|_| rule.is_told_along())?;
+        engaged.next(segment).cloned()
     }
 
     /// Why no law can look at a line's move by itself.
@@ -308,8 +315,6 @@ fn teeth_per_min(job: &Job) -> f64 {
 fn govern(block: &mut PlannedBlock, job: &Job, unit: LengthUnit) -> Option<Profile> {
     let (index, rule) = cut::find(&job.rules, &block.segment, &job.tool)?;
     block.rule = Some(index);
-    let is_told = matches!(rule.work, Work::Ring(_, Stock::Along));
-    block.along = block.along.take().filter(|_| is_told);
     let law = match &block.along {
         Some(table) => SegmentLaw::along(&block.segment, rule, table, job),
         None => SegmentLaw::for_segment(&block.segment, Some(rule), job),

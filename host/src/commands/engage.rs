@@ -7,9 +7,8 @@ use arcfeed_hil_sim::control::ControlSettings;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::removal::engagement::{EngagementMeter, EngagementSettings};
 use arcfeed_hil_sim::rig::Rig;
-use arcfeed_shared::cut::Work;
+use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::engaged::{EngagedKnot, EngagedTable};
-use arcfeed_shared::stock::Stock;
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use serde::Serialize;
 
@@ -112,7 +111,7 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
         depth_mm,
         ahead_mm: f64::from(file.job.feed_per_tooth.0),
         every_mm: setup.workpiece.step_mm,
-        rules: file.job.rules.iter().map(|rule| is_told(&rule.work)).collect(),
+        rules: file.job.rules.iter().map(CutRule::is_told_along).collect(),
         machine: file.machine.as_ref().map(|named| named.machine),
     });
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
@@ -138,10 +137,6 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
     }
 }
 
-fn is_told(work: &Work) -> bool {
-    matches!(work, Work::Ring(_, Stock::Along))
-}
-
 /// What was found, by the moves of the program.
 fn map(
     file: &JobFile,
@@ -152,7 +147,7 @@ fn map(
     let planned = adapt(program, &file.job).blocks;
     let asked = |block: &&PlannedBlock| {
         let rule = block.rule.and_then(|index| file.job.rules.get(index));
-        block.reason != PlanReason::Special && rule.is_some_and(|rule| is_told(&rule.work))
+        block.reason != PlanReason::Special && rule.is_some_and(CutRule::is_told_along)
     };
     let asked: Vec<&PlannedBlock> = planned.iter().filter(asked).collect();
     let same = |block: &PlannedBlock, sequence: Option<i64>| block.segment.sequence == sequence;
