@@ -3,7 +3,7 @@
 use arcfeed_hil_sim::dynamics::chatter::{Sampling, Verdict, metric_mm};
 use nalgebra::Vector3;
 
-use crate::milling::{FEED_MM_PER_TOOTH, Milling};
+use crate::milling::{BRIEFLY, FEED_MM_PER_TOOTH, Milling};
 use crate::tables::mode_a;
 
 /// M of an independent program's run at 18 000 rev/min, 2 mm, a twentieth of the diameter down, over its feed per tooth.
@@ -17,6 +17,7 @@ fn a_doubled_period_shows_once_a_tooth_and_not_once_a_turn() {
         specific_mpa: [600.0, 200.0],
         immersion: 0.05,
         is_up: false,
+        seen: BRIEFLY,
     };
     let ways_mm = milling.ways_mm(18_000.0, 2.0);
     // The sample of that program is with a tooth across the feed, half a tooth on.

@@ -17,18 +17,31 @@ use nalgebra::{Vector2, Vector3};
 
 const RADIUS_MM: f64 = 50.0;
 pub const FEED_MM_PER_TOOTH: f64 = 0.02;
-/// Between rays: a wave of the fastest vibration on the slowest cut has 100 of them.
+/// Between rays: a wave of the fastest vibration on the slowest cut has 36 of them, which is right to 0.4 % of its height.
 const STEP_MM: f64 = 0.2;
-/// Seen for so long, and for so many teeth, so that what the start leaves has died out.
-const SEEN_S: f64 = 0.5;
-const TEETH_MIN: usize = 150;
-/// Of the strongest mode's period, and of a tooth's at least.
+/// Of the fastest mode's period, and of a tooth's at least.
 const STEPS_A_PERIOD: f64 = 40.0;
 const STEPS_A_TOOTH: usize = 200;
 /// Differences that change by less than this from tooth to tooth neither grow nor die out.
 const STANDING: f64 = 1.5e-3;
-/// Standing ones are chatter if they are larger than this: rays and steps alone make a hundredth of the feed.
-const NOTICED_MM: f64 = 0.05 * FEED_MM_PER_TOOTH;
+/// What has come down to this goes up or down as rays and rounding have it.
+const DIED_OUT_MM: f64 = 1e-4 * FEED_MM_PER_TOOTH;
+
+/// How a cut is looked at.
+#[derive(Clone, Debug)]
+pub struct Seen {
+    /// For so long, and for so many teeth at least, so that what the start leaves has died out.
+    pub time_s: f64,
+    pub teeth: usize,
+    /// Standing differences are chatter if they are larger than this, times the feed: rays and steps alone make some.
+    pub noticed: f64,
+}
+
+/// At a tenth of the diameter, where edges enter in a thick chip and leave soon, rays alone make 0.035.
+pub const BRIEFLY: Seen = Seen { time_s: 0.5, teeth: 150, noticed: 0.05 };
+/// For chatter that swells and ebbs, stays small, or comes up late from below what the start leaves. Rays make 0.002 at half the
+/// diameter.
+pub const LONG: Seen = Seen { time_s: 1.5, teeth: 400, noticed: 0.02 };
 
 /// What is cut, with what.
 #[derive(Clone, Debug)]
@@ -40,6 +53,7 @@ pub struct Milling {
     /// Radial depth over the tool's diameter.
     pub immersion: f64,
     pub is_up: bool,
+    pub seen: Seen,
 }
 
 impl Milling {
@@ -49,7 +63,9 @@ impl Milling {
         let late = &differences_mm[differences_mm.len() / 2..];
         let growth = libm::exp(slope(late.iter().map(|mm| libm::log(*mm)))) - 1.0;
         let mean_mm = late.iter().sum::<f64>() / late.len() as f64;
-        if growth.abs() > STANDING { growth > 0.0 } else { mean_mm > NOTICED_MM }
+        let is_standing = growth.abs() <= STANDING;
+        mean_mm > DIED_OUT_MM
+            && if is_standing { mean_mm > self.seen.noticed * FEED_MM_PER_TOOTH } else { growth > 0.0 }
     }
 
     /// Root mean square of what the tool's way over one tooth differs by from that over the tooth before.
@@ -66,7 +82,7 @@ impl Milling {
         let tooth_s = 60.0 / spindle_rev_per_min / self.teeth as f64;
         let periods = self.modes.iter().map(|mode| mode.frequency_hz * tooth_s).fold(0.0, f64::max);
         let steps = ((periods * STEPS_A_PERIOD) as usize).max(STEPS_A_TOOTH);
-        let teeth_passed = ((SEEN_S / tooth_s) as usize).max(TEETH_MIN);
+        let teeth_passed = ((self.seen.time_s / tooth_s) as usize).max(self.seen.teeth);
         let mut process = self.process(depth_mm, FEED_MM_PER_TOOTH * teeth_passed as f64);
         let mut ways_mm: Vec<Vector3<f64>> = Vec::new();
         let mut open = 0;

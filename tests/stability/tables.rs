@@ -1,12 +1,13 @@
 //! The boundary at every speed of six tables: stable a twentieth below it, chatter a twentieth above.
 //!
-//! Tables: critical depths of the linear theory by collocation of the monodromy operator, checked by semi-discretisation and
-//! by time-domain growth. The parameter sets are those of published benchmarks, see `tests/dynamics/sets.rs`.
+//! Tables: critical depths of the linear theory by collocation of the monodromy operator. Those of A and C, checked by
+//! semi-discretisation and by time-domain growth, stand in `lobes.py`'s as well, by which B was made. The parameter sets are those
+//! of published benchmarks, see `tests/dynamics/sets.rs`; B has four modes along two axes.
 
 use arcfeed_hil_sim::dynamics::modal::Mode;
 use nalgebra::Vector3;
 
-use crate::milling::Milling;
+use crate::milling::{BRIEFLY, LONG, Milling};
 use crate::rows::rows;
 
 /// What the critical depth may be off by.
@@ -29,7 +30,7 @@ fn mode(frequency_hz: f64, damping_ratio: f64, stiffness_n_per_mm: f64, along: V
     Mode::from_stiffness(frequency_hz, damping_ratio, stiffness_n_per_mm, &along).expect("a mode")
 }
 
-fn tables() -> [Table; 5] {
+fn tables() -> [Table; 6] {
     let c = |along| mode(900.0, 0.03, 9000.0, along);
     let one = |immersion| Milling {
         modes: vec![mode_a(Vector3::x())],
@@ -37,6 +38,7 @@ fn tables() -> [Table; 5] {
         specific_mpa: [600.0, 200.0],
         immersion,
         is_up: false,
+        seen: BRIEFLY,
     };
     let two = Milling { modes: vec![mode_a(Vector3::x()), mode_a(Vector3::y())], ..one(1.0) };
     let up = Milling {
@@ -45,12 +47,25 @@ fn tables() -> [Table; 5] {
         specific_mpa: [1879.385, 684.040],
         immersion: 0.5,
         is_up: true,
+        seen: BRIEFLY,
+    };
+    let b = Milling {
+        modes: vec![
+            mode(456.78, 0.111705, 7933.1, Vector3::x()),
+            mode(1448.89, 0.017037, 14691.8, Vector3::x()),
+            mode(516.52, 0.024580, 9374.6, Vector3::y()),
+            mode(1408.45, 0.031358, 12406.4, Vector3::y()),
+        ],
+        specific_mpa: [1319.4, 788.8],
+        seen: LONG,
+        ..one(0.5)
     };
     [
         Table { name: "A1, slot", csv: include_str!("sld_A1_down_aD1.00.csv"), milling: one(1.0) },
         Table { name: "A1, half down", csv: include_str!("sld_A1_down_aD0.50.csv"), milling: one(0.5) },
         Table { name: "A1, tenth down", csv: include_str!("sld_A1_down_aD0.10.csv"), milling: one(0.1) },
         Table { name: "A2, slot", csv: include_str!("sld_A2_down_aD1.00.csv"), milling: two },
+        Table { name: "B, half down", csv: include_str!("sld_B_down_aD0.50.csv"), milling: b },
         Table { name: "C, half up", csv: include_str!("sld_C_up_aD0.50.csv"), milling: up },
     ]
 }
