@@ -1,6 +1,7 @@
 //! A segment as the tick takes it: law, track, feed and limits worked out once, when the block arrives.
 
 use arcfeed_shared::cut::CutRule;
+use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::fmath;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::machine::{FeedLimit, LimitedBy};
@@ -55,7 +56,13 @@ struct MachineRatio {
 impl ActiveSegment {
     /// Prepares a segment of the program as the control received it, with the cut rule that speaks of it.
     pub fn new(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
-        ActiveSegment::limited(segment, rule, job, || job.machine.feed_limit(segment))
+        ActiveSegment::told(segment, rule, None, job)
+    }
+
+    /// The same with the engaged arcs that were told with it, if any were.
+    pub fn told(segment: &Segment, rule: Option<&CutRule>, along: Option<&EngagedTable>, job: &Job) -> Self {
+        let law = SegmentLaw::told(segment, rule, along, job);
+        ActiveSegment::under(segment, law, job, || job.machine.feed_limit(segment))
     }
 
     /// The same where the fastest feed on the segment is known from elsewhere; it is only asked where the override acts.
@@ -65,13 +72,16 @@ impl ActiveSegment {
         job: &Job,
         limit: impl FnOnce() -> Option<FeedLimit>,
     ) -> Self {
+        ActiveSegment::under(segment, SegmentLaw::for_segment(segment, rule, job), job, limit)
+    }
+
+    fn under(segment: &Segment, law: SegmentLaw, job: &Job, limit: impl FnOnce() -> Option<FeedLimit>) -> Self {
         let feed = match (&segment.path, segment.feed) {
             (Path::Line | Path::Arc(_), Feed::PerMinute(feed)) if feed.0 > 0 => {
                 Some(SentFeed::new(MmPerMin(feed.to_mm() as f32), limit(), job))
             }
             _ => None,
         };
-        let law = SegmentLaw::for_segment(segment, rule, job);
         let way = Track::new(segment).map_or(Way::Rapid, |track| Way::new(track, law, feed));
         ActiveSegment { way, end: segment.end }
     }

@@ -25,6 +25,8 @@ pub const ENGAGED_KNOTS_MAX: usize = 16;
 const UNITS_PER_DEGREE: f64 = 90.0;
 /// The turn; neither end of an arc lies beyond it, and no arc is wider.
 const TURN_DEG: f64 = 360.0;
+/// The same in units.
+const TURN: u16 = (TURN_DEG * UNITS_PER_DEGREE) as u16;
 /// One unit in radians.
 const UNIT_RAD: f32 = (core::f64::consts::PI / (180.0 * UNITS_PER_DEGREE)) as f32;
 /// Units of a right angle, and of straight ahead, either way round.
@@ -97,9 +99,10 @@ impl EngagedInterval {
     }
 
     /// From [`Self::units`]; `None` where [`Self::from_degrees`] has none.
-    pub fn from_units(units: [i16; 2]) -> Option<Self> {
-        let [from_deg, to_deg] = units.map(|units| f64::from(units) / UNITS_PER_DEGREE);
-        EngagedInterval::from_degrees(from_deg, to_deg)
+    pub fn from_units([from, to]: [i16; 2]) -> Option<Self> {
+        let width = i32::from(to) - i32::from(from);
+        let is_arc = [from, to].iter().all(|end| end.unsigned_abs() <= TURN) && width <= i32::from(TURN);
+        is_arc.then_some(EngagedInterval { from, to })
     }
 
     /// The arc at this part of the way from one knot to the next; `None` where it is empty.
@@ -149,15 +152,32 @@ impl EngagedTable {
     /// # Errors
     /// See [`EngagedError`].
     pub fn new(knots: &[EngagedKnot]) -> Result<Self, EngagedError> {
-        let mut last = f32::NEG_INFINITY;
-        for (index, EngagedKnot { travelled, .. }) in knots.iter().enumerate() {
-            if !(travelled.0 > last && travelled.0.is_finite()) {
-                return Err(EngagedError::Order(index));
-            }
-            last = travelled.0;
+        let (first, others) = knots.split_first().ok_or(EngagedError::Count)?;
+        let mut table = EngagedTable::beginning(*first)?;
+        others.iter().try_for_each(|knot| table.push(*knot))?;
+        Ok(table)
+    }
+
+    /// A table of one knot, for those that come one by one.
+    ///
+    /// # Errors
+    /// [`EngagedError::Order`].
+    pub fn beginning(knot: EngagedKnot) -> Result<Self, EngagedError> {
+        let mut table = EngagedTable { knots: Vec::new() };
+        table.push(knot)?;
+        Ok(table)
+    }
+
+    /// Adds a knot behind the others; nothing is changed where it is refused.
+    ///
+    /// # Errors
+    /// See [`EngagedError`].
+    pub fn push(&mut self, knot: EngagedKnot) -> Result<(), EngagedError> {
+        let last = self.knots.last().map_or(f32::NEG_INFINITY, |last| last.travelled.0);
+        if !(knot.travelled.0 > last && knot.travelled.0.is_finite()) {
+            return Err(EngagedError::Order(self.knots.len()));
         }
-        let knots = Vec::from_slice(knots).map_err(|_| EngagedError::Count)?;
-        if knots.is_empty() { Err(EngagedError::Count) } else { Ok(EngagedTable { knots }) }
+        self.knots.push(knot).map_err(|_| EngagedError::Count)
     }
 
     /// The knots, by path.
@@ -235,6 +255,30 @@ mod tests {
         for [from, to] in [[-1.0, 359.5], [0.0, 360.1], [-361.0, -300.0], [f64::NAN, 1.0], [1.0, f64::NAN]] {
             assert_eq!(EngagedInterval::from_degrees(from, to), None, "{from} {to}");
         }
+    }
+
+    #[test]
+    fn units_are_an_arc_where_their_degrees_are() {
+        let units = |from: i16, to: i16| EngagedInterval::from_units([from, to]);
+        for (from, to) in [(0, 0), (-32_400, 0), (0, 32_400), (32_400, -32_400), (-9_000, 8_100)] {
+            let [from_deg, to_deg] = [from, to].map(|units| f64::from(units) / 90.0);
+            assert_eq!(units(from, to), EngagedInterval::from_degrees(from_deg, to_deg));
+            assert_eq!(units(from, to).unwrap().units(), [from, to]);
+        }
+        for (from, to) in [(0, 32_401), (-32_401, -32_400), (i16::MIN, 0), (-1, 32_400), (-32_400, 1)] {
+            assert_eq!(units(from, to), None, "{from} {to}");
+        }
+    }
+
+    #[test]
+    fn knots_come_one_by_one_and_a_refused_one_changes_nothing() {
+        let all: std::vec::Vec<EngagedKnot> = (0..16).map(|i| knot(i as f32, [0.0, 1.0])).collect();
+        let mut table = EngagedTable::beginning(all[0]).unwrap();
+        all[1..].iter().for_each(|knot| table.push(*knot).unwrap());
+        assert_eq!(table, EngagedTable::new(&all).unwrap());
+        assert_eq!(table.push(knot(15.0, [0.0, 1.0])), Err(EngagedError::Order(16)));
+        assert_eq!(table.push(knot(99.0, [0.0, 1.0])), Err(EngagedError::Count));
+        assert_eq!(table.knots(), all);
     }
 
     #[test]

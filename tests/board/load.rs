@@ -33,22 +33,22 @@ const ATTEMPTS: u32 = 10;
 /// What all of a tick may take, instructions: samples, orders, supervisor, law, telemetry, output.
 const TICK_MAX: u32 = 2_300;
 /// Bytes of stack, of main loop and interrupts together.
-const STACK_MAX: u32 = 37 * 1024;
+pub const STACK_MAX: u32 = 37 * 1024;
 /// From the timer's end to the tick.
 const LATE_MAX: u32 = 40;
 
 /// What the board logs of itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Costs {
+pub struct Costs {
     ticks: u32,
-    worst: u32,
+    pub worst: u32,
     late: [u32; 2],
     lost: u32,
-    stack: u32,
+    pub stack: u32,
 }
 
 /// The last figures in an image's log, if there are any yet.
-fn costs(name: &str, console: &[u8]) -> Option<Costs> {
+pub fn costs(name: &str, console: &[u8]) -> Option<Costs> {
     let image = fs::read(image(name)).expect("the image is there");
     let whole = console.iter().rposition(|byte| *byte == 0).map_or(0, |end| end + 1);
     let log = messages(&image, &console[..whole]);

@@ -18,6 +18,8 @@ mod images;
 
 mod load;
 
+mod along;
+
 mod lockstep;
 
 mod passing;

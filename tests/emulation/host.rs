@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use arcfeed_hil_sim::decider::board::{Attached, Traffic, Wire};
 use arcfeed_shared::cut;
+use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Micros, Span};
@@ -64,6 +65,19 @@ impl Host {
             let rule = cut::find(&job.rules, segment, &job.tool).map(|(index, _)| index as u8);
             self.to_send.push_back(moves::encode(segment, count, rule).expect("the move can be told").into());
         }
+    }
+
+    /// The same, with these engaged arcs before each move that a rule speaks of.
+    #[must_use]
+    pub fn telling_along(mut self, table: &EngagedTable) -> Self {
+        let arcs = |knot| Message::from(moves::encode_arcs(knot).expect("it can be told"));
+        for message in std::mem::take(&mut self.to_send) {
+            if matches!(message, Message::Segment(segment) if segment.rule.is_some()) {
+                self.to_send.extend(table.knots().iter().map(arcs));
+            }
+            self.to_send.push_back(message);
+        }
+        self
     }
 
     /// A host with just this to say.

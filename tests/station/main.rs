@@ -1,6 +1,6 @@
 //! A whole board in process, `firmware::station`, between a host at the other end of its link and a machine.
 //!
-//! `example.rs` runs the example job through it, `restarts.rs` restarts either side at random points, `schedules.rs` spoils the line,
+//! `example.rs` runs the example job through it, `along.rs` one whose engaged arcs come with each move, `restarts.rs` restarts either side at random points, `schedules.rs` spoils the line,
 //! `faults.rs` measures
 //! the times that `docs/board-safety.md` quotes, `clerk.rs` asks for what is refused, `document.rs` compares
 //! `docs/protocol.md` with the messages.
@@ -10,6 +10,8 @@ mod world;
 mod recorded;
 
 mod example;
+
+mod along;
 
 mod clerk;
 

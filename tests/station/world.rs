@@ -11,6 +11,7 @@ use arcfeed_firmware::supervisor::Output;
 use arcfeed_firmware::supervisor::input::Freshness;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Signals};
+use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
@@ -49,8 +50,8 @@ pub struct Host {
     has_begun: bool,
     /// Sends no parameters by itself.
     pub is_silent: bool,
-    /// Still to be sent; the count of the first one.
-    segments: VecDeque<table::Segment>,
+    /// Still to be sent: moves, each behind its engaged arcs.
+    segments: VecDeque<Vec<Message>>,
     sent: u32,
     executed_before: Option<u32>,
     pub is_accepted: bool,
@@ -132,7 +133,8 @@ impl Host {
     /// A host that will send this job and these segments once its link is up.
     pub fn new(session: u32, job: &Job, segments: &[(Segment, Option<usize>)]) -> Self {
         let message = |(count, (segment, rule)): (u32, &(Segment, Option<usize>))| {
-            moves::encode(segment, count, rule.map(|rule| rule as u8)).expect("the example's moves can be told")
+            let told = moves::encode(segment, count, rule.map(|rule| rule as u8));
+            vec![told.expect("the example's moves can be told").into()]
         };
         Host {
             link: Link::new(link_settings(Role::Host), session).expect("the settings work"),
@@ -198,10 +200,23 @@ impl Host {
         let (Some(report), Some(before), true) = (self.report, self.executed_before, self.is_accepted) else { return };
         let ahead = self.sent.wrapping_sub(report.executed.wrapping_sub(before));
         for _ in ahead..AHEAD as u32 - 1 {
-            let Some(segment) = self.segments.pop_front() else { return };
+            let Some(told) = self.segments.pop_front() else { return };
             self.sent += 1;
-            self.outbox.push_back(segment.into());
+            self.outbox.extend(told);
         }
+    }
+
+    /// Puts its engaged arcs, where it has some, before each move.
+    pub fn tell_along(&mut self, arcs: &[Option<EngagedTable>]) {
+        for (told, table) in self.segments.iter_mut().zip(arcs) {
+            let knots = table.iter().flat_map(|table| table.knots());
+            told.splice(..0, knots.map(|knot| moves::encode_arcs(knot).expect("it can be told").into()));
+        }
+    }
+
+    /// Says all that is still to be sent at once, whatever the board has room for.
+    pub fn say_all_moves(&mut self) {
+        self.outbox.extend(self.segments.drain(..).flatten());
     }
 
     fn take(&mut self, message: Message) {

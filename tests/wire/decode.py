@@ -8,6 +8,7 @@ from crc import Calculator, Configuration
 
 CRC = Calculator(Configuration(32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, True, True))
 HELLO = ["role", "schema", "session", "peer", "heartbeat", "echo", "held"]
+NUMBERS = {"u8": "B", "u16": "H", "u32": "I", "u64": "Q", "i16": "h", "i64": "q", "Q40": "q", "Q46": "q", "Q62": "q"}
 CLASSES = ["hello", "heartbeat", "ack", "nak", "bye", "reliable", "latest", "plain"]
 
 
@@ -43,6 +44,30 @@ def decode(line):
     return said
 
 
+def messages(page):
+    """The table of messages: name -> kind, and name and type of each field."""
+    table, all_of_them = page.split("\n## Messages\n")[1].split("\n### ")[0], {}
+    for kind, name, what in re.findall(r"^\| ?([0-9A-F]{2})? ?\| (\S+) \| ([^|]+) \|", table, re.M):
+        if kind:
+            fields = []
+            all_of_them[name.strip("*")] = int(kind, 16), fields
+        else:
+            fields.append((name.strip("`"), what.strip("`")))
+    return all_of_them
+
+
+def fields_of(fields, payload):
+    """A payload without optional fields -> its numbers by name."""
+    said, at = {}, 0
+    for name, what in fields:
+        element, count = re.fullmatch(r"\[?(\w+)(?:; (\d+)\])?", what).groups()
+        form = "<" + int(count or 1) * NUMBERS[element]
+        said[name] = struct.unpack_from(form, payload, at)
+        at += struct.calcsize(form)
+    assert at == len(payload)
+    return said
+
+
 def salt(role, session, peer, schema):
     return CRC.checksum(struct.pack("<BIII", role, session, peer, schema))
 
@@ -55,6 +80,12 @@ def main(page):
             meant = bytes.fromhex(value) if name in ("payload", "body") else int(value, 0)
             assert said.pop(name) == meant, (name, value)
         assert said.keys() == {"version"}, said
+    told, known = [example(block) for block in blocks(page, "message")], messages(page)
+    for written in told:
+        kind, fields = known[written.pop("message")]
+        assert kind == int(written.pop("kind"))
+        said = fields_of(fields, bytes.fromhex(written.pop("payload")))
+        assert said == {name: tuple(map(int, value.split())) for name, value in written.items()}, said
     salts = [example(block) for block in blocks(page, "salt")]
     for written in salts:
         numbers = {name: int(value, 0) for name, value in written.items()}
@@ -68,7 +99,7 @@ def main(page):
         else:
             mine, other = greeted[who], greeted[{"host": "board", "board": "host"}[who]]
             assert said["salt"] == salt(mine["role"], mine["session"], other["session"], mine["schema"])
-    print(f"{len(frames)} frames, {len(salts)} salts, {len(talk)} rows of talk")
+    print(f"{len(frames)} frames, {len(told)} messages, {len(salts)} salts, {len(talk)} rows of talk")
 
 
 main(open(sys.argv[1], encoding="utf-8").read())

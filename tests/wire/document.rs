@@ -6,6 +6,9 @@ use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::deframer::Deframer;
 use arcfeed_shared::wire::frame::{Class, ENCODED_MAX, Header, checksum, encode};
 use arcfeed_shared::wire::link::{Link, LinkState};
+use arcfeed_shared::wire::message::field::PAYLOAD_MAX;
+use arcfeed_shared::wire::message::fixed::Q40;
+use arcfeed_shared::wire::message::{Message, table};
 use arcfeed_shared::wire::session::{Echo, Hello, salt};
 use arcfeed_shared::wire::settings::{LinkSettings, Role};
 use arcfeed_tests::root;
@@ -43,6 +46,12 @@ impl Example {
 
     fn small<T: TryFrom<u32>>(&self, name: &str) -> T {
         T::try_from(self.number(name)).unwrap_or_else(|_| panic!("{name} is too large"))
+    }
+
+    /// As many whole numbers of either sign.
+    fn numbers<const N: usize>(&self, name: &str) -> [i64; N] {
+        let numbers: Vec<i64> = self.0[name].split_whitespace().map(|word| word.parse().expect("a number")).collect();
+        numbers.try_into().unwrap_or_else(|numbers| panic!("{name}: {numbers:?}"))
     }
 
     fn bytes(&self, name: &str) -> Vec<u8> {
@@ -120,6 +129,24 @@ fn every_frame_of_the_document_is_made_and_read_byte_for_byte() {
     assert!(examples.len() >= 8, "{}", examples.len());
     let of_all_classes = CLASSES.iter().all(|class| examples.iter().any(|e| Example::new(e).header().class == *class));
     assert!(of_all_classes, "a class without an example");
+}
+
+#[test]
+fn the_message_of_the_document_is_made_and_read_byte_for_byte() {
+    let document = document();
+    let examples = blocks(&document, "message");
+    for block in &examples {
+        let example = Example::new(block);
+        assert_eq!(example.0["message"], "SegmentArcs", "the only one that is written out");
+        let [travelled] = example.numbers("travelled");
+        let [outer, inner] = ["outer", "inner"].map(|name| example.numbers(name).map(|end: i64| end as i16));
+        let message = Message::from(table::SegmentArcs { travelled: Q40(travelled), outer, inner });
+        let mut payload = [0; PAYLOAD_MAX];
+        let length = message.encode(&mut payload).expect("it fits");
+        assert_eq!(hex(&payload[..length]), hex(&example.bytes("payload")), "{block}");
+        assert_eq!(Message::decode(example.small("kind"), &payload[..length]), Ok(message), "{block}");
+    }
+    assert_eq!(examples.len(), 1);
 }
 
 #[test]

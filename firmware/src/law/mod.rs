@@ -134,6 +134,17 @@ impl SegmentLaw {
     /// The job's law for a segment that `rule` speaks of; [`SegmentLaw::Programmed`] where tool, law and rule do not go
     /// together.
     pub fn for_segment(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
+        SegmentLaw::told(segment, rule, None, job)
+    }
+
+    /// The law for a segment whose engaged arcs are told with it, where its rule says so; as of [`SegmentLaw::for_segment`]
+    /// otherwise.
+    pub fn along(segment: &Segment, rule: &CutRule, table: &EngagedTable, job: &Job) -> Self {
+        SegmentLaw::told(segment, Some(rule), Some(table), job)
+    }
+
+    /// Either, as it was told.
+    pub(crate) fn told(segment: &Segment, rule: Option<&CutRule>, along: Option<&EngagedTable>, job: &Job) -> Self {
         let Some(rule) = rule else { return SegmentLaw::Programmed };
         if job.law == LawKind::Table {
             return for_table(rule, job);
@@ -144,24 +155,16 @@ impl SegmentLaw {
                 for_rotation(segment, mill, (*edge, stock), feed_per_tooth)
             }
             (_, Work::Ring(_, stock), LawKind::EngagedArc { .. }) => {
-                let region = Region::new(stock, origin_mm(segment), segment.height().to_mm());
+                let region = match (stock, along) {
+                    (Stock::Along, Some(table)) => Some(Region::Engaged(table.clone())),
+                    _ => Region::new(stock, origin_mm(segment), segment.height().to_mm()),
+                };
                 region.map_or(SegmentLaw::Programmed, |region| for_circles(segment, rule, region, job))
             }
             (Tool::EndMill(mill), Work::Mill { side, radial_depth }, law) => {
                 for_mill(segment, mill, (*side, *radial_depth), law, feed_per_tooth)
             }
             _ => SegmentLaw::Programmed,
-        }
-    }
-
-    /// The law for a segment whose engaged arcs are told with it, where its rule says so; as of [`SegmentLaw::for_segment`]
-    /// otherwise.
-    pub fn along(segment: &Segment, rule: &CutRule, table: &EngagedTable, job: &Job) -> Self {
-        match (&rule.work, job.law) {
-            (Work::Ring(_, Stock::Along), LawKind::EngagedArc { .. }) => {
-                for_circles(segment, rule, Region::Engaged(table.clone()), job)
-            }
-            _ => SegmentLaw::for_segment(segment, Some(rule), job),
         }
     }
 }

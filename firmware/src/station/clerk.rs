@@ -6,12 +6,11 @@
 //! the request of a person who has seen how things stand.
 
 use arcfeed_shared::job::{Job, OverrideLimits};
-use arcfeed_shared::segment::Path;
-use arcfeed_shared::units::Micros;
-use arcfeed_shared::wire::message::codes::{RefusalCode, RequestCode};
+use arcfeed_shared::units::{Micros, Nm};
+use arcfeed_shared::wire::message::codes::{PathCode, RefusalCode, RequestCode};
 use arcfeed_shared::wire::message::field::Chunk;
 use arcfeed_shared::wire::message::page::{PageError, Tapped};
-use arcfeed_shared::wire::message::{Message, moves, table};
+use arcfeed_shared::wire::message::{Message, table};
 use heapless::Deque;
 
 use crate::active::ActiveSegment;
@@ -19,6 +18,7 @@ use crate::supervisor::Supervisor;
 use crate::supervisor::settings::{Settings, SettingsError};
 use crate::supervisor::signals::BoardFault;
 
+use super::arcs::Arcs;
 use super::dispatch::Dispatch;
 pub use super::identity::Identity;
 use super::knobs::Knobs;
@@ -190,6 +190,7 @@ impl<'q> Clerk<'q> {
     /// Begins a new run: segments that are not done are forgotten.
     pub fn begin_run(&mut self) {
         (self.next, self.parked, self.has_first) = (None, None, false);
+        self.papers.arcs = Arcs::None;
         self.dispatch.begin_run();
     }
 
@@ -211,11 +212,14 @@ impl<'q> Clerk<'q> {
 
     fn obey(&mut self, message: &Message) {
         let refused = match message {
-            Message::Begin(_) | Message::Segment(_) | Message::Clear(_) if self.is_tapped => {
+            Message::Begin(_) | Message::SegmentArcs(_) | Message::Segment(_) | Message::Clear(_) if self.is_tapped => {
                 Err((0, RefusalCode::Message))
             }
             Message::Begin(begin) => self.papers.staging.begin(begin.set).map_err(|why| (begin.set, why)),
             Message::Commit(commit) => self.commit(commit).map_err(|why| (commit.set, why)),
+            // Those of a segment that waits for room are all there.
+            Message::SegmentArcs(_) if self.parked.is_some() => Err((0, RefusalCode::Full)),
+            Message::SegmentArcs(arcs) => self.papers.arcs.take(arcs).map_err(|why| (0, why)),
             Message::Segment(segment) => self.segment(segment).map_err(|why| (segment.count, why)),
             Message::Request(request) => self.request(request).map_err(|why| (u32::from(request.epoch), why)),
             Message::SetSetting(set) => self.set(set).map_err(|why| (set.setting as u32, why)),
@@ -306,18 +310,13 @@ impl<'q> Clerk<'q> {
     }
 
     fn segment(&mut self, segment: &table::Segment) -> Result<(), RefusalCode> {
-        let Some(job) = self.papers.job.as_ref().filter(|_| self.is_current) else {
-            return Err(RefusalCode::NoParameters);
-        };
-        if self.next.is_some_and(|next| next != segment.count) {
-            return Err(RefusalCode::Order);
-        }
-        let has_rule = segment.rule.is_none_or(|rule| usize::from(rule) < job.rules.len());
-        if !has_rule || moves::decode(segment).is_err() {
-            return Err(RefusalCode::Value);
-        }
         if self.parked.is_some() || !self.dispatch.is_done() {
             return Err(RefusalCode::Full);
+        }
+        if let Err(why) = self.check(segment) {
+            // The next one that comes has its own.
+            self.papers.arcs = Arcs::None;
+            return Err(why);
         }
         self.next = Some(segment.count.wrapping_add(1));
         if self.dispatch.room() > 0 {
@@ -328,14 +327,22 @@ impl<'q> Clerk<'q> {
         Ok(())
     }
 
+    fn check(&self, segment: &table::Segment) -> Result<(), RefusalCode> {
+        if !self.is_current {
+            Err(RefusalCode::NoParameters)
+        } else if self.next.is_some_and(|next| next != segment.count) {
+            Err(RefusalCode::Order)
+        } else {
+            self.papers.check(segment)
+        }
+    }
+
     /// A segment that was checked, and for which there is room.
     fn prepare(&mut self, message: &table::Segment) {
-        if let (Some(job), Ok(segment)) = (&self.papers.job, moves::decode(message)) {
-            let rule = message.rule.and_then(|rule| job.rules.get(usize::from(rule)));
-            let active = ActiveSegment::new(&segment, rule, job);
+        if let Some(active) = self.papers.prepare(message) {
             // The way of a rapid is the machine's, from wherever it is.
-            let waits = !self.has_first && segment.path != Path::Rapid;
-            let begins_at = waits.then_some(segment.start.linear);
+            let waits = !self.has_first && message.path != PathCode::Rapid;
+            let begins_at = waits.then_some(message.start.map(Nm));
             self.has_first = true;
             self.dispatch.put(message.count, active, begins_at);
         }

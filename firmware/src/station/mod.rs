@@ -11,6 +11,8 @@
 //! its. Between them are three queues of one producer and one consumer. No clock, no I/O: `now` and bytes are arguments. What
 //! happens after which fault, and how soon, is in docs/board-safety.md.
 
+pub mod arcs;
+
 pub mod papers;
 
 pub mod identity;

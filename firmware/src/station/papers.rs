@@ -4,14 +4,21 @@ use arcfeed_shared::job::Job;
 use arcfeed_shared::wire::message::codes::RefusalCode;
 use arcfeed_shared::wire::message::page::{self, PageError, Tapped};
 use arcfeed_shared::wire::message::staging::Staging;
+use arcfeed_shared::wire::message::{moves, table};
 
-/// The job in force and the set on its way in; state.
+use crate::active::ActiveSegment;
+
+use super::arcs::Arcs;
+
+/// The job in force, the set on its way in, and what was told of the segment that comes next; state.
 #[derive(Debug)]
 pub struct Papers {
     /// The job in force.
     pub(super) job: Option<Job>,
     /// The set on its way in.
     pub(super) staging: Staging,
+    /// Along the segment that comes next, or that waits for room.
+    pub(super) arcs: Arcs,
 }
 
 impl Default for Papers {
@@ -23,13 +30,35 @@ impl Default for Papers {
 impl Papers {
     /// No job, nothing on its way.
     pub const fn new() -> Self {
-        Papers { job: None, staging: Staging::new() }
+        Papers { job: None, staging: Staging::new(), arcs: Arcs::None }
     }
 
     /// The same in place: they are too large to be made elsewhere.
     pub(super) fn clear(&mut self) {
         self.job = None;
         self.staging.forget();
+        self.arcs = Arcs::None;
+    }
+
+    /// Whether a segment, with the arcs told of it, is one of the job in force.
+    ///
+    /// # Errors
+    /// Why not.
+    pub(super) fn check(&self, segment: &table::Segment) -> Result<(), RefusalCode> {
+        let job = self.job.as_ref().ok_or(RefusalCode::NoParameters)?;
+        let rule = segment.rule.map(|rule| job.rules.get(usize::from(rule)).ok_or(RefusalCode::Value)).transpose()?;
+        moves::decode(segment).map_err(|_| RefusalCode::Value)?;
+        self.arcs.suit(rule)
+    }
+
+    /// A segment that was checked, under its law; `None` only for one that was not. Its arcs are used up.
+    pub(super) fn prepare(&mut self, message: &table::Segment) -> Option<ActiveSegment> {
+        let job = self.job.as_ref()?;
+        let segment = moves::decode(message).ok()?;
+        let rule = message.rule.and_then(|rule| job.rules.get(usize::from(rule)));
+        let active = ActiveSegment::told(&segment, rule, self.arcs.table(), job);
+        self.arcs = Arcs::None;
+        Some(active)
     }
 
     /// Takes the job of a page of flash, if it suits; answers the line that it is for.

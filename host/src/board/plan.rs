@@ -1,16 +1,18 @@
 //! What a board is told of a program: its moves in order, and with which line of what is sent each of them comes.
 //!
 //! The moves are those of the text as it goes over the DNC line, feeds and a restart's own blocks included. Those of canned
-//! cycles and reference returns are told one by one, without a rule: the board follows them by their ends.
+//! cycles and reference returns are told one by one, without a rule: the board follows them by their ends. Before a move come
+//! its engaged arcs, if it has any: the board has a move when it has all of that.
 
 use std::path::Path;
 
+use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::nc::series::Act;
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::wire::message::moves::{MoveError, encode};
-use arcfeed_shared::wire::message::table;
+use arcfeed_shared::wire::message::Message;
+use arcfeed_shared::wire::message::moves::{MoveError, encode, encode_arcs};
 
 use crate::adapt::{PlanReason, adapt};
 use crate::dnc::restore::PowerOn;
@@ -20,9 +22,11 @@ use crate::program::{Program, ProgramLine};
 /// The moves of a transmission.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Plan {
-    /// Counted from 0.
-    moves: Vec<table::Segment>,
-    /// Index of the line that each belongs to.
+    /// Each move, counted from 0, behind its engaged arcs.
+    messages: Vec<Message>,
+    /// How many messages there are up to and with each move.
+    ends: Vec<usize>,
+    /// Index of the line that each move belongs to.
     lines: Vec<usize>,
 }
 
@@ -67,27 +71,51 @@ impl Plan {
             if line.meaning.is_none() {
                 return Err(PlanError { source, why: Untold::NotUnderstood });
             }
-            let mut add = |segment: &Segment, rule: Option<usize>| {
-                let count = plan.moves.len() as u32;
-                let rule = rule.and_then(|rule| u8::try_from(rule).ok());
-                let told = encode(segment, count, rule).map_err(|why| PlanError { source, why: Untold::Move(why) })?;
-                plan.moves.push(told);
-                plan.lines.push(index);
-                Ok(())
-            };
+            let untold = |why| PlanError { source, why: Untold::Move(why) };
             if let Some(block) = blocks.next_if(|block| block.line == index + 1) {
-                add(&block.segment, block.rule.filter(|_| block.reason != PlanReason::Special))?;
+                let rule = block.rule.filter(|_| block.reason != PlanReason::Special);
+                let along = block.along.as_ref().filter(|_| rule.is_some());
+                plan.add(index, &block.segment, rule, along).map_err(untold)?;
             }
             for segment in series(line) {
-                add(&segment, None)?;
+                plan.add(index, &segment, None, None).map_err(untold)?;
             }
         }
         Ok(plan)
     }
 
-    /// The moves.
-    pub fn moves(&self) -> &[table::Segment] {
-        &self.moves
+    fn add(
+        &mut self,
+        line: usize,
+        segment: &Segment,
+        rule: Option<usize>,
+        along: Option<&EngagedTable>,
+    ) -> Result<(), MoveError> {
+        for knot in along.iter().flat_map(|table| table.knots()) {
+            self.messages.push(encode_arcs(knot)?.into());
+        }
+        let rule = rule.and_then(|rule| u8::try_from(rule).ok());
+        self.messages.push(encode(segment, self.moves() as u32, rule)?.into());
+        self.ends.push(self.messages.len());
+        self.lines.push(line);
+        Ok(())
+    }
+
+    /// How many moves there are.
+    pub fn moves(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// What a board is told of so many moves, in order.
+    pub fn messages(&self, moves: usize) -> &[Message] {
+        let all = self.ends.last().copied().unwrap_or(0);
+        let end = moves.checked_sub(1).map_or(0, |last| self.ends.get(last).copied().unwrap_or(all));
+        self.messages.get(..end).unwrap_or_default()
+    }
+
+    /// How many moves are told by so many messages.
+    fn told_by(&self, messages: usize) -> usize {
+        self.ends.partition_point(|end| *end <= messages)
     }
 
     /// How many moves are over once the control has taken up so many blocks: those of all lines before the last of them.
@@ -101,9 +129,9 @@ impl Plan {
         self.lines.get(count).copied()
     }
 
-    /// How far the text may go out once so many moves are the board's: to the line of the next one.
+    /// How far the text may go out once so many messages are the board's: to the line of the first move that is not.
     pub fn permitted(&self, delivered: usize, sending: &Transmission) -> usize {
-        self.lines.get(delivered).map_or(usize::MAX, |line| sending.start_of(*line))
+        self.lines.get(self.told_by(delivered)).map_or(usize::MAX, |line| sending.start_of(*line))
     }
 }
 
@@ -116,4 +144,70 @@ fn series(line: &ProgramLine) -> Vec<Segment> {
         Act::Dwell(_) | Act::Spindle(_) => None,
     });
     motions.map(|segment| segment.shifted(Pose::ORIGIN.minus(line.origin))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use arcfeed_shared::engaged::{EngagedInterval, EngagedKnot};
+    use arcfeed_shared::nc::modal::Feed;
+    use arcfeed_shared::segment::Path;
+    use arcfeed_shared::units::Mm;
+
+    use super::*;
+
+    fn table(knots: usize) -> EngagedTable {
+        let outer = EngagedInterval::from_degrees(0.0, 75.5).expect("an arc");
+        let knot = |at| EngagedKnot { travelled: Mm(at as f32), outer, inner: EngagedInterval::EMPTY };
+        EngagedTable::new(&(0..knots).map(knot).collect::<Vec<_>>()).expect("a table")
+    }
+
+    /// One move a line, with tables of so many knots; 0 for none.
+    fn plan(knots: &[usize]) -> Plan {
+        let [start, end] = [Pose::default(); 2];
+        let segment = Segment { sequence: None, start, end, feed: Feed::Missing, path: Path::Line };
+        let mut plan = Plan::default();
+        for (line, knots) in knots.iter().enumerate() {
+            let along = (*knots > 0).then(|| table(*knots));
+            plan.add(line, &segment, Some(0), along.as_ref()).expect("it can be told");
+        }
+        plan
+    }
+
+    #[test]
+    fn the_engaged_arcs_of_a_move_come_before_it_in_their_order() {
+        let plan = plan(&[0, 3, 16]);
+        assert_eq!([1, 2, 3, 9].map(|moves| plan.messages(moves).len()), [1, 5, 22, 22]);
+        assert!(plan.messages(0).is_empty());
+        let counts: Vec<Option<u32>> = plan.messages(2).iter().map(count).collect();
+        assert_eq!(counts, [Some(0), None, None, None, Some(1)]);
+        let told: Vec<Message> = table(3).knots().iter().map(|knot| encode_arcs(knot).unwrap().into()).collect();
+        assert_eq!(plan.messages(2)[1..4], told);
+    }
+
+    fn count(message: &Message) -> Option<u32> {
+        if let Message::Segment(segment) = message { Some(segment.count) } else { None }
+    }
+
+    #[test]
+    fn a_move_is_the_boards_only_with_its_engaged_arcs() {
+        let plan = plan(&[0, 3, 16]);
+        let told: Vec<usize> = (0..=22).map(|messages| plan.told_by(messages)).collect();
+        assert_eq!(told[..6], [0, 1, 1, 1, 1, 2]);
+        assert!(told[5..22].iter().all(|moves| *moves == 2) && told[22] == 3, "{told:?}");
+    }
+
+    #[test]
+    fn a_table_that_cannot_be_told_is_refused() {
+        let outer = EngagedInterval::EMPTY;
+        let far = EngagedKnot { travelled: Mm(9e6), outer, inner: outer };
+        let far = EngagedTable::new(&[far]).expect("a table");
+        let segment = Segment {
+            sequence: None,
+            start: Pose::default(),
+            end: Pose::default(),
+            feed: Feed::Missing,
+            path: Path::Line,
+        };
+        assert_eq!(Plan::default().add(0, &segment, Some(0), Some(&far)), Err(MoveError::Range));
+    }
 }

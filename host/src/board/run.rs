@@ -41,7 +41,7 @@ pub struct Board<'p> {
     /// Parameters still to be sent.
     parameters: VecDeque<Message>,
     plan: Plan,
-    /// Segments handed to the link.
+    /// Messages of the plan handed to the link.
     sent: usize,
     info: Option<table::Info>,
     report: Option<table::Report>,
@@ -172,8 +172,8 @@ impl<'p> Board<'p> {
         self.executed_before.get_or_insert(report.executed);
         // No more than it has room for: a move that waits there holds up everything behind it, a request to arm too.
         let until = self.done() + self.info.map_or(0, |info| usize::from(info.capacity).saturating_sub(1));
-        while let Some(segment) = self.plan.moves().get(self.sent).filter(|_| self.sent < until) {
-            if self.line.send(&(*segment).into()).is_err() {
+        while let Some(message) = self.plan.messages(until).get(self.sent) {
+            if self.line.send(message).is_err() {
                 return;
             }
             self.sent += 1;
@@ -190,7 +190,7 @@ impl<'p> Board<'p> {
         (self.stage, self.since) = (stage, self.line.now());
     }
 
-    /// How far the text may go to the control: no block whose move the board does not have.
+    /// How far the text may go to the control: no block whose move the board does not have, with all that belongs to it.
     pub fn permitted(&self, sending: &Transmission) -> usize {
         let delivered = self.sent.saturating_sub(self.line.link().unacknowledged());
         self.plan.permitted(delivered, sending)
@@ -198,7 +198,7 @@ impl<'p> Board<'p> {
 
     /// Whether all moves are done, as the board saw it.
     pub fn is_done(&self) -> bool {
-        self.executed_before.is_some() && self.done() >= self.plan.moves().len()
+        self.executed_before.is_some() && self.done() >= self.plan.moves()
     }
 
     /// The line of the move that the board waits for the end of, if it stands there though the control has gone on; once for each

@@ -236,15 +236,15 @@ codes! {
         NoSet = 2,
         /// `Commit` counts or checks other messages than came.
         Checksum = 3,
-        /// The set lacks a message, or has one twice.
+        /// The set lacks a message, or has one twice; a segment lacks engaged arcs, which were refused.
         Incomplete = 4,
         /// A value makes no sense.
         Value = 5,
         /// No parameters have been accepted yet.
         NoParameters = 6,
-        /// There is no room for another segment.
+        /// There is no room for another segment, or for another place of engaged arcs.
         Full = 7,
-        /// Not the segment that comes next.
+        /// Not the segment, or the place of engaged arcs, that comes next.
         Order = 8,
         /// The request speaks of a time before the override was last taken away.
         Outdated = 9,

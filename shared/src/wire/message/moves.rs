@@ -1,12 +1,14 @@
-//! Segments as messages.
+//! Segments as messages, and the engaged arcs along them.
 //!
 //! An arc travels by its centre alone: start and end relative to it follow, and the board checks them as the control does.
 
+use crate::engaged::{EngagedInterval, EngagedKnot};
 use crate::nc::modal::{Center, Feed, Motion, MotionKind, Plane, Pose, Turn};
 use crate::segment::{Path, Segment};
-use crate::units::{MicroDeg, Nm};
+use crate::units::{MicroDeg, Mm, Nm};
 
 use super::codes::{FeedCode, PathCode};
+use super::fixed::Q40;
 use super::table;
 
 /// No axis lies further out, nm: 9 km, so that no difference of two overflows.
@@ -17,7 +19,7 @@ const AXIS_MAX: u64 = 1 << 53;
 pub enum MoveError {
     /// An arc without centre or without radius, whose ends do not lie on it, or that is not one by its own coordinates.
     Arc,
-    /// An axis lies too far out.
+    /// An axis, or a knot of engaged arcs, lies too far out; an arc is none.
     Range,
     /// A centre, or a feed, where there can be none.
     Surplus,
@@ -76,6 +78,24 @@ pub fn decode(message: &table::Segment) -> Result<Segment, MoveError> {
     };
     let motion = Motion { kind, plane, start, end, center, feed };
     Segment::from_motion(&motion, message.sequence).map_err(|_| MoveError::Arc)
+}
+
+/// Engaged arcs at one place of the segment that is told next.
+///
+/// # Errors
+/// [`MoveError::Range`].
+pub fn encode_arcs(knot: &EngagedKnot) -> Result<table::SegmentArcs, MoveError> {
+    let travelled = Q40::of(knot.travelled.0).ok_or(MoveError::Range)?;
+    Ok(table::SegmentArcs { travelled, outer: knot.outer.units(), inner: knot.inner.units() })
+}
+
+/// The knot of a table that a message describes: its path, the arcs of the outer and the inner circle.
+///
+/// # Errors
+/// [`MoveError::Range`].
+pub fn decode_arcs(travelled: Q40, [outer, inner]: [[i16; 2]; 2]) -> Result<EngagedKnot, MoveError> {
+    let interval = |units| EngagedInterval::from_units(units).ok_or(MoveError::Range);
+    Ok(EngagedKnot { travelled: Mm(travelled.value()), outer: interval(outer)?, inner: interval(inner)? })
 }
 
 /// A place of the axes; A, B and C stand at 0 where nothing is said of them.
@@ -179,6 +199,24 @@ mod tests {
                 let segment = Segment { sequence: None, start: Pose::default(), end, feed, path };
                 assert_eq!(decode(&encode(&segment, 0, None).unwrap()), Ok(segment));
             }
+        }
+    }
+
+    #[test]
+    fn engaged_arcs_come_back_as_they_were_and_are_refused_where_they_are_none() {
+        let arc = |from, to| EngagedInterval::from_degrees(from, to).unwrap();
+        for knot in [
+            EngagedKnot { travelled: Mm(0.0), outer: EngagedInterval::EMPTY, inner: arc(-360.0, 0.0) },
+            EngagedKnot { travelled: Mm(0.1), outer: arc(-33.3, 120.011), inner: EngagedInterval::EMPTY },
+            EngagedKnot { travelled: Mm(8e6), outer: arc(0.0, 360.0), inner: arc(90.0, -90.0) },
+        ] {
+            let table::SegmentArcs { travelled, outer, inner } = encode_arcs(&knot).unwrap();
+            assert_eq!(decode_arcs(travelled, [outer, inner]), Ok(knot));
+        }
+        let far = EngagedKnot { travelled: Mm(9e6), outer: EngagedInterval::EMPTY, inner: EngagedInterval::EMPTY };
+        assert_eq!(encode_arcs(&far), Err(MoveError::Range));
+        for arcs in [[[0, 32_401], [0, 0]], [[0, 0], [-1, 32_400]]] {
+            assert_eq!(decode_arcs(Q40(0), arcs), Err(MoveError::Range), "{arcs:?}");
         }
     }
 

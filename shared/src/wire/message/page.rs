@@ -18,9 +18,11 @@ use super::field::PAYLOAD_MAX;
 use super::parameters::{ParametersError, messages};
 use super::staging::Staging;
 use super::{Message, SCHEMA_HASH};
+use crate::cut::Work;
 use crate::job::Job;
 use crate::nc::settings::Decimals;
 use crate::nc::tape_code::Code;
+use crate::stock::Stock;
 use crate::wire::frame::checksum;
 
 /// No page is longer, bytes.
@@ -64,8 +66,12 @@ pub type Page = heapless::Vec<u8, PAGE_MAX>;
 /// The page of a job.
 ///
 /// # Errors
-/// A job that no board can be told.
+/// A job that no board can be told, or none without a host.
 pub fn write(job: &Job, tapped: Tapped) -> Result<Page, ParametersError> {
+    let is_along = |work: &Work| matches!(work, Work::Ring(_, Stock::Along));
+    if let Some(index) = job.rules.iter().position(|rule| is_along(&rule.work)) {
+        return Err(ParametersError::Along(index));
+    }
     let mut entries = Page::new();
     let mut has_room = true;
     messages(job, SET, &mut |message| {
@@ -152,6 +158,7 @@ fn stage<'s>(mut entries: &[u8], staging: &'s mut Staging) -> Result<&'s Job, Re
 mod tests {
     use super::super::tests::{mill_job, ring_job};
     use super::*;
+    use crate::tool::Edge;
 
     #[test]
     fn a_job_lies_there_as_it_was_to_the_bit() {
@@ -164,6 +171,13 @@ mod tests {
             let in_flash = [&page[..], &[ERASED; 100]].concat();
             assert_eq!(read(&in_flash, &mut staging), Ok((&job, tapped)), "what lies behind does not count");
         }
+    }
+
+    #[test]
+    fn a_rule_whose_arcs_come_with_each_segment_is_no_tapped_boards() {
+        let mut job = ring_job();
+        job.rules[3].work = Work::Ring(Edge::Outer, Stock::Along);
+        assert_eq!(write(&job, Tapped::default()), Err(ParametersError::Along(3)));
     }
 
     #[test]

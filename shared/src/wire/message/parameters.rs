@@ -22,6 +22,8 @@ pub enum ParametersError {
     Number,
     /// More than a page of flash holds.
     Large,
+    /// The rule of this index leaves its stock to be told with each segment: nobody does at a tapped line.
+    Along(usize),
 }
 
 /// The check sum of a set so far: CRC-32C, as of frames, over kind and payload of each message.

@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use crate::cut::{CutRule, Moves, Rotation, Side, Work};
-use crate::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
+use crate::engaged::{EngagedError, EngagedTable};
 use crate::job::{FeedPolicy, Job, LawKind, OverrideLimits};
 use crate::knots::{KnotRange, Knots};
 use crate::machine::{self, MachineLimits};
@@ -13,6 +13,7 @@ use crate::tool::{CupMill, Edge, EndMill, Tool};
 use crate::units::{DegPerMin, LengthUnit, Mm, MmPerMin, MmPerTooth, Nm, RevPerMin};
 
 use super::codes::{LawCode, MovesCode, PolicyCode, RefusalCode, StockCode, ToolCode, UnitCode, WorkCode};
+use super::moves::decode_arcs;
 use super::parameters::SetSum;
 use super::sound;
 use super::table::{self, Message};
@@ -31,7 +32,6 @@ pub struct Staging {
     seen: u8,
     /// What describes the stock of the last rule, and how much of it is still to come.
     due: (StockCode, u8),
-    engaged: Vec<EngagedKnot, ENGAGED_KNOTS_MAX>,
 }
 
 impl Default for Staging {
@@ -43,7 +43,7 @@ impl Default for Staging {
 impl Staging {
     /// Nothing staged.
     pub const fn new() -> Self {
-        Staging { set: 0, job: empty_job(), sum: SetSum::NONE, seen: 0, due: (StockCode::None, 0), engaged: Vec::new() }
+        Staging { set: 0, job: empty_job(), sum: SetSum::NONE, seen: 0, due: (StockCode::None, 0) }
     }
 
     /// The set on its way in; 0 for none.
@@ -65,7 +65,6 @@ impl Staging {
         self.job.rules.clear();
         self.job.knots = Knots::new();
         self.job.machine = MachineLimits::default();
-        self.engaged.clear();
         (self.set, self.sum, self.seen, self.due) = (set, SetSum::NONE, 0, (StockCode::None, 0));
         if set == 0 { Err(RefusalCode::Value) } else { Ok(()) }
     }
@@ -224,7 +223,6 @@ impl Staging {
         };
         self.job.rules.push(cut).map_err(|_| RefusalCode::Full)?;
         self.due = (rule.stock, rule.stock_parts);
-        self.engaged.clear();
         Ok(())
     }
 
@@ -257,21 +255,16 @@ impl Staging {
     }
 
     fn engaged_arcs(&mut self, arcs: &table::EngagedArcs) -> Result<(), RefusalCode> {
-        let interval = |units| EngagedInterval::from_units(units).ok_or(RefusalCode::Value);
-        let knot = EngagedKnot {
-            travelled: Mm(arcs.travelled.value()),
-            outer: interval(arcs.outer)?,
-            inner: interval(arcs.inner)?,
+        let table::EngagedArcs { travelled, outer, inner } = *arcs;
+        let knot = decode_arcs(travelled, [outer, inner]).map_err(|_| RefusalCode::Value)?;
+        let taken = match self.stock(StockCode::Engaged)? {
+            Stock::Engaged(table) => table.push(knot),
+            stock => EngagedTable::beginning(knot).map(|table| *stock = Stock::Engaged(table)),
         };
-        self.stock(StockCode::Engaged)?;
-        self.engaged.push(knot).map_err(|_| RefusalCode::Full)?;
-        if self.due.1 == 0 {
-            let table = EngagedTable::new(&self.engaged).map_err(|_| RefusalCode::Value)?;
-            if let Some(Work::Ring(_, stock)) = self.job.rules.last_mut().map(|rule| &mut rule.work) {
-                *stock = Stock::Engaged(table);
-            }
-        }
-        Ok(())
+        taken.map_err(|error| match error {
+            EngagedError::Count => RefusalCode::Full,
+            EngagedError::Order(_) => RefusalCode::Value,
+        })
     }
 }
 

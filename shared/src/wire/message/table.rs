@@ -276,6 +276,15 @@ messages! {
         /// In the setting's unit.
         value: u32,
     }
+    /// Engaged arcs at one place of the segment that comes next; they come in their order.
+    0x26 Down SegmentArcs {
+        /// Path from the segment's start, mm.
+        travelled: Q40,
+        /// Of the outer circle: from and to, 1/90 degree.
+        outer: [i16; 2],
+        /// Of the inner circle.
+        inner: [i16; 2],
+    }
     /// What the board is.
     0x40 Up Info {
         /// Version of its firmware.

@@ -4,7 +4,10 @@ use super::super::parameters::{SetSum, messages};
 use super::super::tests::{Random, encoded, mill_job, ring_job};
 use super::super::*;
 use super::Staging;
+use crate::cut::Work;
 use crate::job::{Job, LawKind};
+use crate::stock::Stock;
+use crate::tool::Edge;
 use crate::wire::frame;
 use codes::RefusalCode;
 
@@ -31,7 +34,10 @@ fn a_job_arrives_as_it_was_to_the_bit() {
     let laws = [LawKind::Contour { inside_only: true, floor_ratio: 0.3 }, LawKind::Engagement, LawKind::Programmed];
     let others = laws.map(|law| Job { law, ..mill_job() });
     let mut staging = Staging::new();
-    for job in [ring_job(), mill_job(), Job { law: LawKind::Circumference, ..ring_job() }].iter().chain(&others) {
+    let mut along = Job { law: LawKind::EngagedArc { both_edges: false }, ..mill_job() };
+    along.rules[0].work = Work::Ring(Edge::Outer, Stock::Along);
+    for job in [ring_job(), mill_job(), Job { law: LawKind::Circumference, ..ring_job() }, along].iter().chain(&others)
+    {
         assert_eq!(staged(&mut staging, &set_of(job, 5)).as_ref(), Ok(job));
     }
 }
@@ -137,6 +143,35 @@ fn values_that_make_no_sense_are_refused() {
     for (at, alter) in mill.into_iter().enumerate() {
         assert_eq!(staged(&mut staging, &altered(&mill_job(), alter)), Err(RefusalCode::Value), "mill {at}");
     }
+}
+
+#[test]
+fn engaged_arcs_of_a_rule_are_refused_by_what_is_wrong_with_them() {
+    let all = set_of(&ring_job(), 3);
+    let arcs = |travelled, outer| table::EngagedArcs { travelled: fixed::Q40(travelled), outer, inner: [0, 0] };
+    let rule = table::Rule { index: 0, stock: codes::StockCode::Engaged, stock_parts: 20, ..rule_of(&all) };
+    let mut staging = Staging::new();
+    let mut take = |rule: table::Rule, knots: &[table::EngagedArcs]| {
+        staging.begin(3)?;
+        staging.take(&rule.into())?;
+        knots.iter().try_for_each(|knot| staging.take(&(*knot).into()))
+    };
+    let many: Vec<table::EngagedArcs> = (0..17).map(|at| arcs(at << 40, [0, 8_100])).collect();
+    assert_eq!(take(rule, &many[..16]), Ok(()));
+    assert_eq!(take(rule, &many), Err(RefusalCode::Full));
+    assert_eq!(take(rule, &[many[1], many[1]]), Err(RefusalCode::Value), "no further on");
+    assert_eq!(take(rule, &[arcs(0, [0, 32_401])]), Err(RefusalCode::Value), "no arc");
+    assert_eq!(take(table::Rule { stock_parts: 1, ..rule }, &many[..2]), Err(RefusalCode::Order), "one too many");
+    let along = table::Rule { stock: codes::StockCode::Along, stock_parts: 0, ..rule };
+    assert_eq!(take(along, &[]), Ok(()));
+    assert_eq!(take(along, &many[..1]), Err(RefusalCode::Order), "they come with segments");
+    assert_eq!(take(table::Rule { stock_parts: 1, ..along }, &[]), Err(RefusalCode::Value));
+}
+
+/// The first rule of a set.
+fn rule_of(all: &[Message]) -> table::Rule {
+    let rule = |message: &Message| if let Message::Rule(rule) = message { Some(*rule) } else { None };
+    all.iter().find_map(rule).unwrap()
 }
 
 #[test]

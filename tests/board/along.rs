@@ -1,0 +1,90 @@
+//! Engaged arcs told with each move, on the chip: the same overrides as in this process, and what tick and stack they take.
+
+use arcfeed_firmware::assembly::{Config, assemble};
+use arcfeed_firmware::front::Untapped;
+use arcfeed_firmware::station::clerk::Identity;
+use arcfeed_firmware::station::order::Queues;
+use arcfeed_firmware::station::ticker::Supply;
+use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_hil_sim::decider::board::{Board, Wires};
+use arcfeed_hil_sim::decider::in_process::InProcess;
+use arcfeed_hil_sim::rig::Rig;
+use arcfeed_shared::cut::Work;
+use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
+use arcfeed_shared::job::LawKind;
+use arcfeed_shared::stock::Stock;
+use arcfeed_shared::units::Mm;
+use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode};
+use arcfeed_tests::emulation::host::Host;
+use arcfeed_tests::emulation::qemu::{Clock, Emulator};
+
+use crate::load::{STACK_MAX, costs};
+use crate::runs::{AHEAD, Example, prepare};
+
+/// From cycle start on: some loops, with more coming in behind them.
+const PERIODS: usize = 12_000;
+/// What all of a tick may take, instructions. Tables for both circles: four ends of engaged arcs, each with its step.
+const TICK_MAX: u32 = 4_900;
+/// More than the board has room for.
+const LOOPS: usize = 12;
+const IMAGE: &str = "feedboard";
+/// To where the arcs of the example's four movements begin, and there in loops.
+const APPROACH: &str = "%\nG20G90G17\nG0X-2.967Y11.3933Z-27.6626\n";
+const LOOP: &str = "G3X-3.6044Y10.5358I3.2165J-3.0564F41.\nG2X-2.5752Y11.5549I4.0398J-3.0504\nG1X-2.6598Y11.491\n\
+                    G3X-3.6044Y10.5358I3.0952J-4.0056\nG2X-3.0241Y11.3322I3.8539J-2.1989\nG1X-2.967Y11.3933\n";
+
+/// The example's arcs under the engaged-arc law, what is engaged left to be told.
+fn example() -> Example {
+    let mut example = Example::load();
+    example.text = [APPROACH, &LOOP.repeat(LOOPS), "M30\n%\n"].concat().into_bytes();
+    let job = &mut example.file.job;
+    job.law = LawKind::EngagedArc { both_edges: true };
+    for rule in &mut job.rules {
+        if let Work::Ring(_, stock) = &mut rule.work {
+            *stock = Stock::Along;
+        }
+    }
+    example
+}
+
+/// As many places as there may be, 2 mm apart, the arcs wider and narrower by turns.
+fn table() -> EngagedTable {
+    let arc = |to_deg| EngagedInterval::from_degrees(0.0, to_deg).expect("an arc");
+    let knot = |at| EngagedKnot {
+        travelled: Mm(2.0 * at as f32),
+        outer: arc(if at % 2 == 0 { 45.0 } else { 75.0 }),
+        inner: arc(if at % 3 == 0 { 50.0 } else { 65.0 }),
+    };
+    EngagedTable::new(&(0..ENGAGED_KNOTS_MAX).map(knot).collect::<Vec<_>>()).expect("a table")
+}
+
+fn overrides<W: Wires>(example: &Example, wires: W) -> (Vec<u8>, Rig<Board<W, Host>>) {
+    let mut rig = example.rig(wires, example.host().telling_along(&table()), ModeCode::Lockstep);
+    prepare(&mut rig);
+    rig.control_mut().cycle_start();
+    let mut step = || {
+        rig.step();
+        rig.decided().percent
+    };
+    let overrides = (0..PERIODS).map(|_| step()).collect();
+    assert_eq!(rig.decider().broken(), None);
+    (overrides, rig)
+}
+
+#[test]
+fn arcs_told_with_each_move_govern_the_chip_as_they_do_here_and_fit_it() {
+    let example = example();
+    let mut queues = Queues::<AHEAD>::new();
+    let identity = Identity { name: "in process", version: [0, 1, 0], reset: ResetCode::Power, starts: 1 };
+    let config = Config { supply: Supply::Link, settings: Settings::default(), identity, fault: None };
+    let (desk, ticker) = assemble(&mut queues, config).expect("the settings are sound");
+    let (here, _) = overrides(&example, InProcess::new(Untapped::new(desk, None), ticker));
+    let (chip, rig) = overrides(&example, Emulator::start(IMAGE, Clock::CountedWaiting));
+    let costs = costs(IMAGE, &rig.decider().wires().console()).expect("it logs its figures");
+    let governed = here.iter().filter(|percent| **percent != 100).count();
+    println!("{governed} of {PERIODS} ticks not at 100 %, {costs:?}");
+    assert!(chip == here, "first at {:?}", (0..PERIODS).find(|at| chip[*at] != here[*at]));
+    assert!(governed > PERIODS / 3, "the arcs govern");
+    assert!(costs.worst <= TICK_MAX, "{} instructions", costs.worst);
+    assert!(costs.stack <= STACK_MAX, "{} bytes of stack", costs.stack);
+}
