@@ -11,8 +11,8 @@ fn example(file: &str) -> String {
     std::fs::read_to_string(root().join("examples/ibr-slot").join(file)).expect("a file of the example")
 }
 
-/// The thickest chip of any edge in each movement, over the wanted one, by a job that is the example's with these changes.
-fn thickest(name: &str, changes: &[(&str, &str)]) -> Vec<f64> {
+/// The example's job with these changes, its map made.
+fn engaged(name: &str, changes: &[(&str, &str)]) -> (Scratch, String) {
     let scratch = Scratch::new(&format!("engage-{name}"));
     scratch.write("ibr-slot.nc", example("ibr-slot.nc"));
     let job = changes.iter().fold(example("job-engaged.toml"), |job, (from, to)| {
@@ -21,6 +21,12 @@ fn thickest(name: &str, changes: &[(&str, &str)]) -> Vec<f64> {
     });
     let job = scratch.write("job.toml", job);
     assert!(run(&["engage", &job]).status.success());
+    (scratch, job)
+}
+
+/// The thickest chip of any edge in each movement, over the wanted one, by a job that is the example's with these changes.
+fn thickest(name: &str, changes: &[(&str, &str)]) -> Vec<f64> {
+    let (_scratch, job) = engaged(name, changes);
     let output = run(&["simulate", &job, "--json"]);
     let report: Value = serde_json::from_slice(&output.stdout).expect("one object");
     let chips = |rule: &Value| {
@@ -50,4 +56,26 @@ fn an_override_that_falls_by_200_percent_a_second_comes_too_late_at_the_corner_o
     let thickest = thickest("slow", &[("slew_down = 2000", "slew_down = 200")]);
     let [first, corner, third, fourth] = thickest[..] else { panic!("four movements") };
     assert!(first <= 1.002 && third <= 1.002 && fourth <= 1.002 && (1.05..1.2).contains(&corner), "{thickest:?}");
+}
+
+#[test]
+fn a_board_on_its_link_is_told_and_one_that_reads_the_line_is_refused() {
+    // Without edges: only times are asked.
+    let job = example("job-engaged.toml");
+    let cutting = &job[job.find("[cutting]").expect("edges")..job.find("[spindle]").expect("a spindle")];
+    let (scratch, job) = engaged("board", &[(cutting, "")]);
+    let time_s = |arguments: &[&str]| {
+        let output = run(&[&["stream", &job, "--port", "sim:", "--json"], arguments].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let report: Value = serde_json::from_slice(&output.stdout).expect("one object");
+        report["cycle_time_s"].as_f64().expect("a time")
+    };
+    let [told, by_board] = [time_s(&[]), time_s(&["--board", "sim:"])];
+    println!("told which move is in work {told} s, a board on its link {by_board} s");
+    // A period or two a block, and the way it takes to be heard.
+    assert!((told - by_board).abs() < 0.1, "{told} {by_board}");
+    let refused = run(&["parameters", &job, "-o", &scratch.path("page.bin")]);
+    let words = String::from_utf8_lossy(&refused.stderr);
+    println!("{}", words.trim_end());
+    assert!(refused.status.code() == Some(1) && words.contains("job.toml:") && words.contains("rule"), "{words}");
 }

@@ -2,9 +2,8 @@
 //!
 //! Half a table would be a wrong law: what was told of a segment counts as a whole or refuses the segment.
 
-use arcfeed_shared::cut::{CutRule, Work};
+use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::engaged::{EngagedError, EngagedTable};
-use arcfeed_shared::stock::Stock;
 use arcfeed_shared::wire::message::codes::RefusalCode;
 use arcfeed_shared::wire::message::moves::decode_arcs;
 use arcfeed_shared::wire::message::table::SegmentArcs;
@@ -53,10 +52,9 @@ impl Arcs {
     /// # Errors
     /// Why not.
     pub fn suit(&self, rule: Option<&CutRule>) -> Result<(), RefusalCode> {
-        let is_along = || matches!(rule.map(|rule| &rule.work), Some(Work::Ring(_, Stock::Along)));
         match self {
             Arcs::Refused => Err(RefusalCode::Incomplete),
-            Arcs::Told(_) if !is_along() => Err(RefusalCode::Value),
+            Arcs::Told(_) if !rule.is_some_and(CutRule::is_told_along) => Err(RefusalCode::Value),
             Arcs::None | Arcs::Told(_) => Ok(()),
         }
     }

@@ -82,8 +82,11 @@ impl Decider for Told {
         self.cabinet.segment = begun.map(|Begun { count, segment, rule, along, limit }| {
             let limit = || limit.or_else(|| job.machine.feed_limit(segment));
             let active = ActiveSegment::limited(segment, rule, job, limit);
-            let told = rule.zip(along).map(|(rule, table)| SegmentLaw::along(segment, rule, table, job));
-            (count, told.map_or(active.clone(), |law| active.with_law(law)))
+            let active = match rule.zip(along) {
+                Some((rule, table)) => active.with_law(SegmentLaw::along(segment, rule, table, job)),
+                None => active,
+            };
+            (count, active)
         });
     }
 

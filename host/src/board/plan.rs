@@ -14,9 +14,10 @@ use arcfeed_shared::segment::Segment;
 use arcfeed_shared::wire::message::Message;
 use arcfeed_shared::wire::message::moves::{MoveError, encode, encode_arcs};
 
-use crate::adapt::{PlanReason, adapt};
+use crate::adapt::{Known, PlanReason, adapt_with};
 use crate::dnc::restore::PowerOn;
 use crate::dnc::transmission::Transmission;
+use crate::engagement::EngagementMap;
 use crate::program::{Program, ProgramLine};
 
 /// The moves of a transmission.
@@ -51,11 +52,16 @@ pub enum Untold {
 }
 
 impl Plan {
-    /// The moves of what is sent to a control that stands as at power-on.
+    /// The moves of what is sent to a control that stands as at power-on, with the engaged arcs that a map has for them.
     ///
     /// # Errors
     /// The first move that cannot be told.
-    pub fn new(sending: &Transmission, power_on: &PowerOn, job: &Job) -> Result<Self, PlanError> {
+    pub fn new(
+        sending: &Transmission,
+        power_on: &PowerOn,
+        job: &Job,
+        map: Option<&EngagementMap>,
+    ) -> Result<Self, PlanError> {
         // A control that reports where it is moves nothing by it; nor is there a reader of such blocks here.
         let lines = (0..sending.lines().len()).map(|index| match sending.is_of_report(index) {
             true => b"\n",
@@ -63,7 +69,7 @@ impl Plan {
         });
         let text = lines.collect::<Vec<_>>().concat();
         let program = Program::parse_with(Path::new(""), &text, power_on.settings, power_on.tables);
-        let adapted = adapt(&program, job);
+        let adapted = adapt_with(&program, job, Known { map, ..Known::default() });
         let mut blocks = adapted.blocks.iter().peekable();
         let mut plan = Plan::default();
         for (index, line) in program.lines.iter().enumerate() {

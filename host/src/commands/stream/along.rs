@@ -54,7 +54,7 @@ impl<'p> Along<'p> {
     pub fn with(line: Line<'p>, ready: &Prepared, sending: &Transmission, arming: Arming) -> Result<Self, Failure> {
         let job: &Job = &ready.file.job;
         let path = ready.file.program.display();
-        let plan = Plan::new(sending, &ready.power_on(), job)
+        let plan = Plan::new(sending, &ready.power_on(), job, ready.file.map.as_ref())
             .map_err(|PlanError { source, why }| Failure::Input(format!("{path}:{source}:1: error: {why}")))?;
         let board = Board::new(line, job, plan).map_err(Failure::Input)?;
         let person = (arming == Arming::Typed).then(typed);

@@ -18,11 +18,10 @@ use super::field::PAYLOAD_MAX;
 use super::parameters::{ParametersError, messages};
 use super::staging::Staging;
 use super::{Message, SCHEMA_HASH};
-use crate::cut::Work;
+use crate::cut::CutRule;
 use crate::job::Job;
 use crate::nc::settings::Decimals;
 use crate::nc::tape_code::Code;
-use crate::stock::Stock;
 use crate::wire::frame::checksum;
 
 /// No page is longer, bytes.
@@ -68,8 +67,7 @@ pub type Page = heapless::Vec<u8, PAGE_MAX>;
 /// # Errors
 /// A job that no board can be told, or none without a host.
 pub fn write(job: &Job, tapped: Tapped) -> Result<Page, ParametersError> {
-    let is_along = |work: &Work| matches!(work, Work::Ring(_, Stock::Along));
-    if let Some(index) = job.rules.iter().position(|rule| is_along(&rule.work)) {
+    if let Some(index) = job.rules.iter().position(CutRule::is_told_along) {
         return Err(ParametersError::Along(index));
     }
     let mut entries = Page::new();
@@ -158,6 +156,8 @@ fn stage<'s>(mut entries: &[u8], staging: &'s mut Staging) -> Result<&'s Job, Re
 mod tests {
     use super::super::tests::{mill_job, ring_job};
     use super::*;
+    use crate::cut::Work;
+    use crate::stock::Stock;
     use crate::tool::Edge;
 
     #[test]
