@@ -15,5 +15,3 @@ mod teeth;
 mod volumes;
 
 mod slot;
-
-mod governed;
