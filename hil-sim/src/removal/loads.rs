@@ -27,6 +27,7 @@ use super::placing::Placing;
 use super::steadiness::{Samples, Steadiness};
 use super::tally::{CHIP_MIN_MM, Sample, Tally, Turn};
 use super::trail::{Of, STRETCH_MAX, Stretch, at_tip};
+use super::way::Way;
 
 /// Around the workpiece: nearer than this the edges are asked.
 const NEAR_MM: f64 = 1.0;
@@ -81,6 +82,7 @@ pub struct LoadMeter {
     passes: Vec<(f64, Edge)>,
     blocks: Vec<(Of, Tally)>,
     windows: Vec<Window>,
+    way: Way,
     left_out: Vec<LeftOut>,
 }
 
@@ -106,6 +108,7 @@ impl LoadMeter {
             passes,
             blocks: Vec::new(),
             windows: Vec::new(),
+            way: Way::default(),
             left_out: Vec::new(),
         }
     }
@@ -140,6 +143,11 @@ impl LoadMeter {
     /// The same by quarters of a second.
     pub fn windows(&self) -> &[Window] {
         &self.windows
+    }
+
+    /// Where the tip went while edges could touch the workpiece.
+    pub fn way(&self) -> &Way {
+        &self.way
     }
 
     /// Cutting blocks whose place on the workpiece is not known, or that lean.
@@ -180,16 +188,17 @@ impl LoadMeter {
             Ok(_) => return,
             Err(why) => {
                 LeftOut::count(&mut self.left_out, stretch.of, *why);
-                return self.lift();
+                return self.leave();
             }
         };
         let turned = rev_per_min / S_PER_MIN * STEP.to_s() * self.steps_a_turn as f64;
         let turns = turned > 0.0 && turned < STEPS_MAX;
         if !(turns && ends.iter().any(|tip_mm| self.is_near(tip_mm))) {
-            return self.lift();
+            return self.leave();
         }
         if stretch.of.is_rapid {
             self.lift();
+            ends.iter().for_each(|tip_mm| self.way.go(&stretch.of, *tip_mm));
             for sink in 1..=SINKS {
                 let stand = self.stand(&between(&ends, f64::from(sink) / f64::from(SINKS)));
                 self.settings.process.bite_mut().sink(&stand);
@@ -203,6 +212,9 @@ impl LoadMeter {
             let part = (step as f64 - was_due) / turned;
             let tip_mm = between(&ends, part);
             self.step(stretch, &tip_mm, rev_per_min);
+            if self.way.is_lifted() || step == count as u64 {
+                self.way.go(&stretch.of, tip_mm);
+            }
         }
     }
 
@@ -277,6 +289,12 @@ impl LoadMeter {
         self.settings.samples.lift();
         self.passes.iter_mut().for_each(|(pass_mm, _)| *pass_mm = 0.0);
         self.turn = Turn::new();
+    }
+
+    /// Out of reach of the workpiece.
+    fn leave(&mut self) {
+        self.lift();
+        self.way.lift();
     }
 
     fn stand(&self, tip_mm: &Vector) -> Stand {
