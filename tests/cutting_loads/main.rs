@@ -14,3 +14,5 @@ mod arcs;
 mod complaints;
 
 mod vibration;
+
+mod marks;

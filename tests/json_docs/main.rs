@@ -198,6 +198,7 @@ fn what_is_left_out_of_a_cut_and_how_far_it_is_from_its_target_is_documented() {
     let report = object(&["simulate", &job], 0);
     documented.assert_fits("simulate", &report);
     let loads = &report["loads"];
+    assert!(loads["marks"]["largest"]["off"].is_f64(), "{loads}");
     assert!(loads["blocks"][0]["load"]["chips"][0].is_u64() && loads["left_out"][0]["cause"] == "contour", "{loads}");
 }
 

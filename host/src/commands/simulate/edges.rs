@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use arcfeed_hil_sim::cutting::bite::Bite;
+use arcfeed_hil_sim::cutting::bite::{Bite, Slice, slices};
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EdgeError, EndMill, Ring};
 use arcfeed_hil_sim::cutting::layers::Layers;
@@ -45,14 +45,24 @@ pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<P
     let Some(workpiece) = &file.workpiece else { return Err((None, "there is no workpiece".into())) };
     let forces = forces(&cutting.coefficients)?;
     let told = |error: &dyn std::fmt::Display| (None, error.to_string());
-    let rise_mm = cutting.axial_depth_mm / cutting.layers as f64;
-    let edges = edges(file, cutting, workpiece.body.corner_mm, rise_mm).map_err(|error| told(&error))?;
+    let rise_mm = rise_mm(cutting);
+    let edges = edges(file, cutting, workpiece.body.corner_mm).map_err(|error| told(&error))?;
     let layers = Layers::of_solid(blank, UPRIGHT, rise_mm, workpiece.step_mm).map_err(|error| told(&error))?;
     let depth_mm = edges.rake_max_mm();
     let bite = Bite::new(edges, layers, depth_mm).map_err(|error| told(&error))?;
     let modes = cutting.modes.iter().map(mode).collect::<Result<Vec<Mode>, Trouble>>()?;
     let stepping = if modes.is_empty() { RIGID } else { FLEXIBLE };
     Ok(Process::new(bite, forces, Vibration::new(modes, stepping)))
+}
+
+/// The solid that the edges would turn if the tool ran true: what marks are told against.
+///
+/// # Errors
+/// The edges are none.
+pub fn true_solid(file: &JobFile, cutting: &Cutting) -> Result<Vec<Slice>, Trouble> {
+    let corner_mm = file.workpiece.as_ref().map_or(0.0, |workpiece| workpiece.body.corner_mm);
+    let edges = true_edges(file, cutting, corner_mm).map_err(|error| (None, error.to_string()))?;
+    Ok(slices(&edges))
 }
 
 /// The largest turn in a step.
@@ -73,9 +83,14 @@ fn mode(told: &ModeFigures) -> Result<Mode, Trouble> {
         .map_err(|error| (Some(told.offset), error.to_string()))
 }
 
-fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64, rise_mm: f64) -> Result<Cutter, EdgeError> {
-    let (slices, height_mm) = (Pieces::Slices { rise_mm }, cutting.axial_depth_mm);
-    let mut cutter = match &file.job.tool {
+fn rise_mm(cutting: &Cutting) -> f64 {
+    cutting.axial_depth_mm / cutting.layers as f64
+}
+
+/// Teeth alike, about the spindle's axis.
+fn true_edges(file: &JobFile, cutting: &Cutting, corner_mm: f64) -> Result<Cutter, EdgeError> {
+    let (slices, height_mm) = (Pieces::Slices { rise_mm: rise_mm(cutting) }, cutting.axial_depth_mm);
+    match &file.job.tool {
         Tool::CupMill(cup) => {
             let ring = Ring {
                 outer_radius_mm: cup.outer_radius.to_mm(),
@@ -84,7 +99,7 @@ fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64, rise_mm: f64) -> Res
                 active_teeth: usize::from(cup.active_teeth),
                 height_mm,
             };
-            Cutter::ring(&ring, slices)?
+            Cutter::ring(&ring, slices)
         }
         Tool::EndMill(mill) => {
             let mill = EndMill {
@@ -94,9 +109,13 @@ fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64, rise_mm: f64) -> Res
                 helix_rad: cutting.helix_rad,
                 height_mm,
             };
-            Cutter::end_mill(&mill, slices)?
+            Cutter::end_mill(&mill, slices)
         }
-    };
+    }
+}
+
+fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64) -> Result<Cutter, EdgeError> {
+    let mut cutter = true_edges(file, cutting, corner_mm)?;
     if !cutting.pitch_rad.is_empty() {
         cutter = cutter.with_pitch(&cutting.pitch_rad)?;
     }

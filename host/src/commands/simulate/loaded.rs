@@ -39,6 +39,8 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Loa
         rules: rules.collect(),
         blocks: blocks(unit, meter, baseline),
         vibration: (!meter.process().vibration().is_rigid()).then(|| vibration(unit, meter, baseline)),
+        marks: None,
+        baseline_marks: None,
         left_out: meter
             .left_out()
             .iter()

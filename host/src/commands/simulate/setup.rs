@@ -19,8 +19,9 @@ use arcfeed_shared::units::Nm;
 
 use super::super::outcome::{Failure, file_failure};
 use super::edges;
+use super::marked::Truth;
 use crate::job::workpiece::{Blank, Body, StlFile};
-use crate::job::{JobFile, Workpiece};
+use crate::job::{Cutting, JobFile, Workpiece};
 use crate::place::place;
 
 /// How far chords may be from the path, and from the tool's corners, as a part of the step between rays.
@@ -36,6 +37,8 @@ pub struct Setup<'a> {
     pub place: String,
     /// The edges in it before the run, where the job tells of cutting.
     pub loads: Option<LoadSettings>,
+    /// What the marks of those edges are told against.
+    pub truth: Option<Truth>,
 }
 
 impl<'a> Setup<'a> {
@@ -57,18 +60,21 @@ impl<'a> Setup<'a> {
         let blank = solid(&workpiece.blank, tolerance_mm).map_err(|error| error.at(&place))?;
         let stock = Stock::new(&*blank, workpiece.step_mm, workpiece.memory_max_bytes).map_err(|error| told(&error))?;
         let machine = file.machine.as_ref().map(|named| named.machine);
-        let cutting = file.cutting.as_ref().map(|cutting| (cutting, edges::process(file, cutting, &*blank)));
-        let loads = cutting.map(|(cutting, process)| match process {
-            Ok(process) => {
-                let (step_max_rad, samples) = (edges::step_max_rad(file, cutting), edges::samples(file));
-                Ok(LoadSettings { process, machine, step_max_rad, samples })
-            }
-            Err((offset, message)) => {
-                Err(Failure::Input(format!("{}: {message}", located(offset.unwrap_or(cutting.offset)))))
-            }
+        let edges = |cutting: &Cutting| -> Result<(LoadSettings, Truth), edges::Trouble> {
+            let process = edges::process(file, cutting, &*blank)?;
+            let truth = Truth { blank: process.bite().layers().clone(), solid: edges::true_solid(file, cutting)? };
+            let (step_max_rad, samples) = (edges::step_max_rad(file, cutting), edges::samples(file));
+            Ok((LoadSettings { process, machine, step_max_rad, samples }, truth))
+        };
+        let edges = file.cutting.as_ref().map(|cutting| {
+            let wrong = |(offset, message): edges::Trouble| {
+                Failure::Input(format!("{}: {message}", located(offset.unwrap_or(cutting.offset))))
+            };
+            edges(cutting).map_err(wrong)
         });
-        let loads = loads.transpose()?;
-        Ok(Some(Setup { workpiece, settings: CutterSettings { stock, tool, machine, tolerance_mm }, place, loads }))
+        let (loads, truth) = edges.transpose()?.unzip();
+        let settings = CutterSettings { stock, tool, machine, tolerance_mm };
+        Ok(Some(Setup { workpiece, settings, place, loads, truth }))
     }
 
     /// What its edges meet in a run.
