@@ -16,3 +16,5 @@ mod complaints;
 mod vibration;
 
 mod marks;
+
+mod flexible;

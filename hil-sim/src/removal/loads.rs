@@ -23,6 +23,7 @@ use crate::process::{Moment, Process};
 use crate::rig::{Rig, STEP};
 
 use super::cutter::LeftOut;
+use super::giving::Giving;
 use super::placing::Placing;
 use super::steadiness::{Samples, Steadiness};
 use super::tally::{CHIP_MIN_MM, Sample, Tally, Turn};
@@ -47,6 +48,8 @@ pub struct LoadSettings {
     pub machine: Option<Machine>,
     /// Largest turn in a step.
     pub step_max_rad: f64,
+    /// A workpiece that gives way, its modes the first ones of the process.
+    pub giving: Option<Giving>,
     /// Where tool and workpiece give way: samples in a turn, and what counts as no change of their place.
     pub samples: Samples,
 }
@@ -160,6 +163,12 @@ impl LoadMeter {
         self.settings.samples.blocks()
     }
 
+    /// Natural frequencies of a workpiece that gives way, from the lowest.
+    pub fn workpiece_hz(&self) -> impl Iterator<Item = f64> {
+        let count = self.settings.giving.as_ref().map_or(0, Giving::count);
+        self.settings.process.vibration().modes()[..count].iter().map(|mode| mode.frequency_hz)
+    }
+
     /// What counts there as no change.
     pub fn floor_mm(&self) -> f64 {
         self.settings.samples.floor_mm()
@@ -204,6 +213,9 @@ impl LoadMeter {
                 self.settings.process.bite_mut().sink(&stand);
             }
             return;
+        }
+        if let Some(giving) = &mut self.settings.giving {
+            self.settings.process.vibration_mut().see_from(giving.shapes(&ends[1]));
         }
         let was_due = self.due;
         let count = libm::floor(was_due + turned);

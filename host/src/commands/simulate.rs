@@ -1,6 +1,8 @@
 //! `arcfeed simulate`: the program before and after, on the machine in software, as fast as it goes, and what it takes from
 //! the job's workpiece.
 
+mod body;
+
 mod edges;
 
 mod marked;

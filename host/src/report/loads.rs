@@ -40,6 +40,8 @@ pub struct LoadsFigures {
 pub struct VibrationFigures {
     /// What counts as no change.
     pub floor: f64,
+    /// Natural frequencies of a workpiece that gives way, from the lowest.
+    pub workpiece_hz: Vec<f64>,
     /// Blocks that were long enough to tell.
     pub judged: usize,
     /// The largest mean change of a window of teeth.
@@ -192,6 +194,10 @@ impl fmt::Display for LoadsFigures {
             writeln!(f)?;
         }
         if let Some(vibration) = &self.vibration {
+            let hz: Vec<String> = vibration.workpiece_hz.iter().map(|hz| short(*hz)).collect();
+            if !hz.is_empty() {
+                writeln!(f, "    workpiece gives way at {} Hz", hz.join(", "))?;
+            }
             writeln!(f, "    {}", vibration.words(self.unit))?;
         }
         self.marks_words().map_or(Ok(()), |words| writeln!(f, "    {words}"))

@@ -11,11 +11,13 @@ use arcfeed_hil_sim::dynamics::modal::Mode;
 use arcfeed_hil_sim::dynamics::transition::Rule;
 use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
 use arcfeed_hil_sim::process::Process;
+use arcfeed_hil_sim::removal::giving::Giving;
 use arcfeed_hil_sim::removal::steadiness::{FLOOR_RATIO, Samples};
 use arcfeed_hil_sim::stock::solid::Solid;
 use arcfeed_shared::tool::Tool;
 use arcfeed_shared::units::{Nm, S_PER_MIN};
 
+use super::body::{self, Trouble};
 use crate::job::cutting::{Coefficients, Mode as ModeFigures};
 use crate::job::{Cutting, JobFile};
 
@@ -34,14 +36,11 @@ const FLEXIBLE: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-7, pas
 /// A rigid tool moves nowhere, in one pass.
 const RIGID: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 0.0, passes_max: 1 };
 
-/// What is wrong, and the byte offset in the job file if it is not the table's.
-pub type Trouble = (Option<usize>, String);
-
-/// The edges in a blank, before a run.
+/// The edges in a blank, before a run, and the blank if it gives way.
 ///
 /// # Errors
-/// The material is not known, the edges are none, or there are too many layers.
-pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<Process, Trouble> {
+/// The material is not known, the edges are none, there are too many layers, or what gives way has no such modes.
+pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<(Process, Option<Giving>), Trouble> {
     let Some(workpiece) = &file.workpiece else { return Err((None, "there is no workpiece".into())) };
     let forces = forces(&cutting.coefficients)?;
     let told = |error: &dyn std::fmt::Display| (None, error.to_string());
@@ -50,9 +49,17 @@ pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<P
     let layers = Layers::of_solid(blank, UPRIGHT, rise_mm, workpiece.step_mm).map_err(|error| told(&error))?;
     let depth_mm = edges.rake_max_mm();
     let bite = Bite::new(edges, layers, depth_mm).map_err(|error| told(&error))?;
-    let modes = cutting.modes.iter().map(mode).collect::<Result<Vec<Mode>, Trouble>>()?;
+    let (mut modes, mut giving) = (Vec::new(), None);
+    if let Some(flexible) = &workpiece.flexible {
+        let (body, of_body) = body::giving(flexible, cutting.axial_depth_mm)?;
+        modes.extend(of_body);
+        giving = Some(body);
+    }
+    for told in &cutting.modes {
+        modes.push(mode(told)?);
+    }
     let stepping = if modes.is_empty() { RIGID } else { FLEXIBLE };
-    Ok(Process::new(bite, forces, Vibration::new(modes, stepping)))
+    Ok((Process::new(bite, forces, Vibration::new(modes, stepping)), giving))
 }
 
 /// The solid that the edges would turn if the tool ran true: what marks are told against.
@@ -66,9 +73,9 @@ pub fn true_solid(file: &JobFile, cutting: &Cutting) -> Result<Vec<Slice>, Troub
 }
 
 /// The largest turn in a step.
-pub fn step_max_rad(file: &JobFile, cutting: &Cutting) -> f64 {
+pub fn step_max_rad(file: &JobFile, process: &Process) -> f64 {
     let turned_rad_per_s = f64::from(file.job.spindle.0) * TAU / S_PER_MIN;
-    let fastest_hz = cutting.modes.iter().map(|mode| mode.frequency_hz).fold(0.0, f64::max);
+    let fastest_hz = process.vibration().modes().iter().map(|mode| mode.frequency_hz).fold(0.0, f64::max);
     STEP_RAD.min(turned_rad_per_s / (fastest_hz * STEPS_A_PERIOD))
 }
 

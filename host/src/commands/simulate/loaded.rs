@@ -67,6 +67,7 @@ fn vibration(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Vibra
     };
     VibrationFigures {
         floor: meter.floor_mm() / unit.mm(),
+        workpiece_hz: meter.workpiece_hz().collect(),
         judged: meter.steadiness().len(),
         metric_max: worst(meter),
         baseline_metric_max: worst(baseline),

@@ -18,6 +18,7 @@ use arcfeed_shared::tool::Tool as JobTool;
 use arcfeed_shared::units::Nm;
 
 use super::super::outcome::{Failure, file_failure};
+use super::body;
 use super::edges;
 use super::marked::Truth;
 use crate::job::workpiece::{Blank, Body, StlFile};
@@ -60,14 +61,14 @@ impl<'a> Setup<'a> {
         let blank = solid(&workpiece.blank, tolerance_mm).map_err(|error| error.at(&place))?;
         let stock = Stock::new(&*blank, workpiece.step_mm, workpiece.memory_max_bytes).map_err(|error| told(&error))?;
         let machine = file.machine.as_ref().map(|named| named.machine);
-        let edges = |cutting: &Cutting| -> Result<(LoadSettings, Truth), edges::Trouble> {
-            let process = edges::process(file, cutting, &*blank)?;
+        let edges = |cutting: &Cutting| -> Result<(LoadSettings, Truth), body::Trouble> {
+            let (process, giving) = edges::process(file, cutting, &*blank)?;
             let truth = Truth { blank: process.bite().layers().clone(), solid: edges::true_solid(file, cutting)? };
-            let (step_max_rad, samples) = (edges::step_max_rad(file, cutting), edges::samples(file));
-            Ok((LoadSettings { process, machine, step_max_rad, samples }, truth))
+            let (step_max_rad, samples) = (edges::step_max_rad(file, &process), edges::samples(file));
+            Ok((LoadSettings { process, machine, step_max_rad, giving, samples }, truth))
         };
         let edges = file.cutting.as_ref().map(|cutting| {
-            let wrong = |(offset, message): edges::Trouble| {
+            let wrong = |(offset, message): body::Trouble| {
                 Failure::Input(format!("{}: {message}", located(offset.unwrap_or(cutting.offset))))
             };
             edges(cutting).map_err(wrong)
