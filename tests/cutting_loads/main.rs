@@ -5,6 +5,9 @@
 #[path = "../cutting_forces/trochoid.rs"]
 mod trochoid;
 
+#[path = "../fe/at_nodes.rs"]
+mod at_nodes;
+
 mod story;
 
 mod slots;
@@ -18,3 +21,5 @@ mod vibration;
 mod marks;
 
 mod flexible;
+
+mod wall;

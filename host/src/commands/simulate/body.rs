@@ -8,6 +8,7 @@ use arcfeed_hil_sim::fe::field::Field;
 use arcfeed_hil_sim::fe::material::{MATERIALS, Material};
 use arcfeed_hil_sim::fe::slab::{Face, Slab};
 use arcfeed_hil_sim::removal::giving::Giving;
+use arcfeed_hil_sim::stock::solid::Solid;
 
 use crate::job::flexible::{Elastic, Flexible};
 
@@ -16,6 +17,12 @@ const REACH_MM: f64 = 1e-3;
 
 /// What is wrong, and the byte offset in the job file if it is not the table's.
 pub type Trouble = (Option<usize>, String);
+
+/// Whether it reaches into a blank's box.
+pub fn is_part_of(flexible: &Flexible, blank: &dyn Solid) -> bool {
+    let [lowest_mm, highest_mm] = blank.bounds_mm();
+    (0..3).all(|axis| flexible.lowest_mm[axis] < highest_mm[axis] && lowest_mm[axis] < flexible.highest_mm[axis])
+}
 
 /// The body for a tool with edges so far up from its tip, and its modes.
 ///
