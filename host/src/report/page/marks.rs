@@ -14,9 +14,8 @@ const SHOWN: usize = 20;
 pub fn section(loads: &LoadsFigures, marks: &MarksFigures, map: &str) -> Section {
     let mut body = format!(
         "<p>Material left (red) and taken (blue) on walls, {}, against what a true tool without teeth leaves; where layers lie \
-         over each other, the most. {}.</p>\n{map}",
-        loads.unit,
-        loads.marks_words().map(|words| escaped(&words)).unwrap_or_default()
+         over each other, the most.</p>\n{map}",
+        loads.unit
     );
     let layers = marks.layers.iter().map(|layer| (format!("layer at Z{}", short(layer.z)), String::new(), layer.range));
     table(&mut body, "layer", worst(layers.collect()));
