@@ -8,6 +8,7 @@
 
 use std::f64::consts::TAU;
 use std::fmt;
+use std::sync::Arc;
 
 use arcfeed_shared::units::T_PER_KG;
 use nalgebra::Vector3;
@@ -51,10 +52,30 @@ impl Modal for DiskField {
     }
 }
 
+impl<B: Modal> Modal for &B {
+    fn omega_rad_per_s(&self) -> &[f64] {
+        (*self).omega_rad_per_s()
+    }
+
+    fn stand_at(&self, point_mm: [f64; 3], station: &mut Station) -> Result<(), TooFar> {
+        (*self).stand_at(point_mm, station)
+    }
+}
+
+impl<B: Modal> Modal for Arc<B> {
+    fn omega_rad_per_s(&self) -> &[f64] {
+        (**self).omega_rad_per_s()
+    }
+
+    fn stand_at(&self, point_mm: [f64; 3], station: &mut Station) -> Result<(), TooFar> {
+        (**self).stand_at(point_mm, station)
+    }
+}
+
 /// A workpiece that a tool moves along; state: where it was seen from last, for the next place is near.
 #[derive(Clone, Debug)]
-pub struct Workpiece<'a, B> {
-    body: &'a B,
+pub struct Workpiece<B> {
+    body: B,
     station: Station,
     shapes: Vec<Vector3<f64>>,
 }
@@ -85,10 +106,15 @@ impl From<TooFar> for SeenError {
     }
 }
 
-impl<'a, B: Modal> Workpiece<'a, B> {
+impl<B: Modal> Workpiece<B> {
     /// A body, not seen yet.
-    pub fn new(body: &'a B) -> Self {
+    pub fn new(body: B) -> Self {
         Workpiece { body, station: Station::default(), shapes: Vec::new() }
+    }
+
+    /// How many modes it has.
+    pub fn count(&self) -> usize {
+        self.body.omega_rad_per_s().len()
     }
 
     /// What the modes do at a point, 1/sqrt(kg).

@@ -4,6 +4,8 @@ mod quantity;
 
 pub mod cutting;
 
+pub mod flexible;
+
 mod schema;
 
 mod tables;

@@ -5,6 +5,9 @@
 #[path = "../cutting_forces/trochoid.rs"]
 mod trochoid;
 
+#[path = "../fe/at_nodes.rs"]
+mod at_nodes;
+
 mod story;
 
 mod slots;
@@ -14,3 +17,9 @@ mod arcs;
 mod complaints;
 
 mod vibration;
+
+mod marks;
+
+mod flexible;
+
+mod wall;

@@ -19,6 +19,12 @@ pub struct Slot<'a> {
 impl Slot<'_> {
     /// Along X in the middle of a block, from a plunge.
     pub fn told(&self, name: &str) -> Value {
+        let (job, program) = self.texts();
+        told(name, &job, &program)
+    }
+
+    /// Its job and its program.
+    pub fn texts(&self) -> (String, String) {
         let Slot { diameter_mm, teeth, rev_per_min, axial_depth_mm, way_mm, .. } = *self;
         let feed = self.feed_mm_per_tooth * teeth as f64 * rev_per_min;
         let beside_mm = diameter_mm / 2.0 + 2.0;
@@ -37,7 +43,7 @@ impl Slot<'_> {
              N6G1X0.F9000.\nN7M30\n%\n",
             way_mm + 0.013
         );
-        told(name, &job, &program)
+        (job, program)
     }
 }
 

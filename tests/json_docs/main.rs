@@ -205,11 +205,14 @@ fn what_is_left_out_of_a_cut_and_how_far_it_is_from_its_target_is_documented() {
     documented.assert_fits("simulate", &report);
     let material = &report["material"];
     assert!(material["deviation"].is_object() && material["left_out"][0]["cause"] == "contour", "{material}");
-    let cutting = "[cutting]\nkc11 = 800\nmc = 0.25\nradial = 0.4\naxial = 0.2\naxial_depth = 2\n";
+    let cutting = "flexible = { block = { from = [0, 0, -4], to = [12, 8, 0], cells = [1, 1, 1], clamped = \"z-\" }, \
+                   material = \"7075-T6\", modes = 2, damping = 0.02 }\n\
+                   [cutting]\nkc11 = 800\nmc = 0.25\nradial = 0.4\naxial = 0.2\naxial_depth = 2\n";
     let job = scratch.write("cutting.toml", format!("{head}{cutting}"));
     let report = object(&["simulate", &job], 0);
     documented.assert_fits("simulate", &report);
     let loads = &report["loads"];
+    assert!(loads["marks"]["largest"]["off"].is_f64() && loads["vibration"]["workpiece_hz"][1].is_f64(), "{loads}");
     assert!(loads["blocks"][0]["load"]["chips"][0].is_u64() && loads["left_out"][0]["cause"] == "contour", "{loads}");
 }
 

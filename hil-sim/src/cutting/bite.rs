@@ -32,11 +32,13 @@ pub struct Bite {
 
 /// What the pieces at one height turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Slice {
-    height_mm: f64,
+pub struct Slice {
+    /// Their middle above the tip.
+    pub height_mm: f64,
     /// 0 without inner edges.
-    inner_mm: f64,
-    outer_mm: f64,
+    pub inner_mm: f64,
+    /// From the spindle's axis to the outermost.
+    pub outer_mm: f64,
 }
 
 /// Where the cutter is.
@@ -186,8 +188,10 @@ impl Bite {
     }
 }
 
+/// The solid that a cutter's edges turn, from the tip upwards.
+///
 /// Pieces of the first tooth stand one above the other, and so do those of all others, at the same heights.
-fn slices(cutter: &Cutter) -> Vec<Slice> {
+pub fn slices(cutter: &Cutter) -> Vec<Slice> {
     let mut slices: Vec<Slice> = Vec::new();
     for piece in cutter.pieces() {
         let found = slices.iter().position(|slice| slice.height_mm == piece.height_mm);

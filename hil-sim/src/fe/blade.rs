@@ -11,7 +11,7 @@
 //!
 //! (1) and (2): a circle through both ends of the chord. (3) is a parabola, so that a quadratic element holds it.
 
-use super::mesh::{Mesh, MeshError};
+use super::mesh::{Mesh, MeshError, graded};
 
 /// Angle of camber below which the middle line is straight.
 const STRAIGHT_RAD: f64 = 1e-9;
@@ -78,15 +78,7 @@ impl Blade {
     /// No cells along an axis, or a shape that folds them.
     pub fn mesh(&self, cells: [usize; 3], foot_ratio: f64) -> Result<Mesh, MeshError> {
         let part = |at: [f64; 3], axis: usize| at[axis] / cells[axis] as f64 - 0.5;
-        let below = |layer: f64| {
-            let before = layer * (layer - 1.0) / (2.0 * (cells[2] as f64 - 1.0).max(1.0));
-            layer + (foot_ratio - 1.0) * (layer - before)
-        };
-        let height = |at: f64| {
-            let layer = at.floor();
-            let (low, high) = (below(layer), below(layer + 1.0));
-            (low + (high - low) * (at - layer)) / below(cells[2] as f64)
-        };
+        let height = |at: f64| graded(at / cells[2] as f64, cells[2], foot_ratio);
         Mesh::mapped(cells, |_| true, |at| self.point_mm([part(at, 0), part(at, 1), height(at[2])]))
     }
 

@@ -25,6 +25,14 @@ pub const INCONEL_718: Material = Material { young_mpa: 200e3, poisson_ratio: 0.
 /// Aluminium 7075-T6: ASM (10.4e6 psi, 0.33, 2.81 g/cm3).
 pub const ALUMINIUM_7075: Material = Material { young_mpa: 71.7e3, poisson_ratio: 0.33, density_kg_per_m3: 2810.0 };
 
+/// All of them, by name.
+pub const MATERIALS: [(&str, Material); 4] = [
+    ("Ti-6Al-4V", TITANIUM_6AL_4V),
+    ("structural steel", STEEL),
+    ("Inconel 718", INCONEL_718),
+    ("7075-T6", ALUMINIUM_7075),
+];
+
 impl Material {
     /// Density, t/mm3.
     pub fn density_t_per_mm3(&self) -> f64 {

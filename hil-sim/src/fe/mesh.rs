@@ -50,6 +50,18 @@ impl std::error::Error for MeshError {}
 /// The orders of three axes, even ones first.
 const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
 
+/// Where a place in a row of equal cells, both from 0 to 1, goes if the first is to be `first_ratio` as long as the last, evenly in between.
+pub fn graded(at_ratio: f64, cells: usize, first_ratio: f64) -> f64 {
+    let at = at_ratio * cells as f64;
+    let before = |cell: f64| {
+        let sum = cell * (cell - 1.0) / (2.0 * (cells as f64 - 1.0).max(1.0));
+        cell + (first_ratio - 1.0) * (cell - sum)
+    };
+    let cell = at.floor();
+    let (low, high) = (before(cell), before(cell + 1.0));
+    (low + (high - low) * (at - cell)) / before(cells as f64)
+}
+
 /// The ten nodes of a cell's tetrahedron, in half cells; cells with odd numbers are mirrored.
 fn tetrahedron(cell: [usize; 3], order: usize) -> [HalfCells; NODES] {
     let is_mirrored = cell.map(|c| c % 2 == 1);

@@ -14,6 +14,8 @@ pub mod mesh;
 
 pub mod blade;
 
+pub mod slab;
+
 pub mod disk;
 
 pub mod order;

@@ -183,11 +183,7 @@ impl Pass {
     ///
     /// # Errors
     /// There is no such tool, or the contact is off the workpiece.
-    pub fn run<B: Modal>(
-        &self,
-        modes: Vec<Mode>,
-        mut workpiece: Option<Workpiece<'_, B>>,
-    ) -> Result<Machined, PassError> {
+    pub fn run<B: Modal>(&self, modes: Vec<Mode>, mut workpiece: Option<Workpiece<B>>) -> Result<Machined, PassError> {
         let mut process = self.process(modes)?;
         let half_mm = self.side.length_mm() / 2.0;
         let from_mm = -half_mm - self.reach_mm() - AIR_MM;

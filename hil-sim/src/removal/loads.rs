@@ -23,10 +23,12 @@ use crate::process::{Moment, Process};
 use crate::rig::{Rig, STEP};
 
 use super::cutter::LeftOut;
+use super::giving::Giving;
 use super::placing::Placing;
 use super::steadiness::{Samples, Steadiness};
 use super::tally::{CHIP_MIN_MM, Sample, Tally, Turn};
 use super::trail::{Of, STRETCH_MAX, Stretch, at_tip};
+use super::way::Way;
 
 /// Around the workpiece: nearer than this the edges are asked.
 const NEAR_MM: f64 = 1.0;
@@ -46,6 +48,8 @@ pub struct LoadSettings {
     pub machine: Option<Machine>,
     /// Largest turn in a step.
     pub step_max_rad: f64,
+    /// A workpiece that gives way, its modes the first ones of the process.
+    pub giving: Option<Giving>,
     /// Where tool and workpiece give way: samples in a turn, and what counts as no change of their place.
     pub samples: Samples,
 }
@@ -81,6 +85,7 @@ pub struct LoadMeter {
     passes: Vec<(f64, Edge)>,
     blocks: Vec<(Of, Tally)>,
     windows: Vec<Window>,
+    way: Way,
     left_out: Vec<LeftOut>,
 }
 
@@ -106,6 +111,7 @@ impl LoadMeter {
             passes,
             blocks: Vec::new(),
             windows: Vec::new(),
+            way: Way::default(),
             left_out: Vec::new(),
         }
     }
@@ -142,6 +148,11 @@ impl LoadMeter {
         &self.windows
     }
 
+    /// Where the tip went while edges could touch the workpiece.
+    pub fn way(&self) -> &Way {
+        &self.way
+    }
+
     /// Cutting blocks whose place on the workpiece is not known, or that lean.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
@@ -150,6 +161,12 @@ impl LoadMeter {
     /// How the blocks cut that were long enough to tell; none of a rigid tool.
     pub fn steadiness(&self) -> &[Steadiness] {
         self.settings.samples.blocks()
+    }
+
+    /// Natural frequencies of a workpiece that gives way, from the lowest.
+    pub fn workpiece_hz(&self) -> impl Iterator<Item = f64> {
+        let count = self.settings.giving.as_ref().map_or(0, Giving::count);
+        self.settings.process.vibration().modes()[..count].iter().map(|mode| mode.frequency_hz)
     }
 
     /// What counts there as no change.
@@ -180,21 +197,25 @@ impl LoadMeter {
             Ok(_) => return,
             Err(why) => {
                 LeftOut::count(&mut self.left_out, stretch.of, *why);
-                return self.lift();
+                return self.leave();
             }
         };
         let turned = rev_per_min / S_PER_MIN * STEP.to_s() * self.steps_a_turn as f64;
         let turns = turned > 0.0 && turned < STEPS_MAX;
         if !(turns && ends.iter().any(|tip_mm| self.is_near(tip_mm))) {
-            return self.lift();
+            return self.leave();
         }
         if stretch.of.is_rapid {
             self.lift();
+            ends.iter().for_each(|tip_mm| self.way.go(&stretch.of, *tip_mm));
             for sink in 1..=SINKS {
                 let stand = self.stand(&between(&ends, f64::from(sink) / f64::from(SINKS)));
                 self.settings.process.bite_mut().sink(&stand);
             }
             return;
+        }
+        if let Some(giving) = &mut self.settings.giving {
+            self.settings.process.vibration_mut().see_from(giving.shapes(&ends[1]));
         }
         let was_due = self.due;
         let count = libm::floor(was_due + turned);
@@ -203,6 +224,9 @@ impl LoadMeter {
             let part = (step as f64 - was_due) / turned;
             let tip_mm = between(&ends, part);
             self.step(stretch, &tip_mm, rev_per_min);
+            if self.way.is_lifted() || step == count as u64 {
+                self.way.go(&stretch.of, tip_mm);
+            }
         }
     }
 
@@ -277,6 +301,12 @@ impl LoadMeter {
         self.settings.samples.lift();
         self.passes.iter_mut().for_each(|(pass_mm, _)| *pass_mm = 0.0);
         self.turn = Turn::new();
+    }
+
+    /// Out of reach of the workpiece.
+    fn leave(&mut self) {
+        self.lift();
+        self.way.lift();
     }
 
     fn stand(&self, tip_mm: &Vector) -> Stand {

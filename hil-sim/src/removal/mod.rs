@@ -2,7 +2,9 @@
 //!
 //! The way is the one executed, sampled once a millisecond, not the one programmed: [`trail`] makes chords of it,
 //! [`placing`] says where tool and part are to each other then, [`cutter`] takes the material, [`rate`] has the removal
-//! rates; [`loads`] asks the edges for their chips and forces, [`tally`] counts them; [`engagement`] looks where the tool stands in material. What is left out, and how exact it is: docs/simulate.md.
+//! rates; [`loads`] asks the edges for their chips and forces, [`tally`] counts them, [`marks`] has what they leave on the walls;
+//! [`giving`] is a workpiece that gives way to them; [`engagement`] looks where the tool stands in material. What is left out, and how
+//! exact it is: docs/simulate.md.
 
 pub mod trail;
 
@@ -15,6 +17,14 @@ pub mod cutter;
 pub mod tally;
 
 pub mod steadiness;
+
+pub mod way;
+
+pub mod envelope;
+
+pub mod marks;
+
+pub mod giving;
 
 pub mod loads;
 

@@ -1,7 +1,11 @@
 //! `arcfeed simulate`: the program before and after, on the machine in software, as fast as it goes, and what it takes from
 //! the job's workpiece.
 
+mod body;
+
 mod edges;
+
+mod marked;
 
 pub(super) mod setup;
 
@@ -90,7 +94,7 @@ impl Simulate {
         compare(&mut report, measure(&before, &file.job));
         let unit = file.job.unit;
         let title = format!("{}: simulated", file.program.display());
-        let mut deviation = None;
+        let (mut deviation, mut marks) = (None, Vec::new());
         if let (Some(setup), [Some(after), Some(before)]) = (&setup, watches.each_ref().map(|watch| &watch.cutter)) {
             let mut material = told::figures(unit, setup, after, before);
             material.warnings(unit).iter().for_each(|warning| eprintln!("warning: {warning}"));
@@ -98,7 +102,12 @@ impl Simulate {
             material.deviation = deviation.as_ref().map(|(_, figures)| *figures);
             report.material = Some(material);
             if let [Some(after), Some(before)] = watches.each_ref().map(|watch| watch.loads.as_ref()) {
-                let loads = loaded::figures(unit, after, before);
+                let mut loads = loaded::figures(unit, after, before);
+                if let Some(truth) = &setup.truth {
+                    marks = truth.marks(after);
+                    loads.marks = marked::figures(unit, after, &marks);
+                    loads.baseline_marks = marked::figures(unit, before, &truth.marks(before));
+                }
                 loads.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
                 report.loads = Some(loads);
             }
@@ -108,7 +117,7 @@ impl Simulate {
         }
         if let Some(path) = &self.report {
             let runs = [(&watches[0], rig.now()), (&watches[1], before.now())];
-            Shown { title: &title, report: &report, unit, runs, deviation }.write(path)?;
+            Shown { title: &title, report: &report, job: &file.job, runs, deviation, marks }.write(path)?;
         }
         finish(&report, self.json, title)
     }

@@ -5,6 +5,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 pub use super::cutting::CuttingTable;
+pub use super::flexible::FlexibleTable;
 pub use super::quantity::Quantity;
 
 #[derive(Debug, Deserialize)]
@@ -70,6 +71,7 @@ pub struct WorkpieceTable {
     pub stl_units: Option<UnitWord>,
     pub step: Spanned<Quantity>,
     pub memory_mib: Option<Spanned<usize>>,
+    pub flexible: Option<Spanned<FlexibleTable>>,
 }
 
 #[derive(Debug, Deserialize)]

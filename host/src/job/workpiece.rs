@@ -8,6 +8,7 @@ use arcfeed_shared::tool::Tool;
 use arcfeed_shared::units::{LengthUnit, Nm};
 use toml::Spanned;
 
+use super::flexible::{self, Flexible};
 use super::schema::{BlockTable, JobTable, Quantity, RoundTable, ToolTable, WorkpieceTable};
 use super::{Complaint, at, length_mm};
 
@@ -28,6 +29,8 @@ pub struct Workpiece {
     pub step_mm: f64,
     /// Memory it may take.
     pub memory_max_bytes: usize,
+    /// What of it gives way to forces; nothing of a rigid one.
+    pub flexible: Option<Flexible>,
     /// What cuts it.
     pub body: Body,
     /// Byte offset of its table in the job file.
@@ -97,7 +100,12 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
         }
         given => given.as_ref().map_or(MEMORY_MIB, |mib| *mib.as_ref()) * MIB,
     };
+    let flexible = told.as_ref().flexible.as_ref();
+    if let Some(flexible) = flexible.filter(|_| table.cutting.is_none()) {
+        return Err(at(flexible, "[workpiece.flexible] needs [cutting]: without edges there are no forces"));
+    }
     Ok(Some(Workpiece {
+        flexible: flexible.map(|flexible| flexible::build(flexible, job.unit)).transpose()?,
         blank: blank(told, job.unit, folder, stl_unit)?,
         target,
         step_mm: length_mm(step, job.unit, "step")?,

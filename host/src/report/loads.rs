@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::marks::MarksFigures;
 use super::material::{LeftOutFigures, short};
 
 /// Loads of a run.
@@ -26,6 +27,10 @@ pub struct LoadsFigures {
     pub blocks: Vec<LoadBlockFigures>,
     /// Whether tool and workpiece come to rest against each other; none if both are rigid.
     pub vibration: Option<VibrationFigures>,
+    /// What the edges left on walls; none where they made no wall.
+    pub marks: Option<MarksFigures>,
+    /// The same of the program as it was.
+    pub baseline_marks: Option<MarksFigures>,
     /// Blocks that cut, but have no chips here.
     pub left_out: Vec<LeftOutFigures>,
 }
@@ -35,6 +40,8 @@ pub struct LoadsFigures {
 pub struct VibrationFigures {
     /// What counts as no change.
     pub floor: f64,
+    /// Natural frequencies of a workpiece that gives way, from the lowest.
+    pub workpiece_hz: Vec<f64>,
     /// Blocks that were long enough to tell.
     pub judged: usize,
     /// The largest mean change of a window of teeth.
@@ -149,6 +156,22 @@ impl LoadsFigures {
         rows
     }
 
+    /// How far walls are off, and where the most; none without walls.
+    pub fn marks_words(&self) -> Option<String> {
+        let side = |marks: &Option<MarksFigures>| marks.as_ref().map_or("no walls".into(), MarksFigures::range);
+        let MarksFigures { largest, .. } = self.marks.as_ref()?;
+        let unsteady = self.vibration.iter().flat_map(|vibration| &vibration.unsteady);
+        let verdict = unsteady.filter(|block| block.block == largest.block).map(|block| block.verdict).next();
+        Some(format!(
+            "marks on walls, {}: before {}; after {}; {}{}",
+            self.unit,
+            side(&self.baseline_marks),
+            side(&self.marks),
+            largest.words(),
+            verdict.map_or(String::new(), |verdict| format!(" ({verdict})"))
+        ))
+    }
+
     /// What a person must know, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let tilted = self.left_out.iter().filter(|left_out| left_out.cause == "tilted");
@@ -170,7 +193,14 @@ impl fmt::Display for LoadsFigures {
             pairs.into_iter().try_for_each(|(before, after)| write!(f, "{before:>11}{after:>11}"))?;
             writeln!(f)?;
         }
-        self.vibration.as_ref().map_or(Ok(()), |vibration| writeln!(f, "    {}", vibration.words(self.unit)))
+        if let Some(vibration) = &self.vibration {
+            let hz: Vec<String> = vibration.workpiece_hz.iter().map(|hz| short(*hz)).collect();
+            if !hz.is_empty() {
+                writeln!(f, "    workpiece gives way at {} Hz", hz.join(", "))?;
+            }
+            writeln!(f, "    {}", vibration.words(self.unit))?;
+        }
+        self.marks_words().map_or(Ok(()), |words| writeln!(f, "    {words}"))
     }
 }
 
@@ -194,7 +224,8 @@ impl VibrationFigures {
 }
 
 impl UnsteadyFigures {
-    fn name(&self) -> String {
+    /// For a person.
+    pub fn name(&self) -> String {
         self.n.map_or_else(|| format!("block {}", self.block), |n| format!("N{n}"))
     }
 }

@@ -2,6 +2,8 @@
 
 pub mod material;
 
+pub mod marks;
+
 pub mod loads;
 
 pub mod figures;

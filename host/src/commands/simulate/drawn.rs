@@ -4,22 +4,25 @@ use std::io::Cursor;
 use std::path::Path;
 
 use arcfeed_hil_sim::removal::cutter::Cutter;
+use arcfeed_hil_sim::removal::marks::Mark;
 use arcfeed_hil_sim::removal::rate::windows;
 use arcfeed_hil_sim::stock::deviation::HeightMap;
 use arcfeed_hil_sim::stock::files::{write_ply, write_stl};
 use arcfeed_hil_sim::stock::lattice::Lattice;
 use arcfeed_hil_sim::stock::surface::surface;
 use arcfeed_hil_sim::stock::workpiece::Stock;
-use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_shared::job::Job;
+use arcfeed_shared::units::Micros;
 
 use super::super::outcome::{Failure, write_whole};
 use super::edges::UPRIGHT;
-use super::loaded;
 use super::watch::Watch;
+use super::{loaded, marked};
 use crate::report::figures::RunReport;
 use crate::report::material::{DeviationFigures, VolumeUnit};
 use crate::report::page::loads::section as loads_section;
 use crate::report::page::map::Map;
+use crate::report::page::marks::section as marks_section;
 use crate::report::page::plot::{Lane, Series, svg};
 use crate::report::page::{Page, Section, tables};
 
@@ -38,12 +41,14 @@ pub struct Shown<'a> {
     pub title: &'a str,
     /// Its figures.
     pub report: &'a RunReport,
-    /// Unit of lengths.
-    pub unit: LengthUnit,
+    /// The job: its unit of lengths, and the chips it wants.
+    pub job: &'a Job,
     /// The run and the program as it was; each with the time of its end.
     pub runs: [(&'a Watch, Micros); 2],
     /// Where the job has a target.
     pub deviation: Option<(HeightMap, DeviationFigures)>,
+    /// What the edges left on walls.
+    pub marks: Vec<Mark>,
 }
 
 impl SurfaceFormat {
@@ -82,7 +87,7 @@ impl Shown<'_> {
     pub fn page(&self) -> Page {
         let [(watch, _), _] = self.runs;
         let mut sections = vec![tables::summary(self.title, self.report)];
-        sections.extend(self.report.material.as_ref().map(|material| tables::material(material, self.unit)));
+        sections.extend(self.report.material.as_ref().map(|material| tables::material(material, self.job.unit)));
         sections.extend(self.report.loads.as_ref().map(loads_section));
         sections.push(Section { heading: "Along time".into(), body: svg(&self.lanes()) });
         if let Some(cutter) = &watch.cutter {
@@ -97,7 +102,19 @@ impl Shown<'_> {
                 });
             }
         }
+        sections.extend(self.marks());
         Page { title: self.title.to_owned(), sections }
+    }
+
+    /// What the edges left, and where: nothing without edges.
+    fn marks(&self) -> Vec<Section> {
+        let [(watch, _), _] = self.runs;
+        let (Some(meter), Some(loads)) = (&watch.loads, &self.report.loads) else { return Vec::new() };
+        let map = marked::map(self.job.unit, meter, &self.marks).map(|map| map.svg());
+        let marks = loads.marks.as_ref().zip(map).map(|(marks, map)| marks_section(loads, marks, &map));
+        let course = marked::course(self.job.unit, self.job, meter, loads).svg();
+        let course = Section { heading: "Chips and steadiness along the path, seen along Z".into(), body: course };
+        marks.into_iter().chain((!course.body.is_empty()).then_some(course)).collect()
     }
 
     /// Writes the page.
@@ -112,7 +129,7 @@ impl Shown<'_> {
         let [(after, ends), (before, _)] = self.runs;
         let mut lanes = Vec::new();
         if let (Some(after), Some(before)) = (&after.cutter, &before.cutter) {
-            let volumes = VolumeUnit::of(self.unit);
+            let volumes = VolumeUnit::of(self.job.unit);
             let series = [("before", "#999", before), ("after", "#c03020", after)]
                 .map(|(name, color, cutter)| Series { name, color, steps: rates(cutter, volumes) });
             lanes.push(Lane { title: format!("removal rate, {}", volumes.rate_label), series: series.into() });
@@ -129,11 +146,11 @@ impl Shown<'_> {
 
     fn map(&self, heights: &HeightMap, stock: &Stock, largest: Option<(f64, [f64; 2])>) -> Map {
         let lattice = stock.lattice();
-        let in_unit = |mm: f64| mm / self.unit.mm();
+        let in_unit = |mm: f64| mm / self.job.unit.mm();
         let [columns, _] = lattice.size(UPRIGHT);
         let lowest = Lattice::across(UPRIGHT).map(|axis| in_unit(lattice.lowest_mm()[axis]));
         let values = heights.heights_mm().iter().map(|height| height.map(in_unit)).collect();
-        Map { columns, values, lowest, step: in_unit(lattice.step_mm()), unit: self.unit.label(), largest }
+        Map { columns, values, lowest, step: in_unit(lattice.step_mm()), unit: self.job.unit.label(), largest }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use arcfeed_hil_sim::cutting::bite::Bite;
+use arcfeed_hil_sim::cutting::bite::{Bite, Slice, slices};
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EdgeError, EndMill, Ring};
 use arcfeed_hil_sim::cutting::layers::Layers;
@@ -11,11 +11,13 @@ use arcfeed_hil_sim::dynamics::modal::Mode;
 use arcfeed_hil_sim::dynamics::transition::Rule;
 use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
 use arcfeed_hil_sim::process::Process;
+use arcfeed_hil_sim::removal::giving::Giving;
 use arcfeed_hil_sim::removal::steadiness::{FLOOR_RATIO, Samples};
 use arcfeed_hil_sim::stock::solid::Solid;
 use arcfeed_shared::tool::Tool;
 use arcfeed_shared::units::{Nm, S_PER_MIN};
 
+use super::body::{self, Trouble};
 use crate::job::cutting::{Coefficients, Mode as ModeFigures};
 use crate::job::{Cutting, JobFile};
 
@@ -34,31 +36,49 @@ const FLEXIBLE: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-7, pas
 /// A rigid tool moves nowhere, in one pass.
 const RIGID: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 0.0, passes_max: 1 };
 
-/// What is wrong, and the byte offset in the job file if it is not the table's.
-pub type Trouble = (Option<usize>, String);
-
-/// The edges in a blank, before a run.
+/// The edges in a blank, before a run, and the blank if it gives way.
 ///
 /// # Errors
-/// The material is not known, the edges are none, or there are too many layers.
-pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<Process, Trouble> {
+/// The material is not known, the edges are none, there are too many layers, or what gives way has no such modes.
+pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<(Process, Option<Giving>), Trouble> {
     let Some(workpiece) = &file.workpiece else { return Err((None, "there is no workpiece".into())) };
     let forces = forces(&cutting.coefficients)?;
     let told = |error: &dyn std::fmt::Display| (None, error.to_string());
-    let rise_mm = cutting.axial_depth_mm / cutting.layers as f64;
-    let edges = edges(file, cutting, workpiece.body.corner_mm, rise_mm).map_err(|error| told(&error))?;
+    let rise_mm = rise_mm(cutting);
+    let edges = edges(file, cutting, workpiece.body.corner_mm).map_err(|error| told(&error))?;
     let layers = Layers::of_solid(blank, UPRIGHT, rise_mm, workpiece.step_mm).map_err(|error| told(&error))?;
     let depth_mm = edges.rake_max_mm();
     let bite = Bite::new(edges, layers, depth_mm).map_err(|error| told(&error))?;
-    let modes = cutting.modes.iter().map(mode).collect::<Result<Vec<Mode>, Trouble>>()?;
+    let (mut modes, mut giving) = (Vec::new(), None);
+    if let Some(flexible) = &workpiece.flexible {
+        if !body::is_part_of(flexible, blank) {
+            return Err((Some(flexible.offset), "what gives way has nothing in common with the workpiece".into()));
+        }
+        let (body, of_body) = body::giving(flexible, cutting.axial_depth_mm)?;
+        modes.extend(of_body);
+        giving = Some(body);
+    }
+    for told in &cutting.modes {
+        modes.push(mode(told)?);
+    }
     let stepping = if modes.is_empty() { RIGID } else { FLEXIBLE };
-    Ok(Process::new(bite, forces, Vibration::new(modes, stepping)))
+    Ok((Process::new(bite, forces, Vibration::new(modes, stepping)), giving))
+}
+
+/// The solid that the edges would turn if the tool ran true: what marks are told against.
+///
+/// # Errors
+/// The edges are none.
+pub fn true_solid(file: &JobFile, cutting: &Cutting) -> Result<Vec<Slice>, Trouble> {
+    let corner_mm = file.workpiece.as_ref().map_or(0.0, |workpiece| workpiece.body.corner_mm);
+    let edges = true_edges(file, cutting, corner_mm).map_err(|error| (None, error.to_string()))?;
+    Ok(slices(&edges))
 }
 
 /// The largest turn in a step.
-pub fn step_max_rad(file: &JobFile, cutting: &Cutting) -> f64 {
+pub fn step_max_rad(file: &JobFile, process: &Process) -> f64 {
     let turned_rad_per_s = f64::from(file.job.spindle.0) * TAU / S_PER_MIN;
-    let fastest_hz = cutting.modes.iter().map(|mode| mode.frequency_hz).fold(0.0, f64::max);
+    let fastest_hz = process.vibration().modes().iter().map(|mode| mode.frequency_hz).fold(0.0, f64::max);
     STEP_RAD.min(turned_rad_per_s / (fastest_hz * STEPS_A_PERIOD))
 }
 
@@ -73,9 +93,14 @@ fn mode(told: &ModeFigures) -> Result<Mode, Trouble> {
         .map_err(|error| (Some(told.offset), error.to_string()))
 }
 
-fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64, rise_mm: f64) -> Result<Cutter, EdgeError> {
-    let (slices, height_mm) = (Pieces::Slices { rise_mm }, cutting.axial_depth_mm);
-    let mut cutter = match &file.job.tool {
+fn rise_mm(cutting: &Cutting) -> f64 {
+    cutting.axial_depth_mm / cutting.layers as f64
+}
+
+/// Teeth alike, about the spindle's axis.
+fn true_edges(file: &JobFile, cutting: &Cutting, corner_mm: f64) -> Result<Cutter, EdgeError> {
+    let (slices, height_mm) = (Pieces::Slices { rise_mm: rise_mm(cutting) }, cutting.axial_depth_mm);
+    match &file.job.tool {
         Tool::CupMill(cup) => {
             let ring = Ring {
                 outer_radius_mm: cup.outer_radius.to_mm(),
@@ -84,7 +109,7 @@ fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64, rise_mm: f64) -> Res
                 active_teeth: usize::from(cup.active_teeth),
                 height_mm,
             };
-            Cutter::ring(&ring, slices)?
+            Cutter::ring(&ring, slices)
         }
         Tool::EndMill(mill) => {
             let mill = EndMill {
@@ -94,9 +119,13 @@ fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64, rise_mm: f64) -> Res
                 helix_rad: cutting.helix_rad,
                 height_mm,
             };
-            Cutter::end_mill(&mill, slices)?
+            Cutter::end_mill(&mill, slices)
         }
-    };
+    }
+}
+
+fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64) -> Result<Cutter, EdgeError> {
+    let mut cutter = true_edges(file, cutting, corner_mm)?;
     if !cutting.pitch_rad.is_empty() {
         cutter = cutter.with_pitch(&cutting.pitch_rad)?;
     }

@@ -39,6 +39,8 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Loa
         rules: rules.collect(),
         blocks: blocks(unit, meter, baseline),
         vibration: (!meter.process().vibration().is_rigid()).then(|| vibration(unit, meter, baseline)),
+        marks: None,
+        baseline_marks: None,
         left_out: meter
             .left_out()
             .iter()
@@ -65,6 +67,7 @@ fn vibration(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Vibra
     };
     VibrationFigures {
         floor: meter.floor_mm() / unit.mm(),
+        workpiece_hz: meter.workpiece_hz().collect(),
         judged: meter.steadiness().len(),
         metric_max: worst(meter),
         baseline_metric_max: worst(baseline),

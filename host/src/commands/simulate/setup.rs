@@ -19,9 +19,11 @@ use arcfeed_shared::tool::Tool as JobTool;
 use arcfeed_shared::units::Nm;
 
 use super::super::outcome::{Failure, file_failure};
+use super::body;
 use super::edges;
+use super::marked::Truth;
 use crate::job::workpiece::{Blank, Body, StlFile};
-use crate::job::{JobFile, Workpiece};
+use crate::job::{Cutting, JobFile, Workpiece};
 use crate::place::place;
 
 /// How far chords may be from the path, and from the tool's corners, as a part of the step between rays.
@@ -39,6 +41,8 @@ pub struct Setup<'a> {
     depth_mm: f64,
     /// The edges in it before the run, where the job tells of cutting.
     pub loads: Option<LoadSettings>,
+    /// What the marks of those edges are told against.
+    pub truth: Option<Truth>,
 }
 
 impl<'a> Setup<'a> {
@@ -60,20 +64,22 @@ impl<'a> Setup<'a> {
         let blank = solid(&workpiece.blank, tolerance_mm).map_err(|error| error.at(&place))?;
         let stock = Stock::new(&*blank, workpiece.step_mm, workpiece.memory_max_bytes).map_err(|error| told(&error))?;
         let machine = file.machine.as_ref().map(|named| named.machine);
-        let cutting = file.cutting.as_ref().map(|cutting| (cutting, edges::process(file, cutting, &*blank)));
-        let loads = cutting.map(|(cutting, process)| match process {
-            Ok(process) => {
-                let (step_max_rad, samples) = (edges::step_max_rad(file, cutting), edges::samples(file));
-                Ok(LoadSettings { process, machine, step_max_rad, samples })
-            }
-            Err((offset, message)) => {
-                Err(Failure::Input(format!("{}: {message}", located(offset.unwrap_or(cutting.offset)))))
-            }
+        let edges = |cutting: &Cutting| -> Result<(LoadSettings, Truth), body::Trouble> {
+            let (process, giving) = edges::process(file, cutting, &*blank)?;
+            let truth = Truth { blank: process.bite().layers().clone(), solid: edges::true_solid(file, cutting)? };
+            let (step_max_rad, samples) = (edges::step_max_rad(file, &process), edges::samples(file));
+            Ok((LoadSettings { process, machine, step_max_rad, giving, samples }, truth))
+        };
+        let edges = file.cutting.as_ref().map(|cutting| {
+            let wrong = |(offset, message): body::Trouble| {
+                Failure::Input(format!("{}: {message}", located(offset.unwrap_or(cutting.offset))))
+            };
+            edges(cutting).map_err(wrong)
         });
-        let loads = loads.transpose()?;
+        let (loads, truth) = edges.transpose()?.unzip();
         let depth_mm = file.cutting.as_ref().map_or(workpiece.body.height_mm, |cutting| cutting.axial_depth_mm);
         let settings = CutterSettings { stock, tool, machine, tolerance_mm };
-        Ok(Some(Setup { workpiece, settings, place, depth_mm, loads }))
+        Ok(Some(Setup { workpiece, settings, place, depth_mm, loads, truth }))
     }
 
     /// What its edges meet in a run.

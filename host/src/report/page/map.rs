@@ -16,6 +16,9 @@ const NOTHING: u8 = SHADES as u8;
 
 const WIDTH: f64 = 700.0;
 
+/// Deviations below this are told with two digits more.
+const SMALL: f64 = 0.01;
+
 /// From low to high: dark to light.
 const HEIGHTS: [[f64; 3]; 4] = [[40.0, 20.0, 90.0], [30.0, 110.0, 140.0], [90.0, 190.0, 100.0], [250.0, 230.0, 60.0]];
 
@@ -62,11 +65,12 @@ impl Map {
         if let Some((value, at)) = self.largest {
             let [x, y] =
                 [(at[0] - self.lowest[0]) / size[0] * WIDTH, (1.0 - (at[1] - self.lowest[1]) / size[1]) * height];
+            let digits = if value.abs() < SMALL { 6 } else { 4 };
             let (anchor, dx) = if x > WIDTH / 2.0 { ("end", -12.0) } else { ("start", 12.0) };
             let _ = writeln!(
                 svg,
                 "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"8\" fill=\"none\" stroke=\"#000\" stroke-width=\"2\"/>\n\
-                 <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">largest: {value:+.4} {}</text>",
+                 <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">largest: {value:+.digits$} {}</text>",
                 x + dx,
                 (y + 4.0).clamp(12.0, height - 4.0),
                 self.unit

@@ -8,9 +8,13 @@ pub mod plot;
 
 pub mod map;
 
+pub mod course;
+
 pub mod tables;
 
 pub mod loads;
+
+pub mod marks;
 
 pub mod plan;
 

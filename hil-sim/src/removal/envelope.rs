@@ -1,0 +1,188 @@
+//! What the solid that all edges turn takes from one layer, as how deep a point lies in it.
+//!
+//! A slice of the tool is a ring from r to R about its axis (r = 0: a disc). A point at the distance d from the axis is
+//!
+//! ```text
+//! deep = R - d                      of a disc                                   (1)
+//! deep = min(R - d, d - r)          of a ring                                   (2)
+//! deep = the most of these, over all places of the axis in the layer            (3)
+//! ```
+//!
+//! deep in what the tool has swept. Negative, it is the distance of a point outside; beside a wall it is the distance from the wall.
+//! Along a leg d takes all values between two ends, so that (3) is exact for each.
+//!
+//! Source: geometry.
+
+use nalgebra::Vector2;
+
+use super::way::Leg;
+use crate::cutting::bite::Slice;
+use crate::cutting::layers::Layers;
+
+/// Parts of legs that are left out together where all of them are too far off.
+const TOGETHER: usize = 64;
+
+/// All that was swept in a layer.
+#[derive(Clone, Debug)]
+pub struct Envelope {
+    groups: Vec<Group>,
+}
+
+/// How a point lies in what was swept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Depth {
+    /// Negative outside.
+    pub deep_mm: f64,
+    /// The leg on which it is deepest.
+    pub leg: usize,
+    /// From the tool's axis there to the point.
+    pub arm_mm: Vector2<f64>,
+}
+
+/// Successive ones.
+#[derive(Clone, Debug)]
+struct Group {
+    lowest_mm: Vector2<f64>,
+    highest_mm: Vector2<f64>,
+    outer_mm: f64,
+    swept: Vec<Swept>,
+}
+
+/// What a slice swept on the part of a leg on which it was in the layer.
+#[derive(Clone, Copy, Debug)]
+struct Swept {
+    leg: usize,
+    from_mm: Vector2<f64>,
+    to_mm: Vector2<f64>,
+    slice: Slice,
+}
+
+impl Envelope {
+    /// Of these legs, by a tool of these slices.
+    pub fn new(legs: &[Leg], slices: &[Slice], layers: &Layers, layer: usize) -> Self {
+        let middle_mm = layers.middle_mm(layer);
+        let heights_mm = [middle_mm - layers.rise_mm() / 2.0, middle_mm + layers.rise_mm() / 2.0];
+        let swept = |(leg, on): (usize, &Leg)| {
+            let on = *on;
+            slices.iter().filter_map(move |slice| Swept::of(leg, &on, slice, heights_mm))
+        };
+        let swept: Vec<Swept> = legs.iter().enumerate().flat_map(swept).collect();
+        Envelope { groups: swept.chunks(TOGETHER).map(Group::new).collect() }
+    }
+
+    /// How a point lies in it; none where nothing was swept. (3)
+    pub fn deepest(&self, point_mm: &Vector2<f64>) -> Option<Depth> {
+        let mut deepest: Option<Depth> = None;
+        for group in &self.groups {
+            if deepest.is_some_and(|depth| group.deep_at_most_mm(point_mm) <= depth.deep_mm) {
+                continue;
+            }
+            for depth in group.swept.iter().map(|swept| swept.depth(point_mm)) {
+                if deepest.is_none_or(|most| depth.deep_mm > most.deep_mm) {
+                    deepest = Some(depth);
+                }
+            }
+        }
+        deepest
+    }
+}
+
+impl Group {
+    fn new(swept: &[Swept]) -> Self {
+        let ends = || swept.iter().flat_map(|swept| [swept.from_mm, swept.to_mm]);
+        Group {
+            lowest_mm: ends().fold(Vector2::repeat(f64::INFINITY), |low, end| low.inf(&end)),
+            highest_mm: ends().fold(Vector2::repeat(f64::NEG_INFINITY), |high, end| high.sup(&end)),
+            outer_mm: swept.iter().map(|swept| swept.slice.outer_mm).fold(0.0, f64::max),
+            swept: swept.to_vec(),
+        }
+    }
+
+    fn deep_at_most_mm(&self, point_mm: &Vector2<f64>) -> f64 {
+        let nearest_mm = point_mm.sup(&self.lowest_mm).inf(&self.highest_mm);
+        self.outer_mm - (point_mm - nearest_mm).norm()
+    }
+}
+
+impl Swept {
+    /// None where the slice is not in the layer.
+    fn of(leg: usize, on: &Leg, slice: &Slice, [low_mm, high_mm]: [f64; 2]) -> Option<Self> {
+        let [from_mm, to_mm] = [on.from_mm, on.to_mm].map(|tip_mm| tip_mm[2] + slice.height_mm);
+        let rise_mm = to_mm - from_mm;
+        let parts = if rise_mm == 0.0 {
+            (low_mm..high_mm).contains(&from_mm).then_some([0.0, 1.0])
+        } else {
+            let [a, b] = [low_mm, high_mm].map(|at_mm| (at_mm - from_mm) / rise_mm);
+            Some([a.min(b).max(0.0), a.max(b).min(1.0)]).filter(|[enters, leaves]| enters <= leaves)
+        };
+        let [from, to] = [on.from_mm, on.to_mm].map(|tip_mm| Vector2::new(tip_mm[0], tip_mm[1]));
+        parts.map(|[enters, leaves]| Swept {
+            leg,
+            from_mm: from.lerp(&to, enters),
+            to_mm: from.lerp(&to, leaves),
+            slice: *slice,
+        })
+    }
+
+    fn depth(&self, point_mm: &Vector2<f64>) -> Depth {
+        let (way_mm, from_begin_mm) = (self.to_mm - self.from_mm, point_mm - self.from_mm);
+        let square = way_mm.norm_squared();
+        let part = if square > 0.0 { (from_begin_mm.dot(&way_mm) / square).clamp(0.0, 1.0) } else { 0.0 };
+        let near = from_begin_mm - way_mm * part;
+        let Slice { inner_mm, outer_mm, .. } = self.slice;
+        if inner_mm == 0.0 {
+            return Depth { deep_mm: outer_mm - near.norm(), leg: self.leg, arm_mm: near }; // (1)
+        }
+        let from_end_mm = point_mm - self.to_mm;
+        let far = if from_begin_mm.norm() > from_end_mm.norm() { from_begin_mm } else { from_end_mm };
+        let middle_mm = (inner_mm + outer_mm) / 2.0;
+        let off_mm = middle_mm.clamp(near.norm(), far.norm());
+        let arm_mm = if off_mm < middle_mm { far } else { near };
+        Depth { deep_mm: (outer_mm - off_mm).min(off_mm - inner_mm), leg: self.leg, arm_mm } // (2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trail::Of;
+    use super::*;
+    use crate::cutting::layer::Layer;
+
+    fn envelope(ends_mm: [[f64; 3]; 2], inner_mm: f64) -> Envelope {
+        let of = Of { count: 1, sequence: None, rule: None, is_rapid: false };
+        let leg = Leg { of, from_mm: ends_mm[0], to_mm: ends_mm[1] };
+        let layers = Layers::alike(&Layer::rectangle([0.0; 2], [1.0; 2], 1.0), 0.0, 1.0, 3);
+        Envelope::new(&[leg], &[Slice { height_mm: 0.5, inner_mm, outer_mm: 5.0 }], &layers, 1)
+    }
+
+    #[track_caller]
+    fn assert_deep(envelope: &Envelope, at_mm: [f64; 2], expected_mm: f64) {
+        let deep_mm = envelope.deepest(&at_mm.into()).expect("something was swept").deep_mm;
+        assert!((deep_mm - expected_mm).abs() < 1e-12, "{at_mm:?}: {deep_mm}");
+    }
+
+    #[test]
+    fn a_disc_leaves_a_slot_with_round_ends() {
+        let slot = envelope([[0.0, 0.0, 1.0], [20.0, 0.0, 1.0]], 0.0);
+        for (at_mm, deep_mm) in [([7.0, 4.0], 1.0), ([7.0, -5.5], -0.5), ([23.0, 4.0], 0.0), ([-6.0, 0.0], -1.0)] {
+            assert_deep(&slot, at_mm, deep_mm);
+        }
+    }
+
+    #[test]
+    fn a_ring_leaves_what_is_within_it_all_the_way() {
+        let slot = envelope([[0.0, 0.0, 1.0], [2.0, 0.0, 1.0]], 3.0);
+        for (at_mm, deep_mm) in [([1.0, 0.0], -2.0), ([-3.5, 0.0], 1.0), ([1.0, 5.5], -0.5), ([3.0, 0.0], 0.0)] {
+            assert_deep(&slot, at_mm, deep_mm);
+        }
+    }
+
+    #[test]
+    fn a_ramp_counts_where_the_slice_is_in_the_layer() {
+        // The slice is between 1 and 2 mm on the second half of the way.
+        let ramp = envelope([[0.0, 0.0, 1.5], [20.0, 0.0, -0.5]], 0.0);
+        assert_deep(&ramp, [12.0, 5.0], 5.0 - libm::hypot(2.0, 5.0));
+        assert_deep(&ramp, [8.0, 5.0], 0.0);
+        assert!(envelope([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]], 0.0).deepest(&Vector2::zeros()).is_none());
+    }
+}

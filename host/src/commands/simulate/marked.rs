@@ -1,0 +1,131 @@
+//! What teeth left on walls, in the figures of the report and as a map; where the path is not steady, and how thick its chips are.
+
+use std::collections::BTreeMap;
+
+use arcfeed_hil_sim::cutting::bite::Slice;
+use arcfeed_hil_sim::cutting::layers::Layers;
+use arcfeed_hil_sim::removal::loads::LoadMeter;
+use arcfeed_hil_sim::removal::marks::{Mark, marks};
+use arcfeed_hil_sim::removal::trail::Of;
+use arcfeed_shared::job::Job;
+use arcfeed_shared::units::LengthUnit;
+
+use crate::report::loads::LoadsFigures;
+use crate::report::marks::{BlockMarksFigures, LargestFigures, LayerFigures, MarksFigures, RangeFigures};
+use crate::report::page::course::{Course, CourseBlock};
+use crate::report::page::map::Map;
+
+/// Cells of the map along its longer side: walls are as wide as one of them.
+const CELLS: f64 = 200.0;
+
+/// What marks are told against.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    /// The layers before the run.
+    pub blank: Layers,
+    /// What a true tool turns.
+    pub solid: Vec<Slice>,
+}
+
+impl Truth {
+    /// The marks of a run.
+    pub fn marks(&self, meter: &LoadMeter) -> Vec<Mark> {
+        marks(&self.blank, meter.process().bite().layers(), meter.way(), &self.solid)
+    }
+}
+
+/// The figures of a run's marks; none of none.
+pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[Mark]) -> Option<MarksFigures> {
+    let in_unit = |mm: f64| mm / unit.mm();
+    let worst = marks.iter().max_by(|a, b| a.off_mm.abs().total_cmp(&b.off_mm.abs()))?;
+    let z = |layer: usize| in_unit(meter.process().bite().layers().middle_mm(layer));
+    let (mut layers, mut blocks) = (BTreeMap::<usize, Vec<f64>>::new(), BTreeMap::<u32, (Of, Vec<f64>)>::new());
+    for mark in marks {
+        let off = in_unit(mark.off_mm);
+        layers.entry(mark.layer).or_default().push(off);
+        blocks.entry(mark.of.count).or_insert((mark.of, Vec::new())).1.push(off);
+    }
+    let range = |offs: &[f64]| RangeFigures::of(offs.iter().copied());
+    let of_layer = |(layer, offs): (&usize, &Vec<f64>)| Some(LayerFigures { z: z(*layer), range: range(offs)? });
+    let of_block = |(block, (of, offs)): (&u32, &(Of, Vec<f64>))| {
+        let rule = of.rule.map(|rule| rule + 1);
+        Some(BlockMarksFigures { block: *block, n: of.sequence, rule, range: range(offs)? })
+    };
+    let [x, y] = [worst.point_mm.x, worst.point_mm.y].map(in_unit);
+    let Of { count, sequence, rule, .. } = worst.of;
+    Some(MarksFigures {
+        range: RangeFigures::of(marks.iter().map(|mark| in_unit(mark.off_mm)))?,
+        largest: LargestFigures {
+            off: in_unit(worst.off_mm),
+            x,
+            y,
+            z: z(worst.layer),
+            block: count,
+            n: sequence,
+            rule: rule.map(|rule| rule + 1),
+        },
+        layers: layers.iter().filter_map(of_layer).collect(),
+        blocks: blocks.iter().filter_map(of_block).collect(),
+    })
+}
+
+/// The marks seen along Z; where several lie over each other, the largest.
+pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[Mark]) -> Option<Map> {
+    let in_unit = |mm: f64| mm / unit.mm();
+    let [lowest_mm, highest_mm] = meter.process().bite().layers().extent_mm()?;
+    let size_mm = [0, 1].map(|axis: usize| highest_mm[axis] - lowest_mm[axis]);
+    let step_mm = size_mm[0].max(size_mm[1]) / CELLS;
+    let cells = size_mm.map(|mm| libm::ceil(mm / step_mm).max(1.0) as usize);
+    let mut values = vec![None; cells[0] * cells[1]];
+    let (mut largest, mut place_mm) = (0.0_f64, [0.0; 2]);
+    for mark in marks {
+        let cell = |axis: usize| {
+            let at = (mark.point_mm[axis] - lowest_mm[axis]) / step_mm;
+            (at as usize).min(cells[axis] - 1)
+        };
+        let value: &mut Option<f64> = &mut values[cell(1) * cells[0] + cell(0)];
+        *value = value.filter(|off| off.abs() >= in_unit(mark.off_mm).abs()).or(Some(in_unit(mark.off_mm)));
+        if mark.off_mm.abs() > largest.abs() {
+            (largest, place_mm) = (mark.off_mm, [mark.point_mm.x, mark.point_mm.y]);
+        }
+    }
+    Some(Map {
+        columns: cells[0],
+        values,
+        lowest: lowest_mm.map(in_unit),
+        step: in_unit(step_mm),
+        unit: unit.label(),
+        largest: Some((in_unit(largest), place_mm.map(in_unit))),
+    })
+}
+
+/// The path among the layers, block by block.
+pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigures) -> Course {
+    let in_unit = |mm: f64| mm / unit.mm();
+    let unsteady = |count: u32| {
+        let blocks = loads.vibration.iter().flat_map(|vibration| &vibration.unsteady);
+        blocks.filter(|block| block.block == count).map(|block| block.verdict).next()
+    };
+    let chip_ratio = |of: &Of| {
+        let wanted = of.rule.and_then(|rule| job.rules.get(rule)).map(|rule| job.feed_per_tooth_of(rule));
+        let wanted = in_unit(f64::from(wanted.unwrap_or(job.feed_per_tooth).0));
+        let block = loads.blocks.iter().find(|block| block.block == of.count)?;
+        Some(block.load.thickest()? / wanted)
+    };
+    let mut blocks: Vec<CourseBlock> = Vec::new();
+    let mut before: Option<Of> = None;
+    for leg in meter.way().legs().iter().filter(|leg| !leg.of.is_rapid) {
+        let [from, to] = [leg.from_mm, leg.to_mm].map(|tip_mm| [in_unit(tip_mm[0]), in_unit(tip_mm[1])]);
+        if before.replace(leg.of) != Some(leg.of) {
+            let name = leg.of.sequence.map_or_else(|| format!("block {}", leg.of.count), |n| format!("N{n}"));
+            let (verdict, chip_ratio) = (unsteady(leg.of.count), chip_ratio(&leg.of));
+            blocks.push(CourseBlock { name, verdict, chip_ratio, lines: Vec::new() });
+        }
+        let Some(block) = blocks.last_mut() else { continue };
+        match block.lines.last_mut() {
+            Some(line) if line.last() == Some(&from) => line.push(to),
+            _ => block.lines.push(vec![from, to]),
+        }
+    }
+    Course { blocks }
+}

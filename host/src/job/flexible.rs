@@ -1,0 +1,151 @@
+//! `[workpiece.flexible]`: the part of the workpiece that gives way, as a block held at a face.
+
+use arcfeed_shared::kinematics::vector::Vector;
+use arcfeed_shared::units::LengthUnit;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::quantity::Quantity;
+use super::{Complaint, at};
+
+/// Cells of all axes together: more take minutes (docs/fe.md).
+const CELLS_MAX: usize = 2000;
+
+/// Modes where the job says nothing.
+const MODES: usize = 10;
+
+/// The fastest ones make the steps short.
+const MODES_MAX: usize = 100;
+
+/// As serde sees it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FlexibleTable {
+    block: Spanned<HeldTable>,
+    material: Option<Spanned<String>>,
+    young: Option<Spanned<f64>>,
+    poisson: Option<Spanned<f64>>,
+    density: Option<Spanned<f64>>,
+    modes: Option<Spanned<usize>>,
+    damping: Spanned<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HeldTable {
+    from: [Quantity; 3],
+    to: [Quantity; 3],
+    cells: Spanned<[usize; 3]>,
+    clamped: Spanned<String>,
+}
+
+/// A body and how much of its vibration is wanted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flexible {
+    /// The lowest corner, in the coordinates of the program.
+    pub lowest_mm: Vector,
+    /// The highest corner.
+    pub highest_mm: Vector,
+    /// The axis that is square to the face where it is held, 0 to 2, and whether that is at the higher end.
+    pub clamped: (usize, bool),
+    /// Along the axes.
+    pub cells: [usize; 3],
+    /// What it is made of.
+    pub material: Elastic,
+    /// So many of the lowest.
+    pub modes: usize,
+    /// Of critical damping, of each mode.
+    pub damping_ratio: f64,
+    /// Byte offset of its table in the job file.
+    pub offset: usize,
+}
+
+/// What it is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Elastic {
+    /// A material by its name.
+    Material {
+        /// As the table of materials has it.
+        name: String,
+        /// Byte offset of the name.
+        offset: usize,
+    },
+    /// What it does.
+    Told {
+        /// Young's modulus.
+        young_mpa: f64,
+        /// Poisson's ratio.
+        poisson_ratio: f64,
+        /// Density.
+        density_kg_per_m3: f64,
+    },
+}
+
+/// Checks what a job says of it.
+pub(super) fn build(told: &Spanned<FlexibleTable>, unit: LengthUnit) -> Result<Flexible, Complaint> {
+    let FlexibleTable { block, modes, damping, .. } = told.as_ref();
+    let HeldTable { from, to, cells, clamped } = block.as_ref();
+    let corner = |corner: &[Quantity; 3]| corner.each_ref().map(|quantity| quantity.to_mm(unit));
+    let (lowest_mm, highest_mm) = (corner(from), corner(to));
+    if !lowest_mm.iter().zip(highest_mm).all(|(low, high)| *low < high) {
+        return Err(at(block, "`from` must be below `to` in X, Y and Z"));
+    }
+    let count = cells.as_ref().iter().try_fold(1_usize, |product, cells| product.checked_mul(*cells));
+    if !count.is_some_and(|count| (1..=CELLS_MAX).contains(&count)) {
+        return Err(at(cells, "cells along X, Y and Z: 1 or more each, at most 2000 in all"));
+    }
+    let modes = match modes {
+        Some(modes) if !(1..=MODES_MAX).contains(modes.as_ref()) => return Err(at(modes, "modes must be 1 to 100")),
+        given => given.as_ref().map_or(MODES, |modes| *modes.as_ref()),
+    };
+    if !(0.0..1.0).contains(damping.as_ref()) {
+        return Err(at(damping, "damping, a part of the critical one, must be 0 to less than 1"));
+    }
+    Ok(Flexible {
+        lowest_mm,
+        highest_mm,
+        clamped: face(clamped)?,
+        cells: *cells.as_ref(),
+        material: material(told)?,
+        modes,
+        damping_ratio: *damping.as_ref(),
+        offset: told.span().start,
+    })
+}
+
+/// An axis and which of its ends.
+fn face(told: &Spanned<String>) -> Result<(usize, bool), Complaint> {
+    let faces = ["x-", "x+", "y-", "y+", "z-", "z+"];
+    match faces.iter().position(|face| face == told.as_ref()) {
+        Some(index) => Ok((index / 2, index % 2 == 1)),
+        None => Err(at(
+            told,
+            "no such face; write \"x-\", \"x+\", \"y-\", \"y+\", \"z-\" or \"z+\": - at `from`, + at `to`",
+        )),
+    }
+}
+
+fn material(told: &Spanned<FlexibleTable>) -> Result<Elastic, Complaint> {
+    let FlexibleTable { material, young, poisson, density, .. } = told.as_ref();
+    match (material, young, poisson, density) {
+        (Some(name), None, None, None) => {
+            Ok(Elastic::Material { name: name.as_ref().clone(), offset: name.span().start })
+        }
+        (None, Some(young), Some(poisson), Some(density)) => {
+            let is_positive = |value: &Spanned<f64>| *value.as_ref() > 0.0 && value.as_ref().is_finite();
+            let named = [(young, "young, N/mm2, must be positive"), (density, "density, kg/m3, must be positive")];
+            if let Some((wrong, message)) = named.into_iter().find(|(value, _)| !is_positive(value)) {
+                return Err(at(wrong, message));
+            }
+            if !(0.0..0.5).contains(poisson.as_ref()) {
+                return Err(at(poisson, "poisson must be 0 to less than 0.5"));
+            }
+            let [young_mpa, poisson_ratio, density_kg_per_m3] = [young, poisson, density].map(|value| *value.as_ref());
+            Ok(Elastic::Told { young_mpa, poisson_ratio, density_kg_per_m3 })
+        }
+        _ => Err(at(
+            told,
+            "say what it is made of: material = \"Ti-6Al-4V\", or young (N/mm2), poisson and density (kg/m3)",
+        )),
+    }
+}

@@ -1,0 +1,135 @@
+//! What teeth left on walls: figures (JSON of docs/json.md), and the same for a person.
+
+use serde::Serialize;
+
+use super::material::short;
+
+/// Marks below this are told as none: rounding.
+const NONE: f64 = 1e-8;
+
+/// Marks of a run: positive where material is left, negative where the wall is cut away.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MarksFigures {
+    /// Of all walls.
+    #[serde(flatten)]
+    pub range: RangeFigures,
+    /// The largest either way.
+    pub largest: LargestFigures,
+    /// Layers with walls, from the lowest.
+    pub layers: Vec<LayerFigures>,
+    /// Blocks that made walls, in order.
+    pub blocks: Vec<BlockMarksFigures>,
+}
+
+/// Marks of some walls.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RangeFigures {
+    /// Ends of rays on them.
+    pub points: usize,
+    /// Least.
+    pub min: f64,
+    /// Largest.
+    pub max: f64,
+    /// Root of the mean square.
+    pub rms: f64,
+}
+
+/// A mark.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LargestFigures {
+    /// How far off.
+    pub off: f64,
+    /// Where.
+    pub x: f64,
+    /// Where.
+    pub y: f64,
+    /// Middle of its layer.
+    pub z: f64,
+    /// Blocks executed, up to and including the one that made the wall.
+    pub block: u32,
+    /// Its N.
+    pub n: Option<i64>,
+    /// Its rule, counted from 1.
+    pub rule: Option<usize>,
+}
+
+/// Marks of a layer.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LayerFigures {
+    /// Its middle.
+    pub z: f64,
+    /// Of its walls.
+    #[serde(flatten)]
+    pub range: RangeFigures,
+}
+
+/// Marks of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BlockMarksFigures {
+    /// Blocks executed, up to and including it.
+    pub block: u32,
+    /// Its N.
+    pub n: Option<i64>,
+    /// Its rule, counted from 1.
+    pub rule: Option<usize>,
+    /// Of its walls.
+    #[serde(flatten)]
+    pub range: RangeFigures,
+}
+
+impl RangeFigures {
+    /// Of some marks; none of none.
+    pub fn of(marks: impl Iterator<Item = f64>) -> Option<Self> {
+        let none = RangeFigures { points: 0, min: f64::INFINITY, max: f64::NEG_INFINITY, rms: 0.0 };
+        let sum = marks.fold(none, |sum, off| RangeFigures {
+            points: sum.points + 1,
+            min: sum.min.min(off),
+            max: sum.max.max(off),
+            rms: sum.rms + off * off,
+        });
+        (sum.points > 0).then(|| RangeFigures { rms: libm::sqrt(sum.rms / sum.points as f64), ..sum })
+    }
+}
+
+impl MarksFigures {
+    /// From the least to the largest.
+    pub fn range(&self) -> String {
+        format!("{} .. {}", signed(self.range.min), signed(self.range.max))
+    }
+}
+
+impl LargestFigures {
+    /// How far off, where, and by which block.
+    pub fn words(&self) -> String {
+        let LargestFigures { off, x, y, z, .. } = self;
+        let block = self.n.map_or_else(|| format!("block {}", self.block), |n| format!("N{n}"));
+        format!("{} at X{x:.3} Y{y:.3} Z{z:.3} by {block}", signed(*off))
+    }
+}
+
+/// With its sign.
+pub fn signed(off: f64) -> String {
+    match off {
+        off if off.abs() < NONE => "0".into(),
+        off if off > 0.0 => format!("+{}", short(off)),
+        off => short(off),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_have_a_sign_and_rounding_is_none() {
+        assert_eq!([0.00025426, -0.02, 1e-15].map(signed), ["+0.0002543", "-0.02000", "0"]);
+    }
+
+    #[test]
+    fn a_range_is_of_all_marks() {
+        let range = RangeFigures::of([-3.0, 4.0].into_iter()).unwrap();
+        assert_eq!((range.points, range.min, range.max), (2, -3.0, 4.0));
+        assert!((range.rms - libm::sqrt(12.5)).abs() < 1e-12);
+        assert_eq!(RangeFigures::of([].into_iter()), None);
+    }
+}
