@@ -4,13 +4,15 @@
 
 mod document;
 
+mod beforehand;
+
 use std::collections::BTreeSet;
 
 use arcfeed_tests::emulation::served::ServedBoard;
 use arcfeed_tests::{Running, Scratch};
 use serde_json::{Value, json};
 
-use document::{Change, Documented, changed, file_text, object, objects, objects_in};
+use document::{Documented, changed, file_text, object, objects, objects_in};
 
 const CORPUS: &str = "tests/corpus/cam-2003.nc";
 const EXAMPLE: &str = "examples/ibr-slot";
@@ -64,110 +66,6 @@ fn what_check_and_post_print_of_a_five_axis_machine_is_documented() {
     assert!(
         ["incoherent", "feed", "over-limit", "unreachable"].iter().all(|kind| kinds.contains(&format!("\"{kind}\"")))
     );
-}
-
-#[test]
-fn what_plan_prints_is_documented_and_so_is_a_plan_that_is_refused() {
-    let documented = Documented::read();
-    let scratch = Scratch::new("json-plan");
-    let text = file_text("examples/blisk-19/PART.toml").replace("[roughing]", "[roughing]\naxis = \"roomiest\"");
-    let planned = object(&["plan", "cup-mill", &scratch.write("free.toml", text.as_str())], 0);
-    documented.assert_fits("plan cup-mill", &planned);
-    let fixture = "[[fixture]]\nfrom = [\"70 mm\", \"-60 mm\", \"-60 mm\"]\nto = [\"140 mm\", \"60 mm\", \"-15 mm\"]\n\n[machine]";
-    let part = scratch.write("PART.toml", text.replace("[machine]", fixture));
-    let refused = object(&["plan", "cup-mill", &part], 1);
-    documented.assert_fits("plan cup-mill", &refused);
-    assert!(planned["safe"] == true && refused["safe"] == false);
-}
-
-#[test]
-fn what_init_prints_is_documented_for_every_kind_of_program() {
-    let documented = Documented::read();
-    let scratch = Scratch::new("json-init");
-    let bare = scratch.write("bare.nc", "G90G94\nG0X1.Y0\nG3X0Y1.Z1.I-1.F10.\nG14\n");
-    let none = scratch.write("none.nc", "G21T2\nG1X1.F10.\n");
-    let slot = format!("{EXAMPLE}/ibr-slot.nc");
-    for (index, program) in [CORPUS, &slot, "examples/pocket/pocket.nc", &bare, &none].into_iter().enumerate() {
-        let job = scratch.path(&format!("{index}.toml"));
-        let report = object(&["init", program, "-o", &job], 0);
-        documented.assert_fits("init", &report);
-        assert_eq!(object(&["init", program, "-o", &job, "--force"], 0), report);
-        assert_eq!(objects(&["init", program, "-o", &job]), (Some(1), vec![]));
-    }
-}
-
-#[test]
-fn what_engage_prints_is_documented() {
-    let documented = Documented::read();
-    let scratch = Scratch::new("json-engage");
-    scratch.write("ibr-slot.nc", file_text(&format!("{EXAMPLE}/ibr-slot.nc")));
-    let job = scratch.write("job.toml", file_text(&format!("{EXAMPLE}/job-engaged.toml")));
-    let report = object(&["engage", &job], 0);
-    documented.assert_fits("engage", &report);
-    let moves = report["moves"].as_array().expect("moves");
-    assert!(moves.iter().any(|found| found["outer_deg"].is_null()) && moves.iter().all(|found| found["n"].is_i64()));
-}
-
-#[test]
-fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
-    let documented = Documented::read();
-    let scratch = Scratch::new("json-adapt");
-    let with_override = |lines: &str| format!("[override]\n{lines}\n\n[control]");
-    let (low, bound) = (with_override("max = 101"), with_override("mode = \"override-only\"\nmin = 60"));
-    let in_mm = [
-        ("\"inch\"", "\"mm\""),
-        ("5.06205", "\"5.06205 in\""),
-        ("4.43706", "\"4.43706 in\""),
-        ("10.4502", "\"10.4502 in\""),
-    ];
-    let by_table = [
-        ("kind = \"circumference\"", "kind = \"table\""),
-        ("n = [144, 144]", "n = [144, 144]\ntable = [[0, 0.005]]"),
-        ("n = [146, 146]", "n = [146, 146]\ntable = [[0, 0.005], [1, 0.006]]"),
-        ("n = [150, 150]", "n = [150, 150]\ntable = [[0, 0.005]]"),
-        ("n = [152, 152]", "n = [152, 152]\ntable = [[0, 0.005]]"),
-    ];
-    let by_arcs = [
-        ("kind = \"circumference\"", "kind = \"engaged-arc\"\nedges = \"side\""),
-        ("normal_deg = 54.187, offset = 4.2391", "engaged = [[0, 0, 40], [1, 60, 40]]"),
-    ];
-    let in_pieces = with_override("mode = \"rewrite-only\"");
-    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 17] = [
-        (CASE, &[("[control]", &in_pieces)], &[]),
-        (CASE, &[("[control]", &in_pieces)], &[("F25.", "F25.M8")]),
-        (CASE, &[("[control]", "[machine]\nmax_feed = { x = 45, y = 45 }\n\n[control]")], &[]),
-        (CASE, &[("[control]", "[control]\narc_clamp = { feed = 45, radius = 5 }")], &[]),
-        (CASE, &by_table, &[]),
-        (CASE, &by_arcs, &[]),
-        (EXAMPLE, &[], &[]),
-        (CASE, &[("4.2391", "44.2391")], &[]),
-        (CASE, &[("10.4502", "10.6")], &[]),
-        (CASE, &[("[control]", &low)], &[]),
-        (CASE, &[("[control]", &bound)], &[("F25.", "F100.")]),
-        (CASE, &[("\"circumference\"", "\"programmed\"")], &[("N142", ""), ("F25.", "F25")]),
-        (CASE, &in_mm, &[]),
-        (CASE, &[], &[("F25.", "")]),
-        (CASE, &[], &[("F25.", "Z-27.7F25.")]),
-        (CASE, &[], &[("F25.", "G63F25.")]),
-        (CASE, &[("[control]", &in_pieces)], &[("F25.", "F25.\nG52X.0001")]),
-    ];
-    let (mut reasons, mut kinds, mut wholes) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
-    for (folder, job, program) in jobs {
-        let (code, blocks) = objects(&["adapt", &changed(&scratch, folder, job, program)]);
-        assert_eq!((code, blocks.is_empty()), (Some(0), false));
-        for block in &blocks {
-            documented.assert_fits("adapt", block);
-            reasons.insert(block["reason"].to_string());
-            kinds.insert(block["kind"].to_string());
-            wholes.insert(block["left_whole"].to_string());
-        }
-    }
-    let schema = documented.texts.iter().find(|text| text["title"] == "adapt").expect("a schema");
-    let listed = |field: &str| -> BTreeSet<String> {
-        schema["properties"][field]["enum"].as_array().expect("a list").iter().map(Value::to_string).collect()
-    };
-    assert_eq!((reasons, kinds), (listed("reason"), listed("kind")));
-    assert!(wholes.contains("\"coordinates\"") && wholes.is_subset(&listed("left_whole")), "{wholes:?}");
 }
 
 #[test]
