@@ -56,7 +56,7 @@ fn a_job_that_makes_no_sense_of_a_map_is_refused_with_its_place() {
     let own = "stock = { map = \"map.toml\" }";
     let slot = "side = \"slot\"";
     for (changes, expected) in [
-        (&[(own, "stock = { map = \"map.toml\", disc = [0, 0, 1] }")][..], "with a `map` the stock has no shape"),
+        (&[(own, "stock = { map = \"map.toml\", disc = [0, 0, 1] }")][..], "job.toml:20:9: give the stock as"),
         (
             &[(
                 own,

@@ -32,14 +32,15 @@ pub fn covering<const N: usize>(samples: &[Sample<N>], count: usize) -> Vec<(f64
         picked.iter().map(|index| (at[*index], std::array::from_fn(|which| ends[which][*index]))).collect();
     let mut excess = vec![[[0.0_f64; 2]; N]; knots.len()];
     for (line, pair) in picked.windows(2).enumerate() {
+        let (first, last) = (knots[line].1, knots[line + 1].1);
         for index in pair[0]..=pair[1] {
             let part = (at[index] - at[pair[0]]) / (at[pair[1]] - at[pair[0]]);
-            for which in 0..N {
-                let Some([from, to]) = wide[index].intervals_deg[which] else { continue };
-                let on_line = |end: usize| between(knots[line].1[which][end], knots[line + 1].1[which][end], part);
+            for (which, interval) in wide[index].intervals_deg.iter().enumerate() {
+                let Some([from, to]) = interval else { continue };
+                let on_line = |end: usize| between(first[which][end], last[which][end], part);
                 let off = [on_line(0) - from, to - on_line(1)];
-                for knot in [line, line + 1] {
-                    excess[knot][which] = [0, 1].map(|end: usize| excess[knot][which][end].max(off[end]));
+                for knot in &mut excess[line..=line + 1] {
+                    knot[which] = [0, 1].map(|end: usize| knot[which][end].max(off[end])); // (1)
                 }
             }
         }

@@ -139,26 +139,6 @@ fn turn(direction: DirectionWord) -> Turn {
 fn build_stock(stock: &Spanned<StockTable>, edge: Edge, around: &Around<'_>) -> Result<Stock, Complaint> {
     let mm = |quantity: &Quantity| quantity.to_mm(around.unit);
     let StockTable { normal_deg, offset, from, to, rise, lines, polygon, disc, engaged, map } = stock.as_ref();
-    if let Some(map) = map {
-        return match stock.as_ref() {
-            _ if !matches!(around.law, LawKind::EngagedArc { .. }) => {
-                Err(at(map, "`map` is for the engaged-arc law; give this law a line"))
-            }
-            StockTable {
-                normal_deg: None,
-                offset: None,
-                from: None,
-                to: None,
-                rise: None,
-                lines: None,
-                polygon: None,
-                disc: None,
-                engaged: None,
-                ..
-            } => Ok(Stock::Along),
-            _ => Err(at(map, "with a `map` the stock has no shape: remove the rest")),
-        };
-    }
     let half_plane = |line| Stock::half_plane(StockLine { rise_ratio: rise.unwrap_or(0.0), ..line });
     let is_line = normal_deg.is_some() || from.is_some();
     if rise.is_some_and(|rise| !rise.is_finite() || !is_line) {
@@ -167,15 +147,15 @@ fn build_stock(stock: &Spanned<StockTable>, edge: Edge, around: &Around<'_>) -> 
             "`rise` is how much the offset of a line grows per unit of height, and goes with a line only",
         ));
     }
-    match (normal_deg, offset, from, to, lines, polygon, disc, engaged) {
-        (Some(normal_deg), Some(offset), None, None, None, None, None, None) => {
+    match (normal_deg, offset, from, to, lines, polygon, disc, engaged, map) {
+        (Some(normal_deg), Some(offset), None, None, None, None, None, None, None) => {
             Ok(half_plane(StockLine::from_angle(*normal_deg, mm(offset))))
         }
-        (None, None, Some(from), Some(to), None, None, None, None) => {
+        (None, None, Some(from), Some(to), None, None, None, None, None) => {
             let line = line_through(from.each_ref().map(mm), to.each_ref().map(mm));
             line.map(half_plane).ok_or_else(|| at(stock, "`from` and `to` are the same point"))
         }
-        (None, None, None, None, Some(lines), None, None, None) => {
+        (None, None, None, None, Some(lines), None, None, None, None) => {
             let line = |(normal_deg, offset, rise): &(f64, Quantity, f64)| StockLine {
                 rise_ratio: *rise,
                 ..StockLine::from_angle(*normal_deg, mm(offset))
@@ -186,17 +166,23 @@ fn build_stock(stock: &Spanned<StockTable>, edge: Edge, around: &Around<'_>) -> 
                 format!("`lines` are 1 to {EDGES_MAX} of [normal_deg, offset, rise]; the stock is inside of all");
             if is_sound { Ok(Stock::Convex(lines.iter().map(line).collect())) } else { Err(at(stock, &message)) }
         }
-        (None, None, None, None, None, Some(corners), None, None) => {
+        (None, None, None, None, None, Some(corners), None, None, None) => {
             let corners: Vec<[f64; 2]> = corners.iter().map(|corner| corner.each_ref().map(mm)).collect();
             let message = format!("a stock polygon must be convex and have 3 to {EDGES_MAX} corners");
             Stock::polygon(&corners).ok_or_else(|| at(stock, &message))
         }
-        (None, None, None, None, None, None, Some(disc), None) => {
+        (None, None, None, None, None, None, Some(disc), None, None) => {
             let [x, y, radius_mm] = disc.each_ref().map(mm);
             let disc = Stock::Disc { center_mm: [x, y], radius_mm };
             if radius_mm > 0.0 { Ok(disc) } else { Err(at(stock, "a disc is [x, y, radius], its radius positive")) }
         }
-        (None, None, None, None, None, None, None, Some(rows)) => tables::engaged(rows, edge, around.unit, around.law),
+        (None, None, None, None, None, None, None, Some(rows), None) => {
+            tables::engaged(rows, edge, around.unit, around.law)
+        }
+        (None, None, None, None, None, None, None, None, Some(map)) => match around.law {
+            LawKind::EngagedArc { .. } => Ok(Stock::Along),
+            _ => Err(at(map, "`map` is for the engaged-arc law; give this law a line")),
+        },
         _ => Err(at(
             stock,
             "give the stock as { normal_deg, offset } or { from = [x, y], to = [x, y] } (both may have a rise), { lines = [[normal_deg, offset, rise], ...] }, \
