@@ -93,3 +93,15 @@ fn a_program_that_a_control_refuses_leaves_no_map() {
         "{words}"
     );
 }
+
+#[test]
+fn moves_that_a_map_does_not_know_are_told() {
+    let cut = Cut { name: "unknown", program: &SLOT.program.replace("N4M30", "N4G1Y9.\nN5M30"), ..SLOT };
+    let (scratch, job) = cut.engaged();
+    assert_eq!(said(&["adapt", &job]), (Some(0), String::new()));
+    // A rule that speaks of more than it did when the map was made.
+    let more = std::fs::read_to_string(&job).expect("a job").replace("n = [3, 3]", "n = [3, 4]");
+    let (code, words) = said(&["adapt", &scratch.write("job.toml", more)]);
+    let place = "program.nc:6:1: warning: ";
+    assert!(code == Some(0) && words.contains(place) && words.contains("knows nothing of 1 moves"), "{words}");
+}

@@ -6,10 +6,10 @@ use std::process::ExitCode;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use arcfeed_shared::cut;
+use arcfeed_shared::cut::{self, CutRule};
 use arcfeed_shared::segment::Path as Way;
 
-use crate::adapt::{Adapted, Known, adapt_with};
+use crate::adapt::{Adapted, Known, PlannedBlock, adapt_with};
 use crate::checksum::fingerprint;
 use crate::dnc::outbox::LineError;
 use crate::engagement::EngagementMap;
@@ -155,6 +155,19 @@ pub fn adapted(program: &Program, file: &JobFile) -> Adapted {
     let adapted = adapt_with(program, &file.job, Known::of(file));
     for warning in adapted.left_alone(program) {
         eprintln!("{}:{warning}", program.path.display());
+    }
+    let is_unknown = |block: &&PlannedBlock| {
+        let rule = block.rule.and_then(|rule| file.job.rules.get(rule));
+        block.along.is_none() && block.under.is_none() && rule.is_some_and(CutRule::is_told_along)
+    };
+    let unknown: Vec<&PlannedBlock> = adapted.blocks.iter().filter(is_unknown).collect();
+    if let (Some(first), Some(named)) = (unknown.first(), &file.map_file) {
+        let (program, map, count) = (program.path.display(), named.path.display(), unknown.len());
+        eprintln!(
+            "{program}:{}:1: warning: {map} knows nothing of {count} moves from here on: they keep their own feed; make the map \
+             anew with `arcfeed engage` if rules have changed",
+            first.line
+        );
     }
     adapted
 }
