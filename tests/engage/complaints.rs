@@ -5,7 +5,7 @@ use arcfeed_tests::run;
 use crate::story::{Cut, MILL};
 
 const SLOT: Cut<'_> = Cut {
-    name: "complaints",
+    name: "slot-of-complaints",
     tool: MILL,
     workpiece: "block = { from = [0, -20, -2], to = [60, 20, 0] }",
     rule: "moves = \"lines\"\nside = \"outer\"\nn = [3, 3]",
@@ -19,7 +19,7 @@ fn said(arguments: &[&str]) -> (Option<i32>, String) {
 
 #[test]
 fn a_map_of_something_else_is_refused() {
-    let (scratch, job) = SLOT.engaged();
+    let (scratch, job) = Cut { name: "of-else", ..SLOT }.engaged();
     let map = std::fs::read_to_string(scratch.path("map.toml")).expect("a map");
     let good = std::fs::read_to_string(&job).expect("a job");
     for (file, from, to) in [
@@ -51,7 +51,7 @@ fn a_map_of_something_else_is_refused() {
 
 #[test]
 fn a_job_that_makes_no_sense_of_a_map_is_refused_with_its_place() {
-    let (scratch, job) = SLOT.engaged();
+    let (scratch, job) = Cut { name: "no-sense", ..SLOT }.engaged();
     let good = std::fs::read_to_string(&job).expect("a job");
     let own = "stock = { map = \"map.toml\" }";
     let slot = "side = \"slot\"";
@@ -84,7 +84,7 @@ fn a_job_that_makes_no_sense_of_a_map_is_refused_with_its_place() {
 
 #[test]
 fn a_program_that_a_control_refuses_leaves_no_map() {
-    let (scratch, job) = SLOT.engaged();
+    let (scratch, job) = Cut { name: "refused", ..SLOT }.engaged();
     std::fs::remove_file(scratch.path("map.toml")).expect("it was there");
     scratch.write("program.nc", SLOT.program.replace("N4M30", "N4G2X0.Y0.I1.J1.\nM30"));
     let (code, words) = said(&["engage", &job]);
