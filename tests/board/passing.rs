@@ -4,6 +4,7 @@
 use std::time::{Duration, Instant};
 
 use arcfeed_hil_sim::decider::board::{Wire, Wires};
+use arcfeed_shared::wire::frame::ENCODED_MAX;
 
 use crate::free::Free;
 use crate::runs::Example;
@@ -13,8 +14,13 @@ const HOLD_UP: u8 = b'l';
 /// Instructions from a receiver's interrupt to its character in the other transmitter, just above what is needed, where no tick comes
 /// in between. docs/tap.md.
 const PASSED_IN_MAX: u32 = 130;
-/// Characters sent at a time: fewer than a ring holds.
-const PART: usize = 256;
+/// What a ring of a line holds, and one more.
+const RING: usize = 1024;
+/// Characters sent at a time.
+const PART: usize = RING / 2;
+/// The main loop has been round behind a moment once this much more has come on the machine line: what its ring held at that
+/// moment, and two setpoints.
+const ROUND: usize = RING + 2 * ENCODED_MAX;
 /// More than a ring holds.
 const FLOOD: usize = 6_000;
 /// A machine with much else to do may lose a board to its watchdog, not every time.
@@ -35,31 +41,60 @@ impl Tapped {
         Tapped(free)
     }
 
-    /// Lets the machine line run, and takes what has come at one end of the tapped line.
+    /// Lets the machine line run; how much has come there.
+    fn take_machine(&mut self) -> usize {
+        let mut bytes = [0; 512];
+        let mut take = || self.0.board.take_waiting(Wire::Machine, &mut bytes).expect("the machine line is open");
+        std::iter::from_fn(|| Some(take()).filter(|length| *length > 0)).sum()
+    }
+
+    /// Takes what has come at one end of the tapped line.
     fn take(&mut self, wire: Wire, into: &mut Vec<u8>) -> usize {
         let mut bytes = [0; 512];
-        while self.0.board.take_waiting(Wire::Machine, &mut bytes).expect("the machine line is open") > 0 {}
         let length = self.0.board.take_waiting(wire, &mut bytes).expect("the tapped line is open");
         into.extend(&bytes[..length]);
         length
     }
 
-    /// Sends at one end; what came at the other. `None` if that stops before all of it came.
+    /// Sends at one end; what came at the other. `None` if the board starts anew before all of it came.
     fn pass(&mut self, text: &[u8], [from, to]: [Wire; 2]) -> Option<Vec<u8>> {
+        self.0.board.put(from, text).expect("the tapped line is open");
+        let mut passed = Vec::new();
+        self.until(|tapped| {
+            tapped.take_machine();
+            tapped.take(to, &mut passed);
+            passed.len() >= text.len()
+        })?;
+        Some(passed)
+    }
+
+    /// The same, no faster than the main loop hears it: a chip in a machine with much else to do is slow, and its sender is not.
+    fn pass_heard(&mut self, text: &[u8], ends: [Wire; 2]) -> Option<Vec<u8>> {
         let mut passed = Vec::new();
         for part in text.chunks(PART) {
-            self.0.board.put(from, part).expect("the tapped line is open");
-            let (whole, began) = (passed.len() + part.len(), Instant::now());
-            while passed.len() < whole {
-                if self.take(to, &mut passed) == 0 {
-                    std::thread::sleep(Duration::from_millis(1));
-                }
-                if began.elapsed() > PATIENCE || (began.elapsed() > PATIENCE / 50 && self.0.starts() > 1) {
-                    return None;
-                }
-            }
+            passed.extend(self.pass(part, ends)?);
+            let mut shown = 0;
+            self.take_machine();
+            self.until(|tapped| {
+                shown += tapped.take_machine();
+                shown >= ROUND
+            })?;
         }
         Some(passed)
+    }
+
+    /// `None` if the board starts anew before this is so.
+    fn until(&mut self, mut is_so: impl FnMut(&mut Self) -> bool) -> Option<()> {
+        let began = Instant::now();
+        while !is_so(self) {
+            // To read the log takes long, and is only asked for when this does.
+            if began.elapsed() > PATIENCE / 50 && self.0.starts() > 1 {
+                return None;
+            }
+            assert!(began.elapsed() < PATIENCE, "{:?}", self.0.log());
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        Some(())
     }
 
     /// Until the log has a line with these words, with positions shown all the while; `None` if the board starts anew before.
@@ -67,6 +102,7 @@ impl Tapped {
         let began = Instant::now();
         loop {
             self.0.show();
+            self.take_machine();
             self.take(Wire::Control, &mut Vec::new());
             std::thread::sleep(Duration::from_millis(20));
             if let Some(line) = self.0.log().into_iter().rfind(|line| line.contains(words)) {
@@ -95,8 +131,8 @@ fn every_character_passes_from_within_the_receivers_interrupt_in_both_directions
     let example = Example::load();
     let back: Vec<u8> = (0..=u8::MAX).cycle().take(2 * FLOOD).collect();
     let (text, said, figures, cost) = attempted(|tapped| {
-        let text = tapped.pass(&example.text, [Wire::Sender, Wire::Control])?;
-        let said = tapped.pass(&back, [Wire::Control, Wire::Sender])?;
+        let text = tapped.pass_heard(&example.text, [Wire::Sender, Wire::Control])?;
+        let said = tapped.pass_heard(&back, [Wire::Control, Wire::Sender])?;
         let cost = tapped.until_logged("passed on in")?;
         let figures = tapped.until_logged("ticks, worst")?;
         Some((text, said, figures, cost))
