@@ -61,27 +61,24 @@ impl ActiveSegment {
 
     /// The same with the engaged arcs that were told with it, if any were.
     pub fn told(segment: &Segment, rule: Option<&CutRule>, along: Option<&EngagedTable>, job: &Job) -> Self {
-        let law = SegmentLaw::told(segment, rule, along, job);
-        ActiveSegment::under(segment, law, job, || job.machine.feed_limit(segment))
+        ActiveSegment::limited(segment, rule, along, job, || job.machine.feed_limit(segment))
     }
 
     /// The same where the fastest feed on the segment is known from elsewhere; it is only asked where the override acts.
     pub fn limited(
         segment: &Segment,
         rule: Option<&CutRule>,
+        along: Option<&EngagedTable>,
         job: &Job,
         limit: impl FnOnce() -> Option<FeedLimit>,
     ) -> Self {
-        ActiveSegment::under(segment, SegmentLaw::for_segment(segment, rule, job), job, limit)
-    }
-
-    fn under(segment: &Segment, law: SegmentLaw, job: &Job, limit: impl FnOnce() -> Option<FeedLimit>) -> Self {
         let feed = match (&segment.path, segment.feed) {
             (Path::Line | Path::Arc(_), Feed::PerMinute(feed)) if feed.0 > 0 => {
                 Some(SentFeed::new(MmPerMin(feed.to_mm() as f32), limit(), job))
             }
             _ => None,
         };
+        let law = SegmentLaw::told(segment, rule, along, job);
         let way = Track::new(segment).map_or(Way::Rapid, |track| Way::new(track, law, feed));
         ActiveSegment { way, end: segment.end }
     }

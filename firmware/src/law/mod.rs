@@ -137,14 +137,8 @@ impl SegmentLaw {
         SegmentLaw::told(segment, rule, None, job)
     }
 
-    /// The law for a segment whose engaged arcs are told with it, where its rule says so; as of [`SegmentLaw::for_segment`]
-    /// otherwise.
-    pub fn along(segment: &Segment, rule: &CutRule, table: &EngagedTable, job: &Job) -> Self {
-        SegmentLaw::told(segment, Some(rule), Some(table), job)
-    }
-
-    /// Either, as it was told.
-    pub(crate) fn told(segment: &Segment, rule: Option<&CutRule>, along: Option<&EngagedTable>, job: &Job) -> Self {
+    /// The same with the engaged arcs that were told with the segment: they count where its rule leaves them to be told.
+    pub fn told(segment: &Segment, rule: Option<&CutRule>, along: Option<&EngagedTable>, job: &Job) -> Self {
         let Some(rule) = rule else { return SegmentLaw::Programmed };
         if job.law == LawKind::Table {
             return for_table(rule, job);

@@ -3,7 +3,6 @@
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::board::{Board, Task};
 use arcfeed_firmware::controller;
-use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::Supervisor;
 use arcfeed_firmware::supervisor::input::{Input, Work};
@@ -81,12 +80,7 @@ impl Decider for Told {
         let job = &self.believed;
         self.cabinet.segment = begun.map(|Begun { count, segment, rule, along, limit }| {
             let limit = || limit.or_else(|| job.machine.feed_limit(segment));
-            let active = ActiveSegment::limited(segment, rule, job, limit);
-            let active = match rule.zip(along) {
-                Some((rule, table)) => active.with_law(SegmentLaw::along(segment, rule, table, job)),
-                None => active,
-            };
-            (count, active)
+            (count, ActiveSegment::limited(segment, rule, along, job, limit))
         });
     }
 

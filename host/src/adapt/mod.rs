@@ -315,10 +315,7 @@ fn teeth_per_min(job: &Job) -> f64 {
 fn govern(block: &mut PlannedBlock, job: &Job, unit: LengthUnit) -> Option<Profile> {
     let (index, rule) = cut::find(&job.rules, &block.segment, &job.tool)?;
     block.rule = Some(index);
-    let law = match &block.along {
-        Some(table) => SegmentLaw::along(&block.segment, rule, table, job),
-        None => SegmentLaw::for_segment(&block.segment, Some(rule), job),
-    };
+    let law = SegmentLaw::told(&block.segment, Some(rule), block.along.as_ref(), job);
     let profile = Profile::ask(&law, &block.segment, &knots_mm(rule, block.along.as_ref(), job));
     let Some(wish) = WishRange::of(&profile, teeth_per_min(job)) else {
         block.reason = PlanReason::NoWish;
