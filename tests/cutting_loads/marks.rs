@@ -14,7 +14,7 @@ use arcfeed_tests::{Scratch, run};
 use nalgebra::Vector2;
 use serde_json::Value;
 
-use crate::story::{Slot, number};
+use crate::story::{PUBLISHED, Slot, number};
 
 /// Rays stand 0.25 mm apart: with this feed a wall is seen at 47 places of a mark.
 const ONE_TOOTH: Slot<'_> = Slot {
@@ -113,16 +113,11 @@ fn a_tool_that_is_moved_sideways_leaves_that_on_both_walls() {
     assert!(count > 150 && worst_mm < 3e-5);
 }
 
-/// Set A of the published benchmarks across the slot.
+/// It gives way across the slot.
 const ACROSS: Slot<'_> = Slot {
-    diameter_mm: 100.0,
-    teeth: 2,
-    rev_per_min: 5000.0,
-    feed_mm_per_tooth: 0.02,
-    axial_depth_mm: 0.3,
-    way_mm: 4.0,
     cutting: "cutting = [600, 200, 0]\nedge = [0, 0, 0]\n\
         modes = [{ frequency = 922, damping = 0.011, stiffness = 1340.05, direction = [0, 1, 0] }]\n",
+    ..PUBLISHED
 };
 
 #[test]
