@@ -9,7 +9,7 @@ use std::path::Path;
 
 use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedError, EngagedInterval, EngagedKnot, EngagedTable};
 use arcfeed_shared::segment::{Path as Way, Segment};
-use arcfeed_shared::units::{LengthUnit, MicroDeg, Mm, Nm};
+use arcfeed_shared::units::{MicroDeg, Mm, Nm};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -129,13 +129,12 @@ impl EngagementMap {
         Ok(EngagementMap { moves: moves.collect::<Result<_, _>>()? })
     }
 
-    /// The text of its file; paths in the job's unit.
-    pub fn text(&self, made_of: u64, unit: LengthUnit) -> String {
+    /// The text of its file.
+    pub fn text(&self, made_of: u64) -> String {
         let mut text = format!(
             "# Where the tool's circles are engaged along each move, by `arcfeed engage`: path, mm; outer circle from, to, inner circle from, to, degrees\n\
-             # (0: towards the rotation centre, on a line to its left; 90: straight ahead). Reports are in {}.\n\
-             made_of = \"{made_of:016x}\"\n",
-            unit.label()
+             # (0: towards the rotation centre, on a line to its left; 90: straight ahead).\n\
+             made_of = \"{made_of:016x}\"\n"
         );
         for MappedMove { line, sequence, key, table } in &self.moves {
             // Writing to a string never fails.
@@ -238,7 +237,7 @@ mod tests {
     fn a_map_comes_back_to_the_bit() {
         let unknown = MappedMove { table: None, sequence: None, ..moved(9, 1.0) };
         let map = EngagementMap { moves: vec![moved(5, 0.1), unknown, moved(7, 12.345_679)] };
-        assert_eq!(EngagementMap::parse(&map.text(77, LengthUnit::Inch), 77), Ok(map));
+        assert_eq!(EngagementMap::parse(&map.text(77), 77), Ok(map));
     }
 
     #[test]
@@ -254,7 +253,7 @@ mod tests {
 
     #[test]
     fn what_is_no_map_of_this_is_refused_with_its_place() {
-        let text = EngagementMap { moves: vec![moved(5, 1.0)] }.text(77, LengthUnit::Mm);
+        let text = EngagementMap { moves: vec![moved(5, 1.0)] }.text(77);
         let said = |text: &str, made_of| {
             let (offset, message) = EngagementMap::parse(text, made_of).unwrap_err();
             format!("{:?} {message}", place(text, offset))

@@ -64,7 +64,7 @@ pub struct JobFile {
     /// The five-axis machine it runs on, where the job names one.
     pub machine: Option<MachineFile>,
     /// The engagement map that its rules name.
-    pub map_file: Option<MapFile>,
+    pub map_file: Option<PathBuf>,
     /// That map, once it was read.
     pub map: Option<EngagementMap>,
     /// What it cuts, where the job says so.
@@ -75,15 +75,6 @@ pub struct JobFile {
     pub serial: SerialSettings,
     /// What is sent on it, and how.
     pub dnc: DncSettings,
-}
-
-/// Where an engagement map is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MapFile {
-    /// Its file.
-    pub path: PathBuf,
-    /// Byte offset of its first name in the job file.
-    pub offset: usize,
 }
 
 /// The controls there are.
@@ -254,8 +245,7 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let workpiece = workpiece::build(table, &job, folder)?;
     let height_mm = workpiece.as_ref().map(|workpiece| workpiece.body.height_mm);
     let cutting = table.cutting.as_ref().map(|told| cutting::build(told, &job, height_mm)).transpose()?;
-    let map = rules::map(&table.cut)?;
-    let map_file = map.map(|file| MapFile { path: folder.join(file.as_ref()), offset: file.span().start });
+    let map_file = rules::map(&table.cut)?.map(|file| folder.join(file.as_ref()));
     let serial = serial::build(&table.serial)?;
     let dnc = dnc::build(&table.dnc, &serial)?;
     let map = None;

@@ -59,6 +59,23 @@ fn a_slot_is_engaged_from_side_to_side_and_a_shoulder_from_its_edge_on() {
 }
 
 #[test]
+fn what_is_in_front_only_at_the_very_end_of_a_move_is_there() {
+    // The block begins 4.8 mm in front of where the axis stops: less than a sample of path inside the circle.
+    let cut = Cut {
+        name: "end",
+        tool: MILL,
+        workpiece: "block = { from = [0, -20, -2], to = [60, 20, 0] }",
+        rule: "moves = \"lines\"\nside = \"outer\"\nn = [3, 3]",
+        program: "%\nG21G17G90G94\nN1G0X-10.Y0.\nN2Z-2.\nN3G1X-4.8F600.\nN4M30\n%\n",
+    };
+    let short_deg = libm::acos(4.8 / (5.0 + CHIP_MM)).to_degrees();
+    let [from, to] = read(&cut.map()[0], 0, 5.2);
+    println!("{from:.2} to {to:.2} degrees, by hand {:.2} to {:.2}", 90.0 - short_deg, 90.0 + short_deg);
+    assert!(from <= 90.0 - short_deg + ROUNDING_DEG && to >= 90.0 + short_deg - ROUNDING_DEG);
+    assert!(to - from <= 2.0 * short_deg + 4.0 * (STEP_MM / 5.0).to_degrees());
+}
+
+#[test]
 fn an_inside_arc_is_engaged_from_where_the_wall_begins() {
     // Centre on 10 mm, wall from 12 mm on: (10^2 + 5^2 - 12^2) / (2 x 10 x 5) = -0.19.
     let from_deg = libm::acos(-0.19).to_degrees();
@@ -91,13 +108,18 @@ fn both_circles_of_a_ring_are_engaged_behind_the_edge_of_the_stock() {
     };
     let map = cut.map();
     for (circle, radius_mm, paths_mm) in [(0, 20.0, [1.0, 28.0]), (1, 15.0, [4.0, 26.0])] {
-        assert_from(&map[0], circle, radius_mm, paths_mm, |path_mm| first_engaged_deg(circle, path_mm));
+        assert_from(&map[0], circle, radius_mm, paths_mm, |path_mm| engaged_deg(circle, path_mm)[0]);
+        for at in 0..20 {
+            let path_mm = paths_mm[0] + 1.25 * f64::from(at);
+            let ([_, told], [_, to]) = (read(&map[0], circle, path_mm), engaged_deg(circle, path_mm));
+            assert!((to - ROUNDING_DEG..to + 10.0).contains(&told), "{circle} at {path_mm}: {told} for {to}");
+        }
     }
 }
 
-/// The first direction in which the ring's circle has something in front of it: by looking, place by place, at what the ring has
-/// swept on its way.
-fn first_engaged_deg(circle: usize, path_mm: f64) -> f64 {
+/// The first and the last direction in which the ring's circle has something in front of it: by looking, place by place, at what
+/// the ring has swept on its way.
+fn engaged_deg(circle: usize, path_mm: f64) -> [f64; 2] {
     let turned_rad = (path_mm / 20.0).clamp(0.0, FRAC_PI_2);
     let center_mm = |turned_rad: f64| [20.0 * libm::cos(turned_rad), 20.0 * libm::sin(turned_rad)];
     let (k, reach_mm) = if circle == 0 { (1.0, 20.0 + CHIP_MM) } else { (-1.0, 15.0 - CHIP_MM) };
@@ -113,5 +135,7 @@ fn first_engaged_deg(circle: usize, path_mm: f64) -> f64 {
         };
         x > 5.0 && !(0..=400).any(is_swept)
     };
-    (0..18_000).map(|step| f64::from(step) / 100.0).find(|deg| is_engaged(*deg)).unwrap_or(180.0)
+    let mut looked = (0..=18_000).map(|step| f64::from(step) / 100.0);
+    let first = looked.clone().find(|deg| is_engaged(*deg)).unwrap_or(180.0);
+    [first, looked.rfind(|deg| is_engaged(*deg)).unwrap_or(first)]
 }

@@ -11,7 +11,7 @@ use arcfeed_shared::tool::Edge;
 use nalgebra::Vector2;
 
 use super::edges::{Cutter, EdgePiece};
-use super::layers::Layers;
+use super::layers::{Layers, Slice};
 use super::material::ChipSection;
 use super::rake::{Rake, Wake};
 
@@ -28,17 +28,6 @@ pub struct Bite {
     wakes: Vec<(Option<usize>, Wake)>,
     /// The solid that the edges turn.
     slices: Vec<Slice>,
-}
-
-/// What the pieces at one height turn.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slice {
-    /// Their middle above the tip.
-    pub height_mm: f64,
-    /// 0 without inner edges.
-    pub inner_mm: f64,
-    /// From the spindle's axis to the outermost.
-    pub outer_mm: f64,
 }
 
 /// Where the cutter is.
@@ -162,12 +151,7 @@ impl Bite {
 
     /// Takes everything where the tool stands, without chips.
     pub fn sink(&mut self, stand: &Stand) {
-        for slice in &self.slices {
-            let index = self.layers.index(stand.tip_mm + slice.height_mm);
-            if let Some(layer) = index.and_then(|index| self.layers.layers_mut().get_mut(index)) {
-                layer.clear_ring(stand.axis_mm, slice.inner_mm, slice.outer_mm);
-            }
-        }
+        self.layers.clear(stand.axis_mm, stand.tip_mm, &self.slices);
     }
 
     /// The tool is out of the cut: what it cut next to is forgotten.

@@ -1,5 +1,7 @@
 //! The workpiece as layers one above the other, square to the tool's axis.
 
+use nalgebra::Vector2;
+
 use crate::stock::lattice::LatticeError;
 use crate::stock::solid::Solid;
 use crate::stock::workpiece::Stock;
@@ -18,6 +20,17 @@ pub struct Layers {
     lowest_mm: f64,
     rise_mm: f64,
     layers: Vec<Layer>,
+}
+
+/// A height of a tool, and what turns there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slice {
+    /// Their middle above the tip.
+    pub height_mm: f64,
+    /// 0 without inner edges.
+    pub inner_mm: f64,
+    /// From the spindle's axis to the outermost.
+    pub outer_mm: f64,
 }
 
 impl Layers {
@@ -90,6 +103,16 @@ impl Layers {
     pub fn index(&self, height_mm: f64) -> Option<usize> {
         let index = (height_mm - self.lowest_mm) / self.rise_mm;
         (0.0..self.layers.len() as f64).contains(&index).then_some(index as usize)
+    }
+
+    /// Takes everything where the slices of a tool stand, its axis and the height of its tip told.
+    pub fn clear(&mut self, axis_mm: Vector2<f64>, tip_mm: f64, slices: &[Slice]) {
+        for Slice { height_mm, inner_mm, outer_mm } in slices {
+            let index = self.index(tip_mm + height_mm);
+            if let Some(layer) = index.and_then(|index| self.layers.get_mut(index)) {
+                layer.clear_ring(axis_mm, *inner_mm, *outer_mm);
+            }
+        }
     }
 
     /// Material as the rays along each axis have it, mm3.

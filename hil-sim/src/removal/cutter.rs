@@ -2,7 +2,6 @@
 
 use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::segment::Path;
 use arcfeed_shared::units::{MicroDeg, Micros, Nm};
 
 use crate::control::action::Manner;
@@ -107,10 +106,7 @@ impl Cutter {
     /// # Errors
     /// What is left takes more memory than allowed.
     pub fn see<D: Decider>(&mut self, rig: &Rig<D>) -> Result<(), StockError> {
-        let active = rig.control().active().map(|(count, segment)| {
-            let is_rapid = segment.path == Path::Rapid;
-            (Of { count, sequence: segment.sequence, rule: rig.rule(), is_rapid }, segment.start)
-        });
+        let active = Of::in_work(rig).map(|(of, segment)| (of, segment.start));
         if let (Some((of, start)), Some((before, manner))) = (active, self.last)
             && of.count != before.count
             && rig.control().meets_corners()

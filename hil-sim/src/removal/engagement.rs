@@ -13,23 +13,23 @@ use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, E
 use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::kinematics::vector::{Vector, difference, length};
 use arcfeed_shared::nc::modal::Plane;
-use arcfeed_shared::segment::{Path, Segment};
+use arcfeed_shared::segment::Segment;
 use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::{Micros, Mm, Nm};
+use arcfeed_shared::units::{Mm, Nm};
 use nalgebra::Vector2;
 
-use crate::control::action::Manner;
 use crate::cutting::covering::{Sample, covering, hull};
 use crate::cutting::engaged::EdgeCircle;
-use crate::cutting::layers::Layers;
+use crate::cutting::layers::{Layers, Slice};
 use crate::decider::Decider;
 use crate::drives::limits::AXES;
-use crate::rig::{Rig, STEP};
+use crate::rig::Rig;
 use crate::stock::tool::{Slab, Tool};
 
 use super::cutter::LeftOut;
-use super::placing::Placing;
-use super::trail::{Of, Stretch, at_tip};
+use super::periods::{Period, Periods};
+use super::placing::{Placing, between};
+use super::trail::Of;
 
 /// Between two places at which the material is cleared, in parts of the rays' distance: a circle leaves a fiftieth of that
 /// squared over its radius.
@@ -37,6 +37,8 @@ const CLEAR_RATIO: f64 = 0.1;
 /// From abeam to abeam, over the front.
 const AHEAD_DEG: [f64; 2] = [0.0, 180.0];
 const TURN_DEG: f64 = 360.0;
+/// The end of a move is no sample of its own where it is this near to the last one, in parts of the distance of samples.
+const END_RATIO: f64 = 0.01;
 /// Half of what the ends of a table's arcs are rounded to.
 const ROUNDING_DEG: f64 = 0.5 / 90.0;
 
@@ -74,21 +76,23 @@ pub struct EngagementMeter {
     settings: EngagementSettings,
     slices: Vec<Slice>,
     placing: Placing,
-    axes: Option<[f64; AXES]>,
-    /// The block in work last.
-    last: Option<(Of, Manner, Segment)>,
+    periods: Periods,
+    /// Where the move that is sampled has come to.
+    last: Option<Reached>,
     /// Where the material was cleared last.
     cleared_mm: Option<Vector>,
     moves: Vec<EngagedMove>,
     left_out: Vec<LeftOut>,
 }
 
-/// What the edges turn at a height above the tip.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Slice {
-    height_mm: f64,
-    /// Outer and inner radius; the latter 0 of a solid tool.
-    radii_mm: [f64; 2],
+/// A place on a move.
+#[derive(Clone, Copy, Debug)]
+struct Reached {
+    of: Of,
+    segment: Segment,
+    axes: [f64; AXES],
+    /// The tip on the workpiece.
+    tip_mm: Vector,
 }
 
 /// How a tool stands on its move.
@@ -104,12 +108,12 @@ impl EngagementMeter {
         let rise_mm = settings.layers.rise_mm();
         let heights =
             (0..).map(|n| (f64::from(n) + 0.5) * rise_mm).take_while(|height_mm| *height_mm < settings.depth_mm);
-        let slices = heights.filter_map(|height_mm| Slice::of(&settings.tool, height_mm)).collect();
+        let slices = heights.filter_map(|height_mm| slice(&settings.tool, height_mm)).collect();
         EngagementMeter {
             settings,
             slices,
             placing: Placing::default(),
-            axes: None,
+            periods: Periods::default(),
             last: None,
             cleared_mm: None,
             moves: Vec::new(),
@@ -119,19 +123,23 @@ impl EngagementMeter {
 
     /// Sees a period of the run.
     pub fn see<D: Decider>(&mut self, rig: &Rig<D>) {
-        let active = rig.control().active().map(|(count, segment)| {
-            let is_rapid = segment.path == Path::Rapid;
-            (Of { count, sequence: segment.sequence, rule: rig.rule(), is_rapid }, *rig.manner(), *segment)
-        });
-        if let Some((of, ..)) = active.filter(|(of, ..)| self.is_asked_of(of)) {
+        let in_work = Of::in_work(rig).map(|(of, _)| of);
+        if self.last.is_some_and(|last| in_work.is_some_and(|of| of != last.of)) {
+            self.end();
+        }
+        if let Some(of) = in_work.filter(|of| self.is_asked_of(of)) {
             self.open(of);
         }
-        self.last = active.or(self.last);
-        let axes = rig.control().actual_axes();
-        let (Some(before), Some((of, manner, segment))) = (self.axes.replace(axes), self.last) else { return };
-        let places = vec![at_tip(&before, &manner), at_tip(&axes, &manner)];
-        let stretch = Stretch { of, manner, from: Micros(rig.now().0 - STEP.0), to: rig.now(), places };
-        self.go(&stretch, &segment, [before, axes]);
+        if let Some(period) = self.periods.see(rig) {
+            self.go(&period);
+        }
+    }
+
+    /// The move that is sampled, or the run, is over: where it ended counts, however near the last sample was.
+    pub fn end(&mut self) {
+        if let Some(reached) = self.last.take() {
+            self.sample(&reached, END_RATIO * self.settings.every_mm);
+        }
     }
 
     /// The moves that were to be sampled, in the order in which they were made.
@@ -144,11 +152,6 @@ impl EngagementMeter {
         &self.left_out
     }
 
-    /// What is left.
-    pub fn layers(&self) -> &Layers {
-        &self.settings.layers
-    }
-
     fn is_asked_of(&self, of: &Of) -> bool {
         of.rule.is_some_and(|rule| self.settings.rules.get(rule) == Some(&true))
     }
@@ -159,30 +162,25 @@ impl EngagementMeter {
         }
     }
 
-    fn go(&mut self, stretch: &Stretch, segment: &Segment, axes: [[f64; AXES]; 2]) {
-        if !stretch.of.is_rapid && stretch.places[0] != stretch.places[1] {
-            self.placing.learn(stretch);
-        }
-        if !self.placing.is_known() {
-            return;
-        }
-        let ends = match self.placing.upright_mm(stretch, self.settings.machine.as_ref()).as_deref() {
-            Ok([from, to]) => [*from, *to],
-            Ok(_) => return,
-            Err(why) => return LeftOut::count(&mut self.left_out, stretch.of, *why),
+    fn go(&mut self, Period { stretch, segment, axes }: &Period) {
+        let ends = match self.placing.chord_mm(stretch, self.settings.machine.as_ref()) {
+            None => return,
+            Some(Ok(ends)) => ends,
+            Some(Err(why)) => return LeftOut::count(&mut self.left_out, stretch.of, why),
         };
         let fine_mm = CLEAR_RATIO * self.step_mm();
         let count = libm::ceil(length(difference(ends[1], ends[0])) / fine_mm).max(1.0);
         for step in 1..=count as u64 {
             let part = step as f64 / count;
-            let tip_mm = between(&ends[0], &ends[1], part);
+            let tip_mm = between(&ends, part);
             if self.is_asked_of(&stretch.of) {
-                let [from, to] = &axes;
-                let at = std::array::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * part);
-                self.sample(segment, &at, &tip_mm);
+                let axes = std::array::from_fn(|axis| axes[0][axis] + (axes[1][axis] - axes[0][axis]) * part);
+                let reached = Reached { of: stretch.of, segment: *segment, axes, tip_mm };
+                self.sample(&reached, self.settings.every_mm);
+                self.last = Some(reached);
             }
             if self.cleared_mm.is_none_or(|last| length(difference(tip_mm, last)) >= fine_mm) {
-                self.clear(&tip_mm);
+                self.settings.layers.clear(Vector2::new(tip_mm[0], tip_mm[1]), tip_mm[2], &self.slices);
                 self.cleared_mm = Some(tip_mm);
             }
         }
@@ -192,24 +190,14 @@ impl EngagementMeter {
         self.settings.layers.layers().first().map_or(f64::INFINITY, |layer| layer.step_mm())
     }
 
-    fn clear(&mut self, tip_mm: &Vector) {
-        let layers = &mut self.settings.layers;
-        for Slice { height_mm, radii_mm: [outer_mm, inner_mm] } in &self.slices {
-            let index = layers.index(tip_mm[2] + height_mm);
-            if let Some(layer) = index.and_then(|index| layers.layers_mut().get_mut(index)) {
-                layer.clear_ring(Vector2::new(tip_mm[0], tip_mm[1]), *inner_mm, *outer_mm);
-            }
-        }
-    }
-
-    /// Looks around at a place of the axes, with the tip there on the workpiece, where that is far enough from the last sample.
-    fn sample(&mut self, segment: &Segment, axes: &[f64; AXES], tip_mm: &Vector) {
-        let Some(heading) = Heading::of(segment, axes) else { return };
+    /// Looks around at a place, where that is so far from the last sample.
+    fn sample(&mut self, reached: &Reached, apart_mm: f64) {
+        let Some(heading) = Heading::of(&reached.segment, &reached.axes) else { return };
         let Some(last) = self.moves.last().map(|moved| moved.samples.last().map(|sample| sample.at_mm)) else { return };
-        if last.is_some_and(|last_mm| heading.travelled_mm < last_mm + self.settings.every_mm) {
+        if last.is_some_and(|last_mm| heading.travelled_mm < last_mm + apart_mm) {
             return;
         }
-        let intervals_deg = [Edge::Outer, Edge::Inner].map(|side| self.engaged_deg(side, tip_mm, &heading));
+        let intervals_deg = [Edge::Outer, Edge::Inner].map(|side| self.engaged_deg(side, &reached.tip_mm, &heading));
         if let Some(moved) = self.moves.last_mut() {
             moved.samples.push(Sample { at_mm: heading.travelled_mm, intervals_deg });
         }
@@ -219,7 +207,7 @@ impl EngagementMeter {
         let (layers, center_mm) = (&self.settings.layers, Vector2::new(tip_mm[0], tip_mm[1]));
         let of_slice = |slice: &Slice| {
             let layer = layers.layers().get(layers.index(tip_mm[2] + slice.height_mm)?)?;
-            let radius_mm = slice.radii_mm[usize::from(side == Edge::Inner)];
+            let radius_mm = if side == Edge::Outer { slice.outer_mm } else { slice.inner_mm };
             let circle = (radius_mm > 0.0).then_some(EdgeCircle { center_mm, radius_mm, side })?;
             // Right of half the rays' distance: to the safe side.
             let spare_rad = layer.step_mm() / 2.0 / radius_mm;
@@ -246,15 +234,13 @@ fn outwards([from_deg, to_deg]: [f64; 2]) -> Option<EngagedInterval> {
     EngagedInterval::from_degrees((from_deg - spare_deg).max(-TURN_DEG / 2.0), (to_deg + spare_deg).min(TURN_DEG / 2.0))
 }
 
-impl Slice {
-    /// `None` where nothing of the tool cuts.
-    fn of(tool: &Tool, height_mm: f64) -> Option<Self> {
-        let slab = tool.slabs().iter().find(|slab| (slab.heights_mm[0]..slab.heights_mm[1]).contains(&height_mm))?;
-        let Slab { heights_mm: [low_mm, high_mm], outer_mm, inner_mm } = *slab;
-        let part = (height_mm - low_mm) / (high_mm - low_mm);
-        let at = |[low_mm, high_mm]: [f64; 2]| low_mm + (high_mm - low_mm) * part;
-        Some(Slice { height_mm, radii_mm: [at(outer_mm), inner_mm.map_or(0.0, at)] })
-    }
+/// What turns at a height; `None` where nothing of the tool cuts.
+fn slice(tool: &Tool, height_mm: f64) -> Option<Slice> {
+    let slab = tool.slabs().iter().find(|slab| (slab.heights_mm[0]..slab.heights_mm[1]).contains(&height_mm))?;
+    let Slab { heights_mm: [low_mm, high_mm], outer_mm, inner_mm } = *slab;
+    let part = (height_mm - low_mm) / (high_mm - low_mm);
+    let at = |[low_mm, high_mm]: [f64; 2]| low_mm + (high_mm - low_mm) * part;
+    Some(Slice { height_mm, inner_mm: inner_mm.map_or(0.0, at), outer_mm: at(outer_mm) })
 }
 
 impl Heading {
@@ -299,11 +285,6 @@ impl Heading {
         };
         (-2..=2).filter_map(part).reduce(hull)
     }
-}
-
-/// A part of the way from one place to another.
-fn between(from: &Vector, to: &Vector, part: f64) -> Vector {
-    [0, 1, 2].map(|axis: usize| from[axis] + (to[axis] - from[axis]) * part)
 }
 
 #[cfg(test)]

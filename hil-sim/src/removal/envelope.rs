@@ -16,8 +16,7 @@
 use nalgebra::Vector2;
 
 use super::way::Leg;
-use crate::cutting::bite::Slice;
-use crate::cutting::layers::Layers;
+use crate::cutting::layers::{Layers, Slice};
 
 /// Parts of legs that are left out together where all of them are too far off.
 const TOGETHER: usize = 64;

@@ -10,24 +10,22 @@ use std::f64::consts::TAU;
 
 use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::kinematics::vector::Vector;
-use arcfeed_shared::segment::Path;
 use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{Micros, S_PER_MIN};
 use nalgebra::Vector2;
 
-use crate::control::action::Manner;
 use crate::cutting::bite::Stand;
 use crate::decider::Decider;
-use crate::drives::limits::AXES;
 use crate::process::{Moment, Process};
 use crate::rig::{Rig, STEP};
 
 use super::cutter::LeftOut;
 use super::giving::Giving;
-use super::placing::Placing;
+use super::periods::{Period, Periods};
+use super::placing::{Placing, between};
 use super::steadiness::{Samples, Steadiness};
 use super::tally::{CHIP_MIN_MM, Sample, Tally, Turn};
-use super::trail::{Of, STRETCH_MAX, Stretch, at_tip};
+use super::trail::{Of, STRETCH_MAX, Stretch};
 use super::way::Way;
 
 /// Around the workpiece: nearer than this the edges are asked.
@@ -70,9 +68,7 @@ pub struct Window {
 pub struct LoadMeter {
     settings: LoadSettings,
     placing: Placing,
-    axes: Option<[f64; AXES]>,
-    /// The block in work last.
-    last: Option<(Of, Manner)>,
+    periods: Periods,
     /// Steps of a turn, and how many there have been.
     steps_a_turn: usize,
     steps: u64,
@@ -102,8 +98,7 @@ impl LoadMeter {
             steps_a_turn: of_pitch as usize * cutter.teeth(),
             settings,
             placing: Placing::default(),
-            axes: None,
-            last: None,
+            periods: Periods::default(),
             steps: 0,
             steps_idle: 0,
             due: 0.0,
@@ -118,17 +113,9 @@ impl LoadMeter {
 
     /// Sees a period of the run.
     pub fn see<D: Decider>(&mut self, rig: &Rig<D>) {
-        let active = rig.control().active().map(|(count, segment)| {
-            let is_rapid = segment.path == Path::Rapid;
-            let of = Of { count, sequence: segment.sequence, rule: rig.rule(), is_rapid };
-            (of, *rig.manner())
-        });
-        self.last = active.or(self.last);
-        let (axes, rev_per_min) = (rig.control().actual_axes(), f64::from(rig.spindle().0));
-        let (Some(before), Some((of, manner))) = (self.axes.replace(axes), self.last) else { return };
-        let places = vec![at_tip(&before, &manner), at_tip(&axes, &manner)];
-        let stretch = Stretch { of, manner, from: Micros(rig.now().0 - STEP.0), to: rig.now(), places };
-        self.go(&stretch, rev_per_min);
+        if let Some(Period { stretch, .. }) = self.periods.see(rig) {
+            self.go(&stretch, f64::from(rig.spindle().0));
+        }
     }
 
     /// The end of the run.
@@ -185,18 +172,11 @@ impl LoadMeter {
     }
 
     fn go(&mut self, stretch: &Stretch, rev_per_min: f64) {
-        let moves = stretch.places[0] != stretch.places[1];
-        if !stretch.of.is_rapid && moves {
-            self.placing.learn(stretch);
-        }
-        if !self.placing.is_known() {
-            return;
-        }
-        let ends = match self.placing.upright_mm(stretch, self.settings.machine.as_ref()).as_deref() {
-            Ok([from, to]) => [*from, *to],
-            Ok(_) => return,
-            Err(why) => {
-                LeftOut::count(&mut self.left_out, stretch.of, *why);
+        let ends = match self.placing.chord_mm(stretch, self.settings.machine.as_ref()) {
+            None => return,
+            Some(Ok(ends)) => ends,
+            Some(Err(why)) => {
+                LeftOut::count(&mut self.left_out, stretch.of, why);
                 return self.leave();
             }
         };
@@ -324,9 +304,4 @@ impl LoadMeter {
         };
         bite.layers().extent_mm().is_some_and(is_beside) && bite.is_in(tip_mm[2])
     }
-}
-
-/// A part of the way from one place to another.
-fn between(ends_mm: &[Vector; 2], part: f64) -> Vector {
-    [0, 1, 2].map(|axis: usize| ends_mm[0][axis] + (ends_mm[1][axis] - ends_mm[0][axis]) * part)
 }

@@ -11,9 +11,8 @@ use nalgebra::Vector2;
 use super::envelope::{Depth, Envelope};
 use super::trail::Of;
 use super::way::Way;
-use crate::cutting::bite::Slice;
 use crate::cutting::layer::Layer;
-use crate::cutting::layers::Layers;
+use crate::cutting::layers::{Layers, Slice};
 use crate::stock::dexel::Dexel;
 
 /// What is left of the blank this deep was to be cut: less is rounding.

@@ -80,11 +80,21 @@ impl Placing {
         sweeps.map(|sweeps| sweeps.concat()).map_err(|_| Unplaced::Turning)
     }
 
-    /// Where the tip of an upright tool is on the part, place by place.
+    /// Where the tip of an upright tool goes on the part in a stretch of one chord; nothing as long as no cut has told where the part
+    /// is.
     ///
     /// # Errors
     /// It is not known where the tool is to the workpiece, or it leans.
-    pub fn upright_mm(&self, stretch: &Stretch, machine: Option<&Machine>) -> Result<Vec<Vector>, Unplaced> {
+    pub fn chord_mm(&mut self, stretch: &Stretch, machine: Option<&Machine>) -> Option<Result<[Vector; 2], Unplaced>> {
+        let [from, to] = stretch.places[..] else { return None };
+        if !stretch.of.is_rapid && from != to {
+            self.learn(stretch);
+        }
+        let ends_mm = |places: Vec<Vector>| [places[0], places[1]];
+        self.is_known().then(|| self.upright_mm(stretch, machine).map(ends_mm))
+    }
+
+    fn upright_mm(&self, stretch: &Stretch, machine: Option<&Machine>) -> Result<Vec<Vector>, Unplaced> {
         let poses = self.poses(stretch, machine)?;
         let leans = |pose: &Pose| pose.axis[2] < 0.0 || libm::hypot(pose.axis[0], pose.axis[1]) > UPRIGHT_RAD;
         if poses.iter().any(leans) { Err(Unplaced::Tilted) } else { Ok(poses.iter().map(|pose| pose.tip_mm).collect()) }
@@ -109,6 +119,11 @@ impl Placing {
         let stands = rotary(&stretch.places[0]);
         self.rotary_deg.is_none_or(|first| first.iter().zip(stands).all(|(a, b)| (a - b).abs() <= SAME_DEG))
     }
+}
+
+/// A part of the way from one place to another.
+pub(super) fn between(ends_mm: &[Vector; 2], part: f64) -> Vector {
+    [0, 1, 2].map(|axis: usize| ends_mm[0][axis] + (ends_mm[1][axis] - ends_mm[0][axis]) * part)
 }
 
 /// The tool axis on the part.

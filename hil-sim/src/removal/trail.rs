@@ -13,10 +13,13 @@
 //!
 //! Source: (1) the way of a point at r_k under a turn.
 
+use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{Micros, Nm};
 
 use crate::control::action::Manner;
+use crate::decider::Decider;
 use crate::drives::limits::AXES;
+use crate::rig::Rig;
 
 /// Longest time of a stretch: the resolution of the removal rate.
 pub const STRETCH_MAX: Micros = Micros::from_ms(250);
@@ -41,6 +44,16 @@ pub struct Of {
     pub rule: Option<usize>,
     /// A rapid.
     pub is_rapid: bool,
+}
+
+impl Of {
+    /// The block in work, and its move.
+    pub(super) fn in_work<D: Decider>(rig: &Rig<D>) -> Option<(Self, &Segment)> {
+        rig.control().active().map(|(count, segment)| {
+            let is_rapid = segment.path == Path::Rapid;
+            (Of { count, sequence: segment.sequence, rule: rig.rule(), is_rapid }, segment)
+        })
+    }
 }
 
 /// What is seen of the axes in a period.

@@ -9,7 +9,8 @@ use arcfeed_shared::tool::{Edge, Tool};
 use arcfeed_shared::units::{LengthUnit, Nm};
 use serde::Serialize;
 
-use super::outcome::{Failure, adapted, load, say, write_whole};
+use super::mapped::{adapted, load};
+use super::outcome::{Failure, say, write_whole};
 use crate::adapt::split::Whole;
 use crate::adapt::{Adapted, PlanReason, PlannedBlock};
 use crate::program::Program;

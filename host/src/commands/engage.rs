@@ -6,25 +6,21 @@ use std::path::PathBuf;
 use arcfeed_hil_sim::control::ControlSettings;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::removal::engagement::{EngagementMeter, EngagementSettings};
-use arcfeed_hil_sim::rig::Rig;
 use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::engaged::{EngagedKnot, EngagedTable};
-use indicatif::{ProgressBar, ProgressDrawTarget};
 use serde::Serialize;
 
-use super::outcome::{Failure, load_unmapped, made_of, say, write_whole};
-use super::simulate::control_settings;
+use super::mapped::made_of;
+use super::outcome::{Failure, load_unmapped, say, write_whole};
 use super::simulate::setup::Setup;
 use super::simulate::told::left_out_figures;
-use super::simulate::watch::RUN_MAX;
+use super::simulate::watch::run_seen;
+use super::simulate::{control_settings, in_memory_of};
 use crate::adapt::{PlanReason, PlannedBlock, adapt};
 use crate::engagement::{EngagementMap, MappedMove, key, key_at_any_position};
 use crate::job::JobFile;
 use crate::program::Program;
 use crate::report::material::LeftOutFigures;
-
-/// Periods between two signs of life.
-const SIGN_EVERY: u64 = 200;
 
 /// Find where the tool stands in material along each move, for rules with stock = { map = FILE }
 ///
@@ -76,7 +72,7 @@ impl Engage {
                 format!("{job}: no rule asks for an engagement map; write stock = {{ map = \"FILE.toml\" }} in one");
             return Err(Failure::Input(message));
         };
-        let output = self.output.as_ref().unwrap_or(&named.path);
+        let output = self.output.as_ref().unwrap_or(named);
         let Some(setup) = Setup::of(&self.job, &file)? else {
             let job = self.job.display();
             return Err(Failure::Input(format!(
@@ -92,7 +88,7 @@ impl Engage {
             moves: map.moves.iter().map(MoveFigures::new).collect(),
             left_out: left_out.collect(),
         };
-        write_whole(output, map.text(made_of(&file, &program)?, file.job.unit).as_bytes())?;
+        write_whole(output, map.text(made_of(&file, &program)?).as_bytes())?;
         report.tell(self.json);
         Ok(())
     }
@@ -101,9 +97,6 @@ impl Engage {
 /// Runs the program as it is, through the workpiece: on drives that follow at once, for the map is of the way as programmed.
 fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<EngagementMeter, Failure> {
     let settings = ControlSettings { drives: None, servo: None, ..control_settings(file) };
-    let text = [&program.bytes()[..], b"\n"].concat();
-    let mut rig = Rig::from_memory(settings, &text, &file.job, ControllerFault::LawOff)
-        .map_err(|error| Failure::Input(format!("override limits: {error:?}")))?;
     let (layers, depth_mm) = setup.layers();
     let mut meter = EngagementMeter::new(EngagementSettings {
         layers,
@@ -114,23 +107,12 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
         rules: file.job.rules.iter().map(CutRule::is_told_along).collect(),
         machine: file.machine.as_ref().map(|named| named.machine),
     });
-    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-    for period in 0_u64.. {
-        if rig.is_done() {
-            break;
-        }
-        rig.step();
-        meter.see(&rig);
-        if rig.now() > RUN_MAX {
-            return Err(Failure::Machine("the program still runs after 24 hours of machine time".into()));
-        }
-        if period % SIGN_EVERY == 0 {
-            let (executed, now_s) = (rig.control().executed().len(), rig.now().to_s());
-            bar.set_message(format!("looking: {executed} blocks, {now_s:.0} s of machine time"));
-            bar.tick();
-        }
-    }
-    bar.finish_and_clear();
+    let rig = in_memory_of(settings, file, &program.bytes(), ControllerFault::LawOff)?;
+    let rig = run_seen(rig, Some("looking"), |rig| {
+        meter.see(rig);
+        Ok(())
+    })?;
+    meter.end();
     match rig.control().alarm() {
         None => Ok(meter),
         Some(alarm) => Err(Failure::Machine(format!("{}:{}: the control stopped", program.path.display(), alarm.line))),

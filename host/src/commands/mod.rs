@@ -2,6 +2,8 @@
 
 pub mod outcome;
 
+pub mod mapped;
+
 pub mod five_axis;
 
 pub mod check;

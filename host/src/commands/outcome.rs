@@ -6,16 +6,12 @@ use std::process::ExitCode;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use arcfeed_shared::cut::{self, CutRule};
+use arcfeed_shared::cut;
 use arcfeed_shared::segment::Path as Way;
 
-use crate::adapt::{Adapted, Known, PlannedBlock, adapt_with};
-use crate::checksum::fingerprint;
 use crate::dnc::outbox::LineError;
-use crate::engagement::EngagementMap;
 use crate::file_error::FileError;
 use crate::job::JobFile;
-use crate::job::workpiece::{Blank, StlFile};
 use crate::port::PortError;
 use crate::program::{Program, Severity};
 
@@ -97,39 +93,7 @@ pub fn write_whole(path: &Path, text: &[u8]) -> Result<(), Failure> {
     write().map_err(|error| file_failure(path, &error))
 }
 
-/// A job and its program, both without errors, with the engagement map that the job names.
-///
-/// # Errors
-/// Every error of the program, one a line; what is wrong with the map.
-pub fn load(job: &Path) -> Result<(JobFile, Program), Failure> {
-    let (mut file, program) = load_unmapped(job)?;
-    if let Some(named) = &file.map_file {
-        file.map = Some(EngagementMap::read(&named.path, made_of(&file, &program)?)?);
-    }
-    Ok((file, program))
-}
-
-/// What an engagement map is made of: program, tool, workpiece.
-///
-/// # Errors
-/// A file of the workpiece cannot be read.
-pub fn made_of(file: &JobFile, program: &Program) -> Result<u64, Failure> {
-    let JobFile { job, workpiece, cutting, .. } = file;
-    let mut made_of = program.bytes();
-    let depth = cutting.as_ref().map(|cutting| (cutting.axial_depth_mm, cutting.layers));
-    let body = workpiece.as_ref().map(|workpiece| (workpiece.body, workpiece.step_mm));
-    made_of.extend(format!("{:?}", (job.unit, job.tool, job.feed_per_tooth, body, depth)).bytes());
-    match workpiece.as_ref().map(|workpiece| &workpiece.blank) {
-        Some(Blank::Stl(StlFile { path, unit })) => {
-            made_of.extend(format!("{unit:?}").bytes());
-            made_of.extend(std::fs::read(path).map_err(|error| file_failure(path, &error))?);
-        }
-        shape => made_of.extend(format!("{shape:?}").bytes()),
-    }
-    Ok(fingerprint(&made_of))
-}
-
-/// The same without a map.
+/// A job and its program, both without errors; the engagement map that the job may name is not asked for.
 ///
 /// # Errors
 /// Every error of the program, one a line.
@@ -148,28 +112,6 @@ pub fn load_unmapped(job: &Path) -> Result<(JobFile, Program), Failure> {
         .collect();
     errors.extend(spindle_contradictions(&file, &program));
     if errors.is_empty() { Ok((file, program)) } else { Err(Failure::Input(errors.join("\n"))) }
-}
-
-/// The program with its job's feeds; says on stderr which moves keep their own although a cut rule speaks of them.
-pub fn adapted(program: &Program, file: &JobFile) -> Adapted {
-    let adapted = adapt_with(program, &file.job, Known::of(file));
-    for warning in adapted.left_alone(program) {
-        eprintln!("{}:{warning}", program.path.display());
-    }
-    let is_unknown = |block: &&PlannedBlock| {
-        let rule = block.rule.and_then(|rule| file.job.rules.get(rule));
-        block.along.is_none() && block.under.is_none() && rule.is_some_and(CutRule::is_told_along)
-    };
-    let unknown: Vec<&PlannedBlock> = adapted.blocks.iter().filter(is_unknown).collect();
-    if let (Some(first), Some(named)) = (unknown.first(), &file.map_file) {
-        let (program, map, count) = (program.path.display(), named.path.display(), unknown.len());
-        eprintln!(
-            "{program}:{}:1: warning: {map} knows nothing of {count} moves from here on: they keep their own feed; make the map \
-             anew with `arcfeed engage` if rules have changed",
-            first.line
-        );
-    }
-    adapted
 }
 
 /// An F written into a macro's body or a subprogram would be that of every call, so such programs keep their feeds.

@@ -40,7 +40,8 @@ use arcfeed_shared::report::{ChipFigures, LeftOut};
 use arcfeed_shared::units::{LengthUnit, MmPerTooth, S_PER_MIN};
 
 use super::adapt::{direction_word, rotation_word, side_word};
-use super::outcome::{Failure, adapted, load, say};
+use super::mapped::{adapted, load};
+use super::outcome::{Failure, say};
 use crate::adapt::limit::is_tip_line;
 use crate::adapt::{Adapted, PlannedBlock};
 use crate::job::{ControlKind, JobFile, Parity, SerialSettings, TapeCode};
@@ -237,9 +238,22 @@ pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> 
 }
 
 fn in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Rig, Failure> {
+    in_memory_of(control_settings(file), file, program, fault)
+}
+
+/// A program in the memory of a control with these settings, not begun.
+///
+/// # Errors
+/// The job's limits of the override are none.
+pub(super) fn in_memory_of(
+    settings: ControlSettings,
+    file: &JobFile,
+    program: &[u8],
+    fault: ControllerFault,
+) -> Result<Rig, Failure> {
     // A last line without its end would never be a block.
     let program = [program, b"\n"].concat();
-    Rig::from_memory(control_settings(file), &program, &file.job, fault)
+    Rig::from_memory(settings, &program, &file.job, fault)
         .map_err(|error| Failure::Input(format!("override limits: {error:?}")))
 }
 

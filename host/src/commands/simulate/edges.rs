@@ -2,10 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use arcfeed_hil_sim::cutting::bite::{Bite, Slice, slices};
+use arcfeed_hil_sim::cutting::bite::{Bite, slices};
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EdgeError, EndMill, Ring};
-use arcfeed_hil_sim::cutting::layers::Layers;
+use arcfeed_hil_sim::cutting::layers::{Layers, Slice};
 use arcfeed_hil_sim::cutting::material::{Cutting as Forces, Kienzle, MATERIALS};
 use arcfeed_hil_sim::dynamics::modal::Mode;
 use arcfeed_hil_sim::dynamics::transition::Rule;

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use arcfeed_hil_sim::cutting::bite::Slice;
-use arcfeed_hil_sim::cutting::layers::Layers;
+use arcfeed_hil_sim::cutting::layers::{Layers, Slice};
 use arcfeed_hil_sim::removal::loads::LoadMeter;
 use arcfeed_hil_sim::removal::marks::{Mark, marks};
 use arcfeed_hil_sim::removal::trail::Of;

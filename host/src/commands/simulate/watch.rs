@@ -11,7 +11,7 @@ use super::super::outcome::Failure;
 use super::setup::Setup;
 
 /// Longest simulated run: a program that takes longer is stuck.
-pub const RUN_MAX: Micros = Micros::from_ms(24 * 3_600 * 1_000);
+const RUN_MAX: Micros = Micros::from_ms(24 * 3_600 * 1_000);
 
 /// Periods between two signs of life.
 const SIGN_EVERY: u64 = 200;
@@ -33,35 +33,20 @@ impl Watch {
     pub fn on(setup: Option<&Setup<'_>>) -> Self {
         let place = setup.map_or(String::new(), |setup| setup.place.clone());
         let loads = setup.and_then(Setup::load_meter);
-        Watch { cutter: setup.map(Setup::cutter), loads, overrides: Vec::new(), place }
+        Watch { cutter: setup.map(Setup::cutter), loads, place, ..Watch::default() }
     }
 
     /// Runs to the end.
     ///
     /// # Errors
     /// The run never ends, or the stock takes more memory than it may.
-    pub fn run(&mut self, mut rig: Rig<Told>) -> Result<Rig<Told>, Failure> {
-        let bar = self.cutter.as_ref().map(|_| ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr()));
-        for period in 0_u64.. {
-            if rig.is_done() {
-                break;
-            }
-            rig.step();
-            self.see(&rig)?;
-            if rig.now() > RUN_MAX {
-                return Err(Failure::Machine("the program still runs after 24 hours of machine time".into()));
-            }
-            if let Some(bar) = bar.as_ref().filter(|_| period % SIGN_EVERY == 0) {
-                let (executed, now_s) = (rig.control().executed().len(), rig.now().to_s());
-                bar.set_message(format!("cutting: {executed} blocks, {now_s:.0} s of machine time"));
-                bar.tick();
-            }
-        }
+    pub fn run(&mut self, rig: Rig<Told>) -> Result<Rig<Told>, Failure> {
+        let takes_long = self.cutter.as_ref().map(|_| "cutting");
+        let rig = run_seen(rig, takes_long, |rig| self.see(rig))?;
         if let Some(cutter) = &mut self.cutter {
             cutter.end().map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
         }
         self.loads.iter_mut().for_each(LoadMeter::end);
-        bar.inspect(ProgressBar::finish_and_clear);
         Ok(rig)
     }
 
@@ -76,4 +61,33 @@ impl Watch {
         }
         Ok(())
     }
+}
+
+/// Runs to the end, and has each period seen. What takes long is told by its name, with how far it is.
+///
+/// # Errors
+/// The run never ends, or what sees it stops it.
+pub fn run_seen(
+    mut rig: Rig<Told>,
+    takes_long: Option<&str>,
+    mut see: impl FnMut(&Rig<Told>) -> Result<(), Failure>,
+) -> Result<Rig<Told>, Failure> {
+    let bar = takes_long.map(|name| (name, ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())));
+    for period in 0_u64.. {
+        if rig.is_done() {
+            break;
+        }
+        rig.step();
+        see(&rig)?;
+        if rig.now() > RUN_MAX {
+            return Err(Failure::Machine("the program still runs after 24 hours of machine time".into()));
+        }
+        if let Some((name, bar)) = bar.as_ref().filter(|_| period % SIGN_EVERY == 0) {
+            let (executed, now_s) = (rig.control().executed().len(), rig.now().to_s());
+            bar.set_message(format!("{name}: {executed} blocks, {now_s:.0} s of machine time"));
+            bar.tick();
+        }
+    }
+    bar.inspect(|(_, bar)| bar.finish_and_clear());
+    Ok(rig)
 }

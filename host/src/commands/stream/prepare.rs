@@ -7,7 +7,8 @@ use arcfeed_hil_sim::rig::Foreseen;
 use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE};
 use arcfeed_shared::units::{Micros, S_PER_MIN};
 
-use super::super::outcome::{Failure, adapted, file_failure, load};
+use super::super::mapped::{adapted, load};
+use super::super::outcome::{Failure, file_failure};
 use super::super::simulate::{control_settings, foreseen, tape_code};
 use crate::checksum::fingerprint;
 use crate::dnc::journal::Start;
