@@ -7,7 +7,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use arcfeed::adapt::adapt;
-use arcfeed::commands::simulate::control_settings;
+use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_hil_sim::control::Control;

@@ -1,7 +1,7 @@
 //! What the machine can follow bounds the override, with its reason, and the feed reported is the one it makes.
 
 use arcfeed::adapt::{PlanReason, PlannedBlock, adapt};
-use arcfeed::commands::simulate::control_settings;
+use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_firmware::active::ActiveSegment;

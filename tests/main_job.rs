@@ -2,7 +2,8 @@
 //! the measurement notices when it is not.
 
 use arcfeed::adapt::adapt;
-use arcfeed::commands::simulate::{measure, run_in_memory};
+use arcfeed::commands::simulate::measured::measure;
+use arcfeed::commands::simulate::run_in_memory;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed::report::figures::{IptFigures, MovementFigures, RunReport};

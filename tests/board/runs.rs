@@ -1,7 +1,7 @@
 //! Runs of the example with one controller or another.
 
 use arcfeed::adapt::adapt;
-use arcfeed::commands::simulate::control_settings;
+use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_firmware::assembly::{Config, assemble};

@@ -4,7 +4,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 use arcfeed::adapt::adapt;
-use arcfeed::commands::simulate::control_settings;
+use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_bench::trace::{LAWS, TICKS};

@@ -1,7 +1,7 @@
 //! The parts of the STM32F405's image that know no register, on the desk: why it started, its panel, its guard.
 
 use arcfeed::adapt::adapt;
-use arcfeed::commands::simulate::control_settings;
+use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_firmware::active::ActiveSegment;

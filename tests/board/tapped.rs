@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use arcfeed::commands::simulate::control_settings;
+use arcfeed::commands::simulate::control::control_settings;
 use arcfeed_firmware::assembly::{Config, assemble};
 use arcfeed_firmware::front::Front;
 use arcfeed_firmware::station::clerk::Identity;

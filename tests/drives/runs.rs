@@ -1,6 +1,6 @@
 //! Whole runs with axes that lag: what the controller sees, when they are over, which chips are measured.
 
-use arcfeed::commands::simulate::control_settings;
+use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_hil_sim::control::{Control, ControlSettings};

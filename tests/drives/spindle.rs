@@ -1,6 +1,6 @@
 //! A spindle that needs time and gives way, against closed forms.
 
-use arcfeed::commands::simulate::control_settings;
+use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed_hil_sim::control::{Control, ControlSettings, Preset};
 use arcfeed_hil_sim::drives::spindle::{SpindleDrive, SpindleState, Turn};

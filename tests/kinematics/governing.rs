@@ -1,7 +1,8 @@
 //! Laws on the straight moves of a tip under G43.4: within what the job's machine can follow, and only where one is named.
 
 use arcfeed::adapt::{Known, adapt_with};
-use arcfeed::commands::simulate::{control_settings, foreseen};
+use arcfeed::commands::simulate::control::control_settings;
+use arcfeed::commands::simulate::foreseen;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_hil_sim::faults::ControllerFault;

@@ -1,6 +1,6 @@
 //! The path: programs before and after, as the simulated control executes them.
 
-use arcfeed::commands::simulate::control_settings;
+use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed_hil_sim::control::Control;
 use arcfeed_shared::nc::modal::Pose;

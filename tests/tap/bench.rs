@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use arcfeed::adapt::adapt;
-use arcfeed::commands::simulate::control_settings;
+use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_firmware::active::ActiveSegment;

@@ -12,10 +12,11 @@ use serde::Serialize;
 
 use super::mapped::made_of;
 use super::outcome::{Failure, load_unmapped, say, write_whole};
+use super::simulate::control::control_settings;
+use super::simulate::in_memory_of;
 use super::simulate::setup::Setup;
 use super::simulate::told::left_out_figures;
 use super::simulate::watch::run_seen;
-use super::simulate::{control_settings, in_memory_of};
 use crate::adapt::{PlanReason, PlannedBlock, adapt};
 use crate::engagement::{EngagementMap, MappedMove, key, key_at_any_position};
 use crate::job::JobFile;

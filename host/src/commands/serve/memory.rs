@@ -8,7 +8,7 @@ use arcfeed_hil_sim::control::store::{State, Store};
 use arcfeed_hil_sim::rig::STEP;
 
 use super::super::outcome::{Failure, say};
-use super::super::simulate::control_settings;
+use super::super::simulate::control::control_settings;
 use super::line::Line;
 use super::{PERIOD, Serve};
 use crate::job::JobFile;

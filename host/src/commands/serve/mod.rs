@@ -25,7 +25,9 @@ use arcfeed_shared::units::LengthUnit;
 use clap::ValueEnum;
 
 use super::outcome::{Failure, on_interrupt, say};
-use super::simulate::{control_settings, finish, measure};
+use super::simulate::control::control_settings;
+use super::simulate::finish;
+use super::simulate::measured::measure;
 use super::stream::write_executed;
 use crate::job::{ControlKind, JobFile, Parity, SerialSettings};
 use crate::program::Folder;

@@ -9,7 +9,8 @@ use arcfeed_shared::units::{Micros, S_PER_MIN};
 
 use super::super::mapped::{adapted, load};
 use super::super::outcome::{Failure, file_failure};
-use super::super::simulate::{control_settings, foreseen, tape_code};
+use super::super::simulate::control::{control_settings, tape_code};
+use super::super::simulate::foreseen;
 use crate::checksum::fingerprint;
 use crate::dnc::journal::Start;
 use crate::dnc::pace::Pace;

@@ -9,7 +9,7 @@ use arcfeed_hil_sim::rig::Rig;
 use arcfeed_shared::units::Micros;
 
 use super::super::outcome::Failure;
-use super::super::simulate::control_settings;
+use super::super::simulate::control::control_settings;
 use crate::job::JobFile;
 use crate::port::{Machine, Port, PortError};
 use crate::report::figures::{AlarmFigures, LinkFigures};

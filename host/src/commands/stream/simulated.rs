@@ -20,7 +20,9 @@ use arcfeed_hil_sim::rig::Rig;
 use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode};
 
 use super::super::outcome::Failure;
-use super::super::simulate::{add_baseline, control_settings, measure};
+use super::super::simulate::add_baseline;
+use super::super::simulate::control::control_settings;
+use super::super::simulate::measured::measure;
 use super::along::{Along, Arming};
 use super::logbook::Logbook;
 use super::prepare::Prepared;

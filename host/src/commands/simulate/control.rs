@@ -1,0 +1,93 @@
+//! The simulated control that a job runs on, from what job and machine file say.
+
+use arcfeed_hil_sim::control::code::Code;
+use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
+use arcfeed_hil_sim::control::tape::TapeSettings;
+use arcfeed_hil_sim::control::{ControlSettings, Preset, Switches};
+use arcfeed_hil_sim::drives::limits::{AXES, AxisLimits, DriveLimits};
+use arcfeed_hil_sim::drives::servo::{AxisServo, Servo};
+use arcfeed_hil_sim::drives::spindle::SpindleDrive;
+use arcfeed_shared::kinematics::machine::Letter;
+
+use crate::job::{ControlKind, JobFile, Parity, SerialSettings, TapeCode};
+use crate::machine_file::MachineFile;
+use crate::machine_file::drives::{Drive, Drives, Loops, SpindleRamps};
+
+/// The settings of the job's control on the job's line.
+pub fn control_settings(file: &JobFile) -> ControlSettings {
+    let preset = match file.control {
+        ControlKind::Fanuc16i => Preset::Fanuc16i,
+        ControlKind::Fanuc0i => Preset::Fanuc0i,
+        ControlKind::Fanuc31i => Preset::Fanuc31i,
+    };
+    let settings = preset.settings(file.job.unit);
+    // Bit n of the reader's is bit n - 1 of the panel's.
+    let switches = Switches { block_delete: file.nc.delete_switches >> 1, ..settings.switches };
+    let (sender, code) = framing(&file.serial);
+    let code = file.dnc.code.map_or(code, |code| Some(tape_code(code)));
+    let line = LineSettings {
+        baudrate: file.serial.baudrate,
+        bits_per_char: file.serial.bits_per_char(),
+        sender,
+        tape: TapeSettings { code, tv_check: file.dnc.tv_check, ..settings.line.tape },
+        ..settings.line
+    };
+    let (nc, tables, arc_clamp) = (file.nc, file.tables, file.job.machine.arc_clamp);
+    let drives = file.machine.as_ref().and_then(drive_limits);
+    let servo = file.machine.as_ref().and_then(|machine| machine.servo).map(|loops| {
+        let Loops { gain_per_s, feed_forward_ratio, in_position_mm } = loops;
+        Servo { axes: [AxisServo { gain_per_s, feed_forward_ratio, in_position_mm }; AXES] }
+    });
+    let spindle = file.machine.as_ref().and_then(|machine| machine.spindle).map(spindle_drive);
+    ControlSettings { nc, tables, line, arc_clamp, switches, drives, servo, spindle, ..settings }
+}
+
+/// A spindle of which only the ramps are told: nothing loads it here, so it does not droop.
+fn spindle_drive(ramps: SpindleRamps) -> SpindleDrive {
+    let SpindleRamps { run_up_rev_per_min_s, run_down_rev_per_min_s, arrival_ratio, waits } = ramps;
+    SpindleDrive {
+        run_up_rev_per_min_s,
+        run_down_rev_per_min_s,
+        droop_ratio: 0.0,
+        droop_s: 0.0,
+        arrival_ratio,
+        waits_for_arrival: waits,
+    }
+}
+
+/// What the drives of a machine can do, axis by axis. A rotary axis that it does not have is as its first.
+fn drive_limits(file: &MachineFile) -> Option<DriveLimits> {
+    let Drives { linear, rotary, tolerance } = file.drives?;
+    let limits = |drive: &Drive| AxisLimits {
+        speed_mm_per_s: drive.speed_mm_per_s,
+        acceleration_mm_per_s2: drive.acceleration_mm_per_s2,
+        jerk_mm_per_s3: drive.jerk_mm_per_s3,
+    };
+    let of = |letter: Letter| usize::from(file.machine.rotary()[1].letter == letter);
+    let [a, b, c] = Letter::ALL.map(|letter| limits(&rotary[of(letter)]));
+    let [x, y, z] = linear.each_ref().map(limits);
+    Some(DriveLimits {
+        axes: [x, y, z, a, b, c],
+        tolerance_mm: tolerance.linear_mm,
+        tolerance_deg: tolerance.rotary_deg,
+    })
+}
+
+/// The code that the sender makes itself.
+pub fn tape_code(code: TapeCode) -> Code {
+    match code {
+        TapeCode::Iso => Code::Iso,
+        TapeCode::Eia => Code::Eia,
+        TapeCode::Ascii => Code::Ascii,
+    }
+}
+
+/// What the job's line makes of a byte, and the code a control is set to on such a line: with seven bits and a parity bit
+/// ISO or EIA, otherwise ASCII.
+fn framing(serial: &SerialSettings) -> (SenderParity, Option<Code>) {
+    match (serial.bytesize, serial.parity) {
+        (7, Parity::Even) => (SenderParity::Even, None),
+        (7, Parity::Odd) => (SenderParity::Odd, None),
+        _ => (SenderParity::None, Some(Code::Ascii)),
+    }
+}

@@ -1,0 +1,109 @@
+//! The figures of a run, for reports.
+
+use arcfeed_hil_sim::control::interpolator::AxisLimited;
+use arcfeed_hil_sim::cutting::meter::MoveChips;
+use arcfeed_hil_sim::decider::Decider;
+use arcfeed_hil_sim::rig::{MoveOverride, Rig};
+use arcfeed_shared::cut::Moves;
+use arcfeed_shared::job::Job;
+use arcfeed_shared::report::{ChipFigures, LeftOut};
+use arcfeed_shared::units::{LengthUnit, MmPerTooth, S_PER_MIN};
+
+use super::super::adapt::{direction_word, rotation_word, side_word};
+use crate::report::figures::{
+    AlarmFigures, AxisLimitFigures, IptFigures, MovementFigures, OverrideFigures, RestartFigures, RunReport,
+};
+use crate::report::printed;
+
+/// Adds the figures of the program as it was.
+pub fn compare(report: &mut RunReport, baseline: RunReport) {
+    // A program that its control does not finish has no time to compare with.
+    report.baseline_cycle_time_s = baseline.cycle_time_s.filter(|_| baseline.alarms.is_empty());
+    report.baseline_ipt_circumference = baseline.ipt_circumference;
+    for (movement, before) in report.movements.iter_mut().zip(baseline.movements) {
+        movement.baseline_ipt = before.ipt;
+    }
+}
+
+/// The figures of what the rig executed so far.
+pub fn measure<D: Decider>(rig: &Rig<D>, job: &Job) -> RunReport {
+    let moves: Vec<(&MoveChips, &MoveOverride)> = rig.meter().moves().iter().zip(rig.overrides()).collect();
+    let movements = (0..job.rules.len()).map(|rule| movement(job, rule, &moves)).collect();
+    let alarm = rig.control().alarm().map(|alarm| AlarmFigures::new(alarm.line, alarm.fault.column, alarm.fault.cause));
+    RunReport {
+        unit: job.unit.label(),
+        blocks_executed: Some(rig.control().executed().len()),
+        alarms: alarm.into_iter().collect(),
+        printed: printed::lines(rig.control().output()),
+        messages: rig.control().messages().map(String::from).collect(),
+        cycle_time_s: Some(rig.cycle_time().to_s()),
+        ipt_circumference: ipt(job.unit, job.feed_per_tooth, moves.iter().map(|(chips, _)| *chips)),
+        r#override: overrides(moves.iter().map(|(_, figures)| *figures)),
+        movements,
+        axis_limited: rig.control().limited().iter().map(|limited| axis_limit(job.unit, limited)).collect(),
+        restart: rig.control().restart_list().map(|list| RestartFigures {
+            t: list.t,
+            s: list.s,
+            m: list.m.iter().copied().collect(),
+            feed: list.feed().map(|feed| feed.0 as f64 / job.unit.nm() as f64),
+            g: list.codes(),
+        }),
+        ..RunReport::default()
+    }
+}
+
+fn axis_limit(unit: LengthUnit, limited: &AxisLimited) -> AxisLimitFigures {
+    let AxisLimited { count, sequence, axis, is_rotary, wanted_mm_per_s, allowed_mm_per_s } = *limited;
+    let (of_mm, unit) = match unit {
+        _ if is_rotary => (1.0, "deg/min"),
+        LengthUnit::Inch => (unit.mm(), "in/min"),
+        LengthUnit::Mm => (1.0, "mm/min"),
+    };
+    let per_min = |speed: f64| speed * S_PER_MIN / of_mm;
+    AxisLimitFigures {
+        block: count,
+        n: sequence,
+        axis: ["X", "Y", "Z", "A", "B", "C"][axis],
+        asked: per_min(wanted_mm_per_s),
+        allowed: per_min(allowed_mm_per_s),
+        unit,
+    }
+}
+
+fn movement(job: &Job, rule: usize, moves: &[(&MoveChips, &MoveOverride)]) -> MovementFigures {
+    let of_rule = || moves.iter().filter(move |(chips, _)| chips.rule == rule);
+    let thickest = |circle: usize| {
+        let ratios = of_rule().filter(|(chips, _)| chips.thickest[circle].samples > 0);
+        ratios.map(|(chips, _)| chips.thickest[circle].max_ratio).reduce(f64::max)
+    };
+    let cut = &job.rules[rule];
+    MovementFigures {
+        rule: rule + 1,
+        rotation: rotation_word(cut.moves),
+        direction: match cut.moves {
+            Moves::Rotations(_, turn) | Moves::Arcs(turn) => Some(direction_word(turn)),
+            Moves::Lines => None,
+        },
+        side: side_word(&cut.work),
+        arcs: of_rule().count(),
+        ipt: ipt(job.unit, job.feed_per_tooth_of(cut), of_rule().map(|(chips, _)| *chips)),
+        baseline_ipt: None,
+        thickest_ratio: [thickest(0), thickest(1)],
+        r#override: overrides(of_rule().map(|(_, figures)| *figures)),
+        changes_per_arc: of_rule().map(|(_, figures)| figures.changes).collect(),
+    }
+}
+
+fn ipt<'a>(unit: LengthUnit, target: MmPerTooth, moves: impl Iterator<Item = &'a MoveChips>) -> Option<IptFigures> {
+    let (mut figures, mut left_out) = (ChipFigures::default(), LeftOut::default());
+    for chips in moves {
+        figures.merge(&chips.contact);
+        left_out.merge(&chips.left_out);
+    }
+    IptFigures::new(&figures, &left_out, f64::from(target.0), unit)
+}
+
+fn overrides<'a>(arcs: impl Iterator<Item = &'a MoveOverride>) -> Option<OverrideFigures> {
+    let figures = arcs.map(|arc| OverrideFigures { min: arc.min_percent, max: arc.max_percent, changes: arc.changes });
+    figures.reduce(OverrideFigures::join)
+}
