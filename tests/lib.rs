@@ -25,7 +25,8 @@ pub fn arcfeed() -> &'static Path {
     static BINARY: OnceLock<PathBuf> = OnceLock::new();
     BINARY.get_or_init(|| {
         let built = Command::new(env!("CARGO"))
-            .args(["build", "--quiet", "--package", "arcfeed", "--bin", "arcfeed"])
+            // Of the whole workspace, as `cargo xtask test` builds: with the features of one package all of it would be built again.
+            .args(["build", "--quiet", "--workspace", "--bin", "arcfeed"])
             .current_dir(root())
             .status()
             .expect("cargo runs");
