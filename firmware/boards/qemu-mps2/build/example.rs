@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 use arcfeed::adapt::adapt;
-use arcfeed::commands::simulate::control_settings;
+use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_hil_sim::faults::ControllerFault;
