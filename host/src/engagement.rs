@@ -4,6 +4,8 @@
 //! A map is of one program, tool and workpiece, and says so by a fingerprint: with others it is refused. Its moves are known by
 //! where they go, so that what is sent of a program (feeds changed, begun in the middle) finds its own.
 
+pub mod covering;
+
 use std::fmt::Write;
 use std::path::Path;
 

@@ -114,6 +114,11 @@ impl EngagedInterval {
 }
 
 impl EngagedSpan {
+    /// From and to, degrees.
+    pub fn degrees(&self) -> [f32; 2] {
+        [self.from, self.to].map(|units| units / UNITS_PER_DEGREE as f32)
+    }
+
     /// Whether the direction of the edges' advance along the motion, k v, is engaged.
     pub fn holds_ahead(&self) -> bool {
         AHEAD.iter().any(|ahead| (self.from..=self.to).contains(ahead))

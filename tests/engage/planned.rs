@@ -21,7 +21,7 @@ fn with_map(job: &str) -> String {
         line => line,
     });
     let cutting = "[cutting]\nmaterial = \"Ti-6Al-4V\"\nradial = 0.4\naxial = 0.2\naxial_depth = 0.0958";
-    lines.chain([cutting, "[override]\nslew_down = 2000"]).collect::<Vec<_>>().join("\n")
+    lines.chain([cutting]).collect::<Vec<_>>().join("\n")
 }
 
 #[test]

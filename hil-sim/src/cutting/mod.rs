@@ -19,5 +19,3 @@ pub mod layers;
 pub mod bite;
 
 pub mod engaged;
-
-pub mod covering;

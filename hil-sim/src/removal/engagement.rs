@@ -9,16 +9,14 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
 use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::kinematics::vector::{Vector, difference, length};
 use arcfeed_shared::nc::modal::Plane;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::{Mm, Nm};
+use arcfeed_shared::units::Nm;
 use nalgebra::Vector2;
 
-use crate::cutting::covering::{Sample, covering, hull};
 use crate::cutting::engaged::EdgeCircle;
 use crate::cutting::layers::{Layers, Slice};
 use crate::decider::Decider;
@@ -39,8 +37,6 @@ const AHEAD_DEG: [f64; 2] = [0.0, 180.0];
 const TURN_DEG: f64 = 360.0;
 /// The end of a move is no sample of its own where it is this near to the last one, in parts of the distance of samples.
 const END_RATIO: f64 = 0.01;
-/// Half of what the ends of a table's arcs are rounded to.
-const ROUNDING_DEG: f64 = 0.5 / 90.0;
 
 /// What is looked at.
 #[derive(Clone, Debug)]
@@ -61,13 +57,22 @@ pub struct EngagementSettings {
     pub machine: Option<Machine>,
 }
 
-/// A move and where along it the outer and the inner circle are engaged: path in mm, degrees.
+/// A move and where along it the outer and the inner circle are engaged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngagedMove {
     /// Which one.
     pub of: Of,
     /// In order; none where its place on the workpiece is not known.
-    pub samples: Vec<Sample<2>>,
+    pub samples: Vec<EngagedSample>,
+}
+
+/// Where the circles are engaged at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EngagedSample {
+    /// Path of the move up to there; grows from sample to sample.
+    pub at_mm: f64,
+    /// From and to of the outer and of the inner circle, as laws count them; nothing where nothing is in front.
+    pub intervals_deg: [Option<[f64; 2]>; 2],
 }
 
 /// The tool in the layers, and what it has met; state.
@@ -199,7 +204,7 @@ impl EngagementMeter {
         }
         let intervals_deg = [Edge::Outer, Edge::Inner].map(|side| self.engaged_deg(side, &reached.tip_mm, &heading));
         if let Some(moved) = self.moves.last_mut() {
-            moved.samples.push(Sample { at_mm: heading.travelled_mm, intervals_deg });
+            moved.samples.push(EngagedSample { at_mm: heading.travelled_mm, intervals_deg });
         }
     }
 
@@ -218,20 +223,9 @@ impl EngagementMeter {
     }
 }
 
-impl EngagedMove {
-    /// Both circles' arcs as a table that covers all samples; `None` where there are none.
-    pub fn table(&self) -> Option<EngagedTable> {
-        let knots = covering(&self.samples, ENGAGED_KNOTS_MAX).into_iter().map(|(path_mm, [outer, inner])| {
-            Some(EngagedKnot { travelled: Mm(path_mm as f32), outer: outwards(outer)?, inner: outwards(inner)? })
-        });
-        EngagedTable::new(&knots.collect::<Option<Vec<_>>>()?).ok()
-    }
-}
-
-/// An arc rounded outwards to what a table can say; one that is empty stays so.
-fn outwards([from_deg, to_deg]: [f64; 2]) -> Option<EngagedInterval> {
-    let spare_deg = if from_deg < to_deg { ROUNDING_DEG } else { 0.0 };
-    EngagedInterval::from_degrees((from_deg - spare_deg).max(-TURN_DEG / 2.0), (to_deg + spare_deg).min(TURN_DEG / 2.0))
+/// From the lower beginning to the higher end.
+fn hull([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    [a.min(c), b.max(d)]
 }
 
 /// What turns at a height; `None` where nothing of the tool cuts.

@@ -5,6 +5,8 @@ pub mod profile;
 
 pub mod range;
 
+pub mod lead;
+
 pub mod pieces;
 
 pub mod points;
@@ -37,6 +39,7 @@ use arcfeed_shared::units::{LengthUnit, Nm, PERCENT};
 use crate::engagement::{EngagementMap, Lookup};
 use crate::job::JobFile;
 use crate::program::{Diagnostic, Program, ProgramLine};
+use lead::Falling;
 use limit::{MoveLimit, is_tip_line};
 use modes::Modes;
 use profile::Profile;
@@ -329,6 +332,10 @@ fn govern(block: &mut PlannedBlock, job: &Job, unit: LengthUnit) -> Option<Profi
     let at_percent = |percent: u8| block.sent.map(|sent| sent.to_mm() * f64::from(percent) / f64::from(PERCENT));
     let ceiling = at_percent(job.limits.max_percent).unwrap_or(f64::INFINITY);
     let floor = at_percent(job.limits.min_percent).unwrap_or(0.0);
+    let by_override = block.sent.filter(|_| !matches!(job.policy, FeedPolicy::RewriteOnly(_)));
+    if let (Some(arcs), Some(sent)) = (&mut block.along, by_override) {
+        *arcs = Falling::on(job, sent, limit_mm_per_min).in_time(arcs, &profile, block.segment.feed_length_mm());
+    }
     block.reason = match block.limit.map(|limit| limit.by) {
         _ if wish.feed_min_mm_per_min < floor => PlanReason::Floor,
         _ if wish.feed_max_mm_per_min > ceiling && ceiling < limit_mm_per_min => PlanReason::Ceiling,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use arcfeed_hil_sim::control::ControlSettings;
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::removal::engagement::{EngagementMeter, EngagementSettings};
+use arcfeed_hil_sim::removal::engagement::{EngagedMove, EngagedSample, EngagementMeter, EngagementSettings};
 use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::engaged::{EngagedKnot, EngagedTable};
 use serde::Serialize;
@@ -18,6 +18,7 @@ use super::simulate::setup::Setup;
 use super::simulate::told::left_out_figures;
 use super::simulate::watch::run_seen;
 use crate::adapt::{PlanReason, PlannedBlock, adapt};
+use crate::engagement::covering::{self, Sample};
 use crate::engagement::{EngagementMap, MappedMove, key, key_at_any_position};
 use crate::job::JobFile;
 use crate::program::Program;
@@ -143,11 +144,18 @@ fn map(
     }
     let mut by_way = HashMap::new();
     let moves = asked.iter().zip(meter.moves()).map(|(block, found)| {
-        let known = by_way.entry(key_at_any_position(&block.segment)).or_insert_with(|| found.table());
-        let table = if positions_alike { found.table().or_else(|| known.clone()) } else { found.table() };
+        let known = by_way.entry(key_at_any_position(&block.segment)).or_insert_with(|| table_of(found));
+        let table = if positions_alike { table_of(found).or_else(|| known.clone()) } else { table_of(found) };
         MappedMove { line: block.line, sequence: block.segment.sequence, key: key(&block.segment), table }
     });
     Ok(EngagementMap { moves: moves.collect() })
+}
+
+fn table_of(found: &EngagedMove) -> Option<EngagedTable> {
+    let samples = found.samples.iter();
+    let samples =
+        samples.map(|EngagedSample { at_mm, intervals_deg }| Sample { at_mm: *at_mm, intervals_deg: *intervals_deg });
+    covering::table(&samples.collect::<Vec<_>>())
 }
 
 impl Report {

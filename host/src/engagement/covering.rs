@@ -1,4 +1,4 @@
-//! Few knots for many samples of an interval, between which straight lines leave nothing of any sample out.
+//! Few knots for many samples of engaged arcs, between which straight lines leave nothing of any sample out.
 //!
 //! Knots are picked by adding the sample that lies farthest from the lines, again and again; then each is widened by what
 //! the lines beside it still cut off:
@@ -12,6 +12,14 @@
 //!
 //! Source: the picking is Douglas and Peucker's (1973), breadth first; (1) own.
 
+use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
+use arcfeed_shared::units::Mm;
+
+/// The turn.
+const TURN_DEG: f64 = 360.0;
+/// Half of what the ends of a table's arcs are rounded to.
+const ROUNDING_DEG: f64 = 0.5 / 90.0;
+
 /// Where a sample was taken, and the intervals that it has: from and to, none where there is nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample<const N: usize> {
@@ -21,9 +29,23 @@ pub struct Sample<const N: usize> {
     pub intervals_deg: [Option<[f64; 2]>; N],
 }
 
+/// The arcs of the outer and the inner circle along a move as a table that covers all samples; `None` where there are none.
+pub fn table(samples: &[Sample<2>]) -> Option<EngagedTable> {
+    let knots = covering(samples, ENGAGED_KNOTS_MAX).into_iter().map(|(path_mm, [outer, inner])| {
+        Some(EngagedKnot { travelled: Mm(path_mm as f32), outer: outwards(outer)?, inner: outwards(inner)? })
+    });
+    EngagedTable::new(&knots.collect::<Option<Vec<_>>>()?).ok()
+}
+
+/// An arc rounded outwards to what a table can say; one that is empty stays so.
+fn outwards([from_deg, to_deg]: [f64; 2]) -> Option<EngagedInterval> {
+    let spare_deg = if from_deg < to_deg { ROUNDING_DEG } else { 0.0 };
+    EngagedInterval::from_degrees((from_deg - spare_deg).max(-TURN_DEG / 2.0), (to_deg + spare_deg).min(TURN_DEG / 2.0))
+}
+
 /// Knots that cover the samples, at most `count` and at least the first and the last one; an empty interval is one whose ends
 /// are the same. What lies between two samples is covered where it is part of both their intervals together.
-pub fn covering<const N: usize>(samples: &[Sample<N>], count: usize) -> Vec<(f64, [[f64; 2]; N])> {
+fn covering<const N: usize>(samples: &[Sample<N>], count: usize) -> Vec<(f64, [[f64; 2]; N])> {
     let wide = dilated(samples);
     let at: Vec<f64> = samples.iter().map(|sample| sample.at_mm).collect();
     let ends: [Vec<[f64; 2]>; N] = std::array::from_fn(|which| closed(&wide, which));
