@@ -14,6 +14,8 @@ mod teeth;
 
 mod volumes;
 
+mod ends;
+
 mod slot;
 
 mod governed;

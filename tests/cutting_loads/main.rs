@@ -9,6 +9,8 @@ mod story;
 
 mod slots;
 
+mod ends;
+
 mod arcs;
 
 mod complaints;

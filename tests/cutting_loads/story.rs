@@ -58,6 +58,13 @@ pub fn ran(name: &str, job: &str, program: &str) -> (Option<i32>, String, String
     (output.status.code(), text(output.stdout), text(output.stderr))
 }
 
+/// What a block met.
+#[track_caller]
+pub fn block(report: &Value, n: i64) -> &Value {
+    let blocks = report["loads"]["blocks"].as_array().expect("a list");
+    &blocks.iter().find(|block| block["n"].as_i64() == Some(n)).expect("the block")["load"]
+}
+
 /// A number in it.
 #[track_caller]
 pub fn number(value: &Value, pointer: &str) -> f64 {

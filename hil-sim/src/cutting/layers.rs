@@ -9,6 +9,9 @@ use super::layer::Layer;
 /// Part of a layer that a solid may be higher than a whole number of them: rounding.
 const WHOLE_RATIO: f64 = 1e-9;
 
+/// Part of a layer within which a height is on its border: rounding.
+const BORDER_RATIO: f64 = 1e-6;
+
 /// Layers that are a mistake in their height.
 const LAYERS_MAX: f64 = 65_536.0;
 
@@ -86,10 +89,27 @@ impl Layers {
         &mut self.layers
     }
 
-    /// Which one is at a height.
+    /// Which one is at a height, counted on below the lowest and above the highest; a height on the border of two, but for
+    /// rounding, is in the upper one.
+    pub fn nth(&self, height_mm: f64) -> i64 {
+        libm::floor((height_mm - self.lowest_mm) / self.rise_mm + BORDER_RATIO) as i64
+    }
+
+    /// A height as a part of such a layer: 0 at its bottom, 1 at its top, beyond that outside of it.
+    pub fn part_ratio(&self, nth: i64, height_mm: f64) -> f64 {
+        let ratio = (height_mm - self.lowest_mm) / self.rise_mm - nth as f64;
+        let border = libm::round(ratio);
+        if libm::fabs(ratio - border) <= BORDER_RATIO { border } else { ratio }
+    }
+
+    /// Where such a layer is in [`Layers::layers`].
+    pub fn place(&self, nth: i64) -> Option<usize> {
+        usize::try_from(nth).ok().filter(|index| *index < self.layers.len())
+    }
+
+    /// Where the layer at a height is in [`Layers::layers`].
     pub fn index(&self, height_mm: f64) -> Option<usize> {
-        let index = (height_mm - self.lowest_mm) / self.rise_mm;
-        (0.0..self.layers.len() as f64).contains(&index).then_some(index as usize)
+        self.place(self.nth(height_mm))
     }
 
     /// Material as the rays along each axis have it, mm3.

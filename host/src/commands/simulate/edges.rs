@@ -49,7 +49,7 @@ pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<P
     let edges = edges(file, cutting, workpiece.body.corner_mm, rise_mm).map_err(|error| told(&error))?;
     let layers = Layers::of_solid(blank, UPRIGHT, rise_mm, workpiece.step_mm).map_err(|error| told(&error))?;
     let depth_mm = edges.rake_max_mm();
-    let bite = Bite::new(edges, layers, depth_mm).map_err(|error| told(&error))?;
+    let bite = Bite::new(edges, layers, depth_mm).map_err(|error| told(&error))?.up_to_mm(cutting.axial_depth_mm);
     let modes = cutting.modes.iter().map(mode).collect::<Result<Vec<Mode>, Trouble>>()?;
     let stepping = if modes.is_empty() { RIGID } else { FLEXIBLE };
     Ok(Process::new(bite, forces, Vibration::new(modes, stepping)))
@@ -74,7 +74,8 @@ fn mode(told: &ModeFigures) -> Result<Mode, Trouble> {
 }
 
 fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64, rise_mm: f64) -> Result<Cutter, EdgeError> {
-    let (slices, height_mm) = (Pieces::Slices { rise_mm }, cutting.axial_depth_mm);
+    // One slice more, for a tip inside of a layer.
+    let (slices, height_mm) = (Pieces::Slices { rise_mm }, cutting.axial_depth_mm + rise_mm);
     let mut cutter = match &file.job.tool {
         Tool::CupMill(cup) => {
             let ring = Ring {
