@@ -11,8 +11,11 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::cutting::bite::{Bite, Stand};
 use crate::cutting::force::Loads;
-use crate::cutting::material::Cutting;
+use crate::cutting::material::{ChipSection, Cutting};
 use crate::dynamics::vibration::Vibration;
+
+/// A chip on less than this part of a piece's height is a burr between two levels, and not what is told of as its thickness.
+const NARROW_RATIO: f64 = 0.01;
 
 /// A tool at work.
 #[derive(Clone, Debug)]
@@ -31,8 +34,10 @@ pub struct Moment {
     pub loads: Loads,
     /// Of the tool against the workpiece, at its end.
     pub displacement_mm: Vector3<f64>,
-    /// The thickest chip of any edge at its end.
+    /// The thickest chip of any edge on the side at its end.
     pub thickest_mm: f64,
+    /// The largest mean thickness of any edge's chip on the tool's end.
+    pub end_mm: f64,
     /// Material taken, as the rays along each axis of the layers have it, mm3.
     pub removed_mm3: [f64; 2],
     /// Whether force and displacement came to agree.
@@ -56,7 +61,7 @@ impl Process {
         &mut self.bite
     }
 
-    /// The thickest chip of each tooth at the end of the last step.
+    /// The thickest chip of each tooth's side at the end of the last step.
     pub fn chips_mm(&self) -> &[f64] {
         &self.chips_mm
     }
@@ -80,33 +85,42 @@ impl Process {
     /// Goes to the next place, `dt_s` later, less than a quarter of a turn on.
     pub fn step(&mut self, dt_s: f64, stand: &Stand) -> Moment {
         let (bite, cutting, chips_mm) = (&self.bite, &self.cutting, &mut self.chips_mm);
-        let mut loads = Loads::default();
+        let (mut loads, mut end_mm) = (Loads::default(), 0.0);
         let step = self.vibration.step(dt_s, |displacement_mm| {
-            loads = loaded(bite, cutting, stand, (displacement_mm, chips_mm));
+            (loads, end_mm) = loaded(bite, cutting, stand, (displacement_mm, chips_mm));
             loads.force_n
         });
         let thickest_mm = self.chips_mm.iter().copied().fold(0.0, f64::max);
         let bent = step.displacement_mm.xy();
         let removed_mm3 = self.bite.cut(stand, |_| bent);
-        Moment { loads, displacement_mm: step.displacement_mm, thickest_mm, removed_mm3, agrees: step.agrees }
+        Moment { loads, displacement_mm: step.displacement_mm, thickest_mm, end_mm, removed_mm3, agrees: step.agrees }
     }
 }
 
-/// What the edges find where they are bent to: the loads, and into the list the thickest chip of each tooth.
+/// What the edges find where they are bent to: the loads, the largest mean chip of an edge on the end, and into the list the thickest of each tooth's side.
 fn loaded(
     bite: &Bite,
     cutting: &Cutting,
     stand: &Stand,
     (displacement_mm, chips_mm): (&Vector3<f64>, &mut [f64]),
-) -> Loads {
+) -> (Loads, f64) {
     let bent: Vector2<f64> = displacement_mm.xy();
     let mut loads = Loads::default();
+    // Parts of an end edge come one after the other.
+    let mut ends: Vec<(usize, ChipSection)> = Vec::new();
     chips_mm.fill(0.0);
     for (piece, chip) in bite.chips(stand, |_| bent) {
-        loads.add(piece, stand.turned_rad, &cutting.force(&chip));
-        if let Some(thickest_mm) = chips_mm.get_mut(piece.tooth) {
+        loads.add(&piece, stand.turned_rad, &cutting.force(&chip));
+        if piece.is_end() {
+            match ends.last_mut().filter(|(tooth, _)| *tooth == piece.tooth) {
+                Some((_, edge)) => *edge = edge.with(&chip),
+                None => ends.push((piece.tooth, chip)),
+            }
+        } else if let Some(thickest_mm) =
+            chips_mm.get_mut(piece.tooth).filter(|_| chip.width_mm >= NARROW_RATIO * piece.width_mm())
+        {
             *thickest_mm = thickest_mm.max(chip.thickness_mm);
         }
     }
-    loads
+    (loads, ends.iter().map(|(_, edge)| edge.thickness_mm).fold(0.0, f64::max))
 }

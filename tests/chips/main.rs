@@ -14,4 +14,6 @@ mod teeth;
 
 mod volumes;
 
+mod ends;
+
 mod slot;

@@ -12,6 +12,8 @@ mod story;
 
 mod slots;
 
+mod ends;
+
 mod arcs;
 
 mod complaints;

@@ -7,6 +7,7 @@ use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
 use arcfeed_hil_sim::cutting::layer::Layer;
 use arcfeed_hil_sim::cutting::layers::Layers;
+use arcfeed_hil_sim::removal::envelope::Turned;
 use arcfeed_hil_sim::removal::marks::marks;
 use arcfeed_hil_sim::removal::trail::Of;
 use arcfeed_hil_sim::removal::way::Way;
@@ -81,7 +82,7 @@ fn a_tool_that_is_moved_sideways_leaves_that_on_both_walls() {
     let bent_mm = |x_mm: f64| 0.03 * libm::sin(TAU * x_mm / 7.0);
     let mill = EndMill { diameter_mm: 2.0 * RADIUS_MM, corner_mm: 0.0, teeth: 2, helix_rad: 0.0, height_mm: 1.0 };
     let cutter = Cutter::end_mill(&mill, Pieces::Slices { rise_mm: 1.0 }).expect("a mill");
-    let solid = slices(&cutter);
+    let turned = Turned { slices: slices(&cutter), reach_mm: 1.0 };
     let blank = Layers::alike(&Layer::rectangle([-8.0, -8.0], [36.0, 16.0], 0.23), 0.0, 1.0, 1);
     let mut bite = Bite::new(cutter, blank.clone(), RADIUS_MM / 2.0).expect("layers as high as slices");
     let (mut way, of) = (Way::default(), Of { count: 7, sequence: None, rule: None, is_rapid: false });
@@ -96,7 +97,7 @@ fn a_tool_that_is_moved_sideways_leaves_that_on_both_walls() {
         bite.cut(&stand, |_| Vector2::new(0.0, bent_mm(stand.axis_mm.x)));
         way.go(&of, [stand.axis_mm.x, stand.axis_mm.y, stand.tip_mm]);
     }
-    let found = marks(&blank, bite.layers(), &way, &solid);
+    let found = marks(&blank, bite.layers(), &way, &turned);
     let beside = found.iter().filter(|mark| (1.0..WAY_MM - 1.0).contains(&mark.point_mm.x));
     let (mut count, mut worst_mm) = (0, 0.0_f64);
     for mark in beside.filter(|mark| libm::fabs(mark.point_mm.y) > RADIUS_MM * libm::sin(FRAC_PI_2 * 0.9)) {

@@ -50,8 +50,9 @@ impl Slot<'_> {
             beside_mm + way_mm,
             self.cutting
         );
+        // A plunge that ends without a dwell of a turn leaves a step in the wall where it ended.
         let program = format!(
-            "%\nG21G17G90G94\nN1G0X.013Y.021\nN2G0Z5.\nN3G1Z-{axial_depth_mm:.3}F400.\nN4G1X{:.3}F{feed:.3}\nN5G0Z5.\n\
+            "%\nG21G17G90G94\nN1G0X.013Y.021\nN2G0Z5.\nN3G1Z-{axial_depth_mm:.3}F400.\nG4P100\nN4G1X{:.3}F{feed:.3}\nN5G0Z5.\n\
              N6G1X0.F9000.\nN7M30\n%\n",
             way_mm + 0.013
         );
@@ -74,6 +75,13 @@ pub fn ran(name: &str, job: &str, program: &str) -> (Option<i32>, String, String
     let output = run(&["simulate", &scratch.write("job.toml", job), "--json"]);
     let text = |bytes| String::from_utf8(bytes).expect("text");
     (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+/// What a block met.
+#[track_caller]
+pub fn block(report: &Value, n: i64) -> &Value {
+    let blocks = report["loads"]["blocks"].as_array().expect("a list");
+    &blocks.iter().find(|block| block["n"].as_i64() == Some(n)).expect("the block")["load"]
 }
 
 /// A number in it.

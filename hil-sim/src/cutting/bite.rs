@@ -1,22 +1,35 @@
 //! All edges of a cutter in the layers of a workpiece: what each has in front of it, and what it takes.
 //!
-//! What the tool's end takes when it comes into a layer, in a plunge, is no edge's: it goes without chips ([`Bite::sink`]).
-//!
 //! The cutter's axis stands square to the layers. A piece of an edge meets one layer, and what is in front of it there is what
-//! itself, the other teeth, earlier passes and vibration have left: nothing is told by a formula.
+//! itself, the other teeth, earlier passes and vibration have left: nothing is told by a formula. The lowest pieces go no deeper into their
+//! layer than the tip is; the edges on the tool's end ([`super::end`]) take what the tip comes down on.
+//!
+//! A rounded corner is a staircase: what its steps meet from above, when the tip comes into the next layer, is no edge's and goes without chips
+//! ([`Bite::enter`]), and so does what a rapid takes ([`Bite::sink`]).
 
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
 use std::fmt;
 
 use arcfeed_shared::tool::Edge;
 use nalgebra::Vector2;
 
 use super::edges::{Cutter, EdgePiece};
-use super::layers::{Layers, Slice};
+use super::end::{Descent, EndEdge, Face};
+use super::layers::{LEVEL_RATIO, Layers, Slice};
 use super::material::ChipSection;
 use super::rake::{Rake, Wake};
+use super::shelves::Share;
 
 /// Slices and layers may differ by this, which is rounding.
 const RISE_TOLERANCE_RATIO: f64 = 1e-9;
+
+/// A layer of which less is below the highest place at which edges are asked is none of theirs; of which more is, all of theirs, though a chip is no
+/// higher than that place: columns are cut from above.
+pub const REACHED_RATIO: f64 = 0.5;
+
+/// A tip that moves less does not move: rounding.
+const STILL_MM: f64 = 1e-9;
 
 /// A cutter at work.
 #[derive(Clone, Debug)]
@@ -24,10 +37,37 @@ pub struct Bite {
     cutter: Cutter,
     layers: Layers,
     depth_mm: f64,
+    /// How far up from the tip edges are asked.
+    reach_mm: f64,
     /// One a piece, and the layer it was in.
     wakes: Vec<(Option<usize>, Wake)>,
-    /// The solid that the edges turn.
+    /// The solid that the edges turn, from the tip upwards.
     slices: Vec<Slice>,
+    ends: Vec<EndEdge>,
+    /// Where each of them was.
+    faces: Vec<Option<Face>>,
+    tips: Tips,
+}
+
+/// A piece of an edge in its layer.
+struct Placed {
+    /// In the list of layers.
+    index: usize,
+    share: Share,
+    /// Up to which part of the layer it is asked.
+    reach_ratio: f64,
+}
+
+/// The highest place of the tip while a tooth followed another.
+#[derive(Clone, Debug)]
+struct Tips {
+    /// The largest angle from one tooth to the next.
+    window_rad: f64,
+    turned_rad: f64,
+    /// Where the tip was and how far the spindle had turned; only what nothing later is above of, so the first is the highest.
+    passed: VecDeque<(f64, f64)>,
+    /// Where it was last, and the spindle's angle.
+    last: Option<(f64, f64)>,
 }
 
 /// Where the cutter is.
@@ -85,9 +125,16 @@ impl Bite {
         if let Some(piece) = cutter.pieces().iter().find(|piece| !is_slice(piece.rise_mm)) {
             return Err(BiteError::Slice { rise_mm: piece.rise_mm, layer_mm });
         }
-        let wakes = vec![Default::default(); cutter.pieces().len()];
-        let slices = slices(&cutter);
-        Ok(Bite { cutter, layers, depth_mm, wakes, slices })
+        let (wakes, slices, ends) =
+            (vec![Default::default(); cutter.pieces().len()], slices(&cutter), EndEdge::all(&cutter));
+        let (faces, tips) = (vec![None; ends.len()], Tips::new(&ends));
+        let reach_mm = slices.len() as f64 * layer_mm;
+        Ok(Bite { cutter, layers, depth_mm, reach_mm, wakes, slices, ends, faces, tips })
+    }
+
+    /// Edges are asked only so far up from the tip. With one slice more than that an edge is asked as far up where the tip is inside of a layer.
+    pub fn up_to_mm(self, reach_mm: f64) -> Self {
+        Bite { reach_mm, ..self }
     }
 
     /// The cutter.
@@ -100,76 +147,169 @@ impl Bite {
         &self.layers
     }
 
-    /// Every piece that is in a layer, with the chip in front of it. A piece may be bent away from where it stands, by what `bent` tells.
+    /// Every piece that is in a layer, with the chip in front of it, and every piece of the end that has one: those look down. A piece may be bent away
+    /// from where it stands, by what `bent` tells.
     pub fn chips<'a>(
         &'a self,
         stand: &'a Stand,
-        bent: impl Fn(&EdgePiece) -> Vector2<f64> + 'a,
-    ) -> impl Iterator<Item = (&'a EdgePiece, ChipSection)> + 'a {
-        self.cutter.pieces().iter().zip(&self.wakes).filter_map(move |(piece, (was_in, wake))| {
-            let index = self.layers.index(stand.tip_mm + piece.height_mm)?;
-            let fresh = Wake::default();
-            let wake = if *was_in == Some(index) { wake } else { &fresh };
-            let across_mm = wake.chip_mm(&self.rake(piece, stand, bent(piece)), self.layers.layers().get(index)?);
+        bent: impl Fn(&EdgePiece) -> Vector2<f64> + Copy + 'a,
+    ) -> impl Iterator<Item = (EdgePiece, ChipSection)> + 'a {
+        let descent = self.descent(stand);
+        let of_end = move |(end, last): (&EndEdge, &Option<Face>)| {
+            let face = face(&end.piece, stand, bent(&end.piece));
+            last.map_or_else(Vec::new, |last| end.chips([&last, &face], &descent, &self.layers))
+        };
+        let side = self.cutter.pieces().iter().zip(&self.wakes).filter_map(move |(piece, (was_in, wake))| {
+            let placed = self.placed(piece, &descent)?;
+            let wake = if *was_in == Some(placed.index) { *wake } else { wake.in_other_layer() };
+            let front =
+                wake.front(&self.rake(piece, stand, bent(piece), &placed.share), &self.layers.layers()[placed.index]);
             // A chip measured across the circle, seen square to the edge.
-            let thickness_mm = across_mm * libm::sin(piece.lead_rad);
-            Some((piece, ChipSection { thickness_mm, width_mm: piece.width_mm() }))
-        })
+            let thickness_mm = front.thickness_mm * libm::sin(piece.lead_rad);
+            let height_ratio = front.top_ratio.min(placed.reach_ratio) - placed.share.foot_ratio;
+            Some((*piece, ChipSection { thickness_mm, width_mm: piece.width_mm() * height_ratio }))
+        });
+        side.chain(self.ends.iter().zip(&self.faces).flat_map(of_end))
     }
 
     /// The cutter goes to its next place, less than a quarter of a turn on; answers what was taken on the way as the rays along
     /// each axis have it, mm3.
     pub fn cut(&mut self, stand: &Stand, bent: impl Fn(&EdgePiece) -> Vector2<f64>) -> [f64; 2] {
-        let mut removed_mm3 = [0.0; 2];
+        let (mut removed_mm3, descent) = ([0.0; 2], self.descent(stand));
+        let mut add = |mm3: [f64; 2]| removed_mm3 = [0, 1].map(|axis: usize| removed_mm3[axis] + mm3[axis]);
         for at in 0..self.wakes.len() {
             let piece = self.cutter.pieces()[at];
-            let index = self.layers.index(stand.tip_mm + piece.height_mm);
-            let rake = self.rake(&piece, stand, bent(&piece));
+            let placed = self.placed(&piece, &descent);
+            let index = placed.as_ref().map(|placed| placed.index);
+            let share = placed.map_or(Share::ALL, |placed| placed.share);
+            let rake = self.rake(&piece, stand, bent(&piece), &share);
             let (was_in, wake) = &mut self.wakes[at];
-            if *was_in != index {
-                (*was_in, *wake) = (index, Wake::default());
+            if std::mem::replace(was_in, index) != index {
+                *wake = wake.in_other_layer();
             }
-            let rise_mm = self.layers.rise_mm();
-            if let Some(layer) = index.and_then(|index| self.layers.layers_mut().get_mut(index)) {
-                let area_mm2 = wake.cut(&rake, layer);
-                removed_mm3 = [0, 1].map(|axis: usize| removed_mm3[axis] + area_mm2[axis] * rise_mm);
+            match index.and_then(|index| self.layers.layers_mut().get_mut(index)) {
+                None => wake.pass(&rake),
+                Some(layer) => {
+                    let area_mm2 = wake.cut(&rake, layer);
+                    add(area_mm2.map(|mm2| mm2 * self.layers.rise_mm()));
+                }
             }
         }
+        for (end, last) in self.ends.iter().zip(&mut self.faces) {
+            let face = face(&end.piece, stand, bent(&end.piece));
+            if let Some(last) = last.replace(face) {
+                add(end.cut([&last, &face], &descent, &mut self.layers));
+            }
+        }
+        self.tips.see(stand);
         removed_mm3
     }
 
-    /// Whether any edge is in a layer there.
-    pub fn is_in(&self, tip_mm: f64) -> bool {
-        self.slices.iter().any(|slice| self.layers.index(tip_mm + slice.height_mm).is_some())
+    /// Whether any edge is in a layer there, or would be less than `above_mm` deeper.
+    pub fn is_in(&self, tip_mm: f64, above_mm: f64) -> bool {
+        let [first, last] = [tip_mm - above_mm, tip_mm + self.reach_mm].map(|mm| self.layers.nth(mm));
+        last >= 0 && self.layers.place(first.max(0)).is_some()
     }
 
-    /// Whether an edge would be in another layer there than where it cut last.
-    pub fn changes_layer(&self, tip_mm: f64) -> bool {
-        let each = self.cutter.pieces().iter().zip(&self.wakes).take(self.slices.len());
-        each.into_iter().any(|(piece, (was_in, _))| *was_in != self.layers.index(tip_mm + piece.height_mm))
+    /// Whether the tip is to be lower than it is, but for rounding.
+    pub fn comes_down(&self, stand: &Stand) -> bool {
+        self.tips.last.is_some_and(|(tip_mm, _)| stand.tip_mm < tip_mm - STILL_MM)
+    }
+
+    /// Before the cutter goes there: what no edge would have a chip of is gone. When it has not cut before, that is all that it stands in; when the tip comes
+    /// into another layer, the steps of a rounded corner.
+    pub fn enter(&mut self, stand: &Stand) {
+        let Some(last_mm) = self.tips.last.map(|(tip_mm, _)| tip_mm) else { return self.sink(stand) };
+        let nth = self.layers.nth(stand.tip_mm);
+        if nth == self.layers.nth(last_mm) {
+            return;
+        }
+        let foot = self.slices[0];
+        for (slice, up) in self.slices.iter().zip(0..).skip(1) {
+            let Some(index) = self.layers.place(nth + up) else { continue };
+            let layer = &mut self.layers.layers_mut()[index];
+            for [inner_mm, outer_mm] in [[slice.inner_mm, foot.inner_mm], [foot.outer_mm, slice.outer_mm]] {
+                if inner_mm < outer_mm {
+                    layer.clear_ring(stand.axis_mm, inner_mm, outer_mm);
+                }
+            }
+        }
     }
 
     /// Takes everything where the tool stands, without chips.
     pub fn sink(&mut self, stand: &Stand) {
-        self.layers.clear(stand.axis_mm, stand.tip_mm, &self.slices);
+        let nth = self.layers.nth(stand.tip_mm);
+        for (slice, up) in self.slices.iter().zip(0..) {
+            if let Some(index) = self.layers.place(nth + up) {
+                self.layers.layers_mut()[index].clear_ring(stand.axis_mm, slice.inner_mm, slice.outer_mm);
+            }
+        }
     }
 
     /// The tool is out of the cut: what it cut next to is forgotten.
     pub fn lift(&mut self) {
         self.wakes.fill(Default::default());
+        self.faces.fill(None);
+        self.tips = Tips::new(&self.ends);
     }
 
-    fn rake(&self, piece: &EdgePiece, stand: &Stand, bent_mm: Vector2<f64>) -> Rake {
-        let (sin, cos) = libm::sincos(piece.angle_at_rad(stand.turned_rad));
-        Rake {
-            center_mm: stand.axis_mm + bent_mm,
-            towards: Vector2::new(cos, sin),
-            radius_mm: piece.radius_mm,
-            side: piece.side,
-            turn_ratio: -1.0,
-            depth_mm: self.depth_mm,
-        }
+    fn descent(&self, stand: &Stand) -> Descent {
+        let highest_mm = self.tips.passed.front().map_or(stand.tip_mm, |(tip_mm, _)| *tip_mm);
+        let border_mm = if highest_mm > stand.tip_mm + STILL_MM { highest_mm } else { stand.tip_mm };
+        Descent { tip_mm: stand.tip_mm, border_mm, side_mm: self.depth_mm }
     }
+
+    /// The lowest pieces are in the layer that the tip is in, the others one by one above them.
+    fn placed(&self, piece: &EdgePiece, descent: &Descent) -> Option<Placed> {
+        let up = libm::floor(piece.height_mm / self.layers.rise_mm()) as i64;
+        let nth = self.layers.nth(descent.tip_mm) + up;
+        let foot_ratio = if up == 0 { self.layers.part_ratio(nth, descent.tip_mm) } else { 0.0 };
+        // What is left where levels are a little above a layer's bottom is a floor for good.
+        let border_ratio = self.layers.part_ratio(nth, descent.border_mm).max(LEVEL_RATIO);
+        let reach_ratio = self.layers.part_ratio(nth, descent.tip_mm + self.reach_mm).min(1.0);
+        let share = Share { foot_ratio, border_ratio, is_end: false };
+        let index = self.layers.place(nth).filter(|_| reach_ratio >= REACHED_RATIO)?;
+        Some(Placed { index, share, reach_ratio })
+    }
+
+    fn rake(&self, piece: &EdgePiece, stand: &Stand, bent_mm: Vector2<f64>, share: &Share) -> Rake {
+        let Face { center_mm, towards } = face(piece, stand, bent_mm);
+        let (radius_mm, side, depth_mm) = (piece.radius_mm, piece.side, self.depth_mm);
+        Rake { center_mm, towards, radius_mm, side, turn_ratio: -1.0, depth_mm, share: *share }
+    }
+}
+
+impl Tips {
+    fn new(ends: &[EndEdge]) -> Self {
+        let mut angles_rad: Vec<f64> = ends.iter().map(|end| end.piece.angle_rad.rem_euclid(TAU)).collect();
+        angles_rad.sort_by(f64::total_cmp);
+        let whole_rad = angles_rad.first().map_or(TAU, |first_rad| first_rad + TAU);
+        let next_rad = angles_rad.iter().skip(1).chain([&whole_rad]);
+        let window_rad =
+            angles_rad.iter().zip(next_rad).map(|(from_rad, to_rad)| to_rad - from_rad).fold(0.0, f64::max);
+        Tips { window_rad, turned_rad: 0.0, passed: VecDeque::new(), last: None }
+    }
+
+    fn see(&mut self, stand: &Stand) {
+        let step_rad = self.last.map_or(0.0, |(_, last_rad)| (stand.turned_rad - last_rad).rem_euclid(TAU));
+        self.last = Some((stand.tip_mm, stand.turned_rad));
+        self.turned_rad += step_rad;
+        // A place may have been passed in the step before the window, and the next step is as long as this one.
+        let from_rad = self.turned_rad - self.window_rad - 2.0 * step_rad;
+        while self.passed.front().is_some_and(|(_, turned_rad)| *turned_rad < from_rad) {
+            self.passed.pop_front();
+        }
+        while self.passed.back().is_some_and(|(tip_mm, _)| *tip_mm <= stand.tip_mm) {
+            self.passed.pop_back();
+        }
+        self.passed.push_back((stand.tip_mm, self.turned_rad));
+    }
+}
+
+/// Where a piece stands, bent.
+fn face(piece: &EdgePiece, stand: &Stand, bent_mm: Vector2<f64>) -> Face {
+    let (sin, cos) = libm::sincos(piece.angle_at_rad(stand.turned_rad));
+    Face { center_mm: stand.axis_mm + bent_mm, towards: Vector2::new(cos, sin) }
 }
 
 /// The solid that a cutter's edges turn, from the tip upwards.

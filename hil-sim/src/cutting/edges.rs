@@ -133,6 +133,11 @@ impl EdgePiece {
         self.rise_mm / libm::sin(self.lead_rad)
     }
 
+    /// Whether it looks straight down: an edge on the tool's end, whose width is what of it meets material.
+    pub fn is_end(&self) -> bool {
+        self.lead_rad == 0.0
+    }
+
     /// Its angle when M3 has turned the spindle so far. (2)
     pub fn angle_at_rad(&self, turned_rad: f64) -> f64 {
         self.angle_rad - turned_rad

@@ -2,11 +2,14 @@
 //!
 //! Rays in two directions through the centres of the same square cells. The rake face of an edge takes away the strip it
 //! sweeps in a step, with its ends computed, not sampled: what is left carries every mark, to the last digit on each ray.
+//! Where a tool has come down to a height inside of the layer, the ray has shelves ([`super::shelves`]).
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use nalgebra::Vector2;
 
+use super::shelves::{Share, Shelves};
 use crate::stock::dexel::{Dexel, Interval};
 use crate::stock::grid::Grid;
 use crate::stock::lattice::{Lattice, LatticeError};
@@ -20,6 +23,8 @@ pub struct Layer {
     step_mm: f64,
     /// Along the first axis, one a cell of the second, and along the second.
     rays: [Vec<Dexel>; 2],
+    /// One a ray.
+    shelves: [Vec<Shelves>; 2],
 }
 
 impl Layer {
@@ -30,7 +35,12 @@ impl Layer {
             let to_mm = lowest_mm[axis] + cells[axis] as f64 * step_mm;
             vec![Dexel::One(Interval::new(lowest_mm[axis], to_mm)); cells[1 - axis]]
         };
-        Layer { lowest_mm, step_mm, rays: [whole(0), whole(1)] }
+        Layer::new(lowest_mm, step_mm, [whole(0), whole(1)])
+    }
+
+    fn new(lowest_mm: [f64; 2], step_mm: f64, rays: [Vec<Dexel>; 2]) -> Self {
+        let shelves = rays.each_ref().map(|rays| vec![Shelves::default(); rays.len()]);
+        Layer { lowest_mm, step_mm, rays, shelves }
     }
 
     /// What lies inside of a closed line that does not cross itself.
@@ -71,7 +81,7 @@ impl Layer {
         };
         let rays =
             [along(first, lattice.cells()[second], &|n| (n, at)), along(second, lattice.cells()[first], &|n| (at, n))];
-        Layer { lowest_mm: [lowest_mm[first], lowest_mm[second]], step_mm: lattice.step_mm(), rays }
+        Layer::new([lowest_mm[first], lowest_mm[second]], lattice.step_mm(), rays)
     }
 
     /// A solid at a height along `axis`; the plane has the two axes that follow it.
@@ -85,7 +95,7 @@ impl Layer {
         let lattice = Lattice::new(lowest_mm, highest_mm, step_mm)?;
         let across = Lattice::across(axis);
         let rays = across.map(|axis| solid.grid(&lattice, axis).dexels().to_vec());
-        Ok(Layer { lowest_mm: across.map(|axis| lowest_mm[axis]), step_mm, rays })
+        Ok(Layer::new(across.map(|axis| lowest_mm[axis]), step_mm, rays))
     }
 
     /// The lowest and the highest corner of its cells.
@@ -115,9 +125,34 @@ impl Layer {
         (place_mm - self.lowest_mm[1 - axis]) / self.step_mm - 0.5
     }
 
-    /// Area of all material as the rays along each axis have it, mm2.
+    /// Area of all material as the rays along each axis have it, lowered stretches by the part that is there, mm2.
     pub fn areas_mm2(&self) -> [f64; 2] {
-        [0, 1].map(|axis: usize| self.rays[axis].iter().map(Dexel::length_mm).sum::<f64>() * self.step_mm)
+        [0, 1].map(|axis: usize| {
+            let lengths_mm =
+                self.rays[axis].iter().zip(&self.shelves[axis]).map(|(ray, shelves)| shelves.length_mm(ray));
+            lengths_mm.sum::<f64>() * self.step_mm
+        })
+    }
+
+    /// Where in a stretch of a ray, or beyond its ends, the material is higher than a part of the layer; nowhere beside the rays.
+    pub fn section(&self, axis: usize, ray: i64, stretch: &Interval, above_ratio: f64) -> Cow<'_, [Interval]> {
+        let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len());
+        let section = |ray: usize| self.shelves[axis][ray].section(&self.rays[axis][ray], stretch, above_ratio);
+        ray.map_or(Cow::Borrowed(&[]), section)
+    }
+
+    /// Mean height of the material in a stretch of a ray, as a part of the layer's.
+    pub fn mean_ratio(&self, axis: usize, ray: i64, stretch: &Interval) -> f64 {
+        let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len());
+        ray.map_or(1.0, |ray| self.shelves[axis][ray].mean_ratio(&self.rays[axis][ray], stretch))
+    }
+
+    /// How high the material is at a point, as a part of the layer's height and as the nearest ray along an axis has it.
+    pub fn top_ratio(&self, point_mm: Vector2<f64>, axis: usize) -> Option<f64> {
+        let ray = libm::round(self.index(axis, point_mm[1 - axis]));
+        let is_there = (0.0..self.rays[axis].len() as f64).contains(&ray);
+        let ray = is_there.then_some(ray as usize)?;
+        self.shelves[axis][ray].top_ratio(&self.rays[axis][ray], point_mm[axis])
     }
 
     /// Whether there is material at a point, as the nearest ray along an axis has it.
@@ -129,16 +164,21 @@ impl Layer {
 
     /// Takes away a convex polygon; answers its area of material as the rays along each axis have it, mm2.
     pub fn clear(&mut self, corners_mm: &[Vector2<f64>]) -> [f64; 2] {
-        self.clear_within(corners_mm, |_, crossing_mm, _, _| crossing_mm)
+        self.clear_share(corners_mm, &Share::ALL)
     }
 
-    /// Takes away what a rake face sweeps: from its root and edge before to its edge and root after, the edge on a circle, its
-    /// radius negative if it cuts towards the centre. Answers the area as [`Layer::clear`].
+    /// Takes its share of a convex polygon; answers as [`Layer::clear`], each part by the height taken.
+    pub fn clear_share(&mut self, corners_mm: &[Vector2<f64>], share: &Share) -> [f64; 2] {
+        self.clear_within(corners_mm, share, |_, crossing_mm, _, _| crossing_mm)
+    }
+
+    /// Takes its share of what a rake face sweeps: from its root and edge before to its edge and root after, the edge on a circle, its
+    /// radius negative if it cuts towards the centre. Answers as [`Layer::clear_share`].
     pub fn clear_strip(
         &mut self,
-        before_mm: [Vector2<f64>; 2],
-        after_mm: [Vector2<f64>; 2],
+        [before_mm, after_mm]: [[Vector2<f64>; 2]; 2],
         radius_mm: f64,
+        share: &Share,
     ) -> [f64; 2] {
         let ([root, from], [last_root, to]) = (before_mm, after_mm);
         let (chord, middle) = (to - from, (from + to) / 2.0);
@@ -146,7 +186,7 @@ impl Layer {
         let to_center = Vector2::new(-chord.y, chord.x).normalize();
         let to_center = to_center * to_center.dot(&(root - from)).signum() * radius_mm.signum();
         let center = middle + to_center * libm::sqrt((radius_mm * radius_mm - half_square).max(0.0));
-        self.clear_within(&[root, from, to, last_root], |side, crossing_mm, axis, at_mm| {
+        self.clear_within(&[root, from, to, last_root], share, |side, crossing_mm, axis, at_mm| {
             let off_mm = at_mm - center[1 - axis];
             let square = radius_mm * radius_mm - off_mm * off_mm;
             // The second side is the edge's way; what is left of a chord within the circle is on the same side of its centre.
@@ -157,11 +197,12 @@ impl Layer {
         })
     }
 
-    /// Takes away a polygon, of whose sides the crossings with a ray may be put elsewhere: told the side, the crossing, and the
+    /// Takes its share of a polygon, of whose sides the crossings with a ray may be put elsewhere: told the side, the crossing, and the
     /// ray by its axis and place.
     fn clear_within(
         &mut self,
         corners_mm: &[Vector2<f64>],
+        share: &Share,
         put_mm: impl Fn(usize, f64, usize, f64) -> f64,
     ) -> [f64; 2] {
         [0, 1].map(|axis: usize| {
@@ -174,7 +215,7 @@ impl Layer {
                 let crossings = crossings(corners_mm, axis, place_mm);
                 let ends = crossings.map(|(side, crossing_mm)| put_mm(side, crossing_mm, axis, place_mm));
                 if let Some(stretch) = extent(ends) {
-                    removed_mm += self.rays[axis][ray].subtract(stretch);
+                    removed_mm += self.shelves[axis][ray].take(&mut self.rays[axis][ray], stretch, share);
                 }
             }
             removed_mm * self.step_mm
@@ -190,7 +231,8 @@ impl Layer {
                 let half = |radius_mm: f64| libm::sqrt((radius_mm * radius_mm - off_mm * off_mm).max(0.0));
                 let (inner, outer) = (half(inner_mm), half(outer_mm));
                 for (from, to) in [(-outer, -inner), (inner, outer)] {
-                    self.rays[axis][ray].subtract(Interval::new(center_mm[axis] + from, center_mm[axis] + to));
+                    let stretch = Interval::new(center_mm[axis] + from, center_mm[axis] + to);
+                    self.shelves[axis][ray].take(&mut self.rays[axis][ray], stretch, &Share::ALL);
                 }
             }
         }

@@ -1,7 +1,5 @@
 //! The workpiece as layers one above the other, square to the tool's axis.
 
-use nalgebra::Vector2;
-
 use crate::stock::lattice::LatticeError;
 use crate::stock::solid::Solid;
 use crate::stock::workpiece::Stock;
@@ -10,6 +8,12 @@ use super::layer::Layer;
 
 /// Part of a layer that a solid may be higher than a whole number of them: rounding.
 const WHOLE_RATIO: f64 = 1e-9;
+
+/// Part of a layer within which a height is on its border: rounding.
+const BORDER_RATIO: f64 = 1e-6;
+
+/// Part of a layer by which a level may be off its border: levels are rounded to a program's last digit, layers are not.
+pub const LEVEL_RATIO: f64 = 0.02;
 
 /// Layers that are a mistake in their height.
 const LAYERS_MAX: f64 = 65_536.0;
@@ -99,20 +103,27 @@ impl Layers {
         &mut self.layers
     }
 
-    /// Which one is at a height.
-    pub fn index(&self, height_mm: f64) -> Option<usize> {
-        let index = (height_mm - self.lowest_mm) / self.rise_mm;
-        (0.0..self.layers.len() as f64).contains(&index).then_some(index as usize)
+    /// Which one is at a height, counted on below the lowest and above the highest; a height on the border of two, but for
+    /// rounding, is in the upper one.
+    pub fn nth(&self, height_mm: f64) -> i64 {
+        libm::floor((height_mm - self.lowest_mm) / self.rise_mm + BORDER_RATIO) as i64
     }
 
-    /// Takes everything where the slices of a tool stand, its axis and the height of its tip told.
-    pub fn clear(&mut self, axis_mm: Vector2<f64>, tip_mm: f64, slices: &[Slice]) {
-        for Slice { height_mm, inner_mm, outer_mm } in slices {
-            let index = self.index(tip_mm + height_mm);
-            if let Some(layer) = index.and_then(|index| self.layers.get_mut(index)) {
-                layer.clear_ring(axis_mm, *inner_mm, *outer_mm);
-            }
-        }
+    /// A height as a part of such a layer: 0 at its bottom, 1 at its top, beyond that outside of it.
+    pub fn part_ratio(&self, nth: i64, height_mm: f64) -> f64 {
+        let ratio = (height_mm - self.lowest_mm) / self.rise_mm - nth as f64;
+        let border = libm::round(ratio);
+        if libm::fabs(ratio - border) <= BORDER_RATIO { border } else { ratio }
+    }
+
+    /// Where such a layer is in [`Layers::layers`].
+    pub fn place(&self, nth: i64) -> Option<usize> {
+        usize::try_from(nth).ok().filter(|index| *index < self.layers.len())
+    }
+
+    /// Where the layer at a height is in [`Layers::layers`].
+    pub fn index(&self, height_mm: f64) -> Option<usize> {
+        self.place(self.nth(height_mm))
     }
 
     /// Material as the rays along each axis have it, mm3.

@@ -22,6 +22,15 @@ pub struct ChipSection {
     pub width_mm: f64,
 }
 
+impl ChipSection {
+    /// One in place of two side by side: as wide as both, of the same section.
+    pub fn with(&self, other: &ChipSection) -> Self {
+        let width_mm = self.width_mm + other.width_mm;
+        let section_mm2 = self.thickness_mm * self.width_mm + other.thickness_mm * other.width_mm;
+        ChipSection { thickness_mm: section_mm2 / width_mm, width_mm }
+    }
+}
+
 /// Force of an edge in its own directions, as it acts on the tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EdgeForce {

@@ -10,11 +10,15 @@ pub mod material;
 
 pub mod force;
 
+pub mod shelves;
+
 pub mod layer;
 
 pub mod rake;
 
 pub mod layers;
+
+pub mod end;
 
 pub mod bite;
 

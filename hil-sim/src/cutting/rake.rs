@@ -17,8 +17,10 @@ use arcfeed_shared::tool::Edge;
 use nalgebra::Vector2;
 
 use super::layer::Layer;
+use super::shelves::Share;
+use crate::stock::dexel::Interval;
 
-/// What is no further from the rake face was cut by it: rounding.
+/// What is no further from the rake face was cut by it, and what is no thicker is no chip: rounding.
 const AT_RAKE_MM: f64 = 1e-9;
 
 /// So many rays beyond the last one an edge neither meets material nor sees any ahead.
@@ -39,6 +41,17 @@ pub struct Rake {
     pub turn_ratio: f64,
     /// How far the rake face reaches behind the edge.
     pub depth_mm: f64,
+    /// What of the layer's height it meets.
+    pub share: Share,
+}
+
+/// What is in front of an elementary edge.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Front {
+    /// Across the edge's circle.
+    pub thickness_mm: f64,
+    /// How high it is, as a part of the layer.
+    pub top_ratio: f64,
 }
 
 /// What an elementary edge remembers from step to step.
@@ -58,6 +71,8 @@ struct Point {
     /// Where it ends, if before the edge.
     ends_mm: Option<Vector2<f64>>,
     has_material: bool,
+    /// How high that is.
+    top_ratio: f64,
 }
 
 impl Rake {
@@ -67,12 +82,12 @@ impl Rake {
     }
 
     /// The other end of the rake face.
-    fn root_mm(&self) -> Vector2<f64> {
+    pub fn root_mm(&self) -> Vector2<f64> {
         self.edge_mm() - self.outward() * self.depth_mm
     }
 
     /// Whether all of the rake face is so far to one side of the layer's rays that nothing there matters.
-    fn is_apart(&self, layer: &Layer) -> bool {
+    pub fn is_apart(&self, layer: &Layer) -> bool {
         [0, 1].into_iter().any(|axis: usize| {
             let at = [self.edge_mm(), self.root_mm()].map(|end| layer.index(axis, end[1 - axis]));
             let end = layer.rays(axis).len() as f64;
@@ -137,34 +152,35 @@ impl Rake {
         let root_mm =
             along(self.radius_mm - f64::from(self.side.advance()) * self.depth_mm).unwrap_or(self.center_mm[axis]);
         let (low, high) = (edge_mm.min(root_mm), edge_mm.max(root_mm));
-        let dexel = usize::try_from(ray).ok().and_then(|ray| layer.rays(axis).get(ray));
-        let pieces = dexel.map_or(&[][..], |dexel| dexel.intervals());
+        let pieces = layer.section(axis, ray, &Interval::new(low, high), self.share.border_ratio);
         let mut within = pieces.iter().filter(|piece| piece.from_mm < high && piece.to_mm > low);
         let chip = if edge_mm > root_mm { within.next() } else { within.next_back() };
         Some(match chip {
-            None => Point { begins_mm: at(edge_mm), ends_mm: None, has_material: false },
+            None => Point { begins_mm: at(edge_mm), ends_mm: None, has_material: false, top_ratio: 1.0 },
             Some(piece) => {
                 let (from_mm, to_mm) = (piece.from_mm.max(low), piece.to_mm.min(high));
                 let (begins, ends) = if edge_mm > root_mm { (from_mm, to_mm) } else { (to_mm, from_mm) };
                 // What ends behind the rake face was cut by it: ahead of it, that chip goes on to the edge.
                 let ends_mm = Some(at(ends)).filter(|end| ends != edge_mm && self.ahead_mm(end) > AT_RAKE_MM);
-                Point { begins_mm: at(begins), ends_mm, has_material: true }
+                let top_ratio = layer.mean_ratio(axis, ray, &Interval::new(from_mm, to_mm));
+                Point { begins_mm: at(begins), ends_mm, has_material: true, top_ratio }
             }
         })
     }
 
     /// (2)
-    fn thickness_mm(&self, point: &Point) -> f64 {
+    fn front(&self, point: &Point) -> Front {
         let ends = point.ends_mm.map_or(0.0, |ends| self.inside_mm(&ends).max(0.0));
-        (self.inside_mm(&point.begins_mm) - ends).clamp(0.0, self.depth_mm)
+        let thickness_mm = (self.inside_mm(&point.begins_mm) - ends).clamp(0.0, self.depth_mm);
+        Front { thickness_mm: if thickness_mm > AT_RAKE_MM { thickness_mm } else { 0.0 }, top_ratio: point.top_ratio }
     }
 }
 
 impl Wake {
-    /// Thickness of the chip in front of the edge, across its circle, mm; the edge has come here from its last cut.
-    pub fn chip_mm(&self, rake: &Rake, layer: &Layer) -> f64 {
+    /// The chip in front of the edge, which has come here from its last cut.
+    pub fn front(&self, rake: &Rake, layer: &Layer) -> Front {
         if rake.is_apart(layer) {
-            return 0.0;
+            return Front::default();
         }
         // On the circle, neighbouring rays are this far apart.
         let apart_mm = layer.step_mm() / libm::fabs(rake.towards[rake.axis()]);
@@ -176,33 +192,48 @@ impl Wake {
         let next = next.filter(|(ahead_mm, point)| point.has_material && *ahead_mm < 2.0 * apart_mm);
         match (behind, next) {
             (Some((from_mm, behind)), Some((to_mm, next))) => {
-                let (from, to) = (rake.thickness_mm(&behind), rake.thickness_mm(&next));
-                from - (to - from) * from_mm / (to_mm - from_mm)
+                let (from, to) = (rake.front(&behind), rake.front(&next));
+                let at = |from: f64, to: f64| from - (to - from) * from_mm / (to_mm - from_mm);
+                Front {
+                    thickness_mm: at(from.thickness_mm, to.thickness_mm),
+                    top_ratio: at(from.top_ratio, to.top_ratio),
+                }
             }
             (Some((at_mm, only)), None) | (None, Some((at_mm, only))) if libm::fabs(at_mm) <= apart_mm / 2.0 => {
-                rake.thickness_mm(&only)
+                rake.front(&only)
             }
-            _ => 0.0,
+            _ => Front::default(),
         }
+    }
+
+    /// The same edge in another layer: it comes from where it was, but has passed nothing there.
+    pub fn in_other_layer(&self) -> Self {
+        Wake { behind: None, ..*self }
+    }
+
+    /// The edge goes to its next place where there is no layer.
+    pub fn pass(&mut self, rake: &Rake) {
+        *self = Wake { last: Some(*rake), behind: None };
     }
 
     /// The edge goes to its next place, less than a quarter of a turn on, and takes what it sweeps; answers the area as the rays
     /// along each axis have it, mm2.
     pub fn cut(&mut self, rake: &Rake, layer: &mut Layer) -> [f64; 2] {
         if rake.is_apart(layer) && self.last.is_none_or(|last| last.is_apart(layer)) {
-            *self = Wake { last: Some(*rake), behind: None };
+            self.pass(rake);
             return [0.0; 2];
         }
         self.behind = self.around(rake, layer).0;
         let Some(from) = self.last.replace(*rake) else { return [0.0; 2] };
         let ends_mm = |rake: &Rake| [rake.root_mm(), rake.edge_mm()];
-        layer.clear_strip(ends_mm(&from), ends_mm(rake), f64::from(rake.side.advance()) * rake.radius_mm)
+        layer.clear_strip([ends_mm(&from), ends_mm(rake)], f64::from(rake.side.advance()) * rake.radius_mm, &rake.share)
     }
 
     /// The points of the old surface on both sides of a rake face that has come here from the last cut.
     fn around(&self, rake: &Rake, layer: &Layer) -> (Option<Point>, Option<Point>) {
         let mut behind = self.behind;
-        for point in self.last.as_ref().unwrap_or(rake).next(layer) {
+        let from = Rake { share: rake.share, ..self.last.unwrap_or(*rake) };
+        for point in from.next(layer) {
             if rake.ahead_mm(&point.begins_mm) > 0.0 {
                 return (behind, Some(point));
             }

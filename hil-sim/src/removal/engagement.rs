@@ -18,7 +18,7 @@ use arcfeed_shared::units::Nm;
 use nalgebra::Vector2;
 
 use crate::cutting::engaged::EdgeCircle;
-use crate::cutting::layers::{Layers, Slice};
+use crate::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 use crate::decider::Decider;
 use crate::drives::limits::AXES;
 use crate::rig::Rig;
@@ -185,8 +185,20 @@ impl EngagementMeter {
                 self.last = Some(reached);
             }
             if self.cleared_mm.is_none_or(|last| length(difference(tip_mm, last)) >= fine_mm) {
-                self.settings.layers.clear(Vector2::new(tip_mm[0], tip_mm[1]), tip_mm[2], &self.slices);
+                self.clear(&tip_mm);
                 self.cleared_mm = Some(tip_mm);
+            }
+        }
+    }
+
+    /// Only layers that are cut through: what a ramp leaves of one is there for whoever comes behind it.
+    fn clear(&mut self, tip_mm: &Vector) {
+        let layers = &mut self.settings.layers;
+        let lowest = layers.nth(tip_mm[2] - LEVEL_RATIO * layers.rise_mm()) + 1;
+        for (slice, nth) in self.slices.iter().zip(lowest..) {
+            if let Some(index) = layers.place(nth) {
+                let axis_mm = Vector2::new(tip_mm[0], tip_mm[1]);
+                layers.layers_mut()[index].clear_ring(axis_mm, slice.inner_mm, slice.outer_mm);
             }
         }
     }
@@ -210,8 +222,13 @@ impl EngagementMeter {
 
     fn engaged_deg(&self, side: Edge, tip_mm: &Vector, heading: &Heading) -> Option<[f64; 2]> {
         let (layers, center_mm) = (&self.settings.layers, Vector2::new(tip_mm[0], tip_mm[1]));
-        let of_slice = |slice: &Slice| {
-            let layer = layers.layers().get(layers.index(tip_mm[2] + slice.height_mm)?)?;
+        // Every layer that the tool reaches into, the highest by its last slice.
+        let spare_mm = LEVEL_RATIO * layers.rise_mm();
+        let [lowest, highest] =
+            [tip_mm[2] + spare_mm, tip_mm[2] + self.settings.depth_mm - spare_mm].map(|mm| layers.nth(mm));
+        let slice_of = |nth: i64| self.slices.get((nth - lowest) as usize).or(self.slices.last());
+        let of_layer = |nth: i64| {
+            let (slice, layer) = (slice_of(nth)?, layers.layers().get(layers.place(nth)?)?);
             let radius_mm = if side == Edge::Outer { slice.outer_mm } else { slice.inner_mm };
             let circle = (radius_mm > 0.0).then_some(EdgeCircle { center_mm, radius_mm, side })?;
             // Right of half the rays' distance: to the safe side.
@@ -219,7 +236,7 @@ impl EngagementMeter {
             let arcs = circle.engaged_rad(layer, self.settings.ahead_mm);
             arcs.iter().filter_map(|[a, b]| heading.told_deg(side, &[a - spare_rad, b + spare_rad])).reduce(hull)
         };
-        self.slices.iter().filter_map(of_slice).reduce(hull)
+        (lowest..=highest).filter_map(of_layer).reduce(hull)
     }
 }
 

@@ -8,6 +8,9 @@
 //! deep = the most of these, over all places of the axis in the layer            (3)
 //! ```
 //!
+//! A layer is swept where it is cut through: by the lowest slice while the tip is at the layer's bottom, by the one above it while the tip is inside of
+//! the layer below, and so on; what a tip inside of a layer leaves of that is a floor.
+//!
 //! deep in what the tool has swept. Negative, it is the distance of a point outside; beside a wall it is the distance from the wall.
 //! Along a leg d takes all values between two ends, so that (3) is exact for each.
 //!
@@ -16,10 +19,20 @@
 use nalgebra::Vector2;
 
 use super::way::Leg;
-use crate::cutting::layers::{Layers, Slice};
+use crate::cutting::bite::REACHED_RATIO;
+use crate::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 
 /// Parts of legs that are left out together where all of them are too far off.
 const TOGETHER: usize = 64;
+
+/// What the edges of a true tool turn.
+#[derive(Clone, Debug)]
+pub struct Turned {
+    /// One above the other from the tip, each as high as a layer; one more than edges are asked up to, for a tip inside of a layer.
+    pub slices: Vec<Slice>,
+    /// How far up from the tip edges are asked.
+    pub reach_mm: f64,
+}
 
 /// All that was swept in a layer.
 #[derive(Clone, Debug)]
@@ -57,13 +70,20 @@ struct Swept {
 }
 
 impl Envelope {
-    /// Of these legs, by a tool of these slices.
-    pub fn new(legs: &[Leg], slices: &[Slice], layers: &Layers, layer: usize) -> Self {
-        let middle_mm = layers.middle_mm(layer);
-        let heights_mm = [middle_mm - layers.rise_mm() / 2.0, middle_mm + layers.rise_mm() / 2.0];
+    /// Of these legs.
+    pub fn new(legs: &[Leg], turned: &Turned, layers: &Layers, layer: usize) -> Self {
+        let rise_mm = layers.rise_mm();
+        let foot_mm = layers.middle_mm(layer) - rise_mm / 2.0;
+        let highest = turned.reach_mm / rise_mm - REACHED_RATIO;
+        // Where the tip is while a slice cuts the layer through.
+        let tips_mm = |up: f64| {
+            let least = if up > 0.0 { up - 1.0 + LEVEL_RATIO } else { -LEVEL_RATIO };
+            [(up + LEVEL_RATIO).min(highest), least].map(|layers_below| foot_mm - layers_below * rise_mm)
+        };
+        let each: Vec<(Slice, [f64; 2])> =
+            turned.slices.iter().zip(0_u32..).map(|(slice, up)| (*slice, tips_mm(f64::from(up)))).collect();
         let swept = |(leg, on): (usize, &Leg)| {
-            let on = *on;
-            slices.iter().filter_map(move |slice| Swept::of(leg, &on, slice, heights_mm))
+            each.iter().filter_map(|(slice, tips_mm)| Swept::of(leg, on, slice, *tips_mm)).collect::<Vec<_>>()
         };
         let swept: Vec<Swept> = legs.iter().enumerate().flat_map(swept).collect();
         Envelope { groups: swept.chunks(TOGETHER).map(Group::new).collect() }
@@ -104,9 +124,9 @@ impl Group {
 }
 
 impl Swept {
-    /// None where the slice is not in the layer.
+    /// None where the tip is nowhere between two heights.
     fn of(leg: usize, on: &Leg, slice: &Slice, [low_mm, high_mm]: [f64; 2]) -> Option<Self> {
-        let [from_mm, to_mm] = [on.from_mm, on.to_mm].map(|tip_mm| tip_mm[2] + slice.height_mm);
+        let [from_mm, to_mm] = [on.from_mm, on.to_mm].map(|tip_mm| tip_mm[2]);
         let rise_mm = to_mm - from_mm;
         let parts = if rise_mm == 0.0 {
             (low_mm..high_mm).contains(&from_mm).then_some([0.0, 1.0])
@@ -151,7 +171,8 @@ mod tests {
         let of = Of { count: 1, sequence: None, rule: None, is_rapid: false };
         let leg = Leg { of, from_mm: ends_mm[0], to_mm: ends_mm[1] };
         let layers = Layers::alike(&Layer::rectangle([0.0; 2], [1.0; 2], 1.0), 0.0, 1.0, 3);
-        Envelope::new(&[leg], &[Slice { height_mm: 0.5, inner_mm, outer_mm: 5.0 }], &layers, 1)
+        let slices = [0.5, 1.5].map(|height_mm| Slice { height_mm, inner_mm, outer_mm: 5.0 });
+        Envelope::new(&[leg], &Turned { slices: slices.to_vec(), reach_mm: 1.0 }, &layers, 1)
     }
 
     #[track_caller]
@@ -177,11 +198,14 @@ mod tests {
     }
 
     #[test]
-    fn a_ramp_counts_where_the_slice_is_in_the_layer() {
-        // The slice is between 1 and 2 mm on the second half of the way.
+    fn a_ramp_counts_where_the_layer_is_cut_through() {
+        // From 1 mm on, but for a fiftieth of a layer, down to where less than half of the layer is reached.
         let ramp = envelope([[0.0, 0.0, 1.5], [20.0, 0.0, -0.5]], 0.0);
+        for at_mm in [4.8, 8.0, 10.0] {
+            assert_deep(&ramp, [at_mm, 5.0], 0.0);
+        }
+        assert_deep(&ramp, [2.8, 5.0], 5.0 - libm::hypot(2.0, 5.0));
         assert_deep(&ramp, [12.0, 5.0], 5.0 - libm::hypot(2.0, 5.0));
-        assert_deep(&ramp, [8.0, 5.0], 0.0);
         assert!(envelope([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]], 0.0).deepest(&Vector2::zeros()).is_none());
     }
 }

@@ -1,8 +1,7 @@
 //! The edges of the tool under a run: what each has in front of it, and what that does to the tool.
 //!
 //! The edges turn in steps of equal angle, a whole number from one tooth to the next, so that every tooth is asked at the same
-//! angles. Where the axes are within a millisecond is taken as straight. Chips are those of the side of the tool: what its end
-//! takes in a plunge, and what a rapid takes, goes without.
+//! angles. Where the axes are within a millisecond is taken as straight. What a rapid takes goes without chips.
 //!
 //! Source: own; what it leaves out: docs/simulate.md.
 
@@ -22,7 +21,7 @@ use crate::rig::{Rig, STEP};
 use super::cutter::LeftOut;
 use super::giving::Giving;
 use super::periods::{Period, Periods};
-use super::placing::{Placing, between};
+use super::placing::{Placing, Unplaced, between};
 use super::steadiness::{Samples, Steadiness};
 use super::tally::{CHIP_MIN_MM, Sample, Tally, Turn};
 use super::trail::{Of, STRETCH_MAX, Stretch};
@@ -69,6 +68,10 @@ pub struct LoadMeter {
     settings: LoadSettings,
     placing: Placing,
     periods: Periods,
+    /// The block that cut in the period before.
+    before: Option<Of>,
+    /// The one that brought the tip down last.
+    down: Option<Of>,
     /// Steps of a turn, and how many there have been.
     steps_a_turn: usize,
     steps: u64,
@@ -99,6 +102,8 @@ impl LoadMeter {
             settings,
             placing: Placing::default(),
             periods: Periods::default(),
+            before: None,
+            down: None,
             steps: 0,
             steps_idle: 0,
             due: 0.0,
@@ -114,7 +119,9 @@ impl LoadMeter {
     /// Sees a period of the run.
     pub fn see<D: Decider>(&mut self, rig: &Rig<D>) {
         if let Some(Period { stretch, .. }) = self.periods.see(rig) {
-            self.go(&stretch, f64::from(rig.spindle().0));
+            let is_backwards = rig.control().spindle().is_some_and(|spindle| spindle.rev_per_min() < 0.0);
+            let rev_per_min = f64::from(rig.spindle().0);
+            self.go(&stretch, if is_backwards { -rev_per_min } else { rev_per_min });
         }
     }
 
@@ -181,8 +188,12 @@ impl LoadMeter {
             }
         };
         let turned = rev_per_min / S_PER_MIN * STEP.to_s() * self.steps_a_turn as f64;
-        let turns = turned > 0.0 && turned < STEPS_MAX;
-        if !(turns && ends.iter().any(|tip_mm| self.is_near(tip_mm))) {
+        let is_near = ends.iter().any(|tip_mm| self.is_near(tip_mm));
+        let cuts = !stretch.of.is_rapid && stretch.places[0] != stretch.places[1];
+        if is_near && cuts && turned < 0.0 {
+            LeftOut::count(&mut self.left_out, stretch.of, Unplaced::Backwards);
+        }
+        if !(is_near && turned > 0.0 && turned < STEPS_MAX) {
             return self.leave();
         }
         if stretch.of.is_rapid {
@@ -208,6 +219,7 @@ impl LoadMeter {
                 self.way.go(&stretch.of, tip_mm);
             }
         }
+        self.before = Some(stretch.of);
     }
 
     /// One step of the edges, to a place of the tip.
@@ -215,9 +227,11 @@ impl LoadMeter {
         self.steps += 1;
         let stand = self.stand(tip_mm);
         let bite = self.settings.process.bite_mut();
-        if bite.changes_layer(stand.tip_mm) {
-            bite.sink(&stand);
+        // A period in which the block changes has still some of the way of the one before.
+        if bite.comes_down(&stand) && self.before == Some(stretch.of) {
+            self.down = self.before;
         }
+        bite.enter(&stand);
         let dt_s = S_PER_MIN / rev_per_min / self.steps_a_turn as f64;
         let moment = self.settings.process.step(dt_s, &stand);
         let loads = moment.loads;
@@ -225,10 +239,14 @@ impl LoadMeter {
         let sample = Sample {
             dt_s,
             bending_n: loads.bending_n(),
+            thrust_n: loads.force_n.z,
             torque_n_m: loads.torque_n_m,
             power_w: loads.power_w(rev_per_min),
+            end_mm: moment.end_mm,
         };
-        self.count(stretch, &sample, moment.thickest_mm);
+        // What the end still takes when the tip has stopped belongs to the block that brought it down.
+        let last = self.blocks.last().filter(|(of, _)| moment.end_mm > 0.0 && self.down == Some(*of));
+        self.count(last.map_or(stretch.of, |(of, _)| *of), stretch.from, &sample, moment.thickest_mm);
     }
 
     /// Where the tool is bent to, while there is a chip in every turn.
@@ -243,18 +261,18 @@ impl LoadMeter {
         }
     }
 
-    fn count(&mut self, stretch: &Stretch, sample: &Sample, thickest_mm: f64) {
-        if self.blocks.last().is_none_or(|(of, _)| *of != stretch.of) {
+    fn count(&mut self, of: Of, from: Micros, sample: &Sample, thickest_mm: f64) {
+        if self.blocks.last().is_none_or(|(last, _)| *last != of) {
             self.turn = Turn::new();
-            self.blocks.push((stretch.of, Tally::default()));
+            self.blocks.push((of, Tally::default()));
         }
-        let from = Micros(stretch.from.0 / STRETCH_MAX.0 * STRETCH_MAX.0);
+        let from = Micros(from.0 / STRETCH_MAX.0 * STRETCH_MAX.0);
         if self.windows.last().is_none_or(|window| window.from != from) {
             self.windows.push(Window { from, to: from.after(STRETCH_MAX), tally: Tally::default() });
         }
         let tallies = self.blocks.last_mut().map(|(_, tally)| tally).into_iter();
         for tally in tallies.chain(self.windows.last_mut().map(|window| &mut window.tally)) {
-            if thickest_mm >= CHIP_MIN_MM {
+            if thickest_mm.max(sample.end_mm) >= CHIP_MIN_MM {
                 tally.add(sample);
             }
             for ((pass_mm, side), chip_mm) in self.passes.iter().zip(self.settings.process.chips_mm()) {
@@ -266,7 +284,7 @@ impl LoadMeter {
         for ((pass_mm, _), chip_mm) in self.passes.iter_mut().zip(self.settings.process.chips_mm()) {
             *pass_mm = if *chip_mm >= CHIP_MIN_MM { pass_mm.max(*chip_mm) } else { 0.0 };
         }
-        self.turn.add(sample.bending_n);
+        self.turn.add(sample.bending_n, thickest_mm);
         if self.steps.is_multiple_of(self.steps_a_turn as u64) {
             let turn = std::mem::take(&mut self.turn);
             if let Some((_, tally)) = self.blocks.last_mut() {
@@ -302,6 +320,6 @@ impl LoadMeter {
         let is_beside = |[lowest_mm, highest_mm]: [[f64; 2]; 2]| {
             (0..2).all(|axis| (lowest_mm[axis] - reach_mm..=highest_mm[axis] + reach_mm).contains(&tip_mm[axis]))
         };
-        bite.layers().extent_mm().is_some_and(is_beside) && bite.is_in(tip_mm[2])
+        bite.layers().extent_mm().is_some_and(is_beside) && bite.is_in(tip_mm[2], NEAR_MM)
     }
 }

@@ -4,16 +4,18 @@
 //! positive where material is left, negative where the wall is cut away. Feed marks, runout, unequal teeth, bending and
 //! vibration are in it; the distance of the rays is not, as each end is where an edge put it.
 //!
+//! Floors that are lower than a level may be off are no material, and have no walls.
+//!
 //! An end of the blank that nothing was to cut is none, and neither is what a rapid took.
 
 use nalgebra::Vector2;
 
-use super::envelope::{Depth, Envelope};
+use super::envelope::{Depth, Envelope, Turned};
 use super::trail::Of;
 use super::way::Way;
 use crate::cutting::layer::Layer;
-use crate::cutting::layers::{Layers, Slice};
-use crate::stock::dexel::Dexel;
+use crate::cutting::layers::{LEVEL_RATIO, Layers};
+use crate::stock::dexel::Interval;
 
 /// What is left of the blank this deep was to be cut: less is rounding.
 const LEFT_MM: f64 = 1e-9;
@@ -31,11 +33,11 @@ pub struct Mark {
     pub of: Of,
 }
 
-/// All ends of rays on walls, of a tool of these slices that went this way.
-pub fn marks(blank: &Layers, left: &Layers, way: &Way, slices: &[Slice]) -> Vec<Mark> {
+/// All ends of rays on walls, of a tool that went this way and turned this.
+pub fn marks(blank: &Layers, left: &Layers, way: &Way, turned: &Turned) -> Vec<Mark> {
     let mut marks = Vec::new();
     for (layer, (blank, now)) in blank.layers().iter().zip(left.layers()).enumerate() {
-        let envelope = Envelope::new(way.legs(), slices, left, layer);
+        let envelope = Envelope::new(way.legs(), turned, left, layer);
         for end in ends(blank, now) {
             let Some(Depth { deep_mm, leg, arm_mm }) = envelope.deepest(&end.point_mm) else { continue };
             let of = way.legs()[leg].of;
@@ -65,17 +67,18 @@ impl End {
 fn ends(blank: &Layer, now: &Layer) -> Vec<End> {
     let mut ends = Vec::new();
     for axis in [0, 1] {
-        for (ray, (before, after)) in blank.rays(axis).iter().zip(now.rays(axis)).enumerate() {
-            for end_mm in ends_mm(after) {
+        for (ray, before) in blank.rays(axis).iter().enumerate() {
+            let Some(all) = before.extent() else { continue };
+            for end_mm in ends_mm(&now.section(axis, ray as i64, &all, LEVEL_RATIO)) {
                 let mut point_mm = Vector2::repeat(now.place_mm(axis, ray));
                 point_mm[axis] = end_mm;
-                ends.push(End { axis, point_mm, is_new: ends_mm(before).all(|old_mm| old_mm != end_mm) });
+                ends.push(End { axis, point_mm, is_new: ends_mm(before.intervals()).all(|old_mm| old_mm != end_mm) });
             }
         }
     }
     ends
 }
 
-fn ends_mm(ray: &Dexel) -> impl Iterator<Item = f64> {
-    ray.intervals().iter().flat_map(|piece| [piece.from_mm, piece.to_mm])
+fn ends_mm(pieces: &[Interval]) -> impl Iterator<Item = f64> + '_ {
+    pieces.iter().flat_map(|piece| [piece.from_mm, piece.to_mm])
 }

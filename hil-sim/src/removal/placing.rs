@@ -38,6 +38,8 @@ pub enum Unplaced {
     Contour,
     /// The tool leans on the part, and edges are asked for chips only where it stands upright.
     Tilted,
+    /// The spindle turns counter-clockwise (M4), and edges are those of a tool for M3.
+    Backwards,
 }
 
 /// The workpiece's place.

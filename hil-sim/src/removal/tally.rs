@@ -5,7 +5,8 @@
 //! variation = mean over whole turns of (largest - least) / mean       (2) of the bending force in a turn
 //! ```
 //!
-//! The time in cut is that in which any edge has a chip of a thousandth of a millimetre or more in front of it. A turn counts in (2) if all of it belongs to one block. A tooth's
+//! The time in cut is that in which any edge has a chip of a thousandth of a millimetre or more in front of it. A turn counts in (2) if all of it belongs to one block
+//! and the side of the tool cuts in it: what remains across the axis of a plunge is rounding. A tooth's
 //! *pass* goes from where it meets material to where it leaves it, and counts with its thickest chip.
 //!
 //! Source: own definitions.
@@ -22,10 +23,14 @@ pub struct Sample {
     pub dt_s: f64,
     /// Across the tool's axis.
     pub bending_n: f64,
+    /// Along it, positive into the tool's holder.
+    pub thrust_n: f64,
     /// Against the spindle.
     pub torque_n_m: f64,
     /// Of the spindle.
     pub power_w: f64,
+    /// Mean thickness of the chip on the tool's end.
+    pub end_mm: f64,
 }
 
 /// Largest and mean of a load.
@@ -53,12 +58,16 @@ pub struct Tally {
     pub time_s: f64,
     /// Across the tool's axis, N.
     pub bending: Level,
+    /// Along the tool's axis, positive into its holder, N.
+    pub thrust: Level,
     /// N m.
     pub torque: Level,
     /// W.
     pub power: Level,
     /// Of outer edges and of inner ones.
     pub passes: [Passes; 2],
+    /// Largest mean thickness of the chip of an edge on the tool's end.
+    pub end_max_mm: f64,
     turns: u64,
     variation_sum: f64,
 }
@@ -70,16 +79,18 @@ pub struct Turn {
     least_n: f64,
     most_n: f64,
     sum_n: f64,
+    /// Whether the side of the tool had a chip.
+    is_aside: bool,
 }
 
 impl Level {
-    /// Largest.
+    /// Largest amount.
     pub fn max(&self) -> f64 {
         self.max
     }
 
     fn add(&mut self, value: f64, dt_s: f64) {
-        self.max = self.max.max(value);
+        self.max = self.max.max(libm::fabs(value));
         self.integral += value * dt_s;
     }
 
@@ -107,6 +118,8 @@ impl Tally {
     pub fn add(&mut self, sample: &Sample) {
         self.time_s += sample.dt_s;
         self.bending.add(sample.bending_n, sample.dt_s);
+        self.thrust.add(sample.thrust_n, sample.dt_s);
+        self.end_max_mm = self.end_max_mm.max(sample.end_mm);
         self.torque.add(sample.torque_n_m, sample.dt_s);
         self.power.add(sample.power_w, sample.dt_s);
     }
@@ -120,7 +133,7 @@ impl Tally {
     /// A turn is over that has so many steps if it is a whole one.
     pub fn turn(&mut self, turn: &Turn, steps: usize) {
         let mean_n = turn.sum_n / turn.steps as f64;
-        if turn.steps == steps && mean_n > 0.0 {
+        if turn.steps == steps && turn.is_aside && mean_n > 0.0 {
             self.turns += 1;
             self.variation_sum += (turn.most_n - turn.least_n) / mean_n;
         }
@@ -130,6 +143,8 @@ impl Tally {
     pub fn merge(&mut self, other: &Tally) {
         self.time_s += other.time_s;
         self.bending.merge(&other.bending);
+        self.thrust.merge(&other.thrust);
+        self.end_max_mm = self.end_max_mm.max(other.end_max_mm);
         self.torque.merge(&other.torque);
         self.power.merge(&other.power);
         self.passes.iter_mut().zip(&other.passes).for_each(|(passes, others)| passes.merge(others));
@@ -151,11 +166,12 @@ impl Tally {
 impl Turn {
     /// Before its first step.
     pub fn new() -> Self {
-        Turn { steps: 0, least_n: f64::INFINITY, most_n: 0.0, sum_n: 0.0 }
+        Turn { steps: 0, least_n: f64::INFINITY, most_n: 0.0, sum_n: 0.0, is_aside: false }
     }
 
-    /// A step of it.
-    pub fn add(&mut self, bending_n: f64) {
+    /// A step of it, with the thickest chip on the side.
+    pub fn add(&mut self, bending_n: f64, side_mm: f64) {
+        self.is_aside |= side_mm >= CHIP_MIN_MM;
         self.steps += 1;
         self.least_n = self.least_n.min(bending_n);
         self.most_n = self.most_n.max(bending_n);
@@ -178,11 +194,14 @@ mod tests {
         let mut tally = Tally::default();
         let mut turn = Turn::new();
         for (dt_s, bending_n) in [(1.0, 10.0), (3.0, 30.0)] {
-            tally.add(&Sample { dt_s, bending_n, torque_n_m: 0.0, power_w: 0.0 });
-            turn.add(bending_n);
+            tally.add(&Sample { dt_s, bending_n, thrust_n: -bending_n, torque_n_m: 0.0, power_w: 0.0, end_mm: 0.0 });
+            turn.add(bending_n, CHIP_MIN_MM);
         }
         tally.turn(&turn, 3);
         assert_eq!((tally.mean(&tally.bending), tally.variation_ratio()), (25.0, None));
+        assert_eq!((tally.mean(&tally.thrust), tally.thrust.max()), (-25.0, 30.0));
+        tally.turn(&Turn { is_aside: false, ..turn }, 2);
+        assert_eq!(tally.variation_ratio(), None, "a plunge");
         tally.turn(&turn, 2);
         assert_eq!(tally.variation_ratio(), Some(1.0));
     }

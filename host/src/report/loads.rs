@@ -80,6 +80,10 @@ pub struct LoadFigures {
     pub force_mean_n: f64,
     /// Mean over whole turns of (largest - least) / mean.
     pub force_variation_ratio: Option<f64>,
+    /// Along the tool's axis, largest amount.
+    pub thrust_max_n: f64,
+    /// Mean, positive into the tool's holder.
+    pub thrust_mean_n: f64,
     /// About the spindle's axis, largest.
     pub torque_max_n_m: f64,
     /// Mean.
@@ -94,6 +98,8 @@ pub struct LoadFigures {
     pub chip_mean: [Option<f64>; 2],
     /// The thickest.
     pub chip_max: [Option<f64>; 2],
+    /// Mean thickness along an edge on the tool's end, largest.
+    pub end_chip_max: Option<f64>,
 }
 
 /// All blocks of a cut rule.
@@ -128,12 +134,13 @@ impl LoadFigures {
         self.chip_max.into_iter().flatten().reduce(f64::max)
     }
 
-    /// In words: force, variation, torque, power, chip.
-    pub fn cells(&self) -> [String; 5] {
+    /// In words: force, variation, thrust, torque, power, chip.
+    pub fn cells(&self) -> [String; 6] {
         let percent = |ratio: f64| format!("{:.0}", 1e2 * ratio);
         [
             format!("{:.0}", self.force_max_n),
             self.force_variation_ratio.map_or("-".into(), percent),
+            format!("{:.0}", self.thrust_max_n),
             format!("{:.1}", self.torque_max_n_m),
             format!("{:.2}", self.power_max_w / 1e3),
             self.thickest().map_or("-".into(), short),
@@ -143,9 +150,9 @@ impl LoadFigures {
 
 impl LoadsFigures {
     /// Heads of the columns of [`LoadFigures::cells`].
-    pub fn columns(&self) -> [String; 5] {
+    pub fn columns(&self) -> [String; 6] {
         let chip = format!("chip, {}", self.unit);
-        ["force, N", "varies, %", "torque, N m", "power, kW", &chip].map(String::from)
+        ["force, N", "varies, %", "thrust, N", "torque, N m", "power, kW", &chip].map(String::from)
     }
 
     /// Rows: a name, then before and after.
@@ -174,9 +181,8 @@ impl LoadsFigures {
 
     /// What a person must know, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
-        let tilted = self.left_out.iter().filter(|left_out| left_out.cause == "tilted");
-        tilted
-            .map(|left_out| format!("{} blocks have no chips and forces: {}", left_out.blocks, left_out.words()))
+        let own = self.left_out.iter().filter(|left_out| ["tilted", "backwards"].contains(&left_out.cause));
+        own.map(|left_out| format!("{} blocks have no chips and forces: {}", left_out.blocks, left_out.words()))
             .collect()
     }
 }

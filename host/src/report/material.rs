@@ -102,7 +102,7 @@ pub struct BlockFigures {
 /// Blocks that took nothing, as nobody knows where the workpiece is to the tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LeftOutFigures {
-    /// `turning`, `other-position`, `no-machine`, `contour`; of loads also `tilted`.
+    /// `turning`, `other-position`, `no-machine`, `contour`; of loads also `tilted`, `backwards`.
     pub cause: &'static str,
     /// How many.
     pub blocks: usize,
@@ -186,6 +186,7 @@ impl LeftOutFigures {
             }
             "no-machine" => "under G43.4, and the job names no machine",
             "tilted" => "the tool leans, and edges are asked only where it stands upright",
+            "backwards" => "the spindle turns backwards (M4), and the edges are those of a tool for M3",
             _ => "under G41 or G42, whose contour the simulated control executes as written",
         }
     }

@@ -5,12 +5,13 @@ use std::f64::consts::{PI, TAU};
 use arcfeed_hil_sim::cutting::bite::{Bite, slices};
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EdgeError, EndMill, Ring};
-use arcfeed_hil_sim::cutting::layers::{Layers, Slice};
+use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::cutting::material::{Cutting as Forces, Kienzle, MATERIALS};
 use arcfeed_hil_sim::dynamics::modal::Mode;
 use arcfeed_hil_sim::dynamics::transition::Rule;
 use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
 use arcfeed_hil_sim::process::Process;
+use arcfeed_hil_sim::removal::envelope::Turned;
 use arcfeed_hil_sim::removal::giving::Giving;
 use arcfeed_hil_sim::removal::steadiness::{FLOOR_RATIO, Samples};
 use arcfeed_hil_sim::stock::solid::Solid;
@@ -48,7 +49,7 @@ pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<(
     let edges = edges(file, cutting, workpiece.body.corner_mm).map_err(|error| told(&error))?;
     let layers = Layers::of_solid(blank, UPRIGHT, rise_mm, workpiece.step_mm).map_err(|error| told(&error))?;
     let depth_mm = edges.rake_max_mm();
-    let bite = Bite::new(edges, layers, depth_mm).map_err(|error| told(&error))?;
+    let bite = Bite::new(edges, layers, depth_mm).map_err(|error| told(&error))?.up_to_mm(cutting.axial_depth_mm);
     let (mut modes, mut giving) = (Vec::new(), None);
     if let Some(flexible) = &workpiece.flexible {
         if !body::is_part_of(flexible, blank) {
@@ -69,10 +70,10 @@ pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<(
 ///
 /// # Errors
 /// The edges are none.
-pub fn true_solid(file: &JobFile, cutting: &Cutting) -> Result<Vec<Slice>, Trouble> {
+pub fn turned(file: &JobFile, cutting: &Cutting) -> Result<Turned, Trouble> {
     let corner_mm = file.workpiece.as_ref().map_or(0.0, |workpiece| workpiece.body.corner_mm);
     let edges = true_edges(file, cutting, corner_mm).map_err(|error| (None, error.to_string()))?;
-    Ok(slices(&edges))
+    Ok(Turned { slices: slices(&edges), reach_mm: cutting.axial_depth_mm })
 }
 
 /// The largest turn in a step.
@@ -97,9 +98,10 @@ fn rise_mm(cutting: &Cutting) -> f64 {
     cutting.axial_depth_mm / cutting.layers as f64
 }
 
-/// Teeth alike, about the spindle's axis.
+/// Teeth alike, about the spindle's axis; with one slice more than edges are asked up to, for a tip inside of a layer.
 fn true_edges(file: &JobFile, cutting: &Cutting, corner_mm: f64) -> Result<Cutter, EdgeError> {
-    let (slices, height_mm) = (Pieces::Slices { rise_mm: rise_mm(cutting) }, cutting.axial_depth_mm);
+    let rise_mm = rise_mm(cutting);
+    let (slices, height_mm) = (Pieces::Slices { rise_mm }, cutting.axial_depth_mm + rise_mm);
     match &file.job.tool {
         Tool::CupMill(cup) => {
             let ring = Ring {

@@ -130,6 +130,8 @@ fn load(tally: &Tally, unit: LengthUnit) -> LoadFigures {
         force_max_n: tally.bending.max(),
         force_mean_n: tally.mean(&tally.bending),
         force_variation_ratio: tally.variation_ratio(),
+        thrust_max_n: tally.thrust.max(),
+        thrust_mean_n: tally.mean(&tally.thrust),
         torque_max_n_m: tally.torque.max(),
         torque_mean_n_m: tally.mean(&tally.torque),
         power_max_w: tally.power.max(),
@@ -137,5 +139,6 @@ fn load(tally: &Tally, unit: LengthUnit) -> LoadFigures {
         chips: tally.passes.map(|passes| passes.count),
         chip_mean: tally.passes.map(|passes| passes.mean_mm().map(in_unit)),
         chip_max: tally.passes.map(|passes| (passes.count > 0).then(|| in_unit(passes.max_mm))),
+        end_chip_max: (tally.end_max_mm > 0.0).then(|| in_unit(tally.end_max_mm)),
     }
 }

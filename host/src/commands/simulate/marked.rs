@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use arcfeed_hil_sim::cutting::layers::{Layers, Slice};
+use arcfeed_hil_sim::cutting::layers::Layers;
+use arcfeed_hil_sim::removal::envelope::Turned;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
 use arcfeed_hil_sim::removal::marks::{Mark, marks};
 use arcfeed_hil_sim::removal::trail::Of;
@@ -23,13 +24,13 @@ pub struct Truth {
     /// The layers before the run.
     pub blank: Layers,
     /// What a true tool turns.
-    pub solid: Vec<Slice>,
+    pub turned: Turned,
 }
 
 impl Truth {
     /// The marks of a run.
     pub fn marks(&self, meter: &LoadMeter) -> Vec<Mark> {
-        marks(&self.blank, meter.process().bite().layers(), meter.way(), &self.solid)
+        marks(&self.blank, meter.process().bite().layers(), meter.way(), &self.turned)
     }
 }
 

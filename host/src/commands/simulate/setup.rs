@@ -66,7 +66,7 @@ impl<'a> Setup<'a> {
         let machine = file.machine.as_ref().map(|named| named.machine);
         let edges = |cutting: &Cutting| -> Result<(LoadSettings, Truth), body::Trouble> {
             let (process, giving) = edges::process(file, cutting, &*blank)?;
-            let truth = Truth { blank: process.bite().layers().clone(), solid: edges::true_solid(file, cutting)? };
+            let truth = Truth { blank: process.bite().layers().clone(), turned: edges::turned(file, cutting)? };
             let (step_max_rad, samples) = (edges::step_max_rad(file, &process), edges::samples(file));
             Ok((LoadSettings { process, machine, step_max_rad, giving, samples }, truth))
         };

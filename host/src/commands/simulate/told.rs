@@ -134,6 +134,7 @@ pub fn left_out_figures(why: Unplaced, first: &Of, blocks: usize) -> LeftOutFigu
         Unplaced::NoMachine => "no-machine",
         Unplaced::Contour => "contour",
         Unplaced::Tilted => "tilted",
+        Unplaced::Backwards => "backwards",
     };
     LeftOutFigures { cause, blocks, first_block: first.count, first_n: first.sequence }
 }

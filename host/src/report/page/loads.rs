@@ -27,7 +27,7 @@ pub fn section(loads: &LoadsFigures) -> Section {
     let _ = writeln!(
         body,
         "</table>\n<p>Largest values. Force is that across the tool's axis, and varies by its largest less its least over \
-         its mean, in the mean of all turns; the chip is the thickest of any tooth. Layers are {} {} high, steps {:.2} degrees.</p>",
+         its mean, in the mean of all turns; thrust is along the axis; the chip is the thickest of any tooth's side. Layers are {} {} high, steps {:.2} degrees.</p>",
         short(loads.layer),
         loads.unit,
         loads.step_deg

@@ -1,0 +1,179 @@
+//! The edge on the end of a tooth: a line from an inner to an outer radius, square to the axis.
+//!
+//! It turns over a floor and lowers it to where the tip is. Its chip is what of the floor stands higher than that, measured in the material's
+//! columns ([`super::shelves`]): what earlier teeth, a hole, or a pause in the feed have left is in it because it is in the columns.
+//! In front of the tool, where the material has not been met from above, columns are as high as the wall; those are the side edges'. The border
+//! between both is the highest place of the tip since the tooth before: a floor that has been passed is no higher, and all that is is no floor.
+//! Further inside than side edges reach everything is the end's.
+//!
+//! ```text
+//! h(r) = top(r) - tip               where tip < top <= border, else 0                                     (1)
+//! dT = r dFt(h, dr)                 about the axis; the normal points down, so Fr pushes the tool up      (2)
+//! sum h dr r dtheta = what the step takes                                                                 (3)
+//! ```
+//!
+//! The chip is asked on the bisector of the sector that a step sweeps, at the height of the step's end, on the rays that cross it more squarely, each for the part
+//! of the edge that is nearest to it: so (3) is exact where the sector is evenly high, and right to half a cell at a border. With
+//! linear coefficients without edge forces, torque times angle is then the tangential one times the volume.
+//!
+//! The edge is straight and level (no helix, no dish) and cuts up to its inner radius: up to the axis on an end mill, where nothing cuts in truth, because the speed is nil there,
+//! but material is pushed aside with a thrust that no coefficient here knows.
+//!
+//! Source: own.
+
+use arcfeed_shared::tool::Edge;
+use nalgebra::Vector2;
+
+use super::edges::{Cutter, EdgePiece};
+use super::layer::Layer;
+use super::layers::Layers;
+use super::material::ChipSection;
+use super::shelves::Share;
+
+/// Places of a ratio that are not rounding.
+const CHORD_DIGITS: f64 = 1e9;
+
+/// The end edge of a tooth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EndEdge {
+    /// Its outer end, which looks straight down.
+    pub piece: EdgePiece,
+    /// Of its other end.
+    pub inner_mm: f64,
+}
+
+/// Where an end edge is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Face {
+    /// The tool's axis.
+    pub center_mm: Vector2<f64>,
+    /// From the axis along the edge, a unit vector.
+    pub towards: Vector2<f64>,
+}
+
+/// How far down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Descent {
+    /// Height of the tip.
+    pub tip_mm: f64,
+    /// Its highest since the tooth before.
+    pub border_mm: f64,
+    /// How far side edges reach behind themselves.
+    pub side_mm: f64,
+}
+
+/// A part of the edge, from an inner to an outer radius, and what of which layers is its.
+type Band = ([f64; 2], Vec<(usize, Share)>);
+
+impl EndEdge {
+    /// One a tooth, from where its lowest piece is to the axis; of a ring to where the edges on its other side are.
+    pub fn all(cutter: &Cutter) -> Vec<EndEdge> {
+        let lowest = |tooth: usize| {
+            let of_tooth = cutter.pieces().iter().filter(|piece| piece.tooth == tooth);
+            of_tooth.min_by(|a, b| a.height_mm.total_cmp(&b.height_mm)).copied()
+        };
+        let lowest: Vec<EdgePiece> = (0..cutter.teeth()).filter_map(lowest).collect();
+        let radii = |side: Edge| lowest.iter().filter(move |piece| piece.side == side).map(|piece| piece.radius_mm);
+        let innermost_mm = radii(Edge::Inner).reduce(f64::min).unwrap_or(0.0);
+        let outermost_mm = radii(Edge::Outer).fold(0.0, f64::max);
+        let end = |piece: &EdgePiece| {
+            let [inner_mm, radius_mm] = match piece.side {
+                Edge::Outer => [innermost_mm, piece.radius_mm],
+                Edge::Inner => [piece.radius_mm, outermost_mm],
+            };
+            let piece =
+                EdgePiece { height_mm: 0.0, rise_mm: 0.0, lead_rad: 0.0, side: Edge::Outer, radius_mm, ..*piece };
+            EndEdge { piece, inner_mm }
+        };
+        lowest.iter().map(end).filter(|end| end.inner_mm < end.piece.radius_mm).collect()
+    }
+
+    /// The chips in front of it when it goes on, each with the piece of the edge that meets it, also where that meets nothing; none at all if nothing
+    /// can be met. (1)
+    pub fn chips(&self, way: [&Face; 2], descent: &Descent, layers: &Layers) -> Vec<(EdgePiece, ChipSection)> {
+        let bands = self.bands(descent, layers);
+        let first = bands.iter().flat_map(|(_, shares)| shares).next();
+        let Some(grid) = first.map(|(index, _)| &layers.layers()[*index]) else { return Vec::new() };
+        let center_mm = (way[0].center_mm + way[1].center_mm) / 2.0;
+        let towards = (way[0].towards + way[1].towards).normalize();
+        let axis = usize::from(libm::fabs(towards.x) > libm::fabs(towards.y));
+        let chip = |(at_mm, [from_mm, to_mm]): (f64, [f64; 2])| {
+            let shares = bands.iter().find(|([_, outer_mm], _)| at_mm <= *outer_mm).map(|(_, shares)| shares);
+            let place_mm = center_mm + towards * at_mm;
+            let of_layer = |(index, share): &(usize, Share)| {
+                let top_ratio = layers.layers()[*index].top_ratio(place_mm, axis);
+                top_ratio.map_or(0.0, |top_ratio| share.of_ratio(top_ratio)) * layers.rise_mm()
+            };
+            let thickness_mm = shares.into_iter().flatten().map(of_layer).sum();
+            let radius_mm = (from_mm + to_mm) / 2.0;
+            (EdgePiece { radius_mm, ..self.piece }, ChipSection { thickness_mm, width_mm: to_mm - from_mm })
+        };
+        let parts = self.parts(grid, axis, [center_mm, towards]);
+        parts.into_iter().map(chip).collect()
+    }
+
+    /// The parts of the edge that are nearest to each of the rays that it crosses: where it crosses that, and from where to where the part is.
+    fn parts(&self, grid: &Layer, axis: usize, [center_mm, towards]: [Vector2<f64>; 2]) -> Vec<(f64, [f64; 2])> {
+        let ends_mm = [self.inner_mm, self.piece.radius_mm];
+        let [from, to] = ends_mm.map(|mm| grid.index(axis, (center_mm + towards * mm)[1 - axis]));
+        let at_mm = |ray: i64| ends_mm[0] + (ends_mm[1] - ends_mm[0]) * (ray as f64 - from) / (to - from);
+        let mut rays_mm: Vec<f64> = (from.min(to).ceil() as i64..=from.max(to).floor() as i64).map(at_mm).collect();
+        if rays_mm.is_empty() {
+            rays_mm.push((ends_mm[0] + ends_mm[1]) / 2.0);
+        }
+        rays_mm.sort_by(f64::total_cmp);
+        let half_way_mm = rays_mm.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0);
+        let borders_mm: Vec<f64> = [ends_mm[0]].into_iter().chain(half_way_mm).chain([ends_mm[1]]).collect();
+        rays_mm.into_iter().zip(borders_mm.windows(2).map(|pair| [pair[0], pair[1]])).collect()
+    }
+
+    /// It goes on and takes its share of what it sweeps; answers that as the rays along each axis have it, mm3.
+    pub fn cut(&self, way: [&Face; 2], descent: &Descent, layers: &mut Layers) -> [f64; 2] {
+        let angle_rad =
+            libm::fabs(libm::atan2(way[0].towards.perp(&way[1].towards), way[0].towards.dot(&way[1].towards)));
+        // The innermost end goes along a chord that has as much of the sector as its arc; rounded, so that steps that are alike share their ends.
+        let chord_ratio = libm::round((1.0 + angle_rad * angle_rad / 12.0) * CHORD_DIGITS) / CHORD_DIGITS;
+        let (mut sum_mm3, rise_mm) = ([0.0; 2], layers.rise_mm());
+        for ([inner_mm, outer_mm], shares) in self.bands(descent, layers) {
+            let [is_innermost, is_outermost] = [inner_mm == self.inner_mm, outer_mm == self.piece.radius_mm];
+            let inner_mm = if is_innermost { inner_mm * chord_ratio } else { inner_mm };
+            let ends_mm = |face: &Face| [inner_mm, outer_mm].map(|radius_mm| face.center_mm + face.towards * radius_mm);
+            let [[root, from], [last_root, to]] = way.map(ends_mm);
+            for (index, share) in &shares {
+                let layer = &mut layers.layers_mut()[*index];
+                let area_mm2 = match is_outermost {
+                    true => layer.clear_strip([[root, from], [last_root, to]], outer_mm, share),
+                    false => layer.clear_share(&[root, from, to, last_root], share),
+                };
+                sum_mm3 = [0, 1].map(|axis: usize| sum_mm3[axis] + area_mm2[axis] * rise_mm);
+            }
+        }
+        sum_mm3
+    }
+
+    /// From its inner end outwards.
+    fn bands(&self, descent: &Descent, layers: &Layers) -> Vec<Band> {
+        if descent.border_mm <= descent.tip_mm {
+            return Vec::new();
+        }
+        let [inner_mm, outer_mm] = [self.inner_mm, self.piece.radius_mm];
+        let (floor, all) = (shares(descent, descent.border_mm, layers), shares(descent, f64::INFINITY, layers));
+        // On the axis no edge reaches inwards.
+        let from_mm = if inner_mm > 0.0 { inner_mm + descent.side_mm } else { 0.0 };
+        let to_mm = outer_mm - descent.side_mm;
+        if from_mm >= to_mm {
+            return vec![([inner_mm, outer_mm], floor)];
+        }
+        let bands = [([inner_mm, from_mm], floor.clone()), ([from_mm, to_mm], all), ([to_mm, outer_mm], floor)];
+        bands.into_iter().filter(|([from_mm, to_mm], _)| from_mm < to_mm).collect()
+    }
+}
+
+/// What of which layers is the end's, up to a border, but not beyond the layer above the highest that the tip was in since the tooth before.
+fn shares(descent: &Descent, border_mm: f64, layers: &Layers) -> Vec<(usize, Share)> {
+    let share = |nth: i64| {
+        let [foot_ratio, border_ratio] = [descent.tip_mm, border_mm].map(|mm| layers.part_ratio(nth, mm));
+        Some((layers.place(nth)?, Share { foot_ratio, border_ratio, is_end: true }))
+    };
+    (layers.nth(descent.tip_mm)..=layers.nth(descent.border_mm) + 1).filter_map(share).collect()
+}

@@ -1,0 +1,220 @@
+//! What is left, along one ray of a layer, of material that a tool has cut from above.
+//!
+//! Material that no edge has lowered is as high as its layer. Where a tool's end has come down to a height inside of the layer, a shelf
+//! is left: a stretch of the ray with its height as a part of the layer's, between 0 and 1. Shelves lie beside the ray's material, with ends as exact as
+//! those of that: a ray without shelves is a plain one, and what is taken is a length times a height, to the last digit.
+//!
+//! Source: own.
+
+use std::borrow::Cow;
+
+use crate::stock::dexel::{Dexel, Interval};
+
+/// Heights nearer than this part of a layer are the same: rounding.
+const SAME_RATIO: f64 = 1e-9;
+
+/// What is shorter stands between two sweeps by rounding.
+const SLIVER_MM: f64 = 1e-9;
+
+/// The lowered stretches of a ray, in order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shelves(Vec<Column>);
+
+/// A stretch that is equally high.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Column {
+    on: Interval,
+    top_ratio: f64,
+}
+
+/// Which columns an edge meets, and what it leaves of them; heights as parts of the layer's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// What it leaves; not above 0 nothing.
+    pub foot_ratio: f64,
+    /// Edges on the side of a tool meet what is higher, edges on its end what is not.
+    pub border_ratio: f64,
+    /// On the end.
+    pub is_end: bool,
+}
+
+impl Share {
+    /// Everything.
+    pub const ALL: Share = Share { foot_ratio: 0.0, border_ratio: 0.0, is_end: false };
+
+    /// How much of a column, as a part of the layer's height.
+    pub fn of_ratio(&self, top_ratio: f64) -> f64 {
+        if self.takes(top_ratio) { top_ratio - self.foot_ratio.max(0.0) } else { 0.0 }
+    }
+
+    fn takes(&self, top_ratio: f64) -> bool {
+        (top_ratio > self.border_ratio + SAME_RATIO) != self.is_end && top_ratio > self.foot_ratio + SAME_RATIO
+    }
+}
+
+impl Shelves {
+    /// Takes its share of a stretch; answers the length times the part of the height that was there.
+    pub fn take(&mut self, material: &mut Dexel, stretch: Interval, share: &Share) -> f64 {
+        if share.foot_ratio <= 0.0 && !self.meets(&stretch) {
+            return if share.takes(1.0) { material.subtract(stretch) } else { 0.0 };
+        }
+        let columns: Vec<Column> =
+            self.columns(material, &stretch).filter(|column| share.takes(column.top_ratio)).collect();
+        let foot_ratio = share.foot_ratio.max(0.0);
+        for Column { on, .. } in &columns {
+            if foot_ratio > 0.0 {
+                self.set(*on, Some(foot_ratio));
+            } else {
+                material.subtract(*on);
+                self.set(*on, None);
+            }
+        }
+        columns.iter().map(|column| column.on.length_mm() * share.of_ratio(column.top_ratio)).sum()
+    }
+
+    /// Length of the material, each stretch by the part of the height that is there.
+    pub fn length_mm(&self, material: &Dexel) -> f64 {
+        let missing = |column: &Column| column.on.length_mm() * (1.0 - column.top_ratio);
+        match material.extent().filter(|_| !self.0.is_empty()) {
+            None => material.length_mm(),
+            Some(all) => {
+                material.length_mm() - self.columns(material, &all).map(|column| missing(&column)).sum::<f64>()
+            }
+        }
+    }
+
+    /// Where in a stretch the material is higher than a part of the layer; of shelves only what is longer than rounding.
+    pub fn section<'a>(&self, material: &'a Dexel, stretch: &Interval, above_ratio: f64) -> Cow<'a, [Interval]> {
+        if !self.meets(stretch) {
+            return Cow::Borrowed(if above_ratio + SAME_RATIO < 1.0 { material.intervals() } else { &[] });
+        }
+        let mut section: Vec<Interval> = Vec::new();
+        for column in self.columns(material, stretch) {
+            if column.top_ratio <= above_ratio + SAME_RATIO {
+                continue;
+            }
+            match section.last_mut().filter(|last| last.to_mm == column.on.from_mm) {
+                Some(last) => last.to_mm = column.on.to_mm,
+                None => section.push(column.on),
+            }
+        }
+        section.retain(|piece| piece.length_mm() > SLIVER_MM);
+        Cow::Owned(section)
+    }
+
+    /// Mean height of the material in a stretch; that of the whole layer without any.
+    pub fn mean_ratio(&self, material: &Dexel, stretch: &Interval) -> f64 {
+        if !self.meets(stretch) {
+            return 1.0;
+        }
+        let (length_mm, sum_mm) = self.columns(material, stretch).fold((0.0, 0.0), |(length_mm, sum_mm), column| {
+            (length_mm + column.on.length_mm(), sum_mm + column.on.length_mm() * column.top_ratio)
+        });
+        if length_mm > 0.0 { sum_mm / length_mm } else { 1.0 }
+    }
+
+    /// How high the material is at a place.
+    pub fn top_ratio(&self, material: &Dexel, at_mm: f64) -> Option<f64> {
+        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= at_mm);
+        let shelf = self.0.get(first).filter(|shelf| shelf.on.from_mm <= at_mm);
+        material.contains(at_mm).then(|| shelf.map_or(1.0, |shelf| shelf.top_ratio))
+    }
+
+    /// Whether anything is lowered in a stretch.
+    fn meets(&self, stretch: &Interval) -> bool {
+        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= stretch.from_mm);
+        self.0.get(first).is_some_and(|shelf| shelf.on.from_mm < stretch.to_mm)
+    }
+
+    /// The material of a stretch, in order.
+    fn columns<'a>(&'a self, material: &'a Dexel, within: &'a Interval) -> impl Iterator<Item = Column> + 'a {
+        let met =
+            material.intervals().iter().filter(|piece| piece.from_mm < within.to_mm && within.from_mm < piece.to_mm);
+        met.flat_map(move |piece| self.columns_of(piece.common(within))).filter(|column| column.on.length_mm() > 0.0)
+    }
+
+    /// The same of a stretch that is all material: before each shelf what is whole, and behind the last.
+    fn columns_of(&self, piece: Interval) -> impl Iterator<Item = Column> + '_ {
+        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= piece.from_mm);
+        let end = self.0.partition_point(|shelf| shelf.on.from_mm < piece.to_mm).max(first);
+        let mut from_mm = piece.from_mm;
+        let lowered = self.0[first..end].iter().flat_map(move |shelf| {
+            let on = shelf.on.common(&piece);
+            let whole = Interval::new(std::mem::replace(&mut from_mm, on.to_mm), on.from_mm);
+            [Column { on: whole, top_ratio: 1.0 }, Column { on, ..*shelf }]
+        });
+        let last_mm = self.0[first..end].last().map_or(piece.from_mm, |shelf| shelf.on.to_mm.min(piece.to_mm));
+        lowered.chain([Column { on: Interval::new(last_mm, piece.to_mm), top_ratio: 1.0 }])
+    }
+
+    /// Puts a shelf in place of what there was, or none; one as high as its neighbour becomes one with it.
+    fn set(&mut self, on: Interval, top_ratio: Option<f64>) {
+        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= on.from_mm);
+        let end = self.0.partition_point(|shelf| shelf.on.from_mm < on.to_mm).max(first);
+        let before =
+            self.0[first..end].first().map(|shelf| (Interval { to_mm: on.from_mm, ..shelf.on }, shelf.top_ratio));
+        let after =
+            self.0[first..end].last().map(|shelf| (Interval { from_mm: on.to_mm, ..shelf.on }, shelf.top_ratio));
+        let rests = [before, top_ratio.map(|top_ratio| (on, top_ratio)), after].into_iter().flatten();
+        let rests = rests.filter(|(on, _)| on.length_mm() > 0.0).map(|(on, top_ratio)| Column { on, top_ratio });
+        self.0.splice(first..end, rests);
+        let mut at = first.saturating_sub(1);
+        while at < first + 3 && at + 1 < self.0.len() {
+            let (one, next) = (self.0[at], self.0[at + 1]);
+            if one.on.to_mm == next.on.from_mm && one.top_ratio == next.top_ratio {
+                self.0[at].on.to_mm = next.on.to_mm;
+                self.0.remove(at + 1);
+            } else {
+                at += 1;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const END: fn(f64, f64) -> Share = |foot_ratio, border_ratio| Share { foot_ratio, border_ratio, is_end: true };
+
+    #[test]
+    fn what_is_taken_and_what_is_left_make_up_what_there_was() {
+        let mut material = Dexel::One(Interval::new(0.0, 10.0));
+        let mut shelves = Shelves::default();
+        let mut left_mm = 10.0;
+        let side = Share { foot_ratio: 0.25, border_ratio: 0.5, is_end: false };
+        for (from_mm, to_mm, share, taken_mm) in [
+            (2.0, 4.0, END(0.75, 1.0), 0.5),
+            (3.0, 6.0, END(0.5, 1.0), 0.25 + 1.0),
+            // Both are below the side's border but for 2 to 3, which is 0.75 high, and the plain material.
+            (0.0, 6.0, side, 2.0 * 0.75 + 0.5),
+            (0.0, 8.0, END(0.25, 0.5), 3.0 * 0.25),
+            (0.0, 3.0, END(0.0, 0.5), 3.0 * 0.25),
+            (0.0, 10.0, Share::ALL, 3.0 * 0.25 + 4.0),
+        ] {
+            let taken = shelves.take(&mut material, Interval::new(from_mm, to_mm), &share);
+            left_mm -= taken;
+            assert_eq!(taken, taken_mm, "{share:?}");
+            assert_eq!(shelves.length_mm(&material), left_mm, "{share:?}");
+        }
+        assert_eq!((material, shelves), (Dexel::Empty, Shelves::default()));
+    }
+
+    #[test]
+    fn a_section_is_what_stands_higher() {
+        let mut material = Dexel::One(Interval::new(0.0, 10.0));
+        let mut shelves = Shelves::default();
+        for (from_mm, to_mm, foot_ratio) in [(2.0, 4.0, 0.75), (4.0, 5.0, 0.5), (5.0, 6.0, 0.5)] {
+            shelves.take(&mut material, Interval::new(from_mm, to_mm), &END(foot_ratio, 1.0));
+        }
+        assert_eq!(shelves.0.len(), 2, "equal neighbours are one");
+        let interval = |(from, to)| Interval::new(from, to);
+        let all = Interval::new(-1.0, 11.0);
+        assert_eq!(*shelves.section(&material, &all, 0.5), [(0.0, 4.0), (6.0, 10.0)].map(interval));
+        assert_eq!(*shelves.section(&material, &all, 0.75), [(0.0, 2.0), (6.0, 10.0)].map(interval));
+        assert_eq!(*shelves.section(&material, &Interval::new(1.0, 3.0), 0.0), [(1.0, 3.0)].map(interval));
+        assert!(Shelves::default().section(&material, &all, 1.0).is_empty());
+        assert_eq!(shelves.mean_ratio(&material, &Interval::new(3.0, 5.0)), 0.625);
+        assert_eq!([1.0, 4.5, 11.0].map(|at| shelves.top_ratio(&material, at)), [Some(1.0), Some(0.5), None]);
+    }
+}
