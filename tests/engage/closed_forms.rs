@@ -76,6 +76,25 @@ fn what_is_in_front_only_at_the_very_end_of_a_move_is_there() {
 }
 
 #[test]
+fn what_a_ramp_leaves_of_a_layer_is_in_front_on_the_way_back() {
+    // From 0 to -2 mm in 20 mm. A layer is 0.25 mm high: all but the last 2.5 mm of the ramp leaves the lowest one, half of these half of it.
+    let cut = Cut {
+        name: "ramp",
+        tool: MILL,
+        workpiece: "block = { from = [-10, -20, -2], to = [60, 20, 0] }",
+        rule: "moves = \"lines\"\nside = \"outer\"\nn = [4, 4]",
+        program: "%\nG21G17G90G94\nN1G0X0.Y0.\nN2Z0.\nN3G1X20.Z-2.F600.\nN4G1X0.F600.\nN5M30\n%\n",
+    };
+    let map = cut.map();
+    // On the way back the circle is abeam of the ramp's end first: a fiftieth of a layer is left 0.05 mm further on.
+    let near_deg = libm::asin(0.05 / 5.0).to_degrees() + ROUNDING_DEG;
+    for at in 0..72 {
+        let [from, to] = read(&map[0], 0, 0.25 * f64::from(at));
+        assert!(from <= near_deg && to >= 180.0 - near_deg, "{at}: {from} to {to}");
+    }
+}
+
+#[test]
 fn an_inside_arc_is_engaged_from_where_the_wall_begins() {
     // Centre on 10 mm, wall from 12 mm on: (10^2 + 5^2 - 12^2) / (2 x 10 x 5) = -0.19.
     let from_deg = libm::acos(-0.19).to_degrees();
