@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use arcfeed_tests::{Scratch, root, run};
 
-use crate::story::{block, number, told};
+use crate::story::{assert_near, block, number, told};
 
 /// Four teeth of 10 mm, 3000 rev/min.
 fn job(cutting: &str) -> String {
@@ -21,13 +21,6 @@ const LINEAR: &str = "cutting = [600, 200, 0]\nedge = [0, 0, 0]\naxial_depth = 4
 
 /// Relative; a floor that is evenly high is measured to the last digits.
 const NEAR: f64 = 1e-9;
-
-#[track_caller]
-fn assert_near(name: &str, found: f64, expected: f64, tolerance: f64) {
-    let off = found / expected - 1.0;
-    println!("{name}: {found:.5}, by hand {expected:.5}: {off:+.1e}");
-    assert!(off.abs() <= tolerance, "{name}");
-}
 
 #[test]
 fn a_plunge_has_torque_power_and_thrust_in_closed_form() {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::story::{Slot, block, number};
+use crate::story::{Slot, assert_near, block, number};
 use crate::trochoid::Trochoid;
 
 const LINEAR: &str = "cutting = [600, 200, 0]\nedge = [0, 0, 0]\n";
@@ -19,13 +19,6 @@ const TWO_TEETH: Slot<'_> = Slot {
 
 /// Relative; steps of 3 degrees meet a maximum within 1.5 degrees of it, and rays 0.25 mm apart tell a chip to 3e-4.
 const NEAR: f64 = 1e-3;
-
-#[track_caller]
-fn assert_near(name: &str, found: f64, expected: f64, tolerance: f64) {
-    let off = found / expected - 1.0;
-    println!("{name}: {found:.5}, by hand {expected:.5}: {off:+.1e}");
-    assert!(off.abs() <= tolerance, "{name}");
-}
 
 #[test]
 fn two_teeth_in_a_slot_have_the_forces_in_closed_form() {

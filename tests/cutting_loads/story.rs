@@ -89,3 +89,11 @@ pub fn block(report: &Value, n: i64) -> &Value {
 pub fn number(value: &Value, pointer: &str) -> f64 {
     value.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no {pointer} in {value}"))
 }
+
+/// A figure is what it is by hand, but for a relative tolerance.
+#[track_caller]
+pub fn assert_near(name: &str, found: f64, expected: f64, tolerance: f64) {
+    let off = found / expected - 1.0;
+    println!("{name}: {found:.5}, by hand {expected:.5}: {off:+.1e}");
+    assert!(off.abs() <= tolerance, "{name}");
+}
