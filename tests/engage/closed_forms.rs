@@ -95,6 +95,32 @@ fn what_a_ramp_leaves_of_a_layer_is_in_front_on_the_way_back() {
 }
 
 #[test]
+fn a_pass_beside_another_is_engaged_in_what_that_has_left_wherever_the_level_lies_in_its_layer() {
+    for (name, z) in
+        [("level-on", "-1.75"), ("level-within", "-1.9"), ("level-above", "-1.749"), ("level-below", "-1.751")]
+    {
+        let program = format!(
+            "%\nG21G17G90G94\nN1G0X-10.Y0.\nN2Z{z}\nN3G1X70.F600.\nN4G0X-10.\nN5G1Y3.F600.\nN6X70.F600.\nN7M30\n%\n"
+        );
+        let cut = Cut {
+            name,
+            tool: MILL,
+            workpiece: "block = { from = [0, -20, -2], to = [60, 20, 0] }",
+            rule: "moves = \"lines\"\nside = \"outer\"\nn = [6, 6]",
+            program: &program,
+        };
+        let map = cut.map();
+        // The pass before has left what is 2 mm and more to the left of the axis.
+        let to_deg = libm::acos(0.4).to_degrees();
+        for at in 0..40 {
+            let [from, to] = read(&map[0], 0, 17.0 + f64::from(at));
+            assert!(from <= ROUNDING_DEG, "{name} {at}: {from}");
+            assert!((to_deg - ROUNDING_DEG..to_deg + 6.0).contains(&to), "{name} {at}: {to} for {to_deg}");
+        }
+    }
+}
+
+#[test]
 fn an_inside_arc_is_engaged_from_where_the_wall_begins() {
     // Centre on 10 mm, wall from 12 mm on: (10^2 + 5^2 - 12^2) / (2 x 10 x 5) = -0.19.
     let from_deg = libm::acos(-0.19).to_degrees();

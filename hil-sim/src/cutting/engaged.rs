@@ -22,15 +22,18 @@ pub struct EdgeCircle {
 }
 
 impl EdgeCircle {
-    /// From where to where there is material `ahead_mm` before the edges, right of a quarter of the rays' distance: angles
-    /// counter-clockwise from the first axis, each arc from less than a turn on, none twice.
-    pub fn engaged_rad(&self, layer: &Layer, ahead_mm: f64) -> Vec<[f64; 2]> {
+    /// From where to where there is material `ahead_mm` before the edges, higher than a part of the layer, right of a quarter of the rays'
+    /// distance: angles counter-clockwise from the first axis, each arc from less than a turn on, none twice.
+    pub fn engaged_rad(&self, layer: &Layer, ahead_mm: f64, above_ratio: f64) -> Vec<[f64; 2]> {
         let looks = (TAU * self.radius_mm / layer.step_mm() * LOOKS_A_STEP).ceil() as usize;
         let at_rad = |look: usize| (look as f64 + 0.5) * TAU / looks as f64;
         let reach_mm = self.radius_mm + f64::from(self.side.advance()) * ahead_mm;
         let is_in = |look: usize| {
             let (sin, cos) = libm::sincos(at_rad(look % looks));
-            layer.has_material(self.center_mm + Vector2::new(cos, sin) * reach_mm, usize::from(sin * sin > cos * cos))
+            let point_mm = self.center_mm + Vector2::new(cos, sin) * reach_mm;
+            layer
+                .top_ratio(point_mm, usize::from(sin * sin > cos * cos))
+                .is_some_and(|top_ratio| top_ratio > above_ratio)
         };
         let half_rad = TAU / looks as f64 / 2.0;
         let begins = (0..looks).filter(|look| is_in(*look) && !is_in(look + looks - 1));
@@ -53,7 +56,7 @@ mod tests {
         // Material from x = 3 on.
         let layer = Layer::rectangle([3.0, -20.0], [20.0, 40.0], 0.1);
         let circle = EdgeCircle { center_mm: Vector2::zeros(), radius_mm: 5.0, side: Edge::Outer };
-        let arcs = circle.engaged_rad(&layer, 0.0);
+        let arcs = circle.engaged_rad(&layer, 0.0, 0.0);
         let end = libm::acos(0.6);
         assert_eq!(arcs.len(), 1);
         for (found, should) in arcs[0].into_iter().zip([TAU - end, TAU + end]) {
@@ -65,9 +68,13 @@ mod tests {
     fn all_round_and_not_at_all() {
         let layer = Layer::rectangle([-20.0; 2], [40.0; 2], 0.5);
         let circle = EdgeCircle { center_mm: Vector2::zeros(), radius_mm: 5.0, side: Edge::Inner };
-        assert_eq!(circle.engaged_rad(&layer, 0.1), [[0.0, TAU]]);
+        assert_eq!(circle.engaged_rad(&layer, 0.1, 0.0), [[0.0, TAU]]);
+        let mut low = layer.clone();
+        low.lower_ring(Vector2::zeros(), [0.0, 6.0], 0.4);
+        assert_eq!(circle.engaged_rad(&low, 0.1, 0.3), [[0.0, TAU]]);
+        assert!(circle.engaged_rad(&low, 0.1, 0.4).is_empty());
         let mut gone = layer;
         gone.clear_ring(Vector2::zeros(), 0.0, 6.0);
-        assert!(circle.engaged_rad(&gone, 0.1).is_empty());
+        assert!(circle.engaged_rad(&gone, 0.1, 0.0).is_empty());
     }
 }

@@ -155,13 +155,6 @@ impl Layer {
         self.shelves[axis][ray].top_ratio(&self.rays[axis][ray], point_mm[axis])
     }
 
-    /// Whether there is material at a point, as the nearest ray along an axis has it.
-    pub fn has_material(&self, point_mm: Vector2<f64>, axis: usize) -> bool {
-        let ray = libm::round(self.index(axis, point_mm[1 - axis]));
-        let is_there = (0.0..self.rays[axis].len() as f64).contains(&ray);
-        is_there && self.rays[axis][ray as usize].contains(point_mm[axis])
-    }
-
     /// Takes away a convex polygon; answers its area of material as the rays along each axis have it, mm2.
     pub fn clear(&mut self, corners_mm: &[Vector2<f64>]) -> [f64; 2] {
         self.clear_share(corners_mm, &Share::ALL)
@@ -224,6 +217,12 @@ impl Layer {
 
     /// Takes away what is between two circles; with 0 inside, a disc.
     pub fn clear_ring(&mut self, center_mm: Vector2<f64>, inner_mm: f64, outer_mm: f64) {
+        self.lower_ring(center_mm, [inner_mm, outer_mm], 0.0);
+    }
+
+    /// The same down to a part of the layer's height.
+    pub fn lower_ring(&mut self, center_mm: Vector2<f64>, [inner_mm, outer_mm]: [f64; 2], foot_ratio: f64) {
+        let share = Share { foot_ratio, ..Share::ALL };
         for axis in [0, 1] {
             let middle_mm = center_mm[1 - axis];
             for ray in self.between(axis, middle_mm - outer_mm, middle_mm + outer_mm) {
@@ -232,7 +231,7 @@ impl Layer {
                 let (inner, outer) = (half(inner_mm), half(outer_mm));
                 for (from, to) in [(-outer, -inner), (inner, outer)] {
                     let stretch = Interval::new(center_mm[axis] + from, center_mm[axis] + to);
-                    self.shelves[axis][ray].take(&mut self.rays[axis][ray], stretch, &Share::ALL);
+                    self.shelves[axis][ray].take(&mut self.rays[axis][ray], stretch, &share);
                 }
             }
         }

@@ -191,14 +191,20 @@ impl EngagementMeter {
         }
     }
 
-    /// Only layers that are cut through: what a ramp leaves of one is there for whoever comes behind it.
+    /// The layer that the tip is in, but for what a level may be off; the tool's lowest slice is there.
+    fn lowest(&self, tip_mm: &Vector) -> i64 {
+        let layers = &self.settings.layers;
+        layers.nth(tip_mm[2] + LEVEL_RATIO * layers.rise_mm())
+    }
+
+    /// Takes what is above the tip: what a ramp leaves of a layer is in front of whoever comes next and deeper.
     fn clear(&mut self, tip_mm: &Vector) {
-        let layers = &mut self.settings.layers;
-        let lowest = layers.nth(tip_mm[2] - LEVEL_RATIO * layers.rise_mm()) + 1;
+        let (lowest, layers) = (self.lowest(tip_mm), &mut self.settings.layers);
         for (slice, nth) in self.slices.iter().zip(lowest..) {
+            let foot_ratio = layers.part_ratio(nth, tip_mm[2]).max(0.0);
             if let Some(index) = layers.place(nth) {
                 let axis_mm = Vector2::new(tip_mm[0], tip_mm[1]);
-                layers.layers_mut()[index].clear_ring(axis_mm, slice.inner_mm, slice.outer_mm);
+                layers.layers_mut()[index].lower_ring(axis_mm, [slice.inner_mm, slice.outer_mm], foot_ratio);
             }
         }
     }
@@ -223,17 +229,17 @@ impl EngagementMeter {
     fn engaged_deg(&self, side: Edge, tip_mm: &Vector, heading: &Heading) -> Option<[f64; 2]> {
         let (layers, center_mm) = (&self.settings.layers, Vector2::new(tip_mm[0], tip_mm[1]));
         // Every layer that the tool reaches into, the highest by its last slice.
-        let spare_mm = LEVEL_RATIO * layers.rise_mm();
-        let [lowest, highest] =
-            [tip_mm[2] + spare_mm, tip_mm[2] + self.settings.depth_mm - spare_mm].map(|mm| layers.nth(mm));
+        let lowest = self.lowest(tip_mm);
+        let highest = layers.nth(tip_mm[2] + self.settings.depth_mm - LEVEL_RATIO * layers.rise_mm());
         let slice_of = |nth: i64| self.slices.get((nth - lowest) as usize).or(self.slices.last());
         let of_layer = |nth: i64| {
             let (slice, layer) = (slice_of(nth)?, layers.layers().get(layers.place(nth)?)?);
             let radius_mm = if side == Edge::Outer { slice.outer_mm } else { slice.inner_mm };
             let circle = (radius_mm > 0.0).then_some(EdgeCircle { center_mm, radius_mm, side })?;
+            let floor_ratio = layers.part_ratio(nth, tip_mm[2]).max(0.0) + LEVEL_RATIO;
             // Right of half the rays' distance: to the safe side.
             let spare_rad = layer.step_mm() / 2.0 / radius_mm;
-            let arcs = circle.engaged_rad(layer, self.settings.ahead_mm);
+            let arcs = circle.engaged_rad(layer, self.settings.ahead_mm, floor_ratio);
             arcs.iter().filter_map(|[a, b]| heading.told_deg(side, &[a - spare_rad, b + spare_rad])).reduce(hull)
         };
         (lowest..=highest).filter_map(of_layer).reduce(hull)
