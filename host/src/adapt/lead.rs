@@ -19,6 +19,7 @@ use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{Nm, PERCENT, S_PER_MIN};
 
 use super::profile::{Answer, CELLS, Profile};
+use super::teeth_per_min;
 use crate::engagement::covering::{self, Sample, hull};
 
 /// From a wish to the feed that it makes: the controller's tick, the ladder's scan of some 8 ms that may just have passed, and another
@@ -50,9 +51,8 @@ impl Falling {
     pub fn on(job: &Job, sent: Nm, limit_mm_per_min: f64) -> Self {
         let OverrideLimits { min_percent, max_percent, slew_down_percent_per_s, .. } = job.limits;
         let [least, most] = [min_percent, max_percent].map(|percent| f64::from(percent) / f64::from(PERCENT));
-        let teeth_per_min = f64::from(job.spindle.0) * f64::from(job.tool.active_teeth());
         Falling {
-            teeth_per_mm: teeth_per_min / sent.to_mm(),
+            teeth_per_mm: teeth_per_min(job) / sent.to_mm(),
             feed_mm_per_s: sent.to_mm() / S_PER_MIN,
             ratios: [least, most.min(limit_mm_per_min / sent.to_mm())],
             slew_ratio_per_s: f64::from(slew_down_percent_per_s) / f64::from(PERCENT),

@@ -144,8 +144,9 @@ fn map(
     }
     let mut by_way = HashMap::new();
     let moves = asked.iter().zip(meter.moves()).map(|(block, found)| {
-        let known = by_way.entry(key_at_any_position(&block.segment)).or_insert_with(|| table_of(found));
-        let table = if positions_alike { table_of(found).or_else(|| known.clone()) } else { table_of(found) };
+        let own = table_of(found);
+        let known = by_way.entry(key_at_any_position(&block.segment)).or_insert_with(|| own.clone());
+        let table = if positions_alike { own.or_else(|| known.clone()) } else { own };
         MappedMove { line: block.line, sequence: block.segment.sequence, key: key(&block.segment), table }
     });
     Ok(EngagementMap { moves: moves.collect() })
