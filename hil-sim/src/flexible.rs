@@ -1,13 +1,12 @@
-//! Tool and workpiece as one structure, seen from the place where they touch.
+//! Tool and workpiece as one structure, seen from the places where they touch.
 //!
-//! The place wanders over the workpiece, so what its modes do there changes; what those of the tool do stays. In the list of all
-//! modes the workpiece's stand first, for [`Vibration::see_from`](crate::dynamics::vibration::Vibration::see_from) leaves the rest as they are.
+//! The places wander over the workpiece, so what its modes do there changes; what those of the tool do stays. In the list of all
+//! modes the workpiece's stand first, for [`Vibration`](crate::dynamics::vibration::Vibration) leaves the rest as they are.
 //!
 //! Source: Lorong et al., Simulation of a finishing operation, 2012, eqs 3 to 6, reduced to modes; one damping ratio for all modes of a part as in their
 //! section 4.3.
 
 use std::f64::consts::TAU;
-use std::fmt;
 use std::sync::Arc;
 
 use arcfeed_shared::units::T_PER_KG;
@@ -17,19 +16,19 @@ use crate::dynamics::modal::{Mode, ModeError};
 use crate::fe::beam::BeamModes;
 use crate::fe::disk_field::DiskField;
 use crate::fe::field::Field;
-use crate::fe::locate::TooFar;
 use crate::fe::station::Station;
 
-/// A body whose modes are known at each of its points.
+/// A body whose modes are known at each of its points, and around it.
 pub trait Modal {
     /// Angular frequencies, rad/s.
     fn omega_rad_per_s(&self) -> &[f64];
 
-    /// Sets `station` to a point.
-    ///
-    /// # Errors
-    /// The point is too far from the body.
-    fn stand_at(&self, point_mm: [f64; 3], station: &mut Station) -> Result<(), TooFar>;
+    /// How far outside of it its displacement goes on as it does in its outermost elements.
+    fn reach_mm(&self) -> f64;
+
+    /// Sets `station` to a point, or, if that is outside by more than `beyond_mm`, to the one that far from the body on the way to it from the nearest point
+    /// of the body.
+    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, station: &mut Station);
 }
 
 impl Modal for Field {
@@ -37,8 +36,12 @@ impl Modal for Field {
         self.omega_rad_per_s()
     }
 
-    fn stand_at(&self, point_mm: [f64; 3], station: &mut Station) -> Result<(), TooFar> {
-        self.at(point_mm, station).map(|_| ())
+    fn reach_mm(&self) -> f64 {
+        self.reach_mm()
+    }
+
+    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, station: &mut Station) {
+        self.carried(point_mm, beyond_mm, station);
     }
 }
 
@@ -47,8 +50,12 @@ impl Modal for DiskField {
         self.omega_rad_per_s()
     }
 
-    fn stand_at(&self, point_mm: [f64; 3], station: &mut Station) -> Result<(), TooFar> {
-        self.at(point_mm, station).map(|_| ())
+    fn reach_mm(&self) -> f64 {
+        self.reach_mm()
+    }
+
+    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, station: &mut Station) {
+        self.carried(point_mm, beyond_mm, station);
     }
 }
 
@@ -57,8 +64,12 @@ impl<B: Modal> Modal for &B {
         (*self).omega_rad_per_s()
     }
 
-    fn stand_at(&self, point_mm: [f64; 3], station: &mut Station) -> Result<(), TooFar> {
-        (*self).stand_at(point_mm, station)
+    fn reach_mm(&self) -> f64 {
+        (*self).reach_mm()
+    }
+
+    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, station: &mut Station) {
+        (*self).stand_at(point_mm, beyond_mm, station);
     }
 }
 
@@ -67,8 +78,12 @@ impl<B: Modal> Modal for Arc<B> {
         (**self).omega_rad_per_s()
     }
 
-    fn stand_at(&self, point_mm: [f64; 3], station: &mut Station) -> Result<(), TooFar> {
-        (**self).stand_at(point_mm, station)
+    fn reach_mm(&self) -> f64 {
+        (**self).reach_mm()
+    }
+
+    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, station: &mut Station) {
+        (**self).stand_at(point_mm, beyond_mm, station);
     }
 }
 
@@ -76,40 +91,15 @@ impl<B: Modal> Modal for Arc<B> {
 #[derive(Clone, Debug)]
 pub struct Workpiece<B> {
     body: B,
-    station: Station,
+    /// One for each that looks.
+    stations: Vec<Station>,
     shapes: Vec<Vector3<f64>>,
-}
-
-/// Why a structure cannot be seen from a place.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SeenError {
-    /// It is not there.
-    TooFar(TooFar),
-    /// What it does there is no mode.
-    Mode(ModeError),
-}
-
-impl fmt::Display for SeenError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            SeenError::TooFar(error) => error.fmt(f),
-            SeenError::Mode(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for SeenError {}
-
-impl From<TooFar> for SeenError {
-    fn from(error: TooFar) -> Self {
-        SeenError::TooFar(error)
-    }
 }
 
 impl<B: Modal> Workpiece<B> {
     /// A body, not seen yet.
     pub fn new(body: B) -> Self {
-        Workpiece { body, station: Station::default(), shapes: Vec::new() }
+        Workpiece { body, stations: Vec::new(), shapes: Vec::new() }
     }
 
     /// How many modes it has.
@@ -117,24 +107,34 @@ impl<B: Modal> Workpiece<B> {
         self.body.omega_rad_per_s().len()
     }
 
-    /// What the modes do at a point, 1/sqrt(kg).
-    ///
-    /// # Errors
-    /// The point is too far from the body.
-    pub fn shapes(&mut self, point_mm: [f64; 3]) -> Result<&[Vector3<f64>], TooFar> {
-        self.body.stand_at(point_mm, &mut self.station)?;
-        self.shapes.clear();
-        self.shapes.extend(self.station.shapes.iter().map(per_root_kg));
-        Ok(&self.shapes)
+    /// What the modes do at the point of the body that is nearest to another, 1/sqrt(kg).
+    pub fn shapes_on(&mut self, point_mm: [f64; 3]) -> &[Vector3<f64>] {
+        self.look(0, point_mm, 0.0)
     }
 
-    /// The modes as seen from a point, all with the same damping.
+    /// What the modes do at a point that is an edge's, 1/sqrt(kg).
+    pub fn shapes_at(&mut self, edge: usize, point_mm: [f64; 3]) -> &[Vector3<f64>] {
+        self.look(edge + 1, point_mm, self.body.reach_mm())
+    }
+
+    /// The modes as seen from the point of the body that is nearest to another, all with the same damping.
     ///
     /// # Errors
-    /// The point is too far from the body, or the damping none.
-    pub fn modes(&mut self, point_mm: [f64; 3], damping_ratio: f64) -> Result<Vec<Mode>, SeenError> {
-        self.shapes(point_mm)?;
-        modes(self.body.omega_rad_per_s(), &self.shapes, damping_ratio).map_err(SeenError::Mode)
+    /// The damping is none.
+    pub fn modes(&mut self, point_mm: [f64; 3], damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
+        self.shapes_on(point_mm);
+        modes(self.body.omega_rad_per_s(), &self.shapes, damping_ratio)
+    }
+
+    fn look(&mut self, station: usize, point_mm: [f64; 3], beyond_mm: f64) -> &[Vector3<f64>] {
+        if self.stations.len() <= station {
+            self.stations.resize(station + 1, Station::default());
+        }
+        let station = &mut self.stations[station];
+        self.body.stand_at(point_mm, beyond_mm, station);
+        self.shapes.clear();
+        self.shapes.extend(station.shapes.iter().map(per_root_kg));
+        &self.shapes
     }
 }
 

@@ -4,18 +4,30 @@
 //! cutting, until nothing changes; then the edges go there and take what they sweep. The material keeps the marks, and
 //! the next tooth meets them.
 //!
-//! Source: Lorong et al., Simulation of a finishing operation, 2012, section 1.3 and eqs 1 to 6, with modes in place of the full
-//! system (section 1); the displacement is that of one place of the cut, the same for all edges.
+//! The material is as the workpiece is unbent. An edge that stands at x, as does a workpiece that is bent by u, meets in it
+//!
+//! ```text
+//! X = Phi^-1(x + u_T) = x + u_T - u_W(X)      (1)
+//! ```
+//!
+//! and pushes on the workpiece's modes there. u_W is that of the point where the edge was at the end of the last step, carried on by the tool's way: off by the
+//! strain times what the displacement changes by in a step.
+//!
+//! Source: Lorong et al., Simulation of a finishing operation, 2012, sections 1.3 and 3.1 and eqs 1 to 8, with modes in place of the full system (section 1).
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::cutting::bite::{Bite, Stand};
+use crate::cutting::bite::{Bite, EdgeChip, Stand};
 use crate::cutting::force::Loads;
 use crate::cutting::material::{ChipSection, Cutting};
-use crate::dynamics::vibration::Vibration;
+use crate::dynamics::vibration::{Places, Step, Vibration};
+use crate::flexible::{Modal, Workpiece};
 
 /// A chip on less than this part of a piece's height is a burr between two levels, and not what is told of as its thickness.
 const NARROW_RATIO: f64 = 0.01;
+
+/// No edge comes nearer to the material by more than this in a step.
+const MARGIN_MM: f64 = 0.25;
 
 /// A tool at work.
 #[derive(Clone, Debug)]
@@ -25,6 +37,17 @@ pub struct Process {
     /// Of the tool against the workpiece.
     vibration: Vibration,
     chips_mm: Vec<f64>,
+    spread: Spread,
+}
+
+/// Edges that each give way in their own manner; state.
+#[derive(Clone, Debug, Default)]
+struct Spread {
+    places: Places,
+    /// Of each edge, which of the places is its own. Without one it is where the cut is.
+    place_of: Vec<usize>,
+    /// Of each edge, where it was bent to at the end of the last step.
+    bent_mm: Vec<Vector3<f64>>,
 }
 
 /// What happened in a step.
@@ -44,11 +67,18 @@ pub struct Moment {
     pub agrees: bool,
 }
 
+/// The edges at one time, and what chips cost them.
+struct Edges<'a> {
+    bite: &'a Bite,
+    cutting: &'a Cutting,
+    stand: &'a Stand,
+}
+
 impl Process {
     /// A cutter in its workpiece, and what both do under forces; a rigid pair has no modes.
     pub fn new(bite: Bite, cutting: Cutting, vibration: Vibration) -> Self {
         let chips_mm = vec![0.0; bite.cutter().teeth()];
-        Process { bite, cutting, vibration, chips_mm }
+        Process { bite, cutting, vibration, chips_mm, spread: Spread::default() }
     }
 
     /// The cutter and the workpiece.
@@ -70,6 +100,7 @@ impl Process {
     pub fn lift(&mut self) {
         self.bite.lift();
         self.vibration.rest();
+        self.spread.bent_mm.clear();
     }
 
     /// The modes.
@@ -82,45 +113,94 @@ impl Process {
         &mut self.vibration
     }
 
-    /// Goes to the next place, `dt_s` later, less than a quarter of a turn on.
+    /// Goes to the next place, `dt_s` later, less than a quarter of a turn on; all edges are bent alike, as the cut is.
     pub fn step(&mut self, dt_s: f64, stand: &Stand) -> Moment {
-        let (bite, cutting, chips_mm) = (&self.bite, &self.cutting, &mut self.chips_mm);
-        let (mut loads, mut end_mm) = (Loads::default(), 0.0);
+        let edges = Edges { bite: &self.bite, cutting: &self.cutting, stand };
+        let (chips_mm, mut found) = (&mut self.chips_mm, Default::default());
         let step = self.vibration.step(dt_s, |displacement_mm| {
-            (loads, end_mm) = loaded(bite, cutting, stand, (displacement_mm, chips_mm));
-            loads.force_n
+            let bent: Vector2<f64> = displacement_mm.xy();
+            found = edges.loaded(|_| bent, chips_mm, |_, _| ());
+            found.0.force_n
         });
-        let thickest_mm = self.chips_mm.iter().copied().fold(0.0, f64::max);
         let bent = step.displacement_mm.xy();
         let removed_mm3 = self.bite.cut(stand, |_| bent);
-        Moment { loads, displacement_mm: step.displacement_mm, thickest_mm, end_mm, removed_mm3, agrees: step.agrees }
+        self.moment(&step, found, removed_mm3)
+    }
+
+    /// The same, but each edge that may have a chip is bent as the workpiece is where it is. The workpiece's modes are the first.
+    pub fn step_on<B: Modal>(&mut self, dt_s: f64, stand: &Stand, workpiece: &mut Workpiece<B>) -> Moment {
+        self.spread.see(&self.bite, stand, &self.vibration, workpiece);
+        let edges = Edges { bite: &self.bite, cutting: &self.cutting, stand };
+        let (place_of, chips_mm, mut found) = (&self.spread.place_of, &mut self.chips_mm, Default::default());
+        let step = self.vibration.step_at(dt_s, &mut self.spread.places, |moved_mm, forces_n| {
+            let bent = |edge: usize| moved_mm[place_of[edge]].xy();
+            found = edges.loaded(bent, chips_mm, |edge, force_n| forces_n[place_of[edge]] += force_n);
+        });
+        self.spread.keep();
+        let bent_mm = &self.spread.bent_mm;
+        let removed_mm3 = self.bite.cut(stand, |edge| bent_mm[edge].xy());
+        self.moment(&step, found, removed_mm3)
+    }
+
+    fn moment(&self, step: &Step, (loads, end_mm): (Loads, f64), removed_mm3: [f64; 2]) -> Moment {
+        let thickest_mm = self.chips_mm.iter().copied().fold(0.0, f64::max);
+        let (displacement_mm, agrees) = (step.displacement_mm, step.agrees);
+        Moment { loads, displacement_mm, thickest_mm, end_mm, removed_mm3, agrees }
     }
 }
 
-/// What the edges find where they are bent to: the loads, the largest mean chip of an edge on the end, and into the list the thickest of each tooth's side.
-fn loaded(
-    bite: &Bite,
-    cutting: &Cutting,
-    stand: &Stand,
-    (displacement_mm, chips_mm): (&Vector3<f64>, &mut [f64]),
-) -> (Loads, f64) {
-    let bent: Vector2<f64> = displacement_mm.xy();
-    let mut loads = Loads::default();
-    // Parts of an end edge come one after the other.
-    let mut ends: Vec<(usize, ChipSection)> = Vec::new();
-    chips_mm.fill(0.0);
-    for (piece, chip) in bite.chips(stand, |_| bent) {
-        loads.add(&piece, stand.turned_rad, &cutting.force(&chip));
-        if piece.is_end() {
-            match ends.last_mut().filter(|(tooth, _)| *tooth == piece.tooth) {
-                Some((_, edge)) => *edge = edge.with(&chip),
-                None => ends.push((piece.tooth, chip)),
+impl Edges<'_> {
+    /// What they find where they are bent to: the loads, the largest mean chip of an edge on the end, and into the list the thickest of each tooth's side;
+    /// `push` is told the force on each edge.
+    fn loaded(
+        &self,
+        bent: impl Fn(usize) -> Vector2<f64> + Copy,
+        chips_mm: &mut [f64],
+        mut push: impl FnMut(usize, Vector3<f64>),
+    ) -> (Loads, f64) {
+        let mut loads = Loads::default();
+        // Parts of an end edge come one after the other.
+        let mut ends: Vec<(usize, ChipSection)> = Vec::new();
+        chips_mm.fill(0.0);
+        for EdgeChip { edge, piece, section } in self.bite.chips(self.stand, bent) {
+            push(edge, loads.add(&piece, self.stand.turned_rad, &self.cutting.force(&section)));
+            if piece.is_end() {
+                match ends.last_mut().filter(|(last, _)| *last == edge) {
+                    Some((_, end)) => *end = end.with(&section),
+                    None => ends.push((edge, section)),
+                }
+            } else if let Some(thickest_mm) =
+                chips_mm.get_mut(piece.tooth).filter(|_| section.width_mm >= NARROW_RATIO * piece.width_mm())
+            {
+                *thickest_mm = thickest_mm.max(section.thickness_mm);
             }
-        } else if let Some(thickest_mm) =
-            chips_mm.get_mut(piece.tooth).filter(|_| chip.width_mm >= NARROW_RATIO * piece.width_mm())
-        {
-            *thickest_mm = thickest_mm.max(chip.thickness_mm);
+        }
+        (loads, ends.iter().map(|(_, end)| end.thickness_mm).fold(0.0, f64::max))
+    }
+}
+
+impl Spread {
+    /// The cut itself is the first place; each edge with material around it has one of its own.
+    fn see<B: Modal>(&mut self, bite: &Bite, stand: &Stand, vibration: &Vibration, workpiece: &mut Workpiece<B>) {
+        let Spread { places, place_of, bent_mm } = self;
+        bent_mm.resize(bite.edges(), Vector3::zeros());
+        places.clear();
+        place_of.clear();
+        vibration.add_place(&[], places);
+        for (edge, bent_mm) in bent_mm.iter().enumerate() {
+            if !bite.is_near(edge, stand, MARGIN_MM) {
+                place_of.push(0);
+                continue;
+            }
+            let material_mm = bite.edge_mm(edge, stand) + bent_mm; // (1)
+            place_of.push(places.count());
+            vibration.add_place(workpiece.shapes_at(edge, material_mm.into()), places);
         }
     }
-    (loads, ends.iter().map(|(_, edge)| edge.thickness_mm).fold(0.0, f64::max))
+
+    /// Where the edges are at the end of the step.
+    fn keep(&mut self) {
+        let moved_mm = self.places.moved_mm();
+        self.bent_mm.iter_mut().zip(&self.place_of).for_each(|(bent_mm, place)| *bent_mm = moved_mm[*place]);
+    }
 }

@@ -49,7 +49,7 @@ fn a_force_that_stands_bends_the_blade_as_its_finite_elements_do_wherever_the_co
         let truth_mm = Vector3::from(static_mm(&body, last));
         // Pushed at one edge, then at the other.
         for node in [first, last] {
-            vibration.see_from(workpiece.shapes(body.mesh().nodes_mm()[node]).unwrap());
+            vibration.see_from(workpiece.shapes_on(body.mesh().nodes_mm()[node]));
             for _ in 0..200 {
                 vibration.step(2e-5, |_| Vector3::from(FORCE_N));
             }

@@ -2,6 +2,8 @@
 
 mod contact;
 
+mod edges;
+
 mod small;
 
 mod surface;

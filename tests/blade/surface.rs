@@ -6,7 +6,7 @@ use arcfeed_hil_sim::fe::body::Body;
 use arcfeed_hil_sim::fe::field::Field;
 use arcfeed_hil_sim::fe::material::TITANIUM_6AL_4V;
 use arcfeed_hil_sim::finishing::marks::{deviation_mm, marks};
-use arcfeed_hil_sim::finishing::pass::{Machined, Pass, PassError};
+use arcfeed_hil_sim::finishing::pass::{Machined, MillError, Pass};
 use arcfeed_hil_sim::flexible::Workpiece;
 
 use crate::small::{FEED_MM_PER_TOOTH, THICKNESS_MM, pass, plate, run, tool};
@@ -97,7 +97,7 @@ fn a_ball_that_is_no_whole_number_of_layers_is_refused() {
         change(&mut odd);
         odd.run::<Field>(Vec::new(), None).err()
     };
-    assert_eq!(refused(|pass| pass.fineness.rise_mm = 0.3), Some(PassError::Mill));
-    assert_eq!(refused(|pass| pass.mill.corner_mm = 1.0), Some(PassError::Mill));
-    assert_eq!(refused(|pass| pass.mill.helix_rad = 2.0), Some(PassError::Mill));
+    assert_eq!(refused(|pass| pass.fineness.rise_mm = 0.3), Some(MillError));
+    assert_eq!(refused(|pass| pass.mill.corner_mm = 1.0), Some(MillError));
+    assert_eq!(refused(|pass| pass.mill.helix_rad = 2.0), Some(MillError));
 }

@@ -60,11 +60,10 @@ impl Straight {
             let axis_mm = Vector2::new(self.feed_mm_per_turn * turns, 0.0);
             let stand = Stand { axis_mm, tip_mm: 0.0, turned_rad: TAU * turns };
             if turns >= self.turns[1] as f64 {
-                let rigid = |_: &_| Vector2::zeros();
-                seen.extend(bite.chips(&stand, rigid).map(|(piece, chip)| Seen {
-                    tooth: piece.tooth,
-                    angle_rad: (TAU / 4.0 - piece.angle_at_rad(stand.turned_rad)).rem_euclid(TAU),
-                    thickness_mm: chip.thickness_mm,
+                seen.extend(bite.chips(&stand, |_| Vector2::zeros()).map(|chip| Seen {
+                    tooth: chip.piece.tooth,
+                    angle_rad: (TAU / 4.0 - chip.piece.angle_at_rad(stand.turned_rad)).rem_euclid(TAU),
+                    thickness_mm: chip.section.thickness_mm,
                 }));
             }
             bite.cut(&stand, |_| Vector2::zeros());

@@ -8,7 +8,7 @@ use arcfeed::adapt::adapt;
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
-use arcfeed_hil_sim::cutting::bite::{Bite, Stand};
+use arcfeed_hil_sim::cutting::bite::{Bite, EdgeChip, Stand};
 use arcfeed_hil_sim::cutting::chip::Circle;
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, Ring};
@@ -108,17 +108,20 @@ fn compare(track: &Track, mill: &CupMill, edge: Edge, line: &StockLine, spindle:
         // The axes come to rest at the end of the block: the last teeth are no concern of the meter either.
         if (SETTLED_MS..places.len() - SETTLED_MS / 2).contains(&(step / STEPS_A_MS)) {
             let delta_mm = place(step) - place(step - TOOTH_MS * STEPS_A_MS);
-            for (piece, chip) in bite.chips(&stand, |_| Vector2::zeros()).filter(|(piece, _)| piece.side == edge) {
+            for EdgeChip { piece, section, .. } in bite.chips(&stand, |_| Vector2::zeros()) {
+                if piece.side != edge {
+                    continue;
+                }
                 let towards = piece.place_mm(turned_rad).xy().normalize();
                 let at_mm = stand.axis_mm + towards * circle.radius_mm;
                 let formula_mm = circle.chip_mm(&towards, &delta_mm);
                 // Between the last ray and the line a chip is known to half the distance of rays.
                 if line.distance_mm(at_mm.into()) > STEP_MM && formula_mm > 0.0 {
-                    let off_mm = chip.thickness_mm - formula_mm;
+                    let off_mm = section.thickness_mm - formula_mm;
                     compared.chips += 1;
                     compared.sum_mm += off_mm;
                     compared.squares_mm2 += off_mm * off_mm;
-                    compared.thickest_mm = compared.thickest_mm.max(chip.thickness_mm);
+                    compared.thickest_mm = compared.thickest_mm.max(section.thickness_mm);
                 }
             }
         }

@@ -29,7 +29,7 @@ fn bent_mm(cells: [usize; 3], count: Option<usize>, places: &[[usize; 2]]) -> Ve
     let (k, m) = body.matrices(&unknowns);
     let factor = Factor::of(&k, 0.0, &m).expect("it is held");
     let modes = body.modes(&clamped, count.unwrap_or(k.size())).expect("so many");
-    let mut giving = Giving::new(WALL, Arc::new(Field::new(mesh.clone(), &modes, 1e-3)), EDGES_MM);
+    let mut giving = Giving::new(Arc::new(Field::new(mesh.clone(), &modes, 1e-3)), EDGES_MM);
     let given = giving.modes(0.01).expect("a damping");
     let at = |[x, z]: &[usize; 2]| {
         let node = mesh.nodes_where(|place| place == [*x, 2 * cells[1], *z])[0];

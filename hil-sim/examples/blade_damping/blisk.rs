@@ -9,7 +9,6 @@ use arcfeed_hil_sim::fe::blade::Blade;
 use arcfeed_hil_sim::fe::cyclic::Sector;
 use arcfeed_hil_sim::fe::disk::{BladedDisk, SectorCells};
 use arcfeed_hil_sim::fe::disk_field::DiskField;
-use arcfeed_hil_sim::fe::locate::TooFar;
 use arcfeed_hil_sim::fe::material::TITANIUM_6AL_4V;
 use arcfeed_hil_sim::fe::station::Station;
 use arcfeed_hil_sim::flexible::Modal;
@@ -40,10 +39,13 @@ impl Modal for Blisk {
         self.disk.omega_rad_per_s()
     }
 
-    fn stand_at(&self, [x_mm, y_mm, z_mm]: [f64; 3], station: &mut Station) -> Result<(), TooFar> {
-        self.disk.at([DISK.rim_radius_mm + z_mm, y_mm, -x_mm], station)?;
+    fn reach_mm(&self) -> f64 {
+        self.disk.reach_mm()
+    }
+
+    fn stand_at(&self, [x_mm, y_mm, z_mm]: [f64; 3], beyond_mm: f64, station: &mut Station) {
+        self.disk.carried([DISK.rim_radius_mm + z_mm, y_mm, -x_mm], beyond_mm, station);
         station.shapes.iter_mut().for_each(|shape| *shape = [-shape[2], shape[1], shape[0]]);
-        Ok(())
     }
 }
 

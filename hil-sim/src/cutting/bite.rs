@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 use std::fmt;
 
 use arcfeed_shared::tool::Edge;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
 use super::edges::{Cutter, EdgePiece};
 use super::end::{Descent, EndEdge, Face};
@@ -47,6 +47,17 @@ pub struct Bite {
     /// Where each of them was.
     faces: Vec<Option<Face>>,
     tips: Tips,
+}
+
+/// What an edge has in front of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeChip {
+    /// The number of the edge.
+    pub edge: usize,
+    /// The piece that meets it; of an edge on the end, the part that does.
+    pub piece: EdgePiece,
+    /// The chip.
+    pub section: ChipSection,
 }
 
 /// A piece of an edge in its layer.
@@ -147,43 +158,72 @@ impl Bite {
         &self.layers
     }
 
-    /// Every piece that is in a layer, with the chip in front of it, and every piece of the end that has one: those look down. A piece may be bent away
-    /// from where it stands, by what `bent` tells.
+    /// How many edges there are: the pieces of the cutter, one after the other, then those on its end.
+    pub fn edges(&self) -> usize {
+        self.wakes.len() + self.ends.len()
+    }
+
+    /// Where the middle of an edge stands, its height that of the layers.
+    pub fn edge_mm(&self, edge: usize, stand: &Stand) -> Vector3<f64> {
+        let (piece, radius_mm) = match edge.checked_sub(self.wakes.len()) {
+            None => (&self.cutter.pieces()[edge], self.cutter.pieces()[edge].radius_mm),
+            Some(end) => (&self.ends[end].piece, self.ends[end].middle_mm()),
+        };
+        let Face { center_mm, towards } = face(piece, stand, Vector2::zeros());
+        let place_mm = center_mm + towards * radius_mm;
+        Vector3::new(place_mm.x, place_mm.y, stand.tip_mm + piece.height_mm)
+    }
+
+    /// Whether an edge has material around it, or would have if it were anywhere so far away from where it stands.
+    pub fn is_near(&self, edge: usize, stand: &Stand, margin_mm: f64) -> bool {
+        let descent = self.descent(stand);
+        let Some(piece) = self.cutter.pieces().get(edge) else { return descent.lowers() };
+        let Some(placed) = self.placed(piece, &descent) else { return false };
+        let rake = self.rake(piece, stand, Vector2::zeros(), &placed.share);
+        rake.is_near(&self.layers.layers()[placed.index], margin_mm)
+    }
+
+    /// Every edge that is in a layer, with the chip in front of it, and every part of an end that has one: those look down. An edge may be bent away
+    /// from where it stands, by what `bent` tells of its number.
     pub fn chips<'a>(
         &'a self,
         stand: &'a Stand,
-        bent: impl Fn(&EdgePiece) -> Vector2<f64> + Copy + 'a,
-    ) -> impl Iterator<Item = (EdgePiece, ChipSection)> + 'a {
+        bent: impl Fn(usize) -> Vector2<f64> + Copy + 'a,
+    ) -> impl Iterator<Item = EdgeChip> + 'a {
         let descent = self.descent(stand);
-        let of_end = move |(end, last): (&EndEdge, &Option<Face>)| {
-            let face = face(&end.piece, stand, bent(&end.piece));
-            last.map_or_else(Vec::new, |last| end.chips([&last, &face], &descent, &self.layers))
+        let first_end = self.wakes.len();
+        let of_end = move |(edge, (end, last)): (usize, (&EndEdge, &Option<Face>))| {
+            let face = face(&end.piece, stand, bent(edge));
+            let chips = last.map_or_else(Vec::new, |last| end.chips([&last, &face], &descent, &self.layers));
+            chips.into_iter().map(move |(piece, section)| EdgeChip { edge, piece, section })
         };
-        let side = self.cutter.pieces().iter().zip(&self.wakes).filter_map(move |(piece, (was_in, wake))| {
+        let side = self.cutter.pieces().iter().zip(&self.wakes).enumerate();
+        let side = side.filter_map(move |(edge, (piece, (was_in, wake)))| {
             let placed = self.placed(piece, &descent)?;
             let wake = if *was_in == Some(placed.index) { *wake } else { wake.in_other_layer() };
-            let front =
-                wake.front(&self.rake(piece, stand, bent(piece), &placed.share), &self.layers.layers()[placed.index]);
+            let rake = self.rake(piece, stand, bent(edge), &placed.share);
+            let front = wake.front(&rake, &self.layers.layers()[placed.index]);
             // A chip measured across the circle, seen square to the edge.
             let thickness_mm = front.thickness_mm * libm::sin(piece.lead_rad);
             let height_ratio = front.top_ratio.min(placed.reach_ratio) - placed.share.foot_ratio;
-            Some((*piece, ChipSection { thickness_mm, width_mm: piece.width_mm() * height_ratio }))
+            let section = ChipSection { thickness_mm, width_mm: piece.width_mm() * height_ratio };
+            Some(EdgeChip { edge, piece: *piece, section })
         });
-        side.chain(self.ends.iter().zip(&self.faces).flat_map(of_end))
+        side.chain((first_end..).zip(self.ends.iter().zip(&self.faces)).flat_map(of_end))
     }
 
     /// The cutter goes to its next place, less than a quarter of a turn on; answers what was taken on the way as the rays along
     /// each axis have it, mm3.
-    pub fn cut(&mut self, stand: &Stand, bent: impl Fn(&EdgePiece) -> Vector2<f64>) -> [f64; 2] {
+    pub fn cut(&mut self, stand: &Stand, bent: impl Fn(usize) -> Vector2<f64>) -> [f64; 2] {
         let (mut removed_mm3, descent) = ([0.0; 2], self.descent(stand));
         let mut add = |mm3: [f64; 2]| removed_mm3 = [0, 1].map(|axis: usize| removed_mm3[axis] + mm3[axis]);
-        for at in 0..self.wakes.len() {
-            let piece = self.cutter.pieces()[at];
+        for edge in 0..self.wakes.len() {
+            let piece = self.cutter.pieces()[edge];
             let placed = self.placed(&piece, &descent);
             let index = placed.as_ref().map(|placed| placed.index);
             let share = placed.map_or(Share::ALL, |placed| placed.share);
-            let rake = self.rake(&piece, stand, bent(&piece), &share);
-            let (was_in, wake) = &mut self.wakes[at];
+            let rake = self.rake(&piece, stand, bent(edge), &share);
+            let (was_in, wake) = &mut self.wakes[edge];
             if std::mem::replace(was_in, index) != index {
                 *wake = wake.in_other_layer();
             }
@@ -195,8 +235,8 @@ impl Bite {
                 }
             }
         }
-        for (end, last) in self.ends.iter().zip(&mut self.faces) {
-            let face = face(&end.piece, stand, bent(&end.piece));
+        for (edge, (end, last)) in (self.wakes.len()..).zip(self.ends.iter().zip(&mut self.faces)) {
+            let face = face(&end.piece, stand, bent(edge));
             if let Some(last) = last.replace(face) {
                 add(end.cut([&last, &face], &descent, &mut self.layers));
             }

@@ -65,6 +65,13 @@ pub struct Descent {
 /// A part of the edge, from an inner to an outer radius, and what of which layers is its.
 type Band = ([f64; 2], Vec<(usize, Share)>);
 
+impl Descent {
+    /// Whether there is a floor to be lowered.
+    pub fn lowers(&self) -> bool {
+        self.border_mm > self.tip_mm
+    }
+}
+
 impl EndEdge {
     /// One a tooth, from where its lowest piece is to the axis; of a ring to where the edges on its other side are.
     pub fn all(cutter: &Cutter) -> Vec<EndEdge> {
@@ -86,6 +93,11 @@ impl EndEdge {
             EndEdge { piece, inner_mm }
         };
         lowest.iter().map(end).filter(|end| end.inner_mm < end.piece.radius_mm).collect()
+    }
+
+    /// Where the middle of it is.
+    pub fn middle_mm(&self) -> f64 {
+        (self.inner_mm + self.piece.radius_mm) / 2.0
     }
 
     /// The chips in front of it when it goes on, each with the piece of the edge that meets it, also where that meets nothing; none at all if nothing
@@ -153,7 +165,7 @@ impl EndEdge {
 
     /// From its inner end outwards.
     fn bands(&self, descent: &Descent, layers: &Layers) -> Vec<Band> {
-        if descent.border_mm <= descent.tip_mm {
+        if !descent.lowers() {
             return Vec::new();
         }
         let [inner_mm, outer_mm] = [self.inner_mm, self.piece.radius_mm];

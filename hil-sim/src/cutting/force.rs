@@ -31,11 +31,13 @@ pub struct Loads {
 }
 
 impl Loads {
-    /// Adds what a piece takes when M3 has turned the spindle so far.
-    pub fn add(&mut self, piece: &EdgePiece, turned_rad: f64, force: &EdgeForce) {
+    /// Adds what a piece takes when M3 has turned the spindle so far; answers the force that this adds.
+    pub fn add(&mut self, piece: &EdgePiece, turned_rad: f64, force: &EdgeForce) -> Vector3<f64> {
         let to = piece.directions(turned_rad);
-        self.force_n -= to.motion * force.tangential_n + to.normal * force.radial_n + to.along * force.axial_n; // (1)
+        let force_n = -(to.motion * force.tangential_n + to.normal * force.radial_n + to.along * force.axial_n); // (1)
+        self.force_n += force_n;
         self.torque_n_m += piece.radius_mm * force.tangential_n / MM_PER_M; // (2)
+        force_n
     }
 
     /// Across the axis: what bends the tool.

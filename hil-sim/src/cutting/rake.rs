@@ -95,6 +95,19 @@ impl Rake {
         })
     }
 
+    /// Whether there is material on the rays around it, or would be if it were anywhere so far away.
+    pub fn is_near(&self, layer: &Layer, margin_mm: f64) -> bool {
+        let axis = self.axis();
+        let ends_mm = [self.edge_mm(), self.root_mm()];
+        let [from_mm, to_mm] = [ends_mm[0].inf(&ends_mm[1]), ends_mm[0].sup(&ends_mm[1])];
+        let stretch = Interval::new(from_mm[axis] - margin_mm, to_mm[axis] + margin_mm);
+        let [first, last] =
+            [from_mm[1 - axis] - margin_mm, to_mm[1 - axis] + margin_mm].map(|mm| layer.index(axis, mm));
+        let rays = (first - APART_RAYS).floor() as i64..=(last + APART_RAYS).ceil() as i64;
+        let is_met = |piece: &Interval| piece.from_mm < stretch.to_mm && piece.to_mm > stretch.from_mm;
+        rays.into_iter().any(|ray| layer.section(axis, ray, &stretch, self.share.border_ratio).iter().any(is_met))
+    }
+
     /// From the rake face to the material.
     fn outward(&self) -> Vector2<f64> {
         self.towards * f64::from(self.side.advance())

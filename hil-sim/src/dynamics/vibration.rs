@@ -11,6 +11,12 @@
 //! so a pass costs no more with many modes than with one. Each makes the difference smaller by the stiffness of the cut times G,
 //! and g is about T^2/6 (exact) or T^2/4 (Newmark) for a short step T.
 //!
+//! Forces at several places that each move in their own way go by the modes:
+//!
+//! ```text
+//! f_r = sum over places of s_r . F1     q_r = free_r + g_r f_r     u1 = sum of s_r q_r       (3)
+//! ```
+//!
 //! Steps must resolve the fastest mode that matters: docs/forces.md has what coarse ones do to a verdict on chatter.
 
 use arcfeed_shared::units::MM_PER_M;
@@ -41,7 +47,17 @@ pub struct Vibration {
     dt_s: f64,
     /// G, in mm/N.
     compliance: Matrix3<f64>,
-    force_n: Vector3<f64>,
+    /// Of each mode, the forces at the end of the last step.
+    drives: Vec<f64>,
+}
+
+/// Places of a structure at which forces act, as its modes see them.
+#[derive(Clone, Debug, Default)]
+pub struct Places {
+    /// Place by place, of each all modes.
+    shapes: Vec<Vector3<f64>>,
+    moved_mm: Vec<Vector3<f64>>,
+    forces_n: Vec<Vector3<f64>>,
 }
 
 /// What came out of a step.
@@ -49,7 +65,7 @@ pub struct Vibration {
 pub struct Step {
     /// At its end.
     pub displacement_mm: Vector3<f64>,
-    /// On the structure, at its end.
+    /// On the structure, at its end; the sum of all places.
     pub force_n: Vector3<f64>,
     /// How often the force was asked for.
     pub passes: usize,
@@ -59,12 +75,30 @@ pub struct Step {
     pub agrees: bool,
 }
 
+impl Places {
+    /// None.
+    pub fn clear(&mut self) {
+        self.shapes.clear();
+        self.moved_mm.clear();
+    }
+
+    /// How many.
+    pub fn count(&self) -> usize {
+        self.moved_mm.len()
+    }
+
+    /// Where they are, in the order in which they were added.
+    pub fn moved_mm(&self) -> &[Vector3<f64>] {
+        &self.moved_mm
+    }
+}
+
 impl Vibration {
     /// At rest, without force.
     pub fn new(modes: Vec<Mode>, stepping: Stepping) -> Self {
         let states = vec![State::default(); modes.len()];
-        let (transitions, compliance, force_n) = (Vec::new(), Matrix3::zeros(), Vector3::zeros());
-        Vibration { stepping, modes, states, transitions, dt_s: 0.0, compliance, force_n }
+        let drives = vec![0.0; modes.len()];
+        Vibration { stepping, modes, states, transitions: Vec::new(), dt_s: 0.0, compliance: Matrix3::zeros(), drives }
     }
 
     /// The modes.
@@ -74,7 +108,7 @@ impl Vibration {
 
     /// Where the structure is.
     pub fn displacement_mm(&self) -> Vector3<f64> {
-        self.modes.iter().zip(&self.states).map(|(mode, state)| mode.shape * state.q).sum()
+        self.shaped(|n| self.states[n].q)
     }
 
     /// Whether nothing can be moved: there are no modes.
@@ -85,7 +119,7 @@ impl Vibration {
     /// Comes to rest, without force.
     pub fn rest(&mut self) {
         self.states.fill(State::default());
-        self.force_n = Vector3::zeros();
+        self.drives.fill(0.0);
     }
 
     /// The cut is elsewhere, or is seen in another frame: the same modes with other shapes. Shapes left out stay as they are.
@@ -96,19 +130,20 @@ impl Vibration {
         self.compliance = self.compliance_of_step();
     }
 
+    /// Adds a place. Shapes left out are as those of the cut.
+    pub fn add_place(&self, shapes: &[Vector3<f64>], onto: &mut Places) {
+        let shapes = &shapes[..shapes.len().min(self.modes.len())];
+        onto.shapes.extend(shapes.iter().copied().chain(self.modes[shapes.len()..].iter().map(|mode| mode.shape)));
+        onto.moved_mm.push(Vector3::zeros());
+    }
+
     /// Goes on by `dt_s`; `force` tells the force on the structure at the end of the step for a displacement there, and may be
     /// asked more than once.
     pub fn step(&mut self, dt_s: f64, mut force: impl FnMut(&Vector3<f64>) -> Vector3<f64>) -> Step {
-        if self.dt_s != dt_s {
-            self.transitions = self.modes.iter().map(|mode| Transition::new(self.stepping.rule, mode, dt_s)).collect();
-            self.dt_s = dt_s;
-            self.compliance = self.compliance_of_step();
-        }
-        let mut force_n = self.force_n;
-        self.let_free();
+        self.let_free(dt_s);
         let free_mm = self.displacement_mm();
-        let mut displacement_mm = free_mm + self.compliance * force_n;
-        let (mut change_mm, mut passes) = (f64::INFINITY, 0);
+        let mut displacement_mm = free_mm + self.shaped(|n| self.given_way(n) * self.drives[n]);
+        let (mut force_n, mut change_mm, mut passes) = (Vector3::zeros(), f64::INFINITY, 0);
         while change_mm > self.stepping.tolerance_mm && passes < self.stepping.passes_max.max(1) {
             force_n = force(&displacement_mm);
             let next_mm = free_mm + self.compliance * force_n; // (1)
@@ -116,23 +151,94 @@ impl Vibration {
             displacement_mm = next_mm;
             passes += 1;
         }
-        self.push(&force_n);
+        self.push(|_, mode| mode.drive(&force_n));
         Step { displacement_mm, force_n, passes, change_mm, agrees: change_mm <= self.stepping.tolerance_mm }
     }
 
-    /// All modes over the step, without a force at its end.
-    fn let_free(&mut self) {
-        for ((mode, state), transition) in self.modes.iter().zip(&mut self.states).zip(&self.transitions) {
-            *state = transition.free(state, mode.drive(&self.force_n));
+    /// The same with forces at several places: `force` tells those for displacements there, in the order of the places. The step's displacement is still
+    /// that of the cut.
+    pub fn step_at(
+        &mut self,
+        dt_s: f64,
+        places: &mut Places,
+        mut force: impl FnMut(&[Vector3<f64>], &mut [Vector3<f64>]),
+    ) -> Step {
+        self.let_free(dt_s);
+        let count = self.modes.len();
+        let mut drives = self.drives.clone();
+        places.forces_n.clear();
+        places.forces_n.resize(places.count(), Vector3::zeros());
+        self.move_places(places, &drives);
+        let (mut change_mm, mut passes) = (f64::INFINITY, 0);
+        while change_mm > self.stepping.tolerance_mm && passes < self.stepping.passes_max.max(1) {
+            places.forces_n.fill(Vector3::zeros());
+            force(&places.moved_mm, &mut places.forces_n);
+            drives.fill(0.0);
+            for (shapes, force_n) in places.shapes.chunks(count.max(1)).zip(&places.forces_n) {
+                drives.iter_mut().zip(shapes).for_each(|(drive, shape)| *drive += shape.dot(force_n) * MM_PER_M);
+            }
+            change_mm = self.move_places(places, &drives); // (3)
+            passes += 1;
+        }
+        self.push(|n, _| drives[n]);
+        Step {
+            displacement_mm: self.displacement_mm(),
+            force_n: places.forces_n.iter().sum(),
+            passes,
+            change_mm,
+            agrees: change_mm <= self.stepping.tolerance_mm,
         }
     }
 
-    /// What the force at the end of the step adds.
-    fn push(&mut self, end_n: &Vector3<f64>) {
-        for ((mode, state), transition) in self.modes.iter().zip(&mut self.states).zip(&self.transitions) {
-            transition.push(state, mode.drive(end_n));
+    /// All modes over the step, without a force at its end.
+    fn let_free(&mut self, dt_s: f64) {
+        if self.dt_s != dt_s {
+            self.transitions = self.modes.iter().map(|mode| Transition::new(self.stepping.rule, mode, dt_s)).collect();
+            self.dt_s = dt_s;
+            self.compliance = self.compliance_of_step();
         }
-        self.force_n = *end_n;
+        for ((drive, state), transition) in self.drives.iter().zip(&mut self.states).zip(&self.transitions) {
+            *state = transition.free(state, *drive);
+        }
+    }
+
+    /// What the forces at the end of the step add, told of each mode.
+    fn push(&mut self, drive: impl Fn(usize, &Mode) -> f64) {
+        for (n, ((mode, state), transition)) in
+            self.modes.iter().zip(&mut self.states).zip(&self.transitions).enumerate()
+        {
+            self.drives[n] = drive(n, mode);
+            transition.push(state, self.drives[n]);
+        }
+    }
+
+    /// Where places are at the end of the step with such forces on the modes; answers the largest change.
+    fn move_places(&self, places: &mut Places, drives: &[f64]) -> f64 {
+        let amplitudes: Vec<f64> = self
+            .states
+            .iter()
+            .zip(drives)
+            .enumerate()
+            .map(|(n, (state, drive))| state.q + self.given_way(n) * drive)
+            .collect();
+        let mut change_mm = 0.0_f64;
+        for (shapes, moved_mm) in places.shapes.chunks(amplitudes.len().max(1)).zip(&mut places.moved_mm) {
+            let next_mm: Vector3<f64> =
+                shapes.iter().zip(&amplitudes).map(|(shape, amplitude)| shape * *amplitude).sum();
+            change_mm = change_mm.max((next_mm - *moved_mm).norm());
+            *moved_mm = next_mm;
+        }
+        change_mm
+    }
+
+    /// g of a mode.
+    fn given_way(&self, mode: usize) -> f64 {
+        self.transitions[mode].given_way()
+    }
+
+    /// At the cut, for such amplitudes of the modes.
+    fn shaped(&self, amplitude: impl Fn(usize) -> f64) -> Vector3<f64> {
+        self.modes.iter().enumerate().map(|(n, mode)| mode.shape * amplitude(n)).sum()
     }
 
     /// (2)

@@ -55,18 +55,39 @@ impl DiskField {
     /// # Errors
     /// The point is beyond the reach.
     pub fn at(&self, point_mm: [f64; 3], station: &mut Station) -> Result<f64, TooFar> {
+        let found = self.stand(point_mm, station, |in_first_mm, other| self.sector.at(in_first_mm, other).ok());
+        found.ok_or(TooFar { point_mm })
+    }
+
+    /// How far outside of the disk points may be.
+    pub fn reach_mm(&self) -> f64 {
+        self.sector.reach_mm()
+    }
+
+    /// As [`Field::carried`].
+    pub fn carried(&self, point_mm: [f64; 3], beyond_mm: f64, station: &mut Station) -> f64 {
+        let carried = |in_first_mm, other: &mut Station| Some(self.sector.carried(in_first_mm, beyond_mm, other));
+        self.stand(point_mm, station, carried).unwrap_or(f64::INFINITY)
+    }
+
+    /// Sets `station` in the sector where the point is least outside, as told of a point in the first one.
+    fn stand(
+        &self,
+        point_mm: [f64; 3],
+        station: &mut Station,
+        outside_mm: impl Fn([f64; 3], &mut Station) -> Option<f64>,
+    ) -> Option<f64> {
         let sectors = self.turns.len();
         let angle = libm::atan2(point_mm[1], point_mm[0]) - self.begin_rad;
         let guess = libm::floor(angle / TAU * sectors as f64) as isize;
         // A twisted blade hangs over into the sectors beside its own.
-        let mut best = Err(TooFar { point_mm });
+        let mut best: Option<(f64, usize)> = None;
         let mut other = Station { element: station.element, ..Station::default() };
         for sector in [guess, guess - 1, guess + 1].map(|s| s.rem_euclid(sectors as isize) as usize) {
             let [cos, sin] = self.turns[sector];
-            let in_first_mm = turned_by(point_mm, [cos, -sin]);
-            let Ok(outside_mm) = self.sector.at(in_first_mm, &mut other) else { continue };
-            if best.is_err() || best.is_ok_and(|(least_mm, _)| outside_mm < least_mm) {
-                best = Ok((outside_mm, sector));
+            let Some(outside_mm) = outside_mm(turned_by(point_mm, [cos, -sin]), &mut other) else { continue };
+            if best.is_none_or(|(least_mm, _)| outside_mm < least_mm) {
+                best = Some((outside_mm, sector));
                 std::mem::swap(station, &mut other);
             }
             if outside_mm == 0.0 {
@@ -75,7 +96,7 @@ impl DiskField {
         }
         let (outside_mm, sector) = best?;
         self.expand(sector, station);
-        Ok(outside_mm)
+        Some(outside_mm)
     }
 
     /// From a and b in the first sector to the displacement in another one: (1) of [`super::cyclic`].

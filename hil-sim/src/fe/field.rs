@@ -10,7 +10,7 @@
 //! by the functions of the nearest element, evaluated beyond its border, as far as the reach. (3) comes closer by the strain each time.
 
 use super::body::Modes;
-use super::locate::{Locator, TooFar};
+use super::locate::{Found, Locator, TooFar};
 use super::mesh::Mesh;
 use super::station::Station;
 use super::tetrahedron::functions;
@@ -51,17 +51,46 @@ impl Field {
     /// The point is beyond the reach.
     pub fn at(&self, point_mm: [f64; 3], station: &mut Station) -> Result<f64, TooFar> {
         let found = self.locator.find(&self.mesh, point_mm, station.element)?;
+        self.stand(&found, station);
+        Ok(found.outside_mm)
+    }
+
+    /// Sets `station` to a point, or, if that is outside by more than `beyond_mm`, to the one that far from the body on the way to it from the nearest point
+    /// of the body; answers how far outside the point is, mm. Beyond the reach all elements are looked at, which takes its time.
+    pub fn carried(&self, point_mm: [f64; 3], beyond_mm: f64, station: &mut Station) -> f64 {
+        let found = self.locator.carried(&self.mesh, point_mm, beyond_mm, station.element);
+        if let Some(found) = &found {
+            self.stand(found, station);
+        }
+        found.map_or(f64::INFINITY, |found| found.outside_mm)
+    }
+
+    /// How far outside of the body points may be.
+    pub fn reach_mm(&self) -> f64 {
+        self.locator.reach_mm()
+    }
+
+    /// The lowest and the highest corner of a box around the nodes.
+    pub fn bounds_mm(&self) -> [[f64; 3]; 2] {
+        let corner = |choose: fn(f64, f64) -> f64| {
+            let of = |axis: usize| self.mesh.nodes_mm().iter().map(|node| node[axis]).reduce(choose);
+            [0, 1, 2].map(|axis| of(axis).unwrap_or_default())
+        };
+        [corner(f64::min), corner(f64::max)]
+    }
+
+    /// (1)
+    fn stand(&self, found: &Found, station: &mut Station) {
         station.element = Some(found.element);
         station.shapes.clear();
         station.shapes.resize(self.omega_rad_per_s.len(), [0.0; 3]);
         for (node, n) in self.mesh.elements()[found.element].iter().zip(functions(found.place)) {
             for (sum, shape) in station.shapes.iter_mut().zip(&self.shapes[*node]) {
                 for axis in 0..3 {
-                    sum[axis] += n * shape[axis]; // (1)
+                    sum[axis] += n * shape[axis];
                 }
             }
         }
-        Ok(found.outside_mm)
     }
 
     /// Which point of the undeformed body is now at `now_mm`; `station`, at a point nearby or at none, is set to it.

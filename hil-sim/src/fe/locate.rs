@@ -30,6 +30,8 @@ pub struct Found {
     pub place: Place,
     /// Distance to the body, 0 inside.
     pub outside_mm: f64,
+    /// The point of the body that is nearest to it.
+    nearest_mm: Vector3<f64>,
 }
 
 /// No element is within reach.
@@ -93,11 +95,11 @@ fn beyond_faces_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> f64 {
     (0..3).map(|k| -l[k] / gradients.row(k).norm()).fold(of_base, f64::max)
 }
 
-/// Distance of a point from the straight tetrahedron between four corners: the least over the nearest points of all hulls of some of the
-/// corners that are within them.
-fn from_corners_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> f64 {
+/// The point of the straight tetrahedron between four corners that is nearest to another, and its distance: the least over the nearest points of all hulls
+/// of some of the corners that are within them.
+fn from_corners_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> (Vector3<f64>, f64) {
     let corner = |i: usize| Vector3::from(corners_mm[i]);
-    let mut least_mm = f64::INFINITY;
+    let mut least = (*point, f64::INFINITY);
     for some in 1_usize..16 {
         let is_chosen = |i: usize| some >> i & 1 == 1;
         let base = some.trailing_zeros() as usize;
@@ -110,11 +112,15 @@ fn from_corners_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> f64 {
         let Some(inverse) = gram.try_inverse() else { continue };
         let parts = inverse * right;
         if parts.min() >= 0.0 && parts.sum() <= 1.0 {
-            let nearest: Vector3<f64> = edges.iter().zip(parts.iter()).map(|(edge, part)| edge * *part).sum();
-            least_mm = least_mm.min((point - corner(base) - nearest).norm());
+            let along: Vector3<f64> = edges.iter().zip(parts.iter()).map(|(edge, part)| edge * *part).sum();
+            let nearest = corner(base) + along;
+            let mm = (point - nearest).norm();
+            if mm < least.1 {
+                least = (nearest, mm);
+            }
         }
     }
-    least_mm
+    least
 }
 
 impl Locator {
@@ -146,6 +152,11 @@ impl Locator {
         locator
     }
 
+    /// How far outside points may be.
+    pub fn reach_mm(&self) -> f64 {
+        self.reach_mm
+    }
+
     /// The cell of a point, or the nearest one.
     fn cell(&self, point: &Vector3<f64>) -> [usize; 3] {
         // A cast from float to whole number saturates.
@@ -169,27 +180,53 @@ impl Locator {
         for element in candidates().filter(|element| distance_mm(&self.boxes[*element], &point) == 0.0) {
             let place = place_of(&mesh.nodes_of_mm(element), &point);
             if let Some(place) = place.filter(|place| barycentric(*place).iter().all(|l| *l >= -BORDER_RATIO)) {
-                return Ok(Found { element, place, outside_mm: 0.0 });
+                return Ok(Found { element, place, outside_mm: 0.0, nearest_mm: point });
             }
         }
-        let mut best = Found { element: 0, place: MIDDLE, outside_mm: f64::INFINITY };
-        for element in candidates() {
-            if distance_mm(&self.boxes[element], &point) > best.outside_mm.min(self.reach_mm) {
+        self.nearest(mesh, &point, candidates(), self.reach_mm).ok_or(TooFar { point_mm })
+    }
+
+    /// Where a point is that stands for another: itself, or, if it is outside by more than `beyond_mm`, the one that far from the body on the way to it
+    /// from the nearest point of the body. `near` is an element to look at first.
+    pub fn carried(&self, mesh: &Mesh, point_mm: [f64; 3], beyond_mm: f64, near: Option<usize>) -> Option<Found> {
+        let point = Vector3::from(point_mm);
+        let all = || near.into_iter().chain(0..self.boxes.len());
+        let found = self.find(mesh, point_mm, near).ok();
+        let found = found.or_else(|| self.nearest(mesh, &point, all(), f64::INFINITY))?;
+        if found.outside_mm <= beyond_mm {
+            return Some(found);
+        }
+        let carried = found.nearest_mm + (point - found.nearest_mm) * (beyond_mm / found.outside_mm);
+        place_of(&mesh.nodes_of_mm(found.element), &carried).map(|place| Found { place, ..found })
+    }
+
+    /// Of some elements the one that is nearest to a point outside, if within a reach.
+    fn nearest(
+        &self,
+        mesh: &Mesh,
+        point: &Vector3<f64>,
+        elements: impl Iterator<Item = usize>,
+        reach_mm: f64,
+    ) -> Option<Found> {
+        let mut best: Option<Found> = None;
+        for element in elements {
+            let least_mm = best.map_or(f64::INFINITY, |best| best.outside_mm);
+            if distance_mm(&self.boxes[element], point) > least_mm.min(reach_mm) {
                 continue;
             }
             let nodes_mm = mesh.nodes_of_mm(element);
             // Where faces lie in one plane the first of them will do.
-            if beyond_faces_mm(&nodes_mm[..4], &point) >= best.outside_mm {
+            if beyond_faces_mm(&nodes_mm[..4], point) >= least_mm {
                 continue;
             }
-            let outside_mm = from_corners_mm(&nodes_mm[..4], &point);
-            if outside_mm < best.outside_mm
-                && let Some(place) = place_of(&nodes_mm, &point)
+            let (nearest_mm, outside_mm) = from_corners_mm(&nodes_mm[..4], point);
+            if outside_mm < least_mm
+                && let Some(place) = place_of(&nodes_mm, point)
             {
-                best = Found { element, place, outside_mm };
+                best = Some(Found { element, place, outside_mm, nearest_mm });
             }
         }
-        if best.outside_mm <= self.reach_mm { Ok(best) } else { Err(TooFar { point_mm }) }
+        best.filter(|best| best.outside_mm <= reach_mm)
     }
 }
 

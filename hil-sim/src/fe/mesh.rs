@@ -7,6 +7,8 @@
 
 use std::fmt;
 
+use nalgebra::Vector3;
+
 use super::element::jacobian;
 use super::tetrahedron::{EDGES, NODES, nodes};
 
@@ -188,6 +190,20 @@ impl Mesh {
     /// Where one element's nodes are.
     pub fn nodes_of_mm(&self, element: usize) -> [[f64; 3]; NODES] {
         self.elements[element].map(|node| self.nodes_mm[node])
+    }
+
+    /// The largest of the elements' least altitudes, about how thick a wall of one cell is: as far outside, displacements are known about as well as inside
+    /// (docs/fe.md).
+    pub fn thickness_mm(&self) -> f64 {
+        let altitude_mm = |element: usize| {
+            let corners: [Vector3<f64>; 4] =
+                std::array::from_fn(|n| Vector3::from(self.nodes_mm[self.elements[element][n]]));
+            let twice_mm2 = |[a, b, c]: [usize; 3]| (corners[b] - corners[a]).cross(&(corners[c] - corners[a]));
+            let six_mm3 = (corners[3] - corners[0]).dot(&twice_mm2([0, 1, 2]));
+            let faces = [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]];
+            libm::fabs(six_mm3) / faces.into_iter().map(|face| twice_mm2(face).norm()).fold(0.0, f64::max)
+        };
+        (0..self.elements.len()).map(altitude_mm).fold(0.0, f64::max)
     }
 
     /// The nodes whose place on the lattice is as wanted.

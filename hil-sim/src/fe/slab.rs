@@ -57,11 +57,6 @@ impl Slab {
         let end = if is_upper { 2 * mesh.cells()[axis] } else { 0 };
         mesh.nodes_where(|place| place[axis] == end)
     }
-
-    /// The point of it that is nearest to another.
-    pub fn nearest_mm(&self, point_mm: &Vector) -> Vector {
-        [0, 1, 2].map(|axis: usize| point_mm[axis].clamp(self.lowest_mm[axis], self.highest_mm[axis]))
-    }
 }
 
 #[cfg(test)]

@@ -27,7 +27,6 @@ use crate::cutting::material::Cutting;
 use crate::dynamics::modal::Mode;
 use crate::dynamics::transition::Rule;
 use crate::dynamics::vibration::{Stepping, Vibration};
-use crate::fe::locate::TooFar;
 use crate::flexible::{Modal, Workpiece};
 use crate::process::Process;
 
@@ -96,25 +95,17 @@ pub struct Tooth {
     pub force_n: f64,
 }
 
-/// Why a pass cannot be made.
-#[derive(Clone, Debug, PartialEq)]
-pub enum PassError {
-    /// The mill has no such edges, or not in such layers.
-    Mill,
-    /// The contact left the blade's reach.
-    Lost(TooFar),
-}
+/// The mill has no such edges, or not in such layers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MillError;
 
-impl std::fmt::Display for PassError {
+impl std::fmt::Display for MillError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            PassError::Mill => write!(f, "a pass needs a ball end mill whose radius is a whole number of layers"),
-            PassError::Lost(error) => error.fmt(f),
-        }
+        write!(f, "a pass needs a ball end mill whose radius is a whole number of layers")
     }
 }
 
-impl std::error::Error for PassError {}
+impl std::error::Error for MillError {}
 
 impl Pass {
     fn radius_mm(&self) -> f64 {
@@ -156,15 +147,15 @@ impl Pass {
         self.before_mm(z_mm).min(self.clearance_mm(z_mm))
     }
 
-    fn process(&self, modes: Vec<Mode>) -> Result<Process, PassError> {
+    fn process(&self, modes: Vec<Mode>) -> Result<Process, MillError> {
         let layers_a_radius = self.radius_mm() / self.fineness.rise_mm;
         let off = libm::fabs(layers_a_radius - libm::round(layers_a_radius));
         if off > WHOLE_RATIO || self.mill.corner_mm != self.radius_mm() {
-            return Err(PassError::Mill);
+            return Err(MillError);
         }
         let pieces = Pieces::Slices { rise_mm: self.fineness.rise_mm };
-        let cutter = Cutter::end_mill(&self.mill, pieces).map_err(|_| PassError::Mill)?;
-        let bite = Bite::new(cutter, self.layers(), RAKE_MM).map_err(|_| PassError::Mill)?;
+        let cutter = Cutter::end_mill(&self.mill, pieces).map_err(|_| MillError)?;
+        let bite = Bite::new(cutter, self.layers(), RAKE_MM).map_err(|_| MillError)?;
         let stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-7, passes_max: 12 };
         Ok(Process::new(bite, self.cutting, Vibration::new(modes, stepping)))
     }
@@ -182,8 +173,8 @@ impl Pass {
     /// From one edge of the blade to the other. Modes of the workpiece, as seen from anywhere, stand first; a rigid one has none, and is not seen.
     ///
     /// # Errors
-    /// There is no such tool, or the contact is off the workpiece.
-    pub fn run<B: Modal>(&self, modes: Vec<Mode>, mut workpiece: Option<Workpiece<B>>) -> Result<Machined, PassError> {
+    /// There is no such tool.
+    pub fn run<B: Modal>(&self, modes: Vec<Mode>, mut workpiece: Option<Workpiece<B>>) -> Result<Machined, MillError> {
         let mut process = self.process(modes)?;
         let half_mm = self.side.length_mm() / 2.0;
         let from_mm = -half_mm - self.reach_mm() - AIR_MM;
@@ -197,10 +188,13 @@ impl Pass {
                 let passed = tooth as f64 + (step + 1) as f64 / steps as f64;
                 along_mm = from_mm + passed * self.feed_mm_per_tooth;
                 if let Some(seen) = workpiece.as_mut().filter(|_| step % (steps / LOOKS_A_TOOTH).max(1) == 0) {
-                    let shapes = seen.shapes(self.side.place_mm(along_mm)).map_err(PassError::Lost)?;
-                    process.vibration_mut().see_from(shapes);
+                    process.vibration_mut().see_from(seen.shapes_on(self.side.place_mm(along_mm)));
                 }
-                let moment = process.step(1.0 / (self.tooth_hz * steps as f64), &self.stand(along_mm, passed));
+                let (dt_s, stand) = (1.0 / (self.tooth_hz * steps as f64), self.stand(along_mm, passed));
+                let moment = match &mut workpiece {
+                    Some(workpiece) => process.step_on(dt_s, &stand, workpiece),
+                    None => process.step(dt_s, &stand),
+                };
                 displacement_mm = moment.displacement_mm;
                 swing_mm = swing_mm.max(displacement_mm.xy().norm());
                 force_n = force_n.max(moment.loads.bending_n());

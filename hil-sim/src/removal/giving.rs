@@ -1,7 +1,7 @@
-//! A workpiece that gives way: its modes as seen from where the tool is nearest to it.
+//! A workpiece that gives way: its modes as a tool in it sees them.
 //!
-//! The place is that of the body nearest to the tool's axis, half-way up that part of the edges which is beside it: where a tool beside a
-//! wall makes its surface. All edges see the workpiece from there.
+//! Each edge sees them where it is. The tool as a whole, of which it is told whether it vibrates, is where its surface is made beside a wall: at the
+//! place of the body nearest to its axis, half-way up that part of the edges which is beside the body.
 //!
 //! Source: own; the modes: [`crate::flexible`].
 
@@ -10,24 +10,23 @@ use std::sync::Arc;
 use arcfeed_shared::kinematics::vector::{Vector, scaled, sum};
 use nalgebra::Vector3;
 
-use crate::dynamics::modal::Mode;
+use crate::dynamics::modal::{Mode, ModeError};
 use crate::fe::field::Field;
-use crate::fe::slab::Slab;
-use crate::flexible::{SeenError, Workpiece};
+use crate::flexible::Workpiece;
 
 /// The body and its modes.
 #[derive(Clone, Debug)]
 pub struct Giving {
-    slab: Slab,
     seen: Workpiece<Arc<Field>>,
+    bounds_mm: [Vector; 2],
     /// How far up from its tip the tool has edges.
     edges_mm: f64,
 }
 
 impl Giving {
-    /// A slab with its modes, and how far up from its tip the tool that cuts it has edges.
-    pub fn new(slab: Slab, field: Arc<Field>, edges_mm: f64) -> Self {
-        Giving { slab, seen: Workpiece::new(field), edges_mm }
+    /// A body with its modes, and how far up from its tip the tool that cuts it has edges.
+    pub fn new(field: Arc<Field>, edges_mm: f64) -> Self {
+        Giving { bounds_mm: field.bounds_mm(), seen: Workpiece::new(field), edges_mm }
     }
 
     /// How many modes it has.
@@ -39,17 +38,20 @@ impl Giving {
     ///
     /// # Errors
     /// The damping is none.
-    pub fn modes(&mut self, damping_ratio: f64) -> Result<Vec<Mode>, SeenError> {
-        let middle = scaled(sum(self.slab.lowest_mm, self.slab.highest_mm), 0.5);
-        self.seen.modes(middle, damping_ratio)
+    pub fn modes(&mut self, damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
+        let [lowest_mm, highest_mm] = self.bounds_mm;
+        self.seen.modes(scaled(sum(lowest_mm, highest_mm), 0.5), damping_ratio)
     }
 
     /// What the modes do under a tool with its tip here, 1/sqrt(kg).
     pub fn shapes(&mut self, tip_mm: &Vector) -> &[Vector3<f64>] {
-        let (low_mm, high_mm) = (self.slab.lowest_mm[2], self.slab.highest_mm[2]);
+        let [low_mm, high_mm] = self.bounds_mm.map(|corner_mm| corner_mm[2]);
         let [from_mm, to_mm] = [tip_mm[2], tip_mm[2] + self.edges_mm].map(|at_mm| at_mm.clamp(low_mm, high_mm));
-        let beside = [tip_mm[0], tip_mm[1], (from_mm + to_mm) / 2.0];
-        // A point of the slab is within its mesh.
-        self.seen.shapes(self.slab.nearest_mm(&beside)).unwrap_or_default()
+        self.seen.shapes_on([tip_mm[0], tip_mm[1], (from_mm + to_mm) / 2.0])
+    }
+
+    /// The workpiece as each edge sees it.
+    pub fn seen(&mut self) -> &mut Workpiece<Arc<Field>> {
+        &mut self.seen
     }
 }

@@ -233,7 +233,11 @@ impl LoadMeter {
         }
         bite.enter(&stand);
         let dt_s = S_PER_MIN / rev_per_min / self.steps_a_turn as f64;
-        let moment = self.settings.process.step(dt_s, &stand);
+        let LoadSettings { process, giving, .. } = &mut self.settings;
+        let moment = match giving {
+            Some(giving) => process.step_on(dt_s, &stand, giving.seen()),
+            None => process.step(dt_s, &stand),
+        };
         let loads = moment.loads;
         self.sample(&stretch.of, &moment, rev_per_min);
         let sample = Sample {

@@ -12,9 +12,6 @@ use arcfeed_hil_sim::stock::solid::Solid;
 
 use crate::job::flexible::{Elastic, Flexible};
 
-/// Rounding: the body is seen from points of its own.
-const REACH_MM: f64 = 1e-3;
-
 /// What is wrong, and the byte offset in the job file if it is not the table's.
 pub type Trouble = (Option<usize>, String);
 
@@ -35,8 +32,8 @@ pub fn giving(flexible: &Flexible, edges_mm: f64) -> Result<(Giving, Vec<Mode>),
     let mesh = slab.mesh(cells).map_err(|error| told(&error))?;
     let body = Body::new(mesh, &material(&flexible.material)?);
     let modes = body.modes(&slab.clamped(body.mesh()), flexible.modes).map_err(|error| told(&error))?;
-    let field = Field::new(body.mesh().clone(), &modes, REACH_MM);
-    let mut giving = Giving::new(slab, Arc::new(field), edges_mm);
+    let field = Field::new(body.mesh().clone(), &modes, body.mesh().thickness_mm());
+    let mut giving = Giving::new(Arc::new(field), edges_mm);
     let modes = giving.modes(flexible.damping_ratio).map_err(|error| told(&error))?;
     Ok((giving, modes))
 }
