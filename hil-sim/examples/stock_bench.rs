@@ -15,6 +15,9 @@ const EDGE_MM: f64 = 50.0;
 const HEIGHT_MM: f64 = 20.0;
 const MEMORY_MAX: usize = 4 << 30;
 
+/// Runs of what takes only some hundredths of a second.
+const REPEATS: u32 = 20;
+
 type Error = Box<dyn std::error::Error + Send + Sync>;
 
 /// Lines across the block, to and fro, 1 mm forward at a time, each line further by `stepover_mm`.
@@ -28,6 +31,33 @@ fn zigzag(depth_mm: f64, stepover_mm: f64, axis: impl Fn(f64) -> [f64; 3]) -> Ve
     };
     let pairs = (0..lines).flat_map(|line| (0..pieces).map(move |piece| (line, piece)));
     pairs.map(|(line, piece)| Move::Straight { from: pose(line, piece), to: pose(line, piece + 1) }).collect()
+}
+
+/// The benchmark of an open simulator (cutrail 0.1.1, `bench 1000 10 1`): a thousand millimetres in rows 2 mm apart, 1.5 mm deep.
+mod rows {
+    use super::{Move, Pose};
+
+    pub const SEGMENTS: usize = 1000;
+    pub const HIGHEST_MM: [f64; 3] = [200.0, 100.0, 20.0];
+    pub const RADIUS_MM: f64 = 3.0;
+    /// Of the union of all discs: by integration.
+    pub const TRUE_MM3: f64 = 4268.0731;
+
+    const FROM_MM: f64 = 5.0;
+    const PIECES: usize = 190;
+
+    pub fn moves() -> Vec<Move> {
+        let pose = |row: usize, piece: usize| {
+            let piece = if row.is_multiple_of(2) { piece } else { PIECES - piece };
+            let tip_mm = [FROM_MM + piece as f64, FROM_MM + 2.0 * row as f64, 18.5];
+            Pose { tip_mm, axis: [0.0, 0.0, 1.0] }
+        };
+        let straight = |n: usize| {
+            let (row, piece) = (n / PIECES, n % PIECES);
+            Move::Straight { from: pose(row, piece), to: pose(row, piece + 1) }
+        };
+        (0..SEGMENTS).map(straight).collect()
+    }
 }
 
 /// Rays in the boxes of all sweeps: what is asked at all.
@@ -69,10 +99,9 @@ struct Took {
     clock_s: f64,
 }
 
-/// Cuts the block, move by move; what it took and what is left.
-fn cut(threads: usize, step_mm: f64, tool: &Tool, moves: &[Move]) -> Result<(Took, Stock), Error> {
-    let block = Block { lowest_mm: [0.0; 3], highest_mm: [EDGE_MM, EDGE_MM, HEIGHT_MM] };
-    let mut stock = Stock::new(&block, step_mm, MEMORY_MAX)?;
+/// Cuts a stock, move by move; what it took and what is left.
+fn cut(threads: usize, mut stock: Stock, tool: &Tool, moves: &[Move]) -> Result<(Took, Stock), Error> {
+    let step_mm = stock.lattice().step_mm();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let (started, before) = (std::time::Instant::now(), processor_s());
     pool.install(|| -> Result<(), Error> {
@@ -111,8 +140,8 @@ fn main() -> Result<(), Error> {
         let block = Block { lowest_mm: [0.0; 3], highest_mm: [EDGE_MM, EDGE_MM, HEIGHT_MM] };
         let whole = Stock::new(&block, step_mm, MEMORY_MAX)?;
         let (asked, sweeps) = rays_asked(&whole, &tool, &moves, step_mm / 20.0)?;
-        let (alone, stock) = cut(1, step_mm, &tool, &moves)?;
-        let (both, _) = cut(2, step_mm, &tool, &moves)?;
+        let (alone, stock) = cut(1, whole.clone(), &tool, &moves)?;
+        let (both, _) = cut(2, whole.clone(), &tool, &moves)?;
         println!(
             "{name:20} {sweeps:8}  {asked:10}  {:15.2}  {:7.1}  {:9.2}  {:7.2}  {:4.2}  {:10.2}, {:.2}",
             alone.all_s,
@@ -126,6 +155,34 @@ fn main() -> Result<(), Error> {
         let [before, after] = [&whole, &stock].map(|stock| stock.memory_bytes() as f64 / volume_mm3);
         let removed_mm3 = volume_mm3 - stock.volume().mean_mm3();
         println!("  removed {removed_mm3:.2} mm3; {before:.1} bytes/mm3 of block before, {after:.1} after");
+    }
+    print_rows(&[0.2, 0.1])
+}
+
+/// What a segment of [`rows`] takes, and how exact it is.
+fn print_rows(steps_mm: &[f64]) -> Result<(), Error> {
+    println!("rows of a flat end mill, {} segments of 1 mm:", rows::SEGMENTS);
+    let (tool, moves) = (Tool::cylinder(rows::RADIUS_MM, 20.0)?, rows::moves());
+    for step_mm in steps_mm {
+        let whole = Stock::new(&Block { lowest_mm: [0.0; 3], highest_mm: rows::HIGHEST_MM }, *step_mm, MEMORY_MAX)?;
+        let before = whole.volume();
+        // The clock of the processor counts hundredths of a second.
+        let mut took_s = 0.0;
+        let mut left = whole.clone();
+        for _ in 0..REPEATS {
+            let (took, stock) = cut(1, whole.clone(), &tool, &moves)?;
+            took_s += took.all_s / f64::from(REPEATS);
+            left = stock;
+        }
+        let removed = [0, 1, 2].map(|axis: usize| before.by_axis[axis] - left.volume().by_axis[axis]);
+        println!(
+            "  {step_mm} mm: {:.1} us a segment; by rays along z {:+.1e} of {} mm3, mean of all {:+.1e}; {:.1} MiB",
+            took_s / rows::SEGMENTS as f64 * 1e6,
+            removed[2] / rows::TRUE_MM3 - 1.0,
+            rows::TRUE_MM3,
+            removed.iter().sum::<f64>() / 3.0 / rows::TRUE_MM3 - 1.0,
+            left.memory_bytes() as f64 / f64::from(1 << 20),
+        );
     }
     Ok(())
 }

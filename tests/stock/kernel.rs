@@ -2,6 +2,7 @@
 //! point of the ray the deepest it ever comes into the tool is found. It shares nothing with the kernel but the solid.
 
 use arcfeed_hil_sim::stock::dexel::{Dexel, Interval};
+use arcfeed_hil_sim::stock::lattice::Lattice;
 use arcfeed_hil_sim::stock::profile::Profile;
 use arcfeed_hil_sim::stock::section::{Section, Sweep};
 use arcfeed_hil_sim::stock::sweep::passes;
@@ -81,9 +82,11 @@ fn assert_not_culled(slab: &Slab, sweep: &Sweep, (ray_axis, point): (usize, [f64
     let tool = Tool::new(&wall(slab.outer_mm), slab.inner_mm.map(wall).as_ref()).unwrap();
     let pass = passes(&tool, &[*sweep], ray_axis)[0];
     let taken_mm: f64 = spans.iter().map(Interval::length_mm).sum();
-    let whole = Interval::new(-60.0, 60.0);
-    let mut ray = Dexel::One(whole);
-    let removed_mm = pass.cut(point, &whole, &mut ray);
+    // The ray is in the middle of the cell at 60.
+    let lattice = Lattice::new(point.map(|at| at - 60.5), point.map(|at| at + 60.5), 1.0).unwrap();
+    let reach = pass.reach(&lattice, point[Lattice::across(ray_axis)[1]]).filter(|reach| reach.columns.contains(&60));
+    let mut ray = Dexel::One(Interval::new(-60.0, 60.0));
+    let removed_mm = reach.map_or(0.0, |reach| pass.cut(point, &reach, &mut ray));
     assert!((removed_mm - taken_mm).abs() < 1e-9, "{removed_mm} {taken_mm} {slab:?} {sweep:?} {point:?}");
     let corners = pass.box_mm().map(|corner| corner[ray_axis]);
     let way = sweep.motion_mm()[ray_axis];

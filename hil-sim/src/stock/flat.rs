@@ -36,6 +36,20 @@ struct Upright {
     hole_mm: f64,
 }
 
+/// What a ray loses, in at most two stretches.
+pub type Losses = [Option<Interval>; 2];
+
+/// What a row of rays can lose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Where its rays stand.
+    pub across: Interval,
+    /// The stretch of each ray.
+    pub along: Interval,
+    /// Between upright walls: what each of them loses that is beside the walls, where that is the same for all.
+    pub losses: Option<Losses>,
+}
+
 impl Flat {
     /// Of a slab, wider by a margin; `None` where it moves otherwise.
     pub fn new(slab: &Slab, sweep: &Sweep, margin_mm: f64) -> Option<Self> {
@@ -47,17 +61,47 @@ impl Flat {
         is_across.then_some(Flat { axis, ends_mm: [sweep.from_mm, sweep.to_mm], outer_mm, hole_mm, upright })
     }
 
-    /// What a ray loses to a slab with upright walls, in at most two stretches; `None` where the walls are not upright.
-    pub fn losses(&self, ray_axis: usize, point_mm: &[f64; 3]) -> Option<[Option<Interval>; 2]> {
-        let upright = self.upright.as_ref()?;
-        let Upright { heights, outer_mm, hole_mm } = *upright;
+    /// What is known of a whole row of rays, along an axis, with another one across them: told what it can meet by the box, it is no more than that. Only
+    /// walls that are upright say more. `None` if it loses nothing.
+    pub fn narrowed(&self, row: Row, [ray_axis, column_axis]: [usize; 2], row_mm: f64) -> Option<Row> {
+        let Some(Upright { heights, .. }) = self.upright else { return Some(row) };
+        let mut point_mm = [0.0; 3];
+        point_mm[3 - ray_axis - column_axis] = row_mm;
+        if ray_axis == self.axis {
+            Some(Row { across: self.along(column_axis, &point_mm, self.outer_mm)?, along: heights, losses: None })
+        } else if column_axis == self.axis {
+            Some(Row { losses: Some(self.walls(ray_axis, &point_mm)?), ..row })
+        } else {
+            self.is_beside(&point_mm).then_some(row)
+        }
+    }
+
+    /// What a ray loses to a slab with upright walls, told what its row has in common; `None` where the walls are not upright.
+    pub fn losses(&self, ray_axis: usize, point_mm: &[f64; 3], of_row: Option<Losses>) -> Option<Losses> {
+        let Upright { heights, outer_mm, hole_mm } = self.upright?;
         if ray_axis == self.axis {
             return Some([self.reaches(point_mm, outer_mm, hole_mm).then_some(heights), None]);
         }
-        let is_beside = (heights.from_mm..=heights.to_mm).contains(&point_mm[self.axis]);
-        let Some(outside) = self.along(ray_axis, point_mm, outer_mm).filter(|_| is_beside) else {
-            return Some([None, None]);
-        };
+        let walls = || of_row.or_else(|| self.walls(ray_axis, point_mm));
+        Some(Some(()).filter(|()| self.is_beside(point_mm)).and_then(|()| walls()).unwrap_or_default())
+    }
+
+    /// Whether its walls are upright.
+    pub fn is_upright(&self) -> bool {
+        self.upright.is_some()
+    }
+
+    /// Whether a point is between the ends of upright walls.
+    fn is_beside(&self, point_mm: &[f64; 3]) -> bool {
+        let beside =
+            |upright: &Upright| (upright.heights.from_mm..=upright.heights.to_mm).contains(&point_mm[self.axis]);
+        self.upright.as_ref().is_some_and(beside)
+    }
+
+    /// What of a line beside upright walls is between them.
+    fn walls(&self, ray_axis: usize, point_mm: &[f64; 3]) -> Option<Losses> {
+        let Upright { outer_mm, hole_mm, .. } = self.upright?;
+        let outside = self.along(ray_axis, point_mm, outer_mm)?;
         Some(match self.hollow(ray_axis, point_mm, hole_mm) {
             None => [Some(outside), None],
             Some(hollow) => {

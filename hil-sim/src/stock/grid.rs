@@ -110,7 +110,7 @@ impl Removed {
             let point_mm = point_mm(column);
             if dexel.meets(&reach.along) && pass.may_cut(&point_mm, dexel) {
                 self.bytes_before += dexel.heap_bytes();
-                self.length_mm += pass.cut(point_mm, &reach.along, dexel);
+                self.length_mm += pass.cut(point_mm, reach, dexel);
                 self.bytes_after += dexel.heap_bytes();
             }
         }

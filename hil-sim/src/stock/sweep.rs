@@ -11,7 +11,7 @@ use std::ops::Range;
 use arcfeed_shared::kinematics::vector::{Vector, dot, length, scaled, sum};
 
 use super::dexel::{Dexel, Interval};
-use super::flat::Flat;
+use super::flat::{Flat, Losses, Row};
 use super::lattice::Lattice;
 use super::section::{Section, Sweep};
 use super::tool::{Slab, Tool};
@@ -48,6 +48,8 @@ pub struct Reach {
     pub columns: Range<usize>,
     /// Stretch of each ray.
     pub along: Interval,
+    /// What each of them loses, where that is the same for all.
+    pub losses: Option<Losses>,
 }
 
 /// All slabs of a tool on all ways, for rays along an axis.
@@ -114,14 +116,21 @@ impl Pass {
         if during[0] > during[1] {
             return None;
         }
-        let across = self.extent(column_axis, during);
+        let row =
+            Row { across: self.extent(column_axis, during), along: self.extent(self.ray_axis, during), losses: None };
+        let Row { across, along, losses } = match &self.flat {
+            Some(flat) => flat.narrowed(row, [self.ray_axis, column_axis], row_mm)?,
+            None => row,
+        };
         let columns = lattice.cells_between(column_axis, across.from_mm, across.to_mm);
-        (!columns.is_empty()).then(|| Reach { columns, along: self.extent(self.ray_axis, during) })
+        (!columns.is_empty()).then_some(Reach { columns, along, losses })
     }
 
     /// Whether a ray is so near that it may lose any of its material to the slab.
     pub fn may_cut(&self, ray_point_mm: &Vector, dexel: &Dexel) -> bool {
         match &self.flat {
+            // What it loses is as soon known.
+            Some(flat) if flat.is_upright() => true,
             Some(flat) => flat.may_cut(self.ray_axis, ray_point_mm, dexel),
             None => self.is_near(ray_point_mm),
         }
@@ -164,13 +173,14 @@ impl Pass {
         (stretch.length_mm() > 0.0).then_some(stretch)
     }
 
-    /// Takes its sweep from a stretch of a ray, beyond which it does not reach; answers the length that was there.
-    pub fn cut(&self, ray_point_mm: Vector, along: &Interval, dexel: &mut Dexel) -> f64 {
-        if let Some(losses) = self.flat.as_ref().and_then(|flat| flat.losses(self.ray_axis, &ray_point_mm)) {
+    /// Takes its sweep from a ray of a row; answers the length that was there.
+    pub fn cut(&self, ray_point_mm: Vector, reach: &Reach, dexel: &mut Dexel) -> f64 {
+        let losses = self.flat.as_ref().and_then(|flat| flat.losses(self.ray_axis, &ray_point_mm, reach.losses));
+        if let Some(losses) = losses {
             return losses.into_iter().flatten().map(|loss| dexel.subtract(loss)).sum();
         }
         let mut removed_mm = 0.0;
-        let Some(stretch) = self.stretch(&ray_point_mm, along).filter(|stretch| dexel.meets(stretch)) else {
+        let Some(stretch) = self.stretch(&ray_point_mm, &reach.along).filter(|stretch| dexel.meets(stretch)) else {
             return removed_mm;
         };
         self.section.for_each_span(ray_point_mm, &stretch, |span| removed_mm += dexel.subtract(span));
