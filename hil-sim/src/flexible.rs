@@ -87,19 +87,31 @@ impl<B: Modal> Modal for Arc<B> {
     }
 }
 
+/// Part of a body's reach, which is about its thickness, by which an edge moves before it looks again: what modes do there differs by less than the
+/// elements are off.
+const SAME_RATIO: f64 = 0.02;
+
 /// A workpiece that a tool moves along; state: where it was seen from last, for the next place is near.
 #[derive(Clone, Debug)]
 pub struct Workpiece<B> {
     body: B,
-    /// One for each that looks.
-    stations: Vec<Station>,
+    /// The cut's, and one for each edge.
+    views: Vec<View>,
+}
+
+/// What somebody sees.
+#[derive(Clone, Debug, Default)]
+struct View {
+    /// From where.
+    point_mm: Option<Vector3<f64>>,
+    station: Station,
     shapes: Vec<Vector3<f64>>,
 }
 
 impl<B: Modal> Workpiece<B> {
     /// A body, not seen yet.
     pub fn new(body: B) -> Self {
-        Workpiece { body, stations: Vec::new(), shapes: Vec::new() }
+        Workpiece { body, views: Vec::new() }
     }
 
     /// How many modes it has.
@@ -109,12 +121,13 @@ impl<B: Modal> Workpiece<B> {
 
     /// What the modes do at the point of the body that is nearest to another, 1/sqrt(kg).
     pub fn shapes_on(&mut self, point_mm: [f64; 3]) -> &[Vector3<f64>] {
-        self.look(0, point_mm, 0.0)
+        self.look(0, point_mm, [0.0, 0.0])
     }
 
-    /// What the modes do at a point that is an edge's, 1/sqrt(kg).
+    /// What the modes do at a point that is an edge's, or at one that it has passed just before, 1/sqrt(kg).
     pub fn shapes_at(&mut self, edge: usize, point_mm: [f64; 3]) -> &[Vector3<f64>] {
-        self.look(edge + 1, point_mm, self.body.reach_mm())
+        let reach_mm = self.body.reach_mm();
+        self.look(edge + 1, point_mm, [reach_mm, SAME_RATIO * reach_mm])
     }
 
     /// The modes as seen from the point of the body that is nearest to another, all with the same damping.
@@ -123,18 +136,22 @@ impl<B: Modal> Workpiece<B> {
     /// The damping is none.
     pub fn modes(&mut self, point_mm: [f64; 3], damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
         self.shapes_on(point_mm);
-        modes(self.body.omega_rad_per_s(), &self.shapes, damping_ratio)
+        modes(self.body.omega_rad_per_s(), &self.views[0].shapes, damping_ratio)
     }
 
-    fn look(&mut self, station: usize, point_mm: [f64; 3], beyond_mm: f64) -> &[Vector3<f64>] {
-        if self.stations.len() <= station {
-            self.stations.resize(station + 1, Station::default());
+    fn look(&mut self, view: usize, point_mm: [f64; 3], [beyond_mm, same_mm]: [f64; 2]) -> &[Vector3<f64>] {
+        if self.views.len() <= view {
+            self.views.resize(view + 1, View::default());
         }
-        let station = &mut self.stations[station];
-        self.body.stand_at(point_mm, beyond_mm, station);
-        self.shapes.clear();
-        self.shapes.extend(station.shapes.iter().map(per_root_kg));
-        &self.shapes
+        let View { point_mm: before, station, shapes } = &mut self.views[view];
+        let point = Vector3::from(point_mm);
+        if before.is_none_or(|before| (point - before).norm() > same_mm) {
+            *before = Some(point);
+            self.body.stand_at(point_mm, beyond_mm, station);
+            shapes.clear();
+            shapes.extend(station.shapes.iter().map(per_root_kg));
+        }
+        shapes
     }
 }
 

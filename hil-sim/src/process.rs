@@ -27,7 +27,7 @@ use crate::flexible::{Modal, Workpiece};
 const NARROW_RATIO: f64 = 0.01;
 
 /// No edge comes nearer to the material by more than this in a step.
-const MARGIN_MM: f64 = 0.25;
+const MARGIN_MM: f64 = 0.1;
 
 /// A tool at work.
 #[derive(Clone, Debug)]
@@ -188,7 +188,7 @@ impl Spread {
         place_of.clear();
         vibration.add_place(&[], places);
         for (edge, bent_mm) in bent_mm.iter().enumerate() {
-            if !bite.is_near(edge, stand, MARGIN_MM) {
+            if !bite.is_near(edge, stand, bent_mm.xy(), MARGIN_MM) {
                 place_of.push(0);
                 continue;
             }

@@ -174,12 +174,12 @@ impl Bite {
         Vector3::new(place_mm.x, place_mm.y, stand.tip_mm + piece.height_mm)
     }
 
-    /// Whether an edge has material around it, or would have if it were anywhere so far away from where it stands.
-    pub fn is_near(&self, edge: usize, stand: &Stand, margin_mm: f64) -> bool {
+    /// Whether an edge, bent away from where it stands, has material around it, or would have if it were anywhere so far away.
+    pub fn is_near(&self, edge: usize, stand: &Stand, bent_mm: Vector2<f64>, margin_mm: f64) -> bool {
         let descent = self.descent(stand);
         let Some(piece) = self.cutter.pieces().get(edge) else { return descent.lowers() };
         let Some(placed) = self.placed(piece, &descent) else { return false };
-        let rake = self.rake(piece, stand, Vector2::zeros(), &placed.share);
+        let rake = self.rake(piece, stand, bent_mm, &placed.share);
         rake.is_near(&self.layers.layers()[placed.index], margin_mm)
     }
 
