@@ -8,7 +8,7 @@
 use std::fmt;
 
 use super::element::jacobian;
-use super::tetrahedron::{EDGES, NODES, nodes};
+use super::tetrahedron::{EDGES, NODES, fourteen_points, nodes};
 
 /// A place on the lattice, in half cells from the lowest corner.
 pub type HalfCells = [usize; 3];
@@ -188,6 +188,16 @@ impl Mesh {
     /// Where one element's nodes are.
     pub fn nodes_of_mm(&self, element: usize) -> [[f64; 3]; NODES] {
         self.elements[element].map(|node| self.nodes_mm[node])
+    }
+
+    /// What its elements take up, bent as they are: the determinant is of degree 3.
+    pub fn volume_mm3(&self) -> f64 {
+        let of = |element| {
+            let nodes_mm = self.nodes_of_mm(element);
+            let parts = fourteen_points().map(|(place, weight)| weight * jacobian(&nodes_mm, place).determinant());
+            parts.iter().sum::<f64>()
+        };
+        (0..self.elements.len()).map(of).sum()
     }
 
     /// The nodes whose place on the lattice is as wanted.
