@@ -195,16 +195,39 @@ fn airfoil(q: f64, n: f64) -> [f64; 2] {
 }
 
 #[test]
-fn a_coarse_file_of_an_airfoil_is_meshed_with_any_cells() {
-    let surface = closed([40, 2, 30], |[q, n, height]| {
-        let [x_mm, y_mm] = airfoil(q, n).map(|along| 30.0 * along);
-        let (sin, cos) = libm::sincos(1.2 * height - 0.3);
-        [(x_mm - 12.0) * cos - y_mm * sin, (x_mm - 12.0) * sin + y_mm * cos, 45.0 * height]
-    });
-    for cells in [[8, 1, 6], [16, 1, 12], [12, 2, 8], [20, 1, 20]] {
-        let mesh = Sheet { surface: &surface, thickness: 1, held: FOOT }.mesh(cells).expect("a blade");
-        let volume = 100.0 * (mesh.volume_mm3() / surface.volume_mm3() - 1.0);
-        println!("{cells:?}: volume {volume:+.3} %");
-        assert!(volume.abs() < 0.6);
+fn a_coarse_surface_of_an_airfoil_is_meshed_with_any_cells() {
+    // Its chord nearly along Y, too.
+    for turned_rad in [[-0.3, 0.9], [1.2, 1.3]] {
+        let surface = closed([40, 2, 30], |[q, n, height]| {
+            let [x_mm, y_mm] = airfoil(q, n).map(|along| 30.0 * along);
+            let (sin, cos) = libm::sincos(turned_rad[0] + (turned_rad[1] - turned_rad[0]) * height);
+            [(x_mm - 12.0) * cos - y_mm * sin, (x_mm - 12.0) * sin + y_mm * cos, 45.0 * height]
+        });
+        for cells in [[8, 1, 6], [16, 1, 12], [12, 2, 8], [20, 1, 20]] {
+            let mesh = Sheet { surface: &surface, thickness: 1, held: FOOT }.mesh(cells).expect("a blade");
+            let volume = 100.0 * (mesh.volume_mm3() / surface.volume_mm3() - 1.0);
+            println!("{turned_rad:?} {cells:?}: volume {volume:+.3} %");
+            assert!(volume.abs() < 0.6);
+        }
+    }
+}
+
+#[test]
+fn a_blade_is_the_same_whichever_axes_it_lies_along() {
+    let lying = |way: usize| {
+        let surface = closed([48, 2, 64], |[s, n, height]| {
+            let mut point_mm = TWISTED.point_mm([s - 0.5, n - 0.5, height]);
+            point_mm.rotate_right(way);
+            point_mm
+        });
+        let (mut cells, held) = ([8, 1, 8], Face { axis: (2 + way) % 3, is_upper: false });
+        cells.rotate_right(way);
+        five_hz(Sheet { surface: &surface, thickness: (1 + way) % 3, held }.mesh(cells).expect("a blade"), held)
+    };
+    let upright_hz = lying(0);
+    for way in [1, 2] {
+        let worst = lying(way).iter().zip(&upright_hz).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+        println!("turned {way} times: within {worst:.1e}");
+        assert!(worst < 1e-8);
     }
 }
