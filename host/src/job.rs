@@ -4,6 +4,8 @@ mod quantity;
 
 pub mod cutting;
 
+pub mod stl;
+
 pub mod flexible;
 
 mod schema;

@@ -8,6 +8,9 @@ mod trochoid;
 #[path = "../fe/at_nodes.rs"]
 mod at_nodes;
 
+#[path = "../fe/surfaces.rs"]
+mod surfaces;
+
 mod story;
 
 mod slots;
@@ -23,5 +26,7 @@ mod vibration;
 mod marks;
 
 mod flexible;
+
+mod sheet;
 
 mod wall;

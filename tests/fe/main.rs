@@ -16,3 +16,7 @@ mod points;
 mod disks;
 
 mod twisted_beam;
+
+mod surfaces;
+
+mod sheets;

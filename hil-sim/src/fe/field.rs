@@ -70,13 +70,9 @@ impl Field {
         self.locator.reach_mm()
     }
 
-    /// The lowest and the highest corner of a box around the nodes.
-    pub fn bounds_mm(&self) -> [[f64; 3]; 2] {
-        let corner = |choose: fn(f64, f64) -> f64| {
-            let of = |axis: usize| self.mesh.nodes_mm().iter().map(|node| node[axis]).reduce(choose);
-            [0, 1, 2].map(|axis| of(axis).unwrap_or_default())
-        };
-        [corner(f64::min), corner(f64::max)]
+    /// The nodes and the elements between them.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
     }
 
     /// (1)

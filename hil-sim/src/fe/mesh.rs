@@ -10,7 +10,7 @@ use std::fmt;
 use nalgebra::Vector3;
 
 use super::element::jacobian;
-use super::tetrahedron::{EDGES, NODES, nodes};
+use super::tetrahedron::{EDGES, NODES, fourteen_points, nodes};
 
 /// A place on the lattice, in half cells from the lowest corner.
 pub type HalfCells = [usize; 3];
@@ -192,6 +192,15 @@ impl Mesh {
         self.elements[element].map(|node| self.nodes_mm[node])
     }
 
+    /// The lowest and the highest corner of a box around the nodes.
+    pub fn bounds_mm(&self) -> [[f64; 3]; 2] {
+        let corner = |choose: fn(f64, f64) -> f64| {
+            let of = |axis: usize| self.nodes_mm.iter().map(|node| node[axis]).reduce(choose);
+            [0, 1, 2].map(|axis| of(axis).unwrap_or_default())
+        };
+        [corner(f64::min), corner(f64::max)]
+    }
+
     /// The largest of the elements' least altitudes, about how thick a wall of one cell is: as far outside, displacements are known about as well as inside
     /// (docs/fe.md).
     pub fn thickness_mm(&self) -> f64 {
@@ -204,6 +213,16 @@ impl Mesh {
             libm::fabs(six_mm3) / faces.into_iter().map(|face| twice_mm2(face).norm()).fold(0.0, f64::max)
         };
         (0..self.elements.len()).map(altitude_mm).fold(0.0, f64::max)
+    }
+
+    /// What its elements take up, bent as they are: the determinant is of degree 3.
+    pub fn volume_mm3(&self) -> f64 {
+        let of = |element| {
+            let nodes_mm = self.nodes_of_mm(element);
+            let parts = fourteen_points().map(|(place, weight)| weight * jacobian(&nodes_mm, place).determinant());
+            parts.iter().sum::<f64>()
+        };
+        (0..self.elements.len()).map(of).sum()
     }
 
     /// The nodes whose place on the lattice is as wanted.

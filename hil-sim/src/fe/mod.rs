@@ -16,6 +16,10 @@ pub mod blade;
 
 pub mod slab;
 
+pub mod sides;
+
+pub mod sheet;
+
 pub mod disk;
 
 pub mod order;

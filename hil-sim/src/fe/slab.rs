@@ -16,6 +16,23 @@ pub struct Face {
     pub is_upper: bool,
 }
 
+impl Face {
+    /// Where a place along its axis in a row of equal cells, both from 0 to 1, goes: cells at the face are a fifth as long as those at the other end.
+    pub(super) fn graded(self, at_ratio: f64, cells: usize) -> f64 {
+        if self.is_upper {
+            1.0 - graded(1.0 - at_ratio, cells, HELD_RATIO)
+        } else {
+            graded(at_ratio, cells, HELD_RATIO)
+        }
+    }
+
+    /// Nodes of a lattice with its axes along x, y and z that are in this face.
+    pub fn nodes(self, mesh: &Mesh) -> Vec<usize> {
+        let end = if self.is_upper { 2 * mesh.cells()[self.axis] } else { 0 };
+        mesh.nodes_where(|place| place[self.axis] == end)
+    }
+}
+
 /// The block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slab {
@@ -33,14 +50,9 @@ impl Slab {
     /// # Errors
     /// No cells along an axis, or no length.
     pub fn mesh(&self, cells: [usize; 3]) -> Result<Mesh, MeshError> {
-        let Face { axis: held, is_upper } = self.held;
         let part = |at: f64, axis: usize| {
             let even = at / cells[axis] as f64;
-            match (axis == held, is_upper) {
-                (false, _) => even,
-                (true, false) => graded(even, cells[axis], HELD_RATIO),
-                (true, true) => 1.0 - graded(1.0 - even, cells[axis], HELD_RATIO),
-            }
+            if axis == self.held.axis { self.held.graded(even, cells[axis]) } else { even }
         };
         let place = |at: [f64; 3]| {
             [0, 1, 2].map(|axis: usize| {
@@ -53,9 +65,7 @@ impl Slab {
 
     /// Nodes of such a mesh that are in its clamp.
     pub fn clamped(&self, mesh: &Mesh) -> Vec<usize> {
-        let Face { axis, is_upper } = self.held;
-        let end = if is_upper { 2 * mesh.cells()[axis] } else { 0 };
-        mesh.nodes_where(|place| place[axis] == end)
+        self.held.nodes(mesh)
     }
 }
 

@@ -26,7 +26,7 @@ pub struct Giving {
 impl Giving {
     /// A body with its modes, and how far up from its tip the tool that cuts it has edges.
     pub fn new(field: Arc<Field>, edges_mm: f64) -> Self {
-        Giving { bounds_mm: field.bounds_mm(), seen: Workpiece::new(field), edges_mm }
+        Giving { bounds_mm: field.mesh().bounds_mm(), seen: Workpiece::new(field), edges_mm }
     }
 
     /// How many modes it has.

@@ -214,7 +214,7 @@ impl Solid for Mesh {
 }
 
 /// The material between crossings in order: where more surfaces were entered than left.
-fn wound(crossings: &[(usize, f64, i32)]) -> Dexel {
+pub(super) fn wound(crossings: &[(usize, f64, i32)]) -> Dexel {
     let mut pieces: Vec<Interval> = Vec::new();
     let mut inside = 0;
     for (_, at_mm, sense) in crossings {

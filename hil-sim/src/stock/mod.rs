@@ -29,6 +29,8 @@ pub mod solid;
 
 pub mod mesh;
 
+pub mod outline;
+
 pub mod files;
 
 pub mod workpiece;

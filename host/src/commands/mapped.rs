@@ -9,7 +9,8 @@ use crate::adapt::{Adapted, Known, PlannedBlock, adapt_with};
 use crate::checksum::fingerprint;
 use crate::engagement::EngagementMap;
 use crate::job::JobFile;
-use crate::job::workpiece::{Blank, StlFile};
+use crate::job::stl::StlFile;
+use crate::job::workpiece::Blank;
 use crate::program::Program;
 
 /// A job and its program, both without errors, with the engagement map that the job names.

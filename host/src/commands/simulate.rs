@@ -5,6 +5,8 @@ pub mod control;
 
 pub mod measured;
 
+mod surface;
+
 mod body;
 
 mod edges;

@@ -1,4 +1,4 @@
-//! `[workpiece.flexible]`: the part of the workpiece that gives way, as a block held at a face.
+//! `[workpiece.flexible]`: the part of the workpiece that gives way, held at a face: a block, or a wall or a blade from an STL file.
 
 use arcfeed_shared::kinematics::vector::Vector;
 use arcfeed_shared::units::LengthUnit;
@@ -6,6 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::quantity::Quantity;
+use super::stl::StlFile;
 use super::{Complaint, at};
 
 /// Cells of all axes together: more take minutes (docs/fe.md).
@@ -21,7 +22,8 @@ const MODES_MAX: usize = 100;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FlexibleTable {
-    block: Spanned<HeldTable>,
+    block: Option<Spanned<BlockTable>>,
+    stl: Option<Spanned<SheetTable>>,
     material: Option<Spanned<String>>,
     young: Option<Spanned<f64>>,
     poisson: Option<Spanned<f64>>,
@@ -32,9 +34,18 @@ pub struct FlexibleTable {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct HeldTable {
+struct BlockTable {
     from: [Quantity; 3],
     to: [Quantity; 3],
+    cells: Spanned<[usize; 3]>,
+    clamped: Spanned<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SheetTable {
+    file: Spanned<String>,
+    thickness: Spanned<String>,
     cells: Spanned<[usize; 3]>,
     clamped: Spanned<String>,
 }
@@ -42,10 +53,8 @@ struct HeldTable {
 /// A body and how much of its vibration is wanted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flexible {
-    /// The lowest corner, in the coordinates of the program.
-    pub lowest_mm: Vector,
-    /// The highest corner.
-    pub highest_mm: Vector,
+    /// In the coordinates of the program.
+    pub shape: Shape,
     /// The axis that is square to the face where it is held, 0 to 2, and whether that is at the higher end.
     pub clamped: (usize, bool),
     /// Along the axes.
@@ -58,6 +67,27 @@ pub struct Flexible {
     pub damping_ratio: f64,
     /// Byte offset of its table in the job file.
     pub offset: usize,
+}
+
+/// What it is before it bends.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A block, its edges along the axes.
+    Block {
+        /// The lowest corner.
+        lowest_mm: Vector,
+        /// The highest corner.
+        highest_mm: Vector,
+    },
+    /// A wall or a blade between two sides.
+    Sheet {
+        /// Its closed surface.
+        file: StlFile,
+        /// The axis from side to side, 0 to 2.
+        thickness: usize,
+        /// Byte offset of the file's name in the job file.
+        offset: usize,
+    },
 }
 
 /// What it is made of.
@@ -82,14 +112,28 @@ pub enum Elastic {
 }
 
 /// Checks what a job says of it.
-pub(super) fn build(told: &Spanned<FlexibleTable>, unit: LengthUnit) -> Result<Flexible, Complaint> {
-    let FlexibleTable { block, modes, damping, .. } = told.as_ref();
-    let HeldTable { from, to, cells, clamped } = block.as_ref();
-    let corner = |corner: &[Quantity; 3]| corner.each_ref().map(|quantity| quantity.to_mm(unit));
-    let (lowest_mm, highest_mm) = (corner(from), corner(to));
-    if !lowest_mm.iter().zip(highest_mm).all(|(low, high)| *low < high) {
-        return Err(at(block, "`from` must be below `to` in X, Y and Z"));
-    }
+pub(super) fn build(
+    told: &Spanned<FlexibleTable>,
+    unit: LengthUnit,
+    named: &dyn Fn(&Spanned<String>) -> Result<StlFile, Complaint>,
+) -> Result<Flexible, Complaint> {
+    let FlexibleTable { block, stl, modes, damping, .. } = told.as_ref();
+    let (shape, cells, clamped) = match (block, stl) {
+        (Some(told), None) => {
+            let BlockTable { cells, clamped, .. } = told.as_ref();
+            (block_shape(told, unit)?, cells, clamped)
+        }
+        (None, Some(told)) => {
+            let SheetTable { cells, clamped, .. } = told.as_ref();
+            (sheet_shape(told.as_ref(), named)?, cells, clamped)
+        }
+        _ => {
+            return Err(at(
+                told,
+                "give what gives way as one of block = { from, to, cells, clamped } or stl = { file, thickness, cells, clamped }",
+            ));
+        }
+    };
     let count = cells.as_ref().iter().try_fold(1_usize, |product, cells| product.checked_mul(*cells));
     if !count.is_some_and(|count| (1..=CELLS_MAX).contains(&count)) {
         return Err(at(cells, "cells along X, Y and Z: 1 or more each, at most 2000 in all"));
@@ -102,8 +146,7 @@ pub(super) fn build(told: &Spanned<FlexibleTable>, unit: LengthUnit) -> Result<F
         return Err(at(damping, "damping, a part of the critical one, must be 0 to less than 1"));
     }
     Ok(Flexible {
-        lowest_mm,
-        highest_mm,
+        shape,
         clamped: face(clamped)?,
         cells: *cells.as_ref(),
         material: material(told)?,
@@ -113,6 +156,31 @@ pub(super) fn build(told: &Spanned<FlexibleTable>, unit: LengthUnit) -> Result<F
     })
 }
 
+fn block_shape(told: &Spanned<BlockTable>, unit: LengthUnit) -> Result<Shape, Complaint> {
+    let corner = |corner: &[Quantity; 3]| corner.each_ref().map(|quantity| quantity.to_mm(unit));
+    let (lowest_mm, highest_mm) = (corner(&told.as_ref().from), corner(&told.as_ref().to));
+    if !lowest_mm.iter().zip(highest_mm).all(|(low, high)| *low < high) {
+        return Err(at(told, "`from` must be below `to` in X, Y and Z"));
+    }
+    Ok(Shape::Block { lowest_mm, highest_mm })
+}
+
+fn sheet_shape(
+    SheetTable { file, thickness, clamped, .. }: &SheetTable,
+    named: &dyn Fn(&Spanned<String>) -> Result<StlFile, Complaint>,
+) -> Result<Shape, Complaint> {
+    let Some(axis) = ["x", "y", "z"].iter().position(|axis| axis == thickness.as_ref()) else {
+        return Err(at(
+            thickness,
+            "no such axis; write \"x\", \"y\" or \"z\": from one side of the wall or blade to the other",
+        ));
+    };
+    if axis == face(clamped)?.0 {
+        return Err(at(thickness, "a wall or a blade is held at a face square to another axis than its thickness"));
+    }
+    Ok(Shape::Sheet { file: named(file)?, thickness: axis, offset: file.span().start })
+}
+
 /// An axis and which of its ends.
 fn face(told: &Spanned<String>) -> Result<(usize, bool), Complaint> {
     let faces = ["x-", "x+", "y-", "y+", "z-", "z+"];
@@ -120,7 +188,7 @@ fn face(told: &Spanned<String>) -> Result<(usize, bool), Complaint> {
         Some(index) => Ok((index / 2, index % 2 == 1)),
         None => Err(at(
             told,
-            "no such face; write \"x-\", \"x+\", \"y-\", \"y+\", \"z-\" or \"z+\": - at `from`, + at `to`",
+            "no such face; write \"x-\", \"x+\", \"y-\", \"y+\", \"z-\" or \"z+\": - at the lower end, + at the upper",
         )),
     }
 }

@@ -1,6 +1,6 @@
 //! `[workpiece]`, and what `[tool]` says of the body that cuts it.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use arcfeed_shared::job::Job;
 use arcfeed_shared::kinematics::vector::{Vector, difference, length};
@@ -10,6 +10,7 @@ use toml::Spanned;
 
 use super::flexible::{self, Flexible};
 use super::schema::{BlockTable, JobTable, Quantity, RoundTable, ToolTable, WorkpieceTable};
+use super::stl::StlFile;
 use super::{Complaint, at, length_mm};
 
 /// Memory of a stock where the job says nothing.
@@ -62,15 +63,6 @@ pub enum Blank {
     Stl(StlFile),
 }
 
-/// A mesh in a file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StlFile {
-    /// Where it is.
-    pub path: PathBuf,
-    /// Of its coordinates.
-    pub unit: LengthUnit,
-}
-
 /// What of a tool cuts, beside its radii.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
@@ -93,7 +85,8 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
         return Err(at(&table.tool.kind, "the tool's height must be at least its corner_radius"));
     }
     let stl_unit = stl_units.map_or(LengthUnit::Mm, LengthUnit::from);
-    let target = target.as_ref().map(|file| stl(file, folder, stl_unit)).transpose()?;
+    let named = |file: &Spanned<String>| StlFile::told(file, folder, stl_unit);
+    let target = target.as_ref().map(named).transpose()?;
     let memory_max_bytes = match memory_mib {
         Some(mib) if !(1..=1 << 20).contains(mib.as_ref()) => {
             return Err(at(mib, "memory_mib must be 1 or more, in MiB"));
@@ -105,7 +98,7 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
         return Err(at(flexible, "[workpiece.flexible] needs [cutting]: without edges there are no forces"));
     }
     Ok(Some(Workpiece {
-        flexible: flexible.map(|flexible| flexible::build(flexible, job.unit)).transpose()?,
+        flexible: flexible.map(|flexible| flexible::build(flexible, job.unit, &named)).transpose()?,
         blank: blank(told, job.unit, folder, stl_unit)?,
         target,
         step_mm: length_mm(step, job.unit, "step")?,
@@ -164,20 +157,11 @@ fn blank(
                 _ => Ok(Blank::Round { from_mm, to_mm, radius_mm, bore_mm }),
             }
         }
-        (None, None, Some(file)) => stl(file, folder, stl_unit).map(Blank::Stl),
+        (None, None, Some(file)) => StlFile::told(file, folder, stl_unit).map(Blank::Stl),
         _ => Err(at(
             told,
             "give the workpiece as one of block = { from = [x, y, z], to = [x, y, z] }, round = { from = [x, y, z], \
              to = [x, y, z], radius, bore } or stl = \"file.stl\"",
         )),
-    }
-}
-
-fn stl(file: &Spanned<String>, folder: &Path, unit: LengthUnit) -> Result<StlFile, Complaint> {
-    let path = folder.join(file.as_ref());
-    match std::fs::metadata(&path) {
-        Ok(found) if found.is_file() => Ok(StlFile { path, unit }),
-        Ok(_) => Err(at(file, &format!("{}: no file", path.display()))),
-        Err(error) => Err(at(file, &format!("{}: {error}", path.display()))),
     }
 }

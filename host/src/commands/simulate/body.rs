@@ -6,36 +6,52 @@ use arcfeed_hil_sim::dynamics::modal::Mode;
 use arcfeed_hil_sim::fe::body::Body;
 use arcfeed_hil_sim::fe::field::Field;
 use arcfeed_hil_sim::fe::material::{MATERIALS, Material};
+use arcfeed_hil_sim::fe::mesh::Mesh;
+use arcfeed_hil_sim::fe::sheet::Sheet;
 use arcfeed_hil_sim::fe::slab::{Face, Slab};
 use arcfeed_hil_sim::removal::giving::Giving;
 use arcfeed_hil_sim::stock::solid::Solid;
 
-use crate::job::flexible::{Elastic, Flexible};
+use super::surface;
+use crate::job::flexible::{Elastic, Flexible, Shape};
 
 /// What is wrong, and the byte offset in the job file if it is not the table's.
 pub type Trouble = (Option<usize>, String);
 
-/// Whether it reaches into a blank's box.
-pub fn is_part_of(flexible: &Flexible, blank: &dyn Solid) -> bool {
-    let [lowest_mm, highest_mm] = blank.bounds_mm();
-    (0..3).all(|axis| flexible.lowest_mm[axis] < highest_mm[axis] && lowest_mm[axis] < flexible.highest_mm[axis])
-}
-
 /// The body for a tool with edges so far up from its tip, and its modes.
 ///
 /// # Errors
-/// The material is not known, or the body has no such mesh or modes.
-pub fn giving(flexible: &Flexible, edges_mm: f64) -> Result<(Giving, Vec<Mode>), Trouble> {
+/// The material is not known, the body has no such mesh or modes, or is no part of the blank.
+pub fn giving(flexible: &Flexible, blank: &dyn Solid, edges_mm: f64) -> Result<(Giving, Vec<Mode>), Trouble> {
     let told = |error: &dyn std::fmt::Display| (Some(flexible.offset), error.to_string());
-    let Flexible { lowest_mm, highest_mm, clamped: (axis, is_upper), cells, .. } = *flexible;
-    let slab = Slab { lowest_mm, highest_mm, held: Face { axis, is_upper } };
-    let mesh = slab.mesh(cells).map_err(|error| told(&error))?;
+    let (axis, is_upper) = flexible.clamped;
+    let held = Face { axis, is_upper };
+    let mesh = mesh(flexible, held)?;
+    let box_mm = mesh.bounds_mm();
+    let of_blank_mm = blank.bounds_mm();
+    if !(0..3).all(|axis| box_mm[0][axis] < of_blank_mm[1][axis] && of_blank_mm[0][axis] < box_mm[1][axis]) {
+        return Err(told(&"what gives way has nothing in common with the workpiece"));
+    }
     let body = Body::new(mesh, &material(&flexible.material)?);
-    let modes = body.modes(&slab.clamped(body.mesh()), flexible.modes).map_err(|error| told(&error))?;
+    let modes = body.modes(&held.nodes(body.mesh()), flexible.modes).map_err(|error| told(&error))?;
     let field = Field::new(body.mesh().clone(), &modes, body.mesh().thickness_mm());
     let mut giving = Giving::new(Arc::new(field), edges_mm);
     let modes = giving.modes(flexible.damping_ratio).map_err(|error| told(&error))?;
     Ok((giving, modes))
+}
+
+fn mesh(flexible: &Flexible, held: Face) -> Result<Mesh, Trouble> {
+    match &flexible.shape {
+        Shape::Block { lowest_mm, highest_mm } => {
+            let slab = Slab { lowest_mm: *lowest_mm, highest_mm: *highest_mm, held };
+            slab.mesh(flexible.cells).map_err(|error| (Some(flexible.offset), error.to_string()))
+        }
+        Shape::Sheet { file, thickness, offset } => {
+            let surface = surface::mesh(file).map_err(|error| (Some(*offset), error))?;
+            let sheet = Sheet { surface: &surface, thickness: *thickness, held };
+            sheet.mesh(flexible.cells).map_err(|error| (Some(*offset), format!("{}: {error}", file.path.display())))
+        }
+    }
 }
 
 fn material(told: &Elastic) -> Result<Material, Trouble> {

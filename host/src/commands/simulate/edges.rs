@@ -52,10 +52,7 @@ pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<(
     let bite = Bite::new(edges, layers, depth_mm).map_err(|error| told(&error))?.up_to_mm(cutting.axial_depth_mm);
     let (mut modes, mut giving) = (Vec::new(), None);
     if let Some(flexible) = &workpiece.flexible {
-        if !body::is_part_of(flexible, blank) {
-            return Err((Some(flexible.offset), "what gives way has nothing in common with the workpiece".into()));
-        }
-        let (body, of_body) = body::giving(flexible, cutting.axial_depth_mm)?;
+        let (body, of_body) = body::giving(flexible, blank, cutting.axial_depth_mm)?;
         modes.extend(of_body);
         giving = Some(body);
     }

@@ -1,14 +1,10 @@
 //! The job's workpiece as a stock, its tool as what cuts it, and as edges.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 
 use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::removal::cutter::{Cutter, CutterSettings};
 use arcfeed_hil_sim::removal::loads::{LoadMeter, LoadSettings};
-use arcfeed_hil_sim::stock::files::read_stl;
-use arcfeed_hil_sim::stock::mesh::Mesh;
 use arcfeed_hil_sim::stock::motion::Pose;
 use arcfeed_hil_sim::stock::profile::ProfileError;
 use arcfeed_hil_sim::stock::solid::{Block, Revolved, Solid};
@@ -18,11 +14,12 @@ use arcfeed_shared::kinematics::vector::{difference, length};
 use arcfeed_shared::tool::Tool as JobTool;
 use arcfeed_shared::units::Nm;
 
-use super::super::outcome::{Failure, file_failure};
+use super::super::outcome::Failure;
 use super::body;
 use super::edges;
 use super::marked::Truth;
-use crate::job::workpiece::{Blank, Body, StlFile};
+use super::surface;
+use crate::job::workpiece::{Blank, Body};
 use crate::job::{Cutting, JobFile, Workpiece};
 use crate::place::place;
 
@@ -107,7 +104,7 @@ impl<'a> Setup<'a> {
     /// Its file has no solid, or it takes too much memory.
     pub fn target(&self) -> Result<Option<Stock>, Failure> {
         let Some(file) = &self.workpiece.target else { return Ok(None) };
-        let mesh = mesh(file).map_err(|error| error.at(&self.place))?;
+        let mesh = surface::mesh(file).map_err(Failure::Input)?;
         let stock = Stock::on(self.settings.stock.lattice(), &mesh, self.workpiece.memory_max_bytes);
         stock.map(Some).map_err(|error| Failure::Input(format!("{}: {error}", self.place)))
     }
@@ -143,18 +140,11 @@ fn solid(blank: &Blank, tolerance_mm: f64) -> Result<Box<dyn Solid>, Trouble> {
             let round = Revolved::new(body, &Pose { tip_mm: *from_mm, axis: along });
             round.map(|round| Box::new(round) as Box<dyn Solid>).ok_or_else(|| Trouble::Here("it has no axis".into()))
         }
-        Blank::Stl(file) => mesh(file).map(|mesh| Box::new(mesh) as Box<dyn Solid>),
+        Blank::Stl(file) => {
+            let mesh = surface::mesh(file).map_err(|error| Trouble::Told(Failure::Input(error)))?;
+            Ok(Box::new(mesh))
+        }
     }
-}
-
-/// A mesh in millimetres.
-fn mesh(file: &StlFile) -> Result<Mesh, Trouble> {
-    let StlFile { path, unit } = file;
-    let opened = File::open(path).map_err(|error| Trouble::Told(file_failure(path, &error)))?;
-    let wrong = |error: String| Trouble::Told(Failure::Input(format!("{}: {error}", path.display())));
-    let mesh = read_stl(BufReader::new(opened)).map_err(|error| wrong(error.to_string()))?;
-    let scaled = |corners: [[f64; 3]; 3]| corners.map(|corner| corner.map(|along| along * unit.mm()));
-    Mesh::from_corners(mesh.corners_mm().map(scaled)).map_err(|error| wrong(error.to_string()))
 }
 
 /// What of the job's tool cuts.

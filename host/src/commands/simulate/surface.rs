@@ -1,0 +1,22 @@
+//! Meshes from the files that a job names.
+
+use std::fs::File;
+use std::io::BufReader;
+
+use arcfeed_hil_sim::stock::files::read_stl;
+use arcfeed_hil_sim::stock::mesh::Mesh;
+
+use crate::job::stl::StlFile;
+
+/// One in millimetres.
+///
+/// # Errors
+/// What is wrong with it, and its path.
+pub fn mesh(file: &StlFile) -> Result<Mesh, String> {
+    let StlFile { path, unit } = file;
+    let wrong = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let opened = File::open(path).map_err(|error| wrong(&error))?;
+    let mesh = read_stl(BufReader::new(opened)).map_err(|error| wrong(&error))?;
+    let scaled = |corners: [[f64; 3]; 3]| corners.map(|corner| corner.map(|along| along * unit.mm()));
+    Mesh::from_corners(mesh.corners_mm().map(scaled)).map_err(|error| wrong(&error))
+}
