@@ -15,8 +15,8 @@ const EDGE_MM: f64 = 50.0;
 const HEIGHT_MM: f64 = 20.0;
 const MEMORY_MAX: usize = 4 << 30;
 
-/// Runs of what takes only some hundredths of a second.
-const REPEATS: u32 = 20;
+/// The clock of the processor counts hundredths of a second: what asks for fewer rays is done again and again.
+const ASKED_MIN: usize = 40_000_000;
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 
@@ -99,26 +99,30 @@ struct Took {
     clock_s: f64,
 }
 
-/// Cuts a stock, move by move; what it took and what is left.
-fn cut(threads: usize, mut stock: Stock, tool: &Tool, moves: &[Move]) -> Result<(Took, Stock), Error> {
-    let step_mm = stock.lattice().step_mm();
+/// Cuts a stock so many times, move by move; what it took each time and what is left.
+fn cut(repeats: u32, threads: usize, whole: &Stock, tool: &Tool, moves: &[Move]) -> Result<(Took, Stock), Error> {
+    let step_mm = whole.lattice().step_mm();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    let mut stocks = vec![whole.clone(); repeats as usize];
     let (started, before) = (std::time::Instant::now(), processor_s());
     pool.install(|| -> Result<(), Error> {
-        // Sixteen moves at a time: what a simulation hands over between two looks at the volume.
-        for moves in moves.chunks(16) {
-            let mut sweeps = Vec::new();
-            for moved in moves {
-                sweeps.extend(moved.sweeps(tool, step_mm / 20.0)?);
+        for stock in &mut stocks {
+            // Sixteen moves at a time: what a simulation hands over between two looks at the volume.
+            for moves in moves.chunks(16) {
+                let mut sweeps = Vec::new();
+                for moved in moves {
+                    sweeps.extend(moved.sweeps(tool, step_mm / 20.0)?);
+                }
+                stock.cut(tool, &sweeps)?;
             }
-            stock.cut(tool, &sweeps)?;
         }
         Ok(())
     })?;
-    let clock_s = started.elapsed().as_secs_f64();
+    let clock_s = started.elapsed().as_secs_f64() / f64::from(repeats);
     let spent = processor_s().into_iter().map(|(thread, s)| s - before.get(&thread).copied().unwrap_or_default());
     let (all_s, busiest_s) = spent.fold((0.0, 0.0), |(all, most): (f64, f64), s| (all + s, most.max(s)));
-    Ok((Took { all_s, busiest_s, clock_s }, stock))
+    let took = Took { all_s: all_s / f64::from(repeats), busiest_s: busiest_s / f64::from(repeats), clock_s };
+    Ok((took, stocks.swap_remove(0)))
 }
 
 fn main() -> Result<(), Error> {
@@ -140,10 +144,11 @@ fn main() -> Result<(), Error> {
         let block = Block { lowest_mm: [0.0; 3], highest_mm: [EDGE_MM, EDGE_MM, HEIGHT_MM] };
         let whole = Stock::new(&block, step_mm, MEMORY_MAX)?;
         let (asked, sweeps) = rays_asked(&whole, &tool, &moves, step_mm / 20.0)?;
-        let (alone, stock) = cut(1, whole.clone(), &tool, &moves)?;
-        let (both, _) = cut(2, whole.clone(), &tool, &moves)?;
+        let repeats = (ASKED_MIN / asked + 1) as u32;
+        let (alone, stock) = cut(repeats, 1, &whole, &tool, &moves)?;
+        let (both, _) = cut(repeats, 2, &whole, &tool, &moves)?;
         println!(
-            "{name:20} {sweeps:8}  {asked:10}  {:15.2}  {:7.1}  {:9.2}  {:7.2}  {:4.2}  {:10.2}, {:.2}",
+            "{name:20} {sweeps:8}  {asked:10}  {:15.3}  {:7.1}  {:9.3}  {:7.3}  {:4.2}  {:10.3}, {:.3}",
             alone.all_s,
             asked as f64 / alone.all_s / 1e6,
             both.all_s,
@@ -166,18 +171,12 @@ fn print_rows(steps_mm: &[f64]) -> Result<(), Error> {
     for step_mm in steps_mm {
         let whole = Stock::new(&Block { lowest_mm: [0.0; 3], highest_mm: rows::HIGHEST_MM }, *step_mm, MEMORY_MAX)?;
         let before = whole.volume();
-        // The clock of the processor counts hundredths of a second.
-        let mut took_s = 0.0;
-        let mut left = whole.clone();
-        for _ in 0..REPEATS {
-            let (took, stock) = cut(1, whole.clone(), &tool, &moves)?;
-            took_s += took.all_s / f64::from(REPEATS);
-            left = stock;
-        }
+        let (asked, _) = rays_asked(&whole, &tool, &moves, step_mm / 20.0)?;
+        let (took, left) = cut((ASKED_MIN / asked + 1) as u32, 1, &whole, &tool, &moves)?;
         let removed = [0, 1, 2].map(|axis: usize| before.by_axis[axis] - left.volume().by_axis[axis]);
         println!(
             "  {step_mm} mm: {:.1} us a segment; by rays along z {:+.1e} of {} mm3, mean of all {:+.1e}; {:.1} MiB",
-            took_s / rows::SEGMENTS as f64 * 1e6,
+            took.all_s / rows::SEGMENTS as f64 * 1e6,
             removed[2] / rows::TRUE_MM3 - 1.0,
             rows::TRUE_MM3,
             removed.iter().sum::<f64>() / 3.0 / rows::TRUE_MM3 - 1.0,
