@@ -2,7 +2,7 @@
 
 use arcfeed_tests::{Scratch, run};
 
-use crate::story::ran;
+use crate::story::{assert_refused, ran};
 
 const JOB: &str = "units = \"mm\"\nprogram = \"program.nc\"\n\
     [tool]\nkind = \"end-mill\"\ndiameter = 10\nteeth = 4\nheight = 30\n\
@@ -12,7 +12,7 @@ const JOB: &str = "units = \"mm\"\nprogram = \"program.nc\"\n\
 
 #[test]
 fn every_mistake_has_a_place_and_says_what_to_do() {
-    for (index, (from, to, expected)) in [
+    let mistakes = [
         (
             "[workpiece]\nblock = { from = [-10, -10, -12], to = [50, 10, 0] }\nstep = 1\n",
             "",
@@ -33,15 +33,8 @@ fn every_mistake_has_a_place_and_says_what_to_do() {
         ("axial_depth = 4", "axial_depth = 4\nhelix = 90", ":16:9: helix is that of an end-mill"),
         ("axial_depth = 4", "axial_depth = 4\npitch = [90, 90, 90]", ":11:1: 4 teeth need one value each, not 3"),
         ("axial_depth = 4", "axial_depth = 0.0001", ":11:1: "),
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        assert!(JOB.contains(from), "{from}");
-        let (code, _, words) = ran(&format!("wrong-{index}"), &JOB.replace(from, to), "%\nG21\nM30\n%\n");
-        println!("{}", words.trim_end());
-        assert!(code == Some(1) && words.contains(expected), "{expected}: {words}");
-    }
+    ];
+    assert_refused("wrong", JOB, &mistakes);
 }
 
 #[test]

@@ -1,11 +1,9 @@
 //! A workpiece that gives way: a strip held at one end and cut along its length, against the beam in closed form; its frequencies
 //! against plate theory; and what is wrong with such a table.
 
-use std::f64::consts::TAU;
-
 use serde_json::Value;
 
-use crate::story::{number, ran, told};
+use crate::story::{assert_plate, assert_refused, number, told};
 
 /// A strip along X in front of the XZ plane, with a layer of stock on it, and what is in `[workpiece.flexible]` and `[cutting]`.
 #[derive(Clone, Copy, Debug)]
@@ -157,13 +155,6 @@ fn a_strip_too_stiff_to_move_is_a_rigid_one() {
 
 #[test]
 fn a_plate_held_at_any_face_has_the_frequencies_of_the_table() {
-    let table = include_str!("../fe/plate_cfff.csv");
-    let row = table.lines().find(|line| line.starts_with("1,Ritz,")).expect("a square plate");
-    let lambdas: Vec<f64> = row.split(',').skip(2).map(|field| field.parse().expect("a number")).collect();
-    // omega a^2 sqrt(rho h / D) = lambda.
-    let (edge_mm, thickness_mm, nu) = (100.0, 2.0, 0.3);
-    let bending = 210e3 * thickness_mm * thickness_mm / (12.0 * (1.0 - nu * nu));
-    let scale = edge_mm * edge_mm * libm::sqrt(7850e-12 / bending);
     for (name, cells, clamped) in [("foot", "[12, 1, 16]", "z-"), ("side", "[16, 1, 12]", "x+")] {
         let job = PUSHED.job().replace(
             "from = [0, -3, -8], to = [60, 0, 0], cells = [12, 1, 2], clamped = \"x-\"",
@@ -172,19 +163,14 @@ fn a_plate_held_at_any_face_has_the_frequencies_of_the_table() {
         let job = job.replace("modes = 3", "modes = 5");
         assert!(job.contains(cells) && job.contains("modes = 5"));
         let report = told(&format!("plate-{name}"), &job, "%\nG21G17G90G94\nN1G0X-80.Y0.\nN2G1Z5.F2000.\nN3M30\n%\n");
-        for (mode, lambda) in lambdas.iter().enumerate() {
-            let found_hz = number(&report, &format!("/loads/vibration/workpiece_hz/{mode}"));
-            let off = found_hz / (lambda / scale / TAU) - 1.0;
-            println!("{clamped} {mode}: {found_hz:.2} Hz, {off:+.2e}");
-            assert!(off.abs() < 0.01);
-        }
+        assert_plate(clamped, &report);
     }
 }
 
 #[test]
 fn every_mistake_has_a_place_and_says_what_to_do() {
     let job = PUSHED.job();
-    for (index, (from, to, expected)) in [
+    let mistakes = [
         ("to = [60, 0, 0], cells", "to = [60, -3, 0], cells", ":12:9: `from` must be below `to` in X, Y and Z"),
         (
             "from = [0, -3, -8], to = [60, 0, 0], cells",
@@ -213,13 +199,6 @@ fn every_mistake_has_a_place_and_says_what_to_do() {
             "",
             ":11:1: [workpiece.flexible] needs [cutting]",
         ),
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        assert!(job.contains(from), "{from} in {job}");
-        let (code, _, words) = ran(&format!("held-{index}"), &job.replacen(from, to, 1), "%\nG21\nM30\n%\n");
-        println!("{}", words.trim_end());
-        assert!(code == Some(1) && words.contains(expected), "{expected}: {words}");
-    }
+    ];
+    assert_refused("held", &job, &mistakes);
 }

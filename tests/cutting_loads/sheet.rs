@@ -1,7 +1,6 @@
 //! A wall or a blade that gives way, from an STL file: the same as the block that it is, its frequencies against plate theory and its formula, and
 //! what is wrong with such a table.
 
-use std::f64::consts::TAU;
 use std::fs;
 
 use arcfeed_hil_sim::fe::blade::Blade;
@@ -11,7 +10,7 @@ use arcfeed_hil_sim::stock::files::write_stl;
 use arcfeed_hil_sim::stock::mesh::Mesh;
 use arcfeed_tests::Scratch;
 
-use crate::story::{number, ran, told};
+use crate::story::{assert_plate, assert_refused, number, told};
 use crate::surfaces::{closed, hollow};
 
 /// A surface as a file in a folder of its own, in other units than millimetres.
@@ -61,13 +60,6 @@ fn a_strip_from_a_file_is_cut_as_the_block_that_it_is() {
 
 #[test]
 fn a_plate_from_a_file_has_the_frequencies_of_the_table() {
-    let table = include_str!("../fe/plate_cfff.csv");
-    let row = table.lines().find(|line| line.starts_with("1,Ritz,")).expect("a square plate");
-    let lambdas: Vec<f64> = row.split(',').skip(2).map(|field| field.parse().expect("a number")).collect();
-    // omega a^2 sqrt(rho h / D) = lambda.
-    let (edge_mm, thickness_mm, nu) = (100.0, 2.0, 0.3);
-    let bending = 210e3 * thickness_mm * thickness_mm / (12.0 * (1.0 - nu * nu));
-    let scale = edge_mm * edge_mm * libm::sqrt(7850e-12 / bending);
     for (thickness, clamped, highest_mm, cells, unit) in [
         ("y", "z-", [100.0, 2.0, 100.0], "[12, 1, 16]", "mm"),
         ("y", "x+", [100.0, 2.0, 100.0], "[16, 1, 12]", "inch"),
@@ -81,12 +73,7 @@ fn a_plate_from_a_file_has_the_frequencies_of_the_table() {
         let job = job(&held, &format!("stl_units = \"{unit}\"\n"));
         let report =
             told(&format!("plate-file-{clamped}"), &job, "%\nG21G17G90G94\nN1G0X-80.Y0.\nN2G1Z5.F2000.\nN3M30\n%\n");
-        for (mode, lambda) in lambdas.iter().enumerate() {
-            let found_hz = number(&report, &format!("/loads/vibration/workpiece_hz/{mode}"));
-            let off = found_hz / (lambda / scale / TAU) - 1.0;
-            println!("{clamped} {mode}: {found_hz:.2} Hz, {off:+.2e}");
-            assert!(off.abs() < 0.01);
-        }
+        assert_plate(clamped, &report);
     }
 }
 
@@ -127,7 +114,7 @@ fn every_mistake_has_a_place_and_says_what_to_do() {
     let (path, open, tube, far) = (path.as_str(), open.as_str(), tube.as_str(), far.as_str());
     let good =
         job(&format!("stl = {{ clamped = \"x-\", cells = [12, 1, 2], thickness = \"y\", file = \"{path}\" }}"), "");
-    for (index, (from, to, expected)) in [
+    let mistakes = [
         (path, "none.stl", "none.stl: No such file"),
         (path, open, ":12:69: "),
         (path, open, "open.stl: the mesh is open: 3 edges have no triangle on their other side"),
@@ -149,13 +136,6 @@ fn every_mistake_has_a_place_and_says_what_to_do() {
         ),
         ("[workpiece.flexible]\nstl", "[workpiece.flexible]\n# stl", ":11:1: give what gives way as one of block"),
         ("thickness = \"y\", ", "", ":12:7: missing field `thickness`"),
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        assert!(good.contains(from), "{from} in {good}");
-        let (code, _, words) = ran(&format!("sheet-{index}"), &good.replacen(from, to, 1), "%\nG21\nM30\n%\n");
-        println!("{}", words.trim_end());
-        assert!(code == Some(1) && words.contains(expected), "{expected}: {words}");
-    }
+    ];
+    assert_refused("sheet", &good, &mistakes);
 }

@@ -1,5 +1,7 @@
 //! Jobs of a few lines, and what `simulate --json` says of their loads.
 
+use std::f64::consts::TAU;
+
 use arcfeed_tests::{Scratch, run};
 use serde_json::Value;
 
@@ -96,4 +98,31 @@ pub fn assert_near(name: &str, found: f64, expected: f64, tolerance: f64) {
     let off = found / expected - 1.0;
     println!("{name}: {found:.5}, by hand {expected:.5}: {off:+.1e}");
     assert!(off.abs() <= tolerance, "{name}");
+}
+
+/// A job with one text in place of another is refused, with these words.
+pub fn assert_refused(name: &str, job: &str, mistakes: &[(&str, &str, &str)]) {
+    for (index, (from, to, expected)) in mistakes.iter().enumerate() {
+        assert!(job.contains(from), "{from} in {job}");
+        let (code, _, words) = ran(&format!("{name}-{index}"), &job.replacen(from, to, 1), "%\nG21\nM30\n%\n");
+        println!("{}", words.trim_end());
+        assert!(code == Some(1) && words.contains(expected), "{expected}: {words}");
+    }
+}
+
+/// Five frequencies that a report has of the workpiece are those of a square steel plate of 100 x 2 mm, by thin-plate theory (Ritz).
+pub fn assert_plate(clamped: &str, report: &Value) {
+    let table = include_str!("../fe/plate_cfff.csv");
+    let row = table.lines().find(|line| line.starts_with("1,Ritz,")).expect("a square plate");
+    // omega a^2 sqrt(rho h / D) = lambda.
+    let (edge_mm, thickness_mm, nu) = (100.0, 2.0, 0.3);
+    let bending = 210e3 * thickness_mm * thickness_mm / (12.0 * (1.0 - nu * nu));
+    let scale = edge_mm * edge_mm * libm::sqrt(7850e-12 / bending);
+    let lambdas = row.split(',').skip(2).map(|field| field.parse::<f64>().expect("a number"));
+    for (mode, lambda) in lambdas.enumerate() {
+        let found_hz = number(report, &format!("/loads/vibration/workpiece_hz/{mode}"));
+        let off = found_hz / (lambda / scale / TAU) - 1.0;
+        println!("{clamped} {mode}: {found_hz:.2} Hz, {off:+.2e}");
+        assert!(off.abs() < 0.01);
+    }
 }
