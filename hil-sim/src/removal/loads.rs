@@ -77,6 +77,8 @@ pub struct LoadMeter {
     steps: u64,
     /// Steps since there was a chip.
     steps_idle: usize,
+    /// Steps since there was one on the tool's end.
+    steps_level: usize,
     /// Part of a step that is due.
     due: f64,
     turn: Turn,
@@ -106,6 +108,7 @@ impl LoadMeter {
             down: None,
             steps: 0,
             steps_idle: 0,
+            steps_level: 0,
             due: 0.0,
             turn: Turn::new(),
             passes,
@@ -258,6 +261,11 @@ impl LoadMeter {
         self.steps_idle = if moment.thickest_mm >= CHIP_MIN_MM { 0 } else { self.steps_idle + 1 };
         if self.settings.process.vibration().is_rigid() || self.steps_idle > self.steps_a_turn {
             return self.settings.samples.lift();
+        }
+        // At the end of a way down the tool springs back: it enters the cut on its level.
+        self.steps_level = if moment.end_mm >= CHIP_MIN_MM { 0 } else { self.steps_level + 1 };
+        if self.steps_level == self.steps_a_turn {
+            self.settings.samples.lift();
         }
         let every = (self.steps_a_turn / self.settings.samples.a_turn()) as u64;
         if self.steps.is_multiple_of(every) {

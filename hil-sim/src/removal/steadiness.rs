@@ -2,7 +2,7 @@
 //!
 //! The tool's place against the workpiece is sampled once a tooth, at the same angle of the spindle; of a ring once for an outer
 //! and an inner tooth together, which are not alike. A block's samples are judged in windows, each by itself (docs/forces.md), and the
-//! block is as its worst window is. What a tool does when it enters is left out, and what it does in a cut too short for a window.
+//! block is as its worst window is. What a tool does when it enters, or has come down to its level, is left out, and what it does in a cut too short for a window.
 //!
 //! Source: own; the metric is that of [`crate::dynamics::chatter`].
 
@@ -75,7 +75,7 @@ impl Samples {
         self.window.clear();
     }
 
-    /// The tool has left the cut.
+    /// The tool has left the cut, or is in another one: the next window is its first.
     pub fn lift(&mut self) {
         self.window.clear();
         (self.windows, self.of) = (0, None);
