@@ -26,7 +26,7 @@ use crate::flexible::{Modal, Workpiece};
 /// A chip on less than this part of a piece's height is a burr between two levels, and not what is told of as its thickness.
 const NARROW_RATIO: f64 = 0.01;
 
-/// No edge comes nearer to the material by more than this in a step.
+/// No displacement changes by more than this in a step.
 const MARGIN_MM: f64 = 0.1;
 
 /// A tool at work.

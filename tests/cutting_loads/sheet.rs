@@ -42,7 +42,7 @@ fn job(held: &str, rest: &str) -> String {
 
 #[test]
 fn a_strip_from_a_file_is_cut_as_the_block_that_it_is() {
-    let program = "%\nG21G17G90G94\nN1G0X-8.Y5.\nN2G0Z5.\nN3G1Z-8.F2000.\nN4G1X68.F240.\nN5G0Z5.\nN6M30\n%\n";
+    let program = "%\nG21G17G90G94\nN1G0X-8.Y5.\nN2G0Z5.\nN3G1Z-8.F2000.\nN4G1X68.F960.\nN5G0Z5.\nN6M30\n%\n";
     let (_kept, path) = filed("strip", &block([0.0, -3.0, -8.0], [60.0, 0.0, 0.0]), 1.0);
     let cells = "cells = [12, 1, 2], clamped = \"x-\" }";
     let of_file =

@@ -214,13 +214,8 @@ impl Vibration {
 
     /// Where places are at the end of the step with such forces on the modes; answers the largest change.
     fn move_places(&self, places: &mut Places, drives: &[f64]) -> f64 {
-        let amplitudes: Vec<f64> = self
-            .states
-            .iter()
-            .zip(drives)
-            .enumerate()
-            .map(|(n, (state, drive))| state.q + self.given_way(n) * drive)
-            .collect();
+        let amplitude = |n: usize| self.states[n].q + self.given_way(n) * drives[n];
+        let amplitudes: Vec<f64> = (0..drives.len()).map(amplitude).collect();
         let mut change_mm = 0.0_f64;
         for (shapes, moved_mm) in places.shapes.chunks(amplitudes.len().max(1)).zip(&mut places.moved_mm) {
             let next_mm: Vector3<f64> =

@@ -82,8 +82,8 @@ impl Flat {
         if ray_axis == self.axis {
             return Some([self.reaches(point_mm, outer_mm, hole_mm).then_some(heights), None]);
         }
-        let walls = || of_row.or_else(|| self.walls(ray_axis, point_mm));
-        Some(Some(()).filter(|()| self.is_beside(point_mm)).and_then(|()| walls()).unwrap_or_default())
+        let walls = || of_row.or_else(|| self.walls(ray_axis, point_mm)).unwrap_or_default();
+        Some(if self.is_beside(point_mm) { walls() } else { Losses::default() })
     }
 
     /// Whether its walls are upright.
