@@ -182,7 +182,7 @@ fn a_wall_is_left_thicker_towards_its_top_as_an_even_push_bends_it() {
     let wall = Slab { lowest_mm: [-half_mm, -THICKNESS_MM, 0.0], highest_mm: [half_mm, 0.0, HEIGHT_MM], held };
     let mesh = wall.mesh([2, 1, 12]).expect("a mesh");
     let body = Body::new(mesh.clone(), &STEEL);
-    let clamped = wall.clamped(&mesh);
+    let clamped = held.nodes(&mesh);
     let modes = body.modes(&clamped, 5).expect("modes");
     let whole = bent_mm(&body, &clamped);
     let field = Field::new(mesh.clone(), &modes, mesh.thickness_mm());

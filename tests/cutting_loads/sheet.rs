@@ -11,7 +11,7 @@ use arcfeed_hil_sim::stock::mesh::Mesh;
 use arcfeed_tests::Scratch;
 
 use crate::story::{assert_plate, assert_refused, number, told};
-use crate::surfaces::{closed, hollow};
+use crate::surfaces::{TWISTED, closed, hollow};
 
 /// A surface as a file in a folder of its own, in other units than millimetres.
 fn filed(name: &str, surface: &Mesh, mm: f64) -> (Scratch, String) {
@@ -79,19 +79,10 @@ fn a_plate_from_a_file_has_the_frequencies_of_the_table() {
 
 #[test]
 fn a_blade_from_a_file_has_the_frequencies_of_its_formula() {
-    let blade = Blade {
-        span_mm: 40.0,
-        chord_mm: [30.0, 24.0],
-        thickness_mm: [3.0, 1.5],
-        edge_ratio: 0.5,
-        camber_rad: [0.6, 0.4],
-        stagger_rad: [0.3, 0.8],
-        lean_rad: 0.1,
-    };
-    let mesh = blade.mesh([12, 1, 10], 0.2).expect("a blade");
+    let mesh = TWISTED.mesh([12, 1, 10], 0.2).expect("a blade");
     let foot = Blade::foot(&mesh);
     let truths_hz = Body::new(mesh, &STEEL).modes(&foot, 5).expect("five modes").frequencies_hz();
-    let surface = closed([96, 2, 128], |[s, n, height]| blade.point_mm([s - 0.5, n - 0.5, height]));
+    let surface = closed([96, 2, 128], |[s, n, height]| TWISTED.point_mm([s - 0.5, n - 0.5, height]));
     let (_kept, path) = filed("blade", &surface, 1.0);
     let held = format!("stl = {{ file = \"{path}\", thickness = \"y\", cells = [12, 1, 10], clamped = \"z-\" }}");
     let job = job(&held, "").replace("from = [0, -3, -8], to = [60, 2, 0]", "from = [-16, -10, 0], to = [16, 20, 40]");

@@ -24,7 +24,7 @@ const EDGES_MM: f64 = 1.0;
 fn bent_mm(cells: [usize; 3], count: Option<usize>, places: &[[usize; 2]]) -> Vec<[f64; 2]> {
     let mesh = WALL.mesh(cells).expect("a mesh");
     let body = Body::new(mesh.clone(), &TITANIUM_6AL_4V);
-    let clamped = WALL.clamped(&mesh);
+    let clamped = WALL.held.nodes(&mesh);
     let unknowns = Unknowns::clamped(&mesh, &clamped);
     let (k, m) = body.matrices(&unknowns);
     let factor = Factor::of(&k, 0.0, &m).expect("it is held");

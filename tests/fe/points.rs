@@ -55,6 +55,25 @@ fn a_quadratic_field_is_met_inside_and_outside() {
 }
 
 #[test]
+fn beyond_the_reach_a_field_is_as_at_the_reach() {
+    let edges_mm = [4.0, 2.0, 5.0];
+    let field = told(Mesh::block(edges_mm, [4, 2, 5]).unwrap(), quadratic, 0.8);
+    let mut next = fractions(2);
+    let mut station = Station::default();
+    for _ in 0..2000 {
+        let point_mm = edges_mm.map(|edge| -3.0 + (edge + 6.0) * next());
+        for beyond_mm in [0.0, 0.5] {
+            let outside_mm = field.carried(point_mm, beyond_mm, &mut station);
+            let nearest_mm: [f64; 3] = std::array::from_fn(|axis| point_mm[axis].clamp(0.0, edges_mm[axis]));
+            assert!((outside_mm - distance(point_mm, nearest_mm)).abs() < 1e-6);
+            let part = if outside_mm > beyond_mm { beyond_mm / outside_mm } else { 1.0 };
+            let stood_mm = std::array::from_fn(|axis| nearest_mm[axis] + (point_mm[axis] - nearest_mm[axis]) * part);
+            assert!(distance(station.displacement_mm(&[1.0]), quadratic(stood_mm)) < 1e-9, "{point_mm:?}");
+        }
+    }
+}
+
+#[test]
 fn every_point_of_a_bent_blade_is_found_where_it_is() {
     let mesh = TWISTED.mesh([6, 1, 8], 0.3).unwrap();
     let linear = |[x, y, z]: [f64; 3]| [x - 2.0 * y, 3.0 * z + y, 0.5 * x];

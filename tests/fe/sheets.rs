@@ -10,21 +10,10 @@ use arcfeed_hil_sim::fe::sheet::{Sheet, SheetError};
 use arcfeed_hil_sim::fe::slab::{Face, Slab};
 use arcfeed_hil_sim::stock::mesh::Mesh as Surface;
 
-use crate::surfaces::{closed, hollow};
+use crate::surfaces::{TWISTED, closed, hollow};
 
 /// Cells at the foot over those at the tip, as sheets have them.
 const FOOT_RATIO: f64 = 0.2;
-
-/// Twisted by half a radian, cambered, tapered both ways, leaning.
-const TWISTED: Blade = Blade {
-    span_mm: 40.0,
-    chord_mm: [30.0, 24.0],
-    thickness_mm: [3.0, 1.5],
-    edge_ratio: 0.5,
-    camber_rad: [0.6, 0.4],
-    stagger_rad: [0.3, 0.8],
-    lean_rad: 0.1,
-};
 
 fn five_hz(mesh: Mesh, held: Face) -> Vec<f64> {
     let clamped = held.nodes(&mesh);

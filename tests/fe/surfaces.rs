@@ -1,6 +1,18 @@
 //! Closed surfaces as files have them: a cube's, put where a function says.
 
+use arcfeed_hil_sim::fe::blade::Blade;
 use arcfeed_hil_sim::stock::mesh::Mesh;
+
+/// Twisted by half a radian, cambered, tapered both ways, leaning.
+pub const TWISTED: Blade = Blade {
+    span_mm: 40.0,
+    chord_mm: [30.0, 24.0],
+    thickness_mm: [3.0, 1.5],
+    edge_ratio: 0.5,
+    camber_rad: [0.6, 0.4],
+    stagger_rad: [0.3, 0.8],
+    lean_rad: 0.1,
+};
 
 /// The six faces of a cube from 0 to 1, so many squares along its edges, each corner put where `place` says. `place` must not mirror; where it
 /// puts a face into a line the others must meet.

@@ -62,11 +62,6 @@ impl Slab {
         };
         Mesh::mapped(cells, |_| true, place)
     }
-
-    /// Nodes of such a mesh that are in its clamp.
-    pub fn clamped(&self, mesh: &Mesh) -> Vec<usize> {
-        self.held.nodes(mesh)
-    }
 }
 
 #[cfg(test)]
@@ -79,7 +74,7 @@ mod tests {
             let slab = Slab { lowest_mm: [1.0; 3], highest_mm: [4.0, 5.0, 6.0], held: Face { axis, is_upper } };
             let mesh = slab.mesh([3, 3, 3]).unwrap();
             let held_mm = if is_upper { slab.highest_mm[axis] } else { slab.lowest_mm[axis] };
-            let clamped = slab.clamped(&mesh);
+            let clamped = slab.held.nodes(&mesh);
             assert_eq!(clamped.len(), 49);
             assert!(clamped.iter().all(|node| mesh.nodes_mm()[*node][axis] == held_mm));
             let off_mm = mesh.nodes_mm().iter().map(|node| (node[axis] - held_mm).abs());
