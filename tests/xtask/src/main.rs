@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! target    the chip's Rust target, installed where it is missing        target.rs
-//! packages  the chip's emulator and Python's packages, where missing       packages.rs
+//! packages  the chip's emulator and Python's packages, where missing       packages.rs, unpack.rs
 //! tests     cargo test over the whole workspace, results added up        tally.rs
 //! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs
 //! boards    format, lints and images of each board's workspace           boards.rs
@@ -14,6 +14,8 @@
 mod command;
 
 mod target;
+
+mod unpack;
 
 mod packages;
 

@@ -1,9 +1,13 @@
 //! Programs of the operating system that the tests run: present, or installed from Debian's packages; and what
 //! `tests/wire/decode.py` decodes with, from the Python Package Index, into the build directory.
+//!
+//! No package is ever removed, and a person at a terminal is asked before anything runs as root.
 
+use std::io::{BufRead, IsTerminal};
 use std::process::{Command, Stdio};
 
-use crate::command::{Failure, announce, build_dir, program, run};
+use crate::command::{Failure, announce, build_dir, output, program, run};
+use crate::unpack;
 
 /// What the tests need, and the package it comes in.
 struct Need {
@@ -12,6 +16,21 @@ struct Need {
     /// Any of these that ends well shows that it is there.
     shown_by: &'static [&'static [&'static str]],
     elsewhere: &'static str,
+    /// Whether it also runs from the build directory.
+    runs_unpacked: bool,
+}
+
+/// How packages can be installed here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Rights {
+    /// As root already, and nobody to ask.
+    Granted,
+    /// As root already; somebody is there to be asked.
+    Asked,
+    /// By `sudo`, once somebody has agreed.
+    AskedForSudo,
+    /// Not at all.
+    None,
 }
 
 const NEEDS: [Need; 2] = [
@@ -20,6 +39,7 @@ const NEEDS: [Need; 2] = [
         package: "qemu-system-arm",
         shown_by: &[&["qemu-system-arm", "--version"]],
         elsewhere: "install QEMU with its Arm target",
+        runs_unpacked: true,
     },
     Need {
         what: "pyserial, to talk to",
@@ -27,6 +47,7 @@ const NEEDS: [Need; 2] = [
         // Debian's packages are seen by Debian's Python alone, which need not be the first in the path.
         shown_by: &[&["python3", "-c", "import serial.rfc2217"], &["/usr/bin/python3", "-c", "import serial.rfc2217"]],
         elsewhere: "run `python3 -m pip install pyserial`",
+        runs_unpacked: false,
     },
 ];
 
@@ -69,11 +90,55 @@ fn install_one(need: &Need) -> Result<(), Failure> {
     if is_there(need) {
         return Ok(());
     }
-    announce(&format!("installing {}", need.package));
-    let explained = |failure| explain(need, failure);
-    run(&mut apt_get(&["update"])).map_err(explained)?;
-    run(&mut apt_get(&["install", "-y", "--no-install-recommends", need.package])).map_err(explained)?;
-    if is_there(need) { Ok(()) } else { Err(explained(Failure::new("installed, but does not run"))) }
+    let installed = install_with_apt(need.package).or_else(|failure| match need.runs_unpacked {
+        true => {
+            announce(&failure.what);
+            unpack::unpack(need.package)
+        }
+        false => Err(failure),
+    });
+    installed.map_err(|failure| explain(need, failure))?;
+    if is_there(need) { Ok(()) } else { Err(explain(need, Failure::new("installed, but does not run"))) }
+}
+
+fn install_with_apt(package: &str) -> Result<(), Failure> {
+    let is_root = output(&mut program("id", &["-u"])).is_ok_and(|id| id.trim() == "0");
+    let is_asked = std::io::stdin().is_terminal() && std::env::var_os("CI").is_none();
+    let has_sudo =
+        || Command::new("sudo").arg("-V").stdout(Stdio::null()).status().is_ok_and(|status| status.success());
+    let rights = rights(is_root, is_asked, is_asked && has_sudo());
+    let arguments = install_arguments(package);
+    match rights {
+        Rights::Granted => {}
+        Rights::None => return Err(Failure::new(format!("{package} is not installed: that takes root"))),
+        Rights::Asked | Rights::AskedForSudo => {
+            let words = arguments.join(" ");
+            println!("xtask: {package} is missing. Run `apt-get {words}` as root? It removes nothing. [y/N]");
+            let mut answer = String::new();
+            let read = std::io::stdin().lock().read_line(&mut answer);
+            if read.is_err() || !answer.trim().eq_ignore_ascii_case("y") {
+                return Err(Failure::new(format!("{package} is not installed: nobody agreed")));
+            }
+        }
+    }
+    announce(&format!("installing {package}"));
+    let _lists_of_yesterday_may_do = run(&mut apt_get(&["update"], rights));
+    run(&mut apt_get(&arguments, rights))
+}
+
+/// What may be done as root.
+fn rights(is_root: bool, is_asked: bool, has_sudo: bool) -> Rights {
+    match (is_root, is_asked, has_sudo) {
+        (true, false, _) => Rights::Granted,
+        (true, true, _) => Rights::Asked,
+        (false, true, true) => Rights::AskedForSudo,
+        (false, ..) => Rights::None,
+    }
+}
+
+/// Installs, and fails where another package would have to go.
+fn install_arguments(package: &str) -> [&str; 5] {
+    ["install", "-y", "--no-install-recommends", "--no-remove", package]
 }
 
 fn is_there(need: &Need) -> bool {
@@ -82,20 +147,30 @@ fn is_there(need: &Need) -> bool {
         let status = Command::new(name).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();
         status.is_ok_and(|status| status.success())
     };
-    need.shown_by.iter().any(ends_well)
+    need.shown_by.iter().any(ends_well) || need.runs_unpacked && is_unpacked(need.package)
 }
 
-fn apt_get(arguments: &[&str]) -> Command {
-    let mut command = program("apt-get", arguments);
-    command.env("DEBIAN_FRONTEND", "noninteractive");
+fn is_unpacked(package: &str) -> bool {
+    let Ok(script) = unpack::place(package) else { return false };
+    let status = Command::new(script).arg("--version").stdout(Stdio::null()).status();
+    status.is_ok_and(|status| status.success())
+}
+
+fn apt_get(arguments: &[&str], rights: Rights) -> Command {
+    let non_interactive = "DEBIAN_FRONTEND=noninteractive";
+    let mut command = match rights {
+        Rights::AskedForSudo => program("sudo", &["env", non_interactive, "apt-get"]),
+        Rights::Granted | Rights::Asked | Rights::None => program("env", &[non_interactive, "apt-get"]),
+    };
+    command.args(arguments);
     command
 }
 
 fn explain(need: &Need, failure: Failure) -> Failure {
     let Need { what, package, elsewhere, .. } = need;
     let what = format!(
-        "{what}: {package} is missing ({}). On Debian or Ubuntu run `apt-get update && apt-get install {package}` as \
-         root; elsewhere {elsewhere}.",
+        "{what}: {package} is missing ({}). On Debian or Ubuntu run `apt-get update && apt-get install --no-remove {package}` as \
+         root (where that fails, another package would have to be removed: decide which); elsewhere {elsewhere}.",
         failure.what
     );
     Failure { what, ..failure }
@@ -107,8 +182,30 @@ mod tests {
 
     #[test]
     fn what_is_not_there_is_noticed() {
-        let need = |shown_by| Need { what: "x", package: "x", shown_by, elsewhere: "x" };
+        let need = |shown_by| Need { what: "x", package: "x", shown_by, elsewhere: "x", runs_unpacked: false };
         assert!(is_there(&need(&[&["no-such-program"], &["true"]])));
         assert!(!is_there(&need(&[&["no-such-program"], &["false"]])));
+    }
+
+    #[test]
+    fn apt_removes_nothing_and_root_is_asked_for_where_somebody_can_answer() {
+        for rights in [Rights::Granted, Rights::Asked, Rights::AskedForSudo] {
+            let command = format!("{:?}", apt_get(&install_arguments("qemu-system-arm"), rights));
+            assert!(command.contains("\"install\" \"-y\"") && command.contains("\"--no-remove\""), "{command}");
+            assert_eq!(command.contains("\"sudo\""), rights == Rights::AskedForSudo, "{command}");
+        }
+        assert_eq!([rights(true, false, false), rights(true, true, true)], [Rights::Granted, Rights::Asked]);
+        assert_eq!([rights(false, true, true), rights(false, true, false)], [Rights::AskedForSudo, Rights::None]);
+        assert_eq!([rights(false, false, true), rights(false, false, false)], [Rights::None; 2]);
+    }
+
+    #[test]
+    fn what_cannot_be_installed_is_named_with_what_to_do_by_hand() {
+        let [qemu, serial] = &NEEDS;
+        for need in [qemu, serial] {
+            let Failure { what, code } = explain(need, Failure { what: "that takes root".into(), code: 100 });
+            let by_hand = format!("apt-get install --no-remove {}", need.package);
+            assert!(what.contains(&by_hand) && what.contains("that takes root") && code == 100, "{what}");
+        }
     }
 }

@@ -7,7 +7,7 @@ const MINUTES: u64 = 10;
 const SECONDS_PER_MIN: u64 = 60;
 
 /// Feeds every target of `tests/fuzz` for some minutes, and runs the full sets of `tests/dnc`, `tests/wire`, `tests/station`,
-/// `tests/board` and `tests/kinematics`.
+/// `tests/board`, `tests/kinematics` and `tests/serving_clients.rs`.
 ///
 /// # Errors
 /// The minutes are no number, a target panics or hangs, or a fault on the line is passed over.
@@ -30,5 +30,6 @@ pub fn soak(minutes: Option<&str>) -> Result<(), Failure> {
     soaked("station")?;
     soaked("board")?;
     soaked("kinematics")?;
+    soaked("serving_clients")?;
     soaked("fuzz")
 }
