@@ -6,7 +6,7 @@ use crate::cut::{CutRule, RULES_MAX};
 use crate::knots::Knots;
 use crate::machine::MachineLimits;
 use crate::tool::Tool;
-use crate::units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
+use crate::units::{LengthUnit, MmPerMin, MmPerTooth, Nm, RevPerMin};
 
 /// A job, validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +15,9 @@ pub struct Job {
     pub unit: LengthUnit,
     /// The cutter.
     pub tool: Tool,
-    /// Commanded spindle speed.
+    /// What the tool must agree with in the program.
+    pub setup: Setup,
+    /// Spindle speed: for plans and reports, and on the machine where the operator sets it.
     pub spindle: RevPerMin,
     /// The feed law.
     pub law: LawKind,
@@ -25,6 +27,8 @@ pub struct Job {
     pub policy: FeedPolicy,
     /// Bounds of the override.
     pub limits: OverrideLimits,
+    /// What no governed feed exceeds.
+    pub ceiling: FeedCeiling,
     /// What the machine can follow.
     pub machine: MachineLimits,
     /// Which arcs cut what.
@@ -37,6 +41,72 @@ impl Job {
     /// The wanted feed per tooth of a rule.
     pub fn feed_per_tooth_of(&self, rule: &CutRule) -> MmPerTooth {
         rule.feed_per_tooth.unwrap_or(self.feed_per_tooth)
+    }
+}
+
+/// The tool in the program, and who sets its speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Setup {
+    /// Its T number; without one it is the tool that the operator has loaded, up to the first M6.
+    pub tool_number: Option<i64>,
+    /// Its axis in the program's coordinates.
+    pub axis: ToolAxis,
+    /// Who sets the spindle's speed.
+    pub speed_source: SpeedSource,
+}
+
+/// The axis of the program's coordinates that the tool turns about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ToolAxis {
+    /// X: the plane is G19.
+    X,
+    /// Y: the plane is G18.
+    Y,
+    /// Z: the plane is G17.
+    #[default]
+    Z,
+}
+
+impl ToolAxis {
+    /// 0 for X to 2 for Z.
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// Who sets the spindle's speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SpeedSource {
+    /// The program's S and M words.
+    #[default]
+    Program,
+    /// The operator, to the job's speed, where the program does not.
+    Operator,
+}
+
+/// What no governed feed exceeds: neither a written F nor F times the override.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FeedCeiling {
+    /// Along the path.
+    pub max_feed: Option<MmPerMin>,
+    /// Over the programmed F.
+    pub max_raise_ratio: f32,
+}
+
+impl FeedCeiling {
+    /// Largest raise of a programmed feed where the job states none.
+    pub const DEFAULT_RAISE_RATIO: f32 = 2.0;
+
+    /// The fastest feed of a governed move with this programmed F; infinite without any bound.
+    pub fn feed_mm_per_min(&self, programmed: Option<Nm>) -> f64 {
+        let raised = programmed.map_or(f64::INFINITY, |feed| feed.to_mm() * f64::from(self.max_raise_ratio));
+        raised.min(self.max_feed.map_or(f64::INFINITY, |feed| f64::from(feed.0)))
+    }
+}
+
+impl Default for FeedCeiling {
+    fn default() -> Self {
+        FeedCeiling { max_feed: None, max_raise_ratio: FeedCeiling::DEFAULT_RAISE_RATIO }
     }
 }
 

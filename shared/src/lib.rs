@@ -2,7 +2,7 @@
 //!
 //! Modules stand in the order in which data flows; a module imports only from those above it:
 //! NC text -> [`nc::word`] -> [`nc::block`] -> [`nc::modal`] -> [`radius`] -> [`segment`] -> [`reader`], then what a job adds
-//! to the program ([`machine`], `kinematics`, [`tool`], [`engaged`], [`stock`], [`knots`], [`cut`], [`job`]) and what comes back from the machine
+//! to the program ([`machine`], `kinematics`, [`tool`], [`engaged`], [`stock`], [`knots`], [`cut`], [`job`], [`governed`]) and what comes back from the machine
 //! ([`telemetry`], [`report`]), and
 //! the line to a board ([`wire`]).
 #![cfg_attr(not(test), no_std)]
@@ -39,6 +39,8 @@ pub mod knots;
 pub mod cut;
 
 pub mod job;
+
+pub mod governed;
 
 pub mod telemetry;
 

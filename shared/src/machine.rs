@@ -54,6 +54,16 @@ pub enum LimitedBy {
     Axis,
     /// The control's clamp on arcs.
     ArcClamp,
+    /// The job: its fastest feed, or its largest raise of the programmed one.
+    Ceiling,
+}
+
+impl FeedLimit {
+    /// The lower of two limits.
+    #[must_use]
+    pub fn lower(self, other: Self) -> Self {
+        if other.feed.0 < self.feed.0 { other } else { self }
+    }
 }
 
 impl ArcClamp {

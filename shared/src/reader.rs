@@ -4,7 +4,7 @@ use crate::nc::alarm::{Alarm, Cause, Fault, NotModelled};
 use crate::nc::before::Before;
 use crate::nc::block::{Block, Line, Parsed, Reading};
 use crate::nc::interpret::set_data;
-use crate::nc::modal::{Modal, Pose, Step};
+use crate::nc::modal::{Modal, MotionKind, Pose, Step};
 use crate::nc::settings::{Preset, Scope, Settings, Tables};
 use crate::segment::{Path, Segment};
 use crate::units::LengthUnit;
@@ -17,6 +17,8 @@ pub struct Reader {
     tables: Tables,
     /// Axes whose position is unknown, because a block that would have moved them was refused.
     lost: [bool; 3],
+    /// X and Y, as long as the program has not stated them and the start of its first move is unknown.
+    unstated: [bool; 2],
 }
 
 /// A line, understood.
@@ -28,6 +30,8 @@ pub struct Understood {
     pub step: Step,
     /// Its move, geometry checked. Those of a block with several are in the step's series.
     pub segment: Option<Segment>,
+    /// Its cutting move begins where no line so far has put the tool; an arc has no segment then.
+    pub starts_unknown: bool,
 }
 
 impl Reader {
@@ -40,7 +44,19 @@ impl Reader {
     pub fn with(settings: Settings, tables: Tables) -> Self {
         let mut modal = Modal::at_power_on(settings.unit);
         modal.settle(&tables);
-        Reader { modal, settings, tables, lost: [false; 3] }
+        Reader { modal, settings, tables, lost: [false; 3], unstated: [false; 2] }
+    }
+
+    /// The same with the axes anywhere: X and Y are unknown until a block states them.
+    #[must_use]
+    pub fn from_anywhere(self) -> Self {
+        Reader { unstated: [true; 2], ..self }
+    }
+
+    /// Whether another reader goes on in the same state; its settings do not count.
+    pub fn stands_like(&self, other: &Reader) -> bool {
+        let state = |reader: &Reader| (reader.lost, reader.unstated);
+        self.modal == other.modal && self.tables == other.tables && state(self) == state(other)
     }
 
     /// The modal state.
@@ -80,7 +96,7 @@ impl Reader {
     /// The axes stand here, wherever the lines read so far have led.
     pub fn stand_at(&mut self, pose: Pose) {
         self.modal.stand_at(pose);
-        self.lost = [false; 3];
+        (self.lost, self.unstated) = ([false; 3], [false; 2]);
     }
 
     /// Reads the next line, which must not contain its line end.
@@ -110,7 +126,8 @@ impl Reader {
     }
 
     fn understand(&mut self, text: &[u8], understood: &mut Understood) -> Result<(), Fault> {
-        let Understood { parsed, step, segment } = understood;
+        let Understood { parsed, step, segment, starts_unknown } = understood;
+        *starts_unknown = false;
         parsed.read(text, self.settings.reading)?;
         let block = &mut parsed.block;
         if parsed.line != Line::Block {
@@ -127,7 +144,31 @@ impl Reader {
         if let Some(notice) = block.check_numbers(text, &self.settings)? {
             let _full = parsed.notices.push(notice);
         }
-        self.execute_into(&parsed.block, step, segment)
+        let is_from_anywhere = self.unstated.contains(&true) && self.modal.polar.is_none();
+        let executed = self.execute_into(&parsed.block, step, segment);
+        if is_from_anywhere {
+            *starts_unknown = self.begin_somewhere(&parsed.block, step, segment);
+            return executed
+                .or_else(|fault| if *starts_unknown && is_geometry(fault.cause) { Ok(()) } else { Err(fault) });
+        }
+        executed
+    }
+
+    /// Takes a block before X and Y are both stated: whether its move cuts from a place that is unknown. Such an arc has no
+    /// segment.
+    fn begin_somewhere(&mut self, block: &Block, step: &Step, segment: &mut Option<Segment>) -> bool {
+        let is_cut = step.motion.is_some_and(|motion| motion.kind != MotionKind::Rapid);
+        let is_arc = step.motion.is_some_and(|motion| matches!(motion.kind, MotionKind::Arc(_)));
+        let is_unknown = self.modal.absolute && is_cut;
+        if is_unknown && is_arc {
+            *segment = None;
+        }
+        if self.modal.absolute && step.dwell.is_none() {
+            for (unstated, axis) in self.unstated.iter_mut().zip(*b"XY") {
+                *unstated &= block.word(axis).is_none();
+            }
+        }
+        is_unknown
     }
 
     /// Carries out a block: the state moves on.

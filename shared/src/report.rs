@@ -1,20 +1,25 @@
 //! Figures over a run, added up sample by sample.
 
-/// Chip load on the circumference relative to its target, over the samples that count.
+/// A chip thinner than its target by more than this, as a part, is thin.
+pub const THIN_RATIO: f64 = 0.02;
+
+/// Chip load on the circumference relative to its target, over samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChipFigures {
     /// Least of chip / target.
     pub min_ratio: f64,
     /// Largest of chip / target.
     pub max_ratio: f64,
-    /// Samples that count.
+    /// Samples.
     pub samples: u64,
+    /// Those with a thin chip.
+    pub thin: u64,
     square_sum: f64,
 }
 
 impl Default for ChipFigures {
     fn default() -> Self {
-        ChipFigures { min_ratio: f64::INFINITY, max_ratio: f64::NEG_INFINITY, samples: 0, square_sum: 0.0 }
+        ChipFigures { min_ratio: f64::INFINITY, max_ratio: f64::NEG_INFINITY, samples: 0, thin: 0, square_sum: 0.0 }
     }
 }
 
@@ -24,6 +29,7 @@ impl ChipFigures {
         self.min_ratio = self.min_ratio.min(ratio);
         self.max_ratio = self.max_ratio.max(ratio);
         self.samples += 1;
+        self.thin += u64::from(ratio < 1.0 - THIN_RATIO);
         self.square_sum += (ratio - 1.0) * (ratio - 1.0);
     }
 
@@ -32,6 +38,7 @@ impl ChipFigures {
         self.min_ratio = self.min_ratio.min(other.min_ratio);
         self.max_ratio = self.max_ratio.max(other.max_ratio);
         self.samples += other.samples;
+        self.thin += other.thin;
         self.square_sum += other.square_sum;
     }
 

@@ -13,7 +13,7 @@ use super::word::Word;
 pub use super::oneshot::set_data;
 
 /// Letters of functions: what they do does not wait for the move.
-const FUNCTIONS: u32 = letters(b"HMS");
+const FUNCTIONS: u32 = letters(b"HMST");
 
 impl Modal {
     /// The state after `block` and what the block does; `self` stays as it was, so a refused block leaves no trace.
@@ -87,8 +87,9 @@ impl Modal {
         Ok(one_shot)
     }
 
-    /// M, S and H.
+    /// M, S, T and H.
     fn take_functions(&mut self, block: &Block, one_shot: OneShot, step: &mut Step) -> Result<(), Fault> {
+        self.machining_state.take(block);
         for word in &block.words {
             match word.letter {
                 b'M' => step.stop = m_code(word, block)?.or(step.stop),
@@ -201,13 +202,18 @@ impl Step {
         (*spindle, *beyond_plain, *sets_data) = (None, None, false);
     }
 
+    /// The feed of its cutting move or of its canned cycle, if it makes one.
+    pub fn cutting_feed(&self) -> Option<Feed> {
+        match (&self.motion, &self.series) {
+            (Some(motion), _) => Some(motion.feed).filter(|_| is_cut(motion)),
+            (None, Some(Series::Drill(drill))) => Some(drill.feed),
+            (None, Some(Series::Reference(_)) | None) => None,
+        }
+    }
+
     /// Whether this is a cutting move for which no feed was ever given: PS0011.
     pub fn lacks_feed(&self) -> bool {
-        let of_series = match &self.series {
-            Some(Series::Drill(drill)) => drill.feed == Feed::Missing,
-            Some(Series::Reference(_)) | None => false,
-        };
-        of_series || self.motion.is_some_and(|motion| is_cut(&motion) && motion.feed == Feed::Missing)
+        self.cutting_feed() == Some(Feed::Missing)
     }
 }
 

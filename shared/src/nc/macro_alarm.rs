@@ -46,7 +46,7 @@ pub enum MacroAlarm {
     ArgumentAddress,
     /// 3000 + n, raised by the program itself with `#3000 = n`.
     User(u16),
-    /// No alarm of a control: so many statements without a move, and none in sight.
+    /// No alarm of a control: a bound of statements between two moves, or one of the caller's, is reached.
     Endless,
     /// No alarm of a control: the programs called are larger than the caller allows.
     TooLarge,
@@ -110,7 +110,7 @@ impl MacroAlarm {
             MacroAlarm::ArgumentAddress => "this address cannot be an argument of a macro call",
             MacroAlarm::User(_) => "the program stopped itself with #3000",
             MacroAlarm::Endless => {
-                "the program goes round without a move: the limit of statements between two moves is reached"
+                "the program does not come to its end: the bound of statements without a move, of blocks or of time is reached"
             }
             MacroAlarm::TooLarge => "the called programs are larger than the limit for programs in memory",
         }

@@ -29,6 +29,8 @@ pub mod frame;
 
 pub mod series;
 
+pub mod machining;
+
 pub mod modal;
 
 pub mod address;

@@ -7,6 +7,7 @@ pub use super::motion::{Center, Feed, FeedMode, Motion, MotionKind, PER_MIN_SCAL
 
 use super::alarm::NotModelled;
 use super::frame::{Frame, Rotation};
+use super::machining::{Machining, MachiningState};
 use super::series::Series;
 use super::settings::Tables;
 use crate::units::{LengthUnit, MicroDeg, Micros, Nm};
@@ -28,6 +29,8 @@ pub struct Modal {
     pub feed: Option<Nm>,
     /// The last S, rev/min.
     pub spindle: Option<i64>,
+    /// T and M: the tool in the spindle, and whether the spindle turns.
+    pub machining_state: MachiningState,
     /// Where the tool centre stands, on the path (see [`super::frame`]).
     pub position: Pose,
     /// The same place in the program's coordinates.
@@ -118,6 +121,7 @@ impl Modal {
             feed_mode: FeedMode::PerMinute,
             feed: None,
             spindle: None,
+            machining_state: MachiningState::default(),
             position: Pose::ORIGIN,
             program: Pose::ORIGIN,
             frame: Frame::default(),
@@ -135,6 +139,11 @@ impl Modal {
             follows_tool_center: false,
             is_unsettled: false,
         }
+    }
+
+    /// Tool and spindle as commanded so far.
+    pub fn machining(&self) -> Machining {
+        self.machining_state.with_speed(self.spindle)
     }
 
     /// Lays the program's coordinates where the offsets say; the tool stays where it is.

@@ -12,6 +12,8 @@ pub struct Counters {
     pub bytes_out: u32,
     /// Valid frames of the peer and this session.
     pub frames_in: u32,
+    /// Valid frames with a time stamp before that of one heard already: copies, which do nothing.
+    pub copies: u32,
     /// Bytes taken in, valid or not.
     pub bytes_in: u32,
     /// Frames whose checksum does not fit.

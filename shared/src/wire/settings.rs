@@ -46,7 +46,7 @@ pub struct LinkSettings {
     pub ahead: Span,
     /// Longest time between two heartbeats sent.
     pub heartbeat: Span,
-    /// No valid frame of the peer for this long: lost.
+    /// No valid frame of the peer, copies not counted, for this long: lost.
     pub lost_after: Span,
     /// The oldest reliable message not acknowledged for this long, though the peer is heard and ready: lost.
     pub unacknowledged_after: Span,

@@ -47,7 +47,7 @@ pub enum Refusal {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Loss {
-    /// Nothing valid was heard for `lost_after`.
+    /// Nothing valid and new was heard for `lost_after`.
     Silence,
     /// Somebody greets with another session: the peer has restarted, or another one is there.
     PeerRestarted,

@@ -88,6 +88,13 @@ impl Interpreter {
         &mut self.variables
     }
 
+    /// Ends the program at the line that was executed last.
+    pub fn stop(&mut self, fault: Fault) -> Trouble {
+        self.then = Then::End(Ending::Program);
+        let (place, calls) = (self.place, self.stack.calls());
+        Trouble { fault, place, calls, message: core::mem::take(&mut self.message) }
+    }
+
     /// Executes statements up to the next thing to do; `context` is what the control knows now.
     ///
     /// # Errors
@@ -98,11 +105,7 @@ impl Interpreter {
             match self.advance() {
                 Ok(None) => {}
                 Ok(Some(step)) => return Ok(step),
-                Err(fault) => {
-                    self.then = Then::End(Ending::Program);
-                    let (place, calls) = (self.place, self.stack.calls());
-                    return Err(Trouble { fault, place, calls, message: core::mem::take(&mut self.message) });
-                }
+                Err(fault) => return Err(self.stop(fault)),
             }
         }
         Ok(Step::Busy)

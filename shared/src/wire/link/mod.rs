@@ -36,7 +36,7 @@ struct End<const WINDOW: usize, const KINDS: usize> {
     peer: Option<Peer>,
     /// The salt of the peer's frames in the session that is over.
     salt_before: Option<u32>,
-    /// When the last valid frame came in, and what its time stamp said.
+    /// When the latest valid frame came in, by its time stamp, and that.
     heard: Option<(Micros, u32)>,
     bad_in_a_row: u32,
     clock: PeerClock,
@@ -234,7 +234,7 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
         &self.end.clock
     }
 
-    /// Time since the last valid frame of the peer; the longest there is if there was none.
+    /// Time since the latest valid frame of the peer, copies not counted; the longest there is if there was none.
     pub fn age(&self, now: Micros) -> Span {
         self.end.heard.map_or(Span(u32::MAX), |(at, _)| now.since(at).into())
     }

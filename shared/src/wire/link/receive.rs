@@ -65,7 +65,9 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         if self.state != LinkState::Up {
             self.state = LinkState::Greeting;
         }
-        self.hear(now, frame);
+        if !self.hear(now, frame) {
+            return;
+        }
         if !knows_me {
             self.due.hello = now;
             return;
@@ -93,10 +95,23 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         }
     }
 
-    fn hear(&mut self, now: Micros, frame: &Frame<'_>) {
-        self.heard = Some((now, frame.header.t_us));
-        self.bad_in_a_row = 0;
+    /// Takes a valid frame for a sign of life if its time stamp is later than all before it, and answers whether to use it. A line keeps
+    /// the order of frames, and a retransmission has a new time stamp: an earlier one is a copy of what was heard before.
+    fn hear(&mut self, now: Micros, frame: &Frame<'_>) -> bool {
         count(&mut self.counters.frames_in);
+        let t_us = frame.header.t_us;
+        let last_us = self.heard.filter(|_| self.state == LinkState::Up).map(|(_, last_us)| last_us);
+        let later_us = last_us.map_or(1, |last_us| t_us.wrapping_sub(last_us).cast_signed());
+        if later_us < 0 {
+            count(&mut self.counters.copies);
+            return false;
+        }
+        // Frames of the same microsecond are no copies, but a copy of the last one must not keep the link up.
+        if later_us > 0 {
+            self.heard = Some((now, t_us));
+        }
+        self.bad_in_a_row = 0;
+        true
     }
 
     /// A valid frame between our two sessions.
@@ -106,7 +121,9 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         if !is_up && frame.header.class != Class::Heartbeat {
             return;
         }
-        self.hear(now, frame);
+        if !self.hear(now, frame) {
+            return;
+        }
         if let Some(echo) = Some(frame.payload).filter(|_| frame.header.class == Class::Heartbeat) {
             let Ok(echo) = echo.try_into() else { return count(&mut self.counters.framing_errors) };
             self.on_echo(now, frame, Echo::decode(echo));

@@ -176,6 +176,31 @@ fn silence_is_noticed_after_exactly_its_time() {
 }
 
 #[test]
+fn recorded_frames_that_come_again_and_again_are_no_sign_of_life() {
+    for to_board in [true, false] {
+        let (mut a, mut b) = up();
+        let mut recorded = Vec::new();
+        for ms in 5..200 {
+            a.send(7, &[1]).unwrap_or_default();
+            b.offer(1, Micros::from_ms(ms), Span::from_ms(50), &[2]).unwrap_or_default();
+            run((&mut a, &mut b), [ms, ms + 1], |is_down, frame| {
+                recorded.extend((is_down == to_board).then(|| frame.to_vec()));
+                true
+            });
+        }
+        let end = if to_board { &mut b } else { &mut a };
+        let latest = Micros(199_000).since(Micros(u64::from(end.age(Micros(199_000)).0)));
+        let lost = (200..2_000).find(|ms| {
+            let frame = &recorded[*ms as usize % recorded.len()];
+            assert_eq!(take(end, Micros::from_ms(*ms), frame), [], "a message arrived twice");
+            end.state() != LinkState::Up
+        });
+        assert_eq!((end.state(), lost), (LinkState::Lost(Loss::Silence), Some(latest.0 / 1_000 + 250)));
+        assert!(end.counters().copies > 0);
+    }
+}
+
+#[test]
 fn a_restarted_peer_is_noticed_by_its_first_frame_and_nothing_of_before_is_taken() {
     let (mut a, mut b) = up();
     a.send(7, b"before").unwrap();

@@ -67,6 +67,15 @@ codes! {
         /// A disc with an outer radius.
         EndMill = 1,
     }
+    /// The tool's axis.
+    AxisCode {
+        /// X.
+        X = 0,
+        /// Y.
+        Y = 1,
+        /// Z.
+        Z = 2,
+    }
     /// The feed law.
     LawCode {
         /// Constant feed per tooth on a ring's circumference.

@@ -52,6 +52,9 @@ pub fn encode(segment: &Segment, count: u32, rule: Option<u8>) -> Result<table::
         path,
         center,
         rule,
+        spindle: None,
+        max_feed: None,
+        end_percent: None,
     };
     if decode(&message)? == *segment { Ok(message) } else { Err(MoveError::Arc) }
 }

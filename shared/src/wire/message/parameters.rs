@@ -2,13 +2,13 @@
 
 use crate::cut::{CutRule, Moves, Rotation, Side, Work};
 use crate::engaged::EngagedKnot;
-use crate::job::{FeedPolicy, Job, LawKind};
+use crate::job::{FeedPolicy, Job, LawKind, Setup, SpeedSource, ToolAxis};
 use crate::nc::modal::Turn;
 use crate::stock::{Stock, StockLine};
 use crate::tool::{Edge, Tool};
 use crate::units::{LengthUnit, Nm};
 
-use super::codes::{LawCode, MovesCode, PolicyCode, StockCode, ToolCode, UnitCode, WorkCode};
+use super::codes::{AxisCode, LawCode, MovesCode, PolicyCode, StockCode, ToolCode, UnitCode, WorkCode};
 use super::field::PAYLOAD_MAX;
 use super::fixed::{Q40, Q46, Q62};
 use super::table::{self, Message};
@@ -76,6 +76,7 @@ pub fn messages(job: &Job, set: u32, give: &mut dyn FnMut(Message)) -> Result<()
     part(tool(&job.tool).into());
     part(law(job.law)?.into());
     part(limits(job)?.into());
+    part(ceiling(job)?.into());
     machine(job, &mut part)?;
     for (travelled, feed) in job.knots.all() {
         part(table::Knot { travelled: q40(travelled.0)?, feed_per_tooth: q40(feed.0)? }.into());
@@ -136,6 +137,21 @@ fn limits(job: &Job) -> Result<table::Limits, ParametersError> {
         step_percent: limits.step_percent,
         slew_up: q40(limits.slew_up_percent_per_s)?,
         slew_down: q40(limits.slew_down_percent_per_s)?,
+    })
+}
+
+fn ceiling(job: &Job) -> Result<table::Ceiling, ParametersError> {
+    let Setup { tool_number, axis, speed_source } = job.setup;
+    Ok(table::Ceiling {
+        tool: tool_number.map(|number| u32::try_from(number).map_err(|_| ParametersError::Number)).transpose()?,
+        axis: match axis {
+            ToolAxis::X => AxisCode::X,
+            ToolAxis::Y => AxisCode::Y,
+            ToolAxis::Z => AxisCode::Z,
+        },
+        operator_speed: speed_source == SpeedSource::Operator,
+        max_feed: job.ceiling.max_feed.map(|feed| q40(feed.0)).transpose()?,
+        max_raise: q40(job.ceiling.max_raise_ratio)?,
     })
 }
 

@@ -48,7 +48,8 @@ fn has_sound_limits(job: &Job) -> bool {
         .machine
         .arc_clamp
         .is_none_or(|clamp| is_positive(clamp.feed.0) && is_positive(clamp.radius.0) && clamp.floor.0 >= 0.0);
-    linear && rotary && clamp
+    let ceiling = job.ceiling.max_feed.is_none_or(|feed| is_positive(feed.0)) && job.ceiling.max_raise_ratio >= 1.0;
+    linear && rotary && clamp && ceiling
 }
 
 fn is_sound_rule(rule: &CutRule, job: &Job) -> bool {

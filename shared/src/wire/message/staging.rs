@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use crate::cut::{CutRule, Moves, Rotation, Side, Work};
 use crate::engaged::{EngagedError, EngagedTable};
-use crate::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use crate::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, Setup, SpeedSource, ToolAxis};
 use crate::knots::{KnotRange, Knots};
 use crate::machine::{self, MachineLimits};
 use crate::nc::modal::Turn;
@@ -12,14 +12,14 @@ use crate::stock::{Stock, StockLine};
 use crate::tool::{CupMill, Edge, EndMill, Tool};
 use crate::units::{DegPerMin, LengthUnit, Mm, MmPerMin, MmPerTooth, Nm, RevPerMin};
 
-use super::codes::{LawCode, MovesCode, PolicyCode, RefusalCode, StockCode, ToolCode, UnitCode, WorkCode};
+use super::codes::{AxisCode, LawCode, MovesCode, PolicyCode, RefusalCode, StockCode, ToolCode, UnitCode, WorkCode};
 use super::moves::decode_arcs;
 use super::parameters::SetSum;
 use super::sound;
 use super::table::{self, Message};
 
 /// What a whole set has: basics, tool, law and limits.
-const NEEDED: u8 = 0b00_1111;
+const NEEDED: u8 = 0b100_1111;
 
 /// A set on its way in; state.
 #[derive(Clone, Debug)]
@@ -122,6 +122,7 @@ impl Staging {
             Message::Tool(tool) => self.tool(tool),
             Message::Law(law) => self.law(law),
             Message::Limits(limits) => self.limits(limits),
+            Message::Ceiling(ceiling) => self.ceiling(ceiling),
             Message::Axes(axes) => self.axes(axes),
             Message::ArcClamp(clamp) => self.arc_clamp(clamp),
             _ => return Err(RefusalCode::Message),
@@ -198,6 +199,21 @@ impl Staging {
             floor: MmPerMin(floor.value()),
         });
         5
+    }
+
+    fn ceiling(&mut self, ceiling: &table::Ceiling) -> u8 {
+        let axis = match ceiling.axis {
+            AxisCode::X => ToolAxis::X,
+            AxisCode::Y => ToolAxis::Y,
+            AxisCode::Z => ToolAxis::Z,
+        };
+        let speed_source = if ceiling.operator_speed { SpeedSource::Operator } else { SpeedSource::Program };
+        self.job.setup = Setup { tool_number: ceiling.tool.map(i64::from), axis, speed_source };
+        self.job.ceiling = FeedCeiling {
+            max_feed: ceiling.max_feed.map(|feed| MmPerMin(feed.value())),
+            max_raise_ratio: ceiling.max_raise.value(),
+        };
+        6
     }
 
     fn rule(&mut self, rule: &table::Rule) -> Result<(), RefusalCode> {
@@ -299,6 +315,7 @@ const fn empty_job() -> Job {
     Job {
         unit: LengthUnit::Mm,
         tool: Tool::EndMill(EndMill { radius: Nm(0), teeth: 0 }),
+        setup: Setup { tool_number: None, axis: ToolAxis::Z, speed_source: SpeedSource::Program },
         spindle: RevPerMin(0.0),
         law: LawKind::Programmed,
         feed_per_tooth: MmPerTooth(0.0),
@@ -310,6 +327,7 @@ const fn empty_job() -> Job {
             slew_up_percent_per_s: 50.0,
             slew_down_percent_per_s: 200.0,
         },
+        ceiling: FeedCeiling { max_feed: None, max_raise_ratio: FeedCeiling::DEFAULT_RAISE_RATIO },
         machine: MachineLimits { linear: [None; 3], rotary: [None; 3], arc_clamp: None },
         rules: Vec::new(),
         knots: Knots::new(),

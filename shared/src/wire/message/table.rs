@@ -1,8 +1,8 @@
 //! All messages: kind, way, name, fields. `docs/protocol.md#messages` has the same table, and a test compares them.
 
 use super::codes::{
-    AlarmCode, FeedCode, LawCode, ModeCode, MovesCode, PathCode, PolicyCode, RefusalCode, RequestCode, ResetCode,
-    SettingCode, StateCode, StockCode, ToolCode, UnitCode, WorkCode,
+    AlarmCode, AxisCode, FeedCode, LawCode, ModeCode, MovesCode, PathCode, PolicyCode, RefusalCode, RequestCode,
+    ResetCode, SettingCode, StateCode, StockCode, ToolCode, UnitCode, WorkCode,
 };
 use super::field::{Chunk, DecodeError, EncodeError, Field, Reader, Writer};
 use super::fixed::{Q40, Q46, Q62};
@@ -219,6 +219,19 @@ messages! {
         /// Feed per tooth at the centre, mm.
         feed_per_tooth: Q40,
     }
+    /// What a move must agree with to be governed, and what no governed feed exceeds.
+    0x1D Down Ceiling {
+        /// T number of the tool.
+        tool: Option<u32>,
+        /// The tool's axis in the program's coordinates.
+        axis: AxisCode,
+        /// Whether the operator sets the spindle's speed where the program does not.
+        operator_speed: bool,
+        /// Fastest governed feed, mm/min.
+        max_feed: Option<Q40>,
+        /// Largest raise of a programmed feed, as a ratio.
+        max_raise: Q40,
+    }
     /// The set is whole.
     0x1C Down Commit {
         /// As in `Begin`.
@@ -250,8 +263,14 @@ messages! {
         path: PathCode,
         /// Rotation centre in the plane, nm; of arcs only.
         center: Option<[i64; 2]>,
-        /// The cut rule that speaks of it.
+        /// The cut rule whose law governs it.
         rule: Option<u8>,
+        /// Commanded spindle speed where it is not the job's, rev/min.
+        spindle: Option<Q40>,
+        /// The fastest feed on it by the job's ceiling, nm/min.
+        max_feed: Option<i64>,
+        /// Largest override at its end where that is not 100, %.
+        end_percent: Option<u8>,
     }
     /// All segments that are not done are forgotten, and a run is over: the next count is free.
     0x21 Down Clear {}

@@ -192,6 +192,8 @@ pub(super) fn ring_job() -> Job {
     Job {
         unit: LengthUnit::Inch,
         tool: Tool::CupMill(CupMill { outer_radius: Nm(128_576_070), inner_radius: Nm(112_701_324), active_teeth: 10 }),
+        setup: Default::default(),
+        ceiling: Default::default(),
         spindle: RevPerMin(1_000.0),
         law: LawKind::EngagedArc { both_edges: true },
         feed_per_tooth: MmPerTooth(0.1016),
