@@ -7,8 +7,9 @@ use arcfeed_shared::job::Job;
 use arcfeed_shared::machine::{FeedLimit, LimitedBy};
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose};
 use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{MmPerMin, PERCENT};
+use arcfeed_shared::units::{MmPerMin, PERCENT, RevPerMin};
 
+use crate::envelope::{Envelope, Sent};
 use crate::law::SegmentLaw;
 use crate::law::circumference::Circumference;
 use crate::progress::{ArcTrack, Progress, Track};
@@ -19,6 +20,8 @@ use crate::ramp::{Bound, FeedOverride, RatioRange};
 pub struct ActiveSegment {
     pub(crate) way: Way,
     end: Pose,
+    /// How high the override may be along it.
+    pub(crate) envelope: Envelope,
 }
 
 /// What a segment is for the tick.
@@ -53,37 +56,74 @@ struct MachineRatio {
     by: LimitedBy,
 }
 
+/// What holds for a segment beside its geometry.
+#[derive(Clone, Copy, Debug)]
+pub struct Conditions<'a> {
+    /// The cut rule whose law governs it.
+    pub rule: Option<&'a CutRule>,
+    /// Where the tool's circles are engaged along it, for a rule that leaves that to each move.
+    pub along: Option<&'a EngagedTable>,
+    /// Commanded spindle speed.
+    pub spindle: RevPerMin,
+    /// The fastest feed on it; rapids have none.
+    pub limit: Option<FeedLimit>,
+    /// Largest override at its end, %: what the move behind it begins with.
+    pub end_percent: u8,
+}
+
+impl<'a> Conditions<'a> {
+    /// Those of a move of the program as the control received it: its own F counts as the programmed one.
+    pub fn of(segment: &Segment, rule: Option<&'a CutRule>, job: &Job) -> Self {
+        Conditions {
+            rule,
+            along: None,
+            spindle: job.spindle,
+            limit: limit(segment, rule.is_some(), job),
+            end_percent: FeedOverride::PROGRAMMED.percent,
+        }
+    }
+}
+
+/// The fastest feed on a move; the job's ceiling holds where a law governs it.
+fn limit(segment: &Segment, is_governed: bool, job: &Job) -> Option<FeedLimit> {
+    match segment.feed {
+        Feed::PerMinute(feed) if is_governed && segment.path != Path::Rapid => job.feed_limit(segment, Some(feed)),
+        _ => job.machine.feed_limit(segment),
+    }
+}
+
 impl ActiveSegment {
-    /// Prepares a segment of the program as the control received it, with the cut rule that speaks of it.
+    /// Prepares a segment of the program as the control received it, with the cut rule whose law governs it.
     pub fn new(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
-        ActiveSegment::told(segment, rule, None, job)
+        ActiveSegment::under(segment, &Conditions::of(segment, rule, job), job)
     }
 
-    /// The same with the engaged arcs that were told with it, if any were.
-    pub fn told(segment: &Segment, rule: Option<&CutRule>, along: Option<&EngagedTable>, job: &Job) -> Self {
-        ActiveSegment::limited(segment, rule, along, job, || job.machine.feed_limit(segment))
-    }
-
-    /// The same where the fastest feed on the segment is known from elsewhere; it is only asked where the override acts.
-    pub fn limited(
-        segment: &Segment,
-        rule: Option<&CutRule>,
-        along: Option<&EngagedTable>,
-        job: &Job,
-        limit: impl FnOnce() -> Option<FeedLimit>,
-    ) -> Self {
+    /// Prepares a segment under these conditions.
+    pub fn under(segment: &Segment, conditions: &Conditions<'_>, job: &Job) -> Self {
+        let Conditions { rule, along, spindle, limit, end_percent } = *conditions;
         let feed = match (&segment.path, segment.feed) {
             (Path::Line | Path::Arc(_), Feed::PerMinute(feed)) if feed.0 > 0 => {
-                Some(SentFeed::new(MmPerMin(feed.to_mm() as f32), limit(), job))
+                Some(SentFeed::new(MmPerMin(feed.to_mm() as f32), limit, job))
             }
             _ => None,
         };
         let law = SegmentLaw::told(segment, rule, along, job);
-        let way = Track::new(segment).map_or(Way::Rapid, |track| Way::new(track, law, feed));
-        ActiveSegment { way, end: segment.end }
+        let track = Track::new(segment);
+        let envelope = match (&track, &feed) {
+            (Some(track), Some(feed)) => {
+                let SentFeed { feed, teeth_min_per_mm, machine, .. } = *feed;
+                let most = f32::from(job.limits.max_percent) / PERCENT;
+                let max_ratio = machine.map_or(most, |machine| fmath::min(machine.ratio, most));
+                let sent = Sent { feed, teeth_min_per_mm, spindle, max_ratio, end_percent };
+                Envelope::new(&law, track, &sent, &job.limits)
+            }
+            _ => Envelope::constant(end_percent),
+        };
+        let way = track.map_or(Way::Rapid, |track| Way::new(track, law, feed));
+        ActiveSegment { way, end: segment.end, envelope }
     }
 
-    /// The same segment under another law.
+    /// The same segment under another law, for tests of the law alone: nothing lowers the override in time.
     #[must_use]
     pub fn with_law(self, law: SegmentLaw) -> Self {
         let way = match self.way {
@@ -91,7 +131,7 @@ impl ActiveSegment {
             Way::Cut { track, feed, .. } => Way::new(track, law, feed),
             Way::Rapid => Way::Rapid,
         };
-        ActiveSegment { way, ..self }
+        ActiveSegment { way, envelope: Envelope::FREE, ..self }
     }
 
     /// Length of its path; `None` for a rapid.
@@ -101,6 +141,18 @@ impl ActiveSegment {
             Way::Cut { track, .. } => Some(track.length_mm()),
             Way::Rapid => None,
         }
+    }
+
+    /// The largest override with which it can begin, %: with one above it what comes first would be cut too fast.
+    pub fn begin_percent(&self) -> u8 {
+        let machine = self.sent().and_then(|sent| sent.machine).map_or(f32::INFINITY, |machine| machine.ratio);
+        // A float beyond 255 becomes 255.
+        self.envelope.begin_percent().min((machine * PERCENT) as u8)
+    }
+
+    /// How far below 1 the ratio must be behind its end.
+    pub fn reserve_ratio(&self) -> f32 {
+        self.envelope.reserve_ratio()
     }
 
     /// Where it ends.

@@ -142,8 +142,9 @@ impl Controller {
         state.progress = segment.way.begin(state.progress.speed_mm_per_s());
         let feed_change = state.take_feed(segment.feed_sent());
         let wanted = self.wanted(state, segment, input);
-        self.ramp.enter_block(&mut state.ramp, wanted.followed(segment).0, feed_change);
-        self.obey_ramp(state, segment, &wanted, input.dt)
+        let (ratio, _) = wanted.followed(segment, state, input);
+        self.ramp.enter_block(&mut state.ramp, ratio, feed_change);
+        self.obey_ramp(state, segment, &wanted, input)
     }
 
     /// The same where the segment is of the commonest kind and no bound stands in the law's way: everything but the tick of
@@ -192,21 +193,24 @@ impl Controller {
         };
         let [x, y, _] = position.linear;
         let path = law.path_mm_per_tooth(track.follow(&mut state.progress, [x, y]));
-        let ratio = input.spindle.0 * path * feed.teeth_min_per_mm;
+        let wanted = input.spindle.0 * path * feed.teeth_min_per_mm;
+        let allowed = segment.envelope.ratio_at(state.progress.travelled_mm(), input.spindle);
+        let ratio = if wanted > allowed { allowed } else { wanted };
         // What is not a number is not held: neither a refusal of the law nor a spindle without speed.
-        feed.range.contains(ratio).then_some(UsualWish { wanted_ratio: ratio, ipt_center: MmPerTooth(path) })
+        let is_held = feed.range.contains(wanted) && feed.range.contains(ratio);
+        is_held.then_some(UsualWish { wanted_ratio: ratio, ipt_center: MmPerTooth(path) })
     }
 
     /// [`Controller::tick`] where [`Controller::usual_wish`] is none.
     #[inline(never)]
     pub(crate) fn tick_otherwise(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Output {
         let wanted = self.wanted(state, segment, input);
-        self.obey_ramp(state, segment, &wanted, input.dt)
+        self.obey_ramp(state, segment, &wanted, input)
     }
 
-    fn obey_ramp(&self, state: &mut State, segment: &ActiveSegment, wanted: &Wanted, dt: Span) -> Output {
-        let (ratio, followed) = wanted.followed(segment);
-        let (feed_override, bound) = self.ramp.step(&mut state.ramp, ratio, dt);
+    fn obey_ramp(&self, state: &mut State, segment: &ActiveSegment, wanted: &Wanted, input: &Input) -> Output {
+        let (ratio, followed) = wanted.followed(segment, state, input);
+        let (feed_override, bound) = self.ramp.step(&mut state.ramp, ratio, input.dt);
         let bound = if bound == Bound::Free { followed } else { bound };
         Output {
             feed_override,
@@ -250,11 +254,21 @@ impl Controller {
 }
 
 impl Wanted {
-    /// The part that the machine can follow; without a wish 100 % stays 100 %.
-    fn followed(&self, segment: &ActiveSegment) -> (f32, Bound) {
-        match self.reason {
+    /// The part that the machine can follow and that what comes further on allows; without a wish 100 % stays 100 %.
+    fn followed(&self, segment: &ActiveSegment, state: &State, input: &Input) -> (f32, Bound) {
+        let (ratio, bound) = match self.reason {
             Reason::Law | Reason::NoWish(NoWish::ChipUnreachable) => segment.followed(self.ratio),
             _ => (self.ratio, Bound::Free),
+        };
+        // A spindle at rest makes no chip.
+        if self.reason == Reason::NoSpindle {
+            return (ratio, bound);
+        }
+        let allowed = segment.envelope.ratio_at(state.progress.travelled_mm(), input.spindle);
+        if ratio > allowed {
+            (allowed, if self.reason == Reason::Law { Bound::Ahead } else { bound })
+        } else {
+            (ratio, bound)
         }
     }
 }

@@ -180,7 +180,8 @@ impl Track {
         }
     }
 
-    fn move_on(&self, progress: &mut Progress, ds_mm: f32) {
+    /// Moves on along the path, not beyond its end; of an arc by less than a radian.
+    pub(crate) fn move_on(&self, progress: &mut Progress, ds_mm: f32) {
         // max and min drop a NaN.
         let ds_mm = ds_mm.max(0.0).min((self.length_mm() - progress.travelled_mm).max(0.0));
         progress.travelled_mm += ds_mm;

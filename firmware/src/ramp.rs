@@ -72,6 +72,8 @@ pub enum Bound {
     Ceiling,
     /// The wish lies above what the machine can follow on this segment.
     Machine(LimitedBy),
+    /// The wish lies above what the rest of the segment allows here.
+    Ahead,
     /// Still on its way.
     Slew,
     /// The wish is not a number: 100 %.

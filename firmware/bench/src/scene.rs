@@ -73,6 +73,8 @@ impl Scene {
         let job = Job {
             unit: LengthUnit::Mm,
             tool,
+            setup: Default::default(),
+            ceiling: Default::default(),
             spindle: RevPerMin(1_000.0),
             law,
             feed_per_tooth: MmPerTooth((1 + random.below(1_000)) as f32 / 1_000.0),

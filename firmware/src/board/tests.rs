@@ -90,6 +90,8 @@ fn job() -> Job {
     Job {
         unit: LengthUnit::Mm,
         tool: Tool::CupMill(CupMill { outer_radius, inner_radius, active_teeth: 10 }),
+        setup: Default::default(),
+        ceiling: Default::default(),
         spindle: SPINDLE,
         law: LawKind::Programmed,
         feed_per_tooth: FEED_PER_TOOTH,

@@ -67,6 +67,13 @@ impl EngagedArc {
         EngagedArc { cuts, region, is_sound }
     }
 
+    /// Where the engaged arcs of a table are given, mm.
+    pub fn knots_mm(&self, take: &mut dyn FnMut(f32)) {
+        if let Region::Engaged(table) = &self.region {
+            table.knots().iter().for_each(|knot| take(knot.travelled.0));
+        }
+    }
+
     /// The wish of one edge.
     fn wish_of(&self, cut: &Cut, place: &Place) -> Result<Wish, NoWish> {
         let circle = CircleAt { edge: cut.edge, radius_mm: cut.edge_radius.0, place };

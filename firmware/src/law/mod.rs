@@ -163,6 +163,18 @@ impl SegmentLaw {
     }
 }
 
+impl SegmentLaw {
+    /// Where along the segment the law may bend or jump by a table of its own, mm.
+    pub fn knots_mm(&self, take: &mut dyn FnMut(f32)) {
+        match self {
+            SegmentLaw::Table(law) => law.knots_mm(take),
+            SegmentLaw::EngagedArc(law) => law.knots_mm(take),
+            SegmentLaw::Circumference(_) | SegmentLaw::Contour(_) | SegmentLaw::Engagement(_) => {}
+            SegmentLaw::Programmed => {}
+        }
+    }
+}
+
 impl FeedLaw for SegmentLaw {
     fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
         match self {

@@ -47,6 +47,13 @@ impl Table {
     }
 }
 
+impl Table {
+    /// The paths of its knots.
+    pub fn knots_mm(&self, take: &mut dyn FnMut(f32)) {
+        self.knots.iter().for_each(|(travelled, _)| take(travelled.0));
+    }
+}
+
 impl FeedLaw for Table {
     /// Before the first knot its feed, behind the last one its.
     fn wish(&self, place: &Place) -> Result<Wish, NoWish> {

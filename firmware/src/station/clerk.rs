@@ -236,9 +236,9 @@ impl<'q> Clerk<'q> {
                 Ok(())
             }
             Message::Basics(_) | Message::Tool(_) | Message::Law(_) | Message::Limits(_) => self.part_of_set(message),
-            Message::Axes(_) | Message::ArcClamp(_) | Message::Rule(_) => self.part_of_set(message),
-            Message::StockLine(_) | Message::StockDisc(_) | Message::EngagedArcs(_) => self.part_of_set(message),
-            Message::Knot(_) => self.part_of_set(message),
+            Message::Ceiling(_) | Message::Axes(_) | Message::ArcClamp(_) => self.part_of_set(message),
+            Message::Rule(_) | Message::StockLine(_) | Message::StockDisc(_) => self.part_of_set(message),
+            Message::EngagedArcs(_) | Message::Knot(_) => self.part_of_set(message),
             _ => Err((0, RefusalCode::Message)),
         };
         if let Err((reference, why)) = refused {

@@ -172,6 +172,8 @@ mod tests {
         let job = Job {
             unit: LengthUnit::Mm,
             tool: Tool::EndMill(EndMill { radius: Nm(5), teeth: 1 }),
+            setup: Default::default(),
+            ceiling: Default::default(),
             spindle: RevPerMin(1.0),
             law: LawKind::Programmed,
             feed_per_tooth: MmPerTooth(1.0),

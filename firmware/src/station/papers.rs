@@ -1,12 +1,14 @@
 //! The largest things that a desk keeps, in memory that its board gives it: handed on by value they would be copied along the stack.
 
 use arcfeed_shared::job::Job;
+use arcfeed_shared::machine::{FeedLimit, LimitedBy};
+use arcfeed_shared::units::{MmPerMin, Nm, RevPerMin};
 use arcfeed_shared::wire::message::codes::RefusalCode;
 use arcfeed_shared::wire::message::page::{self, PageError, Tapped};
 use arcfeed_shared::wire::message::staging::Staging;
 use arcfeed_shared::wire::message::{moves, table};
 
-use crate::active::ActiveSegment;
+use crate::active::{ActiveSegment, Conditions};
 
 use super::arcs::Arcs;
 
@@ -56,7 +58,17 @@ impl Papers {
         let job = self.job.as_ref()?;
         let segment = moves::decode(message).ok()?;
         let rule = message.rule.and_then(|rule| job.rules.get(usize::from(rule)));
-        let active = ActiveSegment::told(&segment, rule, self.arcs.table(), job);
+        let own = Conditions::of(&segment, rule, job);
+        let ceiling =
+            message.max_feed.map(|feed| FeedLimit { feed: MmPerMin(Nm(feed).to_mm() as f32), by: LimitedBy::Ceiling });
+        let conditions = Conditions {
+            along: self.arcs.table(),
+            spindle: message.spindle.map_or(own.spindle, |speed| RevPerMin(speed.value())),
+            end_percent: message.end_percent.unwrap_or(own.end_percent),
+            limit: own.limit.map_or(ceiling, |own| Some(ceiling.map_or(own, |ceiling| own.lower(ceiling)))),
+            ..own
+        };
+        let active = ActiveSegment::under(&segment, &conditions, job);
         self.arcs = Arcs::None;
         Some(active)
     }

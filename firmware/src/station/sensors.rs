@@ -32,6 +32,8 @@ pub struct Sensors {
 pub struct MachineLine {
     seen: Sensors,
     heard: Option<Micros>,
+    /// The latest sample's time, by the machine's clock.
+    latest: Option<u64>,
 }
 
 impl Default for MachineLine {
@@ -50,16 +52,19 @@ impl MachineLine {
             operator_percent: 0,
             signals: Signals::NONE,
         };
-        MachineLine { seen, heard: None }
+        MachineLine { seen, heard: None, latest: None }
     }
 
-    /// Takes a sample that came at `now`; false, and counted, if it makes no sense.
+    /// Takes a sample that came at `now`; false, and counted, if it makes no sense or is no later than one before: a copy says nothing
+    /// of where the axes are now.
     pub fn take(&mut self, now: Micros, sample: &Sample) -> bool {
         let position = sample.linear.map(|linear| pose(linear, sample.rotary)).transpose();
-        let (Ok(position), Some(signals)) = (position, Signals::of_machine(sample.signals)) else {
+        let is_copy = self.latest.is_some_and(|latest| sample.at <= latest);
+        let (Ok(position), Some(signals), false) = (position, Signals::of_machine(sample.signals), is_copy) else {
             self.take_invalid();
             return false;
         };
+        self.latest = Some(sample.at);
         if position.is_some() {
             (self.seen.position, self.heard) = (position, Some(now));
             self.seen.freshness.invalid_in_row = 0;
@@ -129,7 +134,7 @@ mod tests {
         assert_eq!(sensors.position.unwrap().linear, [1_000, -2_000, 3_000].map(Nm));
         assert_eq!((sensors.spindle.0, sensors.signals, sensors.freshness.age), (1_000.0, signals, Span(3_500)));
         // Without a new position the rest is news, the position is not.
-        line.take(Micros(5_000), &Sample { linear: None, operator_percent: 80, ..sample() });
+        line.take(Micros(5_000), &Sample { at: 6, linear: None, operator_percent: 80, ..sample() });
         let sensors = line.sensors(Micros(5_000));
         assert_eq!((sensors.operator_percent, sensors.freshness.age), (80, Span(4_000)));
     }
@@ -145,8 +150,20 @@ mod tests {
         line.take_invalid();
         let freshness = Freshness { invalid_in_row: 3, ..before.freshness };
         assert_eq!(line.sensors(Micros(9)), Sensors { freshness, ..before });
-        line.take(Micros(9), &sample());
+        line.take(Micros(9), &Sample { at: 6, ..sample() });
         assert_eq!(line.sensors(Micros(9)).freshness, Freshness::NOW);
+    }
+
+    #[test]
+    fn recorded_samples_that_come_again_and_again_are_no_position() {
+        let mut line = MachineLine::new();
+        let recorded = (1..=60).map(|at| Sample { at, ..sample() });
+        assert!(recorded.clone().all(|sample| line.take(Micros(sample.at), &sample)));
+        for (sample, ms) in recorded.cycle().zip(61..1_000) {
+            assert!(!line.take(Micros(ms), &sample));
+        }
+        let freshness = Freshness { age: Span(940), invalid_in_row: u8::MAX };
+        assert_eq!(line.sensors(Micros(1_000)).freshness, freshness);
     }
 
     #[test]

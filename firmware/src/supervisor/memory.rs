@@ -5,11 +5,11 @@ use arcfeed_shared::units::Span;
 use crate::controller;
 use crate::ramp::FeedOverride;
 
-use super::input::Input;
+use super::input::{Input, Quality, Work};
 use super::limits::Level;
 use super::operator::{Dial, Turn};
 use super::report::{Counters, Refusal};
-use super::sight::Sight;
+use super::sight::{Change, Sight};
 use super::signals::{Request, Signals};
 use super::state::{Disarm, Event, State};
 
@@ -24,6 +24,8 @@ pub struct Memory {
     pub(super) signals: Signals,
     pub(super) invalid: [u8; 2],
     pub(super) counters: Counters,
+    /// How far below 1 the ratio must be behind the segment that began last.
+    pub(super) reserve_ratio: f32,
     /// The segment on which nothing happens: the law has the override, and a quiet tick changes nothing else.
     pub(super) settled_on: Option<u32>,
 }
@@ -68,6 +70,15 @@ impl Memory {
         })
     }
 
+    /// Watches the segment, and keeps what must be in reserve behind one that begins.
+    pub(super) fn look_at(&mut self, work: Work<'_>, quality: Quality) -> Change {
+        let change = self.sight.look(work.map(|(count, _)| count), quality);
+        if let Some((_, segment)) = work.filter(|_| change.is_begin()) {
+            self.reserve_ratio = segment.reserve_ratio();
+        }
+        change
+    }
+
     /// The ramp goes on from what is put out.
     pub(super) fn settle_ramp(&mut self) {
         let share_ratio = self.dial.share_ratio();
@@ -100,6 +111,7 @@ impl Memory {
     pub(super) fn change_to(&mut self, state: State, event: Event) {
         if event == Event::Arm {
             self.dial.take_reference();
+            self.reserve_ratio = 0.0;
         }
         if state != self.state {
             self.counters.take_change(&self.state, &state);

@@ -38,7 +38,7 @@ use operator::Turn;
 use report::{Alarm, Reason, Refusal};
 use settings::{Settings, SettingsError};
 use sight::{Change, Sight};
-use signals::{Request, Signals};
+use signals::{Inhibit, Request, Signals};
 use state::{Disarm, Event, Hold, State};
 
 /// The supervisor of one machine; config.
@@ -152,6 +152,7 @@ impl Supervisor {
     ) -> Output {
         memory.sight = Sight::Followed(count);
         memory.settled_on = Some(count);
+        memory.reserve_ratio = segment.reserve_ratio();
         if let Some(wish) = self.controller.begin_usual(&mut memory.control, segment, measured) {
             self.limits.carry_to(&mut memory.level, memory.control.ratio());
             return self.obey_law(memory, &wish, measured.dt);
@@ -238,7 +239,7 @@ impl Supervisor {
         let Settings { take_over_below_percent, take_over_drop_percent, longest_tick, .. } = self.settings;
         let quality = self.settings.quality(&input.position, &input.link);
         let turn = memory.dial.read(input.operator_percent, take_over_below_percent, take_over_drop_percent);
-        let change = memory.sight.look(work.map(|(count, _)| count), quality);
+        let change = memory.look_at(work, quality);
         let pressed = input.signals.risen_since(memory.signals);
         memory.signals = input.signals;
         memory.count_frames(input);
@@ -331,16 +332,20 @@ impl Supervisor {
 
     fn move_level(&self, memory: &mut Memory, dt: Span) {
         let (dial_ratio, share_ratio) = (memory.dial.ratio(), memory.dial.share_ratio());
+        let ready = share_ratio * (1.0 - memory.reserve_ratio);
         let level = &mut memory.level;
         match memory.state {
             State::Faulted { .. } => level.stop(),
             State::Running | State::Holding { cause: Hold::ZeroOverride } => {}
             State::Fallback { keep, .. } if keep > Span(0) => {}
             State::Holding { cause: Hold::Feed } => self.limits.slew(level, level.ratio().min(share_ratio), dt),
-            State::Armed
-            | State::Inhibited { .. }
-            | State::Fallback { .. }
-            | State::Disarmed { by: Disarm::Condition(_) } => self.limits.slew(level, share_ratio, dt),
+            // No feed that the override acts on: it waits at what the next block can begin with.
+            State::Armed | State::Inhibited { why: Inhibit::NoFeed | Inhibit::Rapid } => {
+                self.limits.follow(level, ready, dt);
+            }
+            State::Inhibited { .. } | State::Fallback { .. } | State::Disarmed { by: Disarm::Condition(_) } => {
+                self.limits.slew(level, share_ratio, dt)
+            }
             State::Idle | State::Disarmed { by: Disarm::Request | Disarm::Operator { raised: true, .. } } => {
                 self.limits.slew(level, dial_ratio, dt);
             }
@@ -357,10 +362,8 @@ impl Supervisor {
     ) -> Output {
         // A step that ended at 0 % put nothing out: the axes stand.
         let step = step.filter(|_| memory.state == State::Running);
-        let reason = match step {
-            Some(step) => Reason::of_law(step, memory.level.ratio()),
-            None => Reason::of_state(&memory.state),
-        };
+        let level_ratio = memory.level.ratio();
+        let reason = step.map_or_else(|| Reason::of_state(&memory.state), |step| Reason::of_law(step, level_ratio));
         memory.counters.take(reason);
         Output {
             feed_override: self.limits.round(&memory.level),

@@ -57,6 +57,8 @@ pub enum Limit {
     Axis,
     /// The control's own clamp of the feed on arcs.
     ArcClamp,
+    /// The job's fastest feed, or its largest raise of the programmed one.
+    Ceiling,
 }
 
 /// Whether somebody should look.
@@ -120,13 +122,16 @@ impl Reason {
     /// The reason of a law's step; `level_ratio` is what came of it.
     pub fn of_law(step: &controller::Output, level_ratio: f32) -> Self {
         match step.reason {
-            controller::Reason::Law | controller::Reason::Bounded(Bound::Free | Bound::Slew) => Reason::Law,
+            controller::Reason::Law | controller::Reason::Bounded(Bound::Free | Bound::Slew | Bound::Ahead) => {
+                Reason::Law
+            }
             controller::Reason::Bounded(Bound::Floor) => {
                 Reason::Floor { chip_excess_percent: excess_percent(level_ratio, step.wanted_ratio) }
             }
             controller::Reason::Bounded(Bound::Ceiling) => Reason::Limited(Limit::Max),
             controller::Reason::Bounded(Bound::Machine(LimitedBy::Axis)) => Reason::Limited(Limit::Axis),
             controller::Reason::Bounded(Bound::Machine(LimitedBy::ArcClamp)) => Reason::Limited(Limit::ArcClamp),
+            controller::Reason::Bounded(Bound::Machine(LimitedBy::Ceiling)) => Reason::Limited(Limit::Ceiling),
             controller::Reason::Bounded(Bound::NotANumber) => Reason::NoWish(NoWish::BadInput),
             controller::Reason::NoWish(NoWish::NoLaw) => Reason::NoLaw,
             controller::Reason::NoWish(why) => Reason::NoWish(why),

@@ -67,6 +67,8 @@ fn job(limits: OverrideLimits) -> Job {
     Job {
         unit: LengthUnit::Mm,
         tool: Tool::CupMill(CupMill { outer_radius, inner_radius: Nm::from_mm(90.0), active_teeth: 10 }),
+        setup: Default::default(),
+        ceiling: Default::default(),
         spindle: SPINDLE,
         law: LawKind::Circumference,
         feed_per_tooth: MmPerTooth(0.1),

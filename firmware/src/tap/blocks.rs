@@ -7,6 +7,7 @@
 
 use arcfeed_shared::nc::alarm::{Fault, NotModelled};
 use arcfeed_shared::nc::block::Block;
+use arcfeed_shared::nc::machining::Machining;
 use arcfeed_shared::nc::modal::{Feed, FeedMode, Pose, Stop};
 use arcfeed_shared::nc::series::{Drill, Series};
 use arcfeed_shared::nc::settings::{Settings, Tables};
@@ -80,6 +81,11 @@ impl Blocks {
         if let Some(at) = at {
             self.reader.stand_at(at);
         }
+    }
+
+    /// Tool and spindle as commanded so far.
+    pub fn machining(&self) -> Machining {
+        self.reader.modal().machining()
     }
 
     /// Reads the next block: its course, and whether the program ends with it.

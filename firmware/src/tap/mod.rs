@@ -26,7 +26,7 @@ mod watch;
 
 use core::mem::MaybeUninit;
 
-use arcfeed_shared::cut;
+use arcfeed_shared::governed::Governing;
 use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::nc::tape_code::{DC1, DC3, without_parity};
@@ -34,7 +34,7 @@ use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Micros;
 use heapless::{Deque, Vec};
 
-use crate::active::ActiveSegment;
+use crate::active::{ActiveSegment, Conditions};
 use blocks::{Blocks, Course};
 use intake::Intake;
 use settings::{LINE_MAX, TapSettings, TapSettingsError};
@@ -256,15 +256,18 @@ impl<const N: usize> Tap<N> {
     fn hand_out(&mut self, segment: Segment, may_govern: bool, job: &Job) -> Handed {
         let count = self.counters.segments;
         let has_override = !matches!(job.policy, FeedPolicy::RewriteOnly(_));
-        let found = if may_govern && has_override { cut::find(&job.rules, &segment, &job.tool) } else { None };
-        let rule = found.map(|(_, rule)| rule);
+        let matched = job.match_move(&segment, &self.blocks.machining());
+        let governing = matched.governing().filter(|_| may_govern && has_override);
+        let rule = governing.map(|governing| governing.rule);
+        let own = Conditions::of(&segment, rule, job);
+        let conditions = governing.map_or(own, |Governing { spindle, .. }| Conditions { spindle, ..own });
         self.counters.segments = count.wrapping_add(1);
         self.counters.governed = self.counters.governed.wrapping_add(u32::from(rule.is_some()));
         if self.handed.is_empty() {
             self.tick.expect(count);
         }
         let _room = self.handed.push_back((count, segment));
-        Handed { count, segment: ActiveSegment::new(&segment, rule, job) }
+        Handed { count, segment: ActiveSegment::under(&segment, &conditions, job) }
     }
 
     /// A program begins; whatever was before is over, or will not be executed.

@@ -22,6 +22,8 @@ fn job() -> Job {
     Job {
         unit: LengthUnit::Mm,
         tool: Tool::EndMill(EndMill { radius: Nm(2_000_000), teeth: 2 }),
+        setup: Default::default(),
+        ceiling: Default::default(),
         spindle: RevPerMin(1_000.0),
         law: LawKind::Contour { inside_only: false, floor_ratio: 0.1 },
         feed_per_tooth: MmPerTooth(0.05),
@@ -74,10 +76,19 @@ fn each_character_is_passed_on_as_it_is() {
 #[test]
 fn moves_are_handed_out_in_order_and_the_rules_are_found() {
     let mut tap = tap();
-    hear(&mut tap, "%\nG0X1.\nG1X2.F100.\nG3X4.I1.\nM30\n%\n");
+    hear(&mut tap, "%\nS1000M3\nG0X1.\nG1X2.F100.\nG3X4.I1.\nM30\n%\n");
     assert_eq!(handed(&mut tap), [0, 1, 2]);
     assert_eq!((tap.counters().segments, tap.counters().governed), (3, 1));
     assert_eq!(tap.state(), TapState::Listening);
+}
+
+#[test]
+fn another_tool_a_stopped_spindle_and_a_helix_are_handed_out_without_a_rule() {
+    for program in ["G3X2.I1.", "S1000M3\nT2M6\nS900M3\nG3X2.I1.", "S1000M3\nM5\nG3X2.I1.", "S1000M3\nG3X2.Z1.I1."] {
+        let mut tap = tap();
+        hear(&mut tap, &format!("%\nF100.\n{program}\nM30\n%\n"));
+        assert_eq!((handed(&mut tap).len(), tap.counters().governed), (1, 0), "{program}");
+    }
 }
 
 #[test]

@@ -15,7 +15,7 @@ use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::machine;
 use arcfeed_hil_sim::rig::Rig;
 use arcfeed_shared::cut::{self, CutRule, Work};
-use arcfeed_shared::job::Job;
+use arcfeed_shared::job::{Job, Setup};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::segment::Segment;
@@ -85,11 +85,15 @@ fn program_source(file: &Path) -> String {
 
 /// The job as Rust: what `Debug` prints of these types is what one would write.
 fn job_source(job: &Job) -> String {
-    let Job { unit, tool, spindle, law, feed_per_tooth, policy, limits, machine, rules, knots } = job;
+    let Job { unit, tool, setup, spindle, law, feed_per_tooth, policy, limits, ceiling, machine, rules, knots } = job;
     assert_eq!(*knots, Knots::new(), "the example's law needs no table");
     let mut text = String::from("    /// The job, its rules still to be added.\n    pub const fn job() -> Job {\n");
     let tool = format!("Tool::{tool:?}, spindle: {spindle:?}, law: LawKind::{law:?}");
     text += &format!("        Job {{ unit: {unit:?}, tool: {tool}, feed_per_tooth: {feed_per_tooth:?},\n");
+    let Setup { tool_number, axis, speed_source } = setup;
+    let setup =
+        format!("tool_number: {tool_number:?}, axis: ToolAxis::{axis:?}, speed_source: SpeedSource::{speed_source:?}");
+    text += &format!("            setup: Setup {{ {setup} }}, ceiling: {ceiling:?},\n");
     text += &format!("            policy: {policy:?}, limits: {limits:?}, machine: {machine:?},\n");
     text += "            rules: heapless::Vec::new(), knots: Knots::new() }\n    }\n";
     // In place: a list of rules that is handed over may lie on the stack twice.

@@ -4,14 +4,14 @@ use core::ops::RangeFrom;
 use core::slice::{ChunksExact, Iter};
 
 use arcfeed_shared::cut::{CutRule, Moves, Rotation::*, Side::*, Work};
-use arcfeed_shared::job::{FeedPolicy::*, Job, LawKind, OverrideLimits};
+use arcfeed_shared::job::{FeedCeiling, FeedPolicy::*, Job, LawKind, OverrideLimits, Setup, SpeedSource, ToolAxis};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::machine::MachineLimits;
 use arcfeed_shared::nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
 use arcfeed_shared::segment::{Arc, Path::*, Segment};
 use arcfeed_shared::stock::{Stock, StockLine};
 use arcfeed_shared::tool::{CupMill, Edge::*, EndMill, Tool};
-use arcfeed_shared::units::{LengthUnit::*, MicroDeg, MmPerTooth, Nm, RevPerMin, Span};
+use arcfeed_shared::units::{LengthUnit::*, MicroDeg, MmPerMin, MmPerTooth, Nm, RevPerMin, Span};
 
 /// A move of the run, or a rest.
 #[derive(Clone, Copy, Debug)]

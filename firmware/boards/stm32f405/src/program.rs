@@ -2,14 +2,14 @@
 
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_shared::cut::{CutRule, Moves, Rotation::*, Work};
-use arcfeed_shared::job::{FeedPolicy::*, Job, LawKind, OverrideLimits};
+use arcfeed_shared::job::{FeedCeiling, FeedPolicy::*, Job, LawKind, OverrideLimits, Setup, SpeedSource, ToolAxis};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::machine::MachineLimits;
 use arcfeed_shared::nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
 use arcfeed_shared::segment::{Arc, Path::*, Segment};
 use arcfeed_shared::stock::{Stock, StockLine};
 use arcfeed_shared::tool::{CupMill, Edge::*, Tool};
-use arcfeed_shared::units::{LengthUnit::*, MicroDeg, MmPerTooth, Nm, RevPerMin};
+use arcfeed_shared::units::{LengthUnit::*, MicroDeg, MmPerMin, MmPerTooth, Nm, RevPerMin};
 
 /// A move of the program, or a rest.
 #[derive(Clone, Copy, Debug)]

@@ -40,6 +40,7 @@ numbered! {
     2 MaxLimit
     3 AxisLimit
     4 ArcClamp
+    5 FeedCeiling
     10 NoContact
     11 OutsideValidity
     12 ChipUnreachable
@@ -75,6 +76,7 @@ impl From<Reason> for Cause {
             Reason::Limited(Limit::Max) => Cause::MaxLimit,
             Reason::Limited(Limit::Axis) => Cause::AxisLimit,
             Reason::Limited(Limit::ArcClamp) => Cause::ArcClamp,
+            Reason::Limited(Limit::Ceiling) => Cause::FeedCeiling,
             Reason::NoWish(NoWish::NoContact) => Cause::NoContact,
             Reason::NoWish(NoWish::OutsideValidity) => Cause::OutsideValidity,
             Reason::NoWish(NoWish::ChipUnreachable) => Cause::ChipUnreachable,
@@ -114,7 +116,7 @@ mod tests {
     fn every_number_leads_to_its_cause_and_back() {
         let known: Vec<Cause> = (0..=255).filter_map(Cause::of_code).collect();
         assert!(known.iter().all(|cause| Cause::of_code(*cause as u8) == Some(*cause)));
-        assert_eq!(known.len(), 30);
+        assert_eq!(known.len(), 31);
     }
 
     #[test]
