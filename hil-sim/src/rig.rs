@@ -5,10 +5,10 @@ use std::collections::VecDeque;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::settings::SettingsError;
 use arcfeed_firmware::supervisor::signals::Signals;
-use arcfeed_shared::cut;
 use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::machine::FeedLimit;
+use arcfeed_shared::nc::machining::SpindleCommand;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::{RADIUS_TOLERANCE, Segment};
 use arcfeed_shared::telemetry::Sample;
@@ -57,6 +57,15 @@ pub struct Foreseen {
     pub along: Option<EngagedTable>,
     /// The fastest feed on it, where that is known.
     pub limit: Option<FeedLimit>,
+    /// Largest override at its end, %: what the move behind it begins with.
+    pub end_percent: u8,
+}
+
+impl Foreseen {
+    fn is_of(&self, segment: &Segment) -> bool {
+        let Segment { start, end, path, .. } = &self.segment;
+        (start, end, path) == (&segment.start, &segment.end, &segment.path)
+    }
 }
 
 /// What the override did on one move that a cut rule speaks of.
@@ -213,12 +222,14 @@ impl<D: Decider> Rig<D> {
         let rules = &self.job.rules;
         let continued = self.last.filter(|(last, _)| self.is_in_pieces() && continues(last, segment));
         let is_special = self.manner.is_special;
-        let plain = if is_special { None } else { cut::find(rules, segment, &self.job.tool) };
-        let is_told = plain.is_some_and(|(_, rule)| rule.is_told_along());
-        let known = if is_special || is_told { foreseen(&mut self.foreseen, segment) } else { None };
+        let matched = self.job.match_move(segment, &self.manner.machining);
+        let plain = matched.governing().filter(|_| !is_special).map(|governing| (governing.index, governing.rule));
+        let is_next = self.foreseen.front().is_some_and(|known| known.is_of(segment));
+        let known = if is_special || plain.is_some() || is_next { foreseen(&mut self.foreseen, segment) } else { None };
         let by_index = |index: usize| Some((index, rules.get(index)?));
         let found = match continued {
             Some((_, rule)) => rule.and_then(by_index),
+            None if known.as_ref().is_some_and(|known| known.rule.is_none()) => None,
             None if is_special => known.as_ref().and_then(|known| known.rule).and_then(by_index),
             None => plain,
         };
@@ -236,7 +247,10 @@ impl<D: Decider> Rig<D> {
         self.last = Some((*segment, found.map(|(index, _)| index)));
         let limit = known.as_ref().and_then(|known| known.limit);
         let along = known.as_ref().and_then(|known| known.along.as_ref());
-        self.decider.begin(Some(Begun { count, segment, rule: found.map(|(_, rule)| rule), along, limit }));
+        let end_percent = known.as_ref().map_or(FeedOverride::PROGRAMMED.percent, |known| known.end_percent);
+        let spindle = self.job.speed(self.manner.machining.spindle).unwrap_or(self.job.spindle);
+        let rule = found.map(|(_, rule)| rule);
+        self.decider.begin(Some(Begun { count, segment, rule, along, spindle, limit, end_percent }));
     }
 
     fn shown(&self, position: &Pose, is_moving: bool) -> Shown {
@@ -254,9 +268,7 @@ impl<D: Decider> Rig<D> {
     /// Chips are measured with the spindle's speed, once the axes are on the move in work. What its feed is to be compared with
     /// reaches the axes as late as they are.
     fn measure(&mut self, sample: &Sample) {
-        if self.control.spindle().is_some() {
-            self.meter.set_spindle(self.spindle());
-        }
+        self.meter.set_spindle(self.spindle());
         if self.now < self.settles_until {
             self.meter.leave_out(sample);
         } else {
@@ -264,9 +276,14 @@ impl<D: Decider> Rig<D> {
         }
     }
 
-    /// What the spindle turns with; of one without a drive, what the job says.
+    /// The spindle's speed: its drive's, or without a drive what the program commands, or the job where it commands nothing.
     pub fn spindle(&self) -> RevPerMin {
-        self.control.spindle().map_or(self.job.spindle, |spindle| RevPerMin(libm::fabs(spindle.rev_per_min()) as f32))
+        match (self.control.spindle(), self.manner.machining.spindle) {
+            (Some(drive), _) => RevPerMin(libm::fabs(drive.rev_per_min()) as f32),
+            (None, SpindleCommand::RevPerMin(speed)) => RevPerMin(speed as f32),
+            (None, SpindleCommand::Stopped) => RevPerMin(0.0),
+            (None, SpindleCommand::Unstated) => self.job.spindle,
+        }
     }
 
     fn is_in_pieces(&self) -> bool {
@@ -284,8 +301,7 @@ impl<D: Decider> Rig<D> {
 
 /// The next of these moves that is this one; those before it are over.
 fn foreseen(ahead: &mut VecDeque<Foreseen>, segment: &Segment) -> Option<Foreseen> {
-    let is_it = |other: &Segment| (other.start, other.end, other.path) == (segment.start, segment.end, segment.path);
-    let at = ahead.iter().position(|known| is_it(&known.segment))?;
+    let at = ahead.iter().position(|known| known.is_of(segment))?;
     ahead.drain(..=at).next_back()
 }
 

@@ -1,6 +1,7 @@
 //! Blocks as they are executed: what each does, and how.
 
 use arcfeed_shared::nc::alarm::Fault;
+use arcfeed_shared::nc::machining::Machining;
 use arcfeed_shared::nc::macros::program::is_statement;
 use arcfeed_shared::nc::macros::variables::Ignored;
 use arcfeed_shared::nc::modal::{Pose, Stop};
@@ -80,6 +81,8 @@ pub struct Manner {
     pub is_tapping: bool,
     /// Whose way its moves are.
     pub way: Way,
+    /// Tool and spindle, as the program has commanded them.
+    pub machining: Machining,
 }
 
 /// Whose way a block's moves are written as.

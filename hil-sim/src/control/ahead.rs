@@ -55,8 +55,7 @@ impl Control {
 
     /// A program that ends without M30 is an alarm; what is starved of blocks on the way is counted.
     pub(super) fn look_for_the_end(&mut self, dt: Micros) {
-        let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0 && self.course.is_none();
-        if !has_nothing || self.phase != Phase::Running || self.dwell_left > Micros(0) || self.is_over() {
+        if !self.is_starved() {
             return;
         }
         if self.has_nothing_to_read() {

@@ -315,6 +315,12 @@ impl Control {
         self.interpolator.is_at_rest()
     }
 
+    /// Whether the program goes on and no block is there to execute.
+    pub fn is_starved(&self) -> bool {
+        let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0 && self.course.is_none();
+        has_nothing && self.phase == Phase::Running && self.dwell_left == Micros(0) && !self.is_over()
+    }
+
     /// Time without a block to execute, after the first move.
     pub fn starved_ms(&self) -> u64 {
         self.starved_ms

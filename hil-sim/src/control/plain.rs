@@ -129,7 +129,7 @@ impl PlainReader {
             None if modal.follows_tool_center => Way::Tip,
             None => Way::Axes,
         };
-        Manner { origin, tool, is_special, is_tapping: self.taps, way }
+        Manner { origin, tool, is_special, is_tapping: self.taps, way, machining: modal.machining() }
     }
 
     fn in_machine(&self, segment: &Segment, tool: Nm) -> Result<Segment, Fault> {
@@ -149,7 +149,7 @@ pub fn along_z(length: Nm) -> Pose {
 
 /// What a line that has been understood asks for, on the path.
 fn action(understood: &Understood) -> Action {
-    let Understood { parsed, step, segment } = understood;
+    let Understood { parsed, step, segment, .. } = understood;
     let has_function = |block: &Block| block.words.iter().any(|word| matches!(word.letter, b'M' | b'S' | b'T'));
     if understood.lacks_feed() {
         return Action::Fault(Fault::alarm(Alarm::NoFeed, 0));

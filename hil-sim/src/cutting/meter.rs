@@ -3,9 +3,10 @@
 //! It looks at the plane of the arc, G17 or another, with the tool's axis along the plane's normal; of a helix it measures
 //! the chip across that axis.
 //!
-//! A sample counts if the machine ran within 0.5 % of the commanded feed through the whole of its tooth's cut, within
-//! one block, and the cutting circle had an admissible contact. All others are counted by cause. A tooth takes as long as the
-//! spindle's speed at its begin says.
+//! A sample is steady if the machine ran within 0.5 % of the commanded feed through the whole of its tooth's cut, within one
+//! block. Figures of the law's error are of steady samples with an admissible contact; all others are counted by cause. The
+//! thickest chip is that of all samples with a contact. A tooth that is still in the cut when its block ends counts there as if
+//! it went on at the mean feed that it had. A tooth takes as long as the spindle's speed at its begin says.
 
 use std::collections::VecDeque;
 
@@ -42,11 +43,14 @@ pub struct MoveChips {
     pub sequence: Option<i64>,
     /// Which of the job's cut rules speaks of it.
     pub rule: usize,
-    /// Chip at the contact relative to the target; nothing where the tool is no ring or the stock no single line.
+    /// Chip at the contact relative to the target, steady samples; nothing where the tool is no ring or the stock no single
+    /// line.
     pub contact: ChipFigures,
+    /// The same of all samples.
+    pub any_contact: ChipFigures,
     /// Thickest chip relative to the target, anywhere inside the rule's half plane: outer and inner circle.
     pub thickest: [ChipFigures; 2],
-    /// Samples that do not count.
+    /// Samples that are not among the steady ones.
     pub left_out: LeftOut,
 }
 
@@ -127,6 +131,7 @@ impl ChipMeter {
             sequence: segment.sequence,
             rule: index,
             contact: ChipFigures::default(),
+            any_contact: ChipFigures::default(),
             thickest: [ChipFigures::default(); 2],
             left_out: LeftOut::default(),
         });
@@ -182,24 +187,26 @@ impl ChipMeter {
     fn measure(&mut self, cut: &RingCut, first: Measured) {
         let Some(end_mm) = self.position_after_tooth(first) else { return };
         let Some(chips) = self.moves.last_mut() else { return };
+        let delta_mm = end_mm - first.position_mm;
+        let contact = cut.contact_ratio(&first.position_mm, &delta_mm);
+        if let Some(ratio) = contact {
+            chips.any_contact.add(ratio);
+        }
         // The speed at the oldest sample itself is that of the step before the tooth.
         if !self.history.iter().skip(1).all(|measured| measured.steady) {
             chips.left_out.not_steady += 1;
             return;
         }
-        let delta_mm = end_mm - first.position_mm;
-        let target = cut.target_mm_per_tooth;
-        let contact = cut.cutting.contact_chip_mm(&first.position_mm, &cut.rotation_center_mm, &delta_mm, &cut.line);
         match contact {
-            Some(chip_mm) => {
-                chips.contact.add(chip_mm / target);
-                self.last_ratio = Some(chip_mm / target);
+            Some(ratio) => {
+                chips.contact.add(ratio);
+                self.last_ratio = Some(ratio);
             }
             None => chips.left_out.no_contact += 1,
         }
         for (circle, figures) in cut.circles.iter().zip(&mut chips.thickest) {
             if let Some(chip_mm) = circle.thickest_chip_mm(&first.position_mm, &delta_mm, &cut.line) {
-                figures.add(chip_mm / target);
+                figures.add(chip_mm / cut.target_mm_per_tooth);
             }
         }
     }
@@ -214,10 +221,17 @@ impl ChipMeter {
         Some(a.position_mm + (b.position_mm - a.position_mm) * ratio)
     }
 
-    /// The teeth still in the cut at the end of a block do not count.
+    /// The teeth still in the cut at the end of a block.
     fn end_block(&mut self) {
-        if let (Some(_), Some(chips)) = (self.cut.take(), self.moves.last_mut()) {
+        if let (Some(cut), Some(chips), Some(last)) = (self.cut.take(), self.moves.last_mut(), self.history.back()) {
             chips.left_out.block_end += self.history.len() as u64;
+            for first in self.history.iter().filter(|first| first.at != last.at) {
+                let teeth = last.at.since(first.at).0 as f64 / first.tooth_us;
+                let delta_mm = (last.position_mm - first.position_mm) / teeth;
+                if let Some(ratio) = cut.contact_ratio(&first.position_mm, &delta_mm) {
+                    chips.any_contact.add(ratio);
+                }
+            }
         }
         self.block = None;
         self.last_ratio = None;
@@ -248,6 +262,12 @@ impl RingCut {
             line: stock.line()?.at_height(segment.height().to_mm()),
             target_mm_per_tooth: rule.feed_per_tooth.map_or(settings.target_mm_per_tooth, |feed| f64::from(feed.0)),
         })
+    }
+
+    /// Chip at the contact of a tooth that goes on by `delta_mm`, relative to the target.
+    fn contact_ratio(&self, position_mm: &Vector2<f64>, delta_mm: &Vector2<f64>) -> Option<f64> {
+        let chip_mm = self.cutting.contact_chip_mm(position_mm, &self.rotation_center_mm, delta_mm, &self.line);
+        Some(chip_mm? / self.target_mm_per_tooth)
     }
 
     fn in_plane(&self, position: &Pose) -> Vector2<f64> {

@@ -44,8 +44,12 @@ pub struct Begun<'a> {
     pub rule: Option<&'a CutRule>,
     /// Where the tool's circles are engaged along it, where the rule leaves that to be told.
     pub along: Option<&'a EngagedTable>,
-    /// The fastest feed on it, where it is not the one of the job's axes.
+    /// Commanded spindle speed.
+    pub spindle: RevPerMin,
+    /// The fastest feed on it, where it is not the one of the job's axes and ceiling.
     pub limit: Option<FeedLimit>,
+    /// Largest override at its end, %.
+    pub end_percent: u8,
 }
 
 /// Decides the override, once a servo period.

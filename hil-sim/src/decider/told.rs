@@ -1,6 +1,6 @@
 //! The controller in this process, told which move is in work.
 
-use arcfeed_firmware::active::ActiveSegment;
+use arcfeed_firmware::active::{ActiveSegment, Conditions};
 use arcfeed_firmware::board::{Board, Task};
 use arcfeed_firmware::controller;
 use arcfeed_firmware::ramp::FeedOverride;
@@ -78,9 +78,10 @@ impl Told {
 impl Decider for Told {
     fn begin(&mut self, begun: Option<Begun<'_>>) {
         let job = &self.believed;
-        self.cabinet.segment = begun.map(|Begun { count, segment, rule, along, limit }| {
-            let limit = || limit.or_else(|| job.machine.feed_limit(segment));
-            (count, ActiveSegment::limited(segment, rule, along, job, limit))
+        self.cabinet.segment = begun.map(|Begun { count, segment, rule, along, spindle, limit, end_percent }| {
+            let own = Conditions::of(segment, rule, job);
+            let conditions = Conditions { along, spindle, limit: limit.or(own.limit), end_percent, ..own };
+            (count, ActiveSegment::under(segment, &conditions, job))
         });
     }
 

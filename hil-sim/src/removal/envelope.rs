@@ -155,7 +155,8 @@ impl Swept {
         let from_end_mm = point_mm - self.to_mm;
         let far = if from_begin_mm.norm() > from_end_mm.norm() { from_begin_mm } else { from_end_mm };
         let middle_mm = (inner_mm + outer_mm) / 2.0;
-        let off_mm = middle_mm.clamp(near.norm(), far.norm());
+        // Not `clamp`, which panics: the nearest place of a short leg may be farther than its ends by the last digit.
+        let off_mm = middle_mm.max(near.norm()).min(far.norm());
         let arm_mm = if off_mm < middle_mm { far } else { near };
         Depth { deep_mm: (outer_mm - off_mm).min(off_mm - inner_mm), leg: self.leg, arm_mm } // (2)
     }
@@ -195,6 +196,12 @@ mod tests {
         for (at_mm, deep_mm) in [([1.0, 0.0], -2.0), ([-3.5, 0.0], 1.0), ([1.0, 5.5], -0.5), ([3.0, 0.0], 0.0)] {
             assert_deep(&slot, at_mm, deep_mm);
         }
+    }
+
+    #[test]
+    fn a_nearest_place_that_is_the_farther_one_by_a_digit_has_a_depth() {
+        let ends_mm = [[67.95207082670174, 65.17546265597753, 1.0], [67.95207099493236, 65.17546294988988, 1.0]];
+        assert_deep(&envelope(ends_mm, 3.0), [51.88488879411541, 74.37205456206897], 5.0 - 18.5130127519929);
     }
 
     #[test]
