@@ -22,18 +22,30 @@ use arcfeed_shared::nc::motion::Pose;
 use arcfeed_shared::nc::settings::{Decimals, OFFSETS, Preset, SYSTEMS, Settings, Tables};
 use arcfeed_shared::units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Nm};
 use serde::Deserialize;
+use toml::Spanned;
 
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+use crate::place::place;
+use crate::toml_values::{refuse_numbers, with_key};
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct SettingsFile {
     unit: Option<Unit>,
     decimals: Option<Convention>,
-    delete: Vec<u8>,
+    #[serde(default = "no_switches")]
+    delete: Spanned<Vec<u8>>,
     peck_return: Option<f64>,
     peck_clearance: Option<f64>,
-    work: BTreeMap<String, Axes>,
-    length: BTreeMap<String, f64>,
-    reference: BTreeMap<String, Axes>,
+    #[serde(default)]
+    work: BTreeMap<Spanned<String>, Axes>,
+    #[serde(default)]
+    length: BTreeMap<Spanned<String>, f64>,
+    #[serde(default)]
+    reference: BTreeMap<Spanned<String>, Axes>,
+}
+
+fn no_switches() -> Spanned<Vec<u8>> {
+    Spanned::new(0..0, Vec::new())
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -84,11 +96,16 @@ pub fn load(preset: Preset, reading: Reading, file: Option<&Path>) -> Result<(Se
     };
     let in_file = |error: String| format!("{}: {}", path.display(), error.trim_end());
     let text = std::fs::read_to_string(path).map_err(|error| in_file(error.to_string()))?;
-    parse(preset, reading, &text).map_err(in_file)
+    parse(preset, reading, &text).map_err(|(offset, message)| {
+        let [line, column] = place(&text, offset);
+        format!("{}:{line}:{column}: {}", path.display(), with_key(&text, offset, &message))
+    })
 }
 
-fn parse(preset: Preset, reading: Reading, text: &str) -> Result<(Settings, Tables), String> {
-    let file: SettingsFile = toml::from_str(text).map_err(|error| error.to_string())?;
+fn parse(preset: Preset, reading: Reading, text: &str) -> Result<(Settings, Tables), (usize, String)> {
+    refuse_numbers(text)?;
+    let file: SettingsFile = toml::from_str(text)
+        .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))?;
     let unit = match file.unit {
         Some(Unit::Mm) => LengthUnit::Mm,
         Some(Unit::Inch) | None => LengthUnit::Inch,
@@ -103,21 +120,25 @@ fn parse(preset: Preset, reading: Reading, text: &str) -> Result<(Settings, Tabl
     settings.decimals = file.decimals.map_or(settings.decimals, Decimals::from);
     settings.peck_return = file.peck_return.map_or(settings.peck_return, length);
     settings.peck_clearance = file.peck_clearance.map_or(settings.peck_clearance, length);
-    for switch in file.delete {
+    for &switch in file.delete.as_ref() {
         let bit = (1..=9).contains(&switch).then(|| 1 << switch);
-        settings.delete_switches |= bit.ok_or(format!("delete: no switch {switch}, they are 1 to 9"))?;
+        let offset = file.delete.span().start;
+        settings.delete_switches |= bit.ok_or((offset, format!("no switch {switch}, they are 1 to 9")))?;
     }
     for (name, axes) in &file.work {
-        *system(&mut tables, name).ok_or(format!("work: no coordinate system `{name}`"))? = pose(axes);
+        let wrong = || (name.span().start, "no such coordinate system: EXT, G54 to G59, G54.1P1 to G54.1P48".into());
+        *system(&mut tables, name.as_ref()).ok_or_else(wrong)? = pose(axes);
     }
     for (name, value) in &file.length {
-        let slot = name.parse().ok().filter(|number| (1..=OFFSETS).contains(number));
-        let slot: usize = slot.ok_or(format!("length: no offset number `{name}`, they are 1 to {OFFSETS}"))?;
+        let slot = name.as_ref().parse().ok().filter(|number| (1..=OFFSETS).contains(number));
+        let wrong = || (name.span().start, format!("no such offset number: they are 1 to {OFFSETS}"));
+        let slot: usize = slot.ok_or_else(wrong)?;
         tables.lengths[slot - 1] = [length(*value), Nm(0)];
     }
     for (name, axes) in &file.reference {
-        let slot: Option<usize> = name.parse().ok().filter(|number| (1..=4).contains(number));
-        settings.reference[slot.ok_or(format!("reference: no point `{name}`, they are 1 to 4"))? - 1] = pose(axes);
+        let slot: Option<usize> = name.as_ref().parse().ok().filter(|number| (1..=4).contains(number));
+        let wrong = || (name.span().start, "no such reference point: they are 1 to 4".into());
+        settings.reference[slot.ok_or_else(wrong)? - 1] = pose(axes);
     }
     Ok((settings, tables))
 }
@@ -159,9 +180,11 @@ mod tests {
             ("delete = [0]", "0"),
             ("[reference]\n5 = { X = 1.0 }", "5"),
             ("colour = 1", "colour"),
+            ("[length]\n1 = nan", "`length.1 = nan`"),
         ] {
-            let error = parse(Preset::Fanuc16i, Reading::Lenient, text).unwrap_err();
-            assert!(error.contains(named), "{error}");
+            let (offset, message) = parse(Preset::Fanuc16i, Reading::Lenient, text).unwrap_err();
+            let message = with_key(text, offset, &message);
+            assert!(message.contains(named), "{message}");
         }
     }
 }

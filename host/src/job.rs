@@ -14,6 +14,8 @@ mod tables;
 
 pub(crate) mod machine;
 
+mod tool;
+
 mod rules;
 
 pub mod workpiece;
@@ -28,12 +30,12 @@ pub mod questions;
 
 use std::path::{Path, PathBuf};
 
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use arcfeed_shared::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, Setup};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::machine::MachineLimits;
 use arcfeed_shared::nc::settings::{Preset, Reading, Scope, Settings, Tables};
-use arcfeed_shared::tool::{CupMill, EndMill, Tool};
-use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
+use arcfeed_shared::tool::{EndMill, Tool};
+use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
 use toml::Spanned;
 
 use crate::control;
@@ -41,12 +43,20 @@ use crate::engagement::EngagementMap;
 use crate::file_error::FileError;
 use crate::machine_file::MachineFile;
 use crate::place::place;
+use crate::toml_values::{refuse_numbers, with_key};
 pub use cutting::Cutting;
 pub use dnc::{DncSettings, TapeCode};
-use schema::{JobTable, LawTable, ToolTable};
+use schema::JobTable;
 pub(crate) use schema::{Quantity, UnitWord};
 pub use serial::{Parity, SerialSettings};
 pub use workpiece::Workpiece;
+
+/// Bounds of lengths, and of feeds per minute: below one nanometre a length would round to nothing.
+const LENGTH_MIN_MM: f64 = 1e-6;
+const LENGTH_MAX_MM: f64 = 1e5;
+/// Bounds of what must be positive, such as speeds.
+const POSITIVE_MIN: f64 = 1e-6;
+const POSITIVE_MAX: f64 = 1e6;
 
 /// A job file, checked.
 #[derive(Clone, Debug)]
@@ -65,6 +75,8 @@ pub struct JobFile {
     pub tables: Tables,
     /// The five-axis machine it runs on, where the job names one.
     pub machine: Option<MachineFile>,
+    /// The file of that machine, if it is none of ours.
+    pub machine_path: Option<PathBuf>,
     /// The engagement map that its rules name.
     pub map_file: Option<PathBuf>,
     /// That map, once it was read.
@@ -77,6 +89,8 @@ pub struct JobFile {
     pub serial: SerialSettings,
     /// What is sent on it, and how.
     pub dnc: DncSettings,
+    /// Line and column of each cut rule in the file.
+    pub rule_places: Vec<[usize; 2]>,
 }
 
 /// The controls there are.
@@ -157,6 +171,8 @@ impl JobFile {
         let job = Job {
             unit,
             tool: Tool::EndMill(EndMill { radius: Nm(0), teeth: 1 }),
+            setup: Setup::default(),
+            ceiling: FeedCeiling::default(),
             spindle: RevPerMin(0.0),
             law: LawKind::Programmed,
             feed_per_tooth: MmPerTooth(0.0),
@@ -186,13 +202,23 @@ impl JobFile {
             nc,
             tables: Tables::default(),
             machine: None,
+            machine_path: None,
             map_file: None,
             map: None,
             workpiece: None,
             cutting: None,
             serial,
             dnc: DncSettings::default(),
+            rule_places: Vec::new(),
         }
+    }
+
+    /// All files that a run of the job reads; `path` is its own.
+    pub fn inputs(&self, path: &Path) -> Vec<PathBuf> {
+        let mut files = vec![path.to_owned(), self.program.clone()];
+        files.extend([&self.settings, &self.machine_path, &self.map_file].into_iter().flatten().cloned());
+        files.extend(self.workpiece.iter().flat_map(|workpiece| workpiece.files()).map(|file| file.path.clone()));
+        files
     }
 
     /// Checks a job given as text; `path` is for messages and for the program's place.
@@ -205,13 +231,19 @@ impl JobFile {
                 .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))
         };
         questions::refuse_open(text)
+            .and_then(|()| refuse_numbers(text))
             .and_then(|()| read())
-            .and_then(|table| build(&table, path.parent().unwrap_or(Path::new(""))))
+            .and_then(|table| {
+                let file = build(&table, path.parent().unwrap_or(Path::new("")))?;
+                let rule_places = table.cut.iter().map(|cut| place(text, cut.span().start)).collect();
+                Ok(JobFile { rule_places, ..file })
+            })
             .map_err(|(offset, message)| {
                 let [line, column] = place(text, offset);
                 let is_toml = path.extension().is_some_and(|extension| extension == "toml");
                 let hint = if is_toml { "" } else { " (this command takes a job file, JOB.toml, not a program)" };
-                FileError::Content { path: path.into(), line, column, message: format!("{message}{hint}") }
+                let message = with_key(text, offset, &message) + hint;
+                FileError::Content { path: path.into(), line, column, message }
             })
     }
 }
@@ -220,18 +252,21 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let unit = table.units.into();
     let rev_per_min = positive(&table.spindle.rev_per_min, "the spindle speed")?;
     let feed_mm = length_mm(&table.law.feed_per_tooth, unit, "the feed per tooth")?;
-    let tool = build_tool(&table.tool, unit)?;
-    let law = build_law(&table.law, &tool)?;
+    let tool = tool::build(&table.tool, unit)?;
+    let law = tool::law(&table.law, &tool)?;
     let machine = machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?;
     let (rules, knots) = rules::build(&table.cut, &Around { unit, tool: &tool, law })?;
+    let limits = machine::build(table, unit, machine.as_ref())?;
     let job = Job {
         unit,
+        setup: tool::setup(table)?,
+        ceiling: sending::ceiling(table, unit, law, &limits)?,
         spindle: RevPerMin(rev_per_min as f32),
         law,
         feed_per_tooth: MmPerTooth(feed_mm as f32),
         policy: sending::policy(&table.r#override, unit)?,
         limits: sending::limits(&table.r#override)?,
-        machine: machine::build(table, unit, machine.as_ref())?,
+        machine: limits,
         rules,
         knots,
         tool,
@@ -250,85 +285,43 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let map_file = rules::map(&table.cut)?.map(|file| folder.join(file.as_ref()));
     let serial = serial::build(&table.serial)?;
     let dnc = dnc::build(&table.dnc, &serial)?;
-    let map = None;
-    Ok(JobFile { job, program, control, settings, nc, tables, machine, map_file, map, workpiece, cutting, serial, dnc })
-}
-
-fn build_tool(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {
-    let ToolTable { kind, outer_radius, inner_radius, active_teeth, diameter, teeth, .. } = table;
-    match (kind.as_ref().as_str(), outer_radius, inner_radius, active_teeth, diameter, teeth) {
-        ("cup-mill", Some(outer), Some(inner), Some(teeth), None, None) => {
-            let outer_mm = length_mm(outer, unit, "outer_radius")?;
-            let inner_mm = length_mm(inner, unit, "inner_radius")?;
-            if inner_mm >= outer_mm {
-                return Err(at(inner, "inner_radius must be less than outer_radius"));
-            }
-            let (outer_radius, inner_radius) = (Nm::from_mm(outer_mm), Nm::from_mm(inner_mm));
-            Ok(Tool::CupMill(CupMill { outer_radius, inner_radius, active_teeth: some_teeth(teeth)? }))
-        }
-        ("end-mill", None, None, None, Some(diameter), Some(teeth)) => {
-            let radius = Nm::from_mm(length_mm(diameter, unit, "diameter")? / 2.0);
-            Ok(Tool::EndMill(EndMill { radius, teeth: some_teeth(teeth)? }))
-        }
-        ("cup-mill", ..) => Err(at(kind, "a cup-mill has outer_radius, inner_radius and active_teeth")),
-        ("end-mill", ..) => Err(at(kind, "an end-mill has diameter and teeth")),
-        _ => Err(at(kind, "no such tool; write \"cup-mill\" or \"end-mill\"")),
-    }
-}
-
-fn some_teeth(teeth: &Spanned<u16>) -> Result<u16, Complaint> {
-    match *teeth.as_ref() {
-        0 => Err(at(teeth, "a tool needs at least one active tooth")),
-        teeth => Ok(teeth),
-    }
-}
-
-fn build_law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
-    let kind = table.kind.as_ref().as_str();
-    let settings = (&table.edges, table.inside_only, &table.floor);
-    match (kind, tool, settings) {
-        ("programmed", _, (None, None, None)) => Ok(LawKind::Programmed),
-        ("table", _, (None, None, None)) => Ok(LawKind::Table),
-        ("circumference", Tool::CupMill(_), (None, None, None)) => Ok(LawKind::Circumference),
-        ("engaged-arc", Tool::CupMill(_), (edges, None, None)) => {
-            match edges.as_ref().map(|edges| edges.as_ref().as_str()) {
-                None | Some("both") => Ok(LawKind::EngagedArc { both_edges: true }),
-                Some("side") => Ok(LawKind::EngagedArc { both_edges: false }),
-                Some(_) => Err(at(&table.kind, "edges must be \"both\" or \"side\" (the one the cut rule names)")),
-            }
-        }
-        ("engaged-arc", Tool::EndMill(_), (None, None, None)) => Ok(LawKind::EngagedArc { both_edges: false }),
-        ("engagement", Tool::EndMill(_), (None, None, None)) => Ok(LawKind::Engagement),
-        ("contour", Tool::EndMill(_), (None, inside_only, floor)) => {
-            let floor_ratio = floor.as_ref().map_or(0.0, |floor| *floor.as_ref() / PERCENT);
-            match floor {
-                Some(floor) if !(0.0..=1.0).contains(&floor_ratio) => Err(at(floor, "floor must be 0 to 100 %")),
-                _ => Ok(LawKind::Contour { inside_only: inside_only.unwrap_or(true), floor_ratio }),
-            }
-        }
-        ("engaged-arc", Tool::EndMill(_), (Some(edges), ..)) => Err(at(edges, "an end-mill has one circle only")),
-        ("circumference", Tool::EndMill(_), _) => Err(at(&table.kind, "this law needs a cup-mill")),
-        ("engagement" | "contour", Tool::CupMill(_), _) => Err(at(&table.kind, "this law needs an end-mill")),
-        ("circumference" | "engaged-arc" | "engagement" | "contour" | "table" | "programmed", ..) => Err(at(
-            &table.kind,
-            "`edges` belongs to engaged-arc, `inside_only` and `floor` to contour; remove what does not",
-        )),
-        _ => Err(at(
-            &table.kind,
-            "no such law; write \"circumference\" (cup mills), \"contour\" or \"engagement\" (end mills), \"engaged-arc\", \
-             \"table\" or \"programmed\"",
-        )),
-    }
+    let (map, rule_places) = (None, Vec::new());
+    Ok(JobFile {
+        job,
+        program,
+        control,
+        settings,
+        nc,
+        tables,
+        machine,
+        machine_path: table.machine.file.as_ref().map(|file| folder.join(file.as_ref())),
+        map_file,
+        map,
+        workpiece,
+        cutting,
+        serial,
+        dnc,
+        rule_places,
+    })
 }
 
 pub(crate) fn length_mm(quantity: &Spanned<Quantity>, unit: LengthUnit, name: &str) -> Result<f64, Complaint> {
     let mm = quantity.as_ref().to_mm(unit);
-    if mm > 0.0 && mm < 1e5 { Ok(mm) } else { Err(at(quantity, &format!("{name} must be a positive length"))) }
+    if (LENGTH_MIN_MM..LENGTH_MAX_MM).contains(&mm) {
+        return Ok(mm);
+    }
+    Err(at(
+        quantity,
+        &format!("{name} must be a positive length, from {LENGTH_MIN_MM} to less than {LENGTH_MAX_MM} mm"),
+    ))
 }
 
 pub(crate) fn positive(value: &Spanned<f64>, name: &str) -> Result<f64, Complaint> {
     let number = *value.as_ref();
-    if number > 0.0 && number < 1e6 { Ok(number) } else { Err(at(value, &format!("{name} must be positive"))) }
+    if (POSITIVE_MIN..POSITIVE_MAX).contains(&number) {
+        return Ok(number);
+    }
+    Err(at(value, &format!("{name} must be positive, from {POSITIVE_MIN} to less than {POSITIVE_MAX}")))
 }
 
 pub(crate) fn at<T>(place: &Spanned<T>, message: &str) -> Complaint {

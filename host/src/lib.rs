@@ -2,8 +2,14 @@
 //!
 //! Modules stand in the order in which data flows; a module imports only from those above it. Only
 //! [`commands`] knows the simulator.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod place;
+
+pub mod console;
+mod toml_values;
+
+pub mod output;
 
 pub mod checksum;
 

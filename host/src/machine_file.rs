@@ -44,6 +44,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::place::place;
+use crate::toml_values::{refuse_numbers, with_key};
 
 use drives::{DriveError, Drives, Loops, SpindleRamps, Told, Tolerance};
 
@@ -140,8 +141,9 @@ impl MachineFile {
     pub fn parse(text: &str) -> Result<Self, String> {
         let at = |offset: usize, message: String| {
             let [line, column] = place(text, offset);
-            format!("{line}:{column}: {message}")
+            format!("{line}:{column}: {}", with_key(text, offset, &message))
         };
+        refuse_numbers(text).map_err(|(offset, message)| at(offset, message))?;
         let read = toml::from_str(text);
         let table: MachineTable =
             read.map_err(|error| at(error.span().map_or(0, |span| span.start), error.message().into()))?;
@@ -202,6 +204,9 @@ impl MachineTable {
             | MachineError::TooWide(letter) => {
                 let is_first = rotary_axis(first.as_ref()).letter == letter;
                 if is_first { first.span().start } else { second.span().start }
+            }
+            MachineError::NoDirection if first.as_ref().direction.iter().any(|part| *part != 0.0) => {
+                second.span().start
             }
             MachineError::NoDirection => first.span().start,
             MachineError::Parallel { .. } | MachineError::Order | MachineError::SameLetter(_) => second.span().start,

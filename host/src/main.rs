@@ -1,4 +1,5 @@
 //! arcfeed: constant chip load on circular moves, from the NC program to the override of the control.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 use std::process::ExitCode;
 
@@ -11,7 +12,7 @@ use clap::{Parser, Subcommand};
 /// Constant chip load on circular moves, from the NC program to the override of the control
 ///
 /// Exit codes: 0 done; 1 the program or the job is at fault; 2 usage; 3 the line or the machine failed; 4 a person must
-/// decide first; 130 stopped by the operator.
+/// decide first; 130 stopped by the operator; 141 nobody reads stdout any more.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {
@@ -54,6 +55,6 @@ fn main() -> ExitCode {
     };
     match ended {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
+        Err(failure) => ExitCode::from(failure.report()),
     }
 }

@@ -1,16 +1,25 @@
 //! An NC program as a file: every line with its bytes, its meaning and its place.
 
-mod expand;
+mod skipping;
 
 mod tally;
 
 mod made;
 
+mod lines;
+
+mod summary;
+
+mod expand;
+
+mod source;
+
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use arcfeed_shared::nc::alarm::{Alarm, Cause, Fault, NotModelled};
-use arcfeed_shared::nc::block::{Line, Notice, NoticeKind, Parsed, Reading};
+use arcfeed_shared::nc::block::{Line, Notice, NoticeKind, Reading};
+use arcfeed_shared::nc::machining::Machining;
 use arcfeed_shared::nc::macros::program::first_macro;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::nc::settings::{Preset, Scope, Settings, Tables};
@@ -19,8 +28,12 @@ use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{LengthUnit, Nm};
 
-pub use expand::{Expansion, Folder};
+pub use expand::{Expansion, Folder, RunBounds};
+use lines::LineReader;
 pub use made::Made;
+pub use skipping::Skipping;
+pub use source::{Source, check_line_count, read_bounded};
+pub use summary::Summary;
 pub use tally::Tally;
 
 /// A program, read whole.
@@ -57,6 +70,10 @@ pub struct ProgramLine {
     pub tool_length: Nm,
     /// G43.4: its coordinates are those of the tool's tip in the part, and the machine's axes follow.
     pub follows_tip: bool,
+    /// Tool and spindle, as commanded up to it.
+    pub machining: Machining,
+    /// What the line does with the block-delete switches on, where that is another thing than with them off.
+    pub skipping: Option<Skipping>,
 }
 
 /// Something to tell about a place in the program.
@@ -78,7 +95,11 @@ pub struct Diagnostic {
     pub found: String,
 }
 
+/// Most bytes of a line that a message shows.
+const FOUND_MAX: usize = 400;
 const BEHIND_THE_END: &str = "behind the closing %: no control reads this or what follows; remove it";
+const START_UNKNOWN: &str = "this arc begins where no block before it has put the tool (no X and Y so far): its shape is unknown, \
+                             and it keeps its feed";
 const NO_LABEL: &str = "no % before the first block: a control that reads it over a line takes this block for the label \
                         and loses it, without an alarm; begin the program with a line %";
 
@@ -97,19 +118,35 @@ impl ProgramLine {
     fn new(text: &[u8], ending: &[u8], meaning: Option<Understood>, reader: &Reader) -> Self {
         let origin = reader.modal().work_origin(reader.tables());
         let (tool_length, follows_tip) = made::tool_of(reader);
-        ProgramLine { origin, tool_length, follows_tip, ..ProgramLine::bare(text, ending, meaning) }
+        let machining = reader.modal().machining();
+        ProgramLine { origin, tool_length, follows_tip, machining, ..ProgramLine::bare(text, ending, meaning) }
     }
 
     /// A line that no control has carried out.
     fn bare(text: &[u8], ending: &[u8], meaning: Option<Understood>) -> Self {
         let (text, ending) = (text.to_vec(), ending.to_vec());
-        ProgramLine { text, ending, meaning, origin: Pose::ORIGIN, tool_length: Nm(0), follows_tip: false }
+        ProgramLine {
+            text,
+            ending,
+            meaning,
+            origin: Pose::ORIGIN,
+            tool_length: Nm(0),
+            follows_tip: false,
+            machining: Machining::default(),
+            skipping: None,
+        }
     }
 
     /// Its move, seen from the workpiece's origin; nothing for blocks that make several.
     pub fn segment(&self) -> Option<Segment> {
         let segment = self.meaning.as_ref()?.segment?;
         Some(segment.shifted(Pose::ORIGIN.minus(self.origin)))
+    }
+
+    /// Of a program's first line: whether a control on a line takes it for the label.
+    fn lost_label(&self) -> Option<Diagnostic> {
+        let has_code = self.meaning.as_ref().is_none_or(|meaning| !meaning.parsed.block.is_empty());
+        has_code.then(|| Diagnostic::of_line(1, &self.text, NO_LABEL))
     }
 
     /// Whether the control counts it as a block: anything but `%` and an empty line.
@@ -137,50 +174,19 @@ impl Program {
 
     /// Reads a program from bytes, as a control so set would.
     pub fn parse_with(path: &Path, bytes: &[u8], settings: Settings, tables: Tables) -> Self {
-        let mut reader = Reader::with(settings, tables);
-        let mut program = Program::empty(path, first_macro(bytes), &reader);
-        let (mut has_begun, mut has_ended) = (false, false);
+        let mut reader = LineReader::new(settings, tables);
+        let mut program = Program::empty(path, first_macro(bytes), reader.control());
         for RawLine { text, ending } in Lines::new(bytes) {
-            let line = program.lines.len() + 1;
-            if has_ended {
-                program.pass_over(text, ending);
-                continue;
-            }
-            let is_blank = is_blank(text);
-            has_ended = has_begun && text.first() == Some(&b'%');
-            has_begun |= !is_blank;
-            let meaning = match reader.read(text) {
-                Ok(understood) => {
-                    program.note(line, text, &understood, settings.reading);
-                    program.moves.add(&understood);
-                    Some(understood)
-                }
-                Err(fault) => {
-                    program.diagnostics.push(Diagnostic::of_fault(line, text, fault));
-                    None
-                }
-            };
-            program.lines.push(ProgramLine::new(text, ending, meaning, &reader));
+            let line = reader.read(text, ending, &mut program.diagnostics);
+            line.meaning.iter().for_each(|meaning| program.moves.add(meaning));
+            program.lines.push(line);
         }
         program
     }
 
-    /// Keeps a line behind the closing `%`, which no control reads.
-    fn pass_over(&mut self, text: &[u8], ending: &[u8]) {
-        let is_told = self.diagnostics.last().is_some_and(|last| last.message == BEHIND_THE_END);
-        if !is_told && !is_blank(text) && text.first() != Some(&b'%') {
-            self.diagnostics.push(Diagnostic::of_line(self.lines.len() + 1, text, BEHIND_THE_END));
-        }
-        let parsed = Parsed { line: Line::ProgramMark, ..Parsed::default() };
-        let meaning = Some(Understood { parsed, ..Understood::default() });
-        self.lines.push(ProgramLine::bare(text, ending, meaning));
-    }
-
     /// A first block that a control on a line takes for the label.
     pub fn lost_label(&self) -> Option<Diagnostic> {
-        let first = self.lines.first()?;
-        let has_code = first.meaning.as_ref().is_none_or(|meaning| !meaning.parsed.block.is_empty());
-        has_code.then(|| Diagnostic::of_line(1, &first.text, NO_LABEL))
+        self.lines.first()?.lost_label()
     }
 
     fn empty(path: &Path, macro_line: Option<usize>, control: &Reader) -> Self {
@@ -201,24 +207,19 @@ impl Program {
         self.lines.iter().flat_map(|line| line.text.iter().chain(&line.ending)).copied().collect()
     }
 
-    /// Blocks in it.
-    pub fn block_count(&self) -> usize {
-        self.lines.iter().filter(|line| line.is_block()).count()
-    }
-
     /// Whether a control would stop somewhere.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
+}
 
-    fn note(&mut self, line: usize, text: &[u8], understood: &Understood, reading: Reading) {
-        for notice in &understood.parsed.notices {
-            self.diagnostics.push(Diagnostic::of_notice(line, text, *notice));
-        }
-        if understood.lacks_feed() {
-            self.diagnostics.push(Diagnostic::of_missing_feed(line, text, reading));
-        }
-    }
+/// Why a move that a cut rule matches keeps its programmed feed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FeedKept {
+    /// What is in force there.
+    Under(NotModelled),
+    /// As said.
+    Because(&'static str),
 }
 
 impl Diagnostic {
@@ -252,14 +253,19 @@ impl Diagnostic {
     }
 
     /// A move that a law should govern and cannot: what `under` says is in force.
-    pub fn of_feed_kept(line: usize, of: &ProgramLine, under: NotModelled) -> Self {
+    pub fn of_feed_kept(line: usize, of: &ProgramLine, why: FeedKept) -> Self {
         let words = of.meaning.iter().flat_map(|meaning| &meaning.parsed.block.words);
         let axis = words.into_iter().find(|word| b"XYZABC".contains(&word.letter));
-        let fault = Fault::not_modelled(under, axis.map_or(0, |word| word.column));
+        let cause = if let FeedKept::Under(under) = why { under } else { NotModelled::MoveUnder(0) };
+        let fault = Fault::not_modelled(cause, axis.map_or(0, |word| word.column));
         let mut diagnostic = Diagnostic::of_fault(line, &of.text, fault);
         diagnostic.severity = Severity::Warning;
-        diagnostic.message =
-            format!("a cut rule speaks of {under}, but no law can look at it by itself: it keeps its own feed");
+        diagnostic.message = match why {
+            FeedKept::Under(under) => {
+                format!("a cut rule speaks of {under}, but no law can look at it by itself: it keeps its own feed")
+            }
+            FeedKept::Because(why) => format!("a cut rule matches this move, but it keeps its programmed feed: {why}"),
+        };
         diagnostic
     }
 
@@ -341,7 +347,9 @@ fn word_at(text: &[u8], column: usize) -> &[u8] {
 }
 
 fn printable(text: &[u8]) -> String {
-    text.escape_ascii().to_string().replace("\\'", "'").replace("\\\"", "\"")
+    let shown = text.get(..FOUND_MAX).unwrap_or(text);
+    let end = if shown.len() < text.len() { "..." } else { "" };
+    shown.escape_ascii().to_string().replace("\\'", "'").replace("\\\"", "\"") + end
 }
 
 #[cfg(test)]
@@ -370,7 +378,7 @@ mod tests {
     fn nothing_behind_the_closing_mark_is_read() {
         let program = parse("%\nG1X1.F5.\n%\n\x1a\nTHE END\nG14\n", Reading::Lenient);
         let places: Vec<_> = program.diagnostics.iter().map(|found| (found.line, found.severity)).collect();
-        assert_eq!((places, program.block_count()), (vec![(5, Severity::Warning)], 1));
+        assert_eq!((places, Summary::new(&program.lines).blocks), (vec![(5, Severity::Warning)], 1));
         assert_eq!(parse("(LEADER)\nG1X1.F5.\n%\nG14\n", Reading::Lenient).diagnostics.len(), 1);
         assert!(parse("%\nG14\n%\n", Reading::Lenient).has_errors());
     }

@@ -45,7 +45,6 @@ mod tests {
     #[test]
     fn the_mark_stands_under_the_word() {
         let text = shown(b"G0\nN5G1X-1.O5Y1.F1.\n");
-        println!("{text}");
         assert!(text.starts_with("error: PS0009: this address is not allowed here\n"), "{text}");
         assert!(text.contains("part.nc:2:9\n"), "{text}");
         let lines: Vec<&str> = text.lines().collect();

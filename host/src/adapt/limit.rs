@@ -8,6 +8,7 @@ use arcfeed_shared::kinematics::follow::TipMove;
 use arcfeed_shared::kinematics::forward::Setup;
 use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::machine::{FeedLimit, LimitedBy};
+use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{MmPerMin, Nm};
 
@@ -39,6 +40,15 @@ impl MoveLimit {
     }
 }
 
+impl MoveLimit {
+    /// The lower of a limit and the job's ceiling, if there is one.
+    pub fn under(limit: Option<Self>, ceiling_mm_per_min: f64) -> Option<Self> {
+        let ceiling = MoveLimit { feed_mm_per_min: ceiling_mm_per_min, by: LimitedBy::Ceiling, axis: None };
+        let is_lower = ceiling_mm_per_min < limit.map_or(f64::INFINITY, |limit| limit.feed_mm_per_min);
+        if is_lower { Some(ceiling) } else { limit }
+    }
+}
+
 impl From<MoveLimit> for FeedLimit {
     fn from(limit: MoveLimit) -> Self {
         FeedLimit { feed: MmPerMin(limit.feed_mm_per_min as f32), by: limit.by }
@@ -49,6 +59,22 @@ impl From<MoveLimit> for FeedLimit {
 pub fn is_tip_line(line: &ProgramLine) -> bool {
     let segment = line.meaning.as_ref().and_then(|meaning| meaning.segment);
     line.follows_tip && segment.is_some_and(|segment| segment.path == Path::Line)
+}
+
+/// The largest sine of the angle between a move under G43.4 and the plane across the tool's axis, at either end; `None` for
+/// other moves.
+pub fn tip_axial_sine(line: &ProgramLine, machine: &Machine) -> Option<f64> {
+    let segment = line.meaning.as_ref()?.segment.filter(|_| is_tip_line(line))?;
+    let ends = [segment.start, segment.end];
+    let [from, to] = ends.map(|pose| pose.linear.map(Nm::to_mm));
+    let path: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
+    let length_mm = libm::sqrt(path.iter().map(|part| part * part).sum());
+    let sine = |pose: &Pose| {
+        let axis = machine.axis_at(rotary_deg(pose, machine));
+        let along: f64 = path.iter().zip(axis.iter()).map(|(part, axis)| part * axis).sum();
+        if length_mm > 0.0 { libm::fabs(along) / length_mm } else { 0.0 }
+    };
+    Some(sine(&ends[0]).max(sine(&ends[1])))
 }
 
 /// A move under G43.4 by the machine's kinematics.

@@ -15,6 +15,18 @@ pub enum PlanReason {
     Axis,
     /// The law governs it, but the control clamps the feed on an arc of this radius.
     ArcClamp,
+    /// The law governs it, but the job's fastest feed, or its largest raise of the programmed one, is lower.
+    FeedCeiling,
+    /// A cut rule matches it, but it moves along the tool's axis: a plunge, ramp, helix or roll-in.
+    Axial,
+    /// A cut rule matches it, but another tool than the job's is in the spindle.
+    OtherTool,
+    /// A cut rule matches it, but the spindle is off, or its speed is stated nowhere.
+    Spindle,
+    /// A cut rule matches it, but its move or its feed depends on the block-delete switches.
+    BlockDelete,
+    /// A cut rule matches it, but no block before it has stated where the tool is.
+    StartUnknown,
     /// A cut rule speaks of it, but the law has no wish anywhere on it.
     NoWish,
     /// No cut rule speaks of it.
@@ -37,11 +49,31 @@ impl PlanReason {
             PlanReason::Floor => "floor",
             PlanReason::Axis => "axis",
             PlanReason::ArcClamp => "arc-clamp",
+            PlanReason::FeedCeiling => "feed-ceiling",
+            PlanReason::Axial => "axial",
+            PlanReason::OtherTool => "other-tool",
+            PlanReason::Spindle => "spindle",
+            PlanReason::BlockDelete => "block-delete",
+            PlanReason::StartUnknown => "start-unknown",
             PlanReason::NoWish => "no-wish",
             PlanReason::NoRule => "no-rule",
             PlanReason::Rapid => "rapid",
             PlanReason::InverseTime => "inverse-time",
             PlanReason::Special => "special",
+        }
+    }
+
+    /// Why a move that a cut rule matches keeps its feed, where a person should know.
+    pub const fn keeps_feed(self) -> Option<&'static str> {
+        match self {
+            PlanReason::Axial => Some("it moves along the tool's axis, and the law describes motion across it"),
+            PlanReason::OtherTool => Some("the tool in the spindle is not the job's; see `number` of [tool]"),
+            PlanReason::Spindle => Some(
+                "the program has not turned the spindle on at a speed; where the operator does, say set_by = \"operator\" in [spindle]",
+            ),
+            PlanReason::BlockDelete => Some("its move or its feed depends on the block-delete switches"),
+            PlanReason::StartUnknown => Some("no block before it states X and Y: where it starts is unknown"),
+            _ => None,
         }
     }
 }

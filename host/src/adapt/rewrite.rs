@@ -4,10 +4,8 @@
 
 use arcfeed_shared::nc::block::Block;
 use arcfeed_shared::nc::modal::Feed;
-use arcfeed_shared::nc::series::Series;
 use arcfeed_shared::nc::word::Word;
 use arcfeed_shared::reader::Understood;
-use arcfeed_shared::segment::Path;
 use arcfeed_shared::units::{LengthUnit, Nm};
 
 use super::modes::Modes;
@@ -54,70 +52,139 @@ pub fn apply(text: &[u8], edits: &[Edit]) -> Vec<u8> {
     changed
 }
 
-/// The F that the control has after what was written so far.
+/// The F that the control has after what was written so far, with the block-delete switches off and on.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FeedRewriter {
-    modal: Option<Nm>,
+    switches: [ModalFeed; 2],
+}
+
+/// The F in force in one state of the switches.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct ModalFeed {
+    feed: Option<Nm>,
+    /// Whether a law has set it.
+    is_governed: bool,
+}
+
+/// What a line asks of the F in force in one state of the switches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Required {
+    /// Nothing: it is skipped, or does not cut.
+    Nothing,
+    /// This feed.
+    Feed(Nm),
+    /// Its own feed, where the program has stated one: no other that a law has set.
+    Own(Option<Nm>),
+}
+
+impl ModalFeed {
+    /// Whether a line without an F word runs with what it requires. A feed that no law has set is the program's.
+    fn serves(self, required: Required) -> bool {
+        match required {
+            Required::Nothing => true,
+            Required::Feed(feed) => self.feed == Some(feed),
+            Required::Own(own) => !self.is_governed || (own.is_some() && self.feed == own),
+        }
+    }
+}
+
+impl Required {
+    fn of(governed: Option<Nm>, own: Option<Nm>) -> Self {
+        governed.map_or(Required::Own(own), Required::Feed)
+    }
+
+    fn feed(self) -> Option<Nm> {
+        match self {
+            Required::Nothing | Required::Own(None) => None,
+            Required::Feed(feed) | Required::Own(Some(feed)) => Some(feed),
+        }
+    }
+}
+
+/// A governed F would stay in force for a line that must have another one, and no F word in it serves both states of the
+/// block-delete switches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Leak;
+
+/// Whether a governed feed can leak into a line at all: only where the block-delete switches make another program of it, or
+/// where the program has stated no feed.
+pub fn may_leak(line: &ProgramLine) -> bool {
+    line.skipping.is_some() || line.meaning.as_ref().is_some_and(Understood::lacks_feed)
 }
 
 impl FeedRewriter {
     /// What makes the line be sent with `governed` as its feed, or with its own.
-    pub fn edit(&mut self, line: &ProgramLine, governed: Option<Nm>, modes: Modes) -> Option<Edit> {
-        let meaning = line.meaning.as_ref()?;
+    ///
+    /// # Errors
+    /// A feed that a law has set before would leak into this line. Nothing has changed then.
+    pub fn edit(&mut self, line: &ProgramLine, governed: Option<Nm>, modes: Modes) -> Result<Option<Edit>, Leak> {
+        let Some(meaning) = &line.meaning else { return Ok(None) };
         let block = &meaning.parsed.block;
-        let edit = self.edit_block(block, cutting_feed(meaning), governed, modes);
-        if block.delete.is_some() {
-            self.forget();
-        }
-        edit
-    }
-
-    fn edit_block(&mut self, block: &Block, own: Option<Feed>, governed: Option<Nm>, modes: Modes) -> Option<Edit> {
-        let Modes { unit, per_minute, .. } = modes;
         let word = block.word(b'F');
-        let own = match own {
-            Some(Feed::PerMinute(own)) if per_minute => own,
-            None if per_minute => {
-                // An F without a cutting move: it becomes modal as it stands.
-                self.modal = word.map_or(self.modal, |word| Some(Nm(word.number.scaled(unit.nm()))));
-                return None;
-            }
-            _ => {
-                // Under G93 F is a time, under G95 a path; what a control makes of it under G94 is its own affair.
-                self.modal = None;
-                return None;
-            }
-        };
-        let wanted = governed.unwrap_or(own);
-        let (had, written) = (self.modal, word.map(|word| Nm(word.number.scaled(unit.nm()))));
-        self.modal = Some(wanted);
-        match word {
-            Some(_) if written == Some(wanted) => None,
-            Some(word) => Some(Edit::replacing(word, feed_word(wanted, unit))),
-            None if had == Some(wanted) => None,
-            None => Some(Edit { at: block.code_len, len: 0, new: feed_word(wanted, unit) }),
+        let cutting_feed = meaning.step.cutting_feed();
+        let own = [cutting_feed, line.skipping.map_or(cutting_feed, |other| other.cutting_feed)];
+        let is_read = [true, line.skipping.is_none_or(|other| other.is_read)];
+        let has_word = [word.is_some(), line.skipping.map_or(word.is_some(), |other| other.has_feed)];
+        if !modes.per_minute || own.iter().any(|own| matches!(own, Some(Feed::InverseTime(_)))) {
+            // Under G93 F is a time, under G95 a path; what a control makes of it under G94 is its own affair.
+            self.switches = [ModalFeed::default(); 2];
+            return Ok(None);
         }
+        let required = [0, 1].map(|state| match own[state] {
+            _ if !is_read[state] => Required::Nothing,
+            None => Required::Nothing,
+            Some(Feed::PerMinute(own)) => Required::of(governed, Some(own)),
+            Some(_) => Required::of(governed, None),
+        });
+        let written = word.map(|word| Nm(word.number.scaled(modes.unit.nm())));
+        let edit = match (word, required[0]) {
+            (Some(word), Required::Feed(feed)) if written != Some(feed) => {
+                Some((feed, Edit::replacing(word, feed_word(feed, modes.unit))))
+            }
+            (Some(_), _) => None,
+            (None, _) => self
+                .missing(required)?
+                .map(|new| (new, Edit { at: end_of_read_words(block), len: 0, new: feed_word(new, modes.unit) })),
+        };
+        for state in 0..2 {
+            let is_set = has_word[state] || (edit.is_some() && is_read[state]);
+            if !is_set && !self.switches[state].serves(required[state]) {
+                return Err(Leak);
+            }
+        }
+        let in_force = edit.as_ref().map(|(feed, _)| *feed).or(written);
+        for state in 0..2 {
+            if has_word[state] || (edit.is_some() && is_read[state]) {
+                self.switches[state] = ModalFeed { feed: in_force, is_governed: governed.is_some() };
+            }
+        }
+        Ok(edit.map(|(_, edit)| edit))
     }
 
-    /// Whether the control has read what was written last, a switch says.
-    pub fn forget(&mut self) {
-        self.modal = None;
+    /// The F that a line without one must get, if the one in force is not right in both states of the switches.
+    fn missing(&self, required: [Required; 2]) -> Result<Option<Nm>, Leak> {
+        if self.switches[0].serves(required[0]) && self.switches[1].serves(required[1]) {
+            return Ok(None);
+        }
+        match required.map(Required::feed) {
+            [Some(off), Some(on)] if off == on => Ok(Some(off)),
+            [Some(feed), None] if required[1] == Required::Nothing => Ok(Some(feed)),
+            [None, Some(feed)] if required[0] == Required::Nothing => Ok(Some(feed)),
+            _ => Err(Leak),
+        }
     }
 
     /// The F of a block that is added behind the line; nothing where the control has it already.
     pub fn added(&mut self, feed: Nm, unit: LengthUnit) -> String {
-        let had = self.modal.replace(feed);
-        if had == Some(feed) { String::new() } else { feed_word(feed, unit) }
+        let had = std::mem::replace(&mut self.switches, [ModalFeed { feed: Some(feed), is_governed: true }; 2]);
+        if had.iter().all(|had| had.feed == Some(feed)) { String::new() } else { feed_word(feed, unit) }
     }
 }
 
-/// The feed of a block that cuts, with one move or several.
-fn cutting_feed(meaning: &Understood) -> Option<Feed> {
-    match (&meaning.segment, &meaning.step.series) {
-        (Some(segment), _) => Some(segment.feed).filter(|_| segment.path != Path::Rapid),
-        (None, Some(Series::Drill(drill))) => Some(drill.feed),
-        (None, Some(Series::Reference(_)) | None) => None,
-    }
+/// Where a word can be added that both states of the block-delete switches read: before a `/` within the block.
+fn end_of_read_words(block: &Block) -> usize {
+    let last = block.delete.and(block.delete_from.checked_sub(1)).and_then(|last| block.words.get(last));
+    last.map_or(block.code_len, |word| usize::from(word.column) - 1 + usize::from(word.len))
 }
 
 /// The largest feed an F word can express that does not exceed `feed`.
@@ -151,6 +218,8 @@ mod tests {
     /// Rewrites a program; arcs are governed and sent with `governed` in/min.
     fn rewrite(program: &str, governed: f64) -> String {
         let unit = LengthUnit::Inch;
+        let start = "G0X0Y0\n";
+        let program = &format!("{start}{program}");
         let program = Program::parse(FilePath::new("t.nc"), program.as_bytes(), unit, Reading::Lenient);
         let (mut rewriter, mut modes) = (FeedRewriter::default(), Modes::at_power_on(unit));
         let lines = program.lines.iter().map(|line| {
@@ -160,11 +229,12 @@ mod tests {
                 Some(round_down(governed * unit.mm(), unit))
             });
             modes = modes.after(line);
-            let mut text = apply(&line.text, rewriter.edit(line, governed, modes).as_slice());
+            let mut text = apply(&line.text, rewriter.edit(line, governed, modes).unwrap().as_slice());
             text.extend(&line.ending);
             String::from_utf8(text).unwrap()
         });
-        lines.collect()
+        let text: String = lines.collect();
+        text[start.len()..].to_owned()
     }
 
     #[test]

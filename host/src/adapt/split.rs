@@ -113,7 +113,7 @@ impl Governed<'_> {
                 Some(split)
             }
             Err(whole) => {
-                let edit = rewriter.edit(self.line, Some(least), self.modes);
+                let edit = rewriter.edit(self.line, Some(least), self.modes).ok()?;
                 let pieces = vec![SentPiece { until_ratio: 1.0, feed: least }];
                 Some(Split { pieces, texts: vec![apply(&self.line.text, edit.as_slice())], whole })
             }
@@ -153,7 +153,7 @@ impl Governed<'_> {
             let feed = self.feed(piece.path_mm_per_tooth);
             let text = if index == 0 {
                 let mut edits: Vec<Edit> = spelling.first(&start, end, rises).ok_or(Some(Whole::Digits))?;
-                edits.extend(rewriter.edit(self.line, Some(feed), self.modes));
+                edits.extend(rewriter.edit(self.line, Some(feed), self.modes).map_err(|_| Some(Whole::Words))?);
                 apply(&self.line.text, &edits)
             } else {
                 let words = spelling.later(&start, end, arc, rises).ok_or(Some(Whole::Digits))?;
@@ -162,9 +162,6 @@ impl Governed<'_> {
             texts.push(text);
             pieces.push(SentPiece { until_ratio: piece.until_ratio, feed });
             start = *end;
-        }
-        if self.block().is_some_and(|block| block.delete.is_some()) {
-            rewriter.forget();
         }
         if !self.reads_back(arc, &texts, parts) {
             return Err(Some(Whole::ReadBack));

@@ -4,17 +4,21 @@
 //! cycles and reference returns are told one by one, without a rule: the board follows them by their ends. Before a move come
 //! its engaged arcs, if it has any: the board has a move when it has all of that.
 
+use std::collections::HashMap;
 use std::path::Path;
 
+use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::nc::series::Act;
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::wire::message::Message;
+use arcfeed_shared::units::{Nm, RevPerMin};
+use arcfeed_shared::wire::message::fixed::Q40;
 use arcfeed_shared::wire::message::moves::{MoveError, encode, encode_arcs};
+use arcfeed_shared::wire::message::{Message, table};
 
-use crate::adapt::{Known, PlanReason, adapt_with};
+use crate::adapt::{Adapted, Known, PlannedBlock, adapt_with};
 use crate::dnc::restore::PowerOn;
 use crate::dnc::transmission::Transmission;
 use crate::engagement::EngagementMap;
@@ -29,6 +33,41 @@ pub struct Plan {
     ends: Vec<usize>,
     /// Index of the line that each move belongs to.
     lines: Vec<usize>,
+}
+
+/// What holds for a move beside its text.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MoveBounds {
+    /// The fastest feed that the job allows on a governed move, per minute.
+    max_feed: Option<Nm>,
+    /// Largest override at its end where that is not 100, %.
+    end_percent: Option<u8>,
+}
+
+impl MoveBounds {
+    const NONE: MoveBounds = MoveBounds { max_feed: None, end_percent: None };
+
+    /// Those of an adapted program that say something, by line.
+    pub fn of(adapted: &Adapted) -> HashMap<usize, MoveBounds> {
+        let of_block = |block: &PlannedBlock| {
+            let limit = block.limit.filter(|_| block.wish.is_some());
+            let bounds = MoveBounds {
+                max_feed: limit.map(|limit| Nm::from_mm(limit.feed_mm_per_min)),
+                end_percent: Some(block.end_percent).filter(|percent| *percent != FeedOverride::PROGRAMMED.percent),
+            };
+            (bounds != MoveBounds::NONE).then_some((block.line, bounds))
+        };
+        adapted.blocks.iter().filter_map(of_block).collect()
+    }
+}
+
+/// What governs a move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Governed<'a> {
+    rule: usize,
+    /// Where it is not the job's.
+    spindle: Option<RevPerMin>,
+    along: Option<&'a EngagedTable>,
 }
 
 /// A move that no board can be told.
@@ -53,6 +92,7 @@ pub enum Untold {
 
 impl Plan {
     /// The moves of what is sent to a control that stands as at power-on, with the engaged arcs that a map has for them.
+    /// `bounds` has what holds beside the text, by line of the program's file: what is sent has other F words.
     ///
     /// # Errors
     /// The first move that cannot be told.
@@ -61,6 +101,7 @@ impl Plan {
         power_on: &PowerOn,
         job: &Job,
         map: Option<&EngagementMap>,
+        bounds: &HashMap<usize, MoveBounds>,
     ) -> Result<Self, PlanError> {
         // A control that reports where it is moves nothing by it; nor is there a reader of such blocks here.
         let lines = (0..sending.lines().len()).map(|index| match sending.is_of_report(index) {
@@ -79,12 +120,17 @@ impl Plan {
             }
             let untold = |why| PlanError { source, why: Untold::Move(why) };
             if let Some(block) = blocks.next_if(|block| block.line == index + 1) {
-                let rule = block.rule.filter(|_| block.reason != PlanReason::Special);
-                let along = block.along.as_ref().filter(|_| rule.is_some());
-                plan.add(index, &block.segment, rule, along).map_err(untold)?;
+                let rule = block.rule.filter(|_| block.wish.is_some());
+                let governed = rule.map(|rule| Governed {
+                    rule,
+                    spindle: block.spindle.filter(|spindle| *spindle != job.spindle),
+                    along: block.along.as_ref(),
+                });
+                let bounds = bounds.get(&source).copied().unwrap_or(MoveBounds::NONE);
+                plan.add(index, &block.segment, governed, bounds).map_err(untold)?;
             }
             for segment in series(line) {
-                plan.add(index, &segment, None, None).map_err(untold)?;
+                plan.add(index, &segment, None, MoveBounds::NONE).map_err(untold)?;
             }
         }
         Ok(plan)
@@ -94,14 +140,21 @@ impl Plan {
         &mut self,
         line: usize,
         segment: &Segment,
-        rule: Option<usize>,
-        along: Option<&EngagedTable>,
+        governed: Option<Governed<'_>>,
+        bounds: MoveBounds,
     ) -> Result<(), MoveError> {
-        for knot in along.iter().flat_map(|table| table.knots()) {
+        for knot in governed.iter().filter_map(|governed| governed.along).flat_map(EngagedTable::knots) {
             self.messages.push(encode_arcs(knot)?.into());
         }
-        let rule = rule.and_then(|rule| u8::try_from(rule).ok());
-        self.messages.push(encode(segment, self.moves() as u32, rule)?.into());
+        let rule = governed.and_then(|governed| u8::try_from(governed.rule).ok());
+        let speed = governed.and_then(|governed| governed.spindle);
+        let message = table::Segment {
+            spindle: speed.map(|speed| Q40::of(speed.0).ok_or(MoveError::Range)).transpose()?,
+            max_feed: bounds.max_feed.filter(|_| governed.is_some()).map(|Nm(feed)| feed),
+            end_percent: bounds.end_percent,
+            ..encode(segment, self.moves() as u32, rule)?
+        };
+        self.messages.push(message.into());
         self.ends.push(self.messages.len());
         self.lines.push(line);
         Ok(())
@@ -161,6 +214,10 @@ mod tests {
 
     use super::*;
 
+    fn governed(along: Option<&EngagedTable>) -> Option<Governed<'_>> {
+        Some(Governed { rule: 0, spindle: None, along })
+    }
+
     fn table(knots: usize) -> EngagedTable {
         let outer = EngagedInterval::from_degrees(0.0, 75.5).expect("an arc");
         let knot = |at| EngagedKnot { travelled: Mm(at as f32), outer, inner: EngagedInterval::EMPTY };
@@ -174,7 +231,7 @@ mod tests {
         let mut plan = Plan::default();
         for (line, knots) in knots.iter().enumerate() {
             let along = (*knots > 0).then(|| table(*knots));
-            plan.add(line, &segment, Some(0), along.as_ref()).expect("it can be told");
+            plan.add(line, &segment, governed(along.as_ref()), MoveBounds::NONE).expect("it can be told");
         }
         plan
     }
@@ -214,6 +271,6 @@ mod tests {
             feed: Feed::Missing,
             path: Path::Line,
         };
-        assert_eq!(Plan::default().add(0, &segment, Some(0), Some(&far)), Err(MoveError::Range));
+        assert_eq!(Plan::default().add(0, &segment, governed(Some(&far)), MoveBounds::NONE), Err(MoveError::Range));
     }
 }

@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::link::{LinkState, SendError};
-use arcfeed_shared::wire::message::codes::{RefusalCode, RequestCode};
+use arcfeed_shared::wire::message::codes::{RefusalCode, RequestCode, StateCode};
 use arcfeed_shared::wire::message::parameters::messages;
 use arcfeed_shared::wire::message::{Message, table};
 
@@ -61,6 +61,18 @@ pub enum Stage {
     Loading,
     /// Its parameters are in force.
     Ready,
+}
+
+/// Why a board does not obey the laws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outage {
+    /// It was disarmed, or position or link were lost: 100 %, or the dial's.
+    Disarmed,
+    /// It has a fault: 0 % until a person resets it at the machine.
+    Faulted {
+        /// As its report names it.
+        cause: u8,
+    },
 }
 
 /// Why a run with a board is over.
@@ -228,9 +240,12 @@ impl<'p> Board<'p> {
         self.stage == Stage::Ready && self.report.is_some_and(|report| words::is_engaged(report.state))
     }
 
-    /// Whether the override was taken away after it had been the laws'.
-    pub fn was_disarmed(&self) -> bool {
-        self.has_been_engaged && !self.is_armed()
+    /// Why the laws do not have the override any more: a fault, or that it was taken away from them.
+    pub fn outage(&self) -> Option<Outage> {
+        match self.report {
+            Some(report) if report.state == StateCode::Faulted => Some(Outage::Faulted { cause: report.cause }),
+            _ => (self.has_been_engaged && !self.is_armed()).then_some(Outage::Disarmed),
+        }
     }
 
     /// How far it has come.

@@ -1,5 +1,6 @@
 //! What a board and its link say, for people.
 
+use arcfeed_firmware::output::telemetry::reason::Cause;
 use arcfeed_shared::wire::link::{LinkState, Loss, Refusal};
 use arcfeed_shared::wire::message::SCHEMA_HASH;
 use arcfeed_shared::wire::message::codes::{RefusalCode, ResetCode, SettingCode, StateCode};
@@ -21,6 +22,16 @@ pub const fn state(state: StateCode) -> &'static str {
 /// Whether the laws have the override in this state, or will as soon as a segment begins.
 pub const fn is_engaged(state: StateCode) -> bool {
     matches!(state, StateCode::Armed | StateCode::Running | StateCode::Holding | StateCode::Inhibited)
+}
+
+/// Why it has a fault, by the cause that its report names.
+pub fn fault(cause: u8) -> &'static str {
+    match Cause::of_code(cause) {
+        Some(Cause::Watchdog) => "its watchdog found it stopped",
+        Some(Cause::Parameters) => "its parameters are torn or make no sense",
+        Some(Cause::Hardware) => "its hardware",
+        _ => "a cause that this release does not know",
+    }
 }
 
 /// Why it started.

@@ -1,6 +1,6 @@
 //! `arcfeed adapt`: the feeds a job gives a program, shown and written.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use arcfeed_shared::cut::{Moves, Rotation, Side, Work};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind};
@@ -9,11 +9,13 @@ use arcfeed_shared::tool::{Edge, Tool};
 use arcfeed_shared::units::{LengthUnit, Nm};
 use serde::Serialize;
 
-use super::mapped::{adapted, load};
-use super::outcome::{Failure, say, write_whole};
+use super::mapped::{UnknownMoves, load_text};
+use super::outcome::{Failure, refuse_inputs, say, write_whole};
+use crate::adapt::rewrite::Leak;
 use crate::adapt::split::Whole;
-use crate::adapt::{Adapted, PlanReason, PlannedBlock};
-use crate::program::Program;
+use crate::adapt::{Known, LinePlan, PlanReason, PlannedBlock};
+use crate::console::note;
+use crate::program::ProgramLine;
 
 /// Rewrite a program's feeds as its job says: per block the programmed feed, the law, the factor, the reason
 ///
@@ -72,46 +74,84 @@ impl Adapt {
     /// # Errors
     /// The job or the program is at fault, or the output cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
-        let (file, program) = load(&self.job)?;
-        let adapted = adapted(&program, &file);
-        if self.json {
-            for block in &adapted.blocks {
-                say(format_args!("{}", serde_json::json!(BlockFigures::new(block, &file.job))));
+        let (file, source) = load_text(&self.job)?;
+        refuse_inputs(&[self.output.as_deref()], &file.inputs(&self.job))?;
+        let plan = LinePlan::new(&source, &file.job, Known::of(&file));
+        let table = (!self.json && !self.diff && self.output.is_none()).then(|| Table::begin(&file.job));
+        let (mut table, mut unknown, mut number) = (table, UnknownMoves::default(), 0);
+        let mut text = Vec::with_capacity(if self.output.is_some() { source.bytes.len() } else { 0 });
+        let done = plan.each(|line, planned| {
+            number += 1;
+            if let Some(block) = &planned.block {
+                unknown.add(block, &file);
+                if let Some(warning) = block.left_alone(line) {
+                    note(format_args!("{}:{warning}", source.path.display()));
+                }
+                if self.json {
+                    say(format_args!("{}", serde_json::json!(BlockFigures::new(block, &file.job))));
+                }
+                table.iter_mut().for_each(|table| table.add(block));
             }
-        } else if self.diff {
-            print_diff(&program, &adapted);
-        } else if self.output.is_none() {
-            print_table(&adapted, &file.job);
-        }
+            if self.diff {
+                print_diff(&source.path, number, line, &planned.text);
+            }
+            if self.output.is_some() {
+                text.extend_from_slice(&planned.text);
+                text.extend_from_slice(&line.ending);
+            }
+        });
+        done.map_err(|Leak| {
+            let path = source.path.display();
+            Failure::Input(format!(
+                "{path}: a governed feed would stay in force for other blocks: a defect of arcfeed; nothing is written"
+            ))
+        })?;
+        unknown.warn(&source.path, &file);
+        table.iter().for_each(Table::end);
         let Some(output) = &self.output else { return Ok(()) };
-        write_whole(output, &adapted.text)
+        write_whole(output, &text)
     }
 }
 
-fn print_diff(program: &Program, adapted: &Adapted) {
-    let mut start = 0;
-    for (index, (old, end)) in program.lines.iter().zip(&adapted.line_ends).enumerate() {
-        let sent = &adapted.text[start..*end];
-        start = *end;
-        let sent = sent.strip_suffix(old.ending.as_slice()).unwrap_or(sent);
-        if old.text != sent {
-            let (line, path) = (index + 1, program.path.display());
-            let new = sent.split(|&byte| byte == b'\n').map(|line| line.strip_suffix(b"\r").unwrap_or(line));
-            let new: Vec<String> = new.map(|line| format!("\n+ {}", line.escape_ascii())).collect();
-            say(format_args!("{path}:{line}\n- {}{}", old.text.escape_ascii(), new.concat()));
+fn print_diff(path: &Path, number: usize, old: &ProgramLine, sent: &[u8]) {
+    if old.text != sent {
+        let new = sent.split(|&byte| byte == b'\n').map(|line| line.strip_suffix(b"\r").unwrap_or(line));
+        let new: Vec<String> = new.map(|line| format!("\n+ {}", line.escape_ascii())).collect();
+        say(format_args!("{}:{number}\n- {}{}", path.display(), old.text.escape_ascii(), new.concat()));
+    }
+}
+
+/// The table of the blocks that a cut rule speaks of.
+struct Table<'a> {
+    job: &'a Job,
+    in_pieces: bool,
+    moves: usize,
+    governed: usize,
+    pieces: usize,
+    f_words: usize,
+}
+
+impl<'a> Table<'a> {
+    fn begin(job: &'a Job) -> Self {
+        let (unit, in_pieces) = (job.unit.label(), matches!(job.policy, FeedPolicy::RewriteOnly(_)));
+        say(format_args!(
+            "   line  N        programmed        sent     wanted {unit}/min     factor          contact  {}reason",
+            if in_pieces { "pieces  F    chip error, %       " } else { "" }
+        ));
+        Table { job, in_pieces, moves: 0, governed: 0, pieces: 0, f_words: 0 }
+    }
+
+    fn add(&mut self, block: &PlannedBlock) {
+        self.moves += 1;
+        self.f_words += block.f_words;
+        if block.wish.is_some() {
+            self.governed += 1;
+            self.pieces += block.pieces.len();
         }
-    }
-}
-
-fn print_table(adapted: &Adapted, job: &Job) {
-    let unit = job.unit.label();
-    let in_pieces = matches!(job.policy, FeedPolicy::RewriteOnly(_));
-    say(format_args!(
-        "   line  N        programmed        sent     wanted {unit}/min     factor          contact  {}reason",
-        if in_pieces { "pieces  F    chip error, %       " } else { "" }
-    ));
-    for block in adapted.blocks.iter().filter(|block| block.rule.is_some()) {
-        let figures = BlockFigures::new(block, job);
+        if block.rule.is_none() {
+            return;
+        }
+        let figures = BlockFigures::new(block, self.job);
         let number = |value: Option<f64>, decimals| value.map_or("-".into(), |value| format!("{value:.decimals$}"));
         let range = |low, high, decimals| format!("{} .. {}", number(low, decimals), number(high, decimals));
         say(format_args!(
@@ -123,23 +163,25 @@ fn print_table(adapted: &Adapted, job: &Job) {
             range(figures.feed_min, figures.feed_max, 1),
             range(figures.factor_min, figures.factor_max, 2),
             range(figures.contact_deg_start, figures.contact_deg_end, 1),
-            if in_pieces { pieces_column(&figures) } else { String::new() },
+            if self.in_pieces { pieces_column(&figures) } else { String::new() },
             figures.reason,
             limited_by(block, &figures),
             figures.left_whole.map_or(String::new(), |why| format!(", left whole: {why}"))
         ));
     }
-    let governed = || adapted.blocks.iter().filter(|block| block.wish.is_some());
-    let (count, moves) = (governed().count(), adapted.blocks.len());
-    let limits = &job.limits;
-    let how = if in_pieces {
-        let pieces: usize = governed().map(|block| block.pieces.len()).sum();
-        let words: usize = adapted.blocks.iter().map(|block| block.f_words).sum();
-        format!("They are sent in {pieces} pieces; the moves of the program have {words} F words. Override 100 %.")
-    } else {
-        format!("Override {} .. {} %.", limits.min_percent, limits.max_percent)
-    };
-    say(format_args!("{count} of {moves} moves are governed by the law; the others keep their own feed. {how}"));
+
+    fn end(&self) {
+        let Table { job, in_pieces, moves, governed, pieces, f_words } = self;
+        let limits = &job.limits;
+        let how = if *in_pieces {
+            format!(
+                "They are sent in {pieces} pieces; the moves of the program have {f_words} F words. Override 100 %."
+            )
+        } else {
+            format!("Override {} .. {} %.", limits.min_percent, limits.max_percent)
+        };
+        say(format_args!("{governed} of {moves} moves are governed by the law; the others keep their own feed. {how}"));
+    }
 }
 
 /// The axis that cannot follow the law, and what it allows.

@@ -2,15 +2,17 @@
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use annotate_snippets::Renderer;
 use arcfeed_shared::kinematics::between::Mode;
-use arcfeed_shared::nc::block::{Line, Reading};
+use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::settings::Scope;
 use serde::Serialize;
 
 use super::five_axis::{Placing, Told, is_cl, load_cl, load_machine};
-use super::outcome::{Failure, file_failure, say, spindle_contradictions};
+use super::outcome::{Failure, name_tool, say, warn_of_rules};
+use crate::console::note;
 use crate::control::{self, Convention};
 use crate::job::{ControlKind, JobFile};
 use crate::machine_file::MachineFile;
@@ -19,8 +21,11 @@ use crate::post::cl::Cl;
 use crate::post::finding::What;
 use crate::post::judge::judge;
 use crate::post::plan::Plan;
-use crate::program::{Diagnostic, Expansion, Program, ProgramLine, Severity, Tally};
+use crate::program::{Diagnostic, Program, RunBounds, Severity, Source, Summary, Tally, read_bounded};
 use crate::snippet;
+
+/// Errors and warnings that the JSON object lists; the others are counted.
+const LISTED_MAX: usize = 10_000;
 
 /// Check an NC program, or a job and its program: every alarm with line and column; with --machine also everything that
 /// the machine cannot follow, in CL data too
@@ -48,6 +53,12 @@ pub struct Check {
     /// Folder of subprograms that are not in the program's file: O9010, O9010.nc or 9010.nc
     #[arg(long, value_name = "DIR")]
     library: Option<PathBuf>,
+    /// Most blocks that a program with macro statements or calls executes, and most statements between two moves
+    #[arg(long, value_name = "N", default_value_t = 2_000_000, value_parser = clap::value_parser!(u32).range(1..))]
+    max_blocks: u32,
+    /// Longest time in which it is executed
+    #[arg(long, value_name = "SECONDS", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..=86_400))]
+    max_seconds: u64,
     /// Print one JSON object (docs/json.md)
     #[arg(long)]
     json: bool,
@@ -82,6 +93,7 @@ struct CheckReport<'a> {
     counts: Counts,
     errors: Vec<Entry<'a>>,
     warnings: Vec<Entry<'a>>,
+    not_listed: usize,
 }
 
 #[derive(Serialize)]
@@ -105,34 +117,43 @@ impl Check {
                 return self.run_cl(&load_machine(machine)?);
             }
             let path = self.program_path()?;
-            let bytes = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+            let bytes = read_bounded(&path).map_err(Failure::Input)?;
             if back::is_by_direction(&bytes) {
                 return self.run_directions(&path, &bytes, &load_machine(machine)?);
             }
         }
-        let (job, program, control) = self.read()?;
-        let counts = count(&program);
-        let errors = of_severity(&program, Severity::Error).count();
+        let (job, source, control) = self.read()?;
+        let mut findings = Findings::new(self, &source.path);
+        let (summary, whole) = if source.macro_line.is_none() && self.machine.is_none() {
+            (source.survey(true, |diagnostic, text| findings.add(diagnostic, Some(text))), None)
+        } else {
+            let (summary, program) = self.run_whole(&source, &mut findings)?;
+            (summary, Some(program))
+        };
         // Nobody knows where the axes of a faulty program go.
-        let on = self.machine.as_ref().filter(|_| errors == 0).map(|machine| load_machine(machine)).transpose()?;
+        let on =
+            self.machine.as_ref().filter(|_| findings.errors == 0).map(|machine| load_machine(machine)).transpose()?;
+        let counts = Counts::new(&summary);
         match (&on, self.json) {
-            (None, true) => self.print_json(&program, counts, control),
+            (None, true) => self.print_json(&findings, counts, control),
             (Some(_), true) => {}
-            (_, false) => self.print_text(&program, counts),
+            (_, false) => print_counts(&findings, counts),
         }
-        if errors > 0 {
-            let path = program.path.display();
+        if findings.errors > 0 {
+            let (path, errors) = (source.path.display(), findings.errors);
             return Err(Failure::Input(format!("{path}: {errors} errors: the control would stop")));
         }
-        let contradictions = job.map_or(vec![], |file| spindle_contradictions(&file, &program));
-        if !contradictions.is_empty() {
-            return Err(Failure::Input(contradictions.join("\n")));
+        if let Some(file) = &job {
+            warn_of_rules(&self.program, file, Some(&source));
         }
-        on.map_or(Ok(()), |file| self.run_program(&program, &file))
+        if let Some(question) = job.and_then(|mut file| name_tool(&mut file.job, &source.path, &summary.tools)) {
+            return Err(Failure::Input(question));
+        }
+        on.zip(whole).map_or(Ok(()), |(file, program)| self.run_program(&program, &file))
     }
 
-    /// The program, read as its control would.
-    fn read(&self) -> Result<(Option<JobFile>, Program, ControlKind), Failure> {
+    /// The program's text, for its control.
+    fn read(&self) -> Result<(Option<JobFile>, Source, ControlKind), Failure> {
         let reading = if self.strict { Reading::Strict } else { Reading::Lenient };
         let job = self.is_job().then(|| JobFile::load(&self.program)).transpose()?;
         let path = job.as_ref().map_or(&self.program, |file| &file.program);
@@ -144,11 +165,21 @@ impl Check {
         settings.scope = Scope::Everything;
         settings.decimals = self.decimals.map_or(settings.decimals, Into::into);
         settings.unit = job.as_ref().map_or(settings.unit, |file| file.job.unit);
-        let bytes = std::fs::read(path).map_err(|error| file_failure(path, &error))?;
-        let (library, keeps_moves) = (self.library.as_deref(), self.machine.is_some());
-        let mut program = Program::run(path, &bytes, Expansion { settings, tables, library, keeps_moves });
+        let source = Source::read(path, settings, tables).map_err(Failure::Input)?;
+        Ok((job, source, control))
+    }
+
+    /// A program that is interpreted, or whose moves are looked at together.
+    fn run_whole(&self, source: &Source, findings: &mut Findings<'_>) -> Result<(Summary, Program), Failure> {
+        let bounds = RunBounds { blocks: self.max_blocks, time: Duration::from_secs(self.max_seconds) };
+        let run = source.run(self.library.as_deref(), self.machine.is_some(), bounds);
+        let mut program = run.map_err(Failure::Input)?;
         program.diagnostics.splice(0..0, program.lost_label());
-        Ok((job, program, control))
+        for diagnostic in std::mem::take(&mut program.diagnostics) {
+            let text = program.lines.get(diagnostic.line - 1).map(|line| line.text.as_slice());
+            findings.add(diagnostic, text);
+        }
+        Ok((Summary { moves: program.moves, ..Summary::new(&program.lines) }, program))
     }
 
     /// The program itself, or that of the job.
@@ -203,39 +234,79 @@ impl Check {
         told.verdict()
     }
 
-    fn print_text(&self, program: &Program, counts: Counts) {
-        let path = program.path.display();
-        for diagnostic in &program.diagnostics {
-            let text = |is_terminal: bool| match program.lines.get(diagnostic.line - 1) {
-                Some(line) if is_terminal => {
-                    snippet::render(&self.program, &line.text, diagnostic, &Renderer::styled())
-                }
-                _ => format!("{path}:{diagnostic}"),
-            };
-            match diagnostic.severity {
-                Severity::Error => eprintln!("{}", text(std::io::stderr().is_terminal())),
-                Severity::Warning => say(format_args!("{}", text(std::io::stdout().is_terminal()))),
-            }
-        }
-        let warnings = of_severity(program, Severity::Warning).count();
-        let Counts { lines, blocks, comments, arcs, helices, linear, rapids, rotary } = counts;
-        say(format_args!(
-            "{path}: {lines} lines, {blocks} blocks ({comments} of them comments): {arcs} arcs ({helices} of them helices), \
-             {linear} straight cutting moves, {rapids} rapids; a rotary axis turns in {rotary} of them; {warnings} warnings"
-        ));
-    }
-
-    fn print_json(&self, program: &Program, counts: Counts, control: ControlKind) {
-        let entries = |severity| of_severity(program, severity).map(Entry::new).collect();
+    fn print_json(&self, findings: &Findings<'_>, counts: Counts, control: ControlKind) {
+        let entries = |severity| {
+            let of = findings.listed.iter().filter(move |diagnostic| diagnostic.severity == severity);
+            of.map(Entry::new).collect::<Vec<_>>()
+        };
         let report = CheckReport {
-            program: program.path.display().to_string(),
+            program: findings.path.display().to_string(),
             control: control.name(),
             strict: self.strict,
             counts,
             errors: entries(Severity::Error),
             warnings: entries(Severity::Warning),
+            not_listed: findings.errors + findings.warnings - findings.listed.len(),
         };
         say(format_args!("{}", serde_json::json!(report)));
+    }
+}
+
+/// What was found: printed at once, or kept for the JSON object.
+struct Findings<'a> {
+    path: &'a Path,
+    /// As given on the command line.
+    given: &'a Path,
+    is_json: bool,
+    errors: usize,
+    warnings: usize,
+    listed: Vec<Diagnostic>,
+}
+
+impl<'a> Findings<'a> {
+    fn new(check: &'a Check, path: &'a Path) -> Self {
+        let (given, is_json) = (&check.program, check.json);
+        Findings { path, given, is_json, errors: 0, warnings: 0, listed: Vec::new() }
+    }
+
+    fn add(&mut self, diagnostic: Diagnostic, text: Option<&[u8]>) {
+        match diagnostic.severity {
+            Severity::Error => self.errors += 1,
+            Severity::Warning => self.warnings += 1,
+        }
+        if !self.is_json {
+            self.print(&diagnostic, text);
+        } else if self.listed.len() < LISTED_MAX {
+            self.listed.push(diagnostic);
+        }
+    }
+
+    fn print(&self, diagnostic: &Diagnostic, text: Option<&[u8]>) {
+        let in_words = |is_terminal: bool| match text {
+            Some(text) if is_terminal => snippet::render(self.given, text, diagnostic, &Renderer::styled()),
+            _ => format!("{}:{diagnostic}", self.path.display()),
+        };
+        match diagnostic.severity {
+            Severity::Error => note(format_args!("{}", in_words(std::io::stderr().is_terminal()))),
+            Severity::Warning => say(format_args!("{}", in_words(std::io::stdout().is_terminal()))),
+        }
+    }
+}
+
+fn print_counts(findings: &Findings<'_>, counts: Counts) {
+    let (path, warnings) = (findings.path.display(), findings.warnings);
+    let Counts { lines, blocks, comments, arcs, helices, linear, rapids, rotary } = counts;
+    say(format_args!(
+        "{path}: {lines} lines, {blocks} blocks ({comments} of them comments): {arcs} arcs ({helices} of them helices), \
+         {linear} straight cutting moves, {rapids} rapids; a rotary axis turns in {rotary} of them; {warnings} warnings"
+    ));
+}
+
+impl Counts {
+    fn new(summary: &Summary) -> Self {
+        let Summary { lines, blocks, comments, moves, .. } = *summary;
+        let Tally { arcs, helices, linear, rapids, rotary } = moves;
+        Counts { lines, blocks, comments, arcs, helices, linear, rapids, rotary }
     }
 }
 
@@ -244,23 +315,4 @@ impl<'a> Entry<'a> {
         let Diagnostic { line, column, end_column, alarm, message, found, .. } = diagnostic;
         Entry { line: *line, column: *column, end_column: *end_column, alarm: *alarm, message, found }
     }
-}
-
-fn of_severity(program: &Program, severity: Severity) -> impl Iterator<Item = &Diagnostic> {
-    program.diagnostics.iter().filter(move |diagnostic| diagnostic.severity == severity)
-}
-
-fn count(program: &Program) -> Counts {
-    let mut counts = Counts { lines: program.lines.len(), blocks: program.block_count(), ..Counts::default() };
-    counts.comments = program.lines.iter().filter(|line| line.is_block() && is_comment(line)).count();
-    let Tally { arcs, helices, linear, rapids, rotary } = program.moves;
-    Counts { arcs, helices, linear, rapids, rotary, ..counts }
-}
-
-fn is_comment(line: &ProgramLine) -> bool {
-    line.meaning.as_ref().is_some_and(|meaning| match meaning.parsed.line {
-        Line::Block => meaning.parsed.block.is_empty() && meaning.parsed.block.program.is_none(),
-        Line::Title => true,
-        Line::ProgramMark => false,
-    })
 }

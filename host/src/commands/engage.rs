@@ -11,13 +11,14 @@ use arcfeed_shared::engaged::{EngagedKnot, EngagedTable};
 use serde::Serialize;
 
 use super::mapped::made_of;
-use super::outcome::{Failure, load_unmapped, say, write_whole};
+use super::outcome::{Failure, load_unmapped, refuse_inputs, say, write_whole};
 use super::simulate::control::control_settings;
 use super::simulate::in_memory_of;
 use super::simulate::setup::Setup;
 use super::simulate::told::left_out_figures;
 use super::simulate::watch::run_seen;
 use crate::adapt::{PlanReason, PlannedBlock, adapt};
+use crate::console::note;
 use crate::engagement::covering::{self, Sample};
 use crate::engagement::{EngagementMap, MappedMove, key, key_at_any_position};
 use crate::job::JobFile;
@@ -75,6 +76,9 @@ impl Engage {
             return Err(Failure::Input(message));
         };
         let output = self.output.as_ref().unwrap_or(named);
+        // The map itself is made anew.
+        let inputs = JobFile { map_file: None, ..file.clone() }.inputs(&self.job);
+        refuse_inputs(&[Some(output)], &inputs)?;
         let Some(setup) = Setup::of(&self.job, &file)? else {
             let job = self.job.display();
             return Err(Failure::Input(format!(
@@ -90,7 +94,7 @@ impl Engage {
             moves: map.moves.iter().map(MoveFigures::new).collect(),
             left_out: left_out.collect(),
         };
-        write_whole(output, map.text(made_of(&file, &program)?).as_bytes())?;
+        write_whole(output, map.text(made_of(&file, program.bytes())?).as_bytes())?;
         report.tell(self.json);
         Ok(())
     }
@@ -109,8 +113,8 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
         rules: file.job.rules.iter().map(CutRule::is_told_along).collect(),
         machine: file.machine.as_ref().map(|named| named.machine),
     });
-    let rig = in_memory_of(settings, file, &program.bytes(), ControllerFault::LawOff)?;
-    let rig = run_seen(rig, Some("looking"), |rig| {
+    let mut rig = in_memory_of(settings, file, &program.bytes(), ControllerFault::LawOff)?;
+    run_seen(&mut rig, Some("looking"), |rig| {
         meter.see(rig);
         Ok(())
     })?;
@@ -173,13 +177,13 @@ impl Report {
         }
         let unknown = self.moves.iter().filter(|found| found.knots == 0).count();
         for left_out in &self.left_out {
-            eprintln!("warning: {} blocks take nothing: {}", left_out.blocks, left_out.words());
+            note(format_args!("warning: {} blocks take nothing: {}", left_out.blocks, left_out.words()));
         }
         if unknown > 0 {
-            eprintln!(
+            note(format_args!(
                 "warning: nothing is known of {unknown} moves; they keep their own feed (where they only repeat others at other \
                  positions of the rotary axes: --alike)"
-            );
+            ));
         }
         say(format_args!("{}: {} moves", self.map, self.moves.len()));
     }

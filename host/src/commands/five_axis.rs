@@ -6,12 +6,13 @@ use arcfeed_shared::kinematics::forward::Setup;
 use arcfeed_shared::kinematics::incoherent::{RepairLimits, ToolEnd};
 use serde::Serialize;
 
-use super::outcome::{Failure, file_failure, say};
+use super::outcome::{Failure, say};
+use crate::console::note;
 use crate::machine_file::MachineFile;
 use crate::post::cl::Cl;
 use crate::post::finding::Entry;
 use crate::post::plan::{Plan, Task};
-use crate::program::Severity;
+use crate::program::{Severity, read_bounded};
 
 /// Where part and tool are on the machine.
 #[derive(Clone, Debug, clap::Args)]
@@ -68,7 +69,7 @@ pub fn load_machine(path: &Path) -> Result<MachineFile, Failure> {
 /// # Errors
 /// They cannot be read.
 pub fn load_cl(path: &Path) -> Result<Cl, Failure> {
-    let bytes = std::fs::read(path).map_err(|error| file_failure(path, &error))?;
+    let bytes = read_bounded(path).map_err(Failure::Input)?;
     Cl::read(&String::from_utf8_lossy(&bytes)).map_err(|error| Failure::Input(format!("{}:{error}", path.display())))
 }
 
@@ -106,7 +107,7 @@ impl Told<'_> {
     /// All findings on stderr.
     pub fn complain(&self) {
         for finding in &self.plan.findings {
-            eprintln!("{}:{finding}", self.path.display());
+            note(format_args!("{}:{finding}", self.path.display()));
         }
     }
 

@@ -1,18 +1,19 @@
 //! `arcfeed init`: a first job file from a program.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use arcfeed_shared::units::{LengthUnit, Nm};
 use serde::Serialize;
 
-use super::outcome::{Failure, file_failure, say};
+use super::outcome::{Failure, file_failure, refuse_inputs, say};
+use crate::console::note;
 use crate::init::groups::{Group, group};
 use crate::init::propose::{LikelyTool, Proposal, propose};
 use crate::init::survey::{self, Survey};
 use crate::init::wording;
 use crate::init::write::{Findings, job};
 use crate::job::questions::{self, Question};
+use crate::output;
 use crate::program::{Program, Severity};
 
 /// Write a first job file from a program: what its arcs make likely, and what is still to be told as questions in place
@@ -83,7 +84,7 @@ impl Init {
     /// # Errors
     /// The program cannot be read, the job file is there already or cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
-        let (program, survey) = survey::load(&self.program).map_err(|error| file_failure(&self.program, &error))?;
+        let (program, survey) = survey::load(&self.program).map_err(Failure::Input)?;
         let output = self.output.clone().unwrap_or_else(|| self.program.with_extension("toml"));
         let groups = group(&survey.arcs);
         let proposal = propose(&groups);
@@ -95,7 +96,9 @@ impl Init {
         let errors = program.diagnostics.iter().filter(|found| found.severity == Severity::Error).count();
         if errors > 0 {
             let path = program.path.display();
-            eprintln!("{path}: {errors} errors, see `arcfeed check`: arcs behind them may be missing from the job");
+            note(format_args!(
+                "{path}: {errors} errors, see `arcfeed check`: arcs behind them may be missing from the job"
+            ));
         }
         if self.json {
             let report = report(&program, &output, (&survey, &groups, &proposal), (errors, &questions));
@@ -107,8 +110,9 @@ impl Init {
     }
 
     fn write(&self, output: &Path, text: &str) -> Result<(), Failure> {
-        let opened = if self.force { std::fs::File::create(output) } else { std::fs::File::create_new(output) };
-        match opened.and_then(|mut file| file.write_all(text.as_bytes())) {
+        refuse_inputs(&[Some(output)], std::slice::from_ref(&self.program))?;
+        let write = if self.force { output::write_whole } else { output::write_new };
+        match write(output, text.as_bytes()) {
             Ok(()) => Ok(()),
             Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
                 Err(Failure::Input(format!("{}: exists already; --force writes over it", output.display())))

@@ -4,34 +4,49 @@ use std::path::Path;
 
 use arcfeed_shared::cut::CutRule;
 
-use super::outcome::{Failure, file_failure, load_unmapped};
+use super::outcome::{Failure, file_failure, load_source, load_unmapped};
 use crate::adapt::{Adapted, Known, PlannedBlock, adapt_with};
 use crate::checksum::fingerprint;
+use crate::console::note;
 use crate::engagement::EngagementMap;
 use crate::job::JobFile;
 use crate::job::stl::StlFile;
 use crate::job::workpiece::Blank;
-use crate::program::Program;
+use crate::program::{Program, Source};
 
 /// A job and its program, both without errors, with the engagement map that the job names.
 ///
 /// # Errors
-/// Every error of the program, one a line; what is wrong with the map.
+/// Every error of the program, one a line; a program too long to be kept whole; what is wrong with the map.
 pub fn load(job: &Path) -> Result<(JobFile, Program), Failure> {
     let (mut file, program) = load_unmapped(job)?;
-    if let Some(named) = &file.map_file {
-        file.map = Some(EngagementMap::read(named, made_of(&file, &program)?)?);
-    }
+    read_map(&mut file, || program.bytes())?;
     Ok((file, program))
+}
+
+/// The same with the program's text alone.
+///
+/// # Errors
+/// Every error of the program, one a line; what is wrong with the map.
+pub fn load_text(job: &Path) -> Result<(JobFile, Source), Failure> {
+    let (mut file, source) = load_source(job)?;
+    read_map(&mut file, || source.bytes.clone())?;
+    Ok((file, source))
+}
+
+fn read_map(file: &mut JobFile, program: impl FnOnce() -> Vec<u8>) -> Result<(), Failure> {
+    if let Some(named) = &file.map_file {
+        file.map = Some(EngagementMap::read(named, made_of(file, program())?)?);
+    }
+    Ok(())
 }
 
 /// What an engagement map is made of: program, tool, workpiece.
 ///
 /// # Errors
 /// A file of the workpiece cannot be read.
-pub fn made_of(file: &JobFile, program: &Program) -> Result<u64, Failure> {
+pub fn made_of(file: &JobFile, mut made_of: Vec<u8>) -> Result<u64, Failure> {
     let JobFile { job, workpiece, cutting, .. } = file;
-    let mut made_of = program.bytes();
     let depth = cutting.as_ref().map(|cutting| (cutting.axial_depth_mm, cutting.layers));
     let body = workpiece.as_ref().map(|workpiece| (workpiece.body, workpiece.step_mm));
     made_of.extend(format!("{:?}", (job.unit, job.tool, job.feed_per_tooth, body, depth)).bytes());
@@ -49,25 +64,41 @@ pub fn made_of(file: &JobFile, program: &Program) -> Result<u64, Failure> {
 pub fn adapted(program: &Program, file: &JobFile) -> Adapted {
     let adapted = adapt_with(program, &file.job, Known::of(file));
     for warning in adapted.left_alone(program) {
-        eprintln!("{}:{warning}", program.path.display());
+        note(format_args!("{}:{warning}", program.path.display()));
     }
-    warn_of_unknown(&adapted, program, file);
+    let mut unknown = UnknownMoves::default();
+    adapted.blocks.iter().for_each(|block| unknown.add(block, file));
+    unknown.warn(&program.path, file);
     adapted
 }
 
 /// Moves whose rule leaves their engaged arcs to the map, which does not know them.
-fn warn_of_unknown(adapted: &Adapted, program: &Program, file: &JobFile) {
-    let is_unknown = |block: &&PlannedBlock| {
+#[derive(Clone, Copy, Debug, Default)]
+pub struct UnknownMoves {
+    first_line: usize,
+    count: usize,
+}
+
+impl UnknownMoves {
+    /// Counts a block if it is one.
+    pub fn add(&mut self, block: &PlannedBlock, file: &JobFile) {
         let rule = block.rule.and_then(|rule| file.job.rules.get(rule));
-        block.along.is_none() && block.under.is_none() && rule.is_some_and(CutRule::is_told_along)
-    };
-    let unknown: Vec<&PlannedBlock> = adapted.blocks.iter().filter(is_unknown).collect();
-    if let (Some(first), Some(named)) = (unknown.first(), &file.map_file) {
-        let (program, map, count) = (program.path.display(), named.display(), unknown.len());
-        eprintln!(
-            "{program}:{}:1: warning: {map} knows nothing of {count} moves from here on: they keep their own feed; make the map \
+        if block.along.is_none() && block.under.is_none() && rule.is_some_and(CutRule::is_told_along) {
+            self.first_line = if self.count == 0 { block.line } else { self.first_line };
+            self.count += 1;
+        }
+    }
+
+    /// Says on stderr how many there are.
+    pub fn warn(&self, program: &Path, file: &JobFile) {
+        let Some(named) = file.map_file.as_ref().filter(|_| self.count > 0) else { return };
+        note(format_args!(
+            "{}:{}:1: warning: {} knows nothing of {} moves from here on: they keep their own feed; make the map \
              anew with `arcfeed engage` if rules have changed",
-            first.line
-        );
+            program.display(),
+            self.first_line,
+            named.display(),
+            self.count
+        ));
     }
 }

@@ -1,19 +1,24 @@
 //! How a command ends: the exit code, and one sentence where it failed.
 
-use std::io::Write;
-use std::path::Path;
-use std::process::ExitCode;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use arcfeed_shared::cut;
-use arcfeed_shared::segment::Path as Way;
+use arcfeed_shared::job::{Job, LawKind};
+use arcfeed_shared::nc::text::Lines;
 
+use crate::adapt::unused::unused_rules;
+use crate::console::{note, print};
 use crate::dnc::outbox::LineError;
 use crate::file_error::FileError;
 use crate::job::JobFile;
+use crate::output;
 use crate::port::PortError;
-use crate::program::{Program, Severity};
+use crate::program::{Program, Severity, Source};
+
+/// Errors of a program that are listed; the others are counted.
+const ERRORS_MAX: usize = 1_000;
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -28,20 +33,25 @@ pub enum Failure {
     Undecided(String),
     /// The operator stopped it: exit code 130, as for any program ended by Ctrl-C.
     Stopped(String),
+    /// Stdout takes nothing more: exit code 141, as for any program ended by SIGPIPE, where nobody reads it (`| head`);
+    /// otherwise 1.
+    Unprinted(std::io::Error),
 }
 
 impl Failure {
-    /// Says it on stderr.
-    pub fn report(self) -> ExitCode {
+    /// Says it on stderr; answers the exit code.
+    pub fn report(self) -> u8 {
         let (message, code) = match self {
+            Failure::Unprinted(error) if error.kind() == ErrorKind::BrokenPipe => return 141,
+            Failure::Unprinted(error) => (format!("stdout: {error}"), 1),
             Failure::Input(message) => (message, 1),
             Failure::Usage(message) => (message, 2),
             Failure::Machine(message) => (message, 3),
             Failure::Undecided(message) => (message, 4),
             Failure::Stopped(message) => (message, 130),
         };
-        eprintln!("{message}");
-        ExitCode::from(code)
+        note(format_args!("{message}"));
+        code
     }
 }
 
@@ -63,11 +73,10 @@ impl From<PortError> for Failure {
     }
 }
 
-/// Prints a line on stdout; where nobody reads it any more (`| head`), the command ends quietly, with the exit code of a
-/// program ended by SIGPIPE.
+/// Prints a line on stdout, of a command that has nothing else to do: where it takes nothing more, the command ends.
 pub fn say(line: std::fmt::Arguments<'_>) {
-    if writeln!(std::io::stdout(), "{line}").is_err() {
-        std::process::exit(141);
+    if let Err(error) = print(line) {
+        std::process::exit(Failure::Unprinted(error).report().into());
     }
 }
 
@@ -81,75 +90,89 @@ pub fn file_failure(path: &Path, error: &std::io::Error) -> Failure {
 /// # Errors
 /// It cannot be written.
 pub fn write_whole(path: &Path, text: &[u8]) -> Result<(), Failure> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
-    let part = path.with_file_name(name);
-    let write = || -> std::io::Result<()> {
-        let mut file = std::fs::File::create(&part)?;
-        file.write_all(text)?;
-        file.sync_all()?;
-        std::fs::rename(&part, path)
-    };
-    write().map_err(|error| file_failure(path, &error))
+    output::write_whole(path, text).map_err(|error| file_failure(path, &error))
+}
+
+/// Refuses outputs that are files which the command reads, or one another.
+///
+/// # Errors
+/// The first such output.
+pub fn refuse_inputs(outputs: &[Option<&Path>], inputs: &[PathBuf]) -> Result<(), Failure> {
+    let outputs: Vec<&Path> = outputs.iter().flatten().copied().collect();
+    output::refuse_inputs(&outputs, inputs).map_err(Failure::Input)
 }
 
 /// A job and its program, both without errors; the engagement map that the job may name is not asked for.
 ///
 /// # Errors
-/// Every error of the program, one a line.
+/// Every error of the program, one a line; a program too long to be kept whole.
 pub fn load_unmapped(job: &Path) -> Result<(JobFile, Program), Failure> {
-    let file = JobFile::load(job)?;
-    let bytes = std::fs::read(&file.program).map_err(|error| file_failure(&file.program, &error))?;
-    let program = Program::parse_with(&file.program, &bytes, file.nc, file.tables);
-    if let Some(refusal) = macro_refusal(&program) {
+    let (file, source) = load_source(job)?;
+    let program = source.whole().map_err(Failure::Input)?;
+    Ok((file, program))
+}
+
+/// The same with the program's text alone.
+///
+/// # Errors
+/// Every error of the program, one a line.
+pub fn load_source(job: &Path) -> Result<(JobFile, Source), Failure> {
+    let mut file = JobFile::load(job)?;
+    let source = Source::read(&file.program, file.nc, file.tables).map_err(Failure::Input)?;
+    if let Some(refusal) = macro_refusal(&source) {
         return Err(Failure::Input(refusal));
     }
-    let mut errors: Vec<String> = program
-        .diagnostics
-        .iter()
-        .filter(|diagnostic| diagnostic.severity == Severity::Error)
-        .map(|diagnostic| format!("{}:{diagnostic}", program.path.display()))
-        .collect();
-    errors.extend(spindle_contradictions(&file, &program));
-    if errors.is_empty() { Ok((file, program)) } else { Err(Failure::Input(errors.join("\n"))) }
+    let (mut errors, mut more) = (Vec::new(), 0);
+    let summary = source.survey(false, |diagnostic, _| match diagnostic.severity {
+        Severity::Error if errors.len() < ERRORS_MAX => errors.push(format!("{}:{diagnostic}", source.path.display())),
+        Severity::Error => more += 1,
+        Severity::Warning => {}
+    });
+    errors.extend((more > 0).then(|| format!("{}: and {more} errors more", source.path.display())));
+    errors.extend(name_tool(&mut file.job, &source.path, &summary.tools));
+    if !errors.is_empty() {
+        return Err(Failure::Input(errors.join("\n")));
+    }
+    warn_of_rules(job, &file, Some(&source));
+    Ok((file, source))
+}
+
+/// Says on stderr which cut rules of a job can never be used, by the moves of its program if they are known.
+pub fn warn_of_rules(job: &Path, file: &JobFile, program: Option<&Source>) {
+    // The moves of macros are only known while they run.
+    let program = program.filter(|program| program.macro_line.is_none());
+    unused_rules(job, file, program).iter().for_each(|warning| note(format_args!("{warning}")));
+}
+
+/// A job whose tool has no number is for the only one that its program loads; where it loads several, a person must say.
+/// `loaded` are their numbers, each with its first line.
+pub fn name_tool(job: &mut Job, path: &Path, loaded: &[(i64, usize)]) -> Option<String> {
+    if job.setup.tool_number.is_some() || job.law == LawKind::Programmed {
+        return None;
+    }
+    if let [_, (second, line), ..] = loaded {
+        let named: Vec<String> = loaded.iter().map(|(number, _)| format!("T{number}")).collect();
+        return Some(format!(
+            "{}:{line}:1: error: the program loads {}, and the job does not say which of them is its own: add `number = {second}` \
+             or another to [tool] (found T{second})",
+            path.display(),
+            named.join(", ")
+        ));
+    }
+    job.setup.tool_number = loaded.first().map(|(number, _)| *number);
+    None
 }
 
 /// An F written into a macro's body or a subprogram would be that of every call, so such programs keep their feeds.
-fn macro_refusal(program: &Program) -> Option<String> {
-    let line = program.macro_line?;
-    let found = program.lines.get(line - 1).map(|line| line.text.escape_ascii().to_string()).unwrap_or_default();
-    let path = program.path.display();
+fn macro_refusal(source: &Source) -> Option<String> {
+    let line = source.macro_line?;
+    let found =
+        Lines::new(&source.bytes).nth(line - 1).map(|line| line.text.escape_ascii().to_string()).unwrap_or_default();
+    let path = source.path.display();
     Some(format!(
         "{path}:{line}:1: error: macro statements and calls cannot be adapted: a feed written into a body would serve every \
          call; write the program out without them (found `{found}`)"
     ))
-}
-
-/// The chip is as thick as feed over speed: where a law governs a move at another spindle speed than the job says, it
-/// would be adapted wrongly. Each such S word is told once; other tools have their own.
-pub fn spindle_contradictions(file: &JobFile, program: &Program) -> Vec<String> {
-    let wanted = f64::from(file.job.spindle.0);
-    let (mut in_force, mut told) = (None, Vec::new());
-    for (index, line) in program.lines.iter().enumerate() {
-        let Some(meaning) = &line.meaning else { continue };
-        let given = meaning.step.spindle.filter(|(speed, _)| *speed != 0);
-        in_force = given.map(|(speed, column)| (index + 1, speed, column)).or(in_force);
-        let is_governed = meaning.step.is_plain()
-            && line.segment().is_some_and(|segment| {
-                segment.path != Way::Rapid && cut::find(&file.job.rules, &segment, &file.job.tool).is_some()
-            });
-        if let Some((_, speed, _)) = in_force
-            && is_governed
-            && speed as f64 != wanted
-        {
-            told.extend(in_force.take());
-        }
-    }
-    let path = program.path.display();
-    let say = |(line, speed, column): (usize, i64, u16)| {
-        format!("{path}:{line}:{column}: error: S{speed} contradicts [spindle] rev_per_min = {wanted} of the job")
-    };
-    told.into_iter().map(say).collect()
 }
 
 /// The flag that Ctrl-C (or a request to terminate) raises: one for the process, whoever asks.

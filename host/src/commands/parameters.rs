@@ -7,7 +7,7 @@ use arcfeed_shared::wire::message::page::{self, Tapped};
 use arcfeed_shared::wire::message::parameters::ParametersError;
 use arcfeed_shared::wire::message::staging::Staging;
 
-use super::outcome::{Failure, say, write_whole};
+use super::outcome::{Failure, refuse_inputs, say, warn_of_rules, write_whole};
 use crate::job::{JobFile, TapeCode};
 
 /// Write tool, laws and cut rules of a job as a board at a tapped line keeps them in flash (docs/tap.md)
@@ -27,6 +27,8 @@ impl Parameters {
     /// The job is at fault or leaves a board nothing to do, or the file cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
         let file = JobFile::load(&self.job)?;
+        refuse_inputs(&[Some(&self.output)], &file.inputs(&self.job))?;
+        warn_of_rules(&self.job, &file, None);
         let job = self.job.display();
         let code = match file.dnc.code {
             Some(TapeCode::Iso) => Code::Iso,

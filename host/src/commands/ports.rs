@@ -1,6 +1,7 @@
 //! `arcfeed ports`: the serial ports there are, as `python -m serial.tools.list_ports` prints them.
 
 use super::outcome::{Failure, say};
+use crate::console::note;
 use crate::port::list::{grep, ports};
 
 /// List the serial ports, as pyserial's list_ports does
@@ -34,7 +35,7 @@ impl Ports {
         let mut found = ports(self.include_links);
         if let Some(regexp) = &self.regexp {
             if !self.quiet {
-                eprintln!("Filtered list with regexp: '{regexp}'");
+                note(format_args!("Filtered list with regexp: '{regexp}'"));
             }
             found = grep(found, regexp)
                 .map_err(|error| Failure::Input(format!("`{regexp}` is no regular expression: {error}")))?;
@@ -55,8 +56,8 @@ impl Ports {
         }
         match found.len() {
             _ if self.quiet => {}
-            0 => eprintln!("no ports found"),
-            count => eprintln!("{count} ports found"),
+            0 => note(format_args!("no ports found")),
+            count => note(format_args!("{count} ports found")),
         }
         Ok(())
     }

@@ -6,12 +6,13 @@ use arcfeed_shared::kinematics::between::Mode;
 use arcfeed_shared::kinematics::linearise::Tolerance;
 
 use super::five_axis::{Placing, Told, load_cl, load_machine, tool_end};
-use super::outcome::{Failure, file_failure, say};
+use super::outcome::{Failure, refuse_inputs, say, write_whole};
+use crate::console::note;
 use crate::machine_file::MachineFile;
 use crate::post::nc::Style;
 use crate::post::plan::Plan;
 use crate::post::{back, nc};
-use crate::program::Severity;
+use crate::program::{Severity, read_bounded};
 
 /// Turn APT CL data (GOTO/x,y,z,i,j,k) into NC for a five-axis machine, or back
 ///
@@ -81,6 +82,7 @@ impl Post {
             return Err(Failure::Usage("tolerances and the ball's radius must be above zero".into()));
         }
         let file = load_machine(&self.machine)?;
+        refuse_inputs(&[self.output.as_deref()], &[self.input.clone(), PathBuf::from(&self.machine)])?;
         if self.reverse { self.back(&file) } else { self.forth(&file) }
     }
 
@@ -103,12 +105,12 @@ impl Post {
         let style = Style { name: &file.name, mode: self.mode.into(), tolerance };
         let written = nc::write(&cl, &plan, &task, &style);
         let (text, blocks) = written.map_err(|error| Failure::Input(format!("{}:{error}", self.input.display())))?;
-        eprintln!("{}; {blocks} blocks", told.summary());
+        note(format_args!("{}; {blocks} blocks", told.summary()));
         put(self.output.as_deref(), &text)
     }
 
     fn back(&self, file: &MachineFile) -> Result<(), Failure> {
-        let bytes = std::fs::read(&self.input).map_err(|error| file_failure(&self.input, &error))?;
+        let bytes = read_bounded(&self.input).map_err(Failure::Input)?;
         let read = back::read(&bytes, &file.machine, &self.placing.setup(), self.mode.into());
         let cl = read.map_err(|error| Failure::Input(format!("{}:{error}", self.input.display())))?;
         put(self.output.as_deref(), &cl.write())
@@ -118,7 +120,7 @@ impl Post {
 /// To a file, or to stdout.
 fn put(output: Option<&Path>, text: &str) -> Result<(), Failure> {
     match output {
-        Some(path) => std::fs::write(path, text).map_err(|error| file_failure(path, &error)),
+        Some(path) => write_whole(path, text.as_bytes()),
         None => {
             say(format_args!("{}", text.trim_end_matches('\n')));
             Ok(())

@@ -28,16 +28,22 @@ use std::time::Instant;
 
 use arcfeed_hil_sim::control::ControlSettings;
 use arcfeed_hil_sim::faults::ControllerFault;
+use arcfeed_hil_sim::removal::marks::Mark;
 use arcfeed_hil_sim::rig::{Foreseen, Rig};
+use arcfeed_hil_sim::stock::deviation::HeightMap;
+use arcfeed_hil_sim::stock::workpiece::Stock;
 use arcfeed_shared::machine::FeedLimit;
+use arcfeed_shared::units::{LengthUnit, PERCENT};
 
 use super::mapped::{adapted, load};
-use super::outcome::{Failure, say};
+use super::outcome::{Failure, refuse_inputs};
 use crate::adapt::limit::is_tip_line;
 use crate::adapt::{Adapted, PlannedBlock};
+use crate::console::{note, print};
 use crate::job::JobFile;
 use crate::program::Program;
 use crate::report::figures::RunReport;
+use crate::report::material::DeviationFigures;
 use crate::report::summary::Summary;
 use control::control_settings;
 use drawn::{Shown, SurfaceFormat};
@@ -68,6 +74,7 @@ impl Simulate {
     /// The job or the program is at fault, or the simulated control raised an alarm.
     pub fn run(&self) -> Result<(), Failure> {
         let (file, program) = load(&self.job)?;
+        refuse_inputs(&[self.report.as_deref(), self.surface.as_deref()], &file.inputs(&self.job))?;
         let setup = Setup::of(&self.job, &file)?;
         let surface = self.surface(setup.as_ref())?;
         let target = setup.as_ref().map_or(Ok(None), Setup::target)?;
@@ -76,39 +83,32 @@ impl Simulate {
         let adapted = adapted(&program, &file);
         let mut rig = in_memory(&file, &adapted.text, ControllerFault::None)?;
         rig.foresee(foreseen(&program, &adapted));
-        let rig = watches[0].run(rig)?;
+        let mut before = in_memory(&file, &program.bytes(), ControllerFault::LawOff)?;
+        // What has been computed is written and printed also where something behind it fails.
+        let mut ended = watches[0].run(&mut rig);
         let mut report = measure(&rig, &file.job);
         report.real_time_factor = Some(rig.now().to_s() / started.elapsed().as_secs_f64());
-        let before = watches[1].run(in_memory(&file, &program.bytes(), ControllerFault::LawOff)?)?;
-        compare(&mut report, measure(&before, &file.job));
-        let unit = file.job.unit;
+        if ended.is_ok() {
+            ended = watches[1].run(&mut before);
+        }
         let title = format!("{}: simulated", file.program.display());
         let (mut deviation, mut marks) = (None, Vec::new());
-        if let (Some(setup), [Some(after), Some(before)]) = (&setup, watches.each_ref().map(|watch| &watch.cutter)) {
-            let mut material = told::figures(unit, setup, after, before);
-            material.warnings(unit).iter().for_each(|warning| eprintln!("warning: {warning}"));
-            deviation = target.and_then(|target| told::deviation(unit, after.stock(), &target));
-            material.deviation = deviation.as_ref().map(|(_, figures)| *figures);
-            report.material = Some(material);
-            if let [Some(after), Some(before)] = watches.each_ref().map(|watch| watch.loads.as_ref()) {
-                let mut loads = loaded::figures(unit, after, before);
-                if let Some(truth) = &setup.truth {
-                    marks = truth.marks(after);
-                    loads.marks = marked::figures(unit, after, &marks);
-                    loads.baseline_marks = marked::figures(unit, before, &truth.marks(before));
-                }
-                loads.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
-                report.loads = Some(loads);
+        if ended.is_ok() {
+            compare(&mut report, measure(&before, &file.job));
+            if let Some(setup) = &setup {
+                (deviation, marks) = add_cuts(&mut report, file.job.unit, setup, &watches, target.as_ref());
             }
-            if let Some((path, format)) = surface {
-                format.write(after.stock(), path)?;
-            }
+        }
+        if let (Some((path, format)), Some(after)) = (surface, &watches[0].cutter) {
+            ended = ended.and(format.write(after.stock(), path));
         }
         if let Some(path) = &self.report {
             let runs = [(&watches[0], rig.now()), (&watches[1], before.now())];
-            Shown { title: &title, report: &report, job: &file.job, runs, deviation, marks }.write(path)?;
+            let shown = Shown { title: &title, report: &report, job: &file.job, runs, deviation, marks };
+            ended = ended.and(shown.write(path));
         }
-        finish(&report, self.json, title)
+        let printed = finish(&report, self.json, title);
+        ended.and(printed)
     }
 
     /// Where the surface goes, and how; asked before anything runs.
@@ -122,18 +122,46 @@ impl Simulate {
     }
 }
 
+/// Adds what both runs took from the workpiece; answers the deviations from the job's target, and the marks on walls.
+fn add_cuts(
+    report: &mut RunReport,
+    unit: LengthUnit,
+    setup: &Setup<'_>,
+    watches: &[Watch; 2],
+    target: Option<&Stock>,
+) -> (Option<(HeightMap, DeviationFigures)>, Vec<Mark>) {
+    let [Some(after), Some(before)] = watches.each_ref().map(|watch| &watch.cutter) else { return (None, Vec::new()) };
+    let mut material = told::figures(unit, setup, after, before);
+    material.warnings(unit).iter().for_each(|warning| note(format_args!("warning: {warning}")));
+    let deviation = target.and_then(|target| told::deviation(unit, after.stock(), target));
+    material.deviation = deviation.as_ref().map(|(_, figures)| *figures);
+    report.material = Some(material);
+    let mut marks = Vec::new();
+    if let [Some(after), Some(before)] = watches.each_ref().map(|watch| watch.loads.as_ref()) {
+        let mut loads = loaded::figures(unit, after, before);
+        if let Some(truth) = &setup.truth {
+            marks = truth.marks(after);
+            loads.marks = marked::figures(unit, after, &marks);
+            loads.baseline_marks = marked::figures(unit, before, &truth.marks(before));
+        }
+        loads.warnings().iter().for_each(|warning| note(format_args!("warning: {warning}")));
+        report.loads = Some(loads);
+    }
+    (deviation, marks)
+}
+
 /// Prints a report and says how the run ended.
 ///
 /// # Errors
-/// The control raised an alarm.
+/// The control raised an alarm, or stdout takes nothing.
 pub fn finish(report: &RunReport, json: bool, title: String) -> Result<(), Failure> {
-    if json {
-        say(format_args!("{}", serde_json::json!(report)));
+    let printed = if json {
+        print(format_args!("{}", serde_json::json!(report)))
     } else {
-        say(format_args!("{}", Summary { title, report }.to_string().trim_end()));
-    }
+        print(format_args!("{}", Summary { title, report }.to_string().trim_end()))
+    };
     match report.alarms.first() {
-        None => Ok(()),
+        None => printed.map_err(Failure::Unprinted),
         Some(alarm) => Err(Failure::Machine(format!("the control stopped at {alarm}"))),
     }
 }
@@ -143,7 +171,9 @@ pub fn finish(report: &RunReport, json: bool, title: String) -> Result<(), Failu
 /// # Errors
 /// The run never ends.
 pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Rig, Failure> {
-    Watch::default().run(in_memory(file, program, fault)?)
+    let mut rig = in_memory(file, program, fault)?;
+    Watch::default().run(&mut rig)?;
+    Ok(rig)
 }
 
 fn in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Rig, Failure> {
@@ -166,16 +196,19 @@ pub(super) fn in_memory_of(
         .map_err(|error| Failure::Input(format!("override limits: {error:?}")))
 }
 
-/// What the plan knows of moves that the machine in software does not look at by itself: those under G43.4, and those whose
-/// engagement is told.
+/// What the plan knows of moves that the machine in software does not: those under G43.4, and those that a cut rule matches,
+/// with their engagement and the fastest feed that the job allows on them.
 pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<Foreseen> {
     let is_of_tip = |block: &PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
-    let moves = adapted.blocks.iter().filter(|block| block.along.is_some() || is_of_tip(block));
+    let is_known =
+        |block: &&PlannedBlock| block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8;
+    let moves = adapted.blocks.iter().filter(is_known);
     let known = moves.map(|block| Foreseen {
         segment: block.segment,
-        rule: block.rule.filter(|_| block.under.is_none()),
+        rule: block.rule.filter(|_| block.wish.is_some()),
         along: block.along.clone(),
         limit: block.limit.map(FeedLimit::from),
+        end_percent: block.end_percent,
     });
     known.collect()
 }

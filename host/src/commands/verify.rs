@@ -6,8 +6,9 @@ use std::sync::atomic::Ordering;
 use arcfeed_shared::units::Micros;
 use serde::Serialize;
 
-use super::outcome::{Failure, file_failure, on_interrupt, say};
+use super::outcome::{Failure, on_interrupt, refuse_inputs, say, write_whole};
 use super::stream::prepare::Prepared;
+use crate::console::note;
 use crate::dnc::readback::{Difference, ReadBack};
 use crate::port::Port;
 use crate::port::open::open;
@@ -68,14 +69,17 @@ impl Verify {
             return Err(Failure::Usage(message.into()));
         }
         let ready = Prepared::load(&self.job, self.baudrate, self.filter)?;
+        refuse_inputs(&[self.output.as_deref()], &ready.file.inputs(&self.job))?;
         let mut port = open(&self.port, &ready.file.serial)?;
         let mut back = ReadBack::new(ready.wire.encode);
         if !self.json {
-            eprintln!("waiting for the program: press PUNCH at the control (EDIT mode), its line set as the job's");
+            note(format_args!(
+                "waiting for the program: press PUNCH at the control (EDIT mode), its line set as the job's"
+            ));
         }
         self.listen(&mut *port, &mut back, ready.file.dnc.start_timeout)?;
         if let Some(path) = &self.output {
-            std::fs::write(path, back.text()).map_err(|error| file_failure(path, &error))?;
+            write_whole(path, back.text())?;
         }
         self.tell(&ready, back.compare(&ready.whole))
     }

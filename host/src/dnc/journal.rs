@@ -23,7 +23,7 @@ const NAME: &str = "arcfeed-journal 1";
 pub struct Start {
     /// [`fingerprint`](crate::checksum::fingerprint) of the program's file.
     pub program: u64,
-    /// Of the job's file.
+    /// Of what the job says of program and control, its settings file included.
     pub job: u64,
     /// Of the whole program as it is sent.
     pub sent: u64,
@@ -140,6 +140,12 @@ fn seal(text: &str) -> String {
     let mut line = String::with_capacity(text.len() + 10);
     let _never_fails = writeln!(line, "{:08x} {text}", crc32(text.as_bytes()));
     line
+}
+
+/// Whether a file begins as a journal of any version, or has no content yet.
+pub fn is_journal(bytes: &[u8]) -> bool {
+    let first = bytes.split_inclusive(|byte| *byte == b'\n').next();
+    first.is_none_or(|line| open(line).is_some_and(|text| text.starts_with("0 arcfeed-journal ")))
 }
 
 /// Reads a journal.

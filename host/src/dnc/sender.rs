@@ -366,7 +366,7 @@ impl fmt::Display for Why {
                 f,
                 "the control has taken nothing since its DC3 {} s ago. It executes a long block, waits at M00 or feed hold, \
                  is in alarm, or its DC1 was lost on the line. Nothing is sent without it; look at the control, press RESET \
-                 there, and take the program up again with --resume (xoff_timeout in [serial] waits longer)",
+                 there, and take the program up again with --resume (xoff_timeout in [dnc] waits longer)",
                 waited.to_s()
             ),
         }

@@ -7,7 +7,7 @@ use arcfeed_shared::nc::modal::{Feed, Plane, Turn};
 use arcfeed_shared::segment::{Arc, Path, Segment};
 use arcfeed_shared::units::{LengthUnit, Nm};
 
-use crate::program::Program;
+use crate::program::{Program, check_line_count, read_bounded};
 
 /// Moves whose directions agree to this (the cosine of two degrees) go smoothly into each other.
 const SMOOTH_COSINE: f64 = 0.9994;
@@ -57,9 +57,10 @@ pub struct FoundArc {
 /// Reads a program file; with the program as read.
 ///
 /// # Errors
-/// The file cannot be read.
-pub fn load(path: &FilePath) -> std::io::Result<(Program, Survey)> {
-    let bytes = std::fs::read(path)?;
+/// The file cannot be read, or is too long: in words, with its path.
+pub fn load(path: &FilePath) -> Result<(Program, Survey), String> {
+    let bytes = read_bounded(path)?;
+    check_line_count(path, &bytes)?;
     let read = |unit| Program::parse(path, &bytes, unit, Reading::Lenient);
     let mut program = read(LengthUnit::Inch);
     let unit = blocks(&program).find_map(|(_, block)| unit_of(block));

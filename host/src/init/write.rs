@@ -73,6 +73,7 @@ pub fn job(findings: &Findings<'_>) -> String {
     text += &arcs_found(groups, survey, unit);
     text += &tool(survey, proposal, unit);
     text += &spindle(survey);
+    text += &limits(unit);
     text += &law(survey, groups, proposal, unit);
     text += if proposal.tool == LikelyTool::EndMill { SIDE_FORMS } else { STOCK_FORMS };
     for cut in &proposal.cuts {
@@ -87,7 +88,7 @@ mode = \"safe-base\"
 [control]
 preset = \"fanuc-16i\"
 
-# The line of `arcfeed stream`, where it is not 9600 8N1 without XON/XOFF; many controls of that kind take:
+# The line of `arcfeed stream`, where it is not 9600 8N1 with XON/XOFF; many controls of that kind take:
 # [serial]
 # baudrate = 9600
 # bytesize = 7
@@ -119,17 +120,19 @@ fn tool(survey: &Survey, proposal: &Proposal, unit: LengthUnit) -> String {
             )
         }
     };
+    let number = proposal.number.map_or(String::new(), |number| format!("number = {number}\n"));
     match proposal.tool {
         LikelyTool::CupMill { outer_mm, inner_mm } => {
             let (outer, inner) = (length(outer_mm, unit), length(inner_mm, unit));
             text += "# LIKELY: a cup mill. Two radii recur; it turns about points on its own outer and inner circle. If it is an end mill:\n";
             text += "# kind = \"end-mill\", diameter and teeth.\n";
-            text += &format!("[tool]\nkind = \"cup-mill\"\nouter_radius = {outer}\ninner_radius = {inner}\n");
+            text += &format!("[tool]\nkind = \"cup-mill\"\n{number}outer_radius = {outer}\ninner_radius = {inner}\n");
             text += "# QUESTION: how many teeth cut, of those on one circle? For example: active_teeth = 10\nactive_teeth = \"?\"\n";
         }
         LikelyTool::EndMill => {
             text += "# LIKELY: an end mill; no two radii recur as those of a ring would. If it is a cup mill: kind = \"cup-mill\", outer_radius,\n";
             text += "# inner_radius and active_teeth.\n[tool]\nkind = \"end-mill\"\n";
+            text += &number;
             text += &format!(
                 "# QUESTION: its diameter? For example: diameter = {}, or \"10 mm\"\ndiameter = \"?\"\n",
                 length(10.0, unit)
@@ -144,16 +147,27 @@ fn spindle(survey: &Survey) -> String {
     let question =
         |why: &str| format!("\n[spindle]\n# QUESTION: {why} For example: rev_per_min = 1000\nrev_per_min = \"?\"\n");
     match survey.speeds.as_slice() {
-        [] => question("the program has no S word. How fast does the spindle turn?"),
+        [] => {
+            question("the program has no S word. How fast does the operator let the spindle turn?")
+                + "set_by = \"operator\"\n"
+        }
         [speed] => format!("\n[spindle]\nrev_per_min = {speed}\n"),
         speeds => {
             let speeds: Vec<String> = speeds.iter().map(|speed| format!("S{speed}")).collect();
             question(&format!(
-                "the program has {}; a job has one speed, and refuses a program with others. Which?",
+                "the program has {}; each block is governed at the speed in force there. Which is the one of this job's reports?",
                 speeds.join(", ")
             ))
         }
     }
+}
+
+fn limits(unit: LengthUnit) -> String {
+    let example = if unit == LengthUnit::Inch { 100 } else { 3_000 };
+    format!(
+        "\n# No governed block is fed faster than max_feed, nor faster than max_raise times its own F.\n[limits]\n\
+         # QUESTION: the fastest feed of these cuts, per minute? For example: max_feed = {example}\nmax_feed = \"?\"\nmax_raise = 2\n"
+    )
 }
 
 fn law(survey: &Survey, groups: &[Group], proposal: &Proposal, unit: LengthUnit) -> String {

@@ -131,6 +131,9 @@ pub(super) fn build(told: &Spanned<CuttingTable>, job: &Job, height_mm: Option<f
     {
         return Err(at(helix, "helix is that of an end-mill, -80 to 80 degrees"));
     }
+    if let Some(pitch) = pitch.as_ref().filter(|pitch| pitch.as_ref().iter().any(|degrees| *degrees <= 0.0)) {
+        return Err(at(pitch, "pitch, degrees from each tooth to the next, must be above 0"));
+    }
     let layers = match layers {
         Some(layers) if !(1..=LAYERS_MAX).contains(layers.as_ref()) => {
             return Err(at(layers, "layers must be 1 to 100"));
@@ -138,16 +141,6 @@ pub(super) fn build(told: &Spanned<CuttingTable>, job: &Job, height_mm: Option<f
         given => given.as_ref().map_or(1, |layers| *layers.as_ref()),
     };
     let to_mm = |quantity: &Quantity| quantity.to_mm(job.unit);
-    let mode = |told: &Spanned<ModeTable>| {
-        let ModeTable { frequency, damping, stiffness, direction } = *told.as_ref();
-        Mode {
-            frequency_hz: frequency,
-            damping_ratio: damping,
-            stiffness_n_per_mm: stiffness,
-            direction,
-            offset: told.span().start,
-        }
-    };
     Ok(Cutting {
         coefficients: coefficients(told)?,
         axial_depth_mm,
@@ -159,7 +152,24 @@ pub(super) fn build(told: &Spanned<CuttingTable>, job: &Job, height_mm: Option<f
         }),
         offsets_mm: offsets.iter().flat_map(|offsets| offsets.as_ref()).map(to_mm).collect(),
         pitch_rad: pitch.iter().flat_map(|pitch| pitch.as_ref()).map(|degrees| degrees.to_radians()).collect(),
-        modes: told.as_ref().modes.iter().map(mode).collect(),
+        modes: told.as_ref().modes.iter().map(mode).collect::<Result<_, _>>()?,
+        offset: told.span().start,
+    })
+}
+
+fn mode(told: &Spanned<ModeTable>) -> Result<Mode, Complaint> {
+    let ModeTable { frequency, damping, stiffness, direction } = *told.as_ref();
+    let is_mode = frequency > 0.0 && stiffness > 0.0 && (0.0..1.0).contains(&damping);
+    if !is_mode || direction == [0.0; 3] {
+        let message = "a mode has a frequency (Hz) and a stiffness (N/mm) above 0, a damping of 0 to less than 1, and a \
+                       direction that is not [0, 0, 0]";
+        return Err(at(told, message));
+    }
+    Ok(Mode {
+        frequency_hz: frequency,
+        damping_ratio: damping,
+        stiffness_n_per_mm: stiffness,
+        direction,
         offset: told.span().start,
     })
 }
@@ -176,6 +186,9 @@ fn coefficients(told: &Spanned<CuttingTable>) -> Result<Coefficients, Complaint>
         }
         (None, Some(kc11), Some(mc), None, None) => {
             let (specific_mpa, exponent_ratio) = (number(kc11, "kc11")?, number(mc, "mc")?);
+            if specific_mpa == 0.0 {
+                return Err(at(kc11, "kc11, N/mm2, must be above 0"));
+            }
             if !(0.0..1.0).contains(&exponent_ratio) {
                 return Err(at(mc, "mc must be 0 to less than 1"));
             }
@@ -197,9 +210,5 @@ fn coefficients(told: &Spanned<CuttingTable>) -> Result<Coefficients, Complaint>
 
 fn number(given: &Spanned<f64>, name: &str) -> Result<f64, Complaint> {
     let value = *given.as_ref();
-    if value.is_finite() && value >= 0.0 {
-        Ok(value)
-    } else {
-        Err(at(given, &format!("{name} must be a number, 0 or more")))
-    }
+    if value >= 0.0 { Ok(value) } else { Err(at(given, &format!("{name} must be a number, 0 or more"))) }
 }

@@ -46,7 +46,11 @@ pub fn build(table: &JobTable, unit: LengthUnit, of: Option<&MachineFile>) -> Re
     let clamp = |clamp: &ArcClampTable| {
         let floor = clamp.floor.as_ref().map_or(Ok(MmPerMin(0.0)), |floor| feed(floor, "floor"))?;
         let radius = Mm(length_mm(&clamp.radius, unit, "radius")? as f32);
-        Ok(ArcClamp { feed: feed(&clamp.feed, "feed")?, radius, floor })
+        let most = feed(&clamp.feed, "feed")?;
+        match &clamp.floor {
+            Some(given) if floor > most => Err(at(given, "floor of arc_clamp must not be above its feed")),
+            _ => Ok(ArcClamp { feed: most, radius, floor }),
+        }
     };
     let MachineLimits { linear: filed, rotary: filed_rotary, .. } =
         of.map_or(MachineLimits::default(), |file| limits(&file.machine));

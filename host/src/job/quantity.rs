@@ -4,6 +4,8 @@ use arcfeed_shared::units::LengthUnit;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error};
 
+use crate::toml_values::is_possible;
+
 /// A length: a number in the file's units, or a string that names its own (`"0.004 in"`, `"0.1 mm"`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantity {
@@ -48,6 +50,6 @@ fn with_unit(text: &str) -> Option<Quantity> {
         text if text.ends_with("mm") => (text.trim_end_matches("mm"), LengthUnit::Mm),
         _ => return None,
     };
-    let value = number.trim().parse().ok()?;
+    let value = number.trim().parse().ok().filter(|value| is_possible(*value))?;
     Some(Quantity { value, unit: Some(unit) })
 }

@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeValue;
 
 use super::Complaint;
 use crate::place::place;
+use crate::toml_values::walk;
 
 /// What stands in place of an answer.
 pub const OPEN: &str = "?";
@@ -24,11 +24,12 @@ pub struct Question {
 /// The open questions of a job file, in the order in which they stand there; none where it is no TOML.
 pub fn open(text: &str) -> Vec<Question> {
     let mut found = Vec::new();
-    if let Ok(table) = DeTable::parse(text) {
-        for (key, value) in table.get_ref() {
-            look(key.get_ref(), value, text, &mut found);
+    walk(text, &mut |key, _, value| {
+        if matches!(value.get_ref(), DeValue::String(string) if string == OPEN) {
+            let span = value.span();
+            found.push(Question { key: key.to_owned(), place: place(text, span.start), span });
         }
-    }
+    });
     found.sort_by_key(|question| question.span.start);
     found
 }
@@ -45,26 +46,6 @@ pub(super) fn refuse_open(text: &str) -> Result<(), Complaint> {
         message += &format!("; behind it are open: {}", others.join(", "));
     }
     Err((first.span.start, message))
-}
-
-fn look(key: &str, value: &Spanned<DeValue<'_>>, text: &str, found: &mut Vec<Question>) {
-    match value.get_ref() {
-        DeValue::String(string) if string == OPEN => {
-            let span = value.span();
-            found.push(Question { key: key.to_owned(), place: place(text, span.start), span });
-        }
-        DeValue::Table(table) => {
-            for (name, value) in table {
-                look(&format!("{key}.{}", name.get_ref()), value, text, found);
-            }
-        }
-        DeValue::Array(values) => {
-            for (index, value) in values.iter().enumerate() {
-                look(&format!("{key}.{}", index + 1), value, text, found);
-            }
-        }
-        _ => {}
-    }
 }
 
 #[cfg(test)]

@@ -12,6 +12,9 @@ use toml::Spanned;
 use super::schema::{CutTable, DirectionWord, MovesWord, Quantity, RotationWord, SideWord, StockTable};
 use super::{Around, Complaint, at, length_mm, tables};
 
+/// Largest sequence number: eight digits.
+const SEQUENCE_MAX: i64 = 99_999_999;
+
 /// The engagement map that rules name: one for all of them.
 pub fn map(cuts: &[Spanned<CutTable>]) -> Result<Option<&Spanned<String>>, Complaint> {
     let mut named = cuts.iter().filter_map(|cut| cut.as_ref().stock.as_ref()?.as_ref().map.as_ref());
@@ -110,16 +113,21 @@ fn mill_rule(cut: &Spanned<CutTable>, unit: LengthUnit) -> Result<CutRule, Compl
 }
 
 fn restricted(moves: Moves, work: Work, table: &CutTable, unit: LengthUnit) -> Result<CutRule, Complaint> {
-    let sequence = table.n.as_ref().map(|range| {
-        let [first, last] = *range.as_ref();
-        (first, last)
-    });
+    let sequence = match table.n.as_ref().map(|range| (range, *range.as_ref())) {
+        Some((range, [first, last])) if !(0 <= first && first <= last && last <= SEQUENCE_MAX) => {
+            let message = format!(
+                "n is the first and the last sequence number, from 0 to {SEQUENCE_MAX}: the lower one comes first"
+            );
+            return Err(at(range, &message));
+        }
+        given => given.map(|(_, [first, last])| (first, last)),
+    };
     let level = match &table.z {
         None => None,
         Some(levels) => {
             let [low, high] = levels.as_ref().each_ref().map(|level| Nm::from_mm(level.to_mm(unit)));
             if low > high {
-                return Err(at(levels, "the lower level comes first"));
+                return Err(at(levels, "z is the lowest and the highest level: the lower one comes first"));
             }
             Some((low, high))
         }
@@ -141,7 +149,7 @@ fn build_stock(stock: &Spanned<StockTable>, edge: Edge, around: &Around<'_>) -> 
     let StockTable { normal_deg, offset, from, to, rise, lines, polygon, disc, engaged, map } = stock.as_ref();
     let half_plane = |line| Stock::half_plane(StockLine { rise_ratio: rise.unwrap_or(0.0), ..line });
     let is_line = normal_deg.is_some() || from.is_some();
-    if rise.is_some_and(|rise| !rise.is_finite() || !is_line) {
+    if rise.is_some() && !is_line {
         return Err(at(
             stock,
             "`rise` is how much the offset of a line grows per unit of height, and goes with a line only",
@@ -160,11 +168,12 @@ fn build_stock(stock: &Spanned<StockTable>, edge: Edge, around: &Around<'_>) -> 
                 rise_ratio: *rise,
                 ..StockLine::from_angle(*normal_deg, mm(offset))
             };
-            let is_sound =
-                (1..=EDGES_MAX).contains(&lines.len()) && lines.iter().all(|(deg, _, rise)| (deg + rise).is_finite());
             let message =
                 format!("`lines` are 1 to {EDGES_MAX} of [normal_deg, offset, rise]; the stock is inside of all");
-            if is_sound { Ok(Stock::Convex(lines.iter().map(line).collect())) } else { Err(at(stock, &message)) }
+            if !(1..=EDGES_MAX).contains(&lines.len()) {
+                return Err(at(stock, &message));
+            }
+            Ok(Stock::Convex(lines.iter().map(line).collect()))
         }
         (None, None, None, None, None, Some(corners), None, None, None) => {
             let corners: Vec<[f64; 2]> = corners.iter().map(|corner| corner.each_ref().map(mm)).collect();

@@ -19,6 +19,8 @@ pub struct JobTable {
     pub spindle: SpindleTable,
     pub law: LawTable,
     #[serde(default)]
+    pub limits: LimitsTable,
+    #[serde(default)]
     pub r#override: OverrideTable,
     #[serde(default)]
     pub cut: Vec<Spanned<CutTable>>,
@@ -52,6 +54,8 @@ impl From<UnitWord> for LengthUnit {
 #[serde(deny_unknown_fields)]
 pub struct ToolTable {
     pub kind: Spanned<String>,
+    pub number: Option<Spanned<i64>>,
+    pub axis: Option<Spanned<String>>,
     pub outer_radius: Option<Spanned<Quantity>>,
     pub inner_radius: Option<Spanned<Quantity>>,
     pub active_teeth: Option<Spanned<u16>>,
@@ -94,6 +98,14 @@ pub struct RoundTable {
 #[serde(deny_unknown_fields)]
 pub struct SpindleTable {
     pub rev_per_min: Spanned<f64>,
+    pub set_by: Option<Spanned<String>>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LimitsTable {
+    pub max_feed: Option<Spanned<Quantity>>,
+    pub max_raise: Option<Spanned<f64>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -254,7 +266,7 @@ pub struct SerialTable {
     pub bytesize: Spanned<u8>,
     pub parity: Spanned<String>,
     pub stopbits: Spanned<u8>,
-    pub xonxoff: bool,
+    pub xonxoff: Option<bool>,
     pub rtscts: Spanned<bool>,
     pub dsrdtr: Spanned<bool>,
     pub timeout: Option<Spanned<f64>>,
@@ -276,14 +288,14 @@ pub struct DncTable {
 }
 
 impl Default for SerialTable {
-    /// pyserial's defaults.
+    /// pyserial's defaults, but for XON/XOFF: [`super::serial::build`] switches it on.
     fn default() -> Self {
         SerialTable {
             baudrate: unplaced(9_600),
             bytesize: unplaced(8),
             parity: unplaced("N".into()),
             stopbits: unplaced(1),
-            xonxoff: false,
+            xonxoff: None,
             rtscts: unplaced(false),
             dsrdtr: unplaced(false),
             timeout: None,

@@ -1,15 +1,18 @@
 //! `[override]`: how the wanted feed reaches the control, and within which bounds.
 
 use arcfeed_firmware::ramp::{LimitsError, Ramp};
-use arcfeed_shared::job::{FeedPolicy, OverrideLimits, PieceSettings};
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_shared::job::{FeedCeiling, FeedPolicy, LawKind, OverrideLimits, PieceSettings};
+use arcfeed_shared::machine::MachineLimits;
+use arcfeed_shared::units::{LengthUnit, MmPerMin, Nm};
 use toml::Spanned;
 
-use super::schema::OverrideTable;
+use super::schema::{JobTable, LimitsTable, OverrideTable};
 use super::{Complaint, at, length_mm};
 
 /// Largest setting of `piece_step` and `piece_hysteresis`, %.
 const RATIO_MAX_PERCENT: f32 = 50.0;
+/// Largest setting of `max_raise`.
+const RAISE_MAX: f64 = 100.0;
 /// Most pieces an arc may be cut into: more than a control takes in at its line's rate.
 const PIECES_MAX: u16 = 250;
 
@@ -67,6 +70,31 @@ fn ratio(given: &Option<Spanned<f32>>, name: &str, default: f32) -> Result<f32, 
     Err(at(value, &format!("{name} must lie between {least} and {RATIO_MAX_PERCENT} %")))
 }
 
+/// What no governed feed exceeds.
+pub fn ceiling(
+    table: &JobTable,
+    unit: LengthUnit,
+    law: LawKind,
+    machine: &MachineLimits,
+) -> Result<FeedCeiling, Complaint> {
+    let LimitsTable { max_feed, max_raise } = &table.limits;
+    let max_feed = max_feed.as_ref().map(|feed| length_mm(feed, unit, "max_feed")).transpose()?;
+    let max_raise_ratio = match max_raise {
+        Some(raise) if !(1.0..=RAISE_MAX).contains(raise.as_ref()) => {
+            return Err(at(raise, &format!("max_raise must lie between 1 and {RAISE_MAX}, times the programmed feed")));
+        }
+        Some(raise) => *raise.as_ref() as f32,
+        None => FeedCeiling::DEFAULT_RAISE_RATIO,
+    };
+    let is_bounded = max_feed.is_some() || machine.linear.iter().all(Option::is_some);
+    if !is_bounded && law != LawKind::Programmed {
+        let message = "the job has no fastest feed: add a table [limits] with max_feed, per minute along the path, or give the machine's \
+                       axes (max_feed of X, Y and Z in [machine])";
+        return Err(at(&table.law.kind, message));
+    }
+    Ok(FeedCeiling { max_feed: max_feed.map(|feed| MmPerMin(feed as f32)), max_raise_ratio })
+}
+
 /// The bounds of the override.
 pub fn limits(given: &OverrideTable) -> Result<OverrideLimits, Complaint> {
     let limits = OverrideLimits {
@@ -77,10 +105,17 @@ pub fn limits(given: &OverrideTable) -> Result<OverrideLimits, Complaint> {
         slew_down_percent_per_s: *given.slew_down.as_ref(),
     };
     match Ramp::new(&limits) {
+        Ok(_) if (1..limits.step_percent).contains(&limits.min_percent) => {
+            let message = "min must be 0 or at least one step: an override below one step is put out as 0 %, and the axes would stand";
+            Err(at(&given.min, message))
+        }
         Ok(_) => Ok(limits),
         Err(LimitsError::Range) if limits.min_percent > 100 => Err(at(&given.min, "min must be at most 100 %")),
         Err(LimitsError::Range) => Err(at(&given.max, "max must lie between 100 % and 254 %, the control's limit")),
         Err(LimitsError::Step) => Err(at(&given.step, "step must be a divisor of 100 %")),
-        Err(LimitsError::Slew) => Err(at(&given.slew_up, "slew_up and slew_down must be positive, in % per second")),
+        Err(LimitsError::Slew) => {
+            let wrong = if limits.slew_up_percent_per_s > 0.0 { &given.slew_down } else { &given.slew_up };
+            Err(at(wrong, "slew_up and slew_down must be positive, in % per second"))
+        }
     }
 }

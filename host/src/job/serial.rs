@@ -1,4 +1,5 @@
-//! `[serial]`: the DNC line, under pyserial's names and with its defaults; what a sender cannot mean is refused.
+//! `[serial]`: the DNC line, under pyserial's names and with its defaults, but for XON/XOFF, which is on; what a sender cannot
+//! mean is refused.
 
 use arcfeed_shared::units::{Micros, US_PER_S};
 use toml::Spanned;
@@ -8,6 +9,8 @@ use super::{Complaint, at};
 
 /// Longest wait that can be asked for.
 const TIMEOUT_MAX_S: f64 = 86_400.0;
+/// Shortest one: less would round to none.
+const TIMEOUT_MIN_S: f64 = 0.001;
 
 /// The DNC line, under pyserial's names.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +83,8 @@ pub fn build(given: &SerialTable) -> Result<SerialSettings, Complaint> {
             _ => return Err(at(&given.parity, "parity must be \"N\", \"E\" or \"O\"")),
         },
         stopbits: choice(&given.stopbits, 1..=2, "stopbits")?,
-        xonxoff: given.xonxoff,
+        // What a control is usually set to; never both at once.
+        xonxoff: given.xonxoff.unwrap_or(!*given.rtscts.as_ref()),
         rtscts: *given.rtscts.as_ref(),
         write_timeout: given.write_timeout.as_ref().map(write_timeout).transpose()?,
         exclusive: given.exclusive.unwrap_or(true),
@@ -88,7 +92,7 @@ pub fn build(given: &SerialTable) -> Result<SerialSettings, Complaint> {
 }
 
 fn refuse_what_has_no_meaning(given: &SerialTable) -> Result<(), Complaint> {
-    if *given.rtscts.as_ref() && given.xonxoff {
+    if *given.rtscts.as_ref() && given.xonxoff == Some(true) {
         return Err(at(&given.rtscts, "xonxoff and rtscts together: keep the one that the control is set to"));
     }
     if *given.dsrdtr.as_ref() {
@@ -104,9 +108,9 @@ fn refuse_what_has_no_meaning(given: &SerialTable) -> Result<(), Complaint> {
 
 fn write_timeout(seconds: &Spanned<f64>) -> Result<Micros, Complaint> {
     let given = *seconds.as_ref();
-    if given > 0.0 && given <= TIMEOUT_MAX_S {
+    if (TIMEOUT_MIN_S..=TIMEOUT_MAX_S).contains(&given) {
         Ok(Micros((given * US_PER_S as f64) as u64))
     } else {
-        Err(at(seconds, "write_timeout must be seconds, more than 0 and at most 86400 (a day)"))
+        Err(at(seconds, "write_timeout must be seconds, more than 0 (from 0.001) and at most 86400 (a day)"))
     }
 }

@@ -3,6 +3,7 @@ use arcfeed_shared::cut::Work;
 use arcfeed_shared::job::{FeedPolicy, OverrideLimits, PieceSettings};
 use arcfeed_shared::machine::ArcClamp;
 use arcfeed_shared::stock::{Stock, StockLine};
+use arcfeed_shared::tool::CupMill;
 use arcfeed_shared::units::{DegPerMin, Mm, MmPerMin};
 
 const JOB: &str = r#"
@@ -10,6 +11,7 @@ units = "inch"
 program = "slot.nc"
 tool = { kind = "cup-mill", outer_radius = 5.06205, inner_radius = "112.701324 mm", active_teeth = 10 }
 spindle = { rev_per_min = 1000 }
+limits = { max_feed = "90000 mm", max_raise = 100 }
 law = { kind = "circumference", feed_per_tooth = "0.1016 mm" }
 [[cut]]
 rotation = "interior"
@@ -75,9 +77,9 @@ fn a_named_machine_gives_its_feeds_and_the_jobs_own_count_before_them() {
     assert_eq!(machine.linear().map(|axis| axis.speed_mm_per_min), [Some(12_000.0), Some(2_540.0), Some(24_000.0)]);
     assert_eq!(machine.rotary().map(|axis| axis.speed_deg_per_min), [Some(1_800.0), Some(2_160.0)]);
     for (machine, said) in [
-        ("preset = \"mikron\"", "shop/job.toml:8:10: no such machine; write \"ferrari-rtttr\", "),
-        ("file = \"none.toml\"", "shop/job.toml:8:8: shop/none.toml: "),
-        ("file = \"m.toml\"\npreset = \"mikron-ucp710\"", "shop/job.toml:9:10: a machine is a `file` or a `preset`"),
+        ("preset = \"mikron\"", "shop/job.toml:9:10: no such machine; write \"ferrari-rtttr\", "),
+        ("file = \"none.toml\"", "shop/job.toml:9:8: shop/none.toml: "),
+        ("file = \"m.toml\"\npreset = \"mikron-ucp710\"", "shop/job.toml:10:10: a machine is a `file` or a `preset`"),
     ] {
         let error = with(machine).unwrap_err();
         assert!(error.starts_with(said), "{error}");
@@ -116,9 +118,9 @@ fn only_a_line_rises() {
     let Work::Ring(_, Stock::Convex(lines)) = &parse(&lines).unwrap().job.rules[0].work else { panic!("two lines") };
     assert_eq!((lines.len(), lines[0].rise_ratio), (2, 0.25));
     assert!((lines[0].offset_mm - 25.4).abs() < 1e-12 && (lines[1].offset_mm - 3.0).abs() < 1e-12);
-    for stock in ["disc = [0, 0, 1], rise = 0.1", "normal_deg = 90.0, offset = 1, rise = inf"] {
+    for stock in ["disc = [0, 0, 1], rise = 0.1", "polygon = [[0, 0], [1, 0], [0, 1]], rise = 0"] {
         let message = parse(&JOB.replace("normal_deg = 90.0, offset = 1", stock)).unwrap_err();
-        assert!(message.starts_with("shop/job.toml:11:") && message.contains("`rise`"), "{message}");
+        assert!(message.starts_with("shop/job.toml:12:") && message.contains("`rise`"), "{message}");
     }
 }
 
@@ -129,12 +131,12 @@ fn complaints_name_file_line_column_and_the_way_out() {
         ("\"112.701324 mm\"", "\"112 furlongs\"", "shop/job.toml:4:", "is no length"),
         ("\"112.701324 mm\"", "6", "shop/job.toml:4:", "less than outer_radius"),
         ("rev_per_min = 1000", "rev_per_min = -5", "shop/job.toml:5:", "must be positive"),
-        ("\"circumference\"", "\"contuor\"", "shop/job.toml:6:", "\"circumference\""),
-        ("\"circumference\"", "\"contour\"", "shop/job.toml:6:", "needs an end-mill"),
+        ("\"circumference\"", "\"contuor\"", "shop/job.toml:7:", "\"circumference\""),
+        ("\"circumference\"", "\"contour\"", "shop/job.toml:7:", "needs an end-mill"),
         ("side = \"outer\"", "side = \"left\"", "shop/job.toml:", "outer"),
-        ("offset = 1", "ofset = 1", "shop/job.toml:11:", "ofset"),
-        ("normal_deg = 90.0, ", "", "shop/job.toml:11:", "give the stock as"),
-        ("normal_deg = 90.0, offset = 1", "polygon = [[0, 0], [1, 0]]", "shop/job.toml:11:", "3 to 8 corners"),
+        ("offset = 1", "ofset = 1", "shop/job.toml:12:", "ofset"),
+        ("normal_deg = 90.0, ", "", "shop/job.toml:12:", "give the stock as"),
+        ("normal_deg = 90.0, offset = 1", "polygon = [[0, 0], [1, 0]]", "shop/job.toml:12:", "3 to 8 corners"),
         ("program = \"slot.nc\"", "", "shop/job.toml:", "program"),
     ] {
         let error = parse(&JOB.replace(from, to)).unwrap_err();
@@ -190,16 +192,15 @@ fn tables_that_make_no_sense_are_refused_at_their_row() {
     let (both, side) = ("kind = \"engaged-arc\"", "kind = \"engaged-arc\", edges = \"side\"");
     let many: String = (0..17).map(|i| format!("[{i}, 0, 90],\n")).collect();
     for (law, rows, place, hint) in [
-        (both, "[0, 0, 90]", ":12:1: ", "[path, from, to, from, to]"),
-        (side, "[0, 0, 90],\n[0, 0, 90]", ":13:1: ", "must grow"),
-        (side, "[0, 0, 90],\n  [1, -300, 90]", ":13:3: ", "between -360 and 360"),
-        (side, "[0, 0, \"1 mm\"]", ":12:1: ", "without a unit"),
-        (side, "[0, nan, 1]", ":12:1: ", "between -360 and 360"),
-        (side, "[nan, 0, 1]", ":12:1: ", "must grow"),
-        (side, "[0, 90]", ":12:1: ", "[path, from, to]"),
-        (side, "", ":11:21: ", "1 to 16 knots"),
-        (side, &many, ":11:21: ", "1 to 16 knots"),
-        ("kind = \"circumference\"", "[0, 0, 90]", ":11:21: ", "engaged-arc"),
+        (both, "[0, 0, 90]", ":13:1: ", "[path, from, to, from, to]"),
+        (side, "[0, 0, 90],\n[0, 0, 90]", ":14:1: ", "must grow"),
+        (side, "[0, 0, 90],\n  [1, -300, 90]", ":14:3: ", "between -360 and 360"),
+        (side, "[0, 0, \"1 mm\"]", ":13:1: ", "without a unit"),
+        (side, "[0, nan, 1]", ":13:5: ", "a number"),
+        (side, "[0, 90]", ":13:1: ", "[path, from, to]"),
+        (side, "", ":12:21: ", "1 to 16 knots"),
+        (side, &many, ":12:21: ", "1 to 16 knots"),
+        ("kind = \"circumference\"", "[0, 0, 90]", ":12:21: ", "engaged-arc"),
     ] {
         let error = engaged(law, rows);
         assert!(error.contains(place) && error.contains(hint), "{rows}: {error}");
@@ -207,15 +208,15 @@ fn tables_that_make_no_sense_are_refused_at_their_row() {
     let feeds = |law: &str, rows: &str| with_tables(law, &format!("table = [\n{rows}]")).unwrap_err();
     let many: String = (0..33).map(|i| format!("[{i}, 1], ")).collect();
     for (rows, place, hint) in [
-        ("[1, 0.1],\n[1, 0.1]", ":13:1: ", "must grow"),
-        ("[0, 0.1], [1, 0]", ":12:11: ", "must be positive"),
-        (&many, ":11:9: ", "1 to 32 knots"),
+        ("[1, 0.1],\n[1, 0.1]", ":14:1: ", "must grow"),
+        ("[0, 0.1], [1, 0]", ":13:11: ", "must be positive"),
+        (&many, ":12:9: ", "1 to 32 knots"),
     ] {
         let error = feeds("kind = \"table\"", rows);
         assert!(error.contains(place) && error.contains(hint), "{rows}: {error}");
     }
     let unused = with_tables("kind = \"circumference\"", "stock = { disc = [0, 0, 1] }\ntable = [[0, 1]]").unwrap_err();
-    assert!(unused.contains(":12:9: `table` is for the table law"), "{unused}");
+    assert!(unused.contains(":13:9: `table` is for the table law"), "{unused}");
     let missing = with_tables("kind = \"table\"", "").unwrap_err();
     assert!(missing.contains("in every rule"), "{missing}");
     let full = many.trim_end_matches("[32, 1], ");
@@ -231,16 +232,16 @@ fn tables_that_make_no_sense_are_refused_at_their_row() {
 #[test]
 fn limits_that_make_no_sense_are_refused_where_they_stand() {
     let with = |line: &str| parse(&format!("{JOB}\n[override]\n{line}\n")).unwrap_err();
-    assert!(with("min = 120").contains(":14:7: min must"));
-    assert!(with("max = 255").contains(":14:7: max must"));
-    assert!(with("mode = \"rewrite\"").contains(":14:8: no such mode"));
+    assert!(with("min = 120").contains(":15:7: min must"));
+    assert!(with("max = 255").contains(":15:7: max must"));
+    assert!(with("mode = \"rewrite\"").contains(":15:8: no such mode"));
     assert!(
-        with("mode = \"rewrite-only\"\npiece_step = 0").contains(":15:14: piece_step must lie between 0.1 and 50 %")
+        with("mode = \"rewrite-only\"\npiece_step = 0").contains(":16:14: piece_step must lie between 0.1 and 50 %")
     );
-    assert!(with("mode = \"rewrite-only\"\npiece_hysteresis = 51").contains(":15:20: piece_hysteresis must"));
-    assert!(with("mode = \"rewrite-only\"\npiece_length = 0").contains(":15:16: piece_length must be a positive"));
-    assert!(with("mode = \"rewrite-only\"\npieces_max = 0").contains(":15:14: pieces_max must lie between 1 and 250"));
-    assert!(with("piece_length = 1").contains(":14:16: this mode cuts no arc"));
+    assert!(with("mode = \"rewrite-only\"\npiece_hysteresis = 51").contains(":16:20: piece_hysteresis must"));
+    assert!(with("mode = \"rewrite-only\"\npiece_length = 0").contains(":16:16: piece_length must be a positive"));
+    assert!(with("mode = \"rewrite-only\"\npieces_max = 0").contains(":16:14: pieces_max must lie between 1 and 250"));
+    assert!(with("piece_length = 1").contains(":15:16: this mode cuts no arc"));
 }
 
 #[test]
@@ -266,6 +267,11 @@ fn the_line_has_pyserials_names_and_refuses_what_a_sender_cannot_mean() {
         (ms(250), ms(60_000))
     );
     assert!(with("").unwrap().serial.exclusive && !with("exclusive = false").unwrap().serial.exclusive);
+    let flow = |line: &str| with(line).map(|file| (file.serial.xonxoff, file.serial.rtscts)).unwrap();
+    assert_eq!(
+        (flow(""), flow("rtscts = true"), flow("xonxoff = false")),
+        ((true, false), (false, true), (false, false))
+    );
     for (line, hint) in [
         ("rtscts = true\nxonxoff = true", "keep the one"),
         ("dsrdtr = true", "rtscts = true"),

@@ -8,7 +8,7 @@ use arcfeed_shared::tool::Tool;
 use arcfeed_shared::units::{LengthUnit, Nm};
 use toml::Spanned;
 
-use super::flexible::{self, Flexible};
+use super::flexible::{self, Flexible, Shape};
 use super::schema::{BlockTable, JobTable, Quantity, RoundTable, ToolTable, WorkpieceTable};
 use super::stl::StlFile;
 use super::{Complaint, at, length_mm};
@@ -106,6 +106,21 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
         body: Body { corner_mm, height_mm },
         offset: told.span().start,
     }))
+}
+
+impl Workpiece {
+    /// The meshes that it names.
+    pub fn files(&self) -> impl Iterator<Item = &StlFile> {
+        let blank = match &self.blank {
+            Blank::Stl(file) => Some(file),
+            Blank::Block { .. } | Blank::Round { .. } => None,
+        };
+        let sheet = match self.flexible.as_ref().map(|flexible| &flexible.shape) {
+            Some(Shape::Sheet { file, .. }) => Some(file),
+            Some(Shape::Block { .. }) | None => None,
+        };
+        blank.into_iter().chain(&self.target).chain(sheet)
+    }
 }
 
 fn corner_mm(table: &ToolTable, job: &Job) -> Result<f64, Complaint> {

@@ -20,6 +20,7 @@ use crate::file_error::FileError;
 use crate::job::{Complaint, Quantity, at, length_mm, machine, positive};
 use crate::machine_file::MachineFile;
 use crate::place::place;
+use crate::toml_values::{refuse_numbers, with_key};
 use schema::{
     AxisWord, BaselineTable, BlankTable, FixtureTable, LawWord, MachineTable, OutputTable, PartTable, RoughingTable,
 };
@@ -138,15 +139,18 @@ impl Part {
     /// # Errors
     /// See [`FileError`].
     pub fn parse(path: &Path, text: &str) -> Result<Self, FileError> {
-        let table: Result<PartTable, Complaint> = toml::from_str(text)
-            .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()));
+        let read = || -> Result<PartTable, Complaint> {
+            toml::from_str(text)
+                .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))
+        };
+        let table = refuse_numbers(text).and_then(|()| read());
         let folder = path.parent().unwrap_or(Path::new(""));
         let built = table.map_err(Wrong::Here).and_then(|table| build(&table, path, folder));
         built.map_err(|wrong| match wrong {
             Wrong::There(error) => error,
             Wrong::Here((offset, message)) => {
                 let [line, column] = place(text, offset);
-                FileError::Content { path: path.into(), line, column, message }
+                FileError::Content { path: path.into(), line, column, message: with_key(text, offset, &message) }
             }
         })
     }

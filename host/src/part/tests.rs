@@ -36,7 +36,12 @@ fn the_example_is_a_part() {
 fn what_is_wrong_is_told_with_its_place() {
     let message = refused("inner_radius = 4.43706", "inner_radius = 5.1");
     let line = line_of("inner_radius");
-    assert_eq!(message, format!("shop/PART.toml:{line}:16: inner_radius must be less than outer_radius"));
+    assert_eq!(
+        message,
+        format!(
+            "shop/PART.toml:{line}:16: inner_radius must be less than outer_radius (found `cutter.inner_radius = 5.1`)"
+        )
+    );
     let message = refused("insert_radius = 0.03", "insert_radius = 0.4");
     assert!(message.contains(":17: insert_radius must be 0 to half"), "{message}");
     assert!(refused("cavity_depth = 1.5", "cavity_depth = 2").contains("cavity_depth must be less than height"));

@@ -1,5 +1,7 @@
 //! What `?logging=LEVEL` asks for: messages on stderr in the form of Python's `logging`.
 
+use crate::console::note;
+
 /// How much a message matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
@@ -42,7 +44,7 @@ impl Log {
     /// Says it, if it was asked for.
     pub fn say(&self, level: Level, message: std::fmt::Arguments<'_>) {
         if self.from.is_some_and(|from| level >= from) {
-            eprintln!("{}:arcfeed.{}:{message}", format!("{level:?}").to_uppercase(), self.name);
+            note(format_args!("{}:arcfeed.{}:{message}", format!("{level:?}").to_uppercase(), self.name));
         }
     }
 }

@@ -6,8 +6,9 @@
 //! ```
 //! Seconds since the port was opened, on the port's own clock; offset in what was read or written at once.
 
-use std::fs::File;
+use crate::console::note;
 use std::io::{BufWriter, Write};
+use std::path::Path;
 use std::time::SystemTime;
 
 use arcfeed_line_errors::Counts;
@@ -15,6 +16,7 @@ use arcfeed_shared::units::Micros;
 
 use super::url::SpyOptions;
 use super::{Machine, Port, PortError};
+use crate::output;
 
 /// Bytes in a line of a dump.
 const ROW: usize = 16;
@@ -38,7 +40,7 @@ impl<'p> Spy<'p> {
         let output: Box<dyn Write> = match &options.file {
             Some(name) => {
                 let failed = |source| PortError { name: format!("spy://...?file={name}"), source };
-                Box::new(BufWriter::new(File::create(name).map_err(failed)?))
+                Box::new(BufWriter::new(output::create(Path::new(name)).map_err(failed)?))
             }
             None => Box::new(std::io::stderr()),
         };
@@ -65,7 +67,7 @@ impl<'p> Spy<'p> {
         if let Err(error) = self.output.write_all(&text).and_then(|()| self.output.flush()) {
             // A full disk is no reason to stop a machine.
             self.broken = true;
-            eprintln!("spy: nothing more is written down: {error}");
+            note(format_args!("spy: nothing more is written down: {error}"));
         }
     }
 }

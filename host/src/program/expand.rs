@@ -4,26 +4,25 @@
 //! on. The first macro alarm ends the program; faults of plain blocks are collected, each once for its place.
 
 use std::collections::BTreeSet;
+use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
-use arcfeed_shared::nc::alarm::{Alarm, Fault};
+use arcfeed_shared::nc::alarm::{Alarm, Cause, Fault};
 use arcfeed_shared::nc::block::{Parsed, Reading, parse_line};
 use arcfeed_shared::nc::macro_alarm::MacroAlarm;
 use arcfeed_shared::nc::macros::interpreter::Interpreter;
 use arcfeed_shared::nc::macros::program::{Library, first_macro};
-use arcfeed_shared::nc::macros::stack::Place;
+use arcfeed_shared::nc::macros::stack::{Bounds, Place};
 use arcfeed_shared::nc::macros::step::{self as macros, Ending, PlainBlock, Trouble};
 use arcfeed_shared::nc::macros::variables::Context;
-use arcfeed_shared::nc::modal::{Step, Stop};
 use arcfeed_shared::nc::settings::{Settings, Tables};
 use arcfeed_shared::nc::text::{Lines, RawLine};
 use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::units::Micros;
 
-use super::{Diagnostic, Made, Program, ProgramLine, Tally};
+use super::{Diagnostic, Made, Program, ProgramLine, Summary, Tally};
 
-/// Most blocks that are interpreted.
-const BLOCKS_MAX: usize = 2_000_000;
 /// Most places that faults are told of.
 const FAULTS_MAX: usize = 200;
 /// What a slice of statements takes.
@@ -45,7 +44,36 @@ impl Folder {
 
 impl Library for Folder {
     fn load(&mut self, number: u32) -> Option<Vec<u8>> {
-        std::fs::read(self.file(number)?).ok()
+        let mut text = Vec::new();
+        // One byte more than all programs may have is enough to be refused.
+        let most = Bounds::default().memory as u64 + 1;
+        std::fs::File::open(self.file(number)?).ok()?.take(most).read_to_end(&mut text).ok()?;
+        Some(text)
+    }
+}
+
+/// How long a program may run.
+#[derive(Clone, Copy, Debug)]
+pub struct RunBounds {
+    /// Most blocks in all, and most statements between two moves.
+    pub blocks: u32,
+    /// Longest time of the interpreter.
+    pub time: Duration,
+}
+
+impl RunBounds {
+    /// Which bound is reached, in words with the setting that raises it.
+    fn check(&self, step: &Result<macros::Step, Trouble>, blocks: u32, time: Duration) -> Option<String> {
+        let is_endless = |trouble: &Trouble| trouble.fault.cause == Cause::Macro(MacroAlarm::Endless);
+        let (bound, option) = match step {
+            Err(trouble) if is_endless(trouble) => {
+                (format!("{} statements since the last move", self.blocks), "--max-blocks")
+            }
+            Ok(macros::Step::Block(_)) if blocks >= self.blocks => (format!("at most {}", self.blocks), "--max-blocks"),
+            Ok(_) if time > self.time => (format!("{} s", self.time.as_secs()), "--max-seconds"),
+            _ => return None,
+        };
+        Some(format!("{blocks} blocks executed, {bound}; {option} raises the bound"))
     }
 }
 
@@ -60,6 +88,8 @@ pub struct Expansion<'a> {
     pub library: Option<&'a Path>,
     /// Whether the moves of a run are kept, for [`Program::made`].
     pub keeps_moves: bool,
+    /// How long it may run.
+    pub bounds: RunBounds,
 }
 
 impl Program {
@@ -68,7 +98,8 @@ impl Program {
     pub fn run(path: &Path, bytes: &[u8], expansion: Expansion<'_>) -> Self {
         let Some(macro_line) = first_macro(bytes) else {
             let mut program = Program::parse_with(path, bytes, expansion.settings, expansion.tables);
-            if program.block_count() > 0 && !program.lines.iter().any(may_end) {
+            let summary = Summary::new(&program.lines);
+            if summary.blocks > 0 && !summary.may_end {
                 let text = program.lines.last().map(|line| line.text.clone()).unwrap_or_default();
                 let fault = Fault::alarm(Alarm::EndOfRecord, 0);
                 program.diagnostics.push(Diagnostic::of_fault(program.lines.len(), &text, fault));
@@ -94,7 +125,7 @@ impl Program {
             self.diagnostics.push(Diagnostic::of_notice(self.lines.len() + 1, text, notice));
         }
         let without_code = parsed.filter(|parsed| parsed.block.is_empty());
-        let meaning = without_code.map(|parsed| Understood { parsed, step: Step::default(), segment: None });
+        let meaning = without_code.map(|parsed| Understood { parsed, ..Understood::default() });
         self.lines.push(ProgramLine::bare(text, ending, meaning));
     }
 }
@@ -107,18 +138,23 @@ impl Expansion<'_> {
             Some(folder) => Box::new(folder.clone()),
             None => Box::new(()),
         };
-        let settings = macros::Settings { block_delete: self.settings.delete_switches, ..macros::Settings::default() };
-        let mut reader = Reader::with(self.settings, self.tables);
+        let bounds = Bounds { steps: self.bounds.blocks, ..Bounds::default() };
+        let settings =
+            macros::Settings { block_delete: self.settings.delete_switches, bounds, ..macros::Settings::default() };
+        let mut reader = Reader::with(self.settings, self.tables).from_anywhere();
         let mut found = Findings { lines, folder: folder.as_ref(), told: BTreeSet::new(), list: Vec::new() };
         let mut interpreter = Interpreter::new(bytes, library, settings, &context(&reader, Micros(0)));
         interpreter.set_tables(&self.tables);
         let (mut now, mut blocks, mut moves, mut run) = (Micros(0), 0, Tally::default(), Vec::new());
+        let started = Instant::now();
         loop {
-            match interpreter.next(&context(&reader, now)) {
-                Ok(macros::Step::Block(block)) if blocks == BLOCKS_MAX => {
-                    found.add(Fault::in_macro(MacroAlarm::Endless, 1), block.place, &block.calls, b"");
-                    break;
-                }
+            let step = interpreter.next(&context(&reader, now));
+            if let Some(reached) = self.bounds.check(&step, blocks, started.elapsed()) {
+                let Trouble { fault, place, calls, .. } = interpreter.stop(Fault::in_macro(MacroAlarm::Endless, 1));
+                found.add(fault, place, &calls, reached.as_bytes());
+                break;
+            }
+            match step {
                 Ok(macros::Step::Block(block)) => {
                     blocks += 1;
                     let understood = found.read(&mut reader, &block, self.settings.reading);
@@ -148,14 +184,6 @@ impl Expansion<'_> {
             }
         }
         (found.list, moves, run)
-    }
-}
-
-/// Whether the program can end in this line; one that could not be read may hold its M30.
-fn may_end(line: &ProgramLine) -> bool {
-    match &line.meaning {
-        Some(understood) => understood.step.stop == Some(Stop::End),
-        None => [&b"M30"[..], b"M02", b"M2"].iter().any(|code| line.text.windows(code.len()).any(|text| text == *code)),
     }
 }
 

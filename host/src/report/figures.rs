@@ -148,15 +148,19 @@ pub struct IptFigures {
     pub error_ratio_min: f64,
     /// Largest of it.
     pub error_ratio_max: f64,
-    /// Samples measured.
+    /// Largest of it over all samples in the cut, also those left out below.
+    pub error_ratio_max_all: f64,
+    /// Samples measured at steady feed.
     pub samples: u64,
-    /// Samples that do not count.
+    /// Those more than 2 % below the target.
+    pub samples_thin: u64,
+    /// Samples that are not among the steady ones.
     pub samples_left_out: u64,
     /// Those, by cause.
     pub left_out: LeftOutFigures,
 }
 
-/// Samples that do not count, by cause.
+/// Samples that are not among the steady ones, by cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LeftOutFigures {
     /// Not within 0.5 % of the commanded feed throughout the tooth's cut: speeding up or slowing down.
@@ -169,7 +173,13 @@ pub struct LeftOutFigures {
 
 impl IptFigures {
     /// The figures of what was measured; `None` if nothing was.
-    pub fn new(figures: &ChipFigures, left_out: &LeftOut, target_mm: f64, unit: LengthUnit) -> Option<Self> {
+    pub fn new(
+        figures: &ChipFigures,
+        all: &ChipFigures,
+        left_out: &LeftOut,
+        target_mm: f64,
+        unit: LengthUnit,
+    ) -> Option<Self> {
         let (error_ratio_min, error_ratio_max) = figures.error_ratio_range()?;
         let target = target_mm / unit.mm();
         Some(IptFigures {
@@ -179,7 +189,9 @@ impl IptFigures {
             rms_error_ratio: figures.rms_error_ratio()?,
             error_ratio_min,
             error_ratio_max,
+            error_ratio_max_all: all.error_ratio_range()?.1,
             samples: figures.samples,
+            samples_thin: figures.thin,
             samples_left_out: left_out.total(),
             left_out: LeftOutFigures {
                 not_steady: left_out.not_steady,

@@ -2,6 +2,8 @@
 
 use std::fmt::{self, Write};
 
+use arcfeed_shared::report::THIN_RATIO;
+
 use super::figures::{IptFigures, LineErrorFigures, MovementFigures, ReportFigures, RunReport};
 
 /// Blocks limited by an axis that are shown.
@@ -134,6 +136,14 @@ fn write_chips(f: &mut fmt::Formatter<'_>, report: &RunReport, ipt: &IptFigures)
         f,
         "    {} samples at steady feed; left out: {} speeding up or slowing down, {} at block ends, {} without contact",
         ipt.samples, left_out.not_steady, left_out.block_end, left_out.no_contact
+    )?;
+    writeln!(
+        f,
+        "    of all samples in the cut, steady or not, the thickest chip is {:+.2} % off its target; {:.1} % of the steady ones are \
+         thinner by more than {:.0} %",
+        1e2 * ipt.error_ratio_max_all,
+        1e2 * ipt.samples_thin as f64 / ipt.samples as f64,
+        1e2 * THIN_RATIO
     )?;
     write!(f, "    thickest chip anywhere in the stock given, over its target (outer, inner circle):")?;
     for movement in &report.movements {

@@ -2,7 +2,7 @@
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -15,6 +15,9 @@ use super::view::{Command, Press, View};
 
 /// Time between two pictures.
 const PERIOD: Duration = Duration::from_millis(100);
+
+/// How long the thread may take to give the terminal back: where the terminal is gone, reading it may never end.
+const GIVEN_BACK_MAX: Duration = Duration::from_secs(2);
 
 /// A terminal taken over; dropped, it is as it was.
 #[derive(Debug)]
@@ -45,7 +48,10 @@ impl Screen {
         let (shown, over) = (Arc::clone(&latest), Arc::clone(&ends));
         let thread = std::thread::spawn(move || {
             // Without a terminal the program goes on as it would without a screen: nothing is lost but the picture.
-            let _terminal_gone = work(terminal, &shown, &sender, &over);
+            let mut terminal = terminal;
+            let _terminal_gone = work(&mut terminal, &shown, &sender, &over).and(terminal.show_cursor());
+            // Dropped, it would complain on stderr, and panic where that is gone with it.
+            std::mem::forget(terminal);
         });
         Ok(Screen { latest, commands, ends, thread: Some(thread) })
     }
@@ -66,13 +72,21 @@ impl Screen {
 impl Drop for Screen {
     fn drop(&mut self) {
         self.ends.store(true, Ordering::Relaxed);
+        let latest = Instant::now() + GIVEN_BACK_MAX;
+        let left = || latest.saturating_duration_since(Instant::now());
+        // The thread's end closes the channel.
+        let ended = std::iter::repeat_with(|| self.commands.recv_timeout(left())).find_map(Result::err);
+        if ended != Some(RecvTimeoutError::Disconnected) {
+            return;
+        }
         let _panicked = self.thread.take().map(JoinHandle::join);
-        ratatui::restore();
+        // Not `restore`, which panics where stderr is gone with the terminal.
+        let _terminal_gone = ratatui::try_restore();
     }
 }
 
 fn work(
-    mut terminal: DefaultTerminal,
+    terminal: &mut DefaultTerminal,
     latest: &Mutex<View>,
     commands: &Sender<Command>,
     ends: &AtomicBool,

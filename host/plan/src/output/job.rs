@@ -19,6 +19,10 @@ pub struct JobFile<'a> {
     pub program: &'a str,
     /// The tool.
     pub mill: &'a CupMill,
+    /// T of the program.
+    pub tool: u32,
+    /// F of its cutting moves, mm/min.
+    pub cutting_mm_per_min: f64,
     /// S of the program.
     pub rev_per_min: f64,
     /// What the law keeps.
@@ -65,6 +69,9 @@ pub enum Machine<'a> {
     Preset(&'a str),
 }
 
+/// Largest raise of the planned feed.
+const RAISE: f64 = 4.0;
+
 impl JobFile<'_> {
     /// The file's text.
     pub fn text(&self) -> String {
@@ -79,6 +86,12 @@ impl JobFile<'_> {
         );
         self.tool(&mut text);
         let _ = writeln!(text, "\n[spindle]\nrev_per_min = {}", number(self.rev_per_min));
+        let _ = writeln!(
+            text,
+            "\n# The feed that keeps the chip is up to four times the planned one; no feed is raised further.\n[limits]\nmax_feed = {}\n\
+             max_raise = {RAISE}",
+            self.length(RAISE * self.cutting_mm_per_min)
+        );
         let (why, law) = match self.law {
             Law::Circumference => {
                 ("The same chip on the circumference all along an arc, at the stock's limit", "circumference")
@@ -109,8 +122,9 @@ impl JobFile<'_> {
             [outer_radius_mm, inner_radius_mm, insert_radius_mm, cavity_depth_mm].map(|mm| self.length(*mm));
         let _ = writeln!(
             text,
-            "\n# Its height is the cavity's depth: so far up it cuts as a ring.\n[tool]\nkind = \"cup-mill\"\nouter_radius = {outer}\n\
-             inner_radius = {inner}\nactive_teeth = {active_teeth}\ncorner_radius = {corner}\nheight = {height}"
+            "\n# Its height is the cavity's depth: so far up it cuts as a ring.\n[tool]\nkind = \"cup-mill\"\nnumber = {}\nouter_radius = {outer}\n\
+             inner_radius = {inner}\nactive_teeth = {active_teeth}\ncorner_radius = {corner}\nheight = {height}",
+            self.tool
         );
     }
 

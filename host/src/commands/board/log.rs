@@ -1,5 +1,6 @@
 //! `arcfeed board URL log`: a board's log in plain words. On the line travel numbers; the words are in the image's ELF file.
 
+use crate::console::note;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
@@ -51,7 +52,7 @@ fn print(decoder: &mut dyn StreamDecoder, table: &Table) {
                 say(format_args!("{level:<5} {}", frame.display_message()));
             }
             Err(DecodeError::Malformed) if table.encoding().can_recover() => {
-                eprintln!("a message that is none: begun before we listened, or the board runs another image");
+                note(format_args!("a message that is none: begun before we listened, or the board runs another image"));
             }
             Err(DecodeError::UnexpectedEof | DecodeError::Malformed) => return,
         }

@@ -11,7 +11,7 @@ mod written;
 use std::path::PathBuf;
 
 use super::outcome::{Failure, say};
-use crate::part::Part;
+use crate::part::{MachineTold, Part};
 use composed::Composed;
 
 /// Plan tool paths from geometry: NC program, job, stock and report
@@ -72,7 +72,13 @@ impl CupMill {
             return Err(Failure::Input(format!("{}: {}", self.part.display(), told::refusal(&composed))));
         }
         match &self.output {
-            Some(folder) => written::write(&composed, folder),
+            Some(folder) => {
+                let mut inputs = vec![self.part.clone()];
+                if let Some(MachineTold::File(file)) = &composed.part.machine_told {
+                    inputs.push(file.clone());
+                }
+                written::write(&composed, folder, &inputs)
+            }
             None => Ok(()),
         }
     }

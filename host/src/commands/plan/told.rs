@@ -1,5 +1,6 @@
 //! A plan on stdout: as text, as JSON, and what other widths would take.
 
+use crate::console::note;
 use std::fmt::Write as _;
 
 use arcfeed_plan::cup_mill::level::{Obstacle as Met, Stop};
@@ -282,7 +283,7 @@ pub fn widths(composed: &Composed, json: bool) -> Result<(), Failure> {
     let problem = Problem { blisk: &part.blisk, slot: &composed.slot, cutter: &part.cutter, roughing: &part.roughing };
     // Along the very axis of the plan: another one is another slot to a ring.
     let axis = AxisChoice::Given(composed.valued.plan.tool_axis());
-    eprintln!("planning some fifty rings of other widths");
+    note(format_args!("planning some fifty rings of other widths"));
     let own_mm = part.cutter.outer_radius_mm - part.cutter.inner_radius_mm;
     let step_mm = (composed.valued.plan.room.room_mm * 4.0 / f64::from(WIDTHS)).max(0.1);
     let mut trials: Vec<_> =

@@ -8,9 +8,10 @@ use arcfeed_plan::output::nc::{Indexing, Setup, write as program};
 use arcfeed_plan::output::stl::to_stl;
 use arcfeed_plan::vector::Point;
 
-use super::super::outcome::{Failure, file_failure, write_whole};
+use super::super::outcome::{Failure, file_failure, refuse_inputs, write_whole};
 use super::composed::{Composed, feeds};
 use super::drawn;
+use crate::console::note;
 use crate::part::MachineTold;
 
 /// How far meshes may be from the surfaces, mm.
@@ -28,7 +29,7 @@ const CONTROL: &str = "fanuc-16i";
 ///
 /// # Errors
 /// The program cannot be written in words of a control, or a file not at all.
-pub fn write(composed: &Composed, folder: &Path) -> Result<(), Failure> {
+pub fn write(composed: &Composed, folder: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     let failed = |error: &dyn std::fmt::Display| Failure::Input(error.to_string());
     let stem = file_stem(&composed.part.name);
     let name = format!("{stem}.nc");
@@ -46,10 +47,13 @@ pub fn write(composed: &Composed, folder: &Path) -> Result<(), Failure> {
         ("finished.stl", &part),
         ("report.html", page.as_bytes()),
     ];
+    for (name, _) in files {
+        refuse_inputs(&[Some(&folder.join(name))], inputs)?;
+    }
     for (name, bytes) in files {
         let path = folder.join(name);
         write_whole(&path, bytes)?;
-        eprintln!("{}: {} bytes", path.display(), bytes.len());
+        note(format_args!("{}: {} bytes", path.display(), bytes.len()));
     }
     Ok(())
 }
@@ -111,6 +115,8 @@ fn job(composed: &Composed, program: &str, machine_file: Option<&str>) -> String
         unit: part.output.unit,
         program,
         mill: &part.cutter,
+        tool: part.output.tool,
+        cutting_mm_per_min: feeds(part).cutting_mm_per_min,
         rev_per_min: part.feeds.rev_per_min,
         feed_per_tooth_mm: part.feeds.per_tooth_mm,
         limits: &composed.limits,

@@ -1,4 +1,4 @@
-//! The control's end of its line: a pseudo-terminal, or a TCP port where senders call.
+//! The control's end of its line: a pseudo-terminal, or a TCP port where senders connect.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -9,11 +9,14 @@ use arcfeed_hil_sim::control::dnc_port::DncPort;
 use serialport::{SerialPort, TTYPort};
 
 use super::super::outcome::Failure;
-use super::caller::{Caller, is_quiet};
+use super::client::is_quiet;
+use super::tcp_line::{ClientLimits, TcpLine};
 use crate::job::SerialSettings;
 
 /// A sender that has said nothing for this long has stopped.
 const QUIET: Duration = Duration::from_secs(1);
+/// One that never stops is not waited for any longer.
+const QUIET_WAIT_MAX: Duration = Duration::from_secs(10);
 
 /// The control's end.
 pub struct Line {
@@ -27,7 +30,7 @@ enum End {
         /// The sender's end, held open so that the line outlives the sender.
         _theirs: File,
     },
-    Tcp(Box<Caller>),
+    Tcp(Box<TcpLine>),
 }
 
 impl Line {
@@ -49,10 +52,10 @@ impl Line {
     /// Where senders call over TCP, with bare bytes or, with the line's settings, through RFC 2217.
     ///
     /// # Errors
-    /// The address is none of this machine's, or taken.
-    pub fn tcp(address: &str, serial: Option<SerialSettings>) -> Result<Self, Failure> {
-        let caller = Caller::listen_on(address, serial)?;
-        Ok(Line { name: caller.name().to_owned(), end: End::Tcp(Box::new(caller)) })
+    /// The address is none of this machine's, or taken, or other machines could connect to it and may not.
+    pub fn tcp(address: &str, serial: Option<SerialSettings>, limits: ClientLimits) -> Result<Self, Failure> {
+        let tcp = TcpLine::listen_on(address, serial, limits)?;
+        Ok(Line { name: tcp.name().to_owned(), end: End::Tcp(Box::new(tcp)) })
     }
 
     /// What a sender opens.
@@ -60,22 +63,47 @@ impl Line {
         &self.name
     }
 
-    /// Whether somebody can be at the other end; takes in who calls.
-    ///
-    /// # Errors
-    /// The line is gone.
-    pub fn has_sender(&mut self) -> Result<bool, Failure> {
+    /// Gives the line to a sender for its next program; answers whether one is there.
+    pub fn begin(&mut self) -> bool {
         match &mut self.end {
-            End::Pty { .. } => Ok(true),
-            End::Tcp(caller) => caller.has_sender(),
+            End::Pty { .. } => true,
+            End::Tcp(tcp) => tcp.begin(),
         }
     }
 
-    /// Gives the control everything that has been written to the line, and tells it when the sender is gone.
+    /// Whether somebody can be at the other end.
+    pub fn has_sender(&self) -> bool {
+        match &self.end {
+            End::Pty { .. } => true,
+            End::Tcp(tcp) => tcp.has_sender(),
+        }
+    }
+
+    /// Whether the sender is gone and had not begun a program.
+    pub fn is_abandoned(&self) -> bool {
+        match &self.end {
+            End::Pty { .. } => false,
+            End::Tcp(tcp) => tcp.is_abandoned(),
+        }
+    }
+
+    /// Ends a connection, so that the next sender finds a fresh control; answers whether the line has connections.
+    pub fn hang_up(&mut self) -> bool {
+        match &mut self.end {
+            End::Pty { .. } => false,
+            End::Tcp(tcp) => {
+                tcp.hang_up();
+                true
+            }
+        }
+    }
+
+    /// Gives the control what has been written to the line, and whether the sender is still there; `control_waits` for
+    /// characters, with nothing to execute.
     ///
     /// # Errors
     /// The line is gone.
-    pub fn listen(&mut self, port: &mut DncPort) -> Result<(), Failure> {
+    pub fn listen(&mut self, port: &mut DncPort, control_waits: bool) -> Result<(), Failure> {
         match &mut self.end {
             End::Pty { .. } => {
                 let mut buffer = [0; 256];
@@ -83,10 +111,9 @@ impl Line {
                     port.on_bytes(&buffer[..len]);
                 }
             }
-            End::Tcp(caller) => caller.feed(port),
+            End::Tcp(tcp) => tcp.feed(port, control_waits),
         }
-        let is_there = self.has_sender()?;
-        port.set_ready(is_there);
+        port.set_ready(self.has_sender());
         Ok(())
     }
 
@@ -97,7 +124,7 @@ impl Line {
     pub fn answer(&mut self, port: &mut DncPort) -> Result<(), Failure> {
         while let Some(byte) = port.poll_transmit() {
             if without_parity(byte) == DC3 && self.is_far() {
-                self.listen(port)?;
+                self.listen(port, false)?;
                 port.excuse_what_is_on_the_wire();
             }
             self.write(byte)?;
@@ -110,8 +137,8 @@ impl Line {
     /// # Errors
     /// The line is gone.
     pub fn wait_for_silence(&mut self, gives_up: impl Fn() -> bool) -> Result<(), Failure> {
-        let (mut buffer, mut heard) = ([0; 256], Instant::now());
-        while heard.elapsed() < QUIET && !gives_up() {
+        let (mut buffer, started, mut heard) = ([0; 256], Instant::now(), Instant::now());
+        while heard.elapsed() < QUIET && started.elapsed() < QUIET_WAIT_MAX && !gives_up() {
             if self.read(&mut buffer)? > 0 {
                 heard = Instant::now();
             }
@@ -124,15 +151,15 @@ impl Line {
     fn is_far(&self) -> bool {
         match &self.end {
             End::Pty { .. } => true,
-            End::Tcp(caller) => caller.is_far(),
+            End::Tcp(tcp) => tcp.is_far(),
         }
     }
 
-    /// Reads what is there; zero if nothing is.
+    /// Reads what is there, of a TCP port only how much; zero if nothing is.
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Failure> {
         let ours = match &mut self.end {
             End::Pty { ours, .. } => ours,
-            End::Tcp(caller) => return Ok(caller.read(buffer)),
+            End::Tcp(tcp) => return Ok(tcp.discard()),
         };
         let read = match ours.bytes_to_read() {
             Ok(0) => return Ok(0),
@@ -151,8 +178,8 @@ impl Line {
             End::Pty { ours, .. } => {
                 ours.write_all(&[byte]).map_err(|error| Failure::Machine(format!("{}: {error}", self.name)))
             }
-            End::Tcp(caller) => {
-                caller.write(byte);
+            End::Tcp(tcp) => {
+                tcp.write(byte);
                 Ok(())
             }
         }

@@ -1,6 +1,5 @@
 //! `--store`: programs into the control's memory and out of it, as an operator does with READ and PUNCH.
 
-use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -28,9 +27,17 @@ impl Serve {
         while !interrupted.load(Ordering::Relaxed) {
             let started = Instant::now();
             for _ in 0..self.speed {
-                let has_sender = line.has_sender()?;
+                if !line.has_sender() {
+                    // Of a program that broke off nothing is kept.
+                    if store.state() == State::Reading {
+                        store = Store::new(settings.line);
+                    }
+                    line.begin();
+                }
+                let has_sender = line.has_sender();
                 if has_sender {
-                    line.listen(store.port())?;
+                    let is_punching = store.state() == State::Punching;
+                    line.listen(store.port(), !is_punching)?;
                 }
                 // Who has read the last character may be gone before the control knows that it was the last.
                 if has_sender || store.state() == State::Punching {
@@ -41,11 +48,16 @@ impl Serve {
             match (state, store.state()) {
                 (_, State::Refused(fault)) => {
                     line.wait_for_silence(|| interrupted.load(Ordering::Relaxed))?;
-                    return Err(Failure::Machine(format!("the control refused the program: {}", fault.cause)));
+                    let failure = Failure::Machine(format!("the control refused the program: {}", fault.cause));
+                    if self.once || !line.hang_up() {
+                        return Err(failure);
+                    }
+                    let _serves_on = failure.report();
+                    store = Store::new(settings.line);
                 }
-                (State::Reading, State::Stored) => tell(format_args!("stored: {} blocks", store.blocks().len()))?,
+                (State::Reading, State::Stored) => say(format_args!("stored: {} blocks", store.blocks().len())),
                 (State::Punching, State::Stored) => {
-                    tell(format_args!("punched: {} blocks", store.blocks().len()))?;
+                    say(format_args!("punched: {} blocks", store.blocks().len()));
                     if self.once {
                         // Who closes a pseudo-terminal takes with it what is not read yet.
                         return line.wait_for_silence(|| interrupted.load(Ordering::Relaxed));
@@ -58,9 +70,4 @@ impl Serve {
         }
         Err(Failure::Stopped("stopped by the operator".into()))
     }
-}
-
-fn tell(line: std::fmt::Arguments<'_>) -> Result<(), Failure> {
-    say(line);
-    std::io::stdout().flush().map_err(|error| Failure::Machine(format!("stdout: {error}")))
 }

@@ -3,13 +3,16 @@
 //! Simulated time follows wall time (times `--speed`) and never catches up: where this process was held up, its control
 //! was held up with it, and what a sender wrote in the meantime was written before it could see an XOFF.
 
-mod caller;
+mod program_start;
+
+mod client;
+
+mod tcp_line;
 
 mod line;
 
 mod memory;
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -24,7 +27,7 @@ use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::units::LengthUnit;
 use clap::ValueEnum;
 
-use super::outcome::{Failure, on_interrupt, say};
+use super::outcome::{Failure, on_interrupt, refuse_inputs, say};
 use super::simulate::control::control_settings;
 use super::simulate::finish;
 use super::simulate::measured::measure;
@@ -33,6 +36,7 @@ use crate::job::{ControlKind, JobFile, Parity, SerialSettings};
 use crate::program::Folder;
 use crate::report::figures::LinkFigures;
 use line::Line;
+use tcp_line::ClientLimits;
 
 /// Wall time between two looks at the line.
 const PERIOD: Duration = Duration::from_millis(1);
@@ -44,6 +48,8 @@ pub struct Serve {
     job: Option<PathBuf>,
     #[command(flatten)]
     place: Place,
+    #[command(flatten)]
+    clients: Clients,
     #[command(flatten)]
     panel: Panel,
     /// Unit at power-on, without a job
@@ -64,7 +70,7 @@ pub struct Serve {
     /// Line rate, in place of the job's
     #[arg(long, value_parser = clap::value_parser!(u32).range(50..=4_000_000))]
     baudrate: Option<u32>,
-    /// Stop after one program; without it, programs are taken until one ends in an alarm
+    /// Stop after one program; without it, programs are taken for ever, on a pseudo-terminal until one ends in an alarm
     #[arg(long)]
     once: bool,
     /// Take a program into the control's memory in place of executing it, and punch it out when the other side says DC1
@@ -85,12 +91,26 @@ struct Place {
     /// On a new pseudo-terminal, whose name is printed first
     #[arg(long)]
     pty: bool,
-    /// On a TCP port (HOST:PORT; port 0: any free one, printed first), one sender at a time
+    /// On a TCP port (HOST:PORT; port 0: any free one, printed first), one program at a time
     #[arg(long, value_name = "ADDR")]
     tcp: Option<String>,
     /// As a serial port that RFC 2217 reaches, rfc2217://HOST:PORT; the client sets its port as the control's line is
     #[arg(long, value_name = "ADDR")]
     rfc2217: Option<String>,
+}
+
+/// Who may connect over TCP (docs/control.md).
+#[derive(Debug, clap::Args)]
+struct Clients {
+    /// Listen on an address that other machines can reach: whoever connects can run programs
+    #[arg(long, conflicts_with = "pty")]
+    allow_remote: bool,
+    /// Most connections at once, the one with the line and those that wait for it
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=256))]
+    max_clients: u16,
+    /// Seconds of silence in a program after which a sender loses the line to another that waits
+    #[arg(long, value_name = "SECONDS", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..=86_400))]
+    idle_timeout: u64,
 }
 
 /// How the control is set.
@@ -130,6 +150,16 @@ enum CodeWord {
     Iso,
     Eia,
     Ascii,
+}
+
+impl Clients {
+    fn limits(&self) -> ClientLimits {
+        ClientLimits {
+            clients: usize::from(self.max_clients),
+            idle_timeout: Duration::from_secs(self.idle_timeout),
+            allow_remote: self.allow_remote,
+        }
+    }
 }
 
 impl Panel {
@@ -175,34 +205,41 @@ impl Serve {
         file.serial.baudrate = self.baudrate.unwrap_or(file.serial.baudrate);
         file.control = self.control.unwrap_or(file.control);
         file.settings = self.settings.clone().or(file.settings);
+        let inputs = self.job.as_ref().map_or(Vec::from_iter(file.settings.clone()), |job| file.inputs(job));
+        refuse_inputs(&[self.executed.as_deref()], &inputs)?;
         (file.nc, file.tables) =
             file.control.settings(file.job.unit, file.settings.as_deref()).map_err(Failure::Input)?;
         let interrupted = on_interrupt();
         let mut line = match (&self.place.tcp, &self.place.rfc2217) {
-            (Some(address), _) => Line::tcp(address, None)?,
-            (None, Some(address)) => Line::tcp(address, Some(self.panel.line(file.serial)))?,
+            (Some(address), _) => Line::tcp(address, None, self.clients.limits())?,
+            (None, Some(address)) => Line::tcp(address, Some(self.panel.line(file.serial)), self.clients.limits())?,
             (None, None) => Line::pty()?,
         };
         say(format_args!("port: {}", line.name()));
-        std::io::stdout().flush().map_err(|error| Failure::Machine(format!("stdout: {error}")))?;
         if self.store {
             return self.keep_programs(&file, &mut line, interrupted);
         }
         let mut search = self.panel.restart_at.map(Search::Restart);
         loop {
             let mut rig = self.rig(&file)?;
-            if let Some(search) = search.take() {
+            if let Some(search) = search {
                 rig.control_mut().search(search);
             }
-            serve_one(&mut rig, &mut line, self.speed, interrupted)?;
+            if !serve_one(&mut rig, &mut line, self.speed, interrupted)? {
+                continue;
+            }
+            search = None;
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Failure::Stopped("stopped by the operator".into()));
             }
             // A control in alarm stays so until somebody resets it: a fresh one would take the rest of the same program.
             if let Err(failure) = self.report(&file, &rig, line.name()) {
-                std::io::stdout().flush().map_err(|error| Failure::Machine(format!("stdout: {error}")))?;
                 line.wait_for_silence(|| interrupted.load(Ordering::Relaxed))?;
-                return Err(failure);
+                if self.once || !matches!(failure, Failure::Machine(_)) || !line.hang_up() {
+                    return Err(failure);
+                }
+                // Over a new connection no rest of it can come.
+                let _serves_on = failure.report();
             }
             if self.once {
                 return Ok(());
@@ -247,15 +284,20 @@ impl Serve {
     }
 }
 
-/// Runs a control until its program is over or the operator has enough. It is switched on when a sender is there.
-fn serve_one(rig: &mut Rig, line: &mut Line, speed: u32, interrupted: &AtomicBool) -> Result<(), Failure> {
-    while !line.has_sender()? && !interrupted.load(Ordering::Relaxed) {
+/// Runs a control until its program is over or the operator has enough; false if its sender left before it began one. The
+/// control is switched on when a sender is there.
+fn serve_one(rig: &mut Rig, line: &mut Line, speed: u32, interrupted: &AtomicBool) -> Result<bool, Failure> {
+    while !line.begin() && !interrupted.load(Ordering::Relaxed) {
         std::thread::sleep(PERIOD);
     }
     while !rig.is_done() && !interrupted.load(Ordering::Relaxed) {
         let started = Instant::now();
         for _ in 0..speed {
-            line.listen(rig.control_mut().port())?;
+            let is_starved = rig.control().is_starved();
+            line.listen(rig.control_mut().port(), is_starved)?;
+            if line.is_abandoned() {
+                return Ok(false);
+            }
             if rig.is_done() {
                 break;
             }
@@ -265,5 +307,6 @@ fn serve_one(rig: &mut Rig, line: &mut Line, speed: u32, interrupted: &AtomicBoo
         std::thread::sleep(PERIOD.saturating_sub(started.elapsed()));
     }
     // The DC3 of the last step.
-    line.answer(rig.control_mut().port())
+    line.answer(rig.control_mut().port())?;
+    Ok(true)
 }

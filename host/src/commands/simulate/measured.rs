@@ -95,12 +95,13 @@ fn movement(job: &Job, rule: usize, moves: &[(&MoveChips, &MoveOverride)]) -> Mo
 }
 
 fn ipt<'a>(unit: LengthUnit, target: MmPerTooth, moves: impl Iterator<Item = &'a MoveChips>) -> Option<IptFigures> {
-    let (mut figures, mut left_out) = (ChipFigures::default(), LeftOut::default());
+    let (mut figures, mut all, mut left_out) = (ChipFigures::default(), ChipFigures::default(), LeftOut::default());
     for chips in moves {
         figures.merge(&chips.contact);
+        all.merge(&chips.any_contact);
         left_out.merge(&chips.left_out);
     }
-    IptFigures::new(&figures, &left_out, f64::from(target.0), unit)
+    IptFigures::new(&figures, &all, &left_out, f64::from(target.0), unit)
 }
 
 fn overrides<'a>(arcs: impl Iterator<Item = &'a MoveOverride>) -> Option<OverrideFigures> {

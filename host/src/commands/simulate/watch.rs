@@ -40,14 +40,14 @@ impl Watch {
     ///
     /// # Errors
     /// The run never ends, or the stock takes more memory than it may.
-    pub fn run(&mut self, rig: Rig<Told>) -> Result<Rig<Told>, Failure> {
+    pub fn run(&mut self, rig: &mut Rig<Told>) -> Result<(), Failure> {
         let takes_long = self.cutter.as_ref().map(|_| "cutting");
-        let rig = run_seen(rig, takes_long, |rig| self.see(rig))?;
+        run_seen(rig, takes_long, |rig| self.see(rig))?;
         if let Some(cutter) = &mut self.cutter {
             cutter.end().map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
         }
         self.loads.iter_mut().for_each(LoadMeter::end);
-        Ok(rig)
+        Ok(())
     }
 
     fn see(&mut self, rig: &Rig<Told>) -> Result<(), Failure> {
@@ -68,17 +68,17 @@ impl Watch {
 /// # Errors
 /// The run never ends, or what sees it stops it.
 pub fn run_seen(
-    mut rig: Rig<Told>,
+    rig: &mut Rig<Told>,
     takes_long: Option<&str>,
     mut see: impl FnMut(&Rig<Told>) -> Result<(), Failure>,
-) -> Result<Rig<Told>, Failure> {
+) -> Result<(), Failure> {
     let bar = takes_long.map(|name| (name, ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())));
     for period in 0_u64.. {
         if rig.is_done() {
             break;
         }
         rig.step();
-        see(&rig)?;
+        see(rig)?;
         if rig.now() > RUN_MAX {
             return Err(Failure::Machine("the program still runs after 24 hours of machine time".into()));
         }
@@ -89,5 +89,5 @@ pub fn run_seen(
         }
     }
     bar.inspect(|(_, bar)| bar.finish_and_clear());
-    Ok(rig)
+    Ok(())
 }

@@ -10,9 +10,10 @@ use super::super::outcome::{Failure, on_interrupt};
 use super::prepare::Prepared;
 use crate::board::line::Line;
 use crate::board::plan::{Plan, PlanError};
-use crate::board::run::{Board, Stage};
+use crate::board::run::{Board, Outage, Stage};
 use crate::board::standstill::PATIENCE;
 use crate::board::words;
+use crate::console::note;
 use crate::dnc::Sender;
 use crate::dnc::sender::Gate;
 use crate::dnc::transmission::Transmission;
@@ -36,7 +37,8 @@ pub struct Along<'p> {
     board: Option<Board<'p>>,
     arming: Arming,
     person: Option<Receiver<String>>,
-    is_told_of_disarming: bool,
+    /// Of what a person was told last.
+    outage: Option<Outage>,
     /// What a person is to be told, and has not been yet.
     said: Vec<String>,
 }
@@ -44,7 +46,7 @@ pub struct Along<'p> {
 impl<'p> Along<'p> {
     /// No board.
     pub fn none() -> Self {
-        Along { board: None, arming: Arming::Simulated, person: None, is_told_of_disarming: false, said: Vec::new() }
+        Along { board: None, arming: Arming::Simulated, person: None, outage: None, said: Vec::new() }
     }
 
     /// A board at the end of a line, and what it is to be told of what is sent.
@@ -54,11 +56,11 @@ impl<'p> Along<'p> {
     pub fn with(line: Line<'p>, ready: &Prepared, sending: &Transmission, arming: Arming) -> Result<Self, Failure> {
         let job: &Job = &ready.file.job;
         let path = ready.file.program.display();
-        let plan = Plan::new(sending, &ready.power_on(), job, ready.file.map.as_ref())
+        let plan = Plan::new(sending, &ready.power_on(), job, ready.file.map.as_ref(), &ready.bounds)
             .map_err(|PlanError { source, why }| Failure::Input(format!("{path}:{source}:1: error: {why}")))?;
         let board = Board::new(line, job, plan).map_err(Failure::Input)?;
         let person = (arming == Arming::Typed).then(typed);
-        Ok(Along { board: Some(board), arming, person, is_told_of_disarming: false, said: Vec::new() })
+        Ok(Along { board: Some(board), arming, person, outage: None, said: Vec::new() })
     }
 
     /// Waits until the board has its parameters and somebody has armed it. Nothing is sent before that. `press` is done
@@ -68,7 +70,7 @@ impl<'p> Along<'p> {
     /// It does not answer or refuses, or the operator stopped it.
     pub fn arm(&mut self, press: &mut dyn FnMut()) -> Result<(), Failure> {
         let interrupted = on_interrupt();
-        let mut is_asked = false;
+        let mut asked = None;
         while let Some(board) = self.board.as_mut().filter(|board| !board.is_armed()) {
             board.turn().map_err(|error| Failure::Machine(error.to_string()))?;
             if interrupted.load(Ordering::Relaxed) {
@@ -76,16 +78,17 @@ impl<'p> Along<'p> {
                     "stopped by the operator: the board was not armed, nothing was sent".into(),
                 ));
             }
-            if board.stage() == Stage::Ready && !is_asked && board.report().is_some() {
-                is_asked = true;
+            let outage = board.outage();
+            if board.stage() == Stage::Ready && asked != Some(outage) && board.report().is_some() {
+                asked = Some(outage);
                 if self.arming != Arming::Simulated {
-                    self.said.push(how_to_arm(board, self.arming));
+                    self.said.push(words_of(board, outage, self.arming));
                 }
             }
             press();
             board.wait();
             self.obey_person();
-            self.said.drain(..).for_each(|line| eprintln!("{line}"));
+            self.said.drain(..).for_each(|line| note(format_args!("{line}")));
         }
         Ok(())
     }
@@ -101,11 +104,11 @@ impl<'p> Along<'p> {
         }
         let until = board.permitted(sender.transmission());
         sender.permit(Gate::Board, until);
-        let is_disarmed = board.was_disarmed();
-        if is_disarmed && !self.is_told_of_disarming {
-            self.said.push(format!("note: {}; the program goes on at its own feeds", how_to_arm(board, self.arming)));
+        let outage = board.outage();
+        if outage.is_some() && outage != self.outage {
+            self.said.push(words_of(board, outage, self.arming));
         }
-        self.is_told_of_disarming = is_disarmed;
+        self.outage = outage;
         None
     }
 
@@ -160,6 +163,21 @@ impl<'p> Along<'p> {
         if let Some(why) = board.take_arm_refusal() {
             self.said.push(format!("the board is not armed: {why}"));
         }
+    }
+}
+
+/// What a person is told of a board that does not obey the laws.
+fn words_of(board: &Board<'_>, outage: Option<Outage>, arming: Arming) -> String {
+    let how = how_to_arm(board, arming);
+    match outage {
+        None => how,
+        Some(Outage::Disarmed) => format!("note: {how}; the program goes on at its own feeds"),
+        Some(Outage::Faulted { cause }) => format!(
+            "warning: the board has a fault: {}. It puts out 0 %: feed moves stand still, as at feed hold (rapids do not), until somebody \
+             has removed the cause and pressed RESET at the board; from then on the dial has the override, and the program goes on at its \
+             own feeds. To go on under the laws: {how}",
+            words::fault(cause)
+        ),
     }
 }
 

@@ -9,8 +9,10 @@ use arcfeed_shared::units::Micros;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::super::outcome::{Failure, file_failure};
+use crate::console::note;
 use crate::dnc::events::Events;
 use crate::dnc::{Sender, State};
+use crate::output;
 use crate::port::Port;
 use crate::port::clock::iso_8601;
 use crate::screen::Screen;
@@ -69,7 +71,7 @@ impl Live {
     ) -> Result<Self, Failure> {
         let opened = opened.map_or("simulated time".into(), |time| format!("opened {}", iso_8601(time)));
         let begin = || {
-            let mut file = File::create(path)?;
+            let mut file = output::create(path)?;
             writeln!(file, "# {title}; {opened}; seconds since the line was opened")?;
             Ok(file)
         };
@@ -87,7 +89,7 @@ impl Live {
                 *due = Instant::now();
             }
             (None, Some(bar)) if !bar.is_hidden() => bar.println(warning),
-            (None, _) => eprintln!("{warning}"),
+            (None, _) => note(format_args!("{warning}")),
         }
     }
 

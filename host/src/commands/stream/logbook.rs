@@ -1,16 +1,20 @@
 //! The journal on disk: what may leave is written and synced before it does, beside the sending, so that a slow disk does
 //! not hold up the line.
 
-use std::fs::File;
-use std::io::{Error, Write};
+use std::fs::{File, TryLockError};
+use std::io::{Error, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender as Queue, channel};
 use std::thread::JoinHandle;
 
 use super::super::outcome::{Failure, file_failure};
 use crate::dnc::Sender;
-use crate::dnc::journal::{How, Record, Start, first_line, line};
+use crate::dnc::journal::{How, Record, Start, first_line, is_journal, line};
 use crate::dnc::sender::{CHUNK, Gate};
+use crate::output::{explained, is_plain_file};
+
+/// Longer than the first line of a journal.
+const FIRST_MAX: u64 = 1_024;
 
 /// How much of the line's time one sync is good for, as a part of a second.
 const SYNCS_PER_S: usize = 4;
@@ -42,17 +46,26 @@ impl Logbook {
     /// Begins a journal; one that is there is kept as `.old`. Nothing leaves before the first record is on disk.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// The file cannot be written, or what is there is no journal.
     pub fn create(path: &Path, start: &Start, chars_per_s: usize, sender: &mut Sender) -> Result<Self, Failure> {
         let begin = || {
+            refuse_foreign(path)?;
             if let Ok(before) = File::open(path) {
-                before.try_lock()?;
+                before.try_lock().map_err(|error| match error {
+                    TryLockError::WouldBlock => Error::new(ErrorKind::WouldBlock, "another sender writes this journal"),
+                    TryLockError::Error(error) => error,
+                })?;
+                refuse_foreign(&old(path))?;
                 std::fs::rename(path, old(path))?;
             }
-            let mut file = File::options().append(true).create_new(true).open(path)?;
+            let opened = File::options().append(true).create_new(true).open(path);
+            let mut file = opened.map_err(|error| explained(error, path))?;
             file.try_lock()?;
-            file.write_all(first_line(start).as_bytes())?;
-            file.sync_data()?;
+            let written = file.write_all(first_line(start).as_bytes()).and_then(|()| file.sync_data());
+            if let Err(error) = written {
+                let _begun_only = std::fs::remove_file(path);
+                return Err(explained(error, path));
+            }
             Ok(file)
         };
         let file = begin().map_err(|error: Error| {
@@ -151,6 +164,21 @@ fn write_all(mut file: File, records: &Receiver<Record>, permits: &Queue<usize>)
         }
     }
     Ok(())
+}
+
+/// What is at the place of a journal must be one, or nothing yet: anything else is somebody's, and stays.
+fn refuse_foreign(path: &Path) -> Result<(), Error> {
+    if path.symlink_metadata().is_err() {
+        return Ok(());
+    }
+    let refused =
+        |what: &str| Err(Error::other(format!("{}: {what}; give another name with --journal", path.display())));
+    if !is_plain_file(path) {
+        return refused("a journal is a file of its own: no link, device or folder");
+    }
+    let mut first = Vec::new();
+    File::open(path)?.take(FIRST_MAX).read_to_end(&mut first)?;
+    if is_journal(&first) { Ok(()) } else { refused("there is a file that is no journal, and it is kept as it is") }
 }
 
 fn old(path: &Path) -> PathBuf {

@@ -18,15 +18,15 @@ mod sending;
 
 mod simulated;
 
-use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use arcfeed_shared::units::Micros;
 
-use super::outcome::{Failure, file_failure};
+use super::outcome::{Failure, refuse_inputs, write_whole};
 use super::simulate::finish;
 use crate::board::line::{BAUDRATE, Line};
+use crate::console::note;
 use crate::dnc::Sender;
 use crate::dnc::outbox::Outbox;
 use crate::port::Port;
@@ -95,6 +95,10 @@ impl Stream {
         }
         let mut ready = Prepared::load(&self.job, self.baudrate, self.filter)?;
         let is_sim = self.port.base == Base::Sim;
+        let journal = (!is_sim || self.journal.is_some()).then(|| self.journal_path());
+        let mut outputs = vec![journal.as_deref(), self.log.as_deref(), self.executed.as_deref()];
+        outputs.extend(self.port.files().map(Some));
+        refuse_inputs(&outputs, &ready.file.inputs(&self.job))?;
         if self.executed.is_some() && !is_sim {
             let message = "--executed: a control on a serial line does not say what it executed; drop the option";
             return Err(Failure::Input(message.into()));
@@ -112,14 +116,12 @@ impl Stream {
         };
         ready.reports = reports;
         ready.notes = ready.look_at(&line);
-        for note in &ready.notes {
-            eprintln!("{note}");
-        }
+        ready.notes.iter().for_each(|line| note(format_args!("{line}")));
         let mut sender = Sender::new(sending, line);
         // The line first: a port that does not open leaves the journal of the run before as it is.
-        let journal = |sender: &mut Sender| match is_sim && self.journal.is_none() {
-            true => Ok(Logbook::none()),
-            false => Logbook::create(&self.journal_path(), &start, ready.chars_per_s() as usize, sender),
+        let journal = |sender: &mut Sender| match &journal {
+            None => Ok(Logbook::none()),
+            Some(path) => Logbook::create(path, &start, ready.chars_per_s() as usize, sender),
         };
         if is_sim {
             let logbook = journal(&mut sender)?;
@@ -191,8 +193,17 @@ impl Stream {
 
     fn finish(&self, ready: &Prepared, report: &RunReport, sender: &Sender, end: &End) -> Result<(), Failure> {
         let title = format!("{} to {}", ready.file.program.display(), self.port.text);
-        finish(report, self.json, title)?;
-        let (sent, total) = sender.progress();
+        let printed = finish(report, self.json, title);
+        if matches!(printed, Err(Failure::Machine(_))) {
+            return printed;
+        }
+        // What to do at the machine comes before a report that nobody reads.
+        Self::ended(sender, end).and(printed)
+    }
+
+    /// How sending ended, in words.
+    fn ended(sender: &Sender, end: &End) -> Result<(), Failure> {
+        let ((sent, total), blocks) = (sender.progress(), sender.blocks_sent());
         let half = sender.half_block().map_or(String::new(), |half| {
             format!(
                 ". The control holds `{}` without its end of block: it is not executed, but the next line sent would \
@@ -204,10 +215,12 @@ impl Stream {
             End::Complete => Ok(()),
             End::WithoutBoard(why) => Err(Failure::Machine(format!(
                 "{why}. Sending stopped after {sent} of {total} characters{half}; the control goes on with what it has, at \
-                 100 % once the board's last value is too old. To go on: look at board and machine, take the program up \
-                 again with --resume, and arm"
+                 100 % once the board's last value is too old. A board that failed or was restarted by its watchdog puts out \
+                 0 % until RESET there. To go on: look at board and machine, take the program up again with --resume, and arm"
             ))),
-            End::GivenUp(why) => Err(Failure::Machine(format!("{sent} of {total} characters sent: {why}{half}"))),
+            End::GivenUp(why) => Err(Failure::Machine(format!(
+                "{sent} of {total} characters, {blocks} whole blocks, were sent: {why}{half}"
+            ))),
             End::Differs { what, at_rest } => Err(Failure::Machine(format!(
                 "{what}. Nothing more is sent, {sent} of {total} characters were; {}{half}",
                 if *at_rest {
@@ -265,16 +278,9 @@ impl Stream {
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write_executed(path: &PathBuf, blocks: &[Vec<u8>]) -> Result<(), Failure> {
-    let write = || -> std::io::Result<()> {
-        let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);
-        for block in blocks {
-            file.write_all(block)?;
-            file.write_all(b"\n")?;
-        }
-        file.flush()
-    };
-    write().map_err(|error| file_failure(path, &error))
+pub fn write_executed(path: &Path, blocks: &[Vec<u8>]) -> Result<(), Failure> {
+    let lines: Vec<u8> = blocks.iter().flat_map(|block| block.iter().chain(b"\n")).copied().collect();
+    write_whole(path, &lines)
 }
 
 #[cfg(test)]

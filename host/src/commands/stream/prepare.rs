@@ -1,5 +1,6 @@
 //! From a job to what is sent: checked whole before the line is opened.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use arcfeed_hil_sim::control::code::{Code, with_even_parity};
@@ -8,10 +9,12 @@ use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE};
 use arcfeed_shared::units::{Micros, S_PER_MIN};
 
 use super::super::mapped::{adapted, load};
-use super::super::outcome::{Failure, file_failure};
+use super::super::outcome::Failure;
 use super::super::simulate::control::{control_settings, tape_code};
 use super::super::simulate::foreseen;
+use crate::board::plan::MoveBounds;
 use crate::checksum::fingerprint;
+use crate::console::note;
 use crate::dnc::journal::Start;
 use crate::dnc::pace::Pace;
 use crate::dnc::reports::Reports;
@@ -39,6 +42,8 @@ pub struct Prepared {
     pub reports: Reports,
     /// What the machine in software cannot know of the moves under G43.4.
     pub foreseen: Vec<Foreseen>,
+    /// What holds for moves beside their text, by line of the program's file.
+    pub bounds: HashMap<usize, MoveBounds>,
     /// What was said before the first character.
     pub notes: Vec<String>,
 }
@@ -52,7 +57,7 @@ impl Prepared {
         let (mut file, program) = load(job)?;
         file.serial.baudrate = baudrate.unwrap_or(file.serial.baudrate);
         if let Some(warning) = program.lost_label() {
-            eprintln!("{}:{warning}", program.path.display());
+            note(format_args!("{}:{warning}", program.path.display()));
         }
         let adapted = adapted(&program, &file);
         let wire = Wire { encode: encode(&file), filters, tv_check: file.dnc.tv_check };
@@ -68,16 +73,19 @@ impl Prepared {
             let control = PowerOn { settings: file.nc, tables: file.tables };
             (whole, reports) = Reports::put_into(&whole, every, &control, &wire).map_err(refused)?;
         }
-        let job_bytes = std::fs::read(job).map_err(|error| file_failure(job, &error))?;
+        // Comments and what only the simulation or the line reads may change between two sendings.
+        let JobFile { job, control, nc, tables, dnc, map, .. } = &file;
+        let said = format!("{:?}", (job, control, nc, tables, dnc, map));
         let start = Start {
             program: fingerprint(&program.bytes()),
-            job: fingerprint(&job_bytes),
+            job: fingerprint(said.as_bytes()),
             sent: fingerprint(whole.frames()),
             bytes: whole.frames().len(),
             ..Start::default()
         };
         let foreseen = foreseen(&program, &adapted);
-        Ok(Prepared { file, program, whole, wire, start, reports, foreseen, notes: Vec::new() })
+        let bounds = MoveBounds::of(&adapted);
+        Ok(Prepared { file, program, whole, wire, start, reports, foreseen, bounds, notes: Vec::new() })
     }
 
     /// How the line to this port is worked.

@@ -1,6 +1,6 @@
 //! `--resume`: the journal read, the restart shown, and nothing sent before somebody has agreed to it.
 
-use std::io::{BufRead, ErrorKind, IsTerminal, Write};
+use std::io::{BufRead, ErrorKind, IsTerminal};
 use std::path::Path;
 
 use arcfeed_shared::units::Nm;
@@ -92,7 +92,6 @@ impl Resume {
         }
         say(format_args!("Type {} to send this, anything else to leave it:", plan.line));
         let mut answer = String::new();
-        let _flushed = std::io::stdout().flush();
         let read = std::io::stdin().lock().read_line(&mut answer);
         if read.is_ok() && answer.trim() == plan.line.to_string() {
             return Ok(());
@@ -116,7 +115,7 @@ fn read(path: &Path, ready: &Prepared) -> Result<History, Failure> {
     let (was, is) = (history.start, ready.start);
     let changed = [
         (was.program != is.program, "the program's file"),
-        (was.job != is.job, "the job's file"),
+        (was.job != is.job, "what the job, its control's settings file or its engagement map says"),
         (was.sent != is.sent, "what arcfeed sends for them (another version, or --filter)"),
     ];
     if let Some((_, what)) = changed.into_iter().find(|(differs, _)| *differs) {

@@ -120,15 +120,36 @@ pub fn send(
         Err(_) => false,
     };
     let stood = port.blocks_executed().filter(|_| stands);
-    logbook.end(sender, ended.as_ref().map_or(How::Failed, End::how), stood)?;
-    along.leave()?;
-    match (ended, logbook.path()) {
-        (Err(Failure::Machine(message)), Some(path)) => {
-            let journal = path.display();
-            Err(Failure::Machine(format!("{message}\nthe journal {journal} knows how far it came: see --resume")))
+    let closed = logbook.end(sender, ended.as_ref().map_or(How::Failed, End::how), stood);
+    let left = along.leave();
+    match ended {
+        Err(Failure::Machine(message)) => {
+            let journal = logbook.path().filter(|_| closed.is_ok()).map_or(String::new(), |path| {
+                format!("\nThe journal {} knows how far it came: see --resume", path.display())
+            });
+            Err(Failure::Machine(format!("{message}\n{}{journal}", place(sender, &outbox))))
         }
-        (ended, _) => Ok((ended?, echo.reports)),
+        ended => {
+            closed?;
+            left?;
+            Ok((ended?, echo.reports))
+        }
     }
+}
+
+/// How far a transmission came that broke off, and what to do at the control.
+fn place(sender: &Sender, outbox: &Outbox) -> String {
+    let (sent, total) = sender.progress();
+    let taken = sent - outbox.len();
+    if taken == 0 {
+        return "Nothing was sent".into();
+    }
+    let sending = sender.transmission();
+    let blocks = sending.blocks_before(sending.line_at(taken));
+    format!(
+        "The line has taken {taken} of {total} characters, {blocks} whole blocks; how much of that has arrived is not known. The \
+         control may hold half a block, which the next characters would complete: press RESET there before anything else"
+    )
 }
 
 fn send_all(

@@ -110,12 +110,11 @@ impl Stream {
         report.reports = ReportFigures::of(&heard);
         report.printed.retain(|line| report.reports.is_none() || !line.starts_with(reports::NAME));
         report.real_time_factor = Some(rig.now().to_s() / started.elapsed().as_secs_f64());
-        if let Some(path) = &self.executed {
-            write_executed(path, rig.control().executed())?;
-        }
         let waits_for_more = matches!(end, End::Complete) && !rig.is_done();
-        add_baseline(&mut report, file, &ready.program)?;
-        self.finish(ready, &report, &sender, &end)?;
+        // Where this fails, the report of what was sent is printed all the same.
+        let written = self.executed.as_ref().map_or(Ok(()), |path| write_executed(path, rig.control().executed()));
+        let compared = add_baseline(&mut report, file, &ready.program);
+        self.finish(ready, &report, &sender, &end).and(written).and(compared)?;
         if waits_for_more {
             return Err(Failure::Machine(match sender.state() {
                 State::Sent => "the control executed all it got and waits for more: its M02 or M30 was lost".into(),

@@ -23,6 +23,8 @@ use crate::job::SerialSettings;
 const MODEM_LINES: u8 = 0xb0;
 /// How long a client that has stopped asking may still think.
 const THINKS: Micros = Micros::from_ms(200);
+/// One break is an alarm; more of them need not be counted.
+const BREAKS_MAX: usize = 16;
 const DC1: u8 = 0x11;
 const DC3: u8 = 0x13;
 
@@ -206,7 +208,7 @@ impl Server {
             // Break: off, on, off. DTR and RTS: on, until they are set; nobody at the other end looks at them.
             4 => 6,
             5 => {
-                self.breaks += 1;
+                self.breaks = BREAKS_MAX.min(self.breaks + 1);
                 5
             }
             7 => 8,
@@ -219,6 +221,16 @@ impl Server {
 
     fn answer(&mut self, code: u8, value: &[u8]) {
         subnegotiate(COM_PORT, code + ANSWER, value, &mut self.outgoing);
+    }
+
+    /// Whether the client has asked for a serial port.
+    pub fn has_asked(&self) -> bool {
+        self.asked.is_some()
+    }
+
+    /// Characters and answers that [`Server::poll_transmit`] has not given out yet.
+    pub fn unsent(&self) -> usize {
+        self.outgoing.len() + self.to_client.len()
     }
 
     /// Whether the client is ready to send and to hear what the control says.

@@ -17,6 +17,7 @@ mod options;
 
 mod faults;
 
+use std::path::Path;
 use std::str::FromStr;
 
 pub use faults::{FaultPlan, Faults};
@@ -133,6 +134,16 @@ impl FromStr for PortUrl {
         let mut wrappers = Vec::new();
         let base = read(text, &mut wrappers)?;
         Ok(PortUrl { text: text.to_owned(), wrappers, base })
+    }
+}
+
+impl PortUrl {
+    /// The files that its spies write.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.wrappers.iter().filter_map(|wrapper| match wrapper {
+            Wrapper::Spy(options) => options.file.as_deref().map(Path::new),
+            Wrapper::Fault(_) => None,
+        })
     }
 }
 

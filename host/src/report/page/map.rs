@@ -72,7 +72,8 @@ impl Map {
                 "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"8\" fill=\"none\" stroke=\"#000\" stroke-width=\"2\"/>\n\
                  <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">largest: {value:+.digits$} {}</text>",
                 x + dx,
-                (y + 4.0).clamp(12.0, height - 4.0),
+                // Not `clamp`, which panics: a long, narrow map is lower than a line of text.
+                (y + 4.0).max(12.0).min(height - 4.0),
                 self.unit
             );
         }
@@ -167,5 +168,11 @@ mod tests {
         let off = map(1, vec![Some(0.0)], Some((0.0, [0.5, 0.5])));
         assert_eq!(off.color(0.5), [245, 245, 245]);
         assert!(off.svg().contains("<circle cx=\"350.0\" cy=\"350.0\""), "{}", off.svg());
+    }
+
+    #[test]
+    fn a_map_lower_than_a_line_of_text_is_drawn() {
+        let off = map(100, vec![Some(0.1); 100], Some((0.1, [50.0, 0.5])));
+        assert!(off.svg().contains("largest: +0.1000 mm"), "{}", off.svg());
     }
 }

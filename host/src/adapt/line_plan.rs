@@ -1,0 +1,51 @@
+//! The plan of a program that is not kept in memory.
+
+use arcfeed_shared::job::Job;
+use arcfeed_shared::nc::text::Lines;
+
+use super::rewrite::{Leak, may_leak};
+use super::writer::{KeptLines, Known, PlannedLine, Writer};
+use crate::program::{ProgramLine, Source};
+
+/// The same plan line by line, for a program of any length: nothing is kept of a line that is done. The override at the end of each
+/// move, for which the moves behind it count, is not set.
+pub struct LinePlan<'a> {
+    source: &'a Source,
+    job: &'a Job,
+    known: Known<'a>,
+    line_end: &'a [u8],
+    kept: KeptLines,
+}
+
+impl<'a> LinePlan<'a> {
+    /// For a program without errors.
+    pub fn new(source: &'a Source, job: &'a Job, known: Known<'a>) -> Self {
+        let line_end = Lines::new(&source.bytes).next().map_or(&b""[..], |line| line.ending);
+        let mut plan = LinePlan { source, job, known, line_end, kept: KeptLines::default() };
+        if source.lines().any(|line| may_leak(&line)) {
+            while let Err(last_governed) = plan.run(|_, _| {}) {
+                plan.kept = plan.kept.with(last_governed);
+            }
+        }
+        plan
+    }
+
+    /// Gives out every line, first as it is and then as it is sent.
+    ///
+    /// # Errors
+    /// None, as long as [`may_leak`] tells every line into which a feed can leak.
+    pub fn each(&self, each: impl FnMut(&ProgramLine, PlannedLine)) -> Result<(), Leak> {
+        self.run(each).map_err(|_| Leak)
+    }
+
+    /// Up to the first feed that leaks; then the line that it comes from.
+    fn run(&self, mut each: impl FnMut(&ProgramLine, PlannedLine)) -> Result<(), Option<usize>> {
+        let reader = self.source.reader();
+        let mut writer = Writer::new(reader.control(), self.line_end, self.job, self.known, &self.kept);
+        for line in self.source.lines() {
+            let Ok(planned) = writer.take(&line) else { return Err(writer.last_governed) };
+            each(&line, planned);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,51 @@
+//! Which cut rule governs a line's move, and why none does.
+
+use arcfeed_shared::cut;
+use arcfeed_shared::governed::{AXIAL_SINE_MAX, Exclusion, Match};
+use arcfeed_shared::job::{Job, LawKind};
+use arcfeed_shared::kinematics::machine::Machine;
+use arcfeed_shared::segment::Segment;
+use arcfeed_shared::units::RevPerMin;
+
+use super::PlanReason;
+use super::limit::tip_axial_sine;
+use crate::program::ProgramLine;
+
+/// Index of the cut rule that governs a line's move, and the spindle speed there.
+///
+/// # Errors
+/// Why the move keeps its programmed feed.
+pub fn match_move(
+    job: &Job,
+    machine: Option<&Machine>,
+    line: &ProgramLine,
+    segment: &Segment,
+) -> Result<(usize, RevPerMin), PlanReason> {
+    if let Some(axial_sine) = machine.and_then(|machine| tip_axial_sine(line, machine)) {
+        return match_tip_move(job, line, segment, axial_sine);
+    }
+    match job.match_move(segment, &line.machining) {
+        Match::NoRule => Err(PlanReason::NoRule),
+        Match::Governed(governing) => Ok((governing.index, governing.spindle)),
+        Match::Excluded { why: Exclusion::Axial, .. } => Err(PlanReason::Axial),
+        Match::Excluded { why: Exclusion::Tool, .. } => Err(PlanReason::OtherTool),
+        Match::Excluded { why: Exclusion::Spindle, .. } => Err(PlanReason::Spindle),
+    }
+}
+
+/// The same under G43.4, where the tool's axis is the machine's to say.
+fn match_tip_move(
+    job: &Job,
+    line: &ProgramLine,
+    segment: &Segment,
+    axial_sine: f64,
+) -> Result<(usize, RevPerMin), PlanReason> {
+    let (index, _) = cut::find(&job.rules, segment, &job.tool).ok_or(PlanReason::NoRule)?;
+    if axial_sine > AXIAL_SINE_MAX && job.law != LawKind::Table {
+        return Err(PlanReason::Axial);
+    }
+    if !job.is_own_tool(line.machining.tool) {
+        return Err(PlanReason::OtherTool);
+    }
+    job.speed(line.machining.spindle).map(|spindle| (index, spindle)).ok_or(PlanReason::Spindle)
+}

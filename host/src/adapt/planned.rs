@@ -1,0 +1,160 @@
+//! A block with a move: what a law wants along it, the feed it is sent with, and why.
+
+use arcfeed_firmware::law::SegmentLaw;
+use arcfeed_firmware::ramp::FeedOverride;
+use arcfeed_shared::cut::{CutRule, Work};
+use arcfeed_shared::engaged::EngagedTable;
+use arcfeed_shared::job::{FeedPolicy, Job};
+use arcfeed_shared::machine::LimitedBy;
+use arcfeed_shared::nc::alarm::NotModelled;
+use arcfeed_shared::nc::modal::Feed;
+use arcfeed_shared::segment::{Path, Segment};
+use arcfeed_shared::stock::Stock;
+use arcfeed_shared::units::{LengthUnit, Nm, PERCENT, RevPerMin};
+
+use super::limit::MoveLimit;
+use super::profile::Profile;
+use super::range::WishRange;
+use super::reason::PlanReason;
+use super::rewrite;
+use super::split::{ChipError, SentPiece, Whole};
+use crate::program::{Diagnostic, FeedKept, ProgramLine};
+
+/// One block with a move.
+#[derive(Clone, Debug)]
+pub struct PlannedBlock {
+    /// Line in the program, counted from 1.
+    pub line: usize,
+    /// Its move.
+    pub segment: Segment,
+    /// Index of the cut rule that speaks of it.
+    pub rule: Option<usize>,
+    /// Where the tool's circles are engaged along it, where its rule leaves that to be told with each move.
+    pub along: Option<EngagedTable>,
+    /// What the law wants along it.
+    pub wish: Option<WishRange>,
+    /// The feed it is sent with, per minute; the least where it is sent in pieces.
+    pub sent: Option<Nm>,
+    /// Why.
+    pub reason: PlanReason,
+    /// Its pieces, where the law governs it and there is no override to vary its feed.
+    pub pieces: Vec<SentPiece>,
+    /// Why it is whole although the law wants pieces.
+    pub whole: Option<Whole>,
+    /// What its pieces make of the chip.
+    pub chip_error: Option<ChipError>,
+    /// F words in its text as sent.
+    pub f_words: usize,
+    /// Why no law can look at it by itself.
+    pub under: Option<NotModelled>,
+    /// The fastest feed that machine, control and, where a law governs it, the job's ceiling allow; nothing for rapids.
+    pub limit: Option<MoveLimit>,
+    /// Commanded spindle speed where a law governs it.
+    pub spindle: Option<RevPerMin>,
+    /// Teeth that pass in a minute, at that speed.
+    pub teeth_per_min: Option<f64>,
+    /// Largest override at its end, %.
+    pub end_percent: u8,
+}
+
+impl PlannedBlock {
+    /// A move with its own feed, for which no rule has been looked for.
+    pub fn new(line: usize, segment: Segment) -> Self {
+        let mut block = PlannedBlock {
+            line,
+            segment,
+            rule: None,
+            along: None,
+            wish: None,
+            sent: None,
+            reason: PlanReason::NoRule,
+            pieces: Vec::new(),
+            whole: None,
+            chip_error: None,
+            f_words: 0,
+            under: None,
+            limit: None,
+            spindle: None,
+            teeth_per_min: None,
+            end_percent: FeedOverride::PROGRAMMED.percent,
+        };
+        block.sent = block.programmed();
+        block
+    }
+
+    /// Its own feed, per minute.
+    pub fn programmed(&self) -> Option<Nm> {
+        match self.segment.feed {
+            Feed::PerMinute(feed) => Some(feed),
+            Feed::InverseTime(_) | Feed::Missing => None,
+        }
+    }
+
+    /// The fastest feed on it; infinite where nothing limits it.
+    pub fn limit_mm_per_min(&self) -> f64 {
+        self.limit.map_or(f64::INFINITY, |limit| limit.feed_mm_per_min)
+    }
+
+    /// A warning of its line, where a cut rule speaks of it and it keeps its own feed all the same.
+    pub fn left_alone(&self, line: &ProgramLine) -> Option<Diagnostic> {
+        self.rule?;
+        let why = match (self.reason, self.under) {
+            (PlanReason::Special, Some(under)) => FeedKept::Under(under),
+            (reason, _) => FeedKept::Because(reason.keeps_feed()?),
+        };
+        Some(Diagnostic::of_feed_kept(self.line, line, why))
+    }
+
+    /// As written in tables and JSON.
+    pub fn kind(&self) -> &'static str {
+        match self.segment.path {
+            Path::Rapid => "rapid",
+            Path::Line => "line",
+            Path::Arc(_) if self.segment.rise() != Nm(0) => "helix",
+            Path::Arc(_) => "arc",
+        }
+    }
+}
+
+/// Asks the law of the block's rule along its move, and sets its feed and the reason for that.
+pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: LengthUnit) -> Option<Profile> {
+    let rule = job.rules.get(block.rule?)?;
+    let teeth_per_min = f64::from(spindle.0) * f64::from(job.tool.active_teeth());
+    let law = SegmentLaw::told(&block.segment, Some(rule), block.along.as_ref(), job);
+    let profile = Profile::ask(&law, &block.segment, &knots_mm(rule, block.along.as_ref(), job));
+    let Some(wish) = WishRange::of(&profile, teeth_per_min) else {
+        block.reason = PlanReason::NoWish;
+        return None;
+    };
+    (block.wish, block.spindle, block.teeth_per_min) = (Some(wish), Some(spindle), Some(teeth_per_min));
+    block.limit = MoveLimit::under(block.limit, job.ceiling.feed_mm_per_min(block.programmed()));
+    let limit_mm_per_min = block.limit_mm_per_min();
+    if job.policy != FeedPolicy::OverrideOnly {
+        block.sent = Some(rewrite::round_down(wish.safe_mm_per_min.min(limit_mm_per_min), unit));
+    }
+    let at_percent = |percent: u8| block.sent.map(|sent| sent.to_mm() * f64::from(percent) / f64::from(PERCENT));
+    let ceiling = at_percent(job.limits.max_percent).unwrap_or(f64::INFINITY);
+    let floor = at_percent(job.limits.min_percent).unwrap_or(0.0);
+    block.reason = match block.limit.map(|limit| limit.by) {
+        _ if wish.feed_min_mm_per_min < floor => PlanReason::Floor,
+        _ if wish.feed_max_mm_per_min > ceiling && ceiling < limit_mm_per_min => PlanReason::Ceiling,
+        Some(LimitedBy::ArcClamp) if wish.feed_max_mm_per_min > limit_mm_per_min => PlanReason::ArcClamp,
+        Some(LimitedBy::Axis) if wish.feed_max_mm_per_min > limit_mm_per_min => PlanReason::Axis,
+        Some(LimitedBy::Ceiling) if wish.feed_max_mm_per_min > limit_mm_per_min => PlanReason::FeedCeiling,
+        _ if wish.covers_all => PlanReason::Law,
+        _ => PlanReason::LawInPart,
+    };
+    Some(profile)
+}
+
+/// Where along a move the tables of a rule have their knots.
+fn knots_mm(rule: &CutRule, along: Option<&EngagedTable>, job: &Job) -> Vec<f64> {
+    let feeds = rule.table.map(|range| job.knots.table(range)).unwrap_or_default();
+    let engaged = match &rule.work {
+        Work::Ring(_, Stock::Engaged(table)) => table.knots(),
+        Work::Ring(_, Stock::Along) => along.map_or(&[][..], EngagedTable::knots),
+        Work::Ring(..) | Work::Mill { .. } => &[],
+    };
+    let paths = feeds.iter().map(|knot| knot.0).chain(engaged.iter().map(|knot| knot.travelled));
+    paths.map(|path| f64::from(path.0)).collect()
+}

@@ -1,0 +1,75 @@
+//! Cut rules that no move can ever meet, as warnings of their job file.
+
+use std::path::Path;
+
+use arcfeed_shared::cut::CutRule;
+use arcfeed_shared::job::Job;
+
+use crate::job::JobFile;
+use crate::program::Source;
+
+/// Warnings `file:line:column: warning: ...`: rules behind one that takes all of their moves, and with a program those that
+/// none of its moves meets.
+pub fn unused_rules(path: &Path, file: &JobFile, program: Option<&Source>) -> Vec<String> {
+    let rules = &file.job.rules;
+    let met = program.map(|program| (program.path.display(), met(program, &file.job)));
+    let why = |index: usize, rule: &CutRule| {
+        if let Some(earlier) = rules.iter().take(index).position(|earlier| covers(earlier, rule)) {
+            let line = file.rule_places.get(earlier).map_or(0, |[line, _]| *line);
+            return Some(format!(
+                "this rule is never used: the one in line {line} takes all of its moves; put this one before it, or narrow that \
+                 one with n or z"
+            ));
+        }
+        let (program, met) = met.as_ref()?;
+        match met.get(index)? {
+            Met::Never => Some(format!(
+                "no move of {program} fits this rule: compare its direction, n and z, and the tool's radii, with the program"
+            )),
+            Met::Behind => Some(format!("this rule is never used: earlier rules take all of its moves of {program}")),
+            Met::First => None,
+        }
+    };
+    let warning = |(index, rule): (usize, &CutRule)| {
+        let [line, column] = file.rule_places.get(index).copied().unwrap_or([1, 1]);
+        let why = why(index, rule)?;
+        Some(format!("{}:{line}:{column}: warning: {why} (in `cut.{}`)", path.display(), index + 1))
+    };
+    rules.iter().enumerate().filter_map(warning).collect()
+}
+
+/// How a rule meets the moves of a program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Met {
+    /// No move fits it.
+    Never,
+    /// Those that fit it fit an earlier rule too.
+    Behind,
+    /// It is the first that fits one.
+    First,
+}
+
+fn met(program: &Source, job: &Job) -> Vec<Met> {
+    let mut met = vec![Met::Never; job.rules.len()];
+    for segment in program.lines().filter_map(|line| line.segment()) {
+        let fitting = job.rules.iter().zip(&mut met).filter(|(rule, _)| rule.fits(&segment, &job.tool));
+        for (place, (_, met)) in fitting.enumerate() {
+            *met = (*met).max(if place == 0 { Met::First } else { Met::Behind });
+        }
+    }
+    met
+}
+
+/// Whether every move that `rule` fits is one that `earlier` fits.
+fn covers(earlier: &CutRule, rule: &CutRule) -> bool {
+    let is_within = |inner: (i64, i64), outer: (i64, i64)| outer.0 <= inner.0 && inner.1 <= outer.1;
+    let levels = |rule: &CutRule| rule.level.map(|(low, high)| (low.0, high.0));
+    let covers_range = |outer: Option<(i64, i64)>, inner: Option<(i64, i64)>| match (outer, inner) {
+        (None, _) => true,
+        (Some(_), None) => false,
+        (Some(outer), Some(inner)) => is_within(inner, outer),
+    };
+    earlier.moves == rule.moves
+        && covers_range(earlier.sequence, rule.sequence)
+        && covers_range(levels(earlier), levels(rule))
+}

@@ -1,0 +1,225 @@
+//! Line by line: what a law wants of a move, and the text that is sent for it.
+
+use std::collections::BTreeSet;
+
+use arcfeed_shared::cut;
+use arcfeed_shared::engaged::EngagedTable;
+use arcfeed_shared::job::{FeedPolicy, Job};
+use arcfeed_shared::kinematics::machine::Machine;
+use arcfeed_shared::nc::alarm::NotModelled;
+use arcfeed_shared::nc::modal::Feed;
+use arcfeed_shared::reader::Reader;
+use arcfeed_shared::segment::{Path, Segment};
+use arcfeed_shared::units::{Nm, PERCENT};
+
+use super::limit::{MoveLimit, is_tip_line};
+use super::matching::match_move;
+use super::modes::Modes;
+use super::planned::{PlannedBlock, govern};
+use super::profile::Profile;
+use super::reason::PlanReason;
+use super::rewrite::{self, FeedRewriter, Leak};
+use super::split::{ChipError, Governed};
+use crate::engagement::{EngagementMap, Lookup};
+use crate::job::JobFile;
+use crate::program::ProgramLine;
+
+/// Governed blocks that may keep their feed because it would leak, one by one.
+const LEAKS_MAX: usize = 64;
+
+/// What is known beside program and job.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Known<'a> {
+    /// The machine: laws also govern straight moves under G43.4, within what all of its axes can follow.
+    pub machine: Option<&'a Machine>,
+    /// Where the tool's circles are engaged, for rules that leave it to be told with each move.
+    pub map: Option<&'a EngagementMap>,
+}
+
+impl<'a> Known<'a> {
+    /// All that a job's files tell.
+    pub fn of(file: &'a JobFile) -> Self {
+        Known { machine: file.machine.as_ref().map(|named| &named.machine), map: file.map.as_ref() }
+    }
+}
+
+/// Lines that keep their feed because it would leak into others.
+#[derive(Clone, Debug, Default)]
+pub(super) struct KeptLines {
+    one_by_one: BTreeSet<usize>,
+    /// So many leaks: every block after the first of them keeps its feed.
+    all_from: Option<usize>,
+}
+
+impl KeptLines {
+    fn contains(&self, line: usize) -> bool {
+        self.all_from.is_some_and(|first| line >= first) || self.one_by_one.contains(&line)
+    }
+
+    /// And the line whose feed leaks, if there is one.
+    pub fn with(mut self, line: Option<usize>) -> Self {
+        match line {
+            Some(line) if self.one_by_one.len() < LEAKS_MAX => drop(self.one_by_one.insert(line)),
+            _ => self.all_from = Some(self.one_by_one.first().copied().unwrap_or(0)),
+        }
+        self
+    }
+}
+
+/// A line as it is sent.
+#[derive(Clone, Debug)]
+pub struct PlannedLine {
+    /// Its move.
+    pub block: Option<PlannedBlock>,
+    /// Its text, without line end; of a move in pieces several lines.
+    pub text: Vec<u8>,
+}
+
+/// The state behind the lines that are planned.
+pub(super) struct Writer<'a> {
+    job: &'a Job,
+    machine: Option<&'a Machine>,
+    engaged: Option<Lookup<'a>>,
+    /// Lines so far.
+    count: usize,
+    feeds: FeedRewriter,
+    modes: Modes,
+    /// The control behind the lines so far; only what is cut into pieces needs it.
+    reader: Option<Reader>,
+    kept: &'a KeptLines,
+    /// The last line that a law governs.
+    pub last_governed: Option<usize>,
+    /// Between the pieces of a last line, which has no end of its own.
+    line_end: &'a [u8],
+}
+
+impl<'a> Writer<'a> {
+    /// At the beginning of a program; `line_end` is that of its first line.
+    pub fn new(control: &Reader, line_end: &'a [u8], job: &'a Job, known: Known<'a>, kept: &'a KeptLines) -> Self {
+        let cuts = matches!(job.policy, FeedPolicy::RewriteOnly(_));
+        Writer {
+            job,
+            machine: known.machine,
+            engaged: known.map.map(EngagementMap::lookup),
+            count: 0,
+            feeds: FeedRewriter::default(),
+            modes: Modes::at_power_on(job.unit),
+            reader: cuts.then(|| control.clone()),
+            kept,
+            last_governed: None,
+            line_end: if line_end.is_empty() { b"\n" } else { line_end },
+        }
+    }
+
+    /// Plans the next line.
+    pub fn take(&mut self, line: &ProgramLine) -> Result<PlannedLine, Leak> {
+        self.count += 1;
+        let (number, before) = (self.count, self.reader.clone());
+        if let Some(reader) = &mut self.reader {
+            // The program has no errors.
+            let _understood = reader.read(&line.text);
+        }
+        self.modes = self.modes.after(line);
+        let Some(segment) = line.segment() else {
+            return Ok(PlannedLine { block: None, text: self.whole(line, None)? });
+        };
+        let (mut block, profile) = self.plan(number, line, segment);
+        let texts = match (before, &profile) {
+            (Some(before), Some(profile)) => self.in_pieces(line, &mut block, profile, before),
+            _ => None,
+        };
+        let governed = block.sent.filter(|_| block.wish.is_some());
+        if governed.is_some() {
+            self.last_governed = Some(number);
+        }
+        let texts = match texts {
+            Some(texts) => texts,
+            None => vec![self.whole(line, governed)?],
+        };
+        block.f_words = texts.iter().filter(|text| has_feed(text)).count();
+        let end = if line.ending.is_empty() { self.line_end } else { &line.ending };
+        Ok(PlannedLine { block: Some(block), text: texts.join(end) })
+    }
+
+    /// What a line's move is sent with, and what the law says along it.
+    fn plan(&mut self, number: usize, line: &ProgramLine, segment: Segment) -> (PlannedBlock, Option<Profile>) {
+        let mut block = PlannedBlock::new(number, segment);
+        block.limit = MoveLimit::of(line, &segment, self.job, self.machine);
+        block.along = self.told_along(&segment);
+        let under = self.special(line);
+        let reason = match match_move(self.job, self.machine, line, &segment) {
+            _ if segment.path == Path::Rapid => PlanReason::Rapid,
+            _ if matches!(segment.feed, Feed::InverseTime(_)) => PlanReason::InverseTime,
+            Err(reason) => reason,
+            Ok(_) if under.is_some() => PlanReason::Special,
+            Ok(_) if self.kept.contains(number) || line.skipping.is_some_and(|other| !other.is_same) => {
+                PlanReason::BlockDelete
+            }
+            Ok(_) if line.meaning.as_ref().is_some_and(|meaning| meaning.starts_unknown) => PlanReason::StartUnknown,
+            Ok((index, spindle)) => {
+                block.rule = Some(index);
+                let profile = govern(&mut block, self.job, spindle, self.modes.unit);
+                return (block, profile);
+            }
+        };
+        block.reason = reason;
+        if reason != PlanReason::Rapid {
+            block.rule = cut::find(&self.job.rules, &segment, &self.job.tool).map(|(index, _)| index);
+            block.under = under;
+        }
+        (block, None)
+    }
+
+    /// Where the circles are engaged along a move, where its rule leaves that to be told.
+    fn told_along(&mut self, segment: &Segment) -> Option<EngagedTable> {
+        let (_, rule) = cut::find(&self.job.rules, segment, &self.job.tool)?;
+        let engaged = self.engaged.as_mut().filter(|_| rule.is_told_along())?;
+        engaged.next(segment).cloned()
+    }
+
+    /// Why no law can look at a line's move by itself.
+    fn special(&self, line: &ProgramLine) -> Option<NotModelled> {
+        let step = &line.meaning.as_ref()?.step;
+        match step.beyond_plain {
+            Some(_) if self.machine.is_some() && self.modes.per_minute && is_tip_line(line) => None,
+            Some(under) if !step.is_plain() => return Some(under),
+            _ => None,
+        }
+        .or(self.modes.taps.then_some(NotModelled::MoveUnder(630)))
+    }
+
+    /// The line, with its feed or another.
+    fn whole(&mut self, line: &ProgramLine, governed: Option<Nm>) -> Result<Vec<u8>, Leak> {
+        let edit = self.feeds.edit(line, governed, self.modes)?;
+        Ok(rewrite::apply(&line.text, edit.as_slice()))
+    }
+
+    /// The line's pieces, with what is to be told of them; nothing where the mode has none.
+    fn in_pieces(
+        &mut self,
+        line: &ProgramLine,
+        block: &mut PlannedBlock,
+        profile: &Profile,
+        before: Reader,
+    ) -> Option<Vec<Vec<u8>>> {
+        let FeedPolicy::RewriteOnly(settings) = &self.job.policy else { return None };
+        let teeth_per_min = block.teeth_per_min?;
+        let most_ratio = f64::from(self.job.limits.max_percent) / f64::from(PERCENT);
+        let (segment, modes, limit_mm_per_min) = (&block.segment, self.modes, block.limit_mm_per_min());
+        let governed = Governed { line, segment, profile, modes, before, teeth_per_min, most_ratio, limit_mm_per_min };
+        let split = governed.split(settings, &mut self.feeds)?;
+        block.chip_error = ChipError::of(&split.pieces, profile, teeth_per_min);
+        block.sent = split.pieces.iter().map(|piece| piece.feed).min();
+        (block.pieces, block.whole) = (split.pieces, split.whole);
+        Some(split.texts)
+    }
+}
+
+/// Whether a block's code, comments apart, has an F word.
+fn has_feed(text: &[u8]) -> bool {
+    let mut in_comment = false;
+    text.iter().any(|&byte| {
+        in_comment = (in_comment || byte == b'(') && byte != b')';
+        !in_comment && byte == b'F'
+    })
+}

@@ -1,0 +1,247 @@
+//! One client of the TCP port: bare bytes, or RFC 2217 with a serial port of its own. Every queue is bounded, and a client
+//! gives the control nothing before it has begun a program.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+use arcfeed_hil_sim::control::dnc_port::DncPort;
+use arcfeed_shared::units::{Micros, US_PER_MS, US_PER_S};
+
+use super::program_start::{ProgramStart, Verdict};
+use crate::job::SerialSettings;
+use crate::port::rfc2217::server::{Flow, Server};
+
+/// Most characters of a server on the line at once: as many as a control takes behind DC3.
+const FIFO_MAX: usize = 10;
+/// A server that holds as many characters reads no more: its client waits.
+const HELD_MAX: usize = 4_096;
+/// Most characters on the line: a client that writes a whole program at once has written this before it could see DC3.
+const WIRE_MAX: usize = 1 << 20;
+/// Most characters for a client that reads none.
+const UNSENT_MAX: usize = 1 << 16;
+/// A client with as many unread answers is not read from.
+const ANSWERS_MAX: usize = 4_096;
+/// Most bytes read at once from a client of RFC 2217.
+const EXCHANGE_MAX: usize = 1_024;
+/// Longest time in which a client of RFC 2217 asks for its port.
+const NEGOTIATION_MAX: Duration = Duration::from_secs(2);
+/// Longest time before a client with the port begins a program, while another waits.
+const BEGIN_MAX: Duration = Duration::from_secs(5);
+
+/// Why a client is dropped, in words.
+pub type Reason = String;
+
+/// A connection.
+pub struct Client {
+    /// Its address, for messages.
+    pub name: String,
+    stream: TcpStream,
+    server: Option<Server>,
+    program: ProgramStart,
+    /// Not yet taken by the connection.
+    outgoing: Vec<u8>,
+    /// When it connected, was given the port, last took a character of the control or sent one of a program.
+    active_at: Instant,
+    /// The client has hung up; what its port holds goes out all the same.
+    is_over: bool,
+}
+
+impl Client {
+    /// A client that has just connected.
+    ///
+    /// # Errors
+    /// It is gone already.
+    pub fn new(stream: TcpStream, name: String, serial: Option<&SerialSettings>) -> std::io::Result<Self> {
+        stream.set_nonblocking(true)?;
+        stream.set_nodelay(true)?;
+        Ok(Client {
+            name,
+            stream,
+            server: serial.map(Server::new),
+            program: ProgramStart::default(),
+            outgoing: Vec::new(),
+            active_at: Instant::now(),
+            is_over: false,
+        })
+    }
+
+    /// Whether it can be given the port.
+    pub fn is_ready(&self, now: Micros) -> bool {
+        self.server.as_ref().is_none_or(|server| server.is_open(now))
+    }
+
+    /// Looks after a client without the port; `Err` if it will never be given the port, without a reason if it has gone.
+    pub fn check_waiting(&mut self, now: Micros) -> Result<(), Option<Reason>> {
+        if self.server.is_some() {
+            self.exchange(now);
+        } else {
+            let mut first = [0; 64];
+            match self.stream.peek(&mut first) {
+                Ok(len @ 1..) => self.program.clone().judge(&first[..len])?,
+                Err(error) if is_quiet(error.kind()) => {}
+                Ok(_) | Err(_) => self.is_over = true,
+            }
+        }
+        let Some(server) = &self.server else { return if self.is_over { Err(None) } else { Ok(()) } };
+        match () {
+            () if self.is_over => Err(None),
+            () if !server.has_asked() && server.waiting() > 0 => {
+                Err(Some("no RFC 2217 client: it sends data first".into()))
+            }
+            () if !server.has_asked() && self.active_at.elapsed() > NEGOTIATION_MAX => {
+                Err(Some(format!("no RFC 2217 client: nothing asked in {} s", NEGOTIATION_MAX.as_secs())))
+            }
+            () => Ok(()),
+        }
+    }
+
+    /// Gives it the port for its next program.
+    pub fn begin(&mut self) {
+        self.program.expect_next();
+        self.active_at = Instant::now();
+    }
+
+    /// Whether it has begun a program since.
+    pub fn has_begun(&self) -> bool {
+        self.program.has_begun()
+    }
+
+    /// Why a client with the port loses it to another that waits.
+    pub fn idle_reason(&self, control_waits: bool, idle_timeout: Duration) -> Option<Reason> {
+        let idle = self.active_at.elapsed();
+        if self.has_begun() {
+            let message = || format!("no character in {} s (--idle-timeout), another client waits", idle.as_secs());
+            return (control_waits && idle > idle_timeout).then(message);
+        }
+        (idle > BEGIN_MAX).then(|| format!("no program begun in {} s, another client waits", idle.as_secs()))
+    }
+
+    /// Gives the control what has been written: bare bytes as they come, those of a server as its port sends them.
+    pub fn feed(&mut self, serial: Option<&SerialSettings>, port: &mut DncPort) -> Result<(), Reason> {
+        if let Some(serial) = serial {
+            return self.feed_from_server(serial, port);
+        }
+        let (mut buffer, mut taken) = ([0; 256], 0);
+        while port.on_wire() < WIRE_MAX && taken < WIRE_MAX {
+            let len = self.receive(&mut buffer);
+            if len == 0 {
+                break;
+            }
+            taken += len;
+            for byte in &buffer[..len] {
+                match self.program.on_byte(*byte) {
+                    Verdict::Pass => port.on_bytes(&[*byte]),
+                    Verdict::Discard => {}
+                    Verdict::Refuse(reason) => return Err(reason),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn feed_from_server(&mut self, serial: &SerialSettings, port: &mut DncPort) -> Result<(), Reason> {
+        let Some(server) = &mut self.server else { return Ok(()) };
+        let breaks = server.take_breaks();
+        if self.program.has_begun() {
+            (0..breaks).for_each(|_| port.on_framing_error());
+        }
+        let chars_per_ms = u64::from(serial.baudrate) / u64::from(serial.bits_per_char()) / (US_PER_S / US_PER_MS);
+        let fifo =
+            if server.settings().flow == Flow::None { WIRE_MAX } else { FIFO_MAX.min(2 + chars_per_ms as usize) };
+        let is_understood = server.settings().is_understood_by(serial);
+        while port.on_wire() < fifo {
+            let Some(byte) = server.next_for_line() else { break };
+            match self.program.on_byte(byte) {
+                Verdict::Pass if is_understood => port.on_bytes(&[byte]),
+                Verdict::Pass => port.on_framing_error(),
+                Verdict::Discard => {}
+                Verdict::Refuse(reason) => return Err(reason),
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the sender, not a port of its own, has to obey DC3.
+    pub fn is_far(&self) -> bool {
+        self.server.as_ref().is_none_or(|server| server.settings().flow != Flow::XonXoff)
+    }
+
+    /// Takes a character of the control; `Err` if the client reads none.
+    pub fn write(&mut self, byte: u8) -> Result<(), Reason> {
+        match &mut self.server {
+            Some(server) => server.on_line(byte),
+            None => self.outgoing.push(byte),
+        }
+        self.send();
+        let unsent = self.unsent();
+        if unsent == 0 {
+            self.active_at = Instant::now();
+        }
+        (unsent <= UNSENT_MAX).then_some(()).ok_or_else(|| format!("it reads nothing: {unsent} characters wait for it"))
+    }
+
+    /// Whether it has hung up and nothing of it is left.
+    pub fn is_gone(&self, on_wire: usize) -> bool {
+        self.is_over && on_wire == 0 && self.server.as_ref().is_none_or(|server| server.waiting() == 0)
+    }
+
+    /// Reads and drops what a client still sends; answers how much.
+    pub fn discard(&mut self) -> usize {
+        let mut buffer = [0; 256];
+        self.receive(&mut buffer)
+    }
+
+    /// Takes what the client of a server wants, and sends what is to be sent.
+    pub fn exchange(&mut self, now: Micros) {
+        let (mut buffer, mut taken) = ([0; 256], 0);
+        while self.server.as_ref().is_some_and(|server| server.waiting() < HELD_MAX)
+            && self.unsent() < ANSWERS_MAX
+            && taken < EXCHANGE_MAX
+        {
+            let len = self.receive(&mut buffer);
+            let Some(server) = self.server.as_mut().filter(|_| len > 0) else { break };
+            server.on_bytes(now, &buffer[..len]);
+            taken += len;
+        }
+        self.send();
+    }
+
+    fn unsent(&self) -> usize {
+        self.outgoing.len() + self.server.as_ref().map_or(0, Server::unsent)
+    }
+
+    /// What the connection has; zero if it has nothing.
+    fn receive(&mut self, buffer: &mut [u8]) -> usize {
+        match self.stream.read(buffer) {
+            Ok(len @ 1..) => {
+                if self.has_begun() {
+                    self.active_at = Instant::now();
+                }
+                return len;
+            }
+            Err(error) if is_quiet(error.kind()) => {}
+            Ok(_) | Err(_) => self.is_over = true,
+        }
+        0
+    }
+
+    fn send(&mut self) {
+        if let Some(server) = &mut self.server {
+            server.poll_transmit(&mut self.outgoing);
+        }
+        if self.outgoing.is_empty() {
+            return;
+        }
+        match self.stream.write(&self.outgoing) {
+            Ok(len) => drop(self.outgoing.drain(..len)),
+            Err(error) if is_quiet(error.kind()) => {}
+            Err(_) => self.is_over = true,
+        }
+    }
+}
+
+/// Nothing there now, and no fault.
+pub fn is_quiet(kind: ErrorKind) -> bool {
+    matches!(kind, ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
+}

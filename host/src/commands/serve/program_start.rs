@@ -1,0 +1,132 @@
+//! The first characters of a client: only one that begins a program, with `%` in any code, reaches the control. What else
+//! connects to a TCP port (a browser, a port scan) would put the control in alarm.
+
+/// Most characters of leader and trailer.
+const LEADER_MAX: usize = 4_096;
+
+/// How far a client is with the beginning of its next program.
+#[derive(Clone, Debug)]
+pub enum ProgramStart {
+    /// Nothing but this much leader.
+    Awaited(usize),
+    /// The same behind a program, whose trailer may still come.
+    AwaitedAgain(usize),
+    /// `%` and this much leader behind it.
+    Marked(usize),
+    /// A character of the program has come.
+    Begun,
+}
+
+/// What happens to a character.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The control gets it.
+    Pass,
+    /// It is of the last program's trailer.
+    Discard,
+    /// The client is dropped, for this reason.
+    Refuse(String),
+}
+
+impl Default for ProgramStart {
+    fn default() -> Self {
+        ProgramStart::Awaited(0)
+    }
+}
+
+impl ProgramStart {
+    /// The next program may begin.
+    pub fn expect_next(&mut self) {
+        if self.has_begun() {
+            *self = ProgramStart::AwaitedAgain(0);
+        }
+    }
+
+    /// Whether the program has begun.
+    pub fn has_begun(&self) -> bool {
+        matches!(self, ProgramStart::Begun)
+    }
+
+    /// Takes a character, whose eighth bit may be parity.
+    pub fn on_byte(&mut self, byte: u8) -> Verdict {
+        let (is_mark, is_leader) = (is_mark(byte), is_leader(byte));
+        match self {
+            ProgramStart::Begun => return Verdict::Pass,
+            ProgramStart::Awaited(_) | ProgramStart::AwaitedAgain(_) if is_mark => *self = ProgramStart::Marked(0),
+            ProgramStart::Marked(_) if !is_mark && !is_leader => *self = ProgramStart::Begun,
+            ProgramStart::Awaited(_) if !is_leader => {
+                return Verdict::Refuse(
+                    "what it sends does not begin with `%`, as a program over this port does".into(),
+                );
+            }
+            ProgramStart::Awaited(len) | ProgramStart::AwaitedAgain(len) | ProgramStart::Marked(len) => {
+                *len += usize::from(!is_device_control(byte));
+                if *len > LEADER_MAX {
+                    return Verdict::Refuse(format!("more than {LEADER_MAX} characters and no program"));
+                }
+            }
+        }
+        let is_trailer = matches!(self, ProgramStart::AwaitedAgain(_)) && !is_leader;
+        if is_trailer { Verdict::Discard } else { Verdict::Pass }
+    }
+
+    /// Looks at characters that are not taken yet; `Err` if they would be refused.
+    pub fn judge(mut self, bytes: &[u8]) -> Result<(), Option<String>> {
+        bytes.iter().try_for_each(|byte| match self.on_byte(*byte) {
+            Verdict::Refuse(reason) => Err(Some(reason)),
+            Verdict::Pass | Verdict::Discard => Ok(()),
+        })
+    }
+}
+
+/// `%` in ISO, with parity or without, and in EIA.
+fn is_mark(byte: u8) -> bool {
+    byte & 0x7f == b'%' || byte == 0x0b
+}
+
+/// Blank tape, ends of block, spaces, DEL, and DC1 to DC4.
+fn is_leader(byte: u8) -> bool {
+    matches!(byte & 0x7f, 0 | b'\t' | b'\n' | b'\r' | 0x10 | b' ' | 0x7f) || is_device_control(byte)
+}
+
+fn is_device_control(byte: u8) -> bool {
+    matches!(byte & 0x7f, 0x11..=0x14)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn taken(start: &mut ProgramStart, text: &[u8]) -> Verdict {
+        text.iter().map(|byte| start.on_byte(*byte)).last().expect("a character")
+    }
+
+    #[test]
+    fn a_program_begins_with_a_mark_in_any_code() {
+        for text in [&b"\0\0\x7f%\nO"[..], b"\xa5\x0aO", b"\x0b\x80\x46"] {
+            let mut start = ProgramStart::default();
+            assert_eq!((taken(&mut start, text), start.has_begun()), (Verdict::Pass, true), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn a_browser_and_an_endless_leader_are_refused() {
+        for text in [&b"GET / HTTP/1.1"[..], b"\x16\x03\x01", &[0; LEADER_MAX + 1], &[b'%'; LEADER_MAX + 2]] {
+            let mut start = ProgramStart::default();
+            assert!(matches!(taken(&mut start, text), Verdict::Refuse(_)), "{text:?}");
+            assert!(ProgramStart::default().judge(text).is_err());
+        }
+    }
+
+    #[test]
+    fn the_trailer_of_a_program_does_not_reach_the_next() {
+        let mut start = ProgramStart::default();
+        taken(&mut start, b"%\nM30");
+        start.expect_next();
+        assert_eq!(taken(&mut start, b"\n(END)"), Verdict::Discard);
+        assert_eq!(taken(&mut start, b"\n%\n%\n"), Verdict::Pass);
+        assert!(!start.has_begun());
+        taken(&mut start, b"O1");
+        assert!(start.has_begun());
+    }
+}

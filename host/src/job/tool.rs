@@ -1,0 +1,100 @@
+//! `[tool]`, who sets its speed, and `[law]`.
+
+use arcfeed_shared::job::{LawKind, Setup, SpeedSource, ToolAxis};
+use arcfeed_shared::tool::{CupMill, EndMill, Tool};
+use arcfeed_shared::units::{LengthUnit, Nm, PERCENT};
+use toml::Spanned;
+
+use super::schema::{JobTable, LawTable, ToolTable};
+use super::{Complaint, at, length_mm};
+
+/// Checks the tool.
+pub fn build(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {
+    let ToolTable { kind, outer_radius, inner_radius, active_teeth, diameter, teeth, .. } = table;
+    match (kind.as_ref().as_str(), outer_radius, inner_radius, active_teeth, diameter, teeth) {
+        ("cup-mill", Some(outer), Some(inner), Some(teeth), None, None) => {
+            let outer_mm = length_mm(outer, unit, "outer_radius")?;
+            let inner_mm = length_mm(inner, unit, "inner_radius")?;
+            if inner_mm >= outer_mm {
+                return Err(at(inner, "inner_radius must be less than outer_radius"));
+            }
+            let (outer_radius, inner_radius) = (Nm::from_mm(outer_mm), Nm::from_mm(inner_mm));
+            Ok(Tool::CupMill(CupMill { outer_radius, inner_radius, active_teeth: some_teeth(teeth)? }))
+        }
+        ("end-mill", None, None, None, Some(diameter), Some(teeth)) => {
+            let radius = Nm::from_mm(length_mm(diameter, unit, "diameter")? / 2.0);
+            Ok(Tool::EndMill(EndMill { radius, teeth: some_teeth(teeth)? }))
+        }
+        ("cup-mill", ..) => Err(at(kind, "a cup-mill has outer_radius, inner_radius and active_teeth")),
+        ("end-mill", ..) => Err(at(kind, "an end-mill has diameter and teeth")),
+        _ => Err(at(kind, "no such tool; write \"cup-mill\" or \"end-mill\"")),
+    }
+}
+
+/// The tool in the program, and who sets its speed.
+pub fn setup(table: &JobTable) -> Result<Setup, Complaint> {
+    let tool_number = match &table.tool.number {
+        Some(number) if !(0..=99_999_999).contains(number.as_ref()) => {
+            return Err(at(number, "number is the tool's T word: 0 to 99999999"));
+        }
+        number => number.as_ref().map(|number| *number.as_ref()),
+    };
+    let axis = match table.tool.axis.as_ref().map(|axis| (axis, axis.as_ref().as_str())) {
+        None | Some((_, "z")) => ToolAxis::Z,
+        Some((_, "y")) => ToolAxis::Y,
+        Some((_, "x")) => ToolAxis::X,
+        Some((axis, _)) => return Err(at(axis, "axis is \"x\", \"y\" or \"z\": what the tool turns about")),
+    };
+    let speed_source = match table.spindle.set_by.as_ref().map(|by| (by, by.as_ref().as_str())) {
+        None | Some((_, "program")) => SpeedSource::Program,
+        Some((_, "operator")) => SpeedSource::Operator,
+        Some((by, _)) => return Err(at(by, "set_by is \"program\" (S and M3 in it) or \"operator\"")),
+    };
+    Ok(Setup { tool_number, axis, speed_source })
+}
+
+fn some_teeth(teeth: &Spanned<u16>) -> Result<u16, Complaint> {
+    match *teeth.as_ref() {
+        0 => Err(at(teeth, "a tool needs at least one active tooth")),
+        teeth => Ok(teeth),
+    }
+}
+
+/// Checks the law, which must be one for the tool.
+pub fn law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
+    let kind = table.kind.as_ref().as_str();
+    let settings = (&table.edges, table.inside_only, &table.floor);
+    match (kind, tool, settings) {
+        ("programmed", _, (None, None, None)) => Ok(LawKind::Programmed),
+        ("table", _, (None, None, None)) => Ok(LawKind::Table),
+        ("circumference", Tool::CupMill(_), (None, None, None)) => Ok(LawKind::Circumference),
+        ("engaged-arc", Tool::CupMill(_), (edges, None, None)) => {
+            match edges.as_ref().map(|edges| edges.as_ref().as_str()) {
+                None | Some("both") => Ok(LawKind::EngagedArc { both_edges: true }),
+                Some("side") => Ok(LawKind::EngagedArc { both_edges: false }),
+                Some(_) => Err(at(&table.kind, "edges must be \"both\" or \"side\" (the one the cut rule names)")),
+            }
+        }
+        ("engaged-arc", Tool::EndMill(_), (None, None, None)) => Ok(LawKind::EngagedArc { both_edges: false }),
+        ("engagement", Tool::EndMill(_), (None, None, None)) => Ok(LawKind::Engagement),
+        ("contour", Tool::EndMill(_), (None, inside_only, floor)) => {
+            let floor_ratio = floor.as_ref().map_or(0.0, |floor| *floor.as_ref() / PERCENT);
+            match floor {
+                Some(floor) if !(0.0..=1.0).contains(&floor_ratio) => Err(at(floor, "floor must be 0 to 100 %")),
+                _ => Ok(LawKind::Contour { inside_only: inside_only.unwrap_or(true), floor_ratio }),
+            }
+        }
+        ("engaged-arc", Tool::EndMill(_), (Some(edges), ..)) => Err(at(edges, "an end-mill has one circle only")),
+        ("circumference", Tool::EndMill(_), _) => Err(at(&table.kind, "this law needs a cup-mill")),
+        ("engagement" | "contour", Tool::CupMill(_), _) => Err(at(&table.kind, "this law needs an end-mill")),
+        ("circumference" | "engaged-arc" | "engagement" | "contour" | "table" | "programmed", ..) => Err(at(
+            &table.kind,
+            "`edges` belongs to engaged-arc, `inside_only` and `floor` to contour; remove what does not",
+        )),
+        _ => Err(at(
+            &table.kind,
+            "no such law; write \"circumference\" (cup mills), \"contour\" or \"engagement\" (end mills), \"engaged-arc\", \
+             \"table\" or \"programmed\"",
+        )),
+    }
+}

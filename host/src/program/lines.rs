@@ -1,0 +1,88 @@
+//! A program line by line, as a control reads it: nothing is kept of a line but the control's state behind it.
+
+use arcfeed_shared::nc::block::{Line, Parsed, Reading};
+use arcfeed_shared::nc::settings::{Settings, Tables};
+use arcfeed_shared::reader::{Reader, Understood};
+
+use super::skipping::SkippingReader;
+use super::{BEHIND_THE_END, Diagnostic, ProgramLine, START_UNKNOWN, is_blank};
+
+/// The control behind the lines read so far.
+pub struct LineReader {
+    reader: Reader,
+    reading: Reading,
+    skipping: SkippingReader,
+    count: usize,
+    has_begun: bool,
+    has_ended: bool,
+    /// Lines behind the closing `%` have been reported.
+    has_trailer: bool,
+}
+
+impl LineReader {
+    /// A control so set, before the first line.
+    pub fn new(settings: Settings, tables: Tables) -> Self {
+        LineReader {
+            reader: Reader::with(settings, tables).from_anywhere(),
+            reading: settings.reading,
+            skipping: SkippingReader::default(),
+            count: 0,
+            has_begun: false,
+            has_ended: false,
+            has_trailer: false,
+        }
+    }
+
+    /// The control.
+    pub fn control(&self) -> &Reader {
+        &self.reader
+    }
+
+    /// Reads the next line; what is wrong with it is added to `found`.
+    pub fn read(&mut self, text: &[u8], ending: &[u8], found: &mut Vec<Diagnostic>) -> ProgramLine {
+        self.count += 1;
+        if self.has_ended {
+            return self.pass_over(text, ending, found);
+        }
+        let is_blank = is_blank(text);
+        self.has_ended = self.has_begun && text.first() == Some(&b'%');
+        self.has_begun |= !is_blank;
+        self.skipping.fork(text, &self.reader);
+        let meaning = match self.reader.read(text) {
+            Ok(understood) => {
+                self.note(text, &understood, found);
+                Some(understood)
+            }
+            Err(fault) => {
+                found.push(Diagnostic::of_fault(self.count, text, fault));
+                None
+            }
+        };
+        let mut line = ProgramLine::new(text, ending, meaning, &self.reader);
+        line.skipping = self.skipping.read(text, &line, &self.reader);
+        line
+    }
+
+    /// A line behind the closing `%`, which no control reads.
+    fn pass_over(&mut self, text: &[u8], ending: &[u8], found: &mut Vec<Diagnostic>) -> ProgramLine {
+        if !self.has_trailer && !is_blank(text) && text.first() != Some(&b'%') {
+            self.has_trailer = true;
+            found.push(Diagnostic::of_line(self.count, text, BEHIND_THE_END));
+        }
+        let parsed = Parsed { line: Line::ProgramMark, ..Parsed::default() };
+        ProgramLine::bare(text, ending, Some(Understood { parsed, ..Understood::default() }))
+    }
+
+    fn note(&self, text: &[u8], understood: &Understood, found: &mut Vec<Diagnostic>) {
+        let line = self.count;
+        for notice in &understood.parsed.notices {
+            found.push(Diagnostic::of_notice(line, text, *notice));
+        }
+        if understood.starts_unknown && understood.segment.is_none() {
+            found.push(Diagnostic::of_line(line, text, START_UNKNOWN));
+        }
+        if understood.lacks_feed() {
+            found.push(Diagnostic::of_missing_feed(line, text, self.reading));
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! A program's text and the control that reads it. Its lines are read whenever they are asked for, so that a command needs
+//! memory for the text, not for what each line means.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use arcfeed_shared::nc::alarm::{Alarm, Fault};
+use arcfeed_shared::nc::macros::program::first_macro;
+use arcfeed_shared::nc::settings::{Settings, Tables};
+use arcfeed_shared::nc::text::{Lines, RawLine};
+
+use super::lines::LineReader;
+use super::summary::Summary;
+use super::{Diagnostic, Expansion, Program, ProgramLine, RunBounds};
+
+/// Most bytes of a file that are read, as a program or as CL data.
+pub const BYTES_MAX: u64 = 80 << 20;
+/// Most lines of a program that is kept whole, with some 2.3 kB a line.
+pub const LINES_MAX: usize = 500_000;
+
+/// A program as text.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// Where it came from.
+    pub path: PathBuf,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+    /// The control's settings.
+    pub settings: Settings,
+    /// Its offsets.
+    pub tables: Tables,
+    /// The first line with a macro statement or a call, counted from 1, if there is one.
+    pub macro_line: Option<usize>,
+}
+
+/// Reads a file of at most 80 MiB.
+///
+/// # Errors
+/// It cannot be read, or is larger: in words, with its path.
+pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
+    let name = path.display();
+    let too_large = |size: u64| {
+        format!(
+            "{name}: {size} bytes, and at most {BYTES_MAX} ({} MiB) of a program are read; split it between two operations \
+             into programs of its own",
+            BYTES_MAX >> 20
+        )
+    };
+    let read = || -> std::io::Result<Result<Vec<u8>, u64>> {
+        let file = std::fs::File::open(path)?;
+        let size = file.metadata()?.len();
+        if size > BYTES_MAX {
+            return Ok(Err(size));
+        }
+        let mut bytes = Vec::with_capacity(usize::try_from(size).unwrap_or(0) + 1);
+        // A pipe does not tell its size.
+        file.take(BYTES_MAX + 1).read_to_end(&mut bytes)?;
+        let read = bytes.len() as u64;
+        Ok(if read > BYTES_MAX { Err(read) } else { Ok(bytes) })
+    };
+    read().map_err(|error| format!("{name}: {error}"))?.map_err(too_large)
+}
+
+/// Refuses a program of more than 500 000 lines, for a command that keeps the whole of it.
+///
+/// # Errors
+/// It has more: in words, with its path.
+pub fn check_line_count(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    let count = Lines::new(bytes).count();
+    if count <= LINES_MAX {
+        return Ok(());
+    }
+    Err(format!(
+        "{}: {count} lines, and this command keeps each of them in memory (2.3 kB) and takes at most {LINES_MAX}; split it \
+         between two operations into programs of its own (`check` and `adapt` take any number of lines)",
+        path.display()
+    ))
+}
+
+impl Source {
+    /// Reads a program file, for a control so set.
+    ///
+    /// # Errors
+    /// It cannot be read, or is larger than 80 MiB: in words, with its path.
+    pub fn read(path: &Path, settings: Settings, tables: Tables) -> Result<Self, String> {
+        let bytes = read_bounded(path)?;
+        Ok(Source { path: path.to_owned(), macro_line: first_macro(&bytes), bytes, settings, tables })
+    }
+
+    /// The control before the first line, and its lines, of which nothing but the text is known here.
+    pub fn reader(&self) -> LineReader {
+        LineReader::new(self.settings, self.tables)
+    }
+
+    /// Its lines, one after the other.
+    pub fn lines(&self) -> impl Iterator<Item = ProgramLine> {
+        let (mut reader, mut found) = (self.reader(), Vec::new());
+        Lines::new(&self.bytes).map(move |RawLine { text, ending }| {
+            found.clear();
+            reader.read(text, ending, &mut found)
+        })
+    }
+
+    /// Counts what it holds, and gives out what is wrong with it, in order of place, with the line's text. As a `run` it also
+    /// has to begin with `%`, and to end.
+    pub fn survey(&self, is_run: bool, mut each: impl FnMut(Diagnostic, &[u8])) -> Summary {
+        let (mut reader, mut found, mut summary, mut last) = (self.reader(), Vec::new(), Summary::default(), &[][..]);
+        for RawLine { text, ending } in Lines::new(&self.bytes) {
+            let line = reader.read(text, ending, &mut found);
+            if let Some(lost) = line.lost_label().filter(|_| is_run && summary.lines == 0) {
+                each(lost, text);
+            }
+            summary.add(&line);
+            found.drain(..).for_each(|diagnostic| each(diagnostic, text));
+            last = text;
+        }
+        if is_run && summary.blocks > 0 && !summary.may_end {
+            each(Diagnostic::of_fault(summary.lines, last, Fault::alarm(Alarm::EndOfRecord, 0)), last);
+        }
+        summary
+    }
+
+    /// The program, whole.
+    ///
+    /// # Errors
+    /// It has more than 500 000 lines: in words, with its path.
+    pub fn whole(&self) -> Result<Program, String> {
+        check_line_count(&self.path, &self.bytes)?;
+        Ok(Program::parse_with(&self.path, &self.bytes, self.settings, self.tables))
+    }
+
+    /// The program, whole and run to its end (see [`Program::run`]).
+    ///
+    /// # Errors
+    /// As [`Source::whole`].
+    pub fn run(&self, library: Option<&Path>, keeps_moves: bool, bounds: RunBounds) -> Result<Program, String> {
+        check_line_count(&self.path, &self.bytes)?;
+        let (settings, tables) = (self.settings, self.tables);
+        Ok(Program::run(&self.path, &self.bytes, Expansion { settings, tables, library, keeps_moves, bounds }))
+    }
+}

@@ -1,0 +1,67 @@
+//! What a program holds, counted line by line.
+
+use arcfeed_shared::nc::block::Line;
+use arcfeed_shared::nc::machining::ToolInSpindle;
+use arcfeed_shared::nc::modal::Stop;
+
+use super::{ProgramLine, Tally};
+
+/// Most tools that are listed: an example of each of two is enough to ask which is meant.
+const TOOLS_MAX: usize = 100;
+
+/// Counts of a program.
+#[derive(Clone, Debug, Default)]
+pub struct Summary {
+    /// Lines of the file.
+    pub lines: usize,
+    /// Blocks: lines but `%` and empty ones.
+    pub blocks: usize,
+    /// Blocks of nothing but a comment or a title.
+    pub comments: usize,
+    /// Moves.
+    pub moves: Tally,
+    /// Numbers of the tools that it loads, each with the first line with it in the spindle, counted from 1.
+    pub tools: Vec<(i64, usize)>,
+    /// Whether it can end in one of the lines.
+    pub may_end: bool,
+}
+
+impl Summary {
+    /// Of these lines.
+    pub fn new<'a>(lines: impl IntoIterator<Item = &'a ProgramLine>) -> Self {
+        let mut summary = Summary::default();
+        lines.into_iter().for_each(|line| summary.add(line));
+        summary
+    }
+
+    /// The next line.
+    pub fn add(&mut self, line: &ProgramLine) {
+        self.lines += 1;
+        self.blocks += usize::from(line.is_block());
+        self.comments += usize::from(line.is_block() && is_comment(line));
+        self.may_end |= may_end(line);
+        line.meaning.iter().for_each(|meaning| self.moves.add(meaning));
+        if let ToolInSpindle::Number(number) = line.machining.tool
+            && self.tools.len() < TOOLS_MAX
+            && !self.tools.iter().any(|(known, _)| *known == number)
+        {
+            self.tools.push((number, self.lines));
+        }
+    }
+}
+
+fn is_comment(line: &ProgramLine) -> bool {
+    line.meaning.as_ref().is_some_and(|meaning| match meaning.parsed.line {
+        Line::Block => meaning.parsed.block.is_empty() && meaning.parsed.block.program.is_none(),
+        Line::Title => true,
+        Line::ProgramMark => false,
+    })
+}
+
+/// Whether the program can end in this line; one that could not be read may hold its M30.
+fn may_end(line: &ProgramLine) -> bool {
+    match &line.meaning {
+        Some(understood) => understood.step.stop == Some(Stop::End),
+        None => [&b"M30"[..], b"M02", b"M2"].iter().any(|code| line.text.windows(code.len()).any(|text| text == *code)),
+    }
+}

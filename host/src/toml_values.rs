@@ -1,0 +1,122 @@
+//! Keys and values of a TOML file with their places: numbers that no file may hold, and the key that a complaint is about.
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Largest size of a number. All lengths, feeds, counts and coefficients lie far below; integers in nanometres hold it.
+pub const NUMBER_MAX: f64 = 1e9;
+
+/// Longest value that a message repeats, in bytes.
+const SHOWN_MAX: usize = 60;
+
+/// Takes a dotted key, the offset of the key where it has one of its own, and the value.
+pub type Visit<'v> = dyn FnMut(&str, Option<usize>, &Spanned<DeValue<'_>>) + 'v;
+
+/// Visits every value with its dotted key (`cut.2.stock.offset`, items counted from 1) and the offset of the key where it has
+/// one of its own; tables and arrays before what is in them. Visits nothing of a text that is no TOML.
+pub fn walk(text: &str, visit: &mut Visit<'_>) {
+    if let Ok(table) = DeTable::parse(text) {
+        walk_table("", table.get_ref(), visit);
+    }
+}
+
+fn walk_table(prefix: &str, table: &DeTable<'_>, visit: &mut Visit<'_>) {
+    for (name, value) in table {
+        walk_value(&format!("{prefix}{}", name.get_ref()), Some(name.span().start), value, visit);
+    }
+}
+
+fn walk_value(key: &str, key_offset: Option<usize>, value: &Spanned<DeValue<'_>>, visit: &mut Visit<'_>) {
+    visit(key, key_offset, value);
+    match value.get_ref() {
+        DeValue::Table(table) => walk_table(&format!("{key}."), table, visit),
+        DeValue::Array(values) => {
+            for (number, value) in (1..).zip(values.iter()) {
+                walk_value(&format!("{key}.{number}"), None, value, visit);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Refuses the first number that is not finite or larger than [`NUMBER_MAX`].
+///
+/// # Errors
+/// Its byte offset, and what is wrong with it.
+pub fn refuse_numbers(text: &str) -> Result<(), (usize, String)> {
+    let mut refused: Option<(usize, String)> = None;
+    walk(text, &mut |_, _, value| {
+        let number = match value.get_ref() {
+            DeValue::Float(float) => float.as_str().parse().unwrap_or(f64::NAN),
+            DeValue::Integer(integer) => {
+                i64::from_str_radix(integer.as_str(), integer.radix()).map_or(f64::INFINITY, |number| number as f64)
+            }
+            _ => return,
+        };
+        let offset = value.span().start;
+        if !is_possible(number) && refused.as_ref().is_none_or(|(first, _)| offset < *first) {
+            let message =
+                format!("a number between -{NUMBER_MAX:e} and {NUMBER_MAX:e} is needed; write one, or remove the key");
+            refused = Some((offset, message));
+        }
+    });
+    refused.map_or(Ok(()), Err)
+}
+
+/// Whether a number is finite and not larger than [`NUMBER_MAX`].
+pub fn is_possible(number: f64) -> bool {
+    (-NUMBER_MAX..=NUMBER_MAX).contains(&number)
+}
+
+/// A complaint with the key that it is about, and what stands there.
+pub fn with_key(text: &str, offset: usize, message: &str) -> String {
+    let mut found = None;
+    walk(text, &mut |key, key_offset, value| {
+        let span = value.span();
+        let shown = text.get(span.clone()).filter(|shown| shown.len() <= SHOWN_MAX && !shown.contains('\n'));
+        if span.start == offset {
+            let is_table = matches!(value.get_ref(), DeValue::Table(_));
+            found = Some(match shown.filter(|_| !is_table) {
+                Some(shown) => format!("found `{key} = {shown}`"),
+                None => format!("in `{key}`"),
+            });
+        } else if key_offset == Some(offset) {
+            found = Some(format!("found `{key}`"));
+        }
+    });
+    // A complaint about the whole file stands at its start.
+    match found.filter(|_| offset > 0) {
+        Some(found) => format!("{message} ({found})"),
+        None => message.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_that_no_file_may_hold_are_found_wherever_they_stand() {
+        for (text, refused) in [
+            ("a = 1e9\nb = [-1e9, 0x10, 1_000]\nc = \"nan\"", None),
+            ("a = 1\n[t]\nb = { c = [0, nan] }\nd = inf", Some("nan] }")),
+            ("[[t]]\na = -inf", Some("-inf")),
+            ("a = 1e300", Some("1e300")),
+            ("a = 99999999999", Some("99999999999")),
+        ] {
+            let found = refuse_numbers(text).err().map(|(offset, _)| offset);
+            assert_eq!(found, refused.map(|refused| text.find(refused).expect("it is in the text")), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_complaint_names_the_key_and_what_stands_there() {
+        let text = "a = 1\n[[cut]]\nn = [7, 5]\nstock = { offset = 3, ofset = 4 }\n";
+        let complaint = |part: &str| with_key(text, text.find(part).expect("it is in the text"), "no");
+        assert_eq!(complaint("[7"), "no (found `cut.1.n = [7, 5]`)");
+        assert_eq!(complaint("5]"), "no (found `cut.1.n.2 = 5`)");
+        assert_eq!(complaint("ofset"), "no (found `cut.1.stock.ofset`)");
+        assert_eq!(complaint("{"), "no (in `cut.1.stock`)");
+        assert_eq!(with_key(text, 0, "missing field `program`"), "missing field `program`");
+    }
+}
