@@ -271,11 +271,34 @@ fn a_program_without_a_label_is_told_what_a_line_makes_of_it() {
 }
 
 #[test]
-fn a_spindle_speed_that_contradicts_the_job_is_refused_at_its_place() {
-    let scratch = example("spindle", |text| text.replacen("N30S1000M3", "N30S900M3", 1));
-    let output = run(&["adapt", &scratch.path("job.toml")]);
-    assert_refused(&output, &format!("{}:6:4: error", scratch.path("ibr-slot.nc")));
-    assert!(text_of(&output.stderr).contains("S900"));
+fn a_program_is_governed_at_its_own_spindle_speed_and_not_at_all_without_one() {
+    let least = |name: &str, spindle: &str| -> Vec<f64> {
+        let scratch = example(name, |text| text.replacen("N30S1000M3", spindle, 1));
+        let output = run(&["adapt", &scratch.path("job.toml"), "--json"]);
+        assert_eq!(output.status.code(), Some(0), "{}", text_of(&output.stderr));
+        let text = text_of(&output.stdout);
+        let blocks = text.lines().map(|line| serde_json::from_str::<Value>(line).expect("JSON"));
+        blocks.filter_map(|block| block["feed_min"].as_f64()).collect()
+    };
+    let (job, slower) = (least("spindle-job", "N30S1000M3"), least("spindle-slower", "N30S900M3"));
+    assert_eq!((job.len(), slower.len()), (20, 20));
+    assert!(job.iter().zip(&slower).all(|(job, slower)| (slower / job - 0.9).abs() < 1e-6), "{slower:?}");
+    for (name, spindle) in [("spindle-off", "N30S1000M5"), ("spindle-0", "N30S0M3"), ("spindle-none", "N30M9")] {
+        assert_eq!(least(name, spindle), [0.0; 0], "{spindle}");
+    }
+}
+
+#[test]
+fn the_blocks_of_another_tool_keep_their_feed() {
+    let scratch = example("other-tool", |text| text.replacen("N30S1000M3", "T2M6\nN30S1000M3", 1));
+    let output = run(&["adapt", &scratch.path("job.toml"), "--json"]);
+    let text = text_of(&output.stdout);
+    let blocks: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    assert_eq!(blocks.iter().filter(|block| block["reason"] == "other-tool").count(), 20);
+    assert!(
+        blocks.iter().all(|block| block["feed_min"].is_null())
+            && text_of(&output.stderr).contains("`number` of [tool]")
+    );
 }
 
 #[test]

@@ -25,7 +25,7 @@ const FEED: f64 = 10.0;
 const TOOL_RADIUS: f64 = 5.0;
 /// An end mill inside every counter-clockwise arc: the centre runs at F q/(q + r).
 const JOB: &str = "units = \"mm\"\nprogram = \"p.nc\"\n[tool]\nkind = \"end-mill\"\ndiameter = 10\nteeth = 4\n\
-    [spindle]\nrev_per_min = 1500\n[law]\nkind = \"contour\"\nfeed_per_tooth = 0.1\n\
+    [spindle]\nrev_per_min = 1500\nset_by = \"operator\"\n[limits]\nmax_feed = \"90000 mm\"\nmax_raise = 100\n[law]\nkind = \"contour\"\nfeed_per_tooth = 0.1\n\
     [[cut]]\nmoves = \"arcs\"\ndirection = \"ccw\"\nside = \"inside\"\nradial_depth = 1.0\n\
     [control]\npreset = \"fanuc-16i\"\n";
 
@@ -78,7 +78,7 @@ fn program() -> String {
         .enumerate()
         .map(|(at, (_, (words, ..)))| format!("N{}{words}\nG4X{DWELL_S}\n", 10 * (at + 1)))
         .collect();
-    format!("%\nO1\nG21G90G94F600.\n{blocks}M30\n%\n")
+    format!("%\nO1\nG21G90G94F600.\nG92X0Y0\n{blocks}M30\n%\n")
 }
 
 fn job(scratch: &Scratch) -> String {
@@ -86,16 +86,17 @@ fn job(scratch: &Scratch) -> String {
     scratch.write("job.toml", JOB)
 }
 
-/// Length of the arc in its plane, mm; path over arc; the feed as adapted, mm/s.
-fn worked_out((_, _, _, radius, quarters, rise): &Move) -> (f64, f64, f64) {
+/// Length of the arc in its plane, mm; path over arc; the feed as adapted, mm/s: only arcs across the tool's axis are governed.
+fn worked_out(plane: Plane, (_, _, _, radius, quarters, rise): &Move) -> (f64, f64, f64) {
     let length = radius * FRAC_PI_2 * f64::from(quarters.abs());
-    let governed = if *quarters > 0 { radius / (radius + TOOL_RADIUS) } else { 1.0 };
+    let is_governed = *quarters > 0 && plane == Plane::Xy && *rise == 0.0;
+    let governed = if is_governed { radius / (radius + TOOL_RADIUS) } else { 1.0 };
     (length, libm::hypot(length, *rise) / length, FEED * governed)
 }
 
 /// From rest to rest, with its dwell, s.
-fn time_s(one: &Move, feed: f64) -> f64 {
-    let (length, stretch, _) = worked_out(one);
+fn time_s(plane: Plane, one: &Move, feed: f64) -> f64 {
+    let (length, stretch, _) = worked_out(plane, one);
     length / feed + stretch * feed / Dynamics::default().acceleration_mm_per_s2 + DWELL_S
 }
 
@@ -111,14 +112,15 @@ fn check_takes_them_all_and_counts_the_helices() {
 }
 
 #[test]
-fn adapt_sends_every_counter_clockwise_arc_in_every_plane_with_the_feed_of_its_radius() {
+fn adapt_sends_counter_clockwise_arcs_across_the_tools_axis_with_the_feed_of_their_radius_and_all_others_with_their_own()
+ {
     let scratch = Scratch::new("helices-adapt");
     let output = run(&["adapt", &job(&scratch), "--json"]);
     let text = String::from_utf8(output.stdout).expect("JSON is text");
     let blocks: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
     assert_eq!(blocks.len(), moves().count());
-    for (block, (_, one)) in blocks.iter().zip(moves()) {
-        let (_, _, feed) = worked_out(one);
+    for (block, (plane, one)) in blocks.iter().zip(moves()) {
+        let (_, _, feed) = worked_out(plane, one);
         let (wanted, sent) = (feed * 60.0, block["sent_feed"].as_f64().expect("a feed"));
         // F has one decimal and is rounded to the thin side.
         assert!(sent <= wanted && sent > wanted - 0.101, "{}: F{sent}, not {wanted}", one.0);
@@ -132,8 +134,8 @@ fn simulate_takes_the_time_of_the_closed_form_before_and_after() {
     let scratch = Scratch::new("helices-simulate");
     let output = run(&["simulate", &job(&scratch), "--json"]);
     let report: Value = serde_json::from_slice(&output.stdout).expect("one object");
-    let before: f64 = moves().map(|(_, one)| time_s(one, FEED)).sum();
-    let after: f64 = moves().map(|(_, one)| time_s(one, worked_out(one).2)).sum();
+    let before: f64 = moves().map(|(plane, one)| time_s(plane, one, FEED)).sum();
+    let after: f64 = moves().map(|(plane, one)| time_s(plane, one, worked_out(plane, one).2)).sum();
     for (field, wanted) in [("baseline_cycle_time_s", before), ("cycle_time_s", after)] {
         let found = report[field].as_f64().expect("a time");
         println!("{field}: {found:.3} s, worked out {wanted:.3} s");
@@ -147,7 +149,7 @@ fn over_a_line_the_same_blocks_run() {
     let scratch = Scratch::new("helices-stream");
     let output = run(&["stream", &job(&scratch), "--port", "sim:", "--json"]);
     let report: Value = serde_json::from_slice(&output.stdout).expect("one object");
-    let wanted: f64 = moves().map(|(_, one)| time_s(one, worked_out(one).2)).sum();
+    let wanted: f64 = moves().map(|(plane, one)| time_s(plane, one, worked_out(plane, one).2)).sum();
     let found = report["cycle_time_s"].as_f64().expect("a time");
     assert_eq!((&report["blocks_executed"], &report["alarms"]), (&report["blocks_sent"], &Value::Array(vec![])));
     assert!((found - wanted).abs() <= 2.0 * TICK.to_s() * moves().count() as f64, "{found} s, not {wanted} s");
@@ -206,7 +208,7 @@ fn the_arc_in_its_plane_is_run_at_the_feed_and_no_acceleration_along_the_path_is
     let limit = Dynamics::default().acceleration_mm_per_s2;
     for (points, (plane, one)) in executed().iter().zip(moves()) {
         let (first, second, _) = plane.axes();
-        let (_, stretch, feed) = worked_out(one);
+        let (_, stretch, feed) = worked_out(plane, one);
         let path = |pair: &[[f64; 3]]| {
             let [x, y, z] = [0, 1, 2].map(|axis| pair[1][axis] - pair[0][axis]);
             libm::hypot(libm::hypot(x, y), z) / dt

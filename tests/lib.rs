@@ -160,6 +160,39 @@ impl Running {
         })
     }
 
+    /// The number of its process.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// A figure of `/proc/PID/status`, in kB: `VmRSS` is the memory in use, `VmHWM` the most so far.
+    pub fn memory_kb(&self, field: &str) -> u64 {
+        let path = format!("/proc/{}/status", self.child.id());
+        let status = fs::read_to_string(path).expect("it runs, on Linux");
+        let line = status.lines().find_map(|line| line.strip_prefix(field)?.strip_prefix(':'));
+        let number = line.and_then(|rest| rest.split_whitespace().next()).and_then(|word| word.parse().ok());
+        number.unwrap_or_else(|| panic!("no {field}: {status}"))
+    }
+
+    /// Waits for its end; answers also the most memory it had in use, in kB, as seen every other millisecond (Linux).
+    pub fn end_with_memory(mut self, longest: Duration) -> (Ended, u64) {
+        let path = format!("/proc/{}/status", self.child.id());
+        let (mut most, started) = (0, Instant::now());
+        while self.child.try_wait().expect("a child can be waited for").is_none() {
+            let status = fs::read_to_string(&path).unwrap_or_default();
+            let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+            most = line.and_then(|rest| rest.split_whitespace().next()?.parse().ok()).unwrap_or(most);
+            assert!(started.elapsed() < longest, "waited in vain for the end of arcfeed");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        (self.end(), most)
+    }
+
+    /// What it has written to stderr so far.
+    pub fn said(&self) -> String {
+        fs::read_to_string(&self.err).unwrap_or_default()
+    }
+
     /// What Ctrl-C does.
     pub fn interrupt(&self) {
         let sent = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status();

@@ -70,6 +70,7 @@ fn the_override_stops_where_the_machine_does_and_says_why() {
             file.job.machine = match by {
                 LimitedBy::Axis => MachineLimits { linear: [Some(feed); 3], ..MachineLimits::default() },
                 LimitedBy::ArcClamp => MachineLimits { arc_clamp: Some(clamp), ..MachineLimits::default() },
+                LimitedBy::Ceiling => continue,
             };
             let most = file.job.machine.feed_limit(&block.segment).expect("it has a limit");
             assert_eq!(most.by, by);

@@ -36,11 +36,7 @@ impl Person {
     fn starts_and_looks(arguments: &[&str], size: PtySize, gate: Arc<Barrier>) -> Self {
         let pair = native_pty_system().openpty(size).expect("a pseudo-terminal");
         let found = format!("{:?}", pair.master.get_termios().expect("a terminal"));
-        let mut command = CommandBuilder::new(arcfeed());
-        command.args(arguments);
-        command.cwd(root());
-        command.env("TERM", "xterm-256color");
-        let child = pair.slave.spawn_command(command).expect("arcfeed starts");
+        let child = pair.slave.spawn_command(command(arguments)).expect("arcfeed starts");
         let [rows, cols] = [size.rows, size.cols].map(|cells| NonZeroU16::new(cells).expect("a terminal has a size"));
         let terminal = Arc::new(Mutex::new(Parser::new(rows, cols, 0)));
         let mut reader = pair.master.try_clone_reader().expect("a reader");
@@ -86,6 +82,14 @@ impl Person {
         assert_eq!(format!("{:?}", self.master.get_termios().expect("a terminal")), self.found);
         (status.exit_code(), self.screen())
     }
+}
+
+fn command(arguments: &[&str]) -> CommandBuilder {
+    let mut command = CommandBuilder::new(arcfeed());
+    command.args(arguments);
+    command.cwd(root());
+    command.env("TERM", "xterm-256color");
+    command
 }
 
 impl Drop for Person {
@@ -175,6 +179,22 @@ fn a_terminal_that_takes_nothing_holds_nobody_up() {
     let (code, left) = person.goes();
     assert_eq!(code, 0, "{left}");
     assert!(left.contains("52 sent, 52 executed, no alarm"), "{left}");
+}
+
+#[test]
+fn a_terminal_that_is_closed_ends_the_sending_as_ctrl_c_does() {
+    let scratch = Scratch::new("screen-gone");
+    let journal = scratch.path("journal");
+    let arguments = ["stream", JOB, "--tui", "--baudrate", "600", "--journal", &journal];
+    let pair = native_pty_system().openpty(SIZE).expect("a pseudo-terminal");
+    let mut child = pair.slave.spawn_command(command(&arguments)).expect("arcfeed starts");
+    drop(pair.slave);
+    let records = || std::fs::read_to_string(&journal).unwrap_or_default();
+    wait_for("a part of the program", || (records().matches(" out ").count() >= 3).then_some(()));
+    drop(pair.master);
+    let status = wait_for("the end of arcfeed", || child.try_wait().expect("a child can be waited for"));
+    assert_eq!(status.exit_code(), 130, "{status:?}");
+    assert!(records().ends_with("how=aborted\n"), "{}", records());
 }
 
 #[test]

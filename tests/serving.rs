@@ -217,7 +217,7 @@ fn a_command_line_without_sense_is_explained() {
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{stderr}");
     assert!(stderr.contains("no/such/folder") && stderr.contains("--library"), "{stderr}");
-    let output = run(&["serve", "--tcp", "203.0.113.1:1"]);
+    let output = run(&["serve", "--tcp", "203.0.113.1:1", "--allow-remote"]);
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{stderr}");
     assert!(stderr.contains("203.0.113.1:1") && stderr.contains("free port"), "{stderr}");

@@ -178,7 +178,7 @@ fn turned_arc(scratch: &Scratch, name: &str, program: &str) -> Value {
     scratch.write(&format!("{name}.nc"), program);
     let job = format!(
         "units = \"inch\"\nprogram = \"{name}.nc\"\n[tool]\nkind = \"cup-mill\"\nouter_radius = 5.06205\n\
-         inner_radius = 4.43706\nactive_teeth = 10\n[spindle]\nrev_per_min = 1000\n[law]\nkind = \"circumference\"\n\
+         inner_radius = 4.43706\nactive_teeth = 10\n[spindle]\nrev_per_min = 1000\nset_by = \"operator\"\n[limits]\nmax_feed = \"90000 mm\"\nmax_raise = 100\n[law]\nkind = \"circumference\"\n\
          feed_per_tooth = 0.004\n[[cut]]\nrotation = \"interior\"\ndirection = \"cw\"\nside = \"inner\"\n\
          stock = {{ normal_deg = 187.563, offset = 7.2959 }}\n"
     );
@@ -213,7 +213,7 @@ fn a_move_under_g41_keeps_its_feed_and_that_is_said_at_its_place() {
     let scratch = Scratch::new("shop-g41");
     let job = std::fs::read_to_string(root().join(JOB)).expect("the job").replace("settings = \"machine.toml\"", "");
     let job = scratch.write("job.toml", job);
-    let program = scratch.write("shop.nc", "%\nG21G0X20.Y0Z-5.\nG1G41D1X25.F900.\nG3I-25.\nG1G40X20.\nM30\n%\n");
+    let program = scratch.write("shop.nc", "%\nG21S3000M3G0X20.Y0Z-5.\nG1G41D1X25.F900.\nG3I-25.\nG1G40X20.\nM30\n%\n");
     let out = scratch.path("out.nc");
     let output = run(&["adapt", &job, "-o", &out]);
     let said = String::from_utf8(output.stderr).expect("text");

@@ -283,7 +283,7 @@ fn with_line(scratch: &Scratch, lines: &str) -> String {
 #[test]
 fn a_loop_without_flow_control_takes_the_whole_program() {
     let scratch = Scratch::new("loop");
-    let (job, traffic) = (with_line(&scratch, "baudrate = 115200"), scratch.path("traffic"));
+    let (job, traffic) = (with_line(&scratch, "baudrate = 115200\nxonxoff = false"), scratch.path("traffic"));
     let url = format!("fault://tx.delay=30/spy://loop://?file={traffic}");
     let output = run(&["stream", &job, "--port", &url, "--json"]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
@@ -302,7 +302,7 @@ fn a_loop_without_flow_control_takes_the_whole_program() {
 #[test]
 fn a_line_that_takes_nothing_ends_in_words_after_write_timeout() {
     let scratch = Scratch::new("stuck");
-    let job = with_line(&scratch, "baudrate = 115200\nwrite_timeout = 0.3");
+    let job = with_line(&scratch, "baudrate = 115200\nxonxoff = false\nwrite_timeout = 0.3");
     let output = run(&["stream", &job, "--port", "fault://short=1/loop://"]);
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{stderr}");
@@ -315,4 +315,22 @@ fn a_lost_xoff_overruns_the_control_and_is_reported_as_its_alarm() {
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{stderr}");
     assert!(stderr.contains("PS0087"), "{stderr}");
+}
+
+#[test]
+fn a_job_without_serial_streams_with_software_flow_control() {
+    let text = String::from_utf8(read(JOB)).expect("text");
+    let (text, _) = text.split_once("[serial]").expect("the table is the last one");
+    let program = root().join(PROGRAM);
+    let text = text.replace("\"ibr-slot.nc\"", &format!("{:?}", program.display().to_string()));
+    let scratch = Scratch::new("no-serial");
+    let sent = run(&["stream", &scratch.write("job.toml", text), "--port", "sim:", "--json"]);
+    assert_eq!(sent.status.code(), Some(0), "{}", String::from_utf8_lossy(&sent.stderr));
+    let [with, without] = [run(&["stream", JOB, "--port", "sim:", "--json"]), sent]
+        .map(|sent| report(&String::from_utf8(sent.stdout).expect("text")));
+    // Where the control waits for its first characters, it waits as long as ten bits take, not eleven.
+    for figure in ["alarms", "blocks_executed", "ipt_circumference"] {
+        assert_eq!(with[figure], without[figure], "{figure}");
+    }
+    assert!(without["link"]["xoff_count"].as_u64() >= Some(1), "{without}");
 }

@@ -132,8 +132,9 @@ fn the_machine_runs_by_a_table_of_feeds() {
     let sent = number(&block(&path, 146), "sent_feed");
     let report = objects("simulate", &path).remove(0);
     let bounds = &report["movements"][1]["override"];
-    // 60 in/min at the end, rounded to the thin side.
-    assert_eq!(number(bounds, "max"), libm::floor(100.0 * 60.0 / sent));
+    // 60 in/min at the end, where the override is on its way down to the 100 % that the next block allows.
+    let (most, wanted) = (number(bounds, "max"), 100.0 * 60.0 / sent);
+    assert!((0.9 * wanted..=wanted).contains(&most), "{most} of {wanted}");
     assert_eq!(report["movements"][0]["override"]["changes"], 0);
 }
 
@@ -144,7 +145,7 @@ fn an_end_mills_lines_and_arcs_run_by_tables_too() {
     let folder = root().join("examples/pocket");
     let program = std::fs::read_to_string(folder.join("pocket.nc")).expect("the example has it");
     scratch.write("pocket.nc", program);
-    let head = "units = \"mm\"\nprogram = \"pocket.nc\"\nlaw = { kind = \"table\", feed_per_tooth = 0.1 }\n\
+    let head = "units = \"mm\"\nprogram = \"pocket.nc\"\nlimits = { max_feed = 90000, max_raise = 100 }\nlaw = { kind = \"table\", feed_per_tooth = 0.1 }\n\
                 tool = { kind = \"end-mill\", diameter = 10, teeth = 4 }\nspindle = { rev_per_min = 8000 }\n";
     let rules = "[[cut]]\nmoves = \"lines\"\nside = \"inside\"\nradial_depth = 1\nn = [130, 130]\ntable = [[0, 0.1], [5, 0.08]]\n\
                  [[cut]]\nmoves = \"arcs\"\ndirection = \"ccw\"\nside = \"inside\"\nradial_depth = 1\nn = [140, 140]\n\

@@ -24,7 +24,7 @@ use crate::runs::{AHEAD, Example, prepare};
 /// From cycle start on: some loops, with more coming in behind them.
 const PERIODS: usize = 12_000;
 /// What all of a tick may take, instructions. Tables for both circles: four ends of engaged arcs, each with its step.
-const TICK_MAX: u32 = 4_900;
+const TICK_MAX: u32 = 5_400;
 /// More than the board has room for.
 const LOOPS: usize = 12;
 const IMAGE: &str = "feedboard";
@@ -84,7 +84,7 @@ fn arcs_told_with_each_move_govern_the_chip_as_they_do_here_and_fit_it() {
     let governed = here.iter().filter(|percent| **percent != 100).count();
     println!("{governed} of {PERIODS} ticks not at 100 %, {costs:?}");
     assert!(chip == here, "first at {:?}", (0..PERIODS).find(|at| chip[*at] != here[*at]));
-    assert!(governed > PERIODS / 3, "the arcs govern");
+    assert!(governed > PERIODS / 4, "the arcs govern");
     assert!(costs.worst <= TICK_MAX, "{} instructions", costs.worst);
     assert!(costs.stack <= STACK_MAX, "{} bytes of stack", costs.stack);
 }

@@ -17,8 +17,8 @@ fn turn(feed: f64) -> serde_json::Value {
     );
     let job = format!(
         "units = \"inch\"\nprogram = \"program.nc\"\n[tool]\nkind = \"cup-mill\"\nouter_radius = 5.06205\n\
-         inner_radius = {INNER_IN}\nactive_teeth = 10\nheight = 1\n[spindle]\nrev_per_min = 1000\n\
-         [law]\nkind = \"circumference\"\nfeed_per_tooth = 0.004\n\
+         inner_radius = {INNER_IN}\nactive_teeth = 10\nheight = 1\n[spindle]\nrev_per_min = 1000\nset_by = \"operator\"\n\
+         [limits]\nmax_feed = \"90000 mm\"\nmax_raise = 100\n[law]\nkind = \"circumference\"\nfeed_per_tooth = 0.004\n\
          [[cut]]\nrotation = \"interior\"\ndirection = \"ccw\"\nside = \"outer\"\n\
          stock = {{ normal_deg = 90, offset = {EDGE_IN} }}\n\
          [workpiece]\nblock = {{ from = [-2, -6, 0], to = [11, {EDGE_IN}, 0.09] }}\nstep = 0.03\n\

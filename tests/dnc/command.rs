@@ -104,6 +104,36 @@ fn what_was_executed_to_its_end_or_never_begun_is_not_taken_up() {
     assert_eq!((again.status.code(), stderr(&again).contains("executed to its end")), (Some(1), true), "{again:?}");
 }
 
+#[test]
+fn a_changed_settings_file_stops_a_resume_and_a_comment_does_not() {
+    let scratch = Scratch::new("resume-settings");
+    let job = job(&scratch);
+    let text = std::fs::read_to_string(&job).expect("text");
+    let text = text.replace("[control]", "[control]\nsettings = \"settings.toml\"");
+    scratch.write("job.toml", &text);
+    let settings = "unit = \"inch\"\n[work]\n\"G54\" = { X = 1.0 }\n";
+    scratch.write("settings.toml", settings);
+    let journal = scratch.path("journal");
+    let cut = run(&["stream", &job, "--port", "fault://disconnect=900/sim:", "--journal", &journal]);
+    assert_eq!(cut.status.code(), Some(3), "{}", String::from_utf8_lossy(&cut.stderr));
+    let resumed = || {
+        let output = run(&["stream", &job, "--journal", &journal, "--resume", "--from", "20", "--clearance", "0"]);
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    // Asked to agree: the journal still counts.
+    assert_eq!(resumed().0, Some(4), "{}", resumed().1);
+    scratch.write("settings.toml", format!("# the vice on the left\n{settings}"));
+    scratch.write("job.toml", format!("# the second part\n{text}").replace("baudrate = 9600", "baudrate = 19200"));
+    assert_eq!(resumed().0, Some(4), "{}", resumed().1);
+    scratch.write("settings.toml", settings.replace("1.0", "1.5"));
+    let (code, stderr) = resumed();
+    assert!(code == Some(1) && stderr.contains("settings file") && stderr.contains("is not what it was"), "{stderr}");
+    scratch.write("settings.toml", settings);
+    scratch.write("job.toml", text.replace("slew_up = 50", "slew_up = 40"));
+    let (code, stderr) = resumed();
+    assert!(code == Some(1) && stderr.contains("what the job"), "{stderr}");
+}
+
 /// The example with reports behind every tenth block; its job.
 fn reporting(scratch: &Scratch) -> String {
     let job = job(scratch);

@@ -119,9 +119,12 @@ fn a_changed_program_or_job_is_not_resumed() {
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(3) && stderr.contains("--resume"), "{stderr}");
     let resume = || run(&["stream", &job, "--resume", "--journal", &journal, "--from", "20", "--approve"]);
-    for (file, what) in [("ibr-slot.nc", "the program's file"), ("job.toml", "the job's file")] {
+    for (file, old, new, what) in [
+        ("ibr-slot.nc", "M30\n", "M30\n\n", "the program's file"),
+        ("job.toml", "feed_per_tooth = 0.004", "feed_per_tooth = 0.003", "what the job"),
+    ] {
         let as_it_was = std::fs::read_to_string(scratch.path(file)).expect("text");
-        scratch.write(file, as_it_was.clone() + "\n");
+        scratch.write(file, as_it_was.replace(old, new));
         let output = resume();
         let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.code() == Some(1) && stderr.contains(what), "{stderr}");

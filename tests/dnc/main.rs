@@ -24,6 +24,12 @@ mod kill;
 mod command;
 
 #[cfg(unix)]
+mod lost;
+
+#[cfg(unix)]
+mod unread;
+
+#[cfg(unix)]
 mod verify;
 
 #[cfg(target_os = "linux")]

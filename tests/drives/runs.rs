@@ -1,7 +1,9 @@
 //! Whole runs with axes that lag: what the controller sees, when they are over, which chips are measured.
 
+use arcfeed::adapt::adapt;
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
+use arcfeed::program::Program;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_hil_sim::control::{Control, ControlSettings};
 use arcfeed_hil_sim::cutting::meter::STEADY_RATIO;
@@ -10,6 +12,7 @@ use arcfeed_hil_sim::drives::servo::Servo;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::machine;
 use arcfeed_hil_sim::rig::Rig;
+use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_tests::root;
 
@@ -29,7 +32,8 @@ impl Decider for Listener {
 
 fn example() -> (JobFile, Vec<u8>) {
     let file = JobFile::load(&root().join("examples/ibr-slot/job.toml")).expect("the example's job is sound");
-    let text = std::fs::read(&file.program).expect("the program is there");
+    let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the program is there");
+    let text = adapt(&program, &file.job).text;
     (file, text)
 }
 

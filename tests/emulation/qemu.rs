@@ -192,7 +192,7 @@ impl Drop for Emulator {
 
 /// What every start has in common; the console goes to a file.
 fn command(image: &Path, scratch: &Scratch, clock: Clock) -> Command {
-    let mut qemu = Command::new("qemu-system-arm");
+    let mut qemu = Command::new(emulator());
     qemu.args(["-machine", "mps2-an386", "-cpu", "cortex-m4", "-display", "none", "-monitor", "none"]);
     qemu.args(clock.arguments()).args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
     // What the board keeps in files in place of flash goes with the folder.
@@ -201,6 +201,14 @@ fn command(image: &Path, scratch: &Scratch, clock: Clock) -> Command {
     let _of_the_start_before = fs::remove_file(scratch.path("console"));
     qemu.stdin(Stdio::null()).stdout(File::create(scratch.path("console")).expect("a file for the console"));
     qemu
+}
+
+/// The emulator that `cargo xtask test` has unpacked into the build directory, or else the system's.
+fn emulator() -> PathBuf {
+    // This test runs as <build directory>/<profile>/deps/<name>.
+    let test = std::env::current_exe().expect("a test knows its own path");
+    let unpacked = test.ancestors().nth(3).map(|folder| folder.join("tools/bin/qemu-system-arm"));
+    unpacked.filter(|path| path.exists()).unwrap_or_else(|| "qemu-system-arm".into())
 }
 
 fn spawn(qemu: &mut Command) -> Child {

@@ -14,7 +14,7 @@ use arcfeed_firmware::station::sensors::Sensors;
 use arcfeed_firmware::station::ticker::Supply;
 use arcfeed_firmware::supervisor::input::Freshness;
 use arcfeed_firmware::supervisor::settings::Settings;
-use arcfeed_firmware::supervisor::signals::Signals;
+use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{Micros, RevPerMin};
 use arcfeed_shared::wire::frame::ENCODED_MAX;
@@ -37,6 +37,8 @@ struct Shared {
     is_over: AtomicBool,
     restarts: AtomicU32,
     is_silent: AtomicBool,
+    is_broken: AtomicBool,
+    is_reset: AtomicBool,
 }
 
 impl ServedBoard {
@@ -54,6 +56,17 @@ impl ServedBoard {
     /// Power off and on: the line stays, all it knew is gone.
     pub fn restart(&self) {
         self.shared.restarts.fetch_add(1, Ordering::SeqCst);
+    }
+
+    /// Finds its hardware at fault, and does so until it is reset.
+    pub fn fail(&self) {
+        self.shared.is_broken.store(true, Ordering::SeqCst);
+    }
+
+    /// Somebody mends it and presses its button.
+    pub fn reset(&self) {
+        self.shared.is_broken.store(false, Ordering::SeqCst);
+        self.shared.is_reset.store(true, Ordering::SeqCst);
     }
 
     /// Neither hears nor speaks from now on.
@@ -104,7 +117,14 @@ fn live(listener: &TcpListener, line: &mut Option<TcpStream>, starts: u32, share
             stream.set_nonblocking(true).expect("a stream can be asked without waiting");
             *line = Some(stream);
         }
-        ticker.tick(now, &sensors);
+        let signals = if shared.is_broken.load(Ordering::SeqCst) {
+            Signals::of_fault(BoardFault::Hardware)
+        } else if shared.is_reset.swap(false, Ordering::SeqCst) {
+            Signals::of_request(Request::Reset)
+        } else {
+            Signals::NONE
+        };
+        ticker.tick(now, &Sensors { signals, ..sensors });
         let Some(stream) = line.as_mut().filter(|_| !shared.is_silent.load(Ordering::SeqCst)) else { continue };
         let mut bytes = [0; 512];
         match stream.read(&mut bytes) {

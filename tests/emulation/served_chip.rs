@@ -2,7 +2,7 @@
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -152,8 +152,9 @@ impl Bench {
 /// # Panics
 /// The machine line is closed.
 pub fn show_standing(chip: &mut Emulator, machine: &mut PlainLine) {
+    static SHOWN: AtomicU64 = AtomicU64::new(0);
     let sample = Sample {
-        at: 0,
+        at: SHOWN.fetch_add(1, Ordering::Relaxed),
         mode: ModeCode::Free,
         linear: Some([0; 3]),
         rotary: None,

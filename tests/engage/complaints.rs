@@ -54,13 +54,13 @@ fn a_job_that_makes_no_sense_of_a_map_is_refused_with_its_place() {
     let own = "stock = { map = \"map.toml\" }";
     let slot = "side = \"slot\"";
     for (changes, expected) in [
-        (&[(own, "stock = { map = \"map.toml\", disc = [0, 0, 1] }")][..], "job.toml:20:9: give the stock as"),
+        (&[(own, "stock = { map = \"map.toml\", disc = [0, 0, 1] }")][..], "job.toml:24:9: give the stock as"),
         (
             &[(
                 own,
                 "stock = { map = \"map.toml\" }\n[[cut]]\nmoves = \"lines\"\nside = \"outer\"\nstock = { map = \"b.toml\" }",
             )],
-            "job.toml:24:17: one map is for all rules of a job: write \"map.toml\"",
+            "job.toml:28:17: one map is for all rules of a job: write \"map.toml\"",
         ),
         (&[("engaged-arc", "engagement")], "an end-mill's rule has moves"),
         (&[("side = \"outer\"", slot)], "an end-mill's rule under engaged-arc has moves"),

@@ -32,7 +32,7 @@ impl Cut<'_> {
             "job.toml",
             format!(
                 "units = \"mm\"\nprogram = \"program.nc\"\n[tool]\n{tool}\n[workpiece]\n{workpiece}\nstep = {STEP_MM}\n\
-                 [spindle]\nrev_per_min = 3000\n[law]\nkind = \"engaged-arc\"\nfeed_per_tooth = {CHIP_MM}\n\
+                 [spindle]\nrev_per_min = 3000\nset_by = \"operator\"\n[limits]\nmax_feed = \"90000 mm\"\nmax_raise = 100\n[law]\nkind = \"engaged-arc\"\nfeed_per_tooth = {CHIP_MM}\n\
                  [[cut]]\n{rule}\nstock = {{ map = \"map.toml\" }}\n"
             ),
         );

@@ -29,6 +29,8 @@ fn job(tool: Tool, stock: Stock, both_edges: bool, chip_mm: f32) -> Job {
     Job {
         unit: LengthUnit::Mm,
         tool,
+        setup: Default::default(),
+        ceiling: Default::default(),
         spindle: RevPerMin(8_000.0),
         law: LawKind::EngagedArc { both_edges },
         feed_per_tooth: MmPerTooth(chip_mm),

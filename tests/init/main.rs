@@ -90,13 +90,22 @@ fn the_published_cup_mill_is_found_and_its_four_movements_are_told_apart() {
         assert!((found - published).abs() < 1e-4, "{tool}");
     }
     assert_eq!((&tool["kind"], &tool["number"], &report["unit"]), (&"cup-mill".into(), &14.into(), &"in".into()));
-    let wanted =
-        ["tool.active_teeth", "law.feed_per_tooth", "cut.1.stock", "cut.2.stock", "cut.3.stock", "cut.4.stock"];
+    let wanted = [
+        "tool.active_teeth",
+        "limits.max_feed",
+        "law.feed_per_tooth",
+        "cut.1.stock",
+        "cut.2.stock",
+        "cut.3.stock",
+        "cut.4.stock",
+    ];
     assert_eq!((keys(&report), &report["rules"]), (wanted.to_vec(), &4.into()));
     assert_asks_in_order(&job, &report);
     let stocks = [(54.187, 4.2391), (48.104, 10.4502), (81.715, 10.7843), (97.563, 7.2959)]
         .map(|(normal, offset)| format!("{{ normal_deg = {normal}, offset = {offset} }}"));
-    answer(&job, &[&["10", "0.004"][..], &stocks.each_ref().map(String::as_str)].concat());
+    answer(&job, &[&["10", "100", "0.004"][..], &stocks.each_ref().map(String::as_str)].concat());
+    let text = std::fs::read_to_string(&job).expect("a job");
+    std::fs::write(&job, text.replace("max_raise = 2", "max_raise = 4")).expect("it was just written");
     assert_eq!(run(&["check", &job]).status.code(), Some(0));
     let published = adapted("examples/ibr-slot/job.toml");
     let mut compared = 0;
@@ -130,7 +139,7 @@ fn the_pockets_arcs_are_told_apart_by_their_numbers() {
     assert_eq!(found, [(3.0, 4, &n(140, 200)), (15.0, 1, &n(310, 310)), (25.0, 1, &n(440, 440))]);
     assert_eq!((&report["tool"]["kind"], &report["spindle_speeds"]), (&"end-mill".into(), &vec![8_000].into()));
     assert_asks_in_order(&job, &report);
-    answer(&job, &["10", "4", "0.1", "\"inside\"", "1.0", "\"slot\"", "", "\"outside\"", "1.0"]);
+    answer(&job, &["10", "4", "6000", "0.1", "\"inside\"", "1.0", "\"slot\"", "", "\"outside\"", "1.0"]);
     let (mine, example) = (adapted(&job), adapted("examples/pocket/job-contour.toml"));
     for (mine, example) in mine.iter().zip(&example) {
         assert_eq!((&mine["side"], &mine["law"]), (&example["side"], &example["law"]));
@@ -150,6 +159,7 @@ fn a_program_of_its_time_leaves_all_questions_open_and_its_job_says_so() {
         "tool.diameter",
         "tool.teeth",
         "spindle.rev_per_min",
+        "limits.max_feed",
         "law.feed_per_tooth",
         "cut.1.side",
         "cut.1.radial_depth",
@@ -158,7 +168,7 @@ fn a_program_of_its_time_leaves_all_questions_open_and_its_job_says_so() {
     ];
     assert_eq!((keys(&report), &report["arcs"], &report["errors"]), (wanted.to_vec(), &3.into(), &0.into()));
     assert_asks_in_order(&job, &report);
-    answer(&job, &["1", "4", "1000", "0.004", "\"inside\"", "0.1", "\"outside\"", "0.1"]);
+    answer(&job, &["1", "4", "1000", "100", "0.004", "\"inside\"", "0.1", "\"outside\"", "0.1"]);
     assert_eq!(run(&["check", &job]).status.code(), Some(0));
     assert_eq!(adapted(&job).iter().filter(|block| block["reason"] == "law").count(), 3);
 }
@@ -198,6 +208,7 @@ fn proposed(scratch: &Scratch, text: &str) -> (LikelyTool, String) {
 fn sound(scratch: &Scratch, job: &str) -> JobFile {
     let answers = [
         ("teeth = \"?\"", "teeth = 4"),
+        ("max_feed = \"?\"", "max_feed = \"3000 mm\""),
         ("diameter = \"?\"", "diameter = \"10 mm\""),
         ("feed_per_tooth = \"?\"", "feed_per_tooth = \"0.1 mm\""),
         ("stock = \"?\"", "stock = { from = [0, 1], to = [-1, 0] }"),

@@ -50,44 +50,48 @@ fn what_engage_prints_is_documented() {
     assert!(moves.iter().any(|found| found["outer_deg"].is_null()) && moves.iter().all(|found| found["n"].is_i64()));
 }
 
+const IN_MM: [Change<'static>; 4] = [
+    ("\"inch\"", "\"mm\""),
+    ("5.06205", "\"5.06205 in\""),
+    ("4.43706", "\"4.43706 in\""),
+    ("10.4502", "\"10.4502 in\""),
+];
+const BY_TABLE: [Change<'static>; 5] = [
+    ("kind = \"circumference\"", "kind = \"table\""),
+    ("n = [144, 144]", "n = [144, 144]\ntable = [[0, 0.005]]"),
+    ("n = [146, 146]", "n = [146, 146]\ntable = [[0, 0.005], [1, 0.006]]"),
+    ("n = [150, 150]", "n = [150, 150]\ntable = [[0, 0.005]]"),
+    ("n = [152, 152]", "n = [152, 152]\ntable = [[0, 0.005]]"),
+];
+const BY_ARCS: [Change<'static>; 2] = [
+    ("kind = \"circumference\"", "kind = \"engaged-arc\"\nedges = \"side\""),
+    ("normal_deg = 54.187, offset = 4.2391", "engaged = [[0, 0, 40], [1, 60, 40]]"),
+];
+
 #[test]
 fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
     let documented = Documented::read();
     let scratch = Scratch::new("json-adapt");
     let with_override = |lines: &str| format!("[override]\n{lines}\n\n[control]");
     let (low, bound) = (with_override("max = 101"), with_override("mode = \"override-only\"\nmin = 60"));
-    let in_mm = [
-        ("\"inch\"", "\"mm\""),
-        ("5.06205", "\"5.06205 in\""),
-        ("4.43706", "\"4.43706 in\""),
-        ("10.4502", "\"10.4502 in\""),
-    ];
-    let by_table = [
-        ("kind = \"circumference\"", "kind = \"table\""),
-        ("n = [144, 144]", "n = [144, 144]\ntable = [[0, 0.005]]"),
-        ("n = [146, 146]", "n = [146, 146]\ntable = [[0, 0.005], [1, 0.006]]"),
-        ("n = [150, 150]", "n = [150, 150]\ntable = [[0, 0.005]]"),
-        ("n = [152, 152]", "n = [152, 152]\ntable = [[0, 0.005]]"),
-    ];
-    let by_arcs = [
-        ("kind = \"circumference\"", "kind = \"engaged-arc\"\nedges = \"side\""),
-        ("normal_deg = 54.187, offset = 4.2391", "engaged = [[0, 0, 40], [1, 60, 40]]"),
-    ];
     let in_pieces = with_override("mode = \"rewrite-only\"");
-    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 17] = [
+    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 20] = [
         (CASE, &[("[control]", &in_pieces)], &[]),
         (CASE, &[("[control]", &in_pieces)], &[("F25.", "F25.M8")]),
         (CASE, &[("[control]", "[machine]\nmax_feed = { x = 45, y = 45 }\n\n[control]")], &[]),
         (CASE, &[("[control]", "[control]\narc_clamp = { feed = 45, radius = 5 }")], &[]),
-        (CASE, &by_table, &[]),
-        (CASE, &by_arcs, &[]),
+        (CASE, &BY_TABLE, &[]),
+        (CASE, &BY_ARCS, &[]),
         (EXAMPLE, &[], &[]),
+        (CASE, &[("max_feed = 100", "max_feed = 42")], &[]),
+        (CASE, &[("active_teeth = 10", "active_teeth = 10\nnumber = 5")], &[("G20G17", "T1M6\nG20G17")]),
+        (CASE, &[("\"operator\"", "\"program\"")], &[]),
         (CASE, &[("4.2391", "44.2391")], &[]),
         (CASE, &[("10.4502", "10.6")], &[]),
         (CASE, &[("[control]", &low)], &[]),
         (CASE, &[("[control]", &bound)], &[("F25.", "F100.")]),
         (CASE, &[("\"circumference\"", "\"programmed\"")], &[("N142", ""), ("F25.", "F25")]),
-        (CASE, &in_mm, &[]),
+        (CASE, &IN_MM, &[]),
         (CASE, &[], &[("F25.", "")]),
         (CASE, &[], &[("F25.", "Z-27.7F25.")]),
         (CASE, &[], &[("F25.", "G63F25.")]),
@@ -104,6 +108,12 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
             wholes.insert(block["left_whole"].to_string());
         }
     }
+    scratch.write("line.nc", "G21G90G94\nG1X10.F100.\nM30\n");
+    let line = "units = 'mm'\nprogram = 'line.nc'\ntool = { kind = 'end-mill', diameter = 10, teeth = 2 }\nlimits = { max_feed = 900 }\n\
+                spindle = { rev_per_min = 1000, set_by = 'operator' }\nlaw = { kind = 'engagement', feed_per_tooth = 0.05 }\n\
+                [[cut]]\nmoves = 'lines'\nside = 'outside'\nradial_depth = 5\n";
+    let (_, from_anywhere) = objects(&["adapt", &scratch.write("line.toml", line)]);
+    reasons.extend(from_anywhere.iter().map(|block| block["reason"].to_string()));
     let schema = documented.texts.iter().find(|text| text["title"] == "adapt").expect("a schema");
     let listed = |field: &str| -> BTreeSet<String> {
         schema["properties"][field]["enum"].as_array().expect("a list").iter().map(Value::to_string).collect()

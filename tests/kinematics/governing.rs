@@ -15,8 +15,8 @@ use serde_json::Value;
 const PROGRAM: &str =
     "%\nG21G90G94G17\nG0X100.Y0Z50.A0C0\nG43.4H1\nG1X100.Y0Z40.F1000.\nZ60.C30.\nZ80.C120.\nZ100.\nG49\nM30\n%\n";
 const JOB: &str = "units = 'mm'\nprogram = 'tip.nc'\ntool = { kind = 'end-mill', diameter = 10, teeth = 2 }\n\
-                   spindle = { rev_per_min = 3000 }\nlaw = { kind = 'engagement', feed_per_tooth = 0.3 }\n\
-                   override = { mode = 'MODE', slew_up = 1000 }\n[[cut]]\nmoves = 'lines'\nside = 'outside'\nradial_depth = 5\n";
+                   spindle = { rev_per_min = 3000, set_by = 'operator' }\nlimits = { max_feed = 90000, max_raise = 100 }\nlaw = { kind = 'table', feed_per_tooth = 0.3 }\n\
+                   override = { mode = 'MODE', slew_up = 1000 }\n[[cut]]\nmoves = 'lines'\nside = 'outside'\nradial_depth = 5\ntable = [[0, 0.3]]\n";
 const MACHINE: &str = "[machine]\npreset = 'mikron-ucp710'\nmax_feed = { x = 3000, y = 8000, c = 2400 }\n";
 /// By hand: C, 2400 deg/min over 30 degrees in 20 mm; X, at its fastest where C stands at 90: r times the radians of 90 degrees.
 const BY_C: f64 = 2_400.0 * 20.0 / 30.0;

@@ -65,6 +65,8 @@ impl Setup {
         let job = Job {
             unit: LengthUnit::Mm,
             tool: Tool::CupMill(CupMill { outer_radius, inner_radius, active_teeth: TEETH }),
+            setup: Default::default(),
+            ceiling: Default::default(),
             spindle: RevPerMin(REV_PER_MIN),
             law,
             feed_per_tooth: MmPerTooth(scene.chip as f32),

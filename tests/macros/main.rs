@@ -13,6 +13,8 @@ mod alarms;
 
 mod garbage;
 
+mod loops;
+
 mod control;
 
 mod wired;

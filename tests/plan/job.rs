@@ -21,6 +21,8 @@ fn text(unit: LengthUnit, limits: &[StockLimit], workpiece: Option<Workpiece<'_>
         unit,
         program: "slot \"1\".nc",
         mill: &mill(),
+        tool: 14,
+        cutting_mm_per_min: 600.0,
         rev_per_min: 1_000.0,
         feed_per_tooth_mm: CHIP_MM,
         limits,

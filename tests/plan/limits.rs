@@ -138,6 +138,8 @@ fn job(limit: &StockLimit, bounds: &[Bound]) -> Job {
     Job {
         unit: LengthUnit::Mm,
         tool: Tool::CupMill(tool::CupMill { outer_radius, inner_radius, active_teeth: 10 }),
+        setup: Default::default(),
+        ceiling: Default::default(),
         spindle: RevPerMin(1_000.0),
         law,
         feed_per_tooth: MmPerTooth(CHIP_MM as f32),

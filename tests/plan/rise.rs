@@ -7,7 +7,7 @@ use serde_json::Value;
 
 const HEAD: &str = "units = \"inch\"\nprogram = \"slot.nc\"\n\
     tool = { kind = \"cup-mill\", outer_radius = 5.06205, inner_radius = 4.43706, active_teeth = 10 }\n\
-    spindle = { rev_per_min = 1000 }\nlaw = { kind = \"circumference\", feed_per_tooth = 0.004 }\n";
+    spindle = { rev_per_min = 1000, set_by = \"operator\" }\nlimits = { max_feed = \"90000 mm\", max_raise = 100 }\nlaw = { kind = \"circumference\", feed_per_tooth = 0.004 }\n";
 
 /// Rotation, direction, side, normal, and the line of one level with its rise: offset, at Z.
 const RULES: [(&str, f64, f64, [f64; 2]); 2] = [

@@ -57,7 +57,7 @@ fn job(rng: &mut Rng) -> (String, [f64; 2]) {
     .concat();
     let text = format!(
         "units = \"mm\"\nprogram = \"p.nc\"\n[tool]\nkind = \"cup-mill\"\nouter_radius = {outer}\ninner_radius = {inner}\n\
-         active_teeth = 10\n[spindle]\nrev_per_min = 1000\n[law]\n{law}\nfeed_per_tooth = 0.1\n[override]\nmode = \
+         active_teeth = 10\n[spindle]\nrev_per_min = 1000\nset_by = \"operator\"\n[limits]\nmax_feed = \"90000 mm\"\nmax_raise = 100\n[law]\n{law}\nfeed_per_tooth = 0.1\n[override]\nmode = \
          \"rewrite-only\"\nmax = 254\n{rules}"
     );
     (text, [inner, outer])

@@ -26,7 +26,7 @@ use fastrand::Rng;
 use spelled::{Spelled, spelled};
 
 /// Programs; each has a dozen arcs.
-const PROGRAMS: u64 = 48;
+const PROGRAMS: u64 = 64;
 /// Points on each arc at which the wish is worked out.
 const POINTS: usize = 10_000;
 /// What the law's single precision may add to a wish.
@@ -65,7 +65,7 @@ fn job(unit: LengthUnit, tables: &Tables, settings: &str) -> String {
     };
     format!(
         "units = \"{name}\"\nprogram = \"p.nc\"\n[tool]\nkind = \"end-mill\"\ndiameter = \"10 mm\"\nteeth = 4\n[spindle]\n\
-         rev_per_min = 10000\n[law]\nkind = \"table\"\nfeed_per_tooth = \"0.1 mm\"\n[override]\nmode = \"rewrite-only\"\n{settings}\n{}{}",
+         rev_per_min = 10000\nset_by = \"operator\"\n[limits]\nmax_feed = \"90000 mm\"\nmax_raise = 100\n[law]\nkind = \"table\"\nfeed_per_tooth = \"0.1 mm\"\n[override]\nmode = \"rewrite-only\"\n{settings}\n{}{}",
         rule("cw", &tables[0]),
         rule("ccw", &tables[1])
     )
@@ -142,7 +142,8 @@ fn no_piece_is_faster_than_the_wish_anywhere_on_it_and_what_is_said_of_the_chip_
         let Case { tables, file, adapted, .. } = case(seed);
         let mut sent = moves(&adapted.text, file.job.unit).into_iter().peekable();
         for block in &adapted.blocks {
-            let Some(arc) = block.segment.arc() else {
+            // What no law governs is sent as it is.
+            let Some(arc) = block.segment.arc().filter(|_| !block.pieces.is_empty()) else {
                 assert_eq!(sent.next().map(|sent| sent.end), Some(block.segment.end), "seed {seed}");
                 continue;
             };

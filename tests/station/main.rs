@@ -2,7 +2,7 @@
 //!
 //! `example.rs` runs the example job through it, `along.rs` one whose engaged arcs come with each move, `restarts.rs` restarts either side at random points, `schedules.rs` spoils the line,
 //! `faults.rs` measures
-//! the times that `docs/board-safety.md` quotes, `clerk.rs` asks for what is refused, `document.rs` compares
+//! the times that `docs/board-safety.md` quotes, `copies.rs` replays recorded frames, `clerk.rs` asks for what is refused, `document.rs` compares
 //! `docs/protocol.md` with the messages.
 
 mod world;
@@ -20,5 +20,7 @@ mod restarts;
 mod schedules;
 
 mod faults;
+
+mod copies;
 
 mod document;

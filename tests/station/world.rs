@@ -27,6 +27,8 @@ use arcfeed_shared::wire::settings::{LinkSettings, Role};
 pub const TICK: Micros = Micros::from_ms(1);
 /// Room of the board's queue, and one place that a queue loses.
 const AHEAD: usize = 17;
+/// Frames that a line can replay.
+const RECORDED: usize = 60;
 
 /// One direction of the line.
 pub struct Channel {
@@ -39,6 +41,9 @@ pub struct Channel {
     on_its_way: VecDeque<(Micros, Vec<u8>)>,
     /// Whether it is plugged in.
     pub is_open: bool,
+    /// The last frames that it carried; while it replays, they are all that comes out, over and over.
+    recorded: VecDeque<Vec<u8>>,
+    pub replays: bool,
 }
 
 /// The host: sends a job and its segments, and notes what comes back.
@@ -89,6 +94,8 @@ impl Channel {
             spoilt: Vec::new(),
             on_its_way: VecDeque::new(),
             is_open: true,
+            recorded: VecDeque::new(),
+            replays: false,
         }
     }
 
@@ -111,13 +118,21 @@ impl Channel {
                 _ => frame[at] ^= 1 << (self.bits() % 8),
             }
         }
-        if self.is_open {
+        if self.is_open && !self.replays {
+            self.recorded.push_back(frame.clone());
+            if self.recorded.len() > RECORDED {
+                self.recorded.pop_front();
+            }
             self.on_its_way.push_back((now.after(self.latency), frame));
         }
     }
 
     fn receive(&mut self, now: Micros) -> Vec<u8> {
         let mut bytes = Vec::new();
+        if self.replays {
+            self.recorded.rotate_left(1);
+            bytes.extend(self.recorded.back().into_iter().flatten());
+        }
         while self.on_its_way.front().is_some_and(|(at, _)| *at <= now) {
             bytes.extend(self.on_its_way.pop_front().expect("just seen").1);
         }

@@ -2,6 +2,7 @@
 
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::controller::{self, Controller};
+use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::input::{Freshness, Input};
 
@@ -11,7 +12,7 @@ use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
 use arcfeed_firmware::supervisor::state::State;
 use arcfeed_firmware::supervisor::{Output, Supervisor};
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use arcfeed_shared::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits};
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
 use arcfeed_shared::segment::{Arc, Path, Segment};
 use arcfeed_shared::stock::{Stock, StockLine};
@@ -197,6 +198,8 @@ fn job(limits: OverrideLimits) -> Job {
     Job {
         unit: LengthUnit::Mm,
         tool: Tool::CupMill(CupMill { outer_radius: RADIUS, inner_radius: Nm(90_000_000), active_teeth: 10 }),
+        setup: Default::default(),
+        ceiling: FeedCeiling { max_feed: None, max_raise_ratio: 4.0 },
         spindle: RevPerMin(1_000.0),
         law: LawKind::Circumference,
         feed_per_tooth: MmPerTooth(0.1),
@@ -236,8 +239,10 @@ fn prepare(piece: Piece, job: &Job) -> (Piece, ActiveSegment, f64) {
         to: [RADIUS, Nm(0)],
     });
     let with = |path: Path, feed: Nm, rule: Option<&CutRule>| {
-        let active = ActiveSegment::new(&segment(path, Feed::PerMinute(feed)), rule, job);
-        (piece, active, feed.to_mm())
+        let segment = segment(path, Feed::PerMinute(feed));
+        // What the law wants further on is not looked at: the tool stands at the start all the time.
+        let law = SegmentLaw::told(&segment, rule, None, job);
+        (piece, ActiveSegment::new(&segment, rule, job).with_law(law), feed.to_mm())
     };
     match piece {
         Piece::Wants(percent) => {

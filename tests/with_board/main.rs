@@ -267,6 +267,53 @@ fn where_no_board_answers_it_says_what_to_check() {
     assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
+/// A sender with a person who may type, and whose words can be read while it runs.
+fn stream_noted(scratch: &Scratch, job: &str, control: &str, board: &str) -> Child {
+    let err = File::create(scratch.path("stream.err")).expect("a scratch file can be made");
+    Command::new(arcfeed())
+        .args(["stream", job, "--port", control, "--board", board, "--journal", &scratch.path("journal")])
+        .current_dir(root())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(err)
+        .spawn()
+        .expect("arcfeed starts")
+}
+
+#[test]
+fn a_board_with_a_fault_is_said_to_hold_the_feed_until_it_is_reset() {
+    let _alone = ONE_AT_A_TIME.lock();
+    while_the_link_holds(|| {
+        let (scratch, board, control) = (Scratch::new("board-fault"), ServedBoard::start(), Taker::start());
+        let mut sender = stream_noted(&scratch, JOB, &control.url, &board.url);
+        let mut person = sender.stdin.take().expect("it is piped");
+        let said = || std::fs::read_to_string(scratch.path("stream.err")).expect("text");
+        let mut until = |what: &str, holds: &dyn Fn() -> bool| {
+            wait_for(what, || {
+                let _gone = person.write_all(if what == "the arming" { b"arm\n" } else { b"\n" });
+                std::thread::sleep(Duration::from_millis(100));
+                let held = holds().then_some(Ok(()));
+                held.or_else(|| is_busy(&said()).then_some(Err(LinkLost)))
+            })
+        };
+        let seen = until("the arming", &|| !control.taken().is_empty())
+            .inspect(|()| board.fail())
+            .and_then(|()| until("the fault", &|| said().contains("the board has a fault: its hardware")))
+            .inspect(|()| assert!(!said().contains("note: "), "{}", said()))
+            .inspect(|()| board.reset())
+            .and_then(|()| until("the reset", &|| said().contains("note: the board is idle")));
+        let _may_have_ended = sender.kill();
+        let _reaped = sender.wait();
+        println!("{}", said());
+        seen?;
+        for part in ["It puts out 0 %", "feed hold", "RESET at the board", "the board is faulted. Look at the machine"]
+        {
+            assert!(said().contains(part), "{part}: {}", said());
+        }
+        Ok(())
+    });
+}
+
 #[test]
 fn a_board_that_sees_no_move_while_the_control_reports_others_is_told_of() {
     let _alone = ONE_AT_A_TIME.lock();
@@ -278,14 +325,7 @@ fn a_board_that_sees_no_move_while_the_control_reports_others_is_told_of() {
         let job = scratch.write("job.toml", read("job.toml") + "\n[dnc]\nreport_every = 1\nread_ahead = 1\n");
         let mut control = Running::start(&scratch, "serve", &["serve", &job, "--tcp", "127.0.0.1:0", "--speed", "10"]);
         let url = control.line("port: ");
-        let err = File::create(scratch.path("stream.err")).expect("a scratch file can be made");
-        let mut sender = Command::new(arcfeed())
-            .args(["stream", &job, "--port", &url, "--board", &board.url, "--journal", &scratch.path("journal")])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::null())
-            .stderr(err)
-            .spawn()
-            .expect("arcfeed starts");
+        let mut sender = stream_noted(&scratch, &job, &url, &board.url);
         let said = || std::fs::read_to_string(scratch.path("stream.err")).expect("text");
         let mut person = sender.stdin.take().expect("it is piped");
         let warned = wait_for("the warning", || {

@@ -1,0 +1,48 @@
+//! Never above the target: random jobs and programs through the host and the simulated machine, millisecond by millisecond.
+//!
+//! The truth (`truth.rs`) is worked out of the generator's own moves and of geometry; it asks neither the law nor the parser.
+
+mod found;
+mod jobs;
+mod programs;
+mod runs;
+mod truth;
+
+use fastrand::Rng;
+
+use crate::jobs::{LAWS, RandomJob};
+use crate::programs::Story;
+use crate::runs::{Figures, run};
+
+/// Programs of each law.
+const PROGRAMS: u64 = 300;
+
+/// Runs `PROGRAMS` programs of each law, and asserts that none is cut too fast.
+fn all_laws(name: &str, seed: u64, story: fn(&mut Rng, &RandomJob) -> Story) {
+    let mut total = Figures::default();
+    for law in LAWS {
+        let mut figures = Figures::default();
+        for program in 0..PROGRAMS {
+            let mut random = Rng::with_seed(seed + 1_000 * program);
+            let job = RandomJob::sample(&mut random, law);
+            let story = story(&mut random, &job);
+            figures.add(&run(name, &job, &story).unwrap_or_else(|excess| {
+                panic!("{law}, program {program}: {excess}\n{}\n{}", job.toml(), story.text());
+            }));
+        }
+        println!("{law}: {figures}");
+        assert!(figures.governed_ms > 5_000, "{law}: hardly anything was governed: {figures}");
+        total.add(&figures);
+    }
+    println!("all: {total}");
+}
+
+#[test]
+fn no_chip_is_thicker_than_its_target_and_no_feed_above_its_bounds() {
+    all_laws("feed-bounds", 1, Story::of_everything);
+}
+
+#[test]
+fn no_chip_is_thicker_than_its_target_where_one_block_meets_another() {
+    all_laws("feed-bounds-transitions", 2, Story::of_transitions);
+}

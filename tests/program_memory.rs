@@ -1,0 +1,126 @@
+//! Memory that commands need for long programs: `check` and `adapt` for the text alone, the others for no more lines than they
+//! say; a file beyond every bound is refused unread.
+#![cfg(target_os = "linux")]
+
+use std::fmt::Write;
+use std::fs::File;
+use std::time::Duration;
+
+use arcfeed_tests::{Ended, Running, Scratch, root};
+
+/// Lines of the ordinary test, and with `ARCFEED_SOAK_SECONDS` of the long one.
+const LINES: [usize; 2] = [60_000, 2_000_000];
+/// What the program itself takes, with its libraries.
+const BASE_KB: u64 = 20_000;
+
+fn line_count() -> usize {
+    LINES[usize::from(std::env::var_os("ARCFEED_SOAK_SECONDS").is_some())]
+}
+
+/// The example's first arcs again and again, under its rules, between one beginning and one end.
+fn program(lines: usize) -> String {
+    let example = std::fs::read_to_string(root().join("examples/ibr-slot/ibr-slot.nc")).expect("the example");
+    let all: Vec<&str> = example.lines().collect();
+    let place = |number: &str| all.iter().position(|line| line.starts_with(number)).expect("a block of it");
+    let (arcs, end) = (&all[place("N142")..=place("N146")], all.len() - 4);
+    let mut text = all[..place("N142")].join("\n") + "\n";
+    let repeated = arcs.iter().cycle().take(lines - place("N142") - (all.len() - end));
+    repeated.for_each(|line| writeln!(text, "{line}").expect("a string takes it"));
+    text + &all[end..].join("\n") + "\n"
+}
+
+fn job(scratch: &Scratch, program: &str) -> String {
+    let job = std::fs::read_to_string(root().join("examples/ibr-slot/job.toml")).expect("the example");
+    scratch.write("job.toml", job.replace("program = \"ibr-slot.nc\"", &format!("program = \"{program}\"")))
+}
+
+fn measure(scratch: &Scratch, arguments: &[&str]) -> (Ended, u64) {
+    let (ended, kb) = Running::start(scratch, "run", arguments).end_with_memory(Duration::from_secs(1_200));
+    println!("{}: {kb} kB", arguments[0]);
+    (ended, kb)
+}
+
+#[test]
+fn check_and_adapt_need_memory_for_the_text_alone() {
+    let scratch = Scratch::new("memory");
+    let (lines, text) = (line_count(), program(line_count()));
+    let text_kb = text.len() as u64 / 1_000;
+    let path = scratch.write("long.nc", &text);
+    let (ended, kb) = measure(&scratch, &["check", &path]);
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    assert!(ended.out.contains(&format!("{lines} lines")), "{}", ended.out);
+    assert!(kb < BASE_KB + text_kb && (lines < 2_000_000 || kb < 100_000), "{kb} kB for {text_kb} kB of text");
+    let (job, output) = (job(&scratch, "long.nc"), scratch.path("out.nc"));
+    let (ended, kb) = measure(&scratch, &["adapt", &job, "-o", &output]);
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let adapted = std::fs::read_to_string(&output).expect("the adapted program");
+    assert!(adapted.lines().count() == lines && adapted.len() > text.len());
+    // 200 bytes a line.
+    assert!(kb < BASE_KB + lines as u64 / 5 && kb < 500_000, "{kb} kB");
+}
+
+#[test]
+fn a_program_of_many_faults_needs_no_more() {
+    let scratch = Scratch::new("memory-faults");
+    let path = scratch.write("bad.nc", "G1X1.Q\n".repeat(line_count()));
+    let (ended, kb) = measure(&scratch, &["check", "--json", &path]);
+    assert_eq!(ended.code, Some(1));
+    let report: serde_json::Value = serde_json::from_str(&ended.out).expect("one object");
+    assert_eq!(
+        report["errors"].as_array().expect("a list").len() as u64 + number(&report["not_listed"]),
+        found(&ended.err)
+    );
+    assert!(kb < BASE_KB + 20_000 + 8 * line_count() as u64 / 1_000, "{kb} kB");
+}
+
+fn number(value: &serde_json::Value) -> u64 {
+    value.as_u64().expect("a number")
+}
+
+/// Errors and the warning of the lost label, as the last line on stderr has them.
+fn found(err: &str) -> u64 {
+    let errors = err.split(": ").nth(1).and_then(|rest| rest.split(' ').next()?.parse::<u64>().ok());
+    errors.unwrap_or_else(|| panic!("no count: {err}"))
+}
+
+#[test]
+fn a_file_of_a_gigabyte_is_refused_by_every_command() {
+    let scratch = Scratch::new("memory-gigabyte");
+    let path = scratch.path("huge.nc");
+    File::create(&path).and_then(|file| file.set_len(1 << 30)).expect("a file with nothing in it");
+    let job = job(&scratch, "huge.nc");
+    for arguments in [
+        &["check", &path][..],
+        &["check", &job],
+        &["adapt", &job],
+        &["simulate", &job],
+        &["engage", &job],
+        &["stream", &job, "--port", "loop://"],
+        &["init", &path],
+        &["check", "--machine", "mikron-ucp710", &path],
+        &["check", "/dev/zero"],
+    ] {
+        let (ended, kb) = measure(&scratch, arguments);
+        assert_eq!(ended.code, Some(1), "{arguments:?}: {}", ended.err);
+        let size = if arguments[1] == "/dev/zero" { "83886081 bytes" } else { "1073741824 bytes" };
+        for words in [size, "83886080 (80 MiB)", "split it"] {
+            assert!(ended.err.contains(words), "{arguments:?}: {}", ended.err);
+        }
+        assert!(kb <= 100_000, "{arguments:?}: {kb} kB");
+    }
+}
+
+#[test]
+fn commands_that_keep_a_program_whole_say_how_many_lines_they_take() {
+    let scratch = Scratch::new("memory-lines");
+    let path = scratch.write("long.nc", program(500_001));
+    let job = job(&scratch, "long.nc");
+    for arguments in [&["simulate", &job][..], &["stream", &job, "--port", "loop://"], &["init", &path]] {
+        let (ended, kb) = measure(&scratch, arguments);
+        assert_eq!(ended.code, Some(1), "{arguments:?}: {}", ended.err);
+        for words in ["long.nc: 500001 lines", "at most 500000", "split it"] {
+            assert!(ended.err.contains(words), "{arguments:?}: {}", ended.err);
+        }
+        assert!(kb <= 100_000, "{arguments:?}: {kb} kB");
+    }
+}
