@@ -26,7 +26,7 @@ use crate::progress::{Progress, Track};
 const CELLS: usize = 32;
 /// Points asked in a cell, its beginning among them.
 const POINTS: usize = 4;
-/// From a decision to the feed that it makes, s: a tick, two scans of a ladder of 8 ms, the axes' own lag. [assumed]
+/// From a decision to the feed that it makes, s: a tick, two scans of a ladder of 8 ms, the axes' own lag (assumed)
 pub const RESPONSE_S: f32 = 0.03;
 /// The part of the slew that (1) counts on: ticks come one by one.
 const SLEW_SHARE: f32 = 0.9;
