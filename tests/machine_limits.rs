@@ -14,10 +14,10 @@ use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::{Output, Supervisor};
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::rig::Rig;
-use arcfeed_shared::cut;
 use arcfeed_shared::job::FeedPolicy;
 use arcfeed_shared::machine::{ArcClamp, LimitedBy, MachineLimits};
 use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::machining::ToolInSpindle;
 use arcfeed_shared::nc::modal::{Feed, Pose};
 use arcfeed_shared::units::{Mm, MmPerMin, Nm, S_PER_MIN, Span};
 use arcfeed_tests::root;
@@ -48,7 +48,7 @@ fn run(file: &JobFile, block: &PlannedBlock, sent: Nm) -> (ActiveSegment, Vec<Ou
         let [x, y] = arc.direction_at(f64::from(tick) / f64::from(TICKS));
         let at = |axis: usize, part: f64| Nm(arc.center[axis].0 + Nm::from_mm(arc.radius_mm() * part).0);
         let position = Some(Pose { linear: [at(0, x), at(1, y), Nm(0)], ..segment.start });
-        let measured = controller::Input { position, spindle: file.job.spindle, dt: Span::from_ms(1) };
+        let measured = controller::Input { position, spindle: file.job.tools.first().spindle, dt: Span::from_ms(1) };
         supervisor.tick(&mut memory, Some((1, &active)), &Input::of(measured))
     };
     let outputs = (1..TICKS).map(tick).collect();
@@ -156,7 +156,7 @@ fn under_the_controls_own_clamp_the_feed_reported_is_the_feed_driven() {
         let Some((_, segment)) = control.active().filter(|(_, segment)| is_steady && segment.arc().is_some()) else {
             continue;
         };
-        let rule = cut::find(&file.job.rules, segment, &file.job.tool).map(|(_, rule)| rule);
+        let rule = file.job.rule_for(segment, ToolInSpindle::Unstated).map(|(_, rule)| rule);
         let feed_override = FeedOverride { percent: control.override_percent() };
         let reported = ActiveSegment::new(segment, rule, &file.job).feed_at(feed_override).expect("it has a feed");
         let driven = speed * S_PER_MIN;

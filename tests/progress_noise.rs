@@ -11,9 +11,9 @@ use arcfeed_firmware::controller::{Controller, Input, State};
 use arcfeed_firmware::progress::PositionFilter;
 use arcfeed_firmware::queue::Follower;
 use arcfeed_hil_sim::control::{Control, ControlSettings};
-use arcfeed_shared::cut;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::machining::ToolInSpindle;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Micros, Nm, Span};
@@ -76,7 +76,7 @@ fn record(program: &str) -> (Job, Vec<Segment>, Vec<Truth>) {
 }
 
 fn active(segment: &Segment, job: &Job) -> ActiveSegment {
-    let rule = cut::find(&job.rules, segment, &job.tool).map(|(_, rule)| rule);
+    let rule = job.rule_for(segment, ToolInSpindle::Unstated).map(|(_, rule)| rule);
     ActiveSegment::new(segment, rule, job)
 }
 
@@ -93,7 +93,7 @@ fn follow(
     let mut said = Vec::new();
     for position in samples {
         let Some((count, segment)) = follower.in_work(ahead.peek()) else { break };
-        let input = Input { position, spindle: job.spindle, dt: TICK.into() };
+        let input = Input { position, spindle: job.tools.first().spindle, dt: TICK.into() };
         let output = if entered == Some(count) {
             controller.tick(&mut state, segment, &input)
         } else {

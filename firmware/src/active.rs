@@ -3,7 +3,7 @@
 use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::fmath;
-use arcfeed_shared::job::Job;
+use arcfeed_shared::job::{Job, OverrideLimits, ToolSetup};
 use arcfeed_shared::machine::{FeedLimit, LimitedBy};
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose};
 use arcfeed_shared::segment::{Path, Segment};
@@ -77,11 +77,16 @@ impl<'a> Conditions<'a> {
         Conditions {
             rule,
             along: None,
-            spindle: job.spindle,
+            spindle: setup(rule, job).spindle,
             limit: limit(segment, rule.is_some(), job),
             end_percent: FeedOverride::PROGRAMMED.percent,
         }
     }
+}
+
+/// The tool of a move's rule; the job's first one where it has none.
+fn setup<'j>(rule: Option<&CutRule>, job: &'j Job) -> &'j ToolSetup {
+    rule.map_or(job.tools.first(), |rule| job.tool_of(rule))
 }
 
 /// The fastest feed on a move; the job's ceiling holds where a law governs it.
@@ -103,7 +108,7 @@ impl ActiveSegment {
         let Conditions { rule, along, spindle, limit, end_percent } = *conditions;
         let feed = match (&segment.path, segment.feed) {
             (Path::Line | Path::Arc(_), Feed::PerMinute(feed)) if feed.0 > 0 => {
-                Some(SentFeed::new(MmPerMin(feed.to_mm() as f32), limit, job))
+                Some(SentFeed::new(MmPerMin(feed.to_mm() as f32), setup(rule, job), limit, &job.limits))
             }
             _ => None,
         };
@@ -196,12 +201,12 @@ impl ActiveSegment {
 }
 
 impl SentFeed {
-    fn new(feed: MmPerMin, limit: Option<FeedLimit>, job: &Job) -> Self {
+    fn new(feed: MmPerMin, setup: &ToolSetup, limit: Option<FeedLimit>, limits: &OverrideLimits) -> Self {
         let machine = limit.map(|limit| MachineRatio { ratio: limit.feed.0 / feed.0, by: limit.by });
         SentFeed {
             feed,
-            teeth_min_per_mm: f32::from(job.tool.active_teeth()) / feed.0,
-            range: RatioRange::new(&job.limits, machine.map_or(f32::INFINITY, |machine| machine.ratio)),
+            teeth_min_per_mm: f32::from(setup.tool.active_teeth()) / feed.0,
+            range: RatioRange::new(limits, machine.map_or(f32::INFINITY, |machine| machine.ratio)),
             machine,
         }
     }

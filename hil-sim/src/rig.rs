@@ -112,9 +112,9 @@ impl<D: Decider> Rig<D> {
             decider,
             output: FeedOverride::PROGRAMMED,
             meter: ChipMeter::new(MeterSettings {
-                tool: job.tool,
-                spindle: job.spindle,
-                target_mm_per_tooth: f64::from(job.feed_per_tooth.0),
+                tool: job.tools.first().tool,
+                spindle: job.tools.first().spindle,
+                target_mm_per_tooth: f64::from(job.tools.first().feed_per_tooth.0),
             }),
             job: job.clone(),
             overrides: Vec::new(),
@@ -233,6 +233,10 @@ impl<D: Decider> Rig<D> {
             None if is_special => known.as_ref().and_then(|known| known.rule).and_then(by_index),
             None => plain,
         };
+        if let Some((_, rule)) = found {
+            let setup = self.job.tool_of(rule);
+            self.meter.set_tool(setup.tool, f64::from(setup.feed_per_tooth.0));
+        }
         match continued {
             Some(_) => self.meter.go_on(count, segment, found),
             None => {
@@ -248,8 +252,10 @@ impl<D: Decider> Rig<D> {
         let limit = known.as_ref().and_then(|known| known.limit);
         let along = known.as_ref().and_then(|known| known.along.as_ref());
         let end_percent = known.as_ref().map_or(FeedOverride::PROGRAMMED.percent, |known| known.end_percent);
-        let spindle = self.job.speed(self.manner.machining.spindle).unwrap_or(self.job.spindle);
         let rule = found.map(|(_, rule)| rule);
+        let machining = self.manner.machining;
+        let setup = rule.map_or(self.job.setup_in(machining.tool), |rule| self.job.tool_of(rule));
+        let spindle = setup.speed(machining.spindle).unwrap_or(setup.spindle);
         self.decider.begin(Some(Begun { count, segment, rule, along, spindle, limit, end_percent }));
     }
 
@@ -282,7 +288,7 @@ impl<D: Decider> Rig<D> {
             (Some(drive), _) => RevPerMin(libm::fabs(drive.rev_per_min()) as f32),
             (None, SpindleCommand::RevPerMin(speed)) => RevPerMin(speed as f32),
             (None, SpindleCommand::Stopped) => RevPerMin(0.0),
-            (None, SpindleCommand::Unstated) => self.job.spindle,
+            (None, SpindleCommand::Unstated) => self.job.setup_in(self.manner.machining.tool).spindle,
         }
     }
 

@@ -30,7 +30,7 @@ pub mod questions;
 
 use std::path::{Path, PathBuf};
 
-use arcfeed_shared::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, Setup};
+use arcfeed_shared::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::machine::MachineLimits;
 use arcfeed_shared::nc::settings::{Preset, Reading, Scope, Settings, Tables};
@@ -170,12 +170,13 @@ impl JobFile {
     pub fn plain(unit: LengthUnit) -> Self {
         let job = Job {
             unit,
-            tool: Tool::EndMill(EndMill { radius: Nm(0), teeth: 1 }),
-            setup: Setup::default(),
+            tools: Tools::one(ToolSetup::new(
+                Tool::EndMill(EndMill { radius: Nm(0), teeth: 1 }),
+                RevPerMin(0.0),
+                LawKind::Programmed,
+                MmPerTooth(0.0),
+            )),
             ceiling: FeedCeiling::default(),
-            spindle: RevPerMin(0.0),
-            law: LawKind::Programmed,
-            feed_per_tooth: MmPerTooth(0.0),
             policy: FeedPolicy::OverrideOnly,
             limits: OverrideLimits::default(),
             machine: MachineLimits::default(),
@@ -235,7 +236,7 @@ impl JobFile {
             .and_then(|()| read())
             .and_then(|table| {
                 let file = build(&table, path.parent().unwrap_or(Path::new("")))?;
-                let rule_places = table.cut.iter().map(|cut| place(text, cut.span().start)).collect();
+                let rule_places = rules::tables(&table).map(|(_, cut)| place(text, cut.span().start)).collect();
                 Ok(JobFile { rule_places, ..file })
             })
             .map_err(|(offset, message)| {
@@ -250,26 +251,19 @@ impl JobFile {
 
 fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let unit = table.units.into();
-    let rev_per_min = positive(&table.spindle.rev_per_min, "the spindle speed")?;
-    let feed_mm = length_mm(&table.law.feed_per_tooth, unit, "the feed per tooth")?;
-    let tool = tool::build(&table.tool, unit)?;
-    let law = tool::law(&table.law, &tool)?;
+    let tools = tool::setups(table)?;
     let machine = machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?;
-    let (rules, knots) = rules::build(&table.cut, &Around { unit, tool: &tool, law })?;
+    let (rules, knots) = rules::build(table, &tools)?;
     let limits = machine::build(table, unit, machine.as_ref())?;
     let job = Job {
         unit,
-        setup: tool::setup(table)?,
-        ceiling: sending::ceiling(table, unit, law, &limits)?,
-        spindle: RevPerMin(rev_per_min as f32),
-        law,
-        feed_per_tooth: MmPerTooth(feed_mm as f32),
+        ceiling: sending::ceiling(table, unit, &tools, &limits)?,
+        tools,
         policy: sending::policy(&table.r#override, unit)?,
         limits: sending::limits(&table.r#override)?,
         machine: limits,
         rules,
         knots,
-        tool,
     };
     let preset = &table.control.preset;
     let machine = machine.map(|file| machine::with_limits(file, &job.machine));
@@ -282,7 +276,7 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let workpiece = workpiece::build(table, &job, folder)?;
     let height_mm = workpiece.as_ref().map(|workpiece| workpiece.body.height_mm);
     let cutting = table.cutting.as_ref().map(|told| cutting::build(told, &job, height_mm)).transpose()?;
-    let map_file = rules::map(&table.cut)?.map(|file| folder.join(file.as_ref()));
+    let map_file = rules::map(table)?.map(|file| folder.join(file.as_ref()));
     let serial = serial::build(&table.serial)?;
     let dnc = dnc::build(&table.dnc, &serial)?;
     let (map, rule_places) = (None, Vec::new());

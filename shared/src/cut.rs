@@ -2,7 +2,7 @@
 //!
 //! A ring's arc is recognised by what it turns about (its radius is the ring's inner or outer radius within 0.1 %) and its
 //! sense; an end mill's move by whether it is an arc, in which sense, or a line. A rule may be narrowed by sequence number
-//! or level. Rules are tried in order; the first that fits counts.
+//! or level. The rules of the tool in the spindle are tried in order; the first that fits counts.
 
 use crate::knots::KnotRange;
 use crate::nc::modal::Turn;
@@ -19,11 +19,13 @@ pub const RADIUS_MATCH_RATIO: f64 = 1e-3;
 /// One `[[cut]]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutRule {
+    /// Place of its tool among the job's.
+    pub tool: u8,
     /// Which moves.
     pub moves: Moves,
     /// What they cut.
     pub work: Work,
-    /// Wanted feed per tooth, where it is not the job's.
+    /// Wanted feed per tooth, where it is not its tool's.
     pub feed_per_tooth: Option<MmPerTooth>,
     /// Its knots among the job's, for the table law.
     pub table: Option<KnotRange>,
@@ -119,11 +121,6 @@ impl Rotation {
     }
 }
 
-/// The first rule that fits the segment, with its place among the rules.
-pub fn find<'r>(rules: &'r [CutRule], segment: &Segment, tool: &Tool) -> Option<(usize, &'r CutRule)> {
-    rules.iter().enumerate().find(|(_, rule)| rule.fits(segment, tool))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -135,6 +132,7 @@ mod tests {
 
     fn rule(turn: Turn) -> CutRule {
         CutRule {
+            tool: 0,
             moves: Moves::Rotations(Rotation::Interior, turn),
             work: Work::Ring(Edge::Outer, Stock::half_plane(StockLine::from_angle(0.0, 0.0))),
             feed_per_tooth: None,
@@ -162,7 +160,7 @@ mod tests {
     }
 
     fn fits(rule: &CutRule, segment: &Segment) -> bool {
-        find(core::slice::from_ref(rule), segment, &TOOL).is_some()
+        rule.fits(segment, &TOOL)
     }
 
     #[test]
@@ -193,12 +191,5 @@ mod tests {
         let line = Segment { path: Path::Line, ..arc };
         assert!(fits(&moves(Moves::Arcs(Turn::Ccw)), &arc) && !fits(&moves(Moves::Arcs(Turn::Cw)), &arc));
         assert!(fits(&moves(Moves::Lines), &line) && !fits(&moves(Moves::Lines), &arc));
-    }
-
-    #[test]
-    fn the_first_rule_that_fits_counts() {
-        let rules = [rule(Turn::Cw), rule(Turn::Ccw), rule(Turn::Ccw)];
-        let found = find(&rules, &segment(112_000_000, None, Nm(0)), &TOOL);
-        assert_eq!(found.map(|(index, _)| index), Some(1));
     }
 }

@@ -1,19 +1,19 @@
 //! Whether a feed law may govern a move that a cut rule matches.
 //!
-//! A law of the tool's side describes motion across the tool's axis, at a known spindle speed, with the job's tool. Any other
-//! move keeps its programmed feed:
+//! A law of the tool's side describes motion across the tool's axis, at a known spindle speed, with a tool of the job. The rules
+//! of that tool are tried. Any other move keeps its programmed feed:
 //!
 //! ```text
 //! plunge, ramp, helix:  |path along the axis| > sin(1 degree) * path       (1)
 //! roll-in:              an arc whose plane contains the tool's axis
-//! other tool:           T and M6 have loaded another one than the job's, or an unknown one
+//! other tool:           T and M6 have loaded one that the job doesn't have, or an unknown one
 //! spindle:              off, at S0, or at a speed that neither the program nor the job states
 //! ```
 //!
 //! The table law has its feed from elsewhere and may follow any path. Source: docs/safety-case.md.
 
-use crate::cut::{self, CutRule};
-use crate::job::{Job, LawKind, SpeedSource, ToolAxis};
+use crate::cut::CutRule;
+use crate::job::{Job, LawKind, SpeedSource, ToolAxis, ToolSetup};
 use crate::machine::{FeedLimit, LimitedBy};
 use crate::nc::machining::{Machining, SpindleCommand, ToolInSpindle};
 use crate::segment::{Path, Segment};
@@ -73,13 +73,38 @@ impl<'r> Match<'r> {
 impl Job {
     /// What this job says of a move, with tool and spindle as the program has commanded them.
     pub fn match_move(&self, segment: &Segment, machining: &Machining) -> Match<'_> {
-        let Some((index, rule)) = cut::find(&self.rules, segment, &self.tool) else { return Match::NoRule };
-        let is_described = self.law == LawKind::Table || is_across(segment, self.setup.axis);
-        match self.speed(machining.spindle) {
+        let Some((index, rule)) = self.rule_for(segment, machining.tool) else { return Match::NoRule };
+        let setup = self.tool_of(rule);
+        let is_described = setup.law == LawKind::Table || is_across(segment, setup.axis);
+        match setup.speed(machining.spindle) {
             _ if !is_described => Match::Excluded { index, why: Exclusion::Axial },
-            _ if !self.is_own_tool(machining.tool) => Match::Excluded { index, why: Exclusion::Tool },
+            _ if self.tool_in(machining.tool).is_none() => Match::Excluded { index, why: Exclusion::Tool },
             None => Match::Excluded { index, why: Exclusion::Spindle },
             Some(spindle) => Match::Governed(Governing { index, rule, spindle }),
+        }
+    }
+
+    /// The first rule of the tool in the spindle that fits a move, with its place among the rules. With a tool that the job
+    /// doesn't have, the first rule that would fit with its own.
+    pub fn rule_for(&self, segment: &Segment, tool: ToolInSpindle) -> Option<(usize, &CutRule)> {
+        let loaded = self.tool_in(tool);
+        let is_tried = |rule: &CutRule| loaded.is_none_or(|index| usize::from(rule.tool) == index);
+        let fits = |rule: &CutRule| is_tried(rule) && rule.fits(segment, &self.tool_of(rule).tool);
+        self.rules.iter().enumerate().find(|(_, rule)| fits(rule))
+    }
+
+    /// The setup of the tool in the spindle; the job's first one where it has no such tool.
+    pub fn setup_in(&self, tool: ToolInSpindle) -> &ToolSetup {
+        self.tool_in(tool).and_then(|index| self.tools.get(index)).unwrap_or(self.tools.first())
+    }
+
+    /// Place of the tool in the spindle among the job's; `None` if it has no such tool. A job for one tool is for the one that
+    /// the operator has loaded, where the program loads none.
+    pub fn tool_in(&self, tool: ToolInSpindle) -> Option<usize> {
+        match tool {
+            ToolInSpindle::Unstated => (self.tools.len() == 1).then_some(0),
+            ToolInSpindle::Number(number) => self.tools.iter().position(|setup| setup.number == Some(number)),
+            ToolInSpindle::Unknown => None,
         }
     }
 
@@ -92,22 +117,15 @@ impl Job {
             (one, other) => one.or(other),
         }
     }
+}
 
+impl ToolSetup {
     /// The spindle speed of a governed move: the program's, or the job's where the operator sets it.
     pub fn speed(&self, command: SpindleCommand) -> Option<RevPerMin> {
-        match (command, self.setup.speed_source) {
+        match (command, self.speed_source) {
             (SpindleCommand::RevPerMin(speed), _) => Some(RevPerMin(speed as f32)),
             (SpindleCommand::Unstated, SpeedSource::Operator) => Some(self.spindle),
             (SpindleCommand::Unstated, SpeedSource::Program) | (SpindleCommand::Stopped, _) => None,
-        }
-    }
-
-    /// Whether a tool is the job's. Without a number of its own, the job is for the tool that the operator has loaded.
-    pub fn is_own_tool(&self, tool: ToolInSpindle) -> bool {
-        match tool {
-            ToolInSpindle::Unstated => true,
-            ToolInSpindle::Number(number) => self.setup.tool_number == Some(number),
-            ToolInSpindle::Unknown => false,
         }
     }
 }
@@ -127,7 +145,7 @@ pub fn is_across(segment: &Segment, axis: ToolAxis) -> bool {
 mod tests {
     use super::*;
     use crate::cut::{Moves, Side, Work};
-    use crate::job::{FeedPolicy, OverrideLimits, Setup};
+    use crate::job::{FeedPolicy, OverrideLimits, Tools};
     use crate::knots::Knots;
     use crate::machine::MachineLimits;
     use crate::nc::modal::{Feed, Plane, Pose, Turn};
@@ -137,9 +155,15 @@ mod tests {
 
     const ON: Machining = Machining { tool: ToolInSpindle::Unstated, spindle: SpindleCommand::RevPerMin(900) };
 
+    fn mill(number: i64, law: LawKind) -> ToolSetup {
+        let tool = Tool::EndMill(EndMill { radius: Nm(5_000_000), teeth: 2 });
+        ToolSetup { number: Some(number), ..ToolSetup::new(tool, RevPerMin(1_000.0), law, MmPerTooth(0.1)) }
+    }
+
     fn job(law: LawKind) -> Job {
         let work = Work::Mill { side: Side::Inside, radial_depth: Nm(1_000_000) };
         let rule = |moves| CutRule {
+            tool: 0,
             moves,
             work: work.clone(),
             feed_per_tooth: None,
@@ -149,11 +173,7 @@ mod tests {
         };
         Job {
             unit: LengthUnit::Mm,
-            tool: Tool::EndMill(EndMill { radius: Nm(5_000_000), teeth: 2 }),
-            setup: Setup { tool_number: Some(3), ..Setup::default() },
-            spindle: RevPerMin(1_000.0),
-            law,
-            feed_per_tooth: MmPerTooth(0.1),
+            tools: Tools::one(mill(3, law)),
             policy: FeedPolicy::SafeBase,
             limits: OverrideLimits::default(),
             ceiling: Default::default(),
@@ -214,7 +234,7 @@ mod tests {
     #[test]
     fn with_the_axis_along_y_the_plane_is_g18() {
         let mut job = job(LawKind::Engagement);
-        job.setup.axis = ToolAxis::Y;
+        job.tools.first_mut().axis = ToolAxis::Y;
         assert_eq!(why(&job, &arc(Plane::Zx, 0.0), &ON), None);
         assert_eq!(why(&job, &arc(Plane::Xy, 0.0), &ON), Some(Exclusion::Axial));
         assert_eq!(why(&job, &line([0.0, 5.0, 0.0]), &ON), Some(Exclusion::Axial));
@@ -223,7 +243,7 @@ mod tests {
     #[test]
     fn only_the_jobs_own_tool_is_governed() {
         let (own, cut) = (job(LawKind::Engagement), line([1.0, 0.0, 0.0]));
-        let unnumbered = Job { setup: Setup::default(), ..own.clone() };
+        let unnumbered = Job { tools: Tools::one(ToolSetup { number: None, ..*own.tools.first() }), ..own.clone() };
         for (tool, of_own, of_unnumbered) in [
             (ToolInSpindle::Unstated, None, None),
             (ToolInSpindle::Number(3), None, Some(Exclusion::Tool)),
@@ -240,7 +260,7 @@ mod tests {
     fn a_move_is_governed_at_the_speed_that_is_commanded_or_not_at_all() {
         let (by_program, cut) = (job(LawKind::Engagement), line([1.0, 0.0, 0.0]));
         let mut by_operator = by_program.clone();
-        by_operator.setup.speed_source = SpeedSource::Operator;
+        by_operator.tools.first_mut().speed_source = SpeedSource::Operator;
         for (spindle, of_program, of_operator) in [
             (SpindleCommand::RevPerMin(900), Some(900.0), Some(900.0)),
             (SpindleCommand::Unstated, None, Some(1_000.0)),
@@ -250,5 +270,36 @@ mod tests {
             let speed = |job: &Job| job.match_move(&cut, &machining).governing().map(|governing| governing.spindle.0);
             assert_eq!((speed(&by_program), speed(&by_operator)), (of_program, of_operator), "{spindle:?}");
         }
+    }
+
+    #[test]
+    fn each_tool_has_rules_law_and_speed_of_its_own() {
+        let mut job = job(LawKind::Engagement);
+        job.tools.push(ToolSetup { speed_source: SpeedSource::Operator, ..mill(8, LawKind::Table) }).expect("room");
+        let lines = job.rules[0].clone();
+        job.rules.push(CutRule { tool: 1, ..lines }).expect("room");
+        let unstated = SpindleCommand::Unstated;
+        let plunge = line([0.0, 0.0, -5.0]);
+        for (tool, segment, spindle, expected) in [
+            (ToolInSpindle::Number(3), line([1.0, 0.0, 0.0]), ON.spindle, Some((0, 900.0))),
+            (ToolInSpindle::Number(8), line([1.0, 0.0, 0.0]), ON.spindle, Some((2, 900.0))),
+            (ToolInSpindle::Number(3), line([1.0, 0.0, 0.0]), unstated, None),
+            (ToolInSpindle::Number(8), line([1.0, 0.0, 0.0]), unstated, Some((2, 1_000.0))),
+            (ToolInSpindle::Number(3), plunge, ON.spindle, None),
+            (ToolInSpindle::Number(8), plunge, ON.spindle, Some((2, 900.0))),
+            (ToolInSpindle::Number(3), arc(Plane::Xy, 0.0), ON.spindle, Some((1, 900.0))),
+            (ToolInSpindle::Number(8), arc(Plane::Xy, 0.0), ON.spindle, None),
+            (ToolInSpindle::Number(5), line([1.0, 0.0, 0.0]), ON.spindle, None),
+            (ToolInSpindle::Unstated, line([1.0, 0.0, 0.0]), ON.spindle, None),
+        ] {
+            let governing = job.match_move(&segment, &Machining { tool, spindle }).governing();
+            assert_eq!(
+                governing.map(|governing| (governing.index, governing.spindle.0)),
+                expected,
+                "{tool:?} {segment:?}"
+            );
+        }
+        let other = Machining { tool: ToolInSpindle::Number(5), ..ON };
+        assert_eq!(why(&job, &line([1.0, 0.0, 0.0]), &other), Some(Exclusion::Tool));
     }
 }

@@ -8,21 +8,16 @@ use crate::machine::MachineLimits;
 use crate::tool::Tool;
 use crate::units::{LengthUnit, MmPerMin, MmPerTooth, Nm, RevPerMin};
 
+/// Most tools in a job.
+pub const TOOLS_MAX: usize = 8;
+
 /// A job, validated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
     /// The unit the program starts in and reports speak.
     pub unit: LengthUnit,
-    /// The cutter.
-    pub tool: Tool,
-    /// What the tool must agree with in the program.
-    pub setup: Setup,
-    /// Spindle speed: for plans and reports, and on the machine where the operator sets it.
-    pub spindle: RevPerMin,
-    /// The feed law.
-    pub law: LawKind,
-    /// a: wanted feed per tooth, where the law says (on the circumference, at the contour), or chip thickness.
-    pub feed_per_tooth: MmPerTooth,
+    /// The tools that it governs, each with its law.
+    pub tools: Tools,
     /// How the wanted feed reaches the control.
     pub policy: FeedPolicy,
     /// Bounds of the override.
@@ -38,21 +33,95 @@ pub struct Job {
 }
 
 impl Job {
+    /// The tool that a rule is for.
+    pub fn tool_of(&self, rule: &CutRule) -> &ToolSetup {
+        self.tools.get(usize::from(rule.tool)).unwrap_or(self.tools.first())
+    }
+
     /// The wanted feed per tooth of a rule.
     pub fn feed_per_tooth_of(&self, rule: &CutRule) -> MmPerTooth {
-        rule.feed_per_tooth.unwrap_or(self.feed_per_tooth)
+        rule.feed_per_tooth.unwrap_or(self.tool_of(rule).feed_per_tooth)
     }
 }
 
-/// The tool in the program, and who sets its speed.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Setup {
-    /// Its T number; without one it is the tool that the operator has loaded, up to the first M6.
-    pub tool_number: Option<i64>,
+/// A tool of the job: how the program calls it, what turns it, and the law that feeds it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolSetup {
+    /// The cutter.
+    pub tool: Tool,
+    /// Its T number; without one it is the tool that the operator has loaded, up to the first M6. Of several tools each has one.
+    pub number: Option<i64>,
     /// Its axis in the program's coordinates.
     pub axis: ToolAxis,
+    /// Spindle speed: for plans and reports, and on the machine where the operator sets it.
+    pub spindle: RevPerMin,
     /// Who sets the spindle's speed.
     pub speed_source: SpeedSource,
+    /// The feed law.
+    pub law: LawKind,
+    /// a: wanted feed per tooth, where the law says (on the circumference, at the contour), or chip thickness.
+    pub feed_per_tooth: MmPerTooth,
+}
+
+impl ToolSetup {
+    /// A tool along Z, without a number, whose speed the program sets.
+    pub const fn new(tool: Tool, spindle: RevPerMin, law: LawKind, feed_per_tooth: MmPerTooth) -> Self {
+        let (number, axis, speed_source) = (None, ToolAxis::Z, SpeedSource::Program);
+        ToolSetup { tool, number, axis, spindle, speed_source, law, feed_per_tooth }
+    }
+}
+
+/// The tools of a job, in its order: at least one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tools {
+    first: ToolSetup,
+    more: Vec<ToolSetup, { TOOLS_MAX - 1 }>,
+}
+
+impl Tools {
+    /// One tool.
+    pub const fn one(setup: ToolSetup) -> Self {
+        Tools { first: setup, more: Vec::new() }
+    }
+
+    /// Adds a tool behind the others.
+    ///
+    /// # Errors
+    /// The tool, where there are [`TOOLS_MAX`] of them.
+    pub fn push(&mut self, setup: ToolSetup) -> Result<(), ToolSetup> {
+        self.more.push(setup)
+    }
+
+    /// The tool in the first place.
+    pub const fn first(&self) -> &ToolSetup {
+        &self.first
+    }
+
+    /// The tool in the first place, to change.
+    pub const fn first_mut(&mut self) -> &mut ToolSetup {
+        &mut self.first
+    }
+
+    /// The tool in the last place, to change.
+    pub fn last_mut(&mut self) -> &mut ToolSetup {
+        self.more.last_mut().unwrap_or(&mut self.first)
+    }
+
+    /// The tool in a place, counted from 0.
+    pub fn get(&self, index: usize) -> Option<&ToolSetup> {
+        self.iter().nth(index)
+    }
+
+    /// How many there are; at least 1.
+    #[allow(clippy::len_without_is_empty, reason = "it is never empty")]
+    pub fn len(&self) -> usize {
+        1 + self.more.len()
+    }
+
+    /// All of them, in order.
+    pub fn iter(&self) -> impl Iterator<Item = &ToolSetup> {
+        core::iter::once(&self.first).chain(&self.more)
+    }
 }
 
 /// The axis of the program's coordinates that the tool turns about.

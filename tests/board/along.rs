@@ -38,7 +38,7 @@ fn example() -> Example {
     let mut example = Example::load();
     example.text = [APPROACH, &LOOP.repeat(LOOPS), "M30\n%\n"].concat().into_bytes();
     let job = &mut example.file.job;
-    job.law = LawKind::EngagedArc { both_edges: true };
+    job.tools.first_mut().law = LawKind::EngagedArc { both_edges: true };
     for rule in &mut job.rules {
         if let Work::Ring(_, stock) = &mut rule.work {
             *stock = Stock::Along;

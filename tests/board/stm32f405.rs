@@ -16,6 +16,7 @@ use arcfeed_tests::root;
 use crate::budgets::sizes;
 use crate::elf::Elf;
 use arcfeed_tests::emulation::images::built;
+use arcfeed_tests::emulation::qemu;
 
 use crate::images::assert_gated;
 
@@ -64,12 +65,10 @@ fn writes() -> &'static [Write] {
 
 fn emulated() -> Vec<Write> {
     let log = image().with_file_name(format!("run-{IMAGE}-{}", std::process::id()));
-    let mut qemu = Command::new("qemu-system-arm");
+    let mut qemu = Command::new(qemu::emulator());
     qemu.args(["-machine", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "none"]);
     qemu.args(["-icount", "shift=3,sleep=off", "-d", "unimp", "-D"]).arg(&log).arg("-kernel").arg(image());
-    let mut child = qemu.stdin(Stdio::null()).spawn().unwrap_or_else(|error| {
-        panic!("qemu-system-arm: {error}. It is what stands for the chip here; `cargo xtask test` installs it.")
-    });
+    let mut child = qemu::spawn(qemu.stdin(Stdio::null()));
     let started = Instant::now();
     let writes = loop {
         std::thread::sleep(Duration::from_millis(100));

@@ -12,9 +12,9 @@ use arcfeed_firmware::supervisor::state::{Disarm, State};
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::machine;
 use arcfeed_hil_sim::rig::Rig;
-use arcfeed_shared::cut;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::machining::ToolInSpindle;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Nm, Span};
@@ -76,7 +76,7 @@ fn example() -> Example {
 
 /// Nothing but the position is to be told.
 fn quiet(job: &Job, position: Pose) -> Input {
-    Input::of(controller::Input { position: Some(position), spindle: job.spindle, dt: TICK })
+    Input::of(controller::Input { position: Some(position), spindle: job.tools.first().spindle, dt: TICK })
 }
 
 fn request(request: Request) -> Signals {
@@ -99,7 +99,7 @@ fn armed<'q>(job: &Job, blocks: &'q mut Blocks) -> (Guard<'q>, Producer<'q, Prep
 }
 
 fn prepared(segment: &Segment, job: &Job) -> ActiveSegment {
-    let rule = cut::find(&job.rules, segment, &job.tool).map(|(_, rule)| rule);
+    let rule = job.rule_for(segment, ToolInSpindle::Unstated).map(|(_, rule)| rule);
     ActiveSegment::new(segment, rule, job)
 }
 

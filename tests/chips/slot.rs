@@ -133,14 +133,14 @@ fn compare(track: &Track, mill: &CupMill, edge: Edge, line: &StockLine, spindle:
 #[test]
 fn chips_of_the_example_slot_are_those_of_the_geometric_meter() {
     let file = job("examples/ibr-slot/job.toml");
-    let Tool::CupMill(mill) = file.job.tool else { panic!("the example has a cup mill") };
-    let target_mm = f64::from(file.job.feed_per_tooth.0);
+    let Tool::CupMill(mill) = file.job.tools.first().tool else { panic!("the example has a cup mill") };
+    let target_mm = f64::from(file.job.tools.first().feed_per_tooth.0);
     let tracks = tracks(&file);
     for (sequence, rule) in [(144, 0), (146, 1), (150, 2), (152, 3)] {
         let Work::Ring(edge, stock) = &file.job.rules[rule].work else { panic!("a ring's rule") };
         let line = stock.line().expect("a line");
         let track = &tracks[&sequence];
-        let compared = compare(track, &mill, *edge, line, file.job.spindle);
+        let compared = compare(track, &mill, *edge, line, file.job.tools.first().spindle);
         let count = compared.chips as f64;
         let (mean_mm, rms_mm) = (compared.sum_mm / count, libm::sqrt(compared.squares_mm2 / count));
         let circle = usize::from(*edge == Edge::Inner);

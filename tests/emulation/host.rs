@@ -3,9 +3,9 @@
 use std::collections::VecDeque;
 
 use arcfeed_hil_sim::decider::board::{Attached, Traffic, Wire};
-use arcfeed_shared::cut;
 use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::job::Job;
+use arcfeed_shared::nc::machining::ToolInSpindle;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Micros, Span};
 use arcfeed_shared::wire::frame::ENCODED_MAX;
@@ -62,7 +62,7 @@ impl Host {
     /// Gives it the moves of its one run.
     pub fn give(&mut self, job: &Job, segments: &[Segment]) {
         for (count, segment) in (1..).zip(segments) {
-            let rule = cut::find(&job.rules, segment, &job.tool).map(|(index, _)| index as u8);
+            let rule = job.rule_for(segment, ToolInSpindle::Unstated).map(|(index, _)| index as u8);
             self.to_send.push_back(moves::encode(segment, count, rule).expect("the move can be told").into());
         }
     }

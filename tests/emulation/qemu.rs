@@ -204,14 +204,15 @@ fn command(image: &Path, scratch: &Scratch, clock: Clock) -> Command {
 }
 
 /// The emulator that `cargo xtask test` has unpacked into the build directory, or else the system's.
-fn emulator() -> PathBuf {
+pub fn emulator() -> PathBuf {
     // This test runs as <build directory>/<profile>/deps/<name>.
     let test = std::env::current_exe().expect("a test knows its own path");
     let unpacked = test.ancestors().nth(3).map(|folder| folder.join("tools/bin/qemu-system-arm"));
     unpacked.filter(|path| path.exists()).unwrap_or_else(|| "qemu-system-arm".into())
 }
 
-fn spawn(qemu: &mut Command) -> Child {
+/// Starts an emulator.
+pub fn spawn(qemu: &mut Command) -> Child {
     qemu.spawn().unwrap_or_else(|error| {
         panic!("qemu-system-arm: {error}. It is what stands for the chip here; `cargo xtask test` installs it.")
     })

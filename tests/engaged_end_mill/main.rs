@@ -7,7 +7,7 @@
 use arcfeed_firmware::law::{FeedLaw, NoWish, Place, SegmentLaw};
 use arcfeed_shared::cut::{CutRule, Moves, Work};
 use arcfeed_shared::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::machine::MachineLimits;
 use arcfeed_shared::nc::modal::{Center, Feed, Motion, MotionKind, Plane, Pose, Turn};
@@ -25,15 +25,17 @@ const ROUNDINGS: f64 = 12.0;
 
 fn job(tool: Tool, stock: Stock, both_edges: bool, chip_mm: f32) -> Job {
     let work = Work::Ring(Edge::Outer, stock);
-    let rule = CutRule { moves: Moves::Lines, work, feed_per_tooth: None, table: None, sequence: None, level: None };
+    let rule =
+        CutRule { tool: 0, moves: Moves::Lines, work, feed_per_tooth: None, table: None, sequence: None, level: None };
     Job {
         unit: LengthUnit::Mm,
-        tool,
-        setup: Default::default(),
+        tools: Tools::one(ToolSetup::new(
+            tool,
+            RevPerMin(8_000.0),
+            LawKind::EngagedArc { both_edges },
+            MmPerTooth(chip_mm),
+        )),
         ceiling: Default::default(),
-        spindle: RevPerMin(8_000.0),
-        law: LawKind::EngagedArc { both_edges },
-        feed_per_tooth: MmPerTooth(chip_mm),
         policy: FeedPolicy::SafeBase,
         limits: OverrideLimits::default(),
         machine: MachineLimits::default(),

@@ -6,8 +6,8 @@ use fastrand::Rng;
 
 /// The laws, as job files name them.
 pub const LAWS: [&str; 5] = ["contour", "engagement", "engaged-arc", "table", "circumference"];
-/// T number of the job's tool.
-pub const OWN_TOOL: i64 = 3;
+/// T numbers of a job's tools, and of one that no job has.
+pub const TOOL_NUMBERS: [i64; 3] = [3, 4, 5];
 
 /// A job, as it is written and as the truth takes it.
 #[derive(Clone, Debug)]
@@ -37,6 +37,8 @@ pub struct RandomJob {
     pub limits: [u32; 3],
     /// Whether the control's block-delete switch is on.
     pub is_deleting: bool,
+    /// The job's second tool, with what is the same for both as here.
+    pub second: Option<Box<RandomJob>>,
 }
 
 /// What a cup mill's rule says.
@@ -97,12 +99,55 @@ impl RandomJob {
             limits,
             // Where the program's F is sent, a block that the plan does not know begins with 100 %: docs/safety-case.md#transitions.
             is_deleting: random.bool() && mode != "override-only",
+            second: None,
         }
     }
 
+    /// The same with another tool beside it, under a law of its own.
+    #[must_use]
+    pub fn with_second_tool(self, random: &mut Rng) -> Self {
+        let law = LAWS[random.usize(..LAWS.len())];
+        let RandomJob { mode, limits, max_feed, max_raise, is_deleting, .. } = self;
+        // The meter knows of no least override that holds a feed up.
+        let limits = if mode == "override-only" { [1, 200, 1] } else { limits };
+        let second = RandomJob::sample(random, law);
+        let second = RandomJob { mode, limits, max_feed, max_raise, is_deleting, ..second };
+        RandomJob { limits, has_number: true, second: Some(Box::new(second)), ..self }
+    }
+
+    /// The tool of a place among the job's.
+    pub fn tool(&self, place: usize) -> Option<&RandomJob> {
+        if place == 0 { Some(self) } else { self.second.as_deref() }
+    }
+
+    /// The job.
     pub fn toml(&self) -> String {
-        let RandomJob { law, mode, radius, inner_radius, teeth, chip, spindle, .. } = self;
-        let mut text = String::from("units = \"mm\"\nprogram = \"program.nc\"\n[tool]\n");
+        match &self.second {
+            None => self.common_toml() + "[tool]\n" + &self.tool_toml(self.has_number.then_some(TOOL_NUMBERS[0]), ""),
+            Some(second) => [self, second].iter().zip(TOOL_NUMBERS).fold(self.common_toml(), |text, (tool, number)| {
+                text + "[[tool]]\n" + &tool.tool_toml(Some(number), "tool.")
+            }),
+        }
+    }
+
+    /// A job for one of the tools alone.
+    pub fn toml_of_one(&self, place: usize) -> String {
+        let tool = self.tool(place).expect("the job has such a tool");
+        self.common_toml() + "[tool]\n" + &tool.tool_toml(Some(TOOL_NUMBERS[place]), "")
+    }
+
+    fn common_toml(&self) -> String {
+        let RandomJob { max_feed, max_raise, mode, limits: [min, max, step], .. } = self;
+        let mut text = String::from("units = \"mm\"\nprogram = \"program.nc\"\n");
+        let _ = writeln!(text, "[limits]\nmax_feed = {max_feed}\nmax_raise = {max_raise}");
+        let _ = writeln!(text, "[override]\nmode = \"{mode}\"\nmin = {min}\nmax = {max}\nstep = {step}");
+        text
+    }
+
+    /// A tool's keys, spindle, law and rules, in tables whose names begin so.
+    fn tool_toml(&self, number: Option<i64>, prefix: &str) -> String {
+        let RandomJob { law, radius, inner_radius, teeth, chip, spindle, .. } = self;
+        let mut text = String::new();
         let _ = match *law {
             "circumference" => writeln!(
                 text,
@@ -110,19 +155,16 @@ impl RandomJob {
             ),
             _ => writeln!(text, "kind = \"end-mill\"\ndiameter = {}\nteeth = {teeth}", 2.0 * radius),
         };
-        if self.has_number {
-            let _ = writeln!(text, "number = {OWN_TOOL}");
+        if let Some(number) = number {
+            let _ = writeln!(text, "number = {number}");
         }
         let set_by = if self.is_set_by_operator { "operator" } else { "program" };
-        let _ = writeln!(text, "[spindle]\nrev_per_min = {spindle}\nset_by = \"{set_by}\"");
-        let _ = writeln!(text, "[limits]\nmax_feed = {}\nmax_raise = {}", self.max_feed, self.max_raise);
-        let _ = writeln!(text, "[law]\nkind = \"{law}\"\nfeed_per_tooth = {chip}");
+        let _ = writeln!(text, "[{prefix}spindle]\nrev_per_min = {spindle}\nset_by = \"{set_by}\"");
+        let _ = writeln!(text, "[{prefix}law]\nkind = \"{law}\"\nfeed_per_tooth = {chip}");
         if *law == "contour" {
             let _ = writeln!(text, "inside_only = {}", self.inside_only);
         }
-        let [min, max, step] = self.limits;
-        let _ = writeln!(text, "[override]\nmode = \"{mode}\"\nmin = {min}\nmax = {max}\nstep = {step}");
-        text + &self.rules()
+        text + &self.rules().replace("[[cut]]", &format!("[[{prefix}cut]]"))
     }
 
     fn rules(&self) -> String {

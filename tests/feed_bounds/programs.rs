@@ -4,7 +4,7 @@ use core::f64::consts::{PI, TAU};
 
 use fastrand::Rng;
 
-use crate::jobs::{OWN_TOOL, RandomJob, between, round};
+use crate::jobs::{RandomJob, TOOL_NUMBERS, between, round};
 
 /// A plane of arcs: first axis, second axis, and the letters of the centre.
 pub const PLANES: [(usize, usize, [char; 2]); 3] = [(0, 1, ['I', 'J']), (2, 0, ['K', 'I']), (1, 2, ['J', 'K'])];
@@ -19,7 +19,8 @@ pub struct Move {
     pub feed: f64,
     /// The spindle's speed, where it turns at one that is known.
     pub spindle: Option<f64>,
-    pub is_own_tool: bool,
+    /// Place of the tool in the spindle among the job's; `None` for one that the job doesn't have.
+    pub tool: Option<usize>,
 }
 
 /// What makes a move an arc.
@@ -39,6 +40,8 @@ pub struct Story {
     pub moves: Vec<Option<Move>>,
     state: State,
     is_deleting: bool,
+    /// What the operator turns each of the job's tools with, where the program says nothing.
+    operator_speeds: [Option<f64>; 2],
 }
 
 /// What the control's state is.
@@ -46,9 +49,11 @@ pub struct Story {
 struct State {
     at: [f64; 3],
     feed: Option<f64>,
+    /// The last S.
     speed: Option<f64>,
     is_on: Option<bool>,
-    is_own_tool: bool,
+    /// See [`Move::tool`].
+    tool: Option<usize>,
     heading: f64,
 }
 
@@ -73,6 +78,7 @@ impl Story {
             };
             match random.u8(..20) {
                 0 => story.change_tool(random, job),
+                18.. if job.second.is_some() => story.change_tool(random, job),
                 1 => story.change_spindle(random, slash),
                 2 => story.rapid(random),
                 3 | 4 => story.across(random, [3.0, 30.0], slash),
@@ -110,14 +116,17 @@ impl Story {
     }
 
     fn begin(random: &mut Rng, job: &RandomJob) -> Self {
-        let state = State { at: [0.0; 3], feed: None, speed: None, is_on: None, is_own_tool: true, heading: 0.0 };
+        // Of several tools none is known before the first M6.
+        let tool = job.second.is_none().then_some(0);
+        let state = State { at: [0.0; 3], feed: None, speed: None, is_on: None, tool, heading: 0.0 };
+        let operator_speeds =
+            [0, 1].map(|place| job.tool(place).filter(|tool| tool.is_set_by_operator).map(|tool| tool.spindle));
         let lines = ["%", "O1", "G21G17G90G94G40G49"].map(String::from).to_vec();
-        let mut story = Story { lines, moves: Vec::new(), state, is_deleting: job.is_deleting };
+        let mut story = Story { lines, moves: Vec::new(), state, is_deleting: job.is_deleting, operator_speeds };
         if job.has_number && random.bool() {
-            story.lines.push(format!("T{OWN_TOOL}M6"));
-            story.state.is_on = Some(false);
+            story.lines.push(format!("T{}M6", TOOL_NUMBERS[0]));
+            (story.state.is_on, story.state.tool) = (Some(false), Some(0));
         }
-        story.state.speed = job.is_set_by_operator.then_some(job.spindle);
         if random.u8(..8) > 0 {
             story.turn_on(f64::from(random.u32(2_000..8_000)));
         }
@@ -141,8 +150,9 @@ impl Story {
         if !job.has_number {
             return;
         }
-        self.state.is_own_tool = random.bool();
-        self.lines.push(format!("T{}M6", if self.state.is_own_tool { OWN_TOOL } else { OWN_TOOL + 1 }));
+        let place = [0, 0, 1, 1, 2][random.usize(..5)];
+        self.state.tool = Some(place).filter(|place| job.tool(*place).is_some() && *place < 2);
+        self.lines.push(format!("T{}M6", TOOL_NUMBERS[place]));
         self.state.is_on = Some(false);
         if random.u8(..4) > 0 {
             self.turn_on(f64::from(random.u32(2_000..8_000)));
@@ -203,6 +213,7 @@ impl Story {
 
     /// An arc, or a helix that rises by so much.
     fn arc(&mut self, random: &mut Rng, job: &RandomJob, (plane, rise): (usize, f64), slash: Slash) {
+        let job = self.state.tool.and_then(|place| job.tool(place)).unwrap_or(job);
         if job.law == "circumference" && plane == 0 && rise == 0.0 {
             return self.rotation(random, job, slash);
         }
@@ -272,9 +283,9 @@ impl Story {
         if slash != Slash::Feed || !self.is_deleting {
             self.state.feed = feed.or(self.state.feed);
         }
-        let State { at, feed, speed, is_on, is_own_tool, .. } = self.state;
-        let spindle = speed.filter(|_| is_on != Some(false));
-        self.moves.push(Some(Move { from: at, to, arc, feed: feed.unwrap_or(0.0), spindle, is_own_tool }));
+        let State { at, feed, speed, is_on, tool, .. } = self.state;
+        let spindle = speed.or(tool.and_then(|place| self.operator_speeds[place])).filter(|_| is_on != Some(false));
+        self.moves.push(Some(Move { from: at, to, arc, feed: feed.unwrap_or(0.0), spindle, tool }));
         self.state.at = to;
     }
 }

@@ -30,7 +30,7 @@ const STANDSTILL_MS: u32 = 3_000;
 /// What was looked at.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Figures {
-    programs: u32,
+    pub programs: u32,
     blocks: u32,
     pub governed_ms: u32,
     ungoverned_ms: u32,
@@ -75,15 +75,19 @@ struct Governing {
     by_controller: bool,
 }
 
-/// Runs a program to its end; `name` is that of its scratch folder.
+/// Runs a program to its end; `name` is that of its scratch folder. `None` for one that stops the control in either state of
+/// the block-delete switch: no command adapts it.
 ///
 /// # Errors
 /// The first moment that is too fast.
-pub fn run(name: &str, job: &RandomJob, story: &Story) -> Result<Figures, String> {
+pub fn run(name: &str, job: &RandomJob, story: &Story) -> Result<Option<Figures>, String> {
     let scratch = Scratch::new(name);
     scratch.write("program.nc", story.text());
     let file = JobFile::load(scratch.write("job.toml", job.toml()).as_ref()).map_err(|error| format!("{error:?}"))?;
     let program = Program::parse_with(&file.program, story.text().as_bytes(), file.nc, file.tables);
+    if program.has_errors() {
+        return Ok(None);
+    }
     let adapted = adapt_with(&program, &file.job, Known::of(&file));
     let is_governed = |block: &&PlannedBlock| block.rule.is_some() && block.wish.is_some();
     let governed: HashSet<usize> = adapted
@@ -136,7 +140,7 @@ pub fn run(name: &str, job: &RandomJob, story: &Story) -> Result<Figures, String
     match rig.control().alarm() {
         Some(alarm) => Err(format!("alarm at line {}: {}", alarm.line, alarm.fault.cause)),
         None if !rig.is_done() && moved_ms + STANDSTILL_MS < RUN_MAX_MS => Err("it stands still".into()),
-        None => Ok(figures),
+        None => Ok(Some(figures)),
     }
 }
 
@@ -167,11 +171,14 @@ fn look(job: &RandomJob, story: &Story, [last, now]: [&At; 2], governing: &Gover
     let feed_per_min = (path_mm - GRID_MM).max(0.0) / STEP.to_s() * S_PER_MIN;
     let moment = Moment { at: last.tool, feed_per_min };
     let as_programmed = truth::excess_as_programmed(of, &moment);
-    match (governing.by_plan, truth::may_govern(job, of)) {
-        (true, false) => Some("a law governs what it does not describe".into()),
-        (true, true) => truth::excess(job, of, &moment, job.mode == "override-only"),
+    let tool = of.tool.and_then(|place| job.tool(place)).filter(|tool| truth::may_govern(tool, of));
+    match (governing.by_plan, tool) {
+        (true, None) => Some("a law governs what it does not describe".into()),
+        (true, Some(tool)) => truth::excess(tool, of, &moment, job.mode == "override-only"),
         // With the switch in the other state, the controller may know a move again that the plan leaves alone.
-        (false, true) if governing.by_controller && as_programmed.is_some() => truth::excess(job, of, &moment, true),
+        (false, Some(tool)) if governing.by_controller && as_programmed.is_some() => {
+            truth::excess(tool, of, &moment, true)
+        }
         (false, _) => as_programmed,
     }
 }

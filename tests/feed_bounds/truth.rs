@@ -19,7 +19,7 @@ pub struct Moment {
     pub feed_per_min: f64,
 }
 
-/// Whether a law of this job may have a say on the move at all.
+/// Whether the law of this tool of the job may have a say on the move at all.
 pub fn may_govern(job: &RandomJob, of: &Move) -> bool {
     let rises = libm::fabs(of.to[2] - of.from[2]) > AXIAL_SINE * path_length(of);
     let is_across = !rises && of.arc.is_none_or(|arc| arc.plane == 0);
@@ -28,7 +28,7 @@ pub fn may_govern(job: &RandomJob, of: &Move) -> bool {
         ("circumference", None) => false,
         _ => true,
     };
-    of.is_own_tool && of.spindle.is_some_and(|speed| speed > 0.0) && (is_across || job.law == "table") && has_rule
+    of.spindle.is_some_and(|speed| speed > 0.0) && (is_across || job.law == "table") && has_rule
 }
 
 /// What is wrong with a moment of a move that keeps its programmed feed.

@@ -230,7 +230,7 @@ fn a_generated_cup_mill_is_found_with_its_radii() {
         worst = worst.max((outer_mm / outer - 1.0).abs()).max((inner_mm / inner - 1.0).abs());
         assert!(worst < 1e-4, "seed {seed}: {outer_mm}, {inner_mm}, not {outer}, {inner}");
         let file = sound(&scratch, &job);
-        let Tool::CupMill(mill) = file.job.tool else { panic!("{:?}", file.job.tool) };
+        let Tool::CupMill(mill) = file.job.tools.first().tool else { panic!("{:?}", file.job.tools.first().tool) };
         assert!((mill.outer_radius.to_mm() / outer - 1.0).abs() < 1e-4);
         assert_eq!(file.job.rules.len(), 4);
     }

@@ -11,7 +11,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Keys that no example has, of cup mills and of end mills.
-pub const JOBS: [&str; 2] = [
+pub const JOBS: [&str; 3] = [
     r#"units = "mm"
 program = "p.nc"
 tool = { kind = "cup-mill", outer_radius = "5 in", inner_radius = 110.5, active_teeth = 10, corner_radius = 0.5, height = 40, number = 3, axis = "x" }
@@ -63,6 +63,37 @@ n = [5, 90]
 moves = "lines"
 side = "outer"
 stock = { engaged = [[0, -10, 45.5], [1, 0, 60]] }
+"#,
+    r#"units = "mm"
+program = "p.nc"
+limits = { max_feed = 3000 }
+law = { kind = "contour", feed_per_tooth = 0.05, floor = 20 }
+[[tool]]
+number = 1
+kind = "end-mill"
+diameter = 10
+teeth = 4
+spindle = { rev_per_min = 8000 }
+[[tool.cut]]
+moves = "lines"
+side = "inside"
+radial_depth = 0.5
+n = [1, 9]
+z = [-5, 3]
+[[tool]]
+number = 7
+kind = "cup-mill"
+outer_radius = 50
+inner_radius = 40
+active_teeth = 5
+spindle = { rev_per_min = 900, set_by = "operator" }
+law = { kind = "circumference", feed_per_tooth = 0.1 }
+[[tool.cut]]
+rotation = "interior"
+direction = "cw"
+side = "outer"
+stock = { normal_deg = 90, offset = 3, rise = 0.5 }
+feed_per_tooth = 0.2
 "#,
 ];
 

@@ -7,7 +7,7 @@ use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::controller::{Controller, Input, Output, State};
 use arcfeed_firmware::law::NoWish;
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::nc::modal::{Feed, Pose};
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::stock::Stock;
@@ -55,6 +55,7 @@ impl Setup {
         let [outer_radius, inner_radius] =
             [scene.edge_radius.max(other), scene.edge_radius.min(other)].map(Nm::from_mm);
         let rule = CutRule {
+            tool: 0,
             moves: Moves::Rotations(Rotation::Interior, arc.turn),
             work: Work::Ring(scene.edge, Stock::half_plane(scene.stock())),
             feed_per_tooth: None,
@@ -64,12 +65,13 @@ impl Setup {
         };
         let job = Job {
             unit: LengthUnit::Mm,
-            tool: Tool::CupMill(CupMill { outer_radius, inner_radius, active_teeth: TEETH }),
-            setup: Default::default(),
+            tools: Tools::one(ToolSetup::new(
+                Tool::CupMill(CupMill { outer_radius, inner_radius, active_teeth: TEETH }),
+                RevPerMin(REV_PER_MIN),
+                law,
+                MmPerTooth(scene.chip as f32),
+            )),
             ceiling: Default::default(),
-            spindle: RevPerMin(REV_PER_MIN),
-            law,
-            feed_per_tooth: MmPerTooth(scene.chip as f32),
             policy: FeedPolicy::OverrideOnly,
             limits,
             machine: Default::default(),

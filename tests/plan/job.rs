@@ -45,7 +45,7 @@ fn the_hosts_reader_finds_what_was_written() {
         let text = text(unit, &limits, Some(Workpiece { stl: "blank.stl", target: None, step_mm: 0.5 }));
         let file = job::JobFile::parse(Path::new(&scratch.path("job.toml")), &text)
             .unwrap_or_else(|error| panic!("{error}\n{text}"));
-        let Tool::CupMill(tool) = file.job.tool else { panic!("a cup mill") };
+        let Tool::CupMill(tool) = file.job.tools.first().tool else { panic!("a cup mill") };
         let off = |found: Nm, wanted_mm: f64| (found.to_mm() - wanted_mm).abs();
         assert!(
             off(tool.outer_radius, mill().outer_radius_mm) < 2e-5

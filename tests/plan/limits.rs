@@ -8,7 +8,7 @@ use arcfeed_plan::output::limits::{BlankFace, Bound, LimitError, StockLimit, bou
 use arcfeed_plan::path::{Level, Purpose, SlotPath, Step};
 use arcfeed_plan::vector::{Flat, Point, Vector};
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::machine::MachineLimits;
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
@@ -127,6 +127,7 @@ fn job(limit: &StockLimit, bounds: &[Bound]) -> Job {
         _ => (Stock::Convex(bounds.iter().map(of).collect()), LawKind::EngagedArc { both_edges: true }),
     };
     let rule = CutRule {
+        tool: 0,
         moves: Moves::Rotations(limit.rotation, limit.turn),
         work: Work::Ring(limit.edge, stock),
         feed_per_tooth: None,
@@ -137,12 +138,13 @@ fn job(limit: &StockLimit, bounds: &[Bound]) -> Job {
     let [outer_radius, inner_radius] = [OUTER_MM, INNER_MM].map(Nm::from_mm);
     Job {
         unit: LengthUnit::Mm,
-        tool: Tool::CupMill(tool::CupMill { outer_radius, inner_radius, active_teeth: 10 }),
-        setup: Default::default(),
+        tools: Tools::one(ToolSetup::new(
+            Tool::CupMill(tool::CupMill { outer_radius, inner_radius, active_teeth: 10 }),
+            RevPerMin(1_000.0),
+            law,
+            MmPerTooth(CHIP_MM as f32),
+        )),
         ceiling: Default::default(),
-        spindle: RevPerMin(1_000.0),
-        law,
-        feed_per_tooth: MmPerTooth(CHIP_MM as f32),
         policy: FeedPolicy::SafeBase,
         limits: OverrideLimits::default(),
         machine: MachineLimits::default(),

@@ -61,8 +61,8 @@ fn told(is_along: bool) -> Told {
         true => vec![rule(like, Stock::Along), rule(like, Stock::everywhere())],
         false => tables.iter().map(|table| rule(like, Stock::Engaged(table.clone()))).collect(),
     };
-    let job =
-        Job { law: LawKind::EngagedArc { both_edges: true }, rules: rules.into_iter().collect(), ..run.job.clone() };
+    let mut job = Job { rules: rules.into_iter().collect(), ..run.job.clone() };
+    job.tools.first_mut().law = LawKind::EngagedArc { both_edges: true };
     let mut governed = 0;
     let (mut moves, mut arcs) = (Vec::new(), Vec::new());
     for segment in &run.segments {
@@ -87,7 +87,7 @@ fn trace(mut world: World) -> Vec<u8> {
     let run = ibr_slot();
     let mut trace = Vec::new();
     for (position, ..) in &run.ticks {
-        world.sensors = standing(*position, run.job.spindle);
+        world.sensors = standing(*position, run.job.tools.first().spindle);
         trace.push(world.step().feed_override.percent);
     }
     assert_eq!(world.host.refusals, []);

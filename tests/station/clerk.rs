@@ -212,7 +212,7 @@ fn a_host_that_sends_more_segments_than_there_is_room_for_loses_none() {
     world.arm();
     (1..=all_moves().len()).for_each(|count| world.host.say(segment(count as u32)));
     for (position, ..) in &run.ticks {
-        world.sensors = standing(*position, run.job.spindle);
+        world.sensors = standing(*position, run.job.tools.first().spindle);
         world.step();
     }
     assert_eq!(world.host.refusals, []);

@@ -26,7 +26,7 @@ fn over_the_link(run: &Recorded, latency_ms: u64, lost_per_mille: u64) -> (Vec<u
     world.arm();
     let mut trace = Vec::new();
     for (position, ..) in &run.ticks {
-        world.sensors = standing(*position, run.job.spindle);
+        world.sensors = standing(*position, run.job.tools.first().spindle);
         trace.push(world.step().feed_override.percent);
     }
     (trace, world)
@@ -40,7 +40,11 @@ fn without_a_link(run: &Recorded) -> Vec<u8> {
     let (mut memory, mut follower) = (Memory::armed(), Follower::default());
     let mut trace = Vec::new();
     for (position, ..) in &run.ticks {
-        let measured = controller::Input { position: Some(*position), spindle: run.job.spindle, dt: Span::from_ms(1) };
+        let measured = controller::Input {
+            position: Some(*position),
+            spindle: run.job.tools.first().spindle,
+            dt: Span::from_ms(1),
+        };
         let output = supervisor.tick(&mut memory, follower.in_work(ahead.peek()), &Input::of(measured));
         trace.push(output.feed_override.percent);
         if ahead.peek().is_some_and(|front| follower.follow(supervisor.controller(), front, &measured)) {

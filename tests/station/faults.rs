@@ -6,7 +6,7 @@ use arcfeed_firmware::supervisor::report::Alarm;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Signals};
 use arcfeed_firmware::supervisor::state::State;
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
 use arcfeed_shared::segment::{Arc, Path, Segment};
 use arcfeed_shared::stock::{Stock, StockLine};
@@ -27,6 +27,7 @@ const SETTLE: usize = 5_000;
 /// Stands at the beginning of an arc on which the law wants more than 200 % of the feed that was sent, and a little less further on.
 fn job() -> Job {
     let rule = CutRule {
+        tool: 0,
         moves: Moves::Rotations(Rotation::Exterior, Turn::Cw),
         work: Work::Ring(
             Edge::Outer,
@@ -39,12 +40,13 @@ fn job() -> Job {
     };
     Job {
         unit: LengthUnit::Mm,
-        tool: Tool::CupMill(CupMill { outer_radius: RADIUS, inner_radius: Nm(90_000_000), active_teeth: 10 }),
-        setup: Default::default(),
+        tools: Tools::one(ToolSetup::new(
+            Tool::CupMill(CupMill { outer_radius: RADIUS, inner_radius: Nm(90_000_000), active_teeth: 10 }),
+            RevPerMin(1_000.0),
+            LawKind::Circumference,
+            MmPerTooth(0.1),
+        )),
         ceiling: Default::default(),
-        spindle: RevPerMin(1_000.0),
-        law: LawKind::Circumference,
-        feed_per_tooth: MmPerTooth(0.1),
         policy: FeedPolicy::OverrideOnly,
         limits: OverrideLimits::default(),
         machine: Default::default(),
@@ -69,10 +71,12 @@ fn quarter(feed: Nm) -> Segment {
 fn feed(job: &Job) -> Nm {
     let controller = Controller::new(job).expect("the bounds are sound");
     let probe = ActiveSegment::new(&quarter(Nm(1_000_000_000)), job.rules.first(), job);
-    let measured = controller::Input { position: Some(start()), spindle: job.spindle, dt: Span::from_ms(1) };
+    let measured =
+        controller::Input { position: Some(start()), spindle: job.tools.first().spindle, dt: Span::from_ms(1) };
     let mut state = controller::State::default();
     let path = controller.begin(&mut state, &probe, &measured).ipt_center.expect("the probe meets the stock");
-    let wanted = f64::from(path.0) * f64::from(job.tool.active_teeth()) * f64::from(job.spindle.0);
+    let wanted =
+        f64::from(path.0) * f64::from(job.tools.first().tool.active_teeth()) * f64::from(job.tools.first().spindle.0);
     Nm::from_mm(wanted / 2.2)
 }
 
@@ -80,7 +84,7 @@ fn feed(job: &Job) -> Nm {
 pub fn settled() -> World {
     let job = job();
     let mut world = World::new(&job, &[(quarter(feed(&job)), Some(0))], [1, 2].map(|seed| Channel::new(0, 0, seed)));
-    world.sensors = standing(start(), job.spindle);
+    world.sensors = standing(start(), job.tools.first().spindle);
     world.arm();
     world.run(SETTLE);
     world

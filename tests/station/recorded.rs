@@ -9,9 +9,9 @@ use arcfeed::program::Program;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::machine;
 use arcfeed_hil_sim::rig::Rig;
-use arcfeed_shared::cut;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::machining::ToolInSpindle;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
 use arcfeed_tests::root;
@@ -28,7 +28,7 @@ pub struct Recorded {
 impl Recorded {
     /// Which cut rule speaks of a move.
     pub fn rule(&self, segment: &Segment) -> Option<usize> {
-        cut::find(&self.job.rules, segment, &self.job.tool).map(|(index, _)| index)
+        self.job.rule_for(segment, ToolInSpindle::Unstated).map(|(index, _)| index)
     }
 }
 

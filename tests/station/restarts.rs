@@ -55,7 +55,7 @@ impl UnderWay {
         let (latency, lost) = (random.below(20) as u64, random.below(2) as u64 * SPOILT_PER_MILLE);
         let channels = [seed, seed + 1].map(|seed| Channel::new(latency, lost, seed));
         let mut world = World::new(&run.job, &all[first..], channels);
-        world.sensors = standing(run.ticks[tick].0, run.job.spindle);
+        world.sensors = standing(run.ticks[tick].0, run.job.tools.first().spindle);
         world.arm();
         let mut way = UnderWay { run, all, first, tick, world };
         for _ in 0..random.below(BEFORE) {
@@ -66,7 +66,7 @@ impl UnderWay {
 
     fn step(&mut self) -> u8 {
         let at = self.run.ticks.get(self.tick).unwrap_or_else(|| self.run.ticks.last().expect("a run"));
-        self.world.sensors = standing(at.0, self.run.job.spindle);
+        self.world.sensors = standing(at.0, self.run.job.tools.first().spindle);
         self.tick += 1;
         let output = self.world.step();
         assert!(output.feed_override.percent <= 200, "beyond the limits");

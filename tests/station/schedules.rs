@@ -56,7 +56,7 @@ fn run_through(seed: u64, run: &'static Recorded) -> Outcome {
     let channels = [seed, !seed].map(|seed| Channel::new(latency_ms, 0, seed));
     let mut world = World::new(&run.job, &moves(run)[first..], channels);
     let start = run.ticks.iter().position(|(.., begun)| *begun == first + 1).expect("it began");
-    world.sensors = standing(run.ticks[start].0, run.job.spindle);
+    world.sensors = standing(run.ticks[start].0, run.job.tools.first().spindle);
     world.arm();
     [world.down.lost_per_mille, world.up.lost_per_mille] = [lost_per_mille; 2];
     let (mut outcome, mut in_work, mut before) = (Outcome::default(), 0, world.output.expect("a tick"));
@@ -66,7 +66,7 @@ fn run_through(seed: u64, run: &'static Recorded) -> Outcome {
         };
         [world.down.is_open, world.up.is_open] = [!cut(0), !cut(1)];
         let (position, _, begun) = run.ticks.get(start + tick).copied().unwrap_or(run.ticks[run.ticks.len() - 1]);
-        world.sensors = standing(position, run.job.spindle);
+        world.sensors = standing(position, run.job.tools.first().spindle);
         let output = world.step();
         let told = || format!("seed {seed}, tick {tick}: {before:?}, {output:?}");
         let (percent, last) = (output.feed_override.percent, before.feed_override.percent);

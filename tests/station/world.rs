@@ -278,7 +278,7 @@ impl World {
             board: Board::boot(1, None),
             down,
             up,
-            sensors: standing(Pose::default(), job.spindle),
+            sensors: standing(Pose::default(), job.tools.first().spindle),
             output: None,
             is_desk_running: true,
         }

@@ -12,7 +12,7 @@ use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
 use arcfeed_firmware::supervisor::state::State;
 use arcfeed_firmware::supervisor::{Output, Supervisor};
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
-use arcfeed_shared::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits};
+use arcfeed_shared::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
 use arcfeed_shared::segment::{Arc, Path, Segment};
 use arcfeed_shared::stock::{Stock, StockLine};
@@ -80,7 +80,7 @@ impl Bench {
             segments: PIECES.map(|piece| prepare(piece, &job)).to_vec(),
             work: None,
             pose: start(),
-            spindle: job.spindle,
+            spindle: job.tools.first().spindle,
             dt: TICK,
             position: Freshness::NOW,
             link: Freshness::NOW,
@@ -197,12 +197,13 @@ pub fn start() -> Pose {
 fn job(limits: OverrideLimits) -> Job {
     Job {
         unit: LengthUnit::Mm,
-        tool: Tool::CupMill(CupMill { outer_radius: RADIUS, inner_radius: Nm(90_000_000), active_teeth: 10 }),
-        setup: Default::default(),
+        tools: Tools::one(ToolSetup::new(
+            Tool::CupMill(CupMill { outer_radius: RADIUS, inner_radius: Nm(90_000_000), active_teeth: 10 }),
+            RevPerMin(1_000.0),
+            LawKind::Circumference,
+            MmPerTooth(0.1),
+        )),
         ceiling: FeedCeiling { max_feed: None, max_raise_ratio: 4.0 },
-        spindle: RevPerMin(1_000.0),
-        law: LawKind::Circumference,
-        feed_per_tooth: MmPerTooth(0.1),
         policy: FeedPolicy::OverrideOnly,
         limits,
         machine: Default::default(),
@@ -216,6 +217,7 @@ fn rule(misses: bool) -> CutRule {
     let offset_mm = if misses { -500.0 } else { 50.0 };
     let stock = StockLine { normal: [0.0, 1.0], offset_mm, rise_ratio: 0.0 };
     CutRule {
+        tool: 0,
         moves: Moves::Rotations(Rotation::Exterior, Turn::Cw),
         work: Work::Ring(Edge::Outer, Stock::half_plane(stock)),
         feed_per_tooth: None,
@@ -257,10 +259,11 @@ fn prepare(piece: Piece, job: &Job) -> (Piece, ActiveSegment, f64) {
 /// The feed to send so that the law wants `percent` of it at the start; 0 %: so much that a thousandth of it is wanted.
 fn feed_for(percent: u16, probe: &ActiveSegment, job: &Job) -> Nm {
     let controller = Controller::new(job).expect("the bounds are sound");
-    let input = controller::Input { position: Some(start()), spindle: job.spindle, dt: TICK };
+    let input = controller::Input { position: Some(start()), spindle: job.tools.first().spindle, dt: TICK };
     let mut state = controller::State::default();
     let path = controller.begin(&mut state, probe, &input).ipt_center.expect("the probe meets the stock");
-    let wanted_mm_per_min = f64::from(path.0) * f64::from(job.tool.active_teeth()) * f64::from(job.spindle.0);
+    let wanted_mm_per_min =
+        f64::from(path.0) * f64::from(job.tools.first().tool.active_teeth()) * f64::from(job.tools.first().spindle.0);
     let ratio = if percent == 0 { 1e-3 } else { f64::from(percent) / 100.0 };
     Nm::from_mm(wanted_mm_per_min / (ratio * (1.0 + 1e-6)))
 }

@@ -11,7 +11,7 @@ use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_firmware::law::table::Table;
 use arcfeed_firmware::progress::PositionFilter;
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Side, Work};
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::knots::{Knot, TABLE_KNOTS_MAX};
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
 use arcfeed_shared::segment::{Arc, Path, Segment};
@@ -72,12 +72,13 @@ impl Scene {
         };
         let job = Job {
             unit: LengthUnit::Mm,
-            tool,
-            setup: Default::default(),
+            tools: Tools::one(ToolSetup::new(
+                tool,
+                RevPerMin(1_000.0),
+                law,
+                MmPerTooth((1 + random.below(1_000)) as f32 / 1_000.0),
+            )),
             ceiling: Default::default(),
-            spindle: RevPerMin(1_000.0),
-            law,
-            feed_per_tooth: MmPerTooth((1 + random.below(1_000)) as f32 / 1_000.0),
             policy: FeedPolicy::SafeBase,
             limits: limits(random),
             machine: Default::default(),
@@ -85,7 +86,7 @@ impl Scene {
             knots: Default::default(),
         };
         let table = (choice == LawChoice::Table).then(|| table(random, &segment)).flatten();
-        let rule = CutRule { moves, work, feed_per_tooth, table: None, sequence: None, level: None };
+        let rule = CutRule { tool: 0, moves, work, feed_per_tooth, table: None, sequence: None, level: None };
         Scene { job, filter: filter(random), rule, segment, table, course }
     }
 

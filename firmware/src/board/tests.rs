@@ -13,7 +13,7 @@ use crate::supervisor::report::Reason;
 use crate::supervisor::settings::Settings;
 use crate::supervisor::signals::{BoardFault, Request, Signals};
 use crate::supervisor::state::State;
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
 use arcfeed_shared::segment::{Arc, Path, Segment};
 use arcfeed_shared::tool::{CupMill, Tool};
@@ -89,12 +89,13 @@ fn job() -> Job {
     let (outer_radius, inner_radius) = (Nm::from_mm(RADIUS_MM), Nm::from_mm(90.0));
     Job {
         unit: LengthUnit::Mm,
-        tool: Tool::CupMill(CupMill { outer_radius, inner_radius, active_teeth: 10 }),
-        setup: Default::default(),
+        tools: Tools::one(ToolSetup::new(
+            Tool::CupMill(CupMill { outer_radius, inner_radius, active_teeth: 10 }),
+            SPINDLE,
+            LawKind::Programmed,
+            FEED_PER_TOOTH,
+        )),
         ceiling: Default::default(),
-        spindle: SPINDLE,
-        law: LawKind::Programmed,
-        feed_per_tooth: FEED_PER_TOOTH,
         policy: FeedPolicy::OverrideOnly,
         limits: OverrideLimits::default(),
         machine: Default::default(),
@@ -114,7 +115,7 @@ fn quarter(job: &Job) -> ActiveSegment {
 }
 
 fn mill<'b>(bench: &'b Bench, job: &Job) -> (Mill<'b>, Pins<'b>) {
-    let measured = controller::Input { position: None, spindle: job.spindle, dt: TICK };
+    let measured = controller::Input { position: None, spindle: job.tools.first().spindle, dt: TICK };
     let lines = Latched::new(ParallelLines::new(bench.pins()).unwrap());
     let segment = Some((1, quarter(job)));
     let mill = Mill { segment, ticks: 0, request: Signals::NONE, input: Input::of(measured), lines };

@@ -140,11 +140,12 @@ impl SegmentLaw {
     /// The same with the engaged arcs that were told with the segment: they count where its rule leaves them to be told.
     pub fn told(segment: &Segment, rule: Option<&CutRule>, along: Option<&EngagedTable>, job: &Job) -> Self {
         let Some(rule) = rule else { return SegmentLaw::Programmed };
-        if job.law == LawKind::Table {
+        let setup = job.tool_of(rule);
+        if setup.law == LawKind::Table {
             return for_table(rule, job);
         }
         let feed_per_tooth = job.feed_per_tooth_of(rule);
-        match (&job.tool, &rule.work, job.law) {
+        match (&setup.tool, &rule.work, setup.law) {
             (Tool::CupMill(mill), Work::Ring(edge, stock), LawKind::Circumference) => {
                 for_rotation(segment, mill, (*edge, stock), feed_per_tooth)
             }
@@ -208,11 +209,12 @@ fn for_rotation(
 
 /// Both circles of a ring on an arc; the one circle of an end mill on any move.
 fn for_circles(segment: &Segment, rule: &CutRule, region: Region, job: &Job) -> SegmentLaw {
-    let (Work::Ring(edge, _), LawKind::EngagedArc { both_edges }) = (&rule.work, job.law) else {
+    let setup = job.tool_of(rule);
+    let (Work::Ring(edge, _), LawKind::EngagedArc { both_edges }) = (&rule.work, setup.law) else {
         return SegmentLaw::Programmed;
     };
     let path_radius = segment.arc().map(|arc| Mm(arc.radius_mm() as f32));
-    let (radii, path_radius) = match (&job.tool, path_radius) {
+    let (radii, path_radius) = match (&setup.tool, path_radius) {
         (Tool::CupMill(_), None) => return SegmentLaw::Programmed,
         (Tool::CupMill(mill), Some(radius)) => ([Edge::Outer, Edge::Inner].map(|edge| mill.radius_mm(edge)), radius),
         (Tool::EndMill(mill), radius) => {

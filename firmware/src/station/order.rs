@@ -162,7 +162,7 @@ impl Ahead {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_shared::job::{FeedPolicy, Job, LawKind};
+    use arcfeed_shared::job::{FeedPolicy, Job, LawKind, ToolSetup, Tools};
     use arcfeed_shared::nc::modal::Feed;
     use arcfeed_shared::segment::{Path, Segment};
     use arcfeed_shared::tool::{EndMill, Tool};
@@ -171,12 +171,13 @@ mod tests {
     fn ahead(run: u32) -> Ahead {
         let job = Job {
             unit: LengthUnit::Mm,
-            tool: Tool::EndMill(EndMill { radius: Nm(5), teeth: 1 }),
-            setup: Default::default(),
+            tools: Tools::one(ToolSetup::new(
+                Tool::EndMill(EndMill { radius: Nm(5), teeth: 1 }),
+                RevPerMin(1.0),
+                LawKind::Programmed,
+                MmPerTooth(1.0),
+            )),
             ceiling: Default::default(),
-            spindle: RevPerMin(1.0),
-            law: LawKind::Programmed,
-            feed_per_tooth: MmPerTooth(1.0),
             policy: FeedPolicy::SafeBase,
             limits: Default::default(),
             machine: Default::default(),

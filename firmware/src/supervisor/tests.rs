@@ -4,7 +4,7 @@ use super::*;
 use crate::supervisor::input::Freshness;
 use crate::supervisor::signals::BoardFault;
 use arcfeed_shared::cut::{CutRule, Moves, Rotation};
-use arcfeed_shared::job::{FeedPolicy, LawKind, OverrideLimits};
+use arcfeed_shared::job::{FeedPolicy, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn as ArcTurn};
 use arcfeed_shared::segment::{Arc, Path, Segment};
 use arcfeed_shared::stock::{Stock, StockLine};
@@ -66,12 +66,13 @@ fn job(limits: OverrideLimits) -> Job {
     let outer_radius = Nm::from_mm(RADIUS_MM);
     Job {
         unit: LengthUnit::Mm,
-        tool: Tool::CupMill(CupMill { outer_radius, inner_radius: Nm::from_mm(90.0), active_teeth: 10 }),
-        setup: Default::default(),
+        tools: Tools::one(ToolSetup::new(
+            Tool::CupMill(CupMill { outer_radius, inner_radius: Nm::from_mm(90.0), active_teeth: 10 }),
+            SPINDLE,
+            LawKind::Circumference,
+            MmPerTooth(0.1),
+        )),
         ceiling: Default::default(),
-        spindle: SPINDLE,
-        law: LawKind::Circumference,
-        feed_per_tooth: MmPerTooth(0.1),
         policy: FeedPolicy::OverrideOnly,
         limits,
         machine: Default::default(),
@@ -84,6 +85,7 @@ fn job(limits: OverrideLimits) -> Job {
 fn rule(offset_mm: f64) -> CutRule {
     let stock = Stock::half_plane(StockLine { normal: [0.0, 1.0], offset_mm, rise_ratio: 0.0 });
     CutRule {
+        tool: 0,
         moves: Moves::Rotations(Rotation::Exterior, ArcTurn::Cw),
         work: arcfeed_shared::cut::Work::Ring(Edge::Outer, stock),
         feed_per_tooth: None,

@@ -1,6 +1,6 @@
 use super::*;
 use arcfeed_shared::cut::{CutRule, Moves, RULES_MAX, Side, Work};
-use arcfeed_shared::job::{LawKind, OverrideLimits};
+use arcfeed_shared::job::{LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::machine::MachineLimits;
 use arcfeed_shared::nc::modal::Turn;
@@ -12,6 +12,7 @@ type Small = Tap<400>;
 
 fn job() -> Job {
     let rule = CutRule {
+        tool: 0,
         moves: Moves::Arcs(Turn::Ccw),
         work: Work::Mill { side: Side::Inside, radial_depth: Nm(1_000_000) },
         feed_per_tooth: None,
@@ -21,12 +22,13 @@ fn job() -> Job {
     };
     Job {
         unit: LengthUnit::Mm,
-        tool: Tool::EndMill(EndMill { radius: Nm(2_000_000), teeth: 2 }),
-        setup: Default::default(),
+        tools: Tools::one(ToolSetup::new(
+            Tool::EndMill(EndMill { radius: Nm(2_000_000), teeth: 2 }),
+            RevPerMin(1_000.0),
+            LawKind::Contour { inside_only: false, floor_ratio: 0.1 },
+            MmPerTooth(0.05),
+        )),
         ceiling: Default::default(),
-        spindle: RevPerMin(1_000.0),
-        law: LawKind::Contour { inside_only: false, floor_ratio: 0.1 },
-        feed_per_tooth: MmPerTooth(0.05),
         policy: FeedPolicy::OverrideOnly,
         limits: OverrideLimits::default(),
         machine: MachineLimits::default(),

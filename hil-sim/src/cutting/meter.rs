@@ -103,6 +103,11 @@ impl ChipMeter {
         }
     }
 
+    /// Another tool is in the spindle from here on; the target holds where a rule gives none of its own, mm.
+    pub fn set_tool(&mut self, tool: Tool, target_mm_per_tooth: f64) {
+        self.settings = MeterSettings { tool, target_mm_per_tooth, ..self.settings };
+    }
+
     /// The spindle turns with another speed from here on.
     pub fn set_spindle(&mut self, spindle: RevPerMin) {
         self.tooth_us = self.settings.tooth_us(spindle);

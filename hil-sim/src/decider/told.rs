@@ -60,7 +60,7 @@ impl Told {
         let has_override = !matches!(job.policy, FeedPolicy::RewriteOnly(_));
         let is_on = has_override && fault != ControllerFault::LawOff;
         let supervisor = is_on.then(|| Supervisor::new(job, Settings::default())).transpose()?;
-        let measured = controller::Input { position: None, spindle: job.spindle, dt: period };
+        let measured = controller::Input { position: None, spindle: job.tools.first().spindle, dt: period };
         let frozen_from = match fault {
             ControllerFault::FrozenAfter(ticks) => Some(Micros(ticks * u64::from(period.0))),
             _ => None,
@@ -99,10 +99,10 @@ impl Decider for Told {
     }
 }
 
-/// The job with the tool that the controller takes it to have.
+/// The job with the first tool as the controller takes it to be.
 fn believed(job: &Job, fault: ControllerFault) -> Job {
     let mut job = job.clone();
-    if let (ControllerFault::RadiusScale(scale), Tool::CupMill(mill)) = (fault, &mut job.tool) {
+    if let (ControllerFault::RadiusScale(scale), Tool::CupMill(mill)) = (fault, &mut job.tools.first_mut().tool) {
         let scaled = |radius: Nm| Nm::from_mm(radius.to_mm() * scale);
         mill.outer_radius = scaled(mill.outer_radius);
         mill.inner_radius = scaled(mill.inner_radius);

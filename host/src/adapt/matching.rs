@@ -1,6 +1,5 @@
 //! Which cut rule governs a line's move, and why none does.
 
-use arcfeed_shared::cut;
 use arcfeed_shared::governed::{AXIAL_SINE_MAX, Exclusion, Match};
 use arcfeed_shared::job::{Job, LawKind};
 use arcfeed_shared::kinematics::machine::Machine;
@@ -40,12 +39,13 @@ fn match_tip_move(
     segment: &Segment,
     axial_sine: f64,
 ) -> Result<(usize, RevPerMin), PlanReason> {
-    let (index, _) = cut::find(&job.rules, segment, &job.tool).ok_or(PlanReason::NoRule)?;
-    if axial_sine > AXIAL_SINE_MAX && job.law != LawKind::Table {
+    let (index, rule) = job.rule_for(segment, line.machining.tool).ok_or(PlanReason::NoRule)?;
+    let setup = job.tool_of(rule);
+    if axial_sine > AXIAL_SINE_MAX && setup.law != LawKind::Table {
         return Err(PlanReason::Axial);
     }
-    if !job.is_own_tool(line.machining.tool) {
+    if job.tool_in(line.machining.tool).is_none() {
         return Err(PlanReason::OtherTool);
     }
-    job.speed(line.machining.spindle).map(|spindle| (index, spindle)).ok_or(PlanReason::Spindle)
+    setup.speed(line.machining.spindle).map(|spindle| (index, spindle)).ok_or(PlanReason::Spindle)
 }

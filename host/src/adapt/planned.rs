@@ -119,7 +119,7 @@ impl PlannedBlock {
 /// Asks the law of the block's rule along its move, and sets its feed and the reason for that.
 pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: LengthUnit) -> Option<Profile> {
     let rule = job.rules.get(block.rule?)?;
-    let teeth_per_min = f64::from(spindle.0) * f64::from(job.tool.active_teeth());
+    let teeth_per_min = f64::from(spindle.0) * f64::from(job.tool_of(rule).tool.active_teeth());
     let law = SegmentLaw::told(&block.segment, Some(rule), block.along.as_ref(), job);
     let profile = Profile::ask(&law, &block.segment, &knots_mm(rule, block.along.as_ref(), job));
     let Some(wish) = WishRange::of(&profile, teeth_per_min) else {

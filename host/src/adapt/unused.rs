@@ -24,7 +24,7 @@ pub fn unused_rules(path: &Path, file: &JobFile, program: Option<&Source>) -> Ve
         let (program, met) = met.as_ref()?;
         match met.get(index)? {
             Met::Never => Some(format!(
-                "no move of {program} fits this rule: compare its direction, n and z, and the tool's radii, with the program"
+                "no move of {program} fits this rule: compare its direction, n and z, and the tool's number and radii, with the program"
             )),
             Met::Behind => Some(format!("this rule is never used: earlier rules take all of its moves of {program}")),
             Met::First => None,
@@ -51,8 +51,10 @@ enum Met {
 
 fn met(program: &Source, job: &Job) -> Vec<Met> {
     let mut met = vec![Met::Never; job.rules.len()];
-    for segment in program.lines().filter_map(|line| line.segment()) {
-        let fitting = job.rules.iter().zip(&mut met).filter(|(rule, _)| rule.fits(&segment, &job.tool));
+    for line in program.lines() {
+        let (Some(segment), Some(tool)) = (line.segment(), job.tool_in(line.machining.tool)) else { continue };
+        let fits = |rule: &CutRule| usize::from(rule.tool) == tool && rule.fits(&segment, &job.tool_of(rule).tool);
+        let fitting = job.rules.iter().zip(&mut met).filter(|(rule, _)| fits(rule));
         for (place, (_, met)) in fitting.enumerate() {
             *met = (*met).max(if place == 0 { Met::First } else { Met::Behind });
         }
@@ -69,7 +71,7 @@ fn covers(earlier: &CutRule, rule: &CutRule) -> bool {
         (Some(_), None) => false,
         (Some(outer), Some(inner)) => is_within(inner, outer),
     };
-    earlier.moves == rule.moves
+    (earlier.tool, earlier.moves) == (rule.tool, rule.moves)
         && covers_range(earlier.sequence, rule.sequence)
         && covers_range(levels(earlier), levels(rule))
 }

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use arcfeed_shared::cut;
 use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::nc::alarm::NotModelled;
+use arcfeed_shared::nc::machining::ToolInSpindle;
 use arcfeed_shared::nc::modal::Feed;
 use arcfeed_shared::reader::Reader;
 use arcfeed_shared::segment::{Path, Segment};
@@ -145,7 +145,7 @@ impl<'a> Writer<'a> {
     fn plan(&mut self, number: usize, line: &ProgramLine, segment: Segment) -> (PlannedBlock, Option<Profile>) {
         let mut block = PlannedBlock::new(number, segment);
         block.limit = MoveLimit::of(line, &segment, self.job, self.machine);
-        block.along = self.told_along(&segment);
+        block.along = self.told_along(&segment, line.machining.tool);
         let under = self.special(line);
         let reason = match match_move(self.job, self.machine, line, &segment) {
             _ if segment.path == Path::Rapid => PlanReason::Rapid,
@@ -164,15 +164,15 @@ impl<'a> Writer<'a> {
         };
         block.reason = reason;
         if reason != PlanReason::Rapid {
-            block.rule = cut::find(&self.job.rules, &segment, &self.job.tool).map(|(index, _)| index);
+            block.rule = self.job.rule_for(&segment, line.machining.tool).map(|(index, _)| index);
             block.under = under;
         }
         (block, None)
     }
 
     /// Where the circles are engaged along a move, where its rule leaves that to be told.
-    fn told_along(&mut self, segment: &Segment) -> Option<EngagedTable> {
-        let (_, rule) = cut::find(&self.job.rules, segment, &self.job.tool)?;
+    fn told_along(&mut self, segment: &Segment, tool: ToolInSpindle) -> Option<EngagedTable> {
+        let (_, rule) = self.job.rule_for(segment, tool)?;
         let engaged = self.engaged.as_mut().filter(|_| rule.is_told_along())?;
         engaged.next(segment).cloned()
     }

@@ -65,7 +65,7 @@ impl MoveBounds {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Governed<'a> {
     rule: usize,
-    /// Where it is not the job's.
+    /// Where it is not the tool's.
     spindle: Option<RevPerMin>,
     along: Option<&'a EngagedTable>,
 }
@@ -121,9 +121,10 @@ impl Plan {
             let untold = |why| PlanError { source, why: Untold::Move(why) };
             if let Some(block) = blocks.next_if(|block| block.line == index + 1) {
                 let rule = block.rule.filter(|_| block.wish.is_some());
+                let of_tool = |rule| job.rules.get(rule).map(|rule| job.tool_of(rule).spindle);
                 let governed = rule.map(|rule| Governed {
                     rule,
-                    spindle: block.spindle.filter(|spindle| *spindle != job.spindle),
+                    spindle: block.spindle.filter(|spindle| Some(*spindle) != of_tool(rule)),
                     along: block.along.as_ref(),
                 });
                 let bounds = bounds.get(&source).copied().unwrap_or(MoveBounds::NONE);

@@ -45,6 +45,8 @@ struct BlockFigures {
     direction: Option<&'static str>,
     rotation: Option<&'static str>,
     side: Option<&'static str>,
+    /// T number of the rule's tool.
+    tool: Option<i64>,
     law: Option<&'static str>,
     programmed_feed: Option<f64>,
     sent_feed: Option<f64>,
@@ -207,7 +209,10 @@ impl BlockFigures {
         let rule = block.rule.and_then(|index| job.rules.get(index));
         let wish = block.wish.as_ref();
         // A table knows of no contact.
-        let contact = wish.filter(|_| matches!(job.tool, Tool::CupMill(_)) && job.law != LawKind::Table);
+        let setup = rule.map(|rule| job.tool_of(rule));
+        let has_contact =
+            setup.is_some_and(|setup| matches!(setup.tool, Tool::CupMill(_)) && setup.law != LawKind::Table);
+        let contact = wish.filter(|_| has_contact);
         let programmed = block.programmed();
         let factor = |wanted_mm: f64| programmed.map(|feed| wanted_mm / feed.to_mm());
         BlockFigures {
@@ -217,7 +222,8 @@ impl BlockFigures {
             direction: block.segment.arc().map(|arc| direction_word(arc.turn)),
             rotation: rule.and_then(|rule| rotation_word(rule.moves)),
             side: rule.map(|rule| side_word(&rule.work)),
-            law: rule.map(|_| law_word(job.law)),
+            tool: setup.and_then(|setup| setup.number),
+            law: setup.map(|setup| law_word(setup.law)),
             programmed_feed: programmed.map(feed),
             sent_feed: block.sent.map(feed),
             feed_min: wish.map(|wish| wish.feed_min_mm_per_min / unit_mm),

@@ -108,7 +108,7 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
         layers,
         tool: setup.settings.tool.clone(),
         depth_mm,
-        ahead_mm: f64::from(file.job.feed_per_tooth.0),
+        ahead_mm: f64::from(file.job.tools.first().feed_per_tooth.0),
         every_mm: setup.workpiece.step_mm,
         rules: file.job.rules.iter().map(CutRule::is_told_along).collect(),
         machine: file.machine.as_ref().map(|named| named.machine),

@@ -49,7 +49,9 @@ pub fn made_of(file: &JobFile, mut made_of: Vec<u8>) -> Result<u64, Failure> {
     let JobFile { job, workpiece, cutting, .. } = file;
     let depth = cutting.as_ref().map(|cutting| (cutting.axial_depth_mm, cutting.layers));
     let body = workpiece.as_ref().map(|workpiece| (workpiece.body, workpiece.step_mm));
-    made_of.extend(format!("{:?}", (job.unit, job.tool, job.feed_per_tooth, body, depth)).bytes());
+    made_of.extend(
+        format!("{:?}", (job.unit, job.tools.first().tool, job.tools.first().feed_per_tooth, body, depth)).bytes(),
+    );
     match workpiece.as_ref().map(|workpiece| &workpiece.blank) {
         Some(Blank::Stl(StlFile { path, unit })) => {
             made_of.extend(format!("{unit:?}").bytes());

@@ -147,19 +147,20 @@ pub fn warn_of_rules(job: &Path, file: &JobFile, program: Option<&Source>) {
 /// A job whose tool has no number is for the only one that its program loads; where it loads several, a person must say.
 /// `loaded` are their numbers, each with its first line.
 pub fn name_tool(job: &mut Job, path: &Path, loaded: &[(i64, usize)]) -> Option<String> {
-    if job.setup.tool_number.is_some() || job.law == LawKind::Programmed {
+    let own = job.tools.first();
+    if own.number.is_some() || own.law == LawKind::Programmed {
         return None;
     }
     if let [_, (second, line), ..] = loaded {
         let named: Vec<String> = loaded.iter().map(|(number, _)| format!("T{number}")).collect();
         return Some(format!(
             "{}:{line}:1: error: the program loads {}, and the job does not say which of them is its own: add `number = {second}` \
-             or another to [tool] (found T{second})",
+             or another to [tool], or give each of them as a [[tool]] (found T{second})",
             path.display(),
             named.join(", ")
         ));
     }
-    job.setup.tool_number = loaded.first().map(|(number, _)| *number);
+    job.tools.first_mut().number = loaded.first().map(|(number, _)| *number);
     None
 }
 

@@ -127,7 +127,7 @@ pub(super) fn build(told: &Spanned<CuttingTable>, job: &Job, height_mm: Option<f
         return Err(at(axial_depth, "axial_depth must be at most the tool's height"));
     }
     if let Some(helix) = helix
-        && !(matches!(job.tool, Tool::EndMill(_)) && (-80.0..=80.0).contains(helix.as_ref()))
+        && !(matches!(job.tools.first().tool, Tool::EndMill(_)) && (-80.0..=80.0).contains(helix.as_ref()))
     {
         return Err(at(helix, "helix is that of an end-mill, -80 to 80 degrees"));
     }

@@ -1,7 +1,7 @@
 //! `[[cut]]`: which moves, and what they cut.
 
 use arcfeed_shared::cut::{CutRule, Moves, RULES_MAX, Rotation, Side, Work};
-use arcfeed_shared::job::LawKind;
+use arcfeed_shared::job::{LawKind, Tools};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::nc::modal::Turn;
 use arcfeed_shared::stock::{EDGES_MAX, Stock, StockLine};
@@ -9,15 +9,15 @@ use arcfeed_shared::tool::{Edge, Tool};
 use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm};
 use toml::Spanned;
 
-use super::schema::{CutTable, DirectionWord, MovesWord, Quantity, RotationWord, SideWord, StockTable};
+use super::schema::{CutTable, DirectionWord, JobTable, MovesWord, Quantity, RotationWord, SideWord, StockTable};
 use super::{Around, Complaint, at, length_mm, tables};
 
 /// Largest sequence number: eight digits.
 const SEQUENCE_MAX: i64 = 99_999_999;
 
 /// The engagement map that rules name: one for all of them.
-pub fn map(cuts: &[Spanned<CutTable>]) -> Result<Option<&Spanned<String>>, Complaint> {
-    let mut named = cuts.iter().filter_map(|cut| cut.as_ref().stock.as_ref()?.as_ref().map.as_ref());
+pub fn map(job: &JobTable) -> Result<Option<&Spanned<String>>, Complaint> {
+    let mut named = tables(job).filter_map(|(_, cut)| cut.as_ref().stock.as_ref()?.as_ref().map.as_ref());
     let Some(first) = named.next() else { return Ok(None) };
     match named.find(|other| other.as_ref() != first.as_ref()) {
         None => Ok(Some(first)),
@@ -25,13 +25,22 @@ pub fn map(cuts: &[Spanned<CutTable>]) -> Result<Option<&Spanned<String>>, Compl
     }
 }
 
+/// The rules of a job with their tools' places, in order: those of each tool, and behind them those of the job, which are its
+/// only tool's.
+pub fn tables(job: &JobTable) -> impl Iterator<Item = (u8, &Spanned<CutTable>)> {
+    let of_tools = (0..).zip(&job.tool.0).flat_map(|(place, tool)| tool.cut.iter().map(move |cut| (place, cut)));
+    of_tools.chain(job.cut.iter().map(|cut| (0, cut)))
+}
+
 /// Checks the rules of a job, in order, and collects their knots.
-pub fn build(
-    cuts: &[Spanned<CutTable>],
-    around: &Around<'_>,
-) -> Result<(heapless::Vec<CutRule, RULES_MAX>, Knots), Complaint> {
+pub fn build(job: &JobTable, tools: &Tools) -> Result<(heapless::Vec<CutRule, RULES_MAX>, Knots), Complaint> {
+    if let Some(cut) = job.cut.first().filter(|_| tools.len() > 1) {
+        return Err(at(cut, "with several [[tool]]s each rule stands below its tool: write [[tool.cut]]"));
+    }
     let (mut rules, mut knots) = (heapless::Vec::new(), Knots::default());
-    for cut in cuts {
+    for (place, cut) in tables(job) {
+        let setup = tools.get(usize::from(place)).unwrap_or(tools.first());
+        let around = &Around { unit: job.units.into(), tool: &setup.tool, law: setup.law };
         let rule = match around.tool {
             Tool::CupMill(_) => ring_rule(cut, around)?,
             Tool::EndMill(_) => match around.law {
@@ -40,7 +49,9 @@ pub fn build(
             },
         };
         let table = tables::feeds(cut, around.unit, around.law, &mut knots)?;
-        rules.push(CutRule { table, ..rule }).map_err(|_| at(cut, &format!("more than {RULES_MAX} cut rules")))?;
+        rules
+            .push(CutRule { tool: place, table, ..rule })
+            .map_err(|_| at(cut, &format!("more than {RULES_MAX} cut rules")))?;
     }
     Ok((rules, knots))
 }
@@ -134,7 +145,7 @@ fn restricted(moves: Moves, work: Work, table: &CutTable, unit: LengthUnit) -> R
     };
     let feed_mm = table.feed_per_tooth.as_ref().map(|feed| length_mm(feed, unit, "feed_per_tooth")).transpose()?;
     let feed_per_tooth = feed_mm.map(|mm| MmPerTooth(mm as f32));
-    Ok(CutRule { moves, work, feed_per_tooth, table: None, sequence, level })
+    Ok(CutRule { tool: 0, moves, work, feed_per_tooth, table: None, sequence, level })
 }
 
 fn turn(direction: DirectionWord) -> Turn {

@@ -1,7 +1,11 @@
 //! The shape of `JOB.toml`, as serde sees it. Values are checked in the module above.
 
+use core::fmt;
+
 use arcfeed_shared::units::LengthUnit;
 use serde::Deserialize;
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use toml::Spanned;
 
 pub use super::cutting::CuttingTable;
@@ -13,11 +17,11 @@ pub use super::quantity::Quantity;
 pub struct JobTable {
     pub units: UnitWord,
     pub program: Spanned<String>,
-    pub tool: ToolTable,
+    pub tool: ToolTables,
     pub workpiece: Option<Spanned<WorkpieceTable>>,
     pub cutting: Option<Spanned<CuttingTable>>,
-    pub spindle: SpindleTable,
-    pub law: LawTable,
+    pub spindle: Option<SpindleTable>,
+    pub law: Option<LawTable>,
     #[serde(default)]
     pub limits: LimitsTable,
     #[serde(default)]
@@ -50,6 +54,34 @@ impl From<UnitWord> for LengthUnit {
     }
 }
 
+/// One `[tool]`, or several `[[tool]]`.
+#[derive(Debug)]
+pub struct ToolTables(pub Vec<ToolTable>);
+
+impl<'de> Deserialize<'de> for ToolTables {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ToolTablesVisitor)
+    }
+}
+
+struct ToolTablesVisitor;
+
+impl<'de> Visitor<'de> for ToolTablesVisitor {
+    type Value = ToolTables;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a table [tool], or several tables [[tool]]")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ToolTables, A::Error> {
+        ToolTable::deserialize(MapAccessDeserializer::new(map)).map(|table| ToolTables(vec![table]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, tables: A) -> Result<ToolTables, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(tables)).map(ToolTables)
+    }
+}
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ToolTable {
@@ -63,6 +95,10 @@ pub struct ToolTable {
     pub teeth: Option<Spanned<u16>>,
     pub corner_radius: Option<Spanned<Quantity>>,
     pub height: Option<Spanned<Quantity>>,
+    pub spindle: Option<SpindleTable>,
+    pub law: Option<LawTable>,
+    #[serde(default)]
+    pub cut: Vec<Spanned<CutTable>>,
 }
 
 #[derive(Debug, Deserialize)]

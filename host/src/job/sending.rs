@@ -1,7 +1,7 @@
 //! `[override]`: how the wanted feed reaches the control, and within which bounds.
 
 use arcfeed_firmware::ramp::{LimitsError, Ramp};
-use arcfeed_shared::job::{FeedCeiling, FeedPolicy, LawKind, OverrideLimits, PieceSettings};
+use arcfeed_shared::job::{FeedCeiling, FeedPolicy, LawKind, OverrideLimits, PieceSettings, Tools};
 use arcfeed_shared::machine::MachineLimits;
 use arcfeed_shared::units::{LengthUnit, MmPerMin, Nm};
 use toml::Spanned;
@@ -74,7 +74,7 @@ fn ratio(given: &Option<Spanned<f32>>, name: &str, default: f32) -> Result<f32, 
 pub fn ceiling(
     table: &JobTable,
     unit: LengthUnit,
-    law: LawKind,
+    tools: &Tools,
     machine: &MachineLimits,
 ) -> Result<FeedCeiling, Complaint> {
     let LimitsTable { max_feed, max_raise } = &table.limits;
@@ -87,10 +87,12 @@ pub fn ceiling(
         None => FeedCeiling::DEFAULT_RAISE_RATIO,
     };
     let is_bounded = max_feed.is_some() || machine.linear.iter().all(Option::is_some);
-    if !is_bounded && law != LawKind::Programmed {
+    let governing = tools.iter().zip(&table.tool.0).find(|(setup, _)| setup.law != LawKind::Programmed);
+    if let Some((_, tool)) = governing.filter(|_| !is_bounded) {
         let message = "the job has no fastest feed: add a table [limits] with max_feed, per minute along the path, or give the machine's \
                        axes (max_feed of X, Y and Z in [machine])";
-        return Err(at(&table.law.kind, message));
+        let law = tool.law.as_ref().or(table.law.as_ref());
+        return Err(at(law.map_or(&tool.kind, |law| &law.kind), message));
     }
     Ok(FeedCeiling { max_feed: max_feed.map(|feed| MmPerMin(feed as f32)), max_raise_ratio })
 }

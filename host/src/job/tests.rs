@@ -35,8 +35,8 @@ fn stock_line(file: &JobFile) -> StockLine {
 fn units_may_be_mixed() {
     let file = parse(JOB).unwrap();
     let (outer_radius, inner_radius) = (Nm(128_576_070), Nm(112_701_324));
-    assert_eq!(file.job.tool, Tool::CupMill(CupMill { outer_radius, inner_radius, active_teeth: 10 }));
-    assert_eq!(file.job.feed_per_tooth, MmPerTooth(0.1016));
+    assert_eq!(file.job.tools.first().tool, Tool::CupMill(CupMill { outer_radius, inner_radius, active_teeth: 10 }));
+    assert_eq!(file.job.tools.first().feed_per_tooth, MmPerTooth(0.1016));
     assert!((stock_line(&file).offset_mm - 25.4).abs() < 1e-12);
 }
 
@@ -283,5 +283,70 @@ fn the_line_has_pyserials_names_and_refuses_what_a_sender_cannot_mean() {
     ] {
         let error = with(line).unwrap_err();
         assert!(error.contains(hint) && error.contains("job.toml:"), "{line}: {error}");
+    }
+}
+
+const TWO_TOOLS: &str = r#"
+units = "mm"
+program = "two.nc"
+spindle = { rev_per_min = 8000 }
+law = { kind = "contour", feed_per_tooth = 0.05 }
+limits = { max_feed = 3000 }
+[[tool]]
+number = 1
+kind = "end-mill"
+diameter = 10
+teeth = 4
+[[tool.cut]]
+moves = "arcs"
+direction = "ccw"
+side = "inside"
+radial_depth = 0.5
+[[tool]]
+number = 7
+kind = "cup-mill"
+outer_radius = 50
+inner_radius = 40
+active_teeth = 5
+spindle = { rev_per_min = 900, set_by = "operator" }
+law = { kind = "circumference", feed_per_tooth = 0.1 }
+[[tool.cut]]
+rotation = "interior"
+direction = "cw"
+side = "outer"
+stock = { normal_deg = 90, offset = 3 }
+"#;
+
+#[test]
+fn several_tools_have_laws_speeds_and_rules_of_their_own_or_the_jobs() {
+    let file = parse(TWO_TOOLS).unwrap();
+    let tools: Vec<_> = file.job.tools.iter().map(|setup| (setup.number, setup.law, setup.spindle.0)).collect();
+    let contour = LawKind::Contour { inside_only: true, floor_ratio: 0.0 };
+    assert_eq!(tools, [(Some(1), contour, 8_000.0), (Some(7), LawKind::Circumference, 900.0)]);
+    let rules: Vec<_> = file.job.rules.iter().map(|rule| (rule.tool, file.job.feed_per_tooth_of(rule).0)).collect();
+    assert_eq!(rules, [(0, 0.05), (1, 0.1)]);
+    assert_eq!(file.rule_places, [[12, 1], [25, 1]]);
+}
+
+#[test]
+fn several_tools_that_cannot_be_told_apart_are_refused() {
+    let many =
+        (0..9).map(|number| format!("[[tool]]\nnumber = {number}\nkind = \"end-mill\"\ndiameter = 9\nteeth = 2\n"));
+    let [before, _] = [0, 1].map(|part| TWO_TOOLS.split("[[tool]]").nth(part).expect("its tables"));
+    for (text, place, message) in [
+        (TWO_TOOLS.replace("number = 7\n", ""), ":19:8: ", "of several tools each needs `number`"),
+        (TWO_TOOLS.replace("number = 7", "number = 1"), ":19:10: ", "another [[tool]] has this number"),
+        (TWO_TOOLS.to_owned() + "[[cut]]\nmoves = \"lines\"\nside = \"slot\"\n", ":31:1: ", "write [[tool.cut]]"),
+        (TWO_TOOLS.replace("spindle = { rev_per_min = 8000 }\n", ""), ":8:8: ", "the tool has no [spindle]"),
+        (
+            TWO_TOOLS.replace("law = { kind = \"contour\", feed_per_tooth = 0.05 }\n", ""),
+            ":8:8: ",
+            "the tool has no [law]",
+        ),
+        (TWO_TOOLS.replace("limits = { max_feed = 3000 }\n", ""), ":5:16: ", "no fastest feed"),
+        (before.to_owned() + &many.collect::<String>(), ":49:8: ", "at most 8 tools"),
+    ] {
+        let complaint = parse(&text).expect_err(message);
+        assert!(complaint.contains(place) && complaint.contains(message), "{place}{message}: {complaint}");
     }
 }

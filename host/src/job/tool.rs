@@ -1,12 +1,15 @@
-//! `[tool]`, who sets its speed, and `[law]`.
+//! `[tool]` and `[[tool]]`: the cutter, who sets its speed, and its `[law]`.
 
-use arcfeed_shared::job::{LawKind, Setup, SpeedSource, ToolAxis};
+use arcfeed_shared::job::{LawKind, SpeedSource, TOOLS_MAX, ToolAxis, ToolSetup, Tools};
 use arcfeed_shared::tool::{CupMill, EndMill, Tool};
-use arcfeed_shared::units::{LengthUnit, Nm, PERCENT};
+use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
 
 use super::schema::{JobTable, LawTable, ToolTable};
-use super::{Complaint, at, length_mm};
+use super::{Complaint, at, length_mm, positive};
+
+/// Largest T number: eight digits.
+const NUMBER_MAX: i64 = 99_999_999;
 
 /// Checks the tool.
 pub fn build(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {
@@ -31,26 +34,57 @@ pub fn build(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {
     }
 }
 
-/// The tool in the program, and who sets its speed.
-pub fn setup(table: &JobTable) -> Result<Setup, Complaint> {
-    let tool_number = match &table.tool.number {
-        Some(number) if !(0..=99_999_999).contains(number.as_ref()) => {
-            return Err(at(number, "number is the tool's T word: 0 to 99999999"));
+/// A tool with its number, spindle and law; `[spindle]` and `[law]` of the job serve a tool that has none of its own.
+pub fn setup(table: &ToolTable, job: &JobTable) -> Result<ToolSetup, Complaint> {
+    let unit = job.units.into();
+    let tool = build(table, unit)?;
+    let missing = |name: &str, keys: &str| {
+        at(&table.kind, &format!("the tool has no [{name}]: add a table [{name}] with {keys}"))
+    };
+    let spindle = table.spindle.as_ref().or(job.spindle.as_ref()).ok_or_else(|| missing("spindle", "rev_per_min"))?;
+    let given = table.law.as_ref().or(job.law.as_ref()).ok_or_else(|| missing("law", "kind and feed_per_tooth"))?;
+    let rev_per_min = positive(&spindle.rev_per_min, "the spindle speed")?;
+    let feed_mm = length_mm(&given.feed_per_tooth, unit, "the feed per tooth")?;
+    let number = match &table.number {
+        Some(number) if !(0..=NUMBER_MAX).contains(number.as_ref()) => {
+            return Err(at(number, &format!("number is the tool's T word: 0 to {NUMBER_MAX}")));
         }
         number => number.as_ref().map(|number| *number.as_ref()),
     };
-    let axis = match table.tool.axis.as_ref().map(|axis| (axis, axis.as_ref().as_str())) {
+    let axis = match table.axis.as_ref().map(|axis| (axis, axis.as_ref().as_str())) {
         None | Some((_, "z")) => ToolAxis::Z,
         Some((_, "y")) => ToolAxis::Y,
         Some((_, "x")) => ToolAxis::X,
         Some((axis, _)) => return Err(at(axis, "axis is \"x\", \"y\" or \"z\": what the tool turns about")),
     };
-    let speed_source = match table.spindle.set_by.as_ref().map(|by| (by, by.as_ref().as_str())) {
+    let speed_source = match spindle.set_by.as_ref().map(|by| (by, by.as_ref().as_str())) {
         None | Some((_, "program")) => SpeedSource::Program,
         Some((_, "operator")) => SpeedSource::Operator,
         Some((by, _)) => return Err(at(by, "set_by is \"program\" (S and M3 in it) or \"operator\"")),
     };
-    Ok(Setup { tool_number, axis, speed_source })
+    let law = law(given, &tool)?;
+    let (spindle, feed_per_tooth) = (RevPerMin(rev_per_min as f32), MmPerTooth(feed_mm as f32));
+    Ok(ToolSetup { number, axis, speed_source, ..ToolSetup::new(tool, spindle, law, feed_per_tooth) })
+}
+
+/// All tools of a job, in order. Of several each needs a number of its own.
+pub fn setups(job: &JobTable) -> Result<Tools, Complaint> {
+    let tables = &job.tool.0;
+    let [first, more @ ..] = tables.as_slice() else {
+        return Err((0, "the job has no tool: add a table [tool]".into()));
+    };
+    let mut tools = Tools::one(setup(first, job)?);
+    for table in more {
+        let setup = setup(table, job)?;
+        if let Some(number) = table.number.as_ref().filter(|_| tools.iter().any(|other| other.number == setup.number)) {
+            return Err(at(number, "another [[tool]] has this number: each T number stands once"));
+        }
+        tools.push(setup).map_err(|_| at(&table.kind, &format!("a job has at most {TOOLS_MAX} tools")))?;
+    }
+    match tables.iter().find(|table| tables.len() > 1 && table.number.is_none()) {
+        Some(table) => Err(at(&table.kind, "of several tools each needs `number`, its T word in the program")),
+        None => Ok(tools),
+    }
 }
 
 fn some_teeth(teeth: &Spanned<u16>) -> Result<u16, Complaint> {

@@ -72,17 +72,23 @@ pub struct Body {
     pub height_mm: f64,
 }
 
-/// Checks the workpiece of a job, and its tool's body even where there is none.
+/// Checks the workpiece of a job, and its tools' bodies even where there is none.
 pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpiece>, Complaint> {
-    let corner_mm = corner_mm(&table.tool, job)?;
-    let height_mm = table.tool.height.as_ref().map(|height| length_mm(height, job.unit, "height")).transpose()?;
+    let bodies = table.tool.0.iter().zip(job.tools.iter()).map(|(tool, setup)| {
+        let height = tool.height.as_ref().map(|height| length_mm(height, job.unit, "height")).transpose()?;
+        Ok((tool, corner_mm(tool, &setup.tool, job.unit)?, height))
+    });
+    let bodies = bodies.collect::<Result<Vec<_>, Complaint>>()?;
     let Some(told) = &table.workpiece else { return Ok(None) };
     let WorkpieceTable { stl_units, step, memory_mib, target, .. } = told.as_ref();
+    let &[(tool, corner_mm, height_mm)] = bodies.as_slice() else {
+        return Err(at(told, "[workpiece] is cut by one tool only: give the job one [tool], or leave [workpiece] out"));
+    };
     let Some(height_mm) = height_mm else {
         return Err(at(told, "a workpiece needs [tool] height: how far up from its tip the tool cuts"));
     };
     if height_mm < corner_mm {
-        return Err(at(&table.tool.kind, "the tool's height must be at least its corner_radius"));
+        return Err(at(&tool.kind, "the tool's height must be at least its corner_radius"));
     }
     let stl_unit = stl_units.map_or(LengthUnit::Mm, LengthUnit::from);
     let named = |file: &Spanned<String>| StlFile::told(file, folder, stl_unit);
@@ -123,10 +129,10 @@ impl Workpiece {
     }
 }
 
-fn corner_mm(table: &ToolTable, job: &Job) -> Result<f64, Complaint> {
+fn corner_mm(table: &ToolTable, tool: &Tool, unit: LengthUnit) -> Result<f64, Complaint> {
     let Some(given) = &table.corner_radius else { return Ok(0.0) };
-    let corner_mm = given.as_ref().to_mm(job.unit);
-    let (most_mm, message) = match job.tool {
+    let corner_mm = given.as_ref().to_mm(unit);
+    let (most_mm, message) = match tool {
         Tool::CupMill(cup) => (
             Nm(cup.outer_radius.0 - cup.inner_radius.0).to_mm() / 2.0,
             "corner_radius of a cup-mill's inserts must be 0 to half the width of its ring",

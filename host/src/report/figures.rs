@@ -229,6 +229,8 @@ impl OverrideFigures {
 pub struct MovementFigures {
     /// The rule, counted from 1 in the order of the job file.
     pub rule: usize,
+    /// T number of its tool, where job or program give one.
+    pub tool: Option<i64>,
     /// `interior` or `exterior`; null for end mills.
     pub rotation: Option<&'static str>,
     /// `cw` or `ccw`; null for lines.

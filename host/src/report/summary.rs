@@ -9,6 +9,10 @@ use super::figures::{IptFigures, LineErrorFigures, MovementFigures, ReportFigure
 /// Blocks limited by an axis that are shown.
 const SHOWN: usize = 10;
 
+/// What a control behind a serial line does not say.
+const SPINDLE_OVERRIDE: &str = "  spindle override: not known here. Without a tacho at a feed board the chip is its target times 100 % over that override, at \
+     50 % twice its target: keep it at 100 %";
+
 /// Prints as several lines, each ended.
 #[derive(Debug)]
 pub struct Summary<'a> {
@@ -54,6 +58,9 @@ impl fmt::Display for Summary<'_> {
             }
             if let Some(errors) = &link.line_errors {
                 write_line_errors(f, errors)?;
+            }
+            if report.blocks_executed.is_none() {
+                writeln!(f, "{SPINDLE_OVERRIDE}")?;
             }
         }
         if let Some(ReportFigures { asked, confirmed, line }) = &report.reports {

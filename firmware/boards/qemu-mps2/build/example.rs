@@ -14,10 +14,11 @@ use arcfeed::program::Program;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::machine;
 use arcfeed_hil_sim::rig::Rig;
-use arcfeed_shared::cut::{self, CutRule, Work};
-use arcfeed_shared::job::{Job, Setup};
+use arcfeed_shared::cut::{CutRule, Work};
+use arcfeed_shared::job::{Job, ToolSetup};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::nc::block::Reading;
+use arcfeed_shared::nc::machining::ToolInSpindle;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Nm;
 
@@ -85,15 +86,17 @@ fn program_source(file: &Path) -> String {
 
 /// The job as Rust: what `Debug` prints of these types is what one would write.
 fn job_source(job: &Job) -> String {
-    let Job { unit, tool, setup, spindle, law, feed_per_tooth, policy, limits, ceiling, machine, rules, knots } = job;
+    let Job { unit, tools, policy, limits, ceiling, machine, rules, knots } = job;
+    assert_eq!(tools.len(), 1, "the images are for jobs with one tool");
     assert_eq!(*knots, Knots::new(), "the example's law needs no table");
     let mut text = String::from("    /// The job, its rules still to be added.\n    pub const fn job() -> Job {\n");
-    let tool = format!("Tool::{tool:?}, spindle: {spindle:?}, law: LawKind::{law:?}");
-    text += &format!("        Job {{ unit: {unit:?}, tool: {tool}, feed_per_tooth: {feed_per_tooth:?},\n");
-    let Setup { tool_number, axis, speed_source } = setup;
-    let setup =
-        format!("tool_number: {tool_number:?}, axis: ToolAxis::{axis:?}, speed_source: SpeedSource::{speed_source:?}");
-    text += &format!("            setup: Setup {{ {setup} }}, ceiling: {ceiling:?},\n");
+    let ToolSetup { tool, number, axis, spindle, speed_source, law, feed_per_tooth } = tools.first();
+    text += &format!("        Job {{ unit: {unit:?}, ceiling: {ceiling:?}, tools: Tools::one(ToolSetup {{\n");
+    text += &format!(
+        "            tool: Tool::{tool:?}, number: {number:?}, axis: ToolAxis::{axis:?}, spindle: {spindle:?},\n"
+    );
+    text += &format!("            speed_source: SpeedSource::{speed_source:?}, law: LawKind::{law:?},\n");
+    text += &format!("            feed_per_tooth: {feed_per_tooth:?} }}),\n");
     text += &format!("            policy: {policy:?}, limits: {limits:?}, machine: {machine:?},\n");
     text += "            rules: heapless::Vec::new(), knots: Knots::new() }\n    }\n";
     // In place: a list of rules that is handed over may lie on the stack twice.
@@ -112,7 +115,7 @@ fn run_source(job: &Job, blocks: &[Block], table: &Path, bytes: usize) -> String
     let section = "#[unsafe(link_section = \".recorded_run\")]";
     line(format!("{section}\n    static BLOCKS: [Block; {}] = [", blocks.len()));
     for Block { first_tick, segment } in blocks {
-        let found = segment.as_ref().and_then(|segment| cut::find(&job.rules, segment, &job.tool));
+        let found = segment.as_ref().and_then(|segment| job.rule_for(segment, ToolInSpindle::Unstated));
         let rule = found.map(|(index, _)| index);
         line(format!("    Block {{ first_tick: {first_tick}, rule: {rule:?}, segment: {segment:?} }},"));
     }
@@ -122,7 +125,7 @@ fn run_source(job: &Job, blocks: &[Block], table: &Path, bytes: usize) -> String
 }
 
 fn rule_source(rule: &CutRule) -> String {
-    let CutRule { moves, work, feed_per_tooth, table, sequence, level } = rule;
+    let CutRule { tool, moves, work, feed_per_tooth, table, sequence, level } = rule;
     let work = match work {
         Work::Ring(edge, stock) => {
             let line = stock.line().expect("the example's stock is a line");
@@ -131,7 +134,7 @@ fn rule_source(rule: &CutRule) -> String {
         Work::Mill { .. } => format!("{work:?}"),
     };
     format!(
-        "        let _room = job.rules.push(CutRule {{ moves: Moves::{moves:?}, work: Work::{work}, \
+        "        let _room = job.rules.push(CutRule {{ tool: {tool}, moves: Moves::{moves:?}, work: Work::{work}, \
          feed_per_tooth: {feed_per_tooth:?}, table: {table:?}, sequence: {sequence:?}, level: {level:?} }});\n"
     )
 }

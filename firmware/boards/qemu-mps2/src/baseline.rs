@@ -52,7 +52,7 @@ fn movement(block: &Block, position: &Pose, job: &Job) -> Option<Movement<f64>> 
     let path_radius = arc.radius_mm();
     let (ex, ey) = ((x - center_x) / path_radius, (y - center_y) / path_radius);
     let turn = if arc.turn == Turn::Ccw { 1.0 } else { -1.0 };
-    let (Tool::CupMill(tool), Work::Ring(edge, stock)) = (&job.tool, &rule.work) else { return None };
+    let (Tool::CupMill(tool), Work::Ring(edge, stock)) = (&job.tools.first().tool, &rule.work) else { return None };
     let line = stock.line()?.at_height(segment.height().to_mm());
     let [nx, ny] = line.normal;
     let (normal_x, normal_y) = (turn * (ny * ex - nx * ey), -(nx * ex + ny * ey));
@@ -64,7 +64,7 @@ fn movement(block: &Block, position: &Pose, job: &Job) -> Option<Movement<f64>> 
         edge_radius,
         path_radius,
         advance: f64::from(edge.advance()),
-        feed_per_tooth: f64::from(job.feed_per_tooth.0),
+        feed_per_tooth: f64::from(job.tools.first().feed_per_tooth.0),
     })
 }
 

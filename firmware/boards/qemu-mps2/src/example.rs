@@ -4,7 +4,9 @@ use core::ops::RangeFrom;
 use core::slice::{ChunksExact, Iter};
 
 use arcfeed_shared::cut::{CutRule, Moves, Rotation::*, Side::*, Work};
-use arcfeed_shared::job::{FeedCeiling, FeedPolicy::*, Job, LawKind, OverrideLimits, Setup, SpeedSource, ToolAxis};
+use arcfeed_shared::job::{
+    FeedCeiling, FeedPolicy::*, Job, LawKind, OverrideLimits, SpeedSource, ToolAxis, ToolSetup, Tools,
+};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::machine::MachineLimits;
 use arcfeed_shared::nc::modal::{Feed::*, Plane::*, Pose, Turn::*};

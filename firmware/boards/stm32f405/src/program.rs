@@ -2,7 +2,9 @@
 
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_shared::cut::{CutRule, Moves, Rotation::*, Work};
-use arcfeed_shared::job::{FeedCeiling, FeedPolicy::*, Job, LawKind, OverrideLimits, Setup, SpeedSource, ToolAxis};
+use arcfeed_shared::job::{
+    FeedCeiling, FeedPolicy::*, Job, LawKind, OverrideLimits, SpeedSource, ToolAxis, ToolSetup, Tools,
+};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::machine::MachineLimits;
 use arcfeed_shared::nc::modal::{Feed::*, Plane::*, Pose, Turn::*};

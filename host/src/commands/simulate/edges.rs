@@ -75,15 +75,15 @@ pub fn turned(file: &JobFile, cutting: &Cutting) -> Result<Turned, Trouble> {
 
 /// The largest turn in a step.
 pub fn step_max_rad(file: &JobFile, process: &Process) -> f64 {
-    let turned_rad_per_s = f64::from(file.job.spindle.0) * TAU / S_PER_MIN;
+    let turned_rad_per_s = f64::from(file.job.tools.first().spindle.0) * TAU / S_PER_MIN;
     let fastest_hz = process.vibration().modes().iter().map(|mode| mode.frequency_hz).fold(0.0, f64::max);
     STEP_RAD.min(turned_rad_per_s / (fastest_hz * STEPS_A_PERIOD))
 }
 
 /// No samples yet: one a tooth, of a ring one for an outer and an inner tooth.
 pub fn samples(file: &JobFile) -> Samples {
-    let teeth = usize::from(file.job.tool.active_teeth());
-    Samples::new(teeth, f64::from(file.job.feed_per_tooth.0) * FLOOR_RATIO)
+    let teeth = usize::from(file.job.tools.first().tool.active_teeth());
+    Samples::new(teeth, f64::from(file.job.tools.first().feed_per_tooth.0) * FLOOR_RATIO)
 }
 
 fn mode(told: &ModeFigures) -> Result<Mode, Trouble> {
@@ -99,7 +99,7 @@ fn rise_mm(cutting: &Cutting) -> f64 {
 fn true_edges(file: &JobFile, cutting: &Cutting, corner_mm: f64) -> Result<Cutter, EdgeError> {
     let rise_mm = rise_mm(cutting);
     let (slices, height_mm) = (Pieces::Slices { rise_mm }, cutting.axial_depth_mm + rise_mm);
-    match &file.job.tool {
+    match &file.job.tools.first().tool {
         Tool::CupMill(cup) => {
             let ring = Ring {
                 outer_radius_mm: cup.outer_radius.to_mm(),

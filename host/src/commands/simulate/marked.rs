@@ -108,7 +108,7 @@ pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigur
     };
     let chip_ratio = |of: &Of| {
         let wanted = of.rule.and_then(|rule| job.rules.get(rule)).map(|rule| job.feed_per_tooth_of(rule));
-        let wanted = in_unit(f64::from(wanted.unwrap_or(job.feed_per_tooth).0));
+        let wanted = in_unit(f64::from(wanted.unwrap_or(job.tools.first().feed_per_tooth).0));
         let block = loads.blocks.iter().find(|block| block.block == of.count)?;
         Some(block.load.thickest()? / wanted)
     };

@@ -37,7 +37,7 @@ pub fn measure<D: Decider>(rig: &Rig<D>, job: &Job) -> RunReport {
         printed: printed::lines(rig.control().output()),
         messages: rig.control().messages().map(String::from).collect(),
         cycle_time_s: Some(rig.cycle_time().to_s()),
-        ipt_circumference: ipt(job.unit, job.feed_per_tooth, moves.iter().map(|(chips, _)| *chips)),
+        ipt_circumference: ipt(job.unit, job.tools.first().feed_per_tooth, moves.iter().map(|(chips, _)| *chips)),
         r#override: overrides(moves.iter().map(|(_, figures)| *figures)),
         movements,
         axis_limited: rig.control().limited().iter().map(|limited| axis_limit(job.unit, limited)).collect(),
@@ -79,6 +79,7 @@ fn movement(job: &Job, rule: usize, moves: &[(&MoveChips, &MoveOverride)]) -> Mo
     let cut = &job.rules[rule];
     MovementFigures {
         rule: rule + 1,
+        tool: job.tool_of(cut).number,
         rotation: rotation_word(cut.moves),
         direction: match cut.moves {
             Moves::Rotations(_, turn) | Moves::Arcs(turn) => Some(direction_word(turn)),

@@ -57,7 +57,7 @@ impl<'a> Setup<'a> {
         let place = located(workpiece.offset);
         let tolerance_mm = workpiece.step_mm * TOLERANCE_RATIO;
         let told = |error: &dyn std::fmt::Display| Failure::Input(format!("{place}: {error}"));
-        let tool = tool(&file.job.tool, &workpiece.body, tolerance_mm).map_err(|error| told(&error))?;
+        let tool = tool(&file.job.tools.first().tool, &workpiece.body, tolerance_mm).map_err(|error| told(&error))?;
         let blank = solid(&workpiece.blank, tolerance_mm).map_err(|error| error.at(&place))?;
         let stock = Stock::new(&*blank, workpiece.step_mm, workpiece.memory_max_bytes).map_err(|error| told(&error))?;
         let machine = file.machine.as_ref().map(|named| named.machine);

@@ -2,7 +2,7 @@
 
 use crate::cut::{CutRule, Moves, Rotation, Side, Work};
 use crate::engaged::EngagedKnot;
-use crate::job::{FeedPolicy, Job, LawKind, Setup, SpeedSource, ToolAxis};
+use crate::job::{FeedPolicy, Job, LawKind, SpeedSource, ToolAxis, ToolSetup};
 use crate::nc::modal::Turn;
 use crate::stock::{Stock, StockLine};
 use crate::tool::{Edge, Tool};
@@ -73,16 +73,20 @@ pub fn messages(job: &Job, set: u32, give: &mut dyn FnMut(Message)) -> Result<()
         give(message);
     };
     part(basics(job)?.into());
-    part(tool(&job.tool).into());
-    part(law(job.law)?.into());
     part(limits(job)?.into());
     part(ceiling(job)?.into());
     machine(job, &mut part)?;
     for (travelled, feed) in job.knots.all() {
         part(table::Knot { travelled: q40(travelled.0)?, feed_per_tooth: q40(feed.0)? }.into());
     }
-    for (index, rule) in (0..).zip(&job.rules) {
-        cut_rule(index, rule, &mut part)?;
+    let mut count = 0;
+    for (index, setup) in (0..).zip(job.tools.iter()) {
+        part(tool(setup)?.into());
+        part(law(setup.law)?.into());
+        for rule in job.rules.iter().filter(|rule| rule.tool == index) {
+            cut_rule(count, rule, &mut part)?;
+            count += 1;
+        }
     }
     give(sum.commit(set).into());
     Ok(())
@@ -98,21 +102,29 @@ fn basics(job: &Job) -> Result<table::Basics, ParametersError> {
         LengthUnit::Inch => UnitCode::Inch,
         LengthUnit::Mm => UnitCode::Mm,
     };
-    Ok(table::Basics { unit, spindle: q40(job.spindle.0)?, feed_per_tooth: q40(job.feed_per_tooth.0)?, policy })
+    Ok(table::Basics { unit, policy })
 }
 
-const fn tool(tool: &Tool) -> table::Tool {
-    match tool {
-        Tool::CupMill(mill) => table::Tool {
-            shape: ToolCode::CupMill,
-            outer_radius: mill.outer_radius.0,
-            inner_radius: mill.inner_radius.0,
-            teeth: mill.active_teeth,
+fn tool(setup: &ToolSetup) -> Result<table::Tool, ParametersError> {
+    let (shape, outer_radius, inner_radius) = match &setup.tool {
+        Tool::CupMill(mill) => (ToolCode::CupMill, mill.outer_radius, mill.inner_radius),
+        Tool::EndMill(mill) => (ToolCode::EndMill, mill.radius, Nm(0)),
+    };
+    Ok(table::Tool {
+        number: setup.number.map(|number| u32::try_from(number).map_err(|_| ParametersError::Number)).transpose()?,
+        axis: match setup.axis {
+            ToolAxis::X => AxisCode::X,
+            ToolAxis::Y => AxisCode::Y,
+            ToolAxis::Z => AxisCode::Z,
         },
-        Tool::EndMill(mill) => {
-            table::Tool { shape: ToolCode::EndMill, outer_radius: mill.radius.0, inner_radius: 0, teeth: mill.teeth }
-        }
-    }
+        spindle: q40(setup.spindle.0)?,
+        operator_speed: setup.speed_source == SpeedSource::Operator,
+        feed_per_tooth: q40(setup.feed_per_tooth.0)?,
+        shape,
+        outer_radius: outer_radius.0,
+        inner_radius: inner_radius.0,
+        teeth: setup.tool.active_teeth(),
+    })
 }
 
 fn law(law: LawKind) -> Result<table::Law, ParametersError> {
@@ -141,15 +153,7 @@ fn limits(job: &Job) -> Result<table::Limits, ParametersError> {
 }
 
 fn ceiling(job: &Job) -> Result<table::Ceiling, ParametersError> {
-    let Setup { tool_number, axis, speed_source } = job.setup;
     Ok(table::Ceiling {
-        tool: tool_number.map(|number| u32::try_from(number).map_err(|_| ParametersError::Number)).transpose()?,
-        axis: match axis {
-            ToolAxis::X => AxisCode::X,
-            ToolAxis::Y => AxisCode::Y,
-            ToolAxis::Z => AxisCode::Z,
-        },
-        operator_speed: speed_source == SpeedSource::Operator,
         max_feed: job.ceiling.max_feed.map(|feed| q40(feed.0)).transpose()?,
         max_raise: q40(job.ceiling.max_raise_ratio)?,
     })

@@ -1,7 +1,7 @@
 //! Whether the numbers of a job make sense, for an end that did not read them from the job's file itself.
 
 use crate::cut::{CutRule, Work};
-use crate::job::{Job, LawKind};
+use crate::job::{Job, LawKind, ToolSetup};
 use crate::knots::{Knot, TABLE_KNOTS_MAX};
 use crate::stock::{Stock, StockLine};
 use crate::tool::{Edge, Tool};
@@ -14,16 +14,18 @@ const RADIUS_MAX: i64 = 10_000_000_000;
 
 /// Whether every number is one that a job's file could have had. Bounds of the override are the ramp's to check.
 pub fn is_sound(job: &Job) -> bool {
-    let law = match job.law {
-        LawKind::Contour { floor_ratio, .. } => (0.0..=1.0).contains(&floor_ratio),
-        LawKind::Circumference => matches!(job.tool, Tool::CupMill(_)),
-        LawKind::EngagedArc { .. } | LawKind::Engagement | LawKind::Table | LawKind::Programmed => true,
-    };
-    law && is_positive(job.spindle.0)
-        && is_positive(job.feed_per_tooth.0)
-        && is_sound_tool(&job.tool)
+    job.tools.iter().all(|setup| is_sound_setup(setup) && (job.tools.len() == 1 || setup.number.is_some()))
         && has_sound_limits(job)
         && job.rules.iter().all(|rule| is_sound_rule(rule, job))
+}
+
+fn is_sound_setup(setup: &ToolSetup) -> bool {
+    let law = match setup.law {
+        LawKind::Contour { floor_ratio, .. } => (0.0..=1.0).contains(&floor_ratio),
+        LawKind::Circumference => matches!(setup.tool, Tool::CupMill(_)),
+        LawKind::EngagedArc { .. } | LawKind::Engagement | LawKind::Table | LawKind::Programmed => true,
+    };
+    law && is_positive(setup.spindle.0) && is_positive(setup.feed_per_tooth.0) && is_sound_tool(&setup.tool)
 }
 
 fn is_positive(number: f32) -> bool {
@@ -53,10 +55,11 @@ fn has_sound_limits(job: &Job) -> bool {
 }
 
 fn is_sound_rule(rule: &CutRule, job: &Job) -> bool {
+    let setup = job.tool_of(rule);
     let feed = rule.feed_per_tooth.is_none_or(|feed| is_positive(feed.0));
     let in_order =
         rule.sequence.is_none_or(|(first, last)| first <= last) && rule.level.is_none_or(|(low, high)| low <= high);
-    let work = match (&rule.work, &job.tool) {
+    let work = match (&rule.work, &setup.tool) {
         (Work::Ring(_, stock), Tool::CupMill(_)) | (Work::Ring(Edge::Outer, stock), Tool::EndMill(_)) => {
             is_sound_stock(stock)
         }
@@ -70,7 +73,7 @@ fn is_sound_rule(rule: &CutRule, job: &Job) -> bool {
         let [_, count] = range.bounds();
         knots.len() == usize::from(count) && is_sound_table(knots)
     });
-    feed && in_order && work && table && (job.law != LawKind::Table || rule.table.is_some())
+    feed && in_order && work && table && (setup.law != LawKind::Table || rule.table.is_some())
 }
 
 fn is_sound_stock(stock: &Stock) -> bool {

@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use crate::cut::{CutRule, Moves, Rotation, Side, Work};
 use crate::engaged::{EngagedError, EngagedTable};
-use crate::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, Setup, SpeedSource, ToolAxis};
+use crate::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, SpeedSource, ToolAxis, ToolSetup, Tools};
 use crate::knots::{KnotRange, Knots};
 use crate::machine::{self, MachineLimits};
 use crate::nc::modal::Turn;
@@ -18,8 +18,8 @@ use super::parameters::SetSum;
 use super::sound;
 use super::table::{self, Message};
 
-/// What a whole set has: basics, tool, law and limits.
-const NEEDED: u8 = 0b100_1111;
+/// What a whole set has beside its tools: basics, limits and ceiling.
+const NEEDED: u8 = 0b00111;
 
 /// A set on its way in; state.
 #[derive(Clone, Debug)]
@@ -30,6 +30,10 @@ pub struct Staging {
     sum: SetSum,
     /// Messages that come once, a bit each.
     seen: u8,
+    /// How many tools have come.
+    tools: u8,
+    /// Whether the law of the last of them is still to come.
+    awaits_law: bool,
     /// What describes the stock of the last rule, and how much of it is still to come.
     due: (StockCode, u8),
 }
@@ -43,7 +47,15 @@ impl Default for Staging {
 impl Staging {
     /// Nothing staged.
     pub const fn new() -> Self {
-        Staging { set: 0, job: empty_job(), sum: SetSum::NONE, seen: 0, due: (StockCode::None, 0) }
+        Staging {
+            set: 0,
+            job: empty_job(),
+            sum: SetSum::NONE,
+            seen: 0,
+            tools: 0,
+            awaits_law: false,
+            due: (StockCode::None, 0),
+        }
     }
 
     /// The set on its way in; 0 for none.
@@ -66,6 +78,7 @@ impl Staging {
         self.job.knots = Knots::new();
         self.job.machine = MachineLimits::default();
         (self.set, self.sum, self.seen, self.due) = (set, SetSum::NONE, 0, (StockCode::None, 0));
+        (self.tools, self.awaits_law) = (0, false);
         if set == 0 { Err(RefusalCode::Value) } else { Ok(()) }
     }
 
@@ -95,7 +108,7 @@ impl Staging {
             Err(RefusalCode::NoSet)
         } else if self.sum.commit(set) != *commit {
             Err(RefusalCode::Checksum)
-        } else if self.seen & NEEDED != NEEDED || self.due.1 > 0 {
+        } else if self.seen & NEEDED != NEEDED || self.tools == 0 || self.awaits_law || self.due.1 > 0 {
             Err(RefusalCode::Incomplete)
         } else if !sound::is_sound(&self.job) {
             Err(RefusalCode::Value)
@@ -110,6 +123,9 @@ impl Staging {
             Message::StockDisc(disc) => return self.stock_disc(disc),
             Message::EngagedArcs(arcs) => return self.engaged_arcs(arcs),
             _ if self.due.1 > 0 => return Err(RefusalCode::Incomplete),
+            Message::Law(law) => return self.law(law),
+            _ if self.awaits_law => return Err(RefusalCode::Incomplete),
+            Message::Tool(tool) => return self.tool(tool),
             Message::Rule(rule) => return self.rule(rule),
             Message::Knot(knot) => {
                 let knot = (Mm(knot.travelled.value()), MmPerTooth(knot.feed_per_tooth.value()));
@@ -119,8 +135,6 @@ impl Staging {
         }
         let place = match message {
             Message::Basics(basics) => self.basics(basics),
-            Message::Tool(tool) => self.tool(tool),
-            Message::Law(law) => self.law(law),
             Message::Limits(limits) => self.limits(limits),
             Message::Ceiling(ceiling) => self.ceiling(ceiling),
             Message::Axes(axes) => self.axes(axes),
@@ -140,8 +154,6 @@ impl Staging {
             UnitCode::Inch => LengthUnit::Inch,
             UnitCode::Mm => LengthUnit::Mm,
         };
-        self.job.spindle = RevPerMin(basics.spindle.value());
-        self.job.feed_per_tooth = MmPerTooth(basics.feed_per_tooth.value());
         self.job.policy = match basics.policy {
             PolicyCode::SafeBase => FeedPolicy::SafeBase,
             PolicyCode::OverrideOnly => FeedPolicy::OverrideOnly,
@@ -149,21 +161,43 @@ impl Staging {
         0
     }
 
-    fn tool(&mut self, tool: &table::Tool) -> u8 {
+    fn tool(&mut self, tool: &table::Tool) -> Result<(), RefusalCode> {
         let table::Tool { outer_radius, inner_radius, teeth, .. } = *tool;
-        self.job.tool = match tool.shape {
-            ToolCode::CupMill => Tool::CupMill(CupMill {
-                outer_radius: Nm(outer_radius),
-                inner_radius: Nm(inner_radius),
-                active_teeth: teeth,
-            }),
-            ToolCode::EndMill => Tool::EndMill(EndMill { radius: Nm(outer_radius), teeth }),
+        let setup = ToolSetup {
+            tool: match tool.shape {
+                ToolCode::CupMill => Tool::CupMill(CupMill {
+                    outer_radius: Nm(outer_radius),
+                    inner_radius: Nm(inner_radius),
+                    active_teeth: teeth,
+                }),
+                ToolCode::EndMill => Tool::EndMill(EndMill { radius: Nm(outer_radius), teeth }),
+            },
+            number: tool.number.map(i64::from),
+            axis: match tool.axis {
+                AxisCode::X => ToolAxis::X,
+                AxisCode::Y => ToolAxis::Y,
+                AxisCode::Z => ToolAxis::Z,
+            },
+            spindle: RevPerMin(tool.spindle.value()),
+            speed_source: if tool.operator_speed { SpeedSource::Operator } else { SpeedSource::Program },
+            law: LawKind::Programmed,
+            feed_per_tooth: MmPerTooth(tool.feed_per_tooth.value()),
         };
-        1
+        if self.tools == 0 {
+            self.job.tools = Tools::one(setup);
+        } else {
+            self.job.tools.push(setup).map_err(|_| RefusalCode::Full)?;
+        }
+        self.tools += 1;
+        self.awaits_law = true;
+        Ok(())
     }
 
-    fn law(&mut self, law: &table::Law) -> u8 {
-        self.job.law = match law.law {
+    fn law(&mut self, law: &table::Law) -> Result<(), RefusalCode> {
+        if !core::mem::take(&mut self.awaits_law) {
+            return Err(RefusalCode::Incomplete);
+        }
+        self.job.tools.last_mut().law = match law.law {
             LawCode::Circumference => LawKind::Circumference,
             LawCode::EngagedArc => LawKind::EngagedArc { both_edges: law.option },
             LawCode::Contour => LawKind::Contour { inside_only: law.option, floor_ratio: law.floor.value() },
@@ -171,7 +205,7 @@ impl Staging {
             LawCode::Table => LawKind::Table,
             LawCode::Programmed => LawKind::Programmed,
         };
-        2
+        Ok(())
     }
 
     fn limits(&mut self, limits: &table::Limits) -> u8 {
@@ -182,13 +216,13 @@ impl Staging {
             slew_up_percent_per_s: limits.slew_up.value(),
             slew_down_percent_per_s: limits.slew_down.value(),
         };
-        3
+        1
     }
 
     fn axes(&mut self, axes: &table::Axes) -> u8 {
         self.job.machine.linear = axes.linear.map(|limit| limit.map(|limit| MmPerMin(limit.value())));
         self.job.machine.rotary = axes.rotary.map(|limit| limit.map(|limit| DegPerMin(limit.value())));
-        4
+        3
     }
 
     fn arc_clamp(&mut self, clamp: &table::ArcClamp) -> u8 {
@@ -198,28 +232,22 @@ impl Staging {
             radius: Mm(radius.value()),
             floor: MmPerMin(floor.value()),
         });
-        5
+        4
     }
 
     fn ceiling(&mut self, ceiling: &table::Ceiling) -> u8 {
-        let axis = match ceiling.axis {
-            AxisCode::X => ToolAxis::X,
-            AxisCode::Y => ToolAxis::Y,
-            AxisCode::Z => ToolAxis::Z,
-        };
-        let speed_source = if ceiling.operator_speed { SpeedSource::Operator } else { SpeedSource::Program };
-        self.job.setup = Setup { tool_number: ceiling.tool.map(i64::from), axis, speed_source };
         self.job.ceiling = FeedCeiling {
             max_feed: ceiling.max_feed.map(|feed| MmPerMin(feed.value())),
             max_raise_ratio: ceiling.max_raise.value(),
         };
-        6
+        2
     }
 
     fn rule(&mut self, rule: &table::Rule) -> Result<(), RefusalCode> {
         if usize::from(rule.index) != self.job.rules.len() {
             return Err(RefusalCode::Order);
         }
+        let tool = self.tools.checked_sub(1).ok_or(RefusalCode::Order)?;
         let is_due = match rule.stock {
             StockCode::None | StockCode::Along => rule.stock_parts == 0,
             StockCode::Disc => rule.stock_parts == 1,
@@ -230,6 +258,7 @@ impl Staging {
             return Err(RefusalCode::Value);
         }
         let cut = CutRule {
+            tool,
             moves: moves(rule.moves),
             work: work(rule)?,
             feed_per_tooth: rule.feed_per_tooth.map(|feed| MmPerTooth(feed.value())),
@@ -314,11 +343,12 @@ const fn moves(code: MovesCode) -> Moves {
 const fn empty_job() -> Job {
     Job {
         unit: LengthUnit::Mm,
-        tool: Tool::EndMill(EndMill { radius: Nm(0), teeth: 0 }),
-        setup: Setup { tool_number: None, axis: ToolAxis::Z, speed_source: SpeedSource::Program },
-        spindle: RevPerMin(0.0),
-        law: LawKind::Programmed,
-        feed_per_tooth: MmPerTooth(0.0),
+        tools: Tools::one(ToolSetup::new(
+            Tool::EndMill(EndMill { radius: Nm(0), teeth: 0 }),
+            RevPerMin(0.0),
+            LawKind::Programmed,
+            MmPerTooth(0.0),
+        )),
         policy: FeedPolicy::SafeBase,
         limits: OverrideLimits {
             min_percent: 10,

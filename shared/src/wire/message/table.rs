@@ -108,15 +108,21 @@ messages! {
     0x11 Down Basics {
         /// The unit that reports speak.
         unit: UnitCode,
-        /// Commanded spindle speed, rev/min.
-        spindle: Q40,
-        /// Wanted feed per tooth, mm.
-        feed_per_tooth: Q40,
         /// How the wanted feed reaches the control.
         policy: PolicyCode,
     }
-    /// The cutter.
+    /// A tool; they come in their order, each before its law and its rules.
     0x12 Down Tool {
+        /// T number.
+        number: Option<u32>,
+        /// Its axis in the program's coordinates.
+        axis: AxisCode,
+        /// Spindle speed, rev/min.
+        spindle: Q40,
+        /// Whether the operator sets the spindle's speed where the program does not.
+        operator_speed: bool,
+        /// Wanted feed per tooth, mm.
+        feed_per_tooth: Q40,
         /// Its kind.
         shape: ToolCode,
         /// nm.
@@ -126,7 +132,7 @@ messages! {
         /// Teeth that cut.
         teeth: u16,
     }
-    /// The feed law.
+    /// The feed law of the tool before.
     0x13 Down Law {
         /// Which.
         law: LawCode,
@@ -164,7 +170,7 @@ messages! {
         /// mm/min.
         floor: Q40,
     }
-    /// One cut rule; they come in their order.
+    /// One cut rule of the tool before; they come in their order.
     0x17 Down Rule {
         /// Its place among the rules.
         index: u8,
@@ -178,7 +184,7 @@ messages! {
         stock: StockCode,
         /// How many messages describe it; they follow at once.
         stock_parts: u8,
-        /// Wanted feed per tooth where it is not the job's, mm.
+        /// Wanted feed per tooth where it is not the tool's, mm.
         feed_per_tooth: Option<Q40>,
         /// First knot of its table among the job's, and how many.
         table: Option<[u8; 2]>,
@@ -219,14 +225,8 @@ messages! {
         /// Feed per tooth at the centre, mm.
         feed_per_tooth: Q40,
     }
-    /// What a move must agree with to be governed, and what no governed feed exceeds.
+    /// What no governed feed exceeds.
     0x1D Down Ceiling {
-        /// T number of the tool.
-        tool: Option<u32>,
-        /// The tool's axis in the program's coordinates.
-        axis: AxisCode,
-        /// Whether the operator sets the spindle's speed where the program does not.
-        operator_speed: bool,
         /// Fastest governed feed, mm/min.
         max_feed: Option<Q40>,
         /// Largest raise of a programmed feed, as a ratio.
@@ -265,7 +265,7 @@ messages! {
         center: Option<[i64; 2]>,
         /// The cut rule whose law governs it.
         rule: Option<u8>,
-        /// Commanded spindle speed where it is not the job's, rev/min.
+        /// Commanded spindle speed where it is not the tool's, rev/min.
         spindle: Option<Q40>,
         /// The fastest feed on it by the job's ceiling, nm/min.
         max_feed: Option<i64>,

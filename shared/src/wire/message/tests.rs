@@ -5,7 +5,7 @@ use super::schema::{Entry, FieldType, Optional};
 use super::*;
 use crate::cut::{CutRule, Moves, Rotation, Side, Work};
 use crate::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
-use crate::job::{FeedPolicy, Job, LawKind, OverrideLimits};
+use crate::job::{FeedPolicy, Job, LawKind, OverrideLimits, SpeedSource, ToolAxis, ToolSetup, Tools};
 use crate::knots::{KnotRange, Knots};
 use crate::machine::{ArcClamp, MachineLimits};
 use crate::nc::modal::Turn;
@@ -168,6 +168,21 @@ fn a_text_longer_than_its_chunk_is_cut_and_an_encoded_one_refused() {
     assert_eq!(Message::decode(0x44, &[7; CHUNK_MAX + 5]), Err(DecodeError::Long(5)));
 }
 
+fn setup(tool: Tool, law: LawKind) -> ToolSetup {
+    ToolSetup::new(tool, RevPerMin(1_000.0), law, MmPerTooth(0.1016))
+}
+
+/// A mill and a ring, each with its rules.
+pub(super) fn two_tool_job() -> Job {
+    let (mut job, ring) = (mill_job(), ring_job());
+    job.tools.first_mut().number = Some(12);
+    let own =
+        ToolSetup { number: Some(3), axis: ToolAxis::Y, speed_source: SpeedSource::Operator, ..*ring.tools.first() };
+    job.tools.push(own).unwrap();
+    job.rules.extend(ring.rules.into_iter().map(|rule| CutRule { tool: 1, ..rule }));
+    job
+}
+
 pub(super) fn ring_job() -> Job {
     let (normal, offset_mm) = ([0.6, -0.8], 107.673_123);
     let line = |normal| StockLine { normal, offset_mm, rise_ratio: -0.031_25 };
@@ -182,6 +197,7 @@ pub(super) fn ring_job() -> Job {
         Stock::Engaged(EngagedTable::new(&[knot(0.0, 10.0), knot(2.5, 90.011), knot(7.1, -33.3)]).unwrap()),
     ];
     let rule = |(index, stock): (usize, Stock)| CutRule {
+        tool: 0,
         moves: Moves::Rotations(if index % 2 == 0 { Rotation::Interior } else { Rotation::Exterior }, Turn::Ccw),
         work: Work::Ring(if index % 3 == 0 { Edge::Outer } else { Edge::Inner }, stock),
         feed_per_tooth: (index == 1).then_some(MmPerTooth(0.0777)),
@@ -191,12 +207,11 @@ pub(super) fn ring_job() -> Job {
     };
     Job {
         unit: LengthUnit::Inch,
-        tool: Tool::CupMill(CupMill { outer_radius: Nm(128_576_070), inner_radius: Nm(112_701_324), active_teeth: 10 }),
-        setup: Default::default(),
+        tools: Tools::one(setup(
+            Tool::CupMill(CupMill { outer_radius: Nm(128_576_070), inner_radius: Nm(112_701_324), active_teeth: 10 }),
+            LawKind::EngagedArc { both_edges: true },
+        )),
         ceiling: Default::default(),
-        spindle: RevPerMin(1_000.0),
-        law: LawKind::EngagedArc { both_edges: true },
-        feed_per_tooth: MmPerTooth(0.1016),
         policy: FeedPolicy::SafeBase,
         limits: OverrideLimits { min_percent: 12, slew_up_percent_per_s: 33.3, ..OverrideLimits::default() },
         machine: MachineLimits {
@@ -214,6 +229,7 @@ pub(super) fn mill_job() -> Job {
     let table = |feed| [(Mm(0.0), MmPerTooth(feed)), (Mm(10.0), MmPerTooth(2.0 * feed))];
     let ranges: [KnotRange; 2] = [0.05, 0.06].map(|feed| knots.add(&table(feed)).unwrap());
     let rule = |(side, range)| CutRule {
+        tool: 0,
         moves: if side == Side::Slot { Moves::Lines } else { Moves::Arcs(Turn::Cw) },
         work: Work::Mill { side, radial_depth: Nm(1_500_000) },
         feed_per_tooth: None,
@@ -223,8 +239,7 @@ pub(super) fn mill_job() -> Job {
     };
     Job {
         unit: LengthUnit::Mm,
-        tool: Tool::EndMill(EndMill { radius: Nm(6_000_000), teeth: 4 }),
-        law: LawKind::Table,
+        tools: Tools::one(setup(Tool::EndMill(EndMill { radius: Nm(6_000_000), teeth: 4 }), LawKind::Table)),
         policy: FeedPolicy::OverrideOnly,
         machine: MachineLimits::default(),
         rules: [(Side::Slot, ranges[1]), (Side::Inside, ranges[0])].into_iter().map(rule).collect(),

@@ -116,7 +116,7 @@ fn start(job: &Job) -> Option<&'static mut Line> {
 
 impl Tick {
     fn new(job: &Job) -> Option<Self> {
-        let measured = controller::Input { position: None, spindle: job.spindle, dt: TICK };
+        let measured = controller::Input { position: None, spindle: job.tools.first().spindle, dt: TICK };
         Some(Tick {
             supervisor: Supervisor::new(job, Settings::default()).ok()?,
             memory: Memory::armed(),

@@ -82,9 +82,10 @@ fn main() -> ! {
     cortex_m::interrupt::disable();
     let counter = InstructionCounter::start();
     count_circumference(&counter);
-    let slot = |name, law| Case {
-        job: Job { law, ..ibr_slot::whole_job() },
-        ..case(name, ibr_slot::EXAMPLE, ibr_slot::whole_job())
+    let slot = |name, law| {
+        let mut job = ibr_slot::whole_job();
+        job.tools.first_mut().law = law;
+        case(name, ibr_slot::EXAMPLE, job)
     };
     let filter = PositionFilter::new(FILTER_GAIN_RATIO, Span(0)).expect("a sound gain");
     let filtered = Case { filter, ..slot("circumference-filtered", LawKind::Circumference) };
@@ -123,7 +124,7 @@ fn count_circumference(counter: &InstructionCounter) {
 fn count(case: &Case, counter: &InstructionCounter, mut also: impl FnMut(&Block, &Pose)) -> Figures {
     let Ok(supervisor) = Supervisor::new(&case.job, Settings::default()) else { leave(debug::EXIT_FAILURE) };
     let supervisor = supervisor.with_filter(case.filter);
-    let measured = controller::Input { position: None, spindle: case.job.spindle, dt: TICK };
+    let measured = controller::Input { position: None, spindle: case.job.tools.first().spindle, dt: TICK };
     let mut board = Cabinet { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED };
     let (mut task, mut figures, mut random) = (Task::from(Memory::armed()), Figures::default(), Random::new(SEED));
     let mut block = None;
@@ -169,7 +170,10 @@ fn table(block: &Block, job: &Job) -> Option<SegmentLaw> {
         let travelled_mm = (segment.length_mm() * ratio) as f32;
         let direction = arc.direction_at(ratio).map(|component| component as f32);
         let wish = law.wish(&Place::on_arc(direction, turn, radius_mm, travelled_mm));
-        *knot = (Mm(travelled_mm), wish.map_or(job.feed_per_tooth, |wish| MmPerTooth(wish.path_mm_per_tooth)));
+        *knot = (
+            Mm(travelled_mm),
+            wish.map_or(job.tools.first().feed_per_tooth, |wish| MmPerTooth(wish.path_mm_per_tooth)),
+        );
     }
     let table = Table::new(&knots).expect("the knots are in order and positive");
     Some(SegmentLaw::Table(table))

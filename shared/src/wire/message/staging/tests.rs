@@ -1,11 +1,11 @@
 //! Sets of parameters: a job in messages and back, what a set that was spoilt on its way or makes no sense is.
 
 use super::super::parameters::{SetSum, messages};
-use super::super::tests::{Random, encoded, mill_job, ring_job};
+use super::super::tests::{Random, encoded, mill_job, ring_job, two_tool_job};
 use super::super::*;
 use super::Staging;
 use crate::cut::Work;
-use crate::job::{Job, LawKind};
+use crate::job::{Job, LawKind, TOOLS_MAX};
 use crate::stock::Stock;
 use crate::tool::Edge;
 use crate::wire::frame;
@@ -32,12 +32,16 @@ fn staged(staging: &mut Staging, all: &[Message]) -> Result<Job, RefusalCode> {
 #[test]
 fn a_job_arrives_as_it_was_to_the_bit() {
     let laws = [LawKind::Contour { inside_only: true, floor_ratio: 0.3 }, LawKind::Engagement, LawKind::Programmed];
-    let others = laws.map(|law| Job { law, ..mill_job() });
+    let with_law = |mut job: Job, law| {
+        job.tools.first_mut().law = law;
+        job
+    };
+    let others = laws.map(|law| with_law(mill_job(), law));
     let mut staging = Staging::new();
-    let mut along = Job { law: LawKind::EngagedArc { both_edges: false }, ..mill_job() };
+    let mut along = with_law(mill_job(), LawKind::EngagedArc { both_edges: false });
     along.rules[0].work = Work::Ring(Edge::Outer, Stock::Along);
-    for job in [ring_job(), mill_job(), Job { law: LawKind::Circumference, ..ring_job() }, along].iter().chain(&others)
-    {
+    let jobs = [ring_job(), mill_job(), two_tool_job(), with_law(ring_job(), LawKind::Circumference), along];
+    for job in jobs.iter().chain(&others) {
         assert_eq!(staged(&mut staging, &set_of(job, 5)).as_ref(), Ok(job));
     }
 }
@@ -111,8 +115,8 @@ fn values_that_make_no_sense_are_refused() {
     use fixed::{Q40, Q46, Q62};
     type Alter = fn(Message) -> Option<Message>;
     let ring: [Alter; 12] = [
-        |m| if let M::Basics(b) = m { Some(table::Basics { spindle: Q40(0), ..b }.into()) } else { None },
-        |m| if let M::Basics(b) = m { Some(table::Basics { feed_per_tooth: Q40(-1), ..b }.into()) } else { None },
+        |m| if let M::Tool(t) = m { Some(table::Tool { spindle: Q40(0), ..t }.into()) } else { None },
+        |m| if let M::Tool(t) = m { Some(table::Tool { feed_per_tooth: Q40(-1), ..t }.into()) } else { None },
         |m| if let M::Tool(t) = m { Some(table::Tool { teeth: 0, ..t }.into()) } else { None },
         |m| if let M::Tool(t) = m { Some(table::Tool { inner_radius: t.outer_radius, ..t }.into()) } else { None },
         |m| if let M::Tool(t) = m { Some(table::Tool { outer_radius: i64::MIN, ..t }.into()) } else { None },
@@ -146,13 +150,41 @@ fn values_that_make_no_sense_are_refused() {
 }
 
 #[test]
+fn a_tool_comes_before_its_law_and_both_before_its_rules() {
+    let all = set_of(&two_tool_job(), 3);
+    let tool = all.iter().position(|message| matches!(message, Message::Tool(_))).unwrap();
+    let rule = rule_of(&all).into();
+    let mut staging = Staging::new();
+    for (parts, expected) in [
+        (vec![all[tool], all[tool + 1], rule], Ok(())),
+        (vec![rule], Err(RefusalCode::Order)),
+        (vec![all[tool + 1]], Err(RefusalCode::Incomplete)),
+        (vec![all[tool], all[tool]], Err(RefusalCode::Incomplete)),
+        (vec![all[tool], rule], Err(RefusalCode::Incomplete)),
+        (vec![all[tool], all[tool + 1], all[tool + 1]], Err(RefusalCode::Incomplete)),
+        ([all[tool], all[tool + 1]].repeat(TOOLS_MAX), Ok(())),
+        ([all[tool], all[tool + 1]].repeat(TOOLS_MAX + 1), Err(RefusalCode::Full)),
+    ] {
+        staging.begin(3).unwrap();
+        assert_eq!(parts.iter().try_for_each(|part| staging.take(part)), expected, "{parts:?}");
+    }
+    let unnumbered = altered(&two_tool_job(), |m| {
+        if let Message::Tool(t) = m { Some(table::Tool { number: None, ..t }.into()) } else { None }
+    });
+    assert_eq!(staged(&mut staging, &unnumbered), Err(RefusalCode::Value), "several tools without a number");
+}
+
+#[test]
 fn engaged_arcs_of_a_rule_are_refused_by_what_is_wrong_with_them() {
     let all = set_of(&ring_job(), 3);
     let arcs = |travelled, outer| table::EngagedArcs { travelled: fixed::Q40(travelled), outer, inner: [0, 0] };
+    let tool: Vec<Message> =
+        all.iter().filter(|message| matches!(message, Message::Tool(_) | Message::Law(_))).copied().collect();
     let rule = table::Rule { index: 0, stock: codes::StockCode::Engaged, stock_parts: 20, ..rule_of(&all) };
     let mut staging = Staging::new();
     let mut take = |rule: table::Rule, knots: &[table::EngagedArcs]| {
         staging.begin(3)?;
+        tool.iter().try_for_each(|message| staging.take(message))?;
         staging.take(&rule.into())?;
         knots.iter().try_for_each(|knot| staging.take(&(*knot).into()))
     };
@@ -180,7 +212,7 @@ fn whatever_comes_staging_never_ends_but_in_a_sound_job_or_a_refusal() {
     let mut staging = Staging::new();
     let (mut accepted, mut refused) = (0, 0);
     for round in 0..3_000 {
-        let job = if round % 2 == 0 { ring_job() } else { mill_job() };
+        let job = [ring_job, mill_job, two_tool_job][round as usize % 3]();
         let mut all = set_of(&job, 1 + round);
         for _ in 0..random.below(3) {
             // The payload of one message gets a flipped bit, and the sum is made to fit.
