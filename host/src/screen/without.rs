@@ -3,6 +3,7 @@
 use std::io;
 
 use super::view::{Command, View};
+use crate::features::not_built_in;
 
 /// There is none.
 #[derive(Debug)]
@@ -14,7 +15,7 @@ impl Screen {
     /// # Errors
     /// Always.
     pub fn open(_first: View) -> io::Result<Self> {
-        Err(io::Error::other("this arcfeed was built without its screen (cargo feature `tui`)"))
+        Err(io::Error::other(not_built_in("its screen", "tui")))
     }
 
     /// Shows nothing.
