@@ -3,19 +3,18 @@
 use std::io;
 
 use super::view::{Command, View};
-use crate::features::not_built_in;
 
 /// There is none.
 #[derive(Debug)]
 pub enum Screen {}
 
 impl Screen {
-    /// Refuses.
+    /// Refuses; `stream --tui` says why before it comes here.
     ///
     /// # Errors
     /// Always.
     pub fn open(_first: View) -> io::Result<Self> {
-        Err(io::Error::other(not_built_in("its screen", "tui")))
+        Err(io::ErrorKind::Unsupported.into())
     }
 
     /// Shows nothing.
