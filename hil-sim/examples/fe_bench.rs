@@ -1,7 +1,7 @@
 //! What finite elements are worth and cost: plates and beams against their closed forms and published tables as meshes get finer, a disk of 56
 //! sectors, points beside a plate, and queries a second. Times are of the clock, on one core.
 //!
-//! `cargo run --release -p arcfeed-hil-sim --example fe_bench`. Figures of one run are in docs/fe.md.
+//! `cargo run --profile dist -p arcfeed-hil-sim --example fe_bench`. Figures of one run are in docs/fe.md.
 
 use std::time::Instant;
 

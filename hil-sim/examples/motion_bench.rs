@@ -1,7 +1,7 @@
 //! How much faster than the machine its simulation runs, at a period of a millisecond on one core, and how that goes with the
 //! length of a program: the control under limits of all axes, and with controller and chip meter beside it.
 //!
-//! `cargo run --release -p arcfeed-hil-sim --example motion_bench`. Figures of one run are in docs/drives.md. The time is the
+//! `cargo run --profile dist -p arcfeed-hil-sim --example motion_bench`. Figures of one run are in docs/drives.md. The time is the
 //! processor's, so that other work on the machine shows less.
 
 use std::fmt::Write as _;

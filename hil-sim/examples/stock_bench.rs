@@ -1,7 +1,7 @@
 //! What cuts cost: rays asked a second, threads, memory. Times are those of the processor, so that other work on the machine
 //! shows less; the clock's are printed beside them. The gain of two threads is what one takes over what the busier of two takes.
 //!
-//! `cargo run --release -p arcfeed-hil-sim --example stock_bench [STEP_MM]`. Figures of one run and its machine are in docs/stock.md.
+//! `cargo run --profile dist -p arcfeed-hil-sim --example stock_bench [STEP_MM]`. Figures of one run and its machine are in docs/stock.md.
 
 use std::collections::HashMap;
 

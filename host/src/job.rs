@@ -47,7 +47,9 @@ use crate::toml_values::{refuse_numbers, with_key};
 pub use cutting::Cutting;
 pub use dnc::{DncSettings, TapeCode};
 use schema::JobTable;
-pub(crate) use schema::{Quantity, UnitWord};
+pub(crate) use schema::Quantity;
+#[cfg(feature = "plan")]
+pub(crate) use schema::UnitWord;
 pub use serial::{Parity, SerialSettings};
 pub use workpiece::Workpiece;
 

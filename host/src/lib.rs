@@ -6,6 +6,8 @@
 
 mod place;
 
+pub mod features;
+
 pub mod console;
 mod toml_values;
 
@@ -29,6 +31,7 @@ pub mod engagement;
 
 pub mod job;
 
+#[cfg(feature = "plan")]
 pub mod part;
 
 pub mod init;

@@ -1,6 +1,6 @@
 //! The influence of damping on the finishing of a blade: the study of Lorong et al., Simulation of a finishing operation, 2012, section 4.3, on a blade of our own.
 //!
-//! `cargo run --release -p arcfeed-hil-sim --example blade_damping -- blade.png` prints the tables of docs/virtual-machining.md and paints its picture: some ten
+//! `cargo run --profile dist -p arcfeed-hil-sim --example blade_damping -- blade.png` prints the tables of docs/virtual-machining.md and paints its picture: some ten
 //! minutes on two cores.
 
 use std::path::PathBuf;

@@ -37,8 +37,7 @@ impl Ports {
             if !self.quiet {
                 note(format_args!("Filtered list with regexp: '{regexp}'"));
             }
-            found = grep(found, regexp)
-                .map_err(|error| Failure::Input(format!("`{regexp}` is no regular expression: {error}")))?;
+            found = grep(found, regexp).map_err(|message| Failure::Input(format!("`{regexp}`: {message}")))?;
         }
         for (at, port) in found.iter().enumerate() {
             if self.n.is_some_and(|n| n != at + 1) {

@@ -4,9 +4,9 @@
 #[cfg(target_os = "linux")]
 mod linux;
 
-use regex::RegexBuilder;
 use serde::Serialize;
 
+use super::pattern::Pattern;
 use super::url::Hwgrep;
 
 #[cfg(target_os = "linux")]
@@ -104,10 +104,10 @@ pub fn ports(_with_links: bool) -> Vec<PortInfo> {
 /// Those whose name, description or hardware id the expression matches, in either case.
 ///
 /// # Errors
-/// It is no regular expression.
-pub fn grep(ports: Vec<PortInfo>, regexp: &str) -> Result<Vec<PortInfo>, regex::Error> {
-    let regexp = RegexBuilder::new(regexp).case_insensitive(true).build()?;
-    let matches = |port: &PortInfo| [&port.device, &port.description, &port.hwid].iter().any(|x| regexp.is_match(x));
+/// The text is no regular expression, or this build has none.
+pub fn grep(ports: Vec<PortInfo>, regexp: &str) -> Result<Vec<PortInfo>, String> {
+    let pattern = Pattern::new(regexp)?;
+    let matches = |port: &PortInfo| [&port.device, &port.description, &port.hwid].iter().any(|x| pattern.matches(x));
     Ok(ports.into_iter().filter(matches).collect())
 }
 
@@ -138,7 +138,7 @@ fn natural(text: &str) -> Vec<(String, u64)> {
     parts
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "hwgrep"))]
 mod tests {
     use super::*;
 

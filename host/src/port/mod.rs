@@ -5,6 +5,8 @@ mod log;
 
 pub mod clock;
 
+pub mod pattern;
+
 pub mod url;
 
 pub mod list;

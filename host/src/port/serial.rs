@@ -43,8 +43,10 @@ impl Serial {
             })
             .stop_bits(if settings.stopbits == 2 { StopBits::Two } else { StopBits::One })
             .flow_control(if settings.rtscts { FlowControl::Hardware } else { FlowControl::None })
-            .exclusive(settings.exclusive)
             .timeout(WRITE_TIMEOUT);
+        // Windows opens a port for one program only, whatever is asked for.
+        #[cfg(unix)]
+        let builder = builder.exclusive(settings.exclusive);
         let failed = |source: std::io::Error| PortError { name: name.into(), source };
         let port = builder.open_native().map_err(|error| failed(error.into()))?;
         port.clear(ClearBuffer::Output).map_err(|error| failed(error.into()))?;

@@ -9,12 +9,12 @@ use super::view::{Command, View};
 pub enum Screen {}
 
 impl Screen {
-    /// Refuses.
+    /// Refuses; `stream --tui` says why before it comes here.
     ///
     /// # Errors
     /// Always.
     pub fn open(_first: View) -> io::Result<Self> {
-        Err(io::Error::other("this arcfeed was built without its screen (cargo feature `tui`)"))
+        Err(io::ErrorKind::Unsupported.into())
     }
 
     /// Shows nothing.

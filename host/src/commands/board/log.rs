@@ -1,7 +1,7 @@
 //! `arcfeed board URL log`: a board's log in plain words. On the line travel numbers; the words are in the image's ELF file.
 
 use crate::console::note;
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use arcfeed_shared::wire::message::Message;
@@ -10,37 +10,27 @@ use defmt_decoder::{DecodeError, StreamDecoder, Table};
 use super::super::outcome::{Failure, file_failure, on_interrupt, say};
 use super::talk::Talk;
 
-/// Print what the board logs, as it comes, until Ctrl-C
-#[derive(Debug, clap::Args)]
-pub struct Log {
-    /// The image that runs on the board, as built: its messages are in there
-    #[arg(long, value_name = "FILE")]
-    elf: PathBuf,
-}
-
-impl Log {
-    /// Prints messages until Ctrl-C.
-    ///
-    /// # Errors
-    /// No image, another image than the board's, or the link is lost.
-    pub fn run(&self, talk: &mut Talk) -> Result<(), Failure> {
-        let elf = std::fs::read(&self.elf).map_err(|error| file_failure(&self.elf, &error))?;
-        let path = self.elf.display();
-        let table = Table::parse(&elf)
-            .map_err(|error| Failure::Input(format!("{path}: no image of a version of defmt that is known: {error}")))?
-            .ok_or_else(|| Failure::Input(format!("{path}: has no log messages: not the image of a board?")))?;
-        let mut decoder = table.new_stream_decoder();
-        let interrupted = on_interrupt();
-        while !interrupted.load(Ordering::Relaxed) {
-            for message in talk.hear()? {
-                if let Message::Log(log) = message {
-                    decoder.received(log.bytes.bytes());
-                    print(&mut *decoder, &table);
-                }
+/// Prints messages until Ctrl-C; `elf` is the image that runs on the board.
+///
+/// # Errors
+/// No image, another image than the board's, or the link is lost.
+pub fn run(elf: &Path, talk: &mut Talk) -> Result<(), Failure> {
+    let image = std::fs::read(elf).map_err(|error| file_failure(elf, &error))?;
+    let path = elf.display();
+    let table = Table::parse(&image)
+        .map_err(|error| Failure::Input(format!("{path}: no image of a version of defmt that is known: {error}")))?
+        .ok_or_else(|| Failure::Input(format!("{path}: has no log messages: not the image of a board?")))?;
+    let mut decoder = table.new_stream_decoder();
+    let interrupted = on_interrupt();
+    while !interrupted.load(Ordering::Relaxed) {
+        for message in talk.hear()? {
+            if let Message::Log(log) = message {
+                decoder.received(log.bytes.bytes());
+                print(&mut *decoder, &table);
             }
         }
-        Ok(())
     }
+    Ok(())
 }
 
 /// Prints what is whole. A frame that began before we listened is none, and no reason to stop.

@@ -2,9 +2,12 @@
 
 mod talk;
 
+#[cfg(feature = "board-log")]
 mod log;
 
 mod monitor;
+
+use std::path::PathBuf;
 
 use serde::Serialize;
 
@@ -14,8 +17,9 @@ use arcfeed_shared::wire::message::{Message, table};
 use super::outcome::{Failure, say};
 use crate::board::line::BAUDRATE;
 use crate::board::words;
+#[cfg(not(feature = "board-log"))]
+use crate::features::not_built_in;
 use crate::port::url::PortUrl;
-use log::Log;
 use monitor::Monitor;
 use talk::Talk;
 
@@ -49,7 +53,12 @@ enum What {
         /// Its value, in the unit listed
         value: Option<u32>,
     },
-    Log(Log),
+    /// Print what the board logs, as it comes, until Ctrl-C
+    Log {
+        /// The image that runs on the board, as built: its messages are in there
+        #[arg(long, value_name = "FILE")]
+        elf: PathBuf,
+    },
     Monitor(Monitor),
 }
 
@@ -74,14 +83,22 @@ impl Board {
     /// # Errors
     /// The board does not answer, or refuses.
     pub fn run(&self) -> Result<(), Failure> {
-        let mut talk = Talk::open(&self.url, self.baudrate)?;
         match &self.what {
-            What::Info { json } => info(&mut talk, *json)?,
-            What::Set { name: Some(name), value: Some(value) } => set(&mut talk, name, *value)?,
-            What::Set { .. } => list(&mut talk)?,
-            What::Log(log) => log.run(&mut talk)?,
-            What::Monitor(monitor) => monitor.run(&mut talk)?,
+            What::Info { json } => self.talk(|talk| info(talk, *json)),
+            What::Set { name: Some(name), value: Some(value) } => self.talk(|talk| set(talk, name, *value)),
+            What::Set { .. } => self.talk(list),
+            #[cfg(feature = "board-log")]
+            What::Log { elf } => self.talk(|talk| log::run(elf, talk)),
+            #[cfg(not(feature = "board-log"))]
+            What::Log { .. } => Err(Failure::Usage(not_built_in("the decoder of a board's log", "board-log"))),
+            What::Monitor(monitor) => self.talk(|talk| monitor.run(talk)),
         }
+    }
+
+    /// Connects to the board, runs a command with it and disconnects.
+    fn talk(&self, command: impl FnOnce(&mut Talk) -> Result<(), Failure>) -> Result<(), Failure> {
+        let mut talk = Talk::open(&self.url, self.baudrate)?;
+        command(&mut talk)?;
         talk.close()
     }
 }

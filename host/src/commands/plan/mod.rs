@@ -1,18 +1,23 @@
 //! `arcfeed plan`: from the blades of a rotor to an NC program, its job, and the proof that nothing is touched.
 
+#[cfg(feature = "plan")]
 mod composed;
 
+#[cfg(feature = "plan")]
 mod told;
 
+#[cfg(feature = "plan")]
 mod drawn;
 
+#[cfg(feature = "plan")]
 mod written;
+
+#[cfg(feature = "plan")]
+mod run;
 
 use std::path::PathBuf;
 
-use super::outcome::{Failure, say};
-use crate::part::{MachineTold, Part};
-use composed::Composed;
+use super::outcome::Failure;
 
 /// Plan tool paths from geometry: NC program, job, stock and report
 ///
@@ -55,31 +60,9 @@ impl Plan {
     }
 }
 
+#[cfg(not(feature = "plan"))]
 impl CupMill {
     fn run(&self) -> Result<(), Failure> {
-        let part = Part::load(&self.part)?;
-        let composed = Composed::of(part).map_err(|why| Failure::Input(format!("{}: {why}", self.part.display())))?;
-        if self.widths {
-            return told::widths(&composed, self.json);
-        }
-        let figures = told::Figures::of(&composed);
-        if self.json {
-            say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
-        } else {
-            say(format_args!("{}", told::text(&composed, &figures)));
-        }
-        if !composed.is_safe() {
-            return Err(Failure::Input(format!("{}: {}", self.part.display(), told::refusal(&composed))));
-        }
-        match &self.output {
-            Some(folder) => {
-                let mut inputs = vec![self.part.clone()];
-                if let Some(MachineTold::File(file)) = &composed.part.machine_told {
-                    inputs.push(file.clone());
-                }
-                written::write(&composed, folder, &inputs)
-            }
-            None => Ok(()),
-        }
+        Err(Failure::Usage(crate::features::not_built_in("the planner", "plan")))
     }
 }

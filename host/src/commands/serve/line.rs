@@ -1,15 +1,12 @@
 //! The control's end of its line: a pseudo-terminal, or a TCP port where senders connect.
 
-use std::fs::File;
-use std::io::{Read, Write};
 use std::time::{Duration, Instant};
 
 use arcfeed_hil_sim::control::code::{DC3, without_parity};
 use arcfeed_hil_sim::control::dnc_port::DncPort;
-use serialport::{SerialPort, TTYPort};
 
 use super::super::outcome::Failure;
-use super::client::is_quiet;
+use super::pty::Pty;
 use super::tcp_line::{ClientLimits, TcpLine};
 use crate::job::SerialSettings;
 
@@ -25,11 +22,7 @@ pub struct Line {
 }
 
 enum End {
-    Pty {
-        ours: TTYPort,
-        /// The sender's end, held open so that the line outlives the sender.
-        _theirs: File,
-    },
+    Pty(Pty),
     Tcp(Box<TcpLine>),
 }
 
@@ -39,14 +32,8 @@ impl Line {
     /// # Errors
     /// The system has none.
     pub fn pty() -> Result<Self, Failure> {
-        let failed = |error: serialport::Error| Failure::Machine(format!("pseudo-terminal: {error}"));
-        let (ours, theirs) = TTYPort::pair().map_err(failed)?;
-        let name = theirs.name().unwrap_or_default();
-        // As a plain file: a serial port is locked, and the sender must be able to lock it.
-        let held = File::options().read(true).write(true).open(&name);
-        let held = held.map_err(|error| Failure::Machine(format!("{name}: {error}")))?;
-        drop(theirs);
-        Ok(Line { name, end: End::Pty { ours, _theirs: held } })
+        let (pty, name) = Pty::open().map_err(|error| Failure::Machine(format!("pseudo-terminal: {error}")))?;
+        Ok(Line { name, end: End::Pty(pty) })
     }
 
     /// Where senders call over TCP, with bare bytes or, with the line's settings, through RFC 2217.
@@ -66,7 +53,7 @@ impl Line {
     /// Gives the line to a sender for its next program; answers whether one is there.
     pub fn begin(&mut self) -> bool {
         match &mut self.end {
-            End::Pty { .. } => true,
+            End::Pty(_) => true,
             End::Tcp(tcp) => tcp.begin(),
         }
     }
@@ -74,7 +61,7 @@ impl Line {
     /// Whether somebody can be at the other end.
     pub fn has_sender(&self) -> bool {
         match &self.end {
-            End::Pty { .. } => true,
+            End::Pty(_) => true,
             End::Tcp(tcp) => tcp.has_sender(),
         }
     }
@@ -82,7 +69,7 @@ impl Line {
     /// Whether the sender is gone and had not begun a program.
     pub fn is_abandoned(&self) -> bool {
         match &self.end {
-            End::Pty { .. } => false,
+            End::Pty(_) => false,
             End::Tcp(tcp) => tcp.is_abandoned(),
         }
     }
@@ -90,7 +77,7 @@ impl Line {
     /// Ends a connection, so that the next sender finds a fresh control; answers whether the line has connections.
     pub fn hang_up(&mut self) -> bool {
         match &mut self.end {
-            End::Pty { .. } => false,
+            End::Pty(_) => false,
             End::Tcp(tcp) => {
                 tcp.hang_up();
                 true
@@ -105,7 +92,7 @@ impl Line {
     /// The line is gone.
     pub fn listen(&mut self, port: &mut DncPort, control_waits: bool) -> Result<(), Failure> {
         match &mut self.end {
-            End::Pty { .. } => {
+            End::Pty(_) => {
                 let mut buffer = [0; 256];
                 while let len @ 1.. = self.read(&mut buffer)? {
                     port.on_bytes(&buffer[..len]);
@@ -150,34 +137,22 @@ impl Line {
     /// Whether DC3 has a way to go before the sender obeys it.
     fn is_far(&self) -> bool {
         match &self.end {
-            End::Pty { .. } => true,
+            End::Pty(_) => true,
             End::Tcp(tcp) => tcp.is_far(),
         }
     }
 
     /// Reads what is there, of a TCP port only how much; zero if nothing is.
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Failure> {
-        let ours = match &mut self.end {
-            End::Pty { ours, .. } => ours,
-            End::Tcp(tcp) => return Ok(tcp.discard()),
-        };
-        let read = match ours.bytes_to_read() {
-            Ok(0) => return Ok(0),
-            Ok(_) => ours.read(buffer),
-            Err(error) => Err(error.into()),
-        };
-        match read {
-            Err(error) if is_quiet(error.kind()) => Ok(0),
-            Ok(len) => Ok(len),
-            Err(error) => Err(Failure::Machine(format!("{}: {error}", self.name))),
+        match &mut self.end {
+            End::Pty(pty) => pty.read(buffer).map_err(|error| Failure::Machine(format!("{}: {error}", self.name))),
+            End::Tcp(tcp) => Ok(tcp.discard()),
         }
     }
 
     fn write(&mut self, byte: u8) -> Result<(), Failure> {
         match &mut self.end {
-            End::Pty { ours, .. } => {
-                ours.write_all(&[byte]).map_err(|error| Failure::Machine(format!("{}: {error}", self.name)))
-            }
+            End::Pty(pty) => pty.write(byte).map_err(|error| Failure::Machine(format!("{}: {error}", self.name))),
             End::Tcp(tcp) => {
                 tcp.write(byte);
                 Ok(())

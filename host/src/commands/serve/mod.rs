@@ -9,6 +9,8 @@ mod client;
 
 mod tcp_line;
 
+mod pty;
+
 mod line;
 
 mod memory;

@@ -12,6 +12,7 @@ use super::super::outcome::{Failure, file_failure};
 use crate::console::note;
 use crate::dnc::events::Events;
 use crate::dnc::{Sender, State};
+use crate::features::not_built_in;
 use crate::output;
 use crate::port::Port;
 use crate::port::clock::iso_8601;
@@ -134,8 +135,11 @@ impl Live {
 /// Refuses `--tui` where nobody would see it.
 ///
 /// # Errors
-/// There is no terminal.
+/// There is no terminal, or this build has no terminal view.
 pub fn need_terminal() -> Result<(), Failure> {
+    if cfg!(not(feature = "tui")) {
+        return Err(Failure::Usage(format!("--tui: {}", not_built_in("the terminal view", "tui"))));
+    }
     if std::io::stdin().is_terminal() && std::io::stdout().is_terminal() {
         return Ok(());
     }

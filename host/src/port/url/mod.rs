@@ -24,6 +24,7 @@ pub use faults::{FaultPlan, Faults};
 use options::Options;
 
 use crate::port::log::Level;
+use crate::port::pattern::Pattern;
 
 /// Wrappers around one port.
 const WRAPPERS_MAX: usize = 8;
@@ -243,10 +244,7 @@ fn address(place: &str) -> Result<Address, UrlError> {
 fn hwgrep(rest: &str) -> Result<Base, UrlError> {
     let mut parts = rest.split('&');
     let regexp = parts.next().unwrap_or_default().to_owned();
-    if let Err(error) = regex::Regex::new(&regexp) {
-        let message = format!("no regular expression: {}", error.to_string().replace('\n', " "));
-        return Err(UrlError::new(regexp, message));
-    }
+    let _is_good = Pattern::new(&regexp).map_err(|message| UrlError::new(&*regexp, message))?;
     let mut found = Hwgrep { regexp, n: 1, skip_busy: false };
     for part in parts {
         match part.split_once('=').unwrap_or((part, "")) {

@@ -31,9 +31,14 @@ fn options_have_pyserials_names_and_defaults() {
         parsed("socket://10.0.0.7:7000?logging=error").base,
         Base::Socket(at("10.0.0.7", 7000), Some(Level::Error))
     );
+    assert_eq!(parsed("alt:///dev/ttyS0?class=PosixPollSerial").base, Base::Native("/dev/ttyS0".into()));
+}
+
+#[cfg(feature = "hwgrep")]
+#[test]
+fn hwgrep_has_an_expression_and_options() {
     let found = Hwgrep { regexp: "0403:6001".into(), n: 2, skip_busy: true };
     assert_eq!(parsed("hwgrep://0403:6001&n=2&skip_busy").base, Base::Hwgrep(found));
-    assert_eq!(parsed("alt:///dev/ttyS0?class=PosixPollSerial").base, Base::Native("/dev/ttyS0".into()));
 }
 
 #[test]
@@ -76,8 +81,11 @@ fn a_refusal_names_the_part_and_what_to_write() {
         ("socket://h:1?timeout=1", "timeout", "logging="),
         ("rfc2217://h:1?timeout=soon", "timeout=soon", "SECONDS"),
         ("rfc2217://h:1?poll_modem=0", "poll_modem=0", "leave it out"),
+        #[cfg(feature = "hwgrep")]
         ("hwgrep://tty&n=0", "n=0", "from 1"),
+        #[cfg(feature = "hwgrep")]
         ("hwgrep://tty&m=2", "m=2", "skip_busy"),
+        #[cfg(feature = "hwgrep")]
         ("hwgrep://(", "(", "regular expression"),
         ("alt:///dev/ttyS0?class=Foo", "Foo", "Serial"),
         ("alt:///dev/ttyS0?class=VTIMESerial", "VTIMESerial", "without alt://"),

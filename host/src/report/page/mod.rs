@@ -16,6 +16,7 @@ pub mod loads;
 
 pub mod marks;
 
+#[cfg(feature = "plan")]
 pub mod plan;
 
 use std::fmt;

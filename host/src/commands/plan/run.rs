@@ -1,0 +1,39 @@
+//! `arcfeed plan cup-mill`: reads the part, plans and proves, prints the figures and writes the files.
+
+use super::super::outcome::{Failure, say};
+use super::composed::Composed;
+use super::{CupMill, told, written};
+use crate::part::{MachineTold, Part};
+
+impl CupMill {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// As [`super::Plan::run`].
+    pub fn run(&self) -> Result<(), Failure> {
+        let part = Part::load(&self.part)?;
+        let composed = Composed::of(part).map_err(|why| Failure::Input(format!("{}: {why}", self.part.display())))?;
+        if self.widths {
+            return told::widths(&composed, self.json);
+        }
+        let figures = told::Figures::of(&composed);
+        if self.json {
+            say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
+        } else {
+            say(format_args!("{}", told::text(&composed, &figures)));
+        }
+        if !composed.is_safe() {
+            return Err(Failure::Input(format!("{}: {}", self.part.display(), told::refusal(&composed))));
+        }
+        match &self.output {
+            Some(folder) => {
+                let mut inputs = vec![self.part.clone()];
+                if let Some(MachineTold::File(file)) = &composed.part.machine_told {
+                    inputs.push(file.clone());
+                }
+                written::write(&composed, folder, &inputs)
+            }
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! The regular expressions of `ports` and `hwgrep://`.
+
+/// A regular expression that ignores case.
+#[cfg(feature = "hwgrep")]
+#[derive(Clone, Debug)]
+pub struct Pattern(regex::Regex);
+
+#[cfg(feature = "hwgrep")]
+impl Pattern {
+    /// Parses an expression.
+    ///
+    /// # Errors
+    /// The text is no regular expression.
+    pub fn new(text: &str) -> Result<Self, String> {
+        let regex = regex::RegexBuilder::new(text).case_insensitive(true).build();
+        regex.map(Pattern).map_err(|error| format!("no regular expression: {}", error.to_string().replace('\n', " ")))
+    }
+
+    /// Whether some part of the text matches.
+    pub fn matches(&self, text: &str) -> bool {
+        self.0.is_match(text)
+    }
+}
+
+/// No regular expression can be parsed in this build.
+#[cfg(not(feature = "hwgrep"))]
+#[derive(Clone, Debug)]
+pub enum Pattern {}
+
+#[cfg(not(feature = "hwgrep"))]
+impl Pattern {
+    /// Refuses.
+    ///
+    /// # Errors
+    /// Always.
+    pub fn new(_text: &str) -> Result<Self, String> {
+        Err(crate::features::not_built_in("regular expressions", "hwgrep"))
+    }
+
+    /// Matches nothing.
+    pub fn matches(&self, _text: &str) -> bool {
+        match *self {}
+    }
+}
