@@ -17,6 +17,17 @@ use arcfeed_tests::emulation::images::image;
 use arcfeed_tests::emulation::log::messages;
 use arcfeed_tests::emulation::qemu::run;
 
+/// A debug build: the workspace's own tests have these crates optimised.
+const DEBUG: [&str; 6] = [
+    "--config",
+    "profile.dev.package.arcfeed-shared.opt-level=0",
+    "--config",
+    "profile.dev.package.arcfeed-firmware.opt-level=0",
+    "--config",
+    "profile.dev.package.libm.opt-level=0",
+];
+const SHIPPED: [&str; 2] = ["--profile", "dist"];
+
 /// The hashes of this machine, in a debug build or as shipped.
 fn on_the_desk(profile: &[&str]) -> String {
     let mut command = Command::new(env!("CARGO"));
@@ -62,7 +73,7 @@ fn count(line: &str, word: &str) -> u32 {
 
 #[test]
 fn desk_and_chip_agree_to_the_bit_under_each_law() {
-    let (debug, shipped, chip) = (on_the_desk(&[]), on_the_desk(&["--profile", "dist"]), on_the_chip());
+    let (debug, shipped, chip) = (on_the_desk(&DEBUG), on_the_desk(&SHIPPED), on_the_chip());
     print!("{TICKS} ticks each, debug, shipped and chip:\n{debug}{shipped}{chip}");
     assert_eq!(debug.lines().count(), LAWS.len(), "{debug}");
     assert_eq!(debug, shipped);
