@@ -138,8 +138,8 @@ fn the_ratio_is_never_above_the_demand_and_little_below() {
             let at_mm = f64::from(at) * 0.01;
             let (ratio, demand) = (f64::from(envelope.at(at_mm as f32).0), case.demand(at_mm));
             assert!(ratio <= demand * (1.0 + 1e-6), "{at_mm}: {ratio} of {demand}");
-            // A cell behind; the response, two cells, and the way to a knot in the next one ahead.
-            let least = (0..=350).map(|ahead| case.demand((at_mm + 0.01 * f64::from(ahead) - 0.8).clamp(0.0, 100.0)));
+            // Two cells behind; the response, two cells, and the way to a knot in the next one ahead.
+            let least = (0..=430).map(|ahead| case.demand((at_mm + 0.01 * f64::from(ahead) - 1.6).clamp(0.0, 100.0)));
             let least = least.fold(f64::INFINITY, f64::min);
             assert!(ratio > least * (1.0 - 1e-3), "{at_mm}: {ratio} for {least}");
         }

@@ -57,7 +57,7 @@ impl Circumference {
         let cut = Cut { path_radius, edge_radius, edge, feed_per_tooth };
         Circumference {
             cut: PreparedCut::new(&cut),
-            // NaN is refused at the end of every tick, by name.
+            // NaN is refused at the end of every step, by name.
             edge_radius_mm: if edge_radius.0 > 0.0 { edge_radius.0 } else { f32::NAN },
             path_radius_mm: if path_radius.0 > 0.0 { path_radius.0 } else { f32::NAN },
             advance_ratio: f32::from(edge.advance() * arc.turn.sign()),
