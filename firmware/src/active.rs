@@ -1,59 +1,45 @@
-//! A segment as the tick takes it: law, track, feed and limits worked out once, when the block arrives.
+//! A segment as the tick takes it: track, feed, limits and the ratio along it worked out once, when the block arrives.
 
 use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::fmath;
-use arcfeed_shared::job::{Job, OverrideLimits, ToolSetup};
+use arcfeed_shared::job::{Job, ToolSetup};
 use arcfeed_shared::machine::{FeedLimit, LimitedBy};
-use arcfeed_shared::nc::modal::{Feed, Plane, Pose};
+use arcfeed_shared::nc::modal::{Feed, Pose};
 use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{MmPerMin, PERCENT, RevPerMin};
+use arcfeed_shared::units::{MmPerMin, MmPerTooth, PERCENT, RevPerMin};
 
 use crate::envelope::{Envelope, Sent};
 use crate::law::SegmentLaw;
-use crate::law::circumference::Circumference;
-use crate::progress::{ArcTrack, Progress, Track};
-use crate::ramp::{Bound, FeedOverride, RatioRange};
+use crate::progress::Track;
+use crate::ramp::FeedOverride;
 
-/// A segment with its law, prepared once when the block becomes active.
+/// A segment prepared once when the block becomes active.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActiveSegment {
-    pub(crate) way: Way,
+    /// `None` for a rapid: the way there is the machine's.
+    track: Option<Track>,
+    /// `None` where the override has nothing to act on.
+    sent: Option<SentFeed>,
     end: Pose,
-    /// How high the override may be along it.
+    /// The ratio along it, under its law.
     pub(crate) envelope: Envelope,
 }
 
-/// What a segment is for the tick.
-#[derive(Clone, Debug, PartialEq)]
-#[repr(u32)]
-#[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and few segments are prepared at a time")]
-pub(crate) enum Way {
-    /// The commonest move of a cup mill, which the tick is cut for: an arc in the XY plane under the circumference law.
-    Rotation { track: ArcTrack, law: Circumference, feed: SentFeed },
-    /// Any other cutting move; without a feed the override has nothing to act on.
-    Cut { track: Track, law: SegmentLaw, feed: Option<SentFeed> },
-    /// The way there is the machine's: there is no track to be on.
-    Rapid,
-}
-
-/// The feed as sent to the control, and what turns revolutions per minute and a path per tooth into a ratio to it.
+/// The feed as sent to the control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SentFeed {
     pub feed: MmPerMin,
-    /// Teeth over the feed, min/mm.
-    pub teeth_min_per_mm: f32,
-    /// The ratios to it that no bound changes.
-    pub range: RatioRange,
-    /// The largest ratio to it that the machine can follow.
-    machine: Option<MachineRatio>,
+    /// The feed per tooth at the centre that it is at the commanded spindle speed.
+    pub ipt_center: MmPerTooth,
+    pub machine: MachineRatio,
 }
 
-/// The fastest feed of the machine on a segment, over the feed as sent.
+/// The fastest feed of the machine on a segment, over the feed as sent; infinite where nothing limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct MachineRatio {
-    ratio: f32,
-    by: LimitedBy,
+pub(crate) struct MachineRatio {
+    pub ratio: f32,
+    pub by: LimitedBy,
 }
 
 /// What holds for a segment beside its geometry.
@@ -105,52 +91,38 @@ impl ActiveSegment {
 
     /// Prepares a segment under these conditions.
     pub fn under(segment: &Segment, conditions: &Conditions<'_>, job: &Job) -> Self {
-        let Conditions { rule, along, spindle, limit, end_percent } = *conditions;
-        let feed = match (&segment.path, segment.feed) {
-            (Path::Line | Path::Arc(_), Feed::PerMinute(feed)) if feed.0 > 0 => {
-                Some(SentFeed::new(MmPerMin(feed.to_mm() as f32), setup(rule, job), limit, &job.limits))
-            }
-            _ => None,
-        };
-        let law = SegmentLaw::told(segment, rule, along, job);
-        let track = Track::new(segment);
-        let envelope = match (&track, &feed) {
-            (Some(track), Some(feed)) => {
-                let SentFeed { feed, teeth_min_per_mm, machine, .. } = *feed;
-                let most = f32::from(job.limits.max_percent) / PERCENT;
-                let max_ratio = machine.map_or(most, |machine| fmath::min(machine.ratio, most));
-                let sent = Sent { feed, teeth_min_per_mm, spindle, max_ratio, end_percent };
-                Envelope::new(&law, track, &sent, &job.limits)
-            }
-            _ => Envelope::constant(end_percent),
-        };
-        let way = track.map_or(Way::Rapid, |track| Way::new(track, law, feed));
-        ActiveSegment { way, end: segment.end, envelope }
+        let law = SegmentLaw::told(segment, conditions.rule, conditions.along, job);
+        ActiveSegment::with_law(segment, &law, conditions, job)
     }
 
-    /// The same segment under another law, for tests of the law alone: nothing lowers the override in time.
-    #[must_use]
-    pub fn with_law(self, law: SegmentLaw) -> Self {
-        let way = match self.way {
-            Way::Rotation { track, feed, .. } => Way::new(Track::Arc(track), law, Some(feed)),
-            Way::Cut { track, feed, .. } => Way::new(track, law, feed),
-            Way::Rapid => Way::Rapid,
+    /// Prepares a segment under a law, whatever its rule says.
+    pub fn with_law(segment: &Segment, law: &SegmentLaw, conditions: &Conditions<'_>, job: &Job) -> Self {
+        let Conditions { spindle, limit, end_percent, .. } = *conditions;
+        let (end, track) = (segment.end, Track::new(segment));
+        let feed = match segment.feed {
+            Feed::PerMinute(feed) if feed.0 > 0 => Some(MmPerMin(feed.to_mm() as f32)),
+            _ => None,
         };
-        ActiveSegment { way, envelope: Envelope::FREE, ..self }
+        let (Some(on), Some(feed)) = (&track, feed) else {
+            return ActiveSegment { track, sent: None, end, envelope: Envelope::constant(end_percent) };
+        };
+        let teeth_min_per_mm = f32::from(setup(conditions.rule, job).tool.active_teeth()) / feed.0;
+        let machine = limit.map_or(MachineRatio::FREE, |limit| MachineRatio::new(&limit, feed));
+        let max_ratio = fmath::min(machine.ratio, f32::from(job.limits.max_percent) / PERCENT);
+        let demand = Sent { feed, teeth_min_per_mm, spindle, max_ratio, end_percent };
+        let envelope = Envelope::new(law, on, &demand, &job.limits);
+        let ipt_center = MmPerTooth(1.0 / (teeth_min_per_mm * spindle.0));
+        ActiveSegment { track, sent: Some(SentFeed { feed, ipt_center, machine }), end, envelope }
     }
 
     /// Length of its path; `None` for a rapid.
     pub fn length_mm(&self) -> Option<f32> {
-        match &self.way {
-            Way::Rotation { track, .. } => Some(Track::Arc(*track).length_mm()),
-            Way::Cut { track, .. } => Some(track.length_mm()),
-            Way::Rapid => None,
-        }
+        self.track.as_ref().map(Track::length_mm)
     }
 
     /// The largest override with which it can begin, %: with one above it what comes first would be cut too fast.
     pub fn begin_percent(&self) -> u8 {
-        let machine = self.sent().and_then(|sent| sent.machine).map_or(f32::INFINITY, |machine| machine.ratio);
+        let machine = self.sent.map_or(f32::INFINITY, |sent| sent.machine.ratio);
         // A float beyond 255 becomes 255.
         self.envelope.begin_percent().min((machine * PERCENT) as u8)
     }
@@ -165,68 +137,33 @@ impl ActiveSegment {
         &self.end
     }
 
-    /// The part of a wish for this many times the feed as sent that the machine can follow, and what bounds it.
-    pub(crate) fn followed(&self, wanted_ratio: f32) -> (f32, Bound) {
-        match self.sent().and_then(|sent| sent.machine) {
-            Some(MachineRatio { ratio, by }) if wanted_ratio > ratio => (ratio, Bound::Machine(by)),
-            _ => (wanted_ratio, Bound::Free),
-        }
-    }
-
     /// Whether the override acts on it: not on rapids, inverse time, or without a feed.
     pub fn takes_override(&self) -> bool {
-        self.feed_sent().is_some()
+        self.sent.is_some()
     }
 
     /// The feed that the machine makes of an override, its limits considered; `None` where the override does not act.
     pub fn feed_at(&self, feed_override: FeedOverride) -> Option<MmPerMin> {
-        let sent = self.sent()?;
-        let ratio = f32::from(feed_override.percent) / PERCENT;
-        let ratio = sent.machine.map_or(ratio, |machine| fmath::min(ratio, machine.ratio));
+        let sent = self.sent.as_ref()?;
+        let ratio = fmath::min(f32::from(feed_override.percent) / PERCENT, sent.machine.ratio);
         Some(MmPerMin(sent.feed.0 * ratio))
     }
 
     /// The feed as sent to the control; `None` where the override must not act on it.
-    pub(crate) fn feed_sent(&self) -> Option<MmPerMin> {
-        self.sent().map(|sent| sent.feed)
+    pub(crate) fn sent(&self) -> Option<&SentFeed> {
+        self.sent.as_ref()
     }
 
-    fn sent(&self) -> Option<&SentFeed> {
-        match &self.way {
-            Way::Rotation { feed, .. } => Some(feed),
-            Way::Cut { feed, .. } => feed.as_ref(),
-            Way::Rapid => None,
-        }
+    /// The track; `None` for a rapid.
+    pub(crate) fn track(&self) -> Option<&Track> {
+        self.track.as_ref()
     }
 }
 
-impl SentFeed {
-    fn new(feed: MmPerMin, setup: &ToolSetup, limit: Option<FeedLimit>, limits: &OverrideLimits) -> Self {
-        let machine = limit.map(|limit| MachineRatio { ratio: limit.feed.0 / feed.0, by: limit.by });
-        SentFeed {
-            feed,
-            teeth_min_per_mm: f32::from(setup.tool.active_teeth()) / feed.0,
-            range: RatioRange::new(limits, machine.map_or(f32::INFINITY, |machine| machine.ratio)),
-            machine,
-        }
-    }
-}
+impl MachineRatio {
+    pub const FREE: MachineRatio = MachineRatio { ratio: f32::INFINITY, by: LimitedBy::Ceiling };
 
-impl Way {
-    fn new(track: Track, law: SegmentLaw, feed: Option<SentFeed>) -> Self {
-        match (track, law, feed) {
-            (Track::Arc(track), SegmentLaw::Circumference(law), Some(feed)) if track.plane() == Plane::Xy => {
-                Way::Rotation { track, law, feed }
-            }
-            (track, law, feed) => Way::Cut { track, law, feed },
-        }
-    }
-
-    pub fn begin(&self, speed_mm_per_s: f32) -> Progress {
-        match self {
-            Way::Rotation { track, .. } => track.begin(speed_mm_per_s),
-            Way::Cut { track, .. } => track.begin(speed_mm_per_s),
-            Way::Rapid => Progress::default(),
-        }
+    fn new(limit: &FeedLimit, feed_sent: MmPerMin) -> Self {
+        MachineRatio { ratio: limit.feed.0 / feed_sent.0, by: limit.by }
     }
 }

@@ -5,9 +5,9 @@ use arcfeed_shared::job::{Job, OverrideLimits};
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{MmPerMin, MmPerTooth, RevPerMin, Span};
 
-use crate::active::{ActiveSegment, Way};
-use crate::law::{FeedLaw, NoWish, Wish};
-use crate::progress::{PositionFilter, Progress, Track};
+use crate::active::{ActiveSegment, MachineRatio, SentFeed};
+use crate::law::NoWish;
+use crate::progress::{PositionFilter, Progress};
 use crate::ramp::{Bound, FeedOverride, LimitsError, Ramp, RampState};
 
 /// The controller of one machine; config.
@@ -42,7 +42,7 @@ pub struct Input {
 pub struct Output {
     /// The override to put out.
     pub feed_override: FeedOverride,
-    /// The feed per tooth at the centre that the law wants, along the path.
+    /// The feed per tooth at the centre wanted, along the path: what the law demands, lowered in time for what comes.
     pub ipt_center: Option<MmPerTooth>,
     /// Wanted feed over the feed as sent, before any bound.
     pub wanted_ratio: f32,
@@ -58,7 +58,7 @@ pub enum Reason {
     Law,
     /// The law's wish, held back by a bound.
     Bounded(Bound),
-    /// No law governs this segment, or it has no wish here: 100 %.
+    /// No law governs this segment, or it has no wish here: 100 %, or less for what comes.
     NoWish(NoWish),
     /// Rapid, inverse time, or no programmed feed: the override has nothing to act on, 100 %.
     Inhibited,
@@ -66,21 +66,13 @@ pub enum Reason {
     NoSpindle,
 }
 
-/// A wish that no bound stands in the way of.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct UsualWish {
-    /// Wanted feed over the feed as sent.
-    pub wanted_ratio: f32,
-    /// The feed per tooth at the centre, along the path.
-    pub ipt_center: MmPerTooth,
-}
-
-/// What the law wants at a tick, before any bound.
+/// What is wanted at a tick.
 #[derive(Clone, Copy, Debug)]
 struct Wanted {
     ratio: f32,
     ipt_center: Option<MmPerTooth>,
     reason: Reason,
+    machine: MachineRatio,
 }
 
 impl State {
@@ -95,13 +87,14 @@ impl State {
     }
 
     /// Takes up the feed of the next segment; that feed over the one before.
-    fn take_feed(&mut self, feed_sent: Option<MmPerMin>) -> f32 {
-        let change = match (self.feed_sent, feed_sent) {
+    fn take_feed(&mut self, sent: Option<&SentFeed>) -> f32 {
+        let feed_sent = sent.map(|sent| sent.feed);
+        let change_ratio = match (self.feed_sent, feed_sent) {
             (Some(before), Some(now)) => now.0 / before.0,
             _ => 1.0,
         };
         self.feed_sent = feed_sent;
-        change
+        change_ratio
     }
 
     /// Goes on from `ratio`: what was put out while something else had the override.
@@ -136,143 +129,83 @@ impl Controller {
 
     /// The first tick on a segment that becomes active.
     pub fn begin(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Output {
-        if let Some(wish) = self.begin_usual(state, segment, input) {
-            return self.put_out(state, &wish, input.dt);
-        }
-        state.progress = segment.way.begin(state.progress.speed_mm_per_s());
-        let feed_change = state.take_feed(segment.feed_sent());
-        let wanted = self.wanted(state, segment, input);
-        let (ratio, _) = wanted.followed(segment, state, input);
-        self.ramp.enter_block(&mut state.ramp, ratio, feed_change);
-        self.obey_ramp(state, segment, &wanted, input)
-    }
-
-    /// The same where the segment is of the commonest kind and no bound stands in the law's way: everything but the tick of
-    /// the ramp. If `None`, nothing is done yet.
-    #[inline(always)]
-    pub(crate) fn begin_usual(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Option<UsualWish> {
-        let Way::Rotation { track, feed, .. } = &segment.way else { return None };
-        let before = state.progress;
-        state.progress = track.begin(before.speed_mm_per_s());
-        let Some(wish) = self.usual_wish(state, segment, input) else {
-            state.progress = before;
-            return None;
-        };
-        let feed_change = state.take_feed(Some(feed.feed));
-        state.ramp.enter_block(wish.wanted_ratio, feed_change);
-        Some(wish)
-    }
-
-    #[inline(always)]
-    fn put_out(&self, state: &mut State, wish: &UsualWish, dt: Span) -> Output {
-        let arrives = self.ramp.approach(&mut state.ramp, wish.wanted_ratio, dt);
-        Output {
-            feed_override: self.ramp.round_down(&state.ramp),
-            ipt_center: Some(wish.ipt_center),
-            wanted_ratio: wish.wanted_ratio,
-            reason: if arrives { Reason::Law } else { Reason::Bounded(Bound::Slew) },
-        }
+        self.step(state, segment, input, true)
     }
 
     /// Any other tick on the active segment.
     pub fn tick(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Output {
-        let Some(wish) = self.usual_wish(state, segment, input) else {
-            return self.tick_otherwise(state, segment, input);
-        };
-        self.put_out(state, &wish, input.dt)
+        self.step(state, segment, input, false)
     }
 
-    /// Moves on along the commonest kind of segment; the law's wish there, if no bound stands in its way. If `None`, the tick
-    /// is to be done as any other.
+    /// A tick without a decision: only the progress along the segment, which `begins` at the first one.
     #[inline(always)]
-    pub(crate) fn usual_wish(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Option<UsualWish> {
-        let (Way::Rotation { track, law, feed }, PositionFilter::Exact, Some(position)) =
-            (&segment.way, &self.filter, &input.position)
-        else {
-            return None;
-        };
-        let [x, y, _] = position.linear;
-        let path = law.path_mm_per_tooth(track.follow(&mut state.progress, [x, y]));
-        let wanted = input.spindle.0 * path * feed.teeth_min_per_mm;
-        let allowed = segment.envelope.ratio_at(state.progress.travelled_mm(), input.spindle);
-        let ratio = if wanted > allowed { allowed } else { wanted };
-        // What is not a number is not held: neither a refusal of the law nor a spindle without speed.
-        let is_held = feed.range.contains(wanted) && feed.range.contains(ratio);
-        is_held.then_some(UsualWish { wanted_ratio: ratio, ipt_center: MmPerTooth(path) })
+    pub fn follow(&self, state: &mut State, segment: &ActiveSegment, input: &Input, begins: bool) {
+        if begins {
+            state.take_feed(segment.sent());
+        }
+        self.move_on(&mut state.progress, segment, input, begins);
     }
 
-    /// [`Controller::tick`] where [`Controller::usual_wish`] is none.
-    #[inline(never)]
-    pub(crate) fn tick_otherwise(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Output {
-        let wanted = self.wanted(state, segment, input);
-        self.obey_ramp(state, segment, &wanted, input)
-    }
-
-    fn obey_ramp(&self, state: &mut State, segment: &ActiveSegment, wanted: &Wanted, input: &Input) -> Output {
-        let (ratio, followed) = wanted.followed(segment, state, input);
+    /// A tick, which is the first one on the segment or not.
+    #[inline(always)]
+    pub(crate) fn step(&self, state: &mut State, segment: &ActiveSegment, input: &Input, begins: bool) -> Output {
+        self.move_on(&mut state.progress, segment, input, begins);
+        let wanted = Wanted::at(state.progress.travelled_mm(), segment, input.spindle);
+        let ratio = fmath::min(wanted.ratio, wanted.machine.ratio);
+        if begins {
+            let feed_change_ratio = state.take_feed(segment.sent());
+            self.ramp.enter_block(&mut state.ramp, ratio, feed_change_ratio);
+        }
         let (feed_override, bound) = self.ramp.step(&mut state.ramp, ratio, input.dt);
-        let bound = if bound == Bound::Free { followed } else { bound };
-        Output {
-            feed_override,
-            ipt_center: wanted.ipt_center,
-            wanted_ratio: wanted.ratio,
-            reason: if bound == Bound::Free { wanted.reason } else { Reason::Bounded(bound) },
-        }
+        let reason = if !matches!(bound, Bound::Free) {
+            Reason::Bounded(bound)
+        } else if ratio < wanted.ratio {
+            Reason::Bounded(Bound::Machine(wanted.machine.by))
+        } else {
+            wanted.reason
+        };
+        Output { feed_override, ipt_center: wanted.ipt_center, wanted_ratio: wanted.ratio, reason }
     }
 
-    #[inline(never)]
-    fn wanted(&self, state: &mut State, segment: &ActiveSegment, input: &Input) -> Wanted {
-        let progress = &mut state.progress;
-        let mut advance = |track: &Track| {
-            track.advance(&self.filter, progress, input.position.as_ref(), input.dt);
-            track.place(progress)
+    #[inline(always)]
+    fn move_on(&self, progress: &mut Progress, segment: &ActiveSegment, input: &Input, begins: bool) {
+        let Some(track) = segment.track() else {
+            if begins {
+                *progress = Progress::default();
+            }
+            return;
         };
-        let (wish, feed) = match &segment.way {
-            Way::Rotation { track, law, feed } => (law.wish(&advance(&Track::Arc(*track))), feed),
-            Way::Cut { track, law, feed: Some(feed) } => (law.wish(&advance(track)), feed),
-            Way::Cut { track, feed: None, .. } => {
-                advance(track);
-                return as_programmed(Reason::Inhibited);
-            }
-            Way::Rapid => return as_programmed(Reason::Inhibited),
-        };
-        match wish {
-            Err(NoWish::NoLaw) => as_programmed(Reason::NoWish(NoWish::NoLaw)),
-            _ if !fmath::is_positive(input.spindle.0) => as_programmed(Reason::NoSpindle),
-            Ok(Wish { path_mm_per_tooth, .. }) => {
-                let ratio = input.spindle.0 * path_mm_per_tooth * feed.teeth_min_per_mm;
-                Wanted { ratio, ipt_center: Some(MmPerTooth(path_mm_per_tooth)), reason: Reason::Law }
-            }
-            // No feed is too high for the chip: the bounds decide.
-            Err(NoWish::ChipUnreachable) => {
-                let reason = Reason::NoWish(NoWish::ChipUnreachable);
-                Wanted { ratio: f32::INFINITY, ipt_center: None, reason }
-            }
-            Err(refusal) => as_programmed(Reason::NoWish(refusal)),
+        if begins {
+            *progress = track.begin(progress.speed_mm_per_s());
         }
+        track.advance(&self.filter, progress, input.position.as_ref(), input.dt);
     }
 }
 
 impl Wanted {
-    /// The part that the machine can follow and that what comes further on allows; without a wish 100 % stays 100 %.
-    fn followed(&self, segment: &ActiveSegment, state: &State, input: &Input) -> (f32, Bound) {
-        let (ratio, bound) = match self.reason {
-            Reason::Law | Reason::NoWish(NoWish::ChipUnreachable) => segment.followed(self.ratio),
-            _ => (self.ratio, Bound::Free),
-        };
-        // A spindle at rest makes no chip.
-        if self.reason == Reason::NoSpindle {
-            return (ratio, bound);
-        }
-        let allowed = segment.envelope.ratio_at(state.progress.travelled_mm(), input.spindle);
-        if ratio > allowed {
-            (allowed, if self.reason == Reason::Law { Bound::Ahead } else { bound })
-        } else {
-            (ratio, bound)
+    /// What is wanted at a path from the segment's start.
+    #[inline(always)]
+    fn at(travelled_mm: f32, segment: &ActiveSegment, spindle: RevPerMin) -> Self {
+        let (planned_ratio, answer) = segment.envelope.at(travelled_mm);
+        let ratio = planned_ratio * segment.envelope.spindle_share(spindle);
+        let as_programmed = |ratio, reason| Wanted { ratio, ipt_center: None, reason, machine: MachineRatio::FREE };
+        let Some(sent) = segment.sent() else { return as_programmed(ratio, Reason::Inhibited) };
+        match answer {
+            Err(NoWish::NoLaw) => as_programmed(ratio, Reason::NoWish(NoWish::NoLaw)),
+            // A spindle at rest makes no chip.
+            _ if !fmath::is_positive(spindle.0) => as_programmed(1.0, Reason::NoSpindle),
+            // No feed is too high for the chip: the bounds decide.
+            Err(NoWish::ChipUnreachable) => {
+                let reason = Reason::NoWish(NoWish::ChipUnreachable);
+                Wanted { machine: sent.machine, ..as_programmed(ratio, reason) }
+            }
+            Err(refusal) => as_programmed(ratio, Reason::NoWish(refusal)),
+            Ok(()) => Wanted {
+                ratio,
+                ipt_center: Some(MmPerTooth(sent.ipt_center.0 * planned_ratio)),
+                reason: Reason::Law,
+                machine: sent.machine,
+            },
         }
     }
-}
-
-fn as_programmed(reason: Reason) -> Wanted {
-    Wanted { ratio: 1.0, ipt_center: None, reason }
 }

@@ -1,4 +1,4 @@
-//! How high the override may be along a segment, so that it is low enough in time for what the law demands further on.
+//! The ratio of wanted to sent feed along a segment: what the law demands, lowered in time for what it demands further on.
 //!
 //! An override takes effect a time w after the controller has decided it, and falls by s a second at most. With the feed as
 //! sent F, the ratio r(p) that the law demands at the path p, its largest r_max, the segment's length L and the ratio e that is
@@ -10,8 +10,10 @@
 //! ratio at p <= sqrt(e^2 + 2 s (L - p - F r_max w) / F)                           (3)
 //! ```
 //!
-//! (1) and (3) are v^2 = 2 a s for a ratio that falls evenly in time. b is kept at the borders of equal cells, and is straight
-//! between them. Where r dips below that within a cell, as it does where it jumps, both borders take the dip.
+//! (1) and (3) are v^2 = 2 a s for a ratio that falls evenly in time. The law is asked when the segment is prepared, at the
+//! borders of equal cells; the tick interpolates. So that no interpolated ratio exceeds the law's demand, however it bends or
+//! jumps, a border takes the least b of both cells at its sides and of all cells within reach of (2) from there. That holds as
+//! long as the demand has no minimum within a cell; knots of a law are minima that the law knows, and both borders take them.
 //!
 //! Source: docs/safety-case.md#transitions.
 
@@ -19,45 +21,47 @@ use arcfeed_shared::fmath;
 use arcfeed_shared::job::OverrideLimits;
 use arcfeed_shared::units::{MmPerMin, PERCENT, RevPerMin, S_PER_MIN};
 
-use crate::law::{FeedLaw, NoWish, SegmentLaw};
-use crate::progress::{Progress, Track};
+use crate::law::{FeedLaw, NoWish, Place, SegmentLaw};
+use crate::progress::Track;
 
 /// Cells along a segment.
-const CELLS: usize = 32;
-/// Points asked in a cell, its beginning among them.
-const POINTS: usize = 4;
-/// From a decision to the feed that it makes, s: a tick, two scans of a ladder of 8 ms, the axes' own lag (assumed)
+const CELLS: usize = 128;
+/// From a decision to the feed that it makes, s: a tick, two scans of a ladder of 8 ms, the axes' own lag. (assumed)
 pub const RESPONSE_S: f32 = 0.03;
 /// The part of the slew that (1) counts on: ticks come one by one.
 const SLEW_SHARE: f32 = 0.9;
-/// A dip below the straight line between two borders that is passed over, as a part.
-const DIP_MAX: f32 = 1e-3;
-/// What falls by less between two points falls evenly, as a part.
-const JUMP_MIN: f32 = 3e-3;
-/// Bounds are kept in hundredths of a per cent.
-const STEPS_PER_RATIO: f32 = 1e4;
-/// Above every override that there is.
-const RATIO_MAX: f32 = 6.0;
+/// Steps in which a border keeps its ratio.
+const STEPS_PER_RATIO: f32 = 2_500.0;
+const RATIO_PER_STEP: f32 = 1.0 / STEPS_PER_RATIO;
+/// A ratio this little below a step counts as on it.
+const STEP_TOLERANCE: f32 = 0.02;
+/// The largest ratio that a border keeps; above every override that there is.
+const RATIO_MAX: f32 = 3.0;
 /// Above a whole per cent by less than this, an override is that per cent.
 const PERCENT_TOLERANCE: f32 = 0.01;
 
-/// Upper bounds of the override along one segment, prepared with it.
+/// The ratio along one segment, prepared with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Envelope {
-    /// At the border before each cell and behind the last one, the whole cells of (2) considered.
-    bounds: [u16; CELLS + 1],
+    /// Before each cell and behind the last one.
+    borders: [Border; CELLS + 1],
     cells_per_mm: f32,
-    /// What (2) reaches ahead beyond whole cells.
-    ahead_cells: f32,
     /// e^2 in (3).
     end_squared: f32,
     /// L - F r_max w in (3).
     fallen_mm: f32,
     /// 2 s / F.
     fall_per_mm: f32,
-    /// Spindle speed that the bounds are for; no speed is below it where they hold at any.
+    /// Spindle speed that the ratios are for; no speed is below it where they hold at any.
     spindle: RevPerMin,
 }
+
+/// The ratio at a border, in steps, and below [`ANSWER_BITS`] what the law answered there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Border(u16);
+
+const ANSWER_BITS: u32 = 3;
+const ANSWERS: u16 = (1 << ANSWER_BITS) - 1;
 
 /// What an envelope is worked out from.
 #[derive(Clone, Copy, Debug)]
@@ -74,30 +78,25 @@ pub struct Sent {
     pub end_percent: u8,
 }
 
-impl Envelope {
-    /// No bound: no law moves the override.
-    pub const FREE: Envelope = Envelope {
-        bounds: [u16::MAX; CELLS + 1],
-        cells_per_mm: 0.0,
-        ahead_cells: 0.0,
-        end_squared: f32::INFINITY,
-        fallen_mm: 0.0,
-        fall_per_mm: 0.0,
-        spindle: RevPerMin(f32::NEG_INFINITY),
-    };
+/// What the law answered at the borders.
+struct Answers {
+    ratios: [f32; CELLS + 1],
+    borders: [Border; CELLS + 1],
+    /// Whether it demands nothing anywhere.
+    is_refused: bool,
+}
 
-    /// The bounds under a law.
+impl Envelope {
+    /// The ratios under a law.
     pub fn new(law: &SegmentLaw, track: &Track, sent: &Sent, limits: &OverrideLimits) -> Self {
-        let is_free = matches!(law, SegmentLaw::Programmed) && sent.end_percent >= PERCENT as u8;
-        if is_free || !fmath::is_positive(sent.spindle.0) {
-            return Envelope::FREE;
+        let constant = Envelope::constant(sent.end_percent);
+        let keeps_feed_behind = sent.end_percent >= PERCENT as u8;
+        if keeps_feed_behind && matches!(law, SegmentLaw::Programmed) {
+            return constant;
         }
+        let Answers { mut ratios, mut borders, is_refused } = Answers::of(law, track, sent);
         let length_mm = track.length_mm();
         let cells_per_mm = if length_mm > 0.0 { CELLS as f32 / length_mm } else { 0.0 };
-        let (mut ratios, is_refused) = sent.border_ratios(law, track, cells_per_mm);
-        if is_refused && sent.end_percent >= PERCENT as u8 {
-            return Envelope::FREE;
-        }
         let feed_mm_per_s = sent.feed.0 / S_PER_MIN as f32;
         let fall_per_mm = 2.0 * SLEW_SHARE * limits.slew_down_percent_per_s / (PERCENT * feed_mm_per_s);
         let most = fmath::min(ratios.iter().copied().fold(1.0, fmath::max), sent.max_ratio);
@@ -108,34 +107,32 @@ impl Envelope {
             *ratio = behind;
             behind = fmath::sqrt(behind * behind + fall_per_mm * length_mm / CELLS as f32);
         } // (1)
-        let response_cells = response_mm * cells_per_mm;
-        let whole = fmath::min(response_cells, CELLS as f32) as usize;
-        let mut bounds = [0; CELLS + 1];
-        for (cell, bound) in bounds.iter_mut().enumerate() {
-            let ahead = ratios.get(cell..=(cell + whole).min(CELLS)).unwrap_or_default();
-            *bound = (ahead.iter().copied().fold(f32::INFINITY, fmath::min) * STEPS_PER_RATIO + 0.5) as u16;
+        let reach = 2 + fmath::min(response_mm * cells_per_mm, CELLS as f32) as usize;
+        for (at, border) in borders.iter_mut().enumerate() {
+            let within_reach = ratios.get(at.saturating_sub(1)..=(at + reach).min(CELLS)).unwrap_or_default();
+            *border = border.with_ratio(within_reach.iter().copied().fold(RATIO_MAX, fmath::min));
         } // (2)
-        let end_ratio = f32::from(sent.end_percent) / PERCENT;
-        Envelope {
-            bounds,
-            cells_per_mm,
-            ahead_cells: response_cells - whole as f32,
-            end_squared: end_ratio * end_ratio,
-            fallen_mm: length_mm - response_mm,
-            fall_per_mm,
-            spindle: sent.spindle,
-        }
+        let spindle = if keeps_feed_behind && is_refused { constant.spindle } else { sent.spindle };
+        Envelope { borders, cells_per_mm, fallen_mm: length_mm - response_mm, fall_per_mm, spindle, ..constant }
     }
 
-    /// One bound for a whole segment on which the override does not act: ready for what follows.
-    pub fn constant(percent: u8) -> Self {
-        let ratio = f32::from(percent) / PERCENT;
-        Envelope { end_squared: ratio * ratio, ..Envelope::FREE }
+    /// One ratio for a whole segment that no law governs, at any spindle speed: as sent, and no higher than what follows can
+    /// begin with.
+    pub fn constant(end_percent: u8) -> Self {
+        let end_ratio = f32::from(end_percent) / PERCENT;
+        Envelope {
+            borders: [Border::answering::<()>(Err(NoWish::NoLaw)).with_ratio(1.0); CELLS + 1],
+            cells_per_mm: 0.0,
+            end_squared: end_ratio * end_ratio,
+            fallen_mm: 0.0,
+            fall_per_mm: 0.0,
+            spindle: RevPerMin(f32::NEG_INFINITY),
+        }
     }
 
     /// The largest override at the segment's beginning, %.
     pub fn begin_percent(&self) -> u8 {
-        (self.ratio_at(0.0, RevPerMin(f32::INFINITY)) * PERCENT + PERCENT_TOLERANCE) as u8
+        (self.at(0.0).0 * PERCENT + PERCENT_TOLERANCE) as u8
     }
 
     /// How far below 1 the ratio must be behind the segment's end.
@@ -143,88 +140,106 @@ impl Envelope {
         1.0 - fmath::sqrt(fmath::min(self.end_squared, 1.0))
     }
 
-    /// The largest ratio at a path from the segment's start, at this spindle speed. A slower spindle scales all demands.
+    /// The ratio at a path from the segment's start at the commanded spindle speed, and why the law has no part in it.
     #[inline(always)]
-    pub fn ratio_at(&self, travelled_mm: f32, spindle: RevPerMin) -> f32 {
-        let here = fmath::min(travelled_mm * self.cells_per_mm, CELLS as f32);
-        let reached = fmath::min(here + self.ahead_cells, CELLS as f32);
-        // Between the two there is one border at most.
-        let steps = fmath::min(fmath::min(self.between(here), self.at(reached as usize)), self.between(reached));
-        let least = steps / STEPS_PER_RATIO;
+    pub fn at(&self, travelled_mm: f32) -> (f32, Result<(), NoWish>) {
+        let place = fmath::min(travelled_mm * self.cells_per_mm, CELLS as f32);
+        let cell = (place as usize).min(CELLS - 1);
+        let [before, behind] = [cell, cell + 1].map(|border| self.borders.get(border).copied().unwrap_or(Border(0)));
+        let ratio = before.ratio() + (behind.ratio() - before.ratio()) * (place - cell as f32);
         let falling = self.end_squared + fmath::max(self.fallen_mm - travelled_mm, 0.0) * self.fall_per_mm;
-        let ratio = if falling < least * least { fmath::sqrt(falling) } else { least }; // (3)
-        if spindle.0 < self.spindle.0 { ratio * spindle.0 / self.spindle.0 } else { ratio }
+        let ratio = if falling < ratio * ratio { fmath::sqrt(falling) } else { ratio }; // (3)
+        (ratio, before.answer())
+    }
+
+    /// The part of the ratio for a slower spindle, which scales all demands; a faster one raises nothing.
+    #[inline(always)]
+    pub fn spindle_share(&self, measured: RevPerMin) -> f32 {
+        let is_slower = fmath::is_positive(measured.0) && measured.0 < self.spindle.0;
+        if is_slower { measured.0 / self.spindle.0 } else { 1.0 }
+    }
+}
+
+impl Border {
+    /// Without a ratio yet.
+    fn answering<T>(answer: Result<T, NoWish>) -> Self {
+        Border(match answer {
+            Ok(_) => 0,
+            Err(NoWish::NoLaw) => 1,
+            Err(NoWish::NoContact) => 2,
+            Err(NoWish::OutsideValidity) => 3,
+            Err(NoWish::ChipUnreachable) => 4,
+            Err(NoWish::BadInput) => 5,
+        })
+    }
+
+    /// The same answer at this ratio, rounded down.
+    fn with_ratio(self, ratio: f32) -> Self {
+        let steps = (ratio * STEPS_PER_RATIO + STEP_TOLERANCE) as u16;
+        Border(steps << ANSWER_BITS | self.0 & ANSWERS)
     }
 
     #[inline(always)]
-    fn at(&self, border: usize) -> f32 {
-        let [.., last] = self.bounds;
-        f32::from(self.bounds.get(border).copied().unwrap_or(last))
+    fn ratio(self) -> f32 {
+        f32::from(self.0 >> ANSWER_BITS) * RATIO_PER_STEP
     }
 
     #[inline(always)]
-    fn between(&self, place: f32) -> f32 {
-        let cell = place as usize;
-        let before = self.at(cell);
-        before + (self.at(cell + 1) - before) * (place - cell as f32)
+    fn answer(self) -> Result<(), NoWish> {
+        let code = self.0 & ANSWERS;
+        if code == 0 {
+            return Ok(());
+        }
+        Err(match code {
+            1 => NoWish::NoLaw,
+            2 => NoWish::NoContact,
+            3 => NoWish::OutsideValidity,
+            4 => NoWish::ChipUnreachable,
+            _ => NoWish::BadInput,
+        })
+    }
+}
+
+impl Answers {
+    /// Asks the law along the track.
+    fn of(law: &SegmentLaw, track: &Track, sent: &Sent) -> Self {
+        let length_mm = track.length_mm();
+        let mut answers = Answers { ratios: [0.0; CELLS + 1], borders: [Border(0); CELLS + 1], is_refused: true };
+        let borders = answers.ratios.iter_mut().zip(&mut answers.borders);
+        for ((ratio, border), place) in borders.zip(track.places(CELLS)) {
+            let demand = sent.demand(law, &place);
+            (*ratio, *border) = (sent.bound(demand), Border::answering(demand));
+            answers.is_refused &= matches!(demand, Err(refusal) if refusal != NoWish::ChipUnreachable);
+        }
+        law.knots_mm(&mut |knot_mm| {
+            if knot_mm > 0.0 && knot_mm < length_mm {
+                let bound = sent.bound(sent.demand(law, &track.place_after(knot_mm)));
+                let cell = (knot_mm / length_mm * CELLS as f32) as usize;
+                for ratio in answers.ratios.iter_mut().skip(cell).take(2) {
+                    *ratio = fmath::min(*ratio, bound);
+                }
+            }
+        });
+        answers
     }
 }
 
 impl Sent {
-    /// The ratios that the law demands at the borders of the cells, lowered to what it demands between them, and whether it
-    /// demands nothing anywhere.
-    fn border_ratios(&self, law: &SegmentLaw, track: &Track, cells_per_mm: f32) -> ([f32; CELLS + 1], bool) {
-        let mut is_refused = true;
-        // Without a demand the feed as sent, within the job's limits.
-        let unasked = fmath::min(1.0, self.max_ratio);
-        let length_mm = track.length_mm();
-        let step_mm = length_mm / (CELLS * POINTS) as f32;
-        let mut progress = track.begin(0.0);
-        let points: [f32; CELLS * POINTS + 1] = core::array::from_fn(|point| {
-            if point > 0 {
-                track.move_on(&mut progress, step_mm);
-            }
-            let ratio = self.ratio(law, track, &progress);
-            is_refused &= ratio.is_none();
-            ratio.unwrap_or(unasked)
-        });
-        let point = |index: usize| points.get(index).copied().unwrap_or(1.0);
-        let mut ratios: [f32; CELLS + 1] = core::array::from_fn(|border| point(border * POINTS));
-        let mut lower = |place: f32, ratio: f32| {
-            let cell = (place as usize).min(CELLS - 1);
-            let (before, behind) = (point(cell * POINTS), point((cell + 1) * POINTS));
-            if ratio < (before + (behind - before) * (place - cell as f32)) * (1.0 - DIP_MAX) {
-                for border in ratios.iter_mut().skip(cell).take(2) {
-                    *border = fmath::min(*border, ratio);
-                }
-            }
-        };
-        for (index, ratio) in points.iter().enumerate() {
-            let next = points.get(index + 1).unwrap_or(ratio);
-            // Where it jumps between two points, it may do so right behind the first.
-            let jumps = *next < ratio * (1.0 - JUMP_MIN);
-            lower(index as f32 / POINTS as f32, if jumps { *next } else { *ratio });
-        }
-        law.knots_mm(&mut |knot_mm| {
-            if knot_mm > 0.0 && knot_mm < length_mm {
-                let mut progress = track.begin(0.0);
-                // An arc turns by small angles only.
-                let steps = 1 + (knot_mm / (8.0 * step_mm)) as usize;
-                for _ in 0..steps {
-                    track.move_on(&mut progress, knot_mm / steps as f32);
-                }
-                lower(knot_mm * cells_per_mm, self.ratio(law, track, &progress).unwrap_or(unasked));
-            }
-        });
-        (ratios, is_refused)
+    /// The ratio that the law demands at a place.
+    fn demand(&self, law: &SegmentLaw, place: &Place) -> Result<f32, NoWish> {
+        let path_mm_per_tooth = law.wish(place)?.path_mm_per_tooth;
+        let is_known = fmath::is_positive(self.spindle.0);
+        is_known.then_some(self.spindle.0 * path_mm_per_tooth * self.teeth_min_per_mm).ok_or(NoWish::BadInput)
     }
 
-    /// What the law demands at a place; `None` where it demands nothing.
-    fn ratio(&self, law: &SegmentLaw, track: &Track, progress: &Progress) -> Option<f32> {
-        match law.wish(&track.place(progress)) {
-            Ok(wish) => Some(fmath::min(self.spindle.0 * wish.path_mm_per_tooth * self.teeth_min_per_mm, RATIO_MAX)),
-            Err(NoWish::ChipUnreachable) => Some(RATIO_MAX),
-            Err(_) => None,
+    /// The largest ratio that a demand allows.
+    fn bound(&self, demand: Result<f32, NoWish>) -> f32 {
+        match demand {
+            Ok(ratio) => fmath::min(ratio, RATIO_MAX),
+            Err(NoWish::ChipUnreachable) => RATIO_MAX,
+            Err(NoWish::NoLaw) => 1.0,
+            // Without a demand the feed as sent, within the job's limits.
+            Err(_) => fmath::min(1.0, self.max_ratio),
         }
     }
 }

@@ -8,12 +8,10 @@
 //! ```
 //!
 //! never backwards and never beyond the segment's end. Without a sample the residual is zero and the place moves on by
-//! dead reckoning. Exact samples are followed as they come, without the filter. Because only the path from the place
-//! counts, a segment that runs back over the one before cannot catch it.
+//! dead reckoning. Exact samples are followed as they come, without the filter. The path to a sample on an arc is the sum of
+//! the paths from sample to sample, so a segment that runs back over the one before cannot catch it.
 //!
 //! Source: the alpha-beta filter of tracking radars; docs/laws.md#progress.
-
-use core::f32::consts::FRAC_PI_2;
 
 use arcfeed_shared::fmath;
 use arcfeed_shared::nc::modal::{Plane, Pose};
@@ -24,8 +22,6 @@ use crate::law::Place;
 
 /// Millimetres in a nanometre, for positions on the tick.
 const MM_PER_NM: f32 = 1e-6;
-/// Below it an angle is its sine, to 2e-7 of it.
-const ANGLE_IS_SINE: f32 = 1e-3;
 
 /// How samples of the position are trusted; config.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,14 +89,16 @@ pub struct LineTrack {
 /// How far the segment is done; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// Unit vector from the rotation centre; of no meaning on a line.
+    /// Of the last sample: on an arc the unit vector from the rotation centre to it.
     direction: [f32; 2],
+    /// Path from the segment's start to the last sample's projection.
+    sampled_mm: f32,
     travelled_mm: f32,
     speed_mm_per_s: f32,
 }
 
 impl Progress {
-    /// Path from the segment's start, of a helix in the plane of its arc; samples behind its end add to it.
+    /// Path from the segment's start, of a helix in the plane of its arc.
     pub fn travelled_mm(&self) -> f32 {
         self.travelled_mm
     }
@@ -137,18 +135,36 @@ impl Track {
     }
 
     /// Progress before the first sample: at the start, moving at `speed_mm_per_s`.
+    #[inline(always)]
     pub fn begin(&self, speed_mm_per_s: f32) -> Progress {
-        match self {
-            Track::Arc(arc) => arc.begin(speed_mm_per_s),
-            Track::Line(_) => Progress { speed_mm_per_s, ..Progress::default() },
-        }
+        let direction = match self {
+            Track::Arc(arc) => arc.start,
+            Track::Line(_) => [0.0; 2],
+        };
+        Progress { direction, speed_mm_per_s, ..Progress::default() }
     }
 
-    /// The place reached.
-    pub fn place(&self, progress: &Progress) -> Place {
-        let travelled_mm = progress.travelled_mm.min(self.length_mm());
+    /// The places at the borders of so many equal parts, for laws.
+    pub fn places(&self, parts: usize) -> impl Iterator<Item = Place> {
+        let part_mm = self.length_mm() / parts as f32;
+        let mut direction = self.begin(0.0).direction;
+        (0..=parts).map(move |border| {
+            let place = self.place(direction, border as f32 * part_mm);
+            if let Track::Arc(arc) = self {
+                direction = rotate(direction, arc.turn * part_mm / arc.radius_mm);
+            }
+            place
+        })
+    }
+
+    /// A place this far from the start, for laws that look at nothing else: the direction is that of the start.
+    pub(crate) fn place_after(&self, travelled_mm: f32) -> Place {
+        self.place(self.begin(0.0).direction, travelled_mm)
+    }
+
+    fn place(&self, direction: [f32; 2], travelled_mm: f32) -> Place {
         match self {
-            Track::Arc(arc) => Place::on_arc(progress.direction, arc.turn, arc.radius_mm, travelled_mm),
+            Track::Arc(arc) => Place::on_arc(direction, arc.turn, arc.radius_mm, travelled_mm),
             Track::Line(line) => {
                 let [dx, dy, _] = line.direction;
                 Place::on_line([dx, dy], travelled_mm)
@@ -157,77 +173,36 @@ impl Track {
     }
 
     /// One tick: takes the sample, if there is one.
+    #[inline(always)]
     pub fn advance(&self, filter: &PositionFilter, progress: &mut Progress, sample: Option<&Pose>, dt: Span) {
-        if let (PositionFilter::Exact, Track::Arc(arc), Some(position)) = (filter, self, sample) {
-            arc.follow(progress, arc.in_plane(position));
-            return;
-        }
-        let behind_mm = sample.and_then(|position| self.path_to(progress, position));
-        match filter {
-            PositionFilter::Exact => self.move_on(progress, behind_mm.unwrap_or(0.0)),
-            PositionFilter::AlphaBeta(gains) => {
-                let ds_mm = gains.step(&mut progress.speed_mm_per_s, behind_mm, dt);
-                self.move_on(progress, ds_mm);
+        if let Some(position) = sample {
+            match self {
+                Track::Arc(arc) => arc.sample(progress, position),
+                Track::Line(line) => progress.sampled_mm = line.along_mm(position),
             }
         }
-    }
-
-    /// Path from the progress made to the projection of a position; `None` where it has none.
-    fn path_to(&self, progress: &Progress, position: &Pose) -> Option<f32> {
-        match self {
-            Track::Arc(arc) => arc.path_to(progress.direction, position),
-            Track::Line(line) => Some(line.along_mm(position) - progress.travelled_mm),
-        }
-    }
-
-    /// Moves on along the path, not beyond its end; of an arc by less than a radian.
-    pub(crate) fn move_on(&self, progress: &mut Progress, ds_mm: f32) {
-        // max and min drop a NaN.
-        let ds_mm = ds_mm.max(0.0).min((self.length_mm() - progress.travelled_mm).max(0.0));
-        progress.travelled_mm += ds_mm;
-        if let Track::Arc(arc) = self {
-            progress.direction = rotate(progress.direction, arc.turn * ds_mm / arc.radius_mm);
-        }
+        let behind_mm = progress.sampled_mm - progress.travelled_mm;
+        let ds_mm = match filter {
+            PositionFilter::Exact => behind_mm,
+            PositionFilter::AlphaBeta(gains) => gains.step(&mut progress.speed_mm_per_s, sample.map(|_| behind_mm), dt),
+        };
+        // Not back, and not beyond the end.
+        let left_mm = fmath::max(self.length_mm() - progress.travelled_mm, 0.0);
+        progress.travelled_mm += fmath::min(fmath::max(ds_mm, 0.0), left_mm);
     }
 }
 
 impl ArcTrack {
-    /// The plane it lies in.
-    pub fn plane(&self) -> Plane {
-        self.plane
-    }
-
-    /// [`Track::begin`].
+    /// Takes a sample: the path from the one before adds to that of all. At the rotation centre it has no direction, and
+    /// counts for nothing.
     #[inline(always)]
-    pub fn begin(&self, speed_mm_per_s: f32) -> Progress {
-        Progress { direction: self.start, travelled_mm: 0.0, speed_mm_per_s }
-    }
-
-    /// Takes an exact sample, given by its coordinates in the plane: its direction from the rotation centre, if that lies
-    /// ahead. Answers the direction reached.
-    #[inline(always)]
-    pub fn follow(&self, progress: &mut Progress, in_plane: [Nm; 2]) -> [f32; 2] {
-        let direction = self.direction_to(in_plane);
-        let ahead = self.turn * cross(progress.direction, direction);
-        // The bits of positive numbers are in their order, those of all others above. A sample at the rotation centre is
-        // NaN, and ahead of nothing.
-        if ahead.to_bits() < ANGLE_IS_SINE.to_bits() {
+    fn sample(&self, progress: &mut Progress, position: &Pose) {
+        let direction = self.direction_to(self.in_plane(position));
+        let angle_rad = small_angle(self.turn * cross(progress.direction, direction));
+        if !angle_rad.is_nan() {
             progress.direction = direction;
-            progress.travelled_mm += self.radius_mm * ahead;
-            return direction;
+            progress.sampled_mm += self.radius_mm * angle_rad;
         }
-        self.leap(progress, direction, ahead)
-    }
-
-    /// A sample far ahead, or not ahead at all.
-    #[cold]
-    #[inline(never)]
-    fn leap(&self, progress: &mut Progress, direction: [f32; 2], ahead: f32) -> [f32; 2] {
-        if ahead > 0.0 {
-            progress.direction = direction;
-            progress.travelled_mm += self.radius_mm * small_angle(ahead);
-        }
-        progress.direction
     }
 
     /// The two coordinates of a position that lie in the plane.
@@ -247,15 +222,6 @@ impl ArcTrack {
         // Wrapping: coordinates stay far below the 9 million kilometres at which it would.
         direction_of([Nm(first.0.wrapping_sub(center_first.0)), Nm(second.0.wrapping_sub(center_second.0))])
     }
-
-    /// Path from the direction reached to the projection of a position; `None` at the rotation centre.
-    fn path_to(&self, [ex, ey]: [f32; 2], position: &Pose) -> Option<f32> {
-        let [x, y] = self.direction_to(self.in_plane(position));
-        let (sine, cosine) = (self.turn * cross([ex, ey], [x, y]), ex * x + ey * y);
-        let right_angle = if sine < 0.0 { -FRAC_PI_2 } else { FRAC_PI_2 };
-        let angle_rad = if cosine <= 0.0 { right_angle } else { small_angle(sine) };
-        angle_rad.is_finite().then_some(self.radius_mm * angle_rad)
-    }
 }
 
 impl LineTrack {
@@ -272,7 +238,10 @@ impl LineTrack {
         let [x, y, z] = position.linear;
         let [sx, sy, sz] = self.start;
         let [dx, dy, dz] = self.direction;
-        millimetres(x, sx) * dx + millimetres(y, sy) * dy + millimetres(z, sz) * dz
+        // Wrapping: see `ArcTrack::direction_to`.
+        let [x_nm, y_nm] = fmath::from_pair([x.0.wrapping_sub(sx.0), y.0.wrapping_sub(sy.0)]);
+        let [z_nm, _] = fmath::from_pair([z.0.wrapping_sub(sz.0), 0]);
+        (x_nm * dx + y_nm * dy + z_nm * dz) * MM_PER_NM
     }
 }
 
@@ -287,7 +256,7 @@ impl AlphaBeta {
         if dt_s > 0.0 {
             let speed = *speed_mm_per_s + self.beta_ratio * residual_mm / dt_s; // (2)
             // Late samples from the segment before lie behind the start: they must not wind the speed up.
-            *speed_mm_per_s = speed.max(0.0);
+            *speed_mm_per_s = fmath::max(speed, 0.0);
         }
         dead_reckoned_mm + self.alpha_ratio * residual_mm // (2)
     }

@@ -45,14 +45,6 @@ pub struct Slew {
     down_ratio_per_us: f32,
 }
 
-/// The ratios that no bound changes: on the tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RatioRange {
-    /// The bits of the least one above zero, and from there to those of the largest.
-    least_bits: u32,
-    span_bits: u32,
-}
-
 /// The ratio in effect before rounding; state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -72,8 +64,6 @@ pub enum Bound {
     Ceiling,
     /// The wish lies above what the machine can follow on this segment.
     Machine(LimitedBy),
-    /// The wish lies above what the rest of the segment allows here.
-    Ahead,
     /// Still on its way.
     Slew,
     /// The wish is not a number: 100 %.
@@ -104,36 +94,9 @@ impl RampState {
         self.ratio
     }
 
-    /// [`Ramp::enter_block`] for a wish within the bounds, which leaves the ratio within them.
-    #[inline(always)]
-    pub fn enter_block(&mut self, wanted_ratio: f32, feed_change_ratio: f32) {
-        let same_feed = fmath::max(self.ratio / feed_change_ratio, 1.0);
-        self.ratio = fmath::min(wanted_ratio, same_feed);
-    }
-
     /// Goes on from `ratio`, which the caller keeps within the bounds of what it puts out.
     pub fn force(&mut self, ratio: f32) {
         self.ratio = ratio;
-    }
-}
-
-impl RatioRange {
-    /// Between the override's bounds, and not above what the machine can follow.
-    pub fn new(limits: &OverrideLimits, machine_ratio: f32) -> Self {
-        let [least, most] = [limits.min_percent, limits.max_percent].map(|percent| f32::from(percent) / PERCENT);
-        let (least_bits, most_bits) = (least.to_bits().max(1), fmath::min(machine_ratio, most).to_bits());
-        match most_bits.checked_sub(least_bits) {
-            Some(span_bits) => RatioRange { least_bits, span_bits },
-            // Where the machine cannot follow the least override there is none.
-            None => RatioRange { least_bits: 1, span_bits: 0 },
-        }
-    }
-
-    /// Whether a ratio is one of them; zero and what is not a number never are.
-    #[inline(always)]
-    pub fn contains(&self, ratio: f32) -> bool {
-        // The bits of positive numbers are in the order of the numbers, those of all others above.
-        ratio.to_bits().wrapping_sub(self.least_bits) <= self.span_bits
     }
 }
 
@@ -153,10 +116,19 @@ impl Slew {
         self.up_ratio_per_us * dt.us()
     }
 
-    /// The largest fall in a span; negative.
+    /// From `ratio` towards a target, by no more than a rise and a fall in these spans.
     #[inline(always)]
-    pub fn fall(&self, dt: Span) -> f32 {
-        self.down_ratio_per_us * dt.us()
+    pub fn towards(&self, ratio: f32, target_ratio: f32, [rise, fall]: [Span; 2]) -> f32 {
+        let (rise, fall) = (self.rise(rise), self.down_ratio_per_us * fall.us());
+        let way = target_ratio - ratio;
+        // By the way that is left: the least number above or below would tell two who arrive by it apart.
+        if way > rise {
+            ratio + rise
+        } else if way < fall {
+            ratio + fall
+        } else {
+            target_ratio
+        }
     }
 }
 
@@ -189,45 +161,30 @@ impl Ramp {
     }
 
     /// Carries the state into a block whose programmed feed is `feed_change_ratio` times the one before.
+    #[inline(always)]
     pub fn enter_block(&self, state: &mut RampState, wanted_ratio: f32, feed_change_ratio: f32) {
-        state.enter_block(wanted_ratio, feed_change_ratio);
-        state.ratio = self.at_bound(state.ratio).0;
+        let same_feed = fmath::max(state.ratio / feed_change_ratio, 1.0);
+        state.ratio = self.at_bound(fmath::min(wanted_ratio, same_feed)).0;
     }
 
     /// One tick towards `wanted_ratio` (wanted feed / programmed feed).
+    #[inline(always)]
     pub fn step(&self, state: &mut RampState, wanted_ratio: f32, dt: Span) -> (FeedOverride, Bound) {
-        let (target, bound) = self.at_bound(wanted_ratio);
-        let arrives = self.approach(state, target, dt);
+        let (target_ratio, bound) = self.at_bound(wanted_ratio);
+        let ratio = self.slew.towards(state.ratio, target_ratio, [dt; 2]);
+        let arrives = ratio == target_ratio;
+        state.ratio = ratio;
         (self.round_down(state), if arrives { bound } else { Bound::Slew })
     }
 
-    /// One tick towards a target within the bounds; whether it is reached.
     #[inline(always)]
-    pub fn approach(&self, state: &mut RampState, target_ratio: f32, dt: Span) -> bool {
-        let (rise, fall) = (self.slew.rise(dt), self.slew.fall(dt));
-        let way = target_ratio - state.ratio;
-        let is_slewed = if way > rise {
-            state.ratio += rise;
-            true
-        } else if way < fall {
-            state.ratio += fall;
-            true
-        } else {
-            state.ratio = target_ratio;
-            false
-        };
-        !is_slewed
-    }
-
-    #[cold]
-    #[inline(never)]
     fn at_bound(&self, ratio: f32) -> (f32, Bound) {
-        if (self.min_ratio..=self.max_ratio).contains(&ratio) {
+        if ratio > self.max_ratio {
+            (self.max_ratio, Bound::Ceiling)
+        } else if ratio >= self.min_ratio {
             (ratio, Bound::Free)
         } else if ratio < self.min_ratio {
             (self.min_ratio, Bound::Floor)
-        } else if ratio > self.max_ratio {
-            (self.max_ratio, Bound::Ceiling)
         } else {
             (1.0, Bound::NotANumber)
         }

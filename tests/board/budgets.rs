@@ -10,11 +10,11 @@ use arcfeed_tests::emulation::log::messages;
 use arcfeed_tests::emulation::qemu::run;
 
 /// Bytes that an image may take: program with its constants; variables; stack, interrupts included.
-const FLASH_MAX: u32 = 63 * 1024;
-const RAM_MAX: u32 = 5 * 1024 + 512;
-const STACK_MAX: u32 = 13 * 1024;
+const FLASH_MAX: u32 = 53 * 1024;
+const RAM_MAX: u32 = 4 * 1024 + 768;
+const STACK_MAX: u32 = 12 * 1024 + 512;
 /// Bytes of stack of the tick itself.
-const TICK_STACK_MAX: u32 = 896;
+const TICK_STACK_MAX: u32 = 384;
 
 /// Where the RAM of both boards begins.
 const RAM: u32 = 0x2000_0000;

@@ -30,8 +30,8 @@ const LOOK: Duration = Duration::from_millis(100);
 const PATIENCE: Duration = Duration::from_secs(300);
 /// A machine with much else to do may lose a link by the wall's clock; not every time.
 const ATTEMPTS: u32 = 10;
-/// What all of a tick may take, instructions: samples, orders, supervisor, law, telemetry, output.
-const TICK_MAX: u32 = 2_850;
+/// What all of a tick may take, instructions: samples, orders, supervisor, telemetry, output.
+const TICK_MAX: u32 = 1_700;
 /// Bytes of stack, of main loop and interrupts together.
 pub const STACK_MAX: u32 = 38 * 1024;
 /// From the timer's end to the tick.

@@ -207,18 +207,19 @@ mod tests {
         });
     }
 
-    /// The largest relative excess of the feed in effect over the wanted feed, where no bound keeps them apart.
+    /// The largest relative excess of the feed in effect over the feed that the law itself demands where the tool is, where no bound
+    /// keeps them apart.
     fn excess(setup: &Setup) -> (f64, f64) {
-        let wanted = |output: &Output| {
-            let free = output.reason == Reason::Law;
-            output.ipt_center.filter(|_| free).map(|ipt| f64::from(ipt.0) * f64::from(TEETH) * f64::from(REV_PER_MIN))
-        };
         let outputs = setup.run(1_000, |_, plain| plain);
-        let excess = |output: &Output| {
-            Some((percent(output) / 100.0 * setup.feed_sent / wanted(output)? - 1.0, percent(output)))
+        let excess = |(output, tick): (&Output, u64)| {
+            let wish = setup.scene.wish(&PLAIN, (tick * 1_000) as f64 / DURATION_US as f64).ok()?;
+            let wanted = wish * f64::from(TEETH) * f64::from(REV_PER_MIN);
+            let is_free = output.reason == Reason::Law;
+            is_free.then_some((percent(output) / 100.0 * setup.feed_sent / wanted - 1.0, percent(output)))
         };
         outputs
             .iter()
+            .zip(1..)
             .filter_map(excess)
             .fold((f64::NEG_INFINITY, 0.0), |one, other| if other.0 > one.0 { other } else { one })
     }

@@ -1,8 +1,9 @@
 //! A supervisor on the bench: every input has a knob, a tick is a millisecond.
 
-use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_firmware::controller::{self, Controller};
+use arcfeed_firmware::active::{ActiveSegment, Conditions};
+use arcfeed_firmware::controller;
 use arcfeed_firmware::law::SegmentLaw;
+use arcfeed_firmware::law::table::Table;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::input::{Freshness, Input};
 
@@ -17,7 +18,7 @@ use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
 use arcfeed_shared::segment::{Arc, Path, Segment};
 use arcfeed_shared::stock::{Stock, StockLine};
 use arcfeed_shared::tool::{CupMill, Edge, Tool};
-use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, RevPerMin, Span};
+use arcfeed_shared::units::{LengthUnit, Mm, MmPerTooth, Nm, RevPerMin, Span};
 
 /// The tick of all figures.
 pub const TICK: Span = Span::from_ms(1);
@@ -212,10 +213,9 @@ fn job(limits: OverrideLimits) -> Job {
     }
 }
 
-/// A rule whose stock line meets the cutting circle at 60 degrees from the rotation centre, or not at all.
-fn rule(misses: bool) -> CutRule {
-    let offset_mm = if misses { -500.0 } else { 50.0 };
-    let stock = StockLine { normal: [0.0, 1.0], offset_mm, rise_ratio: 0.0 };
+/// A rule whose stock the cutting circle does not meet.
+fn rule_that_misses() -> CutRule {
+    let stock = StockLine { normal: [0.0, 1.0], offset_mm: -500.0, rise_ratio: 0.0 };
     CutRule {
         tool: 0,
         moves: Moves::Rotations(Rotation::Exterior, Turn::Cw),
@@ -240,30 +240,33 @@ fn prepare(piece: Piece, job: &Job) -> (Piece, ActiveSegment, f64) {
         from: [Nm(0), RADIUS],
         to: [RADIUS, Nm(0)],
     });
-    let with = |path: Path, feed: Nm, rule: Option<&CutRule>| {
+    let with = |path: Path, feed: Nm, law: Option<SegmentLaw>| {
         let segment = segment(path, Feed::PerMinute(feed));
-        // What the law wants further on is not looked at: the tool stands at the start all the time.
-        let law = SegmentLaw::told(&segment, rule, None, job);
-        (piece, ActiveSegment::new(&segment, rule, job).with_law(law), feed.to_mm())
+        let limit = law.as_ref().and_then(|_| job.feed_limit(&segment, Some(feed)));
+        let conditions = Conditions { limit, ..Conditions::of(&segment, None, job) };
+        let law = law.unwrap_or(SegmentLaw::Programmed);
+        (piece, ActiveSegment::with_law(&segment, &law, &conditions, job), feed.to_mm())
     };
     match piece {
-        Piece::Wants(percent) => {
-            with(arc, feed_for(percent, &with(arc, LINE_FEED, Some(&rule(false))).1, job), Some(&rule(false)))
+        Piece::Wants(percent) => with(arc, feed_for(percent, job), Some(constant(job))),
+        Piece::Misses => {
+            let segment = segment(arc, Feed::PerMinute(LINE_FEED));
+            (piece, ActiveSegment::new(&segment, Some(&rule_that_misses()), job), LINE_FEED.to_mm())
         }
-        Piece::Misses => with(arc, LINE_FEED, Some(&rule(true))),
         Piece::Line => with(Path::Line, LINE_FEED, None),
         Piece::Rapid => with(Path::Rapid, LINE_FEED, None),
     }
 }
 
-/// The feed to send so that the law wants `percent` of it at the start; 0 %: so much that a thousandth of it is wanted.
-fn feed_for(percent: u16, probe: &ActiveSegment, job: &Job) -> Nm {
-    let controller = Controller::new(job).expect("the bounds are sound");
-    let input = controller::Input { position: Some(start()), spindle: job.tools.first().spindle, dt: TICK };
-    let mut state = controller::State::default();
-    let path = controller.begin(&mut state, probe, &input).ipt_center.expect("the probe meets the stock");
-    let wanted_mm_per_min =
-        f64::from(path.0) * f64::from(job.tools.first().tool.active_teeth()) * f64::from(job.tools.first().spindle.0);
+/// One feed per tooth all along: where the tool stands and what comes further on makes no difference.
+fn constant(job: &Job) -> SegmentLaw {
+    SegmentLaw::Table(Table::new(&[(Mm(0.0), job.tools.first().feed_per_tooth)]).expect("one knot"))
+}
+
+/// The feed to send so that the law wants `percent` of it; 0 %: so much that a thousandth of it is wanted.
+fn feed_for(percent: u16, job: &Job) -> Nm {
+    let teeth_per_min = f64::from(job.tools.first().tool.active_teeth()) * f64::from(job.tools.first().spindle.0);
+    let wanted_mm_per_min = f64::from(job.tools.first().feed_per_tooth.0) * teeth_per_min;
     let ratio = if percent == 0 { 1e-3 } else { f64::from(percent) / 100.0 };
     Nm::from_mm(wanted_mm_per_min / (ratio * (1.0 + 1e-6)))
 }

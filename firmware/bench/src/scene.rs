@@ -5,7 +5,7 @@
 //! take; positions with noise, now and then missing, trusted as they are or filtered; spindles that stand still or are no
 //! number, ticks of no and of any length.
 
-use arcfeed_firmware::active::ActiveSegment;
+use arcfeed_firmware::active::{ActiveSegment, Conditions};
 use arcfeed_firmware::controller::Input;
 use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_firmware::law::table::Table;
@@ -92,10 +92,12 @@ impl Scene {
 
     /// The block under its law.
     pub fn active(&self) -> ActiveSegment {
-        let active = ActiveSegment::new(&self.segment, Some(&self.rule), &self.job);
+        let conditions = Conditions::of(&self.segment, Some(&self.rule), &self.job);
         match &self.table {
-            Some(table) => active.with_law(SegmentLaw::Table(table.clone())),
-            None => active,
+            Some(table) => {
+                ActiveSegment::with_law(&self.segment, &SegmentLaw::Table(table.clone()), &conditions, &self.job)
+            }
+            None => ActiveSegment::under(&self.segment, &conditions, &self.job),
         }
     }
 

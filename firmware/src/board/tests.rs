@@ -1,7 +1,7 @@
 //! From inputs to pins: a task on a board whose override goes out on eight lines.
 
 use super::*;
-use crate::active::ActiveSegment;
+use crate::active::{ActiveSegment, Conditions};
 use crate::controller;
 use crate::law::SegmentLaw;
 use crate::law::table::Table;
@@ -111,7 +111,7 @@ fn quarter(job: &Job) -> ActiveSegment {
     let (start, end) = (pose(0.0, RADIUS_MM), pose(RADIUS_MM, 0.0));
     let segment = Segment { sequence: None, start, end, feed: Feed::PerMinute(FEED_SENT), path: Path::Arc(arc) };
     let table = Table::new(&[(Mm(0.0), FEED_PER_TOOTH)]).unwrap();
-    ActiveSegment::new(&segment, None, job).with_law(SegmentLaw::Table(table))
+    ActiveSegment::with_law(&segment, &SegmentLaw::Table(table), &Conditions::of(&segment, None, job), job)
 }
 
 fn mill<'b>(bench: &'b Bench, job: &Job) -> (Mill<'b>, Pins<'b>) {

@@ -43,9 +43,7 @@ impl Case {
     }
 
     fn demand(&self, at_mm: f64) -> f64 {
-        let mut progress = self.track.begin(0.0);
-        self.track.move_on(&mut progress, at_mm as f32);
-        f64::from(self.sent.ratio(&self.law, &self.track, &progress).unwrap())
+        f64::from(self.sent.demand(&self.law, &self.track.place_after(at_mm as f32)).unwrap())
     }
 
     /// Runs the line, each decision taking effect as late as it may: the largest excess over the demand, and the ratio at the end.
@@ -55,7 +53,7 @@ impl Case {
         let (mut at_mm, mut level, mut excess, mut in_effect) = (0.0, 1.0_f64, f64::NEG_INFINITY, 1.0);
         let mut decided = std::collections::VecDeque::from(vec![1.0; (response_s / TICK_S) as usize]);
         while at_mm < length_mm {
-            let target = self.demand(at_mm).min(f64::from(envelope.ratio_at(at_mm as f32, SPINDLE)));
+            let target = f64::from(envelope.at(at_mm as f32).0);
             level = target.max(level - fall * TICK_S).min(level + 0.5 * TICK_S);
             decided.push_back(libm::floor(level * 1e2 + 1e-3) / 1e2);
             in_effect = decided.pop_front().unwrap();
@@ -89,11 +87,11 @@ fn what_need_not_fall_is_not_held_back_before_the_end() {
     let envelope = case(100.0, 600.0, &[(0.0, 1.5)]).envelope();
     // From 1.5 to 1 at 0.9 of 2 a second: (1.5^2 - 1) 10 / (2 0.9 2) = 3.47 mm, and 0.03 s at 15 mm/s.
     for (at_mm, ratio) in [(0.0, 1.5), (96.0, 1.5), (96.08, 1.5), (99.56, 1.0), (100.0, 1.0)] {
-        let allowed = envelope.ratio_at(at_mm, SPINDLE);
+        let allowed = envelope.at(at_mm).0;
         assert!((allowed - ratio).abs() < 1e-3, "{at_mm}: {allowed}");
     }
     let half = fmath::sqrt(1.0 + (1.5 * 1.5 - 1.0) / 2.0);
-    assert!((envelope.ratio_at(99.55 - 3.472 / 2.0, SPINDLE) - half).abs() < 1e-3);
+    assert!((envelope.at(99.55 - 3.472 / 2.0).0 - half).abs() < 1e-3);
 }
 
 #[test]
@@ -103,9 +101,9 @@ fn a_smooth_demand_is_allowed_as_it_is() {
     let case = case(100.0, 600.0, &knots);
     let envelope = Envelope::new(&case.law, &case.track, &Sent { end_percent: 200, ..case.sent }, &case.limits);
     for at_mm in 0..99_u16 {
-        // It falls by at most a third of a per cent a millimetre, and the response reaches half a millimetre ahead.
-        let (allowed, demand) = (envelope.ratio_at(f32::from(at_mm), SPINDLE), case.demand(f64::from(at_mm)) as f32);
-        assert!((-0.004..0.001).contains(&(allowed / demand - 1.0)), "{at_mm}: {allowed} of {demand}");
+        // It falls by at most a third of a per cent a millimetre; the response and two cells reach two millimetres ahead.
+        let (allowed, demand) = (envelope.at(f32::from(at_mm)).0, case.demand(f64::from(at_mm)) as f32);
+        assert!((-0.007..1e-6).contains(&(allowed / demand - 1.0)), "{at_mm}: {allowed} of {demand}");
     }
 }
 
@@ -114,7 +112,7 @@ fn what_comes_behind_the_end_bounds_it() {
     let case = case(100.0, 600.0, &[(0.0, 1.5)]);
     for (end_percent, ratio) in [(80, 0.8), (120, 1.2), (180, 1.5)] {
         let envelope = Envelope::new(&case.law, &case.track, &Sent { end_percent, ..case.sent }, &case.limits);
-        assert!((envelope.ratio_at(100.0, SPINDLE) - ratio).abs() < 1e-3, "{end_percent}");
+        assert!((envelope.at(100.0).0 - ratio).abs() < 1e-3, "{end_percent}");
         assert_eq!(envelope.begin_percent(), 150);
     }
 }
@@ -122,8 +120,29 @@ fn what_comes_behind_the_end_bounds_it() {
 #[test]
 fn a_slower_spindle_lowers_it_and_a_faster_one_does_not_raise_it() {
     let envelope = case(100.0, 600.0, &[(0.0, 1.5)]).envelope();
-    for (speed, ratio) in [(0.5, 0.75), (1.0, 1.5), (2.0, 1.5)] {
-        assert!((envelope.ratio_at(10.0, RevPerMin(speed * SPINDLE.0)) - ratio).abs() < 1e-4);
+    for (speed, share) in [(0.5, 0.5), (1.0, 1.0), (2.0, 1.0), (0.0, 1.0), (f32::NAN, 1.0)] {
+        assert_eq!(envelope.spindle_share(RevPerMin(speed * SPINDLE.0)), share);
+    }
+}
+
+#[test]
+fn the_ratio_is_never_above_the_demand_and_little_below() {
+    let bent: Vec<(f32, f32)> =
+        (0_u16..=31).map(|at| (3.2 * f32::from(at), 1.5 + 0.3 * f32::from(at % 3) / 2.0)).collect();
+    let convex: Vec<(f32, f32)> =
+        (0_u16..=31).map(|at| 3.2 * f32::from(at)).map(|at| (at, 1.1 + (at - 50.0).powi(2) * 3e-4)).collect();
+    for ratios in [bent, convex] {
+        let case = case(100.0, 600.0, &ratios);
+        let envelope = Envelope::new(&case.law, &case.track, &Sent { end_percent: 200, ..case.sent }, &case.limits);
+        for at in 0..10_000 {
+            let at_mm = f64::from(at) * 0.01;
+            let (ratio, demand) = (f64::from(envelope.at(at_mm as f32).0), case.demand(at_mm));
+            assert!(ratio <= demand * (1.0 + 1e-6), "{at_mm}: {ratio} of {demand}");
+            // Two cells behind; the response, two cells, and the way to a knot in the next one ahead.
+            let least = (0..=430).map(|ahead| case.demand((at_mm + 0.01 * f64::from(ahead) - 1.6).clamp(0.0, 100.0)));
+            let least = least.fold(f64::INFINITY, f64::min);
+            assert!(ratio > least * (1.0 - 1e-3), "{at_mm}: {ratio} for {least}");
+        }
     }
 }
 
@@ -131,7 +150,7 @@ fn a_slower_spindle_lowers_it_and_a_faster_one_does_not_raise_it() {
 fn a_segment_shorter_than_the_response_stays_at_the_bound_of_its_end() {
     for length_mm in [0.0, 0.4] {
         let envelope = case(length_mm, 1_000.0, &[(0.0, 2.0)]).envelope();
-        assert!([0.0, 0.2, 0.4].iter().all(|at| envelope.ratio_at(*at, SPINDLE) == 1.0));
+        assert!([0.0, 0.2, 0.4].iter().all(|at| envelope.at(*at).0 == 1.0));
         assert_eq!(envelope.begin_percent(), 100);
     }
 }
@@ -140,8 +159,8 @@ fn a_segment_shorter_than_the_response_stays_at_the_bound_of_its_end() {
 fn without_a_law_only_a_lower_start_of_the_next_move_bounds_it() {
     let Case { track, sent, limits, .. } = case(10.0, 1_000.0, &[(0.0, 2.0)]);
     let envelope = |end_percent| Envelope::new(&SegmentLaw::Programmed, &track, &Sent { end_percent, ..sent }, &limits);
-    assert!(envelope(100).ratio_at(5.0, SPINDLE) > 2.54);
-    assert_eq!(envelope(100).begin_percent(), u8::MAX);
-    assert_eq!((envelope(80).ratio_at(0.0, SPINDLE), envelope(80).ratio_at(10.0, SPINDLE)), (1.0, 0.8));
-    assert_eq!(Envelope::constant(80).ratio_at(0.0, RevPerMin(0.0)), 0.8);
+    assert_eq!(envelope(100).at(5.0), (1.0, Err(NoWish::NoLaw)));
+    assert_eq!(envelope(100).begin_percent(), 100);
+    assert_eq!((envelope(80).at(0.0).0, envelope(80).at(10.0).0), (1.0, 0.8));
+    assert_eq!(Envelope::constant(80).at(0.0).0, 0.8);
 }

@@ -57,7 +57,7 @@ impl Circumference {
         let cut = Cut { path_radius, edge_radius, edge, feed_per_tooth };
         Circumference {
             cut: PreparedCut::new(&cut),
-            // NaN is refused at the end of every tick, by name.
+            // NaN is refused at the end of every step, by name.
             edge_radius_mm: if edge_radius.0 > 0.0 { edge_radius.0 } else { f32::NAN },
             path_radius_mm: if path_radius.0 > 0.0 { path_radius.0 } else { f32::NAN },
             advance_ratio: f32::from(edge.advance() * arc.turn.sign()),
@@ -66,39 +66,6 @@ impl Circumference {
         }
     }
 
-    /// The wish's path per tooth, mm, by the unit vector from the rotation centre to the tool's centre: on the tick. NaN
-    /// where the law has no wish.
-    #[inline(always)]
-    pub fn path_mm_per_tooth(&self, direction: [f32; 2]) -> f32 {
-        let both = self.intersections(direction);
-        let first = both.more_advanced();
-        if self.cut.is_thickest_before(first)
-            && let Some(path) = self.cut.usual_path(first)
-        {
-            return path.0;
-        }
-        let [_, first_towards] = first;
-        let second = both.less_advanced();
-        // The one that advances more is past the side of A: the other one is all there is.
-        if first_towards < 0.0
-            && self.cut.is_thickest_before(second)
-            && let Some(path) = self.cut.usual_path(second)
-        {
-            return path.0;
-        }
-        let ([advance, towards], [more_advance, more_towards]) = (both.foot, both.half_chord);
-        self.path_after_closer_look(advance, towards, more_advance, more_towards)
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn path_after_closer_look(&self, advance: f32, towards: f32, more_advance: f32, more_towards: f32) -> f32 {
-        // Single numbers stay in registers.
-        let both = Intersections { foot: [advance, towards], half_chord: [more_advance, more_towards] };
-        self.closer_look(&both).map_or(f32::NAN, |wish| wish.path_mm_per_tooth)
-    }
-
-    #[inline(always)]
     fn intersections(&self, [x, y]: [f32; 2]) -> Intersections {
         let [nx, ny] = self.normal;
         // The line's normal in the moving frame: once, and both intersections follow by signs.
@@ -115,8 +82,31 @@ impl Circumference {
         } // (1)
     }
 
+    fn contact(&self, direction: [f32; 2]) -> Result<Contact, NoWish> {
+        let [advance, towards] = direction;
+        if towards < 0.0 {
+            return Err(NoWish::OutsideValidity);
+        }
+        Ok(Contact { bite_mm: self.cut.bite_mm(advance, towards)?, direction })
+    }
+}
+
+impl Intersections {
+    fn more_advanced(&self) -> [f32; 2] {
+        let ([advance, towards], [more_advance, more_towards]) = (self.foot, self.half_chord);
+        [advance + more_advance, towards + more_towards]
+    }
+
+    fn less_advanced(&self) -> [f32; 2] {
+        let ([advance, towards], [more_advance, more_towards]) = (self.foot, self.half_chord);
+        [advance - more_advance, towards - more_towards]
+    }
+}
+
+impl FeedLaw for Circumference {
     /// Of the two intersections the one that takes the thicker chip; where only one is admissible, that one.
-    fn closer_look(&self, both: &Intersections) -> Result<Wish, NoWish> {
+    fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
+        let both = self.intersections(place.towards.map(|component| -component));
         let (first, second) = (both.more_advanced(), both.less_advanced());
         let [advance, towards] = both.foot;
         // Everything else is a number: the root is none.
@@ -135,40 +125,5 @@ impl Circumference {
             (Err(a), Err(b)) => return Err(if a == NoWish::OutsideValidity { b } else { a }),
         };
         Ok(Wish { path_mm_per_tooth: self.cut.path_per_tooth(bite_mm)?.0, contact: direction })
-    }
-
-    fn contact(&self, direction: [f32; 2]) -> Result<Contact, NoWish> {
-        let [advance, towards] = direction;
-        if towards < 0.0 {
-            return Err(NoWish::OutsideValidity);
-        }
-        Ok(Contact { bite_mm: self.cut.bite_mm(advance, towards)?, direction })
-    }
-}
-
-impl Intersections {
-    #[inline(always)]
-    fn more_advanced(&self) -> [f32; 2] {
-        let ([advance, towards], [more_advance, more_towards]) = (self.foot, self.half_chord);
-        [advance + more_advance, towards + more_towards]
-    }
-
-    #[inline(always)]
-    fn less_advanced(&self) -> [f32; 2] {
-        let ([advance, towards], [more_advance, more_towards]) = (self.foot, self.half_chord);
-        [advance - more_advance, towards - more_towards]
-    }
-}
-
-impl FeedLaw for Circumference {
-    fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
-        let both = self.intersections(place.towards.map(|component| -component));
-        let first = both.more_advanced();
-        match self.cut.usual_path(first) {
-            Some(path) if self.cut.is_thickest_before(first) && path.0 > 0.0 => {
-                Ok(Wish { path_mm_per_tooth: path.0, contact: first })
-            }
-            _ => self.closer_look(&both),
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! Feed laws: which feed per tooth the tool's *centre* needs so that its edges keep theirs.
 //!
-//! Each law stands in its own file, is prepared once for a segment and asked at every tick. None of them knows limits,
+//! Each law stands in its own file, is made for a segment, and asked along it once, before the tool is on it. None of them knows limits,
 //! overrides or time.
 
 pub mod step;

@@ -17,7 +17,7 @@
 //! (1)-(5) are the two circles of the source (eqs 17-23) solved for the half turn alpha/2 of O about A, free of the
 //! cancellation that costs the source's own route 8.5 % in f32; valid for p > 0, p = 0 and p < 0 alike.
 //!
-//! For the tick everything that holds for the whole segment is worked out beforehand, with the contact given at r0 u:
+//! What holds for the whole segment is worked out once, with the contact given at r0 u:
 //!
 //! ```text
 //! h = (L/r0) (k r0 ux)                                       (2)
@@ -25,7 +25,7 @@
 //! ```
 //!
 //! What cannot be cut with - NaN, a radius or feed per tooth that is not positive, an inner edge smaller than its chip -
-//! becomes NaN there once and is refused at the end of every step, without a check of its own on the tick.
+//! becomes NaN there once and is refused at the end of every step.
 //!
 //! Source: Petean 2004, ch. 5; docs/laws.md#circumference for the derivation, the errata and the validity.
 
@@ -53,7 +53,7 @@ pub struct Cut {
     pub feed_per_tooth: MmPerTooth,
 }
 
-/// A [`Cut`] for the tick; config.
+/// What holds of a [`Cut`] at every contact; config.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PreparedCut {
     /// L/r0.
@@ -64,8 +64,6 @@ pub struct PreparedCut {
     curvature_ratio: f32,
     /// k L/(r0 rho), 1/mm.
     closing_per_mm: f32,
-    /// The least r0 u.(A - O)/rho, mm, at which a larger advance still means a thicker chip.
-    flattest_mm: f32,
     /// 2 rho, mm.
     path_diameter_mm: f32,
     /// 1/(12 rho^2), 1/mm^2.
@@ -123,7 +121,6 @@ impl PreparedCut {
             excess_mm2,
             curvature_ratio: k + excess_mm2 / (4.0 * rho * rho),
             closing_per_mm: k * (reach / (r0 * rho)),
-            flattest_mm: fmath::max(k * excess_mm2 * r0 / (2.0 * rho * reach), 0.0),
             path_diameter_mm: 2.0 * rho,
             per_bend_mm2: 1.0 / (12.0 * rho * rho),
             small_step_mm: 2.0 * rho * SMALL_STEP_RATIO,
@@ -143,34 +140,11 @@ impl PreparedCut {
         if d < 0.0 { Err(NoWish::ChipUnreachable) } else { Ok(h + fmath::sqrt(d)) }
     }
 
-    /// Path of the centre per tooth for a contact at r0 u that [`PreparedCut::is_thickest_before`], as [`PreparedCut::bite_mm`] and
-    /// [`PreparedCut::path_per_tooth`] give it; `None` where only they can tell: no solution, no number, a step that is not
-    /// small against the circle of the path.
-    #[inline(always)]
-    pub fn usual_path(&self, contact: [f32; 2]) -> Option<Mm> {
-        let (h, d) = self.advance_and_discriminant(contact);
-        // Where D < 0, tau is NaN.
-        let tau = self.excess_mm2 / (h + fmath::sqrt(d)); // (5)
-        (tau < self.small_step_mm).then(|| Mm(self.along_narrow_arc(tau)))
-    }
-
     /// h, mm, and D, mm^2.
-    #[inline(always)]
     fn advance_and_discriminant(&self, [advance_mm, towards_mm]: [f32; 2]) -> (f32, f32) {
         let h = self.reach_ratio * advance_mm; // (2)
         let p = self.curvature_ratio - self.closing_per_mm * towards_mm; // (3)
         (h, h * h - p * self.excess_mm2) // (4)
-    }
-
-    /// Whether a contact in this direction takes the thickest chip of all that advance less. The angle of the contact
-    /// grows with the advance; h grows with it, and D as long as
-    ///
-    /// ```text
-    /// dD/d(angle) = h (2 L uy - k w/rho) >= 0
-    /// ```
-    #[inline(always)]
-    pub fn is_thickest_before(&self, [advance_mm, towards_mm]: [f32; 2]) -> bool {
-        advance_mm > 0.0 && towards_mm >= self.flattest_mm
     }
 
     /// Path of the centre per tooth, along its arc, for an answer of [`PreparedCut::bite_mm`].
@@ -185,7 +159,6 @@ impl PreparedCut {
     }
 
     /// 2 rho atan(tau / 2 rho) = tau (1 - tau^2 / 12 rho^2 + ...). (6)
-    #[inline(always)]
     fn along_narrow_arc(&self, tau: f32) -> f32 {
         tau - tau * (tau * tau * self.per_bend_mm2)
     }

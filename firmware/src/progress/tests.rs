@@ -43,16 +43,14 @@ fn it_follows_the_samples_and_never_goes_back() {
 }
 
 #[test]
-fn the_place_points_where_the_sample_does() {
-    let (track, mut progress) = (quarter(), quarter().begin(0.0));
-    for step in 1..=1_000 {
-        travelled(&track, &mut progress, &on_quarter(0.15 * f64::from(step)));
+fn the_places_along_an_arc_lie_on_it_and_point_along_it() {
+    for (at, place) in quarter().places(128).enumerate() {
+        let (sin, cos) = libm::sincos(at as f64 / 128.0 * core::f64::consts::FRAC_PI_2);
+        let [x, y] = place.center_mm;
+        assert!((f64::from(x) - 100.0 * sin).abs() < 1e-4 && (f64::from(y) - 100.0 * cos).abs() < 1e-4, "{at}");
+        let [vx, vy] = place.motion;
+        assert!((f64::from(vx) - cos).abs() < 1e-6 && (f64::from(vy) + sin).abs() < 1e-6, "{at}");
     }
-    let (sin, cos) = libm::sincos(1.5);
-    let [x, y] = track.place(&progress).center_mm;
-    assert!((f64::from(x) - 100.0 * sin).abs() < 1e-4 && (f64::from(y) - 100.0 * cos).abs() < 1e-4);
-    let [vx, vy] = track.place(&progress).motion;
-    assert!((f64::from(vx) - cos).abs() < 1e-6 && (f64::from(vy) + sin).abs() < 1e-6);
 }
 
 #[test]
@@ -69,7 +67,21 @@ fn it_ends_with_its_segment() {
     for step in 1..=20 {
         travelled(&track, &mut progress, &on_quarter(10.0 * f64::from(step)));
     }
-    assert_eq!(track.place(&progress).travelled_mm, track.length_mm());
+    assert_eq!(progress.travelled_mm(), track.length_mm());
+}
+
+#[test]
+fn samples_that_tremble_or_stray_add_nothing_to_the_path() {
+    let (track, mut progress) = (quarter(), quarter().begin(0.0));
+    for step in 1..=2_000_u32 {
+        let tremble_mm = 0.02 * f64::from(step % 3) - 0.02;
+        travelled(&track, &mut progress, &on_quarter(0.03 * f64::from(step) + tremble_mm));
+        if step % 500 == 0 {
+            // Behind the tool: ahead of nothing, and the next sample leads back.
+            travelled(&track, &mut progress, &on_quarter(0.03 * f64::from(step) - 90.0));
+        }
+    }
+    assert!((progress.travelled_mm() - 60.0).abs() < 0.1, "{}", progress.travelled_mm());
 }
 
 #[test]
@@ -87,8 +99,8 @@ fn a_line_in_space_counts_its_whole_length() {
     let mut middle = pose(1.5, 2.0);
     middle.linear[2] = Nm::from_mm(6.0);
     assert!((travelled(&track, &mut progress, &middle) - 6.5).abs() < 1e-5);
-    let [x, y] = track.place(&progress).center_mm;
-    assert!((x - 1.5).abs() < 1e-5 && (y - 2.0).abs() < 1e-5);
+    let places: Vec<_> = track.places(2).map(|place| place.center_mm).collect();
+    assert_eq!(places, [[0.0, 0.0], [1.5, 2.0], [3.0, 4.0]]);
 }
 
 #[test]

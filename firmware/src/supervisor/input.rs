@@ -81,14 +81,8 @@ impl Input {
         }
     }
 
-    /// Whether nobody asks for anything, nothing is wrong and the dial is at 100 %.
-    #[inline(always)]
-    pub fn is_quiet(&self) -> bool {
-        let invalid = self.position.invalid_in_row | self.link.invalid_in_row;
-        self.signals == Signals::NONE && invalid == 0 && self.operator_percent == 100
-    }
-
     /// Why the override must stay at 100 % for now: a condition, or a segment it does not act on.
+    #[inline(always)]
     pub fn inhibiting(&self, work: Work<'_>) -> Option<Inhibit> {
         let no_feed = work.is_some_and(|(_, segment)| !segment.takes_override());
         self.signals.inhibiting().or(no_feed.then_some(Inhibit::NoFeed))

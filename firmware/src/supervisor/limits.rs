@@ -4,6 +4,7 @@
 //! It knows nothing of laws, so no law and no state can get around it. Only two things move it at once: a fall that the
 //! caller says is due at once, and [`Limits::carry`] at a block boundary.
 
+use arcfeed_shared::fmath;
 use arcfeed_shared::job::OverrideLimits;
 use arcfeed_shared::units::{PERCENT, Span};
 
@@ -43,28 +44,15 @@ impl Limits {
         }
     }
 
-    /// Whether a tick came no later than it counts.
-    #[inline(always)]
-    pub fn is_in_time(&self, dt: Span) -> bool {
-        dt <= self.longest_tick
-    }
-
     /// Moves the level towards `target_ratio`, up and down by the slew.
     #[inline(always)]
     pub fn slew(&self, level: &mut Level, target_ratio: f32, dt: Span) {
-        let target_ratio = if self.holds(target_ratio) { target_ratio } else { self.within(level, target_ratio) };
-        let way = target_ratio - level.ratio;
-        let (rise, fall) = (self.slew.rise(dt.min(self.longest_tick)), self.slew.fall(dt));
-        level.ratio = if way > rise {
-            level.ratio + rise
-        } else if way < fall {
-            level.ratio + fall
-        } else {
-            target_ratio
-        };
+        let target_ratio = self.within(level, target_ratio);
+        level.ratio = self.slew.towards(level.ratio, target_ratio, [dt.min(self.longest_tick), dt]);
     }
 
     /// Moves the level towards `target_ratio`, down at once and up by the slew.
+    #[inline(always)]
     pub fn follow(&self, level: &mut Level, target_ratio: f32, dt: Span) {
         let target_ratio = self.within(level, target_ratio);
         let rise = self.slew.rise(dt.min(self.longest_tick));
@@ -73,14 +61,9 @@ impl Limits {
     }
 
     /// Scales the level at a block boundary that keeps the feed.
+    #[inline(always)]
     pub fn carry(&self, level: &mut Level, change_ratio: f32) {
         level.ratio = self.within(level, level.ratio * change_ratio);
-    }
-
-    /// The level that keeps the feed at a block boundary.
-    #[inline(always)]
-    pub fn carry_to(&self, level: &mut Level, ratio: f32) {
-        level.ratio = if self.holds(ratio) { ratio } else { self.within(level, ratio) };
     }
 
     /// The level as the control takes it, on the thin side.
@@ -91,23 +74,15 @@ impl Limits {
         FeedOverride { percent: (steps * self.step_percent) as u8 }
     }
 
-    /// Whether a target lies within the bounds for certain: the bits of positive numbers are in their order, those of all
-    /// others above.
-    #[inline(always)]
-    fn holds(&self, target_ratio: f32) -> bool {
-        target_ratio.to_bits() <= self.max_ratio.to_bits()
-    }
-
-    #[cold]
-    #[inline(never)]
     /// A target within the bounds; what is not a number raises nothing and asks for 100 % at most.
+    #[inline(always)]
     fn within(&self, level: &Level, target_ratio: f32) -> f32 {
         if target_ratio >= 0.0 {
-            target_ratio.min(self.max_ratio)
+            fmath::min(target_ratio, self.max_ratio)
         } else if target_ratio < 0.0 {
             0.0
         } else {
-            level.ratio.min(1.0)
+            fmath::min(level.ratio, 1.0)
         }
     }
 }
@@ -125,7 +100,7 @@ impl Level {
 
     /// Falls at once to `ceiling_ratio` if it lies above.
     pub fn fall_to(&mut self, ceiling_ratio: f32) {
-        self.ratio = self.ratio.min(ceiling_ratio.max(0.0));
+        self.ratio = fmath::min(self.ratio, fmath::max(ceiling_ratio, 0.0));
     }
 
     /// Falls at once to this share of itself.

@@ -26,8 +26,6 @@ pub struct Memory {
     pub(super) counters: Counters,
     /// How far below 1 the ratio must be behind the segment that began last.
     pub(super) reserve_ratio: f32,
-    /// The segment on which nothing happens: the law has the override, and a quiet tick changes nothing else.
-    pub(super) settled_on: Option<u32>,
 }
 
 impl Memory {
@@ -55,6 +53,7 @@ impl Memory {
     }
 
     /// Why an arming asked for did not become the event.
+    #[inline(always)]
     pub(super) fn refusal(&mut self, event: Event, pressed: Signals) -> Option<Refusal> {
         if !pressed.asks(Request::Arm) || event == Event::Arm || self.state.is_engaged() {
             return None;
@@ -71,6 +70,7 @@ impl Memory {
     }
 
     /// Watches the segment, and keeps what must be in reserve behind one that begins.
+    #[inline(always)]
     pub(super) fn look_at(&mut self, work: Work<'_>, quality: Quality) -> Change {
         let change = self.sight.look(work.map(|(count, _)| count), quality);
         if let Some((_, segment)) = work.filter(|_| change.is_begin()) {
@@ -80,6 +80,7 @@ impl Memory {
     }
 
     /// The ramp goes on from what is put out.
+    #[inline(always)]
     pub(super) fn settle_ramp(&mut self) {
         let share_ratio = self.dial.share_ratio();
         if share_ratio > 0.0 {
@@ -88,8 +89,12 @@ impl Memory {
     }
 
     /// Counts frames that were invalid since the last tick.
+    #[inline(always)]
     pub(super) fn count_frames(&mut self, input: &Input) {
         let now = [input.position.invalid_in_row, input.link.invalid_in_row];
+        if now == self.invalid {
+            return;
+        }
         for (before, now) in self.invalid.into_iter().zip(now) {
             let more = if now >= before { now.saturating_sub(before) } else { now };
             self.counters.invalid_frames = self.counters.invalid_frames.saturating_add(u32::from(more));
@@ -97,22 +102,14 @@ impl Memory {
         self.invalid = now;
     }
 
-    /// Notes whether the next tick on this segment can be a quiet one: nothing is left that it would have to undo.
-    pub(super) fn settle(&mut self, input: &Input) {
-        let is_settled = self.state == State::Running && self.is_in_step() && input.is_quiet();
-        self.settled_on = self.sight.followed().filter(|_| is_settled);
-    }
-
-    /// Whether what is put out is what the ramp says.
-    pub(super) fn is_in_step(&self) -> bool {
-        self.level.ratio() == self.control.ratio()
-    }
-
-    pub(super) fn change_to(&mut self, state: State, event: Event) {
+    /// Goes where an event leads. Never inline: most ticks change nothing.
+    #[inline(never)]
+    pub(super) fn change(&mut self, event: Event) {
         if event == Event::Arm {
             self.dial.take_reference();
             self.reserve_ratio = 0.0;
         }
+        let state = self.state.next(event);
         if state != self.state {
             self.counters.take_change(&self.state, &state);
             self.state = state;
@@ -120,6 +117,7 @@ impl Memory {
     }
 
     /// A reduction takes effect at once, whatever else holds.
+    #[inline(always)]
     pub(super) fn obey(&mut self, turn: Turn) {
         match turn {
             Turn::Kept => {}

@@ -27,7 +27,7 @@ use arcfeed_shared::job::{Job, OverrideLimits};
 use arcfeed_shared::units::{MmPerTooth, Span};
 
 use crate::active::ActiveSegment;
-use crate::controller::{self, Controller, UsualWish};
+use crate::controller::{self, Controller};
 use crate::progress::PositionFilter;
 use crate::ramp::FeedOverride;
 
@@ -37,7 +37,7 @@ use memory::Memory;
 use operator::Turn;
 use report::{Alarm, Reason, Refusal};
 use settings::{Settings, SettingsError};
-use sight::{Change, Sight};
+use sight::Change;
 use signals::{Inhibit, Request, Signals};
 use state::{Disarm, Event, Hold, State};
 
@@ -112,114 +112,18 @@ impl Supervisor {
     }
 
     /// One tick.
-    ///
-    /// Nearly always the law goes on and nothing else happens; that is told by a few comparisons and done at once. It is
-    /// what the whole of it, `take_in`, would do as well.
     #[inline(always)]
     pub fn tick(&self, memory: &mut Memory, work: Work<'_>, input: &Input) -> Output {
-        if let (Some((count, segment)), Some(settled_on)) = (work, memory.settled_on)
-            && input.is_quiet()
-            && self.settings.is_fresh(&input.position, &input.link)
-            && self.limits.is_in_time(input.measured.dt)
-        {
-            if count == settled_on {
-                return self.go_on(memory, segment, &input.measured);
-            }
-            if segment.takes_override() {
-                return self.take_up(memory, count, segment, &input.measured);
-            }
-        }
-        self.take_in(memory, work, input)
-    }
-
-    /// A tick on which nothing but the law moves the override.
-    #[inline(always)]
-    fn go_on(&self, memory: &mut Memory, segment: &ActiveSegment, measured: &controller::Input) -> Output {
-        let Some(wish) = self.controller.usual_wish(&mut memory.control, segment, measured) else {
-            return self.go_on_otherwise(memory, segment, measured);
-        };
-        self.obey_law(memory, &wish, measured.dt)
-    }
-
-    /// The first tick on the next segment, where the law had the override on the one before.
-    #[inline(never)]
-    fn take_up(
-        &self,
-        memory: &mut Memory,
-        count: u32,
-        segment: &ActiveSegment,
-        measured: &controller::Input,
-    ) -> Output {
-        memory.sight = Sight::Followed(count);
-        memory.settled_on = Some(count);
-        memory.reserve_ratio = segment.reserve_ratio();
-        if let Some(wish) = self.controller.begin_usual(&mut memory.control, segment, measured) {
-            self.limits.carry_to(&mut memory.level, memory.control.ratio());
-            return self.obey_law(memory, &wish, measured.dt);
-        }
-        let step = self.follow_law(memory, segment, measured, (true, Change::Begins));
-        if !memory.is_in_step() {
-            memory.settled_on = None;
-        }
-        self.halt_at_zero(memory);
-        self.report(memory, false, Some(&step), None)
-    }
-
-    /// Moves ramp and level, which are in step, to a wish that no bound stands in the way of.
-    #[inline(always)]
-    fn obey_law(&self, memory: &mut Memory, wish: &UsualWish, dt: Span) -> Output {
-        self.limits.slew(&mut memory.level, wish.wanted_ratio, dt);
-        memory.control.force_ratio(memory.level.ratio());
-        let feed_override = self.limits.round(&memory.level);
-        if feed_override.percent == 0 {
-            return self.halt(memory);
-        }
-        Output {
-            feed_override,
-            state: State::Running,
-            reason: Reason::Law,
-            alarm: Alarm::None,
-            refusal: None,
-            ipt_center: Some(wish.ipt_center),
-        }
-    }
-
-    #[inline(never)]
-    fn go_on_otherwise(&self, memory: &mut Memory, segment: &ActiveSegment, measured: &controller::Input) -> Output {
-        let step = self.controller.tick_otherwise(&mut memory.control, segment, measured);
-        self.limits.follow(&mut memory.level, memory.control.ratio(), measured.dt);
-        self.halt_at_zero(memory);
-        self.report(memory, false, Some(&step), None)
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn halt(&self, memory: &mut Memory) -> Output {
-        self.halt_at_zero(memory);
-        self.report(memory, false, None, None)
-    }
-
-    /// A law that wants no feed at all holds the axes.
-    #[inline(always)]
-    fn halt_at_zero(&self, memory: &mut Memory) {
-        if self.limits.round(&memory.level).percent == 0 {
-            memory.settled_on = None;
-            memory.change_to(memory.state.next(Event::Halt), Event::Halt);
-        }
-    }
-
-    /// A tick with everything that can happen.
-    #[inline(never)]
-    fn take_in(&self, memory: &mut Memory, work: Work<'_>, input: &Input) -> Output {
         let seen = self.look(memory, work, input);
         let event = self.event(memory, work, input, &seen);
         let refusal = memory.refusal(event, seen.pressed);
-        let from = memory.state;
-        memory.change_to(from.next(event), event);
+        let goes_on = matches!((memory.state, event), (State::Running, Event::Work));
+        if !goes_on {
+            memory.change(event);
+        }
         memory.obey(seen.turn);
         let step = match (memory.state, event, work) {
             (State::Running, Event::Work, Some((_, segment))) => {
-                let goes_on = from == State::Running;
                 Some(self.follow_law(memory, segment, &input.measured, (goes_on, seen.change)))
             }
             _ => {
@@ -227,14 +131,23 @@ impl Supervisor {
                 None
             }
         };
-        memory.settle(input);
-        if step.is_some() {
-            self.halt_at_zero(memory);
+        let feed_override = self.limits.round(&memory.level);
+        // A law that wants no feed at all holds the axes.
+        let halts = feed_override.percent == 0 && step.is_some();
+        if halts {
+            memory.change(Event::Halt);
         }
-        self.report(memory, input.signals.refusing().is_some(), step.as_ref(), refusal)
+        let (reason, ipt_center) = match step {
+            Some(step) if !halts => (Reason::of_law(&step, memory.level.ratio()), step.ipt_center),
+            _ => (Reason::of_state(&memory.state), None),
+        };
+        memory.counters.take(reason);
+        let alarm = Alarm::of(&memory.state, input.signals);
+        Output { feed_override, state: memory.state, reason, alarm, refusal, ipt_center }
     }
 
     /// Judges the samples, reads the dial, watches the segment, takes requests by their edge, lets time pass.
+    #[inline(always)]
     fn look(&self, memory: &mut Memory, work: Work<'_>, input: &Input) -> Seen {
         let Settings { take_over_below_percent, take_over_drop_percent, longest_tick, .. } = self.settings;
         let quality = self.settings.quality(&input.position, &input.link);
@@ -248,6 +161,7 @@ impl Supervisor {
     }
 
     /// The most important thing that happens at this tick.
+    #[inline(always)]
     fn event(&self, memory: &Memory, work: Work<'_>, input: &Input, seen: &Seen) -> Event {
         let can_arm = || seen.quality == Quality::Fresh && memory.state.can_arm(self.settings.resync);
         if let Some(fault) = input.signals.fault() {
@@ -279,6 +193,7 @@ impl Supervisor {
 
     /// The law's step, its wish scaled by the operator's share. The ramp goes on from what was put out; a tick that came
     /// late moves it no further than the longest one.
+    #[inline(always)]
     fn follow_law(
         &self,
         memory: &mut Memory,
@@ -296,36 +211,36 @@ impl Supervisor {
         if !goes_on {
             memory.settle_ramp();
         }
-        let (before_ratio, is_in_step) = (memory.control.ratio(), memory.is_in_step());
-        let step = if change.is_begin() {
-            self.controller.begin(&mut memory.control, segment, measured)
-        } else {
-            self.controller.tick(&mut memory.control, segment, measured)
-        };
+        let before_ratio = memory.control.ratio();
+        let step = self.controller.step(&mut memory.control, segment, measured, change.is_begin());
         let ratio = memory.control.ratio();
-        if change == Change::Begins && goes_on && ratio > before_ratio && before_ratio > 0.0 {
-            if is_in_step {
-                // Not by the quotient: its rounding would leave the level beside the ramp.
-                self.limits.carry_to(&mut memory.level, ratio);
-            } else {
-                self.limits.carry(&mut memory.level, ratio / before_ratio);
-            }
+        if change == Change::Begins && goes_on {
+            self.carry(memory, before_ratio);
         }
         self.limits.follow(&mut memory.level, ratio * memory.dial.share_ratio(), measured.dt);
         step
     }
 
+    /// The level keeps the feed at a block boundary where the ramp rose from `before_ratio` for it.
+    #[inline(never)]
+    fn carry(&self, memory: &mut Memory, before_ratio: f32) {
+        let ratio = memory.control.ratio();
+        if ratio > before_ratio && before_ratio > 0.0 {
+            self.limits.carry(&mut memory.level, ratio / before_ratio);
+        }
+    }
+
     /// Moves the level where no law does, and keeps the way along the segment up to date.
+    #[inline(always)]
     fn keep_off(&self, memory: &mut Memory, work: Work<'_>, input: &Input, seen: &Seen) {
         if seen.change != Change::Same && !memory.hands_over_to_dial() {
             memory.level.fall_to(1.0);
         }
         self.move_level(memory, input.measured.dt);
         if let Some((_, segment)) = work.filter(|_| memory.sight.is_followed()) {
-            if seen.change.is_begin() {
-                self.controller.begin(&mut memory.control, segment, &input.measured);
-            } else if seen.quality == Quality::Fresh {
-                self.controller.tick(&mut memory.control, segment, &input.measured);
+            let begins = seen.change.is_begin();
+            if begins || seen.quality == Quality::Fresh {
+                self.controller.follow(&mut memory.control, segment, &input.measured, begins);
             }
         }
     }
@@ -352,29 +267,4 @@ impl Supervisor {
             State::Disarmed { by: Disarm::Operator { raised: false, .. } } => level.fall_to(dial_ratio),
         }
     }
-
-    fn report(
-        &self,
-        memory: &mut Memory,
-        refusing: bool,
-        step: Option<&controller::Output>,
-        refusal: Option<Refusal>,
-    ) -> Output {
-        // A step that ended at 0 % put nothing out: the axes stand.
-        let step = step.filter(|_| memory.state == State::Running);
-        let level_ratio = memory.level.ratio();
-        let reason = step.map_or_else(|| Reason::of_state(&memory.state), |step| Reason::of_law(step, level_ratio));
-        memory.counters.take(reason);
-        Output {
-            feed_override: self.limits.round(&memory.level),
-            state: memory.state,
-            reason,
-            alarm: Alarm::of(&memory.state, refusing),
-            refusal,
-            ipt_center: step.and_then(|step| step.ipt_center),
-        }
-    }
 }
-
-#[cfg(test)]
-mod tests;

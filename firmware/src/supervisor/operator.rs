@@ -38,6 +38,7 @@ impl Default for Dial {
 
 impl Dial {
     /// Takes a reading, with the thresholds of the settings.
+    #[inline(always)]
     pub fn read(&mut self, percent: u8, below_percent: u8, drop_percent: u8) -> Turn {
         let from_percent = self.percent;
         self.percent = percent;

@@ -9,7 +9,7 @@ use crate::law::NoWish;
 use crate::ramp::Bound;
 
 use super::input::Source;
-use super::signals::{BoardFault, Condition, Inhibit};
+use super::signals::{BoardFault, Condition, Inhibit, Signals};
 use super::state::{Disarm, Hold, State};
 
 /// Why the override is what it is.
@@ -120,11 +120,10 @@ pub struct Counters {
 
 impl Reason {
     /// The reason of a law's step; `level_ratio` is what came of it.
+    #[inline(always)]
     pub fn of_law(step: &controller::Output, level_ratio: f32) -> Self {
         match step.reason {
-            controller::Reason::Law | controller::Reason::Bounded(Bound::Free | Bound::Slew | Bound::Ahead) => {
-                Reason::Law
-            }
+            controller::Reason::Law | controller::Reason::Bounded(Bound::Free | Bound::Slew) => Reason::Law,
             controller::Reason::Bounded(Bound::Floor) => {
                 Reason::Floor { chip_excess_percent: excess_percent(level_ratio, step.wanted_ratio) }
             }
@@ -156,11 +155,12 @@ impl Reason {
 }
 
 impl Alarm {
-    /// The alarm of a state; `refusing` while a condition forbids the laws.
-    pub fn of(state: &State, refusing: bool) -> Self {
+    /// The alarm of a state, which may last for as long as a condition that forbids the laws.
+    #[inline(always)]
+    pub fn of(state: &State, signals: Signals) -> Self {
         match state {
             State::Faulted { .. } | State::Fallback { .. } => Alarm::Latched,
-            State::Disarmed { by: Disarm::Condition(_) } if refusing => Alarm::Passing,
+            State::Disarmed { by: Disarm::Condition(_) } if signals.refusing().is_some() => Alarm::Passing,
             State::Idle
             | State::Armed
             | State::Running
@@ -173,6 +173,7 @@ impl Alarm {
 
 impl Counters {
     /// Counts a tick by its reason.
+    #[inline(always)]
     pub fn take(&mut self, reason: Reason) {
         let counter = match reason {
             Reason::NoWish(NoWish::NoContact) => &mut self.no_contact_ticks,
@@ -216,7 +217,7 @@ fn count(counter: &mut u32) {
 
 /// By how much `level_ratio` exceeds `wanted_ratio`, % rounded up; no excess is zero.
 fn excess_percent(level_ratio: f32, wanted_ratio: f32) -> u16 {
-    let excess_percent = (level_ratio / wanted_ratio.max(0.0) - 1.0) * PERCENT;
+    let excess_percent = (level_ratio / fmath::max(wanted_ratio, 0.0) - 1.0) * PERCENT;
     // The conversion saturates, and takes no excess for zero.
     fmath::ceil(excess_percent) as u16
 }

@@ -106,21 +106,24 @@ impl Settings {
         }
     }
 
-    /// Whether position and link are [`Quality::Fresh`] as far as their age goes.
+    /// What position and link are worth now, the worse of the two.
     #[inline(always)]
-    pub fn is_fresh(&self, position: &Freshness, link: &Freshness) -> bool {
-        position.age <= self.position.stale_after && link.age <= self.link.stale_after
+    pub fn quality(&self, position: &Freshness, link: &Freshness) -> Quality {
+        let is_fresh = position.age <= self.position.stale_after && link.age <= self.link.stale_after;
+        if is_fresh && position.invalid_in_row | link.invalid_in_row == 0 {
+            Quality::Fresh
+        } else {
+            self.quality_of_old(position, link)
+        }
     }
 
-    /// What position and link are worth now, the worse of the two.
-    pub fn quality(&self, position: &Freshness, link: &Freshness) -> Quality {
+    #[inline(never)]
+    fn quality_of_old(&self, position: &Freshness, link: &Freshness) -> Quality {
         let is_lost = |source: &Freshness, patience: &Patience| {
             source.age > patience.lost_after || source.invalid_in_row >= self.lost_after_frames
         };
         let keep = self.position.keep(position.age).min(self.link.keep(link.age));
-        if self.is_fresh(position, link) && position.invalid_in_row.max(link.invalid_in_row) == 0 {
-            Quality::Fresh
-        } else if is_lost(position, &self.position) {
+        if is_lost(position, &self.position) {
             Quality::Lost(Loss { source: Source::Position, keep })
         } else if is_lost(link, &self.link) {
             Quality::Lost(Loss { source: Source::Link, keep })

@@ -43,19 +43,17 @@ impl Change {
 
 impl Sight {
     /// Takes the count of the segment in work.
+    #[inline(always)]
     pub fn look(&mut self, in_work: Option<u32>, quality: Quality) -> Change {
         let before = *self;
         *self = match (before, in_work, quality) {
             (_, None, _) => Sight::Nothing,
             (_, Some(count), Quality::Lost(_)) | (Sight::Unknown, Some(count), _) => Sight::Unseen(count),
-            (Sight::Unseen(same), Some(count), _) if same == count => before,
-            (Sight::Followed(same), Some(count), _) if same == count => before,
+            (Sight::Unseen(same) | Sight::Followed(same), Some(count), _) if same == count => return Change::Same,
             (_, Some(count), Quality::Fresh) => Sight::Followed(count),
             (_, Some(count), Quality::Stale) => Sight::Awaited(count),
         };
-        let is_new = before.count() != self.count();
-        let begins = self.is_followed() && *self != before;
-        match (begins, is_new) {
+        match (self.is_followed(), before.count() != self.count()) {
             (true, true) => Change::Begins,
             (true, false) => Change::BeginsLate,
             (false, true) => Change::Boundary,
@@ -65,15 +63,7 @@ impl Sight {
 
     /// Whether a law may act on the segment in work.
     pub fn is_followed(self) -> bool {
-        self.followed().is_some()
-    }
-
-    /// The segment that a law may act on.
-    pub fn followed(self) -> Option<u32> {
-        match self {
-            Sight::Followed(count) => Some(count),
-            Sight::Unknown | Sight::Nothing | Sight::Unseen(_) | Sight::Awaited(_) => None,
-        }
+        matches!(self, Sight::Followed(_))
     }
 
     fn count(self) -> Option<u32> {

@@ -114,8 +114,14 @@ impl Signals {
     }
 
     /// The board's fault, if it has one; the watchdog first.
+    #[inline(always)]
     pub fn fault(self) -> Option<BoardFault> {
         let faults = [BoardFault::Watchdog, BoardFault::Parameters, BoardFault::Hardware];
+        let any = faults.map(Signals::of_fault).into_iter().fold(Signals::NONE, Signals::with);
+        // One comparison where there is none, as nearly always.
+        if !self.has(any) {
+            return None;
+        }
         faults.into_iter().find(|fault| self.has(Signals::of_fault(*fault)))
     }
 
@@ -129,6 +135,7 @@ impl Signals {
     }
 
     /// Why the override must stay at 100 % for now, if it must.
+    #[inline(always)]
     pub fn inhibiting(self) -> Option<Inhibit> {
         let causes = [
             (Self::TAPPING, Inhibit::Tapping),
@@ -136,6 +143,9 @@ impl Signals {
             (Self::FEED_FORCED, Inhibit::FeedForced),
             (Self::RAPID, Inhibit::Rapid),
         ];
+        if !self.has(Self::TAPPING.with(Self::THREADING).with(Self::FEED_FORCED).with(Self::RAPID)) {
+            return None;
+        }
         causes.into_iter().find(|(condition, _)| self.has(*condition)).map(|(_, why)| why)
     }
 }

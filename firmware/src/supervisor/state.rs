@@ -147,6 +147,7 @@ impl State {
     }
 
     /// Lets time pass: `dt` for what runs out, at most `longest_tick` of it for what must last.
+    #[inline(always)]
     pub fn elapse(&mut self, quality: Quality, dial: Dial, dt: Span, longest_tick: Span) {
         match self {
             State::Fallback { keep, fresh_for, .. } => {
@@ -169,6 +170,7 @@ impl State {
     }
 
     /// The state after an event.
+    #[inline(always)]
     pub fn next(self, event: Event) -> State {
         match self {
             State::Idle | State::Disarmed { .. } => self.next_of_disengaged(event),
@@ -189,6 +191,7 @@ impl State {
         }
     }
 
+    #[inline(always)]
     fn next_of_engaged(self, event: Event) -> State {
         match event {
             Event::Fault(fault) => State::Faulted { fault },

@@ -5,7 +5,7 @@
 //! ```text
 //! tick-LAW      ticks on which the law has a wish, the first of each block too; all ticks where it never has one
 //! rest-LAW      the others: rapids, blocks without a rule, refusals
-//! prepare-LAW   taking up a block, outside the tick; knots of a table come ready from elsewhere
+//! prepare-LAW   taking up a block, outside the tick; for the table the law that its knots are from is asked too
 //! stack-LAW     `bytes N`: stack that a tick used, below this program's own frames
 //! ```
 //!
@@ -18,7 +18,7 @@ use core::hint::black_box;
 
 use arcfeed_bench::cabinet::Cabinet;
 use arcfeed_bench::random::Random;
-use arcfeed_firmware::active::ActiveSegment;
+use arcfeed_firmware::active::{ActiveSegment, Conditions};
 use arcfeed_firmware::board::Task;
 use arcfeed_firmware::controller;
 use arcfeed_firmware::law::table::Table;
@@ -131,15 +131,16 @@ fn count(case: &Case, counter: &InstructionCounter, mut also: impl FnMut(&Block,
     for (position, new) in case.example.run() {
         if let Some((count, next)) = new {
             block = Some(next);
-            let segment = next.segment.as_ref();
             let rule = next.cut(&case.job);
-            let (cost, active) = counter.of(|| segment.map(|segment| ActiveSegment::new(segment, rule, &case.job)));
-            figures.prepare.add(cost);
-            let under = |active: ActiveSegment| match (case.other_law)(next, &case.job) {
-                Some(law) => active.with_law(law),
-                None => active,
-            };
-            board.segment = active.map(|active| (count, under(active)));
+            board.segment = next.segment.as_ref().map(|segment| {
+                let conditions = Conditions::of(segment, rule, &case.job);
+                let (cost, active) = counter.of(|| match (case.other_law)(next, &case.job) {
+                    Some(law) => ActiveSegment::with_law(segment, &law, &conditions, &case.job),
+                    None => ActiveSegment::under(segment, &conditions, &case.job),
+                });
+                figures.prepare.add(cost);
+                (count, active)
+            });
         }
         let is_missing = case.filter != PositionFilter::Exact && random.below(MISSING) == 0;
         board.input.measured.position = (!is_missing).then_some(position);
