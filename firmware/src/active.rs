@@ -38,7 +38,7 @@ pub(crate) struct SentFeed {
 /// The fastest feed of the machine on a segment, over the feed as sent; infinite where nothing limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MachineRatio {
-    pub ratio: f32,
+    pub feed_ratio: f32,
     pub by: LimitedBy,
 }
 
@@ -108,7 +108,7 @@ impl ActiveSegment {
         };
         let teeth_min_per_mm = f32::from(setup(conditions.rule, job).tool.active_teeth()) / feed.0;
         let machine = limit.map_or(MachineRatio::FREE, |limit| MachineRatio::new(&limit, feed));
-        let max_ratio = fmath::min(machine.ratio, f32::from(job.limits.max_percent) / PERCENT);
+        let max_ratio = fmath::min(machine.feed_ratio, f32::from(job.limits.max_percent) / PERCENT);
         let demand = Sent { feed, teeth_min_per_mm, spindle, max_ratio, end_percent };
         let envelope = Envelope::new(law, on, &demand, &job.limits);
         let ipt_center = MmPerTooth(1.0 / (teeth_min_per_mm * spindle.0));
@@ -122,7 +122,7 @@ impl ActiveSegment {
 
     /// The largest override with which it can begin, %: with one above it what comes first would be cut too fast.
     pub fn begin_percent(&self) -> u8 {
-        let machine = self.sent.map_or(f32::INFINITY, |sent| sent.machine.ratio);
+        let machine = self.sent.map_or(f32::INFINITY, |sent| sent.machine.feed_ratio);
         // A float beyond 255 becomes 255.
         self.envelope.begin_percent().min((machine * PERCENT) as u8)
     }
@@ -145,7 +145,7 @@ impl ActiveSegment {
     /// The feed that the machine makes of an override, its limits considered; `None` where the override does not act.
     pub fn feed_at(&self, feed_override: FeedOverride) -> Option<MmPerMin> {
         let sent = self.sent.as_ref()?;
-        let ratio = fmath::min(f32::from(feed_override.percent) / PERCENT, sent.machine.ratio);
+        let ratio = fmath::min(f32::from(feed_override.percent) / PERCENT, sent.machine.feed_ratio);
         Some(MmPerMin(sent.feed.0 * ratio))
     }
 
@@ -161,9 +161,9 @@ impl ActiveSegment {
 }
 
 impl MachineRatio {
-    pub const FREE: MachineRatio = MachineRatio { ratio: f32::INFINITY, by: LimitedBy::Ceiling };
+    pub const FREE: MachineRatio = MachineRatio { feed_ratio: f32::INFINITY, by: LimitedBy::Ceiling };
 
     fn new(limit: &FeedLimit, feed_sent: MmPerMin) -> Self {
-        MachineRatio { ratio: limit.feed.0 / feed_sent.0, by: limit.by }
+        MachineRatio { feed_ratio: limit.feed.0 / feed_sent.0, by: limit.by }
     }
 }

@@ -151,7 +151,7 @@ impl Controller {
     pub(crate) fn step(&self, state: &mut State, segment: &ActiveSegment, input: &Input, begins: bool) -> Output {
         self.move_on(&mut state.progress, segment, input, begins);
         let wanted = Wanted::at(state.progress.travelled_mm(), segment, input.spindle);
-        let ratio = fmath::min(wanted.ratio, wanted.machine.ratio);
+        let ratio = fmath::min(wanted.ratio, wanted.machine.feed_ratio);
         if begins {
             let feed_change_ratio = state.take_feed(segment.sent());
             self.ramp.enter_block(&mut state.ramp, ratio, feed_change_ratio);
