@@ -8,6 +8,8 @@ pub mod stl;
 
 pub mod flexible;
 
+mod cut_table;
+
 mod schema;
 
 mod tables;

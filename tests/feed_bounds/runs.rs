@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::fmt;
 
-use arcfeed::adapt::{Known, PlannedBlock, adapt_with};
+use arcfeed::adapt::{Adapted, Known, PlannedBlock, adapt_with};
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::commands::simulate::foreseen;
 use arcfeed::job::JobFile;
@@ -89,14 +89,7 @@ pub fn run(name: &str, job: &RandomJob, story: &Story) -> Result<Option<Figures>
         return Ok(None);
     }
     let adapted = adapt_with(&program, &file.job, Known::of(&file));
-    let is_governed = |block: &&PlannedBlock| block.rule.is_some() && block.wish.is_some();
-    let governed: HashSet<usize> = adapted
-        .blocks
-        .iter()
-        .filter(is_governed)
-        .filter_map(|block| block.segment.sequence)
-        .map(|sequence| sequence as usize)
-        .collect();
+    let governed = governed(&adapted);
     let settings = control_settings(&file);
     let switches = Switches { block_delete: u16::from(job.is_deleting), ..settings.switches };
     let rig =
@@ -142,6 +135,13 @@ pub fn run(name: &str, job: &RandomJob, story: &Story) -> Result<Option<Figures>
         None if !rig.is_done() && moved_ms + STANDSTILL_MS < RUN_MAX_MS => Err("it stands still".into()),
         None => Ok(Some(figures)),
     }
+}
+
+/// N of each block that the plan governs.
+fn governed(adapted: &Adapted) -> HashSet<usize> {
+    let is_governed = |block: &&PlannedBlock| block.rule.is_some() && block.wish.is_some();
+    let sequences = adapted.blocks.iter().filter(is_governed).filter_map(|block| block.segment.sequence);
+    sequences.map(|sequence| sequence as usize).collect()
 }
 
 /// Where a feed move is.

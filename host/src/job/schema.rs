@@ -8,6 +8,7 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use toml::Spanned;
 
+pub use super::cut_table::{CutTable, DirectionWord, MovesWord, RotationWord, SideWord, StockTable};
 pub use super::cutting::CuttingTable;
 pub use super::flexible::FlexibleTable;
 pub use super::quantity::Quantity;
@@ -185,67 +186,6 @@ impl Default for OverrideTable {
             pieces_max: None,
         }
     }
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CutTable {
-    pub rotation: Option<RotationWord>,
-    pub moves: Option<MovesWord>,
-    pub direction: Option<DirectionWord>,
-    pub side: Spanned<SideWord>,
-    pub stock: Option<Spanned<StockTable>>,
-    pub radial_depth: Option<Spanned<Quantity>>,
-    pub feed_per_tooth: Option<Spanned<Quantity>>,
-    pub table: Option<Spanned<Vec<Spanned<[Quantity; 2]>>>>,
-    pub n: Option<Spanned<[i64; 2]>>,
-    pub z: Option<Spanned<[Quantity; 2]>>,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum RotationWord {
-    Interior,
-    Exterior,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum MovesWord {
-    Arcs,
-    Lines,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum DirectionWord {
-    Cw,
-    Ccw,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum SideWord {
-    Outer,
-    Inner,
-    Inside,
-    Outside,
-    Slot,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct StockTable {
-    pub normal_deg: Option<f64>,
-    pub offset: Option<Quantity>,
-    pub from: Option<[Quantity; 2]>,
-    pub to: Option<[Quantity; 2]>,
-    pub rise: Option<f64>,
-    pub lines: Option<Vec<(f64, Quantity, f64)>>,
-    pub polygon: Option<Vec<[Quantity; 2]>>,
-    pub disc: Option<[Quantity; 3]>,
-    pub engaged: Option<Spanned<Vec<Spanned<Vec<Quantity>>>>>,
-    pub map: Option<Spanned<String>>,
 }
 
 #[derive(Debug, Deserialize)]

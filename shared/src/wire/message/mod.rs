@@ -16,6 +16,8 @@ pub mod table;
 
 pub mod moves;
 
+mod tools;
+
 pub mod parameters;
 
 pub mod sound;

@@ -4,19 +4,20 @@ use heapless::Vec;
 
 use crate::cut::{CutRule, Moves, Rotation, Side, Work};
 use crate::engaged::{EngagedError, EngagedTable};
-use crate::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, SpeedSource, ToolAxis, ToolSetup, Tools};
+use crate::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use crate::knots::{KnotRange, Knots};
 use crate::machine::{self, MachineLimits};
 use crate::nc::modal::Turn;
 use crate::stock::{Stock, StockLine};
-use crate::tool::{CupMill, Edge, EndMill, Tool};
+use crate::tool::{Edge, EndMill, Tool};
 use crate::units::{DegPerMin, LengthUnit, Mm, MmPerMin, MmPerTooth, Nm, RevPerMin};
 
-use super::codes::{AxisCode, LawCode, MovesCode, PolicyCode, RefusalCode, StockCode, ToolCode, UnitCode, WorkCode};
+use super::codes::{MovesCode, PolicyCode, RefusalCode, StockCode, UnitCode, WorkCode};
 use super::moves::decode_arcs;
 use super::parameters::SetSum;
 use super::sound;
 use super::table::{self, Message};
+use super::tools;
 
 /// What a whole set has beside its tools: basics, limits and ceiling.
 const NEEDED: u8 = 0b00111;
@@ -162,27 +163,7 @@ impl Staging {
     }
 
     fn tool(&mut self, tool: &table::Tool) -> Result<(), RefusalCode> {
-        let table::Tool { outer_radius, inner_radius, teeth, .. } = *tool;
-        let setup = ToolSetup {
-            tool: match tool.shape {
-                ToolCode::CupMill => Tool::CupMill(CupMill {
-                    outer_radius: Nm(outer_radius),
-                    inner_radius: Nm(inner_radius),
-                    active_teeth: teeth,
-                }),
-                ToolCode::EndMill => Tool::EndMill(EndMill { radius: Nm(outer_radius), teeth }),
-            },
-            number: tool.number.map(i64::from),
-            axis: match tool.axis {
-                AxisCode::X => ToolAxis::X,
-                AxisCode::Y => ToolAxis::Y,
-                AxisCode::Z => ToolAxis::Z,
-            },
-            spindle: RevPerMin(tool.spindle.value()),
-            speed_source: if tool.operator_speed { SpeedSource::Operator } else { SpeedSource::Program },
-            law: LawKind::Programmed,
-            feed_per_tooth: MmPerTooth(tool.feed_per_tooth.value()),
-        };
+        let setup = tools::setup(tool);
         if self.tools == 0 {
             self.job.tools = Tools::one(setup);
         } else {
@@ -197,14 +178,7 @@ impl Staging {
         if !core::mem::take(&mut self.awaits_law) {
             return Err(RefusalCode::Incomplete);
         }
-        self.job.tools.last_mut().law = match law.law {
-            LawCode::Circumference => LawKind::Circumference,
-            LawCode::EngagedArc => LawKind::EngagedArc { both_edges: law.option },
-            LawCode::Contour => LawKind::Contour { inside_only: law.option, floor_ratio: law.floor.value() },
-            LawCode::Engagement => LawKind::Engagement,
-            LawCode::Table => LawKind::Table,
-            LawCode::Programmed => LawKind::Programmed,
-        };
+        self.job.tools.last_mut().law = tools::law(law);
         Ok(())
     }
 
