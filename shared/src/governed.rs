@@ -6,6 +6,7 @@
 //! ```text
 //! plunge, ramp, helix:  |path along the axis| > sin(1 degree) * path       (1)
 //! roll-in:              an arc whose plane contains the tool's axis
+//! rotary:               A, B or C turns with it, and F counts degrees
 //! other tool:           T and M6 have loaded one that the job doesn't have, or an unknown one
 //! spindle:              off, at S0, or at a speed that neither the program nor the job states
 //! ```
@@ -54,6 +55,8 @@ pub struct Governing<'r> {
 pub enum Exclusion {
     /// It runs along the tool's axis, or turns about a line across it.
     Axial,
+    /// A rotary axis turns with it: its F is no feed along the path.
+    Rotary,
     /// The program has loaded another tool than the job's.
     Tool,
     /// The spindle is off, or its speed is stated nowhere.
@@ -77,6 +80,7 @@ impl Job {
         let setup = self.tool_of(rule);
         let is_described = setup.law == LawKind::Table || is_across(segment, setup.axis);
         match setup.speed(machining.spindle) {
+            _ if segment.start.rotary != segment.end.rotary => Match::Excluded { index, why: Exclusion::Rotary },
             _ if !is_described => Match::Excluded { index, why: Exclusion::Axial },
             _ if self.tool_in(machining.tool).is_none() => Match::Excluded { index, why: Exclusion::Tool },
             None => Match::Excluded { index, why: Exclusion::Spindle },

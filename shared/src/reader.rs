@@ -74,6 +74,11 @@ impl Reader {
         self.settings.delete_switches = switches;
     }
 
+    /// Turns each block-delete switch the other way.
+    pub fn flip_delete_switches(&mut self) {
+        self.settings.delete_switches = !self.settings.delete_switches;
+    }
+
     /// Sets the offsets, as a macro statement does; the axes stay where they are.
     pub fn set_tables(&mut self, tables: &Tables) {
         self.tables = *tables;

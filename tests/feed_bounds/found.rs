@@ -3,7 +3,6 @@
 use arcfeed::adapt::{Adapted, adapt};
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
-use arcfeed_shared::nc::block::Reading;
 use arcfeed_tests::{Scratch, run, shared_or_skip};
 
 const MILL: &str = "units = \"mm\"\nprogram = \"program.nc\"\n[tool]\nkind = \"end-mill\"\ndiameter = 10\nteeth = 4\nnumber = 1\n\
@@ -14,9 +13,10 @@ fn adapted(name: &str, mode: &str, law: &str, rules: &str, program: &str) -> (St
     let scratch = Scratch::new(&format!("found-{name}"));
     let text = format!("%\nG21G17G90G94\nT1M6\n{program}M30\n%\n");
     scratch.write("program.nc", &text);
+    scratch.write("on.toml", "delete = [1]\n");
     let job = format!("{MILL}[law]\nkind = \"{law}\"\nfeed_per_tooth = 0.05\n[override]\nmode = \"{mode}\"\n{rules}");
     let file = JobFile::load(scratch.write("job.toml", job).as_ref()).unwrap_or_else(|error| panic!("{error:?}"));
-    let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("a program");
+    let program = Program::parse_with(&file.program, text.as_bytes(), file.nc, file.tables);
     assert!(!program.has_errors(), "{:?}", program.diagnostics);
     let adapted = adapt(&program, &file.job);
     (text, adapted)
@@ -95,12 +95,37 @@ fn no_other_tool_and_no_unknown_speed_is_governed() {
 #[test]
 fn a_deleted_f_leaves_no_governed_feed_behind() {
     let program = "S8000M3\nG0X0.Y0.Z-1.\nG1X30.F900.\nG1Z-2./F300.\nG1X0.F700.\nG1Z5.\n";
-    let (_, adapted) = adapted("deleted", "safe-base", "engagement", &rule("\"lines\"", "inside"), program);
-    let text = String::from_utf8_lossy(&adapted.text).into_owned();
-    // The plunge behind the first cut must have an F that both states of the switch read, or the cut keeps its own.
-    let first = text.lines().find(|line| line.starts_with("G1X30.")).expect("the cut");
-    assert!(first == "G1X30.F900." || text.contains("G1Z-2.F900./F300."), "{text}");
-    assert!(text.contains("G1Z5.F700."), "{text}");
+    assert_kept("deleted", "engagement", &rule("\"lines\"", "inside"), program);
+}
+
+/// Each of them runs a block at another feed, in another unit or in another mode where a switch stands the other way.
+#[test]
+fn no_governed_feed_is_in_force_where_a_switch_decides() {
+    let begin = "S8000M3\nG0X0.Y0.Z-1.\nG1X10.F300.\n";
+    for (name, rest) in [
+        ("plunge", "/Z-4.\nX40.F300.\n"),
+        ("unit", "/G20\nZ-1.2\nG21X20.F300.\n"),
+        ("revolution", "/G95F.1\nZ-4.\nG94X20.F300.\n"),
+        ("motion", "G0Z5.\n/G1\nZ-4.\nX20.F300.\n"),
+        ("two-switches", "/2Y18.\n/Z-5.\nX40.F300.\n"),
+    ] {
+        for settings in ["", "[control]\nsettings = \"on.toml\"\n"] {
+            let rules = rule("\"lines\"", "inside") + settings;
+            let (text, adapted) =
+                adapted(&format!("switch-{name}"), "safe-base", "engagement", &rules, &format!("{begin}{rest}"));
+            assert_eq!(String::from_utf8_lossy(&adapted.text), text, "{name} {settings}");
+        }
+    }
+    // A coolant that a switch keeps off decides on no feed.
+    let (_, adapted) =
+        adapted("coolant", "safe-base", "engagement", &rule("\"lines\"", "inside"), &format!("{begin}/M8\nX20.\n"));
+    assert_eq!(sent(&adapted), [600.0; 2]);
+}
+
+#[test]
+fn a_move_that_turns_a_rotary_axis_keeps_its_feed() {
+    let program = "S8000M3\nG0X0.Y0.Z-1.A0.\nG1A90.F300.\nX10.A100.\nG91C5.\n";
+    assert_kept("rotary", "engagement", &rule("\"lines\"", "inside"), program);
 }
 
 #[test]

@@ -45,7 +45,7 @@ fn each_block_of_a_program_is_governed_as_by_a_job_for_its_tool_alone() {
             let Some(of) = block.segment.sequence.and_then(of_move) else { continue };
             let expected = of.tool.and_then(|place| alone[place].get(&block.line));
             // Whether an F would leak into another block depends on that block's law too.
-            let is_kept = |block: &PlannedBlock| block.reason == PlanReason::BlockDelete;
+            let is_kept = |block: &PlannedBlock| matches!(block.reason, PlanReason::BlockDelete | PlanReason::FeedLeak);
             if is_kept(block) || expected.is_some_and(is_kept) {
                 continue;
             }

@@ -184,7 +184,7 @@ impl<'q> Clerk<'q> {
 
     /// The job in force.
     pub fn job(&self) -> Option<&Job> {
-        self.papers.job.as_ref()
+        self.papers.job()
     }
 
     /// Begins a new run: segments that are not done are forgotten.
@@ -264,7 +264,6 @@ impl<'q> Clerk<'q> {
             if is_busy {
                 Err(RefusalCode::Busy)
             } else if self.knobs.suit(&job.limits) {
-                self.papers.job = Some(job.clone());
                 Ok(())
             } else {
                 Err(RefusalCode::Value)
@@ -272,6 +271,7 @@ impl<'q> Clerk<'q> {
         });
         match sound {
             Ok(()) => {
+                self.papers.put_in_force();
                 self.take_effect(commit.set);
                 self.is_current = true;
                 self.answer(table::Accepted { set: commit.set }.into());
@@ -302,7 +302,7 @@ impl<'q> Clerk<'q> {
     }
 
     fn order_parameters(&mut self) {
-        let limits = self.papers.job.as_ref().map_or(OverrideLimits::default(), |job| job.limits);
+        let limits = self.papers.job().map_or(OverrideLimits::default(), |job| job.limits);
         // Bounds and settings were checked when they were taken.
         if let Ok(supervisor) = Supervisor::within(&limits, self.knobs.settings) {
             self.dispatch.order(supervisor);
@@ -352,7 +352,7 @@ impl<'q> Clerk<'q> {
         match request.what {
             RequestCode::Disarm => self.dispatch.say(Word::Disarm),
             // Those of a tapped line are the board's own.
-            RequestCode::Arm if !(self.is_current || self.is_tapped && self.papers.job.is_some()) => {
+            RequestCode::Arm if !(self.is_current || self.is_tapped && self.papers.job().is_some()) => {
                 return Err(RefusalCode::NoParameters);
             }
             RequestCode::Arm if self.told.as_ref().is_none_or(|told| told.epoch != request.epoch) => {

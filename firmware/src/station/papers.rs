@@ -5,7 +5,7 @@ use arcfeed_shared::machine::{FeedLimit, LimitedBy};
 use arcfeed_shared::units::{MmPerMin, Nm, RevPerMin};
 use arcfeed_shared::wire::message::codes::RefusalCode;
 use arcfeed_shared::wire::message::page::{self, PageError, Tapped};
-use arcfeed_shared::wire::message::staging::Staging;
+use arcfeed_shared::wire::message::staging::{Staging, empty_job};
 use arcfeed_shared::wire::message::{moves, table};
 
 use crate::active::{ActiveSegment, Conditions};
@@ -15,8 +15,9 @@ use super::arcs::Arcs;
 /// The job in force, the set on its way in, and what was told of the segment that comes next; state.
 #[derive(Debug)]
 pub struct Papers {
-    /// The job in force.
-    pub(super) job: Option<Job>,
+    /// The job in force, if there is one.
+    job: Job,
+    has_job: bool,
     /// The set on its way in.
     pub(super) staging: Staging,
     /// Along the segment that comes next, or that waits for room.
@@ -32,14 +33,25 @@ impl Default for Papers {
 impl Papers {
     /// No job, nothing on its way.
     pub const fn new() -> Self {
-        Papers { job: None, staging: Staging::new(), arcs: Arcs::None }
+        Papers { job: empty_job(), has_job: false, staging: Staging::new(), arcs: Arcs::None }
     }
 
     /// The same in place: they are too large to be made elsewhere.
     pub(super) fn clear(&mut self) {
-        self.job = None;
+        self.has_job = false;
         self.staging.forget();
         self.arcs = Arcs::None;
+    }
+
+    /// The job in force.
+    pub(super) fn job(&self) -> Option<&Job> {
+        self.has_job.then_some(&self.job)
+    }
+
+    /// Puts the job of the set that was committed last in force.
+    pub(super) fn put_in_force(&mut self) {
+        self.staging.swap_job(&mut self.job);
+        self.has_job = true;
     }
 
     /// Whether a segment, with the arcs told of it, is one of the job in force.
@@ -47,7 +59,7 @@ impl Papers {
     /// # Errors
     /// Why not.
     pub(super) fn check(&self, segment: &table::Segment) -> Result<(), RefusalCode> {
-        let job = self.job.as_ref().ok_or(RefusalCode::NoParameters)?;
+        let job = self.job().ok_or(RefusalCode::NoParameters)?;
         let rule = segment.rule.map(|rule| job.rules.get(usize::from(rule)).ok_or(RefusalCode::Value)).transpose()?;
         moves::decode(segment).map_err(|_| RefusalCode::Value)?;
         self.arcs.suit(rule)
@@ -55,7 +67,7 @@ impl Papers {
 
     /// A segment that was checked, under its law; `None` only for one that was not. Its arcs are used up.
     pub(super) fn prepare(&mut self, message: &table::Segment) -> Option<ActiveSegment> {
-        let job = self.job.as_ref()?;
+        let job = self.has_job.then_some(&self.job)?;
         let segment = moves::decode(message).ok()?;
         let rule = message.rule.and_then(|rule| job.rules.get(usize::from(rule)));
         let own = Conditions::of(&segment, rule, job);
@@ -79,7 +91,7 @@ impl Papers {
         if !suits(job) {
             return Err(PageError::Set(RefusalCode::Value));
         }
-        self.job = Some(job.clone());
+        self.put_in_force();
         Ok(tapped)
     }
 }

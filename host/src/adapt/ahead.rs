@@ -27,7 +27,7 @@ pub fn set_ends(blocks: &mut [PlannedBlock], program: &Program, job: &Job) {
 
 fn may_be_skipped(program: &Program, line: usize) -> bool {
     let of = line.checked_sub(1).and_then(|index| program.lines.get(index));
-    of.and_then(|line| line.skipping.as_ref()).is_some_and(|skipping| !skipping.is_same)
+    of.and_then(|line| line.skipping.as_ref()).is_some_and(|skipping| !skipping.is_harmless)
 }
 
 /// Whether there are moves of more than one segment between two lines, counted from 1.

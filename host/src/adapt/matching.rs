@@ -27,6 +27,7 @@ pub fn match_move(
         Match::NoRule => Err(PlanReason::NoRule),
         Match::Governed(governing) => Ok((governing.index, governing.spindle)),
         Match::Excluded { why: Exclusion::Axial, .. } => Err(PlanReason::Axial),
+        Match::Excluded { why: Exclusion::Rotary, .. } => Err(PlanReason::Rotary),
         Match::Excluded { why: Exclusion::Tool, .. } => Err(PlanReason::OtherTool),
         Match::Excluded { why: Exclusion::Spindle, .. } => Err(PlanReason::Spindle),
     }

@@ -25,6 +25,10 @@ pub enum PlanReason {
     Spindle,
     /// A cut rule matches it, but its move or its feed depends on the block-delete switches.
     BlockDelete,
+    /// A cut rule matches it, but its F would stay in force for a block that must have another one.
+    FeedLeak,
+    /// A cut rule matches it, but a rotary axis turns with it.
+    Rotary,
     /// A cut rule matches it, but no block before it has stated where the tool is.
     StartUnknown,
     /// A cut rule speaks of it, but the law has no wish anywhere on it.
@@ -54,6 +58,8 @@ impl PlanReason {
             PlanReason::OtherTool => "other-tool",
             PlanReason::Spindle => "spindle",
             PlanReason::BlockDelete => "block-delete",
+            PlanReason::FeedLeak => "feed-leak",
+            PlanReason::Rotary => "rotary",
             PlanReason::StartUnknown => "start-unknown",
             PlanReason::NoWish => "no-wish",
             PlanReason::NoRule => "no-rule",
@@ -67,11 +73,15 @@ impl PlanReason {
     pub const fn keeps_feed(self) -> Option<&'static str> {
         match self {
             PlanReason::Axial => Some("it moves along the tool's axis, and the law describes motion across it"),
-            PlanReason::OtherTool => Some("the tool in the spindle is not the job's; see `number` of [tool]"),
+            PlanReason::OtherTool => Some("the job has no tool with the number of the one in the spindle"),
             PlanReason::Spindle => Some(
-                "the program has not turned the spindle on at a speed; where the operator does, say set_by = \"operator\" in [spindle]",
+                "the program has not turned the spindle on at a speed (M6 and M5 stop it); where the operator does, say set_by = \"operator\" in [spindle]",
             ),
-            PlanReason::BlockDelete => Some("its move or its feed depends on the block-delete switches"),
+            PlanReason::BlockDelete => Some("a block-delete switch decides on it, or on a block (/) before it"),
+            PlanReason::FeedLeak => {
+                Some("its F would stay in force for a block behind it that has none of its own and must have another")
+            }
+            PlanReason::Rotary => Some("a rotary axis turns with it, and F is no feed along its path then"),
             PlanReason::StartUnknown => Some("no block before it states X and Y: where it starts is unknown"),
             _ => None,
         }

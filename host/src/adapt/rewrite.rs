@@ -2,7 +2,6 @@
 //!
 //! F is modal. A rewritten F would leak into the blocks behind it, so each of them gets its own programmed F back.
 
-use arcfeed_shared::nc::block::Block;
 use arcfeed_shared::nc::modal::Feed;
 use arcfeed_shared::nc::word::Word;
 use arcfeed_shared::reader::Understood;
@@ -52,24 +51,25 @@ pub fn apply(text: &[u8], edits: &[Edit]) -> Vec<u8> {
     changed
 }
 
-/// The F that the control has after what was written so far, with the block-delete switches off and on.
+/// The F that the control has after what was written so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FeedRewriter {
-    switches: [ModalFeed; 2],
+    in_force: ModalFeed,
 }
 
-/// The F in force in one state of the switches.
+/// An F in force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct ModalFeed {
+    /// `None`: the program's own, whatever it is.
     feed: Option<Nm>,
     /// Whether a law has set it.
     is_governed: bool,
 }
 
-/// What a line asks of the F in force in one state of the switches.
+/// What a line asks of the F in force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Required {
-    /// Nothing: it is skipped, or does not cut.
+    /// Nothing: it does not cut.
     Nothing,
     /// This feed.
     Feed(Nm),
@@ -101,90 +101,69 @@ impl Required {
     }
 }
 
-/// A governed F would stay in force for a line that must have another one, and no F word in it serves both states of the
-/// block-delete switches.
+/// A governed F would stay in force for a line that must have another one, or for one that a block-delete switch may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Leak;
 
-/// Whether a governed feed can leak into a line at all: only where the block-delete switches make another program of it, or
-/// where the program has stated no feed.
+/// Whether a governed feed can leak into a line at all: only where a block-delete switch may change it, or where the program
+/// has stated no feed.
 pub fn may_leak(line: &ProgramLine) -> bool {
     line.skipping.is_some() || line.meaning.as_ref().is_some_and(Understood::lacks_feed)
 }
 
 impl FeedRewriter {
-    /// What makes the line be sent with `governed` as its feed, or with its own.
+    /// What makes the line be sent with `governed` as its feed, or with its own. Lines that a block-delete switch may change stay
+    /// as they are, and find the program's own F in force.
     ///
     /// # Errors
     /// A feed that a law has set before would leak into this line. Nothing has changed then.
     pub fn edit(&mut self, line: &ProgramLine, governed: Option<Nm>, modes: Modes) -> Result<Option<Edit>, Leak> {
         let Some(meaning) = &line.meaning else { return Ok(None) };
+        match line.skipping {
+            Some(skipping) if skipping.is_harmless => return Ok(None),
+            Some(_) if self.in_force.is_governed => return Err(Leak),
+            Some(_) => {
+                self.in_force = ModalFeed::default();
+                return Ok(None);
+            }
+            None => {}
+        }
         let block = &meaning.parsed.block;
         let word = block.word(b'F');
         let cutting_feed = meaning.step.cutting_feed();
-        let own = [cutting_feed, line.skipping.map_or(cutting_feed, |other| other.cutting_feed)];
-        let is_read = [true, line.skipping.is_none_or(|other| other.is_read)];
-        let has_word = [word.is_some(), line.skipping.map_or(word.is_some(), |other| other.has_feed)];
-        if !modes.per_minute || own.iter().any(|own| matches!(own, Some(Feed::InverseTime(_)))) {
+        if !modes.per_minute || matches!(cutting_feed, Some(Feed::InverseTime(_))) {
             // Under G93 F is a time, under G95 a path; what a control makes of it under G94 is its own affair.
-            self.switches = [ModalFeed::default(); 2];
+            self.in_force = ModalFeed::default();
             return Ok(None);
         }
-        let required = [0, 1].map(|state| match own[state] {
-            _ if !is_read[state] => Required::Nothing,
+        let required = match cutting_feed {
             None => Required::Nothing,
             Some(Feed::PerMinute(own)) => Required::of(governed, Some(own)),
             Some(_) => Required::of(governed, None),
-        });
+        };
         let written = word.map(|word| Nm(word.number.scaled(modes.unit.nm())));
-        let edit = match (word, required[0]) {
+        let edit = match (word, required) {
             (Some(word), Required::Feed(feed)) if written != Some(feed) => {
                 Some((feed, Edit::replacing(word, feed_word(feed, modes.unit))))
             }
             (Some(_), _) => None,
-            (None, _) => self
-                .missing(required)?
-                .map(|new| (new, Edit { at: end_of_read_words(block), len: 0, new: feed_word(new, modes.unit) })),
+            (None, required) if self.in_force.serves(required) => None,
+            (None, required) => {
+                let new = required.feed().ok_or(Leak)?;
+                Some((new, Edit { at: block.code_len, len: 0, new: feed_word(new, modes.unit) }))
+            }
         };
-        for state in 0..2 {
-            let is_set = has_word[state] || (edit.is_some() && is_read[state]);
-            if !is_set && !self.switches[state].serves(required[state]) {
-                return Err(Leak);
-            }
-        }
-        let in_force = edit.as_ref().map(|(feed, _)| *feed).or(written);
-        for state in 0..2 {
-            if has_word[state] || (edit.is_some() && is_read[state]) {
-                self.switches[state] = ModalFeed { feed: in_force, is_governed: governed.is_some() };
-            }
+        if let Some(feed) = edit.as_ref().map(|(feed, _)| *feed).or(written) {
+            self.in_force = ModalFeed { feed: Some(feed), is_governed: governed.is_some() };
         }
         Ok(edit.map(|(_, edit)| edit))
     }
 
-    /// The F that a line without one must get, if the one in force is not right in both states of the switches.
-    fn missing(&self, required: [Required; 2]) -> Result<Option<Nm>, Leak> {
-        if self.switches[0].serves(required[0]) && self.switches[1].serves(required[1]) {
-            return Ok(None);
-        }
-        match required.map(Required::feed) {
-            [Some(off), Some(on)] if off == on => Ok(Some(off)),
-            [Some(feed), None] if required[1] == Required::Nothing => Ok(Some(feed)),
-            [None, Some(feed)] if required[0] == Required::Nothing => Ok(Some(feed)),
-            _ => Err(Leak),
-        }
-    }
-
     /// The F of a block that is added behind the line; nothing where the control has it already.
     pub fn added(&mut self, feed: Nm, unit: LengthUnit) -> String {
-        let had = std::mem::replace(&mut self.switches, [ModalFeed { feed: Some(feed), is_governed: true }; 2]);
-        if had.iter().all(|had| had.feed == Some(feed)) { String::new() } else { feed_word(feed, unit) }
+        let had = std::mem::replace(&mut self.in_force, ModalFeed { feed: Some(feed), is_governed: true });
+        if had.feed == Some(feed) { String::new() } else { feed_word(feed, unit) }
     }
-}
-
-/// Where a word can be added that both states of the block-delete switches read: before a `/` within the block.
-fn end_of_read_words(block: &Block) -> usize {
-    let last = block.delete.and(block.delete_from.checked_sub(1)).and_then(|last| block.words.get(last));
-    last.map_or(block.code_len, |word| usize::from(word.column) - 1 + usize::from(word.len))
 }
 
 /// The largest feed an F word can express that does not exceed `feed`.
@@ -253,11 +232,17 @@ mod tests {
     }
 
     #[test]
-    fn behind_a_block_that_a_switch_may_skip_the_feed_is_said_again() {
+    fn a_governed_feed_may_not_be_in_force_where_a_switch_may_skip_a_move_or_a_feed() {
+        let leaks = |program: &str| std::panic::catch_unwind(|| rewrite(program, 41.2)).is_err();
+        for skipped in ["/G1X2.", "/F9.", "/G21", "/G95", "/S9", "G1X2./F9.", "/2G1X2.\n/3G1X2."] {
+            assert!(leaks(&format!("G1X0F25.\nG2X1.I.5\n{skipped}\nX3.\n")), "{skipped}");
+        }
+        let with_own = "G1X0F25.\nG2X1.I.5F41.2\nX1.1F25.\n/G1X2.\nX3.Y0\nG2X4.I.5F41.2\n";
         assert_eq!(
-            rewrite("G1X0F25.\nG2X1.I.5\n/G1X2.\nX3.\n", 41.2),
-            "G1X0F25.\nG2X1.I.5F41.2\n/G1X2.F25.\nX3.F25.\n"
+            rewrite(&with_own.replace("F41.2", "").replace("X1.1F25.", "G1X1.1"), 41.2),
+            with_own.replace("X1.1F25.", "G1X1.1F25.")
         );
+        assert_eq!(rewrite("G1X0F25.\nG2X1.I.5\n/M8\nX2.I.5\n", 41.2), "G1X0F25.\nG2X1.I.5F41.2\n/M8\nX2.I.5\n");
     }
 
     #[test]

@@ -152,9 +152,8 @@ impl<'a> Writer<'a> {
             _ if matches!(segment.feed, Feed::InverseTime(_)) => PlanReason::InverseTime,
             Err(reason) => reason,
             Ok(_) if under.is_some() => PlanReason::Special,
-            Ok(_) if self.kept.contains(number) || line.skipping.is_some_and(|other| !other.is_same) => {
-                PlanReason::BlockDelete
-            }
+            Ok(_) if line.skipping.is_some() => PlanReason::BlockDelete,
+            Ok(_) if self.kept.contains(number) => PlanReason::FeedLeak,
             Ok(_) if line.meaning.as_ref().is_some_and(|meaning| meaning.starts_unknown) => PlanReason::StartUnknown,
             Ok((index, spindle)) => {
                 block.rule = Some(index);

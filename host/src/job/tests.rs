@@ -335,8 +335,8 @@ fn several_tools_that_cannot_be_told_apart_are_refused() {
     let [before, _] = [0, 1].map(|part| TWO_TOOLS.split("[[tool]]").nth(part).expect("its tables"));
     for (text, place, message) in [
         (TWO_TOOLS.replace("number = 7\n", ""), ":18:8: ", "of several tools each needs `number`"),
-        (TWO_TOOLS.replace("number = 7", "number = 1"), ":17:10: ", "another [[tool]] has this number"),
-        (TWO_TOOLS.to_owned() + "[[cut]]\nmoves = \"lines\"\nside = \"slot\"\n", ":31:1: ", "write [[tool.cut]]"),
+        (TWO_TOOLS.replace("number = 7", "number = 1"), ":18:10: ", "another [[tool]] has this number"),
+        (TWO_TOOLS.to_owned() + "[[cut]]\nmoves = \"lines\"\nside = \"slot\"\n", ":30:1: ", "write [[tool.cut]]"),
         (TWO_TOOLS.replace("spindle = { rev_per_min = 8000 }\n", ""), ":8:8: ", "the tool has no [spindle]"),
         (
             TWO_TOOLS.replace("law = { kind = \"contour\", feed_per_tooth = 0.05 }\n", ""),

@@ -1,39 +1,40 @@
-//! The program as a control reads it whose block-delete switches are all on, beside the one whose switches are off.
+//! The program as a control reads it whose block-delete switches stand the other way, beside the one that the settings describe.
 //!
-//! Both readings are followed from the first `/` until they agree again: where they differ, a block's move, its tool, its
-//! spindle speed or the F in force depends on a switch that no program shows.
+//! Both readings are followed from a block with a `/` until they agree again: between these, a block's move, its tool, its
+//! spindle speed, its unit or the F in force may depend on a switch that no program shows. Where two switches act on one such
+//! stretch, two readings do not show all that can come of it: nothing behind it counts as the same again.
 
-use arcfeed_shared::nc::modal::{Feed, Pose};
 use arcfeed_shared::reader::{Reader, Understood};
 
 use super::ProgramLine;
 
-/// A line as a control reads it whose block-delete switches are on.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A line that a block-delete switch may change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Skipping {
-    /// Whether any of its words are left.
-    pub is_read: bool,
-    /// Whether an F word is.
-    pub has_feed: bool,
-    /// The feed of its cutting move, if it makes one.
-    pub cutting_feed: Option<Feed>,
-    /// Whether move, tool and spindle are those of the other state of the switches.
-    pub is_same: bool,
+    /// Whether the switch only decides on functions such as M8: no move, no F, and the control stands alike behind the line.
+    pub is_harmless: bool,
 }
 
 /// The second reading; none while both agree.
 #[derive(Debug, Default)]
 pub(super) struct SkippingReader {
     reader: Option<Reader>,
+    /// The switch on which the readings part.
+    switch: Option<u8>,
+    /// Another switch has followed before they agreed.
+    is_mixed: bool,
 }
 
 impl SkippingReader {
-    /// Begins where a line may have a `/`; `before` is the control before that line.
+    /// Begins where a line may have a `/`, and ends where both readings agree; `before` is the control before that line.
     pub fn fork(&mut self, text: &[u8], before: &Reader) {
+        if !self.is_mixed && self.reader.as_ref().is_some_and(|reader| reader.stands_like(before)) {
+            self.reader = None;
+        }
         if self.reader.is_none() && text.contains(&b'/') {
             let mut reader = before.clone();
-            reader.set_delete_switches(u16::MAX);
-            self.reader = Some(reader);
+            reader.flip_delete_switches();
+            (self.reader, self.switch) = (Some(reader), None);
         }
     }
 
@@ -41,31 +42,24 @@ impl SkippingReader {
     pub fn read(&mut self, text: &[u8], of: &ProgramLine, after: &Reader) -> Option<Skipping> {
         let reader = self.reader.as_mut()?;
         let understood = reader.read(text).ok();
-        let skipping = Skipping::new(understood.as_ref(), of, reader);
-        let agrees = skipping.is_same && reader.stands_like(after);
-        if agrees {
-            self.reader = None;
+        let readings = || of.meaning.iter().chain(&understood);
+        if let Some(switch) = readings().find_map(|reading| reading.parsed.block.delete) {
+            let slashes = text.iter().filter(|byte| **byte == b'/').count();
+            self.is_mixed |= slashes > 1 || self.switch.is_some_and(|other| other != switch);
+            self.switch = Some(switch);
         }
-        Some(skipping)
+        if self.switch.is_none() {
+            // A `/` in a comment, or a division.
+            self.reader = None;
+            return None;
+        }
+        let is_harmless = understood.is_some() && reader.stands_like(after) && !readings().any(moves_or_feeds);
+        Some(Skipping { is_harmless: is_harmless && !self.is_mixed })
     }
 }
 
-impl Skipping {
-    fn new(understood: Option<&Understood>, of: &ProgramLine, reader: &Reader) -> Self {
-        // Where a control stops in this state, the other one decides.
-        let understood = understood.or(of.meaning.as_ref());
-        let block = understood.map(|understood| &understood.parsed.block);
-        let origin = reader.modal().work_origin(reader.tables());
-        let segment = understood.and_then(|understood| understood.segment);
-        let segment = segment.map(|segment| segment.shifted(Pose::ORIGIN.minus(origin)));
-        let is_same = segment == of.segment()
-            && reader.modal().machining() == of.machining
-            && block.is_none_or(|block| block.delete.is_none());
-        Skipping {
-            is_read: block.is_some_and(|block| !block.is_empty()),
-            has_feed: block.is_some_and(|block| block.word(b'F').is_some()),
-            cutting_feed: understood.and_then(|understood| understood.step.cutting_feed()),
-            is_same,
-        }
-    }
+/// Whether a line moves an axis or has an F.
+fn moves_or_feeds(reading: &Understood) -> bool {
+    let step = &reading.step;
+    step.motion.is_some() || step.series.is_some() || reading.parsed.block.word(b'F').is_some()
 }

@@ -1,6 +1,7 @@
 //! Tool and spindle as the program has commanded them so far: a feed law must agree with both before it governs a move.
 //!
-//! T selects a tool, M6 puts it into the spindle and stops the spindle. M3, M4, M13 and M14 turn the spindle on; M5, M19, M2
+//! T selects a tool, M6 puts it into the spindle and stops the spindle. Another T in the block of the M6 than before it leaves open
+//! which of the two is put in. M3, M4, M13 and M14 turn the spindle on; M5, M19, M2
 //! and M30 turn it off. What a machine's ladder makes of other M codes is not modelled: they change nothing here.
 
 use super::block::Block;
@@ -49,12 +50,16 @@ pub struct MachiningState {
 impl MachiningState {
     /// Takes the T and M words of a block.
     pub(super) fn take(&mut self, block: &Block) {
+        let waiting = self.selected;
         if let Some(word) = block.word(b'T') {
             self.selected = Some(word.number.scaled(1));
         }
         let codes = || block.words.iter().filter(|word| word.letter == b'M').filter_map(|word| word.number.as_whole());
         if codes().any(|code| code == 6) {
-            self.tool = self.selected.map_or(ToolInSpindle::Unknown, ToolInSpindle::Number);
+            // With two T words since the last change it is the machine's ladder that knows which of them is meant.
+            let is_clear = waiting.is_none() || waiting == self.selected;
+            let selected = self.selected.take().filter(|_| is_clear);
+            self.tool = selected.map_or(ToolInSpindle::Unknown, ToolInSpindle::Number);
             self.is_on = Some(false);
         }
         for code in codes() {
@@ -126,6 +131,10 @@ mod tests {
             ("T3M6\nT7", ToolInSpindle::Number(3)),
             ("T3M6\nT7\nM6", ToolInSpindle::Number(7)),
             ("M6", ToolInSpindle::Unknown),
+            ("T3M6\nT7M6", ToolInSpindle::Number(7)),
+            ("T3M6\nT7\nT7M6", ToolInSpindle::Number(7)),
+            ("T3M6\nT7\nM6T3", ToolInSpindle::Unknown),
+            ("T3M6\nM6", ToolInSpindle::Unknown),
         ] {
             assert_eq!(after(lines).tool, tool, "{lines}");
         }

@@ -118,6 +118,11 @@ impl Staging {
         }
     }
 
+    /// Gives out the job of the set that was committed last, in exchange: it is too large to be handed over by value.
+    pub fn swap_job(&mut self, job: &mut Job) {
+        core::mem::swap(&mut self.job, job);
+    }
+
     fn part(&mut self, message: &Message) -> Result<(), RefusalCode> {
         match message {
             Message::StockLine(line) => return self.stock_line(line),
@@ -314,7 +319,8 @@ const fn moves(code: MovesCode) -> Moves {
     }
 }
 
-const fn empty_job() -> Job {
+/// A job that governs nothing, to begin with.
+pub const fn empty_job() -> Job {
     Job {
         unit: LengthUnit::Mm,
         tools: Tools::one(ToolSetup::new(
