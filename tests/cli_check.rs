@@ -297,7 +297,7 @@ fn the_blocks_of_another_tool_keep_their_feed() {
     assert_eq!(blocks.iter().filter(|block| block["reason"] == "other-tool").count(), 20);
     assert!(
         blocks.iter().all(|block| block["feed_min"].is_null())
-            && text_of(&output.stderr).contains("`number` of [tool]")
+            && text_of(&output.stderr).contains("the job has no tool with the number of the one in the spindle")
     );
 }
 

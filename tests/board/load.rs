@@ -33,7 +33,7 @@ const ATTEMPTS: u32 = 10;
 /// What all of a tick may take, instructions: samples, orders, supervisor, telemetry, output.
 const TICK_MAX: u32 = 1_700;
 /// Bytes of stack, of main loop and interrupts together.
-pub const STACK_MAX: u32 = 38 * 1024;
+pub const STACK_MAX: u32 = 29 * 1024;
 /// From the timer's end to the tick.
 const LATE_MAX: u32 = 40;
 

@@ -108,7 +108,7 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
             wholes.insert(block["left_whole"].to_string());
         }
     }
-    scratch.write("line.nc", "G21G90G94\nG1X10.F100.\nM30\n");
+    scratch.write("line.nc", "G21G90G94\nG1X10.F100.\nY0.\nX0.A5.\n/X30.\nM30\n");
     let line = "units = 'mm'\nprogram = 'line.nc'\ntool = { kind = 'end-mill', diameter = 10, teeth = 2 }\nlimits = { max_feed = 900 }\n\
                 spindle = { rev_per_min = 1000, set_by = 'operator' }\nlaw = { kind = 'engagement', feed_per_tooth = 0.05 }\n\
                 [[cut]]\nmoves = 'lines'\nside = 'outside'\nradial_depth = 5\n";

@@ -222,7 +222,8 @@ fn every_byte_outside_the_arcs_in_pieces_stays_and_pieces_keep_the_programs_styl
         }
     }
     println!("{in_pieces} arcs in pieces");
-    assert!(in_pieces > 300);
+    // One in six has a `/`, and stays whole.
+    assert!(in_pieces > 280);
 }
 
 #[test]

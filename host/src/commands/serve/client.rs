@@ -85,7 +85,8 @@ impl Client {
         }
         let Some(server) = &self.server else { return if self.is_over { Err(None) } else { Ok(()) } };
         match () {
-            () if self.is_over => Err(None),
+            // One that has hung up behind a short program is still to be heard.
+            () if self.is_over && !(server.has_asked() && server.waiting() > 0) => Err(None),
             () if !server.has_asked() && server.waiting() > 0 => {
                 Err(Some("no RFC 2217 client: it sends data first".into()))
             }
