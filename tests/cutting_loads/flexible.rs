@@ -132,13 +132,13 @@ fn it_chatters_where_its_first_mode_says() {
 
 #[test]
 fn a_strip_too_stiff_to_move_is_a_rigid_one() {
-    // As fast as a strip of steel and 4000 times as stiff, under forces a millionth of the usual ones; steps of 3 degrees are short enough for it.
+    // As fast as a strip of steel and 4000 times as stiff, under forces a thousand-millionth of the usual ones; steps of 3 degrees are short enough for it.
     let stiff = "young = 8.4e8\npoisson = 0.3\ndensity = 3.14e7\nmodes = 1\ndamping = 0.03\n";
     let strip = Strip {
         step_mm: 0.25,
         rev_per_min: 12_000.0,
         flexible: Some(stiff),
-        cutting: "cutting = [600e-6, 200e-6, 0]\nedge = [20e-6, 10e-6, 0]\n",
+        cutting: "cutting = [600e-9, 200e-9, 0]\nedge = [20e-9, 10e-9, 0]\n",
         ..PUSHED
     };
     let given = strip.told("stiff");
