@@ -148,7 +148,9 @@ fn a_strip_too_stiff_to_move_is_a_rigid_one() {
     for field in fields {
         let [given, rigid] = [&given, &rigid].map(|report| number(report, &format!("/loads/{field}")));
         println!("{field}: {given} {rigid}");
-        assert!((given / rigid - 1.0).abs() < 1e-9, "{field}");
+        // Marks are differences of places some 60 mm away, in f64.
+        let rounding = if field.starts_with("marks") { 1e-12 } else { 0.0 };
+        assert!((given - rigid).abs() < 1e-9 * rigid + rounding, "{field}");
     }
     assert!(rigid["loads"]["vibration"].is_null() && given["loads"]["vibration"]["unsteady"] == serde_json::json!([]));
 }
