@@ -150,6 +150,8 @@ impl<'a> Writer<'a> {
         let reason = match match_move(self.job, self.machine, line, &segment) {
             _ if segment.path == Path::Rapid => PlanReason::Rapid,
             _ if matches!(segment.feed, Feed::InverseTime(_)) => PlanReason::InverseTime,
+            // Under G43.4 rotary axes turn as a matter of course.
+            Err(PlanReason::Rotary) if under.is_some() => PlanReason::Special,
             Err(reason) => reason,
             Ok(_) if under.is_some() => PlanReason::Special,
             Ok(_) if line.skipping.is_some() => PlanReason::BlockDelete,
