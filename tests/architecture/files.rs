@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use crate::complaints::assert_none;
 use crate::manifest::{Entry, entries};
-use crate::source::{Source, names, read, root, rust_files_of};
+use crate::modules::undeclared;
+use crate::source::{Source, names, read, root, rust_files, rust_files_of};
 
 /// Lines of code a file may have, tests apart.
 const LIMIT: usize = 300;
@@ -56,6 +57,18 @@ fn every_file_of_tests_is_declared_and_every_declared_one_is_there() {
     let files = test_files();
     assert!(files.contains("architecture/main.rs"), "this file itself is not among {files:?}");
     assert_eq!(declared_tests(&read("tests/Cargo.toml")), files, "[[test]] paths in Cargo.toml, files in tests");
+}
+
+#[test]
+fn every_file_below_a_test_is_one_of_its_modules() {
+    let folders = test_files().into_iter().filter_map(|file| file.strip_suffix("/main.rs").map(str::to_owned));
+    let found: Vec<String> = folders
+        .flat_map(|folder| {
+            let root = format!("tests/{folder}");
+            undeclared(&root, &rust_files(&root))
+        })
+        .collect();
+    assert_none(&found);
 }
 
 #[test]

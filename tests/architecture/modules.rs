@@ -105,12 +105,28 @@ fn complaint(here: &[String], target: &[String], declarations: &BTreeMap<Path, V
     }
 }
 
-/// What is wrong in the crate whose sources lie in `root`.
-fn check(root: &str, sources: &[Source]) -> Vec<String> {
+/// Submodules that the files of a crate declare, by the module that declares them.
+fn declarations_of(root: &str, sources: &[Source]) -> BTreeMap<Path, Vec<String>> {
     let mut declarations: BTreeMap<Path, Vec<String>> = BTreeMap::new();
     for source in sources {
         declarations.entry(module_of(source, root)).or_default().extend(declared(source.production()));
     }
+    declarations
+}
+
+/// Files below `root` that no file declares as a module: the compiler never sees them.
+pub fn undeclared(root: &str, sources: &[Source]) -> Vec<String> {
+    let declarations = declarations_of(root, sources);
+    let is_declared = |source: &&Source| {
+        let mut parent = module_of(source, root);
+        parent.pop().is_none_or(|name| declarations.get(&parent).is_some_and(|names| names.contains(&name)))
+    };
+    sources.iter().filter(|source| !is_declared(source)).map(|source| source.path.clone()).collect()
+}
+
+/// What is wrong in the crate whose sources lie in `root`.
+fn check(root: &str, sources: &[Source]) -> Vec<String> {
+    let declarations = declarations_of(root, sources);
     let mut complaints = Vec::new();
     for source in sources {
         let here = module_of(source, root);
@@ -140,6 +156,20 @@ fn the_order_is_read_from_every_crate() {
         let modules: usize = sources.iter().map(|source| declared(source.production()).len()).sum();
         assert!(modules > 1 && imports > 0, "{root}: {modules} modules, {imports} imports between them");
     }
+}
+
+#[test]
+fn a_file_that_no_module_declares_is_found() {
+    let sources = [
+        Source::new("x/main.rs", "mod a;\nmod b;"),
+        Source::new("x/a/mod.rs", "mod p;"),
+        Source::new("x/a/p.rs", ""),
+        Source::new("x/a/q.rs", ""),
+        Source::new("x/b.rs", "mod r;"),
+        Source::new("x/b/r.rs", ""),
+        Source::new("x/c.rs", ""),
+    ];
+    assert_eq!(undeclared("x", &sources), ["x/a/q.rs", "x/c.rs"]);
 }
 
 #[test]

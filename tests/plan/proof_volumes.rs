@@ -26,7 +26,7 @@ struct Row<'r> {
 }
 
 fn rows() -> Vec<Row<'static>> {
-    let lines = include_str!("../stock/mrr_checks.csv").lines().map(|line| line.trim_start_matches('"'));
+    let lines = include_str!("../machine/stock/mrr_checks.csv").lines().map(|line| line.trim_start_matches('"'));
     let cups = lines.filter(|line| line.starts_with("cup ") && line.contains("ADDED area"));
     cups.map(|line| {
         let (name, rest) = line.split_once("ADDED area").expect("an area");

@@ -26,7 +26,7 @@ pub fn python_or_skip(test: &str) -> Option<&'static str> {
 
 fn script(python: &str, name: &str, arguments: &[&str]) -> Command {
     let mut command = Command::new(python);
-    command.arg(root().join("tests/pyserial").join(name)).args(arguments).env("PYTHONDONTWRITEBYTECODE", "1");
+    command.arg(root().join("tests/line/pyserial").join(name)).args(arguments).env("PYTHONDONTWRITEBYTECODE", "1");
     command
 }
 

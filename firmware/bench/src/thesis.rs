@@ -24,7 +24,9 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A floating-point number with the functions that the equations name.
+use arcfeed_shared::fmath;
+
+/// A floating-point number.
 pub trait Real:
     Copy
     + PartialOrd
@@ -35,51 +37,89 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
+}
+
+impl Real for f32 {}
+
+impl Real for f64 {}
+
+/// Where the functions come from that the equations name.
+pub trait Maths<T> {
     /// Square root.
-    fn sqrt(self) -> Self;
+    fn sqrt(x: T) -> T;
     /// Sine of an angle in radians.
-    fn sin(self) -> Self;
+    fn sin(x: T) -> T;
     /// Cosine of an angle in radians.
-    fn cos(self) -> Self;
+    fn cos(x: T) -> T;
     /// Angle in radians of a cosine.
-    fn acos(self) -> Self;
-    /// Angle in radians from the x axis to `(x, self)`.
-    fn atan2(self, x: Self) -> Self;
+    fn acos(x: T) -> T;
+    /// Angle in radians from the x axis to `(x, y)`.
+    fn atan2(y: T, x: T) -> T;
 }
 
-impl Real for f32 {
-    fn sqrt(self) -> Self {
-        libm::sqrtf(self)
+/// All from `libm`.
+#[derive(Debug)]
+pub enum Libm {}
+
+/// What the chip has an instruction for by that, sine and cosine by a polynomial in single precision (4e-6 off within a right
+/// angle, which the equations do not leave), the rest from `libm`.
+#[derive(Debug)]
+pub enum Fpu {}
+
+impl Maths<f32> for Libm {
+    fn sqrt(x: f32) -> f32 {
+        libm::sqrtf(x)
     }
-    fn sin(self) -> Self {
-        libm::sinf(self)
+    fn sin(x: f32) -> f32 {
+        libm::sinf(x)
     }
-    fn cos(self) -> Self {
-        libm::cosf(self)
+    fn cos(x: f32) -> f32 {
+        libm::cosf(x)
     }
-    fn acos(self) -> Self {
-        libm::acosf(self)
+    fn acos(x: f32) -> f32 {
+        libm::acosf(x)
     }
-    fn atan2(self, x: Self) -> Self {
-        libm::atan2f(self, x)
+    fn atan2(y: f32, x: f32) -> f32 {
+        libm::atan2f(y, x)
     }
 }
 
-impl Real for f64 {
-    fn sqrt(self) -> Self {
-        libm::sqrt(self)
+impl Maths<f64> for Libm {
+    fn sqrt(x: f64) -> f64 {
+        libm::sqrt(x)
     }
-    fn sin(self) -> Self {
-        libm::sin(self)
+    fn sin(x: f64) -> f64 {
+        libm::sin(x)
     }
-    fn cos(self) -> Self {
-        libm::cos(self)
+    fn cos(x: f64) -> f64 {
+        libm::cos(x)
     }
-    fn acos(self) -> Self {
-        libm::acos(self)
+    fn acos(x: f64) -> f64 {
+        libm::acos(x)
     }
-    fn atan2(self, x: Self) -> Self {
-        libm::atan2(self, x)
+    fn atan2(y: f64, x: f64) -> f64 {
+        libm::atan2(y, x)
+    }
+}
+
+impl Maths<f32> for Fpu {
+    fn sqrt(x: f32) -> f32 {
+        fmath::sqrt(x)
+    }
+    fn sin(x: f32) -> f32 {
+        let square = x * x;
+        x * (1.0 + square * (-1.0 / 6.0 + square * (1.0 / 120.0 + square * (-1.0 / 5_040.0 + square / 362_880.0))))
+    }
+    fn cos(x: f32) -> f32 {
+        let square = x * x;
+        let end = square * (1.0 / 40_320.0 - square / 3_628_800.0);
+        1.0 + square * (-0.5 + square * (1.0 / 24.0 + square * (-1.0 / 720.0 + end)))
+    }
+    fn acos(x: f32) -> f32 {
+        libm::acosf(x)
+    }
+    fn atan2(y: f32, x: f32) -> f32 {
+        libm::atan2f(y, x)
     }
 }
 
@@ -108,9 +148,9 @@ pub struct Step<T> {
 }
 
 /// One turn of the source's loop, equations (8) to (29): the step, and M and N in the frame that it leads to.
-pub fn tooth<T: Real>(movement: &Movement<T>) -> (Step<T>, [[T; 2]; 2]) {
-    let (step, next) = step(movement, line(movement.limits));
-    let (cos, sin) = (step.turn.cos(), step.turn.sin());
+pub fn tooth<T: Real, M: Maths<T>>(movement: &Movement<T>) -> (Step<T>, [[T; 2]; 2]) {
+    let (step, next) = step::<T, M>(movement, line(movement.limits));
+    let (cos, sin) = (M::cos(step.turn), M::sin(step.turn));
     let map = |[x, y]: [T; 2]| {
         let (x, y) = (x - next[0], y - next[1]); // (27)
         [cos * x + sin * y, cos * y - sin * x] // (28) (29)
@@ -124,22 +164,22 @@ pub fn line<T: Real>([[x_m, y_m], [x_n, y_n]]: [[T; 2]; 2]) -> [T; 3] {
 }
 
 /// Equations (11) to (26), and O'; NaN where there is no solution.
-pub fn step<T: Real>(movement: &Movement<T>, line: [T; 3]) -> (Step<T>, [T; 2]) {
-    let (x_b, y_b) = contact(movement, line);
-    let theta = x_b.atan2(y_b);
-    let x_c = (movement.edge_radius + movement.advance * movement.feed_per_tooth) * theta.sin(); // (17)
-    let y_c = (movement.edge_radius + movement.advance * movement.feed_per_tooth) * theta.cos(); // (18)
-    let (x, y) = next_center(movement, x_c, y_c);
-    let chord = (x * x + y * y).sqrt(); // (25)
+pub fn step<T: Real, M: Maths<T>>(movement: &Movement<T>, line: [T; 3]) -> (Step<T>, [T; 2]) {
+    let (x_b, y_b) = contact::<T, M>(movement, line);
+    let theta = M::atan2(x_b, y_b);
+    let x_c = (movement.edge_radius + movement.advance * movement.feed_per_tooth) * M::sin(theta); // (17)
+    let y_c = (movement.edge_radius + movement.advance * movement.feed_per_tooth) * M::cos(theta); // (18)
+    let (x, y) = next_center::<T, M>(movement, x_c, y_c);
+    let chord = M::sqrt(x * x + y * y); // (25)
     let radius = movement.path_radius;
-    let turn = (T::from(1) - chord * chord / (T::from(2) * radius * radius)).acos(); // (26)
+    let turn = M::acos(T::from(1) - chord * chord / (T::from(2) * radius * radius)); // (26)
     (Step { chord, turn }, [x, y])
 }
 
-fn contact<T: Real>(movement: &Movement<T>, [a, b, c]: [T; 3]) -> (T, T) {
+fn contact<T: Real, M: Maths<T>>(movement: &Movement<T>, [a, b, c]: [T; 3]) -> (T, T) {
     let (x1, y1, r0) = (T::from(0), T::from(0), movement.edge_radius);
     let delta = r0 * r0 * (a * a + b * b) - (a * x1 + b * y1 + c) * (a * x1 + b * y1 + c); // (15)
-    let root = delta.sqrt();
+    let root = M::sqrt(delta);
     let x = (b * b * x1 - a * b * y1 - a * c + b * root) / (a * a + b * b); // (11)
     let y = (a * a * y1 - a * b * x1 - b * c - a * root) / (a * a + b * b); // (12)
     let x_other = (b * b * x1 - a * b * y1 - a * c - b * root) / (a * a + b * b); // (13)
@@ -150,13 +190,13 @@ fn contact<T: Real>(movement: &Movement<T>, [a, b, c]: [T; 3]) -> (T, T) {
     if admissible(x, y) && (thicker_chip || !admissible(x_other, y_other)) { (x, y) } else { (x_other, y_other) }
 }
 
-fn next_center<T: Real>(movement: &Movement<T>, x_c: T, y_c: T) -> (T, T) {
+fn next_center<T: Real, M: Maths<T>>(movement: &Movement<T>, x_c: T, y_c: T) -> (T, T) {
     let (x1, y1, r1) = (T::from(0), movement.path_radius, movement.path_radius);
     let (x2, y2, r2) = (x_c, y_c, movement.edge_radius);
     let two = T::from(2);
     let square = |v: T| v * v;
     let apart = square(x1 - x2) + square(y1 - y2);
-    let root = (-(apart - square(r1 - r2)) * (apart - square(r1 + r2))).sqrt(); // (23)
+    let root = M::sqrt(-(apart - square(r1 - r2)) * (apart - square(r1 + r2))); // (23)
     let below = two * square(x1 - x2) + two * square(y1 - y2);
     let x_terms = -(x1 - x2) * (r1 * r1 - r2 * r2 - x1 * x1 + x2 * x2) + (x1 + x2) * square(y1 - y2);
     let y_terms = -(y1 - y2) * (r1 * r1 - r2 * r2 - y1 * y1 + y2 * y2) + (y1 + y2) * square(x1 - x2);
@@ -167,6 +207,36 @@ fn next_center<T: Real>(movement: &Movement<T>, x_c: T, y_c: T) -> (T, T) {
     // The forward one with the smaller turn. (24)
     let nearer = x * x + y * y < x_other * x_other + y_other * y_other;
     if nearer { (x, y) } else { (x_other, y_other) }
+}
+
+/// The same turn of the loop as a person writes it who counts instructions: one intersection where two are printed, coordinates
+/// in place of angles, no function but the root.
+pub fn lean_tooth<T: Real, M: Maths<T>>(movement: &Movement<T>) -> (Step<T>, [[T; 2]; 2]) {
+    let Movement { limits, edge_radius: r0, path_radius: rho, advance, feed_per_tooth } = *movement;
+    let [a, b, c] = line(limits);
+    let (square, zero) = (a * a + b * b, T::from(0));
+    let root = M::sqrt(r0 * r0 * square - c * c);
+    let half = if advance * b > zero { root } else { -root };
+    // C lies behind B as seen from O. (11) to (18)
+    let scale = (r0 + advance * feed_per_tooth) / (r0 * square);
+    let (x_c, y_c) = ((b * half - a * c) * scale, (-b * c - a * half) * scale);
+    // From the rotation centre to C; O' lies on the side of that line on which O does. (19) to (24)
+    let v = y_c - rho;
+    let apart = x_c * x_c + v * v;
+    let along = (rho * rho - r0 * r0 + apart) / (apart + apart);
+    let across = M::sqrt(rho * rho / apart - along * along);
+    let across = if x_c > zero { -across } else { across };
+    let (x, y) = (along * x_c - across * v, rho + along * v + across * x_c);
+    let chord = M::sqrt(x * x + y * y); // (25)
+    let half_turn = chord / (rho + rho);
+    // Twice the arcsine of a small number. (26)
+    let turn = (half_turn + half_turn) * (T::from(1) + half_turn * half_turn / T::from(6));
+    let (cos, sin) = (T::from(1) - y / rho, x / rho);
+    let map = |[x_m, y_m]: [T; 2]| {
+        let (x_m, y_m) = (x_m - x, y_m - y); // (27)
+        [cos * x_m + sin * y_m, cos * y_m - sin * x_m] // (28) (29)
+    };
+    (Step { chord, turn }, limits.map(map))
 }
 
 #[cfg(test)]
@@ -208,7 +278,7 @@ mod tests {
         for edge in [Edge::Outer, Edge::Inner] {
             for contact_deg in [20.0, 40.0, 60.0, 80.0] {
                 let movement = movement(edge, contact_deg);
-                let (Step { chord, turn }, _) = tooth(&movement);
+                let (Step { chord, turn }, _) = tooth::<f64, Libm>(&movement);
                 let path = law(edge, &movement, contact_deg);
                 assert!((turn * movement.path_radius / path - 1.0).abs() < 1e-5, "{edge:?} {contact_deg}: {turn}");
                 assert!((chord / path - 1.0).abs() < 1e-5, "{edge:?} {contact_deg}: {chord} {path}");
@@ -217,10 +287,35 @@ mod tests {
     }
 
     #[test]
+    fn written_leanly_the_loop_is_the_same() {
+        for edge in [Edge::Outer, Edge::Inner] {
+            for contact_deg in [20.0, 40.0, 60.0, 80.0] {
+                let movement = movement(edge, contact_deg);
+                let (printed, lean) = (tooth::<f64, Libm>(&movement), lean_tooth::<f64, Libm>(&movement));
+                assert!((lean.0.chord / printed.0.chord - 1.0).abs() < 1e-9, "{edge:?} {contact_deg}");
+                assert!((lean.0.turn / printed.0.turn - 1.0).abs() < 1e-9, "{edge:?} {contact_deg}");
+                for (lean, printed) in lean.1.as_flattened().iter().zip(printed.1.as_flattened()) {
+                    assert!((lean - printed).abs() < 1e-9, "{edge:?} {contact_deg}: {lean} {printed}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sine_and_cosine_in_single_precision_hold_within_a_right_angle() {
+        for step in -100..=100 {
+            let angle = core::f64::consts::FRAC_PI_2 * f64::from(step) / 100.0;
+            let (sin, cos) = libm::sincos(angle);
+            let off = |ours: f32, truth: f64| (f64::from(ours) - truth).abs();
+            assert!(off(Fpu::sin(angle as f32), sin) < 4e-6 && off(Fpu::cos(angle as f32), cos) < 4e-6, "{angle}");
+        }
+    }
+
+    #[test]
     fn the_rotation_centre_lies_straight_ahead_of_every_frame() {
         for edge in [Edge::Outer, Edge::Inner] {
             let before = movement(edge, 50.0);
-            let (_, after) = tooth(&before);
+            let (_, after) = tooth::<f64, Libm>(&before);
             let from_center = |[x, y]: [f64; 2]| libm::hypot(x, y - before.path_radius);
             for (one, other) in before.limits.into_iter().zip(after) {
                 assert!((from_center(one) - from_center(other)).abs() < 1e-9, "{edge:?} {one:?} {other:?}");

@@ -3,7 +3,7 @@
 //! ```text
 //! target    the chip's Rust target, installed where it is missing        target.rs
 //! packages  the chip's emulator and Python's packages, where missing       packages.rs, unpack.rs
-//! tests     cargo test over the whole workspace, results added up        tally.rs
+//! tests     cargo test over the whole workspace, results added up        tally.rs, selection.rs
 //! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs
 //! boards    format, lints and images of each board's workspace           boards.rs
 //! ```
@@ -19,6 +19,8 @@ mod unpack;
 
 mod packages;
 
+mod selection;
+
 mod tally;
 
 mod firmware;
@@ -30,8 +32,11 @@ mod soak;
 use std::process::ExitCode;
 
 use command::Failure;
+use selection::Selection;
 
 const USAGE: &str = "usage: cargo xtask test    install what is missing, run every test, check the firmware's image
+       cargo xtask test quick    the tests that take a moment; nothing for the chip
+       cargo xtask test --partition N/M    part N of M of the same as `test`, for M runners side by side
        cargo xtask soak [MINUTES]    the full sets of faults for DNC sender and board link, then spoilt inputs to whatever
                                   reads, MINUTES (10) for each target
        cargo xtask help    this text";
@@ -39,18 +44,21 @@ const USAGE: &str = "usage: cargo xtask test    install what is missing, run eve
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
-        ["test"] => test(),
+        ["test", selection @ ..] => Selection::read(selection).map_or_else(unknown, |selection| test(&selection)),
         ["soak"] => ended(soak::soak(None)),
         ["soak", minutes] => ended(soak::soak(Some(minutes))),
         ["help"] => {
             println!("{USAGE}");
             ExitCode::SUCCESS
         }
-        _ => {
-            eprintln!("{USAGE}");
-            ExitCode::from(2)
-        }
+        _ => unknown(),
     }
+}
+
+/// Words that say nothing known.
+fn unknown() -> ExitCode {
+    eprintln!("{USAGE}");
+    ExitCode::from(2)
 }
 
 /// The exit code of a command of one step.
@@ -65,11 +73,11 @@ fn ended(result: Result<(), Failure>) -> ExitCode {
 }
 
 /// Runs all steps, then says what failed, what was skipped, and the sum.
-fn test() -> ExitCode {
+fn test(selection: &Selection) -> ExitCode {
     let target = target::install();
     let packages = packages::install();
-    let (tally, tests) = tally::test_workspace();
-    let chip = target.and_then(|()| firmware::check().and(boards::check()));
+    let (tally, tests) = tally::test_workspace(selection);
+    let chip = target.and_then(|()| if selection.has_chip() { firmware::check().and(boards::check()) } else { Ok(()) });
     let failures: Vec<Failure> = [packages, tests, chip].into_iter().filter_map(Result::err).collect();
     for failure in &failures {
         eprintln!("xtask: FAILED: {}", failure.what);

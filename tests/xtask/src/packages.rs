@@ -1,5 +1,5 @@
 //! Programs of the operating system that the tests run: present, or installed from Debian's packages; and what
-//! `tests/wire/decode.py` decodes with, from the Python Package Index, into the build directory.
+//! `tests/line/wire/decode.py` decodes with, from the Python Package Index, into the build directory.
 //!
 //! No package is ever removed, and a person at a terminal is asked before anything runs as root.
 
@@ -62,7 +62,7 @@ pub fn install() -> Result<(), Failure> {
     NEEDS.iter().map(install_one).fold(Ok(()), Result::and).and(install_python_packages())
 }
 
-/// Into `tools/python` of the build directory, where `tests/wire/python.rs` looks: no Python of the system is touched.
+/// Into `tools/python` of the build directory, where `tests/line/wire/python.rs` looks: no Python of the system is touched.
 fn install_python_packages() -> Result<(), Failure> {
     announce("stuffing and checksums in Python, to decode with");
     let folder = build_dir()?.join("tools/python");

@@ -5,9 +5,18 @@ use crate::command::{Failure, announce, cargo, run};
 /// Minutes for each target, unless told otherwise.
 const MINUTES: u64 = 10;
 const SECONDS_PER_MIN: u64 = 60;
+/// Tests with a full set, and what their names begin with.
+const CAMPAIGNS: [(&str, &str); 7] = [
+    ("line", "dnc::"),
+    ("line", "wire::"),
+    ("line", "station::"),
+    ("line", "serving_clients::"),
+    ("board", ""),
+    ("machine", "kinematics::"),
+    ("program", "fuzz::"),
+];
 
-/// Feeds every target of `tests/fuzz` for some minutes, and runs the full sets of `tests/dnc`, `tests/wire`, `tests/station`,
-/// `tests/board`, `tests/kinematics` and `tests/serving_clients.rs`.
+/// Runs the full sets, and feeds every target of `tests/program/fuzz` for some minutes.
 ///
 /// # Errors
 /// The minutes are no number, a target panics or hangs, or a fault on the line is passed over.
@@ -20,16 +29,8 @@ pub fn soak(minutes: Option<&str>) -> Result<(), Failure> {
     };
     announce(&format!("soak: {minutes} minutes for each target"));
     let seconds = (minutes * SECONDS_PER_MIN).to_string();
-    let soaked = |test| {
-        let mut tests =
-            cargo(&["test", "--release", "--package", "arcfeed-tests", "--test", test, "--", "--nocapture"]);
+    CAMPAIGNS.into_iter().try_for_each(|(test, filter)| {
+        let mut tests = cargo(&["test", "--workspace", "--test", test, "--", "--nocapture", filter]);
         run(tests.env("ARCFEED_SOAK_SECONDS", &seconds))
-    };
-    soaked("dnc")?;
-    soaked("wire")?;
-    soaked("station")?;
-    soaked("board")?;
-    soaked("kinematics")?;
-    soaked("serving_clients")?;
-    soaked("fuzz")
+    })
 }

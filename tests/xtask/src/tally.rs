@@ -8,9 +8,10 @@ use std::fmt;
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use crate::command::{Failure, announce, build_dir, cargo, failed, not_started};
+use crate::selection::Selection;
 
 /// Names the file to which a test appends a line for what it could not check.
 const SKIP_LOG: &str = "ARCFEED_SKIP_LOG";
@@ -60,27 +61,35 @@ impl fmt::Display for Tally {
     }
 }
 
-/// Runs all tests, documentation included, shows their output and adds it up.
-pub fn test_workspace() -> (Tally, Result<(), Failure>) {
+/// Runs the tests selected, shows their output and adds it up.
+pub fn test_workspace(selection: &Selection) -> (Tally, Result<(), Failure>) {
     announce("workspace tests");
     let mut tally = Tally::default();
-    let result = run_tests(&mut tally).and_then(|()| tally.complaint().map_or(Ok(()), |what| Err(Failure::new(what))));
+    let result = run_tests(selection, &mut tally)
+        .and_then(|()| tally.complaint().map_or(Ok(()), |what| Err(Failure::new(what))));
     (tally, result)
 }
 
-fn run_tests(tally: &mut Tally) -> Result<(), Failure> {
+fn run_tests(selection: &Selection, tally: &mut Tally) -> Result<(), Failure> {
     let log = build_dir()?.join("xtask-skipped.log");
     write_log(&log)?;
-    let mut command = cargo(&["test", "--workspace", "--no-fail-fast"]);
-    command.env(SKIP_LOG, &log).stdout(Stdio::piped());
-    let mut child = command.spawn().map_err(|error| not_started(&command, &error))?;
+    let mut results = Vec::new();
+    for arguments in selection.runs()? {
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        results.push(run_one(cargo(&arguments).env(SKIP_LOG, &log).stdout(Stdio::piped()), tally));
+    }
+    tally.skipped = read_log(&log)?;
+    results.into_iter().collect()
+}
+
+fn run_one(command: &mut Command, tally: &mut Tally) -> Result<(), Failure> {
+    let mut child = command.spawn().map_err(|error| not_started(command, &error))?;
     if let Some(stdout) = child.stdout.take() {
         show(BufReader::new(stdout), &mut std::io::stdout(), tally)
             .map_err(|error| Failure::new(format!("output of cargo test: {error}")))?;
     }
     let status = child.wait().map_err(|error| Failure::new(format!("cargo test: {error}")))?;
-    tally.skipped = read_log(&log)?;
-    if status.success() { Ok(()) } else { Err(failed(&command, status.code())) }
+    if status.success() { Ok(()) } else { Err(failed(command, status.code())) }
 }
 
 /// Passes lines on as they come, and adds them up. Tests may print bytes that are no text.

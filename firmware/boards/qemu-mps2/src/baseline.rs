@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use arcfeed_bench::thesis::{self, Movement};
+use arcfeed_bench::thesis::{self, Fpu, Libm, Movement};
 use arcfeed_shared::cut::Work;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::modal::{Pose, Turn};
@@ -13,25 +13,34 @@ use crate::clock::InstructionCounter;
 use crate::example::Block;
 use crate::figures::Costs;
 
-const NAMES: [&str; 4] = ["thesis-11-26-f32", "thesis-8-29-f32", "thesis-11-26-f64", "thesis-8-29-f64"];
+const NAMES: [&str; 6] = [
+    "thesis-11-26-f32",
+    "thesis-8-29-f32",
+    "thesis-11-26-f64",
+    "thesis-8-29-f64",
+    "thesis-8-29-f32-fpu",
+    "thesis-8-29-f32-lean",
+];
 
-/// Equations (11)-(26) and (8)-(29) of the source in f32, then in f64.
+/// Equations (11)-(26) and (8)-(29) of the source in f32, then in f64; (8)-(29) in f32 with the FPU's root, and written leanly.
 #[derive(Debug, Default)]
 pub struct Baseline {
-    costs: [Costs; 4],
+    costs: [Costs; 6],
 }
 
 impl Baseline {
     /// Counts the loop on a block, at a position of the tool; does nothing where no rule speaks of the block.
     pub fn add(&mut self, counter: &InstructionCounter, block: &Block, position: &Pose, job: &Job) {
         let Some(movement) = movement(block, position, job) else { return };
-        let [step_f32, tooth_f32, step_f64, tooth_f64] = &mut self.costs;
+        let [step_f32, tooth_f32, step_f64, tooth_f64, tooth_fpu, tooth_lean] = &mut self.costs;
         let narrow = narrow(&movement);
         let (line, narrow_line) = (thesis::line(movement.limits), thesis::line(narrow.limits));
-        step_f32.add(counter.of(|| black_box(thesis::step(black_box(&narrow), black_box(narrow_line)))).0);
-        tooth_f32.add(counter.of(|| black_box(thesis::tooth(black_box(&narrow)))).0);
-        step_f64.add(counter.of(|| black_box(thesis::step(black_box(&movement), black_box(line)))).0);
-        tooth_f64.add(counter.of(|| black_box(thesis::tooth(black_box(&movement)))).0);
+        step_f32.add(counter.of(|| black_box(thesis::step::<_, Libm>(black_box(&narrow), black_box(narrow_line)))).0);
+        tooth_f32.add(counter.of(|| black_box(thesis::tooth::<_, Libm>(black_box(&narrow)))).0);
+        step_f64.add(counter.of(|| black_box(thesis::step::<_, Libm>(black_box(&movement), black_box(line)))).0);
+        tooth_f64.add(counter.of(|| black_box(thesis::tooth::<_, Libm>(black_box(&movement)))).0);
+        tooth_fpu.add(counter.of(|| black_box(thesis::tooth::<_, Fpu>(black_box(&narrow)))).0);
+        tooth_lean.add(counter.of(|| black_box(thesis::lean_tooth::<_, Fpu>(black_box(&narrow)))).0);
     }
 
     /// Prints a line for each.

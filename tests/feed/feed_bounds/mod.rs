@@ -1,0 +1,57 @@
+//! Never above the target: random jobs and programs through the host and the simulated machine, millisecond by millisecond.
+//!
+//! The truth (`truth.rs`) is worked out of the generator's own moves and of geometry; it asks neither the law nor the parser.
+
+mod found;
+mod jobs;
+mod programs;
+mod runs;
+mod tools;
+mod truth;
+
+use fastrand::Rng;
+
+use crate::feed_bounds::jobs::{LAWS, RandomJob};
+use crate::feed_bounds::programs::Story;
+use crate::feed_bounds::runs::{Figures, run};
+
+/// Programs of each law.
+const PROGRAMS: u32 = 400;
+
+/// Runs `PROGRAMS` programs of each law, and asserts that none is cut too fast. Every `two_tools`th job has two tools.
+fn all_laws(name: &str, seed: u64, two_tools: Option<u64>, story: fn(&mut Rng, &RandomJob) -> Story) {
+    let mut total = Figures::default();
+    for law in LAWS {
+        let (mut figures, mut refused) = (Figures::default(), 0);
+        for program in 0.. {
+            if figures.programs == PROGRAMS {
+                break;
+            }
+            let mut random = Rng::with_seed(seed + 1_000 * program);
+            let job = RandomJob::sample(&mut random, law);
+            let has_two = two_tools.is_some_and(|every| program % every == 0);
+            let job = if has_two { job.with_second_tool(&mut random) } else { job };
+            let story = story(&mut random, &job);
+            let ran = run(name, &job, &story).unwrap_or_else(|excess| {
+                panic!("{law}, program {program}: {excess}\n{}\n{}", job.toml(), story.text());
+            });
+            refused += u64::from(ran.is_none());
+            figures.add(&ran.unwrap_or_default());
+        }
+        println!("{law}: {figures}; {refused} programs more stop the control in one state of its switch");
+        assert!(u64::from(PROGRAMS) > 4 * refused, "{law}: {refused} programs refused");
+        assert!(figures.governed_ms > 5_000, "{law}: hardly anything was governed: {figures}");
+        total.add(&figures);
+    }
+    println!("all: {total}");
+}
+
+#[test]
+fn no_chip_is_thicker_than_its_target_and_no_feed_above_its_bounds() {
+    all_laws("feed-bounds", 1, Some(3), Story::of_everything);
+}
+
+#[test]
+fn no_chip_is_thicker_than_its_target_where_one_block_meets_another() {
+    all_laws("feed-bounds-transitions", 2, None, Story::of_transitions);
+}

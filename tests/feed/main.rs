@@ -1,0 +1,37 @@
+//! The feed: what the laws demand, what is written or put out, and that it never exceeds what the chip may be.
+
+mod geometry;
+
+mod engage;
+
+mod engaged_arc_oracle;
+
+mod engaged_end_mill;
+
+mod feed_bounds;
+
+mod job_values;
+
+mod law_oracle;
+
+mod law_suite;
+
+mod machine_limits;
+
+mod main_job;
+
+mod pocket;
+
+mod progress_noise;
+
+mod published_factors;
+
+mod published_table;
+
+mod rewrite_only;
+
+mod shop_program;
+
+mod supervisor;
+
+mod tables;

@@ -1,0 +1,123 @@
+//! What commands print that plan, look or write, and run no control.
+
+use std::collections::BTreeSet;
+
+use arcfeed_tests::Scratch;
+use serde_json::Value;
+
+use crate::json_docs::document::{Change, Documented, changed, file_text, object, objects};
+use crate::json_docs::{CASE, CORPUS, EXAMPLE};
+
+#[test]
+fn what_plan_prints_is_documented_and_so_is_a_plan_that_is_refused() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-plan");
+    let text = file_text("examples/blisk-19/PART.toml").replace("[roughing]", "[roughing]\naxis = \"roomiest\"");
+    let planned = object(&["plan", "cup-mill", &scratch.write("free.toml", text.as_str())], 0);
+    documented.assert_fits("plan cup-mill", &planned);
+    let fixture = "[[fixture]]\nfrom = [\"70 mm\", \"-60 mm\", \"-60 mm\"]\nto = [\"140 mm\", \"60 mm\", \"-15 mm\"]\n\n[machine]";
+    let part = scratch.write("PART.toml", text.replace("[machine]", fixture));
+    let refused = object(&["plan", "cup-mill", &part], 1);
+    documented.assert_fits("plan cup-mill", &refused);
+    assert!(planned["safe"] == true && refused["safe"] == false);
+}
+
+#[test]
+fn what_init_prints_is_documented_for_every_kind_of_program() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-init");
+    let bare = scratch.write("bare.nc", "G90G94\nG0X1.Y0\nG3X0Y1.Z1.I-1.F10.\nG14\n");
+    let none = scratch.write("none.nc", "G21T2\nG1X1.F10.\n");
+    let slot = format!("{EXAMPLE}/ibr-slot.nc");
+    for (index, program) in [CORPUS, &slot, "examples/pocket/pocket.nc", &bare, &none].into_iter().enumerate() {
+        let job = scratch.path(&format!("{index}.toml"));
+        let report = object(&["init", program, "-o", &job], 0);
+        documented.assert_fits("init", &report);
+        assert_eq!(object(&["init", program, "-o", &job, "--force"], 0), report);
+        assert_eq!(objects(&["init", program, "-o", &job]), (Some(1), vec![]));
+    }
+}
+
+#[test]
+fn what_engage_prints_is_documented() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-engage");
+    scratch.write("ibr-slot.nc", file_text(&format!("{EXAMPLE}/ibr-slot.nc")));
+    let job = scratch.write("job.toml", file_text(&format!("{EXAMPLE}/job-engaged.toml")));
+    let report = object(&["engage", &job], 0);
+    documented.assert_fits("engage", &report);
+    let moves = report["moves"].as_array().expect("moves");
+    assert!(moves.iter().any(|found| found["outer_deg"].is_null()) && moves.iter().all(|found| found["n"].is_i64()));
+}
+
+const IN_MM: [Change<'static>; 4] = [
+    ("\"inch\"", "\"mm\""),
+    ("5.06205", "\"5.06205 in\""),
+    ("4.43706", "\"4.43706 in\""),
+    ("10.4502", "\"10.4502 in\""),
+];
+const BY_TABLE: [Change<'static>; 5] = [
+    ("kind = \"circumference\"", "kind = \"table\""),
+    ("n = [144, 144]", "n = [144, 144]\ntable = [[0, 0.005]]"),
+    ("n = [146, 146]", "n = [146, 146]\ntable = [[0, 0.005], [1, 0.006]]"),
+    ("n = [150, 150]", "n = [150, 150]\ntable = [[0, 0.005]]"),
+    ("n = [152, 152]", "n = [152, 152]\ntable = [[0, 0.005]]"),
+];
+const BY_ARCS: [Change<'static>; 2] = [
+    ("kind = \"circumference\"", "kind = \"engaged-arc\"\nedges = \"side\""),
+    ("normal_deg = 54.187, offset = 4.2391", "engaged = [[0, 0, 40], [1, 60, 40]]"),
+];
+
+#[test]
+fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-adapt");
+    let with_override = |lines: &str| format!("[override]\n{lines}\n\n[control]");
+    let (low, bound) = (with_override("max = 101"), with_override("mode = \"override-only\"\nmin = 60"));
+    let in_pieces = with_override("mode = \"rewrite-only\"");
+    let jobs: [(&str, &[Change<'_>], &[Change<'_>]); 20] = [
+        (CASE, &[("[control]", &in_pieces)], &[]),
+        (CASE, &[("[control]", &in_pieces)], &[("F25.", "F25.M8")]),
+        (CASE, &[("[control]", "[machine]\nmax_feed = { x = 45, y = 45 }\n\n[control]")], &[]),
+        (CASE, &[("[control]", "[control]\narc_clamp = { feed = 45, radius = 5 }")], &[]),
+        (CASE, &BY_TABLE, &[]),
+        (CASE, &BY_ARCS, &[]),
+        (EXAMPLE, &[], &[]),
+        (CASE, &[("max_feed = 100", "max_feed = 42")], &[]),
+        (CASE, &[("active_teeth = 10", "active_teeth = 10\nnumber = 5")], &[("G20G17", "T1M6\nG20G17")]),
+        (CASE, &[("\"operator\"", "\"program\"")], &[]),
+        (CASE, &[("4.2391", "44.2391")], &[]),
+        (CASE, &[("10.4502", "10.6")], &[]),
+        (CASE, &[("[control]", &low)], &[]),
+        (CASE, &[("[control]", &bound)], &[("F25.", "F100.")]),
+        (CASE, &[("\"circumference\"", "\"programmed\"")], &[("N142", ""), ("F25.", "F25")]),
+        (CASE, &IN_MM, &[]),
+        (CASE, &[], &[("F25.", "")]),
+        (CASE, &[], &[("F25.", "Z-27.7F25.")]),
+        (CASE, &[], &[("F25.", "G63F25.")]),
+        (CASE, &[("[control]", &in_pieces)], &[("F25.", "F25.\nG52X.0001")]),
+    ];
+    let (mut reasons, mut kinds, mut wholes) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
+    for (folder, job, program) in jobs {
+        let (code, blocks) = objects(&["adapt", &changed(&scratch, folder, job, program)]);
+        assert_eq!((code, blocks.is_empty()), (Some(0), false));
+        for block in &blocks {
+            documented.assert_fits("adapt", block);
+            reasons.insert(block["reason"].to_string());
+            kinds.insert(block["kind"].to_string());
+            wholes.insert(block["left_whole"].to_string());
+        }
+    }
+    scratch.write("line.nc", "G21G90G94\nG1X10.F100.\nY0.\nX0.A5.\n/X30.\nM30\n");
+    let line = "units = 'mm'\nprogram = 'line.nc'\ntool = { kind = 'end-mill', diameter = 10, teeth = 2 }\nlimits = { max_feed = 900 }\n\
+                spindle = { rev_per_min = 1000, set_by = 'operator' }\nlaw = { kind = 'engagement', feed_per_tooth = 0.05 }\n\
+                [[cut]]\nmoves = 'lines'\nside = 'outside'\nradial_depth = 5\n";
+    let (_, from_anywhere) = objects(&["adapt", &scratch.write("line.toml", line)]);
+    reasons.extend(from_anywhere.iter().map(|block| block["reason"].to_string()));
+    let schema = documented.texts.iter().find(|text| text["title"] == "adapt").expect("a schema");
+    let listed = |field: &str| -> BTreeSet<String> {
+        schema["properties"][field]["enum"].as_array().expect("a list").iter().map(Value::to_string).collect()
+    };
+    assert_eq!((reasons, kinds), (listed("reason"), listed("kind")));
+    assert!(wholes.contains("\"coordinates\"") && wholes.is_subset(&listed("left_whole")), "{wholes:?}");
+}

@@ -1,0 +1,31 @@
+//! The lines: serial and network ports, the DNC sender, the board link, the tap; files and memory of the commands.
+
+mod control_timing;
+
+mod dnc;
+
+mod json_docs;
+
+mod output_files;
+
+mod plain_build;
+
+mod program_memory;
+
+mod pyserial;
+
+mod screen;
+
+mod serving;
+
+mod serving_clients;
+
+mod station;
+
+mod streaming;
+
+mod tap;
+
+mod wire;
+
+mod with_board;

@@ -1,0 +1,209 @@
+//! Engaged arcs that come with each move: the same overrides as by tables in the rules, and what is refused.
+
+use arcfeed_firmware::station::ticker::Supply;
+use arcfeed_shared::cut::{CutRule, Work};
+use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
+use arcfeed_shared::job::{Job, LawKind};
+use arcfeed_shared::segment::Segment;
+use arcfeed_shared::stock::Stock;
+use arcfeed_shared::tool::Edge;
+use arcfeed_shared::units::Mm;
+use arcfeed_shared::wire::message::codes::RefusalCode;
+use arcfeed_shared::wire::message::fixed::Q40;
+use arcfeed_shared::wire::message::{Message, moves, parameters, table};
+use fastrand::Rng;
+
+use crate::station::recorded::ibr_slot;
+use crate::station::world::{Board, Channel, Host, World, standing};
+
+/// Tables that fit into the rules of a job.
+const TABLES: usize = 16;
+/// Longer than the arcs of the example, mm.
+const REACH_MM: f32 = 60.0;
+const ARCS: u8 = 0x26;
+const SEGMENT: u8 = 0x20;
+
+/// What a host tells.
+struct Told {
+    job: Job,
+    moves: Vec<(Segment, Option<usize>)>,
+    arcs: Vec<Option<EngagedTable>>,
+}
+
+fn interval(random: &mut Rng) -> EngagedInterval {
+    let (from, to) = (random.f64() * 60.0, random.f64() * 90.0);
+    EngagedInterval::from_degrees(from, to).expect("an arc, or nothing")
+}
+
+fn tables() -> Vec<EngagedTable> {
+    let mut random = Rng::with_seed(11);
+    let mut table = |index: usize| {
+        let knots = 1 + index % ENGAGED_KNOTS_MAX;
+        let knot = |at| EngagedKnot {
+            travelled: Mm(REACH_MM * at as f32 / knots as f32),
+            outer: interval(&mut random),
+            inner: interval(&mut random),
+        };
+        EngagedTable::new(&(0..knots).map(knot).collect::<Vec<_>>()).expect("a table")
+    };
+    (0..TABLES).map(&mut table).collect()
+}
+
+fn rule(like: &CutRule, stock: Stock) -> CutRule {
+    CutRule { work: Work::Ring(Edge::Outer, stock), ..like.clone() }
+}
+
+/// The example's moves, each governed one by one of the tables; the tables in rules, or told with the moves.
+fn told(is_along: bool) -> Told {
+    let run = ibr_slot();
+    let (tables, like) = (tables(), &run.job.rules[0]);
+    let rules = match is_along {
+        true => vec![rule(like, Stock::Along), rule(like, Stock::everywhere())],
+        false => tables.iter().map(|table| rule(like, Stock::Engaged(table.clone()))).collect(),
+    };
+    let mut job = Job { rules: rules.into_iter().collect(), ..run.job.clone() };
+    job.tools.first_mut().law = LawKind::EngagedArc { both_edges: true };
+    let mut governed = 0;
+    let (mut moves, mut arcs) = (Vec::new(), Vec::new());
+    for segment in &run.segments {
+        let index = run.rule(segment).map(|_| governed % TABLES);
+        governed += usize::from(index.is_some());
+        moves.push((*segment, index.map(|index| if is_along { 0 } else { index })));
+        arcs.push(index.filter(|_| is_along).map(|index| tables[index].clone()));
+    }
+    Told { job, moves, arcs }
+}
+
+fn world(told: &Told, latency_ms: u64, lost_per_mille: u64) -> World {
+    let channels = [1, 2].map(|seed| Channel::new(latency_ms, lost_per_mille, seed));
+    let mut world = World::new(&told.job, &told.moves, channels);
+    world.host.tell_along(&told.arcs);
+    world.arm();
+    world
+}
+
+/// Overrides of the example's positions.
+fn trace(mut world: World) -> Vec<u8> {
+    let run = ibr_slot();
+    let mut trace = Vec::new();
+    for (position, ..) in &run.ticks {
+        world.sensors = standing(*position, run.job.tools.first().spindle);
+        trace.push(world.step().feed_override.percent);
+    }
+    assert_eq!(world.host.refusals, []);
+    assert_eq!(world.board.ticker.executed() as usize, run.segments.len());
+    trace
+}
+
+#[test]
+fn arcs_told_with_each_move_give_the_overrides_of_the_same_arcs_in_rules() {
+    let in_rules = trace(world(&told(false), 0, 0));
+    let along = told(true);
+    let found = trace(world(&along, 0, 0));
+    let first = (0..found.len()).find(|at| found[*at] != in_rules[*at]);
+    assert_eq!(first, None, "the first tick with another override");
+    let mut values: Vec<u8> = found.clone();
+    values.sort_unstable();
+    values.dedup();
+    let told = along.arcs.iter().flatten().map(|table| table.knots().len());
+    println!("{} ticks, {} knots told, {} overrides", found.len(), told.sum::<usize>(), values.len());
+    assert!(values.len() > 50, "the tables govern: {values:?}");
+    assert!(trace(world(&along, 20, 50)) == in_rules, "a slow line that loses every twentieth frame");
+}
+
+#[test]
+fn a_move_that_waits_for_room_keeps_its_arcs() {
+    let mut flooded = world(&told(true), 0, 0);
+    flooded.host.say_all_moves();
+    assert!(trace(flooded) == trace(world(&told(false), 0, 0)));
+}
+
+#[test]
+fn without_arcs_a_move_of_such_a_rule_has_no_law() {
+    let along = told(true);
+    let silent = Told { arcs: vec![None; along.arcs.len()], ..along };
+    assert!(trace(world(&silent, 0, 0)).iter().all(|percent| *percent == 100));
+}
+
+/// A board with the set of these rules, and with nothing to do: 0 has its arcs told with each move, 1 has a shape.
+fn ready() -> World {
+    let mut world = World::new(&told(true).job, &[], [1, 2].map(|seed| Channel::new(0, 0, seed)));
+    world.until("the parameters", |world| world.host.is_accepted);
+    world
+}
+
+fn arcs(travelled_mm: i64, to: i16) -> Message {
+    table::SegmentArcs { travelled: Q40(travelled_mm << 40), outer: [0, to], inner: [0, 0] }.into()
+}
+
+fn segment(count: u32, rule: Option<u8>) -> Message {
+    let segment = ibr_slot().segments.iter().find(|segment| segment.arc().is_some()).expect("an arc");
+    moves::encode(segment, count, rule).expect("it can be told").into()
+}
+
+fn say(world: &mut World, messages: &[Message]) -> Vec<(u8, RefusalCode)> {
+    world.host.refusals.clear();
+    messages.iter().for_each(|message| world.host.say(*message));
+    world.run(20);
+    world.host.refusals.clone()
+}
+
+#[test]
+fn half_a_table_is_refused_and_so_is_its_move() {
+    let mut world = ready();
+    let many: Vec<Message> = (0..=16).map(|at| arcs(at, 8_100)).collect();
+    for (bad, why) in [
+        (&[arcs(1, 8_100), arcs(1, 8_100)][..], RefusalCode::Order),
+        (&[arcs(2, 8_100), arcs(1, 8_100)], RefusalCode::Order),
+        (&[arcs(0, 8_100), arcs(1, 32_401)], RefusalCode::Value),
+        (&many, RefusalCode::Full),
+    ] {
+        let both = [bad, &[arcs(99, 8_100), arcs(0, 32_401), segment(1, Some(0))]].concat();
+        // What comes behind a refused place is not looked at.
+        let expected = [(ARCS, why), (SEGMENT, RefusalCode::Incomplete)];
+        assert_eq!(say(&mut world, &both)[..], expected, "{bad:?}");
+    }
+    let sound = [&many[..16], &[segment(1, Some(0))]].concat();
+    assert_eq!(say(&mut world, &sound), [], "the move that comes next is still welcome");
+    assert_eq!(say(&mut world, &[arcs(0, 8_100), segment(2, Some(0))]), [], "a table of its own");
+}
+
+#[test]
+fn arcs_belong_to_the_next_move_only_and_to_one_whose_rule_asks_for_them() {
+    let mut world = ready();
+    for rule in [Some(1), None] {
+        assert_eq!(say(&mut world, &[arcs(0, 8_100), segment(1, rule)]), [(SEGMENT, RefusalCode::Value)]);
+    }
+    // Those of a refused move went with it: of this one they would be refused.
+    assert_eq!(say(&mut world, &[segment(1, Some(1))]), []);
+    assert_eq!(say(&mut world, &[arcs(0, 8_100), segment(9, Some(0))]), [(SEGMENT, RefusalCode::Order)]);
+    assert_eq!(say(&mut world, &[segment(2, Some(1))]), []);
+    assert_eq!(say(&mut world, &[arcs(0, 8_100), segment(3, Some(0)), segment(4, Some(1))]), [], "used up");
+}
+
+#[test]
+fn a_new_run_a_new_set_and_a_new_session_forget_arcs() {
+    let mut world = ready();
+    assert_eq!(say(&mut world, &[arcs(0, 8_100), table::Clear {}.into(), segment(5, Some(1))]), []);
+    let mut set = vec![arcs(0, 8_100)];
+    parameters::messages(&told(true).job, 9, &mut |message| set.push(message)).expect("a job");
+    set.push(segment(5, None));
+    assert_eq!(say(&mut world, &set), []);
+    assert_eq!(say(&mut world, &[arcs(0, 8_100)]), []);
+    world.host = Host::new(2, &told(true).job, &[]);
+    world.host.is_silent = true;
+    world.run(200);
+    let early = [arcs(0, 8_100), segment(1, Some(0))];
+    assert_eq!(say(&mut world, &early), [(SEGMENT, RefusalCode::NoParameters)]);
+    assert_eq!(say(&mut world, &set[1..]), []);
+}
+
+#[test]
+fn a_tapped_board_is_told_none() {
+    let mut world = ready();
+    world.host = Host::new(2, &ibr_slot().job, &[]);
+    world.host.is_silent = true;
+    world.board = Board::supplied(Supply::Tap, 2, None);
+    world.run(1_000);
+    assert_eq!(say(&mut world, &[arcs(0, 8_100)]), [(ARCS, RefusalCode::Message)]);
+}

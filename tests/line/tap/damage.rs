@@ -1,0 +1,149 @@
+//! Characters that are spoilt on their way: no law acts on a move that it is not for without being noticed.
+//!
+//! Held against an oracle that does not know the tap: the program as the tap heard it, read line by line, and the nearest of
+//! two thousand places on each of its moves.
+
+use arcfeed_firmware::tap::settings::TapSettings;
+use arcfeed_firmware::tap::status::{TapState, Why};
+use arcfeed_hil_sim::control::code::Code;
+use arcfeed_shared::units::Nm;
+use fastrand::Rng;
+
+use crate::tap::bench::{Bench, Ended, control, encoded, example, moves};
+
+/// Arcs about points on a ring, which must close; an end mill's contour with its lines, which need not.
+const JOBS: [&str; 2] = ["examples/ibr-slot/job.toml", "examples/pocket/job-contour.toml"];
+/// Runs of each kind.
+const RUNS: u64 = 40;
+/// Positions in a row that may lie off the path before the tap gives up: its setting.
+const PATIENCE: u32 = 5;
+
+/// What is done to one place of a stream.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Damage {
+    Flip,
+    Drop,
+    Repeat,
+    Swap,
+    Burst,
+    Truncate,
+}
+
+const ALL: [Damage; 6] = [Damage::Flip, Damage::Drop, Damage::Repeat, Damage::Swap, Damage::Burst, Damage::Truncate];
+
+fn spoil(frames: &mut Vec<u8>, damage: Damage, rng: &mut Rng) {
+    // Behind the label: without one there is no program.
+    let at = rng.usize(4..frames.len() - 4);
+    match damage {
+        Damage::Flip => frames[at] ^= 1 << rng.u8(..8),
+        Damage::Drop => drop(frames.remove(at)),
+        Damage::Repeat => frames.insert(at, frames[at]),
+        Damage::Swap => frames.swap(at, at + 1),
+        Damage::Burst => frames[at..at + 4].iter_mut().for_each(|frame| *frame = rng.u8(..)),
+        Damage::Truncate => frames.truncate(at),
+    }
+}
+
+/// A stream that is spoilt before the tap (true) or between the tap and the control.
+fn run(code: Code, damage: Damage, seed: u64, before: bool) -> Ended {
+    let (file, text) = example(JOBS[seed as usize / ALL.len() % JOBS.len()]);
+    let mut rng = Rng::with_seed(seed);
+    let mut spoilt = encoded(&text, code);
+    spoil(&mut spoilt, damage, &mut rng);
+    let heard = if before { spoilt.clone() } else { encoded(&text, code) };
+    let settings = TapSettings { code: Some(code), ..TapSettings::new(file.job.unit) };
+    let mut bench = Bench::new(control(&file, Some(code)), settings, &file.job, heard.clone());
+    bench.rig.decider_mut().heard = moves(&decoded(&heard, code), file.job.unit);
+    if !before {
+        let mut rest = spoilt.into_iter();
+        let last = heard.len() - 1;
+        // As many characters in as out, and at the end what is left.
+        bench.between = Box::new(
+            move |index, _| {
+                if index == last { rest.by_ref().collect() } else { rest.by_ref().take(1).collect() }
+            },
+        );
+    }
+    let ended = bench.run();
+    let alarm = bench.rig.control().alarm();
+    println!("{damage:?} {code:?} {seed} before {before}: {:?} {:?} alarm {alarm:?}", ended.state, ended.figures);
+    ended
+}
+
+fn decoded(frames: &[u8], code: Code) -> Vec<u8> {
+    use arcfeed_hil_sim::control::code::Symbol;
+    let byte = |frame: &u8| match code.decode(*frame) {
+        Ok(Symbol::Character(byte)) => Some(byte),
+        Ok(Symbol::EndOfBlock) => Some(b'\n'),
+        Ok(Symbol::Ignored) => None,
+        // What nobody can read ends the oracle's reading too.
+        Err(_) => Some(b'!'),
+    };
+    frames.iter().filter_map(byte).collect()
+}
+
+#[test]
+fn a_stream_spoilt_before_the_tap_is_for_it_what_it_is_for_the_control() {
+    for code in [Code::Iso, Code::Ascii] {
+        for seed in 0..RUNS {
+            let ended = run(code, ALL[seed as usize % ALL.len()], seed, true);
+            assert!(ended.figures.off_path_in_row <= PATIENCE, "{ended:?}");
+        }
+    }
+}
+
+#[test]
+fn a_control_that_got_something_else_is_found_out_when_its_axes_leave_the_path() {
+    let mut found_out = 0;
+    for code in [Code::Iso, Code::Ascii] {
+        for seed in 0..RUNS {
+            let ended = run(code, ALL[seed as usize % ALL.len()], seed, false);
+            assert!(ended.figures.off_path_in_row <= PATIENCE, "{ended:?}");
+            found_out += u32::from(ended.state == TapState::Lost(Why::OffPath));
+        }
+    }
+    println!("off its path in {found_out} of {} runs", 2 * RUNS);
+    assert!(found_out > 0);
+}
+
+/// The pocket, of which the control gets something else in one place, all of it sound.
+fn another(told: &str, executed: &str, off_path: Nm) -> Ended {
+    let (file, text) = example(JOBS[1]);
+    let text = String::from_utf8(text).expect("the example is text");
+    let other = text.replacen(told, executed, 1);
+    assert!(other != text && other.len() == text.len(), "{told} is in it");
+    let settings = TapSettings { code: Some(Code::Ascii), off_path, ..TapSettings::new(file.job.unit) };
+    let frames = text.clone().into_bytes();
+    let mut bench = Bench::new(control(&file, settings.code), settings, &file.job, frames);
+    bench.rig.decider_mut().heard = moves(text.as_bytes(), file.job.unit);
+    let other = other.into_bytes();
+    bench.between = Box::new(move |index, _| vec![other[index]]);
+    let ended = bench.run();
+    println!("{told:?} {executed:?}: {:?} {:?} {:?}", ended.state, ended.figures, bench.rig.control().alarm());
+    ended
+}
+
+/// Sound pieces of program that lead elsewhere.
+const ELSEWHERE: [[&str; 2]; 5] = [
+    ["N140G3", "N140G2"],
+    ["X45.Y-17.I.0J3.", "X44.Y-18.I.0J2."],
+    ["N310G2", "N310G3"],
+    ["N160G3X42.Y30.I-3.J.0", "N160G1X42.Y28.F3000.0"],
+    ["N120G1Z-5.", "N120G1Z-3."],
+];
+
+#[test]
+fn another_path_than_the_one_that_was_read_is_noticed_within_the_patience() {
+    for [told, executed] in ELSEWHERE {
+        let ended = another(told, executed, Nm(500_000));
+        assert_eq!(ended.state, TapState::Lost(Why::OffPath), "{told}");
+        assert!(ended.figures.off_path_in_row <= PATIENCE, "{ended:?}");
+    }
+}
+
+#[test]
+fn without_the_watch_a_law_would_act_where_it_has_no_business() {
+    let acts =
+        |[told, executed]: &[&str; 2]| another(told, executed, Nm(i64::MAX)).figures.off_path_in_row > 10 * PATIENCE;
+    assert!(ELSEWHERE.iter().filter(|places| acts(places)).count() >= 3);
+}

@@ -1,0 +1,23 @@
+//! `simulate` with edges in the workpiece, as a whole: chips, forces, torque and power of programs held to closed forms and root
+//! finding that nothing of the measured chips went into, and what is wrong with a `[cutting]`.
+#![cfg(unix)]
+
+mod story;
+
+mod slots;
+
+mod ends;
+
+mod arcs;
+
+mod complaints;
+
+mod vibration;
+
+mod marks;
+
+mod flexible;
+
+mod sheet;
+
+mod wall;

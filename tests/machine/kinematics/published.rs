@@ -1,0 +1,146 @@
+//! Tournier's appendix: what the post-processor of a Mikron UCP710 gave for published CL points.
+
+use arcfeed_shared::kinematics::forward::Pose;
+use arcfeed_shared::kinematics::incoherent::{Fate, RepairLimits, ToolEnd};
+use arcfeed_shared::kinematics::vector::{difference, length, scaled, sum, unit};
+use arcfeed_tests::root;
+
+use crate::kinematics::bench::{machine, travels};
+
+/// Half of the last printed digit of an angle.
+const ANGLE_DIGIT: f64 = 0.000_5;
+/// Half of the last printed digit of i, j and k.
+const COMPONENT_DIGIT: f64 = 0.000_000_5;
+/// The ball end mill of the tests.
+const BALL_MM: f64 = 5.0;
+
+struct Row {
+    strategy: u8,
+    n: u16,
+    tip: [f64; 3],
+    ijk: [f64; 3],
+    a_deg: f64,
+    c_deg: f64,
+}
+
+fn rows(strategy: u8) -> Vec<Row> {
+    let text = std::fs::read_to_string(root().join("tests/cases/tournier-ikt/pairs.csv")).expect("the case");
+    let read = |line: &str| {
+        let v: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
+        let (tip, ijk) = ([v[2], v[3], v[4]], [v[5], v[6], v[7]]);
+        Row { strategy: v[0] as u8, n: v[1] as u16, tip, ijk, a_deg: v[8], c_deg: v[9] }
+    };
+    let rows: Vec<Row> = text.lines().skip(1).map(read).filter(|row| row.strategy == strategy).collect();
+    assert_eq!(rows.len(), 5);
+    rows
+}
+
+fn poses(rows: &[Row]) -> Vec<Pose> {
+    rows.iter().map(|row| Pose { tip_mm: row.tip, axis: unit(row.ijk).expect("a direction") }).collect()
+}
+
+/// What half a digit of i and j is worth in A and in C.
+fn supported(ijk: [f64; 3]) -> [f64; 2] {
+    let radius = libm::hypot(ijk[0], ijk[1]);
+    let along = COMPONENT_DIGIT * (ijk[0].abs() + ijk[1].abs()) / radius;
+    [along.to_degrees(), (along / radius).to_degrees()]
+}
+
+#[test]
+fn every_row_is_reproduced_as_far_as_its_printed_digits_go() {
+    let mikron = machine("mikron-ucp710");
+    let (mut by_k, mut not_by_ij) = (0, Vec::new());
+    for strategy in [1, 2] {
+        let rows = rows(strategy);
+        let course = mikron.course(&poses(&rows), None).expect("all within reach");
+        for (row, [c_deg, a_deg]) in rows.iter().zip(&course) {
+            let [a_digit, c_digit] = supported(row.ijk);
+            let is_pole = row.ijk[2] == 1.0;
+            // The paper's post-processor took A from k; near 1 a digit of k is worth dk / sin A.
+            let of_k = libm::acos(row.ijk[2]).to_degrees();
+            let a_off = a_deg - row.a_deg;
+            println!(
+                "strategy {} N{}: C {:8.3} printed, {c_deg:8.4} found (digits of i, j: {c_digit:.4}); A {:6.3} printed, {a_deg:8.5} \
+                 found ({a_digit:.5}), acos k {of_k:.5}",
+                row.strategy, row.n, row.c_deg, row.a_deg
+            );
+            assert!((of_k - row.a_deg.abs()).abs() <= ANGLE_DIGIT, "the printed A is that of the printed k");
+            by_k += 1;
+            let k_digit = COMPONENT_DIGIT / libm::sin(of_k.to_radians());
+            assert!(is_pole || a_off.abs() <= ANGLE_DIGIT + k_digit.to_degrees(), "A within the digits of k");
+            if a_off.abs() > ANGLE_DIGIT + if is_pole { 0.0 } else { a_digit } {
+                not_by_ij.push((row.strategy, row.n));
+            }
+            // In the pole C is undefined and held; what is held is that of the row before.
+            let c_digit = if is_pole { supported(rows[1].ijk)[1] } else { c_digit };
+            assert!((c_deg - row.c_deg).abs() <= ANGLE_DIGIT.max(c_digit) + 1e-9, "C");
+        }
+    }
+    println!(
+        "{by_k} of 10 rows: A is acos of the printed k to {ANGLE_DIGIT}; i and j, which are sharper, do not give: {not_by_ij:?}"
+    );
+    assert_eq!((by_k, not_by_ij), (10, vec![(1, 2910), (1, 2940), (2, 2920), (2, 2930), (2, 2940)]));
+}
+
+#[test]
+fn the_jump_of_strategy_2_is_found_and_repaired() {
+    let mikron = machine("mikron-ucp710");
+    let old = poses(&rows(2));
+    let before = mikron.course(&old, None).expect("within reach");
+    let mut new = old.clone();
+    let limits = RepairLimits::default();
+    let found = mikron.repair(&mut new, &before, ToolEnd::Ball { radius_mm: BALL_MM }, &limits);
+    let after = mikron.course(&new, None).expect("within reach");
+    let [[c_before, _], [c_after, _]] = [travels(&before), travels(&after)];
+    println!("C before {:?}", before.iter().map(|place| place[0]).collect::<Vec<_>>());
+    println!("C after  {:?}", after.iter().map(|place| place[0]).collect::<Vec<_>>());
+    println!("C travel {c_before:.3} -> {c_after:.3} deg; {found:?}");
+    assert_eq!(found.len(), 1);
+    assert_eq!((found[0].before, found[0].after, found[0].fate), (1, 3, Fate::Repaired));
+    // What the printed column travels, and the least there can be: monotone from the first to the last.
+    assert!((c_before - 107.106).abs() < 0.01, "{c_before}");
+    let least =
+        (before[1][0] - before[0][0]).abs() + (before[3][0] - before[1][0]).abs() + (before[4][0] - before[3][0]).abs();
+    assert!((c_after - least).abs() < 1e-9, "{c_after} {least}");
+    // The error is the chord on the circle of radius hypot(i, j), computed here from the printed components.
+    let radius = libm::hypot(old[2].axis[0], old[2].axis[1]);
+    let by = (before[2][0] - after[2][0]).to_radians();
+    let error = (2.0 * libm::asin(radius * libm::sin(by / 2.0))).to_degrees();
+    println!(
+        "orientation error {error:.5} deg; the tip moves {:.5} mm",
+        length(difference(old[2].tip_mm, new[2].tip_mm))
+    );
+    assert!((found[0].error_deg - error).abs() < 1e-9, "{error}");
+    for (place, kept) in after.iter().zip(&before) {
+        assert!((place[1] - kept[1]).abs() < 1e-9, "A keeps its value");
+    }
+    for (new, old) in new.iter().zip(&old) {
+        let center = |pose: &Pose| sum(pose.tip_mm, scaled(pose.axis, BALL_MM));
+        assert!(length(difference(center(new), center(old))) < 1e-12, "the ball's centre stays");
+        assert!((libm::hypot(new.axis[0], new.axis[1]) - libm::hypot(old.axis[0], old.axis[1])).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn strategy_1_has_nothing_to_repair_although_a_changes_its_sign() {
+    let mikron = machine("mikron-ucp710");
+    let mut path = poses(&rows(1));
+    let course = mikron.course(&path, None).expect("within reach");
+    assert!(course[0][1] > 0.0 && course[4][1] < 0.0);
+    assert!(mikron.repair(&mut path, &course, ToolEnd::Other, &RepairLimits::default()).is_empty());
+    println!("strategy 1: C travel {:.3} deg", travels(&course)[0]);
+}
+
+#[test]
+fn a_tool_that_is_no_ball_is_left_alone() {
+    let mikron = machine("mikron-ucp710");
+    let old = poses(&rows(2));
+    let course = mikron.course(&old, None).expect("within reach");
+    let mut new = old.clone();
+    let found = mikron.repair(&mut new, &course, ToolEnd::Other, &RepairLimits::default());
+    assert_eq!((found.len(), found[0].fate), (1, Fate::Refused));
+    assert_eq!(new, old);
+    let wide = RepairLimits { error_deg: 0.1, ..RepairLimits::default() };
+    assert_eq!(mikron.repair(&mut new, &course, ToolEnd::Other, &wide)[0].fate, Fate::Repaired);
+    assert_eq!(new[2].tip_mm, old[2].tip_mm);
+}

@@ -1,0 +1,23 @@
+//! NC programs: read, checked, run by the interpreter, and given back.
+
+mod alarms;
+
+mod arcs;
+
+mod cli_check;
+
+mod cycles;
+
+mod fuzz;
+
+mod helices;
+
+mod init;
+
+mod macros;
+
+mod moves_rs274;
+
+mod nc_text;
+
+mod planes;

@@ -1,0 +1,127 @@
+//! Which tests of the workspace run: all of them, those that take a moment, or one part of several.
+
+use std::collections::BTreeSet;
+
+use crate::command::{Failure, cargo, output};
+
+/// What `quick` leaves out, by the first words of the tests' names: what runs for seconds, or builds something first.
+const SLOW: [&str; 0] = [];
+
+/// Tests to run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Selection {
+    /// Every test once.
+    #[default]
+    All,
+    /// Without the slow ones, and nothing for the chip.
+    Quick,
+    /// One part of as many as there are runners; together they are all.
+    Partition(Partition),
+}
+
+/// Part `number` of `parts`, counted from one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Partition {
+    number: u64,
+    parts: u64,
+}
+
+impl Selection {
+    /// Reads what stands behind `cargo xtask test`; `None` if it says nothing that is known.
+    pub fn read(words: &[&str]) -> Option<Self> {
+        match words {
+            [] => Some(Selection::All),
+            ["quick"] => Some(Selection::Quick),
+            ["--partition", part] => Partition::read(part).map(Selection::Partition),
+            _ => None,
+        }
+    }
+
+    /// Whether the chip's image and the boards are looked at too: once for all parts.
+    pub fn has_chip(&self) -> bool {
+        match self {
+            Selection::All => true,
+            Selection::Quick => false,
+            Selection::Partition(partition) => partition.is_first(),
+        }
+    }
+
+    /// The arguments of each `cargo` that runs them.
+    ///
+    /// # Errors
+    /// The tests cannot be built or listed.
+    pub fn runs(&self) -> Result<Vec<Vec<String>>, Failure> {
+        let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
+        let all = words(&["test", "--workspace", "--no-fail-fast"]);
+        match self {
+            Selection::All => Ok(vec![all]),
+            Selection::Quick => {
+                let skips = SLOW.iter().flat_map(|name| words(&["--skip", name]));
+                Ok(vec![[all, words(&["--all-targets", "--"]), skips.collect()].concat()])
+            }
+            Selection::Partition(partition) => {
+                let names = listed()?.into_iter().filter(|name| partition.has(name)).collect();
+                let tests = [all.clone(), words(&["--all-targets", "--", "--exact"]), names].concat();
+                let examples_of_the_docs = [all, words(&["--doc"])].concat();
+                Ok(if partition.is_first() { vec![tests, examples_of_the_docs] } else { vec![tests] })
+            }
+        }
+    }
+}
+
+impl Partition {
+    /// Reads `2/3`.
+    fn read(text: &str) -> Option<Self> {
+        let (number, parts) = text.split_once('/')?;
+        let (number, parts) = (number.parse().ok()?, parts.parse().ok()?);
+        (1..=parts).contains(&number).then_some(Partition { number, parts })
+    }
+
+    fn is_first(&self) -> bool {
+        self.number == 1
+    }
+
+    /// Whether a test is in this part: by its name alone, so that another test moves none. FNV-1a of its bytes.
+    fn has(&self, name: &str) -> bool {
+        let hash = name
+            .bytes()
+            .fold(0xCBF2_9CE4_8422_2325, |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3));
+        hash % self.parts + 1 == self.number
+    }
+}
+
+/// The names of all tests but those in documentation.
+fn listed() -> Result<BTreeSet<String>, Failure> {
+    let mut command = cargo(&["test", "--workspace", "--all-targets", "--", "--list", "--format", "terse"]);
+    let names = output(&mut command)?;
+    Ok(names.lines().filter_map(|line| line.strip_suffix(": test")).map(str::to_owned).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_test_is_in_one_part() {
+        let parts: Vec<Partition> = (1..=3).map(|number| Partition { number, parts: 3 }).collect();
+        let mut sizes = [0; 3];
+        for index in 0..3000 {
+            let name = format!("dnc::campaign::test_{index}");
+            let has: Vec<usize> = (0..3).filter(|at| parts[*at].has(&name)).collect();
+            assert_eq!(has.len(), 1, "{name}");
+            sizes[has[0]] += 1;
+        }
+        assert!(sizes.iter().all(|size| (900..1100).contains(size)), "{sizes:?}");
+    }
+
+    #[test]
+    fn only_a_part_that_there_is_is_read() {
+        let part = |number, parts| Some(Selection::Partition(Partition { number, parts }));
+        assert_eq!(Selection::read(&["--partition", "2/3"]), part(2, 3));
+        assert_eq!(Selection::read(&["--partition", "1/1"]), part(1, 1));
+        for wrong in ["0/3", "4/3", "1", "1/0", "a/b", "-1/3", ""] {
+            assert_eq!(Selection::read(&["--partition", wrong]), None, "{wrong}");
+        }
+        assert_eq!(Selection::read(&["fast"]), None);
+    }
+}
