@@ -62,6 +62,8 @@ struct Border(u16);
 
 const ANSWER_BITS: u32 = 3;
 const ANSWERS: u16 = (1 << ANSWER_BITS) - 1;
+/// The code of an answer; refusals have theirs in the order of [`NoWish`], which the compiler makes the same number.
+const ANSWERED: u16 = 5;
 
 /// What an envelope is worked out from.
 #[derive(Clone, Copy, Debug)]
@@ -164,12 +166,12 @@ impl Border {
     /// Without a ratio yet.
     fn answering<T>(answer: Result<T, NoWish>) -> Self {
         Border(match answer {
-            Ok(_) => 0,
-            Err(NoWish::NoLaw) => 1,
-            Err(NoWish::NoContact) => 2,
-            Err(NoWish::OutsideValidity) => 3,
-            Err(NoWish::ChipUnreachable) => 4,
-            Err(NoWish::BadInput) => 5,
+            Err(NoWish::NoLaw) => 0,
+            Err(NoWish::NoContact) => 1,
+            Err(NoWish::OutsideValidity) => 2,
+            Err(NoWish::ChipUnreachable) => 3,
+            Err(NoWish::BadInput) => 4,
+            Ok(_) => ANSWERED,
         })
     }
 
@@ -186,17 +188,14 @@ impl Border {
 
     #[inline(always)]
     fn answer(self) -> Result<(), NoWish> {
-        let code = self.0 & ANSWERS;
-        if code == 0 {
-            return Ok(());
+        match self.0 & ANSWERS {
+            0 => Err(NoWish::NoLaw),
+            1 => Err(NoWish::NoContact),
+            2 => Err(NoWish::OutsideValidity),
+            3 => Err(NoWish::ChipUnreachable),
+            4 => Err(NoWish::BadInput),
+            _ => Ok(()),
         }
-        Err(match code {
-            1 => NoWish::NoLaw,
-            2 => NoWish::NoContact,
-            3 => NoWish::OutsideValidity,
-            4 => NoWish::ChipUnreachable,
-            _ => NoWish::BadInput,
-        })
     }
 }
 
@@ -204,7 +203,7 @@ impl Answers {
     /// Asks the law along the track.
     fn of(law: &SegmentLaw, track: &Track, sent: &Sent) -> Self {
         let length_mm = track.length_mm();
-        let mut answers = Answers { ratios: [0.0; CELLS + 1], borders: [Border(0); CELLS + 1], is_refused: true };
+        let mut answers = Answers { ratios: [0.0; CELLS + 1], borders: [Border(ANSWERED); CELLS + 1], is_refused: true };
         let borders = answers.ratios.iter_mut().zip(&mut answers.borders);
         for ((ratio, border), place) in borders.zip(track.places(CELLS)) {
             let demand = sent.demand(law, &place);

@@ -58,7 +58,15 @@ impl PositionFilter {
 
 /// A segment as progress sees it; config.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Track {
+pub struct Track {
+    length_mm: f32,
+    shape: Shape,
+}
+
+/// The tag is a byte: by itself it would be as wide as the widest field, and tell the tick twice as much to compare.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(u8)]
+enum Shape {
     /// A circle in one plane.
     Arc(ArcTrack),
     /// Straight.
@@ -67,23 +75,21 @@ pub enum Track {
 
 /// An arc about its rotation centre; what a helix does across the plane is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ArcTrack {
+struct ArcTrack {
     plane: Plane,
     center: [Nm; 2],
     /// +1 counter-clockwise, -1 clockwise.
     turn: f32,
     radius_mm: f32,
     start: [f32; 2],
-    length_mm: f32,
 }
 
 /// A line from its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LineTrack {
+struct LineTrack {
     start: [Nm; 3],
     /// Of unit length.
     direction: [f32; 3],
-    length_mm: f32,
 }
 
 /// How far the segment is done; state.
@@ -113,33 +119,31 @@ impl Track {
     /// The track of a cutting move; `None` for rapids, whose way is the machine's.
     pub fn new(segment: &Segment) -> Option<Self> {
         let length_mm = segment.feed_length_mm() as f32;
-        match &segment.path {
-            Path::Rapid => None,
-            Path::Line => Some(Track::Line(LineTrack::new(segment, length_mm))),
-            Path::Arc(arc) => Some(Track::Arc(ArcTrack {
+        let shape = match &segment.path {
+            Path::Rapid => return None,
+            Path::Line => Shape::Line(LineTrack::new(segment, length_mm)),
+            Path::Arc(arc) => Shape::Arc(ArcTrack {
                 plane: arc.plane,
                 center: arc.center,
                 turn: f32::from(arc.turn.sign()),
                 radius_mm: arc.radius_mm() as f32,
                 start: direction_of(arc.from),
-                length_mm,
-            })),
-        }
+            }),
+        };
+        Some(Track { length_mm, shape })
     }
 
     /// Length of the path, of a helix that of its arc in the plane, mm.
     pub fn length_mm(&self) -> f32 {
-        match self {
-            Track::Arc(ArcTrack { length_mm, .. }) | Track::Line(LineTrack { length_mm, .. }) => *length_mm,
-        }
+        self.length_mm
     }
 
     /// Progress before the first sample: at the start, moving at `speed_mm_per_s`.
     #[inline(always)]
     pub fn begin(&self, speed_mm_per_s: f32) -> Progress {
-        let direction = match self {
-            Track::Arc(arc) => arc.start,
-            Track::Line(_) => [0.0; 2],
+        let direction = match &self.shape {
+            Shape::Arc(arc) => arc.start,
+            Shape::Line(_) => [0.0; 2],
         };
         Progress { direction, speed_mm_per_s, ..Progress::default() }
     }
@@ -150,7 +154,7 @@ impl Track {
         let mut direction = self.begin(0.0).direction;
         (0..=parts).map(move |border| {
             let place = self.place(direction, border as f32 * part_mm);
-            if let Track::Arc(arc) = self {
+            if let Shape::Arc(arc) = &self.shape {
                 direction = rotate(direction, arc.turn * part_mm / arc.radius_mm);
             }
             place
@@ -163,9 +167,9 @@ impl Track {
     }
 
     fn place(&self, direction: [f32; 2], travelled_mm: f32) -> Place {
-        match self {
-            Track::Arc(arc) => Place::on_arc(direction, arc.turn, arc.radius_mm, travelled_mm),
-            Track::Line(line) => {
+        match &self.shape {
+            Shape::Arc(arc) => Place::on_arc(direction, arc.turn, arc.radius_mm, travelled_mm),
+            Shape::Line(line) => {
                 let [dx, dy, _] = line.direction;
                 Place::on_line([dx, dy], travelled_mm)
             }
@@ -176,9 +180,9 @@ impl Track {
     #[inline(always)]
     pub fn advance(&self, filter: &PositionFilter, progress: &mut Progress, sample: Option<&Pose>, dt: Span) {
         if let Some(position) = sample {
-            match self {
-                Track::Arc(arc) => arc.sample(progress, position),
-                Track::Line(line) => progress.sampled_mm = line.along_mm(position),
+            match &self.shape {
+                Shape::Arc(arc) => arc.sample(progress, position),
+                Shape::Line(line) => progress.sampled_mm = line.along_mm(position),
             }
         }
         let behind_mm = progress.sampled_mm - progress.travelled_mm;
@@ -187,8 +191,8 @@ impl Track {
             PositionFilter::AlphaBeta(gains) => gains.step(&mut progress.speed_mm_per_s, sample.map(|_| behind_mm), dt),
         };
         // Not back, and not beyond the end.
-        let left_mm = fmath::max(self.length_mm() - progress.travelled_mm, 0.0);
-        progress.travelled_mm += fmath::min(fmath::max(ds_mm, 0.0), left_mm);
+        let ahead_mm = progress.travelled_mm + fmath::max(ds_mm, 0.0);
+        progress.travelled_mm = fmath::min(ahead_mm, self.length_mm);
     }
 }
 
@@ -230,7 +234,7 @@ impl LineTrack {
         let [to_x, to_y, to_z] = segment.end.linear;
         let part = |from, to| if length_mm > 0.0 { millimetres(to, from) / length_mm } else { 0.0 };
         let direction = [part(x, to_x), part(y, to_y), part(z, to_z)];
-        LineTrack { start: segment.start.linear, direction, length_mm }
+        LineTrack { start: segment.start.linear, direction }
     }
 
     /// Path from the start to the projection of a position.

@@ -37,7 +37,7 @@ impl Follower {
 
     /// Moves along the segment in work; true where it is done and must leave the queue.
     pub fn follow(&mut self, controller: &Controller, front: &ActiveSegment, measured: &Input) -> bool {
-        controller.follow(&mut self.way, front, measured, !self.is_entered);
+        controller.follow(&mut self.way, front, measured.position.as_ref(), measured.dt, !self.is_entered);
         self.is_entered = true;
         let is_done = is_done(front, &self.way, measured.position.as_ref());
         if is_done {

@@ -1,11 +1,13 @@
-//! The controller with a law in it: what leaves it is bounded, slewed and on the thin side, whatever goes in.
+//! The supervisor with a law in it: what leaves it is bounded, slewed and on the thin side, whatever goes in.
 
 use super::scenes::CircumferenceScene;
 use super::{PLAIN, Scene};
 use crate::geometry::log_between;
 use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_firmware::controller::{Controller, Input, Output, State};
-use arcfeed_firmware::law::NoWish;
+use arcfeed_firmware::controller::Input;
+use arcfeed_firmware::supervisor::memory::Memory;
+use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_firmware::supervisor::{self, Output, Supervisor};
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::nc::modal::{Feed, Pose};
@@ -98,18 +100,14 @@ impl Setup {
 
     /// One tick every `dt_us` from the start on, with what `input` makes of the plain one.
     fn run(&self, dt_us: u64, mut input: impl FnMut(u64, Input) -> Input) -> Vec<Output> {
-        let controller = Controller::new(&self.job).expect("limits that make sense");
+        let supervisor = Supervisor::new(&self.job, Settings::default()).expect("limits that make sense");
         let segment = ActiveSegment::new(&self.segment, Some(&self.rule), &self.job);
-        let mut state = State::default();
+        let mut memory = Memory::armed();
         let tick = |i: u64| {
             let position = Some(self.pose(i * dt_us));
             let plain = Input { position, spindle: RevPerMin(REV_PER_MIN), dt: Span(dt_us as u32) };
-            let input = input(i * dt_us, plain);
-            if i == 1 {
-                controller.begin(&mut state, &segment, &input)
-            } else {
-                controller.tick(&mut state, &segment, &input)
-            }
+            let input = supervisor::input::Input::of(input(i * dt_us, plain));
+            supervisor.tick(&mut memory, Some((0, &segment)), &input)
         };
         (1..=DURATION_US / dt_us).map(tick).collect()
     }
@@ -144,7 +142,7 @@ fn weird_input(random: &mut Rng, plain: Input) -> Input {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_firmware::controller::Reason;
+    use arcfeed_firmware::supervisor::report::Reason;
 
     const CASES: u32 = 300;
 
@@ -173,11 +171,7 @@ mod tests {
         on_many(12, LawKind::Programmed, |random, setup| {
             let outputs = setup.run(5_000, |_, plain| weird_input(random, plain));
             assert!(outputs.iter().all(|output| output.feed_override.percent == 100), "{setup:?}");
-            assert!(
-                outputs
-                    .iter()
-                    .all(|output| output.reason == Reason::NoWish(NoWish::NoLaw) && output.ipt_center.is_none())
-            );
+            assert!(outputs.iter().all(|output| output.reason == Reason::NoLaw && output.ipt_center.is_none()));
         });
     }
 

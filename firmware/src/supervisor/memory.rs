@@ -3,10 +3,10 @@
 use arcfeed_shared::units::Span;
 
 use crate::controller;
-use crate::ramp::FeedOverride;
+use crate::progress::Progress;
+use crate::ramp::{FeedOverride, Level};
 
 use super::input::{Input, Quality, Work};
-use super::limits::Level;
 use super::operator::{Dial, Turn};
 use super::report::{Counters, Refusal};
 use super::sight::{Change, Sight};
@@ -52,6 +52,16 @@ impl Memory {
         &self.counters
     }
 
+    /// What is put out, before rounding.
+    pub fn level(&self) -> Level {
+        self.level
+    }
+
+    /// How far the segment in work is; of no meaning on rapids.
+    pub fn progress(&self) -> &Progress {
+        self.control.progress()
+    }
+
     /// Why an arming asked for did not become the event.
     #[inline(always)]
     pub(super) fn refusal(&mut self, event: Event, pressed: Signals) -> Option<Refusal> {
@@ -77,15 +87,6 @@ impl Memory {
             self.reserve_ratio = segment.reserve_ratio();
         }
         change
-    }
-
-    /// The ramp goes on from what is put out.
-    #[inline(always)]
-    pub(super) fn settle_ramp(&mut self) {
-        let share_ratio = self.dial.share_ratio();
-        if share_ratio > 0.0 {
-            self.control.force_ratio(self.level.ratio() / share_ratio);
-        }
     }
 
     /// Counts frames that were invalid since the last tick.

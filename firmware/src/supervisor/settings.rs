@@ -117,6 +117,7 @@ impl Settings {
         }
     }
 
+    #[cold]
     #[inline(never)]
     fn quality_of_old(&self, position: &Freshness, link: &Freshness) -> Quality {
         let is_lost = |source: &Freshness, patience: &Patience| {

@@ -46,12 +46,18 @@ impl Sight {
     #[inline(always)]
     pub fn look(&mut self, in_work: Option<u32>, quality: Quality) -> Change {
         let before = *self;
-        *self = match (before, in_work, quality) {
-            (_, None, _) => Sight::Nothing,
-            (_, Some(count), Quality::Lost(_)) | (Sight::Unknown, Some(count), _) => Sight::Unseen(count),
-            (Sight::Unseen(same) | Sight::Followed(same), Some(count), _) if same == count => return Change::Same,
-            (_, Some(count), Quality::Fresh) => Sight::Followed(count),
-            (_, Some(count), Quality::Stale) => Sight::Awaited(count),
+        let is_lost = matches!(quality, Quality::Lost(_));
+        *self = match (in_work, before) {
+            (None, _) => Sight::Nothing,
+            (Some(count), Sight::Unseen(same) | Sight::Followed(same)) if same == count && !is_lost => {
+                return Change::Same;
+            }
+            (Some(count), Sight::Unknown) => Sight::Unseen(count),
+            (Some(count), _) => match quality {
+                Quality::Lost(_) => Sight::Unseen(count),
+                Quality::Fresh => Sight::Followed(count),
+                Quality::Stale => Sight::Awaited(count),
+            },
         };
         match (self.is_followed(), before.count() != self.count()) {
             (true, true) => Change::Begins,
