@@ -57,8 +57,7 @@ impl State {
             _ => 1.0,
         };
         self.feed_sent = feed_sent;
-        let speed_mm_per_s = self.progress.speed_mm_per_s();
-        self.progress = segment.track().map_or(Progress::default(), |track| track.begin(speed_mm_per_s));
+        self.progress = segment.track().map_or(Progress::default(), |track| track.begin(&self.progress));
     }
 }
 

@@ -39,8 +39,8 @@ pub struct AlphaBeta {
     alpha_ratio: f32,
     /// Part of the residual that corrects the speed, 0 to 1.
     beta_ratio: f32,
-    /// Age of a sample when it arrives, s.
-    delay_s: f32,
+    /// Age of a sample when it arrives.
+    delay_us: f32,
 }
 
 impl PositionFilter {
@@ -51,7 +51,7 @@ impl PositionFilter {
     pub fn new(alpha_ratio: f32, delay: Span) -> Option<Self> {
         let in_range = alpha_ratio > 0.0 && alpha_ratio < 1.0;
         let beta_ratio = 2.0 * (2.0 - alpha_ratio) - 4.0 * fmath::sqrt(1.0 - alpha_ratio);
-        let gains = AlphaBeta { alpha_ratio, beta_ratio, delay_s: seconds(delay) };
+        let gains = AlphaBeta { alpha_ratio, beta_ratio, delay_us: delay.us() };
         in_range.then_some(PositionFilter::AlphaBeta(gains))
     }
 }
@@ -100,7 +100,7 @@ pub struct Progress {
     /// Path from the segment's start to the last sample's projection.
     sampled_mm: f32,
     travelled_mm: f32,
-    speed_mm_per_s: f32,
+    speed_mm_per_us: f32,
 }
 
 impl Progress {
@@ -111,7 +111,7 @@ impl Progress {
 
     /// Speed along the path as estimated.
     pub fn speed_mm_per_s(&self) -> f32 {
-        self.speed_mm_per_s
+        self.speed_mm_per_us * US_PER_S as f32
     }
 }
 
@@ -138,20 +138,24 @@ impl Track {
         self.length_mm
     }
 
-    /// Progress before the first sample: at the start, moving at `speed_mm_per_s`.
-    #[inline(always)]
-    pub fn begin(&self, speed_mm_per_s: f32) -> Progress {
-        let direction = match &self.shape {
+    /// Progress before the first sample: at the start, as fast as on the segment before.
+    pub fn begin(&self, before: &Progress) -> Progress {
+        let direction = self.start_direction();
+        Progress { direction, speed_mm_per_us: before.speed_mm_per_us, ..Progress::default() }
+    }
+
+    /// Of an arc, the unit vector from the rotation centre to its start.
+    fn start_direction(&self) -> [f32; 2] {
+        match &self.shape {
             Shape::Arc(arc) => arc.start,
             Shape::Line(_) => [0.0; 2],
-        };
-        Progress { direction, speed_mm_per_s, ..Progress::default() }
+        }
     }
 
     /// The places at the borders of so many equal parts, for laws.
     pub fn places(&self, parts: usize) -> impl Iterator<Item = Place> {
         let part_mm = self.length_mm() / parts as f32;
-        let mut direction = self.begin(0.0).direction;
+        let mut direction = self.start_direction();
         (0..=parts).map(move |border| {
             let place = self.place(direction, border as f32 * part_mm);
             if let Shape::Arc(arc) = &self.shape {
@@ -163,7 +167,7 @@ impl Track {
 
     /// A place this far from the start, for laws that look at nothing else: the direction is that of the start.
     pub(crate) fn place_after(&self, travelled_mm: f32) -> Place {
-        self.place(self.begin(0.0).direction, travelled_mm)
+        self.place(self.start_direction(), travelled_mm)
     }
 
     fn place(&self, direction: [f32; 2], travelled_mm: f32) -> Place {
@@ -188,7 +192,9 @@ impl Track {
         let behind_mm = progress.sampled_mm - progress.travelled_mm;
         let ds_mm = match filter {
             PositionFilter::Exact => behind_mm,
-            PositionFilter::AlphaBeta(gains) => gains.step(&mut progress.speed_mm_per_s, sample.map(|_| behind_mm), dt),
+            PositionFilter::AlphaBeta(gains) => {
+                gains.step(&mut progress.speed_mm_per_us, sample.map(|_| behind_mm), dt)
+            }
         };
         // Not back, and not beyond the end.
         let ahead_mm = progress.travelled_mm + fmath::max(ds_mm, 0.0);
@@ -251,16 +257,15 @@ impl LineTrack {
 
 impl AlphaBeta {
     /// The path to move on by in a tick, and the speed corrected.
-    fn step(&self, speed_mm_per_s: &mut f32, behind_mm: Option<f32>, dt: Span) -> f32 {
-        let dt_s = seconds(dt);
-        let dead_reckoned_mm = *speed_mm_per_s * dt_s;
+    fn step(&self, speed_mm_per_us: &mut f32, behind_mm: Option<f32>, dt: Span) -> f32 {
+        let dead_reckoned_mm = *speed_mm_per_us * dt.us();
         let Some(behind_mm) = behind_mm else { return dead_reckoned_mm };
         // What will have been reached at this tick, against where the sample says it was by now.
-        let residual_mm = behind_mm + *speed_mm_per_s * self.delay_s - dead_reckoned_mm; // (1)
-        if dt_s > 0.0 {
-            let speed = *speed_mm_per_s + self.beta_ratio * residual_mm / dt_s; // (2)
+        let residual_mm = behind_mm + *speed_mm_per_us * self.delay_us - dead_reckoned_mm; // (1)
+        if dt > Span(0) {
+            let speed = *speed_mm_per_us + self.beta_ratio * residual_mm / dt.us(); // (2)
             // Late samples from the segment before lie behind the start: they must not wind the speed up.
-            *speed_mm_per_s = fmath::max(speed, 0.0);
+            *speed_mm_per_us = fmath::max(speed, 0.0);
         }
         dead_reckoned_mm + self.alpha_ratio * residual_mm // (2)
     }
@@ -299,10 +304,6 @@ fn direction_of([x, y]: [Nm; 2]) -> [f32; 2] {
 
 fn millimetres(a: Nm, b: Nm) -> f32 {
     a.0.saturating_sub(b.0) as f32 * MM_PER_NM
-}
-
-fn seconds(span: Span) -> f32 {
-    span.us() / US_PER_S as f32
 }
 
 #[cfg(test)]

@@ -128,10 +128,8 @@ impl Supervisor {
             memory.change(event);
         }
         memory.obey(seen.turn);
-        let target = match (memory.state, event, seen.followed) {
-            (State::Running, Event::Work, Some(segment)) => {
-                Some(self.follow_law(memory, segment, input, &seen, goes_on))
-            }
+        let target = match (memory.state, seen.followed) {
+            (State::Running, Some(segment)) => Some(self.follow_law(memory, segment, input, &seen, goes_on)),
             _ => {
                 self.keep_off(memory, &seen);
                 None
@@ -158,14 +156,16 @@ impl Supervisor {
         let Settings { take_over_below_percent, take_over_drop_percent, longest_tick, .. } = self.settings;
         let quality = self.settings.quality(&input.position, &input.link);
         let turn = memory.dial.read(input.operator_percent, take_over_below_percent, take_over_drop_percent);
-        let change = memory.look_at(work, quality);
+        let (change, followed) = memory.look_at(work, quality);
         let pressed = input.signals.risen_since(memory.signals);
         memory.signals = input.signals;
-        memory.count_frames(input);
+        if quality == Quality::Fresh {
+            memory.invalid = [0; 2];
+        } else {
+            memory.count_frames(input);
+        }
         let spans @ [dt, _] = [input.measured.dt.min(longest_tick), input.measured.dt];
         memory.state.elapse(quality, memory.dial, spans);
-        let is_followed = memory.sight.is_followed() && quality == Quality::Fresh;
-        let followed = work.filter(|_| is_followed).map(|(_, segment)| segment);
         if let Some(segment) = followed {
             let position = input.measured.position.as_ref();
             self.controller.follow(&mut memory.control, segment, position, dt, change.is_begin());
@@ -183,8 +183,8 @@ impl Supervisor {
             Event::Reset
         } else if seen.pressed.asks(Request::Disarm) {
             Event::Disarm
-        } else if let Quality::Lost(loss) = seen.quality {
-            Event::Lost(loss)
+        } else if seen.quality == Quality::Lost {
+            Event::Lost(self.settings.loss(&input.position, &input.link))
         } else if seen.turn == Turn::TakesOver {
             Event::Reduced { percent: input.operator_percent }
         } else if let Some(condition) = input.signals.refusing() {
@@ -193,12 +193,12 @@ impl Supervisor {
             Event::Arm
         } else if let Some(why) = input.inhibiting(work) {
             Event::Inhibit(why)
-        } else if memory.sight.is_followed() && input.signals.has(Signals::FEED_HOLD) {
+        } else if input.signals.has(Signals::FEED_HOLD) && memory.sight.is_followed() {
             Event::Hold
-        } else if seen.quality == Quality::Stale {
-            Event::Stale
         } else if seen.followed.is_some() {
             Event::Work
+        } else if seen.quality == Quality::Stale {
+            Event::Stale
         } else {
             Event::Rest
         }
@@ -252,7 +252,9 @@ impl Supervisor {
                 level.fall_to(ready_ratio);
                 ready_ratio
             }
-            State::Inhibited { .. } | State::Fallback { .. } | State::Disarmed { by: Disarm::Condition(_) } => share_ratio,
+            State::Inhibited { .. } | State::Fallback { .. } | State::Disarmed { by: Disarm::Condition(_) } => {
+                share_ratio
+            }
             State::Idle | State::Disarmed { by: Disarm::Request | Disarm::Operator { raised: true, .. } } => dial_ratio,
             State::Disarmed { by: Disarm::Operator { raised: false, .. } } => return level.fall_to(dial_ratio),
         };

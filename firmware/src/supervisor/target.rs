@@ -35,19 +35,21 @@ impl Target {
     /// The target at a path from the segment's start, of which the operator lets a share through.
     #[inline(always)]
     pub fn at(travelled_mm: f32, segment: &ActiveSegment, spindle: RevPerMin, ramp: &Ramp, share_ratio: f32) -> Self {
-        let demand = Demand::at(travelled_mm, segment, spindle);
-        let is_limited = demand.machine.feed_ratio < demand.ratio;
-        let feasible_ratio = if is_limited { demand.machine.feed_ratio } else { demand.ratio };
+        let Demand { ratio: demanded_ratio, ipt_center, reason, machine } = Demand::at(travelled_mm, segment, spindle);
+        let (feasible_ratio, reason) = if machine.feed_ratio < demanded_ratio {
+            (machine.feed_ratio, Reason::Limited(Limit::of_machine(machine.by)))
+        } else {
+            (demanded_ratio, reason)
+        };
         let (bounded_ratio, bound) = ramp.bounded(feasible_ratio);
         let ratio = bounded_ratio * share_ratio;
         let reason = match bound {
-            Bound::Free if is_limited => Reason::Limited(Limit::of_machine(demand.machine.by)),
-            Bound::Free => demand.reason,
-            Bound::Floor => Reason::Floor { chip_excess_percent: excess_percent(ratio, demand.ratio) },
+            Bound::Free => reason,
+            Bound::Floor => Reason::Floor { chip_excess_percent: excess_percent(ratio, demanded_ratio) },
             Bound::Ceiling => Reason::Limited(Limit::Max),
             Bound::NotANumber => Reason::NoWish(NoWish::BadInput),
         };
-        Target { ratio, reason, ipt_center: demand.ipt_center }
+        Target { ratio, reason, ipt_center }
     }
 }
 
