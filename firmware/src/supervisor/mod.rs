@@ -128,6 +128,7 @@ impl Supervisor {
             memory.change(event);
         }
         memory.obey(seen.turn);
+        // Running on a segment that a law may act on: every event but `Work` would have led elsewhere.
         let target = match (memory.state, seen.followed) {
             (State::Running, Some(segment)) => Some(self.follow_law(memory, segment, input, &seen, goes_on)),
             _ => {

@@ -88,7 +88,10 @@ mod tests {
         let mut sight = Sight::default();
         let mut change = Change::Same;
         for (in_work, quality) in steps {
-            change = in_work.map_or_else(|| sight.lose(), |count| sight.look(count, *quality));
+            change = match in_work {
+                Some(count) => sight.look(*count, *quality),
+                None => sight.lose(),
+            };
         }
         (sight, change)
     }
