@@ -99,7 +99,12 @@ impl Setup {
     }
 
     /// One tick every `dt_us` from the start on, with what `input` makes of the plain one.
-    fn run(&self, dt_us: u64, mut input: impl FnMut(u64, Input) -> Input) -> Vec<Output> {
+    fn run(&self, dt_us: u64, input: impl FnMut(u64, Input) -> Input) -> Vec<Output> {
+        self.run_with_levels(dt_us, input).into_iter().map(|(output, _)| output).collect()
+    }
+
+    /// The same, with what is put out before rounding.
+    fn run_with_levels(&self, dt_us: u64, mut input: impl FnMut(u64, Input) -> Input) -> Vec<(Output, f64)> {
         let supervisor = Supervisor::new(&self.job, Settings::default()).expect("limits that make sense");
         let segment = ActiveSegment::new(&self.segment, Some(&self.rule), &self.job);
         let mut memory = Memory::armed();
@@ -107,14 +112,16 @@ impl Setup {
             let position = Some(self.pose(i * dt_us));
             let plain = Input { position, spindle: RevPerMin(REV_PER_MIN), dt: Span(dt_us as u32) };
             let input = supervisor::input::Input::of(input(i * dt_us, plain));
-            supervisor.tick(&mut memory, Some((0, &segment)), &input)
+            let output = supervisor.tick(&mut memory, Some((0, &segment)), &input);
+            (output, f64::from(memory.level().ratio()))
         };
         (1..=DURATION_US / dt_us).map(tick).collect()
     }
 
     fn in_bounds(&self, outputs: &[Output]) -> bool {
         let limits = &self.job.limits;
-        outputs.iter().all(|output| (limits.min_percent..=limits.max_percent).contains(&output.feed_override.percent))
+        let least_percent = limits.min_percent - limits.min_percent % limits.step_percent;
+        outputs.iter().all(|output| (least_percent..=limits.max_percent).contains(&output.feed_override.percent))
     }
 }
 
@@ -202,18 +209,20 @@ mod tests {
     }
 
     /// The largest relative excess of the feed in effect over the feed that the law itself demands where the tool is, where no bound
-    /// keeps them apart.
+    /// keeps them apart, nor the slew on the way down.
     fn excess(setup: &Setup) -> (f64, f64) {
-        let outputs = setup.run(1_000, |_, plain| plain);
-        let excess = |(output, tick): (&Output, u64)| {
+        let ticks = setup.run_with_levels(1_000, |_, plain| plain);
+        let fall = f64::from(setup.job.limits.slew_down_percent_per_s) / 100.0 * 1e-3;
+        let excess = |(pair, tick): (&[(Output, f64)], u64)| {
+            let [(_, before), (output, level)] = pair else { return None };
             let wish = setup.scene.wish(&PLAIN, (tick * 1_000) as f64 / DURATION_US as f64).ok()?;
             let wanted = wish * f64::from(TEETH) * f64::from(REV_PER_MIN);
-            let is_free = output.reason == Reason::Law;
+            let is_free = output.reason == Reason::Law && before - level < 0.99 * fall;
             is_free.then_some((percent(output) / 100.0 * setup.feed_sent / wanted - 1.0, percent(output)))
         };
-        outputs
-            .iter()
-            .zip(1..)
+        ticks
+            .windows(2)
+            .zip(2..)
             .filter_map(excess)
             .fold((f64::NEG_INFINITY, 0.0), |one, other| if other.0 > one.0 { other } else { one })
     }

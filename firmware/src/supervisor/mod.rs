@@ -222,10 +222,10 @@ impl Supervisor {
             if goes_on && seen.change == Change::Begins {
                 memory.level.carry(memory.control.feed_change_ratio(), share_ratio);
             }
-            memory.level.fall_to(target.ratio);
+            memory.level.fall_to(target.override_ratio);
         }
-        self.ramp.slew(&mut memory.level, target.ratio, seen.spans);
-        let is_there = memory.level.ratio() == target.ratio;
+        self.ramp.slew(&mut memory.level, target.override_ratio, seen.spans);
+        let is_there = memory.level.ratio() == target.override_ratio;
         Target { reason: if is_there { target.reason } else { Reason::Law }, ..target }
     }
 

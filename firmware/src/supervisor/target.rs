@@ -15,7 +15,7 @@ use super::signals::Inhibit;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
     /// Of the feed to the feed as sent, the operator's share considered.
-    pub ratio: f32,
+    pub override_ratio: f32,
     /// Why, once the level is there.
     pub reason: Reason,
     /// The feed per tooth at the centre wanted, along the path: what the law demands, lowered in time for what comes.
@@ -42,14 +42,14 @@ impl Target {
             (demanded_ratio, reason)
         };
         let (bounded_ratio, bound) = ramp.bounded(feasible_ratio);
-        let ratio = bounded_ratio * share_ratio;
+        let override_ratio = bounded_ratio * share_ratio;
         let reason = match bound {
             Bound::Free => reason,
-            Bound::Floor => Reason::Floor { chip_excess_percent: excess_percent(ratio, demanded_ratio) },
+            Bound::Floor => Reason::Floor { chip_excess_percent: excess_percent(override_ratio, demanded_ratio) },
             Bound::Ceiling => Reason::Limited(Limit::Max),
             Bound::NotANumber => Reason::NoWish(NoWish::BadInput),
         };
-        Target { ratio, reason, ipt_center }
+        Target { override_ratio, reason, ipt_center }
     }
 }
 
