@@ -31,6 +31,15 @@ pub struct Input {
     pub dt: Span,
 }
 
+/// What the way along the segment follows from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample<'a> {
+    /// As of [`Input::position`].
+    pub position: Option<&'a Pose>,
+    /// Time since the last tick, as far as it counts.
+    pub dt: Span,
+}
+
 impl Default for State {
     fn default() -> Self {
         State { progress: Progress::default(), feed_sent: None, feed_change_ratio: 1.0 }
@@ -69,12 +78,12 @@ impl Controller {
 
     /// A tick on a segment, which `begins` at the first one.
     #[inline(always)]
-    pub fn follow(&self, state: &mut State, segment: &ActiveSegment, position: Option<&Pose>, dt: Span, begins: bool) {
+    pub fn follow(&self, state: &mut State, segment: &ActiveSegment, sample: &Sample<'_>, begins: bool) {
         if begins {
             state.begin(segment);
         }
         if let Some(track) = segment.track() {
-            track.advance(&self.filter, &mut state.progress, position, dt);
+            track.advance(&self.filter, &mut state.progress, sample.position, sample.dt);
         }
     }
 }

@@ -25,10 +25,10 @@ pub mod memory;
 
 use arcfeed_shared::fmath;
 use arcfeed_shared::job::{Job, OverrideLimits};
-use arcfeed_shared::units::{MmPerTooth, Span};
+use arcfeed_shared::units::{MmPerTooth, RevPerMin, Span};
 
 use crate::active::ActiveSegment;
-use crate::controller::Controller;
+use crate::controller::{Controller, Sample};
 use crate::progress::PositionFilter;
 use crate::ramp::{FeedOverride, Ramp};
 
@@ -77,6 +77,7 @@ struct Seen<'a> {
     followed: Option<&'a ActiveSegment>,
     /// Buttons that were up before.
     pressed: Signals,
+    spindle: RevPerMin,
     /// Since the last tick, for what rises or must last and for what falls or runs out: the former counts no more of a late tick
     /// than of the longest one.
     spans: [Span; 2],
@@ -130,7 +131,7 @@ impl Supervisor {
         memory.obey(seen.turn);
         // Running on a segment that a law may act on: every event but `Work` would have led elsewhere.
         let target = match (memory.state, seen.followed) {
-            (State::Running, Some(segment)) => Some(self.follow_law(memory, segment, input, &seen, goes_on)),
+            (State::Running, Some(segment)) => Some(self.follow_law(memory, segment, &seen, goes_on)),
             _ => {
                 self.keep_off(memory, &seen);
                 None
@@ -168,10 +169,10 @@ impl Supervisor {
         let spans @ [dt, _] = [input.measured.dt.min(longest_tick), input.measured.dt];
         memory.state.elapse(quality, memory.dial, spans);
         if let Some(segment) = followed {
-            let position = input.measured.position.as_ref();
-            self.controller.follow(&mut memory.control, segment, position, dt, change.is_begin());
+            let sample = Sample { position: input.measured.position.as_ref(), dt };
+            self.controller.follow(&mut memory.control, segment, &sample, change.is_begin());
         }
-        Seen { quality, turn, change, followed, pressed, spans }
+        Seen { quality, turn, change, followed, pressed, spindle: input.measured.spindle, spans }
     }
 
     /// The most important thing that happens at this tick.
@@ -207,17 +208,10 @@ impl Supervisor {
 
     /// Goes where the law wants it, as far as bounds, operator and slew let it.
     #[inline(always)]
-    fn follow_law(
-        &self,
-        memory: &mut Memory,
-        segment: &ActiveSegment,
-        input: &Input,
-        seen: &Seen<'_>,
-        goes_on: bool,
-    ) -> Target {
+    fn follow_law(&self, memory: &mut Memory, segment: &ActiveSegment, seen: &Seen<'_>, goes_on: bool) -> Target {
         let share_ratio = memory.dial.share_ratio();
         let travelled_mm = memory.control.progress().travelled_mm();
-        let target = Target::at(travelled_mm, segment, input.measured.spindle, &self.ramp, share_ratio);
+        let target = Target::at(travelled_mm, segment, seen.spindle, &self.ramp, share_ratio);
         if seen.change.is_begin() {
             if goes_on && seen.change == Change::Begins {
                 memory.level.carry(memory.control.feed_change_ratio(), share_ratio);
