@@ -32,7 +32,10 @@ pub const RESPONSE_S: f32 = 0.03;
 const SLEW_SHARE: f32 = 0.9;
 /// Steps in which a border keeps its ratio.
 const STEPS_PER_RATIO: f32 = 2_500.0;
-const RATIO_PER_STEP: f32 = 1.0 / STEPS_PER_RATIO;
+/// Parts of a cell that the tick tells apart: it interpolates in whole numbers, which never leave both ends of a cell.
+const PART_BITS: u32 = 16;
+const PARTS: u32 = 1 << PART_BITS;
+const RATIO_PER_PART: f32 = 1.0 / (STEPS_PER_RATIO * PARTS as f32);
 /// A ratio this little below a step counts as on it.
 const STEP_TOLERANCE: f32 = 0.02;
 /// The largest ratio that a border keeps; above every override that there is.
@@ -45,7 +48,7 @@ const PERCENT_TOLERANCE: f32 = 0.01;
 pub struct Envelope {
     /// Before each cell and behind the last one.
     borders: [Border; CELLS + 1],
-    cells_per_mm: f32,
+    parts_per_mm: f32,
     /// e^2 in (3).
     end_squared: f32,
     /// L - F r_max w in (3).
@@ -62,6 +65,8 @@ struct Border(u16);
 
 const ANSWER_BITS: u32 = 3;
 const ANSWERS: u16 = (1 << ANSWER_BITS) - 1;
+/// The code of an answer; refusals have theirs in the order of [`NoWish`], which the compiler makes the same number.
+const ANSWERED: u16 = 5;
 
 /// What an envelope is worked out from.
 #[derive(Clone, Copy, Debug)]
@@ -113,7 +118,8 @@ impl Envelope {
             *border = border.with_ratio(within_reach.iter().copied().fold(RATIO_MAX, fmath::min));
         } // (2)
         let spindle = if keeps_feed_behind && is_refused { constant.spindle } else { sent.spindle };
-        Envelope { borders, cells_per_mm, fallen_mm: length_mm - response_mm, fall_per_mm, spindle, ..constant }
+        let parts_per_mm = cells_per_mm * PARTS as f32;
+        Envelope { borders, parts_per_mm, fallen_mm: length_mm - response_mm, fall_per_mm, spindle, ..constant }
     }
 
     /// One ratio for a whole segment that no law governs, at any spindle speed: as sent, and no higher than what follows can
@@ -122,7 +128,7 @@ impl Envelope {
         let end_ratio = f32::from(end_percent) / PERCENT;
         Envelope {
             borders: [Border::answering::<()>(Err(NoWish::NoLaw)).with_ratio(1.0); CELLS + 1],
-            cells_per_mm: 0.0,
+            parts_per_mm: 0.0,
             end_squared: end_ratio * end_ratio,
             fallen_mm: 0.0,
             fall_per_mm: 0.0,
@@ -143,10 +149,12 @@ impl Envelope {
     /// The ratio at a path from the segment's start at the commanded spindle speed, and why the law has no part in it.
     #[inline(always)]
     pub fn at(&self, travelled_mm: f32) -> (f32, Result<(), NoWish>) {
-        let place = fmath::min(travelled_mm * self.cells_per_mm, CELLS as f32);
-        let cell = (place as usize).min(CELLS - 1);
+        let place = ((travelled_mm * self.parts_per_mm) as u32).min(CELLS as u32 * PARTS - 1);
+        let cell = (place / PARTS) as usize;
         let [before, behind] = [cell, cell + 1].map(|border| self.borders.get(border).copied().unwrap_or(Border(0)));
-        let ratio = before.ratio() + (behind.ratio() - before.ratio()) * (place - cell as f32);
+        // Below 2^31: a border keeps less than 2^13 steps.
+        let steps = before.steps() * PARTS as i32 + (behind.steps() - before.steps()) * (place % PARTS) as i32;
+        let ratio = steps as f32 * RATIO_PER_PART;
         let falling = self.end_squared + fmath::max(self.fallen_mm - travelled_mm, 0.0) * self.fall_per_mm;
         let ratio = if falling < ratio * ratio { fmath::sqrt(falling) } else { ratio }; // (3)
         (ratio, before.answer())
@@ -164,12 +172,12 @@ impl Border {
     /// Without a ratio yet.
     fn answering<T>(answer: Result<T, NoWish>) -> Self {
         Border(match answer {
-            Ok(_) => 0,
-            Err(NoWish::NoLaw) => 1,
-            Err(NoWish::NoContact) => 2,
-            Err(NoWish::OutsideValidity) => 3,
-            Err(NoWish::ChipUnreachable) => 4,
-            Err(NoWish::BadInput) => 5,
+            Err(NoWish::NoLaw) => 0,
+            Err(NoWish::NoContact) => 1,
+            Err(NoWish::OutsideValidity) => 2,
+            Err(NoWish::ChipUnreachable) => 3,
+            Err(NoWish::BadInput) => 4,
+            Ok(_) => ANSWERED,
         })
     }
 
@@ -180,23 +188,20 @@ impl Border {
     }
 
     #[inline(always)]
-    fn ratio(self) -> f32 {
-        f32::from(self.0 >> ANSWER_BITS) * RATIO_PER_STEP
+    fn steps(self) -> i32 {
+        i32::from(self.0 >> ANSWER_BITS)
     }
 
     #[inline(always)]
     fn answer(self) -> Result<(), NoWish> {
-        let code = self.0 & ANSWERS;
-        if code == 0 {
-            return Ok(());
+        match self.0 & ANSWERS {
+            0 => Err(NoWish::NoLaw),
+            1 => Err(NoWish::NoContact),
+            2 => Err(NoWish::OutsideValidity),
+            3 => Err(NoWish::ChipUnreachable),
+            4 => Err(NoWish::BadInput),
+            _ => Ok(()),
         }
-        Err(match code {
-            1 => NoWish::NoLaw,
-            2 => NoWish::NoContact,
-            3 => NoWish::OutsideValidity,
-            4 => NoWish::ChipUnreachable,
-            _ => NoWish::BadInput,
-        })
     }
 }
 
@@ -204,7 +209,8 @@ impl Answers {
     /// Asks the law along the track.
     fn of(law: &SegmentLaw, track: &Track, sent: &Sent) -> Self {
         let length_mm = track.length_mm();
-        let mut answers = Answers { ratios: [0.0; CELLS + 1], borders: [Border(0); CELLS + 1], is_refused: true };
+        let mut answers =
+            Answers { ratios: [0.0; CELLS + 1], borders: [Border(ANSWERED); CELLS + 1], is_refused: true };
         let borders = answers.ratios.iter_mut().zip(&mut answers.borders);
         for ((ratio, border), place) in borders.zip(track.places(CELLS)) {
             let demand = sent.demand(law, &place);

@@ -1,9 +1,9 @@
 //! The feed controller: from segment, position and spindle speed to the override.
 //!
-//! No heap, no clock, no I/O: one call of [`controller::Controller::tick`] per sample of the position. Modules stand
+//! No heap, no clock, no I/O: one call of [`supervisor::Supervisor::tick`] per sample of the position. Modules stand
 //! in the order in which data flows: the [`law`] says which feed per tooth the tool's centre needs, [`progress`] says
-//! where on the segment it is, [`ramp`] turns the wish into an override the control can follow, [`envelope`] lowers it in time for what comes further on, [`active`] is a segment with
-//! all of that prepared, [`controller`] joins them, [`supervisor`] decides whether they may act at all, [`queue`] finds the segment in work where nobody tells, [`spsc`] is
+//! where on the segment it is, [`ramp`] turns a wanted ratio into an override the control can follow, [`envelope`] lowers it in time for what comes further on, [`active`] is a segment with
+//! all of that prepared, [`controller`] follows the position along it, [`supervisor`] decides whether the law may act and where the override goes, [`queue`] finds the segment in work where nobody tells, [`spsc`] is
 //! what lies between main loop and tick, [`tap`] reads the program off the DNC line,
 //! [`input`] makes sense of what a board counts and measures, [`output`] carries the override to the control, [`board`] is
 //! the seam to the hardware, [`station`] a whole board between its link and its tick,

@@ -39,8 +39,8 @@ pub struct AlphaBeta {
     alpha_ratio: f32,
     /// Part of the residual that corrects the speed, 0 to 1.
     beta_ratio: f32,
-    /// Age of a sample when it arrives, s.
-    delay_s: f32,
+    /// Age of a sample when it arrives.
+    delay_us: f32,
 }
 
 impl PositionFilter {
@@ -51,14 +51,22 @@ impl PositionFilter {
     pub fn new(alpha_ratio: f32, delay: Span) -> Option<Self> {
         let in_range = alpha_ratio > 0.0 && alpha_ratio < 1.0;
         let beta_ratio = 2.0 * (2.0 - alpha_ratio) - 4.0 * fmath::sqrt(1.0 - alpha_ratio);
-        let gains = AlphaBeta { alpha_ratio, beta_ratio, delay_s: seconds(delay) };
+        let gains = AlphaBeta { alpha_ratio, beta_ratio, delay_us: delay.us() };
         in_range.then_some(PositionFilter::AlphaBeta(gains))
     }
 }
 
 /// A segment as progress sees it; config.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Track {
+pub struct Track {
+    length_mm: f32,
+    shape: Shape,
+}
+
+/// The tag is a byte: by itself it would be as wide as the widest field, and tell the tick twice as much to compare.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(u8)]
+enum Shape {
     /// A circle in one plane.
     Arc(ArcTrack),
     /// Straight.
@@ -67,23 +75,21 @@ pub enum Track {
 
 /// An arc about its rotation centre; what a helix does across the plane is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ArcTrack {
+struct ArcTrack {
     plane: Plane,
     center: [Nm; 2],
     /// +1 counter-clockwise, -1 clockwise.
     turn: f32,
     radius_mm: f32,
     start: [f32; 2],
-    length_mm: f32,
 }
 
 /// A line from its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LineTrack {
+struct LineTrack {
     start: [Nm; 3],
     /// Of unit length.
     direction: [f32; 3],
-    length_mm: f32,
 }
 
 /// How far the segment is done; state.
@@ -94,7 +100,7 @@ pub struct Progress {
     /// Path from the segment's start to the last sample's projection.
     sampled_mm: f32,
     travelled_mm: f32,
-    speed_mm_per_s: f32,
+    speed_mm_per_us: f32,
 }
 
 impl Progress {
@@ -105,7 +111,7 @@ impl Progress {
 
     /// Speed along the path as estimated.
     pub fn speed_mm_per_s(&self) -> f32 {
-        self.speed_mm_per_s
+        self.speed_mm_per_us * US_PER_S as f32
     }
 }
 
@@ -113,44 +119,46 @@ impl Track {
     /// The track of a cutting move; `None` for rapids, whose way is the machine's.
     pub fn new(segment: &Segment) -> Option<Self> {
         let length_mm = segment.feed_length_mm() as f32;
-        match &segment.path {
-            Path::Rapid => None,
-            Path::Line => Some(Track::Line(LineTrack::new(segment, length_mm))),
-            Path::Arc(arc) => Some(Track::Arc(ArcTrack {
+        let shape = match &segment.path {
+            Path::Rapid => return None,
+            Path::Line => Shape::Line(LineTrack::new(segment, length_mm)),
+            Path::Arc(arc) => Shape::Arc(ArcTrack {
                 plane: arc.plane,
                 center: arc.center,
                 turn: f32::from(arc.turn.sign()),
                 radius_mm: arc.radius_mm() as f32,
                 start: direction_of(arc.from),
-                length_mm,
-            })),
-        }
+            }),
+        };
+        Some(Track { length_mm, shape })
     }
 
     /// Length of the path, of a helix that of its arc in the plane, mm.
     pub fn length_mm(&self) -> f32 {
-        match self {
-            Track::Arc(ArcTrack { length_mm, .. }) | Track::Line(LineTrack { length_mm, .. }) => *length_mm,
-        }
+        self.length_mm
     }
 
-    /// Progress before the first sample: at the start, moving at `speed_mm_per_s`.
-    #[inline(always)]
-    pub fn begin(&self, speed_mm_per_s: f32) -> Progress {
-        let direction = match self {
-            Track::Arc(arc) => arc.start,
-            Track::Line(_) => [0.0; 2],
-        };
-        Progress { direction, speed_mm_per_s, ..Progress::default() }
+    /// Progress before the first sample: at the start, as fast as on the segment before.
+    pub fn begin(&self, before: &Progress) -> Progress {
+        let direction = self.start_direction();
+        Progress { direction, speed_mm_per_us: before.speed_mm_per_us, ..Progress::default() }
+    }
+
+    /// Of an arc, the unit vector from the rotation centre to its start.
+    fn start_direction(&self) -> [f32; 2] {
+        match &self.shape {
+            Shape::Arc(arc) => arc.start,
+            Shape::Line(_) => [0.0; 2],
+        }
     }
 
     /// The places at the borders of so many equal parts, for laws.
     pub fn places(&self, parts: usize) -> impl Iterator<Item = Place> {
         let part_mm = self.length_mm() / parts as f32;
-        let mut direction = self.begin(0.0).direction;
+        let mut direction = self.start_direction();
         (0..=parts).map(move |border| {
             let place = self.place(direction, border as f32 * part_mm);
-            if let Track::Arc(arc) = self {
+            if let Shape::Arc(arc) = &self.shape {
                 direction = rotate(direction, arc.turn * part_mm / arc.radius_mm);
             }
             place
@@ -159,13 +167,13 @@ impl Track {
 
     /// A place this far from the start, for laws that look at nothing else: the direction is that of the start.
     pub(crate) fn place_after(&self, travelled_mm: f32) -> Place {
-        self.place(self.begin(0.0).direction, travelled_mm)
+        self.place(self.start_direction(), travelled_mm)
     }
 
     fn place(&self, direction: [f32; 2], travelled_mm: f32) -> Place {
-        match self {
-            Track::Arc(arc) => Place::on_arc(direction, arc.turn, arc.radius_mm, travelled_mm),
-            Track::Line(line) => {
+        match &self.shape {
+            Shape::Arc(arc) => Place::on_arc(direction, arc.turn, arc.radius_mm, travelled_mm),
+            Shape::Line(line) => {
                 let [dx, dy, _] = line.direction;
                 Place::on_line([dx, dy], travelled_mm)
             }
@@ -176,19 +184,21 @@ impl Track {
     #[inline(always)]
     pub fn advance(&self, filter: &PositionFilter, progress: &mut Progress, sample: Option<&Pose>, dt: Span) {
         if let Some(position) = sample {
-            match self {
-                Track::Arc(arc) => arc.sample(progress, position),
-                Track::Line(line) => progress.sampled_mm = line.along_mm(position),
+            match &self.shape {
+                Shape::Arc(arc) => arc.sample(progress, position),
+                Shape::Line(line) => progress.sampled_mm = line.along_mm(position),
             }
         }
         let behind_mm = progress.sampled_mm - progress.travelled_mm;
         let ds_mm = match filter {
             PositionFilter::Exact => behind_mm,
-            PositionFilter::AlphaBeta(gains) => gains.step(&mut progress.speed_mm_per_s, sample.map(|_| behind_mm), dt),
+            PositionFilter::AlphaBeta(gains) => {
+                gains.step(&mut progress.speed_mm_per_us, sample.map(|_| behind_mm), dt)
+            }
         };
         // Not back, and not beyond the end.
-        let left_mm = fmath::max(self.length_mm() - progress.travelled_mm, 0.0);
-        progress.travelled_mm += fmath::min(fmath::max(ds_mm, 0.0), left_mm);
+        let ahead_mm = progress.travelled_mm + fmath::max(ds_mm, 0.0);
+        progress.travelled_mm = fmath::min(ahead_mm, self.length_mm);
     }
 }
 
@@ -230,7 +240,7 @@ impl LineTrack {
         let [to_x, to_y, to_z] = segment.end.linear;
         let part = |from, to| if length_mm > 0.0 { millimetres(to, from) / length_mm } else { 0.0 };
         let direction = [part(x, to_x), part(y, to_y), part(z, to_z)];
-        LineTrack { start: segment.start.linear, direction, length_mm }
+        LineTrack { start: segment.start.linear, direction }
     }
 
     /// Path from the start to the projection of a position.
@@ -247,16 +257,15 @@ impl LineTrack {
 
 impl AlphaBeta {
     /// The path to move on by in a tick, and the speed corrected.
-    fn step(&self, speed_mm_per_s: &mut f32, behind_mm: Option<f32>, dt: Span) -> f32 {
-        let dt_s = seconds(dt);
-        let dead_reckoned_mm = *speed_mm_per_s * dt_s;
+    fn step(&self, speed_mm_per_us: &mut f32, behind_mm: Option<f32>, dt: Span) -> f32 {
+        let dead_reckoned_mm = *speed_mm_per_us * dt.us();
         let Some(behind_mm) = behind_mm else { return dead_reckoned_mm };
         // What will have been reached at this tick, against where the sample says it was by now.
-        let residual_mm = behind_mm + *speed_mm_per_s * self.delay_s - dead_reckoned_mm; // (1)
-        if dt_s > 0.0 {
-            let speed = *speed_mm_per_s + self.beta_ratio * residual_mm / dt_s; // (2)
+        let residual_mm = behind_mm + *speed_mm_per_us * self.delay_us - dead_reckoned_mm; // (1)
+        if dt > Span(0) {
+            let speed = *speed_mm_per_us + self.beta_ratio * residual_mm / dt.us(); // (2)
             // Late samples from the segment before lie behind the start: they must not wind the speed up.
-            *speed_mm_per_s = fmath::max(speed, 0.0);
+            *speed_mm_per_us = fmath::max(speed, 0.0);
         }
         dead_reckoned_mm + self.alpha_ratio * residual_mm // (2)
     }
@@ -295,10 +304,6 @@ fn direction_of([x, y]: [Nm; 2]) -> [f32; 2] {
 
 fn millimetres(a: Nm, b: Nm) -> f32 {
     a.0.saturating_sub(b.0) as f32 * MM_PER_NM
-}
-
-fn seconds(span: Span) -> f32 {
-    span.us() / US_PER_S as f32
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::Nm;
 
 use crate::active::ActiveSegment;
-use crate::controller::{Controller, Input, State};
+use crate::controller::{Controller, Input, Sample, State};
 use crate::supervisor::input::Work;
 
 /// How near its end a segment counts as done: a few times the noise of the position.
@@ -37,7 +37,8 @@ impl Follower {
 
     /// Moves along the segment in work; true where it is done and must leave the queue.
     pub fn follow(&mut self, controller: &Controller, front: &ActiveSegment, measured: &Input) -> bool {
-        controller.follow(&mut self.way, front, measured, !self.is_entered);
+        let sample = Sample { position: measured.position.as_ref(), dt: measured.dt };
+        controller.follow(&mut self.way, front, &sample, !self.is_entered);
         self.is_entered = true;
         let is_done = is_done(front, &self.way, measured.position.as_ref());
         if is_done {

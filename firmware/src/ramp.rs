@@ -1,15 +1,15 @@
-//! From a wished ratio to an override the control can follow: clamp, slew, rounding to the thin side.
+//! From a wanted ratio to an override the control can follow: bounds, slew, rounding to the thin side.
 //!
-//! No law can violate these bounds, because every law's wish passes through here. The slew bounds how fast the *feed*
-//! changes. Where a new block brings another programmed feed, the ratio that keeps the feed is carried over, no lower
-//! than 100 % (safe by policy), and a wish below it takes effect at once: a block boundary never thickens a chip.
+//! Nothing is put out that has not passed through here: a wanted ratio becomes a target within the bounds, the level goes
+//! there by the slew, and the last stage rounds it down to a step of the control, `max` at most. It knows nothing of laws,
+//! so no law and no state can get around it. The level moves at once only where its caller says so: falls that are due at
+//! once, and block boundaries, where another programmed feed would change the feed in effect ([`Level::carry`]).
 
 use arcfeed_shared::fmath;
 use arcfeed_shared::job::OverrideLimits;
-use arcfeed_shared::machine::LimitedBy;
 use arcfeed_shared::units::{PERCENT, Span, US_PER_S};
 
-/// A wish this part below a step counts as on it: against losing a whole step to f32 rounding.
+/// A level this part below a step counts as on it: against losing a whole step to f32 rounding.
 const STEP_TOLERANCE_RATIO: f32 = 5e-6;
 
 /// An override as the control takes it, whole per cent.
@@ -30,43 +30,32 @@ impl FeedOverride {
 pub struct Ramp {
     min_ratio: f32,
     max_ratio: f32,
-    min_percent: i32,
-    step_percent: i32,
-    /// Steps in a ratio of one, the tolerance included.
-    steps_per_ratio: f32,
-    slew: Slew,
-}
-
-/// How fast the ratio may change.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slew {
     up_ratio_per_us: f32,
     /// Negative.
     down_ratio_per_us: f32,
+    /// Steps in a ratio of one, the tolerance included.
+    steps_per_ratio: f32,
+    max_steps: u32,
+    step_percent: u32,
 }
 
-/// The ratio in effect before rounding; state.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct RampState {
+/// The ratio put out, before rounding; state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Level {
     ratio: f32,
 }
 
-/// Which bound kept the override from the wish.
+/// Which bound a wanted ratio meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Bound {
     /// None.
     Free,
-    /// The wish lies below `min`: the chip exceeds its target.
+    /// It lies below `min`: the chip exceeds its target.
     Floor,
-    /// The wish lies above `max`.
+    /// It lies above `max`.
     Ceiling,
-    /// The wish lies above what the machine can follow on this segment.
-    Machine(LimitedBy),
-    /// Still on its way.
-    Slew,
-    /// The wish is not a number: 100 %.
+    /// It is not a number: 100 %.
     NotANumber,
 }
 
@@ -80,56 +69,6 @@ pub enum LimitsError {
     Step,
     /// A slew that is not a positive number.
     Slew,
-}
-
-impl Default for RampState {
-    fn default() -> Self {
-        RampState { ratio: 1.0 }
-    }
-}
-
-impl RampState {
-    /// The ratio in effect.
-    pub fn ratio(&self) -> f32 {
-        self.ratio
-    }
-
-    /// Goes on from `ratio`, which the caller keeps within the bounds of what it puts out.
-    pub fn force(&mut self, ratio: f32) {
-        self.ratio = ratio;
-    }
-}
-
-impl Slew {
-    /// The slew of bounds that are positive numbers.
-    pub fn new(limits: &OverrideLimits) -> Self {
-        let per_us = |percent_per_s: f32| percent_per_s / PERCENT / US_PER_S as f32;
-        Slew {
-            up_ratio_per_us: per_us(limits.slew_up_percent_per_s),
-            down_ratio_per_us: -per_us(limits.slew_down_percent_per_s),
-        }
-    }
-
-    /// The largest rise in a span.
-    #[inline(always)]
-    pub fn rise(&self, dt: Span) -> f32 {
-        self.up_ratio_per_us * dt.us()
-    }
-
-    /// From `ratio` towards a target, by no more than a rise and a fall in these spans.
-    #[inline(always)]
-    pub fn towards(&self, ratio: f32, target_ratio: f32, [rise, fall]: [Span; 2]) -> f32 {
-        let (rise, fall) = (self.rise(rise), self.down_ratio_per_us * fall.us());
-        let way = target_ratio - ratio;
-        // By the way that is left: the least number above or below would tell two who arrive by it apart.
-        if way > rise {
-            ratio + rise
-        } else if way < fall {
-            ratio + fall
-        } else {
-            target_ratio
-        }
-    }
 }
 
 impl Ramp {
@@ -149,36 +88,21 @@ impl Ramp {
         if !positive(limits.slew_up_percent_per_s) || !positive(limits.slew_down_percent_per_s) {
             return Err(LimitsError::Slew);
         }
-        let (min_ratio, max_ratio) = (f32::from(min_percent) / PERCENT, f32::from(max_percent) / PERCENT);
+        let per_us = |percent_per_s: f32| percent_per_s / PERCENT / US_PER_S as f32;
         Ok(Ramp {
-            min_ratio,
-            max_ratio,
-            min_percent: i32::from(min_percent),
-            step_percent: i32::from(step_percent),
+            min_ratio: f32::from(min_percent) / PERCENT,
+            max_ratio: f32::from(max_percent) / PERCENT,
+            up_ratio_per_us: per_us(limits.slew_up_percent_per_s),
+            down_ratio_per_us: -per_us(limits.slew_down_percent_per_s),
             steps_per_ratio: PERCENT * (1.0 + STEP_TOLERANCE_RATIO) / f32::from(step_percent),
-            slew: Slew::new(limits),
+            max_steps: u32::from(max_percent / step_percent),
+            step_percent: u32::from(step_percent),
         })
     }
 
-    /// Carries the state into a block whose programmed feed is `feed_change_ratio` times the one before.
+    /// A wanted ratio within `min` and `max`, and which of them it met.
     #[inline(always)]
-    pub fn enter_block(&self, state: &mut RampState, wanted_ratio: f32, feed_change_ratio: f32) {
-        let same_feed = fmath::max(state.ratio / feed_change_ratio, 1.0);
-        state.ratio = self.at_bound(fmath::min(wanted_ratio, same_feed)).0;
-    }
-
-    /// One tick towards `wanted_ratio` (wanted feed / programmed feed).
-    #[inline(always)]
-    pub fn step(&self, state: &mut RampState, wanted_ratio: f32, dt: Span) -> (FeedOverride, Bound) {
-        let (target_ratio, bound) = self.at_bound(wanted_ratio);
-        let ratio = self.slew.towards(state.ratio, target_ratio, [dt; 2]);
-        let arrives = ratio == target_ratio;
-        state.ratio = ratio;
-        (self.round_down(state), if arrives { bound } else { Bound::Slew })
-    }
-
-    #[inline(always)]
-    fn at_bound(&self, ratio: f32) -> (f32, Bound) {
+    pub fn bounded(&self, ratio: f32) -> (f32, Bound) {
         if ratio > self.max_ratio {
             (self.max_ratio, Bound::Ceiling)
         } else if ratio >= self.min_ratio {
@@ -190,11 +114,67 @@ impl Ramp {
         }
     }
 
-    /// The ratio in effect as the control takes it. The bounds leave 0 to 254, so whole numbers serve: the conversion drops what is left of a step.
+    /// `max`, for targets that are no law's.
+    pub fn max_ratio(&self) -> f32 {
+        self.max_ratio
+    }
+
+    /// Moves the level towards a target, up by the slew of one span and down by that of another. What is not a number becomes
+    /// the level, which puts out 0 %.
     #[inline(always)]
-    pub fn round_down(&self, state: &RampState) -> FeedOverride {
-        let steps = (state.ratio * self.steps_per_ratio) as i32;
-        FeedOverride { percent: (steps * self.step_percent).max(self.min_percent) as u8 }
+    pub fn slew(&self, level: &mut Level, target_ratio: f32, [rise, fall]: [Span; 2]) {
+        let (rise, fall) = (self.up_ratio_per_us * rise.us(), self.down_ratio_per_us * fall.us());
+        let way = target_ratio - level.ratio;
+        // By the way that is left: the least number above or below would tell two who arrive by it apart.
+        level.ratio = if way > rise {
+            level.ratio + rise
+        } else if way < fall {
+            level.ratio + fall
+        } else {
+            target_ratio
+        };
+    }
+
+    /// The level as the control takes it, on the thin side; `max` at most, and 0 for what is not a number.
+    #[inline(always)]
+    pub fn round_down(&self, level: &Level) -> FeedOverride {
+        // The conversion drops what is left of a step.
+        let steps = (level.ratio * self.steps_per_ratio) as u32;
+        FeedOverride { percent: (steps.min(self.max_steps) * self.step_percent) as u8 }
+    }
+}
+
+impl Level {
+    /// The level that a whole override stands for.
+    pub fn at(feed_override: FeedOverride) -> Self {
+        Level { ratio: f32::from(feed_override.percent) / PERCENT }
+    }
+
+    /// The ratio put out, before rounding.
+    pub fn ratio(self) -> f32 {
+        self.ratio
+    }
+
+    /// Falls at once to `ceiling_ratio` if it lies above.
+    #[inline(always)]
+    pub fn fall_to(&mut self, ceiling_ratio: f32) {
+        self.ratio = fmath::min(self.ratio, fmath::max(ceiling_ratio, 0.0));
+    }
+
+    /// Falls at once to this share of itself.
+    pub fn fall_by(&mut self, share_ratio: f32) {
+        self.fall_to(self.ratio * share_ratio);
+    }
+
+    /// Falls to zero at once.
+    pub fn stop(&mut self) {
+        self.ratio = 0.0;
+    }
+
+    /// Keeps the feed where the programmed one becomes `feed_change_ratio` times the one before, no lower than
+    /// `safe_ratio`. The caller lets it fall to what the new block wants.
+    pub fn carry(&mut self, feed_change_ratio: f32, safe_ratio: f32) {
+        self.ratio = fmath::max(self.ratio / feed_change_ratio, safe_ratio);
     }
 }
 
@@ -204,83 +184,128 @@ mod tests {
 
     const TICK: Span = Span(1_000);
 
-    fn ramp() -> Ramp {
-        Ramp::new(&OverrideLimits::default()).unwrap()
+    fn ramp(limits: OverrideLimits) -> Ramp {
+        Ramp::new(&limits).unwrap()
     }
 
-    /// The override after `ms` ticks of the same wish.
-    fn after(ramp: &Ramp, state: &mut RampState, wanted: f32, ms: usize) -> (u8, Bound) {
-        let mut last = (FeedOverride::PROGRAMMED, Bound::Free);
+    fn at(ratio: f32) -> Level {
+        Level { ratio }
+    }
+
+    /// The override after `ms` ticks towards what is wanted.
+    fn after(ramp: &Ramp, level: &mut Level, wanted: f32, ms: usize) -> u8 {
         for _ in 0..ms {
-            last = ramp.step(state, wanted, TICK);
+            ramp.slew(level, ramp.bounded(wanted).0, [TICK; 2]);
         }
-        (last.0.percent, last.1)
+        ramp.round_down(level).percent
     }
 
     #[test]
     fn it_rises_at_one_rate_and_falls_at_another() {
-        let (ramp, mut state) = (ramp(), RampState::default());
-        assert_eq!(after(&ramp, &mut state, 1.5, 505), (125, Bound::Slew));
-        assert_eq!(after(&ramp, &mut state, 1.5, 505), (150, Bound::Free));
-        assert_eq!(after(&ramp, &mut state, 1.0, 122), (125, Bound::Slew));
+        let (ramp, mut level) = (ramp(OverrideLimits::default()), at(1.0));
+        assert_eq!(after(&ramp, &mut level, 1.5, 505), 125);
+        assert_eq!(after(&ramp, &mut level, 1.5, 505), 150);
+        assert_eq!(after(&ramp, &mut level, 1.0, 122), 125);
     }
 
     #[test]
     fn half_the_tick_takes_the_same_time() {
-        let ramp = ramp();
-        let (mut whole, mut half) = (RampState::default(), RampState::default());
+        let ramp = ramp(OverrideLimits::default());
+        let (mut whole, mut half) = (at(1.0), at(1.0));
         for _ in 0..100 {
-            ramp.step(&mut whole, 1.5, Span(1_000));
-            ramp.step(&mut half, 1.5, Span(500));
-            ramp.step(&mut half, 1.5, Span(500));
+            ramp.slew(&mut whole, 1.5, [Span(1_000); 2]);
+            ramp.slew(&mut half, 1.5, [Span(500); 2]);
+            ramp.slew(&mut half, 1.5, [Span(500); 2]);
         }
         assert!((whole.ratio - half.ratio).abs() < 1e-5);
     }
 
     #[test]
+    fn a_tick_that_came_late_may_fall_further_than_it_may_rise() {
+        let (ramp, mut level) = (ramp(OverrideLimits::default()), at(1.0));
+        ramp.slew(&mut level, 2.0, [Span::from_ms(10), Span(u32::MAX)]);
+        assert!((level.ratio - 1.005).abs() < 1e-6, "{level:?}");
+        ramp.slew(&mut level, 0.1, [Span::from_ms(10), Span(u32::MAX)]);
+        assert_eq!(level.ratio, 0.1);
+    }
+
+    #[test]
     fn it_rounds_to_the_thin_side_and_loses_no_step_to_rounding() {
-        let (ramp, mut state) = (ramp(), RampState::default());
-        assert_eq!(after(&ramp, &mut state, 1.019_9, 1_000), (101, Bound::Free));
-        assert_eq!(after(&ramp, &mut state, 1.02 - f32::EPSILON, 1_000), (102, Bound::Free));
-        assert_eq!(after(&ramp, &mut state, 1.0 - f32::EPSILON, 1_000), (100, Bound::Free));
-    }
-
-    #[test]
-    fn coarser_controls_get_coarser_steps() {
-        let limits = OverrideLimits { step_percent: 10, ..OverrideLimits::default() };
-        let (ramp, mut state) = (Ramp::new(&limits).unwrap(), RampState::default());
-        assert_eq!(after(&ramp, &mut state, 1.29, 2_000), (120, Bound::Free));
-    }
-
-    #[test]
-    fn wishes_beyond_the_bounds_end_there_and_say_so() {
-        let (ramp, mut state) = (ramp(), RampState::default());
-        assert_eq!(after(&ramp, &mut state, f32::INFINITY, 5_000), (200, Bound::Ceiling));
-        assert_eq!(after(&ramp, &mut state, 0.0, 5_000), (10, Bound::Floor));
-    }
-
-    #[test]
-    fn a_wish_that_is_not_a_number_is_no_wish() {
-        let (ramp, mut state) = (ramp(), RampState::default());
-        assert_eq!(after(&ramp, &mut state, f32::INFINITY, 5_000), (200, Bound::Ceiling));
-        assert_eq!(after(&ramp, &mut state, f32::NAN, 5_000), (100, Bound::NotANumber));
-    }
-
-    #[test]
-    fn a_block_boundary_keeps_the_feed_and_never_thickens_a_chip() {
-        let ramp = ramp();
-        let enter = |ratio: f32, wanted: f32, feed_change_ratio: f32| {
-            let mut state = RampState { ratio };
-            ramp.enter_block(&mut state, wanted, feed_change_ratio);
-            state.ratio
+        let round = |ratio, step_percent| {
+            let limits = OverrideLimits { step_percent, ..OverrideLimits::default() };
+            ramp(limits).round_down(&at(ratio)).percent
         };
-        // Half the programmed feed: the ratio may double at once, up to the wish.
-        assert_eq!(enter(1.0, 1.25, 0.5), 1.25);
-        assert_eq!(enter(1.0, 2.5, 0.5), 2.0);
-        // A lower wish takes effect at once.
-        assert_eq!(enter(1.5, 1.1, 1.0), 1.1);
-        // A higher programmed feed starts at 100 %, which is safe by policy, not below.
-        assert_eq!(enter(1.2, 1.3, 3.0), 1.0);
+        for (ratio, step_percent, percent) in [
+            (1.019_9, 1, 101),
+            (1.02 - f32::EPSILON, 1, 102),
+            (1.0 - f32::EPSILON, 1, 100),
+            (1.29, 10, 120),
+            (0.09, 10, 0),
+            (1.999_9, 100, 100),
+        ] {
+            assert_eq!(round(ratio, step_percent), percent, "{ratio} in steps of {step_percent}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_put_out_beyond_max_whatever_the_level() {
+        let ramp = ramp(OverrideLimits { max_percent: 254, step_percent: 4, ..OverrideLimits::default() });
+        for (ratio, percent) in
+            [(f32::INFINITY, 252), (f32::MAX, 252), (3.0, 252), (-1.0, 0), (f32::NEG_INFINITY, 0), (f32::NAN, 0)]
+        {
+            assert_eq!(ramp.round_down(&at(ratio)).percent, percent, "{ratio}");
+        }
+    }
+
+    #[test]
+    fn wanted_ratios_beyond_the_bounds_end_there_and_what_is_no_number_is_100() {
+        let ramp = ramp(OverrideLimits::default());
+        for (wanted, bounded) in [
+            (f32::INFINITY, (2.0, Bound::Ceiling)),
+            (2.0, (2.0, Bound::Free)),
+            (0.1, (0.1, Bound::Free)),
+            (0.0, (0.1, Bound::Floor)),
+            (f32::NEG_INFINITY, (0.1, Bound::Floor)),
+            (f32::NAN, (1.0, Bound::NotANumber)),
+        ] {
+            assert_eq!(ramp.bounded(wanted), bounded, "{wanted}");
+        }
+    }
+
+    #[test]
+    fn a_target_that_is_no_number_puts_out_nothing() {
+        let (ramp, mut level) = (ramp(OverrideLimits::default()), at(1.9));
+        ramp.slew(&mut level, f32::NAN, [TICK; 2]);
+        assert_eq!(ramp.round_down(&level).percent, 0);
+        level.fall_to(1.0);
+        assert_eq!(ramp.round_down(&level).percent, 100);
+    }
+
+    #[test]
+    fn it_falls_at_once_where_that_is_asked_for_and_never_rises_so() {
+        let mut level = at(1.5);
+        level.fall_to(1.6);
+        assert_eq!(level.ratio, 1.5);
+        level.fall_to(1.2);
+        assert_eq!(level.ratio, 1.2);
+        level.fall_by(0.5);
+        assert_eq!(level.ratio, 0.6);
+        level.fall_to(-1.0);
+        assert_eq!(level.ratio, 0.0);
+    }
+
+    #[test]
+    fn a_block_boundary_keeps_the_feed_or_takes_what_is_safe() {
+        let carried = |ratio: f32, feed_change_ratio: f32, safe_ratio: f32| {
+            let mut level = at(ratio);
+            level.carry(feed_change_ratio, safe_ratio);
+            level.ratio
+        };
+        // Half the programmed feed: twice the ratio.
+        assert_eq!(carried(1.25, 0.5, 1.0), 2.5);
+        // A higher programmed feed begins at 100 %, or the operator's share, not below.
+        assert_eq!(carried(1.2, 3.0, 1.0), 1.0);
+        assert_eq!(carried(1.2, 3.0, 0.6), 0.6);
     }
 
     #[test]

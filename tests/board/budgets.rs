@@ -14,7 +14,7 @@ const FLASH_MAX: u32 = 53 * 1024;
 const RAM_MAX: u32 = 4 * 1024 + 768;
 const STACK_MAX: u32 = 12 * 1024 + 768;
 /// Bytes of stack of the tick itself.
-const TICK_STACK_MAX: u32 = 384;
+const TICK_STACK_MAX: u32 = 320;
 
 /// Where the RAM of both boards begins.
 const RAM: u32 = 0x2000_0000;

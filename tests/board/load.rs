@@ -31,7 +31,7 @@ const PATIENCE: Duration = Duration::from_secs(300);
 /// A machine with much else to do may lose a link by the wall's clock; not every time.
 const ATTEMPTS: u32 = 10;
 /// What all of a tick may take, instructions: samples, orders, supervisor, telemetry, output.
-const TICK_MAX: u32 = 1_700;
+const TICK_MAX: u32 = 1_600;
 /// Bytes of stack, of main loop and interrupts together.
 pub const STACK_MAX: u32 = 29 * 1024;
 /// From the timer's end to the tick.

@@ -7,9 +7,13 @@ use arcfeed::adapt::adapt;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_firmware::controller::{Controller, Input, State};
+use arcfeed_firmware::controller;
 use arcfeed_firmware::progress::PositionFilter;
 use arcfeed_firmware::queue::Follower;
+use arcfeed_firmware::supervisor::Supervisor;
+use arcfeed_firmware::supervisor::input::Input;
+use arcfeed_firmware::supervisor::memory::Memory;
+use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_hil_sim::control::{Control, ControlSettings};
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::block::Reading;
@@ -80,29 +84,23 @@ fn active(segment: &Segment, job: &Job) -> ActiveSegment {
     ActiveSegment::new(segment, rule, job)
 }
 
-/// What the controller says at each tick: segment, path travelled, override.
+/// What the supervisor says at each tick: segment, path travelled, override.
 fn follow(
     job: &Job,
     segments: &[Segment],
     filter: PositionFilter,
     samples: impl Iterator<Item = Option<Pose>>,
 ) -> Vec<(usize, f32, u8)> {
-    let controller = Controller::new(job).expect("the limits are sound").with_filter(filter);
-    let (mut follower, mut state, mut entered) = (Follower::default(), State::default(), None);
+    let supervisor = Supervisor::new(job, Settings::default()).expect("the limits are sound").with_filter(filter);
+    let (mut follower, mut memory) = (Follower::default(), Memory::armed());
     let mut ahead = segments.iter().map(|segment| active(segment, job)).peekable();
     let mut said = Vec::new();
     for position in samples {
-        let Some((count, segment)) = follower.in_work(ahead.peek()) else { break };
-        let input = Input { position, spindle: job.tools.first().spindle, dt: TICK.into() };
-        let output = if entered == Some(count) {
-            controller.tick(&mut state, segment, &input)
-        } else {
-            controller.begin(&mut state, segment, &input)
-        };
-        entered = Some(count);
-        let travelled_mm = state.progress().travelled_mm();
-        said.push((count as usize, travelled_mm, output.feed_override.percent));
-        if ahead.peek().is_some_and(|front| follower.follow(&controller, front, &input)) {
+        let work @ Some((count, _)) = follower.in_work(ahead.peek()) else { break };
+        let measured = controller::Input { position, spindle: job.tools.first().spindle, dt: TICK.into() };
+        let output = supervisor.tick(&mut memory, work, &Input::of(measured));
+        said.push((count as usize, memory.progress().travelled_mm(), output.feed_override.percent));
+        if ahead.peek().is_some_and(|front| follower.follow(supervisor.controller(), front, &measured)) {
             ahead.next();
         }
     }

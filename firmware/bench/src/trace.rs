@@ -1,18 +1,19 @@
-//! A long deterministic run of the controller under each law, and the hash of everything that it puts out.
+//! A long deterministic run of the supervisor under each law, and the hash of everything that it puts out.
 //!
 //! The same code makes the inputs on the desk and on the chip: scenes drawn from a seed, with rests between blocks.
 
 use core::fmt::{self, Display, Formatter};
 use core::hash::{Hash, Hasher};
 
-use arcfeed_firmware::controller::{Controller, Input, Output, Reason, State};
-use arcfeed_firmware::law::NoWish;
+use arcfeed_firmware::controller;
 use arcfeed_firmware::progress::PositionFilter;
 use arcfeed_firmware::ramp::FeedOverride;
+use arcfeed_firmware::supervisor::input::{Input, Work};
 use arcfeed_firmware::supervisor::memory::Memory;
+use arcfeed_firmware::supervisor::report::Reason;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
-use arcfeed_firmware::supervisor::{self, Supervisor};
+use arcfeed_firmware::supervisor::{Output, Supervisor};
 use arcfeed_shared::job::LawKind;
 use arcfeed_shared::stock::Stock;
 use arcfeed_shared::units::{MmPerTooth, Span};
@@ -58,8 +59,8 @@ pub struct Trace {
 }
 
 impl Trace {
-    fn count(&mut self, scene: &Scene, input: &Input, output: &Output) {
-        let is_refused = matches!(output.reason, Reason::NoWish(refusal) if refusal != NoWish::NoLaw);
+    fn count(&mut self, scene: &Scene, input: &controller::Input, output: &Output) {
+        let is_refused = matches!(output.reason, Reason::NoWish(_));
         self.refused += u32::from(is_refused);
         if output.ipt_center.is_some() {
             self.governed += 1;
@@ -88,43 +89,35 @@ impl Display for Trace {
     }
 }
 
-/// Runs [`TICKS`] ticks under a law: the controller by itself, and under a supervisor.
+/// Runs [`TICKS`] ticks under a law, twice: in surroundings where nothing ever happens, and in such where much does.
 pub fn run(choice: LawChoice) -> Trace {
     let mut random = Random::new(SEED);
     let mut hash = Fnv::default();
     let mut trace = Trace::default();
-    let (mut state, mut memory, mut begins) = (State::default(), Memory::armed(), true);
+    let (mut quiet, mut disturbed) = (Memory::armed(), Memory::armed());
     let mut scene = Scene::draw(&mut random, choice);
     let mut work = None;
     for count in 0..TICKS {
         if random.below(TICKS_PER_BLOCK) == 0 {
             scene = Scene::draw(&mut random, choice);
             work = (random.below(4) != 0).then(|| (count, scene.active()));
-            begins = true;
         }
         let measured = scene.advance(&mut random);
-        let work = work.as_ref().map(|(count, segment)| (*count, segment));
-        let controller = Controller::new(&scene.job).expect("the limits are sound").with_filter(scene.filter);
-        let output = work.map(|(_, segment)| match begins {
-            true => controller.begin(&mut state, segment, &measured),
-            false => controller.tick(&mut state, segment, &measured),
-        });
-        begins = false;
-        if let Some(output) = &output {
-            trace.count(&scene, &measured, output);
-        }
-        output.map(fields).hash(&mut hash);
+        let work: Work<'_> = work.as_ref().map(|(count, segment)| (*count, segment));
         let supervisor = Supervisor::new(&scene.job, Settings::default()).expect("the limits are sound");
         let supervisor = supervisor.with_filter(scene.filter);
-        let output = supervisor.tick(&mut memory, work, &surroundings(&mut random, measured));
-        (output.feed_override, output.reason, output.ipt_center.map(bits)).hash(&mut hash);
+        let output = supervisor.tick(&mut quiet, work, &Input::of(measured));
+        trace.count(&scene, &measured, &output);
+        fields(&output, &quiet).hash(&mut hash);
+        let output = supervisor.tick(&mut disturbed, work, &surroundings(&mut random, measured));
+        fields(&output, &disturbed).hash(&mut hash);
     }
     Trace { hash: hash.finish(), ..trace }
 }
 
 /// Nearly always quiet, with somebody who arms again before long.
-fn surroundings(random: &mut Random, measured: Input) -> supervisor::input::Input {
-    let mut input = supervisor::input::Input::of(measured);
+fn surroundings(random: &mut Random, measured: controller::Input) -> Input {
+    let mut input = Input::of(measured);
     match random.below(400) {
         0..=3 => input.signals = Signals::of_request(Request::Arm),
         4 => input.signals = Signals::of_request(*random.one_of(&[Request::Disarm, Request::Reset])),
@@ -136,8 +129,8 @@ fn surroundings(random: &mut Random, measured: Input) -> supervisor::input::Inpu
     input
 }
 
-fn fields(output: Output) -> (FeedOverride, Option<u32>, u32, Reason) {
-    (output.feed_override, output.ipt_center.map(bits), output.wanted_ratio.to_bits(), output.reason)
+fn fields(output: &Output, memory: &Memory) -> (FeedOverride, Option<u32>, u32, Reason) {
+    (output.feed_override, output.ipt_center.map(bits), memory.level().ratio().to_bits(), output.reason)
 }
 
 fn bits(MmPerTooth(mm): MmPerTooth) -> u32 {

@@ -33,7 +33,7 @@ fn travelled(track: &Track, progress: &mut Progress, sample: &Pose) -> f32 {
 
 #[test]
 fn it_follows_the_samples_and_never_goes_back() {
-    let (track, mut progress) = (quarter(), quarter().begin(0.0));
+    let (track, mut progress) = (quarter(), quarter().begin(&Progress::default()));
     for travelled_mm in [0.0, 0.03, 1.0, 20.0, 38.0] {
         let got = travelled(&track, &mut progress, &on_quarter(travelled_mm));
         assert!((f64::from(got) - travelled_mm).abs() < 2e-4, "{got} at {travelled_mm}");
@@ -55,7 +55,7 @@ fn the_places_along_an_arc_lie_on_it_and_point_along_it() {
 
 #[test]
 fn a_deviation_across_the_path_does_not_move_it() {
-    let (track, mut progress) = (quarter(), quarter().begin(0.0));
+    let (track, mut progress) = (quarter(), quarter().begin(&Progress::default()));
     let (sin, cos) = libm::sincos(0.3);
     let inside = pose(5.0 + 60.0 * sin, 60.0 * cos);
     assert!((travelled(&track, &mut progress, &inside) - 30.0).abs() < 1e-3);
@@ -63,7 +63,7 @@ fn a_deviation_across_the_path_does_not_move_it() {
 
 #[test]
 fn it_ends_with_its_segment() {
-    let (track, mut progress) = (quarter(), quarter().begin(0.0));
+    let (track, mut progress) = (quarter(), quarter().begin(&Progress::default()));
     for step in 1..=20 {
         travelled(&track, &mut progress, &on_quarter(10.0 * f64::from(step)));
     }
@@ -72,7 +72,7 @@ fn it_ends_with_its_segment() {
 
 #[test]
 fn samples_that_tremble_or_stray_add_nothing_to_the_path() {
-    let (track, mut progress) = (quarter(), quarter().begin(0.0));
+    let (track, mut progress) = (quarter(), quarter().begin(&Progress::default()));
     for step in 1..=2_000_u32 {
         let tremble_mm = 0.02 * f64::from(step % 3) - 0.02;
         travelled(&track, &mut progress, &on_quarter(0.03 * f64::from(step) + tremble_mm));
@@ -86,7 +86,7 @@ fn samples_that_tremble_or_stray_add_nothing_to_the_path() {
 
 #[test]
 fn a_sample_at_the_rotation_centre_changes_nothing() {
-    let (track, mut progress) = (quarter(), quarter().begin(0.0));
+    let (track, mut progress) = (quarter(), quarter().begin(&Progress::default()));
     assert_eq!(travelled(&track, &mut progress, &pose(5.0, 0.0)), 0.0);
 }
 
@@ -95,7 +95,7 @@ fn a_line_in_space_counts_its_whole_length() {
     let mut end = pose(3.0, 4.0);
     end.linear[2] = Nm::from_mm(12.0);
     let track = Track::new(&segment(pose(0.0, 0.0), end, Path::Line)).unwrap();
-    let mut progress = track.begin(0.0);
+    let mut progress = track.begin(&Progress::default());
     let mut middle = pose(1.5, 2.0);
     middle.linear[2] = Nm::from_mm(6.0);
     assert!((travelled(&track, &mut progress, &middle) - 6.5).abs() < 1e-5);
@@ -117,7 +117,7 @@ fn a_helix_counts_its_arc_in_the_plane_with_and_without_the_filter() {
     let track = Track::new(&segment(sample(0.0), sample(quarter_mm), Path::Arc(arc))).unwrap();
     assert!((f64::from(track.length_mm()) - quarter_mm).abs() < 1e-4);
     for filter in [PositionFilter::Exact, PositionFilter::new(0.2, Span(0)).unwrap()] {
-        let mut progress = track.begin(30.0);
+        let mut progress = track.begin(&Progress { speed_mm_per_us: 30e-6, ..Progress::default() });
         for step in 1..=5_000 {
             let seen_mm = 0.03 * f64::from(step);
             track.advance(&filter, &mut progress, Some(&sample(seen_mm)), TICK);
@@ -134,7 +134,7 @@ fn a_rapid_has_no_track() {
 #[test]
 fn without_samples_it_goes_on_at_the_speed_it_had() {
     let (track, filter) = (quarter(), PositionFilter::new(0.2, Span(0)).unwrap());
-    let mut progress = track.begin(0.0);
+    let mut progress = track.begin(&Progress::default());
     for step in 1..=500 {
         track.advance(&filter, &mut progress, Some(&on_quarter(0.03 * f64::from(step))), TICK);
     }
@@ -149,7 +149,7 @@ fn without_samples_it_goes_on_at_the_speed_it_had() {
 fn late_samples_are_made_up_for() {
     let delay = Span(4_000);
     let (track, filter) = (quarter(), PositionFilter::new(0.2, delay).unwrap());
-    let mut progress = track.begin(0.0);
+    let mut progress = track.begin(&Progress::default());
     for step in 1..=1_000 {
         let seen = 0.03 * f64::from((step - 4).max(0));
         track.advance(&filter, &mut progress, Some(&on_quarter(seen)), TICK);

@@ -60,7 +60,7 @@ pub enum Quality {
     /// Too old or invalid, but not lost: nothing changes.
     Stale,
     /// Gone.
-    Lost(Loss),
+    Lost,
 }
 
 impl Freshness {

@@ -2,11 +2,12 @@
 
 use arcfeed_shared::units::Span;
 
+use crate::active::ActiveSegment;
 use crate::controller;
-use crate::ramp::FeedOverride;
+use crate::progress::Progress;
+use crate::ramp::{FeedOverride, Level};
 
 use super::input::{Input, Quality, Work};
-use super::limits::Level;
 use super::operator::{Dial, Turn};
 use super::report::{Counters, Refusal};
 use super::sight::{Change, Sight};
@@ -52,6 +53,16 @@ impl Memory {
         &self.counters
     }
 
+    /// What is put out, before rounding.
+    pub fn level(&self) -> Level {
+        self.level
+    }
+
+    /// How far the segment in work is; of no meaning on rapids.
+    pub fn progress(&self) -> &Progress {
+        self.control.progress()
+    }
+
     /// Why an arming asked for did not become the event.
     #[inline(always)]
     pub(super) fn refusal(&mut self, event: Event, pressed: Signals) -> Option<Refusal> {
@@ -69,32 +80,24 @@ impl Memory {
         })
     }
 
-    /// Watches the segment, and keeps what must be in reserve behind one that begins.
+    /// Watches the segment, and keeps what must be in reserve behind one that begins. Answers the segment too, if it is followed
+    /// and its samples are fresh: a law may act on it.
     #[inline(always)]
-    pub(super) fn look_at(&mut self, work: Work<'_>, quality: Quality) -> Change {
-        let change = self.sight.look(work.map(|(count, _)| count), quality);
-        if let Some((_, segment)) = work.filter(|_| change.is_begin()) {
+    pub(super) fn look_at<'a>(&mut self, work: Work<'a>, quality: Quality) -> (Change, Option<&'a ActiveSegment>) {
+        let Some((count, segment)) = work else { return (self.sight.lose(), None) };
+        let change = self.sight.look(count, quality);
+        if change.is_begin() {
             self.reserve_ratio = segment.reserve_ratio();
         }
-        change
-    }
-
-    /// The ramp goes on from what is put out.
-    #[inline(always)]
-    pub(super) fn settle_ramp(&mut self) {
-        let share_ratio = self.dial.share_ratio();
-        if share_ratio > 0.0 {
-            self.control.force_ratio(self.level.ratio() / share_ratio);
-        }
+        let is_followed = self.sight.is_followed() && quality == Quality::Fresh;
+        (change, is_followed.then_some(segment))
     }
 
     /// Counts frames that were invalid since the last tick.
-    #[inline(always)]
+    #[cold]
+    #[inline(never)]
     pub(super) fn count_frames(&mut self, input: &Input) {
         let now = [input.position.invalid_in_row, input.link.invalid_in_row];
-        if now == self.invalid {
-            return;
-        }
         for (before, now) in self.invalid.into_iter().zip(now) {
             let more = if now >= before { now.saturating_sub(before) } else { now };
             self.counters.invalid_frames = self.counters.invalid_frames.saturating_add(u32::from(more));

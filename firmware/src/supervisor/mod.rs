@@ -3,7 +3,7 @@
 //! A pure state machine around [`Controller`]: no I/O, no clock; ages and `dt` are arguments. What it does row by row, and what
 //! it does not promise, is in `docs/safety.md`. Each tick goes the same way: [`settings`] judge the samples, [`operator`]
 //! reads the dial, [`sight`] watches the segment, the most important event moves the [`state`], and the state moves the
-//! level within the [`limits`] that nothing gets around.
+//! level towards its [`target`] by the [ramp](crate::ramp) that nothing gets around.
 
 pub mod signals;
 
@@ -15,24 +15,24 @@ pub mod sight;
 
 pub mod operator;
 
-pub mod limits;
-
 pub mod state;
 
 pub mod report;
 
+pub mod target;
+
 pub mod memory;
 
+use arcfeed_shared::fmath;
 use arcfeed_shared::job::{Job, OverrideLimits};
-use arcfeed_shared::units::{MmPerTooth, Span};
+use arcfeed_shared::units::{MmPerTooth, RevPerMin, Span};
 
 use crate::active::ActiveSegment;
-use crate::controller::{self, Controller};
+use crate::controller::{Controller, Sample};
 use crate::progress::PositionFilter;
-use crate::ramp::FeedOverride;
+use crate::ramp::{FeedOverride, Ramp};
 
 use input::{Input, Quality, Work};
-use limits::Limits;
 use memory::Memory;
 use operator::Turn;
 use report::{Alarm, Reason, Refusal};
@@ -40,12 +40,13 @@ use settings::{Settings, SettingsError};
 use sight::Change;
 use signals::{Inhibit, Request, Signals};
 use state::{Disarm, Event, Hold, State};
+use target::Target;
 
 /// The supervisor of one machine; config.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Supervisor {
     controller: Controller,
-    limits: Limits,
+    ramp: Ramp,
     settings: Settings,
 }
 
@@ -68,12 +69,18 @@ pub struct Output {
 
 /// What a tick sees before it decides.
 #[derive(Clone, Copy, Debug)]
-struct Seen {
+struct Seen<'a> {
     quality: Quality,
     turn: Turn,
     change: Change,
+    /// The segment in work, if it is followed and its samples are fresh: a law may act on it.
+    followed: Option<&'a ActiveSegment>,
     /// Buttons that were up before.
     pressed: Signals,
+    spindle: RevPerMin,
+    /// Since the last tick, for what rises or must last and for what falls or runs out: the former counts no more of a late tick
+    /// than of the longest one.
+    spans: [Span; 2],
 }
 
 impl Supervisor {
@@ -91,8 +98,8 @@ impl Supervisor {
     /// As of [`Supervisor::new`].
     pub fn within(limits: &OverrideLimits, settings: Settings) -> Result<Self, SettingsError> {
         settings.check()?;
-        let controller = Controller::within(limits).map_err(SettingsError::Limits)?;
-        Ok(Supervisor { controller, limits: Limits::new(limits, settings.longest_tick), settings })
+        let ramp = Ramp::new(limits).map_err(SettingsError::Limits)?;
+        Ok(Supervisor { controller: Controller::new(PositionFilter::Exact), ramp, settings })
     }
 
     /// The controller in it, for whoever follows the position with its filter.
@@ -103,7 +110,7 @@ impl Supervisor {
     /// The same supervisor for positions that are noisy, late or now and then missing.
     #[must_use]
     pub fn with_filter(self, filter: PositionFilter) -> Self {
-        Supervisor { controller: self.controller.with_filter(filter), ..self }
+        Supervisor { controller: Controller::new(filter), ..self }
     }
 
     /// What it was told of times and thresholds.
@@ -122,23 +129,22 @@ impl Supervisor {
             memory.change(event);
         }
         memory.obey(seen.turn);
-        let step = match (memory.state, event, work) {
-            (State::Running, Event::Work, Some((_, segment))) => {
-                Some(self.follow_law(memory, segment, &input.measured, (goes_on, seen.change)))
-            }
+        // Running on a segment that a law may act on: every event but `Work` would have led elsewhere.
+        let target = match (memory.state, seen.followed) {
+            (State::Running, Some(segment)) => Some(self.follow_law(memory, segment, &seen, goes_on)),
             _ => {
-                self.keep_off(memory, work, input, &seen);
+                self.keep_off(memory, &seen);
                 None
             }
         };
-        let feed_override = self.limits.round(&memory.level);
+        let feed_override = self.ramp.round_down(&memory.level);
         // A law that wants no feed at all holds the axes.
-        let halts = feed_override.percent == 0 && step.is_some();
+        let halts = feed_override.percent == 0 && target.is_some();
         if halts {
             memory.change(Event::Halt);
         }
-        let (reason, ipt_center) = match step {
-            Some(step) if !halts => (Reason::of_law(&step, memory.level.ratio()), step.ipt_center),
+        let (reason, ipt_center) = match target {
+            Some(target) if !halts => (target.reason, target.ipt_center),
             _ => (Reason::of_state(&memory.state), None),
         };
         memory.counters.take(reason);
@@ -146,23 +152,32 @@ impl Supervisor {
         Output { feed_override, state: memory.state, reason, alarm, refusal, ipt_center }
     }
 
-    /// Judges the samples, reads the dial, watches the segment, takes requests by their edge, lets time pass.
+    /// Judges the samples, reads the dial, watches the segment and the way along it, takes requests by their edge, lets time pass.
     #[inline(always)]
-    fn look(&self, memory: &mut Memory, work: Work<'_>, input: &Input) -> Seen {
+    fn look<'a>(&self, memory: &mut Memory, work: Work<'a>, input: &Input) -> Seen<'a> {
         let Settings { take_over_below_percent, take_over_drop_percent, longest_tick, .. } = self.settings;
         let quality = self.settings.quality(&input.position, &input.link);
         let turn = memory.dial.read(input.operator_percent, take_over_below_percent, take_over_drop_percent);
-        let change = memory.look_at(work, quality);
+        let (change, followed) = memory.look_at(work, quality);
         let pressed = input.signals.risen_since(memory.signals);
         memory.signals = input.signals;
-        memory.count_frames(input);
-        memory.state.elapse(quality, memory.dial, input.measured.dt, longest_tick);
-        Seen { quality, turn, change, pressed }
+        if quality == Quality::Fresh {
+            memory.invalid = [0; 2];
+        } else {
+            memory.count_frames(input);
+        }
+        let spans @ [dt, _] = [input.measured.dt.min(longest_tick), input.measured.dt];
+        memory.state.elapse(quality, memory.dial, spans);
+        if let Some(segment) = followed {
+            let sample = Sample { position: input.measured.position.as_ref(), dt };
+            self.controller.follow(&mut memory.control, segment, &sample, change.is_begin());
+        }
+        Seen { quality, turn, change, followed, pressed, spindle: input.measured.spindle, spans }
     }
 
     /// The most important thing that happens at this tick.
     #[inline(always)]
-    fn event(&self, memory: &Memory, work: Work<'_>, input: &Input, seen: &Seen) -> Event {
+    fn event(&self, memory: &Memory, work: Work<'_>, input: &Input, seen: &Seen<'_>) -> Event {
         let can_arm = || seen.quality == Quality::Fresh && memory.state.can_arm(self.settings.resync);
         if let Some(fault) = input.signals.fault() {
             Event::Fault(fault)
@@ -170,8 +185,8 @@ impl Supervisor {
             Event::Reset
         } else if seen.pressed.asks(Request::Disarm) {
             Event::Disarm
-        } else if let Quality::Lost(loss) = seen.quality {
-            Event::Lost(loss)
+        } else if seen.quality == Quality::Lost {
+            Event::Lost(self.settings.loss(&input.position, &input.link))
         } else if seen.turn == Turn::TakesOver {
             Event::Reduced { percent: input.operator_percent }
         } else if let Some(condition) = input.signals.refusing() {
@@ -180,91 +195,64 @@ impl Supervisor {
             Event::Arm
         } else if let Some(why) = input.inhibiting(work) {
             Event::Inhibit(why)
-        } else if memory.sight.is_followed() && input.signals.has(Signals::FEED_HOLD) {
+        } else if input.signals.has(Signals::FEED_HOLD) && memory.sight.is_followed() {
             Event::Hold
+        } else if seen.followed.is_some() {
+            Event::Work
         } else if seen.quality == Quality::Stale {
             Event::Stale
-        } else if memory.sight.is_followed() {
-            Event::Work
         } else {
             Event::Rest
         }
     }
 
-    /// The law's step, its wish scaled by the operator's share. The ramp goes on from what was put out; a tick that came
-    /// late moves it no further than the longest one.
+    /// Goes where the law wants it, as far as bounds, operator and slew let it.
     #[inline(always)]
-    fn follow_law(
-        &self,
-        memory: &mut Memory,
-        segment: &ActiveSegment,
-        measured: &controller::Input,
-        (goes_on, change): (bool, Change),
-    ) -> controller::Output {
-        let in_time;
-        let measured = if measured.dt > self.settings.longest_tick {
-            in_time = controller::Input { dt: self.settings.longest_tick, ..*measured };
-            &in_time
-        } else {
-            measured
-        };
-        if !goes_on {
-            memory.settle_ramp();
+    fn follow_law(&self, memory: &mut Memory, segment: &ActiveSegment, seen: &Seen<'_>, goes_on: bool) -> Target {
+        let share_ratio = memory.dial.share_ratio();
+        let travelled_mm = memory.control.progress().travelled_mm();
+        let target = Target::at(travelled_mm, segment, seen.spindle, &self.ramp, share_ratio);
+        if seen.change.is_begin() {
+            if goes_on && seen.change == Change::Begins {
+                memory.level.carry(memory.control.feed_change_ratio(), share_ratio);
+            }
+            memory.level.fall_to(target.override_ratio);
         }
-        let before_ratio = memory.control.ratio();
-        let step = self.controller.step(&mut memory.control, segment, measured, change.is_begin());
-        let ratio = memory.control.ratio();
-        if change == Change::Begins && goes_on {
-            self.carry(memory, before_ratio);
-        }
-        self.limits.follow(&mut memory.level, ratio * memory.dial.share_ratio(), measured.dt);
-        step
+        self.ramp.slew(&mut memory.level, target.override_ratio, seen.spans);
+        let is_there = memory.level.ratio() == target.override_ratio;
+        Target { reason: if is_there { target.reason } else { Reason::Law }, ..target }
     }
 
-    /// The level keeps the feed at a block boundary where the ramp rose from `before_ratio` for it.
-    #[inline(never)]
-    fn carry(&self, memory: &mut Memory, before_ratio: f32) {
-        let ratio = memory.control.ratio();
-        if ratio > before_ratio && before_ratio > 0.0 {
-            self.limits.carry(&mut memory.level, ratio / before_ratio);
-        }
-    }
-
-    /// Moves the level where no law does, and keeps the way along the segment up to date.
+    /// Moves the level where no law does.
     #[inline(always)]
-    fn keep_off(&self, memory: &mut Memory, work: Work<'_>, input: &Input, seen: &Seen) {
+    fn keep_off(&self, memory: &mut Memory, seen: &Seen<'_>) {
         if seen.change != Change::Same && !memory.hands_over_to_dial() {
             memory.level.fall_to(1.0);
         }
-        self.move_level(memory, input.measured.dt);
-        if let Some((_, segment)) = work.filter(|_| memory.sight.is_followed()) {
-            let begins = seen.change.is_begin();
-            if begins || seen.quality == Quality::Fresh {
-                self.controller.follow(&mut memory.control, segment, &input.measured, begins);
-            }
-        }
+        self.move_level(memory, seen.spans);
     }
 
-    fn move_level(&self, memory: &mut Memory, dt: Span) {
-        let (dial_ratio, share_ratio) = (memory.dial.ratio(), memory.dial.share_ratio());
-        let ready = share_ratio * (1.0 - memory.reserve_ratio);
+    fn move_level(&self, memory: &mut Memory, spans: [Span; 2]) {
+        let share_ratio = memory.dial.share_ratio();
+        let dial_ratio = fmath::min(memory.dial.ratio(), self.ramp.max_ratio());
         let level = &mut memory.level;
-        match memory.state {
-            State::Faulted { .. } => level.stop(),
-            State::Running | State::Holding { cause: Hold::ZeroOverride } => {}
-            State::Fallback { keep, .. } if keep > Span(0) => {}
-            State::Holding { cause: Hold::Feed } => self.limits.slew(level, level.ratio().min(share_ratio), dt),
+        let target_ratio = match memory.state {
+            State::Faulted { .. } => return level.stop(),
+            State::Running | State::Holding { cause: Hold::ZeroOverride } => return,
+            State::Fallback { keep, .. } if keep > Span(0) => return,
+            State::Holding { cause: Hold::Feed } => fmath::min(level.ratio(), share_ratio),
             // No feed that the override acts on: it waits at what the next block can begin with.
             State::Armed | State::Inhibited { why: Inhibit::NoFeed | Inhibit::Rapid } => {
-                self.limits.follow(level, ready, dt);
+                let ready_ratio = share_ratio * (1.0 - memory.reserve_ratio);
+                level.fall_to(ready_ratio);
+                ready_ratio
             }
             State::Inhibited { .. } | State::Fallback { .. } | State::Disarmed { by: Disarm::Condition(_) } => {
-                self.limits.slew(level, share_ratio, dt)
+                share_ratio
             }
-            State::Idle | State::Disarmed { by: Disarm::Request | Disarm::Operator { raised: true, .. } } => {
-                self.limits.slew(level, dial_ratio, dt);
-            }
-            State::Disarmed { by: Disarm::Operator { raised: false, .. } } => level.fall_to(dial_ratio),
-        }
+            State::Idle | State::Disarmed { by: Disarm::Request | Disarm::Operator { raised: true, .. } } => dial_ratio,
+            State::Disarmed { by: Disarm::Operator { raised: false, .. } } => return level.fall_to(dial_ratio),
+        };
+        self.ramp.slew(level, target_ratio, spans);
     }
 }

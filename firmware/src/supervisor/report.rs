@@ -1,12 +1,9 @@
 //! What the supervisor says about its decisions.
 
 use arcfeed_shared::fmath;
-use arcfeed_shared::machine::LimitedBy;
 use arcfeed_shared::units::PERCENT;
 
-use crate::controller;
 use crate::law::NoWish;
-use crate::ramp::Bound;
 
 use super::input::Source;
 use super::signals::{BoardFault, Condition, Inhibit, Signals};
@@ -119,27 +116,7 @@ pub struct Counters {
 }
 
 impl Reason {
-    /// The reason of a law's step; `level_ratio` is what came of it.
-    #[inline(always)]
-    pub fn of_law(step: &controller::Output, level_ratio: f32) -> Self {
-        match step.reason {
-            controller::Reason::Law | controller::Reason::Bounded(Bound::Free | Bound::Slew) => Reason::Law,
-            controller::Reason::Bounded(Bound::Floor) => {
-                Reason::Floor { chip_excess_percent: excess_percent(level_ratio, step.wanted_ratio) }
-            }
-            controller::Reason::Bounded(Bound::Ceiling) => Reason::Limited(Limit::Max),
-            controller::Reason::Bounded(Bound::Machine(LimitedBy::Axis)) => Reason::Limited(Limit::Axis),
-            controller::Reason::Bounded(Bound::Machine(LimitedBy::ArcClamp)) => Reason::Limited(Limit::ArcClamp),
-            controller::Reason::Bounded(Bound::Machine(LimitedBy::Ceiling)) => Reason::Limited(Limit::Ceiling),
-            controller::Reason::Bounded(Bound::NotANumber) => Reason::NoWish(NoWish::BadInput),
-            controller::Reason::NoWish(NoWish::NoLaw) => Reason::NoLaw,
-            controller::Reason::NoWish(why) => Reason::NoWish(why),
-            controller::Reason::Inhibited => Reason::Inhibited(Inhibit::NoFeed),
-            controller::Reason::NoSpindle => Reason::NoSpindle,
-        }
-    }
-
-    /// The reason that a state has by itself; running is told apart by the law's step.
+    /// The reason that a state has by itself; while running the target has its own.
     pub fn of_state(state: &State) -> Self {
         match *state {
             State::Idle => Reason::NotArmed,
@@ -216,7 +193,7 @@ fn count(counter: &mut u32) {
 }
 
 /// By how much `level_ratio` exceeds `wanted_ratio`, % rounded up; no excess is zero.
-fn excess_percent(level_ratio: f32, wanted_ratio: f32) -> u16 {
+pub(super) fn excess_percent(level_ratio: f32, wanted_ratio: f32) -> u16 {
     let excess_percent = (level_ratio / fmath::max(wanted_ratio, 0.0) - 1.0) * PERCENT;
     // The conversion saturates, and takes no excess for zero.
     fmath::ceil(excess_percent) as u16

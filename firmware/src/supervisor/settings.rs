@@ -117,19 +117,23 @@ impl Settings {
         }
     }
 
+    #[cold]
     #[inline(never)]
     fn quality_of_old(&self, position: &Freshness, link: &Freshness) -> Quality {
-        let is_lost = |source: &Freshness, patience: &Patience| {
-            source.age > patience.lost_after || source.invalid_in_row >= self.lost_after_frames
-        };
+        let is_lost = self.is_lost(position, &self.position) || self.is_lost(link, &self.link);
+        if is_lost { Quality::Lost } else { Quality::Stale }
+    }
+
+    /// What was lost; the position first. One of both is.
+    #[cold]
+    pub fn loss(&self, position: &Freshness, link: &Freshness) -> Loss {
         let keep = self.position.keep(position.age).min(self.link.keep(link.age));
-        if is_lost(position, &self.position) {
-            Quality::Lost(Loss { source: Source::Position, keep })
-        } else if is_lost(link, &self.link) {
-            Quality::Lost(Loss { source: Source::Link, keep })
-        } else {
-            Quality::Stale
-        }
+        let source = if self.is_lost(position, &self.position) { Source::Position } else { Source::Link };
+        Loss { source, keep }
+    }
+
+    fn is_lost(&self, source: &Freshness, patience: &Patience) -> bool {
+        source.age > patience.lost_after || source.invalid_in_row >= self.lost_after_frames
     }
 }
 
@@ -168,11 +172,15 @@ mod tests {
         assert_eq!(quality(aged(21, 0), aged(0, 0)), Quality::Stale);
         assert_eq!(quality(aged(0, 0), aged(101, 0)), Quality::Stale);
         assert_eq!(quality(aged(0, 0), aged(250, 4)), Quality::Stale);
-        let lost = |source, ms| Quality::Lost(Loss { source, keep: Span::from_ms(ms) });
-        assert_eq!(quality(aged(51, 0), aged(0, 0)), lost(Source::Position, 249));
-        assert_eq!(quality(aged(0, 0), aged(251, 0)), lost(Source::Link, 49));
-        assert_eq!(quality(aged(0, 0), aged(5, 5)), lost(Source::Link, 295));
-        assert_eq!(quality(aged(0, 0), aged(900, 0)), lost(Source::Link, 0));
-        assert_eq!(quality(aged(51, 0), aged(280, 0)), lost(Source::Position, 20));
+        for (position, link, source, keep_ms) in [
+            (aged(51, 0), aged(0, 0), Source::Position, 249),
+            (aged(0, 0), aged(251, 0), Source::Link, 49),
+            (aged(0, 0), aged(5, 5), Source::Link, 295),
+            (aged(0, 0), aged(900, 0), Source::Link, 0),
+            (aged(51, 0), aged(280, 0), Source::Position, 20),
+        ] {
+            assert_eq!(quality(position, link), Quality::Lost, "{position:?}, {link:?}");
+            assert_eq!(settings.loss(&position, &link), Loss { source, keep: Span::from_ms(keep_ms) });
+        }
     }
 }

@@ -44,21 +44,27 @@ impl Change {
 impl Sight {
     /// Takes the count of the segment in work.
     #[inline(always)]
-    pub fn look(&mut self, in_work: Option<u32>, quality: Quality) -> Change {
+    pub fn look(&mut self, count: u32, quality: Quality) -> Change {
         let before = *self;
-        *self = match (before, in_work, quality) {
-            (_, None, _) => Sight::Nothing,
-            (_, Some(count), Quality::Lost(_)) | (Sight::Unknown, Some(count), _) => Sight::Unseen(count),
-            (Sight::Unseen(same) | Sight::Followed(same), Some(count), _) if same == count => return Change::Same,
-            (_, Some(count), Quality::Fresh) => Sight::Followed(count),
-            (_, Some(count), Quality::Stale) => Sight::Awaited(count),
+        *self = match (before, quality) {
+            (_, Quality::Lost) | (Sight::Unknown, _) => Sight::Unseen(count),
+            (Sight::Unseen(same) | Sight::Followed(same), _) if same == count => return Change::Same,
+            (_, Quality::Fresh) => Sight::Followed(count),
+            (_, Quality::Stale) => Sight::Awaited(count),
         };
-        match (self.is_followed(), before.count() != self.count()) {
+        match (self.is_followed(), before.count() != Some(count)) {
             (true, true) => Change::Begins,
             (true, false) => Change::BeginsLate,
             (false, true) => Change::Boundary,
             (false, false) => Change::Same,
         }
+    }
+
+    /// Nothing is in work.
+    #[inline(always)]
+    pub fn lose(&mut self) -> Change {
+        let before = core::mem::replace(self, Sight::Nothing);
+        if before.count().is_some() { Change::Boundary } else { Change::Same }
     }
 
     /// Whether a law may act on the segment in work.
@@ -76,17 +82,16 @@ impl Sight {
 
 #[cfg(test)]
 mod tests {
-    use super::super::input::{Loss, Source};
     use super::*;
-    use arcfeed_shared::units::Span;
-
-    const LOST: Quality = Quality::Lost(Loss { source: Source::Link, keep: Span(0) });
 
     fn looks(steps: &[(Option<u32>, Quality)]) -> (Sight, Change) {
         let mut sight = Sight::default();
         let mut change = Change::Same;
         for (in_work, quality) in steps {
-            change = sight.look(*in_work, *quality);
+            change = match in_work {
+                Some(count) => sight.look(*count, *quality),
+                None => sight.lose(),
+            };
         }
         (sight, change)
     }
@@ -111,7 +116,7 @@ mod tests {
 
     #[test]
     fn a_loss_takes_the_segment_out_of_sight_until_the_next_begins() {
-        let lost = [(None, Quality::Fresh), (Some(1), Quality::Fresh), (Some(1), LOST)];
+        let lost = [(None, Quality::Fresh), (Some(1), Quality::Fresh), (Some(1), Quality::Lost)];
         assert_eq!(looks(&lost).0, Sight::Unseen(1));
         let mut steps = lost.to_vec();
         steps.push((Some(1), Quality::Fresh));

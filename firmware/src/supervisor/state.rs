@@ -146,14 +146,14 @@ impl State {
         }
     }
 
-    /// Lets time pass: `dt` for what runs out, at most `longest_tick` of it for what must last.
+    /// Lets time pass: one span for what must last, the other for what runs out.
     #[inline(always)]
-    pub fn elapse(&mut self, quality: Quality, dial: Dial, dt: Span, longest_tick: Span) {
+    pub fn elapse(&mut self, quality: Quality, dial: Dial, [lasted, passed]: [Span; 2]) {
         match self {
             State::Fallback { keep, fresh_for, .. } => {
                 let is_fresh = quality == Quality::Fresh;
-                *keep = keep.shorter_by(dt);
-                *fresh_for = if is_fresh { fresh_for.longer_by(dt.min(longest_tick)) } else { Span(0) };
+                *keep = keep.shorter_by(passed);
+                *fresh_for = if is_fresh { fresh_for.longer_by(lasted) } else { Span(0) };
             }
             State::Disarmed { by: Disarm::Operator { lowest_percent, raised } } => {
                 *raised |= dial.is_raised_from(*lowest_percent);

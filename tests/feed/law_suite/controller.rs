@@ -1,11 +1,13 @@
-//! The controller with a law in it: what leaves it is bounded, slewed and on the thin side, whatever goes in.
+//! The supervisor with a law in it: what leaves it is bounded, slewed and on the thin side, whatever goes in.
 
 use super::scenes::CircumferenceScene;
 use super::{PLAIN, Scene};
 use crate::geometry::log_between;
 use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_firmware::controller::{Controller, Input, Output, State};
-use arcfeed_firmware::law::NoWish;
+use arcfeed_firmware::controller::Input;
+use arcfeed_firmware::supervisor::memory::Memory;
+use arcfeed_firmware::supervisor::settings::Settings;
+use arcfeed_firmware::supervisor::{self, Output, Supervisor};
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::nc::modal::{Feed, Pose};
@@ -97,26 +99,29 @@ impl Setup {
     }
 
     /// One tick every `dt_us` from the start on, with what `input` makes of the plain one.
-    fn run(&self, dt_us: u64, mut input: impl FnMut(u64, Input) -> Input) -> Vec<Output> {
-        let controller = Controller::new(&self.job).expect("limits that make sense");
+    fn run(&self, dt_us: u64, input: impl FnMut(u64, Input) -> Input) -> Vec<Output> {
+        self.run_with_levels(dt_us, input).into_iter().map(|(output, _)| output).collect()
+    }
+
+    /// The same, with what is put out before rounding.
+    fn run_with_levels(&self, dt_us: u64, mut input: impl FnMut(u64, Input) -> Input) -> Vec<(Output, f64)> {
+        let supervisor = Supervisor::new(&self.job, Settings::default()).expect("limits that make sense");
         let segment = ActiveSegment::new(&self.segment, Some(&self.rule), &self.job);
-        let mut state = State::default();
+        let mut memory = Memory::armed();
         let tick = |i: u64| {
             let position = Some(self.pose(i * dt_us));
             let plain = Input { position, spindle: RevPerMin(REV_PER_MIN), dt: Span(dt_us as u32) };
-            let input = input(i * dt_us, plain);
-            if i == 1 {
-                controller.begin(&mut state, &segment, &input)
-            } else {
-                controller.tick(&mut state, &segment, &input)
-            }
+            let input = supervisor::input::Input::of(input(i * dt_us, plain));
+            let output = supervisor.tick(&mut memory, Some((0, &segment)), &input);
+            (output, f64::from(memory.level().ratio()))
         };
         (1..=DURATION_US / dt_us).map(tick).collect()
     }
 
     fn in_bounds(&self, outputs: &[Output]) -> bool {
         let limits = &self.job.limits;
-        outputs.iter().all(|output| (limits.min_percent..=limits.max_percent).contains(&output.feed_override.percent))
+        let least_percent = limits.min_percent - limits.min_percent % limits.step_percent;
+        outputs.iter().all(|output| (least_percent..=limits.max_percent).contains(&output.feed_override.percent))
     }
 }
 
@@ -144,7 +149,7 @@ fn weird_input(random: &mut Rng, plain: Input) -> Input {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_firmware::controller::Reason;
+    use arcfeed_firmware::supervisor::report::Reason;
 
     const CASES: u32 = 300;
 
@@ -173,11 +178,7 @@ mod tests {
         on_many(12, LawKind::Programmed, |random, setup| {
             let outputs = setup.run(5_000, |_, plain| weird_input(random, plain));
             assert!(outputs.iter().all(|output| output.feed_override.percent == 100), "{setup:?}");
-            assert!(
-                outputs
-                    .iter()
-                    .all(|output| output.reason == Reason::NoWish(NoWish::NoLaw) && output.ipt_center.is_none())
-            );
+            assert!(outputs.iter().all(|output| output.reason == Reason::NoLaw && output.ipt_center.is_none()));
         });
     }
 
@@ -208,18 +209,20 @@ mod tests {
     }
 
     /// The largest relative excess of the feed in effect over the feed that the law itself demands where the tool is, where no bound
-    /// keeps them apart.
+    /// keeps them apart, nor the slew on the way down.
     fn excess(setup: &Setup) -> (f64, f64) {
-        let outputs = setup.run(1_000, |_, plain| plain);
-        let excess = |(output, tick): (&Output, u64)| {
+        let ticks = setup.run_with_levels(1_000, |_, plain| plain);
+        let fall = f64::from(setup.job.limits.slew_down_percent_per_s) / 100.0 * 1e-3;
+        let excess = |(pair, tick): (&[(Output, f64)], u64)| {
+            let [(_, before), (output, level)] = pair else { return None };
             let wish = setup.scene.wish(&PLAIN, (tick * 1_000) as f64 / DURATION_US as f64).ok()?;
             let wanted = wish * f64::from(TEETH) * f64::from(REV_PER_MIN);
-            let is_free = output.reason == Reason::Law;
+            let is_free = output.reason == Reason::Law && before - level < 0.99 * fall;
             is_free.then_some((percent(output) / 100.0 * setup.feed_sent / wanted - 1.0, percent(output)))
         };
-        outputs
-            .iter()
-            .zip(1..)
+        ticks
+            .windows(2)
+            .zip(2..)
             .filter_map(excess)
             .fold((f64::NEG_INFINITY, 0.0), |one, other| if other.0 > one.0 { other } else { one })
     }
@@ -273,9 +276,11 @@ mod tests {
             let outputs =
                 setup.run(1_000, |at_us, plain| Input { position: plain.position.filter(|_| at_us < lost), ..plain });
             assert!(setup.in_bounds(&outputs));
-            // With a filter that follows the samples as they come the place stays, and so does the wish.
-            let wishes = &outputs[lost as usize / 1_000 + 1..];
-            assert!(wishes.windows(2).all(|pair| pair[0].ipt_center == pair[1].ipt_center), "{setup:?}");
+            // With a filter that follows the samples as they come the place stays, and so does the wish, which is not told while the
+            // override is below its first step and holds the axes.
+            let wishes: Vec<_> =
+                outputs[lost as usize / 1_000 + 1..].iter().filter_map(|tick| tick.ipt_center).collect();
+            assert!(wishes.windows(2).all(|pair| pair[0] == pair[1]), "{setup:?}");
         });
     }
 }

@@ -127,7 +127,7 @@ fn a_board_fault_puts_out_0_at_once_and_stays_until_a_person_resets() {
         assert_eq!(bench.run(10_000).feed_override.percent, 0);
         bench.ask(Request::Reset);
         assert_eq!(name(&bench.state()), "idle");
-        assert_eq!(bench.run(998).feed_override.percent, 50, "up to the dial by the slew");
+        assert_eq!(bench.run(999).feed_override.percent, 50, "up to the dial by the slew");
     }
 }
 

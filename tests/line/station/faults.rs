@@ -1,8 +1,12 @@
 //! Times from a fault to its safe output, measured on a board in process and compared with `docs/board-safety.md`.
 
 use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_firmware::controller::{self, Controller};
+use arcfeed_firmware::controller;
+use arcfeed_firmware::supervisor::Supervisor;
+use arcfeed_firmware::supervisor::input::Input;
+use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::report::Alarm;
+use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Signals};
 use arcfeed_firmware::supervisor::state::State;
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
@@ -69,12 +73,12 @@ fn quarter(feed: Nm) -> Segment {
 
 /// The feed of which the law wants 220 %.
 fn feed(job: &Job) -> Nm {
-    let controller = Controller::new(job).expect("the bounds are sound");
+    let supervisor = Supervisor::new(job, Settings::default()).expect("the bounds are sound");
     let probe = ActiveSegment::new(&quarter(Nm(1_000_000_000)), job.rules.first(), job);
     let measured =
         controller::Input { position: Some(start()), spindle: job.tools.first().spindle, dt: Span::from_ms(1) };
-    let mut state = controller::State::default();
-    let path = controller.begin(&mut state, &probe, &measured).ipt_center.expect("the probe meets the stock");
+    let output = supervisor.tick(&mut Memory::armed(), Some((0, &probe)), &Input::of(measured));
+    let path = output.ipt_center.expect("the probe meets the stock");
     let wanted =
         f64::from(path.0) * f64::from(job.tools.first().tool.active_teeth()) * f64::from(job.tools.first().spindle.0);
     Nm::from_mm(wanted / 2.2)

@@ -7,7 +7,7 @@ use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_firmware::controller::{self, Controller};
+use arcfeed_firmware::controller;
 use arcfeed_firmware::queue::Follower;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::Supervisor;
@@ -78,7 +78,6 @@ pub struct Board<const ROOM: usize> {
     job: Job,
     supervisor: Supervisor,
     memory: Memory,
-    controller: Controller,
     follower: Follower,
     queue: VecDeque<ActiveSegment>,
     /// Count of the segment that the axes are on.
@@ -97,7 +96,6 @@ impl<const ROOM: usize> Board<ROOM> {
             job: job.clone(),
             supervisor: Supervisor::new(job, Settings::default()).expect("sound limits"),
             memory: Memory::armed(),
-            controller: Controller::new(job).expect("sound limits"),
             follower: Follower::default(),
             queue: VecDeque::new(),
             in_work: 0,
@@ -124,7 +122,7 @@ impl<const ROOM: usize> Board<ROOM> {
 
     fn follow(&mut self, measured: &controller::Input) {
         let Some(front) = self.queue.front() else { return };
-        if self.follower.follow(&self.controller, front, measured) {
+        if self.follower.follow(self.supervisor.controller(), front, measured) {
             self.queue.pop_front();
             self.in_work = self.in_work.wrapping_add(1);
             self.executed += 1;

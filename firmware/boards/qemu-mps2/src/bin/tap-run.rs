@@ -9,7 +9,7 @@
 #![no_main]
 
 use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_firmware::controller::{self, Controller};
+use arcfeed_firmware::controller;
 use arcfeed_firmware::queue::Follower;
 use arcfeed_firmware::supervisor::Supervisor;
 use arcfeed_firmware::supervisor::input::Input;
@@ -45,7 +45,6 @@ static TAP: Handed<Line> = Handed::nothing();
 struct Tick {
     supervisor: Supervisor,
     memory: Memory,
-    controller: Controller,
     follower: Follower,
     queue: Deque<ActiveSegment, AT_HAND>,
     executed: u32,
@@ -120,7 +119,6 @@ impl Tick {
         Some(Tick {
             supervisor: Supervisor::new(job, Settings::default()).ok()?,
             memory: Memory::armed(),
-            controller: Controller::new(job).ok()?,
             follower: Follower::default(),
             queue: Deque::new(),
             executed: 0,
@@ -131,7 +129,7 @@ impl Tick {
     fn follow(&mut self, position: &Pose) {
         self.input.measured.position = Some(*position);
         let Some(segment) = self.queue.front() else { return };
-        if self.follower.follow(&self.controller, segment, &self.input.measured) {
+        if self.follower.follow(self.supervisor.controller(), segment, &self.input.measured) {
             self.queue.pop_front();
             self.executed = self.executed.wrapping_add(1);
         }

@@ -1,0 +1,90 @@
+//! The ratio to go to at a place of a segment: what the law demands there, within the machine's limits and the job's bounds.
+
+use arcfeed_shared::fmath;
+use arcfeed_shared::machine::LimitedBy;
+use arcfeed_shared::units::{MmPerTooth, RevPerMin};
+
+use crate::active::{ActiveSegment, MachineRatio};
+use crate::law::NoWish;
+use crate::ramp::{Bound, Ramp};
+
+use super::report::{Limit, Reason, excess_percent};
+use super::signals::Inhibit;
+
+/// The ratio to go to, and why.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// Of the feed to the feed as sent, the operator's share considered.
+    pub override_ratio: f32,
+    /// Why, once the level is there.
+    pub reason: Reason,
+    /// The feed per tooth at the centre wanted, along the path: what the law demands, lowered in time for what comes.
+    pub ipt_center: Option<MmPerTooth>,
+}
+
+/// What is wanted at a place, before any bound.
+#[derive(Clone, Copy, Debug)]
+struct Demand {
+    ratio: f32,
+    ipt_center: Option<MmPerTooth>,
+    reason: Reason,
+    machine: MachineRatio,
+}
+
+impl Target {
+    /// The target at a path from the segment's start, of which the operator lets a share through.
+    #[inline(always)]
+    pub fn at(travelled_mm: f32, segment: &ActiveSegment, spindle: RevPerMin, ramp: &Ramp, share_ratio: f32) -> Self {
+        let Demand { ratio: demanded_ratio, ipt_center, reason, machine } = Demand::at(travelled_mm, segment, spindle);
+        let (feasible_ratio, reason) = if machine.feed_ratio < demanded_ratio {
+            (machine.feed_ratio, Reason::Limited(Limit::of_machine(machine.by)))
+        } else {
+            (demanded_ratio, reason)
+        };
+        let (bounded_ratio, bound) = ramp.bounded(feasible_ratio);
+        let override_ratio = bounded_ratio * share_ratio;
+        let reason = match bound {
+            Bound::Free => reason,
+            Bound::Floor => Reason::Floor { chip_excess_percent: excess_percent(override_ratio, demanded_ratio) },
+            Bound::Ceiling => Reason::Limited(Limit::Max),
+            Bound::NotANumber => Reason::NoWish(NoWish::BadInput),
+        };
+        Target { override_ratio, reason, ipt_center }
+    }
+}
+
+impl Demand {
+    #[inline(always)]
+    fn at(travelled_mm: f32, segment: &ActiveSegment, spindle: RevPerMin) -> Self {
+        let (planned_ratio, answer) = segment.envelope.at(travelled_mm);
+        let ratio = planned_ratio * segment.envelope.spindle_share(spindle);
+        let as_sent = |ratio, reason| Demand { ratio, ipt_center: None, reason, machine: MachineRatio::FREE };
+        let Some(sent) = segment.sent() else { return as_sent(ratio, Reason::Inhibited(Inhibit::NoFeed)) };
+        match answer {
+            Err(NoWish::NoLaw) => as_sent(ratio, Reason::NoLaw),
+            // A spindle at rest makes no chip.
+            _ if !fmath::is_positive(spindle.0) => as_sent(1.0, Reason::NoSpindle),
+            // No feed is too high for the chip: the bounds decide.
+            Err(NoWish::ChipUnreachable) => {
+                Demand { machine: sent.machine, ..as_sent(ratio, Reason::NoWish(NoWish::ChipUnreachable)) }
+            }
+            Err(refusal) => as_sent(ratio, Reason::NoWish(refusal)),
+            Ok(()) => Demand {
+                ratio,
+                ipt_center: Some(MmPerTooth(sent.ipt_center.0 * planned_ratio)),
+                reason: Reason::Law,
+                machine: sent.machine,
+            },
+        }
+    }
+}
+
+impl Limit {
+    fn of_machine(by: LimitedBy) -> Self {
+        match by {
+            LimitedBy::Axis => Limit::Axis,
+            LimitedBy::ArcClamp => Limit::ArcClamp,
+            LimitedBy::Ceiling => Limit::Ceiling,
+        }
+    }
+}
