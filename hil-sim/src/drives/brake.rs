@@ -13,6 +13,11 @@
 
 use super::limits::PathLimits;
 
+/// What of a way counts where it has to be enough in spite of rounding.
+pub(crate) const SURE_RATIO: f64 = 0.99;
+/// Differences of speed below this ratio may be rounding.
+const WORTH_RATIO: f64 = 1e-9;
+
 /// Speed and acceleration along the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Motion {
@@ -101,6 +106,9 @@ impl Brake {
 
 /// A phase of constant jerk behind what is done already.
 fn go_on((way, motion): (f64, Motion), (jerk, lasts_s): (f64, f64)) -> (f64, Motion) {
+    if lasts_s == 0.0 {
+        return (way, motion);
+    }
     let (covered, motion) = motion.after(jerk, lasts_s);
     (way + covered, motion)
 }
@@ -128,6 +136,45 @@ pub(crate) fn fastest_into(speed: f64, way: f64, limits: &PathLimits) -> f64 {
         if p > 0.0 { 2.0 * third * libm::sinh(libm::asinh(q / (2.0 * third * third * third)) / 3.0) } else { 0.0 };
     let root = if root > 0.0 { root } else { libm::cbrt(q) };
     speed + root * root // (4)
+}
+
+/// The same, but no faster than `most`.
+pub(crate) fn fastest_within(most: f64, speed: f64, way: f64, limits: &PathLimits) -> f64 {
+    let gain = most - speed;
+    // The root is worth its price only where it decides.
+    let is_enough = || gain > WORTH_RATIO * most && way_down(most, speed, limits) < SURE_RATIO * way;
+    if gain <= 0.0 || is_enough() { most } else { fastest_into(speed, way, limits).min(most) }
+}
+
+/// The way down from one speed to another, without acceleration at either: what (3) and (4) are solved for.
+pub(crate) fn way_down(from: f64, to: f64, limits: &PathLimits) -> f64 {
+    let PathLimits { acceleration, jerk, .. } = *limits;
+    let loss = from - to;
+    if loss >= acceleration * acceleration / jerk {
+        return 0.5 * (from + to) * (loss / acceleration + acceleration / jerk);
+    }
+    (from + to) * libm::sqrt(loss / jerk)
+}
+
+/// Whether the way down to a speed is no longer than `left`, from a motion that needs the way `settled` to end accelerating.
+pub(crate) fn fits(speed: f64, from: &Motion, limits: &PathLimits, settled: f64, left: f64) -> bool {
+    let is_accelerating = from.acceleration > 0.0;
+    // Without acceleration, at no more than its speed, it goes no further; at the highest, it goes further.
+    let highest = if is_accelerating { from.settles_at(limits.jerk) } else { from.speed };
+    if highest <= speed {
+        return true;
+    }
+    // (4), squared: a cheap bound where it is not the last word.
+    let square = |from: f64| (from + speed) * (from + speed) * (from - speed);
+    let has_way = |way: f64| limits.jerk * way * way;
+    if from.acceleration >= 0.0 && left >= 0.0 && square(from.speed) * SURE_RATIO > has_way(left) {
+        return false;
+    }
+    let is_short = (highest - speed) * limits.jerk < SURE_RATIO * limits.acceleration * limits.acceleration;
+    if is_short && left > settled && square(highest) < SURE_RATIO * has_way(left - settled) {
+        return true;
+    }
+    Brake::to(speed, *from, limits).is_none_or(|brake| brake.way() <= left)
 }
 
 /// The time for a way that begins at a speed without acceleration and ends as fast as it can, but for `most`.
