@@ -6,7 +6,7 @@
 
 use std::collections::VecDeque;
 
-use crate::drives::brake::{Brake, Motion, SURE_RATIO, way_down};
+use crate::drives::brake::{Brake, Motion, surely_fits};
 use crate::drives::limits::{DriveLimits, PathLimits};
 use crate::drives::profile::{Ahead, Profile, secure};
 
@@ -135,11 +135,12 @@ impl LookAhead {
             if wanted < limits.speed {
                 ahead.push(Ahead { at, speed: wanted, is_wish: true, safe: [0.0; 2], limits, on_the_way });
             }
-            if SURE_RATIO * way_down(soon, 0.0, &on_the_way) + soon * dt_s >= at {
-                return true;
-            }
-            let brake = Brake::to(0.0, Motion { speed: soon, acceleration: acceleration.max(0.0) }, &on_the_way);
-            brake.is_some_and(|brake| brake.way() + soon * dt_s >= at)
+            let from = Motion { speed: soon, acceleration: acceleration.max(0.0) };
+            let exactly = || {
+                let brake = Brake::to(0.0, from, &on_the_way);
+                brake.is_none_or(|brake| brake.way() + soon * dt_s < at)
+            };
+            !surely_fits(0.0, &from, &on_the_way, at - soon * dt_s).unwrap_or_else(exactly)
         });
         secure(ahead);
         here

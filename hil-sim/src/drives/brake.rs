@@ -14,9 +14,10 @@
 use super::limits::PathLimits;
 
 /// What of a way counts where it has to be enough in spite of rounding.
-pub(crate) const SURE_RATIO: f64 = 0.99;
-/// Differences of speed below this ratio may be rounding.
-const WORTH_RATIO: f64 = 1e-9;
+const SURE_RATIO: f64 = 0.99;
+/// Differences below this ratio, and ways below this, are too close to decide without the exact sum.
+const CLOSE_RATIO: f64 = 1e-6;
+const CLOSE: f64 = 1e-6;
 
 /// Speed and acceleration along the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -142,12 +143,12 @@ pub(crate) fn fastest_into(speed: f64, way: f64, limits: &PathLimits) -> f64 {
 pub(crate) fn fastest_within(most: f64, speed: f64, way: f64, limits: &PathLimits) -> f64 {
     let gain = most - speed;
     // The root is worth its price only where it decides.
-    let is_enough = || gain > WORTH_RATIO * most && way_down(most, speed, limits) < SURE_RATIO * way;
+    let is_enough = || gain > CLOSE_RATIO * most && way_down(most, speed, limits) < SURE_RATIO * way;
     if gain <= 0.0 || is_enough() { most } else { fastest_into(speed, way, limits).min(most) }
 }
 
 /// The way down from one speed to another, without acceleration at either: what (3) and (4) are solved for.
-pub(crate) fn way_down(from: f64, to: f64, limits: &PathLimits) -> f64 {
+fn way_down(from: f64, to: f64, limits: &PathLimits) -> f64 {
     let PathLimits { acceleration, jerk, .. } = *limits;
     let loss = from - to;
     if loss >= acceleration * acceleration / jerk {
@@ -156,25 +157,46 @@ pub(crate) fn way_down(from: f64, to: f64, limits: &PathLimits) -> f64 {
     (from + to) * libm::sqrt(loss / jerk)
 }
 
-/// Whether the way down to a speed is no longer than `left`, from a motion that needs the way `settled` to end accelerating.
-pub(crate) fn fits(speed: f64, from: &Motion, limits: &PathLimits, settled: f64, left: f64) -> bool {
-    let is_accelerating = from.acceleration > 0.0;
-    // Without acceleration, at no more than its speed, it goes no further; at the highest, it goes further.
-    let highest = if is_accelerating { from.settles_at(limits.jerk) } else { from.speed };
+/// Whether the way down to a speed is no longer than `left`.
+pub(crate) fn fits(speed: f64, from: &Motion, limits: &PathLimits, left: f64) -> bool {
+    let exactly = || Brake::to(speed, *from, limits).is_none_or(|brake| brake.way() <= left);
+    surely_fits(speed, from, limits, left).unwrap_or_else(exactly)
+}
+
+/// The same where it needs no root: in all cases but close ones.
+///
+/// On its ramp of acceleration a motion comes from a crest without acceleration, or goes to one, t = |a|/J away:
+///
+/// ```text
+/// v' = v + |a| t/2        s' = +-(v + |a| t/3) t                              (5)
+/// ```
+///
+/// and the way down is s' and that from the crest, by (3) and (4) without their roots.
+pub(crate) fn surely_fits(speed: f64, from: &Motion, limits: &PathLimits, left: f64) -> Option<bool> {
+    let PathLimits { acceleration: most, jerk, .. } = *limits;
+    let a = from.acceleration.abs();
+    let highest = if from.acceleration > 0.0 { from.settles_at(jerk) } else { from.speed };
     if highest <= speed {
-        return true;
+        return Some(true);
     }
-    // (4), squared: a cheap bound where it is not the last word.
-    let square = |from: f64| (from + speed) * (from + speed) * (from - speed);
-    let has_way = |way: f64| limits.jerk * way * way;
-    if from.acceleration >= 0.0 && left >= 0.0 && square(from.speed) * SURE_RATIO > has_way(left) {
-        return false;
+    let ramp_s = a / jerk;
+    let (crest, way) = (from.speed + 0.5 * a * ramp_s, (from.speed + a * ramp_s / 3.0) * ramp_s); // (5)
+    let is_braking = from.acceleration < 0.0;
+    let (loss, room) = (crest - speed, if is_braking { left + way } else { left - way });
+    let eases = is_braking && (a > most || from.speed - 0.5 * a * ramp_s <= speed);
+    if eases || loss < CLOSE_RATIO * crest || room.abs() < CLOSE {
+        return None;
     }
-    let is_short = (highest - speed) * limits.jerk < SURE_RATIO * limits.acceleration * limits.acceleration;
-    if is_short && left > settled && square(highest) < SURE_RATIO * has_way(left - settled) {
-        return true;
+    if room < 0.0 {
+        return Some(false);
     }
-    Brake::to(speed, *from, limits).is_none_or(|brake| brake.way() <= left)
+    let (needed, there) = if loss * jerk >= most * most {
+        (0.5 * (crest + speed) * (loss * jerk + most * most), room * most * jerk)
+    } else {
+        ((crest + speed) * (crest + speed) * loss, jerk * room * room)
+    };
+    let is_close = (needed - there).abs() <= CLOSE_RATIO * there;
+    (!is_close).then_some(needed < there)
 }
 
 /// The time for a way that begins at a speed without acceleration and ends as fast as it can, but for `most`.

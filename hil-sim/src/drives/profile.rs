@@ -215,9 +215,8 @@ impl Profile<'_> {
         }
         for (ahead, safe) in self.kept(keep) {
             let left = ahead.at - way;
-            let settled = settles(motion, ahead);
-            let fits = |speed: f64| fits(speed, motion, &ahead.on_the_way, settled, left + EQUAL);
-            if settled <= left.max(0.0) && fits(safe) {
+            let fits = |speed: f64| fits(speed, motion, &ahead.on_the_way, left + EQUAL);
+            if settles(motion, ahead) <= left.max(0.0) && fits(safe) {
                 return true;
             }
             if !fits(ahead.speed) {
