@@ -22,6 +22,11 @@ use super::limits::PathLimits;
 const HALVINGS: usize = 26;
 /// The same of time, to a billionth of a period.
 const HALVINGS_OF_TIME: usize = 30;
+/// Accelerations over the speed that do not change it. Halved every period, they would become subnormal, which processors are
+/// slow with.
+const NO_ACCELERATION_PER_S: f64 = 1e-100;
+/// How near of a period Newton's root is taken to be.
+const NEAR_RATIO: f64 = 1e-7;
 /// Ways that agree to this are equal: far below a nanometre.
 const EQUAL: f64 = 1e-11;
 /// Periods before a stop in which its way down is followed, and how closely that has to end there.
@@ -157,7 +162,8 @@ impl Profile<'_> {
         };
         let aim = if gain < 0.0 { -of(braking) } else { of(&self.here) };
         let change = self.here.jerk * t;
-        aim.clamp(from.acceleration - change, from.acceleration + change)
+        let next = aim.clamp(from.acceleration - change, from.acceleration + change);
+        if next.abs() < NO_ACCELERATION_PER_S * from.speed { 0.0 } else { next }
     }
 
     /// What all stretches in sight allow.
@@ -261,10 +267,20 @@ impl Step {
             Course::Jerk(from, jerk) => from.after(*jerk, t_s),
             Course::Down(brake) => brake.after(t_s),
         };
+        // Newton's root spares all halvings but the last few.
+        let newton = |t_s: f64| {
+            let (covered, motion) = at(t_s);
+            t_s - (covered - way) / motion.speed
+        };
+        let root_s = newton(newton(newton(lasts_s)));
+        let near_s = NEAR_RATIO * lasts_s;
+        let is_root = at(root_s - near_s).0 < way && at(root_s + near_s).0 >= way;
         let (mut before, mut behind) = (0.0, lasts_s);
         for _ in 0..HALVINGS_OF_TIME {
             let middle = 0.5 * (before + behind);
-            if at(middle).0 < way { before = middle } else { behind = middle }
+            let is_far = is_root && (middle - root_s).abs() > near_s;
+            let is_before = if is_far { middle < root_s } else { at(middle).0 < way };
+            if is_before { before = middle } else { behind = middle }
         }
         let (way, motion) = at(behind);
         Step { way, motion, left_s: lasts_s - behind, course: self.course }
@@ -279,7 +295,7 @@ pub(crate) fn secure(ahead: &mut [Ahead]) {
             Some(behind) => fastest_within(most, behind.safe[keep], behind.at - ahead.at, &ahead.limits),
             None => 0.0,
         };
-        let limit = fastest(if ahead.is_wish { f64::INFINITY } else { ahead.speed }, 0);
+        let limit = fastest(ahead.limits.speed, 0);
         let is_one = !ahead.is_wish && behind.is_none_or(|behind| behind.safe[0] == behind.safe[1]);
         ahead.safe = [limit, if is_one { limit } else { fastest(ahead.speed, 1) }];
         behind = Some(*ahead);
