@@ -24,7 +24,7 @@ const HALVINGS: usize = 26;
 const HALVINGS_OF_TIME: usize = 30;
 /// Accelerations over the speed that do not change it. Halved every period, they would become subnormal, which processors are
 /// slow with.
-const NO_ACCELERATION_PER_S: f64 = 1e-100;
+const NO_ACCELERATION_PER_S: f64 = 1e-290;
 /// How near of a period Newton's root is taken to be.
 const NEAR_RATIO: f64 = 1e-7;
 /// Ways that agree to this are equal: far below a nanometre.
