@@ -277,4 +277,41 @@ mod tests {
         let rest = Brake::to(2.0, middle, &LIMITS).unwrap();
         assert!((first + rest.way() - brake.way()).abs() < 1e-9);
     }
+
+    #[test]
+    fn what_needs_no_root_decides_as_the_exact_way_does() {
+        let (mut decided, mut all) = (0, 0);
+        for speed in [0.0, 1e-9, 3.0, 40.0, 59.0] {
+            for from in [0.0, 1e-7, 3.1, 41.0, 60.0, 99.0] {
+                for acceleration in [-900.0, -500.0, -300.0, -1e-5, 0.0, 10.0, 499.0] {
+                    let from = Motion { speed: from, acceleration };
+                    let Some(brake) = Brake::to(speed, from, &LIMITS) else { continue };
+                    for ratio in [0.0, 0.5, 0.9999, 0.999_999_9, 1.0, 1.000_000_1, 1.0001, 2.0] {
+                        let left = brake.way() * ratio;
+                        let surely = surely_fits(speed, &from, &LIMITS, left);
+                        assert!(surely.is_none_or(|fits| fits == (brake.way() <= left)), "{from:?} to {speed}: {left}");
+                        (decided, all) = (decided + usize::from(surely.is_some()), all + 1);
+                    }
+                }
+            }
+        }
+        // The rest is close, or eases.
+        assert!(3 * decided > all, "{decided} of {all}");
+    }
+
+    #[test]
+    fn the_fastest_speed_within_a_bound_is_the_lower_of_both() {
+        for speed in [0.0, 1e-9, 0.3, 7.0, 80.0] {
+            for way in [0.0, 1e-6, 1e-3, 0.4, 5.0, 90.0] {
+                let fastest = fastest_into(speed, way, &LIMITS);
+                for most in [0.5, 0.99, 1.0 - 1e-12, 1.0, 1.0 + 1e-12, 1.01, 2.0].map(|ratio| ratio * fastest) {
+                    assert_eq!(
+                        fastest_within(most, speed, way, &LIMITS),
+                        fastest.min(most),
+                        "{way} to {speed}: {most}"
+                    );
+                }
+            }
+        }
+    }
 }
