@@ -48,25 +48,25 @@ impl FeedConditions {
         }
         FeedConditions { override_percent: PERCENT as u8, holds: self.holds && !self.holds_but_taps, ..*self }
     }
+
+    /// What becomes of a programmed speed.
+    pub fn speed_mm_per_s(&self, programmed_mm_per_s: f64) -> f64 {
+        match self.dry_run {
+            Some(feed) => f64::from(feed.0) / S_PER_MIN,
+            None => programmed_mm_per_s * f64::from(self.override_percent) / f64::from(PERCENT),
+        }
+    }
 }
 
-/// Speed along the path, mm/s, of a block that need not stop or hold.
-pub fn speed_mm_per_s(
-    travel: &Travel,
-    conditions: &FeedConditions,
-    clamp: Option<&ArcClamp>,
-    rapid_mm_per_s: f64,
-) -> f64 {
-    let Some(programmed) = travel.speed_mm_per_s() else { return rapid_mm_per_s };
-    let speed = match conditions.dry_run {
-        Some(feed) => f64::from(feed.0) / S_PER_MIN,
-        None => programmed * f64::from(conditions.override_percent) / f64::from(PERCENT),
-    };
+/// The most that a move may be run with, mm/s along the path, whatever its feed and its axes.
+pub fn most_mm_per_s(travel: &Travel, clamp: Option<&ArcClamp>, rapid_mm_per_s: f64) -> f64 {
     let limit = match (&travel.segment.path, clamp) {
-        (Path::Arc(arc), Some(clamp)) => limit_mm_per_min(clamp, arc.radius_mm()) / S_PER_MIN * travel.speed_ratio,
+        (Path::Arc(arc), Some(clamp)) if travel.programmed_mm_per_s.is_some() => {
+            limit_mm_per_min(clamp, arc.radius_mm()) / S_PER_MIN * travel.speed_ratio
+        }
         _ => f64::INFINITY,
     };
-    speed.min(limit).min(rapid_mm_per_s)
+    limit.min(rapid_mm_per_s)
 }
 
 /// The most an arc may be run with, mm/min in its plane. The control's own sum: the controller's model of it is another.

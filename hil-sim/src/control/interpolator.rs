@@ -11,11 +11,11 @@ use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{MmPerMin, S_PER_MIN};
 
-use crate::drives::limits::{AXES, DriveLimits};
+use crate::drives::limits::AXES;
 
 use super::action::{Action, Manner, ReadBlock};
 use super::feeds::FeedConditions;
-use super::leg::{Active, Advance, Conditions, Leg, Queued};
+use super::leg::{Active, Advance, Leg, MoveLimits, Queued};
 use super::look_ahead::LookAhead;
 use super::path::to_pose;
 use super::settings::ControlSettings;
@@ -64,7 +64,7 @@ impl Interpolator {
     pub fn new(settings: &ControlSettings) -> Self {
         let pace = match settings.drives {
             Some(drives) => Pace::LookAhead(LookAhead::new(drives)),
-            None => Pace::Trapezoid(Trapezoid { dynamics: settings.dynamics, speed_mm_per_s: 0.0 }),
+            None => Pace::Trapezoid(Trapezoid::new(settings.dynamics)),
         };
         Interpolator {
             pace,
@@ -117,7 +117,7 @@ impl Interpolator {
 
     /// Begins a move of a block that makes several; `count` as in [`Interpolator::take_next`], this block among them.
     pub fn begin(&mut self, segment: Segment, manner: Manner, count: usize) {
-        let leg = Leg::new(segment, self.drives(), self.dry_run_mm_per_s);
+        let leg = Leg::new(segment, &self.limits());
         let count = u32::try_from(count).unwrap_or(u32::MAX);
         if leg.travel.length_mm > 0.0 {
             self.active = Some(Active { leg, done_mm: 0.0, count, manner, ends_at_rest: true });
@@ -131,12 +131,10 @@ impl Interpolator {
             self.commanded = MmPerMin(0.0);
             return 0.0;
         };
-        let rapid_mm_per_s = self.pace.rapid_mm_per_s();
-        let conditions = Conditions { feed: conditions, arc_clamp: self.arc_clamp.as_ref(), rapid_mm_per_s };
         let travel = &active.leg.travel;
-        let asked = active.leg.wanted(&active.manner, &conditions);
+        let asked = active.leg.wanted(&active.manner, conditions);
         let wanted = asked.min(active.leg.limits.speed);
-        let feed = travel.speed_mm_per_s().map_or(0.0, |_| wanted / travel.speed_ratio);
+        let feed = travel.programmed_mm_per_s.map_or(0.0, |_| wanted / travel.speed_ratio);
         if asked > wanted && feed > 0.0 && self.limited.last().is_none_or(|limited| limited.count != active.count) {
             self.limited.push(AxisLimited {
                 count: active.count,
@@ -149,8 +147,8 @@ impl Interpolator {
         }
         self.commanded = MmPerMin((feed * S_PER_MIN) as f32);
         let advance = match &mut self.pace {
-            Pace::Trapezoid(trapezoid) => trapezoid.advance(dt_s, active, &self.queue, &conditions),
-            Pace::LookAhead(look_ahead) => look_ahead.advance(dt_s, active, &mut self.queue, &conditions),
+            Pace::Trapezoid(trapezoid) => trapezoid.advance(dt_s, active, &self.queue, conditions),
+            Pace::LookAhead(look_ahead) => look_ahead.advance(dt_s, active, &mut self.queue, conditions),
         };
         match advance {
             Advance::To(done_mm, left_s) => {
@@ -238,10 +236,16 @@ impl Interpolator {
 
     /// A move, with the corner to the one before it where both flow into each other and there is still time to round it.
     fn leg(&self, segment: Segment) -> Leg {
-        let mut leg = Leg::new(segment, self.drives(), self.dry_run_mm_per_s);
-        if let Some((drives, (before, left_mm))) = self.drives().zip(self.before()) {
-            leg.join(before, drives);
-            leg.entry = leg.entry.filter(|corner| corner.junction.half_mm < left_mm);
+        let mut leg = Leg::new(segment, &self.limits());
+        let Some((before, left_mm)) = self.before() else { return leg };
+        match &self.pace {
+            Pace::Trapezoid(trapezoid) => {
+                leg.corner_mm_per_s = trapezoid.corner_mm_per_s(&before.travel, &leg.travel);
+            }
+            Pace::LookAhead(look_ahead) => {
+                leg.join(before, &look_ahead.drives);
+                leg.entry = leg.entry.filter(|corner| corner.junction.half_mm < left_mm);
+            }
         }
         leg
     }
@@ -256,11 +260,14 @@ impl Interpolator {
         self.queue.iter().all(Queued::flows).then(|| (&active.leg, active.left_mm()))
     }
 
-    fn drives(&self) -> Option<&DriveLimits> {
-        match &self.pace {
-            Pace::Trapezoid(_) => None,
-            Pace::LookAhead(look_ahead) => Some(&look_ahead.drives),
-        }
+    /// What the settings put on every move. Where the drives are known, they set the speed at G0.
+    fn limits(&self) -> MoveLimits<'_> {
+        let (drives, rapid_mm_per_s) = match &self.pace {
+            Pace::Trapezoid(trapezoid) => (None, trapezoid.dynamics.rapid_mm_per_s),
+            Pace::LookAhead(look_ahead) => (Some(&look_ahead.drives), f64::INFINITY),
+        };
+        let (arc_clamp, dry_run_mm_per_s) = (self.arc_clamp.as_ref(), self.dry_run_mm_per_s);
+        MoveLimits { drives, arc_clamp, rapid_mm_per_s, dry_run_mm_per_s }
     }
 }
 
@@ -269,14 +276,6 @@ impl Pace {
         match self {
             Pace::Trapezoid(trapezoid) => trapezoid.speed_mm_per_s = 0.0,
             Pace::LookAhead(look_ahead) => look_ahead.rest(),
-        }
-    }
-
-    /// Speed at G0, where not the axes say it.
-    fn rapid_mm_per_s(&self) -> f64 {
-        match self {
-            Pace::Trapezoid(trapezoid) => trapezoid.dynamics.rapid_mm_per_s,
-            Pace::LookAhead(_) => f64::INFINITY,
         }
     }
 }

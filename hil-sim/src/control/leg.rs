@@ -10,7 +10,7 @@ use crate::drives::brake::time_s;
 use crate::drives::limits::{AXES, DriveLimits, PathLimits};
 
 use super::action::{Action, Manner, ReadBlock};
-use super::feeds::{FeedConditions, speed_mm_per_s};
+use super::feeds::{FeedConditions, most_mm_per_s};
 use super::junction::Junction;
 use super::path::Travel;
 use super::signals::OVERRIDE_MAX_PERCENT;
@@ -24,6 +24,23 @@ pub struct Leg {
     pub limits: PathLimits,
     /// The corner at its beginning, if the move before flows into it.
     pub entry: Option<Corner>,
+    /// Greatest speed at its beginning, where corners are passed with a jump of speed.
+    pub corner_mm_per_s: f64,
+    /// The most that the control runs it with, whatever its feed.
+    most_mm_per_s: f64,
+}
+
+/// What a control is set to that limits all moves.
+#[derive(Clone, Copy, Debug)]
+pub struct MoveLimits<'a> {
+    /// Of the axes.
+    pub drives: Option<&'a DriveLimits>,
+    /// The control's clamp on arcs.
+    pub arc_clamp: Option<&'a ArcClamp>,
+    /// Speed at G0.
+    pub rapid_mm_per_s: f64,
+    /// Speed of cutting moves in dry run.
+    pub dry_run_mm_per_s: f64,
 }
 
 /// A corner, with what the axes allow in it.
@@ -59,17 +76,6 @@ pub struct Active {
     pub ends_at_rest: bool,
 }
 
-/// What the speed of a move depends on besides the move.
-#[derive(Clone, Copy, Debug)]
-pub struct Conditions<'a> {
-    /// Override, dry run, feed hold.
-    pub feed: &'a FeedConditions,
-    /// The control's clamp on arcs.
-    pub arc_clamp: Option<&'a ArcClamp>,
-    /// Speed at G0.
-    pub rapid_mm_per_s: f64,
-}
-
 /// What a stretch of time comes to on the move in work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Advance {
@@ -81,13 +87,16 @@ pub enum Advance {
 
 impl Leg {
     /// A move that begins at rest; without drives nothing limits it.
-    pub fn new(segment: Segment, drives: Option<&DriveLimits>, dry_run_mm_per_s: f64) -> Self {
+    pub fn new(segment: Segment, limits: &MoveLimits<'_>) -> Self {
+        let MoveLimits { drives, arc_clamp, rapid_mm_per_s, dry_run_mm_per_s } = *limits;
         let travel = Travel::new(segment);
-        let programmed = travel.speed_mm_per_s();
         let fastest = f64::from(OVERRIDE_MAX_PERCENT) / f64::from(PERCENT);
+        let programmed = travel.programmed_mm_per_s;
         let most = programmed.map_or(f64::INFINITY, |speed| (speed * fastest).max(dry_run_mm_per_s));
         let limits = drives.filter(|_| travel.length_mm > 0.0).map(|drives| drives.along(&travel.bend(), most));
-        Leg { travel, limits: limits.unwrap_or(PathLimits::NONE), entry: None }
+        let most_mm_per_s = most_mm_per_s(&travel, arc_clamp, rapid_mm_per_s);
+        let limits = limits.unwrap_or(PathLimits::NONE);
+        Leg { travel, limits, entry: None, corner_mm_per_s: 0.0, most_mm_per_s }
     }
 
     /// Lets the move before flow into it, where that is faster than to stop between them.
@@ -106,7 +115,7 @@ impl Leg {
 
     /// The time from a corner, or from rest at its end, to its middle, at the programmed feed.
     fn half_s(&self, corner: Option<&Corner>) -> f64 {
-        let most = self.travel.speed_mm_per_s().unwrap_or(f64::INFINITY).min(self.limits.speed);
+        let most = self.travel.programmed_mm_per_s.unwrap_or(f64::INFINITY).min(self.limits.speed);
         let (half_mm, speed) =
             corner.map_or((0.0, 0.0), |corner| (corner.junction.half_mm, corner.limits.speed.min(most)));
         let rounding_s = if half_mm > 0.0 { half_mm / speed } else { 0.0 };
@@ -114,9 +123,9 @@ impl Leg {
     }
 
     /// The speed wanted on it, mm/s.
-    pub fn wanted(&self, manner: &Manner, conditions: &Conditions<'_>) -> f64 {
-        let feed = conditions.feed.for_manner(manner);
-        speed_mm_per_s(&self.travel, &feed, conditions.arc_clamp, conditions.rapid_mm_per_s)
+    pub fn wanted(&self, manner: &Manner, conditions: &FeedConditions) -> f64 {
+        let speed = |programmed| conditions.for_manner(manner).speed_mm_per_s(programmed).min(self.most_mm_per_s);
+        self.travel.programmed_mm_per_s.map_or(self.most_mm_per_s, speed)
     }
 }
 

@@ -6,12 +6,12 @@
 
 use std::collections::VecDeque;
 
-use crate::drives::brake::{Brake, Motion};
+use crate::drives::brake::{Brake, Motion, surely_fits};
 use crate::drives::limits::{DriveLimits, PathLimits};
 use crate::drives::profile::{Ahead, Profile, secure};
 
 use super::feeds::FeedConditions;
-use super::leg::{Active, Advance, Conditions, Queued, flowing};
+use super::leg::{Active, Advance, Queued, flowing};
 use super::stretches::{Stretch, walk};
 
 /// What is left of a way when it counts as done, far below a nanometre.
@@ -52,9 +52,7 @@ impl LookAhead {
     /// Whether the axes can keep to the corners of these moves. A corner that is read when they are on their way to a stop
     /// behind it may come too late.
     pub fn can_follow(&mut self, active: &Active, queue: &VecDeque<Queued>) -> bool {
-        let conditions =
-            Conditions { feed: &FeedConditions::PROGRAMMED, arc_clamp: None, rapid_mm_per_s: f64::INFINITY };
-        let here = self.look(0.0, active, queue, &conditions).limits;
+        let here = self.look(0.0, active, queue, &FeedConditions::PROGRAMMED).limits;
         Profile { period_s: 0.0, here, ahead: &self.ahead }.can_go_on(self.motion)
     }
 
@@ -64,16 +62,16 @@ impl LookAhead {
         dt_s: f64,
         active: &Active,
         queue: &mut VecDeque<Queued>,
-        conditions: &Conditions<'_>,
+        conditions: &FeedConditions,
     ) -> Advance {
         if let Some(over) = self.over.take() {
             return self.carried(active.done_mm + over, active, dt_s);
         }
-        if conditions.feed.stops_at_block_end {
+        if conditions.stops_at_block_end {
             self.stop_at_block_end(active, queue);
         }
         let now = self.look(dt_s, active, queue, conditions);
-        let holds = conditions.feed.for_manner(&active.manner).holds;
+        let holds = conditions.for_manner(&active.manner).holds;
         let wanted = if holds { 0.0 } else { now.wanted_mm_per_s.min(now.limits.speed) };
         let profile = Profile { period_s: dt_s, here: now.limits, ahead: &self.ahead };
         let step = profile.step(self.motion, wanted);
@@ -118,7 +116,7 @@ impl LookAhead {
     }
 
     /// Sets the stretches ahead, as far as the axes get before they can rest; answers the one that they are on.
-    fn look(&mut self, dt_s: f64, active: &Active, queue: &VecDeque<Queued>, conditions: &Conditions<'_>) -> Stretch {
+    fn look(&mut self, dt_s: f64, active: &Active, queue: &VecDeque<Queued>, conditions: &FeedConditions) -> Stretch {
         let Motion { speed, acceleration } = self.motion;
         let ahead = &mut self.ahead;
         ahead.clear();
@@ -137,8 +135,12 @@ impl LookAhead {
             if wanted < limits.speed {
                 ahead.push(Ahead { at, speed: wanted, is_wish: true, safe: [0.0; 2], limits, on_the_way });
             }
-            let brake = Brake::to(0.0, Motion { speed: soon, acceleration: acceleration.max(0.0) }, &on_the_way);
-            brake.is_some_and(|brake| brake.way() + soon * dt_s >= at)
+            let from = Motion { speed: soon, acceleration: acceleration.max(0.0) };
+            let exactly = || {
+                let brake = Brake::to(0.0, from, &on_the_way);
+                brake.is_none_or(|brake| brake.way() + soon * dt_s < at)
+            };
+            !surely_fits(0.0, &from, &on_the_way, at - soon * dt_s).unwrap_or_else(exactly)
         });
         secure(ahead);
         here

@@ -22,6 +22,8 @@ pub struct Travel {
     pub length_mm: f64,
     /// Speed along the path over the feed: above one on a helix.
     pub speed_ratio: f64,
+    /// The speed along the path that the programmed feed asks for, mm/s; `None` for rapids.
+    pub programmed_mm_per_s: Option<f64>,
     shape: Shape,
 }
 
@@ -43,16 +45,12 @@ impl Travel {
         let (linear_mm, feed_length_mm) = (segment.length_mm(), segment.feed_length_mm());
         let length_mm = if linear_mm > 0.0 { linear_mm } else { rotary_deg(&segment) };
         let speed_ratio = if feed_length_mm > 0.0 { linear_mm / feed_length_mm } else { 1.0 };
-        Travel { segment, length_mm, speed_ratio, shape }
-    }
-
-    /// The speed along the path that the programmed feed asks for, mm/s; `None` for rapids.
-    pub fn speed_mm_per_s(&self) -> Option<f64> {
-        match (&self.segment.path, self.segment.feed) {
+        let programmed_mm_per_s = match (&segment.path, segment.feed) {
             (Path::Rapid, _) | (_, Feed::Missing) => None,
-            (_, Feed::PerMinute(feed)) => Some(feed.to_mm() * self.speed_ratio / S_PER_MIN),
-            (_, Feed::InverseTime(per_min)) => Some(self.length_mm * per_min as f64 / PER_MIN_SCALE as f64 / S_PER_MIN),
-        }
+            (_, Feed::PerMinute(feed)) => Some(feed.to_mm() * speed_ratio / S_PER_MIN),
+            (_, Feed::InverseTime(per_min)) => Some(length_mm * per_min as f64 / PER_MIN_SCALE as f64 / S_PER_MIN),
+        };
+        Travel { segment, length_mm, speed_ratio, programmed_mm_per_s, shape }
     }
 
     /// Where the axes are at `ratio` (0 to 1) of the way, to whole nanometres and microdegrees.
@@ -250,7 +248,7 @@ mod tests {
         let root = libm::sqrt(2.0);
         for plane in [Plane::Xy, Plane::Zx, Plane::Yz] {
             let (travel, (first, second, normal)) = (helix(plane), plane.axes());
-            assert!((travel.speed_mm_per_s().unwrap() - 10.0 * root).abs() < 1e-8);
+            assert!((travel.programmed_mm_per_s.unwrap() - 10.0 * root).abs() < 1e-8);
             let middle = travel.pose_at(0.5).linear.map(Nm::to_mm);
             assert!((middle[first] + 10.0).abs() < 1e-6 && middle[second].abs() < 1e-6);
             assert!((middle[normal] - 5.0 - 10.0 * core::f64::consts::PI).abs() < 1e-6);
@@ -263,7 +261,7 @@ mod tests {
 
     #[test]
     fn feed_per_minute_becomes_millimetres_per_second() {
-        assert_eq!(half_turn(Turn::Cw).speed_mm_per_s(), Some(10.0));
+        assert_eq!(half_turn(Turn::Cw).programmed_mm_per_s, Some(10.0));
     }
 
     #[test]
@@ -275,7 +273,7 @@ mod tests {
             feed: Feed::InverseTime(50 * PER_MIN_SCALE),
             path: Path::Line,
         });
-        let time_s = travel.length_mm / travel.speed_mm_per_s().unwrap();
+        let time_s = travel.length_mm / travel.programmed_mm_per_s.unwrap();
         assert!((time_s - S_PER_MIN / 50.0).abs() < 1e-12);
     }
 }

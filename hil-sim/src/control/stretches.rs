@@ -5,7 +5,8 @@ use std::iter::once;
 
 use crate::drives::limits::PathLimits;
 
-use super::leg::{Active, Conditions, Queued, flowing};
+use super::feeds::FeedConditions;
+use super::leg::{Active, Queued, flowing};
 
 /// Where a stretch begins, what limits it, and the speed wanted on it.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +23,7 @@ pub struct Stretch {
 pub fn walk(
     active: &Active,
     queue: &VecDeque<Queued>,
-    conditions: &Conditions<'_>,
+    conditions: &FeedConditions,
     mut visit: impl FnMut(Stretch) -> bool,
 ) {
     let flowing = flowing(queue).take_while(|(leg, _)| leg.entry.is_some());

@@ -9,30 +9,48 @@
 use std::collections::VecDeque;
 
 use super::dynamics::Dynamics;
-use super::leg::{Active, Advance, Conditions, Queued, flowing};
+use super::feeds::FeedConditions;
+use super::leg::{Active, Advance, Queued, flowing};
 use super::path::Travel;
 
+/// What of a length counts for whether the moves in sight are enough: less than all, so that rounding does not decide it.
+const SURE_RATIO: f64 = 1.0 - 1e-6;
+
 /// The speed of the moment, under limits along the path.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Trapezoid {
     /// What limits it.
     pub dynamics: Dynamics,
     /// Along the path.
     pub speed_mm_per_s: f64,
+    ahead: Vec<Ahead>,
+}
+
+/// A move ahead.
+#[derive(Clone, Copy, Debug)]
+struct Ahead {
+    length_mm: f64,
+    /// The most at its beginning.
+    most_mm_per_s: f64,
 }
 
 impl Trapezoid {
+    /// At rest.
+    pub fn new(dynamics: Dynamics) -> Self {
+        Trapezoid { dynamics, speed_mm_per_s: 0.0, ahead: Vec::new() }
+    }
+
     /// Moves on for `dt_s` or to the end of the move.
     pub fn advance(
         &mut self,
         dt_s: f64,
         active: &Active,
         queue: &VecDeque<Queued>,
-        conditions: &Conditions<'_>,
+        conditions: &FeedConditions,
     ) -> Advance {
-        let stops = conditions.feed.stops_at_block_end || active.ends_at_rest;
-        let exit = if stops { 0.0 } else { self.exit_speed(active, queue, conditions) };
-        let feed = conditions.feed.for_manner(&active.manner);
+        let stops = conditions.stops_at_block_end || active.ends_at_rest;
+        let exit = if stops { 0.0 } else { self.exit_speed(queue, conditions) };
+        let feed = conditions.for_manner(&active.manner);
         let target = if feed.holds { 0.0 } else { active.leg.wanted(&active.manner, conditions) };
         let left_mm = active.left_mm();
         let acceleration = self.dynamics.acceleration_mm_per_s2;
@@ -57,21 +75,40 @@ impl Trapezoid {
         self.speed_mm_per_s <= self.dynamics.corner_jump_mm_per_s
     }
 
-    /// The speed the active move may end with: from the last queued move backwards to it.
-    fn exit_speed(&self, active: &Active, queue: &VecDeque<Queued>, conditions: &Conditions<'_>) -> f64 {
-        let ahead: Vec<_> = flowing(queue).collect();
+    /// The speed the active move may end with: from the last move in sight backwards to it.
+    fn exit_speed(&mut self, queue: &VecDeque<Queued>, conditions: &FeedConditions) -> f64 {
+        let behind = self.look(queue, conditions);
         let acceleration = self.dynamics.acceleration_mm_per_s2;
-        let mut speed = 0.0;
-        for (index, (leg, manner)) in ahead.iter().enumerate().rev() {
-            let before = index.checked_sub(1).map_or(&active.leg, |before| ahead[before].0);
-            speed = libm::sqrt(speed * speed + 2.0 * acceleration * leg.travel.length_mm)
-                .min(self.corner_speed(&before.travel, &leg.travel))
-                .min(leg.wanted(manner, conditions));
-        }
-        speed
+        self.ahead.iter().rev().fold(behind, |speed, ahead| {
+            libm::sqrt(speed * speed + 2.0 * acceleration * ahead.length_mm).min(ahead.most_mm_per_s)
+        })
     }
 
-    fn corner_speed(&self, before: &Travel, after: &Travel) -> f64 {
+    /// Sets the moves ahead; answers the speed behind the last of them. Where a stop further on leaves one of them at its most
+    /// in any case, that one is the last, and the speed behind it does not count.
+    fn look(&mut self, queue: &VecDeque<Queued>, conditions: &FeedConditions) -> f64 {
+        let acceleration = self.dynamics.acceleration_mm_per_s2;
+        self.ahead.clear();
+        // What the square of the speed has still to lose before a stop, and how many moves there are up to where it was least.
+        let (mut square, mut count) = (f64::INFINITY, 0);
+        for (leg, manner) in flowing(queue) {
+            let length_mm = leg.travel.length_mm;
+            let most_mm_per_s = leg.corner_mm_per_s.min(leg.wanted(manner, conditions));
+            self.ahead.push(Ahead { length_mm, most_mm_per_s });
+            if most_mm_per_s * most_mm_per_s <= square {
+                (square, count) = (most_mm_per_s * most_mm_per_s, self.ahead.len());
+            }
+            square -= SURE_RATIO * 2.0 * acceleration * length_mm;
+            if square < 0.0 {
+                self.ahead.truncate(count);
+                return f64::INFINITY;
+            }
+        }
+        0.0
+    }
+
+    /// The speed at a corner.
+    pub fn corner_mm_per_s(&self, before: &Travel, after: &Travel) -> f64 {
         let jump = (after.direction_in() - before.direction_out()).amax();
         if jump > 0.0 { self.dynamics.corner_jump_mm_per_s / jump } else { f64::INFINITY }
     }

@@ -13,6 +13,12 @@
 
 use super::limits::PathLimits;
 
+/// What of a way counts where it has to be enough in spite of rounding.
+const SURE_RATIO: f64 = 0.99;
+/// Differences below this ratio, and ways below this, are too close to decide without the exact sum.
+const CLOSE_RATIO: f64 = 1e-6;
+const CLOSE: f64 = 1e-6;
+
 /// Speed and acceleration along the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Motion {
@@ -101,6 +107,9 @@ impl Brake {
 
 /// A phase of constant jerk behind what is done already.
 fn go_on((way, motion): (f64, Motion), (jerk, lasts_s): (f64, f64)) -> (f64, Motion) {
+    if lasts_s == 0.0 {
+        return (way, motion);
+    }
     let (covered, motion) = motion.after(jerk, lasts_s);
     (way + covered, motion)
 }
@@ -128,6 +137,66 @@ pub(crate) fn fastest_into(speed: f64, way: f64, limits: &PathLimits) -> f64 {
         if p > 0.0 { 2.0 * third * libm::sinh(libm::asinh(q / (2.0 * third * third * third)) / 3.0) } else { 0.0 };
     let root = if root > 0.0 { root } else { libm::cbrt(q) };
     speed + root * root // (4)
+}
+
+/// The same, but no faster than `most`.
+pub(crate) fn fastest_within(most: f64, speed: f64, way: f64, limits: &PathLimits) -> f64 {
+    let gain = most - speed;
+    // The root is worth its price only where it decides.
+    let is_enough = || gain > CLOSE_RATIO * most && way_down(most, speed, limits) < SURE_RATIO * way;
+    if gain <= 0.0 || is_enough() { most } else { fastest_into(speed, way, limits).min(most) }
+}
+
+/// The way down from one speed to another, without acceleration at either: what (3) and (4) are solved for.
+fn way_down(from: f64, to: f64, limits: &PathLimits) -> f64 {
+    let PathLimits { acceleration, jerk, .. } = *limits;
+    let loss = from - to;
+    if loss >= acceleration * acceleration / jerk {
+        return 0.5 * (from + to) * (loss / acceleration + acceleration / jerk);
+    }
+    (from + to) * libm::sqrt(loss / jerk)
+}
+
+/// Whether the way down to a speed is no longer than `left`.
+pub(crate) fn fits(speed: f64, from: &Motion, limits: &PathLimits, left: f64) -> bool {
+    let exactly = || Brake::to(speed, *from, limits).is_none_or(|brake| brake.way() <= left);
+    surely_fits(speed, from, limits, left).unwrap_or_else(exactly)
+}
+
+/// The same where it needs no root: in all cases but close ones.
+///
+/// On its ramp of acceleration a motion comes from a crest without acceleration, or goes to one, t = |a|/J away:
+///
+/// ```text
+/// v' = v + |a| t/2        s' = +-(v + |a| t/3) t                              (5)
+/// ```
+///
+/// and the way down is s' and that from the crest, by (3) and (4) without their roots.
+pub(crate) fn surely_fits(speed: f64, from: &Motion, limits: &PathLimits, left: f64) -> Option<bool> {
+    let PathLimits { acceleration: most, jerk, .. } = *limits;
+    let a = from.acceleration.abs();
+    let highest = if from.acceleration > 0.0 { from.settles_at(jerk) } else { from.speed };
+    if highest <= speed {
+        return Some(true);
+    }
+    let ramp_s = a / jerk;
+    let (crest, way) = (from.speed + 0.5 * a * ramp_s, (from.speed + a * ramp_s / 3.0) * ramp_s); // (5)
+    let is_braking = from.acceleration < 0.0;
+    let (loss, room) = (crest - speed, if is_braking { left + way } else { left - way });
+    let eases = is_braking && (a > most || from.speed - 0.5 * a * ramp_s <= speed);
+    if eases || loss < CLOSE_RATIO * crest || room.abs() < CLOSE {
+        return None;
+    }
+    if room < 0.0 {
+        return Some(false);
+    }
+    let (needed, there) = if loss * jerk >= most * most {
+        (0.5 * (crest + speed) * (loss * jerk + most * most), room * most * jerk)
+    } else {
+        ((crest + speed) * (crest + speed) * loss, jerk * room * room)
+    };
+    let is_close = (needed - there).abs() <= CLOSE_RATIO * there;
+    (!is_close).then_some(needed < there)
 }
 
 /// The time for a way that begins at a speed without acceleration and ends as fast as it can, but for `most`.
@@ -207,5 +276,42 @@ mod tests {
         let (first, middle) = brake.after(0.05);
         let rest = Brake::to(2.0, middle, &LIMITS).unwrap();
         assert!((first + rest.way() - brake.way()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_needs_no_root_decides_as_the_exact_way_does() {
+        let (mut decided, mut all) = (0, 0);
+        for speed in [0.0, 1e-9, 3.0, 40.0, 59.0] {
+            for from in [0.0, 1e-7, 3.1, 41.0, 60.0, 99.0] {
+                for acceleration in [-900.0, -500.0, -300.0, -1e-5, 0.0, 10.0, 499.0] {
+                    let from = Motion { speed: from, acceleration };
+                    let Some(brake) = Brake::to(speed, from, &LIMITS) else { continue };
+                    for ratio in [0.0, 0.5, 0.9999, 0.999_999_9, 1.0, 1.000_000_1, 1.0001, 2.0] {
+                        let left = brake.way() * ratio;
+                        let surely = surely_fits(speed, &from, &LIMITS, left);
+                        assert!(surely.is_none_or(|fits| fits == (brake.way() <= left)), "{from:?} to {speed}: {left}");
+                        (decided, all) = (decided + usize::from(surely.is_some()), all + 1);
+                    }
+                }
+            }
+        }
+        // The rest is close, or eases.
+        assert!(3 * decided > all, "{decided} of {all}");
+    }
+
+    #[test]
+    fn the_fastest_speed_within_a_bound_is_the_lower_of_both() {
+        for speed in [0.0, 1e-9, 0.3, 7.0, 80.0] {
+            for way in [0.0, 1e-6, 1e-3, 0.4, 5.0, 90.0] {
+                let fastest = fastest_into(speed, way, &LIMITS);
+                for most in [0.5, 0.99, 1.0 - 1e-12, 1.0, 1.0 + 1e-12, 1.01, 2.0].map(|ratio| ratio * fastest) {
+                    assert_eq!(
+                        fastest_within(most, speed, way, &LIMITS),
+                        fastest.min(most),
+                        "{way} to {speed}: {most}"
+                    );
+                }
+            }
+        }
     }
 }

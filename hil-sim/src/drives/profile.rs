@@ -15,13 +15,18 @@
 //! Source: the largest reachable step that still allows a stop, found by bisection, is how Beudaert, Lavernhe, Tournier, Int.
 //! J. Machine Tools & Manufacture 57 (2012), set the feedrate; safety by ways down of constant A and J is ours.
 
-use super::brake::{Brake, Motion, fastest_into};
+use super::brake::{Brake, Motion, fastest_within, fits};
 use super::limits::PathLimits;
 
 /// Halvings of the interval of accelerations: to a hundred-millionth of the jerk's step.
 const HALVINGS: usize = 26;
 /// The same of time, to a billionth of a period.
 const HALVINGS_OF_TIME: usize = 30;
+/// Accelerations over the speed that do not change it. Halved every period, they would become subnormal, which processors are
+/// slow with.
+const NO_ACCELERATION_PER_S: f64 = 1e-290;
+/// How near of a period Newton's root is taken to be.
+const NEAR_RATIO: f64 = 1e-7;
 /// Ways that agree to this are equal: far below a nanometre.
 const EQUAL: f64 = 1e-11;
 /// Periods before a stop in which its way down is followed, and how closely that has to end there.
@@ -92,14 +97,18 @@ impl Profile<'_> {
             return last;
         }
         let best = self.with(from, self.towards(from, wanted, &self.least()));
-        let fast = self.fastest(from, best, Keep::Limits);
-        let slow = self.fastest(from, fast, Keep::Wishes);
+        let fast = self.fastest_safe(from, best, Keep::Limits);
+        if let Some(fast) = fast.filter(|_| self.ahead.iter().all(|ahead| !ahead.is_wish)) {
+            return fast;
+        }
+        let fast = fast.unwrap_or_else(|| self.hardest(from, best, Keep::Limits));
+        let slow = self.fastest_safe(from, fast, Keep::Wishes);
+        let slow = slow.unwrap_or_else(|| self.hardest(from, fast, Keep::Wishes));
         if slow == fast || self.is_safe(&slow, Keep::Limits) {
             return slow;
         }
         // A wish must not be followed into braking that the limits ahead do not allow.
-        let allowed = |step: &Step| self.is_safe(step, Keep::Limits);
-        self.between(from, [fast.motion.acceleration, slow.motion.acceleration], allowed).unwrap_or(fast)
+        self.between(from, [fast.motion.acceleration, slow.motion.acceleration], Keep::Limits).unwrap_or(fast)
     }
 
     /// Whether the axes can keep to what they are allowed, from where they are.
@@ -108,28 +117,34 @@ impl Profile<'_> {
         self.is_safe(&here, Keep::Limits)
     }
 
-    /// The fastest safe period, no faster than `best`.
-    fn fastest(&self, from: Motion, best: Step, keep: Keep) -> Step {
-        let is_safe = |step: &Step| self.is_safe(step, keep);
-        if is_safe(&best) {
-            return best;
+    /// The fastest safe period of constant jerk, no faster than `best`, if there is one.
+    fn fastest_safe(&self, from: Motion, best: Step, keep: Keep) -> Option<Step> {
+        if self.is_safe(&best, keep) {
+            return Some(best);
         }
-        // As hard as it goes, but for ending in a speed below zero where less jerk is allowed.
-        let hardest = PathLimits { jerk: self.least().jerk, ..self.here };
-        let hardest = self.towards(from, 0.0, &hardest).min(best.motion.acceleration);
-        self.between(from, [hardest, best.motion.acceleration], is_safe)
-            .or_else(|| self.way_down(from, keep))
-            .unwrap_or_else(|| self.with(from, hardest))
+        let accelerations = [self.least_acceleration(from, &best), best.motion.acceleration];
+        self.between(from, accelerations, keep)
     }
 
-    /// The last good period on the way from one acceleration to another, if the first is good.
-    fn between(&self, from: Motion, [first, last]: [f64; 2], is_good: impl Fn(&Step) -> bool) -> Option<Step> {
-        let mut best = Some(self.with(from, first)).filter(&is_good)?;
-        let (mut good, mut bad) = (first, last);
+    /// The period where none of constant jerk is safe: of a way down, or as hard as it goes.
+    fn hardest(&self, from: Motion, best: Step, keep: Keep) -> Step {
+        self.way_down(from, keep).unwrap_or_else(|| self.with(from, self.least_acceleration(from, &best)))
+    }
+
+    /// As hard as it goes, but for ending in a speed below zero where less jerk is allowed.
+    fn least_acceleration(&self, from: Motion, best: &Step) -> f64 {
+        let hardest = PathLimits { jerk: self.least().jerk, ..self.here };
+        self.towards(from, 0.0, &hardest).min(best.motion.acceleration)
+    }
+
+    /// The last safe period on the way from one acceleration to another, if the first is safe.
+    fn between(&self, from: Motion, [first, last]: [f64; 2], keep: Keep) -> Option<Step> {
+        let mut best = Some(self.with(from, first)).filter(|step| self.is_safe(step, keep))?;
+        let (mut safe, mut too_fast) = (first, last);
         for _ in 0..HALVINGS {
-            let middle = 0.5 * (good + bad);
+            let middle = 0.5 * (safe + too_fast);
             let step = self.with(from, middle);
-            if is_good(&step) { (good, best) = (middle, step) } else { bad = middle }
+            if self.is_safe(&step, keep) { (safe, best) = (middle, step) } else { too_fast = middle }
         }
         Some(best)
     }
@@ -147,7 +162,8 @@ impl Profile<'_> {
         };
         let aim = if gain < 0.0 { -of(braking) } else { of(&self.here) };
         let change = self.here.jerk * t;
-        aim.clamp(from.acceleration - change, from.acceleration + change)
+        let next = aim.clamp(from.acceleration - change, from.acceleration + change);
+        if next.abs() < NO_ACCELERATION_PER_S * from.speed { 0.0 } else { next }
     }
 
     /// What all stretches in sight allow.
@@ -199,17 +215,17 @@ impl Profile<'_> {
     /// Whether everything ahead can be kept to, and the acceleration is down in time to what each stretch allows.
     fn is_safe(&self, step: &Step, keep: Keep) -> bool {
         let Step { way, motion, .. } = step;
-        let fits = |brake: Option<Brake>, left: f64| brake.is_none_or(|brake| brake.way() <= left + EQUAL);
         let arrives = |ahead: &Ahead| arrives(motion, &ahead.limits, ahead.at - way, self.here.jerk);
-        if motion.speed < 0.0 || !self.ahead.iter().all(arrives) {
+        if motion.speed < 0.0 || !(eases(motion, &self.least()) || self.ahead.iter().all(arrives)) {
             return false;
         }
         for (ahead, safe) in self.kept(keep) {
             let left = ahead.at - way;
-            if settles(motion, ahead) <= left.max(0.0) && fits(brake_to(safe, ahead, motion), left) {
+            let fits = |speed: f64| fits(speed, motion, &ahead.on_the_way, left + EQUAL);
+            if settles(motion, ahead) <= left.max(0.0) && fits(safe) {
                 return true;
             }
-            if !fits(brake_to(ahead.speed, ahead, motion), left) {
+            if !fits(ahead.speed) {
                 return false;
             }
         }
@@ -251,10 +267,20 @@ impl Step {
             Course::Jerk(from, jerk) => from.after(*jerk, t_s),
             Course::Down(brake) => brake.after(t_s),
         };
+        // Newton's root spares all halvings but the last few.
+        let newton = |t_s: f64| {
+            let (covered, motion) = at(t_s);
+            t_s - (covered - way) / motion.speed
+        };
+        let root_s = newton(newton(newton(lasts_s)));
+        let near_s = NEAR_RATIO * lasts_s;
+        let is_root = at(root_s - near_s).0 < way && at(root_s + near_s).0 >= way;
         let (mut before, mut behind) = (0.0, lasts_s);
         for _ in 0..HALVINGS_OF_TIME {
             let middle = 0.5 * (before + behind);
-            if at(middle).0 < way { before = middle } else { behind = middle }
+            let is_far = is_root && (middle - root_s).abs() > near_s;
+            let is_before = if is_far { middle < root_s } else { at(middle).0 < way };
+            if is_before { before = middle } else { behind = middle }
         }
         let (way, motion) = at(behind);
         Step { way, motion, left_s: lasts_s - behind, course: self.course }
@@ -265,12 +291,13 @@ impl Step {
 pub(crate) fn secure(ahead: &mut [Ahead]) {
     let mut behind: Option<Ahead> = None;
     for ahead in ahead.iter_mut().rev() {
-        let fastest = |keep: usize| match behind {
-            Some(behind) => fastest_into(behind.safe[keep], behind.at - ahead.at, &ahead.limits),
+        let fastest = |most: f64, keep: usize| match behind {
+            Some(behind) => fastest_within(most, behind.safe[keep], behind.at - ahead.at, &ahead.limits),
             None => 0.0,
         };
-        let [limit, wish] = [fastest(0), fastest(1)];
-        ahead.safe = [if ahead.is_wish { limit } else { limit.min(ahead.speed) }, wish.min(ahead.speed)];
+        let limit = fastest(ahead.limits.speed, 0);
+        let is_one = !ahead.is_wish && behind.is_none_or(|behind| behind.safe[0] == behind.safe[1]);
+        ahead.safe = [limit, if is_one { limit } else { fastest(ahead.speed, 1) }];
         behind = Some(*ahead);
     }
 }
@@ -282,8 +309,17 @@ fn brake_to(speed: f64, ahead: &Ahead, from: &Motion) -> Option<Brake> {
 
 /// The way within which accelerating comes to its end, before a stretch begins: a safe speed is one without acceleration.
 fn settles(from: &Motion, ahead: &Ahead) -> f64 {
+    if from.acceleration <= 0.0 {
+        return 0.0;
+    }
     let jerk = ahead.on_the_way.jerk;
     from.after(-jerk, from.acceleration.max(0.0) / jerk).0
+}
+
+/// Whether the acceleration is already down to what all stretches allow.
+fn eases(motion: &Motion, least: &PathLimits) -> bool {
+    let a = motion.acceleration;
+    if a >= 0.0 { a <= least.acceleration } else { a >= -least.acceleration && motion.settles_at(least.jerk) >= 0.0 }
 }
 
 /// Whether the acceleration is down to what a stretch allows when it begins after `left`, easing at `jerk` before it; braking,

@@ -23,7 +23,9 @@ mod loaded;
 
 mod drawn;
 
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::thread;
 use std::time::Instant;
 
 use arcfeed_hil_sim::control::ControlSettings;
@@ -78,19 +80,17 @@ impl Simulate {
         let setup = Setup::of(&self.job, &file)?;
         let surface = self.surface(setup.as_ref())?;
         let target = setup.as_ref().map_or(Ok(None), Setup::target)?;
-        let mut watches = [(); 2].map(|()| Watch::on(setup.as_ref()));
+        let mut watches = [true, false].map(|shows| Watch::on(setup.as_ref(), shows));
         let started = Instant::now();
         let adapted = adapted(&program, &file);
         let mut rig = in_memory(&file, &adapted.text, ControllerFault::None)?;
         rig.foresee(foreseen(&program, &adapted));
         let mut before = in_memory(&file, &program.bytes(), ControllerFault::LawOff)?;
         // What has been computed is written and printed also where something behind it fails.
-        let mut ended = watches[0].run(&mut rig);
+        let [after, unadapted] = side_by_side(&mut watches, [&mut rig, &mut before]);
         let mut report = measure(&rig, &file.job);
-        report.real_time_factor = Some(rig.now().to_s() / started.elapsed().as_secs_f64());
-        if ended.is_ok() {
-            ended = watches[1].run(&mut before);
-        }
+        report.real_time_factor = Some(rig.now().to_s() / after.ended.duration_since(started).as_secs_f64());
+        let mut ended = after.result.and(unadapted.result);
         let title = format!("{}: simulated", file.program.display());
         let (mut deviation, mut marks) = (None, Vec::new());
         if ended.is_ok() {
@@ -120,6 +120,22 @@ impl Simulate {
             None => Err(Failure::Usage(format!("--surface: {} has no [workpiece] to be cut", self.job.display()))),
         }
     }
+}
+
+/// How a run ended, and when.
+struct Ended {
+    result: Result<(), Failure>,
+    ended: Instant,
+}
+
+/// Runs both to their ends, each on a thread of its own: they share nothing. Only the first shows how far it is.
+fn side_by_side([first, second]: &mut [Watch; 2], [one, other]: [&mut Rig; 2]) -> [Ended; 2] {
+    let run = |watch: &mut Watch, rig: &mut Rig| Ended { result: watch.run(rig), ended: Instant::now() };
+    thread::scope(|scope| {
+        let other = scope.spawn(|| run(second, other));
+        let one = run(first, one);
+        [one, other.join().unwrap_or_else(|panic| resume_unwind(panic))]
+    })
 }
 
 /// Adds what both runs took from the workpiece; answers the deviations from the job's target, and the marks on walls.

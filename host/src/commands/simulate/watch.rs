@@ -26,14 +26,16 @@ pub struct Watch {
     /// The override, %, from each time on.
     pub overrides: Vec<(Micros, u8)>,
     place: String,
+    /// Whether a person is told how far it is, where there is something to cut.
+    shows: bool,
 }
 
 impl Watch {
-    /// Of a run on this workpiece, if there is one.
-    pub fn on(setup: Option<&Setup<'_>>) -> Self {
+    /// Of a run on this workpiece, if there is one; whether a person is told how far it is.
+    pub fn on(setup: Option<&Setup<'_>>, shows: bool) -> Self {
         let place = setup.map_or(String::new(), |setup| setup.place.clone());
         let loads = setup.and_then(Setup::load_meter);
-        Watch { cutter: setup.map(Setup::cutter), loads, place, ..Watch::default() }
+        Watch { cutter: setup.map(Setup::cutter), loads, place, shows, ..Watch::default() }
     }
 
     /// Runs to the end.
@@ -41,7 +43,7 @@ impl Watch {
     /// # Errors
     /// The run never ends, or the stock takes more memory than it may.
     pub fn run(&mut self, rig: &mut Rig<Told>) -> Result<(), Failure> {
-        let takes_long = self.cutter.as_ref().map(|_| "cutting");
+        let takes_long = self.cutter.as_ref().filter(|_| self.shows).map(|_| "cutting");
         run_seen(rig, takes_long, |rig| self.see(rig))?;
         if let Some(cutter) = &mut self.cutter {
             cutter.end().map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
