@@ -2,11 +2,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use arcfeed_hil_sim::cutting::bite::{Bite, Stand, slices};
+use arcfeed_hil_sim::cutting::bite::{Bite, slices};
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
 use arcfeed_hil_sim::cutting::layer::Layer;
 use arcfeed_hil_sim::cutting::layers::Layers;
+use arcfeed_hil_sim::cutting::pose::Stand;
 use arcfeed_hil_sim::removal::envelope::Turned;
 use arcfeed_hil_sim::removal::marks::marks;
 use arcfeed_hil_sim::removal::trail::Of;

@@ -141,6 +141,19 @@ impl Layer {
         ray.map_or(Cow::Borrowed(&[]), section)
     }
 
+    /// The first, or the last, place in a stretch of a ray where the material is higher than a part of the layer; none beside the rays.
+    pub fn end_piece(
+        &self,
+        axis: usize,
+        ray: i64,
+        stretch: &Interval,
+        above_ratio: f64,
+        is_first: bool,
+    ) -> Option<Interval> {
+        let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len())?;
+        self.shelves[axis][ray].end_piece(&self.rays[axis][ray], stretch, above_ratio, is_first)
+    }
+
     /// Mean height of the material in a stretch of a ray, as a part of the layer's.
     pub fn mean_ratio(&self, axis: usize, ray: i64, stretch: &Interval) -> f64 {
         let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len());

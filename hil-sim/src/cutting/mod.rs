@@ -22,4 +22,6 @@ pub mod end;
 
 pub mod bite;
 
+pub mod pose;
+
 pub mod engaged;

@@ -104,8 +104,7 @@ impl Rake {
         let [first, last] =
             [from_mm[1 - axis] - margin_mm, to_mm[1 - axis] + margin_mm].map(|mm| layer.index(axis, mm));
         let rays = (first - APART_RAYS).floor() as i64..=(last + APART_RAYS).ceil() as i64;
-        let is_met = |piece: &Interval| piece.from_mm < stretch.to_mm && piece.to_mm > stretch.from_mm;
-        rays.into_iter().any(|ray| layer.section(axis, ray, &stretch, self.share.border_ratio).iter().any(is_met))
+        rays.into_iter().any(|ray| layer.end_piece(axis, ray, &stretch, self.share.border_ratio, true).is_some())
     }
 
     /// From the rake face to the material.
@@ -165,13 +164,10 @@ impl Rake {
         let root_mm =
             along(self.radius_mm - f64::from(self.side.advance()) * self.depth_mm).unwrap_or(self.center_mm[axis]);
         let (low, high) = (edge_mm.min(root_mm), edge_mm.max(root_mm));
-        let pieces = layer.section(axis, ray, &Interval::new(low, high), self.share.border_ratio);
-        let mut within = pieces.iter().filter(|piece| piece.from_mm < high && piece.to_mm > low);
-        let chip = if edge_mm > root_mm { within.next() } else { within.next_back() };
+        let chip = layer.end_piece(axis, ray, &Interval::new(low, high), self.share.border_ratio, edge_mm > root_mm);
         Some(match chip {
             None => Point { begins_mm: at(edge_mm), ends_mm: None, has_material: false, top_ratio: 1.0 },
-            Some(piece) => {
-                let (from_mm, to_mm) = (piece.from_mm.max(low), piece.to_mm.min(high));
+            Some(Interval { from_mm, to_mm }) => {
                 let (begins, ends) = if edge_mm > root_mm { (from_mm, to_mm) } else { (to_mm, from_mm) };
                 // What ends behind the rake face was cut by it: ahead of it, that chip goes on to the edge.
                 let ends_mm = Some(at(ends)).filter(|end| ends != edge_mm && self.ahead_mm(end) > AT_RAKE_MM);
