@@ -176,10 +176,11 @@ impl Edges<'_> {
                     Some((_, end)) => *end = end.with(&section),
                     None => ends.push((edge, section)),
                 }
-            } else if let Some(thickest_mm) =
-                chips_mm.get_mut(piece.tooth).filter(|_| section.width_mm >= NARROW_RATIO * piece.width_mm())
+            } else if let Some(thickest_mm) = chips_mm.get_mut(piece.tooth)
+                && section.thickness_mm > *thickest_mm
+                && section.width_mm >= NARROW_RATIO * piece.width_mm()
             {
-                *thickest_mm = thickest_mm.max(section.thickness_mm);
+                *thickest_mm = section.thickness_mm;
             }
         }
         (loads, ends.iter().map(|(_, end)| end.thickness_mm).fold(0.0, f64::max))

@@ -44,8 +44,10 @@ pub struct Bite {
     wakes: Vec<(Option<usize>, Wake)>,
     /// The solid that the edges turn, from the tip upwards.
     slices: Vec<Slice>,
-    /// Of each piece, which of them it is in.
+    /// Of each piece, which of them it is in, the sine of its lead angle, and its width.
     slice_of: Vec<usize>,
+    sines: Vec<f64>,
+    widths_mm: Vec<f64>,
     ends: Vec<EndEdge>,
     /// Where each of them was.
     faces: Vec<Option<Face>>,
@@ -123,9 +125,11 @@ impl Bite {
             (vec![Default::default(); cutter.pieces().len()], slices(&cutter), EndEdge::all(&cutter));
         let of_piece = |piece: &EdgePiece| slices.iter().position(|slice| slice.height_mm == piece.height_mm);
         let slice_of = cutter.pieces().iter().filter_map(of_piece).collect();
+        let sines = cutter.pieces().iter().map(|piece| libm::sin(piece.lead_rad)).collect();
+        let widths_mm = cutter.pieces().iter().map(EdgePiece::width_mm).collect();
         let (faces, tips) = (vec![None; ends.len()], Tips::new(&ends));
         let reach_mm = slices.len() as f64 * layer_mm;
-        Ok(Bite { cutter, layers, depth_mm, reach_mm, wakes, slices, slice_of, ends, faces, tips })
+        Ok(Bite { cutter, layers, depth_mm, reach_mm, wakes, slices, slice_of, sines, widths_mm, ends, faces, tips })
     }
 
     /// Edges are asked only so far up from the tip. With one slice more than that an edge is asked as far up where the tip is inside of a layer.
@@ -198,9 +202,9 @@ impl Bite {
                 false => wake.in_other_layer().front(&rake, layer),
             };
             // A chip measured across the circle, seen square to the edge.
-            let thickness_mm = front.thickness_mm * libm::sin(piece.lead_rad);
+            let thickness_mm = front.thickness_mm * self.sines[edge];
             let height_ratio = front.top_ratio.min(placed.reach_ratio) - placed.share.foot_ratio;
-            let section = ChipSection { thickness_mm, width_mm: piece.width_mm() * height_ratio };
+            let section = ChipSection { thickness_mm, width_mm: self.widths_mm[edge] * height_ratio };
             Some(EdgeChip { edge, piece: *piece, section })
         });
         side.chain((first_end..).zip(self.ends.iter().zip(&self.faces)).flat_map(of_end))

@@ -5,7 +5,7 @@
 //! Where a tool has come down to a height inside of the layer, the ray has shelves ([`super::shelves`]).
 
 use std::borrow::Cow;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use nalgebra::Vector2;
 
@@ -154,6 +154,12 @@ impl Layer {
         self.shelves[axis][ray].end_piece(&self.rays[axis][ray], stretch, above_ratio, is_first)
     }
 
+    /// Whether the material on any of some rays is higher than a part of the layer somewhere in a stretch.
+    pub fn is_met(&self, axis: usize, rays: RangeInclusive<i64>, stretch: &Interval, above_ratio: f64) -> bool {
+        let rays = (*rays.start()).max(0)..=(*rays.end()).min(self.rays[axis].len() as i64 - 1);
+        rays.into_iter().any(|ray| self.end_piece(axis, ray, stretch, above_ratio, true).is_some())
+    }
+
     /// Mean height of the material in a stretch of a ray, as a part of the layer's.
     pub fn mean_ratio(&self, axis: usize, ray: i64, stretch: &Interval) -> f64 {
         let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len());
@@ -218,6 +224,9 @@ impl Layer {
             let mut removed_mm = 0.0;
             for ray in self.between(axis, lowest, highest) {
                 let place_mm = self.place_mm(axis, ray);
+                if self.rays[axis][ray] == Dexel::Empty {
+                    continue;
+                }
                 let crossings = crossings(corners_mm, axis, place_mm);
                 let ends = crossings.map(|(side, crossing_mm)| put_mm(side, crossing_mm, axis, place_mm));
                 if let Some(stretch) = extent(ends) {
