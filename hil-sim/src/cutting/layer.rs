@@ -224,7 +224,7 @@ impl Layer {
             let mut removed_mm = 0.0;
             for ray in self.between(axis, lowest, highest) {
                 let place_mm = self.place_mm(axis, ray);
-                if self.rays[axis][ray] == Dexel::Empty {
+                if matches!(self.rays[axis][ray], Dexel::Empty) {
                     continue;
                 }
                 let crossings = crossings(corners_mm, axis, place_mm);
@@ -270,8 +270,9 @@ impl Layer {
 
 /// Where a line along `axis` crosses the sides of a polygon, with the sides.
 fn crossings(corners_mm: &[Vector2<f64>], axis: usize, at_mm: f64) -> impl Iterator<Item = (usize, f64)> {
-    let others = corners_mm.iter().cycle().skip(1);
-    corners_mm.iter().zip(others).enumerate().filter_map(move |(side, (from, to))| {
+    (0..corners_mm.len()).filter_map(move |side| {
+        let next = if side + 1 < corners_mm.len() { side + 1 } else { 0 };
+        let (from, to) = (&corners_mm[side], &corners_mm[next]);
         // From the same end whichever polygon the side belongs to, so that neighbours leave nothing between them.
         let (from, to) = if from[1 - axis] < to[1 - axis] { (from, to) } else { (to, from) };
         let (a, b) = (from[1 - axis] - at_mm, to[1 - axis] - at_mm);

@@ -58,6 +58,9 @@ impl Shelves {
         if share.foot_ratio <= 0.0 && !self.meets(&stretch) {
             return if share.takes(1.0) { material.subtract(stretch) } else { 0.0 };
         }
+        if self.over(&stretch).is_some_and(|shelf| !share.takes(shelf.top_ratio)) {
+            return 0.0;
+        }
         let (foot_ratio, mut rest, mut taken_mm) = (share.foot_ratio.max(0.0), stretch, 0.0);
         while let Some(Column { on, top_ratio }) =
             self.columns(material, &rest).find(|column| share.takes(column.top_ratio))
@@ -109,6 +112,12 @@ impl Shelves {
         let first = self.0.partition_point(|shelf| shelf.on.to_mm <= at_mm);
         let shelf = self.0.get(first).filter(|shelf| shelf.on.from_mm <= at_mm);
         material.contains(at_mm).then(|| shelf.map_or(1.0, |shelf| shelf.top_ratio))
+    }
+
+    /// The one that all of a stretch is in.
+    fn over(&self, stretch: &Interval) -> Option<&Column> {
+        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= stretch.from_mm);
+        self.0.get(first).filter(|shelf| shelf.on.from_mm <= stretch.from_mm && stretch.to_mm <= shelf.on.to_mm)
     }
 
     /// Whether anything is lowered in a stretch.
