@@ -123,9 +123,18 @@ const HULLS: [usize; 15] = [7, 11, 13, 14, 3, 5, 6, 9, 10, 12, 1, 2, 4, 8, 15];
 /// It is the nearest point of the hull of some of the corners: the one that is within that hull and sees none of the other corners before it.
 fn from_corners_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> (Vector3<f64>, f64) {
     let corner = |i: usize| Vector3::from(corners_mm[i]);
+    // Of an edge from one corner to another, whether the point is not before it.
+    let follows = |from: usize, to: usize| {
+        let edge = corner(to) - corner(from);
+        edge.dot(&(point - corner(from))) >= -BORDER_RATIO * edge.norm_squared()
+    };
     let mut least = (*point, f64::INFINITY);
     for some in HULLS {
         let is_chosen = |i: usize| some >> i & 1 == 1;
+        let is_beside = |i: usize| (0..4).any(|j| j != i && is_chosen(j) && !follows(i, j));
+        if some.count_ones() == 2 && (0..4).any(|i| is_chosen(i) && is_beside(i)) {
+            continue;
+        }
         let base = some.trailing_zeros() as usize;
         let edge = |i: usize| if is_chosen(i) { corner(i) - corner(base) } else { Vector3::zeros() };
         // The other corners, whether chosen or not; those that are not get a part of zero.
@@ -204,7 +213,8 @@ impl Locator {
     /// The point is outside by more than the reach.
     pub fn find(&self, mesh: &Mesh, point_mm: [f64; 3], near: Option<usize>) -> Result<Found, TooFar> {
         let point = Vector3::from(point_mm);
-        let candidates = || near.into_iter().chain(self.elements[self.index(self.cell(&point))].iter().copied());
+        let others = &self.elements[self.index(self.cell(&point))];
+        let candidates = || near.into_iter().chain(others.iter().copied().filter(|element| near != Some(*element)));
         for element in candidates().filter(|element| distance_mm(&self.boxes[*element], &point) == 0.0) {
             let place = place_of(&mesh.nodes_of_mm(element), &point);
             if let Some(place) = place.filter(|place| barycentric(*place).iter().all(|l| *l >= -BORDER_RATIO)) {
