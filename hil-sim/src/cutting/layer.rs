@@ -268,14 +268,13 @@ impl Layer {
             let mut removed_mm = 0.0;
             for ray in self.between(axis, lowest, highest) {
                 let place_mm = self.place_mm(axis, ray);
-                let (material, shelves) = (&mut self.rays[axis][ray], &mut self.shelves[axis][ray]);
-                if between(axis, place_mm).is_some_and(|stretch| shelves.is_plainly_out(material, &stretch, share)) {
+                if between(axis, place_mm).is_some_and(|stretch| !self.rays[axis][ray].meets(&stretch)) {
                     continue;
                 }
                 let crossings = crossings(corners_mm, axis, place_mm);
                 let ends = crossings.map(|(side, crossing_mm)| put_mm(side, crossing_mm, axis, place_mm));
                 if let Some(stretch) = extent(ends) {
-                    removed_mm += shelves.take(material, stretch, share);
+                    removed_mm += self.shelves[axis][ray].take(&mut self.rays[axis][ray], stretch, share);
                 }
             }
             removed_mm * self.step_mm

@@ -58,8 +58,13 @@ impl Shelves {
         if share.foot_ratio <= 0.0 && !self.meets(&stretch) {
             return if share.takes(1.0) { material.subtract(stretch) } else { 0.0 };
         }
+        if self.over(&stretch).is_some_and(|shelf| !share.takes(shelf.top_ratio)) {
+            return 0.0;
+        }
         let (foot_ratio, mut rest, mut taken_mm) = (share.foot_ratio.max(0.0), stretch, 0.0);
-        while let Some(Column { on, top_ratio }) = self.columns(material, &rest).find_top(|top| share.takes(top)) {
+        while let Some(Column { on, top_ratio }) =
+            self.columns(material, &rest).find(|column| share.takes(column.top_ratio))
+        {
             taken_mm += on.length_mm() * share.of_ratio(top_ratio);
             rest.from_mm = on.to_mm;
             if foot_ratio > 0.0 {
@@ -109,21 +114,16 @@ impl Shelves {
         material.contains(at_mm).then(|| shelf.map_or(1.0, |shelf| shelf.top_ratio))
     }
 
-    /// Whether it is plain that nothing of a stretch is in a share: there is no material, or one shelf all along it that is none of that.
-    pub fn is_plainly_out(&self, material: &Dexel, stretch: &Interval, share: &Share) -> bool {
-        let of_all = self.beyond(stretch.from_mm).first();
-        let of_all = of_all.filter(|shelf| shelf.on.from_mm <= stretch.from_mm && stretch.to_mm <= shelf.on.to_mm);
-        !material.meets(stretch) || of_all.is_some_and(|shelf| !share.takes(shelf.top_ratio))
-    }
-
-    /// Those that end beyond a place.
-    fn beyond(&self, at_mm: f64) -> &[Column] {
-        &self.0[self.0.partition_point(|shelf| shelf.on.to_mm <= at_mm)..]
+    /// The one that all of a stretch is in.
+    fn over(&self, stretch: &Interval) -> Option<&Column> {
+        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= stretch.from_mm);
+        self.0.get(first).filter(|shelf| shelf.on.from_mm <= stretch.from_mm && stretch.to_mm <= shelf.on.to_mm)
     }
 
     /// Whether anything is lowered in a stretch.
     fn meets(&self, stretch: &Interval) -> bool {
-        self.beyond(stretch.from_mm).first().is_some_and(|shelf| shelf.on.from_mm < stretch.to_mm)
+        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= stretch.from_mm);
+        self.0.get(first).is_some_and(|shelf| shelf.on.from_mm < stretch.to_mm)
     }
 
     /// The first, or the last, place in a stretch where the material is higher than a part of the layer, as [`Shelves::section`] has it, without what is
@@ -135,20 +135,19 @@ impl Shelves {
         above_ratio: f64,
         is_first: bool,
     ) -> Option<Interval> {
-        let shelves = self.beyond(stretch.from_mm);
-        if shelves.first().is_none_or(|shelf| shelf.on.from_mm >= stretch.to_mm) {
+        if !self.meets(stretch) {
             let mut met = material.met(stretch);
             let piece = if is_first { met.next() } else { met.next_back() };
             return piece.filter(|_| above_ratio + SAME_RATIO < 1.0).map(|piece| piece.common(stretch));
         }
-        let columns = Columns { shelves, pieces: material.intervals(), within: stretch, whole: None };
-        let mut pieces = Pieces { columns, above_ratio, next: None };
+        let mut pieces = Pieces { columns: self.columns(material, stretch), above_ratio, next: None };
         if is_first { pieces.next() } else { pieces.last() }
     }
 
     /// The material of a stretch, in order.
     fn columns<'a>(&'a self, material: &'a Dexel, within: &'a Interval) -> Columns<'a> {
-        Columns { shelves: self.beyond(within.from_mm), pieces: material.intervals(), within, whole: None }
+        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= within.from_mm);
+        Columns { shelves: &self.0[first..], pieces: material.intervals(), within, whole: None }
     }
 
     /// Puts a shelf in place of what there was, or none; one as high as its neighbour becomes one with it.
@@ -184,29 +183,6 @@ struct Columns<'a> {
     within: &'a Interval,
     /// What is left of the piece in work.
     whole: Option<Interval>,
-}
-
-impl Columns<'_> {
-    /// The next one with such a height.
-    fn find_top(&mut self, is_such: impl Fn(f64) -> bool) -> Option<Column> {
-        loop {
-            // Where a tool has come down there may be hundreds that are none.
-            if let Some(piece) = &mut self.whole {
-                while let Some((shelf, rest)) = self.shelves.split_first()
-                    && shelf.on.from_mm <= piece.from_mm
-                    && shelf.on.to_mm < piece.to_mm
-                    && !is_such(shelf.top_ratio)
-                {
-                    self.shelves = rest;
-                    piece.from_mm = piece.from_mm.max(shelf.on.to_mm);
-                }
-            }
-            let column = self.next()?;
-            if is_such(column.top_ratio) {
-                return Some(column);
-            }
-        }
-    }
 }
 
 impl Iterator for Columns<'_> {
@@ -254,8 +230,8 @@ impl Iterator for Pieces<'_> {
 
     fn next(&mut self) -> Option<Interval> {
         let mut last = self.next.take();
-        let above_ratio = self.above_ratio + SAME_RATIO;
-        while let Some(Column { on, .. }) = self.columns.find_top(|top_ratio| top_ratio > above_ratio) {
+        let is_high = |column: &Column| column.top_ratio > self.above_ratio + SAME_RATIO;
+        for Column { on, .. } in self.columns.by_ref().filter(is_high) {
             match &mut last {
                 Some(piece) if piece.to_mm == on.from_mm => piece.to_mm = on.to_mm,
                 Some(piece) if piece.length_mm() > SLIVER_MM => {
