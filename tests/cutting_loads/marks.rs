@@ -95,7 +95,7 @@ fn a_tool_that_is_moved_sideways_leaves_that_on_both_walls() {
     bite.sink(&stand(0));
     for step in 0..(WAY_MM / FEED_MM * 60.0) as u32 {
         let stand = stand(step);
-        bite.cut(&stand, |_| Vector2::new(0.0, bent_mm(stand.axis_mm.x)));
+        bite.cut(&bite.poses(&stand), |_| Vector2::new(0.0, bent_mm(stand.axis_mm.x)));
         way.go(&of, [stand.axis_mm.x, stand.axis_mm.y, stand.tip_mm]);
     }
     let found = marks(&blank, bite.layers(), &way, &turned);
