@@ -20,8 +20,8 @@ pub mod layers;
 
 pub mod end;
 
-pub mod bite;
-
 pub mod pose;
+
+pub mod bite;
 
 pub mod engaged;
