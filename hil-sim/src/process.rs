@@ -17,9 +17,10 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::cutting::bite::{Bite, EdgeChip, Stand};
+use crate::cutting::bite::{Bite, EdgeChip};
 use crate::cutting::force::Loads;
 use crate::cutting::material::{ChipSection, Cutting};
+use crate::cutting::pose::{Poses, Stand};
 use crate::dynamics::vibration::{Places, Step, Vibration};
 use crate::flexible::{Modal, Workpiece};
 
@@ -72,6 +73,7 @@ struct Edges<'a> {
     bite: &'a Bite,
     cutting: &'a Cutting,
     stand: &'a Stand,
+    at: &'a Poses,
 }
 
 impl Process {
@@ -115,7 +117,8 @@ impl Process {
 
     /// Goes to the next place, `dt_s` later, less than a quarter of a turn on; all edges are bent alike, as the cut is.
     pub fn step(&mut self, dt_s: f64, stand: &Stand) -> Moment {
-        let edges = Edges { bite: &self.bite, cutting: &self.cutting, stand };
+        let at = self.bite.poses(stand);
+        let edges = Edges { bite: &self.bite, cutting: &self.cutting, stand, at: &at };
         let (chips_mm, mut found) = (&mut self.chips_mm, Default::default());
         let step = self.vibration.step(dt_s, |displacement_mm| {
             let bent: Vector2<f64> = displacement_mm.xy();
@@ -123,14 +126,15 @@ impl Process {
             found.0.force_n
         });
         let bent = step.displacement_mm.xy();
-        let removed_mm3 = self.bite.cut(stand, |_| bent);
+        let removed_mm3 = self.bite.cut(&at, |_| bent);
         self.moment(&step, found, removed_mm3)
     }
 
     /// The same, but each edge that may have a chip is bent as the workpiece is where it is. The workpiece's modes are the first.
     pub fn step_on<B: Modal>(&mut self, dt_s: f64, stand: &Stand, workpiece: &mut Workpiece<B>) -> Moment {
-        self.spread.see(&self.bite, stand, &self.vibration, workpiece);
-        let edges = Edges { bite: &self.bite, cutting: &self.cutting, stand };
+        let at = self.bite.poses(stand);
+        self.spread.see(&self.bite, &at, &self.vibration, workpiece);
+        let edges = Edges { bite: &self.bite, cutting: &self.cutting, stand, at: &at };
         let (place_of, chips_mm, mut found) = (&self.spread.place_of, &mut self.chips_mm, Default::default());
         let step = self.vibration.step_at(dt_s, &mut self.spread.places, |moved_mm, forces_n| {
             let bent = |edge: usize| moved_mm[place_of[edge]].xy();
@@ -138,7 +142,7 @@ impl Process {
         });
         self.spread.keep();
         let bent_mm = &self.spread.bent_mm;
-        let removed_mm3 = self.bite.cut(stand, |edge| bent_mm[edge].xy());
+        let removed_mm3 = self.bite.cut(&at, |edge| bent_mm[edge].xy());
         self.moment(&step, found, removed_mm3)
     }
 
@@ -162,17 +166,21 @@ impl Edges<'_> {
         // Parts of an end edge come one after the other.
         let mut ends: Vec<(usize, ChipSection)> = Vec::new();
         chips_mm.fill(0.0);
-        for EdgeChip { edge, piece, section } in self.bite.chips(self.stand, bent) {
-            push(edge, loads.add(&piece, self.stand.turned_rad, &self.cutting.force(&section)));
+        for EdgeChip { edge, piece, section } in self.bite.chips(self.at, bent) {
+            // Out of the cut there is no force.
+            if section.thickness_mm > 0.0 && section.width_mm > 0.0 {
+                push(edge, loads.add(&piece, self.stand.turned_rad, &self.cutting.force(&section)));
+            }
             if piece.is_end() {
                 match ends.last_mut().filter(|(last, _)| *last == edge) {
                     Some((_, end)) => *end = end.with(&section),
                     None => ends.push((edge, section)),
                 }
-            } else if let Some(thickest_mm) =
-                chips_mm.get_mut(piece.tooth).filter(|_| section.width_mm >= NARROW_RATIO * piece.width_mm())
+            } else if let Some(thickest_mm) = chips_mm.get_mut(piece.tooth)
+                && section.thickness_mm > *thickest_mm
+                && section.width_mm >= NARROW_RATIO * piece.width_mm()
             {
-                *thickest_mm = thickest_mm.max(section.thickness_mm);
+                *thickest_mm = section.thickness_mm;
             }
         }
         (loads, ends.iter().map(|(_, end)| end.thickness_mm).fold(0.0, f64::max))
@@ -181,18 +189,18 @@ impl Edges<'_> {
 
 impl Spread {
     /// The cut itself is the first place; each edge with material around it has one of its own.
-    fn see<B: Modal>(&mut self, bite: &Bite, stand: &Stand, vibration: &Vibration, workpiece: &mut Workpiece<B>) {
+    fn see<B: Modal>(&mut self, bite: &Bite, at: &Poses, vibration: &Vibration, workpiece: &mut Workpiece<B>) {
         let Spread { places, place_of, bent_mm } = self;
         bent_mm.resize(bite.edges(), Vector3::zeros());
         places.clear();
         place_of.clear();
         vibration.add_place(&[], places);
         for (edge, bent_mm) in bent_mm.iter().enumerate() {
-            if !bite.is_near(edge, stand, bent_mm.xy(), MARGIN_MM) {
+            if !bite.is_near(edge, at, bent_mm.xy(), MARGIN_MM) {
                 place_of.push(0);
                 continue;
             }
-            let material_mm = bite.edge_mm(edge, stand) + bent_mm; // (1)
+            let material_mm = bite.edge_mm(edge, at) + bent_mm; // (1)
             place_of.push(places.count());
             vibration.add_place(workpiece.shapes_at(edge, material_mm.into()), places);
         }

@@ -52,6 +52,7 @@ pub enum Edge {
 
 impl Edge {
     /// k of the feed law: +1 if the edge advances away from the tool's centre, -1 if towards it.
+    #[inline]
     pub const fn advance(self) -> i8 {
         match self {
             Edge::Outer => 1,

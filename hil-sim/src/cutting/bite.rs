@@ -18,7 +18,8 @@ use super::edges::{Cutter, EdgePiece};
 use super::end::{Descent, EndEdge, Face};
 use super::layers::{LEVEL_RATIO, Layers, Slice};
 use super::material::ChipSection;
-use super::rake::{Rake, Wake};
+use super::pose::{Placed, Poses, Stand, rake, towards};
+use super::rake::Wake;
 use super::shelves::Share;
 
 /// Slices and layers may differ by this, which is rounding.
@@ -43,6 +44,10 @@ pub struct Bite {
     wakes: Vec<(Option<usize>, Wake)>,
     /// The solid that the edges turn, from the tip upwards.
     slices: Vec<Slice>,
+    /// Of each piece, which of them it is in, the sine of its lead angle, and its width.
+    slice_of: Vec<usize>,
+    sines: Vec<f64>,
+    widths_mm: Vec<f64>,
     ends: Vec<EndEdge>,
     /// Where each of them was.
     faces: Vec<Option<Face>>,
@@ -60,15 +65,6 @@ pub struct EdgeChip {
     pub section: ChipSection,
 }
 
-/// A piece of an edge in its layer.
-struct Placed {
-    /// In the list of layers.
-    index: usize,
-    share: Share,
-    /// Up to which part of the layer it is asked.
-    reach_ratio: f64,
-}
-
 /// The highest place of the tip while a tooth followed another.
 #[derive(Clone, Debug)]
 struct Tips {
@@ -79,17 +75,6 @@ struct Tips {
     passed: VecDeque<(f64, f64)>,
     /// Where it was last, and the spindle's angle.
     last: Option<(f64, f64)>,
-}
-
-/// Where the cutter is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stand {
-    /// The spindle's axis in the plane of the layers.
-    pub axis_mm: Vector2<f64>,
-    /// Height of the tip.
-    pub tip_mm: f64,
-    /// How far M3 has turned the spindle.
-    pub turned_rad: f64,
 }
 
 /// Why a cutter cannot work in these layers.
@@ -138,9 +123,13 @@ impl Bite {
         }
         let (wakes, slices, ends) =
             (vec![Default::default(); cutter.pieces().len()], slices(&cutter), EndEdge::all(&cutter));
+        let of_piece = |piece: &EdgePiece| slices.iter().position(|slice| slice.height_mm == piece.height_mm);
+        let slice_of = cutter.pieces().iter().filter_map(of_piece).collect();
+        let sines = cutter.pieces().iter().map(|piece| libm::sin(piece.lead_rad)).collect();
+        let widths_mm = cutter.pieces().iter().map(EdgePiece::width_mm).collect();
         let (faces, tips) = (vec![None; ends.len()], Tips::new(&ends));
         let reach_mm = slices.len() as f64 * layer_mm;
-        Ok(Bite { cutter, layers, depth_mm, reach_mm, wakes, slices, ends, faces, tips })
+        Ok(Bite { cutter, layers, depth_mm, reach_mm, wakes, slices, slice_of, sines, widths_mm, ends, faces, tips })
     }
 
     /// Edges are asked only so far up from the tip. With one slice more than that an edge is asked as far up where the tip is inside of a layer.
@@ -163,23 +152,30 @@ impl Bite {
         self.wakes.len() + self.ends.len()
     }
 
+    /// Where the edges stand, before they are bent.
+    pub fn poses(&self, stand: &Stand) -> Poses {
+        let descent = self.descent(stand);
+        let pieces = self.cutter.pieces().iter().chain(self.ends.iter().map(|end| &end.piece));
+        let placed = self.slices.iter().map(|slice| self.placed(slice.height_mm, &descent)).collect();
+        Poses { stand: *stand, descent, towards: pieces.map(|piece| towards(piece, stand)).collect(), placed }
+    }
+
     /// Where the middle of an edge stands, its height that of the layers.
-    pub fn edge_mm(&self, edge: usize, stand: &Stand) -> Vector3<f64> {
-        let (piece, radius_mm) = match edge.checked_sub(self.wakes.len()) {
-            None => (&self.cutter.pieces()[edge], self.cutter.pieces()[edge].radius_mm),
-            Some(end) => (&self.ends[end].piece, self.ends[end].middle_mm()),
+    pub fn edge_mm(&self, edge: usize, at: &Poses) -> Vector3<f64> {
+        let (height_mm, radius_mm) = match edge.checked_sub(self.wakes.len()) {
+            None => (self.cutter.pieces()[edge].height_mm, self.cutter.pieces()[edge].radius_mm),
+            Some(end) => (self.ends[end].piece.height_mm, self.ends[end].middle_mm()),
         };
-        let Face { center_mm, towards } = face(piece, stand, Vector2::zeros());
+        let Face { center_mm, towards } = at.face(edge, Vector2::zeros());
         let place_mm = center_mm + towards * radius_mm;
-        Vector3::new(place_mm.x, place_mm.y, stand.tip_mm + piece.height_mm)
+        Vector3::new(place_mm.x, place_mm.y, at.stand.tip_mm + height_mm)
     }
 
     /// Whether an edge, bent away from where it stands, has material around it, or would have if it were anywhere so far away.
-    pub fn is_near(&self, edge: usize, stand: &Stand, bent_mm: Vector2<f64>, margin_mm: f64) -> bool {
-        let descent = self.descent(stand);
-        let Some(piece) = self.cutter.pieces().get(edge) else { return descent.lowers() };
-        let Some(placed) = self.placed(piece, &descent) else { return false };
-        let rake = self.rake(piece, stand, bent_mm, &placed.share);
+    pub fn is_near(&self, edge: usize, at: &Poses, bent_mm: Vector2<f64>, margin_mm: f64) -> bool {
+        let Some(piece) = self.cutter.pieces().get(edge) else { return at.descent.lowers() };
+        let Some(placed) = &at.placed[self.slice_of[edge]] else { return false };
+        let rake = rake(piece, self.depth_mm, at.face(edge, bent_mm), &placed.share);
         rake.is_near(&self.layers.layers()[placed.index], margin_mm)
     }
 
@@ -187,26 +183,28 @@ impl Bite {
     /// from where it stands, by what `bent` tells of its number.
     pub fn chips<'a>(
         &'a self,
-        stand: &'a Stand,
+        at: &'a Poses,
         bent: impl Fn(usize) -> Vector2<f64> + Copy + 'a,
     ) -> impl Iterator<Item = EdgeChip> + 'a {
-        let descent = self.descent(stand);
         let first_end = self.wakes.len();
         let of_end = move |(edge, (end, last)): (usize, (&EndEdge, &Option<Face>))| {
-            let face = face(&end.piece, stand, bent(edge));
-            let chips = last.map_or_else(Vec::new, |last| end.chips([&last, &face], &descent, &self.layers));
+            let face = at.face(edge, bent(edge));
+            let chips = last.map_or_else(Vec::new, |last| end.chips([&last, &face], &at.descent, &self.layers));
             chips.into_iter().map(move |(piece, section)| EdgeChip { edge, piece, section })
         };
         let side = self.cutter.pieces().iter().zip(&self.wakes).enumerate();
         let side = side.filter_map(move |(edge, (piece, (was_in, wake)))| {
-            let placed = self.placed(piece, &descent)?;
-            let wake = if *was_in == Some(placed.index) { *wake } else { wake.in_other_layer() };
-            let rake = self.rake(piece, stand, bent(edge), &placed.share);
-            let front = wake.front(&rake, &self.layers.layers()[placed.index]);
+            let placed = at.placed[self.slice_of[edge]].as_ref()?;
+            let layer = &self.layers.layers()[placed.index];
+            let rake = rake(piece, self.depth_mm, at.face(edge, bent(edge)), &placed.share);
+            let front = match *was_in == Some(placed.index) {
+                true => wake.front(&rake, layer),
+                false => wake.in_other_layer().front(&rake, layer),
+            };
             // A chip measured across the circle, seen square to the edge.
-            let thickness_mm = front.thickness_mm * libm::sin(piece.lead_rad);
+            let thickness_mm = front.thickness_mm * self.sines[edge];
             let height_ratio = front.top_ratio.min(placed.reach_ratio) - placed.share.foot_ratio;
-            let section = ChipSection { thickness_mm, width_mm: piece.width_mm() * height_ratio };
+            let section = ChipSection { thickness_mm, width_mm: self.widths_mm[edge] * height_ratio };
             Some(EdgeChip { edge, piece: *piece, section })
         });
         side.chain((first_end..).zip(self.ends.iter().zip(&self.faces)).flat_map(of_end))
@@ -214,34 +212,30 @@ impl Bite {
 
     /// The cutter goes to its next place, less than a quarter of a turn on; answers what was taken on the way as the rays along
     /// each axis have it, mm3.
-    pub fn cut(&mut self, stand: &Stand, bent: impl Fn(usize) -> Vector2<f64>) -> [f64; 2] {
-        let (mut removed_mm3, descent) = ([0.0; 2], self.descent(stand));
+    pub fn cut(&mut self, at: &Poses, bent: impl Fn(usize) -> Vector2<f64>) -> [f64; 2] {
+        let mut removed_mm3 = [0.0; 2];
         let mut add = |mm3: [f64; 2]| removed_mm3 = [0, 1].map(|axis: usize| removed_mm3[axis] + mm3[axis]);
-        for edge in 0..self.wakes.len() {
-            let piece = self.cutter.pieces()[edge];
-            let placed = self.placed(&piece, &descent);
-            let index = placed.as_ref().map(|placed| placed.index);
-            let share = placed.map_or(Share::ALL, |placed| placed.share);
-            let rake = self.rake(&piece, stand, bent(edge), &share);
-            let (was_in, wake) = &mut self.wakes[edge];
+        let rise_mm = self.layers.rise_mm();
+        for (edge, (piece, (was_in, wake))) in self.cutter.pieces().iter().zip(&mut self.wakes).enumerate() {
+            let placed = at.placed[self.slice_of[edge]].as_ref();
+            let index = placed.map(|placed| placed.index);
+            let share = placed.map_or(&Share::ALL, |placed| &placed.share);
+            let rake = rake(piece, self.depth_mm, at.face(edge, bent(edge)), share);
             if std::mem::replace(was_in, index) != index {
                 *wake = wake.in_other_layer();
             }
             match index.and_then(|index| self.layers.layers_mut().get_mut(index)) {
                 None => wake.pass(&rake),
-                Some(layer) => {
-                    let area_mm2 = wake.cut(&rake, layer);
-                    add(area_mm2.map(|mm2| mm2 * self.layers.rise_mm()));
-                }
+                Some(layer) => add(wake.cut(&rake, layer).map(|mm2| mm2 * rise_mm)),
             }
         }
         for (edge, (end, last)) in (self.wakes.len()..).zip(self.ends.iter().zip(&mut self.faces)) {
-            let face = face(&end.piece, stand, bent(edge));
+            let face = at.face(edge, bent(edge));
             if let Some(last) = last.replace(face) {
-                add(end.cut([&last, &face], &descent, &mut self.layers));
+                add(end.cut([&last, &face], &at.descent, &mut self.layers));
             }
         }
-        self.tips.see(stand);
+        self.tips.see(&at.stand);
         removed_mm3
     }
 
@@ -299,23 +293,17 @@ impl Bite {
         Descent { tip_mm: stand.tip_mm, border_mm, side_mm: self.depth_mm }
     }
 
-    /// The lowest pieces are in the layer that the tip is in, the others one by one above them.
-    fn placed(&self, piece: &EdgePiece, descent: &Descent) -> Option<Placed> {
-        let up = libm::floor(piece.height_mm / self.layers.rise_mm()) as i64;
+    /// The lowest slice is in the layer that the tip is in, the others one by one above it.
+    fn placed(&self, height_mm: f64, descent: &Descent) -> Option<Placed> {
+        let up = libm::floor(height_mm / self.layers.rise_mm()) as i64;
         let nth = self.layers.nth(descent.tip_mm) + up;
+        let index = self.layers.place(nth)?;
+        let reach_ratio = self.layers.part_ratio(nth, descent.tip_mm + self.reach_mm).min(1.0);
         let foot_ratio = if up == 0 { self.layers.part_ratio(nth, descent.tip_mm) } else { 0.0 };
         // What is left where levels are a little above a layer's bottom is a floor for good.
         let border_ratio = self.layers.part_ratio(nth, descent.border_mm).max(LEVEL_RATIO);
-        let reach_ratio = self.layers.part_ratio(nth, descent.tip_mm + self.reach_mm).min(1.0);
         let share = Share { foot_ratio, border_ratio, is_end: false };
-        let index = self.layers.place(nth).filter(|_| reach_ratio >= REACHED_RATIO)?;
-        Some(Placed { index, share, reach_ratio })
-    }
-
-    fn rake(&self, piece: &EdgePiece, stand: &Stand, bent_mm: Vector2<f64>, share: &Share) -> Rake {
-        let Face { center_mm, towards } = face(piece, stand, bent_mm);
-        let (radius_mm, side, depth_mm) = (piece.radius_mm, piece.side, self.depth_mm);
-        Rake { center_mm, towards, radius_mm, side, turn_ratio: -1.0, depth_mm, share: *share }
+        (reach_ratio >= REACHED_RATIO).then_some(Placed { index, share, reach_ratio })
     }
 }
 
@@ -344,12 +332,6 @@ impl Tips {
         }
         self.passed.push_back((stand.tip_mm, self.turned_rad));
     }
-}
-
-/// Where a piece stands, bent.
-fn face(piece: &EdgePiece, stand: &Stand, bent_mm: Vector2<f64>) -> Face {
-    let (sin, cos) = libm::sincos(piece.angle_at_rad(stand.turned_rad));
-    Face { center_mm: stand.axis_mm + bent_mm, towards: Vector2::new(cos, sin) }
 }
 
 /// The solid that a cutter's edges turn, from the tip upwards.

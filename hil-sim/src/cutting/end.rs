@@ -141,6 +141,9 @@ impl EndEdge {
 
     /// It goes on and takes its share of what it sweeps; answers that as the rays along each axis have it, mm3.
     pub fn cut(&self, way: [&Face; 2], descent: &Descent, layers: &mut Layers) -> [f64; 2] {
+        if !descent.lowers() {
+            return [0.0; 2];
+        }
         let angle_rad =
             libm::fabs(libm::atan2(way[0].towards.perp(&way[1].towards), way[0].towards.dot(&way[1].towards)));
         // The innermost end goes along a chord that has as much of the sector as its arc; rounded, so that steps that are alike share their ends.

@@ -5,7 +5,7 @@
 //! Where a tool has come down to a height inside of the layer, the ray has shelves ([`super::shelves`]).
 
 use std::borrow::Cow;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use nalgebra::Vector2;
 
@@ -16,6 +16,12 @@ use crate::stock::lattice::{Lattice, LatticeError};
 use crate::stock::solid::Solid;
 use crate::stock::workpiece::Stock;
 
+/// Wider than rounding.
+const MARGIN_MM: f64 = 1e-6;
+
+/// What leans less to a ray is as good as along it.
+const STEEP: f64 = 100.0;
+
 /// Rays along the two axes of the plane.
 #[derive(Clone, Debug)]
 pub struct Layer {
@@ -25,6 +31,33 @@ pub struct Layer {
     rays: [Vec<Dexel>; 2],
     /// One a ray.
     shelves: [Vec<Shelves>; 2],
+}
+
+/// A rake face as rays along an axis cross it.
+#[derive(Clone, Copy, Debug)]
+struct RakeLine {
+    /// Where a ray at 0 would.
+    origin_mm: f64,
+    slope: f64,
+    /// Its ends, across the rays, and whether the edge is at the upper one.
+    span_mm: [f64; 2],
+    is_upwards: bool,
+}
+
+impl RakeLine {
+    fn new([root, edge]: [Vector2<f64>; 2], axis: usize) -> Self {
+        let slope = (edge[axis] - root[axis]) / (edge[1 - axis] - root[1 - axis]);
+        let ends_mm = [root, edge].map(|end| end[1 - axis]);
+        let span_mm = [ends_mm[0].min(ends_mm[1]), ends_mm[0].max(ends_mm[1])];
+        RakeLine { origin_mm: root[axis] - slope * root[1 - axis], slope, span_mm, is_upwards: ends_mm[0] < ends_mm[1] }
+    }
+
+    /// Where a ray surely crosses it, but for rounding.
+    fn crossing_mm(&self, at_mm: f64) -> Option<f64> {
+        let [from_mm, to_mm] = self.span_mm;
+        let is_between = from_mm + MARGIN_MM < at_mm && at_mm < to_mm - MARGIN_MM;
+        (is_between && libm::fabs(self.slope) < STEEP).then(|| self.origin_mm + self.slope * at_mm)
+    }
 }
 
 impl Layer {
@@ -141,6 +174,25 @@ impl Layer {
         ray.map_or(Cow::Borrowed(&[]), section)
     }
 
+    /// The first, or the last, place in a stretch of a ray where the material is higher than a part of the layer; none beside the rays.
+    pub fn end_piece(
+        &self,
+        axis: usize,
+        ray: i64,
+        stretch: &Interval,
+        above_ratio: f64,
+        is_first: bool,
+    ) -> Option<Interval> {
+        let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len())?;
+        self.shelves[axis][ray].end_piece(&self.rays[axis][ray], stretch, above_ratio, is_first)
+    }
+
+    /// Whether the material on any of some rays is higher than a part of the layer somewhere in a stretch.
+    pub fn is_met(&self, axis: usize, rays: RangeInclusive<i64>, stretch: &Interval, above_ratio: f64) -> bool {
+        let rays = (*rays.start()).max(0)..=(*rays.end()).min(self.rays[axis].len() as i64 - 1);
+        rays.into_iter().any(|ray| self.end_piece(axis, ray, stretch, above_ratio, true).is_some())
+    }
+
     /// Mean height of the material in a stretch of a ray, as a part of the layer's.
     pub fn mean_ratio(&self, axis: usize, ray: i64, stretch: &Interval) -> f64 {
         let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len());
@@ -162,7 +214,7 @@ impl Layer {
 
     /// Takes its share of a convex polygon; answers as [`Layer::clear`], each part by the height taken.
     pub fn clear_share(&mut self, corners_mm: &[Vector2<f64>], share: &Share) -> [f64; 2] {
-        self.clear_within(corners_mm, share, |_, crossing_mm, _, _| crossing_mm)
+        self.clear_within(corners_mm, share, |_, _| None, |_, crossing_mm, _, _| crossing_mm)
     }
 
     /// Takes its share of what a rake face sweeps: from its root and edge before to its edge and root after, the edge on a circle, its
@@ -179,7 +231,17 @@ impl Layer {
         let to_center = Vector2::new(-chord.y, chord.x).normalize();
         let to_center = to_center * to_center.dot(&(root - from)).signum() * radius_mm.signum();
         let center = middle + to_center * libm::sqrt((radius_mm * radius_mm - half_square).max(0.0));
-        self.clear_within(&[root, from, to, last_root], share, |side, crossing_mm, axis, at_mm| {
+        let lines = [0, 1].map(|axis: usize| [before_mm, after_mm].map(|ends_mm| RakeLine::new(ends_mm, axis)));
+        let between = |axis: usize, at_mm: f64| {
+            // Otherwise the edge's way crosses rays that both lines cross.
+            if lines[axis][0].is_upwards != lines[axis][1].is_upwards {
+                return None;
+            }
+            let [before, after] = lines[axis].each_ref().map(|line| line.crossing_mm(at_mm));
+            let (before_mm, after_mm) = before.zip(after)?;
+            Some(Interval::new(before_mm.min(after_mm) - MARGIN_MM, before_mm.max(after_mm) + MARGIN_MM))
+        };
+        self.clear_within(&[root, from, to, last_root], share, between, |side, crossing_mm, axis, at_mm| {
             let off_mm = at_mm - center[1 - axis];
             let square = radius_mm * radius_mm - off_mm * off_mm;
             // The second side is the edge's way; what is left of a chord within the circle is on the same side of its centre.
@@ -191,11 +253,12 @@ impl Layer {
     }
 
     /// Takes its share of a polygon, of whose sides the crossings with a ray may be put elsewhere: told the side, the crossing, and the
-    /// ray by its axis and place.
+    /// ray by its axis and place. `between` may tell of a ray between where these will be.
     fn clear_within(
         &mut self,
         corners_mm: &[Vector2<f64>],
         share: &Share,
+        between: impl Fn(usize, f64) -> Option<Interval>,
         put_mm: impl Fn(usize, f64, usize, f64) -> f64,
     ) -> [f64; 2] {
         [0, 1].map(|axis: usize| {
@@ -205,6 +268,9 @@ impl Layer {
             let mut removed_mm = 0.0;
             for ray in self.between(axis, lowest, highest) {
                 let place_mm = self.place_mm(axis, ray);
+                if between(axis, place_mm).is_some_and(|stretch| !self.rays[axis][ray].meets(&stretch)) {
+                    continue;
+                }
                 let crossings = crossings(corners_mm, axis, place_mm);
                 let ends = crossings.map(|(side, crossing_mm)| put_mm(side, crossing_mm, axis, place_mm));
                 if let Some(stretch) = extent(ends) {
@@ -248,8 +314,9 @@ impl Layer {
 
 /// Where a line along `axis` crosses the sides of a polygon, with the sides.
 fn crossings(corners_mm: &[Vector2<f64>], axis: usize, at_mm: f64) -> impl Iterator<Item = (usize, f64)> {
-    let others = corners_mm.iter().cycle().skip(1);
-    corners_mm.iter().zip(others).enumerate().filter_map(move |(side, (from, to))| {
+    (0..corners_mm.len()).filter_map(move |side| {
+        let next = if side + 1 < corners_mm.len() { side + 1 } else { 0 };
+        let (from, to) = (&corners_mm[side], &corners_mm[next]);
         // From the same end whichever polygon the side belongs to, so that neighbours leave nothing between them.
         let (from, to) = if from[1 - axis] < to[1 - axis] { (from, to) } else { (to, from) };
         let (a, b) = (from[1 - axis] - at_mm, to[1 - axis] - at_mm);

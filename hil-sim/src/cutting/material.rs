@@ -77,7 +77,16 @@ impl Cutting {
             return EdgeForce::default();
         }
         let [tangential_n, radial_n, axial_n] = match self {
-            Cutting::Kienzle(each) => each.map(|k| k.specific_mpa * b_mm * libm::pow(h_mm, 1.0 - k.exponent_ratio)), // (1)
+            Cutting::Kienzle(each) => {
+                let softer = |exponent_ratio: f64| libm::pow(h_mm, 1.0 - exponent_ratio);
+                let tangential_ratio = each[0].exponent_ratio;
+                let of_tangential = softer(tangential_ratio);
+                // Most have one exponent in all directions.
+                each.map(|k| {
+                    let is_same = k.exponent_ratio == tangential_ratio;
+                    k.specific_mpa * b_mm * if is_same { of_tangential } else { softer(k.exponent_ratio) } // (1)
+                })
+            }
             Cutting::Linear(each) => each.map(|k| (k.specific_mpa * h_mm + k.edge_n_per_mm) * b_mm), // (2)
         };
         EdgeForce { tangential_n, radial_n, axial_n }

@@ -20,6 +20,8 @@ pub mod layers;
 
 pub mod end;
 
+pub mod pose;
+
 pub mod bite;
 
 pub mod engaged;

@@ -23,6 +23,12 @@ use crate::stock::dexel::Interval;
 /// What is no further from the rake face was cut by it, and what is no thicker is no chip: rounding.
 const AT_RAKE_MM: f64 = 1e-9;
 
+/// Wider than rounding.
+const MARGIN_MM: f64 = 1e-6;
+
+/// A ray at 45 degrees or less to the rake face goes no further than 2 sqrt 2 of its depth from there to the circle of its root.
+const FAR_RATIO: f64 = 3.0;
+
 /// So many rays beyond the last one an edge neither meets material nor sees any ahead.
 const APART_RAYS: f64 = 3.0;
 
@@ -104,8 +110,7 @@ impl Rake {
         let [first, last] =
             [from_mm[1 - axis] - margin_mm, to_mm[1 - axis] + margin_mm].map(|mm| layer.index(axis, mm));
         let rays = (first - APART_RAYS).floor() as i64..=(last + APART_RAYS).ceil() as i64;
-        let is_met = |piece: &Interval| piece.from_mm < stretch.to_mm && piece.to_mm > stretch.from_mm;
-        rays.into_iter().any(|ray| layer.section(axis, ray, &stretch, self.share.border_ratio).iter().any(is_met))
+        layer.is_met(axis, rays, &stretch, self.share.border_ratio)
     }
 
     /// From the rake face to the material.
@@ -140,11 +145,30 @@ impl Rake {
             false => (from[0].max(from[1]).floor() as i64, -1),
         };
         let way = if motion > 0.0 { 1 } else { -1 };
+        let crossed = from[0].min(from[1])..=from[0].max(from[1]);
+        // Which way along the rays it is ahead of the rake face, and which way to its root.
+        let ahead = self.turn_ratio * Vector2::new(-self.towards.y, self.towards.x)[axis];
+        let to_root = -libm::copysign(f64::from(self.side.advance()), self.towards[axis]);
+        let has_edge_behind = ahead * to_root > 0.0;
         // One ray beyond the grid, empty, ends the cut there.
         (0..=(count - first) * way).filter_map(move |n| {
-            let point = self.on_ray(layer, axis, first + n * way)?;
+            let ray = first + n * way;
+            // Of rays across the rake face most have lost all that is ahead of it.
+            if has_edge_behind && crossed.contains(&(ray as f64)) && self.is_passed(layer, axis, ray, to_root) {
+                return None;
+            }
+            let point = self.on_ray(layer, axis, ray)?;
             (self.ahead_mm(&point.begins_mm) > AT_RAKE_MM).then_some(point)
         })
+    }
+
+    /// Whether a ray that crosses the rake face has no material between that and the circle of its root.
+    fn is_passed(&self, layer: &Layer, axis: usize, ray: i64, to_root: f64) -> bool {
+        let off_mm = layer.place_mm(axis, 0) + ray as f64 * layer.step_mm() - self.center_mm[1 - axis];
+        let at_mm = self.center_mm[axis] + off_mm * self.towards[axis] / self.towards[1 - axis];
+        let [one_mm, other_mm] = [at_mm - to_root * MARGIN_MM, at_mm + to_root * FAR_RATIO * self.depth_mm];
+        let stretch = Interval::new(one_mm.min(other_mm), one_mm.max(other_mm));
+        !usize::try_from(ray).ok().and_then(|ray| layer.rays(axis).get(ray)).is_some_and(|ray| ray.meets(&stretch))
     }
 
     /// The chip on a ray, as the edge will meet it; `None` if it will not come so far.
@@ -165,13 +189,10 @@ impl Rake {
         let root_mm =
             along(self.radius_mm - f64::from(self.side.advance()) * self.depth_mm).unwrap_or(self.center_mm[axis]);
         let (low, high) = (edge_mm.min(root_mm), edge_mm.max(root_mm));
-        let pieces = layer.section(axis, ray, &Interval::new(low, high), self.share.border_ratio);
-        let mut within = pieces.iter().filter(|piece| piece.from_mm < high && piece.to_mm > low);
-        let chip = if edge_mm > root_mm { within.next() } else { within.next_back() };
+        let chip = layer.end_piece(axis, ray, &Interval::new(low, high), self.share.border_ratio, edge_mm > root_mm);
         Some(match chip {
             None => Point { begins_mm: at(edge_mm), ends_mm: None, has_material: false, top_ratio: 1.0 },
-            Some(piece) => {
-                let (from_mm, to_mm) = (piece.from_mm.max(low), piece.to_mm.min(high));
+            Some(Interval { from_mm, to_mm }) => {
                 let (begins, ends) = if edge_mm > root_mm { (from_mm, to_mm) } else { (to_mm, from_mm) };
                 // What ends behind the rake face was cut by it: ahead of it, that chip goes on to the edge.
                 let ends_mm = Some(at(ends)).filter(|end| ends != edge_mm && self.ahead_mm(end) > AT_RAKE_MM);

@@ -58,18 +58,23 @@ impl Shelves {
         if share.foot_ratio <= 0.0 && !self.meets(&stretch) {
             return if share.takes(1.0) { material.subtract(stretch) } else { 0.0 };
         }
-        let columns: Vec<Column> =
-            self.columns(material, &stretch).filter(|column| share.takes(column.top_ratio)).collect();
-        let foot_ratio = share.foot_ratio.max(0.0);
-        for Column { on, .. } in &columns {
+        if self.over(&stretch).is_some_and(|shelf| !share.takes(shelf.top_ratio)) {
+            return 0.0;
+        }
+        let (foot_ratio, mut rest, mut taken_mm) = (share.foot_ratio.max(0.0), stretch, 0.0);
+        while let Some(Column { on, top_ratio }) =
+            self.columns(material, &rest).find(|column| share.takes(column.top_ratio))
+        {
+            taken_mm += on.length_mm() * share.of_ratio(top_ratio);
+            rest.from_mm = on.to_mm;
             if foot_ratio > 0.0 {
-                self.set(*on, Some(foot_ratio));
+                self.set(on, Some(foot_ratio));
             } else {
-                material.subtract(*on);
-                self.set(*on, None);
+                material.subtract(on);
+                self.set(on, None);
             }
         }
-        columns.iter().map(|column| column.on.length_mm() * share.of_ratio(column.top_ratio)).sum()
+        taken_mm
     }
 
     /// Length of the material, each stretch by the part of the height that is there.
@@ -88,18 +93,7 @@ impl Shelves {
         if !self.meets(stretch) {
             return Cow::Borrowed(if above_ratio + SAME_RATIO < 1.0 { material.intervals() } else { &[] });
         }
-        let mut section: Vec<Interval> = Vec::new();
-        for column in self.columns(material, stretch) {
-            if column.top_ratio <= above_ratio + SAME_RATIO {
-                continue;
-            }
-            match section.last_mut().filter(|last| last.to_mm == column.on.from_mm) {
-                Some(last) => last.to_mm = column.on.to_mm,
-                None => section.push(column.on),
-            }
-        }
-        section.retain(|piece| piece.length_mm() > SLIVER_MM);
-        Cow::Owned(section)
+        Cow::Owned(Pieces { columns: self.columns(material, stretch), above_ratio, next: None }.collect())
     }
 
     /// Mean height of the material in a stretch; that of the whole layer without any.
@@ -120,31 +114,40 @@ impl Shelves {
         material.contains(at_mm).then(|| shelf.map_or(1.0, |shelf| shelf.top_ratio))
     }
 
+    /// The one that all of a stretch is in.
+    fn over(&self, stretch: &Interval) -> Option<&Column> {
+        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= stretch.from_mm);
+        self.0.get(first).filter(|shelf| shelf.on.from_mm <= stretch.from_mm && stretch.to_mm <= shelf.on.to_mm)
+    }
+
     /// Whether anything is lowered in a stretch.
     fn meets(&self, stretch: &Interval) -> bool {
         let first = self.0.partition_point(|shelf| shelf.on.to_mm <= stretch.from_mm);
         self.0.get(first).is_some_and(|shelf| shelf.on.from_mm < stretch.to_mm)
     }
 
-    /// The material of a stretch, in order.
-    fn columns<'a>(&'a self, material: &'a Dexel, within: &'a Interval) -> impl Iterator<Item = Column> + 'a {
-        let met =
-            material.intervals().iter().filter(|piece| piece.from_mm < within.to_mm && within.from_mm < piece.to_mm);
-        met.flat_map(move |piece| self.columns_of(piece.common(within))).filter(|column| column.on.length_mm() > 0.0)
+    /// The first, or the last, place in a stretch where the material is higher than a part of the layer, as [`Shelves::section`] has it, without what is
+    /// beyond the stretch.
+    pub fn end_piece(
+        &self,
+        material: &Dexel,
+        stretch: &Interval,
+        above_ratio: f64,
+        is_first: bool,
+    ) -> Option<Interval> {
+        if !self.meets(stretch) {
+            let mut met = material.met(stretch);
+            let piece = if is_first { met.next() } else { met.next_back() };
+            return piece.filter(|_| above_ratio + SAME_RATIO < 1.0).map(|piece| piece.common(stretch));
+        }
+        let mut pieces = Pieces { columns: self.columns(material, stretch), above_ratio, next: None };
+        if is_first { pieces.next() } else { pieces.last() }
     }
 
-    /// The same of a stretch that is all material: before each shelf what is whole, and behind the last.
-    fn columns_of(&self, piece: Interval) -> impl Iterator<Item = Column> + '_ {
-        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= piece.from_mm);
-        let end = self.0.partition_point(|shelf| shelf.on.from_mm < piece.to_mm).max(first);
-        let mut from_mm = piece.from_mm;
-        let lowered = self.0[first..end].iter().flat_map(move |shelf| {
-            let on = shelf.on.common(&piece);
-            let whole = Interval::new(std::mem::replace(&mut from_mm, on.to_mm), on.from_mm);
-            [Column { on: whole, top_ratio: 1.0 }, Column { on, ..*shelf }]
-        });
-        let last_mm = self.0[first..end].last().map_or(piece.from_mm, |shelf| shelf.on.to_mm.min(piece.to_mm));
-        lowered.chain([Column { on: Interval::new(last_mm, piece.to_mm), top_ratio: 1.0 }])
+    /// The material of a stretch, in order.
+    fn columns<'a>(&'a self, material: &'a Dexel, within: &'a Interval) -> Columns<'a> {
+        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= within.from_mm);
+        Columns { shelves: &self.0[first..], pieces: material.intervals(), within, whole: None }
     }
 
     /// Puts a shelf in place of what there was, or none; one as high as its neighbour becomes one with it.
@@ -168,6 +171,77 @@ impl Shelves {
                 at += 1;
             }
         }
+    }
+}
+
+/// The material of a stretch, in order: before each shelf what is whole, and behind the last.
+struct Columns<'a> {
+    /// Those that may still be met.
+    shelves: &'a [Column],
+    /// Those that are still to come.
+    pieces: &'a [Interval],
+    within: &'a Interval,
+    /// What is left of the piece in work.
+    whole: Option<Interval>,
+}
+
+impl Iterator for Columns<'_> {
+    type Item = Column;
+
+    fn next(&mut self) -> Option<Column> {
+        loop {
+            let Some(piece) = self.whole.take() else {
+                let (first, rest) = self.pieces.split_first()?;
+                self.pieces = rest;
+                if first.from_mm >= self.within.to_mm {
+                    return None;
+                }
+                self.whole = Some(first.common(self.within)).filter(|piece| piece.length_mm() > 0.0);
+                continue;
+            };
+            let Some((shelf, rest)) = self.shelves.split_first().filter(|(shelf, _)| shelf.on.from_mm < piece.to_mm)
+            else {
+                return Some(Column { on: piece, top_ratio: 1.0 });
+            };
+            if shelf.on.to_mm <= piece.from_mm {
+                (self.shelves, self.whole) = (rest, Some(piece));
+            } else if shelf.on.from_mm > piece.from_mm {
+                self.whole = Some(Interval { from_mm: shelf.on.from_mm, ..piece });
+                return Some(Column { on: Interval { to_mm: shelf.on.from_mm, ..piece }, top_ratio: 1.0 });
+            } else {
+                let on = shelf.on.common(&piece);
+                self.whole = Some(Interval { from_mm: on.to_mm, ..piece }).filter(|rest| rest.length_mm() > 0.0);
+                return Some(Column { on, ..*shelf });
+            }
+        }
+    }
+}
+
+/// What of some columns is higher than a part of the layer, and longer than rounding; what touches is one.
+struct Pieces<'a> {
+    columns: Columns<'a>,
+    above_ratio: f64,
+    /// Where the next one begins.
+    next: Option<Interval>,
+}
+
+impl Iterator for Pieces<'_> {
+    type Item = Interval;
+
+    fn next(&mut self) -> Option<Interval> {
+        let mut last = self.next.take();
+        let is_high = |column: &Column| column.top_ratio > self.above_ratio + SAME_RATIO;
+        for Column { on, .. } in self.columns.by_ref().filter(is_high) {
+            match &mut last {
+                Some(piece) if piece.to_mm == on.from_mm => piece.to_mm = on.to_mm,
+                Some(piece) if piece.length_mm() > SLIVER_MM => {
+                    self.next = Some(on);
+                    return last;
+                }
+                _ => last = Some(on),
+            }
+        }
+        last.filter(|piece| piece.length_mm() > SLIVER_MM)
     }
 }
 
@@ -214,6 +288,14 @@ mod tests {
         assert_eq!(*shelves.section(&material, &all, 0.75), [(0.0, 2.0), (6.0, 10.0)].map(interval));
         assert_eq!(*shelves.section(&material, &Interval::new(1.0, 3.0), 0.0), [(1.0, 3.0)].map(interval));
         assert!(Shelves::default().section(&material, &all, 1.0).is_empty());
+        for (of_all, above_ratio) in [([(0.0, 4.0), (6.0, 10.0)], 0.5), ([(0.0, 10.0); 2], 0.0)] {
+            let ends = [true, false].map(|is_first| shelves.end_piece(&material, &all, above_ratio, is_first));
+            assert_eq!(ends, of_all.map(|ends| Some(interval(ends))));
+        }
+        assert_eq!(
+            Shelves::default().end_piece(&material, &Interval::new(9.0, 12.0), 0.0, false),
+            Some(interval((9.0, 10.0)))
+        );
         assert_eq!(shelves.mean_ratio(&material, &Interval::new(3.0, 5.0)), 0.625);
         assert_eq!([1.0, 4.5, 11.0].map(|at| shelves.top_ratio(&material, at)), [Some(1.0), Some(0.5), None]);
     }

@@ -58,6 +58,9 @@ pub struct Places {
     shapes: Vec<Vector3<f64>>,
     moved_mm: Vec<Vector3<f64>>,
     forces_n: Vec<Vector3<f64>>,
+    /// Of each mode, the forces and where it is.
+    drives: Vec<f64>,
+    amplitudes: Vec<f64>,
 }
 
 /// What came out of a step.
@@ -165,22 +168,23 @@ impl Vibration {
     ) -> Step {
         self.let_free(dt_s);
         let count = self.modes.len();
-        let mut drives = self.drives.clone();
+        places.drives.clone_from(&self.drives);
         places.forces_n.clear();
         places.forces_n.resize(places.count(), Vector3::zeros());
-        self.move_places(places, &drives);
+        self.move_places(places);
         let (mut change_mm, mut passes) = (f64::INFINITY, 0);
         while change_mm > self.stepping.tolerance_mm && passes < self.stepping.passes_max.max(1) {
             places.forces_n.fill(Vector3::zeros());
             force(&places.moved_mm, &mut places.forces_n);
+            let drives = &mut places.drives;
             drives.fill(0.0);
             for (shapes, force_n) in places.shapes.chunks(count.max(1)).zip(&places.forces_n) {
                 drives.iter_mut().zip(shapes).for_each(|(drive, shape)| *drive += shape.dot(force_n) * MM_PER_M);
             }
-            change_mm = self.move_places(places, &drives); // (3)
+            change_mm = self.move_places(places); // (3)
             passes += 1;
         }
-        self.push(|n, _| drives[n]);
+        self.push(|n, _| places.drives[n]);
         Step {
             displacement_mm: self.displacement_mm(),
             force_n: places.forces_n.iter().sum(),
@@ -212,14 +216,15 @@ impl Vibration {
         }
     }
 
-    /// Where places are at the end of the step with such forces on the modes; answers the largest change.
-    fn move_places(&self, places: &mut Places, drives: &[f64]) -> f64 {
-        let amplitude = |n: usize| self.states[n].q + self.given_way(n) * drives[n];
-        let amplitudes: Vec<f64> = (0..drives.len()).map(amplitude).collect();
+    /// Where places are at the end of the step with their forces on the modes; answers the largest change.
+    fn move_places(&self, places: &mut Places) -> f64 {
+        let Places { drives, amplitudes, .. } = places;
+        amplitudes.clear();
+        amplitudes.extend(drives.iter().enumerate().map(|(n, drive)| self.states[n].q + self.given_way(n) * drive));
         let mut change_mm = 0.0_f64;
         for (shapes, moved_mm) in places.shapes.chunks(amplitudes.len().max(1)).zip(&mut places.moved_mm) {
             let next_mm: Vector3<f64> =
-                shapes.iter().zip(&amplitudes).map(|(shape, amplitude)| shape * *amplitude).sum();
+                shapes.iter().zip(&*amplitudes).map(|(shape, amplitude)| shape * *amplitude).sum();
             change_mm = change_mm.max((next_mm - *moved_mm).norm());
             *moved_mm = next_mm;
         }

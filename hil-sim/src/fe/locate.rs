@@ -57,6 +57,7 @@ type Box3 = [Vector3<f64>; 2];
 #[derive(Clone, Debug)]
 pub struct Locator {
     boxes: Vec<Box3>,
+    planes: Vec<Option<Planes>>,
     lowest_mm: Vector3<f64>,
     step_mm: Vector3<f64>,
     counts: [usize; 3],
@@ -85,23 +86,55 @@ fn place_of(nodes_mm: &[[f64; 3]; NODES], point: &Vector3<f64>) -> Option<Place>
     None
 }
 
-/// How far a point is beyond the planes of the four faces between straight corners, at the most: it is no nearer to the tetrahedron.
-fn beyond_faces_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> f64 {
-    let base = Vector3::from(corners_mm[0]);
-    let edges = [1, 2, 3].map(|i| Vector3::from(corners_mm[i]) - base);
-    let Some(gradients) = Matrix3::from_columns(&edges).try_inverse() else { return f64::INFINITY };
-    let l = gradients * (point - base);
-    let of_base = (l.sum() - 1.0) / gradients.row_sum().norm();
-    (0..3).map(|k| -l[k] / gradients.row(k).norm()).fold(of_base, f64::max)
+/// The planes of the four faces between straight corners.
+#[derive(Clone, Debug)]
+struct Planes {
+    base: Vector3<f64>,
+    /// Rows: of the barycentric coordinates of all corners but the first.
+    gradients: Matrix3<f64>,
+    /// How steep those are, and that of the first corner.
+    steepness: [f64; 3],
+    of_base: f64,
 }
 
-/// The point of the straight tetrahedron between four corners that is nearest to another, and its distance: the least over the nearest points of all hulls
-/// of some of the corners that are within them.
+impl Planes {
+    /// None where the corners lie in one plane.
+    fn new(corners_mm: &[[f64; 3]]) -> Option<Self> {
+        let base = Vector3::from(corners_mm[0]);
+        let edges = [1, 2, 3].map(|i| Vector3::from(corners_mm[i]) - base);
+        let gradients = Matrix3::from_columns(&edges).try_inverse()?;
+        let steepness = [0, 1, 2].map(|k| gradients.row(k).norm());
+        Some(Planes { base, gradients, steepness, of_base: gradients.row_sum().norm() })
+    }
+
+    /// How far a point is beyond them, at the most: it is no nearer to the tetrahedron.
+    fn beyond_mm(&self, point: &Vector3<f64>) -> f64 {
+        let l = self.gradients * (point - self.base);
+        let of_base = (l.sum() - 1.0) / self.of_base;
+        (0..3).map(|k| -l[k] / self.steepness[k]).fold(of_base, f64::max)
+    }
+}
+
+/// Some of four corners, as bits: what a face, an edge, a corner, or the whole is the hull of; likely ones first.
+const HULLS: [usize; 15] = [7, 11, 13, 14, 3, 5, 6, 9, 10, 12, 1, 2, 4, 8, 15];
+
+/// The point of the straight tetrahedron between four corners that is nearest to another, and its distance.
+///
+/// It is the nearest point of the hull of some of the corners: the one that is within that hull and sees none of the other corners before it.
 fn from_corners_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> (Vector3<f64>, f64) {
     let corner = |i: usize| Vector3::from(corners_mm[i]);
+    // Of an edge from one corner to another, whether the point is not before it.
+    let follows = |from: usize, to: usize| {
+        let edge = corner(to) - corner(from);
+        edge.dot(&(point - corner(from))) >= -BORDER_RATIO * edge.norm_squared()
+    };
     let mut least = (*point, f64::INFINITY);
-    for some in 1_usize..16 {
+    for some in HULLS {
         let is_chosen = |i: usize| some >> i & 1 == 1;
+        let is_beside = |i: usize| (0..4).any(|j| j != i && is_chosen(j) && !follows(i, j));
+        if some.count_ones() == 2 && (0..4).any(|i| is_chosen(i) && is_beside(i)) {
+            continue;
+        }
         let base = some.trailing_zeros() as usize;
         let edge = |i: usize| if is_chosen(i) { corner(i) - corner(base) } else { Vector3::zeros() };
         // The other corners, whether chosen or not; those that are not get a part of zero.
@@ -114,9 +147,12 @@ fn from_corners_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> (Vector3<f6
         if parts.min() >= 0.0 && parts.sum() <= 1.0 {
             let along: Vector3<f64> = edges.iter().zip(parts.iter()).map(|(edge, part)| edge * *part).sum();
             let nearest = corner(base) + along;
-            let mm = (point - nearest).norm();
-            if mm < least.1 {
-                least = (nearest, mm);
+            let off = point - nearest;
+            if off.norm() < least.1 {
+                least = (nearest, off.norm());
+            }
+            if (0..4).all(|i| is_chosen(i) || off.dot(&(corner(i) - nearest)) <= 0.0) {
+                break;
             }
         }
     }
@@ -127,6 +163,7 @@ impl Locator {
     /// For the points of a mesh and those up to `reach_mm` outside.
     pub fn new(mesh: &Mesh, reach_mm: f64) -> Self {
         let boxes: Vec<Box3> = (0..mesh.elements().len()).map(|element| around(mesh, element)).collect();
+        let planes = (0..boxes.len()).map(|element| Planes::new(&mesh.nodes_of_mm(element)[..4])).collect();
         let infinite = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
         let [low, high] = boxes.iter().fold(infinite, |[low, high], b| [low.inf(&b[0]), high.sup(&b[1])]);
         let reach = Vector3::repeat(reach_mm);
@@ -136,7 +173,7 @@ impl Locator {
         let counts: [usize; 3] = std::array::from_fn(|axis| (size[axis] / edge_mm).ceil().max(1.0) as usize);
         let step_mm = Vector3::from_fn(|axis, _| size[axis] / counts[axis] as f64);
         let elements = vec![Vec::new(); counts.iter().product()];
-        let mut locator = Locator { boxes, lowest_mm, step_mm, counts, elements, reach_mm };
+        let mut locator = Locator { boxes, planes, lowest_mm, step_mm, counts, elements, reach_mm };
         for element in 0..locator.boxes.len() {
             let [low, high] = locator.boxes[element];
             let (first, last) = (locator.cell(&(low - reach)), locator.cell(&(high + reach)));
@@ -176,7 +213,8 @@ impl Locator {
     /// The point is outside by more than the reach.
     pub fn find(&self, mesh: &Mesh, point_mm: [f64; 3], near: Option<usize>) -> Result<Found, TooFar> {
         let point = Vector3::from(point_mm);
-        let candidates = || near.into_iter().chain(self.elements[self.index(self.cell(&point))].iter().copied());
+        let others = &self.elements[self.index(self.cell(&point))];
+        let candidates = || near.into_iter().chain(others.iter().copied().filter(|element| near != Some(*element)));
         for element in candidates().filter(|element| distance_mm(&self.boxes[*element], &point) == 0.0) {
             let place = place_of(&mesh.nodes_of_mm(element), &point);
             if let Some(place) = place.filter(|place| barycentric(*place).iter().all(|l| *l >= -BORDER_RATIO)) {
@@ -214,11 +252,12 @@ impl Locator {
             if distance_mm(&self.boxes[element], point) > least_mm.min(reach_mm) {
                 continue;
             }
-            let nodes_mm = mesh.nodes_of_mm(element);
             // Where faces lie in one plane the first of them will do.
-            if beyond_faces_mm(&nodes_mm[..4], point) >= least_mm {
+            let beyond_mm = self.planes[element].as_ref().map_or(f64::INFINITY, |planes| planes.beyond_mm(point));
+            if beyond_mm >= least_mm {
                 continue;
             }
+            let nodes_mm = mesh.nodes_of_mm(element);
             let (nearest_mm, outside_mm) = from_corners_mm(&nodes_mm[..4], point);
             if outside_mm < least_mm
                 && let Some(place) = place_of(&nodes_mm, point)

@@ -18,12 +18,13 @@ use std::f64::consts::TAU;
 use nalgebra::{Vector2, Vector3};
 
 use super::side::Side;
-use crate::cutting::bite::{Bite, Stand};
+use crate::cutting::bite::Bite;
 use crate::cutting::edges::meridian::Pieces;
 use crate::cutting::edges::{Cutter, EndMill};
 use crate::cutting::layer::Layer;
 use crate::cutting::layers::Layers;
 use crate::cutting::material::Cutting;
+use crate::cutting::pose::Stand;
 use crate::dynamics::modal::Mode;
 use crate::dynamics::transition::Rule;
 use crate::dynamics::vibration::{Stepping, Vibration};

@@ -13,7 +13,7 @@ use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{Micros, S_PER_MIN};
 use nalgebra::Vector2;
 
-use crate::cutting::bite::Stand;
+use crate::cutting::pose::Stand;
 use crate::decider::Decider;
 use crate::process::{Moment, Process};
 use crate::rig::{Rig, STEP};

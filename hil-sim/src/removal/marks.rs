@@ -9,6 +9,7 @@
 //! An end of the blank that nothing was to cut is none, and neither is what a rapid took.
 
 use nalgebra::Vector2;
+use rayon::iter::{IntoParallelIterator, ParallelExtend, ParallelIterator};
 
 use super::envelope::{Depth, Envelope, Turned};
 use super::trail::Of;
@@ -38,13 +39,13 @@ pub fn marks(blank: &Layers, left: &Layers, way: &Way, turned: &Turned) -> Vec<M
     let mut marks = Vec::new();
     for (layer, (blank, now)) in blank.layers().iter().zip(left.layers()).enumerate() {
         let envelope = Envelope::new(way.legs(), turned, left, layer);
-        for end in ends(blank, now) {
-            let Some(Depth { deep_mm, leg, arm_mm }) = envelope.deepest(&end.point_mm) else { continue };
+        let mark = |end: End| {
+            let Depth { deep_mm, leg, arm_mm } = envelope.deepest(&end.point_mm)?;
             let of = way.legs()[leg].of;
-            if end.is_square_to(&arm_mm) && (end.is_new || deep_mm > LEFT_MM) && !of.is_rapid {
-                marks.push(Mark { layer, point_mm: end.point_mm, off_mm: deep_mm, of });
-            }
-        }
+            let is_mark = end.is_square_to(&arm_mm) && (end.is_new || deep_mm > LEFT_MM) && !of.is_rapid;
+            is_mark.then_some(Mark { layer, point_mm: end.point_mm, off_mm: deep_mm, of })
+        };
+        marks.par_extend(ends(blank, now).into_par_iter().filter_map(mark));
     }
     marks
 }

@@ -79,9 +79,14 @@ impl Dexel {
         self.intervals().iter().any(|piece| piece.from_mm <= at_mm && at_mm < piece.to_mm)
     }
 
+    /// The pieces that are partly in a stretch, in order.
+    pub fn met(&self, stretch: &Interval) -> impl DoubleEndedIterator<Item = &Interval> {
+        self.intervals().iter().filter(|piece| piece.from_mm < stretch.to_mm && stretch.from_mm < piece.to_mm)
+    }
+
     /// Whether there is material in a stretch.
     pub fn meets(&self, stretch: &Interval) -> bool {
-        self.intervals().iter().any(|piece| piece.from_mm < stretch.to_mm && stretch.from_mm < piece.to_mm)
+        self.met(stretch).next().is_some()
     }
 
     /// What it has allocated beside itself.

@@ -11,31 +11,37 @@
 pub type Vector = [f64; 3];
 
 /// v.w
+#[inline]
 pub fn dot(v: Vector, w: Vector) -> f64 {
     v[0] * w[0] + v[1] * w[1] + v[2] * w[2]
 }
 
 /// v x w
+#[inline]
 pub fn cross(v: Vector, w: Vector) -> Vector {
     [v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]]
 }
 
 /// v + w
+#[inline]
 pub fn sum(v: Vector, w: Vector) -> Vector {
     [v[0] + w[0], v[1] + w[1], v[2] + w[2]]
 }
 
 /// v - w
+#[inline]
 pub fn difference(v: Vector, w: Vector) -> Vector {
     [v[0] - w[0], v[1] - w[1], v[2] - w[2]]
 }
 
 /// v times a number.
+#[inline]
 pub fn scaled(v: Vector, by_ratio: f64) -> Vector {
     v.map(|component| component * by_ratio)
 }
 
 /// |v|
+#[inline]
 pub fn length(v: Vector) -> f64 {
     libm::sqrt(dot(v, v))
 }

@@ -2,11 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_hil_sim::cutting::bite::{Bite, Stand};
+use arcfeed_hil_sim::cutting::bite::Bite;
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
 use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::cutting::material::Cutting;
+use arcfeed_hil_sim::cutting::pose::Stand;
 use arcfeed_hil_sim::dynamics::modal::Mode;
 use arcfeed_hil_sim::dynamics::transition::Rule;
 use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};

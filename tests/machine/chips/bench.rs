@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_hil_sim::cutting::bite::{Bite, Stand};
+use arcfeed_hil_sim::cutting::bite::Bite;
 use arcfeed_hil_sim::cutting::edges::Cutter;
 use arcfeed_hil_sim::cutting::layer::Layer;
 use arcfeed_hil_sim::cutting::layers::Layers;
+use arcfeed_hil_sim::cutting::pose::Stand;
 use nalgebra::Vector2;
 
 /// What a tooth has in front of it.
@@ -60,13 +61,13 @@ impl Straight {
             let axis_mm = Vector2::new(self.feed_mm_per_turn * turns, 0.0);
             let stand = Stand { axis_mm, tip_mm: 0.0, turned_rad: TAU * turns };
             if turns >= self.turns[1] as f64 {
-                seen.extend(bite.chips(&stand, |_| Vector2::zeros()).map(|chip| Seen {
+                seen.extend(bite.chips(&bite.poses(&stand), |_| Vector2::zeros()).map(|chip| Seen {
                     tooth: chip.piece.tooth,
                     angle_rad: (TAU / 4.0 - chip.piece.angle_at_rad(stand.turned_rad)).rem_euclid(TAU),
                     thickness_mm: chip.section.thickness_mm,
                 }));
             }
-            bite.cut(&stand, |_| Vector2::zeros());
+            bite.cut(&bite.poses(&stand), |_| Vector2::zeros());
         }
         seen
     }

@@ -2,13 +2,14 @@
 
 use std::f64::consts::{PI, TAU};
 
-use arcfeed_hil_sim::cutting::bite::{Bite, EdgeChip, Stand};
+use arcfeed_hil_sim::cutting::bite::{Bite, EdgeChip};
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill, Ring};
 use arcfeed_hil_sim::cutting::force::Loads;
 use arcfeed_hil_sim::cutting::layer::Layer;
 use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::cutting::material::{Cutting, Kienzle};
+use arcfeed_hil_sim::cutting::pose::Stand;
 use nalgebra::{Vector2, Vector3};
 
 use crate::cutting_forces::trochoid::Trochoid;
@@ -51,7 +52,7 @@ fn run(bite: &mut Bite, cutting: &Cutting, turns: i32, way_mm: impl Fn(f64) -> V
         let tip = way_mm(turned);
         let stand = Stand { axis_mm: tip.xy(), tip_mm: tip.z, turned_rad: TAU * turned };
         let (mut loads, mut chips_mm, mut work_n_mm) = (Loads::default(), [0.0_f64; 2], 0.0);
-        for EdgeChip { piece, section: chip, .. } in bite.chips(&stand, |_| Vector2::zeros()) {
+        for EdgeChip { piece, section: chip, .. } in bite.chips(&bite.poses(&stand), |_| Vector2::zeros()) {
             let force = cutting.force(&chip);
             loads.add(&piece, stand.turned_rad, &force);
             let inwards_mm = f64::from(piece.side.advance()) * chip.thickness_mm * libm::sin(piece.lead_rad) / 2.0;
@@ -62,7 +63,7 @@ fn run(bite: &mut Bite, cutting: &Cutting, turns: i32, way_mm: impl Fn(f64) -> V
             }
         }
         moments.push(Moment { loads, chips_mm, work_n_mm });
-        let removed = bite.cut(&stand, |_| Vector2::zeros());
+        let removed = bite.cut(&bite.poses(&stand), |_| Vector2::zeros());
         taken_mm3 = [0, 1].map(|axis: usize| taken_mm3[axis] + removed[axis]);
     }
     let after_mm3 = bite.layers().volumes_mm3();

@@ -8,13 +8,14 @@ use arcfeed::adapt::adapt;
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
-use arcfeed_hil_sim::cutting::bite::{Bite, EdgeChip, Stand};
+use arcfeed_hil_sim::cutting::bite::{Bite, EdgeChip};
 use arcfeed_hil_sim::cutting::chip::Circle;
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, Ring};
 use arcfeed_hil_sim::cutting::layer::Layer;
 use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::cutting::meter::MoveChips;
+use arcfeed_hil_sim::cutting::pose::Stand;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::rig::Rig;
 use arcfeed_shared::cut::Work;
@@ -108,7 +109,7 @@ fn compare(track: &Track, mill: &CupMill, edge: Edge, line: &StockLine, spindle:
         // The axes come to rest at the end of the block: the last teeth are no concern of the meter either.
         if (SETTLED_MS..places.len() - SETTLED_MS / 2).contains(&(step / STEPS_A_MS)) {
             let delta_mm = place(step) - place(step - TOOTH_MS * STEPS_A_MS);
-            for EdgeChip { piece, section, .. } in bite.chips(&stand, |_| Vector2::zeros()) {
+            for EdgeChip { piece, section, .. } in bite.chips(&bite.poses(&stand), |_| Vector2::zeros()) {
                 if piece.side != edge {
                     continue;
                 }
@@ -125,7 +126,7 @@ fn compare(track: &Track, mill: &CupMill, edge: Edge, line: &StockLine, spindle:
                 }
             }
         }
-        bite.cut(&stand, |_| Vector2::zeros());
+        bite.cut(&bite.poses(&stand), |_| Vector2::zeros());
     }
     compared
 }

@@ -2,11 +2,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use arcfeed_hil_sim::cutting::bite::{Bite, Stand, slices};
+use arcfeed_hil_sim::cutting::bite::{Bite, slices};
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
 use arcfeed_hil_sim::cutting::layer::Layer;
 use arcfeed_hil_sim::cutting::layers::Layers;
+use arcfeed_hil_sim::cutting::pose::Stand;
 use arcfeed_hil_sim::removal::envelope::Turned;
 use arcfeed_hil_sim::removal::marks::marks;
 use arcfeed_hil_sim::removal::trail::Of;
@@ -94,7 +95,7 @@ fn a_tool_that_is_moved_sideways_leaves_that_on_both_walls() {
     bite.sink(&stand(0));
     for step in 0..(WAY_MM / FEED_MM * 60.0) as u32 {
         let stand = stand(step);
-        bite.cut(&stand, |_| Vector2::new(0.0, bent_mm(stand.axis_mm.x)));
+        bite.cut(&bite.poses(&stand), |_| Vector2::new(0.0, bent_mm(stand.axis_mm.x)));
         way.go(&of, [stand.axis_mm.x, stand.axis_mm.y, stand.tip_mm]);
     }
     let found = marks(&blank, bite.layers(), &way, &turned);

@@ -1,0 +1,60 @@
+//! Where the edges of a cutter stand at one time: what is the same however they are bent.
+
+use nalgebra::Vector2;
+
+use super::edges::EdgePiece;
+use super::end::{Descent, Face};
+use super::rake::Rake;
+use super::shelves::Share;
+
+/// Where the cutter is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stand {
+    /// The spindle's axis in the plane of the layers.
+    pub axis_mm: Vector2<f64>,
+    /// Height of the tip.
+    pub tip_mm: f64,
+    /// How far M3 has turned the spindle.
+    pub turned_rad: f64,
+}
+
+/// All edges of a cutter where it is, before they are bent.
+#[derive(Clone, Debug)]
+pub struct Poses {
+    pub(super) stand: Stand,
+    pub(super) descent: Descent,
+    /// Of each edge, from the spindle's axis to it, a unit vector.
+    pub(super) towards: Vec<Vector2<f64>>,
+    /// Of each slice of the cutter.
+    pub(super) placed: Vec<Option<Placed>>,
+}
+
+/// A slice of the cutter in its layer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placed {
+    /// In the list of layers.
+    pub(super) index: usize,
+    pub(super) share: Share,
+    /// Up to which part of the layer edges are asked.
+    pub(super) reach_ratio: f64,
+}
+
+impl Poses {
+    /// An edge, bent.
+    pub(super) fn face(&self, edge: usize, bent_mm: Vector2<f64>) -> Face {
+        Face { center_mm: self.stand.axis_mm + bent_mm, towards: self.towards[edge] }
+    }
+}
+
+/// From the spindle's axis to a piece.
+pub(super) fn towards(piece: &EdgePiece, stand: &Stand) -> Vector2<f64> {
+    let (sin, cos) = libm::sincos(piece.angle_at_rad(stand.turned_rad));
+    Vector2::new(cos, sin)
+}
+
+/// A piece as an elementary edge in its layer.
+pub(super) fn rake(piece: &EdgePiece, depth_mm: f64, face: Face, share: &Share) -> Rake {
+    let Face { center_mm, towards } = face;
+    let (radius_mm, side) = (piece.radius_mm, piece.side);
+    Rake { center_mm, towards, radius_mm, side, turn_ratio: -1.0, depth_mm, share: *share }
+}
