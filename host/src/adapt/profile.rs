@@ -1,8 +1,11 @@
 //! A law asked along a whole move: its answers at evenly spaced points, and between them a bound that it does not undercut.
 
-use arcfeed_firmware::law::{FeedLaw, NoWish, Place};
+use std::iter::once;
+
+use arcfeed_firmware::law::{FeedLaw, NoWish, Place, Wish};
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::Nm;
+
+use super::places::MovePlaces;
 
 /// Cells that a move is divided into; the law is asked at their ends.
 pub const CELLS: usize = 256;
@@ -18,8 +21,8 @@ const HALVINGS: usize = 30;
 /// What a law says at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer {
-    /// A path of the centre per tooth, mm, and the contact's angle, radians.
-    Wish(f64, f64),
+    /// A path of the centre per tooth and a contact.
+    Wish(Wish),
     /// No feed is too high there.
     Anything,
     /// It has no wish.
@@ -40,7 +43,7 @@ pub struct Profile {
 /// Where the law is asked.
 struct Asked<'a, L> {
     law: &'a L,
-    segment: &'a Segment,
+    places: MovePlaces,
 }
 
 /// A point, in cells from the start, and the path per tooth wished there.
@@ -49,22 +52,26 @@ type Point = (f64, f64);
 impl Profile {
     /// Asks the law; also at the knots of a table, given as path from the move's start, mm, in their order.
     pub fn ask(law: &impl FeedLaw, segment: &Segment, knots_mm: &[f64]) -> Self {
-        let asked = Asked { law, segment };
-        let knots: Vec<f64> = knots_mm.iter().map(|mm| mm / segment.feed_length_mm() * CELLS as f64).collect();
+        let asked = Asked { law, places: MovePlaces::of(segment) };
+        let knots: Vec<f64> = knots_mm.iter().map(|mm| mm / asked.places.feed_length_mm() * CELLS as f64).collect();
         let ends: Vec<Answer> = (0..=CELLS).map(|point| asked.at(point as f64)).collect();
-        let values: Vec<Option<f64>> = ends.iter().map(|answer| answer.path()).collect();
-        let mut profile = Profile { answers: Vec::new(), bounds: Vec::new(), covered: Vec::new() };
-        for cell in 0..CELLS {
+        let mut profile = Profile {
+            answers: Vec::with_capacity(ends.len() + knots.len()),
+            bounds: Vec::with_capacity(CELLS),
+            covered: Vec::with_capacity(CELLS),
+        };
+        let mut bend_before = 0.0_f64;
+        for (cell, between) in ends.windows(2).enumerate() {
             let (from, to) = (cell as f64, cell as f64 + 1.0);
             let inside = knots.iter().filter(|knot| **knot > from && **knot < to);
-            profile.answers.push((from, ends[cell]));
+            profile.answers.push((from, between[0]));
             let first = profile.answers.len();
             profile.answers.extend(inside.map(|knot| (*knot, asked.at(*knot))));
-            let (bound, covers) = match (values[cell], values[cell + 1]) {
+            let bend_behind = ends.get(cell..cell + 3).map_or(0.0, bend);
+            let (bound, covers) = match (between[0].path(), between[1].path()) {
                 (Some(a), Some(b)) => {
-                    let knots = profile.answers[first..].iter().filter_map(|(at, answer)| Some((*at, answer.path()?)));
-                    let points: Vec<Point> = [(from, a)].into_iter().chain(knots).chain([(to, b)]).collect();
-                    (asked.bound(&points, dip(&values, cell)), true)
+                    let knots = &profile.answers[first..];
+                    (asked.bound((from, a), knots, (to, b), bend_before.max(bend_behind) / 2.0), true)
                 }
                 (Some(wish), None) => (asked.edge((from, wish), to), false),
                 (None, Some(wish)) => (asked.edge((to, wish), from), false),
@@ -72,8 +79,9 @@ impl Profile {
             };
             profile.bounds.push(bound);
             profile.covered.push(covers);
+            bend_before = bend_behind;
         }
-        profile.answers.push((CELLS as f64, ends[CELLS]));
+        profile.answers.extend(ends.last().map(|answer| (CELLS as f64, *answer)));
         profile
     }
 
@@ -103,7 +111,7 @@ impl Answer {
     /// The path per tooth, infinite where no feed is too high.
     fn path(self) -> Option<f64> {
         match self {
-            Answer::Wish(path_mm, _) => Some(path_mm),
+            Answer::Wish(wish) => Some(f64::from(wish.path_mm_per_tooth)),
             Answer::Anything => Some(f64::INFINITY),
             Answer::Nothing => None,
         }
@@ -112,23 +120,30 @@ impl Answer {
 
 impl<L: FeedLaw> Asked<'_, L> {
     fn at(&self, point: f64) -> Answer {
-        match self.law.wish(&place_at(self.segment, point / CELLS as f64)) {
-            Ok(wish) => Answer::Wish(f64::from(wish.path_mm_per_tooth), f64::from(wish.contact_rad())),
+        self.answer(&self.places.at(point / CELLS as f64))
+    }
+
+    fn answer(&self, place: &Place) -> Answer {
+        match self.law.wish(place) {
+            Ok(wish) => Answer::Wish(wish),
             Err(NoWish::ChipUnreachable) => Answer::Anything,
             Err(_) => Answer::Nothing,
         }
     }
 
-    /// The bound of a cell with wishes at all of its points, for a law that is smooth between them but where it jumps.
-    fn bound(&self, points: &[Point], dip: f64) -> f64 {
-        let least = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
+    /// The bound of a cell with wishes at all of its points, for a law that is smooth between them but where it jumps. `dip`
+    /// is how far a curve without knots dips below its lower end.
+    fn bound(&self, first: Point, knots: &[(f64, Answer)], last: Point, dip: f64) -> f64 {
+        let knots = || knots.iter().filter_map(|(at, answer)| Some((*at, answer.path()?)));
+        let points = || once(first).chain(knots()).chain(once(last));
+        let least = points().map(|point| point.1).fold(f64::INFINITY, f64::min);
         if least.is_infinite() {
             return least;
         }
-        if points.len() == 2 && dip <= SHARP_RATIO * least {
+        if dip <= SHARP_RATIO * least && knots().next().is_none() {
             return least - dip;
         }
-        points.windows(2).map(|ends| self.between(ends[0], ends[1])).fold(least, f64::min)
+        points().zip(points().skip(1)).map(|(first, last)| self.between(first, last)).fold(least, f64::min)
     }
 
     /// The least between two points: down into every bend, and to the bottom of the valley if there is one.
@@ -183,34 +198,16 @@ impl<L: FeedLaw> Asked<'_, L> {
     }
 }
 
-/// How far a curve through the points dips below the lower end of an interval, smooth or bent at the knots of a table. A
-/// smooth one dips by at most an eighth of the second difference there; one that is straight but for a knot in between,
-/// by at most the half: the knot leaves f and 1 - f of its bend in the two differences, and dips f (1 - f) of it below
-/// the chord.
-fn dip(values: &[Option<f64>], interval: usize) -> f64 {
-    let bend = |middle: usize| match middle.checked_sub(1).and_then(|first| values.get(first..middle + 2)) {
-        Some([Some(a), Some(b), Some(c)]) => libm::fabs(a - 2.0 * b + c),
-        // Next to a gap nothing is known of it.
-        Some(_) => f64::INFINITY,
-        None => 0.0,
+/// Second difference of the paths per tooth at three neighbouring points; infinite next to a gap, where nothing is known of it.
+///
+/// Half of the larger one at a cell's two ends is how far a curve through the points dips below the lower end, smooth or bent at
+/// the knots of a table. A smooth one dips by at most an eighth of the second difference there; one that is straight but for a
+/// knot in between, by at most the half: the knot leaves f and 1 - f of its bend in the two differences, and dips f (1 - f) of it
+/// below the chord.
+fn bend(answers: &[Answer]) -> f64 {
+    let [Some(a), Some(b), Some(c)] = [0, 1, 2].map(|index| answers.get(index).and_then(|answer| answer.path())) else {
+        return f64::INFINITY;
     };
-    let bend = |middle: usize| Some(bend(middle)).filter(|bend| !bend.is_nan()).unwrap_or(f64::INFINITY);
-    bend(interval).max(bend(interval + 1)) / 2.0
-}
-
-/// The place at `ratio` (0 to 1) of a move.
-pub fn place_at(segment: &Segment, ratio: f64) -> Place {
-    let travelled_mm = (segment.feed_length_mm() * ratio) as f32;
-    match segment.arc() {
-        Some(arc) => {
-            let direction = arc.direction_at(ratio).map(|component| component as f32);
-            Place::on_arc(direction, f32::from(arc.turn.sign()), arc.radius_mm() as f32, travelled_mm)
-        }
-        None => {
-            let [x, y, _] = segment.start.linear.map(Nm::to_mm);
-            let [to_x, to_y, _] = segment.end.linear.map(Nm::to_mm);
-            let part = |from: f64, to: f64| ((to - from) / segment.length_mm()) as f32;
-            Place::on_line([part(x, to_x), part(y, to_y)], travelled_mm)
-        }
-    }
+    let bend = libm::fabs(a - 2.0 * b + c);
+    if bend.is_nan() { f64::INFINITY } else { bend }
 }

@@ -213,6 +213,30 @@ pub fn first_macro(text: &[u8]) -> Option<usize> {
 
 /// Whether a line needs the macro interpreter: anything but words, plain numbers and a `#variable=number` without effect.
 pub fn needs_interpreter(line: &[u8]) -> bool {
+    !has_plain_bytes(line) && has_effect(line)
+}
+
+/// Whether a line's bytes show by themselves that it is plain, as those of most lines do: numbers behind single letters, no
+/// comment, and neither G6 nor M9 or M1, with which the codes of calls begin, nor blanks that may hide them.
+fn has_plain_bytes(line: &[u8]) -> bool {
+    // The letter under way; in lower case behind leading zeros, which do not count.
+    let mut letter = b' ';
+    for &byte in line {
+        match (byte, letter) {
+            (b'#' | b'[' | b']' | b'=' | b'(', _) | (b'A'..=b'Z', b'A'..=b'Z') => return false,
+            (b'6' | b' ' | b'\t' | b'\r', b'G' | b'g') => return false,
+            (b'9' | b'1' | b' ' | b'\t' | b'\r', b'M' | b'm') => return false,
+            (b'A'..=b'Z', _) => letter = byte,
+            (b'0', b'G' | b'M' | b'g' | b'm') => letter = letter.to_ascii_lowercase(),
+            (b' ' | b'\t' | b'\r', _) => {}
+            _ => letter = b' ',
+        }
+    }
+    true
+}
+
+/// The same of any line.
+fn has_effect(line: &[u8]) -> bool {
     let code = Code::new(line);
     let mut cursor = code.cursor();
     Head::read(&mut cursor);
@@ -283,5 +307,30 @@ mod tests {
         ] {
             assert!(needs_interpreter(line.as_bytes()), "{line}");
         }
+    }
+
+    #[test]
+    fn no_line_of_plain_bytes_has_an_effect() {
+        const PARTS: [&str; 30] = [
+            "G", "M", "X", "O", "N", "D", "I", "F", "0", "1", "5", "6", "7", "8", "9", ".", "-", " ", "\t", "/", ":",
+            "#", "=", "[", "]", "(", ")", "%", "g", "GOTO",
+        ];
+        let (mut seed, mut plain) = (1_u32, 0);
+        let mut next = |below: usize| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 16) as usize % below
+        };
+        for _ in 0..500_000 {
+            let mut line = Vec::new();
+            for _ in 0..next(9) {
+                line.extend_from_slice(PARTS[next(PARTS.len())].as_bytes());
+            }
+            if has_plain_bytes(&line) {
+                plain += 1;
+                assert!(!has_effect(&line), "{}", line.escape_ascii());
+            }
+        }
+        assert!(plain > 50_000, "{plain}");
+        assert!(has_plain_bytes(b"N146G2X-2.5752Y11.5549I4.0398J-3.0504") && has_plain_bytes(b"N1 G01 X1. F5.\t"));
     }
 }
