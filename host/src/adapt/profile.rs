@@ -53,36 +53,49 @@ impl Profile {
     /// Asks the law; also at the knots of a table, given as path from the move's start, mm, in their order.
     pub fn ask(law: &impl FeedLaw, segment: &Segment, knots_mm: &[f64]) -> Self {
         let asked = Asked { law, places: MovePlaces::of(segment) };
+        if law.is_uniform() {
+            return Profile::uniform(asked.at(0.0));
+        }
         let knots: Vec<f64> = knots_mm.iter().map(|mm| mm / asked.places.feed_length_mm() * CELLS as f64).collect();
         let ends: Vec<Answer> = (0..=CELLS).map(|point| asked.at(point as f64)).collect();
+        let paths: Vec<Option<f64>> = ends.iter().map(|answer| answer.path()).collect();
+        // Beyond the move's ends nothing bends.
+        let bends: Vec<f64> = once(0.0).chain(paths.windows(3).map(bend)).chain(once(0.0)).collect();
         let mut profile = Profile {
             answers: Vec::with_capacity(ends.len() + knots.len()),
             bounds: Vec::with_capacity(CELLS),
             covered: Vec::with_capacity(CELLS),
         };
-        let mut bend_before = 0.0_f64;
-        for (cell, between) in ends.windows(2).enumerate() {
+        for (cell, (paths, bends)) in paths.windows(2).zip(bends.windows(2)).enumerate() {
             let (from, to) = (cell as f64, cell as f64 + 1.0);
             let inside = knots.iter().filter(|knot| **knot > from && **knot < to);
-            profile.answers.push((from, between[0]));
+            profile.answers.push((from, ends[cell]));
             let first = profile.answers.len();
             profile.answers.extend(inside.map(|knot| (*knot, asked.at(*knot))));
-            let bend_behind = ends.get(cell..cell + 3).map_or(0.0, bend);
-            let (bound, covers) = match (between[0].path(), between[1].path()) {
+            let bound = match (paths[0], paths[1]) {
                 (Some(a), Some(b)) => {
-                    let knots = &profile.answers[first..];
-                    (asked.bound((from, a), knots, (to, b), bend_before.max(bend_behind) / 2.0), true)
+                    let dip = bends[0].max(bends[1]) / 2.0;
+                    asked.bound((from, a), &profile.answers[first..], (to, b), dip)
                 }
-                (Some(wish), None) => (asked.edge((from, wish), to), false),
-                (None, Some(wish)) => (asked.edge((to, wish), from), false),
-                (None, None) => (f64::INFINITY, false),
+                (Some(wish), None) => asked.edge((from, wish), to),
+                (None, Some(wish)) => asked.edge((to, wish), from),
+                (None, None) => f64::INFINITY,
             };
             profile.bounds.push(bound);
-            profile.covered.push(covers);
-            bend_before = bend_behind;
+            profile.covered.push(paths[0].is_some() && paths[1].is_some());
         }
-        profile.answers.extend(ends.last().map(|answer| (CELLS as f64, *answer)));
+        profile.answers.push((CELLS as f64, ends[CELLS]));
         profile
+    }
+
+    /// The same answer everywhere.
+    fn uniform(answer: Answer) -> Self {
+        let path = answer.path();
+        Profile {
+            answers: (0..=CELLS).map(|point| (point as f64, answer)).collect(),
+            bounds: vec![path.unwrap_or(f64::INFINITY); CELLS],
+            covered: vec![path.is_some(); CELLS],
+        }
     }
 
     /// The path per tooth wished at `ratio` of the move, straight between two answers; `None` where one of them is no
@@ -134,15 +147,16 @@ impl<L: FeedLaw> Asked<'_, L> {
     /// The bound of a cell with wishes at all of its points, for a law that is smooth between them but where it jumps. `dip`
     /// is how far a curve without knots dips below its lower end.
     fn bound(&self, first: Point, knots: &[(f64, Answer)], last: Point, dip: f64) -> f64 {
-        let knots = || knots.iter().filter_map(|(at, answer)| Some((*at, answer.path()?)));
-        let points = || once(first).chain(knots()).chain(once(last));
-        let least = points().map(|point| point.1).fold(f64::INFINITY, f64::min);
+        let paths = knots.iter().filter_map(|(_, answer)| answer.path());
+        let least = paths.fold(f64::INFINITY.min(first.1).min(last.1), f64::min);
         if least.is_infinite() {
             return least;
         }
+        let knots = || knots.iter().filter_map(|(at, answer)| Some((*at, answer.path()?)));
         if dip <= SHARP_RATIO * least && knots().next().is_none() {
             return least - dip;
         }
+        let points = || once(first).chain(knots()).chain(once(last));
         points().zip(points().skip(1)).map(|(first, last)| self.between(first, last)).fold(least, f64::min)
     }
 
@@ -204,10 +218,8 @@ impl<L: FeedLaw> Asked<'_, L> {
 /// the knots of a table. A smooth one dips by at most an eighth of the second difference there; one that is straight but for a
 /// knot in between, by at most the half: the knot leaves f and 1 - f of its bend in the two differences, and dips f (1 - f) of it
 /// below the chord.
-fn bend(answers: &[Answer]) -> f64 {
-    let [Some(a), Some(b), Some(c)] = [0, 1, 2].map(|index| answers.get(index).and_then(|answer| answer.path())) else {
-        return f64::INFINITY;
-    };
+fn bend(paths: &[Option<f64>]) -> f64 {
+    let [Some(a), Some(b), Some(c)] = paths else { return f64::INFINITY };
     let bend = libm::fabs(a - 2.0 * b + c);
     if bend.is_nan() { f64::INFINITY } else { bend }
 }

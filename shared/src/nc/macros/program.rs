@@ -219,21 +219,56 @@ pub fn needs_interpreter(line: &[u8]) -> bool {
 /// Whether a line's bytes show by themselves that it is plain, as those of most lines do: numbers behind single letters, no
 /// comment, and neither G6 nor M9 or M1, with which the codes of calls begin, nor blanks that may hide them.
 fn has_plain_bytes(line: &[u8]) -> bool {
-    // The letter under way; in lower case behind leading zeros, which do not count.
-    let mut letter = b' ';
-    for &byte in line {
-        match (byte, letter) {
-            (b'#' | b'[' | b']' | b'=' | b'(', _) | (b'A'..=b'Z', b'A'..=b'Z') => return false,
-            (b'6' | b' ' | b'\t' | b'\r', b'G' | b'g') => return false,
-            (b'9' | b'1' | b' ' | b'\t' | b'\r', b'M' | b'm') => return false,
-            (b'A'..=b'Z', _) => letter = byte,
-            (b'0', b'G' | b'M' | b'g' | b'm') => letter = letter.to_ascii_lowercase(),
-            (b' ' | b'\t' | b'\r', _) => {}
-            _ => letter = b' ',
-        }
-    }
-    true
+    let kind = |byte: &u8| KINDS.get(usize::from(*byte)).copied().unwrap_or_default();
+    let next =
+        |state: u8, byte: &u8| NEXT.get(usize::from(state * KIND_COUNT + kind(byte))).copied().unwrap_or(REFUSED);
+    line.iter().fold(NUMBER, next) != REFUSED
 }
+
+/// What [`has_plain_bytes`] tells apart, by byte: 0 anything else, 1 to 4 the digits 0, 1, 6 and 9, 5 blanks, 6 G, 7 M, 8 the other
+/// letters, 9 what no plain line has.
+const KINDS: [u8; 256] = {
+    let mut kinds = [0; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        kinds[byte] = match byte as u8 {
+            b'0' => 1,
+            b'1' => 2,
+            b'6' => 3,
+            b'9' => 4,
+            b' ' | b'\t' | b'\r' => 5,
+            b'G' => 6,
+            b'M' => 7,
+            b'A'..=b'Z' => 8,
+            b'#' | b'[' | b']' | b'=' | b'(' => 9,
+            _ => 0,
+        };
+        byte += 1;
+    }
+    kinds
+};
+const KIND_COUNT: u8 = 10;
+
+/// States of [`has_plain_bytes`]: in a number or between words, behind a letter, behind G or M, behind their leading zeros.
+const NUMBER: u8 = 0;
+const LETTER: u8 = 1;
+const G: u8 = 2;
+const M: u8 = 3;
+const G0: u8 = 4;
+const M0: u8 = 5;
+const REFUSED: u8 = 6;
+
+/// The state behind a byte: a row a state, a column a kind of byte.
+#[rustfmt::skip]
+const NEXT: [u8; 70] = [
+    NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, G, M, LETTER, REFUSED,
+    NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, LETTER, REFUSED, REFUSED, REFUSED, REFUSED,
+    NUMBER, G0, NUMBER, REFUSED, NUMBER, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED,
+    NUMBER, M0, REFUSED, NUMBER, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED,
+    NUMBER, G0, NUMBER, REFUSED, NUMBER, REFUSED, G, M, LETTER, REFUSED,
+    NUMBER, M0, REFUSED, NUMBER, REFUSED, REFUSED, G, M, LETTER, REFUSED,
+    REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED,
+];
 
 /// The same of any line.
 fn has_effect(line: &[u8]) -> bool {
