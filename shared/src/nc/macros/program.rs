@@ -216,8 +216,8 @@ pub fn needs_interpreter(line: &[u8]) -> bool {
     !has_plain_bytes(line) && has_effect(line)
 }
 
-/// Whether a line's bytes show by themselves that it is plain, as those of most lines do: numbers behind single letters, no
-/// comment, and neither G6 nor M9 or M1, with which the codes of calls begin, nor blanks that may hide them.
+/// Whether a line's bytes show by themselves that it is plain, as those of most lines do: numbers behind single letters, comments
+/// behind numbers, and neither G6 nor M9 or M1, with which the codes of calls begin, nor blanks that may hide them.
 fn has_plain_bytes(line: &[u8]) -> bool {
     let kind = |byte: &u8| KINDS.get(usize::from(*byte)).copied().unwrap_or_default();
     let next =
@@ -226,7 +226,7 @@ fn has_plain_bytes(line: &[u8]) -> bool {
 }
 
 /// What [`has_plain_bytes`] tells apart, by byte: 0 anything else, 1 to 4 the digits 0, 1, 6 and 9, 5 blanks, 6 G, 7 M, 8 the other
-/// letters, 9 what no plain line has.
+/// letters, 9 and 10 the two ends of a comment, 11 what no plain line has.
 const KINDS: [u8; 256] = {
     let mut kinds = [0; 256];
     let mut byte = 0;
@@ -240,34 +240,39 @@ const KINDS: [u8; 256] = {
             b'G' => 6,
             b'M' => 7,
             b'A'..=b'Z' => 8,
-            b'#' | b'[' | b']' | b'=' | b'(' => 9,
+            b'(' => 9,
+            b')' => 10,
+            b'#' | b'[' | b']' | b'=' => 11,
             _ => 0,
         };
         byte += 1;
     }
     kinds
 };
-const KIND_COUNT: u8 = 10;
+const KIND_COUNT: u8 = 12;
 
-/// States of [`has_plain_bytes`]: in a number or between words, behind a letter, behind G or M, behind their leading zeros.
+/// States of [`has_plain_bytes`]: in a number or between words, behind a letter, behind G or M, behind their leading zeros, in a
+/// comment.
 const NUMBER: u8 = 0;
 const LETTER: u8 = 1;
 const G: u8 = 2;
 const M: u8 = 3;
 const G0: u8 = 4;
 const M0: u8 = 5;
-const REFUSED: u8 = 6;
+const COMMENT: u8 = 6;
+const REFUSED: u8 = 7;
 
 /// The state behind a byte: a row a state, a column a kind of byte.
 #[rustfmt::skip]
-const NEXT: [u8; 70] = [
-    NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, G, M, LETTER, REFUSED,
-    NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, LETTER, REFUSED, REFUSED, REFUSED, REFUSED,
-    NUMBER, G0, NUMBER, REFUSED, NUMBER, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED,
-    NUMBER, M0, REFUSED, NUMBER, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED,
-    NUMBER, G0, NUMBER, REFUSED, NUMBER, REFUSED, G, M, LETTER, REFUSED,
-    NUMBER, M0, REFUSED, NUMBER, REFUSED, REFUSED, G, M, LETTER, REFUSED,
-    REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED,
+const NEXT: [u8; 96] = [
+    NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, G, M, LETTER, COMMENT, NUMBER, REFUSED,
+    NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, LETTER, REFUSED, REFUSED, REFUSED, REFUSED, NUMBER, REFUSED,
+    NUMBER, G0, NUMBER, REFUSED, NUMBER, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, NUMBER, REFUSED,
+    NUMBER, M0, REFUSED, NUMBER, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, NUMBER, REFUSED,
+    NUMBER, G0, NUMBER, REFUSED, NUMBER, REFUSED, G, M, LETTER, REFUSED, NUMBER, REFUSED,
+    NUMBER, M0, REFUSED, NUMBER, REFUSED, REFUSED, G, M, LETTER, REFUSED, NUMBER, REFUSED,
+    COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, NUMBER, COMMENT,
+    REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED,
 ];
 
 /// The same of any line.
@@ -366,6 +371,8 @@ mod tests {
             }
         }
         assert!(plain > 50_000, "{plain}");
-        assert!(has_plain_bytes(b"N146G2X-2.5752Y11.5549I4.0398J-3.0504") && has_plain_bytes(b"N1 G01 X1. F5.\t"));
+        assert!(
+            has_plain_bytes(b"N146G2X-2.5752Y11.5549I4.0398J-3.0504") && has_plain_bytes(b"N1 G01 X1. F5.(#1=2)\t")
+        );
     }
 }
