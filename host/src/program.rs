@@ -23,7 +23,7 @@ use arcfeed_shared::nc::machining::Machining;
 use arcfeed_shared::nc::macros::program::first_macro;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::nc::settings::{Preset, Scope, Settings, Tables};
-use arcfeed_shared::nc::text::{Lines, RawLine};
+use arcfeed_shared::nc::text::Lines;
 use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{LengthUnit, Nm};
@@ -55,8 +55,8 @@ pub struct Program {
     run: Vec<Made>,
 }
 
-/// One line.
-#[derive(Clone, Debug)]
+/// One line; by default without text, carried out by no control.
+#[derive(Clone, Debug, Default)]
 pub struct ProgramLine {
     /// Its bytes, without line end.
     pub text: Vec<u8>,
@@ -114,27 +114,11 @@ pub enum Severity {
 }
 
 impl ProgramLine {
-    /// A line behind which a control stands like `reader`.
-    fn new(text: &[u8], ending: &[u8], meaning: Option<Understood>, reader: &Reader) -> Self {
-        let origin = reader.modal().work_origin(reader.tables());
-        let (tool_length, follows_tip) = made::tool_of(reader);
-        let machining = reader.modal().machining();
-        ProgramLine { origin, tool_length, follows_tip, machining, ..ProgramLine::bare(text, ending, meaning) }
-    }
-
-    /// A line that no control has carried out.
-    fn bare(text: &[u8], ending: &[u8], meaning: Option<Understood>) -> Self {
-        let (text, ending) = (text.to_vec(), ending.to_vec());
-        ProgramLine {
-            text,
-            ending,
-            meaning,
-            origin: Pose::ORIGIN,
-            tool_length: Nm(0),
-            follows_tip: false,
-            machining: Machining::default(),
-            skipping: None,
-        }
+    /// The state of a control that has carried it out: `reader`'s.
+    fn set_state(&mut self, reader: &Reader) {
+        self.origin = reader.modal().work_origin(reader.tables());
+        (self.tool_length, self.follows_tip) = made::tool_of(reader);
+        self.machining = reader.modal().machining();
     }
 
     /// Its move, seen from the workpiece's origin; nothing for blocks that make several.
@@ -176,8 +160,9 @@ impl Program {
     pub fn parse_with(path: &Path, bytes: &[u8], settings: Settings, tables: Tables) -> Self {
         let mut reader = LineReader::new(settings, tables);
         let mut program = Program::empty(path, first_macro(bytes), reader.control());
-        for RawLine { text, ending } in Lines::new(bytes) {
-            let line = reader.read(text, ending, &mut program.diagnostics);
+        for raw in Lines::new(bytes) {
+            let mut line = ProgramLine::default();
+            reader.read_into(raw, &mut line, &mut program.diagnostics);
             line.meaning.iter().for_each(|meaning| program.moves.add(meaning));
             program.lines.push(line);
         }

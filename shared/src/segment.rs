@@ -58,6 +58,15 @@ pub struct Arc {
     pub to: [Nm; 2],
 }
 
+/// The angles of an arc in its plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArcAngles {
+    /// Of its start, from the plane's first axis.
+    pub start_rad: f64,
+    /// From start to end, positive counter-clockwise.
+    pub turned_rad: f64,
+}
+
 impl Segment {
     /// Checks the geometry of a motion.
     ///
@@ -205,9 +214,20 @@ impl Arc {
 
     /// Unit vector from the centre to the point at `ratio` (0 to 1) of the sweep.
     pub fn direction_at(&self, ratio: f64) -> [f64; 2] {
+        self.angles().direction_at(ratio)
+    }
+
+    /// Where it begins and how far it turns, for many points on it.
+    pub fn angles(&self) -> ArcAngles {
         let [x, y] = self.from.map(Nm::to_mm);
-        let turned = f64::from(self.turn.sign()) * ratio * self.sweep_rad();
-        let (sin, cos) = libm::sincos(libm::atan2(y, x) + turned);
+        ArcAngles { start_rad: libm::atan2(y, x), turned_rad: f64::from(self.turn.sign()) * self.sweep_rad() }
+    }
+}
+
+impl ArcAngles {
+    /// Unit vector from the centre to the point at `ratio` (0 to 1) of the sweep.
+    pub fn direction_at(&self, ratio: f64) -> [f64; 2] {
+        let (sin, cos) = libm::sincos(self.start_rad + ratio * self.turned_rad);
         [cos, sin]
     }
 }

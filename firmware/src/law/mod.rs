@@ -40,6 +40,11 @@ pub trait FeedLaw {
     /// # Errors
     /// Why the law has no wish there.
     fn wish(&self, place: &Place) -> Result<Wish, NoWish>;
+
+    /// Whether it answers alike at every place.
+    fn is_uniform(&self) -> bool {
+        false
+    }
 }
 
 /// Where the tool's centre is on its segment, in the plane of the segment.
@@ -185,6 +190,13 @@ impl FeedLaw for SegmentLaw {
             SegmentLaw::Engagement(law) => law.wish(place),
             SegmentLaw::Table(law) => law.wish(place),
             SegmentLaw::Programmed => Err(NoWish::NoLaw),
+        }
+    }
+
+    fn is_uniform(&self) -> bool {
+        match self {
+            SegmentLaw::Contour(_) | SegmentLaw::Engagement(_) | SegmentLaw::Programmed => true,
+            SegmentLaw::Circumference(_) | SegmentLaw::EngagedArc(_) | SegmentLaw::Table(_) => false,
         }
     }
 }

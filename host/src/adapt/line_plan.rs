@@ -3,7 +3,7 @@
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::text::Lines;
 
-use super::rewrite::{Leak, may_leak};
+use super::rewrite::Leak;
 use super::writer::{KeptLines, Known, PlannedLine, Writer};
 use crate::program::{ProgramLine, Source};
 
@@ -18,11 +18,11 @@ pub struct LinePlan<'a> {
 }
 
 impl<'a> LinePlan<'a> {
-    /// For a program without errors.
-    pub fn new(source: &'a Source, job: &'a Job, known: Known<'a>) -> Self {
+    /// For a program without errors; `may_leak` says whether a feed could leak into one of its lines.
+    pub fn new(source: &'a Source, may_leak: bool, job: &'a Job, known: Known<'a>) -> Self {
         let line_end = Lines::new(&source.bytes).next().map_or(&b""[..], |line| line.ending);
         let mut plan = LinePlan { source, job, known, line_end, kept: KeptLines::default() };
-        if source.lines().any(|line| may_leak(&line)) {
+        if may_leak {
             while let Err(last_governed) = plan.run(|_, _| {}) {
                 plan.kept = plan.kept.with(last_governed);
             }
@@ -33,7 +33,7 @@ impl<'a> LinePlan<'a> {
     /// Gives out every line, first as it is and then as it is sent.
     ///
     /// # Errors
-    /// None, as long as [`may_leak`] tells every line into which a feed can leak.
+    /// None, as long as [`may_leak`](super::rewrite::may_leak) knows every line into which a feed can leak.
     pub fn each(&self, each: impl FnMut(&ProgramLine, PlannedLine)) -> Result<(), Leak> {
         self.run(each).map_err(|_| Leak)
     }
@@ -42,9 +42,10 @@ impl<'a> LinePlan<'a> {
     fn run(&self, mut each: impl FnMut(&ProgramLine, PlannedLine)) -> Result<(), Option<usize>> {
         let reader = self.source.reader();
         let mut writer = Writer::new(reader.control(), self.line_end, self.job, self.known, &self.kept);
-        for line in self.source.lines() {
-            let Ok(planned) = writer.take(&line) else { return Err(writer.last_governed) };
-            each(&line, planned);
+        let mut lines = self.source.lines();
+        while let Some(line) = lines.next_line() {
+            let Ok(planned) = writer.take(line) else { return Err(writer.last_governed) };
+            each(line, planned);
         }
         Ok(())
     }

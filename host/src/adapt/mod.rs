@@ -1,6 +1,8 @@
 //! From a program and a job to the feeds to send: which law governs which block, what it wants, and the F words that
 //! make 100 % safe, or that do without an override.
 
+pub mod places;
+
 pub mod profile;
 
 pub mod range;

@@ -1,8 +1,11 @@
 //! A law asked along a whole move: its answers at evenly spaced points, and between them a bound that it does not undercut.
 
-use arcfeed_firmware::law::{FeedLaw, NoWish, Place};
+use std::iter::once;
+
+use arcfeed_firmware::law::{FeedLaw, NoWish, Place, Wish};
 use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::Nm;
+
+use super::places::MovePlaces;
 
 /// Cells that a move is divided into; the law is asked at their ends.
 pub const CELLS: usize = 256;
@@ -18,8 +21,8 @@ const HALVINGS: usize = 30;
 /// What a law says at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer {
-    /// A path of the centre per tooth, mm, and the contact's angle, radians.
-    Wish(f64, f64),
+    /// A path of the centre per tooth and a contact.
+    Wish(Wish),
     /// No feed is too high there.
     Anything,
     /// It has no wish.
@@ -40,7 +43,7 @@ pub struct Profile {
 /// Where the law is asked.
 struct Asked<'a, L> {
     law: &'a L,
-    segment: &'a Segment,
+    places: MovePlaces,
 }
 
 /// A point, in cells from the start, and the path per tooth wished there.
@@ -49,32 +52,50 @@ type Point = (f64, f64);
 impl Profile {
     /// Asks the law; also at the knots of a table, given as path from the move's start, mm, in their order.
     pub fn ask(law: &impl FeedLaw, segment: &Segment, knots_mm: &[f64]) -> Self {
-        let asked = Asked { law, segment };
-        let knots: Vec<f64> = knots_mm.iter().map(|mm| mm / segment.feed_length_mm() * CELLS as f64).collect();
+        let asked = Asked { law, places: MovePlaces::of(segment) };
+        if law.is_uniform() {
+            return Profile::uniform(asked.at(0.0));
+        }
+        let knots: Vec<f64> = knots_mm.iter().map(|mm| mm / asked.places.feed_length_mm() * CELLS as f64).collect();
         let ends: Vec<Answer> = (0..=CELLS).map(|point| asked.at(point as f64)).collect();
-        let values: Vec<Option<f64>> = ends.iter().map(|answer| answer.path()).collect();
-        let mut profile = Profile { answers: Vec::new(), bounds: Vec::new(), covered: Vec::new() };
-        for cell in 0..CELLS {
+        let paths: Vec<Option<f64>> = ends.iter().map(|answer| answer.path()).collect();
+        // Beyond the move's ends nothing bends.
+        let bends: Vec<f64> = once(0.0).chain(paths.windows(3).map(bend)).chain(once(0.0)).collect();
+        let mut profile = Profile {
+            answers: Vec::with_capacity(ends.len() + knots.len()),
+            bounds: Vec::with_capacity(CELLS),
+            covered: Vec::with_capacity(CELLS),
+        };
+        for (cell, (paths, bends)) in paths.windows(2).zip(bends.windows(2)).enumerate() {
             let (from, to) = (cell as f64, cell as f64 + 1.0);
             let inside = knots.iter().filter(|knot| **knot > from && **knot < to);
             profile.answers.push((from, ends[cell]));
             let first = profile.answers.len();
             profile.answers.extend(inside.map(|knot| (*knot, asked.at(*knot))));
-            let (bound, covers) = match (values[cell], values[cell + 1]) {
+            let bound = match (paths[0], paths[1]) {
                 (Some(a), Some(b)) => {
-                    let knots = profile.answers[first..].iter().filter_map(|(at, answer)| Some((*at, answer.path()?)));
-                    let points: Vec<Point> = [(from, a)].into_iter().chain(knots).chain([(to, b)]).collect();
-                    (asked.bound(&points, dip(&values, cell)), true)
+                    let dip = bends[0].max(bends[1]) / 2.0;
+                    asked.bound((from, a), &profile.answers[first..], (to, b), dip)
                 }
-                (Some(wish), None) => (asked.edge((from, wish), to), false),
-                (None, Some(wish)) => (asked.edge((to, wish), from), false),
-                (None, None) => (f64::INFINITY, false),
+                (Some(wish), None) => asked.edge((from, wish), to),
+                (None, Some(wish)) => asked.edge((to, wish), from),
+                (None, None) => f64::INFINITY,
             };
             profile.bounds.push(bound);
-            profile.covered.push(covers);
+            profile.covered.push(paths[0].is_some() && paths[1].is_some());
         }
         profile.answers.push((CELLS as f64, ends[CELLS]));
         profile
+    }
+
+    /// The same answer everywhere.
+    fn uniform(answer: Answer) -> Self {
+        let path = answer.path();
+        Profile {
+            answers: (0..=CELLS).map(|point| (point as f64, answer)).collect(),
+            bounds: vec![path.unwrap_or(f64::INFINITY); CELLS],
+            covered: vec![path.is_some(); CELLS],
+        }
     }
 
     /// The path per tooth wished at `ratio` of the move, straight between two answers; `None` where one of them is no
@@ -103,7 +124,7 @@ impl Answer {
     /// The path per tooth, infinite where no feed is too high.
     fn path(self) -> Option<f64> {
         match self {
-            Answer::Wish(path_mm, _) => Some(path_mm),
+            Answer::Wish(wish) => Some(f64::from(wish.path_mm_per_tooth)),
             Answer::Anything => Some(f64::INFINITY),
             Answer::Nothing => None,
         }
@@ -112,23 +133,31 @@ impl Answer {
 
 impl<L: FeedLaw> Asked<'_, L> {
     fn at(&self, point: f64) -> Answer {
-        match self.law.wish(&place_at(self.segment, point / CELLS as f64)) {
-            Ok(wish) => Answer::Wish(f64::from(wish.path_mm_per_tooth), f64::from(wish.contact_rad())),
+        self.answer(&self.places.at(point / CELLS as f64))
+    }
+
+    fn answer(&self, place: &Place) -> Answer {
+        match self.law.wish(place) {
+            Ok(wish) => Answer::Wish(wish),
             Err(NoWish::ChipUnreachable) => Answer::Anything,
             Err(_) => Answer::Nothing,
         }
     }
 
-    /// The bound of a cell with wishes at all of its points, for a law that is smooth between them but where it jumps.
-    fn bound(&self, points: &[Point], dip: f64) -> f64 {
-        let least = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
+    /// The bound of a cell with wishes at all of its points, for a law that is smooth between them but where it jumps. `dip`
+    /// is how far a curve without knots dips below its lower end.
+    fn bound(&self, first: Point, knots: &[(f64, Answer)], last: Point, dip: f64) -> f64 {
+        let paths = knots.iter().filter_map(|(_, answer)| answer.path());
+        let least = paths.fold(f64::INFINITY.min(first.1).min(last.1), f64::min);
         if least.is_infinite() {
             return least;
         }
-        if points.len() == 2 && dip <= SHARP_RATIO * least {
+        let knots = || knots.iter().filter_map(|(at, answer)| Some((*at, answer.path()?)));
+        if dip <= SHARP_RATIO * least && knots().next().is_none() {
             return least - dip;
         }
-        points.windows(2).map(|ends| self.between(ends[0], ends[1])).fold(least, f64::min)
+        let points = || once(first).chain(knots()).chain(once(last));
+        points().zip(points().skip(1)).map(|(first, last)| self.between(first, last)).fold(least, f64::min)
     }
 
     /// The least between two points: down into every bend, and to the bottom of the valley if there is one.
@@ -183,34 +212,14 @@ impl<L: FeedLaw> Asked<'_, L> {
     }
 }
 
-/// How far a curve through the points dips below the lower end of an interval, smooth or bent at the knots of a table. A
-/// smooth one dips by at most an eighth of the second difference there; one that is straight but for a knot in between,
-/// by at most the half: the knot leaves f and 1 - f of its bend in the two differences, and dips f (1 - f) of it below
-/// the chord.
-fn dip(values: &[Option<f64>], interval: usize) -> f64 {
-    let bend = |middle: usize| match middle.checked_sub(1).and_then(|first| values.get(first..middle + 2)) {
-        Some([Some(a), Some(b), Some(c)]) => libm::fabs(a - 2.0 * b + c),
-        // Next to a gap nothing is known of it.
-        Some(_) => f64::INFINITY,
-        None => 0.0,
-    };
-    let bend = |middle: usize| Some(bend(middle)).filter(|bend| !bend.is_nan()).unwrap_or(f64::INFINITY);
-    bend(interval).max(bend(interval + 1)) / 2.0
-}
-
-/// The place at `ratio` (0 to 1) of a move.
-pub fn place_at(segment: &Segment, ratio: f64) -> Place {
-    let travelled_mm = (segment.feed_length_mm() * ratio) as f32;
-    match segment.arc() {
-        Some(arc) => {
-            let direction = arc.direction_at(ratio).map(|component| component as f32);
-            Place::on_arc(direction, f32::from(arc.turn.sign()), arc.radius_mm() as f32, travelled_mm)
-        }
-        None => {
-            let [x, y, _] = segment.start.linear.map(Nm::to_mm);
-            let [to_x, to_y, _] = segment.end.linear.map(Nm::to_mm);
-            let part = |from: f64, to: f64| ((to - from) / segment.length_mm()) as f32;
-            Place::on_line([part(x, to_x), part(y, to_y)], travelled_mm)
-        }
-    }
+/// Second difference of the paths per tooth at three neighbouring points; infinite next to a gap, where nothing is known of it.
+///
+/// Half of the larger one at a cell's two ends is how far a curve through the points dips below the lower end, smooth or bent at
+/// the knots of a table. A smooth one dips by at most an eighth of the second difference there; one that is straight but for a
+/// knot in between, by at most the half: the knot leaves f and 1 - f of its bend in the two differences, and dips f (1 - f) of it
+/// below the chord.
+fn bend(paths: &[Option<f64>]) -> f64 {
+    let [Some(a), Some(b), Some(c)] = paths else { return f64::INFINITY };
+    let bend = libm::fabs(a - 2.0 * b + c);
+    if bend.is_nan() { f64::INFINITY } else { bend }
 }

@@ -1,5 +1,7 @@
 //! What a law wants along a whole move: the range of its wishes, and a feed that no point of the arc undercuts.
 
+use arcfeed_firmware::law::Wish;
+
 use super::profile::{Answer, Profile};
 
 /// The wishes of a law along a move.
@@ -22,19 +24,22 @@ pub struct WishRange {
 impl WishRange {
     /// What a law's answers come to; `None` if there is no finite wish among them.
     pub fn of(profile: &Profile, teeth_per_min: f64) -> Option<Self> {
-        let wishes = profile.answers.iter().filter_map(|(_, answer)| match *answer {
-            Answer::Wish(path_mm, contact_rad) => Some((path_mm, contact_rad)),
-            Answer::Anything | Answer::Nothing => None,
-        });
-        let (paths_mm, contacts_rad): (Vec<f64>, Vec<f64>) = wishes.unzip();
-        let least = paths_mm.iter().copied().reduce(f64::min)?;
-        let most = paths_mm.iter().copied().reduce(f64::max)?;
+        let wishes = || {
+            profile.answers.iter().filter_map(|(_, answer)| match answer {
+                Answer::Wish(wish) => Some(wish),
+                Answer::Anything | Answer::Nothing => None,
+            })
+        };
+        let paths_mm = || wishes().map(|wish| f64::from(wish.path_mm_per_tooth));
+        let least = paths_mm().reduce(f64::min)?;
+        let most = paths_mm().reduce(f64::max)?;
+        let contact_deg = |wish: &Wish| f64::from(wish.contact_rad()).to_degrees();
         Some(WishRange {
             feed_min_mm_per_min: teeth_per_min * least,
             feed_max_mm_per_min: teeth_per_min * most,
             safe_mm_per_min: teeth_per_min * profile.least()?,
             ipt_mm_per_tooth: [least, most],
-            contact_deg: [contacts_rad.first()?.to_degrees(), contacts_rad.last()?.to_degrees()],
+            contact_deg: [contact_deg(wishes().next()?), contact_deg(wishes().next_back()?)],
             covers_all: !profile.answers.iter().any(|(_, answer)| *answer == Answer::Nothing),
         })
     }
@@ -43,7 +48,7 @@ impl WishRange {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_firmware::law::{FeedLaw, NoWish, Place, Wish};
+    use arcfeed_firmware::law::{FeedLaw, NoWish, Place};
     use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
     use arcfeed_shared::segment::{Arc, Path, Segment};
     use arcfeed_shared::units::Nm;

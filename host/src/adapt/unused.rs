@@ -6,13 +6,13 @@ use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::job::Job;
 
 use crate::job::JobFile;
-use crate::program::Source;
+use crate::program::ProgramLine;
 
-/// Warnings `file:line:column: warning: ...`: rules behind one that takes all of their moves, and with a program those that
-/// none of its moves meets.
-pub fn unused_rules(path: &Path, file: &JobFile, program: Option<&Source>) -> Vec<String> {
+/// Warnings `file:line:column: warning: ...`: rules behind one that takes all of their moves, and with a program, given as its
+/// path and what its moves meet, those that none of its moves meets.
+pub fn unused_rules(path: &Path, file: &JobFile, program: Option<(&Path, &RuleUse)>) -> Vec<String> {
     let rules = &file.job.rules;
-    let met = program.map(|program| (program.path.display(), met(program, &file.job)));
+    let met = program.map(|(program, used)| (program.display(), &used.met));
     let why = |index: usize, rule: &CutRule| {
         if let Some(earlier) = rules.iter().take(index).position(|earlier| covers(earlier, rule)) {
             let line = file.rule_places.get(earlier).map_or(0, |[line, _]| *line);
@@ -49,17 +49,27 @@ enum Met {
     First,
 }
 
-fn met(program: &Source, job: &Job) -> Vec<Met> {
-    let mut met = vec![Met::Never; job.rules.len()];
-    for line in program.lines() {
-        let (Some(segment), Some(tool)) = (line.segment(), job.tool_in(line.machining.tool)) else { continue };
+/// How the rules of a job meet the moves of a program.
+#[derive(Clone, Debug)]
+pub struct RuleUse {
+    met: Vec<Met>,
+}
+
+impl RuleUse {
+    /// Before the first line.
+    pub fn new(job: &Job) -> Self {
+        RuleUse { met: vec![Met::Never; job.rules.len()] }
+    }
+
+    /// The next line, with its tool's place among the job's.
+    pub fn add(&mut self, line: &ProgramLine, job: &Job, tool: Option<usize>) {
+        let (Some(segment), Some(tool)) = (line.segment(), tool) else { return };
         let fits = |rule: &CutRule| usize::from(rule.tool) == tool && rule.fits(&segment, &job.tool_of(rule).tool);
-        let fitting = job.rules.iter().zip(&mut met).filter(|(rule, _)| fits(rule));
+        let fitting = job.rules.iter().zip(&mut self.met).filter(|(rule, _)| fits(rule));
         for (place, (_, met)) in fitting.enumerate() {
             *met = (*met).max(if place == 0 { Met::First } else { Met::Behind });
         }
     }
-    met
 }
 
 /// Whether every move that `rule` fits is one that `earlier` fits.

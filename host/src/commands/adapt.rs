@@ -36,38 +36,38 @@ pub struct Adapt {
     json: bool,
 }
 
-/// One block with a move, as JSON; feeds per minute and lengths in the job's unit.
+/// One block with a move, as JSON, by name in alphabetical order; feeds per minute and lengths in the job's unit.
 #[derive(Serialize)]
 struct BlockFigures {
-    n: Option<i64>,
-    line: usize,
-    kind: &'static str,
+    chip_error_max: Option<f64>,
+    chip_error_mean: Option<f64>,
+    chip_error_min: Option<f64>,
+    contact_deg_end: Option<f64>,
+    contact_deg_start: Option<f64>,
     direction: Option<&'static str>,
+    f_words: usize,
+    factor_max: Option<f64>,
+    factor_min: Option<f64>,
+    feed_max: Option<f64>,
+    feed_min: Option<f64>,
+    feed_unit: &'static str,
+    ipt_center_max: Option<f64>,
+    ipt_center_min: Option<f64>,
+    kind: &'static str,
+    law: Option<&'static str>,
+    left_whole: Option<&'static str>,
+    limit_axis: Option<char>,
+    limit_feed: Option<f64>,
+    line: usize,
+    n: Option<i64>,
+    pieces: Option<usize>,
+    programmed_feed: Option<f64>,
+    reason: &'static str,
     rotation: Option<&'static str>,
+    sent_feed: Option<f64>,
     side: Option<&'static str>,
     /// T number of the rule's tool.
     tool: Option<i64>,
-    law: Option<&'static str>,
-    programmed_feed: Option<f64>,
-    sent_feed: Option<f64>,
-    feed_min: Option<f64>,
-    feed_max: Option<f64>,
-    feed_unit: &'static str,
-    ipt_center_min: Option<f64>,
-    ipt_center_max: Option<f64>,
-    contact_deg_start: Option<f64>,
-    contact_deg_end: Option<f64>,
-    factor_min: Option<f64>,
-    factor_max: Option<f64>,
-    reason: &'static str,
-    pieces: Option<usize>,
-    left_whole: Option<&'static str>,
-    chip_error_min: Option<f64>,
-    chip_error_mean: Option<f64>,
-    chip_error_max: Option<f64>,
-    f_words: usize,
-    limit_feed: Option<f64>,
-    limit_axis: Option<char>,
 }
 
 impl Adapt {
@@ -76,9 +76,9 @@ impl Adapt {
     /// # Errors
     /// The job or the program is at fault, or the output cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
-        let (file, source) = load_text(&self.job)?;
+        let (file, source, may_leak) = load_text(&self.job)?;
         refuse_inputs(&[self.output.as_deref()], &file.inputs(&self.job))?;
-        let plan = LinePlan::new(&source, &file.job, Known::of(&file));
+        let plan = LinePlan::new(&source, may_leak, &file.job, Known::of(&file));
         let table = (!self.json && !self.diff && self.output.is_none()).then(|| Table::begin(&file.job));
         let (mut table, mut unknown, mut number) = (table, UnknownMoves::default(), 0);
         let mut text = Vec::with_capacity(if self.output.is_some() { source.bytes.len() } else { 0 });
@@ -90,7 +90,8 @@ impl Adapt {
                     note(format_args!("{}:{warning}", source.path.display()));
                 }
                 if self.json {
-                    say(format_args!("{}", serde_json::json!(BlockFigures::new(block, &file.job))));
+                    let figures = BlockFigures::new(block, &file.job);
+                    say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
                 }
                 table.iter_mut().for_each(|table| table.add(block));
             }

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::five_axis::{Placing, Told, is_cl, load_cl, load_machine};
 use super::outcome::{Failure, name_tool, say, warn_of_rules};
+use crate::adapt::unused::RuleUse;
 use crate::console::note;
 use crate::control::{self, Convention};
 use crate::job::{ControlKind, JobFile};
@@ -21,7 +22,7 @@ use crate::post::cl::Cl;
 use crate::post::finding::What;
 use crate::post::judge::judge;
 use crate::post::plan::Plan;
-use crate::program::{Diagnostic, Program, RunBounds, Severity, Source, Summary, Tally, read_bounded};
+use crate::program::{Diagnostic, Program, ProgramLine, RunBounds, Severity, Source, Summary, Tally, read_bounded};
 use crate::snippet;
 
 /// Errors and warnings that the JSON object lists; the others are counted.
@@ -124,10 +125,17 @@ impl Check {
         }
         let (job, source, control) = self.read()?;
         let mut findings = Findings::new(self, &source.path);
+        let mut used = job.as_ref().map(|file| RuleUse::new(&file.job));
+        let each_line = |line: &ProgramLine| {
+            if let Some((file, used)) = job.as_ref().zip(used.as_mut()) {
+                used.add(line, &file.job, file.job.tool_in(line.machining.tool));
+            }
+        };
         let (summary, whole) = if source.macro_line.is_none() && self.machine.is_none() {
-            (source.survey(true, |diagnostic, text| findings.add(diagnostic, Some(text))), None)
+            (source.survey(true, each_line, |diagnostic, text| findings.add(diagnostic, Some(text))), None)
         } else {
             let (summary, program) = self.run_whole(&source, &mut findings)?;
+            program.lines.iter().for_each(each_line);
             (summary, Some(program))
         };
         // Nobody knows where the axes of a faulty program go.
@@ -144,7 +152,9 @@ impl Check {
             return Err(Failure::Input(format!("{path}: {errors} errors: the control would stop")));
         }
         if let Some(file) = &job {
-            warn_of_rules(&self.program, file, Some(&source));
+            // The moves of macros are only known while they run.
+            let used = used.as_ref().filter(|_| source.macro_line.is_none());
+            warn_of_rules(&self.program, file, used.map(|used| (source.path.as_path(), used)));
         }
         if let Some(question) = job.and_then(|mut file| name_tool(&mut file.job, &source.path, &summary.tools)) {
             return Err(Failure::Input(question));

@@ -24,14 +24,14 @@ pub fn load(job: &Path) -> Result<(JobFile, Program), Failure> {
     Ok((file, program))
 }
 
-/// The same with the program's text alone.
+/// The same with the program's text alone, and whether a feed could leak into one of its lines.
 ///
 /// # Errors
 /// Every error of the program, one a line; what is wrong with the map.
-pub fn load_text(job: &Path) -> Result<(JobFile, Source), Failure> {
-    let (mut file, source) = load_source(job)?;
+pub fn load_text(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
+    let (mut file, source, may_leak) = load_source(job)?;
     read_map(&mut file, || source.bytes.clone())?;
-    Ok((file, source))
+    Ok((file, source, may_leak))
 }
 
 fn read_map(file: &mut JobFile, program: impl FnOnce() -> Vec<u8>) -> Result<(), Failure> {

@@ -6,16 +6,18 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use arcfeed_shared::job::{Job, LawKind};
+use arcfeed_shared::nc::machining::ToolInSpindle;
 use arcfeed_shared::nc::text::Lines;
 
-use crate::adapt::unused::unused_rules;
+use crate::adapt::rewrite::may_leak;
+use crate::adapt::unused::{RuleUse, unused_rules};
 use crate::console::{note, print};
 use crate::dnc::outbox::LineError;
 use crate::file_error::FileError;
 use crate::job::JobFile;
 use crate::output;
 use crate::port::PortError;
-use crate::program::{Program, Severity, Source};
+use crate::program::{Program, ProgramLine, Severity, Source};
 
 /// Errors of a program that are listed; the others are counted.
 const ERRORS_MAX: usize = 1_000;
@@ -107,23 +109,31 @@ pub fn refuse_inputs(outputs: &[Option<&Path>], inputs: &[PathBuf]) -> Result<()
 /// # Errors
 /// Every error of the program, one a line; a program too long to be kept whole.
 pub fn load_unmapped(job: &Path) -> Result<(JobFile, Program), Failure> {
-    let (file, source) = load_source(job)?;
+    let (file, source, _) = load_source(job)?;
     let program = source.whole().map_err(Failure::Input)?;
     Ok((file, program))
 }
 
-/// The same with the program's text alone.
+/// The same with the program's text alone, and whether a feed could leak into one of its lines.
 ///
 /// # Errors
 /// Every error of the program, one a line.
-pub fn load_source(job: &Path) -> Result<(JobFile, Source), Failure> {
+pub fn load_source(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
     let mut file = JobFile::load(job)?;
     let source = Source::read(&file.program, file.nc, file.tables).map_err(Failure::Input)?;
     if let Some(refusal) = macro_refusal(&source) {
         return Err(Failure::Input(refusal));
     }
     let (mut errors, mut more) = (Vec::new(), 0);
-    let summary = source.survey(false, |diagnostic, _| match diagnostic.severity {
+    let (mut used, mut leaks, is_unnamed) = (RuleUse::new(&file.job), false, is_unnamed(&file.job));
+    let each_line = |line: &ProgramLine| {
+        // The only tool that the program loads will be the one without a number.
+        let is_named_so = is_unnamed && matches!(line.machining.tool, ToolInSpindle::Number(_));
+        let tool = if is_named_so { Some(0) } else { file.job.tool_in(line.machining.tool) };
+        used.add(line, &file.job, tool);
+        leaks |= may_leak(line);
+    };
+    let summary = source.survey(false, each_line, |diagnostic, _| match diagnostic.severity {
         Severity::Error if errors.len() < ERRORS_MAX => errors.push(format!("{}:{diagnostic}", source.path.display())),
         Severity::Error => more += 1,
         Severity::Warning => {}
@@ -133,22 +143,19 @@ pub fn load_source(job: &Path) -> Result<(JobFile, Source), Failure> {
     if !errors.is_empty() {
         return Err(Failure::Input(errors.join("\n")));
     }
-    warn_of_rules(job, &file, Some(&source));
-    Ok((file, source))
+    warn_of_rules(job, &file, Some((&source.path, &used)));
+    Ok((file, source, leaks))
 }
 
 /// Says on stderr which cut rules of a job can never be used, by the moves of its program if they are known.
-pub fn warn_of_rules(job: &Path, file: &JobFile, program: Option<&Source>) {
-    // The moves of macros are only known while they run.
-    let program = program.filter(|program| program.macro_line.is_none());
+pub fn warn_of_rules(job: &Path, file: &JobFile, program: Option<(&Path, &RuleUse)>) {
     unused_rules(job, file, program).iter().for_each(|warning| note(format_args!("{warning}")));
 }
 
 /// A job whose tool has no number is for the only one that its program loads; where it loads several, a person must say.
 /// `loaded` are their numbers, each with its first line.
 pub fn name_tool(job: &mut Job, path: &Path, loaded: &[(i64, usize)]) -> Option<String> {
-    let own = job.tools.first();
-    if own.number.is_some() || own.law == LawKind::Programmed {
+    if !is_unnamed(job) {
         return None;
     }
     if let [_, (second, line), ..] = loaded {
@@ -162,6 +169,12 @@ pub fn name_tool(job: &mut Job, path: &Path, loaded: &[(i64, usize)]) -> Option<
     }
     job.tools.first_mut().number = loaded.first().map(|(number, _)| *number);
     None
+}
+
+/// Whether the job leaves it to the program which tool its own is.
+fn is_unnamed(job: &Job) -> bool {
+    let own = job.tools.first();
+    own.number.is_none() && own.law != LawKind::Programmed
 }
 
 /// An F written into a macro's body or a subprogram would be that of every call, so such programs keep their feeds.

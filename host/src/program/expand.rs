@@ -126,7 +126,8 @@ impl Program {
         }
         let without_code = parsed.filter(|parsed| parsed.block.is_empty());
         let meaning = without_code.map(|parsed| Understood { parsed, ..Understood::default() });
-        self.lines.push(ProgramLine::bare(text, ending, meaning));
+        let (text, ending) = (text.to_vec(), ending.to_vec());
+        self.lines.push(ProgramLine { text, ending, meaning, ..ProgramLine::default() });
     }
 }
 

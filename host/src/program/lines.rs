@@ -2,6 +2,7 @@
 
 use arcfeed_shared::nc::block::{Line, Parsed, Reading};
 use arcfeed_shared::nc::settings::{Settings, Tables};
+use arcfeed_shared::nc::text::RawLine;
 use arcfeed_shared::reader::{Reader, Understood};
 
 use super::skipping::SkippingReader;
@@ -38,39 +39,47 @@ impl LineReader {
         &self.reader
     }
 
-    /// Reads the next line; what is wrong with it is added to `found`.
-    pub fn read(&mut self, text: &[u8], ending: &[u8], found: &mut Vec<Diagnostic>) -> ProgramLine {
+    /// Reads the next line in place of `line`, whose memory it takes over; what is wrong with it is added to `found`.
+    pub fn read_into(
+        &mut self,
+        RawLine { text, ending }: RawLine<'_>,
+        line: &mut ProgramLine,
+        found: &mut Vec<Diagnostic>,
+    ) {
         self.count += 1;
+        line.text.clear();
+        line.text.extend_from_slice(text);
+        line.ending.clear();
+        line.ending.extend_from_slice(ending);
         if self.has_ended {
-            return self.pass_over(text, ending, found);
+            return self.pass_over(line, found);
         }
         let is_blank = is_blank(text);
         self.has_ended = self.has_begun && text.first() == Some(&b'%');
         self.has_begun |= !is_blank;
         self.skipping.fork(text, &self.reader);
-        let meaning = match self.reader.read(text) {
-            Ok(understood) => {
-                self.note(text, &understood, found);
-                Some(understood)
-            }
+        match self.reader.read_into(text, line.meaning.get_or_insert_default()) {
+            Ok(()) => line.meaning.iter().for_each(|understood| self.note(text, understood, found)),
             Err(fault) => {
                 found.push(Diagnostic::of_fault(self.count, text, fault));
-                None
+                line.meaning = None;
             }
-        };
-        let mut line = ProgramLine::new(text, ending, meaning, &self.reader);
-        line.skipping = self.skipping.read(text, &line, &self.reader);
-        line
+        }
+        line.set_state(&self.reader);
+        line.skipping = self.skipping.read(text, line, &self.reader);
     }
 
     /// A line behind the closing `%`, which no control reads.
-    fn pass_over(&mut self, text: &[u8], ending: &[u8], found: &mut Vec<Diagnostic>) -> ProgramLine {
-        if !self.has_trailer && !is_blank(text) && text.first() != Some(&b'%') {
+    fn pass_over(&mut self, line: &mut ProgramLine, found: &mut Vec<Diagnostic>) {
+        let text = std::mem::take(&mut line.text);
+        if !self.has_trailer && !is_blank(&text) && text.first() != Some(&b'%') {
             self.has_trailer = true;
-            found.push(Diagnostic::of_line(self.count, text, BEHIND_THE_END));
+            found.push(Diagnostic::of_line(self.count, &text, BEHIND_THE_END));
         }
         let parsed = Parsed { line: Line::ProgramMark, ..Parsed::default() };
-        ProgramLine::bare(text, ending, Some(Understood { parsed, ..Understood::default() }))
+        let (ending, meaning) =
+            (std::mem::take(&mut line.ending), Some(Understood { parsed, ..Understood::default() }));
+        *line = ProgramLine { text, ending, meaning, ..ProgramLine::default() };
     }
 
     fn note(&self, text: &[u8], understood: &Understood, found: &mut Vec<Diagnostic>) {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::macros::program::first_macro;
 use arcfeed_shared::nc::settings::{Settings, Tables};
-use arcfeed_shared::nc::text::{Lines, RawLine};
+use arcfeed_shared::nc::text::Lines;
 
 use super::lines::LineReader;
 use super::summary::Summary;
@@ -31,6 +31,29 @@ pub struct Source {
     pub tables: Tables,
     /// The first line with a macro statement or a call, counted from 1, if there is one.
     pub macro_line: Option<usize>,
+}
+
+/// The lines of a program, each in the memory of the one before.
+pub struct SourceLines<'a> {
+    rest: Lines<'a>,
+    reader: LineReader,
+    line: ProgramLine,
+    /// What is wrong with it.
+    found: Vec<Diagnostic>,
+}
+
+impl SourceLines<'_> {
+    /// The next line, if there is one more.
+    pub fn next_line(&mut self) -> Option<&ProgramLine> {
+        self.read_next().then_some(&self.line)
+    }
+
+    fn read_next(&mut self) -> bool {
+        let Some(raw) = self.rest.next() else { return false };
+        self.found.clear();
+        self.reader.read_into(raw, &mut self.line, &mut self.found);
+        true
+    }
 }
 
 /// Reads a file of at most 80 MiB.
@@ -93,28 +116,35 @@ impl Source {
     }
 
     /// Its lines, one after the other.
-    pub fn lines(&self) -> impl Iterator<Item = ProgramLine> {
-        let (mut reader, mut found) = (self.reader(), Vec::new());
-        Lines::new(&self.bytes).map(move |RawLine { text, ending }| {
-            found.clear();
-            reader.read(text, ending, &mut found)
-        })
+    pub fn lines(&self) -> SourceLines<'_> {
+        SourceLines {
+            rest: Lines::new(&self.bytes),
+            reader: self.reader(),
+            line: ProgramLine::default(),
+            found: Vec::new(),
+        }
     }
 
-    /// Counts what it holds, and gives out what is wrong with it, in order of place, with the line's text. As a `run` it also
-    /// has to begin with `%`, and to end.
-    pub fn survey(&self, is_run: bool, mut each: impl FnMut(Diagnostic, &[u8])) -> Summary {
-        let (mut reader, mut found, mut summary, mut last) = (self.reader(), Vec::new(), Summary::default(), &[][..]);
-        for RawLine { text, ending } in Lines::new(&self.bytes) {
-            let line = reader.read(text, ending, &mut found);
-            if let Some(lost) = line.lost_label().filter(|_| is_run && summary.lines == 0) {
-                each(lost, text);
+    /// Counts what it holds, shows each line to `line`, and gives out what is wrong with it, in order of place, with the line's
+    /// text. As a `run` it also has to begin with `%`, and to end.
+    pub fn survey(
+        &self,
+        is_run: bool,
+        mut line: impl FnMut(&ProgramLine),
+        mut each: impl FnMut(Diagnostic, &[u8]),
+    ) -> Summary {
+        let (mut lines, mut summary) = (self.lines(), Summary::default());
+        while lines.read_next() {
+            let SourceLines { line: read, found, .. } = &mut lines;
+            if is_run && summary.lines == 0 {
+                read.lost_label().into_iter().for_each(|lost| each(lost, &read.text));
             }
-            summary.add(&line);
-            found.drain(..).for_each(|diagnostic| each(diagnostic, text));
-            last = text;
+            summary.add(read);
+            line(read);
+            found.drain(..).for_each(|diagnostic| each(diagnostic, &read.text));
         }
         if is_run && summary.blocks > 0 && !summary.may_end {
+            let last = &lines.line.text;
             each(Diagnostic::of_fault(summary.lines, last, Fault::alarm(Alarm::EndOfRecord, 0)), last);
         }
         summary

@@ -213,6 +213,70 @@ pub fn first_macro(text: &[u8]) -> Option<usize> {
 
 /// Whether a line needs the macro interpreter: anything but words, plain numbers and a `#variable=number` without effect.
 pub fn needs_interpreter(line: &[u8]) -> bool {
+    !has_plain_bytes(line) && has_effect(line)
+}
+
+/// Whether a line's bytes show by themselves that it is plain, as those of most lines do: numbers behind single letters, comments
+/// behind numbers, and neither G6 nor M9 or M1, with which the codes of calls begin, nor blanks that may hide them.
+fn has_plain_bytes(line: &[u8]) -> bool {
+    let kind = |byte: &u8| KINDS.get(usize::from(*byte)).copied().unwrap_or_default();
+    let next =
+        |state: u8, byte: &u8| NEXT.get(usize::from(state * KIND_COUNT + kind(byte))).copied().unwrap_or(REFUSED);
+    line.iter().fold(NUMBER, next) != REFUSED
+}
+
+/// What [`has_plain_bytes`] tells apart, by byte: 0 anything else, 1 to 4 the digits 0, 1, 6 and 9, 5 blanks, 6 G, 7 M, 8 the other
+/// letters, 9 and 10 the two ends of a comment, 11 what no plain line has.
+const KINDS: [u8; 256] = {
+    let mut kinds = [0; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        kinds[byte] = match byte as u8 {
+            b'0' => 1,
+            b'1' => 2,
+            b'6' => 3,
+            b'9' => 4,
+            b' ' | b'\t' | b'\r' => 5,
+            b'G' => 6,
+            b'M' => 7,
+            b'A'..=b'Z' => 8,
+            b'(' => 9,
+            b')' => 10,
+            b'#' | b'[' | b']' | b'=' => 11,
+            _ => 0,
+        };
+        byte += 1;
+    }
+    kinds
+};
+const KIND_COUNT: u8 = 12;
+
+/// States of [`has_plain_bytes`]: in a number or between words, behind a letter, behind G or M, behind their leading zeros, in a
+/// comment.
+const NUMBER: u8 = 0;
+const LETTER: u8 = 1;
+const G: u8 = 2;
+const M: u8 = 3;
+const G0: u8 = 4;
+const M0: u8 = 5;
+const COMMENT: u8 = 6;
+const REFUSED: u8 = 7;
+
+/// The state behind a byte: a row a state, a column a kind of byte.
+#[rustfmt::skip]
+const NEXT: [u8; 96] = [
+    NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, G, M, LETTER, COMMENT, NUMBER, REFUSED,
+    NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, LETTER, REFUSED, REFUSED, REFUSED, REFUSED, NUMBER, REFUSED,
+    NUMBER, G0, NUMBER, REFUSED, NUMBER, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, NUMBER, REFUSED,
+    NUMBER, M0, REFUSED, NUMBER, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, NUMBER, REFUSED,
+    NUMBER, G0, NUMBER, REFUSED, NUMBER, REFUSED, G, M, LETTER, REFUSED, NUMBER, REFUSED,
+    NUMBER, M0, REFUSED, NUMBER, REFUSED, REFUSED, G, M, LETTER, REFUSED, NUMBER, REFUSED,
+    COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, NUMBER, COMMENT,
+    REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED,
+];
+
+/// The same of any line.
+fn has_effect(line: &[u8]) -> bool {
     let code = Code::new(line);
     let mut cursor = code.cursor();
     Head::read(&mut cursor);
@@ -283,5 +347,32 @@ mod tests {
         ] {
             assert!(needs_interpreter(line.as_bytes()), "{line}");
         }
+    }
+
+    #[test]
+    fn no_line_of_plain_bytes_has_an_effect() {
+        const PARTS: [&str; 30] = [
+            "G", "M", "X", "O", "N", "D", "I", "F", "0", "1", "5", "6", "7", "8", "9", ".", "-", " ", "\t", "/", ":",
+            "#", "=", "[", "]", "(", ")", "%", "g", "GOTO",
+        ];
+        let (mut seed, mut plain) = (1_u32, 0);
+        let mut next = |below: usize| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 16) as usize % below
+        };
+        for _ in 0..500_000 {
+            let mut line = Vec::new();
+            for _ in 0..next(9) {
+                line.extend_from_slice(PARTS[next(PARTS.len())].as_bytes());
+            }
+            if has_plain_bytes(&line) {
+                plain += 1;
+                assert!(!has_effect(&line), "{}", line.escape_ascii());
+            }
+        }
+        assert!(plain > 50_000, "{plain}");
+        assert!(
+            has_plain_bytes(b"N146G2X-2.5752Y11.5549I4.0398J-3.0504") && has_plain_bytes(b"N1 G01 X1. F5.(#1=2)\t")
+        );
     }
 }

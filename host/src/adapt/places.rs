@@ -1,0 +1,60 @@
+//! Where the tool is along a move, for laws: what holds for all of the move is worked out once.
+
+use arcfeed_firmware::law::Place;
+use arcfeed_shared::segment::{ArcAngles, Segment};
+use arcfeed_shared::units::Nm;
+
+/// A move, prepared for many places on it.
+#[derive(Clone, Copy, Debug)]
+pub struct MovePlaces {
+    feed_length_mm: f64,
+    shape: Shape,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Shape {
+    Arc {
+        angles: ArcAngles,
+        /// +1 counter-clockwise, -1 clockwise.
+        turn: f32,
+        radius_mm: f32,
+    },
+    /// The components of its direction in the plane.
+    Line([f32; 2]),
+}
+
+impl MovePlaces {
+    /// Of a move.
+    pub fn of(segment: &Segment) -> Self {
+        let shape = match segment.arc() {
+            Some(arc) => {
+                Shape::Arc { angles: arc.angles(), turn: f32::from(arc.turn.sign()), radius_mm: arc.radius_mm() as f32 }
+            }
+            None => {
+                let [x, y, _] = segment.start.linear.map(Nm::to_mm);
+                let [to_x, to_y, _] = segment.end.linear.map(Nm::to_mm);
+                let length_mm = segment.length_mm();
+                let part = |from: f64, to: f64| ((to - from) / length_mm) as f32;
+                Shape::Line([part(x, to_x), part(y, to_y)])
+            }
+        };
+        MovePlaces { feed_length_mm: segment.feed_length_mm(), shape }
+    }
+
+    /// Length along which F counts, mm.
+    pub fn feed_length_mm(&self) -> f64 {
+        self.feed_length_mm
+    }
+
+    /// The place at `ratio` (0 to 1) of the move.
+    pub fn at(&self, ratio: f64) -> Place {
+        let travelled_mm = (self.feed_length_mm * ratio) as f32;
+        match &self.shape {
+            Shape::Arc { angles, turn, radius_mm } => {
+                let direction = angles.direction_at(ratio).map(|component| component as f32);
+                Place::on_arc(direction, *turn, *radius_mm, travelled_mm)
+            }
+            Shape::Line(motion) => Place::on_line(*motion, travelled_mm),
+        }
+    }
+}
