@@ -56,7 +56,7 @@ impl RakeLine {
     fn crossing_mm(&self, at_mm: f64) -> Option<f64> {
         let [from_mm, to_mm] = self.span_mm;
         let is_between = from_mm + MARGIN_MM < at_mm && at_mm < to_mm - MARGIN_MM;
-        (is_between && libm::fabs(self.slope) < STEEP).then(|| self.origin_mm + self.slope * at_mm)
+        (is_between && libm::fabs(self.slope) < STEEP).then_some(self.origin_mm + self.slope * at_mm)
     }
 }
 
@@ -177,8 +177,7 @@ impl Layer {
     /// The first, or the last, place in a stretch of a ray where the material is higher than a part of the layer; none beside the rays.
     pub fn end_piece(
         &self,
-        axis: usize,
-        ray: i64,
+        (axis, ray): (usize, i64),
         stretch: &Interval,
         above_ratio: f64,
         is_first: bool,
@@ -190,7 +189,7 @@ impl Layer {
     /// Whether the material on any of some rays is higher than a part of the layer somewhere in a stretch.
     pub fn is_met(&self, axis: usize, rays: RangeInclusive<i64>, stretch: &Interval, above_ratio: f64) -> bool {
         let rays = (*rays.start()).max(0)..=(*rays.end()).min(self.rays[axis].len() as i64 - 1);
-        rays.into_iter().any(|ray| self.end_piece(axis, ray, stretch, above_ratio, true).is_some())
+        rays.into_iter().any(|ray| self.end_piece((axis, ray), stretch, above_ratio, true).is_some())
     }
 
     /// Mean height of the material in a stretch of a ray, as a part of the layer's.

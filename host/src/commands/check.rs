@@ -11,7 +11,7 @@ use arcfeed_shared::nc::settings::Scope;
 use serde::Serialize;
 
 use super::five_axis::{Placing, Told, is_cl, load_cl, load_machine};
-use super::outcome::{Failure, name_tool, say, warn_of_rules};
+use super::outcome::{Failure, name_tool, say, tool_at, warn_of_rules};
 use crate::adapt::unused::RuleUse;
 use crate::console::note;
 use crate::control::{self, Convention};
@@ -128,7 +128,7 @@ impl Check {
         let mut used = job.as_ref().map(|file| RuleUse::new(&file.job));
         let each_line = |line: &ProgramLine| {
             if let Some((file, used)) = job.as_ref().zip(used.as_mut()) {
-                used.add(line, &file.job, file.job.tool_in(line.machining.tool));
+                used.add(line, &file.job, tool_at(line, &file.job));
             }
         };
         let (summary, whole) = if source.macro_line.is_none() && self.machine.is_none() {

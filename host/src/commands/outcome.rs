@@ -125,12 +125,9 @@ pub fn load_source(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
         return Err(Failure::Input(refusal));
     }
     let (mut errors, mut more) = (Vec::new(), 0);
-    let (mut used, mut leaks, is_unnamed) = (RuleUse::new(&file.job), false, is_unnamed(&file.job));
+    let (mut used, mut leaks) = (RuleUse::new(&file.job), false);
     let each_line = |line: &ProgramLine| {
-        // The only tool that the program loads will be the one without a number.
-        let is_named_so = is_unnamed && matches!(line.machining.tool, ToolInSpindle::Number(_));
-        let tool = if is_named_so { Some(0) } else { file.job.tool_in(line.machining.tool) };
-        used.add(line, &file.job, tool);
+        used.add(line, &file.job, tool_at(line, &file.job));
         leaks |= may_leak(line);
     };
     let summary = source.survey(false, each_line, |diagnostic, _| match diagnostic.severity {
@@ -169,6 +166,13 @@ pub fn name_tool(job: &mut Job, path: &Path, loaded: &[(i64, usize)]) -> Option<
     }
     job.tools.first_mut().number = loaded.first().map(|(number, _)| *number);
     None
+}
+
+/// The place, among the job's tools, of the one in the spindle at a line of a program that [`name_tool`] has yet to see.
+pub fn tool_at(line: &ProgramLine, job: &Job) -> Option<usize> {
+    // The only tool that the program loads will be the one without a number.
+    let is_named_so = is_unnamed(job) && matches!(line.machining.tool, ToolInSpindle::Number(_));
+    if is_named_so { Some(0) } else { job.tool_in(line.machining.tool) }
 }
 
 /// Whether the job leaves it to the program which tool its own is.

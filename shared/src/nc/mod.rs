@@ -13,6 +13,7 @@ pub mod number;
 
 pub mod word;
 
+#[cfg(feature = "macros")]
 pub mod text;
 
 pub mod motion;

@@ -3,6 +3,8 @@
 //! In ISO code LF ends a block; CR beside it means nothing. Files carry LF, CR LF, or, as punched by a control, LF CR CR.
 //! A file without a single LF is in the other code's manner: there CR ends a block.
 
+use memchr::memchr;
+
 /// A line's text, and the bytes that end it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RawLine<'a> {
@@ -22,7 +24,7 @@ pub struct Lines<'a> {
 impl<'a> Lines<'a> {
     /// Of a whole program.
     pub fn new(bytes: &'a [u8]) -> Self {
-        let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
+        let end = if memchr(b'\n', bytes).is_some() { b'\n' } else { b'\r' };
         Lines { rest: bytes, end }
     }
 }
@@ -34,7 +36,7 @@ impl<'a> Iterator for Lines<'a> {
         if self.rest.is_empty() {
             return None;
         }
-        let end = find(self.rest, self.end);
+        let end = memchr(self.end, self.rest);
         let (line, rest) = self.rest.split_at(end.unwrap_or(self.rest.len()));
         let is_return = |byte: &&u8| **byte == b'\r';
         let before = line.iter().rev().take_while(is_return).count();
@@ -44,22 +46,6 @@ impl<'a> Iterator for Lines<'a> {
         let (text, ending) = taken.split_at(line.len() - before);
         Some(RawLine { text, ending })
     }
-}
-
-/// Where a byte first stands.
-fn find(bytes: &[u8], wanted: u8) -> Option<usize> {
-    const ONES: u64 = u64::from_le_bytes([1; 8]);
-    let (words, rest) = bytes.as_chunks::<8>();
-    for (index, word) in words.iter().enumerate() {
-        // Zero where the byte stands; the subtraction borrows into the sign of the first such byte and of none before it.
-        let differing = u64::from_le_bytes(*word) ^ ONES * u64::from(wanted);
-        let found = differing.wrapping_sub(ONES) & !differing & ONES << 7;
-        if found != 0 {
-            return Some(8 * index + found.trailing_zeros() as usize / 8);
-        }
-    }
-    let at = rest.iter().position(|byte| *byte == wanted)?;
-    Some(8 * words.len() + at)
 }
 
 #[cfg(test)]
@@ -91,18 +77,6 @@ mod tests {
                 joined.extend_from_slice(line.ending);
             }
             assert_eq!(joined, bytes.as_bytes());
-        }
-    }
-
-    #[test]
-    fn a_byte_is_found_where_it_first_stands() {
-        for len in 0..40 {
-            for at in 0..=len {
-                let mut bytes = [0x0b, 0x09, 0x8a, 0xff, 0].repeat(8);
-                bytes.truncate(len);
-                bytes.iter_mut().skip(at).step_by(3).for_each(|byte| *byte = b'\n');
-                assert_eq!(find(&bytes, b'\n'), (at < len).then_some(at), "{bytes:?}");
-            }
         }
     }
 }

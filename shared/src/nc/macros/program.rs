@@ -217,63 +217,24 @@ pub fn needs_interpreter(line: &[u8]) -> bool {
 }
 
 /// Whether a line's bytes show by themselves that it is plain, as those of most lines do: numbers behind single letters, comments
-/// behind numbers, and neither G6 nor M9 or M1, with which the codes of calls begin, nor blanks that may hide them.
+/// behind numbers, and neither G6 nor M9 or M1, with which the codes of calls begin, whatever blanks and zeros stand between.
 fn has_plain_bytes(line: &[u8]) -> bool {
-    let kind = |byte: &u8| KINDS.get(usize::from(*byte)).copied().unwrap_or_default();
-    let next =
-        |state: u8, byte: &u8| NEXT.get(usize::from(state * KIND_COUNT + kind(byte))).copied().unwrap_or(REFUSED);
-    line.iter().fold(NUMBER, next) != REFUSED
-}
-
-/// What [`has_plain_bytes`] tells apart, by byte: 0 anything else, 1 to 4 the digits 0, 1, 6 and 9, 5 blanks, 6 G, 7 M, 8 the other
-/// letters, 9 and 10 the two ends of a comment, 11 what no plain line has.
-const KINDS: [u8; 256] = {
-    let mut kinds = [0; 256];
-    let mut byte = 0;
-    while byte < 256 {
-        kinds[byte] = match byte as u8 {
-            b'0' => 1,
-            b'1' => 2,
-            b'6' => 3,
-            b'9' => 4,
-            b' ' | b'\t' | b'\r' => 5,
-            b'G' => 6,
-            b'M' => 7,
-            b'A'..=b'Z' => 8,
-            b'(' => 9,
-            b')' => 10,
-            b'#' | b'[' | b']' | b'=' => 11,
-            _ => 0,
+    let mut before = b'0';
+    line.iter().all(|byte| {
+        before = match (before, byte) {
+            (b'(', b')') => b')',
+            (b'(', _) | (_, b' ' | b'\t' | b'\r') => before,
+            (_, b'#' | b'[' | b']' | b'=') => return false,
+            (b'A'..=b'Z', b'A'..=b'Z' | b'(') | (b'g' | b'm', b'(') => return false,
+            (b'G' | b'g', b'6') | (b'M' | b'm', b'1' | b'9') => return false,
+            // In lower case: behind zeros, which may also be all of the number.
+            (b'G' | b'g', b'0') => b'g',
+            (b'M' | b'm', b'0') => b'm',
+            _ => *byte,
         };
-        byte += 1;
-    }
-    kinds
-};
-const KIND_COUNT: u8 = 12;
-
-/// States of [`has_plain_bytes`]: in a number or between words, behind a letter, behind G or M, behind their leading zeros, in a
-/// comment.
-const NUMBER: u8 = 0;
-const LETTER: u8 = 1;
-const G: u8 = 2;
-const M: u8 = 3;
-const G0: u8 = 4;
-const M0: u8 = 5;
-const COMMENT: u8 = 6;
-const REFUSED: u8 = 7;
-
-/// The state behind a byte: a row a state, a column a kind of byte.
-#[rustfmt::skip]
-const NEXT: [u8; 96] = [
-    NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, G, M, LETTER, COMMENT, NUMBER, REFUSED,
-    NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, LETTER, REFUSED, REFUSED, REFUSED, REFUSED, NUMBER, REFUSED,
-    NUMBER, G0, NUMBER, REFUSED, NUMBER, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, NUMBER, REFUSED,
-    NUMBER, M0, REFUSED, NUMBER, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, NUMBER, REFUSED,
-    NUMBER, G0, NUMBER, REFUSED, NUMBER, REFUSED, G, M, LETTER, REFUSED, NUMBER, REFUSED,
-    NUMBER, M0, REFUSED, NUMBER, REFUSED, REFUSED, G, M, LETTER, REFUSED, NUMBER, REFUSED,
-    COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, COMMENT, NUMBER, COMMENT,
-    REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED, REFUSED,
-];
+        true
+    })
+}
 
 /// The same of any line.
 fn has_effect(line: &[u8]) -> bool {
