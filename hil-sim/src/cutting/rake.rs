@@ -168,7 +168,7 @@ impl Rake {
         let at_mm = self.center_mm[axis] + off_mm * self.towards[axis] / self.towards[1 - axis];
         let [one_mm, other_mm] = [at_mm - to_root * MARGIN_MM, at_mm + to_root * FAR_RATIO * self.depth_mm];
         let stretch = Interval::new(one_mm.min(other_mm), one_mm.max(other_mm));
-        !usize::try_from(ray).ok().and_then(|ray| layer.rays(axis).get(ray)).is_some_and(|ray| ray.meets(&stretch))
+        !layer.ray(axis, ray).is_some_and(|(material, _)| material.meets(&stretch))
     }
 
     /// The chip on a ray, as the edge will meet it; `None` if it will not come so far.
