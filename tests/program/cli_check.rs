@@ -289,19 +289,6 @@ fn a_program_is_governed_at_its_own_spindle_speed_and_not_at_all_without_one() {
 }
 
 #[test]
-fn a_tool_without_a_number_is_the_one_that_the_program_loads() {
-    let folder = root().join("examples/pocket");
-    let scratch = Scratch::new("unnamed");
-    scratch.write("pocket.nc", std::fs::read(folder.join("pocket.nc")).expect("the example"));
-    let job = std::fs::read_to_string(folder.join("job-contour.toml")).expect("the example");
-    let path = scratch.write("job.toml", job.replacen("number = 1\n", "", 1));
-    for command in ["check", "adapt"] {
-        let output = run(&[command, &path]);
-        assert_eq!((output.status.code(), text_of(&output.stderr)), (Some(0), String::new()), "{command}");
-    }
-}
-
-#[test]
 fn the_blocks_of_another_tool_keep_their_feed() {
     let scratch = example("other-tool", |text| text.replacen("N30S1000M3", "T2M6\nN30S1000M3", 1));
     let output = run(&["adapt", &scratch.path("job.toml"), "--json"]);

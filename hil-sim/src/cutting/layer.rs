@@ -174,22 +174,18 @@ impl Layer {
         ray.map_or(Cow::Borrowed(&[]), section)
     }
 
-    /// The first, or the last, place in a stretch of a ray where the material is higher than a part of the layer; none beside the rays.
-    pub fn end_piece(
-        &self,
-        (axis, ray): (usize, i64),
-        stretch: &Interval,
-        above_ratio: f64,
-        is_first: bool,
-    ) -> Option<Interval> {
-        let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len())?;
-        self.shelves[axis][ray].end_piece(&self.rays[axis][ray], stretch, above_ratio, is_first)
+    /// The material of a ray, with what is lowered of it; none beside the rays.
+    pub fn ray(&self, axis: usize, ray: i64) -> Option<(&Dexel, &Shelves)> {
+        let ray = usize::try_from(ray).ok()?;
+        self.rays[axis].get(ray).zip(self.shelves[axis].get(ray))
     }
 
     /// Whether the material on any of some rays is higher than a part of the layer somewhere in a stretch.
     pub fn is_met(&self, axis: usize, rays: RangeInclusive<i64>, stretch: &Interval, above_ratio: f64) -> bool {
         let rays = (*rays.start()).max(0)..=(*rays.end()).min(self.rays[axis].len() as i64 - 1);
-        rays.into_iter().any(|ray| self.end_piece((axis, ray), stretch, above_ratio, true).is_some())
+        rays.into_iter().filter_map(|ray| self.ray(axis, ray)).any(|(material, shelves)| {
+            material.meets(stretch) && shelves.end_piece(material, stretch, above_ratio, true).is_some()
+        })
     }
 
     /// Mean height of the material in a stretch of a ray, as a part of the layer's.

@@ -189,7 +189,10 @@ impl Rake {
         let root_mm =
             along(self.radius_mm - f64::from(self.side.advance()) * self.depth_mm).unwrap_or(self.center_mm[axis]);
         let (low, high) = (edge_mm.min(root_mm), edge_mm.max(root_mm));
-        let chip = layer.end_piece((axis, ray), &Interval::new(low, high), self.share.border_ratio, edge_mm > root_mm);
+        let (stretch, is_first) = (Interval::new(low, high), edge_mm > root_mm);
+        let chip = layer
+            .ray(axis, ray)
+            .and_then(|(material, shelves)| shelves.end_piece(material, &stretch, self.share.border_ratio, is_first));
         Some(match chip {
             None => Point { begins_mm: at(edge_mm), ends_mm: None, has_material: false, top_ratio: 1.0 },
             Some(Interval { from_mm, to_mm }) => {

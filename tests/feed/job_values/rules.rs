@@ -3,7 +3,7 @@
 use arcfeed::adapt::unused::{RuleUse, unused_rules};
 use arcfeed::job::JobFile;
 use arcfeed::program::Source;
-use arcfeed_tests::root;
+use arcfeed_tests::{Scratch, root, run};
 
 /// A rule of the pocket's job, in front of the others or behind them.
 fn with_rule(rule: &str, is_first: bool) -> Vec<String> {
@@ -38,4 +38,18 @@ fn rules_that_no_move_can_meet_are_warned_of() {
         "{elsewhere:?}"
     );
     assert_eq!(with_rule("moves = \"lines\"\nside = \"slot\"", false), [""; 0]);
+}
+
+#[test]
+fn rules_of_a_tool_without_a_number_are_met_by_the_one_that_the_program_loads() {
+    let folder = root().join("examples/pocket");
+    let scratch = Scratch::new("unnamed");
+    scratch.write("pocket.nc", std::fs::read(folder.join("pocket.nc")).expect("the example"));
+    let job = std::fs::read_to_string(folder.join("job-contour.toml")).expect("the example");
+    let path = scratch.write("job.toml", job.replacen("number = 1\n", "", 1));
+    for command in ["check", "adapt"] {
+        let output = run(&[command, &path]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), &*said), (Some(0), ""), "{command}");
+    }
 }
