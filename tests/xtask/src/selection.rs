@@ -4,8 +4,57 @@ use std::collections::BTreeSet;
 
 use crate::command::{Failure, cargo, output};
 
-/// What `quick` leaves out, by the first words of the tests' names: what runs for seconds, or builds something first.
-const SLOW: [&str; 0] = [];
+/// The test programs that `quick` runs.
+const QUICK: [&str; 14] = [
+    "--lib",
+    "--bins",
+    "--test",
+    "architecture",
+    "--test",
+    "program",
+    "--test",
+    "feed",
+    "--test",
+    "line",
+    "--test",
+    "machine",
+    "--test",
+    "plan",
+];
+/// What `quick` leaves out of them, by parts of the tests' names: what runs for seconds, or builds something first.
+const SLOW: [&str; 31] = [
+    "blade::",
+    "chips::",
+    "cutting_loads::",
+    "cutting_stock::",
+    "dnc::campaign",
+    "dnc::echo",
+    "dnc::kill",
+    "dnc::resume",
+    "dnc::verify",
+    "dynamics::",
+    "engage::",
+    "engaged_arc_oracle::",
+    "fe::",
+    "feed_bounds::no_chip",
+    "feed_bounds::tools",
+    "fuzz::",
+    "generator::",
+    "json_docs::",
+    "kinematics::",
+    "law_suite::",
+    "parts::",
+    "plain_build::",
+    "program_memory::",
+    "proof",
+    "pyserial::",
+    "rewrite_only::",
+    "serving_clients::",
+    "stability::",
+    "station::",
+    "wire::",
+    "with_board::",
+];
 
 /// Tests to run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -56,8 +105,8 @@ impl Selection {
         match self {
             Selection::All => Ok(vec![all]),
             Selection::Quick => {
-                let skips = SLOW.iter().flat_map(|name| words(&["--skip", name]));
-                Ok(vec![[all, words(&["--all-targets", "--"]), skips.collect()].concat()])
+                let skips = SLOW.iter().flat_map(|name| words(&["--skip", name])).collect();
+                Ok(vec![[all, words(&QUICK), words(&["--"]), skips].concat()])
             }
             Selection::Partition(partition) => {
                 let names = listed()?.into_iter().filter(|name| partition.has(name)).collect();

@@ -7,6 +7,7 @@
 use std::fmt;
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
+use std::num::NonZero;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -15,6 +16,10 @@ use crate::selection::Selection;
 
 /// Names the file to which a test appends a line for what it could not check.
 const SKIP_LOG: &str = "ARCFEED_SKIP_LOG";
+/// How many tests of a program run side by side.
+const THREADS: &str = "RUST_TEST_THREADS";
+/// For each core, where nobody has said how many: half of the tests wait, for a line's time or an emulator.
+const THREADS_PER_CORE: usize = 2;
 
 /// Results over all test programs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -73,10 +78,13 @@ pub fn test_workspace(selection: &Selection) -> (Tally, Result<(), Failure>) {
 fn run_tests(selection: &Selection, tally: &mut Tally) -> Result<(), Failure> {
     let log = build_dir()?.join("xtask-skipped.log");
     write_log(&log)?;
+    let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
+    let threads = std::env::var(THREADS).unwrap_or_else(|_| (THREADS_PER_CORE * cores).to_string());
     let mut results = Vec::new();
     for arguments in selection.runs()? {
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        results.push(run_one(cargo(&arguments).env(SKIP_LOG, &log).stdout(Stdio::piped()), tally));
+        let mut tests = cargo(&arguments);
+        results.push(run_one(tests.env(SKIP_LOG, &log).env(THREADS, &threads).stdout(Stdio::piped()), tally));
     }
     tally.skipped = read_log(&log)?;
     results.into_iter().collect()
