@@ -60,7 +60,7 @@ pub struct Program {
 pub struct ProgramLine {
     /// Its bytes, without line end.
     pub text: Vec<u8>,
-    /// Its line end as found (see [`RawLine::ending`]).
+    /// Its line end as found (see [`arcfeed_shared::nc::text::RawLine`]).
     pub ending: Vec<u8>,
     /// Its meaning; `None` if a control would stop here.
     pub meaning: Option<Understood>,

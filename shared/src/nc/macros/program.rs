@@ -219,19 +219,24 @@ pub fn needs_interpreter(line: &[u8]) -> bool {
 /// Whether a line's bytes show by themselves that it is plain, as those of most lines do: numbers behind single letters, comments
 /// behind numbers, and neither G6 nor M9 or M1, with which the codes of calls begin, whatever blanks and zeros stand between.
 fn has_plain_bytes(line: &[u8]) -> bool {
-    let mut before = b'0';
-    line.iter().all(|byte| {
-        before = match (before, byte) {
-            (b'(', b')') => b')',
-            (b'(', _) | (_, b' ' | b'\t' | b'\r') => before,
-            (_, b'#' | b'[' | b']' | b'=') => return false,
-            (b'A'..=b'Z', b'A'..=b'Z' | b'(') | (b'g' | b'm', b'(') => return false,
-            (b'G' | b'g', b'6') | (b'M' | b'm', b'1' | b'9') => return false,
-            // In lower case: behind zeros, which may also be all of the number.
-            (b'G' | b'g', b'0') => b'g',
-            (b'M' | b'm', b'0') => b'm',
-            _ => *byte,
-        };
+    // A letter whose number has yet to come, in lower case once there are zeros of it; or an open parenthesis; or nothing.
+    let mut before = 0;
+    line.iter().all(|&byte| {
+        match byte {
+            _ if before == b'(' => before = if byte == b')' { 0 } else { before },
+            b'1'..=b'9' => match (before, byte) {
+                (b'G' | b'g', b'6') | (b'M' | b'm', b'1' | b'9') => return false,
+                _ => before = 0,
+            },
+            b'0' => before = before.to_ascii_lowercase(),
+            b' ' | b'\t' | b'\r' => {}
+            b'A'..=b'Z' if before.is_ascii_uppercase() => return false,
+            b'A'..=b'Z' => before = byte,
+            b'(' if before != 0 => return false,
+            b'(' => before = byte,
+            b'#' | b'[' | b']' | b'=' => return false,
+            _ => before = 0,
+        }
         true
     })
 }
