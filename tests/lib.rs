@@ -38,6 +38,23 @@ pub fn arcfeed() -> &'static Path {
     })
 }
 
+/// The files below a folder of the workspace, each with its text.
+pub fn texts_below(folder: &str) -> Vec<(PathBuf, String)> {
+    let (mut folders, mut texts) = (vec![root().join(folder)], Vec::new());
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).expect("a folder of the workspace") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let text = fs::read_to_string(&path).expect("text");
+                texts.push((path, text));
+            }
+        }
+    }
+    texts
+}
+
 /// Runs `arcfeed` with these arguments in the root of the workspace.
 pub fn run(arguments: &[&str]) -> Output {
     Command::new(arcfeed()).args(arguments).current_dir(root()).output().expect("arcfeed runs")

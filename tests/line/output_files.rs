@@ -8,7 +8,7 @@ use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use arcfeed_tests::{Scratch, arcfeed, root, run, skip_loudly};
+use arcfeed_tests::{Scratch, arcfeed, root, run, skip_loudly, texts_below};
 
 /// Nobody, on Debian and most others.
 const NOBODY: u32 = 65_534;
@@ -257,22 +257,13 @@ fn a_journal_never_takes_the_place_of_another_file() {
 
 #[test]
 fn only_one_module_writes_files() {
-    let mut folders = vec![root().join("host/src")];
     let mut found = Vec::new();
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).expect("the source") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() {
-                folders.push(path);
-                continue;
-            }
-            let text = std::fs::read_to_string(&path).expect("text");
-            let writes = ["File::create", "fs::write(", "fs::copy("].iter().any(|call| text.contains(call));
-            let is_test = path.ends_with("tests.rs")
-                || text.find("mod tests {").is_some_and(|at| !text[..at].contains("fs::write("));
-            if writes && !is_test {
-                found.push(path.strip_prefix(root()).expect("of the workspace").display().to_string());
-            }
+    for (path, text) in texts_below("host/src") {
+        let writes = ["File::create", "fs::write(", "fs::copy("].iter().any(|call| text.contains(call));
+        let is_test =
+            path.ends_with("tests.rs") || text.find("mod tests {").is_some_and(|at| !text[..at].contains("fs::write("));
+        if writes && !is_test {
+            found.push(path.strip_prefix(root()).expect("of the workspace").display().to_string());
         }
     }
     assert_eq!(found, [""; 0], "these write past host/src/output.rs");

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use arcfeed_tests::root;
+use arcfeed_tests::{root, texts_below};
 
 use crate::job_values::files::refusal;
 
@@ -39,29 +39,16 @@ fn documented_keys_are_in_the_tables_that_docs_and_messages_name() {
             assert!(!complaint.contains("unknown field"), "docs/job.md: [{table}] {key}: {complaint}");
         }
     }
-    let (mut folders, mut checked) = (vec![root().join("host/src")], 0);
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).expect("the source") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() {
-                folders.push(path);
-                continue;
-            }
-            let text = std::fs::read_to_string(&path).expect("text");
-            // A message that names one table speaks of its keys.
-            for line in text.lines().filter(|line| !line.trim_start().starts_with("//") && !line.contains("\\n")) {
-                let mut named = tables.iter().filter(|(table, _)| line.contains(&format!("[{table}]")));
-                let (Some((table, _)), None) = (named.next(), named.next()) else { continue };
-                for word in
-                    line.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').filter(|word| word.contains('_'))
-                {
-                    assert!(
-                        !is_key(word) || has(table, word),
-                        "{}: {word} is not in [{table}]: {line}",
-                        path.display()
-                    );
-                    checked += usize::from(is_key(word));
-                }
+    let mut checked = 0;
+    for (path, text) in texts_below("host/src") {
+        // A message that names one table speaks of its keys.
+        for line in text.lines().filter(|line| !line.trim_start().starts_with("//") && !line.contains("\\n")) {
+            let mut named = tables.iter().filter(|(table, _)| line.contains(&format!("[{table}]")));
+            let (Some((table, _)), None) = (named.next(), named.next()) else { continue };
+            let words = line.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+            for word in words.filter(|word| word.contains('_') && is_key(word)) {
+                assert!(has(table, word), "{}: {word} is not in [{table}]: {line}", path.display());
+                checked += 1;
             }
         }
     }
