@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::command::{Failure, cargo, output};
 
 /// The test programs that `quick` runs.
-const QUICK: [&str; 14] = [
+const QUICK: [&str; 12] = [
     "--lib",
     "--bins",
     "--test",
@@ -18,11 +18,9 @@ const QUICK: [&str; 14] = [
     "line",
     "--test",
     "machine",
-    "--test",
-    "plan",
 ];
 /// What `quick` leaves out of them, by parts of the tests' names: what runs for seconds, or builds something first.
-const SLOW: [&str; 31] = [
+const SLOW: [&str; 28] = [
     "blade::",
     "chips::",
     "cutting_loads::",
@@ -39,14 +37,11 @@ const SLOW: [&str; 31] = [
     "feed_bounds::no_chip",
     "feed_bounds::tools",
     "fuzz::",
-    "generator::",
     "json_docs::",
     "kinematics::",
     "law_suite::",
-    "parts::",
     "plain_build::",
     "program_memory::",
-    "proof",
     "pyserial::",
     "rewrite_only::",
     "serving_clients::",
