@@ -12,6 +12,8 @@ pub mod emulation;
 
 pub mod noticed;
 
+pub mod recording;
+
 /// Longest wait for a process under test.
 const WAIT_MAX: Duration = Duration::from_secs(60);
 

@@ -21,7 +21,7 @@ use arcfeed_shared::fmath;
 use arcfeed_shared::job::OverrideLimits;
 use arcfeed_shared::units::{MmPerMin, PERCENT, RevPerMin, S_PER_MIN};
 
-use crate::law::{FeedLaw, NoWish, Place, SegmentLaw};
+use crate::law::{FeedLaw, NoDemand, Place, SegmentLaw};
 use crate::progress::Track;
 
 /// Cells along a segment.
@@ -65,7 +65,7 @@ struct Border(u16);
 
 const ANSWER_BITS: u32 = 3;
 const ANSWERS: u16 = (1 << ANSWER_BITS) - 1;
-/// The code of an answer; refusals have theirs in the order of [`NoWish`], which the compiler makes the same number.
+/// The code of an answer; refusals have theirs in the order of [`NoDemand`], which the compiler makes the same number.
 const ANSWERED: u16 = 5;
 
 /// What an envelope is worked out from.
@@ -127,7 +127,7 @@ impl Envelope {
     pub fn constant(end_percent: u8) -> Self {
         let end_ratio = f32::from(end_percent) / PERCENT;
         Envelope {
-            borders: [Border::answering::<()>(Err(NoWish::NoLaw)).with_ratio(1.0); CELLS + 1],
+            borders: [Border::answering::<()>(Err(NoDemand::NoLaw)).with_ratio(1.0); CELLS + 1],
             parts_per_mm: 0.0,
             end_squared: end_ratio * end_ratio,
             fallen_mm: 0.0,
@@ -148,7 +148,7 @@ impl Envelope {
 
     /// The ratio at a path from the segment's start at the commanded spindle speed, and why the law has no part in it.
     #[inline(always)]
-    pub fn at(&self, travelled_mm: f32) -> (f32, Result<(), NoWish>) {
+    pub fn at(&self, travelled_mm: f32) -> (f32, Result<(), NoDemand>) {
         let place = ((travelled_mm * self.parts_per_mm) as u32).min(CELLS as u32 * PARTS - 1);
         let cell = (place / PARTS) as usize;
         let [before, behind] = [cell, cell + 1].map(|border| self.borders.get(border).copied().unwrap_or(Border(0)));
@@ -170,13 +170,13 @@ impl Envelope {
 
 impl Border {
     /// Without a ratio yet.
-    fn answering<T>(answer: Result<T, NoWish>) -> Self {
+    fn answering<T>(answer: Result<T, NoDemand>) -> Self {
         Border(match answer {
-            Err(NoWish::NoLaw) => 0,
-            Err(NoWish::NoContact) => 1,
-            Err(NoWish::OutsideValidity) => 2,
-            Err(NoWish::ChipUnreachable) => 3,
-            Err(NoWish::BadInput) => 4,
+            Err(NoDemand::NoLaw) => 0,
+            Err(NoDemand::NoContact) => 1,
+            Err(NoDemand::OutsideValidity) => 2,
+            Err(NoDemand::ChipUnreachable) => 3,
+            Err(NoDemand::BadInput) => 4,
             Ok(_) => ANSWERED,
         })
     }
@@ -193,13 +193,13 @@ impl Border {
     }
 
     #[inline(always)]
-    fn answer(self) -> Result<(), NoWish> {
+    fn answer(self) -> Result<(), NoDemand> {
         match self.0 & ANSWERS {
-            0 => Err(NoWish::NoLaw),
-            1 => Err(NoWish::NoContact),
-            2 => Err(NoWish::OutsideValidity),
-            3 => Err(NoWish::ChipUnreachable),
-            4 => Err(NoWish::BadInput),
+            0 => Err(NoDemand::NoLaw),
+            1 => Err(NoDemand::NoContact),
+            2 => Err(NoDemand::OutsideValidity),
+            3 => Err(NoDemand::ChipUnreachable),
+            4 => Err(NoDemand::BadInput),
             _ => Ok(()),
         }
     }
@@ -215,7 +215,7 @@ impl Answers {
         for ((ratio, border), place) in borders.zip(track.places(CELLS)) {
             let demand = sent.demand(law, &place);
             (*ratio, *border) = (sent.bound(demand), Border::answering(demand));
-            answers.is_refused &= matches!(demand, Err(refusal) if refusal != NoWish::ChipUnreachable);
+            answers.is_refused &= matches!(demand, Err(refusal) if refusal != NoDemand::ChipUnreachable);
         }
         law.knots_mm(&mut |knot_mm| {
             if knot_mm > 0.0 && knot_mm < length_mm {
@@ -232,18 +232,18 @@ impl Answers {
 
 impl Sent {
     /// The ratio that the law demands at a place.
-    fn demand(&self, law: &SegmentLaw, place: &Place) -> Result<f32, NoWish> {
-        let path_mm_per_tooth = law.wish(place)?.path_mm_per_tooth;
+    fn demand(&self, law: &SegmentLaw, place: &Place) -> Result<f32, NoDemand> {
+        let path_mm_per_tooth = law.demand(place)?.path_mm_per_tooth;
         let is_known = fmath::is_positive(self.spindle.0);
-        is_known.then_some(self.spindle.0 * path_mm_per_tooth * self.teeth_min_per_mm).ok_or(NoWish::BadInput)
+        is_known.then_some(self.spindle.0 * path_mm_per_tooth * self.teeth_min_per_mm).ok_or(NoDemand::BadInput)
     }
 
     /// The largest ratio that a demand allows.
-    fn bound(&self, demand: Result<f32, NoWish>) -> f32 {
+    fn bound(&self, demand: Result<f32, NoDemand>) -> f32 {
         match demand {
             Ok(ratio) => fmath::min(ratio, RATIO_MAX),
-            Err(NoWish::ChipUnreachable) => RATIO_MAX,
-            Err(NoWish::NoLaw) => 1.0,
+            Err(NoDemand::ChipUnreachable) => RATIO_MAX,
+            Err(NoDemand::NoLaw) => 1.0,
             // Without a demand the feed as sent, within the job's limits.
             Err(_) => fmath::min(1.0, self.max_ratio),
         }

@@ -1,4 +1,4 @@
-//! Controllers spoilt on purpose: what the measurement must catch.
+//! Controllers corrupted on purpose: what the measurement must catch.
 
 /// What is wrong with the controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

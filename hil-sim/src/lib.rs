@@ -4,7 +4,7 @@
 //! cause and effect: what the [`drives`] can do; bytes arrive at the [`control`], which moves the axes; the [`machine`] reports
 //! them; the [`stock`] loses what the tool sweeps; [`cutting`] measures the chips from what the axes did, and
 //! what they do to the tool; [`fe`] knows how tools and workpieces vibrate, [`dynamics`] how they give way to forces, [`flexible`] where; a
-//! [`process`] is all of that together, a [`finishing`] pass along a blade one that leaves its marks; [`faults`] spoil the
+//! [`process`] is all of that together, a [`finishing`] pass along a blade one that leaves its marks; [`faults`] corrupt the
 //! controller on purpose; a [`decider`] has the override; the [`rig`] joins them all; [`removal`] cuts a stock with what it does.
 
 pub mod drives;

@@ -17,7 +17,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::cutting::bite::{Bite, EdgeChip};
+use crate::cutting::edge_engagement::{EdgeChip, EdgeEngagement};
 use crate::cutting::force::Loads;
 use crate::cutting::material::{ChipSection, Cutting};
 use crate::cutting::pose::{Poses, Stand};
@@ -33,7 +33,7 @@ const MARGIN_MM: f64 = 0.1;
 /// A tool at work.
 #[derive(Clone, Debug)]
 pub struct Process {
-    bite: Bite,
+    engagement: EdgeEngagement,
     cutting: Cutting,
     /// Of the tool against the workpiece.
     vibration: Vibration,
@@ -70,7 +70,7 @@ pub struct Moment {
 
 /// The edges at one time, and what chips cost them.
 struct Edges<'a> {
-    bite: &'a Bite,
+    engagement: &'a EdgeEngagement,
     cutting: &'a Cutting,
     stand: &'a Stand,
     at: &'a Poses,
@@ -78,19 +78,19 @@ struct Edges<'a> {
 
 impl Process {
     /// A cutter in its workpiece, and what both do under forces; a rigid pair has no modes.
-    pub fn new(bite: Bite, cutting: Cutting, vibration: Vibration) -> Self {
-        let chips_mm = vec![0.0; bite.cutter().teeth()];
-        Process { bite, cutting, vibration, chips_mm, spread: Spread::default() }
+    pub fn new(engagement: EdgeEngagement, cutting: Cutting, vibration: Vibration) -> Self {
+        let chips_mm = vec![0.0; engagement.cutter().teeth()];
+        Process { engagement, cutting, vibration, chips_mm, spread: Spread::default() }
     }
 
     /// The cutter and the workpiece.
-    pub fn bite(&self) -> &Bite {
-        &self.bite
+    pub fn engagement(&self) -> &EdgeEngagement {
+        &self.engagement
     }
 
     /// The cutter and the workpiece, to be moved without a cut.
-    pub fn bite_mut(&mut self) -> &mut Bite {
-        &mut self.bite
+    pub fn engagement_mut(&mut self) -> &mut EdgeEngagement {
+        &mut self.engagement
     }
 
     /// The thickest chip of each tooth's side at the end of the last step.
@@ -100,7 +100,7 @@ impl Process {
 
     /// The edges are out of the material, and the tool is at rest when they come again.
     pub fn lift(&mut self) {
-        self.bite.lift();
+        self.engagement.lift();
         self.vibration.rest();
         self.spread.bent_mm.clear();
     }
@@ -117,8 +117,8 @@ impl Process {
 
     /// Goes to the next place, `dt_s` later, less than a quarter of a turn on; all edges are bent alike, as the cut is.
     pub fn step(&mut self, dt_s: f64, stand: &Stand) -> Moment {
-        let at = self.bite.poses(stand);
-        let edges = Edges { bite: &self.bite, cutting: &self.cutting, stand, at: &at };
+        let at = self.engagement.poses(stand);
+        let edges = Edges { engagement: &self.engagement, cutting: &self.cutting, stand, at: &at };
         let (chips_mm, mut found) = (&mut self.chips_mm, Default::default());
         let step = self.vibration.step(dt_s, |displacement_mm| {
             let bent: Vector2<f64> = displacement_mm.xy();
@@ -126,15 +126,15 @@ impl Process {
             found.0.force_n
         });
         let bent = step.displacement_mm.xy();
-        let removed_mm3 = self.bite.cut(&at, |_| bent);
+        let removed_mm3 = self.engagement.cut(&at, |_| bent);
         self.moment(&step, found, removed_mm3)
     }
 
     /// The same, but each edge that may have a chip is bent as the workpiece is where it is. The workpiece's modes are the first.
     pub fn step_on<B: Modal>(&mut self, dt_s: f64, stand: &Stand, workpiece: &mut Workpiece<B>) -> Moment {
-        let at = self.bite.poses(stand);
-        self.spread.see(&self.bite, &at, &self.vibration, workpiece);
-        let edges = Edges { bite: &self.bite, cutting: &self.cutting, stand, at: &at };
+        let at = self.engagement.poses(stand);
+        self.spread.see(&self.engagement, &at, &self.vibration, workpiece);
+        let edges = Edges { engagement: &self.engagement, cutting: &self.cutting, stand, at: &at };
         let (place_of, chips_mm, mut found) = (&self.spread.place_of, &mut self.chips_mm, Default::default());
         let step = self.vibration.step_at(dt_s, &mut self.spread.places, |moved_mm, forces_n| {
             let bent = |edge: usize| moved_mm[place_of[edge]].xy();
@@ -142,7 +142,7 @@ impl Process {
         });
         self.spread.keep();
         let bent_mm = &self.spread.bent_mm;
-        let removed_mm3 = self.bite.cut(&at, |edge| bent_mm[edge].xy());
+        let removed_mm3 = self.engagement.cut(&at, |edge| bent_mm[edge].xy());
         self.moment(&step, found, removed_mm3)
     }
 
@@ -166,7 +166,7 @@ impl Edges<'_> {
         // Parts of an end edge come one after the other.
         let mut ends: Vec<(usize, ChipSection)> = Vec::new();
         chips_mm.fill(0.0);
-        for EdgeChip { edge, piece, section } in self.bite.chips(self.at, bent) {
+        for EdgeChip { edge, piece, section } in self.engagement.chips(self.at, bent) {
             // Out of the cut there is no force.
             if section.thickness_mm > 0.0 && section.width_mm > 0.0 {
                 push(edge, loads.add(&piece, self.stand.turned_rad, &self.cutting.force(&section)));
@@ -189,18 +189,24 @@ impl Edges<'_> {
 
 impl Spread {
     /// The cut itself is the first place; each edge with material around it has one of its own.
-    fn see<B: Modal>(&mut self, bite: &Bite, at: &Poses, vibration: &Vibration, workpiece: &mut Workpiece<B>) {
+    fn see<B: Modal>(
+        &mut self,
+        engagement: &EdgeEngagement,
+        at: &Poses,
+        vibration: &Vibration,
+        workpiece: &mut Workpiece<B>,
+    ) {
         let Spread { places, place_of, bent_mm } = self;
-        bent_mm.resize(bite.edges(), Vector3::zeros());
+        bent_mm.resize(engagement.edges(), Vector3::zeros());
         places.clear();
         place_of.clear();
         vibration.add_place(&[], places);
         for (edge, bent_mm) in bent_mm.iter().enumerate() {
-            if !bite.is_near(edge, at, bent_mm.xy(), MARGIN_MM) {
+            if !engagement.is_near(edge, at, bent_mm.xy(), MARGIN_MM) {
                 place_of.push(0);
                 continue;
             }
-            let material_mm = bite.edge_mm(edge, at) + bent_mm; // (1)
+            let material_mm = engagement.edge_mm(edge, at) + bent_mm; // (1)
             place_of.push(places.count());
             vibration.add_place(workpiece.shapes_at(edge, material_mm.into()), places);
         }

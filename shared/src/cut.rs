@@ -68,7 +68,7 @@ pub enum Side {
     Inside,
     /// Outside a convex one.
     Outside,
-    /// Both walls at once. They wish the opposite; the thicker chip wins, which is the inside one's.
+    /// Both walls at once. They demand the opposite; the thicker chip wins, which is the inside one's.
     Slot,
 }
 

@@ -7,7 +7,7 @@ use arcfeed_tests::emulation::qemu::run;
 /// What any tick may cost, instructions, under every law and without one: median and worst.
 const MEDIAN_MAX: u32 = 450;
 const WORST_MAX: u32 = 700;
-/// The laws, and how often each must have a wish for that to say anything.
+/// The laws, and how often each must have a demand for that to say anything.
 const LAWS: [(&str, u32); 8] = [
     ("circumference", 20_000),
     ("circumference-filtered", 20_000),

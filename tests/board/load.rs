@@ -27,7 +27,7 @@ const FREE_TICKS: u32 = 4_000;
 /// How long between two looks at its log.
 const LOOK: Duration = Duration::from_millis(100);
 /// A board that does not get there hangs.
-const PATIENCE: Duration = Duration::from_secs(300);
+const TIMEOUT: Duration = Duration::from_secs(300);
 /// A machine with much else to do may lose a link by the wall's clock; not every time.
 const ATTEMPTS: u32 = 10;
 /// What all of a tick may take, instructions: samples, orders, supervisor, telemetry, output.
@@ -77,7 +77,7 @@ fn in_lockstep(example: &Example, load_percent: i64) -> (Costs, [u64; 2]) {
 
 /// Figures of a board that ticks by its timer, and the bytes it got on its link for each 100 ticks. Its clock is that of its
 /// instructions, much faster than the wall's: what comes on the link comes at every phase of the tick, as fast as the emulator
-/// takes it. Without its watchdog: where waiting takes no time the emulator may wait through all of its patience at once.
+/// takes it. Without its watchdog: where waiting takes no time the emulator may wait through all of its time-out at once.
 fn by_timer(is_loaded: bool) -> (Costs, u64) {
     let mut board = Emulator::start(OBEYING, Clock::Counted);
     board.order(WITHOUT_WATCHDOG);
@@ -106,7 +106,7 @@ fn by_timer(is_loaded: bool) -> (Costs, u64) {
         if let Some(costs) = costs(OBEYING, &board.console()).filter(|costs| costs.ticks >= FREE_TICKS) {
             return (costs, bytes * 100 / u64::from(costs.ticks));
         }
-        assert!(began.elapsed() < PATIENCE, "it does not tick");
+        assert!(began.elapsed() < TIMEOUT, "it does not tick");
     }
 }
 
@@ -146,7 +146,7 @@ fn by_the_walls_clock_the_link_comes_up_and_a_person_arms() {
             periods += 1;
             let due = began + Duration::from_millis(periods);
             std::thread::sleep(due.saturating_duration_since(Instant::now()));
-            assert!(host.link().counters().crc_errors == 0, "no frame is spoilt");
+            assert!(host.link().counters().crc_errors == 0, "no frame is corrupted");
         });
         match prepared {
             Ok(()) => {

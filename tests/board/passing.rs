@@ -25,7 +25,7 @@ const ROUND: usize = RING + 2 * ENCODED_MAX;
 const FLOOD: usize = 6_000;
 /// A machine with much else to do may lose a board to its watchdog, not every time.
 const ATTEMPTS: u32 = 10;
-const PATIENCE: Duration = Duration::from_secs(120);
+const TIMEOUT: Duration = Duration::from_secs(120);
 
 /// A board that runs free, and both ends of its tapped line.
 struct Tapped(Free);
@@ -88,10 +88,10 @@ impl Tapped {
         let began = Instant::now();
         while !is_so(self) {
             // To read the log takes long, and is only asked for when this does.
-            if began.elapsed() > PATIENCE / 50 && self.0.starts() > 1 {
+            if began.elapsed() > TIMEOUT / 50 && self.0.starts() > 1 {
                 return None;
             }
-            assert!(began.elapsed() < PATIENCE, "{:?}", self.0.log());
+            assert!(began.elapsed() < TIMEOUT, "{:?}", self.0.log());
             std::thread::sleep(Duration::from_millis(1));
         }
         Some(())
@@ -111,14 +111,14 @@ impl Tapped {
             if self.0.starts() > 1 {
                 return None;
             }
-            assert!(began.elapsed() < PATIENCE, "no {words} in {:?}", self.0.log());
+            assert!(began.elapsed() < TIMEOUT, "no {words} in {:?}", self.0.log());
         }
     }
 }
 
-/// What an attempt comes to that no restart spoils.
+/// What an attempt comes to that no restart corrupts.
 fn attempted<T>(attempt: impl Fn(&mut Tapped) -> Option<T>) -> T {
-    (0..ATTEMPTS).find_map(|_| attempt(&mut Tapped::start())).expect("its watchdog does not bite every time")
+    (0..ATTEMPTS).find_map(|_| attempt(&mut Tapped::start())).expect("its watchdog does not fire every time")
 }
 
 /// The numbers in a line.

@@ -21,7 +21,7 @@ use crate::runs::Example;
 use crate::tapped::{Sender, assert_same, in_process, run, tapped_chip};
 
 /// A pyserial that writes nothing for so long has died.
-const PATIENCE: Duration = Duration::from_secs(120);
+const TIMEOUT: Duration = Duration::from_secs(120);
 /// A terminal that gives nothing for so long has nothing.
 const QUIET: Duration = Duration::from_millis(500);
 /// More than a terminal holds on its own.
@@ -47,7 +47,7 @@ impl Pyserial {
         // As a plain file: a serial port is locked, and pyserial must be able to open it.
         let held = File::options().read(true).write(true).open(&device).expect("it is there");
         drop(theirs);
-        line.set_timeout(PATIENCE).expect("a pseudo-terminal takes a timeout");
+        line.set_timeout(TIMEOUT).expect("a pseudo-terminal takes a timeout");
         let program_path = scratch.write("program.nc", program);
         let script = Script::start(python, "terminal_sender.py", &[&device, &program_path], &scratch.path("out"));
         script.line("open");
@@ -65,7 +65,7 @@ impl Pyserial {
                 Err(error) => panic!("the terminal is gone: {error}"),
             }
         }
-        self.line.set_timeout(PATIENCE).expect("a pseudo-terminal takes a timeout");
+        self.line.set_timeout(TIMEOUT).expect("a pseudo-terminal takes a timeout");
         self.left -= drained.len();
         drained
     }

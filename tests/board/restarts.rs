@@ -27,16 +27,16 @@ const BEFORE: usize = 3_000;
 const AFTER: usize = 200;
 /// With room for fewer moves than this left the board has enough to go on with.
 const ENOUGH: u16 = 24;
-/// The link's patience with silence, and the slowest hello.
+/// The link's time-out, and the slowest hello.
 const LOST: usize = 250;
 const NOTICED: usize = LOST + 25;
 /// A person who does not get it armed in this time gives up.
-const PATIENCE: usize = 10_000;
+const TIMEOUT: usize = 10_000;
 /// For how long a button is held.
 const HELD: usize = 20;
-/// The cable: latency below this, and so many of a thousand periods with a byte spoilt, or none.
+/// The cable: latency below this, and so many of a thousand periods with a byte corrupted, or none.
 const LATENCY_MS: usize = 20;
-const SPOILT_PER_MILLE: u64 = 50;
+const CORRUPTED_PER_MILLE: u64 = 50;
 
 /// The machine at work, with a chip for its override and a host at the end of a bad cable.
 struct UnderWay {
@@ -129,10 +129,10 @@ impl UnderWay {
     /// while.
     fn take_up(&mut self) {
         self.rig.control_mut().hold();
-        self.until(PATIENCE, "the axes to rest", |way| way.rig.control().is_at_rest());
+        self.until(TIMEOUT, "the axes to rest", |way| way.rig.control().is_at_rest());
         let next = self.moves.get(self.begun..).unwrap_or_default();
         self.rig.decider_mut().attached_mut().far.give(&self.example.file.job, next);
-        self.until(PATIENCE, "the moves", |way| {
+        self.until(TIMEOUT, "the moves", |way| {
             let report = way.host().report.filter(|report| report.set == SET);
             report.is_some_and(|report| report.room < ENOUGH || way.host().is_through())
         });
@@ -147,7 +147,7 @@ impl UnderWay {
     /// Presses the button until it is armed: what was lost has to be fresh for a time first.
     fn arm(&mut self) {
         self.is_armed = true;
-        for at in 0..PATIENCE {
+        for at in 0..TIMEOUT {
             let is_pressed = (at / HELD).is_multiple_of(2);
             let panel = if is_pressed { Signals::of_request(Request::Arm) } else { Signals::NONE };
             self.rig.decider_mut().set_panel(panel);
@@ -181,11 +181,11 @@ impl UnderWay {
         self.rig.decider().attached()
     }
 
-    /// Bytes spoilt on one way of those sent since then that have arrived; `None` if the cable spoils none.
-    fn spoilt(&self, way: usize, since: Micros) -> Option<usize> {
+    /// Bytes corrupted on one way of those sent since then that have arrived; `None` if the cable corrupts none.
+    fn corrupted(&self, way: usize, since: Micros) -> Option<usize> {
         let (cable, now) = (self.cable(), self.rig.now());
         let counts = |sent: &&Micros| **sent > since && sent.after(cable.latency()) <= now;
-        (!cable.is_clean()).then(|| cable.spoilt[way].iter().filter(counts).count())
+        (!cable.is_clean()).then(|| cable.corrupted[way].iter().filter(counts).count())
     }
 
     fn latency(&self) -> usize {
@@ -210,8 +210,8 @@ fn begins(active: &mut Option<(u32, Segment)>, control: &Control) -> usize {
 
 fn cable(random: &mut Random, host: Host) -> Cable<Host> {
     let latency = Micros::from_ms(random.below(LATENCY_MS) as u64);
-    let spoilt = random.below(2) as u64 * SPOILT_PER_MILLE;
-    Cable::new(host, latency, spoilt, random.below(usize::MAX) as u64)
+    let corrupted = random.below(2) as u64 * CORRUPTED_PER_MILLE;
+    Cable::new(host, latency, corrupted, random.below(usize::MAX) as u64)
 }
 
 /// The host is killed, and started again by somebody who goes away.
@@ -221,7 +221,7 @@ fn host_restarts(way: &mut UnderWay) -> Outcome {
     let after = way.until(NOTICED, "the host's restart", |way| !way.is_engaged());
     way.is_armed = false;
     // What the host says at the beginning of a period, the board may hear in it.
-    let noticed = Noticed { after, way: 1 + way.latency(), spoilt: way.spoilt(TO_BOARD, since) };
+    let noticed = Noticed { after, way: 1 + way.latency(), corrupted: way.corrupted(TO_BOARD, since) };
     let at = way.rig.decided().percent;
     assert!(at <= 100, "{before} to {at} %");
     let mut last = at;
@@ -245,7 +245,7 @@ fn board_restarts(way: &mut UnderWay) -> Outcome {
     assert_eq!((at, way.state()), (0, Some(StateCode::Idle)), "power-on");
     let after = 1 + way.until(NOTICED, "the board's restart", |way| way.host().link().state() != LinkState::Up);
     // What the board says at the end of a period, the host hears in the next one at the earliest.
-    let noticed = Noticed { after, way: 1 + way.latency().max(1), spoilt: way.spoilt(FROM_BOARD, since) };
+    let noticed = Noticed { after, way: 1 + way.latency().max(1), corrupted: way.corrupted(FROM_BOARD, since) };
     let reason = way.host().link().state();
     assert_eq!(
         (reason, words::link(reason).as_str()),

@@ -95,7 +95,7 @@ fn the_ticks_that_agree_are_of_all_kinds() {
             "contour" | "contour-floor" | "contour-inside-only" | "engagement" => {
                 many(&["governed", "refused", "on-lines", "filtered"]);
             }
-            // A table has a wish everywhere.
+            // A table has a demand everywhere.
             "table" => many(&["governed", "on-lines", "filtered"]),
             "programmed" => assert_eq!(count(counts, "governed"), 0, "{line}"),
             _ => panic!("what is {law} to exercise?"),

@@ -26,7 +26,7 @@ const IMAGE: &str = "feedboard-stm32f405";
 /// The heartbeat changes every 100 ticks; so many changes are seen before the emulator is stopped.
 const HEARTBEATS: usize = 5;
 /// The emulator needs a fraction of a second for that.
-const PATIENCE: Duration = Duration::from_secs(60);
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Bits of the outputs on port C, as in the board's README.
 const LINES: u32 = 0xFF;
@@ -78,7 +78,7 @@ fn emulated() -> Vec<Write> {
             break writes;
         }
         let ended = child.try_wait().expect("the emulator can be waited for");
-        if ended.is_some() || started.elapsed() > PATIENCE {
+        if ended.is_some() || started.elapsed() > TIMEOUT {
             let _ = child.kill();
             panic!("no {HEARTBEATS} heartbeats in {:?}, emulator ended: {ended:?}", started.elapsed());
         }

@@ -1,24 +1,16 @@
 //! The parts of the STM32F405's image that know no register, on the desk: why it started, its panel, its guard.
 
-use arcfeed::adapt::adapt;
-use arcfeed::commands::simulate::control::control_settings;
-use arcfeed::job::JobFile;
-use arcfeed::program::Program;
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::controller;
 use arcfeed_firmware::supervisor::input::{Freshness, Input};
 use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
 use arcfeed_firmware::supervisor::state::{Disarm, State};
-use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::machine;
-use arcfeed_hil_sim::rig::Rig;
 use arcfeed_shared::job::Job;
-use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::machining::ToolInSpindle;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Nm, Span};
-use arcfeed_tests::root;
+use arcfeed_tests::recording::{Recording, ibr_slot};
 
 use guard::{Guard, Prepared};
 use heapless::spsc::{Producer, Queue};
@@ -39,39 +31,9 @@ const BEFORE: usize = 2_500;
 /// An encoder counts whole micrometres.
 const COUNT_NM: i64 = 1_000;
 
-/// A run of the example: blocks in their order; at each tick position and override of the simulated controller.
-struct Example {
-    job: Job,
-    segments: Vec<Segment>,
-    ticks: Vec<(Pose, u8)>,
-}
-
-fn example() -> Example {
-    let path = root().join("examples/ibr-slot/job.toml");
-    let file = JobFile::load(&path).expect("the example's job is sound");
-    let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
-    let text = [adapt(&program, &file.job).text, b"\n".to_vec()].concat();
-    let mut settings = control_settings(&file);
-    // The override of a tick is in effect at the next one.
-    settings.ladder_delay_steps = 0;
-    let rig = Rig::from_memory(settings, &text, &file.job, ControllerFault::None);
-    let mut rig = rig.expect("the limits of the override make sense");
-    let (mut segments, mut positions, mut overrides, mut last) = (Vec::new(), Vec::new(), Vec::new(), None);
-    while !rig.is_done() {
-        rig.step();
-        let active = rig.control().active().map(|(count, segment)| (count, *segment));
-        if let Some((count, segment)) = active.filter(|(count, _)| last != Some(*count)) {
-            segments.push(segment);
-            last = Some(count);
-        }
-        let mut position = machine::feedback(&rig.control().position());
-        position.linear = position.linear.map(|Nm(nm)| Nm(nm / COUNT_NM * COUNT_NM));
-        positions.push(position);
-        overrides.push(rig.control().override_percent());
-    }
-    rig.step();
-    overrides.push(rig.control().override_percent());
-    Example { job: file.job, segments, ticks: positions.into_iter().zip(overrides.split_off(1)).collect() }
+/// A position as an encoder has it.
+fn counted(position: &Pose) -> Pose {
+    Pose { linear: position.linear.map(|Nm(nm)| Nm(nm / COUNT_NM * COUNT_NM)), ..*position }
 }
 
 /// Nothing but the position is to be told.
@@ -105,21 +67,21 @@ fn prepared(segment: &Segment, job: &Job) -> ActiveSegment {
 
 #[test]
 fn the_guard_finds_the_blocks_by_position_and_puts_out_what_a_controller_does_that_is_told_them() {
-    let Example { job, segments, ticks } = example();
+    let Recording { job, segments, ticks } = ibr_slot();
     let mut blocks = Blocks::new();
-    let (mut guard, mut queue) = armed(&job, &mut blocks);
+    let (mut guard, mut queue) = armed(job, &mut blocks);
     let mut ahead = segments.iter();
     let (mut same, mut highest, mut state) = (0, 0, State::Idle);
-    for (position, told) in &ticks {
+    for (position, given, _) in ticks {
         if queue.ready()
             && let Some(segment) = ahead.next()
         {
-            queue.enqueue((0, prepared(segment, &job))).expect("there is room");
+            queue.enqueue((0, prepared(segment, job))).expect("there is room");
         }
-        let output = guard.tick(&quiet(&job, *position));
+        let output = guard.tick(&quiet(job, counted(position)));
         let found = output.feed_override.percent;
-        assert!(found <= told + 1, "{found} % where {told} % is right");
-        same += usize::from(found == *told);
+        assert!(found <= given + 1, "{found} % where {given} % is right");
+        same += usize::from(found == *given);
         highest = highest.max(found);
         state = output.state;
     }
@@ -133,11 +95,11 @@ fn the_guard_finds_the_blocks_by_position_and_puts_out_what_a_controller_does_th
 
 #[test]
 fn a_fault_is_0_percent_at_once_and_until_a_person_resets() {
-    let Example { job, segments, .. } = example();
+    let Recording { job, segments, .. } = ibr_slot();
     let mut blocks = Blocks::new();
-    let (mut guard, mut queue) = armed(&job, &mut blocks);
-    queue.enqueue((0, prepared(&segments[0], &job))).expect("there is room");
-    let at_zero = quiet(&job, Pose::default());
+    let (mut guard, mut queue) = armed(job, &mut blocks);
+    queue.enqueue((0, prepared(&segments[0], job))).expect("there is room");
+    let at_zero = quiet(job, Pose::default());
     assert_eq!(guard.tick(&at_zero).feed_override.percent, 100);
     let signals = Signals::of_fault(BoardFault::Hardware);
     assert_eq!(guard.tick(&Input { signals, ..at_zero }).feed_override.percent, 0);
@@ -148,19 +110,19 @@ fn a_fault_is_0_percent_at_once_and_until_a_person_resets() {
 
 #[test]
 fn a_program_begun_anew_is_taken_up_from_its_first_block() {
-    let Example { job, segments, .. } = example();
+    let Recording { job, segments, .. } = ibr_slot();
     let mut blocks = Blocks::new();
     let (mut queue, consumer) = blocks.split();
-    let mut guard = Guard::new(&job, consumer).expect("the limits are sound");
-    let at_zero = quiet(&job, Pose::default());
+    let mut guard = Guard::new(job, consumer).expect("the limits are sound");
+    let at_zero = quiet(job, Pose::default());
     // As at power-on: the block is there before anybody said where the axes are.
-    queue.enqueue((guard.run(), prepared(&segments[0], &job))).expect("there is room");
+    queue.enqueue((guard.run(), prepared(&segments[0], job))).expect("there is room");
     let nowhere = Freshness { age: Span(u32::MAX), invalid_in_row: 0 };
     guard.tick(&Input { position: nowhere, ..at_zero });
     guard.restart();
     guard.tick(&at_zero);
     assert_eq!(queue.len(), 0, "blocks of the run before are forgotten");
-    queue.enqueue((guard.run(), prepared(&segments[0], &job))).expect("there is room");
+    queue.enqueue((guard.run(), prepared(&segments[0], job))).expect("there is room");
     guard.tick(&at_zero);
     let output = guard.tick(&Input { signals: request(Request::Arm), ..at_zero });
     assert_eq!((output.state, output.refusal), (State::Armed, None));
@@ -249,12 +211,12 @@ fn while_disarm_is_open_arm_does_not_count_and_must_be_let_go_first() {
 
 #[test]
 fn a_disarm_wire_that_stays_cut_keeps_the_guard_off() {
-    let job = example().job;
+    let job = &ibr_slot().job;
     let mut blocks = Blocks::new();
-    let ((mut guard, _), mut panel) = (armed(&job, &mut blocks), Panel::default());
+    let ((mut guard, _), mut panel) = (armed(job, &mut blocks), Panel::default());
     let mut tick = |closed| {
         let signals = panel.read(closed).signals;
-        guard.tick(&Input { signals, ..quiet(&job, Pose::default()) }).state
+        guard.tick(&Input { signals, ..quiet(job, Pose::default()) }).state
     };
     tick(QUIET);
     for press in 0..10 {

@@ -29,7 +29,7 @@ const MAIN_LOOP: u8 = b'm';
 const TICK: u8 = b't';
 const CORE: u8 = b'f';
 /// What docs/board-safety.md says: ticks from the last feed to 0 %.
-const BITES_AFTER: RangeInclusive<u32> = 99..=100;
+const RELEASES_AFTER: RangeInclusive<u32> = 99..=100;
 /// It is fed behind each tick, but for one under way.
 const FED_WITHIN: u32 = 2;
 /// Setpoints until the override is at the dial, and between two samples.
@@ -43,7 +43,7 @@ const ATTEMPTS: u32 = 10;
 /// After so long without a setpoint the board may have started anew.
 const LONG_SILENCE: Duration = Duration::from_millis(500);
 /// How long a restart may take, by the clock of the wall.
-const PATIENCE: Duration = Duration::from_secs(60);
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// The machine's end of a board that runs free.
 struct Machine(Free);
@@ -67,7 +67,7 @@ impl Machine {
             if self.0.starts() > 1 {
                 return None;
             }
-            assert!(began.elapsed() < PATIENCE, "neither setpoints nor a restart: {:?}", self.0.log());
+            assert!(began.elapsed() < TIMEOUT, "neither setpoints nor a restart: {:?}", self.0.log());
         }
     }
 
@@ -92,7 +92,7 @@ impl Machine {
         while self.setpoint()?.state != StateCode::Faulted {}
         let began = Instant::now();
         while self.0.starts() < 2 {
-            assert!(began.elapsed() < PATIENCE, "no restart: {:?}", self.0.log());
+            assert!(began.elapsed() < TIMEOUT, "no restart: {:?}", self.0.log());
             std::thread::sleep(Duration::from_millis(200));
         }
         Some(())
@@ -103,7 +103,7 @@ impl Machine {
 fn hang(order: u8) -> Machine {
     let bitten = |mut machine: Machine| machine.hang(order).is_some().then_some(machine);
     let machine = (0..ATTEMPTS).map(|_| Machine(Free::start())).find_map(bitten);
-    machine.expect("fed it does not bite; when it does the lines are shown released")
+    machine.expect("a fed watchdog does not fire; when it fires the lines are shown released")
 }
 
 /// Ticks from the last feed to the release of the lines, as the board told after its restart.
@@ -133,7 +133,7 @@ fn pass(board: &mut Board<Emulator, Host>, at_ms: &mut u64, panel: Signals, peri
 #[test]
 fn a_main_loop_that_hangs_lets_the_lines_go_in_time_and_the_board_restarts() {
     let ticks = ticks_to_release(MAIN_LOOP);
-    assert!(BITES_AFTER.contains(&ticks), "{ticks} ticks");
+    assert!(RELEASES_AFTER.contains(&ticks), "{ticks} ticks");
 }
 
 #[test]

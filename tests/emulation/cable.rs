@@ -1,4 +1,4 @@
-//! A cable to the host that takes time and spoils frames, in machine time: the same for each seed.
+//! A cable to the host that takes time and corrupts frames, in machine time: the same for each seed.
 
 use std::collections::VecDeque;
 
@@ -18,10 +18,10 @@ type OnItsWay = VecDeque<(Micros, Vec<u8>)>;
 pub struct Cable<A> {
     /// What is at its far end.
     pub far: A,
-    /// When it spoilt a byte on the way to the board, and on the way from it.
-    pub spoilt: [Vec<Micros>; 2],
+    /// When it corrupted a byte on the way to the board, and on the way from it.
+    pub corrupted: [Vec<Micros>; 2],
     latency: Micros,
-    spoilt_per_mille: u64,
+    corrupted_per_mille: u64,
     random: u64,
     to_board: OnItsWay,
     from_board: OnItsWay,
@@ -29,10 +29,10 @@ pub struct Cable<A> {
 
 impl<A> Cable<A> {
     /// A cable with this latency each way, on which of a thousand periods so many have a byte flipped, if they have any.
-    pub fn new(far: A, latency: Micros, spoilt_per_mille: u64, seed: u64) -> Self {
+    pub fn new(far: A, latency: Micros, corrupted_per_mille: u64, seed: u64) -> Self {
         let random = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
         let [to_board, from_board] = [OnItsWay::new(), OnItsWay::new()];
-        Cable { far, latency, spoilt_per_mille, random, spoilt: [vec![], vec![]], to_board, from_board }
+        Cable { far, latency, corrupted_per_mille, random, corrupted: [vec![], vec![]], to_board, from_board }
     }
 
     /// Each way.
@@ -40,9 +40,9 @@ impl<A> Cable<A> {
         self.latency
     }
 
-    /// Whether it spoils no byte, ever.
+    /// Whether it corrupts no byte, ever.
     pub fn is_clean(&self) -> bool {
-        self.spoilt_per_mille == 0
+        self.corrupted_per_mille == 0
     }
 
     fn bits(&mut self) -> u64 {
@@ -53,11 +53,11 @@ impl<A> Cable<A> {
     }
 
     /// Flips a bit of what is sent in a period, or none.
-    fn spoil(&mut self, at: Micros, way: usize, bytes: &mut [u8]) {
-        if !bytes.is_empty() && self.bits() % 1_000 < self.spoilt_per_mille {
+    fn corrupt(&mut self, at: Micros, way: usize, bytes: &mut [u8]) {
+        if !bytes.is_empty() && self.bits() % 1_000 < self.corrupted_per_mille {
             let index = self.bits() as usize % bytes.len();
             bytes[index] ^= 1 << (self.bits() % 8);
-            self.spoilt[way].push(at);
+            self.corrupted[way].push(at);
         }
     }
 }
@@ -69,7 +69,7 @@ impl<A: Attached> Attached for Cable<A> {
         }
         let mut said = Traffic::default();
         self.far.send(at, &mut said);
-        self.spoil(at, TO_BOARD, &mut said.link);
+        self.corrupt(at, TO_BOARD, &mut said.link);
         self.to_board.push_back((at.after(self.latency), said.link));
         traffic.link.extend(arrived(&mut self.to_board, at).flatten());
     }
@@ -77,7 +77,7 @@ impl<A: Attached> Attached for Cable<A> {
     fn receive(&mut self, at: Micros, wire: Wire, bytes: &[u8]) {
         assert_eq!(wire, Wire::Link, "nothing else is attached");
         let mut bytes = bytes.to_vec();
-        self.spoil(at, FROM_BOARD, &mut bytes);
+        self.corrupt(at, FROM_BOARD, &mut bytes);
         self.from_board.push_back((at.after(self.latency), bytes));
     }
 }

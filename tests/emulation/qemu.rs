@@ -13,7 +13,7 @@ use super::images::image;
 use crate::Scratch;
 
 /// No image takes more than some seconds.
-const PATIENCE: Duration = Duration::from_secs(300);
+const TIMEOUT: Duration = Duration::from_secs(300);
 /// How long QEMU takes to open its lines, at most.
 const OPENING: Duration = Duration::from_secs(30);
 /// How long an answer may take: a board that hangs is found out, one that is slow is not.
@@ -230,7 +230,7 @@ fn accept(listener: &UnixListener, child: &mut Child) -> UnixStream {
         match listener.accept() {
             Ok((line, _)) => {
                 line.set_nonblocking(false).expect("a socket may block");
-                line.set_read_timeout(Some(SILENCE)).expect("a socket can be given patience");
+                line.set_read_timeout(Some(SILENCE)).expect("a socket can be given a time-out");
                 return line;
             }
             Err(error) if error.kind() == ErrorKind::WouldBlock => {}
@@ -249,9 +249,9 @@ fn wait(name: &str, child: &mut Child) -> ExitStatus {
         if let Some(status) = child.try_wait().expect("the emulator can be waited for") {
             return status;
         }
-        if started.elapsed() > PATIENCE {
+        if started.elapsed() > TIMEOUT {
             child.kill().expect("the emulator can be stopped");
-            panic!("{name} still runs after {PATIENCE:?}");
+            panic!("{name} still runs after {TIMEOUT:?}");
         }
         std::thread::sleep(Duration::from_millis(20));
     }

@@ -56,7 +56,7 @@ impl ServedChip {
         listener.set_nonblocking(true).expect("a listener can be asked without waiting");
         let url = format!("socket://{}", listener.local_addr().expect("it has an address"));
         let shared = Arc::new(Shared::default());
-        // By instructions: its watchdog does not bite a chip that a busy machine keeps from running.
+        // By instructions: its watchdog does not reset a chip that a busy machine keeps from running.
         let chip = Emulator::start("feedboard", Clock::CountedWaiting);
         let place = chip.place().clone();
         let bench = Bench { chip, machine: PlainLine::new(), host: None };

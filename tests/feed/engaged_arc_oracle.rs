@@ -24,7 +24,7 @@ use arcfeed_firmware::law::circumference::Circumference;
 use arcfeed_firmware::law::engaged_arc::{EdgePolicy, EngagedArc, Ring};
 use arcfeed_firmware::law::region::Region;
 use arcfeed_firmware::law::step::Cut;
-use arcfeed_firmware::law::{FeedLaw, NoWish, Place, Wish};
+use arcfeed_firmware::law::{FeedDemand, FeedLaw, NoDemand, Place};
 use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::nc::modal::{Plane, Turn};
 use arcfeed_shared::segment::Arc;
@@ -52,7 +52,7 @@ const GRAZING: f64 = 4.0;
 #[derive(Clone, Copy, Debug)]
 struct Truth {
     /// The path, or why there is none.
-    path: Result<f64, NoWish>,
+    path: Result<f64, NoDemand>,
     /// Relative change of the path by one half unit of rounding everywhere, in half units.
     condition: f64,
     /// Where an end of the engaged set lies between v and the chord: by how much v may be off as the chord, relative.
@@ -168,11 +168,11 @@ impl<'s> EdgeAt<'s> {
         let directions: Vec<Point> = sampled.chain(ends.iter().map(|angle| unit(*angle))).filter(advancing).collect();
         let tiny = flips.windows(2).any(|pair| pair[1] - pair[0] < 3);
         let path = if !inside.contains(&true) {
-            Err(NoWish::NoContact)
+            Err(NoDemand::NoContact)
         } else if directions.is_empty() {
-            Err(NoWish::OutsideValidity)
+            Err(NoDemand::OutsideValidity)
         } else {
-            self.path(&directions, self.scene.chip).ok_or(NoWish::ChipUnreachable)
+            self.path(&directions, self.scene.chip).ok_or(NoDemand::ChipUnreachable)
         };
         let brink = tiny
             || self.is_narrow()
@@ -189,7 +189,7 @@ impl<'s> EdgeAt<'s> {
     }
 
     /// Adds to a path how well it is known.
-    fn judged(&self, path: Result<f64, NoWish>, ends: &[f64], brink: bool) -> Truth {
+    fn judged(&self, path: Result<f64, NoDemand>, ends: &[f64], brink: bool) -> Truth {
         let plain = Truth { path, condition: 1.0, between: None, brink, grazing: false };
         let (k, a) = (self.circle().0, self.scene.chip);
         let probe = path.unwrap_or_else(|_| path_of_chord(&self.motion, a));
@@ -258,9 +258,9 @@ fn together(truths: &[Truth]) -> Truth {
     let path = |truth: &Truth| truth.path.unwrap_or(f64::INFINITY);
     let mut least = *truths.iter().min_by(|one, other| path(one).total_cmp(&path(other))).expect("an edge");
     if least.path.is_err() {
-        let why = |why: NoWish| truths.iter().any(|truth| truth.path == Err(why)).then_some(Err(why));
-        let kinds = [NoWish::ChipUnreachable, NoWish::OutsideValidity].map(why);
-        least.path = kinds.into_iter().flatten().next().unwrap_or(Err(NoWish::NoContact));
+        let why = |why: NoDemand| truths.iter().any(|truth| truth.path == Err(why)).then_some(Err(why));
+        let kinds = [NoDemand::ChipUnreachable, NoDemand::OutsideValidity].map(why);
+        least.path = kinds.into_iter().flatten().next().unwrap_or(Err(NoDemand::NoContact));
     }
     least.brink = truths.iter().any(|truth| truth.brink);
     least.between = truths.iter().filter_map(|truth| truth.between).reduce(f64::max);
@@ -335,10 +335,10 @@ impl Row {
         let region = Region::new(&half_plane, arc.center.map(Nm::to_mm), 0.0).expect("a shape");
         let direction = arc.direction_at(ratio).map(|x| x as f32);
         let place = Place::on_arc(direction, f32::from(arc.turn.sign()), path_radius.0, 0.0);
-        let one = Circumference::for_arc(&arc, Mm(edge_radius), self.edge, &stock, feed_per_tooth).wish(&place);
-        let other = EngagedArc::new(ring, EdgePolicy::Only(self.edge), region).wish(&place);
-        let feed = |wish: Wish| f64::from(wish.path_mm_per_tooth) / MM_PER_INCH * TEETH_PER_MIN;
-        [one, other].map(|wish| feed(wish.expect("both laws govern the published arcs")))
+        let one = Circumference::for_arc(&arc, Mm(edge_radius), self.edge, &stock, feed_per_tooth).demand(&place);
+        let other = EngagedArc::new(ring, EdgePolicy::Only(self.edge), region).demand(&place);
+        let feed = |demand: FeedDemand| f64::from(demand.path_mm_per_tooth) / MM_PER_INCH * TEETH_PER_MIN;
+        [one, other].map(|demand| feed(demand.expect("both laws govern the published arcs")))
     }
 }
 
@@ -394,7 +394,7 @@ mod tests {
 
     impl Outcome {
         fn compare(&mut self, scene: &RingScene, truth: &Truth) {
-            let found = scene.law().wish(&scene.place(0.5)).map(|wish| f64::from(wish.path_mm_per_tooth));
+            let found = scene.law().demand(&scene.place(0.5)).map(|demand| f64::from(demand.path_mm_per_tooth));
             let policy = if scene.policy == EdgePolicy::Protect { "both edges" } else { "one edge" };
             match (found, truth.path) {
                 (found, path) if truth.brink => {
@@ -421,7 +421,7 @@ mod tests {
                         self.wrong_reasons.push(format!("{found:?}, should be {why:?}: {scene:?}"));
                     }
                 }
-                (Ok(found), Err(NoWish::ChipUnreachable))
+                (Ok(found), Err(NoDemand::ChipUnreachable))
                     if found
                         > scene
                             .edges()
@@ -455,7 +455,7 @@ mod tests {
         for (name, class) in &mut outcome.classes {
             class.print(name);
         }
-        println!("no wish: {:#?}", outcome.refused);
+        println!("no demand: {:#?}", outcome.refused);
         println!("v taken for the chord costs at most {:.2} of what is allowed for it", outcome.of_allowance);
         outcome
     }
@@ -527,8 +527,8 @@ mod tests {
         (scene.policy, scene.length) = (EdgePolicy::Only(edge), scene.length.min(scene.path_radius));
         let law = scene.law();
         let is_smooth = |i: i32| {
-            let wish = law.wish(&scene.place(f64::from(i) / 64.0));
-            wish.is_ok_and(|wish| (15.0..80.0).contains(&wish.contact_rad().to_degrees()))
+            let demand = law.demand(&scene.place(f64::from(i) / 64.0));
+            demand.is_ok_and(|demand| (15.0..80.0).contains(&demand.contact_rad().to_degrees()))
         };
         (scene.stock.line().is_some() && scene.path_radius.is_finite() && (0..=64).all(is_smooth)).then_some(scene)
     }
@@ -594,9 +594,10 @@ mod tests {
                 let way = scene.length / ways;
                 let by_rad = bends.map(|bend| 1.02 * bend * way * way / 8.0 + rounding);
                 for ratio in (0..=97).map(|i| f64::from(i) / 97.0) {
-                    let wish =
-                        |scene: &RingScene| scene.law().wish(&scene.place(ratio)).map(|wish| wish.path_mm_per_tooth);
-                    let (Ok(exact), Ok(found)) = (wish(&scene), wish(&table)) else { continue };
+                    let demand = |scene: &RingScene| {
+                        scene.law().demand(&scene.place(ratio)).map(|demand| demand.path_mm_per_tooth)
+                    };
+                    let (Ok(exact), Ok(found)) = (demand(&scene), demand(&table)) else { continue };
                     let error = libm::fabs(f64::from(found) / f64::from(exact) - 1.0);
                     let leeway = leeway(&scene, edge, ratio, by_rad);
                     assert!(error <= leeway + 1e-6, "{error} at {ratio} by {ways} ways, at most {leeway}: {scene:?}");

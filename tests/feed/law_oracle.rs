@@ -20,7 +20,7 @@
 //!
 //! The law with its stock line is measured in `stock_fit`.
 
-use arcfeed_firmware::law::NoWish;
+use arcfeed_firmware::law::NoDemand;
 use arcfeed_firmware::law::step::Cut;
 use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{Mm, MmPerTooth};
@@ -111,7 +111,7 @@ impl Step {
         Step { rho, r0, k, a, along: k * sin, towards: cos }.rounded()
     }
 
-    fn law(&self) -> Result<f64, NoWish> {
+    fn law(&self) -> Result<f64, NoDemand> {
         let edge = if self.k > 0.0 { Edge::Outer } else { Edge::Inner };
         let [rho, r0, a] = [self.rho, self.r0, self.a].map(|x| x as f32);
         let cut = Cut { path_radius: Mm(rho), edge_radius: Mm(r0), edge, feed_per_tooth: MmPerTooth(a) };
@@ -235,8 +235,8 @@ fn judge(cases: u32, sample: impl FnMut() -> Step) -> Verdict {
             if form.is_clear() { case.path::<f64>() } else { case.path::<Big>().map(|path| path.to_f64().value()) };
         match (case.law(), truth) {
             (Ok(found), Some(truth)) => verdict.measure(&case, &form, [found, truth]),
-            (Err(NoWish::ChipUnreachable), None) => verdict.unreachable_ratio += 1.0 / f64::from(cases),
-            (Ok(_) | Err(NoWish::ChipUnreachable), _) if !form.is_decided() => verdict.undecided += 1,
+            (Err(NoDemand::ChipUnreachable), None) => verdict.unreachable_ratio += 1.0 / f64::from(cases),
+            (Ok(_) | Err(NoDemand::ChipUnreachable), _) if !form.is_decided() => verdict.undecided += 1,
             (found, truth) => panic!("{found:?}, should be {truth:?}: {case:?}"),
         }
     }
@@ -348,18 +348,18 @@ mod tests {
             assert!(good.law().is_ok());
             for bad in [f64::NAN, 0.0, -0.0, -1.0, f64::NEG_INFINITY] {
                 for case in [Step { rho: bad, ..good }, Step { r0: bad, ..good }, Step { a: bad, ..good }] {
-                    assert_eq!(case.law(), Err(NoWish::BadInput), "{case:?}");
+                    assert_eq!(case.law(), Err(NoDemand::BadInput), "{case:?}");
                 }
             }
-            assert_eq!(Step { along: f64::NAN, ..good }.law(), Err(NoWish::BadInput));
-            assert_eq!(Step { towards: f64::NAN, ..good }.law(), Err(NoWish::BadInput));
+            assert_eq!(Step { along: f64::NAN, ..good }.law(), Err(NoDemand::BadInput));
+            assert_eq!(Step { towards: f64::NAN, ..good }.law(), Err(NoDemand::BadInput));
         }
     }
 
     #[test]
     fn an_edge_that_does_not_advance_is_outside_the_laws_validity() {
         for (k, along) in [(1.0, -0.6), (1.0, 0.0), (1.0, -0.0), (-1.0, 0.6), (-1.0, 0.0), (-1.0, -0.0)] {
-            assert_eq!(Step { k, along, ..RING }.law(), Err(NoWish::OutsideValidity));
+            assert_eq!(Step { k, along, ..RING }.law(), Err(NoDemand::OutsideValidity));
         }
     }
 
@@ -377,7 +377,7 @@ mod tests {
         let at_the_back = Step { a: 1.0, along: sin, towards: cos, ..RING }.rounded();
         for case in [at_the_back, Step { a: 200.0, ..RING }.rounded(), Step { a: 1e6, ..RING }.rounded()] {
             assert_eq!(case.path::<Big>(), None);
-            assert_eq!(case.law(), Err(NoWish::ChipUnreachable), "{case:?}");
+            assert_eq!(case.law(), Err(NoDemand::ChipUnreachable), "{case:?}");
         }
     }
 
@@ -386,20 +386,20 @@ mod tests {
         let (tiny, huge) = (f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX));
         let sizes = [0.0, 1e-45, tiny, 1e-20, 6e-8, 1e-3, 0.5, 1.0, 100.0, 1e6, 1e20, huge, f64::INFINITY, f64::NAN];
         let values: Vec<f64> = sizes.iter().flat_map(|size| [*size, -size]).collect();
-        let (mut wishes, mut wrong) = (0, Vec::new());
+        let (mut demands, mut wrong) = (0, Vec::new());
         for (rho, r0, a) in sizes.iter().flat_map(|x| sizes.iter().flat_map(move |y| sizes.map(|z| (*x, *y, z)))) {
             for (along, towards) in values.iter().flat_map(|x| values.iter().map(|y| (*x, *y))) {
                 for k in [1.0, -1.0] {
                     let case = Step { rho, r0, k, a, along, towards };
                     let Ok(path) = case.law() else { continue };
-                    wishes += 1;
+                    demands += 1;
                     if !(path > 0.0 && path.is_finite()) {
                         wrong.push((path, case));
                     }
                 }
             }
         }
-        println!("of the weird steps {wishes} have a wish, {} a wrong one", wrong.len());
+        println!("of the weird steps {demands} have a demand, {} a wrong one", wrong.len());
         assert!(wrong.is_empty(), "{:#?}", wrong.iter().step_by(1 + wrong.len() / 8).collect::<Vec<_>>());
     }
 }

@@ -1,20 +1,20 @@
 //! What every feed law must keep, whatever it computes: [`suite`] puts a law into random scenes and asks it for
 //!
-//! * bounds: a wish is a positive, finite number or a refusal, never a panic, for ordinary numbers and for NaN,
+//! * bounds: a demand is a positive, finite number or a refusal, never a panic, for ordinary numbers and for NaN,
 //!   infinities, subnormal and huge ones;
-//! * not a number: a number of the scene that is none is refused by name, [`NoWish::BadInput`];
-//! * monotony: more chip, no smaller wish;
-//! * symmetry: the whole scene in a mirror, the sense of turn with it, or turned as a whole: the same wish;
-//! * scale: all lengths in inches, or in mm: the same wish in inches, or in mm;
+//! * not a number: a number of the scene that is none is refused by name, [`NoDemand::BadInput`];
+//! * monotony: more chip, no smaller demand;
+//! * symmetry: the whole scene in a mirror, the sense of turn with it, or turned as a whole: the same demand;
+//! * scale: all lengths in inches, or in mm: the same demand in inches, or in mm;
 //! * continuity: no jump between neighbouring places but where the set of contacts changes.
 //!
-//! *How equal two wishes must be.* A mirror changes no digit. Turning and scaling round every number anew, which is no
-//! more than a stock grown by some half units and a chip changed by some: how fast a law's wish changes with either is
+//! *How equal two demands must be.* A mirror changes no digit. Turning and scaling round every number anew, which is no
+//! more than a stock grown by some half units and a chip changed by some: how fast a law's demand changes with either is
 //! measured at the law ([`condition`]); where growing changes what is in contact there is no bound, and the case is left
 //! out and counted.
 
 use crate::geometry::{self, Point, unit};
-use arcfeed_firmware::law::{FeedLaw, NoWish, Place, Wish};
+use arcfeed_firmware::law::{FeedDemand, FeedLaw, NoDemand, Place};
 use core::fmt::Debug;
 use fastrand::Rng;
 use std::collections::BTreeMap;
@@ -28,7 +28,7 @@ mod scenes;
 const HALF_ULP: f64 = 1.0 / (1 << 24) as f64;
 /// Half units that may add up along a law's formulas; the cosine rule at a round blank a twentieth of the tool takes 36.
 const ROUNDINGS: f64 = 64.0;
-/// How far a stock is grown, and a chip changed, to see how fast the wish changes.
+/// How far a stock is grown, and a chip changed, to see how fast the demand changes.
 const PROBE: f64 = 1e-5;
 /// A condition above this is no basis for a bound.
 const ILL: f64 = 1e4;
@@ -63,22 +63,22 @@ trait Scene: Clone + Debug {
     /// None where the numbers are refused when the law is prepared.
     fn law(&self) -> Option<Box<dyn FeedLaw>>;
     fn place(&self, ratio: f64) -> Place;
-    /// What is in contact, in f64: where it changes the wish may jump.
+    /// What is in contact, in f64: where it changes the demand may jump.
     fn contacts(&self, _ratio: f64) -> Vec<usize> {
         Vec::new()
     }
 
-    fn wish(&self, view: &View, ratio: f64) -> Result<f64, NoWish> {
+    fn demand(&self, view: &View, ratio: f64) -> Result<f64, NoDemand> {
         let scene = self.seen(view);
-        let wish = scene.law().expect("ordinary numbers").wish(&scene.place(ratio))?;
-        Ok(f64::from(wish.path_mm_per_tooth))
+        let demand = scene.law().expect("ordinary numbers").demand(&scene.place(ratio))?;
+        Ok(f64::from(demand.path_mm_per_tooth))
     }
 }
 
 /// What a suite has looked at.
 #[derive(Debug, Default)]
 struct Tally {
-    wishes: u32,
+    demands: u32,
     refusals: u32,
     left_out: u32,
     jumps_at_contacts: u32,
@@ -86,10 +86,10 @@ struct Tally {
     half_units: f64,
 }
 
-fn in_bounds(wish: Result<Wish, NoWish>) -> Result<(), String> {
-    match wish {
-        Ok(Wish { path_mm_per_tooth: path, .. }) if !(path > 0.0 && path.is_finite()) => {
-            Err(format!("bounds: a wish of {path}"))
+fn in_bounds(demand: Result<FeedDemand, NoDemand>) -> Result<(), String> {
+    match demand {
+        Ok(FeedDemand { path_mm_per_tooth: path, .. }) if !(path > 0.0 && path.is_finite()) => {
+            Err(format!("bounds: a demand of {path}"))
         }
         _ => Ok(()),
     }
@@ -132,7 +132,7 @@ fn suite<S: Scene>(name: &str, seed: u64, cases: u32, make: impl Fn(&mut Rng) ->
 }
 
 fn bounds<S: Scene>(scene: &S, ratio: f64) -> Result<(), String> {
-    in_bounds(scene.law().ok_or("bounds: ordinary numbers are refused")?.wish(&scene.place(ratio)))
+    in_bounds(scene.law().ok_or("bounds: ordinary numbers are refused")?.demand(&scene.place(ratio)))
 }
 
 const SIZES: [f64; 15] =
@@ -163,7 +163,8 @@ fn weird<S: Scene>(scene: &S, random: &mut Rng) -> Result<(), String> {
                 *number = weird_number(random) as f32;
             }
         }
-        in_bounds(law.wish(&place)).map_err(|broken| format!("{broken} for weird numbers, {place:?} of {scene:?}"))?;
+        in_bounds(law.demand(&place))
+            .map_err(|broken| format!("{broken} for weird numbers, {place:?} of {scene:?}"))?;
     }
     Ok(())
 }
@@ -171,13 +172,13 @@ fn weird<S: Scene>(scene: &S, random: &mut Rng) -> Result<(), String> {
 /// A law that does not use a number says what it says without; else NaN is refused by name.
 fn not_a_number<S: Scene>(scene: &S, ratio: f64) -> Result<(), String> {
     let place = scene.place(ratio);
-    let wish = |scene: &S| scene.law().map(|law| law.wish(&place).map(|wish| wish.path_mm_per_tooth));
-    let plain = wish(scene);
+    let demand = |scene: &S| scene.law().map(|law| law.demand(&place).map(|demand| demand.path_mm_per_tooth));
+    let plain = demand(scene);
     for i in 0..scene.clone().numbers().len() {
-        let mut spoilt = scene.clone();
-        *spoilt.numbers()[i] = f64::NAN;
-        match wish(&spoilt) {
-            None | Some(Err(NoWish::BadInput)) => {}
+        let mut corrupted = scene.clone();
+        *corrupted.numbers()[i] = f64::NAN;
+        match demand(&corrupted) {
+            None | Some(Err(NoDemand::BadInput)) => {}
             found if found == plain => {}
             found => return Err(format!("not a number: {found:?} where number {i} is none")),
         }
@@ -187,18 +188,18 @@ fn not_a_number<S: Scene>(scene: &S, ratio: f64) -> Result<(), String> {
 
 fn monotone<S: Scene>(scene: &S, ratio: f64, random: &mut Rng) -> Result<(), String> {
     let more = 1.0 + geometry::log_between(random, 1e-6, 1.0);
-    let wish = |chip| scene.wish(&View { chip, ..PLAIN }, ratio);
-    match (wish(1.0), wish(more)) {
-        // Two roundings of the same wish.
+    let demand = |chip| scene.demand(&View { chip, ..PLAIN }, ratio);
+    match (demand(1.0), demand(more)) {
+        // Two roundings of the same demand.
         (Ok(less), Ok(bigger)) if bigger < less * (1.0 - 4.0 * HALF_ULP) => {
-            Err(format!("monotony: {more} times the chip takes the wish from {less} to {bigger}"))
+            Err(format!("monotony: {more} times the chip takes the demand from {less} to {bigger}"))
         }
         _ => Ok(()),
     }
 }
 
 fn mirror<S: Scene>(scene: &S, ratio: f64) -> Result<(), String> {
-    let (plain, mirrored) = (scene.wish(&PLAIN, ratio), scene.wish(&View { mirrored: true, ..PLAIN }, ratio));
+    let (plain, mirrored) = (scene.demand(&PLAIN, ratio), scene.demand(&View { mirrored: true, ..PLAIN }, ratio));
     let same = match (plain, mirrored) {
         (Ok(one), Ok(other)) => libm::fabs(other / one - 1.0) <= 4.0 * HALF_ULP,
         (one, other) => one == other,
@@ -206,21 +207,21 @@ fn mirror<S: Scene>(scene: &S, ratio: f64) -> Result<(), String> {
     if same { Ok(()) } else { Err(format!("mirror: {plain:?} becomes {mirrored:?}")) }
 }
 
-/// How fast the wish changes with the stock and with the chip, at least 1; none where growing changes what is in contact.
+/// How fast the demand changes with the stock and with the chip, at least 1; none where growing changes what is in contact.
 fn condition<S: Scene>(scene: &S, ratio: f64) -> Option<f64> {
-    let wish = |view: &View| scene.wish(view, ratio).ok();
-    let plain = wish(&PLAIN)?;
+    let demand = |view: &View| scene.demand(view, ratio).ok();
+    let plain = demand(&PLAIN)?;
     let mut fastest = 0.0_f64;
     for probe in [-PROBE, PROBE] {
-        let grown = wish(&View { grown: probe, ..PLAIN })?;
-        let thicker = wish(&View { chip: 1.0 + probe, ..PLAIN })?;
+        let grown = demand(&View { grown: probe, ..PLAIN })?;
+        let thicker = demand(&View { chip: 1.0 + probe, ..PLAIN })?;
         fastest = fastest.max(libm::fabs(grown / plain - 1.0) / PROBE + libm::fabs(thicker / plain - 1.0) / PROBE);
     }
     (fastest < ILL).then_some(1.0 + fastest)
 }
 
 fn turned_and_scaled<S: Scene>(scene: &S, ratio: f64, random: &mut Rng, tally: &mut Tally) -> Result<(), String> {
-    let Ok(plain) = scene.wish(&PLAIN, ratio) else {
+    let Ok(plain) = scene.demand(&PLAIN, ratio) else {
         tally.refusals += 1;
         return Ok(());
     };
@@ -228,12 +229,12 @@ fn turned_and_scaled<S: Scene>(scene: &S, ratio: f64, random: &mut Rng, tally: &
         tally.left_out += 1;
         return Ok(());
     };
-    tally.wishes += 1;
+    tally.demands += 1;
     let turned = View { turned: unit(geometry::between(random, 0.0, core::f64::consts::TAU)), ..PLAIN };
     let larger = View { scale: 25.4, ..PLAIN };
     let smaller = View { scale: 1.0 / 25.4, ..PLAIN };
     for (what, view) in [("rotation", turned), ("scale", larger), ("scale", smaller)] {
-        let found = scene.wish(&view, ratio).map(|wish| wish / view.scale);
+        let found = scene.demand(&view, ratio).map(|demand| demand / view.scale);
         let error = found.map_or(f64::INFINITY, |found| libm::fabs(found / plain - 1.0));
         let half_units = error / HALF_ULP / condition;
         if half_units > ROUNDINGS {
@@ -246,23 +247,23 @@ fn turned_and_scaled<S: Scene>(scene: &S, ratio: f64, random: &mut Rng, tally: &
 
 fn continuous<S: Scene>(scene: &S, tally: &mut Tally) -> Result<(), String> {
     let law = scene.law().ok_or("bounds: ordinary numbers are refused")?;
-    let wish = |ratio: f64| law.wish(&scene.place(ratio)).ok().map(|wish| f64::from(wish.path_mm_per_tooth));
+    let demand = |ratio: f64| law.demand(&scene.place(ratio)).ok().map(|demand| f64::from(demand.path_mm_per_tooth));
     let apart = |one: Option<f64>, other: Option<f64>| match (one, other) {
         (Some(one), Some(other)) => libm::fabs(other - one) / one.min(other),
         _ => 0.0,
     };
     for i in 0..PLACES {
         let [mut low, mut high] = [i, i + 1].map(|i| f64::from(i) / f64::from(PLACES));
-        if apart(wish(low), wish(high)) < STEEP {
+        if apart(demand(low), demand(high)) < STEEP {
             continue;
         }
         // Halves the way, always keeping the half with the larger change, down to what f32 resolves.
         for _ in 0..22 {
             let middle = (low + high) / 2.0;
-            let in_first_half = apart(wish(low), wish(middle)) >= apart(wish(middle), wish(high));
+            let in_first_half = apart(demand(low), demand(middle)) >= apart(demand(middle), demand(high));
             if in_first_half { high = middle } else { low = middle }
         }
-        let left = apart(wish(low), wish(high));
+        let left = apart(demand(low), demand(high));
         if left > JUMP {
             // Some contacts come and go again soon, some are too small for the samples at first.
             let same = |span: f64| scene.contacts(low - span) == scene.contacts(high + span);
@@ -284,7 +285,7 @@ mod tests {
 
     fn passes<S: Scene>(name: &str, cases: u32, make: impl Fn(&mut Rng) -> S) {
         let tally = suite(name, 4, cases, make).unwrap_or_else(|broken| panic!("{broken}"));
-        assert!(tally.wishes > cases / 5, "too few wishes to tell anything: {tally:?}");
+        assert!(tally.demands > cases / 5, "too few demands to tell anything: {tally:?}");
     }
 
     #[test]
@@ -327,42 +328,42 @@ mod tests {
             scene.normal = [-1.0, 0.0];
             let mut at = |degrees: f64| {
                 scene.offset = geometry::dot(scene.normal, scene.contact_point(0.0, degrees.to_radians()));
-                scene.wish(&PLAIN, 0.0)
+                scene.demand(&PLAIN, 0.0)
             };
-            let wishes: Vec<f64> = (0..=1_000)
+            let demands: Vec<f64> = (0..=1_000)
                 .map(|i| at(89.0 + f64::from(i) * 0.000_999).expect("contacts below 90 degrees are admissible"))
                 .collect();
-            let steps = wishes.windows(2).map(|pair| libm::fabs(pair[1] / pair[0] - 1.0));
+            let steps = demands.windows(2).map(|pair| libm::fabs(pair[1] / pair[0] - 1.0));
             assert!(steps.fold(0.0, f64::max) < 2e-5, "{scene:?}");
             for beyond in [90.001, 90.1, 95.0, 120.0] {
-                assert_eq!(at(beyond), Err(NoWish::OutsideValidity), "{beyond}");
+                assert_eq!(at(beyond), Err(NoDemand::OutsideValidity), "{beyond}");
             }
         }
     }
 
-    /// A law spoilt by `how`, which gets the wish and where it was asked for.
+    /// A law corrupted by `how`, which gets the demand and where it was asked for.
     #[derive(Clone)]
-    struct Spoilt {
+    struct Corrupted {
         scene: ContourScene,
         how: fn(&ContourScene, &Place, f32) -> f32,
     }
 
-    impl Debug for Spoilt {
+    impl Debug for Corrupted {
         fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
             self.scene.fmt(f)
         }
     }
 
-    impl FeedLaw for Spoilt {
-        fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
-            let wish = self.scene.law().expect("never refused").wish(place)?;
-            Ok(Wish { path_mm_per_tooth: (self.how)(&self.scene, place, wish.path_mm_per_tooth), ..wish })
+    impl FeedLaw for Corrupted {
+        fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand> {
+            let demand = self.scene.law().expect("never refused").demand(place)?;
+            Ok(FeedDemand { path_mm_per_tooth: (self.how)(&self.scene, place, demand.path_mm_per_tooth), ..demand })
         }
     }
 
-    impl Scene for Spoilt {
+    impl Scene for Corrupted {
         fn seen(&self, view: &View) -> Self {
-            Spoilt { scene: self.scene.seen(view), ..*self }
+            Corrupted { scene: self.scene.seen(view), ..*self }
         }
         fn numbers(&mut self) -> Vec<&mut f64> {
             self.scene.numbers()
@@ -379,16 +380,19 @@ mod tests {
     fn a_bad_law_fails_at_the_property_it_breaks() {
         type How = fn(&ContourScene, &Place, f32) -> f32;
         let bad: [(&str, How); 6] = [
-            ("bounds", |_, place, wish| if place.travelled_mm > 0.99 { f32::NAN } else { wish }),
-            ("bounds", |_, place, wish| if place.travelled_mm > 0.99 { -wish } else { wish }),
-            ("bounds: it panics", |_, place, wish| if place.travelled_mm.is_nan() { panic!("spoilt") } else { wish }),
-            ("monotony", |scene, _, wish| if scene.chip > 0.1 { 0.1 * wish } else { wish }),
-            ("scale", |_, _, wish| wish + 0.000_1),
-            ("continuity", |_, place, wish| if place.travelled_mm > 0.5 { 1.1 * wish } else { wish }),
+            ("bounds", |_, place, demand| if place.travelled_mm > 0.99 { f32::NAN } else { demand }),
+            ("bounds", |_, place, demand| if place.travelled_mm > 0.99 { -demand } else { demand }),
+            (
+                "bounds: it panics",
+                |_, place, demand| if place.travelled_mm.is_nan() { panic!("corrupted") } else { demand },
+            ),
+            ("monotony", |scene, _, demand| if scene.chip > 0.1 { 0.1 * demand } else { demand }),
+            ("scale", |_, _, demand| demand + 0.000_1),
+            ("continuity", |_, place, demand| if place.travelled_mm > 0.5 { 1.1 * demand } else { demand }),
         ];
         for (property, how) in bad {
-            let make = |random: &mut Rng| Spoilt { scene: ContourScene::sample(random), how };
-            let broken = suite("spoilt", 6, 2_000, make).expect_err("a spoilt law");
+            let make = |random: &mut Rng| Corrupted { scene: ContourScene::sample(random), how };
+            let broken = suite("corrupted", 6, 2_000, make).expect_err("a corrupted law");
             println!("{property}: {}", broken.lines().count() - 1);
             assert!(broken.contains(&format!("first {property}")), "{property}: {broken}");
         }
@@ -401,10 +405,10 @@ mod tests {
     struct HandedLaw(Box<dyn FeedLaw>);
 
     impl FeedLaw for HandedLaw {
-        fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
-            let wish = self.0.wish(place)?;
+        fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand> {
+            let demand = self.0.demand(place)?;
             let factor = if place.center_mm[0] > 0.0 { 1.001 } else { 1.0 };
-            Ok(Wish { path_mm_per_tooth: factor * wish.path_mm_per_tooth, ..wish })
+            Ok(FeedDemand { path_mm_per_tooth: factor * demand.path_mm_per_tooth, ..demand })
         }
     }
 

@@ -60,10 +60,10 @@ fn the_override_stops_where_the_machine_does_and_says_why() {
     let (mut file, program) = example();
     let mut limited = 0;
     for block in governed(&file, &program) {
-        let wish = block.wish.expect("it is governed");
+        let demand = block.demand.expect("it is governed");
         let sent = block.sent.expect("it is governed");
         // In the middle of what the law wants along the block.
-        let feed = MmPerMin((0.5 * (wish.feed_min_mm_per_min + wish.feed_max_mm_per_min)) as f32);
+        let feed = MmPerMin((0.5 * (demand.feed_min_mm_per_min + demand.feed_max_mm_per_min)) as f32);
         let radius = Mm(block.segment.arc().expect("an arc").radius_mm() as f32);
         for (by, limit) in [(LimitedBy::Axis, Limit::Axis), (LimitedBy::ArcClamp, Limit::ArcClamp)] {
             let clamp = ArcClamp { feed, radius, floor: MmPerMin(0.0) };
@@ -126,7 +126,7 @@ fn the_plan_sends_no_feed_that_the_machine_cannot_make_and_names_what_limits_it(
     for block in &free {
         let bounded = blocks.iter().find(|other| other.line == block.line).expect("the same blocks");
         let most = file.job.machine.feed_limit(&block.segment).expect("it has a limit").feed;
-        let wanted = block.wish.expect("it is governed").feed_max_mm_per_min;
+        let wanted = block.demand.expect("it is governed").feed_max_mm_per_min;
         let expected = if wanted > f64::from(most.0) { PlanReason::Axis } else { PlanReason::Law };
         assert_eq!(bounded.reason, expected, "line {}", block.line);
         assert!(bounded.sent.expect("it is governed").to_mm() <= f64::from(most.0));

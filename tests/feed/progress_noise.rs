@@ -107,7 +107,7 @@ fn follow(
     said
 }
 
-fn spoil(truth: &[Truth], seed: u64) -> impl Iterator<Item = Option<Pose>> + '_ {
+fn corrupt(truth: &[Truth], seed: u64) -> impl Iterator<Item = Option<Pose>> + '_ {
     let mut random = Rng::with_seed(seed);
     let mut late: VecDeque<Pose> = VecDeque::new();
     truth.iter().map(move |tick| {
@@ -134,17 +134,17 @@ struct Errors {
     override_percent: u8,
 }
 
-fn errors(truth: &[Truth], exact: &[(usize, f32, u8)], spoilt: &[(usize, f32, u8)]) -> Errors {
+fn errors(truth: &[Truth], exact: &[(usize, f32, u8)], corrupted: &[(usize, f32, u8)]) -> Errors {
     let changes: Vec<usize> = (1..truth.len()).filter(|&tick| truth[tick].segment != truth[tick - 1].segment).collect();
     let mut errors = Errors::default();
-    for (tick, (spoilt, exact)) in spoilt.iter().zip(exact).enumerate() {
+    for (tick, (corrupted, exact)) in corrupted.iter().zip(exact).enumerate() {
         if from_change(&changes, tick) <= CHANGE_TICKS {
             continue;
         }
         errors.compared += 1;
-        errors.wrong += usize::from(spoilt.0 != truth[tick].segment);
-        errors.position_mm = errors.position_mm.max((spoilt.1 - exact.1).abs());
-        errors.override_percent = errors.override_percent.max(spoilt.2.abs_diff(exact.2));
+        errors.wrong += usize::from(corrupted.0 != truth[tick].segment);
+        errors.position_mm = errors.position_mm.max((corrupted.1 - exact.1).abs());
+        errors.override_percent = errors.override_percent.max(corrupted.2.abs_diff(exact.2));
     }
     errors
 }
@@ -155,8 +155,8 @@ fn assert_followed(name: &str, program: &str) {
     let exact = follow(&job, &segments, PositionFilter::Exact, truth.iter().map(|tick| Some(tick.position)));
     let filter = PositionFilter::new(0.3, Span::from_ms(DELAY_TICKS as u32)).expect("a sound gain");
     for seed in SEEDS {
-        let spoilt = follow(&job, &segments, filter, spoil(&truth, seed));
-        let Errors { compared, wrong, position_mm, override_percent } = errors(&truth, &exact, &spoilt);
+        let corrupted = follow(&job, &segments, filter, corrupt(&truth, seed));
+        let Errors { compared, wrong, position_mm, override_percent } = errors(&truth, &exact, &corrupted);
         println!(
             "{name}, seed {seed}: {compared} of {} ticks on {} segments, {wrong} on the wrong one; position off by \
              {position_mm:.3} mm at most, override by {override_percent} %",
@@ -164,7 +164,7 @@ fn assert_followed(name: &str, program: &str) {
             segments.len()
         );
         assert_eq!(wrong, 0);
-        assert!(spoilt.len().abs_diff(truth.len()) as u64 <= CHANGE_TICKS && compared * 10 > truth.len() * 9);
+        assert!(corrupted.len().abs_diff(truth.len()) as u64 <= CHANGE_TICKS && compared * 10 > truth.len() * 9);
         assert!(override_percent <= 1 && position_mm < 0.1, "{override_percent} %, {position_mm} mm");
     }
 }

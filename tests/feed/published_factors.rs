@@ -11,7 +11,7 @@
 
 use arcfeed_firmware::law::contour::{Contour, ContourLimits};
 use arcfeed_firmware::law::engagement::corner_factor;
-use arcfeed_firmware::law::{FeedLaw, NoWish, Place};
+use arcfeed_firmware::law::{FeedLaw, NoDemand, Place};
 use arcfeed_shared::cut::Side;
 use arcfeed_shared::units::{Mm, MmPerTooth};
 use core::f64::consts::{PI, TAU};
@@ -49,7 +49,7 @@ const WALK: f64 = 1e-4;
 
 type Point = [f64; 2];
 
-fn law(depth: f64, dc_over_contour: f64, turn_rad: f64) -> Result<f64, NoWish> {
+fn law(depth: f64, dc_over_contour: f64, turn_rad: f64) -> Result<f64, NoDemand> {
     let (radius, depth) = (2.0 * TOOL / dc_over_contour, 2.0 * TOOL * depth);
     corner_factor(Mm(TOOL as f32), Mm(depth as f32), Mm(radius as f32), turn_rad as f32).map(f64::from)
 }
@@ -218,7 +218,7 @@ mod tests {
         for (feed, tool, feature, side, printed) in EXAMPLES {
             let q = if side == Side::Inside { (feature - tool) / 2.0 } else { (feature + tool) / 2.0 };
             let law = Contour::new(Mm(q as f32), Mm((tool / 2.0) as f32), side, MmPerTooth(feed as f32), free);
-            let found = law.wish(&place).expect("the tool fits").path_mm_per_tooth;
+            let found = law.demand(&place).expect("the tool fits").path_mm_per_tooth;
             let digits = printed.split_once('.').map_or(0, |(_, digits)| digits.len());
             println!("{feed} at the edge of {tool} in {feature}, {side:?}: {found}, printed {printed}");
             assert_eq!(format!("{found:.digits$}"), printed);
@@ -232,7 +232,7 @@ mod tests {
         let radius = 2.0 * TOOL / 0.8;
         let law_of_contour =
             Contour::new(Mm((radius - TOOL) as f32), Mm(TOOL as f32), Side::Inside, MmPerTooth(1.0), limits);
-        let contour = law_of_contour.wish(&place).expect("the tool fits").path_mm_per_tooth;
+        let contour = law_of_contour.demand(&place).expect("the tool fits").path_mm_per_tooth;
         let engagement = DEPTHS.map(|depth| law(depth, 0.8, PI / 2.0).expect("the tool fits"));
         println!("Dc/rad_m = 0.8: contour {contour}, engagement {engagement:.3?}");
         assert!(libm::fabs(f64::from(contour) - 0.6) < 1e-6);

@@ -252,9 +252,9 @@ fn a_spy_around_the_simulator_sees_the_whole_program_and_changes_nothing() {
 }
 
 #[test]
-fn the_same_seed_spoils_a_run_the_same_way_and_a_dead_line_ends_it() {
+fn the_same_seed_corrupts_a_run_the_same_way_and_a_dead_line_ends_it() {
     let scratch = Scratch::new("faults");
-    let spoilt = |seed: &str| {
+    let corrupted = |seed: &str| {
         let executed = scratch.path("executed");
         let port = format!("fault://tx.flip=0.002,seed={seed}/sim:");
         let output = run(&["stream", JOB, "--port", &port, "--executed", &executed, "--json"]);
@@ -264,8 +264,8 @@ fn the_same_seed_spoils_a_run_the_same_way_and_a_dead_line_ends_it() {
             read(&executed),
         )
     };
-    assert_eq!(spoilt("5"), spoilt("5"));
-    assert_ne!(spoilt("5").2, spoilt("6").2);
+    assert_eq!(corrupted("5"), corrupted("5"));
+    assert_ne!(corrupted("5").2, corrupted("6").2);
     let output = run(&["stream", JOB, "--port", "fault://disconnect=500/sim:"]);
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{stderr}");

@@ -18,7 +18,7 @@
 //! [`Contact::condition`].
 
 use arcfeed_firmware::law::circumference::Circumference;
-use arcfeed_firmware::law::{FeedLaw, NoWish, Place, Wish};
+use arcfeed_firmware::law::{FeedDemand, FeedLaw, NoDemand, Place};
 use arcfeed_shared::nc::modal::{Plane, Turn};
 use arcfeed_shared::segment::Arc;
 use arcfeed_shared::stock::StockLine;
@@ -162,11 +162,11 @@ impl Scene {
         f64::from(self.edge.advance())
     }
 
-    fn law(&self, direction: [f32; 2]) -> Result<Wish, NoWish> {
+    fn law(&self, direction: [f32; 2]) -> Result<FeedDemand, NoDemand> {
         let (r0, a) = (Mm(self.r0 as f32), MmPerTooth(self.a as f32));
         let turn_ratio = f32::from(self.arc.turn.sign());
         let place = Place::on_arc(direction, turn_ratio, self.arc.radius_mm() as f32, 0.0);
-        Circumference::for_arc(&self.arc, r0, self.edge, &self.stock, a).wish(&place)
+        Circumference::for_arc(&self.arc, r0, self.edge, &self.stock, a).demand(&place)
     }
 
     fn frame(&self, direction: [f64; 2]) -> Frame {
@@ -188,15 +188,15 @@ impl Scene {
         (crossing > 0.0).then(|| ([contact(crossing), contact(-crossing)], crossing))
     }
 
-    fn oracle(&self, direction: [f64; 2]) -> Result<Contact, NoWish> {
-        let (contacts, crossing) = self.intersections(&self.frame(direction)).ok_or(NoWish::NoContact)?;
+    fn oracle(&self, direction: [f64; 2]) -> Result<Contact, NoDemand> {
+        let (contacts, crossing) = self.intersections(&self.frame(direction)).ok_or(NoDemand::NoContact)?;
         let line_from_center = self.stock.offset_mm - dot(self.stock.normal, self.arc.center.map(Nm::to_mm));
         let lengths = (self.arc.radius_mm() + libm::fabs(line_from_center)) / self.r0;
         let admissible = contacts.into_iter().filter(|[sin, cos]| *sin > 0.0 && *cos >= 0.0);
         let paths = admissible.map(|[sin, cos]| (self.path_mm(sin, cos), libm::atan2(sin, cos)));
         let (path, angle) =
-            paths.min_by(|one, other| step(one.0).total_cmp(&step(other.0))).ok_or(NoWish::OutsideValidity)?;
-        Ok(Contact { path_mm: path.ok_or(NoWish::ChipUnreachable)?, angle, crossing, lengths })
+            paths.min_by(|one, other| step(one.0).total_cmp(&step(other.0))).ok_or(NoDemand::OutsideValidity)?;
+        Ok(Contact { path_mm: path.ok_or(NoDemand::ChipUnreachable)?, angle, crossing, lengths })
     }
 
     /// Petean eqs 17-23: rho alpha, the points where circle (A, rho) and circle (C, r0) meet at alpha = middle -+ spread.
@@ -309,13 +309,13 @@ mod tests {
             let exact = direction.map(f64::from);
             match (scene.law(direction), scene.oracle(exact)) {
                 _ if scene.is_on_the_brink(exact) => *refused.entry("on the brink".to_owned()).or_insert(0) += 1,
-                (Ok(wish), Ok(truth)) => {
-                    let angle_error = libm::fabs(f64::from(wish.contact_rad()) - truth.angle) / HALF_ULP;
+                (Ok(demand), Ok(truth)) => {
+                    let angle_error = libm::fabs(f64::from(demand.contact_rad()) - truth.angle) / HALF_ULP;
                     angle_half_units = angle_half_units.max(angle_error / (2.0 + truth.lengths / truth.crossing));
                     if truth.angle < 10_f64.to_radians() {
                         continue;
                     }
-                    let error = libm::fabs(f64::from(wish.path_mm_per_tooth) / truth.path_mm - 1.0);
+                    let error = libm::fabs(f64::from(demand.path_mm_per_tooth) / truth.path_mm - 1.0);
                     path_half_units = path_half_units.max(error / HALF_ULP / truth.condition());
                     if truth.crossing < FIRM { &mut touching } else { &mut firm }.push(error);
                 }
@@ -331,7 +331,7 @@ mod tests {
                 largest
             });
         println!(
-            "half units over the condition: path {path_half_units:.1}, contact {angle_half_units:.1}; no wish: {refused:?}"
+            "half units over the condition: path {path_half_units:.1}, contact {angle_half_units:.1}; no demand: {refused:?}"
         );
         assert!(firm_largest <= 2e-5 && firm[firm.len() / 2] <= 1e-7);
         assert!(path_half_units <= ROUNDINGS && angle_half_units <= ROUNDINGS);
@@ -350,10 +350,10 @@ mod tests {
         // A line through the circle at 100 and 170 degrees, one behind O, one that passes the circle by.
         let middle = frame.at(1.0, 1.0, 135_f64.to_radians());
         let normal = [0, 1].map(|i| middle[i] - frame.position[i]);
-        assert_eq!(through(100_f64.to_radians(), normal), Err(NoWish::OutsideValidity));
-        assert_eq!(through((-80_f64).to_radians(), frame.along), Err(NoWish::OutsideValidity));
+        assert_eq!(through(100_f64.to_radians(), normal), Err(NoDemand::OutsideValidity));
+        assert_eq!(through((-80_f64).to_radians(), frame.along), Err(NoDemand::OutsideValidity));
         let far = StockLine { offset_mm: good.stock.offset_mm + 3.0 * good.r0, ..good.stock };
-        assert_eq!(Scene { stock: far, ..good }.law(direction), Err(NoWish::NoContact));
+        assert_eq!(Scene { stock: far, ..good }.law(direction), Err(NoDemand::NoContact));
     }
 
     #[test]
@@ -368,21 +368,21 @@ mod tests {
         scenes.extend([f64::NAN, 0.0, -1.0].map(|a| Scene { a, ..good }));
         let wrong: Vec<String> = scenes
             .iter()
-            .filter(|scene| scene.law(direction) != Err(NoWish::BadInput))
+            .filter(|scene| scene.law(direction) != Err(NoDemand::BadInput))
             .map(|scene| format!("{:?} for {scene:?}", scene.law(direction)))
             .collect();
         assert!(wrong.is_empty(), "{wrong:#?}");
-        assert_eq!(good.law([f32::NAN, 0.6]), Err(NoWish::BadInput));
-        assert_eq!(good.law([0.6, f32::NAN]), Err(NoWish::BadInput));
+        assert_eq!(good.law([f32::NAN, 0.6]), Err(NoDemand::BadInput));
+        assert_eq!(good.law([0.6, f32::NAN]), Err(NoDemand::BadInput));
     }
 
     #[test]
-    fn whatever_the_numbers_a_wish_is_positive_and_finite_or_refused() {
+    fn whatever_the_numbers_a_demand_is_positive_and_finite_or_refused() {
         let sizes =
             [0.0, 1e-45, 1e-38, 1e-20, 6e-8, 1e-3, 0.6, 0.8, 1.0, 100.0, 1e6, 1e20, 3.4e38, f64::INFINITY, f64::NAN];
         let values: Vec<f64> = sizes.iter().flat_map(|size| [*size, -size]).collect();
         let pairs: Vec<[f64; 2]> = values.iter().flat_map(|x| values.iter().map(|y| [*x, *y])).collect();
-        let (mut random, mut wishes, mut wrong) = (Rng::with_seed(2), 0, Vec::new());
+        let (mut random, mut demands, mut wrong) = (Rng::with_seed(2), 0, Vec::new());
         for _ in 0..1_000_000 {
             let mut value = || values[random.usize(..values.len())];
             let (r0, a, normal, offset_mm) = (value(), value(), [value(), value()], value());
@@ -398,14 +398,14 @@ mod tests {
                 2 => Scene { stock, ..ordinary },
                 _ => Scene { arc: weird, ..ordinary },
             };
-            let Ok(wish) = scene.law(direction) else { continue };
-            wishes += 1;
-            let (path, contact) = (wish.path_mm_per_tooth, wish.contact_rad());
+            let Ok(demand) = scene.law(direction) else { continue };
+            demands += 1;
+            let (path, contact) = (demand.path_mm_per_tooth, demand.contact_rad());
             if !(path > 0.0 && path.is_finite() && (0.0..=FRAC_PI_2 as f32).contains(&contact)) {
-                wrong.push((wish, direction, scene));
+                wrong.push((demand, direction, scene));
             }
         }
-        println!("of the weird scenes {wishes} have a wish, {} a wrong one", wrong.len());
+        println!("of the weird scenes {demands} have a demand, {} a wrong one", wrong.len());
         assert!(wrong.is_empty(), "{:#?}", wrong.iter().step_by(1 + wrong.len() / 4).collect::<Vec<_>>());
     }
 
@@ -417,8 +417,8 @@ mod tests {
             let mut contacts = Vec::new();
             for i in 0..=1_000 {
                 let direction = scene.arc.direction_at(f64::from(i) / 1e3).map(|x| x as f32);
-                let (wish, truth) = (scene.law(direction).unwrap(), scene.oracle(direction.map(f64::from)).unwrap());
-                let paths = [f64::from(wish.path_mm_per_tooth), truth.path_mm];
+                let (demand, truth) = (scene.law(direction).unwrap(), scene.oracle(direction.map(f64::from)).unwrap());
+                let paths = [f64::from(demand.path_mm_per_tooth), truth.path_mm];
                 assert!(libm::fabs(paths[0] / paths[1] - 1.0) <= ROUNDINGS * HALF_ULP * truth.condition());
                 for (feeds, path_mm) in feeds.iter_mut().zip(paths) {
                     feeds.push(path_mm / MM_PER_INCH * TEETH_PER_MIN);

@@ -1,14 +1,14 @@
 //! How soon the other side knew of a restart, and that the line explains all of it.
 //!
 //! Who begins anew greets in its first period and then with each third of a heartbeat, and as long as it greets nothing but hellos goes
-//! its way. So one spoilt byte or frame is one spoilt hello, and no hello suffers from another one: there is a delimiter
+//! its way. So one corrupted byte or frame is one corrupted hello, and no hello suffers from another one: there is a delimiter
 //! before each. The other side knows in the period
 //!
 //! ```text
 //! noticed = way + k * hello     (1)
 //! ```
 //!
-//! way: periods until a first hello is heard that nothing spoils, its own among them; k: hellos spoilt before the first that
+//! way: periods until a first hello is heard that nothing corrupts, its own among them; k: hellos corrupted before the first that
 //! was not. Up to a k of three that is within a heartbeat and the way.
 
 use arcfeed_shared::units::US_PER_MS;
@@ -20,10 +20,10 @@ use arcfeed_shared::wire::settings::Role;
 pub struct Noticed {
     /// Until the other side knew.
     pub after: usize,
-    /// Until it hears a hello that nothing spoils.
+    /// Until it hears a hello that nothing corrupts.
     pub way: usize,
-    /// Hellos that were spoilt before; `None` on a line that spoils none.
-    pub spoilt: Option<usize>,
+    /// Hellos that were corrupted before; `None` on a line that corrupts none.
+    pub corrupted: Option<usize>,
 }
 
 /// A third of the heartbeat of host and board, and the heartbeat.
@@ -40,14 +40,14 @@ pub fn assert_explained(who: &str, points: &[Noticed]) {
     let [hello, heartbeat] = hello_and_heartbeat();
     assert_eq!(3 * hello, heartbeat);
     for point in points {
-        let explained = point.way + hello * point.spoilt.unwrap_or_default(); // (1)
+        let explained = point.way + hello * point.corrupted.unwrap_or_default(); // (1)
         assert_eq!(point.after, explained, "{point:?}");
     }
-    let spoilt_max = points.iter().filter_map(|point| point.spoilt).max();
-    print_kind(&format!("{who}, line that spoils nothing"), points.iter().filter(|point| point.spoilt.is_none()));
-    for spoilt in 0..=spoilt_max.unwrap_or_default() {
-        let kind = format!("{who}, line that spoils, {spoilt} hellos spoilt");
-        print_kind(&kind, points.iter().filter(|point| point.spoilt == Some(spoilt)));
+    let corrupted_max = points.iter().filter_map(|point| point.corrupted).max();
+    print_kind(&format!("{who}, line that corrupts nothing"), points.iter().filter(|point| point.corrupted.is_none()));
+    for corrupted in 0..=corrupted_max.unwrap_or_default() {
+        let kind = format!("{who}, line that corrupts, {corrupted} hellos corrupted");
+        print_kind(&kind, points.iter().filter(|point| point.corrupted == Some(corrupted)));
     }
     print_kind(&format!("{who}, all"), points.iter());
     let is_within = |point: &&Noticed| point.after <= heartbeat + point.way;

@@ -110,9 +110,9 @@ fn case(pressure_mm: f64, turned_rad: f64) -> Case {
 
 impl Case {
     fn plan(&self) -> SlotPlan {
-        let mut wishes = roughing();
-        wishes.interior_contact = SHARE;
-        plan(&self.blisk, &self.slot, &ring(), &wishes).unwrap()
+        let mut demands = roughing();
+        demands.interior_contact = SHARE;
+        plan(&self.blisk, &self.slot, &ring(), &demands).unwrap()
     }
 
     /// The centre when a circle that holds the suction arc touches it at a share of it.

@@ -182,8 +182,8 @@ fn chips(limit: &StockLimit, bounds: &[Bound], step: &Step, lean_deg: f64) -> Ve
         .map(|part| {
             let toward = nalgebra::Rotation2::new(sign * step.sweep_rad() * f64::from(part) / 8.0) * arm / radius_mm;
             let place = Place::on_arc([toward.x as f32, toward.y as f32], sign as f32, radius_mm as f32, 0.0);
-            let wish = law.wish(&place).expect("a wish");
-            let angle_rad = sign * f64::from(wish.path_mm_per_tooth) / radius_mm;
+            let demand = law.demand(&place).expect("a demand");
+            let angle_rad = sign * f64::from(demand.path_mm_per_tooth) / radius_mm;
             let at = center + toward * radius_mm;
             let next = center + nalgebra::Rotation2::new(angle_rad) * toward * radius_mm;
             let delta = [next.x - at.x, next.y - at.y];

@@ -6,7 +6,7 @@
 //! differ from each other, and the centres that its I and J lead to lie at X 0.4353 and 0.4354, Y 8.3369 and 8.3370. So the golden
 //! table below: every word in which slots and writer are not all equal, and each of them is off by one in the last digit. At 15 of
 //! its places the slots agree with each other, or two values are printed, and none is ours (N132 J): what more digits of A and B1
-//! would mend there they spoil elsewhere.
+//! would mend there they break elsewhere.
 
 use std::fmt::Write;
 

@@ -1,5 +1,5 @@
 //! The circumference law in G18 and G19: the job of `tests/cases/table-5-4` with its axes permuted so that first axis,
-//! second axis and normal of each plane keep their roles (G18 is ZX, its normal Y) wishes, sends and measures the same. So
+//! second axis and normal of each plane keep their roles (G18 is ZX, its normal Y) demands, sends and measures the same. So
 //! does the job whose arcs are helices, for F, law and chip all count in the plane.
 
 use arcfeed_tests::{Scratch, in_plane, root, run};
@@ -40,7 +40,7 @@ fn objects(command: &str, scratch: &Scratch) -> Vec<Value> {
 }
 
 #[test]
-fn in_every_plane_the_law_wishes_and_sends_the_same_to_the_last_digit() {
+fn in_every_plane_the_law_demands_and_sends_the_same_to_the_last_digit() {
     let in_g17 = objects("adapt", &scratch("planes-adapt-G17", &case("program.nc")));
     let governed = in_g17.iter().filter(|block| block["reason"] == "law").count();
     assert_eq!((governed, in_g17.len()), (4, 6));

@@ -270,7 +270,7 @@ mod tests {
             feed_per_tooth: MmPerTooth(movement.feed_per_tooth as f32),
         };
         let (sin, cos) = libm::sincos(contact_deg.to_radians());
-        f64::from(cut.path_per_tooth((movement.advance * sin) as f32, cos as f32).expect("a wish").0)
+        f64::from(cut.path_per_tooth((movement.advance * sin) as f32, cos as f32).expect("a demand").0)
     }
 
     #[test]

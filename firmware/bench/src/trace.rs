@@ -44,7 +44,7 @@ const TICKS_PER_BLOCK: u64 = 400;
 pub struct Trace {
     /// FNV-1a of all outputs.
     pub hash: u64,
-    /// The law had a wish.
+    /// The law had a demand.
     pub governed: u32,
     /// The law had none, though there was one.
     pub refused: u32,
@@ -60,7 +60,7 @@ pub struct Trace {
 
 impl Trace {
     fn count(&mut self, scene: &Scene, input: &controller::Input, output: &Output) {
-        let is_refused = matches!(output.reason, Reason::NoWish(_));
+        let is_refused = matches!(output.reason, Reason::NoDemand(_));
         self.refused += u32::from(is_refused);
         if output.ipt_center.is_some() {
             self.governed += 1;

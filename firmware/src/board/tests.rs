@@ -136,7 +136,7 @@ fn the_pins_carry_the_inverted_binary_of_the_override_at_each_tick_of_a_segment(
     let supervisor = Supervisor::new(&job, Settings::default()).unwrap();
     let mut task = Task::from(Memory::armed());
     let mut seen = std::collections::BTreeSet::new();
-    // Up by the slew, there for a while, down to half the wish with half the spindle's speed.
+    // Up by the slew, there for a while, down to half the demand with half the spindle's speed.
     let mut due_percent: f64 = 100.0;
     for at in 1..=1_200 {
         if at == 801 {

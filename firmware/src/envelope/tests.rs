@@ -159,7 +159,7 @@ fn a_segment_shorter_than_the_response_stays_at_the_bound_of_its_end() {
 fn without_a_law_only_a_lower_start_of_the_next_move_bounds_it() {
     let Case { track, sent, limits, .. } = case(10.0, 1_000.0, &[(0.0, 2.0)]);
     let envelope = |end_percent| Envelope::new(&SegmentLaw::Programmed, &track, &Sent { end_percent, ..sent }, &limits);
-    assert_eq!(envelope(100).at(5.0), (1.0, Err(NoWish::NoLaw)));
+    assert_eq!(envelope(100).at(5.0), (1.0, Err(NoDemand::NoLaw)));
     assert_eq!(envelope(100).begin_percent(), 100);
     assert_eq!((envelope(80).at(0.0).0, envelope(80).at(10.0).0), (1.0, 0.8));
     assert_eq!(Envelope::constant(80).at(0.0).0, 0.8);

@@ -18,7 +18,7 @@ use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{Mm, MmPerTooth, Nm};
 
 use super::step::{Cut, PreparedCut};
-use super::{FeedLaw, NoWish, Place, Wish};
+use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
 /// The law for one arc. All lengths relative to the rotation centre A.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +45,7 @@ struct Intersections {
 /// An admissible intersection.
 #[derive(Clone, Copy, Debug)]
 struct Contact {
-    bite_mm: f32,
+    denominator_mm: f32,
     direction: [f32; 2],
 }
 
@@ -82,12 +82,12 @@ impl Circumference {
         } // (1)
     }
 
-    fn contact(&self, direction: [f32; 2]) -> Result<Contact, NoWish> {
+    fn contact(&self, direction: [f32; 2]) -> Result<Contact, NoDemand> {
         let [advance, towards] = direction;
         if towards < 0.0 {
-            return Err(NoWish::OutsideValidity);
+            return Err(NoDemand::OutsideValidity);
         }
-        Ok(Contact { bite_mm: self.cut.bite_mm(advance, towards)?, direction })
+        Ok(Contact { denominator_mm: self.cut.denominator_mm(advance, towards)?, direction })
     }
 }
 
@@ -105,25 +105,25 @@ impl Intersections {
 
 impl FeedLaw for Circumference {
     /// Of the two intersections the one that takes the thicker chip; where only one is admissible, that one.
-    fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
+    fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand> {
         let both = self.intersections(place.towards.map(|component| -component));
         let (first, second) = (both.more_advanced(), both.less_advanced());
         let [advance, towards] = both.foot;
         // Everything else is a number: the root is none.
         if first.iter().any(|mm| mm.is_nan()) && !(advance + towards + self.edge_radius_mm).is_nan() {
-            return Err(NoWish::NoContact);
+            return Err(NoDemand::NoContact);
         }
-        let Contact { bite_mm, direction } = match (self.contact(first), self.contact(second)) {
+        let Contact { denominator_mm, direction } = match (self.contact(first), self.contact(second)) {
             (Ok(a), Ok(b)) => {
-                if b.bite_mm > a.bite_mm {
+                if b.denominator_mm > a.denominator_mm {
                     b
                 } else {
                     a
                 }
             }
             (Ok(contact), Err(_)) | (Err(_), Ok(contact)) => contact,
-            (Err(a), Err(b)) => return Err(if a == NoWish::OutsideValidity { b } else { a }),
+            (Err(a), Err(b)) => return Err(if a == NoDemand::OutsideValidity { b } else { a }),
         };
-        Ok(Wish { path_mm_per_tooth: self.cut.path_per_tooth(bite_mm)?.0, contact: direction })
+        Ok(FeedDemand { path_mm_per_tooth: self.cut.path_per_tooth(denominator_mm)?.0, contact: direction })
     }
 }

@@ -11,14 +11,14 @@
 //!
 //! It knows nothing of engagement and differs strongly from the engagement law. Its traps are handled here: a tool as
 //! large as the arc would stand still (floor), an outside arc would be sped up (inside-only mode), the walls of a slot
-//! wish the opposite (the inside one wins).
+//! demand the opposite (the inside one wins).
 //!
 //! Source: docs/laws.md#contour (808D advanced manual p. 79; calculator pages quoted there).
 
 use arcfeed_shared::cut::Side;
 use arcfeed_shared::units::{Mm, MmPerTooth};
 
-use super::{FeedLaw, NoWish, Place, Wish};
+use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
 /// What the law may do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,42 +29,42 @@ pub struct ContourLimits {
     pub floor_ratio: f32,
 }
 
-/// The law for one segment; one wish all along it.
+/// The law for one segment; one demand all along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contour {
-    wish: Result<Wish, NoWish>,
+    demand: Result<FeedDemand, NoDemand>,
 }
 
 impl Contour {
     /// Prepares the law for an arc of path radius q; infinite for a line.
     pub fn new(path_radius: Mm, tool_radius: Mm, side: Side, a: MmPerTooth, limits: ContourLimits) -> Self {
-        Contour { wish: wish(path_radius.0, tool_radius.0, side, a.0, limits) }
+        Contour { demand: demand(path_radius.0, tool_radius.0, side, a.0, limits) }
     }
 }
 
 impl FeedLaw for Contour {
-    fn wish(&self, _: &Place) -> Result<Wish, NoWish> {
-        self.wish
+    fn demand(&self, _: &Place) -> Result<FeedDemand, NoDemand> {
+        self.demand
     }
 }
 
-fn wish(q_mm: f32, r_mm: f32, side: Side, a: f32, limits: ContourLimits) -> Result<Wish, NoWish> {
+fn demand(q_mm: f32, r_mm: f32, side: Side, a: f32, limits: ContourLimits) -> Result<FeedDemand, NoDemand> {
     if !(q_mm >= 0.0 && r_mm > 0.0 && a > 0.0 && a.is_finite() && r_mm.is_finite() && limits.floor_ratio >= 0.0) {
-        return Err(NoWish::BadInput);
+        return Err(NoDemand::BadInput);
     }
     let factor = match side {
         _ if q_mm.is_infinite() => 1.0,
         Side::Inside | Side::Slot => q_mm / (q_mm + r_mm), // (1)
         Side::Outside if limits.inside_only => 1.0,
         // A tool's centre on a smaller circle than the tool itself cannot be outside a contour.
-        Side::Outside if q_mm <= r_mm => return Err(NoWish::OutsideValidity),
+        Side::Outside if q_mm <= r_mm => return Err(NoDemand::OutsideValidity),
         Side::Outside => q_mm / (q_mm - r_mm), // (2)
     };
     let path_mm_per_tooth = a * factor.max(limits.floor_ratio);
     if path_mm_per_tooth > 0.0 && path_mm_per_tooth.is_finite() {
-        Ok(Wish { path_mm_per_tooth, contact: [0.0, if side == Side::Outside { 1.0 } else { -1.0 }] })
+        Ok(FeedDemand { path_mm_per_tooth, contact: [0.0, if side == Side::Outside { 1.0 } else { -1.0 }] })
     } else {
-        Err(NoWish::OutsideValidity)
+        Err(NoDemand::OutsideValidity)
     }
 }
 
@@ -74,8 +74,8 @@ mod tests {
 
     const FREE: ContourLimits = ContourLimits { inside_only: false, floor_ratio: 0.0 };
 
-    fn feed(q: f32, side: Side, limits: ContourLimits) -> Result<f32, NoWish> {
-        Contour::new(Mm(q), Mm(2.0), side, MmPerTooth(0.1), limits).wish.map(|wish| wish.path_mm_per_tooth)
+    fn feed(q: f32, side: Side, limits: ContourLimits) -> Result<f32, NoDemand> {
+        Contour::new(Mm(q), Mm(2.0), side, MmPerTooth(0.1), limits).demand.map(|demand| demand.path_mm_per_tooth)
     }
 
     #[test]
@@ -90,7 +90,7 @@ mod tests {
     fn a_tool_that_fills_its_arc_keeps_moving_at_the_floor() {
         let floor = ContourLimits { floor_ratio: 0.25, ..FREE };
         assert_eq!(feed(0.0, Side::Inside, floor), Ok(0.025));
-        assert_eq!(feed(0.0, Side::Inside, FREE), Err(NoWish::OutsideValidity));
+        assert_eq!(feed(0.0, Side::Inside, FREE), Err(NoDemand::OutsideValidity));
     }
 
     #[test]

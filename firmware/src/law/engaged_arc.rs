@@ -19,7 +19,7 @@ use arcfeed_shared::units::{Mm, MmPerTooth};
 
 use super::region::{CircleAt, Region};
 use super::step::Cut;
-use super::{FeedLaw, NoWish, Place, Wish};
+use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
 /// Which edge of the ring is protected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,44 +74,46 @@ impl EngagedArc {
         }
     }
 
-    /// The wish of one edge.
-    fn wish_of(&self, cut: &Cut, place: &Place) -> Result<Wish, NoWish> {
+    /// The demand of one edge.
+    fn demand_of(&self, cut: &Cut, place: &Place) -> Result<FeedDemand, NoDemand> {
         let circle = CircleAt { edge: cut.edge, radius_mm: cut.edge_radius.0, place };
         if self.region.holds_ahead(&circle) {
             let path_mm_per_tooth = cut.path_straight_ahead()?.0; // (1)
-            return Ok(Wish { path_mm_per_tooth, contact: [1.0, 0.0] });
+            return Ok(FeedDemand { path_mm_per_tooth, contact: [1.0, 0.0] });
         }
         let k = f32::from(cut.edge.advance());
-        let mut least = Err(NoWish::NoContact);
+        let mut least = Err(NoDemand::NoContact);
         self.region.ends(&circle, |contact| {
             let [advance, towards] = contact;
-            let wish = cut.path_per_tooth(k * advance, towards); // (2)
-            least = smaller(least, wish.map(|path| Wish { path_mm_per_tooth: path.0, contact }));
+            let demand = cut.path_per_tooth(k * advance, towards); // (2)
+            least = smaller(least, demand.map(|path| FeedDemand { path_mm_per_tooth: path.0, contact }));
         });
         least
     }
 }
 
 impl FeedLaw for EngagedArc {
-    fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
+    fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand> {
         let [x, y] = place.center_mm;
         if !(self.is_sound && [x, y, place.travelled_mm].iter().all(|number| number.is_finite())) {
-            return Err(NoWish::BadInput);
+            return Err(NoDemand::BadInput);
         }
-        let wishes = self.cuts.iter().flatten().map(|cut| self.wish_of(cut, place));
-        wishes.fold(Err(NoWish::NoContact), smaller)
+        let demands = self.cuts.iter().flatten().map(|cut| self.demand_of(cut, place));
+        demands.fold(Err(NoDemand::NoContact), smaller)
     }
 }
 
 /// The smaller step; a refusal does not limit, but bad input must not pass for "nothing there".
-fn smaller(one: Result<Wish, NoWish>, other: Result<Wish, NoWish>) -> Result<Wish, NoWish> {
+fn smaller(one: Result<FeedDemand, NoDemand>, other: Result<FeedDemand, NoDemand>) -> Result<FeedDemand, NoDemand> {
     match (one, other) {
-        (Err(NoWish::BadInput), _) | (_, Err(NoWish::BadInput)) => Err(NoWish::BadInput),
+        (Err(NoDemand::BadInput), _) | (_, Err(NoDemand::BadInput)) => Err(NoDemand::BadInput),
         (Ok(a), Ok(b)) => Ok(if b.path_mm_per_tooth < a.path_mm_per_tooth { b } else { a }),
-        (Ok(wish), Err(_)) | (Err(_), Ok(wish)) => Ok(wish),
+        (Ok(demand), Err(_)) | (Err(_), Ok(demand)) => Ok(demand),
         // What no feed is too high for is said first, whatever the order of ends and edges.
-        (Err(NoWish::ChipUnreachable), Err(_)) | (_, Err(NoWish::ChipUnreachable)) => Err(NoWish::ChipUnreachable),
-        (Err(NoWish::NoContact), Err(other)) => Err(other),
+        (Err(NoDemand::ChipUnreachable), Err(_)) | (_, Err(NoDemand::ChipUnreachable)) => {
+            Err(NoDemand::ChipUnreachable)
+        }
+        (Err(NoDemand::NoContact), Err(other)) => Err(other),
         (Err(one), Err(_)) => Err(one),
     }
 }

@@ -23,7 +23,7 @@ use core::f32::consts::PI;
 use arcfeed_shared::fmath;
 use arcfeed_shared::units::{Mm, MmPerTooth};
 
-use super::{FeedLaw, NoWish, Place, Wish};
+use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
 /// What the tool meets on the segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,47 +39,47 @@ pub enum Course {
     },
 }
 
-/// The law for one segment; one wish all along it.
+/// The law for one segment; one demand all along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Engagement {
-    wish: Result<Wish, NoWish>,
+    demand: Result<FeedDemand, NoDemand>,
 }
 
 impl Engagement {
     /// Prepares the law: tool radius r, radial depth ae, wanted largest chip thickness a.
     pub fn new(tool_radius: Mm, radial_depth: Mm, chip: MmPerTooth, course: Course) -> Self {
-        Engagement { wish: wish(tool_radius.0, radial_depth.0, chip.0, course) }
+        Engagement { demand: demand(tool_radius.0, radial_depth.0, chip.0, course) }
     }
 }
 
 impl FeedLaw for Engagement {
-    fn wish(&self, _: &Place) -> Result<Wish, NoWish> {
-        self.wish
+    fn demand(&self, _: &Place) -> Result<FeedDemand, NoDemand> {
+        self.demand
     }
 }
 
 /// The part of the straight feed that keeps the engagement's chip in an inside arc. (6)
 ///
 /// # Errors
-/// [`NoWish::BadInput`] for radii and depths that are no positive numbers or a depth above the diameter,
-/// [`NoWish::OutsideValidity`] for a contour that the tool does not fit into.
-pub fn corner_factor(tool_radius: Mm, radial_depth: Mm, contour_radius: Mm, turn_rad: f32) -> Result<f32, NoWish> {
+/// [`NoDemand::BadInput`] for radii and depths that are no positive numbers or a depth above the diameter,
+/// [`NoDemand::OutsideValidity`] for a contour that the tool does not fit into.
+pub fn corner_factor(tool_radius: Mm, radial_depth: Mm, contour_radius: Mm, turn_rad: f32) -> Result<f32, NoDemand> {
     let (r, ae, rc) = (tool_radius.0, radial_depth.0, contour_radius.0);
     let straight_rad = straight_rad(r, ae)?;
     if !(rc > 0.0 && rc.is_finite() && turn_rad >= 0.0 && turn_rad.is_finite()) {
-        return Err(NoWish::BadInput);
+        return Err(NoDemand::BadInput);
     }
     let q = rc - r;
     if q < 0.0 {
-        return Err(NoWish::OutsideValidity);
+        return Err(NoDemand::OutsideValidity);
     }
     Ok(straight_rad / largest_engagement_rad(r, ae, q, turn_rad).max(straight_rad))
 }
 
-fn wish(r: f32, ae: f32, a: f32, course: Course) -> Result<Wish, NoWish> {
+fn demand(r: f32, ae: f32, a: f32, course: Course) -> Result<FeedDemand, NoDemand> {
     straight_rad(r, ae)?;
     if !(a > 0.0 && a.is_finite()) {
-        return Err(NoWish::BadInput);
+        return Err(NoDemand::BadInput);
     }
     // The thickest chip is at phi_s, or square to the motion from half engagement on.
     let cosine = (1.0 - ae / r).max(0.0);
@@ -90,16 +90,16 @@ fn wish(r: f32, ae: f32, a: f32, course: Course) -> Result<Wish, NoWish> {
     };
     let path_mm_per_tooth = a / thinning * factor; // (2)
     if path_mm_per_tooth > 0.0 && path_mm_per_tooth.is_finite() {
-        Ok(Wish { path_mm_per_tooth, contact: [thinning, -cosine] })
+        Ok(FeedDemand { path_mm_per_tooth, contact: [thinning, -cosine] })
     } else {
-        Err(NoWish::BadInput)
+        Err(NoDemand::BadInput)
     }
 }
 
 /// (1)
-fn straight_rad(r: f32, ae: f32) -> Result<f32, NoWish> {
+fn straight_rad(r: f32, ae: f32) -> Result<f32, NoDemand> {
     if !(r > 0.0 && r.is_finite() && ae > 0.0 && ae <= 2.0 * r) {
-        return Err(NoWish::BadInput);
+        return Err(NoDemand::BadInput);
     }
     Ok(fmath::acos(1.0 - ae / r))
 }
@@ -121,8 +121,8 @@ mod tests {
     use super::*;
     use core::f32::consts::FRAC_PI_2;
 
-    fn feed(ae: f32, course: Course) -> Result<f32, NoWish> {
-        Engagement::new(Mm(5.0), Mm(ae), MmPerTooth(0.1), course).wish.map(|wish| wish.path_mm_per_tooth)
+    fn feed(ae: f32, course: Course) -> Result<f32, NoDemand> {
+        Engagement::new(Mm(5.0), Mm(ae), MmPerTooth(0.1), course).demand.map(|demand| demand.path_mm_per_tooth)
     }
 
     #[test]
@@ -149,9 +149,9 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_refused() {
         let factor = |ae, radius| corner_factor(Mm(5.0), Mm(ae), Mm(radius), FRAC_PI_2);
-        assert_eq!(factor(1.0, 4.9), Err(NoWish::OutsideValidity));
-        assert_eq!(factor(10.1, 20.0), Err(NoWish::BadInput));
-        assert_eq!(factor(f32::NAN, 20.0), Err(NoWish::BadInput));
-        assert_eq!(feed(-1.0, Course::Straight), Err(NoWish::BadInput));
+        assert_eq!(factor(1.0, 4.9), Err(NoDemand::OutsideValidity));
+        assert_eq!(factor(10.1, 20.0), Err(NoDemand::BadInput));
+        assert_eq!(factor(f32::NAN, 20.0), Err(NoDemand::BadInput));
+        assert_eq!(feed(-1.0, Course::Straight), Err(NoDemand::BadInput));
     }
 }

@@ -38,8 +38,8 @@ pub trait FeedLaw {
     /// The feed per tooth at the centre wanted at a place of the segment.
     ///
     /// # Errors
-    /// Why the law has no wish there.
-    fn wish(&self, place: &Place) -> Result<Wish, NoWish>;
+    /// Why the law has no demand there.
+    fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand>;
 
     /// Whether it answers alike at every place.
     fn is_uniform(&self) -> bool {
@@ -86,14 +86,14 @@ impl Place {
 /// What a law wants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Wish {
+pub struct FeedDemand {
     /// Path of the tool's centre per tooth, mm.
     pub path_mm_per_tooth: f32,
     /// Direction of the decisive contact: its components along the edge's advance and towards the rotation centre.
     pub contact: [f32; 2],
 }
 
-impl Wish {
+impl FeedDemand {
     /// Angle of the contact from the direction of the rotation centre towards the cutting side, radians.
     pub fn contact_rad(&self) -> f32 {
         let [advance, towards] = self.contact;
@@ -101,10 +101,10 @@ impl Wish {
     }
 }
 
-/// Why a law has no wish.
+/// Why a law has no demand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum NoWish {
+pub enum NoDemand {
     /// No law governs the segment.
     NoLaw,
     /// The cutting circle does not meet the stock.
@@ -182,14 +182,14 @@ impl SegmentLaw {
 }
 
 impl FeedLaw for SegmentLaw {
-    fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
+    fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand> {
         match self {
-            SegmentLaw::Circumference(law) => law.wish(place),
-            SegmentLaw::EngagedArc(law) => law.wish(place),
-            SegmentLaw::Contour(law) => law.wish(place),
-            SegmentLaw::Engagement(law) => law.wish(place),
-            SegmentLaw::Table(law) => law.wish(place),
-            SegmentLaw::Programmed => Err(NoWish::NoLaw),
+            SegmentLaw::Circumference(law) => law.demand(place),
+            SegmentLaw::EngagedArc(law) => law.demand(place),
+            SegmentLaw::Contour(law) => law.demand(place),
+            SegmentLaw::Engagement(law) => law.demand(place),
+            SegmentLaw::Table(law) => law.demand(place),
+            SegmentLaw::Programmed => Err(NoDemand::NoLaw),
         }
     }
 

@@ -33,7 +33,7 @@ use arcfeed_shared::fmath;
 use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{Mm, MmPerTooth};
 
-use super::NoWish;
+use super::NoDemand;
 
 /// Below this square of a / 2 rho the arc sine's series of three terms is exact to f32.
 const SERIES_LIMIT: f32 = 1e-3;
@@ -77,26 +77,26 @@ impl Cut {
     /// `along_ratio` = u.v, `towards_ratio` = u.(A - O)/rho.
     ///
     /// # Errors
-    /// [`NoWish::OutsideValidity`] where the edge does not advance, [`NoWish::ChipUnreachable`] where no step gives
-    /// the wanted chip, [`NoWish::BadInput`] for NaN, non-positive radii or feed per tooth, and an inner edge smaller than its chip.
-    pub fn path_per_tooth(&self, along_ratio: f32, towards_ratio: f32) -> Result<Mm, NoWish> {
+    /// [`NoDemand::OutsideValidity`] where the edge does not advance, [`NoDemand::ChipUnreachable`] where no step gives
+    /// the wanted chip, [`NoDemand::BadInput`] for NaN, non-positive radii or feed per tooth, and an inner edge smaller than its chip.
+    pub fn path_per_tooth(&self, along_ratio: f32, towards_ratio: f32) -> Result<Mm, NoDemand> {
         let cut = PreparedCut::new(self);
         let (advance, r0) = (f32::from(self.edge.advance()) * along_ratio, self.edge_radius.0);
-        cut.path_per_tooth(cut.bite_mm(advance * r0, towards_ratio * r0)?)
+        cut.path_per_tooth(cut.denominator_mm(advance * r0, towards_ratio * r0)?)
     }
 
     /// Path of the centre per tooth whose chord is the wanted chip itself: the step straight into the material.
     ///
     /// # Errors
-    /// [`NoWish::BadInput`] as above, [`NoWish::ChipUnreachable`] for a chip thicker than the path's own circle.
-    pub fn path_straight_ahead(&self) -> Result<Mm, NoWish> {
+    /// [`NoDemand::BadInput`] as above, [`NoDemand::ChipUnreachable`] for a chip thicker than the path's own circle.
+    pub fn path_straight_ahead(&self) -> Result<Mm, NoDemand> {
         let (rho, a) = (self.path_radius.0, self.feed_per_tooth.0);
         if !(rho > 0.0 && self.edge_radius.0 > 0.0 && a > 0.0 && a.is_finite()) {
-            return Err(NoWish::BadInput);
+            return Err(NoDemand::BadInput);
         }
         let half_turn_sine = a / (2.0 * rho);
         if half_turn_sine > 1.0 {
-            return Err(NoWish::ChipUnreachable);
+            return Err(NoDemand::ChipUnreachable);
         }
         let square = half_turn_sine * half_turn_sine;
         if square < SERIES_LIMIT {
@@ -130,14 +130,14 @@ impl PreparedCut {
     /// h + sqrt D, mm, for a contact at r0 u: `advance_mm` = k r0 u.v, `towards_mm` = r0 u.(A - O)/rho. The larger it is, the thicker the chip that a given feed takes there. NaN where the input is none.
     ///
     /// # Errors
-    /// [`NoWish::OutsideValidity`] where the edge does not advance, [`NoWish::ChipUnreachable`] where no step gives the
+    /// [`NoDemand::OutsideValidity`] where the edge does not advance, [`NoDemand::ChipUnreachable`] where no step gives the
     /// wanted chip.
-    pub fn bite_mm(&self, advance_mm: f32, towards_mm: f32) -> Result<f32, NoWish> {
+    pub fn denominator_mm(&self, advance_mm: f32, towards_mm: f32) -> Result<f32, NoDemand> {
         if self.reach_ratio * advance_mm <= 0.0 {
-            return Err(NoWish::OutsideValidity);
+            return Err(NoDemand::OutsideValidity);
         }
         let (h, d) = self.advance_and_discriminant([advance_mm, towards_mm]);
-        if d < 0.0 { Err(NoWish::ChipUnreachable) } else { Ok(h + fmath::sqrt(d)) }
+        if d < 0.0 { Err(NoDemand::ChipUnreachable) } else { Ok(h + fmath::sqrt(d)) }
     }
 
     /// h, mm, and D, mm^2.
@@ -147,15 +147,15 @@ impl PreparedCut {
         (h, h * h - p * self.excess_mm2) // (4)
     }
 
-    /// Path of the centre per tooth, along its arc, for an answer of [`PreparedCut::bite_mm`].
+    /// Path of the centre per tooth, along its arc, for an answer of [`PreparedCut::denominator_mm`].
     ///
     /// # Errors
-    /// [`NoWish::BadInput`] for NaN, and for a step too large or too small for f32.
-    pub fn path_per_tooth(&self, bite_mm: f32) -> Result<Mm, NoWish> {
-        let tau = self.excess_mm2 / bite_mm; // (5)
+    /// [`NoDemand::BadInput`] for NaN, and for a step too large or too small for f32.
+    pub fn path_per_tooth(&self, denominator_mm: f32) -> Result<Mm, NoDemand> {
+        let tau = self.excess_mm2 / denominator_mm; // (5)
         let path = if tau < self.small_step_mm { self.along_narrow_arc(tau) } else { self.along_wide_arc(tau) };
         // NaN fails this, and is what an overflow becomes.
-        if path > 0.0 { Ok(Mm(path)) } else { Err(NoWish::BadInput) }
+        if path > 0.0 { Ok(Mm(path)) } else { Err(NoDemand::BadInput) }
     }
 
     /// 2 rho atan(tau / 2 rho) = tau (1 - tau^2 / 12 rho^2 + ...). (6)
@@ -180,7 +180,7 @@ mod tests {
         feed_per_tooth: MmPerTooth(0.1016),
     };
 
-    fn at_deg(cut: Cut, contact_deg: f32) -> Result<f32, NoWish> {
+    fn at_deg(cut: Cut, contact_deg: f32) -> Result<f32, NoDemand> {
         let (sin, cos) = libm::sincos(f64::from(contact_deg).to_radians());
         let (along, towards) = (f32::from(cut.edge.advance()) * sin as f32, cos as f32);
         cut.path_per_tooth(along, towards).map(|path| path.0)
@@ -217,19 +217,19 @@ mod tests {
             assert!((chord / f64::from(a) - 1.0).abs() < 5e-7, "{rho} {a}");
         }
         let beyond = Cut { path_radius: Mm(0.4), feed_per_tooth: MmPerTooth(1.0), ..MOVEMENT_2 };
-        assert_eq!(beyond.path_straight_ahead(), Err(NoWish::ChipUnreachable));
+        assert_eq!(beyond.path_straight_ahead(), Err(NoDemand::ChipUnreachable));
     }
 
     #[test]
     fn what_has_no_solution_says_why() {
-        assert_eq!(at_deg(MOVEMENT_2, -5.0), Err(NoWish::OutsideValidity));
-        assert_eq!(at_deg(MOVEMENT_2, f32::NAN), Err(NoWish::BadInput));
+        assert_eq!(at_deg(MOVEMENT_2, -5.0), Err(NoDemand::OutsideValidity));
+        assert_eq!(at_deg(MOVEMENT_2, f32::NAN), Err(NoDemand::BadInput));
         let inner = Cut { edge: Edge::Inner, feed_per_tooth: MmPerTooth(1e3), ..MOVEMENT_2 };
-        assert_eq!(at_deg(inner, 30.0), Err(NoWish::BadInput));
+        assert_eq!(at_deg(inner, 30.0), Err(NoDemand::BadInput));
         for bad in [0.0, -1.0, f32::NAN] {
-            assert_eq!(at_deg(Cut { path_radius: Mm(bad), ..MOVEMENT_2 }, 60.0), Err(NoWish::BadInput));
-            assert_eq!(at_deg(Cut { edge_radius: Mm(bad), ..MOVEMENT_2 }, 60.0), Err(NoWish::BadInput));
-            assert_eq!(at_deg(Cut { feed_per_tooth: MmPerTooth(bad), ..MOVEMENT_2 }, 60.0), Err(NoWish::BadInput));
+            assert_eq!(at_deg(Cut { path_radius: Mm(bad), ..MOVEMENT_2 }, 60.0), Err(NoDemand::BadInput));
+            assert_eq!(at_deg(Cut { edge_radius: Mm(bad), ..MOVEMENT_2 }, 60.0), Err(NoDemand::BadInput));
+            assert_eq!(at_deg(Cut { feed_per_tooth: MmPerTooth(bad), ..MOVEMENT_2 }, 60.0), Err(NoDemand::BadInput));
         }
     }
 }

@@ -7,7 +7,7 @@
 use arcfeed_shared::knots::{Knot, TABLE_KNOTS_MAX};
 use heapless::Vec;
 
-use super::{FeedLaw, NoWish, Place, Wish};
+use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
 /// The law for one segment.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,19 +56,19 @@ impl Table {
 
 impl FeedLaw for Table {
     /// Before the first knot its feed, behind the last one its.
-    fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
+    fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand> {
         let at_mm = place.travelled_mm;
         if at_mm.is_nan() {
-            return Err(NoWish::BadInput);
+            return Err(NoDemand::BadInput);
         }
         let next = self.knots.partition_point(|(travelled, _)| travelled.0 <= at_mm);
         let before = next.checked_sub(1).and_then(|index| self.knots.get(index));
         let path_mm_per_tooth = match (before, self.knots.get(next)) {
             (Some((from, a)), Some((to, b))) => a.0 + (b.0 - a.0) * ((at_mm - from.0) / (to.0 - from.0)),
             (Some((_, only)), None) | (None, Some((_, only))) => only.0,
-            (None, None) => return Err(NoWish::BadInput),
+            (None, None) => return Err(NoDemand::BadInput),
         };
-        Ok(Wish { path_mm_per_tooth, contact: [1.0, 0.0] })
+        Ok(FeedDemand { path_mm_per_tooth, contact: [1.0, 0.0] })
     }
 }
 
@@ -77,9 +77,9 @@ mod tests {
     use super::*;
     use arcfeed_shared::units::{Mm, MmPerTooth};
 
-    fn at(table: &Table, travelled_mm: f32) -> Result<f32, NoWish> {
+    fn at(table: &Table, travelled_mm: f32) -> Result<f32, NoDemand> {
         let place = Place { center_mm: [0.0; 2], motion: [1.0, 0.0], towards: [0.0, 1.0], travelled_mm };
-        table.wish(&place).map(|wish| wish.path_mm_per_tooth)
+        table.demand(&place).map(|demand| demand.path_mm_per_tooth)
     }
 
     #[test]
@@ -87,7 +87,7 @@ mod tests {
         let table = Table::new(&[(Mm(1.0), MmPerTooth(0.1)), (Mm(3.0), MmPerTooth(0.2))]).unwrap();
         let feeds = [0.0, 1.0, 2.0, 3.0, 9.0].map(|mm| at(&table, mm).unwrap());
         assert_eq!(feeds, [0.1, 0.1, 0.15, 0.2, 0.2]);
-        assert_eq!(at(&table, f32::NAN), Err(NoWish::BadInput));
+        assert_eq!(at(&table, f32::NAN), Err(NoDemand::BadInput));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! All lines change in the same cycle: at the pins there is the old code c, then the new one c', and nothing between. No
 //! order is needed, and no memory of c: every update writes all eight lines.
 //!
-//! Wiring that lets go later than it takes hold spoils that: a line released late adds its weight to c'. With a
+//! Wiring that lets go later than it takes hold corrupts that: a line released late adds its weight to c'. With a
 //! [`Settling`] an update that releases lines *and* pulls others down passes through the weights they share:
 //!
 //! (1) c, then c AND c', a wait, then c'

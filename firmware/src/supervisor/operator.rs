@@ -1,6 +1,6 @@
 //! The operator's dial.
 //!
-//! Up to 100 % it is a share of whatever the law wants; above 100 % it adds nothing to a law's wish, whose chip is at its
+//! Up to 100 % it is a share of whatever the law wants; above 100 % it adds nothing to a law's demand, whose chip is at its
 //! target already. Turned down far enough it takes over.
 
 use arcfeed_shared::units::PERCENT;
@@ -74,7 +74,7 @@ impl Dial {
         f32::from(self.percent) / PERCENT
     }
 
-    /// The share of a law's wish that the operator lets through, at most all of it.
+    /// The share of a law's demand that the operator lets through, at most all of it.
     pub fn share_ratio(self) -> f32 {
         self.share_ratio
     }

@@ -3,7 +3,7 @@
 use arcfeed_shared::fmath;
 use arcfeed_shared::units::PERCENT;
 
-use crate::law::NoWish;
+use crate::law::NoDemand;
 
 use super::input::Source;
 use super::signals::{BoardFault, Condition, Inhibit, Signals};
@@ -12,20 +12,20 @@ use super::state::{Disarm, Hold, State};
 /// Why the override is what it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Reason {
-    /// The law's wish, or on its way there.
+    /// The law's demand, or on its way there.
     Law,
-    /// The law has no wish: 100 %.
-    NoWish(NoWish),
+    /// The law has no demand: 100 %.
+    NoDemand(NoDemand),
     /// No law governs the segment: 100 %.
     NoLaw,
     /// The spindle's speed is not a positive number: 100 %.
     NoSpindle,
-    /// The wish lies below `min`: `min`, and the chip is thicker than its target.
+    /// The demand lies below `min`: `min`, and the chip is thicker than its target.
     Floor {
         /// By how much, % rounded up; `u16::MAX` where the law wants no feed at all.
         chip_excess_percent: u16,
     },
-    /// The wish lies above a limit: the limit.
+    /// The demand lies above a limit: the limit.
     Limited(Limit),
     /// The samples are too old to act on: unchanged.
     Stale,
@@ -45,7 +45,7 @@ pub enum Reason {
     Disarmed(Disarm),
 }
 
-/// The limit that a wish ran into.
+/// The limit that a demand ran into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Limit {
     /// `max` of the job.
@@ -91,13 +91,13 @@ pub struct Counters {
     pub invalid_frames: u32,
     /// Ticks at which running stood still for stale or invalid samples.
     pub stale_ticks: u32,
-    /// Ticks without a wish: the law does not meet the stock.
+    /// Ticks without a demand: the law does not meet the stock.
     pub no_contact_ticks: u32,
-    /// Ticks without a wish: outside the law's validity.
+    /// Ticks without a demand: outside the law's validity.
     pub outside_validity_ticks: u32,
-    /// Ticks without a wish: the chip cannot be reached.
+    /// Ticks without a demand: the chip cannot be reached.
     pub unreachable_ticks: u32,
-    /// Ticks without a wish: an input or the wish is not a number.
+    /// Ticks without a demand: an input or the demand is not a number.
     pub bad_input_ticks: u32,
     /// Ticks without a spindle speed.
     pub no_spindle_ticks: u32,
@@ -153,17 +153,17 @@ impl Counters {
     #[inline(always)]
     pub fn take(&mut self, reason: Reason) {
         let counter = match reason {
-            Reason::NoWish(NoWish::NoContact) => &mut self.no_contact_ticks,
-            Reason::NoWish(NoWish::OutsideValidity) => &mut self.outside_validity_ticks,
-            Reason::NoWish(NoWish::ChipUnreachable) => &mut self.unreachable_ticks,
-            Reason::NoWish(NoWish::BadInput) => &mut self.bad_input_ticks,
+            Reason::NoDemand(NoDemand::NoContact) => &mut self.no_contact_ticks,
+            Reason::NoDemand(NoDemand::OutsideValidity) => &mut self.outside_validity_ticks,
+            Reason::NoDemand(NoDemand::ChipUnreachable) => &mut self.unreachable_ticks,
+            Reason::NoDemand(NoDemand::BadInput) => &mut self.bad_input_ticks,
             Reason::NoSpindle => &mut self.no_spindle_ticks,
             Reason::Floor { .. } => &mut self.floor_ticks,
             Reason::Limited(_) => &mut self.limited_ticks,
             Reason::Stale => &mut self.stale_ticks,
             Reason::Law
             | Reason::NoLaw
-            | Reason::NoWish(NoWish::NoLaw)
+            | Reason::NoDemand(NoDemand::NoLaw)
             | Reason::Waiting
             | Reason::NotArmed
             | Reason::Held(_)

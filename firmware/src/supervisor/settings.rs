@@ -10,9 +10,9 @@ use super::input::{Freshness, Loss, Quality, Source};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
     /// Of the position.
-    pub position: Patience,
+    pub position: Timeouts,
     /// Of the link.
-    pub link: Patience,
+    pub link: Timeouts,
     /// So many invalid frames in a row are a loss (K).
     pub lost_after_frames: u8,
     /// How long samples must be fresh without a gap before arming is accepted after a loss.
@@ -27,7 +27,7 @@ pub struct Settings {
 
 /// How long one source may be silent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Patience {
+pub struct Timeouts {
     /// A sample or frame older than this is stale: the override stays as it is.
     pub stale_after: Span,
     /// Silence this long is a loss.
@@ -54,9 +54,9 @@ pub enum SettingsError {
 impl Default for Settings {
     fn default() -> Self {
         Settings {
-            position: Patience::from_ms(20, 50, 300),
+            position: Timeouts::from_ms(20, 50, 300),
             // A byte of a serial line is some 90 us, a lost frame comes again after 100 ms: see docs/protocol.md.
-            link: Patience::from_ms(100, 250, 300),
+            link: Timeouts::from_ms(100, 250, 300),
             lost_after_frames: 5,
             resync: Span::from_ms(500),
             longest_tick: Span::from_ms(10),
@@ -66,10 +66,10 @@ impl Default for Settings {
     }
 }
 
-impl Patience {
+impl Timeouts {
     /// Stale, lost, and how long the last value stays.
     pub const fn from_ms(stale_ms: u32, lost_ms: u32, keep_ms: u32) -> Self {
-        Patience {
+        Timeouts {
             stale_after: Span::from_ms(stale_ms),
             lost_after: Span::from_ms(lost_ms),
             time_to_live: Span::from_ms(keep_ms),
@@ -89,7 +89,7 @@ impl Settings {
     /// See [`SettingsError`].
     pub fn check(&self) -> Result<(), SettingsError> {
         let both = [self.position, self.link];
-        let is_in_order = |Patience { stale_after, lost_after, time_to_live }: Patience| {
+        let is_in_order = |Timeouts { stale_after, lost_after, time_to_live }: Timeouts| {
             [Span(1), stale_after, lost_after, time_to_live, self.resync].is_sorted()
         };
         let is_dial = |percent: u8| (1..=100).contains(&percent);
@@ -97,7 +97,7 @@ impl Settings {
             Err(SettingsError::Times)
         } else if self.lost_after_frames == 0 {
             Err(SettingsError::Frames)
-        } else if self.longest_tick == Span(0) || both.iter().any(|patience| self.longest_tick > patience.stale_after) {
+        } else if self.longest_tick == Span(0) || both.iter().any(|timeouts| self.longest_tick > timeouts.stale_after) {
             Err(SettingsError::Tick)
         } else if !is_dial(self.take_over_below_percent) || !is_dial(self.take_over_drop_percent) {
             Err(SettingsError::Dial)
@@ -132,8 +132,8 @@ impl Settings {
         Loss { source, keep }
     }
 
-    fn is_lost(&self, source: &Freshness, patience: &Patience) -> bool {
-        source.age > patience.lost_after || source.invalid_in_row >= self.lost_after_frames
+    fn is_lost(&self, source: &Freshness, timeouts: &Timeouts) -> bool {
+        source.age > timeouts.lost_after || source.invalid_in_row >= self.lost_after_frames
     }
 }
 
@@ -146,12 +146,12 @@ mod tests {
         let good = Settings::default();
         assert_eq!(good.check(), Ok(()));
         for (bad, error) in [
-            (Settings { position: Patience::from_ms(0, 50, 300), ..good }, SettingsError::Times),
-            (Settings { position: Patience::from_ms(20, 10, 300), ..good }, SettingsError::Times),
-            (Settings { position: Patience::from_ms(20, 50, 40), ..good }, SettingsError::Times),
-            (Settings { link: Patience::from_ms(100, 90, 300), ..good }, SettingsError::Times),
-            (Settings { link: Patience::from_ms(100, 250, 600), ..good }, SettingsError::Times),
-            (Settings { link: Patience::from_ms(9, 250, 300), ..good }, SettingsError::Tick),
+            (Settings { position: Timeouts::from_ms(0, 50, 300), ..good }, SettingsError::Times),
+            (Settings { position: Timeouts::from_ms(20, 10, 300), ..good }, SettingsError::Times),
+            (Settings { position: Timeouts::from_ms(20, 50, 40), ..good }, SettingsError::Times),
+            (Settings { link: Timeouts::from_ms(100, 90, 300), ..good }, SettingsError::Times),
+            (Settings { link: Timeouts::from_ms(100, 250, 600), ..good }, SettingsError::Times),
+            (Settings { link: Timeouts::from_ms(9, 250, 300), ..good }, SettingsError::Tick),
             (Settings { resync: Span::from_ms(200), ..good }, SettingsError::Times),
             (Settings { lost_after_frames: 0, ..good }, SettingsError::Frames),
             (Settings { longest_tick: Span(0), ..good }, SettingsError::Tick),

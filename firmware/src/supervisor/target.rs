@@ -5,7 +5,7 @@ use arcfeed_shared::machine::LimitedBy;
 use arcfeed_shared::units::{MmPerTooth, RevPerMin};
 
 use crate::active::{ActiveSegment, MachineRatio};
-use crate::law::NoWish;
+use crate::law::NoDemand;
 use crate::ramp::{Bound, Ramp};
 
 use super::report::{Limit, Reason, excess_percent};
@@ -47,7 +47,7 @@ impl Target {
             Bound::Free => reason,
             Bound::Floor => Reason::Floor { chip_excess_percent: excess_percent(override_ratio, demanded_ratio) },
             Bound::Ceiling => Reason::Limited(Limit::Max),
-            Bound::NotANumber => Reason::NoWish(NoWish::BadInput),
+            Bound::NotANumber => Reason::NoDemand(NoDemand::BadInput),
         };
         Target { override_ratio, reason, ipt_center }
     }
@@ -61,14 +61,14 @@ impl Demand {
         let as_sent = |ratio, reason| Demand { ratio, ipt_center: None, reason, machine: MachineRatio::FREE };
         let Some(sent) = segment.sent() else { return as_sent(ratio, Reason::Inhibited(Inhibit::NoFeed)) };
         match answer {
-            Err(NoWish::NoLaw) => as_sent(ratio, Reason::NoLaw),
+            Err(NoDemand::NoLaw) => as_sent(ratio, Reason::NoLaw),
             // A spindle at rest makes no chip.
             _ if !fmath::is_positive(spindle.0) => as_sent(1.0, Reason::NoSpindle),
             // No feed is too high for the chip: the bounds decide.
-            Err(NoWish::ChipUnreachable) => {
-                Demand { machine: sent.machine, ..as_sent(ratio, Reason::NoWish(NoWish::ChipUnreachable)) }
+            Err(NoDemand::ChipUnreachable) => {
+                Demand { machine: sent.machine, ..as_sent(ratio, Reason::NoDemand(NoDemand::ChipUnreachable)) }
             }
-            Err(refusal) => as_sent(ratio, Reason::NoWish(refusal)),
+            Err(refusal) => as_sent(ratio, Reason::NoDemand(refusal)),
             Ok(()) => Demand {
                 ratio,
                 ipt_center: Some(MmPerTooth(sent.ipt_center.0 * planned_ratio)),

@@ -188,7 +188,7 @@ impl<const N: usize> Tap<N> {
         let far_mm = self.settings.off_path.to_mm() as f32;
         let off_mm = self.axes.off_mm(*count, watch::place(segment, position));
         self.axes.off_path = if off_mm > far_mm { self.axes.off_path.saturating_add(1) } else { 0 };
-        if self.axes.off_path >= self.settings.patience {
+        if self.axes.off_path >= self.settings.off_path_count {
             self.clear();
             self.lose(Why::OffPath);
         }

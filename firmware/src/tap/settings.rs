@@ -23,7 +23,7 @@ pub struct TapSettings {
     /// How far from its path the tool may be; more, and the control does something else than the tap has read.
     pub off_path: Nm,
     /// For how many positions in a row it may be further away.
-    pub patience: u8,
+    pub off_path_count: u8,
     /// After so long without a character either way a new program may come, and a control that asks (DC1) may have been
     /// reset.
     pub silence: Span,
@@ -35,7 +35,7 @@ pub enum TapSettingsError {
     /// The distance from the path must be positive: any position would be off its path.
     OffPath(Nm),
     /// Nothing would ever be off its path.
-    Patience(u8),
+    OffPathCount(u8),
 }
 
 impl TapSettings {
@@ -47,7 +47,7 @@ impl TapSettings {
             nc,
             begins_afresh: true,
             off_path: Nm(500_000),
-            patience: 5,
+            off_path_count: 5,
             silence: Span::from_ms(2_000),
         }
     }
@@ -66,8 +66,8 @@ impl TapSettings {
         if self.off_path.0 <= 0 {
             return Err(TapSettingsError::OffPath(self.off_path));
         }
-        if self.patience == 0 || self.patience == u8::MAX {
-            return Err(TapSettingsError::Patience(self.patience));
+        if self.off_path_count == 0 || self.off_path_count == u8::MAX {
+            return Err(TapSettingsError::OffPathCount(self.off_path_count));
         }
         // What cannot be followed is passed over, but has to be understood.
         self.nc.scope = Scope::Everything;

@@ -233,8 +233,8 @@ fn settings_that_make_no_sense_are_refused() {
     let settings = TapSettings::new(LengthUnit::Mm);
     for (settings, error) in [
         (TapSettings { off_path: Nm(0), ..settings }, TapSettingsError::OffPath(Nm(0))),
-        (TapSettings { patience: 0, ..settings }, TapSettingsError::Patience(0)),
-        (TapSettings { patience: 255, ..settings }, TapSettingsError::Patience(255)),
+        (TapSettings { off_path_count: 0, ..settings }, TapSettingsError::OffPathCount(0)),
+        (TapSettings { off_path_count: 255, ..settings }, TapSettingsError::OffPathCount(255)),
     ] {
         assert_eq!(Small::new(settings).err(), Some(error));
     }

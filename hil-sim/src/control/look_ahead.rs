@@ -129,11 +129,11 @@ impl LookAhead {
                 (here, on_the_way) = (stretch, limits);
                 return true;
             }
-            ahead.push(Ahead { at, speed: limits.speed, is_wish: false, safe: [0.0; 2], limits, on_the_way });
+            ahead.push(Ahead { at, speed: limits.speed, is_commanded_feed: false, safe: [0.0; 2], limits, on_the_way });
             let soon = speed + (acceleration.abs() + here.limits.jerk * dt_s) * dt_s;
             on_the_way = on_the_way.and(&limits);
             if wanted < limits.speed {
-                ahead.push(Ahead { at, speed: wanted, is_wish: true, safe: [0.0; 2], limits, on_the_way });
+                ahead.push(Ahead { at, speed: wanted, is_commanded_feed: true, safe: [0.0; 2], limits, on_the_way });
             }
             let from = Motion { speed: soon, acceleration: acceleration.max(0.0) };
             let exactly = || {

@@ -125,9 +125,9 @@ mod tests {
 
     const MS: Micros = Micros::from_ms(1);
 
-    fn read(text: &str, spoil: impl Fn(u8) -> u8) -> Store {
+    fn read(text: &str, corrupt: impl Fn(u8) -> u8) -> Store {
         let mut store = Store::new(LineSettings::default());
-        let frames: Vec<u8> = text.bytes().filter_map(|byte| Code::Iso.encode(byte)).map(spoil).collect();
+        let frames: Vec<u8> = text.bytes().filter_map(|byte| Code::Iso.encode(byte)).map(corrupt).collect();
         // Eight bits, as the sender of a line without parity of its own sends them.
         let mut line = LineSettings::default();
         line.sender = crate::control::line::SenderParity::None;

@@ -1,7 +1,7 @@
 //! The edge on the end of a tooth: a line from an inner to an outer radius, square to the axis.
 //!
 //! It turns over a floor and lowers it to where the tip is. Its chip is what of the floor stands higher than that, measured in the material's
-//! columns ([`super::shelves`]): what earlier teeth, a hole, or a pause in the feed have left is in it because it is in the columns.
+//! columns ([`super::partial_heights`]): what earlier teeth, a hole, or a pause in the feed have left is in it because it is in the columns.
 //! In front of the tool, where the material has not been met from above, columns are as high as the wall; those are the side edges'. The border
 //! between both is the highest place of the tip since the tooth before: a floor that has been passed is no higher, and all that is is no floor.
 //! Further inside than side edges reach everything is the end's.
@@ -28,7 +28,7 @@ use super::edges::{Cutter, EdgePiece};
 use super::layer::Layer;
 use super::layers::Layers;
 use super::material::ChipSection;
-use super::shelves::Share;
+use super::partial_heights::Share;
 
 /// Places of a ratio that are not rounding.
 const CHORD_DIGITS: f64 = 1e9;

@@ -2,14 +2,14 @@
 //!
 //! Rays in two directions through the centres of the same square cells. The rake face of an edge takes away the strip it
 //! sweeps in a step, with its ends computed, not sampled: what is left carries every mark, to the last digit on each ray.
-//! Where a tool has come down to a height inside of the layer, the ray has shelves ([`super::shelves`]).
+//! Where a tool has come down to a height inside of the layer, the ray has columns of partial height ([`super::partial_heights`]).
 
 use std::borrow::Cow;
 use std::ops::{Range, RangeInclusive};
 
 use nalgebra::Vector2;
 
-use super::shelves::{Share, Shelves};
+use super::partial_heights::{PartialHeights, Share};
 use crate::stock::dexel::{Dexel, Interval};
 use crate::stock::grid::Grid;
 use crate::stock::lattice::{Lattice, LatticeError};
@@ -30,7 +30,7 @@ pub struct Layer {
     /// Along the first axis, one a cell of the second, and along the second.
     rays: [Vec<Dexel>; 2],
     /// One a ray.
-    shelves: [Vec<Shelves>; 2],
+    heights: [Vec<PartialHeights>; 2],
 }
 
 /// A rake face as rays along an axis cross it.
@@ -72,8 +72,8 @@ impl Layer {
     }
 
     fn new(lowest_mm: [f64; 2], step_mm: f64, rays: [Vec<Dexel>; 2]) -> Self {
-        let shelves = rays.each_ref().map(|rays| vec![Shelves::default(); rays.len()]);
-        Layer { lowest_mm, step_mm, rays, shelves }
+        let heights = rays.each_ref().map(|rays| vec![PartialHeights::default(); rays.len()]);
+        Layer { lowest_mm, step_mm, rays, heights }
     }
 
     /// What lies inside of a closed line that does not cross itself.
@@ -162,7 +162,7 @@ impl Layer {
     pub fn areas_mm2(&self) -> [f64; 2] {
         [0, 1].map(|axis: usize| {
             let lengths_mm =
-                self.rays[axis].iter().zip(&self.shelves[axis]).map(|(ray, shelves)| shelves.length_mm(ray));
+                self.rays[axis].iter().zip(&self.heights[axis]).map(|(ray, heights)| heights.length_mm(ray));
             lengths_mm.sum::<f64>() * self.step_mm
         })
     }
@@ -170,28 +170,28 @@ impl Layer {
     /// Where in a stretch of a ray, or beyond its ends, the material is higher than a part of the layer; nowhere beside the rays.
     pub fn section(&self, axis: usize, ray: i64, stretch: &Interval, above_ratio: f64) -> Cow<'_, [Interval]> {
         let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len());
-        let section = |ray: usize| self.shelves[axis][ray].section(&self.rays[axis][ray], stretch, above_ratio);
+        let section = |ray: usize| self.heights[axis][ray].section(&self.rays[axis][ray], stretch, above_ratio);
         ray.map_or(Cow::Borrowed(&[]), section)
     }
 
     /// The material of a ray, with what is lowered of it; none beside the rays.
-    pub fn ray(&self, axis: usize, ray: i64) -> Option<(&Dexel, &Shelves)> {
+    pub fn ray(&self, axis: usize, ray: i64) -> Option<(&Dexel, &PartialHeights)> {
         let ray = usize::try_from(ray).ok()?;
-        self.rays[axis].get(ray).zip(self.shelves[axis].get(ray))
+        self.rays[axis].get(ray).zip(self.heights[axis].get(ray))
     }
 
     /// Whether the material on any of some rays is higher than a part of the layer somewhere in a stretch.
     pub fn is_met(&self, axis: usize, rays: RangeInclusive<i64>, stretch: &Interval, above_ratio: f64) -> bool {
         let rays = (*rays.start()).max(0)..=(*rays.end()).min(self.rays[axis].len() as i64 - 1);
-        rays.into_iter().filter_map(|ray| self.ray(axis, ray)).any(|(material, shelves)| {
-            material.meets(stretch) && shelves.end_piece(material, stretch, above_ratio, true).is_some()
+        rays.into_iter().filter_map(|ray| self.ray(axis, ray)).any(|(material, heights)| {
+            material.meets(stretch) && heights.end_piece(material, stretch, above_ratio, true).is_some()
         })
     }
 
     /// Mean height of the material in a stretch of a ray, as a part of the layer's.
     pub fn mean_ratio(&self, axis: usize, ray: i64, stretch: &Interval) -> f64 {
         let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len());
-        ray.map_or(1.0, |ray| self.shelves[axis][ray].mean_ratio(&self.rays[axis][ray], stretch))
+        ray.map_or(1.0, |ray| self.heights[axis][ray].mean_ratio(&self.rays[axis][ray], stretch))
     }
 
     /// How high the material is at a point, as a part of the layer's height and as the nearest ray along an axis has it.
@@ -199,7 +199,7 @@ impl Layer {
         let ray = libm::round(self.index(axis, point_mm[1 - axis]));
         let is_there = (0.0..self.rays[axis].len() as f64).contains(&ray);
         let ray = is_there.then_some(ray as usize)?;
-        self.shelves[axis][ray].top_ratio(&self.rays[axis][ray], point_mm[axis])
+        self.heights[axis][ray].top_ratio(&self.rays[axis][ray], point_mm[axis])
     }
 
     /// Takes away a convex polygon; answers its area of material as the rays along each axis have it, mm2.
@@ -269,7 +269,7 @@ impl Layer {
                 let crossings = crossings(corners_mm, axis, place_mm);
                 let ends = crossings.map(|(side, crossing_mm)| put_mm(side, crossing_mm, axis, place_mm));
                 if let Some(stretch) = extent(ends) {
-                    removed_mm += self.shelves[axis][ray].take(&mut self.rays[axis][ray], stretch, share);
+                    removed_mm += self.heights[axis][ray].take(&mut self.rays[axis][ray], stretch, share);
                 }
             }
             removed_mm * self.step_mm
@@ -292,7 +292,7 @@ impl Layer {
                 let (inner, outer) = (half(inner_mm), half(outer_mm));
                 for (from, to) in [(-outer, -inner), (inner, outer)] {
                     let stretch = Interval::new(center_mm[axis] + from, center_mm[axis] + to);
-                    self.shelves[axis][ray].take(&mut self.rays[axis][ray], stretch, &share);
+                    self.heights[axis][ray].take(&mut self.rays[axis][ray], stretch, &share);
                 }
             }
         }

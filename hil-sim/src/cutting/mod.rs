@@ -10,7 +10,7 @@ pub mod material;
 
 pub mod force;
 
-pub mod shelves;
+pub mod partial_heights;
 
 pub mod layer;
 
@@ -22,6 +22,6 @@ pub mod end;
 
 pub mod pose;
 
-pub mod bite;
+pub mod edge_engagement;
 
 pub mod engaged;

@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use super::edges::EdgePiece;
 use super::end::{Descent, Face};
+use super::partial_heights::Share;
 use super::rake::Rake;
-use super::shelves::Share;
 
 /// Where the cutter is.
 #[derive(Clone, Copy, Debug, PartialEq)]

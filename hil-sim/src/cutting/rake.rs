@@ -17,7 +17,7 @@ use arcfeed_shared::tool::Edge;
 use nalgebra::Vector2;
 
 use super::layer::Layer;
-use super::shelves::Share;
+use super::partial_heights::Share;
 use crate::stock::dexel::Interval;
 
 /// What is no further from the rake face was cut by it, and what is no thicker is no chip: rounding.
@@ -192,7 +192,7 @@ impl Rake {
         let (stretch, is_first) = (Interval::new(low, high), edge_mm > root_mm);
         let chip = layer
             .ray(axis, ray)
-            .and_then(|(material, shelves)| shelves.end_piece(material, &stretch, self.share.border_ratio, is_first));
+            .and_then(|(material, heights)| heights.end_piece(material, &stretch, self.share.border_ratio, is_first));
         Some(match chip {
             None => Point { begins_mm: at(edge_mm), ends_mm: None, has_material: false, top_ratio: 1.0 },
             Some(Interval { from_mm, to_mm }) => {

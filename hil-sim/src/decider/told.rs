@@ -15,7 +15,7 @@ use arcfeed_shared::units::{Micros, Nm, Span};
 use super::{Begun, Decider, Shown};
 use crate::faults::ControllerFault;
 
-/// A controller and what it is spoilt by.
+/// A controller and what it is corrupted by.
 #[derive(Debug)]
 pub struct Told {
     supervisor: Option<Supervisor>,

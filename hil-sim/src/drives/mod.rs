@@ -1,4 +1,4 @@
-//! What the axes do between the control's wish and the tool: limits of speed, acceleration and jerk, and how the position
+//! What the axes do between the control's command and the tool: limits of speed, acceleration and jerk, and how the position
 //! follows.
 //!
 //! [`limits`] of the axes become limits along the path; `brake` is the shortest way down to a speed under them, `profile`

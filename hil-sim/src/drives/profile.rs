@@ -41,7 +41,7 @@ pub(crate) struct Ahead {
     /// The speed to have there.
     pub(crate) speed: f64,
     /// Whether it is but wanted: by programmed feed and override, which may fall later than the axes can follow.
-    pub(crate) is_wish: bool,
+    pub(crate) is_commanded_feed: bool,
     /// The safe speeds there, as [`secure`] has them: for what the axes allow behind it, and for what is wanted too.
     pub(crate) safe: [f64; 2],
     /// The limits from there on.
@@ -56,7 +56,7 @@ enum Keep {
     /// What the axes allow.
     Limits,
     /// That, and what is wanted.
-    Wishes,
+    CommandedFeeds,
 }
 
 /// What a period comes to.
@@ -98,16 +98,16 @@ impl Profile<'_> {
         }
         let best = self.with(from, self.towards(from, wanted, &self.least()));
         let fast = self.fastest_safe(from, best, Keep::Limits);
-        if let Some(fast) = fast.filter(|_| self.ahead.iter().all(|ahead| !ahead.is_wish)) {
+        if let Some(fast) = fast.filter(|_| self.ahead.iter().all(|ahead| !ahead.is_commanded_feed)) {
             return fast;
         }
         let fast = fast.unwrap_or_else(|| self.hardest(from, best, Keep::Limits));
-        let slow = self.fastest_safe(from, fast, Keep::Wishes);
-        let slow = slow.unwrap_or_else(|| self.hardest(from, fast, Keep::Wishes));
+        let slow = self.fastest_safe(from, fast, Keep::CommandedFeeds);
+        let slow = slow.unwrap_or_else(|| self.hardest(from, fast, Keep::CommandedFeeds));
         if slow == fast || self.is_safe(&slow, Keep::Limits) {
             return slow;
         }
-        // A wish must not be followed into braking that the limits ahead do not allow.
+        // A commanded feed must not be followed into braking that the limits ahead do not allow.
         self.between(from, [fast.motion.acceleration, slow.motion.acceleration], Keep::Limits).unwrap_or(fast)
     }
 
@@ -205,10 +205,10 @@ impl Profile<'_> {
 
     /// What is ahead of what is kept to, with its safe speed.
     fn kept(&self, keep: Keep) -> impl Iterator<Item = (&Ahead, f64)> {
-        let all = keep == Keep::Wishes;
+        let all = keep == Keep::CommandedFeeds;
         self.ahead
             .iter()
-            .filter(move |ahead| all || !ahead.is_wish)
+            .filter(move |ahead| all || !ahead.is_commanded_feed)
             .map(move |ahead| (ahead, ahead.safe[usize::from(all)]))
     }
 
@@ -296,7 +296,7 @@ pub(crate) fn secure(ahead: &mut [Ahead]) {
             None => 0.0,
         };
         let limit = fastest(ahead.limits.speed, 0);
-        let is_one = !ahead.is_wish && behind.is_none_or(|behind| behind.safe[0] == behind.safe[1]);
+        let is_one = !ahead.is_commanded_feed && behind.is_none_or(|behind| behind.safe[0] == behind.safe[1]);
         ahead.safe = [limit, if is_one { limit } else { fastest(ahead.speed, 1) }];
         behind = Some(*ahead);
     }

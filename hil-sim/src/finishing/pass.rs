@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Vector2, Vector3};
 
 use super::side::Side;
-use crate::cutting::bite::Bite;
+use crate::cutting::edge_engagement::EdgeEngagement;
 use crate::cutting::edges::meridian::Pieces;
 use crate::cutting::edges::{Cutter, EndMill};
 use crate::cutting::layer::Layer;
@@ -156,9 +156,9 @@ impl Pass {
         }
         let pieces = Pieces::Slices { rise_mm: self.fineness.rise_mm };
         let cutter = Cutter::end_mill(&self.mill, pieces).map_err(|_| MillError)?;
-        let bite = Bite::new(cutter, self.layers(), RAKE_MM).map_err(|_| MillError)?;
+        let engagement = EdgeEngagement::new(cutter, self.layers(), RAKE_MM).map_err(|_| MillError)?;
         let stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-7, passes_max: 12 };
-        Ok(Process::new(bite, self.cutting, Vibration::new(modes, stepping)))
+        Ok(Process::new(engagement, self.cutting, Vibration::new(modes, stepping)))
     }
 
     /// Where the tool is, from the contact and how many teeth have passed.
@@ -203,7 +203,7 @@ impl Pass {
             }
             teeth.push(Tooth { along_mm, displacement_mm, swing_mm, force_n });
         }
-        Ok(Machined { layers: process.bite().layers().clone(), teeth, open })
+        Ok(Machined { layers: process.engagement().layers().clone(), teeth, open })
     }
 }
 

@@ -19,7 +19,7 @@
 use nalgebra::Vector2;
 
 use super::way::Leg;
-use crate::cutting::bite::REACHED_RATIO;
+use crate::cutting::edge_engagement::REACHED_RATIO;
 use crate::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 
 /// Parts of legs that are left out together where all of them are too far off.

@@ -93,7 +93,7 @@ pub struct LoadMeter {
 impl LoadMeter {
     /// Before the run.
     pub fn new(settings: LoadSettings) -> Self {
-        let cutter = settings.process.bite().cutter();
+        let cutter = settings.process.engagement().cutter();
         let mut passes = vec![(0.0, Edge::Outer); cutter.teeth()];
         for piece in cutter.pieces() {
             passes[piece.tooth].1 = piece.side;
@@ -204,7 +204,7 @@ impl LoadMeter {
             ends.iter().for_each(|tip_mm| self.way.go(&stretch.of, *tip_mm));
             for sink in 1..=SINKS {
                 let stand = self.stand(&between(&ends, f64::from(sink) / f64::from(SINKS)));
-                self.settings.process.bite_mut().sink(&stand);
+                self.settings.process.engagement_mut().sink(&stand);
             }
             return;
         }
@@ -229,12 +229,12 @@ impl LoadMeter {
     fn step(&mut self, stretch: &Stretch, tip_mm: &Vector, rev_per_min: f64) {
         self.steps += 1;
         let stand = self.stand(tip_mm);
-        let bite = self.settings.process.bite_mut();
+        let engagement = self.settings.process.engagement_mut();
         // A period in which the block changes has still some of the way of the one before.
-        if bite.comes_down(&stand) && self.before == Some(stretch.of) {
+        if engagement.comes_down(&stand) && self.before == Some(stretch.of) {
             self.down = self.before;
         }
-        bite.enter(&stand);
+        engagement.enter(&stand);
         let dt_s = S_PER_MIN / rev_per_min / self.steps_a_turn as f64;
         let LoadSettings { process, giving, .. } = &mut self.settings;
         let moment = match giving {
@@ -327,11 +327,11 @@ impl LoadMeter {
 
     /// Whether an edge may touch the workpiece, or what its layers stand for.
     fn is_near(&self, tip_mm: &Vector) -> bool {
-        let bite = self.settings.process.bite();
-        let reach_mm = bite.cutter().reach_mm() + NEAR_MM;
+        let engagement = self.settings.process.engagement();
+        let reach_mm = engagement.cutter().reach_mm() + NEAR_MM;
         let is_beside = |[lowest_mm, highest_mm]: [[f64; 2]; 2]| {
             (0..2).all(|axis| (lowest_mm[axis] - reach_mm..=highest_mm[axis] + reach_mm).contains(&tip_mm[axis]))
         };
-        bite.layers().extent_mm().is_some_and(is_beside) && bite.is_in(tip_mm[2], NEAR_MM)
+        engagement.layers().extent_mm().is_some_and(is_beside) && engagement.is_in(tip_mm[2], NEAR_MM)
     }
 }

@@ -38,7 +38,7 @@ fn has_other_moves(program: &Program, line: usize, next: usize) -> bool {
 
 /// The largest override with which a block can begin, %; without a law that is 100 % at most.
 fn begin_percent(block: &PlannedBlock, job: &Job) -> u8 {
-    let rule = block.rule.filter(|_| block.wish.is_some()).and_then(|index| job.rules.get(index));
+    let rule = block.rule.filter(|_| block.demand.is_some()).and_then(|index| job.rules.get(index));
     let segment = Segment { feed: block.sent.map_or(block.segment.feed, Feed::PerMinute), ..block.segment };
     let own = Conditions::of(&segment, rule, job);
     let conditions = Conditions {

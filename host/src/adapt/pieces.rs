@@ -6,7 +6,7 @@
 //! F(k) = least * (1 + step)^k,    k = 0, 1, 2, ...     (1)
 //! ```
 //!
-//! that no wish in it undercuts. Neighbours of the same feed are one piece. Then pieces are joined, at the lower of the two
+//! that no demand in it undercuts. Neighbours of the same feed are one piece. Then pieces are joined, at the lower of the two
 //! feeds, wherever one of them is too short, F would rise by less than the hysteresis, or there are too many: each time
 //! the two whose joining costs least time. Joining only ever lowers a feed: no chip gets thicker.
 
@@ -20,17 +20,17 @@ use super::profile::{CELLS, Profile};
 pub struct Piece {
     /// Where it ends, as a part (0 to 1) of the move; the last one at 1.
     pub until_ratio: f64,
-    /// A path per tooth that no wish on it undercuts, mm.
+    /// A path per tooth that no demand on it undercuts, mm.
     pub path_mm_per_tooth: f64,
 }
 
-/// Cuts a move of `length_mm`; `most_ratio` bounds every feed, over the least one. `None` if the law has no finite wish.
+/// Cuts a move of `length_mm`; `most_ratio` bounds every feed, over the least one. `None` if the law has no finite demand.
 pub fn plan(profile: &Profile, length_mm: f64, settings: &PieceSettings, most_ratio: f64) -> Option<Vec<Piece>> {
     let least = profile.least()?;
     let step = 1.0 + f64::from(settings.step_percent) / f64::from(PERCENT);
     let mut pieces: Vec<Piece> = Vec::new();
-    for (cell, wish) in filled(profile, least).into_iter().enumerate() {
-        let path_mm_per_tooth = bucket(wish.min(most_ratio * least), least, step);
+    for (cell, demand) in filled(profile, least).into_iter().enumerate() {
+        let path_mm_per_tooth = bucket(demand.min(most_ratio * least), least, step);
         let until_ratio = (cell + 1) as f64 / CELLS as f64;
         match pieces.last_mut() {
             Some(last) if last.path_mm_per_tooth == path_mm_per_tooth => last.until_ratio = until_ratio,
@@ -55,29 +55,29 @@ pub fn join(pieces: &mut Vec<Piece>, before: usize) {
 }
 
 /// A feed for each cell: where the law says nothing, the least of the move; where no feed is too high, that of the nearest
-/// cell with a wish, so that no F word is spent on it.
+/// cell with a demand, so that no F word is spent on it.
 fn filled(profile: &Profile, least: f64) -> Vec<f64> {
     let cells = profile.bounds.iter().zip(&profile.covered);
-    let mut wishes: Vec<f64> = cells.map(|(bound, covered)| if *covered { *bound } else { least }).collect();
+    let mut demands: Vec<f64> = cells.map(|(bound, covered)| if *covered { *bound } else { least }).collect();
     for forward in [true, false] {
         let mut last = f64::INFINITY;
         for index in 0..CELLS {
             let cell = if forward { index } else { CELLS - 1 - index };
-            if wishes[cell].is_infinite() {
-                wishes[cell] = last;
+            if demands[cell].is_infinite() {
+                demands[cell] = last;
             }
-            last = wishes[cell];
+            last = demands[cell];
         }
     }
-    wishes
+    demands
 }
 
-/// The largest of the feeds (1) that is not above `wish`.
-fn bucket(wish: f64, least: f64, step: f64) -> f64 {
+/// The largest of the feeds (1) that is not above `demand`.
+fn bucket(demand: f64, least: f64, step: f64) -> f64 {
     let power = |k: f64| least * libm::pow(step, k);
     // The logarithm may miss the next power by a rounding; whole powers of it stay where they are.
-    let k = libm::floor(libm::log(wish / least) / libm::log(step) + 1e-9).max(0.0);
-    if power(k) <= wish { power(k) } else { power((k - 1.0).max(0.0)) } // (1)
+    let k = libm::floor(libm::log(demand / least) / libm::log(step) + 1e-9).max(0.0);
+    if power(k) <= demand { power(k) } else { power((k - 1.0).max(0.0)) } // (1)
 }
 
 /// What pieces must not do.
@@ -119,9 +119,9 @@ mod tests {
     use super::*;
     use arcfeed_shared::units::Nm;
 
-    /// A move whose law wishes `wish` of the way.
-    fn profile(wish: impl Fn(f64) -> f64) -> Profile {
-        let bounds: Vec<f64> = (0..CELLS).map(|cell| wish((cell as f64 + 0.5) / CELLS as f64)).collect();
+    /// A move whose law demands `demand` of the way.
+    fn profile(demand: impl Fn(f64) -> f64) -> Profile {
+        let bounds: Vec<f64> = (0..CELLS).map(|cell| demand((cell as f64 + 0.5) / CELLS as f64)).collect();
         Profile { answers: Vec::new(), bounds, covered: vec![true; CELLS] }
     }
 

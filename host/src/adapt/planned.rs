@@ -14,7 +14,7 @@ use arcfeed_shared::units::{LengthUnit, Nm, PERCENT, RevPerMin};
 
 use super::limit::MoveLimit;
 use super::profile::Profile;
-use super::range::WishRange;
+use super::range::DemandRange;
 use super::reason::PlanReason;
 use super::rewrite;
 use super::split::{ChipError, SentPiece, Whole};
@@ -32,7 +32,7 @@ pub struct PlannedBlock {
     /// Where the tool's circles are engaged along it, where its rule leaves that to be told with each move.
     pub along: Option<EngagedTable>,
     /// What the law wants along it.
-    pub wish: Option<WishRange>,
+    pub demand: Option<DemandRange>,
     /// The feed it is sent with, per minute; the least where it is sent in pieces.
     pub sent: Option<Nm>,
     /// Why.
@@ -65,7 +65,7 @@ impl PlannedBlock {
             segment,
             rule: None,
             along: None,
-            wish: None,
+            demand: None,
             sent: None,
             reason: PlanReason::NoRule,
             pieces: Vec::new(),
@@ -122,26 +122,26 @@ pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: Len
     let teeth_per_min = f64::from(spindle.0) * f64::from(job.tool_of(rule).tool.active_teeth());
     let law = SegmentLaw::told(&block.segment, Some(rule), block.along.as_ref(), job);
     let profile = Profile::ask(&law, &block.segment, &knots_mm(rule, block.along.as_ref(), job));
-    let Some(wish) = WishRange::of(&profile, teeth_per_min) else {
-        block.reason = PlanReason::NoWish;
+    let Some(demand) = DemandRange::of(&profile, teeth_per_min) else {
+        block.reason = PlanReason::NoDemand;
         return None;
     };
-    (block.wish, block.spindle, block.teeth_per_min) = (Some(wish), Some(spindle), Some(teeth_per_min));
+    (block.demand, block.spindle, block.teeth_per_min) = (Some(demand), Some(spindle), Some(teeth_per_min));
     block.limit = MoveLimit::under(block.limit, job.ceiling.feed_mm_per_min(block.programmed()));
     let limit_mm_per_min = block.limit_mm_per_min();
     if job.policy != FeedPolicy::OverrideOnly {
-        block.sent = Some(rewrite::round_down(wish.safe_mm_per_min.min(limit_mm_per_min), unit));
+        block.sent = Some(rewrite::round_down(demand.safe_mm_per_min.min(limit_mm_per_min), unit));
     }
     let at_percent = |percent: u8| block.sent.map(|sent| sent.to_mm() * f64::from(percent) / f64::from(PERCENT));
     let ceiling = at_percent(job.limits.max_percent).unwrap_or(f64::INFINITY);
     let floor = at_percent(job.limits.min_percent).unwrap_or(0.0);
     block.reason = match block.limit.map(|limit| limit.by) {
-        _ if wish.feed_min_mm_per_min < floor => PlanReason::Floor,
-        _ if wish.feed_max_mm_per_min > ceiling && ceiling < limit_mm_per_min => PlanReason::Ceiling,
-        Some(LimitedBy::ArcClamp) if wish.feed_max_mm_per_min > limit_mm_per_min => PlanReason::ArcClamp,
-        Some(LimitedBy::Axis) if wish.feed_max_mm_per_min > limit_mm_per_min => PlanReason::Axis,
-        Some(LimitedBy::Ceiling) if wish.feed_max_mm_per_min > limit_mm_per_min => PlanReason::FeedCeiling,
-        _ if wish.covers_all => PlanReason::Law,
+        _ if demand.feed_min_mm_per_min < floor => PlanReason::Floor,
+        _ if demand.feed_max_mm_per_min > ceiling && ceiling < limit_mm_per_min => PlanReason::Ceiling,
+        Some(LimitedBy::ArcClamp) if demand.feed_max_mm_per_min > limit_mm_per_min => PlanReason::ArcClamp,
+        Some(LimitedBy::Axis) if demand.feed_max_mm_per_min > limit_mm_per_min => PlanReason::Axis,
+        Some(LimitedBy::Ceiling) if demand.feed_max_mm_per_min > limit_mm_per_min => PlanReason::FeedCeiling,
+        _ if demand.covers_all => PlanReason::Law,
         _ => PlanReason::LawInPart,
     };
     Some(profile)

@@ -2,7 +2,7 @@
 
 use std::iter::once;
 
-use arcfeed_firmware::law::{FeedLaw, NoWish, Place, Wish};
+use arcfeed_firmware::law::{FeedDemand, FeedLaw, NoDemand, Place};
 use arcfeed_shared::segment::Segment;
 
 use super::places::MovePlaces;
@@ -15,17 +15,17 @@ const SHARP_RATIO: f64 = 1e-5;
 const DEPTH_MAX: usize = 16;
 /// Steps towards the bottom of a valley, each of which leaves two thirds of it.
 const DESCENTS: usize = 40;
-/// Halvings to the place where a law's wish begins or ends.
+/// Halvings to the place where a law's demand begins or ends.
 const HALVINGS: usize = 30;
 
 /// What a law says at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer {
     /// A path of the centre per tooth and a contact.
-    Wish(Wish),
+    Demand(FeedDemand),
     /// No feed is too high there.
     Anything,
-    /// It has no wish.
+    /// It has no demand.
     Nothing,
 }
 
@@ -46,7 +46,7 @@ struct Asked<'a, L> {
     places: MovePlaces,
 }
 
-/// A point, in cells from the start, and the path per tooth wished there.
+/// A point, in cells from the start, and the path per tooth demanded there.
 type Point = (f64, f64);
 
 impl Profile {
@@ -77,8 +77,8 @@ impl Profile {
                     let dip = bends[0].max(bends[1]) / 2.0;
                     asked.bound((from, a), &profile.answers[first..], (to, b), dip)
                 }
-                (Some(wish), None) => asked.edge((from, wish), to),
-                (None, Some(wish)) => asked.edge((to, wish), from),
+                (Some(demand), None) => asked.edge((from, demand), to),
+                (None, Some(demand)) => asked.edge((to, demand), from),
                 (None, None) => f64::INFINITY,
             };
             profile.bounds.push(bound);
@@ -98,23 +98,23 @@ impl Profile {
         }
     }
 
-    /// The path per tooth wished at `ratio` of the move, straight between two answers; `None` where one of them is no
-    /// finite wish.
-    pub fn wish_at(&self, ratio: f64) -> Option<f64> {
+    /// The path per tooth demanded at `ratio` of the move, straight between two answers; `None` where one of them is no
+    /// finite demand.
+    pub fn demand_at(&self, ratio: f64) -> Option<f64> {
         let point = ratio * CELLS as f64;
         let after = self.answers.partition_point(|(at, _)| *at < point);
         let (to, after_path) = self.answers.get(after).and_then(|(at, answer)| Some((*at, answer.path()?)))?;
-        let wish = if to == point {
+        let demand = if to == point {
             after_path
         } else {
             let (from, before_path) =
                 self.answers.get(after.checked_sub(1)?).and_then(|(at, answer)| Some((*at, answer.path()?)))?;
             before_path + (after_path - before_path) * (point - from) / (to - from)
         };
-        Some(wish).filter(|wish| wish.is_finite())
+        Some(demand).filter(|demand| demand.is_finite())
     }
 
-    /// A path per tooth that no point of the move undercuts; `None` where the law has no finite wish.
+    /// A path per tooth that no point of the move undercuts; `None` where the law has no finite demand.
     pub fn least(&self) -> Option<f64> {
         self.bounds.iter().copied().reduce(f64::min).filter(|least| least.is_finite())
     }
@@ -124,7 +124,7 @@ impl Answer {
     /// The path per tooth, infinite where no feed is too high.
     fn path(self) -> Option<f64> {
         match self {
-            Answer::Wish(wish) => Some(f64::from(wish.path_mm_per_tooth)),
+            Answer::Demand(demand) => Some(f64::from(demand.path_mm_per_tooth)),
             Answer::Anything => Some(f64::INFINITY),
             Answer::Nothing => None,
         }
@@ -137,14 +137,14 @@ impl<L: FeedLaw> Asked<'_, L> {
     }
 
     fn answer(&self, place: &Place) -> Answer {
-        match self.law.wish(place) {
-            Ok(wish) => Answer::Wish(wish),
-            Err(NoWish::ChipUnreachable) => Answer::Anything,
+        match self.law.demand(place) {
+            Ok(demand) => Answer::Demand(demand),
+            Err(NoDemand::ChipUnreachable) => Answer::Anything,
             Err(_) => Answer::Nothing,
         }
     }
 
-    /// The bound of a cell with wishes at all of its points, for a law that is smooth between them but where it jumps. `dip`
+    /// The bound of a cell with demands at all of its points, for a law that is smooth between them but where it jumps. `dip`
     /// is how far a curve without knots dips below its lower end.
     fn bound(&self, first: Point, knots: &[(f64, Answer)], last: Point, dip: f64) -> f64 {
         let paths = knots.iter().filter_map(|(_, answer)| answer.path());
@@ -198,7 +198,7 @@ impl<L: FeedLaw> Asked<'_, L> {
         least.min(self.looked_at(first, middle, depth - 1)).min(self.looked_at(middle, last, depth - 1))
     }
 
-    /// The bound of a cell at one of whose ends the law has no wish: from `known` at its other end to where it begins.
+    /// The bound of a cell at one of whose ends the law has no demand: from `known` at its other end to where it begins.
     fn edge(&self, known: Point, end: f64) -> f64 {
         let (mut inside, mut outside) = (known, end);
         for _ in 0..HALVINGS {

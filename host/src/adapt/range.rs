@@ -1,45 +1,45 @@
-//! What a law wants along a whole move: the range of its wishes, and a feed that no point of the arc undercuts.
+//! What a law wants along a whole move: the range of its demands, and a feed that no point of the arc undercuts.
 
-use arcfeed_firmware::law::Wish;
+use arcfeed_firmware::law::FeedDemand;
 
 use super::profile::{Answer, Profile};
 
-/// The wishes of a law along a move.
+/// The demands of a law along a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WishRange {
+pub struct DemandRange {
     /// Least wanted feed at the points asked.
     pub feed_min_mm_per_min: f64,
     /// Largest.
     pub feed_max_mm_per_min: f64,
-    /// A feed not above any wish, between the points either.
+    /// A feed not above any demand, between the points either.
     pub safe_mm_per_min: f64,
     /// Least and largest feed per tooth at the centre.
     pub ipt_mm_per_tooth: [f64; 2],
-    /// Contact angle at the first and the last point with a wish.
+    /// Contact angle at the first and the last point with a demand.
     pub contact_deg: [f64; 2],
-    /// Whether the law has a wish everywhere on the move.
+    /// Whether the law has a demand everywhere on the move.
     pub covers_all: bool,
 }
 
-impl WishRange {
-    /// What a law's answers come to; `None` if there is no finite wish among them.
+impl DemandRange {
+    /// What a law's answers come to; `None` if there is no finite demand among them.
     pub fn of(profile: &Profile, teeth_per_min: f64) -> Option<Self> {
-        let wishes = || {
+        let demands = || {
             profile.answers.iter().filter_map(|(_, answer)| match answer {
-                Answer::Wish(wish) => Some(wish),
+                Answer::Demand(demand) => Some(demand),
                 Answer::Anything | Answer::Nothing => None,
             })
         };
-        let paths_mm = || wishes().map(|wish| f64::from(wish.path_mm_per_tooth));
+        let paths_mm = || demands().map(|demand| f64::from(demand.path_mm_per_tooth));
         let least = paths_mm().reduce(f64::min)?;
         let most = paths_mm().reduce(f64::max)?;
-        let contact_deg = |wish: &Wish| f64::from(wish.contact_rad()).to_degrees();
-        Some(WishRange {
+        let contact_deg = |demand: &FeedDemand| f64::from(demand.contact_rad()).to_degrees();
+        Some(DemandRange {
             feed_min_mm_per_min: teeth_per_min * least,
             feed_max_mm_per_min: teeth_per_min * most,
             safe_mm_per_min: teeth_per_min * profile.least()?,
             ipt_mm_per_tooth: [least, most],
-            contact_deg: [contact_deg(wishes().next()?), contact_deg(wishes().next_back()?)],
+            contact_deg: [contact_deg(demands().next()?), contact_deg(demands().next_back()?)],
             covers_all: !profile.answers.iter().any(|(_, answer)| *answer == Answer::Nothing),
         })
     }
@@ -48,13 +48,13 @@ impl WishRange {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_firmware::law::{FeedLaw, NoWish, Place};
+    use arcfeed_firmware::law::{FeedLaw, NoDemand, Place};
     use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
     use arcfeed_shared::segment::{Arc, Path, Segment};
     use arcfeed_shared::units::Nm;
 
-    fn along(law: &impl FeedLaw, segment: &Segment, teeth_per_min: f64) -> Option<WishRange> {
-        WishRange::of(&Profile::ask(law, segment, &[]), teeth_per_min)
+    fn along(law: &impl FeedLaw, segment: &Segment, teeth_per_min: f64) -> Option<DemandRange> {
+        DemandRange::of(&Profile::ask(law, segment, &[]), teeth_per_min)
     }
 
     fn quarter() -> Segment {
@@ -67,10 +67,10 @@ mod tests {
     struct Valley;
 
     impl FeedLaw for Valley {
-        fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
+        fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand> {
             let [x, y] = place.center_mm;
             let from_bottom = libm::atan2f(y, x) - 0.782;
-            Ok(Wish { path_mm_per_tooth: 1.0 + from_bottom * from_bottom, contact: [1.0, 0.0] })
+            Ok(FeedDemand { path_mm_per_tooth: 1.0 + from_bottom * from_bottom, contact: [1.0, 0.0] })
         }
     }
 
@@ -85,9 +85,9 @@ mod tests {
     struct Knot(f32);
 
     impl FeedLaw for Knot {
-        fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
+        fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand> {
             let from_knot = (place.travelled_mm - self.0).abs();
-            Ok(Wish { path_mm_per_tooth: 1.0 + 9.0 * from_knot, contact: [1.0, 0.0] })
+            Ok(FeedDemand { path_mm_per_tooth: 1.0 + 9.0 * from_knot, contact: [1.0, 0.0] })
         }
     }
 
@@ -104,9 +104,9 @@ mod tests {
     struct Jump;
 
     impl FeedLaw for Jump {
-        fn wish(&self, place: &Place) -> Result<Wish, NoWish> {
+        fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand> {
             let path_mm_per_tooth = if place.travelled_mm < 0.7777 { 40.0 } else { 1.0 };
-            Ok(Wish { path_mm_per_tooth, contact: [1.0, 0.0] })
+            Ok(FeedDemand { path_mm_per_tooth, contact: [1.0, 0.0] })
         }
     }
 
@@ -119,13 +119,13 @@ mod tests {
     struct Silent;
 
     impl FeedLaw for Silent {
-        fn wish(&self, _: &Place) -> Result<Wish, NoWish> {
-            Err(NoWish::NoContact)
+        fn demand(&self, _: &Place) -> Result<FeedDemand, NoDemand> {
+            Err(NoDemand::NoContact)
         }
     }
 
     #[test]
-    fn a_law_without_a_wish_has_no_range() {
+    fn a_law_without_a_demand_has_no_range() {
         assert_eq!(along(&Silent, &quarter(), 100.0), None);
     }
 }

@@ -5,7 +5,7 @@
 pub enum PlanReason {
     /// The law governs it.
     Law,
-    /// The law governs it; on part of it it has no wish, there the block runs at 100 %.
+    /// The law governs it; on part of it it has no demand, there the block runs at 100 %.
     LawInPart,
     /// The law governs it, but the override ends below what it wants.
     Ceiling,
@@ -31,8 +31,8 @@ pub enum PlanReason {
     Rotary,
     /// A cut rule matches it, but no block before it has stated where the tool is.
     StartUnknown,
-    /// A cut rule speaks of it, but the law has no wish anywhere on it.
-    NoWish,
+    /// A cut rule speaks of it, but the law has no demand anywhere on it.
+    NoDemand,
     /// No cut rule speaks of it.
     NoRule,
     /// Positioning.
@@ -61,7 +61,7 @@ impl PlanReason {
             PlanReason::FeedLeak => "feed-leak",
             PlanReason::Rotary => "rotary",
             PlanReason::StartUnknown => "start-unknown",
-            PlanReason::NoWish => "no-wish",
+            PlanReason::NoDemand => "no-demand",
             PlanReason::NoRule => "no-rule",
             PlanReason::Rapid => "rapid",
             PlanReason::InverseTime => "inverse-time",

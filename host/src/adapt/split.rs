@@ -59,7 +59,7 @@ pub struct SentPiece {
     pub feed: Nm,
 }
 
-/// Chip at F over the chip wanted, less one: at the points where the law wishes, as far as the chip grows with the feed.
+/// Chip at F over the chip wanted, less one: at the points where the law demands, as far as the chip grows with the feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChipError {
     /// Least.
@@ -103,7 +103,7 @@ pub struct Governed<'a> {
 }
 
 impl Governed<'_> {
-    /// Writes the move; `rewriter` knows the control's F. `None` if the law has no finite wish.
+    /// Writes the move; `rewriter` knows the control's F. `None` if the law has no finite demand.
     pub fn split(&self, settings: &PieceSettings, rewriter: &mut FeedRewriter) -> Option<Split> {
         let least = self.feed(self.profile.least()?);
         let mut after = *rewriter;
@@ -210,7 +210,7 @@ impl Governed<'_> {
 }
 
 impl ChipError {
-    /// Of pieces run with their F; `None` where the law wishes nowhere.
+    /// Of pieces run with their F; `None` where the law demands nowhere.
     pub fn of(pieces: &[SentPiece], profile: &Profile, teeth_per_min: f64) -> Option<Self> {
         let (mut min, mut max, mut sum, mut count) = (f64::INFINITY, f64::NEG_INFINITY, 0.0, 0.0);
         let mut from = 0.0;
@@ -218,7 +218,7 @@ impl ChipError {
             let asked = profile.answers.iter().map(|(point, _)| point / CELLS as f64);
             let inside = asked.filter(|ratio| *ratio > from && ratio < until_ratio);
             let ratios: Vec<f64> = [from].into_iter().chain(inside).chain([*until_ratio]).collect();
-            let error = |ratio: &f64| Some(feed.to_mm() / (teeth_per_min * profile.wish_at(*ratio)?) - 1.0);
+            let error = |ratio: &f64| Some(feed.to_mm() / (teeth_per_min * profile.demand_at(*ratio)?) - 1.0);
             for ends in ratios.windows(2) {
                 let errors = (error(&ends[0]), error(&ends[1]));
                 for error in [errors.0, errors.1].into_iter().flatten() {

@@ -128,7 +128,7 @@ impl<'a> Writer<'a> {
             (Some(before), Some(profile)) => self.in_pieces(line, &mut block, profile, before),
             _ => None,
         };
-        let governed = block.sent.filter(|_| block.wish.is_some());
+        let governed = block.sent.filter(|_| block.demand.is_some());
         if governed.is_some() {
             self.last_governed = Some(number);
         }

@@ -50,7 +50,7 @@ impl MoveBounds {
     /// Those of an adapted program that say something, by line.
     pub fn of(adapted: &Adapted) -> HashMap<usize, MoveBounds> {
         let of_block = |block: &PlannedBlock| {
-            let limit = block.limit.filter(|_| block.wish.is_some());
+            let limit = block.limit.filter(|_| block.demand.is_some());
             let bounds = MoveBounds {
                 max_feed: limit.map(|limit| Nm::from_mm(limit.feed_mm_per_min)),
                 end_percent: Some(block.end_percent).filter(|percent| *percent != FeedOverride::PROGRAMMED.percent),
@@ -120,7 +120,7 @@ impl Plan {
             }
             let untold = |why| PlanError { source, why: Untold::Move(why) };
             if let Some(block) = blocks.next_if(|block| block.line == index + 1) {
-                let rule = block.rule.filter(|_| block.wish.is_some());
+                let rule = block.rule.filter(|_| block.demand.is_some());
                 let of_tool = |rule| job.rules.get(rule).map(|rule| job.tool_of(rule).spindle);
                 let governed = rule.map(|rule| Governed {
                     rule,

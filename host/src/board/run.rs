@@ -26,7 +26,7 @@ use crate::dnc::transmission::Transmission;
 use crate::port::PortError;
 
 /// How long a board may take to answer.
-const PATIENCE: Micros = Micros::from_ms(3_000);
+const TIMEOUT: Micros = Micros::from_ms(3_000);
 /// The desk's number of its one set of a session.
 const SET: u32 = 1;
 /// How long a goodbye may take.
@@ -85,7 +85,7 @@ pub enum BoardError {
     #[error("board: {}", words::link(*.0))]
     Link(LinkState),
     /// It has heard, and does not answer what it was asked.
-    #[error("board: no answer to the parameters for {} s", PATIENCE.to_s())]
+    #[error("board: no answer to the parameters for {} s", TIMEOUT.to_s())]
     Mute,
     /// It refuses.
     #[error("board: refused message {kind:#04x} ({reference}): {}", words::refusal(*why))]
@@ -161,7 +161,7 @@ impl<'p> Board<'p> {
             }
             LinkState::Up => {}
             state @ LinkState::Lost(_) => return Err(BoardError::Link(state)),
-            state if waited >= PATIENCE => return Err(BoardError::Link(state)),
+            state if waited >= TIMEOUT => return Err(BoardError::Link(state)),
             _ => return Ok(()),
         }
         match self.refusal.take() {
@@ -170,7 +170,7 @@ impl<'p> Board<'p> {
             Some(table::Refused { kind, reference, why }) => return Err(BoardError::Refused { kind, reference, why }),
             None => {}
         }
-        if self.stage == Stage::Loading && waited >= PATIENCE { Err(BoardError::Mute) } else { Ok(()) }
+        if self.stage == Stage::Loading && waited >= TIMEOUT { Err(BoardError::Mute) } else { Ok(()) }
     }
 
     fn give(&mut self) {

@@ -6,7 +6,7 @@
 use arcfeed_shared::units::Micros;
 
 /// How long a board may be behind the control: reports come every 50 ms, and some get lost.
-pub const PATIENCE: Micros = Micros::from_ms(3_000);
+pub const TIMEOUT: Micros = Micros::from_ms(3_000);
 
 /// The board's count and the control's; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,7 +27,7 @@ impl Standstill {
         if by_control <= done || self.is_told {
             return false;
         }
-        self.is_told = now.since(*self.since.get_or_insert(now)) >= PATIENCE;
+        self.is_told = now.since(*self.since.get_or_insert(now)) >= TIMEOUT;
         self.is_told
     }
 }

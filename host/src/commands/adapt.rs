@@ -147,7 +147,7 @@ impl<'a> Table<'a> {
     fn add(&mut self, block: &PlannedBlock) {
         self.moves += 1;
         self.f_words += block.f_words;
-        if block.wish.is_some() {
+        if block.demand.is_some() {
             self.governed += 1;
             self.pieces += block.pieces.len();
         }
@@ -208,12 +208,12 @@ impl BlockFigures {
         let unit_mm = job.unit.mm();
         let feed = |feed: Nm| feed.0 as f64 / job.unit.nm() as f64;
         let rule = block.rule.and_then(|index| job.rules.get(index));
-        let wish = block.wish.as_ref();
+        let demand = block.demand.as_ref();
         // A table knows of no contact.
         let setup = rule.map(|rule| job.tool_of(rule));
         let has_contact =
             setup.is_some_and(|setup| matches!(setup.tool, Tool::CupMill(_)) && setup.law != LawKind::Table);
-        let contact = wish.filter(|_| has_contact);
+        let contact = demand.filter(|_| has_contact);
         let programmed = block.programmed();
         let factor = |wanted_mm: f64| programmed.map(|feed| wanted_mm / feed.to_mm());
         BlockFigures {
@@ -227,15 +227,15 @@ impl BlockFigures {
             law: setup.map(|setup| law_word(setup.law)),
             programmed_feed: programmed.map(feed),
             sent_feed: block.sent.map(feed),
-            feed_min: wish.map(|wish| wish.feed_min_mm_per_min / unit_mm),
-            feed_max: wish.map(|wish| wish.feed_max_mm_per_min / unit_mm),
+            feed_min: demand.map(|demand| demand.feed_min_mm_per_min / unit_mm),
+            feed_max: demand.map(|demand| demand.feed_max_mm_per_min / unit_mm),
             feed_unit: feed_unit(job.unit),
-            ipt_center_min: wish.map(|wish| wish.ipt_mm_per_tooth[0] / unit_mm),
-            ipt_center_max: wish.map(|wish| wish.ipt_mm_per_tooth[1] / unit_mm),
-            contact_deg_start: contact.map(|wish| wish.contact_deg[0]),
-            contact_deg_end: contact.map(|wish| wish.contact_deg[1]),
-            factor_min: wish.and_then(|wish| factor(wish.feed_min_mm_per_min)),
-            factor_max: wish.and_then(|wish| factor(wish.feed_max_mm_per_min)),
+            ipt_center_min: demand.map(|demand| demand.ipt_mm_per_tooth[0] / unit_mm),
+            ipt_center_max: demand.map(|demand| demand.ipt_mm_per_tooth[1] / unit_mm),
+            contact_deg_start: contact.map(|demand| demand.contact_deg[0]),
+            contact_deg_end: contact.map(|demand| demand.contact_deg[1]),
+            factor_min: demand.and_then(|demand| factor(demand.feed_min_mm_per_min)),
+            factor_max: demand.and_then(|demand| factor(demand.feed_max_mm_per_min)),
             reason: block.reason.label(),
             pieces: (!block.pieces.is_empty()).then_some(block.pieces.len()),
             left_whole: block.whole.map(Whole::label),

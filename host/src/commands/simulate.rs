@@ -221,7 +221,7 @@ pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<Foreseen> {
     let moves = adapted.blocks.iter().filter(is_known);
     let known = moves.map(|block| Foreseen {
         segment: block.segment,
-        rule: block.rule.filter(|_| block.wish.is_some()),
+        rule: block.rule.filter(|_| block.demand.is_some()),
         along: block.along.clone(),
         limit: block.limit.map(FeedLimit::from),
         end_percent: block.end_percent,

@@ -99,7 +99,7 @@ pub enum Damage {
     /// It does not begin as one.
     #[error("this is no journal of arcfeed, or its first record was never written: nothing was sent with it")]
     NoStart,
-    /// A record is spoilt, and good ones follow.
+    /// A record is corrupted, and good ones follow.
     #[error(
         "line {0} is damaged in the middle of the journal: it says nothing reliable any more; find the place at the control"
     )]
@@ -280,9 +280,9 @@ mod tests {
     fn damage_in_the_middle_is_not_passed_over() {
         let whole = journal(&START, &records());
         let second = whole.iter().position(|byte| *byte == b'\n').unwrap() + 20;
-        let mut spoilt = whole.clone();
-        spoilt[second] ^= 1;
-        assert!(matches!(read(&spoilt), Err(Damage::Line(_))));
+        let mut corrupted = whole.clone();
+        corrupted[second] ^= 1;
+        assert!(matches!(read(&corrupted), Err(Damage::Line(_))));
         let lines: Vec<&[u8]> = whole.split_inclusive(|byte| *byte == b'\n').collect();
         let missing = [lines[0], lines[2], lines[3]].concat();
         assert!(matches!(read(&missing), Err(Damage::Line(_))));

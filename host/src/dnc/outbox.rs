@@ -25,14 +25,14 @@ pub struct Outbox {
     held: [u8; CHUNK],
     len: usize,
     /// How long the line may take nothing.
-    patience: Option<Micros>,
+    timeout: Option<Micros>,
     stuck_since: Option<Micros>,
 }
 
 impl Outbox {
     /// An empty one.
-    pub fn new(patience: Option<Micros>) -> Self {
-        Outbox { held: [0; CHUNK], len: 0, patience, stuck_since: None }
+    pub fn new(timeout: Option<Micros>) -> Self {
+        Outbox { held: [0; CHUNK], len: 0, timeout, stuck_since: None }
     }
 
     /// One turn: what has come in goes to the sender, what it hands out to the line. Answers whether all has
@@ -69,8 +69,8 @@ impl Outbox {
             return Ok(());
         }
         let since = *self.stuck_since.get_or_insert(port.now());
-        match self.patience {
-            Some(patience) if port.now().since(since) >= patience => Err(LineError::Stuck(patience)),
+        match self.timeout {
+            Some(timeout) if port.now().since(since) >= timeout => Err(LineError::Stuck(timeout)),
             _ => Ok(()),
         }
     }

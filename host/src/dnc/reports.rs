@@ -157,8 +157,8 @@ impl Reports {
             }
             return None;
         }
-        let spoilt = || Remark::Doubtful(format!("a report of the control cannot be read: `{text}`"));
-        let Some((number, values)) = parse(&text) else { return Some(spoilt()) };
+        let corrupted = || Remark::Doubtful(format!("a report of the control cannot be read: `{text}`"));
+        let Some((number, values)) = parse(&text) else { return Some(corrupted()) };
         let rest = self.expected.get(self.next..).unwrap_or_default();
         let Some(ahead) = rest.iter().position(|expected| expected.line == number) else {
             return Some(Remark::Differs(format!(

@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn a_filter_spoils_comments_only() {
+    fn a_filter_corrupts_comments_only() {
         let wire = Wire { filters: true, ..PLAIN };
         let sent = transmission("%\n(tool \"4\")G0X1.\nM30\n%\n", &wire).unwrap();
         assert_eq!(sent.line_text(1), Some(b"(TOOL 4)G0X1.\n".as_slice()));

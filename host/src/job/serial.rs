@@ -28,7 +28,7 @@ pub struct SerialSettings {
     /// RTS/CTS, done by the driver or by the server at the other end of `rfc2217://`.
     pub rtscts: bool,
     /// How long the line may refuse characters before that counts as a failure; unless given see
-    /// [`SerialSettings::patience`].
+    /// [`SerialSettings::write_timeout`].
     pub write_timeout: Option<Micros>,
     /// Whether nobody else may open the port.
     pub exclusive: bool,
@@ -53,7 +53,7 @@ impl SerialSettings {
 
     /// How long the line may take no characters: with RTS/CTS as long as the control likes, else a line that takes none
     /// is broken, as nothing but the sender itself holds it up.
-    pub fn patience(&self) -> Option<Micros> {
+    pub fn write_timeout(&self) -> Option<Micros> {
         self.write_timeout.or((!self.rtscts).then_some(Micros::from_ms(5_000)))
     }
 }

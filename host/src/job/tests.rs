@@ -259,13 +259,10 @@ fn the_control_is_one_of_three() {
 #[test]
 fn the_line_has_pyserials_names_and_refuses_what_a_sender_cannot_mean() {
     let with = |line: &str| parse(&format!("{JOB}[serial]\n{line}\n"));
-    let patience = |line: &str| with(line).unwrap().serial.patience();
+    let timeout = |line: &str| with(line).unwrap().serial.write_timeout();
     let ms = |ms| Some(arcfeed_shared::units::Micros::from_ms(ms));
-    assert_eq!((patience(""), patience("rtscts = true")), (ms(5_000), None));
-    assert_eq!(
-        (patience("write_timeout = 0.25"), patience("rtscts = true\nwrite_timeout = 60")),
-        (ms(250), ms(60_000))
-    );
+    assert_eq!((timeout(""), timeout("rtscts = true")), (ms(5_000), None));
+    assert_eq!((timeout("write_timeout = 0.25"), timeout("rtscts = true\nwrite_timeout = 60")), (ms(250), ms(60_000)));
     assert!(with("").unwrap().serial.exclusive && !with("exclusive = false").unwrap().serial.exclusive);
     let flow = |line: &str| with(line).map(|file| (file.serial.xonxoff, file.serial.rtscts)).unwrap();
     assert_eq!(

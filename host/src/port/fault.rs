@@ -1,4 +1,4 @@
-//! `fault://`: any port, spoilt from a seed.
+//! `fault://`: any port, corrupted from a seed.
 //!
 //! Each direction has random numbers of its own and draws them byte by byte: what becomes of a byte depends on the seed
 //! and on the bytes before it, not on the time nor on how many are read or written at once. Only short writes depend on
@@ -21,7 +21,7 @@ const BURST: (u64, u64) = (2, 16);
 /// Most bytes handed on at once.
 const AT_ONCE: usize = 64;
 
-/// A spoilt port.
+/// A corrupted port.
 pub struct Fault<'p> {
     inner: Box<dyn Port + 'p>,
     plan: FaultPlan,
@@ -80,18 +80,18 @@ impl Lane {
         if random.happens(drop) {
             return;
         }
-        let mut spoilt = byte;
+        let mut corrupted = byte;
         if self.burst_left > 0 {
             self.burst_left -= 1;
-            spoilt = random.below(256) as u8;
+            corrupted = random.below(256) as u8;
         }
         if random.happens(flip) {
-            spoilt ^= 1 << random.below(8);
+            corrupted ^= 1 << random.below(8);
         }
         let copies = if random.happens(dup) { 2 } else { 1 };
         let late = if delay > Micros(0) { Micros(random.below(delay.0 + 1)) } else { Micros(0) };
         self.latest = self.latest.max(now.after(late));
-        self.queue.extend(std::iter::repeat_n((self.latest, spoilt), copies));
+        self.queue.extend(std::iter::repeat_n((self.latest, corrupted), copies));
     }
 
     /// The bytes in front that are due, [`AT_ONCE`] at most.
@@ -102,7 +102,7 @@ impl Lane {
 }
 
 impl<'p> Fault<'p> {
-    /// Spoils a port.
+    /// Corrupts what a port carries.
     pub fn new(inner: Box<dyn Port + 'p>, plan: &FaultPlan) -> Self {
         let mut seeds = Random(plan.seed);
         let mut part = || Random(seeds.next());

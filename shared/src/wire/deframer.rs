@@ -1,6 +1,6 @@
 //! From bytes as they come to frames: stuffing undone on the way in, so one buffer of [`BODY_MAX`] bytes is all it takes.
 //!
-//! Whatever was lost or spoilt, the next delimiter begins anew. Empty frames are no frames: a sender may put delimiters
+//! Whatever was lost or corrupted, the next delimiter begins anew. Empty frames are no frames: a sender may put delimiters
 //! where it likes.
 
 use cobs::{DecodeResult, DecoderState};

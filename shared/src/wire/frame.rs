@@ -90,7 +90,7 @@ pub struct Frame<'a> {
     pub header: Header,
     /// What stands between header and checksum.
     pub payload: &'a [u8],
-    /// The salt it was made with, if it is what was sent. Spoilt frames have any.
+    /// The salt it was made with, if it is what was sent. Meaningless for corrupted frames.
     pub salt: u32,
 }
 

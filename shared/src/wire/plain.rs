@@ -1,4 +1,4 @@
-//! Messages on a line without a link: each in a frame of its own, outside of any session. Lost is lost; spoilt is counted.
+//! Messages on a line without a link: each in a frame of its own, outside of any session. Lost is lost; corrupted is counted.
 
 use super::deframer::Deframer;
 use super::frame::{Class, Header, NO_SALT, PAYLOAD_MAX, VERSION, encode};

@@ -9,7 +9,7 @@ pub const BITS_PER_BYTE: u64 = 10;
 const HEARTBEAT_MIN: Span = Span::from_ms(1);
 const HEARTBEAT_MAX: Span = Span::from_ms(50_000);
 const DRIFT_MAX_PPM: u32 = 10_000;
-/// A line that is only greeted on has room: who begins anew is noticed within a heartbeat even if two hellos are spoilt.
+/// A line that is only greeted on has room: who begins anew is noticed within a heartbeat even if two hellos are corrupted.
 const HELLOS_PER_HEARTBEAT: u32 = 3;
 
 /// Who speaks: each end must hear the other one, not an echo of itself.

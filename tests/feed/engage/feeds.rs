@@ -14,7 +14,7 @@ fn wanted(job: &str) -> Vec<[f64; 2]> {
     let text = String::from_utf8_lossy(&output.stdout);
     let blocks = text.lines().map(|line| serde_json::from_str::<Value>(line).expect("an object"));
     let governed = blocks.filter(|block| !block["feed_min"].is_null());
-    governed.map(|block| ["feed_min", "feed_max"].map(|field| block[field].as_f64().expect("a wish"))).collect()
+    governed.map(|block| ["feed_min", "feed_max"].map(|field| block[field].as_f64().expect("a demand"))).collect()
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //! that is nearest straight ahead. The new centre O' lies on the path, r0 from C: on a line by a quadratic, on an arc by the
 //! law of cosines in the triangle of C, O' and the rotation centre. To first order the path is a / sin(angle from the side).
 
-use arcfeed_firmware::law::{FeedLaw, NoWish, Place, SegmentLaw};
+use arcfeed_firmware::law::{FeedLaw, NoDemand, Place, SegmentLaw};
 use arcfeed_shared::cut::{CutRule, Moves, Work};
 use arcfeed_shared::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
@@ -88,21 +88,21 @@ fn place(segment: &Segment, travelled_mm: f32) -> Place {
 }
 
 /// Path per tooth; the same whether the table stands in the rule or is told with the segment, and whatever is said of edges.
-fn path_mm(segment: &Segment, table: &EngagedTable, travelled_mm: f32) -> Result<f64, NoWish> {
+fn path_mm(segment: &Segment, table: &EngagedTable, travelled_mm: f32) -> Result<f64, NoDemand> {
     path_of_chip_mm(segment, table, travelled_mm, CHIP_MM)
 }
 
-fn path_of_chip_mm(segment: &Segment, table: &EngagedTable, travelled_mm: f32, chip: f32) -> Result<f64, NoWish> {
+fn path_of_chip_mm(segment: &Segment, table: &EngagedTable, travelled_mm: f32, chip: f32) -> Result<f64, NoDemand> {
     let place = place(segment, travelled_mm);
     let mut found = Vec::new();
     for both_edges in [false, true] {
         let in_rule = job(end_mill(), Stock::Engaged(table.clone()), both_edges, chip);
         let along = job(end_mill(), Stock::Along, both_edges, chip);
-        found.push(SegmentLaw::for_segment(segment, in_rule.rules.first(), &in_rule).wish(&place));
-        found.push(SegmentLaw::told(segment, Some(&along.rules[0]), Some(table), &along).wish(&place));
+        found.push(SegmentLaw::for_segment(segment, in_rule.rules.first(), &in_rule).demand(&place));
+        found.push(SegmentLaw::told(segment, Some(&along.rules[0]), Some(table), &along).demand(&place));
     }
-    assert!(found.iter().all(|wish| *wish == found[0]), "{found:?}");
-    found[0].map(|wish| f64::from(wish.path_mm_per_tooth))
+    assert!(found.iter().all(|demand| *demand == found[0]), "{found:?}");
+    found[0].map(|demand| f64::from(demand.path_mm_per_tooth))
 }
 
 /// The path to O' on a line.
@@ -123,7 +123,7 @@ fn on_arc_mm(degrees: f64, chip_mm: f64, path_radius_mm: f64) -> f64 {
 }
 
 /// How far f32 may be off: the step follows the sine of the angle, and the more the flatter the chip.
-fn assert_near(found: Result<f64, NoWish>, expected_mm: f64, degrees: f64, what: &str) {
+fn assert_near(found: Result<f64, NoDemand>, expected_mm: f64, degrees: f64, what: &str) {
     let found = found.unwrap_or_else(|why| panic!("{what} at {degrees}: {why:?}"));
     let slope = libm::fabs(1.0 / libm::tan(degrees.to_radians()));
     let off = libm::fabs(found / expected_mm - 1.0);
@@ -145,7 +145,7 @@ fn to_first_order_the_path_times_the_sine_is_the_chip() {
     let chip_mm = 0.004;
     for degrees in (20..90).map(f64::from) {
         let (sin, cos) = libm::sincos(degrees.to_radians());
-        let path_mm = path_of_chip_mm(&line(), &table([0.0, degrees]), 0.0, chip_mm).expect("a wish");
+        let path_mm = path_of_chip_mm(&line(), &table([0.0, degrees]), 0.0, chip_mm).expect("a demand");
         let off = path_mm * sin / f64::from(chip_mm) - 1.0;
         // The next term of the quadratic's root, and what rounding leaves at 90 degrees.
         let next = f64::from(chip_mm) / (2.0 * TOOL_RADIUS_MM) * (cos / sin) * (cos / sin);
@@ -198,10 +198,10 @@ fn between_knots_the_end_goes_with_the_path_travelled() {
 fn where_nothing_limits_it_is_said_why() {
     // The chip at 5 degrees is thinner than wanted at any feed: (r0 + a) sin 5 is less than the half chord of both circles.
     for (outer, why) in [
-        ([0.0, 0.0], NoWish::NoContact),
-        ([40.0, 20.0], NoWish::NoContact),
-        ([0.0, 5.0], NoWish::ChipUnreachable),
-        ([190.0, 350.0], NoWish::OutsideValidity),
+        ([0.0, 0.0], NoDemand::NoContact),
+        ([40.0, 20.0], NoDemand::NoContact),
+        ([0.0, 5.0], NoDemand::ChipUnreachable),
+        ([190.0, 350.0], NoDemand::OutsideValidity),
     ] {
         assert_eq!(path_mm(&line(), &table(outer), 0.0), Err(why), "{outer:?}");
     }

@@ -31,13 +31,13 @@ fn assert_kept(name: &str, law: &str, rules: &str, program: &str) {
     for mode in ["safe-base", "override-only", "rewrite-only"] {
         let (text, adapted) = adapted(&format!("{name}-{mode}"), mode, law, rules, program);
         assert_eq!(String::from_utf8_lossy(&adapted.text), text, "{mode}");
-        assert!(adapted.blocks.iter().all(|block| block.wish.is_none()), "{mode}");
+        assert!(adapted.blocks.iter().all(|block| block.demand.is_none()), "{mode}");
     }
 }
 
 /// The feed of each governed block, as sent, mm/min.
 fn sent(adapted: &Adapted) -> Vec<f64> {
-    let governed = adapted.blocks.iter().filter(|block| block.wish.is_some());
+    let governed = adapted.blocks.iter().filter(|block| block.demand.is_some());
     governed.map(|block| block.sent.expect("a feed").to_mm()).collect()
 }
 
@@ -134,7 +134,7 @@ fn a_governed_move_before_any_f_gets_its_feed_written() {
     let (_, adapted) = adapted("first", "safe-base", "engagement", &rule("\"lines\"", "inside"), program);
     let text = String::from_utf8_lossy(&adapted.text).into_owned();
     let first = text.lines().find(|line| line.starts_with("G1X30.")).expect("the cut");
-    assert!(first.contains('F') || adapted.blocks.iter().any(|block| block.wish.is_none()), "{text}");
+    assert!(first.contains('F') || adapted.blocks.iter().any(|block| block.demand.is_none()), "{text}");
 }
 
 #[test]

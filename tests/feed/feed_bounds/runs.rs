@@ -139,7 +139,7 @@ pub fn run(name: &str, job: &RandomJob, story: &Story) -> Result<Option<Figures>
 
 /// N of each block that the plan governs.
 fn governed(adapted: &Adapted) -> HashSet<usize> {
-    let is_governed = |block: &&PlannedBlock| block.rule.is_some() && block.wish.is_some();
+    let is_governed = |block: &&PlannedBlock| block.rule.is_some() && block.demand.is_some();
     let sequences = adapted.blocks.iter().filter(is_governed).filter_map(|block| block.segment.sequence);
     sequences.map(|sequence| sequence as usize).collect()
 }

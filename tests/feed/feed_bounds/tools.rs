@@ -21,7 +21,7 @@ fn adapted(scratch: &Scratch, name: &str, job: &str, program: &str) -> Adapted {
 
 /// What a law makes of a move: its range of feeds, the feed as sent, the spindle speed.
 fn governed(block: &PlannedBlock) -> Option<(String, Option<i64>, Option<f32>)> {
-    let feeds = block.wish.as_ref().map(|wish| format!("{wish:?}"))?;
+    let feeds = block.demand.as_ref().map(|demand| format!("{demand:?}"))?;
     Some((feeds, block.sent.map(|feed| feed.0), block.spindle.map(|speed| speed.0)))
 }
 

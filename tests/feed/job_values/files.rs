@@ -1,4 +1,4 @@
-//! The files whose values are spoilt, and what is found in them.
+//! The files whose values are corrupted, and what is found in them.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};

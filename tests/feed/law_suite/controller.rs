@@ -35,12 +35,12 @@ struct Setup {
 }
 
 impl Setup {
-    /// The law's wish in the middle of the arc is between a twentieth and three times the feed sent.
+    /// The law's demand in the middle of the arc is between a twentieth and three times the feed sent.
     fn sample(random: &mut Rng, law: LawKind) -> Self {
         loop {
             let scene = CircumferenceScene::sample(random);
-            let Ok(wish) = scene.wish(&PLAIN, 0.5) else { continue };
-            let feed = Nm::from_mm(wish * f64::from(TEETH) * f64::from(REV_PER_MIN) / log_between(random, 0.05, 3.0));
+            let Ok(demand) = scene.demand(&PLAIN, 0.5) else { continue };
+            let feed = Nm::from_mm(demand * f64::from(TEETH) * f64::from(REV_PER_MIN) / log_between(random, 0.05, 3.0));
             let limits = OverrideLimits {
                 min_percent: random.u8(0..=100),
                 max_percent: random.u8(100..=254),
@@ -188,7 +188,7 @@ mod tests {
             let dt_us = [500, 1_000, 8_000][random.usize(..3)];
             let stopped = random.u64(..DURATION_US);
             let outputs = setup.run(dt_us, |at_us, plain| {
-                // A spindle that stops makes the wish jump to 100 %.
+                // A spindle that stops makes the demand jump to 100 %.
                 if at_us > stopped { Input { spindle: RevPerMin(0.0), ..plain } } else { plain }
             });
             let limits = &setup.job.limits;
@@ -215,8 +215,8 @@ mod tests {
         let fall = f64::from(setup.job.limits.slew_down_percent_per_s) / 100.0 * 1e-3;
         let excess = |(pair, tick): (&[(Output, f64)], u64)| {
             let [(_, before), (output, level)] = pair else { return None };
-            let wish = setup.scene.wish(&PLAIN, (tick * 1_000) as f64 / DURATION_US as f64).ok()?;
-            let wanted = wish * f64::from(TEETH) * f64::from(REV_PER_MIN);
+            let demand = setup.scene.demand(&PLAIN, (tick * 1_000) as f64 / DURATION_US as f64).ok()?;
+            let wanted = demand * f64::from(TEETH) * f64::from(REV_PER_MIN);
             let is_free = output.reason == Reason::Law && before - level < 0.99 * fall;
             is_free.then_some((percent(output) / 100.0 * setup.feed_sent / wanted - 1.0, percent(output)))
         };
@@ -276,11 +276,11 @@ mod tests {
             let outputs =
                 setup.run(1_000, |at_us, plain| Input { position: plain.position.filter(|_| at_us < lost), ..plain });
             assert!(setup.in_bounds(&outputs));
-            // With a filter that follows the samples as they come the place stays, and so does the wish, which is not told while the
+            // With a filter that follows the samples as they come the place stays, and so does the demand, which is not reported while the
             // override is below its first step and holds the axes.
-            let wishes: Vec<_> =
+            let demands: Vec<_> =
                 outputs[lost as usize / 1_000 + 1..].iter().filter_map(|tick| tick.ipt_center).collect();
-            assert!(wishes.windows(2).all(|pair| pair[0] == pair[1]), "{setup:?}");
+            assert!(demands.windows(2).all(|pair| pair[0] == pair[1]), "{setup:?}");
         });
     }
 }

@@ -77,7 +77,7 @@ fn program(rng: &mut Rng, radii: [f64; 2]) -> String {
 }
 
 #[test]
-fn under_a_cup_mills_laws_no_piece_is_faster_than_the_wish_either() {
+fn under_a_cup_mills_laws_no_piece_is_faster_than_the_demand_either() {
     let (mut governed, mut in_part, mut pieces, mut worst) = (0, 0, 0, f64::NEG_INFINITY);
     for seed in 0..JOBS {
         let mut rng = Rng::with_seed(seed);
@@ -101,10 +101,10 @@ fn under_a_cup_mills_laws_no_piece_is_faster_than_the_wish_either() {
                 let path = arc.length_mm() * ratio;
                 let direction = arc.direction_at(ratio).map(|component| component as f32);
                 let place = Place::on_arc(direction, f32::from(arc.turn.sign()), arc.radius_mm() as f32, path as f32);
-                let Ok(wish) = law.wish(&place) else { continue };
+                let Ok(demand) = law.demand(&place) else { continue };
                 let index = ends[..own.len() - 1].iter().take_while(|end| **end < path).count();
                 let error = crate::rewrite_only::feed_mm(&own[index])
-                    / (TEETH_PER_MIN * f64::from(wish.path_mm_per_tooth))
+                    / (TEETH_PER_MIN * f64::from(demand.path_mm_per_tooth))
                     - 1.0;
                 assert!(error <= SINGLE, "seed {seed}, line {}, {ratio}: {error} too thick\n{text}", block.line);
                 worst = error.max(worst);

@@ -27,9 +27,9 @@ use spelled::{Spelled, spelled};
 
 /// Programs; each has a dozen arcs.
 const PROGRAMS: u64 = 64;
-/// Points on each arc at which the wish is worked out.
+/// Points on each arc at which the demand is worked out.
 const POINTS: usize = 10_000;
-/// What the law's single precision may add to a wish.
+/// What the law's single precision may add to a demand.
 const SINGLE: f64 = 1e-6;
 /// rev/min times teeth.
 const TEETH_PER_MIN: f64 = 10_000.0 * 4.0;
@@ -86,7 +86,7 @@ fn case(seed: u64) -> Case {
 }
 
 /// Linear between the knots, held beyond the ends.
-fn wished(table: &[[f64; 2]], path: f64) -> f64 {
+fn demanded(table: &[[f64; 2]], path: f64) -> f64 {
     let after = table.iter().position(|[at, _]| *at >= path);
     match after {
         Some(0) => table[0][1],
@@ -136,7 +136,7 @@ fn feed_mm(segment: &Segment) -> f64 {
 }
 
 #[test]
-fn no_piece_is_faster_than_the_wish_anywhere_on_it_and_what_is_said_of_the_chip_is_so() {
+fn no_piece_is_faster_than_the_demand_anywhere_on_it_and_what_is_said_of_the_chip_is_so() {
     let (mut pieces, mut whole, mut worst, mut slowest) = (0, 0, f64::NEG_INFINITY, 0.0_f64);
     for seed in 0..PROGRAMS {
         let Case { tables, file, adapted, .. } = case(seed);
@@ -156,7 +156,7 @@ fn no_piece_is_faster_than_the_wish_anywhere_on_it_and_what_is_said_of_the_chip_
                 let share = POINTS.div_ceil(block.pieces.len());
                 for point in 0..=share {
                     let path = from + (until - from) * point as f64 / share as f64;
-                    errors.push(feed_mm(&piece) / (TEETH_PER_MIN * wished(table, path)) - 1.0);
+                    errors.push(feed_mm(&piece) / (TEETH_PER_MIN * demanded(table, path)) - 1.0);
                 }
                 from = until;
             }

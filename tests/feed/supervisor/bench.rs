@@ -40,7 +40,7 @@ pub enum Piece {
 }
 
 /// The pieces of the random walk, and more for single tests.
-const PIECES: [Piece; 10] = [
+pub const PIECES: [Piece; 10] = [
     Piece::Wants(150),
     Piece::Wants(60),
     Piece::Wants(8),

@@ -31,7 +31,7 @@ fn a_dial_below_50_or_down_by_more_than_10_takes_over_at_once_until_armed_again(
 }
 
 #[test]
-fn a_dial_between_90_and_100_is_a_share_of_the_laws_wish() {
+fn a_dial_between_90_and_100_is_a_share_of_the_laws_demand() {
     let mut bench = Bench::running(Piece::Wants(150));
     bench.dial = 94;
     assert_eq!(bench.tick().feed_override.percent, 141, "at once");

@@ -1,6 +1,6 @@
 //! One test per row of the policy, and per rule of precedence.
 
-use arcfeed_firmware::law::NoWish;
+use arcfeed_firmware::law::NoDemand;
 use arcfeed_firmware::supervisor::report::{Alarm, Limit, Reason, Refusal};
 use arcfeed_firmware::supervisor::signals::{BoardFault, Condition, Request, Signals};
 use arcfeed_firmware::supervisor::state::{Disarm, State};
@@ -10,12 +10,12 @@ use arcfeed_shared::units::{RevPerMin, Span};
 use crate::supervisor::bench::{Bench, Piece, name};
 
 #[test]
-fn a_law_without_a_wish_runs_at_100_and_is_counted() {
+fn a_law_without_a_demand_runs_at_100_and_is_counted() {
     let mut bench = Bench::running(Piece::Misses);
     let before = bench.memory.counters().no_contact_ticks;
     let output = bench.run(10);
     assert_eq!((output.feed_override.percent, name(&output.state)), (100, "running"));
-    assert!(matches!(output.reason, Reason::NoWish(NoWish::NoContact)), "{output:?}");
+    assert!(matches!(output.reason, Reason::NoDemand(NoDemand::NoContact)), "{output:?}");
     assert_eq!(bench.memory.counters().no_contact_ticks, before + 10);
 }
 
@@ -31,7 +31,7 @@ fn a_spindle_speed_that_is_no_positive_number_runs_at_100_and_is_counted() {
 }
 
 #[test]
-fn a_wish_below_min_gets_min_and_says_by_how_much_the_chip_exceeds_its_target() {
+fn a_demand_below_min_gets_min_and_says_by_how_much_the_chip_exceeds_its_target() {
     let output = Bench::running(Piece::Wants(8)).tick();
     assert_eq!((output.feed_override.percent, name(&output.state)), (10, "running"));
     let Reason::Floor { chip_excess_percent } = output.reason else { panic!("{output:?}") };
@@ -55,7 +55,7 @@ fn a_min_of_zero_holds_and_goes_on_from_zero() {
 }
 
 #[test]
-fn a_wish_above_max_gets_max_and_its_reason() {
+fn a_demand_above_max_gets_max_and_its_reason() {
     let output = Bench::running(Piece::Wants(500)).tick();
     assert_eq!((output.feed_override.percent, output.reason), (200, Reason::Limited(Limit::Max)));
     assert_eq!(name(&output.state), "running");

@@ -10,7 +10,7 @@ use arcfeed_shared::job::OverrideLimits;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{Nm, RevPerMin, Span};
 
-use crate::supervisor::bench::{Bench, Piece, TICK, name, start};
+use crate::supervisor::bench::{Bench, PIECES, Piece, TICK, name, start};
 use crate::supervisor::document::table;
 
 const SEEDS: [u64; 6] = [1, 2, 3, 0xdead_beef, 0x1234_5678_9abc_def1, u64::MAX];
@@ -48,18 +48,7 @@ impl Xorshift {
 fn turn_knobs(bench: &mut Bench, random: &mut Xorshift) {
     bench.dt = if random.one_in(50) { random.of(&[0, 1, 500, 9_000, 60_000, u32::MAX].map(Span)) } else { TICK };
     if random.one_in(400) {
-        let pieces = [0, 1, 2, 3, 4, 5, 6].map(|index| {
-            [
-                Piece::Wants(150),
-                Piece::Wants(60),
-                Piece::Wants(8),
-                Piece::Wants(500),
-                Piece::Misses,
-                Piece::Line,
-                Piece::Rapid,
-            ][index]
-        });
-        let piece = random.of(&pieces);
+        let piece = random.of(&PIECES[..7]);
         let count = bench.work.map_or(random.next() as u32 >> 1, |(count, _)| count) + 1;
         bench.work = (!random.one_in(8)).then_some((count, piece));
     }

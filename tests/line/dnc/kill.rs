@@ -144,8 +144,8 @@ fn a_control_that_stands_says_where_and_needs_no_line() {
     let job = job(&scratch);
     // A character without its parity bit is alarm PS0001 in a control that checks; here a letter becomes another.
     let journal = scratch.path("sent.journal");
-    let spoilt = ["stream", &job, "--port", "fault://tx.flip=0.002,seed=5/sim:", "--journal", &journal];
-    let output = run(&spoilt);
+    let corrupted = ["stream", &job, "--port", "fault://tx.flip=0.002,seed=5/sim:", "--journal", &journal];
+    let output = run(&corrupted);
     assert_eq!(output.status.code(), Some(3), "{}", String::from_utf8_lossy(&output.stderr));
     let output = run(&["stream", &job, "--resume", "--journal", &journal, "--json"]);
     assert_eq!(output.status.code(), Some(4), "{}", String::from_utf8_lossy(&output.stderr));

@@ -1,4 +1,4 @@
-//! A line to a simulated control, in steps as fine as wanted, spoilt by a schedule.
+//! A line to a simulated control, in steps as fine as wanted, corrupted by a schedule.
 
 use std::collections::VecDeque;
 

@@ -27,7 +27,7 @@ pub fn random(rng: &mut Rng, blocks: usize) -> String {
     of_kinds(rng, blocks, 8)
 }
 
-/// The same among cycles, work offsets, tool lengths and G52; there a spoilt feed may take an hour.
+/// The same among cycles, work offsets, tool lengths and G52; there a corrupted feed may take an hour.
 pub fn random_with_offsets(rng: &mut Rng, blocks: usize) -> String {
     of_kinds(rng, blocks, 11)
 }

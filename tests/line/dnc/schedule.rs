@@ -34,7 +34,7 @@ pub struct Schedule(pub Vec<Fault>);
 /// The rows of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
-    /// The way back: DC1 and DC3 lost, twice, late, spoilt.
+    /// The way back: DC1 and DC3 lost, twice, late, corrupted.
     Signals,
     /// Noise before the start.
     Garbage,
@@ -82,7 +82,7 @@ pub const KINDS: [Kind; 14] = [
 ];
 
 impl Kind {
-    /// Whether the line itself can tell: nothing on the way to the control is spoilt without a trace.
+    /// Whether the line itself can tell: nothing on the way to the control is corrupted without a trace.
     pub fn is_of_the_line(self) -> bool {
         self <= Kind::Several
     }

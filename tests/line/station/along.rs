@@ -13,8 +13,8 @@ use arcfeed_shared::wire::message::fixed::Q40;
 use arcfeed_shared::wire::message::{Message, moves, parameters, table};
 use fastrand::Rng;
 
-use crate::station::recorded::ibr_slot;
 use crate::station::world::{Board, Channel, Host, World, standing};
+use arcfeed_tests::recording::ibr_slot;
 
 /// Tables that fit into the rules of a job.
 const TABLES: usize = 16;

@@ -11,8 +11,8 @@ use arcfeed_shared::wire::message::page::{self, Tapped};
 use arcfeed_shared::wire::message::schema::{FieldType, Optional};
 use arcfeed_shared::wire::message::{Message, SCHEMA, moves, parameters, table};
 
-use crate::station::recorded::ibr_slot;
 use crate::station::world::{Channel, World, standing};
+use arcfeed_tests::recording::ibr_slot;
 
 fn all_moves() -> Vec<(Segment, Option<usize>)> {
     crate::station::example::moves(ibr_slot())

@@ -11,16 +11,16 @@ use arcfeed_firmware::supervisor::state::State;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Span;
 
-use crate::station::recorded::{Recorded, ibr_slot};
 use crate::station::world::{Channel, World, standing};
+use arcfeed_tests::recording::{Recording, ibr_slot};
 
 /// The run's moves with their rules.
-pub fn moves(run: &Recorded) -> Vec<(Segment, Option<usize>)> {
+pub fn moves(run: &Recording) -> Vec<(Segment, Option<usize>)> {
     run.segments.iter().map(|segment| (*segment, run.rule(segment))).collect()
 }
 
 /// Overrides of a station over a line with this latency and loss.
-fn over_the_link(run: &Recorded, latency_ms: u64, lost_per_mille: u64) -> (Vec<u8>, World) {
+fn over_the_link(run: &Recording, latency_ms: u64, lost_per_mille: u64) -> (Vec<u8>, World) {
     let channels = [1, 2].map(|seed| Channel::new(latency_ms, lost_per_mille, seed));
     let mut world = World::new(&run.job, &moves(run), channels);
     world.arm();
@@ -33,7 +33,7 @@ fn over_the_link(run: &Recorded, latency_ms: u64, lost_per_mille: u64) -> (Vec<u
 }
 
 /// Overrides of the same supervisor and the same follower, with all segments at hand and no link at all.
-fn without_a_link(run: &Recorded) -> Vec<u8> {
+fn without_a_link(run: &Recording) -> Vec<u8> {
     let supervisor = Supervisor::new(&run.job, Settings::default()).expect("the limits are sound");
     let prepare = |segment| ActiveSegment::new(segment, run.rule(segment).map(|rule| &run.job.rules[rule]), &run.job);
     let mut ahead = run.segments.iter().map(prepare).peekable();
@@ -60,7 +60,7 @@ fn hash(trace: &[u8]) -> u32 {
 }
 
 /// Ticks that differ, the largest difference, and how far the furthest of them lies behind the beginning of a move or before it.
-fn compare(run: &Recorded, found: &[u8]) -> (usize, u8, usize) {
+fn compare(run: &Recording, found: &[u8]) -> (usize, u8, usize) {
     let begins: Vec<usize> = (1..run.ticks.len()).filter(|at| run.ticks[*at].2 != run.ticks[at - 1].2).collect();
     let differ: Vec<usize> = (0..found.len()).filter(|at| found[*at] != run.ticks[*at].1).collect();
     let largest = differ.iter().map(|at| found[*at].abs_diff(run.ticks[*at].1)).max().unwrap_or(0);
@@ -99,10 +99,10 @@ fn a_slow_line_that_loses_every_twentieth_frame_changes_no_override() {
     let run = ibr_slot();
     let (ideal, _) = over_the_link(run, 0, 0);
     let (found, world) = over_the_link(run, 20, 50);
-    let spoilt = world.board.desk.link().counters().crc_errors;
+    let corrupted = world.board.desk.link().counters().crc_errors;
     let again = world.host.link.counters().retransmissions;
-    println!("{spoilt} frames spoilt, {again} sent again");
-    assert!(spoilt > 30 && again > 0, "the line was sound");
+    println!("{corrupted} frames corrupted, {again} sent again");
+    assert!(corrupted > 30 && again > 0, "the line was sound");
     assert_eq!(world.host.refusals, []);
     assert!(found == ideal, "{:?}", found.iter().zip(&ideal).position(|(a, b)| a != b));
 }

@@ -123,7 +123,7 @@ fn is_alarmed(world: &World) -> bool {
     world.output.expect("a tick").alarm == Alarm::Latched
 }
 
-fn bite(world: &mut World) {
+fn engagement(world: &mut World) {
     world.sensors.signals = Signals::of_fault(BoardFault::Watchdog);
 }
 
@@ -199,7 +199,7 @@ fn stop_spindle(world: &mut World) {
 }
 
 const FAULTS: [Fault; 21] = [
-    ("watchdog: 0 %", bite, is_stopped),
+    ("watchdog: 0 %", engagement, is_stopped),
     ("board fault: 0 %", fail, is_stopped),
     ("corrupt parameters: 0 %", tear_parameters, is_stopped),
     ("board restarts: 0 %", restart_board, is_stopped),
@@ -246,7 +246,7 @@ fn the_document_quotes_the_times_that_are_measured() {
 #[test]
 fn a_fault_stays_until_a_person_resets_and_then_nothing_is_armed() {
     use arcfeed_firmware::supervisor::signals::Request;
-    for strike in [bite as fn(&mut World), fail, tear_parameters] {
+    for strike in [engagement as fn(&mut World), fail, tear_parameters] {
         let mut world = running();
         world.host.refusals.clear();
         strike(&mut world);

@@ -1,13 +1,11 @@
 //! A whole board in process, `firmware::station`, between a host at the other end of its link and a machine.
 //!
-//! `example.rs` runs the example job through it, `along.rs` one whose engaged arcs come with each move, `restarts.rs` restarts either side at random points, `schedules.rs` spoils the line,
+//! `example.rs` runs the example job through it, `along.rs` one whose engaged arcs come with each move, `restarts.rs` restarts either side at random points, `schedules.rs` corrupts the line,
 //! `faults.rs` measures
 //! the times that `docs/board-safety.md` quotes, `copies.rs` replays recorded frames, `clerk.rs` asks for what is refused, `document.rs` compares
 //! `docs/protocol.md` with the messages.
 
 mod world;
-
-mod recorded;
 
 mod example;
 

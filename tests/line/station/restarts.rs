@@ -12,23 +12,23 @@ use arcfeed_shared::wire::message::codes::RequestCode;
 use arcfeed_tests::noticed::{Noticed, assert_explained};
 
 use crate::station::example::moves;
-use crate::station::recorded::{Recorded, ibr_slot};
 use crate::station::world::{Board, Channel, Host, TICK, World, standing};
+use arcfeed_tests::recording::{Recording, ibr_slot};
 
 /// Of each kind.
 const POINTS: u64 = 100;
-/// Of a thousand frames a line may spoil so many, and one that is hardly a line.
-const SPOILT_PER_MILLE: u64 = 50;
+/// Of a thousand frames a line may corrupt so many, and one that is hardly a line.
+const CORRUPTED_PER_MILLE: u64 = 50;
 const BAD_PER_MILLE: u64 = 300;
 /// How long the machine goes on before, at most, and after, ticks.
 const BEFORE: usize = 3_000;
 const AFTER: usize = 1_500;
-/// The link's patience with silence, ticks.
+/// The link's time-out, ticks.
 const LOST: usize = 250;
 
 /// A machine under way: the moves from one on, and where it is at each tick from its beginning on.
 struct UnderWay {
-    run: &'static Recorded,
+    run: &'static Recording,
     all: Vec<(Segment, Option<usize>)>,
     first: usize,
     tick: usize,
@@ -52,7 +52,7 @@ impl UnderWay {
         let all = moves(run);
         let first = random.below(all.len() - 4);
         let tick = run.ticks.iter().position(|(_, _, begun)| *begun == first + 1).expect("it began");
-        let (latency, lost) = (random.below(20) as u64, random.below(2) as u64 * SPOILT_PER_MILLE);
+        let (latency, lost) = (random.below(20) as u64, random.below(2) as u64 * CORRUPTED_PER_MILLE);
         let channels = [seed, seed + 1].map(|seed| Channel::new(latency, lost, seed));
         let mut world = World::new(&run.job, &all[first..], channels);
         world.sensors = standing(run.ticks[tick].0, run.job.tools.first().spindle);
@@ -84,17 +84,17 @@ impl UnderWay {
         panic!("not within {most} ticks: {:?}", self.world.output);
     }
 
-    /// From now on the line spoils so many of a thousand frames either way; how many before.
-    fn spoil(&mut self, per_mille: u64) -> u64 {
+    /// From now on the line corrupts so many of a thousand frames either way; how many before.
+    fn corrupt(&mut self, per_mille: u64) -> u64 {
         let World { up, down, .. } = &mut self.world;
         up.lost_per_mille = per_mille;
         std::mem::replace(&mut down.lost_per_mille, per_mille)
     }
 
-    /// Frames that a channel spoilt of those sent since then that have come through; `None` if it spoils none.
-    fn spoilt(&self, channel: &Channel, since: Micros) -> Option<usize> {
+    /// Frames that a channel corrupted of those sent since then that have come through; `None` if it corrupts none.
+    fn corrupted(&self, channel: &Channel, since: Micros) -> Option<usize> {
         let counts = |sent: &&Micros| **sent > since && sent.after(channel.latency) <= self.world.now;
-        (channel.lost_per_mille > 0).then(|| channel.spoilt.iter().filter(counts).count())
+        (channel.lost_per_mille > 0).then(|| channel.corrupted.iter().filter(counts).count())
     }
 
     fn state(&self) -> State {
@@ -110,12 +110,12 @@ fn host_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     let before = way.world.output.expect("a tick").feed_override.percent;
     let (rest, since) = (way.all[way.first..].to_vec(), way.world.now);
     way.world.host = Host::new(1_000 + seed as u32, &way.run.job, &rest);
-    let usual = per_mille.map(|per_mille| way.spoil(per_mille));
+    let usual = per_mille.map(|per_mille| way.corrupt(per_mille));
     let after = way.until(LOST + 60, |world| !world.output.expect("a tick").state.is_engaged());
     // What the host says in a tick, the board may hear in it.
     let down = &way.world.down;
-    let noticed = Noticed { after, way: 1 + ticks(down.latency), spoilt: way.spoilt(down, since) };
-    usual.map(|usual| way.spoil(usual));
+    let noticed = Noticed { after, way: 1 + ticks(down.latency), corrupted: way.corrupted(down, since) };
+    usual.map(|usual| way.corrupt(usual));
     let output = way.world.output.expect("a tick");
     assert!(matches!(output.state, State::Fallback { .. }), "{:?}", output.state);
     assert_eq!(output.alarm, Alarm::Latched);
@@ -149,15 +149,15 @@ fn board_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     let mut way = UnderWay::new(seed);
     let (is_bitten, since) = (seed.is_multiple_of(3), way.world.now);
     way.world.board = Board::boot(2 + seed as u32, is_bitten.then_some(BoardFault::Watchdog));
-    let usual = per_mille.map(|per_mille| way.spoil(per_mille));
+    let usual = per_mille.map(|per_mille| way.corrupt(per_mille));
     let first = way.step();
     assert_eq!(first, 0, "power-on is 0 %");
     let after = 1 + way.until(LOST + 60, |world| world.host.loss().is_some());
     assert_eq!(way.world.host.loss(), Some(Loss::PeerRestarted));
     // What the board says in a tick, the host hears in the next one at the earliest.
     let up = &way.world.up;
-    let noticed = Noticed { after, way: 1 + ticks(up.latency).max(1), spoilt: way.spoilt(up, since) };
-    usual.map(|usual| way.spoil(usual));
+    let noticed = Noticed { after, way: 1 + ticks(up.latency).max(1), corrupted: way.corrupted(up, since) };
+    usual.map(|usual| way.corrupt(usual));
     let sent = way.world.host.link.counters().frames_out;
     let mut last = way.world.output.expect("a tick").feed_override.percent;
     for _ in 0..AFTER {
@@ -195,7 +195,7 @@ fn a_board_that_begins_anew_at_any_point_is_noticed_and_boots_disarmed() {
 }
 
 #[test]
-fn on_a_line_that_spoils_nearly_every_third_frame_it_takes_as_many_more_hellos_as_are_spoilt() {
+fn on_a_line_that_corrupts_nearly_every_third_frame_it_takes_as_many_more_hellos_as_are_corrupted() {
     assert_explained("host, bad line", &points(host_restarts, Some(BAD_PER_MILLE)));
     assert_explained("board, bad line", &points(board_restarts, Some(BAD_PER_MILLE)));
 }

@@ -7,8 +7,8 @@ use arcfeed_firmware::supervisor::state::State;
 use arcfeed_shared::units::{Micros, Span};
 
 use crate::station::example::moves;
-use crate::station::recorded::{Recorded, ibr_slot};
 use crate::station::world::{Channel, World, standing};
+use arcfeed_tests::recording::{Recording, ibr_slot};
 
 const SHORT: u64 = 60;
 const FULL: u64 = 1_000;
@@ -35,7 +35,7 @@ struct Outcome {
 }
 
 impl Schedule {
-    fn new(seed: u64, run: &Recorded) -> Self {
+    fn new(seed: u64, run: &Recording) -> Self {
         let mut random = fastrand::Rng::with_seed(seed);
         let outage = |random: &mut fastrand::Rng| {
             let ways = [[true, false], [false, true], [true, true]];
@@ -50,7 +50,7 @@ impl Schedule {
     }
 }
 
-fn run_through(seed: u64, run: &'static Recorded) -> Outcome {
+fn run_through(seed: u64, run: &'static Recording) -> Outcome {
     let schedule = Schedule::new(seed, run);
     let Schedule { latency_ms, lost_per_mille, first, .. } = schedule;
     let channels = [seed, !seed].map(|seed| Channel::new(latency_ms, 0, seed));

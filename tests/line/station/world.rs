@@ -36,8 +36,8 @@ pub struct Channel {
     /// Of a thousand frames.
     pub lost_per_mille: u64,
     random: u64,
-    /// When it spoilt a frame.
-    pub spoilt: Vec<Micros>,
+    /// When it corrupted a frame.
+    pub corrupted: Vec<Micros>,
     on_its_way: VecDeque<(Micros, Vec<u8>)>,
     /// Whether it is plugged in.
     pub is_open: bool,
@@ -91,7 +91,7 @@ impl Channel {
             latency: Micros::from_ms(latency_ms),
             lost_per_mille,
             random,
-            spoilt: Vec::new(),
+            corrupted: Vec::new(),
             on_its_way: VecDeque::new(),
             is_open: true,
             recorded: VecDeque::new(),
@@ -107,12 +107,12 @@ impl Channel {
     }
 
     fn send(&mut self, now: Micros, frame: &[u8]) {
-        let is_spoilt = self.bits() % 1_000 < self.lost_per_mille;
+        let is_corrupted = self.bits() % 1_000 < self.lost_per_mille;
         let mut frame = frame.to_vec();
-        if is_spoilt {
-            self.spoilt.push(now);
+        if is_corrupted {
+            self.corrupted.push(now);
             let at = self.bits() as usize % frame.len();
-            // Half of the spoilt frames are gone, half have a wrong byte.
+            // Half of the corrupted frames are gone, half have a wrong byte.
             match self.bits() % 2 {
                 0 => frame.clear(),
                 _ => frame[at] ^= 1 << (self.bits() % 8),

@@ -1,4 +1,4 @@
-//! Characters that are spoilt on their way: no law acts on a move that it is not for without being noticed.
+//! Characters that are corrupted on their way: no law acts on a move that it is not for without being noticed.
 //!
 //! Held against an oracle that does not know the tap: the program as the tap heard it, read line by line, and the nearest of
 //! two thousand places on each of its moves.
@@ -16,7 +16,7 @@ const JOBS: [&str; 2] = ["examples/ibr-slot/job.toml", "examples/pocket/job-cont
 /// Runs of each kind.
 const RUNS: u64 = 40;
 /// Positions in a row that may lie off the path before the tap gives up: its setting.
-const PATIENCE: u32 = 5;
+const TIMEOUT: u32 = 5;
 
 /// What is done to one place of a stream.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +31,7 @@ enum Damage {
 
 const ALL: [Damage; 6] = [Damage::Flip, Damage::Drop, Damage::Repeat, Damage::Swap, Damage::Burst, Damage::Truncate];
 
-fn spoil(frames: &mut Vec<u8>, damage: Damage, rng: &mut Rng) {
+fn corrupt(frames: &mut Vec<u8>, damage: Damage, rng: &mut Rng) {
     // Behind the label: without one there is no program.
     let at = rng.usize(4..frames.len() - 4);
     match damage {
@@ -44,18 +44,18 @@ fn spoil(frames: &mut Vec<u8>, damage: Damage, rng: &mut Rng) {
     }
 }
 
-/// A stream that is spoilt before the tap (true) or between the tap and the control.
+/// A stream that is corrupted before the tap (true) or between the tap and the control.
 fn run(code: Code, damage: Damage, seed: u64, before: bool) -> Ended {
     let (file, text) = example(JOBS[seed as usize / ALL.len() % JOBS.len()]);
     let mut rng = Rng::with_seed(seed);
-    let mut spoilt = encoded(&text, code);
-    spoil(&mut spoilt, damage, &mut rng);
-    let heard = if before { spoilt.clone() } else { encoded(&text, code) };
+    let mut corrupted = encoded(&text, code);
+    corrupt(&mut corrupted, damage, &mut rng);
+    let heard = if before { corrupted.clone() } else { encoded(&text, code) };
     let settings = TapSettings { code: Some(code), ..TapSettings::new(file.job.unit) };
     let mut bench = Bench::new(control(&file, Some(code)), settings, &file.job, heard.clone());
     bench.rig.decider_mut().heard = moves(&decoded(&heard, code), file.job.unit);
     if !before {
-        let mut rest = spoilt.into_iter();
+        let mut rest = corrupted.into_iter();
         let last = heard.len() - 1;
         // As many characters in as out, and at the end what is left.
         bench.between = Box::new(
@@ -83,11 +83,11 @@ fn decoded(frames: &[u8], code: Code) -> Vec<u8> {
 }
 
 #[test]
-fn a_stream_spoilt_before_the_tap_is_for_it_what_it_is_for_the_control() {
+fn a_stream_corrupted_before_the_tap_is_for_it_what_it_is_for_the_control() {
     for code in [Code::Iso, Code::Ascii] {
         for seed in 0..RUNS {
             let ended = run(code, ALL[seed as usize % ALL.len()], seed, true);
-            assert!(ended.figures.off_path_in_row <= PATIENCE, "{ended:?}");
+            assert!(ended.figures.off_path_in_row <= TIMEOUT, "{ended:?}");
         }
     }
 }
@@ -98,7 +98,7 @@ fn a_control_that_got_something_else_is_found_out_when_its_axes_leave_the_path()
     for code in [Code::Iso, Code::Ascii] {
         for seed in 0..RUNS {
             let ended = run(code, ALL[seed as usize % ALL.len()], seed, false);
-            assert!(ended.figures.off_path_in_row <= PATIENCE, "{ended:?}");
+            assert!(ended.figures.off_path_in_row <= TIMEOUT, "{ended:?}");
             found_out += u32::from(ended.state == TapState::Lost(Why::OffPath));
         }
     }
@@ -133,17 +133,17 @@ const ELSEWHERE: [[&str; 2]; 5] = [
 ];
 
 #[test]
-fn another_path_than_the_one_that_was_read_is_noticed_within_the_patience() {
+fn another_path_than_the_one_that_was_read_is_noticed_within_the_count() {
     for [told, executed] in ELSEWHERE {
         let ended = another(told, executed, Nm(500_000));
         assert_eq!(ended.state, TapState::Lost(Why::OffPath), "{told}");
-        assert!(ended.figures.off_path_in_row <= PATIENCE, "{ended:?}");
+        assert!(ended.figures.off_path_in_row <= TIMEOUT, "{ended:?}");
     }
 }
 
 #[test]
 fn without_the_watch_a_law_would_act_where_it_has_no_business() {
     let acts =
-        |[told, executed]: &[&str; 2]| another(told, executed, Nm(i64::MAX)).figures.off_path_in_row > 10 * PATIENCE;
+        |[told, executed]: &[&str; 2]| another(told, executed, Nm(i64::MAX)).figures.off_path_in_row > 10 * TIMEOUT;
     assert!(ELSEWHERE.iter().filter(|places| acts(places)).count() >= 3);
 }

@@ -15,7 +15,7 @@ use crate::tap::bench::{Bench, control, encoded, example, moves};
 const DIFFERENCE_MAX: f64 = 0.011;
 
 /// The chips, and least and largest override of each governed move, of a controller that is told.
-pub fn told(job: &str) -> (Vec<MoveChips>, Vec<(u8, u8)>) {
+pub fn in_process(job: &str) -> (Vec<MoveChips>, Vec<(u8, u8)>) {
     let (file, text) = example(job);
     let decider = Told::new(&file.job, ControllerFault::None, STEP.into()).expect("sound limits");
     let text = [&text[..], b"\n"].concat();
@@ -36,7 +36,7 @@ fn the_chips_of_the_example_are_those_of_a_controller_that_is_told() {
     let ended = bench.run();
     println!("{ended:?}");
     assert!(bench.rig.control().has_ended(), "{:?}", bench.rig.control().alarm());
-    let (told, _) = told("examples/ibr-slot/job.toml");
+    let (told, _) = in_process("examples/ibr-slot/job.toml");
     let moves = bench.rig.meter().moves();
     assert_eq!(moves.len(), told.len());
     for (ours, theirs) in moves.iter().zip(&told) {

@@ -7,7 +7,7 @@ use arcfeed_hil_sim::cutting::meter::MoveChips;
 use arcfeed_shared::units::Micros;
 
 use crate::tap::bench::{Bench, control, encoded, example};
-use crate::tap::machining::told;
+use crate::tap::machining::in_process;
 
 const SLOT: &str = "examples/ibr-slot/job.toml";
 const SHOP: &str = "tests/cases/shop-program/job.toml";
@@ -29,7 +29,7 @@ fn offsets_cycles_and_reference_points_are_passed_over_and_the_bore_has_its_law(
     assert_eq!(ended.counters.governed, 1, "the bore");
     let percents: Vec<(u8, u8)> =
         bench.rig.overrides().iter().map(|figures| (figures.min_percent, figures.max_percent)).collect();
-    assert_eq!(percents, told(SHOP).1);
+    assert_eq!(percents, in_process(SHOP).1);
     assert!(ended.figures.governed > 1_000, "{:?}", ended.figures);
 }
 

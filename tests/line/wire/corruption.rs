@@ -1,6 +1,6 @@
-//! Spoilt frames by the hundred thousand: what is accepted is what was sent.
+//! Corrupted frames by the hundred thousand: what is accepted is what was sent.
 //!
-//! Each case is one spoilt frame on an otherwise quiet line, then an intact one. Accepted is what fits the salt of the session, or a
+//! Each case is one corrupted frame on an otherwise quiet line, then an intact one. Accepted is what fits the salt of the session, or a
 //! hello. What is accepted must be one of the frames that were sent, byte for byte: a swap of equal bytes, or a splice of one frame
 //! with itself, is what was sent, and is counted as such.
 
@@ -12,10 +12,10 @@ use fastrand::Rng;
 
 use crate::wire::of_full_set;
 
-/// A way to spoil a frame, without the delimiter that ends it; another frame to take from.
-type Spoil = fn(&mut Rng, &mut Vec<u8>, &[u8]);
+/// A way to corrupt a frame, without the delimiter that ends it; another frame to take from.
+type Corruption = fn(&mut Rng, &mut Vec<u8>, &[u8]);
 
-const WAYS: [(&str, Spoil); 8] = [
+const WAYS: [(&str, Corruption); 8] = [
     ("flips", |rng, frame, _| flips(rng, frame)),
     ("burst", |rng, frame, _| burst(rng, frame)),
     ("swap", |rng, frame, _| swap(rng, frame)),
@@ -140,11 +140,11 @@ fn accepted(deframer: &mut Deframer, bytes: &[u8], sent: &Sent) -> [u64; 2] {
 }
 
 #[test]
-fn no_spoilt_frame_is_accepted() {
+fn no_corrupted_frame_is_accepted() {
     let cases = of_full_set(10_000_000, 100_000);
     let mut rng = Rng::with_seed(0x0BAD_F4A3);
     let (mut deframer, mut bytes) = (Deframer::new(), Vec::new());
-    for (name, spoil) in WAYS {
+    for (name, corrupt) in WAYS {
         let (mut as_sent, mut changed, mut set) = (0, 0, sent(&mut rng));
         for case in 0..cases {
             if case % 10_000 == 0 {
@@ -153,7 +153,7 @@ fn no_spoilt_frame_is_accepted() {
             let (one, other) = (&set.frames[rng.usize(..200)], &set.frames[rng.usize(..200)]);
             bytes.clear();
             bytes.extend_from_slice(one);
-            spoil(&mut rng, &mut bytes, other);
+            corrupt(&mut rng, &mut bytes, other);
             let is_as_it_was = bytes == *one || bytes == *other;
             bytes.push(0);
             let [same, other] = accepted(&mut deframer, &bytes, &set);
@@ -161,7 +161,7 @@ fn no_spoilt_frame_is_accepted() {
             assert!(same == 0 || is_as_it_was || matches!(name, "delimiter" | "insertion"), "{name}");
             (as_sent, changed) = (as_sent + same, changed + other);
         }
-        println!("{name}: {cases} spoilt, {changed} accepted; {as_sent} were as sent");
+        println!("{name}: {cases} corrupted, {changed} accepted; {as_sent} were as sent");
         assert_eq!(changed, 0, "{name}");
         // What follows is read again.
         let mut whole = set.frames[1].clone();

@@ -1,4 +1,4 @@
-//! The board link as docs/protocol.md promises it: two ends in virtual time over lines that lose, spoil, repeat and delay, and
+//! The board link as docs/protocol.md promises it: two ends in virtual time over lines that lose, corrupt, repeat and delay, and
 //! the document's own examples. `cargo xtask soak` runs the full sets, `cargo xtask test` a seeded part of each.
 
 mod sim;

@@ -62,15 +62,15 @@ impl Way {
         }
         let times = 1 + u64::from(self.rng.f64() < self.faults.frame_twice);
         for _ in 0..times {
-            let spoilt = self.spoil(frame);
+            let corrupted = self.corrupt(frame);
             let late = self.latency_us + self.rng.u64(..=self.jitter_us);
             // A line does not reorder.
             self.arrived_us = self.arrived_us.max(self.free_at_us + late);
-            self.under_way.push_back((self.arrived_us, spoilt));
+            self.under_way.push_back((self.arrived_us, corrupted));
         }
     }
 
-    fn spoil(&mut self, frame: &[u8]) -> Vec<u8> {
+    fn corrupt(&mut self, frame: &[u8]) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(frame.len());
         for byte in frame {
             if self.faults.byte_lost > 0.0 && self.rng.f64() < self.faults.byte_lost {

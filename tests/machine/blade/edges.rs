@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_hil_sim::cutting::bite::Bite;
+use arcfeed_hil_sim::cutting::edge_engagement::EdgeEngagement;
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
 use arcfeed_hil_sim::cutting::layers::Layers;
@@ -76,7 +76,11 @@ fn process(modes: Vec<Mode>) -> Process {
     let layers = Layers::of_solid(&wall, 2, RISE_MM, RAY_MM).expect("layers");
     let cutting = Cutting::linear([0.1, 0.0, 0.0], [0.0, PUSH_N_PER_MM, 0.0]);
     let stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-9, passes_max: 20 };
-    Process::new(Bite::new(cutter, layers, 1.0).expect("slices as layers"), cutting, Vibration::new(modes, stepping))
+    Process::new(
+        EdgeEngagement::new(cutter, layers, 1.0).expect("slices as layers"),
+        cutting,
+        Vibration::new(modes, stepping),
+    )
 }
 
 /// Climb milling past the middle of the wall; what is left too thick there, each layer by its middle.
@@ -87,10 +91,10 @@ fn left_mm(modes: Vec<Mode>, mut step: impl FnMut(&mut Process, f64, &Stand)) ->
         let turned = n as f64 / STEPS_A_TURN as f64;
         let axis_mm = Vector2::new(from_mm + 2.0 * FEED_MM_PER_TOOTH * turned, RADIUS_MM);
         let stand = Stand { axis_mm, tip_mm: 0.0, turned_rad: TAU * turned.fract() };
-        process.bite_mut().enter(&stand);
+        process.engagement_mut().enter(&stand);
         step(&mut process, 1.0 / (TURN_HZ * STEPS_A_TURN as f64), &stand);
     }
-    let layers = process.bite().layers();
+    let layers = process.engagement().layers();
     let left = |(n, layer): (usize, &arcfeed_hil_sim::cutting::layer::Layer)| {
         let middle = libm::round(layer.index(1, 0.0)) as usize;
         let end_mm = layer.rays(1)[middle].extent().expect("a wall").to_mm;

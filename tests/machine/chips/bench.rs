@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_hil_sim::cutting::bite::Bite;
+use arcfeed_hil_sim::cutting::edge_engagement::EdgeEngagement;
 use arcfeed_hil_sim::cutting::edges::Cutter;
 use arcfeed_hil_sim::cutting::layer::Layer;
 use arcfeed_hil_sim::cutting::layers::Layers;
@@ -54,20 +54,20 @@ impl Straight {
     /// The same in a layer of one's own.
     pub fn seen_in(&self, layer: Layer, cutter: Cutter) -> Vec<Seen> {
         let layers = Layers::alike(&layer, 0.0, 1.0, 1);
-        let mut bite = Bite::new(cutter, layers, 0.5).expect("a tool in its layer");
+        let mut engagement = EdgeEngagement::new(cutter, layers, 0.5).expect("a tool in its layer");
         let mut seen = Vec::new();
         for step in 0..self.turns[0] * self.steps_a_turn {
             let turns = step as f64 / self.steps_a_turn as f64;
             let axis_mm = Vector2::new(self.feed_mm_per_turn * turns, 0.0);
             let stand = Stand { axis_mm, tip_mm: 0.0, turned_rad: TAU * turns };
             if turns >= self.turns[1] as f64 {
-                seen.extend(bite.chips(&bite.poses(&stand), |_| Vector2::zeros()).map(|chip| Seen {
+                seen.extend(engagement.chips(&engagement.poses(&stand), |_| Vector2::zeros()).map(|chip| Seen {
                     tooth: chip.piece.tooth,
                     angle_rad: (TAU / 4.0 - chip.piece.angle_at_rad(stand.turned_rad)).rem_euclid(TAU),
                     thickness_mm: chip.section.thickness_mm,
                 }));
             }
-            bite.cut(&bite.poses(&stand), |_| Vector2::zeros());
+            engagement.cut(&engagement.poses(&stand), |_| Vector2::zeros());
         }
         seen
     }

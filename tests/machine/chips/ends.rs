@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use arcfeed_hil_sim::cutting::bite::{Bite, EdgeChip};
+use arcfeed_hil_sim::cutting::edge_engagement::{EdgeChip, EdgeEngagement};
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill, Ring};
 use arcfeed_hil_sim::cutting::force::Loads;
@@ -24,9 +24,9 @@ const STEPS: i32 = 120;
 const LINEAR: Cutting = Cutting::linear([600.0, 200.0, 50.0], [0.0; 3]);
 
 /// A tool over a block whose top is at 0, from one corner to another.
-fn bite(cutter: Cutter, from_mm: [f64; 2], size_mm: [f64; 2]) -> Bite {
+fn engagement(cutter: Cutter, from_mm: [f64; 2], size_mm: [f64; 2]) -> EdgeEngagement {
     let layer = Layer::rectangle(from_mm, size_mm, 0.25);
-    Bite::new(cutter, Layers::alike(&layer, -10.0 * RISE_MM, RISE_MM, 10), 2.0).expect("a tool in its layers")
+    EdgeEngagement::new(cutter, Layers::alike(&layer, -10.0 * RISE_MM, RISE_MM, 10), 2.0).expect("a tool in its layers")
 }
 
 fn mill() -> Cutter {
@@ -44,15 +44,20 @@ struct Moment {
 }
 
 /// So many turns, along a way told in turns; what was taken is what is missing, and the work done.
-fn run(bite: &mut Bite, cutting: &Cutting, turns: i32, way_mm: impl Fn(f64) -> Vector3<f64>) -> (Vec<Moment>, f64) {
-    let before_mm3 = bite.layers().volumes_mm3();
+fn run(
+    engagement: &mut EdgeEngagement,
+    cutting: &Cutting,
+    turns: i32,
+    way_mm: impl Fn(f64) -> Vector3<f64>,
+) -> (Vec<Moment>, f64) {
+    let before_mm3 = engagement.layers().volumes_mm3();
     let (mut taken_mm3, mut moments) = ([0.0; 2], Vec::new());
     for step in 0..=turns * STEPS {
         let turned = f64::from(step) / f64::from(STEPS);
         let tip = way_mm(turned);
         let stand = Stand { axis_mm: tip.xy(), tip_mm: tip.z, turned_rad: TAU * turned };
         let (mut loads, mut chips_mm, mut work_n_mm) = (Loads::default(), [0.0_f64; 2], 0.0);
-        for EdgeChip { piece, section: chip, .. } in bite.chips(&bite.poses(&stand), |_| Vector2::zeros()) {
+        for EdgeChip { piece, section: chip, .. } in engagement.chips(&engagement.poses(&stand), |_| Vector2::zeros()) {
             let force = cutting.force(&chip);
             loads.add(&piece, stand.turned_rad, &force);
             let inwards_mm = f64::from(piece.side.advance()) * chip.thickness_mm * libm::sin(piece.lead_rad) / 2.0;
@@ -63,10 +68,10 @@ fn run(bite: &mut Bite, cutting: &Cutting, turns: i32, way_mm: impl Fn(f64) -> V
             }
         }
         moments.push(Moment { loads, chips_mm, work_n_mm });
-        let removed = bite.cut(&bite.poses(&stand), |_| Vector2::zeros());
+        let removed = engagement.cut(&engagement.poses(&stand), |_| Vector2::zeros());
         taken_mm3 = [0, 1].map(|axis: usize| taken_mm3[axis] + removed[axis]);
     }
-    let after_mm3 = bite.layers().volumes_mm3();
+    let after_mm3 = engagement.layers().volumes_mm3();
     for axis in 0..2 {
         let lost_mm3 = before_mm3[axis] - after_mm3[axis];
         assert!((lost_mm3 - taken_mm3[axis]).abs() < 1e-11 * before_mm3[axis], "{lost_mm3} {taken_mm3:?}");
@@ -98,8 +103,8 @@ fn a_plunge_has_chips_torque_and_thrust_in_closed_form() {
         (edges, 600.0 * 0.05 + 10.0, 200.0 * 0.05 + 5.0),
         (kienzle, 800.0 * libm::pow(0.05, 0.75), 0.4 * 800.0 * libm::pow(0.05, 0.75)),
     ] {
-        let mut bite = bite(mill(), [-7.0; 2], [14.0; 2]);
-        let (moments, _) = run(&mut bite, &cutting, 8, down(0.2));
+        let mut engagement = engagement(mill(), [-7.0; 2], [14.0; 2]);
+        let (moments, _) = run(&mut engagement, &cutting, 8, down(0.2));
         for moment in &moments[STEPS as usize..] {
             assert!((moment.chips_mm[0] - 0.05).abs() < 1e-12 && moment.chips_mm[1] < 1e-12, "{:?}", moment.chips_mm);
             let loads = &moment.loads;
@@ -112,8 +117,8 @@ fn a_plunge_has_chips_torque_and_thrust_in_closed_form() {
 #[test]
 fn uneven_teeth_take_what_lies_between_them() {
     let pitches_rad = [80.0_f64, 100.0, 80.0, 100.0].map(f64::to_radians);
-    let mut bite = bite(mill().with_pitch(&pitches_rad).expect("pitches"), [-7.0; 2], [14.0; 2]);
-    let (moments, _) = run(&mut bite, &LINEAR, 3, down(0.36));
+    let mut engagement = engagement(mill().with_pitch(&pitches_rad).expect("pitches"), [-7.0; 2], [14.0; 2]);
+    let (moments, _) = run(&mut engagement, &LINEAR, 3, down(0.36));
     // Steps of 3 degrees do not divide a pitch: floors are looked up within one of where they were cut.
     let thickest_mm = moments[STEPS as usize..].iter().map(|moment| moment.chips_mm[0]).fold(0.0, f64::max);
     assert!((thickest_mm - 0.1).abs() <= 0.36 / f64::from(STEPS), "{thickest_mm}");
@@ -121,8 +126,8 @@ fn uneven_teeth_take_what_lies_between_them() {
 
 #[test]
 fn half_a_hole_takes_half_the_torque() {
-    let mut bite = bite(mill(), [0.0, -7.0], [14.0; 2]);
-    let (moments, _) = run(&mut bite, &LINEAR, 6, down(0.2));
+    let mut engagement = engagement(mill(), [0.0, -7.0], [14.0; 2]);
+    let (moments, _) = run(&mut engagement, &LINEAR, 6, down(0.2));
     let turn = &moments[(5 * STEPS) as usize + 1..];
     let mean_n_m = turn.iter().map(|moment| moment.loads.torque_n_m).sum::<f64>() / turn.len() as f64;
     // One cell of 0.25 mm at the border, on either side of the axis.
@@ -132,8 +137,8 @@ fn half_a_hole_takes_half_the_torque() {
 #[test]
 fn a_ring_plunges_with_all_its_teeth() {
     let cutter = Cutter::ring(&RING, SLICES).expect("a ring");
-    let mut bite = bite(cutter, [-22.0; 2], [44.0; 2]);
-    let (moments, taken_mm3) = run(&mut bite, &LINEAR, 6, down(0.3));
+    let mut engagement = engagement(cutter, [-22.0; 2], [44.0; 2]);
+    let (moments, taken_mm3) = run(&mut engagement, &LINEAR, 6, down(0.3));
     let last = moments.last().expect("steps");
     // Its inner end goes along chords, 0.003 mm off at their ends.
     assert_near("torque, N m", last.loads.torque_n_m, 6.0 * 600.0 * 0.05 * (400.0 - 225.0) / 2.0 * 1e-3, 1e-3);
@@ -148,9 +153,9 @@ fn a_ramp_has_both_chips_and_the_work_of_its_volume() {
     // 0.1 mm a tooth, 10 degrees down.
     let (sin, cos) = libm::sincos(10.0_f64.to_radians());
     for (name, cutter, teeth) in [("mill", mill(), 4.0), ("ring", Cutter::ring(&RING, SLICES).expect("a ring"), 6.0)] {
-        let mut bite = bite(cutter, [-22.0; 2], [60.0, 44.0]);
+        let mut engagement = engagement(cutter, [-22.0; 2], [60.0, 44.0]);
         let way = |turns: f64| Vector3::new(cos, 0.0, -sin) * 0.1 * teeth * turns;
-        let (moments, taken_mm3) = run(&mut bite, &LINEAR, 24, way);
+        let (moments, taken_mm3) = run(&mut engagement, &LINEAR, 24, way);
         let settled = &moments[(4 * STEPS) as usize..];
         let most = |which: usize| settled.iter().map(|moment| moment.chips_mm[which]).fold(0.0, f64::max);
         assert_near(&format!("{name}: work, N mm"), work(&moments), 600.0 * taken_mm3, 8e-3);
@@ -166,8 +171,8 @@ fn a_ramp_has_both_chips_and_the_work_of_its_volume() {
 fn a_level_way_over_a_floor_has_no_chips_on_the_end() {
     // Down to the middle of a layer in a ramp, then on.
     let way = |turns: f64| Vector3::new(0.4 * turns, 0.0, -0.05 * turns.min(15.0));
-    let mut bite = bite(mill(), [-7.0; 2], [40.0, 14.0]);
-    let (moments, taken_mm3) = run(&mut bite, &LINEAR, 40, way);
+    let mut engagement = engagement(mill(), [-7.0; 2], [40.0, 14.0]);
+    let (moments, taken_mm3) = run(&mut engagement, &LINEAR, 40, way);
     for (step, moment) in moments.iter().enumerate().skip(STEPS as usize) {
         // After the last step down each of the four teeth passes once more, where the one before passed a little beside it.
         let off = step as i32 - (15 * STEPS + STEPS / 4);
@@ -196,9 +201,10 @@ fn a_helix_of_several_turns_in_one_layer_is_cut_by_the_side() {
     };
     let layer = Layer::rectangle([-10.0; 2], [20.0; 2], 0.25);
     let slices = Pieces::Slices { rise_mm: 3.0 };
-    let mut bite =
-        Bite::new(Cutter::end_mill(&MILL, slices).unwrap(), Layers::alike(&layer, -3.0, 3.0, 1), 2.0).unwrap();
-    let (moments, taken_mm3) = run(&mut bite, &LINEAR, (laps * turns_a_lap) as i32, way);
+    let mut engagement =
+        EdgeEngagement::new(Cutter::end_mill(&MILL, slices).unwrap(), Layers::alike(&layer, -3.0, 3.0, 1), 2.0)
+            .unwrap();
+    let (moments, taken_mm3) = run(&mut engagement, &LINEAR, (laps * turns_a_lap) as i32, way);
     assert_near("work, N mm", work(&moments), 600.0 * taken_mm3, 5e-3);
     let last = &moments[((laps - 1.0) * turns_a_lap) as usize * STEPS as usize..];
     let most = |which: usize| last.iter().map(|moment| moment.chips_mm[which]).fold(0.0, f64::max);

@@ -8,8 +8,8 @@ use arcfeed::adapt::adapt;
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
-use arcfeed_hil_sim::cutting::bite::{Bite, EdgeChip};
 use arcfeed_hil_sim::cutting::chip::Circle;
+use arcfeed_hil_sim::cutting::edge_engagement::{EdgeChip, EdgeEngagement};
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, Ring};
 use arcfeed_hil_sim::cutting::layer::Layer;
@@ -101,7 +101,7 @@ fn compare(track: &Track, mill: &CupMill, edge: Edge, line: &StockLine, spindle:
     };
     let circle = Circle { radius_mm: mill.radius(edge).to_mm(), advance_ratio: f64::from(edge.advance()) };
     let layers = Layers::alike(&layer(line, mill, places[0]), 0.0, HEIGHT_MM, 1);
-    let mut bite = Bite::new(edges(mill), layers, 2.0).expect("a ring in its layer");
+    let mut engagement = EdgeEngagement::new(edges(mill), layers, 2.0).expect("a ring in its layer");
     let mut compared = Compared::default();
     for step in 0..(places.len() - 1) * STEPS_A_MS {
         let turned_rad = TAU * f64::from(spindle.0) / 60e3 * step as f64 / STEPS_A_MS as f64;
@@ -109,7 +109,7 @@ fn compare(track: &Track, mill: &CupMill, edge: Edge, line: &StockLine, spindle:
         // The axes come to rest at the end of the block: the last teeth are no concern of the meter either.
         if (SETTLED_MS..places.len() - SETTLED_MS / 2).contains(&(step / STEPS_A_MS)) {
             let delta_mm = place(step) - place(step - TOOTH_MS * STEPS_A_MS);
-            for EdgeChip { piece, section, .. } in bite.chips(&bite.poses(&stand), |_| Vector2::zeros()) {
+            for EdgeChip { piece, section, .. } in engagement.chips(&engagement.poses(&stand), |_| Vector2::zeros()) {
                 if piece.side != edge {
                     continue;
                 }
@@ -126,7 +126,7 @@ fn compare(track: &Track, mill: &CupMill, edge: Edge, line: &StockLine, spindle:
                 }
             }
         }
-        bite.cut(&bite.poses(&stand), |_| Vector2::zeros());
+        engagement.cut(&engagement.poses(&stand), |_| Vector2::zeros());
     }
     compared
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use arcfeed_hil_sim::cutting::bite::{Bite, BiteError};
+use arcfeed_hil_sim::cutting::edge_engagement::{EdgeEngagement, EdgeEngagementError};
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
 use arcfeed_hil_sim::cutting::layers::Layers;
@@ -28,16 +28,16 @@ fn layers() -> Layers {
 
 #[test]
 fn what_is_taken_and_what_is_left_make_up_what_there_was() {
-    let mut bite = Bite::new(Cutter::end_mill(&ball(), slices()).unwrap(), layers(), 3.0).unwrap();
-    let before = bite.layers().volumes_mm3();
+    let mut engagement = EdgeEngagement::new(Cutter::end_mill(&ball(), slices()).unwrap(), layers(), 3.0).unwrap();
+    let before = engagement.layers().volumes_mm3();
     let mut taken = [0.0; 2];
     for step in 0..7200 {
         let turns = f64::from(step) / 360.0;
         let stand = Stand { axis_mm: Vector2::new(-6.5 + turns, 1.0), tip_mm: 1.0, turned_rad: TAU * turns };
-        let removed = bite.cut(&bite.poses(&stand), |_| Vector2::zeros());
+        let removed = engagement.cut(&engagement.poses(&stand), |_| Vector2::zeros());
         taken = [0, 1].map(|axis: usize| taken[axis] + removed[axis]);
     }
-    let after = bite.layers().volumes_mm3();
+    let after = engagement.layers().volumes_mm3();
     for axis in 0..2 {
         assert!((taken[axis] + after[axis] - before[axis]).abs() < 1e-12 * before[axis] * 100.0);
         assert!(taken[axis] > 100.0);
@@ -55,11 +55,11 @@ fn what_is_taken_and_what_is_left_make_up_what_there_was() {
 #[test]
 fn an_edge_in_other_pieces_than_the_layers_is_refused() {
     let cutter = Cutter::end_mill(&ball(), Pieces::Along(10)).unwrap();
-    let error = Bite::new(cutter, layers(), 1.0).unwrap_err();
+    let error = EdgeEngagement::new(cutter, layers(), 1.0).unwrap_err();
     assert!(
         error.to_string().starts_with("layers of 0.25 mm need edges in slices of the same height, not of "),
         "{error}"
     );
     let cutter = Cutter::end_mill(&ball(), slices()).unwrap();
-    assert_eq!(Bite::new(cutter, layers(), 0.0).unwrap_err(), BiteError::Depth { depth_mm: 0.0 });
+    assert_eq!(EdgeEngagement::new(cutter, layers(), 0.0).unwrap_err(), EdgeEngagementError::Depth { depth_mm: 0.0 });
 }

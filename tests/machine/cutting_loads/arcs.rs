@@ -1,7 +1,7 @@
 //! A cup mill that turns about a point of its ring: chips that its edges find in the block against the geometric meter, which
 //! knows nothing of the block but the line of the rule, and what the law makes of forces.
 
-use crate::cutting_loads::story::{number, told};
+use crate::cutting_loads::story::{number, simulation_report};
 
 const INNER_IN: f64 = 4.43706;
 /// The block's edge, and the rule's line; square to Y.
@@ -24,7 +24,7 @@ fn turn(feed: f64) -> serde_json::Value {
          [workpiece]\nblock = {{ from = [-2, -6, 0], to = [11, {EDGE_IN}, 0.09] }}\nstep = 0.03\n\
          [cutting]\nmaterial = \"Ti-6Al-4V\"\nradial = 0.4\naxial = 0.2\naxial_depth = 0.09\n"
     );
-    told("arc", &job, &program)
+    simulation_report("arc", &job, &program)
 }
 
 #[test]

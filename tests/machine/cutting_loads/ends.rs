@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use arcfeed_tests::{Scratch, root, run};
 
-use crate::cutting_loads::story::{assert_near, block, number, told};
+use crate::cutting_loads::story::{assert_near, block, number, simulation_report};
 
 /// Four teeth of 10 mm, 3000 rev/min.
 fn job(cutting: &str) -> String {
@@ -26,7 +26,7 @@ const NEAR: f64 = 1e-9;
 fn a_plunge_has_torque_power_and_thrust_in_closed_form() {
     // 0.05 mm a tooth.
     let program = "%\nG21G17G90G94\nN1G0X.013Y.021\nN2G0Z5.\nN3G1Z-4.F600.\nN4G0Z5.\nN5M30\n%\n";
-    let report = told("plunge", &job(LINEAR), program);
+    let report = simulation_report("plunge", &job(LINEAR), program);
     let load = block(&report, 3);
     let torque_n_m = 4.0 * 600.0 * 0.05 * 12.5e-3;
     assert_near("end chip, mm", number(load, "/end_chip_max"), 0.05, NEAR);
@@ -45,7 +45,7 @@ fn a_plunge_has_torque_power_and_thrust_in_closed_form() {
 fn a_ramp_has_the_chips_of_side_and_end_and_the_work_of_its_volume() {
     // 3 in 30; 4 teeth of 0.1 mm.
     let program = "%\nG21G17G90G94\nN1G0X.013Y.021\nN2G0Z.05\nN3G1Z0.F600.\nN4G1X30.013Z-3.F1200.\nN5G0Z5.\nN6M30\n%\n";
-    let report = told("ramp", &job(LINEAR), program);
+    let report = simulation_report("ramp", &job(LINEAR), program);
     let load = block(&report, 4);
     let sin = 0.1 / libm::sqrt(1.01);
     assert_near("side chip, mm", number(load, "/chip_max/0"), 0.1 * libm::sqrt(1.0 - sin * sin), 3e-3);
@@ -64,7 +64,7 @@ fn a_ramp_has_the_chips_of_side_and_end_and_the_work_of_its_volume() {
 #[test]
 fn layers_do_not_show_in_a_ramp() {
     let program = "%\nG21G17G90G94\nN1G0X.013Y.021\nN2G0Z.05\nN3G1Z0.F600.\nN4G1X30.013Z-3.F1200.\nN5G0Z5.\nN6M30\n%\n";
-    let of = |layers: usize| told("layers", &job(&format!("{LINEAR}layers = {layers}\n")), program);
+    let of = |layers: usize| simulation_report("layers", &job(&format!("{LINEAR}layers = {layers}\n")), program);
     let [one, ten] = [of(1), of(10)];
     for (pointer, tolerance) in [("/force_max_n", NEAR), ("/torque_max_n_m", NEAR), ("/torque_mean_n_m", 1e-4)] {
         assert_near(pointer, number(block(&ten, 4), pointer), number(block(&one, 4), pointer), tolerance);

@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 
-use crate::cutting_loads::story::{assert_plate, assert_refused, number, told};
+use crate::cutting_loads::story::{assert_plate, assert_refused, number, simulation_report};
 
 /// A strip along X in front of the XZ plane, with a layer of stock on it, and what is in `[workpiece.flexible]` and `[cutting]`.
 #[derive(Clone, Copy, Debug)]
@@ -45,14 +45,14 @@ impl Strip<'_> {
     }
 
     /// Climb milling from the clamp to the free end, a block every 10 mm, its N the place of its end.
-    fn told(&self, name: &str) -> Value {
+    fn simulation_report(&self, name: &str) -> Value {
         let feed = 2.0 * self.feed_mm_per_tooth * self.rev_per_min;
         let program = format!(
             "%\nG21G17G90G94\nN1G0X-8.Y{RADIUS_MM:.1}\nN2G0Z5.\nN3G1Z-{:.3}F2000.\nN10G1X10.F{feed:.3}\nN20X20.\nN30X30.\nN40X40.\n\
              N50X50.\nN60X60.\nN70X68.\nN80G0Z5.\nN90M30\n%\n",
             self.axial_depth_mm
         );
-        told(name, &self.job(), &program)
+        simulation_report(name, &self.job(), &program)
     }
 }
 
@@ -70,7 +70,7 @@ const PUSHED: Strip<'_> = Strip {
 
 #[test]
 fn a_strip_is_left_as_thick_as_a_beam_is_bent_by_the_force() {
-    let report = PUSHED.told("pushed");
+    let report = PUSHED.simulation_report("pushed");
     let marks = report["loads"]["marks"]["blocks"].as_array().expect("a list");
     let (young_mpa, shear_mpa) = (210e3, 210e3 / 2.6);
     let area_mm2 = HEIGHT_MM * PUSHED.thickness_mm;
@@ -117,7 +117,7 @@ fn it_chatters_where_its_first_mode_says() {
             flexible: Some("material = \"structural steel\"\nmodes = 2\ndamping = 0.03\n"),
             cutting: "cutting = [600, 200, 0]\nedge = [0, 0, 0]\n",
         };
-        let report = strip.told("chatters");
+        let report = strip.simulation_report("chatters");
         let blocks = report["loads"]["vibration"]["unsteady"].as_array().expect("a list").iter();
         let found: Vec<i64> = blocks.map(|block| block["n"].as_i64().expect("a number")).collect();
         println!("{depth_mm} mm: not steady {found:?}");
@@ -141,8 +141,8 @@ fn a_strip_too_stiff_to_move_is_a_rigid_one() {
         cutting: "cutting = [600e-9, 200e-9, 0]\nedge = [20e-9, 10e-9, 0]\n",
         ..PUSHED
     };
-    let given = strip.told("stiff");
-    let rigid = Strip { flexible: None, ..strip }.told("rigid");
+    let given = strip.simulation_report("stiff");
+    let rigid = Strip { flexible: None, ..strip }.simulation_report("rigid");
     let fields =
         ["load/force_max_n", "load/force_mean_n", "load/torque_mean_n_m", "load/chip_mean/0", "marks/max", "marks/rms"];
     for field in fields {
@@ -164,7 +164,11 @@ fn a_plate_held_at_any_face_has_the_frequencies_of_the_table() {
         );
         let job = job.replace("modes = 3", "modes = 5");
         assert!(job.contains(cells) && job.contains("modes = 5"));
-        let report = told(&format!("plate-{name}"), &job, "%\nG21G17G90G94\nN1G0X-80.Y0.\nN2G1Z5.F2000.\nN3M30\n%\n");
+        let report = simulation_report(
+            &format!("plate-{name}"),
+            &job,
+            "%\nG21G17G90G94\nN1G0X-80.Y0.\nN2G1Z5.F2000.\nN3M30\n%\n",
+        );
         assert_plate(clamped, &report);
     }
 }

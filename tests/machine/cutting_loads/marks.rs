@@ -1,8 +1,8 @@
-//! What teeth leave on walls: feed marks and runout in closed form, vibration that is told, and vibration that comes by itself.
+//! What teeth leave on walls: feed marks and runout in closed form, vibration that is prescribed, and vibration that comes by itself.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use arcfeed_hil_sim::cutting::bite::{Bite, slices};
+use arcfeed_hil_sim::cutting::edge_engagement::{EdgeEngagement, slices};
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
 use arcfeed_hil_sim::cutting::layer::Layer;
@@ -37,7 +37,7 @@ fn of_slot(report: &Value) -> &Value {
 
 #[test]
 fn feed_leaves_the_cusps_in_closed_form() {
-    let report = ONE_TOOTH.told("feed-marks");
+    let report = ONE_TOOTH.simulation_report("feed-marks");
     let marks = of_slot(&report);
     // Martellotti 1941: f^2 / 8 (R -+ f z / pi), the larger one where the tooth goes against the feed.
     let (feed_mm, radius_mm) = (ONE_TOOTH.feed_mm_per_tooth, 5.0);
@@ -65,7 +65,7 @@ fn the_longer_of_two_teeth_makes_both_walls() {
         cutting: "cutting = [600, 200, 0]\nedge = [0, 0, 0]\nrunout = { eccentricity = 0.02, direction = 0 }\n",
         ..ONE_TOOTH
     };
-    let report = slot.told("runout-marks");
+    let report = slot.simulation_report("runout-marks");
     let marks = of_slot(&report);
     let (least_mm, most_mm) = (number(marks, "/min"), number(marks, "/max"));
     // One tooth of 5.02 mm, once a turn; the other, 4.98 mm, stays 0.04 mm away.
@@ -85,20 +85,20 @@ fn a_tool_that_is_moved_sideways_leaves_that_on_both_walls() {
     let cutter = Cutter::end_mill(&mill, Pieces::Slices { rise_mm: 1.0 }).expect("a mill");
     let turned = Turned { slices: slices(&cutter), reach_mm: 1.0 };
     let blank = Layers::alike(&Layer::rectangle([-8.0, -8.0], [36.0, 16.0], 0.23), 0.0, 1.0, 1);
-    let mut bite = Bite::new(cutter, blank.clone(), RADIUS_MM / 2.0).expect("layers as high as slices");
+    let mut engagement = EdgeEngagement::new(cutter, blank.clone(), RADIUS_MM / 2.0).expect("layers as high as slices");
     let (mut way, of) = (Way::default(), Of { count: 7, sequence: None, rule: None, is_rapid: false });
     let stand = |step: u32| Stand {
         axis_mm: Vector2::new(f64::from(step) * FEED_MM / 60.0, 0.0),
         tip_mm: 0.0,
         turned_rad: f64::from(step) * PI / 60.0,
     };
-    bite.sink(&stand(0));
+    engagement.sink(&stand(0));
     for step in 0..(WAY_MM / FEED_MM * 60.0) as u32 {
         let stand = stand(step);
-        bite.cut(&bite.poses(&stand), |_| Vector2::new(0.0, bent_mm(stand.axis_mm.x)));
+        engagement.cut(&engagement.poses(&stand), |_| Vector2::new(0.0, bent_mm(stand.axis_mm.x)));
         way.go(&of, [stand.axis_mm.x, stand.axis_mm.y, stand.tip_mm]);
     }
-    let found = marks(&blank, bite.layers(), &way, &turned);
+    let found = marks(&blank, engagement.layers(), &way, &turned);
     let beside = found.iter().filter(|mark| (1.0..WAY_MM - 1.0).contains(&mark.point_mm.x));
     let (mut count, mut worst_mm) = (0, 0.0_f64);
     for mark in beside.filter(|mark| libm::fabs(mark.point_mm.y) > RADIUS_MM * libm::sin(FRAC_PI_2 * 0.9)) {
@@ -125,7 +125,7 @@ const ACROSS: Slot<'_> = Slot {
 #[test]
 fn chatter_is_in_the_walls_and_a_steady_cut_is_not() {
     let marks = |slot: &Slot<'_>, name: &str| {
-        let report = slot.told(name);
+        let report = slot.simulation_report(name);
         let of_slot = of_slot(&report);
         (number(of_slot, "/max").max(-number(of_slot, "/min")), report["loads"]["vibration"].clone())
     };

@@ -10,7 +10,7 @@ use arcfeed_hil_sim::stock::files::write_stl;
 use arcfeed_hil_sim::stock::mesh::Mesh;
 use arcfeed_tests::Scratch;
 
-use crate::cutting_loads::story::{assert_plate, assert_refused, number, told};
+use crate::cutting_loads::story::{assert_plate, assert_refused, number, simulation_report};
 use crate::fe::surfaces::{TWISTED, closed, hollow};
 
 /// A surface as a file in a folder of its own, in other units than millimetres.
@@ -45,10 +45,16 @@ fn a_strip_from_a_file_is_cut_as_the_block_that_it_is() {
     let program = "%\nG21G17G90G94\nN1G0X-8.Y5.\nN2G0Z5.\nN3G1Z-8.F2000.\nN4G1X68.F960.\nN5G0Z5.\nN6M30\n%\n";
     let (_kept, path) = filed("strip", &block([0.0, -3.0, -8.0], [60.0, 0.0, 0.0]), 1.0);
     let cells = "cells = [12, 1, 2], clamped = \"x-\" }";
-    let of_file =
-        told("strip-file", &job(&format!("stl = {{ file = \"{path}\", thickness = \"y\", {cells}"), ""), program);
-    let of_block =
-        told("strip-block", &job(&format!("block = {{ from = [0, -3, -8], to = [60, 0, 0], {cells}"), ""), program);
+    let of_file = simulation_report(
+        "strip-file",
+        &job(&format!("stl = {{ file = \"{path}\", thickness = \"y\", {cells}"), ""),
+        program,
+    );
+    let of_block = simulation_report(
+        "strip-block",
+        &job(&format!("block = {{ from = [0, -3, -8], to = [60, 0, 0], {cells}"), ""),
+        program,
+    );
     for field in
         ["load/force_max_n", "load/torque_mean_n_m", "load/chip_mean/0", "marks/max", "vibration/workpiece_hz/4"]
     {
@@ -71,8 +77,11 @@ fn a_plate_from_a_file_has_the_frequencies_of_the_table() {
             "stl = {{ file = \"{path}\", thickness = \"{thickness}\", cells = {cells}, clamped = \"{clamped}\" }}"
         );
         let job = job(&held, &format!("stl_units = \"{unit}\"\n"));
-        let report =
-            told(&format!("plate-file-{clamped}"), &job, "%\nG21G17G90G94\nN1G0X-80.Y0.\nN2G1Z5.F2000.\nN3M30\n%\n");
+        let report = simulation_report(
+            &format!("plate-file-{clamped}"),
+            &job,
+            "%\nG21G17G90G94\nN1G0X-80.Y0.\nN2G1Z5.F2000.\nN3M30\n%\n",
+        );
         assert_plate(clamped, &report);
     }
 }
@@ -86,7 +95,7 @@ fn a_blade_from_a_file_has_the_frequencies_of_its_formula() {
     let (_kept, path) = filed("blade", &surface, 1.0);
     let held = format!("stl = {{ file = \"{path}\", thickness = \"y\", cells = [12, 1, 10], clamped = \"z-\" }}");
     let job = job(&held, "").replace("from = [0, -3, -8], to = [60, 2, 0]", "from = [-16, -10, 0], to = [16, 20, 40]");
-    let report = told("blade-file", &job, "%\nG21G17G90G94\nN1G0X-80.Y0.\nN2G1Z45.F2000.\nN3M30\n%\n");
+    let report = simulation_report("blade-file", &job, "%\nG21G17G90G94\nN1G0X-80.Y0.\nN2G1Z45.F2000.\nN3M30\n%\n");
     for (mode, truth_hz) in truths_hz.iter().enumerate() {
         let found_hz = number(&report, &format!("/loads/vibration/workpiece_hz/{mode}"));
         println!("{mode}: {found_hz:.2} Hz, {:+.1e}", found_hz / truth_hz - 1.0);

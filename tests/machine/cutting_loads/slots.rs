@@ -23,7 +23,7 @@ const NEAR: f64 = 1e-3;
 #[test]
 fn two_teeth_in_a_slot_have_the_forces_in_closed_form() {
     // Ft = 600 N/mm2 x 0.1 mm x 1 mm, Fr a third of it, at R 5 mm; one tooth at a time.
-    let report = TWO_TEETH.told("linear");
+    let report = TWO_TEETH.simulation_report("linear");
     let load = block(&report, 4);
     assert_near("largest force, N", number(load, "/force_max_n"), 20.0 * libm::sqrt(10.0), NEAR);
     assert_near("largest torque, N m", number(load, "/torque_max_n_m"), 0.3, NEAR);
@@ -50,7 +50,7 @@ fn four_teeth_have_kienzles_force_of_their_chips() {
         way_mm: 20.0,
         cutting: "kc11 = 800\nmc = 0.25\nradial = 0.4\naxial = 0.2\n",
     };
-    let report = slot.told("kienzle");
+    let report = slot.simulation_report("kienzle");
     let load = block(&report, 4);
     let path = Trochoid { radius_mm: 5.0, teeth: 4, feed_mm_per_tooth: 0.05 };
     let force_n = |angle_rad: f64| 800.0 * 4.0 * libm::pow(path.chip_mm(angle_rad).max(0.0), 0.75);
@@ -79,7 +79,7 @@ fn a_helix_in_layers_has_the_forces_of_an_independent_program() {
         way_mm: 4.0,
         cutting: "cutting = [1825, 770, 735]\nedge = [29.7, 55.7, 1.8]\nhelix = 30\nlayers = 20\n",
     };
-    let report = slot.told("helix");
+    let report = slot.simulation_report("helix");
     let load = block(&report, 4);
     assert_near("largest force, N", number(load, "/force_max_n"), 954.52, 3e-3);
     assert_near("largest torque, N m", number(load, "/torque_max_n_m"), 9.094, 3e-3);
@@ -89,7 +89,7 @@ fn a_helix_in_layers_has_the_forces_of_an_independent_program() {
 
 #[test]
 fn nothing_is_met_out_of_the_cut() {
-    let report = TWO_TEETH.told("zero");
+    let report = TWO_TEETH.simulation_report("zero");
     let blocks = report["loads"]["blocks"].as_array().expect("a list");
     // The plunge has chips on its end, the way back is above.
     assert_eq!(blocks.iter().map(|block| block["n"].as_i64()).collect::<Vec<_>>(), [Some(3), Some(4)]);

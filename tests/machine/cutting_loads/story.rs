@@ -32,9 +32,9 @@ pub const PUBLISHED: Slot<'_> = Slot {
 
 impl Slot<'_> {
     /// Along X in the middle of a block, from a plunge.
-    pub fn told(&self, name: &str) -> Value {
+    pub fn simulation_report(&self, name: &str) -> Value {
         let (job, program) = self.texts();
-        told(name, &job, &program)
+        simulation_report(name, &job, &program)
     }
 
     /// Its job and its program.
@@ -64,7 +64,7 @@ impl Slot<'_> {
 
 /// What a job gave.
 #[track_caller]
-pub fn told(name: &str, job: &str, program: &str) -> Value {
+pub fn simulation_report(name: &str, job: &str, program: &str) -> Value {
     let (code, report, complaints) = ran(name, job, program);
     assert_eq!((code, complaints.as_str()), (Some(0), ""));
     serde_json::from_str(&report).expect("one object")

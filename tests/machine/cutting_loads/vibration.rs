@@ -1,6 +1,6 @@
 //! A tool that gives way: which slots chatter, by the command's own verdict.
 
-use crate::cutting_loads::story::{PUBLISHED, Slot, number, told};
+use crate::cutting_loads::story::{PUBLISHED, Slot, number, simulation_report};
 
 /// It gives way along the slot.
 const ALONG: Slot<'_> = Slot {
@@ -11,7 +11,7 @@ const ALONG: Slot<'_> = Slot {
 
 #[test]
 fn a_slot_below_the_limit_is_steady() {
-    let report = ALONG.told("steady");
+    let report = ALONG.simulation_report("steady");
     let vibration = &report["loads"]["vibration"];
     println!("{vibration}");
     assert_eq!(number(vibration, "/judged"), 1.0);
@@ -31,7 +31,7 @@ fn springing_back_from_a_ramp_is_no_chatter() {
     let (job, _) = slot.texts();
     // 50 turns down, 150 on the level.
     let program = "%\nG21G17G90G94\nN1G0X0Y0\nN2G0Z5.\nN3G1Z0.F400.\nN4G1X1.Z-.3F100.\nN5G1X4.\nN6G0Z5.\nN7M30\n%\n";
-    let report = told("ramp", &job, program);
+    let report = simulation_report("ramp", &job, program);
     let vibration = &report["loads"]["vibration"];
     println!("{vibration}");
     assert_eq!([&vibration["unsteady"], &vibration["baseline_unsteady"]], [&serde_json::json!([]); 2]);
@@ -39,7 +39,7 @@ fn springing_back_from_a_ramp_is_no_chatter() {
 
 #[test]
 fn a_slot_above_it_chatters() {
-    let report = Slot { axial_depth_mm: 0.6, ..ALONG }.told("chatter");
+    let report = Slot { axial_depth_mm: 0.6, ..ALONG }.simulation_report("chatter");
     let vibration = &report["loads"]["vibration"];
     println!("{vibration}");
     for which in ["unsteady", "baseline_unsteady"] {
@@ -54,6 +54,6 @@ fn a_slot_above_it_chatters() {
 
 #[test]
 fn a_rigid_tool_is_not_judged() {
-    let report = PUBLISHED.told("rigid");
+    let report = PUBLISHED.simulation_report("rigid");
     assert!(report["loads"]["vibration"].is_null());
 }

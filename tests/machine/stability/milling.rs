@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_hil_sim::cutting::bite::Bite;
+use arcfeed_hil_sim::cutting::edge_engagement::EdgeEngagement;
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
 use arcfeed_hil_sim::cutting::layer::Layer;
@@ -124,10 +124,11 @@ impl Milling {
         };
         let cutter = Cutter::end_mill(&mill, Pieces::Slices { rise_mm: depth_mm }).expect("a mill");
         let [tangential, normal] = self.specific_mpa;
-        let bite = Bite::new(cutter, Layers::alike(&layer, 0.0, depth_mm, 1), 0.3).expect("a tool in its layer");
+        let engagement =
+            EdgeEngagement::new(cutter, Layers::alike(&layer, 0.0, depth_mm, 1), 0.3).expect("a tool in its layer");
         let stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-10, passes_max: 20 };
         let cutting = Cutting::linear([tangential, normal, 0.0], [0.0; 3]);
-        Process::new(bite, cutting, Vibration::new(self.modes.clone(), stepping))
+        Process::new(engagement, cutting, Vibration::new(self.modes.clone(), stepping))
     }
 }
 

@@ -60,7 +60,7 @@ pub fn sender(input: &[u8], seed: u64) {
     assert!(matches!(sender.state(), State::Sent | State::Cut | State::Failed(_)), "{:?}", sender.state());
 }
 
-/// A journal, cut and spoilt: what it says lies within what was written, or it is refused.
+/// A journal, cut and corrupted: what it says lies within what was written, or it is refused.
 pub fn journal(input: &[u8], seed: u64) {
     let mut rng = Rng::with_seed(seed);
     let _history_or_damage = read(input);

@@ -26,7 +26,7 @@ const SMOKE_OF_CONTROLS: u32 = 1_000;
 /// Seconds per target, set by `cargo xtask soak`.
 const SOAK: &str = "ARCFEED_SOAK_SECONDS";
 /// No input takes a thousandth of this.
-const PATIENCE: Duration = Duration::from_secs(60);
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Feeds a target until its time is over; what hangs is reported with its seed and count.
 fn feed(name: &str, seed: u64, smoke: u32, target: fn(&[u8], u64)) {
@@ -50,7 +50,7 @@ fn feed(name: &str, seed: u64, smoke: u32, target: fn(&[u8], u64)) {
     });
     let mut last = 0;
     loop {
-        match progress.recv_timeout(PATIENCE) {
+        match progress.recv_timeout(TIMEOUT) {
             Ok(count) => last = count,
             Err(mpsc::RecvTimeoutError::Disconnected) => break,
             Err(mpsc::RecvTimeoutError::Timeout) => panic!("{name}: input {last} of seed {seed} hangs"),

@@ -1,4 +1,4 @@
-//! Inputs: pieces of real programs, cut, spliced, spoilt and mixed with what readers stumble over.
+//! Inputs: pieces of real programs, cut, spliced, corrupted and mixed with what readers stumble over.
 
 use std::fs;
 
@@ -93,7 +93,7 @@ impl Mutator {
         for _ in 0..self.random.u32(0..8) {
             let at = self.random.usize(..=input.len());
             match self.random.u8(..6) {
-                0 => self.spoil(&mut input),
+                0 => self.corrupt(&mut input),
                 1 => drop(input.splice(at..at, DICTIONARY[self.random.usize(..DICTIONARY.len())].bytes())),
                 2 => {
                     let other = self.piece(80);
@@ -122,7 +122,7 @@ impl Mutator {
         program[from..to].to_vec()
     }
 
-    fn spoil(&mut self, input: &mut [u8]) {
+    fn corrupt(&mut self, input: &mut [u8]) {
         if !input.is_empty() {
             let at = self.random.usize(..input.len());
             input[at] = if self.random.bool() { self.random.u8(..) } else { input[at] ^ 1 << self.random.u8(..8) };

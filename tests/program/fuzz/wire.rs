@@ -71,7 +71,7 @@ impl Side {
 }
 
 /// What the line makes of bytes: mostly nothing.
-fn spoil(bytes: &mut Vec<u8>, input: &[u8], rng: &mut Rng) {
+fn corrupt(bytes: &mut Vec<u8>, input: &[u8], rng: &mut Rng) {
     let at = rng.usize(..=bytes.len());
     match rng.u8(..16) {
         0 => bytes.clear(),
@@ -84,7 +84,7 @@ fn spoil(bytes: &mut Vec<u8>, input: &[u8], rng: &mut Rng) {
     }
 }
 
-/// Two ends whose frames are spoilt with `input`: what is taken is what was sent, in order; an end that is lost says so.
+/// Two ends whose frames are corrupted with `input`: what is taken is what was sent, in order; an end that is lost says so.
 pub fn link(input: &[u8], seed: u64) {
     let mut rng = Rng::with_seed(seed);
     let (mut host, mut board) = (Side::new(Role::Host, &mut rng), Side::new(Role::Board, &mut rng));
@@ -94,8 +94,8 @@ pub fn link(input: &[u8], seed: u64) {
         host.work(now, input, &mut rng);
         board.work(now, input, &mut rng);
         let (mut there, mut back) = (host.say(now), board.say(now));
-        spoil(&mut there, input, &mut rng);
-        spoil(&mut back, input, &mut rng);
+        corrupt(&mut there, input, &mut rng);
+        corrupt(&mut back, input, &mut rng);
         host.hear(now, &back);
         board.hear(now, &there);
         // A restart of one end without the other leaves messages that were sent, and never more taken than that.

@@ -37,7 +37,7 @@ use selection::Selection;
 const USAGE: &str = "usage: cargo xtask test    install what is missing, run every test, check the firmware's image
        cargo xtask test quick    the tests that take a moment; nothing for the chip
        cargo xtask test --partition N/M    part N of M of the same as `test`, for M runners side by side
-       cargo xtask soak [MINUTES]    the full sets of faults for DNC sender and board link, then spoilt inputs to whatever
+       cargo xtask soak [MINUTES]    the full sets of faults for DNC sender and board link, then corrupted inputs to whatever
                                   reads, MINUTES (10) for each target
        cargo xtask help    this text";
 

@@ -24,7 +24,7 @@ use crate::{mirror, reset_cause, watchdog};
 pub unsafe fn release_for_good() -> ! {
     mirror::release();
     let ticks = costs().ticks;
-    reset_cause::note_bite(ticks.wrapping_sub(watchdog::fed_at()));
+    reset_cause::note_watchdog(ticks.wrapping_sub(watchdog::fed_at()));
     // SAFETY: no other handler runs again, nor does the main program.
     let mut line = unsafe { Registers::seize(UART1) };
     let at = u64::from(ticks) * u64::from(PERIOD.0);

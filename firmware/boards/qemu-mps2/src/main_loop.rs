@@ -65,7 +65,8 @@ impl<const N: usize> Main<N> {
         // Filled at the start: with its values in the image it would take as much of flash as of RAM.
         static QUEUES: Once<MaybeUninit<Queues<AHEAD>>> = Once::new(MaybeUninit::uninit());
         let painted = Painted::far_below_here();
-        let (starts, reset) = (flash::count_start(), reset_cause::take_bite().map_or(ResetCode::Power, told_bite));
+        let (starts, reset) =
+            (flash::count_start(), reset_cause::take_watchdog().map_or(ResetCode::Power, watchdog_reset));
         defmt::info!("feedboard: start {=u32}, a tick every {=u32} us", starts, PERIOD.0);
         let fault = (reset == ResetCode::Watchdog).then_some(BoardFault::Watchdog);
         let identity = Identity { name: "feedboard", version: [0, 1, 0], reset, starts };
@@ -289,7 +290,7 @@ fn words(state: TapState) -> &'static str {
 }
 
 /// Says in the log how the last start ended.
-fn told_bite(ticks_since_fed: u32) -> ResetCode {
+fn watchdog_reset(ticks_since_fed: u32) -> ResetCode {
     defmt::error!("the watchdog bit, {=u32} ticks after it was fed: 0 % until a person resets", ticks_since_fed);
     ResetCode::Watchdog
 }

@@ -1,7 +1,7 @@
 //! Why the board started: a note in memory that a reset leaves alone, in place of a chip's reset flags.
 //!
 //! The note is made when the watchdog starts, and only a loss of power takes it back: whatever resets the board while the watchdog
-//! runs counts as its bite, also if it had no time to say so. A word and its complement, so that what power-on finds there is
+//! runs counts as a reset by it, also if it had no time to say so. A word and its complement, so that what power-on finds there is
 //! not taken for a note (1 in 2^64).
 
 /// The note that the watchdog runs.
@@ -15,7 +15,7 @@ pub fn note_guarded() {
 }
 
 /// Notes that it bit, and how many ticks ago it was fed. The first word counts.
-pub fn note_bite(ticks_since_fed: u32) {
+pub fn note_watchdog(ticks_since_fed: u32) {
     if taken(read()) == Some(UNKNOWN) {
         write([GUARDED, !GUARDED, ticks_since_fed]);
     }
@@ -23,7 +23,7 @@ pub fn note_bite(ticks_since_fed: u32) {
 
 /// Whether this start is the watchdog's, and if so for how many ticks it had not been fed, all ones if nobody counted. The next start
 /// tells its own.
-pub fn take_bite() -> Option<u32> {
+pub fn take_watchdog() -> Option<u32> {
     let found = read();
     write([0; 3]);
     taken(found)

@@ -22,7 +22,7 @@ const LOCKED: u32 = 0;
 const RUNNING: u32 = 0b11;
 
 /// From the last feed to the interrupt, and from there to the reset. A third of what a silent host is given.
-pub const PATIENCE: Span = Span::from_ms(100);
+pub const TIMEOUT: Span = Span::from_ms(100);
 
 /// The tick behind which it was fed last.
 static FED_AT: AtomicU32 = AtomicU32::new(0);
@@ -46,7 +46,7 @@ impl Watchdog {
         // SAFETY: registers of the watchdog, which nothing else uses; the handler is ready, says the caller.
         unsafe {
             LOCK.write_volatile(UNLOCKED);
-            LOAD.write_volatile(PATIENCE.0 * STEPS_PER_US);
+            LOAD.write_volatile(TIMEOUT.0 * STEPS_PER_US);
             CONTROL.write_volatile(RUNNING);
             LOCK.write_volatile(LOCKED);
         }

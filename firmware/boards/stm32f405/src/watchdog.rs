@@ -1,6 +1,6 @@
 //! The independent watchdog: runs from an oscillator of its own and cannot be stopped.
 //!
-//! Its bite resets the chip: the pins float, the couplers let go, the control reads 0 %; the next start reports it. It is
+//! When it fires it resets the chip: the pins float, the couplers let go, the control reads 0 %; the next start reports it. It is
 //! fed by the main loop, and only after a tick, so both must live.
 
 use stm32f4::stm32f405::IWDG;
@@ -8,7 +8,7 @@ use stm32f4::stm32f405::IWDG;
 /// The oscillator divided by 8: 4 kHz, of which this many are 25 ms. It lies between 17 and 47 kHz: 17 to 47 ms.
 const STEPS: u16 = 100;
 /// Reads of the flags until the settings are taken over: five periods of the oscillator at most.
-const PATIENCE: u32 = 100_000;
+const TIMEOUT: u32 = 100_000;
 
 /// The running watchdog.
 #[derive(Debug)]
@@ -22,8 +22,8 @@ impl Watchdog {
         iwdg.pr().write(|w| w.pr().divide_by8());
         // SAFETY: the field takes any twelve bits.
         iwdg.rlr().write(|w| unsafe { w.rl().bits(STEPS) });
-        // If they are not taken over, it bites later than wanted, but it bites.
-        let _ = (0..PATIENCE).any(|_| iwdg.sr().read().bits() == 0);
+        // If they are not taken over, it fires later than wanted, but it fires.
+        let _ = (0..TIMEOUT).any(|_| iwdg.sr().read().bits() == 0);
         let mut watchdog = Watchdog(iwdg);
         watchdog.feed();
         watchdog

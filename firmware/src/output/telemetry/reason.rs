@@ -4,7 +4,7 @@
 //! family. What a reason says besides - by how much a chip exceeds its target - is the record's detail. docs/outputs.md has
 //! the same table.
 
-use crate::law::NoWish;
+use crate::law::NoDemand;
 use crate::supervisor::input::Source;
 use crate::supervisor::report::{Limit, Reason};
 use crate::supervisor::signals::{BoardFault, Condition, Inhibit};
@@ -77,11 +77,11 @@ impl From<Reason> for Cause {
             Reason::Limited(Limit::Axis) => Cause::AxisLimit,
             Reason::Limited(Limit::ArcClamp) => Cause::ArcClamp,
             Reason::Limited(Limit::Ceiling) => Cause::FeedCeiling,
-            Reason::NoWish(NoWish::NoContact) => Cause::NoContact,
-            Reason::NoWish(NoWish::OutsideValidity) => Cause::OutsideValidity,
-            Reason::NoWish(NoWish::ChipUnreachable) => Cause::ChipUnreachable,
-            Reason::NoWish(NoWish::BadInput) => Cause::BadInput,
-            Reason::NoLaw | Reason::NoWish(NoWish::NoLaw) => Cause::NoLaw,
+            Reason::NoDemand(NoDemand::NoContact) => Cause::NoContact,
+            Reason::NoDemand(NoDemand::OutsideValidity) => Cause::OutsideValidity,
+            Reason::NoDemand(NoDemand::ChipUnreachable) => Cause::ChipUnreachable,
+            Reason::NoDemand(NoDemand::BadInput) => Cause::BadInput,
+            Reason::NoLaw | Reason::NoDemand(NoDemand::NoLaw) => Cause::NoLaw,
             Reason::NoSpindle => Cause::NoSpindle,
             Reason::Stale => Cause::Stale,
             Reason::NotArmed => Cause::NotArmed,

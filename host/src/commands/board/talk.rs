@@ -10,7 +10,7 @@ use crate::board::words;
 use crate::port::url::PortUrl;
 
 /// How long a board may take to answer.
-const PATIENCE: Micros = Micros::from_ms(3_000);
+const TIMEOUT: Micros = Micros::from_ms(3_000);
 /// Heartbeats that make a round trip worth telling.
 const LISTEN: Micros = Micros::from_ms(500);
 
@@ -30,7 +30,7 @@ impl Talk {
         let started = talk.line.now();
         while !talk.line.is_up() {
             talk.turn()?;
-            if talk.line.now().since(started) >= PATIENCE {
+            if talk.line.now().since(started) >= TIMEOUT {
                 return Err(Failure::Machine(format!("{}: {}", url.text, words::link(talk.line.link().state()))));
             }
         }
@@ -70,8 +70,8 @@ impl Talk {
                     }
                 }
             }
-            if self.line.now().since(started) >= PATIENCE {
-                return Err(Failure::Machine(format!("the board has not answered for {} s", PATIENCE.to_s())));
+            if self.line.now().since(started) >= TIMEOUT {
+                return Err(Failure::Machine(format!("the board has not answered for {} s", TIMEOUT.to_s())));
             }
         }
     }

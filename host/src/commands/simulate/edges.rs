@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use arcfeed_hil_sim::cutting::bite::{Bite, slices};
+use arcfeed_hil_sim::cutting::edge_engagement::{EdgeEngagement, slices};
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EdgeError, EndMill, Ring};
 use arcfeed_hil_sim::cutting::layers::Layers;
@@ -49,7 +49,8 @@ pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<(
     let edges = edges(file, cutting, workpiece.body.corner_mm).map_err(|error| told(&error))?;
     let layers = Layers::of_solid(blank, UPRIGHT, rise_mm, workpiece.step_mm).map_err(|error| told(&error))?;
     let depth_mm = edges.rake_max_mm();
-    let bite = Bite::new(edges, layers, depth_mm).map_err(|error| told(&error))?.up_to_mm(cutting.axial_depth_mm);
+    let engagement =
+        EdgeEngagement::new(edges, layers, depth_mm).map_err(|error| told(&error))?.up_to_mm(cutting.axial_depth_mm);
     let (mut modes, mut giving) = (Vec::new(), None);
     if let Some(flexible) = &workpiece.flexible {
         let (body, of_body) = body::giving(flexible, blank, cutting.axial_depth_mm)?;
@@ -60,7 +61,7 @@ pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<(
         modes.push(mode(told)?);
     }
     let stepping = if modes.is_empty() { RIGID } else { FLEXIBLE };
-    Ok((Process::new(bite, forces, Vibration::new(modes, stepping)), giving))
+    Ok((Process::new(engagement, forces, Vibration::new(modes, stepping)), giving))
 }
 
 /// The solid that the edges would turn if the tool ran true: what marks are told against.

@@ -29,7 +29,7 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Loa
         let [load, baseline] = of(&|of| of.rule == rule);
         LoadRuleFigures { rule: rule.map(|rule| rule + 1), load, baseline }
     });
-    let layers = meter.process().bite().layers();
+    let layers = meter.process().engagement().layers();
     LoadsFigures {
         unit: unit.label(),
         load: total,

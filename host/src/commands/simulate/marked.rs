@@ -30,7 +30,7 @@ pub struct Truth {
 impl Truth {
     /// The marks of a run.
     pub fn marks(&self, meter: &LoadMeter) -> Vec<Mark> {
-        marks(&self.blank, meter.process().bite().layers(), meter.way(), &self.turned)
+        marks(&self.blank, meter.process().engagement().layers(), meter.way(), &self.turned)
     }
 }
 
@@ -38,7 +38,7 @@ impl Truth {
 pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[Mark]) -> Option<MarksFigures> {
     let in_unit = |mm: f64| mm / unit.mm();
     let worst = marks.iter().max_by(|a, b| a.off_mm.abs().total_cmp(&b.off_mm.abs()))?;
-    let z = |layer: usize| in_unit(meter.process().bite().layers().middle_mm(layer));
+    let z = |layer: usize| in_unit(meter.process().engagement().layers().middle_mm(layer));
     let (mut layers, mut blocks) = (BTreeMap::<usize, Vec<f64>>::new(), BTreeMap::<u32, (Of, Vec<f64>)>::new());
     for mark in marks {
         let off = in_unit(mark.off_mm);
@@ -72,7 +72,7 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[Mark]) -> Option<Ma
 /// The marks seen along Z; where several lie over each other, the largest.
 pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[Mark]) -> Option<Map> {
     let in_unit = |mm: f64| mm / unit.mm();
-    let [lowest_mm, highest_mm] = meter.process().bite().layers().extent_mm()?;
+    let [lowest_mm, highest_mm] = meter.process().engagement().layers().extent_mm()?;
     let size_mm = [0, 1].map(|axis: usize| highest_mm[axis] - lowest_mm[axis]);
     let step_mm = size_mm[0].max(size_mm[1]) / CELLS;
     let cells = size_mm.map(|mm| libm::ceil(mm / step_mm).max(1.0) as usize);

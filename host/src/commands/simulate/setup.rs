@@ -63,7 +63,7 @@ impl<'a> Setup<'a> {
         let machine = file.machine.as_ref().map(|named| named.machine);
         let edges = |cutting: &Cutting| -> Result<(LoadSettings, Truth), body::Trouble> {
             let (process, giving) = edges::process(file, cutting, &*blank)?;
-            let truth = Truth { blank: process.bite().layers().clone(), turned: edges::turned(file, cutting)? };
+            let truth = Truth { blank: process.engagement().layers().clone(), turned: edges::turned(file, cutting)? };
             let (step_max_rad, samples) = (edges::step_max_rad(file, &process), edges::samples(file));
             Ok((LoadSettings { process, machine, step_max_rad, giving, samples }, truth))
         };
@@ -88,7 +88,7 @@ impl<'a> Setup<'a> {
     /// tells of cutting, otherwise the tool's height in layers as high as the rays are apart.
     pub fn layers(&self) -> (Layers, f64) {
         match &self.loads {
-            Some(loads) => (loads.process.bite().layers().clone(), self.depth_mm),
+            Some(loads) => (loads.process.engagement().layers().clone(), self.depth_mm),
             None => (Layers::of(&self.settings.stock, edges::UPRIGHT), self.depth_mm),
         }
     }

@@ -26,12 +26,12 @@ pub struct Watch {
     /// The override, %, from each time on.
     pub overrides: Vec<(Micros, u8)>,
     place: String,
-    /// Whether a person is told how far it is, where there is something to cut.
+    /// Whether progress is shown, where there is something to cut.
     shows: bool,
 }
 
 impl Watch {
-    /// Of a run on this workpiece, if there is one; whether a person is told how far it is.
+    /// The watch of a run on this workpiece, if there is one, with or without progress shown.
     pub fn on(setup: Option<&Setup<'_>>, shows: bool) -> Self {
         let place = setup.map_or(String::new(), |setup| setup.place.clone());
         let loads = setup.and_then(Setup::load_meter);

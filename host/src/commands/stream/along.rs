@@ -11,7 +11,7 @@ use super::prepare::Prepared;
 use crate::board::line::Line;
 use crate::board::plan::{Plan, PlanError};
 use crate::board::run::{Board, Outage, Stage};
-use crate::board::standstill::PATIENCE;
+use crate::board::standstill::TIMEOUT;
 use crate::board::words;
 use crate::console::note;
 use crate::dnc::Sender;
@@ -126,7 +126,7 @@ impl<'p> Along<'p> {
             "warning: the board has stood for {} s at the move of line {source}, and the control is past it: the board has not seen \
              its end. The override stays at 100 %, and no more leaves than the board has room for. Check the position that it \
              gets; then stop, and go on with --resume",
-            PATIENCE.to_s()
+            TIMEOUT.to_s()
         ));
     }
 

@@ -170,7 +170,7 @@ impl Stream {
         (logbook, along): (Logbook, Along<'_>),
     ) -> Result<(RunReport, End), Failure> {
         let file = &ready.file;
-        let outbox = Outbox::new(file.serial.patience());
+        let outbox = Outbox::new(file.serial.write_timeout());
         let aides = self.aides(ready, (&*port, sender), (logbook, along))?;
         let (end, heard) = send(port, sender, outbox, aides)?;
         let (bytes, _) = sender.progress();
@@ -248,8 +248,8 @@ impl Stream {
     ) -> Result<Aides<'p>, Failure> {
         let live = self.live(ready, sender, port.opened())?;
         let (dnc, reports) = (&ready.file.dnc, ready.reports.clone());
-        let patience = (dnc.xoff_timeout > Micros(0)).then_some(dnc.xoff_timeout);
-        Ok(Aides { logbook, live, echo: Echo::new(reports, dnc.read_ahead, patience), along })
+        let timeout = (dnc.xoff_timeout > Micros(0)).then_some(dnc.xoff_timeout);
+        Ok(Aides { logbook, live, echo: Echo::new(reports, dnc.read_ahead, timeout), along })
     }
 
     /// Who watches.

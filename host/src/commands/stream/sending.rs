@@ -59,7 +59,7 @@ pub struct Echo {
     /// Blocks that the control reads ahead at most.
     pub read_ahead: usize,
     /// How long a report may take; none: without end.
-    pub patience: Option<Micros>,
+    pub timeout: Option<Micros>,
     heard_at: Micros,
     /// Another program than ours.
     differs: Option<String>,
@@ -67,8 +67,8 @@ pub struct Echo {
 
 impl Echo {
     /// These reports, of a control that reads so far ahead.
-    pub fn new(reports: Reports, read_ahead: usize, patience: Option<Micros>) -> Self {
-        Echo { reports, read_ahead, patience, ..Echo::default() }
+    pub fn new(reports: Reports, read_ahead: usize, timeout: Option<Micros>) -> Self {
+        Echo { reports, read_ahead, timeout, ..Echo::default() }
     }
 
     /// Takes what was heard; what is to be said of it.
@@ -89,7 +89,7 @@ impl Echo {
     /// Whether a report is still to come, and may.
     fn waits(&self, now: Micros, sender: &Sender) -> bool {
         let since = self.heard_at.max(sender.arrived_at());
-        self.reports.awaited().is_some() && self.patience.is_none_or(|patience| now.since(since) < patience)
+        self.reports.awaited().is_some() && self.timeout.is_none_or(|timeout| now.since(since) < timeout)
     }
 }
 

@@ -97,7 +97,7 @@ impl Stream {
         sim: &Rc<RefCell<SimPort<D>>>,
     ) -> Result<(), Failure> {
         let (file, started) = (&ready.file, Instant::now());
-        let outbox = Outbox::new(file.serial.patience());
+        let outbox = Outbox::new(file.serial.write_timeout());
         let mut line = wrap(&self.port, Box::new(Rc::clone(sim)))?;
         let aides = self.aides(ready, (&*line, &sender), (logbook, along))?;
         let (end, heard) = send(&mut *line, &mut sender, outbox, aides)?;

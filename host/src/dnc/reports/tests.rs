@@ -43,20 +43,20 @@ fn what_the_program_says_is_confirmed_however_the_control_pads_it() {
 
 #[test]
 fn another_place_or_feed_is_another_program() {
-    for spoilt in [
+    for corrupted in [
         "ARCFEED L3X12.6Y0Z5.F0",
         "ARCFEED L3X12.5Y-.01Z5.F0",
         "ARCFEED L3X12.5Y0Z5.002F0",
         "ARCFEED L3X12.5Y0Z5.F1",
         "ARCFEED L4X12.5Y0Z5.F0",
     ] {
-        let remarks = two().1.hear(format!("{spoilt}\n").as_bytes());
-        assert!(matches!(remarks.as_slice(), [Remark::Differs(_)]), "{spoilt}: {remarks:?}");
+        let remarks = two().1.hear(format!("{corrupted}\n").as_bytes());
+        assert!(matches!(remarks.as_slice(), [Remark::Differs(_)]), "{corrupted}: {remarks:?}");
     }
 }
 
 #[test]
-fn a_report_that_is_missing_or_spoilt_is_told_and_other_text_is_kept() {
+fn a_report_that_is_missing_or_corrupted_is_told_and_other_text_is_kept() {
     let (_, mut reports) = two();
     let remarks = reports.hear(b"PART 7\nARCFEED L3X12.5Y0Z5,F0\n");
     assert!(matches!(remarks.as_slice(), [Remark::Doubtful(_)]), "{remarks:?}");

@@ -68,7 +68,7 @@ fn without_faults_nothing_changes() {
 }
 
 #[test]
-fn the_same_seed_spoils_the_same_bytes_however_they_are_cut() {
+fn the_same_seed_corrupts_the_same_bytes_however_they_are_cut() {
     let sent = program(3_000);
     let all = "drop=0.01,flip=0.01,dup=0.01,burst=0.002,delay=3,garbage=40,lost_xon=0.5,lost_xoff=0.5";
     let first = back(&format!("{all},seed=7"), &sent, 1);

@@ -117,7 +117,7 @@ enum State {
 
 /// Who wants what: an option at one end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Wish {
+enum Desired {
     Asked,
     Agreed,
     Refused,
@@ -128,7 +128,7 @@ enum Wish {
 pub struct Client {
     decoder: Decoder,
     /// Ours and theirs, in the order of [`OPTIONS`].
-    wishes: [[Wish; OPTIONS.len()]; 2],
+    desired: [[Desired; OPTIONS.len()]; 2],
     line: Line,
     state: State,
     deadline: Micros,
@@ -154,7 +154,7 @@ impl Client {
         let timeout = Micros((options.timeout_s * US_PER_S as f64) as u64);
         Client {
             decoder: Decoder::default(),
-            wishes: [[Wish::Asked; OPTIONS.len()]; 2],
+            desired: [[Desired::Asked; OPTIONS.len()]; 2],
             line: *line,
             state: State::Telnet,
             deadline: now.after(timeout),
@@ -190,18 +190,18 @@ impl Client {
         };
         let wanted = matches!(verb, Verb::Do | Verb::Will);
         let known = OPTIONS.iter().position(|known| *known == option);
-        let Some(wish) = known.map(|at| &mut self.wishes[end][at]) else {
+        let Some(desired) = known.map(|at| &mut self.desired[end][at]) else {
             if wanted {
                 say(no, option, &mut self.outgoing);
             }
             return;
         };
-        match (*wish, wanted) {
-            (Wish::Asked, _) | (Wish::Agreed, true) | (Wish::Refused, false) => {}
-            (Wish::Agreed, false) => say(no, option, &mut self.outgoing),
-            (Wish::Refused, true) => say(yes, option, &mut self.outgoing),
+        match (*desired, wanted) {
+            (Desired::Asked, _) | (Desired::Agreed, true) | (Desired::Refused, false) => {}
+            (Desired::Agreed, false) => say(no, option, &mut self.outgoing),
+            (Desired::Refused, true) => say(yes, option, &mut self.outgoing),
         }
-        *wish = if wanted { Wish::Agreed } else { Wish::Refused };
+        *desired = if wanted { Desired::Agreed } else { Desired::Refused };
     }
 
     fn on_subnegotiation(&mut self, body: &[u8]) {
@@ -233,15 +233,15 @@ impl Client {
     /// Goes on where everything is answered.
     fn advance(&mut self, now: Micros) {
         match &mut self.state {
-            State::Telnet => match self.wishes[0][0] {
-                Wish::Agreed => {
+            State::Telnet => match self.desired[0][0] {
+                Desired::Agreed => {
                     let settings = self.line.settings();
                     settings.iter().for_each(|request| ask(request, &mut self.outgoing));
                     self.state = State::Settings(settings);
                     self.deadline = now.after(self.timeout);
                 }
-                Wish::Refused => self.refusal = Some(Refusal::NotSpoken { silent: false }),
-                Wish::Asked => {}
+                Desired::Refused => self.refusal = Some(Refusal::NotSpoken { silent: false }),
+                Desired::Asked => {}
             },
             State::Settings(all) if all.iter().all(|request| request.answered) => {
                 self.state = State::Controls(self.line.controls());

@@ -12,7 +12,7 @@ const GARBAGE_MAX: usize = 65_536;
 /// What goes wrong; with nothing set, nothing does.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FaultPlan {
-    /// Decides when: the same bytes and the same seed spoil the same way.
+    /// Decides when: the same bytes and the same seed corrupt the same way.
     pub seed: u64,
     /// On the way to the control.
     pub tx: Faults,

@@ -8,7 +8,7 @@
 //! hwgrep://REGEXP[&n=N][&skip_busy]             the Nth port that `arcfeed ports` lists and the expression matches
 //! alt://NAME[?class=CLASS]                      a native port by one of pyserial's classes
 //! spy://PORT[?OPTION[&OPTION...]]               any of these, its traffic written down: file=NAME, color, raw, all
-//! fault://NAME=VALUE[,NAME=VALUE...]/PORT       any of these, spoilt from a seed
+//! fault://NAME=VALUE[,NAME=VALUE...]/PORT       any of these, corrupted from a seed
 //! ```
 //! The grammar is that of pyserial 3.5; where we differ is listed in docs/ports.md. Wrappers nest. The options behind the
 //! last `?` are the outermost `spy://`'s if they are all options of a spy; else they belong to the port inside.

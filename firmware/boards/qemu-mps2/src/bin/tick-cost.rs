@@ -3,7 +3,7 @@
 //! Prints one line a figure, `NAME count N median M worst W`, for `tests/board/figures.rs` to judge:
 //!
 //! ```text
-//! tick-LAW      ticks on which the law has a wish, the first of each block too; all ticks where it never has one
+//! tick-LAW      ticks on which the law has a demand, the first of each block too; all ticks where it never has one
 //! rest-LAW      the others: rapids, blocks without a rule, refusals
 //! prepare-LAW   taking up a block, outside the tick; for the table the law that its knots are from is asked too
 //! stack-LAW     `bytes N`: stack that a tick used, below this program's own frames
@@ -170,10 +170,10 @@ fn table(block: &Block, job: &Job) -> Option<SegmentLaw> {
         let ratio = index as f64 / (TABLE_KNOTS_MAX - 1) as f64;
         let travelled_mm = (segment.length_mm() * ratio) as f32;
         let direction = arc.direction_at(ratio).map(|component| component as f32);
-        let wish = law.wish(&Place::on_arc(direction, turn, radius_mm, travelled_mm));
+        let demand = law.demand(&Place::on_arc(direction, turn, radius_mm, travelled_mm));
         *knot = (
             Mm(travelled_mm),
-            wish.map_or(job.tools.first().feed_per_tooth, |wish| MmPerTooth(wish.path_mm_per_tooth)),
+            demand.map_or(job.tools.first().feed_per_tooth, |demand| MmPerTooth(demand.path_mm_per_tooth)),
         );
     }
     let table = Table::new(&knots).expect("the knots are in order and positive");

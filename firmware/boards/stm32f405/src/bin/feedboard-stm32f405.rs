@@ -4,7 +4,7 @@
 //! main loop:  block of the program -> ActiveSegment -> queue            watchdog
 //!                                                        |                 ^
 //! TIM5:       sensors -> Cabinet::tick (supervisor) <----+  -> *FV0-7      | ticks
-//! NMI:        the crystal stopped -> lines released      HardFault: lines released, until the watchdog bites
+//! NMI:        the crystal stopped -> lines released      HardFault: lines released, until the watchdog fires
 //! ```
 //!
 //! No panic can be reached: the panic handler calls a function that does not exist, so that an image in which the handler

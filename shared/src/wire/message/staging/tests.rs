@@ -1,4 +1,4 @@
-//! Sets of parameters: a job in messages and back, what a set that was spoilt on its way or makes no sense is.
+//! Sets of parameters: a job in messages and back, what a set that was corrupted on its way or makes no sense is.
 
 use super::super::parameters::{SetSum, messages};
 use super::super::tests::{Random, encoded, mill_job, ring_job, two_tool_job};

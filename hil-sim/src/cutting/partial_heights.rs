@@ -1,8 +1,8 @@
 //! What is left, along one ray of a layer, of material that a tool has cut from above.
 //!
-//! Material that no edge has lowered is as high as its layer. Where a tool's end has come down to a height inside of the layer, a shelf
-//! is left: a stretch of the ray with its height as a part of the layer's, between 0 and 1. Shelves lie beside the ray's material, with ends as exact as
-//! those of that: a ray without shelves is a plain one, and what is taken is a length times a height, to the last digit.
+//! Material that no edge has lowered is as high as its layer. A tool's end that stops inside of the layer leaves a
+//! column: a stretch of the ray and its height, as a fraction of the layer's, between 0 and 1. The columns are kept beside the ray's full material, and their
+//! ends are as exact. A ray without columns is a plain dexel. The volume taken is length times height, to the last digit.
 //!
 //! Source: own.
 
@@ -18,7 +18,7 @@ const SLIVER_MM: f64 = 1e-9;
 
 /// The lowered stretches of a ray, in order.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Shelves(Vec<Column>);
+pub struct PartialHeights(Vec<Column>);
 
 /// A stretch that is equally high.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,13 +52,13 @@ impl Share {
     }
 }
 
-impl Shelves {
+impl PartialHeights {
     /// Takes its share of a stretch; answers the length times the part of the height that was there.
     pub fn take(&mut self, material: &mut Dexel, stretch: Interval, share: &Share) -> f64 {
         if share.foot_ratio <= 0.0 && !self.meets(&stretch) {
             return if share.takes(1.0) { material.subtract(stretch) } else { 0.0 };
         }
-        if self.over(&stretch).is_some_and(|shelf| !share.takes(shelf.top_ratio)) {
+        if self.over(&stretch).is_some_and(|column| !share.takes(column.top_ratio)) {
             return 0.0;
         }
         let (foot_ratio, mut rest, mut taken_mm) = (share.foot_ratio.max(0.0), stretch, 0.0);
@@ -88,7 +88,7 @@ impl Shelves {
         }
     }
 
-    /// Where in a stretch the material is higher than a part of the layer; of shelves only what is longer than rounding.
+    /// Where in a stretch the material is higher than a part of the layer; of heights only what is longer than rounding.
     pub fn section<'a>(&self, material: &'a Dexel, stretch: &Interval, above_ratio: f64) -> Cow<'a, [Interval]> {
         if !self.meets(stretch) {
             return Cow::Borrowed(if above_ratio + SAME_RATIO < 1.0 { material.intervals() } else { &[] });
@@ -109,24 +109,24 @@ impl Shelves {
 
     /// How high the material is at a place.
     pub fn top_ratio(&self, material: &Dexel, at_mm: f64) -> Option<f64> {
-        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= at_mm);
-        let shelf = self.0.get(first).filter(|shelf| shelf.on.from_mm <= at_mm);
-        material.contains(at_mm).then(|| shelf.map_or(1.0, |shelf| shelf.top_ratio))
+        let first = self.0.partition_point(|column| column.on.to_mm <= at_mm);
+        let column = self.0.get(first).filter(|column| column.on.from_mm <= at_mm);
+        material.contains(at_mm).then(|| column.map_or(1.0, |column| column.top_ratio))
     }
 
     /// The one that all of a stretch is in.
     fn over(&self, stretch: &Interval) -> Option<&Column> {
-        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= stretch.from_mm);
-        self.0.get(first).filter(|shelf| shelf.on.from_mm <= stretch.from_mm && stretch.to_mm <= shelf.on.to_mm)
+        let first = self.0.partition_point(|column| column.on.to_mm <= stretch.from_mm);
+        self.0.get(first).filter(|column| column.on.from_mm <= stretch.from_mm && stretch.to_mm <= column.on.to_mm)
     }
 
     /// Whether anything is lowered in a stretch.
     fn meets(&self, stretch: &Interval) -> bool {
-        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= stretch.from_mm);
-        self.0.get(first).is_some_and(|shelf| shelf.on.from_mm < stretch.to_mm)
+        let first = self.0.partition_point(|column| column.on.to_mm <= stretch.from_mm);
+        self.0.get(first).is_some_and(|column| column.on.from_mm < stretch.to_mm)
     }
 
-    /// The first, or the last, place in a stretch where the material is higher than a part of the layer, as [`Shelves::section`] has it, without what is
+    /// The first, or the last, place in a stretch where the material is higher than a part of the layer, as [`PartialHeights::section`] has it, without what is
     /// beyond the stretch.
     pub fn end_piece(
         &self,
@@ -146,18 +146,18 @@ impl Shelves {
 
     /// The material of a stretch, in order.
     fn columns<'a>(&'a self, material: &'a Dexel, within: &'a Interval) -> Columns<'a> {
-        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= within.from_mm);
-        Columns { shelves: &self.0[first..], pieces: material.intervals(), within, whole: None }
+        let first = self.0.partition_point(|column| column.on.to_mm <= within.from_mm);
+        Columns { heights: &self.0[first..], pieces: material.intervals(), within, whole: None }
     }
 
-    /// Puts a shelf in place of what there was, or none; one as high as its neighbour becomes one with it.
+    /// Puts a column in place of what there was, or none; one as high as its neighbour becomes one with it.
     fn set(&mut self, on: Interval, top_ratio: Option<f64>) {
-        let first = self.0.partition_point(|shelf| shelf.on.to_mm <= on.from_mm);
-        let end = self.0.partition_point(|shelf| shelf.on.from_mm < on.to_mm).max(first);
+        let first = self.0.partition_point(|column| column.on.to_mm <= on.from_mm);
+        let end = self.0.partition_point(|column| column.on.from_mm < on.to_mm).max(first);
         let before =
-            self.0[first..end].first().map(|shelf| (Interval { to_mm: on.from_mm, ..shelf.on }, shelf.top_ratio));
+            self.0[first..end].first().map(|column| (Interval { to_mm: on.from_mm, ..column.on }, column.top_ratio));
         let after =
-            self.0[first..end].last().map(|shelf| (Interval { from_mm: on.to_mm, ..shelf.on }, shelf.top_ratio));
+            self.0[first..end].last().map(|column| (Interval { from_mm: on.to_mm, ..column.on }, column.top_ratio));
         let rests = [before, top_ratio.map(|top_ratio| (on, top_ratio)), after].into_iter().flatten();
         let rests = rests.filter(|(on, _)| on.length_mm() > 0.0).map(|(on, top_ratio)| Column { on, top_ratio });
         self.0.splice(first..end, rests);
@@ -174,10 +174,10 @@ impl Shelves {
     }
 }
 
-/// The material of a stretch, in order: before each shelf what is whole, and behind the last.
+/// The material of a stretch, in order: before each column what is whole, and behind the last.
 struct Columns<'a> {
     /// Those that may still be met.
-    shelves: &'a [Column],
+    heights: &'a [Column],
     /// Those that are still to come.
     pieces: &'a [Interval],
     within: &'a Interval,
@@ -199,19 +199,19 @@ impl Iterator for Columns<'_> {
                 self.whole = Some(first.common(self.within)).filter(|piece| piece.length_mm() > 0.0);
                 continue;
             };
-            let Some((shelf, rest)) = self.shelves.split_first().filter(|(shelf, _)| shelf.on.from_mm < piece.to_mm)
+            let Some((column, rest)) = self.heights.split_first().filter(|(column, _)| column.on.from_mm < piece.to_mm)
             else {
                 return Some(Column { on: piece, top_ratio: 1.0 });
             };
-            if shelf.on.to_mm <= piece.from_mm {
-                (self.shelves, self.whole) = (rest, Some(piece));
-            } else if shelf.on.from_mm > piece.from_mm {
-                self.whole = Some(Interval { from_mm: shelf.on.from_mm, ..piece });
-                return Some(Column { on: Interval { to_mm: shelf.on.from_mm, ..piece }, top_ratio: 1.0 });
+            if column.on.to_mm <= piece.from_mm {
+                (self.heights, self.whole) = (rest, Some(piece));
+            } else if column.on.from_mm > piece.from_mm {
+                self.whole = Some(Interval { from_mm: column.on.from_mm, ..piece });
+                return Some(Column { on: Interval { to_mm: column.on.from_mm, ..piece }, top_ratio: 1.0 });
             } else {
-                let on = shelf.on.common(&piece);
+                let on = column.on.common(&piece);
                 self.whole = Some(Interval { from_mm: on.to_mm, ..piece }).filter(|rest| rest.length_mm() > 0.0);
-                return Some(Column { on, ..*shelf });
+                return Some(Column { on, ..*column });
             }
         }
     }
@@ -254,7 +254,7 @@ mod tests {
     #[test]
     fn what_is_taken_and_what_is_left_make_up_what_there_was() {
         let mut material = Dexel::One(Interval::new(0.0, 10.0));
-        let mut shelves = Shelves::default();
+        let mut heights = PartialHeights::default();
         let mut left_mm = 10.0;
         let side = Share { foot_ratio: 0.25, border_ratio: 0.5, is_end: false };
         for (from_mm, to_mm, share, taken_mm) in [
@@ -266,37 +266,37 @@ mod tests {
             (0.0, 3.0, END(0.0, 0.5), 3.0 * 0.25),
             (0.0, 10.0, Share::ALL, 3.0 * 0.25 + 4.0),
         ] {
-            let taken = shelves.take(&mut material, Interval::new(from_mm, to_mm), &share);
+            let taken = heights.take(&mut material, Interval::new(from_mm, to_mm), &share);
             left_mm -= taken;
             assert_eq!(taken, taken_mm, "{share:?}");
-            assert_eq!(shelves.length_mm(&material), left_mm, "{share:?}");
+            assert_eq!(heights.length_mm(&material), left_mm, "{share:?}");
         }
-        assert_eq!((material, shelves), (Dexel::Empty, Shelves::default()));
+        assert_eq!((material, heights), (Dexel::Empty, PartialHeights::default()));
     }
 
     #[test]
     fn a_section_is_what_stands_higher() {
         let mut material = Dexel::One(Interval::new(0.0, 10.0));
-        let mut shelves = Shelves::default();
+        let mut heights = PartialHeights::default();
         for (from_mm, to_mm, foot_ratio) in [(2.0, 4.0, 0.75), (4.0, 5.0, 0.5), (5.0, 6.0, 0.5)] {
-            shelves.take(&mut material, Interval::new(from_mm, to_mm), &END(foot_ratio, 1.0));
+            heights.take(&mut material, Interval::new(from_mm, to_mm), &END(foot_ratio, 1.0));
         }
-        assert_eq!(shelves.0.len(), 2, "equal neighbours are one");
+        assert_eq!(heights.0.len(), 2, "equal neighbours are one");
         let interval = |(from, to)| Interval::new(from, to);
         let all = Interval::new(-1.0, 11.0);
-        assert_eq!(*shelves.section(&material, &all, 0.5), [(0.0, 4.0), (6.0, 10.0)].map(interval));
-        assert_eq!(*shelves.section(&material, &all, 0.75), [(0.0, 2.0), (6.0, 10.0)].map(interval));
-        assert_eq!(*shelves.section(&material, &Interval::new(1.0, 3.0), 0.0), [(1.0, 3.0)].map(interval));
-        assert!(Shelves::default().section(&material, &all, 1.0).is_empty());
+        assert_eq!(*heights.section(&material, &all, 0.5), [(0.0, 4.0), (6.0, 10.0)].map(interval));
+        assert_eq!(*heights.section(&material, &all, 0.75), [(0.0, 2.0), (6.0, 10.0)].map(interval));
+        assert_eq!(*heights.section(&material, &Interval::new(1.0, 3.0), 0.0), [(1.0, 3.0)].map(interval));
+        assert!(PartialHeights::default().section(&material, &all, 1.0).is_empty());
         for (of_all, above_ratio) in [([(0.0, 4.0), (6.0, 10.0)], 0.5), ([(0.0, 10.0); 2], 0.0)] {
-            let ends = [true, false].map(|is_first| shelves.end_piece(&material, &all, above_ratio, is_first));
+            let ends = [true, false].map(|is_first| heights.end_piece(&material, &all, above_ratio, is_first));
             assert_eq!(ends, of_all.map(|ends| Some(interval(ends))));
         }
         assert_eq!(
-            Shelves::default().end_piece(&material, &Interval::new(9.0, 12.0), 0.0, false),
+            PartialHeights::default().end_piece(&material, &Interval::new(9.0, 12.0), 0.0, false),
             Some(interval((9.0, 10.0)))
         );
-        assert_eq!(shelves.mean_ratio(&material, &Interval::new(3.0, 5.0)), 0.625);
-        assert_eq!([1.0, 4.5, 11.0].map(|at| shelves.top_ratio(&material, at)), [Some(1.0), Some(0.5), None]);
+        assert_eq!(heights.mean_ratio(&material, &Interval::new(3.0, 5.0)), 0.625);
+        assert_eq!([1.0, 4.5, 11.0].map(|at| heights.top_ratio(&material, at)), [Some(1.0), Some(0.5), None]);
     }
 }

@@ -5,7 +5,7 @@
 //! layer than the tip is; the edges on the tool's end ([`super::end`]) take what the tip comes down on.
 //!
 //! A rounded corner is a staircase: what its steps meet from above, when the tip comes into the next layer, is no edge's and goes without chips
-//! ([`Bite::enter`]), and so does what a rapid takes ([`Bite::sink`]).
+//! ([`EdgeEngagement::enter`]), and so does what a rapid takes ([`EdgeEngagement::sink`]).
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -18,9 +18,9 @@ use super::edges::{Cutter, EdgePiece};
 use super::end::{Descent, EndEdge, Face};
 use super::layers::{LEVEL_RATIO, Layers, Slice};
 use super::material::ChipSection;
+use super::partial_heights::Share;
 use super::pose::{Placed, Poses, Stand, rake, towards};
 use super::rake::Wake;
-use super::shelves::Share;
 
 /// Slices and layers may differ by this, which is rounding.
 const RISE_TOLERANCE_RATIO: f64 = 1e-9;
@@ -34,7 +34,7 @@ const STILL_MM: f64 = 1e-9;
 
 /// A cutter at work.
 #[derive(Clone, Debug)]
-pub struct Bite {
+pub struct EdgeEngagement {
     cutter: Cutter,
     layers: Layers,
     depth_mm: f64,
@@ -79,7 +79,7 @@ struct Tips {
 
 /// Why a cutter cannot work in these layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum BiteError {
+pub enum EdgeEngagementError {
     /// A piece of an edge is not as high as a layer: two in one layer would cut it twice, or layers would be left out.
     Slice {
         /// Of the piece.
@@ -94,32 +94,32 @@ pub enum BiteError {
     },
 }
 
-impl fmt::Display for BiteError {
+impl fmt::Display for EdgeEngagementError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            BiteError::Slice { rise_mm, layer_mm } => {
+            EdgeEngagementError::Slice { rise_mm, layer_mm } => {
                 write!(f, "layers of {layer_mm} mm need edges in slices of the same height, not of {rise_mm} mm")
             }
-            BiteError::Depth { depth_mm } => write!(f, "rake faces {depth_mm} mm deep take no chip"),
+            EdgeEngagementError::Depth { depth_mm } => write!(f, "rake faces {depth_mm} mm deep take no chip"),
         }
     }
 }
 
-impl std::error::Error for BiteError {}
+impl std::error::Error for EdgeEngagementError {}
 
-impl Bite {
+impl EdgeEngagement {
     /// A cutter in a workpiece; its rake faces reach `depth_mm` behind their edges, further than any chip is thick.
     ///
     /// # Errors
     /// Edges not in slices as high as the layers, or rake faces without depth.
-    pub fn new(cutter: Cutter, layers: Layers, depth_mm: f64) -> Result<Self, BiteError> {
+    pub fn new(cutter: Cutter, layers: Layers, depth_mm: f64) -> Result<Self, EdgeEngagementError> {
         if !(depth_mm > 0.0 && depth_mm.is_finite()) {
-            return Err(BiteError::Depth { depth_mm });
+            return Err(EdgeEngagementError::Depth { depth_mm });
         }
         let layer_mm = layers.rise_mm();
         let is_slice = |rise_mm: f64| libm::fabs(rise_mm - layer_mm) <= RISE_TOLERANCE_RATIO * layer_mm;
         if let Some(piece) = cutter.pieces().iter().find(|piece| !is_slice(piece.rise_mm)) {
-            return Err(BiteError::Slice { rise_mm: piece.rise_mm, layer_mm });
+            return Err(EdgeEngagementError::Slice { rise_mm: piece.rise_mm, layer_mm });
         }
         let (wakes, slices, ends) =
             (vec![Default::default(); cutter.pieces().len()], slices(&cutter), EndEdge::all(&cutter));
@@ -129,12 +129,25 @@ impl Bite {
         let widths_mm = cutter.pieces().iter().map(EdgePiece::width_mm).collect();
         let (faces, tips) = (vec![None; ends.len()], Tips::new(&ends));
         let reach_mm = slices.len() as f64 * layer_mm;
-        Ok(Bite { cutter, layers, depth_mm, reach_mm, wakes, slices, slice_of, sines, widths_mm, ends, faces, tips })
+        Ok(EdgeEngagement {
+            cutter,
+            layers,
+            depth_mm,
+            reach_mm,
+            wakes,
+            slices,
+            slice_of,
+            sines,
+            widths_mm,
+            ends,
+            faces,
+            tips,
+        })
     }
 
     /// Edges are asked only so far up from the tip. With one slice more than that an edge is asked as far up where the tip is inside of a layer.
     pub fn up_to_mm(self, reach_mm: f64) -> Self {
-        Bite { reach_mm, ..self }
+        EdgeEngagement { reach_mm, ..self }
     }
 
     /// The cutter.

@@ -1,4 +1,4 @@
-//! The example job as it ran on the simulated machine with the controller told each block: positions and overrides.
+//! The example job as it ran on the simulated machine with the controller that is given each block: positions and overrides.
 
 use std::sync::OnceLock;
 
@@ -14,10 +14,13 @@ use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::machining::ToolInSpindle;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
-use arcfeed_tests::root;
 
-/// A run.
-pub struct Recorded {
+use crate::root;
+
+/// A run of the example.
+#[derive(Debug)]
+pub struct Recording {
+    /// The example's job.
     pub job: Job,
     /// Its moves in order.
     pub segments: Vec<Segment>,
@@ -25,7 +28,7 @@ pub struct Recorded {
     pub ticks: Vec<(Pose, u8, usize)>,
 }
 
-impl Recorded {
+impl Recording {
     /// Which cut rule speaks of a move.
     pub fn rule(&self, segment: &Segment) -> Option<usize> {
         self.job.rule_for(segment, ToolInSpindle::Unstated).map(|(index, _)| index)
@@ -33,12 +36,12 @@ impl Recorded {
 }
 
 /// The run of `examples/ibr-slot`.
-pub fn ibr_slot() -> &'static Recorded {
-    static RUN: OnceLock<Recorded> = OnceLock::new();
+pub fn ibr_slot() -> &'static Recording {
+    static RUN: OnceLock<Recording> = OnceLock::new();
     RUN.get_or_init(record)
 }
 
-fn record() -> Recorded {
+fn record() -> Recording {
     let file = JobFile::load(&root().join("examples/ibr-slot/job.toml")).expect("the example's job is sound");
     let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
     let text = [adapt(&program, &file.job).text, b"\n".to_vec()].concat();
@@ -61,5 +64,5 @@ fn record() -> Recorded {
     rig.step();
     overrides.push(rig.control().override_percent());
     let ticks = positions.into_iter().zip(overrides.split_off(1));
-    Recorded { job: file.job, segments, ticks: ticks.map(|((pose, begun), percent)| (pose, percent, begun)).collect() }
+    Recording { job: file.job, segments, ticks: ticks.map(|((pose, begun), percent)| (pose, percent, begun)).collect() }
 }
