@@ -4,6 +4,7 @@
 //!   infinities, subnormal and huge ones;
 //! * not a number: a number of the scene that is none is refused by name, [`NoDemand::BadInput`];
 //! * monotony: more chip, no smaller demand;
+//! * uniformity: a law that says it answers alike everywhere does;
 //! * symmetry: the whole scene in a mirror, the sense of turn with it, or turned as a whole: the same demand;
 //! * scale: all lengths in inches, or in mm: the same demand in inches, or in mm;
 //! * continuity: no jump between neighbouring places but where the set of contacts changes.
@@ -108,6 +109,7 @@ fn suite<S: Scene>(name: &str, seed: u64, cases: u32, make: impl Fn(&mut Rng) ->
                 bounds(&scene, ratio),
                 not_a_number(&scene, ratio),
                 monotone(&scene, ratio, &mut random),
+                uniform(&scene, ratio),
                 mirror(&scene, ratio),
                 turned_and_scaled(&scene, ratio, &mut random, &mut tally),
                 if case % 4 == 0 { continuous(&scene, &mut tally) } else { Ok(()) },
@@ -196,6 +198,13 @@ fn monotone<S: Scene>(scene: &S, ratio: f64, random: &mut Rng) -> Result<(), Str
         }
         _ => Ok(()),
     }
+}
+
+/// A law that says so answers alike at every place.
+fn uniform<S: Scene>(scene: &S, ratio: f64) -> Result<(), String> {
+    let law = scene.law().ok_or("uniform: ordinary numbers are refused")?;
+    let (here, at_start) = (law.demand(&scene.place(ratio)), law.demand(&scene.place(0.0)));
+    if !law.is_uniform() || here == at_start { Ok(()) } else { Err(format!("uniform: {at_start:?} becomes {here:?}")) }
 }
 
 fn mirror<S: Scene>(scene: &S, ratio: f64) -> Result<(), String> {
@@ -359,6 +368,10 @@ mod tests {
             let demand = self.scene.law().expect("never refused").demand(place)?;
             Ok(FeedDemand { path_mm_per_tooth: (self.how)(&self.scene, place, demand.path_mm_per_tooth), ..demand })
         }
+
+        fn is_uniform(&self) -> bool {
+            true
+        }
     }
 
     impl Scene for Corrupted {
@@ -379,7 +392,7 @@ mod tests {
     #[test]
     fn a_bad_law_fails_at_the_property_it_breaks() {
         type How = fn(&ContourScene, &Place, f32) -> f32;
-        let bad: [(&str, How); 6] = [
+        let bad: [(&str, How); 7] = [
             ("bounds", |_, place, demand| if place.travelled_mm > 0.99 { f32::NAN } else { demand }),
             ("bounds", |_, place, demand| if place.travelled_mm > 0.99 { -demand } else { demand }),
             (
@@ -387,6 +400,7 @@ mod tests {
                 |_, place, demand| if place.travelled_mm.is_nan() { panic!("corrupted") } else { demand },
             ),
             ("monotony", |scene, _, demand| if scene.chip > 0.1 { 0.1 * demand } else { demand }),
+            ("uniform", |_, place, demand| (1.0 + 1e-4 * place.travelled_mm) * demand),
             ("scale", |_, _, demand| demand + 0.000_1),
             ("continuity", |_, place, demand| if place.travelled_mm > 0.5 { 1.1 * demand } else { demand }),
         ];

@@ -46,6 +46,10 @@ impl FeedLaw for Contour {
     fn demand(&self, _: &Place) -> Result<FeedDemand, NoDemand> {
         self.demand
     }
+
+    fn is_uniform(&self) -> bool {
+        true
+    }
 }
 
 fn demand(q_mm: f32, r_mm: f32, side: Side, a: f32, limits: ContourLimits) -> Result<FeedDemand, NoDemand> {

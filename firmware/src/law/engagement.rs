@@ -56,6 +56,10 @@ impl FeedLaw for Engagement {
     fn demand(&self, _: &Place) -> Result<FeedDemand, NoDemand> {
         self.demand
     }
+
+    fn is_uniform(&self) -> bool {
+        true
+    }
 }
 
 /// The part of the straight feed that keeps the engagement's chip in an inside arc. (6)

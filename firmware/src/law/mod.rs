@@ -195,8 +195,12 @@ impl FeedLaw for SegmentLaw {
 
     fn is_uniform(&self) -> bool {
         match self {
-            SegmentLaw::Contour(_) | SegmentLaw::Engagement(_) | SegmentLaw::Programmed => true,
-            SegmentLaw::Circumference(_) | SegmentLaw::EngagedArc(_) | SegmentLaw::Table(_) => false,
+            SegmentLaw::Circumference(law) => law.is_uniform(),
+            SegmentLaw::EngagedArc(law) => law.is_uniform(),
+            SegmentLaw::Contour(law) => law.is_uniform(),
+            SegmentLaw::Engagement(law) => law.is_uniform(),
+            SegmentLaw::Table(law) => law.is_uniform(),
+            SegmentLaw::Programmed => true,
         }
     }
 }
