@@ -35,7 +35,7 @@ const BACKLASH: u16 = 16;
 /// How far beyond its ends the dial may read, counts: resistors have tolerances.
 const MARGIN: u16 = 64;
 /// Ticks in a row without a plausible reading until the dial is broken.
-const TIMEOUT: u8 = 5;
+const IMPLAUSIBLE_TICKS_MAX: u8 = 5;
 
 impl Dial {
     /// A dial that reads `lowest` counts at 0 % and `highest` at `highest_percent`, on a converter whose last count is
@@ -64,7 +64,7 @@ impl Dial {
             }
             None => knob.implausible_ticks = knob.implausible_ticks.saturating_add(1),
         }
-        if knob.implausible_ticks < TIMEOUT { Ok(self.percent(knob.held)) } else { Err(DialBroken) }
+        if knob.implausible_ticks < IMPLAUSIBLE_TICKS_MAX { Ok(self.percent(knob.held)) } else { Err(DialBroken) }
     }
 
     fn percent(&self, held: u16) -> u8 {

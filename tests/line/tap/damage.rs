@@ -16,7 +16,7 @@ const JOBS: [&str; 2] = ["examples/ibr-slot/job.toml", "examples/pocket/job-cont
 /// Runs of each kind.
 const RUNS: u64 = 40;
 /// Positions in a row that may lie off the path before the tap gives up: its setting.
-const TIMEOUT: u32 = 5;
+const OFF_PATH_COUNT: u32 = 5;
 
 /// What is done to one place of a stream.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +87,7 @@ fn a_stream_corrupted_before_the_tap_is_for_it_what_it_is_for_the_control() {
     for code in [Code::Iso, Code::Ascii] {
         for seed in 0..RUNS {
             let ended = run(code, ALL[seed as usize % ALL.len()], seed, true);
-            assert!(ended.figures.off_path_in_row <= TIMEOUT, "{ended:?}");
+            assert!(ended.figures.off_path_in_row <= OFF_PATH_COUNT, "{ended:?}");
         }
     }
 }
@@ -98,7 +98,7 @@ fn a_control_that_got_something_else_is_found_out_when_its_axes_leave_the_path()
     for code in [Code::Iso, Code::Ascii] {
         for seed in 0..RUNS {
             let ended = run(code, ALL[seed as usize % ALL.len()], seed, false);
-            assert!(ended.figures.off_path_in_row <= TIMEOUT, "{ended:?}");
+            assert!(ended.figures.off_path_in_row <= OFF_PATH_COUNT, "{ended:?}");
             found_out += u32::from(ended.state == TapState::Lost(Why::OffPath));
         }
     }
@@ -137,13 +137,14 @@ fn another_path_than_the_one_that_was_read_is_noticed_within_the_count() {
     for [told, executed] in ELSEWHERE {
         let ended = another(told, executed, Nm(500_000));
         assert_eq!(ended.state, TapState::Lost(Why::OffPath), "{told}");
-        assert!(ended.figures.off_path_in_row <= TIMEOUT, "{ended:?}");
+        assert!(ended.figures.off_path_in_row <= OFF_PATH_COUNT, "{ended:?}");
     }
 }
 
 #[test]
 fn without_the_watch_a_law_would_act_where_it_has_no_business() {
-    let acts =
-        |[told, executed]: &[&str; 2]| another(told, executed, Nm(i64::MAX)).figures.off_path_in_row > 10 * TIMEOUT;
+    let acts = |[told, executed]: &[&str; 2]| {
+        another(told, executed, Nm(i64::MAX)).figures.off_path_in_row > 10 * OFF_PATH_COUNT
+    };
     assert!(ELSEWHERE.iter().filter(|places| acts(places)).count() >= 3);
 }

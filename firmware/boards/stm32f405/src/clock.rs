@@ -25,7 +25,7 @@ const FROM_CRYSTAL: Clock = Clock { core_mhz: 168, timer_mhz: 84 };
 const OWN: Clock = Clock { core_mhz: 16, timer_mhz: 16 };
 
 /// Reads of a flag before it is given up: some 20 ms at 16 MHz, a crystal needs 2.
-const TIMEOUT: u32 = 50_000;
+const POLLS_MAX: u32 = 50_000;
 /// Flash wait states at 168 MHz and 3.3 V.
 const WAIT_STATES: u8 = 5;
 
@@ -85,5 +85,5 @@ fn start_from_crystal(rcc: &RCC, flash: &FLASH, pwr: &PWR) -> Option<()> {
 }
 
 fn wait_until(condition: impl Fn() -> bool) -> Option<()> {
-    (0..TIMEOUT).any(|_| condition()).then_some(())
+    (0..POLLS_MAX).any(|_| condition()).then_some(())
 }

@@ -8,7 +8,7 @@ use stm32f4::stm32f405::IWDG;
 /// The oscillator divided by 8: 4 kHz, of which this many are 25 ms. It lies between 17 and 47 kHz: 17 to 47 ms.
 const STEPS: u16 = 100;
 /// Reads of the flags until the settings are taken over: five periods of the oscillator at most.
-const TIMEOUT: u32 = 100_000;
+const POLLS_MAX: u32 = 100_000;
 
 /// The running watchdog.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ impl Watchdog {
         // SAFETY: the field takes any twelve bits.
         iwdg.rlr().write(|w| unsafe { w.rl().bits(STEPS) });
         // If they are not taken over, it fires later than wanted, but it fires.
-        let _ = (0..TIMEOUT).any(|_| iwdg.sr().read().bits() == 0);
+        let _ = (0..POLLS_MAX).any(|_| iwdg.sr().read().bits() == 0);
         let mut watchdog = Watchdog(iwdg);
         watchdog.feed();
         watchdog
