@@ -230,6 +230,12 @@ impl ArcAngles {
         let (sin, cos) = libm::sincos(self.start_rad + ratio * self.turned_rad);
         [cos, sin]
     }
+
+    /// Cosine and sine of one of so many equal steps of the sweep.
+    pub fn step(&self, steps: usize) -> [f64; 2] {
+        let (sin, cos) = libm::sincos(self.turned_rad / steps as f64);
+        [cos, sin]
+    }
 }
 
 fn pick(axes: &[Nm; 3], index: usize) -> Nm {

@@ -46,13 +46,34 @@ impl MovePlaces {
         self.feed_length_mm
     }
 
+    /// The places at the borders of so many equal cells: on an arc each direction is the one before, turned by one step.
+    pub fn evenly(&self, cells: usize) -> impl Iterator<Item = Place> {
+        let (mut direction, step) = match &self.shape {
+            Shape::Arc { angles, .. } => (angles.direction_at(0.0), angles.step(cells)),
+            Shape::Line(_) => ([1.0, 0.0], [1.0, 0.0]),
+        };
+        (0..=cells).map(move |cell| {
+            let [x, y] = direction;
+            direction = [x * step[0] - y * step[1], y * step[0] + x * step[1]];
+            self.place([x, y], cell as f64 / cells as f64)
+        })
+    }
+
     /// The place at `ratio` (0 to 1) of the move.
     pub fn at(&self, ratio: f64) -> Place {
+        let direction = match &self.shape {
+            Shape::Arc { angles, .. } => angles.direction_at(ratio),
+            Shape::Line(_) => [1.0, 0.0],
+        };
+        self.place(direction, ratio)
+    }
+
+    /// The place at `ratio`, on an arc in this direction from its centre.
+    fn place(&self, direction: [f64; 2], ratio: f64) -> Place {
         let travelled_mm = (self.feed_length_mm * ratio) as f32;
         match &self.shape {
-            Shape::Arc { angles, turn, radius_mm } => {
-                let direction = angles.direction_at(ratio).map(|component| component as f32);
-                Place::on_arc(direction, *turn, *radius_mm, travelled_mm)
+            Shape::Arc { turn, radius_mm, .. } => {
+                Place::on_arc(direction.map(|component| component as f32), *turn, *radius_mm, travelled_mm)
             }
             Shape::Line(motion) => Place::on_line(*motion, travelled_mm),
         }

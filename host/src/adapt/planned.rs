@@ -2,14 +2,12 @@
 
 use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_firmware::ramp::FeedOverride;
-use arcfeed_shared::cut::{CutRule, Work};
 use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::machine::LimitedBy;
 use arcfeed_shared::nc::alarm::NotModelled;
 use arcfeed_shared::nc::modal::Feed;
 use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::stock::Stock;
 use arcfeed_shared::units::{LengthUnit, Nm, PERCENT, RevPerMin};
 
 use super::limit::MoveLimit;
@@ -121,7 +119,9 @@ pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: Len
     let rule = job.rules.get(block.rule?)?;
     let teeth_per_min = f64::from(spindle.0) * f64::from(job.tool_of(rule).tool.active_teeth());
     let law = SegmentLaw::told(&block.segment, Some(rule), block.along.as_ref(), job);
-    let profile = Profile::ask(&law, &block.segment, &knots_mm(rule, block.along.as_ref(), job));
+    let mut knots_mm = Vec::new();
+    law.knots_mm(&mut |mm| knots_mm.push(f64::from(mm)));
+    let profile = Profile::ask(&law, &block.segment, &knots_mm);
     let Some(demand) = DemandRange::of(&profile, teeth_per_min) else {
         block.reason = PlanReason::NoDemand;
         return None;
@@ -145,16 +145,4 @@ pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: Len
         _ => PlanReason::LawInPart,
     };
     Some(profile)
-}
-
-/// Where along a move the tables of a rule have their knots.
-fn knots_mm(rule: &CutRule, along: Option<&EngagedTable>, job: &Job) -> Vec<f64> {
-    let feeds = rule.table.map(|range| job.knots.table(range)).unwrap_or_default();
-    let engaged = match &rule.work {
-        Work::Ring(_, Stock::Engaged(table)) => table.knots(),
-        Work::Ring(_, Stock::Along) => along.map_or(&[][..], EngagedTable::knots),
-        Work::Ring(..) | Work::Mill { .. } => &[],
-    };
-    let paths = feeds.iter().map(|knot| knot.0).chain(engaged.iter().map(|knot| knot.travelled));
-    paths.map(|path| f64::from(path.0)).collect()
 }

@@ -15,8 +15,8 @@ const SHARP_RATIO: f64 = 1e-5;
 const DEPTH_MAX: usize = 16;
 /// Steps towards the bottom of a valley, each of which leaves two thirds of it.
 const DESCENTS: usize = 40;
-/// Halvings to the place where a law's demand begins or ends.
-const HALVINGS: usize = 30;
+/// Halvings of a cell to the place where a law's demand begins or ends: a place is told apart to 24 bits of its move.
+const HALVINGS: usize = 16;
 
 /// What a law says at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,35 +46,48 @@ struct Asked<'a, L> {
     places: MovePlaces,
 }
 
+/// The demand at five evenly spaced points of an interval. Those at its quarters reveal a jump that happens to lie on the chord.
+struct Quarters {
+    /// The least path per tooth, infinite where no feed is too high at any of them.
+    least: f64,
+    /// That in the middle.
+    middle: f64,
+    /// Distance by which a curve through them dips below the least; infinite where some feed is unbounded.
+    dip: f64,
+}
+
 /// A point, in cells from the start, and the path per tooth demanded there.
 type Point = (f64, f64);
 
 impl Profile {
-    /// Asks the law; also at the knots of a table, given as path from the move's start, mm, in their order.
+    /// Asks the law; also at its knots, given as paths from the start of the move, mm, in rising order.
     pub fn ask(law: &impl FeedLaw, segment: &Segment, knots_mm: &[f64]) -> Self {
         let asked = Asked { law, places: MovePlaces::of(segment) };
         if law.is_uniform() {
             return Profile::uniform(asked.at(0.0));
         }
-        let knots: Vec<f64> = knots_mm.iter().map(|mm| mm / asked.places.feed_length_mm() * CELLS as f64).collect();
-        let ends: Vec<Answer> = (0..=CELLS).map(|point| asked.at(point as f64)).collect();
-        let paths: Vec<Option<f64>> = ends.iter().map(|answer| answer.path()).collect();
-        // Beyond the move's ends nothing bends.
-        let bends: Vec<f64> = once(0.0).chain(paths.windows(3).map(bend)).chain(once(0.0)).collect();
+        let mut knots = knots_mm.iter().map(|mm| mm / asked.places.feed_length_mm() * CELLS as f64).peekable();
+        let ends: Vec<Answer> = asked.places.evenly(CELLS).map(|place| asked.answer(&place)).collect();
         let mut profile = Profile {
-            answers: Vec::with_capacity(ends.len() + knots.len()),
+            answers: Vec::with_capacity(ends.len() + knots_mm.len()),
             bounds: Vec::with_capacity(CELLS),
             covered: Vec::with_capacity(CELLS),
         };
-        for (cell, (paths, bends)) in paths.windows(2).zip(bends.windows(2)).enumerate() {
+        // Beyond the move's ends nothing bends.
+        let mut bend_before = 0.0;
+        for (cell, both) in ends.windows(2).enumerate() {
             let (from, to) = (cell as f64, cell as f64 + 1.0);
-            let inside = knots.iter().filter(|knot| **knot > from && **knot < to);
-            profile.answers.push((from, ends[cell]));
+            let paths = (both[0].path(), both[1].path());
+            let bend_behind = ends.get(cell + 2).map_or(0.0, |next| bend(paths.0, paths.1, next.path()));
+            profile.answers.push((from, both[0]));
             let first = profile.answers.len();
-            profile.answers.extend(inside.map(|knot| (*knot, asked.at(*knot))));
-            let bound = match (paths[0], paths[1]) {
+            while knots.next_if(|knot| *knot <= from).is_some() {}
+            while let Some(knot) = knots.next_if(|knot| *knot < to) {
+                profile.answers.push((knot, asked.at(knot)));
+            }
+            let bound = match paths {
                 (Some(a), Some(b)) => {
-                    let dip = bends[0].max(bends[1]) / 2.0;
+                    let dip = f64::max(bend_before, bend_behind) / 2.0;
                     asked.bound((from, a), &profile.answers[first..], (to, b), dip)
                 }
                 (Some(demand), None) => asked.edge((from, demand), to),
@@ -82,7 +95,8 @@ impl Profile {
                 (None, None) => f64::INFINITY,
             };
             profile.bounds.push(bound);
-            profile.covered.push(paths[0].is_some() && paths[1].is_some());
+            profile.covered.push(paths.0.is_some() && paths.1.is_some());
+            bend_before = bend_behind;
         }
         profile.answers.push((CELLS as f64, ends[CELLS]));
         profile
@@ -147,12 +161,11 @@ impl<L: FeedLaw> Asked<'_, L> {
     /// The bound of a cell with demands at all of its points, for a law that is smooth between them but where it jumps. `dip`
     /// is how far a curve without knots dips below its lower end.
     fn bound(&self, first: Point, knots: &[(f64, Answer)], last: Point, dip: f64) -> f64 {
-        let paths = knots.iter().filter_map(|(_, answer)| answer.path());
-        let least = paths.fold(f64::INFINITY.min(first.1).min(last.1), f64::min);
+        let knots = || knots.iter().filter_map(|(at, answer)| Some((*at, answer.path()?)));
+        let least = knots().map(|(_, path)| path).fold(first.1.min(last.1), f64::min);
         if least.is_infinite() {
             return least;
         }
-        let knots = || knots.iter().filter_map(|(at, answer)| Some((*at, answer.path()?)));
         if dip <= SHARP_RATIO * least && knots().next().is_none() {
             return least - dip;
         }
@@ -162,6 +175,10 @@ impl<L: FeedLaw> Asked<'_, L> {
 
     /// The least between two points: down into every bend, and to the bottom of the valley if there is one.
     fn between(&self, first: Point, last: Point) -> f64 {
+        let quarters = self.quarters(first, last);
+        if quarters.is_smooth() {
+            return quarters.bound();
+        }
         let least = self.looked_at(first, last, DEPTH_MAX);
         let (mut low, mut high, mut bottom) = (first.0, last.0, least);
         for _ in 0..DESCENTS {
@@ -177,25 +194,27 @@ impl<L: FeedLaw> Asked<'_, L> {
         bottom
     }
 
-    /// The least between two points, halved as long as it might dip below what is known. The quarters tell a jump that
-    /// happens to lie on the chord.
+    /// The least between two points, halved as long as it might dip below what is known.
     fn looked_at(&self, first: Point, last: Point, depth: usize) -> f64 {
-        let at = |part: f64| {
-            let point = first.0 + part * (last.0 - first.0);
-            (point, self.at(point).path().unwrap_or(f64::INFINITY))
-        };
-        let middle = at(0.5);
-        let paths = [first.1, at(0.25).1, middle.1, at(0.75).1, last.1];
-        let least = paths.into_iter().fold(f64::INFINITY, f64::min);
-        if paths.contains(&f64::INFINITY) {
-            return least;
+        let quarters = self.quarters(first, last);
+        if quarters.is_smooth() || quarters.dip.is_infinite() || depth == 0 {
+            return quarters.bound();
         }
+        let middle = (0.5 * (first.0 + last.0), quarters.middle);
+        let halves = [(first, middle), (middle, last)];
+        halves.into_iter().map(|(first, last)| self.looked_at(first, last, depth - 1)).fold(quarters.least, f64::min)
+    }
+
+    fn quarters(&self, first: Point, last: Point) -> Quarters {
+        let at = |part: f64| self.at(first.0 + part * (last.0 - first.0)).path().unwrap_or(f64::INFINITY);
+        let paths = [first.1, at(0.25), at(0.5), at(0.75), last.1];
         let bend = |a: usize, b: usize, c: usize| libm::fabs(paths[a] - 2.0 * paths[b] + paths[c]);
-        let dip = bend(0, 2, 4).max(bend(0, 1, 2)).max(bend(1, 2, 3)).max(bend(2, 3, 4));
-        if dip <= SHARP_RATIO * least || depth == 0 {
-            return least - dip.min(SHARP_RATIO * least);
+        let bends = [bend(0, 2, 4), bend(0, 1, 2), bend(1, 2, 3), bend(2, 3, 4)];
+        Quarters {
+            least: paths.into_iter().fold(f64::INFINITY, f64::min),
+            middle: paths[2],
+            dip: if paths.contains(&f64::INFINITY) { f64::INFINITY } else { bends.into_iter().fold(0.0, f64::max) },
         }
-        least.min(self.looked_at(first, middle, depth - 1)).min(self.looked_at(middle, last, depth - 1))
     }
 
     /// The bound of a cell at one of whose ends the law has no demand: from `known` at its other end to where it begins.
@@ -212,14 +231,25 @@ impl<L: FeedLaw> Asked<'_, L> {
     }
 }
 
+impl Quarters {
+    /// Whether the demand falls below the points by next to nothing.
+    fn is_smooth(&self) -> bool {
+        self.dip <= SHARP_RATIO * self.least
+    }
+
+    fn bound(&self) -> f64 {
+        if self.dip.is_infinite() { self.least } else { self.least - self.dip.min(SHARP_RATIO * self.least) }
+    }
+}
+
 /// Second difference of the paths per tooth at three neighbouring points; infinite next to a gap, where nothing is known of it.
 ///
 /// Half of the larger one at a cell's two ends is how far a curve through the points dips below the lower end, smooth or bent at
 /// the knots of a table. A smooth one dips by at most an eighth of the second difference there; one that is straight but for a
 /// knot in between, by at most the half: the knot leaves f and 1 - f of its bend in the two differences, and dips f (1 - f) of it
 /// below the chord.
-fn bend(paths: &[Option<f64>]) -> f64 {
-    let [Some(a), Some(b), Some(c)] = paths else { return f64::INFINITY };
+fn bend(a: Option<f64>, b: Option<f64>, c: Option<f64>) -> f64 {
+    let (Some(a), Some(b), Some(c)) = (a, b, c) else { return f64::INFINITY };
     let bend = libm::fabs(a - 2.0 * b + c);
     if bend.is_nan() { f64::INFINITY } else { bend }
 }
