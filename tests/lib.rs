@@ -71,6 +71,11 @@ pub fn in_plane(program: &str, plane: &str, letters: &str) -> String {
     lines.join("\n").replace("G17", plane) + "\n"
 }
 
+/// How much of a full set is tried here: a part, and all of it under `cargo xtask soak`.
+pub fn of_full_set<T>(full: T, part: T) -> T {
+    if std::env::var_os("ARCFEED_SOAK_SECONDS").is_some() { full } else { part }
+}
+
 /// A file that lies beside the project on some machines only. A test without it says so, and loudly: on its own output
 /// and in the log that `cargo xtask test` prints at its end.
 pub fn shared_or_skip(file: &str, test: &str) -> Option<PathBuf> {

@@ -14,6 +14,7 @@ use arcfeed_tests::emulation::cable::{Cable, FROM_BOARD, TO_BOARD};
 use arcfeed_tests::emulation::host::{Host, SET};
 use arcfeed_tests::emulation::qemu::{Clock, Emulator};
 use arcfeed_tests::noticed::{Noticed, assert_explained};
+use arcfeed_tests::of_full_set;
 
 use crate::runs::Example;
 
@@ -264,7 +265,7 @@ fn board_restarts(way: &mut UnderWay) -> Outcome {
 
 /// Restarts, one after the other, in as many programs as it takes; what they came to.
 fn restarts(who: &str, seed: u64, restart: fn(&mut UnderWay) -> Outcome) {
-    let points = if std::env::var_os("ARCFEED_SOAK_SECONDS").is_some() { FULL } else { SHORT };
+    let points = of_full_set(FULL, SHORT);
     let (mut outcomes, mut programs) = (Vec::new(), 0);
     while outcomes.len() < points {
         let mut way = UnderWay::new(seed + programs);

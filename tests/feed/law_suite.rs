@@ -16,6 +16,7 @@
 
 use crate::geometry::{self, Point, unit};
 use arcfeed_firmware::law::{FeedDemand, FeedLaw, NoDemand, Place};
+use arcfeed_tests::of_full_set;
 use core::fmt::Debug;
 use fastrand::Rng;
 use std::collections::BTreeMap;
@@ -299,27 +300,27 @@ mod tests {
 
     #[test]
     fn the_circumference_law_passes() {
-        passes("circumference", 100_000, CircumferenceScene::sample);
+        passes("circumference", of_full_set(100_000, 20_000), CircumferenceScene::sample);
     }
 
     #[test]
     fn the_engaged_arc_law_passes() {
-        passes("engaged arc", 60_000, RingScene::sample);
+        passes("engaged arc", of_full_set(60_000, 10_000), RingScene::sample);
     }
 
     #[test]
     fn the_engaged_arc_law_on_tables_passes() {
-        passes("engaged arc, tables", 60_000, EngagedTableScene::sample);
+        passes("engaged arc, tables", of_full_set(60_000, 10_000), EngagedTableScene::sample);
     }
 
     #[test]
     fn the_contour_law_passes() {
-        passes("contour", 40_000, ContourScene::sample);
+        passes("contour", of_full_set(40_000, 10_000), ContourScene::sample);
     }
 
     #[test]
     fn the_engagement_law_passes() {
-        passes("engagement", 100_000, EngagementScene::sample);
+        passes("engagement", of_full_set(100_000, 20_000), EngagementScene::sample);
     }
 
     #[test]

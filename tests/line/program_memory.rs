@@ -6,15 +6,13 @@ use std::fmt::Write;
 use std::fs::File;
 use std::time::Duration;
 
-use arcfeed_tests::{Ended, Running, Scratch, root};
+use arcfeed_tests::{Ended, Running, Scratch, of_full_set, root};
 
-/// Lines of the ordinary test, and with `ARCFEED_SOAK_SECONDS` of the long one.
-const LINES: [usize; 2] = [60_000, 2_000_000];
 /// What the program itself takes, with its libraries.
 const BASE_KB: u64 = 20_000;
 
 fn line_count() -> usize {
-    LINES[usize::from(std::env::var_os("ARCFEED_SOAK_SECONDS").is_some())]
+    of_full_set(2_000_000, 60_000)
 }
 
 /// The example's first arcs again and again, under its rules, between one beginning and one end.

@@ -9,22 +9,20 @@ mod runs;
 mod tools;
 mod truth;
 
+use arcfeed_tests::of_full_set;
 use fastrand::Rng;
 
 use crate::feed_bounds::jobs::{LAWS, RandomJob};
 use crate::feed_bounds::programs::Story;
 use crate::feed_bounds::runs::{Figures, run};
 
-/// Programs of each law.
-const PROGRAMS: u32 = 400;
-
-/// Runs `PROGRAMS` programs of each law, and asserts that none is cut too fast. Every `two_tools`th job has two tools.
+/// Runs a set of programs of each law, and asserts that none is cut too fast. Every `two_tools`th job has two tools.
 fn all_laws(name: &str, seed: u64, two_tools: Option<u64>, story: fn(&mut Rng, &RandomJob) -> Story) {
-    let mut total = Figures::default();
+    let (mut total, programs) = (Figures::default(), of_full_set(400, 100));
     for law in LAWS {
         let (mut figures, mut refused) = (Figures::default(), 0);
         for program in 0.. {
-            if figures.programs == PROGRAMS {
+            if figures.programs == programs {
                 break;
             }
             let mut random = Rng::with_seed(seed + 1_000 * program);
@@ -39,7 +37,7 @@ fn all_laws(name: &str, seed: u64, two_tools: Option<u64>, story: fn(&mut Rng, &
             figures.add(&ran.unwrap_or_default());
         }
         println!("{law}: {figures}; {refused} programs more stop the control in one state of its switch");
-        assert!(u64::from(PROGRAMS) > 4 * refused, "{law}: {refused} programs refused");
+        assert!(u64::from(programs) > 4 * refused, "{law}: {refused} programs refused");
         assert!(figures.governed_ms > 5_000, "{law}: hardly anything was governed: {figures}");
         total.add(&figures);
     }

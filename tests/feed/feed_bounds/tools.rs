@@ -5,13 +5,11 @@ use std::collections::HashMap;
 use arcfeed::adapt::{Adapted, Known, PlanReason, PlannedBlock, adapt_with};
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
-use arcfeed_tests::Scratch;
+use arcfeed_tests::{Scratch, of_full_set};
 use fastrand::Rng;
 
 use crate::feed_bounds::jobs::{LAWS, RandomJob, TOOL_NUMBERS};
 use crate::feed_bounds::programs::Story;
-
-const PROGRAMS: u64 = 1_000;
 
 fn adapted(scratch: &Scratch, name: &str, job: &str, program: &str) -> Adapted {
     let file = JobFile::load(scratch.write(name, job).as_ref()).unwrap_or_else(|error| panic!("{error:?}\n{job}"));
@@ -28,8 +26,8 @@ fn governed(block: &PlannedBlock) -> Option<(String, Option<i64>, Option<f32>)> 
 #[test]
 fn each_block_of_a_program_is_governed_as_by_a_job_for_its_tool_alone() {
     let scratch = Scratch::new("feed-bounds-tools");
-    let mut counts = [0; 3];
-    for program in 0..PROGRAMS {
+    let (mut counts, programs) = ([0; 3], of_full_set(1_000, 300));
+    for program in 0..programs {
         let mut random = Rng::with_seed(9_000 + program);
         let job = RandomJob::sample(&mut random, LAWS[program as usize % LAWS.len()]).with_second_tool(&mut random);
         let story = Story::of_everything(&mut random, &job);
@@ -55,6 +53,6 @@ fn each_block_of_a_program_is_governed_as_by_a_job_for_its_tool_alone() {
         }
     }
     let [first, second, other] = counts;
-    println!("{PROGRAMS} programs: {first} moves governed by T{}, {second} by T{}", TOOL_NUMBERS[0], TOOL_NUMBERS[1]);
+    println!("{programs} programs: {first} moves governed by T{}, {second} by T{}", TOOL_NUMBERS[0], TOOL_NUMBERS[1]);
     assert!(first > 300 && second > 300 && other == 0, "{counts:?}");
 }

@@ -10,6 +10,7 @@
 //!
 //! What cannot be seen is counted.
 
+use arcfeed_tests::of_full_set;
 use std::collections::BTreeMap;
 
 use arcfeed::dnc::readback::ReadBack;
@@ -21,7 +22,6 @@ use arcfeed_shared::units::Micros;
 use fastrand::Rng;
 
 use crate::dnc::line::{Line, Outcome, line_use, send};
-use crate::dnc::of_full_set;
 use crate::dnc::program::{Check, blocks, control, of_code, random, transmission, wire};
 use crate::dnc::schedule::{Fault, KINDS, Kind, Schedule, shrink};
 

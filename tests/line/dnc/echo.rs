@@ -1,5 +1,6 @@
 //! What the control's reports (`[dnc] report_every`) and a comparison with the program add to parity and TV.
 
+use arcfeed_tests::of_full_set;
 use std::collections::BTreeMap;
 
 use arcfeed::dnc::reports::{Remark, Reports};
@@ -11,7 +12,6 @@ use arcfeed_shared::units::Micros;
 use fastrand::Rng;
 
 use crate::dnc::line::{Line, line_use, send};
-use crate::dnc::of_full_set;
 use crate::dnc::program::{Check, blocks, control, of_code, power_on, random, random_with_offsets, transmission, wire};
 use crate::dnc::schedule::{KINDS, Kind, Schedule};
 

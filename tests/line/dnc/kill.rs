@@ -1,10 +1,8 @@
 //! The same with processes: `arcfeed stream` is killed (-9) while it sends to `arcfeed serve`, and resumed.
 
-use arcfeed_tests::{Ended, Running, Scratch, root, run, wait_for};
+use arcfeed_tests::{Ended, Running, Scratch, of_full_set, root, run, wait_for};
 use fastrand::Rng;
 use serde_json::Value;
-
-use crate::dnc::of_full_set;
 
 const EXAMPLE: &str = "examples/ibr-slot";
 

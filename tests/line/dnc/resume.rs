@@ -11,10 +11,10 @@ use arcfeed_hil_sim::control::{Control, ControlSettings};
 use arcfeed_shared::nc::block::{Reading, parse_line};
 use arcfeed_shared::nc::modal::Modal;
 use arcfeed_shared::units::{Micros, Nm};
+use arcfeed_tests::of_full_set;
 use fastrand::Rng;
 
 use crate::dnc::line::{Line, line_use, send};
-use crate::dnc::of_full_set;
 use crate::dnc::program::{Check, control, power_on, random_with_offsets, transmission, wire};
 use crate::dnc::schedule::{Fault, Schedule};
 

@@ -5,6 +5,7 @@
 
 use arcfeed_firmware::supervisor::state::State;
 use arcfeed_shared::units::{Micros, Span};
+use arcfeed_tests::of_full_set;
 
 use crate::station::example::moves;
 use crate::station::world::{Channel, World, standing};
@@ -99,7 +100,7 @@ fn run_through(seed: u64, run: &'static Recording) -> Outcome {
 
 #[test]
 fn whatever_the_line_loses_the_override_stays_within_its_bounds_and_falls_back_in_time() {
-    let schedules = if std::env::var_os("ARCFEED_SOAK_SECONDS").is_some() { FULL } else { SHORT };
+    let schedules = of_full_set(FULL, SHORT);
     let (mut losses, mut executed, mut stalest_ms) = (0, 0, 0);
     for seed in 0..schedules {
         let outcome = run_through(seed, ibr_slot());

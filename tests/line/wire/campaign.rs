@@ -3,11 +3,11 @@
 //! Every schedule ends in one of two ways: both ends up, with all that was to be sent acknowledged; or both lost, the second within
 //! the time its settings name.
 
+use arcfeed_tests::of_full_set;
 use std::collections::BTreeMap;
 
 use arcfeed_shared::wire::link::LinkState;
 
-use crate::wire::of_full_set;
 use crate::wire::schedule::{FAULTS_END_US, KINDS, Kind, draw, mend};
 use crate::wire::sim::Sim;
 

@@ -8,9 +8,8 @@ use arcfeed_shared::wire::deframer::Deframer;
 use arcfeed_shared::wire::frame::{Class, ENCODED_MAX, Frame, Header, NO_SALT, encode};
 use arcfeed_shared::wire::session::salt;
 use arcfeed_shared::wire::settings::Role;
+use arcfeed_tests::of_full_set;
 use fastrand::Rng;
-
-use crate::wire::of_full_set;
 
 /// A way to corrupt a frame, without the delimiter that ends it; another frame to take from.
 type Corruption = fn(&mut Rng, &mut Vec<u8>, &[u8]);

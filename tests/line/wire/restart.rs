@@ -3,9 +3,9 @@
 use arcfeed_shared::units::Span;
 use arcfeed_shared::wire::link::{LinkState, Loss};
 use arcfeed_shared::wire::settings::{LinkSettings, Role};
+use arcfeed_tests::of_full_set;
 use fastrand::Rng;
 
-use crate::wire::of_full_set;
 use crate::wire::sim::{End, Faults, Offering, SCHEMA, Sim, Way};
 
 const LATENCY_US: u64 = 2_000;

@@ -1,5 +1,6 @@
 //! No axis beyond its limits, whatever the program and whatever the override does.
 
+use arcfeed_tests::of_full_set;
 use std::fmt::Write as _;
 
 use arcfeed_hil_sim::control::{ControlSettings, Preset};
@@ -10,7 +11,7 @@ use crate::drives::motion::{Motion, drives, settings};
 
 /// Programs of each kind: some, or with `ARCFEED_SOAK_SECONDS` many.
 fn seeds(short: u64, long: u64) -> std::ops::Range<u64> {
-    0..if std::env::var_os("ARCFEED_SOAK_SECONDS").is_some() { long } else { short }
+    0..of_full_set(long, short)
 }
 
 /// A program of 60 blocks over five axes: lines, arcs in all planes, helices, turns of the rotary axes alone, reversals, from

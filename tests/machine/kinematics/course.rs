@@ -2,9 +2,9 @@
 
 use arcfeed_shared::kinematics::forward::Pose;
 use arcfeed_shared::kinematics::vector::Vector;
+use arcfeed_tests::of_full_set;
 
 use crate::kinematics::bench::{direction, machine, pose, travels, with_first_range};
-use crate::kinematics::of_full_set;
 
 /// Both solutions of the A/C table as Tournier's table 1 prints them, A from -120 to 30, C with all its turns.
 fn printed_solutions([i, j, k]: Vector, c_range: [f64; 2]) -> Vec<[f64; 2]> {

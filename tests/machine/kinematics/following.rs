@@ -1,5 +1,6 @@
 //! The feed of the tip that all axes of a machine can follow (G43.4), against closed forms and homogeneous matrices.
 
+use arcfeed_tests::of_full_set;
 use std::f64::consts::PI;
 
 use arcfeed_shared::kinematics::feed::AxisFeed;
@@ -9,7 +10,7 @@ use arcfeed_shared::kinematics::machine::{AxisName, Letter, Machine};
 use arcfeed_shared::kinematics::vector::{Vector, difference, dot, scaled};
 
 use crate::kinematics::bench::{FILES, SETUP, machine};
-use crate::kinematics::{of_full_set, oracle};
+use crate::kinematics::oracle;
 
 /// Moves for each machine.
 const MOVES: u64 = 2_000;

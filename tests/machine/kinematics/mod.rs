@@ -28,8 +28,3 @@ mod between;
 mod posting;
 
 mod programs;
-
-/// How many of a full set are tried here.
-fn of_full_set(full: u64, part: u64) -> u64 {
-    if std::env::var_os("ARCFEED_SOAK_SECONDS").is_some() { full } else { part }
-}

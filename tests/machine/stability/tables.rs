@@ -5,6 +5,7 @@
 //! of published benchmarks, see `tests/machine/dynamics/sets.rs`; B has four modes along two axes.
 
 use arcfeed_hil_sim::dynamics::modal::Mode;
+use arcfeed_tests::of_full_set;
 use nalgebra::Vector3;
 
 use crate::cutting_forces::rows::rows;
@@ -94,7 +95,7 @@ fn missed(milling: &Milling, rows: &[[f64; 2]]) -> Vec<[f64; 2]> {
 
 #[test]
 fn the_boundary_of_stability_is_that_of_the_linear_theory() {
-    let is_soak = std::env::var_os("ARCFEED_SOAK_SECONDS").is_some();
+    let is_soak = of_full_set(true, false);
     for Table { name, csv, milling } in tables() {
         let (plain, steep) = split(csv);
         let every = if is_soak { 1 } else { plain.len() / 3 };
