@@ -89,7 +89,7 @@ impl Sender for Pyserial {
 #[test]
 fn pyserials_program_is_cut_through_the_chips_tap_bit_for_bit_as_that_of_a_sender_in_process() {
     let Some(python) = python_or_skip("pyserial through the chip's tap") else { return };
-    let example = Example::load();
+    let example = Example::load().of_eight_arcs();
     let sender = Pyserial::start(python, "tap-pyserial", &example.text);
     let chip = run(&example, tapped_chip(&example), sender);
     assert_same(&chip, &in_process(&example), &example);

@@ -68,6 +68,16 @@ impl Example {
         Example { file, text }
     }
 
+    /// The example with its first eight arcs only, two of each movement.
+    #[must_use]
+    pub fn of_eight_arcs(mut self) -> Self {
+        let text = String::from_utf8(self.text).expect("the example is text");
+        let (first, rest) = text.split_once("N152").expect("a ninth arc");
+        let (_, end) = rest.split_once("N204").expect("an end");
+        self.text = format!("{first}N204{end}").into_bytes();
+        self
+    }
+
     pub fn control(&self) -> Control {
         Control::from_memory(control_settings(&self.file), &self.text)
     }

@@ -3,9 +3,9 @@
 //! ```text
 //! target    the chip's Rust target, installed where it is missing        target.rs
 //! packages  the chip's emulator and Python's packages, where missing       packages.rs, unpack.rs
-//! tests     cargo test over the whole workspace, results added up        tally.rs, selection.rs
-//! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs
 //! boards    format, lints and images of each board's workspace           boards.rs
+//! tests     built beside the boards, then run, results added up          tally.rs, selection.rs
+//! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs
 //! ```
 //!
 //! All steps run even after one has failed, those for the chip only if their target is there. The last line of the output
@@ -30,9 +30,11 @@ mod boards;
 mod soak;
 
 use std::process::ExitCode;
+use std::thread;
 
 use command::Failure;
 use selection::Selection;
+use tally::Tally;
 
 const USAGE: &str = "usage: cargo xtask test    install what is missing, run every test, check the firmware's image
        cargo xtask test quick    the tests that take a moment; nothing for the chip
@@ -76,9 +78,20 @@ fn ended(result: Result<(), Failure>) -> ExitCode {
 fn test(selection: &Selection) -> ExitCode {
     let target = target::install();
     let packages = packages::install();
-    let (tally, tests) = tally::test_workspace(selection);
-    let chip = target.and_then(|()| if selection.has_chip() { firmware::check().and(boards::check()) } else { Ok(()) });
-    let failures: Vec<Failure> = [packages, tests, chip].into_iter().filter_map(Result::err).collect();
+    let has_chip = target.is_ok() && selection.has_chip();
+    // The two builds share no folder, and neither keeps all cores busy by itself.
+    let (boards, built) = thread::scope(|scope| {
+        let boards = scope.spawn(|| if has_chip { boards::check() } else { Ok(()) });
+        let built = tally::build();
+        (boards.join().unwrap_or_else(|_| Err(Failure::new("the boards' check panicked"))), built)
+    });
+    let (tally, tests) = match built {
+        Ok(()) => tally::test_workspace(selection),
+        Err(failure) => (Tally::default(), Err(failure)),
+    };
+    let firmware = if has_chip { firmware::check() } else { Ok(()) };
+    let steps = [packages, tests, target, boards, firmware];
+    let failures: Vec<Failure> = steps.into_iter().filter_map(Result::err).collect();
     for failure in &failures {
         eprintln!("xtask: FAILED: {}", failure.what);
     }

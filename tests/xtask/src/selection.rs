@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 
 use crate::command::{Failure, cargo, output};
 
+/// The test programs, those that take longest first.
+const PROGRAMS: [&str; 7] = ["board", "feed", "line", "machine", "plan", "program", "architecture"];
 /// The test programs that `quick` runs.
 const QUICK: [&str; 12] = [
     "--lib",
@@ -98,7 +100,11 @@ impl Selection {
         let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
         let all = words(&["test", "--workspace", "--no-fail-fast"]);
         match self {
-            Selection::All => Ok(vec![all]),
+            Selection::All => {
+                let programs = PROGRAMS.iter().map(|program| [all.clone(), words(&["--test", program])].concat());
+                let others = [["--lib", "--bins"].as_slice(), &["--doc"]];
+                Ok(programs.chain(others.map(|others| [all.clone(), words(others)].concat())).collect())
+            }
             Selection::Quick => {
                 let skips = SLOW.iter().flat_map(|name| words(&["--skip", name])).collect();
                 Ok(vec![[all, words(&QUICK), words(&["--"]), skips].concat()])
@@ -156,6 +162,15 @@ mod tests {
             sizes[has[0]] += 1;
         }
         assert!(sizes.iter().all(|size| (900..1100).contains(size)), "{sizes:?}");
+    }
+
+    #[test]
+    fn no_test_program_is_left_out() {
+        let metadata = output(&mut cargo(&["metadata", "--no-deps", "--format-version", "1", "--offline"])).unwrap();
+        assert_eq!(metadata.matches(r#""kind":["test"]"#).count(), PROGRAMS.len());
+        for program in PROGRAMS {
+            assert!(metadata.contains(&format!(r#""name":"{program}","src_path":"#)), "{program}");
+        }
     }
 
     #[test]

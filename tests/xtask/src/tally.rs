@@ -1,25 +1,30 @@
 //! The workspace's tests, with their results added up.
 //!
+//! Two runs go side by side, the longest begun first: where the tests of one wait for a line's time or an emulator, those of the other
+//! compute. What a run prints is shown when it ends.
+//!
 //! No test is skipped in silence: an ignored one fails the run. A test that lacks something outside the repository
 //! appends one line to the file named by the variable `ARCFEED_SKIP_LOG` and passes; it is counted as skipped here, and
 //! its line printed at the end.
 
 use std::fmt;
 use std::fs;
-use std::io::{BufRead, BufReader, Write};
+use std::io::{self, Write};
 use std::num::NonZero;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Command, Output};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 
-use crate::command::{Failure, announce, build_dir, cargo, failed, not_started};
+use crate::command::{Failure, announce, build_dir, cargo, failed, not_started, run};
 use crate::selection::Selection;
 
 /// Names the file to which a test appends a line for what it could not check.
 const SKIP_LOG: &str = "ARCFEED_SKIP_LOG";
-/// How many tests of a program run side by side.
+/// Runs side by side.
+const SIDE_BY_SIDE: usize = 2;
+/// How many tests of a run go side by side: as many as there are cores, where nobody has said how many.
 const THREADS: &str = "RUST_TEST_THREADS";
-/// For each core, where nobody has said how many: half of the tests wait, for a line's time or an emulator.
-const THREADS_PER_CORE: usize = 2;
 
 /// Results over all test programs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -66,6 +71,15 @@ impl fmt::Display for Tally {
     }
 }
 
+/// Builds the tests.
+///
+/// # Errors
+/// Something does not compile.
+pub fn build() -> Result<(), Failure> {
+    announce("build of the tests");
+    run(&mut cargo(&["test", "--workspace", "--no-run", "--quiet"]))
+}
+
 /// Runs the tests selected, shows their output and adds it up.
 pub fn test_workspace(selection: &Selection) -> (Tally, Result<(), Failure>) {
     announce("workspace tests");
@@ -79,36 +93,39 @@ fn run_tests(selection: &Selection, tally: &mut Tally) -> Result<(), Failure> {
     let log = build_dir()?.join("xtask-skipped.log");
     write_log(&log)?;
     let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
-    let threads = std::env::var(THREADS).unwrap_or_else(|_| (THREADS_PER_CORE * cores).to_string());
-    let mut results = Vec::new();
-    for arguments in selection.runs()? {
-        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        let mut tests = cargo(&arguments);
-        results.push(run_one(tests.env(SKIP_LOG, &log).env(THREADS, &threads).stdout(Stdio::piped()), tally));
-    }
+    let threads = std::env::var(THREADS).unwrap_or_else(|_| cores.to_string());
+    let waiting = Mutex::new(selection.runs()?.into_iter());
+    let (tally_of_all, results) = (Mutex::new(&mut *tally), Mutex::new(Vec::new()));
+    thread::scope(|scope| {
+        for _ in 0..SIDE_BY_SIDE {
+            scope.spawn(|| {
+                while let Some(arguments) = next(&waiting) {
+                    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+                    let mut tests = cargo(&arguments);
+                    let output = tests.env(SKIP_LOG, &log).env(THREADS, &threads).output();
+                    let mut tally = tally_of_all.lock().unwrap_or_else(PoisonError::into_inner);
+                    let result = show(&tests, output, &mut tally);
+                    results.lock().unwrap_or_else(PoisonError::into_inner).push(result);
+                }
+            });
+        }
+    });
     tally.skipped = read_log(&log)?;
-    results.into_iter().collect()
+    results.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect()
 }
 
-fn run_one(command: &mut Command, tally: &mut Tally) -> Result<(), Failure> {
-    let mut child = command.spawn().map_err(|error| not_started(command, &error))?;
-    if let Some(stdout) = child.stdout.take() {
-        show(BufReader::new(stdout), &mut std::io::stdout(), tally)
-            .map_err(|error| Failure::new(format!("output of cargo test: {error}")))?;
-    }
-    let status = child.wait().map_err(|error| Failure::new(format!("cargo test: {error}")))?;
-    if status.success() { Ok(()) } else { Err(failed(command, status.code())) }
+/// The next run that nobody has begun.
+fn next<T>(waiting: &Mutex<impl Iterator<Item = T>>) -> Option<T> {
+    waiting.lock().unwrap_or_else(PoisonError::into_inner).next()
 }
 
-/// Passes lines on as they come, and adds them up. Tests may print bytes that are no text.
-fn show(mut lines: impl BufRead, screen: &mut impl Write, tally: &mut Tally) -> std::io::Result<()> {
-    let mut line = Vec::new();
-    while lines.read_until(b'\n', &mut line)? > 0 {
-        screen.write_all(&line)?;
-        tally.add(&String::from_utf8_lossy(&line));
-        line.clear();
-    }
-    Ok(())
+/// Shows what a run printed, and adds it up. Tests may print bytes that are no text.
+fn show(command: &Command, output: io::Result<Output>, tally: &mut Tally) -> Result<(), Failure> {
+    let output = output.map_err(|error| not_started(command, &error))?;
+    let shown = io::stderr().write_all(&output.stderr).and_then(|()| io::stdout().write_all(&output.stdout));
+    shown.map_err(|error| Failure::new(format!("output of cargo test: {error}")))?;
+    String::from_utf8_lossy(&output.stdout).lines().for_each(|line| tally.add(line));
+    if output.status.success() { Ok(()) } else { Err(failed(command, output.status.code())) }
 }
 
 /// Starts the log empty: lines of an earlier run say nothing about this one.
@@ -127,7 +144,7 @@ mod tests {
 
     fn tally_of(output: &str) -> Tally {
         let mut tally = Tally::default();
-        show(output.as_bytes(), &mut std::io::sink(), &mut tally).unwrap();
+        output.lines().for_each(|line| tally.add(line));
         tally
     }
 
