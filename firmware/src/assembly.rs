@@ -1,53 +1,54 @@
-//! A whole board from its parts: a desk and a ticker at the two ends of their queues.
+//! Assembly of a board: a host link and a control task at the two ends of their queues.
 
 use arcfeed_shared::wire::message::link_settings;
 use arcfeed_shared::wire::settings::{Role, SettingsError as LinkError};
 
-use crate::station::clerk::{Clerk, Identity};
-use crate::station::desk::Desk;
-use crate::station::order::Queues;
-use crate::station::ticker::{Supply, Ticker};
+use crate::application::command_handler::{CommandHandler, Identity};
+use crate::application::control_task::{ControlTask, Supply};
+use crate::application::host_link::HostLink;
+use crate::application::messages::Queues;
 use crate::supervisor::settings::{Settings, SettingsError};
 use crate::supervisor::signals::BoardFault;
 
 /// So many times a link may be lost before its session's number is that of another start.
 const SESSIONS_PER_START: u32 = 1 << 16;
 
-/// What a board is told before it starts; config.
+/// Configuration of a board at its start.
 #[derive(Clone, Copy, Debug)]
 pub struct Config {
-    /// Where its segments come from.
+    /// Source of its segments.
     pub supply: Supply,
-    /// Of the supervisor.
+    /// Settings of the supervisor.
     pub settings: Settings,
-    /// What it says of itself. Its starts tell its sessions apart.
+    /// Its identity. The number of starts keeps its sessions apart.
     pub identity: Identity,
-    /// What its start found.
+    /// A fault found at the start.
     pub fault: Option<BoardFault>,
 }
 
-/// Why there is no board.
+/// Reason why a board cannot be assembled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AssemblyError {
-    /// Of the supervisor.
+    /// Invalid settings of the supervisor.
     Settings(SettingsError),
-    /// Of the link.
+    /// Invalid settings of the link.
     Link(LinkError),
 }
 
-/// A board that has just started, over these queues.
+/// Assembles a board that has just started, over these queues.
 ///
 /// # Errors
-/// Settings that make no sense.
+/// Invalid settings.
 pub fn assemble<const AHEAD: usize>(
     queues: &mut Queues<AHEAD>,
     config: Config,
-) -> Result<(Desk<'_>, Ticker<'_>), AssemblyError> {
-    let (at_desk, at_tick) = queues.split();
-    let ticker = Ticker::new(at_tick, config.supply, config.settings, config.fault).map_err(AssemblyError::Settings)?;
-    let clerk = Clerk::new(at_desk, config.identity, config.settings).map_err(AssemblyError::Settings)?;
-    let clerk = if config.supply == Supply::Tap { clerk.tapped() } else { clerk };
+) -> Result<(HostLink<'_>, ControlTask<'_>), AssemblyError> {
+    let (at_host, at_tick) = queues.split();
+    let task =
+        ControlTask::new(at_tick, config.supply, config.settings, config.fault).map_err(AssemblyError::Settings)?;
+    let handler = CommandHandler::new(at_host, config.identity, config.settings).map_err(AssemblyError::Settings)?;
+    let handler = if config.supply == Supply::Tap { handler.tapped() } else { handler };
     let session = config.identity.starts.wrapping_mul(SESSIONS_PER_START);
-    let desk = Desk::new(link_settings(Role::Board), session, clerk).map_err(AssemblyError::Link)?;
-    Ok((desk, ticker))
+    let host_link = HostLink::new(link_settings(Role::Board), session, handler).map_err(AssemblyError::Link)?;
+    Ok((host_link, task))
 }

@@ -6,7 +6,7 @@
 //! all of that prepared, [`controller`] follows the position along it, [`supervisor`] decides whether the law may act and where the override goes, [`queue`] finds the segment in work where nobody tells, [`spsc`] is
 //! what lies between main loop and tick, [`tap`] reads the program off the DNC line,
 //! [`input`] makes sense of what a board counts and measures, [`output`] carries the override to the control, [`board`] is
-//! the seam to the hardware, [`station`] a whole board between its link and its tick,
+//! the seam to the hardware, [`application`] a whole board between its link and its tick,
 //! [`assembly`] puts one together, [`front`] is
 //! its side of the main loop, [`lockstep`] runs it at the pace of a simulated machine.
 #![cfg_attr(not(test), no_std)]
@@ -39,10 +39,10 @@ pub mod output;
 
 pub mod board;
 
-pub mod station;
+pub mod application;
 
 pub mod assembly;
 
-pub mod front;
+pub mod main_loop;
 
 pub mod lockstep;

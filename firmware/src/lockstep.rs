@@ -15,7 +15,7 @@ use arcfeed_shared::wire::message::moves::pose;
 use arcfeed_shared::wire::message::table::{Sample, Setpoint};
 use arcfeed_shared::wire::plain::PlainLine;
 
-use crate::front::Front;
+use crate::main_loop::MainLoop;
 
 /// A line of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,7 +73,7 @@ impl Lockstep {
     /// answers what is put out; what it says of bytes is of no meaning.
     pub fn poll<const N: usize>(
         &mut self,
-        front: &mut Front<'_, N>,
+        front: &mut MainLoop<'_, N>,
         lines: &mut impl Lines,
         tick: &mut dyn FnMut(Micros, &Sample) -> Setpoint,
     ) -> bool {
@@ -114,7 +114,7 @@ impl Lockstep {
             && tapped >= distance(self.taken.tap, sample.tap_bytes)
     }
 
-    fn take_link<const N: usize>(&mut self, sample: &Sample, front: &mut Front<'_, N>, lines: &mut impl Lines) {
+    fn take_link<const N: usize>(&mut self, sample: &Sample, front: &mut MainLoop<'_, N>, lines: &mut impl Lines) {
         for _ in 0..distance(self.taken.link, sample.link_bytes) {
             if let Some(byte) = lines.receive(Line::Link) {
                 front.on_link_bytes(Micros(sample.at), &[byte]);
@@ -123,13 +123,13 @@ impl Lockstep {
         self.taken.link = sample.link_bytes;
     }
 
-    fn pass_tapped<const N: usize>(&mut self, sample: &Sample, front: &mut Front<'_, N>, lines: &mut impl Lines) {
+    fn pass_tapped<const N: usize>(&mut self, sample: &Sample, front: &mut MainLoop<'_, N>, lines: &mut impl Lines) {
         self.put.tap = self.put.tap.wrapping_add(pass(front, lines, Micros(sample.at)));
         self.taken.tap = sample.tap_bytes;
     }
 
     /// What is due: the link keeps its bit rate by the machine's time.
-    fn put_link<const N: usize>(&mut self, now: Micros, front: &mut Front<'_, N>, lines: &mut impl Lines) {
+    fn put_link<const N: usize>(&mut self, now: Micros, front: &mut MainLoop<'_, N>, lines: &mut impl Lines) {
         let mut frame = [0; ENCODED_MAX];
         loop {
             let length = front.poll_link(now, &mut frame);
@@ -154,7 +154,7 @@ impl Lockstep {
 }
 
 /// Passes on what has come at either end of the tapped line; how many characters.
-pub fn pass<const N: usize>(front: &mut Front<'_, N>, lines: &mut impl Lines, now: Micros) -> u32 {
+pub fn pass<const N: usize>(front: &mut MainLoop<'_, N>, lines: &mut impl Lines, now: Micros) -> u32 {
     let mut passed = 0_u32;
     while let Some(byte) = lines.receive(Line::Sender) {
         let byte = front.from_sender(now, byte);

@@ -14,8 +14,8 @@ use arcfeed_hil_sim::fe::disk_field::DiskField;
 use arcfeed_hil_sim::fe::field::Field;
 use arcfeed_hil_sim::fe::locate::TooFar;
 use arcfeed_hil_sim::fe::material::{STEEL, TITANIUM_6AL_4V};
+use arcfeed_hil_sim::fe::modal_point::ModalPoint;
 use arcfeed_hil_sim::fe::sparse::Factor;
-use arcfeed_hil_sim::fe::station::Station;
 use arcfeed_hil_sim::fe::unknowns::Unknowns;
 
 type Error = Box<dyn std::error::Error>;
@@ -83,10 +83,10 @@ fn outside() -> Result<(), Error> {
     let body = Body::new(Blade::plate(EDGE_MM, 60.0, thickness_mm).mesh([6, 1, 12], FOOT_RATIO)?, &STEEL);
     let modes = body.modes(&Blade::foot(body.mesh()), 5)?;
     let field = Field::new(body.mesh().clone(), &modes, 2.0 * thickness_mm);
-    let mut station = Station::default();
+    let mut modal_point = ModalPoint::default();
     let mut at = |along_mm: f64, height_mm: f64| -> Result<Vec<[f64; 3]>, TooFar> {
-        field.at([7.0, height_mm, along_mm], &mut station)?;
-        Ok(station.shapes.clone())
+        field.at([7.0, height_mm, along_mm], &mut modal_point)?;
+        Ok(modal_point.shapes.clone())
     };
     for ratio in [0.1, 0.25, 0.5, 1.0, 2.0] {
         print!("| {ratio} |");
@@ -132,12 +132,12 @@ fn blade() -> Result<(), Error> {
     let way = |part: f64, off_mm: f64| {
         std::array::from_fn(|axis| low[axis] + part * (high[axis] - low[axis]) + if axis == 1 { off_mm } else { 0.0 })
     };
-    let mut station = Station::default();
-    let near = micros(|part| field.at(way(part, 1.5), &mut station))?;
-    let cold = micros(|part| field.at(way(part, 1.5), &mut Station::default()))?;
-    let air = micros(|part| field.at(way(part, 2.8), &mut station))?;
+    let mut modal_point = ModalPoint::default();
+    let near = micros(|part| field.at(way(part, 1.5), &mut modal_point))?;
+    let cold = micros(|part| field.at(way(part, 1.5), &mut ModalPoint::default()))?;
+    let air = micros(|part| field.at(way(part, 2.8), &mut modal_point))?;
     let amplitudes = [1e-6; 10];
-    let back = micros(|part| Ok(field.material_point_mm(way(part, 1.5), &amplitudes, &mut station)?[0]))?;
+    let back = micros(|part| Ok(field.material_point_mm(way(part, 1.5), &amplitudes, &mut modal_point)?[0]))?;
     println!(
         "a query: {near:.2} us, without the last point's {cold:.2}, in the air beside {air:.2}, back to the material {back:.2}"
     );
@@ -167,10 +167,10 @@ fn disk() -> Result<(), Error> {
         begin.elapsed().as_secs_f64()
     );
     let field = DiskField::new(&sector, &waves, 1.0);
-    let mut station = Station::default();
+    let mut modal_point = ModalPoint::default();
     let each = micros(|part| {
         let (sin, cos) = libm::sincos(std::f64::consts::TAU * part);
-        field.at([160.0 * cos, 160.0 * sin, 1.0], &mut station)
+        field.at([160.0 * cos, 160.0 * sin, 1.0], &mut modal_point)
     })?;
     println!("a query of 180 modes: {each:.2} us");
     Ok(())

@@ -16,7 +16,7 @@ use crate::dynamics::modal::{Mode, ModeError};
 use crate::fe::beam::BeamModes;
 use crate::fe::disk_field::DiskField;
 use crate::fe::field::Field;
-use crate::fe::station::Station;
+use crate::fe::modal_point::ModalPoint;
 
 /// A body whose modes are known at each of its points, and around it.
 pub trait Modal {
@@ -26,9 +26,9 @@ pub trait Modal {
     /// How far outside of it its displacement goes on as it does in its outermost elements.
     fn reach_mm(&self) -> f64;
 
-    /// Sets `station` to a point, or, if that is outside by more than `beyond_mm`, to the one that far from the body on the way to it from the nearest point
+    /// Sets `modal_point` to a point, or, if that is outside by more than `beyond_mm`, to the one that far from the body on the way to it from the nearest point
     /// of the body.
-    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, station: &mut Station);
+    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint);
 }
 
 impl Modal for Field {
@@ -40,8 +40,8 @@ impl Modal for Field {
         self.reach_mm()
     }
 
-    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, station: &mut Station) {
-        self.carried(point_mm, beyond_mm, station);
+    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
+        self.carried(point_mm, beyond_mm, modal_point);
     }
 }
 
@@ -54,8 +54,8 @@ impl Modal for DiskField {
         self.reach_mm()
     }
 
-    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, station: &mut Station) {
-        self.carried(point_mm, beyond_mm, station);
+    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
+        self.carried(point_mm, beyond_mm, modal_point);
     }
 }
 
@@ -68,8 +68,8 @@ impl<B: Modal> Modal for &B {
         (*self).reach_mm()
     }
 
-    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, station: &mut Station) {
-        (*self).stand_at(point_mm, beyond_mm, station);
+    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
+        (*self).stand_at(point_mm, beyond_mm, modal_point);
     }
 }
 
@@ -82,8 +82,8 @@ impl<B: Modal> Modal for Arc<B> {
         (**self).reach_mm()
     }
 
-    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, station: &mut Station) {
-        (**self).stand_at(point_mm, beyond_mm, station);
+    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
+        (**self).stand_at(point_mm, beyond_mm, modal_point);
     }
 }
 
@@ -104,7 +104,7 @@ pub struct Workpiece<B> {
 struct View {
     /// From where.
     point_mm: Option<Vector3<f64>>,
-    station: Station,
+    modal_point: ModalPoint,
     shapes: Vec<Vector3<f64>>,
 }
 
@@ -143,13 +143,13 @@ impl<B: Modal> Workpiece<B> {
         if self.views.len() <= view {
             self.views.resize(view + 1, View::default());
         }
-        let View { point_mm: before, station, shapes } = &mut self.views[view];
+        let View { point_mm: before, modal_point, shapes } = &mut self.views[view];
         let point = Vector3::from(point_mm);
         if before.is_none_or(|before| (point - before).norm() > same_mm) {
             *before = Some(point);
-            self.body.stand_at(point_mm, beyond_mm, station);
+            self.body.stand_at(point_mm, beyond_mm, modal_point);
             shapes.clear();
-            shapes.extend(station.shapes.iter().map(per_root_kg));
+            shapes.extend(modal_point.shapes.iter().map(per_root_kg));
         }
         shapes
     }
@@ -160,9 +160,9 @@ impl<B: Modal> Workpiece<B> {
 /// # Errors
 /// The damping is none.
 pub fn tool_modes(tool: &BeamModes, point_mm: [f64; 3], damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
-    let mut station = Station::default();
-    tool.at(point_mm, &mut station);
-    let shapes: Vec<Vector3<f64>> = station.shapes.iter().map(per_root_kg).collect();
+    let mut modal_point = ModalPoint::default();
+    tool.at(point_mm, &mut modal_point);
+    let shapes: Vec<Vector3<f64>> = modal_point.shapes.iter().map(per_root_kg).collect();
     modes(&tool.omega_rad_per_s, &shapes, damping_ratio)
 }
 

@@ -5,7 +5,7 @@
 //! them; the [`stock`] loses what the tool sweeps; [`cutting`] measures the chips from what the axes did, and
 //! what they do to the tool; [`fe`] knows how tools and workpieces vibrate, [`dynamics`] how they give way to forces, [`flexible`] where; a
 //! [`process`] is all of that together, a [`finishing`] pass along a blade one that leaves its marks; [`faults`] corrupt the
-//! controller on purpose; a [`decider`] has the override; the [`rig`] joins them all; [`removal`] cuts a stock with what it does.
+//! controller on purpose; a [`override_source`] has the override; the [`simulation`] joins them all; [`removal`] cuts a stock with what it does.
 
 pub mod drives;
 
@@ -29,8 +29,8 @@ pub mod finishing;
 
 pub mod faults;
 
-pub mod decider;
+pub mod override_source;
 
-pub mod rig;
+pub mod simulation;
 
 pub mod removal;

@@ -1,4 +1,4 @@
-//! The desk's side of arcfeed: read a program and a job, plan feeds, send, report.
+//! The host's side of arcfeed: read a program and a job, plan feeds, send, report.
 //!
 //! Modules stand in the order in which data flows; a module imports only from those above it. Only
 //! [`commands`] knows the simulator.

@@ -1,4 +1,4 @@
-//! The one place for f32 maths: the same bits on the desk and on the chip.
+//! The one place for f32 maths: the same bits on the host and on the chip.
 //!
 //! `sqrt` is correctly rounded everywhere (IEEE 754), so the FPU's instruction and `libm`'s routine agree to the bit.
 //! `atan2` is `libm`'s, plain f32 on every target. Rounding is micromath's, which is exact up to 2^31; its square root

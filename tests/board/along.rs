@@ -1,14 +1,14 @@
 //! Engaged arcs told with each move, on the chip: the same overrides as in this process, and what tick and stack they take.
 
+use arcfeed_firmware::application::command_handler::Identity;
+use arcfeed_firmware::application::control_task::Supply;
+use arcfeed_firmware::application::messages::Queues;
 use arcfeed_firmware::assembly::{Config, assemble};
-use arcfeed_firmware::front::Untapped;
-use arcfeed_firmware::station::clerk::Identity;
-use arcfeed_firmware::station::order::Queues;
-use arcfeed_firmware::station::ticker::Supply;
+use arcfeed_firmware::main_loop::Untapped;
 use arcfeed_firmware::supervisor::settings::Settings;
-use arcfeed_hil_sim::decider::board::{Board, Wires};
-use arcfeed_hil_sim::decider::in_process::InProcess;
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::override_source::board::{Board, Wires};
+use arcfeed_hil_sim::override_source::in_process::InProcess;
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::cut::Work;
 use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
 use arcfeed_shared::job::LawKind;
@@ -58,17 +58,17 @@ fn table() -> EngagedTable {
     EngagedTable::new(&(0..ENGAGED_KNOTS_MAX).map(knot).collect::<Vec<_>>()).expect("a table")
 }
 
-fn overrides<W: Wires>(example: &Example, wires: W) -> (Vec<u8>, Rig<Board<W, Host>>) {
-    let mut rig = example.rig(wires, example.host().telling_along(&table()), ModeCode::Lockstep);
-    prepare(&mut rig);
-    rig.control_mut().cycle_start();
+fn overrides<W: Wires>(example: &Example, wires: W) -> (Vec<u8>, Simulation<Board<W, Host>>) {
+    let mut simulation = example.simulation(wires, example.host().telling_along(&table()), ModeCode::Lockstep);
+    prepare(&mut simulation);
+    simulation.control_mut().cycle_start();
     let mut step = || {
-        rig.step();
-        rig.decided().percent
+        simulation.step();
+        simulation.override_output().percent
     };
     let overrides = (0..PERIODS).map(|_| step()).collect();
-    assert_eq!(rig.decider().broken(), None);
-    (overrides, rig)
+    assert_eq!(simulation.source().broken(), None);
+    (overrides, simulation)
 }
 
 #[test]
@@ -77,10 +77,10 @@ fn arcs_told_with_each_move_govern_the_chip_as_they_do_here_and_fit_it() {
     let mut queues = Queues::<AHEAD>::new();
     let identity = Identity { name: "in process", version: [0, 1, 0], reset: ResetCode::Power, starts: 1 };
     let config = Config { supply: Supply::Link, settings: Settings::default(), identity, fault: None };
-    let (desk, ticker) = assemble(&mut queues, config).expect("the settings are sound");
-    let (here, _) = overrides(&example, InProcess::new(Untapped::new(desk, None), ticker));
-    let (chip, rig) = overrides(&example, Emulator::start(IMAGE, Clock::CountedWaiting));
-    let costs = costs(IMAGE, &rig.decider().wires().console()).expect("it logs its figures");
+    let (host_link, task) = assemble(&mut queues, config).expect("the settings are sound");
+    let (here, _) = overrides(&example, InProcess::new(Untapped::new(host_link, None), task));
+    let (chip, simulation) = overrides(&example, Emulator::start(IMAGE, Clock::CountedWaiting));
+    let costs = costs(IMAGE, &simulation.source().wires().console()).expect("it logs its figures");
     let governed = here.iter().filter(|percent| **percent != 100).count();
     println!("{governed} of {PERIODS} ticks not at 100 %, {costs:?}");
     assert!(chip == here, "first at {:?}", (0..PERIODS).find(|at| chip[*at] != here[*at]));

@@ -4,7 +4,7 @@
 use std::fs;
 use std::time::{Duration, Instant};
 
-use arcfeed_hil_sim::decider::board::{Wire, Wires};
+use arcfeed_hil_sim::override_source::board::{Wire, Wires};
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::frame::ENCODED_MAX;
 use arcfeed_shared::wire::message::codes::ModeCode;
@@ -63,16 +63,17 @@ pub fn costs(name: &str, console: &[u8]) -> Option<Costs> {
 fn in_lockstep(example: &Example, load_percent: i64) -> (Costs, [u64; 2]) {
     let host = example.host();
     let host = if load_percent > 0 { host.with_load(load_percent) } else { host };
-    let mut rig = example.rig(Emulator::start("feedboard", Clock::CountedWaiting), host, ModeCode::Lockstep);
-    prepare(&mut rig);
-    let before = rig.decider().attached().bytes();
-    rig.control_mut().cycle_start();
-    (0..PERIODS).for_each(|_| rig.step());
-    assert_eq!(rig.decider().broken(), None);
-    let after = rig.decider().attached().bytes();
+    let mut simulation =
+        example.simulation(Emulator::start("feedboard", Clock::CountedWaiting), host, ModeCode::Lockstep);
+    prepare(&mut simulation);
+    let before = simulation.source().attached().bytes();
+    simulation.control_mut().cycle_start();
+    (0..PERIODS).for_each(|_| simulation.step());
+    assert_eq!(simulation.source().broken(), None);
+    let after = simulation.source().attached().bytes();
     let carried = u64::from(PERIODS) * 1_152 / 100;
     let busy = [0, 1].map(|way| (after[way] - before[way]) * 100 / carried);
-    (costs("feedboard", &rig.decider().wires().console()).expect("it logs its figures"), busy)
+    (costs("feedboard", &simulation.source().wires().console()).expect("it logs its figures"), busy)
 }
 
 /// Figures of a board that ticks by its timer, and the bytes it got on its link for each 100 ticks. Its clock is that of its
@@ -139,10 +140,11 @@ fn no_tick_is_late_whatever_comes_on_the_link() {
 fn by_the_walls_clock_the_link_comes_up_and_a_person_arms() {
     let example = Example::load();
     for attempt in 1..=ATTEMPTS {
-        let mut rig = example.rig(Emulator::start("feedboard", Clock::Wall), example.host(), ModeCode::Free);
+        let mut simulation =
+            example.simulation(Emulator::start("feedboard", Clock::Wall), example.host(), ModeCode::Free);
         let began = Instant::now();
         let mut periods = 0;
-        let prepared = try_prepare(&mut rig, |host| {
+        let prepared = try_prepare(&mut simulation, |host| {
             periods += 1;
             let due = began + Duration::from_millis(periods);
             std::thread::sleep(due.saturating_duration_since(Instant::now()));
@@ -150,7 +152,7 @@ fn by_the_walls_clock_the_link_comes_up_and_a_person_arms() {
         });
         match prepared {
             Ok(()) => {
-                let srtt = rig.decider().attached().link().counters().srtt;
+                let srtt = simulation.source().attached().link().counters().srtt;
                 println!("attempt {attempt}: armed after {:?}, round trip {srtt:?}", began.elapsed());
                 return;
             }

@@ -12,21 +12,21 @@ use crate::runs::{Example, chip_range};
 const FIGURES_EVERY: usize = 1_000;
 
 #[test]
-fn the_chip_decides_bit_for_bit_what_the_station_in_process_does() {
+fn the_chip_decides_bit_for_bit_what_the_application_in_process_does() {
     let example = Example::load();
     let (chip, chips_host, board) = example.by_board(Emulator::start("feedboard", Clock::CountedWaiting));
     let console = board.console();
-    let (station, host) = example.by_station(logged(&console));
+    let (in_process, host) = example.by_application(logged(&console));
     println!(
         "{} periods, trace {:08x} on the chip, {:08x} in process",
         chip.overrides.len(),
         chip.hash(),
-        station.hash()
+        in_process.hash()
     );
-    let differs = chip.overrides.iter().zip(&station.overrides).position(|(chip, station)| chip != station);
+    let differs = chip.overrides.iter().zip(&in_process.overrides).position(|(chip, in_process)| chip != in_process);
     assert_eq!(differs, None, "first period with another override");
-    assert_eq!(chip.overrides.len(), station.overrides.len());
-    assert_eq!(chip.chips, station.chips, "the meter saw the same chips");
+    assert_eq!(chip.overrides.len(), in_process.overrides.len());
+    assert_eq!(chip.chips, in_process.chips, "the meter saw the same chips");
     // Not only the overrides: every byte of the link.
     assert_eq!(chips_host.bytes(), host.bytes());
     assert_eq!(chips_host.report, host.report);
@@ -62,20 +62,20 @@ fn assert_log_came(host: &Host, console: &[u8]) {
 }
 
 #[test]
-fn a_station_that_follows_the_position_cuts_the_chips_of_a_controller_that_is_told_each_block() {
+fn the_application_that_follows_the_position_cuts_the_chips_of_a_controller_that_is_told_each_block() {
     let example = Example::load();
-    let (told, (station, host)) = (example.by_told(), example.by_station(Vec::new()));
-    let differing = told.overrides.iter().zip(&station.overrides).filter(|(told, station)| told != station);
-    let furthest = differing.clone().map(|(told, station)| told.abs_diff(*station)).max().unwrap_or(0);
-    let (told_range, range) = (chip_range(&told.chips), chip_range(&station.chips));
-    let stretches = stretches(&told.overrides, &station.overrides);
+    let (told, (in_process, host)) = (example.by_controller(), example.by_application(Vec::new()));
+    let differing = told.overrides.iter().zip(&in_process.overrides).filter(|(told, in_process)| told != in_process);
+    let furthest = differing.clone().map(|(told, in_process)| told.abs_diff(*in_process)).max().unwrap_or(0);
+    let (told_range, range) = (chip_range(&told.chips), chip_range(&in_process.chips));
+    let stretches = stretches(&told.overrides, &in_process.overrides);
     println!("{} of {} overrides differ, by {furthest} points at most", differing.count(), told.overrides.len());
     println!("in {} stretches of periods: {stretches:?}", stretches.len());
     println!("chip over target: told {told_range:.5?}, by position {range:.5?}");
     assert!(stretches.iter().all(|[first, last]| last - first < 2), "where moves begin, for a tick or two");
     assert!(stretches.len() <= told.chips.len(), "no more often than moves begin");
     assert!(host.is_through() && host.link().counters().retransmissions == 0);
-    assert_eq!(told.chips.len(), station.chips.len());
+    assert_eq!(told.chips.len(), in_process.chips.len());
     assert!(told_range.iter().zip(range).all(|(told, by_position)| (told - by_position).abs() < 0.01));
 }
 

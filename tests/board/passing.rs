@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use arcfeed_hil_sim::decider::board::{Wire, Wires};
+use arcfeed_hil_sim::override_source::board::{Wire, Wires};
 use arcfeed_shared::wire::frame::ENCODED_MAX;
 
 use crate::free::Free;

@@ -4,8 +4,8 @@
 use arcfeed::board::words;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_hil_sim::control::Control;
-use arcfeed_hil_sim::decider::board::Board;
-use arcfeed_hil_sim::rig::{Rig, STEP};
+use arcfeed_hil_sim::override_source::board::Board;
+use arcfeed_hil_sim::simulation::{STEP, Simulation};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::link::{LinkState, Loss};
@@ -44,7 +44,7 @@ struct UnderWay {
     example: Example,
     moves: Vec<Segment>,
     random: Random,
-    rig: Rig<Board<Emulator, Cable<Host>>>,
+    simulation: Simulation<Board<Emulator, Cable<Host>>>,
     /// Moves that the control has begun, and the one in work.
     begun: usize,
     active: Option<(u32, Segment)>,
@@ -89,17 +89,17 @@ impl UnderWay {
         control.hold();
         let cable = cable(&mut random, Host::begun_anew(&example.file.job, 1));
         let board = Board::new(Emulator::start("feedboard", Clock::CountedWaiting), cable, ModeCode::Lockstep);
-        let rig = Rig::new(control, &example.file.job, board);
-        UnderWay { example, moves, random, rig, begun, active, hosts: 1, boards: 1, is_armed: false }
+        let simulation = Simulation::new(control, &example.file.job, board);
+        UnderWay { example, moves, random, simulation, begun, active, hosts: 1, boards: 1, is_armed: false }
     }
 
     /// One period; the override.
     fn step(&mut self) -> u8 {
-        self.rig.step();
-        assert_eq!(self.rig.decider().broken(), None);
-        self.begun += begins(&mut self.active, self.rig.control());
+        self.simulation.step();
+        assert_eq!(self.simulation.source().broken(), None);
+        self.begun += begins(&mut self.active, self.simulation.control());
         assert!(self.is_armed || !self.is_engaged(), "armed by nobody");
-        let percent = self.rig.decided().percent;
+        let percent = self.simulation.override_output().percent;
         assert!(percent <= 200, "beyond the limits");
         percent
     }
@@ -115,11 +115,11 @@ impl UnderWay {
     }
 
     fn host(&self) -> &Host {
-        &self.rig.decider().attached().far
+        &self.simulation.source().attached().far
     }
 
     fn state(&self) -> Option<StateCode> {
-        self.rig.decider().state()
+        self.simulation.source().state()
     }
 
     fn is_engaged(&self) -> bool {
@@ -129,16 +129,16 @@ impl UnderWay {
     /// A person looks: feed hold; the host is told to go on with the next move; ARM; cycle start. Then the machine goes on for a
     /// while.
     fn take_up(&mut self) {
-        self.rig.control_mut().hold();
-        self.until(TIMEOUT, "the axes to rest", |way| way.rig.control().is_at_rest());
+        self.simulation.control_mut().hold();
+        self.until(TIMEOUT, "the axes to rest", |way| way.simulation.control().is_at_rest());
         let next = self.moves.get(self.begun..).unwrap_or_default();
-        self.rig.decider_mut().attached_mut().far.give(&self.example.file.job, next);
+        self.simulation.source_mut().attached_mut().far.give(&self.example.file.job, next);
         self.until(TIMEOUT, "the moves", |way| {
             let report = way.host().report.filter(|report| report.set == SET);
             report.is_some_and(|report| report.room < ENOUGH || way.host().is_through())
         });
         self.arm();
-        self.rig.control_mut().cycle_start();
+        self.simulation.control_mut().cycle_start();
         for _ in 0..self.random.below(BEFORE) {
             self.step();
         }
@@ -151,10 +151,10 @@ impl UnderWay {
         for at in 0..TIMEOUT {
             let is_pressed = (at / HELD).is_multiple_of(2);
             let panel = if is_pressed { Signals::of_request(Request::Arm) } else { Signals::NONE };
-            self.rig.decider_mut().set_panel(panel);
+            self.simulation.source_mut().set_panel(panel);
             self.step();
             if self.is_engaged() {
-                return self.rig.decider_mut().set_panel(Signals::NONE);
+                return self.simulation.source_mut().set_panel(Signals::NONE);
             }
         }
         panic!("not armed: {:?}", self.state());
@@ -169,22 +169,22 @@ impl UnderWay {
     fn replace_host(&mut self) {
         self.hosts += 1;
         let host = Host::begun_anew(&self.example.file.job, self.hosts);
-        *self.rig.decider_mut().attached_mut() = cable(&mut self.random, host);
+        *self.simulation.source_mut().attached_mut() = cable(&mut self.random, host);
     }
 
     /// The chip without power, and with it again; no time passes for the machine.
     fn power_cycle(&mut self) {
         self.boards += 1;
-        self.rig.decider_mut().begin_anew(Emulator::power_cycle);
+        self.simulation.source_mut().begin_anew(Emulator::power_cycle);
     }
 
     fn cable(&self) -> &Cable<Host> {
-        self.rig.decider().attached()
+        self.simulation.source().attached()
     }
 
     /// Bytes corrupted on one way of those sent since then that have arrived; `None` if the cable corrupts none.
     fn corrupted(&self, way: usize, since: Micros) -> Option<usize> {
-        let (cable, now) = (self.cable(), self.rig.now());
+        let (cable, now) = (self.cable(), self.simulation.now());
         let counts = |sent: &&Micros| **sent > since && sent.after(cable.latency()) <= now;
         (!cable.is_clean()).then(|| cable.corrupted[way].iter().filter(counts).count())
     }
@@ -199,11 +199,11 @@ impl UnderWay {
             let percent = self.step();
             each(self, percent);
         }
-        self.rig.decided().percent
+        self.simulation.override_output().percent
     }
 }
 
-/// How many moves the control has begun in the period just over, as [`Rig`] counts them.
+/// How many moves the control has begun in the period just over, as [`Simulation`] counts them.
 fn begins(active: &mut Option<(u32, Segment)>, control: &Control) -> usize {
     let before = std::mem::replace(active, control.active().map(|(count, segment)| (count, *segment)));
     usize::from(active.is_some() && *active != before)
@@ -217,13 +217,13 @@ fn cable(random: &mut Random, host: Host) -> Cable<Host> {
 
 /// The host is killed, and started again by somebody who goes away.
 fn host_restarts(way: &mut UnderWay) -> Outcome {
-    let (before, since) = (way.rig.decided().percent, way.rig.now());
+    let (before, since) = (way.simulation.override_output().percent, way.simulation.now());
     way.replace_host();
     let after = way.until(NOTICED, "the host's restart", |way| !way.is_engaged());
     way.is_armed = false;
     // What the host says at the beginning of a period, the board may hear in it.
     let noticed = Noticed { after, way: 1 + way.latency(), corrupted: way.corrupted(TO_BOARD, since) };
-    let at = way.rig.decided().percent;
+    let at = way.simulation.override_output().percent;
     assert!(at <= 100, "{before} to {at} %");
     let mut last = at;
     let later = way.watch(|way, percent| {
@@ -239,7 +239,7 @@ fn host_restarts(way: &mut UnderWay) -> Outcome {
 
 /// The chip loses its power, and has it again.
 fn board_restarts(way: &mut UnderWay) -> Outcome {
-    let (before, since) = (way.rig.decided().percent, way.rig.now());
+    let (before, since) = (way.simulation.override_output().percent, way.simulation.now());
     way.is_armed = false;
     way.power_cycle();
     let at = way.step();
@@ -252,7 +252,7 @@ fn board_restarts(way: &mut UnderWay) -> Outcome {
         (reason, words::link(reason).as_str()),
         (LinkState::Lost(Loss::PeerRestarted), "the board has restarted")
     );
-    let (sent, mut last) = (way.host().bytes()[0], way.rig.decided().percent);
+    let (sent, mut last) = (way.host().bytes()[0], way.simulation.override_output().percent);
     let later = way.watch(|way, percent| {
         assert_eq!(way.state(), Some(StateCode::Idle));
         assert!(percent <= 100 && percent <= last + 1, "{last} to {percent} %");

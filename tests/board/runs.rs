@@ -4,22 +4,22 @@ use arcfeed::adapt::adapt;
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
+use arcfeed_firmware::application::command_handler::Identity;
+use arcfeed_firmware::application::control_task::Supply;
+use arcfeed_firmware::application::messages::Queues;
 use arcfeed_firmware::assembly::{Config, assemble};
-use arcfeed_firmware::front::Untapped;
+use arcfeed_firmware::main_loop::Untapped;
 use arcfeed_firmware::ramp::FeedOverride;
-use arcfeed_firmware::station::clerk::Identity;
-use arcfeed_firmware::station::order::Queues;
-use arcfeed_firmware::station::ticker::Supply;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_hil_sim::control::Control;
 use arcfeed_hil_sim::cutting::meter::MoveChips;
-use arcfeed_hil_sim::decider::board::{Attached, Board, Wires};
-use arcfeed_hil_sim::decider::in_process::InProcess;
-use arcfeed_hil_sim::decider::told::Told;
-use arcfeed_hil_sim::decider::{Begun, Decider, Shown};
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::rig::{Rig, STEP};
+use arcfeed_hil_sim::override_source::board::{Attached, Board, Wires};
+use arcfeed_hil_sim::override_source::controller::InProcessController;
+use arcfeed_hil_sim::override_source::in_process::InProcess;
+use arcfeed_hil_sim::override_source::{Begun, OverrideSource, Shown};
+use arcfeed_hil_sim::simulation::{STEP, Simulation};
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode, StateCode};
@@ -49,7 +49,7 @@ pub struct Outcome {
 #[derive(Default)]
 struct Listener(Vec<Segment>);
 
-impl Decider for Listener {
+impl OverrideSource for Listener {
     fn begin(&mut self, begun: Option<Begun<'_>>) {
         self.0.extend(begun.map(|begun| *begun.segment));
     }
@@ -84,9 +84,9 @@ impl Example {
 
     /// The moves of the program, in order.
     pub fn segments(&self) -> Vec<Segment> {
-        let mut rig = Rig::new(self.control(), &self.file.job, Listener::default());
-        finish(&mut rig);
-        rig.decider().0.clone()
+        let mut simulation = Simulation::new(self.control(), &self.file.job, Listener::default());
+        finish(&mut simulation);
+        simulation.source().0.clone()
     }
 
     /// The host at the far end of the link, with the whole job.
@@ -95,36 +95,37 @@ impl Example {
     }
 
     /// A machine whose override a board decides, with feed hold on.
-    pub fn rig<W: Wires, A: Attached>(&self, wires: W, attached: A, mode: ModeCode) -> Rig<Board<W, A>> {
-        let mut rig = Rig::new(self.control(), &self.file.job, Board::new(wires, attached, mode));
-        rig.control_mut().hold();
-        rig
+    pub fn simulation<W: Wires, A: Attached>(&self, wires: W, attached: A, mode: ModeCode) -> Simulation<Board<W, A>> {
+        let mut simulation = Simulation::new(self.control(), &self.file.job, Board::new(wires, attached, mode));
+        simulation.control_mut().hold();
+        simulation
     }
 
     /// A run by the controller that is told each block.
-    pub fn by_told(&self) -> Outcome {
-        let told = Told::new(&self.file.job, ControllerFault::None, STEP.into()).expect("the job is sound");
-        finish(&mut Rig::new(self.control(), &self.file.job, told))
+    pub fn by_controller(&self) -> Outcome {
+        let told =
+            InProcessController::new(&self.file.job, ControllerFault::None, STEP.into()).expect("the job is sound");
+        finish(&mut Simulation::new(self.control(), &self.file.job, told))
     }
 
-    /// A run by a station in this process, that logs these frames behind so many ticks each.
-    pub fn by_station(&self, log: Vec<(u32, Vec<u8>)>) -> (Outcome, Host) {
+    /// A run by the board application in this process, which logs these frames behind so many ticks each.
+    pub fn by_application(&self, log: Vec<(u32, Vec<u8>)>) -> (Outcome, Host) {
         let mut queues = Queues::<AHEAD>::new();
         let identity = Identity { name: "in process", version: [0, 1, 0], reset: ResetCode::Power, starts: 1 };
         let config = Config { supply: Supply::Link, settings: Settings::default(), identity, fault: None };
-        let (desk, ticker) = assemble(&mut queues, config).expect("the settings are sound");
-        let (outcome, host, _) = self.by_board(InProcess::new(Untapped::new(desk, None), ticker).with_log(log));
+        let (host_link, task) = assemble(&mut queues, config).expect("the settings are sound");
+        let (outcome, host, _) = self.by_board(InProcess::new(Untapped::new(host_link, None), task).with_log(log));
         (outcome, host)
     }
 
     /// A run by a board at the end of these lines.
     pub fn by_board<W: Wires>(&self, wires: W) -> (Outcome, Host, W) {
-        let mut rig = self.rig(wires, self.host(), ModeCode::Lockstep);
-        prepare(&mut rig);
-        rig.control_mut().cycle_start();
-        let outcome = finish(&mut rig);
-        assert_eq!(rig.decider().broken(), None);
-        let (wires, host) = rig.into_decider().into_parts();
+        let mut simulation = self.simulation(wires, self.host(), ModeCode::Lockstep);
+        prepare(&mut simulation);
+        simulation.control_mut().cycle_start();
+        let outcome = finish(&mut simulation);
+        assert_eq!(simulation.source().broken(), None);
+        let (wires, host) = simulation.into_source().into_parts();
         (outcome, host, wires)
     }
 }
@@ -134,42 +135,45 @@ impl Example {
 ///
 /// # Errors
 /// It is not armed in the end, or the board is gone.
-pub fn try_prepare<W: Wires>(rig: &mut Rig<Board<W, Host>>, mut between: impl FnMut(&Host)) -> Result<(), String> {
+pub fn try_prepare<W: Wires>(
+    simulation: &mut Simulation<Board<W, Host>>,
+    mut between: impl FnMut(&Host),
+) -> Result<(), String> {
     let mut armed = false;
     for _ in 0..PREPARING {
-        rig.step();
-        let board = rig.decider();
+        simulation.step();
+        let board = simulation.source();
         if let Some(broken) = board.broken() {
             return Err(format!("{broken:?}"));
         }
         between(board.attached());
         let is_armed = board.state().is_some_and(|state| matches!(state, StateCode::Armed | StateCode::Inhibited));
         let is_full = board.attached().report.is_some_and(|report| report.in_work.is_some() && report.room == 0);
-        if armed && is_armed && rig.decided() == FeedOverride::PROGRAMMED {
-            rig.decider_mut().set_panel(Signals::NONE);
+        if armed && is_armed && simulation.override_output() == FeedOverride::PROGRAMMED {
+            simulation.source_mut().set_panel(Signals::NONE);
             return Ok(());
         }
         if is_full && !armed {
-            rig.decider_mut().set_panel(Signals::of_request(Request::Arm));
+            simulation.source_mut().set_panel(Signals::of_request(Request::Arm));
             armed = true;
         }
     }
-    Err(format!("not armed: {:?}, {:?}", rig.decider().state(), rig.decider().attached().report))
+    Err(format!("not armed: {:?}, {:?}", simulation.source().state(), simulation.source().attached().report))
 }
 
 /// As [`try_prepare`], where nothing can come between.
-pub fn prepare<W: Wires>(rig: &mut Rig<Board<W, Host>>) {
-    try_prepare(rig, |_| {}).unwrap_or_else(|reason| panic!("{reason}"));
+pub fn prepare<W: Wires>(simulation: &mut Simulation<Board<W, Host>>) {
+    try_prepare(simulation, |_| {}).unwrap_or_else(|reason| panic!("{reason}"));
 }
 
 /// Steps to the end of the program.
-pub fn finish<D: Decider>(rig: &mut Rig<D>) -> Outcome {
+pub fn finish<D: OverrideSource>(simulation: &mut Simulation<D>) -> Outcome {
     let mut overrides = Vec::new();
-    while !rig.is_done() {
-        rig.step();
-        overrides.push(rig.decided().percent);
+    while !simulation.is_done() {
+        simulation.step();
+        overrides.push(simulation.override_output().percent);
     }
-    Outcome { overrides, chips: rig.meter().moves().to_vec() }
+    Outcome { overrides, chips: simulation.meter().moves().to_vec() }
 }
 
 /// Least and largest chip over target, over all moves with a contact.

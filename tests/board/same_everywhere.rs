@@ -1,4 +1,4 @@
-//! The same bits on the desk and on the chip under each law, and the same overrides as in the simulator.
+//! The same bits on the host and on the chip under each law, and the same overrides as in the simulator.
 
 use std::process::Command;
 use std::sync::OnceLock;
@@ -9,7 +9,7 @@ use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_bench::trace::{LAWS, TICKS};
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_tests::root;
 
@@ -29,7 +29,7 @@ const DEBUG: [&str; 6] = [
 const RELEASE: [&str; 1] = ["--release"];
 
 /// The hashes of this machine, in a debug or a release build.
-fn on_the_desk(profile: &[&str]) -> String {
+fn on_this_machine(profile: &[&str]) -> String {
     let mut command = Command::new(env!("CARGO"));
     command.args(["run", "--quiet", "--package", "arcfeed-bench", "--bin", "trace-hash"]).args(profile);
     let output = command.current_dir(root()).output().expect("cargo runs");
@@ -44,16 +44,16 @@ fn simulated_overrides() -> Vec<u8> {
     let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
     let text = [adapt(&program, &file.job).text, b"\n".to_vec()].concat();
     let settings = control_settings(&file);
-    let rig = Rig::from_memory(settings, &text, &file.job, ControllerFault::None);
-    let mut rig = rig.expect("the limits of the override make sense");
+    let simulation = Simulation::from_memory(settings, &text, &file.job, ControllerFault::None);
+    let mut simulation = simulation.expect("the limits of the override make sense");
     let mut overrides = Vec::new();
     let mut left = settings.ladder_delay_steps + 1;
     let late = left;
     // An override takes effect at the step after the tick that put it out, and the scan of the ladder later.
     while left > 0 {
-        left -= usize::from(rig.is_done());
-        rig.step();
-        overrides.push(rig.control().override_percent());
+        left -= usize::from(simulation.is_done());
+        simulation.step();
+        overrides.push(simulation.control().override_percent());
     }
     overrides.split_off(late)
 }
@@ -72,8 +72,8 @@ fn count(line: &str, word: &str) -> u32 {
 }
 
 #[test]
-fn desk_and_chip_agree_to_the_bit_under_each_law() {
-    let (debug, release, chip) = (on_the_desk(&DEBUG), on_the_desk(&RELEASE), on_the_chip());
+fn this_machine_and_chip_agree_to_the_bit_under_each_law() {
+    let (debug, release, chip) = (on_this_machine(&DEBUG), on_this_machine(&RELEASE), on_the_chip());
     print!("{TICKS} ticks each, debug, release and chip:\n{debug}{release}{chip}");
     assert_eq!(debug.lines().count(), LAWS.len(), "{debug}");
     assert_eq!(debug, release);

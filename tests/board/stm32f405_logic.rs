@@ -1,4 +1,4 @@
-//! The parts of the STM32F405's image that know no register, on the desk: why it started, its panel, its guard.
+//! The parts of the STM32F405's image that know no register, on the host: why it started, its panel, its guard.
 
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::controller;

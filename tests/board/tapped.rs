@@ -3,11 +3,11 @@
 use std::collections::VecDeque;
 
 use arcfeed::commands::simulate::control::control_settings;
+use arcfeed_firmware::application::command_handler::Identity;
+use arcfeed_firmware::application::control_task::Supply;
+use arcfeed_firmware::application::messages::Queues;
 use arcfeed_firmware::assembly::{Config, assemble};
-use arcfeed_firmware::front::Front;
-use arcfeed_firmware::station::clerk::Identity;
-use arcfeed_firmware::station::order::Queues;
-use arcfeed_firmware::station::ticker::Supply;
+use arcfeed_firmware::main_loop::MainLoop;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_firmware::tap::Tap;
@@ -15,9 +15,9 @@ use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_hil_sim::control::code::{Code, DC1, DC3, without_parity};
 use arcfeed_hil_sim::control::line::{LineCounters, LineSettings, SenderParity};
 use arcfeed_hil_sim::control::{Control, ControlSettings};
-use arcfeed_hil_sim::decider::board::{Attached, Board, Traffic, Wire, Wires};
-use arcfeed_hil_sim::decider::in_process::InProcess;
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::override_source::board::{Attached, Board, Traffic, Wire, Wires};
+use arcfeed_hil_sim::override_source::in_process::InProcess;
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode, StateCode};
 use arcfeed_shared::wire::message::page::{self, Page, Tapped};
@@ -114,39 +114,39 @@ pub fn run<W: Wires, S: Sender>(example: &Example, wires: W, sender: S) -> Passa
     let cable =
         Cable { sender: None, may_send: false, room: 0, from_control: vec![], to_control: vec![], passed: vec![] };
     let board = Board::new(wires, cable, ModeCode::Lockstep);
-    let mut rig = Rig::new(Control::on_line(control(example)), &example.file.job, board);
+    let mut simulation = Simulation::new(Control::on_line(control(example)), &example.file.job, board);
     for period in 0..SETTLING + HELD {
         let pressed = if period < SETTLING { Signals::NONE } else { Signals::of_request(Request::Arm) };
-        rig.decider_mut().set_panel(pressed);
-        step(&mut rig);
+        simulation.source_mut().set_panel(pressed);
+        step(&mut simulation);
     }
-    rig.decider_mut().set_panel(Signals::NONE);
-    assert_eq!((rig.decider().state(), rig.decided().percent), (Some(StateCode::Armed), 100));
-    rig.decider_mut().attached_mut().sender = Some(sender);
+    simulation.source_mut().set_panel(Signals::NONE);
+    assert_eq!((simulation.source().state(), simulation.override_output().percent), (Some(StateCode::Armed), 100));
+    simulation.source_mut().attached_mut().sender = Some(sender);
     let mut overrides = Vec::new();
-    while !rig.is_done() {
-        step(&mut rig);
-        overrides.push(rig.decided().percent);
+    while !simulation.is_done() {
+        step(&mut simulation);
+        overrides.push(simulation.override_output().percent);
         assert!(overrides.len() < RUN_MAX as usize, "the program never ends");
     }
-    let outcome = Outcome { overrides, chips: rig.meter().moves().to_vec() };
-    let line = rig.control().line_counters();
-    Passage { outcome, text: rig.into_decider().into_attached().passed, line }
+    let outcome = Outcome { overrides, chips: simulation.meter().moves().to_vec() };
+    let line = simulation.control().line_counters();
+    Passage { outcome, text: simulation.into_source().into_attached().passed, line }
 }
 
-fn step<W: Wires, S: Sender>(rig: &mut Rig<Board<W, Cable<S>>>) {
-    let on_wire = rig.control_mut().port().on_wire();
-    let said: Vec<u8> = std::iter::from_fn(|| rig.control_mut().port().poll_transmit()).collect();
-    let cable = rig.decider_mut().attached_mut();
+fn step<W: Wires, S: Sender>(simulation: &mut Simulation<Board<W, Cable<S>>>) {
+    let on_wire = simulation.control_mut().port().on_wire();
+    let said: Vec<u8> = std::iter::from_fn(|| simulation.control_mut().port().poll_transmit()).collect();
+    let cable = simulation.source_mut().attached_mut();
     cable.from_control.extend(said);
     // One character on the line, one behind it, one on its way through the board.
     cable.room = 3_usize.saturating_sub(on_wire);
-    rig.step();
-    assert_eq!(rig.decider().broken(), None);
-    let cable = rig.decider_mut().attached_mut();
+    simulation.step();
+    assert_eq!(simulation.source().broken(), None);
+    let cable = simulation.source_mut().attached_mut();
     let arrived = std::mem::take(&mut cable.to_control);
     cable.passed.extend(&arrived);
-    rig.control_mut().port().on_bytes(&arrived);
+    simulation.control_mut().port().on_bytes(&arrived);
 }
 
 /// A board in this process with the image's tap, and a sender in this process.
@@ -154,10 +154,10 @@ pub fn in_process(example: &Example) -> Passage {
     let mut queues = Queues::<AHEAD>::new();
     let identity = Identity { name: "in process", version: [0, 1, 0], reset: ResetCode::Power, starts: 1 };
     let config = Config { supply: Supply::Tap, settings: Settings::default(), identity, fault: None };
-    let (mut desk, ticker) = assemble(&mut queues, config).expect("the settings are sound");
-    desk.clerk_mut().adopt_page(&page_of(example), 1).expect("the job is sound");
+    let (mut host_link, task) = assemble(&mut queues, config).expect("the settings are sound");
+    host_link.handler_mut().load_page(&page_of(example), 1).expect("the job is sound");
     let mut tap = Tap::<ROOM>::new(tap_settings(example)).expect("the settings are sound");
-    run(example, InProcess::new(Front::new(desk, Some(&mut tap)), ticker), at_hand(example))
+    run(example, InProcess::new(MainLoop::new(host_link, Some(&mut tap)), task), at_hand(example))
 }
 
 /// The chip's board, with the example's job in its flash.
@@ -181,20 +181,20 @@ fn at_hand(example: &Example) -> VecDeque<u8> {
 }
 
 /// Asserts that the chip decided what the board in this process did, the senders whoever they were.
-pub fn assert_same(chip: &Passage, station: &Passage, example: &Example) {
+pub fn assert_same(chip: &Passage, in_process: &Passage, example: &Example) {
     let Passage { outcome: chip_outcome, text, line } = chip;
     println!(
         "{} periods, trace {:08x} on the chip, {:08x} in process; {line:?}",
         chip_outcome.overrides.len(),
         chip_outcome.hash(),
-        station.outcome.hash()
+        in_process.outcome.hash()
     );
     assert_eq!(*text, example.text, "byte for byte");
-    let mut pairs = chip_outcome.overrides.iter().zip(&station.outcome.overrides);
-    assert_eq!(pairs.position(|(chip, station)| chip != station), None, "first period with another override");
-    assert_eq!(chip_outcome.overrides.len(), station.outcome.overrides.len());
-    assert_eq!(chip_outcome.chips, station.outcome.chips, "the meter saw the same chips");
-    assert_eq!(*line, station.line);
+    let mut pairs = chip_outcome.overrides.iter().zip(&in_process.outcome.overrides);
+    assert_eq!(pairs.position(|(chip, in_process)| chip != in_process), None, "first period with another override");
+    assert_eq!(chip_outcome.overrides.len(), in_process.outcome.overrides.len());
+    assert_eq!(chip_outcome.chips, in_process.outcome.chips, "the meter saw the same chips");
+    assert_eq!(*line, in_process.line);
 }
 
 #[test]
@@ -207,7 +207,7 @@ fn through_the_tap_the_chip_decides_bit_for_bit_what_the_board_in_process_does()
 #[test]
 fn through_the_tap_the_chips_are_those_of_a_controller_that_is_told_each_block() {
     let example = Example::load();
-    let (told, Passage { outcome: tapped, text, .. }) = (example.by_told(), in_process(&example));
+    let (told, Passage { outcome: tapped, text, .. }) = (example.by_controller(), in_process(&example));
     let (told_range, range) = (chip_range(&told.chips), chip_range(&tapped.chips));
     println!("chip over target: told {told_range:.5?}, through the tap {range:.5?}");
     assert_eq!(text, example.text, "byte for byte");
@@ -225,13 +225,17 @@ fn without_parameters_a_tapped_chip_adapts_nothing_and_with_broken_ones_it_is_at
         [("never written", &erased[..], StateCode::Armed, 100), ("a bit flipped", &page[..], StateCode::Faulted, 0)]
     {
         let board = Board::new(chip_with_page("feedboard-tap", page), (), ModeCode::Lockstep);
-        let mut rig = Rig::new(Control::on_line(control(&example)), &example.file.job, board);
+        let mut simulation = Simulation::new(Control::on_line(control(&example)), &example.file.job, board);
         for period in 0..SETTLING + HELD {
             let pressed = if period < SETTLING { Signals::NONE } else { Signals::of_request(Request::Arm) };
-            rig.decider_mut().set_panel(pressed);
-            rig.step();
-            assert_eq!(rig.decider().broken(), None);
+            simulation.source_mut().set_panel(pressed);
+            simulation.step();
+            assert_eq!(simulation.source().broken(), None);
         }
-        assert_eq!((rig.decider().state(), rig.decided().percent), (Some(state), percent), "{what}");
+        assert_eq!(
+            (simulation.source().state(), simulation.override_output().percent),
+            (Some(state), percent),
+            "{what}"
+        );
     }
 }

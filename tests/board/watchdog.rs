@@ -8,8 +8,8 @@ use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
 
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
-use arcfeed_hil_sim::decider::board::{Board, Wire, Wires};
-use arcfeed_hil_sim::decider::{Decider, Shown};
+use arcfeed_hil_sim::override_source::board::{Board, Wire, Wires};
+use arcfeed_hil_sim::override_source::{OverrideSource, Shown};
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{Micros, RevPerMin};
 use arcfeed_shared::wire::message::Message;

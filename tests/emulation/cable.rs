@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_hil_sim::decider::board::{Attached, Traffic, Wire};
+use arcfeed_hil_sim::override_source::board::{Attached, Traffic, Wire};
 use arcfeed_shared::units::Micros;
 
 /// Ways.

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_hil_sim::decider::board::{Attached, Traffic, Wire};
+use arcfeed_hil_sim::override_source::board::{Attached, Traffic, Wire};
 use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::machining::ToolInSpindle;

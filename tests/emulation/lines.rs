@@ -4,7 +4,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::os::fd::AsRawFd;
 use std::os::unix::net::UnixStream;
 
-use arcfeed_hil_sim::decider::board::{Broken, Wire, Wires};
+use arcfeed_hil_sim::override_source::board::{Broken, Wire, Wires};
 
 use nix::errno::Errno;
 use nix::sys::socket::{MsgFlags, recv};

@@ -7,11 +7,11 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use arcfeed_firmware::application::command_handler::Identity;
+use arcfeed_firmware::application::control_task::Supply;
+use arcfeed_firmware::application::messages::Queues;
+use arcfeed_firmware::application::sensors::Sensors;
 use arcfeed_firmware::assembly::{Config, assemble};
-use arcfeed_firmware::station::clerk::Identity;
-use arcfeed_firmware::station::order::Queues;
-use arcfeed_firmware::station::sensors::Sensors;
-use arcfeed_firmware::station::ticker::Supply;
 use arcfeed_firmware::supervisor::input::Freshness;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
@@ -101,7 +101,7 @@ fn live(listener: &TcpListener, line: &mut Option<TcpStream>, starts: u32, share
     let mut queues = Box::new(Queues::<AHEAD>::new());
     let identity = Identity { name: "served", version: [0, 1, 0], reset: ResetCode::Power, starts };
     let config = Config { supply: Supply::Link, settings: Settings::default(), identity, fault: None };
-    let (mut desk, mut ticker) = assemble(&mut queues, config).expect("sound");
+    let (mut host_link, mut task) = assemble(&mut queues, config).expect("sound");
     let sensors = Sensors {
         position: Some(Pose::ORIGIN),
         freshness: Freshness::NOW,
@@ -124,18 +124,18 @@ fn live(listener: &TcpListener, line: &mut Option<TcpStream>, starts: u32, share
         } else {
             Signals::NONE
         };
-        ticker.tick(now, &Sensors { signals, ..sensors });
+        task.tick(now, &Sensors { signals, ..sensors });
         let Some(stream) = line.as_mut().filter(|_| !shared.is_silent.load(Ordering::SeqCst)) else { continue };
         let mut bytes = [0; 512];
         match stream.read(&mut bytes) {
             Ok(0) => *line = None,
-            Ok(len) => desk.on_link_bytes(now, &bytes[..len]),
+            Ok(len) => host_link.on_link_bytes(now, &bytes[..len]),
             Err(error) if error.kind() == ErrorKind::WouldBlock => {}
             Err(_) => *line = None,
         }
-        desk.run(now);
+        host_link.run(now);
         let mut frame = [0; ENCODED_MAX];
-        while let length @ 1.. = desk.poll_link(now, &mut frame) {
+        while let length @ 1.. = host_link.poll_link(now, &mut frame) {
             if let Some(stream) = line {
                 let _gone = stream.write_all(&frame[..length]);
             }

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use arcfeed_hil_sim::decider::board::{Wire, Wires};
+use arcfeed_hil_sim::override_source::board::{Wire, Wires};
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::frame::ENCODED_MAX;
 use arcfeed_shared::wire::message::Message;

@@ -13,7 +13,7 @@ use arcfeed_firmware::supervisor::report::{Limit, Reason};
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::{Output, Supervisor};
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::job::FeedPolicy;
 use arcfeed_shared::machine::{ArcClamp, LimitedBy, MachineLimits};
 use arcfeed_shared::nc::block::Reading;
@@ -145,12 +145,13 @@ fn under_the_controls_own_clamp_the_feed_reported_is_the_feed_driven() {
     file.job.policy = FeedPolicy::OverrideOnly;
     let text = [std::fs::read(&file.program).expect("the program is there"), b"\n".to_vec()].concat();
     let text = String::from_utf8(text).expect("text").replace("F25.", &format!("F{:.1}", fastest.to_mm() / 25.4));
-    let rig = Rig::from_memory(control_settings(&file), text.as_bytes(), &file.job, ControllerFault::None);
-    let mut rig = rig.expect("the limits of the override make sense");
+    let simulation =
+        Simulation::from_memory(control_settings(&file), text.as_bytes(), &file.job, ControllerFault::None);
+    let mut simulation = simulation.expect("the limits of the override make sense");
     let (mut speed_before, mut compared, mut clamped) = (0.0, 0, 0);
-    while !rig.is_done() {
-        rig.step();
-        let (control, speed) = (rig.control(), rig.control().speed_mm_per_s());
+    while !simulation.is_done() {
+        simulation.step();
+        let (control, speed) = (simulation.control(), simulation.control().speed_mm_per_s());
         let is_steady = speed > 0.0 && (speed - speed_before).abs() < 1e-9;
         speed_before = speed;
         let Some((_, segment)) = control.active().filter(|(_, segment)| is_steady && segment.arc().is_some()) else {

@@ -20,7 +20,7 @@ mod serving;
 
 mod serving_clients;
 
-mod station;
+mod application;
 
 mod streaming;
 

@@ -8,7 +8,7 @@ use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::machine;
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::machining::ToolInSpindle;
@@ -48,21 +48,21 @@ fn record() -> Recording {
     let mut settings = control_settings(&file);
     // The override of a tick is in effect at the next one.
     settings.ladder_delay_steps = 0;
-    let rig = Rig::from_memory(settings, &text, &file.job, ControllerFault::None);
-    let mut rig = rig.expect("the limits of the override make sense");
+    let simulation = Simulation::from_memory(settings, &text, &file.job, ControllerFault::None);
+    let mut simulation = simulation.expect("the limits of the override make sense");
     let (mut segments, mut positions, mut overrides, mut last) = (Vec::new(), Vec::new(), Vec::new(), None);
-    while !rig.is_done() {
-        rig.step();
-        let active = rig.control().active().map(|(count, segment)| (count, *segment));
+    while !simulation.is_done() {
+        simulation.step();
+        let active = simulation.control().active().map(|(count, segment)| (count, *segment));
         if let Some((count, segment)) = active.filter(|(count, _)| last != Some(*count)) {
             segments.push(segment);
             last = Some(count);
         }
-        positions.push((machine::feedback(&rig.control().position()), segments.len()));
-        overrides.push(rig.control().override_percent());
+        positions.push((machine::feedback(&simulation.control().position()), segments.len()));
+        overrides.push(simulation.control().override_percent());
     }
-    rig.step();
-    overrides.push(rig.control().override_percent());
+    simulation.step();
+    overrides.push(simulation.control().override_percent());
     let ticks = positions.into_iter().zip(overrides.split_off(1));
     Recording { job: file.job, segments, ticks: ticks.map(|((pose, begun), percent)| (pose, percent, begun)).collect() }
 }

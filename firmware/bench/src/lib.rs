@@ -1,4 +1,4 @@
-//! What the figures of the chip are measured with, the same on the desk and in the board images.
+//! What the figures of the chip are measured with, the same on the host and in the board images.
 //!
 //! [`thesis`] is the yardstick of the tick's cost: the source's own route, written down as printed. [`trace`] runs the
 //! controller on [`scene`]s that a seed fixes and hashes what it puts out: the bits must be the same everywhere. Both

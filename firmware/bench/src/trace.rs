@@ -1,6 +1,6 @@
 //! A long deterministic run of the supervisor under each law, and the hash of everything that it puts out.
 //!
-//! The same code makes the inputs on the desk and on the chip: scenes drawn from a seed, with rests between blocks.
+//! The same code makes the inputs on the host and on the chip: scenes drawn from a seed, with rests between blocks.
 
 use core::fmt::{self, Display, Formatter};
 use core::hash::{Hash, Hasher};

@@ -6,7 +6,7 @@
 //!
 //! Rounding down means the control never reads more than p. Between two duties the filter passes monotonously, so no
 //! reading on the way lies above both. Everything is whole numbers: a calibration cannot be NaN, and the same duty comes
-//! out on the desk and on the chip.
+//! out on the host and on the chip.
 
 use core::num::NonZeroU64;
 

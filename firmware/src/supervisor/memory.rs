@@ -10,7 +10,7 @@ use crate::ramp::{FeedOverride, Level};
 use super::input::{Input, Quality, Work};
 use super::operator::{Dial, Turn};
 use super::report::{Counters, Refusal};
-use super::sight::{Change, Sight};
+use super::segment_tracking::{Change, SegmentTracking};
 use super::signals::{Request, Signals};
 use super::state::{Disarm, Event, State};
 
@@ -19,7 +19,7 @@ use super::state::{Disarm, Event, State};
 pub struct Memory {
     pub(super) state: State,
     pub(super) control: controller::State,
-    pub(super) sight: Sight,
+    pub(super) sight: SegmentTracking,
     pub(super) dial: Dial,
     pub(super) level: Level,
     pub(super) signals: Signals,
@@ -37,8 +37,11 @@ impl Memory {
 
     /// As after a person has armed, with nothing in work and 100 % put out: where a simulated run begins.
     pub fn armed() -> Self {
-        let mut memory =
-            Memory { state: State::Armed, sight: Sight::Nothing, ..Memory::taking_over(FeedOverride::PROGRAMMED) };
+        let mut memory = Memory {
+            state: State::Armed,
+            sight: SegmentTracking::Nothing,
+            ..Memory::taking_over(FeedOverride::PROGRAMMED)
+        };
         memory.dial.take_reference();
         memory
     }

@@ -11,7 +11,7 @@ pub mod input;
 
 pub mod settings;
 
-pub mod sight;
+pub mod segment_tracking;
 
 pub mod operator;
 
@@ -36,8 +36,8 @@ use input::{Input, Quality, Work};
 use memory::Memory;
 use operator::Turn;
 use report::{Alarm, Reason, Refusal};
+use segment_tracking::Change;
 use settings::{Settings, SettingsError};
-use sight::Change;
 use signals::{Inhibit, Request, Signals};
 use state::{Disarm, Event, Hold, State};
 use target::Target;

@@ -10,7 +10,7 @@ use arcfeed_hil_sim::fe::cyclic::Sector;
 use arcfeed_hil_sim::fe::disk::{BladedDisk, SectorCells};
 use arcfeed_hil_sim::fe::disk_field::DiskField;
 use arcfeed_hil_sim::fe::material::TITANIUM_6AL_4V;
-use arcfeed_hil_sim::fe::station::Station;
+use arcfeed_hil_sim::fe::modal_point::ModalPoint;
 use arcfeed_hil_sim::flexible::Modal;
 
 use crate::bench::{Bench, Damping, Failure, blade_alone};
@@ -43,9 +43,9 @@ impl Modal for Blisk {
         self.disk.reach_mm()
     }
 
-    fn stand_at(&self, [x_mm, y_mm, z_mm]: [f64; 3], beyond_mm: f64, station: &mut Station) {
-        self.disk.carried([DISK.rim_radius_mm + z_mm, y_mm, -x_mm], beyond_mm, station);
-        station.shapes.iter_mut().for_each(|shape| *shape = [-shape[2], shape[1], shape[0]]);
+    fn stand_at(&self, [x_mm, y_mm, z_mm]: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
+        self.disk.carried([DISK.rim_radius_mm + z_mm, y_mm, -x_mm], beyond_mm, modal_point);
+        modal_point.shapes.iter_mut().for_each(|shape| *shape = [-shape[2], shape[1], shape[0]]);
     }
 }
 

@@ -19,7 +19,7 @@ pub struct ReadBlock {
     /// What it does.
     pub action: Action,
     /// How its moves are made.
-    pub manner: Manner,
+    pub context: MoveContext,
 }
 
 /// What a block does.
@@ -53,7 +53,7 @@ impl Action {
 impl ReadBlock {
     /// A block that asks for nothing special.
     pub fn new(line: u32, text: Vec<u8>, action: Action) -> Self {
-        ReadBlock { line, text, action, manner: Manner::default() }
+        ReadBlock { line, text, action, context: MoveContext::default() }
     }
 
     /// Whether a control in single block waits after it: not after one with nothing but a comment, not after a macro
@@ -70,7 +70,7 @@ impl ReadBlock {
 
 /// What holds for all moves of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Manner {
+pub struct MoveContext {
     /// Machine coordinates of the workpiece's origin: of the work coordinate system, Z longer by the tool.
     pub origin: Pose,
     /// What of it is the tool's length.

@@ -3,7 +3,7 @@
 use arcfeed_shared::units::{Micros, PERCENT};
 
 use super::Control;
-use super::course::Course;
+use super::course::CannedCycleRun;
 use super::feeds::FeedConditions;
 use super::interpolator::AxisLimited;
 use super::panel::Phase;
@@ -46,7 +46,7 @@ impl Control {
 
     /// A dwell goes on, but in feed hold and before the axes are in position.
     pub(super) fn dwell(&mut self, dt: Micros) {
-        let goes_on = !self.holds() || self.course.as_ref().is_some_and(Course::is_tapping);
+        let goes_on = !self.holds() || self.course.as_ref().is_some_and(CannedCycleRun::is_tapping);
         if goes_on && self.is_in_position() {
             self.dwell_left = self.dwell_left.since(dt);
         }

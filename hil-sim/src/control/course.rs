@@ -10,16 +10,16 @@ use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::Micros;
 
 use super::Control;
-use super::action::Manner;
+use super::action::MoveContext;
 use super::panel::Phase;
 use super::plain::along_z;
 
 /// A block under way.
 #[derive(Debug)]
-pub struct Course {
+pub struct CannedCycleRun {
     series: Box<Series>,
     cursor: Cursor,
-    manner: Manner,
+    context: MoveContext,
     sequence: Option<i64>,
     /// Hole and stage of what was given last; a stop in single block before what comes next counts as given.
     given: Option<(u32, Stage)>,
@@ -30,23 +30,30 @@ pub struct Course {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Next {
     /// A move in machine coordinates.
-    Move(Box<Segment>, Manner),
+    Move(Box<Segment>, MoveContext),
     /// A wait.
     Dwell(Micros),
     /// A place where single block stops.
     Halt,
 }
 
-impl Course {
+impl CannedCycleRun {
     /// A block that begins.
-    pub fn new(series: Box<Series>, manner: Manner, sequence: Option<i64>) -> Self {
+    pub fn new(series: Box<Series>, context: MoveContext, sequence: Option<i64>) -> Self {
         let cursor = series.begin();
-        Course { series, cursor, manner: Manner { is_special: true, ..manner }, sequence, given: None, taps: false }
+        CannedCycleRun {
+            series,
+            cursor,
+            context: MoveContext { is_special: true, ..context },
+            sequence,
+            given: None,
+            taps: false,
+        }
     }
 
     /// Whether a tap is in its hole.
     pub fn is_tapping(&self) -> bool {
-        self.taps || self.manner.is_tapping
+        self.taps || self.context.is_tapping
     }
 
     /// What comes next of it, the axes standing at `stands`; `None` at its end.
@@ -66,7 +73,7 @@ impl Course {
                 Some(Act::Dwell(span)) => return Some(Next::Dwell(span)),
                 Some(Act::Move(motion)) => {
                     let is_cut = motion.kind == MotionKind::Line;
-                    let mut end = motion.end.plus(along_z(self.manner.tool));
+                    let mut end = motion.end.plus(along_z(self.context.tool));
                     if let (Series::Drill(drill), (_, Stage::Positioning)) = (&*self.series, stage) {
                         // A tool length that begins in this block counts from the approach on.
                         let (.., normal) = drill.plane.axes();
@@ -78,7 +85,7 @@ impl Course {
                     let segment = Segment { sequence: self.sequence, start: *stands, end, feed: motion.feed, path };
                     return Some(Next::Move(
                         Box::new(segment),
-                        Manner { is_tapping: self.is_tapping(), ..self.manner },
+                        MoveContext { is_tapping: self.is_tapping(), ..self.context },
                     ));
                 }
                 None => return None,
@@ -94,7 +101,7 @@ impl Control {
         let in_single_block = self.is_in_single_block();
         let Some(course) = &mut self.course else { return };
         match course.advance(&stands, in_single_block) {
-            Some(Next::Move(segment, manner)) => self.interpolator.begin(*segment, manner, self.taken),
+            Some(Next::Move(segment, context)) => self.interpolator.begin(*segment, context, self.taken),
             Some(Next::Dwell(span)) => self.dwell_left = span,
             Some(Next::Halt) => self.phase = Phase::Stopped { since: now },
             None => self.course = None,

@@ -18,7 +18,7 @@ use arcfeed_shared::nc::modal::{Pose, Stop};
 use arcfeed_shared::nc::settings::Tables;
 use arcfeed_shared::units::Micros;
 
-use super::action::{Action, Manner, ReadBlock};
+use super::action::{Action, MoveContext, ReadBlock};
 use super::plain::{Plain, PlainReader};
 use super::restart::RestartList;
 use super::search::{Approach, Found, Search, never};
@@ -219,9 +219,9 @@ impl Executive {
     }
 
     fn read(&mut self, block: PlainBlock) -> ReadBlock {
-        let (action, manner) = match self.reader.read(&block.text) {
-            Ok(Plain { action, manner }) => (action, manner),
-            Err(fault) => (Action::Fault(block.in_source(fault)), Manner::default()),
+        let (action, context) = match self.reader.read(&block.text) {
+            Ok(Plain { action, context }) => (action, context),
+            Err(fault) => (Action::Fault(block.in_source(fault)), MoveContext::default()),
         };
         if self.reader.has_set_data() {
             self.interpreter.set_tables(self.reader.reader().tables());
@@ -231,7 +231,7 @@ impl Executive {
         let fed = if is_of_main { self.fed.take() } else { None };
         // Of a block such as G67 no words are left.
         let text = fed.filter(|_| block.text.is_empty()).unwrap_or(block.text);
-        ReadBlock { line: self.line, text, action, manner }
+        ReadBlock { line: self.line, text, action, context }
     }
 
     fn wait_with(&mut self, message: &[u8]) -> ReadBlock {

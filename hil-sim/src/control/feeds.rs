@@ -12,7 +12,7 @@ use arcfeed_shared::machine::ArcClamp;
 use arcfeed_shared::segment::Path;
 use arcfeed_shared::units::{MmPerMin, PERCENT, S_PER_MIN};
 
-use super::action::Manner;
+use super::action::MoveContext;
 use super::path::Travel;
 
 /// What stands at the control's inputs while a block runs.
@@ -42,8 +42,8 @@ impl FeedConditions {
 
     /// What of this counts for such a move.
     #[must_use]
-    pub fn for_manner(&self, manner: &Manner) -> FeedConditions {
-        if !manner.is_tapping {
+    pub fn for_context(&self, context: &MoveContext) -> FeedConditions {
+        if !context.is_tapping {
             return *self;
         }
         FeedConditions { override_percent: PERCENT as u8, holds: self.holds && !self.holds_but_taps, ..*self }

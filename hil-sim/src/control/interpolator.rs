@@ -13,7 +13,7 @@ use arcfeed_shared::units::{MmPerMin, S_PER_MIN};
 
 use crate::drives::limits::AXES;
 
-use super::action::{Action, Manner, ReadBlock};
+use super::action::{Action, MoveContext, ReadBlock};
 use super::feeds::FeedConditions;
 use super::leg::{Active, Advance, Leg, MoveLimits, Queued};
 use super::look_ahead::LookAhead;
@@ -110,17 +110,17 @@ impl Interpolator {
         let Queued { block, leg } = self.queue.pop_front()?;
         if let Some(leg) = leg {
             let count = u32::try_from(count + 1).unwrap_or(u32::MAX);
-            self.active = Some(Active { leg, done_mm: 0.0, count, manner: block.manner, ends_at_rest: false });
+            self.active = Some(Active { leg, done_mm: 0.0, count, context: block.context, ends_at_rest: false });
         }
         Some(block)
     }
 
     /// Begins a move of a block that makes several; `count` as in [`Interpolator::take_next`], this block among them.
-    pub fn begin(&mut self, segment: Segment, manner: Manner, count: usize) {
+    pub fn begin(&mut self, segment: Segment, context: MoveContext, count: usize) {
         let leg = Leg::new(segment, &self.limits());
         let count = u32::try_from(count).unwrap_or(u32::MAX);
         if leg.travel.length_mm > 0.0 {
-            self.active = Some(Active { leg, done_mm: 0.0, count, manner, ends_at_rest: true });
+            self.active = Some(Active { leg, done_mm: 0.0, count, context, ends_at_rest: true });
         }
     }
 
@@ -132,7 +132,7 @@ impl Interpolator {
             return 0.0;
         };
         let travel = &active.leg.travel;
-        let asked = active.leg.wanted(&active.manner, conditions);
+        let asked = active.leg.wanted(&active.context, conditions);
         let wanted = asked.min(active.leg.limits.speed);
         let feed = travel.programmed_mm_per_s.map_or(0.0, |_| wanted / travel.speed_ratio);
         if asked > wanted && feed > 0.0 && self.limited.last().is_none_or(|limited| limited.count != active.count) {
@@ -187,8 +187,8 @@ impl Interpolator {
     }
 
     /// What holds for the active move.
-    pub fn manner(&self) -> Option<&Manner> {
-        self.active.as_ref().map(|active| &active.manner)
+    pub fn context(&self) -> Option<&MoveContext> {
+        self.active.as_ref().map(|active| &active.context)
     }
 
     /// The feed of the active move with override, dry run and clamp; of a helix, along its arc in the plane.

@@ -9,7 +9,7 @@ use arcfeed_shared::units::PERCENT;
 use crate::drives::brake::time_s;
 use crate::drives::limits::{AXES, DriveLimits, PathLimits};
 
-use super::action::{Action, Manner, ReadBlock};
+use super::action::{Action, MoveContext, ReadBlock};
 use super::feeds::{FeedConditions, most_mm_per_s};
 use super::junction::Junction;
 use super::path::Travel;
@@ -71,7 +71,7 @@ pub struct Active {
     /// Blocks executed, up to and including its own.
     pub count: u32,
     /// What holds for it.
-    pub manner: Manner,
+    pub context: MoveContext,
     /// Whether nothing flows from it into the next block.
     pub ends_at_rest: bool,
 }
@@ -123,8 +123,8 @@ impl Leg {
     }
 
     /// The speed wanted on it, mm/s.
-    pub fn wanted(&self, manner: &Manner, conditions: &FeedConditions) -> f64 {
-        let speed = |programmed| conditions.for_manner(manner).speed_mm_per_s(programmed).min(self.most_mm_per_s);
+    pub fn wanted(&self, context: &MoveContext, conditions: &FeedConditions) -> f64 {
+        let speed = |programmed| conditions.for_context(context).speed_mm_per_s(programmed).min(self.most_mm_per_s);
         self.travel.programmed_mm_per_s.map_or(self.most_mm_per_s, speed)
     }
 }
@@ -157,7 +157,7 @@ impl Queued {
 }
 
 /// The moves behind the one in work that flow into each other, with what holds for each.
-pub fn flowing(queue: &VecDeque<Queued>) -> impl Iterator<Item = (&Leg, &Manner)> {
+pub fn flowing(queue: &VecDeque<Queued>) -> impl Iterator<Item = (&Leg, &MoveContext)> {
     let blocks = queue.iter().take_while(|queued| queued.flows());
-    blocks.filter_map(|queued| Some((queued.leg.as_ref()?, &queued.block.manner)))
+    blocks.filter_map(|queued| Some((queued.leg.as_ref()?, &queued.block.context)))
 }

@@ -71,7 +71,7 @@ impl LookAhead {
             self.stop_at_block_end(active, queue);
         }
         let now = self.look(dt_s, active, queue, conditions);
-        let holds = conditions.for_manner(&active.manner).holds;
+        let holds = conditions.for_context(&active.context).holds;
         let wanted = if holds { 0.0 } else { now.wanted_mm_per_s.min(now.limits.speed) };
         let profile = Profile { period_s: dt_s, here: now.limits, ahead: &self.ahead };
         let step = profile.step(self.motion, wanted);

@@ -69,8 +69,8 @@ use arcfeed_shared::units::{Micros, MmPerMin};
 
 use crate::drives::limits::AXES;
 
-use action::{Action, Manner, ReadBlock};
-use course::Course;
+use action::{Action, MoveContext, ReadBlock};
+use course::CannedCycleRun;
 use dnc_port::DncPort;
 use driven::Driven;
 use executive::Executive;
@@ -110,7 +110,7 @@ pub struct Control {
     search: Option<Search>,
     restart_list: Option<RestartList>,
     /// A block with several moves, under way.
-    course: Option<Course>,
+    course: Option<CannedCycleRun>,
     interpolator: Interpolator,
     driven: Driven,
     phase: Phase,
@@ -250,8 +250,8 @@ impl Control {
     }
 
     /// What holds for the active move.
-    pub fn manner(&self) -> Option<&Manner> {
-        self.interpolator.manner()
+    pub fn context(&self) -> Option<&MoveContext> {
+        self.interpolator.context()
     }
 
     /// The feed of the active move with its override; zero at rapid and at rest.
@@ -373,7 +373,7 @@ impl Control {
                 return true;
             }
             Action::Series(series, stop) => {
-                self.course = Some(Course::new(series, block.manner, sequence));
+                self.course = Some(CannedCycleRun::new(series, block.context, sequence));
                 self.after_move = stop;
                 self.has_moved = true;
             }

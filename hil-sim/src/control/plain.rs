@@ -11,7 +11,7 @@ use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Nm;
 
-use super::action::{Action, Manner, Way};
+use super::action::{Action, MoveContext, Way};
 use super::restart::RestartList;
 use super::settings::ControlSettings;
 
@@ -21,7 +21,7 @@ pub struct Plain {
     /// What it does.
     pub action: Action,
     /// How.
-    pub manner: Manner,
+    pub context: MoveContext,
 }
 
 /// Reads blocks one after the other.
@@ -94,16 +94,16 @@ impl PlainReader {
         let understood = self.reader.read(text)?;
         self.sets_data = understood.step.sets_data;
         self.note(&understood.parsed.block);
-        let manner = self.manner(&understood);
+        let context = self.context(&understood);
         let mut action = action(&understood);
         if let Action::Move(segment, _) = &mut action {
-            *segment = self.in_machine(segment, manner.tool)?;
+            *segment = self.in_machine(segment, context.tool)?;
             self.end = segment.end;
         }
         if let Action::Series(..) = &action {
             self.end = self.reader.machine();
         }
-        Ok(Plain { action, manner })
+        Ok(Plain { action, context })
     }
 
     fn note(&mut self, block: &Block) {
@@ -119,7 +119,7 @@ impl PlainReader {
         }
     }
 
-    fn manner(&self, understood: &Understood) -> Manner {
+    fn context(&self, understood: &Understood) -> MoveContext {
         let (modal, tables) = (self.reader.modal(), self.reader.tables());
         let tool = modal.tool_length(tables);
         let origin = modal.work_origin(tables).plus(along_z(tool));
@@ -129,7 +129,7 @@ impl PlainReader {
             None if modal.follows_tool_center => Way::Tip,
             None => Way::Axes,
         };
-        Manner { origin, tool, is_special, is_tapping: self.taps, way, machining: modal.machining() }
+        MoveContext { origin, tool, is_special, is_tapping: self.taps, way, machining: modal.machining() }
     }
 
     fn in_machine(&self, segment: &Segment, tool: Nm) -> Result<Segment, Fault> {

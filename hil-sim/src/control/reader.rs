@@ -124,7 +124,7 @@ impl BlockReader {
         // Bit n - 1 of the panel is bit n of the reader.
         self.reader.reader().set_delete_switches(switches.block_delete << 1);
         match self.reader.read(&text) {
-            Ok(Plain { action, manner }) => ReadBlock { line: self.line, text, action, manner },
+            Ok(Plain { action, context }) => ReadBlock { line: self.line, text, action, context },
             Err(fault) => ReadBlock::new(self.line, text, Action::Fault(fault)),
         }
     }

@@ -28,8 +28,8 @@ pub fn walk(
 ) {
     let flowing = flowing(queue).take_while(|(leg, _)| leg.entry.is_some());
     let (mut from, mut before) = (-active.done_mm, f64::INFINITY);
-    for (leg, manner) in once((&active.leg, &active.manner)).chain(flowing) {
-        let wanted = leg.wanted(manner, conditions);
+    for (leg, context) in once((&active.leg, &active.context)).chain(flowing) {
+        let wanted = leg.wanted(context, conditions);
         let half = leg.entry.map_or(0.0, |corner| corner.junction.half_mm);
         let corner = leg.entry.map(|corner| Stretch {
             at_mm: from - half,

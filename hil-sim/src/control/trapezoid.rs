@@ -50,8 +50,8 @@ impl Trapezoid {
     ) -> Advance {
         let stops = conditions.stops_at_block_end || active.ends_at_rest;
         let exit = if stops { 0.0 } else { self.exit_speed(queue, conditions) };
-        let feed = conditions.for_manner(&active.manner);
-        let target = if feed.holds { 0.0 } else { active.leg.wanted(&active.manner, conditions) };
+        let feed = conditions.for_context(&active.context);
+        let target = if feed.holds { 0.0 } else { active.leg.wanted(&active.context, conditions) };
         let left_mm = active.left_mm();
         let acceleration = self.dynamics.acceleration_mm_per_s2;
         let speed = self.speed_mm_per_s;
@@ -91,9 +91,9 @@ impl Trapezoid {
         self.ahead.clear();
         // What the square of the speed has still to lose before a stop, and how many moves there are up to where it was least.
         let (mut square, mut count) = (f64::INFINITY, 0);
-        for (leg, manner) in flowing(queue) {
+        for (leg, context) in flowing(queue) {
             let length_mm = leg.travel.length_mm;
-            let most_mm_per_s = leg.corner_mm_per_s.min(leg.wanted(manner, conditions));
+            let most_mm_per_s = leg.corner_mm_per_s.min(leg.wanted(context, conditions));
             self.ahead.push(Ahead { length_mm, most_mm_per_s });
             if most_mm_per_s * most_mm_per_s <= square {
                 (square, count) = (most_mm_per_s * most_mm_per_s, self.ahead.len());

@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, Matrix4, RowVector4, SymmetricEigen};
 
 use super::eigen::EigenError;
 use super::material::Material;
-use super::station::Station;
+use super::modal_point::ModalPoint;
 use arcfeed_shared::units::T_PER_KG;
 
 /// A cylinder of the tool.
@@ -190,23 +190,23 @@ impl BeamModes {
         self.omega_rad_per_s.iter().map(|omega| omega / std::f64::consts::TAU).collect()
     }
 
-    /// Sets `station` to a point of the tool. Sections stay plane, so off the axis a
+    /// Sets `modal_point` to a point of the tool. Sections stay plane, so off the axis a
     /// point also moves along it; what lies below the tip moves as the tip's section does.
-    pub fn at(&self, point_mm: [f64; 3], station: &mut Station) {
+    pub fn at(&self, point_mm: [f64; 3], modal_point: &mut ModalPoint) {
         let from_clamp_mm = self.length_mm - point_mm[2];
         let element = self.spans.iter().rposition(|[from_mm, _, _]| *from_mm <= from_clamp_mm).unwrap_or(0);
         let [from_mm, length_mm, phi] = self.spans[element];
         let x = ((from_clamp_mm - from_mm) / length_mm).clamp(0.0, 1.0);
         let (w, [theta, _]) = (deflection([length_mm, phi], x), rotation([length_mm, phi], x));
         let beyond_mm = from_clamp_mm - from_mm - x * length_mm;
-        station.shapes.clear();
+        modal_point.shapes.clear();
         for shape in &self.shapes {
             let ends = nalgebra::Vector4::from_column_slice(&shape[2 * element..2 * element + 4]);
             let turn = (theta * ends)[0];
             let across = (w * ends)[0] + turn * beyond_mm;
             // The axis grows from the clamp along -z: a positive rotation lifts what lies at positive x.
-            station.shapes.push([across, 0.0, turn * point_mm[0]]);
-            station.shapes.push([0.0, across, turn * point_mm[1]]);
+            modal_point.shapes.push([across, 0.0, turn * point_mm[0]]);
+            modal_point.shapes.push([0.0, across, turn * point_mm[1]]);
         }
     }
 }

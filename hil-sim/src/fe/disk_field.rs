@@ -7,7 +7,7 @@ use super::cyclic::{Sector, Wave};
 use super::disk::turned_by;
 use super::field::{Field, settled_mm};
 use super::locate::TooFar;
-use super::station::Station;
+use super::modal_point::ModalPoint;
 
 /// Modes of a disk, and a way to find points in it.
 #[derive(Clone, Debug)]
@@ -50,12 +50,12 @@ impl DiskField {
         &self.omega_rad_per_s
     }
 
-    /// Sets `station` to a point of the undeformed disk and answers how far outside it is, mm.
+    /// Sets `modal_point` to a point of the undeformed disk and answers how far outside it is, mm.
     ///
     /// # Errors
     /// The point is beyond the reach.
-    pub fn at(&self, point_mm: [f64; 3], station: &mut Station) -> Result<f64, TooFar> {
-        let found = self.stand(point_mm, station, |in_first_mm, other| self.sector.at(in_first_mm, other).ok());
+    pub fn at(&self, point_mm: [f64; 3], modal_point: &mut ModalPoint) -> Result<f64, TooFar> {
+        let found = self.stand(point_mm, modal_point, |in_first_mm, other| self.sector.at(in_first_mm, other).ok());
         found.ok_or(TooFar { point_mm })
     }
 
@@ -65,52 +65,52 @@ impl DiskField {
     }
 
     /// As [`Field::carried`].
-    pub fn carried(&self, point_mm: [f64; 3], beyond_mm: f64, station: &mut Station) -> f64 {
-        let carried = |in_first_mm, other: &mut Station| Some(self.sector.carried(in_first_mm, beyond_mm, other));
-        self.stand(point_mm, station, carried).unwrap_or(f64::INFINITY)
+    pub fn carried(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) -> f64 {
+        let carried = |in_first_mm, other: &mut ModalPoint| Some(self.sector.carried(in_first_mm, beyond_mm, other));
+        self.stand(point_mm, modal_point, carried).unwrap_or(f64::INFINITY)
     }
 
-    /// Sets `station` in the sector where the point is least outside, as told of a point in the first one.
+    /// Sets `modal_point` in the sector where the point is least outside, as told of a point in the first one.
     fn stand(
         &self,
         point_mm: [f64; 3],
-        station: &mut Station,
-        outside_mm: impl Fn([f64; 3], &mut Station) -> Option<f64>,
+        modal_point: &mut ModalPoint,
+        outside_mm: impl Fn([f64; 3], &mut ModalPoint) -> Option<f64>,
     ) -> Option<f64> {
         let sectors = self.turns.len();
         let angle = libm::atan2(point_mm[1], point_mm[0]) - self.begin_rad;
         let guess = libm::floor(angle / TAU * sectors as f64) as isize;
         // A twisted blade hangs over into the sectors beside its own.
         let mut best: Option<(f64, usize)> = None;
-        let mut other = Station { element: station.element, ..Station::default() };
+        let mut other = ModalPoint { element: modal_point.element, ..ModalPoint::default() };
         for sector in [guess, guess - 1, guess + 1].map(|s| s.rem_euclid(sectors as isize) as usize) {
             let [cos, sin] = self.turns[sector];
             let Some(outside_mm) = outside_mm(turned_by(point_mm, [cos, -sin]), &mut other) else { continue };
             if best.is_none_or(|(least_mm, _)| outside_mm < least_mm) {
                 best = Some((outside_mm, sector));
-                std::mem::swap(station, &mut other);
+                std::mem::swap(modal_point, &mut other);
             }
             if outside_mm == 0.0 {
                 break;
             }
         }
         let (outside_mm, sector) = best?;
-        self.expand(sector, station);
+        self.expand(sector, modal_point);
         Some(outside_mm)
     }
 
     /// From a and b in the first sector to the displacement in another one: (1) of [`super::cyclic`].
-    fn expand(&self, sector: usize, station: &mut Station) {
+    fn expand(&self, sector: usize, modal_point: &mut ModalPoint) {
         let around = self.turns[sector];
         for (mode, diameters) in self.diameters.iter().enumerate() {
             let [cos, sin] = self.turns[diameters * sector % self.turns.len()];
-            let [a, b] = [station.shapes[2 * mode], station.shapes[2 * mode + 1]];
-            station.shapes[mode] = turned_by(std::array::from_fn(|axis| a[axis] * cos - b[axis] * sin), around);
+            let [a, b] = [modal_point.shapes[2 * mode], modal_point.shapes[2 * mode + 1]];
+            modal_point.shapes[mode] = turned_by(std::array::from_fn(|axis| a[axis] * cos - b[axis] * sin), around);
         }
-        station.shapes.truncate(self.diameters.len());
+        modal_point.shapes.truncate(self.diameters.len());
     }
 
-    /// Which point of the undeformed disk is now at `now_mm`; `station`, at a point nearby or at none, is set to it.
+    /// Which point of the undeformed disk is now at `now_mm`; `modal_point`, at a point nearby or at none, is set to it.
     ///
     /// # Errors
     /// The point is beyond the reach.
@@ -118,11 +118,11 @@ impl DiskField {
         &self,
         now_mm: [f64; 3],
         amplitudes: &[f64],
-        station: &mut Station,
+        modal_point: &mut ModalPoint,
     ) -> Result<[f64; 3], TooFar> {
-        settled_mm(now_mm, station.displacement_mm(amplitudes), |point_mm| {
-            self.at(point_mm, station)?;
-            Ok(station.displacement_mm(amplitudes))
+        settled_mm(now_mm, modal_point.displacement_mm(amplitudes), |point_mm| {
+            self.at(point_mm, modal_point)?;
+            Ok(modal_point.displacement_mm(amplitudes))
         })
     }
 }

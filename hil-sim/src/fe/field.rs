@@ -12,7 +12,7 @@
 use super::body::Modes;
 use super::locate::{Found, Locator, TooFar};
 use super::mesh::Mesh;
-use super::station::Station;
+use super::modal_point::ModalPoint;
 use super::tetrahedron::functions;
 
 /// Change of X below which (3) is at its end.
@@ -45,22 +45,22 @@ impl Field {
         &self.omega_rad_per_s
     }
 
-    /// Sets `station` to a point of the undeformed body and answers how far outside it is, mm. One that was near before is found fastest.
+    /// Sets `modal_point` to a point of the undeformed body and answers how far outside it is, mm. One that was near before is found fastest.
     ///
     /// # Errors
     /// The point is beyond the reach.
-    pub fn at(&self, point_mm: [f64; 3], station: &mut Station) -> Result<f64, TooFar> {
-        let found = self.locator.find(&self.mesh, point_mm, station.element)?;
-        self.stand(&found, station);
+    pub fn at(&self, point_mm: [f64; 3], modal_point: &mut ModalPoint) -> Result<f64, TooFar> {
+        let found = self.locator.find(&self.mesh, point_mm, modal_point.element)?;
+        self.stand(&found, modal_point);
         Ok(found.outside_mm)
     }
 
-    /// Sets `station` to a point, or, if that is outside by more than `beyond_mm`, to the one that far from the body on the way to it from the nearest point
+    /// Sets `modal_point` to a point, or, if that is outside by more than `beyond_mm`, to the one that far from the body on the way to it from the nearest point
     /// of the body; answers how far outside the point is, mm. Beyond the reach all elements are looked at, which takes its time.
-    pub fn carried(&self, point_mm: [f64; 3], beyond_mm: f64, station: &mut Station) -> f64 {
-        let found = self.locator.carried(&self.mesh, point_mm, beyond_mm, station.element);
+    pub fn carried(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) -> f64 {
+        let found = self.locator.carried(&self.mesh, point_mm, beyond_mm, modal_point.element);
         if let Some(found) = &found {
-            self.stand(found, station);
+            self.stand(found, modal_point);
         }
         found.map_or(f64::INFINITY, |found| found.outside_mm)
     }
@@ -76,12 +76,12 @@ impl Field {
     }
 
     /// (1)
-    fn stand(&self, found: &Found, station: &mut Station) {
-        station.element = Some(found.element);
-        station.shapes.clear();
-        station.shapes.resize(self.omega_rad_per_s.len(), [0.0; 3]);
+    fn stand(&self, found: &Found, modal_point: &mut ModalPoint) {
+        modal_point.element = Some(found.element);
+        modal_point.shapes.clear();
+        modal_point.shapes.resize(self.omega_rad_per_s.len(), [0.0; 3]);
         for (node, n) in self.mesh.elements()[found.element].iter().zip(functions(found.place)) {
-            for (sum, shape) in station.shapes.iter_mut().zip(&self.shapes[*node]) {
+            for (sum, shape) in modal_point.shapes.iter_mut().zip(&self.shapes[*node]) {
                 for axis in 0..3 {
                     sum[axis] += n * shape[axis];
                 }
@@ -89,7 +89,7 @@ impl Field {
         }
     }
 
-    /// Which point of the undeformed body is now at `now_mm`; `station`, at a point nearby or at none, is set to it.
+    /// Which point of the undeformed body is now at `now_mm`; `modal_point`, at a point nearby or at none, is set to it.
     ///
     /// # Errors
     /// The point is beyond the reach.
@@ -97,11 +97,11 @@ impl Field {
         &self,
         now_mm: [f64; 3],
         amplitudes: &[f64],
-        station: &mut Station,
+        modal_point: &mut ModalPoint,
     ) -> Result<[f64; 3], TooFar> {
-        settled_mm(now_mm, station.displacement_mm(amplitudes), |point_mm| {
-            self.at(point_mm, station)?;
-            Ok(station.displacement_mm(amplitudes))
+        settled_mm(now_mm, modal_point.displacement_mm(amplitudes), |point_mm| {
+            self.at(point_mm, modal_point)?;
+            Ok(modal_point.displacement_mm(amplitudes))
         })
     }
 }

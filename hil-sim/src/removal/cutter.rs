@@ -4,10 +4,10 @@ use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{MicroDeg, Micros, Nm};
 
-use crate::control::action::Manner;
-use crate::decider::Decider;
+use crate::control::action::MoveContext;
 use crate::drives::limits::AXES;
-use crate::rig::{Rig, STEP};
+use crate::override_source::OverrideSource;
+use crate::simulation::{STEP, Simulation};
 use crate::stock::tool::Tool;
 use crate::stock::workpiece::{Stock, StockError};
 
@@ -53,7 +53,7 @@ pub struct Cutter {
     waiting: Vec<Stretch>,
     approach: Approach,
     /// The block in work last.
-    last: Option<(Of, Manner)>,
+    last: Option<(Of, MoveContext)>,
     blocks: Vec<Of>,
     pieces: Vec<Piece>,
     left_out: Vec<LeftOut>,
@@ -105,18 +105,18 @@ impl Cutter {
     ///
     /// # Errors
     /// What is left takes more memory than allowed.
-    pub fn see<D: Decider>(&mut self, rig: &Rig<D>) -> Result<(), StockError> {
-        let active = Of::in_work(rig).map(|(of, segment)| (of, segment.start));
-        if let (Some((of, start)), Some((before, manner))) = (active, self.last)
+    pub fn see<D: OverrideSource>(&mut self, simulation: &Simulation<D>) -> Result<(), StockError> {
+        let active = Of::in_work(simulation).map(|(of, segment)| (of, segment.start));
+        if let (Some((of, start)), Some((before, context))) = (active, self.last)
             && of.count != before.count
-            && rig.control().meets_corners()
+            && simulation.control().meets_corners()
         {
-            let at = Micros(rig.now().0 - STEP.0 / 2);
-            self.go_on(&Seen { at, axes: axes_of(&start), of: before, manner })?;
+            let at = Micros(simulation.now().0 - STEP.0 / 2);
+            self.go_on(&Seen { at, axes: axes_of(&start), of: before, context })?;
         }
-        self.last = active.map(|(of, _)| (of, *rig.manner())).or(self.last);
-        let Some((of, manner)) = self.last else { return Ok(()) };
-        self.go_on(&Seen { at: rig.now(), axes: rig.control().actual_axes(), of, manner })
+        self.last = active.map(|(of, _)| (of, *simulation.context())).or(self.last);
+        let Some((of, context)) = self.last else { return Ok(()) };
+        self.go_on(&Seen { at: simulation.now(), axes: simulation.control().actual_axes(), of, context })
     }
 
     /// The end of the run.

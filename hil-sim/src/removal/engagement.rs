@@ -19,9 +19,9 @@ use nalgebra::Vector2;
 
 use crate::cutting::engaged::EdgeCircle;
 use crate::cutting::layers::{LEVEL_RATIO, Layers, Slice};
-use crate::decider::Decider;
 use crate::drives::limits::AXES;
-use crate::rig::Rig;
+use crate::override_source::OverrideSource;
+use crate::simulation::Simulation;
 use crate::stock::tool::{Slab, Tool};
 
 use super::cutter::LeftOut;
@@ -127,15 +127,15 @@ impl EngagementMeter {
     }
 
     /// Sees a period of the run.
-    pub fn see<D: Decider>(&mut self, rig: &Rig<D>) {
-        let in_work = Of::in_work(rig).map(|(of, _)| of);
+    pub fn see<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
+        let in_work = Of::in_work(simulation).map(|(of, _)| of);
         if self.last.is_some_and(|last| in_work.is_some_and(|of| of != last.of)) {
             self.end();
         }
         if let Some(of) = in_work.filter(|of| self.is_asked_of(of)) {
             self.open(of);
         }
-        if let Some(period) = self.periods.see(rig) {
+        if let Some(period) = self.periods.see(simulation) {
             self.go(&period);
         }
     }

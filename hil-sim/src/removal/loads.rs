@@ -14,9 +14,9 @@ use arcfeed_shared::units::{Micros, S_PER_MIN};
 use nalgebra::Vector2;
 
 use crate::cutting::pose::Stand;
-use crate::decider::Decider;
+use crate::override_source::OverrideSource;
 use crate::process::{Moment, Process};
-use crate::rig::{Rig, STEP};
+use crate::simulation::{STEP, Simulation};
 
 use super::cutter::LeftOut;
 use super::giving::Giving;
@@ -120,10 +120,10 @@ impl LoadMeter {
     }
 
     /// Sees a period of the run.
-    pub fn see<D: Decider>(&mut self, rig: &Rig<D>) {
-        if let Some(Period { stretch, .. }) = self.periods.see(rig) {
-            let is_backwards = rig.control().spindle().is_some_and(|spindle| spindle.rev_per_min() < 0.0);
-            let rev_per_min = f64::from(rig.spindle().0);
+    pub fn see<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
+        if let Some(Period { stretch, .. }) = self.periods.see(simulation) {
+            let is_backwards = simulation.control().spindle().is_some_and(|spindle| spindle.rev_per_min() < 0.0);
+            let rev_per_min = f64::from(simulation.spindle().0);
             self.go(&stretch, if is_backwards { -rev_per_min } else { rev_per_min });
         }
     }

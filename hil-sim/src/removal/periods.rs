@@ -3,10 +3,10 @@
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Micros;
 
-use crate::control::action::Manner;
-use crate::decider::Decider;
+use crate::control::action::MoveContext;
 use crate::drives::limits::AXES;
-use crate::rig::{Rig, STEP};
+use crate::override_source::OverrideSource;
+use crate::simulation::{STEP, Simulation};
 
 use super::trail::{Of, Stretch, at_tip};
 
@@ -15,7 +15,7 @@ use super::trail::{Of, Stretch, at_tip};
 pub struct Periods {
     axes: Option<[f64; AXES]>,
     /// The block in work last.
-    last: Option<(Of, Manner, Segment)>,
+    last: Option<(Of, MoveContext, Segment)>,
 }
 
 /// A period of it.
@@ -31,13 +31,13 @@ pub struct Period {
 
 impl Periods {
     /// Sees a period of the run; nothing before the second one, or before the first block.
-    pub fn see<D: Decider>(&mut self, rig: &Rig<D>) -> Option<Period> {
-        let active = Of::in_work(rig).map(|(of, segment)| (of, *rig.manner(), *segment));
+    pub fn see<D: OverrideSource>(&mut self, simulation: &Simulation<D>) -> Option<Period> {
+        let active = Of::in_work(simulation).map(|(of, segment)| (of, *simulation.context(), *segment));
         self.last = active.or(self.last);
-        let axes = rig.control().actual_axes();
-        let (before, (of, manner, segment)) = self.axes.replace(axes).zip(self.last)?;
-        let places = vec![at_tip(&before, &manner), at_tip(&axes, &manner)];
-        let stretch = Stretch { of, manner, from: Micros(rig.now().0 - STEP.0), to: rig.now(), places };
+        let axes = simulation.control().actual_axes();
+        let (before, (of, context, segment)) = self.axes.replace(axes).zip(self.last)?;
+        let places = vec![at_tip(&before, &context), at_tip(&axes, &context)];
+        let stretch = Stretch { of, context, from: Micros(simulation.now().0 - STEP.0), to: simulation.now(), places };
         Some(Period { stretch, segment, axes: [before, axes] })
     }
 }

@@ -57,10 +57,10 @@ impl Placing {
 
     /// Takes a cut: the first one tells where the workpiece is.
     pub fn learn(&mut self, cut: &Stretch) {
-        let manner = &cut.manner;
-        let origin = manner.origin.linear.map(Nm::to_mm);
-        self.origin_mm.get_or_insert([origin[0], origin[1], origin[2] - Nm::to_mm(manner.tool)]);
-        if manner.way != Way::Tip && cut.turn_deg() <= SAME_DEG {
+        let context = &cut.context;
+        let origin = context.origin.linear.map(Nm::to_mm);
+        self.origin_mm.get_or_insert([origin[0], origin[1], origin[2] - Nm::to_mm(context.tool)]);
+        if context.way != Way::Tip && cut.turn_deg() <= SAME_DEG {
             self.rotary_deg.get_or_insert(rotary(&cut.places[0]));
         }
     }
@@ -104,7 +104,7 @@ impl Placing {
 
     /// Tip and axis on the part, place by place.
     fn poses(&self, stretch: &Stretch, machine: Option<&Machine>) -> Result<Vec<Pose>, Unplaced> {
-        let axis: Box<dyn Fn(&Place) -> Vector + '_> = match (stretch.manner.way, machine) {
+        let axis: Box<dyn Fn(&Place) -> Vector + '_> = match (stretch.context.way, machine) {
             (Way::Contour, _) => return Err(Unplaced::Contour),
             (Way::Tip, None) => return Err(Unplaced::NoMachine),
             (Way::Tip, Some(machine)) => Box::new(move |place| axis_at(machine, place, stretch)),
@@ -130,7 +130,7 @@ pub(super) fn between(ends_mm: &[Vector; 2], part: f64) -> Vector {
 
 /// The tool axis on the part.
 fn axis_at(machine: &Machine, place: &Place, stretch: &Stretch) -> Vector {
-    let origin_deg = stretch.manner.origin.rotary.map(MicroDeg::to_deg);
+    let origin_deg = stretch.context.origin.rotary.map(MicroDeg::to_deg);
     let rotary_deg = machine.rotary().each_ref().map(|axis| {
         let index = Letter::ALL.iter().position(|letter| *letter == axis.letter).unwrap_or(0);
         place[3 + index] - origin_deg[index]

@@ -16,10 +16,10 @@
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{Micros, Nm};
 
-use crate::control::action::Manner;
-use crate::decider::Decider;
+use crate::control::action::MoveContext;
 use crate::drives::limits::AXES;
-use crate::rig::Rig;
+use crate::override_source::OverrideSource;
+use crate::simulation::Simulation;
 
 /// Longest time of a stretch: the resolution of the removal rate.
 pub const STRETCH_MAX: Micros = Micros::from_ms(250);
@@ -48,10 +48,10 @@ pub struct Of {
 
 impl Of {
     /// The block in work, and its move.
-    pub(super) fn in_work<D: Decider>(rig: &Rig<D>) -> Option<(Self, &Segment)> {
-        rig.control().active().map(|(count, segment)| {
+    pub(super) fn in_work<D: OverrideSource>(simulation: &Simulation<D>) -> Option<(Self, &Segment)> {
+        simulation.control().active().map(|(count, segment)| {
             let is_rapid = segment.path == Path::Rapid;
-            (Of { count, sequence: segment.sequence, rule: rig.rule(), is_rapid }, segment)
+            (Of { count, sequence: segment.sequence, rule: simulation.rule(), is_rapid }, segment)
         })
     }
 }
@@ -66,7 +66,7 @@ pub struct Seen {
     /// The block in work.
     pub of: Of,
     /// What holds for it.
-    pub manner: Manner,
+    pub context: MoveContext,
 }
 
 /// A way of one block, as chords.
@@ -75,7 +75,7 @@ pub struct Stretch {
     /// Whose it is.
     pub of: Of,
     /// What holds for it.
-    pub manner: Manner,
+    pub context: MoveContext,
     /// When it began.
     pub from: Micros,
     /// When it ended.
@@ -123,18 +123,18 @@ impl Trail {
     /// Goes on; answers the stretch that is over by that.
     pub fn go_on(&mut self, seen: &Seen) -> Option<Stretch> {
         let (before, axes) = self.last.replace((seen.at, seen.axes))?;
-        let (from, to) = (at_tip(&axes, &seen.manner), at_tip(&seen.axes, &seen.manner));
+        let (from, to) = (at_tip(&axes, &seen.context), at_tip(&seen.axes, &seen.context));
         if self.distance_mm(&from, &to) <= STILL_MM {
             return self.end();
         }
         let is_over = self.open.as_ref().is_some_and(|open| {
-            open.of != seen.of || open.manner != seen.manner || before.since(open.from) >= STRETCH_MAX
+            open.of != seen.of || open.context != seen.context || before.since(open.from) >= STRETCH_MAX
         });
         let over = if is_over { self.end() } else { None };
         let is_on_chord = self.is_on_chord(&to);
         let open = self.open.get_or_insert_with(|| Stretch {
             of: seen.of,
-            manner: seen.manner,
+            context: seen.context,
             from: before,
             to: before,
             places: vec![from],
@@ -226,9 +226,9 @@ fn off_mm(arm_mm: &Place, way_mm: &Place) -> f64 {
 }
 
 /// The tool's tip, where the axes are with the tool of a move.
-pub(super) fn at_tip(axes: &[f64; AXES], manner: &Manner) -> Place {
+pub(super) fn at_tip(axes: &[f64; AXES], context: &MoveContext) -> Place {
     let mut place = *axes;
-    place[2] -= Nm::to_mm(manner.tool);
+    place[2] -= Nm::to_mm(context.tool);
     place
 }
 
@@ -238,7 +238,7 @@ mod tests {
 
     fn seen(ms: u64, x: f64, y: f64, count: u32) -> Seen {
         let of = Of { count, sequence: None, rule: None, is_rapid: false };
-        Seen { at: Micros::from_ms(ms), axes: [x, y, 0.0, 0.0, 0.0, 0.0], of, manner: Manner::default() }
+        Seen { at: Micros::from_ms(ms), axes: [x, y, 0.0, 0.0, 0.0, 0.0], of, context: MoveContext::default() }
     }
 
     fn stretches(ways: impl IntoIterator<Item = Seen>) -> Vec<Stretch> {

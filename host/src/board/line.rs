@@ -20,7 +20,7 @@ pub const BAUDRATE: u32 = 115_200;
 /// Longest time between two turns.
 pub const TURN_MAX: Micros = Micros::from_ms(20);
 
-/// The desk's end of a link to a board.
+/// The host's end of a link to a board.
 pub struct Line<'p> {
     port: Box<dyn Port + 'p>,
     link: Link,

@@ -1,4 +1,4 @@
-//! The feed board, as the desk sees it: its link, what a run gives it, and what it says.
+//! The feed board, as the host sees it: its link, what a run gives it, and what it says.
 //!
 //! ```text
 //! program as sent + job -> plan -> Board -- parameters, segments ahead of the control --> link -> port -> board

@@ -27,7 +27,7 @@ use crate::port::PortError;
 
 /// How long a board may take to answer.
 const TIMEOUT: Micros = Micros::from_ms(3_000);
-/// The desk's number of its one set of a session.
+/// The host's number of its one set of a session.
 const SET: u32 = 1;
 /// How long a goodbye may take.
 const GOODBYE_MAX: Micros = Micros::from_ms(500);

@@ -113,13 +113,13 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
         rules: file.job.rules.iter().map(CutRule::is_told_along).collect(),
         machine: file.machine.as_ref().map(|named| named.machine),
     });
-    let mut rig = in_memory_of(settings, file, &program.bytes(), ControllerFault::LawOff)?;
-    run_seen(&mut rig, Some("looking"), |rig| {
-        meter.see(rig);
+    let mut simulation = in_memory_of(settings, file, &program.bytes(), ControllerFault::LawOff)?;
+    run_seen(&mut simulation, Some("looking"), |simulation| {
+        meter.see(simulation);
         Ok(())
     })?;
     meter.end();
-    match rig.control().alarm() {
+    match simulation.control().alarm() {
         None => Ok(meter),
         Some(alarm) => Err(Failure::Machine(format!("{}:{}: the control stopped", program.path.display(), alarm.line))),
     }

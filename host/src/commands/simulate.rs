@@ -31,7 +31,7 @@ use std::time::Instant;
 use arcfeed_hil_sim::control::ControlSettings;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::removal::marks::Mark;
-use arcfeed_hil_sim::rig::{Foreseen, Rig};
+use arcfeed_hil_sim::simulation::{Foreseen, Simulation};
 use arcfeed_hil_sim::stock::deviation::HeightMap;
 use arcfeed_hil_sim::stock::workpiece::Stock;
 use arcfeed_shared::machine::FeedLimit;
@@ -83,13 +83,13 @@ impl Simulate {
         let mut watches = [true, false].map(|shows| Watch::on(setup.as_ref(), shows));
         let started = Instant::now();
         let adapted = adapted(&program, &file);
-        let mut rig = in_memory(&file, &adapted.text, ControllerFault::None)?;
-        rig.foresee(foreseen(&program, &adapted));
+        let mut simulation = in_memory(&file, &adapted.text, ControllerFault::None)?;
+        simulation.foresee(foreseen(&program, &adapted));
         let mut before = in_memory(&file, &program.bytes(), ControllerFault::LawOff)?;
         // What has been computed is written and printed also where something behind it fails.
-        let [after, unadapted] = side_by_side(&mut watches, [&mut rig, &mut before]);
-        let mut report = measure(&rig, &file.job);
-        report.real_time_factor = Some(rig.now().to_s() / after.ended.duration_since(started).as_secs_f64());
+        let [after, unadapted] = side_by_side(&mut watches, [&mut simulation, &mut before]);
+        let mut report = measure(&simulation, &file.job);
+        report.real_time_factor = Some(simulation.now().to_s() / after.ended.duration_since(started).as_secs_f64());
         let mut ended = after.result.and(unadapted.result);
         let title = format!("{}: simulated", file.program.display());
         let (mut deviation, mut marks) = (None, Vec::new());
@@ -103,7 +103,7 @@ impl Simulate {
             ended = ended.and(format.write(after.stock(), path));
         }
         if let Some(path) = &self.report {
-            let runs = [(&watches[0], rig.now()), (&watches[1], before.now())];
+            let runs = [(&watches[0], simulation.now()), (&watches[1], before.now())];
             let shown = Shown { title: &title, report: &report, job: &file.job, runs, deviation, marks };
             ended = ended.and(shown.write(path));
         }
@@ -129,8 +129,9 @@ struct Ended {
 }
 
 /// Runs both to their ends, each on a thread of its own: they share nothing. Only the first shows how far it is.
-fn side_by_side([first, second]: &mut [Watch; 2], [one, other]: [&mut Rig; 2]) -> [Ended; 2] {
-    let run = |watch: &mut Watch, rig: &mut Rig| Ended { result: watch.run(rig), ended: Instant::now() };
+fn side_by_side([first, second]: &mut [Watch; 2], [one, other]: [&mut Simulation; 2]) -> [Ended; 2] {
+    let run =
+        |watch: &mut Watch, simulation: &mut Simulation| Ended { result: watch.run(simulation), ended: Instant::now() };
     thread::scope(|scope| {
         let other = scope.spawn(|| run(second, other));
         let one = run(first, one);
@@ -186,13 +187,13 @@ pub fn finish(report: &RunReport, json: bool, title: String) -> Result<(), Failu
 ///
 /// # Errors
 /// The run never ends.
-pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Rig, Failure> {
-    let mut rig = in_memory(file, program, fault)?;
-    Watch::default().run(&mut rig)?;
-    Ok(rig)
+pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Simulation, Failure> {
+    let mut simulation = in_memory(file, program, fault)?;
+    Watch::default().run(&mut simulation)?;
+    Ok(simulation)
 }
 
-fn in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Rig, Failure> {
+fn in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Simulation, Failure> {
     in_memory_of(control_settings(file), file, program, fault)
 }
 
@@ -205,10 +206,10 @@ pub(super) fn in_memory_of(
     file: &JobFile,
     program: &[u8],
     fault: ControllerFault,
-) -> Result<Rig, Failure> {
+) -> Result<Simulation, Failure> {
     // A last line without its end would never be a block.
     let program = [program, b"\n"].concat();
-    Rig::from_memory(settings, &program, &file.job, fault)
+    Simulation::from_memory(settings, &program, &file.job, fault)
         .map_err(|error| Failure::Input(format!("override limits: {error:?}")))
 }
 
@@ -234,7 +235,7 @@ pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<Foreseen> {
 /// # Errors
 /// The run never ends.
 pub fn add_baseline(report: &mut RunReport, file: &JobFile, program: &Program) -> Result<(), Failure> {
-    let rig = run_in_memory(file, &program.bytes(), ControllerFault::LawOff)?;
-    compare(report, measure(&rig, &file.job));
+    let simulation = run_in_memory(file, &program.bytes(), ControllerFault::LawOff)?;
+    compare(report, measure(&simulation, &file.job));
     Ok(())
 }

@@ -10,7 +10,7 @@ use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_hil_sim::control::{ControlSettings, Switches};
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::rig::{Rig, STEP};
+use arcfeed_hil_sim::simulation::{STEP, Simulation};
 use arcfeed_shared::segment::Path;
 use arcfeed_shared::units::{Nm, S_PER_MIN};
 use arcfeed_tests::Scratch;
@@ -92,20 +92,24 @@ pub fn run(name: &str, job: &RandomJob, story: &Story) -> Result<Option<Figures>
     let governed = governed(&adapted);
     let settings = control_settings(&file);
     let switches = Switches { block_delete: u16::from(job.is_deleting), ..settings.switches };
-    let rig =
-        Rig::from_memory(ControlSettings { switches, ..settings }, &adapted.text, &file.job, ControllerFault::None);
-    let mut rig = rig.map_err(|error| format!("{error:?}"))?;
-    rig.foresee(foreseen(&program, &adapted));
+    let simulation = Simulation::from_memory(
+        ControlSettings { switches, ..settings },
+        &adapted.text,
+        &file.job,
+        ControllerFault::None,
+    );
+    let mut simulation = simulation.map_err(|error| format!("{error:?}"))?;
+    simulation.foresee(foreseen(&program, &adapted));
     let mut figures =
         Figures { programs: 1, blocks: story.moves.iter().flatten().count() as u32, ..Figures::default() };
     let mut last: Option<At> = None;
     let mut moved_ms = 0;
     for ms in 0..RUN_MAX_MS {
-        if rig.is_done() {
+        if simulation.is_done() {
             break;
         }
-        rig.step();
-        let now = place(&rig, last.as_ref());
+        simulation.step();
+        let now = place(&simulation, last.as_ref());
         if let (Some(last), Some(now)) = (last, now)
             && last.count == now.count
         {
@@ -113,8 +117,10 @@ pub fn run(name: &str, job: &RandomJob, story: &Story) -> Result<Option<Figures>
             moved_ms = if last.tool == now.tool { moved_ms } else { ms };
             figures.governed_ms += u32::from(is_governed);
             figures.ungoverned_ms += u32::from(!is_governed);
-            let governing =
-                Governing { by_plan: is_governed, by_controller: job.mode != "rewrite-only" && rig.rule().is_some() };
+            let governing = Governing {
+                by_plan: is_governed,
+                by_controller: job.mode != "rewrite-only" && simulation.rule().is_some(),
+            };
             let excess = look(job, story, [&last, &now], &governing);
             excess.map_or(Ok(()), |excess| {
                 let At { sequence, tool, .. } = now;
@@ -123,16 +129,16 @@ pub fn run(name: &str, job: &RandomJob, story: &Story) -> Result<Option<Figures>
         }
         last = now;
     }
-    for chips in rig.meter().moves().iter().filter(|chips| chips.any_contact.samples > 0) {
+    for chips in simulation.meter().moves().iter().filter(|chips| chips.any_contact.samples > 0) {
         figures.metered += chips.any_contact.samples;
         figures.thickest_metered = figures.thickest_metered.max(chips.any_contact.max_ratio);
         if let Some(excess) = truth::excess_of_meter(chips.any_contact.max_ratio) {
             return Err(format!("{:?}: {excess}\n{}", chips.sequence, String::from_utf8_lossy(&adapted.text)));
         }
     }
-    match rig.control().alarm() {
+    match simulation.control().alarm() {
         Some(alarm) => Err(format!("alarm at line {}: {}", alarm.line, alarm.fault.cause)),
-        None if !rig.is_done() && moved_ms + STANDSTILL_MS < RUN_MAX_MS => Err("it stands still".into()),
+        None if !simulation.is_done() && moved_ms + STANDSTILL_MS < RUN_MAX_MS => Err("it stands still".into()),
         None => Ok(Some(figures)),
     }
 }
@@ -145,12 +151,12 @@ fn governed(adapted: &Adapted) -> HashSet<usize> {
 }
 
 /// Where a feed move is.
-fn place(rig: &Rig, last: Option<&At>) -> Option<At> {
-    let (count, segment) = rig.control().active()?;
+fn place(simulation: &Simulation, last: Option<&At>) -> Option<At> {
+    let (count, segment) = simulation.control().active()?;
     if segment.path == Path::Rapid {
         return None;
     }
-    let position = rig.control().actual_position().minus(rig.manner().origin);
+    let position = simulation.control().actual_position().minus(simulation.context().origin);
     // A piece of a block has no N of its own.
     let sequence = segment.sequence.map_or_else(|| last.map_or(0, |last| last.sequence), |n| n as usize);
     Some(At { count, sequence, tool: position.linear.map(Nm::to_mm) })

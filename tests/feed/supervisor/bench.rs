@@ -53,7 +53,7 @@ pub const PIECES: [Piece; 10] = [
     Piece::Wants(0),
 ];
 
-/// Supervisor, memory and knobs.
+/// Supervisor, memory and settings.
 #[derive(Clone, Debug)]
 pub struct Bench {
     supervisor: Supervisor,

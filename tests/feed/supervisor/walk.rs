@@ -44,7 +44,7 @@ impl Xorshift {
     }
 }
 
-/// Turns some knobs.
+/// Changes some settings.
 fn turn_knobs(bench: &mut Bench, random: &mut Xorshift) {
     bench.dt = if random.one_in(50) { random.of(&[0, 1, 500, 9_000, 60_000, u32::MAX].map(Span)) } else { TICK };
     if random.one_in(400) {

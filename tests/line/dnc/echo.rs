@@ -108,7 +108,7 @@ fn reports_show_most_of_what_parity_and_tv_let_pass() {
     let manners = [None, Some(10), Some(1)];
     let mut unnoticed: BTreeMap<(Kind, Check), [u32; 3]> = BTreeMap::new();
     for (kind, check) in kinds.iter().flat_map(|kind| CHECKS.map(|check| (*kind, check))) {
-        for (manner, every) in manners.into_iter().enumerate() {
+        for (context, every) in manners.into_iter().enumerate() {
             for seed in 0..cases {
                 let mut rng = Rng::with_seed(seed);
                 let blocks = rng.usize(8..30);
@@ -116,7 +116,7 @@ fn reports_show_most_of_what_parity_and_tv_let_pass() {
                 let sent = with_reports(&text, check, every);
                 let schedule = kind.draw(&mut rng, sent.0.frames().len());
                 let found = run(sent, check, &schedule);
-                unnoticed.entry((kind, check)).or_default()[manner] += u32::from(!found.is_whole && !found.is_told);
+                unnoticed.entry((kind, check)).or_default()[context] += u32::from(!found.is_whole && !found.is_told);
             }
         }
     }
@@ -124,7 +124,7 @@ fn reports_show_most_of_what_parity_and_tv_let_pass() {
     for ((kind, check), [without, some, all]) in &unnoticed {
         println!("{kind:?} {check:?}: {without} {some} {all}");
     }
-    let sums = [0, 1, 2].map(|manner| unnoticed.values().map(|counts| counts[manner]).sum::<u32>());
+    let sums = [0, 1, 2].map(|context| unnoticed.values().map(|counts| counts[context]).sum::<u32>());
     println!("of {} altered programs each: {sums:?}", cases as usize * unnoticed.len());
     assert!(sums[2] * 3 < sums[0] && sums[1] < sums[0], "{sums:?}");
 }

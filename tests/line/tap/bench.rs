@@ -20,8 +20,8 @@ use arcfeed_firmware::tap::{Handed, Tap};
 use arcfeed_hil_sim::control::code::{Code, DC1, DC3, without_parity};
 use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
 use arcfeed_hil_sim::control::{Control, ControlSettings};
-use arcfeed_hil_sim::decider::{Begun, Decider, Shown};
-use arcfeed_hil_sim::rig::{Rig, STEP};
+use arcfeed_hil_sim::override_source::{Begun, OverrideSource, Shown};
+use arcfeed_hil_sim::simulation::{STEP, Simulation};
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::modal::Pose;
@@ -145,7 +145,7 @@ impl<const ROOM: usize> Board<ROOM> {
     }
 }
 
-impl<const ROOM: usize> Decider for Board<ROOM> {
+impl<const ROOM: usize> OverrideSource for Board<ROOM> {
     /// Kept for the tests' own check, not for the board.
     fn begin(&mut self, begun: Option<Begun<'_>>) {
         self.begun = begun.map(|begun| *begun.segment);
@@ -202,7 +202,7 @@ impl Sender {
 
 /// All of it.
 pub struct Bench<const ROOM: usize = 4_096> {
-    pub rig: Rig<Board<ROOM>>,
+    pub simulation: Simulation<Board<ROOM>>,
     pub sender: Sender,
     /// When the sender begins: the board has seen the axes at rest by then.
     pub begins: Micros,
@@ -227,9 +227,9 @@ impl Bench {
 
 impl<const ROOM: usize> Bench<ROOM> {
     pub fn with_room(control_settings: ControlSettings, settings: TapSettings, job: &Job, frames: Vec<u8>) -> Self {
-        let rig = Rig::new(Control::on_line(control_settings), job, Board::new(settings, job));
+        let simulation = Simulation::new(Control::on_line(control_settings), job, Board::new(settings, job));
         Bench {
-            rig,
+            simulation,
             sender: Sender::new(frames),
             begins: Micros::from_ms(50),
             between: Box::new(|_, byte| vec![byte]),
@@ -239,27 +239,27 @@ impl<const ROOM: usize> Bench<ROOM> {
 
     /// One step of everything.
     pub fn step(&mut self) {
-        let now = self.rig.now();
-        while let Some(byte) = self.rig.control_mut().port().poll_transmit() {
-            let passed_on = self.rig.decider_mut().tap.from_control(now, byte);
+        let now = self.simulation.now();
+        while let Some(byte) = self.simulation.control_mut().port().poll_transmit() {
+            let passed_on = self.simulation.source_mut().tap.from_control(now, byte);
             self.sender.on_byte(passed_on);
         }
         // As a sender's hardware: one character on the line, one behind it.
-        while now >= self.begins && self.rig.control_mut().port().on_wire() < 2 {
+        while now >= self.begins && self.simulation.control_mut().port().on_wire() < 2 {
             let Some(byte) = self.sender.poll() else { break };
-            let passed_on = self.rig.decider_mut().tap.from_sender(now, byte);
+            let passed_on = self.simulation.source_mut().tap.from_sender(now, byte);
             let arriving = (self.between)(self.passed, passed_on);
             self.passed += 1;
-            self.rig.control_mut().port().on_bytes(&arriving);
+            self.simulation.control_mut().port().on_bytes(&arriving);
         }
-        self.rig.step();
+        self.simulation.step();
     }
 
     /// Runs until the control has ended.
     pub fn run(&mut self) -> Ended {
         for _ in 0..RUN_MAX {
             self.step();
-            if self.rig.is_done() || self.rig.control().starved_ms() > STARVED_MAX_MS {
+            if self.simulation.is_done() || self.simulation.control().starved_ms() > STARVED_MAX_MS {
                 break;
             }
         }
@@ -267,7 +267,7 @@ impl<const ROOM: usize> Bench<ROOM> {
     }
 
     pub fn ended(&self) -> Ended {
-        let board = self.rig.decider();
+        let board = self.simulation.source();
         Ended { state: board.tap.state(), counters: *board.tap.counters(), figures: board.figures }
     }
 }

@@ -53,7 +53,7 @@ fn run(code: Code, damage: Damage, seed: u64, before: bool) -> Ended {
     let heard = if before { corrupted.clone() } else { encoded(&text, code) };
     let settings = TapSettings { code: Some(code), ..TapSettings::new(file.job.unit) };
     let mut bench = Bench::new(control(&file, Some(code)), settings, &file.job, heard.clone());
-    bench.rig.decider_mut().heard = moves(&decoded(&heard, code), file.job.unit);
+    bench.simulation.source_mut().heard = moves(&decoded(&heard, code), file.job.unit);
     if !before {
         let mut rest = corrupted.into_iter();
         let last = heard.len() - 1;
@@ -65,7 +65,7 @@ fn run(code: Code, damage: Damage, seed: u64, before: bool) -> Ended {
         );
     }
     let ended = bench.run();
-    let alarm = bench.rig.control().alarm();
+    let alarm = bench.simulation.control().alarm();
     println!("{damage:?} {code:?} {seed} before {before}: {:?} {:?} alarm {alarm:?}", ended.state, ended.figures);
     ended
 }
@@ -115,11 +115,11 @@ fn another(told: &str, executed: &str, off_path: Nm) -> Ended {
     let settings = TapSettings { code: Some(Code::Ascii), off_path, ..TapSettings::new(file.job.unit) };
     let frames = text.clone().into_bytes();
     let mut bench = Bench::new(control(&file, settings.code), settings, &file.job, frames);
-    bench.rig.decider_mut().heard = moves(text.as_bytes(), file.job.unit);
+    bench.simulation.source_mut().heard = moves(text.as_bytes(), file.job.unit);
     let other = other.into_bytes();
     bench.between = Box::new(move |index, _| vec![other[index]]);
     let ended = bench.run();
-    println!("{told:?} {executed:?}: {:?} {:?} {:?}", ended.state, ended.figures, bench.rig.control().alarm());
+    println!("{told:?} {executed:?}: {:?} {:?} {:?}", ended.state, ended.figures, bench.simulation.control().alarm());
     ended
 }
 

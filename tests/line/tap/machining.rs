@@ -5,9 +5,9 @@ use arcfeed_firmware::tap::status::TapState;
 use arcfeed_hil_sim::control::Control;
 use arcfeed_hil_sim::control::code::Code;
 use arcfeed_hil_sim::cutting::meter::MoveChips;
-use arcfeed_hil_sim::decider::told::Told;
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::rig::{Rig, STEP};
+use arcfeed_hil_sim::override_source::controller::InProcessController;
+use arcfeed_hil_sim::simulation::{STEP, Simulation};
 
 use crate::tap::bench::{Bench, control, encoded, example, moves};
 
@@ -17,14 +17,14 @@ const DIFFERENCE_MAX: f64 = 0.011;
 /// The chips, and least and largest override of each governed move, of a controller that is told.
 pub fn in_process(job: &str) -> (Vec<MoveChips>, Vec<(u8, u8)>) {
     let (file, text) = example(job);
-    let decider = Told::new(&file.job, ControllerFault::None, STEP.into()).expect("sound limits");
+    let source = InProcessController::new(&file.job, ControllerFault::None, STEP.into()).expect("sound limits");
     let text = [&text[..], b"\n"].concat();
-    let mut rig = Rig::new(Control::from_memory(control(&file, None), &text), &file.job, decider);
-    while !rig.is_done() {
-        rig.step();
+    let mut simulation = Simulation::new(Control::from_memory(control(&file, None), &text), &file.job, source);
+    while !simulation.is_done() {
+        simulation.step();
     }
-    let overrides = rig.overrides().iter().map(|figures| (figures.min_percent, figures.max_percent));
-    (rig.meter().moves().to_vec(), overrides.collect())
+    let overrides = simulation.overrides().iter().map(|figures| (figures.min_percent, figures.max_percent));
+    (simulation.meter().moves().to_vec(), overrides.collect())
 }
 
 #[test]
@@ -32,12 +32,12 @@ fn the_chips_of_the_example_are_those_of_a_controller_that_is_told() {
     let (file, text) = example("examples/ibr-slot/job.toml");
     let settings = TapSettings::new(file.job.unit);
     let mut bench = Bench::new(control(&file, None), settings, &file.job, encoded(&text, Code::Iso));
-    bench.rig.decider_mut().heard = moves(&text, file.job.unit);
+    bench.simulation.source_mut().heard = moves(&text, file.job.unit);
     let ended = bench.run();
     println!("{ended:?}");
-    assert!(bench.rig.control().has_ended(), "{:?}", bench.rig.control().alarm());
+    assert!(bench.simulation.control().has_ended(), "{:?}", bench.simulation.control().alarm());
     let (told, _) = in_process("examples/ibr-slot/job.toml");
-    let moves = bench.rig.meter().moves();
+    let moves = bench.simulation.meter().moves();
     assert_eq!(moves.len(), told.len());
     for (ours, theirs) in moves.iter().zip(&told) {
         let range = |chips: &MoveChips| (chips.contact.min_ratio, chips.contact.max_ratio);

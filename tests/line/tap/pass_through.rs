@@ -20,9 +20,9 @@ fn the_program_arrives_as_it_was_sent_in_each_code() {
         let settings = TapSettings { code: (code == Code::Ascii).then_some(code), ..TapSettings::new(file.job.unit) };
         let mut bench = Bench::new(control(&file, settings.code), settings, &file.job, frames.clone());
         let ended = bench.run();
-        let executed = bench.rig.control().executed();
+        let executed = bench.simulation.control().executed();
         let wanted: Vec<&[u8]> = text.split(|byte| *byte == b'\n').collect();
-        assert!(bench.rig.control().has_ended(), "{code:?}: {:?}", bench.rig.control().alarm());
+        assert!(bench.simulation.control().has_ended(), "{code:?}: {:?}", bench.simulation.control().alarm());
         // The label and the mark behind the program are no blocks.
         for (block, line) in executed.iter().zip(&wanted[1..]) {
             assert_eq!(block, line, "{code:?}");

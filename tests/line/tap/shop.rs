@@ -24,11 +24,11 @@ fn offsets_cycles_and_reference_points_are_passed_over_and_the_bore_has_its_law(
     let mut bench = bench(SHOP, |text| text);
     let ended = bench.run();
     println!("{ended:?}");
-    assert!(bench.rig.control().has_ended(), "{:?}", bench.rig.control().alarm());
+    assert!(bench.simulation.control().has_ended(), "{:?}", bench.simulation.control().alarm());
     assert_eq!((ended.counters.losses, ended.state), (0, TapState::Listening));
     assert_eq!(ended.counters.governed, 1, "the bore");
     let percents: Vec<(u8, u8)> =
-        bench.rig.overrides().iter().map(|figures| (figures.min_percent, figures.max_percent)).collect();
+        bench.simulation.overrides().iter().map(|figures| (figures.min_percent, figures.max_percent)).collect();
     assert_eq!(percents, in_process(SHOP).1);
     assert!(ended.figures.governed > 1_000, "{:?}", ended.figures);
 }
@@ -40,9 +40,9 @@ fn behind_the_holes_a_second_bore_has_its_law_too() {
     let mut bench = bench(SHOP, |text| text.replacen("N210G80G28Z5.", &format!("G80\n{again}"), 1));
     let ended = bench.run();
     println!("{ended:?}");
-    assert!(bench.rig.control().has_ended(), "{:?}", bench.rig.control().alarm());
+    assert!(bench.simulation.control().has_ended(), "{:?}", bench.simulation.control().alarm());
     assert_eq!((ended.counters.losses, ended.counters.governed), (0, 2));
-    let figures = bench.rig.overrides();
+    let figures = bench.simulation.overrides();
     assert_eq!((figures.len(), figures[0].min_percent), (2, figures[1].min_percent));
 }
 
@@ -52,11 +52,11 @@ fn a_program_that_is_reset_and_started_again_is_adapted_again() {
     let frames = encoded(&text, Code::Iso);
     for reset_ms in [700, 5_000, 20_000, 45_000] {
         let mut bench = bench(SLOT, |text| text);
-        while bench.rig.now() < Micros::from_ms(reset_ms) {
+        while bench.simulation.now() < Micros::from_ms(reset_ms) {
             bench.step();
         }
-        bench.rig.control_mut().reset();
-        while !bench.rig.control().is_at_rest() {
+        bench.simulation.control_mut().reset();
+        while !bench.simulation.control().is_at_rest() {
             bench.step();
         }
         // A person looks what is the matter; then both start again.
@@ -64,14 +64,14 @@ fn a_program_that_is_reset_and_started_again_is_adapted_again() {
             bench.step();
         }
         bench.sender.start_with(frames.clone());
-        let before = bench.rig.meter().moves().len();
-        bench.rig.control_mut().cycle_start();
+        let before = bench.simulation.meter().moves().len();
+        bench.simulation.control_mut().cycle_start();
         let ended = bench.run();
-        println!("{reset_ms}: {ended:?} {:?}", bench.rig.control().alarm());
-        assert!(bench.rig.control().has_ended(), "{reset_ms}");
+        println!("{reset_ms}: {ended:?} {:?}", bench.simulation.control().alarm());
+        assert!(bench.simulation.control().has_ended(), "{reset_ms}");
         assert_eq!((ended.counters.programs, ended.counters.restarts, ended.counters.losses), (2, 1, 0), "{reset_ms}");
         assert_eq!(ended.figures.off_path_in_row, 0);
-        let again: Vec<&MoveChips> = bench.rig.meter().moves()[before..].iter().collect();
+        let again: Vec<&MoveChips> = bench.simulation.meter().moves()[before..].iter().collect();
         assert_eq!(again.len(), 20);
         // Thin are only the arcs' ends.
         let (samples, thin) = again.iter().fold((0, 0), |(samples, thin), chips| {
@@ -96,7 +96,7 @@ fn blocks_that_the_controls_switch_deletes_are_deleted_here_if_the_setting_says_
         control.switches.block_delete = 1;
         let mut bench = Bench::new(control, settings, &file.job, encoded(text.as_bytes(), Code::Iso));
         let ended = bench.run();
-        assert!(bench.rig.control().has_ended());
+        assert!(bench.simulation.control().has_ended());
         assert_eq!(ended.counters.losses > 0, is_lost, "{ended:?}");
         assert_eq!(ended.counters.governed < 20, is_lost, "{ended:?}");
     }
@@ -110,7 +110,7 @@ fn a_sender_too_far_ahead_is_said_and_the_rest_runs_as_it_was_sent() {
     let frames = encoded(&text, Code::Iso);
     let mut bench = Bench::<300>::with_room(control(&file, None), settings, &file.job, frames);
     let ended = bench.run();
-    assert!(bench.rig.control().has_ended());
+    assert!(bench.simulation.control().has_ended());
     assert_eq!(ended.state, TapState::Lost(Why::TooFarAhead));
     assert!((1..20).contains(&ended.counters.governed), "{ended:?}");
     assert_eq!(ended.figures.off_path_in_row, 0);

@@ -14,9 +14,9 @@ use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
 use arcfeed_hil_sim::fe::body::Body;
 use arcfeed_hil_sim::fe::field::Field;
 use arcfeed_hil_sim::fe::material::STEEL;
+use arcfeed_hil_sim::fe::modal_point::ModalPoint;
 use arcfeed_hil_sim::fe::slab::{Face, Slab};
 use arcfeed_hil_sim::fe::sparse::Factor;
-use arcfeed_hil_sim::fe::station::Station;
 use arcfeed_hil_sim::fe::unknowns::Unknowns;
 use arcfeed_hil_sim::flexible::{Modal, Workpiece};
 use arcfeed_hil_sim::process::Process;
@@ -59,9 +59,9 @@ impl Modal for Lean {
         f64::INFINITY
     }
 
-    fn stand_at(&self, [_, _, z_mm]: [f64; 3], _: f64, station: &mut Station) {
+    fn stand_at(&self, [_, _, z_mm]: [f64; 3], _: f64, modal_point: &mut ModalPoint) {
         let mass_t = self.stiffness_n_per_mm / (self.omega_rad_per_s[0] * self.omega_rad_per_s[0]);
-        station.shapes = vec![[0.0, (self.shape)(z_mm) / libm::sqrt(mass_t), 0.0]];
+        modal_point.shapes = vec![[0.0, (self.shape)(z_mm) / libm::sqrt(mass_t), 0.0]];
     }
 }
 

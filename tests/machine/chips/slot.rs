@@ -17,7 +17,7 @@ use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::cutting::meter::MoveChips;
 use arcfeed_hil_sim::cutting::pose::Stand;
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::cut::Work;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::stock::StockLine;
@@ -48,17 +48,18 @@ pub fn tracks(file: &JobFile) -> BTreeMap<i64, Track> {
     let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
     let text = [&adapt(&program, &file.job).text[..], b"\n"].concat();
     let settings = control_settings(file);
-    let mut rig = Rig::from_memory(settings, &text, &file.job, ControllerFault::None).expect("limits that make sense");
+    let mut simulation =
+        Simulation::from_memory(settings, &text, &file.job, ControllerFault::None).expect("limits that make sense");
     let mut places: BTreeMap<i64, Vec<Vector2<f64>>> = BTreeMap::new();
-    while !rig.is_done() {
-        rig.step();
-        let sequence = rig.control().active().and_then(|(_, segment)| segment.sequence);
-        let [x, y, _] = rig.control().actual_position().linear.map(Nm::to_mm);
+    while !simulation.is_done() {
+        simulation.step();
+        let sequence = simulation.control().active().and_then(|(_, segment)| segment.sequence);
+        let [x, y, _] = simulation.control().actual_position().linear.map(Nm::to_mm);
         if let Some(sequence) = sequence {
             places.entry(sequence).or_default().push(Vector2::new(x, y));
         }
     }
-    let moves = rig.meter().moves().iter().filter_map(|chips| Some((chips.sequence?, chips.clone())));
+    let moves = simulation.meter().moves().iter().filter_map(|chips| Some((chips.sequence?, chips.clone())));
     moves.map(|(sequence, chips)| (sequence, Track { places_mm: places[&sequence].clone(), chips })).collect()
 }
 

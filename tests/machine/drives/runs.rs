@@ -7,11 +7,11 @@ use arcfeed::program::Program;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_hil_sim::control::{Control, ControlSettings};
 use arcfeed_hil_sim::cutting::meter::STEADY_RATIO;
-use arcfeed_hil_sim::decider::{Decider, Shown};
 use arcfeed_hil_sim::drives::servo::Servo;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::machine;
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::override_source::{OverrideSource, Shown};
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_tests::root;
@@ -23,7 +23,7 @@ use crate::drives::servo::{WIDTH_MM, axis, with_servo};
 #[derive(Debug, Default)]
 struct Listener(Vec<Pose>);
 
-impl Decider for Listener {
+impl OverrideSource for Listener {
     fn decide(&mut self, shown: &Shown) -> FeedOverride {
         self.0.push(shown.position);
         FeedOverride::PROGRAMMED
@@ -41,13 +41,13 @@ fn example() -> (JobFile, Vec<u8>) {
 fn what_a_controller_sees_is_where_the_axes_are() {
     let (file, text) = example();
     let settings = ControlSettings { servo: Some(Servo::of_all(axis(30.0, 0.0))), ..control_settings(&file) };
-    let mut rig = Rig::new(Control::from_memory(settings, &text), &file.job, Listener::default());
+    let mut simulation = Simulation::new(Control::from_memory(settings, &text), &file.job, Listener::default());
     let mut greatest_mm = 0.0_f64;
-    while !rig.is_done() {
-        rig.step();
-        let (control, shown) = (rig.control(), rig.decider().0.last().expect("it was asked"));
-        let Some(manner) = control.manner() else { continue };
-        assert_eq!(*shown, machine::feedback(&control.actual_position().minus(manner.origin)));
+    while !simulation.is_done() {
+        simulation.step();
+        let (control, shown) = (simulation.control(), simulation.source().0.last().expect("it was asked"));
+        let Some(context) = control.context() else { continue };
+        assert_eq!(*shown, machine::feedback(&control.actual_position().minus(context.origin)));
         let lag = |index: usize| control.axes()[index] - control.actual_axes()[index];
         greatest_mm = greatest_mm.max(libm::hypot(lag(0), lag(1)));
     }
@@ -60,11 +60,11 @@ fn a_run_is_over_when_the_axes_are_in_position() {
     let (file, _) = example();
     let settings = with_servo(Servo::of_all(axis(30.0, 0.0)));
     let control = Control::from_memory(settings, b"G1X10.F600\nM30\n");
-    let mut rig = Rig::new(control, &file.job, Listener::default());
+    let mut simulation = Simulation::new(control, &file.job, Listener::default());
     let (mut rests_ms, mut lag) = (0, 0.0);
-    while !rig.is_done() {
-        rig.step();
-        let control = rig.control();
+    while !simulation.is_done() {
+        simulation.step();
+        let control = simulation.control();
         if control.is_over() && control.is_at_rest() {
             rests_ms += 1;
             lag = if rests_ms == 1 { 10.0 - control.actual_axes()[0] } else { lag };
@@ -78,12 +78,12 @@ fn a_run_is_over_when_the_axes_are_in_position() {
 fn chips(servo: Option<Servo>) -> (f64, f64, u64, usize) {
     let (file, text) = example();
     let settings = ControlSettings { servo, ..control_settings(&file) };
-    let rig = Rig::from_memory(settings, &text, &file.job, ControllerFault::None);
-    let mut rig = rig.expect("the limits of the override make sense");
-    while !rig.is_done() {
-        rig.step();
+    let simulation = Simulation::from_memory(settings, &text, &file.job, ControllerFault::None);
+    let mut simulation = simulation.expect("the limits of the override make sense");
+    while !simulation.is_done() {
+        simulation.step();
     }
-    let moves = rig.meter().moves();
+    let moves = simulation.meter().moves();
     moves.iter().fold((f64::INFINITY, 0.0, 0, moves.len()), |(least, most, samples, count), chips| {
         let contact = &chips.contact;
         (contact.min_ratio.min(least), contact.max_ratio.max(most), contact.samples + samples, count)

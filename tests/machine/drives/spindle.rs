@@ -5,7 +5,7 @@ use arcfeed::job::JobFile;
 use arcfeed_hil_sim::control::{Control, ControlSettings, Preset};
 use arcfeed_hil_sim::drives::spindle::{SpindleDrive, SpindleState, Turn};
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::units::{LengthUnit, Micros};
 use arcfeed_tests::root;
 
@@ -143,15 +143,15 @@ fn the_chips_are_those_of_the_actual_speed() {
     let text = std::fs::read(&file.program).expect("the program is there");
     let chips = |spindle: Option<SpindleDrive>, load: f64| {
         let settings = ControlSettings { spindle, ..control_settings(&file) };
-        let rig = Rig::from_memory(settings, &text, &file.job, ControllerFault::LawOff);
-        let mut rig = rig.expect("the limits of the override make sense");
-        while !rig.is_done() {
-            if let Some(spindle) = rig.control_mut().spindle_mut() {
+        let simulation = Simulation::from_memory(settings, &text, &file.job, ControllerFault::LawOff);
+        let mut simulation = simulation.expect("the limits of the override make sense");
+        while !simulation.is_done() {
+            if let Some(spindle) = simulation.control_mut().spindle_mut() {
                 spindle.set_load(load);
             }
-            rig.step();
+            simulation.step();
         }
-        let moves = rig.meter().moves().iter().filter(|chips| chips.contact.samples > 0);
+        let moves = simulation.meter().moves().iter().filter(|chips| chips.contact.samples > 0);
         moves.map(|chips| [chips.contact.min_ratio, chips.contact.max_ratio]).collect::<Vec<_>>()
     };
     let quick = SpindleDrive { run_up_rev_per_min_s: 1e6, droop_s: 0.0, droop_ratio: 0.1, ..DRIVE };

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use arcfeed_hil_sim::fe::beam::{Beam, Section};
 use arcfeed_hil_sim::fe::material::{STEEL, TITANIUM_6AL_4V};
-use arcfeed_hil_sim::fe::station::Station;
+use arcfeed_hil_sim::fe::modal_point::ModalPoint;
 
 /// beta L of a beam with one end clamped, the other free.
 const CANTILEVER: [f64; 5] = [1.875_104_068_7, 4.694_091_133_0, 7.854_757_438_2, 10.995_540_734_9, 14.137_168_391_0];
@@ -112,12 +112,12 @@ fn a_mass_at_the_tip_lowers_the_frequencies_as_it_must() {
 fn a_stepped_tool_gives_way_to_a_force_at_its_tip_as_far_as_bending_and_shear_let_it() {
     let steps = [bar(40.0, 32.0), bar(30.0, 20.0), Section { material: TITANIUM_6AL_4V, ..bar(50.0, 12.0) }];
     let modes = beam(&steps, 6).modes(36).unwrap();
-    let mut station = Station::default();
-    modes.at([0.0; 3], &mut station);
-    let mut amplitudes = vec![0.0; station.shapes.len()];
-    station.add_force([1.0, 0.0, 0.0], &mut amplitudes);
+    let mut modal_point = ModalPoint::default();
+    modes.at([0.0; 3], &mut modal_point);
+    let mut amplitudes = vec![0.0; modal_point.shapes.len()];
+    modal_point.add_force([1.0, 0.0, 0.0], &mut amplitudes);
     amplitudes.iter_mut().zip(&modes.omega_rad_per_s).for_each(|(q, omega)| *q /= omega * omega);
-    let [sum, aside, along] = station.displacement_mm(&amplitudes);
+    let [sum, aside, along] = modal_point.displacement_mm(&amplitudes);
     assert_eq!([aside, along], [0.0; 2]);
     let mut from_tip_mm: f64 = steps.iter().map(|step| step.length_mm).sum();
     let mut truth = 0.0;
@@ -135,9 +135,9 @@ fn a_stepped_tool_gives_way_to_a_force_at_its_tip_as_far_as_bending_and_shear_le
 fn a_point_of_the_tool_moves_with_its_section() {
     let modes = beam(&[bar(50.0, 2.0), bar(30.0, 1.0)], 4).modes(2).unwrap();
     let shapes = |point_mm: [f64; 3]| {
-        let mut station = Station::default();
-        modes.at(point_mm, &mut station);
-        station.shapes
+        let mut modal_point = ModalPoint::default();
+        modes.at(point_mm, &mut modal_point);
+        modal_point.shapes
     };
     let (step_mm, height_mm) = (1e-4, 21.3);
     for mode in 0..2 {

@@ -7,8 +7,8 @@ use arcfeed_hil_sim::fe::disk_field::DiskField;
 use arcfeed_hil_sim::fe::eigen::below;
 use arcfeed_hil_sim::fe::material::TITANIUM_6AL_4V;
 use arcfeed_hil_sim::fe::mesh::Mesh;
+use arcfeed_hil_sim::fe::modal_point::ModalPoint;
 use arcfeed_hil_sim::fe::sparse::Sparse;
-use arcfeed_hil_sim::fe::station::Station;
 use arcfeed_hil_sim::fe::unknowns::Unknowns;
 
 use crate::fe::at_nodes::unknowns_of_nodes;
@@ -46,13 +46,13 @@ fn whole(disk: &BladedDisk) -> (Body, Unknowns, Sparse, Sparse) {
 
 /// The vectors of unknowns of all modes, as the field of the sector's modes has them at the nodes of the whole.
 fn expanded(field: &DiskField, body: &Body, unknowns: &Unknowns) -> Vec<Vec<f64>> {
-    let mut station = Station::default();
+    let mut modal_point = ModalPoint::default();
     let nodes_mm = body.mesh().nodes_mm();
     let at_nodes: Vec<Vec<[f64; 3]>> = nodes_mm
         .iter()
         .map(|node_mm| {
-            assert!(field.at(*node_mm, &mut station).unwrap() < 1e-6);
-            station.shapes.clone()
+            assert!(field.at(*node_mm, &mut modal_point).unwrap() < 1e-6);
+            modal_point.shapes.clone()
         })
         .collect();
     let mut vectors = vec![vec![0.0; unknowns.count()]; field.omega_rad_per_s().len()];
@@ -128,15 +128,15 @@ fn a_place_on_a_shaken_disk_is_found_again_on_every_blade() {
     let waves = waves(&sector, 12);
     let field = DiskField::new(&sector, &waves, 0.5);
     let body = Body::new(disk.whole().unwrap(), &TITANIUM_6AL_4V);
-    let mut station = Station::default();
+    let mut modal_point = ModalPoint::default();
     let amplitudes: Vec<f64> = (0..12).map(|r| 1e-5 * f64::from(r - 5)).collect();
     let mut greatest_mm: f64 = 0.0;
     for node_mm in body.mesh().nodes_mm() {
-        field.at(*node_mm, &mut station).unwrap();
-        let u_mm = station.displacement_mm(&amplitudes);
+        field.at(*node_mm, &mut modal_point).unwrap();
+        let u_mm = modal_point.displacement_mm(&amplitudes);
         greatest_mm = u_mm.iter().fold(greatest_mm, |most, u| most.max(u.abs()));
         let now_mm = std::array::from_fn(|axis| node_mm[axis] + u_mm[axis]);
-        let found_mm = field.material_point_mm(now_mm, &amplitudes, &mut station).unwrap();
+        let found_mm = field.material_point_mm(now_mm, &amplitudes, &mut modal_point).unwrap();
         assert!((0..3).all(|axis| (found_mm[axis] - node_mm[axis]).abs() < 1e-9), "{found_mm:?} {node_mm:?}");
     }
     assert!(greatest_mm > 0.01, "{greatest_mm} mm");

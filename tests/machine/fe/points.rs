@@ -5,8 +5,8 @@ use arcfeed_hil_sim::fe::body::{Body, Modes};
 use arcfeed_hil_sim::fe::field::Field;
 use arcfeed_hil_sim::fe::material::{STEEL, TITANIUM_6AL_4V};
 use arcfeed_hil_sim::fe::mesh::Mesh;
+use arcfeed_hil_sim::fe::modal_point::ModalPoint;
 use arcfeed_hil_sim::fe::sparse::Factor;
-use arcfeed_hil_sim::fe::station::Station;
 use arcfeed_hil_sim::fe::tetrahedron::functions;
 use arcfeed_hil_sim::fe::unknowns::Unknowns;
 
@@ -41,16 +41,16 @@ fn quadratic([x, y, z]: [f64; 3]) -> [f64; 3] {
 fn a_quadratic_field_is_met_inside_and_outside() {
     let field = told(Mesh::block([4.0, 2.0, 5.0], [4, 2, 5]).unwrap(), quadratic, 0.8);
     let mut next = fractions(1);
-    let mut station = Station::default();
+    let mut modal_point = ModalPoint::default();
     for _ in 0..2000 {
         let point_mm = [4.0, 2.0, 5.0].map(|edge| -0.4 + (edge + 0.8) * next());
-        let outside_mm = field.at(point_mm, &mut station).unwrap();
-        assert!(distance(station.displacement_mm(&[1.0]), quadratic(point_mm)) < 1e-10);
+        let outside_mm = field.at(point_mm, &mut modal_point).unwrap();
+        assert!(distance(modal_point.displacement_mm(&[1.0]), quadratic(point_mm)) < 1e-10);
         let truth_mm = distance(point_mm, std::array::from_fn(|axis| point_mm[axis].clamp(0.0, [4.0, 2.0, 5.0][axis])));
         assert!((outside_mm - truth_mm).abs() < 1e-6, "{outside_mm} {truth_mm}");
     }
     for point_mm in [[-0.81, 1.0, 1.0], [2.0, 1.0, 5.81], [1e9, 0.0, 0.0], [f64::NAN, 0.0, 0.0]] {
-        assert!(field.at(point_mm, &mut station).is_err());
+        assert!(field.at(point_mm, &mut modal_point).is_err());
     }
 }
 
@@ -59,16 +59,16 @@ fn beyond_the_reach_a_field_is_as_at_the_reach() {
     let edges_mm = [4.0, 2.0, 5.0];
     let field = told(Mesh::block(edges_mm, [4, 2, 5]).unwrap(), quadratic, 0.8);
     let mut next = fractions(2);
-    let mut station = Station::default();
+    let mut modal_point = ModalPoint::default();
     for _ in 0..2000 {
         let point_mm = edges_mm.map(|edge| -3.0 + (edge + 6.0) * next());
         for beyond_mm in [0.0, 0.5] {
-            let outside_mm = field.carried(point_mm, beyond_mm, &mut station);
+            let outside_mm = field.carried(point_mm, beyond_mm, &mut modal_point);
             let nearest_mm: [f64; 3] = std::array::from_fn(|axis| point_mm[axis].clamp(0.0, edges_mm[axis]));
             assert!((outside_mm - distance(point_mm, nearest_mm)).abs() < 1e-6);
             let part = if outside_mm > beyond_mm { beyond_mm / outside_mm } else { 1.0 };
             let stood_mm = std::array::from_fn(|axis| nearest_mm[axis] + (point_mm[axis] - nearest_mm[axis]) * part);
-            assert!(distance(station.displacement_mm(&[1.0]), quadratic(stood_mm)) < 1e-9, "{point_mm:?}");
+            assert!(distance(modal_point.displacement_mm(&[1.0]), quadratic(stood_mm)) < 1e-9, "{point_mm:?}");
         }
     }
 }
@@ -79,7 +79,7 @@ fn every_point_of_a_bent_blade_is_found_where_it_is() {
     let linear = |[x, y, z]: [f64; 3]| [x - 2.0 * y, 3.0 * z + y, 0.5 * x];
     let field = told(mesh.clone(), linear, 0.5);
     let mut next = fractions(2);
-    let mut warm = Station::default();
+    let mut warm = ModalPoint::default();
     for _ in 0..2000 {
         let element = (next() * mesh.elements().len() as f64) as usize;
         let mut cuts = [next(), next(), next()];
@@ -87,7 +87,7 @@ fn every_point_of_a_bent_blade_is_found_where_it_is() {
         let n = functions([cuts[0], cuts[1] - cuts[0], cuts[2] - cuts[1]]);
         let nodes_mm = mesh.nodes_of_mm(element);
         let point_mm: [f64; 3] = std::array::from_fn(|axis| (0..10).map(|a| n[a] * nodes_mm[a][axis]).sum());
-        let mut cold = Station::default();
+        let mut cold = ModalPoint::default();
         assert_eq!(field.at(point_mm, &mut cold), Ok(0.0));
         assert!(distance(cold.displacement_mm(&[1.0]), linear(point_mm)) < 1e-8);
         assert_eq!(field.at(point_mm, &mut warm), Ok(0.0));
@@ -116,13 +116,13 @@ fn a_static_force_moves_the_body_as_its_stiffness_says() {
     // By the modes.
     let field = Field::new(mesh.clone(), &modes, 0.1);
     let answer_mm = |from: usize, to: usize, force_n: [f64; 3]| {
-        let mut station = Station::default();
+        let mut modal_point = ModalPoint::default();
         let mut amplitudes = vec![0.0; modes.omega_rad_per_s.len()];
-        field.at(mesh.nodes_mm()[from], &mut station).unwrap();
-        station.add_force(force_n, &mut amplitudes);
+        field.at(mesh.nodes_mm()[from], &mut modal_point).unwrap();
+        modal_point.add_force(force_n, &mut amplitudes);
         amplitudes.iter_mut().zip(&modes.omega_rad_per_s).for_each(|(q, omega)| *q /= omega * omega);
-        field.at(mesh.nodes_mm()[to], &mut station).unwrap();
-        station.displacement_mm(&amplitudes)
+        field.at(mesh.nodes_mm()[to], &mut modal_point).unwrap();
+        modal_point.displacement_mm(&amplitudes)
     };
     let ours_mm = answer_mm(pushed, seen, force_n);
     assert!(distance(ours_mm, truth_mm) < 1e-8 * distance(truth_mm, [0.0; 3]), "{ours_mm:?} {truth_mm:?}");
@@ -138,15 +138,15 @@ fn the_point_that_came_to_a_place_is_found_again() {
     let modes = body.modes(&Blade::foot(body.mesh()), 4).unwrap();
     let field = Field::new(body.mesh().clone(), &modes, 0.5);
     let tip_mm = body.mesh().nodes_mm()[body.mesh().nodes_mm().len() - 1];
-    let mut station = Station::default();
-    field.at(tip_mm, &mut station).unwrap();
+    let mut modal_point = ModalPoint::default();
+    field.at(tip_mm, &mut modal_point).unwrap();
     // Half a millimetre at the tip from each mode: far more than a blade does that is being cut.
-    let amplitudes: Vec<f64> = station.shapes.iter().map(|shape| 0.5 / distance(*shape, [0.0; 3])).collect();
+    let amplitudes: Vec<f64> = modal_point.shapes.iter().map(|shape| 0.5 / distance(*shape, [0.0; 3])).collect();
     for node_mm in body.mesh().nodes_mm() {
-        field.at(*node_mm, &mut station).unwrap();
-        let u_mm = station.displacement_mm(&amplitudes);
+        field.at(*node_mm, &mut modal_point).unwrap();
+        let u_mm = modal_point.displacement_mm(&amplitudes);
         let now_mm = std::array::from_fn(|axis| node_mm[axis] + u_mm[axis]);
-        let found_mm = field.material_point_mm(now_mm, &amplitudes, &mut station).unwrap();
+        let found_mm = field.material_point_mm(now_mm, &amplitudes, &mut modal_point).unwrap();
         assert!(distance(found_mm, *node_mm) < 1e-9, "{found_mm:?} {node_mm:?}");
     }
 }
@@ -158,10 +158,10 @@ fn the_air_beside_a_plate_moves_with_it() {
     let body = Body::new(Blade::plate(span_mm, 60.0, thickness_mm).mesh([6, 1, 12], 0.3).unwrap(), &STEEL);
     let modes = body.modes(&Blade::foot(body.mesh()), 3).unwrap();
     let field = Field::new(body.mesh().clone(), &modes, thickness_mm);
-    let mut station = Station::default();
+    let mut modal_point = ModalPoint::default();
     let mut shapes = |point_mm: [f64; 3]| {
-        field.at(point_mm, &mut station).unwrap();
-        station.shapes.clone()
+        field.at(point_mm, &mut modal_point).unwrap();
+        modal_point.shapes.clone()
     };
     for mode in 0..3 {
         let whole = modes.shapes[mode].iter().map(|u| distance(*u, [0.0; 3])).fold(0.0, f64::max);

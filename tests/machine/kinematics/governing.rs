@@ -6,7 +6,7 @@ use arcfeed::commands::simulate::foreseen;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::units::Nm;
 use arcfeed_tests::{Scratch, root, run};
 use serde_json::Value;
@@ -69,14 +69,14 @@ fn overrides(job: &str) -> Vec<(Nm, u8)> {
     let bytes = std::fs::read(&file.program).expect("a program");
     let program = Program::parse_with(&file.program, &bytes, file.nc, file.tables);
     let adapted = adapt_with(&program, &file.job, Known::of(&file));
-    let rig = Rig::from_memory(control_settings(&file), &adapted.text, &file.job, ControllerFault::None);
-    let mut rig = rig.expect("the limits make sense");
-    rig.foresee(foreseen(&program, &adapted));
+    let simulation = Simulation::from_memory(control_settings(&file), &adapted.text, &file.job, ControllerFault::None);
+    let mut simulation = simulation.expect("the limits make sense");
+    simulation.foresee(foreseen(&program, &adapted));
     let mut found = Vec::new();
-    while !rig.is_done() {
-        rig.step();
-        let top = rig.control().active().map(|(_, segment)| segment.end.linear[2]);
-        found.extend(top.map(|top| (top, rig.decided().percent)));
+    while !simulation.is_done() {
+        simulation.step();
+        let top = simulation.control().active().map(|(_, segment)| segment.end.linear[2]);
+        found.extend(top.map(|top| (top, simulation.override_output().percent)));
     }
     found
 }

@@ -58,7 +58,7 @@ pub fn check() -> Result<(), Failure> {
 }
 
 fn check_crates() -> Result<(), Failure> {
-    // Procedural macros run on the desk.
+    // Procedural macros run on the host.
     let what = ["tree", "--package", CRATES[0], "--target", TARGET, "--all-features"];
     let how = ["--edges", "normal,no-proc-macro", "--prefix", "none"];
     let listing = output(cargo(&what).args(how))?;

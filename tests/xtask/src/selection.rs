@@ -48,7 +48,7 @@ const SLOW: [&str; 28] = [
     "rewrite_only::",
     "serving_clients::",
     "stability::",
-    "station::",
+    "application::",
     "wire::",
     "with_board::",
 ];

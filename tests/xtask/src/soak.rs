@@ -10,7 +10,7 @@ const CAMPAIGNS: [(&str, &str); 9] = [
     ("feed", ""),
     ("line", "dnc::"),
     ("line", "wire::"),
-    ("line", "station::"),
+    ("line", "application::"),
     ("line", "serving_clients::"),
     ("board", ""),
     ("machine", "drives::"),

@@ -13,7 +13,7 @@ use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::machine;
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::cut::{CutRule, Work};
 use arcfeed_shared::job::{Job, ToolSetup};
 use arcfeed_shared::knots::Knots;
@@ -39,8 +39,8 @@ pub fn module(name: &str, job: &Path, out: &Path) -> String {
     text.push(b'\n');
     let as_sent = out.join(format!("{name}.nc"));
     fs::write(&as_sent, &text).expect("the program is written");
-    let rig = Rig::from_memory(control_settings(&file), &text, &file.job, ControllerFault::None);
-    let (blocks, ticks) = record(rig.expect("the limits of the override make sense"));
+    let simulation = Simulation::from_memory(control_settings(&file), &text, &file.job, ControllerFault::None);
+    let (blocks, ticks) = record(simulation.expect("the limits of the override make sense"));
     let table = out.join(format!("{name}.bin"));
     fs::write(&table, &ticks).expect("the table is written");
     let mut text = format!("/// `{name}`.\npub mod {name} {{\n    use super::*;\n");
@@ -51,24 +51,24 @@ pub fn module(name: &str, job: &Path, out: &Path) -> String {
 }
 
 /// Steps the machine to the end of the program.
-fn record(mut rig: Rig) -> (Vec<Block>, Vec<u8>) {
+fn record(mut simulation: Simulation) -> (Vec<Block>, Vec<u8>) {
     let (mut blocks, mut ticks) = (Vec::new(), Vec::new());
     let (mut last_um, mut last_count) = ([0_i64; 3], None);
     for tick in 0.. {
-        rig.step();
-        let active = rig.control().active();
+        simulation.step();
+        let active = simulation.control().active();
         let count = active.map(|(count, _)| count);
         if tick == 0 || count != last_count {
             blocks.push(Block { first_tick: tick, segment: active.map(|(_, segment)| *segment) });
             last_count = count;
         }
-        let um = machine::feedback(&rig.control().position()).linear.map(|Nm(nm)| nm / NM_PER_UM);
+        let um = machine::feedback(&simulation.control().position()).linear.map(|Nm(nm)| nm / NM_PER_UM);
         for (now, before) in um.iter().zip(last_um) {
             let change = i16::try_from(now - before).expect("no axis moves 32 mm in a millisecond");
             ticks.extend(change.to_le_bytes());
         }
         last_um = um;
-        if rig.is_done() {
+        if simulation.is_done() {
             break;
         }
     }

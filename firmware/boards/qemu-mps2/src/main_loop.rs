@@ -1,7 +1,7 @@
 //! The feed board: link, tapped line and machine line in the main loop, the tick in a timer's interrupt.
 //!
 //! ```text
-//! UART 0 <-> Desk --- orders, words ---> Ticker <- TIMER0
+//! UART 0 <-> HostLink --- orders, words ---> ControlTask <- TIMER0
 //!                 <------ told --------
 //! UART 1  -> samples --> | tick side | -> setpoints -> UART 1      (*FV0 to *FV7: the emulator has no pins)
 //! UART 2 <-> UART 3: the tapped line
@@ -19,12 +19,12 @@ use crate::stack::Painted;
 use crate::tick::{Costs, MainSide, PERIOD, costs, prepare};
 use crate::watchdog::Watchdog;
 use crate::{flash, log, reset_cause, timer};
+use arcfeed_firmware::application::command_handler::{CommandHandler, Identity};
+use arcfeed_firmware::application::control_task::Supply;
+use arcfeed_firmware::application::messages::Queues;
 use arcfeed_firmware::assembly::{Config, assemble};
-use arcfeed_firmware::front::Front;
 use arcfeed_firmware::lockstep::{Line, Lines as _, Lockstep, pass};
-use arcfeed_firmware::station::clerk::{Clerk, Identity};
-use arcfeed_firmware::station::order::Queues;
-use arcfeed_firmware::station::ticker::Supply;
+use arcfeed_firmware::main_loop::MainLoop;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::BoardFault;
 use arcfeed_firmware::tap::Tap;
@@ -50,7 +50,7 @@ const NOTHING: Setpoint = Setpoint { at: 0, lines: 0, state: StateCode::Faulted,
 
 /// The main program. The tap has room for `N` characters.
 pub struct Main<const N: usize> {
-    front: Front<'static, N>,
+    front: MainLoop<'static, N>,
     lines: Lines,
     tick: MainSide,
     painted: Painted,
@@ -59,9 +59,9 @@ pub struct Main<const N: usize> {
 }
 
 impl<const N: usize> Main<N> {
-    /// A board that has just started; with a tap, made when there is a clerk to have its parameters, the segments are the tapped
+    /// A board that has just started; with a tap, made when there is a handler to have its parameters, the segments are the tapped
     /// line's. `None` if its settings make no sense, or if it was called before.
-    pub fn start(tapped: Option<fn(&mut Clerk<'_>) -> Option<&'static mut Tap<N>>>) -> Option<Self> {
+    pub fn start(tapped: Option<fn(&mut CommandHandler<'_>) -> Option<&'static mut Tap<N>>>) -> Option<Self> {
         // Filled at the start: with its values in the image it would take as much of flash as of RAM.
         static QUEUES: Once<MaybeUninit<Queues<AHEAD>>> = Once::new(MaybeUninit::uninit());
         let painted = Painted::far_below_here();
@@ -73,14 +73,14 @@ impl<const N: usize> Main<N> {
         let supply = if tapped.is_some() { Supply::Tap } else { Supply::Link };
         let config = Config { supply, settings: Settings::default(), identity, fault };
         let (lines, queues) = (Lines::start()?, QUEUES.take()?.write(Queues::new()));
-        let (mut desk, ticker) = assemble(queues, config).ok()?;
+        let (mut host_link, task) = assemble(queues, config).ok()?;
         let tap = match tapped {
-            Some(tap) => Some(tap(desk.clerk_mut())?),
+            Some(tap) => Some(tap(host_link.handler_mut())?),
             None => None,
         };
-        let tick = prepare(ticker)?;
+        let tick = prepare(task)?;
         Some(Main {
-            front: Front::new(desk, tap),
+            front: MainLoop::new(host_link, tap),
             lines,
             tick,
             painted,
@@ -237,8 +237,8 @@ impl<const N: usize> Main<N> {
     fn log(&mut self) {
         self.log_tap();
         self.log_figures();
-        // SAFETY: this is the main loop; nothing of the desk logs.
-        unsafe { log::hand_on(|bytes| self.front.desk_mut().log(bytes)) };
+        // SAFETY: this is the main loop; no code of the host link logs.
+        unsafe { log::hand_on(|bytes| self.front.host_link_mut().log(bytes)) };
     }
 
     fn log_tap(&mut self) {

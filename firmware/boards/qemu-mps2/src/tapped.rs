@@ -2,7 +2,7 @@
 
 use core::mem::MaybeUninit;
 
-use arcfeed_firmware::station::clerk::Clerk;
+use arcfeed_firmware::application::command_handler::CommandHandler;
 use arcfeed_firmware::tap::Tap;
 use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_shared::units::LengthUnit;
@@ -29,15 +29,15 @@ pub fn start() -> Option<Tapped> {
     Main::start(Some(tap))
 }
 
-fn tap(clerk: &mut Clerk<'_>) -> Option<&'static mut Tap<ROOM>> {
-    let settings = adopt(clerk, flash::parameters(PAGE.take()?));
+fn tap(handler: &mut CommandHandler<'_>) -> Option<&'static mut Tap<ROOM>> {
+    let settings = adopt(handler, flash::parameters(PAGE.take()?));
     Tap::place(TAP.take()?, settings).ok()
 }
 
 /// Takes the parameters in flash, and says how the line is that they are for. Without any, or with broken ones, a tap only passes
 /// characters on.
-fn adopt(clerk: &mut Clerk<'_>, page: &[u8]) -> TapSettings {
-    let line = clerk.adopt_page(page, SET).unwrap_or_else(|error| {
+fn adopt(handler: &mut CommandHandler<'_>, page: &[u8]) -> TapSettings {
+    let line = handler.load_page(page, SET).unwrap_or_else(|error| {
         match error {
             PageError::Blank => defmt::warn!("no parameters in flash: nothing is adapted"),
             PageError::Schema => defmt::error!("the parameters in flash are of another version: write them anew"),
@@ -45,5 +45,5 @@ fn adopt(clerk: &mut Clerk<'_>, page: &[u8]) -> TapSettings {
         }
         Default::default()
     });
-    TapSettings::of_line(line, clerk.job().map_or(LengthUnit::Mm, |job| job.unit))
+    TapSettings::of_line(line, handler.job().map_or(LengthUnit::Mm, |job| job.unit))
 }

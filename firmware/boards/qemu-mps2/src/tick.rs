@@ -5,11 +5,11 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
+use arcfeed_firmware::application::control_task::ControlTask;
+use arcfeed_firmware::application::sensors::{MachineLine, setpoint};
 use arcfeed_firmware::output::OverrideOutput;
 use arcfeed_firmware::output::latched::Latched;
 use arcfeed_firmware::spsc::{Consumer, Producer, split};
-use arcfeed_firmware::station::sensors::{MachineLine, setpoint};
-use arcfeed_firmware::station::ticker::Ticker;
 use arcfeed_shared::units::{Micros, Span};
 use arcfeed_shared::wire::message::codes::ModeCode;
 use arcfeed_shared::wire::message::table::{Sample, Setpoint};
@@ -30,7 +30,7 @@ pub type Heard = Option<Sample>;
 
 /// What only the tick touches while it runs.
 pub struct TickSide {
-    ticker: Ticker<'static>,
+    task: ControlTask<'static>,
     machine: MachineLine,
     now: Micros,
     heard: Consumer<'static, Heard>,
@@ -65,7 +65,7 @@ static EARLIEST: AtomicU32 = AtomicU32::new(u32::MAX);
 static LATEST: AtomicU32 = AtomicU32::new(0);
 
 /// Prepares the tick; `None` if that was done before.
-pub fn prepare(ticker: Ticker<'static>) -> Option<MainSide> {
+pub fn prepare(task: ControlTask<'static>) -> Option<MainSide> {
     static HEARD: Once<Queue<Heard, WAITING>> = Once::new(Queue::new());
     static SETPOINTS: Once<Queue<Setpoint, WAITING>> = Once::new(Queue::new());
     let (heard, heard_out) = split(HEARD.take()?);
@@ -73,7 +73,7 @@ pub fn prepare(ticker: Ticker<'static>) -> Option<MainSide> {
     // SAFETY: the queues were given out for the first time: the tick's side is not there yet, nor is its interrupt let through.
     unsafe {
         TICK_SIDE.put(TickSide {
-            ticker,
+            task,
             machine: MachineLine::new(),
             now: Micros(0),
             heard: heard_out,
@@ -119,7 +119,7 @@ impl TickSide {
         while let Some(heard) = self.heard.dequeue() {
             self.hear(heard);
         }
-        let output = self.ticker.tick(self.now, &self.machine.sensors(self.now));
+        let output = self.task.tick(self.now, &self.machine.sensors(self.now));
         // Lines in memory refuse nothing.
         let _put = self.lines.put(output.feed_override);
         let setpoint = Setpoint { lines: mirror::low(), ..setpoint(self.now.0, &output, [0; 2]) };

@@ -1,7 +1,7 @@
 //! An STM32F405RG as arcfeed's board: what the image of this folder is made of. Wiring, pins and levels: README.md.
 //!
 //! One idea a file, in the order in which data flows. [`machine`] has what differs from machine to machine; [`program`] the
-//! job and its blocks; [`reset_cause`], [`panel`] and [`guard`] are pure and are tested on the desk; the others own a
+//! job and its blocks; [`reset_cause`], [`panel`] and [`guard`] are pure and are tested on the host; the others own a
 //! peripheral each, and hold the only `unsafe`: registers. [`cabinet`] joins them to one tick.
 #![no_std]
 

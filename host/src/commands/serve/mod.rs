@@ -24,7 +24,7 @@ use arcfeed_hil_sim::control::code::Code;
 use arcfeed_hil_sim::control::line::SenderParity;
 use arcfeed_hil_sim::control::search::Search;
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::units::LengthUnit;
 use clap::ValueEnum;
@@ -223,11 +223,11 @@ impl Serve {
         }
         let mut search = self.panel.restart_at.map(Search::Restart);
         loop {
-            let mut rig = self.rig(&file)?;
+            let mut simulation = self.simulation(&file)?;
             if let Some(search) = search {
-                rig.control_mut().search(search);
+                simulation.control_mut().search(search);
             }
-            if !serve_one(&mut rig, &mut line, self.speed, interrupted)? {
+            if !serve_one(&mut simulation, &mut line, self.speed, interrupted)? {
                 continue;
             }
             search = None;
@@ -235,7 +235,7 @@ impl Serve {
                 return Err(Failure::Stopped("stopped by the operator".into()));
             }
             // A control in alarm stays so until somebody resets it: a fresh one would take the rest of the same program.
-            if let Err(failure) = self.report(&file, &rig, line.name()) {
+            if let Err(failure) = self.report(&file, &simulation, line.name()) {
                 line.wait_for_silence(|| interrupted.load(Ordering::Relaxed))?;
                 if self.once || !matches!(failure, Failure::Machine(_)) || !line.hang_up() {
                     return Err(failure);
@@ -249,38 +249,38 @@ impl Serve {
         }
     }
 
-    fn rig(&self, file: &JobFile) -> Result<Rig, Failure> {
+    fn simulation(&self, file: &JobFile) -> Result<Simulation, Failure> {
         let mut settings = control_settings(file);
         self.panel.apply(&mut settings);
         let fault = if self.job.is_some() { ControllerFault::None } else { ControllerFault::LawOff };
-        let mut rig = Rig::on_line(settings, &file.job, fault)
+        let mut simulation = Simulation::on_line(settings, &file.job, fault)
             .map_err(|error| Failure::Input(format!("override limits: {error:?}")))?;
         match &self.library {
             Some(folder) if !folder.is_dir() => {
                 let message = format!("{}: no folder; --library wants one with subprograms", folder.display());
                 return Err(Failure::Input(message));
             }
-            Some(folder) => rig.control_mut().set_library(Box::new(Folder(folder.clone()))),
+            Some(folder) => simulation.control_mut().set_library(Box::new(Folder(folder.clone()))),
             None => {}
         }
-        Ok(rig)
+        Ok(simulation)
     }
 
-    fn report(&self, file: &JobFile, rig: &Rig, name: &str) -> Result<(), Failure> {
-        let counters = rig.control().line_counters();
+    fn report(&self, file: &JobFile, simulation: &Simulation, name: &str) -> Result<(), Failure> {
+        let counters = simulation.control().line_counters();
         let bits = counters.bytes as f64 * f64::from(file.serial.bits_per_char());
-        let mut report = measure(rig, &file.job);
+        let mut report = measure(simulation, &file.job);
         report.link = Some(LinkFigures {
             bytes: counters.bytes,
-            utilization: bits / f64::from(file.serial.baudrate) / rig.now().to_s(),
+            utilization: bits / f64::from(file.serial.baudrate) / simulation.now().to_s(),
             xoff_count: counters.xoff_count,
             max_bytes_after_xoff: Some(counters.max_bytes_after_xoff),
-            starved_ms: Some(rig.control().starved_ms()),
+            starved_ms: Some(simulation.control().starved_ms()),
             retries: 0,
             line_errors: None,
         });
         if let Some(path) = &self.executed {
-            write_executed(path, rig.control().executed())?;
+            write_executed(path, simulation.control().executed())?;
         }
         finish(&report, self.json, format!("program received on {name}"))
     }
@@ -288,27 +288,32 @@ impl Serve {
 
 /// Runs a control until its program is over or the operator has enough; false if its sender left before it began one. The
 /// control is switched on when a sender is there.
-fn serve_one(rig: &mut Rig, line: &mut Line, speed: u32, interrupted: &AtomicBool) -> Result<bool, Failure> {
+fn serve_one(
+    simulation: &mut Simulation,
+    line: &mut Line,
+    speed: u32,
+    interrupted: &AtomicBool,
+) -> Result<bool, Failure> {
     while !line.begin() && !interrupted.load(Ordering::Relaxed) {
         std::thread::sleep(PERIOD);
     }
-    while !rig.is_done() && !interrupted.load(Ordering::Relaxed) {
+    while !simulation.is_done() && !interrupted.load(Ordering::Relaxed) {
         let started = Instant::now();
         for _ in 0..speed {
-            let is_starved = rig.control().is_starved();
-            line.listen(rig.control_mut().port(), is_starved)?;
+            let is_starved = simulation.control().is_starved();
+            line.listen(simulation.control_mut().port(), is_starved)?;
             if line.is_abandoned() {
                 return Ok(false);
             }
-            if rig.is_done() {
+            if simulation.is_done() {
                 break;
             }
-            rig.step();
-            line.answer(rig.control_mut().port())?;
+            simulation.step();
+            line.answer(simulation.control_mut().port())?;
         }
         std::thread::sleep(PERIOD.saturating_sub(started.elapsed()));
     }
     // The DC3 of the last step.
-    line.answer(rig.control_mut().port())?;
+    line.answer(simulation.control_mut().port())?;
     Ok(true)
 }

@@ -2,8 +2,8 @@
 
 use arcfeed_hil_sim::control::interpolator::AxisLimited;
 use arcfeed_hil_sim::cutting::meter::MoveChips;
-use arcfeed_hil_sim::decider::Decider;
-use arcfeed_hil_sim::rig::{MoveOverride, Rig};
+use arcfeed_hil_sim::override_source::OverrideSource;
+use arcfeed_hil_sim::simulation::{MoveOverride, Simulation};
 use arcfeed_shared::cut::Moves;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::report::{ChipFigures, LeftOut};
@@ -25,23 +25,25 @@ pub fn compare(report: &mut RunReport, baseline: RunReport) {
     }
 }
 
-/// The figures of what the rig executed so far.
-pub fn measure<D: Decider>(rig: &Rig<D>, job: &Job) -> RunReport {
-    let moves: Vec<(&MoveChips, &MoveOverride)> = rig.meter().moves().iter().zip(rig.overrides()).collect();
+/// The figures of what the simulation executed so far.
+pub fn measure<D: OverrideSource>(simulation: &Simulation<D>, job: &Job) -> RunReport {
+    let moves: Vec<(&MoveChips, &MoveOverride)> =
+        simulation.meter().moves().iter().zip(simulation.overrides()).collect();
     let movements = (0..job.rules.len()).map(|rule| movement(job, rule, &moves)).collect();
-    let alarm = rig.control().alarm().map(|alarm| AlarmFigures::new(alarm.line, alarm.fault.column, alarm.fault.cause));
+    let alarm =
+        simulation.control().alarm().map(|alarm| AlarmFigures::new(alarm.line, alarm.fault.column, alarm.fault.cause));
     RunReport {
         unit: job.unit.label(),
-        blocks_executed: Some(rig.control().executed().len()),
+        blocks_executed: Some(simulation.control().executed().len()),
         alarms: alarm.into_iter().collect(),
-        printed: printed::lines(rig.control().output()),
-        messages: rig.control().messages().map(String::from).collect(),
-        cycle_time_s: Some(rig.cycle_time().to_s()),
+        printed: printed::lines(simulation.control().output()),
+        messages: simulation.control().messages().map(String::from).collect(),
+        cycle_time_s: Some(simulation.cycle_time().to_s()),
         ipt_circumference: ipt(job.unit, job.tools.first().feed_per_tooth, moves.iter().map(|(chips, _)| *chips)),
         r#override: overrides(moves.iter().map(|(_, figures)| *figures)),
         movements,
-        axis_limited: rig.control().limited().iter().map(|limited| axis_limit(job.unit, limited)).collect(),
-        restart: rig.control().restart_list().map(|list| RestartFigures {
+        axis_limited: simulation.control().limited().iter().map(|limited| axis_limit(job.unit, limited)).collect(),
+        restart: simulation.control().restart_list().map(|list| RestartFigures {
             t: list.t,
             s: list.s,
             m: list.m.iter().copied().collect(),

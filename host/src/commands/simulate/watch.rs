@@ -1,9 +1,9 @@
 //! A run, watched: the stock is cut as the axes go, the override noted, and a person told how far it is.
 
-use arcfeed_hil_sim::decider::told::Told;
+use arcfeed_hil_sim::override_source::controller::InProcessController;
 use arcfeed_hil_sim::removal::cutter::Cutter;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::units::Micros;
 use indicatif::{ProgressBar, ProgressDrawTarget};
 
@@ -42,9 +42,9 @@ impl Watch {
     ///
     /// # Errors
     /// The run never ends, or the stock takes more memory than it may.
-    pub fn run(&mut self, rig: &mut Rig<Told>) -> Result<(), Failure> {
+    pub fn run(&mut self, simulation: &mut Simulation<InProcessController>) -> Result<(), Failure> {
         let takes_long = self.cutter.as_ref().filter(|_| self.shows).map(|_| "cutting");
-        run_seen(rig, takes_long, |rig| self.see(rig))?;
+        run_seen(simulation, takes_long, |simulation| self.see(simulation))?;
         if let Some(cutter) = &mut self.cutter {
             cutter.end().map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
         }
@@ -52,14 +52,14 @@ impl Watch {
         Ok(())
     }
 
-    fn see(&mut self, rig: &Rig<Told>) -> Result<(), Failure> {
+    fn see(&mut self, simulation: &Simulation<InProcessController>) -> Result<(), Failure> {
         if let Some(cutter) = &mut self.cutter {
-            cutter.see(rig).map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
+            cutter.see(simulation).map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
         }
-        self.loads.iter_mut().for_each(|loads| loads.see(rig));
-        let percent = rig.control().override_percent();
+        self.loads.iter_mut().for_each(|loads| loads.see(simulation));
+        let percent = simulation.control().override_percent();
         if self.overrides.last().is_none_or(|(_, last)| *last != percent) {
-            self.overrides.push((rig.now(), percent));
+            self.overrides.push((simulation.now(), percent));
         }
         Ok(())
     }
@@ -70,22 +70,22 @@ impl Watch {
 /// # Errors
 /// The run never ends, or what sees it stops it.
 pub fn run_seen(
-    rig: &mut Rig<Told>,
+    simulation: &mut Simulation<InProcessController>,
     takes_long: Option<&str>,
-    mut see: impl FnMut(&Rig<Told>) -> Result<(), Failure>,
+    mut see: impl FnMut(&Simulation<InProcessController>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let bar = takes_long.map(|name| (name, ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())));
     for period in 0_u64.. {
-        if rig.is_done() {
+        if simulation.is_done() {
             break;
         }
-        rig.step();
-        see(rig)?;
-        if rig.now() > RUN_MAX {
+        simulation.step();
+        see(simulation)?;
+        if simulation.now() > RUN_MAX {
             return Err(Failure::Machine("the program still runs after 24 hours of machine time".into()));
         }
         if let Some((name, bar)) = bar.as_ref().filter(|_| period % SIGN_EVERY == 0) {
-            let (executed, now_s) = (rig.control().executed().len(), rig.now().to_s());
+            let (executed, now_s) = (simulation.control().executed().len(), simulation.now().to_s());
             bar.set_message(format!("{name}: {executed} blocks, {now_s:.0} s of machine time"));
             bar.tick();
         }

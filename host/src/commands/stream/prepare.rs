@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use arcfeed_hil_sim::control::code::{Code, with_even_parity};
-use arcfeed_hil_sim::rig::Foreseen;
+use arcfeed_hil_sim::simulation::Foreseen;
 use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE};
 use arcfeed_shared::units::{Micros, S_PER_MIN};
 

@@ -4,8 +4,8 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-use arcfeed_hil_sim::decider::Decider;
-use arcfeed_hil_sim::decider::board::{Attached, Traffic, Wire};
+use arcfeed_hil_sim::override_source::OverrideSource;
+use arcfeed_hil_sim::override_source::board::{Attached, Traffic, Wire};
 use arcfeed_shared::units::Micros;
 
 use super::sim_port::SimPort;
@@ -48,7 +48,7 @@ impl<D> SimLink<D> {
     }
 }
 
-impl<D: Decider> Port for SimLink<D> {
+impl<D: OverrideSource> Port for SimLink<D> {
     fn now(&self) -> Micros {
         self.sim.borrow().now()
     }

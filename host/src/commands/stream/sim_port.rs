@@ -2,10 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use arcfeed_hil_sim::decider::Decider;
-use arcfeed_hil_sim::decider::told::Told;
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::override_source::OverrideSource;
+use arcfeed_hil_sim::override_source::controller::InProcessController;
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::units::Micros;
 
 use super::super::outcome::Failure;
@@ -25,9 +25,9 @@ const LATE_MAX: Duration = Duration::from_millis(200);
 /// Sleeping for less costs more than it gives.
 const NAP_MIN: Duration = Duration::from_millis(2);
 
-/// A rig, and a line to its control.
-pub struct SimPort<D = Told> {
-    rig: Rig<D>,
+/// A simulation, and a line to its control.
+pub struct SimPort<D = InProcessController> {
+    simulation: Simulation<D>,
     line_bits_per_s: f64,
     bits_per_char: f64,
     /// Blocks taken up, and how long the control had starved until the last of them.
@@ -39,17 +39,17 @@ pub struct SimPort<D = Told> {
 impl SimPort {
     /// A control that has just been started in DNC operation.
     pub fn new(file: &JobFile, fault: ControllerFault, speed: Option<u32>) -> Result<Self, Failure> {
-        let rig = Rig::on_line(control_settings(file), &file.job, fault)
+        let simulation = Simulation::on_line(control_settings(file), &file.job, fault)
             .map_err(|error| Failure::Input(format!("override limits: {error:?}")))?;
-        Ok(SimPort::of(rig, file, speed))
+        Ok(SimPort::of(simulation, file, speed))
     }
 }
 
-impl<D: Decider> SimPort<D> {
-    /// The line to the control of a rig.
-    pub fn of(rig: Rig<D>, file: &JobFile, speed: Option<u32>) -> Self {
+impl<D: OverrideSource> SimPort<D> {
+    /// The line to the control of a simulation.
+    pub fn of(simulation: Simulation<D>, file: &JobFile, speed: Option<u32>) -> Self {
         SimPort {
-            rig,
+            simulation,
             line_bits_per_s: f64::from(file.serial.baudrate),
             bits_per_char: f64::from(file.serial.bits_per_char()),
             fed: (0, 0),
@@ -57,20 +57,20 @@ impl<D: Decider> SimPort<D> {
         }
     }
 
-    /// The rig.
-    pub fn rig(&self) -> &Rig<D> {
-        &self.rig
+    /// The simulation.
+    pub fn simulation(&self) -> &Simulation<D> {
+        &self.simulation
     }
 
-    /// The rig, to act on.
-    pub fn rig_mut(&mut self) -> &mut Rig<D> {
-        &mut self.rig
+    /// The simulation, to act on.
+    pub fn rig_mut(&mut self) -> &mut Simulation<D> {
+        &mut self.simulation
     }
 
     /// Waits until wall time has come as far as simulated time.
     fn keep_tempo(&mut self) {
         let Some((began, speed)) = &mut self.tempo else { return };
-        let due = *began + Duration::from_micros(self.rig.now().0) / *speed;
+        let due = *began + Duration::from_micros(self.simulation.now().0) / *speed;
         let now = Instant::now();
         if now > due + LATE_MAX {
             *began += now - due;
@@ -81,27 +81,27 @@ impl<D: Decider> SimPort<D> {
 
     /// What went over the line.
     pub fn link_figures(&self) -> LinkFigures {
-        let counters = self.rig.control().line_counters();
+        let counters = self.simulation.control().line_counters();
         let busy_s = counters.bytes as f64 * self.bits_per_char / self.line_bits_per_s;
         LinkFigures {
             bytes: counters.bytes,
-            utilization: busy_s / self.rig.now().to_s(),
+            utilization: busy_s / self.simulation.now().to_s(),
             xoff_count: counters.xoff_count,
             max_bytes_after_xoff: Some(counters.max_bytes_after_xoff),
-            starved_ms: Some(self.rig.control().starved_ms()),
+            starved_ms: Some(self.simulation.control().starved_ms()),
             retries: 0,
             line_errors: None,
         }
     }
 }
 
-impl<D: Decider> Port for SimPort<D> {
+impl<D: OverrideSource> Port for SimPort<D> {
     fn now(&self) -> Micros {
-        self.rig.now()
+        self.simulation.now()
     }
 
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {
-        let port = self.rig.control_mut().port();
+        let port = self.simulation.control_mut().port();
         let mut len = 0;
         for slot in buffer {
             let Some(byte) = port.poll_transmit() else { break };
@@ -112,51 +112,52 @@ impl<D: Decider> Port for SimPort<D> {
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError> {
-        self.rig.control_mut().port().on_bytes(bytes);
+        self.simulation.control_mut().port().on_bytes(bytes);
         // What is short of characters is not at its end.
-        self.fed.1 = self.rig.control().starved_ms();
+        self.fed.1 = self.simulation.control().starved_ms();
         Ok(bytes.len())
     }
 
     fn wait(&mut self, deadline: Micros) {
         // One step at least, and none beyond the first that answers: the sender must see an XOFF at once.
         loop {
-            self.rig.step();
+            self.simulation.step();
             self.keep_tempo();
-            let control = self.rig.control();
+            let control = self.simulation.control();
             if self.fed.0 != control.executed().len() {
                 self.fed = (control.executed().len(), control.starved_ms());
             }
-            if self.rig.now() >= deadline || self.rig.is_done() || self.rig.control().has_to_say() {
+            if self.simulation.now() >= deadline || self.simulation.is_done() || self.simulation.control().has_to_say()
+            {
                 return;
             }
         }
     }
 
     fn control_is_done(&self) -> Option<bool> {
-        Some(self.rig.is_done() || self.rig.control().starved_ms() - self.fed.1 > STARVED_MAX_MS)
+        Some(self.simulation.is_done() || self.simulation.control().starved_ms() - self.fed.1 > STARVED_MAX_MS)
     }
 
     fn blocks_executed(&self) -> Option<usize> {
-        Some(self.rig.control().executed().len())
+        Some(self.simulation.control().executed().len())
     }
 
     fn machine(&self) -> Machine {
-        let control = self.rig.control();
+        let control = self.simulation.control();
         let alarm = control.alarm().map(|alarm| AlarmFigures::new(alarm.line, alarm.fault.column, alarm.fault.cause));
         Machine {
             override_percent: Some(control.override_percent()),
-            chip_ratio: self.rig.meter().last_ratio(),
+            chip_ratio: self.simulation.meter().last_ratio(),
             alarm: alarm.map(|alarm| alarm.to_string()),
         }
     }
 
     fn feed_hold(&mut self) -> bool {
-        self.rig.control_mut().hold();
-        let latest = self.rig.now().after(REST_MAX);
-        while !self.rig.control().is_at_rest() && self.rig.now() < latest {
-            self.rig.step();
+        self.simulation.control_mut().hold();
+        let latest = self.simulation.now().after(REST_MAX);
+        while !self.simulation.control().is_at_rest() && self.simulation.now() < latest {
+            self.simulation.step();
         }
-        self.rig.control().is_at_rest()
+        self.simulation.control().is_at_rest()
     }
 }

@@ -4,19 +4,19 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Instant;
 
+use arcfeed_firmware::application::command_handler::Identity;
+use arcfeed_firmware::application::control_task::Supply;
+use arcfeed_firmware::application::messages::Queues;
 use arcfeed_firmware::assembly::{Config, assemble};
-use arcfeed_firmware::front::Untapped;
-use arcfeed_firmware::station::clerk::Identity;
-use arcfeed_firmware::station::order::Queues;
-use arcfeed_firmware::station::ticker::Supply;
+use arcfeed_firmware::main_loop::Untapped;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_hil_sim::control::Control;
-use arcfeed_hil_sim::decider::Decider;
-use arcfeed_hil_sim::decider::board::Board;
-use arcfeed_hil_sim::decider::in_process::InProcess;
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::rig::Rig;
+use arcfeed_hil_sim::override_source::OverrideSource;
+use arcfeed_hil_sim::override_source::board::Board;
+use arcfeed_hil_sim::override_source::in_process::InProcess;
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode};
 
 use super::super::outcome::Failure;
@@ -74,8 +74,8 @@ impl Stream {
             BoardEnd(Rc::clone(&pipe)),
             ModeCode::Lockstep,
         );
-        let rig = Rig::new(Control::on_line(control_settings(file)), &file.job, board);
-        let sim = Rc::new(RefCell::new(SimPort::of(rig, file, self.tempo())));
+        let simulation = Simulation::new(Control::on_line(control_settings(file)), &file.job, board);
+        let sim = Rc::new(RefCell::new(SimPort::of(simulation, file, self.tempo())));
         let link = Line::new(Box::new(SimLink::new(Rc::clone(&sim), pipe)), BAUDRATE)?;
         let mut along = Along::with(link, ready, sender.transmission(), Arming::Simulated)?;
         // Nobody stands at its panel: whoever starts the simulation has armed.
@@ -83,13 +83,13 @@ impl Stream {
         along.arm(&mut || {
             is_pressed = !is_pressed;
             let pressed = if is_pressed { Signals::of_request(Request::Arm) } else { Signals::NONE };
-            sim.borrow_mut().rig_mut().decider_mut().set_panel(pressed);
+            sim.borrow_mut().rig_mut().source_mut().set_panel(pressed);
         })?;
-        sim.borrow_mut().rig_mut().decider_mut().set_panel(Signals::NONE);
+        sim.borrow_mut().rig_mut().source_mut().set_panel(Signals::NONE);
         self.send_simulated(ready, sender, (logbook, along), &sim)
     }
 
-    fn send_simulated<D: Decider>(
+    fn send_simulated<D: OverrideSource>(
         &self,
         ready: &Prepared,
         mut sender: Sender,
@@ -103,16 +103,17 @@ impl Stream {
         let (end, heard) = send(&mut *line, &mut sender, outbox, aides)?;
         drop(line);
         let sim = sim.borrow();
-        let rig = sim.rig();
-        let mut report = measure(rig, &file.job);
+        let simulation = sim.simulation();
+        let mut report = measure(simulation, &file.job);
         report.blocks_sent = Some(sender.blocks_sent());
         report.link = Some(sim.link_figures());
         report.reports = ReportFigures::of(&heard);
         report.printed.retain(|line| report.reports.is_none() || !line.starts_with(reports::NAME));
-        report.real_time_factor = Some(rig.now().to_s() / started.elapsed().as_secs_f64());
-        let waits_for_more = matches!(end, End::Complete) && !rig.is_done();
+        report.real_time_factor = Some(simulation.now().to_s() / started.elapsed().as_secs_f64());
+        let waits_for_more = matches!(end, End::Complete) && !simulation.is_done();
         // Where this fails, the report of what was sent is printed all the same.
-        let written = self.executed.as_ref().map_or(Ok(()), |path| write_executed(path, rig.control().executed()));
+        let written =
+            self.executed.as_ref().map_or(Ok(()), |path| write_executed(path, simulation.control().executed()));
         let compared = add_baseline(&mut report, file, &ready.program);
         self.finish(ready, &report, &sender, &end).and(written).and(compared)?;
         if waits_for_more {

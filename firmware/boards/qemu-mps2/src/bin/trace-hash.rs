@@ -1,4 +1,4 @@
-//! The runs of [`arcfeed_bench::trace`] on the chip, printed as the program of that name prints them on the desk.
+//! The runs of [`arcfeed_bench::trace`] on the chip, printed as the program of that name prints them on the host.
 #![no_std]
 #![no_main]
 

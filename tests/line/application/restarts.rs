@@ -1,7 +1,7 @@
 //! Either side begins anew at random points of the example: the other notices, nothing of before is believed, and only a person
 //! arms again.
 
-use arcfeed_firmware::station::desk::Desk;
+use arcfeed_firmware::application::host_link::HostLink;
 use arcfeed_firmware::supervisor::report::Alarm;
 use arcfeed_firmware::supervisor::signals::BoardFault;
 use arcfeed_firmware::supervisor::state::State;
@@ -11,8 +11,8 @@ use arcfeed_shared::wire::link::{LinkState, Loss};
 use arcfeed_shared::wire::message::codes::RequestCode;
 use arcfeed_tests::noticed::{Noticed, assert_explained};
 
-use crate::station::example::moves;
-use crate::station::world::{Board, Channel, Host, TICK, World, standing};
+use crate::application::example::moves;
+use crate::application::world::{Board, Channel, Host, TICK, World, standing};
 use arcfeed_tests::recording::{Recording, ibr_slot};
 
 /// Of each kind.
@@ -119,7 +119,7 @@ fn host_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     let output = way.world.output.expect("a tick");
     assert!(matches!(output.state, State::Fallback { .. }), "{:?}", output.state);
     assert_eq!(output.alarm, Alarm::Latched);
-    let executed = way.world.board.ticker.executed();
+    let executed = way.world.board.task.executed();
     let mut last = output.feed_override.percent;
     assert!(last <= before.max(100), "a loss raises nothing at once");
     // The new host sends its set and its segments, and arms nothing.
@@ -132,7 +132,7 @@ fn host_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     assert_eq!(last, 100);
     assert!(way.world.host.is_accepted, "the new host is welcome");
     // Its first segment is where the old one's stands or behind it: the position may already have passed some.
-    assert!(way.world.board.ticker.executed().wrapping_sub(executed) < 40);
+    assert!(way.world.board.task.executed().wrapping_sub(executed) < 40);
     // A person presses until it is armed: a line that loses frames may not have been fresh for long enough.
     for _ in 0..20 {
         way.world.host.ask(RequestCode::Arm);
@@ -172,7 +172,7 @@ fn board_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
         State::Idle => assert!(!is_bitten && last >= 70),
         other => panic!("{other:?}"),
     }
-    assert_eq!(way.world.board.ticker.executed(), 0);
+    assert_eq!(way.world.board.task.executed(), 0);
     noticed
 }
 
@@ -206,23 +206,23 @@ fn a_set_or_a_segment_of_the_session_before_is_not_believed() {
     let rest: Vec<_> = way.all[way.first..].to_vec();
     let mut dead = core::mem::replace(&mut way.world.host, Host::new(77, &way.run.job, &rest));
     way.until(400, |world| world.host.is_accepted);
-    let executed = way.world.board.desk.clerk().report().expect("a report").executed;
+    let executed = way.world.board.host_link.handler().report().expect("a report").executed;
     // The old host wakes up and goes on as if nothing had happened, on a line that both can write to.
     let mut frame = [0; arcfeed_shared::wire::frame::ENCODED_MAX];
     dead.ask(RequestCode::Arm);
-    let before = way.world.board.desk.link().counters().stale_sessions;
+    let before = way.world.board.host_link.link().counters().stale_sessions;
     for _ in 0..40 {
         way.step();
         let now = way.world.now;
         let length = dead.link.poll_transmit(now, &mut frame);
-        let desk: &mut Desk<'static> = &mut way.world.board.desk;
-        desk.on_link_bytes(now, &frame[..length]);
+        let host_link: &mut HostLink<'static> = &mut way.world.board.host_link;
+        host_link.on_link_bytes(now, &frame[..length]);
     }
-    let counters = way.world.board.desk.link().counters();
+    let counters = way.world.board.host_link.link().counters();
     assert!(counters.stale_sessions + counters.crc_errors > before, "it was not even heard");
     assert!(!way.state().is_engaged());
-    assert_eq!(way.world.board.desk.link().state(), LinkState::Up);
-    assert!(way.world.board.desk.clerk().report().expect("a report").executed - executed < 40);
+    assert_eq!(way.world.board.host_link.link().state(), LinkState::Up);
+    assert!(way.world.board.host_link.handler().report().expect("a report").executed - executed < 40);
 }
 
 #[test]
@@ -246,7 +246,7 @@ fn after_a_time_without_positions_no_segment_counts_as_begun_before_the_machine_
         for _ in 0..6_000 {
             way.step();
             let begun = way.run.ticks.get(way.tick - 1).map_or(way.run.segments.len(), |(.., begun)| *begun);
-            let executed = way.first + way.world.board.ticker.executed() as usize;
+            let executed = way.first + way.world.board.task.executed() as usize;
             // The end of a move is seen a tick or two before the control begins the next.
             assert!(executed <= begun, "{executed} done, {begun} begun");
             behind = begun - executed;

@@ -1,16 +1,16 @@
-//! What a board says of itself.
+//! Identity of a board, sent to its host on request.
 
 use arcfeed_shared::wire::message::codes::ResetCode;
 
-/// What the board is; config.
+/// Identity of a board; config.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Identity {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// Version of its firmware.
+    /// Firmware version.
     pub version: [u8; 3],
-    /// Why it started.
+    /// Cause of the last start.
     pub reset: ResetCode,
-    /// How often it started, as far as it knows.
+    /// Number of starts, as far as the board knows.
     pub starts: u32,
 }

@@ -1,4 +1,4 @@
-//! What main loop and tick tell each other.
+//! Messages between main loop and control task: commands and notices one way, status the other.
 
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{Micros, Nm};
@@ -12,104 +12,104 @@ use crate::supervisor::report::{Alarm, Refusal};
 use crate::supervisor::signals::BoardFault;
 use crate::supervisor::state::State;
 
-use super::papers::Papers;
+use super::buffers::Buffers;
 
-/// How near its beginning every axis must stand for the first segment of a run: what a tick or two at a cutting feed may leave.
+/// Distance from its start within which every axis must stand for the first segment of a run: the way of a tick or two at a cutting feed.
 const BEGIN_TOLERANCE_NM: u64 = 100_000;
-/// Words on their way.
-const WORDS: usize = 17;
-/// What the tick told, and nobody has heard yet.
-const TOLD: usize = 9;
+/// Length of the queue of notices.
+const NOTICES: usize = 17;
+/// Length of the queue of status messages.
+const STATUSES: usize = 9;
 
-/// The queues between main loop and tick, with room for `AHEAD` - 1 segments, and the desk's papers.
+/// The queues between main loop and control task, with room for `AHEAD` - 1 segments, and the buffers of the main loop.
 #[derive(Debug)]
 pub struct Queues<const AHEAD: usize> {
-    orders: Queue<Order, AHEAD>,
-    words: Queue<Word, WORDS>,
-    told: Queue<Told, TOLD>,
-    papers: Papers,
+    commands: Queue<Command, AHEAD>,
+    notices: Queue<Notice, NOTICES>,
+    status: Queue<TaskStatus, STATUSES>,
+    buffers: Buffers,
 }
 
-/// The desk's ends of the queues.
-pub struct DeskQueues<'q> {
-    /// What the tick takes in its turn.
-    pub orders: Producer<'q, Order>,
-    /// What it takes at once.
-    pub words: Producer<'q, Word>,
-    /// What it tells.
-    pub told: Consumer<'q, Told>,
-    /// Memory of its own.
-    pub papers: &'q mut Papers,
+/// The main loop's ends of the queues.
+pub struct HostQueues<'q> {
+    /// Commands, executed in their turn.
+    pub commands: Producer<'q, Command>,
+    /// Notices, which take effect at once.
+    pub notices: Producer<'q, Notice>,
+    /// Status of the control task.
+    pub status: Consumer<'q, TaskStatus>,
+    /// The main loop's own memory.
+    pub buffers: &'q mut Buffers,
 }
 
-/// The tick's ends of the queues.
-pub struct TickerQueues<'q> {
-    /// What the desk wants in its turn.
-    pub orders: Consumer<'q, Order>,
-    /// What it wants at once.
-    pub words: Consumer<'q, Word>,
-    /// What it is told.
-    pub told: Producer<'q, Told>,
+/// The control task's ends of the queues.
+pub struct TaskQueues<'q> {
+    /// Commands, executed in their turn.
+    pub commands: Consumer<'q, Command>,
+    /// Notices, which take effect at once.
+    pub notices: Consumer<'q, Notice>,
+    /// Status, for the main loop.
+    pub status: Producer<'q, TaskStatus>,
 }
 
-/// What the tick takes up in its turn.
+/// A command, executed in its turn.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into; nearly all are segments")]
-pub enum Order {
+pub enum Command {
     /// Parameters and settings in force from here on.
     Parameters(Supervisor),
     /// The next move.
-    Segment(Ahead),
+    Segment(PlannedMove),
 }
 
-/// A move ahead of the control.
+/// A move that the control has yet to execute.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ahead {
-    /// Which run of segments it belongs to; see [`Word::Run`].
+pub struct PlannedMove {
+    /// Run of segments to which it belongs; see [`Notice::Run`].
     pub run: u32,
-    /// As the sender counts.
+    /// The sender's count.
     pub count: u32,
-    /// Where the axes must stand for it to begin; `None` where nothing has to be waited for.
+    /// Position at which it begins, if the axes have to be waited for.
     pub begins_at: Option<[Nm; 3]>,
     /// The move.
     pub segment: ActiveSegment,
 }
 
-/// What the tick must know at once.
+/// A notice, which takes effect at the next tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Word {
+pub enum Notice {
     /// The host was heard at this time.
     Heard(Micros),
-    /// The host does not speak to this board as it should: lost, as after a long silence.
+    /// The host's frames are corrupted: lost, as after a long silence.
     Lost,
-    /// The host is another one, or began anew: lost, and its last value has no meaning any more.
+    /// The host restarted, or is another one: lost, and its last value has no meaning any more.
     Gone,
-    /// Segments of runs before this one are forgotten.
+    /// A new run: segments of earlier runs are forgotten.
     Run(u32),
-    /// A person asks to arm, having seen how things stood at this epoch.
+    /// A person who has seen the state at this epoch asks to arm.
     Arm(u16),
-    /// Somebody asks to disarm.
+    /// A request to disarm.
     Disarm,
-    /// The board is not to be trusted.
+    /// A fault of the board.
     Fault(BoardFault),
 }
 
-/// What the tick tells: how things stand.
+/// Status of the control task after a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Told {
-    /// What was decided, and when; its block is the sender's count.
+pub struct TaskStatus {
+    /// The tick's decision; its block is the sender's count.
     pub record: TelemetryRecord,
-    /// Who has the override.
+    /// State of the supervisor.
     pub state: State,
-    /// Whether somebody should look.
+    /// Alarm for the operator.
     pub alarm: Alarm,
-    /// How often the override was taken away, the start among it; wraps.
+    /// Count of fallbacks, the start included; wraps.
     pub epoch: u16,
-    /// Segments done; wraps.
+    /// Count of finished segments; wraps.
     pub executed: u32,
     /// Whether the record's block is in work.
     pub is_in_work: bool,
-    /// The last arming that was refused since the word before.
+    /// The last arming that was refused since the status before.
     pub refusal: Option<Refusal>,
 }
 
@@ -122,21 +122,22 @@ impl<const AHEAD: usize> Default for Queues<AHEAD> {
 impl<const AHEAD: usize> Queues<AHEAD> {
     /// Empty.
     pub const fn new() -> Self {
-        Queues { orders: Queue::new(), words: Queue::new(), told: Queue::new(), papers: Papers::new() }
+        Queues { commands: Queue::new(), notices: Queue::new(), status: Queue::new(), buffers: Buffers::new() }
     }
 
     /// Both sides.
-    pub fn split(&mut self) -> (DeskQueues<'_>, TickerQueues<'_>) {
-        let ((orders, taken_orders), (words, taken_words)) = (split(&mut self.orders), split(&mut self.words));
-        let (told, heard) = split(&mut self.told);
-        let papers = &mut self.papers;
-        papers.clear();
-        let at_tick = TickerQueues { orders: taken_orders, words: taken_words, told };
-        (DeskQueues { orders, words, told: heard, papers }, at_tick)
+    pub fn split(&mut self) -> (HostQueues<'_>, TaskQueues<'_>) {
+        let ((commands, taken_commands), (notices, taken_notices)) =
+            (split(&mut self.commands), split(&mut self.notices));
+        let (status, heard) = split(&mut self.status);
+        let buffers = &mut self.buffers;
+        buffers.clear();
+        let at_tick = TaskQueues { commands: taken_commands, notices: taken_notices, status };
+        (HostQueues { commands, notices, status: heard, buffers }, at_tick)
     }
 }
 
-impl Ahead {
+impl PlannedMove {
     /// Whether the axes stand where it begins, if that has to be waited for.
     pub fn can_begin(&self, position: Option<&Pose>) -> bool {
         self.begins_at.is_none_or(|begin| {
@@ -168,7 +169,7 @@ mod tests {
     use arcfeed_shared::tool::{EndMill, Tool};
     use arcfeed_shared::units::{LengthUnit, MmPerTooth, RevPerMin};
 
-    fn ahead(run: u32) -> Ahead {
+    fn planned(run: u32) -> PlannedMove {
         let job = Job {
             unit: LengthUnit::Mm,
             tools: Tools::one(ToolSetup::new(
@@ -187,7 +188,7 @@ mod tests {
         let (start, end) = (Pose::default(), Pose::default());
         let segment = Segment { sequence: None, start, end, feed: Feed::Missing, path: Path::Rapid };
         let begins_at = Some([Nm(0), Nm(1_000_000), Nm(-5)]);
-        Ahead { run, count: 1, begins_at, segment: ActiveSegment::new(&segment, None, &job) }
+        PlannedMove { run, count: 1, begins_at, segment: ActiveSegment::new(&segment, None, &job) }
     }
 
     #[test]
@@ -199,7 +200,11 @@ mod tests {
             (u32::MAX, 0, true, false),
             (0, u32::MAX, false, true),
         ] {
-            assert_eq!((ahead(run).is_before(now), ahead(run).is_behind(now)), (is_before, is_behind), "{run} {now}");
+            assert_eq!(
+                (planned(run).is_before(now), planned(run).is_behind(now)),
+                (is_before, is_behind),
+                "{run} {now}"
+            );
         }
     }
 
@@ -213,8 +218,8 @@ mod tests {
             (Some(at([0, 1_000_000, -100_006])), false),
             (None, false),
         ] {
-            assert_eq!(ahead(0).can_begin(position.as_ref()), can, "{position:?}");
+            assert_eq!(planned(0).can_begin(position.as_ref()), can, "{position:?}");
         }
-        assert!(Ahead { begins_at: None, ..ahead(0) }.can_begin(None));
+        assert!(PlannedMove { begins_at: None, ..planned(0) }.can_begin(None));
     }
 }

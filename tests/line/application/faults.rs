@@ -19,8 +19,8 @@ use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, RevPerMin, Span};
 use arcfeed_shared::wire::message::codes::RequestCode;
 use arcfeed_shared::wire::message::table;
 
-use crate::station::document::rows;
-use crate::station::world::{Board, Channel, Host, World, standing};
+use crate::application::document::rows;
+use crate::application::world::{Board, Channel, Host, World, standing};
 
 const RADIUS: Nm = Nm(100_000_000);
 /// The highest override there is.
@@ -100,7 +100,7 @@ fn running() -> World {
     let output = world.output.expect("a tick");
     assert_eq!((output.feed_override.percent, output.state), (WORST_PERCENT, State::Running));
     // The worst moment: the next word would have come first after the longest silence.
-    world.until("a word of the host", |world| world.board.desk.link().age(world.now) == Span(0));
+    world.until("a word of the host", |world| world.board.host_link.link().age(world.now) == Span(0));
     world
 }
 
@@ -161,11 +161,11 @@ fn say_goodbye(world: &mut World) {
 fn make_noise(world: &mut World) {
     world.down.is_open = false;
     let now = world.now;
-    world.board.desk.on_link_bytes(now, &[0x02, 0x11, 0x00].repeat(20));
+    world.board.host_link.on_link_bytes(now, &[0x02, 0x11, 0x00].repeat(20));
 }
 
 fn restart_board(world: &mut World) {
-    if world.board.ticker.memory().state() != State::Idle {
+    if world.board.task.memory().state() != State::Idle {
         world.board = Board::boot(2, None);
     }
 }

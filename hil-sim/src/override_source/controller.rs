@@ -1,4 +1,4 @@
-//! The controller in this process, told which move is in work.
+//! The feed controller in this process, notified of each move by the simulated control.
 
 use arcfeed_firmware::active::{ActiveSegment, Conditions};
 use arcfeed_firmware::board::{Board, Task};
@@ -12,12 +12,12 @@ use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::tool::Tool;
 use arcfeed_shared::units::{Micros, Nm, Span};
 
-use super::{Begun, Decider, Shown};
+use super::{Begun, OverrideSource, Shown};
 use crate::faults::ControllerFault;
 
-/// A controller and what it is corrupted by.
+/// A feed controller, with an optional fault.
 #[derive(Debug)]
-pub struct Told {
+pub struct InProcessController {
     supervisor: Option<Supervisor>,
     task: Task,
     cabinet: Cabinet,
@@ -50,7 +50,7 @@ impl Board for Cabinet {
     }
 }
 
-impl Told {
+impl InProcessController {
     /// The controller of a job, ticking every `period`; the operator has armed before cycle start.
     ///
     /// # Errors
@@ -65,7 +65,7 @@ impl Told {
             ControllerFault::FrozenAfter(ticks) => Some(Micros(ticks * u64::from(period.0))),
             _ => None,
         };
-        Ok(Told {
+        Ok(InProcessController {
             supervisor,
             task: Task::from(Memory::armed()),
             cabinet: Cabinet { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED },
@@ -75,7 +75,7 @@ impl Told {
     }
 }
 
-impl Decider for Told {
+impl OverrideSource for InProcessController {
     fn begin(&mut self, begun: Option<Begun<'_>>) {
         let job = &self.believed;
         self.cabinet.segment = begun.map(|Begun { count, segment, rule, along, spindle, limit, end_percent }| {

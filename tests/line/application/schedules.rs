@@ -7,8 +7,8 @@ use arcfeed_firmware::supervisor::state::State;
 use arcfeed_shared::units::{Micros, Span};
 use arcfeed_tests::of_full_set;
 
-use crate::station::example::moves;
-use crate::station::world::{Channel, World, standing};
+use crate::application::example::moves;
+use crate::application::world::{Channel, World, standing};
 use arcfeed_tests::recording::{Recording, ibr_slot};
 
 const SHORT: u64 = 60;
@@ -75,19 +75,19 @@ fn run_through(seed: u64, run: &'static Recording) -> Outcome {
         // 50 %/s; a block's beginning may bring the same feed by another override, while the laws have it.
         assert!(percent <= last + 1 || output.state == State::Running, "{}", told());
         outcome.losses += u32::from(before.state.is_engaged() && !output.state.is_engaged());
-        let age = world.board.desk.link().age(world.now);
+        let age = world.board.host_link.link().age(world.now);
         if output.state.is_engaged() {
             assert!(age <= Span::from_ms(251), "{}", told());
             outcome.stalest_ms = outcome.stalest_ms.max((Micros(u64::from(age.0)).to_s() * 1e3) as u32);
         } else if age > KEEP && last != 100 {
             assert!(percent.abs_diff(100) <= last.abs_diff(100), "{}", told());
         }
-        let report = world.board.desk.clerk().report().expect("a report");
+        let report = world.board.host_link.handler().report().expect("a report");
         if let Some(count) = report.in_work {
             assert!(count >= in_work && count <= in_work + 1, "{count} behind {in_work}, {}", told());
             in_work = count;
         }
-        let executed = world.board.ticker.executed();
+        let executed = world.board.task.executed();
         assert!(first + executed as usize <= begun, "{executed} done, {begun} begun, {}", told());
         outcome.executed = executed;
         before = output;

@@ -1,7 +1,7 @@
 //! What a host may ask for, and what it is refused.
 
 use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_firmware::station::ticker::Supply;
+use arcfeed_firmware::application::control_task::Supply;
 use arcfeed_firmware::supervisor::Output;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_firmware::supervisor::state::State;
@@ -11,11 +11,11 @@ use arcfeed_shared::wire::message::page::{self, Tapped};
 use arcfeed_shared::wire::message::schema::{FieldType, Optional};
 use arcfeed_shared::wire::message::{Message, SCHEMA, moves, parameters, table};
 
-use crate::station::world::{Channel, World, standing};
+use crate::application::world::{Channel, World, standing};
 use arcfeed_tests::recording::ibr_slot;
 
 fn all_moves() -> Vec<(Segment, Option<usize>)> {
-    crate::station::example::moves(ibr_slot())
+    crate::application::example::moves(ibr_slot())
 }
 
 /// A board that stands at the program's zero.
@@ -65,7 +65,7 @@ const SET_SETTING: u8 = 0x25;
 fn parameters_are_refused_while_segments_are_in_work_under_the_laws_and_taken_after_disarming() {
     let mut world = world(4);
     world.arm();
-    let executed = world.board.ticker.executed();
+    let executed = world.board.task.executed();
     assert_eq!(send_set(&mut world, 9), [(COMMIT, RefusalCode::Busy)]);
     assert_eq!(world.host.report.expect("a report").set, 1);
     assert!(output(&world).state.is_engaged(), "unchanged");
@@ -100,8 +100,8 @@ fn segments_need_parameters_of_this_session_their_order_and_a_rule_that_is_there
     assert_eq!(say(&mut world, segment(7)), [], "a run begins with any count");
     world.host.link.close();
     world.run(20);
-    assert_eq!(world.board.desk.clerk().report().expect("a report").set, 1, "the set stays in force");
-    world.host = crate::station::world::Host::new(2, &ibr_slot().job, &[]);
+    assert_eq!(world.board.host_link.handler().report().expect("a report").set, 1, "the set stays in force");
+    world.host = crate::application::world::Host::new(2, &ibr_slot().job, &[]);
     world.host.is_silent = true;
     world.run(200);
     assert_eq!(say(&mut world, segment(1)), [(SEGMENT, RefusalCode::NoParameters)], "but not for this session");
@@ -169,7 +169,7 @@ fn settings_are_told_and_set_one_by_one_but_not_under_the_laws() {
     world.arm();
     assert_eq!(say(&mut world, set(SettingCode::LinkLost, 200_000)), [(SET_SETTING, RefusalCode::Busy)]);
     // It is in effect: after 150 ms of silence the host is lost.
-    world.until("a word", |world| world.board.desk.link().age(world.now).0 == 0);
+    world.until("a word", |world| world.board.host_link.link().age(world.now).0 == 0);
     world.down.is_open = false;
     let lost = world.until("the loss", |world| matches!(output(world).state, State::Fallback { .. }));
     assert_eq!(lost, 151);
@@ -216,7 +216,7 @@ fn a_host_that_sends_more_segments_than_there_is_room_for_loses_none() {
         world.step();
     }
     assert_eq!(world.host.refusals, []);
-    assert_eq!(world.board.ticker.executed() as usize, run.segments.len());
+    assert_eq!(world.board.task.executed() as usize, run.segments.len());
 }
 
 #[test]
@@ -224,13 +224,13 @@ fn a_host_that_comes_and_goes_at_a_tapped_line_looks_on_and_changes_nothing() {
     let run = ibr_slot();
     let mut world = world(0);
     world.host.is_silent = true;
-    world.board = crate::station::world::Board::supplied(Supply::Tap, 1, None);
-    let clerk = world.board.desk.clerk_mut();
+    world.board = crate::application::world::Board::supplied(Supply::Tap, 1, None);
+    let handler = world.board.host_link.handler_mut();
     let page = page::write(&run.job, Tapped::default()).expect("a board can be told the job");
-    clerk.adopt_page(&page, 7).expect("the job is sound");
+    handler.load_page(&page, 7).expect("the job is sound");
     let (first, rule) = all_moves()[0];
     let rule = rule.map(|rule| &run.job.rules[rule]);
-    assert!(clerk.push(1, ActiveSegment::new(&first, rule, &run.job)));
+    assert!(handler.push(1, ActiveSegment::new(&first, rule, &run.job)));
     world.run(2_500);
     assert_eq!(world.host.report.map(|report| (report.in_work, report.set)), Some((Some(1), 7)));
     assert_eq!(say(&mut world, table::Begin { set: 9 }), [(0x10, RefusalCode::Message)]);
@@ -241,7 +241,7 @@ fn a_host_that_comes_and_goes_at_a_tapped_line_looks_on_and_changes_nothing() {
     world.host.link.close();
     world.run(1_000);
     assert!(output(&world).state.is_engaged(), "nobody at the link is missed");
-    assert_eq!(world.board.desk.clerk().report().expect("a report").in_work, Some(1));
+    assert_eq!(world.board.host_link.handler().report().expect("a report").in_work, Some(1));
 }
 
 /// A payload that the schema allows, or nearly.

@@ -2,11 +2,11 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_firmware::station::clerk::{Clerk, Identity};
-use arcfeed_firmware::station::desk::Desk;
-use arcfeed_firmware::station::order::Queues;
-use arcfeed_firmware::station::sensors::Sensors;
-use arcfeed_firmware::station::ticker::{Supply, Ticker};
+use arcfeed_firmware::application::command_handler::{CommandHandler, Identity};
+use arcfeed_firmware::application::control_task::{ControlTask, Supply};
+use arcfeed_firmware::application::host_link::HostLink;
+use arcfeed_firmware::application::messages::Queues;
+use arcfeed_firmware::application::sensors::Sensors;
 use arcfeed_firmware::supervisor::Output;
 use arcfeed_firmware::supervisor::input::Freshness;
 use arcfeed_firmware::supervisor::settings::Settings;
@@ -67,8 +67,8 @@ pub struct Host {
 
 /// The board: what an image holds.
 pub struct Board {
-    pub desk: Desk<'static>,
-    pub ticker: Ticker<'static>,
+    pub host_link: HostLink<'static>,
+    pub task: ControlTask<'static>,
 }
 
 /// All of it.
@@ -258,13 +258,13 @@ impl Board {
     /// The same, its segments from here or there.
     pub fn supplied(supply: Supply, starts: u32, fault: Option<BoardFault>) -> Self {
         let queues: &'static mut Queues<AHEAD> = Box::leak(Box::default());
-        let (at_desk, at_tick) = queues.split();
+        let (at_host, at_tick) = queues.split();
         let identity = Identity { name: "in process", version: [0, 1, 0], reset: ResetCode::Power, starts };
-        let clerk = Clerk::new(at_desk, identity, Settings::default()).expect("the settings are sound");
-        let clerk = if supply == Supply::Tap { clerk.tapped() } else { clerk };
-        let desk = Desk::new(link_settings(Role::Board), starts << 16, clerk).expect("the settings work");
-        let ticker = Ticker::new(at_tick, supply, Settings::default(), fault).expect("the settings are sound");
-        Board { desk, ticker }
+        let handler = CommandHandler::new(at_host, identity, Settings::default()).expect("the settings are sound");
+        let handler = if supply == Supply::Tap { handler.tapped() } else { handler };
+        let host_link = HostLink::new(link_settings(Role::Board), starts << 16, handler).expect("the settings work");
+        let task = ControlTask::new(at_tick, supply, Settings::default(), fault).expect("the settings are sound");
+        Board { host_link, task }
     }
 }
 
@@ -298,15 +298,15 @@ impl World {
             }
             self.down.send(now, &frame[..length]);
         }
-        let Board { desk, ticker } = &mut self.board;
+        let Board { host_link, task } = &mut self.board;
         let bytes = self.down.receive(now);
         if self.is_desk_running {
-            desk.on_link_bytes(now, &bytes);
-            desk.run(now);
+            host_link.on_link_bytes(now, &bytes);
+            host_link.run(now);
         }
-        let output = ticker.tick(now, &self.sensors);
+        let output = task.tick(now, &self.sensors);
         while self.is_desk_running {
-            let length = desk.poll_link(now, &mut frame);
+            let length = host_link.poll_link(now, &mut frame);
             if length == 0 {
                 break;
             }

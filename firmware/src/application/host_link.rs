@@ -1,4 +1,4 @@
-//! The side of the main loop: the link, and a clerk who obeys what comes over it.
+//! The board's end of the link to its host: frames in and out, and a command handler that executes the messages.
 
 use arcfeed_shared::units::{Micros, Span};
 use arcfeed_shared::wire::link::{Link, LinkState, Loss, SendError};
@@ -7,48 +7,48 @@ use arcfeed_shared::wire::message::field::{CHUNK_MAX, Chunk, PAYLOAD_MAX};
 use arcfeed_shared::wire::message::table;
 use arcfeed_shared::wire::settings::{LinkSettings, SettingsError};
 
-use super::clerk::Clerk;
+use super::command_handler::CommandHandler;
 
-/// What ends a frame on the line.
+/// End of a frame on the line.
 const DELIMITER: u8 = 0;
-/// How long a report is worth anything.
+/// Time to live of a report.
 const REPORT_TTL: Span = Span::from_ms(300);
-/// Answers go before the log: it leaves them so much room.
+/// Room in the link that the log leaves to answers.
 const LOG_LEAVES: usize = 4;
 
 /// The board's end of the link; state.
-pub struct Desk<'q, const WINDOW: usize = 16, const KINDS: usize = 8> {
+pub struct HostLink<'q, const WINDOW: usize = 16, const KINDS: usize = 8> {
     link: Link<WINDOW, KINDS>,
-    clerk: Clerk<'q>,
+    handler: CommandHandler<'q>,
     was_up: bool,
     report_due: Micros,
 }
 
-impl<'q, const WINDOW: usize, const KINDS: usize> Desk<'q, WINDOW, KINDS> {
-    /// A desk that greets. `session` is one that no start of this board had before, and none has for the next 65 536 losses of its
-    /// link: a count of starts in the upper half.
+impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
+    /// A link that greets its peer. No earlier start of this board may have had `session`, nor may the next 65 536 losses of its link need it:
+    /// a count of starts in the upper half.
     ///
     /// # Errors
-    /// Settings of the link that cannot work.
-    pub fn new(settings: LinkSettings, session: u32, clerk: Clerk<'q>) -> Result<Self, SettingsError> {
+    /// Impossible settings of the link.
+    pub fn new(settings: LinkSettings, session: u32, handler: CommandHandler<'q>) -> Result<Self, SettingsError> {
         let link = Link::new(settings, session)?;
-        Ok(Desk { link, clerk, was_up: false, report_due: Micros(0) })
+        Ok(HostLink { link, handler, was_up: false, report_due: Micros(0) })
     }
 
     /// Takes bytes off the link's line.
     pub fn on_link_bytes(&mut self, now: Micros, bytes: &[u8]) {
-        // What the host asks for is judged by how things stand.
-        self.clerk.listen();
-        // Frame by frame: after each one the clerk may have enough, or another session may have begun.
+        // Requests of the host are judged by the present state.
+        self.handler.read_status();
+        // Frame by frame: after each one the handler may be full, or another session may have begun.
         let mut rest = bytes;
         while !rest.is_empty() {
-            let Desk { link, clerk, .. } = self;
+            let HostLink { link, handler, .. } = self;
             let end = rest.iter().position(|byte| *byte == DELIMITER).map_or(rest.len(), |at| at.saturating_add(1));
             // Not `split_inclusive`: the compiler cannot see that it never panics.
             let (part, others) = rest.split_at_checked(end).unwrap_or((rest, &[]));
             rest = others;
-            link.set_ready(clerk.is_ready());
-            link.on_bytes(now, part, &mut |received| clerk.take(received.kind, received.payload));
+            link.set_ready(handler.is_ready());
+            link.on_bytes(now, part, &mut |received| handler.take(received.kind, received.payload));
             self.watch();
         }
     }
@@ -58,20 +58,20 @@ impl<'q, const WINDOW: usize, const KINDS: usize> Desk<'q, WINDOW, KINDS> {
         self.link.poll_transmit(now, out)
     }
 
-    /// What is to be done now and then, best after each tick: hears the tick, answers, reports.
+    /// Reads the status of the control task, answers and reports. Call it often, best after each tick.
     pub fn run(&mut self, now: Micros) {
-        self.clerk.run();
+        self.handler.run();
         self.watch();
-        self.link.set_ready(self.clerk.is_ready());
+        self.link.set_ready(self.handler.is_ready());
         if !self.was_up {
             return;
         }
-        self.clerk.heard(heard_at(now, self.link.age(now)));
+        self.handler.heard(heard_at(now, self.link.age(now)));
         self.answer();
         if now >= self.report_due
-            && let Some(report) = self.clerk.report()
+            && let Some(report) = self.handler.report()
         {
-            let every = Micros(u64::from(self.clerk.knobs().report_every.0));
+            let every = Micros(u64::from(self.handler.settings().report_every.0));
             self.report_due = now.after(every);
             let mut buffer = [0; PAYLOAD_MAX];
             let message = Message::from(report);
@@ -100,21 +100,21 @@ impl<'q, const WINDOW: usize, const KINDS: usize> Desk<'q, WINDOW, KINDS> {
         &self.link
     }
 
-    /// The clerk, for what does not come over the link: a tap's segments, parameters in flash.
-    pub fn clerk_mut(&mut self) -> &mut Clerk<'q> {
-        &mut self.clerk
+    /// The command handler, for input that does not come over the link: a tap's segments, parameters in flash.
+    pub fn handler_mut(&mut self) -> &mut CommandHandler<'q> {
+        &mut self.handler
     }
 
-    /// The clerk.
-    pub fn clerk(&self) -> &Clerk<'q> {
-        &self.clerk
+    /// The command handler.
+    pub fn handler(&self) -> &CommandHandler<'q> {
+        &self.handler
     }
 
-    /// Sees the link come and go. It greets again at once, as another session.
+    /// Follows the state of the link. A lost link greets again at once, as another session.
     fn watch(&mut self) {
         match self.link.state() {
             LinkState::Up if !self.was_up => {
-                self.clerk.welcome();
+                self.handler.on_link_up();
                 self.was_up = true;
             }
             LinkState::Up => {}
@@ -131,15 +131,15 @@ impl<'q, const WINDOW: usize, const KINDS: usize> Desk<'q, WINDOW, KINDS> {
             return;
         }
         match loss {
-            Loss::PeerRestarted | Loss::PeerClosed | Loss::Closed => self.clerk.see_host_off(),
-            Loss::Silence | Loss::Unacknowledged | Loss::Garbled => self.clerk.lose_host(),
+            Loss::PeerRestarted | Loss::PeerClosed | Loss::Closed => self.handler.on_host_left(),
+            Loss::Silence | Loss::Unacknowledged | Loss::Garbled => self.handler.on_host_lost(),
         }
     }
 
     fn answer(&mut self) {
-        while let Some(reply) = self.clerk.reply() {
+        while let Some(reply) = self.handler.reply() {
             if send(&mut self.link, &reply) == Err(SendError::Full) {
-                return self.clerk.keep(reply);
+                return self.handler.keep(reply);
             }
         }
     }
@@ -154,7 +154,7 @@ fn send<const WINDOW: usize, const KINDS: usize>(
     link.send(message.kind(), buffer.get(..length).unwrap_or_default())
 }
 
-/// When the peer was heard last.
+/// Time at which the peer was last heard.
 fn heard_at(now: Micros, age: Span) -> Micros {
     now.since(Micros(u64::from(age.0)))
 }

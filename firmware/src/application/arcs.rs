@@ -1,6 +1,6 @@
-//! The engaged arcs that a host tells ahead of the segment that they belong to, docs/protocol.md.
+//! Engaged arcs that a host sends ahead of the segment to which they belong, docs/protocol.md.
 //!
-//! Half a table would be a wrong law: what was told of a segment counts as a whole or refuses the segment.
+//! Half a table would be a wrong law: the arcs of a segment count as a whole, or the segment is refused.
 
 use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::engaged::{EngagedError, EngagedTable};
@@ -8,23 +8,23 @@ use arcfeed_shared::wire::message::codes::RefusalCode;
 use arcfeed_shared::wire::message::moves::decode_arcs;
 use arcfeed_shared::wire::message::table::SegmentArcs;
 
-/// What was told of the segment that comes next; state.
+/// Engaged arcs received for the next segment; state.
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and there is one of it")]
 pub enum Arcs {
-    /// Nothing.
+    /// No arcs.
     None,
-    /// These, so far.
-    Told(EngagedTable),
-    /// Some that were refused.
+    /// The arcs received so far.
+    Received(EngagedTable),
+    /// At least one of them was refused.
     Refused,
 }
 
 impl Arcs {
-    /// Takes the arcs at the next place.
+    /// Adds the arcs at the next place along the segment.
     ///
     /// # Errors
-    /// Why there can be no such place; of one segment only the first is answered.
+    /// The reason why there can be no such place. Only the first refusal of a segment is reported.
     pub fn take(&mut self, arcs: &SegmentArcs) -> Result<(), RefusalCode> {
         let taken = self.add(arcs);
         if taken.is_err() {
@@ -37,8 +37,8 @@ impl Arcs {
         let SegmentArcs { travelled, outer, inner } = *arcs;
         let knot = || decode_arcs(travelled, [outer, inner]).map_err(|_| RefusalCode::Value);
         let added = match self {
-            Arcs::None => EngagedTable::beginning(knot()?).map(|table| *self = Arcs::Told(table)),
-            Arcs::Told(table) => table.push(knot()?),
+            Arcs::None => EngagedTable::beginning(knot()?).map(|table| *self = Arcs::Received(table)),
+            Arcs::Received(table) => table.push(knot()?),
             Arcs::Refused => Ok(()),
         };
         added.map_err(|error| match error {
@@ -47,22 +47,22 @@ impl Arcs {
         })
     }
 
-    /// Whether they can belong to a segment of this rule. Without any the segment has no law: that is for the host to say.
+    /// Checks that the arcs can belong to a segment under this rule. A segment without arcs has no law, which is the host's decision.
     ///
     /// # Errors
-    /// Why not.
+    /// The reason why not.
     pub fn suit(&self, rule: Option<&CutRule>) -> Result<(), RefusalCode> {
         match self {
             Arcs::Refused => Err(RefusalCode::Incomplete),
-            Arcs::Told(_) if !rule.is_some_and(CutRule::is_told_along) => Err(RefusalCode::Value),
-            Arcs::None | Arcs::Told(_) => Ok(()),
+            Arcs::Received(_) if !rule.is_some_and(CutRule::is_told_along) => Err(RefusalCode::Value),
+            Arcs::None | Arcs::Received(_) => Ok(()),
         }
     }
 
-    /// The whole table, if there is one.
+    /// The complete table, if there is one.
     pub fn table(&self) -> Option<&EngagedTable> {
         match self {
-            Arcs::Told(table) => Some(table),
+            Arcs::Received(table) => Some(table),
             Arcs::None | Arcs::Refused => None,
         }
     }

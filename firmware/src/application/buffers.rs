@@ -1,4 +1,4 @@
-//! The largest things that a desk keeps, in memory that its board gives it: handed on by value they would be copied along the stack.
+//! The largest objects of the command handler, in memory that the board provides: moved by value they would be copied along the stack.
 
 use arcfeed_shared::job::Job;
 use arcfeed_shared::machine::{FeedLimit, LimitedBy};
@@ -12,31 +12,31 @@ use crate::active::{ActiveSegment, Conditions};
 
 use super::arcs::Arcs;
 
-/// The job in force, the set on its way in, and what was told of the segment that comes next; state.
+/// The job in force, the parameter set being received, and the engaged arcs of the next segment; state.
 #[derive(Debug)]
-pub struct Papers {
+pub struct Buffers {
     /// The job in force, if there is one.
     job: Job,
     has_job: bool,
-    /// The set on its way in.
+    /// The parameter set being received.
     pub(super) staging: Staging,
-    /// Along the segment that comes next, or that waits for room.
+    /// Engaged arcs of the next segment, or of the one that waits for room.
     pub(super) arcs: Arcs,
 }
 
-impl Default for Papers {
+impl Default for Buffers {
     fn default() -> Self {
-        Papers::new()
+        Buffers::new()
     }
 }
 
-impl Papers {
-    /// No job, nothing on its way.
+impl Buffers {
+    /// No job, no set, no arcs.
     pub const fn new() -> Self {
-        Papers { job: empty_job(), has_job: false, staging: Staging::new(), arcs: Arcs::None }
+        Buffers { job: empty_job(), has_job: false, staging: Staging::new(), arcs: Arcs::None }
     }
 
-    /// The same in place: they are too large to be made elsewhere.
+    /// Empties them in place: they are too large to be built elsewhere and moved.
     pub(super) fn clear(&mut self) {
         self.has_job = false;
         self.staging.forget();
@@ -48,16 +48,16 @@ impl Papers {
         self.has_job.then_some(&self.job)
     }
 
-    /// Puts the job of the set that was committed last in force.
+    /// Puts the job of the last committed set in force.
     pub(super) fn put_in_force(&mut self) {
         self.staging.swap_job(&mut self.job);
         self.has_job = true;
     }
 
-    /// Whether a segment, with the arcs told of it, is one of the job in force.
+    /// Checks a segment, with the arcs received for it, against the job in force.
     ///
     /// # Errors
-    /// Why not.
+    /// The reason why it does not belong to the job.
     pub(super) fn check(&self, segment: &table::Segment) -> Result<(), RefusalCode> {
         let job = self.job().ok_or(RefusalCode::NoParameters)?;
         let rule = segment.rule.map(|rule| job.rules.get(usize::from(rule)).ok_or(RefusalCode::Value)).transpose()?;
@@ -65,7 +65,7 @@ impl Papers {
         self.arcs.suit(rule)
     }
 
-    /// A segment that was checked, under its law; `None` only for one that was not. Its arcs are used up.
+    /// Prepares a checked segment under its law and uses its arcs up; `None` only for one that was not checked.
     pub(super) fn prepare(&mut self, message: &table::Segment) -> Option<ActiveSegment> {
         let job = self.has_job.then_some(&self.job)?;
         let segment = moves::decode(message).ok()?;
@@ -85,7 +85,7 @@ impl Papers {
         Some(active)
     }
 
-    /// Takes the job of a page of flash, if it suits; answers the line that it is for.
+    /// Loads the job of a page of flash, if `suits` accepts it; returns the tapped line for which it was written.
     pub(super) fn read_page(&mut self, page: &[u8], suits: impl Fn(&Job) -> bool) -> Result<Tapped, PageError> {
         let (job, tapped) = page::read(page, &mut self.staging)?;
         if !suits(job) {

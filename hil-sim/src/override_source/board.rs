@@ -1,4 +1,4 @@
-//! A board decides: it is told by the bytes of a line what a machine shows, and answers with the levels of *FV0 to *FV7.
+//! A feed board as the source of the override: it receives the machine's signals over a line and answers with the levels of *FV0 to *FV7.
 //!
 //! ```text
 //! Sample { what the machine shows, bytes put on the other lines so far } ->  board
@@ -20,7 +20,7 @@ use arcfeed_shared::wire::message::fixed::Q40;
 use arcfeed_shared::wire::message::table::{Sample, Setpoint};
 use arcfeed_shared::wire::plain::PlainLine;
 
-use super::{Decider, Shown};
+use super::{OverrideSource, Shown};
 use crate::control::signals::FeedOverrideLines;
 
 /// What a frame with a setpoint takes on the line.
@@ -85,7 +85,7 @@ pub struct Traffic {
     pub control: Vec<u8>,
 }
 
-/// Why a board decides nothing any more. Its lines are released then, as by a loss of power: 0 %.
+/// Reason why a board has stopped. Its lines are released then, as by a loss of power: 0 %.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Broken {
     /// A line is closed.
@@ -182,12 +182,12 @@ impl<W: Wires, A: Attached> Board<W, A> {
         &self.wires
     }
 
-    /// Who has the override, as the board said last.
+    /// State of its supervisor, as last reported.
     pub fn state(&self) -> Option<StateCode> {
         self.last.map(|setpoint| setpoint.state)
     }
 
-    /// Why it decides nothing any more.
+    /// Reason why it has stopped.
     pub fn broken(&self) -> Option<Broken> {
         self.broken
     }
@@ -297,7 +297,7 @@ impl<W: Wires, A: Attached> Board<W, A> {
     }
 }
 
-impl<W: Wires, A: Attached> Decider for Board<W, A> {
+impl<W: Wires, A: Attached> OverrideSource for Board<W, A> {
     fn decide(&mut self, shown: &Shown) -> FeedOverride {
         if self.broken.is_none() {
             self.broken = self.exchange(shown).err();

@@ -1,4 +1,4 @@
-//! Control, machine, controller and meter on one time base: a run.
+//! Simulation of a run: control, machine, override source and chip meter on one time base.
 
 use std::collections::VecDeque;
 
@@ -14,23 +14,23 @@ use arcfeed_shared::segment::{RADIUS_TOLERANCE, Segment};
 use arcfeed_shared::telemetry::Sample;
 use arcfeed_shared::units::{Micros, Nm, PERCENT, RevPerMin, US_PER_S};
 
-use crate::control::action::Manner;
+use crate::control::action::MoveContext;
 use crate::control::{Control, ControlSettings};
 use crate::cutting::meter::{ChipMeter, MeterSettings, STEADY_RATIO};
-use crate::decider::told::Told;
-use crate::decider::{Begun, Decider, Shown};
 use crate::faults::ControllerFault;
 use crate::machine;
+use crate::override_source::controller::InProcessController;
+use crate::override_source::{Begun, OverrideSource, Shown};
 
 /// The period of interpolation, of the machine's reports and of the controller's tick.
 pub const STEP: Micros = Micros::from_ms(1);
 
-/// Everything that runs; deterministic.
+/// A simulated run; deterministic.
 #[derive(Debug)]
-pub struct Rig<D = Told> {
+pub struct Simulation<D = InProcessController> {
     now: Micros,
     control: Control,
-    decider: D,
+    source: D,
     output: FeedOverride,
     job: Job,
     meter: ChipMeter,
@@ -39,21 +39,21 @@ pub struct Rig<D = Told> {
     /// Up to here the axes still come from the move before.
     settles_until: Micros,
     /// Of the move begun last. Positions and moves are the workpiece's: seen from its origin.
-    manner: Manner,
+    context: MoveContext,
     /// The move begun last, and its rule.
     last: Option<(Segment, Option<usize>)>,
     /// Those still to come.
     foreseen: VecDeque<Foreseen>,
 }
 
-/// A move that cannot be looked at by itself, and what was worked out of it beforehand.
+/// Planned conditions of a move that cannot be planned by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Foreseen {
     /// The move, in the workpiece's coordinates; its feed does not count.
     pub segment: Segment,
     /// Index of the cut rule that governs it.
     pub rule: Option<usize>,
-    /// Where the tool's circles are engaged along it, where its rule leaves that to be told.
+    /// Engaged arcs of the tool's circles along it, for a rule that expects engagement per move.
     pub along: Option<EngagedTable>,
     /// The fastest feed on it, where that is known.
     pub limit: Option<FeedLimit>,
@@ -68,7 +68,7 @@ impl Foreseen {
     }
 }
 
-/// What the override did on one move that a cut rule speaks of.
+/// The override on one move under a cut rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MoveOverride {
     /// Least, %.
@@ -80,13 +80,13 @@ pub struct MoveOverride {
     last_percent: u8,
 }
 
-impl Rig {
+impl Simulation {
     /// A control that reads from its DNC line, with the controller of the job.
     ///
     /// # Errors
     /// Bounds of the override that make no sense.
     pub fn on_line(settings: ControlSettings, job: &Job, fault: ControllerFault) -> Result<Self, SettingsError> {
-        Ok(Rig::new(Control::on_line(settings), job, Told::new(job, fault, STEP.into())?))
+        Ok(Simulation::new(Control::on_line(settings), job, InProcessController::new(job, fault, STEP.into())?))
     }
 
     /// A control with the program in its memory, with the controller of the job.
@@ -99,17 +99,21 @@ impl Rig {
         job: &Job,
         fault: ControllerFault,
     ) -> Result<Self, SettingsError> {
-        Ok(Rig::new(Control::from_memory(settings, program), job, Told::new(job, fault, STEP.into())?))
+        Ok(Simulation::new(
+            Control::from_memory(settings, program),
+            job,
+            InProcessController::new(job, fault, STEP.into())?,
+        ))
     }
 }
 
-impl<D: Decider> Rig<D> {
-    /// A control whose override is decided by `decider`.
-    pub fn new(control: Control, job: &Job, decider: D) -> Self {
-        Rig {
+impl<D: OverrideSource> Simulation<D> {
+    /// A control whose override comes from `source`.
+    pub fn new(control: Control, job: &Job, source: D) -> Self {
+        Simulation {
             now: Micros(0),
             control,
-            decider,
+            source,
             output: FeedOverride::PROGRAMMED,
             meter: ChipMeter::new(MeterSettings {
                 tool: job.tools.first().tool,
@@ -120,13 +124,13 @@ impl<D: Decider> Rig<D> {
             overrides: Vec::new(),
             first_move: None,
             settles_until: Micros(0),
-            manner: Manner::default(),
+            context: MoveContext::default(),
             last: None,
             foreseen: VecDeque::new(),
         }
     }
 
-    /// Takes what is known of special moves, and of those whose engagement is told, in the order in which they come; one that never comes hides none behind it.
+    /// Takes the planned conditions of special moves and of those with engagement per move, in program order. A move that never comes hides none behind it.
     pub fn foresee(&mut self, moves: impl IntoIterator<Item = Foreseen>) {
         self.foreseen = moves.into_iter().collect();
     }
@@ -137,18 +141,18 @@ impl<D: Decider> Rig<D> {
         let before = self.control.active().map(|(count, segment)| (count, *segment));
         self.control.step(self.now, STEP, self.output.percent);
         let active = self.control.active().map(|(count, segment)| (count, *segment));
-        self.manner = self.control.manner().copied().unwrap_or(self.manner);
+        self.context = self.control.context().copied().unwrap_or(self.context);
         if let Some((count, segment)) = active.filter(|_| active != before) {
-            self.begin(count, &segment.shifted(Pose::ORIGIN.minus(self.manner.origin)));
+            self.begin(count, &segment.shifted(Pose::ORIGIN.minus(self.context.origin)));
         }
         if active.is_none() {
-            self.decider.begin(None);
+            self.source.begin(None);
         }
         let mut sample = machine::sample(&self.control, self.now);
-        sample.position = sample.position.minus(self.manner.origin);
+        sample.position = sample.position.minus(self.context.origin);
         self.measure(&sample);
         self.record_override(sample.block, sample.override_percent);
-        self.output = self.decider.decide(&self.shown(&sample.position, active.is_some()));
+        self.output = self.source.decide(&self.shown(&sample.position, active.is_some()));
     }
 
     /// Time since power-on.
@@ -167,28 +171,28 @@ impl<D: Decider> Rig<D> {
         &self.control
     }
 
-    /// The control, to act on.
+    /// The control, mutable.
     pub fn control_mut(&mut self) -> &mut Control {
         &mut self.control
     }
 
-    /// Who decides the override.
-    pub fn decider(&self) -> &D {
-        &self.decider
+    /// The override source.
+    pub fn source(&self) -> &D {
+        &self.source
     }
 
-    /// Who decides the override, to act on.
-    pub fn decider_mut(&mut self) -> &mut D {
-        &mut self.decider
+    /// The override source, mutable.
+    pub fn source_mut(&mut self) -> &mut D {
+        &mut self.source
     }
 
-    /// Who decided the override.
-    pub fn into_decider(self) -> D {
-        self.decider
+    /// The override source, at the end.
+    pub fn into_source(self) -> D {
+        self.source
     }
 
-    /// The override as it was decided last.
-    pub fn decided(&self) -> FeedOverride {
+    /// Last output of the override source.
+    pub fn override_output(&self) -> FeedOverride {
         self.output
     }
 
@@ -207,9 +211,9 @@ impl<D: Decider> Rig<D> {
         self.last.and_then(|(_, rule)| rule)
     }
 
-    /// What holds for the move begun last.
-    pub fn manner(&self) -> &Manner {
-        &self.manner
+    /// Context of the move begun last.
+    pub fn context(&self) -> &MoveContext {
+        &self.context
     }
 
     /// Time from the first move to now.
@@ -221,8 +225,8 @@ impl<D: Decider> Rig<D> {
         self.first_move.get_or_insert(self.now);
         let rules = &self.job.rules;
         let continued = self.last.filter(|(last, _)| self.is_in_pieces() && continues(last, segment));
-        let is_special = self.manner.is_special;
-        let matched = self.job.match_move(segment, &self.manner.machining);
+        let is_special = self.context.is_special;
+        let matched = self.job.match_move(segment, &self.context.machining);
         let plain = matched.governing().filter(|_| !is_special).map(|governing| (governing.index, governing.rule));
         let is_next = self.foreseen.front().is_some_and(|known| known.is_of(segment));
         let known = if is_special || plain.is_some() || is_next { foreseen(&mut self.foreseen, segment) } else { None };
@@ -253,15 +257,15 @@ impl<D: Decider> Rig<D> {
         let along = known.as_ref().and_then(|known| known.along.as_ref());
         let end_percent = known.as_ref().map_or(FeedOverride::PROGRAMMED.percent, |known| known.end_percent);
         let rule = found.map(|(_, rule)| rule);
-        let machining = self.manner.machining;
+        let machining = self.context.machining;
         let setup = rule.map_or(self.job.setup_in(machining.tool), |rule| self.job.tool_of(rule));
         let spindle = setup.speed(machining.spindle).unwrap_or(setup.spindle);
-        self.decider.begin(Some(Begun { count, segment, rule, along, spindle, limit, end_percent }));
+        self.source.begin(Some(Begun { count, segment, rule, along, spindle, limit, end_percent }));
     }
 
     fn shown(&self, position: &Pose, is_moving: bool) -> Shown {
         let held = if self.control.is_held() { Signals::FEED_HOLD } else { Signals::NONE };
-        let forced = if is_moving && self.manner.is_tapping { Signals::TAPPING } else { Signals::NONE };
+        let forced = if is_moving && self.context.is_tapping { Signals::TAPPING } else { Signals::NONE };
         Shown {
             at: self.now,
             position: machine::feedback(position),
@@ -284,11 +288,11 @@ impl<D: Decider> Rig<D> {
 
     /// The spindle's speed: its drive's, or without a drive what the program commands, or the job where it commands nothing.
     pub fn spindle(&self) -> RevPerMin {
-        match (self.control.spindle(), self.manner.machining.spindle) {
+        match (self.control.spindle(), self.context.machining.spindle) {
             (Some(drive), _) => RevPerMin(libm::fabs(drive.rev_per_min()) as f32),
             (None, SpindleCommand::RevPerMin(speed)) => RevPerMin(speed as f32),
             (None, SpindleCommand::Stopped) => RevPerMin(0.0),
-            (None, SpindleCommand::Unstated) => self.job.setup_in(self.manner.machining.tool).spindle,
+            (None, SpindleCommand::Unstated) => self.job.setup_in(self.context.machining.tool).spindle,
         }
     }
 

@@ -11,7 +11,7 @@ use arcfeed_firmware::supervisor::state::State;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Span;
 
-use crate::station::world::{Channel, World, standing};
+use crate::application::world::{Channel, World, standing};
 use arcfeed_tests::recording::{Recording, ibr_slot};
 
 /// The run's moves with their rules.
@@ -19,7 +19,7 @@ pub fn moves(run: &Recording) -> Vec<(Segment, Option<usize>)> {
     run.segments.iter().map(|segment| (*segment, run.rule(segment))).collect()
 }
 
-/// Overrides of a station over a line with this latency and loss.
+/// Overrides of the board application over a line with this latency and loss.
 fn over_the_link(run: &Recording, latency_ms: u64, lost_per_mille: u64) -> (Vec<u8>, World) {
     let channels = [1, 2].map(|seed| Channel::new(latency_ms, lost_per_mille, seed));
     let mut world = World::new(&run.job, &moves(run), channels);
@@ -77,7 +77,7 @@ fn over_the_link_the_overrides_are_those_of_the_segments_told_directly() {
     assert_eq!(found.iter().max(), Some(&direct.iter().copied().max().expect("a trace")));
     let differ: Vec<usize> = (0..found.len()).filter(|at| found[*at] != direct[*at]).collect();
     assert!(differ.is_empty(), "differ at {differ:?}");
-    assert_eq!(world.board.ticker.executed() as usize, run.segments.len());
+    assert_eq!(world.board.task.executed() as usize, run.segments.len());
     assert_eq!(world.output.expect("a tick").state, State::Armed);
 }
 
@@ -99,7 +99,7 @@ fn a_slow_line_that_loses_every_twentieth_frame_changes_no_override() {
     let run = ibr_slot();
     let (ideal, _) = over_the_link(run, 0, 0);
     let (found, world) = over_the_link(run, 20, 50);
-    let corrupted = world.board.desk.link().counters().crc_errors;
+    let corrupted = world.board.host_link.link().counters().crc_errors;
     let again = world.host.link.counters().retransmissions;
     println!("{corrupted} frames corrupted, {again} sent again");
     assert!(corrupted > 30 && again > 0, "the line was sound");

@@ -2,20 +2,20 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_firmware::front::Front;
+use arcfeed_firmware::application::control_task::ControlTask;
+use arcfeed_firmware::application::sensors::{MachineLine, setpoint};
 use arcfeed_firmware::lockstep::{Line, Lines, Lockstep};
-use arcfeed_firmware::station::sensors::{MachineLine, setpoint};
-use arcfeed_firmware::station::ticker::Ticker;
+use arcfeed_firmware::main_loop::MainLoop;
 
 use super::board::{Broken, Wire, Wires};
 
 /// How many lines a board has.
 const LINES: usize = 4;
 
-/// A station and its rings.
+/// A board application in this process, and its byte queues.
 pub struct InProcess<'q, const N: usize> {
-    front: Front<'q, N>,
-    ticker: Ticker<'q>,
+    front: MainLoop<'q, N>,
+    task: ControlTask<'q>,
     machine: MachineLine,
     lockstep: Lockstep,
     rings: Rings,
@@ -55,9 +55,9 @@ impl Lines for Rings {
 
 impl<'q, const N: usize> InProcess<'q, N> {
     /// A board that has just started.
-    pub fn new(front: Front<'q, N>, ticker: Ticker<'q>) -> Self {
+    pub fn new(front: MainLoop<'q, N>, task: ControlTask<'q>) -> Self {
         let (machine, lockstep) = (MachineLine::new(), Lockstep::new());
-        InProcess { front, ticker, machine, lockstep, rings: Rings::default(), log: Log::default() }
+        InProcess { front, task, machine, lockstep, rings: Rings::default(), log: Log::default() }
     }
 
     /// The same, with a log over its link: frames, and behind how many ticks each comes. What a board logs is its image's; a board in
@@ -69,22 +69,22 @@ impl<'q, const N: usize> InProcess<'q, N> {
     }
 
     /// The side of the main loop.
-    pub fn front(&self) -> &Front<'q, N> {
+    pub fn front(&self) -> &MainLoop<'q, N> {
         &self.front
     }
 
     fn run(&mut self) {
-        let InProcess { front, ticker, machine, lockstep, rings, log } = self;
+        let InProcess { front, task, machine, lockstep, rings, log } = self;
         let mut tick = |now, sample: &_| {
             machine.take(now, sample);
-            setpoint(sample.at, &ticker.tick(now, &machine.sensors(now)), [0; 2])
+            setpoint(sample.at, &task.tick(now, &machine.sensors(now)), [0; 2])
         };
         while lockstep.poll(front, rings, &mut tick) {
             log.ticks += 1;
             while log.frames.front().is_some_and(|(ticks, _)| *ticks <= log.ticks) {
                 log.waiting.extend(log.frames.pop_front().map_or(Vec::new(), |(_, frame)| frame));
             }
-            let sent = front.desk_mut().log(&log.waiting);
+            let sent = front.host_link_mut().log(&log.waiting);
             log.waiting.drain(..sent);
         }
     }

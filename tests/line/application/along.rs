@@ -1,6 +1,6 @@
 //! Engaged arcs that come with each move: the same overrides as by tables in the rules, and what is refused.
 
-use arcfeed_firmware::station::ticker::Supply;
+use arcfeed_firmware::application::control_task::Supply;
 use arcfeed_shared::cut::{CutRule, Work};
 use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
 use arcfeed_shared::job::{Job, LawKind};
@@ -13,7 +13,7 @@ use arcfeed_shared::wire::message::fixed::Q40;
 use arcfeed_shared::wire::message::{Message, moves, parameters, table};
 use fastrand::Rng;
 
-use crate::station::world::{Board, Channel, Host, World, standing};
+use crate::application::world::{Board, Channel, Host, World, standing};
 use arcfeed_tests::recording::ibr_slot;
 
 /// Tables that fit into the rules of a job.
@@ -91,7 +91,7 @@ fn trace(mut world: World) -> Vec<u8> {
         trace.push(world.step().feed_override.percent);
     }
     assert_eq!(world.host.refusals, []);
-    assert_eq!(world.board.ticker.executed() as usize, run.segments.len());
+    assert_eq!(world.board.task.executed() as usize, run.segments.len());
     trace
 }
 

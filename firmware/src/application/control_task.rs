@@ -1,4 +1,4 @@
-//! The side of the tick: takes what the desk has put into its queues, follows the position, decides.
+//! The control task: at each tick it takes commands and notices from its queues, follows the position and decides on the override.
 
 use arcfeed_shared::job::OverrideLimits;
 use arcfeed_shared::units::{Micros, Span};
@@ -14,21 +14,21 @@ use crate::supervisor::signals::{BoardFault, Request, Signals};
 use crate::supervisor::state::State;
 use crate::supervisor::{Output, Supervisor};
 
-use super::order::{Order, TickerQueues, Told, Word};
+use super::messages::{Command, Notice, TaskQueues, TaskStatus};
 use super::sensors::Sensors;
 
-/// Where segments come from.
+/// Source of the segments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Supply {
-    /// From a host: while it is not heard, nothing can be armed.
+    /// A host on the link: the board can be armed only while it is heard.
     Link,
-    /// From the tapped line: nobody has to be heard.
+    /// The tapped line: no host has to be heard.
     Tap,
 }
 
-/// What runs at every tick; state. It boots idle: 0 %, rising to the dial.
-pub struct Ticker<'q> {
-    queues: TickerQueues<'q>,
+/// The control task; state. It starts idle: 0 %, rising to the dial.
+pub struct ControlTask<'q> {
+    queues: TaskQueues<'q>,
     supply: Supply,
     supervisor: Supervisor,
     memory: Memory,
@@ -40,35 +40,34 @@ pub struct Ticker<'q> {
     epoch: u16,
     last: Option<Micros>,
     host: Host,
-    /// What the start found, or the desk; told to the supervisor once, which keeps it.
+    /// A fault found at the start or by the command handler; passed once to the supervisor, which keeps it.
     fault: Option<BoardFault>,
     request: Signals,
     refusal: Option<Refusal>,
 }
 
-/// What is known of the host.
+/// Knowledge about the host.
 #[derive(Clone, Copy, Debug, Default)]
 struct Host {
     heard: Option<Micros>,
-    /// Heard, but not to be relied on.
+    /// Whether it was heard but cannot be relied on.
     is_lost: bool,
-    /// Another one than before, for one tick.
+    /// Whether it is another one than before; true for one tick.
     is_gone: bool,
 }
 
-impl<'q> Ticker<'q> {
-    /// A ticker without parameters; `fault` is what the start found: a watchdog that bit, parameters in flash that are
-    /// corrupt.
+impl<'q> ControlTask<'q> {
+    /// A task without parameters. `fault` is what the start found: a start by the watchdog, or corrupt parameters in flash.
     ///
     /// # Errors
-    /// Settings that make no sense.
+    /// Invalid settings.
     pub fn new(
-        queues: TickerQueues<'q>,
+        queues: TaskQueues<'q>,
         supply: Supply,
         settings: Settings,
         fault: Option<BoardFault>,
     ) -> Result<Self, SettingsError> {
-        Ok(Ticker {
+        Ok(ControlTask {
             queues,
             supply,
             supervisor: Supervisor::within(&OverrideLimits::default(), settings)?,
@@ -86,18 +85,18 @@ impl<'q> Ticker<'q> {
         })
     }
 
-    /// One tick.
+    /// Runs one tick.
     pub fn tick(&mut self, now: Micros, sensors: &Sensors) -> Output {
-        self.take_words();
-        self.take_orders();
+        self.take_notices();
+        self.take_commands();
         let input = self.input(now, sensors);
         let before = self.memory.state();
-        let front = match self.queues.orders.peek() {
-            Some(Order::Segment(ahead)) => {
-                self.has_begun = self.has_begun || ahead.can_begin(sensors.position.as_ref());
-                self.has_begun.then_some((ahead.count, &ahead.segment))
+        let front = match self.queues.commands.peek() {
+            Some(Command::Segment(planned)) => {
+                self.has_begun = self.has_begun || planned.can_begin(sensors.position.as_ref());
+                self.has_begun.then_some((planned.count, &planned.segment))
             }
-            Some(Order::Parameters(_)) | None => None,
+            Some(Command::Parameters(_)) | None => None,
         };
         let segment = front.map(|(_, segment)| segment);
         let output = self.supervisor.tick(&mut self.memory, self.follower.in_work(segment), &input);
@@ -105,7 +104,7 @@ impl<'q> Ticker<'q> {
         let is_in_work = front.is_some();
         let controller = self.supervisor.controller();
         if segment.is_some_and(|segment| self.follower.follow(controller, segment, &input.measured)) {
-            let _done = self.queues.orders.dequeue();
+            let _done = self.queues.commands.dequeue();
             self.executed = self.executed.wrapping_add(1);
         }
         if is_taken_away(&before, &output.state) || self.host.is_gone {
@@ -116,7 +115,7 @@ impl<'q> Ticker<'q> {
         output
     }
 
-    /// The supervisor's memory: who has the override, how often what happened.
+    /// Memory of the supervisor: its state and counters.
     pub fn memory(&self) -> &Memory {
         &self.memory
     }
@@ -126,34 +125,34 @@ impl<'q> Ticker<'q> {
         self.executed
     }
 
-    fn take_words(&mut self) {
-        while let Some(word) = self.queues.words.dequeue() {
-            match word {
-                Word::Heard(at) => (self.host.heard, self.host.is_lost) = (Some(at), false),
-                Word::Lost => self.host.is_lost = true,
-                Word::Gone => self.host = Host { heard: None, is_lost: true, is_gone: true },
-                Word::Run(run) => self.begin_run(run),
-                Word::Arm(epoch) if epoch == self.epoch => self.ask(Request::Arm),
-                // Of a time before the override was last taken away: that person has not seen it.
-                Word::Arm(_) => {}
-                Word::Disarm => self.ask(Request::Disarm),
-                Word::Fault(fault) => self.fault = Some(fault),
+    fn take_notices(&mut self) {
+        while let Some(notice) = self.queues.notices.dequeue() {
+            match notice {
+                Notice::Heard(at) => (self.host.heard, self.host.is_lost) = (Some(at), false),
+                Notice::Lost => self.host.is_lost = true,
+                Notice::Gone => self.host = Host { heard: None, is_lost: true, is_gone: true },
+                Notice::Run(run) => self.begin_run(run),
+                Notice::Arm(epoch) if epoch == self.epoch => self.ask(Request::Arm),
+                // Stale: requested before the last fallback, which that person has not seen.
+                Notice::Arm(_) => {}
+                Notice::Disarm => self.ask(Request::Disarm),
+                Notice::Fault(fault) => self.fault = Some(fault),
             }
         }
     }
 
-    /// Takes parameters that have come to the front, and lets segments of past runs go. No more than the queue holds.
-    fn take_orders(&mut self) {
-        while let Some(order) = self.queues.orders.peek() {
+    /// Takes parameters at the front of the queue and drops segments of past runs.
+    fn take_commands(&mut self) {
+        while let Some(order) = self.queues.commands.peek() {
             match order {
-                Order::Parameters(supervisor) => self.supervisor = *supervisor,
-                Order::Segment(ahead) if ahead.is_before(self.run) => {}
-                Order::Segment(ahead) => {
-                    let run = ahead.run;
+                Command::Parameters(supervisor) => self.supervisor = *supervisor,
+                Command::Segment(planned) if planned.is_before(self.run) => {}
+                Command::Segment(planned) => {
+                    let run = planned.run;
                     return self.begin_run(run);
                 }
             }
-            let _taken = self.queues.orders.dequeue();
+            let _taken = self.queues.commands.dequeue();
         }
     }
 
@@ -187,7 +186,7 @@ impl<'q> Ticker<'q> {
 
     fn tell(&mut self, record: TelemetryRecord, output: &Output, is_in_work: bool) {
         self.refusal = output.refusal.or(self.refusal);
-        let told = Told {
+        let status = TaskStatus {
             record,
             state: output.state,
             alarm: output.alarm,
@@ -196,22 +195,22 @@ impl<'q> Ticker<'q> {
             is_in_work,
             refusal: self.refusal,
         };
-        // With no room, the next one says as much and more.
-        if self.queues.told.enqueue(told).is_ok() {
+        // Without room it is dropped: the next status contains it.
+        if self.queues.status.enqueue(status).is_ok() {
             self.refusal = None;
         }
     }
 }
 
 impl Host {
-    /// Lost is as good as so many invalid frames in a row.
+    /// Age and invalid frames: a lost host counts as having sent too many invalid frames in a row.
     fn freshness(&self, now: Micros, lost_after_frames: u8) -> Freshness {
         let age = self.heard.map_or(Span(u32::MAX), |heard| now.since(heard).into());
         Freshness { age, invalid_in_row: if self.is_lost { lost_after_frames } else { 0 } }
     }
 }
 
-/// Whether the laws lost the override, or what keeps them from getting it changed.
+/// Whether the laws lost the override, or the reason that keeps them from it changed.
 fn is_taken_away(before: &State, now: &State) -> bool {
     !now.is_engaged() && *now != State::Idle && core::mem::discriminant(before) != core::mem::discriminant(now)
 }

@@ -1,8 +1,8 @@
-//! A whole board in process, `firmware::station`, between a host at the other end of its link and a machine.
+//! The board application (`firmware::application`) in process, between a host at the other end of its link and a machine.
 //!
 //! `example.rs` runs the example job through it, `along.rs` one whose engaged arcs come with each move, `restarts.rs` restarts either side at random points, `schedules.rs` corrupts the line,
 //! `faults.rs` measures
-//! the times that `docs/board-safety.md` quotes, `copies.rs` replays recorded frames, `clerk.rs` asks for what is refused, `document.rs` compares
+//! the times that `docs/board-safety.md` quotes, `copies.rs` replays recorded frames, `handler.rs` asks for what is refused, `document.rs` compares
 //! `docs/protocol.md` with the messages.
 
 mod world;
@@ -11,7 +11,7 @@ mod example;
 
 mod along;
 
-mod clerk;
+mod command_handler;
 
 mod restarts;
 

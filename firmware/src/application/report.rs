@@ -1,4 +1,4 @@
-//! How things stand, in the words of the link.
+//! Status of the control task, encoded for the link.
 
 use arcfeed_shared::wire::message::codes::{AlarmCode, RefusalCode, StateCode};
 use arcfeed_shared::wire::message::table::Report;
@@ -6,9 +6,9 @@ use arcfeed_shared::wire::message::table::Report;
 use crate::supervisor::report::{Alarm, Refusal};
 use crate::supervisor::state::State;
 
-use super::order::Told;
+use super::messages::TaskStatus;
 
-/// In place of a number: there is none.
+/// Code for a missing number.
 const NONE: u32 = u32::MAX;
 
 /// The code of a state.
@@ -36,21 +36,21 @@ pub const fn refusal_code(refusal: Refusal) -> RefusalCode {
 }
 
 /// A report; `room` for segments, `set` of parameters in force.
-pub fn report(told: &Told, room: usize, set: u32) -> Report {
-    let record = &told.record;
+pub fn report(status: &TaskStatus, room: usize, set: u32) -> Report {
+    let record = &status.record;
     Report {
         at: record.at.0,
-        state: state_code(&told.state),
+        state: state_code(&status.state),
         cause: record.cause as u8,
-        alarm: match told.alarm {
+        alarm: match status.alarm {
             Alarm::None => AlarmCode::None,
             Alarm::Passing => AlarmCode::Passing,
             Alarm::Latched => AlarmCode::Latched,
         },
         override_percent: record.feed_override.percent,
-        epoch: told.epoch,
-        executed: told.executed,
-        in_work: told.is_in_work.then_some(record.block),
+        epoch: status.epoch,
+        executed: status.executed,
+        in_work: status.is_in_work.then_some(record.block),
         room: u16::try_from(room).unwrap_or(u16::MAX),
         set,
         ipt_center: record.ipt_center_nm.unwrap_or(NONE),

@@ -1,9 +1,9 @@
-//! What each message of the host does: checked first, prepared, put into the queues; answers to the host wait in a queue of
-//! their own.
+//! Execution of the host's messages: each is checked, prepared and put into the queues to the control task. Answers to the host
+//! wait in a queue of their own.
 //!
 //! Parameters take effect as a whole, and only while the override is not the laws' or nothing is in work. Segments are taken
-//! in the order of their counts only, under parameters of the same session. Nothing a host says arms the board but
-//! the request of a person who has seen how things stand.
+//! in the order of their counts only, under parameters of the same session. Only the request of a person who has seen the present
+//! state arms the board.
 
 use arcfeed_shared::job::{Job, OverrideLimits};
 use arcfeed_shared::units::{Micros, Nm};
@@ -19,22 +19,22 @@ use crate::supervisor::settings::{Settings, SettingsError};
 use crate::supervisor::signals::BoardFault;
 
 use super::arcs::Arcs;
+use super::board_settings::BoardSettings;
+use super::buffers::Buffers;
 use super::dispatch::Dispatch;
 pub use super::identity::Identity;
-use super::knobs::Knobs;
-use super::order::{DeskQueues, Told, Word};
-use super::papers::Papers;
+use super::messages::{HostQueues, Notice, TaskStatus};
 use super::report;
 
-/// Answers that may wait.
+/// Answers that can wait for the link.
 const REPLIES: usize = 8;
 
-/// Obeys the host; state.
-pub struct Clerk<'q> {
+/// Executes host commands; state.
+pub struct CommandHandler<'q> {
     dispatch: Dispatch<'q>,
     identity: Identity,
-    knobs: Knobs,
-    papers: &'q mut Papers,
+    settings: BoardSettings,
+    buffers: &'q mut Buffers,
     /// The set in force; 0 for none.
     set: u32,
     /// Whether that set came in this session.
@@ -43,60 +43,60 @@ pub struct Clerk<'q> {
     is_tapped: bool,
     /// The count that the next segment must have; none at the beginning of a run.
     next: Option<u32>,
-    /// Whether this run's first segment is with the tick.
+    /// Whether this run's first segment is in the queue.
     has_first: bool,
-    /// A segment for which there was no room: nothing else is obeyed before it.
+    /// A segment for which there was no room: no other message is executed before it.
     parked: Option<table::Segment>,
-    told: Option<Told>,
+    status: Option<TaskStatus>,
     replies: Deque<Message, REPLIES>,
 }
 
-impl<'q> Clerk<'q> {
+impl<'q> CommandHandler<'q> {
     /// Without parameters.
     ///
     /// # Errors
     /// Settings that make no sense.
-    pub fn new(queues: DeskQueues<'q>, identity: Identity, settings: Settings) -> Result<Self, SettingsError> {
-        let DeskQueues { orders, words, told, papers } = queues;
-        Ok(Clerk {
-            dispatch: Dispatch::new(orders, words, told),
+    pub fn new(queues: HostQueues<'q>, identity: Identity, settings: Settings) -> Result<Self, SettingsError> {
+        let HostQueues { commands, notices, status, buffers } = queues;
+        Ok(CommandHandler {
+            dispatch: Dispatch::new(commands, notices, status),
             identity,
-            knobs: Knobs::new(settings)?,
-            papers,
+            settings: BoardSettings::new(settings)?,
+            buffers,
             set: 0,
             is_current: false,
             is_tapped: false,
             next: None,
             has_first: false,
             parked: None,
-            told: None,
+            status: None,
             replies: Deque::new(),
         })
     }
 
-    /// A clerk whose segments come from the tapped line.
+    /// A handler whose segments come from the tapped line.
     #[must_use]
     pub fn tapped(self) -> Self {
-        Clerk { is_tapped: true, ..self }
+        CommandHandler { is_tapped: true, ..self }
     }
 
-    /// Whether another message of the host can be obeyed now. Until then the link holds them back.
+    /// Whether another message of the host can be executed now. Until then the link holds them back.
     pub fn is_ready(&self) -> bool {
         self.parked.is_none() && self.dispatch.is_done() && self.replies.len() < REPLIES / 2
     }
 
-    /// Obeys a message; what is none is refused.
+    /// Executes a message. Bytes that are no message are refused.
     pub fn take(&mut self, kind: u8, payload: &[u8]) {
         match Message::decode(kind, payload) {
-            Ok(message) => self.obey(&message),
+            Ok(message) => self.execute(&message),
             Err(_) => self.refuse(kind, 0, RefusalCode::Message),
         }
     }
 
-    /// Goes through what the tick told, and tells it what waits.
+    /// Reads the status of the control task, and sends it what waits.
     pub fn run(&mut self) {
-        self.listen();
-        self.dispatch.hand_on();
+        self.read_status();
+        self.dispatch.flush();
         if self.dispatch.room() > 0
             && let Some(segment) = self.parked.take()
         {
@@ -104,14 +104,14 @@ impl<'q> Clerk<'q> {
         }
     }
 
-    /// Goes through what the tick told.
-    pub fn listen(&mut self) {
-        while let Some(told) = self.dispatch.told() {
-            if let Some(refusal) = told.refusal {
+    /// Reads the status of the control task.
+    pub fn read_status(&mut self) {
+        while let Some(status) = self.dispatch.status() {
+            if let Some(refusal) = status.refusal {
                 let kind = table::Request { what: RequestCode::Arm, epoch: 0 };
-                self.refuse(Message::from(kind).kind(), u32::from(told.epoch), report::refusal_code(refusal));
+                self.refuse(Message::from(kind).kind(), u32::from(status.epoch), report::refusal_code(refusal));
             }
-            self.told = Some(told);
+            self.status = Some(status);
         }
     }
 
@@ -125,76 +125,76 @@ impl<'q> Clerk<'q> {
         let _room = self.replies.push_front(reply);
     }
 
-    /// How things stand, once the tick has told.
+    /// Report for the host; `None` before the first tick.
     pub fn report(&self) -> Option<table::Report> {
-        self.told.as_ref().map(|told| report::report(told, self.room(), self.set))
+        self.status.as_ref().map(|status| report::report(status, self.room(), self.set))
     }
 
-    /// How often to report, and what else can be set.
-    pub fn knobs(&self) -> &Knobs {
-        &self.knobs
+    /// Settings that the host can change.
+    pub fn settings(&self) -> &BoardSettings {
+        &self.settings
     }
 
-    /// What the tick told last.
-    pub fn told(&self) -> Option<&Told> {
-        self.told.as_ref()
+    /// Last status of the control task.
+    pub fn status(&self) -> Option<&TaskStatus> {
+        self.status.as_ref()
     }
 
-    /// The host was heard.
+    /// Notes that the host was heard.
     pub fn heard(&mut self, at: Micros) {
         self.dispatch.heard(at);
     }
 
-    /// A host greets: whatever was of another session counts no more.
-    pub fn welcome(&mut self) {
+    /// Begins a session: everything of an earlier one is forgotten.
+    pub fn on_link_up(&mut self) {
         self.part();
         if !self.is_tapped {
             self.begin_run();
         }
     }
 
-    /// The host is heard no more, or not as it should.
-    pub fn lose_host(&mut self) {
+    /// Ends the session because the host is silent or its frames are corrupted.
+    pub fn on_host_lost(&mut self) {
         self.part();
-        self.dispatch.say(Word::Lost);
+        self.dispatch.say(Notice::Lost);
     }
 
-    /// The host began anew, or left.
-    pub fn see_host_off(&mut self) {
+    /// Ends the session because the host restarted or closed the link.
+    pub fn on_host_left(&mut self) {
         self.part();
-        self.dispatch.say(Word::Gone);
+        self.dispatch.say(Notice::Gone);
         if !self.is_tapped {
             self.begin_run();
         }
     }
 
-    /// Parameters as they lie in flash; answers the line that they are for. Where none were ever written the board goes on without.
+    /// Loads the parameters of a page of flash; returns the tapped line for which they were written. A blank page changes nothing.
     ///
     /// # Errors
-    /// What is wrong with the page. If it is broken, or makes no sense, the fault is raised.
-    pub fn adopt_page(&mut self, page: &[u8], set: u32) -> Result<Tapped, PageError> {
-        let read = self.papers.read_page(page, |job| self.knobs.suit(&job.limits));
+    /// What is wrong with the page. A broken or invalid page raises the fault.
+    pub fn load_page(&mut self, page: &[u8], set: u32) -> Result<Tapped, PageError> {
+        let read = self.buffers.read_page(page, |job| self.settings.suit(&job.limits));
         match read {
             Ok(_) => self.take_effect(set),
             Err(PageError::Blank) => {}
-            Err(_) => self.dispatch.say(Word::Fault(BoardFault::Parameters)),
+            Err(_) => self.dispatch.say(Notice::Fault(BoardFault::Parameters)),
         }
         read
     }
 
     /// The job in force.
     pub fn job(&self) -> Option<&Job> {
-        self.papers.job()
+        self.buffers.job()
     }
 
-    /// Begins a new run: segments that are not done are forgotten.
+    /// Begins a new run: unfinished segments are forgotten.
     pub fn begin_run(&mut self) {
         (self.next, self.parked, self.has_first) = (None, None, false);
-        self.papers.arcs = Arcs::None;
+        self.buffers.arcs = Arcs::None;
         self.dispatch.begin_run();
     }
 
-    /// How many segments there is room for.
+    /// Room for segments.
     pub fn room(&self) -> usize {
         self.dispatch.room()
     }
@@ -205,26 +205,26 @@ impl<'q> Clerk<'q> {
     }
 
     fn part(&mut self) {
-        self.papers.staging.forget();
+        self.buffers.staging.forget();
         self.is_current = false;
         self.replies.clear();
     }
 
-    fn obey(&mut self, message: &Message) {
+    fn execute(&mut self, message: &Message) {
         let refused = match message {
             Message::Begin(_) | Message::SegmentArcs(_) | Message::Segment(_) | Message::Clear(_) if self.is_tapped => {
                 Err((0, RefusalCode::Message))
             }
-            Message::Begin(begin) => self.papers.staging.begin(begin.set).map_err(|why| (begin.set, why)),
+            Message::Begin(begin) => self.buffers.staging.begin(begin.set).map_err(|why| (begin.set, why)),
             Message::Commit(commit) => self.commit(commit).map_err(|why| (commit.set, why)),
-            // Those of a segment that waits for room are all there.
+            // The arcs of a segment that waits for room are complete.
             Message::SegmentArcs(_) if self.parked.is_some() => Err((0, RefusalCode::Full)),
-            Message::SegmentArcs(arcs) => self.papers.arcs.take(arcs).map_err(|why| (0, why)),
+            Message::SegmentArcs(arcs) => self.buffers.arcs.take(arcs).map_err(|why| (0, why)),
             Message::Segment(segment) => self.segment(segment).map_err(|why| (segment.count, why)),
             Message::Request(request) => self.request(request).map_err(|why| (u32::from(request.epoch), why)),
             Message::SetSetting(set) => self.set(set).map_err(|why| (set.setting as u32, why)),
             Message::AskSetting(ask) => {
-                self.answer(self.knobs.tell(ask.setting).into());
+                self.answer(self.settings.tell(ask.setting).into());
                 Ok(())
             }
             Message::AskInfo(_) => {
@@ -246,13 +246,13 @@ impl<'q> Clerk<'q> {
         }
     }
 
-    /// Only the first part that is not sound is answered; what comes behind it has no set to belong to.
+    /// Takes a part of a set. Only the first invalid part is answered; the parts behind it have no set.
     fn part_of_set(&mut self, part: &Message) -> Result<(), (u32, RefusalCode)> {
-        let set = self.papers.staging.set();
-        match self.papers.staging.take(part) {
+        let set = self.buffers.staging.set();
+        match self.buffers.staging.take(part) {
             Ok(()) | Err(RefusalCode::NoSet) => Ok(()),
             Err(why) => {
-                self.dispatch.say(Word::Fault(BoardFault::Parameters));
+                self.dispatch.say(Notice::Fault(BoardFault::Parameters));
                 Err((set, why))
             }
         }
@@ -260,10 +260,10 @@ impl<'q> Clerk<'q> {
 
     fn commit(&mut self, commit: &table::Commit) -> Result<(), RefusalCode> {
         let is_busy = self.is_busy();
-        let sound = self.papers.staging.commit(commit).and_then(|job| {
+        let sound = self.buffers.staging.commit(commit).and_then(|job| {
             if is_busy {
                 Err(RefusalCode::Busy)
-            } else if self.knobs.suit(&job.limits) {
+            } else if self.settings.suit(&job.limits) {
                 Ok(())
             } else {
                 Err(RefusalCode::Value)
@@ -271,13 +271,13 @@ impl<'q> Clerk<'q> {
         });
         match sound {
             Ok(()) => {
-                self.papers.put_in_force();
+                self.buffers.put_in_force();
                 self.take_effect(commit.set);
                 self.is_current = true;
                 self.answer(table::Accepted { set: commit.set }.into());
             }
             Err(RefusalCode::Busy | RefusalCode::NoSet) => {}
-            Err(_) => self.dispatch.say(Word::Fault(BoardFault::Parameters)),
+            Err(_) => self.dispatch.say(Notice::Fault(BoardFault::Parameters)),
         }
         sound
     }
@@ -288,7 +288,7 @@ impl<'q> Clerk<'q> {
     }
 
     fn is_engaged(&self) -> bool {
-        self.told.as_ref().is_some_and(|told| told.state.is_engaged())
+        self.status.as_ref().is_some_and(|status| status.state.is_engaged())
     }
 
     fn has_segments(&self) -> bool {
@@ -298,13 +298,13 @@ impl<'q> Clerk<'q> {
     fn take_effect(&mut self, set: u32) {
         self.set = set;
         self.begin_run();
-        self.order_parameters();
+        self.send_parameters();
     }
 
-    fn order_parameters(&mut self) {
-        let limits = self.papers.job().map_or(OverrideLimits::default(), |job| job.limits);
+    fn send_parameters(&mut self) {
+        let limits = self.buffers.job().map_or(OverrideLimits::default(), |job| job.limits);
         // Bounds and settings were checked when they were taken.
-        if let Ok(supervisor) = Supervisor::within(&limits, self.knobs.settings) {
+        if let Ok(supervisor) = Supervisor::within(&limits, self.settings.settings) {
             self.dispatch.order(supervisor);
         }
     }
@@ -314,8 +314,8 @@ impl<'q> Clerk<'q> {
             return Err(RefusalCode::Full);
         }
         if let Err(why) = self.check(segment) {
-            // The next one that comes has its own.
-            self.papers.arcs = Arcs::None;
+            // The next segment brings its own arcs.
+            self.buffers.arcs = Arcs::None;
             return Err(why);
         }
         self.next = Some(segment.count.wrapping_add(1));
@@ -333,14 +333,14 @@ impl<'q> Clerk<'q> {
         } else if self.next.is_some_and(|next| next != segment.count) {
             Err(RefusalCode::Order)
         } else {
-            self.papers.check(segment)
+            self.buffers.check(segment)
         }
     }
 
-    /// A segment that was checked, and for which there is room.
+    /// Prepares a checked segment for which there is room.
     fn prepare(&mut self, message: &table::Segment) {
-        if let Some(active) = self.papers.prepare(message) {
-            // The way of a rapid is the machine's, from wherever it is.
+        if let Some(active) = self.buffers.prepare(message) {
+            // The machine chooses the path of a rapid, from wherever the axes are.
             let waits = !self.has_first && message.path != PathCode::Rapid;
             let begins_at = waits.then_some(message.start.map(Nm));
             self.has_first = true;
@@ -350,27 +350,27 @@ impl<'q> Clerk<'q> {
 
     fn request(&mut self, request: &table::Request) -> Result<(), RefusalCode> {
         match request.what {
-            RequestCode::Disarm => self.dispatch.say(Word::Disarm),
-            // Those of a tapped line are the board's own.
-            RequestCode::Arm if !(self.is_current || self.is_tapped && self.papers.job().is_some()) => {
+            RequestCode::Disarm => self.dispatch.say(Notice::Disarm),
+            // The parameters of a tapped line are the board's own.
+            RequestCode::Arm if !(self.is_current || self.is_tapped && self.buffers.job().is_some()) => {
                 return Err(RefusalCode::NoParameters);
             }
-            RequestCode::Arm if self.told.as_ref().is_none_or(|told| told.epoch != request.epoch) => {
+            RequestCode::Arm if self.status.as_ref().is_none_or(|status| status.epoch != request.epoch) => {
                 return Err(RefusalCode::Outdated);
             }
-            RequestCode::Arm => self.dispatch.say(Word::Arm(request.epoch)),
+            RequestCode::Arm => self.dispatch.say(Notice::Arm(request.epoch)),
         }
         Ok(())
     }
 
     fn set(&mut self, set: &table::SetSetting) -> Result<(), RefusalCode> {
-        // Behind segments at hand they would take effect with delay.
+        // Behind queued segments they would take effect late.
         if self.is_engaged() || self.has_segments() {
             return Err(RefusalCode::Busy);
         }
-        self.knobs.set(set.setting, set.value)?;
-        self.order_parameters();
-        self.answer(self.knobs.tell(set.setting).into());
+        self.settings.set(set.setting, set.value)?;
+        self.send_parameters();
+        self.answer(self.settings.tell(set.setting).into());
         Ok(())
     }
 
@@ -384,7 +384,7 @@ impl<'q> Clerk<'q> {
         self.answer(table::Refused { kind, reference, why }.into());
     }
 
-    /// A host that asks faster than it listens loses answers.
+    /// Queues an answer. A host that asks faster than it reads loses answers.
     fn answer(&mut self, message: Message) {
         let _room = self.replies.push_back(message);
     }

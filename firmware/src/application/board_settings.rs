@@ -1,4 +1,4 @@
-//! What of a board can be set one by one.
+//! Settings of a board that a host can change one by one.
 
 use arcfeed_shared::job::OverrideLimits;
 use arcfeed_shared::units::Span;
@@ -8,38 +8,38 @@ use arcfeed_shared::wire::message::table;
 use crate::supervisor::Supervisor;
 use crate::supervisor::settings::{Settings, SettingsError};
 
-/// From one report to the next, if nothing else is set.
+/// Default period of the reports.
 const REPORT_EVERY: Span = Span::from_ms(50);
-/// No slower: the host takes the board for silent.
+/// Longest period: beyond it the host takes the board for silent.
 const REPORT_SLOWEST: Span = Span::from_ms(1_000);
-/// No faster: the line has better to do.
+/// Shortest period: reports must leave room on the line.
 const REPORT_FASTEST: Span = Span::from_ms(5);
 
 /// All settings; config that a host may change between two jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Knobs {
-    /// Of the supervisor.
+pub struct BoardSettings {
+    /// Settings of the supervisor.
     pub settings: Settings,
-    /// From one report to the next.
+    /// Period of the reports.
     pub report_every: Span,
 }
 
-impl Knobs {
-    /// With these settings of the supervisor.
+impl BoardSettings {
+    /// Settings with these for the supervisor.
     ///
     /// # Errors
-    /// They make no sense.
+    /// Settings that contradict each other or are out of range.
     pub fn new(settings: Settings) -> Result<Self, SettingsError> {
         settings.check()?;
-        Ok(Knobs { settings, report_every: REPORT_EVERY })
+        Ok(BoardSettings { settings, report_every: REPORT_EVERY })
     }
 
-    /// Whether bounds of the override make sense with them.
+    /// Whether these bounds of the override are possible with them.
     pub fn suit(&self, limits: &OverrideLimits) -> bool {
         Supervisor::within(limits, self.settings).is_ok()
     }
 
-    /// One setting as it is.
+    /// The value of one setting.
     pub fn tell(&self, setting: SettingCode) -> table::Setting {
         let Settings { position, link, lost_after_frames, resync, longest_tick, .. } = self.settings;
         let value = match setting {
@@ -59,7 +59,7 @@ impl Knobs {
         table::Setting { setting, value }
     }
 
-    /// Sets one, if all together still make sense.
+    /// Changes one setting, if all of them together stay valid.
     ///
     /// # Errors
     /// [`RefusalCode::Value`], and nothing is changed.
@@ -96,23 +96,27 @@ mod tests {
 
     #[test]
     fn every_setting_comes_back_as_it_was_set() {
-        let mut knobs = Knobs::new(Settings::default()).unwrap();
+        let mut settings = BoardSettings::new(Settings::default()).unwrap();
         for setting in SettingCode::ALL {
-            let before = knobs.tell(*setting).value;
-            assert_eq!(knobs.set(*setting, before + 1), Ok(()), "{setting:?}");
+            let before = settings.tell(*setting).value;
+            assert_eq!(settings.set(*setting, before + 1), Ok(()), "{setting:?}");
             let others = SettingCode::ALL.iter().filter(|other| *other != setting);
-            let sum: u32 = others.map(|other| knobs.tell(*other).value).sum();
-            assert_eq!(knobs.tell(*setting).value, before + 1);
-            assert_eq!(knobs.set(*setting, before), Ok(()));
+            let sum: u32 = others.map(|other| settings.tell(*other).value).sum();
+            assert_eq!(settings.tell(*setting).value, before + 1);
+            assert_eq!(settings.set(*setting, before), Ok(()));
             let others = SettingCode::ALL.iter().filter(|other| *other != setting);
-            assert_eq!(others.map(|other| knobs.tell(*other).value).sum::<u32>(), sum, "{setting:?} is nothing else's");
+            assert_eq!(
+                others.map(|other| settings.tell(*other).value).sum::<u32>(),
+                sum,
+                "{setting:?} is nothing else's"
+            );
         }
-        assert_eq!(knobs, Knobs::new(Settings::default()).unwrap());
+        assert_eq!(settings, BoardSettings::new(Settings::default()).unwrap());
     }
 
     #[test]
     fn what_makes_no_sense_together_changes_nothing() {
-        let mut knobs = Knobs::new(Settings::default()).unwrap();
+        let mut settings = BoardSettings::new(Settings::default()).unwrap();
         for (setting, value) in [
             (SettingCode::LinkLost, 50_000),
             (SettingCode::PositionStale, 0),
@@ -124,8 +128,8 @@ mod tests {
             (SettingCode::ReportEvery, 4_999),
             (SettingCode::ReportEvery, u32::MAX),
         ] {
-            assert_eq!(knobs.set(setting, value), Err(RefusalCode::Value), "{setting:?} {value}");
-            assert_eq!(knobs, Knobs::new(Settings::default()).unwrap());
+            assert_eq!(settings.set(setting, value), Err(RefusalCode::Value), "{setting:?} {value}");
+            assert_eq!(settings, BoardSettings::new(Settings::default()).unwrap());
         }
     }
 }

@@ -13,13 +13,13 @@
 
 /// A point as the modes see it, and where it was found, for the next one is near.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Station {
+pub struct ModalPoint {
     /// phi_r(X), 1/sqrt(t).
     pub shapes: Vec<[f64; 3]>,
     pub(super) element: Option<usize>,
 }
 
-impl Station {
+impl ModalPoint {
     /// (1), mm; `amplitudes` in mm sqrt(t).
     pub fn displacement_mm(&self, amplitudes: &[f64]) -> [f64; 3] {
         let mut u_mm = [0.0; 3];

@@ -5,8 +5,8 @@ use arcfeed_firmware::supervisor::report::Alarm;
 use arcfeed_firmware::supervisor::state::State;
 use arcfeed_shared::wire::link::Loss;
 
-use crate::station::faults::settled;
-use crate::station::world::World;
+use crate::application::faults::settled;
+use crate::application::world::World;
 
 /// Silence of the link's default, and a period to hear and one to act in.
 const NOTICED_MS: u32 = 250 + 2;

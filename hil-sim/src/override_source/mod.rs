@@ -1,9 +1,9 @@
-//! Who decides the override: the seam between the machine and the feed controller, whichever it is.
+//! Sources of the feed override: the seam between the machine and the feed controller, whichever it is.
 //!
-//! [`told`] is a controller in this process that is told which move the control executes. [`board`] is one that sees only what
-//! machine shows of itself.
+//! [`controller`] is a controller in this process that is notified of each move. [`board`] is a feed board that sees only the machine's
+//! signals.
 
-pub mod told;
+pub mod controller;
 
 pub mod board;
 
@@ -18,10 +18,10 @@ use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Micros, RevPerMin};
 
-/// What the machine shows a controller once a servo period.
+/// The machine's signals at a servo period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
-    /// When.
+    /// Time.
     pub at: Micros,
     /// Position feedback, in the workpiece's coordinates.
     pub position: Pose,
@@ -29,11 +29,11 @@ pub struct Shown {
     pub spindle: RevPerMin,
     /// The operator's dial, %.
     pub operator_percent: u8,
-    /// What the control says.
+    /// Signals of the control.
     pub signals: Signals,
 }
 
-/// A move that the control begins.
+/// A move that the control begins, with its conditions.
 #[derive(Clone, Copy, Debug)]
 pub struct Begun<'a> {
     /// Its running count.
@@ -42,7 +42,7 @@ pub struct Begun<'a> {
     pub segment: &'a Segment,
     /// The job's cut rule that speaks of it.
     pub rule: Option<&'a CutRule>,
-    /// Where the tool's circles are engaged along it, where the rule leaves that to be told.
+    /// Engaged arcs of the tool's circles along it, for a rule that expects engagement per move.
     pub along: Option<&'a EngagedTable>,
     /// Commanded spindle speed.
     pub spindle: RevPerMin,
@@ -52,16 +52,16 @@ pub struct Begun<'a> {
     pub end_percent: u8,
 }
 
-/// Decides the override, once a servo period.
-pub trait Decider {
-    /// The control begins a move, or has none in work. A controller that follows the position does not listen.
+/// A source of the feed override, asked once a servo period.
+pub trait OverrideSource {
+    /// Notes that the control begins a move, or has none in work. A controller that follows the position ignores it.
     fn begin(&mut self, _begun: Option<Begun<'_>>) {}
 
-    /// One servo period: the override that the control reads from now on.
+    /// Decides on the override that the control reads from now on.
     fn decide(&mut self, shown: &Shown) -> FeedOverride;
 }
 
-impl<D: Decider + ?Sized> Decider for Box<D> {
+impl<D: OverrideSource + ?Sized> OverrideSource for Box<D> {
     fn begin(&mut self, begun: Option<Begun<'_>>) {
         D::begin(self, begun);
     }

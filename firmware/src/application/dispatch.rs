@@ -1,0 +1,109 @@
+//! Sends commands and notices to the control task: notices take effect at once, commands in their turn. None is lost where a queue has no room.
+
+use arcfeed_shared::units::{Micros, Nm};
+use heapless::Deque;
+
+use crate::active::ActiveSegment;
+use crate::spsc::{Consumer, Producer};
+use crate::supervisor::Supervisor;
+
+use super::messages::{Command, Notice, PlannedMove, TaskStatus};
+
+/// Notices that can wait for room in the queue.
+const NOTICES: usize = 8;
+
+/// The main loop's ends of the queues; state.
+pub struct Dispatch<'q> {
+    commands: Producer<'q, Command>,
+    notices: Producer<'q, Notice>,
+    status: Consumer<'q, TaskStatus>,
+    waiting: Deque<Notice, NOTICES>,
+    /// Parameters or settings that are still to be sent.
+    pending: Option<Supervisor>,
+    run: u32,
+}
+
+impl<'q> Dispatch<'q> {
+    /// Nothing sent yet.
+    pub fn new(
+        commands: Producer<'q, Command>,
+        notices: Producer<'q, Notice>,
+        status: Consumer<'q, TaskStatus>,
+    ) -> Self {
+        Dispatch { commands, notices, status, waiting: Deque::new(), pending: None, run: 0 }
+    }
+
+    /// Whether nothing waits for room.
+    pub fn is_done(&self) -> bool {
+        self.waiting.is_empty() && self.pending.is_none()
+    }
+
+    /// Sends what waits, as far as there is room.
+    pub fn flush(&mut self) {
+        while self.notices.ready()
+            && let Some(notice) = self.waiting.pop_front()
+        {
+            let _room = self.notices.enqueue(notice);
+        }
+        if self.waiting.is_empty()
+            && self.commands.ready()
+            && let Some(supervisor) = self.pending.take()
+        {
+            let _room = self.commands.enqueue(Command::Parameters(supervisor));
+        }
+    }
+
+    /// Sends a notice.
+    pub fn say(&mut self, notice: Notice) {
+        let at_once = self.waiting.is_empty() && self.notices.enqueue(notice).is_ok();
+        if !at_once {
+            // Fills only if the control task has stopped.
+            let _room = self.waiting.push_back(notice);
+        }
+    }
+
+    /// Notes that the host was heard. Other notices go first, for it will be heard again.
+    pub fn heard(&mut self, at: Micros) {
+        if self.waiting.is_empty() && self.notices.len() < self.notices.capacity() / 2 {
+            let _room = self.notices.enqueue(Notice::Heard(at));
+        }
+    }
+
+    /// Begins a new run: unfinished segments are forgotten.
+    pub fn begin_run(&mut self) {
+        self.run = self.run.wrapping_add(1);
+        self.say(Notice::Run(self.run));
+    }
+
+    /// Sends parameters and settings, in force behind the segments queued so far.
+    pub fn order(&mut self, supervisor: Supervisor) {
+        self.pending = Some(supervisor);
+        self.flush();
+    }
+
+    /// Adds a segment of this run; false, and nothing changed, if there is no room.
+    pub fn put(&mut self, count: u32, segment: ActiveSegment, begins_at: Option<[Nm; 3]>) -> bool {
+        let planned = PlannedMove { run: self.run, count, begins_at, segment };
+        self.commands.enqueue(Command::Segment(planned)).is_ok()
+    }
+
+    /// Whether no command waits for the control task.
+    pub fn is_empty(&self) -> bool {
+        self.commands.is_empty()
+    }
+
+    /// Room for segments.
+    pub fn room(&self) -> usize {
+        self.capacity().saturating_sub(self.commands.len())
+    }
+
+    /// Room for segments in an empty queue.
+    pub fn capacity(&self) -> usize {
+        self.commands.capacity()
+    }
+
+    /// The next status of the control task.
+    pub fn status(&mut self) -> Option<TaskStatus> {
+        self.status.dequeue()
+    }
+}

@@ -1,0 +1,91 @@
+//! The main loop of a board: the link to its host, and the tap where there is one. The calls are the same on a chip and in process.
+
+use arcfeed_shared::nc::modal::Pose;
+use arcfeed_shared::units::Micros;
+
+use crate::application::host_link::HostLink;
+use crate::tap::{Handed, Tap};
+
+/// HostLink and tap; state. The tap has room for `N` characters; with 0 there is none, and no code for one.
+pub struct MainLoop<'q, const N: usize> {
+    host_link: HostLink<'q>,
+    tap: Option<&'q mut Tap<N>>,
+}
+
+impl<'q, const N: usize> MainLoop<'q, N> {
+    /// A main loop. With a tap the segments come from the tapped line, and the job must have been loaded.
+    pub fn new(host_link: HostLink<'q>, tap: Option<&'q mut Tap<N>>) -> Self {
+        MainLoop { host_link, tap }
+    }
+
+    /// Takes bytes off the link's line.
+    pub fn on_link_bytes(&mut self, now: Micros, bytes: &[u8]) {
+        self.host_link.on_link_bytes(now, bytes);
+    }
+
+    /// Puts the next frame for the link's line into `out`; its length, 0 if there is none. Call until it answers 0.
+    pub fn poll_link(&mut self, now: Micros, out: &mut [u8]) -> usize {
+        self.host_link.poll_link(now, out)
+    }
+
+    /// A character of the sender: the same, for the control.
+    pub fn from_sender(&mut self, now: Micros, byte: u8) -> u8 {
+        self.parts().1.map_or(byte, |tap| tap.from_sender(now, byte))
+    }
+
+    /// A character of the control: the same, for the sender.
+    pub fn from_control(&mut self, now: Micros, byte: u8) -> u8 {
+        self.parts().1.map_or(byte, |tap| tap.from_control(now, byte))
+    }
+
+    /// A character of the sender was lost, or could not be read, behind all that was heard so far.
+    pub fn on_line_error(&mut self) {
+        if let Some(tap) = self.parts().1 {
+            tap.on_line_error();
+        }
+    }
+
+    /// A new position, before the tick that takes it.
+    pub fn see(&mut self, position: &Pose) {
+        let (host_link, Some(tap)) = self.parts() else { return };
+        let status = host_link.handler().status();
+        let in_work = status.filter(|status| status.is_in_work).map(|status| status.record.block);
+        tap.follow(in_work, status.map_or(0, |status| status.executed), position);
+        if tap.must_clear() {
+            host_link.handler_mut().begin_run();
+        }
+        while host_link.handler().room() > 0
+            && let Some(Handed { count, segment }) = host_link.handler().job().and_then(|job| tap.next(job))
+        {
+            let _room = host_link.handler_mut().push(count, segment);
+        }
+    }
+
+    /// What is to be done now and then, best before and after each tick.
+    pub fn run(&mut self, now: Micros) {
+        self.host_link.run(now);
+    }
+
+    fn parts(&mut self) -> (&mut HostLink<'q>, Option<&mut Tap<N>>) {
+        let MainLoop { host_link, tap } = self;
+        (host_link, if N == 0 { None } else { tap.as_deref_mut() })
+    }
+
+    /// The link to the host.
+    pub fn host_link(&self) -> &HostLink<'q> {
+        &self.host_link
+    }
+
+    /// The link to the host, for input that does not come over a line.
+    pub fn host_link_mut(&mut self) -> &mut HostLink<'q> {
+        &mut self.host_link
+    }
+
+    /// The tap.
+    pub fn tap(&self) -> Option<&Tap<N>> {
+        self.tap.as_deref()
+    }
+}
+
+/// A board without a tap.
+pub type Untapped<'q> = MainLoop<'q, 0>;
