@@ -49,7 +49,9 @@ pub struct EdgeEngagement {
     sines: Vec<f64>,
     widths_mm: Vec<f64>,
     ends: Vec<EndEdge>,
-    /// Where each of them was.
+    /// Of each edge, the first one at the same angle.
+    same_angle: Vec<usize>,
+    /// Where each end edge was.
     faces: Vec<Option<Face>>,
     tips: Tips,
 }
@@ -127,6 +129,10 @@ impl EdgeEngagement {
         let slice_of = cutter.pieces().iter().filter_map(of_piece).collect();
         let sines = cutter.pieces().iter().map(|piece| libm::sin(piece.lead_rad)).collect();
         let widths_mm = cutter.pieces().iter().map(EdgePiece::width_mm).collect();
+        let angles: Vec<f64> =
+            cutter.pieces().iter().chain(ends.iter().map(|end| &end.piece)).map(|piece| piece.angle_rad).collect();
+        let first = |angle: &f64| angles.iter().position(|other| other == angle).unwrap_or(angles.len());
+        let same_angle = angles.iter().map(first).collect();
         let (faces, tips) = (vec![None; ends.len()], Tips::new(&ends));
         let reach_mm = slices.len() as f64 * layer_mm;
         Ok(EdgeEngagement {
@@ -140,6 +146,7 @@ impl EdgeEngagement {
             sines,
             widths_mm,
             ends,
+            same_angle,
             faces,
             tips,
         })
@@ -168,9 +175,13 @@ impl EdgeEngagement {
     /// Where the edges stand, before they are bent.
     pub fn poses(&self, stand: &Stand) -> Poses {
         let descent = self.descent(stand);
-        let pieces = self.cutter.pieces().iter().chain(self.ends.iter().map(|end| &end.piece));
         let placed = self.slices.iter().map(|slice| self.placed(slice.height_mm, &descent)).collect();
-        Poses { stand: *stand, descent, towards: pieces.map(|piece| towards(piece, stand)).collect(), placed }
+        let pieces = self.cutter.pieces().iter().chain(self.ends.iter().map(|end| &end.piece));
+        let mut directions: Vec<Vector2<f64>> = Vec::with_capacity(self.edges());
+        for (piece, first) in pieces.zip(&self.same_angle) {
+            directions.push(directions.get(*first).map_or_else(|| towards(piece, stand), Vector2::clone));
+        }
+        Poses { stand: *stand, descent, towards: directions, placed }
     }
 
     /// Where the middle of an edge stands, its height that of the layers.

@@ -86,9 +86,9 @@ impl Layer {
         let sizes_mm = [0, 1].map(|axis| ends_mm(axis)[1] - lowest_mm[axis] + step_mm);
         let mut layer = Layer::rectangle(lowest_mm, sizes_mm, step_mm);
         for axis in [0, 1] {
+            let sides: Vec<Side> = (0..corners_mm.len()).map(|side| Side::new(corners_mm, side, axis)).collect();
             for ray in 0..layer.rays[axis].len() {
-                let mut ends: Vec<f64> =
-                    crossings(corners_mm, axis, layer.place_mm(axis, ray)).map(|(_, at_mm)| at_mm).collect();
+                let mut ends: Vec<f64> = crossings(&sides, layer.place_mm(axis, ray)).map(|(_, at_mm)| at_mm).collect();
                 ends.sort_by(f64::total_cmp);
                 let pieces = ends.chunks_exact(2).map(|pair| Interval::new(pair[0], pair[1]));
                 layer.rays[axis][ray] = Dexel::new(pieces.collect());
@@ -202,13 +202,13 @@ impl Layer {
         self.heights[axis][ray].top_ratio(&self.rays[axis][ray], point_mm[axis])
     }
 
-    /// Takes away a convex polygon; answers its area of material as the rays along each axis have it, mm2.
-    pub fn clear(&mut self, corners_mm: &[Vector2<f64>]) -> [f64; 2] {
+    /// Takes away a convex quadrilateral; answers its area of material as the rays along each axis have it, mm2.
+    pub fn clear(&mut self, corners_mm: &[Vector2<f64>; 4]) -> [f64; 2] {
         self.clear_share(corners_mm, &Share::ALL)
     }
 
-    /// Takes its share of a convex polygon; answers as [`Layer::clear`], each part by the height taken.
-    pub fn clear_share(&mut self, corners_mm: &[Vector2<f64>], share: &Share) -> [f64; 2] {
+    /// Takes its share of a convex quadrilateral; answers as [`Layer::clear`], each part by the height taken.
+    pub fn clear_share(&mut self, corners_mm: &[Vector2<f64>; 4], share: &Share) -> [f64; 2] {
         self.clear_within(corners_mm, share, |_, _| None, |_, crossing_mm, _, _| crossing_mm)
     }
 
@@ -247,33 +247,45 @@ impl Layer {
         })
     }
 
-    /// Takes its share of a polygon, of whose sides the crossings with a ray may be put elsewhere: told the side, the crossing, and the
+    /// Takes its share of a quadrilateral, of whose sides the crossings with a ray may be put elsewhere: told the side, the crossing, and the
     /// ray by its axis and place. `between` may tell of a ray between where these will be.
     fn clear_within(
         &mut self,
-        corners_mm: &[Vector2<f64>],
+        corners_mm: &[Vector2<f64>; 4],
         share: &Share,
         between: impl Fn(usize, f64) -> Option<Interval>,
         put_mm: impl Fn(usize, f64, usize, f64) -> f64,
     ) -> [f64; 2] {
+        let bounds_mm = bounds(corners_mm);
+        if self.is_beside(&bounds_mm) {
+            return [0.0; 2];
+        }
         [0, 1].map(|axis: usize| {
-            let across = corners_mm.iter().map(|corner| corner[1 - axis]);
-            let (lowest, highest) =
-                across.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+            let [lowest, highest] = bounds_mm.map(|corner| corner[1 - axis]);
+            let sides: [Side; 4] = std::array::from_fn(|side| Side::new(corners_mm, side, axis));
             let mut removed_mm = 0.0;
             for ray in self.between(axis, lowest, highest) {
                 let place_mm = self.place_mm(axis, ray);
-                if between(axis, place_mm).is_some_and(|stretch| !self.rays[axis][ray].meets(&stretch)) {
+                let (material, heights) = (&mut self.rays[axis][ray], &mut self.heights[axis][ray]);
+                let is_spared = |stretch: Interval| !material.meets(&stretch) || heights.is_spared(&stretch, share);
+                if between(axis, place_mm).is_some_and(is_spared) {
                     continue;
                 }
-                let crossings = crossings(corners_mm, axis, place_mm);
+                let crossings = crossings(&sides, place_mm);
                 let ends = crossings.map(|(side, crossing_mm)| put_mm(side, crossing_mm, axis, place_mm));
                 if let Some(stretch) = extent(ends) {
-                    removed_mm += self.heights[axis][ray].take(&mut self.rays[axis][ray], stretch, share);
+                    removed_mm += heights.take(material, stretch, share);
                 }
             }
             removed_mm * self.step_mm
         })
+    }
+
+    /// Whether a polygon of these bounds is outside of the cells, even where its sides are arcs less than half a circle long.
+    fn is_beside(&self, [low_mm, high_mm]: &[[f64; 2]; 2]) -> bool {
+        let margin_mm = (high_mm[0] - low_mm[0]).max(high_mm[1] - low_mm[1]);
+        let [lowest_mm, highest_mm] = self.extent_mm();
+        (0..2).any(|axis| high_mm[axis] + margin_mm < lowest_mm[axis] || low_mm[axis] - margin_mm > highest_mm[axis])
     }
 
     /// Takes away what is between two circles; with 0 inside, a disc.
@@ -307,16 +319,40 @@ impl Layer {
     }
 }
 
-/// Where a line along `axis` crosses the sides of a polygon, with the sides.
-fn crossings(corners_mm: &[Vector2<f64>], axis: usize, at_mm: f64) -> impl Iterator<Item = (usize, f64)> {
-    (0..corners_mm.len()).filter_map(move |side| {
+/// The lowest and the highest corner of a rectangle around some points.
+fn bounds(points_mm: &[Vector2<f64>]) -> [[f64; 2]; 2] {
+    let nowhere = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    points_mm.iter().fold(nowhere, |[low, high], point| {
+        [[0, 1].map(|axis: usize| low[axis].min(point[axis])), [0, 1].map(|axis: usize| high[axis].max(point[axis]))]
+    })
+}
+
+/// A side of a polygon: across the rays of an axis from a lower to a higher coordinate.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    across_mm: [f64; 2],
+    from_mm: f64,
+    /// From its lower to its higher end along the rays.
+    way_mm: f64,
+}
+
+impl Side {
+    /// A side of a polygon as rays along an axis cross it.
+    fn new(corners_mm: &[Vector2<f64>], side: usize, axis: usize) -> Self {
         let next = if side + 1 < corners_mm.len() { side + 1 } else { 0 };
         let (from, to) = (&corners_mm[side], &corners_mm[next]);
         // From the same end whichever polygon the side belongs to, so that neighbours leave nothing between them.
         let (from, to) = if from[1 - axis] < to[1 - axis] { (from, to) } else { (to, from) };
-        let (a, b) = (from[1 - axis] - at_mm, to[1 - axis] - at_mm);
+        Side { across_mm: [from[1 - axis], to[1 - axis]], from_mm: from[axis], way_mm: to[axis] - from[axis] }
+    }
+}
+
+/// Where a ray crosses the sides of a polygon, with the sides.
+fn crossings(sides: &[Side], at_mm: f64) -> impl Iterator<Item = (usize, f64)> {
+    sides.iter().enumerate().filter_map(move |(number, side)| {
+        let [a, b] = side.across_mm.map(|across_mm| across_mm - at_mm);
         let is_crossed = (a <= 0.0) != (b <= 0.0);
-        is_crossed.then(|| (side, from[axis] + (to[axis] - from[axis]) * (a / (a - b))))
+        is_crossed.then(|| (number, side.from_mm + side.way_mm * (a / (a - b))))
     })
 }
 

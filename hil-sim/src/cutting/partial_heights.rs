@@ -58,13 +58,13 @@ impl PartialHeights {
         if share.foot_ratio <= 0.0 && !self.meets(&stretch) {
             return if share.takes(1.0) { material.subtract(stretch) } else { 0.0 };
         }
-        if self.over(&stretch).is_some_and(|column| !share.takes(column.top_ratio)) {
+        if self.is_spared(&stretch, share) {
             return 0.0;
         }
         let (foot_ratio, mut rest, mut taken_mm) = (share.foot_ratio.max(0.0), stretch, 0.0);
-        while let Some(Column { on, top_ratio }) =
-            self.columns(material, &rest).find(|column| share.takes(column.top_ratio))
-        {
+        while rest.length_mm() > 0.0 {
+            let found = self.columns(material, &rest).find(|column| share.takes(column.top_ratio));
+            let Some(Column { on, top_ratio }) = found else { break };
             taken_mm += on.length_mm() * share.of_ratio(top_ratio);
             rest.from_mm = on.to_mm;
             if foot_ratio > 0.0 {
@@ -114,6 +114,16 @@ impl PartialHeights {
         material.contains(at_mm).then(|| column.map_or(1.0, |column| column.top_ratio))
     }
 
+    /// Whether all of a stretch is lowered so far that an edge takes nothing of it.
+    pub fn is_spared(&self, stretch: &Interval, share: &Share) -> bool {
+        self.over(stretch).is_some_and(|column| !share.takes(column.top_ratio))
+    }
+
+    /// Whether all of a stretch is lowered to a part of the layer, or below.
+    pub fn is_below(&self, stretch: &Interval, above_ratio: f64) -> bool {
+        self.over(stretch).is_some_and(|column| column.top_ratio <= above_ratio + SAME_RATIO)
+    }
+
     /// The one that all of a stretch is in.
     fn over(&self, stretch: &Interval) -> Option<&Column> {
         let first = self.0.partition_point(|column| column.on.to_mm <= stretch.from_mm);
@@ -140,6 +150,9 @@ impl PartialHeights {
             let piece = if is_first { met.next() } else { met.next_back() };
             return piece.filter(|_| above_ratio + SAME_RATIO < 1.0).map(|piece| piece.common(stretch));
         }
+        if self.is_below(stretch, above_ratio) {
+            return None;
+        }
         let mut pieces = Pieces { columns: self.columns(material, stretch), above_ratio, next: None };
         if is_first { pieces.next() } else { pieces.last() }
     }
@@ -154,6 +167,9 @@ impl PartialHeights {
     fn set(&mut self, on: Interval, top_ratio: Option<f64>) {
         let first = self.0.partition_point(|column| column.on.to_mm <= on.from_mm);
         let end = self.0.partition_point(|column| column.on.from_mm < on.to_mm).max(first);
+        if first == end && top_ratio.is_none_or(|top_ratio| self.extend(first, on, top_ratio)) {
+            return;
+        }
         let before =
             self.0[first..end].first().map(|column| (Interval { to_mm: on.from_mm, ..column.on }, column.top_ratio));
         let after =
@@ -171,6 +187,20 @@ impl PartialHeights {
                 at += 1;
             }
         }
+    }
+
+    /// Extends a neighbour of the same height over a stretch that has no column yet and ends before column `next`; answers whether there is one.
+    fn extend(&mut self, next: usize, on: Interval, top_ratio: f64) -> bool {
+        let is_same = |column: &Column| column.top_ratio == top_ratio;
+        let before = next.checked_sub(1).filter(|last| self.0[*last].on.to_mm == on.from_mm && is_same(&self.0[*last]));
+        let is_joined = self.0.get(next).is_some_and(|after| after.on.from_mm == on.to_mm && is_same(after));
+        match before {
+            Some(before) if is_joined => self.0[before].on.to_mm = self.0.remove(next).on.to_mm,
+            Some(before) => self.0[before].on.to_mm = on.to_mm,
+            None if is_joined => self.0[next].on.from_mm = on.from_mm,
+            None => return false,
+        }
+        true
     }
 }
 
