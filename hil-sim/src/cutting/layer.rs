@@ -256,10 +256,10 @@ impl Layer {
         between: impl Fn(usize, f64) -> Option<Interval>,
         put_mm: impl Fn(usize, f64, usize, f64) -> f64,
     ) -> [f64; 2] {
-        let bounds_mm = bounds(corners_mm);
-        if self.is_beside(&bounds_mm) {
+        if is_beside(corners_mm, &self.extent_mm()) {
             return [0.0; 2];
         }
+        let bounds_mm = bounds(corners_mm);
         [0, 1].map(|axis: usize| {
             let [lowest, highest] = bounds_mm.map(|corner| corner[1 - axis]);
             let sides: [Side; 4] = std::array::from_fn(|side| Side::new(corners_mm, side, axis));
@@ -279,13 +279,6 @@ impl Layer {
             }
             removed_mm * self.step_mm
         })
-    }
-
-    /// Whether a polygon of these bounds is outside of the cells, even where its sides are arcs less than half a circle long.
-    fn is_beside(&self, [low_mm, high_mm]: &[[f64; 2]; 2]) -> bool {
-        let margin_mm = (high_mm[0] - low_mm[0]).max(high_mm[1] - low_mm[1]);
-        let [lowest_mm, highest_mm] = self.extent_mm();
-        (0..2).any(|axis| high_mm[axis] + margin_mm < lowest_mm[axis] || low_mm[axis] - margin_mm > highest_mm[axis])
     }
 
     /// Takes away what is between two circles; with 0 inside, a disc.
@@ -317,6 +310,13 @@ impl Layer {
         let end = (self.index(axis, to_mm).floor() + 1.0) as usize;
         first..end.min(self.rays[axis].len())
     }
+}
+
+/// Whether a quadrilateral is outside of a rectangle, even where its sides are arcs less than half a circle long.
+pub(super) fn is_beside(corners_mm: &[Vector2<f64>; 4], [lowest_mm, highest_mm]: &[[f64; 2]; 2]) -> bool {
+    let [low_mm, high_mm] = bounds(corners_mm);
+    let margin_mm = (high_mm[0] - low_mm[0]).max(high_mm[1] - low_mm[1]);
+    (0..2).any(|axis| high_mm[axis] + margin_mm < lowest_mm[axis] || low_mm[axis] - margin_mm > highest_mm[axis])
 }
 
 /// The lowest and the highest corner of a rectangle around some points.

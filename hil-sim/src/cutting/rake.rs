@@ -72,6 +72,8 @@ pub struct Wake {
     last: Option<Rake>,
     /// The last point of the old surface that it passed.
     behind: Option<Point>,
+    /// Where it was asked to be since, and the last point that it passes on the way there: it mostly goes to where it was asked for last.
+    asked: Option<(Rake, Option<Point>)>,
 }
 
 /// The rays ahead of an edge, in the order in which it meets them.
@@ -264,13 +266,14 @@ impl Rake {
 
 impl Wake {
     /// The chip in front of the edge, which has come here from its last cut.
-    pub fn front(&self, rake: &Rake, layer: &Layer) -> Front {
+    pub fn front(&mut self, rake: &Rake, layer: &Layer) -> Front {
         if rake.is_apart(layer) {
             return Front::default();
         }
         // On the circle, neighbouring rays are this far apart.
         let apart_mm = layer.step_mm() / libm::fabs(rake.towards[rake.axis()]);
         let (behind, next) = self.around(rake, layer);
+        self.asked = Some((*rake, behind));
         // A surface met long ago says nothing of what is here now.
         let behind = behind.map(|point| (rake.ahead_mm(&point.begins_mm), point));
         let behind = behind.filter(|(ahead_mm, point)| point.has_material && -ahead_mm < 2.0 * apart_mm);
@@ -294,12 +297,12 @@ impl Wake {
 
     /// The same edge in another layer: it comes from where it was, but has passed nothing there.
     pub fn in_other_layer(&self) -> Self {
-        Wake { behind: None, ..*self }
+        Wake { behind: None, asked: None, ..*self }
     }
 
     /// The edge goes to its next place where there is no layer.
     pub fn pass(&mut self, rake: &Rake) {
-        *self = Wake { last: Some(*rake), behind: None };
+        *self = Wake { last: Some(*rake), behind: None, asked: None };
     }
 
     /// The edge goes to its next place, less than a quarter of a turn on, and takes what it sweeps; answers the area as the rays
@@ -309,7 +312,10 @@ impl Wake {
             self.pass(rake);
             return [0.0; 2];
         }
-        self.behind = self.around(rake, layer).0;
+        self.behind = match self.asked.take() {
+            Some((asked, behind)) if asked == *rake => behind,
+            _ => self.around(rake, layer).0,
+        };
         let Some(from) = self.last.replace(*rake) else { return [0.0; 2] };
         let ends_mm = |rake: &Rake| [rake.root_mm(), rake.edge_mm()];
         layer.clear_strip([ends_mm(&from), ends_mm(rake)], f64::from(rake.side.advance()) * rake.radius_mm, &rake.share)
