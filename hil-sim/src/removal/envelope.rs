@@ -91,18 +91,22 @@ impl Envelope {
 
     /// How a point lies in it; none where nothing was swept. (3)
     pub fn deepest(&self, point_mm: &Vector2<f64>) -> Option<Depth> {
-        let mut deepest: Option<Depth> = None;
-        for group in &self.groups {
-            if deepest.is_some_and(|depth| group.deep_at_most_mm(point_mm) <= depth.deep_mm) {
-                continue;
-            }
-            for depth in group.swept.iter().map(|swept| swept.depth(point_mm)) {
-                if deepest.is_none_or(|most| depth.deep_mm > most.deep_mm) {
-                    deepest = Some(depth);
-                }
+        // Where it may be deepest it mostly is, and then nearly all others are left out.
+        let at_most_mm: Vec<f64> = self.groups.iter().map(|group| group.deep_at_most_mm(point_mm)).collect();
+        let first = (0..at_most_mm.len()).max_by(|a, b| at_most_mm[*a].total_cmp(&at_most_mm[*b]))?;
+        let mut deepest = (first, self.groups[first].deepest(point_mm)?);
+        for (place, (group, at_most_mm)) in self.groups.iter().zip(&at_most_mm).enumerate() {
+            let deep_mm = deepest.1.deep_mm;
+            if place != first
+                && *at_most_mm >= deep_mm
+                && let Some(depth) = group.deepest(point_mm)
+                // Of those that are equally deep the first one counts.
+                && (depth.deep_mm > deep_mm || depth.deep_mm == deep_mm && place < deepest.0)
+            {
+                deepest = (place, depth);
             }
         }
-        deepest
+        Some(deepest.1)
     }
 }
 
@@ -115,6 +119,11 @@ impl Group {
             outer_mm: swept.iter().map(|swept| swept.slice.outer_mm).fold(0.0, f64::max),
             swept: swept.to_vec(),
         }
+    }
+
+    fn deepest(&self, point_mm: &Vector2<f64>) -> Option<Depth> {
+        let depths = self.swept.iter().map(|swept| swept.depth(point_mm));
+        depths.reduce(|most, depth| if depth.deep_mm > most.deep_mm { depth } else { most })
     }
 
     fn deep_at_most_mm(&self, point_mm: &Vector2<f64>) -> f64 {

@@ -1,4 +1,4 @@
-//! A slab that moves across its own axis, which is one of the lattice's: what it can reach, seen along the axis.
+//! A slab whose axis is one of the lattice's: what it can reach, seen along the axis.
 //!
 //! The outside sweeps the discs about all places of its way, the hole leaves out what is in it all the way:
 //!
@@ -25,7 +25,7 @@ pub struct Flat {
     ends_mm: [[f64; 3]; 2],
     outer_mm: f64,
     hole_mm: f64,
-    /// Its ends along the axis, without a margin.
+    /// Its ends along the axis, on all of its way; without a margin where it moves across the axis.
     heights: Interval,
     margin_mm: f64,
     upright: Option<Upright>,
@@ -55,16 +55,22 @@ pub struct Row {
 }
 
 impl Flat {
-    /// Of a slab, wider by a margin; `None` where it moves otherwise.
+    /// Of a slab, wider by a margin; `None` where its axis is none of the lattice's.
     pub fn new(slab: &Slab, sweep: &Sweep, margin_mm: f64) -> Option<Self> {
         let axis = (0..3).find(|axis| sweep.axis[*axis].abs() == 1.0)?;
         let is_across = sweep.from_mm[axis] == sweep.to_mm[axis];
         let hole_mm = slab.inner_mm.map_or(0.0, |inner| inner[0].min(inner[1]) - margin_mm).max(0.0);
         let outer_mm = slab.outer_mm[0].max(slab.outer_mm[1]) + margin_mm;
-        let [one, other] = slab.heights_mm.map(|height_mm| sweep.from_mm[axis] + height_mm * sweep.axis[axis]);
-        let heights = Interval::new(one.min(other), one.max(other));
-        let (ends_mm, upright) = ([sweep.from_mm, sweep.to_mm], Upright::of(slab));
-        is_across.then_some(Flat { axis, ends_mm, outer_mm, hole_mm, heights, margin_mm, upright })
+        let ends_mm = [sweep.from_mm, sweep.to_mm];
+        let [at_first, at_last] = ends_mm.map(|end_mm| {
+            let [one, other] = slab.heights_mm.map(|height_mm| end_mm[axis] + height_mm * sweep.axis[axis]);
+            Interval::new(one.min(other), one.max(other))
+        });
+        let rounding_mm = if is_across { 0.0 } else { margin_mm };
+        let from_mm = at_first.from_mm.min(at_last.from_mm) - rounding_mm;
+        let heights = Interval::new(from_mm, at_first.to_mm.max(at_last.to_mm) + rounding_mm);
+        let upright = Upright::of(slab).filter(|_| is_across);
+        Some(Flat { axis, ends_mm, outer_mm, hole_mm, heights, margin_mm, upright })
     }
 
     /// What is known of a whole row of rays, along an axis, with another one across them: told what it can meet by the box, it is no more than that. `None` if it
