@@ -16,12 +16,6 @@ use crate::stock::lattice::{Lattice, LatticeError};
 use crate::stock::solid::Solid;
 use crate::stock::workpiece::Stock;
 
-/// Wider than rounding.
-const MARGIN_MM: f64 = 1e-6;
-
-/// What leans less to a ray is as good as along it.
-const STEEP: f64 = 100.0;
-
 /// Rays along the two axes of the plane.
 #[derive(Clone, Debug)]
 pub struct Layer {
@@ -31,33 +25,6 @@ pub struct Layer {
     rays: [Vec<Dexel>; 2],
     /// One a ray.
     heights: [Vec<PartialHeights>; 2],
-}
-
-/// A rake face as rays along an axis cross it.
-#[derive(Clone, Copy, Debug)]
-struct RakeLine {
-    /// Where a ray at 0 would.
-    origin_mm: f64,
-    slope: f64,
-    /// Its ends, across the rays, and whether the edge is at the upper one.
-    span_mm: [f64; 2],
-    is_upwards: bool,
-}
-
-impl RakeLine {
-    fn new([root, edge]: [Vector2<f64>; 2], axis: usize) -> Self {
-        let slope = (edge[axis] - root[axis]) / (edge[1 - axis] - root[1 - axis]);
-        let ends_mm = [root, edge].map(|end| end[1 - axis]);
-        let span_mm = [ends_mm[0].min(ends_mm[1]), ends_mm[0].max(ends_mm[1])];
-        RakeLine { origin_mm: root[axis] - slope * root[1 - axis], slope, span_mm, is_upwards: ends_mm[0] < ends_mm[1] }
-    }
-
-    /// Where a ray surely crosses it, but for rounding.
-    fn crossing_mm(&self, at_mm: f64) -> Option<f64> {
-        let [from_mm, to_mm] = self.span_mm;
-        let is_between = from_mm + MARGIN_MM < at_mm && at_mm < to_mm - MARGIN_MM;
-        (is_between && libm::fabs(self.slope) < STEEP).then_some(self.origin_mm + self.slope * at_mm)
-    }
 }
 
 impl Layer {
@@ -209,7 +176,7 @@ impl Layer {
 
     /// Takes its share of a convex quadrilateral; answers as [`Layer::clear`], each part by the height taken.
     pub fn clear_share(&mut self, corners_mm: &[Vector2<f64>; 4], share: &Share) -> [f64; 2] {
-        self.clear_within(corners_mm, share, |_, _| None, |_, crossing_mm, _, _| crossing_mm)
+        self.clear_within(corners_mm, share, |_, crossing_mm, _, _| crossing_mm)
     }
 
     /// Takes its share of what a rake face sweeps: from its root and edge before to its edge and root after, the edge on a circle, its
@@ -226,17 +193,7 @@ impl Layer {
         let to_center = Vector2::new(-chord.y, chord.x).normalize();
         let to_center = to_center * to_center.dot(&(root - from)).signum() * radius_mm.signum();
         let center = middle + to_center * libm::sqrt((radius_mm * radius_mm - half_square).max(0.0));
-        let lines = [0, 1].map(|axis: usize| [before_mm, after_mm].map(|ends_mm| RakeLine::new(ends_mm, axis)));
-        let between = |axis: usize, at_mm: f64| {
-            // Otherwise the edge's way crosses rays that both lines cross.
-            if lines[axis][0].is_upwards != lines[axis][1].is_upwards {
-                return None;
-            }
-            let [before, after] = lines[axis].each_ref().map(|line| line.crossing_mm(at_mm));
-            let (before_mm, after_mm) = before.zip(after)?;
-            Some(Interval::new(before_mm.min(after_mm) - MARGIN_MM, before_mm.max(after_mm) + MARGIN_MM))
-        };
-        self.clear_within(&[root, from, to, last_root], share, between, |side, crossing_mm, axis, at_mm| {
+        self.clear_within(&[root, from, to, last_root], share, |side, crossing_mm, axis, at_mm| {
             let off_mm = at_mm - center[1 - axis];
             let square = radius_mm * radius_mm - off_mm * off_mm;
             // The second side is the edge's way; what is left of a chord within the circle is on the same side of its centre.
@@ -248,12 +205,11 @@ impl Layer {
     }
 
     /// Takes its share of a quadrilateral, of whose sides the crossings with a ray may be put elsewhere: told the side, the crossing, and the
-    /// ray by its axis and place. `between` may tell of a ray between where these will be.
+    /// ray by its axis and place.
     fn clear_within(
         &mut self,
         corners_mm: &[Vector2<f64>; 4],
         share: &Share,
-        between: impl Fn(usize, f64) -> Option<Interval>,
         put_mm: impl Fn(usize, f64, usize, f64) -> f64,
     ) -> [f64; 2] {
         if is_beside(corners_mm, &self.extent_mm()) {
@@ -266,15 +222,10 @@ impl Layer {
             let mut removed_mm = 0.0;
             for ray in self.between(axis, lowest, highest) {
                 let place_mm = self.place_mm(axis, ray);
-                let (material, heights) = (&mut self.rays[axis][ray], &mut self.heights[axis][ray]);
-                let is_spared = |stretch: Interval| !material.meets(&stretch) || heights.is_spared(&stretch, share);
-                if between(axis, place_mm).is_some_and(is_spared) {
-                    continue;
-                }
                 let crossings = crossings(&sides, place_mm);
                 let ends = crossings.map(|(side, crossing_mm)| put_mm(side, crossing_mm, axis, place_mm));
                 if let Some(stretch) = extent(ends) {
-                    removed_mm += heights.take(material, stretch, share);
+                    removed_mm += self.heights[axis][ray].take(&mut self.rays[axis][ray], stretch, share);
                 }
             }
             removed_mm * self.step_mm

@@ -61,6 +61,9 @@ impl PartialHeights {
         if self.is_spared(&stretch, share) {
             return 0.0;
         }
+        if let Some(taken_mm) = self.take_beside(material, &stretch, share) {
+            return taken_mm;
+        }
         let (foot_ratio, mut rest, mut taken_mm) = (share.foot_ratio.max(0.0), stretch, 0.0);
         while rest.length_mm() > 0.0 {
             let found = self.columns(material, &rest).find(|column| share.takes(column.top_ratio));
@@ -75,6 +78,29 @@ impl PartialHeights {
             }
         }
         taken_mm
+    }
+
+    /// Takes a chip beside what is as low already as it will be, as most are; `None`, and nothing taken, where there is more to it.
+    fn take_beside(&mut self, material: &Dexel, stretch: &Interval, share: &Share) -> Option<f64> {
+        let Dexel::One(piece) = material else { return None };
+        let on = piece.common(stretch);
+        let low = self.0.partition_point(|column| column.on.to_mm <= stretch.from_mm);
+        let Column { on: is_low, top_ratio } = *self.0.get(low)?;
+        if top_ratio != share.foot_ratio || !share.takes(1.0) {
+            return None;
+        }
+        let chip = if is_low.from_mm <= on.from_mm {
+            let is_last = self.0.get(low + 1).is_none_or(|next| next.on.from_mm > on.to_mm);
+            is_last.then_some(Interval { from_mm: is_low.to_mm, ..on })
+        } else {
+            let is_first = low.checked_sub(1).is_none_or(|before| self.0[before].on.to_mm < on.from_mm);
+            let is_at_end = is_low.from_mm <= on.to_mm && on.to_mm <= is_low.to_mm;
+            (is_first && is_at_end).then_some(Interval { to_mm: is_low.from_mm, ..on })
+        };
+        let chip = chip.filter(|chip| chip.length_mm() > 0.0)?;
+        let all = &mut self.0[low].on;
+        *all = Interval::new(all.from_mm.min(chip.from_mm), all.to_mm.max(chip.to_mm));
+        Some(chip.length_mm() * share.of_ratio(1.0))
     }
 
     /// Length of the material, each stretch by the part of the height that is there.

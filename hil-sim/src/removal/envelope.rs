@@ -25,6 +25,9 @@ use crate::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 /// Parts of legs that are left out together where all of them are too far off.
 const TOGETHER: usize = 64;
 
+/// By which a bound is wider.
+const ROUNDING_MM: f64 = 1e-9;
+
 /// What the edges of a true tool turn.
 #[derive(Clone, Debug)]
 pub struct Turned {
@@ -57,6 +60,8 @@ struct Group {
     lowest_mm: Vector2<f64>,
     highest_mm: Vector2<f64>,
     outer_mm: f64,
+    /// 0 of discs.
+    inner_mm: f64,
     swept: Vec<Swept>,
 }
 
@@ -117,6 +122,7 @@ impl Group {
             lowest_mm: ends().fold(Vector2::repeat(f64::INFINITY), |low, end| low.inf(&end)),
             highest_mm: ends().fold(Vector2::repeat(f64::NEG_INFINITY), |high, end| high.sup(&end)),
             outer_mm: swept.iter().map(|swept| swept.slice.outer_mm).fold(0.0, f64::max),
+            inner_mm: swept.iter().map(|swept| swept.slice.inner_mm).fold(f64::INFINITY, f64::min),
             swept: swept.to_vec(),
         }
     }
@@ -128,7 +134,12 @@ impl Group {
 
     fn deep_at_most_mm(&self, point_mm: &Vector2<f64>) -> f64 {
         let nearest_mm = point_mm.sup(&self.lowest_mm).inf(&self.highest_mm);
-        self.outer_mm - (point_mm - nearest_mm).norm()
+        let near_mm = self.outer_mm - (point_mm - nearest_mm).norm();
+        if self.inner_mm == 0.0 {
+            return near_mm;
+        }
+        let farthest = (point_mm - self.lowest_mm).abs().sup(&(point_mm - self.highest_mm).abs());
+        near_mm.min(farthest.norm() - self.inner_mm) + ROUNDING_MM
     }
 }
 
