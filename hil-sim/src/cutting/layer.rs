@@ -215,12 +215,17 @@ impl Layer {
         if is_beside(corners_mm, &self.extent_mm()) {
             return [0.0; 2];
         }
-        let bounds_mm = bounds(corners_mm);
+        let (bounds_mm, margin_mm) = (bounds(corners_mm), bulge_max_mm(corners_mm));
         [0, 1].map(|axis: usize| {
+            let [low_mm, high_mm] = bounds_mm.map(|corner| corner[axis]);
+            let around = Interval::new(low_mm - margin_mm, high_mm + margin_mm);
             let [lowest, highest] = bounds_mm.map(|corner| corner[1 - axis]);
             let sides: [Side; 4] = std::array::from_fn(|side| Side::new(corners_mm, side, axis));
             let mut removed_mm = 0.0;
             for ray in self.between(axis, lowest, highest) {
+                if !self.rays[axis][ray].meets(&around) {
+                    continue;
+                }
                 let place_mm = self.place_mm(axis, ray);
                 let crossings = crossings(&sides, place_mm);
                 let ends = crossings.map(|(side, crossing_mm)| put_mm(side, crossing_mm, axis, place_mm));
@@ -263,11 +268,15 @@ impl Layer {
     }
 }
 
-/// Whether a quadrilateral is outside of a rectangle, even where its sides are arcs less than half a circle long.
+/// Whether a quadrilateral is outside of a rectangle, even where its second side is an arc less than half a circle long.
 pub(super) fn is_beside(corners_mm: &[Vector2<f64>; 4], [lowest_mm, highest_mm]: &[[f64; 2]; 2]) -> bool {
-    let [low_mm, high_mm] = bounds(corners_mm);
-    let margin_mm = (high_mm[0] - low_mm[0]).max(high_mm[1] - low_mm[1]);
+    let ([low_mm, high_mm], margin_mm) = (bounds(corners_mm), bulge_max_mm(corners_mm));
     (0..2).any(|axis| high_mm[axis] + margin_mm < lowest_mm[axis] || low_mm[axis] - margin_mm > highest_mm[axis])
+}
+
+/// How far an arc less than half a circle long reaches beyond the second side: no more than half of its chord.
+fn bulge_max_mm([_, from, to, _]: &[Vector2<f64>; 4]) -> f64 {
+    (to - from).norm() / 2.0
 }
 
 /// The lowest and the highest corner of a rectangle around some points.

@@ -58,7 +58,7 @@ impl PartialHeights {
         if share.foot_ratio <= 0.0 && !self.meets(&stretch) {
             return if share.takes(1.0) { material.subtract(stretch) } else { 0.0 };
         }
-        if self.is_spared(&stretch, share) {
+        if self.is_spared(material, &stretch, share) {
             return 0.0;
         }
         if let Some(taken_mm) = self.take_beside(material, &stretch, share) {
@@ -140,9 +140,20 @@ impl PartialHeights {
         material.contains(at_mm).then(|| column.map_or(1.0, |column| column.top_ratio))
     }
 
-    /// Whether all of a stretch is lowered so far that an edge takes nothing of it.
-    pub fn is_spared(&self, stretch: &Interval, share: &Share) -> bool {
-        self.over(stretch).is_some_and(|column| !share.takes(column.top_ratio))
+    /// Whether all material of a stretch is lowered so far that an edge takes nothing of it.
+    fn is_spared(&self, material: &Dexel, stretch: &Interval, share: &Share) -> bool {
+        let Interval { mut from_mm, to_mm } = match material {
+            Dexel::One(piece) => piece.common(stretch),
+            _ => *stretch,
+        };
+        let first = self.0.partition_point(|column| column.on.to_mm <= from_mm);
+        for Column { on, top_ratio } in &self.0[first..] {
+            if from_mm >= to_mm || on.from_mm > from_mm || share.takes(*top_ratio) {
+                break;
+            }
+            from_mm = on.to_mm;
+        }
+        from_mm >= to_mm
     }
 
     /// Whether all of a stretch is lowered to a part of the layer, or below.
