@@ -16,6 +16,9 @@ use crate::stock::lattice::{Lattice, LatticeError};
 use crate::stock::solid::Solid;
 use crate::stock::workpiece::Stock;
 
+/// Wider than rounding.
+const MARGIN_MM: f64 = 1e-6;
+
 /// Rays along the two axes of the plane.
 #[derive(Clone, Debug)]
 pub struct Layer {
@@ -176,7 +179,7 @@ impl Layer {
 
     /// Takes its share of a convex quadrilateral; answers as [`Layer::clear`], each part by the height taken.
     pub fn clear_share(&mut self, corners_mm: &[Vector2<f64>; 4], share: &Share) -> [f64; 2] {
-        self.clear_within(corners_mm, share, |_, crossing_mm, _, _| crossing_mm)
+        self.clear_within(corners_mm, 0.0, share, |_, crossing_mm, _, _| crossing_mm)
     }
 
     /// Takes its share of what a rake face sweeps: from its root and edge before to its edge and root after, the edge on a circle, its
@@ -192,8 +195,9 @@ impl Layer {
         let half_square = chord.norm_squared() / 4.0;
         let to_center = Vector2::new(-chord.y, chord.x).normalize();
         let to_center = to_center * to_center.dot(&(root - from)).signum() * radius_mm.signum();
-        let center = middle + to_center * libm::sqrt((radius_mm * radius_mm - half_square).max(0.0));
-        self.clear_within(&[root, from, to, last_root], share, |side, crossing_mm, axis, at_mm| {
+        let height_mm = libm::sqrt((radius_mm * radius_mm - half_square).max(0.0));
+        let (center, bulge_mm) = (middle + to_center * height_mm, libm::fabs(radius_mm) - height_mm);
+        self.clear_within(&[root, from, to, last_root], bulge_mm, share, |side, crossing_mm, axis, at_mm| {
             let off_mm = at_mm - center[1 - axis];
             let square = radius_mm * radius_mm - off_mm * off_mm;
             // The second side is the edge's way; what is left of a chord within the circle is on the same side of its centre.
@@ -209,13 +213,14 @@ impl Layer {
     fn clear_within(
         &mut self,
         corners_mm: &[Vector2<f64>; 4],
+        bulge_mm: f64,
         share: &Share,
         put_mm: impl Fn(usize, f64, usize, f64) -> f64,
     ) -> [f64; 2] {
         if is_beside(corners_mm, &self.extent_mm()) {
             return [0.0; 2];
         }
-        let (bounds_mm, margin_mm) = (bounds(corners_mm), bulge_max_mm(corners_mm));
+        let (bounds_mm, margin_mm) = (bounds(corners_mm), bulge_mm + MARGIN_MM);
         [0, 1].map(|axis: usize| {
             let [low_mm, high_mm] = bounds_mm.map(|corner| corner[axis]);
             let around = Interval::new(low_mm - margin_mm, high_mm + margin_mm);
@@ -223,7 +228,7 @@ impl Layer {
             let sides: [Side; 4] = std::array::from_fn(|side| Side::new(corners_mm, side, axis));
             let mut removed_mm = 0.0;
             for ray in self.between(axis, lowest, highest) {
-                if !self.rays[axis][ray].meets(&around) {
+                if self.heights[axis][ray].is_spared(&self.rays[axis][ray], &around, share) {
                     continue;
                 }
                 let place_mm = self.place_mm(axis, ray);

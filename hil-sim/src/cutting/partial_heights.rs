@@ -141,7 +141,7 @@ impl PartialHeights {
     }
 
     /// Whether all material of a stretch is lowered so far that an edge takes nothing of it.
-    fn is_spared(&self, material: &Dexel, stretch: &Interval, share: &Share) -> bool {
+    pub fn is_spared(&self, material: &Dexel, stretch: &Interval, share: &Share) -> bool {
         let Interval { mut from_mm, to_mm } = match material {
             Dexel::One(piece) => piece.common(stretch),
             _ => *stretch,
@@ -339,6 +339,27 @@ mod tests {
             assert_eq!(heights.length_mm(&material), left_mm, "{share:?}");
         }
         assert_eq!((material, heights), (Dexel::Empty, PartialHeights::default()));
+    }
+
+    #[test]
+    fn chips_beside_a_floor_become_part_of_it() {
+        let mut material = Dexel::One(Interval::new(0.0, 10.0));
+        let mut heights = PartialHeights::default();
+        let side = Share { foot_ratio: 0.25, border_ratio: 0.5, is_end: false };
+        // In the middle, away from that, at the end of a floor, at its beginning, between two floors, beyond the material, and where there is nothing left.
+        for (from_mm, to_mm, taken_mm) in [
+            (6.0, 7.0, 1.0),
+            (2.0, 4.0, 2.0),
+            (3.0, 5.0, 1.0),
+            (1.0, 3.0, 1.0),
+            (4.0, 6.5, 1.0),
+            (6.0, 12.0, 3.0),
+            (1.0, 11.0, 0.0),
+        ] {
+            assert_eq!(heights.take(&mut material, Interval::new(from_mm, to_mm), &side), 0.75 * taken_mm, "{from_mm}");
+        }
+        assert_eq!(heights.0, [Column { on: Interval::new(1.0, 10.0), top_ratio: 0.25 }]);
+        assert_eq!(material, Dexel::One(Interval::new(0.0, 10.0)));
     }
 
     #[test]

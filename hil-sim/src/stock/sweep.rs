@@ -45,11 +45,18 @@ pub struct Pass {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
     /// Columns of the row, in two parts with a hollow between them.
-    pub columns: [Range<usize>; 2],
+    columns: [Range<usize>; 2],
     /// Stretch of each ray.
     pub along: Interval,
     /// What each of them loses, where that is the same for all.
     pub losses: Option<Losses>,
+}
+
+impl Reach {
+    /// All columns of the row that it can meet.
+    pub fn columns(&self) -> impl Iterator<Item = usize> {
+        self.columns.iter().cloned().flatten()
+    }
 }
 
 /// All slabs of a tool on all ways, for rays along an axis.
