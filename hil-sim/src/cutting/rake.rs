@@ -201,7 +201,7 @@ impl Rake {
             return 0;
         }
         // Points on the rays are as deep in the circle of the earlier place, not in that of this one.
-        let margin = (self.center_mm - from.center_mm).norm() / layer.step_mm() + MARGIN_MM;
+        let margin = ((self.center_mm - from.center_mm).norm() + MARGIN_MM) / layer.step_mm();
         let crossed = self.crossed(layer, axis);
         let behind = match rays.way > 0 {
             true => (crossed.start() - margin).ceil() as i64 - rays.first,
