@@ -72,7 +72,7 @@ fn rays_asked(stock: &Stock, tool: &Tool, moves: &[Move], tolerance_mm: f64) -> 
                 let lattice = stock.lattice();
                 let reaches =
                     pass.rows(lattice).filter_map(|row| pass.reach(lattice, lattice.center_mm(row_axis, row)));
-                asked += reaches.map(|reach| reach.columns.len()).sum::<usize>();
+                asked += reaches.map(|reach| reach.columns().count()).sum::<usize>();
             }
         }
     }

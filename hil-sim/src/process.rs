@@ -70,7 +70,7 @@ pub struct Moment {
 
 /// The edges at one time, and what chips cost them.
 struct Edges<'a> {
-    engagement: &'a EdgeEngagement,
+    engagement: &'a mut EdgeEngagement,
     cutting: &'a Cutting,
     stand: &'a Stand,
     at: &'a Poses,
@@ -118,7 +118,7 @@ impl Process {
     /// Goes to the next place, `dt_s` later, less than a quarter of a turn on; all edges are bent alike, as the cut is.
     pub fn step(&mut self, dt_s: f64, stand: &Stand) -> Moment {
         let at = self.engagement.poses(stand);
-        let edges = Edges { engagement: &self.engagement, cutting: &self.cutting, stand, at: &at };
+        let mut edges = Edges { engagement: &mut self.engagement, cutting: &self.cutting, stand, at: &at };
         let (chips_mm, mut found) = (&mut self.chips_mm, Default::default());
         let step = self.vibration.step(dt_s, |displacement_mm| {
             let bent: Vector2<f64> = displacement_mm.xy();
@@ -134,7 +134,7 @@ impl Process {
     pub fn step_on<B: Modal>(&mut self, dt_s: f64, stand: &Stand, workpiece: &mut Workpiece<B>) -> Moment {
         let at = self.engagement.poses(stand);
         self.spread.see(&self.engagement, &at, &self.vibration, workpiece);
-        let edges = Edges { engagement: &self.engagement, cutting: &self.cutting, stand, at: &at };
+        let mut edges = Edges { engagement: &mut self.engagement, cutting: &self.cutting, stand, at: &at };
         let (place_of, chips_mm, mut found) = (&self.spread.place_of, &mut self.chips_mm, Default::default());
         let step = self.vibration.step_at(dt_s, &mut self.spread.places, |moved_mm, forces_n| {
             let bent = |edge: usize| moved_mm[place_of[edge]].xy();
@@ -157,7 +157,7 @@ impl Edges<'_> {
     /// What they find where they are bent to: the loads, the largest mean chip of an edge on the end, and into the list the thickest of each tooth's side;
     /// `push` is told the force on each edge.
     fn loaded(
-        &self,
+        &mut self,
         bent: impl Fn(usize) -> Vector2<f64> + Copy,
         chips_mm: &mut [f64],
         mut push: impl FnMut(usize, Vector3<f64>),

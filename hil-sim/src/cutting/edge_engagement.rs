@@ -49,7 +49,9 @@ pub struct EdgeEngagement {
     sines: Vec<f64>,
     widths_mm: Vec<f64>,
     ends: Vec<EndEdge>,
-    /// Where each of them was.
+    /// Of each edge, the first one at the same angle.
+    same_angle: Vec<usize>,
+    /// Where each end edge was.
     faces: Vec<Option<Face>>,
     tips: Tips,
 }
@@ -127,6 +129,10 @@ impl EdgeEngagement {
         let slice_of = cutter.pieces().iter().filter_map(of_piece).collect();
         let sines = cutter.pieces().iter().map(|piece| libm::sin(piece.lead_rad)).collect();
         let widths_mm = cutter.pieces().iter().map(EdgePiece::width_mm).collect();
+        let angles: Vec<f64> =
+            cutter.pieces().iter().chain(ends.iter().map(|end| &end.piece)).map(|piece| piece.angle_rad).collect();
+        let first = |angle: &f64| angles.iter().position(|other| other == angle).unwrap_or(usize::MAX);
+        let same_angle = angles.iter().map(first).collect();
         let (faces, tips) = (vec![None; ends.len()], Tips::new(&ends));
         let reach_mm = slices.len() as f64 * layer_mm;
         Ok(EdgeEngagement {
@@ -140,6 +146,7 @@ impl EdgeEngagement {
             sines,
             widths_mm,
             ends,
+            same_angle,
             faces,
             tips,
         })
@@ -168,9 +175,13 @@ impl EdgeEngagement {
     /// Where the edges stand, before they are bent.
     pub fn poses(&self, stand: &Stand) -> Poses {
         let descent = self.descent(stand);
-        let pieces = self.cutter.pieces().iter().chain(self.ends.iter().map(|end| &end.piece));
         let placed = self.slices.iter().map(|slice| self.placed(slice.height_mm, &descent)).collect();
-        Poses { stand: *stand, descent, towards: pieces.map(|piece| towards(piece, stand)).collect(), placed }
+        let pieces = self.cutter.pieces().iter().chain(self.ends.iter().map(|end| &end.piece));
+        let mut directions: Vec<Vector2<f64>> = Vec::with_capacity(self.edges());
+        for (piece, first) in pieces.zip(&self.same_angle) {
+            directions.push(directions.get(*first).map_or_else(|| towards(piece, stand), Vector2::clone));
+        }
+        Poses { stand: *stand, descent, towards: directions, placed }
     }
 
     /// Where the middle of an edge stands, its height that of the layers.
@@ -195,32 +206,33 @@ impl EdgeEngagement {
     /// Every edge that is in a layer, with the chip in front of it, and every part of an end that has one: those look down. An edge may be bent away
     /// from where it stands, by what `bent` tells of its number.
     pub fn chips<'a>(
-        &'a self,
+        &'a mut self,
         at: &'a Poses,
         bent: impl Fn(usize) -> Vector2<f64> + Copy + 'a,
     ) -> impl Iterator<Item = EdgeChip> + 'a {
-        let first_end = self.wakes.len();
+        let Self { cutter, layers, depth_mm, wakes, slice_of, sines, widths_mm, ends, faces, .. } = self;
+        let (layers, depth_mm, first_end) = (&*layers, *depth_mm, wakes.len());
         let of_end = move |(edge, (end, last)): (usize, (&EndEdge, &Option<Face>))| {
             let face = at.face(edge, bent(edge));
-            let chips = last.map_or_else(Vec::new, |last| end.chips([&last, &face], &at.descent, &self.layers));
+            let chips = last.map_or_else(Vec::new, |last| end.chips([&last, &face], &at.descent, layers));
             chips.into_iter().map(move |(piece, section)| EdgeChip { edge, piece, section })
         };
-        let side = self.cutter.pieces().iter().zip(&self.wakes).enumerate();
+        let side = cutter.pieces().iter().zip(wakes).enumerate();
         let side = side.filter_map(move |(edge, (piece, (was_in, wake)))| {
-            let placed = at.placed[self.slice_of[edge]].as_ref()?;
-            let layer = &self.layers.layers()[placed.index];
-            let rake = rake(piece, self.depth_mm, at.face(edge, bent(edge)), &placed.share);
+            let placed = at.placed[slice_of[edge]].as_ref()?;
+            let layer = &layers.layers()[placed.index];
+            let rake = rake(piece, depth_mm, at.face(edge, bent(edge)), &placed.share);
             let front = match *was_in == Some(placed.index) {
                 true => wake.front(&rake, layer),
                 false => wake.in_other_layer().front(&rake, layer),
             };
             // A chip measured across the circle, seen square to the edge.
-            let thickness_mm = front.thickness_mm * self.sines[edge];
+            let thickness_mm = front.thickness_mm * sines[edge];
             let height_ratio = front.top_ratio.min(placed.reach_ratio) - placed.share.foot_ratio;
-            let section = ChipSection { thickness_mm, width_mm: self.widths_mm[edge] * height_ratio };
+            let section = ChipSection { thickness_mm, width_mm: widths_mm[edge] * height_ratio };
             Some(EdgeChip { edge, piece: *piece, section })
         });
-        side.chain((first_end..).zip(self.ends.iter().zip(&self.faces)).flat_map(of_end))
+        side.chain((first_end..).zip(ends.iter().zip(faces.iter())).flat_map(of_end))
     }
 
     /// The cutter goes to its next place, less than a quarter of a turn on; answers what was taken on the way as the rays along

@@ -25,7 +25,7 @@ use arcfeed_shared::tool::Edge;
 use nalgebra::Vector2;
 
 use super::edges::{Cutter, EdgePiece};
-use super::layer::Layer;
+use super::layer::{Layer, is_beside};
 use super::layers::Layers;
 use super::material::ChipSection;
 use super::partial_heights::Share;
@@ -65,6 +65,13 @@ pub struct Descent {
 /// A part of the edge, from an inner to an outer radius, and what of which layers is its.
 type Band = ([f64; 2], Vec<(usize, Share)>);
 
+impl Face {
+    /// Places at two distances from the axis.
+    fn ends_mm(&self, radii_mm: [f64; 2]) -> [Vector2<f64>; 2] {
+        radii_mm.map(|radius_mm| self.center_mm + self.towards * radius_mm)
+    }
+}
+
 impl Descent {
     /// Whether there is a floor to be lowered.
     pub fn lowers(&self) -> bool {
@@ -103,6 +110,9 @@ impl EndEdge {
     /// The chips in front of it when it goes on, each with the piece of the edge that meets it, also where that meets nothing; none at all if nothing
     /// can be met. (1)
     pub fn chips(&self, way: [&Face; 2], descent: &Descent, layers: &Layers) -> Vec<(EdgePiece, ChipSection)> {
+        if !self.may_meet(way, descent, layers) {
+            return Vec::new();
+        }
         let bands = self.bands(descent, layers);
         let first = bands.iter().flat_map(|(_, shares)| shares).next();
         let Some(grid) = first.map(|(index, _)| &layers.layers()[*index]) else { return Vec::new() };
@@ -141,7 +151,7 @@ impl EndEdge {
 
     /// It goes on and takes its share of what it sweeps; answers that as the rays along each axis have it, mm3.
     pub fn cut(&self, way: [&Face; 2], descent: &Descent, layers: &mut Layers) -> [f64; 2] {
-        if !descent.lowers() {
+        if !self.may_meet(way, descent, layers) {
             return [0.0; 2];
         }
         let angle_rad =
@@ -152,8 +162,7 @@ impl EndEdge {
         for ([inner_mm, outer_mm], shares) in self.bands(descent, layers) {
             let [is_innermost, is_outermost] = [inner_mm == self.inner_mm, outer_mm == self.piece.radius_mm];
             let inner_mm = if is_innermost { inner_mm * chord_ratio } else { inner_mm };
-            let ends_mm = |face: &Face| [inner_mm, outer_mm].map(|radius_mm| face.center_mm + face.towards * radius_mm);
-            let [[root, from], [last_root, to]] = way.map(ends_mm);
+            let [[root, from], [last_root, to]] = way.map(|face| face.ends_mm([inner_mm, outer_mm]));
             for (index, share) in &shares {
                 let layer = &mut layers.layers_mut()[*index];
                 let area_mm2 = match is_outermost {
@@ -166,11 +175,17 @@ impl EndEdge {
         sum_mm3
     }
 
+    /// Whether there is a floor to be lowered on its way, if it is over the layers at all.
+    fn may_meet(&self, way: [&Face; 2], descent: &Descent, layers: &Layers) -> bool {
+        let is_over = |extent_mm: [[f64; 2]; 2]| {
+            let [[root, from], [last_root, to]] = way.map(|face| face.ends_mm([self.inner_mm, self.piece.radius_mm]));
+            !is_beside(&[root, from, to, last_root], &extent_mm)
+        };
+        descent.lowers() && layers.extent_mm().is_some_and(is_over)
+    }
+
     /// From its inner end outwards.
     fn bands(&self, descent: &Descent, layers: &Layers) -> Vec<Band> {
-        if !descent.lowers() {
-            return Vec::new();
-        }
         let [inner_mm, outer_mm] = [self.inner_mm, self.piece.radius_mm];
         let (floor, all) = (shares(descent, descent.border_mm, layers), shares(descent, f64::INFINITY, layers));
         // On the axis no edge reaches inwards.

@@ -19,9 +19,6 @@ use crate::stock::workpiece::Stock;
 /// Wider than rounding.
 const MARGIN_MM: f64 = 1e-6;
 
-/// What leans less to a ray is as good as along it.
-const STEEP: f64 = 100.0;
-
 /// Rays along the two axes of the plane.
 #[derive(Clone, Debug)]
 pub struct Layer {
@@ -31,33 +28,6 @@ pub struct Layer {
     rays: [Vec<Dexel>; 2],
     /// One a ray.
     heights: [Vec<PartialHeights>; 2],
-}
-
-/// A rake face as rays along an axis cross it.
-#[derive(Clone, Copy, Debug)]
-struct RakeLine {
-    /// Where a ray at 0 would.
-    origin_mm: f64,
-    slope: f64,
-    /// Its ends, across the rays, and whether the edge is at the upper one.
-    span_mm: [f64; 2],
-    is_upwards: bool,
-}
-
-impl RakeLine {
-    fn new([root, edge]: [Vector2<f64>; 2], axis: usize) -> Self {
-        let slope = (edge[axis] - root[axis]) / (edge[1 - axis] - root[1 - axis]);
-        let ends_mm = [root, edge].map(|end| end[1 - axis]);
-        let span_mm = [ends_mm[0].min(ends_mm[1]), ends_mm[0].max(ends_mm[1])];
-        RakeLine { origin_mm: root[axis] - slope * root[1 - axis], slope, span_mm, is_upwards: ends_mm[0] < ends_mm[1] }
-    }
-
-    /// Where a ray surely crosses it, but for rounding.
-    fn crossing_mm(&self, at_mm: f64) -> Option<f64> {
-        let [from_mm, to_mm] = self.span_mm;
-        let is_between = from_mm + MARGIN_MM < at_mm && at_mm < to_mm - MARGIN_MM;
-        (is_between && libm::fabs(self.slope) < STEEP).then_some(self.origin_mm + self.slope * at_mm)
-    }
 }
 
 impl Layer {
@@ -86,9 +56,9 @@ impl Layer {
         let sizes_mm = [0, 1].map(|axis| ends_mm(axis)[1] - lowest_mm[axis] + step_mm);
         let mut layer = Layer::rectangle(lowest_mm, sizes_mm, step_mm);
         for axis in [0, 1] {
+            let sides: Vec<Side> = (0..corners_mm.len()).map(|side| Side::new(corners_mm, side, axis)).collect();
             for ray in 0..layer.rays[axis].len() {
-                let mut ends: Vec<f64> =
-                    crossings(corners_mm, axis, layer.place_mm(axis, ray)).map(|(_, at_mm)| at_mm).collect();
+                let mut ends: Vec<f64> = crossings(&sides, layer.place_mm(axis, ray)).map(|(_, at_mm)| at_mm).collect();
                 ends.sort_by(f64::total_cmp);
                 let pieces = ends.chunks_exact(2).map(|pair| Interval::new(pair[0], pair[1]));
                 layer.rays[axis][ray] = Dexel::new(pieces.collect());
@@ -202,14 +172,14 @@ impl Layer {
         self.heights[axis][ray].top_ratio(&self.rays[axis][ray], point_mm[axis])
     }
 
-    /// Takes away a convex polygon; answers its area of material as the rays along each axis have it, mm2.
-    pub fn clear(&mut self, corners_mm: &[Vector2<f64>]) -> [f64; 2] {
+    /// Takes away a convex quadrilateral; answers its area of material as the rays along each axis have it, mm2.
+    pub fn clear(&mut self, corners_mm: &[Vector2<f64>; 4]) -> [f64; 2] {
         self.clear_share(corners_mm, &Share::ALL)
     }
 
-    /// Takes its share of a convex polygon; answers as [`Layer::clear`], each part by the height taken.
-    pub fn clear_share(&mut self, corners_mm: &[Vector2<f64>], share: &Share) -> [f64; 2] {
-        self.clear_within(corners_mm, share, |_, _| None, |_, crossing_mm, _, _| crossing_mm)
+    /// Takes its share of a convex quadrilateral; answers as [`Layer::clear`], each part by the height taken.
+    pub fn clear_share(&mut self, corners_mm: &[Vector2<f64>; 4], share: &Share) -> [f64; 2] {
+        self.clear_within(corners_mm, 0.0, share, |_, crossing_mm, _, _| crossing_mm)
     }
 
     /// Takes its share of what a rake face sweeps: from its root and edge before to its edge and root after, the edge on a circle, its
@@ -225,18 +195,9 @@ impl Layer {
         let half_square = chord.norm_squared() / 4.0;
         let to_center = Vector2::new(-chord.y, chord.x).normalize();
         let to_center = to_center * to_center.dot(&(root - from)).signum() * radius_mm.signum();
-        let center = middle + to_center * libm::sqrt((radius_mm * radius_mm - half_square).max(0.0));
-        let lines = [0, 1].map(|axis: usize| [before_mm, after_mm].map(|ends_mm| RakeLine::new(ends_mm, axis)));
-        let between = |axis: usize, at_mm: f64| {
-            // Otherwise the edge's way crosses rays that both lines cross.
-            if lines[axis][0].is_upwards != lines[axis][1].is_upwards {
-                return None;
-            }
-            let [before, after] = lines[axis].each_ref().map(|line| line.crossing_mm(at_mm));
-            let (before_mm, after_mm) = before.zip(after)?;
-            Some(Interval::new(before_mm.min(after_mm) - MARGIN_MM, before_mm.max(after_mm) + MARGIN_MM))
-        };
-        self.clear_within(&[root, from, to, last_root], share, between, |side, crossing_mm, axis, at_mm| {
+        let height_mm = libm::sqrt((radius_mm * radius_mm - half_square).max(0.0));
+        let (center, bulge_mm) = (middle + to_center * height_mm, libm::fabs(radius_mm) - height_mm);
+        self.clear_within(&[root, from, to, last_root], bulge_mm, share, |side, crossing_mm, axis, at_mm| {
             let off_mm = at_mm - center[1 - axis];
             let square = radius_mm * radius_mm - off_mm * off_mm;
             // The second side is the edge's way; what is left of a chord within the circle is on the same side of its centre.
@@ -247,26 +208,31 @@ impl Layer {
         })
     }
 
-    /// Takes its share of a polygon, of whose sides the crossings with a ray may be put elsewhere: told the side, the crossing, and the
-    /// ray by its axis and place. `between` may tell of a ray between where these will be.
+    /// Takes its share of a quadrilateral, of whose sides the crossings with a ray may be put elsewhere: told the side, the crossing, and the
+    /// ray by its axis and place.
     fn clear_within(
         &mut self,
-        corners_mm: &[Vector2<f64>],
+        corners_mm: &[Vector2<f64>; 4],
+        bulge_mm: f64,
         share: &Share,
-        between: impl Fn(usize, f64) -> Option<Interval>,
         put_mm: impl Fn(usize, f64, usize, f64) -> f64,
     ) -> [f64; 2] {
+        if is_beside(corners_mm, &self.extent_mm()) {
+            return [0.0; 2];
+        }
+        let (bounds_mm, margin_mm) = (bounds(corners_mm), bulge_mm + MARGIN_MM);
         [0, 1].map(|axis: usize| {
-            let across = corners_mm.iter().map(|corner| corner[1 - axis]);
-            let (lowest, highest) =
-                across.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+            let [low_mm, high_mm] = bounds_mm.map(|corner| corner[axis]);
+            let around = Interval::new(low_mm - margin_mm, high_mm + margin_mm);
+            let [lowest, highest] = bounds_mm.map(|corner| corner[1 - axis]);
+            let sides: [Side; 4] = std::array::from_fn(|side| Side::new(corners_mm, side, axis));
             let mut removed_mm = 0.0;
             for ray in self.between(axis, lowest, highest) {
-                let place_mm = self.place_mm(axis, ray);
-                if between(axis, place_mm).is_some_and(|stretch| !self.rays[axis][ray].meets(&stretch)) {
+                if self.heights[axis][ray].is_spared(&self.rays[axis][ray], &around, share) {
                     continue;
                 }
-                let crossings = crossings(corners_mm, axis, place_mm);
+                let place_mm = self.place_mm(axis, ray);
+                let crossings = crossings(&sides, place_mm);
                 let ends = crossings.map(|(side, crossing_mm)| put_mm(side, crossing_mm, axis, place_mm));
                 if let Some(stretch) = extent(ends) {
                     removed_mm += self.heights[axis][ray].take(&mut self.rays[axis][ray], stretch, share);
@@ -307,16 +273,51 @@ impl Layer {
     }
 }
 
-/// Where a line along `axis` crosses the sides of a polygon, with the sides.
-fn crossings(corners_mm: &[Vector2<f64>], axis: usize, at_mm: f64) -> impl Iterator<Item = (usize, f64)> {
-    (0..corners_mm.len()).filter_map(move |side| {
+/// Whether a quadrilateral is outside of a rectangle, even where its second side is an arc less than half a circle long.
+pub(super) fn is_beside(corners_mm: &[Vector2<f64>; 4], [lowest_mm, highest_mm]: &[[f64; 2]; 2]) -> bool {
+    let ([low_mm, high_mm], margin_mm) = (bounds(corners_mm), bulge_max_mm(corners_mm));
+    (0..2).any(|axis| high_mm[axis] + margin_mm < lowest_mm[axis] || low_mm[axis] - margin_mm > highest_mm[axis])
+}
+
+/// How far an arc less than half a circle long reaches beyond the second side: no more than half of its chord.
+fn bulge_max_mm([_, from, to, _]: &[Vector2<f64>; 4]) -> f64 {
+    (to - from).norm() / 2.0
+}
+
+/// The lowest and the highest corner of a rectangle around some points.
+fn bounds(points_mm: &[Vector2<f64>]) -> [[f64; 2]; 2] {
+    let nowhere = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    points_mm.iter().fold(nowhere, |[low, high], point| {
+        [[0, 1].map(|axis: usize| low[axis].min(point[axis])), [0, 1].map(|axis: usize| high[axis].max(point[axis]))]
+    })
+}
+
+/// A side of a polygon: across the rays of an axis from a lower to a higher coordinate.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    across_mm: [f64; 2],
+    from_mm: f64,
+    /// From its lower to its higher end along the rays.
+    way_mm: f64,
+}
+
+impl Side {
+    /// A side of a polygon as rays along an axis cross it.
+    fn new(corners_mm: &[Vector2<f64>], side: usize, axis: usize) -> Self {
         let next = if side + 1 < corners_mm.len() { side + 1 } else { 0 };
         let (from, to) = (&corners_mm[side], &corners_mm[next]);
         // From the same end whichever polygon the side belongs to, so that neighbours leave nothing between them.
         let (from, to) = if from[1 - axis] < to[1 - axis] { (from, to) } else { (to, from) };
-        let (a, b) = (from[1 - axis] - at_mm, to[1 - axis] - at_mm);
+        Side { across_mm: [from[1 - axis], to[1 - axis]], from_mm: from[axis], way_mm: to[axis] - from[axis] }
+    }
+}
+
+/// Where a ray crosses the sides of a polygon, with the sides.
+fn crossings(sides: &[Side], at_mm: f64) -> impl Iterator<Item = (usize, f64)> {
+    sides.iter().enumerate().filter_map(move |(number, side)| {
+        let [a, b] = side.across_mm.map(|across_mm| across_mm - at_mm);
         let is_crossed = (a <= 0.0) != (b <= 0.0);
-        is_crossed.then(|| (side, from[axis] + (to[axis] - from[axis]) * (a / (a - b))))
+        is_crossed.then(|| (number, side.from_mm + side.way_mm * (a / (a - b))))
     })
 }
 

@@ -24,6 +24,7 @@ pub struct Layers {
     lowest_mm: f64,
     rise_mm: f64,
     layers: Vec<Layer>,
+    extent_mm: Option<[[f64; 2]; 2]>,
 }
 
 /// A height of a tool, and what turns there.
@@ -40,23 +41,22 @@ pub struct Slice {
 impl Layers {
     /// These, from a height upwards.
     pub fn new(lowest_mm: f64, rise_mm: f64, layers: Vec<Layer>) -> Self {
-        Layers { lowest_mm, rise_mm, layers }
+        let extent_mm = layers.iter().map(Layer::extent_mm).reduce(|[a, b], [c, d]| {
+            [[0, 1].map(|axis: usize| a[axis].min(c[axis])), [0, 1].map(|axis: usize| b[axis].max(d[axis]))]
+        });
+        Layers { lowest_mm, rise_mm, layers, extent_mm }
     }
 
     /// So many copies of a layer, from a height upwards.
     pub fn alike(layer: &Layer, lowest_mm: f64, rise_mm: f64, count: usize) -> Self {
-        Layers { lowest_mm, rise_mm, layers: vec![layer.clone(); count] }
+        Layers::new(lowest_mm, rise_mm, vec![layer.clone(); count])
     }
 
     /// All cells of a stock along `axis`: 0, 1, 2 for x, y, z. The planes have the two axes that follow it.
     pub fn of(stock: &Stock, axis: usize) -> Self {
         let lattice = stock.lattice();
         let cell = |cell| Layer::of(stock, axis, lattice.center_mm(axis, cell));
-        Layers {
-            lowest_mm: lattice.lowest_mm()[axis],
-            rise_mm: lattice.step_mm(),
-            layers: (0..lattice.cells()[axis]).map(cell).collect(),
-        }
+        Layers::new(lattice.lowest_mm()[axis], lattice.step_mm(), (0..lattice.cells()[axis]).map(cell).collect())
     }
 
     /// A solid along `axis`, from its top downwards until it is covered; each layer is as the solid is in the layer's middle.
@@ -73,14 +73,12 @@ impl Layers {
         let lowest_mm = highest_mm[axis] - count * rise_mm;
         let layer = |n: usize| Layer::at(solid, axis, lowest_mm + (n as f64 + 0.5) * rise_mm, step_mm);
         let layers: Result<Vec<Layer>, LatticeError> = (0..count as usize).map(layer).collect();
-        Ok(Layers { lowest_mm, rise_mm, layers: layers? })
+        Ok(Layers::new(lowest_mm, rise_mm, layers?))
     }
 
     /// The lowest and the highest corner of all layers, in their plane.
     pub fn extent_mm(&self) -> Option<[[f64; 2]; 2]> {
-        self.layers.iter().map(Layer::extent_mm).reduce(|[a, b], [c, d]| {
-            [[0, 1].map(|axis: usize| a[axis].min(c[axis])), [0, 1].map(|axis: usize| b[axis].max(d[axis]))]
-        })
+        self.extent_mm
     }
 
     /// How high each of them is.

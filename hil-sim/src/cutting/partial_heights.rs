@@ -58,13 +58,16 @@ impl PartialHeights {
         if share.foot_ratio <= 0.0 && !self.meets(&stretch) {
             return if share.takes(1.0) { material.subtract(stretch) } else { 0.0 };
         }
-        if self.over(&stretch).is_some_and(|column| !share.takes(column.top_ratio)) {
+        if self.is_spared(material, &stretch, share) {
             return 0.0;
         }
+        if let Some(taken_mm) = self.take_beside(material, &stretch, share) {
+            return taken_mm;
+        }
         let (foot_ratio, mut rest, mut taken_mm) = (share.foot_ratio.max(0.0), stretch, 0.0);
-        while let Some(Column { on, top_ratio }) =
-            self.columns(material, &rest).find(|column| share.takes(column.top_ratio))
-        {
+        while rest.length_mm() > 0.0 {
+            let found = self.columns(material, &rest).find(|column| share.takes(column.top_ratio));
+            let Some(Column { on, top_ratio }) = found else { break };
             taken_mm += on.length_mm() * share.of_ratio(top_ratio);
             rest.from_mm = on.to_mm;
             if foot_ratio > 0.0 {
@@ -75,6 +78,29 @@ impl PartialHeights {
             }
         }
         taken_mm
+    }
+
+    /// Takes a chip beside what is as low already as it will be, as most are; `None`, and nothing taken, where there is more to it.
+    fn take_beside(&mut self, material: &Dexel, stretch: &Interval, share: &Share) -> Option<f64> {
+        let Dexel::One(piece) = material else { return None };
+        let on = piece.common(stretch);
+        let low = self.0.partition_point(|column| column.on.to_mm <= stretch.from_mm);
+        let Column { on: is_low, top_ratio } = *self.0.get(low)?;
+        if top_ratio != share.foot_ratio || !share.takes(1.0) {
+            return None;
+        }
+        let chip = if is_low.from_mm <= on.from_mm {
+            let is_last = self.0.get(low + 1).is_none_or(|next| next.on.from_mm > on.to_mm);
+            is_last.then_some(Interval { from_mm: is_low.to_mm, ..on })
+        } else {
+            let is_first = low.checked_sub(1).is_none_or(|before| self.0[before].on.to_mm < on.from_mm);
+            let is_at_end = is_low.from_mm <= on.to_mm && on.to_mm <= is_low.to_mm;
+            (is_first && is_at_end).then_some(Interval { to_mm: is_low.from_mm, ..on })
+        };
+        let chip = chip.filter(|chip| chip.length_mm() > 0.0)?;
+        let all = &mut self.0[low].on;
+        *all = Interval::new(all.from_mm.min(chip.from_mm), all.to_mm.max(chip.to_mm));
+        Some(chip.length_mm() * share.of_ratio(1.0))
     }
 
     /// Length of the material, each stretch by the part of the height that is there.
@@ -114,6 +140,27 @@ impl PartialHeights {
         material.contains(at_mm).then(|| column.map_or(1.0, |column| column.top_ratio))
     }
 
+    /// Whether all material of a stretch is lowered so far that an edge takes nothing of it.
+    pub fn is_spared(&self, material: &Dexel, stretch: &Interval, share: &Share) -> bool {
+        let Interval { mut from_mm, to_mm } = match material {
+            Dexel::One(piece) => piece.common(stretch),
+            _ => *stretch,
+        };
+        let first = self.0.partition_point(|column| column.on.to_mm <= from_mm);
+        for Column { on, top_ratio } in &self.0[first..] {
+            if from_mm >= to_mm || on.from_mm > from_mm || share.takes(*top_ratio) {
+                break;
+            }
+            from_mm = on.to_mm;
+        }
+        from_mm >= to_mm
+    }
+
+    /// Whether all of a stretch is lowered to a part of the layer, or below.
+    pub fn is_below(&self, stretch: &Interval, above_ratio: f64) -> bool {
+        self.over(stretch).is_some_and(|column| column.top_ratio <= above_ratio + SAME_RATIO)
+    }
+
     /// The one that all of a stretch is in.
     fn over(&self, stretch: &Interval) -> Option<&Column> {
         let first = self.0.partition_point(|column| column.on.to_mm <= stretch.from_mm);
@@ -140,6 +187,9 @@ impl PartialHeights {
             let piece = if is_first { met.next() } else { met.next_back() };
             return piece.filter(|_| above_ratio + SAME_RATIO < 1.0).map(|piece| piece.common(stretch));
         }
+        if self.is_below(stretch, above_ratio) {
+            return None;
+        }
         let mut pieces = Pieces { columns: self.columns(material, stretch), above_ratio, next: None };
         if is_first { pieces.next() } else { pieces.last() }
     }
@@ -154,6 +204,9 @@ impl PartialHeights {
     fn set(&mut self, on: Interval, top_ratio: Option<f64>) {
         let first = self.0.partition_point(|column| column.on.to_mm <= on.from_mm);
         let end = self.0.partition_point(|column| column.on.from_mm < on.to_mm).max(first);
+        if first == end && top_ratio.is_none_or(|top_ratio| self.extend(first, on, top_ratio)) {
+            return;
+        }
         let before =
             self.0[first..end].first().map(|column| (Interval { to_mm: on.from_mm, ..column.on }, column.top_ratio));
         let after =
@@ -171,6 +224,20 @@ impl PartialHeights {
                 at += 1;
             }
         }
+    }
+
+    /// Extends a neighbour of the same height over a stretch that has no column yet and ends before column `next`; answers whether there is one.
+    fn extend(&mut self, next: usize, on: Interval, top_ratio: f64) -> bool {
+        let is_same = |column: &Column| column.top_ratio == top_ratio;
+        let before = next.checked_sub(1).filter(|last| self.0[*last].on.to_mm == on.from_mm && is_same(&self.0[*last]));
+        let is_joined = self.0.get(next).is_some_and(|after| after.on.from_mm == on.to_mm && is_same(after));
+        match before {
+            Some(before) if is_joined => self.0[before].on.to_mm = self.0.remove(next).on.to_mm,
+            Some(before) => self.0[before].on.to_mm = on.to_mm,
+            None if is_joined => self.0[next].on.from_mm = on.from_mm,
+            None => return false,
+        }
+        true
     }
 }
 
@@ -272,6 +339,27 @@ mod tests {
             assert_eq!(heights.length_mm(&material), left_mm, "{share:?}");
         }
         assert_eq!((material, heights), (Dexel::Empty, PartialHeights::default()));
+    }
+
+    #[test]
+    fn chips_beside_a_floor_become_part_of_it() {
+        let mut material = Dexel::One(Interval::new(0.0, 10.0));
+        let mut heights = PartialHeights::default();
+        let side = Share { foot_ratio: 0.25, border_ratio: 0.5, is_end: false };
+        // In the middle, away from that, at the end of a floor, at its beginning, between two floors, beyond the material, and where there is nothing left.
+        for (from_mm, to_mm, taken_mm) in [
+            (6.0, 7.0, 1.0),
+            (2.0, 4.0, 2.0),
+            (3.0, 5.0, 1.0),
+            (1.0, 3.0, 1.0),
+            (4.0, 6.5, 1.0),
+            (6.0, 12.0, 3.0),
+            (1.0, 11.0, 0.0),
+        ] {
+            assert_eq!(heights.take(&mut material, Interval::new(from_mm, to_mm), &side), 0.75 * taken_mm, "{from_mm}");
+        }
+        assert_eq!(heights.0, [Column { on: Interval::new(1.0, 10.0), top_ratio: 0.25 }]);
+        assert_eq!(material, Dexel::One(Interval::new(0.0, 10.0)));
     }
 
     #[test]

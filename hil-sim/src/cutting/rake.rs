@@ -13,12 +13,14 @@
 //! In a vibrating cut with waves of length l on the surface (3) is A/2 (pi step/l)^2 for an amplitude A. Where the surface
 //! begins or ends between two rays, the chip begins and ends half-way.
 
+use std::ops::RangeInclusive;
+
 use arcfeed_shared::tool::Edge;
 use nalgebra::Vector2;
 
 use super::layer::Layer;
-use super::partial_heights::Share;
-use crate::stock::dexel::Interval;
+use super::partial_heights::{PartialHeights, Share};
+use crate::stock::dexel::{Dexel, Interval};
 
 /// What is no further from the rake face was cut by it, and what is no thicker is no chip: rounding.
 const AT_RAKE_MM: f64 = 1e-9;
@@ -28,6 +30,9 @@ const MARGIN_MM: f64 = 1e-6;
 
 /// A ray at 45 degrees or less to the rake face goes no further than 2 sqrt 2 of its depth from there to the circle of its root.
 const FAR_RATIO: f64 = 3.0;
+
+/// Cosine of the largest angle to the rays at which a rake face is told from its continuation beyond the tool's axis.
+const SAME_SIDE_MIN: f64 = 0.5;
 
 /// So many rays beyond the last one an edge neither meets material nor sees any ahead.
 const APART_RAYS: f64 = 3.0;
@@ -67,6 +72,25 @@ pub struct Wake {
     last: Option<Rake>,
     /// The last point of the old surface that it passed.
     behind: Option<Point>,
+    /// Where it was asked to be since, and the last point that it passes on the way there: it mostly goes to where it was asked for last.
+    asked: Option<(Rake, Option<Point>)>,
+}
+
+/// The rays ahead of an edge, in the order in which it meets them.
+#[derive(Clone, Debug)]
+struct RaysAhead {
+    /// Along which they are.
+    axis: usize,
+    first: i64,
+    /// From one to the next, 1 or -1.
+    way: i64,
+    count: i64,
+    /// Where the rake face is, in rays.
+    crossed: RangeInclusive<f64>,
+    /// Which way along the rays the rake face's root is.
+    to_root: f64,
+    /// Whether the edge's end of a ray across the rake face is behind that.
+    has_edge_behind: bool,
 }
 
 /// The chip on one ray.
@@ -135,31 +159,55 @@ impl Rake {
         usize::from(libm::fabs(self.towards.y) > libm::fabs(self.towards.x))
     }
 
-    /// The rays of which the edge, turning, meets the old surface next, in that order.
-    fn next<'a>(&'a self, layer: &'a Layer) -> impl Iterator<Item = Point> + 'a {
+    /// The rays of which the edge, turning, meets the old surface next.
+    fn rays_ahead(&self, layer: &Layer) -> RaysAhead {
         let axis = self.axis();
-        let motion = self.turn_ratio * Vector2::new(-self.towards.y, self.towards.x)[1 - axis];
-        let from = [self.edge_mm(), self.root_mm()].map(|end| layer.index(axis, end[1 - axis]));
-        let (first, count) = match motion > 0.0 {
-            true => (from[0].min(from[1]).ceil() as i64, layer.rays(axis).len() as i64),
-            false => (from[0].max(from[1]).floor() as i64, -1),
+        let crossed = self.crossed(layer, axis);
+        let tangent = self.turn_ratio * Vector2::new(-self.towards.y, self.towards.x);
+        let (first, end, way) = match tangent[1 - axis] > 0.0 {
+            true => (crossed.start().ceil() as i64, layer.rays(axis).len() as i64, 1),
+            false => (crossed.end().floor() as i64, -1, -1),
         };
-        let way = if motion > 0.0 { 1 } else { -1 };
-        let crossed = from[0].min(from[1])..=from[0].max(from[1]);
-        // Which way along the rays it is ahead of the rake face, and which way to its root.
-        let ahead = self.turn_ratio * Vector2::new(-self.towards.y, self.towards.x)[axis];
         let to_root = -libm::copysign(f64::from(self.side.advance()), self.towards[axis]);
-        let has_edge_behind = ahead * to_root > 0.0;
         // One ray beyond the grid, empty, ends the cut there.
-        (0..=(count - first) * way).filter_map(move |n| {
-            let ray = first + n * way;
-            // Of rays across the rake face most have lost all that is ahead of it.
-            if has_edge_behind && crossed.contains(&(ray as f64)) && self.is_passed(layer, axis, ray, to_root) {
-                return None;
-            }
-            let point = self.on_ray(layer, axis, ray)?;
-            (self.ahead_mm(&point.begins_mm) > AT_RAKE_MM).then_some(point)
-        })
+        let count = (end - first) * way + 1;
+        RaysAhead { axis, first, way, count, crossed, to_root, has_edge_behind: tangent[axis] * to_root > 0.0 }
+    }
+
+    /// From where to where the rake face is, in rays along an axis.
+    fn crossed(&self, layer: &Layer, axis: usize) -> RangeInclusive<f64> {
+        let [edge, root] = [self.edge_mm(), self.root_mm()].map(|end| layer.index(axis, end[1 - axis]));
+        edge.min(root)..=edge.max(root)
+    }
+
+    /// What the edge, turning, meets on a ray ahead of it.
+    fn ahead_on(&self, layer: &Layer, rays: &RaysAhead, nth: i64) -> Option<Point> {
+        let ray = rays.first + nth * rays.way;
+        // Of rays across the rake face most have lost all that is ahead of it.
+        if rays.has_edge_behind
+            && rays.crossed.contains(&(ray as f64))
+            && self.is_passed(layer, rays.axis, ray, rays.to_root)
+        {
+            return None;
+        }
+        self.on_ray(layer, rays.axis, ray).filter(|point| self.ahead_mm(&point.begins_mm) > AT_RAKE_MM)
+    }
+
+    /// How many of the rays ahead of an earlier place of this edge lie as a whole behind where it is now.
+    fn count_behind(&self, layer: &Layer, from: &Rake, rays: &RaysAhead) -> i64 {
+        let axis = rays.axis;
+        // Beyond this, rays may cross the rake face's line on the other side of the tool's axis.
+        if self.towards[axis] * libm::copysign(1.0, from.towards[axis]) < SAME_SIDE_MIN {
+            return 0;
+        }
+        // Points on the rays are as deep in the circle of the earlier place, not in that of this one.
+        let margin = ((self.center_mm - from.center_mm).norm() + MARGIN_MM) / layer.step_mm();
+        let crossed = self.crossed(layer, axis);
+        let behind = match rays.way > 0 {
+            true => (crossed.start() - margin).ceil() as i64 - rays.first,
+            false => rays.first - (crossed.end() + margin).floor() as i64,
+        };
+        behind.clamp(0, rays.count.max(0))
     }
 
     /// Whether a ray that crosses the rake face has no material between that and the circle of its root.
@@ -168,7 +216,10 @@ impl Rake {
         let at_mm = self.center_mm[axis] + off_mm * self.towards[axis] / self.towards[1 - axis];
         let [one_mm, other_mm] = [at_mm - to_root * MARGIN_MM, at_mm + to_root * FAR_RATIO * self.depth_mm];
         let stretch = Interval::new(one_mm.min(other_mm), one_mm.max(other_mm));
-        !layer.ray(axis, ray).is_some_and(|(material, _)| material.meets(&stretch))
+        let is_left = |(material, heights): (&Dexel, &PartialHeights)| {
+            material.meets(&stretch) && !heights.is_below(&stretch, self.share.border_ratio)
+        };
+        !layer.ray(axis, ray).is_some_and(is_left)
     }
 
     /// The chip on a ray, as the edge will meet it; `None` if it will not come so far.
@@ -215,13 +266,14 @@ impl Rake {
 
 impl Wake {
     /// The chip in front of the edge, which has come here from its last cut.
-    pub fn front(&self, rake: &Rake, layer: &Layer) -> Front {
+    pub fn front(&mut self, rake: &Rake, layer: &Layer) -> Front {
         if rake.is_apart(layer) {
             return Front::default();
         }
         // On the circle, neighbouring rays are this far apart.
         let apart_mm = layer.step_mm() / libm::fabs(rake.towards[rake.axis()]);
         let (behind, next) = self.around(rake, layer);
+        self.asked = Some((*rake, behind));
         // A surface met long ago says nothing of what is here now.
         let behind = behind.map(|point| (rake.ahead_mm(&point.begins_mm), point));
         let behind = behind.filter(|(ahead_mm, point)| point.has_material && -ahead_mm < 2.0 * apart_mm);
@@ -245,12 +297,12 @@ impl Wake {
 
     /// The same edge in another layer: it comes from where it was, but has passed nothing there.
     pub fn in_other_layer(&self) -> Self {
-        Wake { behind: None, ..*self }
+        Wake { behind: None, asked: None, ..*self }
     }
 
     /// The edge goes to its next place where there is no layer.
     pub fn pass(&mut self, rake: &Rake) {
-        *self = Wake { last: Some(*rake), behind: None };
+        *self = Wake { last: Some(*rake), behind: None, asked: None };
     }
 
     /// The edge goes to its next place, less than a quarter of a turn on, and takes what it sweeps; answers the area as the rays
@@ -260,7 +312,10 @@ impl Wake {
             self.pass(rake);
             return [0.0; 2];
         }
-        self.behind = self.around(rake, layer).0;
+        self.behind = match self.asked.take() {
+            Some((asked, behind)) if asked == *rake => behind,
+            _ => self.around(rake, layer).0,
+        };
         let Some(from) = self.last.replace(*rake) else { return [0.0; 2] };
         let ends_mm = |rake: &Rake| [rake.root_mm(), rake.edge_mm()];
         layer.clear_strip([ends_mm(&from), ends_mm(rake)], f64::from(rake.side.advance()) * rake.radius_mm, &rake.share)
@@ -268,14 +323,19 @@ impl Wake {
 
     /// The points of the old surface on both sides of a rake face that has come here from the last cut.
     fn around(&self, rake: &Rake, layer: &Layer) -> (Option<Point>, Option<Point>) {
-        let mut behind = self.behind;
         let from = Rake { share: rake.share, ..self.last.unwrap_or(*rake) };
-        for point in from.next(layer) {
+        let rays = from.rays_ahead(layer);
+        let passed = rake.count_behind(layer, &from, &rays);
+        let (mut behind, mut ahead) = (None, None);
+        for point in (passed..rays.count).filter_map(|nth| from.ahead_on(layer, &rays, nth)) {
             if rake.ahead_mm(&point.begins_mm) > 0.0 {
-                return (behind, Some(point));
+                ahead = Some(point);
+                break;
             }
             behind = Some(point);
         }
-        (behind, None)
+        // Of the rays that were passed on the way only the last one counts.
+        let on_way = || (0..passed).rev().find_map(|nth| from.ahead_on(layer, &rays, nth));
+        (behind.or_else(on_way).or(self.behind), ahead)
     }
 }

@@ -25,6 +25,9 @@ use crate::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 /// Parts of legs that are left out together where all of them are too far off.
 const TOGETHER: usize = 64;
 
+/// By which a bound is wider.
+const ROUNDING_MM: f64 = 1e-9;
+
 /// What the edges of a true tool turn.
 #[derive(Clone, Debug)]
 pub struct Turned {
@@ -57,6 +60,8 @@ struct Group {
     lowest_mm: Vector2<f64>,
     highest_mm: Vector2<f64>,
     outer_mm: f64,
+    /// 0 of discs.
+    inner_mm: f64,
     swept: Vec<Swept>,
 }
 
@@ -91,18 +96,22 @@ impl Envelope {
 
     /// How a point lies in it; none where nothing was swept. (3)
     pub fn deepest(&self, point_mm: &Vector2<f64>) -> Option<Depth> {
-        let mut deepest: Option<Depth> = None;
-        for group in &self.groups {
-            if deepest.is_some_and(|depth| group.deep_at_most_mm(point_mm) <= depth.deep_mm) {
-                continue;
-            }
-            for depth in group.swept.iter().map(|swept| swept.depth(point_mm)) {
-                if deepest.is_none_or(|most| depth.deep_mm > most.deep_mm) {
-                    deepest = Some(depth);
-                }
+        // Where it may be deepest it mostly is, and then nearly all others are left out.
+        let at_most_mm: Vec<f64> = self.groups.iter().map(|group| group.deep_at_most_mm(point_mm)).collect();
+        let first = (0..at_most_mm.len()).max_by(|a, b| at_most_mm[*a].total_cmp(&at_most_mm[*b]))?;
+        let mut deepest = (first, self.groups[first].deepest(point_mm)?);
+        for (place, (group, at_most_mm)) in self.groups.iter().zip(&at_most_mm).enumerate() {
+            let deep_mm = deepest.1.deep_mm;
+            if place != first
+                && *at_most_mm >= deep_mm
+                && let Some(depth) = group.deepest(point_mm)
+                // Of those that are equally deep the first one counts.
+                && (depth.deep_mm > deep_mm || depth.deep_mm == deep_mm && place < deepest.0)
+            {
+                deepest = (place, depth);
             }
         }
-        deepest
+        Some(deepest.1)
     }
 }
 
@@ -113,13 +122,24 @@ impl Group {
             lowest_mm: ends().fold(Vector2::repeat(f64::INFINITY), |low, end| low.inf(&end)),
             highest_mm: ends().fold(Vector2::repeat(f64::NEG_INFINITY), |high, end| high.sup(&end)),
             outer_mm: swept.iter().map(|swept| swept.slice.outer_mm).fold(0.0, f64::max),
+            inner_mm: swept.iter().map(|swept| swept.slice.inner_mm).fold(f64::INFINITY, f64::min),
             swept: swept.to_vec(),
         }
     }
 
+    fn deepest(&self, point_mm: &Vector2<f64>) -> Option<Depth> {
+        let depths = self.swept.iter().map(|swept| swept.depth(point_mm));
+        depths.reduce(|most, depth| if depth.deep_mm > most.deep_mm { depth } else { most })
+    }
+
     fn deep_at_most_mm(&self, point_mm: &Vector2<f64>) -> f64 {
         let nearest_mm = point_mm.sup(&self.lowest_mm).inf(&self.highest_mm);
-        self.outer_mm - (point_mm - nearest_mm).norm()
+        let near_mm = self.outer_mm - (point_mm - nearest_mm).norm();
+        if self.inner_mm == 0.0 {
+            return near_mm;
+        }
+        let farthest = (point_mm - self.lowest_mm).abs().sup(&(point_mm - self.highest_mm).abs());
+        near_mm.min(farthest.norm() - self.inner_mm) + ROUNDING_MM
     }
 }
 

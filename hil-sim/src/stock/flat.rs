@@ -1,4 +1,4 @@
-//! A slab that moves across its own axis, which is one of the lattice's: what it can reach, seen along the axis.
+//! A slab whose axis is one of the lattice's: what it can reach, seen along the axis.
 //!
 //! The outside sweeps the discs about all places of its way, the hole leaves out what is in it all the way:
 //!
@@ -8,8 +8,8 @@
 //!
 //! The way is straight, so the farthest place of it is one of its ends. Along a line in the plane the reached is what lies
 //! between the first and the last place of (1)'s left part, less the stretch that both ends' holes have in common.
-//! It is asked with a margin to tell which rays need not be asked more: three axes cut mostly air. Of a slab with upright walls
-//! (1) without a margin is all there is to know.
+//! It is asked with a margin to tell which rays need not be asked more: three axes cut mostly air. Of rays along the axis only those between the outside and
+//! the hole of both ends are asked, between the slab's ends. Of a slab with upright walls (1) without a margin is all there is to know.
 //!
 //! Source: own derivation.
 
@@ -25,13 +25,15 @@ pub struct Flat {
     ends_mm: [[f64; 3]; 2],
     outer_mm: f64,
     hole_mm: f64,
+    /// Its ends along the axis, on all of its way; without a margin where it moves across the axis.
+    heights: Interval,
+    margin_mm: f64,
     upright: Option<Upright>,
 }
 
-/// A slab with upright walls, without a margin: its ends along the axis, and its radii.
+/// The radii of a slab with upright walls, without a margin.
 #[derive(Clone, Copy, Debug)]
 struct Upright {
-    heights: Interval,
     outer_mm: f64,
     hole_mm: f64,
 }
@@ -44,6 +46,8 @@ pub type Losses = [Option<Interval>; 2];
 pub struct Row {
     /// Where its rays stand.
     pub across: Interval,
+    /// Where there are none between them.
+    pub hollow: Option<Interval>,
     /// The stretch of each ray.
     pub along: Interval,
     /// Between upright walls: what each of them loses that is beside the walls, where that is the same for all.
@@ -51,24 +55,38 @@ pub struct Row {
 }
 
 impl Flat {
-    /// Of a slab, wider by a margin; `None` where it moves otherwise.
+    /// Of a slab, wider by a margin; `None` where its axis is none of the lattice's.
     pub fn new(slab: &Slab, sweep: &Sweep, margin_mm: f64) -> Option<Self> {
         let axis = (0..3).find(|axis| sweep.axis[*axis].abs() == 1.0)?;
         let is_across = sweep.from_mm[axis] == sweep.to_mm[axis];
         let hole_mm = slab.inner_mm.map_or(0.0, |inner| inner[0].min(inner[1]) - margin_mm).max(0.0);
         let outer_mm = slab.outer_mm[0].max(slab.outer_mm[1]) + margin_mm;
-        let upright = Upright::of(slab, sweep, axis);
-        is_across.then_some(Flat { axis, ends_mm: [sweep.from_mm, sweep.to_mm], outer_mm, hole_mm, upright })
+        let ends_mm = [sweep.from_mm, sweep.to_mm];
+        let [at_first, at_last] = ends_mm.map(|end_mm| {
+            let [one, other] = slab.heights_mm.map(|height_mm| end_mm[axis] + height_mm * sweep.axis[axis]);
+            Interval::new(one.min(other), one.max(other))
+        });
+        let rounding_mm = if is_across { 0.0 } else { margin_mm };
+        let from_mm = at_first.from_mm.min(at_last.from_mm) - rounding_mm;
+        let heights = Interval::new(from_mm, at_first.to_mm.max(at_last.to_mm) + rounding_mm);
+        let upright = Upright::of(slab).filter(|_| is_across);
+        Some(Flat { axis, ends_mm, outer_mm, hole_mm, heights, margin_mm, upright })
     }
 
-    /// What is known of a whole row of rays, along an axis, with another one across them: told what it can meet by the box, it is no more than that. Only
-    /// walls that are upright say more. `None` if it loses nothing.
+    /// What is known of a whole row of rays, along an axis, with another one across them: told what it can meet by the box, it is no more than that. `None` if it
+    /// loses nothing.
     pub fn narrowed(&self, row: Row, [ray_axis, column_axis]: [usize; 2], row_mm: f64) -> Option<Row> {
-        let Some(Upright { heights, .. }) = self.upright else { return Some(row) };
         let mut point_mm = [0.0; 3];
         point_mm[3 - ray_axis - column_axis] = row_mm;
         if ray_axis == self.axis {
-            Some(Row { across: self.along(column_axis, &point_mm, self.outer_mm)?, along: heights, losses: None })
+            let outer_mm = self.upright.map_or(self.outer_mm, |upright| upright.outer_mm);
+            // A ray on the hole's border is asked.
+            let hollow = self.hollow(column_axis, &point_mm, (self.hole_mm - self.margin_mm).max(0.0));
+            let across = self.along(column_axis, &point_mm, outer_mm)?;
+            return Some(Row { across, hollow, along: self.heights, losses: None });
+        }
+        if self.upright.is_none() {
+            Some(row)
         } else if column_axis == self.axis {
             Some(Row { losses: Some(self.walls(ray_axis, &point_mm)?), ..row })
         } else {
@@ -78,9 +96,9 @@ impl Flat {
 
     /// What a ray loses to a slab with upright walls, told what its row has in common; `None` where the walls are not upright.
     pub fn losses(&self, ray_axis: usize, point_mm: &[f64; 3], of_row: Option<Losses>) -> Option<Losses> {
-        let Upright { heights, outer_mm, hole_mm } = self.upright?;
+        let Upright { outer_mm, hole_mm } = self.upright?;
         if ray_axis == self.axis {
-            return Some([self.reaches(point_mm, outer_mm, hole_mm).then_some(heights), None]);
+            return Some([self.reaches(point_mm, outer_mm, hole_mm).then_some(self.heights), None]);
         }
         let walls = || of_row.or_else(|| self.walls(ray_axis, point_mm)).unwrap_or_default();
         Some(if self.is_beside(point_mm) { walls() } else { Losses::default() })
@@ -91,16 +109,14 @@ impl Flat {
         self.upright.is_some()
     }
 
-    /// Whether a point is between the ends of upright walls.
+    /// Whether a point is between its ends.
     fn is_beside(&self, point_mm: &[f64; 3]) -> bool {
-        let beside =
-            |upright: &Upright| (upright.heights.from_mm..=upright.heights.to_mm).contains(&point_mm[self.axis]);
-        self.upright.as_ref().is_some_and(beside)
+        (self.heights.from_mm..=self.heights.to_mm).contains(&point_mm[self.axis])
     }
 
     /// What of a line beside upright walls is between them.
     fn walls(&self, ray_axis: usize, point_mm: &[f64; 3]) -> Option<Losses> {
-        let Upright { outer_mm, hole_mm, .. } = self.upright?;
+        let Upright { outer_mm, hole_mm } = self.upright?;
         let outside = self.along(ray_axis, point_mm, outer_mm)?;
         Some(match self.hollow(ray_axis, point_mm, hole_mm) {
             None => [Some(outside), None],
@@ -187,14 +203,10 @@ impl Flat {
 }
 
 impl Upright {
-    fn of(slab: &Slab, sweep: &Sweep, axis: usize) -> Option<Self> {
+    fn of(slab: &Slab) -> Option<Self> {
         let is_upright = |radii: [f64; 2]| radii[0] == radii[1];
-        let [one, other] = slab.heights_mm.map(|height_mm| sweep.from_mm[axis] + height_mm * sweep.axis[axis]);
-        (is_upright(slab.outer_mm) && slab.inner_mm.is_none_or(is_upright)).then_some(Upright {
-            heights: Interval::new(one.min(other), one.max(other)),
-            outer_mm: slab.outer_mm[0],
-            hole_mm: slab.inner_mm.map_or(0.0, |inner| inner[0]),
-        })
+        (is_upright(slab.outer_mm) && slab.inner_mm.is_none_or(is_upright))
+            .then_some(Upright { outer_mm: slab.outer_mm[0], hole_mm: slab.inner_mm.map_or(0.0, |inner| inner[0]) })
     }
 }
 

@@ -105,7 +105,7 @@ impl Grid {
 impl Removed {
     /// Takes what a pass sweeps from one row.
     fn cut(&mut self, pass: &Pass, reach: &Reach, dexels: &mut [Dexel], point_mm: impl Fn(usize) -> Vector) {
-        for column in reach.columns.clone() {
+        for column in reach.columns() {
             let Some(dexel) = dexels.get_mut(column) else { break };
             let point_mm = point_mm(column);
             if dexel.meets(&reach.along) && pass.may_cut(&point_mm, dexel) {

@@ -44,12 +44,19 @@ pub struct Pass {
 /// The rays of one row that a pass can meet, and where on them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
-    /// Columns of the row.
-    pub columns: Range<usize>,
+    /// Columns of the row, in two parts with a hollow between them.
+    columns: [Range<usize>; 2],
     /// Stretch of each ray.
     pub along: Interval,
     /// What each of them loses, where that is the same for all.
     pub losses: Option<Losses>,
+}
+
+impl Reach {
+    /// All columns of the row that it can meet.
+    pub fn columns(&self) -> impl Iterator<Item = usize> {
+        self.columns.iter().cloned().flatten()
+    }
 }
 
 /// All slabs of a tool on all ways, for rays along an axis.
@@ -116,14 +123,17 @@ impl Pass {
         if during[0] > during[1] {
             return None;
         }
-        let row =
-            Row { across: self.extent(column_axis, during), along: self.extent(self.ray_axis, during), losses: None };
-        let Row { across, along, losses } = match &self.flat {
+        let (across, along) = (self.extent(column_axis, during), self.extent(self.ray_axis, during));
+        let row = Row { across, hollow: None, along, losses: None };
+        let Row { across, hollow, along, losses } = match &self.flat {
             Some(flat) => flat.narrowed(row, [self.ray_axis, column_axis], row_mm)?,
             None => row,
         };
         let columns = lattice.cells_between(column_axis, across.from_mm, across.to_mm);
-        (!columns.is_empty()).then_some(Reach { columns, along, losses })
+        let hollow = hollow.map(|hollow| lattice.cells_between(column_axis, hollow.from_mm, hollow.to_mm));
+        let hollow = hollow.unwrap_or(columns.end..columns.end);
+        let parts = [columns.start..hollow.start.min(columns.end), hollow.end.max(columns.start)..columns.end];
+        (!columns.is_empty()).then_some(Reach { columns: parts, along, losses })
     }
 
     /// Whether a ray is so near that it may lose any of its material to the slab.
@@ -180,7 +190,9 @@ impl Pass {
             return losses.into_iter().flatten().map(|loss| dexel.subtract(loss)).sum();
         }
         let mut removed_mm = 0.0;
-        let Some(stretch) = self.stretch(&ray_point_mm, &reach.along).filter(|stretch| dexel.meets(stretch)) else {
+        // Ends of spans may be off the ends of what is reached by rounding.
+        let along = Interval::new(reach.along.from_mm - MARGIN_MM, reach.along.to_mm + MARGIN_MM);
+        let Some(stretch) = self.stretch(&ray_point_mm, &along).filter(|stretch| dexel.meets(stretch)) else {
             return removed_mm;
         };
         self.section.for_each_span(ray_point_mm, &stretch, |span| removed_mm += dexel.subtract(span));

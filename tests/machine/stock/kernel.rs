@@ -84,7 +84,9 @@ fn assert_not_culled(slab: &Slab, sweep: &Sweep, (ray_axis, point): (usize, [f64
     let taken_mm: f64 = spans.iter().map(Interval::length_mm).sum();
     // The ray is in the middle of the cell at 60.
     let lattice = Lattice::new(point.map(|at| at - 60.5), point.map(|at| at + 60.5), 1.0).unwrap();
-    let reach = pass.reach(&lattice, point[Lattice::across(ray_axis)[1]]).filter(|reach| reach.columns.contains(&60));
+    let reach = pass
+        .reach(&lattice, point[Lattice::across(ray_axis)[1]])
+        .filter(|reach| reach.columns().any(|column| column == 60));
     let mut ray = Dexel::One(Interval::new(-60.0, 60.0));
     let removed_mm = reach.map_or(0.0, |reach| pass.cut(point, &reach, &mut ray));
     assert!((removed_mm - taken_mm).abs() < 1e-9, "{removed_mm} {taken_mm} {slab:?} {sweep:?} {point:?}");
