@@ -5,6 +5,8 @@ mod published_rotor;
 
 mod generator;
 
+mod surface;
+
 mod files;
 
 mod slots;
