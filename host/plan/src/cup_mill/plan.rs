@@ -16,7 +16,7 @@ use super::infeasible::{Infeasible, narrow};
 use super::interior::{Interior, interior};
 use super::level::Stop;
 use super::lowest::{levels_mm, top_mm};
-use super::side::{FarEdge, Hub, Side, floor, roof};
+use super::side::{FarEdge, Hub, Trim, floor, roof};
 use super::turns::{Around, Turns};
 
 /// What the planner may do.
@@ -44,6 +44,8 @@ pub enum AxisChoice {
     Roomiest,
     /// This one, part frame.
     Given(Vector),
+    /// One whose room for the cutter is known.
+    Found(Room),
 }
 
 /// A slot's plan.
@@ -72,34 +74,62 @@ pub struct SlotPlan {
 /// Room that a direction must leave before another is looked for, mm: rooms are judged on samples of the sides.
 const ENOUGH_MM: f64 = 0.1;
 
+/// What of a slot is the same for every cutter and every direction of the tool.
+pub struct Prepared<'s> {
+    blisk: &'s Blisk,
+    slot: &'s Slot,
+    pressure: Trim<'s>,
+    suction: Trim<'s>,
+    blade_axis: Axis,
+    /// Its sides, as far as directions are judged by them.
+    pub walls: Walls,
+}
+
 /// Plans the slot of a rotor, given in the part frame.
 ///
 /// # Errors
 /// The ring does not pass, or does not reach.
 pub fn plan(blisk: &Blisk, slot: &Slot, cutter: &CupMill, roughing: &Roughing) -> Result<SlotPlan, Infeasible> {
-    let allowance_mm = roughing.allowance_mm;
-    let above = Hub { hub: &blisk.hub, allowance_mm };
-    let pressure =
-        |turn| Side::new(&slot.pressure, FarEdge::Trailing, &above, turn).ok_or(Infeasible::NoFoot("pressure"));
-    let suction = |turn| Side::new(&slot.suction, FarEdge::Leading, &above, turn).ok_or(Infeasible::NoFoot("suction"));
-    let lying = Rotation3::identity();
-    let walls = Walls::new(&pressure(&lying)?, &suction(&lying)?);
-    let blade_axis = axis(&slot.pressure, &blisk.hub, allowance_mm).ok_or(Infeasible::NoFoot("pressure"))?;
-    let blade_room = walls.room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
-    let room = choose(&walls, cutter, &blade_room, roughing.axis).ok_or(Infeasible::NoAxis)?;
-    let turn = slot_frame(&room.direction).ok_or(Infeasible::NoAxis)?;
-    let about = bearings(slot);
-    let hub = floor(blisk, allowance_mm, about, &turn);
-    let around = Around { pressure: pressure(&turn)?, suction: suction(&turn)?, hub };
-    if room.room_mm < 0.0 {
-        return Err(narrow(&room, &around.pressure, &around.suction));
+    Prepared::new(blisk, slot, roughing.allowance_mm)?.plan(cutter, roughing).map(|(plan, _)| plan)
+}
+
+impl<'s> Prepared<'s> {
+    /// A slot with its allowance.
+    ///
+    /// # Errors
+    /// A blade is not above the hub.
+    pub fn new(blisk: &'s Blisk, slot: &'s Slot, allowance_mm: f64) -> Result<Self, Infeasible> {
+        let above = Hub { hub: &blisk.hub, allowance_mm };
+        let pressure = Trim::new(&slot.pressure, FarEdge::Trailing, &above).ok_or(Infeasible::NoFoot("pressure"))?;
+        let suction = Trim::new(&slot.suction, FarEdge::Leading, &above).ok_or(Infeasible::NoFoot("suction"))?;
+        let lying = Rotation3::identity();
+        let walls = Walls::new(&pressure.side(&lying), &suction.side(&lying));
+        let blade_axis = axis(&slot.pressure, &blisk.hub, allowance_mm).ok_or(Infeasible::NoFoot("pressure"))?;
+        Ok(Prepared { blisk, slot, pressure, suction, blade_axis, walls })
     }
-    let way = around.way(cutter, roughing).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
-    let top_mm = top_mm(cutter, way.base.centre, &roof(blisk, about, &turn)).ok_or(Infeasible::NoFloor)?;
-    way.levels(cutter, roughing, top_mm).map(|(stops, path)| {
+
+    /// The plan, and what stands about the slot in its frame. The allowance is that which the slot was prepared for.
+    ///
+    /// # Errors
+    /// The ring does not pass, or does not reach.
+    pub fn plan(&self, cutter: &CupMill, roughing: &Roughing) -> Result<(SlotPlan, Around), Infeasible> {
+        let Prepared { blisk, slot, pressure, suction, blade_axis, walls } = self;
+        let blade_room = walls.room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
+        let room = choose(walls, cutter, &blade_room, roughing.axis).ok_or(Infeasible::NoAxis)?;
+        let turn = slot_frame(&room.direction).ok_or(Infeasible::NoAxis)?;
+        let about = bearings(slot);
+        let hub = floor(blisk, roughing.allowance_mm, about, &turn);
+        let around = Around { pressure: pressure.side(&turn), suction: suction.side(&turn), hub };
+        if room.room_mm < 0.0 {
+            return Err(narrow(&room, &around.pressure, &around.suction));
+        }
+        let way = around.way(cutter, roughing).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
+        let top_mm = top_mm(cutter, way.base.centre, &roof(blisk, about, &turn)).ok_or(Infeasible::NoFloor)?;
+        let (stops, path) = way.levels(cutter, roughing, top_mm)?;
         let (base, interior) = (way.base, way.interior);
-        SlotPlan { blade_axis, blade_room, room, turn, base, interior, stops, top_mm, path }
-    })
+        let plan = SlotPlan { blade_axis: *blade_axis, blade_room, room, turn, base, interior, stops, top_mm, path };
+        Ok((plan, around))
+    }
 }
 
 /// The direction of the tool.
@@ -112,6 +142,7 @@ fn choose(walls: &Walls, cutter: &CupMill, blade: &Room, choice: AxisChoice) -> 
         }
         AxisChoice::Roomiest => walls.roomiest(cutter),
         AxisChoice::Given(direction) => walls.room(cutter, &direction.try_normalize(0.0)?),
+        AxisChoice::Found(room) => Some(room),
     }
 }
 

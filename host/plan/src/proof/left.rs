@@ -101,7 +101,12 @@ impl<'w> Walls<'w> {
     pub fn new(slot: &Slot, hub: &'w Revolution, allowance_mm: f64, to_slot: Rotation3<f64>) -> Option<Self> {
         let side = |face, far| Side::new(face, far, &Hub { hub, allowance_mm }, &to_slot);
         let sides = [side(&slot.pressure, FarEdge::Trailing)?, side(&slot.suction, FarEdge::Leading)?];
-        Some(Walls { sides, hub, to_slot, allowance_mm })
+        Some(Walls::between(sides, hub, allowance_mm, to_slot))
+    }
+
+    /// The walls between two sides, pressure and suction, that are in the slot frame.
+    pub fn between(sides: [Side; 2], hub: &'w Revolution, allowance_mm: f64, to_slot: Rotation3<f64>) -> Self {
+        Walls { sides, hub, to_slot, allowance_mm }
     }
 
     /// A point of the pressure (0) or suction side (1): from the leading to the trailing edge, from the hub to the tip.
