@@ -33,11 +33,17 @@ pub fn descend(ranges: [[f64; 2]; 2], start: Least, spacing: [f64; 2], f: impl F
         let step = spacing.map(|width| width * scale);
         let around = |i: f64, j: f64| inside([best.at[0] + i * step[0], best.at[1] + j * step[1]]);
         // Along one line only the neighbours on it count.
-        let neighbours = NEIGHBOURS.iter().filter(|[_, j]| *j == 0.0 || step[1] > 0.0);
-        let stencil: Vec<Least> =
-            neighbours.map(|[i, j]| around(*i, *j)).map(|at| Least { at, value: f(at) }).collect();
-        let newton = newton(best.value, &stencil).map(|[i, j]| around(i, j)).map(|at| Least { at, value: f(at) });
-        let found = stencil.into_iter().chain(newton).min_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or(best);
+        let count = if step[1] > 0.0 { NEIGHBOURS.len() } else { 2 };
+        let mut stencil = [best; NEIGHBOURS.len()];
+        for k in 0..count {
+            let at = around(NEIGHBOURS[k][0], NEIGHBOURS[k][1]);
+            // At a border several neighbours are one place.
+            let known = stencil[..k].iter().chain([&best]).find(|known| known.at == at);
+            stencil[k] = known.copied().unwrap_or_else(|| Least { at, value: f(at) });
+        }
+        let stencil = &stencil[..count];
+        let newton = newton(best.value, stencil).map(|[i, j]| around(i, j)).map(|at| Least { at, value: f(at) });
+        let found = stencil.iter().copied().chain(newton).min_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or(best);
         if found.value < best.value {
             best = found;
             scale *= 1.3;

@@ -16,6 +16,7 @@ use super::infeasible::{Infeasible, narrow};
 use super::interior::{Interior, interior};
 use super::level::Stop;
 use super::lowest::{levels_mm, top_mm};
+use super::patch::Patch;
 use super::side::{FarEdge, Hub, Trim, floor, roof};
 use super::turns::{Around, Turns};
 
@@ -76,10 +77,10 @@ const ENOUGH_MM: f64 = 0.1;
 
 /// What of a slot is the same for every cutter and every direction of the tool.
 pub struct Prepared<'s> {
-    blisk: &'s Blisk,
-    slot: &'s Slot,
     pressure: Trim<'s>,
     suction: Trim<'s>,
+    hub: Patch,
+    roof: Patch,
     blade_axis: Axis,
     /// Its sides, as far as directions are judged by them.
     pub walls: Walls,
@@ -105,7 +106,9 @@ impl<'s> Prepared<'s> {
         let lying = Rotation3::identity();
         let walls = Walls::new(&pressure.side(&lying), &suction.side(&lying));
         let blade_axis = axis(&slot.pressure, &blisk.hub, allowance_mm).ok_or(Infeasible::NoFoot("pressure"))?;
-        Ok(Prepared { blisk, slot, pressure, suction, blade_axis, walls })
+        let about = bearings(slot);
+        let (hub, roof) = (floor(blisk, allowance_mm, about), roof(blisk, about));
+        Ok(Prepared { pressure, suction, hub, roof, blade_axis, walls })
     }
 
     /// The plan, and what stands about the slot in its frame. The allowance is that which the slot was prepared for.
@@ -113,18 +116,16 @@ impl<'s> Prepared<'s> {
     /// # Errors
     /// The ring does not pass, or does not reach.
     pub fn plan(&self, cutter: &CupMill, roughing: &Roughing) -> Result<(SlotPlan, Around), Infeasible> {
-        let Prepared { blisk, slot, pressure, suction, blade_axis, walls } = self;
+        let Prepared { pressure, suction, hub, roof, blade_axis, walls } = self;
         let blade_room = walls.room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
         let room = choose(walls, cutter, &blade_room, roughing.axis).ok_or(Infeasible::NoAxis)?;
         let turn = slot_frame(&room.direction).ok_or(Infeasible::NoAxis)?;
-        let about = bearings(slot);
-        let hub = floor(blisk, roughing.allowance_mm, about, &turn);
-        let around = Around { pressure: pressure.side(&turn), suction: suction.side(&turn), hub };
+        let around = Around { pressure: pressure.side(&turn), suction: suction.side(&turn), hub: hub.turned(&turn) };
         if room.room_mm < 0.0 {
             return Err(narrow(&room, &around.pressure, &around.suction));
         }
         let way = around.way(cutter, roughing).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
-        let top_mm = top_mm(cutter, way.base.centre, &roof(blisk, about, &turn)).ok_or(Infeasible::NoFloor)?;
+        let top_mm = top_mm(cutter, way.base.centre, &roof.turned(&turn)).ok_or(Infeasible::NoFloor)?;
         let (stops, path) = way.levels(cutter, roughing, top_mm)?;
         let (base, interior) = (way.base, way.interior);
         let plan = SlotPlan { blade_axis: *blade_axis, blade_room, room, turn, base, interior, stops, top_mm, path };

@@ -117,25 +117,25 @@ impl Side {
     }
 }
 
-/// The hub with its allowance, about the slot, in the slot frame: u along the rotor's axis from one face of the blank to the
+/// The hub with its allowance, about the slot, in the part frame: u along the rotor's axis from one face of the blank to the
 /// other, and by the allowance beyond them, v about it.
-pub fn floor(blisk: &Blisk, allowance_mm: f64, about: [f64; 2], turn: &Rotation3<f64>) -> Patch {
-    let (hub, turn) = (blisk.hub.clone(), *turn);
+pub fn floor(blisk: &Blisk, allowance_mm: f64, about: [f64; 2]) -> Patch {
+    let hub = blisk.hub.clone();
     let [low, high] = blisk.blank.faces_mm;
     Patch::new([[low - allowance_mm, high + allowance_mm], about], HUB_STEPS, move |z, angle| {
         let (sin, cos) = libm::sincos(angle);
         let radius_mm = hub.radius_mm(z);
         let on = Point::new(radius_mm * cos, radius_mm * sin, z);
-        turn * (on + hub.normal(&on) * allowance_mm)
+        on + hub.normal(&on) * allowance_mm
     })
 }
 
-/// The blank's round outside about the slot, in the slot frame.
-pub fn roof(blisk: &Blisk, about: [f64; 2], turn: &Rotation3<f64>) -> Patch {
-    let (radius_mm, turn) = (blisk.blank.radius_mm, *turn);
+/// The blank's round outside about the slot, in the part frame.
+pub fn roof(blisk: &Blisk, about: [f64; 2]) -> Patch {
+    let radius_mm = blisk.blank.radius_mm;
     Patch::new([blisk.blank.faces_mm, about], SIDE_STEPS, move |z, angle| {
         let (sin, cos) = libm::sincos(angle);
-        turn * Point::new(radius_mm * cos, radius_mm * sin, z)
+        Point::new(radius_mm * cos, radius_mm * sin, z)
     })
 }
 

@@ -3,6 +3,7 @@
 //! At a point of the surface that is as far from the ring, at its nearest, as the material reaches: its least distance along the whole way.
 
 use nalgebra::Rotation3;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::cup_mill::side::{FarEdge, Hub, Side};
 use crate::geometry::blisk::{Revolution, Slot};
@@ -75,7 +76,7 @@ impl Map {
 impl Ring<'_> {
     /// What the ring leaves on the walls of a slot, at a grid of rows and columns.
     pub fn leaves(&self, walls: &Walls<'_>, [rows, columns]: [usize; 2]) -> Left {
-        let over = |point: &dyn Fn(f64, f64) -> Point| self.map([rows, columns], point);
+        let over = |point: &(dyn Fn(f64, f64) -> Point + Sync)| self.map([rows, columns], point);
         let [pressure, suction] = [0, 1].map(|side| over(&|u, v| walls.side(side, u, v)));
         Left { pressure, suction, hub: over(&|u, v| walls.floor(u, v)) }
     }
@@ -88,11 +89,10 @@ impl Ring<'_> {
         search.least(self.gap_mm).bounds_mm[1]
     }
 
-    fn map(&self, [rows, columns]: [usize; 2], point: &dyn Fn(f64, f64) -> Point) -> Map {
+    fn map(&self, [rows, columns]: [usize; 2], point: &(dyn Fn(f64, f64) -> Point + Sync)) -> Map {
         let share = |k: usize, count: usize| k as f64 / count.saturating_sub(1).max(1) as f64;
-        let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
-        let at = |(row, column)| self.nearest_mm(point(share(column, columns), share(row, rows)));
-        Map { columns, values_mm: places.map(at).collect() }
+        let at = |place| self.nearest_mm(point(share(place % columns, columns), share(place / columns, rows)));
+        Map { columns, values_mm: (0..rows * columns).into_par_iter().map(at).collect() }
     }
 }
 
