@@ -5,7 +5,7 @@
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-use crate::cup_mill::fit::Rooms;
+use crate::cup_mill::fit::{Room, Rooms};
 use crate::cup_mill::infeasible::Infeasible;
 use crate::cup_mill::plan::{AxisChoice, Prepared, Roughing, SlotPlan};
 use crate::cup_mill::turns::Around;
@@ -73,11 +73,12 @@ impl<'p> Problem<'p> {
     /// That of the roomiest axis, where there is no plan: what is missing at least.
     pub fn best(&self, admits: impl Fn(&SlotPlan) -> bool) -> Result<Valued, Infeasible> {
         let rooms = self.prepared.walls.rooms(self.cutter).ok_or(Infeasible::NoAxis)?;
-        let (blade, roomiest) =
-            rayon::join(|| self.along(AxisChoice::Blade), || self.along(AxisChoice::Found(rooms.roomiest)));
+        let along = |room: Room| self.along(AxisChoice::Found(room));
+        let blade = || self.prepared.near_blade(self.cutter, || Some(rooms.roomiest)).map(along);
+        let (blade, roomiest) = rayon::join(blade, || along(rooms.roomiest));
         let others = if roomiest.is_ok() { ridge(&rooms) } else { Vec::new() };
         let mut tried: Vec<_> = others.into_par_iter().map(|axis| self.along(axis)).collect();
-        tried.extend([blade, roomiest.clone()]);
+        tried.extend(blade.into_iter().chain([roomiest.clone()]));
         let found = tried.into_iter().flatten().filter(|valued| admits(&valued.plan));
         let best = found.max_by(|a, b| a.removed.share_ratio().total_cmp(&b.removed.share_ratio()));
         best.map_or(roomiest, Ok)

@@ -118,7 +118,13 @@ impl<'s> Prepared<'s> {
     pub fn plan(&self, cutter: &CupMill, roughing: &Roughing) -> Result<(SlotPlan, Around), Infeasible> {
         let Prepared { pressure, suction, hub, roof, blade_axis, walls } = self;
         let blade_room = walls.room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
-        let room = choose(walls, cutter, &blade_room, roughing.axis).ok_or(Infeasible::NoAxis)?;
+        let room = match roughing.axis {
+            AxisChoice::Blade => self.near_blade(cutter, || walls.roomiest(cutter)),
+            AxisChoice::Roomiest => walls.roomiest(cutter),
+            AxisChoice::Given(direction) => direction.try_normalize(0.0).and_then(|axis| walls.room(cutter, &axis)),
+            AxisChoice::Found(room) => Some(room),
+        };
+        let room = room.ok_or(Infeasible::NoAxis)?;
         let turn = slot_frame(&room.direction).ok_or(Infeasible::NoAxis)?;
         let around = Around { pressure: pressure.side(&turn), suction: suction.side(&turn), hub: hub.turned(&turn) };
         if room.room_mm < 0.0 {
@@ -131,19 +137,15 @@ impl<'s> Prepared<'s> {
         let plan = SlotPlan { blade_axis: *blade_axis, blade_room, room, turn, base, interior, stops, top_mm, path };
         Ok((plan, around))
     }
-}
 
-/// The direction of the tool.
-fn choose(walls: &Walls, cutter: &CupMill, blade: &Room, choice: AxisChoice) -> Option<Room> {
-    match choice {
-        AxisChoice::Blade if blade.room_mm >= ENOUGH_MM => Some(*blade),
-        AxisChoice::Blade => {
-            let roomiest = walls.roomiest(cutter)?;
-            Some(walls.nearest(cutter, blade, &roomiest, ENOUGH_MM.min(roomiest.room_mm / 2.0)))
+    /// The blade's axis, or the direction nearest to it, towards the roomiest, that has room.
+    pub fn near_blade(&self, cutter: &CupMill, roomiest: impl Fn() -> Option<Room>) -> Option<Room> {
+        let blade = self.walls.room(cutter, &self.blade_axis.direction)?;
+        if blade.room_mm >= ENOUGH_MM {
+            return Some(blade);
         }
-        AxisChoice::Roomiest => walls.roomiest(cutter),
-        AxisChoice::Given(direction) => walls.room(cutter, &direction.try_normalize(0.0)?),
-        AxisChoice::Found(room) => Some(room),
+        let roomiest = roomiest()?;
+        Some(self.walls.nearest(cutter, &blade, &roomiest, ENOUGH_MM.min(roomiest.room_mm / 2.0)))
     }
 }
 
