@@ -55,4 +55,6 @@ mod symmetry;
 
 mod widths;
 
+mod threads;
+
 mod chain;

@@ -14,7 +14,7 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::cutter::CupMill;
 use crate::frame::slot_frame;
-use crate::search::{Least, descend};
+use crate::search::{Least, descend, descend_parallel};
 use crate::vector::{Flat, Point, Vector};
 
 use super::side::Side;
@@ -129,7 +129,7 @@ impl Walls {
         let starts = places.into_iter().zip(&grid).map(|(at, room)| Least { at, value: missing(*room) });
         let start = starts.min_by(|a, b| a.value.total_cmp(&b.value))?;
         let range = [-LEAN_MAX_RAD, LEAN_MAX_RAD];
-        let found = descend([range, range], start, [LEAN_STEP_RAD / 2.0; 2], |at| missing(room(at)));
+        let found = descend_parallel([range, range], start, [LEAN_STEP_RAD / 2.0; 2], |at| missing(room(at)));
         Some(Rooms { grid: grid.into_iter().flatten().collect(), roomiest: room(found.at)? })
     }
 }

@@ -101,11 +101,19 @@ impl<'s> Prepared<'s> {
     /// A blade is not above the hub.
     pub fn new(blisk: &'s Blisk, slot: &'s Slot, allowance_mm: f64) -> Result<Self, Infeasible> {
         let above = Hub { hub: &blisk.hub, allowance_mm };
-        let pressure = Trim::new(&slot.pressure, FarEdge::Trailing, &above).ok_or(Infeasible::NoFoot("pressure"))?;
-        let suction = Trim::new(&slot.suction, FarEdge::Leading, &above).ok_or(Infeasible::NoFoot("suction"))?;
+        let trim = |face, far, name| Trim::new(face, far, &above).ok_or(Infeasible::NoFoot(name));
+        let (sides, blade_axis) = rayon::join(
+            || {
+                rayon::join(
+                    || trim(&slot.pressure, FarEdge::Trailing, "pressure"),
+                    || trim(&slot.suction, FarEdge::Leading, "suction"),
+                )
+            },
+            || axis(&slot.pressure, &blisk.hub, allowance_mm).ok_or(Infeasible::NoFoot("pressure")),
+        );
+        let (pressure, suction, blade_axis) = (sides.0?, sides.1?, blade_axis?);
         let lying = Rotation3::identity();
         let walls = Walls::new(&pressure.side(&lying), &suction.side(&lying));
-        let blade_axis = axis(&slot.pressure, &blisk.hub, allowance_mm).ok_or(Infeasible::NoFoot("pressure"))?;
         let about = bearings(slot);
         let (hub, roof) = (floor(blisk, allowance_mm, about), roof(blisk, about));
         Ok(Prepared { pressure, suction, hub, roof, blade_axis, walls })
