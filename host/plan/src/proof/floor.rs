@@ -152,7 +152,7 @@ mod tests {
                 sweep_rad,
             };
             let place = Flat::new(8.0 * number(6) - 4.0, 8.0 * number(7) - 4.0);
-            let [least_mm, greatest_mm] = range_mm(&arc, &place);
+            let [least_mm, greatest_mm] = range_mm(&arc, &arc.ends(), &place);
             let points = (0..=4000).map(|k| {
                 let angle = arc.start_rad + sweep_rad * f64::from(k) / 4000.0;
                 (place - arc.centre - nalgebra::Vector2::new(libm::cos(angle), libm::sin(angle)) * arc.radius_mm).norm()
