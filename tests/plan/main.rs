@@ -5,6 +5,8 @@ mod published_rotor;
 
 mod generator;
 
+mod surface;
+
 mod files;
 
 mod slots;
@@ -52,5 +54,7 @@ mod method_room;
 mod symmetry;
 
 mod widths;
+
+mod threads;
 
 mod chain;

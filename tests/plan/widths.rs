@@ -46,7 +46,7 @@ fn the_width_that_takes_most_is_that_of_a_sweep_and_a_wider_ring_takes_more_unti
         axis: AxisChoice::Roomiest,
     };
     let slot = blisk.slot();
-    let problem = Problem { blisk: &blisk, slot: &slot, cutter: &cutter, roughing: &roughing };
+    let problem = Problem::new(&blisk, &slot, &cutter, &roughing).expect("a slot");
     let own = problem.along(AxisChoice::Roomiest).expect("a plan");
     let axis = AxisChoice::Given(own.plan.tool_axis());
     let best = problem.best_width(axis).expect("a width");

@@ -7,6 +7,8 @@
 //! Differences over a stencil whose spacing shrinks where it finds nothing better make g and H, so that kinks and borders slow it down, but do
 //! not lead it astray.
 
+use rayon::iter::{IntoParallelRefMutIterator, ParallelIterator};
+
 /// Where a function is least, and how little it is there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Least {
@@ -23,6 +25,34 @@ const ROUNDS_MAX: usize = 2000;
 
 /// The least value near `start`, within `ranges`, beginning with a stencil `spacing` wide.
 pub fn descend(ranges: [[f64; 2]; 2], start: Least, spacing: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> Least {
+    let around = |best: Least, stencil: &mut [Least]| {
+        for k in 0..stencil.len() {
+            // At a border several neighbours are one place.
+            let known = stencil[..k].iter().chain([&best]).find(|known| known.at == stencil[k].at);
+            stencil[k].value = known.map_or_else(|| f(stencil[k].at), |known| known.value);
+        }
+    };
+    descend_by(ranges, start, spacing, around, &f)
+}
+
+/// The same for a function that takes long: a stencil's values are found on all cores.
+pub fn descend_parallel(
+    ranges: [[f64; 2]; 2],
+    start: Least,
+    spacing: [f64; 2],
+    f: impl Fn([f64; 2]) -> f64 + Sync,
+) -> Least {
+    let around = |_, stencil: &mut [Least]| stencil.par_iter_mut().for_each(|least| least.value = f(least.at));
+    descend_by(ranges, start, spacing, around, &f)
+}
+
+fn descend_by(
+    ranges: [[f64; 2]; 2],
+    start: Least,
+    spacing: [f64; 2],
+    evaluate: impl Fn(Least, &mut [Least]),
+    f: impl Fn([f64; 2]) -> f64,
+) -> Least {
     let inside = |at: [f64; 2]| [at[0].clamp(ranges[0][0], ranges[0][1]), at[1].clamp(ranges[1][0], ranges[1][1])];
     let mut best = start;
     let mut scale = 1.0;
@@ -33,11 +63,12 @@ pub fn descend(ranges: [[f64; 2]; 2], start: Least, spacing: [f64; 2], f: impl F
         let step = spacing.map(|width| width * scale);
         let around = |i: f64, j: f64| inside([best.at[0] + i * step[0], best.at[1] + j * step[1]]);
         // Along one line only the neighbours on it count.
-        let neighbours = NEIGHBOURS.iter().filter(|[_, j]| *j == 0.0 || step[1] > 0.0);
-        let stencil: Vec<Least> =
-            neighbours.map(|[i, j]| around(*i, *j)).map(|at| Least { at, value: f(at) }).collect();
-        let newton = newton(best.value, &stencil).map(|[i, j]| around(i, j)).map(|at| Least { at, value: f(at) });
-        let found = stencil.into_iter().chain(newton).min_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or(best);
+        let count = if step[1] > 0.0 { NEIGHBOURS.len() } else { 2 };
+        let mut stencil = NEIGHBOURS.map(|[i, j]| Least { at: around(i, j), ..best });
+        let stencil = &mut stencil[..count];
+        evaluate(best, stencil);
+        let newton = newton(best.value, stencil).map(|[i, j]| around(i, j)).map(|at| Least { at, value: f(at) });
+        let found = stencil.iter().copied().chain(newton).min_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or(best);
         if found.value < best.value {
             best = found;
             scale *= 1.3;

@@ -63,8 +63,11 @@ pub fn settle(sides: [&Side; 2], cutter: &CupMill, lines: [Flat; 2]) -> Option<B
     for _ in 0..EXCHANGES_MAX {
         let base = triangle(exterior, interior, radii_mm, inside)?;
         let off = |place: Flat| (place - base.centre).norm();
-        let outer = pressure.patch.least(|p| off(p.xy()) - radii_mm[0])?;
-        let inner = suction.patch.least(|p| radii_mm[1] - off(p.xy()))?;
+        let (outer, inner) = rayon::join(
+            || pressure.patch.least(|p| off(p.xy()) - radii_mm[0]),
+            || suction.patch.least(|p| radii_mm[1] - off(p.xy())),
+        );
+        let (outer, inner) = (outer?, inner?);
         if outer.value >= -WITHIN_MM && inner.value >= -WITHIN_MM {
             return Some(base);
         }

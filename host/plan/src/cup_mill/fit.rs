@@ -10,9 +10,11 @@
 //! The published axis lies along one blade. The other one leans over it by the pitch, less what twist gives back: with 19 blades 1 mm in
 //! 3 of depth. [`Walls::roomiest`] is the direction that has most, [`Walls::nearest`] one that has enough on the way there.
 
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+
 use crate::cutter::CupMill;
 use crate::frame::slot_frame;
-use crate::search::{Least, descend};
+use crate::search::{Least, descend, descend_parallel};
 use crate::vector::{Flat, Point, Vector};
 
 use super::side::Side;
@@ -26,6 +28,15 @@ pub struct Room {
     pub centre: Flat,
     /// The direction of the tool, part frame.
     pub direction: Vector,
+}
+
+/// Rooms of many directions.
+#[derive(Clone, Debug)]
+pub struct Rooms {
+    /// Those of a grid of directions.
+    pub grid: Vec<Room>,
+    /// The most of all.
+    pub roomiest: Room,
 }
 
 /// Both sides' points, part frame.
@@ -64,12 +75,11 @@ impl Walls {
         let turn = slot_frame(direction)?;
         let seen = |points: &[Point]| -> Vec<Flat> { points.iter().map(|point| (turn * point).xy()).collect() };
         let (pressure, suction) = (seen(&self.pressure), seen(&self.suction));
+        let lanes = [Lanes::new(&pressure), Lanes::new(&suction)];
         let short_mm = |[x, y]: [f64; 2]| {
             let centre = Flat::new(x, y);
-            let nearest = pressure.iter().map(|p| (p - centre).norm_squared()).fold(f64::INFINITY, f64::min);
-            let farthest = suction.iter().map(|s| (s - centre).norm_squared()).fold(0.0, f64::max);
-            let outer = libm::sqrt(nearest) - cutter.outer_radius_mm;
-            let inner = cutter.inner_radius_mm - libm::sqrt(farthest);
+            let outer = libm::sqrt(lanes[0].nearest_mm2(centre)) - cutter.outer_radius_mm;
+            let inner = cutter.inner_radius_mm - libm::sqrt(lanes[1].farthest_mm2(centre));
             -outer.min(inner) // (1)
         };
         let (from, to) = (middle(&pressure), middle(&suction));
@@ -106,21 +116,56 @@ impl Walls {
 
     /// The direction with the most room, and that.
     pub fn roomiest(&self, cutter: &CupMill) -> Option<Room> {
-        let about = About::the(self)?;
-        let missing =
-            |at: [f64; 2]| self.room(cutter, &about.direction(at)).map_or(f64::INFINITY, |room| -room.room_mm);
-        let starts = leans().map(|at| Least { at, value: missing(at) });
-        let start = starts.min_by(|a, b| a.value.total_cmp(&b.value))?;
-        let range = [-LEAN_MAX_RAD, LEAN_MAX_RAD];
-        let found = descend([range, range], start, [LEAN_STEP_RAD / 2.0; 2], missing);
-        self.room(cutter, &about.direction(found.at))
+        self.rooms(cutter).map(|rooms| rooms.roomiest)
     }
 
-    /// Directions of a grid with at least `enough_mm` of room: often a ridge, along which room hardly changes, and what a ring can take does.
-    pub fn roomy(&self, cutter: &CupMill, enough_mm: f64) -> Vec<Room> {
-        let Some(about) = About::the(self) else { return Vec::new() };
-        let rooms = leans().filter_map(|at| self.room(cutter, &about.direction(at)));
-        rooms.filter(|room| room.room_mm >= enough_mm).collect()
+    /// The rooms of a grid of directions, and from the best of them uphill the most.
+    pub fn rooms(&self, cutter: &CupMill) -> Option<Rooms> {
+        let about = About::the(self)?;
+        let room = |at: [f64; 2]| self.room(cutter, &about.direction(at));
+        let missing = |room: Option<Room>| room.map_or(f64::INFINITY, |room| -room.room_mm);
+        let places: Vec<[f64; 2]> = leans().collect();
+        let grid: Vec<Option<Room>> = places.par_iter().map(|at| room(*at)).collect();
+        let starts = places.into_iter().zip(&grid).map(|(at, room)| Least { at, value: missing(*room) });
+        let start = starts.min_by(|a, b| a.value.total_cmp(&b.value))?;
+        let range = [-LEAN_MAX_RAD, LEAN_MAX_RAD];
+        let found = descend_parallel([range, range], start, [LEAN_STEP_RAD / 2.0; 2], |at| missing(room(at)));
+        Some(Rooms { grid: grid.into_iter().flatten().collect(), roomiest: room(found.at)? })
+    }
+}
+
+/// How many points are compared at once.
+const LANES: usize = 8;
+
+/// Points by their coordinates, for vector instructions.
+struct Lanes(Vec<[[f64; LANES]; 2]>);
+
+impl Lanes {
+    fn new(points: &[Flat]) -> Self {
+        // The last lanes are filled with points that are there already.
+        let block = |points: &[Flat]| [0, 1].map(|axis| std::array::from_fn(|k| points[k.min(points.len() - 1)][axis]));
+        Lanes(points.chunks(LANES).map(block).collect())
+    }
+
+    /// The least square of a distance from `centre`.
+    fn nearest_mm2(&self, centre: Flat) -> f64 {
+        self.extreme_mm2(centre, f64::INFINITY, |a, b| if a < b { a } else { b })
+    }
+
+    /// The greatest.
+    fn farthest_mm2(&self, centre: Flat) -> f64 {
+        self.extreme_mm2(centre, 0.0, |a, b| if a > b { a } else { b })
+    }
+
+    fn extreme_mm2(&self, centre: Flat, start: f64, better: impl Fn(f64, f64) -> f64) -> f64 {
+        let mut found = [start; LANES];
+        for [xs, ys] in &self.0 {
+            for lane in 0..LANES {
+                let (x, y) = (xs[lane] - centre.x, ys[lane] - centre.y);
+                found[lane] = better(x * x + y * y, found[lane]);
+            }
+        }
+        found.into_iter().fold(start, better)
     }
 }
 

@@ -1,6 +1,9 @@
 //! A surface the tool may come up to, ready to be searched: the least value of a function over its points.
 
 use std::fmt;
+use std::sync::Arc;
+
+use nalgebra::Rotation3;
 
 use crate::search::{Least, descend};
 use crate::vector::Point;
@@ -14,7 +17,7 @@ type Surface = dyn Fn(f64, f64) -> Point + Send + Sync;
 
 /// A surface over a rectangle of parameters.
 pub struct Patch {
-    point: Box<Surface>,
+    point: Arc<Surface>,
     ranges: [[f64; 2]; 2],
     /// Steps between samples, along and across.
     steps: [usize; 2],
@@ -42,7 +45,14 @@ impl Patch {
         };
         let places = (0..=steps[0]).flat_map(|i| (0..=steps[1]).map(move |j| [place(0, i), place(1, j)]));
         let samples = places.map(|at| (at, point(at[0], at[1]))).collect();
-        Patch { point: Box::new(point), ranges, steps, samples }
+        Patch { point: Arc::new(point), ranges, steps, samples }
+    }
+
+    /// The same surface turned about the origin.
+    pub fn turned(&self, turn: &Rotation3<f64>) -> Self {
+        let (point, turn) = (Arc::clone(&self.point), *turn);
+        let samples = self.samples.iter().map(|(at, point)| (*at, turn * point)).collect();
+        Patch { point: Arc::new(move |u, v| turn * point(u, v)), samples, ..*self }
     }
 
     /// The point at `(u, v)`.
@@ -66,14 +76,13 @@ impl Patch {
     pub fn least(&self, f: impl Fn(&Point) -> f64) -> Option<Least> {
         let valued = self.samples.iter().map(|(at, point)| Least { at: *at, value: f(point) });
         let mut candidates: Vec<Least> = valued.filter(|least| least.value.is_finite()).collect();
-        candidates.sort_by(|a, b| a.value.total_cmp(&b.value));
         let spacing = [0, 1].map(|axis: usize| (self.ranges[axis][1] - self.ranges[axis][0]) / self.steps[axis] as f64);
         let is_near = |a: &Least, b: &Least| (0..2).all(|k| (a.at[k] - b.at[k]).abs() < ONE_PLACE * spacing[k]);
-        let mut starts: Vec<Least> = Vec::new();
-        for candidate in candidates {
-            if starts.len() < STARTS && !starts.iter().any(|start| is_near(start, &candidate)) {
-                starts.push(candidate);
-            }
+        let mut starts: Vec<Least> = Vec::with_capacity(STARTS);
+        while starts.len() < STARTS {
+            let Some(start) = candidates.iter().copied().min_by(|a, b| a.value.total_cmp(&b.value)) else { break };
+            candidates.retain(|candidate| !is_near(&start, candidate));
+            starts.push(start);
         }
         let ends = starts.into_iter().map(|start| descend(self.ranges, start, spacing, |[u, v]| f(&self.point(u, v))));
         ends.min_by(|a, b| a.value.total_cmp(&b.value))

@@ -16,7 +16,8 @@ use super::infeasible::{Infeasible, narrow};
 use super::interior::{Interior, interior};
 use super::level::Stop;
 use super::lowest::{levels_mm, top_mm};
-use super::side::{FarEdge, Hub, Side, floor, roof};
+use super::patch::Patch;
+use super::side::{FarEdge, Hub, Trim, floor, roof};
 use super::turns::{Around, Turns};
 
 /// What the planner may do.
@@ -44,6 +45,8 @@ pub enum AxisChoice {
     Roomiest,
     /// This one, part frame.
     Given(Vector),
+    /// One whose room for the cutter is known.
+    Found(Room),
 }
 
 /// A slot's plan.
@@ -72,46 +75,85 @@ pub struct SlotPlan {
 /// Room that a direction must leave before another is looked for, mm: rooms are judged on samples of the sides.
 const ENOUGH_MM: f64 = 0.1;
 
+/// What of a slot is the same for every cutter and every direction of the tool.
+pub struct Prepared<'s> {
+    pressure: Trim<'s>,
+    suction: Trim<'s>,
+    hub: Patch,
+    roof: Patch,
+    blade_axis: Axis,
+    /// Its sides, as far as directions are judged by them.
+    pub walls: Walls,
+}
+
 /// Plans the slot of a rotor, given in the part frame.
 ///
 /// # Errors
 /// The ring does not pass, or does not reach.
 pub fn plan(blisk: &Blisk, slot: &Slot, cutter: &CupMill, roughing: &Roughing) -> Result<SlotPlan, Infeasible> {
-    let allowance_mm = roughing.allowance_mm;
-    let above = Hub { hub: &blisk.hub, allowance_mm };
-    let pressure =
-        |turn| Side::new(&slot.pressure, FarEdge::Trailing, &above, turn).ok_or(Infeasible::NoFoot("pressure"));
-    let suction = |turn| Side::new(&slot.suction, FarEdge::Leading, &above, turn).ok_or(Infeasible::NoFoot("suction"));
-    let lying = Rotation3::identity();
-    let walls = Walls::new(&pressure(&lying)?, &suction(&lying)?);
-    let blade_axis = axis(&slot.pressure, &blisk.hub, allowance_mm).ok_or(Infeasible::NoFoot("pressure"))?;
-    let blade_room = walls.room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
-    let room = choose(&walls, cutter, &blade_room, roughing.axis).ok_or(Infeasible::NoAxis)?;
-    let turn = slot_frame(&room.direction).ok_or(Infeasible::NoAxis)?;
-    let about = bearings(slot);
-    let hub = floor(blisk, allowance_mm, about, &turn);
-    let around = Around { pressure: pressure(&turn)?, suction: suction(&turn)?, hub };
-    if room.room_mm < 0.0 {
-        return Err(narrow(&room, &around.pressure, &around.suction));
-    }
-    let way = around.way(cutter, roughing).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
-    let top_mm = top_mm(cutter, way.base.centre, &roof(blisk, about, &turn)).ok_or(Infeasible::NoFloor)?;
-    way.levels(cutter, roughing, top_mm).map(|(stops, path)| {
-        let (base, interior) = (way.base, way.interior);
-        SlotPlan { blade_axis, blade_room, room, turn, base, interior, stops, top_mm, path }
-    })
+    Prepared::new(blisk, slot, roughing.allowance_mm)?.plan(cutter, roughing).map(|(plan, _)| plan)
 }
 
-/// The direction of the tool.
-fn choose(walls: &Walls, cutter: &CupMill, blade: &Room, choice: AxisChoice) -> Option<Room> {
-    match choice {
-        AxisChoice::Blade if blade.room_mm >= ENOUGH_MM => Some(*blade),
-        AxisChoice::Blade => {
-            let roomiest = walls.roomiest(cutter)?;
-            Some(walls.nearest(cutter, blade, &roomiest, ENOUGH_MM.min(roomiest.room_mm / 2.0)))
+impl<'s> Prepared<'s> {
+    /// A slot with its allowance.
+    ///
+    /// # Errors
+    /// A blade is not above the hub.
+    pub fn new(blisk: &'s Blisk, slot: &'s Slot, allowance_mm: f64) -> Result<Self, Infeasible> {
+        let above = Hub { hub: &blisk.hub, allowance_mm };
+        let trim = |face, far, name| Trim::new(face, far, &above).ok_or(Infeasible::NoFoot(name));
+        let (sides, blade_axis) = rayon::join(
+            || {
+                rayon::join(
+                    || trim(&slot.pressure, FarEdge::Trailing, "pressure"),
+                    || trim(&slot.suction, FarEdge::Leading, "suction"),
+                )
+            },
+            || axis(&slot.pressure, &blisk.hub, allowance_mm).ok_or(Infeasible::NoFoot("pressure")),
+        );
+        let (pressure, suction, blade_axis) = (sides.0?, sides.1?, blade_axis?);
+        let lying = Rotation3::identity();
+        let walls = Walls::new(&pressure.side(&lying), &suction.side(&lying));
+        let about = bearings(slot);
+        let (hub, roof) = (floor(blisk, allowance_mm, about), roof(blisk, about));
+        Ok(Prepared { pressure, suction, hub, roof, blade_axis, walls })
+    }
+
+    /// The plan, and what stands about the slot in its frame. The allowance is that which the slot was prepared for.
+    ///
+    /// # Errors
+    /// The ring does not pass, or does not reach.
+    pub fn plan(&self, cutter: &CupMill, roughing: &Roughing) -> Result<(SlotPlan, Around), Infeasible> {
+        let Prepared { pressure, suction, hub, roof, blade_axis, walls } = self;
+        let blade_room = walls.room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
+        let room = match roughing.axis {
+            AxisChoice::Blade => self.near_blade(cutter, || walls.roomiest(cutter)),
+            AxisChoice::Roomiest => walls.roomiest(cutter),
+            AxisChoice::Given(direction) => direction.try_normalize(0.0).and_then(|axis| walls.room(cutter, &axis)),
+            AxisChoice::Found(room) => Some(room),
+        };
+        let room = room.ok_or(Infeasible::NoAxis)?;
+        let turn = slot_frame(&room.direction).ok_or(Infeasible::NoAxis)?;
+        let around = Around { pressure: pressure.side(&turn), suction: suction.side(&turn), hub: hub.turned(&turn) };
+        if room.room_mm < 0.0 {
+            return Err(narrow(&room, &around.pressure, &around.suction));
         }
-        AxisChoice::Roomiest => walls.roomiest(cutter),
-        AxisChoice::Given(direction) => walls.room(cutter, &direction.try_normalize(0.0)?),
+        let way = around.way(cutter, roughing).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
+        let top_mm = top_mm(cutter, way.base.centre, &roof.turned(&turn)).ok_or(Infeasible::NoFloor)?;
+        let (stops, path) = way.levels(cutter, roughing, top_mm)?;
+        let (base, interior) = (way.base, way.interior);
+        let plan = SlotPlan { blade_axis: *blade_axis, blade_room, room, turn, base, interior, stops, top_mm, path };
+        Ok((plan, around))
+    }
+
+    /// The blade's axis, or the direction nearest to it, towards the roomiest, that has room.
+    pub fn near_blade(&self, cutter: &CupMill, roomiest: impl Fn() -> Option<Room>) -> Option<Room> {
+        let blade = self.walls.room(cutter, &self.blade_axis.direction)?;
+        if blade.room_mm >= ENOUGH_MM {
+            return Some(blade);
+        }
+        let roomiest = roomiest()?;
+        Some(self.walls.nearest(cutter, &blade, &roomiest, ENOUGH_MM.min(roomiest.room_mm / 2.0)))
     }
 }
 

@@ -30,8 +30,6 @@ const HALVINGS: i32 = 50;
 /// A side of a blade with its allowance.
 #[derive(Debug)]
 pub struct Side {
-    /// Finished, any frame.
-    pub face: Face,
     /// The offset surface between the edges, above the hub.
     pub patch: Patch,
     /// First and last u of the side between its round edges.
@@ -58,26 +56,48 @@ pub enum FarEdge {
     Trailing,
 }
 
-impl Side {
-    /// The side of `face`, which is given in the part frame, with the hub's allowance, after `turn`.
-    /// Nothing if the blade is not above it anywhere.
-    pub fn new(face: &Face, far: FarEdge, above: &Hub<'_>, turn: &Rotation3<f64>) -> Option<Self> {
-        let Hub { hub, allowance_mm } = *above;
+/// Where a side of a blade counts, part frame: the same for every direction of the tool.
+#[derive(Debug)]
+pub struct Trim<'f> {
+    face: &'f Face,
+    allowance_mm: f64,
+    /// First and last u, with the far edge's round.
+    around: [f64; 2],
+    edges: [f64; 2],
+    foot: f64,
+}
+
+impl<'f> Trim<'f> {
+    /// The part of `face` above the hub's allowance. Nothing if the blade is not above it anywhere.
+    pub fn new(face: &'f Face, far: FarEdge, above: &Hub<'_>) -> Option<Self> {
         let edges = edges(face);
         let around = match far {
             FarEdge::Leading => [0.0, edges[1]],
             FarEdge::Trailing => [edges[0], 1.0],
         };
-        let foot = foot(face, hub, allowance_mm, edges)?;
-        let face = face.turned(turn);
-        let surface = face.clone();
+        let foot = foot(face, above.hub, above.allowance_mm, edges)?;
+        Some(Trim { face, allowance_mm: above.allowance_mm, around, edges, foot })
+    }
+
+    /// The side after `turn`.
+    pub fn side(&self, turn: &Rotation3<f64>) -> Side {
+        let Trim { allowance_mm, around, edges, foot, .. } = *self;
+        let face = self.face.turned(turn);
         let high = 1.0 + allowance_mm / face.jet(0.5, 1.0).v.norm();
         let patch = Patch::new([around, [foot, high]], SIDE_STEPS, move |u, v| {
             let beyond = (v - 1.0).max(0.0);
-            let tip = surface.offset(u, v, allowance_mm);
-            if beyond > 0.0 { tip + surface.jet(u, 1.0).v * beyond } else { tip }
+            let tip = face.offset(u, v, allowance_mm);
+            if beyond > 0.0 { tip + face.jet(u, 1.0).v * beyond } else { tip }
         });
-        Some(Side { face, patch, edges, foot })
+        Side { patch, edges, foot }
+    }
+}
+
+impl Side {
+    /// The side of `face`, which is given in the part frame, with the hub's allowance, after `turn`.
+    /// Nothing if the blade is not above it anywhere.
+    pub fn new(face: &Face, far: FarEdge, above: &Hub<'_>, turn: &Rotation3<f64>) -> Option<Self> {
+        Trim::new(face, far, above).map(|trim| trim.side(turn))
     }
 
     /// A point of the side between its edges, by shares of the way from the leading to the trailing edge and from the hub to the tip.
@@ -97,25 +117,25 @@ impl Side {
     }
 }
 
-/// The hub with its allowance, about the slot, in the slot frame: u along the rotor's axis from one face of the blank to the
+/// The hub with its allowance, about the slot, in the part frame: u along the rotor's axis from one face of the blank to the
 /// other, and by the allowance beyond them, v about it.
-pub fn floor(blisk: &Blisk, allowance_mm: f64, about: [f64; 2], turn: &Rotation3<f64>) -> Patch {
-    let (hub, turn) = (blisk.hub.clone(), *turn);
+pub fn floor(blisk: &Blisk, allowance_mm: f64, about: [f64; 2]) -> Patch {
+    let hub = blisk.hub.clone();
     let [low, high] = blisk.blank.faces_mm;
     Patch::new([[low - allowance_mm, high + allowance_mm], about], HUB_STEPS, move |z, angle| {
         let (sin, cos) = libm::sincos(angle);
         let radius_mm = hub.radius_mm(z);
         let on = Point::new(radius_mm * cos, radius_mm * sin, z);
-        turn * (on + hub.normal(&on) * allowance_mm)
+        on + hub.normal(&on) * allowance_mm
     })
 }
 
-/// The blank's round outside about the slot, in the slot frame.
-pub fn roof(blisk: &Blisk, about: [f64; 2], turn: &Rotation3<f64>) -> Patch {
-    let (radius_mm, turn) = (blisk.blank.radius_mm, *turn);
+/// The blank's round outside about the slot, in the part frame.
+pub fn roof(blisk: &Blisk, about: [f64; 2]) -> Patch {
+    let radius_mm = blisk.blank.radius_mm;
     Patch::new([blisk.blank.faces_mm, about], SIDE_STEPS, move |z, angle| {
         let (sin, cos) = libm::sincos(angle);
-        turn * Point::new(radius_mm * cos, radius_mm * sin, z)
+        Point::new(radius_mm * cos, radius_mm * sin, z)
     })
 }
 

@@ -1,6 +1,7 @@
 //! Both turns out of the base position, level by level, and the lowest level at which they are clear of the hub.
 
 use arcfeed_shared::nc::modal::Turn;
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::cutter::CupMill;
 use crate::path::SlotPath;
@@ -83,12 +84,14 @@ impl Turns<'_> {
         let Around { pressure, suction, hub, .. } = self.around;
         let obstacles =
             [(Obstacle::Pressure, &pressure.patch), (Obstacle::Suction, &suction.patch), (Obstacle::Hub, hub)];
+        let alone = |height_mm: &f64| self.pivots.map(|pivot| stop(&self.turning(pivot, *height_mm), &obstacles));
+        let met: Vec<[Stop; 2]> = heights_mm.par_iter().map(alone).collect();
         let mut below: Option<([Stop; 2], f64)> = None;
         let mut stops: Vec<[Stop; 2]> = Vec::new();
         for (index, height_mm) in heights_mm.iter().enumerate().rev() {
             let both = [0, 1].map(|which: usize| {
                 let turning = self.turning(self.pivots[which], *height_mm);
-                let met = stop(&turning, &obstacles);
+                let met = met[index][which];
                 let Some((below, bottom_mm)) = below else { return met };
                 let below = below[which];
                 if met.at.is_none() {

@@ -6,22 +6,23 @@
 //! sum_i N_i(t_j) P_i = Q_j, along the sections and then across                   (3)
 //! ```
 //!
-//! Source: L. Piegl, W. Tiller, *The NURBS Book*, 2nd ed., Springer 1997: eqs 9.5, 9.8, 9.20 to 9.23. One set of parameters for all sections
-//! keeps one knot vector; the library's loft joins the knots of every section, some hundreds, lying next to each other.
+//! Source: L. Piegl, W. Tiller, *The NURBS Book*, 2nd ed., Springer 1997: eqs 9.5, 9.8, 9.20 to 9.23; 4.20 for derivatives. One set of parameters
+//! for all sections keeps one knot vector. All weights are 1; the sum of the basis functions, which may round off 1, is divided by nevertheless.
 
-use curvo::prelude::{KnotVector, NurbsSurface3D};
-use nalgebra::{DMatrix, Point4};
+use nalgebra::{DMatrix, Vector4};
 use thiserror::Error;
 
 use crate::vector::{Point, Vector};
 
-/// Degree, where there are points enough.
-const DEGREE: usize = 3;
+use super::spline::{Basis, DEGREE_MAX, Spline, Weights};
 
 /// A smooth surface over the unit square: u from the leading (0) to the trailing edge (1), v from the hub (0) to the tip (1).
 #[derive(Clone, Debug)]
 pub struct Face {
-    surface: NurbsSurface3D<f64>,
+    u: Spline,
+    v: Spline,
+    /// Control points, homogeneous, one row of `v` after the other.
+    net: Vec<Vector4<f64>>,
     /// +1 where S_u x S_v points away from the blade, -1 where into it.
     outward: f64,
 }
@@ -78,17 +79,13 @@ impl Face {
     pub fn through(sections: &[Vec<Point>], outward: Vector) -> Result<Self, FaceError> {
         check(sections)?;
         let columns = transposed(sections);
-        let (u_knots, along) = interpolation(&parameters(sections)?)?;
-        let (v_knots, across) = interpolation(&parameters(&columns)?)?;
+        let (u, along) = interpolation(&parameters(sections)?)?;
+        let (v, across) = interpolation(&parameters(&columns)?)?;
         // (3), first every section, then every column of their control points
         let nets: Vec<Vec<Point>> = sections.iter().map(|points| solved(&along, points)).collect();
-        let net: Vec<Vec<Point4<f64>>> = transposed(&nets)
-            .iter()
-            .map(|column| solved(&across, column).iter().map(|p| Point4::new(p.x, p.y, p.z, 1.0)).collect())
-            .collect();
-        let degree = |count: usize| DEGREE.min(count - 1);
-        let surface = NurbsSurface3D::new(degree(columns.len()), degree(sections.len()), u_knots, v_knots, net);
-        let mut face = Face { surface, outward: 1.0 };
+        let net =
+            transposed(&nets).iter().flat_map(|column| solved(&across, column)).map(|p| p.to_homogeneous()).collect();
+        let mut face = Face { u, v, net, outward: 1.0 };
         if face.normal(0.5, 0.5).dot(&outward) < 0.0 {
             face.outward = -1.0;
         }
@@ -97,46 +94,78 @@ impl Face {
 
     /// The point at `(u, v)`; beyond the unit square that of its border.
     pub fn point(&self, u: f64, v: f64) -> Point {
-        self.surface.point_at(u.clamp(0.0, 1.0), v.clamp(0.0, 1.0))
+        let [u, v] = [self.u.basis::<1>(u.clamp(0.0, 1.0)), self.v.basis(v.clamp(0.0, 1.0))];
+        let sum = combined(&self.isolines(&u, &v, 0), &v.rows[0]);
+        Point::from(sum.xyz() / sum.w)
     }
 
     /// The unit normal, away from the blade.
     pub fn normal(&self, u: f64, v: f64) -> Vector {
-        let ders = self.surface.rational_derivatives(u.clamp(0.0, 1.0), v.clamp(0.0, 1.0), 1);
-        ders[1][0].cross(&ders[0][1]).normalize() * self.outward
+        self.point_and_normal(u, v).1
     }
 
     /// The point of the surface that lies `allowance` outside of this one.
     pub fn offset(&self, u: f64, v: f64, allowance_mm: f64) -> Point {
-        self.point(u, v) + self.normal(u, v) * allowance_mm
+        let (point, normal) = self.point_and_normal(u, v);
+        point + normal * allowance_mm
+    }
+
+    fn point_and_normal(&self, u: f64, v: f64) -> (Point, Vector) {
+        let [u, v] = [self.u.basis::<2>(u.clamp(0.0, 1.0)), self.v.basis(v.clamp(0.0, 1.0))];
+        let [on, by_u] = [0, 1].map(|order| self.isolines(&u, &v, order));
+        let [s, su, sv] = [combined(&on, &v.rows[0]), combined(&by_u, &v.rows[0]), combined(&on, &v.rows[1])];
+        let point = s.xyz() / s.w;
+        let [along, across] = [su, sv].map(|derivative| (derivative.xyz() - point * derivative.w) / s.w);
+        (Point::from(point), along.cross(&across).normalize() * self.outward)
     }
 
     /// Point and derivatives up to the second.
     pub fn jet(&self, u: f64, v: f64) -> Jet {
-        let ders = self.surface.rational_derivatives(u.clamp(0.0, 1.0), v.clamp(0.0, 1.0), 2);
-        let point = Point::from(ders[0][0]);
-        Jet { point, u: ders[1][0], v: ders[0][1], uu: ders[2][0], uv: ders[1][1], vv: ders[0][2] }
+        let [u, v] = [self.u.basis::<3>(u.clamp(0.0, 1.0)), self.v.basis(v.clamp(0.0, 1.0))];
+        let lines = [0, 1, 2].map(|order| self.isolines(&u, &v, order));
+        let at = |k: usize, l: usize| combined(&lines[k], &v.rows[l]);
+        let w = at(0, 0).w;
+        let point = at(0, 0).xyz() / w;
+        let first = |sum: Vector4<f64>| (sum.xyz() - point * sum.w) / w;
+        let (by_u, by_v) = (first(at(1, 0)), first(at(0, 1)));
+        let twice = |sum: Vector4<f64>, by: Vector, weight: f64| (sum.xyz() - by * (2.0 * weight) - point * sum.w) / w;
+        let [uu, vv] = [twice(at(2, 0), by_u, at(1, 0).w), twice(at(0, 2), by_v, at(0, 1).w)];
+        let mixed = at(1, 1);
+        let uv = (mixed.xyz() - by_u * at(0, 1).w - by_v * at(1, 0).w - point * mixed.w) / w;
+        Jet { point: Point::from(point), u: by_u, v: by_v, uu, uv, vv }
+    }
+
+    /// The control points about a place, combined along u, with derivatives of some order.
+    fn isolines<const ROWS: usize>(&self, u: &Basis<ROWS>, v: &Basis<ROWS>, order: usize) -> Isolines {
+        let (wide, columns) = (self.v.count(), self.v.degree() + 1);
+        let mut lines = Isolines::default();
+        for (row, weight) in u.rows[order].iter().enumerate().take(self.u.degree() + 1) {
+            let start = (u.first + row) * wide + v.first;
+            for (line, point) in lines.iter_mut().zip(&self.net[start..start + columns]) {
+                *line += point * *weight;
+            }
+        }
+        lines
     }
 
     /// The same surface elsewhere: every point moved by a turn about the origin.
     pub fn turned(&self, turn: &nalgebra::Rotation3<f64>) -> Self {
-        let net = self.surface.control_points().iter();
-        let net = net.map(|row| row.iter().map(|p| turned(turn, p)).collect()).collect();
-        let (u, v) = (self.surface.u_knots().clone(), self.surface.v_knots().clone());
-        let surface = NurbsSurface3D::new(self.surface.u_degree(), self.surface.v_degree(), u, v, net);
-        Face { surface, outward: self.outward }
+        let net = self.net.iter().map(|p| (turn * p.xyz()).push(p.w)).collect();
+        Face { net, ..self.clone() }
     }
 }
 
-fn turned(turn: &nalgebra::Rotation3<f64>, point: &Point4<f64>) -> Point4<f64> {
-    let place = turn * Vector::new(point.x, point.y, point.z);
-    Point4::new(place.x, place.y, place.z, point.w)
+/// Control points of the curve across that a place lies on.
+type Isolines = [Vector4<f64>; DEGREE_MAX + 1];
+
+fn combined(lines: &Isolines, weights: &Weights) -> Vector4<f64> {
+    lines.iter().zip(weights).fold(Vector4::zeros(), |sum, (line, weight)| sum + line * *weight)
 }
 
 fn check(sections: &[Vec<Point>]) -> Result<(), FaceError> {
     let expected = sections.first().map_or(0, Vec::len);
     let points = sections.iter().map(Vec::len).min().unwrap_or(0);
-    if sections.len() < 2 || points <= DEGREE {
+    if sections.len() < 2 || points <= DEGREE_MAX {
         return Err(FaceError::TooFew { sections: sections.len(), points });
     }
     match sections.iter().position(|section| section.len() != expected) {
@@ -173,22 +202,21 @@ fn parameters(rows: &[Vec<Point>]) -> Result<Vec<f64>, FaceError> {
 }
 
 /// Knots (2) and the inverse of what (3) multiplies the control points with.
-fn interpolation(parameters: &[f64]) -> Result<(KnotVector<f64>, DMatrix<f64>), FaceError> {
+fn interpolation(parameters: &[f64]) -> Result<(Spline, DMatrix<f64>), FaceError> {
     let count = parameters.len();
-    let degree = DEGREE.min(count - 1);
+    let degree = DEGREE_MAX.min(count - 1);
     let inner = (1..count - degree).map(|j| parameters[j..j + degree].iter().sum::<f64>() / degree as f64);
-    let knots: Vec<f64> =
-        std::iter::repeat_n(0.0, degree + 1).chain(inner).chain(std::iter::repeat_n(1.0, degree + 1)).collect();
-    let knots = KnotVector::new(knots);
+    let knots = std::iter::repeat_n(0.0, degree + 1).chain(inner).chain(std::iter::repeat_n(1.0, degree + 1)).collect();
+    let spline = Spline::new(degree, knots);
     let mut weights = DMatrix::zeros(count, count);
     for (row, t) in parameters.iter().enumerate() {
-        let span = knots.find_knot_span_index(count - 1, degree, *t);
-        for (k, value) in knots.basis_functions(span, *t, degree).into_iter().enumerate() {
-            weights[(row, span - degree + k)] = value;
+        let Basis { first, rows: [values] } = spline.basis(*t);
+        for (k, value) in values.into_iter().enumerate().take(degree + 1) {
+            weights[(row, first + k)] = value;
         }
     }
     let inverse = weights.try_inverse().ok_or(FaceError::TooFew { sections: count, points: count })?;
-    Ok((knots, inverse))
+    Ok((spline, inverse))
 }
 
 fn solved(inverse: &DMatrix<f64>, points: &[Point]) -> Vec<Point> {

@@ -1,5 +1,7 @@
 //! What a bladed rotor looks like.
 
+mod spline;
+
 pub mod face;
 
 pub mod blisk;

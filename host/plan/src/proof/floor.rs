@@ -6,7 +6,7 @@
 
 use crate::cutter::CupMill;
 use crate::path::Step;
-use crate::vector::Flat;
+use crate::vector::{Flat, Point};
 
 use super::motion::{Arc, Motion};
 
@@ -15,7 +15,35 @@ pub struct Floor {
     /// Where its flat part begins and ends, from the axis, mm.
     flat_mm: [f64; 2],
     rounding_mm: f64,
-    passes: Vec<(usize, Motion)>,
+    passes: Vec<Pass>,
+}
+
+/// A step of the way.
+struct Pass {
+    level: usize,
+    motion: Motion,
+    /// Where its axis is half way, and how far from there it comes.
+    middle: Flat,
+    reach_mm: f64,
+    low_mm: f64,
+    ends: [Flat; 2],
+}
+
+/// Passes are not left out because of rounding, mm.
+const SLACK_MM: f64 = 1e-6;
+
+impl Pass {
+    fn new(step: &Step) -> Self {
+        let motion = Motion::new(step);
+        Pass {
+            level: step.level,
+            middle: motion.at(motion.length_mm / 2.0).place.xy(),
+            reach_mm: motion.length_mm / 2.0 + SLACK_MM,
+            low_mm: step.from[2].min(step.to[2]) - SLACK_MM,
+            ends: motion.arc().map_or([Flat::origin(); 2], Arc::ends),
+            motion,
+        }
+    }
 }
 
 impl Floor {
@@ -25,21 +53,21 @@ impl Floor {
         Floor {
             flat_mm: [tool.inner_radius_mm + rounding_mm, tool.outer_radius_mm - rounding_mm],
             rounding_mm,
-            passes: steps.iter().map(|step| (step.level, Motion::new(step))).collect(),
+            passes: steps.iter().map(Pass::new).collect(),
         }
     }
 
     /// The lowest height of the ring over a place, mm, slot frame; infinite where it never comes.
     pub fn at_mm(&self, place: &Flat) -> f64 {
-        self.passes.iter().map(|(_, motion)| self.pass_mm(motion, place)).fold(f64::INFINITY, f64::min)
+        self.passes.iter().map(|pass| self.pass_mm(pass, place)).fold(f64::INFINITY, f64::min)
     }
 
     /// The same after each level: it falls from one to the next.
     pub fn by_level_mm(&self, place: &Flat, levels: usize) -> Vec<f64> {
         let mut floors_mm = vec![f64::INFINITY; levels];
-        for (level, motion) in &self.passes {
-            if let Some(floor_mm) = floors_mm.get_mut(*level) {
-                *floor_mm = floor_mm.min(self.pass_mm(motion, place));
+        for pass in &self.passes {
+            if let Some(floor_mm) = floors_mm.get_mut(pass.level) {
+                *floor_mm = floor_mm.min(self.pass_mm(pass, place));
             }
         }
         for level in 1..levels {
@@ -48,10 +76,20 @@ impl Floor {
         floors_mm
     }
 
-    fn pass_mm(&self, motion: &Motion, place: &Flat) -> f64 {
-        match motion.arc() {
-            Some(arc) => motion.at(0.0).place.z + self.lip_mm(range_mm(arc, place)),
-            None => self.line_mm(motion, place),
+    /// The first level that takes a point.
+    pub fn first_level(&self, point: &Point) -> Option<usize> {
+        let takes = |pass: &&Pass| pass.low_mm <= point.z && self.pass_mm(pass, &point.xy()) <= point.z;
+        self.passes.iter().find(takes).map(|pass| pass.level)
+    }
+
+    fn pass_mm(&self, pass: &Pass, place: &Flat) -> f64 {
+        let off_mm = (place - pass.middle).norm();
+        if self.lip_mm([off_mm - pass.reach_mm, off_mm + pass.reach_mm]).is_infinite() {
+            return f64::INFINITY;
+        }
+        match pass.motion.arc() {
+            Some(arc) => pass.motion.at(0.0).place.z + self.lip_mm(range_mm(arc, &pass.ends, place)),
+            None => self.line_mm(&pass.motion, place),
         }
     }
 
@@ -83,19 +121,15 @@ impl Floor {
 }
 
 /// The least and the greatest distance of a place from the points of an arc.
-fn range_mm(arc: &Arc, place: &Flat) -> [f64; 2] {
+fn range_mm(arc: &Arc, ends: &[Flat; 2], place: &Flat) -> [f64; 2] {
     let off = place - arc.centre;
     let far_mm = off.norm();
     let toward_rad = libm::atan2(off.y, off.x);
-    let to = |angle_rad: f64| {
-        let (sin, cos) = libm::sincos(angle_rad);
-        libm::hypot(off.x - arc.radius_mm * cos, off.y - arc.radius_mm * sin)
-    };
     let holds = |angle_rad: f64| {
         let turn_rad = (angle_rad - arc.start_rad) * arc.sweep_rad.signum();
         turn_rad.rem_euclid(core::f64::consts::TAU) <= arc.sweep_rad.abs()
     };
-    let ends_mm = [to(arc.start_rad), to(arc.start_rad + arc.sweep_rad)];
+    let ends_mm = ends.map(|end| libm::hypot(off.x - end.x, off.y - end.y));
     let least_mm = if holds(toward_rad) { (far_mm - arc.radius_mm).abs() } else { ends_mm[0].min(ends_mm[1]) };
     let away_rad = toward_rad + core::f64::consts::PI;
     let greatest_mm = if holds(away_rad) { far_mm + arc.radius_mm } else { ends_mm[0].max(ends_mm[1]) };
@@ -118,7 +152,7 @@ mod tests {
                 sweep_rad,
             };
             let place = Flat::new(8.0 * number(6) - 4.0, 8.0 * number(7) - 4.0);
-            let [least_mm, greatest_mm] = range_mm(&arc, &place);
+            let [least_mm, greatest_mm] = range_mm(&arc, &arc.ends(), &place);
             let points = (0..=4000).map(|k| {
                 let angle = arc.start_rad + sweep_rad * f64::from(k) / 4000.0;
                 (place - arc.centre - nalgebra::Vector2::new(libm::cos(angle), libm::sin(angle)) * arc.radius_mm).norm()

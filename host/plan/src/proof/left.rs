@@ -3,6 +3,7 @@
 //! At a point of the surface that is as far from the ring, at its nearest, as the material reaches: its least distance along the whole way.
 
 use nalgebra::Rotation3;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::cup_mill::side::{FarEdge, Hub, Side};
 use crate::geometry::blisk::{Revolution, Slot};
@@ -75,7 +76,7 @@ impl Map {
 impl Ring<'_> {
     /// What the ring leaves on the walls of a slot, at a grid of rows and columns.
     pub fn leaves(&self, walls: &Walls<'_>, [rows, columns]: [usize; 2]) -> Left {
-        let over = |point: &dyn Fn(f64, f64) -> Point| self.map([rows, columns], point);
+        let over = |point: &(dyn Fn(f64, f64) -> Point + Sync)| self.map([rows, columns], point);
         let [pressure, suction] = [0, 1].map(|side| over(&|u, v| walls.side(side, u, v)));
         Left { pressure, suction, hub: over(&|u, v| walls.floor(u, v)) }
     }
@@ -88,11 +89,10 @@ impl Ring<'_> {
         search.least(self.gap_mm).bounds_mm[1]
     }
 
-    fn map(&self, [rows, columns]: [usize; 2], point: &dyn Fn(f64, f64) -> Point) -> Map {
+    fn map(&self, [rows, columns]: [usize; 2], point: &(dyn Fn(f64, f64) -> Point + Sync)) -> Map {
         let share = |k: usize, count: usize| k as f64 / count.saturating_sub(1).max(1) as f64;
-        let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
-        let at = |(row, column)| self.nearest_mm(point(share(column, columns), share(row, rows)));
-        Map { columns, values_mm: places.map(at).collect() }
+        let at = |place| self.nearest_mm(point(share(place % columns, columns), share(place / columns, rows)));
+        Map { columns, values_mm: (0..rows * columns).into_par_iter().map(at).collect() }
     }
 }
 
@@ -101,7 +101,12 @@ impl<'w> Walls<'w> {
     pub fn new(slot: &Slot, hub: &'w Revolution, allowance_mm: f64, to_slot: Rotation3<f64>) -> Option<Self> {
         let side = |face, far| Side::new(face, far, &Hub { hub, allowance_mm }, &to_slot);
         let sides = [side(&slot.pressure, FarEdge::Trailing)?, side(&slot.suction, FarEdge::Leading)?];
-        Some(Walls { sides, hub, to_slot, allowance_mm })
+        Some(Walls::between(sides, hub, allowance_mm, to_slot))
+    }
+
+    /// The walls between two sides, pressure and suction, that are in the slot frame.
+    pub fn between(sides: [Side; 2], hub: &'w Revolution, allowance_mm: f64, to_slot: Rotation3<f64>) -> Self {
+        Walls { sides, hub, to_slot, allowance_mm }
     }
 
     /// A point of the pressure (0) or suction side (1): from the leading to the trailing edge, from the hub to the tip.

@@ -43,6 +43,16 @@ pub struct Pose {
     pub curvature: Vector,
 }
 
+impl Arc {
+    /// Both ends, seen from its centre.
+    pub fn ends(&self) -> [Flat; 2] {
+        [self.start_rad, self.start_rad + self.sweep_rad].map(|angle_rad| {
+            let (sin, cos) = libm::sincos(angle_rad);
+            Flat::new(self.radius_mm * cos, self.radius_mm * sin)
+        })
+    }
+}
+
 impl Motion {
     /// The curve of a step. An arc back to where it begins has no length.
     pub fn new(step: &Step) -> Self {

@@ -75,8 +75,7 @@ impl Removed {
                 let [bottom_mm, top_mm] = stock.column_mm(&point.xy());
                 if !walls.is_hub(&point) && (bottom_mm..=top_mm).contains(&point.z) {
                     self.slot_mm3 += volume_mm3;
-                    let floors_mm = floor.by_level_mm(&point.xy(), self.slot_by_level_mm3.len());
-                    if let Some(level) = floors_mm.iter().position(|floor_mm| *floor_mm <= point.z) {
+                    if let Some(level) = floor.first_level(&point) {
                         self.slot_by_level_mm3[level] += volume_mm3;
                     }
                 }

@@ -1,6 +1,7 @@
 //! The proof of one slot's path.
 
 use nalgebra::Rotation3;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::cutter::{CupMill, Part};
 use crate::geometry::blisk::Blisk;
@@ -100,12 +101,15 @@ pub fn prove(case: &Case<'_>, fineness: &Fineness) -> Option<Proof> {
     // The ring is there to cut the blank.
     let pairs = parts.into_iter().flat_map(|part| bodies.iter().map(move |body| (part, body)));
     let pairs = pairs.filter(|(part, body)| *part != Part::Ring || body.obstacle != Obstacle::Blank);
-    Some(Proof {
-        clearances: pairs.map(|(part, body)| clearance(case.tool, part, &steps, body, fineness.gap_mm)).collect(),
-        indexing_mm: case.path.clear_mm - highest_mm(&case.blisk.blank, case.fixture, &case.to_slot),
-        left: ring.leaves(&walls, fineness.grid),
-        removed: removed(&floor, case.path.levels.len(), &stock, &walls, fineness.cell_mm),
-    })
+    let pairs: Vec<(Part, &Body)> = pairs.collect();
+    let near = |(part, body): (Part, &Body)| clearance(case.tool, part, &steps, body, fineness.gap_mm);
+    let indexing_mm = case.path.clear_mm - highest_mm(&case.blisk.blank, case.fixture, &case.to_slot);
+    let removed = || removed(&floor, case.path.levels.len(), &stock, &walls, fineness.cell_mm);
+    let ((clearances, left), removed) = rayon::join(
+        || rayon::join(|| pairs.into_par_iter().map(near).collect(), || ring.leaves(&walls, fineness.grid)),
+        removed,
+    );
+    Some(Proof { clearances, indexing_mm, left, removed })
 }
 
 /// All obstacles of a case, in triangles as far as `chord_mm` from them.

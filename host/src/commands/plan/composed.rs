@@ -53,11 +53,14 @@ impl Composed {
             return Err(format!("this rotor cannot be planned: {}", said.join("; ")));
         }
         let slot = part.blisk.slot();
-        let problem = Problem { blisk: &part.blisk, slot: &slot, cutter: &part.cutter, roughing: &part.roughing };
         let any = any_table().map_err(|error| format!("{error:?}"))?;
         let machine = part.machine.as_ref().map_or(&any, |file| &file.machine);
         let presents = |plan: &SlotPlan| placing(machine, &plan.turn).is_ok();
-        let valued = part.axis.map_or_else(|| problem.best(presents), |axis| problem.along(axis));
+        let problem = Problem::new(&part.blisk, &slot, &part.cutter, &part.roughing);
+        let valued = problem.and_then(|problem| match part.axis {
+            Some(axis) => problem.along(axis),
+            None => problem.best(presents),
+        });
         let valued = valued.map_err(|why| why.to_string())?;
         let plan = &valued.plan;
         let placing = placing(machine, &plan.turn).map_err(|error| error.to_string())?;

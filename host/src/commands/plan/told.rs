@@ -280,14 +280,14 @@ const WIDTHS: i32 = 8;
 /// None of them passes.
 pub fn widths(composed: &Composed, json: bool) -> Result<(), Failure> {
     let part = &composed.part;
-    let problem = Problem { blisk: &part.blisk, slot: &composed.slot, cutter: &part.cutter, roughing: &part.roughing };
+    let problem = Problem::new(&part.blisk, &composed.slot, &part.cutter, &part.roughing);
+    let problem = problem.map_err(|why| Failure::Input(why.to_string()))?;
     // Along the very axis of the plan: another one is another slot to a ring.
     let axis = AxisChoice::Given(composed.valued.plan.tool_axis());
     note(format_args!("planning some fifty rings of other widths"));
     let own_mm = part.cutter.outer_radius_mm - part.cutter.inner_radius_mm;
     let step_mm = (composed.valued.plan.room.room_mm * 4.0 / f64::from(WIDTHS)).max(0.1);
-    let mut trials: Vec<_> =
-        (-WIDTHS / 2..=WIDTHS).map(|k| problem.trial(own_mm + step_mm * f64::from(k), axis)).collect();
+    let mut trials = problem.trials((-WIDTHS / 2..=WIDTHS).map(|k| own_mm + step_mm * f64::from(k)).collect(), axis);
     let best = problem.best_width(axis).ok_or_else(|| Failure::Input("no ring of any width passes".into()))?;
     trials.retain(|trial| (trial.width_mm - best.width_mm).abs() > SAME_MM);
     trials.push(best.clone());
