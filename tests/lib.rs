@@ -49,8 +49,8 @@ pub fn texts_below(folder: &str) -> Vec<(PathBuf, String)> {
             if path.is_dir() {
                 folders.push(path);
             } else {
-                let text = fs::read_to_string(&path).expect("text");
-                texts.push((path, text));
+                let bytes = fs::read(&path).expect("a file");
+                texts.push((path, String::from_utf8_lossy(&bytes).into_owned()));
             }
         }
     }

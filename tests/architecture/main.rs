@@ -18,3 +18,5 @@ mod files;
 mod units;
 
 mod laws;
+
+mod words;

@@ -19,7 +19,7 @@ use arcfeed_shared::stock::Stock;
 use arcfeed_shared::units::{MmPerTooth, Span};
 
 use crate::random::Random;
-use crate::scene::{LawChoice, Scene};
+use crate::random_case::{LawChoice, RandomCase};
 
 /// Ticks of a run.
 pub const TICKS: u32 = 120_000;
@@ -59,17 +59,17 @@ pub struct Trace {
 }
 
 impl Trace {
-    fn count(&mut self, scene: &Scene, input: &controller::Input, output: &Output) {
+    fn count(&mut self, case: &RandomCase, input: &controller::Input, output: &Output) {
         let is_refused = matches!(output.reason, Reason::NoDemand(_));
         self.refused += u32::from(is_refused);
         if output.ipt_center.is_some() {
             self.governed += 1;
-            self.on_lines += u32::from(scene.is_line());
-            let is_filtered = scene.filter != PositionFilter::Exact;
+            self.on_lines += u32::from(case.is_line());
+            let is_filtered = case.filter != PositionFilter::Exact;
             self.filtered += u32::from(is_filtered);
             self.missing += u32::from(is_filtered && input.position.is_none());
             let [half_plane, polygon, disc] = &mut self.in_stock;
-            match scene.stock() {
+            match case.stock() {
                 Some(Stock::Disc { .. }) => *disc += 1,
                 Some(stock) if stock.line().is_none() => *polygon += 1,
                 Some(_) => *half_plane += 1,
@@ -95,19 +95,19 @@ pub fn run(choice: LawChoice) -> Trace {
     let mut hash = Fnv::default();
     let mut trace = Trace::default();
     let (mut quiet, mut disturbed) = (Memory::armed(), Memory::armed());
-    let mut scene = Scene::draw(&mut random, choice);
+    let mut case = RandomCase::draw(&mut random, choice);
     let mut work = None;
     for count in 0..TICKS {
         if random.below(TICKS_PER_BLOCK) == 0 {
-            scene = Scene::draw(&mut random, choice);
-            work = (random.below(4) != 0).then(|| (count, scene.active()));
+            case = RandomCase::draw(&mut random, choice);
+            work = (random.below(4) != 0).then(|| (count, case.active()));
         }
-        let measured = scene.advance(&mut random);
+        let measured = case.advance(&mut random);
         let work: Work<'_> = work.as_ref().map(|(count, segment)| (*count, segment));
-        let supervisor = Supervisor::new(&scene.job, Settings::default()).expect("the limits are sound");
-        let supervisor = supervisor.with_filter(scene.filter);
+        let supervisor = Supervisor::new(&case.job, Settings::default()).expect("the limits are sound");
+        let supervisor = supervisor.with_filter(case.filter);
         let output = supervisor.tick(&mut quiet, work, &Input::of(measured));
-        trace.count(&scene, &measured, &output);
+        trace.count(&case, &measured, &output);
         fields(&output, &quiet).hash(&mut hash);
         let output = supervisor.tick(&mut disturbed, work, &surroundings(&mut random, measured));
         fields(&output, &disturbed).hash(&mut hash);

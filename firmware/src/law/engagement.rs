@@ -27,7 +27,7 @@ use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
 /// What the tool meets on the segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Course {
+pub enum PathShape {
     /// A straight pass, or an arc around the outside of a contour.
     Straight,
     /// An inside arc.
@@ -47,8 +47,8 @@ pub struct Engagement {
 
 impl Engagement {
     /// Prepares the law: tool radius r, radial depth ae, wanted largest chip thickness a.
-    pub fn new(tool_radius: Mm, radial_depth: Mm, chip: MmPerTooth, course: Course) -> Self {
-        Engagement { demand: demand(tool_radius.0, radial_depth.0, chip.0, course) }
+    pub fn new(tool_radius: Mm, radial_depth: Mm, chip: MmPerTooth, shape: PathShape) -> Self {
+        Engagement { demand: demand(tool_radius.0, radial_depth.0, chip.0, shape) }
     }
 }
 
@@ -80,7 +80,7 @@ pub fn corner_factor(tool_radius: Mm, radial_depth: Mm, contour_radius: Mm, turn
     Ok(straight_rad / largest_engagement_rad(r, ae, q, turn_rad).max(straight_rad))
 }
 
-fn demand(r: f32, ae: f32, a: f32, course: Course) -> Result<FeedDemand, NoDemand> {
+fn demand(r: f32, ae: f32, a: f32, shape: PathShape) -> Result<FeedDemand, NoDemand> {
     straight_rad(r, ae)?;
     if !(a > 0.0 && a.is_finite()) {
         return Err(NoDemand::BadInput);
@@ -88,9 +88,9 @@ fn demand(r: f32, ae: f32, a: f32, course: Course) -> Result<FeedDemand, NoDeman
     // The thickest chip is at phi_s, or square to the motion from half engagement on.
     let cosine = (1.0 - ae / r).max(0.0);
     let thinning = fmath::sqrt((1.0 - cosine) * (1.0 + cosine)); // sin(phi_s)
-    let factor = match course {
-        Course::Straight => 1.0,
-        Course::Inside { contour_radius, turn_rad } => corner_factor(Mm(r), Mm(ae), contour_radius, turn_rad)?,
+    let factor = match shape {
+        PathShape::Straight => 1.0,
+        PathShape::Inside { contour_radius, turn_rad } => corner_factor(Mm(r), Mm(ae), contour_radius, turn_rad)?,
     };
     let path_mm_per_tooth = a / thinning * factor; // (2)
     if path_mm_per_tooth > 0.0 && path_mm_per_tooth.is_finite() {
@@ -125,15 +125,15 @@ mod tests {
     use super::*;
     use core::f32::consts::FRAC_PI_2;
 
-    fn feed(ae: f32, course: Course) -> Result<f32, NoDemand> {
-        Engagement::new(Mm(5.0), Mm(ae), MmPerTooth(0.1), course).demand.map(|demand| demand.path_mm_per_tooth)
+    fn feed(ae: f32, shape: PathShape) -> Result<f32, NoDemand> {
+        Engagement::new(Mm(5.0), Mm(ae), MmPerTooth(0.1), shape).demand.map(|demand| demand.path_mm_per_tooth)
     }
 
     #[test]
     fn a_light_cut_takes_more_feed_for_the_same_chip_and_a_slot_takes_the_chip_itself() {
-        assert!((feed(1.0, Course::Straight).unwrap() - 0.1 / 0.6).abs() < 1e-7);
-        assert_eq!(feed(5.0, Course::Straight), Ok(0.1));
-        assert_eq!(feed(10.0, Course::Straight), Ok(0.1));
+        assert!((feed(1.0, PathShape::Straight).unwrap() - 0.1 / 0.6).abs() < 1e-7);
+        assert_eq!(feed(5.0, PathShape::Straight), Ok(0.1));
+        assert_eq!(feed(10.0, PathShape::Straight), Ok(0.1));
     }
 
     #[test]
@@ -156,6 +156,6 @@ mod tests {
         assert_eq!(factor(1.0, 4.9), Err(NoDemand::OutsideValidity));
         assert_eq!(factor(10.1, 20.0), Err(NoDemand::BadInput));
         assert_eq!(factor(f32::NAN, 20.0), Err(NoDemand::BadInput));
-        assert_eq!(feed(-1.0, Course::Straight), Err(NoDemand::BadInput));
+        assert_eq!(feed(-1.0, PathShape::Straight), Err(NoDemand::BadInput));
     }
 }

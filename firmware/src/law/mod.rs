@@ -29,7 +29,7 @@ use arcfeed_shared::units::{Mm, MmPerTooth, Nm};
 use circumference::Circumference;
 use contour::{Contour, ContourLimits};
 use engaged_arc::{EdgePolicy, EngagedArc, Ring};
-use engagement::{Course, Engagement};
+use engagement::{Engagement, PathShape};
 use region::Region;
 use table::Table;
 
@@ -265,16 +265,16 @@ fn for_mill(
             SegmentLaw::Contour(Contour::new(path_radius, tool_radius, side, feed_per_tooth, limits))
         }
         LawKind::Engagement => {
-            let course = match (segment.arc(), side) {
-                (Some(arc), Side::Inside) => Course::Inside {
+            let shape = match (segment.arc(), side) {
+                (Some(arc), Side::Inside) => PathShape::Inside {
                     contour_radius: Mm(arc.radius_mm() as f32 + tool_radius.0),
                     turn_rad: arc.sweep_rad() as f32,
                 },
-                _ => Course::Straight,
+                _ => PathShape::Straight,
             };
             let depth = if side == Side::Slot { Nm(2 * mill.radius.0) } else { radial_depth };
             let depth = Mm(depth.to_mm() as f32);
-            SegmentLaw::Engagement(Engagement::new(tool_radius, depth, feed_per_tooth, course))
+            SegmentLaw::Engagement(Engagement::new(tool_radius, depth, feed_per_tooth, shape))
         }
         LawKind::Circumference | LawKind::EngagedArc { .. } | LawKind::Table | LawKind::Programmed => {
             SegmentLaw::Programmed

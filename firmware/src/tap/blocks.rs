@@ -45,7 +45,7 @@ pub(super) struct Blocks {
 /// What a block is for who follows the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and there is one at a time")]
-pub(super) enum Course {
+pub(super) enum BlockMotion {
     /// It moves nothing, or nowhere that is known.
     Nothing,
     /// A move along its path; whether a law may have it.
@@ -88,11 +88,11 @@ impl Blocks {
         self.reader.modal().machining()
     }
 
-    /// Reads the next block: its course, and whether the program ends with it.
+    /// Reads the next block: its motion, and whether the program ends with it.
     ///
     /// # Errors
     /// From here on the control is not known to do what is written.
-    pub fn read(&mut self, text: &[u8]) -> Result<(Course, bool), Why> {
+    pub fn read(&mut self, text: &[u8]) -> Result<(BlockMotion, bool), Why> {
         self.reader.read_into(text, &mut self.understood).map_err(Why::NotUnderstood)?;
         let block = &self.understood.parsed.block;
         let is_other_program = block.program.is_some() && self.has_moved;
@@ -101,14 +101,14 @@ impl Blocks {
         }
         self.note_codes();
         let ends = self.understood.step.stop == Some(Stop::End);
-        let course = match self.understood.segment {
+        let motion = match self.understood.segment {
             _ if self.understood.step.series.is_some() => self.pass(),
             Some(segment) => self.go(&segment),
             None if self.understood.step.motion.is_some() => return Err(Why::OutOfSight),
-            None => Course::Nothing,
+            None => BlockMotion::Nothing,
         };
-        self.has_moved |= course != Course::Nothing;
-        Ok((course, ends))
+        self.has_moved |= motion != BlockMotion::Nothing;
+        Ok((motion, ends))
     }
 
     /// G words that the reader does not keep.
@@ -126,44 +126,44 @@ impl Blocks {
         }
     }
 
-    fn pass(&mut self) -> Course {
+    fn pass(&mut self) -> BlockMotion {
         let Some(Series::Drill(drill)) = &self.understood.step.series else {
             self.forget_named();
-            return Course::Nothing;
+            return BlockMotion::Nothing;
         };
         if self.unknown != 0 {
-            return Course::Nothing;
+            return BlockMotion::Nothing;
         }
         let to = self.in_workpiece(self.reader.modal().position);
         let via = Some(at_bottom(drill, to));
         self.is_apart = false;
-        Course::Passes { via, to }
+        BlockMotion::Passes { via, to }
     }
 
-    fn go(&mut self, segment: &Segment) -> Course {
+    fn go(&mut self, segment: &Segment) -> BlockMotion {
         let step = &self.understood.step;
         if step.beyond_plain == Some(NotModelled::GCode(530)) {
             self.forget_named();
-            return Course::Nothing;
+            return BlockMotion::Nothing;
         }
         self.know_named();
         if !self.understood.step.is_plain() && self.reader.modal().feed_mode != FeedMode::PerRevolution {
             self.is_apart = true;
-            return Course::Nothing;
+            return BlockMotion::Nothing;
         }
         if self.unknown != 0 {
-            return Course::Nothing;
+            return BlockMotion::Nothing;
         }
         let origin = self.reader.modal().work_origin(self.reader.tables());
         let segment = segment.shifted(Pose::ORIGIN.minus(origin));
         if core::mem::take(&mut self.is_apart) {
-            return Course::Passes { via: None, to: segment.end };
+            return BlockMotion::Passes { via: None, to: segment.end };
         }
         let per_minute = self.reader.modal().feed_mode != FeedMode::PerRevolution;
         // What a feed per revolution amounts to is the spindle's business; the override must leave it alone.
         let feed = if per_minute { segment.feed } else { Feed::Missing };
         let is_said = self.begins_afresh || self.said == ALL_SAID;
-        Course::Along(Segment { feed, ..segment }, per_minute && is_said && !self.is_tapping)
+        BlockMotion::Along(Segment { feed, ..segment }, per_minute && is_said && !self.is_tapping)
     }
 
     /// A way to a place of the machine's: where that is in the workpiece's coordinates is not known.

@@ -35,7 +35,7 @@ use arcfeed_shared::units::Micros;
 use heapless::{Deque, Vec};
 
 use crate::active::{ActiveSegment, Conditions};
-use blocks::{Blocks, Course};
+use blocks::{BlockMotion, Blocks};
 use intake::Intake;
 use settings::{LINE_MAX, TapSettings, TapSettingsError};
 use status::{TapCounters, TapState, Why};
@@ -240,16 +240,16 @@ impl<const N: usize> Tap<N> {
             [intake::MISSING] => return Err(Why::TooFarAhead),
             _ => {}
         }
-        let (course, ends) = self.blocks.read(&self.line)?;
-        if let Course::Passes { via, to } = course {
+        let (motion, ends) = self.blocks.read(&self.line)?;
+        if let BlockMotion::Passes { via, to } = motion {
             (self.gate, self.state) = (Some(Gate::new(via, to)), TapState::Passing);
         }
         if ends {
             (self.gate, self.state) = (None, TapState::Listening);
         }
-        Ok(match course {
-            Course::Along(segment, may_govern) => Some((segment, may_govern)),
-            Course::Nothing | Course::Passes { .. } => None,
+        Ok(match motion {
+            BlockMotion::Along(segment, may_govern) => Some((segment, may_govern)),
+            BlockMotion::Nothing | BlockMotion::Passes { .. } => None,
         })
     }
 

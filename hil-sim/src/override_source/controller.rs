@@ -20,7 +20,7 @@ use crate::faults::ControllerFault;
 pub struct InProcessController {
     supervisor: Option<Supervisor>,
     task: Task,
-    cabinet: Cabinet,
+    io: BoardIo,
     /// The job as the controller believes it to be.
     believed: Job,
     frozen_from: Option<Micros>,
@@ -28,13 +28,13 @@ pub struct InProcessController {
 
 /// The controller's surroundings: the segment in work, the inputs, the override output.
 #[derive(Debug)]
-struct Cabinet {
+struct BoardIo {
     segment: Option<(u32, ActiveSegment)>,
     input: Input,
     output: FeedOverride,
 }
 
-impl Board for Cabinet {
+impl Board for BoardIo {
     fn work(&self) -> Work<'_> {
         self.segment.as_ref().map(|(count, segment)| (*count, segment))
     }
@@ -68,7 +68,7 @@ impl InProcessController {
         Ok(InProcessController {
             supervisor,
             task: Task::from(Memory::armed()),
-            cabinet: Cabinet { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED },
+            io: BoardIo { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED },
             believed: believed(job, fault),
             frozen_from,
         })
@@ -78,7 +78,7 @@ impl InProcessController {
 impl OverrideSource for InProcessController {
     fn begin(&mut self, begun: Option<Begun<'_>>) {
         let job = &self.believed;
-        self.cabinet.segment = begun.map(|Begun { count, segment, rule, along, spindle, limit, end_percent }| {
+        self.io.segment = begun.map(|Begun { count, segment, rule, along, spindle, limit, end_percent }| {
             let own = Conditions::of(segment, rule, job);
             let conditions = Conditions { along, spindle, limit: limit.or(own.limit), end_percent, ..own };
             (count, ActiveSegment::under(segment, &conditions, job))
@@ -86,16 +86,16 @@ impl OverrideSource for InProcessController {
     }
 
     fn decide(&mut self, shown: &Shown) -> FeedOverride {
-        let input = &mut self.cabinet.input;
+        let input = &mut self.io.input;
         input.measured.position = Some(shown.position);
         input.measured.spindle = shown.spindle;
         input.operator_percent = shown.operator_percent;
         input.signals = shown.signals;
         let is_frozen = self.frozen_from.is_some_and(|from| shown.at >= from);
         if let Some(supervisor) = self.supervisor.as_ref().filter(|_| !is_frozen) {
-            self.task.run(supervisor, &mut self.cabinet);
+            self.task.run(supervisor, &mut self.io);
         }
-        self.cabinet.output
+        self.io.output
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use arcfeed_shared::kinematics::forward::Setup;
-use arcfeed_shared::kinematics::incoherent::{RepairLimits, ToolEnd};
+use arcfeed_shared::kinematics::singularity::{RepairLimits, ToolEnd};
 use serde::Serialize;
 
 use super::outcome::{Failure, say};

@@ -4,9 +4,9 @@ use std::fmt;
 
 use arcfeed_shared::kinematics::change::{Change, WayRound};
 use arcfeed_shared::kinematics::forward::Axes;
-use arcfeed_shared::kinematics::incoherent::{Fate, Incoherent};
 use arcfeed_shared::kinematics::inverse::Unreachable;
 use arcfeed_shared::kinematics::machine::{AxisName, Letter};
+use arcfeed_shared::kinematics::singularity::{RepairOutcome, Singularity};
 use serde::Serialize;
 
 use crate::program::Severity;
@@ -67,9 +67,9 @@ pub enum What {
         departure_deg: f64,
     },
     /// Incoherent movement ends here.
-    Incoherent {
+    Singularity {
         /// The stretch.
-        found: Incoherent,
+        found: Singularity,
         /// Whether a repair was asked for.
         asked: bool,
     },
@@ -115,7 +115,7 @@ impl Finding {
             What::Change(..) | What::Reversal { .. } => "branch-change",
             What::Pole { .. } | What::Passage { .. } => "pole",
             What::Coarse { .. } => "coarse",
-            What::Incoherent { .. } => "incoherent",
+            What::Singularity { .. } => "singularity",
             What::Feed { .. } => "feed",
         };
         Entry { line: self.line, severity: self.severity(), kind, message: self.what.to_string() }
@@ -162,7 +162,7 @@ impl fmt::Display for What {
                     "on the move here the tool axis leaves its arc by {departure_deg:.3} degrees; `post` adds points"
                 )
             }
-            What::Incoherent { found, asked } => write_incoherent(f, found, *asked),
+            What::Singularity { found, asked } => write_singularity(f, found, *asked),
             What::Feed { moves, feed_per_min, unit, asked_ratio, axis } => write!(
                 f,
                 "{axis} allows {feed_per_min:.1} {unit} here, {:.1} % of what is asked, the least of {moves} moves that ask for more \
@@ -203,19 +203,19 @@ fn write_axes(f: &mut fmt::Formatter<'_>, name: &str, axes: &Axes) -> fmt::Resul
     write!(f, " {name} ({x:.3}, {y:.3}, {z:.3}; {first:.3}, {second:.3})")
 }
 
-fn write_incoherent(f: &mut fmt::Formatter<'_>, found: &Incoherent, asked: bool) -> fmt::Result {
+fn write_singularity(f: &mut fmt::Formatter<'_>, found: &Singularity, asked: bool) -> fmt::Result {
     write!(
         f,
         "up to here the first rotary axis races beside the pole, {:.0} degrees a degree of the tool; ",
         found.gain_ratio
     )?;
     let error = found.error_deg;
-    match found.fate {
-        Fate::Refused if !asked => write!(f, "--repair would turn the tool axis by {error:.4} degrees"),
-        Fate::Repaired => write!(f, "repaired by turning the tool axis by up to {error:.4} degrees"),
-        Fate::Refused => {
+    match found.outcome {
+        RepairOutcome::Refused if !asked => write!(f, "--repair would turn the tool axis by {error:.4} degrees"),
+        RepairOutcome::Repaired => write!(f, "repaired by turning the tool axis by up to {error:.4} degrees"),
+        RepairOutcome::Refused => {
             write!(f, "not repaired, as the tool is no ball end mill and would turn by {error:.4} degrees")
         }
-        Fate::NoRoom => f.write_str("no repair, as the path begins or ends too close by"),
+        RepairOutcome::NoRoom => f.write_str("no repair, as the path begins or ends too close by"),
     }
 }

@@ -5,9 +5,9 @@
 
 use arcfeed_shared::kinematics::feed::AxisFeed;
 use arcfeed_shared::kinematics::forward::Pose;
-use arcfeed_shared::kinematics::incoherent::{RepairLimits, ToolEnd};
 use arcfeed_shared::kinematics::inverse::Angles;
 use arcfeed_shared::kinematics::machine::{AxisName, Letter, Machine};
+use arcfeed_shared::kinematics::singularity::{RepairLimits, ToolEnd};
 use arcfeed_shared::kinematics::vector::wrapped_deg;
 use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE};
 use arcfeed_shared::segment::Path;
@@ -114,7 +114,7 @@ impl Judge<'_> {
             let mut poses: Vec<Pose> = course.iter().map(pose).collect();
             for found in machine.repair(&mut poses, &course, ToolEnd::Other, &nothing) {
                 let line = run.get(found.after.saturating_sub(1)).map_or(0, |step| step.made.line);
-                self.tell(line, What::Incoherent { found, asked: false });
+                self.tell(line, What::Singularity { found, asked: false });
             }
             rest = rest.get(run.len().max(1)..).unwrap_or_default();
         }

@@ -4,8 +4,8 @@ use arcfeed_shared::kinematics::between::Stop;
 use arcfeed_shared::kinematics::change::Passage;
 use arcfeed_shared::kinematics::feed::AxisFeed;
 use arcfeed_shared::kinematics::forward::{Axes, Pose, Setup};
-use arcfeed_shared::kinematics::incoherent::{Incoherent, RepairLimits, ToolEnd};
 use arcfeed_shared::kinematics::machine::Machine;
+use arcfeed_shared::kinematics::singularity::{RepairLimits, Singularity, ToolEnd};
 use arcfeed_shared::kinematics::vector::{difference, length};
 
 use super::cl::Cl;
@@ -49,7 +49,7 @@ impl Plan {
         let nothing = RepairLimits { error_deg: -1.0, ..*limits };
         let (end, allowed) = task.repair.map_or((ToolEnd::Other, &nothing), |end| (end, limits));
         let found = machine.repair(&mut poses, &course, end, allowed);
-        plan.add_incoherent(cl, &found, task.repair.is_some());
+        plan.add_singularities(cl, &found, task.repair.is_some());
         if poses.iter().zip(&cl.points).any(|(pose, point)| *pose != point.pose) {
             let Some(again) = plan.course(cl, task, &poses) else { return plan };
             course = again;
@@ -84,10 +84,10 @@ impl Plan {
         }
     }
 
-    fn add_incoherent(&mut self, cl: &Cl, found: &[Incoherent], asked: bool) {
+    fn add_singularities(&mut self, cl: &Cl, found: &[Singularity], asked: bool) {
         let told = found.iter().filter_map(|stretch| {
             let point = cl.points.get(stretch.after)?;
-            Some(Finding { line: point.line, what: What::Incoherent { found: *stretch, asked } })
+            Some(Finding { line: point.line, what: What::Singularity { found: *stretch, asked } })
         });
         self.findings.extend(told);
     }

@@ -3,7 +3,7 @@
 //! A move that leaves its line or its arc by more than the tolerance is halved: tip in the middle of the line; where the tool axis keeps
 //! its tolerance, rotary axes in the middle of theirs; where it does not, direction in the middle of the arc and rotary axes nearest to the
 //! middle of theirs. The deviation falls with the square of the length, so that a few halvings
-//! do; a move that is still out after the last one is a swing ([`super::change`]) or passes a pole too closely ([`super::incoherent`]).
+//! do; a move that is still out after the last one is a swing ([`super::change`]) or passes a pole too closely ([`super::singularity`]).
 //!
 //! Source: Tournier, 4.1.1 ("sampling of the movement"); halving is the plain way.
 

@@ -26,7 +26,7 @@ pub mod course;
 
 pub mod change;
 
-pub mod incoherent;
+pub mod singularity;
 
 pub mod linearise;
 

@@ -54,5 +54,6 @@ fn each_block_of_a_program_is_governed_as_by_a_job_for_its_tool_alone() {
     }
     let [first, second, other] = counts;
     println!("{programs} programs: {first} moves governed by T{}, {second} by T{}", TOOL_NUMBERS[0], TOOL_NUMBERS[1]);
-    assert!(first > 300 && second > 300 && other == 0, "{counts:?}");
+    let plenty = programs as usize * 3 / 10;
+    assert!(first > plenty && second > plenty && other == 0, "{counts:?}");
 }

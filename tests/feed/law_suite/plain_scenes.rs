@@ -3,7 +3,7 @@
 use super::{Scene, View};
 use crate::geometry::{between, log_between, unit};
 use arcfeed_firmware::law::contour::{Contour, ContourLimits};
-use arcfeed_firmware::law::engagement::{Course, Engagement};
+use arcfeed_firmware::law::engagement::{Engagement, PathShape};
 use arcfeed_firmware::law::table::Table;
 use arcfeed_firmware::law::{FeedLaw, Place};
 use arcfeed_shared::cut::Side;
@@ -106,10 +106,11 @@ impl Scene for EngagementScene {
     }
 
     fn law(&self) -> Option<Box<dyn FeedLaw>> {
-        let inside = Course::Inside { contour_radius: Mm(self.contour_radius as f32), turn_rad: self.turn_rad as f32 };
-        let course = if self.straight { Course::Straight } else { inside };
+        let inside =
+            PathShape::Inside { contour_radius: Mm(self.contour_radius as f32), turn_rad: self.turn_rad as f32 };
+        let shape = if self.straight { PathShape::Straight } else { inside };
         let (tool, depth) = (Mm(self.tool_radius as f32), Mm(self.depth as f32));
-        Some(Box::new(Engagement::new(tool, depth, MmPerTooth(self.chip as f32), course)))
+        Some(Box::new(Engagement::new(tool, depth, MmPerTooth(self.chip as f32), shape)))
     }
 
     fn place(&self, ratio: f64) -> Place {

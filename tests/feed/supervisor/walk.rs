@@ -45,7 +45,7 @@ impl Xorshift {
 }
 
 /// Changes some settings.
-fn turn_knobs(bench: &mut Bench, random: &mut Xorshift) {
+fn change_settings(bench: &mut Bench, random: &mut Xorshift) {
     bench.dt = if random.one_in(50) { random.of(&[0, 1, 500, 9_000, 60_000, u32::MAX].map(Span)) } else { TICK };
     if random.one_in(400) {
         let piece = random.of(&PIECES[..7]);
@@ -223,7 +223,7 @@ fn walk(seed: u64, limits: OverrideLimits) -> BTreeSet<(&'static str, &'static s
         arrows: BTreeSet::new(),
     };
     for step in 0..STEPS {
-        turn_knobs(&mut bench, &mut random);
+        change_settings(&mut bench, &mut random);
         let now = bench.tick();
         let told = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| judge.judge(&bench, &now)));
         assert!(told.is_ok(), "seed {seed:#x}, step {step}: {:?} after {:?}\n{bench:#?}", now, judge.before);

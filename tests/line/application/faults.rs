@@ -171,7 +171,7 @@ fn restart_board(world: &mut World) {
 }
 
 fn stop_main_loop(world: &mut World) {
-    world.is_desk_running = false;
+    world.is_main_loop_running = false;
 }
 
 fn ask_to_disarm(world: &mut World) {

@@ -81,7 +81,7 @@ pub struct World {
     pub sensors: Sensors,
     pub output: Option<Output>,
     /// Whether the board's main loop still runs.
-    pub is_desk_running: bool,
+    pub is_main_loop_running: bool,
 }
 
 impl Channel {
@@ -280,7 +280,7 @@ impl World {
             up,
             sensors: standing(Pose::default(), job.tools.first().spindle),
             output: None,
-            is_desk_running: true,
+            is_main_loop_running: true,
         }
     }
 
@@ -300,12 +300,12 @@ impl World {
         }
         let Board { host_link, task } = &mut self.board;
         let bytes = self.down.receive(now);
-        if self.is_desk_running {
+        if self.is_main_loop_running {
             host_link.on_link_bytes(now, &bytes);
             host_link.run(now);
         }
         let output = task.tick(now, &self.sensors);
-        while self.is_desk_running {
+        while self.is_main_loop_running {
             let length = host_link.poll_link(now, &mut frame);
             if length == 0 {
                 break;

@@ -64,7 +64,7 @@ fn what_check_and_post_print_of_a_five_axis_machine_is_documented() {
     println!("{kinds:?}");
     assert!(["pole", "branch-change"].iter().all(|kind| kinds.contains(&format!("\"{kind}\""))));
     assert!(
-        ["incoherent", "feed", "over-limit", "unreachable"].iter().all(|kind| kinds.contains(&format!("\"{kind}\"")))
+        ["singularity", "feed", "over-limit", "unreachable"].iter().all(|kind| kinds.contains(&format!("\"{kind}\"")))
     );
 }
 

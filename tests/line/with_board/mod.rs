@@ -201,7 +201,7 @@ fn a_board_that_restarts_or_falls_silent_ends_the_sending_with_the_reason() {
     });
 }
 
-fn ends_the_sending(name: &str, board: &str, fate: impl FnOnce(), reason: &str) -> Result<(), LinkLost> {
+fn ends_the_sending(name: &str, board: &str, interruption: impl FnOnce(), reason: &str) -> Result<(), LinkLost> {
     let (scratch, control) = (Scratch::new(&format!("board-{name}")), Taker::start());
     let mut sender = stream(&scratch, &control, board);
     arm(&mut sender, &control)?;
@@ -211,7 +211,7 @@ fn ends_the_sending(name: &str, board: &str, fate: impl FnOnce(), reason: &str) 
         assert!(is_busy(&said), "before the {name}: {said}");
         return Err(LinkLost);
     }
-    fate();
+    interruption();
     let (code, said) = ended(sender);
     assert_eq!(code, Some(3), "{said}");
     if reason != LOST && said.contains(LOST) {

@@ -85,7 +85,7 @@ fn poles_changes_of_branch_and_races_are_told_where_they_are() {
     let found = with(race);
     assert_found(
         &found,
-        &[(6, "incoherent", "up to here the first rotary axis races beside the pole, 600 degrees a degree")],
+        &[(6, "singularity", "up to here the first rotary axis races beside the pole, 600 degrees a degree")],
     );
 }
 

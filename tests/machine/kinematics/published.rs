@@ -1,7 +1,7 @@
 //! Tournier's appendix: what the post-processor of a Mikron UCP710 gave for published CL points.
 
 use arcfeed_shared::kinematics::forward::Pose;
-use arcfeed_shared::kinematics::incoherent::{Fate, RepairLimits, ToolEnd};
+use arcfeed_shared::kinematics::singularity::{RepairLimits, RepairOutcome, ToolEnd};
 use arcfeed_shared::kinematics::vector::{difference, length, scaled, sum, unit};
 use arcfeed_tests::root;
 
@@ -96,7 +96,7 @@ fn the_jump_of_strategy_2_is_found_and_repaired() {
     println!("C after  {:?}", after.iter().map(|place| place[0]).collect::<Vec<_>>());
     println!("C travel {c_before:.3} -> {c_after:.3} deg; {found:?}");
     assert_eq!(found.len(), 1);
-    assert_eq!((found[0].before, found[0].after, found[0].fate), (1, 3, Fate::Repaired));
+    assert_eq!((found[0].before, found[0].after, found[0].outcome), (1, 3, RepairOutcome::Repaired));
     // What the printed column travels, and the least there can be: monotone from the first to the last.
     assert!((c_before - 107.106).abs() < 0.01, "{c_before}");
     let least =
@@ -138,9 +138,9 @@ fn a_tool_that_is_no_ball_is_left_alone() {
     let course = mikron.course(&old, None).expect("within reach");
     let mut new = old.clone();
     let found = mikron.repair(&mut new, &course, ToolEnd::Other, &RepairLimits::default());
-    assert_eq!((found.len(), found[0].fate), (1, Fate::Refused));
+    assert_eq!((found.len(), found[0].outcome), (1, RepairOutcome::Refused));
     assert_eq!(new, old);
     let wide = RepairLimits { error_deg: 0.1, ..RepairLimits::default() };
-    assert_eq!(mikron.repair(&mut new, &course, ToolEnd::Other, &wide)[0].fate, Fate::Repaired);
+    assert_eq!(mikron.repair(&mut new, &course, ToolEnd::Other, &wide)[0].outcome, RepairOutcome::Repaired);
     assert_eq!(new[2].tip_mm, old[2].tip_mm);
 }

@@ -1,7 +1,7 @@
 //! Incoherent movement on paths made for it.
 
 use arcfeed_shared::kinematics::forward::Pose;
-use arcfeed_shared::kinematics::incoherent::{Fate, RepairLimits, ToolEnd};
+use arcfeed_shared::kinematics::singularity::{RepairLimits, RepairOutcome, ToolEnd};
 use arcfeed_shared::kinematics::vector::{angle_deg, difference, length, unit};
 
 use crate::kinematics::bench::{machine, pose, travels};
@@ -29,7 +29,7 @@ fn a_path_close_by_the_pole_goes_through_it_and_the_error_is_the_distance() {
         let after = mikron.course(&new, None).expect("within reach");
         let [[c_before, _], [c_after, _]] = [travels(&before), travels(&after)];
         println!("{beside} deg beside the pole, every {step} deg: C travel {c_before:.2} -> {c_after:.2}, {found:?}");
-        assert!(found.len() == 1 && found[0].fate == Fate::Repaired);
+        assert!(found.len() == 1 && found[0].outcome == RepairOutcome::Repaired);
         assert!(c_before > 150.0 && c_after < 0.25 * c_before);
         // On its circle no direction moves by more than a quarter turn about the pole.
         let farthest = new.iter().zip(&old).map(|(new, old)| angle_deg(new.axis, old.axis)).fold(0.0, f64::max);
@@ -59,7 +59,7 @@ fn poles_of_other_machines_are_as_good() {
         let after = machine.course(&new, None).expect("within reach");
         let [[first_before, second_before], [first_after, second_after]] = [travels(&before), travels(&after)];
         println!("{file}: {first_before:.2} -> {first_after:.2}, second axis {second_before:.3} -> {second_after:.3}");
-        assert!(found.len() == 1 && found[0].fate == Fate::Repaired);
+        assert!(found.len() == 1 && found[0].outcome == RepairOutcome::Repaired);
         assert!(first_before > 150.0 && first_after < 25.0);
     }
 }
@@ -81,7 +81,7 @@ fn a_stretch_at_the_end_of_the_path_has_no_room() {
     let mut half = whole[..12].to_vec();
     let (old, course) = (half.clone(), mikron.course(&half, None).expect("within reach"));
     let found = mikron.repair(&mut half, &course, BALL, &RepairLimits::default());
-    assert_eq!(found.last().map(|stretch| stretch.fate), Some(Fate::NoRoom));
+    assert_eq!(found.last().map(|stretch| stretch.outcome), Some(RepairOutcome::NoRoom));
     let moved = half.iter().zip(&old).map(|(new, old)| length(difference(new.axis, old.axis))).fold(0.0, f64::max);
     assert_eq!(moved, 0.0);
 }
@@ -97,6 +97,6 @@ fn two_passes_of_one_path_are_two_stretches() {
     let found = mikron.repair(&mut new, &before, BALL, &RepairLimits::default());
     let after = mikron.course(&new, None).expect("within reach");
     println!("there and back beside the pole: C travel {:.2} -> {:.2}", travels(&before)[0], travels(&after)[0]);
-    assert!(found.len() == 2 && found.iter().all(|stretch| stretch.fate == Fate::Repaired));
+    assert!(found.len() == 2 && found.iter().all(|stretch| stretch.outcome == RepairOutcome::Repaired));
     assert!(found[0].after <= found[1].before && travels(&after)[0] < 50.0);
 }

@@ -9,13 +9,13 @@ fn settings() -> Settings {
 }
 
 /// Reads lines behind each other; what the last one is, with the program begun at the origin.
-fn last(lines: &str) -> Result<(Course, bool), Why> {
+fn last(lines: &str) -> Result<(BlockMotion, bool), Why> {
     let mut blocks = Blocks::new(settings(), true);
     blocks.begin(Some(Pose::ORIGIN));
     lines.lines().map(|line| blocks.read(line.as_bytes())).last().unwrap()
 }
 
-fn course(lines: &str) -> Course {
+fn motion(lines: &str) -> BlockMotion {
     last(lines).unwrap().0
 }
 
@@ -24,8 +24,8 @@ fn pose(x: i64, y: i64, z: i64) -> Pose {
 }
 
 fn along(lines: &str) -> (Pose, Pose, bool) {
-    match course(lines) {
-        Course::Along(segment, may_govern) => (segment.start, segment.end, may_govern),
+    match motion(lines) {
+        BlockMotion::Along(segment, may_govern) => (segment.start, segment.end, may_govern),
         other => panic!("{lines}: {other:?}"),
     }
 }
@@ -34,9 +34,9 @@ fn along(lines: &str) -> (Pose, Pose, bool) {
 fn a_plain_move_is_followed_along_its_path() {
     assert_eq!(along("G1X1.F100."), (pose(0, 0, 0), pose(1, 0, 0), true));
     assert_eq!(along("G0X1.Y2.\nG91G1X1.F100."), (pose(1, 2, 0), pose(2, 2, 0), true));
-    assert!(matches!(course("G0X1."), Course::Along(Segment { path: Path::Rapid, .. }, _)));
+    assert!(matches!(motion("G0X1."), BlockMotion::Along(Segment { path: Path::Rapid, .. }, _)));
     for nothing in ["M8", "G4P100", "G54", "T1M6", "#1=2", "#5204=0", "O1234", "(NOTE)"] {
-        assert_eq!(course(nothing), Course::Nothing, "{nothing}");
+        assert_eq!(motion(nothing), BlockMotion::Nothing, "{nothing}");
     }
 }
 
@@ -49,13 +49,13 @@ fn positions_are_seen_from_the_workpiece_whatever_its_offset() {
 #[test]
 fn behind_a_reference_point_the_axes_are_unknown_until_each_is_given() {
     let home = "G0X1.Y1.Z1.\nG91G28Z0\n";
-    assert_eq!(course(home.trim_end()), Course::Nothing);
-    assert_eq!(course(&format!("{home}G90G0X5.Y5.")), Course::Nothing);
-    assert_eq!(course(&format!("{home}G0X5.Z5.")), Course::Nothing, "still incremental");
+    assert_eq!(motion(home.trim_end()), BlockMotion::Nothing);
+    assert_eq!(motion(&format!("{home}G90G0X5.Y5.")), BlockMotion::Nothing);
+    assert_eq!(motion(&format!("{home}G0X5.Z5.")), BlockMotion::Nothing, "still incremental");
     let known = format!("{home}G90G0X5.Y5.\nZ3.");
-    assert_eq!(course(&known), Course::Passes { via: None, to: pose(5, 5, 3) });
+    assert_eq!(motion(&known), BlockMotion::Passes { via: None, to: pose(5, 5, 3) });
     assert_eq!(along(&format!("{known}\nG1X6.F1.")), (pose(5, 5, 3), pose(6, 5, 3), true));
-    assert_eq!(course("G0Z1.\nG53G0Z0\nG0Z2."), Course::Passes { via: None, to: pose(0, 0, 2) });
+    assert_eq!(motion("G0Z1.\nG53G0Z0\nG0Z2."), BlockMotion::Passes { via: None, to: pose(0, 0, 2) });
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn a_program_that_begins_somewhere_is_followed_once_all_axes_are_given() {
     let mut blocks = Blocks::new(settings(), true);
     blocks.begin(None);
     for (line, known) in [("G0X1.Y2.", false), ("G1Z3.F1.", true)] {
-        let wanted = if known { Course::Passes { via: None, to: pose(1, 2, 3) } } else { Course::Nothing };
+        let wanted = if known { BlockMotion::Passes { via: None, to: pose(1, 2, 3) } } else { BlockMotion::Nothing };
         assert_eq!(blocks.read(line.as_bytes()).unwrap().0, wanted, "{line}");
     }
 }
@@ -71,17 +71,17 @@ fn a_program_that_begins_somewhere_is_followed_once_all_axes_are_given() {
 #[test]
 fn a_contour_with_an_offset_is_passed_over_up_to_the_end_of_the_move_behind_it() {
     let contour = "G1X1.F1.\nG41D1X2.\nX3.";
-    assert_eq!(course(contour), Course::Nothing);
-    assert_eq!(course(&format!("{contour}\nG40X4.")), Course::Passes { via: None, to: pose(4, 0, 0) });
+    assert_eq!(motion(contour), BlockMotion::Nothing);
+    assert_eq!(motion(&format!("{contour}\nG40X4.")), BlockMotion::Passes { via: None, to: pose(4, 0, 0) });
     assert_eq!(along(&format!("{contour}\nG40X4.\nX5.")), (pose(4, 0, 0), pose(5, 0, 0), true));
 }
 
 #[test]
 fn a_hole_is_passed_over_by_way_of_its_bottom() {
     let hole = "G0X0Y0Z10.\nG99G81X5.Y0Z-3.R2.F100.";
-    assert_eq!(course(hole), Course::Passes { via: Some(pose(5, 0, -3)), to: pose(5, 0, 2) });
+    assert_eq!(motion(hole), BlockMotion::Passes { via: Some(pose(5, 0, -3)), to: pose(5, 0, 2) });
     let high = "G0X0Y0Z10.\nG98G83X5.Y0Z-3.R2.Q1.F100.\nX6.";
-    assert_eq!(course(high), Course::Passes { via: Some(pose(6, 0, -3)), to: pose(6, 0, 10) });
+    assert_eq!(motion(high), BlockMotion::Passes { via: Some(pose(6, 0, -3)), to: pose(6, 0, 10) });
     assert_eq!(along(&format!("{high}\nG80\nG1Z9.F1.")), (pose(6, 0, 10), pose(6, 0, 9), true));
 }
 
@@ -89,7 +89,7 @@ fn a_hole_is_passed_over_by_way_of_its_bottom() {
 fn tapping_and_feed_per_revolution_are_followed_without_a_law() {
     assert!(!along("G63\nG1Z-1.F1.").2);
     assert!(along("G63\nG64\nG1Z-1.F1.").2);
-    let Course::Along(segment, false) = course("S100M3\nG95G1X1.F.1") else { panic!("a law could act") };
+    let BlockMotion::Along(segment, false) = motion("S100M3\nG95G1X1.F.1") else { panic!("a law could act") };
     assert_eq!(segment.feed, Feed::Missing);
 }
 
@@ -107,7 +107,7 @@ fn what_the_control_alone_knows_ends_it() {
 fn a_control_that_keeps_its_codes_is_trusted_once_the_program_has_said_them() {
     let mut blocks = Blocks::new(settings(), false);
     blocks.begin(Some(Pose::ORIGIN));
-    let mut governs = |line: &str| matches!(blocks.read(line.as_bytes()), Ok((Course::Along(_, true), _)));
+    let mut governs = |line: &str| matches!(blocks.read(line.as_bytes()), Ok((BlockMotion::Along(_, true), _)));
     assert!(!governs("G21G17G1X1.F1."));
     assert!(!governs("G90X2."));
     assert!(governs("G94X3.F1."));

@@ -63,7 +63,7 @@ impl<D: OverrideSource> SimPort<D> {
     }
 
     /// The simulation, to act on.
-    pub fn rig_mut(&mut self) -> &mut Simulation<D> {
+    pub fn simulation_mut(&mut self) -> &mut Simulation<D> {
         &mut self.simulation
     }
 

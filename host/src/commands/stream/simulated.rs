@@ -52,7 +52,7 @@ impl Stream {
         match &self.board {
             None => {
                 let mut sim = SimPort::new(&ready.file, ControllerFault::None, self.tempo())?;
-                sim.rig_mut().foresee(ready.foreseen.iter().cloned());
+                sim.simulation_mut().foresee(ready.foreseen.iter().cloned());
                 self.send_simulated(ready, sender, (logbook, Along::none()), &Rc::new(RefCell::new(sim)))
             }
             Some(url) if url.base == Base::Sim => self.with_board_in_software(ready, sender, logbook),
@@ -83,9 +83,9 @@ impl Stream {
         along.arm(&mut || {
             is_pressed = !is_pressed;
             let pressed = if is_pressed { Signals::of_request(Request::Arm) } else { Signals::NONE };
-            sim.borrow_mut().rig_mut().source_mut().set_panel(pressed);
+            sim.borrow_mut().simulation_mut().source_mut().set_panel(pressed);
         })?;
-        sim.borrow_mut().rig_mut().source_mut().set_panel(Signals::NONE);
+        sim.borrow_mut().simulation_mut().source_mut().set_panel(Signals::NONE);
         self.send_simulated(ready, sender, (logbook, along), &sim)
     }
 

@@ -45,11 +45,11 @@ struct TickState {
     task: Task,
     segments: Consumer<'static, Prepared>,
     run: Run,
-    cabinet: Cabinet,
+    io: BoardIo,
 }
 
 /// The board as the controller sees it.
-struct Cabinet {
+struct BoardIo {
     segment: Option<(u32, ActiveSegment)>,
     input: Input,
     line: Registers,
@@ -70,7 +70,7 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     unsafe { arcfeed_a_panic_can_be_reached() }
 }
 
-impl Board for Cabinet {
+impl Board for BoardIo {
     fn measure(&mut self) {}
 
     fn input(&self) -> &Input {
@@ -108,10 +108,10 @@ fn tick(state: &mut TickState) {
         if next.is_none() {
             STARVED.store(STARVED.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
         }
-        state.cabinet.segment = next.and_then(|(count, segment)| Some((count, segment?)));
+        state.io.segment = next.and_then(|(count, segment)| Some((count, segment?)));
     }
-    state.cabinet.input.measured.position = Some(position);
-    state.task.run(&state.supervisor, &mut state.cabinet);
+    state.io.input.measured.position = Some(position);
+    state.task.run(&state.supervisor, &mut state.io);
     TICKS.store(TICKS.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
     #[cfg(feature = "prove-the-gate")]
     core::hint::black_box(EXAMPLE.blocks[TICKS.load(Ordering::Relaxed) as usize].first_tick);
@@ -143,9 +143,9 @@ fn main() -> ! {
     let measured = controller::Input { position: None, spindle: job.tools.first().spindle, dt: TICK };
     // SAFETY: UART 1 is used here only; the timer starts below, so nobody sees the state yet.
     unsafe {
-        let cabinet = Cabinet { segment: None, input: Input::of(measured), line: Registers::start_transmitter(UART1) };
+        let io = BoardIo { segment: None, input: Input::of(measured), line: Registers::start_transmitter(UART1) };
         let (run, task) = (EXAMPLE.run(), Task::from(Memory::armed()));
-        TICK_STATE.put(TickState { supervisor, task, segments: consumer, run, cabinet });
+        TICK_STATE.put(TickState { supervisor, task, segments: consumer, run, io });
         timer::start(TICK.0);
     }
     while !OVER.load(Ordering::Acquire) {

@@ -16,7 +16,7 @@
 
 use core::hint::black_box;
 
-use arcfeed_bench::cabinet::Cabinet;
+use arcfeed_bench::board_io::BoardIo;
 use arcfeed_bench::random::Random;
 use arcfeed_firmware::active::{ActiveSegment, Conditions};
 use arcfeed_firmware::board::Task;
@@ -73,7 +73,7 @@ fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
 
 /// All that is counted of a tick.
 #[inline(never)]
-fn tick(task: &mut Task, supervisor: &Supervisor, board: &mut Cabinet) -> Output {
+fn tick(task: &mut Task, supervisor: &Supervisor, board: &mut BoardIo) -> Output {
     task.run(supervisor, board)
 }
 
@@ -125,7 +125,7 @@ fn count(case: &Case, counter: &InstructionCounter, mut also: impl FnMut(&Block,
     let Ok(supervisor) = Supervisor::new(&case.job, Settings::default()) else { leave(debug::EXIT_FAILURE) };
     let supervisor = supervisor.with_filter(case.filter);
     let measured = controller::Input { position: None, spindle: case.job.tools.first().spindle, dt: TICK };
-    let mut board = Cabinet { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED };
+    let mut board = BoardIo { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED };
     let (mut task, mut figures, mut random) = (Task::from(Memory::armed()), Figures::default(), Random::new(SEED));
     let mut block = None;
     for (position, new) in case.example.run() {

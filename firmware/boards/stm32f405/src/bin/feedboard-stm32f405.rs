@@ -3,7 +3,7 @@
 //! ```text
 //! main loop:  block of the program -> ActiveSegment -> queue            watchdog
 //!                                                        |                 ^
-//! TIM5:       sensors -> Cabinet::tick (supervisor) <----+  -> *FV0-7      | ticks
+//! TIM5:       sensors -> BoardIo::tick (supervisor) <----+  -> *FV0-7      | ticks
 //! NMI:        the crystal stopped -> lines released      HardFault: lines released, until the watchdog fires
 //! ```
 //!
@@ -19,7 +19,7 @@ use arcfeed_firmware::output::latched::Latched;
 use arcfeed_firmware::output::port_lines::PortLines;
 use arcfeed_firmware::output::settling::Settling;
 use arcfeed_shared::job::Job;
-use arcfeed_stm32f405::cabinet::{Cabinet, Outputs, Sensors};
+use arcfeed_stm32f405::board_io::{BoardIo, Outputs, Sensors};
 use arcfeed_stm32f405::clock::{self, Clock};
 use arcfeed_stm32f405::dial::DialConverter;
 use arcfeed_stm32f405::encoders::Encoders;
@@ -39,7 +39,7 @@ const AHEAD: usize = 8;
 /// What only the tick touches while it runs.
 struct TickState {
     timer: TickTimer,
-    cabinet: Cabinet,
+    io: BoardIo,
 }
 
 /// Handed over before the timer starts, then the handler's.
@@ -85,12 +85,12 @@ fn TIM5() {
 }
 
 fn tick(state: &mut TickState) {
-    let TickState { timer, cabinet } = state;
+    let TickState { timer, io } = state;
     timer.acknowledge();
-    cabinet.tick();
-    RUN.store(cabinet.run(), Ordering::Relaxed);
+    io.tick();
+    RUN.store(io.run(), Ordering::Relaxed);
     if timer.is_late() {
-        cabinet.report_late();
+        io.report_late();
     }
     let ticks = TICKS.load(Ordering::Relaxed).wrapping_add(1);
     TICKS.store(ticks, Ordering::Relaxed);
@@ -123,13 +123,13 @@ fn main() -> ! {
         dial: DialConverter::start(chip.ADC1, &chip.ADC_COMMON),
         contacts: port_b,
     };
-    let cabinet = Cabinet::new((sensors, outputs), tacho, guard, cause);
+    let io = BoardIo::new((sensors, outputs), tacho, guard, cause);
 
     watchdog.feed();
     let timer = TickTimer::start(chip.TIM5, clock.timer_mhz);
     // SAFETY: nobody sees the state before the interrupt is allowed, and only its handler does from then on.
     unsafe {
-        *TICK_STATE.0.get() = Some(TickState { timer, cabinet });
+        *TICK_STATE.0.get() = Some(TickState { timer, io });
         tick_timer::allow();
     }
     serve(&job, producer, watchdog)

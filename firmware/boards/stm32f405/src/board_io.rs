@@ -60,7 +60,7 @@ struct Readers {
 }
 
 /// The board between two ticks.
-pub struct Cabinet {
+pub struct BoardIo {
     sensors: Sensors,
     outputs: Outputs,
     readers: Readers,
@@ -72,7 +72,7 @@ pub struct Cabinet {
     ticks: u32,
 }
 
-impl Cabinet {
+impl BoardIo {
     /// A board that reports `at_start` at its first tick.
     pub fn new(
         (sensors, outputs): (Sensors, Outputs),
@@ -81,7 +81,7 @@ impl Cabinet {
         at_start: Option<BoardFault>,
     ) -> Self {
         let contacts = Contacts::at(AT_START);
-        Cabinet { sensors, outputs, readers: Readers::default(), contacts, tacho, guard, once: at_start, ticks: 0 }
+        BoardIo { sensors, outputs, readers: Readers::default(), contacts, tacho, guard, once: at_start, ticks: 0 }
     }
 
     /// Which run's blocks are wanted.

@@ -35,7 +35,7 @@ pub enum LawChoice {
 
 /// A job, one block of it, and where on it the tool is.
 #[derive(Debug)]
-pub struct Scene {
+pub struct RandomCase {
     /// The job.
     pub job: Job,
     /// How positions are trusted.
@@ -43,24 +43,24 @@ pub struct Scene {
     rule: CutRule,
     segment: Segment,
     table: Option<Table>,
-    course: Course,
+    route: Route,
 }
 
 /// The way of the tool's centre; state.
 #[derive(Clone, Copy, Debug)]
-enum Course {
+enum Route {
     /// From the rotation centre, nm; cosine and sine of the turn per tick.
     Arc { arc: Arc, at_nm: [f64; 2], turn: [f64; 2] },
     /// Where it is and what it moves in a tick, nm.
     Line { at_nm: [f64; 3], step_nm: [f64; 3] },
 }
 
-impl Scene {
+impl RandomCase {
     /// Draws one for a law.
     pub fn draw(random: &mut Random, choice: LawChoice) -> Self {
         let is_for_rings = matches!(choice, LawChoice::Job(LawKind::Circumference | LawKind::EngagedArc { .. }));
         let cutting = if is_for_rings { for_ring(random, choice) } else { for_end_mill(random) };
-        let Cutting { tool, segment, course, moves, work } = cutting;
+        let Cutting { tool, segment, route, moves, work } = cutting;
         let law = match choice {
             LawChoice::Job(law) => law,
             LawChoice::Table => LawKind::Programmed,
@@ -87,7 +87,7 @@ impl Scene {
         };
         let table = (choice == LawChoice::Table).then(|| table(random, &segment)).flatten();
         let rule = CutRule { tool: 0, moves, work, feed_per_tooth, table: None, sequence: None, level: None };
-        Scene { job, filter: filter(random), rule, segment, table, course }
+        RandomCase { job, filter: filter(random), rule, segment, table, route }
     }
 
     /// The block under its law.
@@ -117,13 +117,13 @@ impl Scene {
     /// The inputs of the next tick.
     pub fn advance(&mut self, random: &mut Random) -> Input {
         let mut noisy = |nm: f64| Nm(nm as i64 + random.below(10_000) as i64 - 5_000);
-        let linear = match &mut self.course {
-            Course::Arc { arc, at_nm, turn: [cos, sin] } => {
+        let linear = match &mut self.route {
+            Route::Arc { arc, at_nm, turn: [cos, sin] } => {
                 let [x, y] = *at_nm;
                 *at_nm = [x * *cos - y * *sin, x * *sin + y * *cos];
                 in_space(arc, at_nm.map(&mut noisy))
             }
-            Course::Line { at_nm, step_nm } => {
+            Route::Line { at_nm, step_nm } => {
                 for (at, step) in at_nm.iter_mut().zip(step_nm) {
                     *at += *step;
                 }
@@ -146,7 +146,7 @@ impl Scene {
 struct Cutting {
     tool: Tool,
     segment: Segment,
-    course: Course,
+    route: Route,
     moves: Moves,
     work: Work,
 }
@@ -159,7 +159,7 @@ fn for_ring(random: &mut Random, choice: LawChoice) -> Cutting {
         outer_radius: Nm(inner + 1_000_000 + random.below(50_000_000) as i64),
         active_teeth: teeth(random),
     };
-    let (segment, arc, course) = arc(random);
+    let (segment, arc, route) = arc(random);
     let stock = match (choice, random.below(3)) {
         (LawChoice::Job(LawKind::Circumference), _) | (_, 0) => Stock::half_plane(line(random, &arc, &tool)),
         (_, 1) => polygon(random, &arc, &tool),
@@ -167,7 +167,7 @@ fn for_ring(random: &mut Random, choice: LawChoice) -> Cutting {
     };
     let work = Work::Ring(*random.one_of(&[Edge::Outer, Edge::Inner]), stock);
     let moves = Moves::Rotations(Rotation::Interior, arc.turn);
-    Cutting { tool: Tool::CupMill(tool), segment, course, moves, work }
+    Cutting { tool: Tool::CupMill(tool), segment, route, moves, work }
 }
 
 /// A line or an arc of an end mill; one depth in five is more than the tool is wide.
@@ -176,14 +176,14 @@ fn for_end_mill(random: &mut Random) -> Cutting {
     let tool = EndMill { radius: Nm(radius as i64), teeth: teeth(random) };
     let side = *random.one_of(&[Side::Inside, Side::Outside, Side::Slot]);
     let work = Work::Mill { side, radial_depth: Nm(random.below(radius / 2 * 5) as i64) };
-    let (segment, course, moves) = if random.below(2) == 0 {
-        let (segment, course) = straight(random);
-        (segment, course, Moves::Lines)
+    let (segment, route, moves) = if random.below(2) == 0 {
+        let (segment, route) = straight(random);
+        (segment, route, Moves::Lines)
     } else {
-        let (segment, arc, course) = arc(random);
-        (segment, course, Moves::Arcs(arc.turn))
+        let (segment, arc, route) = arc(random);
+        (segment, route, Moves::Arcs(arc.turn))
     };
-    Cutting { tool: Tool::EndMill(tool), segment, course, moves, work }
+    Cutting { tool: Tool::EndMill(tool), segment, route, moves, work }
 }
 
 fn teeth(random: &mut Random) -> u16 {
@@ -198,7 +198,7 @@ fn anywhere(random: &mut Random) -> Nm {
     Nm(random.below(2_000_000_000_000) as i64 - 1_000_000_000_000)
 }
 
-fn arc(random: &mut Random) -> (Segment, Arc, Course) {
+fn arc(random: &mut Random) -> (Segment, Arc, Route) {
     let radius_nm = 1_000_000.0 + random.below(300_000_000) as f64;
     let center = [anywhere(random), anywhere(random)];
     let from = vector(random, radius_nm);
@@ -209,8 +209,8 @@ fn arc(random: &mut Random) -> (Segment, Arc, Course) {
     // Up to 2 mrad a tick: through the usual contacts within a block.
     let [cos, sin] = direction(random.below(1_000) as f64 * 1e-6);
     let turn = [cos, f64::from(arc.turn.sign()) * sin];
-    let course = Course::Arc { arc, at_nm: from.map(|Nm(nm)| nm as f64), turn };
-    (segment(random, ends, Path::Arc(arc)), arc, course)
+    let route = Route::Arc { arc, at_nm: from.map(|Nm(nm)| nm as f64), turn };
+    (segment(random, ends, Path::Arc(arc)), arc, route)
 }
 
 /// From an arc's rotation centre to the program's coordinates.
@@ -225,7 +225,7 @@ fn in_space(arc: &Arc, [first, second]: [Nm; 2]) -> [Nm; 3] {
 }
 
 /// A line in any direction, some of them of no length, done in 50 to 800 ticks.
-fn straight(random: &mut Random) -> (Segment, Course) {
+fn straight(random: &mut Random) -> (Segment, Route) {
     let start = [anywhere(random), anywhere(random), anywhere(random)];
     let reach = *random.one_of(&[0, 1_000_000, 100_000_000, 100_000_000, 100_000_000]);
     let way = start.map(|_| Nm(random.below(2 * reach + 1) as i64 - reach as i64));
@@ -236,7 +236,7 @@ fn straight(random: &mut Random) -> (Segment, Course) {
     let ticks = (50 + random.below(750)) as f64;
     let step_nm = way.map(|Nm(nm)| nm as f64 / ticks);
     let ends = [start, end].map(|linear| Pose { linear, ..Pose::default() });
-    (segment(random, ends, Path::Line), Course::Line { at_nm: start.map(|Nm(nm)| nm as f64), step_nm })
+    (segment(random, ends, Path::Line), Route::Line { at_nm: start.map(|Nm(nm)| nm as f64), step_nm })
 }
 
 /// A line that the cutting circle meets on most of the arc.

@@ -7,7 +7,7 @@ use arcfeed_firmware::supervisor::input::{Input, Work};
 
 /// Inputs, the segment in work, and the override put out.
 #[derive(Clone, Debug)]
-pub struct Cabinet {
+pub struct BoardIo {
     /// The segment in work and its running count.
     pub segment: Option<(u32, ActiveSegment)>,
     /// What is measured.
@@ -16,7 +16,7 @@ pub struct Cabinet {
     pub output: FeedOverride,
 }
 
-impl Board for Cabinet {
+impl Board for BoardIo {
     fn measure(&mut self) {}
 
     fn input(&self) -> &Input {

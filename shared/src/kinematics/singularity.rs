@@ -62,7 +62,7 @@ impl Default for RepairLimits {
 
 /// A stretch of incoherent movement.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Incoherent {
+pub struct Singularity {
     /// The last coherent point before it.
     pub before: usize,
     /// The next one after it.
@@ -72,12 +72,12 @@ pub struct Incoherent {
     /// The greatest change of direction that its repair takes.
     pub error_deg: f64,
     /// What came of it.
-    pub fate: Fate,
+    pub outcome: RepairOutcome,
 }
 
 /// What came of a stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fate {
+pub enum RepairOutcome {
     /// The directions within have moved.
     Repaired,
     /// The tool is no ball end mill and the error above the tolerance: nothing has moved.
@@ -94,12 +94,12 @@ impl Machine {
         course: &[[f64; 2]],
         end: ToolEnd,
         limits: &RepairLimits,
-    ) -> Vec<Incoherent> {
+    ) -> Vec<Singularity> {
         let mut found = Vec::new();
         let mut from = 0;
         while let Some((before, after, gain_ratio)) = self.stretch(poses, course, from, limits) {
             let mended = self.mended(poses, [before, after], from, limits.gain_ratio);
-            let stretch = Incoherent { before, after, gain_ratio, error_deg: 0.0, fate: Fate::NoRoom };
+            let stretch = Singularity { before, after, gain_ratio, error_deg: 0.0, outcome: RepairOutcome::NoRoom };
             found.push(
                 mended
                     .map_or(stretch, |(before, directions)| apply(poses, before, &directions, (stretch, end, limits))),
@@ -213,15 +213,15 @@ fn apply(
     poses: &mut [Pose],
     before: usize,
     directions: &[Vector],
-    (stretch, end, limits): (Incoherent, ToolEnd, &RepairLimits),
-) -> Incoherent {
+    (stretch, end, limits): (Singularity, ToolEnd, &RepairLimits),
+) -> Singularity {
     let within = || before + 1..before + 1 + directions.len();
     let old = poses.get(within()).unwrap_or_default();
     let error_deg = old.iter().zip(directions).map(|(pose, new)| angle_deg(pose.axis, *new)).fold(0.0, f64::max);
     let after = before + directions.len() + 1;
-    let stretch = Incoherent { before, after, error_deg, ..stretch };
+    let stretch = Singularity { before, after, error_deg, ..stretch };
     if end == ToolEnd::Other && error_deg > limits.error_deg {
-        return Incoherent { fate: Fate::Refused, ..stretch };
+        return Singularity { outcome: RepairOutcome::Refused, ..stretch };
     }
     for (pose, new) in poses.get_mut(within()).unwrap_or_default().iter_mut().zip(directions) {
         if let ToolEnd::Ball { radius_mm } = end {
@@ -229,5 +229,5 @@ fn apply(
         }
         pose.axis = *new;
     }
-    Incoherent { fate: Fate::Repaired, ..stretch }
+    Singularity { outcome: RepairOutcome::Repaired, ..stretch }
 }
