@@ -4,7 +4,7 @@ mod skipping;
 
 mod tally;
 
-mod made;
+mod move_trace;
 
 mod lines;
 
@@ -30,7 +30,7 @@ use arcfeed_shared::units::{LengthUnit, Nm};
 
 pub use expand::{Expansion, Folder, RunBounds};
 use lines::LineReader;
-pub use made::Made;
+pub use move_trace::MoveTrace;
 pub use skipping::Skipping;
 pub use source::{Source, check_line_count, read_bounded};
 pub use summary::Summary;
@@ -52,7 +52,7 @@ pub struct Program {
     /// The control before its first line.
     pub control: Reader,
     /// The moves of a run.
-    run: Vec<Made>,
+    run: Vec<MoveTrace>,
 }
 
 /// One line; by default without text, carried out by no control.
@@ -117,7 +117,7 @@ impl ProgramLine {
     /// The state of a control that has carried it out: `reader`'s.
     fn set_state(&mut self, reader: &Reader) {
         self.origin = reader.modal().work_origin(reader.tables());
-        (self.tool_length, self.follows_tip) = made::tool_of(reader);
+        (self.tool_length, self.follows_tip) = move_trace::tool_of(reader);
         self.machining = reader.modal().machining();
     }
 

@@ -2,7 +2,7 @@
 //! the measurement notices when it is not.
 
 use arcfeed::adapt::adapt;
-use arcfeed::commands::simulate::measured::measure;
+use arcfeed::commands::simulate::run_figures::measure;
 use arcfeed::commands::simulate::run_in_memory;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;

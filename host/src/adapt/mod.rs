@@ -15,9 +15,9 @@ pub mod modes;
 
 pub mod limit;
 
-mod matching;
+mod rule_match;
 
-pub mod unused;
+pub mod unused_rules;
 
 pub mod reason;
 
@@ -27,19 +27,19 @@ pub mod spelling;
 
 pub mod split;
 
-mod planned;
+mod planned_block;
 
 mod writer;
 
 mod line_plan;
 
-mod ahead;
+mod end_override;
 
 use arcfeed_shared::job::{FeedPolicy, Job};
 
 use crate::program::{Diagnostic, Program, ProgramLine};
 pub use line_plan::LinePlan;
-pub use planned::PlannedBlock;
+pub use planned_block::PlannedBlock;
 pub use reason::PlanReason;
 use rewrite::Leak;
 use writer::{KeptLines, Writer};
@@ -72,7 +72,7 @@ pub fn adapt_with(program: &Program, job: &Job, known: Known<'_>) -> Adapted {
         let leak = lines.try_for_each(|line| writer.take(line).map(|planned| adapted.add(line, planned))).err();
         let Some(Leak) = leak else {
             if !matches!(job.policy, FeedPolicy::RewriteOnly(_)) {
-                ahead::set_ends(&mut adapted.blocks, program, job);
+                end_override::set_ends(&mut adapted.blocks, program, job);
             }
             return adapted;
         };

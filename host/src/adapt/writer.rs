@@ -13,12 +13,12 @@ use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{Nm, PERCENT};
 
 use super::limit::{MoveLimit, is_tip_line};
-use super::matching::match_move;
 use super::modes::Modes;
-use super::planned::{PlannedBlock, govern};
+use super::planned_block::{PlannedBlock, govern};
 use super::profile::Profile;
 use super::reason::PlanReason;
 use super::rewrite::{self, FeedRewriter, Leak};
+use super::rule_match::match_move;
 use super::split::{ChipError, Governed};
 use crate::engagement::{EngagementMap, Lookup};
 use crate::job::JobFile;

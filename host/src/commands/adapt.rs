@@ -9,7 +9,7 @@ use arcfeed_shared::tool::{Edge, Tool};
 use arcfeed_shared::units::{LengthUnit, Nm};
 use serde::Serialize;
 
-use super::mapped::{UnknownMoves, load_text};
+use super::job_input::{UnknownMoves, load_text};
 use super::outcome::{Failure, refuse_inputs, say, write_whole};
 use crate::adapt::rewrite::Leak;
 use crate::adapt::split::Whole;

@@ -12,15 +12,15 @@ use serde::Serialize;
 
 use super::five_axis::{Placing, Told, is_cl, load_cl, load_machine};
 use super::outcome::{Failure, name_tool, say, tool_at, warn_of_rules};
-use crate::adapt::unused::RuleUse;
+use crate::adapt::unused_rules::RuleUse;
 use crate::console::note;
 use crate::control::{self, Convention};
 use crate::job::{ControlKind, JobFile};
 use crate::machine_file::MachineFile;
-use crate::post::back;
+use crate::post::check::judge;
 use crate::post::cl::Cl;
+use crate::post::cl_from_nc;
 use crate::post::finding::What;
-use crate::post::judge::judge;
 use crate::post::plan::Plan;
 use crate::program::{Diagnostic, Program, ProgramLine, RunBounds, Severity, Source, Summary, Tally, read_bounded};
 use crate::snippet;
@@ -119,7 +119,7 @@ impl Check {
             }
             let path = self.program_path()?;
             let bytes = read_bounded(&path).map_err(Failure::Input)?;
-            if back::is_by_direction(&bytes) {
+            if cl_from_nc::is_by_direction(&bytes) {
                 return self.run_directions(&path, &bytes, &load_machine(machine)?);
             }
         }
@@ -215,7 +215,7 @@ impl Check {
 
     /// A program with directions (G43.5), which no control here interprets: its points, for which the axes are chosen here.
     fn run_directions(&self, path: &Path, bytes: &[u8], file: &MachineFile) -> Result<(), Failure> {
-        let read = back::read(bytes, &file.machine, &self.placing.setup(), Mode::Tcp);
+        let read = cl_from_nc::read(bytes, &file.machine, &self.placing.setup(), Mode::Tcp);
         let cl = read.map_err(|error| Failure::Input(format!("{}:{error}", path.display())))?;
         let mut plan = Plan::new(&cl, &self.placing.task(file, None));
         // Such a control keeps the tool axis on its arc by itself.

@@ -10,12 +10,12 @@ use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::engaged::{EngagedKnot, EngagedTable};
 use serde::Serialize;
 
-use super::mapped::made_of;
+use super::job_input::made_of;
 use super::outcome::{Failure, load_unmapped, refuse_inputs, say, write_whole};
 use super::simulate::control::control_settings;
 use super::simulate::in_memory_of;
+use super::simulate::material_figures::left_out_figures;
 use super::simulate::setup::Setup;
-use super::simulate::told::left_out_figures;
 use super::simulate::watch::run_seen;
 use crate::adapt::{PlanReason, PlannedBlock, adapt};
 use crate::console::note;

@@ -2,7 +2,7 @@
 
 pub mod outcome;
 
-pub mod mapped;
+pub mod job_input;
 
 pub mod five_axis;
 

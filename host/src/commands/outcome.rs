@@ -10,7 +10,7 @@ use arcfeed_shared::nc::machining::ToolInSpindle;
 use arcfeed_shared::nc::text::Lines;
 
 use crate::adapt::rewrite::may_leak;
-use crate::adapt::unused::{RuleUse, unused_rules};
+use crate::adapt::unused_rules::{RuleUse, unused_rules};
 use crate::console::{note, print};
 use crate::dnc::outbox::LineError;
 use crate::file_error::FileError;

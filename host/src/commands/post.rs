@@ -11,7 +11,7 @@ use crate::console::note;
 use crate::machine_file::MachineFile;
 use crate::post::nc::Style;
 use crate::post::plan::Plan;
-use crate::post::{back, nc};
+use crate::post::{cl_from_nc, nc};
 use crate::program::{Severity, read_bounded};
 
 /// Turn APT CL data (GOTO/x,y,z,i,j,k) into NC for a five-axis machine, or back
@@ -111,7 +111,7 @@ impl Post {
 
     fn back(&self, file: &MachineFile) -> Result<(), Failure> {
         let bytes = read_bounded(&self.input).map_err(Failure::Input)?;
-        let read = back::read(&bytes, &file.machine, &self.placing.setup(), self.mode.into());
+        let read = cl_from_nc::read(&bytes, &file.machine, &self.placing.setup(), self.mode.into());
         let cl = read.map_err(|error| Failure::Input(format!("{}:{error}", self.input.display())))?;
         put(self.output.as_deref(), &cl.write())
     }

@@ -3,7 +3,7 @@
 
 pub mod control;
 
-pub mod measured;
+pub mod run_figures;
 
 mod surface;
 
@@ -11,17 +11,17 @@ mod body;
 
 mod edges;
 
-mod marked;
+mod mark_figures;
 
 pub(super) mod setup;
 
 pub(super) mod watch;
 
-pub(super) mod told;
+pub(super) mod material_figures;
 
-mod loaded;
+mod load_figures;
 
-mod drawn;
+mod page;
 
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ use arcfeed_hil_sim::stock::workpiece::Stock;
 use arcfeed_shared::machine::FeedLimit;
 use arcfeed_shared::units::{LengthUnit, PERCENT};
 
-use super::mapped::{adapted, load};
+use super::job_input::{adapted, load};
 use super::outcome::{Failure, refuse_inputs};
 use crate::adapt::limit::is_tip_line;
 use crate::adapt::{Adapted, PlannedBlock};
@@ -48,8 +48,8 @@ use crate::report::figures::RunReport;
 use crate::report::material::DeviationFigures;
 use crate::report::summary::Summary;
 use control::control_settings;
-use drawn::{Shown, SurfaceFormat};
-use measured::{compare, measure};
+use page::{Shown, SurfaceFormat};
+use run_figures::{compare, measure};
 use setup::Setup;
 use watch::Watch;
 
@@ -148,18 +148,18 @@ fn add_cuts(
     target: Option<&Stock>,
 ) -> (Option<(HeightMap, DeviationFigures)>, Vec<Mark>) {
     let [Some(after), Some(before)] = watches.each_ref().map(|watch| &watch.cutter) else { return (None, Vec::new()) };
-    let mut material = told::figures(unit, setup, after, before);
+    let mut material = material_figures::figures(unit, setup, after, before);
     material.warnings(unit).iter().for_each(|warning| note(format_args!("warning: {warning}")));
-    let deviation = target.and_then(|target| told::deviation(unit, after.stock(), target));
+    let deviation = target.and_then(|target| material_figures::deviation(unit, after.stock(), target));
     material.deviation = deviation.as_ref().map(|(_, figures)| *figures);
     report.material = Some(material);
     let mut marks = Vec::new();
     if let [Some(after), Some(before)] = watches.each_ref().map(|watch| watch.loads.as_ref()) {
-        let mut loads = loaded::figures(unit, after, before);
+        let mut loads = load_figures::figures(unit, after, before);
         if let Some(truth) = &setup.truth {
             marks = truth.marks(after);
-            loads.marks = marked::figures(unit, after, &marks);
-            loads.baseline_marks = marked::figures(unit, before, &truth.marks(before));
+            loads.marks = mark_figures::figures(unit, after, &marks);
+            loads.baseline_marks = mark_figures::figures(unit, before, &truth.marks(before));
         }
         loads.warnings().iter().for_each(|warning| note(format_args!("warning: {warning}")));
         report.loads = Some(loads);

@@ -11,8 +11,8 @@ pub mod plan;
 
 pub mod nc;
 
-pub mod back;
+pub mod cl_from_nc;
 
 pub mod walk;
 
-pub mod judge;
+pub mod check;

@@ -12,7 +12,7 @@ use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{MicroDeg, Nm};
 
-use crate::program::{Made, Program};
+use crate::program::{MoveTrace, Program};
 
 /// The least number of steps on a way that is bent.
 const STEPS_MIN: f64 = 8.0;
@@ -21,7 +21,7 @@ const STEPS_MIN: f64 = 8.0;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
     /// As the control makes it.
-    pub made: Made,
+    pub made: MoveTrace,
     /// Whether it begins where the one before ended: not behind a change of offsets, nor at the program's start.
     pub goes_on: bool,
     /// Part and tool; of a plain move what Z is longer by.
@@ -45,7 +45,7 @@ pub fn walk(program: &Program, machine: &Machine, setup: &Setup) -> Vec<Move> {
 }
 
 impl Move {
-    fn new(made: Made, machine: &Machine, around: &Setup) -> Self {
+    fn new(made: MoveTrace, machine: &Machine, around: &Setup) -> Self {
         let tool_length_mm = made.tool_length.to_mm();
         let setup = match made.follows_tip {
             true => Setup { tool_length_mm: tool_length_mm + around.tool_length_mm, ..*around },

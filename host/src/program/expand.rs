@@ -21,7 +21,7 @@ use arcfeed_shared::nc::text::{Lines, RawLine};
 use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::units::Micros;
 
-use super::{Diagnostic, Made, Program, ProgramLine, Summary, Tally};
+use super::{Diagnostic, MoveTrace, Program, ProgramLine, Summary, Tally};
 
 /// Most places that faults are told of.
 const FAULTS_MAX: usize = 200;
@@ -133,7 +133,7 @@ impl Program {
 
 impl Expansion<'_> {
     /// Interprets a program; answers what is wrong, in the order found, and the moves made, counted and where asked for kept.
-    fn run(self, bytes: &[u8], lines: &[ProgramLine]) -> (Vec<Diagnostic>, Tally, Vec<Made>) {
+    fn run(self, bytes: &[u8], lines: &[ProgramLine]) -> (Vec<Diagnostic>, Tally, Vec<MoveTrace>) {
         let folder = self.library.map(|path| Folder(path.to_owned()));
         let library: Box<dyn Library> = match &folder {
             Some(folder) => Box::new(folder.clone()),
@@ -162,7 +162,7 @@ impl Expansion<'_> {
                     understood.iter().for_each(|block| moves.add(block));
                     if let Some(understood) = understood.as_ref().filter(|_| self.keeps_moves) {
                         let line = in_main(block.place, &block.calls).line as usize;
-                        run.extend(Made::of_block(line, understood, &reader));
+                        run.extend(MoveTrace::of_block(line, understood, &reader));
                     }
                     if understood.is_some_and(|block| block.step.sets_data) {
                         interpreter.set_tables(reader.tables());

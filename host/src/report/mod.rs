@@ -8,7 +8,7 @@ pub mod loads;
 
 pub mod figures;
 
-pub mod printed;
+pub mod print_output;
 
 pub mod summary;
 

@@ -12,9 +12,9 @@ pub mod render;
 mod terminal;
 
 #[cfg(not(feature = "tui"))]
-mod without;
+mod no_screen;
 
+#[cfg(not(feature = "tui"))]
+pub use no_screen::Screen;
 #[cfg(feature = "tui")]
 pub use terminal::Screen;
-#[cfg(not(feature = "tui"))]
-pub use without::Screen;

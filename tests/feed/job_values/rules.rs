@@ -1,6 +1,6 @@
 //! Cut rules that no move can meet.
 
-use arcfeed::adapt::unused::{RuleUse, unused_rules};
+use arcfeed::adapt::unused_rules::{RuleUse, unused_rules};
 use arcfeed::job::JobFile;
 use arcfeed::program::Source;
 use arcfeed_tests::{Scratch, root, run};

@@ -1,16 +1,16 @@
 //! `arcfeed plan`: from the blades of a rotor to an NC program, its job, and the proof that nothing is touched.
 
 #[cfg(feature = "plan")]
-mod composed;
+mod plan_result;
 
 #[cfg(feature = "plan")]
-mod told;
+mod figures;
 
 #[cfg(feature = "plan")]
-mod drawn;
+mod page;
 
 #[cfg(feature = "plan")]
-mod written;
+mod files;
 
 #[cfg(feature = "plan")]
 mod run;

@@ -1,8 +1,8 @@
 //! `arcfeed plan cup-mill`: reads the part, plans and proves, prints the figures and writes the files.
 
 use super::super::outcome::{Failure, say};
-use super::composed::Composed;
-use super::{CupMill, told, written};
+use super::plan_result::PlanResult;
+use super::{CupMill, figures, files};
 use crate::part::{MachineTold, Part};
 
 impl CupMill {
@@ -12,18 +12,18 @@ impl CupMill {
     /// As [`super::Plan::run`].
     pub fn run(&self) -> Result<(), Failure> {
         let part = Part::load(&self.part)?;
-        let composed = Composed::of(part).map_err(|why| Failure::Input(format!("{}: {why}", self.part.display())))?;
+        let composed = PlanResult::of(part).map_err(|why| Failure::Input(format!("{}: {why}", self.part.display())))?;
         if self.widths {
-            return told::widths(&composed, self.json);
+            return figures::widths(&composed, self.json);
         }
-        let figures = told::Figures::of(&composed);
+        let figures = figures::Figures::of(&composed);
         if self.json {
             say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
         } else {
-            say(format_args!("{}", told::text(&composed, &figures)));
+            say(format_args!("{}", figures::text(&composed, &figures)));
         }
         if !composed.is_safe() {
-            return Err(Failure::Input(format!("{}: {}", self.part.display(), told::refusal(&composed))));
+            return Err(Failure::Input(format!("{}: {}", self.part.display(), figures::refusal(&composed))));
         }
         match &self.output {
             Some(folder) => {
@@ -31,7 +31,7 @@ impl CupMill {
                 if let Some(MachineTold::File(file)) = &composed.part.machine_told {
                     inputs.push(file.clone());
                 }
-                written::write(&composed, folder, &inputs)
+                files::write(&composed, folder, &inputs)
             }
             None => Ok(()),
         }

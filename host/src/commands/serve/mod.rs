@@ -32,7 +32,7 @@ use clap::ValueEnum;
 use super::outcome::{Failure, on_interrupt, refuse_inputs, say};
 use super::simulate::control::control_settings;
 use super::simulate::finish;
-use super::simulate::measured::measure;
+use super::simulate::run_figures::measure;
 use super::stream::write_executed;
 use crate::job::{ControlKind, JobFile, Parity, SerialSettings};
 use crate::program::Folder;

@@ -17,7 +17,7 @@ use arcfeed_shared::units::Nm;
 use super::super::outcome::Failure;
 use super::body;
 use super::edges;
-use super::marked::Truth;
+use super::mark_figures::Truth;
 use super::surface;
 use crate::job::workpiece::{Blank, Body};
 use crate::job::{Cutting, JobFile, Workpiece};

@@ -4,7 +4,7 @@ mod live;
 
 pub(super) mod prepare;
 
-mod along;
+mod board_session;
 
 mod logbook;
 
@@ -33,9 +33,9 @@ use crate::port::Port;
 use crate::port::open::open;
 use crate::port::url::{Base, PortUrl};
 use crate::report::figures::{LineErrorFigures, LinkFigures, ReportFigures, RunReport};
-use crate::report::printed;
+use crate::report::print_output;
 use crate::screen::view::{Listing, View};
-use along::{Along, Arming};
+use board_session::{Arming, BoardSession};
 use live::{Live, need_terminal};
 use logbook::Logbook;
 use prepare::Prepared;
@@ -135,12 +135,12 @@ impl Stream {
     }
 
     /// The board, where one is asked for.
-    fn along(&self, ready: &Prepared, sender: &Sender) -> Result<Along<'static>, Failure> {
+    fn along(&self, ready: &Prepared, sender: &Sender) -> Result<BoardSession<'static>, Failure> {
         match &self.board {
-            None => Ok(Along::none()),
+            None => Ok(BoardSession::none()),
             Some(url) => {
                 let arming = if self.tui { Arming::Button } else { Arming::Typed };
-                Along::with(Line::open(url, self.board_baudrate)?, ready, sender.transmission(), arming)
+                BoardSession::with(Line::open(url, self.board_baudrate)?, ready, sender.transmission(), arming)
             }
         }
     }
@@ -155,7 +155,7 @@ impl Stream {
         ready: &Prepared,
         mut port: Box<dyn Port>,
         mut sender: Sender,
-        (logbook, along): (Logbook, Along<'_>),
+        (logbook, along): (Logbook, BoardSession<'_>),
     ) -> Result<(), Failure> {
         let (report, end) = self.over_line(ready, &mut *port, &mut sender, (logbook, along))?;
         self.finish(ready, &report, &sender, &end)
@@ -167,7 +167,7 @@ impl Stream {
         ready: &Prepared,
         port: &mut dyn Port,
         sender: &mut Sender,
-        (logbook, along): (Logbook, Along<'_>),
+        (logbook, along): (Logbook, BoardSession<'_>),
     ) -> Result<(RunReport, End), Failure> {
         let file = &ready.file;
         let outbox = Outbox::new(file.serial.write_timeout());
@@ -177,7 +177,7 @@ impl Stream {
         let bits = bytes as f64 * f64::from(file.serial.bits_per_char());
         let mut report = RunReport { unit: file.job.unit.label(), ..RunReport::default() };
         report.blocks_sent = Some(sender.blocks_sent());
-        report.printed = printed::lines(&heard.printed());
+        report.printed = print_output::lines(&heard.printed());
         report.reports = ReportFigures::of(&heard);
         report.link = Some(LinkFigures {
             bytes: bytes as u64,
@@ -244,7 +244,7 @@ impl Stream {
         &self,
         ready: &Prepared,
         (port, sender): (&dyn Port, &Sender),
-        (logbook, along): (Logbook, Along<'p>),
+        (logbook, along): (Logbook, BoardSession<'p>),
     ) -> Result<Aides<'p>, Failure> {
         let live = self.live(ready, sender, port.opened())?;
         let (dnc, reports) = (&ready.file.dnc, ready.reports.clone());

@@ -8,7 +8,7 @@ use arcfeed_hil_sim::simulation::Foreseen;
 use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE};
 use arcfeed_shared::units::{Micros, S_PER_MIN};
 
-use super::super::mapped::{adapted, load};
+use super::super::job_input::{adapted, load};
 use super::super::outcome::Failure;
 use super::super::simulate::control::{control_settings, tape_code};
 use super::super::simulate::foreseen;

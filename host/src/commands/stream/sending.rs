@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 use arcfeed_shared::units::Micros;
 
 use super::super::outcome::{Failure, on_interrupt};
-use super::along::Along;
+use super::board_session::BoardSession;
 use super::live::Live;
 use super::logbook::Logbook;
 use crate::dnc::damage::Damage;
@@ -49,7 +49,7 @@ pub struct Aides<'p> {
     pub logbook: Logbook,
     pub live: Live,
     pub echo: Echo,
-    pub along: Along<'p>,
+    pub along: BoardSession<'p>,
 }
 
 /// What the control reports, where the job has it do so.

@@ -22,8 +22,8 @@ use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode};
 use super::super::outcome::Failure;
 use super::super::simulate::add_baseline;
 use super::super::simulate::control::control_settings;
-use super::super::simulate::measured::measure;
-use super::along::{Along, Arming};
+use super::super::simulate::run_figures::measure;
+use super::board_session::{Arming, BoardSession};
 use super::logbook::Logbook;
 use super::prepare::Prepared;
 use super::sending::{End, send};
@@ -53,7 +53,7 @@ impl Stream {
             None => {
                 let mut sim = SimPort::new(&ready.file, ControllerFault::None, self.tempo())?;
                 sim.simulation_mut().foresee(ready.foreseen.iter().cloned());
-                self.send_simulated(ready, sender, (logbook, Along::none()), &Rc::new(RefCell::new(sim)))
+                self.send_simulated(ready, sender, (logbook, BoardSession::none()), &Rc::new(RefCell::new(sim)))
             }
             Some(url) if url.base == Base::Sim => self.with_board_in_software(ready, sender, logbook),
             Some(_) => Err(Failure::Usage(
@@ -77,7 +77,7 @@ impl Stream {
         let simulation = Simulation::new(Control::on_line(control_settings(file)), &file.job, board);
         let sim = Rc::new(RefCell::new(SimPort::of(simulation, file, self.tempo())));
         let link = Line::new(Box::new(SimLink::new(Rc::clone(&sim), pipe)), BAUDRATE)?;
-        let mut along = Along::with(link, ready, sender.transmission(), Arming::Simulated)?;
+        let mut along = BoardSession::with(link, ready, sender.transmission(), Arming::Simulated)?;
         // Nobody stands at its panel: whoever starts the simulation has armed.
         let mut is_pressed = false;
         along.arm(&mut || {
@@ -93,7 +93,7 @@ impl Stream {
         &self,
         ready: &Prepared,
         mut sender: Sender,
-        (logbook, along): (Logbook, Along<'_>),
+        (logbook, along): (Logbook, BoardSession<'_>),
         sim: &Rc<RefCell<SimPort<D>>>,
     ) -> Result<(), Failure> {
         let (file, started) = (&ready.file, Instant::now());

@@ -64,8 +64,9 @@ fn damaged_characters_are_told_at_once_in_the_log_in_the_report_and_in_json() {
     let stream = CommandLine::parse_from(arguments).stream;
     let ready = Prepared::load(&stream.job, None, false).unwrap();
     let mut sender = Sender::new(ready.whole.clone(), ready.line_use(&stream.port));
-    let (report, end) =
-        stream.over_line(&ready, &mut Damaged::default(), &mut sender, (Logbook::none(), Along::none())).unwrap();
+    let (report, end) = stream
+        .over_line(&ready, &mut Damaged::default(), &mut sender, (Logbook::none(), BoardSession::none()))
+        .unwrap();
     assert!(matches!(end, End::Complete));
     let log = std::fs::read_to_string(log).unwrap();
     assert!(log.starts_with("# ibr-slot.nc to COM7; opened 2000-02-29T00:00:00Z; seconds since"), "{log}");

@@ -8,7 +8,7 @@ pub mod plot;
 
 pub mod map;
 
-pub mod course;
+pub mod load_plot;
 
 pub mod tables;
 

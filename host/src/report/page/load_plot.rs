@@ -18,14 +18,14 @@ const VERDICTS: [(&str, &str); 3] = [("uneven", "#f0d060"), ("period-doubling", 
 
 /// A path; all lengths in one unit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Course {
+pub struct LoadPlot {
     /// In order.
-    pub blocks: Vec<CourseBlock>,
+    pub blocks: Vec<PlotBlock>,
 }
 
 /// A block of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CourseBlock {
+pub struct PlotBlock {
     /// Its N, or its number.
     pub name: String,
     /// As [`crate::report::loads::UnsteadyFigures`] has it; none where it is steady, or not judged.
@@ -36,7 +36,7 @@ pub struct CourseBlock {
     pub lines: Vec<Vec<[f64; 2]>>,
 }
 
-impl Course {
+impl LoadPlot {
     /// As SVG; nothing without a way.
     pub fn svg(&self) -> String {
         let points = || self.blocks.iter().flat_map(|block| &block.lines).flatten();
@@ -53,7 +53,7 @@ impl Course {
         let place = |at: &[f64; 2]| [MARGIN + (at[0] - x[0]) * scale, MARGIN + (y[1] - at[1]) * scale];
         let mut svg =
             format!("<svg viewBox=\"0 0 {WIDTH} {:.1}\" xmlns=\"http://www.w3.org/2000/svg\">\n", height + 75.0);
-        let mut blocks: Vec<&CourseBlock> = self.blocks.iter().collect();
+        let mut blocks: Vec<&PlotBlock> = self.blocks.iter().collect();
         // The worst on top of what lies below it.
         blocks.sort_by(|a, b| a.chip_ratio.unwrap_or(0.0).total_cmp(&b.chip_ratio.unwrap_or(0.0)));
         for (verdict, color) in VERDICTS {
@@ -67,7 +67,7 @@ impl Course {
     }
 }
 
-impl CourseBlock {
+impl PlotBlock {
     fn draw(&self, svg: &mut String, place: &dyn Fn(&[f64; 2]) -> [f64; 2], (color, width): (&str, f64)) {
         let mut path = String::new();
         for line in &self.lines {
@@ -137,13 +137,13 @@ mod tests {
 
     #[test]
     fn the_worst_is_drawn_last_and_what_is_not_steady_has_a_border() {
-        let block = |name: &str, verdict, chip_ratio| CourseBlock {
+        let block = |name: &str, verdict, chip_ratio| PlotBlock {
             name: name.into(),
             verdict,
             chip_ratio: Some(chip_ratio),
             lines: vec![vec![[0.0, 0.0], [0.001, 0.0], [10.0, 0.0]]],
         };
-        let svg = Course { blocks: vec![block("N1", Some("chatter"), 2.0), block("N2", None, 1.0)] }.svg();
+        let svg = LoadPlot { blocks: vec![block("N1", Some("chatter"), 2.0), block("N2", None, 1.0)] }.svg();
         let places = ["<title>N1", "<title>N2", "rgb(190,20,30)\" stroke-width"].map(|part| svg.rfind(part));
         assert!(places[0] > places[1] && places[2] > places[1], "{svg}");
         assert_eq!(svg.matches("stroke=\"#f06060\"").count(), 2);
@@ -152,6 +152,6 @@ mod tests {
 
     #[test]
     fn without_a_way_there_is_nothing() {
-        assert_eq!(Course { blocks: Vec::new() }.svg(), "");
+        assert_eq!(LoadPlot { blocks: Vec::new() }.svg(), "");
     }
 }

@@ -1,4 +1,4 @@
-//! How high the override may be at the end of each move: what the move behind it can begin with.
+//! Largest override at the end of each move: the one with which the next move can begin.
 
 use arcfeed_firmware::active::{ActiveSegment, Conditions};
 use arcfeed_firmware::ramp::FeedOverride;
@@ -7,7 +7,7 @@ use arcfeed_shared::machine::FeedLimit;
 use arcfeed_shared::nc::modal::Feed;
 use arcfeed_shared::segment::Segment;
 
-use super::planned::PlannedBlock;
+use super::planned_block::PlannedBlock;
 use crate::program::Program;
 
 /// Sets the largest override at the end of each block. Moves that are not among the blocks, as those of canned cycles, begin with

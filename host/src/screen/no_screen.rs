@@ -1,4 +1,4 @@
-//! Built without a screen.
+//! Stand-in for the screen in a build without the feature `tui`.
 
 use std::io;
 

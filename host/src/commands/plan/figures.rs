@@ -11,7 +11,7 @@ use arcfeed_plan::proof::clearance::{Clearance, Obstacle};
 use serde::Serialize;
 
 use super::super::outcome::{Failure, say};
-use super::composed::Composed;
+use super::plan_result::PlanResult;
 
 /// One plan, `arcfeed plan cup-mill --json` (docs/json.md). Lengths mm, angles degrees, volumes mm3, times minutes; slot frame unless told.
 #[derive(Debug, Serialize)]
@@ -97,7 +97,7 @@ pub struct RemovedFigures {
 
 impl Figures {
     /// Of a plan.
-    pub fn of(composed: &Composed) -> Self {
+    pub fn of(composed: &PlanResult) -> Self {
         let plan = &composed.valued.plan;
         let left = [&composed.proof.left.pressure, &composed.proof.left.suction, &composed.proof.left.hub];
         let levels = plan.path.levels.iter().zip(&plan.stops).map(|(level, [exterior, interior])| LevelFigures {
@@ -178,7 +178,7 @@ pub fn met(stop: &Stop) -> String {
 }
 
 /// The plan for people.
-pub fn text(composed: &Composed, figures: &Figures) -> String {
+pub fn text(composed: &PlanResult, figures: &Figures) -> String {
     let plan = &composed.valued.plan;
     let [pressure, suction, hub] = figures.removed.left_max_mm;
     let mut text = format!(
@@ -242,7 +242,7 @@ pub fn text(composed: &Composed, figures: &Figures) -> String {
 }
 
 /// Why nothing is written.
-pub fn refusal(composed: &Composed) -> String {
+pub fn refusal(composed: &PlanResult) -> String {
     let allowance_mm = composed.part.roughing.allowance_mm;
     let touched: Vec<String> = composed
         .proof
@@ -278,7 +278,7 @@ const WIDTHS: i32 = 8;
 ///
 /// # Errors
 /// None of them passes.
-pub fn widths(composed: &Composed, json: bool) -> Result<(), Failure> {
+pub fn widths(composed: &PlanResult, json: bool) -> Result<(), Failure> {
     let part = &composed.part;
     let problem = Problem::new(&part.blisk, &composed.slot, &part.cutter, &part.roughing);
     let problem = problem.map_err(|why| Failure::Input(why.to_string()))?;

@@ -9,8 +9,8 @@ use arcfeed_plan::output::stl::to_stl;
 use arcfeed_plan::vector::Point;
 
 use super::super::outcome::{Failure, file_failure, refuse_inputs, write_whole};
-use super::composed::{Composed, feeds};
-use super::drawn;
+use super::page;
+use super::plan_result::{PlanResult, feeds};
 use crate::console::note;
 use crate::part::MachineTold;
 
@@ -29,7 +29,7 @@ const CONTROL: &str = "fanuc-16i";
 ///
 /// # Errors
 /// The program cannot be written in words of a control, or a file not at all.
-pub fn write(composed: &Composed, folder: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
+pub fn write(composed: &PlanResult, folder: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     let failed = |error: &dyn std::fmt::Display| Failure::Input(error.to_string());
     let stem = file_stem(&composed.part.name);
     let name = format!("{stem}.nc");
@@ -38,7 +38,7 @@ pub fn write(composed: &Composed, folder: &Path, inputs: &[PathBuf]) -> Result<(
     let (stock, part) = (stock.map_err(|error| failed(&error))?, part.map_err(|error| failed(&error))?);
     let machine_file = machine_file(composed);
     let job = job(composed, &name, machine_file.as_deref());
-    let page = drawn::report(composed).page().to_string();
+    let page = page::report(composed).page().to_string();
     std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
     let files: [(&str, &[u8]); 5] = [
         (&name, text.as_bytes()),
@@ -58,7 +58,7 @@ pub fn write(composed: &Composed, folder: &Path, inputs: &[PathBuf]) -> Result<(
     Ok(())
 }
 
-fn setup(composed: &Composed) -> Setup {
+fn setup(composed: &PlanResult) -> Setup {
     let part = &composed.part;
     let title = vec![
         part.name.clone(),
@@ -85,7 +85,7 @@ fn setup(composed: &Composed) -> Setup {
 }
 
 /// The blank and the finished part about the slot, slot frame.
-fn meshes(composed: &Composed) -> [Vec<Triangle>; 2] {
+fn meshes(composed: &PlanResult) -> [Vec<Triangle>; 2] {
     let blisk = &composed.part.blisk;
     let at = |point: Point| libm::atan2(point.y, point.x);
     let from = at(composed.slot.pressure.point(0.5, 0.5));
@@ -104,7 +104,7 @@ fn meshes(composed: &Composed) -> [Vec<Triangle>; 2] {
         .map(|triangles| triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect())
 }
 
-fn job(composed: &Composed, program: &str, machine_file: Option<&str>) -> String {
+fn job(composed: &PlanResult, program: &str, machine_file: Option<&str>) -> String {
     let part = &composed.part;
     let machine = match &part.machine_told {
         Some(MachineTold::Preset(preset)) => Some(Machine::Preset(preset)),
@@ -129,7 +129,7 @@ fn job(composed: &Composed, program: &str, machine_file: Option<&str>) -> String
 }
 
 /// The machine's file as the job finds it wherever it lies: its whole path.
-fn machine_file(composed: &Composed) -> Option<String> {
+fn machine_file(composed: &PlanResult) -> Option<String> {
     let Some(MachineTold::File(path)) = &composed.part.machine_told else { return None };
     let whole = path.canonicalize().unwrap_or_else(|_| PathBuf::from(path));
     Some(whole.to_string_lossy().into_owned())

@@ -20,7 +20,7 @@ pub const NEARER_RATIO: f64 = 0.15;
 const INDEXING_PER_MIN: f64 = 50.0;
 
 /// Everything about one part's plan.
-pub struct Composed {
+pub struct PlanResult {
     /// What was asked.
     pub part: Part,
     /// The slot, part frame.
@@ -41,7 +41,7 @@ pub struct Composed {
     pub baseline: Result<Baseline, String>,
 }
 
-impl Composed {
+impl PlanResult {
     /// Plans a part.
     ///
     /// # Errors
@@ -80,7 +80,7 @@ impl Composed {
         let feeds = feeds(&part);
         let time = planned_time(&plan.path, |purpose| feeds.of(purpose), volume_mm3);
         let baseline = baseline(&part, &slot, volume_mm3);
-        Ok(Composed { slot, placing, proof, limits, bounds, time, baseline, valued, part })
+        Ok(PlanResult { slot, placing, proof, limits, bounds, time, baseline, valued, part })
     }
 
     /// Whether nothing is touched that must not be, and the allowance is left but beside the leading edge.

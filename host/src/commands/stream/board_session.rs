@@ -1,4 +1,4 @@
-//! A feed board that runs along while a program is sent: greeted, told, armed by a person, watched.
+//! Session of a feed board while a program is sent: greeting, moves ahead of the control, arming by a person, supervision.
 
 use std::io::BufRead;
 use std::sync::atomic::Ordering;
@@ -33,7 +33,7 @@ pub enum Arming {
 }
 
 /// A board that runs along, or none.
-pub struct Along<'p> {
+pub struct BoardSession<'p> {
     board: Option<Board<'p>>,
     arming: Arming,
     person: Option<Receiver<String>>,
@@ -43,10 +43,10 @@ pub struct Along<'p> {
     said: Vec<String>,
 }
 
-impl<'p> Along<'p> {
+impl<'p> BoardSession<'p> {
     /// No board.
     pub fn none() -> Self {
-        Along { board: None, arming: Arming::Simulated, person: None, outage: None, said: Vec::new() }
+        BoardSession { board: None, arming: Arming::Simulated, person: None, outage: None, said: Vec::new() }
     }
 
     /// A board at the end of a line, and what it is to be told of what is sent.
@@ -60,7 +60,7 @@ impl<'p> Along<'p> {
             .map_err(|PlanError { source, why }| Failure::Input(format!("{path}:{source}:1: error: {why}")))?;
         let board = Board::new(line, job, plan).map_err(Failure::Input)?;
         let person = (arming == Arming::Typed).then(typed);
-        Ok(Along { board: Some(board), arming, person, outage: None, said: Vec::new() })
+        Ok(BoardSession { board: Some(board), arming, person, outage: None, said: Vec::new() })
     }
 
     /// Waits until the board has its parameters and somebody has armed it. Nothing is sent before that. `press` is done

@@ -1,6 +1,6 @@
-//! A program for the machine back to CL data.
+//! CL data from a machine's NC program.
 //!
-//! Read is what [`super::nc`] writes and what is like it: straight moves with absolute words in millimetres. A word that would make
+//! It reads what [`super::nc`] writes, and programs like it: straight moves with absolute words in millimetres. A word that would make
 //! positions mean something else (inch, increments, arcs, cycles, offsets by G10, G52, G92, G68) is refused.
 
 use arcfeed_shared::kinematics::between::Mode;

@@ -1,4 +1,4 @@
-//! What the edges met, in the figures of the report and along time.
+//! Loads of the edges, as figures of the report and along time.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use arcfeed_hil_sim::removal::tally::Tally;
 use arcfeed_hil_sim::removal::trail::Of;
 use arcfeed_shared::units::LengthUnit;
 
-use super::told::left_out_figures;
+use super::material_figures::left_out_figures;
 use crate::report::loads::{
     LoadBlockFigures, LoadFigures, LoadRuleFigures, LoadsFigures, UnsteadyFigures, VibrationFigures,
 };

@@ -13,7 +13,7 @@ use super::super::adapt::{direction_word, rotation_word, side_word};
 use crate::report::figures::{
     AlarmFigures, AxisLimitFigures, IptFigures, MovementFigures, OverrideFigures, RestartFigures, RunReport,
 };
-use crate::report::printed;
+use crate::report::print_output;
 
 /// Adds the figures of the program as it was.
 pub fn compare(report: &mut RunReport, baseline: RunReport) {
@@ -36,7 +36,7 @@ pub fn measure<D: OverrideSource>(simulation: &Simulation<D>, job: &Job) -> RunR
         unit: job.unit.label(),
         blocks_executed: Some(simulation.control().executed().len()),
         alarms: alarm.into_iter().collect(),
-        printed: printed::lines(simulation.control().output()),
+        printed: print_output::lines(simulation.control().output()),
         messages: simulation.control().messages().map(String::from).collect(),
         cycle_time_s: Some(simulation.cycle_time().to_s()),
         ipt_circumference: ipt(job.unit, job.tools.first().feed_per_tooth, moves.iter().map(|(chips, _)| *chips)),

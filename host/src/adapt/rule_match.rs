@@ -1,4 +1,4 @@
-//! Which cut rule governs a line's move, and why none does.
+//! The cut rule that governs a line's move, or the reason why none does.
 
 use arcfeed_shared::governed::{AXIAL_SINE_MAX, Exclusion, Match};
 use arcfeed_shared::job::{Job, LawKind};

@@ -1,4 +1,4 @@
-//! Moves as a control makes them, in order: what a machine's axes are followed by.
+//! Moves in the order in which a control executes them, for following a machine's axes.
 
 use arcfeed_shared::nc::modal::Motion;
 use arcfeed_shared::nc::series::Act;
@@ -10,7 +10,7 @@ use super::{Program, ProgramLine};
 
 /// One move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Made {
+pub struct MoveTrace {
     /// Its line in the main program's file, counted from 1.
     pub line: usize,
     /// On the path (see docs/dialect.md).
@@ -21,27 +21,27 @@ pub struct Made {
     pub follows_tip: bool,
 }
 
-impl Made {
+impl MoveTrace {
     /// The moves of a block, those of cycles and reference returns one by one; the control stands behind it like `reader`.
-    pub fn of_block(line: usize, block: &Understood, reader: &Reader) -> impl Iterator<Item = Made> {
+    pub fn of_block(line: usize, block: &Understood, reader: &Reader) -> impl Iterator<Item = MoveTrace> {
         let (tool_length, follows_tip) = tool_of(reader);
-        segments(block).map(move |segment| Made { line, segment, tool_length, follows_tip })
+        segments(block).map(move |segment| MoveTrace { line, segment, tool_length, follows_tip })
     }
 
-    fn of_line(line: usize, of: &ProgramLine) -> impl Iterator<Item = Made> {
+    fn of_line(line: usize, of: &ProgramLine) -> impl Iterator<Item = MoveTrace> {
         let ProgramLine { tool_length, follows_tip, .. } = *of;
         let segments = of.meaning.iter().flat_map(segments);
-        segments.map(move |segment| Made { line, segment, tool_length, follows_tip })
+        segments.map(move |segment| MoveTrace { line, segment, tool_length, follows_tip })
     }
 }
 
 impl Program {
     /// All moves; of a program with macro statements those of its run, if it was asked to keep them.
-    pub fn made(&self) -> Vec<Made> {
+    pub fn made(&self) -> Vec<MoveTrace> {
         if self.macro_line.is_some() {
             return self.run.clone();
         }
-        self.lines.iter().enumerate().flat_map(|(index, line)| Made::of_line(index + 1, line)).collect()
+        self.lines.iter().enumerate().flat_map(|(index, line)| MoveTrace::of_line(index + 1, line)).collect()
     }
 }
 

@@ -17,7 +17,7 @@ use arcfeed_shared::units::Micros;
 use super::super::outcome::{Failure, write_whole};
 use super::edges::UPRIGHT;
 use super::watch::Watch;
-use super::{loaded, marked};
+use super::{load_figures, mark_figures};
 use crate::report::figures::RunReport;
 use crate::report::material::{DeviationFigures, VolumeUnit};
 use crate::report::page::loads::section as loads_section;
@@ -110,9 +110,9 @@ impl Shown<'_> {
     fn marks(&self) -> Vec<Section> {
         let [(watch, _), _] = self.runs;
         let (Some(meter), Some(loads)) = (&watch.loads, &self.report.loads) else { return Vec::new() };
-        let map = marked::map(self.job.unit, meter, &self.marks).map(|map| map.svg());
+        let map = mark_figures::map(self.job.unit, meter, &self.marks).map(|map| map.svg());
         let marks = loads.marks.as_ref().zip(map).map(|(marks, map)| marks_section(loads, marks, &map));
-        let course = marked::course(self.job.unit, self.job, meter, loads).svg();
+        let course = mark_figures::course(self.job.unit, self.job, meter, loads).svg();
         let course = Section { heading: "Chips and steadiness along the path, seen along Z".into(), body: course };
         marks.into_iter().chain((!course.body.is_empty()).then_some(course)).collect()
     }
@@ -135,7 +135,7 @@ impl Shown<'_> {
             lanes.push(Lane { title: format!("removal rate, {}", volumes.rate_label), series: series.into() });
         }
         if let (Some(after), Some(before)) = (&after.loads, &before.loads) {
-            lanes.extend(loaded::lanes(after, before));
+            lanes.extend(load_figures::lanes(after, before));
         }
         let changes = after.overrides.iter().zip(after.overrides.iter().skip(1).map(|(at, _)| *at).chain([ends]));
         let steps = changes.map(|((from, percent), to)| ([from.to_s(), to.to_s()], f64::from(*percent))).collect();

@@ -1,4 +1,4 @@
-//! What teeth left on walls, in the figures of the report and as a map; where the path is not steady, and how thick its chips are.
+//! Tooth marks on walls, as figures of the report and as a map; unsteady stretches of the path and the chips along it.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use arcfeed_shared::units::LengthUnit;
 
 use crate::report::loads::LoadsFigures;
 use crate::report::marks::{BlockMarksFigures, LargestFigures, LayerFigures, MarksFigures, RangeFigures};
-use crate::report::page::course::{Course, CourseBlock};
+use crate::report::page::load_plot::{LoadPlot, PlotBlock};
 use crate::report::page::map::Map;
 
 /// Cells of the map along its longer side: walls are as wide as one of them.
@@ -100,7 +100,7 @@ pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[Mark]) -> Option<Map> {
 }
 
 /// The path among the layers, block by block.
-pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigures) -> Course {
+pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigures) -> LoadPlot {
     let in_unit = |mm: f64| mm / unit.mm();
     let unsteady = |count: u32| {
         let blocks = loads.vibration.iter().flat_map(|vibration| &vibration.unsteady);
@@ -112,14 +112,14 @@ pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigur
         let block = loads.blocks.iter().find(|block| block.block == of.count)?;
         Some(block.load.thickest()? / wanted)
     };
-    let mut blocks: Vec<CourseBlock> = Vec::new();
+    let mut blocks: Vec<PlotBlock> = Vec::new();
     let mut before: Option<Of> = None;
     for leg in meter.way().legs().iter().filter(|leg| !leg.of.is_rapid) {
         let [from, to] = [leg.from_mm, leg.to_mm].map(|tip_mm| [in_unit(tip_mm[0]), in_unit(tip_mm[1])]);
         if before.replace(leg.of) != Some(leg.of) {
             let name = leg.of.sequence.map_or_else(|| format!("block {}", leg.of.count), |n| format!("N{n}"));
             let (verdict, chip_ratio) = (unsteady(leg.of.count), chip_ratio(&leg.of));
-            blocks.push(CourseBlock { name, verdict, chip_ratio, lines: Vec::new() });
+            blocks.push(PlotBlock { name, verdict, chip_ratio, lines: Vec::new() });
         }
         let Some(block) = blocks.last_mut() else { continue };
         match block.lines.last_mut() {
@@ -127,5 +127,5 @@ pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigur
             _ => block.lines.push(vec![from, to]),
         }
     }
-    Course { blocks }
+    LoadPlot { blocks }
 }

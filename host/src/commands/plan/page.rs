@@ -1,18 +1,18 @@
-//! What the report's page shows of a plan.
+//! The report page of a plan.
 
 use arcfeed_plan::proof::clearance::Clearance as Found;
 use arcfeed_plan::proof::left::Map;
 use arcfeed_plan::vector::Point;
 
-use super::composed::Composed;
-use super::told::{met, obstacle_word, part_word, refusal};
+use super::figures::{met, obstacle_word, part_word, refusal};
+use super::plan_result::PlanResult;
 use crate::report::page::plan::{Axis, Clearance, LeftMap, Outline, PlanReport, Removed, Stops, Times, Verdict};
 
 /// Points of an outline.
 const OUTLINE: u32 = 40;
 
 /// The page's contents.
-pub fn report(composed: &Composed) -> PlanReport {
+pub fn report(composed: &PlanResult) -> PlanReport {
     let plan = &composed.valued.plan;
     let direction = plan.tool_axis();
     let near = composed.proof.clearances.iter().filter(|found| found.place.is_some());
@@ -44,7 +44,7 @@ pub fn report(composed: &Composed) -> PlanReport {
     }
 }
 
-fn verdict(composed: &Composed) -> Verdict {
+fn verdict(composed: &PlanResult) -> Verdict {
     let is_safe = composed.is_safe();
     let mut sentences = Vec::new();
     if is_safe {
@@ -76,7 +76,7 @@ fn clearance(found: &Found) -> Clearance {
     Clearance { part, obstacle, certified_mm, found_mm, place }
 }
 
-fn left(composed: &Composed) -> Vec<LeftMap> {
+fn left(composed: &PlanResult) -> Vec<LeftMap> {
     let left = &composed.proof.left;
     let along = |low: &str, high: &str| ["leading edge", "trailing edge", low, high].map(String::from);
     let map = |surface: &str, map: &Map, sides| LeftMap {
@@ -93,7 +93,7 @@ fn left(composed: &Composed) -> Vec<LeftMap> {
 }
 
 /// Both blades' sections at the tip and at the hub, seen along the tool.
-fn outlines(composed: &Composed) -> Vec<Outline> {
+fn outlines(composed: &PlanResult) -> Vec<Outline> {
     let blisk = &composed.part.blisk;
     let turn = composed.valued.plan.turn;
     let section = |index: i32, v: f64| -> Vec<[f64; 2]> {

@@ -1,4 +1,4 @@
-//! What is wrong with an NC program on a five-axis machine, before the first cut.
+//! Check of an NC program for a five-axis machine, before the first cut.
 //!
 //! The program says where the rotary axes go, so that there is nothing to choose: looked at are ranges, poles, changes of branch,
 //! racing beside a pole, and feeds.

@@ -1,4 +1,4 @@
-//! What was cut, in the figures of the report.
+//! Removed material, as figures of the report.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! What a program has the control print (POPEN, DPRNT, BPRNT, PCLOS), as lines.
+//! Output of POPEN, DPRNT, BPRNT and PCLOS, as lines.
 
 /// The lines among what the control sent: without DC2, DC4 and parity bits, other codes as Rust escapes them.
 pub fn lines(bytes: &[u8]) -> Vec<String> {
