@@ -320,3 +320,43 @@ fn around(mesh: &Mesh, element: usize) -> Box3 {
     let bulge = (high - low) * BULGE_RATIO;
     [low - bulge, high + bulge]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers from -1 to 1 that have nothing to do with each other.
+    fn spread(seed: usize) -> f64 {
+        let at = libm::sin(seed as f64 * 12.9898) * 43758.5453;
+        2.0 * (at - libm::floor(at)) - 1.0
+    }
+
+    #[test]
+    fn shortcuts_for_points_outside_lead_to_the_nearest_point() {
+        let (mut on_face, mut hidden) = (0, 0);
+        for round in 0..2000 {
+            let seed = 100 * round;
+            let vector = |of: usize| [0, 1, 2].map(|axis| spread(seed + 3 * of + axis));
+            let tetrahedron = |of: usize| -> [[f64; 3]; NODES] {
+                let corners = [0, 1, 2, 3].map(|corner| Vector3::from(vector(of + corner)));
+                std::array::from_fn(|node| match node.checked_sub(4) {
+                    None => corners[node].into(),
+                    Some(edge) => ((corners[EDGES[edge][0]] + corners[EDGES[edge][1]]) / 2.0).into(),
+                })
+            };
+            let (point, one, other) = (Vector3::from(vector(0)) * 2.0, tetrahedron(1), tetrahedron(5));
+            let Some(planes) = Planes::new(&one) else { continue };
+            let (nearest_mm, outside_mm) = from_corners_mm(&one[..4], &point);
+            if let Some((found_mm, found_outside_mm)) = planes.on_face_mm(&point) {
+                on_face += 1;
+                assert!((found_outside_mm - outside_mm).abs() < 1e-7 && (found_mm - nearest_mm).norm() < 1e-6);
+            }
+            let found = Found { element: 0, place: MIDDLE, outside_mm, nearest_mm };
+            if outside_mm > 0.0 && found.hides(&other[..4], &point) {
+                hidden += 1;
+                assert!(from_corners_mm(&other[..4], &point).1 > outside_mm * (1.0 - 1e-6));
+            }
+        }
+        assert!(on_face > 200 && hidden > 50, "{on_face} {hidden}");
+    }
+}
