@@ -357,6 +357,6 @@ mod tests {
                 assert!(from_corners_mm(&other[..4], &point).1 > outside_mm * (1.0 - 1e-6));
             }
         }
-        assert!(on_face > 200 && hidden > 50, "{on_face} {hidden}");
+        assert!(on_face > 100 && hidden > 100, "{on_face} {hidden}");
     }
 }
