@@ -166,6 +166,15 @@ pub fn tool_modes(tool: &BeamModes, point_mm: [f64; 3], damping_ratio: f64) -> R
     modes(&tool.omega_rad_per_s, &shapes, damping_ratio)
 }
 
+/// The modes of a body, all with the same damping, as large along each axis as anywhere on the body.
+///
+/// # Errors
+/// The damping is none.
+pub fn largest_modes(field: &Field, damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
+    let shapes: Vec<Vector3<f64>> = field.largest_shapes().iter().map(per_root_kg).collect();
+    modes(field.omega_rad_per_s(), &shapes, damping_ratio)
+}
+
 fn modes(omegas: &[f64], shapes: &[Vector3<f64>], damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
     omegas.iter().zip(shapes).map(|(omega, shape)| Mode::new(omega / TAU, damping_ratio, *shape)).collect()
 }

@@ -18,8 +18,9 @@
 use nalgebra::{Vector2, Vector3};
 
 use crate::cutting::edge_engagement::{EdgeChip, EdgeEngagement};
+use crate::cutting::edges::EdgePiece;
 use crate::cutting::force::Loads;
-use crate::cutting::material::{ChipSection, Cutting};
+use crate::cutting::material::{ChipSection, Cutting, EdgeForce};
 use crate::cutting::pose::{Poses, Stand};
 use crate::dynamics::vibration::{Places, Step, Vibration};
 use crate::flexible::{Modal, Workpiece};
@@ -110,6 +111,13 @@ impl Process {
         &self.vibration
     }
 
+    /// The force of all edges together, each with a chip this thick over its whole width, as if all pulled the same way.
+    pub fn force_max_n(&self, thickness_mm: f64) -> f64 {
+        let width_mm = self.engagement.cutter().pieces().iter().map(EdgePiece::width_mm).sum();
+        let EdgeForce { tangential_n, radial_n, axial_n } = self.cutting.force(&ChipSection { thickness_mm, width_mm });
+        Vector3::new(tangential_n, radial_n, axial_n).norm()
+    }
+
     /// The modes, to see them from another place of the cut.
     pub fn vibration_mut(&mut self) -> &mut Vibration {
         &mut self.vibration
@@ -132,8 +140,8 @@ impl Process {
 
     /// The same, but each edge that may have a chip is bent as the workpiece is where it is. The workpiece's modes are the first.
     pub fn step_on<B: Modal>(&mut self, dt_s: f64, stand: &Stand, workpiece: &mut Workpiece<B>) -> Moment {
-        let at = self.engagement.poses(stand);
-        self.spread.see(&self.engagement, &at, &self.vibration, workpiece);
+        let mut at = self.engagement.poses(stand);
+        self.spread.see(&self.engagement, &mut at, &self.vibration, workpiece);
         let mut edges = Edges { engagement: &mut self.engagement, cutting: &self.cutting, stand, at: &at };
         let (place_of, chips_mm, mut found) = (&self.spread.place_of, &mut self.chips_mm, Default::default());
         let step = self.vibration.step_at(dt_s, &mut self.spread.places, |moved_mm, forces_n| {
@@ -188,11 +196,11 @@ impl Edges<'_> {
 }
 
 impl Spread {
-    /// The cut itself is the first place; each edge with material around it has one of its own.
+    /// The cut itself is the first place; each edge with material around it has one of its own. The others are set apart.
     fn see<B: Modal>(
         &mut self,
         engagement: &EdgeEngagement,
-        at: &Poses,
+        at: &mut Poses,
         vibration: &Vibration,
         workpiece: &mut Workpiece<B>,
     ) {
@@ -204,6 +212,7 @@ impl Spread {
         for (edge, bent_mm) in bent_mm.iter().enumerate() {
             if !engagement.is_near(edge, at, bent_mm.xy(), MARGIN_MM) {
                 place_of.push(0);
+                at.set_apart(edge);
                 continue;
             }
             let material_mm = engagement.edge_mm(edge, at) + bent_mm; // (1)

@@ -181,7 +181,7 @@ impl EdgeEngagement {
         for (piece, first) in pieces.zip(&self.same_angle) {
             directions.push(directions.get(*first).map_or_else(|| towards(piece, stand), Vector2::clone));
         }
-        Poses { stand: *stand, descent, towards: directions, placed }
+        Poses { stand: *stand, descent, towards: directions, placed, is_apart: vec![false; self.edges()] }
     }
 
     /// Where the middle of an edge stands, its height that of the layers.
@@ -195,12 +195,13 @@ impl EdgeEngagement {
         Vector3::new(place_mm.x, place_mm.y, at.stand.tip_mm + height_mm)
     }
 
-    /// Whether an edge, bent away from where it stands, has material around it, or would have if it were anywhere so far away.
+    /// Whether an edge, bent away from where it stands, has material around it or on its way there, or would have if it were anywhere so far away.
     pub fn is_near(&self, edge: usize, at: &Poses, bent_mm: Vector2<f64>, margin_mm: f64) -> bool {
         let Some(piece) = self.cutter.pieces().get(edge) else { return at.descent.lowers() };
         let Some(placed) = &at.placed[self.slice_of[edge]] else { return false };
         let rake = rake(piece, self.depth_mm, at.face(edge, bent_mm), &placed.share);
-        rake.is_near(&self.layers.layers()[placed.index], margin_mm)
+        let (layer, (_, wake)) = (&self.layers.layers()[placed.index], &self.wakes[edge]);
+        wake.has_left(&rake, layer) || rake.is_near(layer, margin_mm + wake.way_mm(&rake) + layer.step_mm())
     }
 
     /// Every edge that is in a layer, with the chip in front of it, and every part of an end that has one: those look down. An edge may be bent away
@@ -219,7 +220,7 @@ impl EdgeEngagement {
         };
         let side = cutter.pieces().iter().zip(wakes).enumerate();
         let side = side.filter_map(move |(edge, (piece, (was_in, wake)))| {
-            let placed = at.placed[slice_of[edge]].as_ref()?;
+            let placed = at.placed[slice_of[edge]].as_ref().filter(|_| !at.is_apart[edge])?;
             let layer = &layers.layers()[placed.index];
             let rake = rake(piece, depth_mm, at.face(edge, bent(edge)), &placed.share);
             let front = match *was_in == Some(placed.index) {
@@ -249,7 +250,7 @@ impl EdgeEngagement {
             if std::mem::replace(was_in, index) != index {
                 *wake = wake.in_other_layer();
             }
-            match index.and_then(|index| self.layers.layers_mut().get_mut(index)) {
+            match index.filter(|_| !at.is_apart[edge]).and_then(|index| self.layers.layers_mut().get_mut(index)) {
                 None => wake.pass(&rake),
                 Some(layer) => add(wake.cut(&rake, layer).map(|mm2| mm2 * rise_mm)),
             }

@@ -27,6 +27,8 @@ pub struct Poses {
     pub(super) towards: Vec<Vector2<f64>>,
     /// Of each slice of the cutter.
     pub(super) placed: Vec<Option<Placed>>,
+    /// Of each edge, whether no material is near it.
+    pub(super) is_apart: Vec<bool>,
 }
 
 /// A slice of the cutter in its layer.
@@ -40,6 +42,11 @@ pub(super) struct Placed {
 }
 
 impl Poses {
+    /// No material is near an edge: it has no chip and takes nothing.
+    pub fn set_apart(&mut self, edge: usize) {
+        self.is_apart[edge] = true;
+    }
+
     /// An edge, bent.
     pub(super) fn face(&self, edge: usize, bent_mm: Vector2<f64>) -> Face {
         Face { center_mm: self.stand.axis_mm + bent_mm, towards: self.towards[edge] }

@@ -300,7 +300,19 @@ impl Wake {
         Wake { behind: None, asked: None, ..*self }
     }
 
-    /// The edge goes to its next place where there is no layer.
+    /// Whether the edge has just passed material, which a chip may still be told from.
+    pub fn has_left(&self, rake: &Rake, layer: &Layer) -> bool {
+        let far_mm = APART_RAYS * layer.step_mm() / libm::fabs(rake.towards[rake.axis()]);
+        self.behind.is_some_and(|point| point.has_material && -rake.ahead_mm(&point.begins_mm) < far_mm)
+    }
+
+    /// How far the rake face has come since the last cut.
+    pub fn way_mm(&self, rake: &Rake) -> f64 {
+        let from = self.last.as_ref().unwrap_or(rake);
+        (rake.edge_mm() - from.edge_mm()).norm().max((rake.root_mm() - from.root_mm()).norm())
+    }
+
+    /// The edge goes to its next place where it meets nothing.
     pub fn pass(&mut self, rake: &Rake) {
         *self = Wake { last: Some(*rake), behind: None, asked: None };
     }

@@ -103,6 +103,14 @@ impl Mode {
         let circular = self.circular_per_s();
         self.shape * (self.drive(force_n) / (circular * circular))
     }
+
+    /// Upper bound of the displacement across Z in this mode alone, for a force of any direction that jumps to this size or alternates with it: a jump
+    /// causes at most twice the static displacement, resonance 1 / (2 zeta) times it.
+    pub fn swing_max_mm(&self, force_n: f64) -> f64 {
+        let (circular, damping_ratio) = (self.circular_per_s(), self.damping_ratio.max(f64::MIN_POSITIVE));
+        let static_mm = self.shape.xy().norm() * self.shape.norm() * force_n * MM_PER_M / (circular * circular);
+        static_mm * (1.0 + 0.5 / damping_ratio)
+    }
 }
 
 impl fmt::Display for ModeError {

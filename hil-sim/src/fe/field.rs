@@ -65,6 +65,15 @@ impl Field {
         found.map_or(f64::INFINITY, |found| found.outside_mm)
     }
 
+    /// The largest displacement of each mode along each axis at any node, 1/sqrt(t).
+    pub fn largest_shapes(&self) -> Vec<[f64; 3]> {
+        let largest = |mode: usize| {
+            let at_nodes = self.shapes.iter().map(|shapes| shapes[mode].map(libm::fabs));
+            at_nodes.fold([0.0; 3], |one, other| std::array::from_fn(|axis| f64::max(one[axis], other[axis])))
+        };
+        (0..self.omega_rad_per_s.len()).map(largest).collect()
+    }
+
     /// How far outside of the body points may be.
     pub fn reach_mm(&self) -> f64 {
         self.locator.reach_mm()

@@ -10,13 +10,16 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::element::jacobian;
 use super::mesh::Mesh;
-use super::tetrahedron::{MIDDLE, NODES, Place, barycentric, functions};
+use super::tetrahedron::{EDGES, MIDDLE, NODES, Place, barycentric, functions};
 
 /// How far beyond its border, of an element's size, a place still counts as in it.
 const BORDER_RATIO: f64 = 1e-9;
 
 /// Part of an element's box by which bent edges may leave it.
 const BULGE_RATIO: f64 = 0.1;
+
+/// The functions of the nodes on an element's edges come to no more than this together, in its middle.
+const BEND_SUM_MAX: f64 = 1.5;
 
 /// Steps of Newton's method.
 const STEPS: usize = 12;
@@ -32,6 +35,16 @@ pub struct Found {
     pub outside_mm: f64,
     /// The point of the body that is nearest to it.
     nearest_mm: Vector3<f64>,
+}
+
+impl Found {
+    /// Whether some corners are no nearer to a point outside, nor what is between them: all of them lie behind the plane through the nearest point that is
+    /// square to the way there. Where faces lie in one plane, but for rounding, the first of them will do.
+    fn hides(&self, corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> bool {
+        let off = point - self.nearest_mm;
+        let least = BORDER_RATIO * off.norm_squared();
+        corners_mm.iter().all(|corner_mm| off.dot(&(Vector3::from(*corner_mm) - self.nearest_mm)) <= least)
+    }
 }
 
 /// No element is within reach.
@@ -95,16 +108,36 @@ struct Planes {
     /// How steep those are, and that of the first corner.
     steepness: [f64; 3],
     of_base: f64,
+    /// How far points of the element may be beyond the planes, as its edges bend.
+    bulge_mm: f64,
 }
 
 impl Planes {
     /// None where the corners lie in one plane.
-    fn new(corners_mm: &[[f64; 3]]) -> Option<Self> {
-        let base = Vector3::from(corners_mm[0]);
-        let edges = [1, 2, 3].map(|i| Vector3::from(corners_mm[i]) - base);
-        let gradients = Matrix3::from_columns(&edges).try_inverse()?;
+    fn new(nodes_mm: &[[f64; 3]; NODES]) -> Option<Self> {
+        let node = |i: usize| Vector3::from(nodes_mm[i]);
+        let base = node(0);
+        let edges = Matrix3::from_columns(&[1, 2, 3].map(|i| node(i) - base));
+        let gradients = edges.try_inverse()?;
         let steepness = [0, 1, 2].map(|k| gradients.row(k).norm());
-        Some(Planes { base, gradients, steepness, of_base: gradients.row_sum().norm() })
+        let bends_mm =
+            EDGES.iter().enumerate().map(|(edge, [i, j])| (node(4 + edge) - (node(*i) + node(*j)) / 2.0).norm());
+        let bulge_mm = BEND_SUM_MAX * bends_mm.fold(0.0, f64::max) + 2.0 * BORDER_RATIO * edges.norm();
+        Some(Planes { base, gradients, steepness, of_base: gradients.row_sum().norm(), bulge_mm })
+    }
+
+    /// The nearest point of the straight tetrahedron, and its distance, where that is within the face whose plane the point is farthest beyond: that plane
+    /// separates them.
+    fn on_face_mm(&self, point: &Vector3<f64>) -> Option<(Vector3<f64>, f64)> {
+        let l = self.gradients * (point - self.base);
+        let of_base = ((l.sum() - 1.0) / self.of_base, self.gradients.row_sum().transpose() / self.of_base);
+        let others =
+            (0..3).map(|k| (-l[k] / self.steepness[k], -self.gradients.row(k).transpose() / self.steepness[k]));
+        let (beyond_mm, normal) = others.fold(of_base, |most, other| if other.0 > most.0 { other } else { most });
+        let nearest = point - normal * beyond_mm;
+        let on = self.gradients * (nearest - self.base);
+        let is_within = on.min() >= -BORDER_RATIO && on.sum() <= 1.0 + BORDER_RATIO;
+        (beyond_mm > 0.0 && is_within).then_some((nearest, beyond_mm))
     }
 
     /// How far a point is beyond them, at the most: it is no nearer to the tetrahedron.
@@ -163,7 +196,7 @@ impl Locator {
     /// For the points of a mesh and those up to `reach_mm` outside.
     pub fn new(mesh: &Mesh, reach_mm: f64) -> Self {
         let boxes: Vec<Box3> = (0..mesh.elements().len()).map(|element| around(mesh, element)).collect();
-        let planes = (0..boxes.len()).map(|element| Planes::new(&mesh.nodes_of_mm(element)[..4])).collect();
+        let planes = (0..boxes.len()).map(|element| Planes::new(&mesh.nodes_of_mm(element))).collect();
         let infinite = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
         let [low, high] = boxes.iter().fold(infinite, |[low, high], b| [low.inf(&b[0]), high.sup(&b[1])]);
         let reach = Vector3::repeat(reach_mm);
@@ -207,6 +240,13 @@ impl Locator {
         (z * self.counts[1] + y) * self.counts[0] + x
     }
 
+    /// Whether a point is not outside of an element's box or planes.
+    fn may_hold(&self, element: usize, point: &Vector3<f64>) -> bool {
+        let planes = self.planes[element].as_ref();
+        distance_mm(&self.boxes[element], point) == 0.0
+            && planes.is_none_or(|planes| planes.beyond_mm(point) <= planes.bulge_mm)
+    }
+
     /// Where a point is. `near` is an element to look at first.
     ///
     /// # Errors
@@ -215,7 +255,7 @@ impl Locator {
         let point = Vector3::from(point_mm);
         let others = &self.elements[self.index(self.cell(&point))];
         let candidates = || near.into_iter().chain(others.iter().copied().filter(|element| near != Some(*element)));
-        for element in candidates().filter(|element| distance_mm(&self.boxes[*element], &point) == 0.0) {
+        for element in candidates().filter(|element| self.may_hold(*element, &point)) {
             let place = place_of(&mesh.nodes_of_mm(element), &point);
             if let Some(place) = place.filter(|place| barycentric(*place).iter().all(|l| *l >= -BORDER_RATIO)) {
                 return Ok(Found { element, place, outside_mm: 0.0, nearest_mm: point });
@@ -252,13 +292,16 @@ impl Locator {
             if distance_mm(&self.boxes[element], point) > least_mm.min(reach_mm) {
                 continue;
             }
-            // Where faces lie in one plane the first of them will do.
-            let beyond_mm = self.planes[element].as_ref().map_or(f64::INFINITY, |planes| planes.beyond_mm(point));
-            if beyond_mm >= least_mm {
+            if best.is_some_and(|best| best.hides(&mesh.nodes_of_mm(element)[..4], point)) {
+                continue;
+            }
+            let Some(planes) = &self.planes[element] else { continue };
+            if planes.beyond_mm(point) >= least_mm {
                 continue;
             }
             let nodes_mm = mesh.nodes_of_mm(element);
-            let (nearest_mm, outside_mm) = from_corners_mm(&nodes_mm[..4], point);
+            let on_face_mm = planes.on_face_mm(point);
+            let (nearest_mm, outside_mm) = on_face_mm.unwrap_or_else(|| from_corners_mm(&nodes_mm[..4], point));
             if outside_mm < least_mm
                 && let Some(place) = place_of(&nodes_mm, point)
             {
@@ -276,4 +319,44 @@ fn around(mesh: &Mesh, element: usize) -> Box3 {
     let high = nodes.iter().fold(nodes[0], |high, node| high.sup(node));
     let bulge = (high - low) * BULGE_RATIO;
     [low - bulge, high + bulge]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers from -1 to 1 that have nothing to do with each other.
+    fn spread(seed: usize) -> f64 {
+        let at = libm::sin(seed as f64 * 12.9898) * 43758.5453;
+        2.0 * (at - libm::floor(at)) - 1.0
+    }
+
+    #[test]
+    fn shortcuts_for_points_outside_lead_to_the_nearest_point() {
+        let (mut on_face, mut hidden) = (0, 0);
+        for round in 0..2000 {
+            let seed = 100 * round;
+            let vector = |of: usize| [0, 1, 2].map(|axis| spread(seed + 3 * of + axis));
+            let tetrahedron = |of: usize| -> [[f64; 3]; NODES] {
+                let corners = [0, 1, 2, 3].map(|corner| Vector3::from(vector(of + corner)));
+                std::array::from_fn(|node| match node.checked_sub(4) {
+                    None => corners[node].into(),
+                    Some(edge) => ((corners[EDGES[edge][0]] + corners[EDGES[edge][1]]) / 2.0).into(),
+                })
+            };
+            let (point, one, other) = (Vector3::from(vector(0)) * 2.0, tetrahedron(1), tetrahedron(5));
+            let Some(planes) = Planes::new(&one) else { continue };
+            let (nearest_mm, outside_mm) = from_corners_mm(&one[..4], &point);
+            if let Some((found_mm, found_outside_mm)) = planes.on_face_mm(&point) {
+                on_face += 1;
+                assert!((found_outside_mm - outside_mm).abs() < 1e-7 && (found_mm - nearest_mm).norm() < 1e-6);
+            }
+            let found = Found { element: 0, place: MIDDLE, outside_mm, nearest_mm };
+            if outside_mm > 0.0 && found.hides(&other[..4], &point) {
+                hidden += 1;
+                assert!(from_corners_mm(&other[..4], &point).1 > outside_mm * (1.0 - 1e-6));
+            }
+        }
+        assert!(on_face > 100 && hidden > 100, "{on_face} {hidden}");
+    }
 }

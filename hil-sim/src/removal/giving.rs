@@ -7,10 +7,9 @@
 
 use std::sync::Arc;
 
-use arcfeed_shared::kinematics::vector::{Vector, scaled, sum};
+use arcfeed_shared::kinematics::vector::Vector;
 use nalgebra::Vector3;
 
-use crate::dynamics::modal::{Mode, ModeError};
 use crate::fe::field::Field;
 use crate::flexible::Workpiece;
 
@@ -32,15 +31,6 @@ impl Giving {
     /// How many modes it has.
     pub fn count(&self) -> usize {
         self.seen.count()
-    }
-
-    /// Its modes as seen from its middle, all with the same damping.
-    ///
-    /// # Errors
-    /// The damping is none.
-    pub fn modes(&mut self, damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
-        let [lowest_mm, highest_mm] = self.bounds_mm;
-        self.seen.modes(scaled(sum(lowest_mm, highest_mm), 0.5), damping_ratio)
     }
 
     /// What the modes do under a tool with its tip here, 1/sqrt(kg).

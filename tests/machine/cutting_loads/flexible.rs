@@ -156,6 +156,20 @@ fn a_strip_too_stiff_to_move_is_a_rigid_one() {
 }
 
 #[test]
+fn the_fastest_mode_that_swings_by_more_than_a_twentieth_of_the_feed_sets_the_step() {
+    // 702, 1841 and 4371 Hz; a force of 1 N, and one of 1000 N.
+    for (edge, mode) in [("0.0625", 0), ("62.5", 2)] {
+        let job = PUSHED.job().replace("edge = [0, 0.0625, 0]", &format!("edge = [0, {edge}, 0]"));
+        let report = simulation_report("step", &job, "%\nG21G17G90G94\nN1G0X-80.Y0.\nN2G1Z5.F2000.\nN3M30\n%\n");
+        let hz = number(&report, &format!("/loads/vibration/workpiece_hz/{mode}"));
+        let steps = 360.0 * PUSHED.rev_per_min / 60.0 / hz / number(&report, "/loads/step_deg");
+        println!("{edge} N/mm: {steps:.2} steps a period of {hz:.0} Hz");
+        // A whole number of steps goes from tooth to tooth.
+        assert!((25.0..25.5).contains(&steps));
+    }
+}
+
+#[test]
 fn a_plate_held_at_any_face_has_the_frequencies_of_the_table() {
     for (name, cells, clamped) in [("foot", "[12, 1, 16]", "z-"), ("side", "[16, 1, 12]", "x+")] {
         let job = PUSHED.job().replace(

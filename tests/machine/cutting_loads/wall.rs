@@ -9,6 +9,7 @@ use arcfeed_hil_sim::fe::material::TITANIUM_6AL_4V;
 use arcfeed_hil_sim::fe::slab::{Face, Slab};
 use arcfeed_hil_sim::fe::sparse::Factor;
 use arcfeed_hil_sim::fe::unknowns::Unknowns;
+use arcfeed_hil_sim::flexible::largest_modes;
 use arcfeed_hil_sim::removal::giving::Giving;
 use nalgebra::Vector3;
 
@@ -29,8 +30,9 @@ fn bent_mm(cells: [usize; 3], count: Option<usize>, places: &[[usize; 2]]) -> Ve
     let (k, m) = body.matrices(&unknowns);
     let factor = Factor::of(&k, 0.0, &m).expect("it is held");
     let modes = body.modes(&clamped, count.unwrap_or(k.size())).expect("so many");
-    let mut giving = Giving::new(Arc::new(Field::new(mesh.clone(), &modes, 1e-3)), EDGES_MM);
-    let given = giving.modes(0.01).expect("a damping");
+    let field = Field::new(mesh.clone(), &modes, 1e-3);
+    let given = largest_modes(&field, 0.01).expect("a damping");
+    let mut giving = Giving::new(Arc::new(field), EDGES_MM);
     let at = |[x, z]: &[usize; 2]| {
         let node = mesh.nodes_where(|place| place == [*x, 2 * cells[1], *z])[0];
         let mut push = vec![0.0; k.size()];

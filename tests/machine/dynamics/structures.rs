@@ -145,6 +145,22 @@ fn a_force_that_cannot_agree_is_told() {
 }
 
 #[test]
+fn neither_a_jump_nor_resonance_swings_a_mode_beyond_its_bound() {
+    let bound_mm = mode_a(Vector3::x()).swing_max_mm(10.0);
+    let largest_mm = |force_n: &dyn Fn(f64) -> f64| {
+        let mut vibration = alone(EXACT);
+        let at_mm =
+            |step: u32| vibration.step(1e-5, |_| Vector3::x() * force_n(f64::from(step) * 1e-5)).displacement_mm.x;
+        (1..=20_000).map(at_mm).fold(0.0, |most: f64, mm| most.max(mm.abs()))
+    };
+    let jump_mm = largest_mm(&|_| 10.0);
+    let resonance_mm = largest_mm(&|t_s| 10.0 * libm::sin(TAU * FREQUENCY_HZ * t_s));
+    println!("jump {jump_mm:.6} mm, resonance {resonance_mm:.6}, bound {bound_mm:.6}");
+    assert!(jump_mm > 1.9 * 10.0 / STIFFNESS && jump_mm < bound_mm);
+    assert!((0.97..1.0).contains(&(resonance_mm / bound_mm)));
+}
+
+#[test]
 fn seen_from_elsewhere_the_same_modes_give_way_otherwise() {
     let mut vibration = alone(EXACT);
     let shape = vibration.modes()[0].shape;

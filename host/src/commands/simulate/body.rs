@@ -9,6 +9,7 @@ use arcfeed_hil_sim::fe::material::{MATERIALS, Material};
 use arcfeed_hil_sim::fe::mesh::Mesh;
 use arcfeed_hil_sim::fe::sheet::Sheet;
 use arcfeed_hil_sim::fe::slab::{Face, Slab};
+use arcfeed_hil_sim::flexible::largest_modes;
 use arcfeed_hil_sim::removal::giving::Giving;
 use arcfeed_hil_sim::stock::solid::Solid;
 
@@ -18,7 +19,7 @@ use crate::job::flexible::{Elastic, Flexible, Shape};
 /// What is wrong, and the byte offset in the job file if it is not the table's.
 pub type Trouble = (Option<usize>, String);
 
-/// The body for a tool with edges so far up from its tip, and its modes.
+/// The body for a tool with edges so far up from its tip, and its modes, as large as anywhere on it.
 ///
 /// # Errors
 /// The material is not known, the body has no such mesh or modes, or is no part of the blank.
@@ -35,9 +36,8 @@ pub fn giving(flexible: &Flexible, blank: &dyn Solid, edges_mm: f64) -> Result<(
     let body = Body::new(mesh, &material(&flexible.material)?);
     let modes = body.modes(&held.nodes(body.mesh()), flexible.modes).map_err(|error| told(&error))?;
     let field = Field::new(body.mesh().clone(), &modes, body.mesh().thickness_mm());
-    let mut giving = Giving::new(Arc::new(field), edges_mm);
-    let modes = giving.modes(flexible.damping_ratio).map_err(|error| told(&error))?;
-    Ok((giving, modes))
+    let modes = largest_modes(&field, flexible.damping_ratio).map_err(|error| told(&error))?;
+    Ok((Giving::new(Arc::new(field), edges_mm), modes))
 }
 
 fn mesh(flexible: &Flexible, held: Face) -> Result<Mesh, Trouble> {

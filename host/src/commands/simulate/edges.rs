@@ -28,7 +28,7 @@ pub const UPRIGHT: usize = 2;
 /// Largest turn in a step of the edges.
 const STEP_RAD: f64 = 3.0 / 180.0 * PI;
 
-/// Steps of the fastest mode's period: coarser ones hide chatter or invent it (docs/forces.md).
+/// Steps in a period of the fastest mode that matters: coarser ones hide chatter or invent it (docs/forces.md).
 const STEPS_A_PERIOD: f64 = 25.0;
 
 /// Displacements that agree to this with their forces.
@@ -75,9 +75,21 @@ pub fn turned(file: &JobFile, cutting: &Cutting) -> Result<Turned, Trouble> {
 }
 
 /// The largest turn in a step.
+///
+/// The fastest modes do not count as long as they swing together by less than counts as no change. Such modes cannot chatter, and the exact rule follows
+/// their motion in steps longer than their periods.
 pub fn step_max_rad(file: &JobFile, process: &Process) -> f64 {
-    let turned_rad_per_s = f64::from(file.job.tools.first().spindle.0) * TAU / S_PER_MIN;
-    let fastest_hz = process.vibration().modes().iter().map(|mode| mode.frequency_hz).fold(0.0, f64::max);
+    let tool = file.job.tools.first();
+    let turned_rad_per_s = f64::from(tool.spindle.0) * TAU / S_PER_MIN;
+    let feed_mm = f64::from(tool.feed_per_tooth.0);
+    let (force_n, mut left_mm) = (process.force_max_n(feed_mm), feed_mm * FLOOR_RATIO);
+    let mut modes: Vec<&Mode> = process.vibration().modes().iter().collect();
+    modes.sort_by(|one, other| other.frequency_hz.total_cmp(&one.frequency_hz));
+    let fastest = modes.into_iter().find(|mode| {
+        left_mm -= mode.swing_max_mm(force_n);
+        left_mm <= 0.0
+    });
+    let fastest_hz = fastest.map_or(0.0, |mode| mode.frequency_hz);
     STEP_RAD.min(turned_rad_per_s / (fastest_hz * STEPS_A_PERIOD))
 }
 
