@@ -36,7 +36,7 @@ const TIGHT: f64 = 1e-10;
 /// Where the way ahead becomes slower: by what the axes allow from there on, or by what is wanted there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ahead {
-    /// From here.
+    /// Its beginning, on the scale of [`Profile::at`].
     pub(crate) at: f64,
     /// The speed to have there.
     pub(crate) speed: f64,
@@ -83,6 +83,8 @@ enum Course {
 pub(crate) struct Profile<'a> {
     /// Its length, s.
     pub(crate) period_s: f64,
+    /// Position of the axes along the path.
+    pub(crate) at: f64,
     /// The limits of the stretch that the axes are on.
     pub(crate) here: PathLimits,
     /// The stretches ahead, in their order, as far as the axes can get before they come to rest, or to where nothing is known
@@ -189,18 +191,25 @@ impl Profile<'_> {
     /// No further than to the next stretch: behind its beginning other limits count.
     fn up_to_next(&self, step: Step) -> Step {
         match self.ahead.first() {
-            Some(next) if next.speed > 0.0 && next.at + EQUAL < step.way => step.up_to(next.at, self.period_s),
+            Some(next) if next.speed > 0.0 && self.left(next) + EQUAL < step.way => {
+                step.up_to(self.left(next), self.period_s)
+            }
             _ => step,
         }
     }
 
     /// The last periods before a stop: of the way down to it, if that ends there.
     fn last(&self, from: Motion) -> Option<Step> {
-        let stop =
-            self.ahead.last().filter(|ahead| ahead.speed == 0.0 && ahead.at <= from.speed * LAST * self.period_s)?;
+        let near = from.speed * LAST * self.period_s;
+        let stop = self.ahead.last().filter(|ahead| ahead.speed == 0.0 && self.left(ahead) <= near)?;
         let brake = brake_to(0.0, stop, &from)?;
-        let is_tight = (brake.way() - stop.at).abs() <= TIGHT && brake.lasts_s() <= LAST * self.period_s;
+        let is_tight = (brake.way() - self.left(stop)).abs() <= TIGHT && brake.lasts_s() <= LAST * self.period_s;
         is_tight.then(|| self.down(&brake))
+    }
+
+    /// The way to the beginning of a stretch.
+    fn left(&self, ahead: &Ahead) -> f64 {
+        ahead.at - self.at
     }
 
     /// What is ahead of what is kept to, with its safe speed.
@@ -215,12 +224,12 @@ impl Profile<'_> {
     /// Whether everything ahead can be kept to, and the acceleration is down in time to what each stretch allows.
     fn is_safe(&self, step: &Step, keep: Keep) -> bool {
         let Step { way, motion, .. } = step;
-        let arrives = |ahead: &Ahead| arrives(motion, &ahead.limits, ahead.at - way, self.here.jerk);
+        let arrives = |ahead: &Ahead| arrives(motion, &ahead.limits, self.left(ahead) - way, self.here.jerk);
         if motion.speed < 0.0 || !(eases(motion, &self.least()) || self.ahead.iter().all(arrives)) {
             return false;
         }
         for (ahead, safe) in self.kept(keep) {
-            let left = ahead.at - way;
+            let left = self.left(ahead) - way;
             let fits = |speed: f64| fits(speed, motion, &ahead.on_the_way, left + EQUAL);
             if settles(motion, ahead) <= left.max(0.0) && fits(safe) {
                 return true;
@@ -236,14 +245,14 @@ impl Profile<'_> {
     fn way_down(&self, from: Motion, keep: Keep) -> Option<Step> {
         let mut hardest: Option<Step> = None;
         for (ahead, safe) in self.kept(keep) {
-            let secure = brake_to(safe, ahead, &from);
+            let (secure, left) = (brake_to(safe, ahead, &from), self.left(ahead));
             let is_secure =
-                secure.is_none_or(|brake| brake.way() <= ahead.at + 2.0 * EQUAL) && settles(&from, ahead) <= ahead.at;
+                secure.is_none_or(|brake| brake.way() <= left + 2.0 * EQUAL) && settles(&from, ahead) <= left;
             let brake = if is_secure { secure } else { brake_to(ahead.speed, ahead, &from) };
             if let Some(brake) = brake {
                 let step = self.down(&brake);
                 let is_harder = hardest.is_none_or(|hardest| step.motion.speed < hardest.motion.speed);
-                if brake.way() + step.way >= ahead.at - EQUAL && is_harder {
+                if brake.way() + step.way >= left - EQUAL && is_harder {
                     hardest = Some(step);
                 }
             }
