@@ -45,6 +45,7 @@ mod stretches;
 mod trapezoid;
 
 mod horizon;
+
 mod look_ahead;
 
 pub mod interpolator;

@@ -7,11 +7,11 @@
 
 pub mod limits;
 
-mod bisection;
-
 pub(crate) mod brake;
 
 pub(crate) mod profile;
+
+mod bisection;
 
 pub mod servo;
 
