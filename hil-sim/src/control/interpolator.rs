@@ -56,14 +56,14 @@ pub struct AxisLimited {
 #[derive(Debug)]
 enum Pace {
     Trapezoid(Trapezoid),
-    LookAhead(LookAhead),
+    LookAhead(Box<LookAhead>),
 }
 
 impl Interpolator {
     /// At rest at the origin, nothing queued.
     pub fn new(settings: &ControlSettings) -> Self {
         let pace = match settings.drives {
-            Some(drives) => Pace::LookAhead(LookAhead::new(drives)),
+            Some(drives) => Pace::LookAhead(Box::new(LookAhead::new(drives))),
             None => Pace::Trapezoid(Trapezoid::new(settings.dynamics)),
         };
         Interpolator {

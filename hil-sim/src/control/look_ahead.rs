@@ -1,21 +1,18 @@
 //! The fastest speed that all axes can follow, also on what is read ahead.
 //!
 //! Each stretch ahead ([`walk`]) begins with the speed that its axes allow, and with the one that is wanted there; [`Profile`]
-//! keeps to both. What is not queued yet counts as a stop. A stop at the end of a block (single block) that is asked for too
+//! keeps to both; [`Horizon`] holds them from step to step. What is not queued yet counts as a stop. A stop at the end of a block (single block) that is asked for too
 //! late for this one is made at the end of the next.
 
 use std::collections::VecDeque;
 
-use crate::drives::brake::{Brake, Motion, surely_fits};
-use crate::drives::limits::{DriveLimits, PathLimits};
-use crate::drives::profile::{Ahead, Profile, secure};
+use crate::drives::brake::{Brake, Motion};
+use crate::drives::limits::DriveLimits;
+use crate::drives::profile::Profile;
 
 use super::feeds::FeedConditions;
+use super::horizon::{DONE, Horizon};
 use super::leg::{Active, Advance, Queued, flowing};
-use super::stretches::{Stretch, walk};
-
-/// What is left of a way when it counts as done, far below a nanometre.
-const DONE: f64 = 1e-10;
 
 /// The speed of the moment, under limits of all axes.
 #[derive(Clone, Debug)]
@@ -25,13 +22,13 @@ pub struct LookAhead {
     motion: Motion,
     /// The way that was covered beyond the end of a move, until the next one takes it.
     over: Option<f64>,
-    ahead: Vec<Ahead>,
+    horizon: Horizon,
 }
 
 impl LookAhead {
     /// At rest.
     pub fn new(drives: DriveLimits) -> Self {
-        LookAhead { drives, motion: Motion::default(), over: None, ahead: Vec::new() }
+        LookAhead { drives, motion: Motion::default(), over: None, horizon: Horizon::new() }
     }
 
     /// Speed along the path.
@@ -47,13 +44,22 @@ impl LookAhead {
     /// No move is in work.
     pub fn rest(&mut self) {
         (self.motion, self.over) = (Motion::default(), None);
+        self.horizon.forget();
     }
 
     /// Whether the axes can keep to the corners of these moves. A corner that is read when they are on their way to a stop
     /// behind it may come too late.
     pub fn can_follow(&mut self, active: &Active, queue: &VecDeque<Queued>) -> bool {
-        let here = self.look(0.0, active, queue, &FeedConditions::PROGRAMMED).limits;
-        Profile { period_s: 0.0, here, ahead: &self.ahead }.can_go_on(self.motion)
+        if self.horizon.ends_before_queue() {
+            return true;
+        }
+        self.horizon.forget();
+        self.horizon.update(0.0, self.motion, (active, queue), &FeedConditions::PROGRAMMED);
+        let can_follow = self.profile(0.0, active).can_go_on(self.motion);
+        if !can_follow {
+            self.horizon.forget();
+        }
+        can_follow
     }
 
     /// Moves on for `dt_s` or to the end of the move.
@@ -65,16 +71,17 @@ impl LookAhead {
         conditions: &FeedConditions,
     ) -> Advance {
         if let Some(over) = self.over.take() {
+            self.horizon.enter(active, conditions);
             return self.carried(active.done_mm + over, active, dt_s);
         }
         if conditions.stops_at_block_end {
             self.stop_at_block_end(active, queue);
         }
-        let now = self.look(dt_s, active, queue, conditions);
+        self.horizon.update(dt_s, self.motion, (active, queue), conditions);
         let holds = conditions.for_context(&active.context).holds;
-        let wanted = if holds { 0.0 } else { now.wanted_mm_per_s.min(now.limits.speed) };
-        let profile = Profile { period_s: dt_s, here: now.limits, ahead: &self.ahead };
-        let step = profile.step(self.motion, wanted);
+        let here = self.horizon.here();
+        let wanted = if holds { 0.0 } else { here.wanted_mm_per_s.min(here.limits.speed) };
+        let step = self.profile(dt_s, active).step(self.motion, wanted);
         self.motion = step.motion;
         let stops = flowing(queue).next().is_none_or(|(leg, _)| leg.entry.is_none());
         if !stops || active.left_mm() - step.way > DONE {
@@ -88,18 +95,24 @@ impl LookAhead {
         Advance::Over(step.left_s)
     }
 
+    /// A period from where the axes are.
+    fn profile(&self, period_s: f64, active: &Active) -> Profile<'_> {
+        Profile { period_s, at: active.done_mm, here: self.horizon.here().limits, ahead: self.horizon.ahead() }
+    }
+
     /// So far in this move, or beyond its end into the next one.
     fn carried(&mut self, done_mm: f64, active: &Active, left_s: f64) -> Advance {
         let over = done_mm - active.leg.travel.length_mm;
         if over < 0.0 {
             return Advance::To(done_mm, left_s);
         }
+        self.horizon.leave(active);
         self.over = Some(over);
         Advance::Over(left_s)
     }
 
     /// Lets the first move that can still be stopped at its end stop there.
-    fn stop_at_block_end(&self, active: &Active, queue: &mut VecDeque<Queued>) {
+    fn stop_at_block_end(&mut self, active: &Active, queue: &mut VecDeque<Queued>) {
         let mut limits = active.leg.entry.map_or(active.leg.limits, |entry| entry.limits.and(&active.leg.limits));
         let mut left = active.left_mm();
         for queued in queue.iter_mut() {
@@ -108,41 +121,11 @@ impl LookAhead {
             let way = Brake::to(0.0, self.motion, &limits).map_or(0.0, |brake| brake.way());
             if way <= left && left > entry.junction.half_mm {
                 leg.entry = None;
+                self.horizon.forget();
                 return;
             }
             left += leg.travel.length_mm;
             limits = limits.and(&entry.limits).and(&leg.limits);
         }
-    }
-
-    /// Sets the stretches ahead, as far as the axes get before they can rest; answers the one that they are on.
-    fn look(&mut self, dt_s: f64, active: &Active, queue: &VecDeque<Queued>, conditions: &FeedConditions) -> Stretch {
-        let Motion { speed, acceleration } = self.motion;
-        let ahead = &mut self.ahead;
-        ahead.clear();
-        let mut here = Stretch { at_mm: 0.0, limits: PathLimits::NONE, wanted_mm_per_s: f64::INFINITY };
-        let mut on_the_way = PathLimits::NONE;
-        walk(active, queue, conditions, |stretch| {
-            let Stretch { at_mm: at, limits, wanted_mm_per_s: wanted } = stretch;
-            // A stop is ahead until the axes rest.
-            if at <= DONE && limits.speed > 0.0 {
-                (here, on_the_way) = (stretch, limits);
-                return true;
-            }
-            ahead.push(Ahead { at, speed: limits.speed, is_commanded_feed: false, safe: [0.0; 2], limits, on_the_way });
-            let soon = speed + (acceleration.abs() + here.limits.jerk * dt_s) * dt_s;
-            on_the_way = on_the_way.and(&limits);
-            if wanted < limits.speed {
-                ahead.push(Ahead { at, speed: wanted, is_commanded_feed: true, safe: [0.0; 2], limits, on_the_way });
-            }
-            let from = Motion { speed: soon, acceleration: acceleration.max(0.0) };
-            let exactly = || {
-                let brake = Brake::to(0.0, from, &on_the_way);
-                brake.is_none_or(|brake| brake.way() + soon * dt_s < at)
-            };
-            !surely_fits(0.0, &from, &on_the_way, at - soon * dt_s).unwrap_or_else(exactly)
-        });
-        secure(ahead);
-        here
     }
 }

@@ -44,6 +44,8 @@ mod stretches;
 
 mod trapezoid;
 
+mod horizon;
+
 mod look_ahead;
 
 pub mod interpolator;

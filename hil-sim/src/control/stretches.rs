@@ -11,7 +11,7 @@ use super::leg::{Active, Queued, flowing};
 /// Where a stretch begins, what limits it, and the speed wanted on it.
 #[derive(Clone, Copy, Debug)]
 pub struct Stretch {
-    /// From here; not above zero where the axes are on it or beyond.
+    /// Its beginning, from the beginning of the move in work.
     pub at_mm: f64,
     /// What the axes allow.
     pub limits: PathLimits,
@@ -27,7 +27,7 @@ pub fn walk(
     mut visit: impl FnMut(Stretch) -> bool,
 ) {
     let flowing = flowing(queue).take_while(|(leg, _)| leg.entry.is_some());
-    let (mut from, mut before) = (-active.done_mm, f64::INFINITY);
+    let (mut from, mut before) = (0.0, f64::INFINITY);
     for (leg, context) in once((&active.leg, &active.context)).chain(flowing) {
         let wanted = leg.wanted(context, conditions);
         let half = leg.entry.map_or(0.0, |corner| corner.junction.half_mm);

@@ -37,6 +37,11 @@ impl Motion {
         (way, Motion { speed, acceleration: acceleration + jerk * t_s })
     }
 
+    /// The highest speed that it comes to when accelerating is broken off now.
+    pub(crate) fn highest(&self, jerk: f64) -> f64 {
+        if self.acceleration > 0.0 { self.settles_at(jerk) } else { self.speed }
+    }
+
     /// The speed at the end of what is left of accelerating, or of braking, when it is broken off now.
     pub(crate) fn settles_at(&self, jerk: f64) -> f64 {
         self.speed + 0.5 * self.acceleration * self.acceleration.abs() / jerk
@@ -58,8 +63,7 @@ impl Brake {
     /// The way down to `speed`; none is needed where the motion never gets beyond it.
     pub(crate) fn to(speed: f64, from: Motion, limits: &PathLimits) -> Option<Brake> {
         let PathLimits { acceleration: most, jerk, .. } = *limits;
-        let highest = if from.acceleration > 0.0 { from.settles_at(jerk) } else { from.speed };
-        if highest <= speed {
+        if from.highest(jerk) <= speed {
             return None;
         }
         if from.settles_at(jerk) <= speed {
@@ -175,8 +179,7 @@ pub(crate) fn fits(speed: f64, from: &Motion, limits: &PathLimits, left: f64) ->
 pub(crate) fn surely_fits(speed: f64, from: &Motion, limits: &PathLimits, left: f64) -> Option<bool> {
     let PathLimits { acceleration: most, jerk, .. } = *limits;
     let a = from.acceleration.abs();
-    let highest = if from.acceleration > 0.0 { from.settles_at(jerk) } else { from.speed };
-    if highest <= speed {
+    if from.highest(jerk) <= speed {
         return Some(true);
     }
     let ramp_s = a / jerk;

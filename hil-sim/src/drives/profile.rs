@@ -18,9 +18,7 @@
 use super::brake::{Brake, Motion, fastest_within, fits};
 use super::limits::PathLimits;
 
-/// Halvings of the interval of accelerations: to a hundred-millionth of the jerk's step.
-const HALVINGS: usize = 26;
-/// The same of time, to a billionth of a period.
+/// Halvings of the interval of time, to a billionth of a period.
 const HALVINGS_OF_TIME: usize = 30;
 /// Accelerations over the speed that do not change it. Halved every period, they would become subnormal, which processors are
 /// slow with.
@@ -28,7 +26,7 @@ const NO_ACCELERATION_PER_S: f64 = 1e-290;
 /// How near of a period Newton's root is taken to be.
 const NEAR_RATIO: f64 = 1e-7;
 /// Ways that agree to this are equal: far below a nanometre.
-const EQUAL: f64 = 1e-11;
+pub(super) const EQUAL: f64 = 1e-11;
 /// Periods before a stop in which its way down is followed, and how closely that has to end there.
 const LAST: f64 = 3.0;
 const TIGHT: f64 = 1e-10;
@@ -36,7 +34,7 @@ const TIGHT: f64 = 1e-10;
 /// Where the way ahead becomes slower: by what the axes allow from there on, or by what is wanted there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ahead {
-    /// From here.
+    /// Its beginning, on the scale of [`Profile::at`].
     pub(crate) at: f64,
     /// The speed to have there.
     pub(crate) speed: f64,
@@ -52,7 +50,7 @@ pub(crate) struct Ahead {
 
 /// What is kept to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Keep {
+pub(super) enum Keep {
     /// What the axes allow.
     Limits,
     /// That, and what is wanted.
@@ -83,6 +81,8 @@ enum Course {
 pub(crate) struct Profile<'a> {
     /// Its length, s.
     pub(crate) period_s: f64,
+    /// Position of the axes along the path.
+    pub(crate) at: f64,
     /// The limits of the stretch that the axes are on.
     pub(crate) here: PathLimits,
     /// The stretches ahead, in their order, as far as the axes can get before they come to rest, or to where nothing is known
@@ -137,18 +137,6 @@ impl Profile<'_> {
         self.towards(from, 0.0, &hardest).min(best.motion.acceleration)
     }
 
-    /// The last safe period on the way from one acceleration to another, if the first is safe.
-    fn between(&self, from: Motion, [first, last]: [f64; 2], keep: Keep) -> Option<Step> {
-        let mut best = Some(self.with(from, first)).filter(|step| self.is_safe(step, keep))?;
-        let (mut safe, mut too_fast) = (first, last);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (safe + too_fast);
-            let step = self.with(from, middle);
-            if self.is_safe(&step, keep) { (safe, best) = (middle, step) } else { too_fast = middle }
-        }
-        Some(best)
-    }
-
     /// The acceleration to have in a period on the way to a speed, were nothing ahead, braking within `braking`. (1)
     fn towards(&self, from: Motion, wanted: f64, braking: &PathLimits) -> f64 {
         let t = self.period_s;
@@ -172,7 +160,7 @@ impl Profile<'_> {
     }
 
     /// A period of constant jerk to that acceleration.
-    fn with(&self, from: Motion, acceleration: f64) -> Step {
+    pub(super) fn with(&self, from: Motion, acceleration: f64) -> Step {
         let jerk = (acceleration - from.acceleration) / self.period_s;
         let (way, motion) = from.after(jerk, self.period_s);
         let motion = Motion { acceleration, ..motion };
@@ -189,22 +177,29 @@ impl Profile<'_> {
     /// No further than to the next stretch: behind its beginning other limits count.
     fn up_to_next(&self, step: Step) -> Step {
         match self.ahead.first() {
-            Some(next) if next.speed > 0.0 && next.at + EQUAL < step.way => step.up_to(next.at, self.period_s),
+            Some(next) if next.speed > 0.0 && self.left(next) + EQUAL < step.way => {
+                step.up_to(self.left(next), self.period_s)
+            }
             _ => step,
         }
     }
 
     /// The last periods before a stop: of the way down to it, if that ends there.
     fn last(&self, from: Motion) -> Option<Step> {
-        let stop =
-            self.ahead.last().filter(|ahead| ahead.speed == 0.0 && ahead.at <= from.speed * LAST * self.period_s)?;
+        let near = from.speed * LAST * self.period_s;
+        let stop = self.ahead.last().filter(|ahead| ahead.speed == 0.0 && self.left(ahead) <= near)?;
         let brake = brake_to(0.0, stop, &from)?;
-        let is_tight = (brake.way() - stop.at).abs() <= TIGHT && brake.lasts_s() <= LAST * self.period_s;
+        let is_tight = (brake.way() - self.left(stop)).abs() <= TIGHT && brake.lasts_s() <= LAST * self.period_s;
         is_tight.then(|| self.down(&brake))
     }
 
+    /// The way to the beginning of a stretch.
+    pub(super) fn left(&self, ahead: &Ahead) -> f64 {
+        ahead.at - self.at
+    }
+
     /// What is ahead of what is kept to, with its safe speed.
-    fn kept(&self, keep: Keep) -> impl Iterator<Item = (&Ahead, f64)> {
+    fn kept(&self, keep: Keep) -> impl DoubleEndedIterator<Item = (&Ahead, f64)> {
         let all = keep == Keep::CommandedFeeds;
         self.ahead
             .iter()
@@ -214,36 +209,41 @@ impl Profile<'_> {
 
     /// Whether everything ahead can be kept to, and the acceleration is down in time to what each stretch allows.
     fn is_safe(&self, step: &Step, keep: Keep) -> bool {
+        self.check(step, keep).is_ok()
+    }
+
+    /// The same; where a stretch is reached too fast, which one.
+    pub(super) fn check(&self, step: &Step, keep: Keep) -> Result<(), Option<&Ahead>> {
         let Step { way, motion, .. } = step;
-        let arrives = |ahead: &Ahead| arrives(motion, &ahead.limits, ahead.at - way, self.here.jerk);
+        let left = |ahead: &Ahead| self.left(ahead) - way;
+        let arrives = |ahead: &Ahead| arrives(motion, &ahead.limits, left(ahead), self.here.jerk);
         if motion.speed < 0.0 || !(eases(motion, &self.least()) || self.ahead.iter().all(arrives)) {
-            return false;
+            return Err(None);
         }
-        for (ahead, safe) in self.kept(keep) {
-            let left = ahead.at - way;
-            let fits = |speed: f64| fits(speed, motion, &ahead.on_the_way, left + EQUAL);
-            if settles(motion, ahead) <= left.max(0.0) && fits(safe) {
-                return true;
-            }
-            if !fits(ahead.speed) {
-                return false;
-            }
+        let fits = |ahead: &Ahead, speed: f64| fits(speed, motion, &ahead.on_the_way, left(ahead) + EQUAL);
+        let is_secure = |ahead: &Ahead, safe: f64| settles(motion, ahead) <= left(ahead).max(0.0) && fits(ahead, safe);
+        let too_fast = self.kept(keep).find(|(ahead, _)| !fits(ahead, ahead.speed)).map(|(ahead, _)| ahead);
+        // From the end, which is mostly far enough to rest there.
+        let is_reached = |ahead: &Ahead| too_fast.is_none_or(|too_fast| std::ptr::eq(ahead, too_fast));
+        let mut reached = self.kept(keep).rev().skip_while(|(ahead, _)| !is_reached(ahead));
+        if self.ahead.is_empty() || reached.any(|(ahead, safe)| is_secure(ahead, safe)) {
+            return Ok(());
         }
-        self.ahead.is_empty()
+        Err(too_fast)
     }
 
     /// The hardest of the ways down that make this state safe, for one period.
     fn way_down(&self, from: Motion, keep: Keep) -> Option<Step> {
         let mut hardest: Option<Step> = None;
         for (ahead, safe) in self.kept(keep) {
-            let secure = brake_to(safe, ahead, &from);
+            let (secure, left) = (brake_to(safe, ahead, &from), self.left(ahead));
             let is_secure =
-                secure.is_none_or(|brake| brake.way() <= ahead.at + 2.0 * EQUAL) && settles(&from, ahead) <= ahead.at;
+                secure.is_none_or(|brake| brake.way() <= left + 2.0 * EQUAL) && settles(&from, ahead) <= left;
             let brake = if is_secure { secure } else { brake_to(ahead.speed, ahead, &from) };
             if let Some(brake) = brake {
                 let step = self.down(&brake);
                 let is_harder = hardest.is_none_or(|hardest| step.motion.speed < hardest.motion.speed);
-                if brake.way() + step.way >= ahead.at - EQUAL && is_harder {
+                if brake.way() + step.way >= left - EQUAL && is_harder {
                     hardest = Some(step);
                 }
             }

@@ -1,0 +1,170 @@
+//! The stretches ahead, as far as the axes get before they can rest, kept from step to step.
+//!
+//! Positions count from the beginning of the move in work, so that they stay while the axes move, and the safe speeds, which
+//! cost roots, depend only on differences of positions. Stretches that the axes have reached are taken off the front. The rest
+//! is worked out anew where the feed conditions change, and where the axes need more room to rest than the horizon has: it
+//! then reaches some periods further, for the steps that follow. Any horizon is safe that the axes can rest within, because
+//! its end counts as a stop.
+
+use std::collections::VecDeque;
+
+use crate::drives::brake::{Brake, Motion, surely_fits};
+use crate::drives::limits::PathLimits;
+use crate::drives::profile::{Ahead, secure};
+
+use super::feeds::FeedConditions;
+use super::leg::{Active, Queued};
+use super::stretches::{Stretch, walk};
+
+/// What is left of a way when it counts as done, far below a nanometre.
+pub const DONE: f64 = 1e-10;
+/// Periods at the speed of the moment that a new horizon reaches beyond what is needed.
+const SPARE_PERIODS: f64 = 24.0;
+
+/// The stretch that the axes are on, and those ahead.
+#[derive(Clone, Debug)]
+pub struct Horizon {
+    here: Stretch,
+    ahead: Vec<Ahead>,
+    /// What the wanted speeds belong to; none where all is to be worked out anew.
+    conditions: Option<FeedConditions>,
+}
+
+impl Horizon {
+    /// Nothing is known.
+    pub fn new() -> Self {
+        let here = Stretch { at_mm: 0.0, limits: PathLimits::NONE, wanted_mm_per_s: f64::INFINITY };
+        Horizon { here, ahead: Vec::new(), conditions: None }
+    }
+
+    /// The stretch that the axes are on.
+    pub fn here(&self) -> &Stretch {
+        &self.here
+    }
+
+    /// Those ahead, with their safe speeds.
+    pub(crate) fn ahead(&self) -> &[Ahead] {
+        &self.ahead
+    }
+
+    /// Lets all be worked out anew: the moves have changed.
+    pub fn forget(&mut self) {
+        self.conditions = None;
+    }
+
+    /// Whether it is known, and a move added to the queue lies behind it.
+    pub fn ends_before_queue(&self) -> bool {
+        self.conditions.is_some() && self.ahead.last().is_some_and(|last| last.limits.speed > 0.0)
+    }
+
+    /// Lets positions count from the end of a move that is over.
+    pub fn leave(&mut self, active: &Active) {
+        for ahead in &mut self.ahead {
+            ahead.at -= active.leg.travel.length_mm;
+        }
+    }
+
+    /// Lets the axes have the speed that is wanted on the move they have come to, which may be more than in the corner before.
+    pub fn enter(&mut self, active: &Active, conditions: &FeedConditions) {
+        self.here.wanted_mm_per_s = active.leg.wanted(&active.context, conditions);
+    }
+
+    /// Makes it hold for where the axes are, with what they may reach within `dt_s`.
+    pub fn update(
+        &mut self,
+        dt_s: f64,
+        motion: Motion,
+        (active, queue): (&Active, &VecDeque<Queued>),
+        conditions: &FeedConditions,
+    ) {
+        if self.conditions == Some(*conditions) {
+            self.pass(active.done_mm);
+            if self.reaches_far_enough(dt_s, &motion, active.done_mm) {
+                return;
+            }
+        }
+        self.renew(dt_s, &motion, (active, queue), conditions);
+    }
+
+    /// Takes off the front what the axes have reached. A stop is ahead until they rest.
+    fn pass(&mut self, done_mm: f64) {
+        let is_reached = |ahead: &&Ahead| ahead.at - done_mm <= DONE && ahead.limits.speed > 0.0;
+        let reached = self.ahead.iter().take_while(is_reached).count();
+        let Some(last) = self.ahead.drain(..reached).next_back() else { return };
+        self.here = Stretch { at_mm: last.at, limits: last.limits, wanted_mm_per_s: last.speed };
+        let mut on_the_way = self.here.limits;
+        for ahead in &mut self.ahead {
+            if ahead.is_commanded_feed {
+                on_the_way = on_the_way.and(&ahead.limits);
+            }
+            ahead.on_the_way = on_the_way;
+            on_the_way = on_the_way.and(&ahead.limits);
+        }
+    }
+
+    /// Whether the axes can rest before its end, or nothing is queued behind it.
+    fn reaches_far_enough(&self, dt_s: f64, motion: &Motion, done_mm: f64) -> bool {
+        self.ahead.last().is_some_and(|last| {
+            let soon = self.soon(dt_s, motion);
+            let room = last.at - done_mm - soon.speed * dt_s;
+            last.limits.speed == 0.0 || rests_within(room, &soon, &last.on_the_way.and(&last.limits))
+        })
+    }
+
+    /// The most that the motion comes to within `dt_s`.
+    fn soon(&self, dt_s: f64, motion: &Motion) -> Motion {
+        let Motion { speed, acceleration } = *motion;
+        let speed = speed + (acceleration.abs() + self.here.limits.jerk * dt_s) * dt_s;
+        Motion { speed, acceleration: acceleration.max(0.0) }
+    }
+
+    /// Works all out anew, with some periods to spare.
+    fn renew(
+        &mut self,
+        dt_s: f64,
+        motion: &Motion,
+        (active, queue): (&Active, &VecDeque<Queued>),
+        conditions: &FeedConditions,
+    ) {
+        self.ahead.clear();
+        self.here = Stretch { at_mm: 0.0, limits: PathLimits::NONE, wanted_mm_per_s: f64::INFINITY };
+        let mut on_the_way = PathLimits::NONE;
+        walk(active, queue, conditions, |stretch| {
+            let Stretch { at_mm: at, limits, wanted_mm_per_s: wanted } = stretch;
+            let left = at - active.done_mm;
+            if left <= DONE && limits.speed > 0.0 {
+                (self.here, on_the_way) = (stretch, limits);
+                return true;
+            }
+            self.ahead.push(Ahead {
+                at,
+                speed: limits.speed,
+                is_commanded_feed: false,
+                safe: [0.0; 2],
+                limits,
+                on_the_way,
+            });
+            on_the_way = on_the_way.and(&limits);
+            if wanted < limits.speed {
+                self.ahead.push(Ahead {
+                    at,
+                    speed: wanted,
+                    is_commanded_feed: true,
+                    safe: [0.0; 2],
+                    limits,
+                    on_the_way,
+                });
+            }
+            let soon = self.soon(dt_s, motion);
+            !rests_within(left - (1.0 + SPARE_PERIODS) * soon.speed * dt_s, &soon, &on_the_way)
+        });
+        secure(&mut self.ahead);
+        self.conditions = Some(*conditions);
+    }
+}
+
+/// Whether a motion comes to rest within less than `room`.
+fn rests_within(room: f64, from: &Motion, limits: &PathLimits) -> bool {
+    let exactly = || Brake::to(0.0, *from, limits).is_none_or(|brake| brake.way() < room);
+    surely_fits(0.0, from, limits, room).unwrap_or_else(exactly)
+}
