@@ -1,7 +1,7 @@
 //! From CL data to a machine's program and back: APT `GOTO/x,y,z,i,j,k` <-> NC.
 //!
 //! [`cl`] reads and writes CL data, [`plan`] chooses the axes and says what is wrong ([`finding`]), [`nc`] writes the program in one of
-//! three modes, [`back`] reads such a program. [`walk`] follows any program move by move, and [`judge`] says what is wrong with it.
+//! three modes, [`cl_from_nc`] reads such a program. [`walk`] follows any program move by move, and [`check`] checks it.
 
 pub mod cl;
 
