@@ -7,7 +7,7 @@
 //! what lies between main loop and tick, [`tap`] reads the program off the DNC line,
 //! [`input`] makes sense of what a board counts and measures, [`output`] carries the override to the control, [`board`] is
 //! the seam to the hardware, [`application`] a whole board between its link and its tick,
-//! [`assembly`] puts one together, [`front`] is
+//! [`assembly`] puts one together, [`main_loop`] is
 //! its side of the main loop, [`lockstep`] runs it at the pace of a simulated machine.
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]

@@ -2,7 +2,7 @@
 //!
 //! A pure state machine around [`Controller`]: no I/O, no clock; ages and `dt` are arguments. What it does row by row, and what
 //! it does not promise, is in `docs/safety.md`. Each tick goes the same way: [`settings`] judge the samples, [`operator`]
-//! reads the dial, [`sight`] watches the segment, the most important event moves the [`state`], and the state moves the
+//! reads the dial, [`segment_tracking`] follows the segment, the most important event moves the [`state`], and the state moves the
 //! level towards its [`target`] by the [ramp](crate::ramp) that nothing gets around.
 
 pub mod signals;

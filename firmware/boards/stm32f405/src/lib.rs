@@ -2,7 +2,7 @@
 //!
 //! One idea a file, in the order in which data flows. [`machine`] has what differs from machine to machine; [`program`] the
 //! job and its blocks; [`reset_cause`], [`panel`] and [`guard`] are pure and are tested on the host; the others own a
-//! peripheral each, and hold the only `unsafe`: registers. [`io`] joins them to one tick.
+//! peripheral each, and hold the only `unsafe`: registers. [`board_io`] joins them to one tick.
 #![no_std]
 
 pub mod machine;
