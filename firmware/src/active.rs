@@ -91,7 +91,7 @@ impl ActiveSegment {
 
     /// Prepares a segment under these conditions.
     pub fn under(segment: &Segment, conditions: &Conditions<'_>, job: &Job) -> Self {
-        let law = SegmentLaw::told(segment, conditions.rule, conditions.along, job);
+        let law = SegmentLaw::with_engagement(segment, conditions.rule, conditions.along, job);
         ActiveSegment::with_law(segment, &law, conditions, job)
     }
 

@@ -1,4 +1,4 @@
-//! A board decides in place of the controller that is told each block: in process, and on the emulated chip.
+//! A board decides in place of the controller notified of each block: in process, and on the emulated chip.
 
 use arcfeed_shared::wire::message::Message;
 use arcfeed_tests::emulation::host::Host;
@@ -62,21 +62,28 @@ fn assert_log_came(host: &Host, console: &[u8]) {
 }
 
 #[test]
-fn the_application_that_follows_the_position_cuts_the_chips_of_a_controller_that_is_told_each_block() {
+fn the_application_that_follows_the_position_cuts_the_chips_of_a_controller_notified_of_each_block() {
     let example = Example::load();
-    let (told, (in_process, host)) = (example.by_controller(), example.by_application(Vec::new()));
-    let differing = told.overrides.iter().zip(&in_process.overrides).filter(|(told, in_process)| told != in_process);
-    let furthest = differing.clone().map(|(told, in_process)| told.abs_diff(*in_process)).max().unwrap_or(0);
-    let (told_range, range) = (chip_range(&told.chips), chip_range(&in_process.chips));
-    let stretches = stretches(&told.overrides, &in_process.overrides);
-    println!("{} of {} overrides differ, by {furthest} points at most", differing.count(), told.overrides.len());
+    let (controller, (in_process, host)) = (example.by_controller(), example.by_application(Vec::new()));
+    let differing = controller
+        .overrides
+        .iter()
+        .zip(&in_process.overrides)
+        .filter(|(controller, in_process)| controller != in_process);
+    let furthest =
+        differing.clone().map(|(controller, in_process)| controller.abs_diff(*in_process)).max().unwrap_or(0);
+    let (controller_range, range) = (chip_range(&controller.chips), chip_range(&in_process.chips));
+    let stretches = stretches(&controller.overrides, &in_process.overrides);
+    println!("{} of {} overrides differ, by {furthest} points at most", differing.count(), controller.overrides.len());
     println!("in {} stretches of periods: {stretches:?}", stretches.len());
-    println!("chip over target: told {told_range:.5?}, by position {range:.5?}");
+    println!("chip over target: notified {controller_range:.5?}, by position {range:.5?}");
     assert!(stretches.iter().all(|[first, last]| last - first < 2), "where moves begin, for a tick or two");
-    assert!(stretches.len() <= told.chips.len(), "no more often than moves begin");
+    assert!(stretches.len() <= controller.chips.len(), "no more often than moves begin");
     assert!(host.is_through() && host.link().counters().retransmissions == 0);
-    assert_eq!(told.chips.len(), in_process.chips.len());
-    assert!(told_range.iter().zip(range).all(|(told, by_position)| (told - by_position).abs() < 0.01));
+    assert_eq!(controller.chips.len(), in_process.chips.len());
+    assert!(
+        controller_range.iter().zip(range).all(|(controller, by_position)| (controller - by_position).abs() < 0.01)
+    );
 }
 
 /// First and last period of each stretch in which two traces differ.

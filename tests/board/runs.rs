@@ -101,11 +101,11 @@ impl Example {
         simulation
     }
 
-    /// A run by the controller that is told each block.
+    /// A run by the controller notified of each block.
     pub fn by_controller(&self) -> Outcome {
-        let told =
+        let controller =
             InProcessController::new(&self.file.job, ControllerFault::None, STEP.into()).expect("the job is sound");
-        finish(&mut Simulation::new(self.control(), &self.file.job, told))
+        finish(&mut Simulation::new(self.control(), &self.file.job, controller))
     }
 
     /// A run by the board application in this process, which logs these frames behind so many ticks each.

@@ -173,7 +173,7 @@ pub fn chip_with_page(image: &str, page: &[u8]) -> Emulator {
 /// The example's job as it lies in flash.
 pub fn page_of(example: &Example) -> Page {
     let tapped = Tapped { code: Some(Code::Ascii), ..Tapped::default() };
-    page::write(&example.file.job, tapped).expect("a board can be told the job")
+    page::write(&example.file.job, tapped).expect("a board takes the job")
 }
 
 fn at_hand(example: &Example) -> VecDeque<u8> {
@@ -205,14 +205,14 @@ fn through_the_tap_the_chip_decides_bit_for_bit_what_the_board_in_process_does()
 }
 
 #[test]
-fn through_the_tap_the_chips_are_those_of_a_controller_that_is_told_each_block() {
+fn through_the_tap_the_chips_are_those_of_a_controller_notified_of_each_block() {
     let example = Example::load();
-    let (told, Passage { outcome: tapped, text, .. }) = (example.by_controller(), in_process(&example));
-    let (told_range, range) = (chip_range(&told.chips), chip_range(&tapped.chips));
-    println!("chip over target: told {told_range:.5?}, through the tap {range:.5?}");
+    let (controller, Passage { outcome: tapped, text, .. }) = (example.by_controller(), in_process(&example));
+    let (controller_range, range) = (chip_range(&controller.chips), chip_range(&tapped.chips));
+    println!("chip over target: notified {controller_range:.5?}, through the tap {range:.5?}");
     assert_eq!(text, example.text, "byte for byte");
-    assert_eq!(told.chips.len(), tapped.chips.len());
-    assert!(told_range.iter().zip(range).all(|(told, tapped)| (told - tapped).abs() < 0.01));
+    assert_eq!(controller.chips.len(), tapped.chips.len());
+    assert!(controller_range.iter().zip(range).all(|(controller, tapped)| (controller - tapped).abs() < 0.01));
 }
 
 #[test]

@@ -139,11 +139,11 @@ impl SegmentLaw {
     /// The job's law for a segment that `rule` speaks of; [`SegmentLaw::Programmed`] where tool, law and rule do not go
     /// together.
     pub fn for_segment(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
-        SegmentLaw::told(segment, rule, None, job)
+        SegmentLaw::with_engagement(segment, rule, None, job)
     }
 
-    /// The same with the engaged arcs that were told with the segment: they count where its rule leaves them to be told.
-    pub fn told(segment: &Segment, rule: Option<&CutRule>, along: Option<&EngagedTable>, job: &Job) -> Self {
+    /// The same with engagement sent for this segment, used when its rule expects engagement per move.
+    pub fn with_engagement(segment: &Segment, rule: Option<&CutRule>, along: Option<&EngagedTable>, job: &Job) -> Self {
         let Some(rule) = rule else { return SegmentLaw::Programmed };
         let setup = job.tool_of(rule);
         if setup.law == LawKind::Table {

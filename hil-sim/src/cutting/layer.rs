@@ -208,7 +208,7 @@ impl Layer {
         })
     }
 
-    /// Takes its share of a quadrilateral, of whose sides the crossings with a ray may be put elsewhere: told the side, the crossing, and the
+    /// Takes its share of a quadrilateral, of whose sides the crossings with a ray may be put elsewhere: by the side, the crossing, and the
     /// ray by its axis and place.
     fn clear_within(
         &mut self,

@@ -31,7 +31,7 @@ const MARGIN_MM: f64 = 1e-6;
 /// A ray at 45 degrees or less to the rake face goes no further than 2 sqrt 2 of its depth from there to the circle of its root.
 const FAR_RATIO: f64 = 3.0;
 
-/// Cosine of the largest angle to the rays at which a rake face is told from its continuation beyond the tool's axis.
+/// Cosine of the largest angle to the rays at which a rake face is distinguished from its continuation beyond the tool's axis.
 const SAME_SIDE_MIN: f64 = 0.5;
 
 /// So many rays beyond the last one an edge neither meets material nor sees any ahead.
@@ -300,7 +300,7 @@ impl Wake {
         Wake { behind: None, asked: None, ..*self }
     }
 
-    /// Whether the edge has just passed material, which a chip may still be told from.
+    /// Whether the edge has just passed material, from which a chip may still be known.
     pub fn has_left(&self, rake: &Rake, layer: &Layer) -> bool {
         let far_mm = APART_RAYS * layer.step_mm() / libm::fabs(rake.towards[rake.axis()]);
         self.behind.is_some_and(|point| point.has_material && -rake.ahead_mm(&point.begins_mm) < far_mm)

@@ -70,7 +70,7 @@ impl DiskField {
         self.stand(point_mm, modal_point, carried).unwrap_or(f64::INFINITY)
     }
 
-    /// Sets `modal_point` in the sector where the point is least outside, as told of a point in the first one.
+    /// Sets `modal_point` in the sector where the point is least outside, from a search of the first sector.
     fn stand(
         &self,
         point_mm: [f64; 3],

@@ -19,7 +19,7 @@ use crate::process::{Moment, Process};
 use crate::simulation::{STEP, Simulation};
 
 use super::cutter::LeftOut;
-use super::giving::Giving;
+use super::flexible_workpiece::FlexibleWorkpiece;
 use super::periods::{Period, Periods};
 use super::placing::{Placing, Unplaced, between};
 use super::steadiness::{Samples, Steadiness};
@@ -46,7 +46,7 @@ pub struct LoadSettings {
     /// Largest turn in a step.
     pub step_max_rad: f64,
     /// A workpiece that gives way, its modes the first ones of the process.
-    pub giving: Option<Giving>,
+    pub flexible: Option<FlexibleWorkpiece>,
     /// Where tool and workpiece give way: samples in a turn, and what counts as no change of their place.
     pub samples: Samples,
 }
@@ -162,7 +162,7 @@ impl LoadMeter {
 
     /// Natural frequencies of a workpiece that gives way, from the lowest.
     pub fn workpiece_hz(&self) -> impl Iterator<Item = f64> {
-        let count = self.settings.giving.as_ref().map_or(0, Giving::count);
+        let count = self.settings.flexible.as_ref().map_or(0, FlexibleWorkpiece::count);
         self.settings.process.vibration().modes()[..count].iter().map(|mode| mode.frequency_hz)
     }
 
@@ -208,8 +208,8 @@ impl LoadMeter {
             }
             return;
         }
-        if let Some(giving) = &mut self.settings.giving {
-            self.settings.process.vibration_mut().see_from(giving.shapes(&ends[1]));
+        if let Some(flexible) = &mut self.settings.flexible {
+            self.settings.process.vibration_mut().see_from(flexible.shapes(&ends[1]));
         }
         let was_due = self.due;
         let count = libm::floor(was_due + turned);
@@ -236,9 +236,9 @@ impl LoadMeter {
         }
         engagement.enter(&stand);
         let dt_s = S_PER_MIN / rev_per_min / self.steps_a_turn as f64;
-        let LoadSettings { process, giving, .. } = &mut self.settings;
-        let moment = match giving {
-            Some(giving) => process.step_on(dt_s, &stand, giving.seen()),
+        let LoadSettings { process, flexible, .. } = &mut self.settings;
+        let moment = match flexible {
+            Some(flexible) => process.step_on(dt_s, &stand, flexible.seen()),
             None => process.step(dt_s, &stand),
         };
         let loads = moment.loads;

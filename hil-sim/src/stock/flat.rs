@@ -73,7 +73,7 @@ impl Flat {
         Some(Flat { axis, ends_mm, outer_mm, hole_mm, heights, margin_mm, upright })
     }
 
-    /// What is known of a whole row of rays, along an axis, with another one across them: told what it can meet by the box, it is no more than that. `None` if it
+    /// What is known of a whole row of rays, along an axis, with another one across them: no more than what the box can meet. `None` if it
     /// loses nothing.
     pub fn narrowed(&self, row: Row, [ray_axis, column_axis]: [usize; 2], row_mm: f64) -> Option<Row> {
         let mut point_mm = [0.0; 3];

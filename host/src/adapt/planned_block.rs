@@ -118,7 +118,7 @@ impl PlannedBlock {
 pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: LengthUnit) -> Option<Profile> {
     let rule = job.rules.get(block.rule?)?;
     let teeth_per_min = f64::from(spindle.0) * f64::from(job.tool_of(rule).tool.active_teeth());
-    let law = SegmentLaw::told(&block.segment, Some(rule), block.along.as_ref(), job);
+    let law = SegmentLaw::with_engagement(&block.segment, Some(rule), block.along.as_ref(), job);
     let mut knots_mm = Vec::new();
     law.knots_mm(&mut |mm| knots_mm.push(f64::from(mm)));
     let profile = Profile::ask(&law, &block.segment, &knots_mm);

@@ -15,7 +15,7 @@ const SHARP_RATIO: f64 = 1e-5;
 const DEPTH_MAX: usize = 16;
 /// Steps towards the bottom of a valley, each of which leaves two thirds of it.
 const DESCENTS: usize = 40;
-/// Halvings of a cell to the place where a law's demand begins or ends: a place is told apart to 24 bits of its move.
+/// Halvings of a cell to the place where a law's demand begins or ends: f32 resolves a place to 24 bits of its move.
 const HALVINGS: usize = 16;
 
 /// What a law says at a point.

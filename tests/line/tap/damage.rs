@@ -107,11 +107,11 @@ fn a_control_that_got_something_else_is_found_out_when_its_axes_leave_the_path()
 }
 
 /// The pocket, of which the control gets something else in one place, all of it sound.
-fn another(told: &str, executed: &str, off_path: Nm) -> Ended {
+fn another(written: &str, executed: &str, off_path: Nm) -> Ended {
     let (file, text) = example(JOBS[1]);
     let text = String::from_utf8(text).expect("the example is text");
-    let other = text.replacen(told, executed, 1);
-    assert!(other != text && other.len() == text.len(), "{told} is in it");
+    let other = text.replacen(written, executed, 1);
+    assert!(other != text && other.len() == text.len(), "{written} is in it");
     let settings = TapSettings { code: Some(Code::Ascii), off_path, ..TapSettings::new(file.job.unit) };
     let frames = text.clone().into_bytes();
     let mut bench = Bench::new(control(&file, settings.code), settings, &file.job, frames);
@@ -119,7 +119,12 @@ fn another(told: &str, executed: &str, off_path: Nm) -> Ended {
     let other = other.into_bytes();
     bench.between = Box::new(move |index, _| vec![other[index]]);
     let ended = bench.run();
-    println!("{told:?} {executed:?}: {:?} {:?} {:?}", ended.state, ended.figures, bench.simulation.control().alarm());
+    println!(
+        "{written:?} {executed:?}: {:?} {:?} {:?}",
+        ended.state,
+        ended.figures,
+        bench.simulation.control().alarm()
+    );
     ended
 }
 
@@ -134,17 +139,17 @@ const ELSEWHERE: [[&str; 2]; 5] = [
 
 #[test]
 fn another_path_than_the_one_that_was_read_is_noticed_within_the_count() {
-    for [told, executed] in ELSEWHERE {
-        let ended = another(told, executed, Nm(500_000));
-        assert_eq!(ended.state, TapState::Lost(Why::OffPath), "{told}");
+    for [written, executed] in ELSEWHERE {
+        let ended = another(written, executed, Nm(500_000));
+        assert_eq!(ended.state, TapState::Lost(Why::OffPath), "{written}");
         assert!(ended.figures.off_path_in_row <= OFF_PATH_COUNT, "{ended:?}");
     }
 }
 
 #[test]
 fn without_the_watch_a_law_would_act_where_it_has_no_business() {
-    let acts = |[told, executed]: &[&str; 2]| {
-        another(told, executed, Nm(i64::MAX)).figures.off_path_in_row > 10 * OFF_PATH_COUNT
+    let acts = |[written, executed]: &[&str; 2]| {
+        another(written, executed, Nm(i64::MAX)).figures.off_path_in_row > 10 * OFF_PATH_COUNT
     };
     assert!(ELSEWHERE.iter().filter(|places| acts(places)).count() >= 3);
 }

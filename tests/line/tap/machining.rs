@@ -1,4 +1,4 @@
-//! The example job through the tap: the same chips as with a controller that is told what the control executes.
+//! The example job through the tap: the same chips as with a controller notified of what the control executes.
 
 use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_firmware::tap::status::TapState;
@@ -14,7 +14,7 @@ use crate::tap::bench::{Bench, control, encoded, example, moves};
 /// By how much the chips of the two runs may differ: the control's step of the override is one per cent.
 const DIFFERENCE_MAX: f64 = 0.011;
 
-/// The chips, and least and largest override of each governed move, of a controller that is told.
+/// The chips, and least and largest override of each governed move, of a controller notified of each move.
 pub fn in_process(job: &str) -> (Vec<MoveChips>, Vec<(u8, u8)>) {
     let (file, text) = example(job);
     let source = InProcessController::new(&file.job, ControllerFault::None, STEP.into()).expect("sound limits");
@@ -28,7 +28,7 @@ pub fn in_process(job: &str) -> (Vec<MoveChips>, Vec<(u8, u8)>) {
 }
 
 #[test]
-fn the_chips_of_the_example_are_those_of_a_controller_that_is_told() {
+fn the_chips_of_the_example_are_those_of_a_notified_controller() {
     let (file, text) = example("examples/ibr-slot/job.toml");
     let settings = TapSettings::new(file.job.unit);
     let mut bench = Bench::new(control(&file, None), settings, &file.job, encoded(&text, Code::Iso));
@@ -36,10 +36,10 @@ fn the_chips_of_the_example_are_those_of_a_controller_that_is_told() {
     let ended = bench.run();
     println!("{ended:?}");
     assert!(bench.simulation.control().has_ended(), "{:?}", bench.simulation.control().alarm());
-    let (told, _) = in_process("examples/ibr-slot/job.toml");
+    let (notified, _) = in_process("examples/ibr-slot/job.toml");
     let moves = bench.simulation.meter().moves();
-    assert_eq!(moves.len(), told.len());
-    for (ours, theirs) in moves.iter().zip(&told) {
+    assert_eq!(moves.len(), notified.len());
+    for (ours, theirs) in moves.iter().zip(&notified) {
         let range = |chips: &MoveChips| (chips.contact.min_ratio, chips.contact.max_ratio);
         println!("{:?} {:?} {:?}", ours.sequence, range(ours), range(theirs));
         assert!((ours.contact.min_ratio - theirs.contact.min_ratio).abs() <= DIFFERENCE_MAX);

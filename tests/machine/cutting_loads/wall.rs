@@ -10,7 +10,7 @@ use arcfeed_hil_sim::fe::slab::{Face, Slab};
 use arcfeed_hil_sim::fe::sparse::Factor;
 use arcfeed_hil_sim::fe::unknowns::Unknowns;
 use arcfeed_hil_sim::flexible::largest_modes;
-use arcfeed_hil_sim::removal::giving::Giving;
+use arcfeed_hil_sim::removal::flexible_workpiece::FlexibleWorkpiece;
 use nalgebra::Vector3;
 
 use crate::fe::at_nodes::unknowns_of_nodes;
@@ -32,7 +32,7 @@ fn bent_mm(cells: [usize; 3], count: Option<usize>, places: &[[usize; 2]]) -> Ve
     let modes = body.modes(&clamped, count.unwrap_or(k.size())).expect("so many");
     let field = Field::new(mesh.clone(), &modes, 1e-3);
     let given = largest_modes(&field, 0.01).expect("a damping");
-    let mut giving = Giving::new(Arc::new(field), EDGES_MM);
+    let mut flexible = FlexibleWorkpiece::new(Arc::new(field), EDGES_MM);
     let at = |[x, z]: &[usize; 2]| {
         let node = mesh.nodes_where(|place| place == [*x, 2 * cells[1], *z])[0];
         let mut push = vec![0.0; k.size()];
@@ -42,7 +42,7 @@ fn bent_mm(cells: [usize; 3], count: Option<usize>, places: &[[usize; 2]]) -> Ve
         let [x_mm, _, z_mm] = mesh.nodes_mm()[node];
         // Beside the wall by 5 mm; above its top there is nothing to be beside of.
         let tip_mm = [x_mm, 5.0, if z_mm == 0.0 { 0.0 } else { z_mm - EDGES_MM / 2.0 }];
-        let seen = given.iter().zip(giving.shapes(&tip_mm)).map(|(mode, shape)| Mode { shape: *shape, ..*mode });
+        let seen = given.iter().zip(flexible.shapes(&tip_mm)).map(|(mode, shape)| Mode { shape: *shape, ..*mode });
         [push[unknown], seen.map(|mode| mode.static_mm(&Vector3::y()).y).sum()]
     };
     places.iter().map(at).collect()

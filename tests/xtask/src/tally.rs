@@ -23,7 +23,7 @@ use crate::selection::Selection;
 const SKIP_LOG: &str = "ARCFEED_SKIP_LOG";
 /// Runs side by side.
 const SIDE_BY_SIDE: usize = 2;
-/// How many tests of a run go side by side: as many as there are cores, where nobody has said how many.
+/// How many tests of a run go side by side: as many as there are cores, unless the variable is set.
 const THREADS: &str = "RUST_TEST_THREADS";
 
 /// Results over all test programs.
@@ -114,7 +114,7 @@ fn run_tests(selection: &Selection, tally: &mut Tally) -> Result<(), Failure> {
     results.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect()
 }
 
-/// The next run that nobody has begun.
+/// The next run in the queue.
 fn next<T>(waiting: &Mutex<impl Iterator<Item = T>>) -> Option<T> {
     waiting.lock().unwrap_or_else(PoisonError::into_inner).next()
 }

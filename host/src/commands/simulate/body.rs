@@ -10,7 +10,7 @@ use arcfeed_hil_sim::fe::mesh::Mesh;
 use arcfeed_hil_sim::fe::sheet::Sheet;
 use arcfeed_hil_sim::fe::slab::{Face, Slab};
 use arcfeed_hil_sim::flexible::largest_modes;
-use arcfeed_hil_sim::removal::giving::Giving;
+use arcfeed_hil_sim::removal::flexible_workpiece::FlexibleWorkpiece;
 use arcfeed_hil_sim::stock::solid::Solid;
 
 use super::surface;
@@ -23,21 +23,25 @@ pub type Trouble = (Option<usize>, String);
 ///
 /// # Errors
 /// The material is not known, the body has no such mesh or modes, or is no part of the blank.
-pub fn giving(flexible: &Flexible, blank: &dyn Solid, edges_mm: f64) -> Result<(Giving, Vec<Mode>), Trouble> {
-    let told = |error: &dyn std::fmt::Display| (Some(flexible.offset), error.to_string());
+pub fn flexible(
+    flexible: &Flexible,
+    blank: &dyn Solid,
+    edges_mm: f64,
+) -> Result<(FlexibleWorkpiece, Vec<Mode>), Trouble> {
+    let input_failure = |error: &dyn std::fmt::Display| (Some(flexible.offset), error.to_string());
     let (axis, is_upper) = flexible.clamped;
     let held = Face { axis, is_upper };
     let mesh = mesh(flexible, held)?;
     let box_mm = mesh.bounds_mm();
     let of_blank_mm = blank.bounds_mm();
     if !(0..3).all(|axis| box_mm[0][axis] < of_blank_mm[1][axis] && of_blank_mm[0][axis] < box_mm[1][axis]) {
-        return Err(told(&"what gives way has nothing in common with the workpiece"));
+        return Err(input_failure(&"what gives way has nothing in common with the workpiece"));
     }
     let body = Body::new(mesh, &material(&flexible.material)?);
-    let modes = body.modes(&held.nodes(body.mesh()), flexible.modes).map_err(|error| told(&error))?;
+    let modes = body.modes(&held.nodes(body.mesh()), flexible.modes).map_err(|error| input_failure(&error))?;
     let field = Field::new(body.mesh().clone(), &modes, body.mesh().thickness_mm());
-    let modes = largest_modes(&field, flexible.damping_ratio).map_err(|error| told(&error))?;
-    Ok((Giving::new(Arc::new(field), edges_mm), modes))
+    let modes = largest_modes(&field, flexible.damping_ratio).map_err(|error| input_failure(&error))?;
+    Ok((FlexibleWorkpiece::new(Arc::new(field), edges_mm), modes))
 }
 
 fn mesh(flexible: &Flexible, held: Face) -> Result<Mesh, Trouble> {

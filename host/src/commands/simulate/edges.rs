@@ -12,7 +12,7 @@ use arcfeed_hil_sim::dynamics::transition::Rule;
 use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
 use arcfeed_hil_sim::process::Process;
 use arcfeed_hil_sim::removal::envelope::Turned;
-use arcfeed_hil_sim::removal::giving::Giving;
+use arcfeed_hil_sim::removal::flexible_workpiece::FlexibleWorkpiece;
 use arcfeed_hil_sim::removal::steadiness::{FLOOR_RATIO, Samples};
 use arcfeed_hil_sim::stock::solid::Solid;
 use arcfeed_shared::tool::Tool;
@@ -41,30 +41,35 @@ const RIGID: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 0.0, passes_
 ///
 /// # Errors
 /// The material is not known, the edges are none, there are too many layers, or what gives way has no such modes.
-pub fn process(file: &JobFile, cutting: &Cutting, blank: &dyn Solid) -> Result<(Process, Option<Giving>), Trouble> {
+pub fn process(
+    file: &JobFile,
+    cutting: &Cutting,
+    blank: &dyn Solid,
+) -> Result<(Process, Option<FlexibleWorkpiece>), Trouble> {
     let Some(workpiece) = &file.workpiece else { return Err((None, "there is no workpiece".into())) };
     let forces = forces(&cutting.coefficients)?;
-    let told = |error: &dyn std::fmt::Display| (None, error.to_string());
+    let input_failure = |error: &dyn std::fmt::Display| (None, error.to_string());
     let rise_mm = rise_mm(cutting);
-    let edges = edges(file, cutting, workpiece.body.corner_mm).map_err(|error| told(&error))?;
-    let layers = Layers::of_solid(blank, UPRIGHT, rise_mm, workpiece.step_mm).map_err(|error| told(&error))?;
+    let edges = edges(file, cutting, workpiece.body.corner_mm).map_err(|error| input_failure(&error))?;
+    let layers = Layers::of_solid(blank, UPRIGHT, rise_mm, workpiece.step_mm).map_err(|error| input_failure(&error))?;
     let depth_mm = edges.rake_max_mm();
-    let engagement =
-        EdgeEngagement::new(edges, layers, depth_mm).map_err(|error| told(&error))?.up_to_mm(cutting.axial_depth_mm);
-    let (mut modes, mut giving) = (Vec::new(), None);
+    let engagement = EdgeEngagement::new(edges, layers, depth_mm)
+        .map_err(|error| input_failure(&error))?
+        .up_to_mm(cutting.axial_depth_mm);
+    let (mut modes, mut flexible_workpiece) = (Vec::new(), None);
     if let Some(flexible) = &workpiece.flexible {
-        let (body, of_body) = body::giving(flexible, blank, cutting.axial_depth_mm)?;
+        let (body, of_body) = body::flexible(flexible, blank, cutting.axial_depth_mm)?;
         modes.extend(of_body);
-        giving = Some(body);
+        flexible_workpiece = Some(body);
     }
-    for told in &cutting.modes {
-        modes.push(mode(told)?);
+    for settings in &cutting.modes {
+        modes.push(mode(settings)?);
     }
     let stepping = if modes.is_empty() { RIGID } else { FLEXIBLE };
-    Ok((Process::new(engagement, forces, Vibration::new(modes, stepping)), giving))
+    Ok((Process::new(engagement, forces, Vibration::new(modes, stepping)), flexible_workpiece))
 }
 
-/// The solid that the edges would turn if the tool ran true: what marks are told against.
+/// The solid that the edges would turn if the tool ran true: the reference for marks.
 ///
 /// # Errors
 /// The edges are none.

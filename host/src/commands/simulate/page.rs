@@ -70,14 +70,14 @@ impl SurfaceFormat {
     /// # Errors
     /// Nothing is left, or the file cannot be written.
     pub fn write(self, stock: &Stock, path: &Path) -> Result<(), Failure> {
-        let told = |error: &dyn std::fmt::Display| Failure::Input(format!("{}: {error}", path.display()));
-        let mesh = surface(stock).map_err(|error| told(&error))?;
+        let input_failure = |error: &dyn std::fmt::Display| Failure::Input(format!("{}: {error}", path.display()));
+        let mesh = surface(stock).map_err(|error| input_failure(&error))?;
         let mut bytes = Cursor::new(Vec::new());
         let written = match self {
             SurfaceFormat::Stl => write_stl(&mesh, &mut bytes),
             SurfaceFormat::Ply => write_ply(&mesh, &mut bytes),
         };
-        written.map_err(|error| told(&error))?;
+        written.map_err(|error| input_failure(&error))?;
         write_whole(path, bytes.get_ref())
     }
 }

@@ -56,16 +56,18 @@ impl<'a> Setup<'a> {
         };
         let place = located(workpiece.offset);
         let tolerance_mm = workpiece.step_mm * TOLERANCE_RATIO;
-        let told = |error: &dyn std::fmt::Display| Failure::Input(format!("{place}: {error}"));
-        let tool = tool(&file.job.tools.first().tool, &workpiece.body, tolerance_mm).map_err(|error| told(&error))?;
+        let input_failure = |error: &dyn std::fmt::Display| Failure::Input(format!("{place}: {error}"));
+        let tool =
+            tool(&file.job.tools.first().tool, &workpiece.body, tolerance_mm).map_err(|error| input_failure(&error))?;
         let blank = solid(&workpiece.blank, tolerance_mm).map_err(|error| error.at(&place))?;
-        let stock = Stock::new(&*blank, workpiece.step_mm, workpiece.memory_max_bytes).map_err(|error| told(&error))?;
+        let stock = Stock::new(&*blank, workpiece.step_mm, workpiece.memory_max_bytes)
+            .map_err(|error| input_failure(&error))?;
         let machine = file.machine.as_ref().map(|named| named.machine);
         let edges = |cutting: &Cutting| -> Result<(LoadSettings, Truth), body::Trouble> {
-            let (process, giving) = edges::process(file, cutting, &*blank)?;
+            let (process, flexible) = edges::process(file, cutting, &*blank)?;
             let truth = Truth { blank: process.engagement().layers().clone(), turned: edges::turned(file, cutting)? };
             let (step_max_rad, samples) = (edges::step_max_rad(file, &process), edges::samples(file));
-            Ok((LoadSettings { process, machine, step_max_rad, giving, samples }, truth))
+            Ok((LoadSettings { process, machine, step_max_rad, flexible, samples }, truth))
         };
         let edges = file.cutting.as_ref().map(|cutting| {
             let wrong = |(offset, message): body::Trouble| {

@@ -15,17 +15,17 @@ use crate::flexible::Workpiece;
 
 /// The body and its modes.
 #[derive(Clone, Debug)]
-pub struct Giving {
+pub struct FlexibleWorkpiece {
     seen: Workpiece<Arc<Field>>,
     bounds_mm: [Vector; 2],
     /// How far up from its tip the tool has edges.
     edges_mm: f64,
 }
 
-impl Giving {
+impl FlexibleWorkpiece {
     /// A body with its modes, and how far up from its tip the tool that cuts it has edges.
     pub fn new(field: Arc<Field>, edges_mm: f64) -> Self {
-        Giving { bounds_mm: field.mesh().bounds_mm(), seen: Workpiece::new(field), edges_mm }
+        FlexibleWorkpiece { bounds_mm: field.mesh().bounds_mm(), seen: Workpiece::new(field), edges_mm }
     }
 
     /// How many modes it has.
