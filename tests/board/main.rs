@@ -8,6 +8,8 @@ mod budgets;
 
 mod defmt_log;
 
+mod embassy;
+
 mod elf;
 
 mod figures;

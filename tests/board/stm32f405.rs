@@ -20,7 +20,7 @@ use arcfeed_tests::emulation::qemu;
 
 use crate::images::assert_gated;
 
-const BOARD: &str = "stm32f405";
+const BOARD: &str = "firmware/boards/stm32f405";
 const IMAGE: &str = "feedboard-stm32f405";
 
 /// The heartbeat changes every 100 ticks; so many changes are seen before the emulator is stopped.

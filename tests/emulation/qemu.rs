@@ -79,14 +79,22 @@ impl Run {
     }
 }
 
-/// Runs an image to its end, which must be a good one.
+/// Runs an image of the emulated board to its end, which must be a good one.
 ///
 /// # Panics
 /// It ends badly, or not at all.
 pub fn run(name: &str) -> Run {
+    run_image(name, &image(name))
+}
+
+/// Runs an image to its end, which must be a good one.
+///
+/// # Panics
+/// It ends badly, or not at all.
+pub fn run_image(name: &str, image: &Path) -> Run {
     let scratch = scratch(name);
     let uart1 = PathBuf::from(scratch.path("uart1"));
-    let mut qemu = command(&image(name), &scratch, Clock::Counted);
+    let mut qemu = command(image, &scratch, Clock::Counted);
     qemu.args(["-serial", "null", "-serial"]).arg(format!("file:{}", uart1.display()));
     let mut child = spawn(&mut qemu);
     let status = wait(name, &mut child);

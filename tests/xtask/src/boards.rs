@@ -1,4 +1,4 @@
-//! The boards are workspaces of their own: what `.ci/run` checks of the others is checked of each here. Their images are
+//! The boards, and the example firmware, are workspaces of their own: what `.ci/run` checks of the others is checked of each here. Their images are
 //! built too: one in which a panic can be reached does not link.
 
 use std::fs;
@@ -8,6 +8,8 @@ use crate::command::{Failure, announce, build_dir, cargo, run};
 use crate::target::TARGET;
 
 const FOLDER: &str = "firmware/boards";
+/// Firmware for a board that is an example.
+const EXAMPLE: &str = "examples/embassy";
 
 /// Formatting, lints and images of each board.
 ///
@@ -26,13 +28,13 @@ pub fn check() -> Result<(), Failure> {
         let for_the_chip = ["--locked", "--quiet", "--release", "--target", TARGET, "--manifest-path", &path];
         let mut clippy = cargo(&["clippy"]);
         clippy.args(for_the_chip).arg("--target-dir").arg(&target_dir);
-        run(clippy.args(["--bins", "--lib", "--", "-D", "warnings"]))?;
+        run(clippy.args(["--", "-D", "warnings"]))?;
         run(cargo(&["build", "--bins"]).args(for_the_chip).arg("--target-dir").arg(&target_dir))?;
     }
     Ok(())
 }
 
-/// `Cargo.toml` of each board, as seen from the workspace's root.
+/// `Cargo.toml` of each board and of the example, as seen from the workspace's root.
 fn manifests() -> Result<Vec<PathBuf>, Failure> {
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(FOLDER);
     let unreadable = |error: std::io::Error| Failure::new(format!("{FOLDER}: {error}"));
@@ -44,6 +46,7 @@ fn manifests() -> Result<Vec<PathBuf>, Failure> {
         }
     }
     manifests.sort();
+    manifests.push(PathBuf::from(EXAMPLE).join("Cargo.toml"));
     Ok(manifests)
 }
 
