@@ -13,6 +13,8 @@ mod crates;
 
 mod modules;
 
+mod documents;
+
 mod files;
 
 mod units;

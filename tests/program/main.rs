@@ -1,4 +1,4 @@
-//! NC programs: read, checked, run by the interpreter, and given back.
+//! NC programs: read, checked, run by the interpreter, and given back; the commands of the tutorials.
 
 mod alarms;
 
@@ -21,3 +21,5 @@ mod moves_rs274;
 mod nc_text;
 
 mod planes;
+
+mod tutorials;
