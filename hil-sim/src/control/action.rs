@@ -1,4 +1,4 @@
-//! Blocks as they are executed: what each does, and how.
+//! Blocks ready for execution: their actions and the context of their moves.
 
 use arcfeed_shared::nc::alarm::Fault;
 use arcfeed_shared::nc::machining::Machining;
@@ -12,52 +12,52 @@ use arcfeed_shared::units::{Micros, Nm};
 /// One block, ready to execute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadBlock {
-    /// Its line in what was received, counted from 1; of a program of the library the line of the call.
+    /// Line of the block as received, counted from 1; for a block of a library program, the line of the call.
     pub line: u32,
-    /// Its bytes, without the line end; where it has expressions, with their values in their place.
+    /// Bytes of the block, without the line end; values replace its expressions.
     pub text: Vec<u8>,
-    /// What it does.
+    /// Action of the block.
     pub action: Action,
-    /// How its moves are made.
+    /// Context of the block's moves.
     pub context: MoveContext,
 }
 
-/// What a block does.
+/// Action of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// A comment, a title, modal words: no time, and moves flow through it.
     Nothing,
-    /// An M, S or T function: no time here, but moves before it come to rest.
+    /// An M, S or T function: takes no time here, but moves before it come to rest.
     Auxiliary,
-    /// A move in machine coordinates, and where the program goes on after it.
+    /// A move in machine coordinates, and the stop after it.
     Move(Segment, Option<Stop>),
-    /// Several moves, on the path (see `plain.rs`), and where the program goes on after them.
+    /// Several moves in program coordinates (see `plain.rs`), and the stop after them.
     Series(Box<Series>, Option<Stop>),
     /// G4.
     Dwell(Micros),
     /// M0, M1, M2, M30.
     Stop(Stop),
-    /// What counts for nothing from here on: #3003, #3004.
+    /// Functions switched off from here on: #3003, #3004.
     Ignore(Ignored),
     /// The control stops here with an alarm.
     Fault(Fault),
 }
 
 impl Action {
-    /// Whether nothing behind this block is read before it is executed.
+    /// Whether the control reads no further block before it has executed this one.
     pub fn stops_reading(&self) -> bool {
         matches!(self, Action::Stop(_) | Action::Move(_, Some(_)) | Action::Series(_, Some(_)) | Action::Fault(_))
     }
 }
 
 impl ReadBlock {
-    /// A block that asks for nothing special.
+    /// A block with the default context.
     pub fn new(line: u32, text: Vec<u8>, action: Action) -> Self {
         ReadBlock { line, text, action, context: MoveContext::default() }
     }
 
-    /// Whether a control in single block waits after it: not after one with nothing but a comment, not after a macro
-    /// statement or a call.
+    /// Whether a control in single block waits after this block. It does not after a block that is only a comment,
+    /// after a macro statement or after a call.
     pub fn is_halt_of_single_block(&self) -> bool {
         let code = self.text.split(|&byte| byte == b'(').next().unwrap_or_default();
         match self.action {
@@ -68,31 +68,32 @@ impl ReadBlock {
     }
 }
 
-/// What holds for all moves of a block.
+/// Context of all moves of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MoveContext {
-    /// Machine coordinates of the workpiece's origin: of the work coordinate system, Z longer by the tool.
+    /// Machine coordinates of the workpiece's origin: that of the work coordinate system, with the tool length added to
+    /// Z.
     pub origin: Pose,
-    /// What of it is the tool's length.
+    /// Tool length, which is part of `origin`.
     pub tool: Nm,
-    /// Whether a law cannot govern its moves: canned cycles, and what is under G41, G42, G43.4 and G95.
+    /// Whether a law must not govern the moves: canned cycles, and moves under G41, G42, G43.4 and G95.
     pub is_special: bool,
-    /// G63, or a tap in its hole: the override counts 100 %, and feed hold waits.
+    /// G63, or a tap in its hole: the override is 100 %, and feed hold waits.
     pub is_tapping: bool,
-    /// Whose way its moves are.
+    /// Meaning of the programmed path.
     pub way: Way,
-    /// Tool and spindle, as the program has commanded them.
+    /// Tool and spindle commanded by the program.
     pub machining: Machining,
 }
 
-/// Whose way a block's moves are written as.
+/// Meaning of the path that a program describes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Way {
-    /// The axes'.
+    /// Path of the axes.
     #[default]
     Axes,
-    /// The tool tip's on the part: G43.4.
+    /// Path of the tool tip on the part: G43.4.
     Tip,
-    /// The part's contour: G41, G42.
+    /// Contour of the part: G41, G42.
     Contour,
 }

@@ -13,8 +13,8 @@ use super::tape::Received;
 use super::{AlarmRecord, Control};
 
 impl Control {
-    /// Fills the look-ahead, up to a block behind which nothing is read before it is executed. A block with a fault stops
-    /// the control when its turn comes, not when it is read.
+    /// Fills the look-ahead, up to a block that must be executed before the next one is read. A block with a fault
+    /// stops the control when it is executed, not when it is read.
     pub(super) fn read_ahead(&mut self, now: Micros, dt: Micros) {
         let cost = self.settings.block_processing;
         self.reading_time = self.reading_time.after(dt);
@@ -30,13 +30,13 @@ impl Control {
                 self.interpolator.queue(block);
             }
         }
-        // An idle reader has one block's time saved up when the next step comes, and no more.
+        // An idle reader has saved the time of one block, not more, when the next step begins.
         if self.has_moved && self.reading_time >= cost {
             self.reading_time = cost.since(dt);
         }
     }
 
-    /// Where a restart has found its block, the operator sees what was not sent and presses cycle start.
+    /// When a restart has found its block, the control shows the list of functions not sent and waits for cycle start.
     fn offer_restart(&mut self, now: Micros) {
         let list = match &mut self.executive {
             Some(executive) => executive.take_restart_list(),
@@ -48,12 +48,12 @@ impl Control {
         }
     }
 
-    /// Whether nothing is left to read.
+    /// Whether no block is left to read.
     pub(super) fn has_nothing_to_read(&self) -> bool {
         self.executive.as_ref().map_or_else(|| self.port.is_exhausted(), Executive::is_over)
     }
 
-    /// A program that ends without M30 is an alarm; what is starved of blocks on the way is counted.
+    /// Raises an alarm if the program ends without M30; counts the time without a block to execute.
     pub(super) fn look_for_the_end(&mut self, dt: Micros) {
         if !self.is_starved() {
             return;
@@ -67,7 +67,7 @@ impl Control {
         }
     }
 
-    /// What the next line gives to execute, often one block; `None` if there is none yet.
+    /// Blocks that the next line gives, often one; `None` if there is no line yet.
     fn next_blocks(&mut self, now: Micros) -> Option<Vec<ReadBlock>> {
         let approach = Approach { stands: self.interpolator.position(), feed: self.settings.dry_run_feed };
         let found = match (&mut self.executive, self.search) {
@@ -89,7 +89,7 @@ impl Control {
             }
         };
         Some(match found {
-            // What was printed before the block is not printed again.
+            // Output before the searched block is not sent again.
             Found::NotYet => {
                 self.executive.iter_mut().for_each(|executive| drop(executive.take_outputs()));
                 Vec::new()
@@ -107,8 +107,8 @@ impl Control {
         })
     }
 
-    /// What the interpreter makes of what is next in memory or on the DNC line: a block, or nothing of a line without code;
-    /// `None` if there is nothing yet.
+    /// Result of the interpreter for the next line of memory or of the DNC line: a block, or nothing for a line without
+    /// code; `None` if there is no line yet.
     fn next_block(&mut self, now: Micros) -> Option<Option<ReadBlock>> {
         let executive = self.executive.as_mut()?;
         match executive.next(now, &self.switches) {
@@ -128,7 +128,7 @@ impl Control {
         }
     }
 
-    /// What a search makes of what the DNC line brings.
+    /// Applies a search to the next line of the DNC line.
     fn look_on_line(&mut self, search: Search, now: Micros, approach: &Approach) -> Option<Found> {
         let executive = self.executive.as_mut()?;
         if let Search::Sequence(wanted) = search {

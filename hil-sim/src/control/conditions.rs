@@ -1,4 +1,5 @@
-//! What counts for the moves: the panel and the override input, and what the program has switched off with #3003 and #3004.
+//! Conditions of the moves: the panel, the override input, and the functions that the program has switched off with
+//! #3003 and #3004.
 
 use arcfeed_shared::units::{Micros, PERCENT};
 
@@ -14,7 +15,7 @@ const NO_FEED_HOLD: u8 = 1;
 const NO_OVERRIDE: u8 = 2;
 
 impl Control {
-    /// The override takes effect one scan of the machine's ladder after it stood at the input.
+    /// Delays the override from its input by the scan time of the machine's ladder.
     pub(super) fn through_ladder(&mut self, override_percent: u8) -> u8 {
         self.ladder.push_back(override_percent);
         if self.ladder.len() > self.settings.ladder_delay_steps {
@@ -44,7 +45,7 @@ impl Control {
         }
     }
 
-    /// A dwell goes on, but in feed hold and before the axes are in position.
+    /// Counts down a dwell, except in feed hold and before the axes are in position.
     pub(super) fn dwell(&mut self, dt: Micros) {
         let goes_on = !self.holds() || self.course.as_ref().is_some_and(CannedCycleRun::is_tapping);
         if goes_on && self.is_in_position() {
@@ -52,19 +53,19 @@ impl Control {
         }
     }
 
-    /// Whether what is next may begin. Axes that have run beyond the end of a move go on to where they can rest, whatever has
-    /// happened.
+    /// Whether the next block may begin. Axes that have passed the end of a move continue to a place where they can
+    /// rest, whatever has happened.
     pub(super) fn may_begin(&self) -> bool {
         let is_running = self.phase == Phase::Running && self.dwell_left == Micros(0) && !self.is_over();
         self.interpolator.is_between() || is_running && !self.awaits_position()
     }
 
-    /// Whether feed hold is on and counts.
+    /// Whether feed hold is on and in effect.
     pub(super) fn holds(&self) -> bool {
         self.held && self.ignored.feed & NO_FEED_HOLD == 0
     }
 
-    /// Whether single block is on and counts.
+    /// Whether single block is on and in effect.
     pub(super) fn is_in_single_block(&self) -> bool {
         self.switches.single_block && self.ignored.stops & NO_SINGLE_BLOCK == 0
     }

@@ -1,8 +1,8 @@
-//! A block that makes several moves, while it is carried out: canned cycles, G28, G30.
+//! Execution of a block that makes several moves: canned cycles, G28, G30.
 //!
-//! Each move ends at rest. In single block the control stops where the tool is positioned, at the level where rapid turns to
-//! feed, and behind each hole; of G28 and G30 at the intermediate point. A tap in its hole knows neither override nor feed
-//! hold until it is out.
+//! Each move ends at rest. In single block the control stops at the position of the hole, at the level where rapid
+//! changes to feed, and after each hole; for G28 and G30 at the intermediate point. A tap in its hole ignores override
+//! and feed hold until it is out.
 
 use arcfeed_shared::nc::modal::{MotionKind, Pose};
 use arcfeed_shared::nc::series::{Act, Cursor, Series, Stage};
@@ -14,31 +14,31 @@ use super::action::MoveContext;
 use super::panel::Phase;
 use super::plain::along_z;
 
-/// A block under way.
+/// Run of a block with several moves.
 #[derive(Debug)]
 pub struct CannedCycleRun {
     series: Box<Series>,
     cursor: Cursor,
     context: MoveContext,
     sequence: Option<i64>,
-    /// Hole and stage of what was given last; a stop in single block before what comes next counts as given.
+    /// Hole and stage of the last step returned; a stop in single block before the next step counts as returned.
     given: Option<(u32, Stage)>,
     taps: bool,
 }
 
-/// What comes next.
+/// Next step of the run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Next {
-    /// A move in machine coordinates.
+    /// Move in machine coordinates.
     Move(Box<Segment>, MoveContext),
-    /// A wait.
+    /// Dwell.
     Dwell(Micros),
-    /// A place where single block stops.
+    /// Stop for single block.
     Halt,
 }
 
 impl CannedCycleRun {
-    /// A block that begins.
+    /// Run at the beginning of its block.
     pub fn new(series: Box<Series>, context: MoveContext, sequence: Option<i64>) -> Self {
         let cursor = series.begin();
         CannedCycleRun {
@@ -56,7 +56,7 @@ impl CannedCycleRun {
         self.taps || self.context.is_tapping
     }
 
-    /// What comes next of it, the axes standing at `stands`; `None` at its end.
+    /// Next step of the run, from the axes' position `stands`; `None` at its end.
     pub fn advance(&mut self, stands: &Pose, in_single_block: bool) -> Option<Next> {
         loop {
             let mut ahead = self.cursor.clone();
@@ -95,7 +95,7 @@ impl CannedCycleRun {
 }
 
 impl Control {
-    /// What comes next of the block under way.
+    /// Executes the next step of the block in execution.
     pub(super) fn carry_on(&mut self, now: Micros) {
         let stands = self.interpolator.position();
         let in_single_block = self.is_in_single_block();

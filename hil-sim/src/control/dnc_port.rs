@@ -8,8 +8,8 @@
 //!    |              |     DC1, drained                                              |
 //!    +------------------------------------------------------------------------------+  start again
 //! ```
-//! After DC3 it takes ten more characters; one more is alarm PS0087. A character that comes with a wrong stop bit is
-//! PS0085, a sender that goes away while it is read from is PS0086. The buffer is looked at once a step.
+//! After DC3 the port takes ten more characters; one more is alarm PS0087. A character with a wrong stop bit is PS0085.
+//! A sender that becomes not ready during reading is PS0086. The port checks the buffer level once a step.
 
 use std::collections::VecDeque;
 
@@ -36,7 +36,7 @@ pub struct DncPort {
     punch: Punch,
     flow: Flow,
     is_ready: bool,
-    /// DC1 came while no program was read.
+    /// DC1 came while the port read no program.
     is_asked: bool,
     counters: LineCounters,
 }
@@ -44,19 +44,19 @@ pub struct DncPort {
 #[derive(Clone, Copy, Debug)]
 enum Arriving {
     Frame(u8),
-    /// Its stop bits were none.
+    /// Character with wrong stop bits.
     Damaged,
 }
 
 #[derive(Debug)]
 enum Flow {
-    /// Before the first DC1.
+    /// State before the first DC1.
     Silent,
     /// The host may send.
     Reading,
-    /// DC3 is out: characters since, and how many were under way when it was sent.
+    /// DC3 is sent: count of characters since, and of characters exempt because they were under way.
     Stopped { since: u32, excused: usize },
-    /// The program is over; what still comes is dropped.
+    /// The program is over; further characters are dropped.
     Closed,
 }
 
@@ -66,7 +66,7 @@ impl DncPort {
         DncPort::new(Some(settings), Tape::new(settings.tape), &[])
     }
 
-    /// A port whose program is all there; its line is never used.
+    /// A port with the whole program in its buffer; its line is unused.
     pub fn from_memory(program: &[u8]) -> Self {
         DncPort::new(None, Tape::in_memory(), program)
     }
@@ -88,21 +88,21 @@ impl DncPort {
         }
     }
 
-    /// The host puts bytes on the line; they arrive at line rate.
+    /// Accepts bytes that the host puts on the line; they arrive at line rate.
     pub fn on_bytes(&mut self, bytes: &[u8]) {
         let Some(settings) = self.settings else { return };
         if !matches!(self.flow, Flow::Closed) {
             self.wire.extend(bytes.iter().map(|byte| Arriving::Frame(settings.sender.frame(*byte))));
             return;
         }
-        // Of a sender that nobody reads from, only whether it takes characters itself.
+        // While the port reads nothing, a sender's characters only start and stop the punch.
         for byte in bytes.iter().map(|byte| without_parity(settings.sender.frame(*byte))) {
             self.is_asked |= byte == DC1;
             self.punch.take(byte);
         }
     }
 
-    /// A character arrives behind the others that has no stop bits: noise, a break, another baud rate.
+    /// Adds a character without valid stop bits (noise, a break, another baud rate) behind those on the line.
     pub fn on_framing_error(&mut self) {
         self.wire.push_back(Arriving::Damaged);
     }
@@ -112,7 +112,7 @@ impl DncPort {
         self.is_ready = is_ready;
     }
 
-    /// Characters given to the line that have not arrived yet.
+    /// Characters on the line that have not arrived yet.
     pub fn on_wire(&self) -> usize {
         self.wire.len()
     }
@@ -122,7 +122,7 @@ impl DncPort {
         self.buffer.len()
     }
 
-    /// The next byte the control sends, as the sender gets it.
+    /// Next byte that the control sends, as the sender receives it.
     pub fn poll_transmit(&mut self) -> Option<u8> {
         let frame = self.outgoing.pop_front()?;
         Some(self.settings.map_or(frame, |settings| settings.sender.byte(frame)))
@@ -133,15 +133,15 @@ impl DncPort {
         !self.outgoing.is_empty()
     }
 
-    /// Does not count what is on the line now against the ten characters after DC3: for hosts behind a pipe without a
-    /// line rate, whose bytes were written before they could see the DC3.
+    /// Exempts the characters now on the line from the ten after DC3: for hosts behind a pipe without a line rate,
+    /// which wrote their bytes before they could see the DC3.
     pub fn excuse_what_is_on_the_wire(&mut self) {
         if let Flow::Stopped { excused, .. } = &mut self.flow {
             *excused = self.wire.len();
         }
     }
 
-    /// Whether the other side has said since the last call, while no program was read, that it takes characters.
+    /// Whether the sender has sent DC1 since the last call, while the port read no program.
     pub fn take_request(&mut self) -> bool {
         std::mem::take(&mut self.is_asked)
     }
@@ -151,7 +151,7 @@ impl DncPort {
         &mut self.punch
     }
 
-    /// A macro statement's output to the sender; without a line there is nobody to send it to.
+    /// Queues a macro statement's output for the sender; without a line it is discarded.
     pub fn put(&mut self, output: &Output) {
         if self.settings.is_some() {
             let code = self.code();
@@ -164,17 +164,17 @@ impl DncPort {
         self.punch.is_sending()
     }
 
-    /// The code of the line: what the program came in, ISO before it is known.
+    /// Code of the line: that of the received program, ISO before it is known.
     pub fn code(&self) -> Code {
         self.tape.code().unwrap_or(Code::Iso)
     }
 
-    /// What went over the line.
+    /// Counters of the line's traffic.
     pub fn counters(&self) -> LineCounters {
         self.counters
     }
 
-    /// Lets time pass on the line.
+    /// Simulates `dt` of the line.
     pub fn step(&mut self, dt: Micros) -> Option<Fault> {
         let settings = self.settings?;
         let char_cost = u64::from(settings.bits_per_char) * US_PER_S;
@@ -192,14 +192,14 @@ impl DncPort {
             self.credit[1] -= char_cost;
             self.outgoing.push_back(frame);
         }
-        // An idle line saves nothing up.
+        // An idle line accumulates no credit.
         self.credit = self.credit.map(|credit| credit.min(char_cost));
         self.steer(&settings);
         let is_reading = matches!(self.flow, Flow::Reading | Flow::Stopped { .. }) && !self.tape.has_ended();
         fault.or((is_reading && !self.is_ready).then_some(Fault::alarm(Alarm::NotReady, 0)))
     }
 
-    /// Whether nothing can come any more: a program in memory, read to its last line.
+    /// Whether no further block can come: a program in memory, read to its last line.
     pub fn is_exhausted(&self) -> bool {
         self.settings.is_none() && self.blocks == 0
     }
@@ -228,7 +228,7 @@ impl DncPort {
         }
     }
 
-    /// Reset: stops reading and forgets what has come.
+    /// Reset: stops reading and discards the received characters.
     pub fn reset(&mut self) {
         self.close();
         self.punch.reset();
@@ -305,7 +305,7 @@ mod tests {
         std::iter::from_fn(|| port.poll_transmit()).collect()
     }
 
-    /// Lets everything arrive; answers the faults.
+    /// Lets all characters arrive; returns the faults.
     fn arrive(port: &mut DncPort) -> Vec<Fault> {
         std::iter::from_fn(|| (port.on_wire() > 0).then(|| port.step(MS))).flatten().collect()
     }

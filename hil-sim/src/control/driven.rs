@@ -1,15 +1,16 @@
-//! What the drives make of the control's commands, and what the control waits for: axes in position, the spindle's speed.
+//! State of the drives, and the conditions that the control waits for: axes in position, spindle speed reached.
 //!
-//! A rapid ends at rest, and the next block waits until all axes are in position (parameter 1601#5, NCI, at 0). With speed
-//! arrival (parameter 3708#0, SAR) the first cutting feed behind a rapid, an S or a change of M3, M4, M5 is held until the
-//! spindle has its speed; where the S stands in the block of a move that flows, the axes brake on it. A feed that has begun
-//! goes on whatever the load does to the spindle. A dwell begins when the axes are in position.
+//! A rapid ends at rest, and the next block waits until all axes are in position (parameter 1601#5, NCI, at 0). With
+//! speed arrival (parameter 3708#0, SAR) the first cutting feed after a rapid, an S or a change of M3, M4, M5 waits
+//! until the spindle has its speed; if the S is in the block of a move that flows, the axes brake on that move. A
+//! cutting feed that has begun continues, even if the load slows the spindle. A dwell begins when the axes are in
+//! position.
 //!
-//! Without data of the drives the axes are where they are commanded to, and nothing waits. Not modelled: the position check
-//! before M, S, T functions behind cutting feed, the time 3740 before SAR is looked at, the spindle in canned
+//! Without data of the drives the axes have their commanded positions, and nothing waits. Not modelled: the position
+//! check before M, S, T functions after cutting feed, the time 3740 before SAR is checked, the spindle in canned
 //! cycles.
 //!
-//! Source: when SAR is looked at, Fanuc Power Mate i-H/D connection manual B-63443EN/02 p. 197.
+//! Source: time of the SAR check, Fanuc Power Mate i-H/D connection manual B-63443EN/02 p. 197.
 
 use arcfeed_shared::nc::block::{Block, parse_line};
 use arcfeed_shared::nc::modal::{Pose, Stop};
@@ -32,14 +33,14 @@ pub struct Driven {
     loops: Option<PositionLoops>,
     spindle: Option<SpindleState>,
     feed: MmPerMin,
-    /// The move begun last is a rapid.
+    /// Whether the last move begun is a rapid.
     is_rapid: bool,
-    /// The next cutting feed waits for the spindle.
+    /// Whether the next cutting feed waits for the spindle.
     awaits_spindle: bool,
 }
 
 impl Driven {
-    /// At rest at the origin.
+    /// Drives at rest at the origin.
     pub fn new(settings: &ControlSettings) -> Self {
         Driven {
             loops: settings.servo.map(|servo| PositionLoops::new(servo, [0.0; AXES])),
@@ -50,13 +51,13 @@ impl Driven {
         }
     }
 
-    /// A move is in work.
+    /// Notes the move in execution.
     pub fn begin(&mut self, segment: &Segment) {
         self.is_rapid = segment.path == Path::Rapid;
         self.awaits_spindle = self.is_rapid || self.awaits_spindle && self.is_waited_for();
     }
 
-    /// One period, at the end of which the axes are commanded to `axes`, with the feed `commanded`.
+    /// Simulates one period, at the end of which the axes are commanded to `axes`, with the feed `commanded`.
     pub fn step(&mut self, axes: &[f64; AXES], commanded: MmPerMin, dt: Micros) {
         self.feed = commanded;
         if let Some(loops) = &mut self.loops {
@@ -68,7 +69,7 @@ impl Driven {
         }
     }
 
-    /// S and M of a block.
+    /// Applies S and M of a block.
     pub fn take(&mut self, block: &ReadBlock, switches: &Switches) {
         let Some(spindle) = self.spindle.as_mut().filter(|_| block.action != Action::Nothing) else { return };
         let before = spindle.commanded_rev_per_min();
@@ -78,19 +79,19 @@ impl Driven {
         self.awaits_spindle |= spindle.commanded_rev_per_min() != before;
     }
 
-    /// M2, M30 and reset stop the spindle, as the ladder of a machine does.
+    /// Stops the spindle at M2, M30 and reset, as the ladder of a machine does.
     pub fn end(&mut self, stop: Stop) {
         if let (Some(spindle), Stop::End) = (&mut self.spindle, stop) {
             spindle.set_turn(Turn::Stop);
         }
     }
 
-    /// Whether the move in work is held until the spindle has its speed.
+    /// Whether the move in execution waits until the spindle has its speed.
     pub fn holds(&self) -> bool {
         self.awaits_spindle && !self.is_rapid && self.is_waited_for()
     }
 
-    /// Whether the move in work ends at rest: a rapid behind which something waits.
+    /// Whether the move in execution ends at rest: a rapid before a block that waits.
     pub fn stops_at_block_end(&self) -> bool {
         self.is_rapid && (self.loops.is_some() || self.is_waited_for())
     }
@@ -101,47 +102,47 @@ impl Driven {
 }
 
 impl Control {
-    /// Where the axes are, which lag behind where they are commanded to.
+    /// Actual position of the axes, which lags behind the commanded one.
     pub fn actual_position(&self) -> Pose {
         self.driven.loops.as_ref().map_or(self.position(), |loops| to_pose(&loops.axes()))
     }
 
-    /// The same unrounded: X, Y, Z in mm, A, B, C in degrees.
+    /// Actual position, unrounded: X, Y, Z in mm, A, B, C in degrees.
     pub fn actual_axes(&self) -> [f64; AXES] {
         self.driven.loops.as_ref().map_or(*self.axes(), PositionLoops::axes)
     }
 
-    /// Whether the axes go through the very place where a block ends and the next one begins.
+    /// Whether the axes pass exactly through the corners between blocks.
     pub fn meets_corners(&self) -> bool {
         self.settings.drives.is_none() && self.settings.servo.is_none()
     }
 
-    /// The feed that the axes have when they follow the one commanded, late as they are.
+    /// Feed of the axes as they follow the commanded feed, with their lag.
     pub fn followed_feed(&self) -> MmPerMin {
         self.driven.feed
     }
 
-    /// Whether all axes are near enough to where they are commanded to.
+    /// Whether all axes are in position, within tolerance of the commanded one.
     pub fn is_in_position(&self) -> bool {
         self.driven.loops.as_ref().is_none_or(PositionLoops::is_in_position)
     }
 
-    /// What the spindle does, where there is one.
+    /// State of the spindle, if one is modelled.
     pub fn spindle(&self) -> Option<&SpindleState> {
         self.driven.spindle.as_ref()
     }
 
-    /// The spindle, to load it.
+    /// State of the spindle, to load it.
     pub fn spindle_mut(&mut self) -> Option<&mut SpindleState> {
         self.driven.spindle.as_mut()
     }
 
-    /// The time after which the axes have but `ratio` left of a sudden change of speed, s.
+    /// Time after which the axes have only `ratio` left of a sudden change of speed, s.
     pub fn settling_s(&self, ratio: f64) -> f64 {
         self.settings.servo.map_or(0.0, |servo| servo.settling_s(ratio))
     }
 
-    /// Whether the next block waits for the axes.
+    /// Whether the next block waits for the axes to be in position.
     pub(super) fn awaits_position(&self) -> bool {
         self.driven.is_rapid && !self.is_in_position()
     }

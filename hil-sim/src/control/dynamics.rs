@@ -1,6 +1,7 @@
-//! What the axes can do.
+//! Limits of the axes along the path.
 
-/// What the axes can do. None of it is published for the machine of the source but the rapid rate: assumed.
+/// Limits of the axes along the path. Only the rapid rate is published for the machine of the source; the others are
+/// assumed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dynamics {
     /// Acceleration along the path.

@@ -1,9 +1,9 @@
-//! Programs with macro statements, calls and subprograms, as the control reads them ahead: one in memory, or one that comes
-//! over the line and calls others in memory.
+//! Programs with macro statements, calls and subprograms, as the control reads them ahead: a program in memory, or one
+//! that comes over the line and calls others in memory.
 //!
-//! A control works macro statements out when it reads them ahead, not when the blocks before them are done; so does this
-//! one, and #5001 and on are where the last block read ends. Statements take time: one slice of them a step. What #3003 and
-//! #3004 say counts from the next block on. Over the line GOTO, WHILE, DO and END are alarm PS0123.
+//! A control evaluates macro statements when it reads them ahead, not when the blocks before them are done. This model
+//! does the same, so #5001 and on give the end of the last block read. Statements take time: one slice of them a step.
+//! Values of #3003 and #3004 apply from the next block on. Over the line GOTO, WHILE, DO and END are alarm PS0123.
 
 use std::collections::VecDeque;
 
@@ -31,34 +31,34 @@ pub struct Executive {
     interpreter: Interpreter,
     line: u32,
     is_over: bool,
-    /// A line of the DNC line, up to the block that it gives.
+    /// Line of the DNC line, until it gives its block.
     fed: Option<Vec<u8>>,
-    /// A block of a called program that comes behind the one of its call.
+    /// Block of a called program, which follows the block of its call.
     pending: Option<ReadBlock>,
     outputs: Vec<Output>,
     messages: VecDeque<String>,
 }
 
-/// What comes next.
+/// Next block, or the reason why there is none.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Next {
     /// A block.
     Block(Box<ReadBlock>),
-    /// Nothing before the next step of time.
+    /// No block before the next step of time.
     Busy,
-    /// Nothing before the next line of the DNC line.
+    /// No block before the next line of the DNC line.
     Starved,
-    /// Nothing any more.
+    /// The program is over.
     Over,
 }
 
 impl Executive {
-    /// At power-on, the axes at the origin; subprograms stand behind the program or in the library.
+    /// Executive at power-on, the axes at the origin; subprograms are behind the program or in the library.
     pub fn new(text: &[u8], settings: &ControlSettings, library: Box<dyn Library>) -> Self {
         Executive::with(text, settings, library, false)
     }
 
-    /// At power-on, the axes at the origin; the program comes by [`Executive::feed`].
+    /// Executive at power-on, the axes at the origin; [`Executive::feed`] gives it the program.
     pub fn on_line(settings: &ControlSettings) -> Self {
         Executive::with(b"", settings, Box::new(()), true)
     }
@@ -81,19 +81,19 @@ impl Executive {
         }
     }
 
-    /// Where subprograms come from that are not in the program's file.
+    /// Sets the library of subprograms that are not in the program's file.
     pub fn set_library(&mut self, library: Box<dyn Library>) {
         self.interpreter.set_library(library);
     }
 
-    /// Takes the next line of the DNC line, when starved.
+    /// Accepts the next line of the DNC line, after [`NextBlock::Starved`].
     pub fn feed(&mut self, text: Vec<u8>, line: u32) {
         self.interpreter.feed(&text, line);
         self.line = line;
         self.fed = Some(text);
     }
 
-    /// Reset: ready for another program of the DNC line, in the modal state of power-on, the axes where they stand.
+    /// Reset: ready for another program of the DNC line, in the modal state of power-on, with the axes where they are.
     /// Variables from #500 on and offsets are kept.
     pub fn reset(&mut self, settings: &ControlSettings, stands: Pose) {
         self.reader = PlainReader::new(settings);
@@ -104,17 +104,17 @@ impl Executive {
         self.messages.clear();
     }
 
-    /// What #3003 and #3004 switch off behind what was read.
+    /// Functions that #3003 and #3004 switch off after the blocks read.
     pub fn ignored(&self) -> Ignored {
         self.interpreter.variables().ignored
     }
 
-    /// Where the last move that was read ends.
+    /// End of the last move that was read.
     pub fn end(&self) -> Pose {
         self.reader.end()
     }
 
-    /// The offsets as the program has left them.
+    /// Offsets as last written by the program.
     pub fn tables(&self) -> &Tables {
         &self.interpreter.variables().tables
     }
@@ -123,7 +123,7 @@ impl Executive {
     pub fn next(&mut self, now: Micros, switches: &Switches) -> Next {
         let next =
             self.pending.take().map_or_else(|| self.advance(now, switches), |block| Next::Block(Box::new(block)));
-        // What the DNC line brought is executed as one block, also where it is a statement or a call.
+        // A line of the DNC line is executed as one block, also if it is a statement or a call.
         let is_of_line = |block: &ReadBlock| !matches!(block.action, Action::Fault(_));
         match (self.fed.take(), next) {
             (Some(fed), Next::Starved) => Next::Block(Box::new(ReadBlock::new(self.line, fed, Action::Nothing))),
@@ -178,7 +178,7 @@ impl Executive {
         Next::Over
     }
 
-    /// What a search makes of what comes next; `None` if that takes more time.
+    /// Applies a search to the next block; `None` if that takes more time.
     pub fn look(&mut self, search: Search, now: Micros, switches: &Switches, approach: &Approach) -> Option<Found> {
         if let Search::Sequence(wanted) = search {
             let is_there = self.interpreter.seek(wanted);
@@ -193,27 +193,27 @@ impl Executive {
         }
     }
 
-    /// Whether nothing comes any more.
+    /// Whether no further block comes.
     pub fn is_over(&self) -> bool {
         self.is_over
     }
 
-    /// What has gone to the punch since this was asked last.
+    /// Output to the punch since the last call.
     pub fn take_outputs(&mut self) -> Vec<Output> {
         std::mem::take(&mut self.outputs)
     }
 
-    /// Messages of `#3006` and `#3000`, and where in a called program an alarm came up.
+    /// Messages of `#3006` and `#3000`, and the place in a called program where an alarm came up.
     pub fn messages(&self) -> impl Iterator<Item = &str> {
         self.messages.iter().map(String::as_str)
     }
 
-    /// Keeps from now on what a restart must tell the operator.
+    /// Starts the list of functions that a restart shows to the operator.
     pub fn list_for_restart(&mut self) {
         self.reader.list_for_restart();
     }
 
-    /// What was kept before the last block.
+    /// The list of functions before the last block.
     pub fn take_restart_list(&mut self) -> Option<RestartList> {
         self.reader.take_restart_list()
     }
@@ -229,7 +229,7 @@ impl Executive {
         self.line = main_line(block.place, &block.calls);
         let is_of_main = block.place.library.is_none() && block.calls.is_empty();
         let fed = if is_of_main { self.fed.take() } else { None };
-        // Of a block such as G67 no words are left.
+        // A block such as G67 has no words left.
         let text = fed.filter(|_| block.text.is_empty()).unwrap_or(block.text);
         ReadBlock { line: self.line, text, action, context }
     }
@@ -242,7 +242,7 @@ impl Executive {
         if block.text.is_empty() { ReadBlock { text, ..block } } else { block }
     }
 
-    /// A statement that is a block by itself, with its text if the DNC line brought it.
+    /// A statement that is a block of its own, with its text if the DNC line brought it.
     fn own(&mut self, action: Action) -> ReadBlock {
         ReadBlock { text: self.fed.take().unwrap_or_default(), ..self.block(action) }
     }
@@ -264,7 +264,7 @@ impl Executive {
     }
 }
 
-/// The line of the main program's file to which a place belongs: its own, or that of the call that led to it.
+/// Line of the main program's file to which a place belongs: its own, or that of the call that led to it.
 fn main_line(place: Place, calls: &[Place]) -> u32 {
     let of_main = |place: &&Place| place.library.is_none();
     std::iter::once(&place).chain(calls.iter().rev()).find(of_main).map_or(0, |place| place.line)

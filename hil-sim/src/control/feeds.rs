@@ -1,10 +1,10 @@
-//! The speed a block is run with: programmed feed, override, dry run, the control's own clamp on arcs.
+//! Speed of a block: programmed feed, override, dry run, the control's own clamp on arcs.
 //!
 //! ```text
 //! v <= sqrt(r / R) V,  but no less than the floor         (1)
 //! ```
-//! with r the arc's radius, R the reference radius (parameter 1731), V the feed there (1730), floor 1732. Order: F times
-//! override, then (1), then the axes' own limit. Rapids know neither override nor dry run here.
+//! with r the arc's radius, R the reference radius (parameter 1731), V the feed there (1730), floor 1732. Order: F
+//! times override, then (1), then the axes' own limit. Override and dry run do not affect rapids here.
 //!
 //! Source: (1) A-78962EN p. 10, A-63512EN p. 9.
 
@@ -15,7 +15,7 @@ use arcfeed_shared::units::{MmPerMin, PERCENT, S_PER_MIN};
 use super::action::MoveContext;
 use super::path::Travel;
 
-/// What stands at the control's inputs while a block runs.
+/// Inputs of the control that affect the speed of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeedConditions {
     /// The override in effect.
@@ -24,14 +24,14 @@ pub struct FeedConditions {
     pub dry_run: Option<MmPerMin>,
     /// Feed hold, reset or alarm: the axes come to rest.
     pub holds: bool,
-    /// Of those, only feed hold: a tap goes on.
+    /// Whether only feed hold stops the axes; a tap ignores it.
     pub holds_but_taps: bool,
     /// The axes come to rest at the end of each block.
     pub stops_at_block_end: bool,
 }
 
 impl FeedConditions {
-    /// The programmed feed, and nobody at the panel.
+    /// The programmed feed, without any input from the panel.
     pub const PROGRAMMED: FeedConditions = FeedConditions {
         override_percent: PERCENT as u8,
         dry_run: None,
@@ -40,7 +40,7 @@ impl FeedConditions {
         stops_at_block_end: false,
     };
 
-    /// What of this counts for such a move.
+    /// Conditions that apply to a move with this context.
     #[must_use]
     pub fn for_context(&self, context: &MoveContext) -> FeedConditions {
         if !context.is_tapping {
@@ -49,7 +49,7 @@ impl FeedConditions {
         FeedConditions { override_percent: PERCENT as u8, holds: self.holds && !self.holds_but_taps, ..*self }
     }
 
-    /// What becomes of a programmed speed.
+    /// Speed for a programmed speed under these conditions.
     pub fn speed_mm_per_s(&self, programmed_mm_per_s: f64) -> f64 {
         match self.dry_run {
             Some(feed) => f64::from(feed.0) / S_PER_MIN,
@@ -58,7 +58,7 @@ impl FeedConditions {
     }
 }
 
-/// The most that a move may be run with, mm/s along the path, whatever its feed and its axes.
+/// Largest speed of a move, mm/s along the path, whatever its feed and its axes.
 pub fn most_mm_per_s(travel: &Travel, clamp: Option<&ArcClamp>, rapid_mm_per_s: f64) -> f64 {
     let limit = match (&travel.segment.path, clamp) {
         (Path::Arc(arc), Some(clamp)) if travel.programmed_mm_per_s.is_some() => {
@@ -69,7 +69,7 @@ pub fn most_mm_per_s(travel: &Travel, clamp: Option<&ArcClamp>, rapid_mm_per_s: 
     limit.min(rapid_mm_per_s)
 }
 
-/// The most an arc may be run with, mm/min in its plane. The control's own sum: the controller's model of it is another.
+/// Largest feed of an arc, mm/min in its plane. The controller's model of it is separate code.
 fn limit_mm_per_min(clamp: &ArcClamp, radius_mm: f64) -> f64 {
     let ratio = libm::sqrt(radius_mm / f64::from(clamp.radius.0)); // (1)
     (ratio * f64::from(clamp.feed.0)).max(f64::from(clamp.floor.0))

@@ -1,10 +1,10 @@
-//! The stretches ahead, as far as the axes get before they can rest, kept from step to step.
+//! Path spans ahead, as far as the axes travel before they can rest, kept from step to step.
 //!
-//! Positions count from the beginning of the move in work, so that they stay while the axes move, and the safe speeds, which
-//! cost roots, depend only on differences of positions. Stretches that the axes have reached are taken off the front. The rest
-//! is worked out anew where the feed conditions change, and where the axes need more room to rest than the horizon has: it
-//! then reaches some periods further, for the steps that follow. Any horizon is safe that the axes can rest within, because
-//! its end counts as a stop.
+//! Positions count from the beginning of the move in execution, so they stay the same while the axes move. The safe
+//! speeds, which cost roots, depend only on differences of positions. Spans that the axes have reached are removed at
+//! the front. The rest is computed anew when the feed conditions change, and when the axes need more distance to rest
+//! than the horizon has: it then reaches some periods further, for the following steps. A horizon is safe if the axes
+//! can rest within it, because its end counts as a stop.
 
 use std::collections::VecDeque;
 
@@ -16,60 +16,60 @@ use super::feeds::FeedConditions;
 use super::leg::{Active, Queued};
 use super::stretches::{Stretch, walk};
 
-/// What is left of a way when it counts as done, far below a nanometre.
+/// Remaining distance below which a path counts as done, far below a nanometre.
 pub const DONE: f64 = 1e-10;
-/// Periods at the speed of the moment that a new horizon reaches beyond what is needed.
+/// Periods at the present speed that a new horizon reaches beyond the needed distance.
 const SPARE_PERIODS: f64 = 24.0;
 
-/// The stretch that the axes are on, and those ahead.
+/// The span that the axes are on, and those ahead.
 #[derive(Clone, Debug)]
 pub struct Horizon {
     here: Stretch,
     ahead: Vec<Ahead>,
-    /// What the wanted speeds belong to; none where all is to be worked out anew.
+    /// Conditions for which the wanted speeds hold; `None` if the horizon must be computed anew.
     conditions: Option<FeedConditions>,
 }
 
 impl Horizon {
-    /// Nothing is known.
+    /// An empty horizon, to be computed.
     pub fn new() -> Self {
         let here = Stretch { at_mm: 0.0, limits: PathLimits::NONE, wanted_mm_per_s: f64::INFINITY };
         Horizon { here, ahead: Vec::new(), conditions: None }
     }
 
-    /// The stretch that the axes are on.
+    /// The span that the axes are on.
     pub fn here(&self) -> &Stretch {
         &self.here
     }
 
-    /// Those ahead, with their safe speeds.
+    /// Spans ahead, with their safe speeds.
     pub(crate) fn ahead(&self) -> &[Ahead] {
         &self.ahead
     }
 
-    /// Lets all be worked out anew: the moves have changed.
+    /// Makes the next update compute the horizon anew, because the moves have changed.
     pub fn forget(&mut self) {
         self.conditions = None;
     }
 
-    /// Whether it is known, and a move added to the queue lies behind it.
+    /// Whether the horizon is valid and ends before a move that is added to the queue.
     pub fn ends_before_queue(&self) -> bool {
         self.conditions.is_some() && self.ahead.last().is_some_and(|last| last.limits.speed > 0.0)
     }
 
-    /// Lets positions count from the end of a move that is over.
+    /// Shifts positions to count from the end of a move that is over.
     pub fn leave(&mut self, active: &Active) {
         for ahead in &mut self.ahead {
             ahead.at -= active.leg.travel.length_mm;
         }
     }
 
-    /// Lets the axes have the speed that is wanted on the move they have come to, which may be more than in the corner before.
+    /// Sets the wanted speed to that of the move just begun, which may be more than in the corner before it.
     pub fn enter(&mut self, active: &Active, conditions: &FeedConditions) {
         self.here.wanted_mm_per_s = active.leg.wanted(&active.context, conditions);
     }
 
-    /// Makes it hold for where the axes are, with what they may reach within `dt_s`.
+    /// Updates the horizon for the axes' position, and for the distance that they may travel within `dt_s`.
     pub fn update(
         &mut self,
         dt_s: f64,
@@ -86,7 +86,7 @@ impl Horizon {
         self.renew(dt_s, &motion, (active, queue), conditions);
     }
 
-    /// Takes off the front what the axes have reached. A stop is ahead until they rest.
+    /// Removes the spans that the axes have reached. A stop stays ahead until the axes rest.
     fn pass(&mut self, done_mm: f64) {
         let is_reached = |ahead: &&Ahead| ahead.at - done_mm <= DONE && ahead.limits.speed > 0.0;
         let reached = self.ahead.iter().take_while(is_reached).count();
@@ -102,7 +102,7 @@ impl Horizon {
         }
     }
 
-    /// Whether the axes can rest before its end, or nothing is queued behind it.
+    /// Whether the axes can rest before the end of the horizon, or the queue holds no move behind it.
     fn reaches_far_enough(&self, dt_s: f64, motion: &Motion, done_mm: f64) -> bool {
         self.ahead.last().is_some_and(|last| {
             let soon = self.soon(dt_s, motion);
@@ -111,14 +111,14 @@ impl Horizon {
         })
     }
 
-    /// The most that the motion comes to within `dt_s`.
+    /// Upper bound of the motion within `dt_s`.
     fn soon(&self, dt_s: f64, motion: &Motion) -> Motion {
         let Motion { speed, acceleration } = *motion;
         let speed = speed + (acceleration.abs() + self.here.limits.jerk * dt_s) * dt_s;
         Motion { speed, acceleration: acceleration.max(0.0) }
     }
 
-    /// Works all out anew, with some periods to spare.
+    /// Computes the horizon anew, with some periods in reserve.
     fn renew(
         &mut self,
         dt_s: f64,

@@ -1,8 +1,8 @@
-//! Blocks to motion: the queue of blocks read ahead, the move in work, and where the axes are on it.
+//! Motion of the axes from blocks: the queue of blocks read ahead, the move in execution, and the position on it.
 //!
-//! How fast the axes go is the affair of one of two: a trapezoid along the path (`trapezoid.rs`), which is what there is
-//! without data of the drives, or limits of speed, acceleration and jerk of every axis (`look_ahead.rs`). Feed hold, dry run
-//! and override change the speed wanted; how fast the axes follow is theirs.
+//! One of two planners sets the speed: a trapezoid along the path (`trapezoid.rs`), used without data of the drives, or
+//! limits of speed, acceleration and jerk of every axis (`look_ahead.rs`). Feed hold, dry run and override change the
+//! wanted speed; the planner decides how fast the axes reach it.
 
 use std::collections::VecDeque;
 
@@ -40,19 +40,19 @@ pub struct Interpolator {
 pub struct AxisLimited {
     /// Count of blocks executed up to and including it.
     pub count: u32,
-    /// Its N, if it has one.
+    /// N of the block, if it has one.
     pub sequence: Option<i64>,
     /// X, Y, Z, A, B, C as 0 to 5.
     pub axis: usize,
     /// Whether only rotary axes move: degrees for mm below.
     pub is_rotary: bool,
-    /// Asked for along the path, when it was asked for first.
+    /// Requested speed along the path, at the first time it was not allowed.
     pub wanted_mm_per_s: f64,
-    /// Allowed.
+    /// Allowed speed along the path.
     pub allowed_mm_per_s: f64,
 }
 
-/// Who says how fast.
+/// Planner of the speed.
 #[derive(Debug)]
 enum Pace {
     Trapezoid(Trapezoid),
@@ -84,7 +84,7 @@ impl Interpolator {
         self.queue.len()
     }
 
-    /// Adds a block behind the others.
+    /// Adds a block at the end of the queue.
     pub fn queue(&mut self, block: ReadBlock) {
         let leg = match &block.action {
             Action::Move(segment, _) => Some(self.leg(*segment)).filter(|leg| leg.travel.length_mm > 0.0),
@@ -92,7 +92,7 @@ impl Interpolator {
         };
         let flows = leg.as_ref().is_some_and(|leg| leg.entry.is_some());
         self.queue.push_back(Queued { block, leg });
-        // Read too late, its corner is a stop.
+        // The block was read too late for a rounded corner, so the corner is a stop.
         if flows
             && let (Pace::LookAhead(look_ahead), Some(active)) = (&mut self.pace, &self.active)
             && !look_ahead.can_follow(active, &self.queue)
@@ -102,7 +102,8 @@ impl Interpolator {
         }
     }
 
-    /// Takes the next block up if the one before is done; `count` is the number of blocks executed before it.
+    /// Takes the next block from the queue if the move before is done; `count` is the number of blocks executed before
+    /// it.
     pub fn take_next(&mut self, count: usize) -> Option<ReadBlock> {
         if self.active.is_some() {
             return None;
@@ -115,7 +116,7 @@ impl Interpolator {
         Some(block)
     }
 
-    /// Begins a move of a block that makes several; `count` as in [`Interpolator::take_next`], this block among them.
+    /// Begins a move of a block that makes several; `count` as in [`Interpolator::take_next`], this block included.
     pub fn begin(&mut self, segment: Segment, context: MoveContext, count: usize) {
         let leg = Leg::new(segment, &self.limits());
         let count = u32::try_from(count).unwrap_or(u32::MAX);
@@ -124,7 +125,7 @@ impl Interpolator {
         }
     }
 
-    /// Moves on for `dt_s` or to the end of the block; answers the time left over.
+    /// Moves the axes for `dt_s` or to the end of the block; returns the remaining time.
     pub fn advance(&mut self, dt_s: f64, conditions: &FeedConditions) -> f64 {
         let Some(active) = &mut self.active else {
             self.pace.rest();
@@ -166,12 +167,12 @@ impl Interpolator {
         }
     }
 
-    /// Where the axes are, to whole nanometres and microdegrees.
+    /// Position of the axes, in whole nanometres and microdegrees.
     pub fn position(&self) -> Pose {
         self.position
     }
 
-    /// The same unrounded: X, Y, Z in mm, A, B, C in degrees.
+    /// Position, unrounded: X, Y, Z in mm, A, B, C in degrees.
     pub fn axes(&self) -> &[f64; AXES] {
         &self.axes
     }
@@ -186,12 +187,12 @@ impl Interpolator {
         self.active.as_ref().map(|active| (active.count, &active.leg.travel.segment))
     }
 
-    /// What holds for the active move.
+    /// Context of the active move.
     pub fn context(&self) -> Option<&MoveContext> {
         self.active.as_ref().map(|active| &active.context)
     }
 
-    /// The feed of the active move with override, dry run and clamp; of a helix, along its arc in the plane.
+    /// Feed of the active move with override, dry run and clamp; for a helix, along its arc in the plane.
     pub fn commanded(&self) -> MmPerMin {
         self.commanded
     }
@@ -201,19 +202,19 @@ impl Interpolator {
         self.active.is_none()
     }
 
-    /// Whether the axes are on their way from a move into the next one, which is not taken up yet.
+    /// Whether the axes have passed the end of a move and the next one has not been taken from the queue yet.
     pub fn is_between(&self) -> bool {
         matches!(&self.pace, Pace::LookAhead(look_ahead) if look_ahead.is_between())
     }
 
-    /// Forgets what is queued and what is active: after a reset, with the axes at rest.
+    /// Clears the queue and the active move: after a reset, with the axes at rest.
     pub fn clear(&mut self) {
         self.queue.clear();
         self.active = None;
         self.pace.rest();
     }
 
-    /// Whether the axes are slow enough to stop with a jump that they are permitted.
+    /// Whether the axes are slow enough to stop with a permitted jump of speed.
     pub fn may_stop(&self) -> bool {
         match &self.pace {
             Pace::Trapezoid(trapezoid) => trapezoid.may_stop(),
@@ -234,7 +235,7 @@ impl Interpolator {
         self.speed_mm_per_s() == 0.0
     }
 
-    /// A move, with the corner to the one before it where both flow into each other and there is still time to round it.
+    /// Prepares a move, with the rounded corner to the move before if the two flow and there is still time to round it.
     fn leg(&self, segment: Segment) -> Leg {
         let mut leg = Leg::new(segment, &self.limits());
         let Some((before, left_mm)) = self.before() else { return leg };
@@ -250,7 +251,7 @@ impl Interpolator {
         leg
     }
 
-    /// The last move that flows into what comes next, and what of it is to do.
+    /// Last move that flows into the next one, and its remaining distance.
     fn before(&self) -> Option<(&Leg, f64)> {
         let mut flowing = self.queue.iter().rev().take_while(|queued| queued.flows());
         if let Some(leg) = flowing.find_map(|queued| queued.leg.as_ref()) {
@@ -260,7 +261,7 @@ impl Interpolator {
         self.queue.iter().all(Queued::flows).then(|| (&active.leg, active.left_mm()))
     }
 
-    /// What the settings put on every move. Where the drives are known, they set the speed at G0.
+    /// Limits that the settings put on every move. Data of the drives, if known, set the speed at G0.
     fn limits(&self) -> MoveLimits<'_> {
         let (drives, rapid_mm_per_s) = match &self.pace {
             Pace::Trapezoid(trapezoid) => (None, trapezoid.dynamics.rapid_mm_per_s),

@@ -1,39 +1,41 @@
-//! Corners rounded, so that the axes can follow: where two moves meet, the path's derivatives are joined.
+//! Rounding of corners, so that the axes can follow: it joins the path's derivatives where two moves meet.
 //!
-//! With p the way from the corner, Dd and Dc the jumps of the first and second derivative there, h the half width:
+//! With p the path length from the corner, Dd and Dc the jumps of the first and second derivative there, h the half
+//! width:
 //!
 //! ```text
 //! q(p) = moves(p) + h (1 - |x|)^3/6 (Dd + p Dc/2)     x = p/h, |x| < 1      (1)
 //! ```
 //!
-//! What is added takes both jumps away, and ends with two derivatives of zero at x = +-1. The corner is missed by |Dd| h/6, a
-//! change of bend by at most 0.0088 |Dc| h^2; three quarters of the tolerance are for the first, the rest for the second. A
-//! move gives half of itself to each of its corners. In all axes alike: X to C.
+//! The added term removes both jumps, and ends with two derivatives of zero at x = +-1. The path misses the corner by
+//! |Dd| h/6, and a change of curvature by at most 0.0088 |Dc| h^2; the first may use three quarters of the tolerance,
+//! the second the rest. Each corner of a move may use half of the move. The rule is the same for all axes, X to C.
 //!
-//! To the moves' own bends come |Dd|/h and a sixteenth of |Dc| in q'', and |Dd|/h^2 + 3/2 |Dc|/h in q'''; for Dd no rounding
-//! of this width has less of q'''.
+//! The rounding adds to the derivatives of the moves |Dd|/h and a sixteenth of |Dc| in q'', and |Dd|/h^2 + 3/2 |Dc|/h
+//! in q'''; no rounding of this width has a smaller q''' for Dd.
 //!
-//! Source: rounding by polynomials that join derivatives is common (Beudaert, Lavernhe, Tournier, 5-axis local corner rounding
-//! of linear tool path discontinuities, Int. J. Machine Tools & Manufacture 73 (2013), with B-splines); (1) is ours.
+//! Source: rounding by polynomials that join derivatives is common (Beudaert, Lavernhe, Tournier, 5-axis local corner
+//! rounding of linear tool path discontinuities, Int. J. Machine Tools & Manufacture 73 (2013), with B-splines); (1) is
+//! ours.
 
 use crate::drives::limits::{AXES, Bend, DriveLimits};
 
 use super::path::Travel;
 
-/// A corner wider than this on either side is wide enough.
+/// Largest half width of a corner, mm.
 const HALF_MAX: f64 = 1.0;
-/// Jumps of direction and bend below these are none: what rounded end points make.
+/// Jumps of direction and curvature below this are rounding errors of end points.
 const STRAIGHT: f64 = 1e-9;
-/// How far the path misses a corner, and a change of bend.
+/// Distance by which the path misses a corner, and a change of curvature.
 const MISS: f64 = 1.0 / 6.0;
 const BEND_MISS: f64 = 0.0088;
-/// Parts of the tolerance for either.
+/// Fraction of the tolerance for each.
 const SHARES: [f64; 2] = [0.75, 0.25];
 
-/// A corner that is rounded.
+/// Rounded corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Junction {
-    /// How far it reaches to each side, along the way.
+    /// Half width of the corner, along the path to each side.
     pub half_mm: f64,
     first: [f64; AXES],
     second: [f64; AXES],
@@ -60,7 +62,7 @@ impl Junction {
         Junction { half_mm: half, first, second }
     }
 
-    /// What is added to the moves at `way_mm` from the corner, before it below zero. (1)
+    /// Term added to the moves at `way_mm` from the corner, negative before it. (1)
     pub fn rounding(&self, way_mm: f64) -> [f64; AXES] {
         let left = 1.0 - way_mm.abs() / self.half_mm;
         if !left.is_finite() || left <= 0.0 {
@@ -70,7 +72,7 @@ impl Junction {
         std::array::from_fn(|axis| part * (self.first[axis] + 0.5 * way_mm * self.second[axis]))
     }
 
-    /// How the path bends in it at most.
+    /// Largest derivatives of the path in the corner.
     pub fn bend(&self, before: &Travel, after: &Travel) -> Bend {
         let moves = before.bend().or(&after.bend());
         if self.half_mm == 0.0 {

@@ -1,4 +1,4 @@
-//! Moves on their way: the one in work, those behind it, and what the axes allow on them and in the corners between.
+//! Moves with the limits of the axes on them and in the corners between: the move in execution and those behind it.
 
 use std::collections::VecDeque;
 
@@ -15,25 +15,25 @@ use super::junction::Junction;
 use super::path::Travel;
 use super::signals::OVERRIDE_MAX_PERCENT;
 
-/// A move, with what the axes allow on it.
+/// A move with the limits of the axes on it.
 #[derive(Clone, Debug)]
 pub struct Leg {
-    /// The path.
+    /// Path of the move.
     pub travel: Travel,
-    /// Between its corners.
+    /// Limits between the corners.
     pub limits: PathLimits,
-    /// The corner at its beginning, if the move before flows into it.
+    /// Corner at the beginning, if the move before flows into this one.
     pub entry: Option<Corner>,
-    /// Greatest speed at its beginning, where corners are passed with a jump of speed.
+    /// Largest speed at the beginning, if corners are passed with a jump of speed.
     pub corner_mm_per_s: f64,
-    /// The most that the control runs it with, whatever its feed.
+    /// Largest speed of the move, whatever its feed.
     most_mm_per_s: f64,
 }
 
-/// What a control is set to that limits all moves.
+/// Settings of a control that limit all moves.
 #[derive(Clone, Copy, Debug)]
 pub struct MoveLimits<'a> {
-    /// Of the axes.
+    /// Limits of the axes.
     pub drives: Option<&'a DriveLimits>,
     /// The control's clamp on arcs.
     pub arc_clamp: Option<&'a ArcClamp>,
@@ -43,12 +43,12 @@ pub struct MoveLimits<'a> {
     pub dry_run_mm_per_s: f64,
 }
 
-/// A corner, with what the axes allow in it.
+/// A corner with the limits of the axes in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Corner {
-    /// Its rounding.
+    /// Rounding of the corner.
     pub junction: Junction,
-    /// In it.
+    /// Limits in the corner.
     pub limits: PathLimits,
 }
 
@@ -57,36 +57,36 @@ pub struct Corner {
 pub struct Queued {
     /// The block.
     pub block: ReadBlock,
-    /// Its move, if it makes one.
+    /// Prepared move, if the block makes one.
     pub leg: Option<Leg>,
 }
 
-/// The move in work.
+/// The move in execution.
 #[derive(Clone, Debug)]
 pub struct Active {
     /// The move.
     pub leg: Leg,
-    /// How far it is done.
+    /// Distance done.
     pub done_mm: f64,
-    /// Blocks executed, up to and including its own.
+    /// Count of blocks executed, this one included.
     pub count: u32,
-    /// What holds for it.
+    /// Context of the move.
     pub context: MoveContext,
-    /// Whether nothing flows from it into the next block.
+    /// Whether the move ends at rest, even if the next block could flow.
     pub ends_at_rest: bool,
 }
 
-/// What a stretch of time comes to on the move in work.
+/// Result of an advance in time on the move in execution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Advance {
-    /// It goes on from there, in mm from its beginning; the time left, s.
+    /// The move continues from this distance from its beginning, mm; remaining time, s.
     To(f64, f64),
-    /// It is over; the time left, s.
+    /// The move is over; remaining time, s.
     Over(f64),
 }
 
 impl Leg {
-    /// A move that begins at rest; without drives nothing limits it.
+    /// A move that begins at rest; without drives nothing limits its speed.
     pub fn new(segment: Segment, limits: &MoveLimits<'_>) -> Self {
         let MoveLimits { drives, arc_clamp, rapid_mm_per_s, dry_run_mm_per_s } = *limits;
         let travel = Travel::new(segment);
@@ -99,9 +99,9 @@ impl Leg {
         Leg { travel, limits, entry: None, corner_mm_per_s: 0.0, most_mm_per_s }
     }
 
-    /// Lets the move before flow into it, where that is faster than to stop between them.
+    /// Lets the move before flow into this one, if that is faster than a stop between them.
     pub fn join(&mut self, before: &Leg, drives: &DriveLimits) {
-        // Degrees do not go on as millimetres.
+        // A path in degrees does not continue in millimetres.
         if before.travel.is_rotary() != self.travel.is_rotary() || self.travel.length_mm == 0.0 {
             return;
         }
@@ -113,7 +113,7 @@ impl Leg {
         self.entry = (flowing_s <= stopping_s).then_some(corner);
     }
 
-    /// The time from a corner, or from rest at its end, to its middle, at the programmed feed.
+    /// Time from the corner, or from rest at the move's end, to the middle of the move, at the programmed feed.
     fn half_s(&self, corner: Option<&Corner>) -> f64 {
         let most = self.travel.programmed_mm_per_s.unwrap_or(f64::INFINITY).min(self.limits.speed);
         let (half_mm, speed) =
@@ -122,7 +122,7 @@ impl Leg {
         rounding_s + time_s(speed, 0.5 * self.travel.length_mm - half_mm, most, &self.limits)
     }
 
-    /// The speed wanted on it, mm/s.
+    /// Wanted speed of the move, mm/s.
     pub fn wanted(&self, context: &MoveContext, conditions: &FeedConditions) -> f64 {
         let speed = |programmed| conditions.for_context(context).speed_mm_per_s(programmed).min(self.most_mm_per_s);
         self.travel.programmed_mm_per_s.map_or(self.most_mm_per_s, speed)
@@ -130,12 +130,12 @@ impl Leg {
 }
 
 impl Active {
-    /// What of it is to do.
+    /// Remaining distance.
     pub fn left_mm(&self) -> f64 {
         self.leg.travel.length_mm - self.done_mm
     }
 
-    /// Where the axes are: X, Y, Z in mm, A, B, C in degrees.
+    /// Position of the axes: X, Y, Z in mm, A, B, C in degrees.
     pub fn axes(&self, queue: &VecDeque<Queued>) -> [f64; AXES] {
         let mut axes = self.leg.travel.axes_at(self.done_mm / self.leg.travel.length_mm);
         let exit = flowing(queue).next().and_then(|(leg, _)| leg.entry).map(|corner| (corner, -self.left_mm()));
@@ -150,13 +150,13 @@ impl Active {
 }
 
 impl Queued {
-    /// Whether the axes go on through it.
+    /// Whether the axes move through this block without a stop.
     pub fn flows(&self) -> bool {
         matches!(self.block.action, Action::Move(_, None) | Action::Nothing | Action::Ignore(_))
     }
 }
 
-/// The moves behind the one in work that flow into each other, with what holds for each.
+/// Moves behind the one in execution that flow into each other, each with its context.
 pub fn flowing(queue: &VecDeque<Queued>) -> impl Iterator<Item = (&Leg, &MoveContext)> {
     let blocks = queue.iter().take_while(|queued| queued.flows());
     blocks.filter_map(|queued| Some((queued.leg.as_ref()?, &queued.block.context)))

@@ -1,19 +1,19 @@
-//! The serial line as both ends are set, and what went over it.
+//! Settings of the serial line, for both ends, and counters of its traffic.
 //!
-//! Source: B-63503EN p. 62 (start-stop, eight bits with parity, two stop bits; ten characters after DC3). Buffer sizes and
-//! levels are published nowhere: assumed.
+//! Source: B-63503EN p. 62 (start-stop, eight bits with parity, two stop bits; ten characters after DC3). Buffer sizes
+//! and levels are not published: assumed.
 
 use super::code::{with_even_parity, without_parity};
 use super::tape::TapeSettings;
 
-/// The line as both ends are set.
+/// Settings of the line, for both ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LineSettings {
     /// Bits per second.
     pub baudrate: u32,
     /// Bits a character takes: start, data, parity, stop.
     pub bits_per_char: u32,
-    /// What the sender's own hardware makes of its bytes.
+    /// Parity that the sender's hardware applies to its bytes.
     pub sender: SenderParity,
     /// Characters the buffer holds.
     pub buffer: usize,
@@ -23,7 +23,7 @@ pub struct LineSettings {
     pub xon_above: usize,
     /// Characters taken after DC3; one more is alarm PS0087.
     pub after_dc3_max: u32,
-    /// How the tape is read.
+    /// Settings for reading the tape.
     pub tape: TapeSettings,
 }
 
@@ -43,7 +43,7 @@ impl Default for LineSettings {
     }
 }
 
-/// The parity bit that the sender's hardware puts before its stop bits, and takes off what it gets.
+/// Parity bit that the sender's hardware adds to the characters it sends, and removes from those it receives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SenderParity {
     /// Eight data bits, no parity: bytes travel as they are.
@@ -64,7 +64,7 @@ impl SenderParity {
         }
     }
 
-    /// The byte that the sender sees of a frame of the control's.
+    /// Byte that the sender reads for a frame sent by the control.
     pub fn byte(self, frame: u8) -> u8 {
         match self {
             SenderParity::None => frame,
@@ -73,7 +73,7 @@ impl SenderParity {
     }
 }
 
-/// What went over the line.
+/// Counters of the line's traffic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LineCounters {
     /// Characters received.

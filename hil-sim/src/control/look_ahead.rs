@@ -1,8 +1,8 @@
-//! The fastest speed that all axes can follow, also on what is read ahead.
+//! Fastest speed that all axes can follow, including on blocks read ahead.
 //!
-//! Each stretch ahead ([`walk`]) begins with the speed that its axes allow, and with the one that is wanted there; [`Profile`]
-//! keeps to both; [`Horizon`] holds them from step to step. What is not queued yet counts as a stop. A stop at the end of a block (single block) that is asked for too
-//! late for this one is made at the end of the next.
+//! Each span ahead ([`walk`]) begins with the speed that its axes allow, and with the speed wanted there. [`Profile`]
+//! keeps to both; [`Horizon`] holds the spans from step to step. The end of the queue counts as a stop. A stop at the
+//! end of a block (single block) that is requested too late for this block is made at the end of the next.
 
 use std::collections::VecDeque;
 
@@ -14,19 +14,19 @@ use super::feeds::FeedConditions;
 use super::horizon::{DONE, Horizon};
 use super::leg::{Active, Advance, Queued, flowing};
 
-/// The speed of the moment, under limits of all axes.
+/// Present motion, under limits of all axes.
 #[derive(Clone, Debug)]
 pub struct LookAhead {
-    /// What limits it.
+    /// Limits of the drives.
     pub drives: DriveLimits,
     motion: Motion,
-    /// The way that was covered beyond the end of a move, until the next one takes it.
+    /// Distance travelled beyond the end of a move, until the next move takes it over.
     over: Option<f64>,
     horizon: Horizon,
 }
 
 impl LookAhead {
-    /// At rest.
+    /// A planner at rest.
     pub fn new(drives: DriveLimits) -> Self {
         LookAhead { drives, motion: Motion::default(), over: None, horizon: Horizon::new() }
     }
@@ -36,18 +36,18 @@ impl LookAhead {
         self.motion.speed
     }
 
-    /// Whether a way is covered already that belongs to the next move.
+    /// Whether the axes have travelled a distance that belongs to the next move.
     pub fn is_between(&self) -> bool {
         self.over.is_some()
     }
 
-    /// No move is in work.
+    /// Sets the motion to rest: no move is in execution.
     pub fn rest(&mut self) {
         (self.motion, self.over) = (Motion::default(), None);
         self.horizon.forget();
     }
 
-    /// Whether the axes can keep to the corners of these moves. A corner that is read when they are on their way to a stop
+    /// Whether the axes can keep to the corners of these moves. A corner that is read while the axes brake to a stop
     /// behind it may come too late.
     pub fn can_follow(&mut self, active: &Active, queue: &VecDeque<Queued>) -> bool {
         if self.horizon.ends_before_queue() {
@@ -62,7 +62,7 @@ impl LookAhead {
         can_follow
     }
 
-    /// Moves on for `dt_s` or to the end of the move.
+    /// Moves the axes for `dt_s` or to the end of the move.
     pub fn advance(
         &mut self,
         dt_s: f64,
@@ -88,19 +88,19 @@ impl LookAhead {
             return self.carried(active.done_mm + step.way, active, step.left_s);
         }
         if !step.is_over() {
-            // What is left of the way down takes longer than its way would tell.
+            // Braking takes longer than the remaining distance suggests.
             return Advance::To(active.leg.travel.length_mm.next_down(), 0.0);
         }
         self.rest();
         Advance::Over(step.left_s)
     }
 
-    /// A period from where the axes are.
+    /// Profile of one period from the position of the axes.
     fn profile(&self, period_s: f64, active: &Active) -> Profile<'_> {
         Profile { period_s, at: active.done_mm, here: self.horizon.here().limits, ahead: self.horizon.ahead() }
     }
 
-    /// So far in this move, or beyond its end into the next one.
+    /// Advances to a distance in this move, or beyond its end into the next one.
     fn carried(&mut self, done_mm: f64, active: &Active, left_s: f64) -> Advance {
         let over = done_mm - active.leg.travel.length_mm;
         if over < 0.0 {
@@ -111,7 +111,7 @@ impl LookAhead {
         Advance::Over(left_s)
     }
 
-    /// Lets the first move that can still be stopped at its end stop there.
+    /// Makes the first move that can still stop at its end stop there.
     fn stop_at_block_end(&mut self, active: &Active, queue: &mut VecDeque<Queued>) {
         let mut limits = active.leg.entry.map_or(active.leg.limits, |entry| entry.limits.and(&active.leg.limits));
         let mut left = active.left_mm();

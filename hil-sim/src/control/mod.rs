@@ -1,8 +1,8 @@
 //! A Fanuc-like control in DNC or memory operation: bytes in, axis positions out.
 //!
-//! Modelled: the reader/punch interface with its codes, checks and flow control, reading ahead and what it costs, the
-//! operator's panel, execution of blocks at override-scaled feed under limits of the path or of every axis, alarms. Where the
-//! axes are then is told by [`drives`](crate::drives). All settings: docs/control.md.
+//! Modelled: the reader/punch interface with its codes, checks and flow control, reading ahead and its processing time,
+//! the operator's panel, execution of blocks at override-scaled feed under limits of the path or of every axis, alarms.
+//! [`drives`](crate::drives) computes the actual axis positions. All settings: docs/control.md.
 
 pub mod tape;
 
@@ -87,12 +87,12 @@ use signals::FeedOverrideLines;
 pub use arcfeed_shared::nc::tape_code as code;
 pub use settings::{ControlSettings, Preset, Switches};
 
-/// Why the control stopped before the end of its program.
+/// Alarm that stopped the control before the end of its program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AlarmRecord {
     /// Line of the program as received, counted from 1.
     pub line: u32,
-    /// What the control found.
+    /// Fault that the control found.
     pub fault: Fault,
 }
 
@@ -104,14 +104,14 @@ pub struct Control {
     switches: Switches,
     port: DncPort,
     reader: BlockReader,
-    /// A program that comes over the line, or one in memory that has macro statements.
+    /// Executive of a program that comes over the line, or of one in memory that has macro statements.
     executive: Option<Executive>,
-    /// What of the time for reading ahead is not used up.
+    /// Unused time for reading ahead.
     reading_time: Micros,
     reads_no_further: bool,
     search: Option<Search>,
     restart_list: Option<RestartList>,
-    /// A block with several moves, under way.
+    /// Block with several moves, in execution.
     course: Option<CannedCycleRun>,
     interpolator: Interpolator,
     driven: Driven,
@@ -122,7 +122,7 @@ pub struct Control {
     alarm: Option<AlarmRecord>,
     ended: bool,
     held: bool,
-    /// What #3003 and #3004 switch off.
+    /// Functions that #3003 and #3004 switch off.
     ignored: Ignored,
     output: Vec<u8>,
     executed: Vec<Vec<u8>>,
@@ -149,14 +149,14 @@ impl Control {
         Control { executive: Some(executive), ..Control::new(settings, DncPort::from_memory(b""), false) }
     }
 
-    /// With subprograms in its memory, for what is called beside the program itself.
+    /// Adds a library of subprograms, which the program may call.
     #[must_use]
     pub fn with_library(mut self, library: Box<dyn Library>) -> Self {
         self.set_library(library);
         self
     }
 
-    /// Puts subprograms into its memory.
+    /// Sets the library of subprograms.
     pub fn set_library(&mut self, library: Box<dyn Library>) {
         if let Some(executive) = &mut self.executive {
             executive.set_library(library);
@@ -201,17 +201,17 @@ impl Control {
         &mut self.port
     }
 
-    /// What went over the line.
+    /// Counters of the line's traffic.
     pub fn line_counters(&self) -> LineCounters {
         self.port.counters()
     }
 
-    /// Whether the control has sent something that nobody has fetched yet.
+    /// Whether the control has sent bytes that have not been fetched yet.
     pub fn has_to_say(&self) -> bool {
         self.port.has_to_say()
     }
 
-    /// One interpolation period; `override_percent` is what stands at the override input.
+    /// Simulates one interpolation period; `override_percent` is the value at the override input.
     pub fn step(&mut self, now: Micros, dt: Micros, override_percent: u8) {
         if let Some(fault) = self.port.step(dt) {
             self.stop_with(AlarmRecord { line: self.reader.line(), fault });
@@ -236,12 +236,12 @@ impl Control {
         }
     }
 
-    /// Where the axes are commanded to.
+    /// Commanded position of the axes.
     pub fn position(&self) -> Pose {
         self.interpolator.position()
     }
 
-    /// The same unrounded: X, Y, Z in mm, A, B, C in degrees.
+    /// Commanded position, unrounded: X, Y, Z in mm, A, B, C in degrees.
     pub fn axes(&self) -> &[f64; AXES] {
         self.interpolator.axes()
     }
@@ -251,7 +251,7 @@ impl Control {
         self.interpolator.active()
     }
 
-    /// What holds for the active move.
+    /// Context of the active move.
     pub fn context(&self) -> Option<&MoveContext> {
         self.interpolator.context()
     }
@@ -276,33 +276,33 @@ impl Control {
         self.interpolator.queued()
     }
 
-    /// What the program has sent to the punch with its macro statements, as far as it is read; in DNC operation it also goes
-    /// out over the line.
+    /// Output of the macro statements read so far, for the punch; in DNC operation the control also sends it over the
+    /// line.
     pub fn output(&self) -> &[u8] {
         &self.output
     }
 
-    /// Whether some of it is still on its way.
+    /// Whether a part of the output has not been sent yet.
     pub fn is_punching(&self) -> bool {
         self.port.is_punching()
     }
 
-    /// Messages of the program (#3006, #3000), and where in a called program an alarm came up.
+    /// Messages of the program (#3006, #3000), and the place in a called program where an alarm came up.
     pub fn messages(&self) -> impl Iterator<Item = &str> {
         self.executive.iter().flat_map(Executive::messages)
     }
 
-    /// The modal state behind the last block that was read from the line, or from a program without macro statements.
+    /// Modal state after the last block that was read from the line, or from a program without macro statements.
     pub fn modal(&self) -> &Modal {
         self.reader.modal()
     }
 
-    /// The alarm that stopped it.
+    /// Alarm that stopped the control.
     pub fn alarm(&self) -> Option<&AlarmRecord> {
         self.alarm.as_ref()
     }
 
-    /// Whether the program came to its end (M02, M30).
+    /// Whether the program has ended (M02, M30).
     pub fn has_ended(&self) -> bool {
         self.ended
     }
@@ -317,7 +317,7 @@ impl Control {
         self.interpolator.is_at_rest()
     }
 
-    /// Whether the program goes on and no block is there to execute.
+    /// Whether the program has not ended and no block is available to execute.
     pub fn is_starved(&self) -> bool {
         let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0 && self.course.is_none();
         has_nothing && self.phase == Phase::Running && self.dwell_left == Micros(0) && !self.is_over()
@@ -332,7 +332,7 @@ impl Control {
         self.alarm.get_or_insert(alarm);
     }
 
-    /// Takes up what is next: blocks that take no time, up to a move or a wait.
+    /// Starts the next blocks: those that take no time, up to a move or a wait.
     fn start_next(&mut self, now: Micros) {
         while self.interpolator.is_idle() && self.may_begin() {
             if self.course.is_some() {
@@ -355,7 +355,7 @@ impl Control {
         }
     }
 
-    /// Begins a block; whether it is one move.
+    /// Starts a block; returns whether it is a single move.
     fn execute(&mut self, block: ReadBlock, now: Micros) -> bool {
         if let Action::Fault(fault) = block.action {
             self.stop_with(AlarmRecord { line: block.line, fault });
@@ -399,7 +399,7 @@ impl Control {
     }
 }
 
-/// The time for all blocks that are read ahead before the axes start.
+/// Time for reading all blocks that are read ahead before the axes start.
 fn read_before_start(settings: &ControlSettings) -> Micros {
     Micros(settings.block_processing.0.saturating_mul(settings.look_ahead as u64))
 }

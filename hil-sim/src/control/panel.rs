@@ -10,7 +10,7 @@
 //!    +--------------------------------------------------------------+
 //!                                                     cycle start
 //! ```
-//! Feed hold lies across: axes come to rest and a dwell stands still until cycle start.
+//! Feed hold is independent of these states: axes come to rest and a dwell waits until cycle start.
 
 use arcfeed_shared::nc::macros::variables::Ignored;
 use arcfeed_shared::nc::modal::Stop;
@@ -22,19 +22,19 @@ use super::restart::RestartList;
 use super::search::Search;
 use super::settings::Switches;
 
-/// Where operation stands, alarms and the program's end apart.
+/// State of operation, apart from alarms and the program's end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// Blocks are executed as they come.
     Running,
     /// The block before is done, the next waits for cycle start.
     Stopped {
-        /// When it stopped.
+        /// Time of the stop.
         since: Micros,
     },
     /// Axes come to rest.
     Resetting,
-    /// Nothing is there to execute: cycle start begins a program.
+    /// No program is running: cycle start begins one.
     Ready,
 }
 
@@ -49,7 +49,7 @@ impl Control {
         self.held
     }
 
-    /// Cycle start: goes on after feed hold and stops; begins the next program after a reset.
+    /// Cycle start: continues after feed hold and stops; begins the next program after a reset.
     pub fn cycle_start(&mut self) {
         self.held = false;
         match self.phase {
@@ -74,8 +74,8 @@ impl Control {
         matches!(self.phase, Phase::Stopped { .. })
     }
 
-    /// Reset: axes come to rest, what was read ahead and what is in the buffer is lost, the alarm is off. Of a program in
-    /// memory nothing is left either: a new control has to be made for the next one.
+    /// Reset: axes come to rest, blocks read ahead and characters in the buffer are discarded, the alarm is cleared. A
+    /// program in memory is discarded too: the next one needs a new control.
     pub fn reset(&mut self) {
         self.port.reset();
         self.alarm = None;
@@ -86,12 +86,12 @@ impl Control {
         self.phase = Phase::Resetting;
     }
 
-    /// Whether it waits for cycle start after a reset.
+    /// Whether the control waits for cycle start after a reset.
     pub fn is_ready(&self) -> bool {
         self.phase == Phase::Ready
     }
 
-    /// Looks for a block in what comes next, before anything is executed.
+    /// Starts a search for a block, before anything is executed.
     pub fn search(&mut self, search: Search) {
         if let Search::Restart(_) = search {
             self.reader.list_for_restart();
@@ -100,18 +100,18 @@ impl Control {
         self.search = Some(search);
     }
 
-    /// What a restart has found: the functions given before its block, which the operator has to give again, and the
-    /// state that the block meets.
+    /// List of a restart that has found its block: the functions commanded before it, which the operator has to command
+    /// again, and the modal state at the block.
     pub fn restart_list(&self) -> Option<&RestartList> {
         self.restart_list.as_ref()
     }
 
-    /// The switches, to turn.
+    /// Switches of the panel, to change them.
     pub fn switches_mut(&mut self) -> &mut Switches {
         &mut self.switches
     }
 
-    /// What happens by itself: the simulated operator's cycle start, the end of a reset.
+    /// Handles the simulated operator's cycle start and the end of a reset.
     pub(super) fn operate(&mut self, now: Micros) {
         match self.phase {
             Phase::Stopped { since } => {

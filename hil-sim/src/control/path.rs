@@ -1,8 +1,8 @@
 //! Segments as paths: length, position and direction at a distance along them.
 //!
-//! An arc's radius runs linearly from its start's to its end's, so that it ends exactly where the program says, as a
-//! control does with end points that are rounded to the last digit. A helix moves evenly across the arc's plane; its
-//! feed counts along the arc in the plane (HTG = 0), so the tool runs faster than F by path over arc.
+//! The radius of an arc changes linearly from its start's to its end's, so that the arc ends exactly where the program
+//! says, as on a control whose end points are rounded to the last digit. A helix moves evenly across the arc's plane;
+//! its feed counts along the arc in the plane (HTG = 0), so the tool runs faster than F by the ratio of path to arc.
 
 use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE, Pose};
 use arcfeed_shared::segment::{Arc, Path, Segment};
@@ -13,16 +13,16 @@ use crate::drives::limits::{AXES, Bend};
 
 const DEG: f64 = MICRODEG_PER_DEG as f64;
 
-/// A segment with what execution needs of it.
+/// A segment prepared for execution.
 #[derive(Clone, Debug)]
 pub struct Travel {
     /// The segment.
     pub segment: Segment,
-    /// Length of the path: of the linear axes, mm; of the rotary ones, degrees, where only they move.
+    /// Length of the path: of the linear axes in mm, or of the rotary ones in degrees if only they move.
     pub length_mm: f64,
     /// Speed along the path over the feed: above one on a helix.
     pub speed_ratio: f64,
-    /// The speed along the path that the programmed feed asks for, mm/s; `None` for rapids.
+    /// Programmed speed along the path, mm/s; `None` for rapids.
     pub programmed_mm_per_s: Option<f64>,
     shape: Shape,
 }
@@ -53,12 +53,12 @@ impl Travel {
         Travel { segment, length_mm, speed_ratio, programmed_mm_per_s, shape }
     }
 
-    /// Where the axes are at `ratio` (0 to 1) of the way, to whole nanometres and microdegrees.
+    /// Position of the axes at `ratio` (0 to 1) of the path, in whole nanometres and microdegrees.
     pub fn pose_at(&self, ratio: f64) -> Pose {
         if ratio >= 1.0 { self.segment.end } else { to_pose(&self.axes_at(ratio)) }
     }
 
-    /// The same unrounded: X, Y, Z in mm, A, B, C in degrees.
+    /// Position, unrounded: X, Y, Z in mm, A, B, C in degrees.
     pub fn axes_at(&self, ratio: f64) -> [f64; AXES] {
         let point = match &self.shape {
             Shape::Straight { start, end } => start + (end - start) * ratio,
@@ -77,7 +77,7 @@ impl Travel {
         [point[0], point[1], point[2], a, b, c]
     }
 
-    /// First and second derivative of all axes by the way, at `ratio` of it.
+    /// First and second derivative of all axes by the path length, at `ratio` of the path.
     pub fn derivatives_at(&self, ratio: f64) -> [[f64; AXES]; 2] {
         let (mut first, mut second) = ([0.0; AXES], [0.0; AXES]);
         match &self.shape {
@@ -100,7 +100,7 @@ impl Travel {
         [first, second]
     }
 
-    /// How the whole of it bends at most.
+    /// Largest derivatives along the whole path.
     pub fn bend(&self) -> Bend {
         let mut bend = Bend::default();
         match &self.shape {
@@ -121,12 +121,12 @@ impl Travel {
         bend
     }
 
-    /// Whether only rotary axes move: the way is in degrees then.
+    /// Whether only rotary axes move, so that the path length is in degrees.
     pub fn is_rotary(&self) -> bool {
         self.segment.length_mm() == 0.0
     }
 
-    /// What the rotary axes turn on a unit of the way.
+    /// Turn of the rotary axes per unit of the path.
     fn turning(&self) -> [f64; 3] {
         let (from, to) = (self.segment.start.rotary, self.segment.end.rotary);
         [0, 1, 2].map(|axis| (to[axis].0 - from[axis].0) as f64 / DEG / self.length_mm)

@@ -1,8 +1,9 @@
-//! Plain blocks to actions in machine coordinates: the interpreter of `shared`, with all of its dialect.
+//! Plain blocks to actions in machine coordinates, by the interpreter of `shared` with all of its dialect.
 //!
-//! The interpreter's *path* is the tool tip's; the axes stand in machine coordinates, Z longer by the tool length. Each move
-//! begins where the axes are: a length offset that begins without a move of Z moves nothing, and the next move makes up
-//! for it. Under G41 and G42 the contour is executed as written, under G43.4 the tool tip's way.
+//! The interpreter gives the path of the tool tip; the axes are in machine coordinates, with the tool length added to
+//! Z. Each move begins where the axes are: a length offset that begins without a move of Z moves nothing, and the next
+//! move makes up for it. Under G41 and G42 the model executes the contour as written, under G43.4 the path of the tool
+//! tip.
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault, NotModelled};
 use arcfeed_shared::nc::block::Block;
@@ -15,12 +16,12 @@ use super::action::{Action, MoveContext, Way};
 use super::restart::RestartList;
 use super::settings::ControlSettings;
 
-/// A block as it was understood.
+/// A block that has been read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plain {
-    /// What it does.
+    /// Action of the block.
     pub action: Action,
-    /// How.
+    /// Context of its moves.
     pub context: MoveContext,
 }
 
@@ -35,7 +36,7 @@ pub struct PlainReader {
 }
 
 impl PlainReader {
-    /// At power-on, the axes at the machine's zero.
+    /// Reader at power-on, the axes at the machine's zero.
     pub fn new(settings: &ControlSettings) -> Self {
         let reader = Reader::with(settings.nc, settings.tables);
         PlainReader { reader, end: Pose::ORIGIN, taps: false, sets_data: false, restart: None }
@@ -51,33 +52,33 @@ impl PlainReader {
         &mut self.reader
     }
 
-    /// Whether the block read last has written offsets.
+    /// Whether the last block read has written offsets.
     pub fn has_set_data(&self) -> bool {
         self.sets_data
     }
 
-    /// Where the axes stand behind what was read, as the program has it.
+    /// Machine position after the blocks read, as the program has it.
     pub fn machine(&self) -> Pose {
         self.reader.machine()
     }
 
-    /// Where the last move that was read ends.
+    /// End of the last move that was read.
     pub fn end(&self) -> Pose {
         self.end
     }
 
-    /// The axes stand here; the tool has no length then.
+    /// Sets the machine position; the tool has no length then.
     pub fn stand_at(&mut self, machine: Pose) {
         self.reader.stand_at(machine);
         self.end = machine;
     }
 
-    /// Keeps from now on what a restart must tell the operator.
+    /// Starts the list of functions that a restart shows to the operator.
     pub fn list_for_restart(&mut self) {
         self.restart = Some(RestartList::default());
     }
 
-    /// What was kept before the last block.
+    /// The list of functions before the last block.
     pub fn take_restart_list(&mut self) -> Option<RestartList> {
         self.restart.take()
     }
@@ -142,12 +143,12 @@ impl PlainReader {
     }
 }
 
-/// This much along Z, and nothing else.
+/// Pose with this Z, and zero in all other axes.
 pub fn along_z(length: Nm) -> Pose {
     Pose { linear: [Nm(0), Nm(0), length], ..Pose::ORIGIN }
 }
 
-/// What a line that has been understood asks for, on the path.
+/// Action of a block that has been read, in program coordinates.
 fn action(understood: &Understood) -> Action {
     let Understood { parsed, step, segment, .. } = understood;
     let has_function = |block: &Block| block.words.iter().any(|word| matches!(word.letter, b'M' | b'S' | b'T'));

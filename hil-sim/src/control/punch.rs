@@ -1,8 +1,10 @@
-//! The control's own output: text to the sender (DPRNT), at line rate, stopped and started by the sender's DC3 and DC1.
+//! Output of the control: text to the sender (DPRNT), at line rate; the sender stops it with DC3 and starts it with
+//! DC1.
 //!
-//! Opening sends DC2, closing DC4. After the sender's DC3 the control sends at most ten more characters; this one sends
-//! none. Source: B-63503EN p. 62; that POPEN and PCLOS send DC2 and DC4 is not published, an assumption. What BPRNT sends
-//! takes eight bits: a line of seven data bits cuts them, and a sender cannot tell DC1, DC3 and DC4 from numbers.
+//! Opening sends DC2, closing DC4. After the sender's DC3 a control sends at most ten more characters; this model sends
+//! none. Source: B-63503EN p. 62; that POPEN and PCLOS send DC2 and DC4 is not published, an assumption. BPRNT sends
+//! eight bits per character: a line of seven data bits truncates them, and a sender cannot distinguish DC1, DC3 and DC4
+//! from numbers.
 
 use std::collections::VecDeque;
 
@@ -19,7 +21,7 @@ pub struct Punch {
 }
 
 impl Punch {
-    /// What a macro statement sends; the control's code is `code`.
+    /// Queues a macro statement's output; `code` is the control's code.
     pub fn put(&mut self, output: &Output, code: Code) {
         match output {
             Output::Open => self.open(),
@@ -29,7 +31,7 @@ impl Punch {
         }
     }
 
-    /// Whether something is left to send that nobody keeps it from.
+    /// Whether characters are queued and the sender has not stopped the output.
     pub fn is_sending(&self) -> bool {
         !self.queue.is_empty() && !self.is_stopped
     }
@@ -54,14 +56,14 @@ impl Punch {
         }
     }
 
-    /// Reset: what is not out yet never goes out.
+    /// Reset: discards what has not been sent.
     pub fn reset(&mut self) {
         self.queue.clear();
         self.close();
         self.is_stopped = false;
     }
 
-    /// Takes a character of the sender's; answers whether it was for the punch.
+    /// Handles a character from the sender; returns whether it was for the punch.
     pub fn take(&mut self, byte: u8) -> bool {
         match byte {
             DC1 => self.is_stopped = false,
@@ -71,7 +73,7 @@ impl Punch {
         self.is_open || !self.queue.is_empty()
     }
 
-    /// The next frame, if one may go out.
+    /// Next frame, if the sender has not stopped the output.
     pub fn poll(&mut self) -> Option<u8> {
         if self.is_stopped { None } else { self.queue.pop_front() }
     }

@@ -1,4 +1,4 @@
-//! Blocks to actions: what the control reads ahead of its execution.
+//! Blocks to actions, as the control reads them ahead.
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::modal::{Modal, Pose};
@@ -10,16 +10,16 @@ use super::restart::RestartList;
 use super::settings::{ControlSettings, Switches};
 use super::tape::Received;
 
-/// A block off the tape.
+/// Result of taking a block off the tape.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Opened {
-    /// Its text.
+    /// Text of the block.
     Text(Vec<u8>),
-    /// It stops the control.
+    /// Block that stops the control.
     Refused(Box<ReadBlock>),
 }
 
-/// The blocks of a program as they come in.
+/// Reader of the blocks of a program.
 #[derive(Debug)]
 pub struct BlockReader {
     reader: PlainReader,
@@ -28,32 +28,32 @@ pub struct BlockReader {
 }
 
 impl BlockReader {
-    /// At power-on, the axes at the machine's zero.
+    /// Reader at power-on, the axes at the machine's zero.
     pub fn new(settings: &ControlSettings) -> Self {
         BlockReader { reader: PlainReader::new(settings), line: 0, has_begun: false }
     }
 
-    /// The axes stand here.
+    /// Sets the machine position.
     pub fn stand_at(&mut self, machine: Pose) {
         self.reader.stand_at(machine);
     }
 
-    /// The offsets as the program has left them.
+    /// Offsets as last written by the program.
     pub fn tables(&mut self) -> &Tables {
         self.reader.reader().tables()
     }
 
-    /// Keeps from now on what a restart must tell the operator.
+    /// Starts the list of functions that a restart shows to the operator.
     pub fn list_for_restart(&mut self) {
         self.reader.list_for_restart();
     }
 
-    /// What was kept before the last block.
+    /// The list of functions before the last block.
     pub fn take_restart_list(&mut self) -> Option<RestartList> {
         self.reader.take_restart_list()
     }
 
-    /// The modal state behind the last block that was read.
+    /// Modal state after the last block that was read.
     pub fn modal(&self) -> &Modal {
         self.reader.modal()
     }
@@ -63,7 +63,7 @@ impl BlockReader {
         self.line
     }
 
-    /// Where the last move that was read ends.
+    /// End of the last move that was read.
     pub fn end(&self) -> Pose {
         self.reader.end()
     }
@@ -92,7 +92,7 @@ impl BlockReader {
         }
         let has_begun = self.has_begun;
         self.has_begun |= !text.is_empty() || refused.is_some();
-        // The first mark begins the program, the next one ends it: a program that has not stopped before has no end.
+        // The first mark begins the program, the next one ends it: a program that reaches it has no end of its own.
         let is_mark = text.first() == Some(&b'%');
         let at_end = Fault::alarm(Alarm::EndOfRecord, 1);
         match refused.or((is_mark && has_begun).then_some(at_end)) {
@@ -101,7 +101,7 @@ impl BlockReader {
         }
     }
 
-    /// Passes over a block, for a search: whether it was the end of the program.
+    /// Skips a block during a search; returns whether it was the end of the program.
     pub fn pass(&mut self, received: &Received) -> bool {
         self.line += 1;
         let has_begun = self.has_begun;
@@ -115,7 +115,7 @@ impl BlockReader {
         false
     }
 
-    /// The block that [`BlockReader::pass`] has passed over is read next.
+    /// Undoes the line count of [`BlockReader::pass`], so that the same block is read next.
     pub fn go_back(&mut self) {
         self.line -= 1;
     }
@@ -142,7 +142,7 @@ pub fn sequence_of(text: &[u8]) -> Option<u32> {
     core::str::from_utf8(&digits[..len]).ok()?.parse().ok()
 }
 
-/// The switch of a block that begins with `/` or `/n`.
+/// Number of the block delete switch of a block that begins with `/` or `/n`.
 fn deleted_by(text: &[u8]) -> Option<u8> {
     let after = text.trim_ascii_start().strip_prefix(b"/")?;
     Some(after.first().filter(|byte| matches!(byte, b'1'..=b'9')).map_or(1, |digit| digit - b'0'))

@@ -1,5 +1,5 @@
-//! What a restart leaves to the operator: the functions that the program gave before the block, which the control does not
-//! send again, and the state that the block meets.
+//! List for the operator at a restart: the functions that the program commands before the block, which the control does
+//! not send again, and the modal state at the block.
 
 use std::collections::VecDeque;
 
@@ -7,13 +7,13 @@ use arcfeed_shared::nc::block::Block;
 use arcfeed_shared::nc::modal::{FeedMode, Modal, MotionKind, Plane, Side, Turn};
 use arcfeed_shared::units::{LengthUnit, Nm};
 
-/// Most M codes that are listed, the last ones.
+/// Largest number of M codes in the list; the last ones stay.
 const M_CODES: usize = 35;
 
-/// The list.
+/// List of functions at a restart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RestartList {
-    /// M codes in the order given, the last ones; stops and calls are none.
+    /// M codes in program order, the last ones; without stops and calls.
     pub m: VecDeque<i64>,
     /// The last T.
     pub t: Option<i64>,
@@ -25,7 +25,7 @@ pub struct RestartList {
 }
 
 impl RestartList {
-    /// A further block is read; what the one before gave is given now.
+    /// Enters the functions of the block before into the list, because a further block is read.
     pub(super) fn begin_block(&mut self, modal: &Modal) {
         self.modal = Some(*modal);
         for (letter, number) in self.pending.drain(..) {
@@ -42,12 +42,12 @@ impl RestartList {
         }
     }
 
-    /// The feed in force before the block.
+    /// Feed in force before the block.
     pub fn feed(&self) -> Option<Nm> {
         self.modal.and_then(|modal| modal.feed)
     }
 
-    /// The modal G codes in force before the block.
+    /// Modal G codes in force before the block.
     pub fn codes(&self) -> Vec<String> {
         self.modal.as_ref().map(codes).unwrap_or_default()
     }

@@ -1,9 +1,9 @@
-//! Sequence number search and program restart: where a program is taken up in its middle.
+//! Sequence number search and program restart: starting a program in its middle.
 //!
-//! A *search* passes over everything before the block: the modal state is what it was. A *restart* reads everything
-//! before the block, so that the block meets the modal state it would have met, and brings the axes to where the block
-//! before it ends: rotary axes first, then one linear axis after the other, at the dry run feed. A number that is not
-//! there is alarm PS0060.
+//! A *search* skips everything before the block: the modal state stays as it was. A *restart* reads everything before
+//! the block, so that the block has the modal state of a run from the beginning, and moves the axes to the end of the
+//! block before it: rotary axes first, then one linear axis after the other, at the dry run feed. A missing number is
+//! alarm PS0060.
 //!
 //! Source: the steps of program restart in Fanuc's operator's manuals; the order of the axes is parameter 7310 there,
 //! X, Y, Z here.
@@ -18,7 +18,7 @@ use super::reader::{BlockReader, sequence_of};
 use super::settings::Switches;
 use super::tape::Received;
 
-/// What is looked for.
+/// Target of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Search {
     /// The block with this number, with the modal state as it is.
@@ -27,19 +27,19 @@ pub enum Search {
     Restart(u32),
 }
 
-/// What a block means to the search.
+/// Result of a search at one block.
 #[derive(Debug, PartialEq)]
 pub enum Found {
-    /// Not this one.
+    /// Not the target.
     NotYet,
-    /// This one: the moves that lead to it, and itself.
+    /// The target: the moves that lead to it, and the block itself.
     Here(Vec<ReadBlock>),
-    /// It never comes.
+    /// The target does not exist: the block with the alarm.
     Never(Box<ReadBlock>),
 }
 
 impl Search {
-    /// Looks at the next block; `stands` is where the axes are.
+    /// Checks the next block.
     pub fn look(self, received: Received, reader: &mut BlockReader, switches: &Switches, approach: &Approach) -> Found {
         match self {
             Search::Sequence(wanted) => {
@@ -62,23 +62,23 @@ impl Search {
     }
 }
 
-/// The alarm of a number that is not there.
+/// Alarm for a missing number.
 pub fn never(line: u32) -> ReadBlock {
     let fault = Fault::alarm(Alarm::SequenceNotFound, 0);
     ReadBlock::new(line, Vec::new(), Action::Fault(fault))
 }
 
-/// How the axes get to where the program is taken up.
+/// Approach of the axes to the place where the program starts.
 #[derive(Clone, Copy, Debug)]
 pub struct Approach {
-    /// From here.
+    /// Present position.
     pub stands: Pose,
-    /// With this feed.
+    /// Feed of the approach.
     pub feed: MmPerMin,
 }
 
 impl Approach {
-    /// What a block means to a restart at block N `wanted`; the block before it ends at `start`.
+    /// Result of a restart at block N `wanted` for this block; the block before it ends at `start`.
     pub fn restart_at(&self, wanted: u32, block: ReadBlock, start: Pose) -> Found {
         if sequence_of(&block.text) == Some(wanted) {
             let mut blocks = self.blocks(start, block.line);
@@ -97,7 +97,7 @@ impl Approach {
         }
     }
 
-    /// One move for each axis that is elsewhere.
+    /// One move for each axis that is at another position.
     fn blocks(&self, to: Pose, line: u32) -> Vec<ReadBlock> {
         let feed = Feed::PerMinute(Nm::from_mm(f64::from(self.feed.0)));
         let mut at = self.stands;

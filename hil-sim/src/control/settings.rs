@@ -1,6 +1,6 @@
-//! What a control is set to: presets, and what each is made of.
+//! Settings of the control, and presets.
 //!
-//! A value marked assumed is published nowhere that we know of; docs/control.md lists all of them.
+//! A value marked assumed is not published, as far as we know; docs/control.md lists all of them.
 
 use arcfeed_shared::machine::ArcClamp;
 use arcfeed_shared::nc::settings as nc;
@@ -16,7 +16,7 @@ use super::line::LineSettings;
 /// Settings of the control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControlSettings {
-    /// How blocks are read, and what the machine's canned cycles and reference points are set to.
+    /// Settings for reading blocks, canned cycles and reference points.
     pub nc: nc::Settings,
     /// Work offsets and tool lengths at power-on.
     pub tables: nc::Tables,
@@ -24,15 +24,15 @@ pub struct ControlSettings {
     pub line: LineSettings,
     /// Blocks read ahead of the one being executed.
     pub look_ahead: usize,
-    /// What reading a block ahead takes. What is read ahead before the axes start costs none.
+    /// Time to read a block ahead. Blocks read before the axes start take none.
     pub block_processing: Micros,
-    /// What the axes can do along the path, where nothing is known of the drives.
+    /// Limits of the axes along the path, used without data of the drives.
     pub dynamics: Dynamics,
-    /// What each drive can do.
+    /// Limits of each drive.
     pub drives: Option<DriveLimits>,
-    /// How the axes follow; without it they are where they are commanded to.
+    /// Position loops of the axes; without them the axes have their commanded positions.
     pub servo: Option<Servo>,
-    /// How the spindle follows; without it it turns as the job has it, whatever the program says.
+    /// Spindle drive; without it the spindle turns at the job's speed, whatever the program says.
     pub spindle: Option<SpindleDrive>,
     /// The control's own clamp of the feed on arcs; a control without the function has none.
     pub arc_clamp: Option<ArcClamp>,
@@ -40,7 +40,7 @@ pub struct ControlSettings {
     pub dry_run_feed: MmPerMin,
     /// Steps from the override input to its effect: the scan of the machine's ladder (8 ms, assumed).
     pub ladder_delay_steps: usize,
-    /// How long after a stop the simulated operator presses cycle start; `None` if nobody stands there.
+    /// Time after a stop at which the simulated operator presses cycle start; `None` without an operator.
     pub operator_restart: Option<Micros>,
     /// The panel's switches at power-on.
     pub switches: Switches,
@@ -53,7 +53,7 @@ pub struct Switches {
     pub single_block: bool,
     /// M01 stops.
     pub optional_stop: bool,
-    /// Which `/n` are skipped, bit n - 1; read when a block is read ahead, not when its turn comes.
+    /// Which `/n` are skipped, bit n - 1; evaluated when a block is read ahead, not when it is executed.
     pub block_delete: u16,
     /// Cutting moves run at the dry run feed.
     pub dry_run: bool,
@@ -61,7 +61,7 @@ pub struct Switches {
     pub override_cancel: bool,
 }
 
-/// The controls there are.
+/// Modelled controls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
     /// Series 16i.
@@ -81,7 +81,7 @@ impl Preset {
         }
     }
 
-    /// The settings of this control, on a mid-size five-axis machine.
+    /// Settings of this control on a mid-size five-axis machine.
     pub fn settings(self, unit: LengthUnit) -> ControlSettings {
         let line = LineSettings::default();
         let (line, look_ahead, block_processing) = match self {
@@ -114,7 +114,7 @@ impl Preset {
 }
 
 impl ControlSettings {
-    /// A 16i-like control on a mid-size five-axis machine.
+    /// Settings of a 16i-like control on a mid-size five-axis machine.
     pub fn fanuc_16i(unit: LengthUnit) -> Self {
         Preset::Fanuc16i.settings(unit)
     }

@@ -14,17 +14,17 @@ pub const OVERRIDE_MAX_PERCENT: u8 = 254;
 pub struct FeedOverrideLines(pub u8);
 
 impl FeedOverrideLines {
-    /// The levels that ask for an override; 254 % for more.
+    /// Levels for an override; 254 % for more.
     pub fn of_percent(percent: u8) -> Self {
         FeedOverrideLines(!percent.min(OVERRIDE_MAX_PERCENT))
     }
 
-    /// What the control reads.
+    /// Override that the control reads.
     pub fn percent(self) -> u8 {
         if self.0 == 0 { 0 } else { !self.0 }
     }
 
-    /// What the control applies.
+    /// Override that the control applies.
     pub fn effective_percent(self, is_cancelled: bool) -> u8 {
         if is_cancelled { PERCENT as u8 } else { self.percent() }
     }

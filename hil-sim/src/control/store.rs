@@ -1,4 +1,4 @@
-//! READ and PUNCH in EDIT mode: a program over the line into the control's memory, and out of it again.
+//! READ and PUNCH in EDIT mode: a program over the line into the control's memory, and back out.
 //!
 //! ```text
 //!          % behind the program             DC1 (or the operator: punch)          all is out
@@ -6,9 +6,9 @@
 //!    |                                                                                            and so on
 //!    +--> Refused: TH, TV, a line error
 //! ```
-//! Kept are the characters of blocks; blanks outside comments and empty blocks are not (generally said of these controls,
-//! read in no manual). Out goes DC2, `%`, the blocks, `%`, DC4. That DC1 begins it stands in for an operator who presses
-//! PUNCH when the other side is ready.
+//! Memory keeps the characters of blocks, without blanks outside comments and without empty blocks (generally said of
+//! these controls, read in no manual). The output is DC2, `%`, the blocks, `%`, DC4. DC1 begins it, in place of an
+//! operator who presses PUNCH when the other side is ready.
 
 use arcfeed_shared::nc::alarm::Fault;
 use arcfeed_shared::units::Micros;
@@ -17,7 +17,7 @@ use super::dnc_port::DncPort;
 use super::line::LineSettings;
 use super::tape::Received;
 
-/// A control that is being read into and out of.
+/// A control in EDIT mode.
 #[derive(Debug)]
 pub struct Store {
     port: DncPort,
@@ -25,41 +25,41 @@ pub struct Store {
     state: State,
 }
 
-/// Where it stands.
+/// State of the store.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// It takes a program in.
+    /// Receives a program.
     Reading,
-    /// It has one.
+    /// Holds a program.
     Stored,
-    /// It sends it.
+    /// Sends its program.
     Punching,
-    /// It has refused one.
+    /// Has rejected a program.
     Refused(Fault),
 }
 
 impl Store {
-    /// READ has been pressed.
+    /// State after READ has been pressed.
     pub fn new(line: LineSettings) -> Self {
         Store { port: DncPort::on_line(line), blocks: Vec::new(), state: State::Reading }
     }
 
-    /// Its line.
+    /// Serial line.
     pub fn port(&mut self) -> &mut DncPort {
         &mut self.port
     }
 
-    /// Where it stands.
+    /// State of the store.
     pub fn state(&self) -> State {
         self.state
     }
 
-    /// The program's blocks, as kept.
+    /// Blocks of the program, as memory keeps them.
     pub fn blocks(&self) -> &[Vec<u8>] {
         &self.blocks
     }
 
-    /// Lets time pass on the line.
+    /// Simulates `dt` of the line.
     pub fn step(&mut self, dt: Micros) {
         let fault = self.port.step(dt);
         match self.state {
@@ -70,7 +70,7 @@ impl Store {
         }
     }
 
-    /// PUNCH has been pressed.
+    /// Starts the output, as PUNCH does.
     pub fn punch(&mut self) {
         let code = self.port.code();
         let punch = self.port.punch();
@@ -103,7 +103,7 @@ impl Store {
     }
 }
 
-/// What memory keeps of a block.
+/// Characters that memory keeps of a block.
 fn kept(text: &[u8]) -> Option<Vec<u8>> {
     let mut depth = 0;
     let is_kept = |byte: &u8| {

@@ -1,4 +1,4 @@
-//! The way ahead in stretches: what is left of the move in work, a corner, a move, up to the next stop.
+//! Division of the path ahead into spans: the rest of the move in execution, a corner, a move, up to the next stop.
 
 use std::collections::VecDeque;
 use std::iter::once;
@@ -8,18 +8,18 @@ use crate::drives::limits::PathLimits;
 use super::feeds::FeedConditions;
 use super::leg::{Active, Queued, flowing};
 
-/// Where a stretch begins, what limits it, and the speed wanted on it.
+/// A span of the path: its beginning, its limits, and the speed wanted on it.
 #[derive(Clone, Copy, Debug)]
 pub struct Stretch {
-    /// Its beginning, from the beginning of the move in work.
+    /// Beginning of the span, from the beginning of the move in execution.
     pub at_mm: f64,
-    /// What the axes allow.
+    /// Limits of the axes.
     pub limits: PathLimits,
-    /// What programmed feed and override ask for.
+    /// Speed that programmed feed and override ask for.
     pub wanted_mm_per_s: f64,
 }
 
-/// Shows `visit` all stretches, from the one that the axes are on to a stop, while it wants more.
+/// Calls `visit` for each span, from the one that the axes are on to a stop, until it returns false.
 pub fn walk(
     active: &Active,
     queue: &VecDeque<Queued>,

@@ -1,7 +1,7 @@
 //! Frames to blocks: label skip, code by the first end of block, TH and TV check.
 //!
-//! After power-on and reset everything up to the first end of block is skipped: that is where `%` and the leader lie, and
-//! where a first block without a `%` before it is lost. The first end of block also tells ISO from EIA.
+//! After power-on and reset everything up to the first end of block is skipped: `%` and the leader are there, and a
+//! first block without a `%` before it is skipped too. The first end of block also distinguishes ISO from EIA.
 //!
 //! Sources: TV check, B-63684EN p. 129 (characters after an end of block up to and with the next; comments count, the
 //! skipped label does not); label skip as the Mitsubishi M700 describes it (p. 7), Fanuc's manuals only name it.
@@ -11,17 +11,17 @@ use arcfeed_shared::nc::word::{column, is_control_character};
 
 use super::code::{Code, Symbol};
 
-/// How the tape is read.
+/// Settings for reading the tape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TapeSettings {
-    /// The code; `None`: ISO or EIA, as the first end of block says.
+    /// Code of the tape; `None`: ISO or EIA, as the first end of block shows.
     pub code: Option<Code>,
-    /// Whether what stands before the first end of block is skipped.
+    /// Whether everything before the first end of block is skipped.
     pub label_skip: bool,
     /// Whether a block with an odd number of characters is alarm PS0002 (parameter 0000, TVC).
     pub tv_check: bool,
     /// Whether characters that ISO 840 does not have (lower case, `! " $ ?` ...) are alarm PS0001, as on some controls;
-    /// others pass over them.
+    /// others ignore them.
     pub strict_characters: bool,
 }
 
@@ -34,45 +34,45 @@ impl Default for TapeSettings {
 /// A block off the tape.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Received {
-    /// The label, and whether there was a `%` in it.
+    /// Label, which the tape skips.
     Label {
-        /// Whether the program has begun with it.
+        /// Whether the label contains a `%`, which begins the program.
         has_mark: bool,
     },
     /// A block without its end.
     Block(Vec<u8>),
     /// A block that failed a check.
     Refused {
-        /// What could be read of it.
+        /// Readable characters of the block.
         text: Vec<u8>,
-        /// Why.
+        /// Fault that the check found.
         fault: Fault,
     },
 }
 
-/// The reading state.
+/// State of reading.
 #[derive(Debug)]
 pub struct Tape {
     settings: TapeSettings,
     code: Option<Code>,
     skips: bool,
-    /// Frames came in after the label that are no `%`.
+    /// Whether a character other than `%` has followed the label.
     has_begun: bool,
     has_ended: bool,
 }
 
 impl Tape {
-    /// A tape off the line.
+    /// A tape on the line.
     pub fn new(settings: TapeSettings) -> Self {
         Tape { settings, code: settings.code, skips: settings.label_skip, has_begun: false, has_ended: false }
     }
 
-    /// A program in memory: checked when it was stored.
+    /// A program in memory, which was checked when it was stored.
     pub fn in_memory() -> Self {
         Tape::new(TapeSettings { code: Some(Code::Ascii), label_skip: false, ..TapeSettings::default() })
     }
 
-    /// Looks at a frame as it arrives; answers whether it ends a block.
+    /// Notes a frame as it arrives; returns whether it ends a block.
     pub fn watch(&mut self, frame: u8) -> bool {
         let Some(code) = self.code else {
             self.code = Code::of_end_of_block(frame);
@@ -96,7 +96,7 @@ impl Tape {
         self.code
     }
 
-    /// Reads the frames of a block, its end among them.
+    /// Reads the frames of a block, its end of block included.
     pub fn read(&mut self, frames: &[u8]) -> Received {
         let code = self.code.unwrap_or(Code::Ascii);
         let mut text = Vec::with_capacity(frames.len());
@@ -130,7 +130,7 @@ impl Tape {
 mod tests {
     use super::*;
 
-    /// The blocks that frames give.
+    /// Blocks that the frames give.
     fn blocks(settings: TapeSettings, frames: &[u8]) -> Vec<Received> {
         let mut tape = Tape::new(settings);
         let mut found = Vec::new();

@@ -8,7 +8,7 @@ use arcfeed_shared::units::{LengthUnit, Mm, S_PER_MIN, US_PER_MS};
 
 pub(super) const STEP: Micros = Micros::from_ms(1);
 
-/// Runs a program from memory; answers the control and the time its axes moved, in seconds.
+/// Runs a program from memory; returns the control and the time its axes moved, in seconds.
 pub(super) fn run(program: &str, override_percent: u8) -> (Control, f64) {
     let mut control =
         Control::from_memory(ControlSettings::fanuc_16i(LengthUnit::Inch), format!("{program}\nM30\n").as_bytes());
@@ -22,7 +22,7 @@ pub(super) fn run(program: &str, override_percent: u8) -> (Control, f64) {
     (control, moved as f64 * STEP.to_s())
 }
 
-/// The time of a move from rest to rest: `L/v + v/a`.
+/// Time of a move from rest to rest: `L/v + v/a`.
 pub(super) fn time_s(length_mm: f64, speed_mm_per_s: f64) -> f64 {
     length_mm / speed_mm_per_s + speed_mm_per_s / Dynamics::default().acceleration_mm_per_s2
 }
@@ -73,13 +73,13 @@ fn a_program_that_comes_to_an_alarm_stops_before_the_block_and_keeps_what_it_did
     assert_eq!(control.position().linear[0].0, LengthUnit::Inch.nm());
 }
 
-/// A control in millimetres with nobody to press cycle start.
+/// A control in millimetres without an operator who presses cycle start.
 pub(super) fn alone(program: &str, switches: Switches) -> Control {
     let settings = ControlSettings::fanuc_16i(LengthUnit::Mm);
     Control::from_memory(ControlSettings { operator_restart: None, switches, ..settings }, program.as_bytes())
 }
 
-/// Steps until `is_done`; answers the time it took in milliseconds.
+/// Steps until `is_done`; returns the time it took in milliseconds.
 pub(super) fn until(control: &mut Control, now: &mut Micros, is_done: impl Fn(&Control) -> bool) -> u64 {
     let from = *now;
     while !is_done(control) {

@@ -1,8 +1,8 @@
 //! One trapezoid along the path, also of a helix, where the feed counts in the plane of its arc: acceleration without a limit
 //! of jerk, and corners passed with a jump of speed.
 //!
-//! The speed at a corner is such that no axis jumps by more than the permitted speed difference, and low enough for
-//! everything that is queued behind it to be stopped in time. What is not queued yet counts as a stop.
+//! The speed at a corner is such that no axis jumps by more than the permitted speed difference, and low enough to stop
+//! for everything queued behind it. The end of the queue counts as a stop.
 //!
 //! Source: the corner rule is that of the 16i's look-ahead control (permissible speed difference, parameter 1783).
 
@@ -13,15 +13,16 @@ use super::feeds::FeedConditions;
 use super::leg::{Active, Advance, Queued, flowing};
 use super::path::Travel;
 
-/// What of a length counts for whether the moves in sight are enough: less than all, so that rounding does not decide it.
+/// Fraction of a length that counts when deciding whether the moves in view suffice: less than all, so that rounding
+/// does not decide it.
 const SURE_RATIO: f64 = 1.0 - 1e-6;
 
-/// The speed of the moment, under limits along the path.
+/// Present speed, under limits along the path.
 #[derive(Clone, Debug)]
 pub struct Trapezoid {
-    /// What limits it.
+    /// Limits along the path.
     pub dynamics: Dynamics,
-    /// Along the path.
+    /// Speed along the path.
     pub speed_mm_per_s: f64,
     ahead: Vec<Ahead>,
 }
@@ -30,17 +31,17 @@ pub struct Trapezoid {
 #[derive(Clone, Copy, Debug)]
 struct Ahead {
     length_mm: f64,
-    /// The most at its beginning.
+    /// Largest speed at its beginning.
     most_mm_per_s: f64,
 }
 
 impl Trapezoid {
-    /// At rest.
+    /// A planner at rest.
     pub fn new(dynamics: Dynamics) -> Self {
         Trapezoid { dynamics, speed_mm_per_s: 0.0, ahead: Vec::new() }
     }
 
-    /// Moves on for `dt_s` or to the end of the move.
+    /// Moves the axes for `dt_s` or to the end of the move.
     pub fn advance(
         &mut self,
         dt_s: f64,
@@ -70,12 +71,12 @@ impl Trapezoid {
         Advance::Over(dt_s * (1.0 - used_ratio))
     }
 
-    /// Whether the axes are slow enough to stop with a jump that they are permitted.
+    /// Whether the axes are slow enough to stop with a permitted jump of speed.
     pub fn may_stop(&self) -> bool {
         self.speed_mm_per_s <= self.dynamics.corner_jump_mm_per_s
     }
 
-    /// The speed the active move may end with: from the last move in sight backwards to it.
+    /// Speed that the active move may end with, from the last move in view backwards to it.
     fn exit_speed(&mut self, queue: &VecDeque<Queued>, conditions: &FeedConditions) -> f64 {
         let behind = self.look(queue, conditions);
         let acceleration = self.dynamics.acceleration_mm_per_s2;
@@ -84,12 +85,12 @@ impl Trapezoid {
         })
     }
 
-    /// Sets the moves ahead; answers the speed behind the last of them. Where a stop further on leaves one of them at its most
-    /// in any case, that one is the last, and the speed behind it does not count.
+    /// Collects the moves ahead; returns the speed behind the last of them. If a stop further on leaves one of them at
+    /// its limit in any case, that one is the last, and the speed behind it does not count.
     fn look(&mut self, queue: &VecDeque<Queued>, conditions: &FeedConditions) -> f64 {
         let acceleration = self.dynamics.acceleration_mm_per_s2;
         self.ahead.clear();
-        // What the square of the speed has still to lose before a stop, and how many moves there are up to where it was least.
+        // Remaining square of the speed before a stop, and the count of moves up to where it was least.
         let (mut square, mut count) = (f64::INFINITY, 0);
         for (leg, context) in flowing(queue) {
             let length_mm = leg.travel.length_mm;
@@ -107,15 +108,15 @@ impl Trapezoid {
         0.0
     }
 
-    /// The speed at a corner.
+    /// Speed at a corner.
     pub fn corner_mm_per_s(&self, before: &Travel, after: &Travel) -> f64 {
         let jump = (after.direction_in() - before.direction_out()).amax();
         if jump > 0.0 { self.dynamics.corner_jump_mm_per_s / jump } else { f64::INFINITY }
     }
 }
 
-/// The speed to have in `dt_s` so that constant braking from there ends with `exit` at the end of the way:
-/// `reached^2 = exit^2 + 2 a (left - (speed + reached) dt / 2)`.
+/// Speed after `dt_s` from which constant braking ends with `exit` at the end of the path: `reached^2 = exit^2 + 2 a
+/// (left - (speed + reached) dt / 2)`.
 fn braking_speed(speed: f64, exit: f64, left_mm: f64, acceleration: f64, dt_s: f64) -> f64 {
     let half = 0.5 * acceleration * dt_s;
     let square = half * half + exit * exit + acceleration * (2.0 * left_mm - speed * dt_s);

@@ -1,6 +1,6 @@
 //! Chip thickness from two positions of the tool, one tooth apart.
 //!
-//! In the time of one tooth the centre moves by `delta`. In direction u the cutting circle then stands
+//! In the time of one tooth the centre moves by `delta`. In direction u the cutting circle is then
 //!
 //! ```text
 //! chip(u) = k u.delta - k c^2 / (r0 + sqrt(r0^2 - c^2)),    c = u x delta     (1)
@@ -14,7 +14,7 @@
 use arcfeed_shared::stock::StockLine;
 use nalgebra::Vector2;
 
-/// A cutting circle: its radius and which way its edges advance (+1 outward, -1 inward).
+/// A cutting circle: its radius, and the direction in which its edges advance (+1 outward, -1 inward).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
     /// r0.
@@ -32,7 +32,7 @@ impl Circle {
         self.advance_ratio * (u.dot(delta_mm) - sagitta)
     }
 
-    /// Directions from the centre at which the circle crosses the stock line; none if it does not.
+    /// Directions from the centre to the points where the circle crosses the stock line; `None` if it does not.
     pub fn crossings(&self, center_mm: &Vector2<f64>, stock: &StockLine) -> Option<[Vector2<f64>; 2]> {
         let normal = Vector2::from(stock.normal);
         let along_normal = stock.distance_mm([center_mm.x, center_mm.y]) / self.radius_mm;
@@ -44,8 +44,8 @@ impl Circle {
         Some([1.0, -1.0].map(|side| normal * along_normal + along_line * side))
     }
 
-    /// The chip at the contact with the stock line that a law for constant circumference feed speaks of: where the
-    /// edge advances, not more than 90 degrees from the rotation centre; of two, the thicker one.
+    /// Chip at the contact with the stock line that a law for constant circumference feed uses: where the edge
+    /// advances, at most 90 degrees from the rotation centre; the thicker one of two.
     pub fn contact_chip_mm(
         &self,
         center_mm: &Vector2<f64>,
@@ -64,7 +64,7 @@ impl Circle {
             .max_by(f64::total_cmp)
     }
 
-    /// The thickest chip anywhere on the circle inside the stock's half plane: in the direction of motion if that is
+    /// Thickest chip anywhere on the circle inside the stock's half plane: in the direction of motion if that is
     /// inside, else at the nearer crossing.
     pub fn thickest_chip_mm(
         &self,

@@ -1,11 +1,14 @@
-//! All edges of a cutter in the layers of a workpiece: what each has in front of it, and what it takes.
+//! Engagement of all edges of a cutter in the layers of a workpiece: the chip in front of each edge, and the material
+//! it removes.
 //!
-//! The cutter's axis stands square to the layers. A piece of an edge meets one layer, and what is in front of it there is what
-//! itself, the other teeth, earlier passes and vibration have left: nothing is told by a formula. The lowest pieces go no deeper into their
-//! layer than the tip is; the edges on the tool's end ([`super::end`]) take what the tip comes down on.
+//! The cutter's axis is square to the layers. A piece of an edge meets one layer. The material in front of it is what
+//! the edge itself, the other teeth, earlier passes and vibration have left; no formula is involved. The lowest pieces
+//! reach no deeper into their layer than the tip; the edges on the tool's end ([`super::end`]) remove what the tip
+//! descends on.
 //!
-//! A rounded corner is a staircase: what its steps meet from above, when the tip comes into the next layer, is no edge's and goes without chips
-//! ([`EdgeEngagement::enter`]), and so does what a rapid takes ([`EdgeEngagement::sink`]).
+//! A rounded corner is a staircase. When the tip enters the next layer, its steps meet material from above, which
+//! belongs to no edge and is removed without chips ([`EdgeEngagement::enter`]); so is the material that a rapid removes
+//! ([`EdgeEngagement::sink`]).
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -22,76 +25,79 @@ use super::partial_heights::Share;
 use super::pose::{Placed, Poses, Stand, rake, towards};
 use super::rake::Wake;
 
-/// Slices and layers may differ by this, which is rounding.
+/// Relative difference of slice and layer heights that counts as rounding.
 const RISE_TOLERANCE_RATIO: f64 = 1e-9;
 
-/// A layer of which less is below the highest place at which edges are asked is none of theirs; of which more is, all of theirs, though a chip is no
-/// higher than that place: columns are cut from above.
+/// Fraction of a layer's height. A layer with less than this below the highest evaluated place belongs to no edge; a
+/// layer with more belongs to the edges entirely, though a chip is no higher than that place: columns are cut from
+/// above.
 pub const REACHED_RATIO: f64 = 0.5;
 
-/// A tip that moves less does not move: rounding.
+/// Motion of the tip below this is rounding.
 const STILL_MM: f64 = 1e-9;
 
-/// A cutter at work.
+/// A cutter and the layers that it cuts.
 #[derive(Clone, Debug)]
 pub struct EdgeEngagement {
     cutter: Cutter,
     layers: Layers,
     depth_mm: f64,
-    /// How far up from the tip edges are asked.
+    /// Height above the tip up to which edges are evaluated.
     reach_mm: f64,
-    /// One a piece, and the layer it was in.
+    /// For each piece: the layer it was in, and its history.
     wakes: Vec<(Option<usize>, Wake)>,
     /// The solid that the edges turn, from the tip upwards.
     slices: Vec<Slice>,
-    /// Of each piece, which of them it is in, the sine of its lead angle, and its width.
+    /// For each piece: its slice, the sine of its lead angle, and its width.
     slice_of: Vec<usize>,
     sines: Vec<f64>,
     widths_mm: Vec<f64>,
     ends: Vec<EndEdge>,
-    /// Of each edge, the first one at the same angle.
+    /// For each edge, the first edge at the same angle.
     same_angle: Vec<usize>,
-    /// Where each end edge was.
+    /// Last position of each end edge.
     faces: Vec<Option<Face>>,
     tips: Tips,
 }
 
-/// What an edge has in front of it.
+/// Chip in front of an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeChip {
-    /// The number of the edge.
+    /// Number of the edge.
     pub edge: usize,
-    /// The piece that meets it; of an edge on the end, the part that does.
+    /// Piece that cuts it; for an edge on the end, the part that cuts.
     pub piece: EdgePiece,
-    /// The chip.
+    /// Cross-section of the chip.
     pub section: ChipSection,
 }
 
-/// The highest place of the tip while a tooth followed another.
+/// Highest position of the tip during the last tooth period.
 #[derive(Clone, Debug)]
 struct Tips {
     /// The largest angle from one tooth to the next.
     window_rad: f64,
     turned_rad: f64,
-    /// Where the tip was and how far the spindle had turned; only what nothing later is above of, so the first is the highest.
+    /// Positions of the tip with the angle turned then; only those that no later one exceeds, so the first is the
+    /// highest.
     passed: VecDeque<(f64, f64)>,
-    /// Where it was last, and the spindle's angle.
+    /// Last position of the tip, and the spindle's angle.
     last: Option<(f64, f64)>,
 }
 
-/// Why a cutter cannot work in these layers.
+/// Reason why a cutter cannot work in these layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EdgeEngagementError {
-    /// A piece of an edge is not as high as a layer: two in one layer would cut it twice, or layers would be left out.
+    /// A piece of an edge differs in height from a layer: two pieces in one layer would cut it twice, or layers would
+    /// be left out.
     Slice {
-        /// Of the piece.
+        /// Height of the piece.
         rise_mm: f64,
-        /// Of a layer.
+        /// Height of a layer.
         layer_mm: f64,
     },
     /// The rake faces have no depth.
     Depth {
-        /// As told.
+        /// Given depth.
         depth_mm: f64,
     },
 }
@@ -110,7 +116,8 @@ impl fmt::Display for EdgeEngagementError {
 impl std::error::Error for EdgeEngagementError {}
 
 impl EdgeEngagement {
-    /// A cutter in a workpiece; its rake faces reach `depth_mm` behind their edges, further than any chip is thick.
+    /// A cutter in a workpiece. Its rake faces reach `depth_mm` behind their edges, which is more than any chip
+    /// thickness.
     ///
     /// # Errors
     /// Edges not in slices as high as the layers, or rake faces without depth.
@@ -152,7 +159,8 @@ impl EdgeEngagement {
         })
     }
 
-    /// Edges are asked only so far up from the tip. With one slice more than that an edge is asked as far up where the tip is inside of a layer.
+    /// Limits the evaluated edges to this height above the tip. With one slice more, an edge is evaluated just as far
+    /// up when the tip is inside a layer.
     pub fn up_to_mm(self, reach_mm: f64) -> Self {
         EdgeEngagement { reach_mm, ..self }
     }
@@ -162,17 +170,17 @@ impl EdgeEngagement {
         &self.cutter
     }
 
-    /// What is left of the workpiece.
+    /// Remaining workpiece.
     pub fn layers(&self) -> &Layers {
         &self.layers
     }
 
-    /// How many edges there are: the pieces of the cutter, one after the other, then those on its end.
+    /// Number of edges: the pieces of the cutter, one after the other, then those on its end.
     pub fn edges(&self) -> usize {
         self.wakes.len() + self.ends.len()
     }
 
-    /// Where the edges stand, before they are bent.
+    /// Positions of the edges, before they are bent.
     pub fn poses(&self, stand: &Stand) -> Poses {
         let descent = self.descent(stand);
         let placed = self.slices.iter().map(|slice| self.placed(slice.height_mm, &descent)).collect();
@@ -184,7 +192,7 @@ impl EdgeEngagement {
         Poses { stand: *stand, descent, towards: directions, placed, is_apart: vec![false; self.edges()] }
     }
 
-    /// Where the middle of an edge stands, its height that of the layers.
+    /// Middle of an edge; its height counts as that of the layers.
     pub fn edge_mm(&self, edge: usize, at: &Poses) -> Vector3<f64> {
         let (height_mm, radius_mm) = match edge.checked_sub(self.wakes.len()) {
             None => (self.cutter.pieces()[edge].height_mm, self.cutter.pieces()[edge].radius_mm),
@@ -195,7 +203,8 @@ impl EdgeEngagement {
         Vector3::new(place_mm.x, place_mm.y, at.stand.tip_mm + height_mm)
     }
 
-    /// Whether an edge, bent away from where it stands, has material around it or on its way there, or would have if it were anywhere so far away.
+    /// Whether an edge, displaced by `bent_mm`, has material around it or on its path there, or would have within
+    /// `margin_mm`.
     pub fn is_near(&self, edge: usize, at: &Poses, bent_mm: Vector2<f64>, margin_mm: f64) -> bool {
         let Some(piece) = self.cutter.pieces().get(edge) else { return at.descent.lowers() };
         let Some(placed) = &at.placed[self.slice_of[edge]] else { return false };
@@ -204,8 +213,8 @@ impl EdgeEngagement {
         wake.has_left(&rake, layer) || rake.is_near(layer, margin_mm + wake.way_mm(&rake) + layer.step_mm())
     }
 
-    /// Every edge that is in a layer, with the chip in front of it, and every part of an end that has one: those look down. An edge may be bent away
-    /// from where it stands, by what `bent` tells of its number.
+    /// Every edge that is in a layer, with the chip in front of it, and every part of an end edge that has a chip: end
+    /// edges look down. `bent` gives the displacement of an edge by its number.
     pub fn chips<'a>(
         &'a mut self,
         at: &'a Poses,
@@ -227,7 +236,7 @@ impl EdgeEngagement {
                 true => wake.front(&rake, layer),
                 false => wake.in_other_layer().front(&rake, layer),
             };
-            // A chip measured across the circle, seen square to the edge.
+            // The chip is measured across the circle; its thickness is square to the edge.
             let thickness_mm = front.thickness_mm * sines[edge];
             let height_ratio = front.top_ratio.min(placed.reach_ratio) - placed.share.foot_ratio;
             let section = ChipSection { thickness_mm, width_mm: widths_mm[edge] * height_ratio };
@@ -236,8 +245,8 @@ impl EdgeEngagement {
         side.chain((first_end..).zip(ends.iter().zip(faces.iter())).flat_map(of_end))
     }
 
-    /// The cutter goes to its next place, less than a quarter of a turn on; answers what was taken on the way as the rays along
-    /// each axis have it, mm3.
+    /// Moves the cutter to its next position, less than a quarter of a turn on. Returns the removed volume as the rays
+    /// along each axis measure it, mm3.
     pub fn cut(&mut self, at: &Poses, bent: impl Fn(usize) -> Vector2<f64>) -> [f64; 2] {
         let mut removed_mm3 = [0.0; 2];
         let mut add = |mm3: [f64; 2]| removed_mm3 = [0, 1].map(|axis: usize| removed_mm3[axis] + mm3[axis]);
@@ -265,19 +274,19 @@ impl EdgeEngagement {
         removed_mm3
     }
 
-    /// Whether any edge is in a layer there, or would be less than `above_mm` deeper.
+    /// Whether any edge is in a layer there, or would be if it were less than `above_mm` deeper.
     pub fn is_in(&self, tip_mm: f64, above_mm: f64) -> bool {
         let [first, last] = [tip_mm - above_mm, tip_mm + self.reach_mm].map(|mm| self.layers.nth(mm));
         last >= 0 && self.layers.place(first.max(0)).is_some()
     }
 
-    /// Whether the tip is to be lower than it is, but for rounding.
+    /// Whether the tip would be lower than it is, apart from rounding.
     pub fn comes_down(&self, stand: &Stand) -> bool {
         self.tips.last.is_some_and(|(tip_mm, _)| stand.tip_mm < tip_mm - STILL_MM)
     }
 
-    /// Before the cutter goes there: what no edge would have a chip of is gone. When it has not cut before, that is all that it stands in; when the tip comes
-    /// into another layer, the steps of a rounded corner.
+    /// Before the cutter moves there, removes the material of which no edge would have a chip. If it has not cut
+    /// before, that is all material at its position; if the tip enters another layer, the steps of a rounded corner.
     pub fn enter(&mut self, stand: &Stand) {
         let Some(last_mm) = self.tips.last.map(|(tip_mm, _)| tip_mm) else { return self.sink(stand) };
         let nth = self.layers.nth(stand.tip_mm);
@@ -296,7 +305,7 @@ impl EdgeEngagement {
         }
     }
 
-    /// Takes everything where the tool stands, without chips.
+    /// Removes all material at the tool's position, without chips.
     pub fn sink(&mut self, stand: &Stand) {
         let nth = self.layers.nth(stand.tip_mm);
         for (slice, up) in self.slices.iter().zip(0..) {
@@ -306,7 +315,7 @@ impl EdgeEngagement {
         }
     }
 
-    /// The tool is out of the cut: what it cut next to is forgotten.
+    /// Takes the tool out of the cut: clears the history of all edges.
     pub fn lift(&mut self) {
         self.wakes.fill(Default::default());
         self.faces.fill(None);
@@ -319,14 +328,14 @@ impl EdgeEngagement {
         Descent { tip_mm: stand.tip_mm, border_mm, side_mm: self.depth_mm }
     }
 
-    /// The lowest slice is in the layer that the tip is in, the others one by one above it.
+    /// Layer of a slice: the lowest slice is in the layer of the tip, the others one by one above it.
     fn placed(&self, height_mm: f64, descent: &Descent) -> Option<Placed> {
         let up = libm::floor(height_mm / self.layers.rise_mm()) as i64;
         let nth = self.layers.nth(descent.tip_mm) + up;
         let index = self.layers.place(nth)?;
         let reach_ratio = self.layers.part_ratio(nth, descent.tip_mm + self.reach_mm).min(1.0);
         let foot_ratio = if up == 0 { self.layers.part_ratio(nth, descent.tip_mm) } else { 0.0 };
-        // What is left where levels are a little above a layer's bottom is a floor for good.
+        // A remainder below a level that is slightly above a layer's bottom stays a floor.
         let border_ratio = self.layers.part_ratio(nth, descent.border_mm).max(LEVEL_RATIO);
         let share = Share { foot_ratio, border_ratio, is_end: false };
         (reach_ratio >= REACHED_RATIO).then_some(Placed { index, share, reach_ratio })
@@ -348,7 +357,7 @@ impl Tips {
         let step_rad = self.last.map_or(0.0, |(_, last_rad)| (stand.turned_rad - last_rad).rem_euclid(TAU));
         self.last = Some((stand.tip_mm, stand.turned_rad));
         self.turned_rad += step_rad;
-        // A place may have been passed in the step before the window, and the next step is as long as this one.
+        // The step before the window may have passed a position, and the next step is as long as this one.
         let from_rad = self.turned_rad - self.window_rad - 2.0 * step_rad;
         while self.passed.front().is_some_and(|(_, turned_rad)| *turned_rad < from_rad) {
             self.passed.pop_front();
@@ -360,9 +369,9 @@ impl Tips {
     }
 }
 
-/// The solid that a cutter's edges turn, from the tip upwards.
+/// Solid of revolution of a cutter's edges, from the tip upwards.
 ///
-/// Pieces of the first tooth stand one above the other, and so do those of all others, at the same heights.
+/// Pieces of the first tooth are one above the other; those of all other teeth are at the same heights.
 pub fn slices(cutter: &Cutter) -> Vec<Slice> {
     let mut slices: Vec<Slice> = Vec::new();
     for piece in cutter.pieces() {
@@ -374,7 +383,7 @@ pub fn slices(cutter: &Cutter) -> Vec<Slice> {
         let slice = &mut slices[index];
         match piece.side {
             Edge::Outer => slice.outer_mm = slice.outer_mm.max(piece.radius_mm),
-            // The innermost of several.
+            // The innermost one counts.
             Edge::Inner if slice.inner_mm == 0.0 => slice.inner_mm = piece.radius_mm,
             Edge::Inner => slice.inner_mm = slice.inner_mm.min(piece.radius_mm),
         }

@@ -1,8 +1,8 @@
-//! Cutting edges in pieces so short that each is a straight tool of its own.
+//! Cutting edges in pieces so short that each acts as a straight tool of its own.
 //!
-//! The tool frame stands still: its origin is the tool's tip, z points along the axis to the holder, and M3 turns the tool
-//! clockwise as seen from there. A piece at radius r, angle a (counter-clockwise from x) has, with u = (cos a, sin a, 0),
-//! k its lead angle, s = +1 on an outer edge and -1 on an inner one,
+//! The tool frame does not rotate: its origin is the tool's tip, z points along the axis to the holder, and M3 turns
+//! the tool clockwise as seen from there. For a piece at radius r and angle a (counter-clockwise from x), with u = (cos
+//! a, sin a, 0), lead angle k, and s = +1 on an outer edge and -1 on an inner one:
 //!
 //! ```text
 //! width of its cut               b = dz / sin k                     (1)
@@ -13,9 +13,9 @@
 //! helix: lag at height z         a0(z) - a0(0) = z tan(helix) / R   (6)
 //! ```
 //!
-//! so u sin k - z cos k looks sideways on a cylinder's side (k = 90 degrees) and down at the bottom of a ball (k = 0). The
-//! width (1) lies in the plane of axis and radius: it is not divided by cos(helix), as cutting coefficients are
-//! identified for the chip seen in that plane, and h b is then the section that the stock loses.
+//! so u sin k - z cos k points sideways on a cylinder's side (k = 90 degrees) and down at the bottom of a ball (k = 0).
+//! The width (1) is in the plane of axis and radius. It is not divided by cos(helix), because cutting coefficients are
+//! identified for the chip seen in that plane; h b is then the section that the stock loses.
 //!
 //! Source: elementary tools after Lorong et al., Simulation of a finishing operation, 2012, sections 1 and 2.3; (2) to (5)
 //! are geometry; (1) and (6), a constant lead also on a ball, are the usual ones of mechanistic models (Engin, Altintas,
@@ -31,55 +31,55 @@ use self::meridian::{Meridian, Pieces};
 
 pub mod meridian;
 
-/// How far the pitches of all teeth may be from a full turn.
+/// Tolerance of the sum of all pitches against a full turn.
 const TURN_TOLERANCE_RAD: f64 = 1e-9;
 
 /// A short piece of a cutting edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgePiece {
-    /// Which tooth it belongs to, in the order in which M3 brings them to a place.
+    /// Tooth of the piece, in the order in which M3 brings the teeth to a place.
     pub tooth: usize,
-    /// Its middle above the tip.
+    /// Height of the middle above the tip.
     pub height_mm: f64,
-    /// What it extends along the axis.
+    /// Extent along the axis.
     pub rise_mm: f64,
-    /// From the spindle's axis.
+    /// Distance from the spindle's axis.
     pub radius_mm: f64,
-    /// About the spindle's axis before it turns, counter-clockwise as seen from the holder.
+    /// Angle about the spindle's axis before it turns, counter-clockwise as seen from the holder.
     pub angle_rad: f64,
-    /// Between its outward normal and the direction from the holder to the tip.
+    /// Angle between the outward normal and the direction from the holder to the tip.
     pub lead_rad: f64,
-    /// Which way it cuts.
+    /// Outer or inner edge.
     pub side: Edge,
 }
 
 /// Directions of a piece, unit vectors in the tool frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Directions {
-    /// (3)
+    /// Direction of motion (3).
     pub motion: Vector3<f64>,
-    /// (4)
+    /// Outward normal (4).
     pub normal: Vector3<f64>,
-    /// (5)
+    /// Direction along the edge, upwards (5).
     pub along: Vector3<f64>,
 }
 
 /// An end mill: square, with rounded corners, or a ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndMill {
-    /// Of the cylinder.
+    /// Diameter of the cylinder.
     pub diameter_mm: f64,
     /// Radius of the corner: 0 square, half of the diameter a ball.
     pub corner_mm: f64,
     /// Number of teeth.
     pub teeth: usize,
-    /// Positive for a right-hand helix.
+    /// Helix angle, positive for a right-hand helix.
     pub helix_rad: f64,
-    /// How far up the edges go.
+    /// Height of the edges.
     pub height_mm: f64,
 }
 
-/// The ring of a cup mill, outer and inner inserts by turns.
+/// Ring of a cup mill; its inserts alternate between the outer and the inner circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ring {
     /// Radius of the outer edges.
@@ -88,68 +88,68 @@ pub struct Ring {
     pub inner_radius_mm: f64,
     /// Radius of the inserts' corners, 0 for square ones.
     pub corner_mm: f64,
-    /// Inserts on each of the two circles; teeth are twice as many, even ones outside, odd ones inside.
+    /// Inserts on each of the two circles. There are twice as many teeth: even ones outside, odd ones inside.
     pub active_teeth: usize,
-    /// How far up the edges go.
+    /// Height of the edges.
     pub height_mm: f64,
 }
 
-/// The edges of a tool.
+/// Cutting edges of a tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cutter {
     pieces: Vec<EdgePiece>,
     /// Angles of the teeth about the tool's own axis.
     teeth_rad: Vec<f64>,
-    /// The tool's axis from the spindle's, before it turns.
+    /// Offset of the tool's axis from the spindle's, before it turns.
     eccentricity_mm: Vector2<f64>,
 }
 
-/// Why there is no such cutter.
+/// Reason why a cutter cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EdgeError {
-    /// A measure is no number, negative, or too large for another one.
+    /// A dimension is not a number, negative, or too large for another one.
     Measures,
     /// No teeth, or no pieces.
     Nothing,
-    /// One value a tooth is needed.
+    /// The number of values differs from the number of teeth.
     Count {
-        /// Teeth.
+        /// Number of teeth.
         teeth: usize,
-        /// Values.
+        /// Number of values.
         told: usize,
     },
-    /// Pitches are positive and make up a full turn.
+    /// Pitches are not positive, or do not add up to a full turn.
     Pitch,
-    /// A piece would lie on the axis or beyond it.
+    /// A piece would be on the axis or beyond it.
     Radius {
-        /// Of this tooth.
+        /// Tooth of the piece.
         tooth: usize,
     },
 }
 
 impl EdgePiece {
-    /// Width of its cut where all of it is engaged. (1)
+    /// Width of cut when the whole piece is engaged. (1)
     pub fn width_mm(&self) -> f64 {
         self.rise_mm / libm::sin(self.lead_rad)
     }
 
-    /// Whether it looks straight down: an edge on the tool's end, whose width is what of it meets material.
+    /// Whether the piece points straight down: an edge on the tool's end, whose width is that of its engaged part.
     pub fn is_end(&self) -> bool {
         self.lead_rad == 0.0
     }
 
-    /// Its angle when M3 has turned the spindle so far. (2)
+    /// Angle of the piece when M3 has turned the spindle by `turned_rad`. (2)
     pub fn angle_at_rad(&self, turned_rad: f64) -> f64 {
         self.angle_rad - turned_rad
     }
 
-    /// Where its middle is when M3 has turned the spindle so far.
+    /// Middle of the piece when M3 has turned the spindle by `turned_rad`.
     pub fn place_mm(&self, turned_rad: f64) -> Vector3<f64> {
         let (sin, cos) = libm::sincos(self.angle_at_rad(turned_rad));
         Vector3::new(self.radius_mm * cos, self.radius_mm * sin, self.height_mm)
     }
 
-    /// Its directions when M3 has turned the spindle so far.
+    /// Directions of the piece when M3 has turned the spindle by `turned_rad`.
     pub fn directions(&self, turned_rad: f64) -> Directions {
         let (sin, cos) = libm::sincos(self.angle_at_rad(turned_rad));
         let (sin_lead, cos_lead) = libm::sincos(self.lead_rad);
@@ -163,10 +163,10 @@ impl EdgePiece {
 }
 
 impl Cutter {
-    /// An end mill, each tooth in pieces.
+    /// An end mill, each tooth divided into pieces.
     ///
     /// # Errors
-    /// The measures are none of a tool, as with a ring.
+    /// Dimensions that are not those of an end mill; otherwise as for a ring.
     pub fn end_mill(mill: &EndMill, pieces: Pieces) -> Result<Self, EdgeError> {
         let radius_mm = mill.diameter_mm / 2.0;
         let fits = mill.corner_mm <= radius_mm && libm::fabs(mill.helix_rad) < FRAC_PI_2;
@@ -181,10 +181,10 @@ impl Cutter {
         Cutter::new(mill.teeth, |_| &of_tooth)
     }
 
-    /// The ring of a cup mill, each insert in pieces.
+    /// The ring of a cup mill, each insert divided into pieces.
     ///
     /// # Errors
-    /// The corners are wider than the ring, or there is none.
+    /// The corners are wider than the ring, or there is no ring.
     pub fn ring(ring: &Ring, pieces: Pieces) -> Result<Self, EdgeError> {
         let fits = ring.inner_radius_mm + 2.0 * ring.corner_mm <= ring.outer_radius_mm;
         let of_side = |side, radius_mm| {
@@ -197,7 +197,7 @@ impl Cutter {
         Cutter::new(2 * ring.active_teeth, |tooth| if tooth % 2 == 0 { &outer } else { &inner })
     }
 
-    /// Teeth at equal angles, tooth 0 along x, each with its pieces.
+    /// A cutter with teeth at equal angles, tooth 0 along x, each with its pieces.
     fn new<'a>(teeth: usize, of_tooth: impl Fn(usize) -> &'a Vec<EdgePiece>) -> Result<Self, EdgeError> {
         let teeth_rad: Vec<f64> = (0..teeth).map(|tooth| TAU * tooth as f64 / teeth as f64).collect();
         let mut pieces = Vec::new();
@@ -211,22 +211,23 @@ impl Cutter {
         Ok(Cutter { pieces, teeth_rad, eccentricity_mm: Vector2::zeros() })
     }
 
-    /// Tooth by tooth, from the tip upwards.
+    /// Pieces tooth by tooth, from the tip upwards.
     pub fn pieces(&self) -> &[EdgePiece] {
         &self.pieces
     }
 
-    /// How many teeth it has.
+    /// Number of teeth.
     pub fn teeth(&self) -> usize {
         self.teeth_rad.len()
     }
 
-    /// From the spindle's axis to its farthest edge.
+    /// Distance from the spindle's axis to the farthest edge.
     pub fn reach_mm(&self) -> f64 {
         self.pieces.iter().map(|piece| piece.radius_mm).fold(0.0, f64::max)
     }
 
-    /// How deep rake faces may be that reach neither the axis nor edges on the other side of a ring: half-way.
+    /// Largest depth of rake faces that reach neither the axis nor the edges on the other side of a ring: half of that
+    /// distance.
     pub fn rake_max_mm(&self) -> f64 {
         let [outer_mm, inner_mm] = [Edge::Outer, Edge::Inner].map(|side| {
             let of_side = self.pieces.iter().filter(move |piece| piece.side == side).map(|piece| piece.radius_mm);
@@ -235,10 +236,10 @@ impl Cutter {
         (outer_mm[0] - inner_mm[1]) / 2.0
     }
 
-    /// Teeth at other angles: from each tooth to the next one, the last to the first.
+    /// Sets the angles between teeth: from each tooth to the next one, the last to the first.
     ///
     /// # Errors
-    /// The angles are not one a tooth, or do not make up a full turn.
+    /// The number of angles differs from the number of teeth, or they do not add up to a full turn.
     pub fn with_pitch(mut self, pitches_rad: &[f64]) -> Result<Self, EdgeError> {
         self.one_each(pitches_rad)?;
         let whole = libm::fabs(pitches_rad.iter().sum::<f64>() - TAU) <= TURN_TOLERANCE_RAD;
@@ -257,19 +258,19 @@ impl Cutter {
         self.change(|piece| piece.angle_rad += moved[piece.tooth])
     }
 
-    /// Teeth that stand further from the tool's own axis, each by its own amount.
+    /// Moves teeth away from the tool's own axis, each by its own amount.
     ///
     /// # Errors
-    /// The amounts are not one a tooth, or take an edge to the axis.
+    /// The number of amounts differs from the number of teeth, or an amount moves an edge to the axis.
     pub fn with_offsets(self, offsets_mm: &[f64]) -> Result<Self, EdgeError> {
         self.one_each(offsets_mm)?;
         self.change(|piece| piece.radius_mm += offsets_mm[piece.tooth])
     }
 
-    /// The tool's axis beside the spindle's, in this direction before it turns; in place of what there was.
+    /// Sets the offset of the tool's axis from the spindle's, in this direction before it turns.
     ///
     /// # Errors
-    /// An edge comes to the spindle's axis.
+    /// The offset moves an edge to the spindle's axis.
     pub fn with_runout(mut self, eccentricity_mm: f64, direction_rad: f64) -> Result<Self, EdgeError> {
         let (sin, cos) = libm::sincos(direction_rad);
         let before_mm = self.eccentricity_mm;
@@ -283,7 +284,7 @@ impl Cutter {
         if teeth == told { Ok(()) } else { Err(EdgeError::Count { teeth, told }) }
     }
 
-    /// Changes every piece as seen from the tool's own axis.
+    /// Changes every piece, in coordinates of the tool's own axis.
     fn change(mut self, change: impl Fn(&mut EdgePiece)) -> Result<Self, EdgeError> {
         self.shift(-self.eccentricity_mm);
         self.pieces.iter_mut().for_each(change);
@@ -291,7 +292,7 @@ impl Cutter {
         self.checked()
     }
 
-    /// Moves all pieces; their normals are still taken along the radius, off by the eccentricity over it.
+    /// Moves all pieces; their normals still point along the radius, with an error of the eccentricity over the radius.
     fn shift(&mut self, by_mm: Vector2<f64>) {
         if by_mm == Vector2::zeros() {
             return;

@@ -1,10 +1,11 @@
 //! The edge on the end of a tooth: a line from an inner to an outer radius, square to the axis.
 //!
-//! It turns over a floor and lowers it to where the tip is. Its chip is what of the floor stands higher than that, measured in the material's
-//! columns ([`super::partial_heights`]): what earlier teeth, a hole, or a pause in the feed have left is in it because it is in the columns.
-//! In front of the tool, where the material has not been met from above, columns are as high as the wall; those are the side edges'. The border
-//! between both is the highest place of the tip since the tooth before: a floor that has been passed is no higher, and all that is is no floor.
-//! Further inside than side edges reach everything is the end's.
+//! The edge turns over a floor and lowers it to the height of the tip. Its chip is the part of the floor above that
+//! height, measured in the material's columns ([`super::partial_heights`]), which contain everything that earlier
+//! teeth, a hole, or a pause in the feed have left. In front of the tool, where no end edge has cut yet, columns are as
+//! high as the wall and belong to the side edges. The border between both is the highest position of the tip since the
+//! tooth before: a floor that the tip has passed is no higher, and everything higher is no floor. Further inside than
+//! the side edges reach, all material belongs to the end edge.
 //!
 //! ```text
 //! h(r) = top(r) - tip               where tip < top <= border, else 0                                     (1)
@@ -12,12 +13,14 @@
 //! sum h dr r dtheta = what the step takes                                                                 (3)
 //! ```
 //!
-//! The chip is asked on the bisector of the sector that a step sweeps, at the height of the step's end, on the rays that cross it more squarely, each for the part
-//! of the edge that is nearest to it: so (3) is exact where the sector is evenly high, and right to half a cell at a border. With
-//! linear coefficients without edge forces, torque times angle is then the tangential one times the volume.
+//! The chip is measured on the bisector of the sector that a step sweeps, at the height of the step's end, on the rays
+//! that cross the bisector at the larger angle, each for the part of the edge nearest to it. So (3) is exact if the
+//! sector has the same height everywhere, and right to half a cell at a border. With linear coefficients without edge
+//! forces, torque times angle is then the tangential coefficient times the volume.
 //!
-//! The edge is straight and level (no helix, no dish) and cuts up to its inner radius: up to the axis on an end mill, where nothing cuts in truth, because the speed is nil there,
-//! but material is pushed aside with a thrust that no coefficient here knows.
+//! The edge is straight and level (no helix, no dish) and cuts up to its inner radius: up to the axis on an end mill.
+//! In reality nothing cuts there, because the speed is zero; the tool pushes material aside with a thrust that no
+//! coefficient here includes.
 //!
 //! Source: own.
 
@@ -30,57 +33,58 @@ use super::layers::Layers;
 use super::material::ChipSection;
 use super::partial_heights::Share;
 
-/// Places of a ratio that are not rounding.
+/// Inverse of the rounding step of a ratio.
 const CHORD_DIGITS: f64 = 1e9;
 
-/// The end edge of a tooth.
+/// End edge of a tooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndEdge {
-    /// Its outer end, which looks straight down.
+    /// Outer end of the edge, which points straight down.
     pub piece: EdgePiece,
-    /// Of its other end.
+    /// Radius of the inner end.
     pub inner_mm: f64,
 }
 
-/// Where an end edge is.
+/// Position of an end edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face {
-    /// The tool's axis.
+    /// Position of the tool's axis.
     pub center_mm: Vector2<f64>,
-    /// From the axis along the edge, a unit vector.
+    /// Direction from the axis along the edge, a unit vector.
     pub towards: Vector2<f64>,
 }
 
-/// How far down.
+/// Descent of the tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Descent {
     /// Height of the tip.
     pub tip_mm: f64,
-    /// Its highest since the tooth before.
+    /// Highest position of the tip since the tooth before.
     pub border_mm: f64,
-    /// How far side edges reach behind themselves.
+    /// Distance that side edges reach behind themselves.
     pub side_mm: f64,
 }
 
-/// A part of the edge, from an inner to an outer radius, and what of which layers is its.
+/// A part of the edge, from an inner to an outer radius, with its depth bands of the layers.
 type Band = ([f64; 2], Vec<(usize, Share)>);
 
 impl Face {
-    /// Places at two distances from the axis.
+    /// Points at two distances from the axis.
     fn ends_mm(&self, radii_mm: [f64; 2]) -> [Vector2<f64>; 2] {
         radii_mm.map(|radius_mm| self.center_mm + self.towards * radius_mm)
     }
 }
 
 impl Descent {
-    /// Whether there is a floor to be lowered.
+    /// Whether the end edge has a floor to lower.
     pub fn lowers(&self) -> bool {
         self.border_mm > self.tip_mm
     }
 }
 
 impl EndEdge {
-    /// One a tooth, from where its lowest piece is to the axis; of a ring to where the edges on its other side are.
+    /// End edge of each tooth, from the radius of its lowest piece to the axis; on a ring, to the edges on its other
+    /// side.
     pub fn all(cutter: &Cutter) -> Vec<EndEdge> {
         let lowest = |tooth: usize| {
             let of_tooth = cutter.pieces().iter().filter(|piece| piece.tooth == tooth);
@@ -102,13 +106,13 @@ impl EndEdge {
         lowest.iter().map(end).filter(|end| end.inner_mm < end.piece.radius_mm).collect()
     }
 
-    /// Where the middle of it is.
+    /// Radius of the middle.
     pub fn middle_mm(&self) -> f64 {
         (self.inner_mm + self.piece.radius_mm) / 2.0
     }
 
-    /// The chips in front of it when it goes on, each with the piece of the edge that meets it, also where that meets nothing; none at all if nothing
-    /// can be met. (1)
+    /// Chips in front of the edge on its next step, each with the piece of the edge that cuts it, including pieces
+    /// without material; empty if the edge cannot meet material. (1)
     pub fn chips(&self, way: [&Face; 2], descent: &Descent, layers: &Layers) -> Vec<(EdgePiece, ChipSection)> {
         if !self.may_meet(way, descent, layers) {
             return Vec::new();
@@ -134,7 +138,8 @@ impl EndEdge {
         parts.into_iter().map(chip).collect()
     }
 
-    /// The parts of the edge that are nearest to each of the rays that it crosses: where it crosses that, and from where to where the part is.
+    /// Parts of the edge nearest to each of the rays that it crosses: the radius of the crossing, and the part's inner
+    /// and outer radius.
     fn parts(&self, grid: &Layer, axis: usize, [center_mm, towards]: [Vector2<f64>; 2]) -> Vec<(f64, [f64; 2])> {
         let ends_mm = [self.inner_mm, self.piece.radius_mm];
         let [from, to] = ends_mm.map(|mm| grid.index(axis, (center_mm + towards * mm)[1 - axis]));
@@ -149,14 +154,16 @@ impl EndEdge {
         rays_mm.into_iter().zip(borders_mm.windows(2).map(|pair| [pair[0], pair[1]])).collect()
     }
 
-    /// It goes on and takes its share of what it sweeps; answers that as the rays along each axis have it, mm3.
+    /// Moves the edge and removes its depth band of the swept area; returns the volume as the rays along each axis
+    /// measure it, mm3.
     pub fn cut(&self, way: [&Face; 2], descent: &Descent, layers: &mut Layers) -> [f64; 2] {
         if !self.may_meet(way, descent, layers) {
             return [0.0; 2];
         }
         let angle_rad =
             libm::fabs(libm::atan2(way[0].towards.perp(&way[1].towards), way[0].towards.dot(&way[1].towards)));
-        // The innermost end goes along a chord that has as much of the sector as its arc; rounded, so that steps that are alike share their ends.
+        // The innermost end moves along a chord that encloses as much of the sector as its arc. It is rounded so that
+        // equal steps share their ends.
         let chord_ratio = libm::round((1.0 + angle_rad * angle_rad / 12.0) * CHORD_DIGITS) / CHORD_DIGITS;
         let (mut sum_mm3, rise_mm) = ([0.0; 2], layers.rise_mm());
         for ([inner_mm, outer_mm], shares) in self.bands(descent, layers) {
@@ -175,7 +182,7 @@ impl EndEdge {
         sum_mm3
     }
 
-    /// Whether there is a floor to be lowered on its way, if it is over the layers at all.
+    /// Whether there is a floor to lower and the swept area is over the layers.
     fn may_meet(&self, way: [&Face; 2], descent: &Descent, layers: &Layers) -> bool {
         let is_over = |extent_mm: [[f64; 2]; 2]| {
             let [[root, from], [last_root, to]] = way.map(|face| face.ends_mm([self.inner_mm, self.piece.radius_mm]));
@@ -184,11 +191,11 @@ impl EndEdge {
         descent.lowers() && layers.extent_mm().is_some_and(is_over)
     }
 
-    /// From its inner end outwards.
+    /// Bands of the edge, from its inner end outwards.
     fn bands(&self, descent: &Descent, layers: &Layers) -> Vec<Band> {
         let [inner_mm, outer_mm] = [self.inner_mm, self.piece.radius_mm];
         let (floor, all) = (shares(descent, descent.border_mm, layers), shares(descent, f64::INFINITY, layers));
-        // On the axis no edge reaches inwards.
+        // An edge that ends on the axis has no side edge there.
         let from_mm = if inner_mm > 0.0 { inner_mm + descent.side_mm } else { 0.0 };
         let to_mm = outer_mm - descent.side_mm;
         if from_mm >= to_mm {
@@ -199,7 +206,8 @@ impl EndEdge {
     }
 }
 
-/// What of which layers is the end's, up to a border, but not beyond the layer above the highest that the tip was in since the tooth before.
+/// Depth bands of the end edge in the layers, up to a border, but not beyond the layer above the highest position of
+/// the tip since the tooth before.
 fn shares(descent: &Descent, border_mm: f64, layers: &Layers) -> Vec<(usize, Share)> {
     let share = |nth: i64| {
         let [foot_ratio, border_ratio] = [descent.tip_mm, border_mm].map(|mm| layers.part_ratio(nth, mm));

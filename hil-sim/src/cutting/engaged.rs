@@ -1,4 +1,4 @@
-//! Which part of a circle stands in front of material: engagement as the stock has it, for laws that are told so.
+//! Engaged part of a cutting circle, measured in the stock: for laws that use engagement per move.
 
 use std::f64::consts::TAU;
 
@@ -7,23 +7,24 @@ use nalgebra::Vector2;
 
 use super::layer::Layer;
 
-/// Directions looked into for each ray that the circle passes.
+/// Directions sampled for each ray that the circle passes.
 const LOOKS_A_STEP: f64 = 4.0;
 
-/// A circle of edges.
+/// Cutting circle of a tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeCircle {
-    /// The tool's axis.
+    /// Position of the tool's axis.
     pub center_mm: Vector2<f64>,
-    /// Of the edges.
+    /// Radius of the edges.
     pub radius_mm: f64,
-    /// Which way they cut.
+    /// Outer or inner edge.
     pub side: Edge,
 }
 
 impl EdgeCircle {
-    /// From where to where there is material `ahead_mm` before the edges, higher than a part of the layer, right of a quarter of the rays'
-    /// distance: angles counter-clockwise from the first axis, each arc from less than a turn on, none twice.
+    /// Arcs with material `ahead_mm` before the edges and higher than `above_ratio` of the layer, exact to a quarter of
+    /// the rays' distance. Angles are counter-clockwise from the first axis; each arc begins at less than a turn and
+    /// appears once.
     pub fn engaged_rad(&self, layer: &Layer, ahead_mm: f64, above_ratio: f64) -> Vec<[f64; 2]> {
         let looks = (TAU * self.radius_mm / layer.step_mm() * LOOKS_A_STEP).ceil() as usize;
         let at_rad = |look: usize| (look as f64 + 0.5) * TAU / looks as f64;

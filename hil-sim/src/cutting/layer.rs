@@ -1,8 +1,9 @@
-//! A layer of the workpiece, square to the tool's axis: what one elementary edge of every tooth cuts.
+//! A layer of the workpiece, square to the tool's axis, which one elementary edge of every tooth cuts.
 //!
-//! Rays in two directions through the centres of the same square cells. The rake face of an edge takes away the strip it
-//! sweeps in a step, with its ends computed, not sampled: what is left carries every mark, to the last digit on each ray.
-//! Where a tool has come down to a height inside of the layer, the ray has columns of partial height ([`super::partial_heights`]).
+//! Rays in two directions pass through the centres of the same square cells. The rake face of an edge removes the strip
+//! that it sweeps in a step. The ends of the strip are computed, not sampled, so the remaining material carries every
+//! mark, to the last digit on each ray. If a tool has descended to a height inside the layer, the ray has columns of
+//! partial height ([`super::partial_heights`]).
 
 use std::borrow::Cow;
 use std::ops::{Range, RangeInclusive};
@@ -16,7 +17,7 @@ use crate::stock::lattice::{Lattice, LatticeError};
 use crate::stock::solid::Solid;
 use crate::stock::workpiece::Stock;
 
-/// Wider than rounding.
+/// Margin above rounding errors.
 const MARGIN_MM: f64 = 1e-6;
 
 /// Rays along the two axes of the plane.
@@ -24,9 +25,9 @@ const MARGIN_MM: f64 = 1e-6;
 pub struct Layer {
     lowest_mm: [f64; 2],
     step_mm: f64,
-    /// Along the first axis, one a cell of the second, and along the second.
+    /// Rays along the first axis, one for each cell of the second, and rays along the second.
     rays: [Vec<Dexel>; 2],
-    /// One a ray.
+    /// Partial heights of each ray.
     heights: [Vec<PartialHeights>; 2],
 }
 
@@ -46,7 +47,7 @@ impl Layer {
         Layer { lowest_mm, step_mm, rays, heights }
     }
 
-    /// What lies inside of a closed line that does not cross itself.
+    /// Interior of a closed line that does not cross itself.
     pub fn outline(corners_mm: &[Vector2<f64>], step_mm: f64) -> Self {
         let ends_mm = |axis: usize| {
             let along = corners_mm.iter().map(|corner| corner[axis]);
@@ -67,7 +68,7 @@ impl Layer {
         layer
     }
 
-    /// The cells of a stock whose middle is nearest to a height along `axis`; the plane has the two axes that follow it.
+    /// Cells of a stock whose middle is nearest to a height along `axis`; the plane has the two axes that follow it.
     pub fn of(stock: &Stock, axis: usize, height_mm: f64) -> Self {
         let lattice = stock.lattice();
         let [first, second] = Lattice::across(axis);
@@ -87,7 +88,7 @@ impl Layer {
         Layer::new([lowest_mm[first], lowest_mm[second]], lattice.step_mm(), rays)
     }
 
-    /// A solid at a height along `axis`; the plane has the two axes that follow it.
+    /// Section of a solid at a height along `axis`; the plane has the two axes that follow it.
     ///
     /// # Errors
     /// There are no such rays, or too many.
@@ -101,7 +102,7 @@ impl Layer {
         Ok(Layer::new(across.map(|axis| lowest_mm[axis]), step_mm, rays))
     }
 
-    /// The lowest and the highest corner of its cells.
+    /// Lowest and highest corner of the cells.
     pub fn extent_mm(&self) -> [[f64; 2]; 2] {
         let highest_mm =
             [0, 1].map(|axis: usize| self.lowest_mm[axis] + self.rays[1 - axis].len() as f64 * self.step_mm);
@@ -113,22 +114,22 @@ impl Layer {
         self.step_mm
     }
 
-    /// The rays along the first axis, or the second.
+    /// Rays along the first axis, or the second.
     pub fn rays(&self, axis: usize) -> &[Dexel] {
         &self.rays[axis]
     }
 
-    /// Where a ray stands, across its direction.
+    /// Coordinate of a ray across its direction.
     pub fn place_mm(&self, axis: usize, ray: usize) -> f64 {
         self.lowest_mm[1 - axis] + (ray as f64 + 0.5) * self.step_mm
     }
 
-    /// In rays, where a coordinate across their direction is: whole numbers are rays.
+    /// Fractional ray index of a coordinate across the rays' direction: whole numbers are rays.
     pub fn index(&self, axis: usize, place_mm: f64) -> f64 {
         (place_mm - self.lowest_mm[1 - axis]) / self.step_mm - 0.5
     }
 
-    /// Area of all material as the rays along each axis have it, lowered stretches by the part that is there, mm2.
+    /// Area of all material as the rays along each axis measure it, mm2; lowered intervals count by their height ratio.
     pub fn areas_mm2(&self) -> [f64; 2] {
         [0, 1].map(|axis: usize| {
             let lengths_mm =
@@ -137,20 +138,21 @@ impl Layer {
         })
     }
 
-    /// Where in a stretch of a ray, or beyond its ends, the material is higher than a part of the layer; nowhere beside the rays.
+    /// Intervals of a ray where the material is higher than `above_ratio` of the layer, in a stretch or beyond its
+    /// ends; empty beside the rays.
     pub fn section(&self, axis: usize, ray: i64, stretch: &Interval, above_ratio: f64) -> Cow<'_, [Interval]> {
         let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len());
         let section = |ray: usize| self.heights[axis][ray].section(&self.rays[axis][ray], stretch, above_ratio);
         ray.map_or(Cow::Borrowed(&[]), section)
     }
 
-    /// The material of a ray, with what is lowered of it; none beside the rays.
+    /// Material of a ray and its lowered parts; `None` beside the rays.
     pub fn ray(&self, axis: usize, ray: i64) -> Option<(&Dexel, &PartialHeights)> {
         let ray = usize::try_from(ray).ok()?;
         self.rays[axis].get(ray).zip(self.heights[axis].get(ray))
     }
 
-    /// Whether the material on any of some rays is higher than a part of the layer somewhere in a stretch.
+    /// Whether the material on any of these rays is higher than `above_ratio` of the layer somewhere in a stretch.
     pub fn is_met(&self, axis: usize, rays: RangeInclusive<i64>, stretch: &Interval, above_ratio: f64) -> bool {
         let rays = (*rays.start()).max(0)..=(*rays.end()).min(self.rays[axis].len() as i64 - 1);
         rays.into_iter().filter_map(|ray| self.ray(axis, ray)).any(|(material, heights)| {
@@ -158,13 +160,13 @@ impl Layer {
         })
     }
 
-    /// Mean height of the material in a stretch of a ray, as a part of the layer's.
+    /// Mean height of the material in a stretch of a ray, as a fraction of the layer's height.
     pub fn mean_ratio(&self, axis: usize, ray: i64, stretch: &Interval) -> f64 {
         let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len());
         ray.map_or(1.0, |ray| self.heights[axis][ray].mean_ratio(&self.rays[axis][ray], stretch))
     }
 
-    /// How high the material is at a point, as a part of the layer's height and as the nearest ray along an axis has it.
+    /// Height of the material at a point, as a fraction of the layer's height, on the nearest ray along an axis.
     pub fn top_ratio(&self, point_mm: Vector2<f64>, axis: usize) -> Option<f64> {
         let ray = libm::round(self.index(axis, point_mm[1 - axis]));
         let is_there = (0.0..self.rays[axis].len() as f64).contains(&ray);
@@ -172,18 +174,20 @@ impl Layer {
         self.heights[axis][ray].top_ratio(&self.rays[axis][ray], point_mm[axis])
     }
 
-    /// Takes away a convex quadrilateral; answers its area of material as the rays along each axis have it, mm2.
+    /// Removes a convex quadrilateral; returns its area of material as the rays along each axis measure it, mm2.
     pub fn clear(&mut self, corners_mm: &[Vector2<f64>; 4]) -> [f64; 2] {
         self.clear_share(corners_mm, &Share::ALL)
     }
 
-    /// Takes its share of a convex quadrilateral; answers as [`Layer::clear`], each part by the height taken.
+    /// Removes a depth band of a convex quadrilateral; returns areas as [`Layer::clear`], each part by the height
+    /// removed.
     pub fn clear_share(&mut self, corners_mm: &[Vector2<f64>; 4], share: &Share) -> [f64; 2] {
         self.clear_within(corners_mm, 0.0, share, |_, crossing_mm, _, _| crossing_mm)
     }
 
-    /// Takes its share of what a rake face sweeps: from its root and edge before to its edge and root after, the edge on a circle, its
-    /// radius negative if it cuts towards the centre. Answers as [`Layer::clear_share`].
+    /// Removes a depth band of the area that a rake face sweeps, given by root and edge before and after. The edge
+    /// moves on a circle; its radius is negative if it cuts towards the centre. Returns areas as
+    /// [`Layer::clear_share`].
     pub fn clear_strip(
         &mut self,
         [before_mm, after_mm]: [[Vector2<f64>; 2]; 2],
@@ -200,7 +204,8 @@ impl Layer {
         self.clear_within(&[root, from, to, last_root], bulge_mm, share, |side, crossing_mm, axis, at_mm| {
             let off_mm = at_mm - center[1 - axis];
             let square = radius_mm * radius_mm - off_mm * off_mm;
-            // The second side is the edge's way; what is left of a chord within the circle is on the same side of its centre.
+            // The second side is the path of the edge. The rest of a chord within the circle is on the same side of its
+            // centre.
             if side != 1 || square < 0.0 {
                 return crossing_mm;
             }
@@ -208,8 +213,8 @@ impl Layer {
         })
     }
 
-    /// Takes its share of a quadrilateral, of whose sides the crossings with a ray may be put elsewhere: by the side, the crossing, and the
-    /// ray by its axis and place.
+    /// Removes a depth band of a quadrilateral; `put_mm` may move the crossing of a side with a ray, given the side,
+    /// the crossing, and the ray's axis and coordinate.
     fn clear_within(
         &mut self,
         corners_mm: &[Vector2<f64>; 4],
@@ -242,12 +247,12 @@ impl Layer {
         })
     }
 
-    /// Takes away what is between two circles; with 0 inside, a disc.
+    /// Removes the area between two circles; a disc if the inner radius is 0.
     pub fn clear_ring(&mut self, center_mm: Vector2<f64>, inner_mm: f64, outer_mm: f64) {
         self.lower_ring(center_mm, [inner_mm, outer_mm], 0.0);
     }
 
-    /// The same down to a part of the layer's height.
+    /// Lowers the area between two circles to a fraction of the layer's height.
     pub fn lower_ring(&mut self, center_mm: Vector2<f64>, [inner_mm, outer_mm]: [f64; 2], foot_ratio: f64) {
         let share = Share { foot_ratio, ..Share::ALL };
         for axis in [0, 1] {
@@ -264,7 +269,7 @@ impl Layer {
         }
     }
 
-    /// The rays along an axis that stand between two coordinates.
+    /// Rays along an axis between two coordinates.
     fn between(&self, axis: usize, from_mm: f64, to_mm: f64) -> Range<usize> {
         // A cast from float to whole number saturates.
         let first = self.index(axis, from_mm).ceil() as usize;
@@ -273,18 +278,18 @@ impl Layer {
     }
 }
 
-/// Whether a quadrilateral is outside of a rectangle, even where its second side is an arc less than half a circle long.
+/// Whether a quadrilateral is outside a rectangle, even if its second side is an arc shorter than half a circle.
 pub(super) fn is_beside(corners_mm: &[Vector2<f64>; 4], [lowest_mm, highest_mm]: &[[f64; 2]; 2]) -> bool {
     let ([low_mm, high_mm], margin_mm) = (bounds(corners_mm), bulge_max_mm(corners_mm));
     (0..2).any(|axis| high_mm[axis] + margin_mm < lowest_mm[axis] || low_mm[axis] - margin_mm > highest_mm[axis])
 }
 
-/// How far an arc less than half a circle long reaches beyond the second side: no more than half of its chord.
+/// Largest distance of an arc shorter than half a circle from the second side: half of its chord.
 fn bulge_max_mm([_, from, to, _]: &[Vector2<f64>; 4]) -> f64 {
     (to - from).norm() / 2.0
 }
 
-/// The lowest and the highest corner of a rectangle around some points.
+/// Lowest and highest corner of a rectangle around some points.
 fn bounds(points_mm: &[Vector2<f64>]) -> [[f64; 2]; 2] {
     let nowhere = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
     points_mm.iter().fold(nowhere, |[low, high], point| {
@@ -292,27 +297,27 @@ fn bounds(points_mm: &[Vector2<f64>]) -> [[f64; 2]; 2] {
     })
 }
 
-/// A side of a polygon: across the rays of an axis from a lower to a higher coordinate.
+/// Side of a polygon, from the lower to the higher coordinate across the rays of an axis.
 #[derive(Clone, Copy, Debug)]
 struct Side {
     across_mm: [f64; 2],
     from_mm: f64,
-    /// From its lower to its higher end along the rays.
+    /// Difference along the rays from the lower to the higher end.
     way_mm: f64,
 }
 
 impl Side {
-    /// A side of a polygon as rays along an axis cross it.
+    /// Side of a polygon for rays along an axis.
     fn new(corners_mm: &[Vector2<f64>], side: usize, axis: usize) -> Self {
         let next = if side + 1 < corners_mm.len() { side + 1 } else { 0 };
         let (from, to) = (&corners_mm[side], &corners_mm[next]);
-        // From the same end whichever polygon the side belongs to, so that neighbours leave nothing between them.
+        // Always from the same end, whichever polygon the side belongs to, so that neighbours leave no gap.
         let (from, to) = if from[1 - axis] < to[1 - axis] { (from, to) } else { (to, from) };
         Side { across_mm: [from[1 - axis], to[1 - axis]], from_mm: from[axis], way_mm: to[axis] - from[axis] }
     }
 }
 
-/// Where a ray crosses the sides of a polygon, with the sides.
+/// Crossings of a ray with the sides of a polygon, each with its side.
 fn crossings(sides: &[Side], at_mm: f64) -> impl Iterator<Item = (usize, f64)> {
     sides.iter().enumerate().filter_map(move |(number, side)| {
         let [a, b] = side.across_mm.map(|across_mm| across_mm - at_mm);
@@ -321,7 +326,7 @@ fn crossings(sides: &[Side], at_mm: f64) -> impl Iterator<Item = (usize, f64)> {
     })
 }
 
-/// From the lowest to the highest of some coordinates.
+/// Interval from the lowest to the highest coordinate.
 fn extent(ends_mm: impl Iterator<Item = f64>) -> Option<Interval> {
     let ends = ends_mm.fold(None, |ends: Option<Interval>, at_mm| {
         let ends = ends.unwrap_or(Interval::new(at_mm, at_mm));

@@ -6,16 +6,17 @@ use crate::stock::workpiece::Stock;
 
 use super::layer::Layer;
 
-/// Part of a layer that a solid may be higher than a whole number of them: rounding.
+/// Fraction of a layer by which a solid may exceed a whole number of layers: rounding.
 const WHOLE_RATIO: f64 = 1e-9;
 
-/// Part of a layer within which a height is on its border: rounding.
+/// Fraction of a layer within which a height counts as on its border: rounding.
 const BORDER_RATIO: f64 = 1e-6;
 
-/// Part of a layer by which a level may be off its border: levels are rounded to a program's last digit, layers are not.
+/// Fraction of a layer by which a level may differ from its border: levels are rounded to a program's last digit,
+/// layers are not.
 pub const LEVEL_RATIO: f64 = 0.02;
 
-/// Layers that are a mistake in their height.
+/// Number of layers above which the layer height is taken for a mistake.
 const LAYERS_MAX: f64 = 65_536.0;
 
 /// Layers of equal height.
@@ -27,19 +28,19 @@ pub struct Layers {
     extent_mm: Option<[[f64; 2]; 2]>,
 }
 
-/// A height of a tool, and what turns there.
+/// Slice of a tool at one height, with its radii.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
-    /// Their middle above the tip.
+    /// Height of the middle above the tip.
     pub height_mm: f64,
-    /// 0 without inner edges.
+    /// Innermost radius; 0 without inner edges.
     pub inner_mm: f64,
-    /// From the spindle's axis to the outermost.
+    /// Outermost radius, from the spindle's axis.
     pub outer_mm: f64,
 }
 
 impl Layers {
-    /// These, from a height upwards.
+    /// Layers from a height upwards.
     pub fn new(lowest_mm: f64, rise_mm: f64, layers: Vec<Layer>) -> Self {
         let extent_mm = layers.iter().map(Layer::extent_mm).reduce(|[a, b], [c, d]| {
             [[0, 1].map(|axis: usize| a[axis].min(c[axis])), [0, 1].map(|axis: usize| b[axis].max(d[axis]))]
@@ -47,7 +48,7 @@ impl Layers {
         Layers { lowest_mm, rise_mm, layers, extent_mm }
     }
 
-    /// So many copies of a layer, from a height upwards.
+    /// Copies of one layer, from a height upwards.
     pub fn alike(layer: &Layer, lowest_mm: f64, rise_mm: f64, count: usize) -> Self {
         Layers::new(lowest_mm, rise_mm, vec![layer.clone(); count])
     }
@@ -59,7 +60,8 @@ impl Layers {
         Layers::new(lattice.lowest_mm()[axis], lattice.step_mm(), (0..lattice.cells()[axis]).map(cell).collect())
     }
 
-    /// A solid along `axis`, from its top downwards until it is covered; each layer is as the solid is in the layer's middle.
+    /// Layers of a solid along `axis`, from its top downwards until it is covered; each layer is the solid's section in
+    /// the layer's middle.
     ///
     /// # Errors
     /// There are no such layers or rays, or too many.
@@ -76,55 +78,55 @@ impl Layers {
         Ok(Layers::new(lowest_mm, rise_mm, layers?))
     }
 
-    /// The lowest and the highest corner of all layers, in their plane.
+    /// Lowest and highest corner of all layers, in their plane.
     pub fn extent_mm(&self) -> Option<[[f64; 2]; 2]> {
         self.extent_mm
     }
 
-    /// How high each of them is.
+    /// Height of each layer.
     pub fn rise_mm(&self) -> f64 {
         self.rise_mm
     }
 
-    /// Height of the middle of one.
+    /// Height of the middle of a layer.
     pub fn middle_mm(&self, layer: usize) -> f64 {
         self.lowest_mm + (layer as f64 + 0.5) * self.rise_mm
     }
 
-    /// All, from the lowest upwards.
+    /// Layers from the lowest upwards.
     pub fn layers(&self) -> &[Layer] {
         &self.layers
     }
 
-    /// All, to be cut.
+    /// Layers, to be cut.
     pub fn layers_mut(&mut self) -> &mut [Layer] {
         &mut self.layers
     }
 
-    /// Which one is at a height, counted on below the lowest and above the highest; a height on the border of two, but for
-    /// rounding, is in the upper one.
+    /// Number of the layer at a height, continued below the lowest and above the highest; a height on the border of
+    /// two, within rounding, is in the upper one.
     pub fn nth(&self, height_mm: f64) -> i64 {
         libm::floor((height_mm - self.lowest_mm) / self.rise_mm + BORDER_RATIO) as i64
     }
 
-    /// A height as a part of such a layer: 0 at its bottom, 1 at its top, beyond that outside of it.
+    /// Height as a fraction of a layer: 0 at its bottom, 1 at its top, outside that range beyond it.
     pub fn part_ratio(&self, nth: i64, height_mm: f64) -> f64 {
         let ratio = (height_mm - self.lowest_mm) / self.rise_mm - nth as f64;
         let border = libm::round(ratio);
         if libm::fabs(ratio - border) <= BORDER_RATIO { border } else { ratio }
     }
 
-    /// Where such a layer is in [`Layers::layers`].
+    /// Index of a layer in [`Layers::layers`].
     pub fn place(&self, nth: i64) -> Option<usize> {
         usize::try_from(nth).ok().filter(|index| *index < self.layers.len())
     }
 
-    /// Where the layer at a height is in [`Layers::layers`].
+    /// Index in [`Layers::layers`] of the layer at a height.
     pub fn index(&self, height_mm: f64) -> Option<usize> {
         self.place(self.nth(height_mm))
     }
 
-    /// Material as the rays along each axis have it, mm3.
+    /// Volume of the material as the rays along each axis measure it, mm3.
     pub fn volumes_mm3(&self) -> [f64; 2] {
         let areas = self.layers.iter().map(Layer::areas_mm2);
         areas.fold([0.0; 2], |sum, area| [0, 1].map(|axis: usize| sum[axis] + area[axis] * self.rise_mm))

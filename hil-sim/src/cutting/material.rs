@@ -1,4 +1,4 @@
-//! What a material does to an edge that cuts it.
+//! Cutting force models: force of a material on an edge that cuts it.
 //!
 //! For a chip of thickness h and width b, each of the three directions has its own
 //!
@@ -7,23 +7,23 @@
 //! F = k b h + e b          e in N/mm: what the edge takes by rubbing       (2) linear
 //! ```
 //!
-//! and no force at all out of the cut (h <= 0): the edge does not rub on what it does not touch. Radial and axial forces have
-//! k of their own, or a ratio of the tangential one.
+//! and no force outside the cut (h <= 0), where the edge does not touch material. Radial and axial forces have
+//! coefficients of their own, or a ratio of the tangential ones.
 //!
-//! Source: (1) O. Kienzle, 1952, as catalogues use it; (2) the linear edge model of E. Budak, Y. Altintas, E. J. A. Armarego,
-//! 1996 (recalled). Where the numbers come from stands at each, and how far apart sources are: docs/forces.md.
+//! Source: (1) O. Kienzle, 1952, as catalogues use it; (2) the linear edge model of E. Budak, Y. Altintas, E. J. A.
+//! Armarego, 1996 (recalled). Each constant names its source; docs/forces.md shows how far sources differ.
 
-/// A chip as an edge sees it.
+/// Cross-section of the chip at an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChipSection {
-    /// h, along the edge's normal.
+    /// Thickness h, along the edge's normal.
     pub thickness_mm: f64,
-    /// b, so that h b is the section.
+    /// Width b, so that h b is the section.
     pub width_mm: f64,
 }
 
 impl ChipSection {
-    /// One in place of two side by side: as wide as both, of the same section.
+    /// One chip in place of two side by side: as wide as both, with the same section.
     pub fn with(&self, other: &ChipSection) -> Self {
         let width_mm = self.width_mm + other.width_mm;
         let section_mm2 = self.thickness_mm * self.width_mm + other.thickness_mm * other.width_mm;
@@ -34,11 +34,11 @@ impl ChipSection {
 /// Force of an edge in its own directions, as it acts on the tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EdgeForce {
-    /// Against the motion of the edge.
+    /// Force against the motion of the edge.
     pub tangential_n: f64,
-    /// Along the inward normal: away from the material.
+    /// Force along the inward normal, away from the material.
     pub radial_n: f64,
-    /// Along the edge towards the tip: a right-hand helix pulls the tool out of its holder.
+    /// Force along the edge towards the tip: a right-hand helix pulls the tool out of its holder.
     pub axial_n: f64,
 }
 
@@ -63,14 +63,14 @@ pub struct Linear {
 /// A model for all directions: tangential, radial, axial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cutting {
-    /// (1)
+    /// Kienzle's model (1).
     Kienzle([Kienzle; 3]),
-    /// (2)
+    /// Linear edge model (2).
     Linear([Linear; 3]),
 }
 
 impl Cutting {
-    /// What the chip does to the edge.
+    /// Force of the chip on the edge.
     pub fn force(&self, chip: &ChipSection) -> EdgeForce {
         let (h_mm, b_mm) = (chip.thickness_mm, chip.width_mm);
         if !(h_mm > 0.0 && b_mm > 0.0) {
@@ -81,7 +81,7 @@ impl Cutting {
                 let softer = |exponent_ratio: f64| libm::pow(h_mm, 1.0 - exponent_ratio);
                 let tangential_ratio = each[0].exponent_ratio;
                 let of_tangential = softer(tangential_ratio);
-                // Most have one exponent in all directions.
+                // Most materials have one exponent in all directions.
                 each.map(|k| {
                     let is_same = k.exponent_ratio == tangential_ratio;
                     k.specific_mpa * b_mm * if is_same { of_tangential } else { softer(k.exponent_ratio) } // (1)
@@ -92,7 +92,7 @@ impl Cutting {
         EdgeForce { tangential_n, radial_n, axial_n }
     }
 
-    /// Linear, from the usual lists: Ktc, Krc, Kac in N/mm2, then Kte, Kre, Kae in N/mm.
+    /// Linear model from the usual lists: Ktc, Krc, Kac in N/mm2, then Kte, Kre, Kae in N/mm.
     pub const fn linear(cutting: [f64; 3], edge: [f64; 3]) -> Self {
         Cutting::Linear([
             Linear { specific_mpa: cutting[0], edge_n_per_mm: edge[0] },
@@ -103,7 +103,8 @@ impl Cutting {
 }
 
 impl Kienzle {
-    /// A catalogue tells the tangential direction; the others as parts of it, with the same exponent.
+    /// Model from a catalogue's tangential coefficient; the other directions are fractions of it with the same
+    /// exponent.
     pub fn with_ratios(self, radial_ratio: f64, axial_ratio: f64) -> Cutting {
         let part = |ratio: f64| Kienzle { specific_mpa: self.specific_mpa * ratio, ..self };
         Cutting::Kienzle([self, part(radial_ratio), part(axial_ratio)])
@@ -113,11 +114,11 @@ impl Kienzle {
 /// A material of the ISCAR catalogue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// As people call it.
+    /// Common name.
     pub name: &'static str,
     /// Group of VDI 3323.
     pub group: u8,
-    /// Its tangential direction. Other catalogues differ by 35 % either way.
+    /// Coefficient of the tangential direction. Other catalogues differ by 35 % either way.
     pub tangential: Kienzle,
 }
 
@@ -127,8 +128,8 @@ impl Material {
     }
 }
 
-/// Tangential coefficients. Source: ISCAR, turning catalogue 2017, p. 558, by groups of VDI 3323; its rake angle and wear are not
-/// told. Which alloys belong to a group is common knowledge, the catalogue names conditions only.
+/// Tangential coefficients. Source: ISCAR, turning catalogue 2017, p. 558, by groups of VDI 3323; it does not give rake
+/// angle and wear. The catalogue names conditions only; the assignment of alloys to groups is common knowledge.
 pub const MATERIALS: [Material; 11] = [
     Material::new("Ti-6Al-4V", 37, 2110.0, 0.22),
     Material::new("titanium, pure", 36, 1700.0, 0.23),

@@ -1,12 +1,12 @@
-//! The chip-load meter: chips of every tooth, from the machine's actual positions.
+//! The chip-load meter: measures the chip of every tooth from the machine's actual positions.
 //!
-//! It looks at the plane of the arc, G17 or another, with the tool's axis along the plane's normal; of a helix it measures
-//! the chip across that axis.
+//! The meter works in the plane of the arc, G17 or another, with the tool's axis along the plane's normal; on a helix
+//! it measures the chip across that axis.
 //!
-//! A sample is steady if the machine ran within 0.5 % of the commanded feed through the whole of its tooth's cut, within one
-//! block. Figures of the law's error are of steady samples with an admissible contact; all others are counted by cause. The
-//! thickest chip is that of all samples with a contact. A tooth that is still in the cut when its block ends counts there as if
-//! it went on at the mean feed that it had. A tooth takes as long as the spindle's speed at its begin says.
+//! A sample is steady if the machine ran within 0.5 % of the commanded feed during the whole cut of its tooth, within
+//! one block. Figures of the law's error use steady samples with an admissible contact; all others are counted by
+//! cause. The thickest chip uses all samples with a contact. A tooth that is still in the cut when its block ends
+//! counts with the mean feed that it had. The spindle's speed at a tooth's beginning sets the tooth's time.
 
 use std::collections::VecDeque;
 
@@ -25,28 +25,28 @@ use super::chip::Circle;
 /// Largest deviation from the commanded feed that counts as steady.
 pub const STEADY_RATIO: f64 = 5e-3;
 
-/// What the meter needs to know about the tool; config.
+/// Tool data for the meter; config.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeterSettings {
-    /// The true tool. Only a ring's chips are measured.
+    /// True tool. The meter measures chips of a ring only.
     pub tool: Tool,
     /// Spindle speed.
     pub spindle: RevPerMin,
-    /// Target chip on the circumference where a rule gives none of its own, mm.
+    /// Target chip on the circumference if a rule gives none of its own, mm.
     pub target_mm_per_tooth: f64,
 }
 
-/// Chips of one move that a cut rule speaks of.
+/// Chips of one move under a cut rule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MoveChips {
-    /// `N` of its block.
+    /// `N` of the block.
     pub sequence: Option<i64>,
-    /// Which of the job's cut rules speaks of it.
+    /// Index of the job's cut rule for the move.
     pub rule: usize,
-    /// Chip at the contact relative to the target, steady samples; nothing where the tool is no ring or the stock no single
-    /// line.
+    /// Chip at the contact relative to the target, steady samples only; empty if the tool is no ring or the stock no
+    /// single line.
     pub contact: ChipFigures,
-    /// The same of all samples.
+    /// Chip at the contact relative to the target, all samples.
     pub any_contact: ChipFigures,
     /// Thickest chip relative to the target, anywhere inside the rule's half plane: outer and inner circle.
     pub thickest: [ChipFigures; 2],
@@ -103,32 +103,32 @@ impl ChipMeter {
         }
     }
 
-    /// Another tool is in the spindle from here on; the target holds where a rule gives none of its own, mm.
+    /// Sets the tool in the spindle from here on; the target applies if a rule gives none of its own, mm.
     pub fn set_tool(&mut self, tool: Tool, target_mm_per_tooth: f64) {
         self.settings = MeterSettings { tool, target_mm_per_tooth, ..self.settings };
     }
 
-    /// The spindle turns with another speed from here on.
+    /// Sets the speed of the spindle from here on.
     pub fn set_spindle(&mut self, spindle: RevPerMin) {
         self.tooth_us = self.settings.tooth_us(spindle);
     }
 
-    /// What was measured, move by move.
+    /// Measured chips, move by move.
     pub fn moves(&self) -> &[MoveChips] {
         &self.moves
     }
 
-    /// Chip of the last tooth measured on the move in work, relative to the target.
+    /// Chip of the last tooth measured on the move in execution, relative to the target.
     pub fn last_ratio(&self) -> Option<f64> {
         self.last_ratio
     }
 
-    /// Whether a cut rule speaks of this block, the last one begun.
+    /// Whether a cut rule applies to this block, the last one begun.
     pub fn is_on(&self, block: u32) -> bool {
         self.block == Some(block)
     }
 
-    /// A block begins; `found` is the cut rule that speaks of it, with its place among the rules.
+    /// Begins a block; `found` is the cut rule that applies to it, with its index among the rules.
     pub fn begin(&mut self, block: u32, segment: &Segment, found: Option<(usize, &CutRule)>) {
         self.go_on(block, segment, found);
         let Some((index, _)) = found else { return };
@@ -142,7 +142,7 @@ impl ChipMeter {
         });
     }
 
-    /// A block begins that goes on with the move before, as a further piece of it.
+    /// Begins a block that continues the move before, as a further piece of it.
     pub fn go_on(&mut self, block: u32, segment: &Segment, found: Option<(usize, &CutRule)>) {
         self.end_block();
         let Some((_, rule)) = found else { return };
@@ -150,7 +150,7 @@ impl ChipMeter {
         self.cut = RingCut::new(segment, rule, &self.settings);
     }
 
-    /// A report that does not count: the axes are not on the move yet, or the spindle stands.
+    /// Counts a report as left out: the axes are not on the move yet, or the spindle stands still.
     pub fn leave_out(&mut self, sample: &Sample) {
         if !self.is_on(sample.block) {
             self.end_block();
@@ -161,7 +161,7 @@ impl ChipMeter {
         self.history.clear();
     }
 
-    /// Takes the machine's report.
+    /// Processes the machine's report.
     pub fn take(&mut self, sample: &Sample) {
         if !self.tooth_us.is_finite() {
             return self.leave_out(sample);
@@ -269,7 +269,7 @@ impl RingCut {
         })
     }
 
-    /// Chip at the contact of a tooth that goes on by `delta_mm`, relative to the target.
+    /// Chip at the contact of a tooth that moves by `delta_mm`, relative to the target.
     fn contact_ratio(&self, position_mm: &Vector2<f64>, delta_mm: &Vector2<f64>) -> Option<f64> {
         let chip_mm = self.cutting.contact_chip_mm(position_mm, &self.rotation_center_mm, delta_mm, &self.line);
         Some(chip_mm? / self.target_mm_per_tooth)

@@ -1,4 +1,4 @@
-//! What measures the cut. Nothing here may know the feed law.
+//! Measurement of the cut: chips, edges, engagement and forces. No code here may use the feed law.
 
 pub mod chip;
 

@@ -1,8 +1,9 @@
-//! What is left, along one ray of a layer, of material that a tool has cut from above.
+//! Remaining material along one ray of a layer, after a tool has cut it from above.
 //!
-//! Material that no edge has lowered is as high as its layer. A tool's end that stops inside of the layer leaves a
-//! column: a stretch of the ray and its height, as a fraction of the layer's, between 0 and 1. The columns are kept beside the ray's full material, and their
-//! ends are as exact. A ray without columns is a plain dexel. The volume taken is length times height, to the last digit.
+//! Material that no edge has lowered is as high as its layer. A tool's end that stops inside the layer leaves a column:
+//! an interval of the ray with its height, as a fraction between 0 and 1 of the layer's. The columns are stored beside
+//! the ray's full material, and their ends are as exact. A ray without columns is a plain dexel. The removed volume is
+//! length times height, to the last digit.
 //!
 //! Source: own.
 
@@ -10,39 +11,39 @@ use std::borrow::Cow;
 
 use crate::stock::dexel::{Dexel, Interval};
 
-/// Heights nearer than this part of a layer are the same: rounding.
+/// Heights that differ by less than this fraction of a layer are the same: rounding.
 const SAME_RATIO: f64 = 1e-9;
 
-/// What is shorter stands between two sweeps by rounding.
+/// Intervals shorter than this remain between two sweeps by rounding.
 const SLIVER_MM: f64 = 1e-9;
 
-/// The lowered stretches of a ray, in order.
+/// Columns of a ray: its lowered intervals, in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PartialHeights(Vec<Column>);
 
-/// A stretch that is equally high.
+/// Interval of constant height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Column {
     on: Interval,
     top_ratio: f64,
 }
 
-/// Which columns an edge meets, and what it leaves of them; heights as parts of the layer's.
+/// Depth band of an edge: which columns it cuts, and the height that it leaves. Heights are fractions of the layer's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
-    /// What it leaves; not above 0 nothing.
+    /// Remaining height of the layer, as a fraction of its height; nothing remains if it is not above 0.
     pub foot_ratio: f64,
-    /// Edges on the side of a tool meet what is higher, edges on its end what is not.
+    /// Peripheral edges cut the material above this height; end edges cut the rest.
     pub border_ratio: f64,
-    /// On the end.
+    /// Whether the edge is on the tool's end.
     pub is_end: bool,
 }
 
 impl Share {
-    /// Everything.
+    /// The whole height of the layer.
     pub const ALL: Share = Share { foot_ratio: 0.0, border_ratio: 0.0, is_end: false };
 
-    /// How much of a column, as a part of the layer's height.
+    /// Cut part of a column, as a fraction of the layer's height.
     pub fn of_ratio(&self, top_ratio: f64) -> f64 {
         if self.takes(top_ratio) { top_ratio - self.foot_ratio.max(0.0) } else { 0.0 }
     }
@@ -53,7 +54,7 @@ impl Share {
 }
 
 impl PartialHeights {
-    /// Takes its share of a stretch; answers the length times the part of the height that was there.
+    /// Removes a depth band of a stretch; returns the length times the fraction of the height removed.
     pub fn take(&mut self, material: &mut Dexel, stretch: Interval, share: &Share) -> f64 {
         if share.foot_ratio <= 0.0 && !self.meets(&stretch) {
             return if share.takes(1.0) { material.subtract(stretch) } else { 0.0 };
@@ -80,7 +81,8 @@ impl PartialHeights {
         taken_mm
     }
 
-    /// Takes a chip beside what is as low already as it will be, as most are; `None`, and nothing taken, where there is more to it.
+    /// The common case: removes a chip beside a column that already has the final height; `None`, with nothing removed,
+    /// in any other case.
     fn take_beside(&mut self, material: &Dexel, stretch: &Interval, share: &Share) -> Option<f64> {
         let Dexel::One(piece) = material else { return None };
         let on = piece.common(stretch);
@@ -103,7 +105,7 @@ impl PartialHeights {
         Some(chip.length_mm() * share.of_ratio(1.0))
     }
 
-    /// Length of the material, each stretch by the part of the height that is there.
+    /// Length of the material, each interval times its height fraction.
     pub fn length_mm(&self, material: &Dexel) -> f64 {
         let missing = |column: &Column| column.on.length_mm() * (1.0 - column.top_ratio);
         match material.extent().filter(|_| !self.0.is_empty()) {
@@ -114,7 +116,8 @@ impl PartialHeights {
         }
     }
 
-    /// Where in a stretch the material is higher than a part of the layer; of heights only what is longer than rounding.
+    /// Intervals of a stretch where the material is higher than `above_ratio` of the layer; of lowered intervals only
+    /// those longer than rounding.
     pub fn section<'a>(&self, material: &'a Dexel, stretch: &Interval, above_ratio: f64) -> Cow<'a, [Interval]> {
         if !self.meets(stretch) {
             return Cow::Borrowed(if above_ratio + SAME_RATIO < 1.0 { material.intervals() } else { &[] });
@@ -122,7 +125,7 @@ impl PartialHeights {
         Cow::Owned(Pieces { columns: self.columns(material, stretch), above_ratio, next: None }.collect())
     }
 
-    /// Mean height of the material in a stretch; that of the whole layer without any.
+    /// Mean height of the material in a stretch; that of the whole layer if there is none.
     pub fn mean_ratio(&self, material: &Dexel, stretch: &Interval) -> f64 {
         if !self.meets(stretch) {
             return 1.0;
@@ -133,14 +136,14 @@ impl PartialHeights {
         if length_mm > 0.0 { sum_mm / length_mm } else { 1.0 }
     }
 
-    /// How high the material is at a place.
+    /// Height of the material at a coordinate.
     pub fn top_ratio(&self, material: &Dexel, at_mm: f64) -> Option<f64> {
         let first = self.0.partition_point(|column| column.on.to_mm <= at_mm);
         let column = self.0.get(first).filter(|column| column.on.from_mm <= at_mm);
         material.contains(at_mm).then(|| column.map_or(1.0, |column| column.top_ratio))
     }
 
-    /// Whether all material of a stretch is lowered so far that an edge takes nothing of it.
+    /// Whether all material of a stretch is already so low that an edge removes nothing.
     pub fn is_spared(&self, material: &Dexel, stretch: &Interval, share: &Share) -> bool {
         let Interval { mut from_mm, to_mm } = match material {
             Dexel::One(piece) => piece.common(stretch),
@@ -156,25 +159,25 @@ impl PartialHeights {
         from_mm >= to_mm
     }
 
-    /// Whether all of a stretch is lowered to a part of the layer, or below.
+    /// Whether a whole stretch is lowered to `above_ratio` of the layer, or below.
     pub fn is_below(&self, stretch: &Interval, above_ratio: f64) -> bool {
         self.over(stretch).is_some_and(|column| column.top_ratio <= above_ratio + SAME_RATIO)
     }
 
-    /// The one that all of a stretch is in.
+    /// The column that contains a whole stretch.
     fn over(&self, stretch: &Interval) -> Option<&Column> {
         let first = self.0.partition_point(|column| column.on.to_mm <= stretch.from_mm);
         self.0.get(first).filter(|column| column.on.from_mm <= stretch.from_mm && stretch.to_mm <= column.on.to_mm)
     }
 
-    /// Whether anything is lowered in a stretch.
+    /// Whether any column overlaps a stretch.
     fn meets(&self, stretch: &Interval) -> bool {
         let first = self.0.partition_point(|column| column.on.to_mm <= stretch.from_mm);
         self.0.get(first).is_some_and(|column| column.on.from_mm < stretch.to_mm)
     }
 
-    /// The first, or the last, place in a stretch where the material is higher than a part of the layer, as [`PartialHeights::section`] has it, without what is
-    /// beyond the stretch.
+    /// First, or last, interval of a stretch where the material is higher than `above_ratio` of the layer, as in
+    /// [`PartialHeights::section`], cut off at the stretch's ends.
     pub fn end_piece(
         &self,
         material: &Dexel,
@@ -194,13 +197,13 @@ impl PartialHeights {
         if is_first { pieces.next() } else { pieces.last() }
     }
 
-    /// The material of a stretch, in order.
+    /// Material of a stretch as columns, in order.
     fn columns<'a>(&'a self, material: &'a Dexel, within: &'a Interval) -> Columns<'a> {
         let first = self.0.partition_point(|column| column.on.to_mm <= within.from_mm);
         Columns { heights: &self.0[first..], pieces: material.intervals(), within, whole: None }
     }
 
-    /// Puts a column in place of what there was, or none; one as high as its neighbour becomes one with it.
+    /// Replaces the columns of an interval by one column, or by none; joins it to a neighbour of the same height.
     fn set(&mut self, on: Interval, top_ratio: Option<f64>) {
         let first = self.0.partition_point(|column| column.on.to_mm <= on.from_mm);
         let end = self.0.partition_point(|column| column.on.from_mm < on.to_mm).max(first);
@@ -226,7 +229,8 @@ impl PartialHeights {
         }
     }
 
-    /// Extends a neighbour of the same height over a stretch that has no column yet and ends before column `next`; answers whether there is one.
+    /// Extends a neighbour of the same height over an interval without a column before column `next`; returns whether
+    /// there was one.
     fn extend(&mut self, next: usize, on: Interval, top_ratio: f64) -> bool {
         let is_same = |column: &Column| column.top_ratio == top_ratio;
         let before = next.checked_sub(1).filter(|last| self.0[*last].on.to_mm == on.from_mm && is_same(&self.0[*last]));
@@ -241,14 +245,14 @@ impl PartialHeights {
     }
 }
 
-/// The material of a stretch, in order: before each column what is whole, and behind the last.
+/// Iterator over the material of a stretch, in order: full material before, between and after the columns.
 struct Columns<'a> {
-    /// Those that may still be met.
+    /// Columns not passed yet.
     heights: &'a [Column],
-    /// Those that are still to come.
+    /// Intervals of material to come.
     pieces: &'a [Interval],
     within: &'a Interval,
-    /// What is left of the piece in work.
+    /// Rest of the present interval.
     whole: Option<Interval>,
 }
 
@@ -284,11 +288,12 @@ impl Iterator for Columns<'_> {
     }
 }
 
-/// What of some columns is higher than a part of the layer, and longer than rounding; what touches is one.
+/// Iterator over the intervals of columns that are higher than a fraction of the layer, and longer than rounding;
+/// touching ones are joined.
 struct Pieces<'a> {
     columns: Columns<'a>,
     above_ratio: f64,
-    /// Where the next one begins.
+    /// Beginning of the next one.
     next: Option<Interval>,
 }
 
@@ -346,7 +351,8 @@ mod tests {
         let mut material = Dexel::One(Interval::new(0.0, 10.0));
         let mut heights = PartialHeights::default();
         let side = Share { foot_ratio: 0.25, border_ratio: 0.5, is_end: false };
-        // In the middle, away from that, at the end of a floor, at its beginning, between two floors, beyond the material, and where there is nothing left.
+        // In the middle, away from it, at the end of a floor, at its beginning, between two floors, beyond the
+        // material, and without remaining material.
         for (from_mm, to_mm, taken_mm) in [
             (6.0, 7.0, 1.0),
             (2.0, 4.0, 2.0),

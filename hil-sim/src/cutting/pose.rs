@@ -1,4 +1,4 @@
-//! Where the edges of a cutter stand at one time: what is the same however they are bent.
+//! Positions of the edges of a cutter at one time, before deflections.
 
 use nalgebra::Vector2;
 
@@ -7,42 +7,42 @@ use super::end::{Descent, Face};
 use super::partial_heights::Share;
 use super::rake::Rake;
 
-/// Where the cutter is.
+/// Position of the cutter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stand {
-    /// The spindle's axis in the plane of the layers.
+    /// Spindle axis in the plane of the layers.
     pub axis_mm: Vector2<f64>,
     /// Height of the tip.
     pub tip_mm: f64,
-    /// How far M3 has turned the spindle.
+    /// Angle by which M3 has turned the spindle.
     pub turned_rad: f64,
 }
 
-/// All edges of a cutter where it is, before they are bent.
+/// Positions of all edges of a cutter, before they are bent.
 #[derive(Clone, Debug)]
 pub struct Poses {
     pub(super) stand: Stand,
     pub(super) descent: Descent,
-    /// Of each edge, from the spindle's axis to it, a unit vector.
+    /// For each edge, the unit vector from the spindle's axis to it.
     pub(super) towards: Vec<Vector2<f64>>,
-    /// Of each slice of the cutter.
+    /// Layers of the slices of the cutter.
     pub(super) placed: Vec<Option<Placed>>,
-    /// Of each edge, whether no material is near it.
+    /// For each edge, whether no material is near it.
     pub(super) is_apart: Vec<bool>,
 }
 
 /// A slice of the cutter in its layer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
-    /// In the list of layers.
+    /// Index in the list of layers.
     pub(super) index: usize,
     pub(super) share: Share,
-    /// Up to which part of the layer edges are asked.
+    /// Fraction of the layer up to which edges are evaluated.
     pub(super) reach_ratio: f64,
 }
 
 impl Poses {
-    /// No material is near an edge: it has no chip and takes nothing.
+    /// Marks an edge as far from material: it has no chip and removes nothing.
     pub fn set_apart(&mut self, edge: usize) {
         self.is_apart[edge] = true;
     }
@@ -53,7 +53,7 @@ impl Poses {
     }
 }
 
-/// From the spindle's axis to a piece.
+/// Direction from the spindle's axis to a piece.
 pub(super) fn towards(piece: &EdgePiece, stand: &Stand) -> Vector2<f64> {
     let (sin, cos) = libm::sincos(piece.angle_at_rad(stand.turned_rad));
     Vector2::new(cos, sin)

@@ -1,4 +1,4 @@
-//! A stock under a run: each stretch of the way takes its material as soon as it is over.
+//! Stock that a run cuts: each segment of the path removes its material as soon as it is complete.
 
 use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::nc::modal::Pose;
@@ -15,19 +15,19 @@ use super::placing::{Placing, Unplaced};
 use super::rate::Piece;
 use super::trail::{Of, Seen, Stretch, Trail};
 
-/// Less than this of a cell is rounding where a tool goes along what it has cut, and counts for nothing.
+/// Volume below this fraction of a cell is rounding when a tool moves along its own cut, and does not count.
 const ROUNDING_RATIO: f64 = 1e-6;
 
-/// What cuts what.
+/// Stock, tool and tolerance.
 #[derive(Clone, Debug)]
 pub struct CutterSettings {
-    /// The workpiece, in the program's coordinates.
+    /// Workpiece, in the program's coordinates.
     pub stock: Stock,
-    /// What of the tool cuts.
+    /// Cutting part of the tool.
     pub tool: Tool,
-    /// Where the tool points under G43.4.
+    /// Machine that gives the tool's direction under G43.4.
     pub machine: Option<Machine>,
-    /// How far chords may be from where the axes were.
+    /// Largest distance of chords from the path of the axes.
     pub tolerance_mm: f64,
 }
 

@@ -1,10 +1,10 @@
-//! What a run takes from a workpiece: the way that the axes have gone, cut from a stock block by block.
+//! Material removal of a run: cuts the executed path of the axes from a stock, block by block.
 //!
-//! The way is the one executed, sampled once a millisecond, not the one programmed: [`trail`] makes chords of it, [`periods`] has its periods one by one,
-//! [`placing`] says where tool and part are to each other then, [`cutter`] takes the material, [`rate`] has the removal
-//! rates; [`loads`] asks the edges for their chips and forces, [`tally`] counts them, [`marks`] has what they leave on the walls;
-//! [`flexible_workpiece`] is a workpiece that gives way to them; [`engagement`] looks where the tool stands in material. What is left out, and how
-//! exact it is: docs/simulate.md.
+//! The path is the executed one, sampled once a millisecond, not the programmed one. [`trail`] approximates it by
+//! chords, [`periods`] gives its periods one by one, [`placing`] computes the tool's position on the part, [`cutter`]
+//! removes the material, [`rate`] computes removal rates. [`loads`] computes chips and forces of the edges, [`tally`]
+//! their statistics, [`marks`] the marks that they leave on the walls. [`flexible_workpiece`] is a workpiece that bends
+//! under them; [`engagement`] finds the engaged arcs. Omissions and accuracy: docs/simulate.md.
 
 pub mod trail;
 

@@ -14,7 +14,7 @@ fn rest_to_rest_s(length_mm: f64, speed_mm_per_s: f64) -> f64 {
     time_s(length_mm, speed_mm_per_s)
 }
 
-/// Moves as the axes made them: `r` or `f` and the end, mm; with the time that all of it took, s.
+/// Moves of the axes, each `r` or `f` with its end in mm, and the time of all of them in s.
 fn trace(control: &mut Control, override_percent: u8) -> (Vec<(char, [f64; 3])>, f64) {
     let (mut moves, mut last, mut moved) = (Vec::new(), None, 0);
     for ms in 1.. {

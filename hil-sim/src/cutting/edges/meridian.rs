@@ -1,4 +1,4 @@
-//! The outline of one tooth, cut in pieces.
+//! Outline of one tooth, divided into pieces.
 //!
 //! On a rounded corner a piece is the chord of a step d at lead angle k: it rises by 2 c sin(k) sin(d/2) and so is
 //! 2 c sin(d/2) wide, by (1) of the parent.
@@ -9,20 +9,21 @@ use arcfeed_shared::tool::Edge;
 
 use super::EdgePiece;
 
-/// Part of a slice that an edge may be higher than a whole number of them: rounding.
+/// Fraction of a slice by which an edge may exceed a whole number of slices: rounding.
 const WHOLE_RATIO: f64 = 1e-9;
 
-/// Slices of one edge that are a mistake in their height.
+/// Number of slices above which the slice height is taken for a mistake.
 const SLICES_MAX: f64 = 1e5;
 
-/// How an edge is cut in pieces.
+/// Division of an edge into pieces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pieces {
-    /// About so many of equal length along the edge.
+    /// About this many pieces of equal length along the edge.
     Along(usize),
-    /// Of equal height along the axis, from the tip upwards until the edge is covered: for the layers of a workpiece.
+    /// Slices of equal height along the axis, from the tip upwards until the edge is covered: for the layers of a
+    /// workpiece.
     Slices {
-        /// Of each.
+        /// Height of each slice.
         rise_mm: f64,
     },
 }
@@ -30,17 +31,17 @@ pub enum Pieces {
 /// Half a section through an edge: a rounded corner, then a straight wall.
 pub(super) struct Meridian {
     pub(super) side: Edge,
-    /// Of the wall.
+    /// Radius of the wall.
     pub(super) radius_mm: f64,
     pub(super) corner_mm: f64,
-    /// How far up it goes.
+    /// Height of the edge.
     pub(super) height_mm: f64,
-    /// Of the helix.
+    /// Lag angle of the helix per height.
     pub(super) lag_rad_per_mm: f64,
 }
 
 impl Meridian {
-    /// None if the measures are none of an edge.
+    /// Pieces of the edge; `None` if the dimensions are not those of an edge.
     pub(super) fn pieces(&self, pieces: Pieces) -> Option<Vec<EdgePiece>> {
         let positive = [self.radius_mm, self.height_mm].iter().all(|mm| *mm > 0.0 && mm.is_finite());
         if !(positive && self.corner_mm >= 0.0 && self.lag_rad_per_mm.is_finite()) {
@@ -70,7 +71,7 @@ impl Meridian {
         arc.chain(wall).collect()
     }
 
-    /// A slice has the lead angle that the edge has in its middle.
+    /// Divides the edge into slices, each with the lead angle that the edge has in the slice's middle.
     fn slices(&self, rise_mm: f64) -> Option<Vec<EdgePiece>> {
         let count = libm::ceil(self.height_mm / rise_mm - WHOLE_RATIO);
         let slice = |at: usize| {
