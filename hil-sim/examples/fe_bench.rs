@@ -1,5 +1,5 @@
-//! What finite elements are worth and cost: plates and beams against their closed forms and published tables as meshes get finer, a disk of 56
-//! sectors, points beside a plate, and queries a second. Times are of the clock, on one core.
+//! Benchmark of finite elements: errors of plates and beams against closed forms and published tables as meshes get
+//! finer, a disk of 56 sectors, points beside a plate, and queries a second. Times are wall-clock times on one core.
 //!
 //! `cargo run --profile dist -p arcfeed-hil-sim --example fe_bench`. Figures of one run are in docs/fe.md.
 
@@ -32,7 +32,7 @@ const EDGE_MM: f64 = 100.0;
 /// Cells at the clamp over those at the free edge.
 const FOOT_RATIO: f64 = 0.2;
 
-/// Queries that are timed.
+/// Number of timed queries.
 const QUERIES: usize = 100_000;
 
 fn per_cent(ours: f64, truth: f64) -> f64 {
@@ -77,7 +77,8 @@ fn beam(elements: usize, diameter_mm: f64) -> Result<(), Error> {
     Ok(())
 }
 
-/// How far the air above a plate is from where Kirchhoff's straight normals would carry it, of the mode's greatest displacement.
+/// Distance of the displacement above a plate from that of Kirchhoff's straight normals, as a fraction of the mode's
+/// largest displacement.
 fn outside() -> Result<(), Error> {
     let thickness_mm = 2.0;
     let body = Body::new(Blade::plate(EDGE_MM, 60.0, thickness_mm).mesh([6, 1, 12], FOOT_RATIO)?, &STEEL);
@@ -109,7 +110,7 @@ fn outside() -> Result<(), Error> {
     Ok(())
 }
 
-/// Microseconds a call takes on the average, over points along a way.
+/// Mean time of a call in microseconds, over points along a line.
 fn micros(mut query: impl FnMut(f64) -> Result<f64, TooFar>) -> Result<f64, TooFar> {
     let begin = Instant::now();
     let mut sum = 0.0;

@@ -1,5 +1,5 @@
-//! How much faster than the machine its simulation runs, at a period of a millisecond on one core, and how that goes with the
-//! length of a program: the control under limits of all axes, and with controller and chip meter beside it.
+//! Ratio of simulated time to processor time, at a period of a millisecond on one core, and its dependence on the
+//! length of a program: the control under limits of all axes, and with controller and chip meter.
 //!
 //! `cargo run --profile dist -p arcfeed-hil-sim --example motion_bench`. Figures of one run are in docs/drives.md. The time is the
 //! processor's, so that other work on the machine shows less.
@@ -45,7 +45,7 @@ fn short_moves(count: usize) -> String {
     text + "M30\n"
 }
 
-/// Time of the processor that this process has had, in hundredths of a second as Linux counts.
+/// Processor time of this process, in hundredths of a second as Linux counts.
 fn processor_s() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let after_name = stat.rsplit(')').next().unwrap_or_default();

@@ -1,15 +1,15 @@
-//! Controllers corrupted on purpose: what the measurement must catch.
+//! Faults of the controller, for tests that the measurement must detect.
 
-/// What is wrong with the controller.
+/// Fault of the controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ControllerFault {
-    /// Nothing.
+    /// No fault.
     #[default]
     None,
     /// No controller at all: the override stays at 100 %.
     LawOff,
-    /// It believes its tool's radii are this many times what they are.
+    /// The controller assumes radii of the tool that are wrong by this factor.
     RadiusScale(f64),
-    /// It ticks no more after this many ticks; its output stays.
+    /// The controller stops ticking after this many ticks; its output stays.
     FrozenAfter(u64),
 }

@@ -1,7 +1,8 @@
-//! Tool and workpiece as one structure, seen from the places where they touch.
+//! Tool and workpiece as one structure, with the modes at the points where they touch.
 //!
-//! The places wander over the workpiece, so what its modes do there changes; what those of the tool do stays. In the list of all
-//! modes the workpiece's stand first, for [`Vibration`](crate::dynamics::vibration::Vibration) leaves the rest as they are.
+//! The points move over the workpiece, so the shapes of its modes change there; the shapes of the tool's modes stay.
+//! The workpiece's modes come first in the list of all modes, because
+//! [`Vibration`](crate::dynamics::vibration::Vibration) leaves the rest as they are.
 //!
 //! Source: Lorong et al., Simulation of a finishing operation, 2012, eqs 3 to 6, reduced to modes; one damping ratio for all modes of a part as in their
 //! section 4.3.
@@ -23,11 +24,11 @@ pub trait Modal {
     /// Angular frequencies, rad/s.
     fn omega_rad_per_s(&self) -> &[f64];
 
-    /// How far outside of it its displacement goes on as it does in its outermost elements.
+    /// Distance outside the body up to which its outermost elements extrapolate the displacement.
     fn reach_mm(&self) -> f64;
 
-    /// Sets `modal_point` to a point, or, if that is outside by more than `beyond_mm`, to the one that far from the body on the way to it from the nearest point
-    /// of the body.
+    /// Sets `modal_point` to a point or, if that is outside by more than `beyond_mm`, to the point at that distance
+    /// from the body on the line from the nearest point of the body.
     fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint);
 }
 
@@ -87,53 +88,53 @@ impl<B: Modal> Modal for Arc<B> {
     }
 }
 
-/// Part of a body's reach, which is about its thickness, by which an edge moves before it looks again: what modes do there differs by less than the
-/// elements are off.
+/// Fraction of a body's reach, which is about its thickness, by which an edge moves before the modes are updated: they
+/// change by less than the error of the elements.
 const SAME_RATIO: f64 = 0.02;
 
-/// A workpiece that a tool moves along; state: where it was seen from last, for the next place is near.
+/// Workpiece that a tool moves along; state: the last point of each view, because the next one is near.
 #[derive(Clone, Debug)]
 pub struct Workpiece<B> {
     body: B,
-    /// The cut's, and one for each edge.
+    /// View of the cut, and one for each edge.
     views: Vec<View>,
 }
 
-/// What somebody sees.
+/// Mode shapes at one point.
 #[derive(Clone, Debug, Default)]
 struct View {
-    /// From where.
+    /// Last point.
     point_mm: Option<Vector3<f64>>,
     modal_point: ModalPoint,
     shapes: Vec<Vector3<f64>>,
 }
 
 impl<B: Modal> Workpiece<B> {
-    /// A body, not seen yet.
+    /// A body without any view.
     pub fn new(body: B) -> Self {
         Workpiece { body, views: Vec::new() }
     }
 
-    /// How many modes it has.
+    /// Number of modes.
     pub fn count(&self) -> usize {
         self.body.omega_rad_per_s().len()
     }
 
-    /// What the modes do at the point of the body that is nearest to another, 1/sqrt(kg).
+    /// Mode shapes at the point of the body nearest to another, 1/sqrt(kg).
     pub fn shapes_on(&mut self, point_mm: [f64; 3]) -> &[Vector3<f64>] {
         self.look(0, point_mm, [0.0, 0.0])
     }
 
-    /// What the modes do at a point that is an edge's, or at one that it has passed just before, 1/sqrt(kg).
+    /// Mode shapes at an edge's point, or at one that the edge has passed just before, 1/sqrt(kg).
     pub fn shapes_at(&mut self, edge: usize, point_mm: [f64; 3]) -> &[Vector3<f64>] {
         let reach_mm = self.body.reach_mm();
         self.look(edge + 1, point_mm, [reach_mm, SAME_RATIO * reach_mm])
     }
 
-    /// The modes as seen from the point of the body that is nearest to another, all with the same damping.
+    /// Modes at the point of the body nearest to another, all with the same damping.
     ///
     /// # Errors
-    /// The damping is none.
+    /// The damping is out of range.
     pub fn modes(&mut self, point_mm: [f64; 3], damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
         self.shapes_on(point_mm);
         modes(self.body.omega_rad_per_s(), &self.views[0].shapes, damping_ratio)
@@ -155,10 +156,10 @@ impl<B: Modal> Workpiece<B> {
     }
 }
 
-/// The modes of a tool as seen from a point of it, all with the same damping.
+/// Modes of a tool at one of its points, all with the same damping.
 ///
 /// # Errors
-/// The damping is none.
+/// The damping is out of range.
 pub fn tool_modes(tool: &BeamModes, point_mm: [f64; 3], damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
     let mut modal_point = ModalPoint::default();
     tool.at(point_mm, &mut modal_point);
@@ -166,10 +167,10 @@ pub fn tool_modes(tool: &BeamModes, point_mm: [f64; 3], damping_ratio: f64) -> R
     modes(&tool.omega_rad_per_s, &shapes, damping_ratio)
 }
 
-/// The modes of a body, all with the same damping, as large along each axis as anywhere on the body.
+/// Modes of a body, all with the same damping and the largest shape along each axis anywhere on the body.
 ///
 /// # Errors
-/// The damping is none.
+/// The damping is out of range.
 pub fn largest_modes(field: &Field, damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
     let shapes: Vec<Vector3<f64>> = field.largest_shapes().iter().map(per_root_kg).collect();
     modes(field.omega_rad_per_s(), &shapes, damping_ratio)
@@ -179,7 +180,7 @@ fn modes(omegas: &[f64], shapes: &[Vector3<f64>], damping_ratio: f64) -> Result<
     omegas.iter().zip(shapes).map(|(omega, shape)| Mode::new(omega / TAU, damping_ratio, *shape)).collect()
 }
 
-/// From 1/sqrt(t).
+/// Shape in 1/sqrt(kg) from 1/sqrt(t).
 fn per_root_kg(shape: &[f64; 3]) -> Vector3<f64> {
     Vector3::from(*shape) * libm::sqrt(T_PER_KG)
 }

@@ -1,11 +1,12 @@
-//! The machine in software: what the firmware and the host meet in place of hardware.
+//! Simulation of the machine, which replaces the hardware for firmware and host.
 //!
-//! One time base, simulated, in steps of one millisecond; no wall clock, no randomness. Modules stand in the order of
-//! cause and effect: what the [`drives`] can do; bytes arrive at the [`control`], which moves the axes; the [`machine`] reports
-//! them; the [`stock`] loses what the tool sweeps; [`cutting`] measures the chips from what the axes did, and
-//! what they do to the tool; [`fe`] knows how tools and workpieces vibrate, [`dynamics`] how they give way to forces, [`flexible`] where; a
-//! [`process`] is all of that together, a [`finishing`] pass along a blade one that leaves its marks; [`faults`] corrupt the
-//! controller on purpose; a [`override_source`] has the override; the [`simulation`] joins them all; [`removal`] cuts a stock with what it does.
+//! One simulated time base, in steps of one millisecond; no wall clock, no randomness. Modules are in the order of
+//! cause and effect. [`drives`] has the limits of the axes. The [`control`] receives bytes and moves the axes; the
+//! [`machine`] reports them. The [`stock`] loses the material that the tool sweeps. [`cutting`] measures chips from the
+//! axes' motion, and the forces on the tool. [`fe`] computes the modes of tools and workpieces, [`dynamics`] their
+//! displacement under forces, [`flexible`] the modes at the points of contact. A [`process`] combines these; a
+//! [`finishing`] pass along a blade leaves marks. [`faults`] corrupt the controller on purpose. An [`override_source`]
+//! sets the override; the [`simulation`] combines them all; [`removal`] cuts a stock with its run.
 
 pub mod drives;
 

@@ -1,4 +1,4 @@
-//! The machine: what it reports once a millisecond, and what the controller's inputs see of it.
+//! The machine's report once a millisecond, and the controller's view of it.
 
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::telemetry::Sample;
@@ -9,7 +9,7 @@ use crate::control::Control;
 /// Resolution of the linear axes' position feedback.
 const FEEDBACK_STEP: Nm = Nm(1_000);
 
-/// The report at this instant, with the positions as they are, not as they are commanded.
+/// Report at this time, with actual positions, not commanded ones.
 pub fn sample(control: &Control, at: Micros) -> Sample {
     Sample {
         at,
@@ -20,7 +20,7 @@ pub fn sample(control: &Control, at: Micros) -> Sample {
     }
 }
 
-/// The position as the feedback gives it: whole steps.
+/// Position from the feedback: whole steps.
 pub fn feedback(position: &Pose) -> Pose {
     let step = FEEDBACK_STEP.0;
     let whole = |Nm(nm): Nm| Nm((nm + step / 2).div_euclid(step) * step);

@@ -1,17 +1,18 @@
-//! A cut: where the tool is sent, what its edges find there, the forces of that, and how tool and workpiece give way.
+//! Cutting process: tool position, engagement of the edges, cutting forces, and displacement of tool and workpiece.
 //!
-//! In each step the displacement and the forces are made to agree: the chips are asked of the material for a displacement, without
-//! cutting, until nothing changes; then the edges go there and take what they sweep. The material keeps the marks, and
-//! the next tooth meets them.
+//! Each step iterates displacement and forces until they agree: it evaluates the chips in the material for a
+//! displacement, without cutting, until nothing changes; then the edges move there and remove the swept material. The
+//! material keeps the marks, and the next tooth meets them.
 //!
-//! The material is as the workpiece is unbent. An edge that stands at x, as does a workpiece that is bent by u, meets in it
+//! The material is stored in the coordinates of the unbent workpiece. An edge at x, in a workpiece that is bent by u,
+//! meets the material point
 //!
 //! ```text
 //! X = Phi^-1(x + u_T) = x + u_T - u_W(X)      (1)
 //! ```
 //!
-//! and pushes on the workpiece's modes there. u_W is that of the point where the edge was at the end of the last step, carried on by the tool's way: off by the
-//! strain times what the displacement changes by in a step.
+//! and its force acts on the workpiece's modes there. u_W is evaluated at the edge's point at the end of the last step,
+//! moved by the tool's path: the error is the strain times the change of displacement in a step.
 //!
 //! Source: Lorong et al., Simulation of a finishing operation, 2012, sections 1.3 and 3.1 and eqs 1 to 8, with modes in place of the full system (section 1).
 
@@ -25,51 +26,51 @@ use crate::cutting::pose::{Poses, Stand};
 use crate::dynamics::vibration::{Places, Step, Vibration};
 use crate::flexible::{Modal, Workpiece};
 
-/// A chip on less than this part of a piece's height is a burr between two levels, and not what is told of as its thickness.
+/// Fraction of a piece's height: a chip on less is a burr between two levels and does not count for the thickness.
 const NARROW_RATIO: f64 = 0.01;
 
-/// No displacement changes by more than this in a step.
+/// Upper bound of the change of a displacement in a step.
 const MARGIN_MM: f64 = 0.1;
 
-/// A tool at work.
+/// A tool in its workpiece.
 #[derive(Clone, Debug)]
 pub struct Process {
     engagement: EdgeEngagement,
     cutting: Cutting,
-    /// Of the tool against the workpiece.
+    /// Vibration of the tool relative to the workpiece.
     vibration: Vibration,
     chips_mm: Vec<f64>,
     spread: Spread,
 }
 
-/// Edges that each give way in their own manner; state.
+/// Displacements of the edges, each with its own; state.
 #[derive(Clone, Debug, Default)]
 struct Spread {
     places: Places,
-    /// Of each edge, which of the places is its own. Without one it is where the cut is.
+    /// For each edge, the index of its point. An edge without its own point has that of the cut.
     place_of: Vec<usize>,
-    /// Of each edge, where it was bent to at the end of the last step.
+    /// For each edge, its displacement at the end of the last step.
     bent_mm: Vec<Vector3<f64>>,
 }
 
-/// What happened in a step.
+/// Result of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// At its end, on the tool.
+    /// Loads on the tool at the end of the step.
     pub loads: Loads,
-    /// Of the tool against the workpiece, at its end.
+    /// Displacement of the tool relative to the workpiece at the end.
     pub displacement_mm: Vector3<f64>,
-    /// The thickest chip of any edge on the side at its end.
+    /// Thickest chip of any edge on the side at the end.
     pub thickest_mm: f64,
-    /// The largest mean thickness of any edge's chip on the tool's end.
+    /// Largest mean chip thickness of any edge on the tool's end.
     pub end_mm: f64,
-    /// Material taken, as the rays along each axis of the layers have it, mm3.
+    /// Removed volume as the rays along each axis of the layers measure it, mm3.
     pub removed_mm3: [f64; 2],
-    /// Whether force and displacement came to agree.
+    /// Whether force and displacement converged.
     pub agrees: bool,
 }
 
-/// The edges at one time, and what chips cost them.
+/// Edges at one time, with the force model.
 struct Edges<'a> {
     engagement: &'a mut EdgeEngagement,
     cutting: &'a Cutting,
@@ -78,52 +79,54 @@ struct Edges<'a> {
 }
 
 impl Process {
-    /// A cutter in its workpiece, and what both do under forces; a rigid pair has no modes.
+    /// A cutter in its workpiece with their vibration; a rigid pair has no modes.
     pub fn new(engagement: EdgeEngagement, cutting: Cutting, vibration: Vibration) -> Self {
         let chips_mm = vec![0.0; engagement.cutter().teeth()];
         Process { engagement, cutting, vibration, chips_mm, spread: Spread::default() }
     }
 
-    /// The cutter and the workpiece.
+    /// Cutter and workpiece.
     pub fn engagement(&self) -> &EdgeEngagement {
         &self.engagement
     }
 
-    /// The cutter and the workpiece, to be moved without a cut.
+    /// Cutter and workpiece, to move them without a cut.
     pub fn engagement_mut(&mut self) -> &mut EdgeEngagement {
         &mut self.engagement
     }
 
-    /// The thickest chip of each tooth's side at the end of the last step.
+    /// Thickest chip of each tooth's side at the end of the last step.
     pub fn chips_mm(&self) -> &[f64] {
         &self.chips_mm
     }
 
-    /// The edges are out of the material, and the tool is at rest when they come again.
+    /// Takes the edges out of the material; the tool is at rest when they return.
     pub fn lift(&mut self) {
         self.engagement.lift();
         self.vibration.rest();
         self.spread.bent_mm.clear();
     }
 
-    /// The modes.
+    /// Vibration of tool and workpiece.
     pub fn vibration(&self) -> &Vibration {
         &self.vibration
     }
 
-    /// The force of all edges together, each with a chip this thick over its whole width, as if all pulled the same way.
+    /// Upper bound of the force: all edges with a chip this thick over their whole width, as if all forces had the same
+    /// direction.
     pub fn force_max_n(&self, thickness_mm: f64) -> f64 {
         let width_mm = self.engagement.cutter().pieces().iter().map(EdgePiece::width_mm).sum();
         let EdgeForce { tangential_n, radial_n, axial_n } = self.cutting.force(&ChipSection { thickness_mm, width_mm });
         Vector3::new(tangential_n, radial_n, axial_n).norm()
     }
 
-    /// The modes, to see them from another place of the cut.
+    /// Vibration of tool and workpiece, to set mode shapes for another position of the cut.
     pub fn vibration_mut(&mut self) -> &mut Vibration {
         &mut self.vibration
     }
 
-    /// Goes to the next place, `dt_s` later, less than a quarter of a turn on; all edges are bent alike, as the cut is.
+    /// Moves to the next position, `dt_s` later, less than a quarter of a turn on; all edges have the displacement of
+    /// the cut.
     pub fn step(&mut self, dt_s: f64, stand: &Stand) -> Moment {
         let at = self.engagement.poses(stand);
         let mut edges = Edges { engagement: &mut self.engagement, cutting: &self.cutting, stand, at: &at };
@@ -138,7 +141,8 @@ impl Process {
         self.moment(&step, found, removed_mm3)
     }
 
-    /// The same, but each edge that may have a chip is bent as the workpiece is where it is. The workpiece's modes are the first.
+    /// The same as [`Process::step`], but each edge that may have a chip has the workpiece's displacement at its own
+    /// position. The workpiece's modes come first.
     pub fn step_on<B: Modal>(&mut self, dt_s: f64, stand: &Stand, workpiece: &mut Workpiece<B>) -> Moment {
         let mut at = self.engagement.poses(stand);
         self.spread.see(&self.engagement, &mut at, &self.vibration, workpiece);
@@ -162,8 +166,8 @@ impl Process {
 }
 
 impl Edges<'_> {
-    /// What they find where they are bent to: the loads, the largest mean chip of an edge on the end, and into the list the thickest of each tooth's side;
-    /// `push` is told the force on each edge.
+    /// Evaluates the edges at their displaced positions. Returns the loads and the largest mean chip of an edge on the
+    /// end; writes the thickest chip of each tooth's side into the list; passes the force on each edge to `push`.
     fn loaded(
         &mut self,
         bent: impl Fn(usize) -> Vector2<f64> + Copy,
@@ -175,7 +179,7 @@ impl Edges<'_> {
         let mut ends: Vec<(usize, ChipSection)> = Vec::new();
         chips_mm.fill(0.0);
         for EdgeChip { edge, piece, section } in self.engagement.chips(self.at, bent) {
-            // Out of the cut there is no force.
+            // No force outside the cut.
             if section.thickness_mm > 0.0 && section.width_mm > 0.0 {
                 push(edge, loads.add(&piece, self.stand.turned_rad, &self.cutting.force(&section)));
             }
@@ -196,7 +200,8 @@ impl Edges<'_> {
 }
 
 impl Spread {
-    /// The cut itself is the first place; each edge with material around it has one of its own. The others are set apart.
+    /// Updates the points: the cut itself is the first; each edge with material around it has its own. The others are
+    /// set apart.
     fn see<B: Modal>(
         &mut self,
         engagement: &EdgeEngagement,
@@ -221,7 +226,7 @@ impl Spread {
         }
     }
 
-    /// Where the edges are at the end of the step.
+    /// Stores the displacements of the edges at the end of the step.
     fn keep(&mut self) {
         let moved_mm = self.places.moved_mm();
         self.bent_mm.iter_mut().zip(&self.place_of).for_each(|(bent_mm, place)| *bent_mm = moved_mm[*place]);

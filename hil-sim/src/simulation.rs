@@ -22,7 +22,7 @@ use crate::machine;
 use crate::override_source::controller::InProcessController;
 use crate::override_source::{Begun, OverrideSource, Shown};
 
-/// The period of interpolation, of the machine's reports and of the controller's tick.
+/// Period of interpolation, of the machine's reports and of the controller's tick.
 pub const STEP: Micros = Micros::from_ms(1);
 
 /// A simulated run; deterministic.
@@ -36,28 +36,28 @@ pub struct Simulation<D = InProcessController> {
     meter: ChipMeter,
     overrides: Vec<MoveOverride>,
     first_move: Option<Micros>,
-    /// Up to here the axes still come from the move before.
+    /// Time until which the axes still lag from the move before.
     settles_until: Micros,
-    /// Of the move begun last. Positions and moves are the workpiece's: seen from its origin.
+    /// Context of the last move begun. Positions and moves are in the workpiece's coordinates.
     context: MoveContext,
-    /// The move begun last, and its rule.
+    /// Last move begun, and its rule.
     last: Option<(Segment, Option<usize>)>,
-    /// Those still to come.
+    /// Planned conditions of moves to come.
     foreseen: VecDeque<Foreseen>,
 }
 
 /// Planned conditions of a move that cannot be planned by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Foreseen {
-    /// The move, in the workpiece's coordinates; its feed does not count.
+    /// Move in the workpiece's coordinates; its feed does not count.
     pub segment: Segment,
-    /// Index of the cut rule that governs it.
+    /// Index of the cut rule for the move.
     pub rule: Option<usize>,
-    /// Engaged arcs of the tool's circles along it, for a rule that expects engagement per move.
+    /// Engaged arcs of the tool's circles along the move, for a rule that expects engagement per move.
     pub along: Option<EngagedTable>,
-    /// The fastest feed on it, where that is known.
+    /// Largest feed on the move, if known.
     pub limit: Option<FeedLimit>,
-    /// Largest override at its end, %: what the move behind it begins with.
+    /// Largest override at the end of the move, %: the next move begins with it.
     pub end_percent: u8,
 }
 
@@ -71,11 +71,11 @@ impl Foreseen {
 /// The override on one move under a cut rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MoveOverride {
-    /// Least, %.
+    /// Smallest override, %.
     pub min_percent: u8,
-    /// Largest, %.
+    /// Largest override, %.
     pub max_percent: u8,
-    /// How often it changed.
+    /// Number of changes.
     pub changes: u32,
     last_percent: u8,
 }
@@ -84,7 +84,7 @@ impl Simulation {
     /// A control that reads from its DNC line, with the controller of the job.
     ///
     /// # Errors
-    /// Bounds of the override that make no sense.
+    /// The bounds of the override are invalid.
     pub fn on_line(settings: ControlSettings, job: &Job, fault: ControllerFault) -> Result<Self, SettingsError> {
         Ok(Simulation::new(Control::on_line(settings), job, InProcessController::new(job, fault, STEP.into())?))
     }
@@ -92,7 +92,7 @@ impl Simulation {
     /// A control with the program in its memory, with the controller of the job.
     ///
     /// # Errors
-    /// Bounds of the override that make no sense.
+    /// The bounds of the override are invalid.
     pub fn from_memory(
         settings: ControlSettings,
         program: &[u8],
@@ -130,7 +130,8 @@ impl<D: OverrideSource> Simulation<D> {
         }
     }
 
-    /// Takes the planned conditions of special moves and of those with engagement per move, in program order. A move that never comes hides none behind it.
+    /// Sets the planned conditions of special moves and of moves with engagement per move, in program order. A move
+    /// that never comes does not block later ones.
     pub fn foresee(&mut self, moves: impl IntoIterator<Item = Foreseen>) {
         self.foreseen = moves.into_iter().collect();
     }
@@ -206,12 +207,12 @@ impl<D: OverrideSource> Simulation<D> {
         &self.overrides
     }
 
-    /// Index of the cut rule that governs the move begun last.
+    /// Index of the cut rule for the last move begun.
     pub fn rule(&self) -> Option<usize> {
         self.last.and_then(|(_, rule)| rule)
     }
 
-    /// Context of the move begun last.
+    /// Context of the last move begun.
     pub fn context(&self) -> &MoveContext {
         &self.context
     }
@@ -275,8 +276,8 @@ impl<D: OverrideSource> Simulation<D> {
         }
     }
 
-    /// Chips are measured with the spindle's speed, once the axes are on the move in work. What its feed is to be compared with
-    /// reaches the axes as late as they are.
+    /// Measures chips with the spindle's speed, once the axes are on the move in execution. The feed for comparison has
+    /// the same lag as the axes.
     fn measure(&mut self, sample: &Sample) {
         self.meter.set_spindle(self.spindle());
         if self.now < self.settles_until {
@@ -286,7 +287,7 @@ impl<D: OverrideSource> Simulation<D> {
         }
     }
 
-    /// The spindle's speed: its drive's, or without a drive what the program commands, or the job where it commands nothing.
+    /// Spindle speed: the drive's or, without a drive, the commanded speed, or the job's if the program commands none.
     pub fn spindle(&self) -> RevPerMin {
         match (self.control.spindle(), self.context.machining.spindle) {
             (Some(drive), _) => RevPerMin(libm::fabs(drive.rev_per_min()) as f32),
@@ -309,14 +310,14 @@ impl<D: OverrideSource> Simulation<D> {
     }
 }
 
-/// The next of these moves that is this one; those before it are over.
+/// Takes the next of these moves that equals this one; discards those before it.
 fn foreseen(ahead: &mut VecDeque<Foreseen>, segment: &Segment) -> Option<Foreseen> {
     let at = ahead.iter().position(|known| known.is_of(segment))?;
     ahead.drain(..=at).next_back()
 }
 
-/// Whether an arc is the next piece of another: it has no N, begins where that one ended, and goes on about the same
-/// centre. A piece belongs to its arc's rule, whatever N and level the rule asks for.
+/// Whether an arc is the next piece of another: it has no N, begins where the other ended, and continues about the same
+/// centre. A piece belongs to its arc's rule, whatever N and level the rule requires.
 fn continues(last: &Segment, next: &Segment) -> bool {
     let (Some(before), Some(arc)) = (last.arc(), next.arc()) else { return false };
     let is_near = |a: Nm, b: Nm| (a.0 - b.0).abs() <= RADIUS_TOLERANCE.0;

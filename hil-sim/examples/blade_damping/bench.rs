@@ -1,4 +1,4 @@
-//! The blade, the tool, the pass, and what comes out for one pair of damping ratios.
+//! Blade, tool, pass, and the results for one pair of damping ratios.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -16,7 +16,7 @@ use arcfeed_hil_sim::finishing::pass::{Fineness, Machined, Pass};
 use arcfeed_hil_sim::finishing::side::Side;
 use arcfeed_hil_sim::flexible::{Modal, Workpiece, tool_modes};
 
-/// Its first ten modes are near those of the paper, which does not tell its blade's measures.
+/// Its first ten modes are near those of the paper, which does not give its blade's dimensions.
 pub const BLADE: Blade = Blade {
     span_mm: 84.2,
     chord_mm: [84.2, 67.36],
@@ -26,26 +26,26 @@ pub const BLADE: Blade = Blade {
     stagger_rad: [0.0; 2],
     lean_rad: 0.0,
 };
-/// Of the blade, as in the paper.
+/// Number of modes of the blade, as in the paper.
 pub const MODES: usize = 10;
 /// Cemented carbide; assumed, a common grade.
 const CARBIDE: Material = Material { young_mpa: 580e3, poisson_ratio: 0.22, density_kg_per_m3: 14400.0 };
 const DIAMETER_MM: f64 = 8.0;
-/// Out of its holder, without the flutes: gives the paper's 1960 Hz.
+/// Length out of the holder, without the flutes: gives the paper's 1960 Hz.
 const SHANK_MM: f64 = 51.46;
 const FLUTES_MM: f64 = 12.0;
-/// Where the pass is, up the span.
+/// Height of the pass, as a fraction of the span.
 const HEIGHT_RATIO: f64 = 0.5;
 /// Radial and axial force over tangential force: assumed.
 const FORCE_RATIOS: [f64; 2] = [0.4, 0.2];
 const SPINDLE_REV_PER_S: f64 = 45.0;
 pub const FEED_MM_PER_TOOTH: f64 = 0.1;
-/// Windows of the chord in which stability is asked for.
+/// Windows of the chord in which stability is evaluated.
 pub const WINDOWS: usize = 20;
-/// The largest M of a stable window.
+/// Largest M of a stable window.
 const STABLE_MM: f64 = 0.05 * FEED_MM_PER_TOOTH;
 
-/// Whatever went wrong.
+/// Any error.
 pub type Failure = Box<dyn Error + Send + Sync>;
 
 /// Damping of workpiece and tool; a rigid one has none.
@@ -55,7 +55,7 @@ pub struct Damping {
     pub tool: Option<f64>,
 }
 
-/// Everything that all passes over a workpiece have in common.
+/// Data common to all passes over a workpiece.
 pub struct Bench<B> {
     pub pass: Pass,
     pub body: B,
@@ -63,16 +63,16 @@ pub struct Bench<B> {
     rigid: Machined,
 }
 
-/// What came of one pass.
+/// Result of one pass.
 pub struct Outcome {
-    /// M in each window of the chord.
+    /// Metric M in each window of the chord.
     pub metrics_mm: Vec<f64>,
-    /// The largest displacement in each window.
+    /// Largest displacement in each window.
     pub swings_mm: Vec<f64>,
     /// Root mean square deviation of the surface in each window.
     pub deviations_mm: Vec<f64>,
     pub marks: Vec<Mark>,
-    /// Of all steps, in which force and displacement did not agree.
+    /// Number of steps in which force and displacement did not converge.
     pub open: usize,
     pub force_n: f64,
 }
@@ -84,13 +84,13 @@ pub fn blade_alone(blade: &Blade, edge_mm: f64) -> Result<Field, Failure> {
     Ok(Field::new(body.mesh().clone(), &modes, edge_mm))
 }
 
-/// Where forces act on the tool: the ball's centre.
+/// Point at which forces act on the tool: the ball's centre.
 pub fn tool_point_mm() -> [f64; 3] {
     [0.0, 0.0, DIAMETER_MM / 2.0]
 }
 
 impl<B: Modal> Bench<B> {
-    /// A body with the shape of this blade where it is cut.
+    /// A body that has the shape of this blade in the cut region.
     pub fn new(body: B, blade: Blade, stepover_mm: f64, fineness: Fineness) -> Result<Self, Failure> {
         let section = |length_mm, diameter_mm| Section { length_mm, diameter_mm, material: CARBIDE };
         let sections = vec![section(SHANK_MM, DIAMETER_MM), section(FLUTES_MM, 0.8 * DIAMETER_MM)];
@@ -153,12 +153,13 @@ impl Outcome {
         self.metrics_mm.iter().all(|metric_mm| *metric_mm <= STABLE_MM)
     }
 
-    /// Of the whole surface, 0.3 mm at the edges apart.
+    /// Deviation of the whole surface, without 0.3 mm at the edges.
     pub fn deviation_mm(&self) -> f64 {
         deviation_mm(self.marks.iter())
     }
 
-    /// Of the surface from its own mean in each window and layer: marks without the bending that all teeth share.
+    /// Deviation of the surface from its own mean in each window and layer: marks without the bending common to all
+    /// teeth.
     pub fn scatter_mm(&self) -> f64 {
         let ends = self.marks.iter().map(|mark| mark.along_mm);
         let (first, last) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), mm| (a.min(mm), b.max(mm)));
@@ -173,7 +174,7 @@ impl Outcome {
         libm::sqrt(squares / self.marks.len().max(1) as f64)
     }
 
-    /// How far the tool went into the nominal surface at worst.
+    /// Largest depth of the tool below the nominal surface.
     pub fn gouge_mm(&self) -> f64 {
         self.marks.iter().map(|mark| -mark.deviation_mm).fold(0.0, f64::max)
     }

@@ -20,10 +20,10 @@ mod blisk;
 
 mod picture;
 
-/// Chosen once: the limit of the tool alone is then near the 0.03 of the paper.
+/// Chosen once, so that the limit of the tool alone is near the 0.03 of the paper.
 const STEPOVER_MM: f64 = 0.21;
 const FINENESS: Fineness = Fineness { rise_mm: 0.2, ray_mm: 0.05, steps: 400 };
-/// To see what that leaves out.
+/// Finer resolution, for comparison.
 const FINER: Fineness = Fineness { rise_mm: 0.1, ray_mm: 0.025, steps: 800 };
 /// Halvings of the range in which a limit is, by its logarithm.
 const HALVINGS: usize = 6;
@@ -43,7 +43,7 @@ const fn tool(ratio: f64) -> Damping {
     Damping { workpiece: None, tool: Some(ratio) }
 }
 
-/// Those of the paper's figures 10, 11 and 12 that it tells in numbers, and others around them.
+/// Cases of the paper's figures 10, 11 and 12 that it gives in numbers, and others around them.
 const CASES: [Damping; 12] = [
     workpiece(0.003),
     workpiece(0.004),
@@ -92,7 +92,7 @@ fn label(damping: &Damping) -> String {
     format!("W {}  T {}", ratio(damping.workpiece), ratio(damping.tool))
 }
 
-/// Frequencies, and what blade and tool give way along the blade's thickness to a force that stands.
+/// Prints frequencies, and the static compliance of blade and tool along the blade's thickness.
 fn print_parts(bench: &Bench<Field>) -> Result<(), Failure> {
     let tool = tool_modes(&bench.tool, tool_point_mm(), 0.0)?;
     println!("tool: {:.1} Hz, {:.0} N/mm", tool[0].frequency_hz, 1.0 / tool[0].static_mm(&Vector3::x()).x);

@@ -1,29 +1,29 @@
-//! The largest safe acceleration between one that is safe and one that is not.
+//! Search for the largest safe acceleration between a safe one and an unsafe one.
 //!
-//! Near the bound a single way down decides. Its root, by the secant method with halved ends ("Illinois"), is a guess; the
-//! accelerations close to either side of it are tried, and the interval is halved where they do not end the search. What is
-//! taken has been found safe by the whole of [`Profile::check`].
+//! Near the bound a single braking decides. The secant method with halved ends ("Illinois") estimates its root; the
+//! search then tries accelerations close to either side of it, and halves the interval if they do not end the search.
+//! Every accepted acceleration has passed the whole of [`Profile::check`].
 //!
 //! Source: Dowell, Jarratt, A modified regula falsi method for computing the root of an equation, BIT 11 (1971).
 
 use super::brake::{Brake, Motion};
 use super::profile::{Ahead, EQUAL, Keep, Profile, Step};
 
-/// Rounds at most: what halving alone needs.
+/// Largest number of rounds: enough for halving alone.
 const ROUNDS: usize = 26;
-/// Over the interval at the beginning: the interval that ends the search, and the distance of trials from a root.
+/// Relative to the initial interval: the width that ends the search, and the distance of trials from a root.
 const NARROW_RATIO: f64 = 5e-8;
 const ASIDE_RATIO: f64 = 2e-8;
-/// Secants at most.
+/// Largest number of secants.
 const SECANTS: usize = 6;
 
-/// The interval of accelerations.
+/// Interval of accelerations.
 struct Interval<'a> {
     safe: f64,
     too_fast: f64,
-    /// The period of the safe acceleration.
+    /// Period with the safe acceleration.
     best: Step,
-    /// The stretch that is reached too fast at its unsafe end.
+    /// Span ahead that the unsafe acceleration reaches too fast.
     obstacle: Option<&'a Ahead>,
 }
 
@@ -38,7 +38,7 @@ impl Interval<'_> {
 }
 
 impl Profile<'_> {
-    /// The last safe period on the way from one acceleration to another, if the first is safe.
+    /// Last safe period between two accelerations, if the first is safe.
     pub(super) fn between(&self, from: Motion, [first, last]: [f64; 2], keep: Keep) -> Option<Step> {
         let best = Some(self.with(from, first)).filter(|step| self.check(step, keep).is_ok())?;
         let obstacle = self.check(&self.with(from, last), keep).err().flatten();
@@ -49,7 +49,7 @@ impl Profile<'_> {
             if width <= narrow {
                 break;
             }
-            // Of a root at the safe end only the other side is open.
+            // With a root at the safe end, only the other side is open.
             if let Some(root) = self.root(from, &interval, 0.1 * aside.abs()) {
                 let before = root - aside;
                 if !interval.contains(before) || self.narrow(from, &mut interval, before, keep) {
@@ -64,7 +64,7 @@ impl Profile<'_> {
         Some(interval.best)
     }
 
-    /// Tries an acceleration; answers whether it is safe.
+    /// Tries an acceleration; returns whether it is safe.
     fn narrow<'a>(&'a self, from: Motion, interval: &mut Interval<'a>, acceleration: f64, keep: Keep) -> bool {
         if !interval.contains(acceleration) {
             return false;
@@ -82,10 +82,10 @@ impl Profile<'_> {
         }
     }
 
-    /// The acceleration in an interval with which the way down to the obstacle's speed fits exactly.
+    /// Acceleration in an interval with which the braking to the obstacle's speed fits exactly.
     fn root(&self, from: Motion, interval: &Interval<'_>, close: f64) -> Option<f64> {
         let ahead = interval.obstacle?;
-        // Where a way down sets in, its length jumps: there the speed decides.
+        // Where braking begins, its length jumps; there the speed decides.
         let gets_too_fast = |step: &Step| step.motion.highest(ahead.on_the_way.jerk) - ahead.speed;
         let is_slow_enough = gets_too_fast(&interval.best) <= 0.0;
         let room = |acceleration: f64| {
@@ -148,7 +148,7 @@ mod tests {
         safe
     }
 
-    /// Where no stretch is reached within the period, the safe accelerations are an interval.
+    /// If no span is reached within the period, the safe accelerations are an interval.
     #[test]
     fn the_search_ends_where_halving_alone_ends() {
         let mut stretches = [ahead(0.2, 30.0), ahead(0.5, 8.0), ahead(0.9, 60.0), ahead(2.5, 0.0)];

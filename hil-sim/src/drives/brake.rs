@@ -1,4 +1,5 @@
-//! The shortest way down to a speed under limits of acceleration and jerk: acceleration ramps down, holds, ramps back to zero.
+//! Shortest braking to a speed under limits of acceleration and jerk: acceleration ramps down, holds, ramps back to
+//! zero.
 //!
 //! From speed v and acceleration a to the speed c, with the deceleration d held for the time h:
 //!
@@ -13,16 +14,16 @@
 
 use super::limits::PathLimits;
 
-/// What of a way counts where it has to be enough in spite of rounding.
+/// Fraction of a distance that counts when it must suffice in spite of rounding.
 const SURE_RATIO: f64 = 0.99;
-/// Differences below this ratio, and ways below this, are too close to decide without the exact sum.
+/// Relative differences and distances below this are too close to decide without the exact sum.
 const CLOSE_RATIO: f64 = 1e-6;
 const CLOSE: f64 = 1e-6;
 
 /// Speed and acceleration along the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Motion {
-    /// Speed; never backwards.
+    /// Speed; never negative.
     pub(crate) speed: f64,
     /// Acceleration.
     pub(crate) acceleration: f64,
@@ -37,30 +38,30 @@ impl Motion {
         (way, Motion { speed, acceleration: acceleration + jerk * t_s })
     }
 
-    /// The highest speed that it comes to when accelerating is broken off now.
+    /// Highest speed reached when acceleration is ended now.
     pub(crate) fn highest(&self, jerk: f64) -> f64 {
         if self.acceleration > 0.0 { self.settles_at(jerk) } else { self.speed }
     }
 
-    /// The speed at the end of what is left of accelerating, or of braking, when it is broken off now.
+    /// Speed after the remaining acceleration or deceleration has been ramped to zero.
     pub(crate) fn settles_at(&self, jerk: f64) -> f64 {
         self.speed + 0.5 * self.acceleration * self.acceleration.abs() / jerk
     }
 }
 
-/// A way down, in phases of constant jerk.
+/// Braking in phases of constant jerk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Brake {
     from: Motion,
     to: f64,
-    /// Jerk and time, s.
+    /// Jerk and duration, s.
     phases: [(f64, f64); 3],
-    /// The same behind its end, where it comes there still braking.
+    /// Phase after the end, if deceleration is not zero there.
     tail: (f64, f64),
 }
 
 impl Brake {
-    /// The way down to `speed`; none is needed where the motion never gets beyond it.
+    /// Braking to `speed`; `None` if the motion never exceeds it.
     pub(crate) fn to(speed: f64, from: Motion, limits: &PathLimits) -> Option<Brake> {
         let PathLimits { acceleration: most, jerk, .. } = *limits;
         if from.highest(jerk) <= speed {
@@ -73,7 +74,7 @@ impl Brake {
         }
         let a = from.acceleration;
         let peak = libm::sqrt((jerk * (from.speed - speed) + 0.5 * a * a).max(0.0)).min(most); // (1)
-        // Braking harder than is allowed here, it eases first.
+        // If deceleration exceeds the limit here, it eases first.
         let turn = if a < -peak { jerk } else { -jerk };
         let ramp_s = (-peak - a) / turn;
         let held = from.speed + 0.5 * (a - peak) * ramp_s - 0.5 * peak * peak / jerk - speed;
@@ -82,22 +83,22 @@ impl Brake {
         Some(Brake { from, to: speed, phases: [first, (0.0, hold_s), (jerk, peak / jerk)], tail: (0.0, 0.0) })
     }
 
-    /// The time that it takes.
+    /// Duration.
     pub(crate) fn lasts_s(&self) -> f64 {
         self.phases.iter().map(|(_, lasts_s)| lasts_s).sum()
     }
 
-    /// Whether nothing moves at its end.
+    /// Whether the axes rest at its end.
     pub(crate) fn ends_at_rest(&self) -> bool {
         self.to == 0.0
     }
 
-    /// The way that it takes.
+    /// Braking distance.
     pub(crate) fn way(&self) -> f64 {
         self.phases.iter().fold((0.0, self.from), |done, phase| go_on(done, *phase)).0
     }
 
-    /// Distance and motion after `t_s`; beyond its end the speed stays.
+    /// Distance and motion after `t_s`; the speed stays constant after the end.
     pub(crate) fn after(&self, t_s: f64) -> (f64, Motion) {
         let (mut done, mut left_s) = ((0.0, self.from), t_s);
         for (jerk, lasts_s) in self.phases.into_iter().chain([self.tail]) {
@@ -109,7 +110,7 @@ impl Brake {
     }
 }
 
-/// A phase of constant jerk behind what is done already.
+/// Adds a phase of constant jerk to the distance and motion so far.
 fn go_on((way, motion): (f64, Motion), (jerk, lasts_s): (f64, f64)) -> (f64, Motion) {
     if lasts_s == 0.0 {
         return (way, motion);
@@ -118,7 +119,7 @@ fn go_on((way, motion): (f64, Motion), (jerk, lasts_s): (f64, f64)) -> (f64, Mot
     (way + covered, motion)
 }
 
-/// The fastest speed without acceleration that a way down to another fits into.
+/// Fastest speed without acceleration from which braking to another speed fits into a distance.
 ///
 /// ```text
 /// 2 L = (v + u) ((v - u)/A + A/J)     where v - u >= A^2/J        (3)
@@ -136,22 +137,22 @@ pub(crate) fn fastest_into(speed: f64, way: f64, limits: &PathLimits) -> f64 {
     }
     let (p, q) = (2.0 * speed, way * libm::sqrt(jerk));
     let third = libm::sqrt(p / 3.0);
-    // Cardano's root, by sinh; a way down to rest has none of p.
+    // Cardano's root, by sinh; braking to rest has p = 0.
     let root =
         if p > 0.0 { 2.0 * third * libm::sinh(libm::asinh(q / (2.0 * third * third * third)) / 3.0) } else { 0.0 };
     let root = if root > 0.0 { root } else { libm::cbrt(q) };
     speed + root * root // (4)
 }
 
-/// The same, but no faster than `most`.
+/// The same as [`fastest_into`], limited to `most`.
 pub(crate) fn fastest_within(most: f64, speed: f64, way: f64, limits: &PathLimits) -> f64 {
     let gain = most - speed;
-    // The root is worth its price only where it decides.
+    // The root is computed only if it decides.
     let is_enough = || gain > CLOSE_RATIO * most && way_down(most, speed, limits) < SURE_RATIO * way;
     if gain <= 0.0 || is_enough() { most } else { fastest_into(speed, way, limits).min(most) }
 }
 
-/// The way down from one speed to another, without acceleration at either: what (3) and (4) are solved for.
+/// Braking distance from one speed to another, without acceleration at either: (3) and (4) solved for L.
 fn way_down(from: f64, to: f64, limits: &PathLimits) -> f64 {
     let PathLimits { acceleration, jerk, .. } = *limits;
     let loss = from - to;
@@ -161,13 +162,13 @@ fn way_down(from: f64, to: f64, limits: &PathLimits) -> f64 {
     (from + to) * libm::sqrt(loss / jerk)
 }
 
-/// Whether the way down to a speed is no longer than `left`.
+/// Whether the braking distance to a speed is at most `left`.
 pub(crate) fn fits(speed: f64, from: &Motion, limits: &PathLimits, left: f64) -> bool {
     let exactly = || Brake::to(speed, *from, limits).is_none_or(|brake| brake.way() <= left);
     surely_fits(speed, from, limits, left).unwrap_or_else(exactly)
 }
 
-/// The same where it needs no root: in all cases but close ones.
+/// The same as [`fits`], for all cases that need no root: all but close ones.
 ///
 /// On its ramp of acceleration a motion comes from a crest without acceleration, or goes to one, t = |a|/J away:
 ///
@@ -175,7 +176,7 @@ pub(crate) fn fits(speed: f64, from: &Motion, limits: &PathLimits, left: f64) ->
 /// v' = v + |a| t/2        s' = +-(v + |a| t/3) t                              (5)
 /// ```
 ///
-/// and the way down is s' and that from the crest, by (3) and (4) without their roots.
+/// and the braking distance is s' plus that from the crest, by (3) and (4) without their roots.
 pub(crate) fn surely_fits(speed: f64, from: &Motion, limits: &PathLimits, left: f64) -> Option<bool> {
     let PathLimits { acceleration: most, jerk, .. } = *limits;
     let a = from.acceleration.abs();
@@ -202,7 +203,7 @@ pub(crate) fn surely_fits(speed: f64, from: &Motion, limits: &PathLimits, left: 
     (!is_close).then_some(needed < there)
 }
 
-/// The time for a way that begins at a speed without acceleration and ends as fast as it can, but for `most`.
+/// Shortest time for a distance that begins at a speed without acceleration, with a speed of at most `most`.
 pub(crate) fn time_s(speed: f64, way: f64, most: f64, limits: &PathLimits) -> f64 {
     let PathLimits { acceleration, jerk, .. } = *limits;
     let reached = fastest_into(speed, way, limits).min(most).max(speed);
@@ -215,7 +216,7 @@ pub(crate) fn time_s(speed: f64, way: f64, most: f64, limits: &PathLimits) -> f6
     ramp_s + (way - 0.5 * (speed + reached) * ramp_s) / reached
 }
 
-/// When easing at `jerk` comes down to `speed`.
+/// Time after which easing at `jerk` reaches `speed`.
 fn until(speed: f64, from: &Motion, jerk: f64) -> f64 {
     let root = libm::sqrt((from.acceleration * from.acceleration - 2.0 * jerk * (from.speed - speed)).max(0.0));
     (-from.acceleration - root) / jerk
@@ -241,7 +242,7 @@ mod tests {
         }
     }
 
-    /// From rest of acceleration, with the greatest deceleration reached: v^2/2A + v A/2J.
+    /// Without initial acceleration, reaching the limit of deceleration: v^2/2A + v A/2J.
     #[test]
     fn a_long_way_down_is_that_of_the_closed_form() {
         let speed = 60.0;
@@ -250,7 +251,7 @@ mod tests {
         assert!((brake.way() - way).abs() < 1e-12);
     }
 
-    /// Without reaching it: v sqrt(v/J).
+    /// Without reaching that limit: v sqrt(v/J).
     #[test]
     fn a_short_way_down_is_that_of_the_closed_form() {
         let speed = 5.0;
@@ -264,7 +265,7 @@ mod tests {
             for way in [1e-6, 1e-3, 0.4, 5.0, 90.0] {
                 let from = Motion { speed: fastest_into(speed, way, &LIMITS), acceleration: 0.0 };
                 let took = Brake::to(speed, from, &LIMITS).unwrap().way();
-                // What rounding of the speeds leaves of their difference.
+                // Rounding of the speeds limits their difference.
                 let rounding =
                     4.0 * f64::EPSILON * from.speed * from.speed / libm::sqrt((from.speed - speed) * LIMITS.jerk);
                 assert!((took - way).abs() < 1e-9 * way + rounding, "{way} to {speed}: {took}");
@@ -298,7 +299,7 @@ mod tests {
                 }
             }
         }
-        // The rest is close, or eases.
+        // The remaining cases are close, or ease.
         assert!(3 * decided > all, "{decided} of {all}");
     }
 

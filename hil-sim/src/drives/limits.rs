@@ -1,7 +1,8 @@
-//! What the axes can do, and what of it is left along a path.
+//! Limits of the axes, and the resulting limits along a path.
 //!
-//! Along a path q(p) an axis has the speed q' v, the acceleration q'' v^2 + q' a and the jerk q''' v^3 + 3 q'' v a + q' j, with
-//! v, a, j those of p. On a stretch with the greatest |q'|, |q''|, |q'''| these stay within V, A, J with
+//! Along a path q(p) an axis has the speed q' v, the acceleration q'' v^2 + q' a and the jerk q''' v^3 + 3 q'' v a + q'
+//! j, with v, a, j those of p. On a part of the path with the largest |q'|, |q''|, |q'''| these stay within V, A, J
+//! with
 //!
 //! ```text
 //! v <= V/|q'|    v^2 <= A/2|q''|    v^3 <= J/4|q'''|                   (1)
@@ -9,20 +10,19 @@
 //! j <= (J - |q'''| v^3 - 3 |q''| v a)/|q'|                             (3)
 //! ```
 //!
-//! for all axes. On a straight stretch q'' and q''' vanish, and nothing is given away; else at least half of A and J is left
-//! for the path.
+//! for all axes. On a straight line q'' and q''' vanish, and the path has all of A and J; else it has at least half.
 //!
 //! Source: the constraints are those of Beudaert, Lavernhe, Tournier, Feedrate interpolation with axis jerk constraints on
 //! 5-axis NURBS and G1 tool path, Int. J. Machine Tools & Manufacture 57 (2012); the shares are ours.
 
 /// X, Y, Z, A, B, C.
 pub const AXES: usize = 6;
-/// What bending may take of A, and the third derivative of J, (1).
+/// Fraction of A that curvature may use, and of J that the third derivative may use, (1).
 const SHARE_OF_ACCELERATION: f64 = 0.5;
 const SHARE_OF_JERK: f64 = 0.5;
 const CROSS_SHARE: f64 = 0.25;
 
-/// What one axis can do; of a rotary axis, degrees for mm.
+/// Limits of one axis; for a rotary axis, degrees instead of mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
     /// Greatest speed.
@@ -33,18 +33,18 @@ pub struct AxisLimits {
     pub jerk_mm_per_s3: f64,
 }
 
-/// What the drives of a machine can do, and how far they may cut a corner.
+/// Limits of a machine's drives, and the tolerance of corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveLimits {
     /// X, Y, Z, A, B, C.
     pub axes: [AxisLimits; AXES],
-    /// Greatest distance from a corner, mm: corners are rounded by as much.
+    /// Largest distance from a corner, mm: corners are rounded by this much.
     pub tolerance_mm: f64,
-    /// The same of the rotary axes, degrees.
+    /// Largest distance of the rotary axes from a corner, degrees.
     pub tolerance_deg: f64,
 }
 
-/// How a stretch of a path bends: greatest magnitudes of the derivatives of each axis by the path's parameter.
+/// Curvature of a part of a path: largest magnitudes of the derivatives of each axis by the path's parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bend {
     /// |q'|.
@@ -55,7 +55,7 @@ pub struct Bend {
     pub third: [f64; AXES],
 }
 
-/// What is left along a stretch of a path: in units of its parameter, and seconds.
+/// Limits along a part of a path, in units of its parameter and seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathLimits {
     /// Greatest speed.
@@ -78,7 +78,7 @@ impl AxisLimits {
 }
 
 impl DriveLimits {
-    /// What is left along a stretch that nobody wants to run faster than `most`. (1) to (3)
+    /// Limits along a part of a path whose wanted speed is at most `most`. (1) to (3)
     pub(crate) fn along(&self, bend: &Bend, most: f64) -> PathLimits {
         let mut limits = PathLimits { speed: most, acceleration: f64::INFINITY, jerk: f64::INFINITY, axis: None };
         for (index, axis) in self.axes.iter().enumerate() {
@@ -110,7 +110,7 @@ impl DriveLimits {
 }
 
 impl Bend {
-    /// What bounds both.
+    /// Bound of both.
     #[must_use]
     pub fn or(&self, other: &Bend) -> Bend {
         let greater = |one: &[f64; AXES], two: &[f64; AXES]| std::array::from_fn(|axis| one[axis].max(two[axis]));
@@ -127,7 +127,7 @@ impl PathLimits {
     pub(crate) const NONE: PathLimits =
         PathLimits { speed: f64::INFINITY, acceleration: f64::INFINITY, jerk: f64::INFINITY, axis: None };
 
-    /// What keeps within both.
+    /// Limits that satisfy both.
     #[must_use]
     pub(crate) fn and(&self, other: &PathLimits) -> PathLimits {
         PathLimits {

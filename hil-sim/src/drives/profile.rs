@@ -1,97 +1,99 @@
-//! The speed along a path, period by period: as fast as the limits allow, as long as what comes can still be braked for.
+//! Speed along a path, period by period: as fast as the limits allow while the axes can still brake for everything
+//! ahead.
 //!
-//! A stretch ahead has a speed to keep to, and a safe one: from the safe speed, without acceleration, everything behind can be
-//! kept to. A state is safe if a way down ([`Brake`]) ends at the safe speed of some stretch before it begins, and ways down
-//! to the speeds of all stretches before that one end before those. From a safe state the largest acceleration is taken whose
-//! state is safe a period later; where even the smallest is not, the way down itself is followed, which keeps a safe state
-//! safe, to the last fraction of a period. On a straight stretch this is the time-optimal profile of seven phases but for the
-//! period's grain; as nothing is planned beyond the period, override, feed hold and blocks that come late need no planning
-//! anew.
+//! A span ahead has a speed limit and a safe speed: from the safe speed, without acceleration, the axes can keep to all
+//! limits behind it. A state is safe if a braking ([`Brake`]) ends at the safe speed of some span before it begins, and
+//! brakings to the speeds of all spans before that one end before those. From a safe state the planner takes the
+//! largest acceleration whose state a period later is safe. If even the smallest is not, it follows the braking itself,
+//! which keeps a safe state safe, to the last fraction of a period. On a straight line this is the time-optimal profile
+//! of seven phases, apart from the period's resolution. Nothing is planned beyond the period, so override, feed hold
+//! and blocks that come late need no replanning.
 //!
 //! ```text
 //! wanted speed w: in n periods T from acceleration n J T down to 0, v gains J T^2 n (n + 1)/2          (1)
 //! ```
 //!
-//! Source: the largest reachable step that still allows a stop, found by bisection, is how Beudaert, Lavernhe, Tournier, Int.
-//! J. Machine Tools & Manufacture 57 (2012), set the feedrate; safety by ways down of constant A and J is ours.
+//! Source: Beudaert, Lavernhe, Tournier, Int. J. Machine Tools & Manufacture 57 (2012), set the feedrate by the largest
+//! reachable step that still allows a stop, found by bisection; safety by braking with constant A and J is ours.
 
 use super::brake::{Brake, Motion, fastest_within, fits};
 use super::limits::PathLimits;
 
-/// Halvings of the interval of time, to a billionth of a period.
+/// Halvings of a time interval, down to a billionth of a period.
 const HALVINGS_OF_TIME: usize = 30;
-/// Accelerations over the speed that do not change it. Halved every period, they would become subnormal, which processors are
-/// slow with.
+/// Ratio of acceleration to speed below which the acceleration is set to zero. Halved every period, it would become
+/// subnormal, which is slow on processors.
 const NO_ACCELERATION_PER_S: f64 = 1e-290;
-/// How near of a period Newton's root is taken to be.
+/// Distance within which Newton's root counts as found, as a fraction of a period.
 const NEAR_RATIO: f64 = 1e-7;
-/// Ways that agree to this are equal: far below a nanometre.
+/// Distances that differ by less are equal: far below a nanometre.
 pub(super) const EQUAL: f64 = 1e-11;
-/// Periods before a stop in which its way down is followed, and how closely that has to end there.
+/// Number of periods before a stop in which the planner follows the braking to it, and the tolerance of its end.
 const LAST: f64 = 3.0;
 const TIGHT: f64 = 1e-10;
 
-/// Where the way ahead becomes slower: by what the axes allow from there on, or by what is wanted there.
+/// Beginning of a slower span ahead: slower by the axes' limits from there on, or by the speed wanted there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ahead {
-    /// Its beginning, on the scale of [`Profile::at`].
+    /// Position of the beginning, on the scale of [`Profile::at`].
     pub(crate) at: f64,
-    /// The speed to have there.
+    /// Speed to have there.
     pub(crate) speed: f64,
-    /// Whether it is but wanted: by programmed feed and override, which may fall later than the axes can follow.
+    /// Whether the speed is only wanted, by programmed feed and override, which may fall later than the axes can
+    /// follow.
     pub(crate) is_commanded_feed: bool,
-    /// The safe speeds there, as [`secure`] has them: for what the axes allow behind it, and for what is wanted too.
+    /// Safe speeds there, set by [`secure`]: for the axes' limits behind it, and for the wanted speeds too.
     pub(crate) safe: [f64; 2],
-    /// The limits from there on.
+    /// Limits from there on.
     pub(crate) limits: PathLimits,
-    /// What of acceleration and jerk is allowed all the way to it.
+    /// Acceleration and jerk allowed on the whole distance to it.
     pub(crate) on_the_way: PathLimits,
 }
 
-/// What is kept to.
+/// Limits to keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Keep {
-    /// What the axes allow.
+    /// Limits of the axes.
     Limits,
-    /// That, and what is wanted.
+    /// Limits of the axes, and wanted speeds.
     CommandedFeeds,
 }
 
-/// What a period comes to.
+/// Result of a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Step {
-    /// The way covered.
+    /// Distance covered.
     pub(crate) way: f64,
-    /// Speed and acceleration at its end.
+    /// Speed and acceleration at the end.
     pub(crate) motion: Motion,
-    /// What of it is left over: the way ended before.
+    /// Remaining time, if the path ended before the period.
     pub(crate) left_s: f64,
     course: Course,
 }
 
-/// How a period goes.
+/// Motion during a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Course {
     Jerk(Motion, f64),
     Down(Brake),
 }
 
-/// A period.
+/// Planner of a period.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Profile<'a> {
-    /// Its length, s.
+    /// Length of the period, s.
     pub(crate) period_s: f64,
     /// Position of the axes along the path.
     pub(crate) at: f64,
-    /// The limits of the stretch that the axes are on.
+    /// Limits of the span that the axes are on.
     pub(crate) here: PathLimits,
-    /// The stretches ahead, in their order, as far as the axes can get before they come to rest, or to where nothing is known
-    /// any more: speed 0.
+    /// Spans ahead in order, as far as the axes travel before they can rest, or up to the end of the known path: speed
+    /// 0.
     pub(crate) ahead: &'a [Ahead],
 }
 
 impl Profile<'_> {
-    /// The next period, towards the speed wanted here.
+    /// Next period, towards the speed wanted here.
     pub(crate) fn step(&self, from: Motion, wanted: f64) -> Step {
         if let Some(last) = self.last(from) {
             return last;
@@ -111,13 +113,13 @@ impl Profile<'_> {
         self.between(from, [fast.motion.acceleration, slow.motion.acceleration], Keep::Limits).unwrap_or(fast)
     }
 
-    /// Whether the axes can keep to what they are allowed, from where they are.
+    /// Whether the axes can keep to their limits, from this motion.
     pub(crate) fn can_go_on(&self, from: Motion) -> bool {
         let here = Step { way: 0.0, motion: from, left_s: 0.0, course: Course::Jerk(from, 0.0) };
         self.is_safe(&here, Keep::Limits)
     }
 
-    /// The fastest safe period of constant jerk, no faster than `best`, if there is one.
+    /// Fastest safe period of constant jerk, no faster than `best`, if there is one.
     fn fastest_safe(&self, from: Motion, best: Step, keep: Keep) -> Option<Step> {
         if self.is_safe(&best, keep) {
             return Some(best);
@@ -126,18 +128,18 @@ impl Profile<'_> {
         self.between(from, accelerations, keep)
     }
 
-    /// The period where none of constant jerk is safe: of a way down, or as hard as it goes.
+    /// Period if none of constant jerk is safe: braking, or the hardest deceleration.
     fn hardest(&self, from: Motion, best: Step, keep: Keep) -> Step {
         self.way_down(from, keep).unwrap_or_else(|| self.with(from, self.least_acceleration(from, &best)))
     }
 
-    /// As hard as it goes, but for ending in a speed below zero where less jerk is allowed.
+    /// Hardest deceleration that does not end in a speed below zero where less jerk is allowed.
     fn least_acceleration(&self, from: Motion, best: &Step) -> f64 {
         let hardest = PathLimits { jerk: self.least().jerk, ..self.here };
         self.towards(from, 0.0, &hardest).min(best.motion.acceleration)
     }
 
-    /// The acceleration to have in a period on the way to a speed, were nothing ahead, braking within `braking`. (1)
+    /// Acceleration for a period on the way to a speed, without any limits ahead, braking within `braking`. (1)
     fn towards(&self, from: Motion, wanted: f64, braking: &PathLimits) -> f64 {
         let t = self.period_s;
         let gain = wanted - from.speed - 0.5 * from.acceleration * t;
@@ -154,12 +156,12 @@ impl Profile<'_> {
         if next.abs() < NO_ACCELERATION_PER_S * from.speed { 0.0 } else { next }
     }
 
-    /// What all stretches in sight allow.
+    /// Limits that all spans in view allow.
     fn least(&self) -> PathLimits {
         self.ahead.last().map_or(self.here, |last| last.on_the_way.and(&last.limits).and(&self.here))
     }
 
-    /// A period of constant jerk to that acceleration.
+    /// Period of constant jerk to that acceleration.
     pub(super) fn with(&self, from: Motion, acceleration: f64) -> Step {
         let jerk = (acceleration - from.acceleration) / self.period_s;
         let (way, motion) = from.after(jerk, self.period_s);
@@ -167,14 +169,14 @@ impl Profile<'_> {
         self.up_to_next(Step { way, motion, left_s: 0.0, course: Course::Jerk(from, jerk) })
     }
 
-    /// A period of a way down.
+    /// Period of braking.
     fn down(&self, brake: &Brake) -> Step {
         let (way, motion) = brake.after(self.period_s);
         let left_s = if brake.ends_at_rest() { (self.period_s - brake.lasts_s()).max(0.0) } else { 0.0 };
         self.up_to_next(Step { way, motion, left_s, course: Course::Down(*brake) })
     }
 
-    /// No further than to the next stretch: behind its beginning other limits count.
+    /// Ends the period at the beginning of the next span, because other limits hold behind it.
     fn up_to_next(&self, step: Step) -> Step {
         match self.ahead.first() {
             Some(next) if next.speed > 0.0 && self.left(next) + EQUAL < step.way => {
@@ -184,7 +186,7 @@ impl Profile<'_> {
         }
     }
 
-    /// The last periods before a stop: of the way down to it, if that ends there.
+    /// Last periods before a stop: those of the braking to it, if it ends there.
     fn last(&self, from: Motion) -> Option<Step> {
         let near = from.speed * LAST * self.period_s;
         let stop = self.ahead.last().filter(|ahead| ahead.speed == 0.0 && self.left(ahead) <= near)?;
@@ -193,12 +195,12 @@ impl Profile<'_> {
         is_tight.then(|| self.down(&brake))
     }
 
-    /// The way to the beginning of a stretch.
+    /// Distance to the beginning of a span.
     pub(super) fn left(&self, ahead: &Ahead) -> f64 {
         ahead.at - self.at
     }
 
-    /// What is ahead of what is kept to, with its safe speed.
+    /// Spans ahead that `keep` includes, with their safe speeds.
     fn kept(&self, keep: Keep) -> impl DoubleEndedIterator<Item = (&Ahead, f64)> {
         let all = keep == Keep::CommandedFeeds;
         self.ahead
@@ -207,12 +209,12 @@ impl Profile<'_> {
             .map(move |ahead| (ahead, ahead.safe[usize::from(all)]))
     }
 
-    /// Whether everything ahead can be kept to, and the acceleration is down in time to what each stretch allows.
+    /// Whether all limits ahead can be kept, and the acceleration eases in time to what each span allows.
     fn is_safe(&self, step: &Step, keep: Keep) -> bool {
         self.check(step, keep).is_ok()
     }
 
-    /// The same; where a stretch is reached too fast, which one.
+    /// The same as [`Profile::is_safe`]; if a span is reached too fast, the error names it.
     pub(super) fn check(&self, step: &Step, keep: Keep) -> Result<(), Option<&Ahead>> {
         let Step { way, motion, .. } = step;
         let left = |ahead: &Ahead| self.left(ahead) - way;
@@ -223,7 +225,7 @@ impl Profile<'_> {
         let fits = |ahead: &Ahead, speed: f64| fits(speed, motion, &ahead.on_the_way, left(ahead) + EQUAL);
         let is_secure = |ahead: &Ahead, safe: f64| settles(motion, ahead) <= left(ahead).max(0.0) && fits(ahead, safe);
         let too_fast = self.kept(keep).find(|(ahead, _)| !fits(ahead, ahead.speed)).map(|(ahead, _)| ahead);
-        // From the end, which is mostly far enough to rest there.
+        // From the end, because the axes can mostly rest there.
         let is_reached = |ahead: &Ahead| too_fast.is_none_or(|too_fast| std::ptr::eq(ahead, too_fast));
         let mut reached = self.kept(keep).rev().skip_while(|(ahead, _)| !is_reached(ahead));
         if self.ahead.is_empty() || reached.any(|(ahead, safe)| is_secure(ahead, safe)) {
@@ -232,7 +234,7 @@ impl Profile<'_> {
         Err(too_fast)
     }
 
-    /// The hardest of the ways down that make this state safe, for one period.
+    /// Hardest of the brakings that make this state safe, for one period.
     fn way_down(&self, from: Motion, keep: Keep) -> Option<Step> {
         let mut hardest: Option<Step> = None;
         for (ahead, safe) in self.kept(keep) {
@@ -256,18 +258,18 @@ impl Profile<'_> {
 }
 
 impl Step {
-    /// Whether nothing moves at its end.
+    /// Whether the axes rest at its end.
     pub(crate) fn is_over(&self) -> bool {
         self.left_s > 0.0 || self.motion == Motion::default()
     }
 
-    /// The part of it up to a place on its way; `lasts_s` is how long all of it takes.
+    /// Part of the period up to a position; `lasts_s` is the duration of the whole.
     fn up_to(&self, way: f64, lasts_s: f64) -> Step {
         let at = |t_s: f64| match &self.course {
             Course::Jerk(from, jerk) => from.after(*jerk, t_s),
             Course::Down(brake) => brake.after(t_s),
         };
-        // Newton's root spares all halvings but the last few.
+        // Newton's root replaces all halvings but the last few.
         let newton = |t_s: f64| {
             let (covered, motion) = at(t_s);
             t_s - (covered - way) / motion.speed
@@ -287,7 +289,7 @@ impl Step {
     }
 }
 
-/// Sets the safe speeds: from the end backwards, each such that the next can be reached. The end is a stop.
+/// Sets the safe speeds from the end backwards, each such that the next can be reached. The end is a stop.
 pub(crate) fn secure(ahead: &mut [Ahead]) {
     let mut behind: Option<Ahead> = None;
     for ahead in ahead.iter_mut().rev() {
@@ -302,12 +304,12 @@ pub(crate) fn secure(ahead: &mut [Ahead]) {
     }
 }
 
-/// The way down to a speed before a stretch begins, with what the stretches before it allow.
+/// Braking to a speed before a span begins, with the limits of the spans before it.
 fn brake_to(speed: f64, ahead: &Ahead, from: &Motion) -> Option<Brake> {
     Brake::to(speed, *from, &ahead.on_the_way)
 }
 
-/// The way within which accelerating comes to its end, before a stretch begins: a safe speed is one without acceleration.
+/// Distance within which acceleration ends, before a span begins: a safe speed is one without acceleration.
 fn settles(from: &Motion, ahead: &Ahead) -> f64 {
     if from.acceleration <= 0.0 {
         return 0.0;
@@ -316,14 +318,14 @@ fn settles(from: &Motion, ahead: &Ahead) -> f64 {
     from.after(-jerk, from.acceleration.max(0.0) / jerk).0
 }
 
-/// Whether the acceleration is already down to what all stretches allow.
+/// Whether the acceleration is already within the limits of all spans.
 fn eases(motion: &Motion, least: &PathLimits) -> bool {
     let a = motion.acceleration;
     if a >= 0.0 { a <= least.acceleration } else { a >= -least.acceleration && motion.settles_at(least.jerk) >= 0.0 }
 }
 
-/// Whether the acceleration is down to what a stretch allows when it begins after `left`, easing at `jerk` before it; braking,
-/// to what leaves a speed above zero there.
+/// Whether the acceleration is within the limit of a span when it begins after `left`, easing at `jerk` before it; in
+/// braking, whether a speed above zero remains there.
 fn arrives(motion: &Motion, there: &PathLimits, left: f64, jerk: f64) -> bool {
     let a = motion.acceleration;
     if a >= 0.0 {

@@ -1,14 +1,15 @@
-//! How the axes follow their commands: a position loop with velocity feed-forward for each.
+//! Lag of the axes behind their commands: a position loop with velocity feed-forward for each.
 //!
-//! The drive turns the lag e = c - p of the position p behind the command c into a speed, without delay and without limit:
+//! The drive converts the lag e = c - p of the position p behind the command c into a speed, without delay and without
+//! limit:
 //!
 //! ```text
 //! p' = K e + f c'        e' = (1 - f) c' - K e                          (1)
 //! e(T) = e(0) d + (1 - f) (c(T) - c(0)) (1 - d)/(K T),  d = exp(-K T)   (2)
 //! ```
 //!
-//! with the loop gain K and the ratio f of feed-forward. (2) solves (1) without error for a command that is linear within the
-//! period T, as the interpolator's is. What follows from (1):
+//! with the loop gain K and the ratio f of feed-forward. (2) solves (1) exactly for a command that is linear within the
+//! period T, like the interpolator's. Consequences of (1):
 //!
 //! ```text
 //! speed v, settled:        e = (1 - f) v/K                              (3)
@@ -17,52 +18,53 @@
 //! without feed-forward:    each axis is late by the angle atan(w/K)     (6)
 //! ```
 //!
-//! With equal gains a straight line stays straight and a circle a circle. With unequal ones a line is missed by
+//! With equal gains a straight line stays straight and a circle a circle. With unequal gains the path misses a line by
 //! v (1 - f)(1/K_x - 1/K_y) sin(2a)/2 at its angle a, and a circle becomes an ellipse at about 45 degrees.
 //!
 //! Valid where the velocity loop is much faster than K, and while no motor is at its limit of torque. Not modelled: backlash,
 //! friction at reversals, elastic ball screws, position gain switched at standstill.
 //!
-//! Source: (3) without feed-forward is how controls define the gain (Beckhoff TwinCAT CNC, "Position controller gain"); that the
-//! loop is the proportional one of (1) all the way is assumed; the rest follows from (1). Figures: docs/servo.md.
+//! Source: controls define the gain by (3) without feed-forward (Beckhoff TwinCAT CNC, "Position controller gain");
+//! that the loop is the proportional one of (1) throughout is assumed; the rest follows from (1). Figures:
+//! docs/servo.md.
 
 use super::limits::AXES;
 
-/// The position loop of one axis; of a rotary axis, degrees for mm.
+/// Position loop of one axis; for a rotary axis, degrees instead of mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisServo {
-    /// K, greater than 0: Fanuc's parameter 1825 has it in hundredths.
+    /// Loop gain K, greater than 0: Fanuc's parameter 1825 has it in hundredths.
     pub gain_per_s: f64,
-    /// f, 0 to 1: Fanuc's parameter 2092 has it in hundredths of a per cent.
+    /// Feed-forward ratio f, 0 to 1: Fanuc's parameter 2092 has it in hundredths of a per cent.
     pub feed_forward_ratio: f64,
-    /// The axis is in position when its lag is no greater: Fanuc's parameter 1826.
+    /// Largest lag of an axis in position: Fanuc's parameter 1826.
     pub in_position_mm: f64,
 }
 
-/// The position loops of a machine.
+/// Position loops of a machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Servo {
     /// X, Y, Z, A, B, C.
     pub axes: [AxisServo; AXES],
 }
 
-/// Where the axes are; state.
+/// Positions of the axes; state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PositionLoops {
     servo: Servo,
     commanded: [f64; AXES],
     lag: [f64; AXES],
-    /// Of a point that runs with the feed commanded.
+    /// Lag of a point that moves at the commanded feed.
     path_lag_mm: f64,
 }
 
 impl PositionLoops {
-    /// At rest where they are commanded to.
+    /// Loops at rest at the commanded position.
     pub fn new(servo: Servo, commanded: [f64; AXES]) -> Self {
         PositionLoops { servo, commanded, lag: [0.0; AXES], path_lag_mm: 0.0 }
     }
 
-    /// A period in which the command goes on to `commanded`, at constant speed: mm and degrees.
+    /// Simulates a period in which the command moves to `commanded` at constant speed: mm and degrees.
     pub fn step(&mut self, commanded: &[f64; AXES], dt_s: f64) {
         let axes = self.servo.axes.iter().zip(commanded).zip(self.commanded.iter_mut().zip(&mut self.lag));
         for ((servo, to), (from, lag)) in axes {
@@ -71,20 +73,20 @@ impl PositionLoops {
         }
     }
 
-    /// The speed along the path, in the mean of a period, of axes that are commanded to run with `feed_mm_per_s` all through it
-    /// and have been with what was given before: what the slowest of X, Y, Z makes of it.
+    /// Mean speed along the path in a period, for axes commanded to run at `feed_mm_per_s` during it and at the feeds
+    /// given before: the response of the slowest of X, Y, Z.
     pub fn follow(&mut self, feed_mm_per_s: f64, dt_s: f64) -> f64 {
         let before_mm = self.path_lag_mm;
         self.path_lag_mm = self.servo.slowest().lag_after(before_mm, feed_mm_per_s * dt_s, dt_s);
         feed_mm_per_s - (self.path_lag_mm - before_mm) / dt_s
     }
 
-    /// Where the axes are: X, Y, Z in mm, A, B, C in degrees.
+    /// Positions of the axes: X, Y, Z in mm, A, B, C in degrees.
     pub fn axes(&self) -> [f64; AXES] {
         std::array::from_fn(|axis| self.commanded[axis] - self.lag[axis])
     }
 
-    /// How far each is behind its command.
+    /// Lag of each axis behind its command.
     pub fn lag(&self) -> &[f64; AXES] {
         &self.lag
     }
@@ -96,7 +98,7 @@ impl PositionLoops {
 }
 
 impl AxisServo {
-    /// The lag after a period in which the command moves by `way_mm`, at constant speed.
+    /// Lag after a period in which the command moves by `way_mm`, at constant speed.
     fn lag_after(&self, lag_mm: f64, way_mm: f64, dt_s: f64) -> f64 {
         let periods = self.gain_per_s * dt_s;
         let settled_mm = (1.0 - self.feed_forward_ratio) * way_mm / periods; // (3)
@@ -105,18 +107,18 @@ impl AxisServo {
 }
 
 impl Servo {
-    /// The same loop for all axes.
+    /// Settings with the same loop for all axes.
     pub fn of_all(axis: AxisServo) -> Self {
         Servo { axes: [axis; AXES] }
     }
 
-    /// The time after which no axis has more than `ratio` left of a sudden change of its command's speed. (4)
+    /// Time after which no axis has more than `ratio` left of a sudden change of its command's speed. (4)
     pub fn settling_s(&self, ratio: f64) -> f64 {
         let of_axis = |servo: &AxisServo| libm::log((1.0 - servo.feed_forward_ratio) / ratio) / servo.gain_per_s;
         self.axes.iter().map(of_axis).fold(0.0, f64::max)
     }
 
-    /// The loop of X, Y, Z with the least gain.
+    /// Loop of X, Y, Z with the smallest gain.
     fn slowest(&self) -> &AxisServo {
         let [x, y, z, ..] = &self.axes;
         [y, z].into_iter().fold(x, |slow, axis| if axis.gain_per_s < slow.gain_per_s { axis } else { slow })

@@ -1,4 +1,4 @@
-//! How the spindle follows S, M3, M4 and M5: it runs up and down, and gives way to a load.
+//! Response of the spindle to S, M3, M4 and M5: it accelerates and decelerates, and loses speed under load.
 //!
 //! ```text
 //! towards the commanded speed:     dn/dt = +-a,  a of running up or down    (1)
@@ -7,33 +7,33 @@
 //! arrived:                         |N - commanded| <= b |commanded|         (4)
 //! ```
 //!
-//! (1) is linear, not a lag: a drive runs up at its limit of torque, and what turns is always the same. That holds up to the
-//! base speed; above it a drive has constant power and is slower, which is not modelled. M4 turns the other way: negative
-//! speeds. A reversal runs down to rest, then up.
+//! (1) is linear, not a lag: a drive accelerates at its limit of torque, and the inertia is always the same. That holds
+//! up to the base speed; above it a drive has constant power and is slower, which is not modelled. M4 turns the other
+//! way: negative speeds. A reversal decelerates to rest, then accelerates.
 //!
-//! (2) is static droop D at the rated load with the time t of the speed loop; t = 0 is a stiff line. A drive with an integral
-//! part makes the loss good after a while: D = 0 then, and its dip is not modelled.
+//! (2) is static droop D at the rated load with the time t of the speed loop; t = 0 is an ideal loop. A drive with an
+//! integral part recovers the speed after a while: set D = 0; its dip is not modelled.
 //!
-//! Source: (1), (2) are assumed, as no manual gives a time law; (4) is how drives tell speed arrival. docs/servo.md.
+//! Source: (1), (2) are assumed, as no manual gives a time law; drives signal speed arrival by (4). docs/servo.md.
 
 /// A spindle and its drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpindleDrive {
-    /// Away from rest.
+    /// Acceleration away from rest.
     pub run_up_rev_per_min_s: f64,
-    /// Towards rest.
+    /// Deceleration towards rest.
     pub run_down_rev_per_min_s: f64,
-    /// D, 0 to 1: what is lost of the speed at the rated load.
+    /// Droop D, 0 to 1: relative loss of speed at the rated load.
     pub droop_ratio: f64,
-    /// t, not less than 0.
+    /// Time t of the droop, not negative.
     pub droop_s: f64,
-    /// b: how near the commanded speed counts as arrived.
+    /// Tolerance b of speed arrival.
     pub arrival_ratio: f64,
     /// Whether cutting feed waits for speed arrival: Fanuc's parameter 3708#0, SAR.
     pub waits_for_arrival: bool,
 }
 
-/// What the spindle does; state. Speeds in rev/min, negative counter-clockwise (M4).
+/// State of the spindle. Speeds in rev/min, negative counter-clockwise (M4).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpindleState {
     drive: SpindleDrive,
@@ -44,7 +44,7 @@ pub struct SpindleState {
     load: f64,
 }
 
-/// M3, M4, M5.
+/// Commanded rotation: M3, M4, M5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
     /// M3.
@@ -56,7 +56,7 @@ pub enum Turn {
 }
 
 impl SpindleState {
-    /// At rest, without an S.
+    /// Spindle at rest, without an S.
     pub fn new(drive: SpindleDrive) -> Self {
         SpindleState { drive, speed: 0.0, turn: Turn::Stop, ramped: 0.0, lost: 0.0, load: 0.0 }
     }
@@ -71,24 +71,24 @@ impl SpindleState {
         self.turn = turn;
     }
 
-    /// What it cuts, as a ratio of the rated load.
+    /// Sets the cutting load, as a ratio of the rated load.
     pub fn set_load(&mut self, ratio: f64) {
         self.load = ratio;
     }
 
-    /// A period with what is commanded.
+    /// Simulates a period.
     pub fn step(&mut self, dt_s: f64) {
         self.ramped = self.ramp(self.ramped, dt_s);
         let end = self.drive.droop_ratio * self.load;
         self.lost = end + (self.lost - end) * libm::exp(-dt_s / self.drive.droop_s); // (3)
     }
 
-    /// Its speed.
+    /// Present speed.
     pub fn rev_per_min(&self) -> f64 {
         self.ramped * (1.0 - self.lost) // (2)
     }
 
-    /// The speed that is commanded.
+    /// Commanded speed.
     pub fn commanded_rev_per_min(&self) -> f64 {
         match self.turn {
             Turn::Clockwise => self.speed,
@@ -97,18 +97,18 @@ impl SpindleState {
         }
     }
 
-    /// Whether it has the commanded speed; one that shall stand, when it stands.
+    /// Whether the spindle has reached the commanded speed; for a commanded stop, whether it has stopped.
     pub fn has_arrived(&self) -> bool {
         let commanded = self.commanded_rev_per_min();
         libm::fabs(self.rev_per_min() - commanded) <= self.drive.arrival_ratio * libm::fabs(commanded) // (4)
     }
 
-    /// Whether cutting feed waits for it.
+    /// Whether cutting feed waits for the spindle.
     pub fn is_waited_for(&self) -> bool {
         self.drive.waits_for_arrival && !self.has_arrived()
     }
 
-    /// Without load, from a speed. (1)
+    /// Speed without load after a period, from a speed. (1)
     fn ramp(&self, from: f64, dt_s: f64) -> f64 {
         let to = self.commanded_rev_per_min();
         let slowest = if from * to < 0.0 { 0.0 } else { to };

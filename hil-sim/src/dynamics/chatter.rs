@@ -1,6 +1,7 @@
-//! Is a cut stable? Told from where the tool is, once for each tooth that passes the same angle.
+//! Stability of a cut, from the tool's position once for each tooth at the same angle.
 //!
-//! In a stable cut every tooth finds the tool where the one before did. With samples x_1 .. x_n, one a tooth,
+//! In a stable cut every tooth finds the tool at the position of the tooth before. With samples x_1 .. x_n, one a
+//! tooth,
 //!
 //! ```text
 //! M_k = mean |x_i - x_(i-k)|        (1)
@@ -10,10 +11,10 @@
 //! none of them         chatter: a frequency that is no multiple of the teeth's
 //! ```
 //!
-//! where 0 is a floor that the caller sets. Samples once a *turn* cannot see period doubling of an even number of teeth. With two teeth
-//! doubling and runout look the same: told as doubling.
+//! where 0 is a tolerance that the caller sets. Samples once a *turn* cannot show period doubling of an even number of
+//! teeth. With two teeth doubling and runout look the same and are reported as doubling.
 //!
-//! Samples of a frequency f at the rate r of the teeth show it at its distance from the nearest multiple of r.
+//! Samples at the tooth rate r show a frequency f at its distance from the nearest multiple of r.
 //!
 //! Source: (1) with k of one turn is the stability metric of T. Schmitz and co-workers; once a tooth and the cases are ours.
 
@@ -21,41 +22,41 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
 
-/// At most so many of the last samples are asked for their frequency.
+/// Largest number of samples, the last ones, for the frequency analysis.
 const LINES_MAX: usize = 512;
 
-/// Frequencies tried for each that so many samples can tell apart.
+/// Number of tried frequencies for each one that the samples can resolve.
 const FINER: usize = 4;
 
-/// What repeats.
+/// Repetition of the samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
-    /// Every tooth.
+    /// The samples repeat every tooth.
     Stable,
-    /// Every turn, but not every tooth.
+    /// The samples repeat every turn, but not every tooth.
     Uneven,
-    /// Every second tooth.
+    /// The samples repeat every second tooth.
     PeriodDoubling,
-    /// Nothing.
+    /// The samples do not repeat.
     Chatter {
-        /// Distance of the strongest frequency from the nearest multiple of the teeth's.
+        /// Distance of the strongest frequency from the nearest multiple of the tooth frequency.
         alias_hz: f64,
     },
 }
 
-/// What the samples are taken from.
+/// Conditions of the sampling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
-    /// Teeth of a turn.
+    /// Teeth per turn.
     pub teeth: usize,
-    /// Teeth in a second.
+    /// Teeth per second.
     pub tooth_hz: f64,
-    /// The largest M that counts as none.
+    /// Largest M that counts as zero.
     pub floor_mm: f64,
 }
 
 impl Sampling {
-    /// Samples once a tooth, of a cut whose beginning is forgotten. Too few to compare count as stable.
+    /// Verdict for samples once a tooth, without the beginning of the cut. Too few samples to compare count as stable.
     pub fn judge(&self, samples_mm: &[Vector3<f64>]) -> Verdict {
         let repeats = |lag| metric_mm(samples_mm, lag) <= self.floor_mm;
         if repeats(1) {
@@ -69,7 +70,7 @@ impl Sampling {
         }
     }
 
-    /// The frequency nearest to `natural_hz` among those that show up at `alias_hz`.
+    /// Frequency nearest to `natural_hz` among those that appear at `alias_hz`.
     pub fn chatter_hz(&self, alias_hz: f64, natural_hz: f64) -> f64 {
         let multiple = libm::round(natural_hz / self.tooth_hz);
         let around = [multiple - 1.0, multiple, multiple + 1.0].map(|k| k * self.tooth_hz);
@@ -79,7 +80,7 @@ impl Sampling {
     }
 }
 
-/// M_k; nothing to compare gives 0. (1)
+/// Metric M_k; 0 if there is nothing to compare. (1)
 pub fn metric_mm(samples_mm: &[Vector3<f64>], lag: usize) -> f64 {
     let later = samples_mm.get(lag..).unwrap_or(&[]);
     let sum_mm: f64 = later.iter().zip(samples_mm).map(|(after, before)| (after - before).norm()).sum();
@@ -93,12 +94,12 @@ pub fn deviation_mm(samples_mm: &[Vector3<f64>]) -> f64 {
     libm::sqrt(samples_mm.iter().map(|sample| (sample - mean_mm).norm_squared()).sum::<f64>() / count)
 }
 
-/// The strongest frequency, in those of the samples: up to 1/2.
+/// Strongest frequency, relative to the sample rate: up to 1/2.
 fn strongest_ratio(samples_mm: &[Vector3<f64>]) -> f64 {
     let last = &samples_mm[samples_mm.len().saturating_sub(LINES_MAX)..];
     let (steps, count) = (FINER * last.len() / 2, last.len() as f64);
     let mean_mm = last.iter().sum::<Vector3<f64>>() / count;
-    // A Hann window keeps what is far from a line from looking like one.
+    // A Hann window suppresses leakage from distant frequencies.
     let window = |at: usize| libm::sin(PI * (at as f64 + 0.5) / count) * libm::sin(PI * (at as f64 + 0.5) / count);
     let flat: Vec<Vector3<f64>> = last.iter().enumerate().map(|(at, sample)| (sample - mean_mm) * window(at)).collect();
     let ratio = |step: usize| step as f64 / (FINER * last.len()) as f64;

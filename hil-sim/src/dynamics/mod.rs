@@ -1,6 +1,6 @@
-//! How tool and workpiece give way to the forces of the cut, and whether the cut is stable.
+//! Displacement of tool and workpiece under cutting forces, and stability of the cut.
 //!
-//! Conventions, and what steps do to a verdict: docs/forces.md.
+//! Conventions, and the effect of step size on a verdict: docs/forces.md.
 
 pub mod modal;
 

@@ -1,14 +1,15 @@
-//! A structure as seen at the place where it is cut: modes that know nothing of each other.
+//! Structure at the point where it is cut, as uncoupled modes.
 //!
 //! ```text
 //! q'' + 2 zeta w q' + w^2 q = s.F        u = sum of s q        w = 2 pi f      (1)
 //! s = d / sqrt(m),  m = k / w^2          one mass m on a spring k along d      (2)
 //! ```
 //!
-//! F is the force on the structure, u its displacement, s the mode's shape at that place, normalised to a modal mass of 1 kg.
+//! F is the force on the structure, u its displacement, s the mode's shape at that point, normalised to a modal mass of
+//! 1 kg.
 //!
-//! Tool and workpiece together: the cut depends on u = u_T - u_W only, and the forces on them are F and -F, so the modes of
-//! both in one list, shapes as they are, give the relative displacement.
+//! Tool and workpiece together: the cut depends on u = u_T - u_W only, and the forces on them are F and -F. So the
+//! modes of both in one list, with unchanged shapes, give the relative displacement.
 //!
 //! Source: (1) modal superposition with damping that does not couple the modes, as used by Lorong et al., Simulation of a
 //! finishing operation, 2012, section 4.2; Coriolis and centrifugal terms of their eq. 1 are left out, as they do in section 4.
@@ -19,41 +20,41 @@ use std::fmt;
 use arcfeed_shared::units::MM_PER_M;
 use nalgebra::Vector3;
 
-/// One mode.
+/// Vibration mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
     /// Undamped natural frequency.
     pub frequency_hz: f64,
-    /// Of critical damping, below 1.
+    /// Ratio of critical damping, below 1.
     pub damping_ratio: f64,
-    /// s: displacement at the cut for a unit of q, in the frame of the forces, in 1/sqrt(kg).
+    /// Shape s: displacement at the cut per unit of q, in the frame of the forces, in 1/sqrt(kg).
     pub shape: Vector3<f64>,
 }
 
-/// Why this is no mode.
+/// Reason why a mode is invalid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ModeError {
-    /// A frequency is positive.
+    /// The frequency is not positive.
     Frequency {
-        /// As told.
+        /// Given value.
         told_hz: f64,
     },
-    /// Damping is from 0 to less than 1.
+    /// The damping is not from 0 to less than 1.
     Damping {
-        /// As told.
+        /// Given value.
         told_ratio: f64,
     },
-    /// A stiffness is positive.
+    /// The stiffness is not positive.
     Stiffness {
-        /// As told.
+        /// Given value.
         told_n_per_mm: f64,
     },
-    /// A shape or direction is no vector of numbers, or a direction of no length.
+    /// A shape or direction is not finite, or a direction has no length.
     Shape,
 }
 
 impl Mode {
-    /// A mode as a modal analysis tells it.
+    /// Mode from a modal analysis.
     ///
     /// # Errors
     /// A value is out of its range.
@@ -70,7 +71,7 @@ impl Mode {
         Ok(Mode { frequency_hz, damping_ratio, shape })
     }
 
-    /// A mode as a tap test tells it: its stiffness along a direction of any length. (2)
+    /// Mode from a tap test: its stiffness along a direction of any length. (2)
     ///
     /// # Errors
     /// A value is out of its range.
@@ -88,7 +89,7 @@ impl Mode {
         Mode::new(frequency_hz, damping_ratio, direction / root_mass)
     }
 
-    /// w.
+    /// Angular frequency w.
     pub(super) fn circular_per_s(&self) -> f64 {
         TAU * self.frequency_hz
     }
@@ -98,7 +99,7 @@ impl Mode {
         self.shape.dot(force_n) * MM_PER_M
     }
 
-    /// What a constant force moves the structure by in this mode alone.
+    /// Static displacement of the structure in this mode alone.
     pub fn static_mm(&self, force_n: &Vector3<f64>) -> Vector3<f64> {
         let circular = self.circular_per_s();
         self.shape * (self.drive(force_n) / (circular * circular))

@@ -1,4 +1,4 @@
-//! One mode over one step: a linear map from its state and the forces at both ends.
+//! Transition of one mode over one step: a linear map from its state and the forces at both ends.
 //!
 //! With a = f - 2 zeta w v - w^2 q, from 0 to 1 in the time T:
 //!
@@ -10,14 +10,14 @@
 //!     E = exp(-zeta w T),  c, s of w' T,  w' = w sqrt(1 - zeta^2)
 //! ```
 //!
-//! (1) makes every period longer by (w T)^2/12 of it and is stable for any T. (2) has no error of its own: what is left is that
-//! of a force that does not run straight between the ends, (f'' T^2/12).
+//! (1) lengthens every period by (w T)^2/12 of it and is stable for any T. (2) has no error of its own; the remaining
+//! error is that of a force that is not linear between the ends (f'' T^2/12).
 //!
 //! Source: (1) N. M. Newmark 1959, as in Lorong et al. 2012; (2) own derivation, known since Nigam and Jennings 1969 (recalled).
 
 use super::modal::Mode;
 
-/// How a step is made.
+/// Integration rule of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
     /// Average acceleration. (1)
@@ -33,7 +33,7 @@ pub(super) struct State {
     pub(super) v: f64,
 }
 
-/// q1 and v1 by q0, v0, f0, f1.
+/// Linear map to q1 and v1 from q0, v0, f0, f1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Transition {
     from: [[f64; 2]; 4],
@@ -60,14 +60,14 @@ impl Transition {
         State { q: end(0), v: end(1) }
     }
 
-    /// Adds what the force at its end does.
+    /// Adds the effect of the force at the step's end.
     pub(super) fn push(&self, state: &mut State, end: f64) {
         let [.., by_end] = &self.from;
         state.q += by_end[0] * end;
         state.v += by_end[1] * end;
     }
 
-    /// g: q for a unit of force at the end.
+    /// Compliance g: q per unit of force at the end.
     pub(super) fn given_way(&self) -> f64 {
         self.from[3][0]
     }
@@ -84,7 +84,7 @@ fn newmark(mode: &Mode, dt_s: f64, State { q, v }: State, [f0, f1]: [f64; 2]) ->
     State { q: q_ahead + half * half * a1, v: v_ahead + half * a1 }
 }
 
-/// (2)
+/// Exact rule (2).
 fn exact(mode: &Mode, dt_s: f64, State { q, v }: State, [f0, f1]: [f64; 2]) -> State {
     let (w, zeta) = (mode.circular_per_s(), mode.damping_ratio);
     let slope = (f1 - f0) / (dt_s * w * w);

@@ -1,23 +1,23 @@
-//! A structure that is moved by forces which depend on where it is.
+//! Vibration of a structure under forces that depend on its displacement.
 //!
-//! In each step force and displacement are made to agree, as Lorong et al. 2012 (section 1.3) do: displacement from the
-//! last force, force from that displacement, and so on until the displacement stays:
+//! Each step iterates force and displacement until they agree, like Lorong et al. 2012 (section 1.3): displacement from
+//! the last force, force from that displacement, until the displacement does not change:
 //!
 //! ```text
 //! u1 = free + G F1        free: where it would be with F1 = 0        (1)
 //! G = sum of g s s^T      g: what the transition makes of F1         (2)
 //! ```
 //!
-//! so a pass costs no more with many modes than with one. Each makes the difference smaller by the stiffness of the cut times G,
-//! and g is about T^2/6 (exact) or T^2/4 (Newmark) for a short step T.
+//! so an iteration costs no more with many modes than with one. Each one reduces the difference by the stiffness of the
+//! cut times G, and g is about T^2/6 (exact) or T^2/4 (Newmark) for a short step T.
 //!
-//! Forces at several places that each move in their own way go by the modes:
+//! Forces at several points, each with its own displacement, act through the modes:
 //!
 //! ```text
 //! f_r = sum over places of s_r . F1     q_r = free_r + g_r f_r     u1 = sum of s_r q_r       (3)
 //! ```
 //!
-//! Steps must resolve the fastest mode that matters: docs/forces.md has what coarse ones do to a verdict on chatter.
+//! Steps must resolve the fastest relevant mode: docs/forces.md shows the effect of coarse steps on a chatter verdict.
 
 use arcfeed_shared::units::MM_PER_M;
 use nalgebra::{Matrix3, Vector3};
@@ -25,79 +25,79 @@ use nalgebra::{Matrix3, Vector3};
 use super::modal::Mode;
 use super::transition::{Rule, State, Transition};
 
-/// How steps are made.
+/// Settings of the steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepping {
-    /// Of one mode over one step.
+    /// Integration rule of one mode over one step.
     pub rule: Rule,
-    /// A displacement stays if it changes by no more than this in a pass.
+    /// Change of displacement in an iteration below which it has converged.
     pub tolerance_mm: f64,
-    /// At most so many passes a step, one at least.
+    /// Largest number of iterations in a step, at least one.
     pub passes_max: usize,
 }
 
-/// Modes and where they are; state.
+/// Modes with their states; state.
 #[derive(Clone, Debug)]
 pub struct Vibration {
     stepping: Stepping,
     modes: Vec<Mode>,
     states: Vec<State>,
     transitions: Vec<Transition>,
-    /// The step that the transitions are for.
+    /// Step size of the transitions.
     dt_s: f64,
-    /// G, in mm/N.
+    /// Compliance G, in mm/N.
     compliance: Matrix3<f64>,
-    /// Of each mode, the forces at the end of the last step.
+    /// For each mode, the force at the end of the last step.
     drives: Vec<f64>,
 }
 
-/// Places of a structure at which forces act, as its modes see them.
+/// Points of a structure at which forces act, with the mode shapes there.
 #[derive(Clone, Debug, Default)]
 pub struct Places {
-    /// Place by place, of each all modes.
+    /// Point by point, the shapes of all modes.
     shapes: Vec<Vector3<f64>>,
     moved_mm: Vec<Vector3<f64>>,
     forces_n: Vec<Vector3<f64>>,
-    /// Of each mode, the forces and where it is.
+    /// For each mode, its force and its amplitude.
     drives: Vec<f64>,
     amplitudes: Vec<f64>,
 }
 
-/// What came out of a step.
+/// Result of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// At its end.
+    /// Displacement at the end.
     pub displacement_mm: Vector3<f64>,
-    /// On the structure, at its end; the sum of all places.
+    /// Force on the structure at the end; the sum of all points.
     pub force_n: Vector3<f64>,
-    /// How often the force was asked for.
+    /// Number of evaluations of the force.
     pub passes: usize,
-    /// What the displacement changed by in the last pass.
+    /// Change of the displacement in the last iteration.
     pub change_mm: f64,
-    /// Whether that is within the tolerance.
+    /// Whether that change is within the tolerance.
     pub agrees: bool,
 }
 
 impl Places {
-    /// None.
+    /// Removes all points.
     pub fn clear(&mut self) {
         self.shapes.clear();
         self.moved_mm.clear();
     }
 
-    /// How many.
+    /// Number of points.
     pub fn count(&self) -> usize {
         self.moved_mm.len()
     }
 
-    /// Where they are, in the order in which they were added.
+    /// Displacements of the points, in the order in which they were added.
     pub fn moved_mm(&self) -> &[Vector3<f64>] {
         &self.moved_mm
     }
 }
 
 impl Vibration {
-    /// At rest, without force.
+    /// A structure at rest, without force.
     pub fn new(modes: Vec<Mode>, stepping: Stepping) -> Self {
         let states = vec![State::default(); modes.len()];
         let drives = vec![0.0; modes.len()];
@@ -109,23 +109,23 @@ impl Vibration {
         &self.modes
     }
 
-    /// Where the structure is.
+    /// Displacement of the structure.
     pub fn displacement_mm(&self) -> Vector3<f64> {
         self.shaped(|n| self.states[n].q)
     }
 
-    /// Whether nothing can be moved: there are no modes.
+    /// Whether the structure is rigid: it has no modes.
     pub fn is_rigid(&self) -> bool {
         self.modes.is_empty()
     }
 
-    /// Comes to rest, without force.
+    /// Sets the structure to rest, without force.
     pub fn rest(&mut self) {
         self.states.fill(State::default());
         self.drives.fill(0.0);
     }
 
-    /// The cut is elsewhere, or is seen in another frame: the same modes with other shapes. Shapes left out stay as they are.
+    /// Sets the mode shapes for another position of the cut or another frame. Shapes not given stay as they are.
     pub fn see_from(&mut self, shapes: &[Vector3<f64>]) {
         for (mode, shape) in self.modes.iter_mut().zip(shapes) {
             mode.shape = *shape;
@@ -133,15 +133,15 @@ impl Vibration {
         self.compliance = self.compliance_of_step();
     }
 
-    /// Adds a place. Shapes left out are as those of the cut.
+    /// Adds a point. Shapes not given are those of the cut.
     pub fn add_place(&self, shapes: &[Vector3<f64>], onto: &mut Places) {
         let shapes = &shapes[..shapes.len().min(self.modes.len())];
         onto.shapes.extend(shapes.iter().copied().chain(self.modes[shapes.len()..].iter().map(|mode| mode.shape)));
         onto.moved_mm.push(Vector3::zeros());
     }
 
-    /// Goes on by `dt_s`; `force` tells the force on the structure at the end of the step for a displacement there, and may be
-    /// asked more than once.
+    /// Advances by `dt_s`. `force` returns the force on the structure at the end of the step for a displacement there;
+    /// it may be called more than once.
     pub fn step(&mut self, dt_s: f64, mut force: impl FnMut(&Vector3<f64>) -> Vector3<f64>) -> Step {
         self.let_free(dt_s);
         let free_mm = self.displacement_mm();
@@ -158,8 +158,8 @@ impl Vibration {
         Step { displacement_mm, force_n, passes, change_mm, agrees: change_mm <= self.stepping.tolerance_mm }
     }
 
-    /// The same with forces at several places: `force` tells those for displacements there, in the order of the places. The step's displacement is still
-    /// that of the cut.
+    /// The same as [`Vibration::step`] with forces at several points: `force` returns those for displacements there, in
+    /// the order of the points. The step's displacement is still that of the cut.
     pub fn step_at(
         &mut self,
         dt_s: f64,
@@ -194,7 +194,7 @@ impl Vibration {
         }
     }
 
-    /// All modes over the step, without a force at its end.
+    /// Advances all modes over the step, without a force at its end.
     fn let_free(&mut self, dt_s: f64) {
         if self.dt_s != dt_s {
             self.transitions = self.modes.iter().map(|mode| Transition::new(self.stepping.rule, mode, dt_s)).collect();
@@ -206,7 +206,7 @@ impl Vibration {
         }
     }
 
-    /// What the forces at the end of the step add, told of each mode.
+    /// Adds the effect of the forces at the end of the step; `drive` gives the force of each mode.
     fn push(&mut self, drive: impl Fn(usize, &Mode) -> f64) {
         for (n, ((mode, state), transition)) in
             self.modes.iter().zip(&mut self.states).zip(&self.transitions).enumerate()
@@ -216,7 +216,8 @@ impl Vibration {
         }
     }
 
-    /// Where places are at the end of the step with their forces on the modes; answers the largest change.
+    /// Updates the points' displacements at the end of the step from the forces on the modes; returns the largest
+    /// change.
     fn move_places(&self, places: &mut Places) -> f64 {
         let Places { drives, amplitudes, .. } = places;
         amplitudes.clear();
@@ -231,17 +232,17 @@ impl Vibration {
         change_mm
     }
 
-    /// g of a mode.
+    /// Compliance g of a mode.
     fn given_way(&self, mode: usize) -> f64 {
         self.transitions[mode].given_way()
     }
 
-    /// At the cut, for such amplitudes of the modes.
+    /// Displacement at the cut for these amplitudes of the modes.
     fn shaped(&self, amplitude: impl Fn(usize) -> f64) -> Vector3<f64> {
         self.modes.iter().enumerate().map(|(n, mode)| mode.shape * amplitude(n)).sum()
     }
 
-    /// (2)
+    /// Compliance (2) of a step.
     fn compliance_of_step(&self) -> Matrix3<f64> {
         let each = self.modes.iter().zip(&self.transitions);
         each.map(|(mode, transition)| mode.shape * mode.shape.transpose() * (transition.given_way() * MM_PER_M)).sum()

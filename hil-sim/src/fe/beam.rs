@@ -1,4 +1,4 @@
-//! Tools as beams: round sections one after the other, clamped in the spindle, free at the tip.
+//! Tools as beams: round sections in series, clamped in the spindle, free at the tip.
 //!
 //! Timoshenko's beam, elements of two nodes, each with a deflection w and a rotation theta. Along an element of length l, x from 0 to 1,
 //!
@@ -11,7 +11,7 @@
 //!
 //! Source: Friedman, Kosmatka, An improved two-node Timoshenko beam finite element, Computers and Structures 47, 1993, for (2); kappa of the full circle:
 //! Hutchinson, Shear coefficients for Timoshenko beam theory, J. Appl. Mech. 68, 2001. With Phi = 0 this is Euler and Bernoulli's beam.
-//! A round section bends in all planes alike: one plane is solved, and each mode is there twice.
+//! A round section bends equally in all planes: one plane is solved, and each mode appears twice.
 
 use nalgebra::{DMatrix, Matrix4, RowVector4, SymmetricEigen};
 
@@ -20,25 +20,26 @@ use super::material::Material;
 use super::modal_point::ModalPoint;
 use arcfeed_shared::units::T_PER_KG;
 
-/// A cylinder of the tool.
+/// Cylindrical section of a tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {
-    /// Along the axis.
+    /// Length along the axis.
     pub length_mm: f64,
-    /// Outside. Fluted parts: that of the full bar as stiff, about 0.8 of the cutting diameter (Kops, Vo, CIRP Annals 39, 1990).
+    /// Outer diameter. For fluted parts: the diameter of a full bar of the same stiffness, about 0.8 of the cutting
+    /// diameter (Kops, Vo, CIRP Annals 39, 1990).
     pub diameter_mm: f64,
-    /// What it is made of.
+    /// Material of the section.
     pub material: Material,
 }
 
-/// A tool.
+/// Beam model of a tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Beam {
-    /// From the clamp to the tip.
+    /// Sections from the clamp to the tip.
     pub sections: Vec<Section>,
-    /// A mass at the tip, without inertia of its own: an insert or a sensor.
+    /// Mass at the tip, without inertia of its own: an insert or a sensor.
     pub tip_mass_kg: f64,
-    /// Elements of each section.
+    /// Number of elements in each section.
     pub elements: usize,
 }
 
@@ -47,14 +48,14 @@ pub struct Beam {
 pub struct BeamModes {
     /// Angular frequencies, the lowest first, in pairs: the mode along x, the mode along y.
     pub omega_rad_per_s: Vec<f64>,
-    /// Of each element from the clamp on: where it begins (distance from the clamp), its length, its Phi.
+    /// For each element from the clamp on: its beginning (distance from the clamp), its length, its Phi.
     spans: Vec<[f64; 3]>,
-    /// Of each pair deflection and rotation of all nodes.
+    /// For each pair of modes: deflection and rotation of all nodes.
     shapes: Vec<Vec<f64>>,
     length_mm: f64,
 }
 
-/// Gauss' four points on 0 to 1 and their weights, exact to degree 7.
+/// Four Gauss points on 0 to 1 and their weights, exact to degree 7.
 const POINTS: [[f64; 2]; 4] = [
     [0.069_431_844_202_973_71, 0.173_927_422_568_726_92],
     [0.330_009_478_207_571_9, 0.326_072_577_431_273_1],
@@ -62,7 +63,7 @@ const POINTS: [[f64; 2]; 4] = [
     [0.930_568_155_797_026_3, 0.173_927_422_568_726_92],
 ];
 
-/// (2): deflection, per unit of w, theta at both ends.
+/// Deflection per unit of w and theta at both ends (2).
 fn deflection([length_mm, phi]: [f64; 2], x: f64) -> RowVector4<f64> {
     let c = 1.0 / (1.0 + phi);
     let l = length_mm;
@@ -74,7 +75,7 @@ fn deflection([length_mm, phi]: [f64; 2], x: f64) -> RowVector4<f64> {
     )
 }
 
-/// (2): rotation, and its derivative by the length.
+/// Rotation, and its derivative by the length (2).
 fn rotation([length_mm, phi]: [f64; 2], x: f64) -> [RowVector4<f64>; 2] {
     let c = 1.0 / (1.0 + phi);
     let l = length_mm;
@@ -102,7 +103,7 @@ impl Section {
         self.area_mm2() * self.diameter_mm * self.diameter_mm / 16.0
     }
 
-    /// Resistance to shear, kappa G A, N.
+    /// Shear stiffness kappa G A, N.
     fn shear_n(&self) -> f64 {
         let nu = self.material.poisson_ratio;
         let kappa = 6.0 * (1.0 + nu) * (1.0 + nu) / (7.0 + 12.0 * nu + 4.0 * nu * nu);
@@ -118,7 +119,7 @@ impl Section {
         for [x, weight] in POINTS {
             let w = deflection([length_mm, phi], x);
             let [theta, bend] = rotation([length_mm, phi], x);
-            // The shear of (2) is the same all along: w' - theta at x = 0.
+            // The shear of (2) is constant along the element: w' - theta at x = 0.
             let slope = RowVector4::new(-phi, length_mm * (1.0 + 0.5 * phi), phi, -0.5 * phi * length_mm)
                 / ((1.0 + phi) * length_mm);
             let shear = slope - rotation([length_mm, phi], 0.0)[0];
@@ -135,14 +136,14 @@ impl Beam {
     /// The `pairs` lowest pairs of bending modes.
     ///
     /// # Errors
-    /// The tool has fewer, or a section without length, diameter or substance.
+    /// The tool has fewer modes, or a section without length, diameter or mass.
     pub fn modes(&self, pairs: usize) -> Result<BeamModes, EigenError> {
         let elements = self.elements.max(1);
         let size = 2 * elements * self.sections.len();
         if pairs > size || size == 0 {
             return Err(EigenError::TooMany { size });
         }
-        // With the clamped node, whose two rows are left out in the end.
+        // With the clamped node, whose two rows are removed at the end.
         let (mut k, mut m) = (DMatrix::zeros(size + 2, size + 2), DMatrix::zeros(size + 2, size + 2));
         let (mut spans, mut from_mm) = (Vec::new(), 0.0);
         for (number, section) in
@@ -164,7 +165,8 @@ impl Beam {
     }
 }
 
-/// The lowest of `K x = lambda M x`, dense: with K = L L' the largest 1 / lambda of L^-1 M L'^-1, whose lowest frequencies are the most exact.
+/// Lowest eigenvalues of `K x = lambda M x`, dense: with K = L L' the largest 1 / lambda of L^-1 M L'^-1, whose lowest
+/// frequencies are the most exact.
 fn solve(k: DMatrix<f64>, m: &DMatrix<f64>, pairs: usize) -> Result<(Vec<f64>, Vec<Vec<f64>>), EigenError> {
     let lower = k.cholesky().ok_or(EigenError::Singular)?.unpack();
     let half = lower.solve_lower_triangular(m).ok_or(EigenError::Singular)?.transpose();
@@ -190,8 +192,8 @@ impl BeamModes {
         self.omega_rad_per_s.iter().map(|omega| omega / std::f64::consts::TAU).collect()
     }
 
-    /// Sets `modal_point` to a point of the tool. Sections stay plane, so off the axis a
-    /// point also moves along it; what lies below the tip moves as the tip's section does.
+    /// Sets `modal_point` to a point of the tool. Sections stay plane, so a point off the axis also moves along it; a
+    /// point below the tip moves like the tip's section.
     pub fn at(&self, point_mm: [f64; 3], modal_point: &mut ModalPoint) {
         let from_clamp_mm = self.length_mm - point_mm[2];
         let element = self.spans.iter().rposition(|[from_mm, _, _]| *from_mm <= from_clamp_mm).unwrap_or(0);
@@ -204,7 +206,7 @@ impl BeamModes {
             let ends = nalgebra::Vector4::from_column_slice(&shape[2 * element..2 * element + 4]);
             let turn = (theta * ends)[0];
             let across = (w * ends)[0] + turn * beyond_mm;
-            // The axis grows from the clamp along -z: a positive rotation lifts what lies at positive x.
+            // The axis runs from the clamp along -z: a positive rotation lifts points at positive x.
             modal_point.shapes.push([across, 0.0, turn * point_mm[0]]);
             modal_point.shapes.push([0.0, across, turn * point_mm[1]]);
         }

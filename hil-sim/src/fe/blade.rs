@@ -9,29 +9,30 @@
 //! thickness, square to it: t (1 - (1 - e) (2 s)^2), e at the edges over the middle (3)
 //! ```
 //!
-//! (1) and (2): a circle through both ends of the chord. (3) is a parabola, so that a quadratic element holds it.
+//! (1) and (2): a circle through both ends of the chord. (3) is a parabola, which a quadratic element represents
+//! exactly.
 
 use super::mesh::{Mesh, MeshError, graded};
 
 /// Angle of camber below which the middle line is straight.
 const STRAIGHT_RAD: f64 = 1e-9;
 
-/// A blade. Pairs are at foot and tip, linear between.
+/// A blade. Pairs give the values at foot and tip, with linear change between.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blade {
-    /// From foot to tip.
+    /// Length from foot to tip.
     pub span_mm: f64,
-    /// Length of the section.
+    /// Chord length of the section.
     pub chord_mm: [f64; 2],
-    /// In the middle of the chord.
+    /// Thickness in the middle of the chord.
     pub thickness_mm: [f64; 2],
-    /// At the edges, of the one in the middle.
+    /// Thickness at the edges, as a ratio of that in the middle.
     pub edge_ratio: f64,
-    /// What the section's middle line turns by.
+    /// Camber angle of the section's middle line.
     pub camber_rad: [f64; 2],
-    /// From x to the chord, about z.
+    /// Stagger angle from x to the chord, about z.
     pub stagger_rad: [f64; 2],
-    /// From z to the line through the sections' origins, towards y.
+    /// Lean angle from z to the line through the sections' origins, towards y.
     pub lean_rad: f64,
 }
 
@@ -71,18 +72,19 @@ impl Blade {
         ]
     }
 
-    /// A mesh with cells along chord, thickness and span, the lattice's axes. Cells at the foot are `foot_ratio` as high as those at the tip, evenly
-    /// in between: less than 1 where the clamp makes the bending change fast.
+    /// A mesh with cells along chord, thickness and span, the lattice's axes. Cells at the foot have `foot_ratio` of
+    /// the height of those at the tip, with linear change between: use less than 1 where the clamp makes the bending
+    /// change fast.
     ///
     /// # Errors
-    /// No cells along an axis, or a shape that folds them.
+    /// No cells along an axis, or a shape that folds cells.
     pub fn mesh(&self, cells: [usize; 3], foot_ratio: f64) -> Result<Mesh, MeshError> {
         let part = |at: [f64; 3], axis: usize| at[axis] / cells[axis] as f64 - 0.5;
         let height = |at: f64| graded(at / cells[2] as f64, cells[2], foot_ratio);
         Mesh::mapped(cells, |_| true, |at| self.point_mm([part(at, 0), part(at, 1), height(at[2])]))
     }
 
-    /// Nodes of such a mesh that are in its foot.
+    /// Nodes at the foot of such a mesh.
     pub fn foot(mesh: &Mesh) -> Vec<usize> {
         mesh.nodes_where(|place| place[2] == 0)
     }

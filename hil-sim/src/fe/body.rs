@@ -1,4 +1,4 @@
-//! A body of one material, and how it vibrates.
+//! Vibration modes of a body of one material.
 
 use super::eigen::{EigenError, Eigenpair, lowest};
 use super::element::{Mass, Stiffness, mass, stiffness};
@@ -7,7 +7,7 @@ use super::mesh::Mesh;
 use super::sparse::Sparse;
 use super::unknowns::Unknowns;
 
-/// A mesh and the matrices of its elements.
+/// A mesh with the matrices of its elements.
 #[derive(Clone, Debug)]
 pub struct Body {
     mesh: Mesh,
@@ -19,11 +19,11 @@ pub struct Body {
 pub struct Modes {
     /// Angular frequencies.
     pub omega_rad_per_s: Vec<f64>,
-    /// Of each mode the displacements of all nodes, 1/sqrt(t): such that the modal mass is one.
+    /// For each mode the displacements of all nodes, 1/sqrt(t), scaled to a modal mass of one.
     pub shapes: Vec<Vec<[f64; 3]>>,
 }
 
-/// The angular frequency of an eigenvalue.
+/// Angular frequency of an eigenvalue.
 pub(super) fn omega_rad_per_s(pair: &Eigenpair) -> f64 {
     libm::sqrt(pair.lambda_per_s2)
 }
@@ -46,17 +46,17 @@ impl Body {
         Body { mesh, elements }
     }
 
-    /// Its mesh.
+    /// Mesh of the body.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }
 
-    /// Stiffness (N/mm) and mass (t) over some unknowns.
+    /// Stiffness (N/mm) and mass (t) matrices for these unknowns.
     pub fn matrices(&self, unknowns: &Unknowns) -> (Sparse, Sparse) {
         unknowns.assemble(&self.mesh, &self.elements)
     }
 
-    /// Mass of the whole.
+    /// Mass of the body.
     pub fn mass_t(&self) -> f64 {
         self.elements.iter().map(|(_, mass)| mass.sum()).sum()
     }

@@ -1,6 +1,7 @@
-//! Modes of a body of equal sectors from the mesh of one.
+//! Modes of a body of equal sectors from the mesh of one sector.
 //!
-//! With alpha = 2 pi / N and R the turn about the axis, a mode with d nodal diameters goes around as a wave of complex shape a + i b:
+//! With alpha = 2 pi / N and R the rotation about the axis, a mode with d nodal diameters is a wave around the disk
+//! with the complex shape a + i b:
 //!
 //! ```text
 //! u_s = R(s alpha) Re((a + i b) e^(i d s alpha)) = R(s alpha) (a cos(d s alpha) - b sin(d s alpha))       (1)
@@ -9,9 +10,9 @@
 //! T' diag(K, K) T x = lambda T' diag(M, M) T x                                                            (3)
 //! ```
 //!
-//! (2) makes T, so the Hermitian problem of the sector becomes the real one (3) of twice its size, in which every eigenvalue is there
-//! twice; both vectors are modes of the disk. For d = 0 and d = N/2 there is no b. A mode of unit mass in (3) has on all sectors the mass N/2, or N without b,
-//! and modes orthogonal there are orthogonal on the disk.
+//! (2) defines T. The Hermitian problem of the sector becomes the real one (3) of twice its size, in which every
+//! eigenvalue appears twice; both vectors are modes of the disk. For d = 0 and d = N/2 there is no b. A mode of unit
+//! mass in (3) has the mass N/2 on all sectors, or N without b, and modes orthogonal there are orthogonal on the disk.
 //! Source: Thomas, Dynamics of rotationally periodic structures, Int. J. Numer. Meth. Engng 14, 1979.
 
 use std::f64::consts::TAU;
@@ -24,15 +25,15 @@ use super::material::Material;
 use super::mesh::Mesh;
 use super::unknowns::{Row, Unknowns, numbers};
 
-/// How far left and right face may differ, of the distance from the axis.
+/// Largest difference between left and right face, as a fraction of the distance from the axis.
 const GAP_RATIO: f64 = 1e-9;
 
-/// One sector; the axis is z, the first axis of the lattice goes around.
+/// One sector of a disk; the axis is z, the first axis of the lattice runs around.
 #[derive(Clone, Debug)]
 pub struct Sector {
     body: Body,
     sectors: usize,
-    /// Of each node on the right face the one on the left.
+    /// For each node on the right face, its pair on the left.
     left: Vec<Option<usize>>,
 }
 
@@ -43,27 +44,27 @@ pub struct Wave {
     pub omega_rad_per_s: f64,
     /// Nodal diameters.
     pub diameters: usize,
-    /// a, by the sector's nodes, 1/sqrt(t): such that the modal mass of the whole disk is one.
+    /// Real part a at the sector's nodes, 1/sqrt(t), scaled to a modal mass of one for the whole disk.
     pub real: Vec<[f64; 3]>,
-    /// b.
+    /// Imaginary part b.
     pub imaginary: Vec<[f64; 3]>,
 }
 
-/// Why a mesh is no sector.
+/// Reason why a mesh is not a sector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SectorError {
-    /// There are fewer than two.
+    /// Fewer than two sectors.
     Few,
-    /// A node on the right face has none on the left.
+    /// A node on the right face has no pair on the left.
     Unpaired {
         /// The node.
         node: usize,
     },
-    /// A node on the right face is not where the left one is after the turn.
+    /// A node on the right face differs from the rotated node of the left face.
     Gap {
         /// The node on the right.
         node: usize,
-        /// By how much.
+        /// Distance between the two.
         gap_mm: f64,
     },
 }
@@ -86,7 +87,7 @@ impl fmt::Display for SectorError {
 impl std::error::Error for SectorError {}
 
 impl Sector {
-    /// One of `sectors` equal ones.
+    /// One of `sectors` equal sectors.
     ///
     /// # Errors
     /// Left and right face do not match.
@@ -110,22 +111,22 @@ impl Sector {
         Ok(Sector { body: Body::new(mesh, material), sectors, left })
     }
 
-    /// The sector itself.
+    /// Body of one sector.
     pub fn body(&self) -> &Body {
         &self.body
     }
 
-    /// How many there are.
+    /// Number of sectors.
     pub fn sectors(&self) -> usize {
         self.sectors
     }
 
-    /// Whether waves of so many diameters stand still: a mode each, not a pair.
+    /// Whether waves with this number of diameters are standing waves: one mode each, not a pair.
     fn is_single(&self, diameters: usize) -> bool {
         diameters == 0 || 2 * diameters == self.sectors
     }
 
-    /// T of (2), its real and its imaginary part.
+    /// T of (2), real and imaginary part.
     fn unknowns(&self, clamped: &[usize], diameters: usize) -> Unknowns {
         let mut leaders: Vec<Option<usize>> =
             (0..self.left.len()).map(|node| Some(self.left[node].unwrap_or(node))).collect();
@@ -138,7 +139,7 @@ impl Sector {
         let count = numbers.iter().flatten().max().map_or(0, |last| 3 * parts * (last + 1));
         let alpha = TAU / self.sectors as f64;
         let (sin, cos) = libm::sincos(diameters as f64 * alpha);
-        // Of each part the coefficients of a and b on the left.
+        // For each part, the coefficients of a and b on the left.
         let of_left = [[cos, -sin], [sin, cos]];
         let row = |part: usize, node: usize, axis: usize| -> Row {
             let Some(number) = numbers[node] else { return Row::new() };
@@ -162,7 +163,7 @@ impl Sector {
         Unknowns::told((0..parts).map(of_part).collect(), count)
     }
 
-    /// The `count` lowest modes of the disk among those with `diameters` nodal diameters. Except for 0 and N/2 they come in pairs.
+    /// The `count` lowest modes of the disk with `diameters` nodal diameters. Except for 0 and N/2 they come in pairs.
     ///
     /// # Errors
     /// The clamped nodes do not hold the disk, or it has fewer modes.
@@ -183,10 +184,11 @@ impl Sector {
         Ok(lowest(&k, &m, count)?.into_iter().map(wave).collect())
     }
 
-    /// The `count` lowest modes of the disk, of 0 to N/2 diameters. None is missed: the last one known of every number of diameters lies above them all.
+    /// The `count` lowest modes of the disk, of 0 to N/2 diameters. None is missing: for every number of diameters, the
+    /// last computed mode is above them all.
     ///
     /// # Errors
-    /// As of [`Self::waves`].
+    /// The same as for [`Self::waves`].
     pub fn modes(&self, clamped: &[usize], count: usize) -> Result<Vec<Wave>, EigenError> {
         let mut families: Vec<Vec<Wave>> = vec![Vec::new(); self.sectors / 2 + 1];
         loop {

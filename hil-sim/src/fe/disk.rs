@@ -1,4 +1,5 @@
-//! A disk with blades, by sectors: a ring with a hub to hold it by, on its rim a straight blade a sector, tapered and twisted.
+//! A bladed disk, by sectors: a ring with a hub to clamp it, and on its rim one straight blade per sector, tapered and
+//! twisted.
 //!
 //! Frame: the disk's axis is z, the first sector's middle points along x. Lattice: around, along the axis, outwards.
 
@@ -7,19 +8,19 @@ use super::mesh::{HalfCells, Mesh, MeshError};
 /// A bladed disk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BladedDisk {
-    /// Blades all around.
+    /// Number of blades.
     pub sectors: usize,
-    /// Of the hub, where the disk is clamped.
+    /// Radius of the hub, where the disk is clamped.
     pub bore_radius_mm: f64,
-    /// Of the rim, where blades begin.
+    /// Radius of the rim, where blades begin.
     pub rim_radius_mm: f64,
-    /// Along the axis.
+    /// Width along the axis.
     pub width_mm: f64,
-    /// Of the blades.
+    /// Length of the blades.
     pub span_mm: f64,
-    /// Section of the blades at the tip over that at the rim, each way.
+    /// Ratio of the blades' section at the tip to that at the rim, in both directions.
     pub taper_ratio: f64,
-    /// What the blades turn by from rim to tip, about their own radius.
+    /// Twist of the blades from rim to tip, about their own radius.
     pub twist_rad: f64,
     /// Cells of a sector.
     pub cells: SectorCells,
@@ -28,12 +29,12 @@ pub struct BladedDisk {
 /// Cells of a sector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SectorCells {
-    /// Around: in the gap on either side of the blade, and in each half of the blade. So they are even in number, and all sectors of a whole
-    /// disk have the same mesh, though neighbouring cells are mirror images.
+    /// Cells around: in the gap on either side of the blade, and in each half of the blade. Their number is even, so
+    /// all sectors of a whole disk have the same mesh, though neighbouring cells are mirror images.
     pub around: [usize; 2],
-    /// Along the axis.
+    /// Cells along the axis.
     pub along: usize,
-    /// Outwards: in the disk, and in the blade.
+    /// Cells outwards: in the disk, and in the blade.
     pub outwards: [usize; 2],
 }
 
@@ -43,14 +44,15 @@ impl BladedDisk {
         [2 * (around[0] + around[1]), along, outwards[0] + outwards[1]]
     }
 
-    /// Whether a cell is of the disk or of a blade; `around` may count through all sectors.
+    /// Whether a cell belongs to the disk or to a blade; `around` may count through all sectors.
     fn is_kept(&self, [around, _, outwards]: [usize; 3]) -> bool {
         let [gap, half] = self.cells.around;
         let in_sector = around % self.sector_cells()[0];
         outwards < self.cells.outwards[0] || (gap..gap + 2 * half).contains(&in_sector)
     }
 
-    /// Where a place of a sector is, `around` counted in cells from its left face. Left and right faces are the same but for the turn.
+    /// Point of a sector, with `around` in cells from its left face. Left and right faces are equal apart from the
+    /// rotation.
     fn point_mm(&self, [around, along, outwards]: [f64; 3]) -> [f64; 3] {
         let [cells_around, cells_along, _] = self.sector_cells();
         let angle = std::f64::consts::TAU / self.sectors as f64 * (around / cells_around as f64 - 0.5);
@@ -66,18 +68,18 @@ impl BladedDisk {
         [radius_mm * cos + height * self.span_mm, turn_cos * y_mm - turn_sin * z_mm, turn_sin * y_mm + turn_cos * z_mm]
     }
 
-    /// The first sector.
+    /// Mesh of the first sector.
     ///
     /// # Errors
-    /// No cells, or a shape that folds them.
+    /// No cells, or a shape that folds cells.
     pub fn sector(&self) -> Result<Mesh, MeshError> {
         Mesh::mapped(self.sector_cells(), |cell| self.is_kept(cell), |at| self.point_mm(at))
     }
 
-    /// All sectors as one mesh.
+    /// Mesh of all sectors.
     ///
     /// # Errors
-    /// As of [`Self::sector`].
+    /// The same as for [`Self::sector`].
     pub fn whole(&self) -> Result<Mesh, MeshError> {
         let [around, along, outwards] = self.sector_cells();
         let point_mm = |at: [f64; 3]| {
@@ -88,19 +90,19 @@ impl BladedDisk {
         Mesh::ring([around * self.sectors, along, outwards], |cell| self.is_kept(cell), point_mm)
     }
 
-    /// Whether a place of the lattice is on the hub.
+    /// Whether a lattice point is on the hub.
     pub fn is_hub(place: HalfCells) -> bool {
         place[2] == 0
     }
 }
 
-/// A vector turned about z.
+/// Vector rotated about z.
 pub(super) fn turned(vector: [f64; 3], angle_rad: f64) -> [f64; 3] {
     let (sin, cos) = libm::sincos(angle_rad);
     turned_by(vector, [cos, sin])
 }
 
-/// The same by cosine and sine.
+/// Vector rotated about z by an angle given as cosine and sine.
 pub(super) fn turned_by([x, y, z]: [f64; 3], [cos, sin]: [f64; 2]) -> [f64; 3] {
     [cos * x - sin * y, sin * x + cos * y, z]
 }

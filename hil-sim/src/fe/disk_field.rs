@@ -1,4 +1,4 @@
-//! A vibrating disk: its displacement at any point, kept for one sector.
+//! Vibrating disk: its displacement at any point, stored for one sector.
 
 use std::f64::consts::TAU;
 
@@ -9,21 +9,21 @@ use super::field::{Field, settled_mm};
 use super::locate::TooFar;
 use super::modal_point::ModalPoint;
 
-/// Modes of a disk, and a way to find points in it.
+/// Modes of a disk, with the search for points in it.
 #[derive(Clone, Debug)]
 pub struct DiskField {
-    /// a and b of the waves by turns.
+    /// Field of one sector; its modes are a and b of each wave, alternating.
     sector: Field,
     omega_rad_per_s: Vec<f64>,
     diameters: Vec<usize>,
     /// Cosine and sine of 0 to N - 1 sectors.
     turns: Vec<[f64; 2]>,
-    /// Where the first sector begins.
+    /// Angle at which the first sector begins.
     begin_rad: f64,
 }
 
 impl DiskField {
-    /// The modes of a disk, and how far outside of it points may be: see [`Field::new`].
+    /// Field for these modes; `reach_mm` is the largest distance of points outside the disk: see [`Field::new`].
     pub fn new(sector: &Sector, waves: &[Wave], reach_mm: f64) -> Self {
         let mesh = sector.body().mesh();
         let of_left =
@@ -50,7 +50,7 @@ impl DiskField {
         &self.omega_rad_per_s
     }
 
-    /// Sets `modal_point` to a point of the undeformed disk and answers how far outside it is, mm.
+    /// Sets `modal_point` to a point of the undeformed disk and returns its distance outside, mm.
     ///
     /// # Errors
     /// The point is beyond the reach.
@@ -59,18 +59,18 @@ impl DiskField {
         found.ok_or(TooFar { point_mm })
     }
 
-    /// How far outside of the disk points may be.
+    /// Largest distance of points outside the disk.
     pub fn reach_mm(&self) -> f64 {
         self.sector.reach_mm()
     }
 
-    /// As [`Field::carried`].
+    /// The same as [`Field::carried`].
     pub fn carried(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) -> f64 {
         let carried = |in_first_mm, other: &mut ModalPoint| Some(self.sector.carried(in_first_mm, beyond_mm, other));
         self.stand(point_mm, modal_point, carried).unwrap_or(f64::INFINITY)
     }
 
-    /// Sets `modal_point` in the sector where the point is least outside, from a search of the first sector.
+    /// Sets `modal_point` in the sector where the point is least outside, from a search in the first sector.
     fn stand(
         &self,
         point_mm: [f64; 3],
@@ -80,7 +80,7 @@ impl DiskField {
         let sectors = self.turns.len();
         let angle = libm::atan2(point_mm[1], point_mm[0]) - self.begin_rad;
         let guess = libm::floor(angle / TAU * sectors as f64) as isize;
-        // A twisted blade hangs over into the sectors beside its own.
+        // A twisted blade extends into the neighbouring sectors.
         let mut best: Option<(f64, usize)> = None;
         let mut other = ModalPoint { element: modal_point.element, ..ModalPoint::default() };
         for sector in [guess, guess - 1, guess + 1].map(|s| s.rem_euclid(sectors as isize) as usize) {
@@ -99,7 +99,7 @@ impl DiskField {
         Some(outside_mm)
     }
 
-    /// From a and b in the first sector to the displacement in another one: (1) of [`super::cyclic`].
+    /// Converts a and b of the first sector to the displacement in another one: (1) of [`super::cyclic`].
     fn expand(&self, sector: usize, modal_point: &mut ModalPoint) {
         let around = self.turns[sector];
         for (mode, diameters) in self.diameters.iter().enumerate() {
@@ -110,7 +110,8 @@ impl DiskField {
         modal_point.shapes.truncate(self.diameters.len());
     }
 
-    /// Which point of the undeformed disk is now at `now_mm`; `modal_point`, at a point nearby or at none, is set to it.
+    /// Point of the undeformed disk that is now at `now_mm`; sets `modal_point`, which may be at a point nearby or at
+    /// none.
     ///
     /// # Errors
     /// The point is beyond the reach.

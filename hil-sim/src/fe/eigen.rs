@@ -1,6 +1,6 @@
-//! The lowest eigenvalues of `K x = lambda M x`, K and M positive definite.
+//! Lowest eigenvalues of `K x = lambda M x`, K and M positive definite.
 //!
-//! Lanczos' method by blocks on the inverse: from a block of vectors V_1, orthonormal in M,
+//! Block Lanczos method on the inverse: from a block of vectors V_1, orthonormal in M,
 //!
 //! ```text
 //! W = K^-1 M V_j                                                                        (1)
@@ -8,9 +8,11 @@
 //! A s = theta s,   lambda = 1 / theta,   x = V s,   error of theta at most |R s_last|   (3)
 //! ```
 //!
-//! Every new vector is made orthogonal to all before it, twice, so no vector comes back and no false copy of an eigenvalue appears. Eigenvalues as often
-//! repeated as the block has vectors are found together; [`below`] counts what there is, to show that none is missed. Source: Grimes, Lewis, Simon, A shifted block Lanczos algorithm,
-//! SIAM J. Matrix Anal. Appl. 15, 1994 (with shift zero, without its selective orthogonality); the bound: Parlett, The Symmetric Eigenvalue Problem, chapter 13.
+//! Every new vector is made orthogonal to all before it, twice, so no vector returns and no false copy of an eigenvalue
+//! appears. Eigenvalues repeated as often as the block has vectors are found together; [`below`] counts all of them, to
+//! show that none is missing. Source: Grimes, Lewis, Simon, A shifted block Lanczos algorithm, SIAM J. Matrix Anal.
+//! Appl. 15, 1994 (with shift zero, without its selective orthogonality); the bound: Parlett, The Symmetric Eigenvalue
+//! Problem, chapter 13.
 
 use std::fmt;
 
@@ -18,13 +20,14 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::sparse::{Factor, Singular, Sparse, add_scaled, dot};
 
-/// Vectors of a block.
+/// Number of vectors in a block.
 const BLOCK: usize = 4;
 
-/// Greatest error of 1 / lambda, of itself; that of the vectors' direction is of this order over the gap to the next eigenvalue.
+/// Largest relative error of 1 / lambda; that of the vectors' direction is of this order over the gap to the next
+/// eigenvalue.
 const TOLERANCE_RATIO: f64 = 1e-10;
 
-/// Part of a vector below which nothing new is in it.
+/// Fraction of a vector below which it has no new component.
 const NEW_MIN_RATIO: f64 = 1e-10;
 
 /// An eigenvalue and its vector, x' M x = 1.
@@ -36,14 +39,14 @@ pub struct Eigenpair {
     pub vector: Vec<f64>,
 }
 
-/// Why there are no eigenvalues.
+/// Reason why no eigenvalues were computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EigenError {
-    /// Nothing holds the body.
+    /// The matrix is singular: nothing holds the body.
     Singular,
-    /// More are wanted than there are.
+    /// More eigenvalues are requested than there are.
     TooMany {
-        /// Unknowns.
+        /// Number of unknowns.
         size: usize,
     },
 }
@@ -65,7 +68,7 @@ impl From<Singular> for EigenError {
     }
 }
 
-/// Numbers without a pattern, the same in every run.
+/// Pseudo-random numbers, the same in every run.
 struct Noise(u64);
 
 impl Noise {
@@ -79,20 +82,20 @@ impl Noise {
     }
 }
 
-/// What grows block by block.
+/// Krylov space, extended block by block.
 struct Krylov<'a> {
     m: &'a Sparse,
     inverse: Factor,
     basis: Vec<Vec<f64>>,
-    /// Columns of A, each down to the last vector there was when it was made.
+    /// Columns of A, each down to the last vector that existed when it was computed.
     projected: Vec<Vec<f64>>,
     noise: Noise,
 }
 
-/// The `count` lowest, in rising order.
+/// The `count` lowest eigenvalues, in ascending order.
 ///
 /// # Errors
-/// K is singular, or there are fewer.
+/// K is singular, or there are fewer eigenvalues.
 pub fn lowest(k: &Sparse, m: &Sparse, count: usize) -> Result<Vec<Eigenpair>, EigenError> {
     let size = k.size();
     if count > size {
@@ -105,7 +108,7 @@ pub fn lowest(k: &Sparse, m: &Sparse, count: usize) -> Result<Vec<Eigenpair>, Ei
     }
     let (mut done, mut look_at) = (0, 2 * count);
     loop {
-        // The last block's W is not yet in the basis: its own part is what (3) bounds the error by.
+        // The W of the last block is not yet in the basis; its own part bounds the error in (3).
         let from = done;
         done = krylov.basis.len();
         for column in from..done {
@@ -121,17 +124,17 @@ pub fn lowest(k: &Sparse, m: &Sparse, count: usize) -> Result<Vec<Eigenpair>, Ei
     }
 }
 
-/// How many eigenvalues lie below one.
+/// Number of eigenvalues below a value.
 ///
 /// # Errors
-/// It is an eigenvalue.
+/// The value is an eigenvalue.
 pub fn below(k: &Sparse, m: &Sparse, lambda_per_s2: f64) -> Result<usize, EigenError> {
     Ok(Factor::of(k, lambda_per_s2, m)?.negatives())
 }
 
 impl Krylov<'_> {
-    /// Adds what is new in a vector to the basis, made as long as 1 in M; noise where nothing is. Answers the vector's coefficients in
-    /// the basis, the new one last. A basis as large as the space stays as it is.
+    /// Adds the new component of a vector to the basis, normalised in M; noise if there is none. Returns the vector's
+    /// coefficients in the basis, the new one last. A basis as large as the space does not change.
     fn add(&mut self, mut vector: Vec<f64>) -> Vec<f64> {
         let mut coefficients = self.make_orthogonal(&mut vector);
         if self.basis.len() == vector.len() {
@@ -155,7 +158,8 @@ impl Krylov<'_> {
         libm::sqrt(dot(vector, &self.m.times(vector)))
     }
 
-    /// Takes all of the basis out of a vector; twice, as the first time leaves its own rounding in it. Answers how much it was.
+    /// Removes all components along the basis from a vector; twice, because the first pass leaves its own rounding.
+    /// Returns the removed coefficients.
     fn make_orthogonal(&self, vector: &mut [f64]) -> Vec<f64> {
         let mut coefficients = vec![0.0; self.basis.len()];
         for _ in 0..2 {
@@ -179,7 +183,7 @@ impl Krylov<'_> {
 
     /// (3) with the first `done` vectors: the `count` lowest, if they are exact enough.
     fn pairs(&self, done: usize, count: usize, is_all: bool) -> Option<Vec<Eigenpair>> {
-        // A is symmetric: of each two entries the one in the later column, which has all rows that are asked for.
+        // A is symmetric: of two equal entries the one in the later column is used, which has all rows needed.
         let entry = |row: usize, column: usize| self.projected[column].get(row).copied().unwrap_or(0.0);
         let a = DMatrix::from_fn(done, done, |i, j| entry(i.min(j), i.max(j)));
         let eigen = SymmetricEigen::new(a);

@@ -30,14 +30,15 @@ pub fn jacobian(nodes_mm: &[[f64; 3]; NODES], place: Place) -> Matrix3<f64> {
     jacobian
 }
 
-/// Gradients of the functions in space, per mm, and the determinant of the Jacobian; none where an element has no volume.
+/// Gradients of the functions in space, per mm, and the determinant of the Jacobian; `None` if the element has no
+/// volume.
 fn gradients(nodes_mm: &[[f64; 3]; NODES], place: Place) -> Option<([Vector3<f64>; NODES], f64)> {
     let jacobian = jacobian(nodes_mm, place);
     let inverse = jacobian.try_inverse()?.transpose();
     Some((derivatives(place).map(|d| inverse * Vector3::from(d)), jacobian.determinant()))
 }
 
-/// The stiffness matrix, N/mm.
+/// Stiffness matrix, N/mm.
 pub fn stiffness(nodes_mm: &[[f64; 3]; NODES], material: &Material) -> Stiffness {
     let [lambda, mu] = material.lame_mpa();
     let mut k = Stiffness::zeros();
@@ -55,7 +56,7 @@ pub fn stiffness(nodes_mm: &[[f64; 3]; NODES], material: &Material) -> Stiffness
     k
 }
 
-/// The consistent mass matrix, t.
+/// Consistent mass matrix, t.
 pub fn mass(nodes_mm: &[[f64; 3]; NODES], material: &Material) -> Mass {
     let mut m = Mass::zeros();
     for (place, weight) in fourteen_points() {
@@ -114,7 +115,7 @@ mod tests {
         let mesh = Mesh::mapped([1, 1, 1], |_| true, |[x, y, z]| [x, y, z * (1.0 + 0.25 * x * x)]).unwrap();
         let sum: f64 = (0..6).map(|element| mass(&mesh.nodes_of_mm(element), &STEEL).sum()).sum();
         let interpolated = sum / STEEL.density_t_per_mm3();
-        // A quadratic element follows z x^2 but for its cubic part.
+        // A quadratic element represents z x^2 except for its cubic part.
         assert!((interpolated - 13.0 / 12.0).abs() < 2e-3, "{interpolated}");
     }
 }

@@ -1,4 +1,4 @@
-//! A vibrating body: its displacement at any point, and which of its points is where.
+//! Vibrating body: its displacement at any point, and the material point at any position.
 //!
 //! ```text
 //! phi_r(X) = sum over the element's nodes of N_a(X) phi_ra                       (1)
@@ -6,7 +6,9 @@
 //! Phi^-1(x): X <- x - u(X), again and again, u from the last point first          (3)
 //! ```
 //!
-//! Source: Lorong et al., 2012: (1) is [H(X)] of its (7), (2) the map of its section 3.1. There it is carried on outside of the part by a mesh of its own; here
+//! Source: Lorong et al., 2012: (1) is [H(X)] of its (7), (2) the map of its section 3.1. There a separate mesh extends
+//! the map outside the part; here the functions of the nearest element do, evaluated beyond its border, as far as the
+//! reach. Each iteration of (3) reduces the error by the strain.
 //! by the functions of the nearest element, evaluated beyond its border, as far as the reach. (3) comes closer by the strain each time.
 
 use super::body::Modes;
@@ -15,24 +17,25 @@ use super::mesh::Mesh;
 use super::modal_point::ModalPoint;
 use super::tetrahedron::functions;
 
-/// Change of X below which (3) is at its end.
+/// Change of X at which (3) ends.
 const STILL_MM: f64 = 1e-10;
 
-/// Rounds of (3). With strains below 0.1 ten would do.
+/// Largest number of iterations of (3). With strains below 0.1 ten would suffice.
 const ROUNDS: usize = 30;
 
-/// A mesh, its modes, and a way to find points in it.
+/// A mesh with its modes, and the search for points in it.
 #[derive(Clone, Debug)]
 pub struct Field {
     mesh: Mesh,
     locator: Locator,
-    /// By nodes, and of each node by modes: what one point needs lies together.
+    /// Shapes by nodes, and for each node by modes: the data of one point are adjacent.
     shapes: Vec<Vec<[f64; 3]>>,
     omega_rad_per_s: Vec<f64>,
 }
 
 impl Field {
-    /// The modes of a mesh, and how far outside of it points may be: at most about the thickness of an element, see docs/fe.md.
+    /// Field for the modes of a mesh; `reach_mm` is the largest distance of points outside: at most about the thickness
+    /// of an element, see docs/fe.md.
     pub fn new(mesh: Mesh, modes: &Modes, reach_mm: f64) -> Self {
         let at_node = |node| modes.shapes.iter().map(|shape| shape[node]).collect();
         let shapes = (0..mesh.nodes_mm().len()).map(at_node).collect();
@@ -45,7 +48,8 @@ impl Field {
         &self.omega_rad_per_s
     }
 
-    /// Sets `modal_point` to a point of the undeformed body and answers how far outside it is, mm. One that was near before is found fastest.
+    /// Sets `modal_point` to a point of the undeformed body and returns its distance outside, mm. A point near the
+    /// previous one is found fastest.
     ///
     /// # Errors
     /// The point is beyond the reach.
@@ -55,8 +59,9 @@ impl Field {
         Ok(found.outside_mm)
     }
 
-    /// Sets `modal_point` to a point, or, if that is outside by more than `beyond_mm`, to the one that far from the body on the way to it from the nearest point
-    /// of the body; answers how far outside the point is, mm. Beyond the reach all elements are looked at, which takes its time.
+    /// Sets `modal_point` to a point or, if that is outside by more than `beyond_mm`, to the point at that distance
+    /// from the body on the line from the nearest point of the body. Returns the distance of the point outside, mm.
+    /// Beyond the reach all elements are searched, which takes time.
     pub fn carried(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) -> f64 {
         let found = self.locator.carried(&self.mesh, point_mm, beyond_mm, modal_point.element);
         if let Some(found) = &found {
@@ -65,7 +70,7 @@ impl Field {
         found.map_or(f64::INFINITY, |found| found.outside_mm)
     }
 
-    /// The largest displacement of each mode along each axis at any node, 1/sqrt(t).
+    /// Largest displacement of each mode along each axis at any node, 1/sqrt(t).
     pub fn largest_shapes(&self) -> Vec<[f64; 3]> {
         let largest = |mode: usize| {
             let at_nodes = self.shapes.iter().map(|shapes| shapes[mode].map(libm::fabs));
@@ -74,17 +79,17 @@ impl Field {
         (0..self.omega_rad_per_s.len()).map(largest).collect()
     }
 
-    /// How far outside of the body points may be.
+    /// Largest distance of points outside the body.
     pub fn reach_mm(&self) -> f64 {
         self.locator.reach_mm()
     }
 
-    /// The nodes and the elements between them.
+    /// Mesh of the body.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }
 
-    /// (1)
+    /// Evaluates (1) at a located point.
     fn stand(&self, found: &Found, modal_point: &mut ModalPoint) {
         modal_point.element = Some(found.element);
         modal_point.shapes.clear();
@@ -98,7 +103,8 @@ impl Field {
         }
     }
 
-    /// Which point of the undeformed body is now at `now_mm`; `modal_point`, at a point nearby or at none, is set to it.
+    /// Point of the undeformed body that is now at `now_mm`; sets `modal_point`, which may be at a point nearby or at
+    /// none.
     ///
     /// # Errors
     /// The point is beyond the reach.
@@ -115,7 +121,7 @@ impl Field {
     }
 }
 
-/// (3), with u as told, and first as it was nearby.
+/// Iteration (3) with the given u, starting from the displacement of a point nearby.
 pub(super) fn settled_mm(
     now_mm: [f64; 3],
     near_mm: [f64; 3],

@@ -1,8 +1,8 @@
-//! In which element a point is, and where in it; or which is the nearest.
+//! Search for the element that contains a point, and the position in it; or for the nearest element.
 //!
-//! A coarse grid knows for each of its cells which elements come near; in an element the place is found by Newton's method, whose first step is exact
-//! where edges are straight. A point outside belongs to the element whose straight tetrahedron is nearest to it (nearest of all corners, edges, faces), and its
-//! place is beyond that element's border.
+//! A coarse grid lists for each of its cells the elements nearby. Newton's method finds the position in an element; its
+//! first step is exact if edges are straight. A point outside belongs to the element whose straight tetrahedron is
+//! nearest to it (nearest of all corners, edges, faces), and its position is beyond that element's border.
 
 use std::fmt;
 
@@ -12,34 +12,35 @@ use super::element::jacobian;
 use super::mesh::Mesh;
 use super::tetrahedron::{EDGES, MIDDLE, NODES, Place, barycentric, functions};
 
-/// How far beyond its border, of an element's size, a place still counts as in it.
+/// Distance beyond the border, as a fraction of an element's size, that counts as inside.
 const BORDER_RATIO: f64 = 1e-9;
 
-/// Part of an element's box by which bent edges may leave it.
+/// Fraction of an element's box by which bent edges may leave it.
 const BULGE_RATIO: f64 = 0.1;
 
-/// The functions of the nodes on an element's edges come to no more than this together, in its middle.
+/// Upper bound of the sum of the edge nodes' functions, reached in the middle of the element.
 const BEND_SUM_MAX: f64 = 1.5;
 
-/// Steps of Newton's method.
+/// Largest number of steps of Newton's method.
 const STEPS: usize = 12;
 
-/// A place in a mesh.
+/// A point located in a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
-    /// The element.
+    /// Number of the element.
     pub element: usize,
-    /// Where in it, or beyond it.
+    /// Position in the element, or beyond it.
     pub place: Place,
     /// Distance to the body, 0 inside.
     pub outside_mm: f64,
-    /// The point of the body that is nearest to it.
+    /// Nearest point of the body.
     nearest_mm: Vector3<f64>,
 }
 
 impl Found {
-    /// Whether some corners are no nearer to a point outside, nor what is between them: all of them lie behind the plane through the nearest point that is
-    /// square to the way there. Where faces lie in one plane, but for rounding, the first of them will do.
+    /// Whether these corners and everything between them are no nearer to a point outside: all of them are behind the
+    /// plane through the nearest point, square to the line from there to the point. If faces are in one plane, within
+    /// rounding, the first of them suffices.
     fn hides(&self, corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> bool {
         let off = point - self.nearest_mm;
         let least = BORDER_RATIO * off.norm_squared();
@@ -50,7 +51,7 @@ impl Found {
 /// No element is within reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TooFar {
-    /// The point asked for.
+    /// Requested point.
     pub point_mm: [f64; 3],
 }
 
@@ -66,7 +67,7 @@ impl std::error::Error for TooFar {}
 /// Lowest and highest corner.
 type Box3 = [Vector3<f64>; 2];
 
-/// The grid.
+/// Grid of cells for the search.
 #[derive(Clone, Debug)]
 pub struct Locator {
     boxes: Vec<Box3>,
@@ -78,12 +79,12 @@ pub struct Locator {
     reach_mm: f64,
 }
 
-/// How far a point is from a box.
+/// Distance of a point from a box.
 fn distance_mm([low, high]: &Box3, point: &Vector3<f64>) -> f64 {
     (low - point).sup(&(point - high)).sup(&Vector3::zeros()).norm()
 }
 
-/// Where a point is in an element, in or beyond it; none where the element's bend does not reach it.
+/// Position of a point in an element, in it or beyond it; `None` if the element's bend does not reach the point.
 fn place_of(nodes_mm: &[[f64; 3]; NODES], point: &Vector3<f64>) -> Option<Place> {
     let mut place = Vector3::from(MIDDLE);
     for _ in 0..STEPS {
@@ -99,21 +100,21 @@ fn place_of(nodes_mm: &[[f64; 3]; NODES], point: &Vector3<f64>) -> Option<Place>
     None
 }
 
-/// The planes of the four faces between straight corners.
+/// Planes of the four faces between straight corners.
 #[derive(Clone, Debug)]
 struct Planes {
     base: Vector3<f64>,
-    /// Rows: of the barycentric coordinates of all corners but the first.
+    /// Gradients (rows) of the barycentric coordinates of all corners but the first.
     gradients: Matrix3<f64>,
-    /// How steep those are, and that of the first corner.
+    /// Steepness of these gradients, and of that of the first corner.
     steepness: [f64; 3],
     of_base: f64,
-    /// How far points of the element may be beyond the planes, as its edges bend.
+    /// Largest distance of points of the element beyond the planes, because its edges are bent.
     bulge_mm: f64,
 }
 
 impl Planes {
-    /// None where the corners lie in one plane.
+    /// Planes; `None` if the corners are in one plane.
     fn new(nodes_mm: &[[f64; 3]; NODES]) -> Option<Self> {
         let node = |i: usize| Vector3::from(nodes_mm[i]);
         let base = node(0);
@@ -126,8 +127,8 @@ impl Planes {
         Some(Planes { base, gradients, steepness, of_base: gradients.row_sum().norm(), bulge_mm })
     }
 
-    /// The nearest point of the straight tetrahedron, and its distance, where that is within the face whose plane the point is farthest beyond: that plane
-    /// separates them.
+    /// Nearest point of the straight tetrahedron, and its distance, if it is in the face whose plane the point is
+    /// farthest beyond: that plane separates them.
     fn on_face_mm(&self, point: &Vector3<f64>) -> Option<(Vector3<f64>, f64)> {
         let l = self.gradients * (point - self.base);
         let of_base = ((l.sum() - 1.0) / self.of_base, self.gradients.row_sum().transpose() / self.of_base);
@@ -140,7 +141,7 @@ impl Planes {
         (beyond_mm > 0.0 && is_within).then_some((nearest, beyond_mm))
     }
 
-    /// How far a point is beyond them, at the most: it is no nearer to the tetrahedron.
+    /// Largest distance of a point beyond the planes, a lower bound of its distance from the tetrahedron.
     fn beyond_mm(&self, point: &Vector3<f64>) -> f64 {
         let l = self.gradients * (point - self.base);
         let of_base = (l.sum() - 1.0) / self.of_base;
@@ -148,15 +149,15 @@ impl Planes {
     }
 }
 
-/// Some of four corners, as bits: what a face, an edge, a corner, or the whole is the hull of; likely ones first.
+/// Subsets of four corners as bits, whose hulls are the faces, edges, corners and the whole; likely ones first.
 const HULLS: [usize; 15] = [7, 11, 13, 14, 3, 5, 6, 9, 10, 12, 1, 2, 4, 8, 15];
 
-/// The point of the straight tetrahedron between four corners that is nearest to another, and its distance.
+/// Nearest point of the straight tetrahedron between four corners, and its distance.
 ///
-/// It is the nearest point of the hull of some of the corners: the one that is within that hull and sees none of the other corners before it.
+/// It is the nearest point of the hull of some corners: a point inside that hull with no other corner in front of it.
 fn from_corners_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> (Vector3<f64>, f64) {
     let corner = |i: usize| Vector3::from(corners_mm[i]);
-    // Of an edge from one corner to another, whether the point is not before it.
+    // Whether the point is not before the beginning of an edge between two corners.
     let follows = |from: usize, to: usize| {
         let edge = corner(to) - corner(from);
         edge.dot(&(point - corner(from))) >= -BORDER_RATIO * edge.norm_squared()
@@ -170,7 +171,7 @@ fn from_corners_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> (Vector3<f6
         }
         let base = some.trailing_zeros() as usize;
         let edge = |i: usize| if is_chosen(i) { corner(i) - corner(base) } else { Vector3::zeros() };
-        // The other corners, whether chosen or not; those that are not get a part of zero.
+        // The other corners, chosen or not; corners not chosen get a part of zero.
         let others: [usize; 3] = std::array::from_fn(|k| (base + 1 + k) % 4);
         let edges = others.map(edge);
         let gram = Matrix3::from_fn(|i, j| edges[i].dot(&edges[j]) + f64::from(i == j && !is_chosen(others[i])));
@@ -193,7 +194,7 @@ fn from_corners_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> (Vector3<f6
 }
 
 impl Locator {
-    /// For the points of a mesh and those up to `reach_mm` outside.
+    /// Search for the points of a mesh and those up to `reach_mm` outside.
     pub fn new(mesh: &Mesh, reach_mm: f64) -> Self {
         let boxes: Vec<Box3> = (0..mesh.elements().len()).map(|element| around(mesh, element)).collect();
         let planes = (0..boxes.len()).map(|element| Planes::new(&mesh.nodes_of_mm(element))).collect();
@@ -222,7 +223,7 @@ impl Locator {
         locator
     }
 
-    /// How far outside points may be.
+    /// Largest distance of points outside.
     pub fn reach_mm(&self) -> f64 {
         self.reach_mm
     }
@@ -240,14 +241,14 @@ impl Locator {
         (z * self.counts[1] + y) * self.counts[0] + x
     }
 
-    /// Whether a point is not outside of an element's box or planes.
+    /// Whether a point is inside an element's box and planes.
     fn may_hold(&self, element: usize, point: &Vector3<f64>) -> bool {
         let planes = self.planes[element].as_ref();
         distance_mm(&self.boxes[element], point) == 0.0
             && planes.is_none_or(|planes| planes.beyond_mm(point) <= planes.bulge_mm)
     }
 
-    /// Where a point is. `near` is an element to look at first.
+    /// Locates a point. `near` is an element to check first.
     ///
     /// # Errors
     /// The point is outside by more than the reach.
@@ -264,8 +265,8 @@ impl Locator {
         self.nearest(mesh, &point, candidates(), self.reach_mm).ok_or(TooFar { point_mm })
     }
 
-    /// Where a point is that stands for another: itself, or, if it is outside by more than `beyond_mm`, the one that far from the body on the way to it
-    /// from the nearest point of the body. `near` is an element to look at first.
+    /// Locates a point or, if it is outside by more than `beyond_mm`, the point at that distance from the body on the
+    /// line from the nearest point of the body. `near` is an element to check first.
     pub fn carried(&self, mesh: &Mesh, point_mm: [f64; 3], beyond_mm: f64, near: Option<usize>) -> Option<Found> {
         let point = Vector3::from(point_mm);
         let all = || near.into_iter().chain(0..self.boxes.len());
@@ -278,7 +279,7 @@ impl Locator {
         place_of(&mesh.nodes_of_mm(found.element), &carried).map(|place| Found { place, ..found })
     }
 
-    /// Of some elements the one that is nearest to a point outside, if within a reach.
+    /// Element nearest to a point outside, if within a reach.
     fn nearest(
         &self,
         mesh: &Mesh,
@@ -312,7 +313,7 @@ impl Locator {
     }
 }
 
-/// The box of an element, with room for its bends.
+/// Box of an element, with a margin for bent edges.
 fn around(mesh: &Mesh, element: usize) -> Box3 {
     let nodes = mesh.nodes_of_mm(element).map(Vector3::from);
     let low = nodes.iter().fold(nodes[0], |low, node| low.inf(node));
@@ -325,7 +326,7 @@ fn around(mesh: &Mesh, element: usize) -> Box3 {
 mod tests {
     use super::*;
 
-    /// Numbers from -1 to 1 that have nothing to do with each other.
+    /// Pseudo-random numbers from -1 to 1.
     fn spread(seed: usize) -> f64 {
         let at = libm::sin(seed as f64 * 12.9898) * 43758.5453;
         2.0 * (at - libm::floor(at)) - 1.0

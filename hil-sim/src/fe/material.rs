@@ -1,4 +1,4 @@
-//! What parts and tools are made of: elastic, the same in all directions.
+//! Isotropic elastic materials of parts and tools.
 
 use arcfeed_shared::units::T_PER_MM3_IN_KG_PER_M3;
 
@@ -25,7 +25,7 @@ pub const INCONEL_718: Material = Material { young_mpa: 200e3, poisson_ratio: 0.
 /// Aluminium 7075-T6: ASM (10.4e6 psi, 0.33, 2.81 g/cm3).
 pub const ALUMINIUM_7075: Material = Material { young_mpa: 71.7e3, poisson_ratio: 0.33, density_kg_per_m3: 2810.0 };
 
-/// All of them, by name.
+/// Materials by name.
 pub const MATERIALS: [(&str, Material); 4] = [
     ("Ti-6Al-4V", TITANIUM_6AL_4V),
     ("structural steel", STEEL),
@@ -45,7 +45,7 @@ impl Material {
         [2.0 * mu * self.poisson_ratio / (1.0 - 2.0 * self.poisson_ratio), mu]
     }
 
-    /// Whether such a material exists.
+    /// Whether the constants are physically possible.
     pub fn is_sound(&self) -> bool {
         self.young_mpa > 0.0 && self.density_kg_per_m3 > 0.0 && (0.0..0.5).contains(&self.poisson_ratio)
     }

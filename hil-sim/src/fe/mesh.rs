@@ -1,9 +1,10 @@
-//! Meshes of ten-node tetrahedra: a lattice of hexahedra, six tetrahedra each, bent into shape by a function.
+//! Meshes of ten-node tetrahedra: a lattice of hexahedra, six tetrahedra each, mapped to a shape by a function.
 //!
-//! All nodes stand on the lattice of half cells: corners of cells, the middles of their edges and of the diagonals across faces and
-//! cells. So neighbours share the nodes between them, and faces on opposite sides have the same pattern. A cell is cut along
-//! the diagonal between two corners: a tetrahedron for each order in which the three axes can be gone along (H. Freudenthal, Annals of Mathematics 43,
-//! 1942; often named after Kuhn). Neighbours are mirror images: a plate is as stiff one way as the other, and bends more freely than with all diagonals alike.
+//! All nodes are on the lattice of half cells: corners of cells, the middles of their edges and of the diagonals across
+//! faces and cells. So neighbours share the nodes between them, and faces on opposite sides have the same pattern. A
+//! cell is divided along the diagonal between two corners: one tetrahedron for each order of the three axes along the
+//! path (H. Freudenthal, Annals of Mathematics 43, 1942; often named after Kuhn). Neighbours are mirror images: a plate
+//! has the same stiffness in both directions, and bends more freely than with parallel diagonals.
 
 use std::fmt;
 
@@ -12,7 +13,7 @@ use nalgebra::Vector3;
 use super::element::jacobian;
 use super::tetrahedron::{EDGES, NODES, fourteen_points, nodes};
 
-/// A place on the lattice, in half cells from the lowest corner.
+/// Point of the lattice, in half cells from the lowest corner.
 pub type HalfCells = [usize; 3];
 
 /// Nodes and the elements between them.
@@ -24,12 +25,12 @@ pub struct Mesh {
     cells: [usize; 3],
 }
 
-/// Why there is no such mesh.
+/// Reason why a mesh cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MeshError {
     /// No cell is kept.
     Empty,
-    /// The function folds an element: at one of its nodes its volume is nothing or less.
+    /// The function folds an element: at one of its nodes the determinant is not positive.
     Folded {
         /// The element, counted from 0.
         element: usize,
@@ -52,7 +53,8 @@ impl std::error::Error for MeshError {}
 /// The orders of three axes, even ones first.
 const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
 
-/// Where a place in a row of equal cells, both from 0 to 1, goes if the first is to be `first_ratio` as long as the last, evenly in between.
+/// Graded position of a point in a row of cells, both from 0 to 1: the first cell has `first_ratio` of the length of
+/// the last, with linear change between.
 pub fn graded(at_ratio: f64, cells: usize, first_ratio: f64) -> f64 {
     let at = at_ratio * cells as f64;
     let before = |cell: f64| {
@@ -64,7 +66,7 @@ pub fn graded(at_ratio: f64, cells: usize, first_ratio: f64) -> f64 {
     (low + (high - low) * (at - cell)) / before(cells as f64)
 }
 
-/// The ten nodes of a cell's tetrahedron, in half cells; cells with odd numbers are mirrored.
+/// Nodes of one tetrahedron of a cell, in half cells; cells with odd numbers are mirrored.
 fn tetrahedron(cell: [usize; 3], order: usize) -> [HalfCells; NODES] {
     let is_mirrored = cell.map(|c| c % 2 == 1);
     let mut corners = [[0; 3]; 4];
@@ -89,8 +91,8 @@ fn tetrahedron(cell: [usize; 3], order: usize) -> [HalfCells; NODES] {
 }
 
 impl Mesh {
-    /// The cells of a lattice of `cells` that `keep` keeps, each node put where `map` says. `map` takes a place in cells, from
-    /// zero to `cells`, gives millimetres, and must not mirror.
+    /// Mesh of the cells that `keep` selects in a lattice of `cells`; `map` gives the position of each node. `map`
+    /// takes a point in cells, from zero to `cells`, returns millimetres, and must not mirror.
     ///
     /// # Errors
     /// No cell is left, or an element is folded.
@@ -102,10 +104,10 @@ impl Mesh {
         Mesh::with_ends(2 * cells[0] + 1, cells, keep, map)
     }
 
-    /// The same, but the lattice closes along its first axis: the end is the beginning.
+    /// Mesh of a lattice that closes along its first axis: the end is the beginning.
     ///
     /// # Errors
-    /// As of [`Self::mapped`].
+    /// The same as for [`Self::mapped`].
     pub fn ring(
         cells: [usize; 3],
         keep: impl Fn([usize; 3]) -> bool,
@@ -114,7 +116,7 @@ impl Mesh {
         Mesh::with_ends(2 * cells[0], cells, keep, map)
     }
 
-    /// With so many different places along the first axis.
+    /// Mesh with `around` different points along the first axis.
     fn with_ends(
         around: usize,
         cells: [usize; 3],
@@ -145,7 +147,7 @@ impl Mesh {
         mesh.checked()
     }
 
-    /// A box from the origin.
+    /// Mesh of a box from the origin.
     ///
     /// # Errors
     /// No cells along an axis, or no length.
@@ -167,12 +169,12 @@ impl Mesh {
         }
     }
 
-    /// Where the nodes are.
+    /// Positions of the nodes.
     pub fn nodes_mm(&self) -> &[[f64; 3]] {
         &self.nodes_mm
     }
 
-    /// Where the nodes are on the lattice.
+    /// Positions of the nodes on the lattice.
     pub fn places(&self) -> &[HalfCells] {
         &self.places
     }
@@ -187,12 +189,12 @@ impl Mesh {
         self.cells
     }
 
-    /// Where one element's nodes are.
+    /// Positions of an element's nodes.
     pub fn nodes_of_mm(&self, element: usize) -> [[f64; 3]; NODES] {
         self.elements[element].map(|node| self.nodes_mm[node])
     }
 
-    /// The lowest and the highest corner of a box around the nodes.
+    /// Lowest and highest corner of a box around the nodes.
     pub fn bounds_mm(&self) -> [[f64; 3]; 2] {
         let corner = |choose: fn(f64, f64) -> f64| {
             let of = |axis: usize| self.nodes_mm.iter().map(|node| node[axis]).reduce(choose);
@@ -201,8 +203,8 @@ impl Mesh {
         [corner(f64::min), corner(f64::max)]
     }
 
-    /// The largest of the elements' least altitudes, about how thick a wall of one cell is: as far outside, displacements are known about as well as inside
-    /// (docs/fe.md).
+    /// Largest of the elements' smallest altitudes, about the thickness of a wall of one cell. Up to this distance
+    /// outside, displacements are about as exact as inside (docs/fe.md).
     pub fn thickness_mm(&self) -> f64 {
         let altitude_mm = |element: usize| {
             let corners: [Vector3<f64>; 4] =
@@ -215,7 +217,7 @@ impl Mesh {
         (0..self.elements.len()).map(altitude_mm).fold(0.0, f64::max)
     }
 
-    /// What its elements take up, bent as they are: the determinant is of degree 3.
+    /// Volume of the elements with bent edges: the determinant is of degree 3.
     pub fn volume_mm3(&self) -> f64 {
         let of = |element| {
             let nodes_mm = self.nodes_of_mm(element);
@@ -225,7 +227,7 @@ impl Mesh {
         (0..self.elements.len()).map(of).sum()
     }
 
-    /// The nodes whose place on the lattice is as wanted.
+    /// Nodes whose lattice point satisfies a condition.
     pub fn nodes_where(&self, wanted: impl Fn(HalfCells) -> bool) -> Vec<usize> {
         (0..self.places.len()).filter(|node| wanted(self.places[*node])).collect()
     }

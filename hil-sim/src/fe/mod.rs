@@ -1,8 +1,10 @@
-//! How tools and workpieces vibrate: natural frequencies, shapes, and what they do at a point.
+//! Vibration of tools and workpieces: natural frequencies, mode shapes, and their effect at a point.
 //!
-//! Tools are beams, workpieces bodies of ten-node tetrahedra, disks one sector of them. What comes out is the same for all: a
-//! [`modal_point::ModalPoint`] at a point, through which forces reach the modes and the modes move the point. Damping and steps in time are for others.
-//! Lengths in mm, forces in N, time in s and masses in t are one set of units: 1 N = 1 t mm/s2, 1 MPa = 1 N/mm2. Accuracy, cost and limits: docs/fe.md.
+//! Tools are beams, workpieces are bodies of ten-node tetrahedra, disks are modelled by one sector. All give a
+//! [`modal_point::ModalPoint`] at a point, through which forces act on the modes and the modes move the point. Damping
+//! and time steps are in other modules.
+//! Lengths in mm, forces in N, time in s and masses in t form one consistent set of units: 1 N = 1 t mm/s2, 1 MPa = 1
+//! N/mm2. Accuracy, cost and limits: docs/fe.md.
 
 pub mod material;
 

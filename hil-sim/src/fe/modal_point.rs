@@ -1,4 +1,4 @@
-//! What the modes of a body do at one of its points.
+//! Mode shapes at one point of a body.
 //!
 //! With the mass-normalised shapes phi_r of the modes and their amplitudes q_r (mm sqrt(t)),
 //!
@@ -8,10 +8,11 @@
 //! q_r'' + 2 zeta_r omega_r q_r' + omega_r^2 q_r = Q_r                            (3)
 //! ```
 //!
-//! Source: Lorong et al., Simulation of a finishing operation, 2012: (1) is its (7) and (8), (2) its (4) and (6), both reduced to modes (its section 1). (3) is for
-//! others to step; F in N and X in mm give seconds, with masses in t.
+//! Source: Lorong et al., Simulation of a finishing operation, 2012: (1) is its (7) and (8), (2) its (4) and (6), both
+//! reduced to modes (its section 1). [`crate::dynamics`] integrates (3); F in N and X in mm give seconds, with masses
+//! in t.
 
-/// A point as the modes see it, and where it was found, for the next one is near.
+/// Mode shapes at a point, and its element, from which the search for the next point starts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModalPoint {
     /// phi_r(X), 1/sqrt(t).
@@ -20,7 +21,7 @@ pub struct ModalPoint {
 }
 
 impl ModalPoint {
-    /// (1), mm; `amplitudes` in mm sqrt(t).
+    /// Displacement (1), mm; `amplitudes` in mm sqrt(t).
     pub fn displacement_mm(&self, amplitudes: &[f64]) -> [f64; 3] {
         let mut u_mm = [0.0; 3];
         for (shape, amplitude) in self.shapes.iter().zip(amplitudes) {

@@ -1,9 +1,11 @@
-//! In which order to number what is coupled, so that all couplings stay near the diagonal.
+//! Numbering of coupled points, such that all couplings are near the diagonal.
 //!
-//! Reverse Cuthill-McKee: outwards from a point at the end of the body, layer by layer, those with few neighbours first; then
-//! backwards. Source: George, Liu, Computer Solution of Large Sparse Positive Definite Systems, 1981, chapter 4.
+//! Reverse Cuthill-McKee: outwards from a point at the end of the body, layer by layer, points with few neighbours
+//! first; then reversed. Source: George, Liu, Computer Solution of Large Sparse Positive Definite Systems, 1981,
+//! chapter 4.
 
-/// The place in the new order of each of the old. `neighbours` must hold for both of each pair; the point itself may be among them.
+/// New number of each point. `neighbours` must list both directions of each pair; a point may be among its own
+/// neighbours.
 pub fn reverse_cuthill_mckee(neighbours: &[Vec<usize>]) -> Vec<usize> {
     let mut is_reached = vec![false; neighbours.len()];
     let mut order = Vec::with_capacity(neighbours.len());
@@ -20,7 +22,7 @@ pub fn reverse_cuthill_mckee(neighbours: &[Vec<usize>]) -> Vec<usize> {
     places
 }
 
-/// All that hang together with `start`, layer by layer, and how many layers there are.
+/// All points connected with `start`, layer by layer, and the number of layers.
 fn outwards(neighbours: &[Vec<usize>], start: usize, is_reached: &mut [bool]) -> (Vec<usize>, usize) {
     let mut order = vec![start];
     is_reached[start] = true;
@@ -42,7 +44,7 @@ fn outwards(neighbours: &[Vec<usize>], start: usize, is_reached: &mut [bool]) ->
     (order, layers)
 }
 
-/// A point from which there are as many layers as one gets by going to the far end again and again.
+/// Point with the most layers, found by repeated search from the far end.
 fn far_end(neighbours: &[Vec<usize>], start: usize) -> usize {
     let (mut best, mut most) = (start, 0);
     loop {

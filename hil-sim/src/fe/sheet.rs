@@ -1,8 +1,9 @@
-//! A wall or a blade from a closed surface: what lies between two sides, held at a face square to its span.
+//! Mesh of a wall or a blade from a closed surface: the volume between two sides, clamped at a face square to its span.
 //!
-//! Three axes: span, from the clamp; thickness, from side to side; chord, the third. The solid is cut square to the span at every layer of nodes; nodes at
-//! corners, on edges and in faces of elements stand on its true sides, so that bent sides are held as quadratic elements can. Cells at the clamp are a fifth as long
-//! as at the other end.
+//! Three axes: span, from the clamp; thickness, from side to side; chord, the third. The solid is cut square to the
+//! span at every layer of nodes. Nodes at corners, on edges and in faces of elements are on its true sides, so that
+//! bent sides are represented as well as quadratic elements can. Cells at the clamp have a fifth of the length of those
+//! at the other end.
 
 use std::fmt;
 
@@ -15,72 +16,72 @@ use crate::stock::mesh::Mesh as Surface;
 use crate::stock::outline::{Flat, Outline};
 use crate::stock::solid::Solid;
 
-/// Part of the span by which cuts stay away from both ends, where faces may lie in the plane.
+/// Distance of cuts from both ends, as a fraction of the span, because faces at the ends may be in the plane.
 const ASIDE_RATIO: f64 = 1e-4;
 
-/// So far from an end, in parts of the span, a section is compared with the one at the end.
+/// Distance from an end, as a fraction of the span, at which a section is compared with the one at the end.
 const NEAR_RATIO: f64 = 0.01;
 
-/// Sections so near to each other, or of neighbouring layers of nodes, have at least this part of each other's area.
+/// Smallest ratio of the areas of two sections that are this near, or of neighbouring layers of nodes.
 const ALIKE_RATIO: f64 = 0.5;
 
-/// Part of the solid that elements may lack or add.
+/// Largest difference of volume between elements and solid, as a fraction.
 const VOLUME_RATIO: f64 = 0.05;
 
-/// The body.
+/// Solid between two sides, with its axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Sheet<'a> {
-    /// Its surface.
+    /// Surface of the solid.
     pub surface: &'a Surface,
-    /// The axis through its thickness, 0 to 2.
+    /// Axis through the thickness, 0 to 2.
     pub thickness: usize,
-    /// Where it is clamped; its axis is that of the span.
+    /// Clamped face; its axis is the axis of the span.
     pub held: Face,
 }
 
-/// Why there is no mesh of it.
+/// Reason why a sheet has no mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SheetError {
     /// No cells along an axis, or thickness along the span.
     Axes,
-    /// It is no sheet.
+    /// The solid does not have two sides.
     NoSides {
-        /// Of thickness.
+        /// Axis of the thickness.
         axis: usize,
-        /// A place on the line that says so.
+        /// Point on the line that meets the solid.
         at_mm: Vector,
-        /// How often the line meets the solid.
+        /// Number of times that the line meets the solid.
         count: usize,
     },
-    /// An end of its span is slanted, round or pointed.
+    /// An end of the span is slanted, round or pointed.
     NotFlat {
-        /// Of the span.
+        /// Axis of the span.
         axis: usize,
-        /// The end.
+        /// Coordinate of the end.
         at_mm: f64,
     },
-    /// Its section grows or shrinks too fast for its cells.
+    /// The section grows or shrinks too fast for the cells.
     Unlike {
-        /// Of the span.
+        /// Axis of the span.
         axis: usize,
-        /// Two layers of nodes.
+        /// Coordinates of two layers of nodes.
         at_mm: [f64; 2],
     },
     /// A cell is folded.
     Folded {
-        /// Its middle.
+        /// Middle of the cell.
         at_mm: Vector,
     },
-    /// The elements are not what the surface encloses.
+    /// The volume of the elements differs from that of the solid.
     Volume {
-        /// Of the elements.
+        /// Volume of the elements.
         mesh_mm3: f64,
-        /// Of the solid.
+        /// Volume of the solid.
         solid_mm3: f64,
     },
 }
 
-/// Of the axes.
+/// Names of the axes.
 const NAMES: [&str; 3] = ["X", "Y", "Z"];
 
 impl fmt::Display for SheetError {
@@ -123,7 +124,7 @@ impl Sheet<'_> {
     /// A mesh with cells along x, y and z.
     ///
     /// # Errors
-    /// It is no sheet between two flat ends, or the cells do not follow it.
+    /// The solid is no sheet between two flat ends, or the cells do not follow it.
     pub fn mesh(&self, cells: [usize; 3]) -> Result<Mesh, SheetError> {
         let (thickness, span) = (self.thickness, self.held.axis);
         if thickness == span || cells.contains(&0) {
@@ -152,7 +153,7 @@ impl Sheet<'_> {
         if is_whole { Ok(mesh) } else { Err(SheetError::Volume { mesh_mm3, solid_mm3 }) }
     }
 
-    /// The coordinate at a part of the span, and what is cut there.
+    /// Coordinate at a fraction of the span, and the cut there.
     fn cut(&self, part: f64) -> (f64, Outline) {
         let span = self.held.axis;
         let [low, high] = self.surface.bounds_mm().map(|corner| corner[span]);
@@ -161,7 +162,7 @@ impl Sheet<'_> {
         (at_mm(part), Outline::of(self.surface, axes, at_mm(part.clamp(ASIDE_RATIO, 1.0 - ASIDE_RATIO))))
     }
 
-    /// So many places on both sides of each cut.
+    /// Points on both sides of each cut, `places` of them.
     fn layers(&self, cuts: &[(f64, Outline)], places: usize) -> Result<Vec<Vec<[Flat; 2]>>, SheetError> {
         let told = |at_mm: f64, NoSides { at_mm: flat, count }: NoSides| SheetError::NoSides {
             axis: self.thickness,
@@ -180,7 +181,7 @@ impl Sheet<'_> {
         (0..cuts.len()).map(of_layer).collect()
     }
 
-    /// A place in the plane at a coordinate along the span.
+    /// Point in the plane at a coordinate along the span.
     fn place(&self, at_mm: f64, [along_mm, through_mm]: Flat) -> Vector {
         [0, 1, 2].map(|axis: usize| match axis {
             axis if axis == self.held.axis => at_mm,
@@ -210,8 +211,8 @@ impl Sheet<'_> {
     }
 }
 
-/// Values none of which is less than it was, without the leaps that facets of an edge make from layer to layer: the mean of three neighbours, each the
-/// greatest of three.
+/// Values not less than before, without the jumps that facets of an edge cause from layer to layer: the mean of three
+/// neighbours, each the largest of three.
 fn evened(values: Vec<f64>) -> Vec<f64> {
     let around = |at: usize| at.saturating_sub(1)..(at + 2).min(values.len());
     let greatest: Vec<f64> =
@@ -219,7 +220,7 @@ fn evened(values: Vec<f64>) -> Vec<f64> {
     (0..values.len()).map(|at| greatest[around(at)].iter().sum::<f64>() / around(at).len() as f64).collect()
 }
 
-/// The cell that an element is part of; six of each.
+/// Cell of an element; each cell has six elements.
 fn cell_of(element: usize, cells: [usize; 3]) -> [usize; 3] {
     let index = element / 6;
     [index % cells[0], index / cells[0] % cells[1], index / (cells[0] * cells[1])]
@@ -229,7 +230,7 @@ fn cell_of(element: usize, cells: [usize; 3]) -> [usize; 3] {
 mod tests {
     use super::*;
 
-    /// Between a face below and one above, both with corners in the sense of a right hand about z.
+    /// Solid between a face below and one above, both with corners in the right-handed sense about z.
     fn hexahedron(corners: [[Vector; 4]; 2]) -> Surface {
         let sides = (0..4).flat_map(|k| [[k, (k + 1) % 4, (k + 1) % 4 + 4], [k, (k + 1) % 4 + 4, k + 4]]);
         let ends = [[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]];

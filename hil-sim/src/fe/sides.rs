@@ -1,17 +1,19 @@
-//! The two sides of a section: the section of a wall or a blade, by places along its middle line.
+//! The two sides of a wall's or blade's section, by points along its middle line.
 //!
-//! In the plane the first coordinate is along the chord, the second through the thickness. Lines through the thickness meet the solid once; the middles of
-//! what they meet, the thick ones counting more, have a parabola as their middle line, from its best straight line:
+//! In the plane the first coordinate is along the chord, the second through the thickness. Lines through the thickness
+//! meet the solid once. The middles of the met parts, with more weight for thick ones, give a parabola as middle line,
+//! relative to the best straight line:
 //!
 //! ```text
 //! least squares of w (a + b u + c u^2 - v)^2, w the square of what the line meets        (1)
 //! middle line: v = c u^2, along a line that is turned by atan b and moved by a           (2)
 //! ```
 //!
-//! The first lines are along the thickness, the second square to the straight line found by them, the last square to the parabola: so a section that leans ends
-//! where its own edges are, and the sides are met squarely. Wherever the middle line is, the places on the sides are true.
+//! The first lines are along the thickness, the second square to the straight line found by them, the last square to
+//! the parabola. So a section that leans ends at its own edges, and the lines meet the sides squarely. Wherever the
+//! middle line is, the points on the sides are exact.
 //!
-//! An edge is not part of the sides: they leave off where it is round or thin.
+//! An edge is not part of the sides: they end where it is round or thin.
 //!
 //! Source: own.
 
@@ -20,34 +22,36 @@ use nalgebra::{Matrix3, Vector3};
 use crate::stock::dexel::Interval;
 use crate::stock::outline::{Flat, Outline};
 
-/// Sides leave off where they are less than this part of the thickest apart: elements that end in a line would be folded. What it costs: docs/fe.md.
+/// Fraction of the largest thickness below which the sides end: elements that end in a line would be folded. The
+/// resulting error: docs/fe.md.
 const THIN_RATIO: f64 = 0.05;
 
-/// And where the thickness grows by more than this, length by length: sides that come together at 60 degrees each, 2 tan 60, are the edge's round.
+/// Largest growth of the thickness over length: sides that meet at 60 degrees each, 2 tan 60, are the rounding of the
+/// edge.
 const STEEP_RATIO: f64 = 3.464;
 
-/// Growth is seen over this part of the thickest.
+/// Length over which growth is measured, as a fraction of the largest thickness.
 const STEP_RATIO: f64 = 0.003;
 
-/// Lines that find the middle.
+/// Number of lines for finding the middle.
 const LINES: usize = 64;
 
-/// Of these so many at both ends may meet more than one piece of the solid: what its facets leave of an edge that leans.
+/// Number of these lines at both ends that may meet more than one part of the solid: facets of a leaning edge.
 const OUTER_LINES: f64 = 8.0;
 
-/// Halvings of the place where a section ends: one of `LINES` steps to 1e-11 of the chord.
+/// Halvings in the search for a section's end: one of `LINES` steps to 1e-11 of the chord.
 const HALVINGS: usize = 30;
 
-/// Why a section has no two sides.
+/// Reason why a section does not have two sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoSides {
-    /// A place on the line.
+    /// Point on the line.
     pub at_mm: Flat,
-    /// How often the line meets the solid.
+    /// Number of times that the line meets the solid.
     pub count: usize,
 }
 
-/// (2): where it begins, which way it goes, c, and the coordinates between which the section is.
+/// Middle line (2): its origin, its direction, c, and the coordinates between which the section is.
 #[derive(Clone, Copy, Debug)]
 struct Middle<'a> {
     outline: &'a Outline,
@@ -63,7 +67,7 @@ impl<'a> Middle<'a> {
         Middle { outline, origin_mm, along, bend_per_mm, extent_mm }
     }
 
-    /// A place on it, and the direction square to it there.
+    /// Point on the middle line, and the direction square to it there.
     fn line(&self, u_mm: f64) -> (Flat, Flat) {
         let across = [-self.along[1], self.along[0]];
         let mixed = |u: f64, v: f64| [0, 1].map(|k| self.along[k] * u + across[k] * v);
@@ -73,7 +77,7 @@ impl<'a> Middle<'a> {
         ([0, 1].map(|k| self.origin_mm[k] + place[k]), mixed(-slope / length, 1.0 / length))
     }
 
-    /// The solid square to it.
+    /// Part of the solid on the line square to the middle line.
     fn met(&self, u_mm: f64) -> Result<Option<Interval>, NoSides> {
         let (at_mm, across) = self.line(u_mm);
         let met = self.outline.on_line(at_mm, across);
@@ -85,7 +89,7 @@ impl<'a> Middle<'a> {
         }
     }
 
-    /// The same, where there must be some.
+    /// Part of the solid on the line, which must exist.
     fn met_once(&self, u_mm: f64) -> Result<Interval, NoSides> {
         self.met(u_mm)?.ok_or_else(|| NoSides { at_mm: self.line(u_mm).0, count: 0 })
     }
@@ -98,12 +102,12 @@ impl<'a> Middle<'a> {
         (self.extent_mm[1] - self.extent_mm[0]) / LINES as f64
     }
 
-    /// The coordinates of lines between both ends.
+    /// Coordinates of lines between both ends.
     fn lines(&self) -> [f64; LINES] {
         std::array::from_fn(|line| self.extent_mm[0] + (line as f64 + 0.5) * self.step_mm())
     }
 
-    /// The parabola by lines square to this, a straight one. (1)
+    /// Parabola fitted by lines square to this straight middle line. (1)
     fn fitted(&self) -> Result<Self, NoSides> {
         let (mut left, mut right) = (Matrix3::zeros(), Vector3::zeros());
         let half_mm = self.step_mm() * LINES as f64 / 2.0;
@@ -131,7 +135,7 @@ impl<'a> Middle<'a> {
         self.lines().into_iter().try_fold(0.0, |thickest_mm: f64, u_mm| Ok(thickest_mm.max(self.thickness_mm(u_mm)?)))
     }
 
-    /// Where the sides begin, coming from the section's end; `inwards` is 1 from the lower one, -1 from the upper.
+    /// Beginning of the sides, from the section's end; `inwards` is 1 from the lower end, -1 from the upper.
     fn end_mm(&self, inwards: f64, thickest_mm: f64) -> Result<f64, NoSides> {
         let next_mm = inwards * STEP_RATIO * thickest_mm;
         let is_side = |u_mm: f64| {
@@ -159,19 +163,19 @@ impl<'a> Middle<'a> {
     }
 }
 
-/// A section with two sides.
+/// Section with two sides.
 #[derive(Clone, Copy, Debug)]
 pub struct Section<'a> {
     middle: Middle<'a>,
-    /// How far from its ends along the chord the sides begin.
+    /// Distances along the chord from the section's ends to the sides.
     pub inset_mm: [f64; 2],
 }
 
 impl<'a> Section<'a> {
-    /// Within an outline.
+    /// Section inside an outline.
     ///
     /// # Errors
-    /// A line through the thickness meets the solid never or more than once.
+    /// A line through the thickness meets the solid never, or more than once.
     pub fn of(outline: &'a Outline) -> Result<Self, NoSides> {
         let middle_mm = [[1.0, 0.0], [0.0, 1.0]].map(|axis| {
             let [low, high] = outline.extent_mm([0.0; 2], axis).unwrap_or_default();
@@ -185,10 +189,10 @@ impl<'a> Section<'a> {
         Ok(Section { middle, inset_mm })
     }
 
-    /// So many places, evenly from where the sides begin or further in: on the lower side and on the upper.
+    /// Evenly spaced points, from the beginning of the sides or further in: on the lower side and on the upper.
     ///
     /// # Errors
-    /// As of [`Self::of`].
+    /// The same as for [`Self::of`].
     pub fn sides(&self, inset_mm: [f64; 2], places: usize) -> Result<Vec<[Flat; 2]>, NoSides> {
         let [low, high] = self.middle.extent_mm;
         let (from_mm, to_mm) = (low + inset_mm[0], high - inset_mm[1]);

@@ -1,23 +1,24 @@
-//! A block with its edges along the axes, held at one of its faces: a thin wall, a plate, a bar.
+//! A block with its edges along the axes, clamped at one of its faces: a thin wall, a plate, a bar.
 
 use arcfeed_shared::kinematics::vector::Vector;
 
 use super::mesh::{Mesh, MeshError, graded};
 
-/// Cells at the clamp over those at the other end: there the bending changes fast.
+/// Ratio of the cell length at the clamp to that at the other end: the bending changes fast at the clamp.
 const HELD_RATIO: f64 = 0.2;
 
-/// A face square to an axis.
+/// Face square to an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Face {
     /// 0, 1, 2 for x, y, z.
     pub axis: usize,
-    /// At the higher end.
+    /// Whether the face is at the higher end.
     pub is_upper: bool,
 }
 
 impl Face {
-    /// Where a place along its axis in a row of equal cells, both from 0 to 1, goes: cells at the face are a fifth as long as those at the other end.
+    /// Graded position of a point along the face's axis in a row of cells, both from 0 to 1: cells at the face have a
+    /// fifth of the length of those at the other end.
     pub(super) fn graded(self, at_ratio: f64, cells: usize) -> f64 {
         if self.is_upper {
             1.0 - graded(1.0 - at_ratio, cells, HELD_RATIO)
@@ -26,26 +27,26 @@ impl Face {
         }
     }
 
-    /// Nodes of a lattice with its axes along x, y and z that are in this face.
+    /// Nodes in this face, for a lattice with its axes along x, y and z.
     pub fn nodes(self, mesh: &Mesh) -> Vec<usize> {
         let end = if self.is_upper { 2 * mesh.cells()[self.axis] } else { 0 };
         mesh.nodes_where(|place| place[self.axis] == end)
     }
 }
 
-/// The block.
+/// Block with its clamped face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slab {
     /// The lowest corner.
     pub lowest_mm: Vector,
     /// The highest corner.
     pub highest_mm: Vector,
-    /// Where it is clamped.
+    /// Clamped face.
     pub held: Face,
 }
 
 impl Slab {
-    /// A mesh with cells along the axes, those at the clamp a fifth as long as those at the other end.
+    /// A mesh with cells along the axes; those at the clamp have a fifth of the length of those at the other end.
     ///
     /// # Errors
     /// No cells along an axis, or no length.
@@ -79,7 +80,7 @@ mod tests {
             assert!(clamped.iter().all(|node| mesh.nodes_mm()[*node][axis] == held_mm));
             let off_mm = mesh.nodes_mm().iter().map(|node| (node[axis] - held_mm).abs());
             let first_mm = off_mm.filter(|off_mm| *off_mm > 1e-9).fold(f64::INFINITY, f64::min);
-            // Cells are as 0.2, 0.6 and 1; the first node is in the middle of the first.
+            // Cells have the lengths 0.2, 0.6 and 1; the first node is in the middle of the first.
             let length_mm = slab.highest_mm[axis] - slab.lowest_mm[axis];
             assert!((first_mm - length_mm / 18.0).abs() < 1e-12, "{first_mm}");
         }

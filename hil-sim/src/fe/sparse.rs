@@ -1,12 +1,12 @@
-//! Symmetric matrices with few entries, and the factors of those that are narrow.
+//! Sparse symmetric matrices, and the factors of those with a narrow envelope.
 //!
 //! ```text
 //! A = L D L'     L with ones on its diagonal, within the envelope of A            (1)
 //! ```
 //!
-//! Row by row, each within the columns from the row's first entry to its diagonal: what lies before stays zero. Entries of D below zero are as many as A has
-//! eigenvalues below zero (Sylvester's law of inertia). Source: Bathe, Finite Element Procedures, 2nd ed., section 8.2. There is no pivoting: K - s M is
-//! only factored away from eigenvalues.
+//! Rows are reduced one by one, each within the columns from its first entry to its diagonal; entries before stay zero.
+//! D has as many negative entries as A has negative eigenvalues (Sylvester's law of inertia). Source: Bathe, Finite
+//! Element Procedures, 2nd ed., section 8.2. There is no pivoting: K - s M is only factored away from eigenvalues.
 
 use std::ops::Range;
 
@@ -18,28 +18,28 @@ pub struct Sparse {
     values: Vec<f64>,
 }
 
-/// A pivot is zero: the matrix is singular, as the stiffness of a body is that nothing holds.
+/// A pivot is zero: the matrix is singular, like the stiffness of a body without a clamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Singular {
-    /// The row in question.
+    /// Row of the pivot.
     pub row: usize,
 }
 
-/// L and D of (1).
+/// Factors L and D of (1).
 #[derive(Clone, Debug)]
 pub struct Factor {
     /// First column of each row.
     firsts: Vec<usize>,
     starts: Vec<usize>,
-    /// Rows of L without their ones.
+    /// Rows of L without the ones on the diagonal.
     lower: Vec<f64>,
     diagonal: Vec<f64>,
 }
 
-/// Part of the diagonal entry that a pivot must have left: below it is the rounding of what was taken away.
+/// Smallest fraction of the diagonal entry that may remain as a pivot; less is rounding.
 const PIVOT_MIN_RATIO: f64 = 1e-13;
 
-/// Sum of products; four sums at a time, for a processor waits for each of them.
+/// Dot product, in four independent sums, so that the processor does not wait for each addition.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (a_fours, b_fours) = (a.chunks_exact(4), b.chunks_exact(4));
@@ -60,7 +60,8 @@ pub(super) fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {
 }
 
 impl Sparse {
-    /// From entries (column, value) of each row, columns at most the row's own number, in any order; equal columns add up.
+    /// Matrix from entries (column, value) of each row, in any order, with columns up to the row's own number; entries
+    /// of equal column add up.
     pub fn from_rows(rows: Vec<Vec<(usize, f64)>>) -> Self {
         let mut matrix = Sparse { starts: vec![0], columns: Vec::new(), values: Vec::new() };
         for mut row in rows {
@@ -80,7 +81,7 @@ impl Sparse {
         matrix
     }
 
-    /// Rows, as many as columns.
+    /// Number of rows and columns.
     pub fn size(&self) -> usize {
         self.starts.len() - 1
     }
@@ -111,7 +112,7 @@ impl Factor {
     /// Factors of `a - shift_per_s2 * b`, where `b` has no entry before the first of `a` in any row.
     ///
     /// # Errors
-    /// A pivot is nothing, or nothing but rounding.
+    /// A pivot is zero, or only rounding.
     pub fn of(a: &Sparse, shift_per_s2: f64, b: &Sparse) -> Result<Factor, Singular> {
         let size = a.size();
         let mut factor = Factor { firsts: vec![], starts: vec![0], lower: vec![], diagonal: Vec::with_capacity(size) };
@@ -154,7 +155,7 @@ impl Factor {
         Ok(())
     }
 
-    /// The solution for a right side, in its place.
+    /// Solves for a right side, in place.
     pub fn solve(&self, x: &mut [f64]) {
         let rows = 0..self.diagonal.len();
         let of_row = |row: usize| &self.lower[self.starts[row]..self.starts[row + 1]];
@@ -170,12 +171,12 @@ impl Factor {
         }
     }
 
-    /// Eigenvalues below zero.
+    /// Number of negative eigenvalues.
     pub fn negatives(&self) -> usize {
         self.diagonal.iter().filter(|d| **d < 0.0).count()
     }
 
-    /// Entries kept, a measure of what factors and solutions cost.
+    /// Number of stored entries, a measure of the cost of factors and solutions.
     pub fn entries(&self) -> usize {
         self.lower.len()
     }

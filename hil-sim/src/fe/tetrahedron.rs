@@ -1,7 +1,7 @@
-//! The ten-node tetrahedron: its functions, their derivatives, and where to integrate.
+//! Ten-node tetrahedron: shape functions, their derivatives, and integration points.
 //!
-//! Reference coordinates r, s, t from the first corner along the edges to the other three; L0 = 1 - r - s - t, L1 = r, L2 = s,
-//! L3 = t. Corners first, then the middles of [`EDGES`]:
+//! Reference coordinates r, s, t run from the first corner along the edges to the other three; L0 = 1 - r - s - t, L1 =
+//! r, L2 = s, L3 = t. The corners come first, then the middles of [`EDGES`]:
 //!
 //! ```text
 //! N_i = L_i (2 L_i - 1)     corners                                              (1)
@@ -14,7 +14,7 @@
 /// Nodes of an element.
 pub const NODES: usize = 10;
 
-/// Which corners the nodes 4 to 9 stand between.
+/// Corners between which the nodes 4 to 9 are.
 pub const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];
 
 /// Reference coordinates r, s, t.
@@ -23,15 +23,15 @@ pub type Place = [f64; 3];
 /// The middle of the reference element.
 pub const MIDDLE: Place = [0.25; 3];
 
-/// A place and its part of the reference element's volume, 1/6 in all.
+/// Integration point, with its fraction of the reference element's volume, 1/6 in all.
 pub type Point = (Place, f64);
 
-/// L0 to L3.
+/// Barycentric coordinates L0 to L3.
 pub fn barycentric(place: Place) -> [f64; 4] {
     [1.0 - place[0] - place[1] - place[2], place[0], place[1], place[2]]
 }
 
-/// The places of the nodes.
+/// Reference coordinates of the nodes.
 pub fn nodes() -> [Place; NODES] {
     let mut places = [[0.0; 3]; NODES];
     for corner in 1..4 {
@@ -43,7 +43,7 @@ pub fn nodes() -> [Place; NODES] {
     places
 }
 
-/// The ten functions at a place, inside the element or not.
+/// The ten shape functions at a point, inside the element or not.
 pub fn functions(place: Place) -> [f64; NODES] {
     let l = barycentric(place);
     let mut n = [0.0; NODES];
@@ -56,7 +56,7 @@ pub fn functions(place: Place) -> [f64; NODES] {
     n
 }
 
-/// Their derivatives by r, s and t.
+/// Derivatives of the shape functions by r, s and t.
 pub fn derivatives(place: Place) -> [[f64; 3]; NODES] {
     const OF_L: [[f64; 3]; 4] = [[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let l = barycentric(place);
@@ -72,7 +72,7 @@ pub fn derivatives(place: Place) -> [[f64; 3]; NODES] {
     d
 }
 
-/// Exact to degree 2, the stiffness of an element with straight edges.
+/// Rule exact to degree 2, the degree of the stiffness of an element with straight edges.
 pub fn four_points() -> [Point; 4] {
     const NEAR: f64 = 0.585_410_196_624_968_5;
     const FAR: f64 = 0.138_196_601_125_010_5;
@@ -80,7 +80,7 @@ pub fn four_points() -> [Point; 4] {
     [([FAR; 3], weight), ([NEAR, FAR, FAR], weight), ([FAR, NEAR, FAR], weight), ([FAR, FAR, NEAR], weight)]
 }
 
-/// Exact to degree 5: the mass of an element with straight edges is of degree 4.
+/// Rule exact to degree 5: the mass of an element with straight edges is of degree 4.
 pub fn fourteen_points() -> [Point; 14] {
     const CORNERS: [[f64; 2]; 2] = [
         [0.310_885_919_263_300_6, 0.112_687_925_718_015_85 / 6.0],
@@ -112,7 +112,7 @@ mod tests {
         (1..=n).map(f64::from).product()
     }
 
-    /// Greatest error of a rule over all monomials of a degree, against i! j! k! / (i + j + k + 3)!.
+    /// Largest error of a rule over all monomials of a degree, against i! j! k! / (i + j + k + 3)!.
     fn error_ratio(points: &[Point], degree: i32) -> f64 {
         let mut worst: f64 = 0.0;
         for i in 0..=degree {

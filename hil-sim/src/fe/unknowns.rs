@@ -1,10 +1,12 @@
-//! From displacements of nodes to unknowns: what is clamped, what moves with something else, and in which order to number the rest.
+//! Mapping from displacements of nodes to unknowns: clamped nodes, coupled nodes, and the numbering of the rest.
 //!
 //! ```text
 //! u = T x,   K = sum of T_e' K_e T_e over the elements, M likewise                (1)
 //! ```
 //!
-//! u: three displacements a node. A row of T is empty where a node is clamped, has one entry where it is free, more where it follows
+//! u has three displacements per node. A row of T is empty if its node is clamped, has one entry if it is free, and
+//! more if it follows another node. One mesh may have two such T, the real and the imaginary part of a wave around a
+//! disk; then both parts add up.
 //! another one. There may be two such T for one mesh, the real and the imaginary part of a wave around a disk; then both parts add up.
 
 use super::element::{Mass, Stiffness};
@@ -15,15 +17,15 @@ use super::sparse::Sparse;
 /// Entries of a row of T: unknown and coefficient.
 pub type Row = Vec<(usize, f64)>;
 
-/// T, or its two parts.
+/// Mapping T, or its two parts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unknowns {
     parts: Vec<Vec<Row>>,
     count: usize,
 }
 
-/// Numbers such that what shares an element is near each other: of each node its leader's, 0 and on; none where it has no leader.
-/// Leaders lead themselves.
+/// Numbers from 0 such that nodes of the same element have near numbers: each node has its leader's number, or none
+/// without a leader. Leaders lead themselves.
 pub fn numbers(mesh: &Mesh, leaders: &[Option<usize>]) -> Vec<Option<usize>> {
     let mut neighbours = vec![Vec::new(); leaders.len()];
     for element in mesh.elements() {
@@ -46,7 +48,7 @@ pub fn numbers(mesh: &Mesh, leaders: &[Option<usize>]) -> Vec<Option<usize>> {
 }
 
 impl Unknowns {
-    /// All nodes are free but the clamped ones.
+    /// Unknowns of a mesh with clamped nodes; all others are free.
     pub fn clamped(mesh: &Mesh, clamped: &[usize]) -> Self {
         let mut leaders: Vec<Option<usize>> = (0..mesh.nodes_mm().len()).map(Some).collect();
         for node in clamped {
@@ -61,23 +63,23 @@ impl Unknowns {
         Unknowns { parts: vec![rows], count }
     }
 
-    /// As told: rows of T, three to a node, for each part.
+    /// Unknowns with the given rows of T, three to a node, for each part.
     pub fn told(parts: Vec<Vec<Row>>, count: usize) -> Self {
         Unknowns { parts, count }
     }
 
-    /// How many there are.
+    /// Number of unknowns.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// u = T x of one part, by nodes.
+    /// Displacements u = T x of one part, by nodes.
     pub fn displacements(&self, part: usize, x: &[f64]) -> Vec<[f64; 3]> {
         let value = |row: &Row| row.iter().map(|(unknown, coefficient)| coefficient * x[*unknown]).sum();
         self.parts[part].chunks_exact(3).map(|rows| std::array::from_fn(|axis| value(&rows[axis]))).collect()
     }
 
-    /// (1): stiffness and mass of the whole.
+    /// Stiffness and mass matrix of the whole mesh (1).
     pub fn assemble(&self, mesh: &Mesh, elements: &[(Stiffness, Mass)]) -> (Sparse, Sparse) {
         let (mut k_rows, mut m_rows) = (vec![Vec::new(); self.count], vec![Vec::new(); self.count]);
         for rows in &self.parts {
@@ -99,7 +101,7 @@ impl Unknowns {
     }
 }
 
-/// Adds an entry between two displacements to all pairs of unknowns that they are made of, in the lower triangle.
+/// Adds an entry between two displacements to all pairs of their unknowns, in the lower triangle.
 fn spread(row: &Row, column: &Row, value: f64, into: &mut [Row]) {
     for (i, of_row) in row {
         for (j, of_column) in column {

@@ -1,24 +1,24 @@
-//! The surface after a pass against that of a rigid pair.
+//! Surface after a pass, compared with that of a rigid pair.
 //!
-//! Rays square to the chord end on the machined side, in each layer. The deviation is taken along the normal, positive where material is left; where all of
-//! it is gone, it is the blade's thickness.
+//! Rays square to the chord end on the machined side, in each layer. The deviation is measured along the normal,
+//! positive for remaining material; if no material remains, it is the blade's thickness.
 
 use super::pass::Machined;
 use super::side::Side;
 use crate::cutting::layer::Layer;
 use crate::stock::dexel::{Dexel, Interval};
 
-/// Rays this near to an edge are left out: what they meet may be the edge itself.
+/// Distance from an edge within which rays are left out: they may meet the edge itself.
 const EDGE_MM: f64 = 0.3;
 
-/// A point of the surface.
+/// Point of the surface with its deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
-    /// Which layer, from the lowest.
+    /// Index of the layer, from the lowest.
     pub layer: usize,
-    /// Along the side, from its middle.
+    /// Position along the side, from its middle.
     pub along_mm: f64,
-    /// Along the normal, outwards.
+    /// Deviation along the normal, outwards.
     pub deviation_mm: f64,
 }
 
@@ -49,14 +49,14 @@ fn of_layer<'a>(
         if x_mm < ends[0] + EDGE_MM || x_mm > ends[1] - EDGE_MM {
             return None;
         }
-        // The line runs almost evenly along the chord.
+        // The line is almost evenly spaced along the chord.
         let along_mm = ((x_mm - ends[0]) / (ends[1] - ends[0]) - 0.5) * side.length_mm();
         let across = side.contact(along_mm).normal.y;
         Some(Mark { layer, along_mm, deviation_mm: (end_mm(left, &reference) - reference.to_mm) * across })
     })
 }
 
-/// Where the material ends on the machined side.
+/// End of the material on the machined side.
 fn end_mm(left: &Dexel, reference: &Interval) -> f64 {
     left.extent().map_or(reference.from_mm, |extent| extent.to_mm)
 }

@@ -1,4 +1,4 @@
-//! Finishing the side of a blade with a ball end mill, and the marks that this leaves.
+//! Finishing of a blade's side with a ball end mill, and the resulting marks.
 
 pub mod side;
 

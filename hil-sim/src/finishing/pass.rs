@@ -1,15 +1,16 @@
 //! One pass of a ball end mill along the side of a blade, its axis along the span.
 //!
-//! The ball's centre is at the height of the contact; the pass before was made by the same ball, one stepover higher. So at
-//! a height z over the centre, with the ball's radius R and c(z) = R - sqrt(R^2 - z^2) for z < 0, else 0,
+//! The ball's centre is at the height of the contact; the same ball made the pass before, one stepover higher. So at a
+//! height z above the centre, with the ball's radius R and c(z) = R - sqrt(R^2 - z^2) for z < 0, else 0,
 //!
 //! ```text
 //! stands out before the pass: least of the allowance and c(z - stepover)        (1)
 //! after it, with a rigid pair: least of that and c(z)                           (2)
 //! ```
 //!
-//! so the chip is a crescent of about the allowance times the stepover. Over these few millimetres the blade's section is taken as that
-//! at the height of the contact; the modes are seen from the contact, which has its place on the blade anew some times a tooth.
+//! so the chip is a crescent of about the allowance times the stepover. Over these few millimetres the blade's section
+//! is that at the height of the contact. The modes act at the contact, whose position on the blade is updated some
+//! times a tooth.
 //!
 //! Source: own; the operation is that of Lorong et al., Simulation of a finishing operation, 2012, section 4.
 
@@ -31,72 +32,72 @@ use crate::dynamics::vibration::{Stepping, Vibration};
 use crate::flexible::{Modal, Workpiece};
 use crate::process::Process;
 
-/// How often the workpiece is seen anew, in a tooth.
+/// Updates of the workpiece's modes in a tooth.
 const LOOKS_A_TOOTH: usize = 4;
-/// Air before and after the cut.
+/// Distance before and after the cut.
 const AIR_MM: f64 = 0.5;
 /// Rounding of a whole number of layers.
 const WHOLE_RATIO: f64 = 1e-9;
-/// Chips are not thicker.
+/// Depth of the rake faces; chips are not thicker.
 const RAKE_MM: f64 = 1.0;
 
-/// The pass.
+/// Geometry and conditions of a pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pass {
-    /// Where.
+    /// Side of the blade.
     pub side: Side,
-    /// A ball: the corner is half of the diameter.
+    /// Ball end mill: its corner radius is half of its diameter.
     pub mill: EndMill,
-    /// Square to the surface.
+    /// Allowance square to the surface.
     pub allowance_mm: f64,
-    /// Along the axis, to the pass before.
+    /// Stepover along the axis, to the pass before.
     pub stepover_mm: f64,
-    /// Along the line of contacts.
+    /// Feed along the line of contacts.
     pub feed_mm_per_tooth: f64,
-    /// Teeth in a second.
+    /// Teeth per second.
     pub tooth_hz: f64,
-    /// What the material does to an edge.
+    /// Force model of the material.
     pub cutting: Cutting,
-    /// How finely it is computed.
+    /// Resolution of the computation.
     pub fineness: Fineness,
 }
 
-/// How finely a pass is computed.
+/// Resolution of a pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fineness {
-    /// Height of a layer; a whole number of them is the ball's radius.
+    /// Height of a layer; the ball's radius is a whole number of them.
     pub rise_mm: f64,
-    /// Between rays of a layer.
+    /// Distance of the rays of a layer.
     pub ray_mm: f64,
     /// Steps in a tooth.
     pub steps: usize,
 }
 
-/// What a pass did.
+/// Result of a pass.
 #[derive(Clone, Debug)]
 pub struct Machined {
-    /// What is left of the blade.
+    /// Remaining blade.
     pub layers: Layers,
-    /// Once a tooth.
+    /// Samples, one a tooth.
     pub teeth: Vec<Tooth>,
-    /// Steps in which force and displacement did not come to agree.
+    /// Number of steps in which force and displacement did not converge.
     pub open: usize,
 }
 
-/// One moment a tooth.
+/// Sample at one tooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tooth {
-    /// Where the contact is, from the middle of the line.
+    /// Position of the contact, from the middle of the line.
     pub along_mm: f64,
-    /// Of the tool against the workpiece.
+    /// Displacement of the tool relative to the workpiece.
     pub displacement_mm: Vector3<f64>,
-    /// The largest square to the axis since the tooth before.
+    /// Largest displacement square to the axis since the tooth before.
     pub swing_mm: f64,
-    /// The largest force square to the axis since the tooth before.
+    /// Largest force square to the axis since the tooth before.
     pub force_n: f64,
 }
 
-/// The mill has no such edges, or not in such layers.
+/// The mill has no such edges, or they do not fit the layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MillError;
 
@@ -113,24 +114,24 @@ impl Pass {
         self.mill.diameter_mm / 2.0
     }
 
-    /// c(z).
+    /// Clearance c(z).
     fn clearance_mm(&self, z_mm: f64) -> f64 {
         let below_mm = z_mm.min(0.0);
         let square = self.radius_mm() * self.radius_mm() - below_mm * below_mm;
         self.radius_mm() - libm::sqrt(square.max(0.0))
     }
 
-    /// (1)
+    /// Height of the material before the pass (1).
     fn before_mm(&self, z_mm: f64) -> f64 {
         self.clearance_mm(z_mm - self.stepover_mm).min(self.allowance_mm)
     }
 
-    /// How far ahead of the contact the deepest chip begins.
+    /// Distance ahead of the contact at which the deepest chip begins.
     pub fn reach_mm(&self) -> f64 {
         libm::sqrt(self.allowance_mm * (2.0 * self.radius_mm() - self.allowance_mm))
     }
 
-    /// The layers that the pass cuts.
+    /// Layers that the pass cuts.
     pub fn layers(&self) -> Layers {
         let rise_mm = self.fineness.rise_mm;
         let (below, above) = (libm::ceil(self.reach_mm() / rise_mm), libm::ceil(self.stepover_mm / rise_mm));
@@ -142,7 +143,7 @@ impl Pass {
         Layers::new(lowest_mm, rise_mm, (0..(below + above) as usize).map(layer).collect())
     }
 
-    /// What stands out at the middle of a layer after the pass of a rigid pair. (2)
+    /// Height of the material at the middle of a layer after the pass of a rigid pair. (2)
     pub fn after_mm(&self, layers: &Layers, layer: usize) -> f64 {
         let z_mm = layers.middle_mm(layer) - self.side.height_mm();
         self.before_mm(z_mm).min(self.clearance_mm(z_mm))
@@ -161,7 +162,7 @@ impl Pass {
         Ok(Process::new(engagement, self.cutting, Vibration::new(modes, stepping)))
     }
 
-    /// Where the tool is, from the contact and how many teeth have passed.
+    /// Position of the tool, from the contact and the number of teeth passed.
     fn stand(&self, along_mm: f64, teeth: f64) -> Stand {
         let contact = self.side.contact(along_mm);
         Stand {
@@ -171,10 +172,11 @@ impl Pass {
         }
     }
 
-    /// From one edge of the blade to the other. Modes of the workpiece, as seen from anywhere, stand first; a rigid one has none, and is not seen.
+    /// Runs the pass from one edge of the blade to the other. The workpiece's modes come first in the list, with the
+    /// shapes of any point; a rigid workpiece has none.
     ///
     /// # Errors
-    /// There is no such tool.
+    /// The tool is invalid.
     pub fn run<B: Modal>(&self, modes: Vec<Mode>, mut workpiece: Option<Workpiece<B>>) -> Result<Machined, MillError> {
         let mut process = self.process(modes)?;
         let half_mm = self.side.length_mm() / 2.0;
@@ -207,7 +209,7 @@ impl Pass {
     }
 }
 
-/// The displacement alone of a pass across the blade's normal at its contact; positive away from the material.
+/// Displacement in the direction of the blade's normal at the contact; positive away from the material.
 pub fn normal_mm(side: &Side, tooth: &Tooth) -> f64 {
     let normal: Vector2<f64> = side.contact(tooth.along_mm).normal;
     tooth.displacement_mm.xy().dot(&normal)

@@ -1,19 +1,19 @@
-//! The line on a blade's side along which a ball end mill touches it, at one height.
+//! Line on a blade's side along which a ball end mill touches it, at one height.
 //!
-//! In the plane square to the span: points from the leading edge to the trailing edge, each with its outward normal and its place
-//! s from -1/2 to 1/2. Beyond the edges the line goes straight on.
+//! In the plane square to the span: points from the leading edge to the trailing edge, each with its outward normal and
+//! its coordinate s from -1/2 to 1/2. Beyond the edges the line continues straight.
 
 use nalgebra::Vector2;
 
 use crate::fe::blade::Blade;
 
-/// What s is changed by to see where the line goes.
+/// Change of s for finding the line's direction.
 const AHEAD_RATIO: f64 = 1e-5;
 
-/// Points of the line whose length is taken.
+/// Number of points for measuring the line's length.
 const POINTS: usize = 400;
 
-/// The convex side of a blade at a height.
+/// Convex side of a blade at a height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Side {
     blade: Blade,
@@ -24,14 +24,14 @@ pub struct Side {
 /// A point of the line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// In the plane.
+    /// Point in the plane.
     pub point_mm: Vector2<f64>,
-    /// Out of the material, a unit vector.
+    /// Normal out of the material, a unit vector.
     pub normal: Vector2<f64>,
 }
 
 impl Side {
-    /// At this part of the span.
+    /// Side at this fraction of the span.
     pub fn new(blade: Blade, height_ratio: f64) -> Self {
         let mut side = Side { blade, height_ratio, length_mm: 0.0 };
         let points: Vec<Vector2<f64>> = (0..=POINTS).map(|n| side.surface_mm(n as f64 / POINTS as f64 - 0.5)).collect();
@@ -39,12 +39,12 @@ impl Side {
         side
     }
 
-    /// From edge to edge.
+    /// Length from edge to edge.
     pub fn length_mm(&self) -> f64 {
         self.length_mm
     }
 
-    /// Along the span.
+    /// Height along the span.
     pub fn height_mm(&self) -> f64 {
         self.height_ratio * self.blade.span_mm
     }
@@ -58,7 +58,7 @@ impl Side {
         self.at_mm(s, 0.5)
     }
 
-    /// So far from the middle of the line.
+    /// Contact at a distance from the middle of the line.
     pub fn contact(&self, along_mm: f64) -> Contact {
         let s = along_mm / self.length_mm;
         let on = s.clamp(-0.5, 0.5);
@@ -67,12 +67,12 @@ impl Side {
         Contact { point_mm, normal: Vector2::new(-tangent.y, tangent.x) }
     }
 
-    /// The place on the blade where the modes are asked for.
+    /// Point on the blade at which the modes act.
     pub fn place_mm(&self, along_mm: f64) -> [f64; 3] {
         self.blade.point_mm([(along_mm / self.length_mm).clamp(-0.5, 0.5), 0.5, self.height_ratio])
     }
 
-    /// The section's outline with an allowance on this side.
+    /// Outline of the section with an allowance on this side.
     pub fn outline_mm(&self, allowance_mm: f64) -> Vec<Vector2<f64>> {
         let part = |n: usize| n as f64 / POINTS as f64 - 0.5;
         let raised = |n: usize| {

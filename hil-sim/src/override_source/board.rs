@@ -5,8 +5,9 @@
 //!          board:  takes exactly these bytes, ticks once              ->  Setpoint { lines, bytes put so far }
 //! ```
 //!
-//! In lockstep the machine waits for the answer and for exactly the bytes that it counts: a run is the same every time, however
-//! long the board takes by the clock of the wall. Free running, each goes on by itself: the machine takes what has come.
+//! In lockstep the machine waits for the answer and for exactly the bytes that it counts, so a run is the same every
+//! time, however long the board takes in real time. Free running, each continues by itself: the machine takes the bytes
+//! that have arrived.
 //! Frames: docs/protocol.md, outside of any session.
 
 use arcfeed_firmware::ramp::FeedOverride;
@@ -23,19 +24,19 @@ use arcfeed_shared::wire::plain::PlainLine;
 use super::{OverrideSource, Shown};
 use crate::control::signals::FeedOverrideLines;
 
-/// What a frame with a setpoint takes on the line.
+/// Length of a frame with a setpoint on the line.
 const SETPOINT_BYTES: usize = OVERHEAD + 18;
 
 /// The lines of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wire {
-    /// To the host.
+    /// Line to the host.
     Link,
-    /// To the machine.
+    /// Line to the machine.
     Machine,
-    /// To the sender of NC text, which the board taps.
+    /// Line to the sender of NC text, which the board taps.
     Sender,
-    /// To the control.
+    /// Line to the control.
     Control,
 }
 
@@ -50,38 +51,38 @@ pub trait Wires {
     /// Waits for bytes until `bytes` is full.
     ///
     /// # Errors
-    /// They do not come.
+    /// The bytes do not come.
     fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), Broken>;
 
-    /// Takes what has come; how many bytes.
+    /// Takes the bytes that have arrived; returns their number.
     ///
     /// # Errors
     /// The line is broken.
     fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, Broken>;
 }
 
-/// What is at the far ends of the board's other lines.
+/// Devices at the far ends of the board's other lines.
 pub trait Attached {
-    /// What they send in this period, as far as their lines' bit rates allow.
+    /// Bytes that the devices send in this period, as far as their lines' bit rates allow.
     fn send(&mut self, at: Micros, traffic: &mut Traffic);
-    /// What they receive.
+    /// Bytes that the devices receive.
     fn receive(&mut self, at: Micros, wire: Wire, bytes: &[u8]);
 }
 
-/// Nothing is attached.
+/// No device is attached.
 impl Attached for () {
     fn send(&mut self, _at: Micros, _traffic: &mut Traffic) {}
     fn receive(&mut self, _at: Micros, _wire: Wire, _bytes: &[u8]) {}
 }
 
-/// Bytes on their way to the board.
+/// Bytes to the board.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// From the host.
+    /// Bytes from the host.
     pub link: Vec<u8>,
-    /// From the sender.
+    /// Bytes from the sender.
     pub sender: Vec<u8>,
-    /// From the control.
+    /// Bytes from the control.
     pub control: Vec<u8>,
 }
 
@@ -92,11 +93,11 @@ pub enum Broken {
     Closed(Wire),
     /// No answer in time.
     Silent(Wire),
-    /// What came on the machine line is no setpoint.
+    /// Bytes on the machine line are no setpoint.
     NoSetpoint,
     /// A setpoint answers the sample of this time, not the last one.
     OutOfStep(Micros),
-    /// A tap passed on this many bytes, not all that came in the period.
+    /// A tap passed on this many bytes, not all of those in the period.
     Tap(usize),
 }
 
@@ -144,7 +145,7 @@ impl<W: Wires, A: Attached> Board<W, A> {
         }
     }
 
-    /// The board begins anew, as `restart` does it at the far ends: what was counted and what was on its way is gone.
+    /// Restarts the board; `restart` does it at the far ends. Counters and bytes on the lines are discarded.
     pub fn begin_anew(&mut self, restart: impl FnOnce(&mut W)) {
         restart(&mut self.wires);
         (self.machine, self.traffic, self.tapped) = (PlainLine::new(), Traffic::default(), [0; 2]);
@@ -152,48 +153,48 @@ impl<W: Wires, A: Attached> Board<W, A> {
         (self.has_begun, self.last, self.broken) = (false, None, None);
     }
 
-    /// What people at the machine's panel press from now on, and what other signals there are beside the control's.
+    /// Sets the inputs from the machine's panel, and other signals that are not the control's.
     pub fn set_panel(&mut self, panel: Signals) {
         self.panel = panel;
     }
 
-    /// What is attached.
+    /// The attached device.
     pub fn attached(&self) -> &A {
         &self.attached
     }
 
-    /// What is attached, to act on.
+    /// The attached device, mutable.
     pub fn attached_mut(&mut self) -> &mut A {
         &mut self.attached
     }
 
-    /// What was attached.
+    /// The attached device, at the end.
     pub fn into_attached(self) -> A {
         self.attached
     }
 
-    /// Its lines and what was attached.
+    /// The lines and the attached device.
     pub fn into_parts(self) -> (W, A) {
         (self.wires, self.attached)
     }
 
-    /// The far ends of its lines.
+    /// Far ends of the lines.
     pub fn wires(&self) -> &W {
         &self.wires
     }
 
-    /// State of its supervisor, as last reported.
+    /// State of the board's supervisor, as last reported.
     pub fn state(&self) -> Option<StateCode> {
         self.last.map(|setpoint| setpoint.state)
     }
 
-    /// Reason why it has stopped.
+    /// Reason why the board has stopped.
     pub fn broken(&self) -> Option<Broken> {
         self.broken
     }
 
     fn exchange(&mut self, shown: &Shown) -> Result<(), Broken> {
-        // The first word is the machine's: it tells the board in which mode they are.
+        // The machine sends first; its sample gives the board the mode.
         if self.has_begun {
             self.attached.send(shown.at, &mut self.traffic);
         }
@@ -256,7 +257,7 @@ impl<W: Wires, A: Attached> Board<W, A> {
         self.take_tapped(at, setpoint.tap_bytes)
     }
 
-    /// A tap passes every byte on, in the period it came in.
+    /// A tap passes on every byte in the period in which it arrived.
     fn take_tapped(&mut self, at: Micros, until: u32) -> Result<(), Broken> {
         let [to_control, to_sender] = core::mem::take(&mut self.tapped);
         let count = until.wrapping_sub(self.received.tap) as usize;

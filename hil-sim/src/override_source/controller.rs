@@ -21,12 +21,12 @@ pub struct InProcessController {
     supervisor: Option<Supervisor>,
     task: Task,
     io: BoardIo,
-    /// The job as the controller believes it to be.
+    /// The job with the tool that the controller assumes.
     believed: Job,
     frozen_from: Option<Micros>,
 }
 
-/// The controller's surroundings: the segment in work, the inputs, the override output.
+/// Inputs and outputs of the controller: the segment in execution, the inputs, the override output.
 #[derive(Debug)]
 struct BoardIo {
     segment: Option<(u32, ActiveSegment)>,
@@ -51,12 +51,12 @@ impl Board for BoardIo {
 }
 
 impl InProcessController {
-    /// The controller of a job, ticking every `period`; the operator has armed before cycle start.
+    /// The controller of a job, with the tick `period`; the operator has armed it before cycle start.
     ///
     /// # Errors
-    /// Bounds of the override that make no sense.
+    /// The bounds of the override are invalid.
     pub fn new(job: &Job, fault: ControllerFault, period: Span) -> Result<Self, SettingsError> {
-        // What is cut into pieces needs no override, and the machine may have none.
+        // A job that rewrites the program needs no override, and the machine may have none.
         let has_override = !matches!(job.policy, FeedPolicy::RewriteOnly(_));
         let is_on = has_override && fault != ControllerFault::LawOff;
         let supervisor = is_on.then(|| Supervisor::new(job, Settings::default())).transpose()?;
@@ -99,7 +99,7 @@ impl OverrideSource for InProcessController {
     }
 }
 
-/// The job with the first tool as the controller takes it to be.
+/// The job with the first tool as the controller assumes it.
 fn believed(job: &Job, fault: ControllerFault) -> Job {
     let mut job = job.clone();
     if let (ControllerFault::RadiusScale(scale), Tool::CupMill(mill)) = (fault, &mut job.tools.first_mut().tool) {

@@ -9,7 +9,7 @@ use arcfeed_firmware::main_loop::MainLoop;
 
 use super::board::{Broken, Wire, Wires};
 
-/// How many lines a board has.
+/// Number of lines of a board.
 const LINES: usize = 4;
 
 /// A board application in this process, and its byte queues.
@@ -22,10 +22,10 @@ pub struct InProcess<'q, const N: usize> {
     log: Log,
 }
 
-/// What it logs; state.
+/// Log of the board; state.
 #[derive(Debug, Default)]
 struct Log {
-    /// Each frame, and behind how many ticks it comes.
+    /// Frames, each with the number of ticks after which it is sent.
     frames: VecDeque<(u32, Vec<u8>)>,
     ticks: u32,
     waiting: Vec<u8>,
@@ -60,15 +60,15 @@ impl<'q, const N: usize> InProcess<'q, N> {
         InProcess { front, task, machine, lockstep, rings: Rings::default(), log: Log::default() }
     }
 
-    /// The same, with a log over its link: frames, and behind how many ticks each comes. What a board logs is its image's; a board in
-    /// this process can only be told.
+    /// Adds a log over the link: frames, each with the number of ticks after which it is sent. On a chip the image's
+    /// logger writes the log; a board in this process gets it here.
     #[must_use]
     pub fn with_log(mut self, frames: impl IntoIterator<Item = (u32, Vec<u8>)>) -> Self {
         self.log.frames = frames.into_iter().collect();
         self
     }
 
-    /// The side of the main loop.
+    /// Main loop of the board.
     pub fn front(&self) -> &MainLoop<'q, N> {
         &self.front
     }
@@ -110,7 +110,7 @@ impl<const N: usize> Wires for InProcess<'_, N> {
     }
 }
 
-/// The board's end of a line.
+/// The board's end of a wire.
 fn line(wire: Wire) -> Line {
     match wire {
         Wire::Link => Line::Link,

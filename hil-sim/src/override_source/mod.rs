@@ -18,7 +18,7 @@ use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Micros, RevPerMin};
 
-/// The machine's signals at a servo period.
+/// Signals of the machine in a servo period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
     /// Time.
@@ -36,23 +36,23 @@ pub struct Shown {
 /// A move that the control begins, with its conditions.
 #[derive(Clone, Copy, Debug)]
 pub struct Begun<'a> {
-    /// Its running count.
+    /// Running count of the move.
     pub count: u32,
     /// The move, in the workpiece's coordinates.
     pub segment: &'a Segment,
-    /// The job's cut rule that speaks of it.
+    /// Cut rule of the job for the move.
     pub rule: Option<&'a CutRule>,
-    /// Engaged arcs of the tool's circles along it, for a rule that expects engagement per move.
+    /// Engaged arcs of the tool's circles along the move, for a rule that expects engagement per move.
     pub along: Option<&'a EngagedTable>,
     /// Commanded spindle speed.
     pub spindle: RevPerMin,
-    /// The fastest feed on it, where it is not the one of the job's axes and ceiling.
+    /// Largest feed on the move, if it differs from that of the job's axes and ceiling.
     pub limit: Option<FeedLimit>,
-    /// Largest override at its end, %.
+    /// Largest override at the end of the move, %.
     pub end_percent: u8,
 }
 
-/// A source of the feed override, asked once a servo period.
+/// Source of the feed override, called once a servo period.
 pub trait OverrideSource {
     /// Notes that the control begins a move, or has none in work. A controller that follows the position ignores it.
     fn begin(&mut self, _begun: Option<Begun<'_>>) {}

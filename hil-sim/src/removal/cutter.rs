@@ -31,19 +31,19 @@ pub struct CutterSettings {
     pub tolerance_mm: f64,
 }
 
-/// Blocks that took nothing although they cut.
+/// Cutting blocks whose material was not removed, by reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// Why.
+    /// Reason.
     pub why: Unplaced,
-    /// The first of them.
+    /// First of the blocks.
     pub first: Of,
-    /// How many.
+    /// Number of blocks.
     pub blocks: usize,
     last: u32,
 }
 
-/// A stock, and what has been taken from it.
+/// A stock, with the record of what was removed from it.
 #[derive(Debug)]
 pub struct Cutter {
     settings: CutterSettings,
@@ -52,24 +52,24 @@ pub struct Cutter {
     /// Rapids before the first cut.
     waiting: Vec<Stretch>,
     approach: Approach,
-    /// The block in work last.
+    /// Last block in execution.
     last: Option<(Of, MoveContext)>,
     blocks: Vec<Of>,
     pieces: Vec<Piece>,
     left_out: Vec<LeftOut>,
 }
 
-/// Nothing tells where the axes stand at first: rapids do not count before Z has been moved.
+/// State of the approach. The position of the axes is unknown at first, so rapids do not count before Z has moved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Approach {
     Unknown,
-    /// In this block Z moves first.
+    /// Z moves first in this block.
     Lifts(u32),
     Over,
 }
 
 impl LeftOut {
-    /// Counts a block among those that were left out; a rapid is none.
+    /// Counts a left-out block, unless it is a rapid.
     pub(super) fn count(list: &mut Vec<LeftOut>, of: Of, why: Unplaced) {
         if of.is_rapid {
             return;
@@ -85,7 +85,7 @@ impl LeftOut {
 }
 
 impl Cutter {
-    /// Before the run.
+    /// State before the run.
     pub fn new(settings: CutterSettings) -> Self {
         let reach_mm = settings.tool.middle_mm().abs() + settings.tool.reach_mm();
         Cutter {
@@ -101,10 +101,10 @@ impl Cutter {
         }
     }
 
-    /// Sees a period of the run.
+    /// Processes a period of the run.
     ///
     /// # Errors
-    /// What is left takes more memory than allowed.
+    /// The remaining stock takes more memory than allowed.
     pub fn see<D: OverrideSource>(&mut self, simulation: &Simulation<D>) -> Result<(), StockError> {
         let active = Of::in_work(simulation).map(|(of, segment)| (of, segment.start));
         if let (Some((of, start)), Some((before, context))) = (active, self.last)
@@ -119,40 +119,40 @@ impl Cutter {
         self.go_on(&Seen { at: simulation.now(), axes: simulation.control().actual_axes(), of, context })
     }
 
-    /// The end of the run.
+    /// Processes the end of the run.
     ///
     /// # Errors
-    /// What is left takes more memory than allowed.
+    /// The remaining stock takes more memory than allowed.
     pub fn end(&mut self) -> Result<(), StockError> {
         self.trail.end().map_or(Ok(()), |stretch| self.take(stretch))
     }
 
-    /// What is left.
+    /// Remaining stock.
     pub fn stock(&self) -> &Stock {
         &self.settings.stock
     }
 
-    /// What of the tool cuts.
+    /// Cutting part of the tool.
     pub fn tool(&self) -> &Tool {
         &self.settings.tool
     }
 
-    /// How far chords may be from where the axes were.
+    /// Largest distance of chords from the path of the axes.
     pub fn tolerance_mm(&self) -> f64 {
         self.settings.tolerance_mm
     }
 
-    /// Blocks that moved with the workpiece in a known place, in order.
+    /// Blocks that moved while the workpiece's position was known, in order.
     pub fn blocks(&self) -> &[Of] {
         &self.blocks
     }
 
-    /// What each stretch took, in order.
+    /// Volume removed on each segment of the path, in order.
     pub fn pieces(&self) -> &[Piece] {
         &self.pieces
     }
 
-    /// Cutting blocks whose place on the workpiece is not known.
+    /// Cutting blocks without a known position on the workpiece.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }

@@ -1,11 +1,12 @@
-//! Where the circles of a tool stand in material along the moves of a run, for laws that are to be told so.
+//! Engaged arcs of a tool's cutting circles along the moves of a run: for laws that use engagement per move.
 //!
-//! What is found depends on the way alone, not on feeds: a run of the program as it is tells what holds for every other
-//! that keeps to its path. The material is a stack of layers, each cleared by the solid that the edges turn; a circle is engaged
-//! where any layer up to the depth has material in front of it. Angles are those of [`arcfeed_shared::engaged`]; of what lies
-//! behind the circle, where its edges recede, nothing is told. Several arcs are told as one, from the first to the last.
+//! The result depends on the path alone, not on feeds, so one run of the program is valid for all others on the same
+//! path. The material is a stack of layers, and the solid of revolution of the edges clears each. A circle is engaged
+//! where any layer up to the depth has material in front of it. Angles are those of [`arcfeed_shared::engaged`].
+//! Material behind the circle, where its edges recede, does not count. Several arcs are reported as one, from the first
+//! to the last.
 //!
-//! Source: own; what it leaves out: docs/engagement.md.
+//! Source: own; omissions: docs/engagement.md.
 
 use std::f64::consts::TAU;
 
@@ -29,78 +30,79 @@ use super::periods::{Period, Periods};
 use super::placing::{Placing, between};
 use super::trail::Of;
 
-/// Between two places at which the material is cleared, in parts of the rays' distance: a circle leaves a fiftieth of that
-/// squared over its radius.
+/// Distance between two positions at which the material is cleared, as a fraction of the rays' distance. A circle
+/// leaves a fiftieth of its square over the radius.
 const CLEAR_RATIO: f64 = 0.1;
-/// From abeam to abeam, over the front.
+/// Angles in front of the circle, from one side to the other.
 const AHEAD_DEG: [f64; 2] = [0.0, 180.0];
 const TURN_DEG: f64 = 360.0;
-/// The end of a move is no sample of its own where it is this near to the last one, in parts of the distance of samples.
+/// Distance, as a fraction of the sample distance, within which the end of a move gets no sample of its own.
 const END_RATIO: f64 = 0.01;
 
-/// What is looked at.
+/// Settings of the meter.
 #[derive(Clone, Debug)]
 pub struct EngagementSettings {
     /// The workpiece, in the program's coordinates; layers along Z.
     pub layers: Layers,
-    /// What of the tool cuts.
+    /// Cutting part of the tool.
     pub tool: Tool,
-    /// How far up from the tip it is asked.
+    /// Height above the tip up to which engagement counts.
     pub depth_mm: f64,
-    /// So far in front of a circle there must be material: a chip's thickness.
+    /// Distance in front of a circle at which material counts: a chip's thickness.
     pub ahead_mm: f64,
-    /// Between two samples of a move.
+    /// Distance between two samples of a move.
     pub every_mm: f64,
-    /// The cut rules whose moves are sampled, a value for each of the job's.
+    /// Whether moves under a cut rule are sampled, one value for each of the job's rules.
     pub rules: Vec<bool>,
-    /// Where the tool points under G43.4.
+    /// Machine that gives the tool's direction under G43.4.
     pub machine: Option<Machine>,
 }
 
-/// A move and where along it the outer and the inner circle are engaged.
+/// A move with the engaged arcs of the outer and the inner circle along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngagedMove {
-    /// Which one.
+    /// Block of the move.
     pub of: Of,
-    /// In order; none where its place on the workpiece is not known.
+    /// Samples in order; empty if the position on the workpiece is not known.
     pub samples: Vec<EngagedSample>,
 }
 
-/// Where the circles are engaged at a place.
+/// Engaged arcs of the circles at one position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EngagedSample {
-    /// Path of the move up to there; grows from sample to sample.
+    /// Path of the move up to the sample; grows from sample to sample.
     pub at_mm: f64,
-    /// From and to of the outer and of the inner circle, as laws count them; nothing where nothing is in front.
+    /// Beginning and end of the engaged arc of the outer and of the inner circle, in the angles of the laws; `None`
+    /// without material in front.
     pub intervals_deg: [Option<[f64; 2]>; 2],
 }
 
-/// The tool in the layers, and what it has met; state.
+/// The tool in the layers, with the samples so far; state.
 #[derive(Clone, Debug)]
 pub struct EngagementMeter {
     settings: EngagementSettings,
     slices: Vec<Slice>,
     placing: Placing,
     periods: Periods,
-    /// Where the move that is sampled has come to.
+    /// Last position on the sampled move.
     last: Option<Reached>,
-    /// Where the material was cleared last.
+    /// Position at which the material was cleared last.
     cleared_mm: Option<Vector>,
     moves: Vec<EngagedMove>,
     left_out: Vec<LeftOut>,
 }
 
-/// A place on a move.
+/// A position on a move.
 #[derive(Clone, Copy, Debug)]
 struct Reached {
     of: Of,
     segment: Segment,
     axes: [f64; AXES],
-    /// The tip on the workpiece.
+    /// Position of the tip on the workpiece.
     tip_mm: Vector,
 }
 
-/// How a tool stands on its move.
+/// Direction of a tool on its move.
 struct Heading {
     travelled_mm: f64,
     towards: Vector2<f64>,
@@ -108,7 +110,7 @@ struct Heading {
 }
 
 impl EngagementMeter {
-    /// Before the run.
+    /// State before the run.
     pub fn new(settings: EngagementSettings) -> Self {
         let rise_mm = settings.layers.rise_mm();
         let heights =
@@ -126,7 +128,7 @@ impl EngagementMeter {
         }
     }
 
-    /// Sees a period of the run.
+    /// Processes a period of the run.
     pub fn see<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
         let in_work = Of::in_work(simulation).map(|(of, _)| of);
         if self.last.is_some_and(|last| in_work.is_some_and(|of| of != last.of)) {
@@ -140,19 +142,19 @@ impl EngagementMeter {
         }
     }
 
-    /// The move that is sampled, or the run, is over: where it ended counts, however near the last sample was.
+    /// Ends the sampled move, or the run: its end gets a sample, however near the last sample was.
     pub fn end(&mut self) {
         if let Some(reached) = self.last.take() {
             self.sample(&reached, END_RATIO * self.settings.every_mm);
         }
     }
 
-    /// The moves that were to be sampled, in the order in which they were made.
+    /// Moves with samples, in order of execution.
     pub fn moves(&self) -> &[EngagedMove] {
         &self.moves
     }
 
-    /// Cutting blocks whose place on the workpiece is not known, or that lean.
+    /// Cutting blocks whose position on the workpiece is unknown, or whose tool axis is tilted.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }
@@ -191,13 +193,13 @@ impl EngagementMeter {
         }
     }
 
-    /// The layer that the tip is in, but for what a level may be off; the tool's lowest slice is there.
+    /// Layer of the tip, within the tolerance of a level; the tool's lowest slice is there.
     fn lowest(&self, tip_mm: &Vector) -> i64 {
         let layers = &self.settings.layers;
         layers.nth(tip_mm[2] + LEVEL_RATIO * layers.rise_mm())
     }
 
-    /// Takes what is above the tip: what a ramp leaves of a layer is in front of whoever comes next and deeper.
+    /// Removes the material above the tip. The part of a layer that a ramp leaves is in front of a later, deeper move.
     fn clear(&mut self, tip_mm: &Vector) {
         let (lowest, layers) = (self.lowest(tip_mm), &mut self.settings.layers);
         for (slice, nth) in self.slices.iter().zip(lowest..) {
@@ -213,7 +215,7 @@ impl EngagementMeter {
         self.settings.layers.layers().first().map_or(f64::INFINITY, |layer| layer.step_mm())
     }
 
-    /// Looks around at a place, where that is so far from the last sample.
+    /// Takes a sample at a position that is `apart_mm` or more from the last one.
     fn sample(&mut self, reached: &Reached, apart_mm: f64) {
         let Some(heading) = Heading::of(&reached.segment, &reached.axes) else { return };
         let Some(last) = self.moves.last().map(|moved| moved.samples.last().map(|sample| sample.at_mm)) else { return };
@@ -228,7 +230,7 @@ impl EngagementMeter {
 
     fn engaged_deg(&self, side: Edge, tip_mm: &Vector, heading: &Heading) -> Option<[f64; 2]> {
         let (layers, center_mm) = (&self.settings.layers, Vector2::new(tip_mm[0], tip_mm[1]));
-        // Every layer that the tool reaches into, the highest by its last slice.
+        // Every layer that the tool reaches into; the last slice is used for the highest.
         let lowest = self.lowest(tip_mm);
         let highest = layers.nth(tip_mm[2] + self.settings.depth_mm - LEVEL_RATIO * layers.rise_mm());
         let slice_of = |nth: i64| self.slices.get((nth - lowest) as usize).or(self.slices.last());
@@ -237,7 +239,7 @@ impl EngagementMeter {
             let radius_mm = if side == Edge::Outer { slice.outer_mm } else { slice.inner_mm };
             let circle = (radius_mm > 0.0).then_some(EdgeCircle { center_mm, radius_mm, side })?;
             let floor_ratio = layers.part_ratio(nth, tip_mm[2]).max(0.0) + LEVEL_RATIO;
-            // Right of half the rays' distance: to the safe side.
+            // Exact to half the rays' distance; widened to the safe side.
             let spare_rad = layer.step_mm() / 2.0 / radius_mm;
             let arcs = circle.engaged_rad(layer, self.settings.ahead_mm, floor_ratio);
             arcs.iter().filter_map(|[a, b]| heading.told_deg(side, &[a - spare_rad, b + spare_rad])).reduce(hull)
@@ -246,12 +248,12 @@ impl EngagementMeter {
     }
 }
 
-/// From the lower beginning to the higher end.
+/// Interval from the lower beginning to the higher end.
 fn hull([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
     [a.min(c), b.max(d)]
 }
 
-/// What turns at a height; `None` where nothing of the tool cuts.
+/// Slice of the tool at a height; `None` if no part of the tool cuts there.
 fn slice(tool: &Tool, height_mm: f64) -> Option<Slice> {
     let slab = tool.slabs().iter().find(|slab| (slab.heights_mm[0]..slab.heights_mm[1]).contains(&height_mm))?;
     let Slab { heights_mm: [low_mm, high_mm], outer_mm, inner_mm } = *slab;
@@ -261,7 +263,7 @@ fn slice(tool: &Tool, height_mm: f64) -> Option<Slice> {
 }
 
 impl Heading {
-    /// `None` where a move has no direction in the plane of the layers.
+    /// Direction of the tool; `None` if a move has no direction in the plane of the layers.
     fn of(segment: &Segment, axes: &[f64; AXES]) -> Option<Self> {
         let [x, y, _] = segment.start.linear.map(Nm::to_mm);
         let Some(arc) = segment.arc() else {
@@ -278,7 +280,7 @@ impl Heading {
         let (begin, turn) = (Vector2::new(x - center_x, y - center_y), f64::from(arc.turn.sign()));
         let arm = Vector2::new(axes[0] - center_x, axes[1] - center_y).try_normalize(1e-9)?;
         let turned_rad = turn * libm::atan2(begin.perp(&arm), begin.dot(&arm));
-        // A little before the start, or far along a long arc: what is nearer to it.
+        // Either a little before the start, or far along a long arc: the nearer one counts.
         let is_far = turned_rad < 0.0 && arc.sweep_rad() > TAU + 2.0 * turned_rad;
         let turned_rad = if is_far { turned_rad + TAU } else { turned_rad };
         Some(Heading {
@@ -288,7 +290,7 @@ impl Heading {
         })
     }
 
-    /// What of an arc, counter-clockwise in radians, lies in front of a circle, as laws are told.
+    /// Part of an arc (counter-clockwise, radians) in front of a circle, in the angles of the laws.
     fn told_deg(&self, side: Edge, arc_rad: &[f64; 2]) -> Option<[f64; 2]> {
         let advance = self.motion * f64::from(side.advance());
         let base_rad = libm::atan2(self.towards.y, self.towards.x);

@@ -1,4 +1,4 @@
-//! What the solid that all edges turn takes from one layer, as how deep a point lies in it.
+//! Sweep of a cutter in one layer: depth of a point inside it.
 //!
 //! A slice of the tool is a ring from r to R about its axis (r = 0: a disc). A point at the distance d from the axis is
 //!
@@ -8,11 +8,11 @@
 //! deep = the most of these, over all places of the axis in the layer            (3)
 //! ```
 //!
-//! A layer is swept where it is cut through: by the lowest slice while the tip is at the layer's bottom, by the one above it while the tip is inside of
-//! the layer below, and so on; what a tip inside of a layer leaves of that is a floor.
+//! A layer is swept where it is cut through: by the lowest slice while the tip is at the layer's bottom, by the slice
+//! above it while the tip is inside the layer below, and so on. The remainder under a tip inside the layer is a floor.
 //!
-//! deep in what the tool has swept. Negative, it is the distance of a point outside; beside a wall it is the distance from the wall.
-//! Along a leg d takes all values between two ends, so that (3) is exact for each.
+//! `deep` is the depth inside the swept area. If negative, it is the distance of a point outside; beside a wall it is
+//! the distance from the wall. Along a segment d takes all values between two ends, so (3) is exact for each.
 //!
 //! Source: geometry.
 
@@ -22,50 +22,51 @@ use super::way::Leg;
 use crate::cutting::edge_engagement::REACHED_RATIO;
 use crate::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 
-/// Parts of legs that are left out together where all of them are too far off.
+/// Number of sweeps in a group; a group that is too far off is skipped as a whole.
 const TOGETHER: usize = 64;
 
-/// By which a bound is wider.
+/// Margin of a bound.
 const ROUNDING_MM: f64 = 1e-9;
 
-/// What the edges of a true tool turn.
+/// Solid of revolution of a true tool's edges.
 #[derive(Clone, Debug)]
 pub struct Turned {
-    /// One above the other from the tip, each as high as a layer; one more than edges are asked up to, for a tip inside of a layer.
+    /// Slices from the tip upwards, each as high as a layer; one more than the evaluated height, for a tip inside a
+    /// layer.
     pub slices: Vec<Slice>,
-    /// How far up from the tip edges are asked.
+    /// Height above the tip up to which edges are evaluated.
     pub reach_mm: f64,
 }
 
-/// All that was swept in a layer.
+/// Swept area of a layer.
 #[derive(Clone, Debug)]
 pub struct Envelope {
     groups: Vec<Group>,
 }
 
-/// How a point lies in what was swept.
+/// Position of a point relative to the swept area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Depth {
-    /// Negative outside.
+    /// Depth of the point; negative outside.
     pub deep_mm: f64,
-    /// The leg on which it is deepest.
+    /// Segment on which the point is deepest.
     pub leg: usize,
-    /// From the tool's axis there to the point.
+    /// Vector from the tool's axis there to the point.
     pub arm_mm: Vector2<f64>,
 }
 
-/// Successive ones.
+/// Successive sweeps with common bounds.
 #[derive(Clone, Debug)]
 struct Group {
     lowest_mm: Vector2<f64>,
     highest_mm: Vector2<f64>,
     outer_mm: f64,
-    /// 0 of discs.
+    /// Inner radius; 0 for discs.
     inner_mm: f64,
     swept: Vec<Swept>,
 }
 
-/// What a slice swept on the part of a leg on which it was in the layer.
+/// Sweep of a slice on the part of a segment on which it was in the layer.
 #[derive(Clone, Copy, Debug)]
 struct Swept {
     leg: usize,
@@ -75,12 +76,12 @@ struct Swept {
 }
 
 impl Envelope {
-    /// Of these legs.
+    /// Swept area of these segments.
     pub fn new(legs: &[Leg], turned: &Turned, layers: &Layers, layer: usize) -> Self {
         let rise_mm = layers.rise_mm();
         let foot_mm = layers.middle_mm(layer) - rise_mm / 2.0;
         let highest = turned.reach_mm / rise_mm - REACHED_RATIO;
-        // Where the tip is while a slice cuts the layer through.
+        // Heights of the tip at which a slice cuts through the layer.
         let tips_mm = |up: f64| {
             let least = if up > 0.0 { up - 1.0 + LEVEL_RATIO } else { -LEVEL_RATIO };
             [(up + LEVEL_RATIO).min(highest), least].map(|layers_below| foot_mm - layers_below * rise_mm)
@@ -94,9 +95,9 @@ impl Envelope {
         Envelope { groups: swept.chunks(TOGETHER).map(Group::new).collect() }
     }
 
-    /// How a point lies in it; none where nothing was swept. (3)
+    /// Depth of a point; `None` if nothing was swept. (3)
     pub fn deepest(&self, point_mm: &Vector2<f64>) -> Option<Depth> {
-        // Where it may be deepest it mostly is, and then nearly all others are left out.
+        // The group with the largest bound mostly contains the deepest sweep; then nearly all others are skipped.
         let at_most_mm: Vec<f64> = self.groups.iter().map(|group| group.deep_at_most_mm(point_mm)).collect();
         let first = (0..at_most_mm.len()).max_by(|a, b| at_most_mm[*a].total_cmp(&at_most_mm[*b]))?;
         let mut deepest = (first, self.groups[first].deepest(point_mm)?);
@@ -105,7 +106,7 @@ impl Envelope {
             if place != first
                 && *at_most_mm >= deep_mm
                 && let Some(depth) = group.deepest(point_mm)
-                // Of those that are equally deep the first one counts.
+                // Among equal depths the first one counts.
                 && (depth.deep_mm > deep_mm || depth.deep_mm == deep_mm && place < deepest.0)
             {
                 deepest = (place, depth);
@@ -144,7 +145,7 @@ impl Group {
 }
 
 impl Swept {
-    /// None where the tip is nowhere between two heights.
+    /// Sweep of a slice; `None` if the tip is never between the two heights.
     fn of(leg: usize, on: &Leg, slice: &Slice, [low_mm, high_mm]: [f64; 2]) -> Option<Self> {
         let [from_mm, to_mm] = [on.from_mm, on.to_mm].map(|tip_mm| tip_mm[2]);
         let rise_mm = to_mm - from_mm;
@@ -175,7 +176,8 @@ impl Swept {
         let from_end_mm = point_mm - self.to_mm;
         let far = if from_begin_mm.norm() > from_end_mm.norm() { from_begin_mm } else { from_end_mm };
         let middle_mm = (inner_mm + outer_mm) / 2.0;
-        // Not `clamp`, which panics: the nearest place of a short leg may be farther than its ends by the last digit.
+        // Not `clamp`, which panics: the nearest point of a short segment may be farther than its ends by the last
+        // digit.
         let off_mm = middle_mm.max(near.norm()).min(far.norm());
         let arm_mm = if off_mm < middle_mm { far } else { near };
         Depth { deep_mm: (outer_mm - off_mm).min(off_mm - inner_mm), leg: self.leg, arm_mm } // (2)

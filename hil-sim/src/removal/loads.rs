@@ -1,9 +1,9 @@
-//! The edges of the tool under a run: what each has in front of it, and what that does to the tool.
+//! Chips and forces of the tool's edges during a run.
 //!
-//! The edges turn in steps of equal angle, a whole number from one tooth to the next, so that every tooth is asked at the same
-//! angles. Where the axes are within a millisecond is taken as straight. What a rapid takes goes without chips.
+//! The edges turn in steps of equal angle, a whole number from one tooth to the next, so every tooth is evaluated at
+//! the same angles. The path within a millisecond counts as straight. Material that a rapid removes gives no chips.
 //!
-//! Source: own; what it leaves out: docs/simulate.md.
+//! Source: own; omissions: docs/simulate.md.
 
 use std::f64::consts::TAU;
 
@@ -27,62 +27,63 @@ use super::tally::{CHIP_MIN_MM, Sample, Tally, Turn};
 use super::trail::{Of, STRETCH_MAX, Stretch};
 use super::way::Way;
 
-/// Around the workpiece: nearer than this the edges are asked.
+/// Distance from the workpiece within which the edges are evaluated.
 const NEAR_MM: f64 = 1.0;
 
-/// Steps of a millisecond in which nothing is asked: a spindle that fast is a mistake.
+/// Steps in a millisecond above which the spindle speed is taken for a mistake and nothing is evaluated.
 const STEPS_MAX: f64 = 1e4;
 
-/// Places in a millisecond of a rapid at which all that the tool meets is taken: at 60 m/min a mill of 6 mm leaves marks of 0.7 um.
+/// Positions in a millisecond of a rapid at which the tool removes all material: at 60 m/min a mill of 6 mm leaves
+/// marks of 0.7 um.
 const SINKS: u32 = 8;
 
-/// What cuts what.
+/// Edges, workpiece and step size.
 #[derive(Clone, Debug)]
 pub struct LoadSettings {
-    /// The edges in the layers of the workpiece, in the program's coordinates; layers along Z.
+    /// Edges in the layers of the workpiece, in the program's coordinates; layers along Z.
     pub process: Process,
-    /// Where the tool points under G43.4.
+    /// Machine that gives the tool's direction under G43.4.
     pub machine: Option<Machine>,
-    /// Largest turn in a step.
+    /// Largest angle of a step.
     pub step_max_rad: f64,
-    /// A workpiece that gives way, its modes the first ones of the process.
+    /// Flexible workpiece, whose modes are the first ones of the process.
     pub flexible: Option<FlexibleWorkpiece>,
-    /// Where tool and workpiece give way: samples in a turn, and what counts as no change of their place.
+    /// Samples for chatter detection: their number per turn, and the change of position that counts as none.
     pub samples: Samples,
 }
 
-/// The loads of a time.
+/// Loads in a time window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
-    /// When it began.
+    /// Beginning of the window.
     pub from: Micros,
-    /// When it ended.
+    /// End of the window.
     pub to: Micros,
-    /// What it came to.
+    /// Statistics of the loads.
     pub tally: Tally,
 }
 
-/// The edges at work, and what they have met.
+/// The tool's edges, with the loads so far.
 #[derive(Clone, Debug)]
 pub struct LoadMeter {
     settings: LoadSettings,
     placing: Placing,
     periods: Periods,
-    /// The block that cut in the period before.
+    /// Block that cut in the period before.
     before: Option<Of>,
-    /// The one that brought the tip down last.
+    /// Block that last lowered the tip.
     down: Option<Of>,
-    /// Steps of a turn, and how many there have been.
+    /// Number of steps in a turn, and count of all steps.
     steps_a_turn: usize,
     steps: u64,
-    /// Steps since there was a chip.
+    /// Steps since the last chip.
     steps_idle: usize,
-    /// Steps since there was one on the tool's end.
+    /// Steps since the last chip on the tool's end.
     steps_level: usize,
-    /// Part of a step that is due.
+    /// Fraction of a step that is due.
     due: f64,
     turn: Turn,
-    /// The thickest chip of each tooth's pass, and which way the tooth cuts.
+    /// Thickest chip of each tooth's pass, and the side on which the tooth cuts.
     passes: Vec<(f64, Edge)>,
     blocks: Vec<(Of, Tally)>,
     windows: Vec<Window>,
@@ -91,7 +92,7 @@ pub struct LoadMeter {
 }
 
 impl LoadMeter {
-    /// Before the run.
+    /// State before the run.
     pub fn new(settings: LoadSettings) -> Self {
         let cutter = settings.process.engagement().cutter();
         let mut passes = vec![(0.0, Edge::Outer); cutter.teeth()];
@@ -119,7 +120,7 @@ impl LoadMeter {
         }
     }
 
-    /// Sees a period of the run.
+    /// Processes a period of the run.
     pub fn see<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
         if let Some(Period { stretch, .. }) = self.periods.see(simulation) {
             let is_backwards = simulation.control().spindle().is_some_and(|spindle| spindle.rev_per_min() < 0.0);
@@ -128,55 +129,55 @@ impl LoadMeter {
         }
     }
 
-    /// The end of the run.
+    /// Processes the end of the run.
     pub fn end(&mut self) {
         self.lift();
         self.blocks.retain(|(_, tally)| tally.time_s > 0.0);
         self.windows.retain(|window| window.tally.time_s > 0.0);
     }
 
-    /// What each block came to that had chips, in order.
+    /// Load statistics of each block that had chips, in order.
     pub fn blocks(&self) -> &[(Of, Tally)] {
         &self.blocks
     }
 
-    /// The same by quarters of a second.
+    /// Load statistics by quarters of a second.
     pub fn windows(&self) -> &[Window] {
         &self.windows
     }
 
-    /// Where the tip went while edges could touch the workpiece.
+    /// Path of the tip while edges could touch the workpiece.
     pub fn way(&self) -> &Way {
         &self.way
     }
 
-    /// Cutting blocks whose place on the workpiece is not known, or that lean.
+    /// Cutting blocks whose position on the workpiece is unknown, or whose tool axis is tilted.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }
 
-    /// How the blocks cut that were long enough to tell; none of a rigid tool.
+    /// Chatter results of the blocks that were long enough; none for a rigid tool.
     pub fn steadiness(&self) -> &[Steadiness] {
         self.settings.samples.blocks()
     }
 
-    /// Natural frequencies of a workpiece that gives way, from the lowest.
+    /// Natural frequencies of a flexible workpiece, from the lowest.
     pub fn workpiece_hz(&self) -> impl Iterator<Item = f64> {
         let count = self.settings.flexible.as_ref().map_or(0, FlexibleWorkpiece::count);
         self.settings.process.vibration().modes()[..count].iter().map(|mode| mode.frequency_hz)
     }
 
-    /// What counts there as no change.
+    /// Change of position that chatter detection counts as none.
     pub fn floor_mm(&self) -> f64 {
         self.settings.samples.floor_mm()
     }
 
-    /// What a step turns.
+    /// Angle of a step.
     pub fn step_rad(&self) -> f64 {
         TAU / self.steps_a_turn as f64
     }
 
-    /// What is in work.
+    /// Process with edges, workpiece and vibration.
     pub fn process(&self) -> &Process {
         &self.settings.process
     }
@@ -225,12 +226,12 @@ impl LoadMeter {
         self.before = Some(stretch.of);
     }
 
-    /// One step of the edges, to a place of the tip.
+    /// Moves the edges by one step, to a position of the tip.
     fn step(&mut self, stretch: &Stretch, tip_mm: &Vector, rev_per_min: f64) {
         self.steps += 1;
         let stand = self.stand(tip_mm);
         let engagement = self.settings.process.engagement_mut();
-        // A period in which the block changes has still some of the way of the one before.
+        // A period in which the block changes contains a part of the path of the block before.
         if engagement.comes_down(&stand) && self.before == Some(stretch.of) {
             self.down = self.before;
         }
@@ -251,18 +252,18 @@ impl LoadMeter {
             power_w: loads.power_w(rev_per_min),
             end_mm: moment.end_mm,
         };
-        // What the end still takes when the tip has stopped belongs to the block that brought it down.
+        // Material that the end removes after the tip has stopped belongs to the block that lowered the tip.
         let last = self.blocks.last().filter(|(of, _)| moment.end_mm > 0.0 && self.down == Some(*of));
         self.count(last.map_or(stretch.of, |(of, _)| *of), stretch.from, &sample, moment.thickest_mm);
     }
 
-    /// Where the tool is bent to, while there is a chip in every turn.
+    /// Samples the tool's deflection while there is a chip in every turn.
     fn sample(&mut self, of: &Of, moment: &Moment, rev_per_min: f64) {
         self.steps_idle = if moment.thickest_mm >= CHIP_MIN_MM { 0 } else { self.steps_idle + 1 };
         if self.settings.process.vibration().is_rigid() || self.steps_idle > self.steps_a_turn {
             return self.settings.samples.lift();
         }
-        // At the end of a way down the tool springs back: it enters the cut on its level.
+        // After a descent the tool springs back, which counts as entering the cut on its new level.
         self.steps_level = if moment.end_mm >= CHIP_MIN_MM { 0 } else { self.steps_level + 1 };
         if self.steps_level == self.steps_a_turn {
             self.settings.samples.lift();
@@ -305,7 +306,7 @@ impl LoadMeter {
         }
     }
 
-    /// Out of the cut: passes and turns that are not over do not count.
+    /// Ends the cut: unfinished passes and turns do not count.
     fn lift(&mut self) {
         self.settings.process.lift();
         self.settings.samples.lift();
@@ -313,7 +314,7 @@ impl LoadMeter {
         self.turn = Turn::new();
     }
 
-    /// Out of reach of the workpiece.
+    /// Leaves the reach of the workpiece.
     fn leave(&mut self) {
         self.lift();
         self.way.lift();
@@ -325,7 +326,7 @@ impl LoadMeter {
         Stand { axis_mm: Vector2::new(tip_mm[0], tip_mm[1]), tip_mm: tip_mm[2], turned_rad }
     }
 
-    /// Whether an edge may touch the workpiece, or what its layers stand for.
+    /// Whether an edge may touch the workpiece.
     fn is_near(&self, tip_mm: &Vector) -> bool {
         let engagement = self.settings.process.engagement();
         let reach_mm = engagement.cutter().reach_mm() + NEAR_MM;

@@ -1,12 +1,13 @@
-//! What each tooth has left on the walls, against the solid that a true tool turns.
+//! Marks that each tooth has left on the walls, relative to the sweep of a true tool.
 //!
-//! In every layer rays end on walls; of the two directions that counts which meets the wall more squarely. How deep such an end lies in what the solid has swept is the mark there:
-//! positive where material is left, negative where the wall is cut away. Feed marks, runout, unequal teeth, bending and
-//! vibration are in it; the distance of the rays is not, as each end is where an edge put it.
+//! In every layer rays end on walls. For each wall the ray direction with the larger angle to it counts. The depth of a
+//! ray's end in the sweep is the mark: positive for remaining material, negative where the wall is undercut. Marks
+//! contain feed marks, runout, unequal teeth, bending and vibration, but not the distance of the rays, because an edge
+//! determines each end exactly.
 //!
-//! Floors that are lower than a level may be off are no material, and have no walls.
+//! Floors within the tolerance of a level are no material, and have no walls.
 //!
-//! An end of the blank that nothing was to cut is none, and neither is what a rapid took.
+//! Ends of the blank that no move was to cut do not count, nor do ends that a rapid cut.
 
 use nalgebra::Vector2;
 use rayon::iter::{IntoParallelIterator, ParallelExtend, ParallelIterator};
@@ -18,23 +19,23 @@ use crate::cutting::layer::Layer;
 use crate::cutting::layers::{LEVEL_RATIO, Layers};
 use crate::stock::dexel::Interval;
 
-/// What is left of the blank this deep was to be cut: less is rounding.
+/// Depth below which a remainder of the blank is rounding.
 const LEFT_MM: f64 = 1e-9;
 
-/// A place on a wall.
+/// Mark at a point of a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
-    /// Which layer, from the lowest.
+    /// Index of the layer, from the lowest.
     pub layer: usize,
-    /// Where, in the plane of the layers.
+    /// Point in the plane of the layers.
     pub point_mm: Vector2<f64>,
-    /// Along the wall's normal: positive for material left.
+    /// Deviation along the wall's normal: positive for remaining material.
     pub off_mm: f64,
-    /// The block that made the wall.
+    /// Block that cut the wall.
     pub of: Of,
 }
 
-/// All ends of rays on walls, of a tool that went this way and turned this.
+/// Marks at all ends of rays on walls, for a tool of this shape on this path.
 pub fn marks(blank: &Layers, left: &Layers, way: &Way, turned: &Turned) -> Vec<Mark> {
     let mut marks = Vec::new();
     for (layer, (blank, now)) in blank.layers().iter().zip(left.layers()).enumerate() {
@@ -50,7 +51,7 @@ pub fn marks(blank: &Layers, left: &Layers, way: &Way, turned: &Turned) -> Vec<M
     marks
 }
 
-/// Where the material of a ray ends.
+/// End of the material of a ray.
 struct End {
     axis: usize,
     point_mm: Vector2<f64>,
@@ -59,7 +60,7 @@ struct End {
 }
 
 impl End {
-    /// Whether no ray of the other axis meets a wall of this normal more squarely.
+    /// Whether the ray's axis meets a wall of this normal at the larger angle.
     fn is_square_to(&self, normal: &Vector2<f64>) -> bool {
         libm::fabs(normal[self.axis]) >= libm::fabs(normal[1 - self.axis])
     }

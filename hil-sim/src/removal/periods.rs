@@ -1,4 +1,4 @@
-//! A run seen period by period: what the axes did in each, and whose way that was.
+//! Periods of a run: motion of the axes in each, and the block that it belongs to.
 
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Micros;
@@ -10,27 +10,27 @@ use crate::simulation::{STEP, Simulation};
 
 use super::trail::{Of, Stretch, at_tip};
 
-/// The run up to now; state.
+/// Last period of the run; state.
 #[derive(Clone, Debug, Default)]
 pub struct Periods {
     axes: Option<[f64; AXES]>,
-    /// The block in work last.
+    /// Last block in execution.
     last: Option<(Of, MoveContext, Segment)>,
 }
 
-/// A period of it.
+/// One period of the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Period {
-    /// Its way, one chord.
+    /// Path of the period, one chord.
     pub stretch: Stretch,
-    /// The move in work, in machine coordinates.
+    /// Move in execution, in machine coordinates.
     pub segment: Segment,
-    /// The axes in machine coordinates before and after: X, Y, Z in mm, A, B, C in degrees.
+    /// Axes in machine coordinates before and after: X, Y, Z in mm, A, B, C in degrees.
     pub axes: [[f64; AXES]; 2],
 }
 
 impl Periods {
-    /// Sees a period of the run; nothing before the second one, or before the first block.
+    /// Processes a period of the run; `None` before the second one, or before the first block.
     pub fn see<D: OverrideSource>(&mut self, simulation: &Simulation<D>) -> Option<Period> {
         let active = Of::in_work(simulation).map(|(of, segment)| (of, *simulation.context(), *segment));
         self.last = active.or(self.last);

@@ -1,9 +1,9 @@
-//! Where the tool is to the workpiece.
+//! Position of the tool on the workpiece.
 //!
-//! The workpiece is told in the coordinates of the program, as they are for its first cut: of the work coordinate system in
-//! force there, and with the rotary axes where they stand. So a block that cuts with the rotary axes elsewhere, or
-//! while they turn, is on no known part of it, unless the tool's tip is told on the part (G43.4) and the machine's
-//! kinematics say where the tool points.
+//! The workpiece is defined in the program's coordinates at its first cut: those of the work coordinate system in force
+//! there, with the rotary axes at their positions there. A block that cuts with the rotary axes at other positions, or
+//! while they turn, has no known position on the workpiece, unless the program gives the tool tip on the part (G43.4)
+//! and the machine's kinematics give the tool's direction.
 
 use arcfeed_shared::kinematics::machine::{Letter, Machine};
 use arcfeed_shared::kinematics::vector::Vector;
@@ -16,33 +16,33 @@ use crate::stock::tool::Tool;
 
 use super::trail::{Place, Stretch};
 
-/// Rotary axes nearer than this are where they were.
+/// Difference of rotary axes that counts as none.
 const SAME_DEG: f64 = 1e-4;
 
-/// A tool axis that leans by less than this, rad, stands upright.
+/// Tilt of the tool axis, rad, that counts as upright.
 const UPRIGHT_RAD: f64 = 1e-6;
 
-/// Without rotary axes, or for the part as it lies.
+/// Tool axis without rotary axes, or for the part in its first position.
 const UP: Vector = [0.0, 0.0, 1.0];
 
-/// Why a block takes nothing.
+/// Reason why a block's material is not removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Unplaced {
-    /// A rotary axis turns, and the way is not told on the part.
+    /// A rotary axis turns, and the path is not given on the part.
     Turning,
-    /// The rotary axes stand elsewhere than for the first cut.
+    /// The rotary axes are at other positions than for the first cut.
     OtherPosition,
-    /// The way is told on the part, and no machine is named.
+    /// The path is given on the part, and no machine is configured.
     NoMachine,
-    /// The way is the part's contour: G41, G42.
+    /// The path is the part's contour: G41, G42.
     Contour,
-    /// The tool leans on the part, and edges are asked for chips only where it stands upright.
+    /// The tool is tilted on the part; edges are evaluated for an upright tool only.
     Tilted,
-    /// The spindle turns counter-clockwise (M4), and edges are those of a tool for M3.
+    /// The spindle turns counter-clockwise (M4); the edges are those of a tool for M3.
     Backwards,
 }
 
-/// The workpiece's place.
+/// Position of the workpiece.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Placing {
     origin_mm: Option<Vector>,
@@ -50,12 +50,12 @@ pub struct Placing {
 }
 
 impl Placing {
-    /// Whether it is known where the workpiece is.
+    /// Whether the workpiece's position is known.
     pub fn is_known(&self) -> bool {
         self.origin_mm.is_some()
     }
 
-    /// Takes a cut: the first one tells where the workpiece is.
+    /// Takes the workpiece's position from the first cut.
     pub fn learn(&mut self, cut: &Stretch) {
         let context = &cut.context;
         let origin = context.origin.linear.map(Nm::to_mm);
@@ -65,10 +65,10 @@ impl Placing {
         }
     }
 
-    /// The sweeps of a stretch, in order.
+    /// Sweeps of a path segment, in order.
     ///
     /// # Errors
-    /// It is not known where the tool is to the workpiece.
+    /// The tool's position on the workpiece is unknown.
     pub fn sweeps(
         &self,
         stretch: &Stretch,
@@ -82,11 +82,11 @@ impl Placing {
         sweeps.map(|sweeps| sweeps.concat()).map_err(|_| Unplaced::Turning)
     }
 
-    /// Where the tip of an upright tool goes on the part in a stretch of one chord; nothing as long as no cut has told where the part
-    /// is.
+    /// Chord of the tip of an upright tool on the part, for a path segment of one chord; `None` before the first cut
+    /// has given the part's position.
     ///
     /// # Errors
-    /// It is not known where the tool is to the workpiece, or it leans.
+    /// The tool's position on the workpiece is unknown, or the tool is tilted.
     pub fn chord_mm(&mut self, stretch: &Stretch, machine: Option<&Machine>) -> Option<Result<[Vector; 2], Unplaced>> {
         let [from, to] = stretch.places[..] else { return None };
         if !stretch.of.is_rapid && from != to {
@@ -102,7 +102,7 @@ impl Placing {
         if poses.iter().any(leans) { Err(Unplaced::Tilted) } else { Ok(poses.iter().map(|pose| pose.tip_mm).collect()) }
     }
 
-    /// Tip and axis on the part, place by place.
+    /// Tip and axis on the part at each point.
     fn poses(&self, stretch: &Stretch, machine: Option<&Machine>) -> Result<Vec<Pose>, Unplaced> {
         let axis: Box<dyn Fn(&Place) -> Vector + '_> = match (stretch.context.way, machine) {
             (Way::Contour, _) => return Err(Unplaced::Contour),
@@ -123,12 +123,12 @@ impl Placing {
     }
 }
 
-/// A part of the way from one place to another.
+/// Point at a fraction of a chord.
 pub(super) fn between(ends_mm: &[Vector; 2], part: f64) -> Vector {
     [0, 1, 2].map(|axis: usize| ends_mm[0][axis] + (ends_mm[1][axis] - ends_mm[0][axis]) * part)
 }
 
-/// The tool axis on the part.
+/// Direction of the tool axis on the part.
 fn axis_at(machine: &Machine, place: &Place, stretch: &Stretch) -> Vector {
     let origin_deg = stretch.context.origin.rotary.map(MicroDeg::to_deg);
     let rotary_deg = machine.rotary().each_ref().map(|axis| {

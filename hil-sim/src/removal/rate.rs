@@ -1,71 +1,71 @@
-//! Removal rates: volume over time, in windows long enough for the rays to tell.
+//! Removal rates: volume over time, in windows long enough for the resolution of the rays.
 //!
-//! Rays lie a step apart, so what is taken on less than a step comes in lumps. A window lasts a quarter of a second
-//! and four steps of way at least, unless the axes stand first.
+//! Rays are one step apart, so material removed on less than a step appears in lumps. A window lasts at least a quarter
+//! of a second and covers at least four steps of the path, unless the axes stop earlier.
 
 use arcfeed_shared::units::{Micros, S_PER_MIN};
 
 use super::trail::STRETCH_MAX;
 
-/// Steps between rays on the way of a window.
+/// Steps between rays that a window covers.
 const STEPS: f64 = 4.0;
 
-/// What was taken on a stretch.
+/// Volume removed on a path segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// Index of its block among those that cut.
+    /// Index of the block among those that cut.
     pub block: usize,
-    /// When it began.
+    /// Beginning of the segment.
     pub from: Micros,
-    /// When it ended.
+    /// End of the segment.
     pub to: Micros,
-    /// Its way.
+    /// Path length.
     pub way_mm: f64,
-    /// The volume, as the rays along x, y, z see it, mm3.
+    /// Volume that the rays along x, y, z measure, mm3.
     pub removed: [f64; 3],
 }
 
-/// A time with its removal rate.
+/// Time window with its removal rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
-    /// When it began.
+    /// Beginning of the window.
     pub from: Micros,
-    /// When it ended.
+    /// End of the window.
     pub to: Micros,
-    /// Volume, the mean of the three families of rays.
+    /// Volume, as the mean of the three families of rays.
     pub removed_mm3: f64,
     way_mm: f64,
-    /// Time of its stretches.
+    /// Total time of the path segments.
     cut: Micros,
 }
 
-/// What several pieces come to.
+/// Sum over several pieces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Taken {
-    /// The volume, as the rays along x, y, z see it, mm3.
+    /// Volume that the rays along x, y, z measure, mm3.
     pub removed: [f64; 3],
-    /// Time of the pieces that took something.
+    /// Time of the pieces that removed material.
     pub time: Micros,
     /// Largest rate of a window, mm3/min.
     pub rate_max_per_min: f64,
 }
 
 impl Piece {
-    /// The volume, mm3, the mean of the three families of rays.
+    /// Volume, mm3, as the mean of the three families of rays.
     pub fn mean_mm3(&self) -> f64 {
         mean(&self.removed)
     }
 }
 
 impl Window {
-    /// mm3/min over the time of its stretches.
+    /// Rate over the time of the path segments, mm3/min.
     pub fn rate_per_min(&self) -> f64 {
         self.removed_mm3 / self.cut.to_s() * S_PER_MIN
     }
 }
 
 impl Taken {
-    /// Of pieces in the order of time.
+    /// Sum over pieces in the order of time.
     pub fn of<'p>(pieces: impl Iterator<Item = &'p Piece> + Clone, step_mm: f64) -> Self {
         let mut taken = Taken::default();
         for piece in pieces.clone().filter(|piece| piece.mean_mm3() > 0.0) {
@@ -77,24 +77,24 @@ impl Taken {
         taken
     }
 
-    /// The volume, mm3, the mean of the three families of rays.
+    /// Volume, mm3, as the mean of the three families of rays.
     pub fn mean_mm3(&self) -> f64 {
         mean(&self.removed)
     }
 
-    /// How far the three disagree, mm3.
+    /// Difference between the largest and the smallest of the three volumes, mm3.
     pub fn spread_mm3(&self) -> f64 {
         let [x, y, z] = self.removed;
         x.max(y).max(z) - x.min(y).min(z)
     }
 
-    /// Over the time in which something was taken, mm3/min.
+    /// Mean rate over the time of removal, mm3/min.
     pub fn rate_mean_per_min(&self) -> f64 {
         if self.time.0 > 0 { self.mean_mm3() / self.time.to_s() * S_PER_MIN } else { 0.0 }
     }
 }
 
-/// Windows over pieces in the order of time, one behind the other.
+/// Windows over pieces in the order of time, one after the other.
 pub fn windows<'p>(pieces: impl Iterator<Item = &'p Piece>, step_mm: f64) -> Vec<Window> {
     let mut windows: Vec<Window> = Vec::new();
     for piece in pieces {
@@ -112,8 +112,8 @@ pub fn windows<'p>(pieces: impl Iterator<Item = &'p Piece>, step_mm: f64) -> Vec
     windows
 }
 
-/// The largest rate of all windows that begin with a piece, mm3/min. Pieces between two pauses that make no whole
-/// window are one.
+/// Largest rate of all windows that begin with a piece, mm3/min. Pieces between two pauses that do not fill a window
+/// form one.
 fn rate_max_per_min(pieces: &[Window], step_mm: f64) -> f64 {
     let mut most: f64 = 0.0;
     for (start, first) in pieces.iter().enumerate() {

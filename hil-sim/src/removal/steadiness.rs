@@ -1,8 +1,9 @@
-//! Whether each tooth of a run finds the tool where the one before did.
+//! Chatter detection: whether each tooth of a run finds the tool at the same position as the tooth before.
 //!
-//! The tool's place against the workpiece is sampled once a tooth, at the same angle of the spindle; of a ring once for an outer
-//! and an inner tooth together, which are not alike. A block's samples are judged in windows, each by itself (docs/forces.md), and the
-//! block is as its worst window is. What a tool does when it enters, or has come down to its level, is left out, and what it does in a cut too short for a window.
+//! The tool's position relative to the workpiece is sampled once a tooth, at the same angle of the spindle; for a ring
+//! once for an outer and an inner tooth together, which differ. The samples of a block are evaluated in separate
+//! windows (docs/forces.md); the worst window gives the block's result. The window after the tool enters, or has
+//! descended to its level, is left out, and so is a cut too short for a window.
 //!
 //! Source: own; the metric is that of [`crate::dynamics::chatter`].
 
@@ -12,53 +13,53 @@ use crate::dynamics::chatter::{Sampling, Verdict, metric_mm};
 
 use super::trail::Of;
 
-/// Samples of a window.
+/// Number of samples in a window.
 const WINDOW: usize = 32;
 
-/// Part of the feed per tooth that counts as no change.
+/// Fraction of the feed per tooth that counts as no change.
 pub const FLOOR_RATIO: f64 = 0.05;
 
-/// How a block cuts.
+/// Chatter result of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steadiness {
-    /// Which one.
+    /// Block of the result.
     pub of: Of,
-    /// Mean change of the tool's place from tooth to tooth in the worst window.
+    /// Mean change of the tool's position from tooth to tooth in the worst window.
     pub metric_mm: f64,
-    /// What repeats there.
+    /// Verdict for that window.
     pub verdict: Verdict,
 }
 
-/// The samples of a run.
+/// Samples of a run.
 #[derive(Clone, Debug)]
 pub struct Samples {
     sampling: Sampling,
-    /// Of the cut that is not over, and of its last block.
+    /// Samples of the present cut and its last block.
     window: Vec<Vector3<f64>>,
-    /// Since the tool entered, in whole windows.
+    /// Whole windows since the tool entered.
     windows: usize,
     of: Option<Of>,
     blocks: Vec<Steadiness>,
 }
 
 impl Samples {
-    /// None yet; so many in a turn, and what counts as no change.
+    /// No samples yet; the number of samples per turn, and the change of position that counts as none.
     pub fn new(a_turn: usize, floor_mm: f64) -> Self {
         let sampling = Sampling { teeth: a_turn, tooth_hz: 0.0, floor_mm };
         Samples { sampling, window: Vec::new(), windows: 0, of: None, blocks: Vec::new() }
     }
 
-    /// How many are taken in a turn.
+    /// Number of samples per turn.
     pub fn a_turn(&self) -> usize {
         self.sampling.teeth
     }
 
-    /// What counts as no change.
+    /// Change of position that counts as none.
     pub fn floor_mm(&self) -> f64 {
         self.sampling.floor_mm
     }
 
-    /// The next one.
+    /// Adds the next sample.
     pub fn take(&mut self, of: &Of, place_mm: Vector3<f64>, rev_per_s: f64) {
         if self.of.replace(*of).is_some_and(|before| before != *of) {
             self.window.clear();
@@ -75,13 +76,13 @@ impl Samples {
         self.window.clear();
     }
 
-    /// The tool has left the cut, or is in another one: the next window is its first.
+    /// Ends the cut: the next window is the first one of another cut.
     pub fn lift(&mut self) {
         self.window.clear();
         (self.windows, self.of) = (0, None);
     }
 
-    /// The blocks that could be judged, in order.
+    /// Results of the blocks that were long enough, in order.
     pub fn blocks(&self) -> &[Steadiness] {
         &self.blocks
     }

@@ -1,70 +1,71 @@
-//! What the loads of a cut come to: peaks, means, how much they vary within a turn, how thick the chips are.
+//! Statistics of the loads of a cut: peaks, means, variation within a turn, chip thickness.
 //!
 //! ```text
 //! mean = integral of a load over the time in cut / that time          (1)
 //! variation = mean over whole turns of (largest - least) / mean       (2) of the bending force in a turn
 //! ```
 //!
-//! The time in cut is that in which any edge has a chip of a thousandth of a millimetre or more in front of it. A turn counts in (2) if all of it belongs to one block
-//! and the side of the tool cuts in it: what remains across the axis of a plunge is rounding. A tooth's
-//! *pass* goes from where it meets material to where it leaves it, and counts with its thickest chip.
+//! The time in cut is the time during which any edge has a chip of a thousandth of a millimetre or more. A turn counts
+//! in (2) if it belongs completely to one block and the side of the tool cuts in it: the bending force of a plunge is
+//! rounding. The *pass* of a tooth goes from where it meets material to where it leaves it, and counts with its
+//! thickest chip.
 //!
 //! Source: own definitions.
 
 use arcfeed_shared::tool::Edge;
 
-/// An edge with less than this in front of it goes along what is cut already.
+/// Chip thickness below which an edge counts as not cutting.
 pub const CHIP_MIN_MM: f64 = 1e-3;
 
-/// A step of the tool.
+/// Loads of one step of the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// How long it took.
+    /// Duration of the step.
     pub dt_s: f64,
-    /// Across the tool's axis.
+    /// Force across the tool's axis.
     pub bending_n: f64,
-    /// Along it, positive into the tool's holder.
+    /// Force along the axis, positive towards the tool's holder.
     pub thrust_n: f64,
-    /// Against the spindle.
+    /// Torque against the spindle.
     pub torque_n_m: f64,
-    /// Of the spindle.
+    /// Power of the spindle.
     pub power_w: f64,
     /// Mean thickness of the chip on the tool's end.
     pub end_mm: f64,
 }
 
-/// Largest and mean of a load.
+/// Largest value and mean of a load.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Level {
     max: f64,
-    /// Times time, s.
+    /// Integral over time, s.
     integral: f64,
 }
 
-/// Thickest chips of passes.
+/// Statistics of the thickest chips of passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Passes {
-    /// How many.
+    /// Number of passes.
     pub count: u64,
-    /// The thickest of all.
+    /// Thickest chip of all.
     pub max_mm: f64,
     sum_mm: f64,
 }
 
-/// What a block, or several, came to.
+/// Load statistics of one block, or several.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
-    /// In which an edge had a chip in front of it.
+    /// Time during which an edge had a chip.
     pub time_s: f64,
-    /// Across the tool's axis, N.
+    /// Force across the tool's axis, N.
     pub bending: Level,
-    /// Along the tool's axis, positive into its holder, N.
+    /// Force along the tool's axis, positive towards its holder, N.
     pub thrust: Level,
-    /// N m.
+    /// Torque, N m.
     pub torque: Level,
-    /// W.
+    /// Power, W.
     pub power: Level,
-    /// Of outer edges and of inner ones.
+    /// Passes of outer edges and of inner ones.
     pub passes: [Passes; 2],
     /// Largest mean thickness of the chip of an edge on the tool's end.
     pub end_max_mm: f64,
@@ -72,7 +73,7 @@ pub struct Tally {
     variation_sum: f64,
 }
 
-/// A turn that is not over.
+/// Statistics of an unfinished turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     steps: usize,
@@ -84,7 +85,7 @@ pub struct Turn {
 }
 
 impl Level {
-    /// Largest amount.
+    /// Largest absolute value.
     pub fn max(&self) -> f64 {
         self.max
     }
@@ -101,7 +102,7 @@ impl Level {
 }
 
 impl Passes {
-    /// Mean of the thickest chips; none without passes.
+    /// Mean of the thickest chips; `None` without passes.
     pub fn mean_mm(&self) -> Option<f64> {
         (self.count > 0).then(|| self.sum_mm / self.count as f64)
     }
@@ -114,7 +115,7 @@ impl Passes {
 }
 
 impl Tally {
-    /// A step in the cut.
+    /// Adds a step in the cut.
     pub fn add(&mut self, sample: &Sample) {
         self.time_s += sample.dt_s;
         self.bending.add(sample.bending_n, sample.dt_s);
@@ -124,13 +125,13 @@ impl Tally {
         self.power.add(sample.power_w, sample.dt_s);
     }
 
-    /// A tooth has left the material.
+    /// Adds a pass: a tooth has left the material.
     pub fn pass(&mut self, side: Edge, thickest_mm: f64) {
         let passes = &mut self.passes[usize::from(side == Edge::Inner)];
         passes.merge(&Passes { count: 1, max_mm: thickest_mm, sum_mm: thickest_mm });
     }
 
-    /// A turn is over that has so many steps if it is a whole one.
+    /// Adds a finished turn; `steps` is the number of steps in a whole turn.
     pub fn turn(&mut self, turn: &Turn, steps: usize) {
         let mean_n = turn.sum_n / turn.steps as f64;
         if turn.steps == steps && turn.is_aside && mean_n > 0.0 {
@@ -139,7 +140,7 @@ impl Tally {
         }
     }
 
-    /// What several come to together.
+    /// Adds the statistics of another cut.
     pub fn merge(&mut self, other: &Tally) {
         self.time_s += other.time_s;
         self.bending.merge(&other.bending);
@@ -152,24 +153,24 @@ impl Tally {
         self.variation_sum += other.variation_sum;
     }
 
-    /// Mean of one of its loads; 0 out of the cut. (1)
+    /// Mean of one of the loads; 0 out of the cut. (1)
     pub fn mean(&self, level: &Level) -> f64 {
         if self.time_s > 0.0 { level.integral / self.time_s } else { 0.0 }
     }
 
-    /// None without a whole turn. (2)
+    /// Variation of the bending force; `None` without a whole turn. (2)
     pub fn variation_ratio(&self) -> Option<f64> {
         (self.turns > 0).then(|| self.variation_sum / self.turns as f64)
     }
 }
 
 impl Turn {
-    /// Before its first step.
+    /// Statistics before the first step.
     pub fn new() -> Self {
         Turn { steps: 0, least_n: f64::INFINITY, most_n: 0.0, sum_n: 0.0, is_aside: false }
     }
 
-    /// A step of it, with the thickest chip on the side.
+    /// Adds a step, with the thickest chip on the side.
     pub fn add(&mut self, bending_n: f64, side_mm: f64) {
         self.is_aside |= side_mm >= CHIP_MIN_MM;
         self.steps += 1;

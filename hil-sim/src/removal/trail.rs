@@ -1,17 +1,17 @@
-//! The way of the axes as chords, each within a tolerance of all places at which the axes were seen.
+//! Executed path of the axes as chords, each within a tolerance of all sampled positions.
 //!
-//! Places are compared in six coordinates, a turn by the way of the tool's farthest point. A chord ends where a place
-//! lies farther than the tolerance from it, after a quarter of a second, and where the block changes, so that
-//! what is taken along it belongs to one block and to a short time.
+//! Positions are compared in six coordinates; a rotation counts by the path of the tool's farthest point. A chord ends
+//! where a position is farther from it than the tolerance, after a quarter of a second, and where the block changes, so
+//! that the material removed along it belongs to one block and a short time.
 //!
-//! A chord that has been compared with all places may turn by an angle before it must be compared again: with places at
-//! r_k from its beginning, off it by d_k, and the tolerance t,
+//! A chord that has been compared with all positions may turn by an angle before the comparison must be repeated: with
+//! positions at distance r_k from its beginning, at distance d_k from it, and the tolerance t,
 //!
 //! ```text
 //! angle <= min over k of (t - d_k) / r_k        (1)
 //! ```
 //!
-//! Source: (1) the way of a point at r_k under a turn.
+//! Source: (1) path of a point at r_k under a rotation.
 
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{Micros, Nm};
@@ -21,33 +21,33 @@ use crate::drives::limits::AXES;
 use crate::override_source::OverrideSource;
 use crate::simulation::Simulation;
 
-/// Longest time of a stretch: the resolution of the removal rate.
+/// Longest time of a path segment: the resolution of the removal rate.
 pub const STRETCH_MAX: Micros = Micros::from_ms(250);
 
-/// Less than this in a period is standing still.
+/// Path in a period below which the axes count as standing still.
 const STILL_MM: f64 = 1e-9;
 
-/// Largest turn of a chord: its tool axis is on the shortest way between both ends.
+/// Largest rotation of a chord: its tool axis takes the shortest path between both ends.
 const TURN_MAX_DEG: f64 = 1.0;
 
-/// X, Y, Z of the tool's tip in machine coordinates, mm; A, B, C, degrees.
+/// Position of the tool's tip in machine coordinates: X, Y, Z in mm; A, B, C in degrees.
 pub type Place = [f64; AXES];
 
-/// Whose way it is.
+/// Reference to an executed block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Of {
-    /// Blocks executed, up to and including it.
+    /// Count of blocks executed, this one included.
     pub count: u32,
-    /// Its N.
+    /// N of the block.
     pub sequence: Option<i64>,
-    /// Index of the cut rule that governs it.
+    /// Index of the cut rule for the block.
     pub rule: Option<usize>,
-    /// A rapid.
+    /// Whether the move is a rapid.
     pub is_rapid: bool,
 }
 
 impl Of {
-    /// The block in work, and its move.
+    /// Block in execution, and its move.
     pub(super) fn in_work<D: OverrideSource>(simulation: &Simulation<D>) -> Option<(Self, &Segment)> {
         simulation.control().active().map(|(count, segment)| {
             let is_rapid = segment.path == Path::Rapid;
@@ -56,59 +56,59 @@ impl Of {
     }
 }
 
-/// What is seen of the axes in a period.
+/// Sample of the axes at the end of a period.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
-    /// The end of the period.
+    /// End of the period.
     pub at: Micros,
-    /// Axes in machine coordinates then: X, Y, Z in mm, A, B, C in degrees.
+    /// Axes in machine coordinates: X, Y, Z in mm, A, B, C in degrees.
     pub axes: [f64; AXES],
-    /// The block in work.
+    /// Block in execution.
     pub of: Of,
-    /// What holds for it.
+    /// Context of its move.
     pub context: MoveContext,
 }
 
-/// A way of one block, as chords.
+/// Part of the path of one block, as chords.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stretch {
-    /// Whose it is.
+    /// Block of the segment.
     pub of: Of,
-    /// What holds for it.
+    /// Context of its move.
     pub context: MoveContext,
-    /// When it began.
+    /// Beginning of the segment.
     pub from: Micros,
-    /// When it ended.
+    /// End of the segment.
     pub to: Micros,
-    /// The chords' ends, one after the other; two or more.
+    /// Ends of the chords, one after the other; two or more.
     pub places: Vec<Place>,
 }
 
-/// The way up to now.
+/// Builder of the path's segments.
 #[derive(Clone, Debug)]
 pub struct Trail {
     tolerance_mm: f64,
     mm_per_deg: f64,
-    /// The end of the last period.
+    /// End of the last period.
     last: Option<(Micros, [f64; AXES])>,
     open: Option<Stretch>,
-    /// Places behind the last chord's beginning.
+    /// Positions since the last chord's beginning.
     passed: Vec<Place>,
     checked: Option<Checked>,
 }
 
-/// A chord that has been compared with all that it passes.
+/// A chord that has been compared with all positions on it.
 #[derive(Clone, Copy, Debug)]
 struct Checked {
-    /// From its beginning, mm.
+    /// Vector from its beginning, mm.
     way_mm: Place,
     length_mm: f64,
-    /// (1)
+    /// Remaining angle (1).
     angle_rad: f64,
 }
 
 impl Trail {
-    /// Nowhere yet; no point of the tool is farther than the reach from its tip.
+    /// An empty path; no point of the tool is farther than `reach_mm` from its tip.
     pub fn new(tolerance_mm: f64, reach_mm: f64) -> Self {
         Trail {
             tolerance_mm,
@@ -120,7 +120,7 @@ impl Trail {
         }
     }
 
-    /// Goes on; answers the stretch that is over by that.
+    /// Adds a sample; returns the segment that it completes.
     pub fn go_on(&mut self, seen: &Seen) -> Option<Stretch> {
         let (before, axes) = self.last.replace((seen.at, seen.axes))?;
         let (from, to) = (at_tip(&axes, &seen.context), at_tip(&seen.axes, &seen.context));
@@ -149,7 +149,7 @@ impl Trail {
         over
     }
 
-    /// What is not over yet, at an end.
+    /// Completes the open segment.
     pub fn end(&mut self) -> Option<Stretch> {
         let mut over = self.open.take()?;
         over.places.extend(self.passed.last());
@@ -158,7 +158,7 @@ impl Trail {
         Some(over)
     }
 
-    /// Whether a chord to this place would be near enough to all that it passes.
+    /// Whether a chord to this position would be near enough to all positions on it.
     fn is_on_chord(&mut self, to: &Place) -> bool {
         let Some(from) = self.open.as_ref().and_then(|open| open.places.last().copied()) else { return true };
         if (3..AXES).any(|axis| (to[axis] - from[axis]).abs() > TURN_MAX_DEG) {
@@ -194,7 +194,7 @@ impl Trail {
 }
 
 impl Stretch {
-    /// Length of the tip's way.
+    /// Path length of the tip.
     pub fn way_mm(&self) -> f64 {
         let chord = |pair: &[Place]| {
             libm::sqrt((0..3).map(|axis| (pair[1][axis] - pair[0][axis]) * (pair[1][axis] - pair[0][axis])).sum())
@@ -202,7 +202,7 @@ impl Stretch {
         self.places.windows(2).map(chord).sum()
     }
 
-    /// What a rotary axis turns at most.
+    /// Largest rotation of a rotary axis.
     pub fn turn_deg(&self) -> f64 {
         let turn = |place: &Place| (3..AXES).map(|axis| (place[axis] - self.places[0][axis]).abs()).fold(0.0, f64::max);
         self.places.iter().map(turn).fold(0.0, f64::max)
@@ -217,7 +217,7 @@ fn length(v: &Place) -> f64 {
     libm::sqrt(dot(v, v))
 }
 
-/// How far the end of an arm is from a way that begins with it.
+/// Distance of the end of a vector from a chord that begins with it.
 fn off_mm(arm_mm: &Place, way_mm: &Place) -> f64 {
     let square = dot(way_mm, way_mm);
     let part = if square > 0.0 { (dot(arm_mm, way_mm) / square).clamp(0.0, 1.0) } else { 0.0 };
@@ -225,7 +225,7 @@ fn off_mm(arm_mm: &Place, way_mm: &Place) -> f64 {
     length(&off)
 }
 
-/// The tool's tip, where the axes are with the tool of a move.
+/// Position of the tool's tip for these axes, with the tool of a move.
 pub(super) fn at_tip(axes: &[f64; AXES], context: &MoveContext) -> Place {
     let mut place = *axes;
     place[2] -= Nm::to_mm(context.tool);

@@ -1,6 +1,7 @@
-//! Where the tool's tip went among the layers, in as few legs as may be.
+//! Path of the tool's tip among the layers, in as few segments as possible.
 //!
-//! A leg at one height goes on as long as it passes every place that it stands for, d beside it and a along it, by no more than t:
+//! A segment at one height is extended as long as it passes every replaced point, at distance d beside and a along it,
+//! within t:
 //!
 //! ```text
 //! slope of the leg within all of (d - t) / a .. (d + t) / a          (1)
@@ -13,21 +14,21 @@ use nalgebra::Vector2;
 
 use super::trail::Of;
 
-/// t: far less than any mark that is looked for.
+/// Tolerance t: far less than any mark of interest.
 const OFF_MAX_MM: f64 = 1e-6;
 
-/// A straight part of it.
+/// Straight part of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leg {
-    /// Whose way it is.
+    /// Block of the segment.
     pub of: Of,
-    /// The tip, in the program's coordinates.
+    /// Position of the tip at the beginning, in the program's coordinates.
     pub from_mm: Vector,
-    /// The same at its end.
+    /// Position of the tip at the end.
     pub to_mm: Vector,
 }
 
-/// All of it, up to now.
+/// The path so far.
 #[derive(Clone, Debug, Default)]
 pub struct Way {
     legs: Vec<Leg>,
@@ -35,27 +36,27 @@ pub struct Way {
     aim: Option<Aim>,
 }
 
-/// Which ways the last leg may go on.
+/// Directions in which the last segment may be extended.
 #[derive(Clone, Copy, Debug)]
 struct Aim {
-    /// A unit vector.
+    /// Direction of the segment, a unit vector.
     ahead: Vector2<f64>,
     slopes: [f64; 2],
     reached_mm: f64,
 }
 
 impl Way {
-    /// Every leg, in order.
+    /// All segments, in order.
     pub fn legs(&self) -> &[Leg] {
         &self.legs
     }
 
-    /// Whether a place would be the first one of a new way.
+    /// Whether the next point begins a new path.
     pub fn is_lifted(&self) -> bool {
         self.at_mm.is_none()
     }
 
-    /// The tip goes straight to a place.
+    /// Moves the tip straight to a point.
     pub fn go(&mut self, of: &Of, tip_mm: Vector) {
         let Some(at_mm) = self.at_mm.replace(tip_mm).filter(|at_mm| *at_mm != tip_mm) else { return };
         if let (Some(leg), Some(aim)) = (self.legs.last_mut(), &mut self.aim)
@@ -69,14 +70,14 @@ impl Way {
         self.aim = Aim::new(&at_mm, &tip_mm);
     }
 
-    /// The tip is away from the layers, or it is not known where.
+    /// Interrupts the path: the tip is away from the layers, or its position is unknown.
     pub fn lift(&mut self) {
         (self.at_mm, self.aim) = (None, None);
     }
 }
 
 impl Aim {
-    /// None where the height changes.
+    /// Directions for a new segment; `None` if the height changes.
     fn new(from_mm: &Vector, to_mm: &Vector) -> Option<Self> {
         let way_mm = plane(to_mm) - plane(from_mm);
         let reached_mm = way_mm.norm();
@@ -84,7 +85,7 @@ impl Aim {
         (from_mm[2] == to_mm[2]).then(|| Aim { ahead: way_mm / reached_mm, slopes: [-slope, slope], reached_mm })
     }
 
-    /// Whether a leg to this place is near to all places before; then the place is one of them. (1)
+    /// Whether a segment to this point is near to all points before; if so, the point is added. (1)
     fn takes(&mut self, from_mm: &Vector, to_mm: &Vector) -> bool {
         let way_mm = plane(to_mm) - plane(from_mm);
         let (along_mm, beside_mm) = (self.ahead.dot(&way_mm), self.ahead.perp(&way_mm));

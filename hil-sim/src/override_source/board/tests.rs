@@ -103,7 +103,7 @@ fn free_running_the_last_setpoint_stays_in_force() {
 
 #[test]
 fn a_board_that_begins_anew_is_counted_with_from_the_beginning() {
-    /// Says so much each period.
+    /// Sends a fixed number of bytes each period.
     struct Talker;
     impl Attached for Talker {
         fn send(&mut self, _at: Micros, traffic: &mut Traffic) {
@@ -111,7 +111,7 @@ fn a_board_that_begins_anew_is_counted_with_from_the_beginning() {
         }
         fn receive(&mut self, _at: Micros, _wire: Wire, _bytes: &[u8]) {}
     }
-    /// Its line to the machine is answered, the one to the host goes nowhere.
+    /// Answers on the line to the machine, discards bytes on the line to the host.
     struct Both<F>(Answering<F>);
     impl<F: FnMut(&Sample) -> Option<Setpoint>> Wires for Both<F> {
         fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), Broken> {
