@@ -5,7 +5,7 @@
 
 use std::time::Instant;
 
-use arcfeed_hil_sim::fe::beam::{Beam, Section};
+use arcfeed_hil_sim::fe::beam::{Beam, BeamSection};
 use arcfeed_hil_sim::fe::blade::Blade;
 use arcfeed_hil_sim::fe::body::Body;
 use arcfeed_hil_sim::fe::cyclic::Sector;
@@ -66,7 +66,7 @@ fn plate(cells: [usize; 3], thickness_mm: f64) -> Result<(), Error> {
 }
 
 fn beam(elements: usize, diameter_mm: f64) -> Result<(), Error> {
-    let section = Section { length_mm: EDGE_MM, diameter_mm, material: STEEL };
+    let section = BeamSection { length_mm: EDGE_MM, diameter_mm, material: STEEL };
     let modes = Beam { sections: vec![section], tip_mass_kg: 0.0, elements }.modes(5)?;
     let scale = libm::sqrt(STEEL.young_mpa / STEEL.density_t_per_mm3()) * diameter_mm / (4.0 * EDGE_MM * EDGE_MM);
     print!("| {elements} | {} |", diameter_mm / EDGE_MM);

@@ -29,7 +29,7 @@ pub trait Modal {
 
     /// Sets `modal_point` to a point or, if that is outside by more than `beyond_mm`, to the point at that distance
     /// from the body on the line from the nearest point of the body.
-    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint);
+    fn evaluate_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint);
 }
 
 impl Modal for Field {
@@ -41,8 +41,8 @@ impl Modal for Field {
         self.reach_mm()
     }
 
-    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
-        self.carried(point_mm, beyond_mm, modal_point);
+    fn evaluate_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
+        self.at_nearest(point_mm, beyond_mm, modal_point);
     }
 }
 
@@ -55,8 +55,8 @@ impl Modal for DiskField {
         self.reach_mm()
     }
 
-    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
-        self.carried(point_mm, beyond_mm, modal_point);
+    fn evaluate_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
+        self.at_nearest(point_mm, beyond_mm, modal_point);
     }
 }
 
@@ -69,8 +69,8 @@ impl<B: Modal> Modal for &B {
         (*self).reach_mm()
     }
 
-    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
-        (*self).stand_at(point_mm, beyond_mm, modal_point);
+    fn evaluate_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
+        (*self).evaluate_at(point_mm, beyond_mm, modal_point);
     }
 }
 
@@ -83,8 +83,8 @@ impl<B: Modal> Modal for Arc<B> {
         (**self).reach_mm()
     }
 
-    fn stand_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
-        (**self).stand_at(point_mm, beyond_mm, modal_point);
+    fn evaluate_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
+        (**self).evaluate_at(point_mm, beyond_mm, modal_point);
     }
 }
 
@@ -122,13 +122,13 @@ impl<B: Modal> Workpiece<B> {
 
     /// Mode shapes at the point of the body nearest to another, 1/sqrt(kg).
     pub fn shapes_on(&mut self, point_mm: [f64; 3]) -> &[Vector3<f64>] {
-        self.look(0, point_mm, [0.0, 0.0])
+        self.update_view(0, point_mm, [0.0, 0.0])
     }
 
     /// Mode shapes at an edge's point, or at one that the edge has passed just before, 1/sqrt(kg).
     pub fn shapes_at(&mut self, edge: usize, point_mm: [f64; 3]) -> &[Vector3<f64>] {
         let reach_mm = self.body.reach_mm();
-        self.look(edge + 1, point_mm, [reach_mm, SAME_RATIO * reach_mm])
+        self.update_view(edge + 1, point_mm, [reach_mm, SAME_RATIO * reach_mm])
     }
 
     /// Modes at the point of the body nearest to another, all with the same damping.
@@ -140,7 +140,7 @@ impl<B: Modal> Workpiece<B> {
         modes(self.body.omega_rad_per_s(), &self.views[0].shapes, damping_ratio)
     }
 
-    fn look(&mut self, view: usize, point_mm: [f64; 3], [beyond_mm, same_mm]: [f64; 2]) -> &[Vector3<f64>] {
+    fn update_view(&mut self, view: usize, point_mm: [f64; 3], [beyond_mm, same_mm]: [f64; 2]) -> &[Vector3<f64>] {
         if self.views.len() <= view {
             self.views.resize(view + 1, View::default());
         }
@@ -148,7 +148,7 @@ impl<B: Modal> Workpiece<B> {
         let point = Vector3::from(point_mm);
         if before.is_none_or(|before| (point - before).norm() > same_mm) {
             *before = Some(point);
-            self.body.stand_at(point_mm, beyond_mm, modal_point);
+            self.body.evaluate_at(point_mm, beyond_mm, modal_point);
             shapes.clear();
             shapes.extend(modal_point.shapes.iter().map(per_root_kg));
         }

@@ -22,7 +22,7 @@ use crate::cutting::edge_engagement::{EdgeChip, EdgeEngagement};
 use crate::cutting::edges::EdgePiece;
 use crate::cutting::force::Loads;
 use crate::cutting::material::{ChipSection, Cutting, EdgeForce};
-use crate::cutting::pose::{Poses, Stand};
+use crate::cutting::pose::{EdgePoses, ToolPose};
 use crate::dynamics::vibration::{Places, Step, Vibration};
 use crate::flexible::{Modal, Workpiece};
 
@@ -40,12 +40,12 @@ pub struct Process {
     /// Vibration of the tool relative to the workpiece.
     vibration: Vibration,
     chips_mm: Vec<f64>,
-    spread: Spread,
+    edge_displacements: EdgeDisplacements,
 }
 
 /// Displacements of the edges, each with its own; state.
 #[derive(Clone, Debug, Default)]
-struct Spread {
+struct EdgeDisplacements {
     places: Places,
     /// For each edge, the index of its point. An edge without its own point has that of the cut.
     place_of: Vec<usize>,
@@ -55,7 +55,7 @@ struct Spread {
 
 /// Result of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
+pub struct ProcessStep {
     /// Loads on the tool at the end of the step.
     pub loads: Loads,
     /// Displacement of the tool relative to the workpiece at the end.
@@ -74,15 +74,15 @@ pub struct Moment {
 struct Edges<'a> {
     engagement: &'a mut EdgeEngagement,
     cutting: &'a Cutting,
-    stand: &'a Stand,
-    at: &'a Poses,
+    pose: &'a ToolPose,
+    at: &'a EdgePoses,
 }
 
 impl Process {
     /// A cutter in its workpiece with their vibration; a rigid pair has no modes.
     pub fn new(engagement: EdgeEngagement, cutting: Cutting, vibration: Vibration) -> Self {
         let chips_mm = vec![0.0; engagement.cutter().teeth()];
-        Process { engagement, cutting, vibration, chips_mm, spread: Spread::default() }
+        Process { engagement, cutting, vibration, chips_mm, edge_displacements: EdgeDisplacements::default() }
     }
 
     /// Cutter and workpiece.
@@ -104,7 +104,7 @@ impl Process {
     pub fn lift(&mut self) {
         self.engagement.lift();
         self.vibration.rest();
-        self.spread.bent_mm.clear();
+        self.edge_displacements.bent_mm.clear();
     }
 
     /// Vibration of tool and workpiece.
@@ -127,13 +127,13 @@ impl Process {
 
     /// Moves to the next position, `dt_s` later, less than a quarter of a turn on; all edges have the displacement of
     /// the cut.
-    pub fn step(&mut self, dt_s: f64, stand: &Stand) -> Moment {
-        let at = self.engagement.poses(stand);
-        let mut edges = Edges { engagement: &mut self.engagement, cutting: &self.cutting, stand, at: &at };
+    pub fn step(&mut self, dt_s: f64, pose: &ToolPose) -> ProcessStep {
+        let at = self.engagement.poses(pose);
+        let mut edges = Edges { engagement: &mut self.engagement, cutting: &self.cutting, pose, at: &at };
         let (chips_mm, mut found) = (&mut self.chips_mm, Default::default());
         let step = self.vibration.step(dt_s, |displacement_mm| {
             let bent: Vector2<f64> = displacement_mm.xy();
-            found = edges.loaded(|_| bent, chips_mm, |_, _| ());
+            found = edges.evaluate(|_| bent, chips_mm, |_, _| ());
             found.0.force_n
         });
         let bent = step.displacement_mm.xy();
@@ -143,32 +143,33 @@ impl Process {
 
     /// The same as [`Process::step`], but each edge that may have a chip has the workpiece's displacement at its own
     /// position. The workpiece's modes come first.
-    pub fn step_on<B: Modal>(&mut self, dt_s: f64, stand: &Stand, workpiece: &mut Workpiece<B>) -> Moment {
-        let mut at = self.engagement.poses(stand);
-        self.spread.see(&self.engagement, &mut at, &self.vibration, workpiece);
-        let mut edges = Edges { engagement: &mut self.engagement, cutting: &self.cutting, stand, at: &at };
-        let (place_of, chips_mm, mut found) = (&self.spread.place_of, &mut self.chips_mm, Default::default());
-        let step = self.vibration.step_at(dt_s, &mut self.spread.places, |moved_mm, forces_n| {
+    pub fn step_on<B: Modal>(&mut self, dt_s: f64, pose: &ToolPose, workpiece: &mut Workpiece<B>) -> ProcessStep {
+        let mut at = self.engagement.poses(pose);
+        self.edge_displacements.update(&self.engagement, &mut at, &self.vibration, workpiece);
+        let mut edges = Edges { engagement: &mut self.engagement, cutting: &self.cutting, pose, at: &at };
+        let (place_of, chips_mm, mut found) =
+            (&self.edge_displacements.place_of, &mut self.chips_mm, Default::default());
+        let step = self.vibration.step_at(dt_s, &mut self.edge_displacements.places, |moved_mm, forces_n| {
             let bent = |edge: usize| moved_mm[place_of[edge]].xy();
-            found = edges.loaded(bent, chips_mm, |edge, force_n| forces_n[place_of[edge]] += force_n);
+            found = edges.evaluate(bent, chips_mm, |edge, force_n| forces_n[place_of[edge]] += force_n);
         });
-        self.spread.keep();
-        let bent_mm = &self.spread.bent_mm;
+        self.edge_displacements.keep();
+        let bent_mm = &self.edge_displacements.bent_mm;
         let removed_mm3 = self.engagement.cut(&at, |edge| bent_mm[edge].xy());
         self.moment(&step, found, removed_mm3)
     }
 
-    fn moment(&self, step: &Step, (loads, end_mm): (Loads, f64), removed_mm3: [f64; 2]) -> Moment {
+    fn moment(&self, step: &Step, (loads, end_mm): (Loads, f64), removed_mm3: [f64; 2]) -> ProcessStep {
         let thickest_mm = self.chips_mm.iter().copied().fold(0.0, f64::max);
         let (displacement_mm, agrees) = (step.displacement_mm, step.agrees);
-        Moment { loads, displacement_mm, thickest_mm, end_mm, removed_mm3, agrees }
+        ProcessStep { loads, displacement_mm, thickest_mm, end_mm, removed_mm3, agrees }
     }
 }
 
 impl Edges<'_> {
     /// Evaluates the edges at their displaced positions. Returns the loads and the largest mean chip of an edge on the
     /// end; writes the thickest chip of each tooth's side into the list; passes the force on each edge to `push`.
-    fn loaded(
+    fn evaluate(
         &mut self,
         bent: impl Fn(usize) -> Vector2<f64> + Copy,
         chips_mm: &mut [f64],
@@ -181,7 +182,7 @@ impl Edges<'_> {
         for EdgeChip { edge, piece, section } in self.engagement.chips(self.at, bent) {
             // No force outside the cut.
             if section.thickness_mm > 0.0 && section.width_mm > 0.0 {
-                push(edge, loads.add(&piece, self.stand.turned_rad, &self.cutting.force(&section)));
+                push(edge, loads.add(&piece, self.pose.turned_rad, &self.cutting.force(&section)));
             }
             if piece.is_end() {
                 match ends.last_mut().filter(|(last, _)| *last == edge) {
@@ -199,17 +200,17 @@ impl Edges<'_> {
     }
 }
 
-impl Spread {
+impl EdgeDisplacements {
     /// Updates the points: the cut itself is the first; each edge with material around it has its own. The others are
     /// set apart.
-    fn see<B: Modal>(
+    fn update<B: Modal>(
         &mut self,
         engagement: &EdgeEngagement,
-        at: &mut Poses,
+        at: &mut EdgePoses,
         vibration: &Vibration,
         workpiece: &mut Workpiece<B>,
     ) {
-        let Spread { places, place_of, bent_mm } = self;
+        let EdgeDisplacements { places, place_of, bent_mm } = self;
         bent_mm.resize(engagement.edges(), Vector3::zeros());
         places.clear();
         place_of.clear();

@@ -20,7 +20,7 @@ use crate::cutting::meter::{ChipMeter, MeterSettings, STEADY_RATIO};
 use crate::faults::ControllerFault;
 use crate::machine;
 use crate::override_source::controller::InProcessController;
-use crate::override_source::{Begun, OverrideSource, Shown};
+use crate::override_source::{MachineSignals, MoveStart, OverrideSource};
 
 /// Period of interpolation, of the machine's reports and of the controller's tick.
 pub const STEP: Micros = Micros::from_ms(1);
@@ -243,7 +243,7 @@ impl<D: OverrideSource> Simulation<D> {
             self.meter.set_tool(setup.tool, f64::from(setup.feed_per_tooth.0));
         }
         match continued {
-            Some(_) => self.meter.go_on(count, segment, found),
+            Some(_) => self.meter.continue_move(count, segment, found),
             None => {
                 let settling_us = self.control.settling_s(STEADY_RATIO) * US_PER_S as f64;
                 self.settles_until = self.now.after(Micros(settling_us as u64));
@@ -261,13 +261,13 @@ impl<D: OverrideSource> Simulation<D> {
         let machining = self.context.machining;
         let setup = rule.map_or(self.job.setup_in(machining.tool), |rule| self.job.tool_of(rule));
         let spindle = setup.speed(machining.spindle).unwrap_or(setup.spindle);
-        self.source.begin(Some(Begun { count, segment, rule, along, spindle, limit, end_percent }));
+        self.source.begin(Some(MoveStart { count, segment, rule, along, spindle, limit, end_percent }));
     }
 
-    fn shown(&self, position: &Pose, is_moving: bool) -> Shown {
+    fn shown(&self, position: &Pose, is_moving: bool) -> MachineSignals {
         let held = if self.control.is_held() { Signals::FEED_HOLD } else { Signals::NONE };
         let forced = if is_moving && self.context.is_tapping { Signals::TAPPING } else { Signals::NONE };
-        Shown {
+        MachineSignals {
             at: self.now,
             position: machine::feedback(position),
             spindle: self.spindle(),

@@ -67,7 +67,7 @@ fn overrides<W: Wires>(example: &Example, wires: W) -> (Vec<u8>, Simulation<Boar
         simulation.override_output().percent
     };
     let overrides = (0..PERIODS).map(|_| step()).collect();
-    assert_eq!(simulation.source().broken(), None);
+    assert_eq!(simulation.source().failure(), None);
     (overrides, simulation)
 }
 

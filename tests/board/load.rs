@@ -69,7 +69,7 @@ fn in_lockstep(example: &Example, load_percent: i64) -> (Costs, [u64; 2]) {
     let before = simulation.source().attached().bytes();
     simulation.control_mut().cycle_start();
     (0..PERIODS).for_each(|_| simulation.step());
-    assert_eq!(simulation.source().broken(), None);
+    assert_eq!(simulation.source().failure(), None);
     let after = simulation.source().attached().bytes();
     let carried = u64::from(PERIODS) * 1_152 / 100;
     let busy = [0, 1].map(|way| (after[way] - before[way]) * 100 / carried);

@@ -96,7 +96,7 @@ impl UnderWay {
     /// One period; the override.
     fn step(&mut self) -> u8 {
         self.simulation.step();
-        assert_eq!(self.simulation.source().broken(), None);
+        assert_eq!(self.simulation.source().failure(), None);
         self.begun += begins(&mut self.active, self.simulation.control());
         assert!(self.is_armed || !self.is_engaged(), "armed by nobody");
         let percent = self.simulation.override_output().percent;
@@ -175,7 +175,7 @@ impl UnderWay {
     /// The chip without power, and with it again; no time passes for the machine.
     fn power_cycle(&mut self) {
         self.boards += 1;
-        self.simulation.source_mut().begin_anew(Emulator::power_cycle);
+        self.simulation.source_mut().restart(Emulator::power_cycle);
     }
 
     fn cable(&self) -> &Cable<Host> {

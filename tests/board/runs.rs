@@ -18,7 +18,7 @@ use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::override_source::board::{Attached, Board, Wires};
 use arcfeed_hil_sim::override_source::controller::InProcessController;
 use arcfeed_hil_sim::override_source::in_process::InProcess;
-use arcfeed_hil_sim::override_source::{Begun, OverrideSource, Shown};
+use arcfeed_hil_sim::override_source::{MachineSignals, MoveStart, OverrideSource};
 use arcfeed_hil_sim::simulation::{STEP, Simulation};
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::segment::Segment;
@@ -50,11 +50,11 @@ pub struct Outcome {
 struct Listener(Vec<Segment>);
 
 impl OverrideSource for Listener {
-    fn begin(&mut self, begun: Option<Begun<'_>>) {
+    fn begin(&mut self, begun: Option<MoveStart<'_>>) {
         self.0.extend(begun.map(|begun| *begun.segment));
     }
 
-    fn decide(&mut self, _shown: &Shown) -> FeedOverride {
+    fn decide(&mut self, _shown: &MachineSignals) -> FeedOverride {
         FeedOverride::PROGRAMMED
     }
 }
@@ -124,7 +124,7 @@ impl Example {
         prepare(&mut simulation);
         simulation.control_mut().cycle_start();
         let outcome = finish(&mut simulation);
-        assert_eq!(simulation.source().broken(), None);
+        assert_eq!(simulation.source().failure(), None);
         let (wires, host) = simulation.into_source().into_parts();
         (outcome, host, wires)
     }
@@ -143,7 +143,7 @@ pub fn try_prepare<W: Wires>(
     for _ in 0..PREPARING {
         simulation.step();
         let board = simulation.source();
-        if let Some(broken) = board.broken() {
+        if let Some(broken) = board.failure() {
             return Err(format!("{broken:?}"));
         }
         between(board.attached());

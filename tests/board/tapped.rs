@@ -142,7 +142,7 @@ fn step<W: Wires, S: Sender>(simulation: &mut Simulation<Board<W, Cable<S>>>) {
     // One character on the line, one behind it, one on its way through the board.
     cable.room = 3_usize.saturating_sub(on_wire);
     simulation.step();
-    assert_eq!(simulation.source().broken(), None);
+    assert_eq!(simulation.source().failure(), None);
     let cable = simulation.source_mut().attached_mut();
     let arrived = std::mem::take(&mut cable.to_control);
     cable.passed.extend(&arrived);
@@ -230,7 +230,7 @@ fn without_parameters_a_tapped_chip_adapts_nothing_and_with_broken_ones_it_is_at
             let pressed = if period < SETTLING { Signals::NONE } else { Signals::of_request(Request::Arm) };
             simulation.source_mut().set_panel(pressed);
             simulation.step();
-            assert_eq!(simulation.source().broken(), None);
+            assert_eq!(simulation.source().failure(), None);
         }
         assert_eq!(
             (simulation.source().state(), simulation.override_output().percent),

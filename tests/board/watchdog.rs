@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_hil_sim::override_source::board::{Board, Wire, Wires};
-use arcfeed_hil_sim::override_source::{OverrideSource, Shown};
+use arcfeed_hil_sim::override_source::{MachineSignals, OverrideSource};
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{Micros, RevPerMin};
 use arcfeed_shared::wire::message::Message;
@@ -115,9 +115,9 @@ fn ticks_to_release(order: u8) -> u32 {
     line.split_whitespace().find_map(|word| word.parse().ok()).expect("a number of ticks")
 }
 
-fn shown(ms: u64) -> Shown {
+fn shown(ms: u64) -> MachineSignals {
     let (position, spindle) = (Pose::ORIGIN, RevPerMin(1_000.0));
-    Shown { at: Micros::from_ms(ms), position, spindle, operator_percent: 100, signals: Signals::NONE }
+    MachineSignals { at: Micros::from_ms(ms), position, spindle, operator_percent: 100, signals: Signals::NONE }
 }
 
 /// Lets periods pass with a panel pressed; the state behind them, and the highest override in them.
@@ -126,7 +126,7 @@ fn pass(board: &mut Board<Emulator, Host>, at_ms: &mut u64, panel: Signals, peri
     let percents = (0..periods).map(|period| board.decide(&shown(*at_ms + period)).percent);
     let highest = percents.max().expect("a period");
     *at_ms += periods;
-    assert_eq!(board.broken(), None);
+    assert_eq!(board.failure(), None);
     (board.state().expect("a setpoint"), highest)
 }
 

@@ -4,7 +4,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::os::fd::AsRawFd;
 use std::os::unix::net::UnixStream;
 
-use arcfeed_hil_sim::override_source::board::{Broken, Wire, Wires};
+use arcfeed_hil_sim::override_source::board::{BoardFailure, Wire, Wires};
 
 use nix::errno::Errno;
 use nix::sys::socket::{MsgFlags, recv};
@@ -35,36 +35,36 @@ impl Emulator {
 }
 
 impl Wires for Emulator {
-    fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), Broken> {
-        self.line(wire).write_all(bytes).map_err(|_| Broken::Closed(wire))
+    fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), BoardFailure> {
+        self.line(wire).write_all(bytes).map_err(|_| BoardFailure::Closed(wire))
     }
 
-    fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), Broken> {
+    fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), BoardFailure> {
         let line = self.line(wire).as_raw_fd();
         let mut taken = 0;
         while taken < bytes.len() {
             // All at once: the emulator sends byte by byte, and a wake for each costs more than all the rest.
             match recv(line, &mut bytes[taken..], MsgFlags::MSG_WAITALL) {
-                Ok(0) => return Err(Broken::Closed(wire)),
+                Ok(0) => return Err(BoardFailure::Closed(wire)),
                 Ok(more) => taken += more,
                 Err(Errno::EINTR) => {}
-                Err(Errno::EAGAIN) => return Err(Broken::Silent(wire)),
-                Err(_) => return Err(Broken::Closed(wire)),
+                Err(Errno::EAGAIN) => return Err(BoardFailure::Silent(wire)),
+                Err(_) => return Err(BoardFailure::Closed(wire)),
             }
         }
         Ok(())
     }
 
-    fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, Broken> {
+    fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, BoardFailure> {
         let mut line = self.line(wire);
         line.set_nonblocking(true).expect("a socket need not block");
         let taken = line.read(bytes);
         line.set_nonblocking(false).expect("a socket may block");
         match taken {
-            Ok(0) if !bytes.is_empty() => Err(Broken::Closed(wire)),
+            Ok(0) if !bytes.is_empty() => Err(BoardFailure::Closed(wire)),
             Ok(length) => Ok(length),
             Err(error) if error.kind() == ErrorKind::WouldBlock => Ok(0),
-            Err(_) => Err(Broken::Closed(wire)),
+            Err(_) => Err(BoardFailure::Closed(wire)),
         }
     }
 }

@@ -6,13 +6,13 @@ use std::error::Error;
 use arcfeed_hil_sim::cutting::edges::EndMill;
 use arcfeed_hil_sim::cutting::material::MATERIALS;
 use arcfeed_hil_sim::dynamics::chatter::metric_mm;
-use arcfeed_hil_sim::fe::beam::{Beam, BeamModes, Section};
+use arcfeed_hil_sim::fe::beam::{Beam, BeamModes, BeamSection};
 use arcfeed_hil_sim::fe::blade::Blade;
 use arcfeed_hil_sim::fe::body::Body;
 use arcfeed_hil_sim::fe::field::Field;
-use arcfeed_hil_sim::fe::material::{Material, TITANIUM_6AL_4V};
-use arcfeed_hil_sim::finishing::marks::{Mark, deviation_mm, marks};
-use arcfeed_hil_sim::finishing::pass::{Fineness, Machined, Pass};
+use arcfeed_hil_sim::fe::material::{ElasticMaterial, TITANIUM_6AL_4V};
+use arcfeed_hil_sim::finishing::marks::{SurfaceMark, deviation_mm, marks};
+use arcfeed_hil_sim::finishing::pass::{FinishingPass, PassResolution, PassResult};
 use arcfeed_hil_sim::finishing::side::Side;
 use arcfeed_hil_sim::flexible::{Modal, Workpiece, tool_modes};
 
@@ -29,7 +29,7 @@ pub const BLADE: Blade = Blade {
 /// Number of modes of the blade, as in the paper.
 pub const MODES: usize = 10;
 /// Cemented carbide; assumed, a common grade.
-const CARBIDE: Material = Material { young_mpa: 580e3, poisson_ratio: 0.22, density_kg_per_m3: 14400.0 };
+const CARBIDE: ElasticMaterial = ElasticMaterial { young_mpa: 580e3, poisson_ratio: 0.22, density_kg_per_m3: 14400.0 };
 const DIAMETER_MM: f64 = 8.0;
 /// Length out of the holder, without the flutes: gives the paper's 1960 Hz.
 const SHANK_MM: f64 = 51.46;
@@ -57,10 +57,10 @@ pub struct Damping {
 
 /// Data common to all passes over a workpiece.
 pub struct Bench<B> {
-    pub pass: Pass,
+    pub pass: FinishingPass,
     pub body: B,
     pub tool: BeamModes,
-    rigid: Machined,
+    rigid: PassResult,
 }
 
 /// Result of one pass.
@@ -71,7 +71,7 @@ pub struct Outcome {
     pub swings_mm: Vec<f64>,
     /// Root mean square deviation of the surface in each window.
     pub deviations_mm: Vec<f64>,
-    pub marks: Vec<Mark>,
+    pub marks: Vec<SurfaceMark>,
     /// Number of steps in which force and displacement did not converge.
     pub open: usize,
     pub force_n: f64,
@@ -91,11 +91,11 @@ pub fn tool_point_mm() -> [f64; 3] {
 
 impl<B: Modal> Bench<B> {
     /// A body that has the shape of this blade in the cut region.
-    pub fn new(body: B, blade: Blade, stepover_mm: f64, fineness: Fineness) -> Result<Self, Failure> {
-        let section = |length_mm, diameter_mm| Section { length_mm, diameter_mm, material: CARBIDE };
+    pub fn new(body: B, blade: Blade, stepover_mm: f64, fineness: PassResolution) -> Result<Self, Failure> {
+        let section = |length_mm, diameter_mm| BeamSection { length_mm, diameter_mm, material: CARBIDE };
         let sections = vec![section(SHANK_MM, DIAMETER_MM), section(FLUTES_MM, 0.8 * DIAMETER_MM)];
         let tool = Beam { sections, tip_mass_kg: 0.0, elements: 10 }.modes(1)?;
-        let pass = Pass {
+        let pass = FinishingPass {
             side: Side::new(blade, HEIGHT_RATIO),
             mill: EndMill {
                 diameter_mm: DIAMETER_MM,
@@ -130,7 +130,7 @@ impl<B: Modal> Bench<B> {
         Ok(self.judged(&machined))
     }
 
-    fn judged(&self, machined: &Machined) -> Outcome {
+    fn judged(&self, machined: &PassResult) -> Outcome {
         let length_mm = self.pass.side.length_mm();
         let window = |along_mm: f64| libm::floor((along_mm / length_mm + 0.5) * WINDOWS as f64) as i64;
         let marks = marks(&self.pass.side, &self.rigid, machined);
@@ -163,7 +163,8 @@ impl Outcome {
     pub fn scatter_mm(&self) -> f64 {
         let ends = self.marks.iter().map(|mark| mark.along_mm);
         let (first, last) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), mm| (a.min(mm), b.max(mm)));
-        let cell = |mark: &Mark| (mark.layer, (((mark.along_mm - first) / (last - first)) * WINDOWS as f64) as usize);
+        let cell =
+            |mark: &SurfaceMark| (mark.layer, (((mark.along_mm - first) / (last - first)) * WINDOWS as f64) as usize);
         let mut cells: BTreeMap<(usize, usize), [f64; 3]> = BTreeMap::new();
         for mark in &self.marks {
             let sums = cells.entry(cell(mark)).or_default();

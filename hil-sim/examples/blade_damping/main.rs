@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 
 use arcfeed_hil_sim::fe::field::Field;
-use arcfeed_hil_sim::finishing::pass::Fineness;
+use arcfeed_hil_sim::finishing::pass::PassResolution;
 use arcfeed_hil_sim::flexible::{Workpiece, tool_modes};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -22,9 +22,9 @@ mod picture;
 
 /// Chosen once, so that the limit of the tool alone is near the 0.03 of the paper.
 const STEPOVER_MM: f64 = 0.21;
-const FINENESS: Fineness = Fineness { rise_mm: 0.2, ray_mm: 0.05, steps: 400 };
+const FINENESS: PassResolution = PassResolution { rise_mm: 0.2, ray_mm: 0.05, steps: 400 };
 /// Finer resolution, for comparison.
-const FINER: Fineness = Fineness { rise_mm: 0.1, ray_mm: 0.025, steps: 800 };
+const FINER: PassResolution = PassResolution { rise_mm: 0.1, ray_mm: 0.025, steps: 800 };
 /// Halvings of the range in which a limit is, by its logarithm.
 const HALVINGS: usize = 6;
 const OF_WORKPIECE: [f64; 2] = [0.002, 0.016];

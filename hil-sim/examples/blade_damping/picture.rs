@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use arcfeed_hil_sim::finishing::marks::Mark;
+use arcfeed_hil_sim::finishing::marks::SurfaceMark;
 
 /// Deviation at which colours are full.
 const FULL_MM: f64 = 0.02;
@@ -43,7 +43,7 @@ impl Picture {
     }
 
     /// A surface below those before.
-    pub fn add(&mut self, label: &str, marks: &[Mark]) {
+    pub fn add(&mut self, label: &str, marks: &[SurfaceMark]) {
         let top = self.rows();
         self.pixels.resize((top + LABEL) * self.width, [255; 3]);
         self.write(label, top + DOT);

@@ -58,7 +58,7 @@ impl ReadBlock {
 
     /// Whether a control in single block waits after this block. It does not after a block that is only a comment,
     /// after a macro statement or after a call.
-    pub fn is_halt_of_single_block(&self) -> bool {
+    pub fn stops_single_block(&self) -> bool {
         let code = self.text.split(|&byte| byte == b'(').next().unwrap_or_default();
         match self.action {
             Action::Nothing => !code.trim_ascii().is_empty() && !is_statement(&self.text),
@@ -81,14 +81,14 @@ pub struct MoveContext {
     /// G63, or a tap in its hole: the override is 100 %, and feed hold waits.
     pub is_tapping: bool,
     /// Meaning of the programmed path.
-    pub way: Way,
+    pub programmed_path: ProgrammedPath,
     /// Tool and spindle commanded by the program.
     pub machining: Machining,
 }
 
 /// Meaning of the path that a program describes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Way {
+pub enum ProgrammedPath {
     /// Path of the axes.
     #[default]
     Axes,

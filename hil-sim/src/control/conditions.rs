@@ -4,7 +4,7 @@
 use arcfeed_shared::units::{Micros, PERCENT};
 
 use super::Control;
-use super::course::CannedCycleRun;
+use super::canned_cycle_run::CannedCycleRun;
 use super::feeds::FeedConditions;
 use super::interpolator::AxisLimited;
 use super::panel::Phase;
@@ -35,19 +35,19 @@ impl Control {
     }
 
     pub(super) fn conditions(&self) -> FeedConditions {
-        let stops = self.is_over() || self.phase == Phase::Resetting || self.driven.holds();
+        let stops = self.is_over() || self.phase == Phase::Resetting || self.drive_state.holds();
         FeedConditions {
             override_percent: self.override_percent(),
             dry_run: self.switches.dry_run.then_some(self.settings.dry_run_feed),
             holds: self.holds() || stops,
             holds_but_taps: !stops,
-            stops_at_block_end: self.is_in_single_block() || self.driven.stops_at_block_end(),
+            stops_at_block_end: self.is_in_single_block() || self.drive_state.stops_at_block_end(),
         }
     }
 
     /// Counts down a dwell, except in feed hold and before the axes are in position.
     pub(super) fn dwell(&mut self, dt: Micros) {
-        let goes_on = !self.holds() || self.course.as_ref().is_some_and(CannedCycleRun::is_tapping);
+        let goes_on = !self.holds() || self.cycle_run.as_ref().is_some_and(CannedCycleRun::is_tapping);
         if goes_on && self.is_in_position() {
             self.dwell_left = self.dwell_left.since(dt);
         }

@@ -37,7 +37,7 @@ pub struct DncPort {
     flow: Flow,
     is_ready: bool,
     /// DC1 came while the port read no program.
-    is_asked: bool,
+    is_requested: bool,
     counters: LineCounters,
 }
 
@@ -55,7 +55,7 @@ enum Flow {
     /// The host may send.
     Reading,
     /// DC3 is sent: count of characters since, and of characters exempt because they were under way.
-    Stopped { since: u32, excused: usize },
+    Stopped { since: u32, exempt: usize },
     /// The program is over; further characters are dropped.
     Closed,
 }
@@ -83,7 +83,7 @@ impl DncPort {
             punch: Punch::default(),
             flow: Flow::Silent,
             is_ready: true,
-            is_asked: false,
+            is_requested: false,
             counters: LineCounters::default(),
         }
     }
@@ -97,7 +97,7 @@ impl DncPort {
         }
         // While the port reads nothing, a sender's characters only start and stop the punch.
         for byte in bytes.iter().map(|byte| without_parity(settings.sender.frame(*byte))) {
-            self.is_asked |= byte == DC1;
+            self.is_requested |= byte == DC1;
             self.punch.take(byte);
         }
     }
@@ -129,21 +129,21 @@ impl DncPort {
     }
 
     /// Whether [`DncPort::poll_transmit`] has a byte.
-    pub fn has_to_say(&self) -> bool {
+    pub fn has_output(&self) -> bool {
         !self.outgoing.is_empty()
     }
 
     /// Exempts the characters now on the line from the ten after DC3: for hosts behind a pipe without a line rate,
     /// which wrote their bytes before they could see the DC3.
-    pub fn excuse_what_is_on_the_wire(&mut self) {
-        if let Flow::Stopped { excused, .. } = &mut self.flow {
-            *excused = self.wire.len();
+    pub fn exempt_bytes_on_wire(&mut self) {
+        if let Flow::Stopped { exempt, .. } = &mut self.flow {
+            *exempt = self.wire.len();
         }
     }
 
     /// Whether the sender has sent DC1 since the last call, while the port read no program.
     pub fn take_request(&mut self) -> bool {
-        std::mem::take(&mut self.is_asked)
+        std::mem::take(&mut self.is_requested)
     }
 
     /// The control's output to the sender.
@@ -257,9 +257,9 @@ impl DncPort {
         self.counters.bytes += 1;
         self.blocks += usize::from(self.tape.watch(frame));
         self.buffer.push_back(frame);
-        let Flow::Stopped { since, excused } = &mut self.flow else { return None };
-        if *excused > 0 {
-            *excused -= 1;
+        let Flow::Stopped { since, exempt } = &mut self.flow else { return None };
+        if *exempt > 0 {
+            *exempt -= 1;
             return None;
         }
         *since += 1;
@@ -277,7 +277,7 @@ impl DncPort {
             Flow::Reading if free < settings.xoff_below => {
                 self.send(DC3);
                 self.counters.xoff_count += 1;
-                self.flow = Flow::Stopped { since: 0, excused: 0 };
+                self.flow = Flow::Stopped { since: 0, exempt: 0 };
             }
             Flow::Stopped { .. } if free > settings.xon_above => {
                 self.send(DC1);

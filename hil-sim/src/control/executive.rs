@@ -21,7 +21,7 @@ use arcfeed_shared::units::Micros;
 use super::action::{Action, MoveContext, ReadBlock};
 use super::plain::{Plain, PlainReader};
 use super::restart::RestartList;
-use super::search::{Approach, Found, Search, never};
+use super::search::{Approach, Search, SearchResult, never};
 use super::settings::{ControlSettings, Switches};
 
 /// The program being read.
@@ -41,7 +41,7 @@ pub struct Executive {
 
 /// Next block, or the reason why there is none.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Next {
+pub enum NextBlock {
     /// A block.
     Block(Box<ReadBlock>),
     /// No block before the next step of time.
@@ -95,9 +95,9 @@ impl Executive {
 
     /// Reset: ready for another program of the DNC line, in the modal state of power-on, with the axes where they are.
     /// Variables from #500 on and offsets are kept.
-    pub fn reset(&mut self, settings: &ControlSettings, stands: Pose) {
+    pub fn reset(&mut self, settings: &ControlSettings, position: Pose) {
         self.reader = PlainReader::new(settings);
-        self.reader.stand_at(stands);
+        self.reader.stand_at(position);
         self.interpreter.reset();
         (self.line, self.is_over, self.fed, self.pending) = (0, false, None, None);
         self.outputs.clear();
@@ -120,26 +120,28 @@ impl Executive {
     }
 
     /// The next block at `now`.
-    pub fn next(&mut self, now: Micros, switches: &Switches) -> Next {
+    pub fn next(&mut self, now: Micros, switches: &Switches) -> NextBlock {
         let next =
-            self.pending.take().map_or_else(|| self.advance(now, switches), |block| Next::Block(Box::new(block)));
+            self.pending.take().map_or_else(|| self.advance(now, switches), |block| NextBlock::Block(Box::new(block)));
         // A line of the DNC line is executed as one block, also if it is a statement or a call.
         let is_of_line = |block: &ReadBlock| !matches!(block.action, Action::Fault(_));
         match (self.fed.take(), next) {
-            (Some(fed), Next::Starved) => Next::Block(Box::new(ReadBlock::new(self.line, fed, Action::Nothing))),
-            (Some(fed), Next::Block(block)) if is_of_line(&block) => {
-                self.pending = Some(*block);
-                Next::Block(Box::new(ReadBlock::new(self.line, fed, Action::Nothing)))
+            (Some(fed), NextBlock::Starved) => {
+                NextBlock::Block(Box::new(ReadBlock::new(self.line, fed, Action::Nothing)))
             }
-            (fed, Next::Busy) => {
+            (Some(fed), NextBlock::Block(block)) if is_of_line(&block) => {
+                self.pending = Some(*block);
+                NextBlock::Block(Box::new(ReadBlock::new(self.line, fed, Action::Nothing)))
+            }
+            (fed, NextBlock::Busy) => {
                 self.fed = fed;
-                Next::Busy
+                NextBlock::Busy
             }
             (_, next) => next,
         }
     }
 
-    fn advance(&mut self, now: Micros, switches: &Switches) -> Next {
+    fn advance(&mut self, now: Micros, switches: &Switches) -> NextBlock {
         // Bit n - 1 of the panel is bit n of the interpreter.
         self.interpreter.set_block_delete(switches.block_delete << 1);
         self.reader.reader().set_delete_switches(switches.block_delete << 1);
@@ -148,7 +150,7 @@ impl Executive {
             let block = match self.interpreter.next(&context) {
                 Ok(Step::Block(block)) => self.read(block),
                 Ok(Step::Message(text)) => self.wait_with(&text),
-                Ok(Step::Busy) => return Next::Busy,
+                Ok(Step::Busy) => return NextBlock::Busy,
                 Ok(Step::End(Ending::Text)) => {
                     self.is_over = true;
                     self.block(Action::Fault(Fault::alarm(Alarm::EndOfRecord, 0)))
@@ -167,29 +169,39 @@ impl Executive {
                     continue;
                 }
                 Ok(Step::Restart) => continue,
-                Ok(Step::Starved) => return Next::Starved,
+                Ok(Step::Starved) => return NextBlock::Starved,
                 Ok(Step::End(Ending::Program)) => {
                     self.is_over = true;
                     continue;
                 }
             };
-            return Next::Block(Box::new(block));
+            return NextBlock::Block(Box::new(block));
         }
-        Next::Over
+        NextBlock::Over
     }
 
     /// Applies a search to the next block; `None` if that takes more time.
-    pub fn look(&mut self, search: Search, now: Micros, switches: &Switches, approach: &Approach) -> Option<Found> {
+    pub fn search(
+        &mut self,
+        search: Search,
+        now: Micros,
+        switches: &Switches,
+        approach: &Approach,
+    ) -> Option<SearchResult> {
         if let Search::Sequence(wanted) = search {
             let is_there = self.interpreter.seek(wanted);
-            return Some(if is_there { Found::Here(Vec::new()) } else { Found::Never(Box::new(never(self.line))) });
+            return Some(if is_there {
+                SearchResult::Here(Vec::new())
+            } else {
+                SearchResult::Never(Box::new(never(self.line)))
+            });
         }
         let Search::Restart(wanted) = search else { return None };
         let start = self.reader.end();
         match self.next(now, switches) {
-            Next::Block(block) => Some(approach.restart_at(wanted, *block, start)),
-            Next::Busy | Next::Starved => None,
-            Next::Over => Some(Found::Never(Box::new(never(self.line)))),
+            NextBlock::Block(block) => Some(approach.restart_at(wanted, *block, start)),
+            NextBlock::Busy | NextBlock::Starved => None,
+            NextBlock::Over => Some(SearchResult::Never(Box::new(never(self.line)))),
         }
     }
 
@@ -281,7 +293,7 @@ mod tests {
 
     fn texts(executive: &mut Executive, switches: &Switches) -> Vec<String> {
         let mut texts = Vec::new();
-        while let Next::Block(block) = executive.next(Micros(0), switches) {
+        while let NextBlock::Block(block) = executive.next(Micros(0), switches) {
             texts.push(String::from_utf8(block.text).unwrap());
         }
         texts
@@ -298,16 +310,19 @@ mod tests {
     #[test]
     fn a_search_goes_on_at_its_block_and_a_restart_reads_what_is_before_it() {
         let program = "#1=4.\nG1F100.X1.\nN20Y#1\nM30\n";
-        let stands = arcfeed_shared::nc::modal::Pose::default();
-        let approach = Approach { stands, feed: arcfeed_shared::units::MmPerMin(1_000.0) };
+        let position = arcfeed_shared::nc::modal::Pose::default();
+        let approach = Approach { position, feed: arcfeed_shared::units::MmPerMin(1_000.0) };
         let off = Switches::default();
         let mut found = executive(program);
-        assert_eq!(found.look(Search::Sequence(20), Micros(0), &off, &approach), Some(Found::Here(Vec::new())));
+        assert_eq!(
+            found.search(Search::Sequence(20), Micros(0), &off, &approach),
+            Some(SearchResult::Here(Vec::new()))
+        );
         assert_eq!(texts(&mut found, &off), ["N20", "M30"], "without #1 there is no Y");
         let mut restarted = executive(program);
-        let mut look = || restarted.look(Search::Restart(20), Micros(0), &off, &approach);
-        assert_eq!(look(), Some(Found::NotYet));
-        let Some(Found::Here(blocks)) = look() else { panic!("N20 is there") };
+        let mut search = || restarted.search(Search::Restart(20), Micros(0), &off, &approach);
+        assert_eq!(search(), Some(SearchResult::NotYet));
+        let Some(SearchResult::Here(blocks)) = search() else { panic!("N20 is there") };
         let ends: Vec<_> = blocks
             .iter()
             .filter_map(|block| match &block.action {

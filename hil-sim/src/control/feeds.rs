@@ -59,7 +59,7 @@ impl FeedConditions {
 }
 
 /// Largest speed of a move, mm/s along the path, whatever its feed and its axes.
-pub fn most_mm_per_s(travel: &Travel, clamp: Option<&ArcClamp>, rapid_mm_per_s: f64) -> f64 {
+pub fn speed_max_mm_per_s(travel: &Travel, clamp: Option<&ArcClamp>, rapid_mm_per_s: f64) -> f64 {
     let limit = match (&travel.segment.path, clamp) {
         (Path::Arc(arc), Some(clamp)) if travel.programmed_mm_per_s.is_some() => {
             limit_mm_per_min(clamp, arc.radius_mm()) / S_PER_MIN * travel.speed_ratio

@@ -13,8 +13,8 @@ use crate::drives::limits::PathLimits;
 use crate::drives::profile::{Ahead, secure};
 
 use super::feeds::FeedConditions;
-use super::leg::{Active, Queued};
-use super::stretches::{Stretch, walk};
+use super::path_spans::{PathSpan, walk};
+use super::prepared_move::{Active, Queued};
 
 /// Remaining distance below which a path counts as done, far below a nanometre.
 pub const DONE: f64 = 1e-10;
@@ -24,7 +24,7 @@ const SPARE_PERIODS: f64 = 24.0;
 /// The span that the axes are on, and those ahead.
 #[derive(Clone, Debug)]
 pub struct Horizon {
-    here: Stretch,
+    here: PathSpan,
     ahead: Vec<Ahead>,
     /// Conditions for which the wanted speeds hold; `None` if the horizon must be computed anew.
     conditions: Option<FeedConditions>,
@@ -33,12 +33,12 @@ pub struct Horizon {
 impl Horizon {
     /// An empty horizon, to be computed.
     pub fn new() -> Self {
-        let here = Stretch { at_mm: 0.0, limits: PathLimits::NONE, wanted_mm_per_s: f64::INFINITY };
+        let here = PathSpan { at_mm: 0.0, limits: PathLimits::NONE, wanted_mm_per_s: f64::INFINITY };
         Horizon { here, ahead: Vec::new(), conditions: None }
     }
 
     /// The span that the axes are on.
-    pub fn here(&self) -> &Stretch {
+    pub fn here(&self) -> &PathSpan {
         &self.here
     }
 
@@ -48,7 +48,7 @@ impl Horizon {
     }
 
     /// Makes the next update compute the horizon anew, because the moves have changed.
-    pub fn forget(&mut self) {
+    pub fn invalidate(&mut self) {
         self.conditions = None;
     }
 
@@ -58,15 +58,15 @@ impl Horizon {
     }
 
     /// Shifts positions to count from the end of a move that is over.
-    pub fn leave(&mut self, active: &Active) {
+    pub fn rebase(&mut self, active: &Active) {
         for ahead in &mut self.ahead {
-            ahead.at -= active.leg.travel.length_mm;
+            ahead.at -= active.prepared.travel.length_mm;
         }
     }
 
     /// Sets the wanted speed to that of the move just begun, which may be more than in the corner before it.
     pub fn enter(&mut self, active: &Active, conditions: &FeedConditions) {
-        self.here.wanted_mm_per_s = active.leg.wanted(&active.context, conditions);
+        self.here.wanted_mm_per_s = active.prepared.wanted(&active.context, conditions);
     }
 
     /// Updates the horizon for the axes' position, and for the distance that they may travel within `dt_s`.
@@ -78,48 +78,48 @@ impl Horizon {
         conditions: &FeedConditions,
     ) {
         if self.conditions == Some(*conditions) {
-            self.pass(active.done_mm);
+            self.drop_reached(active.done_mm);
             if self.reaches_far_enough(dt_s, &motion, active.done_mm) {
                 return;
             }
         }
-        self.renew(dt_s, &motion, (active, queue), conditions);
+        self.recompute(dt_s, &motion, (active, queue), conditions);
     }
 
     /// Removes the spans that the axes have reached. A stop stays ahead until the axes rest.
-    fn pass(&mut self, done_mm: f64) {
+    fn drop_reached(&mut self, done_mm: f64) {
         let is_reached = |ahead: &&Ahead| ahead.at - done_mm <= DONE && ahead.limits.speed > 0.0;
         let reached = self.ahead.iter().take_while(is_reached).count();
         let Some(last) = self.ahead.drain(..reached).next_back() else { return };
-        self.here = Stretch { at_mm: last.at, limits: last.limits, wanted_mm_per_s: last.speed };
-        let mut on_the_way = self.here.limits;
+        self.here = PathSpan { at_mm: last.at, limits: last.limits, wanted_mm_per_s: last.speed };
+        let mut limits_before = self.here.limits;
         for ahead in &mut self.ahead {
             if ahead.is_commanded_feed {
-                on_the_way = on_the_way.and(&ahead.limits);
+                limits_before = limits_before.and(&ahead.limits);
             }
-            ahead.on_the_way = on_the_way;
-            on_the_way = on_the_way.and(&ahead.limits);
+            ahead.limits_before = limits_before;
+            limits_before = limits_before.and(&ahead.limits);
         }
     }
 
     /// Whether the axes can rest before the end of the horizon, or the queue holds no move behind it.
     fn reaches_far_enough(&self, dt_s: f64, motion: &Motion, done_mm: f64) -> bool {
         self.ahead.last().is_some_and(|last| {
-            let soon = self.soon(dt_s, motion);
-            let room = last.at - done_mm - soon.speed * dt_s;
-            last.limits.speed == 0.0 || rests_within(room, &soon, &last.on_the_way.and(&last.limits))
+            let motion_bound = self.motion_bound(dt_s, motion);
+            let room = last.at - done_mm - motion_bound.speed * dt_s;
+            last.limits.speed == 0.0 || rests_within(room, &motion_bound, &last.limits_before.and(&last.limits))
         })
     }
 
     /// Upper bound of the motion within `dt_s`.
-    fn soon(&self, dt_s: f64, motion: &Motion) -> Motion {
+    fn motion_bound(&self, dt_s: f64, motion: &Motion) -> Motion {
         let Motion { speed, acceleration } = *motion;
         let speed = speed + (acceleration.abs() + self.here.limits.jerk * dt_s) * dt_s;
         Motion { speed, acceleration: acceleration.max(0.0) }
     }
 
     /// Computes the horizon anew, with some periods in reserve.
-    fn renew(
+    fn recompute(
         &mut self,
         dt_s: f64,
         motion: &Motion,
@@ -127,13 +127,13 @@ impl Horizon {
         conditions: &FeedConditions,
     ) {
         self.ahead.clear();
-        self.here = Stretch { at_mm: 0.0, limits: PathLimits::NONE, wanted_mm_per_s: f64::INFINITY };
-        let mut on_the_way = PathLimits::NONE;
-        walk(active, queue, conditions, |stretch| {
-            let Stretch { at_mm: at, limits, wanted_mm_per_s: wanted } = stretch;
+        self.here = PathSpan { at_mm: 0.0, limits: PathLimits::NONE, wanted_mm_per_s: f64::INFINITY };
+        let mut limits_before = PathLimits::NONE;
+        walk(active, queue, conditions, |span| {
+            let PathSpan { at_mm: at, limits, wanted_mm_per_s: wanted } = span;
             let left = at - active.done_mm;
             if left <= DONE && limits.speed > 0.0 {
-                (self.here, on_the_way) = (stretch, limits);
+                (self.here, limits_before) = (span, limits);
                 return true;
             }
             self.ahead.push(Ahead {
@@ -142,9 +142,9 @@ impl Horizon {
                 is_commanded_feed: false,
                 safe: [0.0; 2],
                 limits,
-                on_the_way,
+                limits_before,
             });
-            on_the_way = on_the_way.and(&limits);
+            limits_before = limits_before.and(&limits);
             if wanted < limits.speed {
                 self.ahead.push(Ahead {
                     at,
@@ -152,11 +152,11 @@ impl Horizon {
                     is_commanded_feed: true,
                     safe: [0.0; 2],
                     limits,
-                    on_the_way,
+                    limits_before,
                 });
             }
-            let soon = self.soon(dt_s, motion);
-            !rests_within(left - (1.0 + SPARE_PERIODS) * soon.speed * dt_s, &soon, &on_the_way)
+            let motion_bound = self.motion_bound(dt_s, motion);
+            !rests_within(left - (1.0 + SPARE_PERIODS) * motion_bound.speed * dt_s, &motion_bound, &limits_before)
         });
         secure(&mut self.ahead);
         self.conditions = Some(*conditions);
@@ -165,6 +165,6 @@ impl Horizon {
 
 /// Whether a motion comes to rest within less than `room`.
 fn rests_within(room: f64, from: &Motion, limits: &PathLimits) -> bool {
-    let exactly = || Brake::to(0.0, *from, limits).is_none_or(|brake| brake.way() < room);
+    let exactly = || Brake::to(0.0, *from, limits).is_none_or(|brake| brake.distance() < room);
     surely_fits(0.0, from, limits, room).unwrap_or_else(exactly)
 }

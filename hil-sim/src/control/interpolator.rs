@@ -15,16 +15,16 @@ use crate::drives::limits::AXES;
 
 use super::action::{Action, MoveContext, ReadBlock};
 use super::feeds::FeedConditions;
-use super::leg::{Active, Advance, Leg, MoveLimits, Queued};
 use super::look_ahead::LookAhead;
 use super::path::to_pose;
+use super::prepared_move::{Active, Advance, MoveLimits, PreparedMove, Queued};
 use super::settings::ControlSettings;
 use super::trapezoid::Trapezoid;
 
 /// The interpolator's state.
 #[derive(Debug)]
 pub struct Interpolator {
-    pace: Pace,
+    planner: SpeedPlanner,
     arc_clamp: Option<ArcClamp>,
     dry_run_mm_per_s: f64,
     queue: VecDeque<Queued>,
@@ -54,7 +54,7 @@ pub struct AxisLimited {
 
 /// Planner of the speed.
 #[derive(Debug)]
-enum Pace {
+enum SpeedPlanner {
     Trapezoid(Trapezoid),
     LookAhead(Box<LookAhead>),
 }
@@ -62,12 +62,12 @@ enum Pace {
 impl Interpolator {
     /// At rest at the origin, nothing queued.
     pub fn new(settings: &ControlSettings) -> Self {
-        let pace = match settings.drives {
-            Some(drives) => Pace::LookAhead(Box::new(LookAhead::new(drives))),
-            None => Pace::Trapezoid(Trapezoid::new(settings.dynamics)),
+        let planner = match settings.drives {
+            Some(drives) => SpeedPlanner::LookAhead(Box::new(LookAhead::new(drives))),
+            None => SpeedPlanner::Trapezoid(Trapezoid::new(settings.dynamics)),
         };
         Interpolator {
-            pace,
+            planner,
             arc_clamp: settings.arc_clamp,
             dry_run_mm_per_s: f64::from(settings.dry_run_feed.0) / S_PER_MIN,
             queue: VecDeque::new(),
@@ -86,19 +86,21 @@ impl Interpolator {
 
     /// Adds a block at the end of the queue.
     pub fn queue(&mut self, block: ReadBlock) {
-        let leg = match &block.action {
-            Action::Move(segment, _) => Some(self.leg(*segment)).filter(|leg| leg.travel.length_mm > 0.0),
+        let prepared = match &block.action {
+            Action::Move(segment, _) => {
+                Some(self.prepare_move(*segment)).filter(|prepared| prepared.travel.length_mm > 0.0)
+            }
             _ => None,
         };
-        let flows = leg.as_ref().is_some_and(|leg| leg.entry.is_some());
-        self.queue.push_back(Queued { block, leg });
+        let flows = prepared.as_ref().is_some_and(|prepared| prepared.entry.is_some());
+        self.queue.push_back(Queued { block, prepared });
         // The block was read too late for a rounded corner, so the corner is a stop.
         if flows
-            && let (Pace::LookAhead(look_ahead), Some(active)) = (&mut self.pace, &self.active)
+            && let (SpeedPlanner::LookAhead(look_ahead), Some(active)) = (&mut self.planner, &self.active)
             && !look_ahead.can_follow(active, &self.queue)
-            && let Some(leg) = self.queue.back_mut().and_then(|queued| queued.leg.as_mut())
+            && let Some(prepared) = self.queue.back_mut().and_then(|queued| queued.prepared.as_mut())
         {
-            leg.entry = None;
+            prepared.entry = None;
         }
     }
 
@@ -108,48 +110,48 @@ impl Interpolator {
         if self.active.is_some() {
             return None;
         }
-        let Queued { block, leg } = self.queue.pop_front()?;
-        if let Some(leg) = leg {
+        let Queued { block, prepared } = self.queue.pop_front()?;
+        if let Some(prepared) = prepared {
             let count = u32::try_from(count + 1).unwrap_or(u32::MAX);
-            self.active = Some(Active { leg, done_mm: 0.0, count, context: block.context, ends_at_rest: false });
+            self.active = Some(Active { prepared, done_mm: 0.0, count, context: block.context, ends_at_rest: false });
         }
         Some(block)
     }
 
     /// Begins a move of a block that makes several; `count` as in [`Interpolator::take_next`], this block included.
     pub fn begin(&mut self, segment: Segment, context: MoveContext, count: usize) {
-        let leg = Leg::new(segment, &self.limits());
+        let prepared = PreparedMove::new(segment, &self.limits());
         let count = u32::try_from(count).unwrap_or(u32::MAX);
-        if leg.travel.length_mm > 0.0 {
-            self.active = Some(Active { leg, done_mm: 0.0, count, context, ends_at_rest: true });
+        if prepared.travel.length_mm > 0.0 {
+            self.active = Some(Active { prepared, done_mm: 0.0, count, context, ends_at_rest: true });
         }
     }
 
     /// Moves the axes for `dt_s` or to the end of the block; returns the remaining time.
     pub fn advance(&mut self, dt_s: f64, conditions: &FeedConditions) -> f64 {
         let Some(active) = &mut self.active else {
-            self.pace.rest();
+            self.planner.rest();
             self.commanded = MmPerMin(0.0);
             return 0.0;
         };
-        let travel = &active.leg.travel;
-        let asked = active.leg.wanted(&active.context, conditions);
-        let wanted = asked.min(active.leg.limits.speed);
+        let travel = &active.prepared.travel;
+        let asked = active.prepared.wanted(&active.context, conditions);
+        let wanted = asked.min(active.prepared.limits.speed);
         let feed = travel.programmed_mm_per_s.map_or(0.0, |_| wanted / travel.speed_ratio);
         if asked > wanted && feed > 0.0 && self.limited.last().is_none_or(|limited| limited.count != active.count) {
             self.limited.push(AxisLimited {
                 count: active.count,
                 sequence: travel.segment.sequence,
-                axis: active.leg.limits.axis.unwrap_or_default(),
+                axis: active.prepared.limits.axis.unwrap_or_default(),
                 is_rotary: travel.is_rotary(),
                 wanted_mm_per_s: asked,
                 allowed_mm_per_s: wanted,
             });
         }
         self.commanded = MmPerMin((feed * S_PER_MIN) as f32);
-        let advance = match &mut self.pace {
-            Pace::Trapezoid(trapezoid) => trapezoid.advance(dt_s, active, &self.queue, conditions),
-            Pace::LookAhead(look_ahead) => look_ahead.advance(dt_s, active, &mut self.queue, conditions),
+        let advance = match &mut self.planner {
+            SpeedPlanner::Trapezoid(trapezoid) => trapezoid.advance(dt_s, active, &self.queue, conditions),
+            SpeedPlanner::LookAhead(look_ahead) => look_ahead.advance(dt_s, active, &mut self.queue, conditions),
         };
         match advance {
             Advance::To(done_mm, left_s) => {
@@ -159,7 +161,7 @@ impl Interpolator {
                 left_s
             }
             Advance::Over(left_s) => {
-                self.axes = active.leg.travel.axes_at(1.0);
+                self.axes = active.prepared.travel.axes_at(1.0);
                 self.position = travel.segment.end;
                 self.active = None;
                 left_s
@@ -184,7 +186,7 @@ impl Interpolator {
 
     /// The active move and the count of blocks executed up to and including it.
     pub fn active(&self) -> Option<(u32, &Segment)> {
-        self.active.as_ref().map(|active| (active.count, &active.leg.travel.segment))
+        self.active.as_ref().map(|active| (active.count, &active.prepared.travel.segment))
     }
 
     /// Context of the active move.
@@ -204,29 +206,29 @@ impl Interpolator {
 
     /// Whether the axes have passed the end of a move and the next one has not been taken from the queue yet.
     pub fn is_between(&self) -> bool {
-        matches!(&self.pace, Pace::LookAhead(look_ahead) if look_ahead.is_between())
+        matches!(&self.planner, SpeedPlanner::LookAhead(look_ahead) if look_ahead.is_between())
     }
 
     /// Clears the queue and the active move: after a reset, with the axes at rest.
     pub fn clear(&mut self) {
         self.queue.clear();
         self.active = None;
-        self.pace.rest();
+        self.planner.rest();
     }
 
     /// Whether the axes are slow enough to stop with a permitted jump of speed.
     pub fn may_stop(&self) -> bool {
-        match &self.pace {
-            Pace::Trapezoid(trapezoid) => trapezoid.may_stop(),
-            Pace::LookAhead(_) => self.is_at_rest(),
+        match &self.planner {
+            SpeedPlanner::Trapezoid(trapezoid) => trapezoid.may_stop(),
+            SpeedPlanner::LookAhead(_) => self.is_at_rest(),
         }
     }
 
     /// Speed along the path.
     pub fn speed_mm_per_s(&self) -> f64 {
-        match &self.pace {
-            Pace::Trapezoid(trapezoid) => trapezoid.speed_mm_per_s,
-            Pace::LookAhead(look_ahead) => look_ahead.speed_mm_per_s(),
+        match &self.planner {
+            SpeedPlanner::Trapezoid(trapezoid) => trapezoid.speed_mm_per_s,
+            SpeedPlanner::LookAhead(look_ahead) => look_ahead.speed_mm_per_s(),
         }
     }
 
@@ -236,47 +238,47 @@ impl Interpolator {
     }
 
     /// Prepares a move, with the rounded corner to the move before if the two flow and there is still time to round it.
-    fn leg(&self, segment: Segment) -> Leg {
-        let mut leg = Leg::new(segment, &self.limits());
-        let Some((before, left_mm)) = self.before() else { return leg };
-        match &self.pace {
-            Pace::Trapezoid(trapezoid) => {
-                leg.corner_mm_per_s = trapezoid.corner_mm_per_s(&before.travel, &leg.travel);
+    fn prepare_move(&self, segment: Segment) -> PreparedMove {
+        let mut prepared = PreparedMove::new(segment, &self.limits());
+        let Some((before, left_mm)) = self.last_flowing() else { return prepared };
+        match &self.planner {
+            SpeedPlanner::Trapezoid(trapezoid) => {
+                prepared.corner_mm_per_s = trapezoid.corner_mm_per_s(&before.travel, &prepared.travel);
             }
-            Pace::LookAhead(look_ahead) => {
-                leg.join(before, &look_ahead.drives);
-                leg.entry = leg.entry.filter(|corner| corner.junction.half_mm < left_mm);
+            SpeedPlanner::LookAhead(look_ahead) => {
+                prepared.join(before, &look_ahead.drives);
+                prepared.entry = prepared.entry.filter(|corner| corner.junction.half_mm < left_mm);
             }
         }
-        leg
+        prepared
     }
 
     /// Last move that flows into the next one, and its remaining distance.
-    fn before(&self) -> Option<(&Leg, f64)> {
+    fn last_flowing(&self) -> Option<(&PreparedMove, f64)> {
         let mut flowing = self.queue.iter().rev().take_while(|queued| queued.flows());
-        if let Some(leg) = flowing.find_map(|queued| queued.leg.as_ref()) {
-            return Some((leg, leg.travel.length_mm));
+        if let Some(prepared) = flowing.find_map(|queued| queued.prepared.as_ref()) {
+            return Some((prepared, prepared.travel.length_mm));
         }
         let active = self.active.as_ref().filter(|active| !active.ends_at_rest)?;
-        self.queue.iter().all(Queued::flows).then(|| (&active.leg, active.left_mm()))
+        self.queue.iter().all(Queued::flows).then(|| (&active.prepared, active.left_mm()))
     }
 
     /// Limits that the settings put on every move. Data of the drives, if known, set the speed at G0.
     fn limits(&self) -> MoveLimits<'_> {
-        let (drives, rapid_mm_per_s) = match &self.pace {
-            Pace::Trapezoid(trapezoid) => (None, trapezoid.dynamics.rapid_mm_per_s),
-            Pace::LookAhead(look_ahead) => (Some(&look_ahead.drives), f64::INFINITY),
+        let (drives, rapid_mm_per_s) = match &self.planner {
+            SpeedPlanner::Trapezoid(trapezoid) => (None, trapezoid.dynamics.rapid_mm_per_s),
+            SpeedPlanner::LookAhead(look_ahead) => (Some(&look_ahead.drives), f64::INFINITY),
         };
         let (arc_clamp, dry_run_mm_per_s) = (self.arc_clamp.as_ref(), self.dry_run_mm_per_s);
         MoveLimits { drives, arc_clamp, rapid_mm_per_s, dry_run_mm_per_s }
     }
 }
 
-impl Pace {
+impl SpeedPlanner {
     fn rest(&mut self) {
         match self {
-            Pace::Trapezoid(trapezoid) => trapezoid.speed_mm_per_s = 0.0,
-            Pace::LookAhead(look_ahead) => look_ahead.rest(),
+            SpeedPlanner::Trapezoid(trapezoid) => trapezoid.speed_mm_per_s = 0.0,
+            SpeedPlanner::LookAhead(look_ahead) => look_ahead.rest(),
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::drives::profile::Profile;
 
 use super::feeds::FeedConditions;
 use super::horizon::{DONE, Horizon};
-use super::leg::{Active, Advance, Queued, flowing};
+use super::prepared_move::{Active, Advance, Queued, flowing};
 
 /// Present motion, under limits of all axes.
 #[derive(Clone, Debug)]
@@ -21,14 +21,14 @@ pub struct LookAhead {
     pub drives: DriveLimits,
     motion: Motion,
     /// Distance travelled beyond the end of a move, until the next move takes it over.
-    over: Option<f64>,
+    overrun: Option<f64>,
     horizon: Horizon,
 }
 
 impl LookAhead {
     /// A planner at rest.
     pub fn new(drives: DriveLimits) -> Self {
-        LookAhead { drives, motion: Motion::default(), over: None, horizon: Horizon::new() }
+        LookAhead { drives, motion: Motion::default(), overrun: None, horizon: Horizon::new() }
     }
 
     /// Speed along the path.
@@ -38,13 +38,13 @@ impl LookAhead {
 
     /// Whether the axes have travelled a distance that belongs to the next move.
     pub fn is_between(&self) -> bool {
-        self.over.is_some()
+        self.overrun.is_some()
     }
 
     /// Sets the motion to rest: no move is in execution.
     pub fn rest(&mut self) {
-        (self.motion, self.over) = (Motion::default(), None);
-        self.horizon.forget();
+        (self.motion, self.overrun) = (Motion::default(), None);
+        self.horizon.invalidate();
     }
 
     /// Whether the axes can keep to the corners of these moves. A corner that is read while the axes brake to a stop
@@ -53,11 +53,11 @@ impl LookAhead {
         if self.horizon.ends_before_queue() {
             return true;
         }
-        self.horizon.forget();
+        self.horizon.invalidate();
         self.horizon.update(0.0, self.motion, (active, queue), &FeedConditions::PROGRAMMED);
-        let can_follow = self.profile(0.0, active).can_go_on(self.motion);
+        let can_follow = self.profile(0.0, active).can_keep_limits(self.motion);
         if !can_follow {
-            self.horizon.forget();
+            self.horizon.invalidate();
         }
         can_follow
     }
@@ -70,9 +70,9 @@ impl LookAhead {
         queue: &mut VecDeque<Queued>,
         conditions: &FeedConditions,
     ) -> Advance {
-        if let Some(over) = self.over.take() {
+        if let Some(overrun) = self.overrun.take() {
             self.horizon.enter(active, conditions);
-            return self.carried(active.done_mm + over, active, dt_s);
+            return self.advanced_to(active.done_mm + overrun, active, dt_s);
         }
         if conditions.stops_at_block_end {
             self.stop_at_block_end(active, queue);
@@ -83,13 +83,13 @@ impl LookAhead {
         let wanted = if holds { 0.0 } else { here.wanted_mm_per_s.min(here.limits.speed) };
         let step = self.profile(dt_s, active).step(self.motion, wanted);
         self.motion = step.motion;
-        let stops = flowing(queue).next().is_none_or(|(leg, _)| leg.entry.is_none());
-        if !stops || active.left_mm() - step.way > DONE {
-            return self.carried(active.done_mm + step.way, active, step.left_s);
+        let stops = flowing(queue).next().is_none_or(|(prepared, _)| prepared.entry.is_none());
+        if !stops || active.left_mm() - step.distance > DONE {
+            return self.advanced_to(active.done_mm + step.distance, active, step.left_s);
         }
         if !step.is_over() {
             // Braking takes longer than the remaining distance suggests.
-            return Advance::To(active.leg.travel.length_mm.next_down(), 0.0);
+            return Advance::To(active.prepared.travel.length_mm.next_down(), 0.0);
         }
         self.rest();
         Advance::Over(step.left_s)
@@ -101,31 +101,32 @@ impl LookAhead {
     }
 
     /// Advances to a distance in this move, or beyond its end into the next one.
-    fn carried(&mut self, done_mm: f64, active: &Active, left_s: f64) -> Advance {
-        let over = done_mm - active.leg.travel.length_mm;
-        if over < 0.0 {
+    fn advanced_to(&mut self, done_mm: f64, active: &Active, left_s: f64) -> Advance {
+        let overrun = done_mm - active.prepared.travel.length_mm;
+        if overrun < 0.0 {
             return Advance::To(done_mm, left_s);
         }
-        self.horizon.leave(active);
-        self.over = Some(over);
+        self.horizon.rebase(active);
+        self.overrun = Some(overrun);
         Advance::Over(left_s)
     }
 
     /// Makes the first move that can still stop at its end stop there.
     fn stop_at_block_end(&mut self, active: &Active, queue: &mut VecDeque<Queued>) {
-        let mut limits = active.leg.entry.map_or(active.leg.limits, |entry| entry.limits.and(&active.leg.limits));
+        let mut limits =
+            active.prepared.entry.map_or(active.prepared.limits, |entry| entry.limits.and(&active.prepared.limits));
         let mut left = active.left_mm();
         for queued in queue.iter_mut() {
-            let Some(leg) = &mut queued.leg else { continue };
-            let Some(entry) = leg.entry else { return };
-            let way = Brake::to(0.0, self.motion, &limits).map_or(0.0, |brake| brake.way());
-            if way <= left && left > entry.junction.half_mm {
-                leg.entry = None;
-                self.horizon.forget();
+            let Some(prepared) = &mut queued.prepared else { continue };
+            let Some(entry) = prepared.entry else { return };
+            let distance = Brake::to(0.0, self.motion, &limits).map_or(0.0, |brake| brake.distance());
+            if distance <= left && left > entry.junction.half_mm {
+                prepared.entry = None;
+                self.horizon.invalidate();
                 return;
             }
-            left += leg.travel.length_mm;
-            limits = limits.and(&entry.limits).and(&leg.limits);
+            left += prepared.travel.length_mm;
+            limits = limits.and(&entry.limits).and(&prepared.limits);
         }
     }
 }

@@ -38,9 +38,9 @@ pub mod executive;
 
 mod junction;
 
-mod leg;
+mod prepared_move;
 
-mod stretches;
+mod path_spans;
 
 mod trapezoid;
 
@@ -52,11 +52,11 @@ pub mod interpolator;
 
 mod panel;
 
-mod driven;
+mod drive_state;
 
-mod course;
+mod canned_cycle_run;
 
-mod ahead;
+mod read_ahead;
 
 mod conditions;
 
@@ -72,9 +72,9 @@ use arcfeed_shared::units::{Micros, MmPerMin};
 use crate::drives::limits::AXES;
 
 use action::{Action, MoveContext, ReadBlock};
-use course::CannedCycleRun;
+use canned_cycle_run::CannedCycleRun;
 use dnc_port::DncPort;
-use driven::Driven;
+use drive_state::DriveState;
 use executive::Executive;
 use interpolator::Interpolator;
 use line::LineCounters;
@@ -112,9 +112,9 @@ pub struct Control {
     search: Option<Search>,
     restart_list: Option<RestartList>,
     /// Block with several moves, in execution.
-    course: Option<CannedCycleRun>,
+    cycle_run: Option<CannedCycleRun>,
     interpolator: Interpolator,
-    driven: Driven,
+    drive_state: DriveState,
     phase: Phase,
     dwell_left: Micros,
     after_move: Option<Stop>,
@@ -126,7 +126,7 @@ pub struct Control {
     ignored: Ignored,
     output: Vec<u8>,
     executed: Vec<Vec<u8>>,
-    taken: usize,
+    blocks_begun: usize,
     starved_ms: u64,
     has_moved: bool,
     ladder: VecDeque<u8>,
@@ -175,9 +175,9 @@ impl Control {
             reads_no_further: false,
             search: None,
             restart_list: None,
-            course: None,
+            cycle_run: None,
             interpolator: Interpolator::new(&settings),
-            driven: Driven::new(&settings),
+            drive_state: DriveState::new(&settings),
             phase: Phase::Running,
             dwell_left: Micros(0),
             after_move: None,
@@ -188,7 +188,7 @@ impl Control {
             ignored: Ignored::default(),
             output: Vec::new(),
             executed: Vec::new(),
-            taken: 0,
+            blocks_begun: 0,
             starved_ms: 0,
             has_moved: false,
             ladder: VecDeque::new(),
@@ -207,8 +207,8 @@ impl Control {
     }
 
     /// Whether the control has sent bytes that have not been fetched yet.
-    pub fn has_to_say(&self) -> bool {
-        self.port.has_to_say()
+    pub fn has_output(&self) -> bool {
+        self.port.has_output()
     }
 
     /// Simulates one interpolation period; `override_percent` is the value at the override input.
@@ -225,12 +225,12 @@ impl Control {
         while left_s > 0.0 || self.interpolator.is_between() {
             self.start_next(now);
             if let Some((_, segment)) = self.interpolator.active() {
-                self.driven.begin(segment);
+                self.drive_state.begin(segment);
             }
             left_s = self.interpolator.advance(left_s, &self.conditions());
         }
-        self.driven.step(self.interpolator.axes(), self.interpolator.commanded(), dt);
-        self.look_for_the_end(dt);
+        self.drive_state.step(self.interpolator.axes(), self.interpolator.commanded(), dt);
+        self.check_end(dt);
         if self.is_over() {
             self.port.close();
         }
@@ -319,7 +319,7 @@ impl Control {
 
     /// Whether the program has not ended and no block is available to execute.
     pub fn is_starved(&self) -> bool {
-        let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0 && self.course.is_none();
+        let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0 && self.cycle_run.is_none();
         has_nothing && self.phase == Phase::Running && self.dwell_left == Micros(0) && !self.is_over()
     }
 
@@ -335,12 +335,12 @@ impl Control {
     /// Starts the next blocks: those that take no time, up to a move or a wait.
     fn start_next(&mut self, now: Micros) {
         while self.interpolator.is_idle() && self.may_begin() {
-            if self.course.is_some() {
-                self.carry_on(now);
+            if self.cycle_run.is_some() {
+                self.continue_cycle_run(now);
                 continue;
             }
             if let Some(stop) = self.after_move.take() {
-                self.go_on(stop, now);
+                self.apply_stop(stop, now);
                 continue;
             }
             let is_halt = self.is_in_single_block() && self.interpolator.may_stop();
@@ -348,7 +348,7 @@ impl Control {
                 self.phase = Phase::Stopped { since: now };
                 return;
             }
-            let Some(block) = self.interpolator.take_next(self.taken) else { return };
+            let Some(block) = self.interpolator.take_next(self.blocks_begun) else { return };
             if self.execute(block, now) {
                 return;
             }
@@ -361,10 +361,10 @@ impl Control {
             self.stop_with(AlarmRecord { line: block.line, fault });
             return false;
         }
-        self.taken += 1;
-        self.halts_after = block.is_halt_of_single_block();
+        self.blocks_begun += 1;
+        self.halts_after = block.stops_single_block();
         let sequence = reader::sequence_of(&block.text).map(i64::from);
-        self.driven.take(&block, &self.switches);
+        self.drive_state.take(&block, &self.switches);
         if !block.text.is_empty() {
             self.executed.push(block.text);
         }
@@ -375,21 +375,21 @@ impl Control {
                 return true;
             }
             Action::Series(series, stop) => {
-                self.course = Some(CannedCycleRun::new(series, block.context, sequence));
+                self.cycle_run = Some(CannedCycleRun::new(series, block.context, sequence));
                 self.after_move = stop;
                 self.has_moved = true;
             }
             Action::Dwell(span) => self.dwell_left = span,
-            Action::Stop(stop) => self.go_on(stop, now),
+            Action::Stop(stop) => self.apply_stop(stop, now),
             Action::Ignore(ignored) => self.ignored = ignored,
             Action::Nothing | Action::Auxiliary | Action::Fault(_) => {}
         }
         false
     }
 
-    fn go_on(&mut self, stop: Stop, now: Micros) {
+    fn apply_stop(&mut self, stop: Stop, now: Micros) {
         self.reads_no_further = false;
-        self.driven.end(stop);
+        self.drive_state.end(stop);
         match stop {
             Stop::Optional if !self.switches.optional_stop => {}
             Stop::Program | Stop::Optional => self.phase = Phase::Stopped { since: now },

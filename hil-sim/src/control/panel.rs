@@ -82,7 +82,7 @@ impl Control {
         self.ended = false;
         self.held = false;
         self.search = None;
-        self.driven.end(Stop::End);
+        self.drive_state.end(Stop::End);
         self.phase = Phase::Resetting;
     }
 
@@ -124,7 +124,7 @@ impl Control {
                 self.interpolator.clear();
                 self.dwell_left = Micros(0);
                 self.after_move = None;
-                self.course = None;
+                self.cycle_run = None;
                 self.restart_list = None;
                 self.halts_after = false;
                 self.reads_no_further = false;

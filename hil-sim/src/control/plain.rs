@@ -12,7 +12,7 @@ use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Nm;
 
-use super::action::{Action, MoveContext, Way};
+use super::action::{Action, MoveContext, ProgrammedPath};
 use super::restart::RestartList;
 use super::settings::ControlSettings;
 
@@ -125,12 +125,12 @@ impl PlainReader {
         let tool = modal.tool_length(tables);
         let origin = modal.work_origin(tables).plus(along_z(tool));
         let is_special = !understood.step.is_plain() || self.taps;
-        let way = match modal.compensation {
-            Some(_) => Way::Contour,
-            None if modal.follows_tool_center => Way::Tip,
-            None => Way::Axes,
+        let programmed_path = match modal.compensation {
+            Some(_) => ProgrammedPath::Contour,
+            None if modal.follows_tool_center => ProgrammedPath::Tip,
+            None => ProgrammedPath::Axes,
         };
-        MoveContext { origin, tool, is_special, is_tapping: self.taps, way, machining: modal.machining() }
+        MoveContext { origin, tool, is_special, is_tapping: self.taps, programmed_path, machining: modal.machining() }
     }
 
     fn in_machine(&self, segment: &Segment, tool: Nm) -> Result<Segment, Fault> {

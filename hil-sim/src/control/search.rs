@@ -29,7 +29,7 @@ pub enum Search {
 
 /// Result of a search at one block.
 #[derive(Debug, PartialEq)]
-pub enum Found {
+pub enum SearchResult {
     /// Not the target.
     NotYet,
     /// The target: the moves that lead to it, and the block itself.
@@ -40,22 +40,28 @@ pub enum Found {
 
 impl Search {
     /// Checks the next block.
-    pub fn look(self, received: Received, reader: &mut BlockReader, switches: &Switches, approach: &Approach) -> Found {
+    pub fn apply(
+        self,
+        received: Received,
+        reader: &mut BlockReader,
+        switches: &Switches,
+        approach: &Approach,
+    ) -> SearchResult {
         match self {
             Search::Sequence(wanted) => {
                 let is_end = reader.pass(&received);
                 match &received {
                     Received::Block(text) if sequence_of(text) == Some(wanted) => {
                         reader.go_back();
-                        Found::Here(reader.read(received, switches).into_iter().collect())
+                        SearchResult::Here(reader.read(received, switches).into_iter().collect())
                     }
-                    _ if is_end => Found::Never(Box::new(never(reader.line()))),
-                    _ => Found::NotYet,
+                    _ if is_end => SearchResult::Never(Box::new(never(reader.line()))),
+                    _ => SearchResult::NotYet,
                 }
             }
             Search::Restart(wanted) => {
                 let start = reader.end();
-                let Some(block) = reader.read(received, switches) else { return Found::NotYet };
+                let Some(block) = reader.read(received, switches) else { return SearchResult::NotYet };
                 approach.restart_at(wanted, block, start)
             }
         }
@@ -72,35 +78,35 @@ pub fn never(line: u32) -> ReadBlock {
 #[derive(Clone, Copy, Debug)]
 pub struct Approach {
     /// Present position.
-    pub stands: Pose,
+    pub position: Pose,
     /// Feed of the approach.
     pub feed: MmPerMin,
 }
 
 impl Approach {
     /// Result of a restart at block N `wanted` for this block; the block before it ends at `start`.
-    pub fn restart_at(&self, wanted: u32, block: ReadBlock, start: Pose) -> Found {
+    pub fn restart_at(&self, wanted: u32, block: ReadBlock, start: Pose) -> SearchResult {
         if sequence_of(&block.text) == Some(wanted) {
             let mut blocks = self.blocks(start, block.line);
             blocks.push(block);
-            return Found::Here(blocks);
+            return SearchResult::Here(blocks);
         }
         match &block.action {
             Action::Stop(Stop::End) | Action::Move(_, Some(Stop::End)) | Action::Series(_, Some(Stop::End)) => {
-                Found::Never(Box::new(never(block.line)))
+                SearchResult::Never(Box::new(never(block.line)))
             }
             Action::Fault(fault) if *fault == Fault::alarm(Alarm::EndOfRecord, 1) => {
-                Found::Never(Box::new(never(block.line)))
+                SearchResult::Never(Box::new(never(block.line)))
             }
-            Action::Fault(_) => Found::Never(Box::new(block)),
-            _ => Found::NotYet,
+            Action::Fault(_) => SearchResult::Never(Box::new(block)),
+            _ => SearchResult::NotYet,
         }
     }
 
     /// One move for each axis that is at another position.
     fn blocks(&self, to: Pose, line: u32) -> Vec<ReadBlock> {
         let feed = Feed::PerMinute(Nm::from_mm(f64::from(self.feed.0)));
-        let mut at = self.stands;
+        let mut at = self.position;
         let mut blocks = Vec::new();
         let mut go = |end: Pose| {
             if end != at {
@@ -109,7 +115,7 @@ impl Approach {
                 at = end;
             }
         };
-        let mut end = Pose { linear: self.stands.linear, rotary: to.rotary };
+        let mut end = Pose { linear: self.position.linear, rotary: to.rotary };
         go(end);
         for axis in 0..end.linear.len() {
             end.linear[axis] = to.linear[axis];

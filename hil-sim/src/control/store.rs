@@ -90,7 +90,7 @@ impl Store {
                     self.state = State::Stored;
                     break;
                 }
-                Received::Block(text) => self.blocks.extend(kept(&text)),
+                Received::Block(text) => self.blocks.extend(stored_block(&text)),
                 Received::Refused { fault: found, .. } => fault = fault.or(Some(found)),
             }
         }
@@ -104,7 +104,7 @@ impl Store {
 }
 
 /// Characters that memory keeps of a block.
-fn kept(text: &[u8]) -> Option<Vec<u8>> {
+fn stored_block(text: &[u8]) -> Option<Vec<u8>> {
     let mut depth = 0;
     let is_kept = |byte: &u8| {
         depth += i32::from(*byte == b'(');

@@ -10,8 +10,8 @@ use std::collections::VecDeque;
 
 use super::dynamics::Dynamics;
 use super::feeds::FeedConditions;
-use super::leg::{Active, Advance, Queued, flowing};
 use super::path::Travel;
+use super::prepared_move::{Active, Advance, Queued, flowing};
 
 /// Fraction of a length that counts when deciding whether the moves in view suffice: less than all, so that rounding
 /// does not decide it.
@@ -32,7 +32,7 @@ pub struct Trapezoid {
 struct Ahead {
     length_mm: f64,
     /// Largest speed at its beginning.
-    most_mm_per_s: f64,
+    speed_max_mm_per_s: f64,
 }
 
 impl Trapezoid {
@@ -52,7 +52,7 @@ impl Trapezoid {
         let stops = conditions.stops_at_block_end || active.ends_at_rest;
         let exit = if stops { 0.0 } else { self.exit_speed(queue, conditions) };
         let feed = conditions.for_context(&active.context);
-        let target = if feed.holds { 0.0 } else { active.leg.wanted(&active.context, conditions) };
+        let target = if feed.holds { 0.0 } else { active.prepared.wanted(&active.context, conditions) };
         let left_mm = active.left_mm();
         let acceleration = self.dynamics.acceleration_mm_per_s2;
         let speed = self.speed_mm_per_s;
@@ -78,26 +78,26 @@ impl Trapezoid {
 
     /// Speed that the active move may end with, from the last move in view backwards to it.
     fn exit_speed(&mut self, queue: &VecDeque<Queued>, conditions: &FeedConditions) -> f64 {
-        let behind = self.look(queue, conditions);
+        let behind = self.collect_ahead(queue, conditions);
         let acceleration = self.dynamics.acceleration_mm_per_s2;
         self.ahead.iter().rev().fold(behind, |speed, ahead| {
-            libm::sqrt(speed * speed + 2.0 * acceleration * ahead.length_mm).min(ahead.most_mm_per_s)
+            libm::sqrt(speed * speed + 2.0 * acceleration * ahead.length_mm).min(ahead.speed_max_mm_per_s)
         })
     }
 
     /// Collects the moves ahead; returns the speed behind the last of them. If a stop further on leaves one of them at
     /// its limit in any case, that one is the last, and the speed behind it does not count.
-    fn look(&mut self, queue: &VecDeque<Queued>, conditions: &FeedConditions) -> f64 {
+    fn collect_ahead(&mut self, queue: &VecDeque<Queued>, conditions: &FeedConditions) -> f64 {
         let acceleration = self.dynamics.acceleration_mm_per_s2;
         self.ahead.clear();
         // Remaining square of the speed before a stop, and the count of moves up to where it was least.
         let (mut square, mut count) = (f64::INFINITY, 0);
-        for (leg, context) in flowing(queue) {
-            let length_mm = leg.travel.length_mm;
-            let most_mm_per_s = leg.corner_mm_per_s.min(leg.wanted(context, conditions));
-            self.ahead.push(Ahead { length_mm, most_mm_per_s });
-            if most_mm_per_s * most_mm_per_s <= square {
-                (square, count) = (most_mm_per_s * most_mm_per_s, self.ahead.len());
+        for (prepared, context) in flowing(queue) {
+            let length_mm = prepared.travel.length_mm;
+            let speed_max_mm_per_s = prepared.corner_mm_per_s.min(prepared.wanted(context, conditions));
+            self.ahead.push(Ahead { length_mm, speed_max_mm_per_s });
+            if speed_max_mm_per_s * speed_max_mm_per_s <= square {
+                (square, count) = (speed_max_mm_per_s * speed_max_mm_per_s, self.ahead.len());
             }
             square -= SURE_RATIO * 2.0 * acceleration * length_mm;
             if square < 0.0 {

@@ -17,13 +17,13 @@ use std::fmt;
 use arcfeed_shared::tool::Edge;
 use nalgebra::{Vector2, Vector3};
 
+use super::edge_element::EdgeHistory;
 use super::edges::{Cutter, EdgePiece};
-use super::end::{Descent, EndEdge, Face};
+use super::end::{Descent, EdgePose, EndEdge};
 use super::layers::{LEVEL_RATIO, Layers, Slice};
 use super::material::ChipSection;
-use super::partial_heights::Share;
-use super::pose::{Placed, Poses, Stand, rake, towards};
-use super::rake::Wake;
+use super::partial_heights::DepthBand;
+use super::pose::{EdgePoses, Placed, ToolPose, element, towards};
 
 /// Relative difference of slice and layer heights that counts as rounding.
 const RISE_TOLERANCE_RATIO: f64 = 1e-9;
@@ -45,7 +45,7 @@ pub struct EdgeEngagement {
     /// Height above the tip up to which edges are evaluated.
     reach_mm: f64,
     /// For each piece: the layer it was in, and its history.
-    wakes: Vec<(Option<usize>, Wake)>,
+    histories: Vec<(Option<usize>, EdgeHistory)>,
     /// The solid that the edges turn, from the tip upwards.
     slices: Vec<Slice>,
     /// For each piece: its slice, the sine of its lead angle, and its width.
@@ -56,7 +56,7 @@ pub struct EdgeEngagement {
     /// For each edge, the first edge at the same angle.
     same_angle: Vec<usize>,
     /// Last position of each end edge.
-    faces: Vec<Option<Face>>,
+    end_edge_poses: Vec<Option<EdgePose>>,
     tips: Tips,
 }
 
@@ -130,7 +130,7 @@ impl EdgeEngagement {
         if let Some(piece) = cutter.pieces().iter().find(|piece| !is_slice(piece.rise_mm)) {
             return Err(EdgeEngagementError::Slice { rise_mm: piece.rise_mm, layer_mm });
         }
-        let (wakes, slices, ends) =
+        let (histories, slices, ends) =
             (vec![Default::default(); cutter.pieces().len()], slices(&cutter), EndEdge::all(&cutter));
         let of_piece = |piece: &EdgePiece| slices.iter().position(|slice| slice.height_mm == piece.height_mm);
         let slice_of = cutter.pieces().iter().filter_map(of_piece).collect();
@@ -140,21 +140,21 @@ impl EdgeEngagement {
             cutter.pieces().iter().chain(ends.iter().map(|end| &end.piece)).map(|piece| piece.angle_rad).collect();
         let first = |angle: &f64| angles.iter().position(|other| other == angle).unwrap_or(usize::MAX);
         let same_angle = angles.iter().map(first).collect();
-        let (faces, tips) = (vec![None; ends.len()], Tips::new(&ends));
+        let (end_edge_poses, tips) = (vec![None; ends.len()], Tips::new(&ends));
         let reach_mm = slices.len() as f64 * layer_mm;
         Ok(EdgeEngagement {
             cutter,
             layers,
             depth_mm,
             reach_mm,
-            wakes,
+            histories,
             slices,
             slice_of,
             sines,
             widths_mm,
             ends,
             same_angle,
-            faces,
+            end_edge_poses,
             tips,
         })
     }
@@ -177,100 +177,101 @@ impl EdgeEngagement {
 
     /// Number of edges: the pieces of the cutter, one after the other, then those on its end.
     pub fn edges(&self) -> usize {
-        self.wakes.len() + self.ends.len()
+        self.histories.len() + self.ends.len()
     }
 
     /// Positions of the edges, before they are bent.
-    pub fn poses(&self, stand: &Stand) -> Poses {
-        let descent = self.descent(stand);
+    pub fn poses(&self, pose: &ToolPose) -> EdgePoses {
+        let descent = self.descent(pose);
         let placed = self.slices.iter().map(|slice| self.placed(slice.height_mm, &descent)).collect();
         let pieces = self.cutter.pieces().iter().chain(self.ends.iter().map(|end| &end.piece));
         let mut directions: Vec<Vector2<f64>> = Vec::with_capacity(self.edges());
         for (piece, first) in pieces.zip(&self.same_angle) {
-            directions.push(directions.get(*first).map_or_else(|| towards(piece, stand), Vector2::clone));
+            directions.push(directions.get(*first).map_or_else(|| towards(piece, pose), Vector2::clone));
         }
-        Poses { stand: *stand, descent, towards: directions, placed, is_apart: vec![false; self.edges()] }
+        EdgePoses { pose: *pose, descent, towards: directions, placed, is_apart: vec![false; self.edges()] }
     }
 
     /// Middle of an edge; its height counts as that of the layers.
-    pub fn edge_mm(&self, edge: usize, at: &Poses) -> Vector3<f64> {
-        let (height_mm, radius_mm) = match edge.checked_sub(self.wakes.len()) {
+    pub fn edge_mm(&self, edge: usize, at: &EdgePoses) -> Vector3<f64> {
+        let (height_mm, radius_mm) = match edge.checked_sub(self.histories.len()) {
             None => (self.cutter.pieces()[edge].height_mm, self.cutter.pieces()[edge].radius_mm),
             Some(end) => (self.ends[end].piece.height_mm, self.ends[end].middle_mm()),
         };
-        let Face { center_mm, towards } = at.face(edge, Vector2::zeros());
+        let EdgePose { center_mm, towards } = at.edge_pose(edge, Vector2::zeros());
         let place_mm = center_mm + towards * radius_mm;
-        Vector3::new(place_mm.x, place_mm.y, at.stand.tip_mm + height_mm)
+        Vector3::new(place_mm.x, place_mm.y, at.pose.tip_mm + height_mm)
     }
 
     /// Whether an edge, displaced by `bent_mm`, has material around it or on its path there, or would have within
     /// `margin_mm`.
-    pub fn is_near(&self, edge: usize, at: &Poses, bent_mm: Vector2<f64>, margin_mm: f64) -> bool {
+    pub fn is_near(&self, edge: usize, at: &EdgePoses, bent_mm: Vector2<f64>, margin_mm: f64) -> bool {
         let Some(piece) = self.cutter.pieces().get(edge) else { return at.descent.lowers() };
         let Some(placed) = &at.placed[self.slice_of[edge]] else { return false };
-        let rake = rake(piece, self.depth_mm, at.face(edge, bent_mm), &placed.share);
-        let (layer, (_, wake)) = (&self.layers.layers()[placed.index], &self.wakes[edge]);
-        wake.has_left(&rake, layer) || rake.is_near(layer, margin_mm + wake.way_mm(&rake) + layer.step_mm())
+        let element = element(piece, self.depth_mm, at.edge_pose(edge, bent_mm), &placed.depth_band);
+        let (layer, (_, history)) = (&self.layers.layers()[placed.index], &self.histories[edge]);
+        history.has_left(&element, layer)
+            || element.is_near(layer, margin_mm + history.way_mm(&element) + layer.step_mm())
     }
 
     /// Every edge that is in a layer, with the chip in front of it, and every part of an end edge that has a chip: end
     /// edges look down. `bent` gives the displacement of an edge by its number.
     pub fn chips<'a>(
         &'a mut self,
-        at: &'a Poses,
+        at: &'a EdgePoses,
         bent: impl Fn(usize) -> Vector2<f64> + Copy + 'a,
     ) -> impl Iterator<Item = EdgeChip> + 'a {
-        let Self { cutter, layers, depth_mm, wakes, slice_of, sines, widths_mm, ends, faces, .. } = self;
-        let (layers, depth_mm, first_end) = (&*layers, *depth_mm, wakes.len());
-        let of_end = move |(edge, (end, last)): (usize, (&EndEdge, &Option<Face>))| {
-            let face = at.face(edge, bent(edge));
-            let chips = last.map_or_else(Vec::new, |last| end.chips([&last, &face], &at.descent, layers));
+        let Self { cutter, layers, depth_mm, histories, slice_of, sines, widths_mm, ends, end_edge_poses, .. } = self;
+        let (layers, depth_mm, first_end) = (&*layers, *depth_mm, histories.len());
+        let of_end = move |(edge, (end, last)): (usize, (&EndEdge, &Option<EdgePose>))| {
+            let edge_pose = at.edge_pose(edge, bent(edge));
+            let chips = last.map_or_else(Vec::new, |last| end.chips([&last, &edge_pose], &at.descent, layers));
             chips.into_iter().map(move |(piece, section)| EdgeChip { edge, piece, section })
         };
-        let side = cutter.pieces().iter().zip(wakes).enumerate();
-        let side = side.filter_map(move |(edge, (piece, (was_in, wake)))| {
+        let side = cutter.pieces().iter().zip(histories).enumerate();
+        let side = side.filter_map(move |(edge, (piece, (was_in, history)))| {
             let placed = at.placed[slice_of[edge]].as_ref().filter(|_| !at.is_apart[edge])?;
             let layer = &layers.layers()[placed.index];
-            let rake = rake(piece, depth_mm, at.face(edge, bent(edge)), &placed.share);
+            let element = element(piece, depth_mm, at.edge_pose(edge, bent(edge)), &placed.depth_band);
             let front = match *was_in == Some(placed.index) {
-                true => wake.front(&rake, layer),
-                false => wake.in_other_layer().front(&rake, layer),
+                true => history.front(&element, layer),
+                false => history.in_other_layer().front(&element, layer),
             };
             // The chip is measured across the circle; its thickness is square to the edge.
             let thickness_mm = front.thickness_mm * sines[edge];
-            let height_ratio = front.top_ratio.min(placed.reach_ratio) - placed.share.foot_ratio;
+            let height_ratio = front.top_ratio.min(placed.reach_ratio) - placed.depth_band.foot_ratio;
             let section = ChipSection { thickness_mm, width_mm: widths_mm[edge] * height_ratio };
             Some(EdgeChip { edge, piece: *piece, section })
         });
-        side.chain((first_end..).zip(ends.iter().zip(faces.iter())).flat_map(of_end))
+        side.chain((first_end..).zip(ends.iter().zip(end_edge_poses.iter())).flat_map(of_end))
     }
 
     /// Moves the cutter to its next position, less than a quarter of a turn on. Returns the removed volume as the rays
     /// along each axis measure it, mm3.
-    pub fn cut(&mut self, at: &Poses, bent: impl Fn(usize) -> Vector2<f64>) -> [f64; 2] {
+    pub fn cut(&mut self, at: &EdgePoses, bent: impl Fn(usize) -> Vector2<f64>) -> [f64; 2] {
         let mut removed_mm3 = [0.0; 2];
         let mut add = |mm3: [f64; 2]| removed_mm3 = [0, 1].map(|axis: usize| removed_mm3[axis] + mm3[axis]);
         let rise_mm = self.layers.rise_mm();
-        for (edge, (piece, (was_in, wake))) in self.cutter.pieces().iter().zip(&mut self.wakes).enumerate() {
+        for (edge, (piece, (was_in, history))) in self.cutter.pieces().iter().zip(&mut self.histories).enumerate() {
             let placed = at.placed[self.slice_of[edge]].as_ref();
             let index = placed.map(|placed| placed.index);
-            let share = placed.map_or(&Share::ALL, |placed| &placed.share);
-            let rake = rake(piece, self.depth_mm, at.face(edge, bent(edge)), share);
+            let depth_band = placed.map_or(&DepthBand::ALL, |placed| &placed.depth_band);
+            let element = element(piece, self.depth_mm, at.edge_pose(edge, bent(edge)), depth_band);
             if std::mem::replace(was_in, index) != index {
-                *wake = wake.in_other_layer();
+                *history = history.in_other_layer();
             }
             match index.filter(|_| !at.is_apart[edge]).and_then(|index| self.layers.layers_mut().get_mut(index)) {
-                None => wake.pass(&rake),
-                Some(layer) => add(wake.cut(&rake, layer).map(|mm2| mm2 * rise_mm)),
+                None => history.pass(&element),
+                Some(layer) => add(history.cut(&element, layer).map(|mm2| mm2 * rise_mm)),
             }
         }
-        for (edge, (end, last)) in (self.wakes.len()..).zip(self.ends.iter().zip(&mut self.faces)) {
-            let face = at.face(edge, bent(edge));
-            if let Some(last) = last.replace(face) {
-                add(end.cut([&last, &face], &at.descent, &mut self.layers));
+        for (edge, (end, last)) in (self.histories.len()..).zip(self.ends.iter().zip(&mut self.end_edge_poses)) {
+            let edge_pose = at.edge_pose(edge, bent(edge));
+            if let Some(last) = last.replace(edge_pose) {
+                add(end.cut([&last, &edge_pose], &at.descent, &mut self.layers));
             }
         }
-        self.tips.see(&at.stand);
+        self.tips.add(&at.pose);
         removed_mm3
     }
 
@@ -281,15 +282,15 @@ impl EdgeEngagement {
     }
 
     /// Whether the tip would be lower than it is, apart from rounding.
-    pub fn comes_down(&self, stand: &Stand) -> bool {
-        self.tips.last.is_some_and(|(tip_mm, _)| stand.tip_mm < tip_mm - STILL_MM)
+    pub fn descends(&self, pose: &ToolPose) -> bool {
+        self.tips.last.is_some_and(|(tip_mm, _)| pose.tip_mm < tip_mm - STILL_MM)
     }
 
     /// Before the cutter moves there, removes the material of which no edge would have a chip. If it has not cut
     /// before, that is all material at its position; if the tip enters another layer, the steps of a rounded corner.
-    pub fn enter(&mut self, stand: &Stand) {
-        let Some(last_mm) = self.tips.last.map(|(tip_mm, _)| tip_mm) else { return self.sink(stand) };
-        let nth = self.layers.nth(stand.tip_mm);
+    pub fn enter(&mut self, pose: &ToolPose) {
+        let Some(last_mm) = self.tips.last.map(|(tip_mm, _)| tip_mm) else { return self.clear_at(pose) };
+        let nth = self.layers.nth(pose.tip_mm);
         if nth == self.layers.nth(last_mm) {
             return;
         }
@@ -299,33 +300,33 @@ impl EdgeEngagement {
             let layer = &mut self.layers.layers_mut()[index];
             for [inner_mm, outer_mm] in [[slice.inner_mm, foot.inner_mm], [foot.outer_mm, slice.outer_mm]] {
                 if inner_mm < outer_mm {
-                    layer.clear_ring(stand.axis_mm, inner_mm, outer_mm);
+                    layer.clear_ring(pose.axis_mm, inner_mm, outer_mm);
                 }
             }
         }
     }
 
     /// Removes all material at the tool's position, without chips.
-    pub fn sink(&mut self, stand: &Stand) {
-        let nth = self.layers.nth(stand.tip_mm);
+    pub fn clear_at(&mut self, pose: &ToolPose) {
+        let nth = self.layers.nth(pose.tip_mm);
         for (slice, up) in self.slices.iter().zip(0..) {
             if let Some(index) = self.layers.place(nth + up) {
-                self.layers.layers_mut()[index].clear_ring(stand.axis_mm, slice.inner_mm, slice.outer_mm);
+                self.layers.layers_mut()[index].clear_ring(pose.axis_mm, slice.inner_mm, slice.outer_mm);
             }
         }
     }
 
     /// Takes the tool out of the cut: clears the history of all edges.
     pub fn lift(&mut self) {
-        self.wakes.fill(Default::default());
-        self.faces.fill(None);
+        self.histories.fill(Default::default());
+        self.end_edge_poses.fill(None);
         self.tips = Tips::new(&self.ends);
     }
 
-    fn descent(&self, stand: &Stand) -> Descent {
-        let highest_mm = self.tips.passed.front().map_or(stand.tip_mm, |(tip_mm, _)| *tip_mm);
-        let border_mm = if highest_mm > stand.tip_mm + STILL_MM { highest_mm } else { stand.tip_mm };
-        Descent { tip_mm: stand.tip_mm, border_mm, side_mm: self.depth_mm }
+    fn descent(&self, pose: &ToolPose) -> Descent {
+        let highest_mm = self.tips.passed.front().map_or(pose.tip_mm, |(tip_mm, _)| *tip_mm);
+        let border_mm = if highest_mm > pose.tip_mm + STILL_MM { highest_mm } else { pose.tip_mm };
+        Descent { tip_mm: pose.tip_mm, border_mm, side_mm: self.depth_mm }
     }
 
     /// Layer of a slice: the lowest slice is in the layer of the tip, the others one by one above it.
@@ -337,8 +338,8 @@ impl EdgeEngagement {
         let foot_ratio = if up == 0 { self.layers.part_ratio(nth, descent.tip_mm) } else { 0.0 };
         // A remainder below a level that is slightly above a layer's bottom stays a floor.
         let border_ratio = self.layers.part_ratio(nth, descent.border_mm).max(LEVEL_RATIO);
-        let share = Share { foot_ratio, border_ratio, is_end: false };
-        (reach_ratio >= REACHED_RATIO).then_some(Placed { index, share, reach_ratio })
+        let depth_band = DepthBand { foot_ratio, border_ratio, is_end: false };
+        (reach_ratio >= REACHED_RATIO).then_some(Placed { index, depth_band, reach_ratio })
     }
 }
 
@@ -353,19 +354,19 @@ impl Tips {
         Tips { window_rad, turned_rad: 0.0, passed: VecDeque::new(), last: None }
     }
 
-    fn see(&mut self, stand: &Stand) {
-        let step_rad = self.last.map_or(0.0, |(_, last_rad)| (stand.turned_rad - last_rad).rem_euclid(TAU));
-        self.last = Some((stand.tip_mm, stand.turned_rad));
+    fn add(&mut self, pose: &ToolPose) {
+        let step_rad = self.last.map_or(0.0, |(_, last_rad)| (pose.turned_rad - last_rad).rem_euclid(TAU));
+        self.last = Some((pose.tip_mm, pose.turned_rad));
         self.turned_rad += step_rad;
         // The step before the window may have passed a position, and the next step is as long as this one.
         let from_rad = self.turned_rad - self.window_rad - 2.0 * step_rad;
         while self.passed.front().is_some_and(|(_, turned_rad)| *turned_rad < from_rad) {
             self.passed.pop_front();
         }
-        while self.passed.back().is_some_and(|(tip_mm, _)| *tip_mm <= stand.tip_mm) {
+        while self.passed.back().is_some_and(|(tip_mm, _)| *tip_mm <= pose.tip_mm) {
             self.passed.pop_back();
         }
-        self.passed.push_back((stand.tip_mm, self.turned_rad));
+        self.passed.push_back((pose.tip_mm, self.turned_rad));
     }
 }
 

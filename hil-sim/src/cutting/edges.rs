@@ -116,7 +116,7 @@ pub enum EdgeError {
         /// Number of teeth.
         teeth: usize,
         /// Number of values.
-        told: usize,
+        given: usize,
     },
     /// Pitches are not positive, or do not add up to a full turn.
     Pitch,
@@ -280,8 +280,8 @@ impl Cutter {
     }
 
     fn one_each(&self, values: &[f64]) -> Result<(), EdgeError> {
-        let (teeth, told) = (self.teeth(), values.len());
-        if teeth == told { Ok(()) } else { Err(EdgeError::Count { teeth, told }) }
+        let (teeth, given) = (self.teeth(), values.len());
+        if teeth == given { Ok(()) } else { Err(EdgeError::Count { teeth, given }) }
     }
 
     /// Changes every piece, in coordinates of the tool's own axis.
@@ -319,7 +319,7 @@ impl fmt::Display for EdgeError {
         match self {
             EdgeError::Measures => write!(f, "the measures are none of a cutter"),
             EdgeError::Nothing => write!(f, "a cutter needs teeth, and each tooth pieces"),
-            EdgeError::Count { teeth, told } => write!(f, "{teeth} teeth need one value each, not {told}"),
+            EdgeError::Count { teeth, given } => write!(f, "{teeth} teeth need one value each, not {given}"),
             EdgeError::Pitch => write!(f, "pitches are positive angles that make up a full turn"),
             EdgeError::Radius { tooth } => write!(f, "tooth {tooth} would lie on the spindle's axis"),
         }

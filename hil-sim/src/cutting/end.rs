@@ -31,7 +31,7 @@ use super::edges::{Cutter, EdgePiece};
 use super::layer::{Layer, is_beside};
 use super::layers::Layers;
 use super::material::ChipSection;
-use super::partial_heights::Share;
+use super::partial_heights::DepthBand;
 
 /// Inverse of the rounding step of a ratio.
 const CHORD_DIGITS: f64 = 1e9;
@@ -47,7 +47,7 @@ pub struct EndEdge {
 
 /// Position of an end edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Face {
+pub struct EdgePose {
     /// Position of the tool's axis.
     pub center_mm: Vector2<f64>,
     /// Direction from the axis along the edge, a unit vector.
@@ -66,9 +66,9 @@ pub struct Descent {
 }
 
 /// A part of the edge, from an inner to an outer radius, with its depth bands of the layers.
-type Band = ([f64; 2], Vec<(usize, Share)>);
+type RadialBand = ([f64; 2], Vec<(usize, DepthBand)>);
 
-impl Face {
+impl EdgePose {
     /// Points at two distances from the axis.
     fn ends_mm(&self, radii_mm: [f64; 2]) -> [Vector2<f64>; 2] {
         radii_mm.map(|radius_mm| self.center_mm + self.towards * radius_mm)
@@ -113,24 +113,25 @@ impl EndEdge {
 
     /// Chips in front of the edge on its next step, each with the piece of the edge that cuts it, including pieces
     /// without material; empty if the edge cannot meet material. (1)
-    pub fn chips(&self, way: [&Face; 2], descent: &Descent, layers: &Layers) -> Vec<(EdgePiece, ChipSection)> {
-        if !self.may_meet(way, descent, layers) {
+    pub fn chips(&self, poses: [&EdgePose; 2], descent: &Descent, layers: &Layers) -> Vec<(EdgePiece, ChipSection)> {
+        if !self.may_meet(poses, descent, layers) {
             return Vec::new();
         }
         let bands = self.bands(descent, layers);
-        let first = bands.iter().flat_map(|(_, shares)| shares).next();
+        let first = bands.iter().flat_map(|(_, depth_bands)| depth_bands).next();
         let Some(grid) = first.map(|(index, _)| &layers.layers()[*index]) else { return Vec::new() };
-        let center_mm = (way[0].center_mm + way[1].center_mm) / 2.0;
-        let towards = (way[0].towards + way[1].towards).normalize();
+        let center_mm = (poses[0].center_mm + poses[1].center_mm) / 2.0;
+        let towards = (poses[0].towards + poses[1].towards).normalize();
         let axis = usize::from(libm::fabs(towards.x) > libm::fabs(towards.y));
         let chip = |(at_mm, [from_mm, to_mm]): (f64, [f64; 2])| {
-            let shares = bands.iter().find(|([_, outer_mm], _)| at_mm <= *outer_mm).map(|(_, shares)| shares);
+            let depth_bands =
+                bands.iter().find(|([_, outer_mm], _)| at_mm <= *outer_mm).map(|(_, depth_bands)| depth_bands);
             let place_mm = center_mm + towards * at_mm;
-            let of_layer = |(index, share): &(usize, Share)| {
+            let of_layer = |(index, depth_band): &(usize, DepthBand)| {
                 let top_ratio = layers.layers()[*index].top_ratio(place_mm, axis);
-                top_ratio.map_or(0.0, |top_ratio| share.of_ratio(top_ratio)) * layers.rise_mm()
+                top_ratio.map_or(0.0, |top_ratio| depth_band.cut_ratio(top_ratio)) * layers.rise_mm()
             };
-            let thickness_mm = shares.into_iter().flatten().map(of_layer).sum();
+            let thickness_mm = depth_bands.into_iter().flatten().map(of_layer).sum();
             let radius_mm = (from_mm + to_mm) / 2.0;
             (EdgePiece { radius_mm, ..self.piece }, ChipSection { thickness_mm, width_mm: to_mm - from_mm })
         };
@@ -156,25 +157,25 @@ impl EndEdge {
 
     /// Moves the edge and removes its depth band of the swept area; returns the volume as the rays along each axis
     /// measure it, mm3.
-    pub fn cut(&self, way: [&Face; 2], descent: &Descent, layers: &mut Layers) -> [f64; 2] {
-        if !self.may_meet(way, descent, layers) {
+    pub fn cut(&self, poses: [&EdgePose; 2], descent: &Descent, layers: &mut Layers) -> [f64; 2] {
+        if !self.may_meet(poses, descent, layers) {
             return [0.0; 2];
         }
         let angle_rad =
-            libm::fabs(libm::atan2(way[0].towards.perp(&way[1].towards), way[0].towards.dot(&way[1].towards)));
+            libm::fabs(libm::atan2(poses[0].towards.perp(&poses[1].towards), poses[0].towards.dot(&poses[1].towards)));
         // The innermost end moves along a chord that encloses as much of the sector as its arc. It is rounded so that
         // equal steps share their ends.
         let chord_ratio = libm::round((1.0 + angle_rad * angle_rad / 12.0) * CHORD_DIGITS) / CHORD_DIGITS;
         let (mut sum_mm3, rise_mm) = ([0.0; 2], layers.rise_mm());
-        for ([inner_mm, outer_mm], shares) in self.bands(descent, layers) {
+        for ([inner_mm, outer_mm], depth_bands) in self.bands(descent, layers) {
             let [is_innermost, is_outermost] = [inner_mm == self.inner_mm, outer_mm == self.piece.radius_mm];
             let inner_mm = if is_innermost { inner_mm * chord_ratio } else { inner_mm };
-            let [[root, from], [last_root, to]] = way.map(|face| face.ends_mm([inner_mm, outer_mm]));
-            for (index, share) in &shares {
+            let [[root, from], [last_root, to]] = poses.map(|edge_pose| edge_pose.ends_mm([inner_mm, outer_mm]));
+            for (index, depth_band) in &depth_bands {
                 let layer = &mut layers.layers_mut()[*index];
                 let area_mm2 = match is_outermost {
-                    true => layer.clear_strip([[root, from], [last_root, to]], outer_mm, share),
-                    false => layer.clear_share(&[root, from, to, last_root], share),
+                    true => layer.clear_strip([[root, from], [last_root, to]], outer_mm, depth_band),
+                    false => layer.clear_band(&[root, from, to, last_root], depth_band),
                 };
                 sum_mm3 = [0, 1].map(|axis: usize| sum_mm3[axis] + area_mm2[axis] * rise_mm);
             }
@@ -183,18 +184,20 @@ impl EndEdge {
     }
 
     /// Whether there is a floor to lower and the swept area is over the layers.
-    fn may_meet(&self, way: [&Face; 2], descent: &Descent, layers: &Layers) -> bool {
+    fn may_meet(&self, poses: [&EdgePose; 2], descent: &Descent, layers: &Layers) -> bool {
         let is_over = |extent_mm: [[f64; 2]; 2]| {
-            let [[root, from], [last_root, to]] = way.map(|face| face.ends_mm([self.inner_mm, self.piece.radius_mm]));
+            let [[root, from], [last_root, to]] =
+                poses.map(|edge_pose| edge_pose.ends_mm([self.inner_mm, self.piece.radius_mm]));
             !is_beside(&[root, from, to, last_root], &extent_mm)
         };
         descent.lowers() && layers.extent_mm().is_some_and(is_over)
     }
 
     /// Bands of the edge, from its inner end outwards.
-    fn bands(&self, descent: &Descent, layers: &Layers) -> Vec<Band> {
+    fn bands(&self, descent: &Descent, layers: &Layers) -> Vec<RadialBand> {
         let [inner_mm, outer_mm] = [self.inner_mm, self.piece.radius_mm];
-        let (floor, all) = (shares(descent, descent.border_mm, layers), shares(descent, f64::INFINITY, layers));
+        let (floor, all) =
+            (depth_bands(descent, descent.border_mm, layers), depth_bands(descent, f64::INFINITY, layers));
         // An edge that ends on the axis has no side edge there.
         let from_mm = if inner_mm > 0.0 { inner_mm + descent.side_mm } else { 0.0 };
         let to_mm = outer_mm - descent.side_mm;
@@ -208,10 +211,10 @@ impl EndEdge {
 
 /// Depth bands of the end edge in the layers, up to a border, but not beyond the layer above the highest position of
 /// the tip since the tooth before.
-fn shares(descent: &Descent, border_mm: f64, layers: &Layers) -> Vec<(usize, Share)> {
-    let share = |nth: i64| {
+fn depth_bands(descent: &Descent, border_mm: f64, layers: &Layers) -> Vec<(usize, DepthBand)> {
+    let depth_band = |nth: i64| {
         let [foot_ratio, border_ratio] = [descent.tip_mm, border_mm].map(|mm| layers.part_ratio(nth, mm));
-        Some((layers.place(nth)?, Share { foot_ratio, border_ratio, is_end: true }))
+        Some((layers.place(nth)?, DepthBand { foot_ratio, border_ratio, is_end: true }))
     };
-    (layers.nth(descent.tip_mm)..=layers.nth(descent.border_mm) + 1).filter_map(share).collect()
+    (layers.nth(descent.tip_mm)..=layers.nth(descent.border_mm) + 1).filter_map(depth_band).collect()
 }

@@ -10,7 +10,7 @@ use std::ops::{Range, RangeInclusive};
 
 use nalgebra::Vector2;
 
-use super::partial_heights::{PartialHeights, Share};
+use super::partial_heights::{DepthBand, PartialHeights};
 use crate::stock::dexel::{Dexel, Interval};
 use crate::stock::grid::Grid;
 use crate::stock::lattice::{Lattice, LatticeError};
@@ -176,23 +176,23 @@ impl Layer {
 
     /// Removes a convex quadrilateral; returns its area of material as the rays along each axis measure it, mm2.
     pub fn clear(&mut self, corners_mm: &[Vector2<f64>; 4]) -> [f64; 2] {
-        self.clear_share(corners_mm, &Share::ALL)
+        self.clear_band(corners_mm, &DepthBand::ALL)
     }
 
     /// Removes a depth band of a convex quadrilateral; returns areas as [`Layer::clear`], each part by the height
     /// removed.
-    pub fn clear_share(&mut self, corners_mm: &[Vector2<f64>; 4], share: &Share) -> [f64; 2] {
-        self.clear_within(corners_mm, 0.0, share, |_, crossing_mm, _, _| crossing_mm)
+    pub fn clear_band(&mut self, corners_mm: &[Vector2<f64>; 4], depth_band: &DepthBand) -> [f64; 2] {
+        self.clear_within(corners_mm, 0.0, depth_band, |_, crossing_mm, _, _| crossing_mm)
     }
 
     /// Removes a depth band of the area that a rake face sweeps, given by root and edge before and after. The edge
     /// moves on a circle; its radius is negative if it cuts towards the centre. Returns areas as
-    /// [`Layer::clear_share`].
+    /// [`Layer::clear_band`].
     pub fn clear_strip(
         &mut self,
         [before_mm, after_mm]: [[Vector2<f64>; 2]; 2],
         radius_mm: f64,
-        share: &Share,
+        depth_band: &DepthBand,
     ) -> [f64; 2] {
         let ([root, from], [last_root, to]) = (before_mm, after_mm);
         let (chord, middle) = (to - from, (from + to) / 2.0);
@@ -201,7 +201,7 @@ impl Layer {
         let to_center = to_center * to_center.dot(&(root - from)).signum() * radius_mm.signum();
         let height_mm = libm::sqrt((radius_mm * radius_mm - half_square).max(0.0));
         let (center, bulge_mm) = (middle + to_center * height_mm, libm::fabs(radius_mm) - height_mm);
-        self.clear_within(&[root, from, to, last_root], bulge_mm, share, |side, crossing_mm, axis, at_mm| {
+        self.clear_within(&[root, from, to, last_root], bulge_mm, depth_band, |side, crossing_mm, axis, at_mm| {
             let off_mm = at_mm - center[1 - axis];
             let square = radius_mm * radius_mm - off_mm * off_mm;
             // The second side is the path of the edge. The rest of a chord within the circle is on the same side of its
@@ -219,7 +219,7 @@ impl Layer {
         &mut self,
         corners_mm: &[Vector2<f64>; 4],
         bulge_mm: f64,
-        share: &Share,
+        depth_band: &DepthBand,
         put_mm: impl Fn(usize, f64, usize, f64) -> f64,
     ) -> [f64; 2] {
         if is_beside(corners_mm, &self.extent_mm()) {
@@ -233,14 +233,14 @@ impl Layer {
             let sides: [Side; 4] = std::array::from_fn(|side| Side::new(corners_mm, side, axis));
             let mut removed_mm = 0.0;
             for ray in self.between(axis, lowest, highest) {
-                if self.heights[axis][ray].is_spared(&self.rays[axis][ray], &around, share) {
+                if self.heights[axis][ray].is_spared(&self.rays[axis][ray], &around, depth_band) {
                     continue;
                 }
                 let place_mm = self.place_mm(axis, ray);
                 let crossings = crossings(&sides, place_mm);
                 let ends = crossings.map(|(side, crossing_mm)| put_mm(side, crossing_mm, axis, place_mm));
                 if let Some(stretch) = extent(ends) {
-                    removed_mm += self.heights[axis][ray].take(&mut self.rays[axis][ray], stretch, share);
+                    removed_mm += self.heights[axis][ray].take(&mut self.rays[axis][ray], stretch, depth_band);
                 }
             }
             removed_mm * self.step_mm
@@ -254,7 +254,7 @@ impl Layer {
 
     /// Lowers the area between two circles to a fraction of the layer's height.
     pub fn lower_ring(&mut self, center_mm: Vector2<f64>, [inner_mm, outer_mm]: [f64; 2], foot_ratio: f64) {
-        let share = Share { foot_ratio, ..Share::ALL };
+        let depth_band = DepthBand { foot_ratio, ..DepthBand::ALL };
         for axis in [0, 1] {
             let middle_mm = center_mm[1 - axis];
             for ray in self.between(axis, middle_mm - outer_mm, middle_mm + outer_mm) {
@@ -263,7 +263,7 @@ impl Layer {
                 let (inner, outer) = (half(inner_mm), half(outer_mm));
                 for (from, to) in [(-outer, -inner), (inner, outer)] {
                     let stretch = Interval::new(center_mm[axis] + from, center_mm[axis] + to);
-                    self.heights[axis][ray].take(&mut self.rays[axis][ray], stretch, &share);
+                    self.heights[axis][ray].take(&mut self.rays[axis][ray], stretch, &depth_band);
                 }
             }
         }
@@ -303,7 +303,7 @@ struct Side {
     across_mm: [f64; 2],
     from_mm: f64,
     /// Difference along the rays from the lower to the higher end.
-    way_mm: f64,
+    delta_mm: f64,
 }
 
 impl Side {
@@ -313,7 +313,7 @@ impl Side {
         let (from, to) = (&corners_mm[side], &corners_mm[next]);
         // Always from the same end, whichever polygon the side belongs to, so that neighbours leave no gap.
         let (from, to) = if from[1 - axis] < to[1 - axis] { (from, to) } else { (to, from) };
-        Side { across_mm: [from[1 - axis], to[1 - axis]], from_mm: from[axis], way_mm: to[axis] - from[axis] }
+        Side { across_mm: [from[1 - axis], to[1 - axis]], from_mm: from[axis], delta_mm: to[axis] - from[axis] }
     }
 }
 
@@ -322,7 +322,7 @@ fn crossings(sides: &[Side], at_mm: f64) -> impl Iterator<Item = (usize, f64)> {
     sides.iter().enumerate().filter_map(move |(number, side)| {
         let [a, b] = side.across_mm.map(|across_mm| across_mm - at_mm);
         let is_crossed = (a <= 0.0) != (b <= 0.0);
-        is_crossed.then(|| (number, side.from_mm + side.way_mm * (a / (a - b))))
+        is_crossed.then(|| (number, side.from_mm + side.delta_mm * (a / (a - b))))
     })
 }
 

@@ -113,7 +113,7 @@ impl Kienzle {
 
 /// A material of the ISCAR catalogue.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Material {
+pub struct CatalogueMaterial {
     /// Common name.
     pub name: &'static str,
     /// Group of VDI 3323.
@@ -122,26 +122,26 @@ pub struct Material {
     pub tangential: Kienzle,
 }
 
-impl Material {
+impl CatalogueMaterial {
     const fn new(name: &'static str, group: u8, specific_mpa: f64, exponent_ratio: f64) -> Self {
-        Material { name, group, tangential: Kienzle { specific_mpa, exponent_ratio } }
+        CatalogueMaterial { name, group, tangential: Kienzle { specific_mpa, exponent_ratio } }
     }
 }
 
 /// Tangential coefficients. Source: ISCAR, turning catalogue 2017, p. 558, by groups of VDI 3323; it does not give rake
 /// angle and wear. The catalogue names conditions only; the assignment of alloys to groups is common knowledge.
-pub const MATERIALS: [Material; 11] = [
-    Material::new("Ti-6Al-4V", 37, 2110.0, 0.22),
-    Material::new("titanium, pure", 36, 1700.0, 0.23),
-    Material::new("Inconel 718, aged", 34, 3300.0, 0.24),
-    Material::new("Al 6061-T6, 7075-T6", 22, 800.0, 0.25),
-    Material::new("AlSi cast, up to 12 % Si, cured", 24, 700.0, 0.25),
-    Material::new("steel below 0.25 % C, annealed", 1, 1350.0, 0.21),
-    Material::new("steel from 0.25 % C, annealed (C45)", 2, 1500.0, 0.22),
-    Material::new("low-alloy steel, quenched and tempered, 275 HB (42CrMo4)", 7, 1675.0, 0.24),
-    Material::new("low-alloy steel, quenched and tempered, 350 HB", 9, 1800.0, 0.24),
-    Material::new("stainless steel, martensitic", 12, 1875.0, 0.21),
-    Material::new("stainless steel, austenitic", 14, 2150.0, 0.20),
+pub const MATERIALS: [CatalogueMaterial; 11] = [
+    CatalogueMaterial::new("Ti-6Al-4V", 37, 2110.0, 0.22),
+    CatalogueMaterial::new("titanium, pure", 36, 1700.0, 0.23),
+    CatalogueMaterial::new("Inconel 718, aged", 34, 3300.0, 0.24),
+    CatalogueMaterial::new("Al 6061-T6, 7075-T6", 22, 800.0, 0.25),
+    CatalogueMaterial::new("AlSi cast, up to 12 % Si, cured", 24, 700.0, 0.25),
+    CatalogueMaterial::new("steel below 0.25 % C, annealed", 1, 1350.0, 0.21),
+    CatalogueMaterial::new("steel from 0.25 % C, annealed (C45)", 2, 1500.0, 0.22),
+    CatalogueMaterial::new("low-alloy steel, quenched and tempered, 275 HB (42CrMo4)", 7, 1675.0, 0.24),
+    CatalogueMaterial::new("low-alloy steel, quenched and tempered, 350 HB", 9, 1800.0, 0.24),
+    CatalogueMaterial::new("stainless steel, martensitic", 12, 1875.0, 0.21),
+    CatalogueMaterial::new("stainless steel, austenitic", 14, 2150.0, 0.20),
 ];
 
 /// Al 7075-T6, linear; cemented carbide, dry. Source: Chinese Journal of Mechanical Engineering 34, 2021, doi

@@ -130,7 +130,7 @@ impl ChipMeter {
 
     /// Begins a block; `found` is the cut rule that applies to it, with its index among the rules.
     pub fn begin(&mut self, block: u32, segment: &Segment, found: Option<(usize, &CutRule)>) {
-        self.go_on(block, segment, found);
+        self.continue_move(block, segment, found);
         let Some((index, _)) = found else { return };
         self.moves.push(MoveChips {
             sequence: segment.sequence,
@@ -143,7 +143,7 @@ impl ChipMeter {
     }
 
     /// Begins a block that continues the move before, as a further piece of it.
-    pub fn go_on(&mut self, block: u32, segment: &Segment, found: Option<(usize, &CutRule)>) {
+    pub fn continue_move(&mut self, block: u32, segment: &Segment, found: Option<(usize, &CutRule)>) {
         self.end_block();
         let Some((_, rule)) = found else { return };
         self.block = Some(block);

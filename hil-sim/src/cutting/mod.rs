@@ -14,7 +14,7 @@ pub mod partial_heights;
 
 pub mod layer;
 
-pub mod rake;
+pub mod edge_element;
 
 pub mod layers;
 
@@ -24,4 +24,4 @@ pub mod pose;
 
 pub mod edge_engagement;
 
-pub mod engaged;
+pub mod engaged_arcs;

@@ -30,7 +30,7 @@ struct Column {
 
 /// Depth band of an edge: which columns it cuts, and the height that it leaves. Heights are fractions of the layer's.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Share {
+pub struct DepthBand {
     /// Remaining height of the layer, as a fraction of its height; nothing remains if it is not above 0.
     pub foot_ratio: f64,
     /// Peripheral edges cut the material above this height; end edges cut the rest.
@@ -39,37 +39,37 @@ pub struct Share {
     pub is_end: bool,
 }
 
-impl Share {
+impl DepthBand {
     /// The whole height of the layer.
-    pub const ALL: Share = Share { foot_ratio: 0.0, border_ratio: 0.0, is_end: false };
+    pub const ALL: DepthBand = DepthBand { foot_ratio: 0.0, border_ratio: 0.0, is_end: false };
 
     /// Cut part of a column, as a fraction of the layer's height.
-    pub fn of_ratio(&self, top_ratio: f64) -> f64 {
-        if self.takes(top_ratio) { top_ratio - self.foot_ratio.max(0.0) } else { 0.0 }
+    pub fn cut_ratio(&self, top_ratio: f64) -> f64 {
+        if self.cuts(top_ratio) { top_ratio - self.foot_ratio.max(0.0) } else { 0.0 }
     }
 
-    fn takes(&self, top_ratio: f64) -> bool {
+    fn cuts(&self, top_ratio: f64) -> bool {
         (top_ratio > self.border_ratio + SAME_RATIO) != self.is_end && top_ratio > self.foot_ratio + SAME_RATIO
     }
 }
 
 impl PartialHeights {
     /// Removes a depth band of a stretch; returns the length times the fraction of the height removed.
-    pub fn take(&mut self, material: &mut Dexel, stretch: Interval, share: &Share) -> f64 {
-        if share.foot_ratio <= 0.0 && !self.meets(&stretch) {
-            return if share.takes(1.0) { material.subtract(stretch) } else { 0.0 };
+    pub fn take(&mut self, material: &mut Dexel, stretch: Interval, depth_band: &DepthBand) -> f64 {
+        if depth_band.foot_ratio <= 0.0 && !self.meets(&stretch) {
+            return if depth_band.cuts(1.0) { material.subtract(stretch) } else { 0.0 };
         }
-        if self.is_spared(material, &stretch, share) {
+        if self.is_spared(material, &stretch, depth_band) {
             return 0.0;
         }
-        if let Some(taken_mm) = self.take_beside(material, &stretch, share) {
+        if let Some(taken_mm) = self.take_beside(material, &stretch, depth_band) {
             return taken_mm;
         }
-        let (foot_ratio, mut rest, mut taken_mm) = (share.foot_ratio.max(0.0), stretch, 0.0);
+        let (foot_ratio, mut rest, mut taken_mm) = (depth_band.foot_ratio.max(0.0), stretch, 0.0);
         while rest.length_mm() > 0.0 {
-            let found = self.columns(material, &rest).find(|column| share.takes(column.top_ratio));
+            let found = self.columns(material, &rest).find(|column| depth_band.cuts(column.top_ratio));
             let Some(Column { on, top_ratio }) = found else { break };
-            taken_mm += on.length_mm() * share.of_ratio(top_ratio);
+            taken_mm += on.length_mm() * depth_band.cut_ratio(top_ratio);
             rest.from_mm = on.to_mm;
             if foot_ratio > 0.0 {
                 self.set(on, Some(foot_ratio));
@@ -83,12 +83,12 @@ impl PartialHeights {
 
     /// The common case: removes a chip beside a column that already has the final height; `None`, with nothing removed,
     /// in any other case.
-    fn take_beside(&mut self, material: &Dexel, stretch: &Interval, share: &Share) -> Option<f64> {
+    fn take_beside(&mut self, material: &Dexel, stretch: &Interval, depth_band: &DepthBand) -> Option<f64> {
         let Dexel::One(piece) = material else { return None };
         let on = piece.common(stretch);
         let low = self.0.partition_point(|column| column.on.to_mm <= stretch.from_mm);
         let Column { on: is_low, top_ratio } = *self.0.get(low)?;
-        if top_ratio != share.foot_ratio || !share.takes(1.0) {
+        if top_ratio != depth_band.foot_ratio || !depth_band.cuts(1.0) {
             return None;
         }
         let chip = if is_low.from_mm <= on.from_mm {
@@ -102,7 +102,7 @@ impl PartialHeights {
         let chip = chip.filter(|chip| chip.length_mm() > 0.0)?;
         let all = &mut self.0[low].on;
         *all = Interval::new(all.from_mm.min(chip.from_mm), all.to_mm.max(chip.to_mm));
-        Some(chip.length_mm() * share.of_ratio(1.0))
+        Some(chip.length_mm() * depth_band.cut_ratio(1.0))
     }
 
     /// Length of the material, each interval times its height fraction.
@@ -144,14 +144,14 @@ impl PartialHeights {
     }
 
     /// Whether all material of a stretch is already so low that an edge removes nothing.
-    pub fn is_spared(&self, material: &Dexel, stretch: &Interval, share: &Share) -> bool {
+    pub fn is_spared(&self, material: &Dexel, stretch: &Interval, depth_band: &DepthBand) -> bool {
         let Interval { mut from_mm, to_mm } = match material {
             Dexel::One(piece) => piece.common(stretch),
             _ => *stretch,
         };
         let first = self.0.partition_point(|column| column.on.to_mm <= from_mm);
         for Column { on, top_ratio } in &self.0[first..] {
-            if from_mm >= to_mm || on.from_mm > from_mm || share.takes(*top_ratio) {
+            if from_mm >= to_mm || on.from_mm > from_mm || depth_band.cuts(*top_ratio) {
                 break;
             }
             from_mm = on.to_mm;
@@ -321,27 +321,28 @@ impl Iterator for Pieces<'_> {
 mod tests {
     use super::*;
 
-    const END: fn(f64, f64) -> Share = |foot_ratio, border_ratio| Share { foot_ratio, border_ratio, is_end: true };
+    const END: fn(f64, f64) -> DepthBand =
+        |foot_ratio, border_ratio| DepthBand { foot_ratio, border_ratio, is_end: true };
 
     #[test]
     fn what_is_taken_and_what_is_left_make_up_what_there_was() {
         let mut material = Dexel::One(Interval::new(0.0, 10.0));
         let mut heights = PartialHeights::default();
         let mut left_mm = 10.0;
-        let side = Share { foot_ratio: 0.25, border_ratio: 0.5, is_end: false };
-        for (from_mm, to_mm, share, taken_mm) in [
+        let side = DepthBand { foot_ratio: 0.25, border_ratio: 0.5, is_end: false };
+        for (from_mm, to_mm, depth_band, taken_mm) in [
             (2.0, 4.0, END(0.75, 1.0), 0.5),
             (3.0, 6.0, END(0.5, 1.0), 0.25 + 1.0),
             // Both are below the side's border but for 2 to 3, which is 0.75 high, and the plain material.
             (0.0, 6.0, side, 2.0 * 0.75 + 0.5),
             (0.0, 8.0, END(0.25, 0.5), 3.0 * 0.25),
             (0.0, 3.0, END(0.0, 0.5), 3.0 * 0.25),
-            (0.0, 10.0, Share::ALL, 3.0 * 0.25 + 4.0),
+            (0.0, 10.0, DepthBand::ALL, 3.0 * 0.25 + 4.0),
         ] {
-            let taken = heights.take(&mut material, Interval::new(from_mm, to_mm), &share);
+            let taken = heights.take(&mut material, Interval::new(from_mm, to_mm), &depth_band);
             left_mm -= taken;
-            assert_eq!(taken, taken_mm, "{share:?}");
-            assert_eq!(heights.length_mm(&material), left_mm, "{share:?}");
+            assert_eq!(taken, taken_mm, "{depth_band:?}");
+            assert_eq!(heights.length_mm(&material), left_mm, "{depth_band:?}");
         }
         assert_eq!((material, heights), (Dexel::Empty, PartialHeights::default()));
     }
@@ -350,7 +351,7 @@ mod tests {
     fn chips_beside_a_floor_become_part_of_it() {
         let mut material = Dexel::One(Interval::new(0.0, 10.0));
         let mut heights = PartialHeights::default();
-        let side = Share { foot_ratio: 0.25, border_ratio: 0.5, is_end: false };
+        let side = DepthBand { foot_ratio: 0.25, border_ratio: 0.5, is_end: false };
         // In the middle, away from it, at the end of a floor, at its beginning, between two floors, beyond the
         // material, and without remaining material.
         for (from_mm, to_mm, taken_mm) in [

@@ -2,14 +2,14 @@
 
 use nalgebra::Vector2;
 
+use super::edge_element::EdgeElement;
 use super::edges::EdgePiece;
-use super::end::{Descent, Face};
-use super::partial_heights::Share;
-use super::rake::Rake;
+use super::end::{Descent, EdgePose};
+use super::partial_heights::DepthBand;
 
 /// Position of the cutter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stand {
+pub struct ToolPose {
     /// Spindle axis in the plane of the layers.
     pub axis_mm: Vector2<f64>,
     /// Height of the tip.
@@ -20,8 +20,8 @@ pub struct Stand {
 
 /// Positions of all edges of a cutter, before they are bent.
 #[derive(Clone, Debug)]
-pub struct Poses {
-    pub(super) stand: Stand,
+pub struct EdgePoses {
+    pub(super) pose: ToolPose,
     pub(super) descent: Descent,
     /// For each edge, the unit vector from the spindle's axis to it.
     pub(super) towards: Vec<Vector2<f64>>,
@@ -36,32 +36,32 @@ pub struct Poses {
 pub(super) struct Placed {
     /// Index in the list of layers.
     pub(super) index: usize,
-    pub(super) share: Share,
+    pub(super) depth_band: DepthBand,
     /// Fraction of the layer up to which edges are evaluated.
     pub(super) reach_ratio: f64,
 }
 
-impl Poses {
+impl EdgePoses {
     /// Marks an edge as far from material: it has no chip and removes nothing.
     pub fn set_apart(&mut self, edge: usize) {
         self.is_apart[edge] = true;
     }
 
     /// An edge, bent.
-    pub(super) fn face(&self, edge: usize, bent_mm: Vector2<f64>) -> Face {
-        Face { center_mm: self.stand.axis_mm + bent_mm, towards: self.towards[edge] }
+    pub(super) fn edge_pose(&self, edge: usize, bent_mm: Vector2<f64>) -> EdgePose {
+        EdgePose { center_mm: self.pose.axis_mm + bent_mm, towards: self.towards[edge] }
     }
 }
 
 /// Direction from the spindle's axis to a piece.
-pub(super) fn towards(piece: &EdgePiece, stand: &Stand) -> Vector2<f64> {
-    let (sin, cos) = libm::sincos(piece.angle_at_rad(stand.turned_rad));
+pub(super) fn towards(piece: &EdgePiece, pose: &ToolPose) -> Vector2<f64> {
+    let (sin, cos) = libm::sincos(piece.angle_at_rad(pose.turned_rad));
     Vector2::new(cos, sin)
 }
 
 /// A piece as an elementary edge in its layer.
-pub(super) fn rake(piece: &EdgePiece, depth_mm: f64, face: Face, share: &Share) -> Rake {
-    let Face { center_mm, towards } = face;
+pub(super) fn element(piece: &EdgePiece, depth_mm: f64, edge_pose: EdgePose, depth_band: &DepthBand) -> EdgeElement {
+    let EdgePose { center_mm, towards } = edge_pose;
     let (radius_mm, side) = (piece.radius_mm, piece.side);
-    Rake { center_mm, towards, radius_mm, side, turn_ratio: -1.0, depth_mm, share: *share }
+    EdgeElement { center_mm, towards, radius_mm, side, turn_ratio: -1.0, depth_mm, depth_band: *depth_band }
 }

@@ -86,15 +86,15 @@ impl Profile<'_> {
     fn root(&self, from: Motion, interval: &Interval<'_>, close: f64) -> Option<f64> {
         let ahead = interval.obstacle?;
         // Where braking begins, its length jumps; there the speed decides.
-        let gets_too_fast = |step: &Step| step.motion.highest(ahead.on_the_way.jerk) - ahead.speed;
+        let gets_too_fast = |step: &Step| step.motion.highest(ahead.limits_before.jerk) - ahead.speed;
         let is_slow_enough = gets_too_fast(&interval.best) <= 0.0;
         let room = |acceleration: f64| {
             let step = self.with(from, acceleration);
             if is_slow_enough {
                 return -gets_too_fast(&step);
             }
-            let brake = Brake::to(ahead.speed, step.motion, &ahead.on_the_way);
-            self.left(ahead) + EQUAL - step.way - brake.map_or(0.0, |brake| brake.way())
+            let brake = Brake::to(ahead.speed, step.motion, &ahead.limits_before);
+            self.left(ahead) + EQUAL - step.distance - brake.map_or(0.0, |brake| brake.distance())
         };
         let (mut fits, mut fails) = (interval.safe, interval.too_fast);
         let (mut room_of_fits, mut room_of_fails) = (room(fits), room(fails));
@@ -136,7 +136,7 @@ mod tests {
 
     fn ahead(at: f64, speed: f64) -> Ahead {
         let limits = PathLimits { speed, ..HERE };
-        Ahead { at, speed, is_commanded_feed: false, safe: [0.0; 2], limits, on_the_way: HERE }
+        Ahead { at, speed, is_commanded_feed: false, safe: [0.0; 2], limits, limits_before: HERE }
     }
 
     fn halved(profile: &Profile<'_>, from: Motion, [mut safe, mut too_fast]: [f64; 2]) -> f64 {

@@ -33,9 +33,9 @@ impl Motion {
     /// Distance and motion after `t_s` of constant jerk.
     pub(crate) fn after(&self, jerk: f64, t_s: f64) -> (f64, Motion) {
         let Motion { speed, acceleration } = *self;
-        let way = ((jerk * t_s / 6.0 + acceleration / 2.0) * t_s + speed) * t_s;
+        let distance = ((jerk * t_s / 6.0 + acceleration / 2.0) * t_s + speed) * t_s;
         let speed = (jerk * t_s / 2.0 + acceleration) * t_s + speed;
-        (way, Motion { speed, acceleration: acceleration + jerk * t_s })
+        (distance, Motion { speed, acceleration: acceleration + jerk * t_s })
     }
 
     /// Highest speed reached when acceleration is ended now.
@@ -84,8 +84,8 @@ impl Brake {
     }
 
     /// Duration.
-    pub(crate) fn lasts_s(&self) -> f64 {
-        self.phases.iter().map(|(_, lasts_s)| lasts_s).sum()
+    pub(crate) fn duration_s(&self) -> f64 {
+        self.phases.iter().map(|(_, duration_s)| duration_s).sum()
     }
 
     /// Whether the axes rest at its end.
@@ -94,29 +94,29 @@ impl Brake {
     }
 
     /// Braking distance.
-    pub(crate) fn way(&self) -> f64 {
-        self.phases.iter().fold((0.0, self.from), |done, phase| go_on(done, *phase)).0
+    pub(crate) fn distance(&self) -> f64 {
+        self.phases.iter().fold((0.0, self.from), |done, phase| add_phase(done, *phase)).0
     }
 
     /// Distance and motion after `t_s`; the speed stays constant after the end.
     pub(crate) fn after(&self, t_s: f64) -> (f64, Motion) {
         let (mut done, mut left_s) = ((0.0, self.from), t_s);
-        for (jerk, lasts_s) in self.phases.into_iter().chain([self.tail]) {
-            done = go_on(done, (jerk, lasts_s.min(left_s)));
-            left_s = (left_s - lasts_s).max(0.0);
+        for (jerk, duration_s) in self.phases.into_iter().chain([self.tail]) {
+            done = add_phase(done, (jerk, duration_s.min(left_s)));
+            left_s = (left_s - duration_s).max(0.0);
         }
-        let (way, motion) = done;
-        (way + motion.speed * left_s, motion)
+        let (distance, motion) = done;
+        (distance + motion.speed * left_s, motion)
     }
 }
 
 /// Adds a phase of constant jerk to the distance and motion so far.
-fn go_on((way, motion): (f64, Motion), (jerk, lasts_s): (f64, f64)) -> (f64, Motion) {
-    if lasts_s == 0.0 {
-        return (way, motion);
+fn add_phase((distance, motion): (f64, Motion), (jerk, duration_s): (f64, f64)) -> (f64, Motion) {
+    if duration_s == 0.0 {
+        return (distance, motion);
     }
-    let (covered, motion) = motion.after(jerk, lasts_s);
-    (way + covered, motion)
+    let (covered, motion) = motion.after(jerk, duration_s);
+    (distance + covered, motion)
 }
 
 /// Fastest speed without acceleration from which braking to another speed fits into a distance.
@@ -125,17 +125,17 @@ fn go_on((way, motion): (f64, Motion), (jerk, lasts_s): (f64, f64)) -> (f64, Mot
 /// 2 L = (v + u) ((v - u)/A + A/J)     where v - u >= A^2/J        (3)
 /// L sqrt(J) = w^3 + 2 u w             else, w^2 = v - u           (4)
 /// ```
-pub(crate) fn fastest_into(speed: f64, way: f64, limits: &PathLimits) -> f64 {
+pub(crate) fn fastest_into(speed: f64, distance: f64, limits: &PathLimits) -> f64 {
     let PathLimits { acceleration, jerk, .. } = *limits;
-    if way <= 0.0 {
+    if distance <= 0.0 {
         return speed;
     }
     let half = 0.5 * acceleration * acceleration / jerk;
-    let fast = libm::sqrt((speed - half) * (speed - half) + 2.0 * way * acceleration) - half; // (3)
+    let fast = libm::sqrt((speed - half) * (speed - half) + 2.0 * distance * acceleration) - half; // (3)
     if fast - speed >= 2.0 * half {
         return fast;
     }
-    let (p, q) = (2.0 * speed, way * libm::sqrt(jerk));
+    let (p, q) = (2.0 * speed, distance * libm::sqrt(jerk));
     let third = libm::sqrt(p / 3.0);
     // Cardano's root, by sinh; braking to rest has p = 0.
     let root =
@@ -145,15 +145,15 @@ pub(crate) fn fastest_into(speed: f64, way: f64, limits: &PathLimits) -> f64 {
 }
 
 /// The same as [`fastest_into`], limited to `most`.
-pub(crate) fn fastest_within(most: f64, speed: f64, way: f64, limits: &PathLimits) -> f64 {
+pub(crate) fn fastest_within(most: f64, speed: f64, distance: f64, limits: &PathLimits) -> f64 {
     let gain = most - speed;
     // The root is computed only if it decides.
-    let is_enough = || gain > CLOSE_RATIO * most && way_down(most, speed, limits) < SURE_RATIO * way;
-    if gain <= 0.0 || is_enough() { most } else { fastest_into(speed, way, limits).min(most) }
+    let is_enough = || gain > CLOSE_RATIO * most && braking_distance(most, speed, limits) < SURE_RATIO * distance;
+    if gain <= 0.0 || is_enough() { most } else { fastest_into(speed, distance, limits).min(most) }
 }
 
 /// Braking distance from one speed to another, without acceleration at either: (3) and (4) solved for L.
-fn way_down(from: f64, to: f64, limits: &PathLimits) -> f64 {
+fn braking_distance(from: f64, to: f64, limits: &PathLimits) -> f64 {
     let PathLimits { acceleration, jerk, .. } = *limits;
     let loss = from - to;
     if loss >= acceleration * acceleration / jerk {
@@ -164,7 +164,7 @@ fn way_down(from: f64, to: f64, limits: &PathLimits) -> f64 {
 
 /// Whether the braking distance to a speed is at most `left`.
 pub(crate) fn fits(speed: f64, from: &Motion, limits: &PathLimits, left: f64) -> bool {
-    let exactly = || Brake::to(speed, *from, limits).is_none_or(|brake| brake.way() <= left);
+    let exactly = || Brake::to(speed, *from, limits).is_none_or(|brake| brake.distance() <= left);
     surely_fits(speed, from, limits, left).unwrap_or_else(exactly)
 }
 
@@ -184,9 +184,9 @@ pub(crate) fn surely_fits(speed: f64, from: &Motion, limits: &PathLimits, left: 
         return Some(true);
     }
     let ramp_s = a / jerk;
-    let (crest, way) = (from.speed + 0.5 * a * ramp_s, (from.speed + a * ramp_s / 3.0) * ramp_s); // (5)
+    let (crest, distance) = (from.speed + 0.5 * a * ramp_s, (from.speed + a * ramp_s / 3.0) * ramp_s); // (5)
     let is_braking = from.acceleration < 0.0;
-    let (loss, room) = (crest - speed, if is_braking { left + way } else { left - way });
+    let (loss, room) = (crest - speed, if is_braking { left + distance } else { left - distance });
     let eases = is_braking && (a > most || from.speed - 0.5 * a * ramp_s <= speed);
     if eases || loss < CLOSE_RATIO * crest || room.abs() < CLOSE {
         return None;
@@ -204,16 +204,16 @@ pub(crate) fn surely_fits(speed: f64, from: &Motion, limits: &PathLimits, left: 
 }
 
 /// Shortest time for a distance that begins at a speed without acceleration, with a speed of at most `most`.
-pub(crate) fn time_s(speed: f64, way: f64, most: f64, limits: &PathLimits) -> f64 {
+pub(crate) fn time_s(speed: f64, distance: f64, most: f64, limits: &PathLimits) -> f64 {
     let PathLimits { acceleration, jerk, .. } = *limits;
-    let reached = fastest_into(speed, way, limits).min(most).max(speed);
+    let reached = fastest_into(speed, distance, limits).min(most).max(speed);
     let gain = reached - speed;
     let ramp_s = if gain >= acceleration * acceleration / jerk {
         gain / acceleration + acceleration / jerk
     } else {
         2.0 * libm::sqrt(gain / jerk)
     };
-    ramp_s + (way - 0.5 * (speed + reached) * ramp_s) / reached
+    ramp_s + (distance - 0.5 * (speed + reached) * ramp_s) / reached
 }
 
 /// Time after which easing at `jerk` reaches `speed`.
@@ -234,7 +234,7 @@ mod tests {
             for from in [(50.0, 0.0), (50.0, 400.0), (50.0, -300.0), (90.0, 500.0), (41.0, 10.0), (90.0, -900.0)] {
                 let from = Motion { speed: from.0, acceleration: from.1 };
                 let Some(brake) = Brake::to(speed, from, &LIMITS) else { continue };
-                let (_, end) = brake.after(brake.lasts_s());
+                let (_, end) = brake.after(brake.duration_s());
                 assert!((end.speed - speed).abs() < 1e-9, "{from:?} to {speed}: {end:?}");
                 let eases = from.settles_at(LIMITS.jerk) <= speed;
                 assert!(end.acceleration.abs() < 1e-9 || eases, "{from:?} to {speed}: {end:?}");
@@ -247,8 +247,8 @@ mod tests {
     fn a_long_way_down_is_that_of_the_closed_form() {
         let speed = 60.0;
         let brake = Brake::to(0.0, Motion { speed, acceleration: 0.0 }, &LIMITS).unwrap();
-        let way = speed * speed / (2.0 * 500.0) + speed * 500.0 / (2.0 * 20_000.0);
-        assert!((brake.way() - way).abs() < 1e-12);
+        let distance = speed * speed / (2.0 * 500.0) + speed * 500.0 / (2.0 * 20_000.0);
+        assert!((brake.distance() - distance).abs() < 1e-12);
     }
 
     /// Without reaching that limit: v sqrt(v/J).
@@ -256,19 +256,19 @@ mod tests {
     fn a_short_way_down_is_that_of_the_closed_form() {
         let speed = 5.0;
         let brake = Brake::to(0.0, Motion { speed, acceleration: 0.0 }, &LIMITS).unwrap();
-        assert!((brake.way() - speed * libm::sqrt(speed / 20_000.0)).abs() < 1e-12);
+        assert!((brake.distance() - speed * libm::sqrt(speed / 20_000.0)).abs() < 1e-12);
     }
 
     #[test]
     fn the_fastest_speed_into_a_way_takes_all_of_it() {
         for speed in [0.0, 1e-9, 0.3, 7.0, 80.0] {
-            for way in [1e-6, 1e-3, 0.4, 5.0, 90.0] {
-                let from = Motion { speed: fastest_into(speed, way, &LIMITS), acceleration: 0.0 };
-                let took = Brake::to(speed, from, &LIMITS).unwrap().way();
+            for distance in [1e-6, 1e-3, 0.4, 5.0, 90.0] {
+                let from = Motion { speed: fastest_into(speed, distance, &LIMITS), acceleration: 0.0 };
+                let took = Brake::to(speed, from, &LIMITS).unwrap().distance();
                 // Rounding of the speeds limits their difference.
                 let rounding =
                     4.0 * f64::EPSILON * from.speed * from.speed / libm::sqrt((from.speed - speed) * LIMITS.jerk);
-                assert!((took - way).abs() < 1e-9 * way + rounding, "{way} to {speed}: {took}");
+                assert!((took - distance).abs() < 1e-9 * distance + rounding, "{distance} to {speed}: {took}");
             }
         }
     }
@@ -279,7 +279,7 @@ mod tests {
         let brake = Brake::to(2.0, from, &LIMITS).unwrap();
         let (first, middle) = brake.after(0.05);
         let rest = Brake::to(2.0, middle, &LIMITS).unwrap();
-        assert!((first + rest.way() - brake.way()).abs() < 1e-9);
+        assert!((first + rest.distance() - brake.distance()).abs() < 1e-9);
     }
 
     #[test]
@@ -291,9 +291,12 @@ mod tests {
                     let from = Motion { speed: from, acceleration };
                     let Some(brake) = Brake::to(speed, from, &LIMITS) else { continue };
                     for ratio in [0.0, 0.5, 0.9999, 0.999_999_9, 1.0, 1.000_000_1, 1.0001, 2.0] {
-                        let left = brake.way() * ratio;
+                        let left = brake.distance() * ratio;
                         let surely = surely_fits(speed, &from, &LIMITS, left);
-                        assert!(surely.is_none_or(|fits| fits == (brake.way() <= left)), "{from:?} to {speed}: {left}");
+                        assert!(
+                            surely.is_none_or(|fits| fits == (brake.distance() <= left)),
+                            "{from:?} to {speed}: {left}"
+                        );
                         (decided, all) = (decided + usize::from(surely.is_some()), all + 1);
                     }
                 }
@@ -306,13 +309,13 @@ mod tests {
     #[test]
     fn the_fastest_speed_within_a_bound_is_the_lower_of_both() {
         for speed in [0.0, 1e-9, 0.3, 7.0, 80.0] {
-            for way in [0.0, 1e-6, 1e-3, 0.4, 5.0, 90.0] {
-                let fastest = fastest_into(speed, way, &LIMITS);
+            for distance in [0.0, 1e-6, 1e-3, 0.4, 5.0, 90.0] {
+                let fastest = fastest_into(speed, distance, &LIMITS);
                 for most in [0.5, 0.99, 1.0 - 1e-12, 1.0, 1.0 + 1e-12, 1.01, 2.0].map(|ratio| ratio * fastest) {
                     assert_eq!(
-                        fastest_within(most, speed, way, &LIMITS),
+                        fastest_within(most, speed, distance, &LIMITS),
                         fastest.min(most),
-                        "{way} to {speed}: {most}"
+                        "{distance} to {speed}: {most}"
                     );
                 }
             }

@@ -47,7 +47,7 @@ pub(crate) struct Ahead {
     /// Limits from there on.
     pub(crate) limits: PathLimits,
     /// Acceleration and jerk allowed on the whole distance to it.
-    pub(crate) on_the_way: PathLimits,
+    pub(crate) limits_before: PathLimits,
 }
 
 /// Limits to keep.
@@ -63,17 +63,17 @@ pub(super) enum Keep {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Step {
     /// Distance covered.
-    pub(crate) way: f64,
+    pub(crate) distance: f64,
     /// Speed and acceleration at the end.
     pub(crate) motion: Motion,
     /// Remaining time, if the path ended before the period.
     pub(crate) left_s: f64,
-    course: Course,
+    period_motion: PeriodMotion,
 }
 
 /// Motion during a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Course {
+enum PeriodMotion {
     Jerk(Motion, f64),
     Down(Brake),
 }
@@ -114,8 +114,8 @@ impl Profile<'_> {
     }
 
     /// Whether the axes can keep to their limits, from this motion.
-    pub(crate) fn can_go_on(&self, from: Motion) -> bool {
-        let here = Step { way: 0.0, motion: from, left_s: 0.0, course: Course::Jerk(from, 0.0) };
+    pub(crate) fn can_keep_limits(&self, from: Motion) -> bool {
+        let here = Step { distance: 0.0, motion: from, left_s: 0.0, period_motion: PeriodMotion::Jerk(from, 0.0) };
         self.is_safe(&here, Keep::Limits)
     }
 
@@ -130,7 +130,7 @@ impl Profile<'_> {
 
     /// Period if none of constant jerk is safe: braking, or the hardest deceleration.
     fn hardest(&self, from: Motion, best: Step, keep: Keep) -> Step {
-        self.way_down(from, keep).unwrap_or_else(|| self.with(from, self.least_acceleration(from, &best)))
+        self.braking_step(from, keep).unwrap_or_else(|| self.with(from, self.least_acceleration(from, &best)))
     }
 
     /// Hardest deceleration that does not end in a speed below zero where less jerk is allowed.
@@ -158,28 +158,28 @@ impl Profile<'_> {
 
     /// Limits that all spans in view allow.
     fn least(&self) -> PathLimits {
-        self.ahead.last().map_or(self.here, |last| last.on_the_way.and(&last.limits).and(&self.here))
+        self.ahead.last().map_or(self.here, |last| last.limits_before.and(&last.limits).and(&self.here))
     }
 
     /// Period of constant jerk to that acceleration.
     pub(super) fn with(&self, from: Motion, acceleration: f64) -> Step {
         let jerk = (acceleration - from.acceleration) / self.period_s;
-        let (way, motion) = from.after(jerk, self.period_s);
+        let (distance, motion) = from.after(jerk, self.period_s);
         let motion = Motion { acceleration, ..motion };
-        self.up_to_next(Step { way, motion, left_s: 0.0, course: Course::Jerk(from, jerk) })
+        self.up_to_next(Step { distance, motion, left_s: 0.0, period_motion: PeriodMotion::Jerk(from, jerk) })
     }
 
     /// Period of braking.
     fn down(&self, brake: &Brake) -> Step {
-        let (way, motion) = brake.after(self.period_s);
-        let left_s = if brake.ends_at_rest() { (self.period_s - brake.lasts_s()).max(0.0) } else { 0.0 };
-        self.up_to_next(Step { way, motion, left_s, course: Course::Down(*brake) })
+        let (distance, motion) = brake.after(self.period_s);
+        let left_s = if brake.ends_at_rest() { (self.period_s - brake.duration_s()).max(0.0) } else { 0.0 };
+        self.up_to_next(Step { distance, motion, left_s, period_motion: PeriodMotion::Down(*brake) })
     }
 
     /// Ends the period at the beginning of the next span, because other limits hold behind it.
     fn up_to_next(&self, step: Step) -> Step {
         match self.ahead.first() {
-            Some(next) if next.speed > 0.0 && self.left(next) + EQUAL < step.way => {
+            Some(next) if next.speed > 0.0 && self.left(next) + EQUAL < step.distance => {
                 step.up_to(self.left(next), self.period_s)
             }
             _ => step,
@@ -191,7 +191,8 @@ impl Profile<'_> {
         let near = from.speed * LAST * self.period_s;
         let stop = self.ahead.last().filter(|ahead| ahead.speed == 0.0 && self.left(ahead) <= near)?;
         let brake = brake_to(0.0, stop, &from)?;
-        let is_tight = (brake.way() - self.left(stop)).abs() <= TIGHT && brake.lasts_s() <= LAST * self.period_s;
+        let is_tight =
+            (brake.distance() - self.left(stop)).abs() <= TIGHT && brake.duration_s() <= LAST * self.period_s;
         is_tight.then(|| self.down(&brake))
     }
 
@@ -216,13 +217,13 @@ impl Profile<'_> {
 
     /// The same as [`Profile::is_safe`]; if a span is reached too fast, the error names it.
     pub(super) fn check(&self, step: &Step, keep: Keep) -> Result<(), Option<&Ahead>> {
-        let Step { way, motion, .. } = step;
-        let left = |ahead: &Ahead| self.left(ahead) - way;
+        let Step { distance, motion, .. } = step;
+        let left = |ahead: &Ahead| self.left(ahead) - distance;
         let arrives = |ahead: &Ahead| arrives(motion, &ahead.limits, left(ahead), self.here.jerk);
         if motion.speed < 0.0 || !(eases(motion, &self.least()) || self.ahead.iter().all(arrives)) {
             return Err(None);
         }
-        let fits = |ahead: &Ahead, speed: f64| fits(speed, motion, &ahead.on_the_way, left(ahead) + EQUAL);
+        let fits = |ahead: &Ahead, speed: f64| fits(speed, motion, &ahead.limits_before, left(ahead) + EQUAL);
         let is_secure = |ahead: &Ahead, safe: f64| settles(motion, ahead) <= left(ahead).max(0.0) && fits(ahead, safe);
         let too_fast = self.kept(keep).find(|(ahead, _)| !fits(ahead, ahead.speed)).map(|(ahead, _)| ahead);
         // From the end, because the axes can mostly rest there.
@@ -235,17 +236,17 @@ impl Profile<'_> {
     }
 
     /// Hardest of the brakings that make this state safe, for one period.
-    fn way_down(&self, from: Motion, keep: Keep) -> Option<Step> {
+    fn braking_step(&self, from: Motion, keep: Keep) -> Option<Step> {
         let mut hardest: Option<Step> = None;
         for (ahead, safe) in self.kept(keep) {
             let (secure, left) = (brake_to(safe, ahead, &from), self.left(ahead));
             let is_secure =
-                secure.is_none_or(|brake| brake.way() <= left + 2.0 * EQUAL) && settles(&from, ahead) <= left;
+                secure.is_none_or(|brake| brake.distance() <= left + 2.0 * EQUAL) && settles(&from, ahead) <= left;
             let brake = if is_secure { secure } else { brake_to(ahead.speed, ahead, &from) };
             if let Some(brake) = brake {
                 let step = self.down(&brake);
                 let is_harder = hardest.is_none_or(|hardest| step.motion.speed < hardest.motion.speed);
-                if brake.way() + step.way >= left - EQUAL && is_harder {
+                if brake.distance() + step.distance >= left - EQUAL && is_harder {
                     hardest = Some(step);
                 }
             }
@@ -263,29 +264,29 @@ impl Step {
         self.left_s > 0.0 || self.motion == Motion::default()
     }
 
-    /// Part of the period up to a position; `lasts_s` is the duration of the whole.
-    fn up_to(&self, way: f64, lasts_s: f64) -> Step {
-        let at = |t_s: f64| match &self.course {
-            Course::Jerk(from, jerk) => from.after(*jerk, t_s),
-            Course::Down(brake) => brake.after(t_s),
+    /// Part of the period up to a position; `duration_s` is the duration of the whole.
+    fn up_to(&self, distance: f64, duration_s: f64) -> Step {
+        let at = |t_s: f64| match &self.period_motion {
+            PeriodMotion::Jerk(from, jerk) => from.after(*jerk, t_s),
+            PeriodMotion::Down(brake) => brake.after(t_s),
         };
         // Newton's root replaces all halvings but the last few.
         let newton = |t_s: f64| {
             let (covered, motion) = at(t_s);
-            t_s - (covered - way) / motion.speed
+            t_s - (covered - distance) / motion.speed
         };
-        let root_s = newton(newton(newton(lasts_s)));
-        let near_s = NEAR_RATIO * lasts_s;
-        let is_root = at(root_s - near_s).0 < way && at(root_s + near_s).0 >= way;
-        let (mut before, mut behind) = (0.0, lasts_s);
+        let root_s = newton(newton(newton(duration_s)));
+        let near_s = NEAR_RATIO * duration_s;
+        let is_root = at(root_s - near_s).0 < distance && at(root_s + near_s).0 >= distance;
+        let (mut before, mut behind) = (0.0, duration_s);
         for _ in 0..HALVINGS_OF_TIME {
             let middle = 0.5 * (before + behind);
             let is_far = is_root && (middle - root_s).abs() > near_s;
-            let is_before = if is_far { middle < root_s } else { at(middle).0 < way };
+            let is_before = if is_far { middle < root_s } else { at(middle).0 < distance };
             if is_before { before = middle } else { behind = middle }
         }
-        let (way, motion) = at(behind);
-        Step { way, motion, left_s: lasts_s - behind, course: self.course }
+        let (distance, motion) = at(behind);
+        Step { distance, motion, left_s: duration_s - behind, period_motion: self.period_motion }
     }
 }
 
@@ -306,7 +307,7 @@ pub(crate) fn secure(ahead: &mut [Ahead]) {
 
 /// Braking to a speed before a span begins, with the limits of the spans before it.
 fn brake_to(speed: f64, ahead: &Ahead, from: &Motion) -> Option<Brake> {
-    Brake::to(speed, *from, &ahead.on_the_way)
+    Brake::to(speed, *from, &ahead.limits_before)
 }
 
 /// Distance within which acceleration ends, before a span begins: a safe speed is one without acceleration.
@@ -314,7 +315,7 @@ fn settles(from: &Motion, ahead: &Ahead) -> f64 {
     if from.acceleration <= 0.0 {
         return 0.0;
     }
-    let jerk = ahead.on_the_way.jerk;
+    let jerk = ahead.limits_before.jerk;
     from.after(-jerk, from.acceleration.max(0.0) / jerk).0
 }
 

@@ -38,7 +38,7 @@ pub struct SpindleDrive {
 pub struct SpindleState {
     drive: SpindleDrive,
     speed: f64,
-    turn: Turn,
+    rotation: SpindleRotation,
     ramped: f64,
     lost: f64,
     load: f64,
@@ -46,7 +46,7 @@ pub struct SpindleState {
 
 /// Commanded rotation: M3, M4, M5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Turn {
+pub enum SpindleRotation {
     /// M3.
     Clockwise,
     /// M4.
@@ -58,7 +58,7 @@ pub enum Turn {
 impl SpindleState {
     /// Spindle at rest, without an S.
     pub fn new(drive: SpindleDrive) -> Self {
-        SpindleState { drive, speed: 0.0, turn: Turn::Stop, ramped: 0.0, lost: 0.0, load: 0.0 }
+        SpindleState { drive, speed: 0.0, rotation: SpindleRotation::Stop, ramped: 0.0, lost: 0.0, load: 0.0 }
     }
 
     /// S.
@@ -67,8 +67,8 @@ impl SpindleState {
     }
 
     /// M3, M4, M5.
-    pub fn set_turn(&mut self, turn: Turn) {
-        self.turn = turn;
+    pub fn set_rotation(&mut self, rotation: SpindleRotation) {
+        self.rotation = rotation;
     }
 
     /// Sets the cutting load, as a ratio of the rated load.
@@ -90,10 +90,10 @@ impl SpindleState {
 
     /// Commanded speed.
     pub fn commanded_rev_per_min(&self) -> f64 {
-        match self.turn {
-            Turn::Clockwise => self.speed,
-            Turn::CounterClockwise => -self.speed,
-            Turn::Stop => 0.0,
+        match self.rotation {
+            SpindleRotation::Clockwise => self.speed,
+            SpindleRotation::CounterClockwise => -self.speed,
+            SpindleRotation::Stop => 0.0,
         }
     }
 

@@ -57,7 +57,7 @@ pub struct Sampling {
 
 impl Sampling {
     /// Verdict for samples once a tooth, without the beginning of the cut. Too few samples to compare count as stable.
-    pub fn judge(&self, samples_mm: &[Vector3<f64>]) -> Verdict {
+    pub fn evaluate(&self, samples_mm: &[Vector3<f64>]) -> Verdict {
         let repeats = |lag| metric_mm(samples_mm, lag) <= self.floor_mm;
         if repeats(1) {
             Verdict::Stable

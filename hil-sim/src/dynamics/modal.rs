@@ -37,17 +37,17 @@ pub enum ModeError {
     /// The frequency is not positive.
     Frequency {
         /// Given value.
-        told_hz: f64,
+        given_hz: f64,
     },
     /// The damping is not from 0 to less than 1.
     Damping {
         /// Given value.
-        told_ratio: f64,
+        given_ratio: f64,
     },
     /// The stiffness is not positive.
     Stiffness {
         /// Given value.
-        told_n_per_mm: f64,
+        given_n_per_mm: f64,
     },
     /// A shape or direction is not finite, or a direction has no length.
     Shape,
@@ -60,10 +60,10 @@ impl Mode {
     /// A value is out of its range.
     pub fn new(frequency_hz: f64, damping_ratio: f64, shape: Vector3<f64>) -> Result<Self, ModeError> {
         if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
-            return Err(ModeError::Frequency { told_hz: frequency_hz });
+            return Err(ModeError::Frequency { given_hz: frequency_hz });
         }
         if !(0.0..1.0).contains(&damping_ratio) {
-            return Err(ModeError::Damping { told_ratio: damping_ratio });
+            return Err(ModeError::Damping { given_ratio: damping_ratio });
         }
         if !shape.iter().all(|s| s.is_finite()) {
             return Err(ModeError::Shape);
@@ -82,7 +82,7 @@ impl Mode {
         direction: &Vector3<f64>,
     ) -> Result<Self, ModeError> {
         if !(stiffness_n_per_mm > 0.0 && stiffness_n_per_mm.is_finite()) {
-            return Err(ModeError::Stiffness { told_n_per_mm: stiffness_n_per_mm });
+            return Err(ModeError::Stiffness { given_n_per_mm: stiffness_n_per_mm });
         }
         let direction = direction.try_normalize(0.0).ok_or(ModeError::Shape)?;
         let root_mass = libm::sqrt(stiffness_n_per_mm * MM_PER_M) / (TAU * frequency_hz);
@@ -117,9 +117,9 @@ impl Mode {
 impl fmt::Display for ModeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            ModeError::Frequency { told_hz } => write!(f, "a mode's frequency is positive, not {told_hz} Hz"),
-            ModeError::Damping { told_ratio } => write!(f, "damping is from 0 to less than 1, not {told_ratio}"),
-            ModeError::Stiffness { told_n_per_mm } => write!(f, "a stiffness is positive, not {told_n_per_mm} N/mm"),
+            ModeError::Frequency { given_hz } => write!(f, "a mode's frequency is positive, not {given_hz} Hz"),
+            ModeError::Damping { given_ratio } => write!(f, "damping is from 0 to less than 1, not {given_ratio}"),
+            ModeError::Stiffness { given_n_per_mm } => write!(f, "a stiffness is positive, not {given_n_per_mm} N/mm"),
             ModeError::Shape => write!(f, "a mode's shape needs numbers, its direction a length"),
         }
     }

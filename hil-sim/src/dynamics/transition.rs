@@ -68,7 +68,7 @@ impl Transition {
     }
 
     /// Compliance g: q per unit of force at the end.
-    pub(super) fn given_way(&self) -> f64 {
+    pub(super) fn compliance(&self) -> f64 {
         self.from[3][0]
     }
 }

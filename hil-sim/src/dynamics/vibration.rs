@@ -126,7 +126,7 @@ impl Vibration {
     }
 
     /// Sets the mode shapes for another position of the cut or another frame. Shapes not given stay as they are.
-    pub fn see_from(&mut self, shapes: &[Vector3<f64>]) {
+    pub fn set_shapes(&mut self, shapes: &[Vector3<f64>]) {
         for (mode, shape) in self.modes.iter_mut().zip(shapes) {
             mode.shape = *shape;
         }
@@ -143,9 +143,9 @@ impl Vibration {
     /// Advances by `dt_s`. `force` returns the force on the structure at the end of the step for a displacement there;
     /// it may be called more than once.
     pub fn step(&mut self, dt_s: f64, mut force: impl FnMut(&Vector3<f64>) -> Vector3<f64>) -> Step {
-        self.let_free(dt_s);
+        self.advance_free(dt_s);
         let free_mm = self.displacement_mm();
-        let mut displacement_mm = free_mm + self.shaped(|n| self.given_way(n) * self.drives[n]);
+        let mut displacement_mm = free_mm + self.shaped(|n| self.mode_compliance(n) * self.drives[n]);
         let (mut force_n, mut change_mm, mut passes) = (Vector3::zeros(), f64::INFINITY, 0);
         while change_mm > self.stepping.tolerance_mm && passes < self.stepping.passes_max.max(1) {
             force_n = force(&displacement_mm);
@@ -166,7 +166,7 @@ impl Vibration {
         places: &mut Places,
         mut force: impl FnMut(&[Vector3<f64>], &mut [Vector3<f64>]),
     ) -> Step {
-        self.let_free(dt_s);
+        self.advance_free(dt_s);
         let count = self.modes.len();
         places.drives.clone_from(&self.drives);
         places.forces_n.clear();
@@ -195,7 +195,7 @@ impl Vibration {
     }
 
     /// Advances all modes over the step, without a force at its end.
-    fn let_free(&mut self, dt_s: f64) {
+    fn advance_free(&mut self, dt_s: f64) {
         if self.dt_s != dt_s {
             self.transitions = self.modes.iter().map(|mode| Transition::new(self.stepping.rule, mode, dt_s)).collect();
             self.dt_s = dt_s;
@@ -221,7 +221,8 @@ impl Vibration {
     fn move_places(&self, places: &mut Places) -> f64 {
         let Places { drives, amplitudes, .. } = places;
         amplitudes.clear();
-        amplitudes.extend(drives.iter().enumerate().map(|(n, drive)| self.states[n].q + self.given_way(n) * drive));
+        amplitudes
+            .extend(drives.iter().enumerate().map(|(n, drive)| self.states[n].q + self.mode_compliance(n) * drive));
         let mut change_mm = 0.0_f64;
         for (shapes, moved_mm) in places.shapes.chunks(amplitudes.len().max(1)).zip(&mut places.moved_mm) {
             let next_mm: Vector3<f64> =
@@ -233,8 +234,8 @@ impl Vibration {
     }
 
     /// Compliance g of a mode.
-    fn given_way(&self, mode: usize) -> f64 {
-        self.transitions[mode].given_way()
+    fn mode_compliance(&self, mode: usize) -> f64 {
+        self.transitions[mode].compliance()
     }
 
     /// Displacement at the cut for these amplitudes of the modes.
@@ -245,6 +246,6 @@ impl Vibration {
     /// Compliance (2) of a step.
     fn compliance_of_step(&self) -> Matrix3<f64> {
         let each = self.modes.iter().zip(&self.transitions);
-        each.map(|(mode, transition)| mode.shape * mode.shape.transpose() * (transition.given_way() * MM_PER_M)).sum()
+        each.map(|(mode, transition)| mode.shape * mode.shape.transpose() * (transition.compliance() * MM_PER_M)).sum()
     }
 }

@@ -16,27 +16,27 @@
 use nalgebra::{DMatrix, Matrix4, RowVector4, SymmetricEigen};
 
 use super::eigen::EigenError;
-use super::material::Material;
+use super::material::ElasticMaterial;
 use super::modal_point::ModalPoint;
 use arcfeed_shared::units::T_PER_KG;
 
 /// Cylindrical section of a tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Section {
+pub struct BeamSection {
     /// Length along the axis.
     pub length_mm: f64,
     /// Outer diameter. For fluted parts: the diameter of a full bar of the same stiffness, about 0.8 of the cutting
     /// diameter (Kops, Vo, CIRP Annals 39, 1990).
     pub diameter_mm: f64,
     /// Material of the section.
-    pub material: Material,
+    pub material: ElasticMaterial,
 }
 
 /// Beam model of a tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Beam {
     /// Sections from the clamp to the tip.
-    pub sections: Vec<Section>,
+    pub sections: Vec<BeamSection>,
     /// Mass at the tip, without inertia of its own: an insert or a sensor.
     pub tip_mass_kg: f64,
     /// Number of elements in each section.
@@ -94,7 +94,7 @@ fn rotation([length_mm, phi]: [f64; 2], x: f64) -> [RowVector4<f64>; 2] {
     [theta, bend / l]
 }
 
-impl Section {
+impl BeamSection {
     fn area_mm2(&self) -> f64 {
         std::f64::consts::FRAC_PI_4 * self.diameter_mm * self.diameter_mm
     }

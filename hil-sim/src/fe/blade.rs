@@ -12,7 +12,7 @@
 //! (1) and (2): a circle through both ends of the chord. (3) is a parabola, which a quadratic element represents
 //! exactly.
 
-use super::mesh::{Mesh, MeshError, graded};
+use super::mesh::{TetMesh, TetMeshError, graded};
 
 /// Angle of camber below which the middle line is straight.
 const STRAIGHT_RAD: f64 = 1e-9;
@@ -78,14 +78,14 @@ impl Blade {
     ///
     /// # Errors
     /// No cells along an axis, or a shape that folds cells.
-    pub fn mesh(&self, cells: [usize; 3], foot_ratio: f64) -> Result<Mesh, MeshError> {
+    pub fn mesh(&self, cells: [usize; 3], foot_ratio: f64) -> Result<TetMesh, TetMeshError> {
         let part = |at: [f64; 3], axis: usize| at[axis] / cells[axis] as f64 - 0.5;
         let height = |at: f64| graded(at / cells[2] as f64, cells[2], foot_ratio);
-        Mesh::mapped(cells, |_| true, |at| self.point_mm([part(at, 0), part(at, 1), height(at[2])]))
+        TetMesh::mapped(cells, |_| true, |at| self.point_mm([part(at, 0), part(at, 1), height(at[2])]))
     }
 
     /// Nodes at the foot of such a mesh.
-    pub fn foot(mesh: &Mesh) -> Vec<usize> {
+    pub fn foot(mesh: &TetMesh) -> Vec<usize> {
         mesh.nodes_where(|place| place[2] == 0)
     }
 }
@@ -123,8 +123,8 @@ mod tests {
     #[test]
     fn a_blade_too_thick_for_its_camber_is_refused() {
         let folded = Blade { thickness_mm: [90.0; 2], camber_rad: [1.0; 2], ..Blade::plate(40.0, 30.0, 1.0) };
-        assert!(matches!(folded.mesh([4, 1, 2], 1.0), Err(MeshError::Folded { .. })));
+        assert!(matches!(folded.mesh([4, 1, 2], 1.0), Err(TetMeshError::Folded { .. })));
         assert!(TWISTED.mesh([4, 1, 4], 0.3).is_ok());
-        assert_eq!(TWISTED.mesh([4, 0, 4], 1.0), Err(MeshError::Empty));
+        assert_eq!(TWISTED.mesh([4, 0, 4], 1.0), Err(TetMeshError::Empty));
     }
 }

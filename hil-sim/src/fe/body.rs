@@ -2,15 +2,15 @@
 
 use super::eigen::{EigenError, Eigenpair, lowest};
 use super::element::{Mass, Stiffness, mass, stiffness};
-use super::material::Material;
-use super::mesh::Mesh;
+use super::material::ElasticMaterial;
+use super::mesh::TetMesh;
 use super::sparse::Sparse;
 use super::unknowns::Unknowns;
 
 /// A mesh with the matrices of its elements.
 #[derive(Clone, Debug)]
 pub struct Body {
-    mesh: Mesh,
+    mesh: TetMesh,
     elements: Vec<(Stiffness, Mass)>,
 }
 
@@ -37,7 +37,7 @@ impl Modes {
 
 impl Body {
     /// A body with this mesh, of this material.
-    pub fn new(mesh: Mesh, material: &Material) -> Self {
+    pub fn new(mesh: TetMesh, material: &ElasticMaterial) -> Self {
         let of = |element| {
             let nodes_mm = mesh.nodes_of_mm(element);
             (stiffness(&nodes_mm, material), mass(&nodes_mm, material))
@@ -47,7 +47,7 @@ impl Body {
     }
 
     /// Mesh of the body.
-    pub fn mesh(&self) -> &Mesh {
+    pub fn mesh(&self) -> &TetMesh {
         &self.mesh
     }
 

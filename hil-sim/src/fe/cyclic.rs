@@ -21,9 +21,9 @@ use std::fmt;
 use super::body::{Body, omega_rad_per_s};
 use super::disk::turned;
 use super::eigen::{EigenError, Eigenpair, lowest};
-use super::material::Material;
-use super::mesh::Mesh;
-use super::unknowns::{Row, Unknowns, numbers};
+use super::material::ElasticMaterial;
+use super::mesh::TetMesh;
+use super::unknowns::{MappingRow, Unknowns, numbers};
 
 /// Largest difference between left and right face, as a fraction of the distance from the axis.
 const GAP_RATIO: f64 = 1e-9;
@@ -91,7 +91,7 @@ impl Sector {
     ///
     /// # Errors
     /// Left and right face do not match.
-    pub fn new(mesh: Mesh, sectors: usize, material: &Material) -> Result<Self, SectorError> {
+    pub fn new(mesh: TetMesh, sectors: usize, material: &ElasticMaterial) -> Result<Self, SectorError> {
         if sectors < 2 {
             return Err(SectorError::Few);
         }
@@ -141,13 +141,13 @@ impl Sector {
         let (sin, cos) = libm::sincos(diameters as f64 * alpha);
         // For each part, the coefficients of a and b on the left.
         let of_left = [[cos, -sin], [sin, cos]];
-        let row = |part: usize, node: usize, axis: usize| -> Row {
-            let Some(number) = numbers[node] else { return Row::new() };
+        let row = |part: usize, node: usize, axis: usize| -> MappingRow {
+            let Some(number) = numbers[node] else { return MappingRow::new() };
             let first = 3 * parts * number;
             if self.left[node].is_none() {
                 return vec![(first + 3 * part + axis, 1.0)];
             }
-            let mut row = Row::new();
+            let mut row = MappingRow::new();
             for from in 0..3 {
                 let turn = turned(std::array::from_fn(|k| if k == from { 1.0 } else { 0.0 }), alpha)[axis];
                 let of_parts = of_left[part][..parts].iter().enumerate();
@@ -160,7 +160,7 @@ impl Sector {
         let of_part = |part| {
             nodes.clone().flat_map(|node| (0..3).map(move |axis| (node, axis))).map(|(n, a)| row(part, n, a)).collect()
         };
-        Unknowns::told((0..parts).map(of_part).collect(), count)
+        Unknowns::from_rows((0..parts).map(of_part).collect(), count)
     }
 
     /// The `count` lowest modes of the disk with `diameters` nodal diameters. Except for 0 and N/2 they come in pairs.

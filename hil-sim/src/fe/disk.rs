@@ -3,7 +3,7 @@
 //!
 //! Frame: the disk's axis is z, the first sector's middle points along x. Lattice: around, along the axis, outwards.
 
-use super::mesh::{HalfCells, Mesh, MeshError};
+use super::mesh::{HalfCells, TetMesh, TetMeshError};
 
 /// A bladed disk.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,22 +72,22 @@ impl BladedDisk {
     ///
     /// # Errors
     /// No cells, or a shape that folds cells.
-    pub fn sector(&self) -> Result<Mesh, MeshError> {
-        Mesh::mapped(self.sector_cells(), |cell| self.is_kept(cell), |at| self.point_mm(at))
+    pub fn sector(&self) -> Result<TetMesh, TetMeshError> {
+        TetMesh::mapped(self.sector_cells(), |cell| self.is_kept(cell), |at| self.point_mm(at))
     }
 
     /// Mesh of all sectors.
     ///
     /// # Errors
     /// The same as for [`Self::sector`].
-    pub fn whole(&self) -> Result<Mesh, MeshError> {
+    pub fn whole(&self) -> Result<TetMesh, TetMeshError> {
         let [around, along, outwards] = self.sector_cells();
         let point_mm = |at: [f64; 3]| {
             let sector = (at[0] / around as f64).floor();
             let point_mm = self.point_mm([at[0] - sector * around as f64, at[1], at[2]]);
             turned(point_mm, std::f64::consts::TAU / self.sectors as f64 * sector)
         };
-        Mesh::ring([around * self.sectors, along, outwards], |cell| self.is_kept(cell), point_mm)
+        TetMesh::ring([around * self.sectors, along, outwards], |cell| self.is_kept(cell), point_mm)
     }
 
     /// Whether a lattice point is on the hub.

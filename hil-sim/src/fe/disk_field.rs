@@ -55,7 +55,8 @@ impl DiskField {
     /// # Errors
     /// The point is beyond the reach.
     pub fn at(&self, point_mm: [f64; 3], modal_point: &mut ModalPoint) -> Result<f64, TooFar> {
-        let found = self.stand(point_mm, modal_point, |in_first_mm, other| self.sector.at(in_first_mm, other).ok());
+        let found =
+            self.search_sectors(point_mm, modal_point, |in_first_mm, other| self.sector.at(in_first_mm, other).ok());
         found.ok_or(TooFar { point_mm })
     }
 
@@ -65,13 +66,13 @@ impl DiskField {
     }
 
     /// The same as [`Field::carried`].
-    pub fn carried(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) -> f64 {
-        let carried = |in_first_mm, other: &mut ModalPoint| Some(self.sector.carried(in_first_mm, beyond_mm, other));
-        self.stand(point_mm, modal_point, carried).unwrap_or(f64::INFINITY)
+    pub fn at_nearest(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) -> f64 {
+        let carried = |in_first_mm, other: &mut ModalPoint| Some(self.sector.at_nearest(in_first_mm, beyond_mm, other));
+        self.search_sectors(point_mm, modal_point, carried).unwrap_or(f64::INFINITY)
     }
 
     /// Sets `modal_point` in the sector where the point is least outside, from a search in the first sector.
-    fn stand(
+    fn search_sectors(
         &self,
         point_mm: [f64; 3],
         modal_point: &mut ModalPoint,

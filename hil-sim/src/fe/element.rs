@@ -12,8 +12,8 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::material::Material;
-use super::tetrahedron::{NODES, Place, derivatives, four_points, fourteen_points, functions};
+use super::material::ElasticMaterial;
+use super::tetrahedron::{NODES, NaturalCoordinates, derivatives, four_points, fourteen_points, functions};
 
 /// Stiffness: the three directions of a node follow each other.
 pub type Stiffness = SMatrix<f64, 30, 30>;
@@ -22,7 +22,7 @@ pub type Stiffness = SMatrix<f64, 30, 30>;
 pub type Mass = SMatrix<f64, 10, 10>;
 
 /// Derivatives of the position (rows) by the reference coordinates (columns), mm.
-pub fn jacobian(nodes_mm: &[[f64; 3]; NODES], place: Place) -> Matrix3<f64> {
+pub fn jacobian(nodes_mm: &[[f64; 3]; NODES], place: NaturalCoordinates) -> Matrix3<f64> {
     let mut jacobian = Matrix3::zeros();
     for (node_mm, derivative) in nodes_mm.iter().zip(derivatives(place)) {
         jacobian += Vector3::from(*node_mm) * Vector3::from(derivative).transpose();
@@ -32,14 +32,14 @@ pub fn jacobian(nodes_mm: &[[f64; 3]; NODES], place: Place) -> Matrix3<f64> {
 
 /// Gradients of the functions in space, per mm, and the determinant of the Jacobian; `None` if the element has no
 /// volume.
-fn gradients(nodes_mm: &[[f64; 3]; NODES], place: Place) -> Option<([Vector3<f64>; NODES], f64)> {
+fn gradients(nodes_mm: &[[f64; 3]; NODES], place: NaturalCoordinates) -> Option<([Vector3<f64>; NODES], f64)> {
     let jacobian = jacobian(nodes_mm, place);
     let inverse = jacobian.try_inverse()?.transpose();
     Some((derivatives(place).map(|d| inverse * Vector3::from(d)), jacobian.determinant()))
 }
 
 /// Stiffness matrix, N/mm.
-pub fn stiffness(nodes_mm: &[[f64; 3]; NODES], material: &Material) -> Stiffness {
+pub fn stiffness(nodes_mm: &[[f64; 3]; NODES], material: &ElasticMaterial) -> Stiffness {
     let [lambda, mu] = material.lame_mpa();
     let mut k = Stiffness::zeros();
     for (place, weight) in four_points() {
@@ -57,7 +57,7 @@ pub fn stiffness(nodes_mm: &[[f64; 3]; NODES], material: &Material) -> Stiffness
 }
 
 /// Consistent mass matrix, t.
-pub fn mass(nodes_mm: &[[f64; 3]; NODES], material: &Material) -> Mass {
+pub fn mass(nodes_mm: &[[f64; 3]; NODES], material: &ElasticMaterial) -> Mass {
     let mut m = Mass::zeros();
     for (place, weight) in fourteen_points() {
         let n = SMatrix::<f64, NODES, 1>::from(functions(place));
@@ -70,11 +70,11 @@ pub fn mass(nodes_mm: &[[f64; 3]; NODES], material: &Material) -> Mass {
 #[cfg(test)]
 mod tests {
     use super::super::material::STEEL;
-    use super::super::mesh::Mesh;
+    use super::super::mesh::TetMesh;
     use super::*;
 
-    fn bent() -> Mesh {
-        Mesh::mapped([1, 1, 1], |_| true, |[x, y, z]| [x + 0.1 * y * y, 2.0 * y + 0.2 * z * x, z - 0.1 * x * x])
+    fn bent() -> TetMesh {
+        TetMesh::mapped([1, 1, 1], |_| true, |[x, y, z]| [x + 0.1 * y * y, 2.0 * y + 0.2 * z * x, z - 0.1 * x * x])
             .unwrap()
     }
 
@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn uniform_strain_has_the_energy_of_hookes_law() {
-        let mesh = Mesh::mapped([1, 1, 1], |_| true, |[x, y, z]| [x + 0.3 * y, 2.0 * y, 0.5 * z + 0.2 * x]).unwrap();
+        let mesh = TetMesh::mapped([1, 1, 1], |_| true, |[x, y, z]| [x + 0.3 * y, 2.0 * y, 0.5 * z + 0.2 * x]).unwrap();
         let [lambda, mu] = STEEL.lame_mpa();
         // u = (1e-3 x + 2e-3 y, 0, -1e-3 z): strains 1e-3, -1e-3, shear 2e-3; volume 1 mm3.
         let energy: f64 = (0..6)
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn the_mass_of_a_bent_body_is_density_times_volume() {
         // x = X, y = Y, z = Z (1 + X^2 / 4): volume 1 + 1/12.
-        let mesh = Mesh::mapped([1, 1, 1], |_| true, |[x, y, z]| [x, y, z * (1.0 + 0.25 * x * x)]).unwrap();
+        let mesh = TetMesh::mapped([1, 1, 1], |_| true, |[x, y, z]| [x, y, z * (1.0 + 0.25 * x * x)]).unwrap();
         let sum: f64 = (0..6).map(|element| mass(&mesh.nodes_of_mm(element), &STEEL).sum()).sum();
         let interpolated = sum / STEEL.density_t_per_mm3();
         // A quadratic element represents z x^2 except for its cubic part.

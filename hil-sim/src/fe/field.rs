@@ -12,8 +12,8 @@
 //! by the functions of the nearest element, evaluated beyond its border, as far as the reach. (3) comes closer by the strain each time.
 
 use super::body::Modes;
-use super::locate::{Found, Locator, TooFar};
-use super::mesh::Mesh;
+use super::locate::{LocatedPoint, Locator, TooFar};
+use super::mesh::TetMesh;
 use super::modal_point::ModalPoint;
 use super::tetrahedron::functions;
 
@@ -26,7 +26,7 @@ const ROUNDS: usize = 30;
 /// A mesh with its modes, and the search for points in it.
 #[derive(Clone, Debug)]
 pub struct Field {
-    mesh: Mesh,
+    mesh: TetMesh,
     locator: Locator,
     /// Shapes by nodes, and for each node by modes: the data of one point are adjacent.
     shapes: Vec<Vec<[f64; 3]>>,
@@ -36,7 +36,7 @@ pub struct Field {
 impl Field {
     /// Field for the modes of a mesh; `reach_mm` is the largest distance of points outside: at most about the thickness
     /// of an element, see docs/fe.md.
-    pub fn new(mesh: Mesh, modes: &Modes, reach_mm: f64) -> Self {
+    pub fn new(mesh: TetMesh, modes: &Modes, reach_mm: f64) -> Self {
         let at_node = |node| modes.shapes.iter().map(|shape| shape[node]).collect();
         let shapes = (0..mesh.nodes_mm().len()).map(at_node).collect();
         let locator = Locator::new(&mesh, reach_mm);
@@ -55,17 +55,17 @@ impl Field {
     /// The point is beyond the reach.
     pub fn at(&self, point_mm: [f64; 3], modal_point: &mut ModalPoint) -> Result<f64, TooFar> {
         let found = self.locator.find(&self.mesh, point_mm, modal_point.element)?;
-        self.stand(&found, modal_point);
+        self.evaluate(&found, modal_point);
         Ok(found.outside_mm)
     }
 
     /// Sets `modal_point` to a point or, if that is outside by more than `beyond_mm`, to the point at that distance
     /// from the body on the line from the nearest point of the body. Returns the distance of the point outside, mm.
     /// Beyond the reach all elements are searched, which takes time.
-    pub fn carried(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) -> f64 {
-        let found = self.locator.carried(&self.mesh, point_mm, beyond_mm, modal_point.element);
+    pub fn at_nearest(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) -> f64 {
+        let found = self.locator.find_nearest(&self.mesh, point_mm, beyond_mm, modal_point.element);
         if let Some(found) = &found {
-            self.stand(found, modal_point);
+            self.evaluate(found, modal_point);
         }
         found.map_or(f64::INFINITY, |found| found.outside_mm)
     }
@@ -85,12 +85,12 @@ impl Field {
     }
 
     /// Mesh of the body.
-    pub fn mesh(&self) -> &Mesh {
+    pub fn mesh(&self) -> &TetMesh {
         &self.mesh
     }
 
     /// Evaluates (1) at a located point.
-    fn stand(&self, found: &Found, modal_point: &mut ModalPoint) {
+    fn evaluate(&self, found: &LocatedPoint, modal_point: &mut ModalPoint) {
         modal_point.element = Some(found.element);
         modal_point.shapes.clear();
         modal_point.shapes.resize(self.omega_rad_per_s.len(), [0.0; 3]);

@@ -9,8 +9,8 @@ use std::fmt;
 use nalgebra::{Matrix3, Vector3};
 
 use super::element::jacobian;
-use super::mesh::Mesh;
-use super::tetrahedron::{EDGES, MIDDLE, NODES, Place, barycentric, functions};
+use super::mesh::TetMesh;
+use super::tetrahedron::{EDGES, MIDDLE, NODES, NaturalCoordinates, barycentric, functions};
 
 /// Distance beyond the border, as a fraction of an element's size, that counts as inside.
 const BORDER_RATIO: f64 = 1e-9;
@@ -26,18 +26,18 @@ const STEPS: usize = 12;
 
 /// A point located in a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct LocatedPoint {
     /// Number of the element.
     pub element: usize,
     /// Position in the element, or beyond it.
-    pub place: Place,
+    pub place: NaturalCoordinates,
     /// Distance to the body, 0 inside.
     pub outside_mm: f64,
     /// Nearest point of the body.
     nearest_mm: Vector3<f64>,
 }
 
-impl Found {
+impl LocatedPoint {
     /// Whether these corners and everything between them are no nearer to a point outside: all of them are behind the
     /// plane through the nearest point, square to the line from there to the point. If faces are in one plane, within
     /// rounding, the first of them suffices.
@@ -85,10 +85,10 @@ fn distance_mm([low, high]: &Box3, point: &Vector3<f64>) -> f64 {
 }
 
 /// Position of a point in an element, in it or beyond it; `None` if the element's bend does not reach the point.
-fn place_of(nodes_mm: &[[f64; 3]; NODES], point: &Vector3<f64>) -> Option<Place> {
+fn place_of(nodes_mm: &[[f64; 3]; NODES], point: &Vector3<f64>) -> Option<NaturalCoordinates> {
     let mut place = Vector3::from(MIDDLE);
     for _ in 0..STEPS {
-        let at: Place = place.into();
+        let at: NaturalCoordinates = place.into();
         let here: Vector3<f64> =
             functions(at).iter().zip(nodes_mm).map(|(n, node_mm)| Vector3::from(*node_mm) * *n).sum();
         let step = jacobian(nodes_mm, at).try_inverse()? * (point - here);
@@ -195,7 +195,7 @@ fn from_corners_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> (Vector3<f6
 
 impl Locator {
     /// Search for the points of a mesh and those up to `reach_mm` outside.
-    pub fn new(mesh: &Mesh, reach_mm: f64) -> Self {
+    pub fn new(mesh: &TetMesh, reach_mm: f64) -> Self {
         let boxes: Vec<Box3> = (0..mesh.elements().len()).map(|element| around(mesh, element)).collect();
         let planes = (0..boxes.len()).map(|element| Planes::new(&mesh.nodes_of_mm(element))).collect();
         let infinite = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
@@ -252,14 +252,14 @@ impl Locator {
     ///
     /// # Errors
     /// The point is outside by more than the reach.
-    pub fn find(&self, mesh: &Mesh, point_mm: [f64; 3], near: Option<usize>) -> Result<Found, TooFar> {
+    pub fn find(&self, mesh: &TetMesh, point_mm: [f64; 3], near: Option<usize>) -> Result<LocatedPoint, TooFar> {
         let point = Vector3::from(point_mm);
         let others = &self.elements[self.index(self.cell(&point))];
         let candidates = || near.into_iter().chain(others.iter().copied().filter(|element| near != Some(*element)));
         for element in candidates().filter(|element| self.may_hold(*element, &point)) {
             let place = place_of(&mesh.nodes_of_mm(element), &point);
             if let Some(place) = place.filter(|place| barycentric(*place).iter().all(|l| *l >= -BORDER_RATIO)) {
-                return Ok(Found { element, place, outside_mm: 0.0, nearest_mm: point });
+                return Ok(LocatedPoint { element, place, outside_mm: 0.0, nearest_mm: point });
             }
         }
         self.nearest(mesh, &point, candidates(), self.reach_mm).ok_or(TooFar { point_mm })
@@ -267,7 +267,13 @@ impl Locator {
 
     /// Locates a point or, if it is outside by more than `beyond_mm`, the point at that distance from the body on the
     /// line from the nearest point of the body. `near` is an element to check first.
-    pub fn carried(&self, mesh: &Mesh, point_mm: [f64; 3], beyond_mm: f64, near: Option<usize>) -> Option<Found> {
+    pub fn find_nearest(
+        &self,
+        mesh: &TetMesh,
+        point_mm: [f64; 3],
+        beyond_mm: f64,
+        near: Option<usize>,
+    ) -> Option<LocatedPoint> {
         let point = Vector3::from(point_mm);
         let all = || near.into_iter().chain(0..self.boxes.len());
         let found = self.find(mesh, point_mm, near).ok();
@@ -276,18 +282,18 @@ impl Locator {
             return Some(found);
         }
         let carried = found.nearest_mm + (point - found.nearest_mm) * (beyond_mm / found.outside_mm);
-        place_of(&mesh.nodes_of_mm(found.element), &carried).map(|place| Found { place, ..found })
+        place_of(&mesh.nodes_of_mm(found.element), &carried).map(|place| LocatedPoint { place, ..found })
     }
 
     /// Element nearest to a point outside, if within a reach.
     fn nearest(
         &self,
-        mesh: &Mesh,
+        mesh: &TetMesh,
         point: &Vector3<f64>,
         elements: impl Iterator<Item = usize>,
         reach_mm: f64,
-    ) -> Option<Found> {
-        let mut best: Option<Found> = None;
+    ) -> Option<LocatedPoint> {
+        let mut best: Option<LocatedPoint> = None;
         for element in elements {
             let least_mm = best.map_or(f64::INFINITY, |best| best.outside_mm);
             if distance_mm(&self.boxes[element], point) > least_mm.min(reach_mm) {
@@ -306,7 +312,7 @@ impl Locator {
             if outside_mm < least_mm
                 && let Some(place) = place_of(&nodes_mm, point)
             {
-                best = Some(Found { element, place, outside_mm, nearest_mm });
+                best = Some(LocatedPoint { element, place, outside_mm, nearest_mm });
             }
         }
         best.filter(|best| best.outside_mm <= reach_mm)
@@ -314,7 +320,7 @@ impl Locator {
 }
 
 /// Box of an element, with a margin for bent edges.
-fn around(mesh: &Mesh, element: usize) -> Box3 {
+fn around(mesh: &TetMesh, element: usize) -> Box3 {
     let nodes = mesh.nodes_of_mm(element).map(Vector3::from);
     let low = nodes.iter().fold(nodes[0], |low, node| low.inf(node));
     let high = nodes.iter().fold(nodes[0], |high, node| high.sup(node));
@@ -352,7 +358,7 @@ mod tests {
                 on_face += 1;
                 assert!((found_outside_mm - outside_mm).abs() < 1e-7 && (found_mm - nearest_mm).norm() < 1e-6);
             }
-            let found = Found { element: 0, place: MIDDLE, outside_mm, nearest_mm };
+            let found = LocatedPoint { element: 0, place: MIDDLE, outside_mm, nearest_mm };
             if outside_mm > 0.0 && found.hides(&other[..4], &point) {
                 hidden += 1;
                 assert!(from_corners_mm(&other[..4], &point).1 > outside_mm * (1.0 - 1e-6));

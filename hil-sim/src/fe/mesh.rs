@@ -18,7 +18,7 @@ pub type HalfCells = [usize; 3];
 
 /// Nodes and the elements between them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mesh {
+pub struct TetMesh {
     nodes_mm: Vec<[f64; 3]>,
     places: Vec<HalfCells>,
     elements: Vec<[usize; NODES]>,
@@ -27,7 +27,7 @@ pub struct Mesh {
 
 /// Reason why a mesh cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum MeshError {
+pub enum TetMeshError {
     /// No cell is kept.
     Empty,
     /// The function folds an element: at one of its nodes the determinant is not positive.
@@ -37,18 +37,18 @@ pub enum MeshError {
     },
 }
 
-impl fmt::Display for MeshError {
+impl fmt::Display for TetMeshError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            MeshError::Empty => write!(f, "a mesh without elements"),
-            MeshError::Folded { element } => {
+            TetMeshError::Empty => write!(f, "a mesh without elements"),
+            TetMeshError::Folded { element } => {
                 write!(f, "element {element} is folded: a shape too strongly bent for its mesh")
             }
         }
     }
 }
 
-impl std::error::Error for MeshError {}
+impl std::error::Error for TetMeshError {}
 
 /// The orders of three axes, even ones first.
 const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
@@ -90,7 +90,7 @@ fn tetrahedron(cell: [usize; 3], order: usize) -> [HalfCells; NODES] {
     nodes
 }
 
-impl Mesh {
+impl TetMesh {
     /// Mesh of the cells that `keep` selects in a lattice of `cells`; `map` gives the position of each node. `map`
     /// takes a point in cells, from zero to `cells`, returns millimetres, and must not mirror.
     ///
@@ -100,8 +100,8 @@ impl Mesh {
         cells: [usize; 3],
         keep: impl Fn([usize; 3]) -> bool,
         map: impl Fn([f64; 3]) -> [f64; 3],
-    ) -> Result<Mesh, MeshError> {
-        Mesh::with_ends(2 * cells[0] + 1, cells, keep, map)
+    ) -> Result<TetMesh, TetMeshError> {
+        TetMesh::with_ends(2 * cells[0] + 1, cells, keep, map)
     }
 
     /// Mesh of a lattice that closes along its first axis: the end is the beginning.
@@ -112,8 +112,8 @@ impl Mesh {
         cells: [usize; 3],
         keep: impl Fn([usize; 3]) -> bool,
         map: impl Fn([f64; 3]) -> [f64; 3],
-    ) -> Result<Mesh, MeshError> {
-        Mesh::with_ends(2 * cells[0], cells, keep, map)
+    ) -> Result<TetMesh, TetMeshError> {
+        TetMesh::with_ends(2 * cells[0], cells, keep, map)
     }
 
     /// Mesh with `around` different points along the first axis.
@@ -122,10 +122,10 @@ impl Mesh {
         cells: [usize; 3],
         keep: impl Fn([usize; 3]) -> bool,
         map: impl Fn([f64; 3]) -> [f64; 3],
-    ) -> Result<Mesh, MeshError> {
+    ) -> Result<TetMesh, TetMeshError> {
         let size = [around, 2 * cells[1] + 1, 2 * cells[2] + 1];
         let mut numbers = vec![usize::MAX; size.iter().product()];
-        let mut mesh = Mesh { nodes_mm: Vec::new(), places: Vec::new(), elements: Vec::new(), cells };
+        let mut mesh = TetMesh { nodes_mm: Vec::new(), places: Vec::new(), elements: Vec::new(), cells };
         for index in 0..cells.iter().product() {
             let cell = [index % cells[0], index / cells[0] % cells[1], index / (cells[0] * cells[1])];
             if !keep(cell) {
@@ -151,20 +151,24 @@ impl Mesh {
     ///
     /// # Errors
     /// No cells along an axis, or no length.
-    pub fn block(edges_mm: [f64; 3], cells: [usize; 3]) -> Result<Mesh, MeshError> {
-        Mesh::mapped(cells, |_| true, |at| std::array::from_fn(|axis| edges_mm[axis] * at[axis] / cells[axis] as f64))
+    pub fn block(edges_mm: [f64; 3], cells: [usize; 3]) -> Result<TetMesh, TetMeshError> {
+        TetMesh::mapped(
+            cells,
+            |_| true,
+            |at| std::array::from_fn(|axis| edges_mm[axis] * at[axis] / cells[axis] as f64),
+        )
     }
 
-    fn checked(self) -> Result<Mesh, MeshError> {
+    fn checked(self) -> Result<TetMesh, TetMeshError> {
         if self.elements.is_empty() {
-            return Err(MeshError::Empty);
+            return Err(TetMeshError::Empty);
         }
         let is_folded = |element: &usize| {
             let nodes_mm = self.nodes_of_mm(*element);
             !nodes().iter().all(|place| jacobian(&nodes_mm, *place).determinant() > 0.0)
         };
         match (0..self.elements.len()).find(is_folded) {
-            Some(element) => Err(MeshError::Folded { element }),
+            Some(element) => Err(TetMeshError::Folded { element }),
             None => Ok(self),
         }
     }

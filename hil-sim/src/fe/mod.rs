@@ -16,7 +16,7 @@ pub mod mesh;
 
 pub mod blade;
 
-pub mod slab;
+pub mod clamped_block;
 
 pub mod sides;
 

@@ -9,9 +9,9 @@ use std::fmt;
 
 use arcfeed_shared::kinematics::vector::Vector;
 
-use super::mesh::{Mesh, MeshError};
-use super::sides::{NoSides, Section};
-use super::slab::Face;
+use super::clamped_block::Face;
+use super::mesh::{TetMesh, TetMeshError};
+use super::sides::{NoSides, SheetSection};
 use crate::stock::mesh::Mesh as Surface;
 use crate::stock::outline::{Flat, Outline};
 use crate::stock::solid::Solid;
@@ -125,7 +125,7 @@ impl Sheet<'_> {
     ///
     /// # Errors
     /// The solid is no sheet between two flat ends, or the cells do not follow it.
-    pub fn mesh(&self, cells: [usize; 3]) -> Result<Mesh, SheetError> {
+    pub fn mesh(&self, cells: [usize; 3]) -> Result<TetMesh, SheetError> {
         let (thickness, span) = (self.thickness, self.held.axis);
         if thickness == span || cells.contains(&0) {
             return Err(SheetError::Axes);
@@ -144,9 +144,9 @@ impl Sheet<'_> {
             self.place(cuts[row].0, [0, 1].map(|k| lower[k] * (1.0 - part) + upper[k] * part))
         };
         let middle = |cell: [usize; 3]| place(cell.map(|cell| cell as f64 + 0.5));
-        let mesh = Mesh::mapped(cells, |_| true, place).map_err(|error| match error {
-            MeshError::Empty => SheetError::Axes,
-            MeshError::Folded { element } => SheetError::Folded { at_mm: middle(cell_of(element, cells)) },
+        let mesh = TetMesh::mapped(cells, |_| true, place).map_err(|error| match error {
+            TetMeshError::Empty => SheetError::Axes,
+            TetMeshError::Folded { element } => SheetError::Folded { at_mm: middle(cell_of(element, cells)) },
         })?;
         let (mesh_mm3, solid_mm3) = (mesh.volume_mm3(), self.surface.volume_mm3());
         let is_whole = (mesh_mm3 / solid_mm3 - 1.0).abs() <= VOLUME_RATIO;
@@ -164,19 +164,19 @@ impl Sheet<'_> {
 
     /// Points on both sides of each cut, `places` of them.
     fn layers(&self, cuts: &[(f64, Outline)], places: usize) -> Result<Vec<Vec<[Flat; 2]>>, SheetError> {
-        let told = |at_mm: f64, NoSides { at_mm: flat, count }: NoSides| SheetError::NoSides {
+        let no_sides = |at_mm: f64, NoSides { at_mm: flat, count }: NoSides| SheetError::NoSides {
             axis: self.thickness,
             at_mm: self.place(at_mm, flat),
             count,
         };
         let mut sections = Vec::with_capacity(cuts.len());
         for (at_mm, outline) in cuts {
-            sections.push(Section::of(outline).map_err(|error| told(*at_mm, error))?);
+            sections.push(SheetSection::of(outline).map_err(|error| no_sides(*at_mm, error))?);
         }
         let insets_mm = [0, 1].map(|end: usize| evened(sections.iter().map(|section| section.inset_mm[end]).collect()));
         let of_layer = |layer: usize| {
             let inset_mm = [insets_mm[0][layer], insets_mm[1][layer]];
-            sections[layer].sides(inset_mm, places).map_err(|error| told(cuts[layer].0, error))
+            sections[layer].sides(inset_mm, places).map_err(|error| no_sides(cuts[layer].0, error))
         };
         (0..cuts.len()).map(of_layer).collect()
     }

@@ -165,13 +165,13 @@ impl<'a> Middle<'a> {
 
 /// Section with two sides.
 #[derive(Clone, Copy, Debug)]
-pub struct Section<'a> {
+pub struct SheetSection<'a> {
     middle: Middle<'a>,
     /// Distances along the chord from the section's ends to the sides.
     pub inset_mm: [f64; 2],
 }
 
-impl<'a> Section<'a> {
+impl<'a> SheetSection<'a> {
     /// Section inside an outline.
     ///
     /// # Errors
@@ -181,12 +181,12 @@ impl<'a> Section<'a> {
             let [low, high] = outline.extent_mm([0.0; 2], axis).unwrap_or_default();
             (low + high) / 2.0
         });
-        let told = Middle::new(outline, middle_mm, [1.0, 0.0], 0.0);
-        let middle = told.fitted()?.straightened().fitted()?;
+        let straight = Middle::new(outline, middle_mm, [1.0, 0.0], 0.0);
+        let middle = straight.fitted()?.straightened().fitted()?;
         let thickest_mm = middle.thickest_mm()?;
         let [low, high] = middle.extent_mm;
         let inset_mm = [middle.end_mm(1.0, thickest_mm)? - low, high - middle.end_mm(-1.0, thickest_mm)?];
-        Ok(Section { middle, inset_mm })
+        Ok(SheetSection { middle, inset_mm })
     }
 
     /// Evenly spaced points, from the beginning of the sides or further in: on the lower side and on the upper.

@@ -18,21 +18,21 @@ pub const NODES: usize = 10;
 pub const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];
 
 /// Reference coordinates r, s, t.
-pub type Place = [f64; 3];
+pub type NaturalCoordinates = [f64; 3];
 
 /// The middle of the reference element.
-pub const MIDDLE: Place = [0.25; 3];
+pub const MIDDLE: NaturalCoordinates = [0.25; 3];
 
 /// Integration point, with its fraction of the reference element's volume, 1/6 in all.
-pub type Point = (Place, f64);
+pub type Point = (NaturalCoordinates, f64);
 
 /// Barycentric coordinates L0 to L3.
-pub fn barycentric(place: Place) -> [f64; 4] {
+pub fn barycentric(place: NaturalCoordinates) -> [f64; 4] {
     [1.0 - place[0] - place[1] - place[2], place[0], place[1], place[2]]
 }
 
 /// Reference coordinates of the nodes.
-pub fn nodes() -> [Place; NODES] {
+pub fn nodes() -> [NaturalCoordinates; NODES] {
     let mut places = [[0.0; 3]; NODES];
     for corner in 1..4 {
         places[corner][corner - 1] = 1.0;
@@ -44,7 +44,7 @@ pub fn nodes() -> [Place; NODES] {
 }
 
 /// The ten shape functions at a point, inside the element or not.
-pub fn functions(place: Place) -> [f64; NODES] {
+pub fn functions(place: NaturalCoordinates) -> [f64; NODES] {
     let l = barycentric(place);
     let mut n = [0.0; NODES];
     for corner in 0..4 {
@@ -57,7 +57,7 @@ pub fn functions(place: Place) -> [f64; NODES] {
 }
 
 /// Derivatives of the shape functions by r, s and t.
-pub fn derivatives(place: Place) -> [[f64; 3]; NODES] {
+pub fn derivatives(place: NaturalCoordinates) -> [[f64; 3]; NODES] {
     const OF_L: [[f64; 3]; 4] = [[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let l = barycentric(place);
     let mut d = [[0.0; 3]; NODES];

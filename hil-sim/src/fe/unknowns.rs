@@ -10,23 +10,23 @@
 //! another one. There may be two such T for one mesh, the real and the imaginary part of a wave around a disk; then both parts add up.
 
 use super::element::{Mass, Stiffness};
-use super::mesh::Mesh;
+use super::mesh::TetMesh;
 use super::order::reverse_cuthill_mckee;
 use super::sparse::Sparse;
 
 /// Entries of a row of T: unknown and coefficient.
-pub type Row = Vec<(usize, f64)>;
+pub type MappingRow = Vec<(usize, f64)>;
 
 /// Mapping T, or its two parts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unknowns {
-    parts: Vec<Vec<Row>>,
+    parts: Vec<Vec<MappingRow>>,
     count: usize,
 }
 
 /// Numbers from 0 such that nodes of the same element have near numbers: each node has its leader's number, or none
 /// without a leader. Leaders lead themselves.
-pub fn numbers(mesh: &Mesh, leaders: &[Option<usize>]) -> Vec<Option<usize>> {
+pub fn numbers(mesh: &TetMesh, leaders: &[Option<usize>]) -> Vec<Option<usize>> {
     let mut neighbours = vec![Vec::new(); leaders.len()];
     for element in mesh.elements() {
         for a in element.iter().filter_map(|node| leaders[*node]) {
@@ -49,7 +49,7 @@ pub fn numbers(mesh: &Mesh, leaders: &[Option<usize>]) -> Vec<Option<usize>> {
 
 impl Unknowns {
     /// Unknowns of a mesh with clamped nodes; all others are free.
-    pub fn clamped(mesh: &Mesh, clamped: &[usize]) -> Self {
+    pub fn clamped(mesh: &TetMesh, clamped: &[usize]) -> Self {
         let mut leaders: Vec<Option<usize>> = (0..mesh.nodes_mm().len()).map(Some).collect();
         for node in clamped {
             leaders[*node] = None;
@@ -64,7 +64,7 @@ impl Unknowns {
     }
 
     /// Unknowns with the given rows of T, three to a node, for each part.
-    pub fn told(parts: Vec<Vec<Row>>, count: usize) -> Self {
+    pub fn from_rows(parts: Vec<Vec<MappingRow>>, count: usize) -> Self {
         Unknowns { parts, count }
     }
 
@@ -75,12 +75,12 @@ impl Unknowns {
 
     /// Displacements u = T x of one part, by nodes.
     pub fn displacements(&self, part: usize, x: &[f64]) -> Vec<[f64; 3]> {
-        let value = |row: &Row| row.iter().map(|(unknown, coefficient)| coefficient * x[*unknown]).sum();
+        let value = |row: &MappingRow| row.iter().map(|(unknown, coefficient)| coefficient * x[*unknown]).sum();
         self.parts[part].chunks_exact(3).map(|rows| std::array::from_fn(|axis| value(&rows[axis]))).collect()
     }
 
     /// Stiffness and mass matrix of the whole mesh (1).
-    pub fn assemble(&self, mesh: &Mesh, elements: &[(Stiffness, Mass)]) -> (Sparse, Sparse) {
+    pub fn assemble(&self, mesh: &TetMesh, elements: &[(Stiffness, Mass)]) -> (Sparse, Sparse) {
         let (mut k_rows, mut m_rows) = (vec![Vec::new(); self.count], vec![Vec::new(); self.count]);
         for rows in &self.parts {
             for (nodes, (k, m)) in mesh.elements().iter().zip(elements) {
@@ -102,7 +102,7 @@ impl Unknowns {
 }
 
 /// Adds an entry between two displacements to all pairs of their unknowns, in the lower triangle.
-fn spread(row: &Row, column: &Row, value: f64, into: &mut [Row]) {
+fn spread(row: &MappingRow, column: &MappingRow, value: f64, into: &mut [MappingRow]) {
     for (i, of_row) in row {
         for (j, of_column) in column {
             if j <= i {

@@ -3,7 +3,7 @@
 //! Rays square to the chord end on the machined side, in each layer. The deviation is measured along the normal,
 //! positive for remaining material; if no material remains, it is the blade's thickness.
 
-use super::pass::Machined;
+use super::pass::PassResult;
 use super::side::Side;
 use crate::cutting::layer::Layer;
 use crate::stock::dexel::{Dexel, Interval};
@@ -13,7 +13,7 @@ const EDGE_MM: f64 = 0.3;
 
 /// Point of the surface with its deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mark {
+pub struct SurfaceMark {
     /// Index of the layer, from the lowest.
     pub layer: usize,
     /// Position along the side, from its middle.
@@ -23,13 +23,13 @@ pub struct Mark {
 }
 
 /// All points that both passes have, layer by layer, along the chord.
-pub fn marks(side: &Side, rigid: &Machined, flexible: &Machined) -> Vec<Mark> {
+pub fn marks(side: &Side, rigid: &PassResult, flexible: &PassResult) -> Vec<SurfaceMark> {
     let layers = rigid.layers.layers().iter().zip(flexible.layers.layers()).enumerate();
     layers.flat_map(|(layer, (rigid, flexible))| of_layer(side, layer, rigid, flexible)).collect()
 }
 
 /// Root of the mean square deviation of some marks.
-pub fn deviation_mm<'a>(marks: impl Iterator<Item = &'a Mark>) -> f64 {
+pub fn deviation_mm<'a>(marks: impl Iterator<Item = &'a SurfaceMark>) -> f64 {
     let (sum, count) =
         marks.fold((0.0, 0), |(sum, count), mark| (sum + mark.deviation_mm * mark.deviation_mm, count + 1));
     libm::sqrt(sum / f64::from(count.max(1)))
@@ -40,7 +40,7 @@ fn of_layer<'a>(
     layer: usize,
     rigid: &'a Layer,
     flexible: &'a Layer,
-) -> impl Iterator<Item = Mark> + 'a {
+) -> impl Iterator<Item = SurfaceMark> + 'a {
     let ends = [-0.5, 0.5].map(|part| side.contact(part * side.length_mm()).point_mm.x);
     let pairs = rigid.rays(1).iter().zip(flexible.rays(1)).enumerate();
     pairs.filter_map(move |(ray, (reference, left))| {
@@ -52,7 +52,7 @@ fn of_layer<'a>(
         // The line is almost evenly spaced along the chord.
         let along_mm = ((x_mm - ends[0]) / (ends[1] - ends[0]) - 0.5) * side.length_mm();
         let across = side.contact(along_mm).normal.y;
-        Some(Mark { layer, along_mm, deviation_mm: (end_mm(left, &reference) - reference.to_mm) * across })
+        Some(SurfaceMark { layer, along_mm, deviation_mm: (end_mm(left, &reference) - reference.to_mm) * across })
     })
 }
 

@@ -25,7 +25,7 @@ use crate::cutting::edges::{Cutter, EndMill};
 use crate::cutting::layer::Layer;
 use crate::cutting::layers::Layers;
 use crate::cutting::material::Cutting;
-use crate::cutting::pose::Stand;
+use crate::cutting::pose::ToolPose;
 use crate::dynamics::modal::Mode;
 use crate::dynamics::transition::Rule;
 use crate::dynamics::vibration::{Stepping, Vibration};
@@ -33,7 +33,7 @@ use crate::flexible::{Modal, Workpiece};
 use crate::process::Process;
 
 /// Updates of the workpiece's modes in a tooth.
-const LOOKS_A_TOOTH: usize = 4;
+const UPDATES_PER_TOOTH: usize = 4;
 /// Distance before and after the cut.
 const AIR_MM: f64 = 0.5;
 /// Rounding of a whole number of layers.
@@ -43,7 +43,7 @@ const RAKE_MM: f64 = 1.0;
 
 /// Geometry and conditions of a pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pass {
+pub struct FinishingPass {
     /// Side of the blade.
     pub side: Side,
     /// Ball end mill: its corner radius is half of its diameter.
@@ -59,12 +59,12 @@ pub struct Pass {
     /// Force model of the material.
     pub cutting: Cutting,
     /// Resolution of the computation.
-    pub fineness: Fineness,
+    pub fineness: PassResolution,
 }
 
 /// Resolution of a pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fineness {
+pub struct PassResolution {
     /// Height of a layer; the ball's radius is a whole number of them.
     pub rise_mm: f64,
     /// Distance of the rays of a layer.
@@ -75,7 +75,7 @@ pub struct Fineness {
 
 /// Result of a pass.
 #[derive(Clone, Debug)]
-pub struct Machined {
+pub struct PassResult {
     /// Remaining blade.
     pub layers: Layers,
     /// Samples, one a tooth.
@@ -109,7 +109,7 @@ impl std::fmt::Display for MillError {
 
 impl std::error::Error for MillError {}
 
-impl Pass {
+impl FinishingPass {
     fn radius_mm(&self) -> f64 {
         self.mill.diameter_mm / 2.0
     }
@@ -163,9 +163,9 @@ impl Pass {
     }
 
     /// Position of the tool, from the contact and the number of teeth passed.
-    fn stand(&self, along_mm: f64, teeth: f64) -> Stand {
+    fn pose(&self, along_mm: f64, teeth: f64) -> ToolPose {
         let contact = self.side.contact(along_mm);
-        Stand {
+        ToolPose {
             axis_mm: contact.point_mm + contact.normal * self.radius_mm(),
             tip_mm: self.side.height_mm() - self.radius_mm(),
             turned_rad: TAU * teeth / self.mill.teeth as f64,
@@ -177,7 +177,11 @@ impl Pass {
     ///
     /// # Errors
     /// The tool is invalid.
-    pub fn run<B: Modal>(&self, modes: Vec<Mode>, mut workpiece: Option<Workpiece<B>>) -> Result<Machined, MillError> {
+    pub fn run<B: Modal>(
+        &self,
+        modes: Vec<Mode>,
+        mut workpiece: Option<Workpiece<B>>,
+    ) -> Result<PassResult, MillError> {
         let mut process = self.process(modes)?;
         let half_mm = self.side.length_mm() / 2.0;
         let from_mm = -half_mm - self.reach_mm() - AIR_MM;
@@ -190,13 +194,13 @@ impl Pass {
             for step in 0..steps {
                 let passed = tooth as f64 + (step + 1) as f64 / steps as f64;
                 along_mm = from_mm + passed * self.feed_mm_per_tooth;
-                if let Some(seen) = workpiece.as_mut().filter(|_| step % (steps / LOOKS_A_TOOTH).max(1) == 0) {
-                    process.vibration_mut().see_from(seen.shapes_on(self.side.place_mm(along_mm)));
+                if let Some(seen) = workpiece.as_mut().filter(|_| step % (steps / UPDATES_PER_TOOTH).max(1) == 0) {
+                    process.vibration_mut().set_shapes(seen.shapes_on(self.side.place_mm(along_mm)));
                 }
-                let (dt_s, stand) = (1.0 / (self.tooth_hz * steps as f64), self.stand(along_mm, passed));
+                let (dt_s, pose) = (1.0 / (self.tooth_hz * steps as f64), self.pose(along_mm, passed));
                 let moment = match &mut workpiece {
-                    Some(workpiece) => process.step_on(dt_s, &stand, workpiece),
-                    None => process.step(dt_s, &stand),
+                    Some(workpiece) => process.step_on(dt_s, &pose, workpiece),
+                    None => process.step(dt_s, &pose),
                 };
                 displacement_mm = moment.displacement_mm;
                 swing_mm = swing_mm.max(displacement_mm.xy().norm());
@@ -205,7 +209,7 @@ impl Pass {
             }
             teeth.push(Tooth { along_mm, displacement_mm, swing_mm, force_n });
         }
-        Ok(Machined { layers: process.engagement().layers().clone(), teeth, open })
+        Ok(PassResult { layers: process.engagement().layers().clone(), teeth, open })
     }
 }
 

@@ -21,7 +21,7 @@ use arcfeed_shared::wire::message::fixed::Q40;
 use arcfeed_shared::wire::message::table::{Sample, Setpoint};
 use arcfeed_shared::wire::plain::PlainLine;
 
-use super::{OverrideSource, Shown};
+use super::{MachineSignals, OverrideSource};
 use crate::control::signals::FeedOverrideLines;
 
 /// Length of a frame with a setpoint on the line.
@@ -46,19 +46,19 @@ pub trait Wires {
     ///
     /// # Errors
     /// The line is broken.
-    fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), Broken>;
+    fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), BoardFailure>;
 
     /// Waits for bytes until `bytes` is full.
     ///
     /// # Errors
     /// The bytes do not come.
-    fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), Broken>;
+    fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), BoardFailure>;
 
     /// Takes the bytes that have arrived; returns their number.
     ///
     /// # Errors
     /// The line is broken.
-    fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, Broken>;
+    fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, BoardFailure>;
 }
 
 /// Devices at the far ends of the board's other lines.
@@ -88,7 +88,7 @@ pub struct Traffic {
 
 /// Reason why a board has stopped. Its lines are released then, as by a loss of power: 0 %.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Broken {
+pub enum BoardFailure {
     /// A line is closed.
     Closed(Wire),
     /// No answer in time.
@@ -116,7 +116,7 @@ pub struct Board<W, A = ()> {
     received: Counts,
     has_begun: bool,
     last: Option<Setpoint>,
-    broken: Option<Broken>,
+    failure: Option<BoardFailure>,
 }
 
 /// Bytes on the link and on the tapped line so far; they wrap.
@@ -141,16 +141,16 @@ impl<W: Wires, A: Attached> Board<W, A> {
             received: Counts::default(),
             has_begun: false,
             last: None,
-            broken: None,
+            failure: None,
         }
     }
 
     /// Restarts the board; `restart` does it at the far ends. Counters and bytes on the lines are discarded.
-    pub fn begin_anew(&mut self, restart: impl FnOnce(&mut W)) {
+    pub fn restart(&mut self, restart: impl FnOnce(&mut W)) {
         restart(&mut self.wires);
         (self.machine, self.traffic, self.tapped) = (PlainLine::new(), Traffic::default(), [0; 2]);
         (self.sent, self.received) = (Counts::default(), Counts::default());
-        (self.has_begun, self.last, self.broken) = (false, None, None);
+        (self.has_begun, self.last, self.failure) = (false, None, None);
     }
 
     /// Sets the inputs from the machine's panel, and other signals that are not the control's.
@@ -189,11 +189,11 @@ impl<W: Wires, A: Attached> Board<W, A> {
     }
 
     /// Reason why the board has stopped.
-    pub fn broken(&self) -> Option<Broken> {
-        self.broken
+    pub fn failure(&self) -> Option<BoardFailure> {
+        self.failure
     }
 
-    fn exchange(&mut self, shown: &Shown) -> Result<(), Broken> {
+    fn exchange(&mut self, shown: &MachineSignals) -> Result<(), BoardFailure> {
         // The machine sends first; its sample gives the board the mode.
         if self.has_begun {
             self.attached.send(shown.at, &mut self.traffic);
@@ -207,7 +207,7 @@ impl<W: Wires, A: Attached> Board<W, A> {
         }
     }
 
-    fn put_traffic(&mut self) -> Result<(), Broken> {
+    fn put_traffic(&mut self) -> Result<(), BoardFailure> {
         let Traffic { link, sender, control } = &mut self.traffic;
         self.tapped = [sender.len(), control.len()];
         self.sent.link = self.sent.link.wrapping_add(link.len() as u32);
@@ -221,7 +221,7 @@ impl<W: Wires, A: Attached> Board<W, A> {
         Ok(())
     }
 
-    fn put_sample(&mut self, shown: &Shown) -> Result<(), Broken> {
+    fn put_sample(&mut self, shown: &MachineSignals) -> Result<(), BoardFailure> {
         let Pose { linear, rotary } = shown.position;
         let rotary = rotary.map(|angle| angle.0);
         let sample = Sample {
@@ -241,13 +241,13 @@ impl<W: Wires, A: Attached> Board<W, A> {
     }
 
     /// Waits for the setpoint that answers the sample of this time, then for the bytes that it counts.
-    fn take_answer(&mut self, at: Micros) -> Result<(), Broken> {
+    fn take_answer(&mut self, at: Micros) -> Result<(), BoardFailure> {
         let mut frame = [0; SETPOINT_BYTES];
         self.wires.take(Wire::Machine, &mut frame)?;
         let setpoint = frame.iter().find_map(|byte| self.machine.on_byte(*byte));
-        let Some(Message::Setpoint(setpoint)) = setpoint else { return Err(Broken::NoSetpoint) };
+        let Some(Message::Setpoint(setpoint)) = setpoint else { return Err(BoardFailure::NoSetpoint) };
         if setpoint.at != at.0 {
-            return Err(Broken::OutOfStep(Micros(setpoint.at)));
+            return Err(BoardFailure::OutOfStep(Micros(setpoint.at)));
         }
         self.last = Some(setpoint);
         let mut bytes = vec![0; setpoint.link_bytes.wrapping_sub(self.received.link) as usize];
@@ -258,14 +258,14 @@ impl<W: Wires, A: Attached> Board<W, A> {
     }
 
     /// A tap passes on every byte in the period in which it arrived.
-    fn take_tapped(&mut self, at: Micros, until: u32) -> Result<(), Broken> {
+    fn take_tapped(&mut self, at: Micros, until: u32) -> Result<(), BoardFailure> {
         let [to_control, to_sender] = core::mem::take(&mut self.tapped);
         let count = until.wrapping_sub(self.received.tap) as usize;
         if count == 0 {
             return Ok(());
         }
         if count != to_control + to_sender {
-            return Err(Broken::Tap(count));
+            return Err(BoardFailure::Tap(count));
         }
         self.received.tap = until;
         for (wire, length) in [(Wire::Control, to_control), (Wire::Sender, to_sender)] {
@@ -276,7 +276,7 @@ impl<W: Wires, A: Attached> Board<W, A> {
         Ok(())
     }
 
-    fn take_what_came(&mut self, at: Micros) -> Result<(), Broken> {
+    fn take_what_came(&mut self, at: Micros) -> Result<(), BoardFailure> {
         for wire in [Wire::Machine, Wire::Link, Wire::Sender, Wire::Control] {
             loop {
                 let mut bytes = [0; ENCODED_MAX];
@@ -286,7 +286,7 @@ impl<W: Wires, A: Attached> Board<W, A> {
                     (Wire::Machine, _) => {
                         let messages = bytes[..length].iter().filter_map(|byte| self.machine.on_byte(*byte));
                         for message in messages {
-                            let Message::Setpoint(setpoint) = message else { return Err(Broken::NoSetpoint) };
+                            let Message::Setpoint(setpoint) = message else { return Err(BoardFailure::NoSetpoint) };
                             self.last = Some(setpoint);
                         }
                     }
@@ -299,11 +299,11 @@ impl<W: Wires, A: Attached> Board<W, A> {
 }
 
 impl<W: Wires, A: Attached> OverrideSource for Board<W, A> {
-    fn decide(&mut self, shown: &Shown) -> FeedOverride {
-        if self.broken.is_none() {
-            self.broken = self.exchange(shown).err();
+    fn decide(&mut self, shown: &MachineSignals) -> FeedOverride {
+        if self.failure.is_none() {
+            self.failure = self.exchange(shown).err();
         }
-        let low = self.last.filter(|_| self.broken.is_none()).map_or(0, |setpoint| setpoint.lines);
+        let low = self.last.filter(|_| self.failure.is_none()).map_or(0, |setpoint| setpoint.lines);
         FeedOverride { percent: FeedOverrideLines(!low).percent() }
     }
 }

@@ -12,7 +12,7 @@ use arcfeed_shared::job::{FeedPolicy, Job};
 use arcfeed_shared::tool::Tool;
 use arcfeed_shared::units::{Micros, Nm, Span};
 
-use super::{Begun, OverrideSource, Shown};
+use super::{MachineSignals, MoveStart, OverrideSource};
 use crate::faults::ControllerFault;
 
 /// A feed controller, with an optional fault.
@@ -76,16 +76,16 @@ impl InProcessController {
 }
 
 impl OverrideSource for InProcessController {
-    fn begin(&mut self, begun: Option<Begun<'_>>) {
+    fn begin(&mut self, begun: Option<MoveStart<'_>>) {
         let job = &self.believed;
-        self.io.segment = begun.map(|Begun { count, segment, rule, along, spindle, limit, end_percent }| {
+        self.io.segment = begun.map(|MoveStart { count, segment, rule, along, spindle, limit, end_percent }| {
             let own = Conditions::of(segment, rule, job);
             let conditions = Conditions { along, spindle, limit: limit.or(own.limit), end_percent, ..own };
             (count, ActiveSegment::under(segment, &conditions, job))
         });
     }
 
-    fn decide(&mut self, shown: &Shown) -> FeedOverride {
+    fn decide(&mut self, shown: &MachineSignals) -> FeedOverride {
         let input = &mut self.io.input;
         input.measured.position = Some(shown.position);
         input.measured.spindle = shown.spindle;

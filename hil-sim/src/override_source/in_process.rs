@@ -7,14 +7,14 @@ use arcfeed_firmware::application::sensors::{MachineLine, setpoint};
 use arcfeed_firmware::lockstep::{Line, Lines, Lockstep};
 use arcfeed_firmware::main_loop::MainLoop;
 
-use super::board::{Broken, Wire, Wires};
+use super::board::{BoardFailure, Wire, Wires};
 
 /// Number of lines of a board.
 const LINES: usize = 4;
 
 /// A board application in this process, and its byte queues.
 pub struct InProcess<'q, const N: usize> {
-    front: MainLoop<'q, N>,
+    main_loop: MainLoop<'q, N>,
     task: ControlTask<'q>,
     machine: MachineLine,
     lockstep: Lockstep,
@@ -55,9 +55,9 @@ impl Lines for Rings {
 
 impl<'q, const N: usize> InProcess<'q, N> {
     /// A board that has just started.
-    pub fn new(front: MainLoop<'q, N>, task: ControlTask<'q>) -> Self {
+    pub fn new(main_loop: MainLoop<'q, N>, task: ControlTask<'q>) -> Self {
         let (machine, lockstep) = (MachineLine::new(), Lockstep::new());
-        InProcess { front, task, machine, lockstep, rings: Rings::default(), log: Log::default() }
+        InProcess { main_loop, task, machine, lockstep, rings: Rings::default(), log: Log::default() }
     }
 
     /// Adds a log over the link: frames, each with the number of ticks after which it is sent. On a chip the image's
@@ -69,40 +69,40 @@ impl<'q, const N: usize> InProcess<'q, N> {
     }
 
     /// Main loop of the board.
-    pub fn front(&self) -> &MainLoop<'q, N> {
-        &self.front
+    pub fn main_loop(&self) -> &MainLoop<'q, N> {
+        &self.main_loop
     }
 
     fn run(&mut self) {
-        let InProcess { front, task, machine, lockstep, rings, log } = self;
+        let InProcess { main_loop, task, machine, lockstep, rings, log } = self;
         let mut tick = |now, sample: &_| {
             machine.take(now, sample);
             setpoint(sample.at, &task.tick(now, &machine.sensors(now)), [0; 2])
         };
-        while lockstep.poll(front, rings, &mut tick) {
+        while lockstep.poll(main_loop, rings, &mut tick) {
             log.ticks += 1;
             while log.frames.front().is_some_and(|(ticks, _)| *ticks <= log.ticks) {
                 log.waiting.extend(log.frames.pop_front().map_or(Vec::new(), |(_, frame)| frame));
             }
-            let sent = front.host_link_mut().log(&log.waiting);
+            let sent = main_loop.host_link_mut().log(&log.waiting);
             log.waiting.drain(..sent);
         }
     }
 }
 
 impl<const N: usize> Wires for InProcess<'_, N> {
-    fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), Broken> {
+    fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), BoardFailure> {
         self.rings.inward[line(wire) as usize].extend(bytes);
         self.run();
         Ok(())
     }
 
-    fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), Broken> {
+    fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), BoardFailure> {
         let length = self.take_waiting(wire, bytes)?;
-        if length == bytes.len() { Ok(()) } else { Err(Broken::Silent(wire)) }
+        if length == bytes.len() { Ok(()) } else { Err(BoardFailure::Silent(wire)) }
     }
 
-    fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, Broken> {
+    fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, BoardFailure> {
         let ring = &mut self.rings.outward[line(wire) as usize];
         let length = ring.len().min(bytes.len());
         bytes.iter_mut().zip(ring.drain(..length)).for_each(|(place, byte)| *place = byte);

@@ -20,7 +20,7 @@ use arcfeed_shared::units::{Micros, RevPerMin};
 
 /// Signals of the machine in a servo period.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shown {
+pub struct MachineSignals {
     /// Time.
     pub at: Micros,
     /// Position feedback, in the workpiece's coordinates.
@@ -35,7 +35,7 @@ pub struct Shown {
 
 /// A move that the control begins, with its conditions.
 #[derive(Clone, Copy, Debug)]
-pub struct Begun<'a> {
+pub struct MoveStart<'a> {
     /// Running count of the move.
     pub count: u32,
     /// The move, in the workpiece's coordinates.
@@ -55,18 +55,18 @@ pub struct Begun<'a> {
 /// Source of the feed override, called once a servo period.
 pub trait OverrideSource {
     /// Notes that the control begins a move, or has none in work. A controller that follows the position ignores it.
-    fn begin(&mut self, _begun: Option<Begun<'_>>) {}
+    fn begin(&mut self, _begun: Option<MoveStart<'_>>) {}
 
     /// Decides on the override that the control reads from now on.
-    fn decide(&mut self, shown: &Shown) -> FeedOverride;
+    fn decide(&mut self, shown: &MachineSignals) -> FeedOverride;
 }
 
 impl<D: OverrideSource + ?Sized> OverrideSource for Box<D> {
-    fn begin(&mut self, begun: Option<Begun<'_>>) {
+    fn begin(&mut self, begun: Option<MoveStart<'_>>) {
         D::begin(self, begun);
     }
 
-    fn decide(&mut self, shown: &Shown) -> FeedOverride {
+    fn decide(&mut self, shown: &MachineSignals) -> FeedOverride {
         D::decide(self, shown)
     }
 }

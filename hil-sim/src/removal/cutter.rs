@@ -11,16 +11,16 @@ use crate::simulation::{STEP, Simulation};
 use crate::stock::tool::Tool;
 use crate::stock::workpiece::{Stock, StockError};
 
-use super::placing::{Placing, Unplaced};
+use super::placement::{LeftOutReason, WorkpiecePlacement};
 use super::rate::Piece;
-use super::trail::{Of, Seen, Stretch, Trail};
+use super::trail::{AxisSample, BlockRef, PathSection, Trail};
 
 /// Volume below this fraction of a cell is rounding when a tool moves along its own cut, and does not count.
 const ROUNDING_RATIO: f64 = 1e-6;
 
 /// Stock, tool and tolerance.
 #[derive(Clone, Debug)]
-pub struct CutterSettings {
+pub struct StockCutterSettings {
     /// Workpiece, in the program's coordinates.
     pub stock: Stock,
     /// Cutting part of the tool.
@@ -35,9 +35,9 @@ pub struct CutterSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LeftOut {
     /// Reason.
-    pub why: Unplaced,
+    pub reason: LeftOutReason,
     /// First of the blocks.
-    pub first: Of,
+    pub first: BlockRef,
     /// Number of blocks.
     pub blocks: usize,
     last: u32,
@@ -45,16 +45,16 @@ pub struct LeftOut {
 
 /// A stock, with the record of what was removed from it.
 #[derive(Debug)]
-pub struct Cutter {
-    settings: CutterSettings,
+pub struct StockCutter {
+    settings: StockCutterSettings,
     trail: Trail,
-    placing: Placing,
+    placement: WorkpiecePlacement,
     /// Rapids before the first cut.
-    waiting: Vec<Stretch>,
+    waiting: Vec<PathSection>,
     approach: Approach,
     /// Last block in execution.
-    last: Option<(Of, MoveContext)>,
-    blocks: Vec<Of>,
+    last: Option<(BlockRef, MoveContext)>,
+    blocks: Vec<BlockRef>,
     pieces: Vec<Piece>,
     left_out: Vec<LeftOut>,
 }
@@ -70,28 +70,28 @@ enum Approach {
 
 impl LeftOut {
     /// Counts a left-out block, unless it is a rapid.
-    pub(super) fn count(list: &mut Vec<LeftOut>, of: Of, why: Unplaced) {
-        if of.is_rapid {
+    pub(super) fn count(list: &mut Vec<LeftOut>, block: BlockRef, reason: LeftOutReason) {
+        if block.is_rapid {
             return;
         }
-        match list.iter_mut().find(|left_out| left_out.why == why) {
+        match list.iter_mut().find(|left_out| left_out.reason == reason) {
             Some(left_out) => {
-                left_out.blocks += usize::from(left_out.last != of.count);
-                left_out.last = of.count;
+                left_out.blocks += usize::from(left_out.last != block.count);
+                left_out.last = block.count;
             }
-            None => list.push(LeftOut { why, first: of, blocks: 1, last: of.count }),
+            None => list.push(LeftOut { reason, first: block, blocks: 1, last: block.count }),
         }
     }
 }
 
-impl Cutter {
+impl StockCutter {
     /// State before the run.
-    pub fn new(settings: CutterSettings) -> Self {
+    pub fn new(settings: StockCutterSettings) -> Self {
         let reach_mm = settings.tool.middle_mm().abs() + settings.tool.reach_mm();
-        Cutter {
+        StockCutter {
             trail: Trail::new(settings.tolerance_mm, reach_mm),
             settings,
-            placing: Placing::default(),
+            placement: WorkpiecePlacement::default(),
             waiting: Vec::new(),
             approach: Approach::Unknown,
             last: None,
@@ -105,18 +105,18 @@ impl Cutter {
     ///
     /// # Errors
     /// The remaining stock takes more memory than allowed.
-    pub fn see<D: OverrideSource>(&mut self, simulation: &Simulation<D>) -> Result<(), StockError> {
-        let active = Of::in_work(simulation).map(|(of, segment)| (of, segment.start));
-        if let (Some((of, start)), Some((before, context))) = (active, self.last)
-            && of.count != before.count
+    pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) -> Result<(), StockError> {
+        let active = BlockRef::in_execution(simulation).map(|(block, segment)| (block, segment.start));
+        if let (Some((block, start)), Some((before, context))) = (active, self.last)
+            && block.count != before.count
             && simulation.control().meets_corners()
         {
             let at = Micros(simulation.now().0 - STEP.0 / 2);
-            self.go_on(&Seen { at, axes: axes_of(&start), of: before, context })?;
+            self.add_sample(&AxisSample { at, axes: axes_of(&start), block: before, context })?;
         }
-        self.last = active.map(|(of, _)| (of, *simulation.context())).or(self.last);
-        let Some((of, context)) = self.last else { return Ok(()) };
-        self.go_on(&Seen { at: simulation.now(), axes: simulation.control().actual_axes(), of, context })
+        self.last = active.map(|(block, _)| (block, *simulation.context())).or(self.last);
+        let Some((block, context)) = self.last else { return Ok(()) };
+        self.add_sample(&AxisSample { at: simulation.now(), axes: simulation.control().actual_axes(), block, context })
     }
 
     /// Processes the end of the run.
@@ -124,7 +124,7 @@ impl Cutter {
     /// # Errors
     /// The remaining stock takes more memory than allowed.
     pub fn end(&mut self) -> Result<(), StockError> {
-        self.trail.end().map_or(Ok(()), |stretch| self.take(stretch))
+        self.trail.end().map_or(Ok(()), |section| self.take(section))
     }
 
     /// Remaining stock.
@@ -143,7 +143,7 @@ impl Cutter {
     }
 
     /// Blocks that moved while the workpiece's position was known, in order.
-    pub fn blocks(&self) -> &[Of] {
+    pub fn blocks(&self) -> &[BlockRef] {
         &self.blocks
     }
 
@@ -157,54 +157,54 @@ impl Cutter {
         &self.left_out
     }
 
-    fn go_on(&mut self, seen: &Seen) -> Result<(), StockError> {
-        self.trail.go_on(seen).map_or(Ok(()), |stretch| self.take(stretch))
+    fn add_sample(&mut self, sample: &AxisSample) -> Result<(), StockError> {
+        self.trail.add(sample).map_or(Ok(()), |section| self.take(section))
     }
 
-    fn take(&mut self, stretch: Stretch) -> Result<(), StockError> {
-        if stretch.of.is_rapid && self.is_approach(&stretch) {
+    fn take(&mut self, section: PathSection) -> Result<(), StockError> {
+        if section.block.is_rapid && self.is_approach(&section) {
             return Ok(());
         }
-        if stretch.of.is_rapid && !self.placing.is_known() {
-            self.waiting.push(stretch);
+        if section.block.is_rapid && !self.placement.is_known() {
+            self.waiting.push(section);
             return Ok(());
         }
-        if !stretch.of.is_rapid {
+        if !section.block.is_rapid {
             self.approach = Approach::Over;
-            self.placing.learn(&stretch);
+            self.placement.locate(&section);
         }
         for waiting in std::mem::take(&mut self.waiting) {
             self.cut(&waiting)?;
         }
-        self.cut(&stretch)
+        self.cut(&section)
     }
 
-    fn is_approach(&mut self, stretch: &Stretch) -> bool {
-        let rises = stretch.places.iter().any(|place| place[2] != stretch.places[0][2]);
+    fn is_approach(&mut self, section: &PathSection) -> bool {
+        let rises = section.positions.iter().any(|position| position[2] != section.positions[0][2]);
         self.approach = match self.approach {
-            Approach::Unknown if rises => Approach::Lifts(stretch.of.count),
-            Approach::Lifts(count) if count != stretch.of.count => Approach::Over,
+            Approach::Unknown if rises => Approach::Lifts(section.block.count),
+            Approach::Lifts(count) if count != section.block.count => Approach::Over,
             other => other,
         };
         self.approach != Approach::Over
     }
 
-    fn cut(&mut self, stretch: &Stretch) -> Result<(), StockError> {
-        let CutterSettings { stock, tool, machine, tolerance_mm } = &mut self.settings;
-        let sweeps = match self.placing.sweeps(stretch, tool, machine.as_ref(), *tolerance_mm) {
+    fn cut(&mut self, section: &PathSection) -> Result<(), StockError> {
+        let StockCutterSettings { stock, tool, machine, tolerance_mm } = &mut self.settings;
+        let sweeps = match self.placement.sweeps(section, tool, machine.as_ref(), *tolerance_mm) {
             Ok(sweeps) => sweeps,
-            Err(why) => {
-                LeftOut::count(&mut self.left_out, stretch.of, why);
+            Err(reason) => {
+                LeftOut::count(&mut self.left_out, section.block, reason);
                 return Ok(());
             }
         };
         let rounding_mm3 = ROUNDING_RATIO * stock.lattice().area_mm2() * stock.lattice().step_mm();
         let removed = stock.cut(tool, &sweeps)?.by_axis.map(|mm3| if mm3 > rounding_mm3 { mm3 } else { 0.0 });
-        if self.blocks.last() != Some(&stretch.of) {
-            self.blocks.push(stretch.of);
+        if self.blocks.last() != Some(&section.block) {
+            self.blocks.push(section.block);
         }
-        let (block, way_mm) = (self.blocks.len() - 1, stretch.way_mm());
-        self.pieces.push(Piece { block, from: stretch.from, to: stretch.to, way_mm, removed });
+        let (block, path_mm) = (self.blocks.len() - 1, section.path_mm());
+        self.pieces.push(Piece { block, from: section.from, to: section.to, path_mm, removed });
         Ok(())
     }
 }

@@ -18,7 +18,7 @@ use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::Nm;
 use nalgebra::Vector2;
 
-use crate::cutting::engaged::EdgeCircle;
+use crate::cutting::engaged_arcs::EdgeCircle;
 use crate::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 use crate::drives::limits::AXES;
 use crate::override_source::OverrideSource;
@@ -27,8 +27,8 @@ use crate::stock::tool::{Slab, Tool};
 
 use super::cutter::LeftOut;
 use super::periods::{Period, Periods};
-use super::placing::{Placing, between};
-use super::trail::Of;
+use super::placement::{WorkpiecePlacement, between};
+use super::trail::BlockRef;
 
 /// Distance between two positions at which the material is cleared, as a fraction of the rays' distance. A circle
 /// leaves a fiftieth of its square over the radius.
@@ -62,7 +62,7 @@ pub struct EngagementSettings {
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngagedMove {
     /// Block of the move.
-    pub of: Of,
+    pub block: BlockRef,
     /// Samples in order; empty if the position on the workpiece is not known.
     pub samples: Vec<EngagedSample>,
 }
@@ -82,7 +82,7 @@ pub struct EngagedSample {
 pub struct EngagementMeter {
     settings: EngagementSettings,
     slices: Vec<Slice>,
-    placing: Placing,
+    placement: WorkpiecePlacement,
     periods: Periods,
     /// Last position on the sampled move.
     last: Option<Reached>,
@@ -95,7 +95,7 @@ pub struct EngagementMeter {
 /// A position on a move.
 #[derive(Clone, Copy, Debug)]
 struct Reached {
-    of: Of,
+    block: BlockRef,
     segment: Segment,
     axes: [f64; AXES],
     /// Position of the tip on the workpiece.
@@ -119,7 +119,7 @@ impl EngagementMeter {
         EngagementMeter {
             settings,
             slices,
-            placing: Placing::default(),
+            placement: WorkpiecePlacement::default(),
             periods: Periods::default(),
             last: None,
             cleared_mm: None,
@@ -129,16 +129,16 @@ impl EngagementMeter {
     }
 
     /// Processes a period of the run.
-    pub fn see<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
-        let in_work = Of::in_work(simulation).map(|(of, _)| of);
-        if self.last.is_some_and(|last| in_work.is_some_and(|of| of != last.of)) {
+    pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
+        let in_execution = BlockRef::in_execution(simulation).map(|(block, _)| block);
+        if self.last.is_some_and(|last| in_execution.is_some_and(|block| block != last.block)) {
             self.end();
         }
-        if let Some(of) = in_work.filter(|of| self.is_asked_of(of)) {
-            self.open(of);
+        if let Some(block) = in_execution.filter(|block| self.is_sampled(block)) {
+            self.open(block);
         }
-        if let Some(period) = self.periods.see(simulation) {
-            self.go(&period);
+        if let Some(period) = self.periods.observe(simulation) {
+            self.process_period(&period);
         }
     }
 
@@ -159,30 +159,30 @@ impl EngagementMeter {
         &self.left_out
     }
 
-    fn is_asked_of(&self, of: &Of) -> bool {
-        of.rule.is_some_and(|rule| self.settings.rules.get(rule) == Some(&true))
+    fn is_sampled(&self, block: &BlockRef) -> bool {
+        block.rule.is_some_and(|rule| self.settings.rules.get(rule) == Some(&true))
     }
 
-    fn open(&mut self, of: Of) {
-        if self.moves.last().is_none_or(|last| last.of != of) {
-            self.moves.push(EngagedMove { of, samples: Vec::new() });
+    fn open(&mut self, block: BlockRef) {
+        if self.moves.last().is_none_or(|last| last.block != block) {
+            self.moves.push(EngagedMove { block, samples: Vec::new() });
         }
     }
 
-    fn go(&mut self, Period { stretch, segment, axes }: &Period) {
-        let ends = match self.placing.chord_mm(stretch, self.settings.machine.as_ref()) {
+    fn process_period(&mut self, Period { section, segment, axes }: &Period) {
+        let ends = match self.placement.chord_mm(section, self.settings.machine.as_ref()) {
             None => return,
             Some(Ok(ends)) => ends,
-            Some(Err(why)) => return LeftOut::count(&mut self.left_out, stretch.of, why),
+            Some(Err(reason)) => return LeftOut::count(&mut self.left_out, section.block, reason),
         };
         let fine_mm = CLEAR_RATIO * self.step_mm();
         let count = libm::ceil(length(difference(ends[1], ends[0])) / fine_mm).max(1.0);
         for step in 1..=count as u64 {
             let part = step as f64 / count;
             let tip_mm = between(&ends, part);
-            if self.is_asked_of(&stretch.of) {
+            if self.is_sampled(&section.block) {
                 let axes = std::array::from_fn(|axis| axes[0][axis] + (axes[1][axis] - axes[0][axis]) * part);
-                let reached = Reached { of: stretch.of, segment: *segment, axes, tip_mm };
+                let reached = Reached { block: section.block, segment: *segment, axes, tip_mm };
                 self.sample(&reached, self.settings.every_mm);
                 self.last = Some(reached);
             }
@@ -242,7 +242,7 @@ impl EngagementMeter {
             // Exact to half the rays' distance; widened to the safe side.
             let spare_rad = layer.step_mm() / 2.0 / radius_mm;
             let arcs = circle.engaged_rad(layer, self.settings.ahead_mm, floor_ratio);
-            arcs.iter().filter_map(|[a, b]| heading.told_deg(side, &[a - spare_rad, b + spare_rad])).reduce(hull)
+            arcs.iter().filter_map(|[a, b]| heading.in_front_deg(side, &[a - spare_rad, b + spare_rad])).reduce(hull)
         };
         (lowest..=highest).filter_map(of_layer).reduce(hull)
     }
@@ -291,7 +291,7 @@ impl Heading {
     }
 
     /// Part of an arc (counter-clockwise, radians) in front of a circle, in the angles of the laws.
-    fn told_deg(&self, side: Edge, arc_rad: &[f64; 2]) -> Option<[f64; 2]> {
+    fn in_front_deg(&self, side: Edge, arc_rad: &[f64; 2]) -> Option<[f64; 2]> {
         let advance = self.motion * f64::from(side.advance());
         let base_rad = libm::atan2(self.towards.y, self.towards.x);
         let [from_deg, to_deg] = arc_rad.map(|end_rad| (end_rad - base_rad).to_degrees());
@@ -321,7 +321,7 @@ mod tests {
         let arc = |from: f64, to: f64| [from.to_radians(), to.to_radians()];
         // Counter-clockwise about a centre to the left of the motion: straight ahead is clockwise of it.
         let ccw = heading(120.0, 1.0);
-        for (side, [from, to], told) in [
+        for (side, [from, to], expected) in [
             (Edge::Outer, [80.0, 100.0], Some([20.0, 40.0])),
             (Edge::Inner, [140.0, 160.0], Some([20.0, 40.0])),
             (Edge::Outer, [130.0, 290.0], None),
@@ -329,15 +329,15 @@ mod tests {
             (Edge::Outer, [110.0, 130.0], Some([0.0, 10.0])),
             (Edge::Outer, [290.0, 320.0], Some([160.0, 180.0])),
         ] {
-            let found = ccw.told_deg(side, &arc(from, to));
-            let is_it = match (found, told) {
-                (Some(found), Some(told)) => found.iter().zip(told).all(|(a, b)| (a - b).abs() < 1e-9),
+            let found = ccw.in_front_deg(side, &arc(from, to));
+            let is_it = match (found, expected) {
+                (Some(found), Some(expected)) => found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9),
                 (None, None) => true,
                 _ => false,
             };
             assert!(is_it, "{side:?} {from} {to}: {found:?}");
         }
-        let mirrored = heading(120.0, -1.0).told_deg(Edge::Outer, &arc(140.0, 160.0)).expect("in front");
+        let mirrored = heading(120.0, -1.0).in_front_deg(Edge::Outer, &arc(140.0, 160.0)).expect("in front");
         assert!((mirrored[0] - 20.0).abs() < 1e-9 && (mirrored[1] - 40.0).abs() < 1e-9, "{mirrored:?}");
     }
 }

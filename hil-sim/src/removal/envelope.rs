@@ -18,7 +18,7 @@
 
 use nalgebra::Vector2;
 
-use super::way::Leg;
+use super::tip_path::TipSegment;
 use crate::cutting::edge_engagement::REACHED_RATIO;
 use crate::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 
@@ -30,7 +30,7 @@ const ROUNDING_MM: f64 = 1e-9;
 
 /// Solid of revolution of a true tool's edges.
 #[derive(Clone, Debug)]
-pub struct Turned {
+pub struct CuttingSolid {
     /// Slices from the tip upwards, each as high as a layer; one more than the evaluated height, for a tip inside a
     /// layer.
     pub slices: Vec<Slice>,
@@ -50,7 +50,7 @@ pub struct Depth {
     /// Depth of the point; negative outside.
     pub deep_mm: f64,
     /// Segment on which the point is deepest.
-    pub leg: usize,
+    pub segment: usize,
     /// Vector from the tool's axis there to the point.
     pub arm_mm: Vector2<f64>,
 }
@@ -69,7 +69,7 @@ struct Group {
 /// Sweep of a slice on the part of a segment on which it was in the layer.
 #[derive(Clone, Copy, Debug)]
 struct Swept {
-    leg: usize,
+    segment: usize,
     from_mm: Vector2<f64>,
     to_mm: Vector2<f64>,
     slice: Slice,
@@ -77,7 +77,7 @@ struct Swept {
 
 impl Envelope {
     /// Swept area of these segments.
-    pub fn new(legs: &[Leg], turned: &Turned, layers: &Layers, layer: usize) -> Self {
+    pub fn new(segments: &[TipSegment], turned: &CuttingSolid, layers: &Layers, layer: usize) -> Self {
         let rise_mm = layers.rise_mm();
         let foot_mm = layers.middle_mm(layer) - rise_mm / 2.0;
         let highest = turned.reach_mm / rise_mm - REACHED_RATIO;
@@ -88,10 +88,10 @@ impl Envelope {
         };
         let each: Vec<(Slice, [f64; 2])> =
             turned.slices.iter().zip(0_u32..).map(|(slice, up)| (*slice, tips_mm(f64::from(up)))).collect();
-        let swept = |(leg, on): (usize, &Leg)| {
-            each.iter().filter_map(|(slice, tips_mm)| Swept::of(leg, on, slice, *tips_mm)).collect::<Vec<_>>()
+        let swept = |(segment, on): (usize, &TipSegment)| {
+            each.iter().filter_map(|(slice, tips_mm)| Swept::of(segment, on, slice, *tips_mm)).collect::<Vec<_>>()
         };
-        let swept: Vec<Swept> = legs.iter().enumerate().flat_map(swept).collect();
+        let swept: Vec<Swept> = segments.iter().enumerate().flat_map(swept).collect();
         Envelope { groups: swept.chunks(TOGETHER).map(Group::new).collect() }
     }
 
@@ -146,7 +146,7 @@ impl Group {
 
 impl Swept {
     /// Sweep of a slice; `None` if the tip is never between the two heights.
-    fn of(leg: usize, on: &Leg, slice: &Slice, [low_mm, high_mm]: [f64; 2]) -> Option<Self> {
+    fn of(segment: usize, on: &TipSegment, slice: &Slice, [low_mm, high_mm]: [f64; 2]) -> Option<Self> {
         let [from_mm, to_mm] = [on.from_mm, on.to_mm].map(|tip_mm| tip_mm[2]);
         let rise_mm = to_mm - from_mm;
         let parts = if rise_mm == 0.0 {
@@ -157,7 +157,7 @@ impl Swept {
         };
         let [from, to] = [on.from_mm, on.to_mm].map(|tip_mm| Vector2::new(tip_mm[0], tip_mm[1]));
         parts.map(|[enters, leaves]| Swept {
-            leg,
+            segment,
             from_mm: from.lerp(&to, enters),
             to_mm: from.lerp(&to, leaves),
             slice: *slice,
@@ -165,13 +165,13 @@ impl Swept {
     }
 
     fn depth(&self, point_mm: &Vector2<f64>) -> Depth {
-        let (way_mm, from_begin_mm) = (self.to_mm - self.from_mm, point_mm - self.from_mm);
-        let square = way_mm.norm_squared();
-        let part = if square > 0.0 { (from_begin_mm.dot(&way_mm) / square).clamp(0.0, 1.0) } else { 0.0 };
-        let near = from_begin_mm - way_mm * part;
+        let (path_mm, from_begin_mm) = (self.to_mm - self.from_mm, point_mm - self.from_mm);
+        let square = path_mm.norm_squared();
+        let part = if square > 0.0 { (from_begin_mm.dot(&path_mm) / square).clamp(0.0, 1.0) } else { 0.0 };
+        let near = from_begin_mm - path_mm * part;
         let Slice { inner_mm, outer_mm, .. } = self.slice;
         if inner_mm == 0.0 {
-            return Depth { deep_mm: outer_mm - near.norm(), leg: self.leg, arm_mm: near }; // (1)
+            return Depth { deep_mm: outer_mm - near.norm(), segment: self.segment, arm_mm: near }; // (1)
         }
         let from_end_mm = point_mm - self.to_mm;
         let far = if from_begin_mm.norm() > from_end_mm.norm() { from_begin_mm } else { from_end_mm };
@@ -180,22 +180,22 @@ impl Swept {
         // digit.
         let off_mm = middle_mm.max(near.norm()).min(far.norm());
         let arm_mm = if off_mm < middle_mm { far } else { near };
-        Depth { deep_mm: (outer_mm - off_mm).min(off_mm - inner_mm), leg: self.leg, arm_mm } // (2)
+        Depth { deep_mm: (outer_mm - off_mm).min(off_mm - inner_mm), segment: self.segment, arm_mm } // (2)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::trail::Of;
+    use super::super::trail::BlockRef;
     use super::*;
     use crate::cutting::layer::Layer;
 
     fn envelope(ends_mm: [[f64; 3]; 2], inner_mm: f64) -> Envelope {
-        let of = Of { count: 1, sequence: None, rule: None, is_rapid: false };
-        let leg = Leg { of, from_mm: ends_mm[0], to_mm: ends_mm[1] };
+        let block = BlockRef { count: 1, sequence: None, rule: None, is_rapid: false };
+        let segment = TipSegment { block, from_mm: ends_mm[0], to_mm: ends_mm[1] };
         let layers = Layers::alike(&Layer::rectangle([0.0; 2], [1.0; 2], 1.0), 0.0, 1.0, 3);
         let slices = [0.5, 1.5].map(|height_mm| Slice { height_mm, inner_mm, outer_mm: 5.0 });
-        Envelope::new(&[leg], &Turned { slices: slices.to_vec(), reach_mm: 1.0 }, &layers, 1)
+        Envelope::new(&[segment], &CuttingSolid { slices: slices.to_vec(), reach_mm: 1.0 }, &layers, 1)
     }
 
     #[track_caller]

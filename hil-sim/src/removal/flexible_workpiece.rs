@@ -17,7 +17,7 @@ use crate::flexible::Workpiece;
 /// The body with its modes.
 #[derive(Clone, Debug)]
 pub struct FlexibleWorkpiece {
-    seen: Workpiece<Arc<Field>>,
+    workpiece: Workpiece<Arc<Field>>,
     bounds_mm: [Vector; 2],
     /// Height of the tool's edges above its tip.
     edges_mm: f64,
@@ -26,23 +26,23 @@ pub struct FlexibleWorkpiece {
 impl FlexibleWorkpiece {
     /// A body with its modes, and the height above its tip up to which the tool has edges.
     pub fn new(field: Arc<Field>, edges_mm: f64) -> Self {
-        FlexibleWorkpiece { bounds_mm: field.mesh().bounds_mm(), seen: Workpiece::new(field), edges_mm }
+        FlexibleWorkpiece { bounds_mm: field.mesh().bounds_mm(), workpiece: Workpiece::new(field), edges_mm }
     }
 
     /// Number of modes.
     pub fn count(&self) -> usize {
-        self.seen.count()
+        self.workpiece.count()
     }
 
     /// Mode shapes at a tool with its tip at this position, 1/sqrt(kg).
     pub fn shapes(&mut self, tip_mm: &Vector) -> &[Vector3<f64>] {
         let [low_mm, high_mm] = self.bounds_mm.map(|corner_mm| corner_mm[2]);
         let [from_mm, to_mm] = [tip_mm[2], tip_mm[2] + self.edges_mm].map(|at_mm| at_mm.clamp(low_mm, high_mm));
-        self.seen.shapes_on([tip_mm[0], tip_mm[1], (from_mm + to_mm) / 2.0])
+        self.workpiece.shapes_on([tip_mm[0], tip_mm[1], (from_mm + to_mm) / 2.0])
     }
 
     /// The workpiece for evaluation at each edge.
-    pub fn seen(&mut self) -> &mut Workpiece<Arc<Field>> {
-        &mut self.seen
+    pub fn workpiece_mut(&mut self) -> &mut Workpiece<Arc<Field>> {
+        &mut self.workpiece
     }
 }

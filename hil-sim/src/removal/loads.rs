@@ -13,19 +13,19 @@ use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{Micros, S_PER_MIN};
 use nalgebra::Vector2;
 
-use crate::cutting::pose::Stand;
+use crate::cutting::pose::ToolPose;
 use crate::override_source::OverrideSource;
-use crate::process::{Moment, Process};
+use crate::process::{Process, ProcessStep};
 use crate::simulation::{STEP, Simulation};
 
+use super::chatter_detection::{ChatterResult, ChatterSamples};
 use super::cutter::LeftOut;
 use super::flexible_workpiece::FlexibleWorkpiece;
+use super::load_statistics::{CHIP_MIN_MM, LoadSample, LoadStatistics, TurnStatistics};
 use super::periods::{Period, Periods};
-use super::placing::{Placing, Unplaced, between};
-use super::steadiness::{Samples, Steadiness};
-use super::tally::{CHIP_MIN_MM, Sample, Tally, Turn};
-use super::trail::{Of, STRETCH_MAX, Stretch};
-use super::way::Way;
+use super::placement::{LeftOutReason, WorkpiecePlacement, between};
+use super::tip_path::TipPath;
+use super::trail::{BlockRef, PathSection, SECTION_TIME_MAX};
 
 /// Distance from the workpiece within which the edges are evaluated.
 const NEAR_MM: f64 = 1.0;
@@ -35,7 +35,7 @@ const STEPS_MAX: f64 = 1e4;
 
 /// Positions in a millisecond of a rapid at which the tool removes all material: at 60 m/min a mill of 6 mm leaves
 /// marks of 0.7 um.
-const SINKS: u32 = 8;
+const CLEARINGS: u32 = 8;
 
 /// Edges, workpiece and step size.
 #[derive(Clone, Debug)]
@@ -49,30 +49,30 @@ pub struct LoadSettings {
     /// Flexible workpiece, whose modes are the first ones of the process.
     pub flexible: Option<FlexibleWorkpiece>,
     /// Samples for chatter detection: their number per turn, and the change of position that counts as none.
-    pub samples: Samples,
+    pub samples: ChatterSamples,
 }
 
 /// Loads in a time window.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window {
+pub struct LoadWindow {
     /// Beginning of the window.
     pub from: Micros,
     /// End of the window.
     pub to: Micros,
     /// Statistics of the loads.
-    pub tally: Tally,
+    pub statistics: LoadStatistics,
 }
 
 /// The tool's edges, with the loads so far.
 #[derive(Clone, Debug)]
 pub struct LoadMeter {
     settings: LoadSettings,
-    placing: Placing,
+    placement: WorkpiecePlacement,
     periods: Periods,
     /// Block that cut in the period before.
-    before: Option<Of>,
+    before: Option<BlockRef>,
     /// Block that last lowered the tip.
-    down: Option<Of>,
+    down: Option<BlockRef>,
     /// Number of steps in a turn, and count of all steps.
     steps_a_turn: usize,
     steps: u64,
@@ -82,12 +82,12 @@ pub struct LoadMeter {
     steps_level: usize,
     /// Fraction of a step that is due.
     due: f64,
-    turn: Turn,
+    turn: TurnStatistics,
     /// Thickest chip of each tooth's pass, and the side on which the tooth cuts.
     passes: Vec<(f64, Edge)>,
-    blocks: Vec<(Of, Tally)>,
-    windows: Vec<Window>,
-    way: Way,
+    blocks: Vec<(BlockRef, LoadStatistics)>,
+    windows: Vec<LoadWindow>,
+    tip_path: TipPath,
     left_out: Vec<LeftOut>,
 }
 
@@ -103,7 +103,7 @@ impl LoadMeter {
         LoadMeter {
             steps_a_turn: of_pitch as usize * cutter.teeth(),
             settings,
-            placing: Placing::default(),
+            placement: WorkpiecePlacement::default(),
             periods: Periods::default(),
             before: None,
             down: None,
@@ -111,44 +111,44 @@ impl LoadMeter {
             steps_idle: 0,
             steps_level: 0,
             due: 0.0,
-            turn: Turn::new(),
+            turn: TurnStatistics::new(),
             passes,
             blocks: Vec::new(),
             windows: Vec::new(),
-            way: Way::default(),
+            tip_path: TipPath::default(),
             left_out: Vec::new(),
         }
     }
 
     /// Processes a period of the run.
-    pub fn see<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
-        if let Some(Period { stretch, .. }) = self.periods.see(simulation) {
+    pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
+        if let Some(Period { section, .. }) = self.periods.observe(simulation) {
             let is_backwards = simulation.control().spindle().is_some_and(|spindle| spindle.rev_per_min() < 0.0);
             let rev_per_min = f64::from(simulation.spindle().0);
-            self.go(&stretch, if is_backwards { -rev_per_min } else { rev_per_min });
+            self.process_period(&section, if is_backwards { -rev_per_min } else { rev_per_min });
         }
     }
 
     /// Processes the end of the run.
     pub fn end(&mut self) {
         self.lift();
-        self.blocks.retain(|(_, tally)| tally.time_s > 0.0);
-        self.windows.retain(|window| window.tally.time_s > 0.0);
+        self.blocks.retain(|(_, statistics)| statistics.time_s > 0.0);
+        self.windows.retain(|window| window.statistics.time_s > 0.0);
     }
 
     /// Load statistics of each block that had chips, in order.
-    pub fn blocks(&self) -> &[(Of, Tally)] {
+    pub fn blocks(&self) -> &[(BlockRef, LoadStatistics)] {
         &self.blocks
     }
 
     /// Load statistics by quarters of a second.
-    pub fn windows(&self) -> &[Window] {
+    pub fn windows(&self) -> &[LoadWindow] {
         &self.windows
     }
 
     /// Path of the tip while edges could touch the workpiece.
-    pub fn way(&self) -> &Way {
-        &self.way
+    pub fn tip_path(&self) -> &TipPath {
+        &self.tip_path
     }
 
     /// Cutting blocks whose position on the workpiece is unknown, or whose tool axis is tilted.
@@ -157,7 +157,7 @@ impl LoadMeter {
     }
 
     /// Chatter results of the blocks that were long enough; none for a rigid tool.
-    pub fn steadiness(&self) -> &[Steadiness] {
+    pub fn chatter(&self) -> &[ChatterResult] {
         self.settings.samples.blocks()
     }
 
@@ -182,35 +182,35 @@ impl LoadMeter {
         &self.settings.process
     }
 
-    fn go(&mut self, stretch: &Stretch, rev_per_min: f64) {
-        let ends = match self.placing.chord_mm(stretch, self.settings.machine.as_ref()) {
+    fn process_period(&mut self, section: &PathSection, rev_per_min: f64) {
+        let ends = match self.placement.chord_mm(section, self.settings.machine.as_ref()) {
             None => return,
             Some(Ok(ends)) => ends,
-            Some(Err(why)) => {
-                LeftOut::count(&mut self.left_out, stretch.of, why);
+            Some(Err(reason)) => {
+                LeftOut::count(&mut self.left_out, section.block, reason);
                 return self.leave();
             }
         };
         let turned = rev_per_min / S_PER_MIN * STEP.to_s() * self.steps_a_turn as f64;
         let is_near = ends.iter().any(|tip_mm| self.is_near(tip_mm));
-        let cuts = !stretch.of.is_rapid && stretch.places[0] != stretch.places[1];
+        let cuts = !section.block.is_rapid && section.positions[0] != section.positions[1];
         if is_near && cuts && turned < 0.0 {
-            LeftOut::count(&mut self.left_out, stretch.of, Unplaced::Backwards);
+            LeftOut::count(&mut self.left_out, section.block, LeftOutReason::Backwards);
         }
         if !(is_near && turned > 0.0 && turned < STEPS_MAX) {
             return self.leave();
         }
-        if stretch.of.is_rapid {
+        if section.block.is_rapid {
             self.lift();
-            ends.iter().for_each(|tip_mm| self.way.go(&stretch.of, *tip_mm));
-            for sink in 1..=SINKS {
-                let stand = self.stand(&between(&ends, f64::from(sink) / f64::from(SINKS)));
-                self.settings.process.engagement_mut().sink(&stand);
+            ends.iter().for_each(|tip_mm| self.tip_path.go(&section.block, *tip_mm));
+            for clearing in 1..=CLEARINGS {
+                let pose = self.pose(&between(&ends, f64::from(clearing) / f64::from(CLEARINGS)));
+                self.settings.process.engagement_mut().clear_at(&pose);
             }
             return;
         }
         if let Some(flexible) = &mut self.settings.flexible {
-            self.settings.process.vibration_mut().see_from(flexible.shapes(&ends[1]));
+            self.settings.process.vibration_mut().set_shapes(flexible.shapes(&ends[1]));
         }
         let was_due = self.due;
         let count = libm::floor(was_due + turned);
@@ -218,33 +218,33 @@ impl LoadMeter {
         for step in 1..=count as u64 {
             let part = (step as f64 - was_due) / turned;
             let tip_mm = between(&ends, part);
-            self.step(stretch, &tip_mm, rev_per_min);
-            if self.way.is_lifted() || step == count as u64 {
-                self.way.go(&stretch.of, tip_mm);
+            self.step(section, &tip_mm, rev_per_min);
+            if self.tip_path.is_lifted() || step == count as u64 {
+                self.tip_path.go(&section.block, tip_mm);
             }
         }
-        self.before = Some(stretch.of);
+        self.before = Some(section.block);
     }
 
     /// Moves the edges by one step, to a position of the tip.
-    fn step(&mut self, stretch: &Stretch, tip_mm: &Vector, rev_per_min: f64) {
+    fn step(&mut self, section: &PathSection, tip_mm: &Vector, rev_per_min: f64) {
         self.steps += 1;
-        let stand = self.stand(tip_mm);
+        let pose = self.pose(tip_mm);
         let engagement = self.settings.process.engagement_mut();
         // A period in which the block changes contains a part of the path of the block before.
-        if engagement.comes_down(&stand) && self.before == Some(stretch.of) {
+        if engagement.descends(&pose) && self.before == Some(section.block) {
             self.down = self.before;
         }
-        engagement.enter(&stand);
+        engagement.enter(&pose);
         let dt_s = S_PER_MIN / rev_per_min / self.steps_a_turn as f64;
         let LoadSettings { process, flexible, .. } = &mut self.settings;
         let moment = match flexible {
-            Some(flexible) => process.step_on(dt_s, &stand, flexible.seen()),
-            None => process.step(dt_s, &stand),
+            Some(flexible) => process.step_on(dt_s, &pose, flexible.workpiece_mut()),
+            None => process.step(dt_s, &pose),
         };
         let loads = moment.loads;
-        self.sample(&stretch.of, &moment, rev_per_min);
-        let sample = Sample {
+        self.sample(&section.block, &moment, rev_per_min);
+        let sample = LoadSample {
             dt_s,
             bending_n: loads.bending_n(),
             thrust_n: loads.force_n.z,
@@ -253,12 +253,12 @@ impl LoadMeter {
             end_mm: moment.end_mm,
         };
         // Material that the end removes after the tip has stopped belongs to the block that lowered the tip.
-        let last = self.blocks.last().filter(|(of, _)| moment.end_mm > 0.0 && self.down == Some(*of));
-        self.count(last.map_or(stretch.of, |(of, _)| *of), stretch.from, &sample, moment.thickest_mm);
+        let last = self.blocks.last().filter(|(block, _)| moment.end_mm > 0.0 && self.down == Some(*block));
+        self.count(last.map_or(section.block, |(block, _)| *block), section.from, &sample, moment.thickest_mm);
     }
 
     /// Samples the tool's deflection while there is a chip in every turn.
-    fn sample(&mut self, of: &Of, moment: &Moment, rev_per_min: f64) {
+    fn sample(&mut self, block: &BlockRef, moment: &ProcessStep, rev_per_min: f64) {
         self.steps_idle = if moment.thickest_mm >= CHIP_MIN_MM { 0 } else { self.steps_idle + 1 };
         if self.settings.process.vibration().is_rigid() || self.steps_idle > self.steps_a_turn {
             return self.settings.samples.lift();
@@ -268,29 +268,33 @@ impl LoadMeter {
         if self.steps_level == self.steps_a_turn {
             self.settings.samples.lift();
         }
-        let every = (self.steps_a_turn / self.settings.samples.a_turn()) as u64;
+        let every = (self.steps_a_turn / self.settings.samples.per_turn()) as u64;
         if self.steps.is_multiple_of(every) {
-            self.settings.samples.take(of, moment.displacement_mm, rev_per_min / S_PER_MIN);
+            self.settings.samples.take(block, moment.displacement_mm, rev_per_min / S_PER_MIN);
         }
     }
 
-    fn count(&mut self, of: Of, from: Micros, sample: &Sample, thickest_mm: f64) {
-        if self.blocks.last().is_none_or(|(last, _)| *last != of) {
-            self.turn = Turn::new();
-            self.blocks.push((of, Tally::default()));
+    fn count(&mut self, block: BlockRef, from: Micros, sample: &LoadSample, thickest_mm: f64) {
+        if self.blocks.last().is_none_or(|(last, _)| *last != block) {
+            self.turn = TurnStatistics::new();
+            self.blocks.push((block, LoadStatistics::default()));
         }
-        let from = Micros(from.0 / STRETCH_MAX.0 * STRETCH_MAX.0);
+        let from = Micros(from.0 / SECTION_TIME_MAX.0 * SECTION_TIME_MAX.0);
         if self.windows.last().is_none_or(|window| window.from != from) {
-            self.windows.push(Window { from, to: from.after(STRETCH_MAX), tally: Tally::default() });
+            self.windows.push(LoadWindow {
+                from,
+                to: from.after(SECTION_TIME_MAX),
+                statistics: LoadStatistics::default(),
+            });
         }
-        let tallies = self.blocks.last_mut().map(|(_, tally)| tally).into_iter();
-        for tally in tallies.chain(self.windows.last_mut().map(|window| &mut window.tally)) {
+        let statistics_lists = self.blocks.last_mut().map(|(_, statistics)| statistics).into_iter();
+        for statistics in statistics_lists.chain(self.windows.last_mut().map(|window| &mut window.statistics)) {
             if thickest_mm.max(sample.end_mm) >= CHIP_MIN_MM {
-                tally.add(sample);
+                statistics.add(sample);
             }
             for ((pass_mm, side), chip_mm) in self.passes.iter().zip(self.settings.process.chips_mm()) {
                 if *chip_mm < CHIP_MIN_MM && *pass_mm > 0.0 {
-                    tally.pass(*side, *pass_mm);
+                    statistics.add_pass(*side, *pass_mm);
                 }
             }
         }
@@ -300,8 +304,8 @@ impl LoadMeter {
         self.turn.add(sample.bending_n, thickest_mm);
         if self.steps.is_multiple_of(self.steps_a_turn as u64) {
             let turn = std::mem::take(&mut self.turn);
-            if let Some((_, tally)) = self.blocks.last_mut() {
-                tally.turn(&turn, self.steps_a_turn);
+            if let Some((_, statistics)) = self.blocks.last_mut() {
+                statistics.add_turn(&turn, self.steps_a_turn);
             }
         }
     }
@@ -311,19 +315,19 @@ impl LoadMeter {
         self.settings.process.lift();
         self.settings.samples.lift();
         self.passes.iter_mut().for_each(|(pass_mm, _)| *pass_mm = 0.0);
-        self.turn = Turn::new();
+        self.turn = TurnStatistics::new();
     }
 
     /// Leaves the reach of the workpiece.
     fn leave(&mut self) {
         self.lift();
-        self.way.lift();
+        self.tip_path.lift();
     }
 
-    fn stand(&self, tip_mm: &Vector) -> Stand {
+    fn pose(&self, tip_mm: &Vector) -> ToolPose {
         let turned = self.steps % self.steps_a_turn as u64;
         let turned_rad = TAU * turned as f64 / self.steps_a_turn as f64;
-        Stand { axis_mm: Vector2::new(tip_mm[0], tip_mm[1]), tip_mm: tip_mm[2], turned_rad }
+        ToolPose { axis_mm: Vector2::new(tip_mm[0], tip_mm[1]), tip_mm: tip_mm[2], turned_rad }
     }
 
     /// Whether an edge may touch the workpiece.

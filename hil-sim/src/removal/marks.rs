@@ -12,9 +12,9 @@
 use nalgebra::Vector2;
 use rayon::iter::{IntoParallelIterator, ParallelExtend, ParallelIterator};
 
-use super::envelope::{Depth, Envelope, Turned};
-use super::trail::Of;
-use super::way::Way;
+use super::envelope::{CuttingSolid, Depth, Envelope};
+use super::tip_path::TipPath;
+use super::trail::BlockRef;
 use crate::cutting::layer::Layer;
 use crate::cutting::layers::{LEVEL_RATIO, Layers};
 use crate::stock::dexel::Interval;
@@ -24,7 +24,7 @@ const LEFT_MM: f64 = 1e-9;
 
 /// Mark at a point of a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mark {
+pub struct WallMark {
     /// Index of the layer, from the lowest.
     pub layer: usize,
     /// Point in the plane of the layers.
@@ -32,19 +32,19 @@ pub struct Mark {
     /// Deviation along the wall's normal: positive for remaining material.
     pub off_mm: f64,
     /// Block that cut the wall.
-    pub of: Of,
+    pub block: BlockRef,
 }
 
 /// Marks at all ends of rays on walls, for a tool of this shape on this path.
-pub fn marks(blank: &Layers, left: &Layers, way: &Way, turned: &Turned) -> Vec<Mark> {
+pub fn marks(blank: &Layers, left: &Layers, tip_path: &TipPath, turned: &CuttingSolid) -> Vec<WallMark> {
     let mut marks = Vec::new();
     for (layer, (blank, now)) in blank.layers().iter().zip(left.layers()).enumerate() {
-        let envelope = Envelope::new(way.legs(), turned, left, layer);
+        let envelope = Envelope::new(tip_path.segments(), turned, left, layer);
         let mark = |end: End| {
-            let Depth { deep_mm, leg, arm_mm } = envelope.deepest(&end.point_mm)?;
-            let of = way.legs()[leg].of;
-            let is_mark = end.is_square_to(&arm_mm) && (end.is_new || deep_mm > LEFT_MM) && !of.is_rapid;
-            is_mark.then_some(Mark { layer, point_mm: end.point_mm, off_mm: deep_mm, of })
+            let Depth { deep_mm, segment, arm_mm } = envelope.deepest(&end.point_mm)?;
+            let block = tip_path.segments()[segment].block;
+            let is_mark = end.is_square_to(&arm_mm) && (end.is_new || deep_mm > LEFT_MM) && !block.is_rapid;
+            is_mark.then_some(WallMark { layer, point_mm: end.point_mm, off_mm: deep_mm, block })
         };
         marks.par_extend(ends(blank, now).into_par_iter().filter_map(mark));
     }

@@ -1,8 +1,8 @@
 //! Material removal of a run: cuts the executed path of the axes from a stock, block by block.
 //!
 //! The path is the executed one, sampled once a millisecond, not the programmed one. [`trail`] approximates it by
-//! chords, [`periods`] gives its periods one by one, [`placing`] computes the tool's position on the part, [`cutter`]
-//! removes the material, [`rate`] computes removal rates. [`loads`] computes chips and forces of the edges, [`tally`]
+//! chords, [`periods`] gives its periods one by one, [`placement`] computes the tool's position on the part, [`cutter`]
+//! removes the material, [`rate`] computes removal rates. [`loads`] computes chips and forces of the edges, [`load_statistics`]
 //! their statistics, [`marks`] the marks that they leave on the walls. [`flexible_workpiece`] is a workpiece that bends
 //! under them; [`engagement`] finds the engaged arcs. Omissions and accuracy: docs/simulate.md.
 
@@ -10,17 +10,17 @@ pub mod trail;
 
 pub mod periods;
 
-pub mod placing;
+pub mod placement;
 
 pub mod rate;
 
 pub mod cutter;
 
-pub mod tally;
+pub mod load_statistics;
 
-pub mod steadiness;
+pub mod chatter_detection;
 
-pub mod way;
+pub mod tip_path;
 
 pub mod envelope;
 

@@ -8,21 +8,21 @@ use crate::drives::limits::AXES;
 use crate::override_source::OverrideSource;
 use crate::simulation::{STEP, Simulation};
 
-use super::trail::{Of, Stretch, at_tip};
+use super::trail::{BlockRef, PathSection, at_tip};
 
 /// Last period of the run; state.
 #[derive(Clone, Debug, Default)]
 pub struct Periods {
     axes: Option<[f64; AXES]>,
     /// Last block in execution.
-    last: Option<(Of, MoveContext, Segment)>,
+    last: Option<(BlockRef, MoveContext, Segment)>,
 }
 
 /// One period of the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Period {
     /// Path of the period, one chord.
-    pub stretch: Stretch,
+    pub section: PathSection,
     /// Move in execution, in machine coordinates.
     pub segment: Segment,
     /// Axes in machine coordinates before and after: X, Y, Z in mm, A, B, C in degrees.
@@ -31,13 +31,15 @@ pub struct Period {
 
 impl Periods {
     /// Processes a period of the run; `None` before the second one, or before the first block.
-    pub fn see<D: OverrideSource>(&mut self, simulation: &Simulation<D>) -> Option<Period> {
-        let active = Of::in_work(simulation).map(|(of, segment)| (of, *simulation.context(), *segment));
+    pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) -> Option<Period> {
+        let active =
+            BlockRef::in_execution(simulation).map(|(block, segment)| (block, *simulation.context(), *segment));
         self.last = active.or(self.last);
         let axes = simulation.control().actual_axes();
-        let (before, (of, context, segment)) = self.axes.replace(axes).zip(self.last)?;
-        let places = vec![at_tip(&before, &context), at_tip(&axes, &context)];
-        let stretch = Stretch { of, context, from: Micros(simulation.now().0 - STEP.0), to: simulation.now(), places };
-        Some(Period { stretch, segment, axes: [before, axes] })
+        let (before, (block, context, segment)) = self.axes.replace(axes).zip(self.last)?;
+        let positions = vec![at_tip(&before, &context), at_tip(&axes, &context)];
+        let section =
+            PathSection { block, context, from: Micros(simulation.now().0 - STEP.0), to: simulation.now(), positions };
+        Some(Period { section, segment, axes: [before, axes] })
     }
 }

@@ -5,7 +5,7 @@
 
 use arcfeed_shared::units::{Micros, S_PER_MIN};
 
-use super::trail::STRETCH_MAX;
+use super::trail::SECTION_TIME_MAX;
 
 /// Steps between rays that a window covers.
 const STEPS: f64 = 4.0;
@@ -20,28 +20,28 @@ pub struct Piece {
     /// End of the segment.
     pub to: Micros,
     /// Path length.
-    pub way_mm: f64,
+    pub path_mm: f64,
     /// Volume that the rays along x, y, z measure, mm3.
     pub removed: [f64; 3],
 }
 
 /// Time window with its removal rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window {
+pub struct RateWindow {
     /// Beginning of the window.
     pub from: Micros,
     /// End of the window.
     pub to: Micros,
     /// Volume, as the mean of the three families of rays.
     pub removed_mm3: f64,
-    way_mm: f64,
+    path_mm: f64,
     /// Total time of the path segments.
     cut: Micros,
 }
 
 /// Sum over several pieces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Taken {
+pub struct RemovedVolume {
     /// Volume that the rays along x, y, z measure, mm3.
     pub removed: [f64; 3],
     /// Time of the pieces that removed material.
@@ -57,24 +57,24 @@ impl Piece {
     }
 }
 
-impl Window {
+impl RateWindow {
     /// Rate over the time of the path segments, mm3/min.
     pub fn rate_per_min(&self) -> f64 {
         self.removed_mm3 / self.cut.to_s() * S_PER_MIN
     }
 }
 
-impl Taken {
+impl RemovedVolume {
     /// Sum over pieces in the order of time.
     pub fn of<'p>(pieces: impl Iterator<Item = &'p Piece> + Clone, step_mm: f64) -> Self {
-        let mut taken = Taken::default();
+        let mut removed_volume = RemovedVolume::default();
         for piece in pieces.clone().filter(|piece| piece.mean_mm3() > 0.0) {
-            taken.time = taken.time.after(piece.to.since(piece.from));
-            taken.removed.iter_mut().zip(piece.removed).for_each(|(sum, removed)| *sum += removed);
+            removed_volume.time = removed_volume.time.after(piece.to.since(piece.from));
+            removed_volume.removed.iter_mut().zip(piece.removed).for_each(|(sum, removed)| *sum += removed);
         }
-        let pieces: Vec<Window> = pieces.map(Window::of).collect();
-        taken.rate_max_per_min = rate_max_per_min(&pieces, step_mm);
-        taken
+        let pieces: Vec<RateWindow> = pieces.map(RateWindow::of).collect();
+        removed_volume.rate_max_per_min = rate_max_per_min(&pieces, step_mm);
+        removed_volume
     }
 
     /// Volume, mm3, as the mean of the three families of rays.
@@ -95,16 +95,16 @@ impl Taken {
 }
 
 /// Windows over pieces in the order of time, one after the other.
-pub fn windows<'p>(pieces: impl Iterator<Item = &'p Piece>, step_mm: f64) -> Vec<Window> {
-    let mut windows: Vec<Window> = Vec::new();
+pub fn windows<'p>(pieces: impl Iterator<Item = &'p Piece>, step_mm: f64) -> Vec<RateWindow> {
+    let mut windows: Vec<RateWindow> = Vec::new();
     for piece in pieces {
-        let own = Window::of(piece);
-        match windows.last_mut().filter(|window| window.goes_on_with(&own) && !window.is_long(step_mm)) {
+        let own = RateWindow::of(piece);
+        match windows.last_mut().filter(|window| window.continues(&own) && !window.is_long(step_mm)) {
             Some(window) => window.join(&own),
             None => windows.push(own),
         }
     }
-    let is_rest = |pair: &[Window]| pair[0].goes_on_with(&pair[1]) && !pair[1].is_long(step_mm);
+    let is_rest = |pair: &[RateWindow]| pair[0].continues(&pair[1]) && !pair[1].is_long(step_mm);
     if windows.len() > 1 && is_rest(&windows[windows.len() - 2..]) {
         let rest = windows.pop();
         windows.last_mut().zip(rest).into_iter().for_each(|(last, rest)| last.join(&rest));
@@ -114,17 +114,17 @@ pub fn windows<'p>(pieces: impl Iterator<Item = &'p Piece>, step_mm: f64) -> Vec
 
 /// Largest rate of all windows that begin with a piece, mm3/min. Pieces between two pauses that do not fill a window
 /// form one.
-fn rate_max_per_min(pieces: &[Window], step_mm: f64) -> f64 {
+fn rate_max_per_min(pieces: &[RateWindow], step_mm: f64) -> f64 {
     let mut most: f64 = 0.0;
     for (start, first) in pieces.iter().enumerate() {
         let mut window = *first;
         for next in &pieces[start + 1..] {
-            if window.is_long(step_mm) || !window.goes_on_with(next) {
+            if window.is_long(step_mm) || !window.continues(next) {
                 break;
             }
             window.join(next);
         }
-        let is_first = start.checked_sub(1).is_none_or(|before| !pieces[before].goes_on_with(first));
+        let is_first = start.checked_sub(1).is_none_or(|before| !pieces[before].continues(first));
         if is_first || window.is_long(step_mm) {
             most = most.max(window.rate_per_min());
         }
@@ -132,24 +132,24 @@ fn rate_max_per_min(pieces: &[Window], step_mm: f64) -> f64 {
     most
 }
 
-impl Window {
+impl RateWindow {
     fn of(piece: &Piece) -> Self {
-        let Piece { from, to, way_mm, .. } = *piece;
-        Window { from, to, removed_mm3: piece.mean_mm3(), way_mm, cut: to.since(from) }
+        let Piece { from, to, path_mm, .. } = *piece;
+        RateWindow { from, to, removed_mm3: piece.mean_mm3(), path_mm, cut: to.since(from) }
     }
 
     fn is_long(&self, step_mm: f64) -> bool {
-        self.cut >= STRETCH_MAX && self.way_mm >= STEPS * step_mm
+        self.cut >= SECTION_TIME_MAX && self.path_mm >= STEPS * step_mm
     }
 
-    fn goes_on_with(&self, next: &Window) -> bool {
-        next.from.since(self.to) < STRETCH_MAX
+    fn continues(&self, next: &RateWindow) -> bool {
+        next.from.since(self.to) < SECTION_TIME_MAX
     }
 
-    fn join(&mut self, next: &Window) {
+    fn join(&mut self, next: &RateWindow) {
         self.to = next.to;
         self.removed_mm3 += next.removed_mm3;
-        self.way_mm += next.way_mm;
+        self.path_mm += next.path_mm;
         self.cut = self.cut.after(next.cut);
     }
 }
@@ -162,9 +162,9 @@ fn mean(by_axis: &[f64; 3]) -> f64 {
 mod tests {
     use super::*;
 
-    fn piece(from_ms: u64, to_ms: u64, way_mm: f64, removed: f64) -> Piece {
+    fn piece(from_ms: u64, to_ms: u64, path_mm: f64, removed: f64) -> Piece {
         let [from, to] = [from_ms, to_ms].map(Micros::from_ms);
-        Piece { block: 0, from, to, way_mm, removed: [removed; 3] }
+        Piece { block: 0, from, to, path_mm, removed: [removed; 3] }
     }
 
     #[test]
@@ -181,8 +181,14 @@ mod tests {
     #[test]
     fn standing_still_is_no_cutting_time() {
         let pieces = [piece(0, 200, 9.0, 2.0), piece(5_000, 5_300, 9.0, 1.0), piece(5_300, 5_600, 9.0, 0.0)];
-        let taken = Taken::of(pieces.iter(), 0.1);
-        assert_eq!((taken.time, taken.removed, taken.spread_mm3()), (Micros::from_ms(500), [3.0; 3], 0.0));
-        assert!((taken.rate_mean_per_min() - 360.0).abs() < 1e-9 && (taken.rate_max_per_min - 600.0).abs() < 1e-9);
+        let removed_volume = RemovedVolume::of(pieces.iter(), 0.1);
+        assert_eq!(
+            (removed_volume.time, removed_volume.removed, removed_volume.spread_mm3()),
+            (Micros::from_ms(500), [3.0; 3], 0.0)
+        );
+        assert!(
+            (removed_volume.rate_mean_per_min() - 360.0).abs() < 1e-9
+                && (removed_volume.rate_max_per_min - 600.0).abs() < 1e-9
+        );
     }
 }

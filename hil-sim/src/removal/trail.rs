@@ -22,7 +22,7 @@ use crate::override_source::OverrideSource;
 use crate::simulation::Simulation;
 
 /// Longest time of a path segment: the resolution of the removal rate.
-pub const STRETCH_MAX: Micros = Micros::from_ms(250);
+pub const SECTION_TIME_MAX: Micros = Micros::from_ms(250);
 
 /// Path in a period below which the axes count as standing still.
 const STILL_MM: f64 = 1e-9;
@@ -31,11 +31,11 @@ const STILL_MM: f64 = 1e-9;
 const TURN_MAX_DEG: f64 = 1.0;
 
 /// Position of the tool's tip in machine coordinates: X, Y, Z in mm; A, B, C in degrees.
-pub type Place = [f64; AXES];
+pub type AxisPosition = [f64; AXES];
 
 /// Reference to an executed block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Of {
+pub struct BlockRef {
     /// Count of blocks executed, this one included.
     pub count: u32,
     /// N of the block.
@@ -46,34 +46,34 @@ pub struct Of {
     pub is_rapid: bool,
 }
 
-impl Of {
+impl BlockRef {
     /// Block in execution, and its move.
-    pub(super) fn in_work<D: OverrideSource>(simulation: &Simulation<D>) -> Option<(Self, &Segment)> {
+    pub(super) fn in_execution<D: OverrideSource>(simulation: &Simulation<D>) -> Option<(Self, &Segment)> {
         simulation.control().active().map(|(count, segment)| {
             let is_rapid = segment.path == Path::Rapid;
-            (Of { count, sequence: segment.sequence, rule: simulation.rule(), is_rapid }, segment)
+            (BlockRef { count, sequence: segment.sequence, rule: simulation.rule(), is_rapid }, segment)
         })
     }
 }
 
 /// Sample of the axes at the end of a period.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen {
+pub struct AxisSample {
     /// End of the period.
     pub at: Micros,
     /// Axes in machine coordinates: X, Y, Z in mm, A, B, C in degrees.
     pub axes: [f64; AXES],
     /// Block in execution.
-    pub of: Of,
+    pub block: BlockRef,
     /// Context of its move.
     pub context: MoveContext,
 }
 
 /// Part of the path of one block, as chords.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stretch {
+pub struct PathSection {
     /// Block of the segment.
-    pub of: Of,
+    pub block: BlockRef,
     /// Context of its move.
     pub context: MoveContext,
     /// Beginning of the segment.
@@ -81,7 +81,7 @@ pub struct Stretch {
     /// End of the segment.
     pub to: Micros,
     /// Ends of the chords, one after the other; two or more.
-    pub places: Vec<Place>,
+    pub positions: Vec<AxisPosition>,
 }
 
 /// Builder of the path's segments.
@@ -91,9 +91,9 @@ pub struct Trail {
     mm_per_deg: f64,
     /// End of the last period.
     last: Option<(Micros, [f64; AXES])>,
-    open: Option<Stretch>,
+    open: Option<PathSection>,
     /// Positions since the last chord's beginning.
-    passed: Vec<Place>,
+    passed: Vec<AxisPosition>,
     checked: Option<Checked>,
 }
 
@@ -101,7 +101,7 @@ pub struct Trail {
 #[derive(Clone, Copy, Debug)]
 struct Checked {
     /// Vector from its beginning, mm.
-    way_mm: Place,
+    path_mm: AxisPosition,
     length_mm: f64,
     /// Remaining angle (1).
     angle_rad: f64,
@@ -121,53 +121,53 @@ impl Trail {
     }
 
     /// Adds a sample; returns the segment that it completes.
-    pub fn go_on(&mut self, seen: &Seen) -> Option<Stretch> {
-        let (before, axes) = self.last.replace((seen.at, seen.axes))?;
-        let (from, to) = (at_tip(&axes, &seen.context), at_tip(&seen.axes, &seen.context));
+    pub fn add(&mut self, sample: &AxisSample) -> Option<PathSection> {
+        let (before, axes) = self.last.replace((sample.at, sample.axes))?;
+        let (from, to) = (at_tip(&axes, &sample.context), at_tip(&sample.axes, &sample.context));
         if self.distance_mm(&from, &to) <= STILL_MM {
             return self.end();
         }
         let is_over = self.open.as_ref().is_some_and(|open| {
-            open.of != seen.of || open.context != seen.context || before.since(open.from) >= STRETCH_MAX
+            open.block != sample.block || open.context != sample.context || before.since(open.from) >= SECTION_TIME_MAX
         });
         let over = if is_over { self.end() } else { None };
         let is_on_chord = self.is_on_chord(&to);
-        let open = self.open.get_or_insert_with(|| Stretch {
-            of: seen.of,
-            context: seen.context,
+        let open = self.open.get_or_insert_with(|| PathSection {
+            block: sample.block,
+            context: sample.context,
             from: before,
             to: before,
-            places: vec![from],
+            positions: vec![from],
         });
         if !is_on_chord {
-            open.places.extend(self.passed.last());
+            open.positions.extend(self.passed.last());
             self.passed.clear();
             self.checked = None;
         }
-        open.to = seen.at;
+        open.to = sample.at;
         self.passed.push(to);
         over
     }
 
     /// Completes the open segment.
-    pub fn end(&mut self) -> Option<Stretch> {
+    pub fn end(&mut self) -> Option<PathSection> {
         let mut over = self.open.take()?;
-        over.places.extend(self.passed.last());
+        over.positions.extend(self.passed.last());
         self.passed.clear();
         self.checked = None;
         Some(over)
     }
 
     /// Whether a chord to this position would be near enough to all positions on it.
-    fn is_on_chord(&mut self, to: &Place) -> bool {
-        let Some(from) = self.open.as_ref().and_then(|open| open.places.last().copied()) else { return true };
+    fn is_on_chord(&mut self, to: &AxisPosition) -> bool {
+        let Some(from) = self.open.as_ref().and_then(|open| open.positions.last().copied()) else { return true };
         if (3..AXES).any(|axis| (to[axis] - from[axis]).abs() > TURN_MAX_DEG) {
             return false;
         }
-        let way_mm = self.way_mm(&from, to);
-        let length_mm = length(&way_mm);
+        let path_mm = self.path_mm(&from, to);
+        let length_mm = length(&path_mm);
         if let Some(checked) = &mut self.checked {
-            let along = dot(&checked.way_mm, &way_mm) / (checked.length_mm * length_mm);
+            let along = dot(&checked.path_mm, &path_mm) / (checked.length_mm * length_mm);
             let off_mm = length_mm * libm::sqrt((1.0 - along * along).max(0.0));
             let turn_max_mm = (checked.angle_rad * length_mm * along).min(self.tolerance_mm);
             if length_mm >= checked.length_mm && off_mm <= turn_max_mm {
@@ -176,115 +176,117 @@ impl Trail {
             }
         }
         let mut angle_rad = f64::INFINITY;
-        for place in &self.passed {
-            let arm_mm = self.way_mm(&from, place);
-            angle_rad = angle_rad.min((self.tolerance_mm - off_mm(&arm_mm, &way_mm)) / length(&arm_mm)); // (1)
+        for position in &self.passed {
+            let arm_mm = self.path_mm(&from, position);
+            angle_rad = angle_rad.min((self.tolerance_mm - off_mm(&arm_mm, &path_mm)) / length(&arm_mm)); // (1)
         }
-        self.checked = Some(Checked { way_mm, length_mm, angle_rad });
+        self.checked = Some(Checked { path_mm, length_mm, angle_rad });
         angle_rad >= 0.0
     }
 
-    fn distance_mm(&self, from: &Place, to: &Place) -> f64 {
-        length(&self.way_mm(from, to))
+    fn distance_mm(&self, from: &AxisPosition, to: &AxisPosition) -> f64 {
+        length(&self.path_mm(from, to))
     }
 
-    fn way_mm(&self, from: &Place, to: &Place) -> Place {
+    fn path_mm(&self, from: &AxisPosition, to: &AxisPosition) -> AxisPosition {
         std::array::from_fn(|axis| (to[axis] - from[axis]) * if axis < 3 { 1.0 } else { self.mm_per_deg })
     }
 }
 
-impl Stretch {
+impl PathSection {
     /// Path length of the tip.
-    pub fn way_mm(&self) -> f64 {
-        let chord = |pair: &[Place]| {
+    pub fn path_mm(&self) -> f64 {
+        let chord = |pair: &[AxisPosition]| {
             libm::sqrt((0..3).map(|axis| (pair[1][axis] - pair[0][axis]) * (pair[1][axis] - pair[0][axis])).sum())
         };
-        self.places.windows(2).map(chord).sum()
+        self.positions.windows(2).map(chord).sum()
     }
 
     /// Largest rotation of a rotary axis.
     pub fn turn_deg(&self) -> f64 {
-        let turn = |place: &Place| (3..AXES).map(|axis| (place[axis] - self.places[0][axis]).abs()).fold(0.0, f64::max);
-        self.places.iter().map(turn).fold(0.0, f64::max)
+        let turn = |position: &AxisPosition| {
+            (3..AXES).map(|axis| (position[axis] - self.positions[0][axis]).abs()).fold(0.0, f64::max)
+        };
+        self.positions.iter().map(turn).fold(0.0, f64::max)
     }
 }
 
-fn dot(v: &Place, w: &Place) -> f64 {
+fn dot(v: &AxisPosition, w: &AxisPosition) -> f64 {
     v.iter().zip(w).map(|(a, b)| a * b).sum()
 }
 
-fn length(v: &Place) -> f64 {
+fn length(v: &AxisPosition) -> f64 {
     libm::sqrt(dot(v, v))
 }
 
 /// Distance of the end of a vector from a chord that begins with it.
-fn off_mm(arm_mm: &Place, way_mm: &Place) -> f64 {
-    let square = dot(way_mm, way_mm);
-    let part = if square > 0.0 { (dot(arm_mm, way_mm) / square).clamp(0.0, 1.0) } else { 0.0 };
-    let off: Place = std::array::from_fn(|axis| arm_mm[axis] - part * way_mm[axis]);
+fn off_mm(arm_mm: &AxisPosition, path_mm: &AxisPosition) -> f64 {
+    let square = dot(path_mm, path_mm);
+    let part = if square > 0.0 { (dot(arm_mm, path_mm) / square).clamp(0.0, 1.0) } else { 0.0 };
+    let off: AxisPosition = std::array::from_fn(|axis| arm_mm[axis] - part * path_mm[axis]);
     length(&off)
 }
 
 /// Position of the tool's tip for these axes, with the tool of a move.
-pub(super) fn at_tip(axes: &[f64; AXES], context: &MoveContext) -> Place {
-    let mut place = *axes;
-    place[2] -= Nm::to_mm(context.tool);
-    place
+pub(super) fn at_tip(axes: &[f64; AXES], context: &MoveContext) -> AxisPosition {
+    let mut position = *axes;
+    position[2] -= Nm::to_mm(context.tool);
+    position
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn seen(ms: u64, x: f64, y: f64, count: u32) -> Seen {
-        let of = Of { count, sequence: None, rule: None, is_rapid: false };
-        Seen { at: Micros::from_ms(ms), axes: [x, y, 0.0, 0.0, 0.0, 0.0], of, context: MoveContext::default() }
+    fn sample(ms: u64, x: f64, y: f64, count: u32) -> AxisSample {
+        let block = BlockRef { count, sequence: None, rule: None, is_rapid: false };
+        AxisSample { at: Micros::from_ms(ms), axes: [x, y, 0.0, 0.0, 0.0, 0.0], block, context: MoveContext::default() }
     }
 
-    fn stretches(ways: impl IntoIterator<Item = Seen>) -> Vec<Stretch> {
+    fn sections(ways: impl IntoIterator<Item = AxisSample>) -> Vec<PathSection> {
         let mut trail = Trail::new(0.01, 10.0);
-        let mut over: Vec<Stretch> = ways.into_iter().filter_map(|seen| trail.go_on(&seen)).collect();
+        let mut over: Vec<PathSection> = ways.into_iter().filter_map(|sample| trail.add(&sample)).collect();
         over.extend(trail.end());
         over
     }
 
     #[test]
     fn a_line_is_one_chord_for_a_quarter_of_a_second() {
-        let over = stretches((0..=600).map(|ms| seen(ms, ms as f64 * 0.01, 0.0, 1)));
-        let spans: Vec<(u64, u64, usize)> = over.iter().map(|s| (s.from.0, s.to.0, s.places.len())).collect();
+        let over = sections((0..=600).map(|ms| sample(ms, ms as f64 * 0.01, 0.0, 1)));
+        let spans: Vec<(u64, u64, usize)> = over.iter().map(|s| (s.from.0, s.to.0, s.positions.len())).collect();
         assert_eq!(spans, [(0, 250_000, 2), (250_000, 500_000, 2), (500_000, 600_000, 2)]);
     }
 
     #[test]
     fn chords_of_an_arc_pass_within_the_tolerance_and_meet() {
         let way = |ms: u64| (20.0 * libm::cos(ms as f64 * 1e-3), 20.0 * libm::sin(ms as f64 * 1e-3));
-        let over = stretches((0..=1000).map(|ms| seen(ms, way(ms).0, way(ms).1, 1)));
-        for pair in over.iter().flat_map(|stretch| stretch.places.windows(2)) {
+        let over = sections((0..=1000).map(|ms| sample(ms, way(ms).0, way(ms).1, 1)));
+        for pair in over.iter().flat_map(|section| section.positions.windows(2)) {
             let middle = libm::hypot((pair[0][0] + pair[1][0]) / 2.0, (pair[0][1] + pair[1][1]) / 2.0);
             assert!((0.0..=0.0101).contains(&(20.0 - middle)), "{middle}");
         }
         for pair in over.windows(2) {
-            assert_eq!(pair[0].places.last(), pair[1].places.first());
+            assert_eq!(pair[0].positions.last(), pair[1].positions.first());
         }
-        let chords: usize = over.iter().map(|stretch| stretch.places.len() - 1).sum();
+        let chords: usize = over.iter().map(|section| section.positions.len() - 1).sum();
         // sqrt(8 * 0.01 / 20) rad a chord.
         assert!((16..=20).contains(&chords), "{chords}");
     }
 
     #[test]
     fn a_stretch_ends_where_the_block_does_and_where_the_axes_stand() {
-        let over = stretches([
-            seen(0, 0.0, 0.0, 1),
-            seen(1, 1.0, 0.0, 1),
-            seen(2, 2.0, 0.0, 2),
-            seen(3, 2.0, 0.0, 2),
-            seen(4, 3.0, 0.0, 2),
-            seen(5, 3.0, 1.0, 2),
+        let over = sections([
+            sample(0, 0.0, 0.0, 1),
+            sample(1, 1.0, 0.0, 1),
+            sample(2, 2.0, 0.0, 2),
+            sample(3, 2.0, 0.0, 2),
+            sample(4, 3.0, 0.0, 2),
+            sample(5, 3.0, 1.0, 2),
         ]);
         let ways: Vec<(u32, u64, u64, usize)> =
-            over.iter().map(|s| (s.of.count, s.from.0 / 1000, s.to.0 / 1000, s.places.len())).collect();
+            over.iter().map(|s| (s.block.count, s.from.0 / 1000, s.to.0 / 1000, s.positions.len())).collect();
         assert_eq!(ways, [(1, 0, 1, 2), (2, 1, 2, 2), (2, 3, 5, 3)]);
-        let (way_mm, turn_deg) = (over[2].way_mm(), over[2].turn_deg());
-        assert!((way_mm - 2.0).abs() < 1e-12 && turn_deg == 0.0);
+        let (path_mm, turn_deg) = (over[2].path_mm(), over[2].turn_deg());
+        assert!((path_mm - 2.0).abs() < 1e-12 && turn_deg == 0.0);
     }
 }

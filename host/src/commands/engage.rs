@@ -88,7 +88,7 @@ impl Engage {
         let meter = run(&file, &program, &setup)?;
         let map = map(&file, &program, &meter, self.alike)?;
         let left_out = meter.left_out().iter();
-        let left_out = left_out.map(|left_out| left_out_figures(left_out.why, &left_out.first, left_out.blocks));
+        let left_out = left_out.map(|left_out| left_out_figures(left_out.reason, &left_out.first, left_out.blocks));
         let report = Report {
             map: output.display().to_string(),
             moves: map.moves.iter().map(MoveFigures::new).collect(),
@@ -115,7 +115,7 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
     });
     let mut simulation = in_memory_of(settings, file, &program.bytes(), ControllerFault::LawOff)?;
     run_seen(&mut simulation, Some("looking"), |simulation| {
-        meter.see(simulation);
+        meter.observe(simulation);
         Ok(())
     })?;
     meter.end();
@@ -140,7 +140,7 @@ fn map(
     let asked: Vec<&PlannedBlock> = planned.iter().filter(asked).collect();
     let same = |block: &PlannedBlock, sequence: Option<i64>| block.segment.sequence == sequence;
     let is_whole = asked.len() == meter.moves().len()
-        && asked.iter().zip(meter.moves()).all(|(block, found)| same(block, found.of.sequence));
+        && asked.iter().zip(meter.moves()).all(|(block, found)| same(block, found.block.sequence));
     if !is_whole {
         let (planned, made) = (asked.len(), meter.moves().len());
         let program = program.path.display();

@@ -30,7 +30,7 @@ use std::time::Instant;
 
 use arcfeed_hil_sim::control::ControlSettings;
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::removal::marks::Mark;
+use arcfeed_hil_sim::removal::marks::WallMark;
 use arcfeed_hil_sim::simulation::{Foreseen, Simulation};
 use arcfeed_hil_sim::stock::deviation::HeightMap;
 use arcfeed_hil_sim::stock::workpiece::Stock;
@@ -146,7 +146,7 @@ fn add_cuts(
     setup: &Setup<'_>,
     watches: &[Watch; 2],
     target: Option<&Stock>,
-) -> (Option<(HeightMap, DeviationFigures)>, Vec<Mark>) {
+) -> (Option<(HeightMap, DeviationFigures)>, Vec<WallMark>) {
     let [Some(after), Some(before)] = watches.each_ref().map(|watch| &watch.cutter) else { return (None, Vec::new()) };
     let mut material = material_figures::figures(unit, setup, after, before);
     material.warnings(unit).iter().for_each(|warning| note(format_args!("warning: {warning}")));

@@ -20,7 +20,7 @@ use arcfeed_firmware::tap::{Handed, Tap};
 use arcfeed_hil_sim::control::code::{Code, DC1, DC3, without_parity};
 use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
 use arcfeed_hil_sim::control::{Control, ControlSettings};
-use arcfeed_hil_sim::override_source::{Begun, OverrideSource, Shown};
+use arcfeed_hil_sim::override_source::{MachineSignals, MoveStart, OverrideSource};
 use arcfeed_hil_sim::simulation::{STEP, Simulation};
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::block::Reading;
@@ -147,11 +147,11 @@ impl<const ROOM: usize> Board<ROOM> {
 
 impl<const ROOM: usize> OverrideSource for Board<ROOM> {
     /// Kept for the tests' own check, not for the board.
-    fn begin(&mut self, begun: Option<Begun<'_>>) {
+    fn begin(&mut self, begun: Option<MoveStart<'_>>) {
         self.begun = begun.map(|begun| *begun.segment);
     }
 
-    fn decide(&mut self, shown: &Shown) -> FeedOverride {
+    fn decide(&mut self, shown: &MachineSignals) -> FeedOverride {
         let board = self;
         let measured = controller::Input { position: Some(shown.position), spindle: shown.spindle, dt: STEP.into() };
         let input = Input { operator_percent: shown.operator_percent, signals: shown.signals, ..Input::of(measured) };

@@ -2,7 +2,7 @@
 
 use arcfeed_hil_sim::dynamics::transition::Rule;
 use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
-use arcfeed_hil_sim::fe::beam::{Beam, Section};
+use arcfeed_hil_sim::fe::beam::{Beam, BeamSection};
 use arcfeed_hil_sim::fe::blade::Blade;
 use arcfeed_hil_sim::fe::body::Body;
 use arcfeed_hil_sim::fe::field::Field;
@@ -49,7 +49,7 @@ fn a_force_that_stands_bends_the_blade_as_its_finite_elements_do_wherever_the_co
         let truth_mm = Vector3::from(static_mm(&body, last));
         // Pushed at one edge, then at the other.
         for node in [first, last] {
-            vibration.see_from(workpiece.shapes_on(body.mesh().nodes_mm()[node]));
+            vibration.set_shapes(workpiece.shapes_on(body.mesh().nodes_mm()[node]));
             for _ in 0..200 {
                 vibration.step(2e-5, |_| Vector3::from(FORCE_N));
             }
@@ -66,7 +66,7 @@ fn tool_and_workpiece_give_way_together_as_two_springs_in_a_row() {
     let field = Field::new(body.mesh().clone(), &body.modes(&Blade::foot(body.mesh()), 6).unwrap(), 0.1);
     let mut modes = Workpiece::new(&field).modes([5.0, 0.75, 18.0], DAMPING).unwrap();
     let of_workpiece = modes.len();
-    let section = Section { length_mm: 40.0, diameter_mm: 8.0, material: STEEL };
+    let section = BeamSection { length_mm: 40.0, diameter_mm: 8.0, material: STEEL };
     let beam = Beam { sections: vec![section], tip_mass_kg: 0.0, elements: 8 }.modes(12).unwrap();
     modes.extend(tool_modes(&beam, [0.0; 3], DAMPING).unwrap());
     let force_n = Vector3::from(FORCE_N);

@@ -7,15 +7,15 @@ use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
 use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::cutting::material::Cutting;
-use arcfeed_hil_sim::cutting::pose::Stand;
+use arcfeed_hil_sim::cutting::pose::ToolPose;
 use arcfeed_hil_sim::dynamics::modal::Mode;
 use arcfeed_hil_sim::dynamics::transition::Rule;
 use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
 use arcfeed_hil_sim::fe::body::Body;
+use arcfeed_hil_sim::fe::clamped_block::{ClampedBlock, Face};
 use arcfeed_hil_sim::fe::field::Field;
 use arcfeed_hil_sim::fe::material::STEEL;
 use arcfeed_hil_sim::fe::modal_point::ModalPoint;
-use arcfeed_hil_sim::fe::slab::{Face, Slab};
 use arcfeed_hil_sim::fe::sparse::Factor;
 use arcfeed_hil_sim::fe::unknowns::Unknowns;
 use arcfeed_hil_sim::flexible::{Modal, Workpiece};
@@ -59,7 +59,7 @@ impl Modal for Lean {
         f64::INFINITY
     }
 
-    fn stand_at(&self, [_, _, z_mm]: [f64; 3], _: f64, modal_point: &mut ModalPoint) {
+    fn evaluate_at(&self, [_, _, z_mm]: [f64; 3], _: f64, modal_point: &mut ModalPoint) {
         let mass_t = self.stiffness_n_per_mm / (self.omega_rad_per_s[0] * self.omega_rad_per_s[0]);
         modal_point.shapes = vec![[0.0, (self.shape)(z_mm) / libm::sqrt(mass_t), 0.0]];
     }
@@ -84,13 +84,13 @@ fn process(modes: Vec<Mode>) -> Process {
 }
 
 /// Climb milling past the middle of the wall; what is left too thick there, each layer by its middle.
-fn left_mm(modes: Vec<Mode>, mut step: impl FnMut(&mut Process, f64, &Stand)) -> Vec<[f64; 2]> {
+fn left_mm(modes: Vec<Mode>, mut step: impl FnMut(&mut Process, f64, &ToolPose)) -> Vec<[f64; 2]> {
     let mut process = process(modes);
     let from_mm = -FEED_MM_PER_TOOTH * TURNS as f64;
     for n in 0..TURNS * STEPS_A_TURN {
         let turned = n as f64 / STEPS_A_TURN as f64;
         let axis_mm = Vector2::new(from_mm + 2.0 * FEED_MM_PER_TOOTH * turned, RADIUS_MM);
-        let stand = Stand { axis_mm, tip_mm: 0.0, turned_rad: TAU * turned.fract() };
+        let stand = ToolPose { axis_mm, tip_mm: 0.0, turned_rad: TAU * turned.fract() };
         process.engagement_mut().enter(&stand);
         step(&mut process, 1.0 / (TURN_HZ * STEPS_A_TURN as f64), &stand);
     }
@@ -184,7 +184,7 @@ fn bent_mm(body: &Body, clamped: &[usize]) -> Vec<[f64; 2]> {
 fn a_wall_is_left_thicker_towards_its_top_as_an_even_push_bends_it() {
     let half_mm = WIDTH_MM / 2.0;
     let held = Face { axis: 2, is_upper: false };
-    let wall = Slab { lowest_mm: [-half_mm, -THICKNESS_MM, 0.0], highest_mm: [half_mm, 0.0, HEIGHT_MM], held };
+    let wall = ClampedBlock { lowest_mm: [-half_mm, -THICKNESS_MM, 0.0], highest_mm: [half_mm, 0.0, HEIGHT_MM], held };
     let mesh = wall.mesh([2, 1, 12]).expect("a mesh");
     let body = Body::new(mesh.clone(), &STEEL);
     let clamped = held.nodes(&mesh);

@@ -5,7 +5,7 @@ use arcfeed_hil_sim::cutting::material::MATERIALS;
 use arcfeed_hil_sim::dynamics::modal::Mode;
 use arcfeed_hil_sim::fe::blade::Blade;
 use arcfeed_hil_sim::fe::field::Field;
-use arcfeed_hil_sim::finishing::pass::{Fineness, Machined, Pass};
+use arcfeed_hil_sim::finishing::pass::{FinishingPass, PassResolution, PassResult};
 use arcfeed_hil_sim::finishing::side::Side;
 use nalgebra::Vector3;
 
@@ -13,8 +13,8 @@ pub const THICKNESS_MM: f64 = 1.5;
 pub const FEED_MM_PER_TOOTH: f64 = 0.1;
 pub const TOOTH_HZ: f64 = 180.0;
 
-pub fn pass(blade: Blade, ray_mm: f64) -> Pass {
-    Pass {
+pub fn pass(blade: Blade, ray_mm: f64) -> FinishingPass {
+    FinishingPass {
         side: Side::new(blade, 0.5),
         mill: EndMill { diameter_mm: 4.0, corner_mm: 2.0, teeth: 4, helix_rad: 30.0_f64.to_radians(), height_mm: 2.5 },
         allowance_mm: 0.1,
@@ -22,7 +22,7 @@ pub fn pass(blade: Blade, ray_mm: f64) -> Pass {
         feed_mm_per_tooth: FEED_MM_PER_TOOTH,
         tooth_hz: TOOTH_HZ,
         cutting: MATERIALS[0].tangential.with_ratios(0.4, 0.2),
-        fineness: Fineness { rise_mm: 0.2, ray_mm, steps: 300 },
+        fineness: PassResolution { rise_mm: 0.2, ray_mm, steps: 300 },
     }
 }
 
@@ -36,6 +36,6 @@ pub fn tool(frequency_hz: f64, damping_ratio: f64, stiffness_n_per_mm: f64) -> V
     vec![mode(Vector3::x()), mode(Vector3::y())]
 }
 
-pub fn run(pass: &Pass, modes: Vec<Mode>) -> Machined {
+pub fn run(pass: &FinishingPass, modes: Vec<Mode>) -> PassResult {
     pass.run::<Field>(modes, None).unwrap()
 }

@@ -6,13 +6,13 @@ use arcfeed_hil_sim::fe::body::Body;
 use arcfeed_hil_sim::fe::field::Field;
 use arcfeed_hil_sim::fe::material::TITANIUM_6AL_4V;
 use arcfeed_hil_sim::finishing::marks::{deviation_mm, marks};
-use arcfeed_hil_sim::finishing::pass::{Machined, MillError, Pass};
+use arcfeed_hil_sim::finishing::pass::{FinishingPass, MillError, PassResult};
 use arcfeed_hil_sim::flexible::Workpiece;
 
 use crate::blade::small::{FEED_MM_PER_TOOTH, THICKNESS_MM, pass, plate, run, tool};
 
 /// The rays of a layer that end on the machined side, away from the plate's edges: where they stand, where they end.
-fn ends_mm(machined: &Machined, layer: usize) -> Vec<[f64; 2]> {
+fn ends_mm(machined: &PassResult, layer: usize) -> Vec<[f64; 2]> {
     let layer = &machined.layers.layers()[layer];
     let rays = layer.rays(1).iter().enumerate().map(|(ray, dexel)| (layer.place_mm(1, ray), dexel));
     let inner = rays.filter(|(x_mm, _)| x_mm.abs() < 3.5);
@@ -73,7 +73,7 @@ fn more_damping_means_smaller_marks() {
 #[test]
 fn nearly_rigid_parts_leave_the_surface_of_rigid_ones() {
     // 1000 times as stiff and as heavy as titanium, and the pass is far up.
-    let stiff = arcfeed_hil_sim::fe::material::Material {
+    let stiff = arcfeed_hil_sim::fe::material::ElasticMaterial {
         young_mpa: 1e3 * TITANIUM_6AL_4V.young_mpa,
         density_kg_per_m3: 1e3 * TITANIUM_6AL_4V.density_kg_per_m3,
         ..TITANIUM_6AL_4V
@@ -92,7 +92,7 @@ fn nearly_rigid_parts_leave_the_surface_of_rigid_ones() {
 
 #[test]
 fn a_ball_that_is_no_whole_number_of_layers_is_refused() {
-    let refused = |change: fn(&mut Pass)| {
+    let refused = |change: fn(&mut FinishingPass)| {
         let mut odd = pass(plate(), 0.05);
         change(&mut odd);
         odd.run::<Field>(Vec::new(), None).err()

@@ -6,7 +6,7 @@ use arcfeed_hil_sim::cutting::edge_engagement::EdgeEngagement;
 use arcfeed_hil_sim::cutting::edges::Cutter;
 use arcfeed_hil_sim::cutting::layer::Layer;
 use arcfeed_hil_sim::cutting::layers::Layers;
-use arcfeed_hil_sim::cutting::pose::Stand;
+use arcfeed_hil_sim::cutting::pose::ToolPose;
 use nalgebra::Vector2;
 
 /// What a tooth has in front of it.
@@ -59,7 +59,7 @@ impl Straight {
         for step in 0..self.turns[0] * self.steps_a_turn {
             let turns = step as f64 / self.steps_a_turn as f64;
             let axis_mm = Vector2::new(self.feed_mm_per_turn * turns, 0.0);
-            let stand = Stand { axis_mm, tip_mm: 0.0, turned_rad: TAU * turns };
+            let stand = ToolPose { axis_mm, tip_mm: 0.0, turned_rad: TAU * turns };
             if turns >= self.turns[1] as f64 {
                 seen.extend(engagement.chips(&engagement.poses(&stand), |_| Vector2::zeros()).map(|chip| Seen {
                     tooth: chip.piece.tooth,

@@ -9,7 +9,7 @@ use arcfeed_hil_sim::cutting::force::Loads;
 use arcfeed_hil_sim::cutting::layer::Layer;
 use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::cutting::material::{Cutting, Kienzle};
-use arcfeed_hil_sim::cutting::pose::Stand;
+use arcfeed_hil_sim::cutting::pose::ToolPose;
 use nalgebra::{Vector2, Vector3};
 
 use crate::cutting_forces::trochoid::Trochoid;
@@ -34,7 +34,7 @@ fn mill() -> Cutter {
 }
 
 /// A step of a run.
-struct Moment {
+struct ProcessStep {
     loads: Loads,
     /// Thickest on the end and on the side; on the end of pieces that are half a radius from the axis or more.
     chips_mm: [f64; 2],
@@ -49,13 +49,13 @@ fn run(
     cutting: &Cutting,
     turns: i32,
     way_mm: impl Fn(f64) -> Vector3<f64>,
-) -> (Vec<Moment>, f64) {
+) -> (Vec<ProcessStep>, f64) {
     let before_mm3 = engagement.layers().volumes_mm3();
     let (mut taken_mm3, mut moments) = ([0.0; 2], Vec::new());
     for step in 0..=turns * STEPS {
         let turned = f64::from(step) / f64::from(STEPS);
         let tip = way_mm(turned);
-        let stand = Stand { axis_mm: tip.xy(), tip_mm: tip.z, turned_rad: TAU * turned };
+        let stand = ToolPose { axis_mm: tip.xy(), tip_mm: tip.z, turned_rad: TAU * turned };
         let (mut loads, mut chips_mm, mut work_n_mm) = (Loads::default(), [0.0_f64; 2], 0.0);
         for EdgeChip { piece, section: chip, .. } in engagement.chips(&engagement.poses(&stand), |_| Vector2::zeros()) {
             let force = cutting.force(&chip);
@@ -67,7 +67,7 @@ fn run(
                 *thickest_mm = thickest_mm.max(chip.thickness_mm);
             }
         }
-        moments.push(Moment { loads, chips_mm, work_n_mm });
+        moments.push(ProcessStep { loads, chips_mm, work_n_mm });
         let removed = engagement.cut(&engagement.poses(&stand), |_| Vector2::zeros());
         taken_mm3 = [0, 1].map(|axis: usize| taken_mm3[axis] + removed[axis]);
     }
@@ -79,7 +79,7 @@ fn run(
     (moments, (taken_mm3[0] + taken_mm3[1]) / 2.0)
 }
 
-fn work(moments: &[Moment]) -> f64 {
+fn work(moments: &[ProcessStep]) -> f64 {
     moments.iter().map(|moment| moment.work_n_mm).sum()
 }
 

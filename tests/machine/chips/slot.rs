@@ -15,7 +15,7 @@ use arcfeed_hil_sim::cutting::edges::{Cutter, Ring};
 use arcfeed_hil_sim::cutting::layer::Layer;
 use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::cutting::meter::MoveChips;
-use arcfeed_hil_sim::cutting::pose::Stand;
+use arcfeed_hil_sim::cutting::pose::ToolPose;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::cut::Work;
@@ -106,7 +106,7 @@ fn compare(track: &Track, mill: &CupMill, edge: Edge, line: &StockLine, spindle:
     let mut compared = Compared::default();
     for step in 0..(places.len() - 1) * STEPS_A_MS {
         let turned_rad = TAU * f64::from(spindle.0) / 60e3 * step as f64 / STEPS_A_MS as f64;
-        let stand = Stand { axis_mm: place(step), tip_mm: 0.0, turned_rad };
+        let stand = ToolPose { axis_mm: place(step), tip_mm: 0.0, turned_rad };
         // The axes come to rest at the end of the block: the last teeth are no concern of the meter either.
         if (SETTLED_MS..places.len() - SETTLED_MS / 2).contains(&(step / STEPS_A_MS)) {
             let delta_mm = place(step) - place(step - TOOTH_MS * STEPS_A_MS);

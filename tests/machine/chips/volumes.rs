@@ -6,7 +6,7 @@ use arcfeed_hil_sim::cutting::edge_engagement::{EdgeEngagement, EdgeEngagementEr
 use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
 use arcfeed_hil_sim::cutting::layers::Layers;
-use arcfeed_hil_sim::cutting::pose::Stand;
+use arcfeed_hil_sim::cutting::pose::ToolPose;
 use arcfeed_hil_sim::stock::solid::Block;
 use arcfeed_hil_sim::stock::workpiece::Stock;
 use nalgebra::Vector2;
@@ -33,7 +33,7 @@ fn what_is_taken_and_what_is_left_make_up_what_there_was() {
     let mut taken = [0.0; 2];
     for step in 0..7200 {
         let turns = f64::from(step) / 360.0;
-        let stand = Stand { axis_mm: Vector2::new(-6.5 + turns, 1.0), tip_mm: 1.0, turned_rad: TAU * turns };
+        let stand = ToolPose { axis_mm: Vector2::new(-6.5 + turns, 1.0), tip_mm: 1.0, turned_rad: TAU * turns };
         let removed = engagement.cut(&engagement.poses(&stand), |_| Vector2::zeros());
         taken = [0, 1].map(|axis: usize| taken[axis] + removed[axis]);
     }

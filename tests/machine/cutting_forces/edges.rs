@@ -193,7 +193,7 @@ fn what_is_no_cutter_is_refused() {
     assert_eq!(Cutter::end_mill(&FLAT, Pieces::Along(0)), Err(EdgeError::Nothing));
     assert_eq!(Cutter::ring(&Ring { corner_mm: 8.0, ..CUP }, Pieces::Along(4)), Err(EdgeError::Measures));
     let cutter = || Cutter::end_mill(&FLAT, Pieces::Along(4)).unwrap();
-    assert_eq!(cutter().with_pitch(&[TAU]), Err(EdgeError::Count { teeth: 2, told: 1 }));
+    assert_eq!(cutter().with_pitch(&[TAU]), Err(EdgeError::Count { teeth: 2, given: 1 }));
     assert_eq!(cutter().with_pitch(&[PI, 3.0]), Err(EdgeError::Pitch));
     assert_eq!(cutter().with_pitch(&[-PI, 3.0 * PI]), Err(EdgeError::Pitch));
     assert_eq!(cutter().with_offsets(&[-5.0, 0.0]), Err(EdgeError::Radius { tooth: 0 }));

@@ -7,11 +7,11 @@ use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
 use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
 use arcfeed_hil_sim::cutting::layer::Layer;
 use arcfeed_hil_sim::cutting::layers::Layers;
-use arcfeed_hil_sim::cutting::pose::Stand;
-use arcfeed_hil_sim::removal::envelope::Turned;
+use arcfeed_hil_sim::cutting::pose::ToolPose;
+use arcfeed_hil_sim::removal::envelope::CuttingSolid;
 use arcfeed_hil_sim::removal::marks::marks;
-use arcfeed_hil_sim::removal::trail::Of;
-use arcfeed_hil_sim::removal::way::Way;
+use arcfeed_hil_sim::removal::tip_path::TipPath;
+use arcfeed_hil_sim::removal::trail::BlockRef;
 use arcfeed_tests::{Scratch, run};
 use nalgebra::Vector2;
 use serde_json::Value;
@@ -83,22 +83,22 @@ fn a_tool_that_is_moved_sideways_leaves_that_on_both_walls() {
     let bent_mm = |x_mm: f64| 0.03 * libm::sin(TAU * x_mm / 7.0);
     let mill = EndMill { diameter_mm: 2.0 * RADIUS_MM, corner_mm: 0.0, teeth: 2, helix_rad: 0.0, height_mm: 1.0 };
     let cutter = Cutter::end_mill(&mill, Pieces::Slices { rise_mm: 1.0 }).expect("a mill");
-    let turned = Turned { slices: slices(&cutter), reach_mm: 1.0 };
+    let turned = CuttingSolid { slices: slices(&cutter), reach_mm: 1.0 };
     let blank = Layers::alike(&Layer::rectangle([-8.0, -8.0], [36.0, 16.0], 0.23), 0.0, 1.0, 1);
     let mut engagement = EdgeEngagement::new(cutter, blank.clone(), RADIUS_MM / 2.0).expect("layers as high as slices");
-    let (mut way, of) = (Way::default(), Of { count: 7, sequence: None, rule: None, is_rapid: false });
-    let stand = |step: u32| Stand {
+    let (mut tip_path, of) = (TipPath::default(), BlockRef { count: 7, sequence: None, rule: None, is_rapid: false });
+    let stand = |step: u32| ToolPose {
         axis_mm: Vector2::new(f64::from(step) * FEED_MM / 60.0, 0.0),
         tip_mm: 0.0,
         turned_rad: f64::from(step) * PI / 60.0,
     };
-    engagement.sink(&stand(0));
+    engagement.clear_at(&stand(0));
     for step in 0..(WAY_MM / FEED_MM * 60.0) as u32 {
         let stand = stand(step);
         engagement.cut(&engagement.poses(&stand), |_| Vector2::new(0.0, bent_mm(stand.axis_mm.x)));
-        way.go(&of, [stand.axis_mm.x, stand.axis_mm.y, stand.tip_mm]);
+        tip_path.go(&of, [stand.axis_mm.x, stand.axis_mm.y, stand.tip_mm]);
     }
-    let found = marks(&blank, engagement.layers(), &way, &turned);
+    let found = marks(&blank, engagement.layers(), &tip_path, &turned);
     let beside = found.iter().filter(|mark| (1.0..WAY_MM - 1.0).contains(&mark.point_mm.x));
     let (mut count, mut worst_mm) = (0, 0.0_f64);
     for mark in beside.filter(|mark| libm::fabs(mark.point_mm.y) > RADIUS_MM * libm::sin(FRAC_PI_2 * 0.9)) {
@@ -108,7 +108,7 @@ fn a_tool_that_is_moved_sideways_leaves_that_on_both_walls() {
         let at_mm = (0..9).fold(mark.point_mm.x, |at_mm, _| mark.point_mm.x + RADIUS_MM * libm::sin(lean_rad(at_mm)));
         let expected_mm = RADIUS_MM * (1.0 - libm::cos(lean_rad(at_mm))) - bent_mm(at_mm) * side;
         (count, worst_mm) = (count + 1, worst_mm.max((mark.off_mm - expected_mm).abs()));
-        assert_eq!(mark.of.count, 7);
+        assert_eq!(mark.block.count, 7);
     }
     println!("{count} places, off by {worst_mm:.2e} mm at most");
     // Cusps are f^2 / 8 R = 1e-5 mm high, more where the way bends; steps of 3 degrees put an edge 4e-6 mm off.

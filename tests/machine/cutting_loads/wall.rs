@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use arcfeed_hil_sim::dynamics::modal::Mode;
 use arcfeed_hil_sim::fe::body::Body;
+use arcfeed_hil_sim::fe::clamped_block::{ClampedBlock, Face};
 use arcfeed_hil_sim::fe::field::Field;
 use arcfeed_hil_sim::fe::material::TITANIUM_6AL_4V;
-use arcfeed_hil_sim::fe::slab::{Face, Slab};
 use arcfeed_hil_sim::fe::sparse::Factor;
 use arcfeed_hil_sim::fe::unknowns::Unknowns;
 use arcfeed_hil_sim::flexible::largest_modes;
@@ -15,8 +15,11 @@ use nalgebra::Vector3;
 
 use crate::fe::at_nodes::unknowns_of_nodes;
 
-const WALL: Slab =
-    Slab { lowest_mm: [0.0, -3.0, -40.0], highest_mm: [80.0, 0.0, 0.0], held: Face { axis: 2, is_upper: false } };
+const WALL: ClampedBlock = ClampedBlock {
+    lowest_mm: [0.0, -3.0, -40.0],
+    highest_mm: [80.0, 0.0, 0.0],
+    held: Face { axis: 2, is_upper: false },
+};
 
 /// Of the tool beside it, up from its tip.
 const EDGES_MM: f64 = 1.0;

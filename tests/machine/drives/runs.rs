@@ -10,7 +10,7 @@ use arcfeed_hil_sim::cutting::meter::STEADY_RATIO;
 use arcfeed_hil_sim::drives::servo::Servo;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::machine;
-use arcfeed_hil_sim::override_source::{OverrideSource, Shown};
+use arcfeed_hil_sim::override_source::{MachineSignals, OverrideSource};
 use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::modal::Pose;
@@ -24,7 +24,7 @@ use crate::drives::servo::{WIDTH_MM, axis, with_servo};
 struct Listener(Vec<Pose>);
 
 impl OverrideSource for Listener {
-    fn decide(&mut self, shown: &Shown) -> FeedOverride {
+    fn decide(&mut self, shown: &MachineSignals) -> FeedOverride {
         self.0.push(shown.position);
         FeedOverride::PROGRAMMED
     }

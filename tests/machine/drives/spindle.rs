@@ -3,7 +3,7 @@
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed_hil_sim::control::{Control, ControlSettings, Preset};
-use arcfeed_hil_sim::drives::spindle::{SpindleDrive, SpindleState, Turn};
+use arcfeed_hil_sim::drives::spindle::{SpindleDrive, SpindleRotation, SpindleState};
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::units::{LengthUnit, Micros};
@@ -54,14 +54,14 @@ fn run(program: &str, spindle: Option<SpindleDrive>) -> Vec<([f64; 2], f64)> {
 fn it_runs_up_down_and_round_at_its_rates() {
     let mut spindle = SpindleState::new(DRIVE);
     spindle.set_speed(3_000.0);
-    spindle.set_turn(Turn::Clockwise);
+    spindle.set_rotation(SpindleRotation::Clockwise);
     assert_eq!(ms_to_speed(&mut spindle), 1_500);
-    spindle.set_turn(Turn::CounterClockwise);
+    spindle.set_rotation(SpindleRotation::CounterClockwise);
     assert_eq!(ms_to_speed(&mut spindle), 750 + 1_500);
     assert_eq!(spindle.rev_per_min(), -3_000.0);
     spindle.set_speed(1_000.0);
     assert_eq!(ms_to_speed(&mut spindle), 500);
-    spindle.set_turn(Turn::Stop);
+    spindle.set_rotation(SpindleRotation::Stop);
     assert_eq!(ms_to_speed(&mut spindle), 250);
     assert!(spindle.has_arrived());
 }
@@ -70,10 +70,10 @@ fn it_runs_up_down_and_round_at_its_rates() {
 fn the_rest_of_a_period_is_not_lost_where_it_turns_round() {
     let mut spindle = SpindleState::new(DRIVE);
     spindle.set_speed(1.0);
-    spindle.set_turn(Turn::Clockwise);
+    spindle.set_rotation(SpindleRotation::Clockwise);
     spindle.step(1.0);
     spindle.set_speed(1_000.0);
-    spindle.set_turn(Turn::CounterClockwise);
+    spindle.set_rotation(SpindleRotation::CounterClockwise);
     // Down from 1 in 0.25 ms, then 0.75 ms up.
     spindle.step(1e-3);
     assert!((spindle.rev_per_min() + 1.5).abs() < 1e-12, "{}", spindle.rev_per_min());
@@ -83,7 +83,7 @@ fn the_rest_of_a_period_is_not_lost_where_it_turns_round() {
 fn under_load_it_gives_way_exponentially() {
     let mut spindle = SpindleState::new(DRIVE);
     spindle.set_speed(1_000.0);
-    spindle.set_turn(Turn::Clockwise);
+    spindle.set_rotation(SpindleRotation::Clockwise);
     ms_to_speed(&mut spindle);
     spindle.set_load(0.8);
     for ms in 1..1_000 {
@@ -94,7 +94,7 @@ fn under_load_it_gives_way_exponentially() {
     assert!(spindle.has_arrived(), "4 % of droop is within 15 %");
     let mut stiff = SpindleState::new(SpindleDrive { droop_s: 0.0, ..DRIVE });
     stiff.set_speed(1_000.0);
-    stiff.set_turn(Turn::Clockwise);
+    stiff.set_rotation(SpindleRotation::Clockwise);
     stiff.set_load(1.0);
     stiff.step(1.0);
     assert_eq!(stiff.rev_per_min(), 950.0);

@@ -165,7 +165,7 @@ fn seen_from_elsewhere_the_same_modes_give_way_otherwise() {
     let mut vibration = alone(EXACT);
     let shape = vibration.modes()[0].shape;
     vibration.step(1e-4, |_| Vector3::x() * 10.0);
-    vibration.see_from(&[shape / 2.0]);
+    vibration.set_shapes(&[shape / 2.0]);
     for _ in 0..20_000 {
         let step = vibration.step(1e-4, |_| Vector3::x() * 10.0);
         assert!((vibration.displacement_mm() - step.displacement_mm).norm() < 1e-15);
@@ -176,11 +176,11 @@ fn seen_from_elsewhere_the_same_modes_give_way_otherwise() {
 #[test]
 fn what_is_no_mode_is_refused() {
     let x = Vector3::x();
-    assert_eq!(Mode::new(0.0, 0.1, x), Err(ModeError::Frequency { told_hz: 0.0 }));
-    assert_eq!(Mode::new(1.0, 1.0, x), Err(ModeError::Damping { told_ratio: 1.0 }));
+    assert_eq!(Mode::new(0.0, 0.1, x), Err(ModeError::Frequency { given_hz: 0.0 }));
+    assert_eq!(Mode::new(1.0, 1.0, x), Err(ModeError::Damping { given_ratio: 1.0 }));
     assert!(Mode::new(1.0, f64::NAN, x).is_err());
     assert_eq!(Mode::new(1.0, 0.1, x * f64::NAN), Err(ModeError::Shape));
-    assert_eq!(Mode::from_stiffness(1.0, 0.1, -1.0, &x), Err(ModeError::Stiffness { told_n_per_mm: -1.0 }));
+    assert_eq!(Mode::from_stiffness(1.0, 0.1, -1.0, &x), Err(ModeError::Stiffness { given_n_per_mm: -1.0 }));
     assert_eq!(Mode::from_stiffness(1.0, 0.1, 1.0, &(x * 0.0)), Err(ModeError::Shape));
     assert!(Mode::from_stiffness(f64::NAN, 0.1, 1.0, &x).is_err());
 }

@@ -45,10 +45,10 @@ fn runs_are_judged_as_floquet_multipliers_do() {
     let stable = ["A1_slot_5000_w0.20_stable", "A1_slot_5000_w0.35_stable", "C_aD0.50up_9000_w2.00_stable"];
     for name in stable {
         let milling = run_of(name);
-        assert_eq!(sampling(&milling).judge(&milling.run(300, 200, EXACT).samples_mm), Verdict::Stable, "{name}");
+        assert_eq!(sampling(&milling).evaluate(&milling.run(300, 200, EXACT).samples_mm), Verdict::Stable, "{name}");
     }
     let flip = run_of("A1_aD0.05down_18000_w2.00_flip");
-    assert_eq!(sampling(&flip).judge(&flip.run(300, 200, EXACT).samples_mm), Verdict::PeriodDoubling);
+    assert_eq!(sampling(&flip).evaluate(&flip.run(300, 200, EXACT).samples_mm), Verdict::PeriodDoubling);
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn chatter_begins_where_it_should_and_at_its_frequency() {
         let sampling = sampling(&milling);
         let judged = |ratio: f64| {
             let milling = Milling { depth_mm: milling.depth_mm * ratio, ..milling.clone() };
-            sampling.judge(&milling.run(600, 200, EXACT).samples_mm)
+            sampling.evaluate(&milling.run(600, 200, EXACT).samples_mm)
         };
         assert_eq!(judged(0.97), Verdict::Stable);
         let Verdict::Chatter { alias_hz } = judged(1.03) else { panic!("{:?}", judged(1.03)) };
@@ -74,12 +74,12 @@ fn chatter_begins_where_it_should_and_at_its_frequency() {
 fn made_up_samples_are_judged_by_what_repeats() {
     let sampling = Sampling { teeth: 4, tooth_hz: 200.0, floor_mm: 1e-6 };
     let samples = |at: fn(usize) -> f64| (0..200).map(|i| Vector3::new(0.3, 0.01 * at(i), 0.0)).collect::<Vec<_>>();
-    assert_eq!(sampling.judge(&samples(|_| 1.0)), Verdict::Stable);
-    assert_eq!(sampling.judge(&samples(|i| (i % 2) as f64)), Verdict::PeriodDoubling);
-    assert_eq!(sampling.judge(&samples(|i| [0.0, 3.0, 1.0, 2.0][i % 4])), Verdict::Uneven);
-    assert_eq!(sampling.judge(&[]), Verdict::Stable);
-    assert_eq!(sampling.judge(&samples(|_| 1.0)[..1]), Verdict::Stable);
-    let verdict = sampling.judge(&samples(|i| libm::sin(TAU * 1071.3 * i as f64 / 200.0)));
+    assert_eq!(sampling.evaluate(&samples(|_| 1.0)), Verdict::Stable);
+    assert_eq!(sampling.evaluate(&samples(|i| (i % 2) as f64)), Verdict::PeriodDoubling);
+    assert_eq!(sampling.evaluate(&samples(|i| [0.0, 3.0, 1.0, 2.0][i % 4])), Verdict::Uneven);
+    assert_eq!(sampling.evaluate(&[]), Verdict::Stable);
+    assert_eq!(sampling.evaluate(&samples(|_| 1.0)[..1]), Verdict::Stable);
+    let verdict = sampling.evaluate(&samples(|i| libm::sin(TAU * 1071.3 * i as f64 / 200.0)));
     let Verdict::Chatter { alias_hz } = verdict else { panic!("{verdict:?}") };
     assert!((alias_hz - 71.3).abs() < 0.25, "{alias_hz}");
     assert!((sampling.chatter_hz(alias_hz, 1060.0) - 1071.3).abs() < 0.25);

@@ -2,29 +2,29 @@
 
 use std::f64::consts::PI;
 
-use arcfeed_hil_sim::fe::beam::{Beam, Section};
+use arcfeed_hil_sim::fe::beam::{Beam, BeamSection};
 use arcfeed_hil_sim::fe::material::{STEEL, TITANIUM_6AL_4V};
 use arcfeed_hil_sim::fe::modal_point::ModalPoint;
 
 /// beta L of a beam with one end clamped, the other free.
 const CANTILEVER: [f64; 5] = [1.875_104_068_7, 4.694_091_133_0, 7.854_757_438_2, 10.995_540_734_9, 14.137_168_391_0];
 
-fn bar(length_mm: f64, diameter_mm: f64) -> Section {
-    Section { length_mm, diameter_mm, material: STEEL }
+fn bar(length_mm: f64, diameter_mm: f64) -> BeamSection {
+    BeamSection { length_mm, diameter_mm, material: STEEL }
 }
 
-fn beam(sections: &[Section], elements: usize) -> Beam {
+fn beam(sections: &[BeamSection], elements: usize) -> Beam {
     Beam { sections: sections.to_vec(), tip_mass_kg: 0.0, elements }
 }
 
 /// E I / (rho A L^4) of a bar, its square root: omega = (beta L)^2 times this.
-fn scale_rad_per_s(section: Section) -> f64 {
+fn scale_rad_per_s(section: BeamSection) -> f64 {
     let density = section.material.density_kg_per_m3 * 1e-12;
     libm::sqrt(section.material.young_mpa / density) * section.diameter_mm / (4.0 * section.length_mm.powi(2))
 }
 
 /// kappa G A / (E I), per mm2.
-fn shear_over_bending(section: Section) -> f64 {
+fn shear_over_bending(section: BeamSection) -> f64 {
     let nu = section.material.poisson_ratio;
     let kappa = 6.0 * (1.0 + nu).powi(2) / (7.0 + 12.0 * nu + 4.0 * nu * nu);
     kappa / (2.0 * (1.0 + nu)) * 16.0 / section.diameter_mm.powi(2)
@@ -110,7 +110,7 @@ fn a_mass_at_the_tip_lowers_the_frequencies_as_it_must() {
 
 #[test]
 fn a_stepped_tool_gives_way_to_a_force_at_its_tip_as_far_as_bending_and_shear_let_it() {
-    let steps = [bar(40.0, 32.0), bar(30.0, 20.0), Section { material: TITANIUM_6AL_4V, ..bar(50.0, 12.0) }];
+    let steps = [bar(40.0, 32.0), bar(30.0, 20.0), BeamSection { material: TITANIUM_6AL_4V, ..bar(50.0, 12.0) }];
     let modes = beam(&steps, 6).modes(36).unwrap();
     let mut modal_point = ModalPoint::default();
     modes.at([0.0; 3], &mut modal_point);

@@ -6,7 +6,7 @@ use arcfeed_hil_sim::fe::disk::{BladedDisk, SectorCells};
 use arcfeed_hil_sim::fe::disk_field::DiskField;
 use arcfeed_hil_sim::fe::eigen::below;
 use arcfeed_hil_sim::fe::material::TITANIUM_6AL_4V;
-use arcfeed_hil_sim::fe::mesh::Mesh;
+use arcfeed_hil_sim::fe::mesh::TetMesh;
 use arcfeed_hil_sim::fe::modal_point::ModalPoint;
 use arcfeed_hil_sim::fe::sparse::Sparse;
 use arcfeed_hil_sim::fe::unknowns::Unknowns;
@@ -144,7 +144,7 @@ fn a_place_on_a_shaken_disk_is_found_again_on_every_blade() {
 
 #[test]
 fn a_mesh_that_does_not_close_is_no_sector() {
-    let block = || Mesh::block([1.0, 1.0, 1.0], [1; 3]).unwrap();
+    let block = || TetMesh::block([1.0, 1.0, 1.0], [1; 3]).unwrap();
     assert!(matches!(Sector::new(block(), 4, &TITANIUM_6AL_4V), Err(SectorError::Gap { .. })));
     assert!(matches!(Sector::new(block(), 1, &TITANIUM_6AL_4V), Err(SectorError::Few)));
 }

@@ -2,7 +2,7 @@
 
 use arcfeed_hil_sim::fe::blade::Blade;
 use arcfeed_hil_sim::fe::body::Body;
-use arcfeed_hil_sim::fe::material::{Material, STEEL, TITANIUM_6AL_4V};
+use arcfeed_hil_sim::fe::material::{ElasticMaterial, STEEL, TITANIUM_6AL_4V};
 
 /// Cells along the clamp, through the thickness and away from the clamp.
 const CELLS: [usize; 3] = [12, 1, 16];
@@ -21,7 +21,7 @@ fn table() -> Vec<(f64, &'static str, Vec<f64>)> {
 }
 
 /// lambda of the five lowest modes of a plate of these edges.
-fn lambdas([span_mm, width_mm, thickness_mm]: [f64; 3], cells: [usize; 3], material: &Material) -> Vec<f64> {
+fn lambdas([span_mm, width_mm, thickness_mm]: [f64; 3], cells: [usize; 3], material: &ElasticMaterial) -> Vec<f64> {
     let body = Body::new(Blade::plate(span_mm, width_mm, thickness_mm).mesh(cells, FOOT_RATIO).unwrap(), material);
     let modes = body.modes(&Blade::foot(body.mesh()), 5).unwrap();
     let nu = material.poisson_ratio;

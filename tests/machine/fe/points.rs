@@ -4,7 +4,7 @@ use arcfeed_hil_sim::fe::blade::Blade;
 use arcfeed_hil_sim::fe::body::{Body, Modes};
 use arcfeed_hil_sim::fe::field::Field;
 use arcfeed_hil_sim::fe::material::{STEEL, TITANIUM_6AL_4V};
-use arcfeed_hil_sim::fe::mesh::Mesh;
+use arcfeed_hil_sim::fe::mesh::TetMesh;
 use arcfeed_hil_sim::fe::modal_point::ModalPoint;
 use arcfeed_hil_sim::fe::sparse::Factor;
 use arcfeed_hil_sim::fe::tetrahedron::functions;
@@ -24,7 +24,7 @@ const TWISTED: Blade = Blade {
 };
 
 /// A mesh whose only mode is a displacement of our own.
-fn told(mesh: Mesh, displacement: impl Fn([f64; 3]) -> [f64; 3], reach_mm: f64) -> Field {
+fn told(mesh: TetMesh, displacement: impl Fn([f64; 3]) -> [f64; 3], reach_mm: f64) -> Field {
     let shape = mesh.nodes_mm().iter().map(|node_mm| displacement(*node_mm)).collect();
     Field::new(mesh, &Modes { omega_rad_per_s: vec![1.0], shapes: vec![shape] }, reach_mm)
 }
@@ -39,7 +39,7 @@ fn quadratic([x, y, z]: [f64; 3]) -> [f64; 3] {
 
 #[test]
 fn a_quadratic_field_is_met_inside_and_outside() {
-    let field = told(Mesh::block([4.0, 2.0, 5.0], [4, 2, 5]).unwrap(), quadratic, 0.8);
+    let field = told(TetMesh::block([4.0, 2.0, 5.0], [4, 2, 5]).unwrap(), quadratic, 0.8);
     let mut next = fractions(1);
     let mut modal_point = ModalPoint::default();
     for _ in 0..2000 {
@@ -57,13 +57,13 @@ fn a_quadratic_field_is_met_inside_and_outside() {
 #[test]
 fn beyond_the_reach_a_field_is_as_at_the_reach() {
     let edges_mm = [4.0, 2.0, 5.0];
-    let field = told(Mesh::block(edges_mm, [4, 2, 5]).unwrap(), quadratic, 0.8);
+    let field = told(TetMesh::block(edges_mm, [4, 2, 5]).unwrap(), quadratic, 0.8);
     let mut next = fractions(2);
     let mut modal_point = ModalPoint::default();
     for _ in 0..2000 {
         let point_mm = edges_mm.map(|edge| -3.0 + (edge + 6.0) * next());
         for beyond_mm in [0.0, 0.5] {
-            let outside_mm = field.carried(point_mm, beyond_mm, &mut modal_point);
+            let outside_mm = field.at_nearest(point_mm, beyond_mm, &mut modal_point);
             let nearest_mm: [f64; 3] = std::array::from_fn(|axis| point_mm[axis].clamp(0.0, edges_mm[axis]));
             assert!((outside_mm - distance(point_mm, nearest_mm)).abs() < 1e-6);
             let part = if outside_mm > beyond_mm { beyond_mm / outside_mm } else { 1.0 };

@@ -4,10 +4,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use arcfeed_hil_sim::fe::blade::Blade;
 use arcfeed_hil_sim::fe::body::Body;
+use arcfeed_hil_sim::fe::clamped_block::{ClampedBlock, Face};
 use arcfeed_hil_sim::fe::material::TITANIUM_6AL_4V;
-use arcfeed_hil_sim::fe::mesh::{Mesh, graded};
+use arcfeed_hil_sim::fe::mesh::{TetMesh, graded};
 use arcfeed_hil_sim::fe::sheet::{Sheet, SheetError};
-use arcfeed_hil_sim::fe::slab::{Face, Slab};
 use arcfeed_hil_sim::stock::mesh::Mesh as Surface;
 
 use crate::fe::surfaces::{TWISTED, closed, hollow};
@@ -15,7 +15,7 @@ use crate::fe::surfaces::{TWISTED, closed, hollow};
 /// Cells at the foot over those at the tip, as sheets have them.
 const FOOT_RATIO: f64 = 0.2;
 
-fn five_hz(mesh: Mesh, held: Face) -> Vec<f64> {
+fn five_hz(mesh: TetMesh, held: Face) -> Vec<f64> {
     let clamped = held.nodes(&mesh);
     Body::new(mesh, &TITANIUM_6AL_4V).modes(&clamped, 5).expect("five modes").frequencies_hz()
 }
@@ -45,7 +45,7 @@ fn a_box_is_the_block_that_it_is() {
     {
         let held = Face { axis, is_upper };
         let cells = [0, 1, 2].map(|axis: usize| if axis == thickness { 1 } else { 8 });
-        let slab = Slab {
+        let slab = ClampedBlock {
             lowest_mm: [1.0, -5.0, 3.0],
             highest_mm: [0, 1, 2].map(|k: usize| [1.0, -5.0, 3.0][k] + edges_mm[k]),
             held,
@@ -101,7 +101,7 @@ fn a_blade_with_round_edges_loses_little_with_them() {
             let [q, n, height] = [0, 1, 2].map(|axis| at[axis] / cells[axis] as f64);
             rounded_mm(&blade, [0.95 * (2.0 * q - 1.0), n - 0.5, graded(height, cells[2], FOOT_RATIO)])
         };
-        Mesh::mapped(cells, |_| true, place).expect("a blade")
+        TetMesh::mapped(cells, |_| true, place).expect("a blade")
     };
     let fine_hz = five_hz(by_formula([24, 1, 24]), FOOT);
     println!("24 x 1 x 24 by formula: {fine_hz:.2?} Hz");

@@ -4,7 +4,7 @@ use arcfeed_hil_sim::fe::blade::Blade;
 use arcfeed_hil_sim::fe::body::Body;
 use arcfeed_hil_sim::fe::eigen::{EigenError, below, lowest};
 use arcfeed_hil_sim::fe::material::TITANIUM_6AL_4V;
-use arcfeed_hil_sim::fe::mesh::Mesh;
+use arcfeed_hil_sim::fe::mesh::TetMesh;
 use arcfeed_hil_sim::fe::sparse::Sparse;
 use arcfeed_hil_sim::fe::unknowns::Unknowns;
 use nalgebra::{DMatrix, DVector};
@@ -88,7 +88,7 @@ fn a_thin_sheet_is_solved_as_a_plate_is() {
 #[test]
 fn repeated_eigenvalues_are_all_found() {
     // A square bar bends in two planes alike.
-    let mesh = Mesh::block([6.0, 6.0, 40.0], [2, 2, 4]).unwrap();
+    let mesh = TetMesh::block([6.0, 6.0, 40.0], [2, 2, 4]).unwrap();
     let body = Body::new(mesh, &TITANIUM_6AL_4V);
     let clamped = body.mesh().nodes_where(|place| place[2] == 0);
     let modes = body.modes(&clamped, 2).unwrap();
@@ -102,7 +102,7 @@ fn repeated_eigenvalues_are_all_found() {
 
 #[test]
 fn a_body_that_nothing_holds_is_refused() {
-    let body = Body::new(Mesh::block([1.0; 3], [1; 3]).unwrap(), &TITANIUM_6AL_4V);
+    let body = Body::new(TetMesh::block([1.0; 3], [1; 3]).unwrap(), &TITANIUM_6AL_4V);
     assert_eq!(body.modes(&[], 1), Err(EigenError::Singular));
     let clamped = body.mesh().nodes_where(|place| place[2] == 0);
     assert_eq!(body.modes(&clamped, 55), Err(EigenError::TooMany { size: 54 }));

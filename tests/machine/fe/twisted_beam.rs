@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use arcfeed_hil_sim::fe::blade::Blade;
 use arcfeed_hil_sim::fe::body::Body;
-use arcfeed_hil_sim::fe::material::Material;
+use arcfeed_hil_sim::fe::material::ElasticMaterial;
 use arcfeed_hil_sim::fe::sparse::Factor;
 use arcfeed_hil_sim::fe::unknowns::Unknowns;
 
@@ -16,7 +16,7 @@ const TRUTH: [f64; 2] = [1.754e-3, 5.424e-3];
 
 fn moved(cells: [usize; 3]) -> [f64; 2] {
     let strip = Blade { stagger_rad: [0.0, FRAC_PI_2], ..Blade::plate(12.0, 1.1, 0.32) };
-    let material = Material { young_mpa: 29e6, poisson_ratio: 0.22, density_kg_per_m3: 1.0 };
+    let material = ElasticMaterial { young_mpa: 29e6, poisson_ratio: 0.22, density_kg_per_m3: 1.0 };
     let body = Body::new(strip.mesh(cells, 1.0).unwrap(), &material);
     let unknowns = Unknowns::clamped(body.mesh(), &Blade::foot(body.mesh()));
     let (k, m) = body.matrices(&unknowns);

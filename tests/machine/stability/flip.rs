@@ -23,7 +23,7 @@ fn a_doubled_period_shows_once_a_tooth_and_not_once_a_turn() {
     // The sample of that program is with a tooth across the feed, half a tooth on.
     let samples: Vec<Vector3<f64>> = ways_mm[ways_mm.len() / 2..].iter().map(|way| way[way.len() / 2 - 1]).collect();
     let sampling = Sampling { teeth: 2, tooth_hz: 600.0, floor_mm: 0.02 * FEED_MM_PER_TOOTH };
-    assert_eq!(sampling.judge(&samples), Verdict::PeriodDoubling);
+    assert_eq!(sampling.evaluate(&samples), Verdict::PeriodDoubling);
     let (tooth_mm, turn_mm) = (metric_mm(&samples, 1), metric_mm(&samples, 2));
     println!(
         "once a tooth {:.4}, once a turn {:.4} of the feed",

@@ -9,7 +9,7 @@ use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
 use arcfeed_hil_sim::cutting::layer::Layer;
 use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::cutting::material::Cutting;
-use arcfeed_hil_sim::cutting::pose::Stand;
+use arcfeed_hil_sim::cutting::pose::ToolPose;
 use arcfeed_hil_sim::dynamics::modal::Mode;
 use arcfeed_hil_sim::dynamics::transition::Rule;
 use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
@@ -89,7 +89,7 @@ impl Milling {
         let mut open = 0;
         for step in 1..=teeth_passed * steps {
             let teeth = step as f64 / steps as f64;
-            let stand = Stand {
+            let stand = ToolPose {
                 axis_mm: Vector2::new(FEED_MM_PER_TOOTH * teeth, 0.0),
                 tip_mm: 0.0,
                 turned_rad: TAU * teeth / self.teeth as f64,

@@ -86,7 +86,7 @@ pub fn line(input: &[u8], seed: u64) {
         match random.u8(..60) {
             0 => port.on_framing_error(),
             1 => port.set_ready(random.bool()),
-            2 => port.excuse_what_is_on_the_wire(),
+            2 => port.exempt_bytes_on_wire(),
             3 => port.close(),
             4 => port.reset(),
             5 => port.restart(),

@@ -10,7 +10,7 @@ struct Answering<F> {
 }
 
 impl<F: FnMut(&Sample) -> Option<Setpoint>> Wires for Answering<F> {
-    fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), Broken> {
+    fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), BoardFailure> {
         assert_eq!(wire, Wire::Machine);
         let samples = bytes.iter().filter_map(|byte| self.line.on_byte(*byte));
         let answers: Vec<Setpoint> = samples
@@ -27,12 +27,12 @@ impl<F: FnMut(&Sample) -> Option<Setpoint>> Wires for Answering<F> {
         Ok(())
     }
 
-    fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), Broken> {
+    fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), BoardFailure> {
         let length = self.take_waiting(wire, bytes)?;
-        if length == bytes.len() { Ok(()) } else { Err(Broken::Silent(wire)) }
+        if length == bytes.len() { Ok(()) } else { Err(BoardFailure::Silent(wire)) }
     }
 
-    fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, Broken> {
+    fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, BoardFailure> {
         let length = if wire == Wire::Machine { self.out.len().min(bytes.len()) } else { 0 };
         bytes.iter_mut().zip(self.out.drain(..length)).for_each(|(place, byte)| *place = byte);
         Ok(length)
@@ -50,9 +50,9 @@ fn board<F: FnMut(&Sample) -> Option<Setpoint>>(mode: ModeCode, answer: F) -> Bo
     Board::new(Answering { line: PlainLine::new(), answer, out: Vec::new() }, (), mode)
 }
 
-fn shown(ms: u64) -> Shown {
+fn shown(ms: u64) -> MachineSignals {
     let signals = Signals::NONE;
-    Shown {
+    MachineSignals {
         at: Micros::from_ms(ms),
         position: Pose::ORIGIN,
         spindle: RevPerMin(1_000.0),
@@ -67,28 +67,31 @@ fn the_lines_of_the_answer_are_the_override() {
     for ms in 1..4 {
         assert_eq!(board.decide(&shown(ms)).percent, 100);
     }
-    assert_eq!((board.state(), board.broken()), (Some(StateCode::Armed), None));
+    assert_eq!((board.state(), board.failure()), (Some(StateCode::Armed), None));
 }
 
 #[test]
 fn in_lockstep_a_board_that_does_not_answer_as_it_should_is_0_percent_from_then_on() {
     type Answer = fn(&Sample) -> Option<Setpoint>;
-    let cases: [(Answer, Broken); 4] = [
-        (|sample| (sample.at != 3_000).then(|| setpoint(sample)), Broken::Silent(Wire::Machine)),
+    let cases: [(Answer, BoardFailure); 4] = [
+        (|sample| (sample.at != 3_000).then(|| setpoint(sample)), BoardFailure::Silent(Wire::Machine)),
         (
             |sample| Some(Setpoint { at: sample.at - u64::from(sample.at == 3_000), ..setpoint(sample) }),
-            Broken::OutOfStep(Micros(2_999)),
+            BoardFailure::OutOfStep(Micros(2_999)),
         ),
         (
             |sample| Some(Setpoint { link_bytes: u32::from(sample.at == 3_000), ..setpoint(sample) }),
-            Broken::Silent(Wire::Link),
+            BoardFailure::Silent(Wire::Link),
         ),
-        (|sample| Some(Setpoint { tap_bytes: u32::from(sample.at == 3_000), ..setpoint(sample) }), Broken::Tap(1)),
+        (
+            |sample| Some(Setpoint { tap_bytes: u32::from(sample.at == 3_000), ..setpoint(sample) }),
+            BoardFailure::Tap(1),
+        ),
     ];
     for (answer, why) in cases {
         let mut board = board(ModeCode::Lockstep, answer);
         let percents: Vec<u8> = (1..6).map(|ms| board.decide(&shown(ms)).percent).collect();
-        assert_eq!((percents, board.broken()), (vec![100, 100, 0, 0, 0], Some(why)));
+        assert_eq!((percents, board.failure()), (vec![100, 100, 0, 0, 0], Some(why)));
     }
 }
 
@@ -98,7 +101,7 @@ fn free_running_the_last_setpoint_stays_in_force() {
     let percents: Vec<u8> = (1..5).map(|ms| board.decide(&shown(ms)).percent).collect();
     // Before the first one no line is low: 0 %.
     assert_eq!(percents, [0, 100, 100, 100]);
-    assert_eq!(board.broken(), None);
+    assert_eq!(board.failure(), None);
 }
 
 #[test]
@@ -114,13 +117,13 @@ fn a_board_that_begins_anew_is_counted_with_from_the_beginning() {
     /// Answers on the line to the machine, discards bytes on the line to the host.
     struct Both<F>(Answering<F>);
     impl<F: FnMut(&Sample) -> Option<Setpoint>> Wires for Both<F> {
-        fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), Broken> {
+        fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), BoardFailure> {
             if wire == Wire::Machine { self.0.put(wire, bytes) } else { Ok(()) }
         }
-        fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), Broken> {
+        fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), BoardFailure> {
             self.0.take(wire, bytes)
         }
-        fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, Broken> {
+        fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, BoardFailure> {
             self.0.take_waiting(wire, bytes)
         }
     }
@@ -132,9 +135,9 @@ fn a_board_that_begins_anew_is_counted_with_from_the_beginning() {
     let wires = Both(Answering { line: PlainLine::new(), answer, out: Vec::new() });
     let mut board = Board::new(wires, Talker, ModeCode::Lockstep);
     let percents: Vec<u8> = (1..4).map(|ms| board.decide(&shown(ms)).percent).collect();
-    assert_eq!((percents, board.broken()), (vec![100, 100, 0], Some(Broken::Silent(Wire::Machine))));
-    board.begin_anew(|_| {});
-    assert_eq!((board.state(), board.broken()), (None, None));
+    assert_eq!((percents, board.failure()), (vec![100, 100, 0], Some(BoardFailure::Silent(Wire::Machine))));
+    board.restart(|_| {});
+    assert_eq!((board.state(), board.failure()), (None, None));
     assert_eq!((4..6).map(|ms| board.decide(&shown(ms)).percent).collect::<Vec<u8>>(), [100, 100]);
     drop(board);
     assert_eq!(counted, [0, 3, 6, 0, 3]);

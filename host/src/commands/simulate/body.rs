@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use arcfeed_hil_sim::dynamics::modal::Mode;
 use arcfeed_hil_sim::fe::body::Body;
+use arcfeed_hil_sim::fe::clamped_block::{ClampedBlock, Face};
 use arcfeed_hil_sim::fe::field::Field;
-use arcfeed_hil_sim::fe::material::{MATERIALS, Material};
-use arcfeed_hil_sim::fe::mesh::Mesh;
+use arcfeed_hil_sim::fe::material::{ElasticMaterial, MATERIALS};
+use arcfeed_hil_sim::fe::mesh::TetMesh;
 use arcfeed_hil_sim::fe::sheet::Sheet;
-use arcfeed_hil_sim::fe::slab::{Face, Slab};
 use arcfeed_hil_sim::flexible::largest_modes;
 use arcfeed_hil_sim::removal::flexible_workpiece::FlexibleWorkpiece;
 use arcfeed_hil_sim::stock::solid::Solid;
@@ -44,10 +44,10 @@ pub fn flexible(
     Ok((FlexibleWorkpiece::new(Arc::new(field), edges_mm), modes))
 }
 
-fn mesh(flexible: &Flexible, held: Face) -> Result<Mesh, Trouble> {
+fn mesh(flexible: &Flexible, held: Face) -> Result<TetMesh, Trouble> {
     match &flexible.shape {
         Shape::Block { lowest_mm, highest_mm } => {
-            let slab = Slab { lowest_mm: *lowest_mm, highest_mm: *highest_mm, held };
+            let slab = ClampedBlock { lowest_mm: *lowest_mm, highest_mm: *highest_mm, held };
             slab.mesh(flexible.cells).map_err(|error| (Some(flexible.offset), error.to_string()))
         }
         Shape::Sheet { file, thickness, offset } => {
@@ -58,11 +58,11 @@ fn mesh(flexible: &Flexible, held: Face) -> Result<Mesh, Trouble> {
     }
 }
 
-fn material(told: &Elastic) -> Result<Material, Trouble> {
+fn material(told: &Elastic) -> Result<ElasticMaterial, Trouble> {
     match told {
         Elastic::Told { young_mpa, poisson_ratio, density_kg_per_m3 } => {
             let (young_mpa, poisson_ratio, density_kg_per_m3) = (*young_mpa, *poisson_ratio, *density_kg_per_m3);
-            Ok(Material { young_mpa, poisson_ratio, density_kg_per_m3 })
+            Ok(ElasticMaterial { young_mpa, poisson_ratio, density_kg_per_m3 })
         }
         Elastic::Material { name, offset } => {
             let found = MATERIALS.iter().find(|(known, _)| known == name);

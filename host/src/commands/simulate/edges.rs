@@ -11,9 +11,9 @@ use arcfeed_hil_sim::dynamics::modal::Mode;
 use arcfeed_hil_sim::dynamics::transition::Rule;
 use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
 use arcfeed_hil_sim::process::Process;
-use arcfeed_hil_sim::removal::envelope::Turned;
+use arcfeed_hil_sim::removal::chatter_detection::{ChatterSamples, FLOOR_RATIO};
+use arcfeed_hil_sim::removal::envelope::CuttingSolid;
 use arcfeed_hil_sim::removal::flexible_workpiece::FlexibleWorkpiece;
-use arcfeed_hil_sim::removal::steadiness::{FLOOR_RATIO, Samples};
 use arcfeed_hil_sim::stock::solid::Solid;
 use arcfeed_shared::tool::Tool;
 use arcfeed_shared::units::{Nm, S_PER_MIN};
@@ -73,10 +73,10 @@ pub fn process(
 ///
 /// # Errors
 /// The edges are none.
-pub fn turned(file: &JobFile, cutting: &Cutting) -> Result<Turned, Trouble> {
+pub fn turned(file: &JobFile, cutting: &Cutting) -> Result<CuttingSolid, Trouble> {
     let corner_mm = file.workpiece.as_ref().map_or(0.0, |workpiece| workpiece.body.corner_mm);
     let edges = true_edges(file, cutting, corner_mm).map_err(|error| (None, error.to_string()))?;
-    Ok(Turned { slices: slices(&edges), reach_mm: cutting.axial_depth_mm })
+    Ok(CuttingSolid { slices: slices(&edges), reach_mm: cutting.axial_depth_mm })
 }
 
 /// The largest turn in a step.
@@ -99,9 +99,9 @@ pub fn step_max_rad(file: &JobFile, process: &Process) -> f64 {
 }
 
 /// No samples yet: one a tooth, of a ring one for an outer and an inner tooth.
-pub fn samples(file: &JobFile) -> Samples {
+pub fn samples(file: &JobFile) -> ChatterSamples {
     let teeth = usize::from(file.job.tools.first().tool.active_teeth());
-    Samples::new(teeth, f64::from(file.job.tools.first().feed_per_tooth.0) * FLOOR_RATIO)
+    ChatterSamples::new(teeth, f64::from(file.job.tools.first().feed_per_tooth.0) * FLOOR_RATIO)
 }
 
 fn mode(told: &ModeFigures) -> Result<Mode, Trouble> {

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use arcfeed_hil_sim::dynamics::chatter::Verdict;
+use arcfeed_hil_sim::removal::load_statistics::LoadStatistics;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
-use arcfeed_hil_sim::removal::tally::Tally;
-use arcfeed_hil_sim::removal::trail::Of;
+use arcfeed_hil_sim::removal::trail::BlockRef;
 use arcfeed_shared::units::LengthUnit;
 
 use super::material_figures::left_out_figures;
@@ -20,7 +20,7 @@ const W_PER_KW: f64 = 1e3;
 /// The figures of a run, and of the program as it was.
 pub fn figures(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> LoadsFigures {
     let runs = [meter, baseline];
-    let of = |choose: &dyn Fn(&Of) -> bool| runs.map(|run| load(&sum(run, choose), unit));
+    let of = |choose: &dyn Fn(&BlockRef) -> bool| runs.map(|run| load(&sum(run, choose), unit));
     let [total, before] = of(&|_| true);
     let mut rules: Vec<Option<usize>> = runs.iter().flat_map(|run| run.blocks()).map(|(of, _)| of.rule).collect();
     rules.sort_unstable_by_key(|rule| rule.unwrap_or(usize::MAX));
@@ -44,22 +44,22 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Loa
         left_out: meter
             .left_out()
             .iter()
-            .map(|left_out| left_out_figures(left_out.why, &left_out.first, left_out.blocks))
+            .map(|left_out| left_out_figures(left_out.reason, &left_out.first, left_out.blocks))
             .collect(),
     }
 }
 
 fn vibration(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> VibrationFigures {
-    let worst = |meter: &LoadMeter| meter.steadiness().iter().map(|block| block.metric_mm / unit.mm()).reduce(f64::max);
+    let worst = |meter: &LoadMeter| meter.chatter().iter().map(|block| block.metric_mm / unit.mm()).reduce(f64::max);
     let unsteady = |meter: &LoadMeter| {
-        let told = meter.steadiness().iter().filter_map(|block| {
+        let told = meter.chatter().iter().filter_map(|block| {
             let verdict = match block.verdict {
                 Verdict::Stable => return None,
                 Verdict::Uneven => "uneven",
                 Verdict::PeriodDoubling => "period-doubling",
                 Verdict::Chatter { .. } => "chatter",
             };
-            let Of { count, sequence, rule, .. } = block.of;
+            let BlockRef { count, sequence, rule, .. } = block.block;
             let (rule, metric) = (rule.map(|rule| rule + 1), block.metric_mm / unit.mm());
             Some(UnsteadyFigures { block: count, n: sequence, rule, verdict, metric })
         });
@@ -68,7 +68,7 @@ fn vibration(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Vibra
     VibrationFigures {
         floor: meter.floor_mm() / unit.mm(),
         workpiece_hz: meter.workpiece_hz().collect(),
-        judged: meter.steadiness().len(),
+        judged: meter.chatter().len(),
         metric_max: worst(meter),
         baseline_metric_max: worst(baseline),
         unsteady: unsteady(meter),
@@ -78,67 +78,67 @@ fn vibration(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Vibra
 
 /// Force and power along time.
 pub fn lanes(after: &LoadMeter, before: &LoadMeter) -> [Lane; 2] {
-    let lane = |title: &str, value: &dyn Fn(&Tally) -> f64| {
+    let lane = |title: &str, value: &dyn Fn(&LoadStatistics) -> f64| {
         let series = [("before", "#999", before), ("after", "#c03020", after)].map(|(name, color, meter)| {
-            let step = |window: &arcfeed_hil_sim::removal::loads::Window| {
-                ([window.from.to_s(), window.to.to_s()], value(&window.tally))
+            let step = |window: &arcfeed_hil_sim::removal::loads::LoadWindow| {
+                ([window.from.to_s(), window.to.to_s()], value(&window.statistics))
             };
             Series { name, color, steps: meter.windows().iter().map(step).collect() }
         });
         Lane { title: title.into(), series: series.into() }
     };
     [
-        lane("largest bending force, N", &|tally| tally.bending.max()),
-        lane("mean power in the cut, kW", &|tally| tally.mean(&tally.power) / W_PER_KW),
+        lane("largest bending force, N", &|statistics| statistics.bending.max()),
+        lane("mean power in the cut, kW", &|statistics| statistics.mean(&statistics.power) / W_PER_KW),
     ]
 }
 
-fn sum(meter: &LoadMeter, choose: &dyn Fn(&Of) -> bool) -> Tally {
-    let mut sum = Tally::default();
-    meter.blocks().iter().filter(|(of, _)| choose(of)).for_each(|(_, tally)| sum.merge(tally));
+fn sum(meter: &LoadMeter, choose: &dyn Fn(&BlockRef) -> bool) -> LoadStatistics {
+    let mut sum = LoadStatistics::default();
+    meter.blocks().iter().filter(|(of, _)| choose(of)).for_each(|(_, statistics)| sum.merge(statistics));
     sum
 }
 
 /// Those of the run; of the program as it was, where it has the same block.
 fn blocks(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Vec<LoadBlockFigures> {
     let [after, before] = [meter, baseline].map(by_block);
-    let block = |(count, (of, tally)): (&u32, &(Of, Tally))| {
+    let block = |(count, (of, statistics)): (&u32, &(BlockRef, LoadStatistics))| {
         let before = before.get(count).filter(|(other, _)| other.sequence == of.sequence);
         LoadBlockFigures {
             block: *count,
             n: of.sequence,
             rule: of.rule.map(|rule| rule + 1),
-            load: load(tally, unit),
-            baseline: before.map(|(_, tally)| load(tally, unit)),
+            load: load(statistics, unit),
+            baseline: before.map(|(_, statistics)| load(statistics, unit)),
         }
     };
     after.iter().map(block).collect()
 }
 
-fn by_block(meter: &LoadMeter) -> BTreeMap<u32, (Of, Tally)> {
+fn by_block(meter: &LoadMeter) -> BTreeMap<u32, (BlockRef, LoadStatistics)> {
     let mut found = BTreeMap::new();
-    for (of, tally) in meter.blocks() {
-        found.entry(of.count).or_insert((*of, Tally::default())).1.merge(tally);
+    for (of, statistics) in meter.blocks() {
+        found.entry(of.count).or_insert((*of, LoadStatistics::default())).1.merge(statistics);
     }
     found
 }
 
-fn load(tally: &Tally, unit: LengthUnit) -> LoadFigures {
+fn load(statistics: &LoadStatistics, unit: LengthUnit) -> LoadFigures {
     let in_unit = |mm: f64| mm / unit.mm();
     LoadFigures {
-        time_s: tally.time_s,
-        force_max_n: tally.bending.max(),
-        force_mean_n: tally.mean(&tally.bending),
-        force_variation_ratio: tally.variation_ratio(),
-        thrust_max_n: tally.thrust.max(),
-        thrust_mean_n: tally.mean(&tally.thrust),
-        torque_max_n_m: tally.torque.max(),
-        torque_mean_n_m: tally.mean(&tally.torque),
-        power_max_w: tally.power.max(),
-        power_mean_w: tally.mean(&tally.power),
-        chips: tally.passes.map(|passes| passes.count),
-        chip_mean: tally.passes.map(|passes| passes.mean_mm().map(in_unit)),
-        chip_max: tally.passes.map(|passes| (passes.count > 0).then(|| in_unit(passes.max_mm))),
-        end_chip_max: (tally.end_max_mm > 0.0).then(|| in_unit(tally.end_max_mm)),
+        time_s: statistics.time_s,
+        force_max_n: statistics.bending.max(),
+        force_mean_n: statistics.mean(&statistics.bending),
+        force_variation_ratio: statistics.variation_ratio(),
+        thrust_max_n: statistics.thrust.max(),
+        thrust_mean_n: statistics.mean(&statistics.thrust),
+        torque_max_n_m: statistics.torque.max(),
+        torque_mean_n_m: statistics.mean(&statistics.torque),
+        power_max_w: statistics.power.max(),
+        power_mean_w: statistics.mean(&statistics.power),
+        chips: statistics.passes.map(|passes| passes.count),
+        chip_mean: statistics.passes.map(|passes| passes.mean_mm().map(in_unit)),
+        chip_max: statistics.passes.map(|passes| (passes.count > 0).then(|| in_unit(passes.max_mm))),
+        end_chip_max: (statistics.end_max_mm > 0.0).then(|| in_unit(statistics.end_max_mm)),
     }
 }

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use arcfeed_hil_sim::cutting::layers::Layers;
-use arcfeed_hil_sim::removal::envelope::Turned;
+use arcfeed_hil_sim::removal::envelope::CuttingSolid;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
-use arcfeed_hil_sim::removal::marks::{Mark, marks};
-use arcfeed_hil_sim::removal::trail::Of;
+use arcfeed_hil_sim::removal::marks::{WallMark, marks};
+use arcfeed_hil_sim::removal::trail::BlockRef;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::units::LengthUnit;
 
@@ -24,35 +24,35 @@ pub struct Truth {
     /// The layers before the run.
     pub blank: Layers,
     /// What a true tool turns.
-    pub turned: Turned,
+    pub turned: CuttingSolid,
 }
 
 impl Truth {
     /// The marks of a run.
-    pub fn marks(&self, meter: &LoadMeter) -> Vec<Mark> {
-        marks(&self.blank, meter.process().engagement().layers(), meter.way(), &self.turned)
+    pub fn marks(&self, meter: &LoadMeter) -> Vec<WallMark> {
+        marks(&self.blank, meter.process().engagement().layers(), meter.tip_path(), &self.turned)
     }
 }
 
 /// The figures of a run's marks; none of none.
-pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[Mark]) -> Option<MarksFigures> {
+pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Option<MarksFigures> {
     let in_unit = |mm: f64| mm / unit.mm();
     let worst = marks.iter().max_by(|a, b| a.off_mm.abs().total_cmp(&b.off_mm.abs()))?;
     let z = |layer: usize| in_unit(meter.process().engagement().layers().middle_mm(layer));
-    let (mut layers, mut blocks) = (BTreeMap::<usize, Vec<f64>>::new(), BTreeMap::<u32, (Of, Vec<f64>)>::new());
+    let (mut layers, mut blocks) = (BTreeMap::<usize, Vec<f64>>::new(), BTreeMap::<u32, (BlockRef, Vec<f64>)>::new());
     for mark in marks {
         let off = in_unit(mark.off_mm);
         layers.entry(mark.layer).or_default().push(off);
-        blocks.entry(mark.of.count).or_insert((mark.of, Vec::new())).1.push(off);
+        blocks.entry(mark.block.count).or_insert((mark.block, Vec::new())).1.push(off);
     }
     let range = |offs: &[f64]| RangeFigures::of(offs.iter().copied());
     let of_layer = |(layer, offs): (&usize, &Vec<f64>)| Some(LayerFigures { z: z(*layer), range: range(offs)? });
-    let of_block = |(block, (of, offs)): (&u32, &(Of, Vec<f64>))| {
+    let of_block = |(block, (of, offs)): (&u32, &(BlockRef, Vec<f64>))| {
         let rule = of.rule.map(|rule| rule + 1);
         Some(BlockMarksFigures { block: *block, n: of.sequence, rule, range: range(offs)? })
     };
     let [x, y] = [worst.point_mm.x, worst.point_mm.y].map(in_unit);
-    let Of { count, sequence, rule, .. } = worst.of;
+    let BlockRef { count, sequence, rule, .. } = worst.block;
     Some(MarksFigures {
         range: RangeFigures::of(marks.iter().map(|mark| in_unit(mark.off_mm)))?,
         largest: LargestFigures {
@@ -70,7 +70,7 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[Mark]) -> Option<Ma
 }
 
 /// The marks seen along Z; where several lie over each other, the largest.
-pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[Mark]) -> Option<Map> {
+pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Option<Map> {
     let in_unit = |mm: f64| mm / unit.mm();
     let [lowest_mm, highest_mm] = meter.process().engagement().layers().extent_mm()?;
     let size_mm = [0, 1].map(|axis: usize| highest_mm[axis] - lowest_mm[axis]);
@@ -106,19 +106,20 @@ pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigur
         let blocks = loads.vibration.iter().flat_map(|vibration| &vibration.unsteady);
         blocks.filter(|block| block.block == count).map(|block| block.verdict).next()
     };
-    let chip_ratio = |of: &Of| {
+    let chip_ratio = |of: &BlockRef| {
         let wanted = of.rule.and_then(|rule| job.rules.get(rule)).map(|rule| job.feed_per_tooth_of(rule));
         let wanted = in_unit(f64::from(wanted.unwrap_or(job.tools.first().feed_per_tooth).0));
         let block = loads.blocks.iter().find(|block| block.block == of.count)?;
         Some(block.load.thickest()? / wanted)
     };
     let mut blocks: Vec<PlotBlock> = Vec::new();
-    let mut before: Option<Of> = None;
-    for leg in meter.way().legs().iter().filter(|leg| !leg.of.is_rapid) {
-        let [from, to] = [leg.from_mm, leg.to_mm].map(|tip_mm| [in_unit(tip_mm[0]), in_unit(tip_mm[1])]);
-        if before.replace(leg.of) != Some(leg.of) {
-            let name = leg.of.sequence.map_or_else(|| format!("block {}", leg.of.count), |n| format!("N{n}"));
-            let (verdict, chip_ratio) = (unsteady(leg.of.count), chip_ratio(&leg.of));
+    let mut before: Option<BlockRef> = None;
+    for segment in meter.tip_path().segments().iter().filter(|segment| !segment.block.is_rapid) {
+        let [from, to] = [segment.from_mm, segment.to_mm].map(|tip_mm| [in_unit(tip_mm[0]), in_unit(tip_mm[1])]);
+        if before.replace(segment.block) != Some(segment.block) {
+            let name =
+                segment.block.sequence.map_or_else(|| format!("block {}", segment.block.count), |n| format!("N{n}"));
+            let (verdict, chip_ratio) = (unsteady(segment.block.count), chip_ratio(&segment.block));
             blocks.push(PlotBlock { name, verdict, chip_ratio, lines: Vec::new() });
         }
         let Some(block) = blocks.last_mut() else { continue };

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use arcfeed_hil_sim::removal::cutter::Cutter;
-use arcfeed_hil_sim::removal::placing::Unplaced;
-use arcfeed_hil_sim::removal::rate::{Piece, Taken};
-use arcfeed_hil_sim::removal::trail::Of;
+use arcfeed_hil_sim::removal::cutter::StockCutter;
+use arcfeed_hil_sim::removal::placement::LeftOutReason;
+use arcfeed_hil_sim::removal::rate::{Piece, RemovedVolume};
+use arcfeed_hil_sim::removal::trail::BlockRef;
 use arcfeed_hil_sim::stock::deviation::HeightMap;
 use arcfeed_hil_sim::stock::lattice::Lattice;
 use arcfeed_hil_sim::stock::workpiece::Stock;
@@ -18,11 +18,11 @@ use crate::report::material::{
 };
 
 /// The figures of a run, and of the program as it was.
-pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &Cutter, baseline: &Cutter) -> MaterialFigures {
+pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &StockCutter, baseline: &StockCutter) -> MaterialFigures {
     let volumes = VolumeUnit::of(unit);
     let step_mm = setup.workpiece.step_mm;
     let runs = [cutter, baseline];
-    let taken = |choose: &dyn Fn(&Cutter, &Piece) -> bool| {
+    let taken = |choose: &dyn Fn(&StockCutter, &Piece) -> bool| {
         runs.map(|run| taken_of(run.pieces().iter().filter(|piece| choose(run, piece)), step_mm, volumes))
     };
     let [mut total, mut before] = taken(&|_, _| true);
@@ -59,7 +59,7 @@ pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &Cutter, baseline: &
         left_out: cutter
             .left_out()
             .iter()
-            .map(|left_out| left_out_figures(left_out.why, &left_out.first, left_out.blocks))
+            .map(|left_out| left_out_figures(left_out.reason, &left_out.first, left_out.blocks))
             .collect(),
         deviation: None,
     }
@@ -89,7 +89,7 @@ pub fn deviation(unit: LengthUnit, stock: &Stock, target: &Stock) -> Option<(Hei
 }
 
 /// Those that took something, each once.
-fn blocks(cutter: &Cutter, baseline: &Cutter, step_mm: f64, volumes: VolumeUnit) -> Vec<BlockFigures> {
+fn blocks(cutter: &StockCutter, baseline: &StockCutter, step_mm: f64, volumes: VolumeUnit) -> Vec<BlockFigures> {
     let [after, before] = [cutter, baseline].map(by_block);
     let taken = |pieces: &[&Piece]| taken_of(pieces.iter().copied(), step_mm, volumes);
     let cutting = after.into_iter().map(|(key, (of, pieces))| {
@@ -107,7 +107,7 @@ fn blocks(cutter: &Cutter, baseline: &Cutter, step_mm: f64, volumes: VolumeUnit)
 }
 
 /// The pieces of each block, its rapids apart.
-fn by_block(cutter: &Cutter) -> BTreeMap<(u32, bool), (Of, Vec<&Piece>)> {
+fn by_block(cutter: &StockCutter) -> BTreeMap<(u32, bool), (BlockRef, Vec<&Piece>)> {
     let mut found = BTreeMap::new();
     for piece in cutter.pieces() {
         let of = cutter.blocks()[piece.block];
@@ -117,7 +117,7 @@ fn by_block(cutter: &Cutter) -> BTreeMap<(u32, bool), (Of, Vec<&Piece>)> {
 }
 
 fn taken_of<'p>(pieces: impl Iterator<Item = &'p Piece> + Clone, step_mm: f64, volumes: VolumeUnit) -> TakenFigures {
-    let taken = Taken::of(pieces, step_mm);
+    let taken = RemovedVolume::of(pieces, step_mm);
     TakenFigures {
         removed: volumes.of_mm3(taken.mean_mm3()),
         spread: volumes.of_mm3(taken.spread_mm3()),
@@ -127,14 +127,14 @@ fn taken_of<'p>(pieces: impl Iterator<Item = &'p Piece> + Clone, step_mm: f64, v
     }
 }
 
-pub fn left_out_figures(why: Unplaced, first: &Of, blocks: usize) -> LeftOutFigures {
-    let cause = match why {
-        Unplaced::Turning => "turning",
-        Unplaced::OtherPosition => "other-position",
-        Unplaced::NoMachine => "no-machine",
-        Unplaced::Contour => "contour",
-        Unplaced::Tilted => "tilted",
-        Unplaced::Backwards => "backwards",
+pub fn left_out_figures(reason: LeftOutReason, first: &BlockRef, blocks: usize) -> LeftOutFigures {
+    let cause = match reason {
+        LeftOutReason::Turning => "turning",
+        LeftOutReason::OtherPosition => "other-position",
+        LeftOutReason::NoMachine => "no-machine",
+        LeftOutReason::Contour => "contour",
+        LeftOutReason::Tilted => "tilted",
+        LeftOutReason::Backwards => "backwards",
     };
     LeftOutFigures { cause, blocks, first_block: first.count, first_n: first.sequence }
 }

@@ -3,8 +3,8 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use arcfeed_hil_sim::removal::cutter::Cutter;
-use arcfeed_hil_sim::removal::marks::Mark;
+use arcfeed_hil_sim::removal::cutter::StockCutter;
+use arcfeed_hil_sim::removal::marks::WallMark;
 use arcfeed_hil_sim::removal::rate::windows;
 use arcfeed_hil_sim::stock::deviation::HeightMap;
 use arcfeed_hil_sim::stock::files::{write_ply, write_stl};
@@ -48,7 +48,7 @@ pub struct Shown<'a> {
     /// Where the job has a target.
     pub deviation: Option<(HeightMap, DeviationFigures)>,
     /// What the edges left on walls.
-    pub marks: Vec<Mark>,
+    pub marks: Vec<WallMark>,
 }
 
 impl SurfaceFormat {
@@ -154,9 +154,9 @@ impl Shown<'_> {
     }
 }
 
-fn rates(cutter: &Cutter, volumes: VolumeUnit) -> Vec<([f64; 2], f64)> {
+fn rates(cutter: &StockCutter, volumes: VolumeUnit) -> Vec<([f64; 2], f64)> {
     let windows = windows(cutter.pieces().iter(), cutter.stock().lattice().step_mm());
-    let step = |window: &arcfeed_hil_sim::removal::rate::Window| {
+    let step = |window: &arcfeed_hil_sim::removal::rate::RateWindow| {
         ([window.from.to_s(), window.to.to_s()], volumes.of_mm3(window.rate_per_min()))
     };
     windows.iter().map(step).collect()

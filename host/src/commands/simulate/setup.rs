@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use arcfeed_hil_sim::cutting::layers::Layers;
-use arcfeed_hil_sim::removal::cutter::{Cutter, CutterSettings};
+use arcfeed_hil_sim::removal::cutter::{StockCutter, StockCutterSettings};
 use arcfeed_hil_sim::removal::loads::{LoadMeter, LoadSettings};
 use arcfeed_hil_sim::stock::motion::Pose;
 use arcfeed_hil_sim::stock::profile::ProfileError;
@@ -31,7 +31,7 @@ pub struct Setup<'a> {
     /// As told.
     pub workpiece: &'a Workpiece,
     /// Before the run, with what cuts it.
-    pub settings: CutterSettings,
+    pub settings: StockCutterSettings,
     /// `file:line:column` of its table.
     pub place: String,
     /// How far up from its tip the tool cuts.
@@ -77,7 +77,7 @@ impl<'a> Setup<'a> {
         });
         let (loads, truth) = edges.transpose()?.unzip();
         let depth_mm = file.cutting.as_ref().map_or(workpiece.body.height_mm, |cutting| cutting.axial_depth_mm);
-        let settings = CutterSettings { stock, tool, machine, tolerance_mm };
+        let settings = StockCutterSettings { stock, tool, machine, tolerance_mm };
         Ok(Some(Setup { workpiece, settings, place, depth_mm, loads, truth }))
     }
 
@@ -96,8 +96,8 @@ impl<'a> Setup<'a> {
     }
 
     /// What cuts it in a run.
-    pub fn cutter(&self) -> Cutter {
-        Cutter::new(self.settings.clone())
+    pub fn cutter(&self) -> StockCutter {
+        StockCutter::new(self.settings.clone())
     }
 
     /// The finished part on the same rays.

@@ -1,7 +1,7 @@
 //! A run, watched: the stock is cut as the axes go, the override noted, and a person told how far it is.
 
 use arcfeed_hil_sim::override_source::controller::InProcessController;
-use arcfeed_hil_sim::removal::cutter::Cutter;
+use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
 use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::units::Micros;
@@ -20,7 +20,7 @@ const SIGN_EVERY: u64 = 200;
 #[derive(Debug, Default)]
 pub struct Watch {
     /// The workpiece under it.
-    pub cutter: Option<Cutter>,
+    pub cutter: Option<StockCutter>,
     /// The edges in it.
     pub loads: Option<LoadMeter>,
     /// The override, %, from each time on.
@@ -54,9 +54,9 @@ impl Watch {
 
     fn see(&mut self, simulation: &Simulation<InProcessController>) -> Result<(), Failure> {
         if let Some(cutter) = &mut self.cutter {
-            cutter.see(simulation).map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
+            cutter.observe(simulation).map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
         }
-        self.loads.iter_mut().for_each(|loads| loads.see(simulation));
+        self.loads.iter_mut().for_each(|loads| loads.observe(simulation));
         let percent = simulation.control().override_percent();
         if self.overrides.last().is_none_or(|(_, last)| *last != percent) {
             self.overrides.push((simulation.now(), percent));

@@ -127,7 +127,7 @@ impl<D: OverrideSource> Port for SimPort<D> {
             if self.fed.0 != control.executed().len() {
                 self.fed = (control.executed().len(), control.starved_ms());
             }
-            if self.simulation.now() >= deadline || self.simulation.is_done() || self.simulation.control().has_to_say()
+            if self.simulation.now() >= deadline || self.simulation.is_done() || self.simulation.control().has_output()
             {
                 return;
             }

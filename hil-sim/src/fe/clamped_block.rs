@@ -2,7 +2,7 @@
 
 use arcfeed_shared::kinematics::vector::Vector;
 
-use super::mesh::{Mesh, MeshError, graded};
+use super::mesh::{TetMesh, TetMeshError, graded};
 
 /// Ratio of the cell length at the clamp to that at the other end: the bending changes fast at the clamp.
 const HELD_RATIO: f64 = 0.2;
@@ -28,7 +28,7 @@ impl Face {
     }
 
     /// Nodes in this face, for a lattice with its axes along x, y and z.
-    pub fn nodes(self, mesh: &Mesh) -> Vec<usize> {
+    pub fn nodes(self, mesh: &TetMesh) -> Vec<usize> {
         let end = if self.is_upper { 2 * mesh.cells()[self.axis] } else { 0 };
         mesh.nodes_where(|place| place[self.axis] == end)
     }
@@ -36,7 +36,7 @@ impl Face {
 
 /// Block with its clamped face.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slab {
+pub struct ClampedBlock {
     /// The lowest corner.
     pub lowest_mm: Vector,
     /// The highest corner.
@@ -45,12 +45,12 @@ pub struct Slab {
     pub held: Face,
 }
 
-impl Slab {
+impl ClampedBlock {
     /// A mesh with cells along the axes; those at the clamp have a fifth of the length of those at the other end.
     ///
     /// # Errors
     /// No cells along an axis, or no length.
-    pub fn mesh(&self, cells: [usize; 3]) -> Result<Mesh, MeshError> {
+    pub fn mesh(&self, cells: [usize; 3]) -> Result<TetMesh, TetMeshError> {
         let part = |at: f64, axis: usize| {
             let even = at / cells[axis] as f64;
             if axis == self.held.axis { self.held.graded(even, cells[axis]) } else { even }
@@ -61,7 +61,7 @@ impl Slab {
                 self.lowest_mm[axis] * (1.0 - part) + self.highest_mm[axis] * part
             })
         };
-        Mesh::mapped(cells, |_| true, place)
+        TetMesh::mapped(cells, |_| true, place)
     }
 }
 
@@ -72,16 +72,17 @@ mod tests {
     #[test]
     fn each_face_can_be_held_and_cells_are_short_there() {
         for (axis, is_upper) in [(0, false), (1, true), (2, true)] {
-            let slab = Slab { lowest_mm: [1.0; 3], highest_mm: [4.0, 5.0, 6.0], held: Face { axis, is_upper } };
-            let mesh = slab.mesh([3, 3, 3]).unwrap();
-            let held_mm = if is_upper { slab.highest_mm[axis] } else { slab.lowest_mm[axis] };
-            let clamped = slab.held.nodes(&mesh);
+            let block =
+                ClampedBlock { lowest_mm: [1.0; 3], highest_mm: [4.0, 5.0, 6.0], held: Face { axis, is_upper } };
+            let mesh = block.mesh([3, 3, 3]).unwrap();
+            let held_mm = if is_upper { block.highest_mm[axis] } else { block.lowest_mm[axis] };
+            let clamped = block.held.nodes(&mesh);
             assert_eq!(clamped.len(), 49);
             assert!(clamped.iter().all(|node| mesh.nodes_mm()[*node][axis] == held_mm));
             let off_mm = mesh.nodes_mm().iter().map(|node| (node[axis] - held_mm).abs());
             let first_mm = off_mm.filter(|off_mm| *off_mm > 1e-9).fold(f64::INFINITY, f64::min);
             // Cells have the lengths 0.2, 0.6 and 1; the first node is in the middle of the first.
-            let length_mm = slab.highest_mm[axis] - slab.lowest_mm[axis];
+            let length_mm = block.highest_mm[axis] - block.lowest_mm[axis];
             assert!((first_mm - length_mm / 18.0).abs() < 1e-12, "{first_mm}");
         }
     }

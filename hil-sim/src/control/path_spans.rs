@@ -6,11 +6,11 @@ use std::iter::once;
 use crate::drives::limits::PathLimits;
 
 use super::feeds::FeedConditions;
-use super::leg::{Active, Queued, flowing};
+use super::prepared_move::{Active, Queued, flowing};
 
 /// A span of the path: its beginning, its limits, and the speed wanted on it.
 #[derive(Clone, Copy, Debug)]
-pub struct Stretch {
+pub struct PathSpan {
     /// Beginning of the span, from the beginning of the move in execution.
     pub at_mm: f64,
     /// Limits of the axes.
@@ -24,23 +24,23 @@ pub fn walk(
     active: &Active,
     queue: &VecDeque<Queued>,
     conditions: &FeedConditions,
-    mut visit: impl FnMut(Stretch) -> bool,
+    mut visit: impl FnMut(PathSpan) -> bool,
 ) {
-    let flowing = flowing(queue).take_while(|(leg, _)| leg.entry.is_some());
+    let flowing = flowing(queue).take_while(|(prepared, _)| prepared.entry.is_some());
     let (mut from, mut before) = (0.0, f64::INFINITY);
-    for (leg, context) in once((&active.leg, &active.context)).chain(flowing) {
-        let wanted = leg.wanted(context, conditions);
-        let half = leg.entry.map_or(0.0, |corner| corner.junction.half_mm);
-        let corner = leg.entry.map(|corner| Stretch {
+    for (prepared, context) in once((&active.prepared, &active.context)).chain(flowing) {
+        let wanted = prepared.wanted(context, conditions);
+        let half = prepared.entry.map_or(0.0, |corner| corner.junction.half_mm);
+        let corner = prepared.entry.map(|corner| PathSpan {
             at_mm: from - half,
             limits: corner.limits,
             wanted_mm_per_s: wanted.min(before),
         });
-        let between = Stretch { at_mm: from + half, limits: leg.limits, wanted_mm_per_s: wanted };
+        let between = PathSpan { at_mm: from + half, limits: prepared.limits, wanted_mm_per_s: wanted };
         if !corner.into_iter().chain([between]).all(&mut visit) {
             return;
         }
-        (from, before) = (from + leg.travel.length_mm, wanted);
+        (from, before) = (from + prepared.travel.length_mm, wanted);
     }
-    visit(Stretch { at_mm: from, limits: PathLimits { speed: 0.0, ..PathLimits::NONE }, wanted_mm_per_s: 0.0 });
+    visit(PathSpan { at_mm: from, limits: PathLimits { speed: 0.0, ..PathLimits::NONE }, wanted_mm_per_s: 0.0 });
 }

@@ -10,14 +10,14 @@ use crate::drives::brake::time_s;
 use crate::drives::limits::{AXES, DriveLimits, PathLimits};
 
 use super::action::{Action, MoveContext, ReadBlock};
-use super::feeds::{FeedConditions, most_mm_per_s};
+use super::feeds::{FeedConditions, speed_max_mm_per_s};
 use super::junction::Junction;
 use super::path::Travel;
 use super::signals::OVERRIDE_MAX_PERCENT;
 
 /// A move with the limits of the axes on it.
 #[derive(Clone, Debug)]
-pub struct Leg {
+pub struct PreparedMove {
     /// Path of the move.
     pub travel: Travel,
     /// Limits between the corners.
@@ -27,7 +27,7 @@ pub struct Leg {
     /// Largest speed at the beginning, if corners are passed with a jump of speed.
     pub corner_mm_per_s: f64,
     /// Largest speed of the move, whatever its feed.
-    most_mm_per_s: f64,
+    speed_max_mm_per_s: f64,
 }
 
 /// Settings of a control that limit all moves.
@@ -58,14 +58,14 @@ pub struct Queued {
     /// The block.
     pub block: ReadBlock,
     /// Prepared move, if the block makes one.
-    pub leg: Option<Leg>,
+    pub prepared: Option<PreparedMove>,
 }
 
 /// The move in execution.
 #[derive(Clone, Debug)]
 pub struct Active {
     /// The move.
-    pub leg: Leg,
+    pub prepared: PreparedMove,
     /// Distance done.
     pub done_mm: f64,
     /// Count of blocks executed, this one included.
@@ -85,7 +85,7 @@ pub enum Advance {
     Over(f64),
 }
 
-impl Leg {
+impl PreparedMove {
     /// A move that begins at rest; without drives nothing limits its speed.
     pub fn new(segment: Segment, limits: &MoveLimits<'_>) -> Self {
         let MoveLimits { drives, arc_clamp, rapid_mm_per_s, dry_run_mm_per_s } = *limits;
@@ -94,13 +94,13 @@ impl Leg {
         let programmed = travel.programmed_mm_per_s;
         let most = programmed.map_or(f64::INFINITY, |speed| (speed * fastest).max(dry_run_mm_per_s));
         let limits = drives.filter(|_| travel.length_mm > 0.0).map(|drives| drives.along(&travel.bend(), most));
-        let most_mm_per_s = most_mm_per_s(&travel, arc_clamp, rapid_mm_per_s);
+        let speed_max_mm_per_s = speed_max_mm_per_s(&travel, arc_clamp, rapid_mm_per_s);
         let limits = limits.unwrap_or(PathLimits::NONE);
-        Leg { travel, limits, entry: None, corner_mm_per_s: 0.0, most_mm_per_s }
+        PreparedMove { travel, limits, entry: None, corner_mm_per_s: 0.0, speed_max_mm_per_s }
     }
 
     /// Lets the move before flow into this one, if that is faster than a stop between them.
-    pub fn join(&mut self, before: &Leg, drives: &DriveLimits) {
+    pub fn join(&mut self, before: &PreparedMove, drives: &DriveLimits) {
         // A path in degrees does not continue in millimetres.
         if before.travel.is_rotary() != self.travel.is_rotary() || self.travel.length_mm == 0.0 {
             return;
@@ -124,22 +124,24 @@ impl Leg {
 
     /// Wanted speed of the move, mm/s.
     pub fn wanted(&self, context: &MoveContext, conditions: &FeedConditions) -> f64 {
-        let speed = |programmed| conditions.for_context(context).speed_mm_per_s(programmed).min(self.most_mm_per_s);
-        self.travel.programmed_mm_per_s.map_or(self.most_mm_per_s, speed)
+        let speed =
+            |programmed| conditions.for_context(context).speed_mm_per_s(programmed).min(self.speed_max_mm_per_s);
+        self.travel.programmed_mm_per_s.map_or(self.speed_max_mm_per_s, speed)
     }
 }
 
 impl Active {
     /// Remaining distance.
     pub fn left_mm(&self) -> f64 {
-        self.leg.travel.length_mm - self.done_mm
+        self.prepared.travel.length_mm - self.done_mm
     }
 
     /// Position of the axes: X, Y, Z in mm, A, B, C in degrees.
     pub fn axes(&self, queue: &VecDeque<Queued>) -> [f64; AXES] {
-        let mut axes = self.leg.travel.axes_at(self.done_mm / self.leg.travel.length_mm);
-        let exit = flowing(queue).next().and_then(|(leg, _)| leg.entry).map(|corner| (corner, -self.left_mm()));
-        for (corner, way) in self.leg.entry.map(|corner| (corner, self.done_mm)).into_iter().chain(exit) {
+        let mut axes = self.prepared.travel.axes_at(self.done_mm / self.prepared.travel.length_mm);
+        let exit =
+            flowing(queue).next().and_then(|(prepared, _)| prepared.entry).map(|corner| (corner, -self.left_mm()));
+        for (corner, way) in self.prepared.entry.map(|corner| (corner, self.done_mm)).into_iter().chain(exit) {
             if way.abs() < corner.junction.half_mm {
                 let added = corner.junction.rounding(way);
                 axes.iter_mut().zip(added).for_each(|(axis, added)| *axis += added);
@@ -157,7 +159,7 @@ impl Queued {
 }
 
 /// Moves behind the one in execution that flow into each other, each with its context.
-pub fn flowing(queue: &VecDeque<Queued>) -> impl Iterator<Item = (&Leg, &MoveContext)> {
+pub fn flowing(queue: &VecDeque<Queued>) -> impl Iterator<Item = (&PreparedMove, &MoveContext)> {
     let blocks = queue.iter().take_while(|queued| queued.flows());
-    blocks.filter_map(|queued| Some((queued.leg.as_ref()?, &queued.block.context)))
+    blocks.filter_map(|queued| Some((queued.prepared.as_ref()?, &queued.block.context)))
 }

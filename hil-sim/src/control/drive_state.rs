@@ -20,7 +20,7 @@ use arcfeed_shared::units::{Micros, MmPerMin, S_PER_MIN};
 
 use crate::drives::limits::AXES;
 use crate::drives::servo::PositionLoops;
-use crate::drives::spindle::{SpindleState, Turn};
+use crate::drives::spindle::{SpindleRotation, SpindleState};
 
 use super::Control;
 use super::action::{Action, ReadBlock};
@@ -29,7 +29,7 @@ use super::settings::{ControlSettings, Switches};
 
 /// The drives' state.
 #[derive(Debug)]
-pub struct Driven {
+pub struct DriveState {
     loops: Option<PositionLoops>,
     spindle: Option<SpindleState>,
     feed: MmPerMin,
@@ -39,10 +39,10 @@ pub struct Driven {
     awaits_spindle: bool,
 }
 
-impl Driven {
+impl DriveState {
     /// Drives at rest at the origin.
     pub fn new(settings: &ControlSettings) -> Self {
-        Driven {
+        DriveState {
             loops: settings.servo.map(|servo| PositionLoops::new(servo, [0.0; AXES])),
             spindle: settings.spindle.map(SpindleState::new),
             feed: MmPerMin(0.0),
@@ -82,7 +82,7 @@ impl Driven {
     /// Stops the spindle at M2, M30 and reset, as the ladder of a machine does.
     pub fn end(&mut self, stop: Stop) {
         if let (Some(spindle), Stop::End) = (&mut self.spindle, stop) {
-            spindle.set_turn(Turn::Stop);
+            spindle.set_rotation(SpindleRotation::Stop);
         }
     }
 
@@ -104,12 +104,12 @@ impl Driven {
 impl Control {
     /// Actual position of the axes, which lags behind the commanded one.
     pub fn actual_position(&self) -> Pose {
-        self.driven.loops.as_ref().map_or(self.position(), |loops| to_pose(&loops.axes()))
+        self.drive_state.loops.as_ref().map_or(self.position(), |loops| to_pose(&loops.axes()))
     }
 
     /// Actual position, unrounded: X, Y, Z in mm, A, B, C in degrees.
     pub fn actual_axes(&self) -> [f64; AXES] {
-        self.driven.loops.as_ref().map_or(*self.axes(), PositionLoops::axes)
+        self.drive_state.loops.as_ref().map_or(*self.axes(), PositionLoops::axes)
     }
 
     /// Whether the axes pass exactly through the corners between blocks.
@@ -119,22 +119,22 @@ impl Control {
 
     /// Feed of the axes as they follow the commanded feed, with their lag.
     pub fn followed_feed(&self) -> MmPerMin {
-        self.driven.feed
+        self.drive_state.feed
     }
 
     /// Whether all axes are in position, within tolerance of the commanded one.
     pub fn is_in_position(&self) -> bool {
-        self.driven.loops.as_ref().is_none_or(PositionLoops::is_in_position)
+        self.drive_state.loops.as_ref().is_none_or(PositionLoops::is_in_position)
     }
 
     /// State of the spindle, if one is modelled.
     pub fn spindle(&self) -> Option<&SpindleState> {
-        self.driven.spindle.as_ref()
+        self.drive_state.spindle.as_ref()
     }
 
     /// State of the spindle, to load it.
     pub fn spindle_mut(&mut self) -> Option<&mut SpindleState> {
-        self.driven.spindle.as_mut()
+        self.drive_state.spindle.as_mut()
     }
 
     /// Time after which the axes have only `ratio` left of a sudden change of speed, s.
@@ -144,7 +144,7 @@ impl Control {
 
     /// Whether the next block waits for the axes to be in position.
     pub(super) fn awaits_position(&self) -> bool {
-        self.driven.is_rapid && !self.is_in_position()
+        self.drive_state.is_rapid && !self.is_in_position()
     }
 }
 
@@ -154,9 +154,9 @@ fn command(spindle: &mut SpindleState, block: &Block, switches: &Switches) {
     for word in block.words.iter().take(count) {
         match (word.letter, word.number.as_whole()) {
             (b'S', _) => spindle.set_speed(word.number.scaled(1) as f64),
-            (b'M', Some(3)) => spindle.set_turn(Turn::Clockwise),
-            (b'M', Some(4)) => spindle.set_turn(Turn::CounterClockwise),
-            (b'M', Some(5)) => spindle.set_turn(Turn::Stop),
+            (b'M', Some(3)) => spindle.set_rotation(SpindleRotation::Clockwise),
+            (b'M', Some(4)) => spindle.set_rotation(SpindleRotation::CounterClockwise),
+            (b'M', Some(5)) => spindle.set_rotation(SpindleRotation::Stop),
             _ => {}
         }
     }

@@ -20,7 +20,7 @@ use arcfeed_shared::tool::Edge;
 use nalgebra::Vector2;
 
 use super::layer::Layer;
-use super::partial_heights::{PartialHeights, Share};
+use super::partial_heights::{DepthBand, PartialHeights};
 use crate::stock::dexel::{Dexel, Interval};
 
 /// Points nearer to the rake face than this were cut by it, and thinner chips count as none: rounding.
@@ -41,7 +41,7 @@ const APART_RAYS: f64 = 3.0;
 
 /// Position of an elementary edge in its layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rake {
+pub struct EdgeElement {
     /// Position of the tool's axis.
     pub center_mm: Vector2<f64>,
     /// Direction from the axis to the edge, a unit vector.
@@ -55,12 +55,12 @@ pub struct Rake {
     /// Depth of the rake face behind the edge.
     pub depth_mm: f64,
     /// Depth band of the layer that the edge cuts.
-    pub share: Share,
+    pub depth_band: DepthBand,
 }
 
 /// Chip in front of an elementary edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Front {
+pub struct FrontChip {
     /// Thickness across the edge's circle.
     pub thickness_mm: f64,
     /// Height of the chip, as a fraction of the layer.
@@ -69,14 +69,14 @@ pub struct Front {
 
 /// State of an elementary edge from step to step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wake {
+pub struct EdgeHistory {
     /// Position of the last cut.
-    last: Option<Rake>,
+    last: Option<EdgeElement>,
     /// The last point of the old surface that it passed.
     behind: Option<Point>,
     /// Last requested position and the last point passed on the path there; mostly the edge moves to the position
     /// requested last.
-    asked: Option<(Rake, Option<Point>)>,
+    requested: Option<(EdgeElement, Option<Point>)>,
 }
 
 /// The rays ahead of an edge, in the order in which it meets them.
@@ -108,7 +108,7 @@ struct Point {
     top_ratio: f64,
 }
 
-impl Rake {
+impl EdgeElement {
     /// Position of the edge.
     pub fn edge_mm(&self) -> Vector2<f64> {
         self.center_mm + self.towards * self.radius_mm
@@ -137,7 +137,7 @@ impl Rake {
         let [first, last] =
             [from_mm[1 - axis] - margin_mm, to_mm[1 - axis] + margin_mm].map(|mm| layer.index(axis, mm));
         let rays = (first - APART_RAYS).floor() as i64..=(last + APART_RAYS).ceil() as i64;
-        layer.is_met(axis, rays, &stretch, self.share.border_ratio)
+        layer.is_met(axis, rays, &stretch, self.depth_band.border_ratio)
     }
 
     /// Direction from the rake face to the material.
@@ -197,7 +197,7 @@ impl Rake {
     }
 
     /// Number of rays ahead of an earlier position of this edge that are completely behind its present position.
-    fn count_behind(&self, layer: &Layer, from: &Rake, rays: &RaysAhead) -> i64 {
+    fn count_behind(&self, layer: &Layer, from: &EdgeElement, rays: &RaysAhead) -> i64 {
         let axis = rays.axis;
         // Beyond this, rays may cross the rake face's line on the other side of the tool's axis.
         if self.towards[axis] * libm::copysign(1.0, from.towards[axis]) < SAME_SIDE_MIN {
@@ -220,7 +220,7 @@ impl Rake {
         let [one_mm, other_mm] = [at_mm - to_root * MARGIN_MM, at_mm + to_root * FAR_RATIO * self.depth_mm];
         let stretch = Interval::new(one_mm.min(other_mm), one_mm.max(other_mm));
         let is_left = |(material, heights): (&Dexel, &PartialHeights)| {
-            material.meets(&stretch) && !heights.is_below(&stretch, self.share.border_ratio)
+            material.meets(&stretch) && !heights.is_below(&stretch, self.depth_band.border_ratio)
         };
         !layer.ray(axis, ray).is_some_and(is_left)
     }
@@ -244,9 +244,9 @@ impl Rake {
             along(self.radius_mm - f64::from(self.side.advance()) * self.depth_mm).unwrap_or(self.center_mm[axis]);
         let (low, high) = (edge_mm.min(root_mm), edge_mm.max(root_mm));
         let (stretch, is_first) = (Interval::new(low, high), edge_mm > root_mm);
-        let chip = layer
-            .ray(axis, ray)
-            .and_then(|(material, heights)| heights.end_piece(material, &stretch, self.share.border_ratio, is_first));
+        let chip = layer.ray(axis, ray).and_then(|(material, heights)| {
+            heights.end_piece(material, &stretch, self.depth_band.border_ratio, is_first)
+        });
         Some(match chip {
             None => Point { begins_mm: at(edge_mm), ends_mm: None, has_material: false, top_ratio: 1.0 },
             Some(Interval { from_mm, to_mm }) => {
@@ -260,90 +260,97 @@ impl Rake {
     }
 
     /// Chip at a point (2).
-    fn front(&self, point: &Point) -> Front {
+    fn front(&self, point: &Point) -> FrontChip {
         let ends = point.ends_mm.map_or(0.0, |ends| self.inside_mm(&ends).max(0.0));
         let thickness_mm = (self.inside_mm(&point.begins_mm) - ends).clamp(0.0, self.depth_mm);
-        Front { thickness_mm: if thickness_mm > AT_RAKE_MM { thickness_mm } else { 0.0 }, top_ratio: point.top_ratio }
+        FrontChip {
+            thickness_mm: if thickness_mm > AT_RAKE_MM { thickness_mm } else { 0.0 },
+            top_ratio: point.top_ratio,
+        }
     }
 }
 
-impl Wake {
+impl EdgeHistory {
     /// Chip in front of the edge, which has moved here from its last cut.
-    pub fn front(&mut self, rake: &Rake, layer: &Layer) -> Front {
-        if rake.is_apart(layer) {
-            return Front::default();
+    pub fn front(&mut self, element: &EdgeElement, layer: &Layer) -> FrontChip {
+        if element.is_apart(layer) {
+            return FrontChip::default();
         }
         // Distance of neighbouring rays along the circle.
-        let apart_mm = layer.step_mm() / libm::fabs(rake.towards[rake.axis()]);
-        let (behind, next) = self.around(rake, layer);
-        self.asked = Some((*rake, behind));
+        let apart_mm = layer.step_mm() / libm::fabs(element.towards[element.axis()]);
+        let (behind, next) = self.around(element, layer);
+        self.requested = Some((*element, behind));
         // A surface passed long ago gives no information about this position.
-        let behind = behind.map(|point| (rake.ahead_mm(&point.begins_mm), point));
+        let behind = behind.map(|point| (element.ahead_mm(&point.begins_mm), point));
         let behind = behind.filter(|(ahead_mm, point)| point.has_material && -ahead_mm < 2.0 * apart_mm);
-        let next = next.map(|point| (rake.ahead_mm(&point.begins_mm), point));
+        let next = next.map(|point| (element.ahead_mm(&point.begins_mm), point));
         let next = next.filter(|(ahead_mm, point)| point.has_material && *ahead_mm < 2.0 * apart_mm);
         match (behind, next) {
             (Some((from_mm, behind)), Some((to_mm, next))) => {
-                let (from, to) = (rake.front(&behind), rake.front(&next));
+                let (from, to) = (element.front(&behind), element.front(&next));
                 let at = |from: f64, to: f64| from - (to - from) * from_mm / (to_mm - from_mm);
-                Front {
+                FrontChip {
                     thickness_mm: at(from.thickness_mm, to.thickness_mm),
                     top_ratio: at(from.top_ratio, to.top_ratio),
                 }
             }
             (Some((at_mm, only)), None) | (None, Some((at_mm, only))) if libm::fabs(at_mm) <= apart_mm / 2.0 => {
-                rake.front(&only)
+                element.front(&only)
             }
-            _ => Front::default(),
+            _ => FrontChip::default(),
         }
     }
 
     /// State of the same edge in another layer: it keeps its position, but has passed no surface there.
     pub fn in_other_layer(&self) -> Self {
-        Wake { behind: None, asked: None, ..*self }
+        EdgeHistory { behind: None, requested: None, ..*self }
     }
 
     /// Whether the edge has just passed material, which may still give a chip.
-    pub fn has_left(&self, rake: &Rake, layer: &Layer) -> bool {
-        let far_mm = APART_RAYS * layer.step_mm() / libm::fabs(rake.towards[rake.axis()]);
-        self.behind.is_some_and(|point| point.has_material && -rake.ahead_mm(&point.begins_mm) < far_mm)
+    pub fn has_left(&self, element: &EdgeElement, layer: &Layer) -> bool {
+        let far_mm = APART_RAYS * layer.step_mm() / libm::fabs(element.towards[element.axis()]);
+        self.behind.is_some_and(|point| point.has_material && -element.ahead_mm(&point.begins_mm) < far_mm)
     }
 
     /// Path of the rake face since the last cut.
-    pub fn way_mm(&self, rake: &Rake) -> f64 {
-        let from = self.last.as_ref().unwrap_or(rake);
-        (rake.edge_mm() - from.edge_mm()).norm().max((rake.root_mm() - from.root_mm()).norm())
+    pub fn way_mm(&self, element: &EdgeElement) -> f64 {
+        let from = self.last.as_ref().unwrap_or(element);
+        (element.edge_mm() - from.edge_mm()).norm().max((element.root_mm() - from.root_mm()).norm())
     }
 
     /// Moves the edge to its next position, where it meets nothing.
-    pub fn pass(&mut self, rake: &Rake) {
-        *self = Wake { last: Some(*rake), behind: None, asked: None };
+    pub fn pass(&mut self, element: &EdgeElement) {
+        *self = EdgeHistory { last: Some(*element), behind: None, requested: None };
     }
 
     /// Moves the edge to its next position, less than a quarter of a turn on, and removes the swept material; returns
     /// the area as the rays along each axis measure it, mm2.
-    pub fn cut(&mut self, rake: &Rake, layer: &mut Layer) -> [f64; 2] {
-        if rake.is_apart(layer) && self.last.is_none_or(|last| last.is_apart(layer)) {
-            self.pass(rake);
+    pub fn cut(&mut self, element: &EdgeElement, layer: &mut Layer) -> [f64; 2] {
+        if element.is_apart(layer) && self.last.is_none_or(|last| last.is_apart(layer)) {
+            self.pass(element);
             return [0.0; 2];
         }
-        self.behind = match self.asked.take() {
-            Some((asked, behind)) if asked == *rake => behind,
-            _ => self.around(rake, layer).0,
+        self.behind = match self.requested.take() {
+            Some((requested, behind)) if requested == *element => behind,
+            _ => self.around(element, layer).0,
         };
-        let Some(from) = self.last.replace(*rake) else { return [0.0; 2] };
-        let ends_mm = |rake: &Rake| [rake.root_mm(), rake.edge_mm()];
-        layer.clear_strip([ends_mm(&from), ends_mm(rake)], f64::from(rake.side.advance()) * rake.radius_mm, &rake.share)
+        let Some(from) = self.last.replace(*element) else { return [0.0; 2] };
+        let ends_mm = |element: &EdgeElement| [element.root_mm(), element.edge_mm()];
+        layer.clear_strip(
+            [ends_mm(&from), ends_mm(element)],
+            f64::from(element.side.advance()) * element.radius_mm,
+            &element.depth_band,
+        )
     }
 
     /// Points of the old surface on both sides of a rake face that has moved here from the last cut.
-    fn around(&self, rake: &Rake, layer: &Layer) -> (Option<Point>, Option<Point>) {
-        let from = Rake { share: rake.share, ..self.last.unwrap_or(*rake) };
+    fn around(&self, element: &EdgeElement, layer: &Layer) -> (Option<Point>, Option<Point>) {
+        let from = EdgeElement { depth_band: element.depth_band, ..self.last.unwrap_or(*element) };
         let rays = from.rays_ahead(layer);
-        let passed = rake.count_behind(layer, &from, &rays);
+        let passed = element.count_behind(layer, &from, &rays);
         let (mut behind, mut ahead) = (None, None);
         for point in (passed..rays.count).filter_map(|nth| from.ahead_on(layer, &rays, nth)) {
-            if rake.ahead_mm(&point.begins_mm) > 0.0 {
+            if element.ahead_mm(&point.begins_mm) > 0.0 {
                 ahead = Some(point);
                 break;
             }

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 
 use crate::dynamics::chatter::{Sampling, Verdict, metric_mm};
 
-use super::trail::Of;
+use super::trail::BlockRef;
 
 /// Number of samples in a window.
 const WINDOW: usize = 32;
@@ -21,9 +21,9 @@ pub const FLOOR_RATIO: f64 = 0.05;
 
 /// Chatter result of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Steadiness {
+pub struct ChatterResult {
     /// Block of the result.
-    pub of: Of,
+    pub block: BlockRef,
     /// Mean change of the tool's position from tooth to tooth in the worst window.
     pub metric_mm: f64,
     /// Verdict for that window.
@@ -32,25 +32,25 @@ pub struct Steadiness {
 
 /// Samples of a run.
 #[derive(Clone, Debug)]
-pub struct Samples {
+pub struct ChatterSamples {
     sampling: Sampling,
     /// Samples of the present cut and its last block.
     window: Vec<Vector3<f64>>,
     /// Whole windows since the tool entered.
     windows: usize,
-    of: Option<Of>,
-    blocks: Vec<Steadiness>,
+    block: Option<BlockRef>,
+    blocks: Vec<ChatterResult>,
 }
 
-impl Samples {
+impl ChatterSamples {
     /// No samples yet; the number of samples per turn, and the change of position that counts as none.
-    pub fn new(a_turn: usize, floor_mm: f64) -> Self {
-        let sampling = Sampling { teeth: a_turn, tooth_hz: 0.0, floor_mm };
-        Samples { sampling, window: Vec::new(), windows: 0, of: None, blocks: Vec::new() }
+    pub fn new(per_turn: usize, floor_mm: f64) -> Self {
+        let sampling = Sampling { teeth: per_turn, tooth_hz: 0.0, floor_mm };
+        ChatterSamples { sampling, window: Vec::new(), windows: 0, block: None, blocks: Vec::new() }
     }
 
     /// Number of samples per turn.
-    pub fn a_turn(&self) -> usize {
+    pub fn per_turn(&self) -> usize {
         self.sampling.teeth
     }
 
@@ -60,8 +60,8 @@ impl Samples {
     }
 
     /// Adds the next sample.
-    pub fn take(&mut self, of: &Of, place_mm: Vector3<f64>, rev_per_s: f64) {
-        if self.of.replace(*of).is_some_and(|before| before != *of) {
+    pub fn take(&mut self, block: &BlockRef, place_mm: Vector3<f64>, rev_per_s: f64) {
+        if self.block.replace(*block).is_some_and(|before| before != *block) {
             self.window.clear();
         }
         self.window.push(place_mm);
@@ -70,7 +70,7 @@ impl Samples {
         }
         self.sampling.tooth_hz = rev_per_s * self.sampling.teeth as f64;
         if self.windows > 0 {
-            self.judge(*of);
+            self.evaluate(*block);
         }
         self.windows += 1;
         self.window.clear();
@@ -79,19 +79,23 @@ impl Samples {
     /// Ends the cut: the next window is the first one of another cut.
     pub fn lift(&mut self) {
         self.window.clear();
-        (self.windows, self.of) = (0, None);
+        (self.windows, self.block) = (0, None);
     }
 
     /// Results of the blocks that were long enough, in order.
-    pub fn blocks(&self) -> &[Steadiness] {
+    pub fn blocks(&self) -> &[ChatterResult] {
         &self.blocks
     }
 
-    fn judge(&mut self, of: Of) {
-        let now = Steadiness { of, metric_mm: metric_mm(&self.window, 1), verdict: self.sampling.judge(&self.window) };
-        match self.blocks.last_mut().filter(|block| block.of == of) {
+    fn evaluate(&mut self, block: BlockRef) {
+        let now = ChatterResult {
+            block,
+            metric_mm: metric_mm(&self.window, 1),
+            verdict: self.sampling.evaluate(&self.window),
+        };
+        match self.blocks.last_mut().filter(|result| result.block == block) {
             None => self.blocks.push(now),
-            Some(block) if block.metric_mm < now.metric_mm => *block = now,
+            Some(result) if result.metric_mm < now.metric_mm => *result = now,
             Some(_) => {}
         }
     }
@@ -101,13 +105,13 @@ impl Samples {
 mod tests {
     use super::*;
 
-    fn block(count: u32) -> Of {
-        Of { count, sequence: None, rule: None, is_rapid: false }
+    fn block(count: u32) -> BlockRef {
+        BlockRef { count, sequence: None, rule: None, is_rapid: false }
     }
 
     #[test]
     fn the_worst_window_counts_and_the_first_does_not() {
-        let mut samples = Samples::new(4, 1e-3);
+        let mut samples = ChatterSamples::new(4, 1e-3);
         let mut take = |count: u32, off_mm: f64| {
             for n in 0..WINDOW {
                 let place_mm = if n % 2 == 0 { off_mm } else { -off_mm };
@@ -120,7 +124,7 @@ mod tests {
         take(1, 0.0);
         take(2, 0.0);
         let found: Vec<(u32, f64, Verdict)> =
-            samples.blocks().iter().map(|block| (block.of.count, block.metric_mm, block.verdict)).collect();
+            samples.blocks().iter().map(|result| (result.block.count, result.metric_mm, result.verdict)).collect();
         assert_eq!(found.len(), 2);
         assert!((found[0].1 - 0.02).abs() < 1e-12);
         assert_eq!([found[0].2, found[1].2], [Verdict::PeriodDoubling, Verdict::Stable]);
@@ -128,7 +132,7 @@ mod tests {
 
     #[test]
     fn a_cut_that_is_too_short_is_not_judged() {
-        let mut samples = Samples::new(4, 1e-3);
+        let mut samples = ChatterSamples::new(4, 1e-3);
         for _ in 0..3 {
             (0..2 * WINDOW - 1).for_each(|_| samples.take(&block(1), Vector3::zeros(), 50.0));
             samples.lift();

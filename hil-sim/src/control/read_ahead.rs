@@ -5,10 +5,10 @@ use arcfeed_shared::nc::macros::print::Output;
 use arcfeed_shared::units::{Micros, US_PER_MS};
 
 use super::action::ReadBlock;
-use super::executive::{Executive, Next};
+use super::executive::{Executive, NextBlock};
 use super::panel::Phase;
 use super::reader::{Opened, sequence_of};
-use super::search::{Approach, Found, Search, never};
+use super::search::{Approach, Search, SearchResult, never};
 use super::tape::Received;
 use super::{AlarmRecord, Control};
 
@@ -54,7 +54,7 @@ impl Control {
     }
 
     /// Raises an alarm if the program ends without M30; counts the time without a block to execute.
-    pub(super) fn look_for_the_end(&mut self, dt: Micros) {
+    pub(super) fn check_end(&mut self, dt: Micros) {
         if !self.is_starved() {
             return;
         }
@@ -69,38 +69,38 @@ impl Control {
 
     /// Blocks that the next line gives, often one; `None` if there is no line yet.
     fn next_blocks(&mut self, now: Micros) -> Option<Vec<ReadBlock>> {
-        let approach = Approach { stands: self.interpolator.position(), feed: self.settings.dry_run_feed };
+        let approach = Approach { position: self.interpolator.position(), feed: self.settings.dry_run_feed };
         let found = match (&mut self.executive, self.search) {
-            (Some(_), Some(search)) if self.is_in_dnc => self.look_on_line(search, now, &approach)?,
+            (Some(_), Some(search)) if self.is_in_dnc => self.search_line(search, now, &approach)?,
             (Some(_), None) => {
                 let block = self.next_block(now)?;
                 let outputs = self.executive.as_mut().map(Executive::take_outputs).unwrap_or_default();
                 self.punch(&outputs);
                 return Some(block.into_iter().collect());
             }
-            (Some(executive), Some(search)) => executive.look(search, now, &self.switches, &approach)?,
+            (Some(executive), Some(search)) => executive.search(search, now, &self.switches, &approach)?,
             (None, None) => {
                 let received = self.port.take_block()?;
                 return Some(self.reader.read(received, &self.switches).into_iter().collect());
             }
             (None, Some(search)) => {
                 let received = self.port.take_block()?;
-                search.look(received, &mut self.reader, &self.switches, &approach)
+                search.apply(received, &mut self.reader, &self.switches, &approach)
             }
         };
         Some(match found {
             // Output before the searched block is not sent again.
-            Found::NotYet => {
+            SearchResult::NotYet => {
                 self.executive.iter_mut().for_each(|executive| drop(executive.take_outputs()));
                 Vec::new()
             }
-            Found::Here(blocks) => {
+            SearchResult::Here(blocks) => {
                 self.search = None;
                 self.ignored = self.executive.as_ref().map(Executive::ignored).unwrap_or_default();
                 self.offer_restart(now);
                 blocks
             }
-            Found::Never(fault) => {
+            SearchResult::Never(fault) => {
                 self.search = None;
                 vec![*fault]
             }
@@ -112,9 +112,9 @@ impl Control {
     fn next_block(&mut self, now: Micros) -> Option<Option<ReadBlock>> {
         let executive = self.executive.as_mut()?;
         match executive.next(now, &self.switches) {
-            Next::Block(block) => return Some(Some(*block)),
-            Next::Busy | Next::Over => return None,
-            Next::Starved => {}
+            NextBlock::Block(block) => return Some(Some(*block)),
+            NextBlock::Busy | NextBlock::Over => return None,
+            NextBlock::Starved => {}
         }
         let received = self.port.take_block()?;
         match self.reader.open(received, &self.switches) {
@@ -123,13 +123,13 @@ impl Control {
             Some(Opened::Text(text)) => executive.feed(text, self.reader.line()),
         }
         match executive.next(now, &self.switches) {
-            Next::Block(block) => Some(Some(*block)),
-            Next::Busy | Next::Over | Next::Starved => Some(None),
+            NextBlock::Block(block) => Some(Some(*block)),
+            NextBlock::Busy | NextBlock::Over | NextBlock::Starved => Some(None),
         }
     }
 
     /// Applies a search to the next line of the DNC line.
-    fn look_on_line(&mut self, search: Search, now: Micros, approach: &Approach) -> Option<Found> {
+    fn search_line(&mut self, search: Search, now: Micros, approach: &Approach) -> Option<SearchResult> {
         let executive = self.executive.as_mut()?;
         if let Search::Sequence(wanted) = search {
             let received = self.port.take_block()?;
@@ -137,14 +137,14 @@ impl Control {
             return Some(match received {
                 Received::Block(text) if sequence_of(&text) == Some(wanted) => {
                     executive.feed(text, self.reader.line());
-                    Found::Here(Vec::new())
+                    SearchResult::Here(Vec::new())
                 }
-                _ if is_end => Found::Never(Box::new(never(self.reader.line()))),
-                _ => Found::NotYet,
+                _ if is_end => SearchResult::Never(Box::new(never(self.reader.line()))),
+                _ => SearchResult::NotYet,
             });
         }
         let start = executive.end();
-        let Some(block) = self.next_block(now)? else { return Some(Found::NotYet) };
+        let Some(block) = self.next_block(now)? else { return Some(SearchResult::NotYet) };
         let Search::Restart(wanted) = search else { return None };
         Some(approach.restart_at(wanted, block, start))
     }

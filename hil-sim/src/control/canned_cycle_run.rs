@@ -28,7 +28,7 @@ pub struct CannedCycleRun {
 
 /// Next step of the run.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Next {
+pub enum RunStep {
     /// Move in machine coordinates.
     Move(Box<Segment>, MoveContext),
     /// Dwell.
@@ -56,8 +56,8 @@ impl CannedCycleRun {
         self.taps || self.context.is_tapping
     }
 
-    /// Next step of the run, from the axes' position `stands`; `None` at its end.
-    pub fn advance(&mut self, stands: &Pose, in_single_block: bool) -> Option<Next> {
+    /// Next step of the run, from the axes' position `position`; `None` at its end.
+    pub fn advance(&mut self, position: &Pose, in_single_block: bool) -> Option<RunStep> {
         loop {
             let mut ahead = self.cursor.clone();
             let act = self.series.advance(&mut ahead);
@@ -65,25 +65,25 @@ impl CannedCycleRun {
             if in_single_block && act.is_some() && self.given.is_some_and(|given| given != stage) {
                 self.given = Some(stage);
                 self.taps = false;
-                return Some(Next::Halt);
+                return Some(RunStep::Halt);
             }
             (self.cursor, self.given) = (ahead, Some(stage));
             match act {
                 Some(Act::Spindle(_)) => {}
-                Some(Act::Dwell(span)) => return Some(Next::Dwell(span)),
+                Some(Act::Dwell(span)) => return Some(RunStep::Dwell(span)),
                 Some(Act::Move(motion)) => {
                     let is_cut = motion.kind == MotionKind::Line;
                     let mut end = motion.end.plus(along_z(self.context.tool));
                     if let (Series::Drill(drill), (_, Stage::Positioning)) = (&*self.series, stage) {
                         // A tool length that begins in this block counts from the approach on.
                         let (.., normal) = drill.plane.axes();
-                        end.linear[normal] = stands.linear[normal];
+                        end.linear[normal] = position.linear[normal];
                     }
                     self.taps =
                         is_cut && matches!(&*self.series, Series::Drill(drill) if matches!(drill.code, 74 | 84));
                     let path = if is_cut { Path::Line } else { Path::Rapid };
-                    let segment = Segment { sequence: self.sequence, start: *stands, end, feed: motion.feed, path };
-                    return Some(Next::Move(
+                    let segment = Segment { sequence: self.sequence, start: *position, end, feed: motion.feed, path };
+                    return Some(RunStep::Move(
                         Box::new(segment),
                         MoveContext { is_tapping: self.is_tapping(), ..self.context },
                     ));
@@ -96,15 +96,15 @@ impl CannedCycleRun {
 
 impl Control {
     /// Executes the next step of the block in execution.
-    pub(super) fn carry_on(&mut self, now: Micros) {
-        let stands = self.interpolator.position();
+    pub(super) fn continue_cycle_run(&mut self, now: Micros) {
+        let position = self.interpolator.position();
         let in_single_block = self.is_in_single_block();
-        let Some(course) = &mut self.course else { return };
-        match course.advance(&stands, in_single_block) {
-            Some(Next::Move(segment, context)) => self.interpolator.begin(*segment, context, self.taken),
-            Some(Next::Dwell(span)) => self.dwell_left = span,
-            Some(Next::Halt) => self.phase = Phase::Stopped { since: now },
-            None => self.course = None,
+        let Some(cycle_run) = &mut self.cycle_run else { return };
+        match cycle_run.advance(&position, in_single_block) {
+            Some(RunStep::Move(segment, context)) => self.interpolator.begin(*segment, context, self.blocks_begun),
+            Some(RunStep::Dwell(span)) => self.dwell_left = span,
+            Some(RunStep::Halt) => self.phase = Phase::Stopped { since: now },
+            None => self.cycle_run = None,
         }
     }
 }

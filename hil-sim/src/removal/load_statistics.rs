@@ -19,7 +19,7 @@ pub const CHIP_MIN_MM: f64 = 1e-3;
 
 /// Loads of one step of the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct LoadSample {
     /// Duration of the step.
     pub dt_s: f64,
     /// Force across the tool's axis.
@@ -54,7 +54,7 @@ pub struct Passes {
 
 /// Load statistics of one block, or several.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tally {
+pub struct LoadStatistics {
     /// Time during which an edge had a chip.
     pub time_s: f64,
     /// Force across the tool's axis, N.
@@ -75,7 +75,7 @@ pub struct Tally {
 
 /// Statistics of an unfinished turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
+pub struct TurnStatistics {
     steps: usize,
     least_n: f64,
     most_n: f64,
@@ -114,9 +114,9 @@ impl Passes {
     }
 }
 
-impl Tally {
+impl LoadStatistics {
     /// Adds a step in the cut.
-    pub fn add(&mut self, sample: &Sample) {
+    pub fn add(&mut self, sample: &LoadSample) {
         self.time_s += sample.dt_s;
         self.bending.add(sample.bending_n, sample.dt_s);
         self.thrust.add(sample.thrust_n, sample.dt_s);
@@ -126,13 +126,13 @@ impl Tally {
     }
 
     /// Adds a pass: a tooth has left the material.
-    pub fn pass(&mut self, side: Edge, thickest_mm: f64) {
+    pub fn add_pass(&mut self, side: Edge, thickest_mm: f64) {
         let passes = &mut self.passes[usize::from(side == Edge::Inner)];
         passes.merge(&Passes { count: 1, max_mm: thickest_mm, sum_mm: thickest_mm });
     }
 
     /// Adds a finished turn; `steps` is the number of steps in a whole turn.
-    pub fn turn(&mut self, turn: &Turn, steps: usize) {
+    pub fn add_turn(&mut self, turn: &TurnStatistics, steps: usize) {
         let mean_n = turn.sum_n / turn.steps as f64;
         if turn.steps == steps && turn.is_aside && mean_n > 0.0 {
             self.turns += 1;
@@ -141,7 +141,7 @@ impl Tally {
     }
 
     /// Adds the statistics of another cut.
-    pub fn merge(&mut self, other: &Tally) {
+    pub fn merge(&mut self, other: &LoadStatistics) {
         self.time_s += other.time_s;
         self.bending.merge(&other.bending);
         self.thrust.merge(&other.thrust);
@@ -164,10 +164,10 @@ impl Tally {
     }
 }
 
-impl Turn {
+impl TurnStatistics {
     /// Statistics before the first step.
     pub fn new() -> Self {
-        Turn { steps: 0, least_n: f64::INFINITY, most_n: 0.0, sum_n: 0.0, is_aside: false }
+        TurnStatistics { steps: 0, least_n: f64::INFINITY, most_n: 0.0, sum_n: 0.0, is_aside: false }
     }
 
     /// Adds a step, with the thickest chip on the side.
@@ -180,9 +180,9 @@ impl Turn {
     }
 }
 
-impl Default for Turn {
+impl Default for TurnStatistics {
     fn default() -> Self {
-        Turn::new()
+        TurnStatistics::new()
     }
 }
 
@@ -192,29 +192,36 @@ mod tests {
 
     #[test]
     fn means_are_over_time_and_variation_over_whole_turns() {
-        let mut tally = Tally::default();
-        let mut turn = Turn::new();
+        let mut statistics = LoadStatistics::default();
+        let mut turn = TurnStatistics::new();
         for (dt_s, bending_n) in [(1.0, 10.0), (3.0, 30.0)] {
-            tally.add(&Sample { dt_s, bending_n, thrust_n: -bending_n, torque_n_m: 0.0, power_w: 0.0, end_mm: 0.0 });
+            statistics.add(&LoadSample {
+                dt_s,
+                bending_n,
+                thrust_n: -bending_n,
+                torque_n_m: 0.0,
+                power_w: 0.0,
+                end_mm: 0.0,
+            });
             turn.add(bending_n, CHIP_MIN_MM);
         }
-        tally.turn(&turn, 3);
-        assert_eq!((tally.mean(&tally.bending), tally.variation_ratio()), (25.0, None));
-        assert_eq!((tally.mean(&tally.thrust), tally.thrust.max()), (-25.0, 30.0));
-        tally.turn(&Turn { is_aside: false, ..turn }, 2);
-        assert_eq!(tally.variation_ratio(), None, "a plunge");
-        tally.turn(&turn, 2);
-        assert_eq!(tally.variation_ratio(), Some(1.0));
+        statistics.add_turn(&turn, 3);
+        assert_eq!((statistics.mean(&statistics.bending), statistics.variation_ratio()), (25.0, None));
+        assert_eq!((statistics.mean(&statistics.thrust), statistics.thrust.max()), (-25.0, 30.0));
+        statistics.add_turn(&TurnStatistics { is_aside: false, ..turn }, 2);
+        assert_eq!(statistics.variation_ratio(), None, "a plunge");
+        statistics.add_turn(&turn, 2);
+        assert_eq!(statistics.variation_ratio(), Some(1.0));
     }
 
     #[test]
     fn passes_are_told_by_side() {
-        let mut tally = Tally::default();
+        let mut statistics = LoadStatistics::default();
         for thickest_mm in [0.1, 0.3] {
-            tally.pass(Edge::Inner, thickest_mm);
+            statistics.add_pass(Edge::Inner, thickest_mm);
         }
-        assert_eq!(tally.passes[0].mean_mm(), None);
-        assert_eq!((tally.passes[1].count, tally.passes[1].max_mm), (2, 0.3));
-        assert!((tally.passes[1].mean_mm().unwrap() - 0.2).abs() < 1e-15);
+        assert_eq!(statistics.passes[0].mean_mm(), None);
+        assert_eq!((statistics.passes[1].count, statistics.passes[1].max_mm), (2, 0.3));
+        assert!((statistics.passes[1].mean_mm().unwrap() - 0.2).abs() < 1e-15);
     }
 }

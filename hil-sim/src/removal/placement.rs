@@ -9,12 +9,12 @@ use arcfeed_shared::kinematics::machine::{Letter, Machine};
 use arcfeed_shared::kinematics::vector::Vector;
 use arcfeed_shared::units::{MicroDeg, Nm};
 
-use crate::control::action::Way;
+use crate::control::action::ProgrammedPath;
 use crate::stock::motion::{Move, MoveError, Pose};
 use crate::stock::section::Sweep;
 use crate::stock::tool::Tool;
 
-use super::trail::{Place, Stretch};
+use super::trail::{AxisPosition, PathSection};
 
 /// Difference of rotary axes that counts as none.
 const SAME_DEG: f64 = 1e-4;
@@ -27,7 +27,7 @@ const UP: Vector = [0.0, 0.0, 1.0];
 
 /// Reason why a block's material is not removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Unplaced {
+pub enum LeftOutReason {
     /// A rotary axis turns, and the path is not given on the part.
     Turning,
     /// The rotary axes are at other positions than for the first cut.
@@ -44,24 +44,24 @@ pub enum Unplaced {
 
 /// Position of the workpiece.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Placing {
+pub struct WorkpiecePlacement {
     origin_mm: Option<Vector>,
     rotary_deg: Option<Vector>,
 }
 
-impl Placing {
+impl WorkpiecePlacement {
     /// Whether the workpiece's position is known.
     pub fn is_known(&self) -> bool {
         self.origin_mm.is_some()
     }
 
     /// Takes the workpiece's position from the first cut.
-    pub fn learn(&mut self, cut: &Stretch) {
+    pub fn locate(&mut self, cut: &PathSection) {
         let context = &cut.context;
         let origin = context.origin.linear.map(Nm::to_mm);
         self.origin_mm.get_or_insert([origin[0], origin[1], origin[2] - Nm::to_mm(context.tool)]);
-        if context.way != Way::Tip && cut.turn_deg() <= SAME_DEG {
-            self.rotary_deg.get_or_insert(rotary(&cut.places[0]));
+        if context.programmed_path != ProgrammedPath::Tip && cut.turn_deg() <= SAME_DEG {
+            self.rotary_deg.get_or_insert(rotary(&cut.positions[0]));
         }
     }
 
@@ -71,15 +71,15 @@ impl Placing {
     /// The tool's position on the workpiece is unknown.
     pub fn sweeps(
         &self,
-        stretch: &Stretch,
+        section: &PathSection,
         tool: &Tool,
         machine: Option<&Machine>,
         tolerance_mm: f64,
-    ) -> Result<Vec<Sweep>, Unplaced> {
-        let poses = self.poses(stretch, machine)?;
+    ) -> Result<Vec<Sweep>, LeftOutReason> {
+        let poses = self.poses(section, machine)?;
         let chords = poses.windows(2).map(|pair| Move::Straight { from: pair[0], to: pair[1] });
         let sweeps: Result<Vec<Vec<Sweep>>, MoveError> = chords.map(|chord| chord.sweeps(tool, tolerance_mm)).collect();
-        sweeps.map(|sweeps| sweeps.concat()).map_err(|_| Unplaced::Turning)
+        sweeps.map(|sweeps| sweeps.concat()).map_err(|_| LeftOutReason::Turning)
     }
 
     /// Chord of the tip of an upright tool on the part, for a path segment of one chord; `None` before the first cut
@@ -87,38 +87,46 @@ impl Placing {
     ///
     /// # Errors
     /// The tool's position on the workpiece is unknown, or the tool is tilted.
-    pub fn chord_mm(&mut self, stretch: &Stretch, machine: Option<&Machine>) -> Option<Result<[Vector; 2], Unplaced>> {
-        let [from, to] = stretch.places[..] else { return None };
-        if !stretch.of.is_rapid && from != to {
-            self.learn(stretch);
+    pub fn chord_mm(
+        &mut self,
+        section: &PathSection,
+        machine: Option<&Machine>,
+    ) -> Option<Result<[Vector; 2], LeftOutReason>> {
+        let [from, to] = section.positions[..] else { return None };
+        if !section.block.is_rapid && from != to {
+            self.locate(section);
         }
-        let ends_mm = |places: Vec<Vector>| [places[0], places[1]];
-        self.is_known().then(|| self.upright_mm(stretch, machine).map(ends_mm))
+        let ends_mm = |positions: Vec<Vector>| [positions[0], positions[1]];
+        self.is_known().then(|| self.upright_mm(section, machine).map(ends_mm))
     }
 
-    fn upright_mm(&self, stretch: &Stretch, machine: Option<&Machine>) -> Result<Vec<Vector>, Unplaced> {
-        let poses = self.poses(stretch, machine)?;
+    fn upright_mm(&self, section: &PathSection, machine: Option<&Machine>) -> Result<Vec<Vector>, LeftOutReason> {
+        let poses = self.poses(section, machine)?;
         let leans = |pose: &Pose| pose.axis[2] < 0.0 || libm::hypot(pose.axis[0], pose.axis[1]) > UPRIGHT_RAD;
-        if poses.iter().any(leans) { Err(Unplaced::Tilted) } else { Ok(poses.iter().map(|pose| pose.tip_mm).collect()) }
+        if poses.iter().any(leans) {
+            Err(LeftOutReason::Tilted)
+        } else {
+            Ok(poses.iter().map(|pose| pose.tip_mm).collect())
+        }
     }
 
     /// Tip and axis on the part at each point.
-    fn poses(&self, stretch: &Stretch, machine: Option<&Machine>) -> Result<Vec<Pose>, Unplaced> {
-        let axis: Box<dyn Fn(&Place) -> Vector + '_> = match (stretch.context.way, machine) {
-            (Way::Contour, _) => return Err(Unplaced::Contour),
-            (Way::Tip, None) => return Err(Unplaced::NoMachine),
-            (Way::Tip, Some(machine)) => Box::new(move |place| axis_at(machine, place, stretch)),
-            (Way::Axes, _) if stretch.turn_deg() > SAME_DEG => return Err(Unplaced::Turning),
-            (Way::Axes, _) if !self.is_at_first_cut(stretch) => return Err(Unplaced::OtherPosition),
-            (Way::Axes, _) => Box::new(|_| UP),
+    fn poses(&self, section: &PathSection, machine: Option<&Machine>) -> Result<Vec<Pose>, LeftOutReason> {
+        let axis: Box<dyn Fn(&AxisPosition) -> Vector + '_> = match (section.context.programmed_path, machine) {
+            (ProgrammedPath::Contour, _) => return Err(LeftOutReason::Contour),
+            (ProgrammedPath::Tip, None) => return Err(LeftOutReason::NoMachine),
+            (ProgrammedPath::Tip, Some(machine)) => Box::new(move |position| axis_at(machine, position, section)),
+            (ProgrammedPath::Axes, _) if section.turn_deg() > SAME_DEG => return Err(LeftOutReason::Turning),
+            (ProgrammedPath::Axes, _) if !self.is_at_first_cut(section) => return Err(LeftOutReason::OtherPosition),
+            (ProgrammedPath::Axes, _) => Box::new(|_| UP),
         };
         let origin_mm = self.origin_mm.unwrap_or_default();
-        let tip_mm = |place: &Place| [0, 1, 2].map(|along: usize| place[along] - origin_mm[along]);
-        Ok(stretch.places.iter().map(|place| Pose { tip_mm: tip_mm(place), axis: axis(place) }).collect())
+        let tip_mm = |position: &AxisPosition| [0, 1, 2].map(|along: usize| position[along] - origin_mm[along]);
+        Ok(section.positions.iter().map(|position| Pose { tip_mm: tip_mm(position), axis: axis(position) }).collect())
     }
 
-    fn is_at_first_cut(&self, stretch: &Stretch) -> bool {
-        let stands = rotary(&stretch.places[0]);
+    fn is_at_first_cut(&self, section: &PathSection) -> bool {
+        let stands = rotary(&section.positions[0]);
         self.rotary_deg.is_none_or(|first| first.iter().zip(stands).all(|(a, b)| (a - b).abs() <= SAME_DEG))
     }
 }
@@ -129,15 +137,15 @@ pub(super) fn between(ends_mm: &[Vector; 2], part: f64) -> Vector {
 }
 
 /// Direction of the tool axis on the part.
-fn axis_at(machine: &Machine, place: &Place, stretch: &Stretch) -> Vector {
-    let origin_deg = stretch.context.origin.rotary.map(MicroDeg::to_deg);
+fn axis_at(machine: &Machine, position: &AxisPosition, section: &PathSection) -> Vector {
+    let origin_deg = section.context.origin.rotary.map(MicroDeg::to_deg);
     let rotary_deg = machine.rotary().each_ref().map(|axis| {
         let index = Letter::ALL.iter().position(|letter| *letter == axis.letter).unwrap_or(0);
-        place[3 + index] - origin_deg[index]
+        position[3 + index] - origin_deg[index]
     });
     machine.axis_at(rotary_deg)
 }
 
-fn rotary(place: &Place) -> Vector {
-    [place[3], place[4], place[5]]
+fn rotary(position: &AxisPosition) -> Vector {
+    [position[3], position[4], position[5]]
 }

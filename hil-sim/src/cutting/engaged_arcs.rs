@@ -8,7 +8,7 @@ use nalgebra::Vector2;
 use super::layer::Layer;
 
 /// Directions sampled for each ray that the circle passes.
-const LOOKS_A_STEP: f64 = 4.0;
+const DIRECTIONS_PER_STEP: f64 = 4.0;
 
 /// Cutting circle of a tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,21 +26,22 @@ impl EdgeCircle {
     /// the rays' distance. Angles are counter-clockwise from the first axis; each arc begins at less than a turn and
     /// appears once.
     pub fn engaged_rad(&self, layer: &Layer, ahead_mm: f64, above_ratio: f64) -> Vec<[f64; 2]> {
-        let looks = (TAU * self.radius_mm / layer.step_mm() * LOOKS_A_STEP).ceil() as usize;
-        let at_rad = |look: usize| (look as f64 + 0.5) * TAU / looks as f64;
+        let directions = (TAU * self.radius_mm / layer.step_mm() * DIRECTIONS_PER_STEP).ceil() as usize;
+        let at_rad = |direction: usize| (direction as f64 + 0.5) * TAU / directions as f64;
         let reach_mm = self.radius_mm + f64::from(self.side.advance()) * ahead_mm;
-        let is_in = |look: usize| {
-            let (sin, cos) = libm::sincos(at_rad(look % looks));
+        let is_in = |direction: usize| {
+            let (sin, cos) = libm::sincos(at_rad(direction % directions));
             let point_mm = self.center_mm + Vector2::new(cos, sin) * reach_mm;
             layer
                 .top_ratio(point_mm, usize::from(sin * sin > cos * cos))
                 .is_some_and(|top_ratio| top_ratio > above_ratio)
         };
-        let half_rad = TAU / looks as f64 / 2.0;
-        let begins = (0..looks).filter(|look| is_in(*look) && !is_in(look + looks - 1));
+        let half_rad = TAU / directions as f64 / 2.0;
+        let begins = (0..directions).filter(|direction| is_in(*direction) && !is_in(direction + directions - 1));
         let arcs: Vec<[f64; 2]> = begins
             .map(|begin| {
-                let end = (begin..begin + looks).find(|look| !is_in(*look)).unwrap_or(begin + looks);
+                let end =
+                    (begin..begin + directions).find(|direction| !is_in(*direction)).unwrap_or(begin + directions);
                 [at_rad(begin) - half_rad, at_rad(end) - half_rad]
             })
             .collect();
