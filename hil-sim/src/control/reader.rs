@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn auxiliary_functions_are_told_from_modal_words() {
+    fn auxiliary_functions_are_distinguished_from_modal_words() {
         assert_eq!(
             actions("M8\nT1\nS1000M3\nG64"),
             [Action::Auxiliary, Action::Auxiliary, Action::Auxiliary, Action::Nothing]

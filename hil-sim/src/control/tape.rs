@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_end_of_block_tells_the_code() {
+    fn the_first_end_of_block_determines_the_code() {
         for code in [Code::Iso, Code::Eia] {
             let found = blocks(TapeSettings::default(), &encoded(code, "%LEADER\nG1X-1.5\nM30\n"));
             assert_eq!(found, [Received::Label { has_mark: true }, block("G1X-1.5"), block("M30")], "{code:?}");
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn a_first_block_without_a_mark_before_it_is_lost() {
+    fn a_first_block_without_a_mark_before_it_is_skipped() {
         let found = blocks(TapeSettings::default(), &encoded(Code::Iso, "G0Z100.\nG0X0\n"));
         assert_eq!(found, [Received::Label { has_mark: false }, block("G0X0")]);
     }

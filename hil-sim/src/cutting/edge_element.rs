@@ -133,11 +133,11 @@ impl EdgeElement {
         let axis = self.axis();
         let ends_mm = [self.edge_mm(), self.root_mm()];
         let [from_mm, to_mm] = [ends_mm[0].inf(&ends_mm[1]), ends_mm[0].sup(&ends_mm[1])];
-        let stretch = Interval::new(from_mm[axis] - margin_mm, to_mm[axis] + margin_mm);
+        let span = Interval::new(from_mm[axis] - margin_mm, to_mm[axis] + margin_mm);
         let [first, last] =
             [from_mm[1 - axis] - margin_mm, to_mm[1 - axis] + margin_mm].map(|mm| layer.index(axis, mm));
         let rays = (first - APART_RAYS).floor() as i64..=(last + APART_RAYS).ceil() as i64;
-        layer.is_met(axis, rays, &stretch, self.depth_band.border_ratio)
+        layer.is_met(axis, rays, &span, self.depth_band.border_ratio)
     }
 
     /// Direction from the rake face to the material.
@@ -218,9 +218,9 @@ impl EdgeElement {
         let off_mm = layer.place_mm(axis, 0) + ray as f64 * layer.step_mm() - self.center_mm[1 - axis];
         let at_mm = self.center_mm[axis] + off_mm * self.towards[axis] / self.towards[1 - axis];
         let [one_mm, other_mm] = [at_mm - to_root * MARGIN_MM, at_mm + to_root * FAR_RATIO * self.depth_mm];
-        let stretch = Interval::new(one_mm.min(other_mm), one_mm.max(other_mm));
+        let span = Interval::new(one_mm.min(other_mm), one_mm.max(other_mm));
         let is_left = |(material, heights): (&Dexel, &PartialHeights)| {
-            material.meets(&stretch) && !heights.is_below(&stretch, self.depth_band.border_ratio)
+            material.meets(&span) && !heights.is_below(&span, self.depth_band.border_ratio)
         };
         !layer.ray(axis, ray).is_some_and(is_left)
     }
@@ -243,10 +243,10 @@ impl EdgeElement {
         let root_mm =
             along(self.radius_mm - f64::from(self.side.advance()) * self.depth_mm).unwrap_or(self.center_mm[axis]);
         let (low, high) = (edge_mm.min(root_mm), edge_mm.max(root_mm));
-        let (stretch, is_first) = (Interval::new(low, high), edge_mm > root_mm);
-        let chip = layer.ray(axis, ray).and_then(|(material, heights)| {
-            heights.end_piece(material, &stretch, self.depth_band.border_ratio, is_first)
-        });
+        let (span, is_first) = (Interval::new(low, high), edge_mm > root_mm);
+        let chip = layer
+            .ray(axis, ray)
+            .and_then(|(material, heights)| heights.end_piece(material, &span, self.depth_band.border_ratio, is_first));
         Some(match chip {
             None => Point { begins_mm: at(edge_mm), ends_mm: None, has_material: false, top_ratio: 1.0 },
             Some(Interval { from_mm, to_mm }) => {

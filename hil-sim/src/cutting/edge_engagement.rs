@@ -8,7 +8,7 @@
 //!
 //! A rounded corner is a staircase. When the tip enters the next layer, its steps meet material from above, which
 //! belongs to no edge and is removed without chips ([`EdgeEngagement::enter`]); so is the material that a rapid removes
-//! ([`EdgeEngagement::sink`]).
+//! ([`EdgeEngagement::clear_at`]).
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;

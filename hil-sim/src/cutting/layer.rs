@@ -138,11 +138,11 @@ impl Layer {
         })
     }
 
-    /// Intervals of a ray where the material is higher than `above_ratio` of the layer, in a stretch or beyond its
+    /// Intervals of a ray where the material is higher than `above_ratio` of the layer, in a span or beyond its
     /// ends; empty beside the rays.
-    pub fn section(&self, axis: usize, ray: i64, stretch: &Interval, above_ratio: f64) -> Cow<'_, [Interval]> {
+    pub fn section(&self, axis: usize, ray: i64, span: &Interval, above_ratio: f64) -> Cow<'_, [Interval]> {
         let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len());
-        let section = |ray: usize| self.heights[axis][ray].section(&self.rays[axis][ray], stretch, above_ratio);
+        let section = |ray: usize| self.heights[axis][ray].section(&self.rays[axis][ray], span, above_ratio);
         ray.map_or(Cow::Borrowed(&[]), section)
     }
 
@@ -152,18 +152,18 @@ impl Layer {
         self.rays[axis].get(ray).zip(self.heights[axis].get(ray))
     }
 
-    /// Whether the material on any of these rays is higher than `above_ratio` of the layer somewhere in a stretch.
-    pub fn is_met(&self, axis: usize, rays: RangeInclusive<i64>, stretch: &Interval, above_ratio: f64) -> bool {
+    /// Whether the material on any of these rays is higher than `above_ratio` of the layer somewhere in a span.
+    pub fn is_met(&self, axis: usize, rays: RangeInclusive<i64>, span: &Interval, above_ratio: f64) -> bool {
         let rays = (*rays.start()).max(0)..=(*rays.end()).min(self.rays[axis].len() as i64 - 1);
         rays.into_iter().filter_map(|ray| self.ray(axis, ray)).any(|(material, heights)| {
-            material.meets(stretch) && heights.end_piece(material, stretch, above_ratio, true).is_some()
+            material.meets(span) && heights.end_piece(material, span, above_ratio, true).is_some()
         })
     }
 
-    /// Mean height of the material in a stretch of a ray, as a fraction of the layer's height.
-    pub fn mean_ratio(&self, axis: usize, ray: i64, stretch: &Interval) -> f64 {
+    /// Mean height of the material in a span of a ray, as a fraction of the layer's height.
+    pub fn mean_ratio(&self, axis: usize, ray: i64, span: &Interval) -> f64 {
         let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len());
-        ray.map_or(1.0, |ray| self.heights[axis][ray].mean_ratio(&self.rays[axis][ray], stretch))
+        ray.map_or(1.0, |ray| self.heights[axis][ray].mean_ratio(&self.rays[axis][ray], span))
     }
 
     /// Height of the material at a point, as a fraction of the layer's height, on the nearest ray along an axis.
@@ -233,14 +233,14 @@ impl Layer {
             let sides: [Side; 4] = std::array::from_fn(|side| Side::new(corners_mm, side, axis));
             let mut removed_mm = 0.0;
             for ray in self.between(axis, lowest, highest) {
-                if self.heights[axis][ray].is_spared(&self.rays[axis][ray], &around, depth_band) {
+                if self.heights[axis][ray].is_already_lowered(&self.rays[axis][ray], &around, depth_band) {
                     continue;
                 }
                 let place_mm = self.place_mm(axis, ray);
                 let crossings = crossings(&sides, place_mm);
                 let ends = crossings.map(|(side, crossing_mm)| put_mm(side, crossing_mm, axis, place_mm));
-                if let Some(stretch) = extent(ends) {
-                    removed_mm += self.heights[axis][ray].take(&mut self.rays[axis][ray], stretch, depth_band);
+                if let Some(span) = extent(ends) {
+                    removed_mm += self.heights[axis][ray].take(&mut self.rays[axis][ray], span, depth_band);
                 }
             }
             removed_mm * self.step_mm
@@ -262,8 +262,8 @@ impl Layer {
                 let half = |radius_mm: f64| libm::sqrt((radius_mm * radius_mm - off_mm * off_mm).max(0.0));
                 let (inner, outer) = (half(inner_mm), half(outer_mm));
                 for (from, to) in [(-outer, -inner), (inner, outer)] {
-                    let stretch = Interval::new(center_mm[axis] + from, center_mm[axis] + to);
-                    self.heights[axis][ray].take(&mut self.rays[axis][ray], stretch, &depth_band);
+                    let span = Interval::new(center_mm[axis] + from, center_mm[axis] + to);
+                    self.heights[axis][ray].take(&mut self.rays[axis][ray], span, &depth_band);
                 }
             }
         }

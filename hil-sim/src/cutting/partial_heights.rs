@@ -54,18 +54,18 @@ impl DepthBand {
 }
 
 impl PartialHeights {
-    /// Removes a depth band of a stretch; returns the length times the fraction of the height removed.
-    pub fn take(&mut self, material: &mut Dexel, stretch: Interval, depth_band: &DepthBand) -> f64 {
-        if depth_band.foot_ratio <= 0.0 && !self.meets(&stretch) {
-            return if depth_band.cuts(1.0) { material.subtract(stretch) } else { 0.0 };
+    /// Removes a depth band of a span; returns the length times the fraction of the height removed.
+    pub fn take(&mut self, material: &mut Dexel, span: Interval, depth_band: &DepthBand) -> f64 {
+        if depth_band.foot_ratio <= 0.0 && !self.meets(&span) {
+            return if depth_band.cuts(1.0) { material.subtract(span) } else { 0.0 };
         }
-        if self.is_spared(material, &stretch, depth_band) {
+        if self.is_already_lowered(material, &span, depth_band) {
             return 0.0;
         }
-        if let Some(taken_mm) = self.take_beside(material, &stretch, depth_band) {
+        if let Some(taken_mm) = self.take_beside(material, &span, depth_band) {
             return taken_mm;
         }
-        let (foot_ratio, mut rest, mut taken_mm) = (depth_band.foot_ratio.max(0.0), stretch, 0.0);
+        let (foot_ratio, mut rest, mut taken_mm) = (depth_band.foot_ratio.max(0.0), span, 0.0);
         while rest.length_mm() > 0.0 {
             let found = self.columns(material, &rest).find(|column| depth_band.cuts(column.top_ratio));
             let Some(Column { on, top_ratio }) = found else { break };
@@ -83,10 +83,10 @@ impl PartialHeights {
 
     /// The common case: removes a chip beside a column that already has the final height; `None`, with nothing removed,
     /// in any other case.
-    fn take_beside(&mut self, material: &Dexel, stretch: &Interval, depth_band: &DepthBand) -> Option<f64> {
+    fn take_beside(&mut self, material: &Dexel, span: &Interval, depth_band: &DepthBand) -> Option<f64> {
         let Dexel::One(piece) = material else { return None };
-        let on = piece.common(stretch);
-        let low = self.0.partition_point(|column| column.on.to_mm <= stretch.from_mm);
+        let on = piece.common(span);
+        let low = self.0.partition_point(|column| column.on.to_mm <= span.from_mm);
         let Column { on: is_low, top_ratio } = *self.0.get(low)?;
         if top_ratio != depth_band.foot_ratio || !depth_band.cuts(1.0) {
             return None;
@@ -116,21 +116,21 @@ impl PartialHeights {
         }
     }
 
-    /// Intervals of a stretch where the material is higher than `above_ratio` of the layer; of lowered intervals only
+    /// Intervals of a span where the material is higher than `above_ratio` of the layer; of lowered intervals only
     /// those longer than rounding.
-    pub fn section<'a>(&self, material: &'a Dexel, stretch: &Interval, above_ratio: f64) -> Cow<'a, [Interval]> {
-        if !self.meets(stretch) {
+    pub fn section<'a>(&self, material: &'a Dexel, span: &Interval, above_ratio: f64) -> Cow<'a, [Interval]> {
+        if !self.meets(span) {
             return Cow::Borrowed(if above_ratio + SAME_RATIO < 1.0 { material.intervals() } else { &[] });
         }
-        Cow::Owned(Pieces { columns: self.columns(material, stretch), above_ratio, next: None }.collect())
+        Cow::Owned(Pieces { columns: self.columns(material, span), above_ratio, next: None }.collect())
     }
 
-    /// Mean height of the material in a stretch; that of the whole layer if there is none.
-    pub fn mean_ratio(&self, material: &Dexel, stretch: &Interval) -> f64 {
-        if !self.meets(stretch) {
+    /// Mean height of the material in a span; that of the whole layer if there is none.
+    pub fn mean_ratio(&self, material: &Dexel, span: &Interval) -> f64 {
+        if !self.meets(span) {
             return 1.0;
         }
-        let (length_mm, sum_mm) = self.columns(material, stretch).fold((0.0, 0.0), |(length_mm, sum_mm), column| {
+        let (length_mm, sum_mm) = self.columns(material, span).fold((0.0, 0.0), |(length_mm, sum_mm), column| {
             (length_mm + column.on.length_mm(), sum_mm + column.on.length_mm() * column.top_ratio)
         });
         if length_mm > 0.0 { sum_mm / length_mm } else { 1.0 }
@@ -143,11 +143,11 @@ impl PartialHeights {
         material.contains(at_mm).then(|| column.map_or(1.0, |column| column.top_ratio))
     }
 
-    /// Whether all material of a stretch is already so low that an edge removes nothing.
-    pub fn is_spared(&self, material: &Dexel, stretch: &Interval, depth_band: &DepthBand) -> bool {
+    /// Whether all material of a span is already so low that an edge removes nothing.
+    pub fn is_already_lowered(&self, material: &Dexel, span: &Interval, depth_band: &DepthBand) -> bool {
         let Interval { mut from_mm, to_mm } = match material {
-            Dexel::One(piece) => piece.common(stretch),
-            _ => *stretch,
+            Dexel::One(piece) => piece.common(span),
+            _ => *span,
         };
         let first = self.0.partition_point(|column| column.on.to_mm <= from_mm);
         for Column { on, top_ratio } in &self.0[first..] {
@@ -159,45 +159,39 @@ impl PartialHeights {
         from_mm >= to_mm
     }
 
-    /// Whether a whole stretch is lowered to `above_ratio` of the layer, or below.
-    pub fn is_below(&self, stretch: &Interval, above_ratio: f64) -> bool {
-        self.over(stretch).is_some_and(|column| column.top_ratio <= above_ratio + SAME_RATIO)
+    /// Whether a whole span is lowered to `above_ratio` of the layer, or below.
+    pub fn is_below(&self, span: &Interval, above_ratio: f64) -> bool {
+        self.over(span).is_some_and(|column| column.top_ratio <= above_ratio + SAME_RATIO)
     }
 
-    /// The column that contains a whole stretch.
-    fn over(&self, stretch: &Interval) -> Option<&Column> {
-        let first = self.0.partition_point(|column| column.on.to_mm <= stretch.from_mm);
-        self.0.get(first).filter(|column| column.on.from_mm <= stretch.from_mm && stretch.to_mm <= column.on.to_mm)
+    /// The column that contains a whole span.
+    fn over(&self, span: &Interval) -> Option<&Column> {
+        let first = self.0.partition_point(|column| column.on.to_mm <= span.from_mm);
+        self.0.get(first).filter(|column| column.on.from_mm <= span.from_mm && span.to_mm <= column.on.to_mm)
     }
 
-    /// Whether any column overlaps a stretch.
-    fn meets(&self, stretch: &Interval) -> bool {
-        let first = self.0.partition_point(|column| column.on.to_mm <= stretch.from_mm);
-        self.0.get(first).is_some_and(|column| column.on.from_mm < stretch.to_mm)
+    /// Whether any column overlaps a span.
+    fn meets(&self, span: &Interval) -> bool {
+        let first = self.0.partition_point(|column| column.on.to_mm <= span.from_mm);
+        self.0.get(first).is_some_and(|column| column.on.from_mm < span.to_mm)
     }
 
-    /// First, or last, interval of a stretch where the material is higher than `above_ratio` of the layer, as in
-    /// [`PartialHeights::section`], cut off at the stretch's ends.
-    pub fn end_piece(
-        &self,
-        material: &Dexel,
-        stretch: &Interval,
-        above_ratio: f64,
-        is_first: bool,
-    ) -> Option<Interval> {
-        if !self.meets(stretch) {
-            let mut met = material.met(stretch);
+    /// First, or last, interval of a span where the material is higher than `above_ratio` of the layer, as in
+    /// [`PartialHeights::section`], cut off at the span's ends.
+    pub fn end_piece(&self, material: &Dexel, span: &Interval, above_ratio: f64, is_first: bool) -> Option<Interval> {
+        if !self.meets(span) {
+            let mut met = material.met(span);
             let piece = if is_first { met.next() } else { met.next_back() };
-            return piece.filter(|_| above_ratio + SAME_RATIO < 1.0).map(|piece| piece.common(stretch));
+            return piece.filter(|_| above_ratio + SAME_RATIO < 1.0).map(|piece| piece.common(span));
         }
-        if self.is_below(stretch, above_ratio) {
+        if self.is_below(span, above_ratio) {
             return None;
         }
-        let mut pieces = Pieces { columns: self.columns(material, stretch), above_ratio, next: None };
+        let mut pieces = Pieces { columns: self.columns(material, span), above_ratio, next: None };
         if is_first { pieces.next() } else { pieces.last() }
     }
 
-    /// Material of a stretch as columns, in order.
+    /// Material of a span as columns, in order.
     fn columns<'a>(&'a self, material: &'a Dexel, within: &'a Interval) -> Columns<'a> {
         let first = self.0.partition_point(|column| column.on.to_mm <= within.from_mm);
         Columns { heights: &self.0[first..], pieces: material.intervals(), within, whole: None }
@@ -245,7 +239,7 @@ impl PartialHeights {
     }
 }
 
-/// Iterator over the material of a stretch, in order: full material before, between and after the columns.
+/// Iterator over the material of a span, in order: full material before, between and after the columns.
 struct Columns<'a> {
     /// Columns not passed yet.
     heights: &'a [Column],

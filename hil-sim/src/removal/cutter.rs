@@ -1,4 +1,4 @@
-//! Stock that a run cuts: each segment of the path removes its material as soon as it is complete.
+//! Stock that a run cuts: each section of the path removes its material as soon as it is complete.
 
 use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::nc::modal::Pose;
@@ -147,7 +147,7 @@ impl StockCutter {
         &self.blocks
     }
 
-    /// Volume removed on each segment of the path, in order.
+    /// Volume removed on each section of the path, in order.
     pub fn pieces(&self) -> &[Piece] {
         &self.pieces
     }

@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn passes_are_told_by_side() {
+    fn passes_are_counted_by_side() {
         let mut statistics = LoadStatistics::default();
         for thickest_mm in [0.1, 0.3] {
             statistics.add_pass(Edge::Inner, thickest_mm);

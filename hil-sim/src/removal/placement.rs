@@ -65,7 +65,7 @@ impl WorkpiecePlacement {
         }
     }
 
-    /// Sweeps of a path segment, in order.
+    /// Sweeps of a path section, in order.
     ///
     /// # Errors
     /// The tool's position on the workpiece is unknown.
@@ -82,7 +82,7 @@ impl WorkpiecePlacement {
         sweeps.map(|sweeps| sweeps.concat()).map_err(|_| LeftOutReason::Turning)
     }
 
-    /// Chord of the tip of an upright tool on the part, for a path segment of one chord; `None` before the first cut
+    /// Chord of the tip of an upright tool on the part, for a path section of one chord; `None` before the first cut
     /// has given the part's position.
     ///
     /// # Errors

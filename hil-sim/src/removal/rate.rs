@@ -10,14 +10,14 @@ use super::trail::SECTION_TIME_MAX;
 /// Steps between rays that a window covers.
 const STEPS: f64 = 4.0;
 
-/// Volume removed on a path segment.
+/// Volume removed on a path section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     /// Index of the block among those that cut.
     pub block: usize,
-    /// Beginning of the segment.
+    /// Beginning of the section.
     pub from: Micros,
-    /// End of the segment.
+    /// End of the section.
     pub to: Micros,
     /// Path length.
     pub path_mm: f64,
@@ -35,7 +35,7 @@ pub struct RateWindow {
     /// Volume, as the mean of the three families of rays.
     pub removed_mm3: f64,
     path_mm: f64,
-    /// Total time of the path segments.
+    /// Total time of the path sections.
     cut: Micros,
 }
 
@@ -58,7 +58,7 @@ impl Piece {
 }
 
 impl RateWindow {
-    /// Rate over the time of the path segments, mm3/min.
+    /// Rate over the time of the path sections, mm3/min.
     pub fn rate_per_min(&self) -> f64 {
         self.removed_mm3 / self.cut.to_s() * S_PER_MIN
     }

@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn a_straight_way_is_one_leg_and_a_block_begins_another() {
+    fn a_straight_path_is_one_segment_and_a_block_begins_another() {
         let mut tip_path = TipPath::default();
         for n in 0..1000 {
             tip_path.go(&block(1 + n / 600), [f64::from(n) * 0.3, f64::from(n) * 0.1, -1.0]);
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn an_arc_is_off_by_no_more_than_told() {
+    fn the_path_of_an_arc_deviates_by_no_more_than_the_tolerance() {
         let (mut tip_path, radius_mm) = (TipPath::default(), 40.0);
         for n in 0..5000 {
             let (sin, cos) = libm::sincos(f64::from(n) * 2e-4);
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lift_and_a_step_down_part_the_way() {
+    fn a_lift_and_a_step_down_divide_the_path() {
         let mut tip_path = TipPath::default();
         tip_path.go(&block(1), [0.0; 3]);
         tip_path.go(&block(1), [1.0, 0.0, 0.0]);

@@ -21,7 +21,7 @@ use crate::drives::limits::AXES;
 use crate::override_source::OverrideSource;
 use crate::simulation::Simulation;
 
-/// Longest time of a path segment: the resolution of the removal rate.
+/// Longest time of a path section: the resolution of the removal rate.
 pub const SECTION_TIME_MAX: Micros = Micros::from_ms(250);
 
 /// Path in a period below which the axes count as standing still.
@@ -72,19 +72,19 @@ pub struct AxisSample {
 /// Part of the path of one block, as chords.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathSection {
-    /// Block of the segment.
+    /// Block of the section.
     pub block: BlockRef,
     /// Context of its move.
     pub context: MoveContext,
-    /// Beginning of the segment.
+    /// Beginning of the section.
     pub from: Micros,
-    /// End of the segment.
+    /// End of the section.
     pub to: Micros,
     /// Ends of the chords, one after the other; two or more.
     pub positions: Vec<AxisPosition>,
 }
 
-/// Builder of the path's segments.
+/// Builder of the path's sections.
 #[derive(Clone, Debug)]
 pub struct Trail {
     tolerance_mm: f64,
@@ -120,7 +120,7 @@ impl Trail {
         }
     }
 
-    /// Adds a sample; returns the segment that it completes.
+    /// Adds a sample; returns the section that it completes.
     pub fn add(&mut self, sample: &AxisSample) -> Option<PathSection> {
         let (before, axes) = self.last.replace((sample.at, sample.axes))?;
         let (from, to) = (at_tip(&axes, &sample.context), at_tip(&sample.axes, &sample.context));
@@ -149,7 +149,7 @@ impl Trail {
         over
     }
 
-    /// Completes the open segment.
+    /// Completes the open section.
     pub fn end(&mut self) -> Option<PathSection> {
         let mut over = self.open.take()?;
         over.positions.extend(self.passed.last());
@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stretch_ends_where_the_block_does_and_where_the_axes_stand() {
+    fn a_section_ends_with_its_block_and_where_the_axes_stop() {
         let over = sections([
             sample(0, 0.0, 0.0, 1),
             sample(1, 1.0, 0.0, 1),
