@@ -23,7 +23,7 @@ use crate::cutting::edges::EdgePiece;
 use crate::cutting::force::Loads;
 use crate::cutting::material::{ChipSection, Cutting, EdgeForce};
 use crate::cutting::pose::{EdgePoses, ToolPose};
-use crate::dynamics::vibration::{Places, Step, Vibration};
+use crate::dynamics::vibration::{Places, Vibration, VibrationStep};
 use crate::flexible::{Modal, Workpiece};
 
 /// Fraction of a piece's height: a chip on less is a burr between two levels and does not count for the thickness.
@@ -153,13 +153,13 @@ impl Process {
             let bent = |edge: usize| moved_mm[place_of[edge]].xy();
             found = edges.evaluate(bent, chips_mm, |edge, force_n| forces_n[place_of[edge]] += force_n);
         });
-        self.edge_displacements.keep();
+        self.edge_displacements.store();
         let bent_mm = &self.edge_displacements.bent_mm;
         let removed_mm3 = self.engagement.cut(&at, |edge| bent_mm[edge].xy());
         self.moment(&step, found, removed_mm3)
     }
 
-    fn moment(&self, step: &Step, (loads, end_mm): (Loads, f64), removed_mm3: [f64; 2]) -> ProcessStep {
+    fn moment(&self, step: &VibrationStep, (loads, end_mm): (Loads, f64), removed_mm3: [f64; 2]) -> ProcessStep {
         let thickest_mm = self.chips_mm.iter().copied().fold(0.0, f64::max);
         let (displacement_mm, agrees) = (step.displacement_mm, step.agrees);
         ProcessStep { loads, displacement_mm, thickest_mm, end_mm, removed_mm3, agrees }
@@ -228,7 +228,7 @@ impl EdgeDisplacements {
     }
 
     /// Stores the displacements of the edges at the end of the step.
-    fn keep(&mut self) {
+    fn store(&mut self) {
         let moved_mm = self.places.moved_mm();
         self.bent_mm.iter_mut().zip(&self.place_of).for_each(|(bent_mm, place)| *bent_mm = moved_mm[*place]);
     }

@@ -283,7 +283,7 @@ impl<D: OverrideSource> Simulation<D> {
         if self.now < self.settles_until {
             self.meter.leave_out(sample);
         } else {
-            self.meter.take(&Sample { commanded: self.control.followed_feed(), ..*sample });
+            self.meter.add_sample(&Sample { commanded: self.control.followed_feed(), ..*sample });
         }
     }
 

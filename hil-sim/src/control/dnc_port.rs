@@ -98,7 +98,7 @@ impl DncPort {
         // While the port reads nothing, a sender's characters only start and stop the punch.
         for byte in bytes.iter().map(|byte| without_parity(settings.sender.frame(*byte))) {
             self.is_requested |= byte == DC1;
-            self.punch.take(byte);
+            self.punch.receive(byte);
         }
     }
 
@@ -251,7 +251,7 @@ impl DncPort {
 
     fn receive(&mut self, arriving: Arriving, settings: &LineSettings) -> Option<Fault> {
         let Arriving::Frame(frame) = arriving else { return Some(Fault::alarm(Alarm::LineError, 0)) };
-        if self.punch.take(without_parity(frame)) {
+        if self.punch.receive(without_parity(frame)) {
             return None;
         }
         self.counters.bytes += 1;

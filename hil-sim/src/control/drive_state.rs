@@ -70,7 +70,7 @@ impl DriveState {
     }
 
     /// Applies S and M of a block.
-    pub fn take(&mut self, block: &ReadBlock, switches: &Switches) {
+    pub fn apply_block(&mut self, block: &ReadBlock, switches: &Switches) {
         let Some(spindle) = self.spindle.as_mut().filter(|_| block.action != Action::Nothing) else { return };
         let before = spindle.commanded_rev_per_min();
         if let Ok(parsed) = parse_line(&block.text, Reading::Lenient) {

@@ -1,6 +1,6 @@
 //! Fastest speed that all axes can follow, including on blocks read ahead.
 //!
-//! Each span ahead ([`walk`]) begins with the speed that its axes allow, and with the speed wanted there. [`Profile`]
+//! Each span ahead ([`walk`]) begins with the speed that its axes allow, and with the speed wanted there. [`SpeedProfile`]
 //! keeps to both; [`Horizon`] holds the spans from step to step. The end of the queue counts as a stop. A stop at the
 //! end of a block (single block) that is requested too late for this block is made at the end of the next.
 
@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 
 use crate::drives::brake::{Brake, Motion};
 use crate::drives::limits::DriveLimits;
-use crate::drives::profile::Profile;
+use crate::drives::profile::SpeedProfile;
 
 use super::feeds::FeedConditions;
 use super::horizon::{DONE, Horizon};
@@ -96,8 +96,8 @@ impl LookAhead {
     }
 
     /// Profile of one period from the position of the axes.
-    fn profile(&self, period_s: f64, active: &Active) -> Profile<'_> {
-        Profile { period_s, at: active.done_mm, here: self.horizon.here().limits, ahead: self.horizon.ahead() }
+    fn profile(&self, period_s: f64, active: &Active) -> SpeedProfile<'_> {
+        SpeedProfile { period_s, at: active.done_mm, here: self.horizon.here().limits, ahead: self.horizon.ahead() }
     }
 
     /// Advances to a distance in this move, or beyond its end into the next one.

@@ -364,7 +364,7 @@ impl Control {
         self.blocks_begun += 1;
         self.halts_after = block.stops_single_block();
         let sequence = reader::sequence_of(&block.text).map(i64::from);
-        self.drive_state.take(&block, &self.switches);
+        self.drive_state.apply_block(&block, &self.switches);
         if !block.text.is_empty() {
             self.executed.push(block.text);
         }

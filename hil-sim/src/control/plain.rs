@@ -109,7 +109,7 @@ impl PlainReader {
 
     fn note(&mut self, block: &Block) {
         if let Some(list) = &mut self.restart {
-            list.take(block);
+            list.add(block);
         }
         for word in block.words.iter().filter(|word| word.letter == b'G') {
             match word.number.as_whole() {

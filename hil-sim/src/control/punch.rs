@@ -64,7 +64,7 @@ impl Punch {
     }
 
     /// Handles a character from the sender; returns whether it was for the punch.
-    pub fn take(&mut self, byte: u8) -> bool {
+    pub fn receive(&mut self, byte: u8) -> bool {
         match byte {
             DC1 => self.is_stopped = false,
             DC3 => self.is_stopped = true,
@@ -102,9 +102,9 @@ mod tests {
         punch.open();
         punch.print(b"AB", Code::Ascii);
         assert_eq!((punch.poll(), punch.poll()), (Some(DC2), Some(b'A')));
-        assert!(punch.take(DC3));
+        assert!(punch.receive(DC3));
         assert_eq!(punch.poll(), None);
-        assert!(punch.take(DC1));
+        assert!(punch.receive(DC1));
         assert_eq!(drain(&mut punch), b"B\n");
     }
 }

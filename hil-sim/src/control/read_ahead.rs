@@ -133,7 +133,7 @@ impl Control {
         let executive = self.executive.as_mut()?;
         if let Search::Sequence(wanted) = search {
             let received = self.port.take_block()?;
-            let is_end = self.reader.pass(&received);
+            let is_end = self.reader.skip(&received);
             return Some(match received {
                 Received::Block(text) if sequence_of(&text) == Some(wanted) => {
                     executive.feed(text, self.reader.line());

@@ -102,7 +102,7 @@ impl BlockReader {
     }
 
     /// Skips a block during a search; returns whether it was the end of the program.
-    pub fn pass(&mut self, received: &Received) -> bool {
+    pub fn skip(&mut self, received: &Received) -> bool {
         self.line += 1;
         let has_begun = self.has_begun;
         match received {
@@ -115,8 +115,8 @@ impl BlockReader {
         false
     }
 
-    /// Undoes the line count of [`BlockReader::pass`], so that the same block is read next.
-    pub fn go_back(&mut self) {
+    /// Undoes the line count of [`BlockReader::skip`], so that the same block is read next.
+    pub fn unread(&mut self) {
         self.line -= 1;
     }
 

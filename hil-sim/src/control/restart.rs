@@ -53,7 +53,7 @@ impl RestartList {
     }
 
     /// Keeps the functions of a block until the next one is read.
-    pub(super) fn take(&mut self, block: &Block) {
+    pub(super) fn add(&mut self, block: &Block) {
         let is_function = |letter, number| match letter {
             b'M' => !matches!(number, 0..=2 | 30 | 98 | 99),
             _ => matches!(letter, b'S' | b'T'),

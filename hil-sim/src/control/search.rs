@@ -49,10 +49,10 @@ impl Search {
     ) -> SearchResult {
         match self {
             Search::Sequence(wanted) => {
-                let is_end = reader.pass(&received);
+                let is_end = reader.skip(&received);
                 match &received {
                     Received::Block(text) if sequence_of(text) == Some(wanted) => {
-                        reader.go_back();
+                        reader.unread();
                         SearchResult::Here(reader.read(received, switches).into_iter().collect())
                     }
                     _ if is_end => SearchResult::Never(Box::new(never(reader.line()))),

@@ -22,12 +22,12 @@ use super::tape::Received;
 pub struct Store {
     port: DncPort,
     blocks: Vec<Vec<u8>>,
-    state: State,
+    state: StoreState,
 }
 
 /// State of the store.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
+pub enum StoreState {
     /// Receives a program.
     Reading,
     /// Holds a program.
@@ -41,7 +41,7 @@ pub enum State {
 impl Store {
     /// State after READ has been pressed.
     pub fn new(line: LineSettings) -> Self {
-        Store { port: DncPort::on_line(line), blocks: Vec::new(), state: State::Reading }
+        Store { port: DncPort::on_line(line), blocks: Vec::new(), state: StoreState::Reading }
     }
 
     /// Serial line.
@@ -50,7 +50,7 @@ impl Store {
     }
 
     /// State of the store.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> StoreState {
         self.state
     }
 
@@ -63,10 +63,10 @@ impl Store {
     pub fn step(&mut self, dt: Micros) {
         let fault = self.port.step(dt);
         match self.state {
-            State::Reading => self.read(fault),
-            State::Stored if self.port.take_request() => self.punch(),
-            State::Punching if !self.port.is_punching() => self.state = State::Stored,
-            State::Stored | State::Punching | State::Refused(_) => {}
+            StoreState::Reading => self.read(fault),
+            StoreState::Stored if self.port.take_request() => self.punch(),
+            StoreState::Punching if !self.port.is_punching() => self.state = StoreState::Stored,
+            StoreState::Stored | StoreState::Punching | StoreState::Refused(_) => {}
         }
     }
 
@@ -79,7 +79,7 @@ impl Store {
         let [first, last] = marks.map(std::iter::once);
         first.chain(self.blocks.iter().map(Vec::as_slice)).chain(last).for_each(|block| punch.print(block, code));
         punch.close();
-        self.state = State::Punching;
+        self.state = StoreState::Punching;
     }
 
     fn read(&mut self, mut fault: Option<Fault>) {
@@ -87,7 +87,7 @@ impl Store {
             match received {
                 Received::Label { .. } => {}
                 Received::Block(text) if text.starts_with(b"%") => {
-                    self.state = State::Stored;
+                    self.state = StoreState::Stored;
                     break;
                 }
                 Received::Block(text) => self.blocks.extend(stored_block(&text)),
@@ -95,9 +95,9 @@ impl Store {
             }
         }
         if let Some(fault) = fault {
-            self.state = State::Refused(fault);
+            self.state = StoreState::Refused(fault);
         }
-        if self.state != State::Reading {
+        if self.state != StoreState::Reading {
             self.port.close();
         }
     }
@@ -149,18 +149,18 @@ mod tests {
     #[test]
     fn what_was_read_comes_out_when_the_other_side_is_ready() {
         let mut store = read("%\nO1 (A PART)\nG1 X1.\n\nM30\n%\n", |byte| byte);
-        assert_eq!(store.state(), State::Stored);
+        assert_eq!(store.state(), StoreState::Stored);
         assert_eq!(store.blocks(), [b"O1(A PART)".to_vec(), b"G1X1.".to_vec(), b"M30".to_vec()]);
-        assert_eq!(punched(&mut store), [0x11, 0x13], "it has read; nobody has asked");
+        assert_eq!(punched(&mut store), [0x11, 0x13], "it has read; no DC1 yet");
         store.port().on_bytes(&[DC1]);
         assert_eq!(punched(&mut store), b"\x12%\nO1(A PART)\nG1X1.\nM30\n%\n\x14");
-        assert_eq!(store.state(), State::Stored);
+        assert_eq!(store.state(), StoreState::Stored);
     }
 
     #[test]
     fn a_character_with_wrong_parity_is_refused() {
         let store = read("%\nO1\nG1X1.\nM30\n%\n", |byte| if byte == b'X' | 0x80 { b'X' } else { byte });
-        let State::Refused(fault) = store.state() else { panic!("{:?}", store.state()) };
+        let StoreState::Refused(fault) = store.state() else { panic!("{:?}", store.state()) };
         assert_eq!(fault, Fault::alarm(Alarm::Character, 3));
     }
 }

@@ -319,7 +319,7 @@ impl EdgeHistory {
     }
 
     /// Moves the edge to its next position, where it meets nothing.
-    pub fn pass(&mut self, element: &EdgeElement) {
+    pub fn move_without_cut(&mut self, element: &EdgeElement) {
         *self = EdgeHistory { last: Some(*element), behind: None, requested: None };
     }
 
@@ -327,7 +327,7 @@ impl EdgeHistory {
     /// the area as the rays along each axis measure it, mm2.
     pub fn cut(&mut self, element: &EdgeElement, layer: &mut Layer) -> [f64; 2] {
         if element.is_apart(layer) && self.last.is_none_or(|last| last.is_apart(layer)) {
-            self.pass(element);
+            self.move_without_cut(element);
             return [0.0; 2];
         }
         self.behind = match self.requested.take() {

@@ -261,7 +261,7 @@ impl EdgeEngagement {
                 *history = history.in_other_layer();
             }
             match index.filter(|_| !at.is_apart[edge]).and_then(|index| self.layers.layers_mut().get_mut(index)) {
-                None => history.pass(&element),
+                None => history.move_without_cut(&element),
                 Some(layer) => add(history.cut(&element, layer).map(|mm2| mm2 * rise_mm)),
             }
         }

@@ -108,7 +108,7 @@ pub struct Cutter {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EdgeError {
     /// A dimension is not a number, negative, or too large for another one.
-    Measures,
+    Dimensions,
     /// No teeth, or no pieces.
     Nothing,
     /// The number of values differs from the number of teeth.
@@ -177,7 +177,7 @@ impl Cutter {
             height_mm: mill.height_mm,
             lag_rad_per_mm: libm::tan(mill.helix_rad) / radius_mm, // (6)
         };
-        let of_tooth = meridian.pieces(pieces).filter(|_| fits).ok_or(EdgeError::Measures)?;
+        let of_tooth = meridian.pieces(pieces).filter(|_| fits).ok_or(EdgeError::Dimensions)?;
         Cutter::new(mill.teeth, |_| &of_tooth)
     }
 
@@ -190,7 +190,7 @@ impl Cutter {
         let of_side = |side, radius_mm| {
             let (corner_mm, height_mm) = (ring.corner_mm, ring.height_mm);
             let meridian = Meridian { side, radius_mm, corner_mm, height_mm, lag_rad_per_mm: 0.0 };
-            meridian.pieces(pieces).filter(|_| fits).ok_or(EdgeError::Measures)
+            meridian.pieces(pieces).filter(|_| fits).ok_or(EdgeError::Dimensions)
         };
         let outer = of_side(Edge::Outer, ring.outer_radius_mm)?;
         let inner = of_side(Edge::Inner, ring.inner_radius_mm)?;
@@ -317,7 +317,7 @@ impl Cutter {
 impl fmt::Display for EdgeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            EdgeError::Measures => write!(f, "the measures are none of a cutter"),
+            EdgeError::Dimensions => write!(f, "the dimensions are not those of a cutter"),
             EdgeError::Nothing => write!(f, "a cutter needs teeth, and each tooth pieces"),
             EdgeError::Count { teeth, given } => write!(f, "{teeth} teeth need one value each, not {given}"),
             EdgeError::Pitch => write!(f, "pitches are positive angles that make up a full turn"),

@@ -240,7 +240,7 @@ impl Layer {
                 let crossings = crossings(&sides, place_mm);
                 let ends = crossings.map(|(side, crossing_mm)| put_mm(side, crossing_mm, axis, place_mm));
                 if let Some(span) = extent(ends) {
-                    removed_mm += self.heights[axis][ray].take(&mut self.rays[axis][ray], span, depth_band);
+                    removed_mm += self.heights[axis][ray].remove(&mut self.rays[axis][ray], span, depth_band);
                 }
             }
             removed_mm * self.step_mm
@@ -263,7 +263,7 @@ impl Layer {
                 let (inner, outer) = (half(inner_mm), half(outer_mm));
                 for (from, to) in [(-outer, -inner), (inner, outer)] {
                     let span = Interval::new(center_mm[axis] + from, center_mm[axis] + to);
-                    self.heights[axis][ray].take(&mut self.rays[axis][ray], span, &depth_band);
+                    self.heights[axis][ray].remove(&mut self.rays[axis][ray], span, &depth_band);
                 }
             }
         }

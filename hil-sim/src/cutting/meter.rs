@@ -162,7 +162,7 @@ impl ChipMeter {
     }
 
     /// Processes the machine's report.
-    pub fn take(&mut self, sample: &Sample) {
+    pub fn add_sample(&mut self, sample: &Sample) {
         if !self.tooth_us.is_finite() {
             return self.leave_out(sample);
         }

@@ -55,14 +55,14 @@ impl DepthBand {
 
 impl PartialHeights {
     /// Removes a depth band of a span; returns the length times the fraction of the height removed.
-    pub fn take(&mut self, material: &mut Dexel, span: Interval, depth_band: &DepthBand) -> f64 {
+    pub fn remove(&mut self, material: &mut Dexel, span: Interval, depth_band: &DepthBand) -> f64 {
         if depth_band.foot_ratio <= 0.0 && !self.meets(&span) {
             return if depth_band.cuts(1.0) { material.subtract(span) } else { 0.0 };
         }
         if self.is_already_lowered(material, &span, depth_band) {
             return 0.0;
         }
-        if let Some(taken_mm) = self.take_beside(material, &span, depth_band) {
+        if let Some(taken_mm) = self.remove_beside(material, &span, depth_band) {
             return taken_mm;
         }
         let (foot_ratio, mut rest, mut taken_mm) = (depth_band.foot_ratio.max(0.0), span, 0.0);
@@ -83,7 +83,7 @@ impl PartialHeights {
 
     /// The common case: removes a chip beside a column that already has the final height; `None`, with nothing removed,
     /// in any other case.
-    fn take_beside(&mut self, material: &Dexel, span: &Interval, depth_band: &DepthBand) -> Option<f64> {
+    fn remove_beside(&mut self, material: &Dexel, span: &Interval, depth_band: &DepthBand) -> Option<f64> {
         let Dexel::One(piece) = material else { return None };
         let on = piece.common(span);
         let low = self.0.partition_point(|column| column.on.to_mm <= span.from_mm);
@@ -333,7 +333,7 @@ mod tests {
             (0.0, 3.0, END(0.0, 0.5), 3.0 * 0.25),
             (0.0, 10.0, DepthBand::ALL, 3.0 * 0.25 + 4.0),
         ] {
-            let taken = heights.take(&mut material, Interval::new(from_mm, to_mm), &depth_band);
+            let taken = heights.remove(&mut material, Interval::new(from_mm, to_mm), &depth_band);
             left_mm -= taken;
             assert_eq!(taken, taken_mm, "{depth_band:?}");
             assert_eq!(heights.length_mm(&material), left_mm, "{depth_band:?}");
@@ -357,7 +357,11 @@ mod tests {
             (6.0, 12.0, 3.0),
             (1.0, 11.0, 0.0),
         ] {
-            assert_eq!(heights.take(&mut material, Interval::new(from_mm, to_mm), &side), 0.75 * taken_mm, "{from_mm}");
+            assert_eq!(
+                heights.remove(&mut material, Interval::new(from_mm, to_mm), &side),
+                0.75 * taken_mm,
+                "{from_mm}"
+            );
         }
         assert_eq!(heights.0, [Column { on: Interval::new(1.0, 10.0), top_ratio: 0.25 }]);
         assert_eq!(material, Dexel::One(Interval::new(0.0, 10.0)));
@@ -368,7 +372,7 @@ mod tests {
         let mut material = Dexel::One(Interval::new(0.0, 10.0));
         let mut heights = PartialHeights::default();
         for (from_mm, to_mm, foot_ratio) in [(2.0, 4.0, 0.75), (4.0, 5.0, 0.5), (5.0, 6.0, 0.5)] {
-            heights.take(&mut material, Interval::new(from_mm, to_mm), &END(foot_ratio, 1.0));
+            heights.remove(&mut material, Interval::new(from_mm, to_mm), &END(foot_ratio, 1.0));
         }
         assert_eq!(heights.0.len(), 2, "equal neighbours are one");
         let interval = |(from, to)| Interval::new(from, to);

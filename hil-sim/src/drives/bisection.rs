@@ -2,12 +2,12 @@
 //!
 //! Near the bound a single braking decides. The secant method with halved ends ("Illinois") estimates its root; the
 //! search then tries accelerations close to either side of it, and halves the interval if they do not end the search.
-//! Every accepted acceleration has passed the whole of [`Profile::check`].
+//! Every accepted acceleration has passed [`SpeedProfile::check`].
 //!
 //! Source: Dowell, Jarratt, A modified regula falsi method for computing the root of an equation, BIT 11 (1971).
 
 use super::brake::{Brake, Motion};
-use super::profile::{Ahead, EQUAL, Keep, Profile, Step};
+use super::profile::{Ahead, EQUAL, Keep, SpeedProfile, Step};
 
 /// Largest number of rounds: enough for halving alone.
 const ROUNDS: usize = 26;
@@ -37,7 +37,7 @@ impl Interval<'_> {
     }
 }
 
-impl Profile<'_> {
+impl SpeedProfile<'_> {
     /// Last safe period between two accelerations, if the first is safe.
     pub(super) fn between(&self, from: Motion, [first, last]: [f64; 2], keep: Keep) -> Option<Step> {
         let best = Some(self.with(from, first)).filter(|step| self.check(step, keep).is_ok())?;
@@ -139,7 +139,7 @@ mod tests {
         Ahead { at, speed, is_commanded_feed: false, safe: [0.0; 2], limits, limits_before: HERE }
     }
 
-    fn halved(profile: &Profile<'_>, from: Motion, [mut safe, mut too_fast]: [f64; 2]) -> f64 {
+    fn halved(profile: &SpeedProfile<'_>, from: Motion, [mut safe, mut too_fast]: [f64; 2]) -> f64 {
         for _ in 0..HALVINGS {
             let middle = 0.5 * (safe + too_fast);
             let is_safe = profile.check(&profile.with(from, middle), Keep::Limits).is_ok();
@@ -157,7 +157,7 @@ mod tests {
         for at in 0..40 {
             for from in 0..400 {
                 let from = Motion { speed: 0.1 * f64::from(from), acceleration: f64::from(from * 37 % 800) - 400.0 };
-                let profile = Profile { period_s: 1e-3, at: 0.004 * f64::from(at), here: HERE, ahead: &stretches };
+                let profile = SpeedProfile { period_s: 1e-3, at: 0.004 * f64::from(at), here: HERE, ahead: &stretches };
                 let ends = [from.acceleration - 20.0, from.acceleration + 20.0];
                 let Some(step) = profile.between(from, ends, Keep::Limits) else { continue };
                 if profile.check(&profile.with(from, ends[1]), Keep::Limits).is_ok() {

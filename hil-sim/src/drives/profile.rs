@@ -35,7 +35,7 @@ const TIGHT: f64 = 1e-10;
 /// Beginning of a slower span ahead: slower by the axes' limits from there on, or by the speed wanted there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ahead {
-    /// Position of the beginning, on the scale of [`Profile::at`].
+    /// Position of the beginning, on the scale of [`SpeedProfile::at`].
     pub(crate) at: f64,
     /// Speed to have there.
     pub(crate) speed: f64,
@@ -80,7 +80,7 @@ enum PeriodMotion {
 
 /// Planner of a period.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Profile<'a> {
+pub(crate) struct SpeedProfile<'a> {
     /// Length of the period, s.
     pub(crate) period_s: f64,
     /// Position of the axes along the path.
@@ -92,7 +92,7 @@ pub(crate) struct Profile<'a> {
     pub(crate) ahead: &'a [Ahead],
 }
 
-impl Profile<'_> {
+impl SpeedProfile<'_> {
     /// Next period, towards the speed wanted here.
     pub(crate) fn step(&self, from: Motion, wanted: f64) -> Step {
         if let Some(last) = self.last(from) {
@@ -215,7 +215,7 @@ impl Profile<'_> {
         self.check(step, keep).is_ok()
     }
 
-    /// The same as [`Profile::is_safe`]; if a span is reached too fast, the error names it.
+    /// The same as [`SpeedProfile::is_safe`]; if a span is reached too fast, the error names it.
     pub(super) fn check(&self, step: &Step, keep: Keep) -> Result<(), Option<&Ahead>> {
         let Step { distance, motion, .. } = step;
         let left = |ahead: &Ahead| self.left(ahead) - distance;

@@ -23,7 +23,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::Vector3;
 
 /// Largest number of samples, the last ones, for the frequency analysis.
-const LINES_MAX: usize = 512;
+const SAMPLES_MAX: usize = 512;
 
 /// Number of tried frequencies for each one that the samples can resolve.
 const FINER: usize = 4;
@@ -96,7 +96,7 @@ pub fn deviation_mm(samples_mm: &[Vector3<f64>]) -> f64 {
 
 /// Strongest frequency, relative to the sample rate: up to 1/2.
 fn strongest_ratio(samples_mm: &[Vector3<f64>]) -> f64 {
-    let last = &samples_mm[samples_mm.len().saturating_sub(LINES_MAX)..];
+    let last = &samples_mm[samples_mm.len().saturating_sub(SAMPLES_MAX)..];
     let (steps, count) = (FINER * last.len() / 2, last.len() as f64);
     let mean_mm = last.iter().sum::<Vector3<f64>>() / count;
     // A Hann window suppresses leakage from distant frequencies.

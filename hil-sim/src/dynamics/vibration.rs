@@ -65,7 +65,7 @@ pub struct Places {
 
 /// Result of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
+pub struct VibrationStep {
     /// Displacement at the end.
     pub displacement_mm: Vector3<f64>,
     /// Force on the structure at the end; the sum of all points.
@@ -142,7 +142,7 @@ impl Vibration {
 
     /// Advances by `dt_s`. `force` returns the force on the structure at the end of the step for a displacement there;
     /// it may be called more than once.
-    pub fn step(&mut self, dt_s: f64, mut force: impl FnMut(&Vector3<f64>) -> Vector3<f64>) -> Step {
+    pub fn step(&mut self, dt_s: f64, mut force: impl FnMut(&Vector3<f64>) -> Vector3<f64>) -> VibrationStep {
         self.advance_free(dt_s);
         let free_mm = self.displacement_mm();
         let mut displacement_mm = free_mm + self.shaped(|n| self.mode_compliance(n) * self.drives[n]);
@@ -155,7 +155,7 @@ impl Vibration {
             passes += 1;
         }
         self.push(|_, mode| mode.drive(&force_n));
-        Step { displacement_mm, force_n, passes, change_mm, agrees: change_mm <= self.stepping.tolerance_mm }
+        VibrationStep { displacement_mm, force_n, passes, change_mm, agrees: change_mm <= self.stepping.tolerance_mm }
     }
 
     /// The same as [`Vibration::step`] with forces at several points: `force` returns those for displacements there, in
@@ -165,7 +165,7 @@ impl Vibration {
         dt_s: f64,
         places: &mut Places,
         mut force: impl FnMut(&[Vector3<f64>], &mut [Vector3<f64>]),
-    ) -> Step {
+    ) -> VibrationStep {
         self.advance_free(dt_s);
         let count = self.modes.len();
         places.drives.clone_from(&self.drives);
@@ -185,7 +185,7 @@ impl Vibration {
             passes += 1;
         }
         self.push(|n, _| places.drives[n]);
-        Step {
+        VibrationStep {
             displacement_mm: self.displacement_mm(),
             force_n: places.forces_n.iter().sum(),
             passes,

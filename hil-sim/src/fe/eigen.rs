@@ -55,7 +55,7 @@ impl fmt::Display for EigenError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             EigenError::Singular => write!(f, "the body is not held: clamp some of its nodes"),
-            EigenError::TooMany { size } => write!(f, "more modes are wanted than the body has: {size}"),
+            EigenError::TooMany { size } => write!(f, "more modes are requested than the body has: {size}"),
         }
     }
 }

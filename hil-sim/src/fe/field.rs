@@ -9,7 +9,6 @@
 //! Source: Lorong et al., 2012: (1) is [H(X)] of its (7), (2) the map of its section 3.1. There a separate mesh extends
 //! the map outside the part; here the functions of the nearest element do, evaluated beyond its border, as far as the
 //! reach. Each iteration of (3) reduces the error by the strain.
-//! by the functions of the nearest element, evaluated beyond its border, as far as the reach. (3) comes closer by the strain each time.
 
 use super::body::Modes;
 use super::locate::{LocatedPoint, Locator, TooFar};

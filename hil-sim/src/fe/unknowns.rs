@@ -7,7 +7,6 @@
 //! u has three displacements per node. A row of T is empty if its node is clamped, has one entry if it is free, and
 //! more if it follows another node. One mesh may have two such T, the real and the imaginary part of a wave around a
 //! disk; then both parts add up.
-//! another one. There may be two such T for one mesh, the real and the imaginary part of a wave around a disk; then both parts add up.
 
 use super::element::{Mass, Stiffness};
 use super::mesh::TetMesh;

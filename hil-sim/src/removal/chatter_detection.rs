@@ -60,7 +60,7 @@ impl ChatterSamples {
     }
 
     /// Adds the next sample.
-    pub fn take(&mut self, block: &BlockRef, place_mm: Vector3<f64>, rev_per_s: f64) {
+    pub fn add(&mut self, block: &BlockRef, place_mm: Vector3<f64>, rev_per_s: f64) {
         if self.block.replace(*block).is_some_and(|before| before != *block) {
             self.window.clear();
         }
@@ -115,7 +115,7 @@ mod tests {
         let mut take = |count: u32, off_mm: f64| {
             for n in 0..WINDOW {
                 let place_mm = if n % 2 == 0 { off_mm } else { -off_mm };
-                samples.take(&block(count), Vector3::new(place_mm, 0.0, 0.0), 50.0);
+                samples.add(&block(count), Vector3::new(place_mm, 0.0, 0.0), 50.0);
             }
         };
         take(1, 9.0);
@@ -134,7 +134,7 @@ mod tests {
     fn a_cut_that_is_too_short_is_not_judged() {
         let mut samples = ChatterSamples::new(4, 1e-3);
         for _ in 0..3 {
-            (0..2 * WINDOW - 1).for_each(|_| samples.take(&block(1), Vector3::zeros(), 50.0));
+            (0..2 * WINDOW - 1).for_each(|_| samples.add(&block(1), Vector3::zeros(), 50.0));
             samples.lift();
         }
         assert!(samples.blocks().is_empty());

@@ -124,7 +124,7 @@ impl StockCutter {
     /// # Errors
     /// The remaining stock takes more memory than allowed.
     pub fn end(&mut self) -> Result<(), StockError> {
-        self.trail.end().map_or(Ok(()), |section| self.take(section))
+        self.trail.end().map_or(Ok(()), |section| self.process_section(section))
     }
 
     /// Remaining stock.
@@ -158,10 +158,10 @@ impl StockCutter {
     }
 
     fn add_sample(&mut self, sample: &AxisSample) -> Result<(), StockError> {
-        self.trail.add(sample).map_or(Ok(()), |section| self.take(section))
+        self.trail.add(sample).map_or(Ok(()), |section| self.process_section(section))
     }
 
-    fn take(&mut self, section: PathSection) -> Result<(), StockError> {
+    fn process_section(&mut self, section: PathSection) -> Result<(), StockError> {
         if section.block.is_rapid && self.is_approach(&section) {
             return Ok(());
         }

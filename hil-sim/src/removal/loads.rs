@@ -188,7 +188,7 @@ impl LoadMeter {
             Some(Ok(ends)) => ends,
             Some(Err(reason)) => {
                 LeftOut::count(&mut self.left_out, section.block, reason);
-                return self.leave();
+                return self.leave_workpiece();
             }
         };
         let turned = rev_per_min / S_PER_MIN * STEP.to_s() * self.steps_a_turn as f64;
@@ -198,11 +198,11 @@ impl LoadMeter {
             LeftOut::count(&mut self.left_out, section.block, LeftOutReason::Backwards);
         }
         if !(is_near && turned > 0.0 && turned < STEPS_MAX) {
-            return self.leave();
+            return self.leave_workpiece();
         }
         if section.block.is_rapid {
             self.lift();
-            ends.iter().for_each(|tip_mm| self.tip_path.go(&section.block, *tip_mm));
+            ends.iter().for_each(|tip_mm| self.tip_path.move_to(&section.block, *tip_mm));
             for clearing in 1..=CLEARINGS {
                 let pose = self.pose(&between(&ends, f64::from(clearing) / f64::from(CLEARINGS)));
                 self.settings.process.engagement_mut().clear_at(&pose);
@@ -220,7 +220,7 @@ impl LoadMeter {
             let tip_mm = between(&ends, part);
             self.step(section, &tip_mm, rev_per_min);
             if self.tip_path.is_lifted() || step == count as u64 {
-                self.tip_path.go(&section.block, tip_mm);
+                self.tip_path.move_to(&section.block, tip_mm);
             }
         }
         self.before = Some(section.block);
@@ -270,7 +270,7 @@ impl LoadMeter {
         }
         let every = (self.steps_a_turn / self.settings.samples.per_turn()) as u64;
         if self.steps.is_multiple_of(every) {
-            self.settings.samples.take(block, moment.displacement_mm, rev_per_min / S_PER_MIN);
+            self.settings.samples.add(block, moment.displacement_mm, rev_per_min / S_PER_MIN);
         }
     }
 
@@ -319,7 +319,7 @@ impl LoadMeter {
     }
 
     /// Leaves the reach of the workpiece.
-    fn leave(&mut self) {
+    fn leave_workpiece(&mut self) {
         self.lift();
         self.tip_path.lift();
     }

@@ -57,11 +57,11 @@ impl TipPath {
     }
 
     /// Moves the tip straight to a point.
-    pub fn go(&mut self, block: &BlockRef, tip_mm: Vector) {
+    pub fn move_to(&mut self, block: &BlockRef, tip_mm: Vector) {
         let Some(at_mm) = self.at_mm.replace(tip_mm).filter(|at_mm| *at_mm != tip_mm) else { return };
         if let (Some(segment), Some(cone)) = (self.segments.last_mut(), &mut self.cone)
             && segment.block == *block
-            && cone.takes(&segment.from_mm, &tip_mm)
+            && cone.accepts(&segment.from_mm, &tip_mm)
         {
             segment.to_mm = tip_mm;
             return;
@@ -90,7 +90,7 @@ impl ExtensionCone {
     }
 
     /// Whether a segment to this point is near to all points before; if so, the point is added. (1)
-    fn takes(&mut self, from_mm: &Vector, to_mm: &Vector) -> bool {
+    fn accepts(&mut self, from_mm: &Vector, to_mm: &Vector) -> bool {
         let path_mm = plane(to_mm) - plane(from_mm);
         let (along_mm, beside_mm) = (self.ahead.dot(&path_mm), self.ahead.perp(&path_mm));
         let [low, high] = self.slopes;
@@ -120,7 +120,7 @@ mod tests {
     fn a_straight_path_is_one_segment_and_a_block_begins_another() {
         let mut tip_path = TipPath::default();
         for n in 0..1000 {
-            tip_path.go(&block(1 + n / 600), [f64::from(n) * 0.3, f64::from(n) * 0.1, -1.0]);
+            tip_path.move_to(&block(1 + n / 600), [f64::from(n) * 0.3, f64::from(n) * 0.1, -1.0]);
         }
         assert_eq!(tip_path.segments().len(), 2);
         assert_eq!(tip_path.segments()[0].to_mm, tip_path.segments()[1].from_mm);
@@ -132,7 +132,7 @@ mod tests {
         let (mut tip_path, radius_mm) = (TipPath::default(), 40.0);
         for n in 0..5000 {
             let (sin, cos) = libm::sincos(f64::from(n) * 2e-4);
-            tip_path.go(&block(1), [radius_mm * cos, radius_mm * sin, 0.0]);
+            tip_path.move_to(&block(1), [radius_mm * cos, radius_mm * sin, 0.0]);
         }
         // The sagitta of a chord c is c^2 / 8 R, which leaves room for c = 0.018 mm of places 0.008 mm apart.
         assert!((1500..2600).contains(&tip_path.segments().len()), "{}", tip_path.segments().len());
@@ -145,13 +145,13 @@ mod tests {
     #[test]
     fn a_lift_and_a_step_down_divide_the_path() {
         let mut tip_path = TipPath::default();
-        tip_path.go(&block(1), [0.0; 3]);
-        tip_path.go(&block(1), [1.0, 0.0, 0.0]);
-        tip_path.go(&block(1), [1.0, 0.0, -1.0]);
-        tip_path.go(&block(1), [2.0, 0.0, -1.0]);
+        tip_path.move_to(&block(1), [0.0; 3]);
+        tip_path.move_to(&block(1), [1.0, 0.0, 0.0]);
+        tip_path.move_to(&block(1), [1.0, 0.0, -1.0]);
+        tip_path.move_to(&block(1), [2.0, 0.0, -1.0]);
         tip_path.lift();
-        tip_path.go(&block(1), [5.0, 0.0, -1.0]);
-        tip_path.go(&block(1), [6.0, 0.0, -1.0]);
+        tip_path.move_to(&block(1), [5.0, 0.0, -1.0]);
+        tip_path.move_to(&block(1), [6.0, 0.0, -1.0]);
         let ends: Vec<f64> = tip_path.segments().iter().map(|segment| segment.to_mm[0]).collect();
         assert_eq!(ends, [1.0, 1.0, 2.0, 6.0]);
     }

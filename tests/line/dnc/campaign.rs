@@ -17,7 +17,7 @@ use arcfeed::dnc::readback::ReadBack;
 use arcfeed::dnc::{Sender, State};
 use arcfeed_hil_sim::control::ControlSettings;
 use arcfeed_hil_sim::control::code::Code;
-use arcfeed_hil_sim::control::store::{State as StoreState, Store};
+use arcfeed_hil_sim::control::store::{Store, StoreState};
 use arcfeed_shared::units::Micros;
 use fastrand::Rng;
 

@@ -185,13 +185,13 @@ fn pitches_put_each_tooth_where_they_say() {
 fn what_is_no_cutter_is_refused() {
     let refused = |mill: EndMill| Cutter::end_mill(&mill, Pieces::Along(4)).unwrap_err();
     assert_eq!(refused(EndMill { teeth: 0, ..FLAT }), EdgeError::Nothing);
-    assert_eq!(refused(EndMill { corner_mm: 5.1, ..FLAT }), EdgeError::Measures);
-    assert_eq!(refused(EndMill { corner_mm: f64::NAN, ..FLAT }), EdgeError::Measures);
-    assert_eq!(refused(EndMill { diameter_mm: 0.0, ..FLAT }), EdgeError::Measures);
-    assert_eq!(refused(EndMill { height_mm: f64::INFINITY, ..FLAT }), EdgeError::Measures);
-    assert_eq!(refused(EndMill { helix_rad: FRAC_PI_2, ..FLAT }), EdgeError::Measures);
+    assert_eq!(refused(EndMill { corner_mm: 5.1, ..FLAT }), EdgeError::Dimensions);
+    assert_eq!(refused(EndMill { corner_mm: f64::NAN, ..FLAT }), EdgeError::Dimensions);
+    assert_eq!(refused(EndMill { diameter_mm: 0.0, ..FLAT }), EdgeError::Dimensions);
+    assert_eq!(refused(EndMill { height_mm: f64::INFINITY, ..FLAT }), EdgeError::Dimensions);
+    assert_eq!(refused(EndMill { helix_rad: FRAC_PI_2, ..FLAT }), EdgeError::Dimensions);
     assert_eq!(Cutter::end_mill(&FLAT, Pieces::Along(0)), Err(EdgeError::Nothing));
-    assert_eq!(Cutter::ring(&Ring { corner_mm: 8.0, ..CUP }, Pieces::Along(4)), Err(EdgeError::Measures));
+    assert_eq!(Cutter::ring(&Ring { corner_mm: 8.0, ..CUP }, Pieces::Along(4)), Err(EdgeError::Dimensions));
     let cutter = || Cutter::end_mill(&FLAT, Pieces::Along(4)).unwrap();
     assert_eq!(cutter().with_pitch(&[TAU]), Err(EdgeError::Count { teeth: 2, given: 1 }));
     assert_eq!(cutter().with_pitch(&[PI, 3.0]), Err(EdgeError::Pitch));

@@ -96,7 +96,7 @@ fn a_tool_that_is_moved_sideways_leaves_that_on_both_walls() {
     for step in 0..(WAY_MM / FEED_MM * 60.0) as u32 {
         let stand = stand(step);
         engagement.cut(&engagement.poses(&stand), |_| Vector2::new(0.0, bent_mm(stand.axis_mm.x)));
-        tip_path.go(&of, [stand.axis_mm.x, stand.axis_mm.y, stand.tip_mm]);
+        tip_path.move_to(&of, [stand.axis_mm.x, stand.axis_mm.y, stand.tip_mm]);
     }
     let found = marks(&blank, engagement.layers(), &tip_path, &turned);
     let beside = found.iter().filter(|mark| (1.0..WAY_MM - 1.0).contains(&mark.point_mm.x));

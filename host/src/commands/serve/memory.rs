@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use arcfeed_hil_sim::control::store::{State, Store};
+use arcfeed_hil_sim::control::store::{Store, StoreState};
 use arcfeed_hil_sim::simulation::STEP;
 
 use super::super::outcome::{Failure, say};
@@ -29,24 +29,24 @@ impl Serve {
             for _ in 0..self.speed {
                 if !line.has_sender() {
                     // Of a program that broke off nothing is kept.
-                    if store.state() == State::Reading {
+                    if store.state() == StoreState::Reading {
                         store = Store::new(settings.line);
                     }
                     line.begin();
                 }
                 let has_sender = line.has_sender();
                 if has_sender {
-                    let is_punching = store.state() == State::Punching;
+                    let is_punching = store.state() == StoreState::Punching;
                     line.listen(store.port(), !is_punching)?;
                 }
                 // Who has read the last character may be gone before the control knows that it was the last.
-                if has_sender || store.state() == State::Punching {
+                if has_sender || store.state() == StoreState::Punching {
                     store.step(STEP);
                 }
                 line.answer(store.port())?;
             }
             match (state, store.state()) {
-                (_, State::Refused(fault)) => {
+                (_, StoreState::Refused(fault)) => {
                     line.wait_for_silence(|| interrupted.load(Ordering::Relaxed))?;
                     let failure = Failure::Machine(format!("the control refused the program: {}", fault.cause));
                     if self.once || !line.hang_up() {
@@ -55,8 +55,10 @@ impl Serve {
                     let _serves_on = failure.report();
                     store = Store::new(settings.line);
                 }
-                (State::Reading, State::Stored) => say(format_args!("stored: {} blocks", store.blocks().len())),
-                (State::Punching, State::Stored) => {
+                (StoreState::Reading, StoreState::Stored) => {
+                    say(format_args!("stored: {} blocks", store.blocks().len()))
+                }
+                (StoreState::Punching, StoreState::Stored) => {
                     say(format_args!("punched: {} blocks", store.blocks().len()));
                     if self.once {
                         // Who closes a pseudo-terminal takes with it what is not read yet.
