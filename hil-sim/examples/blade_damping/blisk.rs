@@ -62,7 +62,7 @@ fn blade() -> Blade {
     }
 }
 
-/// The same pass over both, and what they cost.
+/// Runs the same pass over both and prints the processing times.
 pub fn compare(dampings: &[Damping]) -> Result<(), Failure> {
     let sector = Sector::new(DISK.sector()?, DISK.sectors, &TITANIUM_6AL_4V)?;
     let hub = sector.body().mesh().nodes_where(BladedDisk::is_hub);

@@ -322,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn it_asks_stops_and_asks_again() {
+    fn dc1_dc3_and_dc1_follow_the_buffer_level() {
         let mut port = DncPort::on_line(settings());
         port.step(MS);
         assert_eq!(sent(&mut port), [DC1]);
@@ -391,7 +391,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sender_may_go_when_its_program_is_out() {
+    fn a_sender_may_become_not_ready_after_its_program() {
         let mut port = DncPort::on_line(settings());
         port.on_bytes(b"%\nM30\n%");
         arrive(&mut port);
@@ -417,7 +417,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_control_prints_goes_out_at_line_rate() {
+    fn output_of_the_control_is_sent_at_line_rate() {
         let mut port = DncPort::on_line(settings());
         port.step(MS);
         sent(&mut port);

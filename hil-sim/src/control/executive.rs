@@ -308,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn a_search_goes_on_at_its_block_and_a_restart_reads_what_is_before_it() {
+    fn a_search_starts_at_its_block_and_a_restart_reads_the_blocks_before_it() {
         let program = "#1=4.\nG1F100.X1.\nN20Y#1\nM30\n";
         let position = arcfeed_shared::nc::modal::Pose::default();
         let approach = Approach { position, feed: arcfeed_shared::units::MmPerMin(1_000.0) };

@@ -60,7 +60,7 @@ enum SpeedPlanner {
 }
 
 impl Interpolator {
-    /// At rest at the origin, nothing queued.
+    /// An interpolator at rest at the origin, with an empty queue.
     pub fn new(settings: &ControlSettings) -> Self {
         let planner = match settings.drives {
             Some(drives) => SpeedPlanner::LookAhead(Box::new(LookAhead::new(drives))),

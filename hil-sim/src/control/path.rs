@@ -172,7 +172,7 @@ fn circular(start: Vector3<f64>, arc: &Arc, rise: f64) -> Shape {
     }
 }
 
-/// To whole nanometres and microdegrees.
+/// Pose in whole nanometres and microdegrees.
 pub fn to_pose(axes: &[f64; AXES]) -> Pose {
     let [x, y, z, a, b, c] = *axes;
     Pose {

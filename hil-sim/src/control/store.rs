@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_read_comes_out_when_the_other_side_is_ready() {
+    fn a_stored_program_is_punched_when_the_other_side_is_ready() {
         let mut store = read("%\nO1 (A PART)\nG1 X1.\n\nM30\n%\n", |byte| byte);
         assert_eq!(store.state(), StoreState::Stored);
         assert_eq!(store.blocks(), [b"O1(A PART)".to_vec(), b"G1X1.".to_vec(), b"M30".to_vec()]);

@@ -65,7 +65,7 @@ fn moves_in_one_line_flow_and_a_reversal_stops() {
 }
 
 #[test]
-fn a_program_that_comes_to_an_alarm_stops_before_the_block_and_keeps_what_it_did() {
+fn an_alarm_stops_the_program_before_its_block_and_keeps_the_executed_blocks() {
     let (control, _) = run("G1X1.F25.\nG14\nX2.", 100);
     let alarm = control.alarm().expect("G14 is no G code");
     assert_eq!((alarm.line, alarm.fault.column), (2, 1));
@@ -142,7 +142,7 @@ fn random(state: &mut u64) -> u64 {
 }
 
 #[test]
-fn whatever_comes_over_the_line_the_control_stops_or_goes_on() {
+fn random_bytes_over_the_line_stop_the_control_or_are_executed() {
     const PIECES: [&[u8]; 24] = [
         b"%",
         b"\n",

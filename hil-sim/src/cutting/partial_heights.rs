@@ -319,7 +319,7 @@ mod tests {
         |foot_ratio, border_ratio| DepthBand { foot_ratio, border_ratio, is_end: true };
 
     #[test]
-    fn what_is_taken_and_what_is_left_make_up_what_there_was() {
+    fn removed_and_remaining_material_add_up() {
         let mut material = Dexel::One(Interval::new(0.0, 10.0));
         let mut heights = PartialHeights::default();
         let mut left_mm = 10.0;
@@ -368,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn a_section_is_what_stands_higher() {
+    fn a_section_is_the_material_above_a_height() {
         let mut material = Dexel::One(Interval::new(0.0, 10.0));
         let mut heights = PartialHeights::default();
         for (from_mm, to_mm, foot_ratio) in [(2.0, 4.0, 0.75), (4.0, 5.0, 0.5), (5.0, 6.0, 0.5)] {

@@ -229,7 +229,7 @@ mod tests {
     const LIMITS: PathLimits = PathLimits { speed: 100.0, acceleration: 500.0, jerk: 20_000.0, axis: None };
 
     #[test]
-    fn every_way_down_ends_at_its_speed_without_acceleration() {
+    fn braking_ends_at_its_speed_without_acceleration() {
         for speed in [0.0, 3.0, 40.0] {
             for from in [(50.0, 0.0), (50.0, 400.0), (50.0, -300.0), (90.0, 500.0), (41.0, 10.0), (90.0, -900.0)] {
                 let from = Motion { speed: from.0, acceleration: from.1 };
@@ -244,7 +244,7 @@ mod tests {
 
     /// Without initial acceleration, reaching the limit of deceleration: v^2/2A + v A/2J.
     #[test]
-    fn a_long_way_down_is_that_of_the_closed_form() {
+    fn long_braking_has_the_distance_of_the_closed_form() {
         let speed = 60.0;
         let brake = Brake::to(0.0, Motion { speed, acceleration: 0.0 }, &LIMITS).unwrap();
         let distance = speed * speed / (2.0 * 500.0) + speed * 500.0 / (2.0 * 20_000.0);
@@ -253,14 +253,14 @@ mod tests {
 
     /// Without reaching that limit: v sqrt(v/J).
     #[test]
-    fn a_short_way_down_is_that_of_the_closed_form() {
+    fn short_braking_has_the_distance_of_the_closed_form() {
         let speed = 5.0;
         let brake = Brake::to(0.0, Motion { speed, acceleration: 0.0 }, &LIMITS).unwrap();
         assert!((brake.distance() - speed * libm::sqrt(speed / 20_000.0)).abs() < 1e-12);
     }
 
     #[test]
-    fn the_fastest_speed_into_a_way_takes_all_of_it() {
+    fn braking_from_the_fastest_speed_uses_the_whole_distance() {
         for speed in [0.0, 1e-9, 0.3, 7.0, 80.0] {
             for distance in [1e-6, 1e-3, 0.4, 5.0, 90.0] {
                 let from = Motion { speed: fastest_into(speed, distance, &LIMITS), acceleration: 0.0 };
@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn in_pieces_it_is_the_same_way() {
+    fn braking_in_parts_has_the_same_distance() {
         let from = Motion { speed: 60.0, acceleration: 300.0 };
         let brake = Brake::to(2.0, from, &LIMITS).unwrap();
         let (first, middle) = brake.after(0.05);
@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn what_needs_no_root_decides_as_the_exact_way_does() {
+    fn decisions_without_a_root_agree_with_the_exact_distance() {
         let (mut decided, mut all) = (0, 0);
         for speed in [0.0, 1e-9, 3.0, 40.0, 59.0] {
             for from in [0.0, 1e-7, 3.1, 41.0, 60.0, 99.0] {

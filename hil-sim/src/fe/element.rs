@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Source: Hughes, The Finite Element Method, 2000, chapter 2 (the isotropic case of B' D B, written out). (1) at four points, (2) at fourteen: both are exact
-//! for straight edges; on bent ones (1) is what the rule gives, as is usual.
+//! for straight edges; on bent ones (1) is the value of the rule, as is usual.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 

@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn pieces_that_do_not_hang_together_are_all_numbered() {
+    fn unconnected_parts_are_all_numbered() {
         let mut places = reverse_cuthill_mckee(&[vec![1, 1], vec![0], vec![], vec![4], vec![3]]);
         places.sort_unstable();
         assert_eq!(places, [0, 1, 2, 3, 4]);

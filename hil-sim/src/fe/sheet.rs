@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bar_that_leans_is_met_squarely_up_to_its_edges() {
+    fn a_leaning_bar_is_meshed_squarely_up_to_its_edges() {
         for turned_rad in [0.0, 0.3, -0.8] {
             let surface = hexahedron([0.0, 9.0].map(|z_mm| rectangle([12.0, 2.0], turned_rad, z_mm)));
             let mesh = upright(&surface).mesh([4, 1, 3]).unwrap();
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_sheet_is_refused() {
+    fn a_solid_that_is_no_sheet_is_refused() {
         let pointed = hexahedron([rectangle([20.0, 4.0], 0.0, 0.0), rectangle([0.1, 0.1], 0.0, 10.0)]);
         let leaning = |z_mm: f64| {
             let mut top = rectangle([20.0, 4.0], 0.0, z_mm);

@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nothing_holds_is_singular() {
+    fn a_body_without_a_clamp_is_singular() {
         let loose = Sparse::from_rows(vec![vec![(0, 1.0)], vec![(0, -1.0), (1, 2.0)], vec![(1, -1.0), (2, 1.0)]]);
         assert_eq!(Factor::of(&loose, 0.0, &identity()).err(), Some(Singular { row: 2 }));
     }

@@ -1,8 +1,8 @@
 //! A feed board as the source of the override: it receives the machine's signals over a line and answers with the levels of *FV0 to *FV7.
 //!
 //! ```text
-//! Sample { what the machine shows, bytes put on the other lines so far } ->  board
-//!          board:  takes exactly these bytes, ticks once              ->  Setpoint { lines, bytes put so far }
+//! Sample { signals of the machine, bytes sent on the other lines so far } ->  board
+//!          board:  reads exactly these bytes, ticks once              ->  Setpoint { lines, bytes sent so far }
 //! ```
 //!
 //! In lockstep the machine waits for the answer and for exactly the bytes that it counts, so a run is the same every

@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_that_is_too_short_is_not_judged() {
+    fn a_cut_that_is_too_short_has_no_result() {
         let mut samples = ChatterSamples::new(4, 1e-3);
         for _ in 0..3 {
             (0..2 * WINDOW - 1).for_each(|_| samples.add(&block(1), Vector3::zeros(), 50.0));

@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ring_leaves_what_is_within_it_all_the_way() {
+    fn a_ring_leaves_the_material_that_stays_inside_it() {
         let slot = envelope([[0.0, 0.0, 1.0], [2.0, 0.0, 1.0]], 3.0);
         for (at_mm, deep_mm) in [([1.0, 0.0], -2.0), ([-3.5, 0.0], 1.0), ([1.0, 5.5], -0.5), ([3.0, 0.0], 0.0)] {
             assert_deep(&slot, at_mm, deep_mm);
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_nearest_place_that_is_the_farther_one_by_a_digit_has_a_depth() {
+    fn a_nearest_point_that_is_farther_by_rounding_has_a_depth() {
         let ends_mm = [[67.95207082670174, 65.17546265597753, 1.0], [67.95207099493236, 65.17546294988988, 1.0]];
         assert_deep(&envelope(ends_mm, 3.0), [51.88488879411541, 74.37205456206897], 5.0 - 18.5130127519929);
     }

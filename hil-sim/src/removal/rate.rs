@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn a_window_lasts_until_its_way_is_long_enough_and_a_rest_joins_the_one_before() {
+    fn a_window_lasts_until_its_path_is_long_enough_and_a_remainder_joins_the_window_before() {
         let pieces: Vec<Piece> = (0..9).map(|n| piece(n * 100, n * 100 + 100, 1.0, f64::from(n as u32))).collect();
         let spans = |step_mm: f64| -> Vec<(u64, u64, f64)> {
             let windows = windows(pieces.iter(), step_mm);

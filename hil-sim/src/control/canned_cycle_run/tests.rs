@@ -87,7 +87,7 @@ fn offsets_local_shifts_and_reference_points_are_machine_coordinates() {
     let mut control = Control::from_memory(settings, program.as_bytes());
     let (moves, _) = trace(&mut control, 100);
     let ends: Vec<[f64; 2]> = moves.iter().map(|(_, [x, _, z])| [*x, *z]).collect();
-    // 100 + 1; 100 + 10 + 1; 111 is called 0: 111 + 5; 3; 200 + 1; by way of 220 to the reference point.
+    // 100 + 1; 100 + 10 + 1; 111 becomes 0: 111 + 5; 3; 200 + 1; through 220 to the reference point.
     assert_eq!(ends, [[101.0, 0.0], [111.0, 0.0], [116.0, 0.0], [3.0, 0.0], [201.0, 0.0], [220.0, 0.0], [0.0, 7.0]]);
 }
 
@@ -109,7 +109,7 @@ fn single_block_stops_in_a_cycle_at_the_hole_above_it_and_behind_it() {
 }
 
 #[test]
-fn a_tap_in_its_hole_knows_neither_override_nor_feed_hold() {
+fn a_tap_in_its_hole_ignores_override_and_feed_hold() {
     let program = "G84X1.Z-10.R2.F600P200\nM30\n";
     let mut control = alone(program, Switches::default());
     let (_, at_full_s) = trace(&mut alone(program, Switches::default()), 100);
@@ -122,7 +122,7 @@ fn a_tap_in_its_hole_knows_neither_override_nor_feed_hold() {
         now = now.after(STEP);
         control.step(now, STEP, 100);
     });
-    // It went down, turned, came up to R and stands there.
+    // The tap went down, reversed, came up to R and stopped there.
     assert_eq!((control.position().linear[2].to_mm(), control.is_at_rest()), (2.0, true));
     control.cycle_start();
     until(&mut control, &mut now, Control::is_over);
@@ -140,7 +140,7 @@ fn under_g63_the_override_is_100_percent_until_another_mode() {
 }
 
 #[test]
-fn a_restart_in_the_middle_of_a_cycle_meets_the_cycle() {
+fn a_restart_in_the_middle_of_a_cycle_is_in_the_cycle() {
     let program = "F600\nG99G81X10.Z-8.R2.\nX20.\nN5X30.\nM30\n";
     let mut control = alone(program, Switches::default());
     control.search(Search::Restart(5));

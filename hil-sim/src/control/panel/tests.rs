@@ -151,7 +151,7 @@ fn reset_stops_the_axes_and_cycle_start_reads_from_the_label() {
 }
 
 #[test]
-fn a_restart_meets_the_modal_state_and_the_place_it_would_have_met() {
+fn a_restart_has_the_modal_state_and_the_position_of_a_run_from_the_beginning() {
     let program = "N1G90G1X10.Y20.F600\nN2G91X5.\nN3Y5.\nN4X1.\nM30\n";
     let end = |search: Option<Search>| {
         let mut control = alone(program, Switches::default());
@@ -194,7 +194,7 @@ fn a_restart_moves_one_axis_after_the_other_at_the_dry_run_feed() {
 }
 
 #[test]
-fn a_restart_shows_what_it_does_not_send_and_waits() {
+fn a_restart_lists_the_functions_that_it_does_not_send_and_waits() {
     let program = "T7M6\nS1200M3\nG54G90G0X10.\nG43H2Z5.M8\nN5G1X20.F250M9\nX30.\nM30\n";
     let mut control = alone(program, Switches::default());
     control.search(Search::Restart(5));

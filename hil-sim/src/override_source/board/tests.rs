@@ -105,7 +105,7 @@ fn free_running_the_last_setpoint_stays_in_force() {
 }
 
 #[test]
-fn a_board_that_begins_anew_is_counted_with_from_the_beginning() {
+fn a_restarted_board_counts_from_the_beginning() {
     /// Sends a fixed number of bytes each period.
     struct Talker;
     impl Attached for Talker {
