@@ -43,12 +43,12 @@ pub struct Simulation<D = InProcessController> {
     /// Last move begun, and its rule.
     last: Option<(Segment, Option<usize>)>,
     /// Planned conditions of moves to come.
-    foreseen: VecDeque<Foreseen>,
+    planned: VecDeque<PlannedConditions>,
 }
 
 /// Planned conditions of a move that cannot be planned by itself.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Foreseen {
+pub struct PlannedConditions {
     /// Move in the workpiece's coordinates; its feed does not count.
     pub segment: Segment,
     /// Index of the cut rule for the move.
@@ -61,7 +61,7 @@ pub struct Foreseen {
     pub end_percent: u8,
 }
 
-impl Foreseen {
+impl PlannedConditions {
     fn is_of(&self, segment: &Segment) -> bool {
         let Segment { start, end, path, .. } = &self.segment;
         (start, end, path) == (&segment.start, &segment.end, &segment.path)
@@ -126,14 +126,14 @@ impl<D: OverrideSource> Simulation<D> {
             settles_until: Micros(0),
             context: MoveContext::default(),
             last: None,
-            foreseen: VecDeque::new(),
+            planned: VecDeque::new(),
         }
     }
 
     /// Sets the planned conditions of special moves and of moves with engagement per move, in program order. A move
     /// that never comes does not block later ones.
-    pub fn foresee(&mut self, moves: impl IntoIterator<Item = Foreseen>) {
-        self.foreseen = moves.into_iter().collect();
+    pub fn set_planned_conditions(&mut self, moves: impl IntoIterator<Item = PlannedConditions>) {
+        self.planned = moves.into_iter().collect();
     }
 
     /// One step of everything: the control moves, the machine reports, the meter measures, the controller decides.
@@ -229,8 +229,9 @@ impl<D: OverrideSource> Simulation<D> {
         let is_special = self.context.is_special;
         let matched = self.job.match_move(segment, &self.context.machining);
         let plain = matched.governing().filter(|_| !is_special).map(|governing| (governing.index, governing.rule));
-        let is_next = self.foreseen.front().is_some_and(|known| known.is_of(segment));
-        let known = if is_special || plain.is_some() || is_next { foreseen(&mut self.foreseen, segment) } else { None };
+        let is_next = self.planned.front().is_some_and(|known| known.is_of(segment));
+        let known =
+            if is_special || plain.is_some() || is_next { take_planned(&mut self.planned, segment) } else { None };
         let by_index = |index: usize| Some((index, rules.get(index)?));
         let found = match continued {
             Some((_, rule)) => rule.and_then(by_index),
@@ -311,7 +312,7 @@ impl<D: OverrideSource> Simulation<D> {
 }
 
 /// Takes the next of these moves that equals this one; discards those before it.
-fn foreseen(ahead: &mut VecDeque<Foreseen>, segment: &Segment) -> Option<Foreseen> {
+fn take_planned(ahead: &mut VecDeque<PlannedConditions>, segment: &Segment) -> Option<PlannedConditions> {
     let at = ahead.iter().position(|known| known.is_of(segment))?;
     ahead.drain(..=at).next_back()
 }

@@ -15,7 +15,7 @@ use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_hil_sim::control::Control;
 use arcfeed_hil_sim::cutting::meter::MoveChips;
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::override_source::board::{Attached, Board, Wires};
+use arcfeed_hil_sim::override_source::board::{AttachedDevices, Board, Wires};
 use arcfeed_hil_sim::override_source::controller::InProcessController;
 use arcfeed_hil_sim::override_source::in_process::InProcess;
 use arcfeed_hil_sim::override_source::{MachineSignals, MoveStart, OverrideSource};
@@ -95,7 +95,12 @@ impl Example {
     }
 
     /// A machine whose override a board decides, with feed hold on.
-    pub fn simulation<W: Wires, A: Attached>(&self, wires: W, attached: A, mode: ModeCode) -> Simulation<Board<W, A>> {
+    pub fn simulation<W: Wires, A: AttachedDevices>(
+        &self,
+        wires: W,
+        attached: A,
+        mode: ModeCode,
+    ) -> Simulation<Board<W, A>> {
         let mut simulation = Simulation::new(self.control(), &self.file.job, Board::new(wires, attached, mode));
         simulation.control_mut().hold();
         simulation

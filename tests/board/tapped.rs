@@ -15,7 +15,7 @@ use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_hil_sim::control::code::{Code, DC1, DC3, without_parity};
 use arcfeed_hil_sim::control::line::{LineCounters, LineSettings, SenderParity};
 use arcfeed_hil_sim::control::{Control, ControlSettings};
-use arcfeed_hil_sim::override_source::board::{Attached, Board, Traffic, Wire, Wires};
+use arcfeed_hil_sim::override_source::board::{AttachedDevices, Board, Traffic, Wire, Wires};
 use arcfeed_hil_sim::override_source::in_process::InProcess;
 use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::units::Micros;
@@ -71,7 +71,7 @@ impl Sender for VecDeque<u8> {
     fn hear(&mut self, _bytes: &[u8]) {}
 }
 
-impl<S: Sender> Attached for Cable<S> {
+impl<S: Sender> AttachedDevices for Cable<S> {
     fn send(&mut self, _at: Micros, traffic: &mut Traffic) {
         if let Some(sender) = self.sender.as_mut().filter(|_| self.may_send && self.room > 0) {
             traffic.sender.extend(sender.take(self.room));

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_hil_sim::override_source::board::{Attached, Traffic, Wire};
+use arcfeed_hil_sim::override_source::board::{AttachedDevices, Traffic, Wire};
 use arcfeed_shared::units::Micros;
 
 /// Ways.
@@ -62,7 +62,7 @@ impl<A> Cable<A> {
     }
 }
 
-impl<A: Attached> Attached for Cable<A> {
+impl<A: AttachedDevices> AttachedDevices for Cable<A> {
     fn send(&mut self, at: Micros, traffic: &mut Traffic) {
         for bytes in arrived(&mut self.from_board, at) {
             self.far.receive(at, Wire::Link, &bytes);

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_hil_sim::override_source::board::{Attached, Traffic, Wire};
+use arcfeed_hil_sim::override_source::board::{AttachedDevices, Traffic, Wire};
 use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::machining::ToolInSpindle;
@@ -124,7 +124,7 @@ impl Host {
     }
 }
 
-impl Attached for Host {
+impl AttachedDevices for Host {
     fn send(&mut self, at: Micros, traffic: &mut Traffic) {
         while let Some(message) = self.to_send.front().copied() {
             if !self.say(&message) {

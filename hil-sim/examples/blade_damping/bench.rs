@@ -91,7 +91,7 @@ pub fn tool_point_mm() -> [f64; 3] {
 
 impl<B: Modal> Bench<B> {
     /// A body that has the shape of this blade in the cut region.
-    pub fn new(body: B, blade: Blade, stepover_mm: f64, fineness: PassResolution) -> Result<Self, Failure> {
+    pub fn new(body: B, blade: Blade, stepover_mm: f64, resolution: PassResolution) -> Result<Self, Failure> {
         let section = |length_mm, diameter_mm| BeamSection { length_mm, diameter_mm, material: CARBIDE };
         let sections = vec![section(SHANK_MM, DIAMETER_MM), section(FLUTES_MM, 0.8 * DIAMETER_MM)];
         let tool = Beam { sections, tip_mass_kg: 0.0, elements: 10 }.modes(1)?;
@@ -102,14 +102,14 @@ impl<B: Modal> Bench<B> {
                 corner_mm: DIAMETER_MM / 2.0,
                 teeth: 4,
                 helix_rad: 30.0_f64.to_radians(),
-                height_mm: DIAMETER_MM / 2.0 + stepover_mm + fineness.rise_mm,
+                height_mm: DIAMETER_MM / 2.0 + stepover_mm + resolution.rise_mm,
             },
             allowance_mm: 0.2,
             stepover_mm,
             feed_mm_per_tooth: FEED_MM_PER_TOOTH,
             tooth_hz: 4.0 * SPINDLE_REV_PER_S,
             cutting: MATERIALS[0].tangential.with_ratios(FORCE_RATIOS[0], FORCE_RATIOS[1]),
-            fineness,
+            resolution,
         };
         let rigid = pass.run::<B>(Vec::new(), None)?;
         Ok(Bench { pass, body, tool, rigid })

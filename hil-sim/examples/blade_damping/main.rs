@@ -64,7 +64,7 @@ const PARTS: [[f64; 2]; 6] = [[0.6, 0.33], [0.8, 0.67], [0.7, 0.7], [0.8, 0.8], 
 
 fn main() -> Result<(), Failure> {
     let path = std::env::args().nth(1).map_or_else(|| PathBuf::from("blade_damping.png"), PathBuf::from);
-    let bench = |fineness| Bench::new(blade_alone(&BLADE, BLADE.thickness_mm[1])?, BLADE, STEPOVER_MM, fineness);
+    let bench = |resolution| Bench::new(blade_alone(&BLADE, BLADE.thickness_mm[1])?, BLADE, STEPOVER_MM, resolution);
     let rough = bench(FINENESS)?;
     print_parts(&rough)?;
     let outcomes = print_cases(&rough, &CASES)?;

@@ -20,7 +20,7 @@ use arcfeed_shared::units::{Micros, US_PER_S};
 use super::code::{Code, DC1, DC3, with_even_parity, without_parity};
 use super::line::{LineCounters, LineSettings};
 use super::punch::Punch;
-use super::tape::{Received, Tape};
+use super::tape::{ReceivedBlock, Tape};
 
 /// The port's state.
 #[derive(Debug)]
@@ -205,7 +205,7 @@ impl DncPort {
     }
 
     /// The next complete block.
-    pub fn take_block(&mut self) -> Option<Received> {
+    pub fn take_block(&mut self) -> Option<ReceivedBlock> {
         if self.blocks == 0 {
             return None;
         }
@@ -412,8 +412,8 @@ mod tests {
         assert_eq!(sent(&mut port), [DC1, DC3, DC1]);
         port.on_bytes(b"%\nG0\n");
         arrive(&mut port);
-        assert_eq!(port.take_block(), Some(Received::Label { has_mark: true }));
-        assert_eq!(port.take_block(), Some(Received::Block(b"G0".into())));
+        assert_eq!(port.take_block(), Some(ReceivedBlock::Label { has_mark: true }));
+        assert_eq!(port.take_block(), Some(ReceivedBlock::Block(b"G0".into())));
     }
 
     #[test]
@@ -435,7 +435,7 @@ mod tests {
     #[test]
     fn a_program_in_memory_needs_no_label_and_no_parity() {
         let mut port = DncPort::from_memory(b"%\r\nN10 G1\n\nM30");
-        let block = |text: &str| Some(Received::Block(text.into()));
+        let block = |text: &str| Some(ReceivedBlock::Block(text.into()));
         assert_eq!((port.take_block(), port.take_block(), port.take_block()), (block("%"), block("N10 G1"), block("")));
         assert_eq!(port.take_block(), None);
         let unlabelled = TapeSettings { label_skip: false, ..TapeSettings::default() };

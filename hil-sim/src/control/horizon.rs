@@ -14,7 +14,7 @@ use crate::drives::profile::{Ahead, secure};
 
 use super::feeds::FeedConditions;
 use super::path_spans::{PathSpan, walk};
-use super::prepared_move::{Active, Queued};
+use super::prepared_move::{ActiveMove, QueuedBlock};
 
 /// Remaining distance below which a path counts as done, far below a nanometre.
 pub const DONE: f64 = 1e-10;
@@ -58,14 +58,14 @@ impl Horizon {
     }
 
     /// Shifts positions to count from the end of a move that is over.
-    pub fn rebase(&mut self, active: &Active) {
+    pub fn rebase(&mut self, active: &ActiveMove) {
         for ahead in &mut self.ahead {
             ahead.at -= active.prepared.travel.length_mm;
         }
     }
 
     /// Sets the wanted speed to that of the move just begun, which may be more than in the corner before it.
-    pub fn enter(&mut self, active: &Active, conditions: &FeedConditions) {
+    pub fn enter(&mut self, active: &ActiveMove, conditions: &FeedConditions) {
         self.here.wanted_mm_per_s = active.prepared.wanted(&active.context, conditions);
     }
 
@@ -74,7 +74,7 @@ impl Horizon {
         &mut self,
         dt_s: f64,
         motion: Motion,
-        (active, queue): (&Active, &VecDeque<Queued>),
+        (active, queue): (&ActiveMove, &VecDeque<QueuedBlock>),
         conditions: &FeedConditions,
     ) {
         if self.conditions == Some(*conditions) {
@@ -123,7 +123,7 @@ impl Horizon {
         &mut self,
         dt_s: f64,
         motion: &Motion,
-        (active, queue): (&Active, &VecDeque<Queued>),
+        (active, queue): (&ActiveMove, &VecDeque<QueuedBlock>),
         conditions: &FeedConditions,
     ) {
         self.ahead.clear();

@@ -17,7 +17,7 @@ use super::action::{Action, MoveContext, ReadBlock};
 use super::feeds::FeedConditions;
 use super::look_ahead::LookAhead;
 use super::path::to_pose;
-use super::prepared_move::{Active, Advance, MoveLimits, PreparedMove, Queued};
+use super::prepared_move::{ActiveMove, Advance, MoveLimits, PreparedMove, QueuedBlock};
 use super::settings::ControlSettings;
 use super::trapezoid::Trapezoid;
 
@@ -27,8 +27,8 @@ pub struct Interpolator {
     planner: SpeedPlanner,
     arc_clamp: Option<ArcClamp>,
     dry_run_mm_per_s: f64,
-    queue: VecDeque<Queued>,
-    active: Option<Active>,
+    queue: VecDeque<QueuedBlock>,
+    active: Option<ActiveMove>,
     axes: [f64; AXES],
     position: Pose,
     commanded: MmPerMin,
@@ -93,7 +93,7 @@ impl Interpolator {
             _ => None,
         };
         let flows = prepared.as_ref().is_some_and(|prepared| prepared.entry.is_some());
-        self.queue.push_back(Queued { block, prepared });
+        self.queue.push_back(QueuedBlock { block, prepared });
         // The block was read too late for a rounded corner, so the corner is a stop.
         if flows
             && let (SpeedPlanner::LookAhead(look_ahead), Some(active)) = (&mut self.planner, &self.active)
@@ -110,10 +110,11 @@ impl Interpolator {
         if self.active.is_some() {
             return None;
         }
-        let Queued { block, prepared } = self.queue.pop_front()?;
+        let QueuedBlock { block, prepared } = self.queue.pop_front()?;
         if let Some(prepared) = prepared {
             let count = u32::try_from(count + 1).unwrap_or(u32::MAX);
-            self.active = Some(Active { prepared, done_mm: 0.0, count, context: block.context, ends_at_rest: false });
+            self.active =
+                Some(ActiveMove { prepared, done_mm: 0.0, count, context: block.context, ends_at_rest: false });
         }
         Some(block)
     }
@@ -123,7 +124,7 @@ impl Interpolator {
         let prepared = PreparedMove::new(segment, &self.limits());
         let count = u32::try_from(count).unwrap_or(u32::MAX);
         if prepared.travel.length_mm > 0.0 {
-            self.active = Some(Active { prepared, done_mm: 0.0, count, context, ends_at_rest: true });
+            self.active = Some(ActiveMove { prepared, done_mm: 0.0, count, context, ends_at_rest: true });
         }
     }
 
@@ -260,7 +261,7 @@ impl Interpolator {
             return Some((prepared, prepared.travel.length_mm));
         }
         let active = self.active.as_ref().filter(|active| !active.ends_at_rest)?;
-        self.queue.iter().all(Queued::flows).then(|| (&active.prepared, active.left_mm()))
+        self.queue.iter().all(QueuedBlock::flows).then(|| (&active.prepared, active.left_mm()))
     }
 
     /// Limits that the settings put on every move. Data of the drives, if known, set the speed at G0.

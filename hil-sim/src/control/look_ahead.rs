@@ -12,7 +12,7 @@ use crate::drives::profile::SpeedProfile;
 
 use super::feeds::FeedConditions;
 use super::horizon::{DONE, Horizon};
-use super::prepared_move::{Active, Advance, Queued, flowing};
+use super::prepared_move::{ActiveMove, Advance, QueuedBlock, flowing};
 
 /// Present motion, under limits of all axes.
 #[derive(Clone, Debug)]
@@ -49,7 +49,7 @@ impl LookAhead {
 
     /// Whether the axes can keep to the corners of these moves. A corner that is read while the axes brake to a stop
     /// behind it may come too late.
-    pub fn can_follow(&mut self, active: &Active, queue: &VecDeque<Queued>) -> bool {
+    pub fn can_follow(&mut self, active: &ActiveMove, queue: &VecDeque<QueuedBlock>) -> bool {
         if self.horizon.ends_before_queue() {
             return true;
         }
@@ -66,8 +66,8 @@ impl LookAhead {
     pub fn advance(
         &mut self,
         dt_s: f64,
-        active: &Active,
-        queue: &mut VecDeque<Queued>,
+        active: &ActiveMove,
+        queue: &mut VecDeque<QueuedBlock>,
         conditions: &FeedConditions,
     ) -> Advance {
         if let Some(overrun) = self.overrun.take() {
@@ -96,12 +96,12 @@ impl LookAhead {
     }
 
     /// Profile of one period from the position of the axes.
-    fn profile(&self, period_s: f64, active: &Active) -> SpeedProfile<'_> {
+    fn profile(&self, period_s: f64, active: &ActiveMove) -> SpeedProfile<'_> {
         SpeedProfile { period_s, at: active.done_mm, here: self.horizon.here().limits, ahead: self.horizon.ahead() }
     }
 
     /// Advances to a distance in this move, or beyond its end into the next one.
-    fn advanced_to(&mut self, done_mm: f64, active: &Active, left_s: f64) -> Advance {
+    fn advanced_to(&mut self, done_mm: f64, active: &ActiveMove, left_s: f64) -> Advance {
         let overrun = done_mm - active.prepared.travel.length_mm;
         if overrun < 0.0 {
             return Advance::To(done_mm, left_s);
@@ -112,7 +112,7 @@ impl LookAhead {
     }
 
     /// Makes the first move that can still stop at its end stop there.
-    fn stop_at_block_end(&mut self, active: &Active, queue: &mut VecDeque<Queued>) {
+    fn stop_at_block_end(&mut self, active: &ActiveMove, queue: &mut VecDeque<QueuedBlock>) {
         let mut limits =
             active.prepared.entry.map_or(active.prepared.limits, |entry| entry.limits.and(&active.prepared.limits));
         let mut left = active.left_mm();

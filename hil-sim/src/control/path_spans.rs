@@ -6,7 +6,7 @@ use std::iter::once;
 use crate::drives::limits::PathLimits;
 
 use super::feeds::FeedConditions;
-use super::prepared_move::{Active, Queued, flowing};
+use super::prepared_move::{ActiveMove, QueuedBlock, flowing};
 
 /// A span of the path: its beginning, its limits, and the speed wanted on it.
 #[derive(Clone, Copy, Debug)]
@@ -21,8 +21,8 @@ pub struct PathSpan {
 
 /// Calls `visit` for each span, from the one that the axes are on to a stop, until it returns false.
 pub fn walk(
-    active: &Active,
-    queue: &VecDeque<Queued>,
+    active: &ActiveMove,
+    queue: &VecDeque<QueuedBlock>,
     conditions: &FeedConditions,
     mut visit: impl FnMut(PathSpan) -> bool,
 ) {

@@ -54,7 +54,7 @@ pub struct Corner {
 
 /// A block read ahead.
 #[derive(Clone, Debug)]
-pub struct Queued {
+pub struct QueuedBlock {
     /// The block.
     pub block: ReadBlock,
     /// Prepared move, if the block makes one.
@@ -63,7 +63,7 @@ pub struct Queued {
 
 /// The move in execution.
 #[derive(Clone, Debug)]
-pub struct Active {
+pub struct ActiveMove {
     /// The move.
     pub prepared: PreparedMove,
     /// Distance done.
@@ -130,14 +130,14 @@ impl PreparedMove {
     }
 }
 
-impl Active {
+impl ActiveMove {
     /// Remaining distance.
     pub fn left_mm(&self) -> f64 {
         self.prepared.travel.length_mm - self.done_mm
     }
 
     /// Position of the axes: X, Y, Z in mm, A, B, C in degrees.
-    pub fn axes(&self, queue: &VecDeque<Queued>) -> [f64; AXES] {
+    pub fn axes(&self, queue: &VecDeque<QueuedBlock>) -> [f64; AXES] {
         let mut axes = self.prepared.travel.axes_at(self.done_mm / self.prepared.travel.length_mm);
         let exit =
             flowing(queue).next().and_then(|(prepared, _)| prepared.entry).map(|corner| (corner, -self.left_mm()));
@@ -151,7 +151,7 @@ impl Active {
     }
 }
 
-impl Queued {
+impl QueuedBlock {
     /// Whether the axes move through this block without a stop.
     pub fn flows(&self) -> bool {
         matches!(self.block.action, Action::Move(_, None) | Action::Nothing | Action::Ignore(_))
@@ -159,7 +159,7 @@ impl Queued {
 }
 
 /// Moves behind the one in execution that flow into each other, each with its context.
-pub fn flowing(queue: &VecDeque<Queued>) -> impl Iterator<Item = (&PreparedMove, &MoveContext)> {
+pub fn flowing(queue: &VecDeque<QueuedBlock>) -> impl Iterator<Item = (&PreparedMove, &MoveContext)> {
     let blocks = queue.iter().take_while(|queued| queued.flows());
     blocks.filter_map(|queued| Some((queued.prepared.as_ref()?, &queued.block.context)))
 }

@@ -7,9 +7,9 @@ use arcfeed_shared::units::{Micros, US_PER_MS};
 use super::action::ReadBlock;
 use super::executive::{Executive, NextBlock};
 use super::panel::Phase;
-use super::reader::{Opened, sequence_of};
+use super::reader::{OpenedBlock, sequence_of};
 use super::search::{Approach, Search, SearchResult, never};
-use super::tape::Received;
+use super::tape::ReceivedBlock;
 use super::{AlarmRecord, Control};
 
 impl Control {
@@ -119,8 +119,8 @@ impl Control {
         let received = self.port.take_block()?;
         match self.reader.open(received, &self.switches) {
             None => return Some(None),
-            Some(Opened::Refused(block)) => return Some(Some(*block)),
-            Some(Opened::Text(text)) => executive.feed(text, self.reader.line()),
+            Some(OpenedBlock::Refused(block)) => return Some(Some(*block)),
+            Some(OpenedBlock::Text(text)) => executive.feed(text, self.reader.line()),
         }
         match executive.next(now, &self.switches) {
             NextBlock::Block(block) => Some(Some(*block)),
@@ -135,7 +135,7 @@ impl Control {
             let received = self.port.take_block()?;
             let is_end = self.reader.skip(&received);
             return Some(match received {
-                Received::Block(text) if sequence_of(&text) == Some(wanted) => {
+                ReceivedBlock::Block(text) if sequence_of(&text) == Some(wanted) => {
                     executive.feed(text, self.reader.line());
                     SearchResult::Here(Vec::new())
                 }

@@ -8,11 +8,11 @@ use super::action::{Action, ReadBlock};
 use super::plain::{Plain, PlainReader};
 use super::restart::RestartList;
 use super::settings::{ControlSettings, Switches};
-use super::tape::Received;
+use super::tape::ReceivedBlock;
 
 /// Result of taking a block off the tape.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Opened {
+pub enum OpenedBlock {
     /// Text of the block.
     Text(Vec<u8>),
     /// Block that stops the control.
@@ -69,23 +69,23 @@ impl BlockReader {
     }
 
     /// Reads a block; `None` for `%`, empty and deleted ones, which do nothing.
-    pub fn read(&mut self, received: Received, switches: &Switches) -> Option<ReadBlock> {
+    pub fn read(&mut self, received: ReceivedBlock, switches: &Switches) -> Option<ReadBlock> {
         match self.open(received, switches)? {
-            Opened::Text(text) => Some(self.understand(text, switches)),
-            Opened::Refused(block) => Some(*block),
+            OpenedBlock::Text(text) => Some(self.understand(text, switches)),
+            OpenedBlock::Refused(block) => Some(*block),
         }
     }
 
     /// Takes a block off the tape; `None` for `%`, empty and deleted ones, which do nothing.
-    pub fn open(&mut self, received: Received, switches: &Switches) -> Option<Opened> {
+    pub fn open(&mut self, received: ReceivedBlock, switches: &Switches) -> Option<OpenedBlock> {
         self.line += 1;
         let (text, refused) = match received {
-            Received::Label { has_mark } => {
+            ReceivedBlock::Label { has_mark } => {
                 self.has_begun |= has_mark;
                 return None;
             }
-            Received::Block(text) => (text, None),
-            Received::Refused { text, fault } => (text, Some(fault)),
+            ReceivedBlock::Block(text) => (text, None),
+            ReceivedBlock::Refused { text, fault } => (text, Some(fault)),
         };
         if deleted_by(&text).is_some_and(|switch| switches.deletes(switch)) {
             return None;
@@ -96,18 +96,18 @@ impl BlockReader {
         let is_mark = text.first() == Some(&b'%');
         let at_end = Fault::alarm(Alarm::EndOfRecord, 1);
         match refused.or((is_mark && has_begun).then_some(at_end)) {
-            Some(fault) => Some(Opened::Refused(Box::new(ReadBlock::new(self.line, text, Action::Fault(fault))))),
-            None => (!is_mark && !text.is_empty()).then_some(Opened::Text(text)),
+            Some(fault) => Some(OpenedBlock::Refused(Box::new(ReadBlock::new(self.line, text, Action::Fault(fault))))),
+            None => (!is_mark && !text.is_empty()).then_some(OpenedBlock::Text(text)),
         }
     }
 
     /// Skips a block during a search; returns whether it was the end of the program.
-    pub fn skip(&mut self, received: &Received) -> bool {
+    pub fn skip(&mut self, received: &ReceivedBlock) -> bool {
         self.line += 1;
         let has_begun = self.has_begun;
         match received {
-            Received::Label { has_mark } => self.has_begun |= has_mark,
-            Received::Block(text) | Received::Refused { text, .. } => {
+            ReceivedBlock::Label { has_mark } => self.has_begun |= has_mark,
+            ReceivedBlock::Block(text) | ReceivedBlock::Refused { text, .. } => {
                 self.has_begun |= !text.is_empty();
                 return has_begun && text.first() == Some(&b'%');
             }
@@ -156,7 +156,7 @@ mod tests {
 
     fn blocks(program: &str, switches: &Switches) -> Vec<ReadBlock> {
         let mut reader = BlockReader::new(&ControlSettings::fanuc_16i(LengthUnit::Inch));
-        program.lines().filter_map(|line| reader.read(Received::Block(line.into()), switches)).collect()
+        program.lines().filter_map(|line| reader.read(ReceivedBlock::Block(line.into()), switches)).collect()
     }
 
     fn actions(program: &str) -> Vec<Action> {

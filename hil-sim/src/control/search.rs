@@ -16,7 +16,7 @@ use arcfeed_shared::units::{MmPerMin, Nm};
 use super::action::{Action, ReadBlock};
 use super::reader::{BlockReader, sequence_of};
 use super::settings::Switches;
-use super::tape::Received;
+use super::tape::ReceivedBlock;
 
 /// Target of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +42,7 @@ impl Search {
     /// Checks the next block.
     pub fn apply(
         self,
-        received: Received,
+        received: ReceivedBlock,
         reader: &mut BlockReader,
         switches: &Switches,
         approach: &Approach,
@@ -51,7 +51,7 @@ impl Search {
             Search::Sequence(wanted) => {
                 let is_end = reader.skip(&received);
                 match &received {
-                    Received::Block(text) if sequence_of(text) == Some(wanted) => {
+                    ReceivedBlock::Block(text) if sequence_of(text) == Some(wanted) => {
                         reader.unread();
                         SearchResult::Here(reader.read(received, switches).into_iter().collect())
                     }

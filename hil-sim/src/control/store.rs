@@ -15,7 +15,7 @@ use arcfeed_shared::units::Micros;
 
 use super::dnc_port::DncPort;
 use super::line::LineSettings;
-use super::tape::Received;
+use super::tape::ReceivedBlock;
 
 /// A control in EDIT mode.
 #[derive(Debug)]
@@ -85,13 +85,13 @@ impl Store {
     fn read(&mut self, mut fault: Option<Fault>) {
         while let Some(received) = self.port.take_block() {
             match received {
-                Received::Label { .. } => {}
-                Received::Block(text) if text.starts_with(b"%") => {
+                ReceivedBlock::Label { .. } => {}
+                ReceivedBlock::Block(text) if text.starts_with(b"%") => {
                     self.state = StoreState::Stored;
                     break;
                 }
-                Received::Block(text) => self.blocks.extend(stored_block(&text)),
-                Received::Refused { fault: found, .. } => fault = fault.or(Some(found)),
+                ReceivedBlock::Block(text) => self.blocks.extend(stored_block(&text)),
+                ReceivedBlock::Refused { fault: found, .. } => fault = fault.or(Some(found)),
             }
         }
         if let Some(fault) = fault {

@@ -33,7 +33,7 @@ impl Default for TapeSettings {
 
 /// A block off the tape.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Received {
+pub enum ReceivedBlock {
     /// Label, which the tape skips.
     Label {
         /// Whether the label contains a `%`, which begins the program.
@@ -97,7 +97,7 @@ impl Tape {
     }
 
     /// Reads the frames of a block, its end of block included.
-    pub fn read(&mut self, frames: &[u8]) -> Received {
+    pub fn read(&mut self, frames: &[u8]) -> ReceivedBlock {
         let code = self.code.unwrap_or(Code::Ascii);
         let mut text = Vec::with_capacity(frames.len());
         let mut fault = None;
@@ -114,14 +114,14 @@ impl Tape {
             }
         }
         if std::mem::take(&mut self.skips) {
-            return Received::Label { has_mark: text.contains(&b'%') };
+            return ReceivedBlock::Label { has_mark: text.contains(&b'%') };
         }
         if self.settings.tv_check && frames.len() % 2 == 1 && !text.contains(&b'%') {
             fault = fault.or(Some(Fault::alarm(Alarm::BlockParity, 0)));
         }
         match fault {
-            None => Received::Block(text),
-            Some(fault) => Received::Refused { text, fault },
+            None => ReceivedBlock::Block(text),
+            Some(fault) => ReceivedBlock::Refused { text, fault },
         }
     }
 }
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     /// Blocks that the frames give.
-    fn blocks(settings: TapeSettings, frames: &[u8]) -> Vec<Received> {
+    fn blocks(settings: TapeSettings, frames: &[u8]) -> Vec<ReceivedBlock> {
         let mut tape = Tape::new(settings);
         let mut found = Vec::new();
         let mut block = Vec::new();
@@ -148,22 +148,22 @@ mod tests {
         text.bytes().map(|byte| code.encode(byte).unwrap()).collect()
     }
 
-    fn block(text: &str) -> Received {
-        Received::Block(text.into())
+    fn block(text: &str) -> ReceivedBlock {
+        ReceivedBlock::Block(text.into())
     }
 
     #[test]
     fn the_first_end_of_block_determines_the_code() {
         for code in [Code::Iso, Code::Eia] {
             let found = blocks(TapeSettings::default(), &encoded(code, "%LEADER\nG1X-1.5\nM30\n"));
-            assert_eq!(found, [Received::Label { has_mark: true }, block("G1X-1.5"), block("M30")], "{code:?}");
+            assert_eq!(found, [ReceivedBlock::Label { has_mark: true }, block("G1X-1.5"), block("M30")], "{code:?}");
         }
     }
 
     #[test]
     fn a_first_block_without_a_mark_before_it_is_skipped() {
         let found = blocks(TapeSettings::default(), &encoded(Code::Iso, "G0Z100.\nG0X0\n"));
-        assert_eq!(found, [Received::Label { has_mark: false }, block("G0X0")]);
+        assert_eq!(found, [ReceivedBlock::Label { has_mark: false }, block("G0X0")]);
     }
 
     #[test]
@@ -171,7 +171,7 @@ mod tests {
         // G, LF and % have even numbers of ones; X (0x58) has three, 1 (0x31) too.
         let found = blocks(TapeSettings::default(), b"%\nGG\nGX1\n");
         assert_eq!(found[1], block("GG"));
-        assert_eq!(found[2], Received::Refused { text: b"G".into(), fault: Fault::alarm(Alarm::Character, 2) });
+        assert_eq!(found[2], ReceivedBlock::Refused { text: b"G".into(), fault: Fault::alarm(Alarm::Character, 2) });
     }
 
     #[test]
@@ -179,8 +179,8 @@ mod tests {
         let settings = TapeSettings { tv_check: true, ..TapeSettings::default() };
         // With its end: the label 3 (not checked), 4, 5, 6 with a comment.
         let found = blocks(settings, &encoded(Code::Iso, "%A\nG00\nG000\n(ABC)\n"));
-        let refused = Received::Refused { text: b"G000".into(), fault: Fault::alarm(Alarm::BlockParity, 0) };
-        assert_eq!(found, [Received::Label { has_mark: true }, block("G00"), refused, block("(ABC)")]);
+        let refused = ReceivedBlock::Refused { text: b"G000".into(), fault: Fault::alarm(Alarm::BlockParity, 0) };
+        assert_eq!(found, [ReceivedBlock::Label { has_mark: true }, block("G00"), refused, block("(ABC)")]);
     }
 
     #[test]
@@ -189,7 +189,7 @@ mod tests {
         for (text, column) in [("(tool 2)", 2), ("(1/2\")", 5), ("G1X1.?", 6)] {
             let frames = encoded(Code::Iso, &format!("%\n{text}\n"));
             let fault = Fault::alarm(Alarm::Character, column);
-            assert_eq!(blocks(settings, &frames)[1], Received::Refused { text: text.into(), fault });
+            assert_eq!(blocks(settings, &frames)[1], ReceivedBlock::Refused { text: text.into(), fault });
             assert_eq!(blocks(TapeSettings::default(), &frames)[1], block(text));
         }
     }

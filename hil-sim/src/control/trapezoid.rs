@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 use super::dynamics::Dynamics;
 use super::feeds::FeedConditions;
 use super::path::Travel;
-use super::prepared_move::{Active, Advance, Queued, flowing};
+use super::prepared_move::{ActiveMove, Advance, QueuedBlock, flowing};
 
 /// Fraction of a length that counts when deciding whether the moves in view suffice: less than all, so that rounding
 /// does not decide it.
@@ -45,8 +45,8 @@ impl Trapezoid {
     pub fn advance(
         &mut self,
         dt_s: f64,
-        active: &Active,
-        queue: &VecDeque<Queued>,
+        active: &ActiveMove,
+        queue: &VecDeque<QueuedBlock>,
         conditions: &FeedConditions,
     ) -> Advance {
         let stops = conditions.stops_at_block_end || active.ends_at_rest;
@@ -77,7 +77,7 @@ impl Trapezoid {
     }
 
     /// Speed that the active move may end with, from the last move in view backwards to it.
-    fn exit_speed(&mut self, queue: &VecDeque<Queued>, conditions: &FeedConditions) -> f64 {
+    fn exit_speed(&mut self, queue: &VecDeque<QueuedBlock>, conditions: &FeedConditions) -> f64 {
         let behind = self.collect_ahead(queue, conditions);
         let acceleration = self.dynamics.acceleration_mm_per_s2;
         self.ahead.iter().rev().fold(behind, |speed, ahead| {
@@ -87,7 +87,7 @@ impl Trapezoid {
 
     /// Collects the moves ahead; returns the speed behind the last of them. If a stop further on leaves one of them at
     /// its limit in any case, that one is the last, and the speed behind it does not count.
-    fn collect_ahead(&mut self, queue: &VecDeque<Queued>, conditions: &FeedConditions) -> f64 {
+    fn collect_ahead(&mut self, queue: &VecDeque<QueuedBlock>, conditions: &FeedConditions) -> f64 {
         let acceleration = self.dynamics.acceleration_mm_per_s2;
         self.ahead.clear();
         // Remaining square of the speed before a stop, and the count of moves up to where it was least.

@@ -59,7 +59,7 @@ pub struct FinishingPass {
     /// Force model of the material.
     pub cutting: Cutting,
     /// Resolution of the computation.
-    pub fineness: PassResolution,
+    pub resolution: PassResolution,
 }
 
 /// Resolution of a pass.
@@ -133,11 +133,11 @@ impl FinishingPass {
 
     /// Layers that the pass cuts.
     pub fn layers(&self) -> Layers {
-        let rise_mm = self.fineness.rise_mm;
+        let rise_mm = self.resolution.rise_mm;
         let (below, above) = (libm::ceil(self.reach_mm() / rise_mm), libm::ceil(self.stepover_mm / rise_mm));
         let layer = |n: usize| {
             let z_mm = (n as f64 + 0.5 - below) * rise_mm;
-            Layer::outline(&self.side.outline_mm(self.before_mm(z_mm)), self.fineness.ray_mm)
+            Layer::outline(&self.side.outline_mm(self.before_mm(z_mm)), self.resolution.ray_mm)
         };
         let lowest_mm = self.side.height_mm() - below * rise_mm;
         Layers::new(lowest_mm, rise_mm, (0..(below + above) as usize).map(layer).collect())
@@ -150,12 +150,12 @@ impl FinishingPass {
     }
 
     fn process(&self, modes: Vec<Mode>) -> Result<Process, MillError> {
-        let layers_a_radius = self.radius_mm() / self.fineness.rise_mm;
+        let layers_a_radius = self.radius_mm() / self.resolution.rise_mm;
         let off = libm::fabs(layers_a_radius - libm::round(layers_a_radius));
         if off > WHOLE_RATIO || self.mill.corner_mm != self.radius_mm() {
             return Err(MillError);
         }
-        let pieces = Pieces::Slices { rise_mm: self.fineness.rise_mm };
+        let pieces = Pieces::Slices { rise_mm: self.resolution.rise_mm };
         let cutter = Cutter::end_mill(&self.mill, pieces).map_err(|_| MillError)?;
         let engagement = EdgeEngagement::new(cutter, self.layers(), RAKE_MM).map_err(|_| MillError)?;
         let stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-7, passes_max: 12 };
@@ -186,7 +186,7 @@ impl FinishingPass {
         let half_mm = self.side.length_mm() / 2.0;
         let from_mm = -half_mm - self.reach_mm() - AIR_MM;
         let count = libm::ceil((half_mm + AIR_MM - from_mm) / self.feed_mm_per_tooth) as usize;
-        let steps = self.fineness.steps;
+        let steps = self.resolution.steps;
         let (mut teeth, mut open) = (Vec::with_capacity(count), 0);
         for tooth in 0..count {
             let (mut swing_mm, mut force_n, mut displacement_mm) = (0.0_f64, 0.0_f64, Vector3::zeros());

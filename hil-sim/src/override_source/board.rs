@@ -62,7 +62,7 @@ pub trait Wires {
 }
 
 /// Devices at the far ends of the board's other lines.
-pub trait Attached {
+pub trait AttachedDevices {
     /// Bytes that the devices send in this period, as far as their lines' bit rates allow.
     fn send(&mut self, at: Micros, traffic: &mut Traffic);
     /// Bytes that the devices receive.
@@ -70,7 +70,7 @@ pub trait Attached {
 }
 
 /// No device is attached.
-impl Attached for () {
+impl AttachedDevices for () {
     fn send(&mut self, _at: Micros, _traffic: &mut Traffic) {}
     fn receive(&mut self, _at: Micros, _wire: Wire, _bytes: &[u8]) {}
 }
@@ -126,7 +126,7 @@ struct Counts {
     tap: u32,
 }
 
-impl<W: Wires, A: Attached> Board<W, A> {
+impl<W: Wires, A: AttachedDevices> Board<W, A> {
     /// A board with something attached to its other lines.
     pub fn new(wires: W, attached: A, mode: ModeCode) -> Self {
         Board {
@@ -298,7 +298,7 @@ impl<W: Wires, A: Attached> Board<W, A> {
     }
 }
 
-impl<W: Wires, A: Attached> OverrideSource for Board<W, A> {
+impl<W: Wires, A: AttachedDevices> OverrideSource for Board<W, A> {
     fn decide(&mut self, shown: &MachineSignals) -> FeedOverride {
         if self.failure.is_none() {
             self.failure = self.exchange(shown).err();

@@ -51,7 +51,7 @@ pub struct StockCutter {
     placement: WorkpiecePlacement,
     /// Rapids before the first cut.
     waiting: Vec<PathSection>,
-    approach: Approach,
+    approach: ApproachState,
     /// Last block in execution.
     last: Option<(BlockRef, MoveContext)>,
     blocks: Vec<BlockRef>,
@@ -61,7 +61,7 @@ pub struct StockCutter {
 
 /// State of the approach. The position of the axes is unknown at first, so rapids do not count before Z has moved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Approach {
+enum ApproachState {
     Unknown,
     /// Z moves first in this block.
     Lifts(u32),
@@ -93,7 +93,7 @@ impl StockCutter {
             settings,
             placement: WorkpiecePlacement::default(),
             waiting: Vec::new(),
-            approach: Approach::Unknown,
+            approach: ApproachState::Unknown,
             last: None,
             blocks: Vec::new(),
             pieces: Vec::new(),
@@ -170,7 +170,7 @@ impl StockCutter {
             return Ok(());
         }
         if !section.block.is_rapid {
-            self.approach = Approach::Over;
+            self.approach = ApproachState::Over;
             self.placement.locate(&section);
         }
         for waiting in std::mem::take(&mut self.waiting) {
@@ -182,11 +182,11 @@ impl StockCutter {
     fn is_approach(&mut self, section: &PathSection) -> bool {
         let rises = section.positions.iter().any(|position| position[2] != section.positions[0][2]);
         self.approach = match self.approach {
-            Approach::Unknown if rises => Approach::Lifts(section.block.count),
-            Approach::Lifts(count) if count != section.block.count => Approach::Over,
+            ApproachState::Unknown if rises => ApproachState::Lifts(section.block.count),
+            ApproachState::Lifts(count) if count != section.block.count => ApproachState::Over,
             other => other,
         };
-        self.approach != Approach::Over
+        self.approach != ApproachState::Over
     }
 
     fn cut(&mut self, section: &PathSection) -> Result<(), StockError> {

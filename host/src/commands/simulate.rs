@@ -31,7 +31,7 @@ use std::time::Instant;
 use arcfeed_hil_sim::control::ControlSettings;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::removal::marks::WallMark;
-use arcfeed_hil_sim::simulation::{Foreseen, Simulation};
+use arcfeed_hil_sim::simulation::{PlannedConditions, Simulation};
 use arcfeed_hil_sim::stock::deviation::HeightMap;
 use arcfeed_hil_sim::stock::workpiece::Stock;
 use arcfeed_shared::machine::FeedLimit;
@@ -84,7 +84,7 @@ impl Simulate {
         let started = Instant::now();
         let adapted = adapted(&program, &file);
         let mut simulation = in_memory(&file, &adapted.text, ControllerFault::None)?;
-        simulation.foresee(foreseen(&program, &adapted));
+        simulation.set_planned_conditions(foreseen(&program, &adapted));
         let mut before = in_memory(&file, &program.bytes(), ControllerFault::LawOff)?;
         // What has been computed is written and printed also where something behind it fails.
         let [after, unadapted] = side_by_side(&mut watches, [&mut simulation, &mut before]);
@@ -215,12 +215,12 @@ pub(super) fn in_memory_of(
 
 /// What the plan knows of moves that the machine in software does not: those under G43.4, and those that a cut rule matches,
 /// with their engagement and the fastest feed that the job allows on them.
-pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<Foreseen> {
+pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<PlannedConditions> {
     let is_of_tip = |block: &PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
     let is_known =
         |block: &&PlannedBlock| block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8;
     let moves = adapted.blocks.iter().filter(is_known);
-    let known = moves.map(|block| Foreseen {
+    let known = moves.map(|block| PlannedConditions {
         segment: block.segment,
         rule: block.rule.filter(|_| block.demand.is_some()),
         along: block.along.clone(),

@@ -99,7 +99,7 @@ pub fn run(name: &str, job: &RandomJob, story: &Story) -> Result<Option<Figures>
         ControllerFault::None,
     );
     let mut simulation = simulation.map_err(|error| format!("{error:?}"))?;
-    simulation.foresee(foreseen(&program, &adapted));
+    simulation.set_planned_conditions(foreseen(&program, &adapted));
     let mut figures =
         Figures { programs: 1, blocks: story.moves.iter().flatten().count() as u32, ..Figures::default() };
     let mut last: Option<At> = None;

@@ -22,7 +22,7 @@ pub fn pass(blade: Blade, ray_mm: f64) -> FinishingPass {
         feed_mm_per_tooth: FEED_MM_PER_TOOTH,
         tooth_hz: TOOTH_HZ,
         cutting: MATERIALS[0].tangential.with_ratios(0.4, 0.2),
-        fineness: PassResolution { rise_mm: 0.2, ray_mm, steps: 300 },
+        resolution: PassResolution { rise_mm: 0.2, ray_mm, steps: 300 },
     }
 }
 

@@ -97,7 +97,7 @@ fn a_ball_that_is_no_whole_number_of_layers_is_refused() {
         change(&mut odd);
         odd.run::<Field>(Vec::new(), None).err()
     };
-    assert_eq!(refused(|pass| pass.fineness.rise_mm = 0.3), Some(MillError));
+    assert_eq!(refused(|pass| pass.resolution.rise_mm = 0.3), Some(MillError));
     assert_eq!(refused(|pass| pass.mill.corner_mm = 1.0), Some(MillError));
     assert_eq!(refused(|pass| pass.mill.helix_rad = 2.0), Some(MillError));
 }

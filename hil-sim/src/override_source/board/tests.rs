@@ -108,7 +108,7 @@ fn free_running_the_last_setpoint_stays_in_force() {
 fn a_restarted_board_counts_from_the_beginning() {
     /// Sends a fixed number of bytes each period.
     struct Talker;
-    impl Attached for Talker {
+    impl AttachedDevices for Talker {
         fn send(&mut self, _at: Micros, traffic: &mut Traffic) {
             traffic.link.extend([1; 3]);
         }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use arcfeed_hil_sim::control::code::{Code, with_even_parity};
-use arcfeed_hil_sim::simulation::Foreseen;
+use arcfeed_hil_sim::simulation::PlannedConditions;
 use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE};
 use arcfeed_shared::units::{Micros, S_PER_MIN};
 
@@ -41,7 +41,7 @@ pub struct Prepared {
     /// What the control reports of the whole program.
     pub reports: Reports,
     /// What the machine in software cannot know of the moves under G43.4.
-    pub foreseen: Vec<Foreseen>,
+    pub foreseen: Vec<PlannedConditions>,
     /// What holds for moves beside their text, by line of the program's file.
     pub bounds: HashMap<usize, MoveBounds>,
     /// What was said before the first character.

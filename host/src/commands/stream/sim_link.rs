@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 use arcfeed_hil_sim::override_source::OverrideSource;
-use arcfeed_hil_sim::override_source::board::{Attached, Traffic, Wire};
+use arcfeed_hil_sim::override_source::board::{AttachedDevices, Traffic, Wire};
 use arcfeed_shared::units::Micros;
 
 use super::sim_port::SimPort;
@@ -22,7 +22,7 @@ pub struct Pipe {
 #[derive(Debug)]
 pub struct BoardEnd(pub Rc<RefCell<Pipe>>);
 
-impl Attached for BoardEnd {
+impl AttachedDevices for BoardEnd {
     fn send(&mut self, _at: Micros, traffic: &mut Traffic) {
         traffic.link.append(&mut self.0.borrow_mut().to_board);
     }

@@ -52,7 +52,7 @@ impl Stream {
         match &self.board {
             None => {
                 let mut sim = SimPort::new(&ready.file, ControllerFault::None, self.tempo())?;
-                sim.simulation_mut().foresee(ready.foreseen.iter().cloned());
+                sim.simulation_mut().set_planned_conditions(ready.foreseen.iter().cloned());
                 self.send_simulated(ready, sender, (logbook, BoardSession::none()), &Rc::new(RefCell::new(sim)))
             }
             Some(url) if url.base == Base::Sim => self.with_board_in_software(ready, sender, logbook),
