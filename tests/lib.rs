@@ -1,4 +1,4 @@
-//! What several test files need. The promises themselves are the `[[test]]` targets beside this file.
+//! Helpers of several test files. The tests themselves are the `[[test]]` targets beside this file.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -27,7 +27,8 @@ pub fn arcfeed() -> &'static Path {
     static BINARY: OnceLock<PathBuf> = OnceLock::new();
     BINARY.get_or_init(|| {
         let built = Command::new(env!("CARGO"))
-            // Of the whole workspace, as `cargo xtask test` builds: with the features of one package all of it would be built again.
+            // Builds the whole workspace, as `cargo xtask test` does: with the features of one package everything would
+            // be built again.
             .args(["build", "--quiet", "--workspace", "--bin", "arcfeed"])
             .current_dir(root())
             .status()
@@ -71,7 +72,7 @@ pub fn in_plane(program: &str, plane: &str, letters: &str) -> String {
     lines.join("\n").replace("G17", plane) + "\n"
 }
 
-/// How much of a full set is tried here: a part, and all of it under `cargo xtask soak`.
+/// The part of a full set that is tried: all of it under `cargo xtask soak`.
 pub fn of_full_set<T>(full: T, part: T) -> T {
     if std::env::var_os("ARCFEED_SOAK_SECONDS").is_some() { full } else { part }
 }
@@ -147,7 +148,7 @@ pub struct Running {
     err: PathBuf,
 }
 
-/// How a process ended.
+/// End of a process.
 #[derive(Debug)]
 pub struct Ended {
     /// Exit code; none if a signal ended it.
@@ -212,18 +213,18 @@ impl Running {
         (self.end(), most)
     }
 
-    /// What it has written to stderr so far.
+    /// Output on stderr so far.
     pub fn said(&self) -> String {
         fs::read_to_string(&self.err).unwrap_or_default()
     }
 
-    /// What Ctrl-C does.
+    /// Sends SIGINT, as Ctrl-C does.
     pub fn interrupt(&self) {
         let sent = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status();
         assert!(sent.expect("kill runs").success(), "nothing left to interrupt");
     }
 
-    /// What `kill -9` does.
+    /// Sends SIGKILL.
     pub fn kill(&mut self) {
         self.child.kill().expect("it still runs, or has been waited for");
     }

@@ -1,4 +1,4 @@
-//! What a check has found.
+//! Findings of a check.
 
 /// Fails with one complaint a line.
 #[track_caller]

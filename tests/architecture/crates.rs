@@ -1,4 +1,4 @@
-//! Which crate may know which.
+//! Permitted dependencies between crates.
 
 use std::collections::BTreeSet;
 
@@ -30,11 +30,11 @@ const ARROWS: [(&str, &[&str]); 9] = [
     ("xtask", &[]),
 ];
 
-/// Where the host composes the simulator for `sim:`, as files or folders.
+/// Files or folders in which the host composes the simulator for `sim:`.
 const COMPOSITION_ROOT: [&str; 4] =
     ["host/src/commands/stream", "host/src/commands/simulate", "host/src/commands/engage", "host/src/commands/serve"];
 
-/// What cannot be done where a panic is not allowed.
+/// Lints against panics.
 const PANICS: [&str; 4] = ["unwrap_used", "expect_used", "panic", "indexing_slicing"];
 
 /// Name and manifest of each member of the workspace.
@@ -48,7 +48,7 @@ fn members() -> Vec<(String, String)> {
     members
 }
 
-/// What the manifest of `package` uses against the arrows.
+/// Dependencies in the manifest of `package` that break the permitted order.
 fn against_the_arrows(package: &str, manifest: &str) -> Vec<String> {
     let allowed = ARROWS.iter().find(|(name, _)| *name == package).map_or(&[][..], |(_, allowed)| *allowed);
     let is_ours = |name: &str| ARROWS.iter().any(|(ours, _)| *ours == name);

@@ -53,7 +53,7 @@ pub fn dependencies(manifest: &str) -> Vec<&str> {
     names
 }
 
-/// What stands between pairs of quotes.
+/// Texts between pairs of quotes.
 fn quoted(text: &str) -> Vec<&str> {
     text.split('"').skip(1).step_by(2).collect()
 }

@@ -90,7 +90,7 @@ fn resolve(here: &[String], path: &[String]) -> Path {
     absolute
 }
 
-/// What is wrong with `target` being named in module `here`.
+/// Error message if module `here` must not name `target`.
 fn complaint(here: &[String], target: &[String], declarations: &BTreeMap<Path, Vec<String>>) -> Option<String> {
     let parting = here.iter().zip(target).take_while(|(a, b)| a == b).count();
     let (own, other) = (here.get(parting)?, target.get(parting)?);
@@ -124,7 +124,7 @@ pub fn undeclared(root: &str, sources: &[Source]) -> Vec<String> {
     sources.iter().filter(|source| !is_declared(source)).map(|source| source.path.clone()).collect()
 }
 
-/// What is wrong in the crate whose sources lie in `root`.
+/// Errors in the crate whose sources are in `root`.
 fn check(root: &str, sources: &[Source]) -> Vec<String> {
     let declarations = declarations_of(root, sources);
     let mut complaints = Vec::new();

@@ -18,7 +18,7 @@ const WHOLE_FACTORS: [f64; 2] = [60_000.0, 25_400_000.0];
 /// Functions of plain numbers, which have no unit.
 const MATHS: &str = "shared/src/fmath.rs";
 
-/// How a name ends that carries its unit.
+/// Endings of names that carry a unit.
 const SUFFIXES: [&str; 25] = [
     "_mm",
     "_mm3",
@@ -47,7 +47,7 @@ const SUFFIXES: [&str; 25] = [
     "_per_s2",
 ];
 
-/// Whether a number of the code is a conversion factor, however it is spelled.
+/// Whether a number in the code is a conversion factor, in any spelling.
 fn is_factor(token: &str) -> bool {
     let plain = token.replace('_', "");
     if plain.starts_with("0x") || plain.starts_with("0b") || plain.starts_with("0o") {

@@ -23,7 +23,7 @@ use crate::runs::{AHEAD, Example, prepare};
 
 /// From cycle start on: some loops, with more coming in behind them.
 const PERIODS: usize = 12_000;
-/// What all of a tick may take, instructions: the engaged arcs are gone into the prepared ratio, and cost the tick nothing.
+/// Most instructions of a whole tick. The engaged arcs are part of the prepared ratio and cost the tick nothing.
 const TICK_MAX: u32 = 1_750;
 /// More than the board has room for.
 const LOOPS: usize = 12;

@@ -1,4 +1,4 @@
-//! What the image needs of the chip: flash, RAM and stack, against what it may need.
+//! Flash, RAM and stack of the image, compared with their budgets.
 
 use std::fs;
 use std::slice;
@@ -16,7 +16,7 @@ const STACK_MAX: u32 = 12 * 1024 + 768;
 /// Bytes of stack of the tick itself.
 const TICK_STACK_MAX: u32 = 320;
 
-/// Where the RAM of both boards begins.
+/// Address of the RAM of both boards.
 const RAM: u32 = 0x2000_0000;
 /// The recorded run stands for the encoders: no part of the controller.
 const NOT_COUNTED: &str = ".recorded_run";

@@ -3,9 +3,9 @@
 /// A section.
 #[derive(Clone, Copy, Debug)]
 pub struct Section<'f> {
-    /// Its name.
+    /// Name of the section.
     pub name: &'f str,
-    /// Where it lies on the chip.
+    /// Address on the chip.
     pub address: u32,
     /// Bytes.
     pub size: u32,
@@ -25,12 +25,12 @@ const NO_BITS: u32 = 8;
 const ALLOCATED: u32 = 2;
 
 impl Section<'_> {
-    /// Whether it takes room on the chip.
+    /// Whether the section takes memory on the chip.
     pub fn is_loaded(&self) -> bool {
         self.flags & ALLOCATED != 0
     }
 
-    /// Whether its content lies in the file, and hence in flash.
+    /// Whether the file, and hence the flash, has the content of the section.
     pub fn has_content(&self) -> bool {
         self.kind != NO_BITS
     }
@@ -52,7 +52,7 @@ impl<'f> Elf<'f> {
         Elf { sections: (0..count).map(section).collect() }
     }
 
-    /// What is in a section.
+    /// Content of a section.
     pub fn content(&self, file: &'f [u8], name: &str) -> &'f [u8] {
         let section = self.sections.iter().find(|section| section.name == name).expect("a section of this name");
         &file[section.offset as usize..][..section.size as usize]

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use arcfeed_tests::emulation::qemu::run;
 
-/// What any tick may cost, instructions, under every law and without one: median and worst.
+/// Most instructions of a tick under every law and without one: median and worst.
 const MEDIAN_MAX: u32 = 450;
 const WORST_MAX: u32 = 700;
 /// The laws, and how often each must have a demand for that to say anything.
@@ -18,7 +18,7 @@ const LAWS: [(&str, u32); 8] = [
     ("contour", 4_000),
     ("engagement", 8_000),
 ];
-/// How many times cheaper than the source's own loop, in f32 and in f64 without hardware for it.
+/// Least ratio of the cost of the source's own loop, in f32 and in software f64, to the cost of a tick.
 const TIMES_F32_MIN: f64 = 12.0;
 const TIMES_F64_MIN: f64 = 62.0;
 

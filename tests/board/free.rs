@@ -27,12 +27,12 @@ impl Free {
         show_standing(&mut self.board, &mut self.line);
     }
 
-    /// What it has logged.
+    /// Log of the board.
     pub fn log(&self) -> Vec<String> {
         self.board.log()
     }
 
-    /// How often it has started.
+    /// Number of its starts.
     pub fn starts(&self) -> usize {
         self.log().iter().filter(|line| line.contains("feedboard: start")).count()
     }

@@ -1,8 +1,8 @@
-//! That an image in which a panic can be reached does not link.
+//! An image with a reachable panic does not link.
 
 use arcfeed_tests::emulation::images::{EMULATED, build, image};
 
-/// What the panic handler calls and nobody defines.
+/// Undefined function that the panic handler calls.
 const GATE: &str = "arcfeed_a_panic_can_be_reached";
 
 /// Asserts that an image with a panic within reach, which a feature of its board puts there, does not link.

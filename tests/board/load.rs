@@ -22,22 +22,22 @@ const LOAD_PERCENT: i64 = 95;
 const PERIODS: u32 = 8_000;
 /// The order not to start its watchdog.
 const WITHOUT_WATCHDOG: u8 = b'w';
-/// How often boards tick by their timer before they are judged: for as long as this machine takes over it.
+/// Number of timer ticks of a board before it is judged; the time is that of this machine.
 const FREE_TICKS: u32 = 4_000;
-/// How long between two looks at its log.
+/// Interval between two readings of its log.
 const LOOK: Duration = Duration::from_millis(100);
 /// A board that does not get there hangs.
 const TIMEOUT: Duration = Duration::from_secs(300);
 /// A machine with much else to do may lose a link by the wall's clock; not every time.
 const ATTEMPTS: u32 = 10;
-/// What all of a tick may take, instructions: samples, orders, supervisor, telemetry, output.
+/// Most instructions of a whole tick: samples, commands, supervisor, telemetry, output.
 const TICK_MAX: u32 = 1_600;
 /// Bytes of stack, of main loop and interrupts together.
 pub const STACK_MAX: u32 = 29 * 1024;
 /// From the timer's end to the tick.
 const LATE_MAX: u32 = 40;
 
-/// What the board logs of itself.
+/// Figures that the board logs of itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Costs {
     ticks: u32,

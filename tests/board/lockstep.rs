@@ -33,7 +33,7 @@ fn the_chip_decides_bit_for_bit_what_the_application_in_process_does() {
     assert_log_came(&chips_host, &console);
 }
 
-/// What the image logs, frame by frame, and behind how many ticks: that it started, then its figures.
+/// Frames that the image logs, with the number of ticks before each: its start, then its figures.
 fn logged(console: &[u8]) -> Vec<(u32, Vec<u8>)> {
     let mut frames: Vec<Vec<u8>> = Vec::new();
     for part in console.split_inclusive(|byte| *byte == 0) {

@@ -14,7 +14,7 @@ const HOLD_UP: u8 = b'l';
 /// Instructions from a receiver's interrupt to its character in the other transmitter, just above what is needed, where no tick comes
 /// in between. docs/tap.md.
 const PASSED_IN_MAX: u32 = 130;
-/// What a ring of a line holds, and one more.
+/// Capacity of a line's ring, plus one.
 const RING: usize = 1024;
 /// Characters sent at a time.
 const PART: usize = RING / 2;
@@ -116,7 +116,7 @@ impl Tapped {
     }
 }
 
-/// What an attempt comes to that no restart corrupts.
+/// Result of the first attempt that no restart disturbs.
 fn attempted<T>(attempt: impl Fn(&mut Tapped) -> Option<T>) -> T {
     (0..ATTEMPTS).find_map(|_| attempt(&mut Tapped::start())).expect("its watchdog does not fire every time")
 }

@@ -31,7 +31,7 @@ const LONG: usize = 1 << 18;
 struct Pyserial {
     script: Script,
     line: TTYPort,
-    /// Its end, held open: the line is there before it comes.
+    /// The other end, held open so that the line exists before pyserial opens it.
     _theirs: File,
     /// Characters that are still to come.
     left: usize,
@@ -104,7 +104,7 @@ fn the_same_pyserial_stops_at_dc3_and_goes_on_at_dc1() {
     let mut sender = Pyserial::start(python, "tap-xoff", &program);
     let mut received = sender.take(1_000);
     sender.hear(&[DC3]);
-    // Its system obeys when it gets to it.
+    // The operating system stops pyserial with a delay.
     std::thread::sleep(QUIET);
     received.extend(sender.drain());
     let held = received.len();

@@ -23,7 +23,7 @@ const SHORT: usize = 3;
 const FULL: usize = 100;
 /// Points of one run of the program, from a random move on.
 const IN_A_ROW: usize = 10;
-/// How long the machine goes on armed before, at most, and without anybody after, ms.
+/// Longest time that the machine runs armed before the restart, and the time after it without a person, ms.
 const BEFORE: usize = 3_000;
 const AFTER: usize = 200;
 /// With room for fewer moves than this left the board has enough to go on with.
@@ -55,7 +55,7 @@ struct UnderWay {
     is_armed: bool,
 }
 
-/// What a restart came to.
+/// Result of a restart.
 #[derive(Clone, Copy, Debug)]
 struct Outcome {
     noticed: Noticed,
@@ -160,7 +160,7 @@ impl UnderWay {
         panic!("not armed: {:?}", self.state());
     }
 
-    /// Whether the program is as good as over.
+    /// Whether the program is almost finished.
     fn is_ending(&self) -> bool {
         self.begun + 2 > self.moves.len()
     }
@@ -203,7 +203,7 @@ impl UnderWay {
     }
 }
 
-/// How many moves the control has begun in the period just over, as [`Simulation`] counts them.
+/// Number of moves that the control has begun in the last period, as [`Simulation`] counts them.
 fn begins(active: &mut Option<(u32, Segment)>, control: &Control) -> usize {
     let before = std::mem::replace(active, control.active().map(|(count, segment)| (count, *segment)));
     usize::from(active.is_some() && *active != before)
@@ -221,7 +221,7 @@ fn host_restarts(way: &mut UnderWay) -> Outcome {
     way.replace_host();
     let after = way.until(NOTICED, "the host's restart", |way| !way.is_engaged());
     way.is_armed = false;
-    // What the host says at the beginning of a period, the board may hear in it.
+    // The board can receive in the same period what the host sends at its beginning.
     let noticed = Noticed { after, way: 1 + way.latency(), corrupted: way.corrupted(TO_BOARD, since) };
     let at = way.simulation.override_output().percent;
     assert!(at <= 100, "{before} to {at} %");
@@ -245,7 +245,7 @@ fn board_restarts(way: &mut UnderWay) -> Outcome {
     let at = way.step();
     assert_eq!((at, way.state()), (0, Some(StateCode::Idle)), "power-on");
     let after = 1 + way.until(NOTICED, "the board's restart", |way| way.host().link().state() != LinkState::Up);
-    // What the board says at the end of a period, the host hears in the next one at the earliest.
+    // The host receives in the next period at the earliest what the board sends at the end of a period.
     let noticed = Noticed { after, way: 1 + way.latency().max(1), corrupted: way.corrupted(FROM_BOARD, since) };
     let reason = way.host().link().state();
     assert_eq!(

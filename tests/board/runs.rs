@@ -37,11 +37,11 @@ pub struct Example {
     pub text: Vec<u8>,
 }
 
-/// What came of a run.
+/// Result of a run.
 pub struct Outcome {
     /// Override at each period from cycle start on, %.
     pub overrides: Vec<u8>,
-    /// What the meter saw on each move.
+    /// Chips of each move, as the chip meter measured them.
     pub chips: Vec<MoveChips>,
 }
 

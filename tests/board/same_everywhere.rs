@@ -58,7 +58,7 @@ fn simulated_overrides() -> Vec<u8> {
     overrides.split_off(late)
 }
 
-/// What the chip makes of the same, run once.
+/// Result of the same cases on the chip, run once.
 fn on_the_chip() -> &'static str {
     static TEXT: OnceLock<String> = OnceLock::new();
     TEXT.get_or_init(|| run("trace-hash").text())

@@ -89,7 +89,7 @@ fn emulated() -> Vec<Write> {
     writes
 }
 
-/// What is written to port C's register that sets (low half) and resets (high half) pins.
+/// Writes to port C's register that sets (low half) and resets (high half) pins.
 fn pin_writes(writes: &[Write]) -> impl Iterator<Item = u32> {
     writes.iter().filter(|write| write.device == "GPIOC" && write.offset == 0x18).map(|write| write.value)
 }

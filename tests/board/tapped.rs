@@ -33,30 +33,30 @@ const HELD: u32 = 20;
 /// No run takes longer, ms of machine time.
 const RUN_MAX: u32 = 200_000;
 
-/// Who sends a program.
+/// A sender of a program.
 pub trait Sender {
     /// The next characters, so many or all that are left: a line that is free waits for them.
     fn take(&mut self, most: usize) -> Vec<u8>;
 
-    /// What the control says.
+    /// Receives characters from the control.
     fn hear(&mut self, bytes: &[u8]);
 }
 
-/// What the control got, and what came of it.
+/// Characters that the control received, and the result of the run.
 pub struct Passage {
     pub outcome: Outcome,
     pub text: Vec<u8>,
     pub line: LineCounters,
 }
 
-/// What is at both ends of the tapped line.
+/// Both ends of the tapped line.
 struct Cable<S> {
     /// Not plugged in before the board is armed.
     sender: Option<S>,
     may_send: bool,
     /// Characters that the line takes now.
     room: usize,
-    /// What the control says, and what has come for it.
+    /// Characters from the control, and characters that have arrived for it.
     from_control: Vec<u8>,
     to_control: Vec<u8>,
     passed: Vec<u8>,

@@ -24,11 +24,11 @@ use crate::free::{Free, OBEYING};
 
 /// Images that must not obey orders.
 const FOR_USE: [&str; 2] = ["feedboard", "feedboard-tap"];
-/// Its orders: the main loop stops, the tick does, the core faults.
+/// Commands to the image: stop the main loop, stop the tick, cause a core fault.
 const MAIN_LOOP: u8 = b'm';
 const TICK: u8 = b't';
 const CORE: u8 = b'f';
-/// What docs/board-safety.md says: ticks from the last feed to 0 %.
+/// Ticks from the last feeding to 0 %, as in docs/board-safety.md.
 const RELEASES_AFTER: RangeInclusive<u32> = 99..=100;
 /// It is fed behind each tick, but for one under way.
 const FED_WITHIN: u32 = 2;
@@ -42,7 +42,7 @@ const HUNDRED: u8 = 100;
 const ATTEMPTS: u32 = 10;
 /// After so long without a setpoint the board may have started anew.
 const LONG_SILENCE: Duration = Duration::from_millis(500);
-/// How long a restart may take, by the clock of the wall.
+/// Longest time of a restart, wall clock.
 const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// The machine's end of a board that runs free.

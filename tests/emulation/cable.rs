@@ -10,13 +10,13 @@ pub const TO_BOARD: usize = 0;
 /// The other one.
 pub const FROM_BOARD: usize = 1;
 
-/// What is on its way, with the time when it arrives.
+/// Bytes in transit, with their time of arrival.
 type OnItsWay = VecDeque<(Micros, Vec<u8>)>;
 
 /// A cable with something at its far end; state.
 #[derive(Debug)]
 pub struct Cable<A> {
-    /// What is at its far end.
+    /// Device at the far end.
     pub far: A,
     /// When it corrupted a byte on the way to the board, and on the way from it.
     pub corrupted: [Vec<Micros>; 2],
@@ -40,7 +40,7 @@ impl<A> Cable<A> {
         self.latency
     }
 
-    /// Whether it corrupts no byte, ever.
+    /// Whether the line never corrupts a byte.
     pub fn is_clean(&self) -> bool {
         self.corrupted_per_mille == 0
     }

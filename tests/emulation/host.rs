@@ -26,7 +26,7 @@ pub const FILLER: Message = Message::StockDisc(StockDisc { center: [Q46(1); 2], 
 const FILLER_TTL: Span = Span::from_ms(100);
 /// The host's number of the set.
 pub const SET: u32 = 1;
-/// Of a host that starts once.
+/// Session of a host that starts once.
 const SESSION: u32 = 0x4051_0001;
 
 /// A host; state.
@@ -107,7 +107,7 @@ impl Host {
         &self.link
     }
 
-    /// Whether all is sent and acknowledged.
+    /// Whether everything is sent and acknowledged.
     pub fn is_through(&self) -> bool {
         self.to_send.is_empty() && self.link.unacknowledged() == 0
     }

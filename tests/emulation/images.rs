@@ -9,7 +9,7 @@ use crate::root;
 const TARGET: &str = "thumbv7em-none-eabihf";
 /// Folder of the board whose images run here.
 pub const EMULATED: &str = "firmware/boards/qemu-mps2";
-/// Where boards are built: beside everything else that cargo builds.
+/// Folder in which boards are built: beside cargo's other builds.
 fn target_dir() -> PathBuf {
     let test = std::env::current_exe().expect("a test knows its own path");
     test.ancestors().nth(3).expect("tests run from target/<profile>/deps").join("boards")

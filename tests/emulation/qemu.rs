@@ -14,9 +14,9 @@ use crate::Scratch;
 
 /// No image takes more than some seconds.
 const TIMEOUT: Duration = Duration::from_secs(300);
-/// How long QEMU takes to open its lines, at most.
+/// Longest time in which QEMU opens its lines.
 const OPENING: Duration = Duration::from_secs(30);
-/// How long an answer may take: a board that hangs is found out, one that is slow is not.
+/// Time-out of an answer: long enough for a slow board; a board that hangs is detected.
 const SILENCE: Duration = Duration::from_secs(60);
 /// Lines that [`Emulator::start`] opens.
 pub const LINES: usize = 5;
@@ -24,7 +24,7 @@ pub const LINES: usize = 5;
 /// character is put where no byte is.
 const NO_ESCAPE: [&str; 2] = ["-echr", "256"];
 
-/// How the board's clock runs.
+/// Clock of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
     /// By instructions, 2^7 ns each (`clock.rs` of the board); waiting takes no time. Every run is the same, as long as nothing
@@ -36,16 +36,16 @@ pub enum Clock {
     Wall,
 }
 
-/// What a run left behind.
+/// Outputs of a run.
 #[derive(Debug)]
 pub struct Run {
-    /// What the image wrote to the emulator's console.
+    /// Output of the image on the emulator's console.
     pub console: Vec<u8>,
-    /// What UART 1 sent.
+    /// Bytes that UART 1 sent.
     pub uart1: Vec<u8>,
 }
 
-/// What a board has without power: its image, and a folder with the files in place of flash.
+/// Parts of a board that remain without power: its image, and a folder with the files in place of flash.
 #[derive(Clone, Debug)]
 pub struct Place {
     name: String,
@@ -134,12 +134,12 @@ impl Emulator {
         *self = self.place.power_on();
     }
 
-    /// What is left of it without power.
+    /// The parts of the board that remain without power.
     pub fn place(&self) -> &Place {
         &self.place
     }
 
-    /// Its image.
+    /// Name of the image.
     pub fn name(&self) -> &str {
         &self.place.name
     }
@@ -149,7 +149,7 @@ impl Emulator {
         &self.lines
     }
 
-    /// What the image wrote to the emulator's console so far.
+    /// Output of the image on the emulator's console so far.
     pub fn console(&self) -> Vec<u8> {
         console(&self.place.scratch)
     }
@@ -198,12 +198,12 @@ impl Drop for Emulator {
     }
 }
 
-/// What every start has in common; the console goes to a file.
+/// The command of every start; the console goes to a file.
 fn command(image: &Path, scratch: &Scratch, clock: Clock) -> Command {
     let mut qemu = Command::new(emulator());
     qemu.args(["-machine", "mps2-an386", "-cpu", "cortex-m4", "-display", "none", "-monitor", "none"]);
     qemu.args(clock.arguments()).args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
-    // What the board keeps in files in place of flash goes with the folder.
+    // The files that the board keeps in place of flash move with the folder.
     qemu.current_dir(Path::new(&scratch.path("console")).parent().expect("a folder"));
     // Another one than that of an emulator that still writes.
     let _of_the_start_before = fs::remove_file(scratch.path("console"));

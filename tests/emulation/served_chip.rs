@@ -37,12 +37,12 @@ struct Shared {
     is_over: AtomicBool,
     /// To be switched on in place of the one that runs.
     next: Mutex<Option<Emulator>>,
-    /// Who has the override, as this start of the chip said last.
+    /// State of the override, as last reported since this start of the chip.
     state: Mutex<Option<StateCode>>,
     log: Mutex<Vec<String>>,
 }
 
-/// What the thread has.
+/// Data of the thread.
 struct Bench {
     chip: Emulator,
     machine: PlainLine,
@@ -73,7 +73,7 @@ impl ServedChip {
         *self.shared.next.lock().expect("nobody panicked") = Some(next);
     }
 
-    /// Who has the override, as this start of the chip said last.
+    /// State of the override, as last reported since this start of the chip.
     pub fn state(&self) -> Option<StateCode> {
         *self.shared.state.lock().expect("nobody panicked")
     }
@@ -122,7 +122,7 @@ impl Bench {
         *shared.log.lock().expect("nobody panicked") = self.chip.log();
     }
 
-    /// What has come on the link, either way.
+    /// Passes on the bytes of the link, in both directions.
     fn pass_link(&mut self) {
         let Some(host) = &mut self.host else { return };
         let mut bytes = [0; 512];

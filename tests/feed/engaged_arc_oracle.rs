@@ -48,18 +48,18 @@ const TANGENT: f64 = 0.02;
 /// Above this rate of the step with the chip (1 far from grazing) no step may reach the chip, or only just.
 const GRAZING: f64 = 4.0;
 
-/// What brute force says of one edge.
+/// Result of brute force for one edge.
 #[derive(Clone, Copy, Debug)]
 struct Truth {
     /// The path, or why there is none.
     path: Result<f64, NoDemand>,
     /// Relative change of the path by one half unit of rounding everywhere, in half units.
     condition: f64,
-    /// Where an end of the engaged set lies between v and the chord: by how much v may be off as the chord, relative.
+    /// If an end of the engaged set lies between v and the chord: relative error of taking v for the chord.
     between: Option<f64>,
-    /// Whether rounding decides what is in contact.
+    /// Whether rounding decides the contact.
     brink: bool,
-    /// Whether the step reaches the chip only just.
+    /// Whether the step only just reaches the chip.
     grazing: bool,
 }
 
@@ -241,7 +241,7 @@ impl<'s> EdgeAt<'s> {
         angle(0).max(angle(1)).to_radians()
     }
 
-    /// Whether the engaged arc of a table slips through between two samples, or would if it were not just empty.
+    /// Whether the engaged arc of a table lies between two samples, or would if it were not just empty.
     fn is_narrow(&self) -> bool {
         let Stock::Engaged(table) = &self.scene.stock else { return false };
         let [from, to] = engaged_deg(table, self.edge, self.frame.travelled);
@@ -358,7 +358,7 @@ mod tests {
         half_units: f64,
     }
 
-    /// What came out of all scenes.
+    /// Results of all scenes.
     #[derive(Default)]
     struct Outcome {
         classes: BTreeMap<String, Class>,
@@ -533,7 +533,7 @@ mod tests {
         (scene.stock.line().is_some() && scene.path_radius.is_finite() && (0..=64).all(is_smooth)).then_some(scene)
     }
 
-    /// How much the half plane's answer changes where both ends of its engaged arc move by no more than `by_rad`, relative.
+    /// Relative change of the half plane's answer when both ends of its engaged arc move by at most `by_rad`.
     fn leeway(scene: &RingScene, edge: Edge, ratio: f64, by_rad: [f64; 2]) -> f64 {
         let cut = Cut {
             path_radius: Mm(scene.path_radius as f32),

@@ -36,7 +36,7 @@ pub fn log_between(random: &mut Rng, low: f64, high: f64) -> f64 {
     libm::exp(between(random, libm::log(low), libm::log(high)))
 }
 
-/// How deep inside the stock a point lies; negative outside. A table has no shape.
+/// Depth of a point inside the stock; negative outside. A table has no shape.
 fn depth_mm(stock: &Stock, point: Point) -> f64 {
     match stock {
         Stock::Convex(lines) => {
@@ -67,7 +67,7 @@ pub fn engaged_deg(table: &EngagedTable, edge: Edge, travelled: f64) -> [f64; 2]
     [0, 1].map(|i| low[i] + (high[i] - low[i]) * ratio)
 }
 
-/// How deep a direction lies in an engaged arc, radians; negative outside, and everywhere if it is empty.
+/// Depth of a direction inside an engaged arc, radians; negative outside, and everywhere if the arc is empty.
 fn depth_rad([from, to]: Point, direction_rad: f64) -> f64 {
     let [from, to] = [from, to].map(f64::to_radians);
     if from >= to {
@@ -77,7 +77,7 @@ fn depth_rad([from, to]: Point, direction_rad: f64) -> f64 {
     turns.map(|angle| (angle - from).min(to - angle)).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// How the tool's centre moves: x along v, y towards the rotation centre.
+/// Frame of the moving tool centre: x along v, y towards the rotation centre.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
     /// Infinite on a line.
@@ -116,7 +116,7 @@ pub struct RingScene {
     pub path_radius: f64,
     /// +1 counter-clockwise, -1 clockwise.
     pub turn: f64,
-    /// Of the start as seen from the rotation centre; of the motion on a line.
+    /// Direction of the start as seen from the rotation centre; on a line, direction of the motion.
     pub start_rad: f64,
     /// Length of the path.
     pub length: f64,
@@ -125,7 +125,7 @@ pub struct RingScene {
     pub inner: f64,
     pub chip: f64,
     pub policy: EdgePolicy,
-    /// Whether all of it is seen in a mirror, x to -x.
+    /// Whether the whole scene is mirrored, x to -x.
     pub mirrored: bool,
 }
 
@@ -219,7 +219,7 @@ impl RingScene {
         EngagedArc::new(ring, self.policy, region)
     }
 
-    /// How deep the edge lies in the stock in a direction of the moving frame.
+    /// Depth of the edge in the stock in a direction of the moving frame.
     pub fn depth_mm(&self, frame: &Frame, edge: Edge, u: Point) -> f64 {
         if let Stock::Engaged(table) = &self.stock {
             let from_center = libm::atan2(sign(edge) * u[0], u[1]);

@@ -45,7 +45,7 @@ const PUBLISHED: [f64; 3] = [128.57607, 112.701324, 0.1016];
 
 type Big = FBig<HalfEven, 2>;
 
-/// What the construction needs of a number.
+/// Operations on numbers that the construction needs.
 trait Real: Clone + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
     fn of(x: f64) -> Self;
     fn root(self) -> Self;
@@ -145,7 +145,7 @@ impl Step {
     }
 }
 
-/// How well conditioned a step is, by the implementer's form.
+/// Condition of a step, by the implementer's formula.
 struct Form {
     /// q = D/h^2: 1 far from the limit, 0 at the thickest chip that can be reached, less beyond.
     q: f64,
@@ -169,7 +169,7 @@ impl Form {
         1.0 + libm::fabs(1.0 - self.q) / (2.0 * root * (1.0 + root)) * (2.0 + 1.0 / self.p_share)
     }
 
-    /// Whether rounding leaves no doubt on which side of D = 0 the step lies.
+    /// Whether the side of D = 0 is certain in spite of rounding.
     fn is_decided(&self) -> bool {
         libm::fabs(self.q) > ROUNDINGS * HALF_ULP * (2.0 + 1.0 / self.p_share)
     }
@@ -214,7 +214,7 @@ impl Errors {
     }
 }
 
-/// What judging a set of steps found.
+/// Findings for a set of steps.
 #[derive(Default)]
 struct Verdict {
     clear: Errors,

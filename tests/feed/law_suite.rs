@@ -30,7 +30,7 @@ mod scenes;
 const HALF_ULP: f64 = 1.0 / (1 << 24) as f64;
 /// Half units that may add up along a law's formulas; the cosine rule at a round blank a twentieth of the tool takes 36.
 const ROUNDINGS: f64 = 64.0;
-/// How far a stock is grown, and a chip changed, to see how fast the demand changes.
+/// Relative growth of a stock, and relative change of a chip, for the sensitivity of the demand.
 const PROBE: f64 = 1e-5;
 /// A condition above this is no basis for a bound.
 const ILL: f64 = 1e4;
@@ -40,14 +40,14 @@ const STEEP: f64 = 0.05;
 const JUMP: f64 = 0.02;
 const PLACES: u32 = 64;
 
-/// How a scene is looked at.
+/// View of a scene: rotation and mirror image.
 #[derive(Clone, Copy, Debug)]
 struct View {
     /// The chip over the scene's own.
     chip: f64,
     /// x to -x, the sense of turn with it.
     mirrored: bool,
-    /// Where the x axis is turned to.
+    /// Direction of the rotated x axis.
     turned: Point,
     /// All lengths over the scene's own, the chip's, too.
     scale: f64,
@@ -65,7 +65,7 @@ trait Scene: Clone + Debug {
     /// None where the numbers are refused when the law is prepared.
     fn law(&self) -> Option<Box<dyn FeedLaw>>;
     fn place(&self, ratio: f64) -> Place;
-    /// What is in contact, in f64: where it changes the demand may jump.
+    /// Contacts, in f64; the demand may jump where they change.
     fn contacts(&self, _ratio: f64) -> Vec<usize> {
         Vec::new()
     }
@@ -77,7 +77,7 @@ trait Scene: Clone + Debug {
     }
 }
 
-/// What a suite has looked at.
+/// Counts of the checked cases of a suite.
 #[derive(Debug, Default)]
 struct Tally {
     demands: u32,
@@ -217,7 +217,7 @@ fn mirror<S: Scene>(scene: &S, ratio: f64) -> Result<(), String> {
     if same { Ok(()) } else { Err(format!("mirror: {plain:?} becomes {mirrored:?}")) }
 }
 
-/// How fast the demand changes with the stock and with the chip, at least 1; none where growing changes what is in contact.
+/// Sensitivity of the demand to the stock and to the chip, at least 1; none where growth changes the contacts.
 fn condition<S: Scene>(scene: &S, ratio: f64) -> Option<f64> {
     let demand = |view: &View| scene.demand(view, ratio).ok();
     let plain = demand(&PLAIN)?;

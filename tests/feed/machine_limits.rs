@@ -1,4 +1,4 @@
-//! What the machine can follow bounds the override, with its reason, and the feed reported is the one it makes.
+//! The limits of the machine bound the override, with their reason, and the reported feed is the actual one.
 
 use arcfeed::adapt::{PlanReason, PlannedBlock, adapt};
 use arcfeed::commands::simulate::control::control_settings;

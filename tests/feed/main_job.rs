@@ -11,7 +11,7 @@ use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_tests::root;
 
-/// How much thicker than its target a chip may be, in any sample.
+/// Largest excess of a chip over its target, in any sample, relative.
 const THICK_RATIO: f64 = 0.005;
 /// How many of the steady samples may be thinner than -2 % (one of them is the control's step, rounded to the thin side): the
 /// override comes down before the end of an arc whose next block begins with less.
@@ -41,7 +41,7 @@ fn ipt(movement: &MovementFigures) -> IptFigures {
     movement.ipt.expect("every movement is measured")
 }
 
-/// Whether each movement's chips are as thick as promised; prints how far they go.
+/// Whether each movement's chips are within their bounds; prints their range.
 fn kept(report: &RunReport) -> Vec<bool> {
     let is_kept = |movement: &MovementFigures| {
         let IptFigures { error_ratio_min, error_ratio_max_all, samples_thin, samples, .. } = ipt(movement);

@@ -11,7 +11,7 @@ fn blocks(job: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).expect("one object a line")).collect()
 }
 
-/// What a block is sent with, mm/min, and why.
+/// Sent feed of a block, mm/min, and its reason.
 fn sent(blocks: &[Value], sequence: i64) -> (f64, &str) {
     let block = blocks.iter().find(|block| block["n"] == sequence).expect("the block has a move");
     (block["sent_feed"].as_f64().expect("it has a feed"), block["reason"].as_str().expect("and a reason"))

@@ -32,10 +32,10 @@ const NOISE_NM: f64 = 5_000.0;
 const DELAY_TICKS: usize = 4;
 /// Part of the samples that never arrive.
 const DROPOUT_RATIO: f64 = 0.02;
-/// How late or early the change of segment may be seen: near a reversal the axes stand within the noise for this long.
+/// Largest error in the time of a change of segment: near a reversal the axes are within the noise for this long.
 const CHANGE_TICKS: u64 = 12;
 
-/// How far before its end the queue lets a segment go: what the next one may have seen of it.
+/// Distance before its end at which the queue ends a segment; the next one may have seen that part.
 const END_TOLERANCE_MM: f64 = 0.01;
 
 /// A tick of the machine: the move in work, counted from zero, and where the axes are.
@@ -84,7 +84,7 @@ fn active(segment: &Segment, job: &Job) -> ActiveSegment {
     ActiveSegment::new(segment, rule, job)
 }
 
-/// What the supervisor says at each tick: segment, path travelled, override.
+/// State of the supervisor at each tick: segment, path travelled, override.
 fn follow(
     job: &Job,
     segments: &[Segment],
@@ -125,7 +125,7 @@ fn from_change(changes: &[usize], tick: usize) -> u64 {
     changes.iter().map(|change| change.abs_diff(tick) as u64).min().unwrap_or(u64::MAX)
 }
 
-/// What noise, delay and gaps cost, away from the changes of segment.
+/// Errors due to noise, delay and gaps, away from the changes of segment.
 #[derive(Default)]
 struct Errors {
     compared: usize,

@@ -44,7 +44,7 @@ const TOOL: f64 = 10.0;
 /// Directions of the circle, places on each part of the path.
 const DIRECTIONS: usize = 360;
 const PLACES: usize = 48;
-/// How far the walk may miss the largest engagement between two of its places, relative.
+/// Relative error of the largest engagement between two steps of the walk.
 const WALK: f64 = 1e-4;
 
 type Point = [f64; 2];
@@ -90,7 +90,7 @@ impl Corner {
         [unit(-PI / 2.0), unit(self.turn - PI / 2.0)]
     }
 
-    /// Of a point's direction from the centre, whether it lies in the fillet's sector.
+    /// Angle of a point's direction from the centre, measured into the fillet's sector.
     fn angle(&self, point: Point) -> f64 {
         (libm::atan2(point[1], point[0]) + PI / 2.0).rem_euclid(TAU)
     }
@@ -126,7 +126,7 @@ impl Corner {
             At::On(angle) => angle,
             At::After(_) => self.turn,
         };
-        // Where the point's own direction is not swept, an end of the arc is nearest.
+        // If the point's own direction is not in the sector, an end of the arc is nearest.
         let on_arc = if self.angle(point) <= swept {
             libm::fabs(libm::hypot(point[0], point[1]) - q)
         } else {
@@ -173,7 +173,7 @@ impl Corner {
     /// Straight engagement over the largest on the way.
     fn factor(&self) -> f64 {
         let part = |i: usize| i as f64 / PLACES as f64;
-        // Where the other wall, at a flat angle to this one, is out of reach.
+        // With the other wall, at a flat angle to this one, out of reach.
         let far = 1e3 * TOOL;
         let before = (0..PLACES).map(|i| At::Before(TOOL * part(i)));
         let on = (0..=PLACES).map(|i| At::On(self.turn * part(i)));

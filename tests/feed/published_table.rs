@@ -12,12 +12,12 @@ const PROGRAMMED_IN_PER_MIN: f64 = 25.0;
 const TEETH_PER_MIN: f64 = 1e4;
 /// n z a: no tooth takes less than its chip on the circumference.
 const FLOOR_IN_PER_MIN: f64 = 40.0;
-/// What the feeds may differ from the table's.
+/// Tolerance of the feeds against the table.
 const FEED_TOLERANCE: f64 = 0.2;
-/// What the contact angles may differ from those that the table implies; the last row's are known to a degree only.
+/// Tolerance of the contact angles against those that the table implies; the last row's are known only to a degree.
 const CONTACT_TOLERANCE_DEG: f64 = 0.5;
 
-/// How far a/sin(contact) may be off the exact step: 0.9e-4 to 3.5e-4 on the published tool, rounded up.
+/// Relative error of a/sin(contact) against the exact step: 0.9e-4 to 3.5e-4 on the published tool, rounded up.
 const FIRST_ORDER_RATIO: f64 = 5e-4;
 
 /// A row of the table, and what it implies.

@@ -14,7 +14,7 @@ const END: [f64; 2] = [-2.5752, 11.5549];
 const CENTER: [f64; 2] = [-3.6044 + 4.0397, 10.5358 - 3.0504];
 /// Radius of its cutting circle.
 const OUTER: f64 = 5.06205;
-/// Its stock line: normal, degrees, and offset.
+/// The stock line: direction of its normal, degrees, and offset.
 const LINE: [f64; 2] = [48.104, 10.4502];
 
 /// The case's job, changed, beside its program.

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use arcfeed_tests::{Ended, Running, Scratch, of_full_set, root};
 
-/// What the program itself takes, with its libraries.
+/// Memory of the program itself, with its libraries.
 const BASE_KB: u64 = 20_000;
 
 fn line_count() -> usize {

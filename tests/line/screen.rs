@@ -22,7 +22,7 @@ struct Person {
     terminal: Arc<Mutex<Parser>>,
     /// Reads what is drawn, to its end.
     reading: JoinHandle<()>,
-    /// How the terminal was set before.
+    /// Settings of the terminal before the start.
     found: String,
 }
 
@@ -200,7 +200,7 @@ fn a_terminal_that_is_closed_ends_the_sending_as_ctrl_c_does() {
 #[test]
 fn a_request_to_terminate_gives_the_terminal_back() {
     let person = Person::starts(&["stream", JOB, "--tui", "--baudrate", "300"]);
-    // What was said before the start is not hidden behind the screen.
+    // Messages from before the start are shown again after the screen.
     person.sees("note: the line is slower than the program");
     person.sees("> executed block");
     let pid = person.child.process_id().expect("it runs").to_string();

@@ -31,7 +31,7 @@ fn send(line: &mut TcpStream, bytes: &[u8]) {
     line.write_all(bytes).expect("the control takes it");
 }
 
-/// What the control has said since.
+/// Characters that the control has sent since the last call.
 fn says(line: &mut TcpStream) -> Vec<u8> {
     let mut bytes = [0; 64];
     match line.read(&mut bytes) {
@@ -65,7 +65,7 @@ fn a_plain_control_executes_a_program_as_it_is() {
     assert_eq!(ended.code, Some(0), "{}", ended.err);
     let wanted: Vec<&str> = PROGRAM.lines().filter(|line| *line != "%").collect();
     assert_eq!(executed(&scratch), wanted);
-    // Its panel stands at 100 %: nobody drives the override.
+    // The override is at 100 %: nothing drives it.
     assert_eq!((&report(&ended)["override"], &report(&ended)["alarms"]), (&Value::Null, &Value::Array(vec![])));
 }
 

@@ -19,7 +19,7 @@ const DC3: u8 = 0x13;
 const AFTER_DC3_MAX: u64 = 10;
 /// Reads that find nothing come back at once.
 const O_NONBLOCK: i32 = if cfg!(target_os = "linux") { 0o4000 } else { 4 };
-/// What a machine measures, however the program got there.
+/// Figures measured on the machine, independent of the way the program arrived.
 const MEASURED: [&str; 6] = ["alarms", "blocks_executed", "cycle_time_s", "ipt_circumference", "override", "movements"];
 
 /// The one JSON object in what a command wrote.
@@ -55,12 +55,12 @@ fn serve(scratch: &Scratch, speed: &str, baudrate: &str) -> (Running, String) {
     (server, port)
 }
 
-/// How the job is sent to a port.
+/// Arguments that send the job to a port.
 fn to_port<'a>(journal: &'a str, port: &'a str, baudrate: &'a str) -> [&'a str; 9] {
     ["stream", JOB, "--port", port, "--baudrate", baudrate, "--journal", journal, "--json"]
 }
 
-/// What the embedded simulator reports, and what it executed.
+/// Report of the embedded simulator, and the executed blocks.
 fn through_sim(scratch: &Scratch) -> (Value, Vec<u8>) {
     let executed = scratch.path("sim.nc");
     let output = run(&["stream", JOB, "--port", "sim:", "--executed", &executed, "--json"]);
@@ -68,7 +68,7 @@ fn through_sim(scratch: &Scratch) -> (Value, Vec<u8>) {
     (report(&String::from_utf8(output.stdout).expect("text")), read(&executed))
 }
 
-/// What the machine behind a pseudo-terminal reports, and what it executed.
+/// Report of the machine behind a pseudo-terminal, and the executed blocks.
 fn through_pty(scratch: &Scratch) -> (Value, Vec<u8>) {
     let (server, port) = serve(scratch, "10", "115200");
     let sender = Running::start(scratch, "stream", &to_port(&scratch.path("journal"), &port, "115200"));
@@ -129,7 +129,7 @@ fn sim_and_pseudo_terminal_execute_the_same_blocks_and_measure_the_same_chips() 
         assert_eq!(report["blocks_executed"], wanted.split_inclusive(|&byte| byte == b'\n').count());
     }
     let measured = |mut report: Value| {
-        // What the program did before it was adapted is not run where only the adapted one arrives.
+        // Only the adapted program arrives, so figures of the program before the adaptation are missing.
         for movement in report["movements"].as_array_mut().expect("movements") {
             movement.as_object_mut().expect("an object").remove("baseline_ipt");
         }
@@ -328,7 +328,7 @@ fn a_job_without_serial_streams_with_software_flow_control() {
     assert_eq!(sent.status.code(), Some(0), "{}", String::from_utf8_lossy(&sent.stderr));
     let [with, without] = [run(&["stream", JOB, "--port", "sim:", "--json"]), sent]
         .map(|sent| report(&String::from_utf8(sent.stdout).expect("text")));
-    // Where the control waits for its first characters, it waits as long as ten bits take, not eleven.
+    // The control waits for its first characters as long as ten bits take, not eleven.
     for figure in ["alarms", "blocks_executed", "ipt_circumference"] {
         assert_eq!(with[figure], without[figure], "{figure}");
     }

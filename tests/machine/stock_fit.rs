@@ -142,7 +142,7 @@ struct Contact {
 }
 
 impl Contact {
-    /// What a rounding of each length, each component and each step of the formulas costs the path, relative.
+    /// Relative error of the path due to rounding of each length, each component and each step of the formulas.
     fn condition(&self) -> f64 {
         let (sin, cos) = libm::sincos(self.angle);
         1.0 + 1.0 / sin + (1.0 + self.lengths / self.crossing) * cos / sin
@@ -245,7 +245,7 @@ impl Scene {
         Scene { stock: StockLine { offset_mm: dot(stock.normal, point), ..stock }, ..scene }
     }
 
-    /// Whether a rounding of the inputs decides what is in contact.
+    /// Whether rounding of the inputs decides the contact.
     fn is_on_the_brink(&self, direction: [f64; 2]) -> bool {
         let frame = self.frame(direction);
         let touch = libm::fabs(self.stock.offset_mm - dot(self.stock.normal, frame.position)) / self.r0 - 1.0;

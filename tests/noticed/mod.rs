@@ -1,4 +1,4 @@
-//! How soon the other side knew of a restart, and that the line explains all of it.
+//! Delay until the other side notices a restart; the properties of the line explain all of it.
 //!
 //! Who begins anew greets in its first period and then with each third of a heartbeat, and as long as it greets nothing but hellos goes
 //! its way. So one corrupted byte or frame is one corrupted hello, and no hello suffers from another one: there is a delimiter
@@ -15,7 +15,7 @@ use arcfeed_shared::units::US_PER_MS;
 use arcfeed_shared::wire::message::link_settings;
 use arcfeed_shared::wire::settings::Role;
 
-/// What a restart came to, in periods of a millisecond.
+/// Result of a restart, in periods of a millisecond.
 #[derive(Clone, Copy, Debug)]
 pub struct Noticed {
     /// Until the other side knew.

@@ -60,7 +60,7 @@ impl Arc {
     }
 }
 
-/// Where circles about `a` and `b` cross: the crossing on the left of the way from a to b, then the other.
+/// Intersections of circles about `a` and `b`: first the one on the left of the line from a to b, then the other.
 fn crossings(a: Flat, a_mm: f64, b: Flat, b_mm: f64) -> [Flat; 2] {
     let way = b - a;
     let square = way.norm_squared();

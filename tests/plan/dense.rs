@@ -11,7 +11,7 @@ use crate::twisted::{ALLOWANCE_MM, HUB_MM};
 /// Samples each way.
 const CELLS: [usize; 2] = [240, 100];
 
-/// How far a point is from the ring, mm, negative within: straight walls over rounded corners, nothing above them.
+/// Distance of a point from the ring, mm, negative inside: straight walls over rounded corners, nothing above them.
 pub fn gap_mm(cutter: &CupMill, centre: Flat, bottom_mm: f64, point: &Point) -> f64 {
     let rounding_mm = cutter.insert_radius_mm;
     let from_axis_mm = libm::hypot(point.x - centre.x, point.y - centre.y);

@@ -112,7 +112,7 @@ fn curve(radius_mm: f64, places: [f64; 2]) -> String {
     (0..=10).map(|i| format!("{radius_mm:.6} 0.0 {:.6}\n", step(i))).collect()
 }
 
-/// How far points are from a polyline.
+/// Distance of points from a polyline.
 fn beside_mm(points: &[Point], line: &[Point]) -> f64 {
     let from_piece = |point: &Point, pair: &[Point]| {
         let along = pair[1] - pair[0];

@@ -1,4 +1,5 @@
-//! Where the stock ends for each movement: the faces as planes of the part, the chip as what a circle's shift lays open.
+//! End of the stock for each movement: the faces as planes of the part, and the chip as the area that the shift of a
+//! circle uncovers.
 
 use arcfeed_firmware::law::{FeedLaw, Place, SegmentLaw};
 use arcfeed_plan::cutter::CupMill;

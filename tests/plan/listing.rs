@@ -17,7 +17,7 @@ use arcfeed_shared::nc::modal::Turn;
 use arcfeed_shared::units::{LengthUnit, MM_PER_INCH};
 use arcfeed_tests::{root, shared_or_skip};
 
-/// Where the listing's slots stand: N of the first block behind the one that goes up.
+/// Positions of the listing's slots: N of the first block after the one that goes up.
 const SLOTS: [i64; 3] = [126, 206, 286];
 /// From one to the next.
 const SLOT_NUMBERS: i64 = 80;

@@ -32,7 +32,7 @@ fn mesh(face: &Face, cells: usize) -> Vec<[Point; 3]> {
     (0..cells).flat_map(|i| (0..cells).flat_map(move |j| [(i, j)])).flat_map(|(i, j)| cell(i, j)).collect()
 }
 
-/// Where a function of the corners, taken as linear between them, is zero on a triangle's border.
+/// Zeros of a function that is linear between the corners, on a triangle's border.
 fn zeros(triangle: &[Point; 3], f: impl Fn(&Point) -> f64) -> Vec<Point> {
     let pairs = [[0, 1], [1, 2], [2, 0]].map(|[a, b]| [triangle[a], triangle[b]]);
     let cut = pairs.into_iter().filter_map(|[a, b]| {
@@ -93,7 +93,7 @@ fn a_triangle_is_where_two_circles_cross() {
         worst_mm = worst_mm.max((found.centre - centre).norm());
     }
     println!("2000 triangles: centre {worst_mm:.1e} mm off that they were made from");
-    // Where the three corners lie in one line the angle, and so the centre, has half the digits.
+    // If the three corners lie on one line, the angle, and so the centre, has half the digits.
     assert!(worst_mm < 1e-4);
 }
 

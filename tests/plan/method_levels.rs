@@ -13,7 +13,7 @@ use crate::twisted::{ALLOWANCE_MM, BLANK_MM, HUB_MM, ROTORS, Twisted, ring};
 
 /// Overlap from which the planner counts a contact.
 const TOUCH_MM: f64 = 2e-6;
-/// What is farther off on the samples touches nowhere between them, mm.
+/// Distance on the samples beyond which there is no contact between them, mm.
 const NEAR_MM: f64 = 0.05;
 /// Turns are scanned in such steps, rad, until an overlap is found.
 const STEP_RAD: f64 = 1.5e-3;
@@ -96,7 +96,7 @@ impl<'f> Surroundings<'f> {
             let middle = (clear + beyond) / 2.0;
             if is_met(middle, 1) { beyond = middle } else { clear = middle }
         }
-        // What overlaps between samples does so earlier.
+        // Overlaps between samples occur a little earlier.
         clear = (clear - 0.03).max(0.0);
         for _ in 0..18 {
             let middle = (clear + beyond) / 2.0;

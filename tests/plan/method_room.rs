@@ -27,7 +27,7 @@ fn seen(points: &[Vec<Point>; 2], direction: &Vector) -> [Vec<Flat>; 2] {
     [0, 1].map(|side: usize| points[side].iter().map(flat).collect())
 }
 
-/// What a ring has to spare at a centre, at the outer and at the inner circle.
+/// Clearance of a ring at a centre, at the outer and at the inner circle.
 fn spare_mm([pressure, suction]: &[Vec<Flat>; 2], cutter: &CupMill, centre: Flat) -> [f64; 2] {
     let nearest = pressure.iter().map(|p| (p - centre).norm_squared()).fold(f64::INFINITY, f64::min);
     let farthest = suction.iter().map(|s| (s - centre).norm_squared()).fold(0.0, f64::max);

@@ -19,10 +19,10 @@ use crate::proof_cases::{GAP_MM, poses, published_tool};
 use crate::proof_published::{ALLOWANCE_MM, ROUGHING};
 use crate::published_rotor::ROTOR;
 
-/// What of a side belongs to its round edges.
+/// Fraction of a side that belongs to its round edges.
 const ROUND_RATIO: f64 = 0.03;
 
-/// How far the triangles of the proof are from the blades.
+/// Largest distance of the proof's triangles from the blades.
 const CHORD_MM: f64 = 0.01;
 
 fn tool(outer_radius_mm: f64, width_mm: f64) -> CupMill {
@@ -96,7 +96,7 @@ fn sampled_mm(plan: &SlotPlan, tool: &CupMill, points: &[Point]) -> f64 {
     least_mm
 }
 
-/// What is certain of the ring and the finished blades.
+/// Proven clearances of the ring from the finished blades.
 fn proven_mm(blisk: &Blisk, plan: &SlotPlan, tool: &CupMill) -> [f64; 2] {
     let case = Case { blisk, tool, path: &plan.path, to_slot: plan.turn, allowance_mm: ALLOWANCE_MM, fixture: &[] };
     let bodies = bodies(&case, CHORD_MM);
@@ -173,7 +173,7 @@ impl Room {
     }
 }
 
-/// What of the slot is taken, percent.
+/// Removed part of the slot, percent.
 fn taken_percent(blisk: &Blisk, plan: &SlotPlan, tool: &CupMill) -> f64 {
     let walls = Walls::new(&blisk.slot(), &blisk.hub, ALLOWANCE_MM, plan.turn).expect("walls");
     let stock = Stock { blank: &blisk.blank, to_slot: plan.turn };

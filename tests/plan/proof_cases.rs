@@ -9,7 +9,7 @@ use arcfeed_plan::vector::{Flat, Point};
 use arcfeed_shared::nc::modal::Turn;
 use nalgebra::Rotation3;
 
-/// How far apart the bounds of a clearance may be.
+/// Largest gap between the bounds of a clearance.
 pub const GAP_MM: f64 = 0.0005;
 
 /// The ring of the published job with a body and a holder.

@@ -1,4 +1,4 @@
-//! What the published tool's way removes, against the simulator's dexels, which know nothing of columns, floors and arcs' ranges.
+//! Volume that the published tool's path removes, compared with the simulator's dexels, which share no method with the proof.
 
 use arcfeed_hil_sim::stock::motion::{Move, Pose};
 use arcfeed_hil_sim::stock::solid::Revolved;
@@ -19,7 +19,7 @@ use crate::published_rotor;
 
 /// Between rays, and of the columns.
 const STEP_MM: f64 = 0.5;
-/// Of arcs as straight sweeps, and of the inserts' corners as cones.
+/// Error of arcs as straight sweeps, and of the inserts' corners as cones.
 const TOLERANCE_MM: f64 = 0.01;
 const MEMORY_MAX: usize = 1 << 30;
 

@@ -1,4 +1,4 @@
-//! What the ring sweeps and leaves, against closed forms.
+//! Swept and remaining volumes of the ring, compared with closed forms.
 
 use core::f64::consts::{FRAC_PI_4, TAU};
 
@@ -19,7 +19,7 @@ use crate::proof_cases::{GAP_MM, arc, published_tool, step};
 
 const MM_PER_IN: f64 = 25.4;
 
-/// What lies between the name and the unit of one of the 28 rows about cup mills.
+/// Fields between the name and the unit of one of the 28 rows about cup mills.
 struct Row<'r> {
     name: &'r str,
     area_mm2: f64,

@@ -24,7 +24,7 @@ pub const ROTOR: Rotor = Rotor {
 /// Least distance of neighbouring sections in their unrolled cylinder, as that program printed it: span and mm.
 pub const GAPS_MM: [(f64, f64); 3] = [(0.0, 18.36128809940221), (0.5, 21.178754697149603), (1.0, 23.27208014514583)];
 
-/// Its sections in the part frame, read line by line without the crate's reader.
+/// Sections in the part frame, read line by line without the crate's reader.
 pub fn sections() -> Sections {
     let mut sections = Sections::default();
     for line in TEXT.lines().skip(1) {

@@ -14,7 +14,7 @@ use arcfeed_plan::vector::Point;
 /// Place along the axis, radius, and the angles of both sides.
 type Row = [f64; 4];
 
-/// Its 13 stream surfaces, 100 rows each.
+/// The 13 stream surfaces, 100 rows each.
 fn surfaces() -> Option<Vec<Vec<Row>>> {
     let path = arcfeed_tests::shared_or_skip("data/nasa/rotor37_mm.csv", "plan rotor37")?;
     let text = std::fs::read_to_string(path).unwrap();

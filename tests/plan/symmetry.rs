@@ -1,4 +1,4 @@
-//! What does not change a plan, and what mirrors it.
+//! Changes of the input that leave a plan unchanged, and changes that mirror it.
 
 use arcfeed_plan::cup_mill::plan::{SlotPlan, plan};
 use arcfeed_plan::vector::Flat;

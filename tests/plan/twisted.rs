@@ -122,7 +122,7 @@ impl Twisted {
         (blisk, Slot { pressure, suction: across })
     }
 
-    /// Its plan with the published ring.
+    /// Plan of the rotor with the published ring.
     pub fn plan(&self) -> SlotPlan {
         let (blisk, slot) = self.slot(0.0);
         plan(&blisk, &slot, &ring(), &roughing()).unwrap_or_else(|why| panic!("{}: {why}", self.name))

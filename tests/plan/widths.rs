@@ -6,7 +6,7 @@ use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
 use arcfeed_plan::geometry::generate::{Hand, POINTS, Rotor, SECTIONS};
 use arcfeed_plan::optimise::Problem;
 
-/// Of the sweep, mm.
+/// Step of the sweep, mm.
 const STEP_MM: f64 = 0.5;
 /// Shares are those of cells of a millimetre: so far one of the sweep may be above the search's.
 const CELLS_RATIO: f64 = 0.003;

@@ -19,7 +19,7 @@ fn case(file: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// What rs274 says of an arc: end and centre in the plane, sense, end across it.
+/// Arc as rs274 prints it: end and centre in the plane, direction, end across it.
 type Read = [f64; 6];
 
 fn expected() -> Vec<Read> {

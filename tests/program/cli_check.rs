@@ -18,7 +18,7 @@ const PROGRAMMED: f64 = 25.0;
 /// Line, column, alarm number.
 type Place = (u64, u64, Option<u64>);
 
-/// Where the corpus deserves a warning: its title, its open comments, its first cutting move, its apostrophe.
+/// Places at which the corpus deserves a warning: its title, its open comments, its first cutting move, its apostrophe.
 const CORPUS_WARNINGS: [Place; 8] = [
     (2, 1, Some(5)),
     (8, 1, None),
@@ -29,7 +29,7 @@ const CORPUS_WARNINGS: [Place; 8] = [
     (23, 9, Some(1)),
     (25, 6, None),
 ];
-/// Where a control stops in it. The number that O wants is missing in column 2.
+/// Places at which a control stops. The number after O is missing in column 2.
 const CORPUS_ALARMS: [Place; 3] = [(2, 2, Some(5)), (16, 1, Some(11)), (23, 9, Some(1))];
 
 /// The example's program damaged in one place: the old text, the new one, the alarm, its line and its column.
@@ -67,7 +67,7 @@ fn places(entries: &Value) -> Vec<Place> {
     entries.as_array().expect("a list").iter().map(place).collect()
 }
 
-/// Whether the G word is in the text, not only the beginning of a longer one.
+/// Whether the text has the G word, not only the beginning of a longer one.
 fn has_g(code: &str, word: &str) -> bool {
     code.match_indices(word).any(|(at, _)| !code[at + word.len()..].starts_with(|next: char| next.is_ascii_digit()))
 }

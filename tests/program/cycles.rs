@@ -20,7 +20,7 @@ fn reader(change: impl Fn(&mut Settings, &mut Tables)) -> Reader {
     Reader::with(settings, tables)
 }
 
-/// What a program does, written as `r x y z`, `f x y z`, `a x y z` (arc), `d seconds`, `s` for the spindle.
+/// Motions of a program, written as `r x y z`, `f x y z`, `a x y z` (arc), `d seconds`, `s` for the spindle.
 fn run(reader: &mut Reader, program: &str) -> Vec<String> {
     let show = |pose: &Pose| pose.linear.map(|axis| axis.to_mm().to_string()).join(" ");
     let mut done = Vec::new();

@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use crate::{root, skip_loudly, wait_for};
 
-/// Where Debian's packages put theirs, if it is not the first.
+/// Interpreters: Debian's packages belong to the second one if it is not the first.
 const CANDIDATES: [&str; 2] = ["python3", "/usr/bin/python3"];
 
 /// A Python with pyserial, or a loud word that `test` needs one.
@@ -30,7 +30,7 @@ fn script(python: &str, name: &str, arguments: &[&str]) -> Command {
     command
 }
 
-/// What a script prints, given `input`.
+/// Output of a script with this `input`.
 pub fn output(python: &str, name: &str, arguments: &[&str], input: &str) -> String {
     let mut command = script(python, name, arguments);
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("Python starts");

@@ -22,14 +22,14 @@ use crate::root;
 pub struct Recording {
     /// The example's job.
     pub job: Job,
-    /// Its moves in order.
+    /// Moves in order.
     pub segments: Vec<Segment>,
     /// Position feedback and override at each tick, and how many moves had begun.
     pub ticks: Vec<(Pose, u8, usize)>,
 }
 
 impl Recording {
-    /// Which cut rule speaks of a move.
+    /// Index of the cut rule of a move.
     pub fn rule(&self, segment: &Segment) -> Option<usize> {
         self.job.rule_for(segment, ToolInSpindle::Unstated).map(|(index, _)| index)
     }

@@ -40,7 +40,7 @@ fn main() {
     println!("agree {agree}, differ {differ}, refused by arcfeed {refused_here}, refused by rs274 {refused_there}");
 }
 
-/// What rs274 makes of one program, one move a line: kind, end, centre.
+/// Prints rs274's moves of one program, one per line: kind, end, centre.
 fn print_moves(rs274: &str, program: &str) {
     let text = normalised(&std::fs::read(program).expect("a program"));
     for Move { kind, end_mm: [x, y, z], center_mm: [u, v] } in moving(&theirs(rs274, &text).expect("it is accepted")) {
@@ -85,7 +85,7 @@ fn normalised(bytes: &[u8]) -> Vec<u8> {
     text
 }
 
-/// What rs274 makes of a program.
+/// Moves of a program as rs274 reads it.
 fn theirs(rs274: &str, text: &[u8]) -> Result<Vec<Move>, String> {
     let folder = std::env::temp_dir().join(format!("rs274-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");

@@ -31,7 +31,7 @@ pub struct Move {
     pub center_mm: [f64; 2],
 }
 
-/// What our reader makes of it, macro statements worked out. That a program ends without M02 or M30 is no matter here.
+/// Moves of our reader, with macro statements evaluated. A missing M02 or M30 at the end does not matter here.
 pub fn ours(text: &[u8]) -> Result<Vec<Move>, String> {
     let mut settings = Settings::preset(Preset::Fanuc31i, LengthUnit::Mm, Reading::Lenient);
     settings.scope = Scope::Everything;
@@ -92,7 +92,7 @@ fn add(understood: &Understood, moves: &mut Vec<Move>) {
         .extend(acts.filter_map(|act| if let Act::Move(motion) = act { Some(of_motion(&motion, None)) } else { None }));
 }
 
-/// What is wrong, without the advice.
+/// The cause without the advice.
 fn short(cause: &str) -> &str {
     cause.split(';').next().unwrap_or(cause).split(" is not interpreted").next().unwrap_or(cause)
 }

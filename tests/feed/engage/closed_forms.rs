@@ -1,12 +1,13 @@
-//! Where circles stand in material, by hand or by looking at what was swept: nothing of a true arc is left out, and little is added.
+//! Engaged arcs of circles, compared with calculation by hand or with the swept area: no part of a true arc is missing,
+//! and little is added.
 
 use std::f64::consts::FRAC_PI_2;
 
 use crate::engage::story::{CHIP_MM, Cut, MILL, RING, Row, STEP_MM, read};
 
-/// What 16 knots on a curved way may add, degrees.
+/// Largest error of 16 knots on a curved path, degrees.
 const KNOTS_DEG: f64 = 1.0;
-/// What is rounded away between program, map and this, degrees.
+/// Rounding between program, map and test, degrees.
 const ROUNDING_DEG: f64 = 0.02;
 
 /// The true beginning of an arc is where the map says, or later by what the resolution costs: half of the rays' distance along

@@ -1,4 +1,4 @@
-//! What is wrong with a map, or asks for none, is told with its place and what to do.
+//! Errors in a map, or of a job without one, name their place and the remedy.
 
 use arcfeed_tests::run;
 
@@ -37,7 +37,7 @@ fn a_map_of_something_else_is_refused() {
             assert!(code == Some(1) && words.contains(expected), "{from}: {words}");
         }
     }
-    // What does not touch the engagement leaves it good.
+    // A change that does not affect the engagement leaves the map valid.
     scratch.write("program.nc", SLOT.program);
     scratch.write("job.toml", good.replace("rev_per_min = 3000", "rev_per_min = 2000"));
     assert_eq!(said(&["adapt", &job]).0, Some(0));

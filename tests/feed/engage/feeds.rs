@@ -1,4 +1,4 @@
-//! What the law makes of a map: feeds by hand.
+//! Feeds of the law with a map, compared with calculation by hand.
 
 use serde_json::Value;
 
@@ -33,7 +33,7 @@ fn a_full_slot_gets_the_chip_and_a_shoulder_more_by_the_sine_of_its_edge() {
         let feeds = wanted(&job);
         let by_hand = CHIP_MM * TEETH_PER_MIN * factor;
         println!("{name}: {feeds:?} mm/min, by hand {by_hand:.1}");
-        // Of the shoulder half a cell of margin along the circle is 1.4 degrees, 3.4 % of the sine; knots add 0.2 degrees.
+        // Half a cell of margin along the circle is 1.4 degrees at the shoulder, 3.4 % of the sine; knots add 0.2 degrees.
         let [least, largest] = feeds[0];
         assert!(largest <= by_hand * 1.001 && least >= by_hand * 0.94, "{feeds:?} {by_hand}");
     }

@@ -122,7 +122,7 @@ fn on_arc_mm(degrees: f64, chip_mm: f64, path_radius_mm: f64) -> f64 {
     rho * (libm::atan2(ahead, back) - libm::acos(cosine))
 }
 
-/// How far f32 may be off: the step follows the sine of the angle, and the more the flatter the chip.
+/// Compares with a tolerance for f32: the step follows the sine of the angle, so the error grows for flat chips.
 fn assert_near(found: Result<f64, NoDemand>, expected_mm: f64, degrees: f64, what: &str) {
     let found = found.unwrap_or_else(|why| panic!("{what} at {degrees}: {why:?}"));
     let slope = libm::fabs(1.0 / libm::tan(degrees.to_radians()));

@@ -1,4 +1,4 @@
-//! What an attack from outside found, case by case.
+//! Cases that an external review found.
 
 use arcfeed::adapt::{Adapted, adapt};
 use arcfeed::job::JobFile;

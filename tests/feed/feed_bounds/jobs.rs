@@ -15,11 +15,11 @@ pub struct RandomJob {
     pub law: &'static str,
     pub mode: &'static str,
     pub radius: f64,
-    /// Of a cup mill.
+    /// Inner radius of a cup mill.
     pub inner_radius: f64,
     pub teeth: u32,
     pub chip: f64,
-    /// Of the job; programs may command another.
+    /// Spindle speed of the job; programs may command another.
     pub spindle: f64,
     pub is_set_by_operator: bool,
     pub has_number: bool,
@@ -41,13 +41,13 @@ pub struct RandomJob {
     pub second: Option<Box<RandomJob>>,
 }
 
-/// What a cup mill's rule says.
+/// Rule of a cup mill.
 #[derive(Clone, Copy, Debug)]
 pub struct Circle {
     pub is_interior: bool,
     pub is_outer: bool,
     pub is_ccw: bool,
-    /// Of the stock line: direction of its normal, degrees, and offset.
+    /// The stock line: direction of its normal, degrees, and offset.
     pub line: (f64, f64),
 }
 
@@ -97,7 +97,8 @@ impl RandomJob {
             disc: ([round(between(random, -30.0, 30.0), 2), round(between(random, -30.0, 30.0), 2)], 25.0),
             circle,
             limits,
-            // Where the program's F is sent, a block that the plan does not know begins with 100 %: docs/safety-case.md#transitions.
+            // Where the program's F is sent, a block that is not in the plan begins with 100 %: docs/safety-
+            // case.md#transitions.
             is_deleting: random.bool() && mode != "override-only",
             second: None,
         }

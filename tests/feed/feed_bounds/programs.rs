@@ -23,7 +23,7 @@ pub struct Move {
     pub tool: Option<usize>,
 }
 
-/// What makes a move an arc.
+/// Shape of an arc.
 #[derive(Clone, Copy, Debug)]
 pub struct ArcMove {
     pub plane: usize,
@@ -40,11 +40,11 @@ pub struct Story {
     pub moves: Vec<Option<Move>>,
     state: State,
     is_deleting: bool,
-    /// What the operator turns each of the job's tools with, where the program says nothing.
+    /// Spindle speed that the operator sets for each of the job's tools if the program gives none.
     operator_speeds: [Option<f64>; 2],
 }
 
-/// What the control's state is.
+/// State of the control.
 #[derive(Clone, Debug)]
 struct State {
     at: [f64; 3],
@@ -57,7 +57,7 @@ struct State {
     heading: f64,
 }
 
-/// How a block may be deleted.
+/// Block delete of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Slash {
     None,
@@ -116,7 +116,7 @@ impl Story {
     }
 
     fn begin(random: &mut Rng, job: &RandomJob) -> Self {
-        // Of several tools none is known before the first M6.
+        // With several tools, the tool is unknown before the first M6.
         let tool = job.second.is_none().then_some(0);
         let state = State { at: [0.0; 3], feed: None, speed: None, is_on: None, tool, heading: 0.0 };
         let operator_speeds =

@@ -19,15 +19,15 @@ use crate::feed_bounds::jobs::RandomJob;
 use crate::feed_bounds::programs::Story;
 use crate::feed_bounds::truth::{self, Moment, distance, in_plane};
 
-/// What the rounding of two positions to nanometres adds to the path between them at most.
+/// Largest error of a path length by rounding its two ends to nanometres.
 const GRID_MM: f64 = 2e-6;
-/// What is looked at of a run, ms.
+/// Longest checked time of a run, ms.
 const RUN_MAX_MS: u32 = 30_000;
 
 /// Without motion for so long at the end a program hangs, ms.
 const STANDSTILL_MS: u32 = 3_000;
 
-/// What was looked at.
+/// Number of checked runs, moves and times.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Figures {
     pub programs: u32,
@@ -60,7 +60,7 @@ impl fmt::Display for Figures {
     }
 }
 
-/// Where a run is: the count of its block, the move's N, the tool.
+/// Position in a run: the count of its block, the move's N, the tool.
 #[derive(Clone, Copy, Debug)]
 struct At {
     count: u32,
@@ -68,7 +68,7 @@ struct At {
     tool: [f64; 3],
 }
 
-/// Who governs a move.
+/// Governance of a move.
 #[derive(Clone, Copy, Debug)]
 struct Governing {
     by_plan: bool,
@@ -150,7 +150,7 @@ fn governed(adapted: &Adapted) -> HashSet<usize> {
     sequences.map(|sequence| sequence as usize).collect()
 }
 
-/// Where a feed move is.
+/// Position on the feed move in work.
 fn place(simulation: &Simulation, last: Option<&At>) -> Option<At> {
     let (count, segment) = simulation.control().active()?;
     if segment.path == Path::Rapid {
@@ -162,7 +162,7 @@ fn place(simulation: &Simulation, last: Option<&At>) -> Option<At> {
     Some(At { count, sequence, tool: position.linear.map(Nm::to_mm) })
 }
 
-/// What is wrong with a millisecond of a move.
+/// Violation within a millisecond of a move.
 fn look(job: &RandomJob, story: &Story, [last, now]: [&At; 2], governing: &Governing) -> Option<String> {
     let Some(Some(of)) = now.sequence.checked_sub(1).and_then(|index| story.moves.get(index)) else {
         return Some("the program has no such move".into());

@@ -17,7 +17,7 @@ fn adapted(scratch: &Scratch, name: &str, job: &str, program: &str) -> Adapted {
     adapt_with(&program, &file.job, Known::of(&file))
 }
 
-/// What a law makes of a move: its range of feeds, the feed as sent, the spindle speed.
+/// Result of a law for a move: its range of feeds, the sent feed, the spindle speed.
 fn governed(block: &PlannedBlock) -> Option<(String, Option<i64>, Option<f32>)> {
     let feeds = block.demand.as_ref().map(|demand| format!("{demand:?}"))?;
     Some((feeds, block.sent.map(|feed| feed.0), block.spindle.map(|speed| speed.0)))
@@ -42,7 +42,7 @@ fn each_block_of_a_program_is_governed_as_by_a_job_for_its_tool_alone() {
             let of_move = |n: i64| story.moves.get(n as usize - 1).copied().flatten();
             let Some(of) = block.segment.sequence.and_then(of_move) else { continue };
             let expected = of.tool.and_then(|place| alone[place].get(&block.line));
-            // Whether an F would leak into another block depends on that block's law too.
+            // The law of the next block also decides whether an F would leak into it.
             let is_kept = |block: &PlannedBlock| matches!(block.reason, PlanReason::BlockDelete | PlanReason::FeedLeak);
             if is_kept(block) || expected.is_some_and(is_kept) {
                 continue;

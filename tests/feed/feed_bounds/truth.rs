@@ -1,25 +1,25 @@
-//! How fast a move may be, worked out of geometry alone.
+//! Limits of the speed of a move, computed from geometry alone.
 
 use core::f64::consts::{PI, TAU};
 
 use crate::feed_bounds::jobs::RandomJob;
 use crate::feed_bounds::programs::{ArcMove, Move, PLANES};
 
-/// What a chip may exceed its target by, as a part.
+/// Largest excess of a chip over its target, relative.
 const CHIP_TOLERANCE: f64 = 5e-3;
-/// What a feed may exceed its bound by: F words have four digits behind the point.
+/// Largest excess of a feed over its bound: F words have four digits after the point.
 const FEED_TOLERANCE: f64 = 1e-3;
 /// Sine of 1 degree.
 const AXIAL_SINE: f64 = 0.017_453;
 
-/// Where the tool is on a move, in its plane or in space, and how fast.
+/// Position of the tool on a move, in its plane or in space, and its speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
     pub at: [f64; 3],
     pub feed_per_min: f64,
 }
 
-/// Whether the law of this tool of the job may have a say on the move at all.
+/// Whether the law of this tool of the job may govern the move.
 pub fn may_govern(job: &RandomJob, of: &Move) -> bool {
     let rises = libm::fabs(of.to[2] - of.from[2]) > AXIAL_SINE * path_length(of);
     let is_across = !rises && of.arc.is_none_or(|arc| arc.plane == 0);
@@ -31,15 +31,15 @@ pub fn may_govern(job: &RandomJob, of: &Move) -> bool {
     of.spindle.is_some_and(|speed| speed > 0.0) && (is_across || job.law == "table") && has_rule
 }
 
-/// What is wrong with a moment of a move that keeps its programmed feed.
+/// Violation at a moment of a move that keeps its programmed feed.
 pub fn excess_as_programmed(of: &Move, now: &Moment) -> Option<String> {
     let too_fast = now.feed_per_min > of.feed * (1.0 + FEED_TOLERANCE);
     too_fast.then(|| format!("{} mm/min where the program says {}", now.feed_per_min, of.feed))
 }
 
-/// What is wrong with a moment of a governed move.
+/// Violation at a moment of a governed move.
 pub fn excess(job: &RandomJob, of: &Move, now: &Moment, has_own_feed: bool) -> Option<String> {
-    // Where the program's F is sent, the least override that the job allows holds the feed up; reports say so.
+    // Where the program's F is sent, the job's least override may hold the feed up; reports say so.
     let floor = if has_own_feed { of.feed * f64::from(job.limits[0]) / 100.0 } else { 0.0 };
     if now.feed_per_min <= floor * (1.0 + FEED_TOLERANCE) {
         return None;
@@ -62,12 +62,12 @@ pub fn excess(job: &RandomJob, of: &Move, now: &Moment, has_own_feed: bool) -> O
         .then(|| format!("chip {share} of its target {target} mm at {} mm/min", now.feed_per_min))
 }
 
-/// What is over 1 of the chips that the simulator's meter measured.
+/// Violation by the chips that the simulator's meter measured, relative to their target.
 pub fn excess_of_meter(max_ratio: f64) -> Option<String> {
     (max_ratio > 1.0 + CHIP_TOLERANCE).then(|| format!("chip {max_ratio} of its target on the meter"))
 }
 
-/// What a tooth advances along the contour where the tool's side touches it.
+/// Advance of a tooth along the contour at the contact of the tool's side.
 fn contour_chip(job: &RandomJob, of: &Move, per_tooth: f64) -> f64 {
     let Some(arc) = of.arc else { return per_tooth };
     let path = radius(of, &arc);

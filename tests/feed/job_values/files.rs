@@ -139,7 +139,7 @@ pub struct Item {
     pub key: String,
     pub span: Range<usize>,
     pub is_number: bool,
-    /// Where its key stands, if it has one of its own.
+    /// Range of its key, if it has its own.
     pub name: Option<Range<usize>>,
 }
 
@@ -178,7 +178,7 @@ pub fn line(text: &str, offset: usize) -> usize {
     text[..offset].matches('\n').count() + 1
 }
 
-/// Whether a complaint names the key, or a table or list that it is in.
+/// Whether an error message names the key, or the table or list that contains it.
 pub fn names(complaint: &str, key: &str) -> bool {
     let parts: Vec<&str> = key.split('.').collect();
     (1..=parts.len()).any(|count| {

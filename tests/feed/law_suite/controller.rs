@@ -21,7 +21,7 @@ use fastrand::Rng;
 const DURATION_US: u64 = 2_000_000;
 const TEETH: u16 = 10;
 const REV_PER_MIN: f32 = 1000.0;
-/// How much of the wanted feed rounding may add to it.
+/// Largest increase of the wanted feed by rounding, relative.
 const THICK: f64 = 1e-5;
 
 /// A job and its one arc.

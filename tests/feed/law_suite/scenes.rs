@@ -79,7 +79,7 @@ impl Scene for RingScene {
         RingScene::place(self, ratio)
     }
 
-    /// Of each edge whether it cuts straight ahead, and how many ends of its engaged set advance and can reach the chip.
+    /// For each edge: whether it cuts straight ahead, and how many ends of its engaged set advance and can reach the chip.
     fn contacts(&self, ratio: f64) -> Vec<usize> {
         let frame = self.frame(ratio);
         let mut contacts = Vec::new();
@@ -247,7 +247,7 @@ impl Scene for CircumferenceScene {
         Place::on_arc(direction, turn, self.path_radius as f32, (ratio * self.sweep_rad * self.path_radius) as f32)
     }
 
-    /// Whether the two intersections are admissible: edge advances, on A's side of O.
+    /// Whether each of the two intersections is admissible: its edge advances, on A's side of O.
     fn contacts(&self, ratio: f64) -> Vec<usize> {
         let [x, y] = self.heading(ratio);
         let k = sign(self.edge) * self.turn;

@@ -1,11 +1,11 @@
-//! What the chip meter says of pieces, with the published tool and its stock lines, and that the machine needs no override.
+//! Chips of pieces by the chip meter, with the published tool and its stock lines; the machine needs no override.
 
 use arcfeed_tests::{Scratch, root, run};
 use serde_json::Value;
 
 /// Steady speed is known to this, and so is a measured chip.
 const STEADY: f64 = 5e-3;
-/// How far outside what is said a measured chip may lie: a tooth is not a point.
+/// Largest deviation of a measured chip from the stated range: a tooth is not a point.
 const TOOTH: f64 = 2e-4;
 
 /// A folder's job in the mode rewrite-only.

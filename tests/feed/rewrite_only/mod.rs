@@ -29,7 +29,7 @@ use spelled::{Spelled, spelled};
 const PROGRAMS: u64 = 64;
 /// Points on each arc at which the demand is worked out.
 const POINTS: usize = 10_000;
-/// What the law's single precision may add to a demand.
+/// Largest error of the law's demand in single precision.
 const SINGLE: f64 = 1e-6;
 /// rev/min times teeth.
 const TEETH_PER_MIN: f64 = 10_000.0 * 4.0;
@@ -102,7 +102,7 @@ fn arcs(adapted: &Adapted) -> impl Iterator<Item = (&PlannedBlock, &Arc)> {
     adapted.blocks.iter().filter_map(|block| Some((block, block.segment.arc()?)))
 }
 
-/// How far along an arc a point on it lies, mm.
+/// Path along an arc to a point on it, mm.
 fn travelled(arc: &Arc, point: &[Nm; 3]) -> f64 {
     let (first, second, _) = arc.plane.axes();
     let angle = |[x, y]: [Nm; 2]| libm::atan2(y.to_mm(), x.to_mm());
@@ -142,7 +142,7 @@ fn no_piece_is_faster_than_the_demand_anywhere_on_it_and_what_is_said_of_the_chi
         let Case { tables, file, adapted, .. } = case(seed);
         let mut sent = moves(&adapted.text, file.job.unit).into_iter().peekable();
         for block in &adapted.blocks {
-            // What no law governs is sent as it is.
+            // A move that no law governs is sent unchanged.
             let Some(arc) = block.segment.arc().filter(|_| !block.pieces.is_empty()) else {
                 assert_eq!(sent.next().map(|sent| sent.end), Some(block.segment.end), "seed {seed}");
                 continue;

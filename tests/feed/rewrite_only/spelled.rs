@@ -12,15 +12,15 @@ const OFFSETS: [char; 3] = ['I', 'J', 'K'];
 
 /// A program of arcs.
 pub struct Spelled {
-    /// Its text; lines end with CR LF, the last one with nothing.
+    /// Text of the program; lines end with CR LF, the last one with nothing.
     pub text: String,
-    /// Its unit.
+    /// Unit of the program.
     pub unit: LengthUnit,
     /// Whether none of its arcs is a helix.
     pub flat: bool,
 }
 
-/// How numbers and positions are written.
+/// Notation of numbers and positions.
 struct Style {
     unit: LengthUnit,
     has_points: bool,

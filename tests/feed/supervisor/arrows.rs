@@ -91,7 +91,7 @@ fn end_block(bench: &mut Bench) {
     (bench.work, bench.conditions) = (None, Signals::NONE);
 }
 
-/// Of an engaged state: by the operator, on request, by a condition.
+/// Disarms an engaged state in three ways: by the operator, on request, by a condition.
 fn disarms_three_ways(bench: &Bench, from: &str) {
     let by = |bench: Bench| match bench.state() {
         State::Disarmed { by } => by,

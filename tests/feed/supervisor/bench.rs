@@ -26,7 +26,7 @@ pub const TICK: Span = Span::from_ms(1);
 const RADIUS: Nm = Nm(100_000_000);
 const LINE_FEED: Nm = Nm(1_000_000_000);
 
-/// What can be in work.
+/// Segment in work, by its kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Piece {
     /// An arc whose law wants this many per cent at its start.
@@ -190,7 +190,7 @@ pub fn name(state: &State) -> &'static str {
     }
 }
 
-/// Where every arc begins.
+/// Start of every arc.
 pub fn start() -> Pose {
     Pose { linear: [Nm(0), RADIUS, Nm(0)], ..Pose::default() }
 }

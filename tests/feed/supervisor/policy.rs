@@ -262,7 +262,7 @@ fn of_several_causes_the_more_important_one_decides() {
         order.iter().skip(first).for_each(|(_, knob)| knob(&mut bench));
         assert_eq!(name(&bench.tick().state), *expected, "from {first}");
     }
-    // Who disarmed: the request before the dial, the dial before the condition.
+    // Precedence of disarming causes: request, dial, condition.
     let mut bench = Bench::running(Piece::Wants(150));
     (bench.dial, bench.conditions) = (40, Signals::OVERRIDE_OFF);
     let output = bench.tick();

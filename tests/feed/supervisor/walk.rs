@@ -101,7 +101,7 @@ fn measure_badly(bench: &mut Bench, random: &mut Xorshift) {
     }
 }
 
-/// What the walk remembers to judge the next step.
+/// State of the walk that is needed to judge the next step.
 struct Judge {
     before: Output,
     /// The level before rounding lies below this, %.

@@ -23,7 +23,7 @@ const REACH_MM: f32 = 60.0;
 const ARCS: u8 = 0x26;
 const SEGMENT: u8 = 0x20;
 
-/// What a host tells.
+/// Data that a host sends.
 struct Told {
     job: Job,
     moves: Vec<(Segment, Option<usize>)>,
@@ -159,7 +159,7 @@ fn half_a_table_is_refused_and_so_is_its_move() {
         (&many, RefusalCode::Full),
     ] {
         let both = [bad, &[arcs(99, 8_100), arcs(0, 32_401), segment(1, Some(0))]].concat();
-        // What comes behind a refused place is not looked at.
+        // The rest after a refused knot is ignored.
         let expected = [(ARCS, why), (SEGMENT, RefusalCode::Incomplete)];
         assert_eq!(say(&mut world, &both)[..], expected, "{bad:?}");
     }

@@ -1,4 +1,4 @@
-//! What a host may ask for, and what it is refused.
+//! Commands of a host, and refusals.
 
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::application::control_task::Supply;

@@ -23,7 +23,7 @@ pub fn rows(file: &str, heading: &str) -> Vec<Vec<String>> {
     rows
 }
 
-/// How the document writes the type of a field; a code by its name alone.
+/// Notation of a field's type in the document; a code by its name alone.
 fn spelled(field: &FieldType) -> String {
     let name = field.name.split(' ').next().expect("a name");
     match (field.count, field.optional) {

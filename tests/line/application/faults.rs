@@ -104,7 +104,7 @@ fn running() -> World {
     world
 }
 
-/// What is to happen, and the least of it that is safe.
+/// Name, fault, and test of the safe state.
 type Fault = (&'static str, fn(&mut World), fn(&World) -> bool);
 
 fn percent(world: &World) -> u8 {

@@ -15,12 +15,12 @@ use crate::application::example::moves;
 use crate::application::world::{Board, Channel, Host, TICK, World, standing};
 use arcfeed_tests::recording::{Recording, ibr_slot};
 
-/// Of each kind.
+/// Number of restarts of each kind.
 const POINTS: u64 = 100;
-/// Of a thousand frames a line may corrupt so many, and one that is hardly a line.
+/// Corrupted frames per thousand: a normal bad line, and an almost useless one.
 const CORRUPTED_PER_MILLE: u64 = 50;
 const BAD_PER_MILLE: u64 = 300;
-/// How long the machine goes on before, at most, and after, ticks.
+/// Longest time of the machine before the restart, and time after it, ticks.
 const BEFORE: usize = 3_000;
 const AFTER: usize = 1_500;
 /// The link's time-out, ticks.
@@ -112,7 +112,7 @@ fn host_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     way.world.host = Host::new(1_000 + seed as u32, &way.run.job, &rest);
     let usual = per_mille.map(|per_mille| way.corrupt(per_mille));
     let after = way.until(LOST + 60, |world| !world.output.expect("a tick").state.is_engaged());
-    // What the host says in a tick, the board may hear in it.
+    // The board can receive in the same tick what the host sends.
     let down = &way.world.down;
     let noticed = Noticed { after, way: 1 + ticks(down.latency), corrupted: way.corrupted(down, since) };
     usual.map(|usual| way.corrupt(usual));
@@ -131,7 +131,7 @@ fn host_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     }
     assert_eq!(last, 100);
     assert!(way.world.host.is_accepted, "the new host is welcome");
-    // Its first segment is where the old one's stands or behind it: the position may already have passed some.
+    // Its first segment is the old one or a later one: the position may already have passed some.
     assert!(way.world.board.task.executed().wrapping_sub(executed) < 40);
     // A person presses until it is armed: a line that loses frames may not have been fresh for long enough.
     for _ in 0..20 {
@@ -154,7 +154,7 @@ fn board_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     assert_eq!(first, 0, "power-on is 0 %");
     let after = 1 + way.until(LOST + 60, |world| world.host.loss().is_some());
     assert_eq!(way.world.host.loss(), Some(Loss::PeerRestarted));
-    // What the board says in a tick, the host hears in the next one at the earliest.
+    // The host receives in the next tick at the earliest what the board sends.
     let up = &way.world.up;
     let noticed = Noticed { after, way: 1 + ticks(up.latency).max(1), corrupted: way.corrupted(up, since) };
     usual.map(|usual| way.corrupt(usual));

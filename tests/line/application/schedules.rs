@@ -13,12 +13,12 @@ use arcfeed_tests::recording::{Recording, ibr_slot};
 
 const SHORT: u64 = 60;
 const FULL: u64 = 1_000;
-/// Of the machine, ticks.
+/// Running time of the machine, ticks.
 const LENGTH: usize = 4_000;
 /// The last value stays so long after the last word of the host, and a tick.
 const KEEP: Span = Span::from_ms(301);
 
-/// What a schedule does to the line.
+/// Disturbances of the line.
 struct Schedule {
     latency_ms: u64,
     lost_per_mille: u64,
@@ -27,7 +27,7 @@ struct Schedule {
     first: usize,
 }
 
-/// What became of it.
+/// Results of a schedule.
 #[derive(Default)]
 struct Outcome {
     losses: u32,

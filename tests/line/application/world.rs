@@ -33,13 +33,13 @@ const RECORDED: usize = 60;
 /// One direction of the line.
 pub struct Channel {
     pub latency: Micros,
-    /// Of a thousand frames.
+    /// Lost frames per thousand.
     pub lost_per_mille: u64,
     random: u64,
     /// When it corrupted a frame.
     pub corrupted: Vec<Micros>,
     on_its_way: VecDeque<(Micros, Vec<u8>)>,
-    /// Whether it is plugged in.
+    /// Whether the line is connected.
     pub is_open: bool,
     /// The last frames that it carried; while it replays, they are all that comes out, over and over.
     recorded: VecDeque<Vec<u8>>,
@@ -179,7 +179,7 @@ impl Host {
         self.say(table::Request { what, epoch });
     }
 
-    /// Why the link is over, if it is.
+    /// Cause of the loss, if the link is lost.
     pub fn loss(&self) -> Option<Loss> {
         match self.link.state() {
             LinkState::Lost(loss) => Some(loss),

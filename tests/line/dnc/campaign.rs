@@ -8,7 +8,7 @@
 //! - I4, I5: nothing leaves after the line failed, and nothing goes on by itself.
 //! - I6: every run ends.
 //!
-//! What cannot be seen is counted.
+//! Undetectable faults are counted.
 
 use arcfeed_tests::of_full_set;
 use std::collections::BTreeMap;
@@ -28,7 +28,7 @@ use crate::dnc::schedule::{Fault, KINDS, Kind, Schedule, shrink};
 const STEP: Micros = Micros::from_ms(1);
 const CHECKS: [Check; 3] = [Check::None, Check::Parity, Check::ParityAndTv];
 
-/// What became of a run.
+/// Result of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
     /// The program was executed.
@@ -64,7 +64,7 @@ fn run(text: &str, check: Check, schedule: &Schedule) -> (Verdict, Outcome) {
     (verdict, outcome)
 }
 
-/// What must hold under this kind of fault with this check; measured where nothing must.
+/// Whether this kind of fault must be detected with this check; otherwise it is only counted.
 fn is_seen(kind: Kind, check: Check) -> bool {
     match check {
         Check::None => kind.is_of_the_line(),
@@ -84,7 +84,7 @@ fn case(seed: u64, kind: Kind, check: Check) -> (String, Schedule) {
     (text, schedule)
 }
 
-/// Whether a run breaks what must hold.
+/// Message if a run violates a required property.
 fn breaks(text: &str, kind: Kind, check: Check, schedule: &Schedule) -> Option<String> {
     let (verdict, outcome) = run(text, check, schedule);
     if is_seen(kind, check) && matches!(verdict, Verdict::Unnoticed | Verdict::ToldLate) {
@@ -129,7 +129,7 @@ fn what_the_line_can_see_is_never_passed_over() {
     assert!(none > parity && parity > tv, "each check sees more: {none}, {parity}, {tv}");
 }
 
-/// What a control that stores these characters punches; `None` if it refuses them.
+/// Output of a control that stores these characters and punches them; `None` if it refuses them.
 fn stored_and_punched(settings: &ControlSettings, frames: &[u8]) -> Option<ReadBack> {
     let mut store = Store::new(settings.line);
     let mut back = ReadBack::new(

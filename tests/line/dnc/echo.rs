@@ -1,4 +1,4 @@
-//! What the control's reports (`[dnc] report_every`) and a comparison with the program add to parity and TV.
+//! Additional detection by the control's reports (`[dnc] report_every`) and by `verify`, beyond parity and TV check.
 
 use arcfeed_tests::of_full_set;
 use std::collections::BTreeMap;
@@ -18,7 +18,7 @@ use crate::dnc::schedule::{KINDS, Kind, Schedule};
 const STEP: Micros = Micros::from_ms(1);
 const CHECKS: [Check; 3] = [Check::None, Check::Parity, Check::ParityAndTv];
 
-/// What became of a run.
+/// Result of a run.
 struct Run {
     is_whole: bool,
     is_told: bool,

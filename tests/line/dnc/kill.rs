@@ -67,7 +67,7 @@ fn a_killed_sender_is_resumed_only_where_and_when_somebody_says_so() {
         let adapted = scratch.path("adapted.nc");
         assert!(run(&["adapt", &job, "-o", &adapted]).status.success());
         let program = lines(&scratch, "adapted.nc");
-        // What the operator reads at the control: the block in which it stopped.
+        // The operator reads at the control the block in which it stopped.
         let under_way = executed.last().expect("it had begun");
         let line = 1 + program.iter().position(|line| line == under_way).expect("a block of the program");
         let resume = |port: &str, more: &[&str]| {

@@ -33,13 +33,13 @@ pub struct Line {
     heard: usize,
     /// Bytes as they reached the control.
     pub arrived: Vec<u8>,
-    /// What the control said, when, and how many characters it had then.
+    /// Characters of the control, with their time and the number of characters that it had received then.
     pub said: Vec<(Micros, u8, u64)>,
     /// Blocks taken up, and how long the control had starved until the last of them.
     fed: (usize, u64),
 }
 
-/// How a run ended.
+/// End of a run.
 #[derive(Debug)]
 pub struct Outcome {
     pub state: State,
@@ -123,7 +123,7 @@ impl Line {
         }
     }
 
-    /// What has come from the control and nobody has read.
+    /// Takes the unread characters from the control.
     pub fn take_inbox(&mut self) -> Vec<u8> {
         self.inbox.drain(..).map(|(_, byte)| byte).collect()
     }
@@ -203,7 +203,7 @@ impl Port for Line {
     }
 }
 
-/// How a sender works the line of these settings.
+/// Use of the line by a sender with these settings.
 pub fn line_use(settings: &ControlSettings, reaction: Micros) -> LineUse {
     LineUse {
         pace: Pace::new(settings.line.bits_per_char, settings.line.baudrate, Some(reaction)),

@@ -15,7 +15,7 @@ fcntl.ioctl(port, 0x545D, counted)
 print(*struct.unpack('20i', counted)[6:11])
 ";
 
-/// What Python reads there: frame, overrun, parity, break, buffer overrun.
+/// Counters as Python reads them: frame, overrun, parity, break, buffer overrun.
 fn by_python(name: &str) -> Option<[u32; 5]> {
     let output = Command::new("python3").args(["-c", ASK, name]).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;

@@ -11,7 +11,7 @@ use arcfeed_shared::nc::settings::{Preset, Settings, Tables};
 use arcfeed_shared::units::{LengthUnit, Micros, Nm};
 use fastrand::Rng;
 
-/// What checks what arrives.
+/// Check of received characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Check {
     /// Nothing.

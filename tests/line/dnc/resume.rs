@@ -22,7 +22,7 @@ const STEP: Micros = Micros::from_ms(1);
 /// Characters that one record permits.
 const AHEAD: usize = 60;
 
-/// What a sender left behind.
+/// State that a stopped sender left.
 struct Broken {
     journal: Vec<u8>,
     line: Line,
@@ -108,7 +108,7 @@ fn check(text: &str, sent: &Transmission, broken: Broken, aside: usize, what: &s
     );
     let known = history.executed.map(|_| broken.line.control.executed().len());
     assert!(history.executed <= known, "{what}: {:?} executed, told {:?}", known, history.executed);
-    // What the operator sees at the control: the block that was taken up last.
+    // The operator sees at the control the block that was started last.
     let seen = sent.line_of_block(broken.line.control.executed().len().max(1)).unwrap_or(1);
     // Mostly there, sometimes elsewhere.
     let from = (seen + sent.lines().len() + aside - 5).clamp(sent.lines().len() + 1, 2 * sent.lines().len() - 3)

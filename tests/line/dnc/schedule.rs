@@ -1,4 +1,4 @@
-//! What goes wrong on a line, and how a schedule that fails becomes the least one that does.
+//! Faults of a line, and reduction of a failing schedule to the smallest one that fails.
 
 use fastrand::Rng;
 
@@ -27,7 +27,7 @@ pub enum Fault {
     Short(usize),
 }
 
-/// What goes wrong in one run.
+/// Faults of one run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Schedule(pub Vec<Fault>);
 
@@ -82,7 +82,7 @@ pub const KINDS: [Kind; 14] = [
 ];
 
 impl Kind {
-    /// Whether the line itself can tell: nothing on the way to the control is corrupted without a trace.
+    /// Whether the line itself shows the fault: no character to the control is corrupted without a trace.
     pub fn is_of_the_line(self) -> bool {
         self <= Kind::Several
     }

@@ -1,4 +1,4 @@
-//! How much of the line is used, how many characters come after DC3, and where the line is too slow.
+//! Use of the line, number of characters after DC3, and places where the line is too slow.
 
 use arcfeed::dnc::starvation::{Load, predict};
 use arcfeed::dnc::{Sender, State};
@@ -117,7 +117,7 @@ fn starvation_is_predicted_and_found_where_predicted() {
         let waits = predict(&loads, chars_per_s, settings.line.buffer);
         let line = Line::new(settings, Micros::from_ms(1), Micros(0), &Schedule::default());
         let mut sender = Sender::new(transmission(&text, Check::Parity), line_use(&settings, Micros(0)));
-        // Where it waits, as the count of blocks executed before.
+        // Waiting places, as the number of blocks executed before.
         let (mut found, mut starved) = (Vec::new(), 0);
         let outcome = send(line, &mut sender, |line, _| {
             if line.control.starved_ms() > starved && sender_is_before_the_end(line) {

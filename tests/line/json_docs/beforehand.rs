@@ -1,4 +1,4 @@
-//! What commands print that plan, look or write, and run no control.
+//! Output of commands that plan, check or write, without a control.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! What people and scripts see: the list of ports, pyserial's own code on the same system.
+//! The list of ports, compared with pyserial's own code on the same system.
 
 use std::fs;
 use std::os::unix::fs::symlink;

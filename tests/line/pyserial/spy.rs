@@ -1,4 +1,4 @@
-//! What people see: the lines of a spy.
+//! The lines of a spy, as users see them.
 
 use std::fs;
 
@@ -19,7 +19,7 @@ const SETTINGS: SerialSettings = SerialSettings {
     exclusive: true,
 };
 
-/// What our spy writes down while data goes round a loop.
+/// Log of our spy while data passes through a loopback.
 fn ours(file: &str, options: &str, data: &[Vec<u8>]) -> String {
     let url = format!("spy://loop://?file={file}{options}").parse().expect("a URL");
     let mut port = open(&url, &SETTINGS).expect("a loop opens");
@@ -59,7 +59,7 @@ fn the_spy_writes_what_pyserials_spy_writes() {
             std::iter::once(theirs_options.as_str()).chain(hex.iter().map(String::as_str)).collect();
         output(python, "spy.py", &arguments, "");
         let theirs = fs::read_to_string(theirs).expect("pyserial's file");
-        // What pyserial calls to close a port is not traffic.
+        // Calls of pyserial that close a port are not traffic.
         let traffic: Vec<String> =
             without_times(&theirs).into_iter().filter(|line| line.contains("TX  ") || line.contains("RX  ")).collect();
         assert_eq!(without_times(&ours(&file, options, &data)), traffic, "{options}");

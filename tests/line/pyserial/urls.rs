@@ -7,7 +7,7 @@ use arcfeed_tests::root;
 
 use arcfeed_tests::python::{output, python_or_skip};
 
-/// Where both say the same.
+/// URLs with the same result.
 const SAME: [&str; 50] = [
     "/dev/ttyS0",
     "COM3",
@@ -61,7 +61,7 @@ const SAME: [&str; 50] = [
     "foo://x",
 ];
 
-/// Where we take what pyserial does not.
+/// URLs that only arcfeed accepts.
 const OURS_ONLY: [&str; 4] = [
     "hwgrep://ttyUSB&n=1",
     "spy:///dev/ttyS0?file=/no/such/folder/x",
@@ -72,7 +72,7 @@ const OURS_ONLY: [&str; 4] = [
 /// What pyserial takes for the name of a native port, and then does not find; we read it as what it looks like.
 const NAMES_TO_PYSERIAL: [&str; 3] = ["HWGREP://ttyUSB2", "spy://hwgrep://ttyUSB&n=2", "spy://socket://host:7000?all"];
 
-/// Where pyserial takes what we refuse.
+/// URLs that only pyserial accepts.
 const PYSERIALS_ONLY: [&str; 18] = [
     "",
     "spy://",
@@ -116,7 +116,7 @@ fn ports() -> Vec<PortInfo> {
     ]
 }
 
-/// What a URL means, as urls.py prints it.
+/// Meaning of a URL, as urls.py prints it.
 fn meaning(url: &PortUrl) -> String {
     match &url.base {
         Base::Native(name) => name.clone(),

@@ -34,7 +34,7 @@ use arcfeed_tests::root;
 const AT_HAND: usize = 8;
 /// A control without text for so long gets none any more.
 const STARVED_MAX_MS: u64 = 500;
-/// How far from its path the tool may be, the tap's setting.
+/// Largest distance of the tool from its path, the tap's setting.
 pub const OFF_PATH_MM: f64 = 0.5;
 /// No run takes longer, ms of machine time.
 const RUN_MAX: usize = 1_000_000;
@@ -60,7 +60,7 @@ pub fn encoded(text: &[u8], code: Code) -> Vec<u8> {
     text.iter().filter_map(|byte| code.encode(*byte)).collect()
 }
 
-/// What the laws did.
+/// Times in which laws acted.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Figures {
     /// Ticks on which a law had the override, and those on which the control made another move.
@@ -129,7 +129,8 @@ impl<const ROOM: usize> Board<ROOM> {
         }
     }
 
-    /// Whether the law that has the override is that of the move which the control makes; if not, how far its path is.
+    /// Checks that the law that has the override is that of the control's move; if not, measures the distance of its
+    /// path.
     fn check(&mut self, is_governed: bool, position: &Pose) {
         let figures = &mut self.figures;
         figures.governed += u32::from(is_governed);
@@ -206,12 +207,12 @@ pub struct Bench<const ROOM: usize = 4_096> {
     pub sender: Sender,
     /// When the sender begins: the board has seen the axes at rest by then.
     pub begins: Micros,
-    /// What becomes of each character between the tap and the control.
+    /// Change of each character between the tap and the control.
     pub between: Box<dyn FnMut(usize, u8) -> Vec<u8>>,
     passed: usize,
 }
 
-/// What a run left behind.
+/// Results of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Ended {
     pub state: TapState,

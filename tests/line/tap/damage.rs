@@ -18,7 +18,7 @@ const RUNS: u64 = 40;
 /// Positions in a row that may lie off the path before the tap gives up: its setting.
 const OFF_PATH_COUNT: u32 = 5;
 
-/// What is done to one place of a stream.
+/// Damage at one place of a stream.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Damage {
     Flip,
@@ -76,7 +76,7 @@ fn decoded(frames: &[u8], code: Code) -> Vec<u8> {
         Ok(Symbol::Character(byte)) => Some(byte),
         Ok(Symbol::EndOfBlock) => Some(b'\n'),
         Ok(Symbol::Ignored) => None,
-        // What nobody can read ends the oracle's reading too.
+        // The reference reading also ends at an unreadable character.
         Err(_) => Some(b'!'),
     };
     frames.iter().filter_map(byte).collect()

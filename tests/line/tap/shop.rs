@@ -1,4 +1,4 @@
-//! What shops do besides: offsets and cycles, a program begun again, switches, a tap with little room.
+//! Other practice of shops: offsets and cycles, a restarted program, switches, a tap with little room.
 
 use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_firmware::tap::status::{TapState, Why};

@@ -16,7 +16,7 @@ const END_US: u64 = FAULTS_END_US + 40_000_000;
 /// Until silence is noticed, the longest way of the line and a step.
 const NOTICED_US: u64 = 250_000 + 75_000 + 60_000;
 
-/// How a schedule ended: whether up.
+/// End of a schedule: whether the link is up.
 fn end(sim: &mut Sim) -> Result<bool, String> {
     let is_lost = |sim: &Sim| sim.ends.iter().any(|end| end.lost.is_some());
     let is_done = |sim: &Sim| sim.are_up() && sim.ends.iter().all(crate::wire::sim::End::is_done);

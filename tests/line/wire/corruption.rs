@@ -122,7 +122,7 @@ fn is_accepted(frame: &Frame<'_>, salt: u32) -> bool {
     frame.salt == salt || (frame.salt == NO_SALT && frame.header.class == Class::Hello)
 }
 
-/// What of `bytes` is accepted: as it was sent, and otherwise.
+/// Number of accepted frames in `bytes`: equal to a sent one, and different.
 fn accepted(deframer: &mut Deframer, bytes: &[u8], sent: &Sent) -> [u64; 2] {
     let mut counts = [0; 2];
     for byte in bytes {
@@ -162,7 +162,7 @@ fn no_corrupted_frame_is_accepted() {
         }
         println!("{name}: {cases} corrupted, {changed} accepted; {as_sent} were as sent");
         assert_eq!(changed, 0, "{name}");
-        // What follows is read again.
+        // The following frame is read again.
         let mut whole = set.frames[1].clone();
         whole.push(0);
         assert_eq!(accepted(&mut deframer, &whole, &set), [1, 0], "{name}");

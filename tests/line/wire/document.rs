@@ -73,7 +73,7 @@ impl Example {
         Echo { t_us: self.number("echo"), held_us: self.number("held") }
     }
 
-    /// What stands between header and check.
+    /// Bytes between header and check.
     fn payload(&self) -> Vec<u8> {
         match self.header().class {
             Class::Hello => Hello {

@@ -7,7 +7,7 @@ use arcfeed_tests::{root, skip_loudly};
 
 use crate::wire::document::{blocks, document};
 
-/// Where in the build directory `cargo xtask test` puts the packages.
+/// Place of the packages that `cargo xtask test` installs in the build directory.
 const PACKAGES: &str = "tools/python";
 const CANDIDATES: [&str; 2] = ["python3", "/usr/bin/python3"];
 

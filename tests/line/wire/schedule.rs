@@ -9,7 +9,7 @@ use crate::wire::sim::{Faults, Offering, SCHEMA, Sim, Way};
 /// Faults happen before, none after.
 pub const FAULTS_END_US: u64 = 4_000_000;
 
-/// What goes wrong in a schedule.
+/// Kind of fault of a schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     /// Nothing.

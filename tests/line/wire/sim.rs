@@ -13,7 +13,7 @@ pub const SCHEMA: u32 = 0x00C0_FFEE;
 pub const RELIABLE: u8 = 1;
 pub const LATEST: u8 = 10;
 
-/// What goes wrong on one way: chances per frame or per byte.
+/// Faults of one direction: probabilities per frame or per byte.
 #[derive(Clone, Debug, Default)]
 pub struct Faults {
     pub frame_lost: f64,
@@ -109,7 +109,7 @@ impl Offering {
     }
 }
 
-/// What was last taken of a kind: its number, and when it was offered.
+/// Last received message of a kind: its number, and the time when it was offered.
 #[derive(Clone, Copy, Debug)]
 struct Held {
     count: u64,
@@ -120,7 +120,7 @@ struct Held {
 #[derive(Debug)]
 pub struct End {
     pub link: Link<16, 4>,
-    /// Its clock at the true time 0, and by how much it is fast.
+    /// Clock at the true time 0, and its relative error.
     pub clock: (u64, i64),
     /// Reliable messages to send in all, and sent.
     pub to_send: u64,
@@ -169,7 +169,7 @@ impl End {
         Micros(self.clock.0 + now.saturating_add_signed(drift))
     }
 
-    /// What the application does: offers what is due, sends what there is room for.
+    /// Work of the application: offers what is due, sends what there is room for.
     fn work(&mut self, now: u64) {
         let local = self.local(now);
         if !self.busy.is_empty() {
@@ -237,7 +237,7 @@ fn expires_true(expires: Micros, (start, ppm): (u64, i64)) -> u64 {
     (local - local * ppm / (1_000_000 + ppm)) as u64
 }
 
-/// What must hold of a value at the moment it is handed over.
+/// Checks a value at the moment it is handed over.
 fn latest(
     now: u64,
     received: &Received<'_>,
@@ -316,7 +316,7 @@ impl Sim {
         self.ends.iter().all(|end| end.link.state() == LinkState::Up)
     }
 
-    /// What a person wants to see of a failure.
+    /// Description of a failure for a person.
     pub fn told(&self) -> String {
         self.ends.each_ref().map(|end| format!("{:?} {:#?}\n", end.link.state(), end.link.counters())).concat()
     }

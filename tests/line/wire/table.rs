@@ -1,4 +1,4 @@
-//! What loss and latency cost: delivered messages, age of the newest value, messages sent again. A golden table.
+//! Cost of loss and latency: delivered messages, age of the newest value, repeated messages. A golden table.
 
 use arcfeed_shared::units::Span;
 use arcfeed_shared::wire::settings::{LinkSettings, Role};
@@ -7,11 +7,11 @@ use arcfeed_tests::root;
 use crate::wire::sim::{Faults, Offering, SCHEMA, Sim, Way};
 
 const BITS_PER_S: u32 = 115_200;
-/// What such a line carries, bytes per second.
+/// Capacity of such a line, bytes per second.
 const BYTES_PER_S: f64 = 11_520.0;
 const LOSS: [f64; 5] = [0.0, 0.001, 0.01, 0.05, 0.1];
 const LATENCY_MS: [u64; 4] = [0, 4, 16, 50];
-/// How long is measured, behind a second to come up.
+/// Measured time, after a second for coming up.
 const SECONDS: u64 = 30;
 /// Length of a reliable message: a segment.
 const LEN: usize = 100;

@@ -26,7 +26,8 @@ const RESTARTED: &str = "board: the board has restarted";
 /// The machine was too busy to keep the link up.
 struct LinkLost;
 
-/// Whether a sender may have ended because one end of the link did not get to speak: a board that hears nothing greets anew.
+/// Whether the sender may have ended because one end of the link got no processor time: a board that hears nothing
+/// sends hello again.
 fn is_busy(said: &str) -> bool {
     said.contains(LOST) || said.contains(RESTARTED)
 }

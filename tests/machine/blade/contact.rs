@@ -17,7 +17,7 @@ const DAMPING: f64 = 0.7;
 const STEPPING: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-12, passes_max: 5 };
 const FORCE_N: [f64; 3] = [0.5, 10.0, 1.0];
 
-/// Where a node goes under the force on it, by K^-1.
+/// Displacement of a node under the force on it, by K^-1.
 fn static_mm(body: &Body, node: usize) -> [f64; 3] {
     let unknowns = Unknowns::clamped(body.mesh(), &Blade::foot(body.mesh()));
     let (k, m) = body.matrices(&unknowns);

@@ -1,4 +1,5 @@
-//! What each edge sees of a workpiece that gives way: a wall cut over all of its height at once, by edges that push it aside alike.
+//! Displacement at each edge of a flexible workpiece: a wall cut over its whole height at once by edges with equal
+//! lateral forces.
 
 use std::f64::consts::TAU;
 
@@ -111,7 +112,7 @@ fn seen_mm<B: Modal>(body: B) -> Vec<[f64; 2]> {
     })
 }
 
-/// Of the teeth, and what turns past the deepest point between two steps.
+/// Height of the cusps of the teeth, and of the rotation past the deepest point between two steps.
 fn cusp_mm() -> f64 {
     let between_mm = RADIUS_MM * (1.0 - libm::cos(TAU / STEPS_A_TURN as f64));
     FEED_MM_PER_TOOTH * FEED_MM_PER_TOOTH / (8.0 * RADIUS_MM) + between_mm
@@ -152,7 +153,8 @@ fn where_all_edges_see_the_same_it_does_not_matter_which_sees_it() {
     }
 }
 
-/// What an even push on the line in the middle of the wall's face bends it by there: K^-1 of all elements, by heights.
+/// Deflection of the wall under an even load along the line in the middle of its face, at that line: K^-1 of all
+/// elements, by heights.
 fn bent_mm(body: &Body, clamped: &[usize]) -> Vec<[f64; 2]> {
     let mesh = body.mesh();
     let unknowns = Unknowns::clamped(mesh, clamped);

@@ -9,7 +9,7 @@ use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::cutting::pose::ToolPose;
 use nalgebra::Vector2;
 
-/// What a tooth has in front of it.
+/// Chips in front of a tooth.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
     pub tooth: usize,

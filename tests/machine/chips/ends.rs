@@ -140,11 +140,11 @@ fn a_ring_plunges_with_all_its_teeth() {
     let mut engagement = engagement(cutter, [-22.0; 2], [44.0; 2]);
     let (moments, taken_mm3) = run(&mut engagement, &LINEAR, 6, down(0.3));
     let last = moments.last().expect("steps");
-    // Its inner end goes along chords, 0.003 mm off at their ends.
+    // The inner end moves along chords, with an error of 0.003 mm at their ends.
     assert_near("torque, N m", last.loads.torque_n_m, 6.0 * 600.0 * 0.05 * (400.0 - 225.0) / 2.0 * 1e-3, 1e-3);
     assert_near("thrust, N", last.loads.force_n.z, 6.0 * 200.0 * 0.05 * 5.0, 1e-3);
     assert_near("work, N mm", work(&moments), 600.0 * taken_mm3, 1e-3);
-    // What the last turn leaves is between a sixth of the feed and none.
+    // The last turn leaves between zero and a sixth of the feed.
     assert_near("volume, mm3", taken_mm3, PI * (400.0 - 225.0) * (1.8 - 0.3 / 12.0), 2e-3);
 }
 

@@ -85,7 +85,7 @@ pub fn edges(mill: &CupMill) -> Cutter {
     Cutter::ring(&ring, Pieces::Slices { rise_mm: HEIGHT_MM }).expect("a ring")
 }
 
-/// What dexels and formula say of the edges of one circle, in a block.
+/// Chips of one circle's edges in a block, by dexels and by the formula.
 #[derive(Debug, Default)]
 struct Compared {
     chips: usize,

@@ -11,7 +11,7 @@ use crate::cutting_forces::trochoid::Trochoid;
 
 const MILL: EndMill = EndMill { diameter_mm: 10.0, corner_mm: 0.0, teeth: 4, helix_rad: 0.0, height_mm: 1.0 };
 const EXACT: Trochoid = Trochoid { radius_mm: 5.0, teeth: 4, feed_mm_per_tooth: 0.1 };
-/// Where the chip begins and ends between two rays it is right to half of their distance only.
+/// Angle at both ends of the chip, which are accurate only to half of the dexel spacing.
 const ENDS_RAD: f64 = 0.2;
 
 fn slot(step_mm: f64) -> Vec<Seen> {

@@ -1,4 +1,4 @@
-//! What the edges take is what the material loses, and what the tool as a solid would sweep.
+//! The edges remove the volume that the material loses and that the solid of the tool sweeps.
 
 use std::f64::consts::{PI, TAU};
 

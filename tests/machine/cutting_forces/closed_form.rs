@@ -15,7 +15,7 @@ pub struct Milling {
     pub helix_rad: f64,
     pub depth_mm: f64,
     pub feed_mm_per_tooth: f64,
-    /// Where the material begins and ends.
+    /// Beginning and end of the material.
     pub engaged_rad: [f64; 2],
     /// Tangential, radial, axial: N/mm2, then N/mm.
     pub cutting: [f64; 3],
@@ -54,7 +54,7 @@ impl Milling {
         between(self.integral(begin), self.integral(end), scale)
     }
 
-    /// Of a millimetre of edge. (1)
+    /// Force per millimetre of edge. (1)
     fn density(&self, a: f64) -> Forces {
         let (sin, cos) = libm::sincos(a);
         let [t, r, ax]: [f64; 3] =

@@ -1,4 +1,4 @@
-//! Where edges are and which way they look; runout, pitch and inserts of unlike height against hand calculation.
+//! Positions and directions of edges; runout, pitch and inserts of different height, compared with calculation by hand.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

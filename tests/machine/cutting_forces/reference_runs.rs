@@ -43,7 +43,8 @@ fn cases() -> [(&'static str, Milling); 5] {
     ]
 }
 
-/// What the library says, in the terms of the closed form: its z points to the holder, theirs with the axial force.
+/// Forces of the library, in the axes of the closed form: the library's z points to the holder, the other z along the
+/// axial force.
 fn in_pieces(run: &InPieces, angle_rad: f64) -> Forces {
     let loads = run.loads(angle_rad);
     [loads.force_n.x, loads.force_n.y, -loads.force_n.z, loads.torque_n_m * N_MM_PER_N_M]

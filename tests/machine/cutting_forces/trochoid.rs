@@ -27,7 +27,7 @@ impl Trochoid {
         2.0 * self.radius_mm * half * half - behind_mm(d) * sin
     }
 
-    /// What the centre moves in a radian.
+    /// Motion of the centre per radian.
     pub fn advance_mm(&self) -> f64 {
         self.teeth as f64 * self.feed_mm_per_tooth / std::f64::consts::TAU
     }

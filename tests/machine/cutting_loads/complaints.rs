@@ -1,4 +1,4 @@
-//! What is wrong with a `[cutting]` is told with its place in the job.
+//! Errors in `[cutting]` are reported with their place in the job.
 
 use arcfeed_tests::{Scratch, run};
 

@@ -1,4 +1,4 @@
-//! What teeth leave on walls: feed marks and runout in closed form, vibration that is prescribed, and vibration that comes by itself.
+//! Marks of the teeth on walls: feed marks and runout in closed form, prescribed vibration, and self-excited vibration.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -37,7 +37,7 @@ impl Slot<'_> {
         simulation_report(name, &job, &program)
     }
 
-    /// Its job and its program.
+    /// Texts of its job and its program.
     pub fn texts(&self) -> (String, String) {
         let Slot { diameter_mm, teeth, rev_per_min, axial_depth_mm, way_mm, .. } = *self;
         let feed = self.feed_mm_per_tooth * teeth as f64 * rev_per_min;
@@ -62,7 +62,7 @@ impl Slot<'_> {
     }
 }
 
-/// What a job gave.
+/// Report of a job.
 #[track_caller]
 pub fn simulation_report(name: &str, job: &str, program: &str) -> Value {
     let (code, report, complaints) = ran(name, job, program);
@@ -79,7 +79,7 @@ pub fn ran(name: &str, job: &str, program: &str) -> (Option<i32>, String, String
     (output.status.code(), text(output.stdout), text(output.stderr))
 }
 
-/// What a block met.
+/// Loads of a block.
 #[track_caller]
 pub fn block(report: &Value, n: i64) -> &Value {
     let blocks = report["loads"]["blocks"].as_array().expect("a list");

@@ -21,11 +21,11 @@ const WALL: ClampedBlock = ClampedBlock {
     held: Face { axis: 2, is_upper: false },
 };
 
-/// Of the tool beside it, up from its tip.
+/// Height of the edges of the tool beside the wall, up from its tip.
 const EDGES_MM: f64 = 1.0;
 
-/// What 1 N across the wall bends it by at nodes of its face: all of K, and so many modes as a tool beside the node sees them.
-fn bent_mm(cells: [usize; 3], count: Option<usize>, places: &[[usize; 2]]) -> Vec<[f64; 2]> {
+/// Deflection by 1 N across the wall at nodes of its face: by all of K, and by `count` modes as a tool beside the node sees
+/// them.
     let mesh = WALL.mesh(cells).expect("a mesh");
     let body = Body::new(mesh.clone(), &TITANIUM_6AL_4V);
     let clamped = WALL.held.nodes(&mesh);

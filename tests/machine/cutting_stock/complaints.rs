@@ -1,4 +1,4 @@
-//! What is wrong with a workpiece is told with its place in the job.
+//! Errors in a workpiece are reported with their place in the job.
 
 use crate::cutting_stock::story::{MILL, SLOT, Story};
 

@@ -1,4 +1,4 @@
-//! What is taken at rapid, and what is not taken because nobody knows where the workpiece is.
+//! Material removed at rapid, and blocks that remove none because the position of the workpiece is unknown.
 
 use crate::cutting_stock::story::{MILL, SLOT, Story};
 

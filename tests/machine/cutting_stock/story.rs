@@ -12,7 +12,7 @@ pub const MILL: &str = "units = \"mm\"\nprogram = \"program.nc\"\n\
     [spindle]\nrev_per_min = 3000\n[law]\nkind = \"programmed\"\nfeed_per_tooth = 0.05\n\
     [workpiece]\nblock = { from = [-10, -10, -12], to = [50, 10, 0] }\nstep = 0.25\n";
 
-/// What a run said.
+/// Output of a run.
 pub struct Told {
     pub report: Value,
     pub complaints: String,
@@ -32,7 +32,7 @@ impl Story {
         Story { scratch, job }
     }
 
-    /// What it does with these options.
+    /// Runs the job with these options.
     #[track_caller]
     pub fn told(&self, options: &[&str]) -> Told {
         let output = run(&[&["simulate", &self.job, "--json"], options].concat());
@@ -41,7 +41,7 @@ impl Story {
         Told { report: serde_json::from_slice(&output.stdout).expect("one object"), complaints }
     }
 
-    /// How it fails.
+    /// Exit code and messages of a run that fails.
     pub fn failed(&self, options: &[&str]) -> (Option<i32>, String) {
         let output = run(&[&["simulate", &self.job], options].concat());
         (output.status.code(), String::from_utf8(output.stderr).expect("text"))
@@ -55,12 +55,12 @@ impl Told {
         self.report["material"].pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no {pointer}"))
     }
 
-    /// What the block N took.
+    /// Material that the block N removed.
     pub fn block(&self, n: i64) -> Option<&Value> {
         self.report["material"]["blocks"].as_array().expect("a list").iter().find(|block| block["n"] == n)
     }
 
-    /// Its volume.
+    /// Volume that the block N removed.
     #[track_caller]
     pub fn removed(&self, n: i64) -> f64 {
         self.block(n).and_then(|block| block["taken"]["removed"].as_f64()).unwrap_or_else(|| panic!("no block {n}"))

@@ -1,4 +1,5 @@
-//! What programs take, against closed forms: areas of `tests/machine/stock/mrr_checks.csv` times a depth.
+//! Volumes removed by programs, compared with closed forms: areas of `tests/machine/stock/mrr_checks.csv` times a
+//! depth.
 
 use std::f64::consts::PI;
 

@@ -42,7 +42,7 @@ fn run(before: &str, block: &str, drives: DriveLimits) -> (f64, Control) {
     (moved as f64 * STEP.to_s(), control)
 }
 
-/// What both ramps add to the time of a move at a speed: half of each ramp's time twice, `v/A + A/J`, or `2 sqrt(v/J)`.
+/// Time that both ramps add to a move at a speed: half of each ramp's time twice, `v/A + A/J`, or `2 sqrt(v/J)`.
 fn ramps_s(speed: f64, acceleration: f64, jerk: f64) -> f64 {
     if speed >= acceleration * acceleration / jerk {
         speed / acceleration + acceleration / jerk

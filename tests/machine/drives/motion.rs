@@ -13,7 +13,7 @@ pub struct Motion {
     pub axes: Vec<[f64; AXES]>,
 }
 
-/// What was greatest of each axis.
+/// Largest values of each axis.
 #[derive(Debug, Default)]
 pub struct Greatest {
     pub speed: [f64; AXES],

@@ -6,7 +6,7 @@ use arcfeed_shared::units::Micros;
 use crate::drives::limits::any_program;
 use crate::drives::motion::{Motion, STEP, drives, settings};
 
-/// What the operator does each millisecond.
+/// Actions of the operator, each millisecond.
 #[derive(Clone, Copy, Debug)]
 enum Hand {
     /// Feed hold, and cycle start when the axes rest.

@@ -7,7 +7,7 @@ use arcfeed_shared::units::{LengthUnit, Micros};
 
 use crate::drives::motion::{STEP, drives, settings};
 
-/// What is left of closed forms by rounding.
+/// Rounding error of the closed forms.
 const EXACT: f64 = 1e-9;
 pub const WIDTH_MM: f64 = 0.01;
 

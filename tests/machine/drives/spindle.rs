@@ -11,7 +11,7 @@ use arcfeed_tests::root;
 
 use crate::drives::motion::{STEP, drives, settings};
 
-/// What does not count as a move, mm.
+/// Largest distance that does not count as a move, mm.
 const NEAR: f64 = 1e-8;
 
 const DRIVE: SpindleDrive = SpindleDrive {

@@ -57,7 +57,7 @@ fn chatter_grows_to_what_another_program_has() {
 
 #[test]
 fn a_doubled_period_is_that_of_another_program() {
-    // Its force begins with a jump within a step: there 192.69 um come of 1000 steps, 191.60 um of 4000.
+    // The force begins with a jump within a step: 1000 steps give 192.69 um, 4000 steps 191.60 um.
     let run = assert_same("A1_aD0.05down_18000_w2.00_flip", 2e-3);
     let samples = &run.samples_mm;
     let every_second = samples.windows(3).map(|of| (of[2] - of[0]).norm()).fold(0.0, f64::max);

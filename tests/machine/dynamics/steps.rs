@@ -1,4 +1,4 @@
-//! What steps and rules do to a verdict: how far the peak to peak is from that of 4000 steps of Runge and Kutta.
+//! Effect of steps and rules on a verdict: deviation of the peak to peak from that of 4000 steps of Runge and Kutta.
 
 use arcfeed_hil_sim::dynamics::vibration::Stepping;
 
@@ -8,7 +8,7 @@ use crate::dynamics::sets::{EXACT, NEWMARK, run_of};
 
 const STEPS: [usize; 4] = [50, 100, 200, 400];
 
-/// That of another program with Newmark and three passes.
+/// Result of another program with Newmark and three passes.
 fn row(name: &str, steps: usize) -> Row<'static> {
     let of = |row: &Row<'_>| {
         let same = row.text("run") == name && row.text("integrator") == "Newmark 3 passes";

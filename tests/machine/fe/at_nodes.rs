@@ -1,4 +1,4 @@
-//! Which unknowns the displacements of a node are.
+//! Unknowns of the displacements of a node.
 
 use arcfeed_hil_sim::fe::unknowns::Unknowns;
 

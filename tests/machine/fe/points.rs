@@ -1,4 +1,4 @@
-//! What modes do at a point of the body, and beside it.
+//! Mode shapes at a point of the body, and beside it.
 
 use arcfeed_hil_sim::fe::blade::Blade;
 use arcfeed_hil_sim::fe::body::{Body, Modes};

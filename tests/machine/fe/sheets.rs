@@ -26,7 +26,7 @@ fn blade_hz(blade: &Blade, cells: [usize; 3]) -> Vec<f64> {
     five_hz(blade.mesh(cells, FOOT_RATIO).expect("a blade"), FOOT)
 }
 
-/// Of a mesh of the surface what it has more of than other figures, %: frequencies, and volume.
+/// Excess of a mesh of the surface over reference figures, %: frequencies, and volume.
 fn off(surface: &Surface, cells: [usize; 3], truth_hz: &[f64]) -> (Vec<f64>, f64) {
     let mesh = Sheet { surface, thickness: 1, held: FOOT }.mesh(cells).expect("a blade");
     let percent = |ours: f64, truth: f64| 100.0 * (ours / truth - 1.0);
@@ -77,7 +77,7 @@ fn a_twisted_blade_has_the_frequencies_of_its_formula() {
     }
 }
 
-/// How thick a section with round edges is, of its thickness.
+/// Thickness of a section with round edges, relative to its largest thickness.
 fn round(blade: &Blade, s: f64, height: f64) -> f64 {
     let at = |[foot, tip]: [f64; 2]| foot + (tip - foot) * height;
     let radius = at(blade.thickness_mm) / 2.0 / at(blade.chord_mm);
@@ -185,7 +185,7 @@ fn airfoil(q: f64, n: f64) -> [f64; 2] {
 
 #[test]
 fn a_coarse_surface_of_an_airfoil_is_meshed_with_any_cells() {
-    // Its chord nearly along Y, too.
+    // Also with a chord nearly along Y.
     for turned_rad in [[-0.3, 0.9], [1.2, 1.3]] {
         let surface = closed([40, 2, 30], |[q, n, height]| {
             let [x_mm, y_mm] = airfoil(q, n).map(|along| 30.0 * along);

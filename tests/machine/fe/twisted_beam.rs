@@ -11,7 +11,7 @@ use arcfeed_hil_sim::fe::unknowns::Unknowns;
 
 use crate::fe::at_nodes::unknowns_of_nodes;
 
-/// What a force of 1 moves the middle of the tip by: along the tip's thickness, and along its width.
+/// Displacement of the middle of the tip under a force of 1: along the tip's thickness, and along its width.
 const TRUTH: [f64; 2] = [1.754e-3, 5.424e-3];
 
 fn moved(cells: [usize; 3]) -> [f64; 2] {

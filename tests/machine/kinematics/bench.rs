@@ -37,7 +37,7 @@ pub fn pose(x_mm: f64, axis: Vector) -> Pose {
     Pose { tip_mm: [x_mm, 5.0, 60.0], axis }
 }
 
-/// What the first and the second axis turn over a course.
+/// Rotation of the first and the second axis along a path.
 pub fn travels(course: &[[f64; 2]]) -> [f64; 2] {
     let turned = |axis: usize| course.windows(2).map(|pair| (pair[1][axis] - pair[0][axis]).abs()).sum();
     [turned(0), turned(1)]

@@ -8,7 +8,7 @@ use arcfeed_shared::kinematics::vector::{angle_deg, difference, length};
 use crate::kinematics::bench::{SETUP, direction, machine, pose, with_first_range};
 use crate::kinematics::oracle;
 
-/// How far the tool axis may leave its arc.
+/// Largest deviation of the tool axis from its arc.
 const ALLOWED_DEG: f64 = 0.5;
 
 fn changes(machine: &Machine, poses: &[Pose]) -> (Vec<[f64; 2]>, Vec<Passage>, Vec<Change>) {
@@ -96,7 +96,7 @@ fn every_swing_of_random_paths_is_told() {
     assert!(told > 0);
 }
 
-/// How much further the tool axis is from both ends than those are from each other: nothing on their arc.
+/// Excess of the distances of the tool axis from both ends over the distance of the ends: zero on their arc.
 fn leaning(machine: &Machine, poses: [&Pose; 2], places: [[f64; 2]; 2], part: i32) -> f64 {
     let at = |axis: usize| places[0][axis] + (places[1][axis] - places[0][axis]) * f64::from(part) / 50.0;
     let axes = arcfeed_shared::kinematics::forward::Axes { linear_mm: [0.0; 3], rotary_deg: [at(0), at(1)] };

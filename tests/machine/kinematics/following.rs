@@ -16,7 +16,7 @@ use crate::kinematics::oracle;
 const MOVES: u64 = 2_000;
 /// Places of a move that brute force looks at.
 const PLACES: i32 = 4_000;
-/// What the limit may give away.
+/// Largest margin of the limit below the exact value, relative.
 const GIVEN_AWAY: f64 = 1e-3;
 
 fn on_ring(radius: f64, at_deg: f64) -> Vector {

@@ -36,7 +36,7 @@ fn link(axis: &RotaryAxis, by_deg: f64) -> Matrix4<f64> {
         * Matrix4::new_translation(&-point)
 }
 
-/// How far the tool axis is from a direction, as a chord, with the rotary axes somewhere.
+/// Distance of the tool axis from a direction, as a chord, at given positions of the rotary axes.
 fn off(machine: &Machine, rotary_deg: [f64; 2], wanted: [f64; 3]) -> f64 {
     let axes = Axes { linear_mm: [0.0; 3], rotary_deg };
     (Vector3::from(forward(machine, &axes, &Setup::default()).axis) - Vector3::from(wanted)).norm()

@@ -39,7 +39,7 @@ fn poses(rows: &[Row]) -> Vec<Pose> {
     rows.iter().map(|row| Pose { tip_mm: row.tip, axis: unit(row.ijk).expect("a direction") }).collect()
 }
 
-/// What half a digit of i and j is worth in A and in C.
+/// Error in A and in C of half a digit of i and j.
 fn supported(ijk: [f64; 3]) -> [f64; 2] {
     let radius = libm::hypot(ijk[0], ijk[1]);
     let along = COMPONENT_DIGIT * (ijk[0].abs() + ijk[1].abs()) / radius;
@@ -97,7 +97,7 @@ fn the_jump_of_strategy_2_is_found_and_repaired() {
     println!("C travel {c_before:.3} -> {c_after:.3} deg; {found:?}");
     assert_eq!(found.len(), 1);
     assert_eq!((found[0].before, found[0].after, found[0].outcome), (1, 3, RepairOutcome::Repaired));
-    // What the printed column travels, and the least there can be: monotone from the first to the last.
+    // Travel of the printed column, and the least possible: monotone from the first to the last.
     assert!((c_before - 107.106).abs() < 0.01, "{c_before}");
     let least =
         (before[1][0] - before[0][0]).abs() + (before[3][0] - before[1][0]).abs() + (before[4][0] - before[3][0]).abs();

@@ -31,7 +31,7 @@ fn place(machine: &Machine, random: &mut fastrand::Rng) -> Axes {
     Axes { linear_mm: [0; 3].map(|_| random.f64() * 800.0 - 400.0), rotary_deg }
 }
 
-/// How far two poses are apart: tip in mm, direction as a chord.
+/// Distance of two poses: tip in mm, direction as a chord.
 fn apart(one: &Pose, other: &Pose) -> [f64; 2] {
     [length(difference(one.tip_mm, other.tip_mm)), length(difference(one.axis, other.axis))]
 }

@@ -20,15 +20,15 @@ const RADIUS_MM: f64 = 50.0;
 pub const FEED_MM_PER_TOOTH: f64 = 0.02;
 /// Between rays: a wave of the fastest vibration on the slowest cut has 36 of them, which is right to 0.4 % of its height.
 const STEP_MM: f64 = 0.2;
-/// Of the fastest mode's period, and of a tooth's at least.
+/// Steps per period of the fastest mode, and at least per period of a tooth.
 const STEPS_A_PERIOD: f64 = 40.0;
 const STEPS_A_TOOTH: usize = 200;
 /// Differences that change by less than this from tooth to tooth neither grow nor die out.
 const STANDING: f64 = 1.5e-3;
-/// What has come down to this goes up or down as rays and rounding have it.
+/// Amplitude below which only dexels and rounding matter.
 const DIED_OUT_MM: f64 = 1e-4 * FEED_MM_PER_TOOTH;
 
-/// How a cut is looked at.
+/// Settings of the evaluation of a cut.
 #[derive(Clone, Debug)]
 pub struct Seen {
     /// For so long, and for so many teeth at least, so that what the start leaves has died out.
@@ -44,7 +44,7 @@ pub const BRIEFLY: Seen = Seen { time_s: 0.5, teeth: 150, noticed: 0.05 };
 /// diameter.
 pub const LONG: Seen = Seen { time_s: 1.5, teeth: 400, noticed: 0.02 };
 
-/// What is cut, with what.
+/// Tool and cut.
 #[derive(Clone, Debug)]
 pub struct Milling {
     pub modes: Vec<Mode>,
@@ -58,7 +58,7 @@ pub struct Milling {
 }
 
 impl Milling {
-    /// Whether a cut of this depth chatters: whether the way the tool takes from tooth to tooth goes on differing.
+    /// Whether a cut of this depth chatters: whether the tool's path continues to differ from tooth to tooth.
     pub fn chatters(&self, spindle_rev_per_min: f64, depth_mm: f64) -> bool {
         let differences_mm = self.differences_mm(spindle_rev_per_min, depth_mm);
         let late = &differences_mm[differences_mm.len() / 2..];
@@ -78,7 +78,7 @@ impl Milling {
         self.ways_mm(spindle_rev_per_min, depth_mm).windows(2).map(difference).collect()
     }
 
-    /// Where the tool is bent to in every step of every tooth; the first one begins along the feed.
+    /// Displacement of the tool in every step of every tooth; the first tooth begins along the feed.
     pub fn ways_mm(&self, spindle_rev_per_min: f64, depth_mm: f64) -> Vec<Vec<Vector3<f64>>> {
         let tooth_s = 60.0 / spindle_rev_per_min / self.teeth as f64;
         let periods = self.modes.iter().map(|mode| mode.frequency_hz * tooth_s).fold(0.0, f64::max);
@@ -98,7 +98,7 @@ impl Milling {
             open += usize::from(!moment.agrees);
             ways_mm.push(moment.displacement_mm);
         }
-        // Where an edge enters just so, its force can be had with the edge in or out, and with neither.
+        // At the border of the material the force may have two solutions, with the edge in or out, or none.
         assert!(open * 1000 < ways_mm.len(), "{open} of {} steps disagree", ways_mm.len());
         ways_mm.chunks(steps).map(<[_]>::to_vec).collect()
     }
@@ -132,7 +132,7 @@ impl Milling {
     }
 }
 
-/// Of the straight line nearest to values one apart.
+/// Slope of the straight line nearest to equidistant values.
 fn slope(values: impl ExactSizeIterator<Item = f64> + Clone) -> f64 {
     let count = values.len() as f64;
     let (middle, mean) = ((count - 1.0) / 2.0, values.clone().sum::<f64>() / count);

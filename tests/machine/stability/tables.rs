@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use crate::cutting_forces::rows::rows;
 use crate::stability::milling::{BRIEFLY, LONG, Milling};
 
-/// What the critical depth may be off by.
+/// Tolerance of the critical depth, relative.
 const BAND: f64 = 0.05;
 /// Beside a cusp of the lobes the depth changes by more than this from one speed of the table to the next, or the kind of chatter does.
 const STEEP: f64 = 1.5;

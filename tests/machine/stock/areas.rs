@@ -14,14 +14,14 @@ use crate::stock::figures::{area_mm2, order, published, rms, sheet, turn, uprigh
 
 const MM_PER_IN: f64 = 25.4;
 
-/// What was swept: its circles, the length of its boundary, the step between rays.
+/// Swept area: its circles, the length of its boundary, the step between rays.
 struct Shape<'a> {
     radii_mm: &'a [f64],
     boundary_mm: f64,
     step_mm: f64,
 }
 
-/// Whether areas by rays along x, y and z are within the bounds.
+/// Checks that areas by rays along x, y and z are within the bounds.
 #[track_caller]
 fn assert_close(what: &str, areas_mm2: [f64; 3], exact_mm2: f64, shape: &Shape<'_>) {
     let off = areas_mm2.map(|area_mm2| area_mm2 - exact_mm2);

@@ -30,7 +30,7 @@ pub fn sheet(low_mm: [f64; 2], high_mm: [f64; 2], step_mm: f64) -> Stock {
     Stock::new(&block, step_mm, MEMORY_MAX).expect("a sheet")
 }
 
-/// What a cut takes from a sheet, as the rays along x, y and z see it, mm2.
+/// Area that a cut removes from a sheet, by the rays along x, y and z, mm2.
 pub fn area_mm2(sheet: &mut Stock, tool: &Tool, sweeps: &[Sweep]) -> [f64; 3] {
     let height_mm = sheet.lattice().step_mm();
     sheet.cut(tool, sweeps).expect("memory").by_axis.map(|volume_mm3| volume_mm3 / height_mm)

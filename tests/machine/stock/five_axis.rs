@@ -12,7 +12,7 @@ use crate::stock::figures::MEMORY_MAX;
 /// Places at which the tool is put.
 const PLACES: u32 = 2_000;
 
-/// How far a point is outside of an upright tool of this radius, height and corner; negative inside.
+/// Distance of a point outside an upright tool of this radius, height and corner; negative inside.
 fn outside_mm([radius_mm, height_mm, corner_mm]: [f64; 3], r_mm: f64, z_mm: f64) -> f64 {
     let from_corner = [r_mm - (radius_mm - corner_mm), corner_mm - z_mm];
     let round = libm::hypot(from_corner[0].max(0.0), from_corner[1].max(0.0)) - corner_mm;

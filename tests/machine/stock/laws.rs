@@ -1,4 +1,4 @@
-//! What holds whatever is cut.
+//! Properties of every cut.
 
 use arcfeed_hil_sim::stock::motion::{Move, Pose};
 use arcfeed_hil_sim::stock::section::Sweep;

@@ -60,7 +60,7 @@ fn a_ball_end_mill_sweeps_itself_and_its_outline() {
     let to = Pose { tip_mm: [4.0, 4.0, -3.0], axis: UP };
     let own_mm3 = PI * (2.0 / 3.0 * 64.0 + 16.0 * 5.0);
     let exact_mm3 = own_mm3 + libm::hypot(9.0, 7.0) * (8.0 * 5.0 + PI * 8.0);
-    // Its upper end is square to z, see below.
+    // The upper end is perpendicular to z, see below.
     let off = errors(&tool, &Move::Straight { from, to }, exact_mm3, &STEPS_MM[..3]);
     assert_converges("ball", &off, 1.0, 1e-3);
 }

@@ -1,4 +1,4 @@
-//! What is fed, and what must hold.
+//! Fuzz targets and their required properties.
 
 use std::path::Path;
 

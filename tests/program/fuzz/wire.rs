@@ -22,7 +22,7 @@ impl Side {
         Side { link: Link::new(settings, rng.u32(..)).expect("settings that work"), sent: 0, taken: 0 }
     }
 
-    /// What an application may do, at any time.
+    /// Random actions of an application.
     fn work(&mut self, now: Micros, input: &[u8], rng: &mut Rng) {
         let payload = &input[..rng.usize(..=input.len().min(PAYLOAD_MAX - 8))];
         match rng.u8(..12) {
@@ -70,7 +70,7 @@ impl Side {
     }
 }
 
-/// What the line makes of bytes: mostly nothing.
+/// Changes of the line to bytes: usually none.
 fn corrupt(bytes: &mut Vec<u8>, input: &[u8], rng: &mut Rng) {
     let at = rng.usize(..=bytes.len());
     match rng.u8(..16) {

@@ -193,7 +193,7 @@ fn nothing_is_written_over_without_force_and_nothing_made_up() {
     assert!(output.status.success() && text_of(&output.stderr).contains("1 errors, see `arcfeed check`"));
 }
 
-/// What init makes of a text: the tool, and the job it writes.
+/// Result of `init` for a text: the tool, and the written job.
 fn proposed(scratch: &Scratch, text: &str) -> (LikelyTool, String) {
     let path = scratch.write("p.nc", text);
     let (program, survey) = survey::load(path.as_ref()).expect("just written");

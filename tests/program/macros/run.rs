@@ -13,16 +13,16 @@ use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{LengthUnit, Micros};
 use arcfeed_tests::root;
 
-/// What a program did.
+/// Result of a program.
 #[derive(Debug)]
 pub struct Run {
-    /// Its moves, with the line they stand in.
+    /// Moves, each with its line.
     pub moves: Vec<(Place, Segment)>,
-    /// What it punched.
+    /// Punched output.
     pub output: Vec<u8>,
     /// Messages of #3006.
     pub messages: Vec<String>,
-    /// How it ended.
+    /// End of the run.
     pub ended: Result<Ending, Trouble>,
     /// The interpreter at its end.
     pub interpreter: Interpreter,

@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 /// A step that failed.
 #[derive(Debug)]
 pub struct Failure {
-    /// What, and what to do about it.
+    /// Cause and remedy.
     pub what: String,
     /// The exit code to leave with.
     pub code: u8,

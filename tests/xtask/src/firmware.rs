@@ -10,7 +10,7 @@ use std::path::Path;
 use crate::command::{Failure, announce, build_dir, cargo, output, program, run};
 use crate::target::TARGET;
 
-/// What may run on the chip. A crate is added here after a look at it: no heap, no panics on the tick, licence.
+/// Crates that may run on the chip. Before adding one, check: no heap, no panics on the tick, licence.
 const CRATES: [&str; 24] = [
     "arcfeed-firmware",
     "arcfeed-shared",

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use crate::command::{Failure, announce, build_dir, output, program, run};
 use crate::unpack;
 
-/// What the tests need, and the package it comes in.
+/// A requirement of the tests, and the package that provides it.
 struct Need {
     what: &'static str,
     package: &'static str,
@@ -20,7 +20,7 @@ struct Need {
     runs_unpacked: bool,
 }
 
-/// How packages can be installed here.
+/// Rights to install packages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Rights {
     /// As root already, and nobody to ask.
@@ -51,7 +51,7 @@ const NEEDS: [Need; 2] = [
     },
 ];
 
-/// What the script decodes with.
+/// Packages that the decoding script needs.
 const PYTHON_PACKAGES: [&str; 2] = ["cobs==1.2.2", "crc==8.0.0"];
 
 /// Installs what is missing.
@@ -126,7 +126,7 @@ fn install_with_apt(package: &str) -> Result<(), Failure> {
     run(&mut apt_get(&arguments, rights))
 }
 
-/// What may be done as root.
+/// Rights to act as root.
 fn rights(is_root: bool, is_asked: bool, has_sudo: bool) -> Rights {
     match (is_root, is_asked, has_sudo) {
         (true, false, _) => Rights::Granted,

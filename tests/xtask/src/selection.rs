@@ -1,4 +1,4 @@
-//! Which tests of the workspace run: all of them, those that take a moment, or one part of several.
+//! Selection of the workspace's tests: all of them, the short ones, or one part of several.
 
 use std::collections::BTreeSet;
 
@@ -21,7 +21,7 @@ const QUICK: [&str; 12] = [
     "--test",
     "machine",
 ];
-/// What `quick` leaves out of them, by parts of the tests' names: what runs for seconds, or builds something first.
+/// Parts of test names that `quick` leaves out: tests that run for seconds, or build something first.
 const SLOW: [&str; 28] = [
     "blade::",
     "chips::",
@@ -83,7 +83,7 @@ impl Selection {
         }
     }
 
-    /// Whether the chip's image and the boards are looked at too: once for all parts.
+    /// Whether the chip's image and the boards are checked too: only once for all parts.
     pub fn has_chip(&self) -> bool {
         match self {
             Selection::All => true,
@@ -131,7 +131,7 @@ impl Partition {
         self.number == 1
     }
 
-    /// Whether a test is in this part: by its name alone, so that another test moves none. FNV-1a of its bytes.
+    /// Whether a test is in this part. Only its name decides, so that another test moves none. FNV-1a of its bytes.
     fn has(&self, name: &str) -> bool {
         let hash = name
             .bytes()

@@ -23,7 +23,7 @@ use crate::selection::Selection;
 const SKIP_LOG: &str = "ARCFEED_SKIP_LOG";
 /// Runs side by side.
 const SIDE_BY_SIDE: usize = 2;
-/// How many tests of a run go side by side: as many as there are cores, unless the variable is set.
+/// Number of tests of a run in parallel: as many as there are cores, unless the variable is set.
 const THREADS: &str = "RUST_TEST_THREADS";
 
 /// Results over all test programs.
@@ -52,7 +52,7 @@ impl Tally {
         }
     }
 
-    /// What cargo's exit code 0 does not tell.
+    /// Failures that cargo's exit code 0 does not show.
     fn complaint(&self) -> Option<String> {
         match self {
             Tally { failed: 1.., .. } => Some("cargo test reported a failure, but ended well".to_owned()),

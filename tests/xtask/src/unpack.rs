@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::command::{Failure, announce, build_dir, output, program, run};
 
-/// What installing would put on the disk: names and versions, as `apt-get --simulate` lists them.
+/// Names and versions of the packages that would be installed, as `apt-get --simulate` lists them.
 fn listed(simulation: &str) -> Vec<String> {
     let entry = |line: &str| {
         let (name, rest) = line.strip_prefix("Inst ")?.split_once(' ')?;
