@@ -104,7 +104,7 @@ pub fn skip_loudly(test: &str, why: &str) {
 pub struct Scratch(PathBuf);
 
 impl Scratch {
-    /// An empty one; `name` tells the tests of one process apart.
+    /// An empty one; `name` distinguishes the tests of one process.
     pub fn new(name: &str) -> Self {
         let path = std::env::temp_dir().join(format!("arcfeed-{}-{name}", std::process::id()));
         let _was_not_there = fs::remove_dir_all(&path);

@@ -1,4 +1,4 @@
-//! Engaged arcs told with each move, on the chip: the same overrides as in this process, and what tick and stack they take.
+//! Engaged arcs sent with each move, on the chip: the same overrides as in this process, and what tick and stack they take.
 
 use arcfeed_firmware::application::command_handler::Identity;
 use arcfeed_firmware::application::control_task::Supply;
@@ -33,7 +33,7 @@ const APPROACH: &str = "%\nG20G90G17\nG0X-2.967Y11.3933Z-27.6626\n";
 const LOOP: &str = "G3X-3.6044Y10.5358I3.2165J-3.0564F41.\nG2X-2.5752Y11.5549I4.0398J-3.0504\nG1X-2.6598Y11.491\n\
                     G3X-3.6044Y10.5358I3.0952J-4.0056\nG2X-3.0241Y11.3322I3.8539J-2.1989\nG1X-2.967Y11.3933\n";
 
-/// The example's arcs under the engaged-arc law, what is engaged left to be told.
+/// The example's arcs under the engaged-arc law, with the engagement per move.
 fn example() -> Example {
     let mut example = Example::load();
     example.text = [APPROACH, &LOOP.repeat(LOOPS), "M30\n%\n"].concat().into_bytes();
@@ -59,7 +59,7 @@ fn table() -> EngagedTable {
 }
 
 fn overrides<W: Wires>(example: &Example, wires: W) -> (Vec<u8>, Simulation<Board<W, Host>>) {
-    let mut simulation = example.simulation(wires, example.host().telling_along(&table()), ModeCode::Lockstep);
+    let mut simulation = example.simulation(wires, example.host().with_engagement_ahead(&table()), ModeCode::Lockstep);
     prepare(&mut simulation);
     simulation.control_mut().cycle_start();
     let mut step = || {
@@ -72,7 +72,7 @@ fn overrides<W: Wires>(example: &Example, wires: W) -> (Vec<u8>, Simulation<Boar
 }
 
 #[test]
-fn arcs_told_with_each_move_govern_the_chip_as_they_do_here_and_fit_it() {
+fn arcs_sent_with_each_move_govern_the_chip_as_they_do_here_and_fit_it() {
     let example = example();
     let mut queues = Queues::<AHEAD>::new();
     let identity = Identity { name: "in process", version: [0, 1, 0], reset: ResetCode::Power, starts: 1 };

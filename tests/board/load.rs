@@ -132,7 +132,7 @@ fn no_tick_is_late_whatever_comes_on_the_link() {
     println!("loaded, {bytes} bytes in 100 ticks: {loaded:?}");
     assert!(bytes > 0, "something came");
     assert!(idle.late[1] <= LATE_MAX && loaded.late[1] <= LATE_MAX, "instructions from the timer to the tick");
-    // Loaded, more comes than any line of its bit rate brings: what finds no room is lost, counted, and nobody's delay.
+    // Loaded, more comes than any line of its bit rate brings: bytes that find no room are lost and counted, and delay nothing.
     assert_eq!(idle.lost, 0, "bytes");
 }
 

@@ -4,9 +4,9 @@
 //! pyserial -- pseudo-terminal -- line of the simulated machine's time -- chip -- control
 //! ```
 //!
-//! When pyserial gets round to writing is nobody's to say; when a character is on the line is the machine's: a line that is free
-//! waits for pyserial's next one. So pyserial is a sender that has characters at hand at any time, as one in this process is, and
-//! the run is the same to the last bit.
+//! The operating system decides when pyserial writes; the simulated machine decides when a character is on the line, because a
+//! free line waits for pyserial's next character. pyserial therefore counts as a sender that always has characters ready, like
+//! one in this process, and the run is the same to the last bit.
 
 use std::fs::File;
 use std::io::{ErrorKind, Read, Write};

@@ -1,5 +1,5 @@
 //! Reading NC text on the chip: instructions by themselves and in the tap, room, and that the tap's overrides are those of a
-//! controller that is told what the control executes.
+//! controller that is notified of the executed blocks.
 
 use std::fs;
 use std::sync::OnceLock;
@@ -29,8 +29,8 @@ const TAP_MAX: u32 = 26 * 1024;
 const STACK_MAX: u32 = 4 * 1024;
 /// The recorded run stands for the encoders and the sender: no part of the tap.
 const NOT_COUNTED: &str = ".recorded_run";
-/// Ticks in a thousand on which the tap's override may be another than the told one's, and by how many per cent: at the
-/// beginning of a block, which the position tells a moment later.
+/// Ticks per thousand on which the tap's override may differ from the notified controller's, and by how many per cent: at
+/// the beginning of a block, which the position shows a moment later.
 const OTHER_PER_MILLE_MAX: usize = 4;
 
 fn text() -> &'static str {
@@ -58,13 +58,13 @@ fn reading_a_block_on_the_chip_stays_within_its_budget() {
 }
 
 #[test]
-fn the_taps_overrides_on_the_chip_are_those_of_a_controller_that_is_told() {
-    let (tapped, told) = (run("tap-run").uart1, run("example-run").uart1);
-    assert_eq!(tapped.len(), told.len());
-    let others = tapped.iter().zip(&told).filter(|(ours, theirs)| ours != theirs).count();
-    println!("{others} of {} ticks differ", told.len());
-    assert!(others * 1_000 <= OTHER_PER_MILLE_MAX * told.len());
-    assert!(told.iter().any(|percent| *percent > 110), "the override is at work");
+fn the_taps_overrides_on_the_chip_are_those_of_a_notified_controller() {
+    let (tapped, notified) = (run("tap-run").uart1, run("example-run").uart1);
+    assert_eq!(tapped.len(), notified.len());
+    let others = tapped.iter().zip(&notified).filter(|(ours, theirs)| ours != theirs).count();
+    println!("{others} of {} ticks differ", notified.len());
+    assert!(others * 1_000 <= OTHER_PER_MILLE_MAX * notified.len());
+    assert!(notified.iter().any(|percent| *percent > 110), "the override is at work");
 }
 
 #[test]

@@ -98,7 +98,7 @@ impl UnderWay {
         self.simulation.step();
         assert_eq!(self.simulation.source().failure(), None);
         self.begun += begins(&mut self.active, self.simulation.control());
-        assert!(self.is_armed || !self.is_engaged(), "armed by nobody");
+        assert!(self.is_armed || !self.is_engaged(), "armed without a person");
         let percent = self.simulation.override_output().percent;
         assert!(percent <= 200, "beyond the limits");
         percent
@@ -126,7 +126,7 @@ impl UnderWay {
         self.state().is_some_and(words::is_engaged)
     }
 
-    /// A person looks: feed hold; the host is told to go on with the next move; ARM; cycle start. Then the machine goes on for a
+    /// A person looks: feed hold; the host continues with the next move; ARM; cycle start. Then the machine goes on for a
     /// while.
     fn take_up(&mut self) {
         self.simulation.control_mut().hold();

@@ -36,7 +36,7 @@ fn counted(position: &Pose) -> Pose {
     Pose { linear: position.linear.map(|Nm(nm)| Nm(nm / COUNT_NM * COUNT_NM)), ..*position }
 }
 
-/// Nothing but the position is to be told.
+/// Only the position is an input.
 fn quiet(job: &Job, position: Pose) -> Input {
     Input::of(controller::Input { position: Some(position), spindle: job.tools.first().spindle, dt: TICK })
 }
@@ -66,7 +66,7 @@ fn prepared(segment: &Segment, job: &Job) -> ActiveSegment {
 }
 
 #[test]
-fn the_guard_finds_the_blocks_by_position_and_puts_out_what_a_controller_does_that_is_told_them() {
+fn the_guard_finds_the_blocks_by_position_and_outputs_the_overrides_of_a_notified_controller() {
     let Recording { job, segments, ticks } = ibr_slot();
     let mut blocks = Blocks::new();
     let (mut guard, mut queue) = armed(job, &mut blocks);
@@ -89,7 +89,7 @@ fn the_guard_finds_the_blocks_by_position_and_puts_out_what_a_controller_does_th
     assert!(ahead.next().is_none(), "blocks are left");
     assert_eq!((queue.len(), state), (0, State::Armed));
     assert!(highest > 100);
-    // Only where a block gives way to the next, found by position some ticks from where it is told.
+    // Only at a change of block, which the position shows some ticks from the notification.
     assert!(same * 1_000 > ticks.len() * 999);
 }
 

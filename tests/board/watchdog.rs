@@ -106,7 +106,7 @@ fn hang(order: u8) -> Machine {
     machine.expect("a fed watchdog does not fire; when it fires the lines are shown released")
 }
 
-/// Ticks from the last feed to the release of the lines, as the board told after its restart.
+/// Ticks from the last feed to the release of the lines, as the board reported after its restart.
 fn ticks_to_release(order: u8) -> u32 {
     let log = hang(order).0.log();
     let line = log.iter().find(|line| line.contains("the watchdog bit"));
@@ -149,7 +149,7 @@ fn a_fault_of_the_core_lets_the_lines_go_at_once() {
 }
 
 #[test]
-fn a_start_by_the_watchdog_is_told_and_nothing_is_armed_before_a_person_has_reset_and_armed() {
+fn a_start_by_the_watchdog_is_reported_and_nothing_is_armed_before_a_person_has_reset_and_armed() {
     let host = Host::saying([AskInfo {}.into()]);
     let (mut board, mut at_ms) = (Board::new(hang(MAIN_LOOP).0.board, host, ModeCode::Lockstep), 1);
     let [none, arm, reset] = [Signals::NONE, Signals::of_request(Request::Arm), Signals::of_request(Request::Reset)];
@@ -175,7 +175,7 @@ fn a_start_by_the_watchdog_is_told_and_nothing_is_armed_before_a_person_has_rese
 }
 
 #[test]
-fn a_start_by_power_is_told_as_such() {
+fn a_power_on_start_is_reported() {
     let board = Free::start().board;
     let (mut board, mut at_ms) = (Board::new(board, Host::saying([AskInfo {}.into()]), ModeCode::Lockstep), 1);
     assert_eq!(pass(&mut board, &mut at_ms, Signals::NONE, 500).0, StateCode::Idle);

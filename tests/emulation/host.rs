@@ -52,10 +52,10 @@ impl Host {
         host
     }
 
-    /// A host with a job, and with no move before it is told where to go on. Each start has a session of its own.
+    /// A host with a job, and with no move before it gets the first move of the rest. Each start has a session of its own.
     pub fn begun_anew(job: &Job, session: u32) -> Self {
         let mut to_send = VecDeque::new();
-        parameters::messages(job, SET, &mut |message| to_send.push_back(message)).expect("the job can be told");
+        parameters::messages(job, SET, &mut |message| to_send.push_back(message)).expect("the job can be encoded");
         Host::of(to_send, session)
     }
 
@@ -63,14 +63,14 @@ impl Host {
     pub fn give(&mut self, job: &Job, segments: &[Segment]) {
         for (count, segment) in (1..).zip(segments) {
             let rule = job.rule_for(segment, ToolInSpindle::Unstated).map(|(index, _)| index as u8);
-            self.to_send.push_back(moves::encode(segment, count, rule).expect("the move can be told").into());
+            self.to_send.push_back(moves::encode(segment, count, rule).expect("the move can be encoded").into());
         }
     }
 
     /// The same, with these engaged arcs before each move that a rule speaks of.
     #[must_use]
-    pub fn telling_along(mut self, table: &EngagedTable) -> Self {
-        let arcs = |knot| Message::from(moves::encode_arcs(knot).expect("it can be told"));
+    pub fn with_engagement_ahead(mut self, table: &EngagedTable) -> Self {
+        let arcs = |knot| Message::from(moves::encode_arcs(knot).expect("it can be encoded"));
         for message in std::mem::take(&mut self.to_send) {
             if matches!(message, Message::Segment(segment) if segment.rule.is_some()) {
                 self.to_send.extend(table.knots().iter().map(arcs));

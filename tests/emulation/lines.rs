@@ -24,7 +24,7 @@ impl Emulator {
 }
 
 impl Emulator {
-    /// Tells an image that takes orders, on the line that no other image listens to.
+    /// Sends a command to an image that accepts commands, on the line that no other image listens to.
     ///
     /// # Panics
     /// The line is closed.

@@ -176,7 +176,7 @@ impl Place {
         let mut qemu = command(&image(name), scratch, *clock);
         qemu.args(NO_ESCAPE);
         let paths: [String; LINES] = std::array::from_fn(|uart| scratch.path(&format!("uart{uart}")));
-        // The test listens and QEMU calls: nobody has to guess when the other is ready.
+        // The test listens and QEMU calls: neither has to guess when the other is ready.
         let listeners = paths.each_ref().map(|path| {
             let _of_the_start_before = fs::remove_file(path);
             UnixListener::bind(path).expect("a socket in a folder of its own")

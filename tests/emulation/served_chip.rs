@@ -66,22 +66,22 @@ impl ServedChip {
     }
 
     /// Power off and on. The emulator that is next has begun before the other one ends: a chip does not take as long. Its image waits
-    /// for the first word on its lines, and nobody hears of it before it has their far ends.
+    /// for the first word on its lines, and reports it only when it has their far ends.
     pub fn power_cycle(&self) {
         let next = self.place.power_on();
         wait_for("the start of the image", || (!next.console().is_empty()).then_some(()));
-        *self.shared.next.lock().expect("nobody panicked") = Some(next);
+        *self.shared.next.lock().expect("no thread panicked") = Some(next);
     }
 
     /// State of the override, as last reported since this start of the chip.
     pub fn state(&self) -> Option<StateCode> {
-        *self.shared.state.lock().expect("nobody panicked")
+        *self.shared.state.lock().expect("no thread panicked")
     }
 
     /// Power off; what its last start has logged.
     pub fn log(mut self) -> Vec<String> {
         self.end();
-        std::mem::take(&mut self.shared.log.lock().expect("nobody panicked"))
+        std::mem::take(&mut self.shared.log.lock().expect("no thread panicked"))
     }
 
     fn end(&mut self) {
@@ -104,9 +104,9 @@ impl Bench {
             if shared.is_over.load(Ordering::SeqCst) {
                 break;
             }
-            if let Some(next) = shared.next.lock().expect("nobody panicked").take() {
+            if let Some(next) = shared.next.lock().expect("no thread panicked").take() {
                 (self.chip, self.machine) = (next, PlainLine::new());
-                *shared.state.lock().expect("nobody panicked") = None;
+                *shared.state.lock().expect("no thread panicked") = None;
             }
             if let Ok((stream, _)) = listener.accept() {
                 stream.set_nonblocking(true).expect("a stream can be asked without waiting");
@@ -116,10 +116,10 @@ impl Bench {
                 show_standing(&mut self.chip, &mut self.machine);
             }
             self.pass_link();
-            self.hear_machine(&mut shared.state.lock().expect("nobody panicked"));
+            self.hear_machine(&mut shared.state.lock().expect("no thread panicked"));
             std::thread::sleep(ROUND);
         }
-        *shared.log.lock().expect("nobody panicked") = self.chip.log();
+        *shared.log.lock().expect("no thread panicked") = self.chip.log();
     }
 
     /// Passes on the bytes of the link, in both directions.

@@ -213,7 +213,7 @@ impl RingScene {
             Stock::Disc { center_mm, radius_mm } => {
                 Stock::Disc { center_mm: self.seen(*center_mm), radius_mm: *radius_mm }
             }
-            told => told.clone(),
+            given => given.clone(),
         };
         let region = Region::new(&stock, self.seen(self.origin), 0.0).expect("a shape or a table");
         EngagedArc::new(ring, self.policy, region)

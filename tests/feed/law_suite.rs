@@ -295,7 +295,7 @@ mod tests {
 
     fn passes<S: Scene>(name: &str, cases: u32, make: impl Fn(&mut Rng) -> S) {
         let tally = suite(name, 4, cases, make).unwrap_or_else(|broken| panic!("{broken}"));
-        assert!(tally.demands > cases / 5, "too few demands to tell anything: {tally:?}");
+        assert!(tally.demands > cases / 5, "too few demands for a result: {tally:?}");
     }
 
     #[test]

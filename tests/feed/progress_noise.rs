@@ -1,4 +1,4 @@
-//! Progress along the example job from positions that are noisy, late and now and then missing, with nothing to tell
+//! Progress along the example job from positions that are noisy, late and now and then missing, without a notification of
 //! which segment is in work: what a board sees that only listens.
 
 use std::collections::VecDeque;

@@ -10,8 +10,8 @@ use std::process::{Command, Output};
 
 use arcfeed_tests::{Scratch, arcfeed, root, run, skip_loudly, texts_below};
 
-/// Nobody, on Debian and most others.
-const NOBODY: u32 = 65_534;
+/// User `nobody` on Debian and most other systems.
+const UNPRIVILEGED_USER: u32 = 65_534;
 
 /// The example's job and program as files of a test's own; the job.
 fn job(scratch: &Scratch) -> String {
@@ -88,7 +88,7 @@ fn an_engagement_map_is_not_written_over_the_job_or_the_program() {
 }
 
 #[test]
-fn links_are_written_through_and_nobody_can_plant_one_under_a_temporary_name() {
+fn links_are_written_through_and_none_can_be_planted_under_a_temporary_name() {
     let scratch = Scratch::new("links");
     let job = job(&scratch);
     let (victim, target, link) =
@@ -217,7 +217,7 @@ fn a_folder_that_cannot_be_written_is_named_as_such() {
     let as_nobody = |arguments: &[&str]| {
         let mut command = Command::new(&program);
         if is_root {
-            command.uid(NOBODY).gid(NOBODY);
+            command.uid(UNPRIVILEGED_USER).gid(UNPRIVILEGED_USER);
         }
         command.args(arguments).output().expect("arcfeed runs")
     };

@@ -142,7 +142,7 @@ fn a_program_is_watched_held_resumed_and_seen_to_its_end() {
 }
 
 #[test]
-fn an_abort_is_asked_for_once_more_and_what_the_line_does_not_tell_is_not_shown() {
+fn an_abort_needs_confirmation_and_unknown_states_are_not_shown() {
     let scratch = Scratch::new("screen-abort");
     let mut server =
         Running::start(&scratch, "serve", &["serve", JOB, "--tcp", "127.0.0.1:0", "--once", "--baudrate", "600"]);
@@ -164,7 +164,7 @@ fn an_abort_is_asked_for_once_more_and_what_the_line_does_not_tell_is_not_shown(
 }
 
 #[test]
-fn a_terminal_that_takes_nothing_holds_nobody_up() {
+fn a_terminal_that_accepts_nothing_delays_nothing() {
     let scratch = Scratch::new("screen-stuck");
     let (log, gate) = (scratch.path("log"), Arc::new(Barrier::new(2)));
     // The first picture alone is more than a pseudo-terminal keeps.

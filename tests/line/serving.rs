@@ -125,7 +125,7 @@ fn each_control_takes_iso_and_eia_from_a_sender_that_makes_its_own_parity() {
 }
 
 #[test]
-fn a_sender_without_parity_is_told_so_and_may_finish_talking() {
+fn a_sender_without_parity_gets_an_alarm_and_may_finish_sending() {
     let scratch = Scratch::new("parity");
     let (server, mut line) = serve(&scratch, &["--code", "iso"]);
     send(&mut line, PROGRAM.as_bytes());

@@ -53,7 +53,7 @@ fn send_honestly(scratch: &Scratch, address: &str, greeting: &[u8]) {
     });
 }
 
-/// Connects again and again and writes the same until nobody takes it; `then` is done with each connection at its end.
+/// Connects again and again and writes the same until it is no longer accepted; `then` is done with each connection at its end.
 fn flood(address: &str, bytes: &[u8], is_over: &AtomicBool, then: impl Fn(&mut TcpStream)) {
     while !is_over.load(Ordering::Relaxed) {
         let Ok(mut line) = TcpStream::connect(address) else { continue };

@@ -338,7 +338,7 @@ mod tests {
     }
 
     #[test]
-    fn a_contact_out_of_range_and_no_contact_are_told_apart() {
+    fn a_contact_out_of_range_and_no_contact_are_distinguished() {
         let good = ROWS[0].scene();
         let direction = good.arc.direction_at(0.5).map(|x| x as f32);
         assert!(good.law(direction).is_ok());

@@ -81,7 +81,7 @@ fn a_leaning_blade_is_moved_along_the_circumference_by_the_tangent_of_its_lean()
 }
 
 #[test]
-fn an_edge_is_as_thick_as_it_is_told_and_the_middle_stays() {
+fn an_edge_has_the_given_thickness_and_the_middle_stays() {
     let blunt = Rotor { edge_mm: 0.5, ..ROTOR }.sections(2, 801).unwrap();
     let sharp = ROTOR.sections(2, 801).unwrap();
     let thickness_mm = |blade: &Sections, at: usize| (blade.pressure[0][at] - blade.suction[0][at]).norm();

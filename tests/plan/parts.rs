@@ -80,7 +80,7 @@ fn surface(blisk: &Blisk, turn: &Rotation3<f64>) -> Vec<Point> {
     points.map(|point| turn * point).collect()
 }
 
-/// The least distance of the ring from points, over poses half a millimetre apart. Those that are far are told by squares.
+/// The least distance of the ring from points, over poses half a millimetre apart. Far points are excluded by squares.
 fn sampled_mm(plan: &SlotPlan, tool: &CupMill, points: &[Point]) -> f64 {
     let near = |radius_mm: f64, by_mm: f64| (radius_mm + by_mm) * (radius_mm + by_mm);
     let (within, without) = (near(tool.inner_radius_mm, -3.0), near(tool.outer_radius_mm, 3.0));

@@ -75,7 +75,7 @@ fn no_sample_is_nearer_than_the_certified_bound() {
             samples += poses.len() * points.len();
             let [low_mm, high_mm] = found.bounds_mm;
             collisions += usize::from(high_mm < 0.0);
-            // The tool's own distance is exact outside only; the sign tells in any case.
+            // The tool's own distance is exact outside only; the sign is right in any case.
             if sampled_mm > 0.0 {
                 assert!(sampled_mm >= low_mm, "seed {seed}, {part:?}: {sampled_mm} below {low_mm}");
                 largest_off_mm = largest_off_mm.max(sampled_mm - high_mm);

@@ -260,7 +260,7 @@ fn a_broken_program_is_not_adapted_and_leaves_no_file() {
 }
 
 #[test]
-fn a_program_without_a_label_is_told_what_a_line_makes_of_it() {
+fn a_program_without_a_label_gets_a_warning_about_lines() {
     let scratch = Scratch::new("label");
     let program = scratch.write("p.nc", "G21G0X1.\nM30\n%\nrest of a mail\n");
     let output = run(&["check", &program]);

@@ -43,7 +43,7 @@ pub fn ours(text: &[u8]) -> Result<Vec<Move>, String> {
         return interpreted(text, &mut reader);
     }
     for (index, line) in Lines::new(text).enumerate() {
-        let understood = reader.read(line.text).map_err(|fault| told(index + 1, line.text, fault))?;
+        let understood = reader.read(line.text).map_err(|fault| message(index + 1, line.text, fault))?;
         add(&understood, &mut moves);
         if understood.step.stop == Some(Stop::End) {
             break;
@@ -63,7 +63,7 @@ fn interpreted(text: &[u8], reader: &mut Reader) -> Result<Vec<Move>, String> {
             Ok(macros::Step::Block(block)) => {
                 let number = block.place.line;
                 let understood =
-                    reader.read(&block.text).map_err(|fault| told(number as usize, line(number), fault))?;
+                    reader.read(&block.text).map_err(|fault| message(number as usize, line(number), fault))?;
                 add(&understood, &mut moves);
                 if understood.step.sets_data {
                     interpreter.set_tables(reader.tables());
@@ -72,13 +72,13 @@ fn interpreted(text: &[u8], reader: &mut Reader) -> Result<Vec<Move>, String> {
             Ok(macros::Step::Offset) => reader.set_tables(&interpreter.variables().tables),
             Ok(macros::Step::End(_) | macros::Step::Restart) => return Ok(moves),
             Ok(_) => {}
-            Err(trouble) => return Err(told(trouble.place.line as usize, line(trouble.place.line), trouble.fault)),
+            Err(trouble) => return Err(message(trouble.place.line as usize, line(trouble.place.line), trouble.fault)),
         }
     }
     Err("no end".into())
 }
 
-fn told(number: usize, line: &[u8], fault: Fault) -> String {
+fn message(number: usize, line: &[u8], fault: Fault) -> String {
     let found: String = line.iter().take(24).map(|byte| char::from(*byte)).collect();
     format!("line {number}: {} (`{found}`)", short(&fault.cause.to_string()))
 }

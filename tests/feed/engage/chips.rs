@@ -61,7 +61,7 @@ fn an_override_that_falls_slowly_begins_early_enough_for_the_corner_of_the_stock
 }
 
 #[test]
-fn a_board_on_its_link_is_told_and_one_that_reads_the_line_is_refused() {
+fn a_board_on_its_link_gets_the_engagement_and_one_that_reads_the_line_is_refused() {
     // Without edges: only times are asked.
     let job = example("job-engaged.toml");
     let cutting = &job[job.find("[cutting]").expect("edges")..job.find("[spindle]").expect("a spindle")];
@@ -72,10 +72,10 @@ fn a_board_on_its_link_is_told_and_one_that_reads_the_line_is_refused() {
         let report: Value = serde_json::from_slice(&output.stdout).expect("one object");
         report["cycle_time_s"].as_f64().expect("a time")
     };
-    let [told, by_board] = [time_s(&[]), time_s(&["--board", "sim:"])];
-    println!("told which move is in work {told} s, a board on its link {by_board} s");
+    let [in_process, by_board] = [time_s(&[]), time_s(&["--board", "sim:"])];
+    println!("in process {in_process} s, a board on its link {by_board} s");
     // A period or two a block, and the way it takes to be heard.
-    assert!((told - by_board).abs() < 0.1, "{told} {by_board}");
+    assert!((in_process - by_board).abs() < 0.1, "{in_process} {by_board}");
     let refused = run(&["parameters", &job, "-o", &scratch.path("page.bin")]);
     let words = String::from_utf8_lossy(&refused.stderr);
     println!("{}", words.trim_end());

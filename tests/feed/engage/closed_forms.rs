@@ -3,7 +3,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::engage::story::{CHIP_MM, Cut, MILL, RING, Row, STEP_MM, read};
+use crate::engage::cut_job::{CHIP_MM, Cut, MILL, RING, Row, STEP_MM, read};
 
 /// Largest error of 16 knots on a curved path, degrees.
 const KNOTS_DEG: f64 = 1.0;
@@ -18,12 +18,12 @@ fn assert_from(rows: &[Row], circle: usize, radius_mm: f64, paths_mm: [f64; 2], 
     let mut worst = 0.0_f64;
     for step in 0..=200 {
         let path_mm = paths_mm[0] + (paths_mm[1] - paths_mm[0]) * f64::from(step) / 200.0;
-        let [told, _] = read(rows, circle, path_mm);
+        let [found, _] = read(rows, circle, path_mm);
         let near = [-3.0, 0.0, 3.0].map(|samples| from_deg(path_mm + samples * STEP_MM));
-        assert!(told <= from_deg(path_mm) + ROUNDING_DEG, "{path_mm}: {told} cuts off {}", from_deg(path_mm));
+        assert!(found <= from_deg(path_mm) + ROUNDING_DEG, "{path_mm}: {found} cuts off {}", from_deg(path_mm));
         let least = near.into_iter().fold(f64::INFINITY, f64::min);
-        worst = worst.max(least - told);
-        assert!(told >= least - 2.0 * cells_deg - KNOTS_DEG, "{path_mm}: {told} for {least}");
+        worst = worst.max(least - found);
+        assert!(found >= least - 2.0 * cells_deg - KNOTS_DEG, "{path_mm}: {found} for {least}");
     }
     println!("at most {worst:.2} degrees more than within three cells of path");
 }
@@ -157,8 +157,8 @@ fn both_circles_of_a_ring_are_engaged_behind_the_edge_of_the_stock() {
         assert_from(&map[0], circle, radius_mm, paths_mm, |path_mm| engaged_deg(circle, path_mm)[0]);
         for at in 0..20 {
             let path_mm = paths_mm[0] + 1.25 * f64::from(at);
-            let ([_, told], [_, to]) = (read(&map[0], circle, path_mm), engaged_deg(circle, path_mm));
-            assert!((to - ROUNDING_DEG..to + 10.0).contains(&told), "{circle} at {path_mm}: {told} for {to}");
+            let ([_, found], [_, to]) = (read(&map[0], circle, path_mm), engaged_deg(circle, path_mm));
+            assert!((to - ROUNDING_DEG..to + 10.0).contains(&found), "{circle} at {path_mm}: {found} for {to}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use arcfeed_tests::run;
 
-use crate::engage::story::{Cut, MILL};
+use crate::engage::cut_job::{Cut, MILL};
 
 const SLOT: Cut<'_> = Cut {
     name: "slot-of-complaints",
@@ -93,7 +93,7 @@ fn a_program_that_a_control_refuses_leaves_no_map() {
 }
 
 #[test]
-fn moves_that_a_map_does_not_know_are_told() {
+fn moves_that_are_not_in_a_map_are_reported() {
     let cut = Cut { name: "unknown", program: &SLOT.program.replace("N4M30", "N4G1Y9.\nN5M30"), ..SLOT };
     let (scratch, job) = cut.engaged();
     assert_eq!(said(&["adapt", &job]), (Some(0), String::new()));

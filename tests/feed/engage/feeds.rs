@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use arcfeed_tests::run;
 
-use crate::engage::story::{CHIP_MM, Cut, MILL};
+use crate::engage::cut_job::{CHIP_MM, Cut, MILL};
 
 /// Feed per minute of a feed per tooth: 3000 rev/min, four teeth.
 const TEETH_PER_MIN: f64 = 12_000.0;

@@ -2,7 +2,7 @@
 //! edges make of it. The truth about chips is the edges', who know neither map nor law.
 #![cfg(unix)]
 
-mod story;
+mod cut_job;
 
 mod closed_forms;
 

@@ -42,11 +42,11 @@ fn a_planned_rotor_cuts_with_the_wanted_chip_in_every_slot_that_is_alike() {
     let first_slot = object(&["engage", &job]);
     let found = |report: &Value| {
         let moves = report["moves"].as_array().expect("moves").iter();
-        let [all, told] = [moves.clone().count(), moves.filter(|found| found["knots"] != 0).count()];
-        (all, told)
+        let [all, mapped] = [moves.clone().count(), moves.filter(|found| found["knots"] != 0).count()];
+        (all, mapped)
     };
-    let (all, told) = found(&first_slot);
-    assert_eq!(told * 19, all, "one slot of 19 is where the workpiece is known to be");
+    let (all, mapped) = found(&first_slot);
+    assert_eq!(mapped * 19, all, "one slot of 19 is where the workpiece is known to be");
     assert_eq!(found(&object(&["engage", &job, "--alike"])), (all, all));
 
     let report = object(&["simulate", &job]);

@@ -87,7 +87,7 @@ fn place(segment: &Segment, travelled_mm: f32) -> Place {
     Place::on_arc(arc.direction_at(ratio).map(|x| x as f32), f32::from(arc.turn.sign()), radius_mm, travelled_mm)
 }
 
-/// Path per tooth; the same whether the table stands in the rule or is told with the segment, and whatever is said of edges.
+/// Path per tooth; the same with the table in the rule or with the segment, and with any setting of `edges`.
 fn path_mm(segment: &Segment, table: &EngagedTable, travelled_mm: f32) -> Result<f64, NoDemand> {
     path_of_chip_mm(segment, table, travelled_mm, CHIP_MM)
 }
@@ -209,11 +209,14 @@ fn where_nothing_limits_it_is_said_why() {
 
 #[test]
 fn without_a_table_and_for_a_ring_on_a_line_there_is_no_law() {
-    let (line, told) = (line(), table([0.0, 60.0]));
+    let (line, engagement) = (line(), table([0.0, 60.0]));
     let along = job(end_mill(), Stock::Along, true, CHIP_MM);
     let ring =
         Tool::CupMill(CupMill { outer_radius: Nm::from_mm(60.0), inner_radius: Nm::from_mm(50.0), active_teeth: 8 });
     let ring = job(ring, Stock::Along, true, CHIP_MM);
     assert_eq!(SegmentLaw::for_segment(&line, along.rules.first(), &along), SegmentLaw::Programmed);
-    assert_eq!(SegmentLaw::with_engagement(&line, Some(&ring.rules[0]), Some(&told), &ring), SegmentLaw::Programmed);
+    assert_eq!(
+        SegmentLaw::with_engagement(&line, Some(&ring.rules[0]), Some(&engagement), &ring),
+        SegmentLaw::Programmed
+    );
 }

@@ -34,7 +34,7 @@ pub struct ArcMove {
 
 /// A program, block by block.
 #[derive(Debug)]
-pub struct Story {
+pub struct RandomProgram {
     lines: Vec<String>,
     /// Feed moves by N; `None` with the block-delete switch in the other state.
     pub moves: Vec<Option<Move>>,
@@ -66,10 +66,10 @@ enum Slash {
     Feed,
 }
 
-impl Story {
+impl RandomProgram {
     /// Moves of all kinds, tools, speeds, planes, deleted blocks.
     pub fn of_everything(random: &mut Rng, job: &RandomJob) -> Self {
-        let mut story = Story::begin(random, job);
+        let mut random_program = RandomProgram::begin(random, job);
         for _ in 0..random.usize(4..16) {
             let slash = match random.u8(..12) {
                 0 => Slash::Block,
@@ -77,37 +77,37 @@ impl Story {
                 _ => Slash::None,
             };
             match random.u8(..20) {
-                0 => story.change_tool(random, job),
-                18.. if job.second.is_some() => story.change_tool(random, job),
-                1 => story.change_spindle(random, slash),
-                2 => story.rapid(random),
-                3 | 4 => story.across(random, [3.0, 30.0], slash),
-                5 | 6 => story.rise(random, slash),
-                7 => story.arc(random, job, (1, 0.0), slash),
-                8 => story.arc(random, job, (2, 0.0), slash),
+                0 => random_program.change_tool(random, job),
+                18.. if job.second.is_some() => random_program.change_tool(random, job),
+                1 => random_program.change_spindle(random, slash),
+                2 => random_program.rapid(random),
+                3 | 4 => random_program.across(random, [3.0, 30.0], slash),
+                5 | 6 => random_program.rise(random, slash),
+                7 => random_program.arc(random, job, (1, 0.0), slash),
+                8 => random_program.arc(random, job, (2, 0.0), slash),
                 9 => {
                     let rise = between(random, -3.0, 3.0);
-                    story.arc(random, job, (0, rise), slash);
+                    random_program.arc(random, job, (0, rise), slash);
                 }
-                10..=13 => story.across(random, [0.3, 30.0], slash),
-                _ => story.arc(random, job, (0, 0.0), slash),
+                10..=13 => random_program.across(random, [0.3, 30.0], slash),
+                _ => random_program.arc(random, job, (0, 0.0), slash),
             }
         }
-        story.end()
+        random_program.end()
     }
 
     /// Lines that go on straight, corners, short blocks, arcs, all in one level.
     pub fn of_transitions(random: &mut Rng, job: &RandomJob) -> Self {
-        let mut story = Story::begin(random, job);
-        story.turn_on(4_000.0);
+        let mut random_program = RandomProgram::begin(random, job);
+        random_program.turn_on(4_000.0);
         for _ in 0..random.usize(5..20) {
             match random.u8(..8) {
-                0 => story.rise(random, Slash::None),
-                1..=4 => story.across(random, [0.2, 12.0], Slash::None),
-                _ => story.arc(random, job, (0, 0.0), Slash::None),
+                0 => random_program.rise(random, Slash::None),
+                1..=4 => random_program.across(random, [0.2, 12.0], Slash::None),
+                _ => random_program.arc(random, job, (0, 0.0), Slash::None),
             }
         }
-        story.end()
+        random_program.end()
     }
 
     /// The program with `%` and end.
@@ -122,18 +122,19 @@ impl Story {
         let operator_speeds =
             [0, 1].map(|place| job.tool(place).filter(|tool| tool.is_set_by_operator).map(|tool| tool.spindle));
         let lines = ["%", "O1", "G21G17G90G94G40G49"].map(String::from).to_vec();
-        let mut story = Story { lines, moves: Vec::new(), state, is_deleting: job.is_deleting, operator_speeds };
+        let mut random_program =
+            RandomProgram { lines, moves: Vec::new(), state, is_deleting: job.is_deleting, operator_speeds };
         if job.has_number && random.bool() {
-            story.lines.push(format!("T{}M6", TOOL_NUMBERS[0]));
-            (story.state.is_on, story.state.tool) = (Some(false), Some(0));
+            random_program.lines.push(format!("T{}M6", TOOL_NUMBERS[0]));
+            (random_program.state.is_on, random_program.state.tool) = (Some(false), Some(0));
         }
         if random.u8(..8) > 0 {
-            story.turn_on(f64::from(random.u32(2_000..8_000)));
+            random_program.turn_on(f64::from(random.u32(2_000..8_000)));
         }
         let [x, y] = [0; 2].map(|_| round(between(random, -40.0, 40.0), 4));
-        story.state.at = [x, y, 0.0];
-        story.lines.push(format!("G0X{x:.4}Y{y:.4}Z0.0"));
-        story
+        random_program.state.at = [x, y, 0.0];
+        random_program.lines.push(format!("G0X{x:.4}Y{y:.4}Z0.0"));
+        random_program
     }
 
     fn end(mut self) -> Self {

@@ -16,7 +16,7 @@ use arcfeed_shared::units::{Nm, S_PER_MIN};
 use arcfeed_tests::Scratch;
 
 use crate::feed_bounds::jobs::RandomJob;
-use crate::feed_bounds::programs::Story;
+use crate::feed_bounds::programs::RandomProgram;
 use crate::feed_bounds::truth::{self, Moment, distance, in_plane};
 
 /// Largest error of a path length by rounding its two ends to nanometres.
@@ -80,11 +80,11 @@ struct Governing {
 ///
 /// # Errors
 /// The first moment that is too fast.
-pub fn run(name: &str, job: &RandomJob, story: &Story) -> Result<Option<Figures>, String> {
+pub fn run(name: &str, job: &RandomJob, random_program: &RandomProgram) -> Result<Option<Figures>, String> {
     let scratch = Scratch::new(name);
-    scratch.write("program.nc", story.text());
+    scratch.write("program.nc", random_program.text());
     let file = JobFile::load(scratch.write("job.toml", job.toml()).as_ref()).map_err(|error| format!("{error:?}"))?;
-    let program = Program::parse_with(&file.program, story.text().as_bytes(), file.nc, file.tables);
+    let program = Program::parse_with(&file.program, random_program.text().as_bytes(), file.nc, file.tables);
     if program.has_errors() {
         return Ok(None);
     }
@@ -101,7 +101,7 @@ pub fn run(name: &str, job: &RandomJob, story: &Story) -> Result<Option<Figures>
     let mut simulation = simulation.map_err(|error| format!("{error:?}"))?;
     simulation.set_planned_conditions(foreseen(&program, &adapted));
     let mut figures =
-        Figures { programs: 1, blocks: story.moves.iter().flatten().count() as u32, ..Figures::default() };
+        Figures { programs: 1, blocks: random_program.moves.iter().flatten().count() as u32, ..Figures::default() };
     let mut last: Option<At> = None;
     let mut moved_ms = 0;
     for ms in 0..RUN_MAX_MS {
@@ -121,7 +121,7 @@ pub fn run(name: &str, job: &RandomJob, story: &Story) -> Result<Option<Figures>
                 by_plan: is_governed,
                 by_controller: job.mode != "rewrite-only" && simulation.rule().is_some(),
             };
-            let excess = look(job, story, [&last, &now], &governing);
+            let excess = look(job, random_program, [&last, &now], &governing);
             excess.map_or(Ok(()), |excess| {
                 let At { sequence, tool, .. } = now;
                 Err(format!("N{sequence} at {tool:.3?}: {excess}\n{}", String::from_utf8_lossy(&adapted.text)))
@@ -163,8 +163,13 @@ fn place(simulation: &Simulation, last: Option<&At>) -> Option<At> {
 }
 
 /// Violation within a millisecond of a move.
-fn look(job: &RandomJob, story: &Story, [last, now]: [&At; 2], governing: &Governing) -> Option<String> {
-    let Some(Some(of)) = now.sequence.checked_sub(1).and_then(|index| story.moves.get(index)) else {
+fn look(
+    job: &RandomJob,
+    random_program: &RandomProgram,
+    [last, now]: [&At; 2],
+    governing: &Governing,
+) -> Option<String> {
+    let Some(Some(of)) = now.sequence.checked_sub(1).and_then(|index| random_program.moves.get(index)) else {
         return Some("the program has no such move".into());
     };
     let path_mm = match of.arc {

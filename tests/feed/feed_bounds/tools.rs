@@ -9,7 +9,7 @@ use arcfeed_tests::{Scratch, of_full_set};
 use fastrand::Rng;
 
 use crate::feed_bounds::jobs::{LAWS, RandomJob, TOOL_NUMBERS};
-use crate::feed_bounds::programs::Story;
+use crate::feed_bounds::programs::RandomProgram;
 
 fn adapted(scratch: &Scratch, name: &str, job: &str, program: &str) -> Adapted {
     let file = JobFile::load(scratch.write(name, job).as_ref()).unwrap_or_else(|error| panic!("{error:?}\n{job}"));
@@ -30,8 +30,8 @@ fn each_block_of_a_program_is_governed_as_by_a_job_for_its_tool_alone() {
     for program in 0..programs {
         let mut random = Rng::with_seed(9_000 + program);
         let job = RandomJob::sample(&mut random, LAWS[program as usize % LAWS.len()]).with_second_tool(&mut random);
-        let story = Story::of_everything(&mut random, &job);
-        let text = story.text();
+        let random_program = RandomProgram::of_everything(&mut random, &job);
+        let text = random_program.text();
         let both = adapted(&scratch, "job.toml", &job.toml(), &text);
         let alone = [0, 1].map(|place| adapted(&scratch, "alone.toml", &job.toml_of_one(place), &text));
         let by_line = |adapted: &Adapted| -> HashMap<usize, PlannedBlock> {
@@ -39,7 +39,7 @@ fn each_block_of_a_program_is_governed_as_by_a_job_for_its_tool_alone() {
         };
         let alone = alone.each_ref().map(by_line);
         for block in &both.blocks {
-            let of_move = |n: i64| story.moves.get(n as usize - 1).copied().flatten();
+            let of_move = |n: i64| random_program.moves.get(n as usize - 1).copied().flatten();
             let Some(of) = block.segment.sequence.and_then(of_move) else { continue };
             let expected = of.tool.and_then(|place| alone[place].get(&block.line));
             // The law of the next block also decides whether an F would leak into it.

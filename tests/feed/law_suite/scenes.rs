@@ -35,7 +35,7 @@ impl Scene for RingScene {
                 Stock::Disc { center_mm: place(*center_mm), radius_mm: view.scale * (radius_mm + grown) }
             }
             // [`EngagedTableScene`]'s.
-            told => told.clone(),
+            given => given.clone(),
         };
         RingScene {
             stock,

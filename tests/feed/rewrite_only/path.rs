@@ -74,7 +74,7 @@ fn the_machine_runs_the_same_path_to_the_same_ends() {
         } else {
             across = across.max(worst);
         }
-        // A flat helix in inches cannot be told better than half an increment across its plane: 1.27 um.
+        // A flat helix in inches cannot be written better than half an increment across its plane: 1.27 um.
         let bound = if spelled.flat || spelled.unit == LengthUnit::Mm { 1e-3 } else { 1.5e-3 };
         assert!(worst < bound, "seed {seed}: {worst} mm apart\n{}", spelled.text);
     }

@@ -148,7 +148,7 @@ fn invalid_or_stale_frames_change_nothing_and_are_counted_until_five_in_a_row() 
     assert_eq!(bench.silence(20).reason, Reason::Law);
     assert_eq!(bench.silence(30).reason, Reason::Stale);
     bench.position.age = Span(0);
-    assert_eq!(bench.tick().reason, Reason::Law, "a short gap needs nobody");
+    assert_eq!(bench.tick().reason, Reason::Law, "a short gap needs no person");
 }
 
 #[test]

@@ -225,8 +225,8 @@ fn walk(seed: u64, limits: OverrideLimits) -> BTreeSet<(&'static str, &'static s
     for step in 0..STEPS {
         change_settings(&mut bench, &mut random);
         let now = bench.tick();
-        let told = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| judge.judge(&bench, &now)));
-        assert!(told.is_ok(), "seed {seed:#x}, step {step}: {:?} after {:?}\n{bench:#?}", now, judge.before);
+        let judged = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| judge.judge(&bench, &now)));
+        assert!(judged.is_ok(), "seed {seed:#x}, step {step}: {:?} after {:?}\n{bench:#?}", now, judge.before);
     }
     let (arrows, running) = (judge.arrows.len(), judge.running_ticks);
     println!("seed {seed:#x}: {STEPS} steps, {running} running, {arrows} arrows, {:?}", bench.memory.counters());

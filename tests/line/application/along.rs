@@ -24,7 +24,7 @@ const ARCS: u8 = 0x26;
 const SEGMENT: u8 = 0x20;
 
 /// Data that a host sends.
-struct Told {
+struct HostData {
     job: Job,
     moves: Vec<(Segment, Option<usize>)>,
     arcs: Vec<Option<EngagedTable>>,
@@ -53,8 +53,8 @@ fn rule(like: &CutRule, stock: Stock) -> CutRule {
     CutRule { work: Work::Ring(Edge::Outer, stock), ..like.clone() }
 }
 
-/// The example's moves, each governed one by one of the tables; the tables in rules, or told with the moves.
-fn told(is_along: bool) -> Told {
+/// The example's moves, each governed one by one of the tables; the tables in rules, or sent with the moves.
+fn host_data(is_along: bool) -> HostData {
     let run = ibr_slot();
     let (tables, like) = (tables(), &run.job.rules[0]);
     let rules = match is_along {
@@ -71,13 +71,13 @@ fn told(is_along: bool) -> Told {
         moves.push((*segment, index.map(|index| if is_along { 0 } else { index })));
         arcs.push(index.filter(|_| is_along).map(|index| tables[index].clone()));
     }
-    Told { job, moves, arcs }
+    HostData { job, moves, arcs }
 }
 
-fn world(told: &Told, latency_ms: u64, lost_per_mille: u64) -> World {
+fn world(data: &HostData, latency_ms: u64, lost_per_mille: u64) -> World {
     let channels = [1, 2].map(|seed| Channel::new(latency_ms, lost_per_mille, seed));
-    let mut world = World::new(&told.job, &told.moves, channels);
-    world.host.tell_along(&told.arcs);
+    let mut world = World::new(&data.job, &data.moves, channels);
+    world.host.add_engagement(&data.arcs);
     world.arm();
     world
 }
@@ -96,38 +96,38 @@ fn trace(mut world: World) -> Vec<u8> {
 }
 
 #[test]
-fn arcs_told_with_each_move_give_the_overrides_of_the_same_arcs_in_rules() {
-    let in_rules = trace(world(&told(false), 0, 0));
-    let along = told(true);
+fn arcs_sent_with_each_move_give_the_overrides_of_the_same_arcs_in_rules() {
+    let in_rules = trace(world(&host_data(false), 0, 0));
+    let along = host_data(true);
     let found = trace(world(&along, 0, 0));
     let first = (0..found.len()).find(|at| found[*at] != in_rules[*at]);
     assert_eq!(first, None, "the first tick with another override");
     let mut values: Vec<u8> = found.clone();
     values.sort_unstable();
     values.dedup();
-    let told = along.arcs.iter().flatten().map(|table| table.knots().len());
-    println!("{} ticks, {} knots told, {} overrides", found.len(), told.sum::<usize>(), values.len());
+    let knots = along.arcs.iter().flatten().map(|table| table.knots().len());
+    println!("{} ticks, {} knots sent, {} overrides", found.len(), knots.sum::<usize>(), values.len());
     assert!(values.len() > 50, "the tables govern: {values:?}");
     assert!(trace(world(&along, 20, 50)) == in_rules, "a slow line that loses every twentieth frame");
 }
 
 #[test]
 fn a_move_that_waits_for_room_keeps_its_arcs() {
-    let mut flooded = world(&told(true), 0, 0);
+    let mut flooded = world(&host_data(true), 0, 0);
     flooded.host.say_all_moves();
-    assert!(trace(flooded) == trace(world(&told(false), 0, 0)));
+    assert!(trace(flooded) == trace(world(&host_data(false), 0, 0)));
 }
 
 #[test]
 fn without_arcs_a_move_of_such_a_rule_has_no_law() {
-    let along = told(true);
-    let silent = Told { arcs: vec![None; along.arcs.len()], ..along };
+    let along = host_data(true);
+    let silent = HostData { arcs: vec![None; along.arcs.len()], ..along };
     assert!(trace(world(&silent, 0, 0)).iter().all(|percent| *percent == 100));
 }
 
-/// A board with the set of these rules, and with nothing to do: 0 has its arcs told with each move, 1 has a shape.
+/// A board with the set of these rules, and with nothing to do: 0 gets its arcs with each move, 1 has a shape.
 fn ready() -> World {
-    let mut world = World::new(&told(true).job, &[], [1, 2].map(|seed| Channel::new(0, 0, seed)));
+    let mut world = World::new(&host_data(true).job, &[], [1, 2].map(|seed| Channel::new(0, 0, seed)));
     world.until("the parameters", |world| world.host.is_accepted);
     world
 }
@@ -138,7 +138,7 @@ fn arcs(travelled_mm: i64, to: i16) -> Message {
 
 fn segment(count: u32, rule: Option<u8>) -> Message {
     let segment = ibr_slot().segments.iter().find(|segment| segment.arc().is_some()).expect("an arc");
-    moves::encode(segment, count, rule).expect("it can be told").into()
+    moves::encode(segment, count, rule).expect("it can be encoded").into()
 }
 
 fn say(world: &mut World, messages: &[Message]) -> Vec<(u8, RefusalCode)> {
@@ -186,11 +186,11 @@ fn a_new_run_a_new_set_and_a_new_session_forget_arcs() {
     let mut world = ready();
     assert_eq!(say(&mut world, &[arcs(0, 8_100), table::Clear {}.into(), segment(5, Some(1))]), []);
     let mut set = vec![arcs(0, 8_100)];
-    parameters::messages(&told(true).job, 9, &mut |message| set.push(message)).expect("a job");
+    parameters::messages(&host_data(true).job, 9, &mut |message| set.push(message)).expect("a job");
     set.push(segment(5, None));
     assert_eq!(say(&mut world, &set), []);
     assert_eq!(say(&mut world, &[arcs(0, 8_100)]), []);
-    world.host = Host::new(2, &told(true).job, &[]);
+    world.host = Host::new(2, &host_data(true).job, &[]);
     world.host.is_silent = true;
     world.run(200);
     let early = [arcs(0, 8_100), segment(1, Some(0))];
@@ -199,7 +199,7 @@ fn a_new_run_a_new_set_and_a_new_session_forget_arcs() {
 }
 
 #[test]
-fn a_tapped_board_is_told_none() {
+fn a_tapped_board_receives_none() {
     let mut world = ready();
     world.host = Host::new(2, &ibr_slot().job, &[]);
     world.host.is_silent = true;

@@ -53,7 +53,7 @@ fn send_set(world: &mut World, set: u32) -> Vec<(u8, RefusalCode)> {
 
 fn segment(count: u32) -> table::Segment {
     let (segment, rule) = all_moves()[count as usize - 1];
-    moves::encode(&segment, count, rule.map(|rule| rule as u8)).expect("it can be told")
+    moves::encode(&segment, count, rule.map(|rule| rule as u8)).expect("it can be encoded")
 }
 
 const COMMIT: u8 = 0x1C;
@@ -156,15 +156,15 @@ fn a_button_at_the_board_arms_as_well() {
 }
 
 #[test]
-fn settings_are_told_and_set_one_by_one_but_not_under_the_laws() {
+fn settings_are_reported_and_set_one_by_one_but_not_under_the_laws() {
     let mut world = world(0);
     world.until("the parameters", |world| world.host.is_accepted);
     let set = |setting, value| table::SetSetting { setting, value };
     assert_eq!(say(&mut world, set(SettingCode::LinkLost, 150_000)), []);
-    let told = table::Setting { setting: SettingCode::LinkLost, value: 150_000 };
-    assert_eq!(world.host.others.pop(), Some(told.into()));
+    let expected = table::Setting { setting: SettingCode::LinkLost, value: 150_000 };
+    assert_eq!(world.host.others.pop(), Some(expected.into()));
     assert_eq!(say(&mut world, table::AskSetting { setting: SettingCode::LinkLost }), []);
-    assert_eq!(world.host.others.pop(), Some(told.into()));
+    assert_eq!(world.host.others.pop(), Some(expected.into()));
     assert_eq!(say(&mut world, set(SettingCode::LinkLost, 1)), [(SET_SETTING, RefusalCode::Value)]);
     world.arm();
     assert_eq!(say(&mut world, set(SettingCode::LinkLost, 200_000)), [(SET_SETTING, RefusalCode::Busy)]);
@@ -226,7 +226,7 @@ fn a_host_that_comes_and_goes_at_a_tapped_line_looks_on_and_changes_nothing() {
     world.host.is_silent = true;
     world.board = crate::application::world::Board::supplied(Supply::Tap, 1, None);
     let handler = world.board.host_link.handler_mut();
-    let page = page::write(&run.job, Tapped::default()).expect("a board can be told the job");
+    let page = page::write(&run.job, Tapped::default()).expect("the job can be encoded");
     handler.load_page(&page, 7).expect("the job is sound");
     let (first, rule) = all_moves()[0];
     let rule = rule.map(|rule| &run.job.rules[rule]);
@@ -240,7 +240,7 @@ fn a_host_that_comes_and_goes_at_a_tapped_line_looks_on_and_changes_nothing() {
     world.until("the arming", |world| output(world).state.is_engaged());
     world.host.link.close();
     world.run(1_000);
-    assert!(output(&world).state.is_engaged(), "nobody at the link is missed");
+    assert!(output(&world).state.is_engaged(), "a missing host is no loss");
     assert_eq!(world.board.host_link.handler().report().expect("a report").in_work, Some(1));
 }
 

@@ -1,4 +1,4 @@
-//! A line that gives back for ever what it carried before: its frames are whole and of this session, and nobody lives behind them.
+//! A line that gives back for ever what it carried before: its frames are whole and of this session, and no host sends them.
 
 use arcfeed_firmware::supervisor::input::Source;
 use arcfeed_firmware::supervisor::report::Alarm;
@@ -26,7 +26,7 @@ fn a_host_that_is_only_a_recording_is_lost_within_the_time_of_a_silence() {
     println!("noticed after {ticks} ms");
     assert!(matches!(output.state, State::Fallback { source: Source::Link, .. }), "{output:?}");
     assert!(ticks <= NOTICED_MS && output.alarm == Alarm::Latched, "{ticks} {output:?}");
-    // For as long as it lasts: nobody arms, and the override is the fallback's.
+    // For as long as it lasts: no person arms, and the override is the fallback's.
     world.run(5_000);
     let output = world.output.expect("it ticks");
     assert!(matches!(output.state, State::Fallback { .. }) && output.feed_override.percent == 100, "{output:?}");

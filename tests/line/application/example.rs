@@ -1,4 +1,4 @@
-//! The example job over the link: the same overrides as when the controller is told each block.
+//! The example job over the link: the same overrides as with a controller that is notified of each block.
 
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::controller;
@@ -69,7 +69,7 @@ fn compare(run: &Recording, found: &[u8]) -> (usize, u8, usize) {
 }
 
 #[test]
-fn over_the_link_the_overrides_are_those_of_the_segments_told_directly() {
+fn over_the_link_the_overrides_are_those_of_segments_given_directly() {
     let run = ibr_slot();
     let (found, world) = over_the_link(run, 0, 0);
     let direct = without_a_link(run);
@@ -91,7 +91,7 @@ fn where_the_position_finds_the_blocks_the_overrides_differ_by_little_and_only_a
         found.len()
     );
     assert!(ticks * 1_000 < found.len(), "{ticks} of {}", found.len());
-    assert!(found.iter().zip(&run.ticks).all(|(found, (_, told, _))| *found <= told + 1));
+    assert!(found.iter().zip(&run.ticks).all(|(found, (_, expected, _))| *found <= expected + 1));
 }
 
 #[test]

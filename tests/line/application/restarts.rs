@@ -102,7 +102,7 @@ impl UnderWay {
     }
 }
 
-/// When the board noticed that its host is another one, on a line as bad as told until then; the rest is asserted.
+/// When the board noticed that its host is another one, on a line with the given faults until then; the rest is asserted.
 fn host_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     let mut way = UnderWay::new(seed);
     let was_engaged = way.state().is_engaged();
@@ -125,7 +125,7 @@ fn host_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     // The new host sends its set and its segments, and arms nothing.
     for _ in 0..AFTER {
         let percent = way.step();
-        assert!(!way.state().is_engaged(), "armed by nobody");
+        assert!(!way.state().is_engaged(), "armed without a person");
         assert!(percent <= last.max(100), "{last} to {percent} %");
         last = percent;
     }
@@ -144,7 +144,7 @@ fn host_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     noticed
 }
 
-/// When the host noticed that its board is another one, on a line as bad as told until then; the rest is asserted.
+/// When the host noticed that its board is another one, on a line with the given faults until then; the rest is asserted.
 fn board_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     let mut way = UnderWay::new(seed);
     let (is_bitten, since) = (seed.is_multiple_of(3), way.world.now);

@@ -69,31 +69,31 @@ fn run_through(seed: u64, run: &'static Recording) -> Outcome {
         let (position, _, begun) = run.ticks.get(start + tick).copied().unwrap_or(run.ticks[run.ticks.len() - 1]);
         world.sensors = standing(position, run.job.tools.first().spindle);
         let output = world.step();
-        let told = || format!("seed {seed}, tick {tick}: {before:?}, {output:?}");
+        let context = || format!("seed {seed}, tick {tick}: {before:?}, {output:?}");
         let (percent, last) = (output.feed_override.percent, before.feed_override.percent);
-        assert!(percent <= 200, "{}", told());
+        assert!(percent <= 200, "{}", context());
         // 50 %/s; a block's beginning may bring the same feed by another override, while the laws have it.
-        assert!(percent <= last + 1 || output.state == State::Running, "{}", told());
+        assert!(percent <= last + 1 || output.state == State::Running, "{}", context());
         outcome.losses += u32::from(before.state.is_engaged() && !output.state.is_engaged());
         let age = world.board.host_link.link().age(world.now);
         if output.state.is_engaged() {
-            assert!(age <= Span::from_ms(251), "{}", told());
+            assert!(age <= Span::from_ms(251), "{}", context());
             outcome.stalest_ms = outcome.stalest_ms.max((Micros(u64::from(age.0)).to_s() * 1e3) as u32);
         } else if age > KEEP && last != 100 {
-            assert!(percent.abs_diff(100) <= last.abs_diff(100), "{}", told());
+            assert!(percent.abs_diff(100) <= last.abs_diff(100), "{}", context());
         }
         let report = world.board.host_link.handler().report().expect("a report");
         if let Some(count) = report.in_work {
-            assert!(count >= in_work && count <= in_work + 1, "{count} behind {in_work}, {}", told());
+            assert!(count >= in_work && count <= in_work + 1, "{count} behind {in_work}, {}", context());
             in_work = count;
         }
         let executed = world.board.task.executed();
-        assert!(first + executed as usize <= begun, "{executed} done, {begun} begun, {}", told());
+        assert!(first + executed as usize <= begun, "{executed} done, {begun} begun, {}", context());
         outcome.executed = executed;
         before = output;
     }
     assert_eq!(world.host.refusals, [], "seed {seed}");
-    // Nobody has armed it again.
+    // No person has armed it again.
     assert!(outcome.losses == 0 || !before.state.is_engaged(), "seed {seed}");
     outcome
 }

@@ -1,4 +1,4 @@
-//! A host, a line, a board, a machine that stands or moves as told; time passes by the tick.
+//! A host, a line, a board, a machine that stands or moves as given; time passes by the tick.
 
 use std::collections::VecDeque;
 
@@ -148,8 +148,8 @@ impl Host {
     /// A host that will send this job and these segments once its link is up.
     pub fn new(session: u32, job: &Job, segments: &[(Segment, Option<usize>)]) -> Self {
         let message = |(count, (segment, rule)): (u32, &(Segment, Option<usize>))| {
-            let told = moves::encode(segment, count, rule.map(|rule| rule as u8));
-            vec![told.expect("the example's moves can be told").into()]
+            let encoded = moves::encode(segment, count, rule.map(|rule| rule as u8));
+            vec![encoded.expect("the example's moves can be encoded").into()]
         };
         Host {
             link: Link::new(link_settings(Role::Host), session).expect("the settings work"),
@@ -215,17 +215,17 @@ impl Host {
         let (Some(report), Some(before), true) = (self.report, self.executed_before, self.is_accepted) else { return };
         let ahead = self.sent.wrapping_sub(report.executed.wrapping_sub(before));
         for _ in ahead..AHEAD as u32 - 1 {
-            let Some(told) = self.segments.pop_front() else { return };
+            let Some(messages) = self.segments.pop_front() else { return };
             self.sent += 1;
-            self.outbox.extend(told);
+            self.outbox.extend(messages);
         }
     }
 
     /// Puts its engaged arcs, where it has some, before each move.
-    pub fn tell_along(&mut self, arcs: &[Option<EngagedTable>]) {
-        for (told, table) in self.segments.iter_mut().zip(arcs) {
+    pub fn add_engagement(&mut self, arcs: &[Option<EngagedTable>]) {
+        for (messages, table) in self.segments.iter_mut().zip(arcs) {
             let knots = table.iter().flat_map(|table| table.knots());
-            told.splice(..0, knots.map(|knot| moves::encode_arcs(knot).expect("it can be told").into()));
+            messages.splice(..0, knots.map(|knot| moves::encode_arcs(knot).expect("it can be encoded").into()));
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! What such a line allows, of the invariants one would like:
 //!
-//! - I1: what was executed is the program, or the beginning of it and somebody was told (an alarm, an error of the sender, a
+//! - I1: what was executed is the program, or the beginning of it and the fault was noticed (an alarm, an error of the sender, a
 //!   program that does not end). It holds where the line, its parity or the TV check can see the fault.
 //! - I3: never more than ten characters after DC3, but where DC3 itself was lost or late: then the control says PS0087.
 //! - I4, I5: nothing leaves after the line failed, and nothing goes on by itself.
@@ -33,11 +33,11 @@ const CHECKS: [Check; 3] = [Check::None, Check::Parity, Check::ParityAndTv];
 enum Verdict {
     /// The program was executed.
     Whole,
-    /// A beginning of it was, and somebody was told.
+    /// A beginning of the program was executed, and the fault was noticed.
     Stopped,
-    /// Something else was, and somebody was told, too late for that block.
-    ToldLate,
-    /// Something else was, and nobody knows.
+    /// Something else was executed, and the fault was noticed too late for that block.
+    NoticedLate,
+    /// Something else was executed, unnoticed.
     Unnoticed,
 }
 
@@ -51,14 +51,14 @@ fn run(text: &str, check: Check, schedule: &Schedule) -> (Verdict, Outcome) {
     outcome.line.run_out();
     let executed = of_code(outcome.line.control.executed().iter().cloned());
     let wanted = blocks(&sent);
-    let is_told = outcome.error.is_some()
+    let is_noticed = outcome.error.is_some()
         || outcome.line.control.alarm().is_some()
         || matches!(outcome.state, State::Failed(_))
         || !outcome.line.control.has_ended();
-    let verdict = match (executed == wanted, wanted.starts_with(&executed), is_told) {
+    let verdict = match (executed == wanted, wanted.starts_with(&executed), is_noticed) {
         (true, ..) => Verdict::Whole,
         (false, true, true) => Verdict::Stopped,
-        (false, false, true) => Verdict::ToldLate,
+        (false, false, true) => Verdict::NoticedLate,
         (false, _, false) => Verdict::Unnoticed,
     };
     (verdict, outcome)
@@ -87,7 +87,7 @@ fn case(seed: u64, kind: Kind, check: Check) -> (String, Schedule) {
 /// Message if a run violates a required property.
 fn breaks(text: &str, kind: Kind, check: Check, schedule: &Schedule) -> Option<String> {
     let (verdict, outcome) = run(text, check, schedule);
-    if is_seen(kind, check) && matches!(verdict, Verdict::Unnoticed | Verdict::ToldLate) {
+    if is_seen(kind, check) && matches!(verdict, Verdict::Unnoticed | Verdict::NoticedLate) {
         return Some(format!("{verdict:?}"));
     }
     let after = outcome.line.control.line_counters().max_bytes_after_xoff;
@@ -120,7 +120,7 @@ fn what_the_line_can_see_is_never_passed_over() {
             counts.entry((kind, check)).or_default()[verdict as usize] += 1;
         }
     }
-    println!("{} schedules; whole, stopped, told late, unnoticed:", cases * 3 * KINDS.len() as u64);
+    println!("{} schedules; whole, stopped, noticed late, unnoticed:", cases * 3 * KINDS.len() as u64);
     for ((kind, check), [whole, stopped, late, unnoticed]) in &counts {
         println!("{kind:?} {check:?}: {whole} {stopped} {late} {unnoticed}");
     }
@@ -160,7 +160,7 @@ fn what_comes_back_from_the_control_shows_every_change() {
             |block: &Vec<u8>| block.iter().copied().filter(|byte| block.contains(&b'(') || *byte != b' ').collect();
         blocks.iter().map(is_kept).collect()
     };
-    let (mut runs, mut altered, mut refused, mut told) = (0, 0, 0, 0);
+    let (mut runs, mut altered, mut refused, mut reported) = (0, 0, 0, 0);
     let kinds = KINDS.into_iter().filter(|kind| !kind.is_of_the_line());
     for (kind, check) in kinds.flat_map(|kind| CHECKS.map(|check| (kind, check))) {
         for seed in 0..of_full_set(200, 10) {
@@ -173,25 +173,25 @@ fn what_comes_back_from_the_control_shows_every_change() {
                 verdict == Verdict::Unnoticed && without_blanks(&executed) != without_blanks(&blocks(&sent));
             altered += u32::from(is_altered);
             let settings = control(check, 19_200);
-            let is_told = match stored_and_punched(&settings, &outcome.line.arrived) {
+            let is_noticed = match stored_and_punched(&settings, &outcome.line.arrived) {
                 None => {
                     refused += 1;
                     true
                 }
                 Some(back) => {
                     let differs = back.compare(&sent).is_err();
-                    told += u32::from(differs);
+                    reported += u32::from(differs);
                     differs
                 }
             };
-            assert!(is_told || !is_altered, "{kind:?}, {check:?}, seed {seed}: {schedule:?}\n{text}");
+            assert!(is_noticed || !is_altered, "{kind:?}, {check:?}, seed {seed}: {schedule:?}\n{text}");
         }
     }
     println!(
-        "read-back of {runs} programs: {refused} refused when stored, {told} differences told; of {altered} that are executed as \
-         something else without a word: 0 not told"
+        "read-back of {runs} programs: {refused} refused when stored, {reported} differences reported; of {altered} that are executed as \
+         something else without a message: 0 not reported"
     );
-    assert!(told > 0 && altered > 0);
+    assert!(reported > 0 && altered > 0);
 }
 
 #[test]

@@ -71,7 +71,7 @@ fn a_dc1_that_is_lost_ends_in_words() {
 }
 
 #[test]
-fn a_line_that_is_too_slow_is_told_before_and_found_as_told() {
+fn waits_of_a_slow_line_are_predicted() {
     let scratch = Scratch::new("slow");
     let job = job(&scratch);
     for (baudrate, is_slow) in [("150", true), ("300", true), ("9600", false)] {
@@ -79,15 +79,18 @@ fn a_line_that_is_too_slow_is_told_before_and_found_as_told() {
         let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
         let report: Value = serde_json::from_slice(&output.stdout).expect("the report");
         let found_s = report["link"]["starved_ms"].as_f64().expect("a number") / 1e3;
-        let told = stderr
+        let predicted = stderr
             .split(" s in all")
             .next()
             .and_then(|text| text.rsplit(' ').next())
             .and_then(|text| text.parse().ok());
-        println!("{baudrate} baud: {told:?} s told, {found_s} s found");
-        assert_eq!((told.is_some(), found_s > 0.0), (is_slow, is_slow), "{stderr}");
-        let told: f64 = told.unwrap_or(0.0);
-        assert!((found_s - told).abs() <= 0.05 * found_s, "{baudrate} baud: {told} s told, {found_s} s found");
+        println!("{baudrate} baud: {predicted:?} s predicted, {found_s} s found");
+        assert_eq!((predicted.is_some(), found_s > 0.0), (is_slow, is_slow), "{stderr}");
+        let predicted: f64 = predicted.unwrap_or(0.0);
+        assert!(
+            (found_s - predicted).abs() <= 0.05 * found_s,
+            "{baudrate} baud: {predicted} s predicted, {found_s} s found"
+        );
     }
 }
 
@@ -157,7 +160,7 @@ fn the_control_reports_where_it_is_and_the_file_stays_as_it_is() {
 }
 
 #[test]
-fn reports_over_a_line_that_tells_nothing_else_reach_the_journal_and_a_restart() {
+fn reports_over_a_line_reach_the_journal_and_a_restart() {
     let scratch = Scratch::new("reports-line");
     let job = reporting(&scratch);
     let serve = ["serve", &job, "--tcp", "127.0.0.1:0", "--once", "--speed", "10"];
@@ -169,7 +172,7 @@ fn reports_over_a_line_that_tells_nothing_else_reach_the_journal_and_a_restart()
     assert!(said.contains("6 of 6 as the program has it, it has read up to line 52"), "{said}");
     let journal = std::fs::read_to_string(scratch.path("job.journal")).expect("a journal");
     assert!(journal.contains(" executed blocks=") && journal.contains("stands=0"), "{journal}");
-    assert!(!journal.contains("stands=1"), "how far it is now nobody knows");
+    assert!(!journal.contains("stands=1"), "the present position is unknown");
     drop(server);
     let mut server = Running::start(&scratch, "cut", &serve);
     let port = server.line("port: ");

@@ -70,7 +70,7 @@ impl Line {
         }
     }
 
-    fn listen(&mut self) {
+    fn receive(&mut self) {
         while let Some(byte) = self.control.port().poll_transmit() {
             let at = self.heard;
             self.said.push((self.now, byte & 0x7F, self.control.line_counters().bytes));
@@ -150,7 +150,7 @@ impl Line {
         if self.fed.0 != self.control.executed().len() {
             self.fed = (self.control.executed().len(), self.control.starved_ms());
         }
-        self.listen();
+        self.receive();
     }
 }
 

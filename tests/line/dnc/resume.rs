@@ -1,5 +1,5 @@
 //! The sender ends at any point, by a kill or a cut line, and the program is taken up from its journal: no cutting block is
-//! left out or cut again without being told, and the control's modal state is the one it would have had.
+//! left out or cut again without a message, and the control's modal state is the one it would have had.
 
 use arcfeed::dnc::functions::Functions;
 use arcfeed::dnc::journal::{How, Record, Start, first_line, line as record_line, read};
@@ -103,11 +103,11 @@ fn check(text: &str, sent: &Transmission, broken: Broken, aside: usize, what: &s
     let arrived = broken.line.arrived.len();
     assert!(
         (history.sent[0]..=history.sent[1]).contains(&arrived),
-        "{what}: {arrived} arrived, told {:?}",
+        "{what}: {arrived} arrived, reported {:?}",
         history.sent
     );
     let known = history.executed.map(|_| broken.line.control.executed().len());
-    assert!(history.executed <= known, "{what}: {:?} executed, told {:?}", known, history.executed);
+    assert!(history.executed <= known, "{what}: {:?} executed, reported {:?}", known, history.executed);
     // The operator sees at the control the block that was started last.
     let seen = sent.line_of_block(broken.line.control.executed().len().max(1)).unwrap_or(1);
     // Mostly there, sometimes elsewhere.
@@ -121,7 +121,7 @@ fn check(text: &str, sent: &Transmission, broken: Broken, aside: usize, what: &s
             return false;
         }
     };
-    assert_told(text, &plan, seen, what);
+    assert_reported(text, &plan, seen, what);
     // The rest goes to a control fresh from power-on.
     let rest = sent.resumed(&plan.preamble(), plan.index, &wire(Check::Parity)).expect("our blocks are in the code");
     let line = Line::new(*settings, STEP, Micros(0), &Schedule::default());
@@ -155,7 +155,7 @@ fn check(text: &str, sent: &Transmission, broken: Broken, aside: usize, what: &s
 }
 
 /// Cutting blocks that come again or do not come are in the plan, counted by another reading of the program.
-fn assert_told(text: &str, plan: &Plan, seen: usize, what: &str) {
+fn assert_reported(text: &str, plan: &Plan, seen: usize, what: &str) {
     let cuts = cutting_lines(text);
     let count = |from: usize, to: usize| {
         let among = cuts.get(from..to.min(cuts.len())).unwrap_or_default();
@@ -227,7 +227,7 @@ fn a_line_cut_anywhere_is_taken_up_without_a_secret() {
 }
 
 #[test]
-fn half_a_block_in_a_control_that_nobody_reset_never_moves() {
+fn half_a_block_in_a_control_without_a_reset_never_moves() {
     let mut refused = 0;
     for seed in 0..20 {
         let (mut rng, text, sent, settings) = case(seed);

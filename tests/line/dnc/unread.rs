@@ -1,4 +1,4 @@
-//! `arcfeed` where nobody reads what it prints, or the disk behind it is full: what it sends goes on, and it never panics.
+//! `arcfeed` with unread output or a full disk: the sender continues, and never panics.
 
 use std::fs::File;
 use std::path::Path;
@@ -34,7 +34,7 @@ fn last_record(scratch: &Scratch) -> String {
 }
 
 #[test]
-fn a_program_is_sent_to_its_end_though_nobody_reads_stderr() {
+fn a_program_is_sent_to_its_end_although_stderr_is_not_read() {
     let scratch = Scratch::new("unread-stderr");
     let (journal, executed) = (scratch.path("journal"), scratch.path("executed.nc"));
     let stream = |port| ["stream", JOB, "--port", port, "--journal", &journal, "--executed", &executed, "--json"];
@@ -50,7 +50,7 @@ fn a_program_is_sent_to_its_end_though_nobody_reads_stderr() {
 }
 
 #[test]
-fn a_program_is_sent_to_its_end_though_nobody_reads_stdout() {
+fn a_program_is_sent_to_its_end_although_stdout_is_not_read() {
     let scratch = Scratch::new("unread-stdout");
     let journal = scratch.path("journal");
     for (stdout, code) in dead_ends().into_iter().zip([141, 1]) {
@@ -62,7 +62,7 @@ fn a_program_is_sent_to_its_end_though_nobody_reads_stdout() {
 }
 
 #[test]
-fn what_only_prints_ends_where_nobody_reads_it() {
+fn commands_that_only_print_end_when_their_output_is_not_read() {
     for arguments in [&["adapt", JOB, "--json"][..], &["check", "examples/ibr-slot/ibr-slot.nc"], &["simulate", JOB]] {
         for (stdout, code) in dead_ends().into_iter().zip([141, 1]) {
             let (status, err) = blind(arguments, None, Some(stdout));

@@ -135,7 +135,7 @@ fn starvation_is_predicted_and_found_where_predicted() {
             // Line index i (the label is line 0) is the block that waits when i - 1 blocks have been taken up.
             let [from, to] = [waits[0].blocks[0] - 1, waits[waits.len() - 1].blocks[1]];
             assert!(from <= *first + 1 && *last <= to + 1, "{baudrate} baud: {first} to {last} in {from} to {to}");
-            assert!((found_s / predicted_s - 1.0).abs() < 0.1, "{found_s} s, told {predicted_s} s");
+            assert!((found_s / predicted_s - 1.0).abs() < 0.1, "{found_s} s, predicted {predicted_s} s");
         }
     }
 }

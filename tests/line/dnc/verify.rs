@@ -1,4 +1,4 @@
-//! `arcfeed verify`: the control stores a program, punches it, and every change in between is told.
+//! `arcfeed verify`: the control stores a program, punches it, and every change in between is reported.
 
 use arcfeed_tests::{Running, Scratch, run};
 use serde_json::Value;
@@ -35,7 +35,7 @@ fn a_program_that_the_control_has_stored_is_found_to_be_what_was_sent() {
 }
 
 #[test]
-fn what_was_altered_on_the_way_is_told_with_its_place() {
+fn altered_blocks_are_reported_with_their_place() {
     let scratch = Scratch::new("verify-differs");
     let job = job(&scratch);
     let text = std::fs::read_to_string(&job).expect("text").replace("bytesize = 7", "bytesize = 8");

@@ -205,13 +205,13 @@ fn what_ports_prints_is_documented_and_the_command_prints_it() {
 }
 
 #[test]
-fn what_a_board_tells_is_documented() {
+fn output_of_a_board_is_documented() {
     let documented = Documented::read();
     let board = ServedBoard::start();
     for (title, arguments) in [("board info", &["info"][..]), ("board monitor", &["monitor", "--seconds", "1"])] {
-        let (code, told) = objects(&[&["board", &board.url], arguments].concat());
-        assert!(code == Some(0) && !told.is_empty(), "{title}: {code:?}");
-        told.iter().for_each(|object| documented.assert_fits(title, object));
+        let (code, printed) = objects(&[&["board", &board.url], arguments].concat());
+        assert!(code == Some(0) && !printed.is_empty(), "{title}: {code:?}");
+        printed.iter().for_each(|object| documented.assert_fits(title, object));
     }
 }
 

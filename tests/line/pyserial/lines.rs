@@ -109,7 +109,7 @@ fn a_port_that_speaks_no_telnet_is_refused_in_time() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let place = listener.local_addr().expect("an address");
     let started = Instant::now();
-    let error = opened(&format!("rfc2217://{place}?timeout=0.4")).err().expect("nobody answers").to_string();
+    let error = opened(&format!("rfc2217://{place}?timeout=0.4")).err().expect("no answer").to_string();
     assert!(error.contains("socket://"), "{error}");
     assert!((350..2_900).contains(&started.elapsed().as_millis()), "{:?}", started.elapsed());
 }
@@ -163,7 +163,7 @@ fn a_job_streamed_through_pyserials_server_is_executed_as_it_is() {
     let adapted = scratch.path("adapted.nc");
     assert!(run(&["adapt", JOB, "-o", &adapted]).status.success());
     let executed = scratch.path("served.nc");
-    // The control is twenty times as fast as its line: it takes all that comes, and nobody waits a minute.
+    // The control is twenty times as fast as its line: it accepts all characters, and the sender does not wait a minute.
     let serve = ["serve", JOB, "--pty", "--once", "--json", "--executed", &executed, "--speed", "20"];
     let mut control = Running::start(&scratch, "serve", &serve);
     let pty = control.line("port: ");

@@ -49,7 +49,7 @@ fn nothing_reliable_is_lost_doubled_or_reordered_and_no_value_outlives_its_time(
     let mut counts: BTreeMap<Kind, [u64; 5]> = BTreeMap::new();
     for (kind, seed) in KINDS.iter().flat_map(|kind| (0..seeds).map(move |seed| (*kind, seed))) {
         let mut sim = draw(kind, seed);
-        let is_up = end(&mut sim).unwrap_or_else(|what| panic!("{kind:?}, seed {seed}: {what}\n{}", sim.told()));
+        let is_up = end(&mut sim).unwrap_or_else(|what| panic!("{kind:?}, seed {seed}: {what}\n{}", sim.summary()));
         let count = counts.entry(kind).or_default();
         count[usize::from(!is_up)] += 1;
         count[2] += sim.ends.iter().map(|end| end.got).sum::<u64>();

@@ -6,7 +6,7 @@ use arcfeed_shared::wire::settings::{LinkSettings, Role};
 use arcfeed_tests::of_full_set;
 use fastrand::Rng;
 
-use crate::wire::sim::{End, Faults, Offering, SCHEMA, Sim, Way};
+use crate::wire::sim::{Direction, End, Faults, Offering, SCHEMA, Sim};
 
 const LATENCY_US: u64 = 2_000;
 /// Besides `lost_after`: the way, a frame on it, a step of each end.
@@ -14,7 +14,7 @@ const MORE_US: u64 = LATENCY_US + 25_000 + 1_000;
 
 fn working(rng: &mut Rng) -> Sim {
     let settings = LinkSettings::new(Role::Host, SCHEMA);
-    let mut way = || Way::new(settings.bits_per_s, [LATENCY_US, 0], Faults::default(), rng.u64(..));
+    let mut way = || Direction::new(settings.bits_per_s, [LATENCY_US, 0], Faults::default(), rng.u64(..));
     let mut sim = Sim::new(settings, [way(), way()], [(rng.u64(..1 << 40), 40), (0, -40)]);
     load(&mut sim.ends[0], u64::MAX);
     load(&mut sim.ends[1], 0);
@@ -51,7 +51,7 @@ fn a_restart_at_any_point_is_noticed_in_time_and_both_take_up_again_from_the_sta
         let other = 1 - index;
         let lost_after = u64::from(sim.ends[other].link.settings().lost_after.0);
         sim.run(at + lost_after + MORE_US, |sim| sim.ends[other].lost.is_some());
-        let noticed = sim.ends[other].lost.unwrap_or_else(|| panic!("seed {seed}: not noticed\n{}", sim.told()));
+        let noticed = sim.ends[other].lost.unwrap_or_else(|| panic!("seed {seed}: not noticed\n{}", sim.summary()));
         worst_us = worst_us.max(noticed - at);
         match sim.ends[other].link.state() {
             LinkState::Lost(Loss::PeerRestarted) => by_hello += 1,

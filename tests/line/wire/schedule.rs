@@ -4,7 +4,7 @@ use arcfeed_shared::units::Span;
 use arcfeed_shared::wire::settings::{LinkSettings, Role};
 use fastrand::Rng;
 
-use crate::wire::sim::{Faults, Offering, SCHEMA, Sim, Way};
+use crate::wire::sim::{Direction, Faults, Offering, SCHEMA, Sim};
 
 /// Faults happen before, none after.
 pub const FAULTS_END_US: u64 = 4_000_000;
@@ -61,7 +61,7 @@ pub fn draw(kind: Kind, seed: u64) -> Sim {
     let latency = [0, 1_000, 16_000, 50_000][rng.usize(..4)];
     let jitter = rng.u64(..=latency / 2);
     let settings = LinkSettings { bits_per_s, ..LinkSettings::new(Role::Host, SCHEMA) };
-    let mut way = || Way::new(bits_per_s, [latency, jitter], faults(kind, &mut rng), rng.u64(..));
+    let mut way = || Direction::new(bits_per_s, [latency, jitter], faults(kind, &mut rng), rng.u64(..));
     let ways = [way(), way()];
     // The host's clock often passes 2^32 us on the way, where time stamps begin again.
     let start = if rng.bool() { (1 << 32) - rng.u64(..FAULTS_END_US) } else { rng.u64(..1 << 40) };

@@ -27,7 +27,7 @@ pub struct Faults {
 
 /// One way of the line.
 #[derive(Debug)]
-pub struct Way {
+pub struct Direction {
     pub ns_per_byte: u64,
     pub latency_us: u64,
     pub jitter_us: u64,
@@ -38,11 +38,11 @@ pub struct Way {
     under_way: VecDeque<(u64, Vec<u8>)>,
 }
 
-impl Way {
+impl Direction {
     pub fn new(bits_per_s: u32, [latency_us, jitter_us]: [u64; 2], faults: Faults, seed: u64) -> Self {
         let ns_per_byte = if bits_per_s == 0 { 0 } else { 10_000_000_000 / u64::from(bits_per_s) };
         let rng = Rng::with_seed(seed);
-        Way {
+        Direction {
             ns_per_byte,
             latency_us,
             jitter_us,
@@ -268,12 +268,12 @@ pub struct Sim {
     pub step_us: u64,
     pub ends: [End; 2],
     /// From the end of that index to the other.
-    pub ways: [Way; 2],
+    pub ways: [Direction; 2],
 }
 
 impl Sim {
     /// A host and a board with the same settings and clocks that differ.
-    pub fn new(host: LinkSettings, ways: [Way; 2], clocks: [(u64, i64); 2]) -> Self {
+    pub fn new(host: LinkSettings, ways: [Direction; 2], clocks: [(u64, i64); 2]) -> Self {
         let board = LinkSettings { role: Role::Board, ..host };
         let ends = [End::new(host, 0xA000_0001, clocks[0]), End::new(board, 0xB000_0001, clocks[1])];
         Sim { now: 0, step_us: 500, ends, ways }
@@ -317,7 +317,7 @@ impl Sim {
     }
 
     /// Description of a failure for a person.
-    pub fn told(&self) -> String {
+    pub fn summary(&self) -> String {
         self.ends.each_ref().map(|end| format!("{:?} {:#?}\n", end.link.state(), end.link.counters())).concat()
     }
 

@@ -4,7 +4,7 @@ use arcfeed_shared::units::Span;
 use arcfeed_shared::wire::settings::{LinkSettings, Role};
 use arcfeed_tests::root;
 
-use crate::wire::sim::{Faults, Offering, SCHEMA, Sim, Way};
+use crate::wire::sim::{Direction, Faults, Offering, SCHEMA, Sim};
 
 const BITS_PER_S: u32 = 115_200;
 /// Capacity of such a line, bytes per second.
@@ -19,7 +19,7 @@ const LEN: usize = 100;
 fn row(loss: f64, latency_ms: u64) -> String {
     let settings = LinkSettings { bits_per_s: BITS_PER_S, ..LinkSettings::new(Role::Host, SCHEMA) };
     let faults = Faults { frame_lost: loss, ..Faults::default() };
-    let way = |seed| Way::new(BITS_PER_S, [latency_ms * 1_000, 0], faults.clone(), seed);
+    let way = |seed| Direction::new(BITS_PER_S, [latency_ms * 1_000, 0], faults.clone(), seed);
     let mut sim = Sim::new(settings, [way(1), way(2)], [(0, 0), (5_000_000, 50)]);
     // The host sends segments without end and a position each 20 ms, the board a record each 10 ms.
     sim.ends[0].to_send = u64::MAX;

@@ -1,4 +1,4 @@
-//! `arcfeed board` and `arcfeed stream --board`, against a board in software: what it is told, what leaves and when, and
+//! `arcfeed board` and `arcfeed stream --board`, against a board in software: messages to the board, sent blocks and their time, and
 //! what ends a run.
 
 use std::fs::File;
@@ -59,7 +59,7 @@ impl Taker {
     }
 
     fn taken(&self) -> Vec<u8> {
-        self.taken.lock().expect("nobody panicked").clone()
+        self.taken.lock().expect("no thread panicked").clone()
     }
 }
 
@@ -70,7 +70,7 @@ fn take(stream: &mut TcpStream, into: &Mutex<Vec<u8>>) -> std::io::Result<()> {
         if len == 0 {
             return Ok(());
         }
-        into.lock().expect("nobody panicked").extend(&bytes[..len]);
+        into.lock().expect("no thread panicked").extend(&bytes[..len]);
     }
 }
 
@@ -100,7 +100,7 @@ fn arm(sender: &mut Child, control: &Taker) -> Result<(), LinkLost> {
         std::thread::sleep(Duration::from_millis(100));
         (!control.taken().is_empty()).then_some(Ok(()))
     })?;
-    // Kept open: at its end nobody could type any more.
+    // Kept open: at its end typing would no longer be possible.
     std::mem::forget(stdin);
     Ok(())
 }
@@ -133,21 +133,21 @@ fn figures(arguments: &[&str]) -> Value {
 }
 
 #[test]
-fn behind_a_link_the_example_is_cut_as_by_a_controller_that_is_told() {
+fn behind_a_link_the_example_is_cut_as_by_a_notified_controller() {
     let _alone = ONE_AT_A_TIME.lock();
-    let told = figures(&["stream", JOB, "--json"]);
+    let direct = figures(&["stream", JOB, "--json"]);
     let linked = figures(&["stream", JOB, "--board", "sim:", "--json"]);
-    assert_eq!(linked["blocks_executed"], told["blocks_executed"]);
+    assert_eq!(linked["blocks_executed"], direct["blocks_executed"]);
     let chip = |report: &Value, field: &str| report["ipt_circumference"][field].as_f64().expect("measured");
     for field in ["min", "max", "error_ratio_min", "error_ratio_max"] {
-        let (a, b) = (chip(&told, field), chip(&linked, field));
-        println!("{field}: told {a:.6}, behind a link {b:.6}");
+        let (a, b) = (chip(&direct, field), chip(&linked, field));
+        println!("{field}: direct {a:.6}, behind a link {b:.6}");
         assert!((a - b).abs() < 1e-3, "{field}: {a} {b}");
     }
     assert!(chip(&linked, "error_ratio_max") <= 0.0, "no chip above its target");
     let cycle = |report: &Value| report["cycle_time_s"].as_f64().expect("a time");
-    println!("cycle time: told {} s, behind a link {} s", cycle(&told), cycle(&linked));
-    assert!((cycle(&told) - cycle(&linked)).abs() < 0.1);
+    println!("cycle time: direct {} s, behind a link {} s", cycle(&direct), cycle(&linked));
+    assert!((cycle(&direct) - cycle(&linked)).abs() < 0.1);
 }
 
 #[test]
@@ -228,7 +228,7 @@ fn ends_the_sending(name: &str, board: &str, interruption: impl FnOnce(), reason
 }
 
 #[test]
-fn a_board_tells_what_it_is_and_takes_settings_that_make_sense() {
+fn a_board_reports_its_identity_and_accepts_valid_settings() {
     let _alone = ONE_AT_A_TIME.lock();
     let board = ServedBoard::start();
     let info = figures(&["board", &board.url, "info", "--json"]);
@@ -316,7 +316,7 @@ fn a_board_with_a_fault_is_said_to_hold_the_feed_until_it_is_reset() {
 }
 
 #[test]
-fn a_board_that_sees_no_move_while_the_control_reports_others_is_told_of() {
+fn a_board_that_sees_no_move_while_the_control_reports_others_is_reported() {
     let _alone = ONE_AT_A_TIME.lock();
     while_the_link_holds(|| {
         let (scratch, board) = (Scratch::new("board-stands"), ServedBoard::start());

@@ -1,4 +1,4 @@
-//! A blade that gives way while its side is finished: stiffness seen from the contact, the nominal surface, marks, damping.
+//! A flexible blade while its side is finished: stiffness seen from the contact, the nominal surface, marks, damping.
 
 mod contact;
 

@@ -30,7 +30,7 @@ pub fn plate() -> Blade {
     Blade::plate(20.0, 8.0, THICKNESS_MM)
 }
 
-/// Only the tool gives way, both ways alike.
+/// Only the tool is flexible, equally in both directions.
 pub fn tool(frequency_hz: f64, damping_ratio: f64, stiffness_n_per_mm: f64) -> Vec<Mode> {
     let mode = |along| Mode::from_stiffness(frequency_hz, damping_ratio, stiffness_n_per_mm, &along).unwrap();
     vec![mode(Vector3::x()), mode(Vector3::y())]

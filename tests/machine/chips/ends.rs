@@ -43,7 +43,7 @@ struct ProcessStep {
     work_n_mm: f64,
 }
 
-/// So many turns, along a way told in turns; what was taken is what is missing, and the work done.
+/// Makes a number of turns along a path given by turns; returns the removed volume, which is the missing volume, and the work.
 fn run(
     engagement: &mut EdgeEngagement,
     cutting: &Cutting,

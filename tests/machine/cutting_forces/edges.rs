@@ -36,7 +36,7 @@ fn pieces_of_a_ball_make_up_its_quarter_circle_and_its_section() {
 }
 
 #[test]
-fn directions_are_a_frame_and_the_edge_moves_as_told() {
+fn directions_are_a_frame_and_the_edge_moves_as_defined() {
     let cutter = Cutter::ring(&CUP, Pieces::Along(12)).unwrap();
     for piece in cutter.pieces() {
         let to = piece.directions(0.7);

@@ -1,6 +1,6 @@
 //! Cutting forces against closed forms and runs of independent programs.
 //!
-//! The chip is told by the tests (the sine law, or [`trochoid`]): the library has its own from the stock.
+//! The tests give the chip (the sine law, or [`trochoid`]): the library has its own from the stock.
 
 pub mod trochoid;
 

@@ -1,7 +1,7 @@
 //! A cup mill that turns about a point of its ring: chips that its edges find in the block against the geometric meter, which
 //! knows nothing of the block but the line of the rule, and what the law makes of forces.
 
-use crate::cutting_loads::story::{number, simulation_report};
+use crate::cutting_loads::slot_job::{number, simulation_report};
 
 const INNER_IN: f64 = 4.43706;
 /// The block's edge, and the rule's line; square to Y.

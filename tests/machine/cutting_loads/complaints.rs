@@ -2,7 +2,7 @@
 
 use arcfeed_tests::{Scratch, run};
 
-use crate::cutting_loads::story::{assert_refused, ran};
+use crate::cutting_loads::slot_job::{assert_refused, ran};
 
 const JOB: &str = "units = \"mm\"\nprogram = \"program.nc\"\n\
     [tool]\nkind = \"end-mill\"\ndiameter = 10\nteeth = 4\nheight = 30\n\
@@ -64,7 +64,7 @@ fn the_page_shows_the_loads_of_both_runs() {
 }
 
 #[test]
-fn a_tool_that_leans_is_told_to_have_no_chips() {
+fn a_tilted_tool_is_reported_to_have_no_chips() {
     let program = "%\nG21G17G90G94\nN1G0X0.Y0.\nN2G0Z5.\nN3G1Z-4.F400.\nN4G1X9.F600.\nN5G0Z5.\nN6G43.4H0\nN7G0A-20.C90.\n\
                    N8G1Z-4.F400.\nN9G1X20.F600.\nN10M30\n%\n";
     let (code, report, complaints) = ran("leans", &format!("{JOB}[machine]\npreset = \"mikron-ucp710\"\n"), program);

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use arcfeed_tests::{Scratch, root, run};
 
-use crate::cutting_loads::story::{assert_near, block, number, simulation_report};
+use crate::cutting_loads::slot_job::{assert_near, block, number, simulation_report};
 
 /// Four teeth of 10 mm, 3000 rev/min.
 fn job(cutting: &str) -> String {
@@ -72,7 +72,7 @@ fn layers_do_not_show_in_a_ramp() {
 }
 
 #[test]
-fn a_spindle_that_turns_backwards_is_told_to_have_no_chips() {
+fn a_spindle_that_turns_backwards_is_reported_to_have_no_chips() {
     let scratch = Scratch::new("loads-backwards");
     scratch.write("program.nc", "%\nG21G17G90G94\nS3000M4\nN1G0X0.Y0.\nN2G0Z5.\nN3G1Z-4.F400.\nN4G1X10.\nN5M30\n%\n");
     let machine = std::fs::read_to_string(root().join("examples/machines/mikron-ucp710.toml")).expect("a machine");

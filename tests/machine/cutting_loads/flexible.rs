@@ -1,9 +1,9 @@
-//! A workpiece that gives way: a strip held at one end and cut along its length, against the beam in closed form; its frequencies
+//! A flexible workpiece: a strip held at one end and cut along its length, against the beam in closed form; its frequencies
 //! against plate theory; and what is wrong with such a table.
 
 use serde_json::Value;
 
-use crate::cutting_loads::story::{assert_plate, assert_refused, number, simulation_report};
+use crate::cutting_loads::slot_job::{assert_plate, assert_refused, number, simulation_report};
 
 /// A strip along X in front of the XZ plane, with a layer of stock on it, and what is in `[workpiece.flexible]` and `[cutting]`.
 #[derive(Clone, Copy, Debug)]

@@ -16,7 +16,7 @@ use arcfeed_tests::{Scratch, run};
 use nalgebra::Vector2;
 use serde_json::Value;
 
-use crate::cutting_loads::story::{PUBLISHED, Slot, number};
+use crate::cutting_loads::slot_job::{PUBLISHED, Slot, number};
 
 /// Rays stand 0.25 mm apart: with this feed a wall is seen at 47 places of a mark.
 const ONE_TOOTH: Slot<'_> = Slot {
@@ -115,7 +115,7 @@ fn a_tool_that_is_moved_sideways_leaves_that_on_both_walls() {
     assert!(count > 150 && worst_mm < 3e-5);
 }
 
-/// It gives way across the slot.
+/// Flexible across the slot.
 const ACROSS: Slot<'_> = Slot {
     cutting: "cutting = [600, 200, 0]\nedge = [0, 0, 0]\n\
         modes = [{ frequency = 922, damping = 0.011, stiffness = 1340.05, direction = [0, 1, 0] }]\n",

@@ -2,7 +2,7 @@
 //! finding that nothing of the measured chips went into, and what is wrong with a `[cutting]`.
 #![cfg(unix)]
 
-mod story;
+mod slot_job;
 
 mod slots;
 

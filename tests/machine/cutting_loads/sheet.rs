@@ -1,4 +1,4 @@
-//! A wall or a blade that gives way, from an STL file: the same as the block that it is, its frequencies against plate theory and its formula, and
+//! A flexible wall or blade from an STL file: the same results as the equal block, its frequencies against plate theory and its formula, and
 //! what is wrong with such a table.
 
 use std::fs;
@@ -10,7 +10,7 @@ use arcfeed_hil_sim::stock::files::write_stl;
 use arcfeed_hil_sim::stock::mesh::Mesh;
 use arcfeed_tests::Scratch;
 
-use crate::cutting_loads::story::{assert_plate, assert_refused, number, simulation_report};
+use crate::cutting_loads::slot_job::{assert_plate, assert_refused, number, simulation_report};
 use crate::fe::surfaces::{TWISTED, closed, hollow};
 
 /// A surface as a file in a folder of its own, in other units than millimetres.
@@ -28,7 +28,7 @@ fn block(lowest_mm: [f64; 3], highest_mm: [f64; 3]) -> Mesh {
     closed([6, 2, 5], |part| [0, 1, 2].map(|k: usize| lowest_mm[k] + part[k] * (highest_mm[k] - lowest_mm[k])))
 }
 
-/// A wall along X in front of the XZ plane, with 2 mm of stock on it; `held` is what gives way, `rest` stands in `[workpiece]`.
+/// A wall along X in front of the XZ plane, with 2 mm of stock on it; `held` is the flexible part, `rest` is the content of `[workpiece]`.
 fn job(held: &str, rest: &str) -> String {
     format!(
         "units = \"mm\"\nprogram = \"program.nc\"\n\

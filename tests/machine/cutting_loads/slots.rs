@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::cutting_forces::trochoid::Trochoid;
-use crate::cutting_loads::story::{Slot, assert_near, block, number};
+use crate::cutting_loads::slot_job::{Slot, assert_near, block, number};
 
 const LINEAR: &str = "cutting = [600, 200, 0]\nedge = [0, 0, 0]\n";
 
@@ -17,7 +17,7 @@ const TWO_TEETH: Slot<'_> = Slot {
     cutting: LINEAR,
 };
 
-/// Relative; steps of 3 degrees meet a maximum within 1.5 degrees of it, and rays 0.25 mm apart tell a chip to 3e-4.
+/// Relative; steps of 3 degrees meet a maximum within 1.5 degrees of it, and rays 0.25 mm apart give a chip to 3e-4.
 const NEAR: f64 = 1e-3;
 
 #[test]

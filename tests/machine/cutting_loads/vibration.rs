@@ -1,8 +1,8 @@
-//! A tool that gives way: which slots chatter, by the command's own verdict.
+//! A flexible tool: which slots chatter, by the command's own verdict.
 
-use crate::cutting_loads::story::{PUBLISHED, Slot, number, simulation_report};
+use crate::cutting_loads::slot_job::{PUBLISHED, Slot, number, simulation_report};
 
-/// It gives way along the slot.
+/// Flexible along the slot.
 const ALONG: Slot<'_> = Slot {
     cutting: "cutting = [600, 200, 0]\nedge = [0, 0, 0]\n\
         modes = [{ frequency = 922, damping = 0.011, stiffness = 1340.05, direction = [1, 0, 0] }]\n",

@@ -26,6 +26,7 @@ const EDGES_MM: f64 = 1.0;
 
 /// Deflection by 1 N across the wall at nodes of its face: by all of K, and by `count` modes as a tool beside the node sees
 /// them.
+fn bent_mm(cells: [usize; 3], count: Option<usize>, places: &[[usize; 2]]) -> Vec<[f64; 2]> {
     let mesh = WALL.mesh(cells).expect("a mesh");
     let body = Body::new(mesh.clone(), &TITANIUM_6AL_4V);
     let clamped = WALL.held.nodes(&mesh);
@@ -65,7 +66,7 @@ fn ten_modes_bend_it_nearly_as_much() {
     let bent = bent_mm([16, 1, 10], Some(10), &[[16, 20], [0, 20], [16, 14]]);
     let parts = bent.iter().map(|[whole_mm, seen_mm]| seen_mm / whole_mm);
     println!("{bent:?} mm; {:.3?} of it by ten modes", parts.clone().collect::<Vec<f64>>());
-    // Every mode adds to it. A plate gives way most at its corners, and less towards its foot.
+    // Every mode adds to it. A plate deflects most at its corners, and less towards its foot.
     assert!(parts.into_iter().all(|part| (0.8..1.0).contains(&part)));
     assert!(bent[1][1] > 1.5 * bent[0][1] && bent[2][1] < 0.5 * bent[0][1]);
 }

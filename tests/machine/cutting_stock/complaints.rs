@@ -1,6 +1,6 @@
 //! Errors in a workpiece are reported with their place in the job.
 
-use crate::cutting_stock::story::{MILL, SLOT, Story};
+use crate::cutting_stock::scratch_job::{MILL, SLOT, ScratchJob};
 
 #[test]
 fn every_mistake_has_a_place_and_says_what_to_do() {
@@ -32,8 +32,8 @@ fn every_mistake_has_a_place_and_says_what_to_do() {
     ];
     for (index, (from, to, expected)) in cases.into_iter().enumerate() {
         assert!(MILL.contains(from), "{from}");
-        let story = Story::new(&format!("wrong-{index}"), &MILL.replace(from, to), SLOT);
-        let (code, words) = story.failed(&[]);
+        let job = ScratchJob::new(&format!("wrong-{index}"), &MILL.replace(from, to), SLOT);
+        let (code, words) = job.failed(&[]);
         println!("{}", words.trim_end());
         assert!(code == Some(1) && words.contains(expected), "{expected}: {words}");
     }
@@ -42,8 +42,8 @@ fn every_mistake_has_a_place_and_says_what_to_do() {
 #[test]
 fn bars_tubes_and_meshes_are_cut_as_blocks_are() {
     let blank = "block = { from = [-10, -10, -12], to = [50, 10, 0] }";
-    let slot = Story::new("as-block", MILL, SLOT);
-    let whole = slot.told(&["--surface", &slot.scratch.path("blank.stl")]).material("/taken/removed");
+    let slot = ScratchJob::new("as-block", MILL, SLOT);
+    let whole = slot.run(&["--surface", &slot.scratch.path("blank.stl")]).material("/taken/removed");
     for (name, round, section_mm2) in [
         ("bar", "round = { from = [-10, 0, -30], to = [50, 0, -30], radius = 20 }", 400.0 * std::f64::consts::PI),
         (
@@ -52,16 +52,16 @@ fn bars_tubes_and_meshes_are_cut_as_blocks_are() {
             175.0 * std::f64::consts::PI,
         ),
     ] {
-        let told = Story::new(name, &MILL.replace(blank, round), SLOT).told(&[]);
+        let output = ScratchJob::new(name, &MILL.replace(blank, round), SLOT).run(&[]);
         let length_mm = if name == "bar" { 60.0 } else { 30.0 };
-        let all_cm3 = told.material("/taken/removed") + told.material("/left");
+        let all_cm3 = output.material("/taken/removed") + output.material("/left");
         let off = all_cm3 / (section_mm2 * length_mm / 1e3) - 1.0;
         println!("{name}: {all_cm3} cm3, off by {off:+.1e}");
         assert!(off.abs() < 5e-3, "{name}");
     }
     let again =
-        Story::new("as-mesh", &MILL.replace(blank, "stl = \"blank.stl\""), "%\nG21G90G94\nG1Z5.F100.\nM30\n%\n");
+        ScratchJob::new("as-mesh", &MILL.replace(blank, "stl = \"blank.stl\""), "%\nG21G90G94\nG1Z5.F100.\nM30\n%\n");
     std::fs::copy(slot.scratch.path("blank.stl"), again.scratch.path("blank.stl")).expect("a copy");
-    let left = again.told(&[]).material("/left");
+    let left = again.run(&[]).material("/left");
     assert!((left + whole - 14.4).abs() < 2e-3 * 14.4, "{left} {whole}");
 }

@@ -1,16 +1,16 @@
 //! Material removed at rapid, and blocks that remove none because the position of the workpiece is unknown.
 
-use crate::cutting_stock::story::{MILL, SLOT, Story};
+use crate::cutting_stock::scratch_job::{MILL, SLOT, ScratchJob};
 
 #[test]
-fn a_rapid_through_the_workpiece_is_told_by_its_block() {
+fn a_rapid_through_the_workpiece_is_reported_with_its_block() {
     let program = SLOT.replace("N4G1X40.013F600.", "N12G0X40.013");
-    let told = Story::new("rapid", MILL, &program).told(&[]);
-    let at_rapid = told.material("/at_rapid");
-    println!("{}{at_rapid} cm3", told.complaints);
-    assert!((at_rapid / 1.6 - 1.0).abs() < 6e-3 && told.complaints.starts_with("warning: N12: 1.6"));
-    assert!(told.complaints.ends_with(" cm3 taken at rapid\n") && told.complaints.lines().count() == 1);
-    assert_eq!(told.block(12).expect("it cuts")["rapid"], true);
+    let output = ScratchJob::new("rapid", MILL, &program).run(&[]);
+    let at_rapid = output.material("/at_rapid");
+    println!("{}{at_rapid} cm3", output.complaints);
+    assert!((at_rapid / 1.6 - 1.0).abs() < 6e-3 && output.complaints.starts_with("warning: N12: 1.6"));
+    assert!(output.complaints.ends_with(" cm3 taken at rapid\n") && output.complaints.lines().count() == 1);
+    assert_eq!(output.block(12).expect("it cuts")["rapid"], true);
 }
 
 #[test]
@@ -18,9 +18,9 @@ fn the_approach_from_an_unknown_place_takes_nothing() {
     // With Z0 on the table, the axes would start within the block.
     let job = MILL.replace("-12], to = [50, 10, 0]", "0], to = [50, 10, 12]");
     let program = "%\nG21G17G90G94\nN1G0X30.Y5.\nN2G0Z20.\nN3G0X0.Y0.\nN4G1Z8.F400.\nN5G0Z20.\nN6M30\n%\n";
-    let told = Story::new("approach", &job, program).told(&[]);
-    assert_eq!((told.material("/at_rapid"), told.complaints.as_str()), (0.0, ""));
-    assert!((told.removed(4) / (std::f64::consts::PI * 25.0 * 4.0 / 1e3) - 1.0).abs() < 6e-3);
+    let output = ScratchJob::new("approach", &job, program).run(&[]);
+    assert_eq!((output.material("/at_rapid"), output.complaints.as_str()), (0.0, ""));
+    assert!((output.removed(4) / (std::f64::consts::PI * 25.0 * 4.0 / 1e3) - 1.0).abs() < 6e-3);
 }
 
 #[test]
@@ -31,12 +31,12 @@ fn blocks_whose_place_is_not_known_are_counted_by_cause() {
         ("tip", "N4G1X40.013", "N9G43.4H0\nN4G1X40.013", "no-machine", "names no machine"),
         ("contour", "N4G1X40.013", "N4G41D1G1X40.013", "contour", "G41 or G42"),
     ] {
-        let told = Story::new(name, MILL, &SLOT.replace(from, to)).told(&[]);
-        let left_out = &told.report["material"]["left_out"];
-        println!("{}", told.complaints);
+        let output = ScratchJob::new(name, MILL, &SLOT.replace(from, to)).run(&[]);
+        let left_out = &output.report["material"]["left_out"];
+        println!("{}", output.complaints);
         assert_eq!((&left_out[0]["cause"], &left_out[0]["first_n"]), (&cause.into(), &4.into()), "{left_out}");
-        assert!(told.complaints.contains("N4 took no material: ") && told.complaints.contains(words));
-        assert!(told.block(4).is_none() && told.material("/taken/removed") < 0.32, "{name}");
+        assert!(output.complaints.contains("N4 took no material: ") && output.complaints.contains(words));
+        assert!(output.block(4).is_none() && output.material("/taken/removed") < 0.32, "{name}");
     }
 }
 
@@ -44,14 +44,14 @@ fn blocks_whose_place_is_not_known_are_counted_by_cause() {
 fn under_g43_4_the_machine_says_where_the_tool_points() {
     let job = format!("{MILL}[machine]\npreset = \"mikron-ucp710\"\n");
     let under = |words: &str| SLOT.replace("N4G1", &format!("N9G43.4H0{words}\nN4G1"));
-    let plain = Story::new("plain", MILL, SLOT).told(&[]);
-    let upright = Story::new("upright", &job, &under("")).told(&[]);
+    let plain = ScratchJob::new("plain", MILL, SLOT).run(&[]);
+    let upright = ScratchJob::new("upright", &job, &under("")).run(&[]);
     println!("{} {}", plain.removed(4), upright.removed(4));
     assert!((upright.removed(4) / plain.removed(4) - 1.0).abs() < 1e-6, "{}", upright.complaints);
     // Tilted in the plane of the way, the tool takes more of the block's end and of its floor.
     let tilted =
         SLOT.replace("N4G1X40.013F600.", "N9G0Z5.\nN8G43.4H0\nN7G0A-20.C90.\nN10G1Z-4.F400.\nN4G1X40.013F600.");
-    let tilted = Story::new("tilted", &job, &tilted).told(&[]);
+    let tilted = ScratchJob::new("tilted", &job, &tilted).run(&[]);
     println!("{} {}", tilted.removed(4), tilted.complaints);
     assert!(tilted.report["material"]["left_out"].as_array().expect("a list").is_empty());
     assert!(tilted.removed(4) > 0.0);

@@ -1,8 +1,8 @@
 //! `simulate` with a workpiece, as a whole: programs through control, axes and stock, held to closed forms that nothing of
-//! this project made, and what it tells of them.
+//! this project made, and the output for them.
 #![cfg(unix)]
 
-mod story;
+mod scratch_job;
 
 mod volumes;
 

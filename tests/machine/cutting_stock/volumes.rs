@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use crate::cutting_stock::story::{MILL, SLOT, Story};
+use crate::cutting_stock::scratch_job::{MILL, SLOT, ScratchJob};
 
 const MM_PER_IN: f64 = 25.4;
 
@@ -24,21 +24,22 @@ fn slot_bound(step_ratio: f64) -> f64 {
 
 #[test]
 fn a_slot_takes_twice_radius_times_length_and_its_plunge_a_disc() {
-    let told = Story::new("slot", MILL, SLOT).told(&[]);
+    let output = ScratchJob::new("slot", MILL, SLOT).run(&[]);
     let stadium_cm3 = published("same, full swept (stadium)") * 4.0 / 1e3;
-    let off = told.material("/taken/removed") / stadium_cm3 - 1.0;
-    let (plunge, slot) = (told.removed(3) / (PI * 25.0 * 4.0 / 1e3), told.removed(4) / (2.0 * 5.0 * 40.0 * 4.0 / 1e3));
+    let off = output.material("/taken/removed") / stadium_cm3 - 1.0;
+    let (plunge, slot) =
+        (output.removed(3) / (PI * 25.0 * 4.0 / 1e3), output.removed(4) / (2.0 * 5.0 * 40.0 * 4.0 / 1e3));
     println!("slot of {stadium_cm3:.6} cm3: off by {off:+.1e}; plunge {:+.1e}, slot {:+.1e}", plunge - 1.0, slot - 1.0);
     assert!(off.abs() <= slot_bound(0.05) && (plunge - 1.0).abs() <= 6e-3 && (slot - 1.0).abs() <= 6e-3);
     let whole_cm3 = 60.0 * 20.0 * 12.0 / 1e3;
-    assert!((told.material("/taken/removed") + told.material("/left") - whole_cm3).abs() < 1e-9);
-    assert_eq!((told.complaints.as_str(), told.material("/at_rapid")), ("", 0.0));
+    assert!((output.material("/taken/removed") + output.material("/left") - whole_cm3).abs() < 1e-9);
+    assert_eq!((output.complaints.as_str(), output.material("/at_rapid")), ("", 0.0));
 }
 
 #[test]
 fn rates_are_section_times_feed() {
-    let told = Story::new("rate", MILL, SLOT).told(&[]);
-    let block = told.block(4).expect("the slot cuts");
+    let output = ScratchJob::new("rate", MILL, SLOT).run(&[]);
+    let block = output.block(4).expect("the slot cuts");
     // 10 mm by 4 mm at 600 mm/min. A window is four steps long or more, so that a ray more or less is a quarter at most.
     let (mean, max) = (block["taken"]["rate_mean"].as_f64().unwrap(), block["taken"]["rate_max"].as_f64().unwrap());
     println!("mean {mean:.4}, largest {max:.4}, of 24 cm3/min");
@@ -63,7 +64,7 @@ fn ring(name: &str, radius_in: f64, angle_deg: f64, stock_from_in: [f64; 2], ste
          [law]\nkind = \"programmed\"\nfeed_per_tooth = 0.004\n\
          [workpiece]\nblock = {{ from = [{x}, {y}, 0], to = [11, 11, {LEVEL_IN}] }}\nstep = {step}\n"
     );
-    Story::new(name, &job, &program).told(&[]).removed(4)
+    ScratchJob::new(name, &job, &program).run(&[]).removed(4)
 }
 
 #[test]

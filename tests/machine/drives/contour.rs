@@ -50,7 +50,7 @@ fn the_path_leaves_the_programmed_one_by_no_more_than_the_tolerance() {
     assert!(worst.iter().zip(tolerances).all(|(worst, tolerance)| *worst > 0.5 * tolerance), "not rounded: {worst:?}");
 }
 
-/// A right angle in a plane, so slow that nobody stops for it: the corner is missed by the share of the tolerance that corners
+/// A right angle in a plane, so slow that no axis stops for it: the corner is missed by the share of the tolerance that corners
 /// have.
 #[test]
 fn a_right_angle_is_missed_by_three_quarters_of_the_tolerance() {

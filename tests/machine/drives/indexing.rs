@@ -13,7 +13,7 @@ const B: usize = 4;
 /// The HU80A-5X as its file has it; B about to be given another speed.
 pub fn hu80a(b_deg_per_min: Option<f64>) -> DriveLimits {
     let file = MachineFile::preset("mitsui-seiki-hu80a-5x").expect("it is there").expect("it is a machine");
-    let of = file.drives.expect("its drives are told");
+    let of = file.drives.expect("its drives are given");
     let limits = |drive: &arcfeed::machine_file::drives::Drive| AxisLimits {
         speed_mm_per_s: drive.speed_mm_per_s,
         acceleration_mm_per_s2: drive.acceleration_mm_per_s2,

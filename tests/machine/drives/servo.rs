@@ -105,7 +105,7 @@ fn circles_shrink_as_their_speed_and_the_gain_say() {
 }
 
 /// A machining centre with a Fanuc 10M made holes of 9.5 mm with G3 I-5 at F3000, of 10.00 mm at F100, and round ones
-/// (industrialmonitordirect.com, "Resolving Fanuc 10M circle size errors caused by servo lag"). Its gain is not told: 30/s is
+/// (industrialmonitordirect.com, "Resolving Fanuc 10M circle size errors caused by servo lag"). Its gain is not published: 30/s is
 /// what parameter 1825 usually has.
 #[test]
 fn with_the_usual_gain_a_published_circle_has_its_published_size() {

@@ -1,4 +1,4 @@
-//! A spindle that needs time and gives way, against closed forms.
+//! A spindle with run-up and droop, compared with closed forms.
 
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
@@ -115,7 +115,7 @@ fn cutting_feed_waits_for_speed_arrival_and_a_rapid_does_not() {
     assert_eq!(begins(&|at| at[1] > 10.0 + NEAR) - slows, 463);
     let free = run(program, Some(DRIVE));
     let axes = |run: &[([f64; 2], f64)]| run.iter().map(|(at, _)| *at).collect::<Vec<_>>();
-    assert_eq!(axes(&free), axes(&run(program, None)), "a spindle that nobody waits for changes nothing");
+    assert_eq!(axes(&free), axes(&run(program, None)), "a spindle without waiting changes nothing");
 }
 
 #[test]

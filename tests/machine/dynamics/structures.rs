@@ -17,7 +17,7 @@ fn alone(stepping: Stepping) -> Vibration {
     Vibration::new(vec![mode_a(Vector3::x())], stepping)
 }
 
-/// Displacement along x after steps to `end_s` under a force that is told by time.
+/// Displacement along x after steps to `end_s` under a force given as a function of time.
 fn driven_mm(stepping: Stepping, end_s: f64, steps: usize, force_n: impl Fn(f64) -> f64) -> f64 {
     let mut vibration = alone(stepping);
     let dt_s = end_s / steps as f64;
@@ -135,7 +135,7 @@ fn tool_and_workpiece_in_one_list_give_way_together() {
 }
 
 #[test]
-fn a_force_that_cannot_agree_is_told() {
+fn a_force_that_cannot_agree_is_reported() {
     let jumps = |now: &Vector3<f64>| Vector3::x() * if now.x > 0.0 { -1000.0 } else { 1000.0 };
     let mut vibration = alone(Stepping { passes_max: 5, ..EXACT });
     let step = vibration.step(1e-4, jumps);

@@ -24,7 +24,7 @@ const TWISTED: Blade = Blade {
 };
 
 /// A mesh whose only mode is a displacement of our own.
-fn told(mesh: TetMesh, displacement: impl Fn([f64; 3]) -> [f64; 3], reach_mm: f64) -> Field {
+fn extended_field(mesh: TetMesh, displacement: impl Fn([f64; 3]) -> [f64; 3], reach_mm: f64) -> Field {
     let shape = mesh.nodes_mm().iter().map(|node_mm| displacement(*node_mm)).collect();
     Field::new(mesh, &Modes { omega_rad_per_s: vec![1.0], shapes: vec![shape] }, reach_mm)
 }
@@ -39,7 +39,7 @@ fn quadratic([x, y, z]: [f64; 3]) -> [f64; 3] {
 
 #[test]
 fn a_quadratic_field_is_met_inside_and_outside() {
-    let field = told(TetMesh::block([4.0, 2.0, 5.0], [4, 2, 5]).unwrap(), quadratic, 0.8);
+    let field = extended_field(TetMesh::block([4.0, 2.0, 5.0], [4, 2, 5]).unwrap(), quadratic, 0.8);
     let mut next = fractions(1);
     let mut modal_point = ModalPoint::default();
     for _ in 0..2000 {
@@ -57,7 +57,7 @@ fn a_quadratic_field_is_met_inside_and_outside() {
 #[test]
 fn beyond_the_reach_a_field_is_as_at_the_reach() {
     let edges_mm = [4.0, 2.0, 5.0];
-    let field = told(TetMesh::block(edges_mm, [4, 2, 5]).unwrap(), quadratic, 0.8);
+    let field = extended_field(TetMesh::block(edges_mm, [4, 2, 5]).unwrap(), quadratic, 0.8);
     let mut next = fractions(2);
     let mut modal_point = ModalPoint::default();
     for _ in 0..2000 {
@@ -77,7 +77,7 @@ fn beyond_the_reach_a_field_is_as_at_the_reach() {
 fn every_point_of_a_bent_blade_is_found_where_it_is() {
     let mesh = TWISTED.mesh([6, 1, 8], 0.3).unwrap();
     let linear = |[x, y, z]: [f64; 3]| [x - 2.0 * y, 3.0 * z + y, 0.5 * x];
-    let field = told(mesh.clone(), linear, 0.5);
+    let field = extended_field(mesh.clone(), linear, 0.5);
     let mut next = fractions(2);
     let mut warm = ModalPoint::default();
     for _ in 0..2000 {

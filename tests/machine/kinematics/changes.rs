@@ -1,4 +1,4 @@
-//! Changes of branch: never in the cut, always told, with a way round.
+//! Changes of branch: never in the cut, always reported, with a path around it.
 
 use arcfeed_shared::kinematics::change::{Change, Passage};
 use arcfeed_shared::kinematics::forward::Pose;
@@ -64,9 +64,9 @@ fn a_coarse_move_is_no_change() {
 }
 
 #[test]
-fn every_swing_of_random_paths_is_told() {
+fn every_swing_of_random_paths_is_reported() {
     let mut random = fastrand::Rng::with_seed(5);
-    let (mut moves, mut told) = (0, 0);
+    let (mut moves, mut reported) = (0, 0);
     for file in crate::kinematics::bench::FILES {
         let machine = with_first_range(&machine(file), Some([-200.0, 200.0]));
         for _ in 0..40 {
@@ -81,19 +81,19 @@ fn every_swing_of_random_paths_is_told() {
             let passages = machine.passages(&poses, &course, ALLOWED_DEG);
             for (at, passage) in passages.iter().enumerate() {
                 moves += 1;
-                let told_here = *passage != Passage::Smooth;
-                told += u32::from(told_here);
-                // Looked at with matrices at 50 points: the tool axis stays near both ends, or the move is told.
+                let reported_here = *passage != Passage::Smooth;
+                reported += u32::from(reported_here);
+                // Looked at with matrices at 50 points: the tool axis stays near both ends, or the move is reported.
                 let worst = (0..=50)
                     .map(|part| leaning(&machine, [&poses[at], &poses[at + 1]], [course[at], course[at + 1]], part));
-                assert!(told_here || worst.fold(0.0, f64::max) < ALLOWED_DEG + 1e-9);
+                assert!(reported_here || worst.fold(0.0, f64::max) < ALLOWED_DEG + 1e-9);
             }
         }
     }
     println!(
-        "{moves} moves of random paths, {told} told of; no other one leaves its arc by more than {ALLOWED_DEG} degrees"
+        "{moves} moves of random paths, {reported} reported; no other one leaves its arc by more than {ALLOWED_DEG} degrees"
     );
-    assert!(told > 0);
+    assert!(reported > 0);
 }
 
 /// Excess of the distances of the tool axis from both ends over the distance of the ends: zero on their arc.

@@ -84,9 +84,9 @@ fn in_a_pole_the_first_axis_stays_where_it_was() {
     // A path that begins there begins where it will need C.
     let later = mikron.course(&poses[4..], None).expect("within reach");
     assert!(travels(&later)[0] < 1e-9, "{later:?}");
-    // Told where it stands, it holds that until it must turn.
-    let told = mikron.course(&poses[4..], Some([777.0, 0.0])).expect("within reach");
-    assert_eq!(told[0][0], 777.0);
+    // From a given position, the axis holds it until it must turn.
+    let held = mikron.course(&poses[4..], Some([777.0, 0.0])).expect("within reach");
+    assert_eq!(held[0][0], 777.0);
 }
 
 #[test]

@@ -47,7 +47,7 @@ fn the_plan_sends_what_the_axes_can_follow_and_names_the_one_that_sets_it() {
     assert_planned(&blocks(&job(&scratch, "safe-base", &by_file)));
     let said = run(&["adapt", &job(&scratch, "safe-base", MACHINE)]);
     assert!(String::from_utf8_lossy(&said.stdout).contains("axis, limited by C to 1600.00"));
-    // Without its kinematics nobody knows what X and Y do.
+    // Without its kinematics the motion of X and Y is unknown.
     let unnamed = blocks(&job(&scratch, "safe-base", "[machine]\nmax_feed = { x = 5000 }\n"));
     assert!(unnamed.iter().skip(1).all(|block| block["reason"] == "special" && block["sent_feed"] == 1_000.0));
 }

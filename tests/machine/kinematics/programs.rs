@@ -64,7 +64,7 @@ fn ranges_count_in_the_machines_coordinates_whoever_coordinates_the_axes() {
 }
 
 #[test]
-fn poles_changes_of_branch_and_races_are_told_where_they_are() {
+fn poles_changes_of_branch_and_races_are_reported_at_their_place() {
     let scratch = Scratch::new("programs-branches");
     let with = |lines: &str| findings(&scratch, lines, &[]);
     // From A -20 to A 20 with C half a turn on: the same direction, by way of the pole, 20 degrees off.
@@ -90,7 +90,7 @@ fn poles_changes_of_branch_and_races_are_told_where_they_are() {
 }
 
 #[test]
-fn feeds_beyond_the_axes_are_told_in_every_mode_of_feed() {
+fn feeds_beyond_the_axes_are_reported_in_every_mode_of_feed() {
     let scratch = Scratch::new("programs-feeds");
     let with = |lines: &str| findings(&scratch, lines, &[]);
     let feed = |line, begins| [(line, "feed", begins)];
@@ -143,10 +143,10 @@ fn the_published_leading_edge_reads_as_published() {
         let lines = lines.replace("G0X0Y0Y", "G0X0Y").replace("G0X0Y0X", "G0Y0X");
         let found =
             findings(&scratch, &lines, &["--machine", &machine, "--tool-length", "100", "--part-zero", "0,0,100"]);
-        let told = &found.iter().find(|(_, kind, _)| kind == "feed").expect("a finding").2;
-        println!("{name}: {told}");
-        let allowed: f64 = told.split(' ').nth(2).and_then(|word| word.parse().ok()).expect("a feed");
-        assert!(told.starts_with(letter) && (allowed / closed - 1.0).abs() < 5e-4, "{told}");
+        let message = &found.iter().find(|(_, kind, _)| kind == "feed").expect("a finding").2;
+        println!("{name}: {message}");
+        let allowed: f64 = message.split(' ').nth(2).and_then(|word| word.parse().ok()).expect("a feed");
+        assert!(message.starts_with(letter) && (allowed / closed - 1.0).abs() < 5e-4, "{message}");
     }
 }
 
@@ -173,7 +173,7 @@ fn directions_by_i_j_k_are_found_as_in_the_cl_data_they_come_from() {
 }
 
 #[test]
-fn what_a_macro_moves_is_told_at_its_line() {
+fn moves_of_a_macro_are_reported_at_its_line() {
     let scratch = Scratch::new("programs-macros");
     // X 100 to 400 in steps of 100, in a loop and in a subprogram of the library.
     let looped = "#1=0\nWHILE[#1LT4]DO1\n#1=#1+1\nG1X[#1*100]A-30.F100.\nEND1\n";

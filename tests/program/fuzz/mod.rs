@@ -1,7 +1,7 @@
 //! Whatever is fed to what reads: no panic, no hang, spans that lie in their line.
 //!
 //! Inputs are mutations of the programs in this repository and of a dictionary, from a seed that is printed. Here each
-//! target has a fixed number of them; `cargo xtask soak` goes on for as long as it is told.
+//! target has a fixed number of them; `cargo xtask soak` runs for the given time.
 
 mod macros;
 
@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 use mutate::Mutator;
 
-/// Inputs of a target that reads, and of one in which a control runs, where nobody asks for more.
+/// Inputs of a target that reads, and of one in which a control runs, unless more are requested.
 const SMOKE: u32 = 100_000;
 const SMOKE_OF_CONTROLS: u32 = 1_000;
 /// Seconds per target, set by `cargo xtask soak`.

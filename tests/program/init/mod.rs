@@ -76,7 +76,7 @@ fn assert_asks_in_order(job: &str, report: &Value) {
 }
 
 #[test]
-fn the_published_cup_mill_is_found_and_its_four_movements_are_told_apart() {
+fn the_published_cup_mill_is_found_and_its_four_movements_are_distinguished() {
     let scratch = Scratch::new("init-slot");
     let program =
         scratch.write("ibr-slot.nc", std::fs::read(root().join("examples/ibr-slot/ibr-slot.nc")).expect("the example"));
@@ -121,7 +121,7 @@ fn the_published_cup_mill_is_found_and_its_four_movements_are_told_apart() {
 }
 
 #[test]
-fn the_pockets_arcs_are_told_apart_by_their_numbers() {
+fn the_pockets_arcs_are_distinguished_by_their_numbers() {
     let scratch = Scratch::new("init-pocket");
     let program =
         scratch.write("pocket.nc", std::fs::read(root().join("examples/pocket/pocket.nc")).expect("the example"));

@@ -126,7 +126,7 @@ fn check_knows_the_offsets_of_its_settings_and_of_g10_as_variables() {
 }
 
 #[test]
-fn an_error_in_a_loop_is_told_once() {
+fn an_error_in_a_loop_is_reported_once() {
     let scratch = Scratch::new("macro-once");
     let main = scratch.write("main.nc", "#1=0\nWHILE[#1LT9]DO1\n#1=#1+1\nG2X#1\nEND1\n#2=1/0\nM30\n");
     let stderr = String::from_utf8(run(&["check", &main]).stderr).expect("UTF-8");

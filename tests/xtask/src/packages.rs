@@ -23,7 +23,7 @@ struct Need {
 /// Rights to install packages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Rights {
-    /// As root already, and nobody to ask.
+    /// Already root; no question.
     Granted,
     /// As root already; somebody is there to be asked.
     Asked,
@@ -117,7 +117,7 @@ fn install_with_apt(package: &str) -> Result<(), Failure> {
             let mut answer = String::new();
             let read = std::io::stdin().lock().read_line(&mut answer);
             if read.is_err() || !answer.trim().eq_ignore_ascii_case("y") {
-                return Err(Failure::new(format!("{package} is not installed: nobody agreed")));
+                return Err(Failure::new(format!("{package} is not installed: not confirmed")));
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::command::{Failure, announce, cargo, run};
 
-/// Minutes for each target, unless told otherwise.
+/// Minutes for each target, unless given.
 const MINUTES: u64 = 10;
 const SECONDS_PER_MIN: u64 = 60;
 /// Tests with a full set, and what their names begin with.

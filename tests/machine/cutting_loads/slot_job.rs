@@ -19,7 +19,7 @@ pub struct Slot<'a> {
 }
 
 /// Set A of the published benchmarks, at 5000 rev/min: a slot of 0.409 mm is at its limit. So large that its teeth go in circles, as
-/// those of the theory do. Its mode is not told.
+/// those of the theory do. The mode is not included.
 pub const PUBLISHED: Slot<'_> = Slot {
     diameter_mm: 100.0,
     teeth: 2,

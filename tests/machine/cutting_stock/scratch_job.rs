@@ -13,32 +13,32 @@ pub const MILL: &str = "units = \"mm\"\nprogram = \"program.nc\"\n\
     [workpiece]\nblock = { from = [-10, -10, -12], to = [50, 10, 0] }\nstep = 0.25\n";
 
 /// Output of a run.
-pub struct Told {
+pub struct RunOutput {
     pub report: Value,
     pub complaints: String,
 }
 
 /// A job with its program.
-pub struct Story {
+pub struct ScratchJob {
     pub scratch: Scratch,
     pub job: String,
 }
 
-impl Story {
+impl ScratchJob {
     pub fn new(name: &str, job: &str, program: &str) -> Self {
         let scratch = Scratch::new(&format!("cutting-{name}"));
         scratch.write("program.nc", program);
         let job = scratch.write("job.toml", job);
-        Story { scratch, job }
+        ScratchJob { scratch, job }
     }
 
     /// Runs the job with these options.
     #[track_caller]
-    pub fn told(&self, options: &[&str]) -> Told {
+    pub fn run(&self, options: &[&str]) -> RunOutput {
         let output = run(&[&["simulate", &self.job, "--json"], options].concat());
         let complaints = String::from_utf8(output.stderr).expect("text");
         assert_eq!(output.status.code(), Some(0), "{complaints}");
-        Told { report: serde_json::from_slice(&output.stdout).expect("one object"), complaints }
+        RunOutput { report: serde_json::from_slice(&output.stdout).expect("one object"), complaints }
     }
 
     /// Exit code and messages of a run that fails.
@@ -48,7 +48,7 @@ impl Story {
     }
 }
 
-impl Told {
+impl RunOutput {
     /// A number of the material's.
     #[track_caller]
     pub fn material(&self, pointer: &str) -> f64 {

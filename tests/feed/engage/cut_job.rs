@@ -1,4 +1,4 @@
-//! A job with a map, told by its parts.
+//! A job with an engagement map, made of its parts.
 
 use arcfeed_tests::{Scratch, run};
 
