@@ -9,7 +9,7 @@ use super::images::image;
 use super::qemu::Emulator;
 
 impl Emulator {
-    /// What its image has logged since it was started, but for what has come in part.
+    /// Complete log messages of the image since its start.
     ///
     /// # Panics
     /// It is no log.

@@ -1,4 +1,4 @@
-//! What every feed law must keep, whatever it computes: [`suite`] puts a law into random scenes and asks it for
+//! Required properties of every feed law: [`suite`] evaluates a law in random scenes and checks
 //!
 //! * bounds: a demand is a positive, finite number or a refusal, never a panic, for ordinary numbers and for NaN,
 //!   infinities, subnormal and huge ones;

@@ -13,8 +13,8 @@ use arcfeed_tests::root;
 
 /// Largest excess of a chip over its target, in any sample, relative.
 const THICK_RATIO: f64 = 0.005;
-/// How many of the steady samples may be thinner than -2 % (one of them is the control's step, rounded to the thin side): the
-/// override comes down before the end of an arc whose next block begins with less.
+/// Largest fraction of the steady samples that may be thinner than -2 % (the control's step, rounded down, is 1 % of that): the
+/// override falls before the end of an arc if the next block begins with less.
 const THIN_SHARE: f64 = 0.06;
 
 fn job() -> (JobFile, Program) {

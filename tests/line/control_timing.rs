@@ -1,5 +1,5 @@
-//! What the control does when: a documented program over a line at 9600 baud, millisecond by millisecond, against a
-//! reviewed trace (`tests/cases/control-timing`, whose README has the arithmetic) and against that arithmetic.
+//! Timing of the control: a documented program over a line at 9600 baud, millisecond by millisecond, compared with a
+//! reviewed trace (`tests/cases/control-timing`, whose README has the arithmetic) and with that arithmetic.
 
 use std::collections::VecDeque;
 

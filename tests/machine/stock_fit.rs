@@ -46,7 +46,7 @@ const ROUNDINGS: f64 = 4.0;
 /// Above this `crossing` a line hits the circle firmly. At 10 degrees and this crossing the condition is about 200, the
 /// largest error expected so some 1e-5; at a tangent there is no bound.
 const FIRM: f64 = 0.1;
-/// Where sine or cosine of a contact, or the depth of the line in the circle over r0, are closer to zero than this, the
+/// Limit for the sine or cosine of a contact, and for the depth of the line in the circle over r0. Closer to zero, the
 /// rounded inputs may have another contact, or none.
 const BRINK: f64 = 1e-5;
 

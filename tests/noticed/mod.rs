@@ -1,15 +1,15 @@
 //! Delay until the other side notices a restart; the properties of the line explain all of it.
 //!
-//! Who begins anew greets in its first period and then with each third of a heartbeat, and as long as it greets nothing but hellos goes
-//! its way. So one corrupted byte or frame is one corrupted hello, and no hello suffers from another one: there is a delimiter
-//! before each. The other side knows in the period
+//! The restarted side sends a hello in its first period and then with each third of a heartbeat, and nothing but hellos until it gets
+//! an answer. One corrupted byte or frame is therefore one corrupted hello. A delimiter before each hello keeps it independent of the
+//! others. The other side notices the restart in the period
 //!
 //! ```text
 //! noticed = way + k * hello     (1)
 //! ```
 //!
-//! way: periods until a first hello is heard that nothing corrupts, its own among them; k: hellos corrupted before the first that
-//! was not. Up to a k of three that is within a heartbeat and the way.
+//! way: periods until an uncorrupted hello is received, its own period included; k: corrupted hellos before the first uncorrupted
+//! one. Up to k = 3 this is within a heartbeat plus `way`.
 
 use arcfeed_shared::units::US_PER_MS;
 use arcfeed_shared::wire::message::link_settings;

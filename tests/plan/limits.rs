@@ -107,8 +107,8 @@ fn lines_are_the_blanks_faces_wherever_the_tool_leans() {
     }
 }
 
-/// What a shift of the centre by `delta` lays open before a circle in direction `u`: along the ray from the old centre, from the
-/// old circle to the new one.
+/// Distance that a shift of the centre by `delta` uncovers before a circle in direction `u`: along the ray from the old centre,
+/// from the old circle to the new one.
 fn laid_open_mm(u: [f64; 2], delta: [f64; 2], radius_mm: f64, edge: Edge) -> f64 {
     let along = u[0] * delta[0] + u[1] * delta[1];
     let across = u[0] * delta[1] - u[1] * delta[0];

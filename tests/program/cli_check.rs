@@ -1,4 +1,4 @@
-//! What `check` says to programs, and what `adapt` does to their bytes, as seen from a shell.
+//! Messages of `check`, and changes of `adapt` to the bytes of programs, as seen from a shell.
 //!
 //! Lines, columns and alarm numbers below are worked out by hand from the programs' text, counts by searching it. The
 //! alarm numbers are Fanuc's (16i): 1 TH, 5 no data after address, 9 illegal address, 10 improper G code, 11 no feed,

@@ -97,7 +97,7 @@ impl RandomJob {
             disc: ([round(between(random, -30.0, 30.0), 2), round(between(random, -30.0, 30.0), 2)], 25.0),
             circle,
             limits,
-            // Where the program's F is sent, a block that is not in the plan begins with 100 %: docs/safety-
+            // If the program's F is sent, a block that is not in the plan begins with 100 %: docs/safety-
             // case.md#transitions.
             is_deleting: random.bool() && mode != "override-only",
             second: None,

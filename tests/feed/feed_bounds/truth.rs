@@ -39,7 +39,7 @@ pub fn excess_as_programmed(of: &Move, now: &Moment) -> Option<String> {
 
 /// Violation at a moment of a governed move.
 pub fn excess(job: &RandomJob, of: &Move, now: &Moment, has_own_feed: bool) -> Option<String> {
-    // Where the program's F is sent, the job's least override may hold the feed up; reports say so.
+    // If the program's F is sent, the job's least override may hold the feed up; reports say so.
     let floor = if has_own_feed { of.feed * f64::from(job.limits[0]) / 100.0 } else { 0.0 };
     if now.feed_per_min <= floor * (1.0 + FEED_TOLERANCE) {
         return None;

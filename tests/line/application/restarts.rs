@@ -131,7 +131,7 @@ fn host_restarts(seed: u64, per_mille: Option<u64>) -> Noticed {
     }
     assert_eq!(last, 100);
     assert!(way.world.host.is_accepted, "the new host is welcome");
-    // Its first segment is the old one or a later one: the position may already have passed some.
+    // The first segment is the old one or a later one: the position may already have passed some.
     assert!(way.world.board.task.executed().wrapping_sub(executed) < 40);
     // A person presses until it is armed: a line that loses frames may not have been fresh for long enough.
     for _ in 0..20 {

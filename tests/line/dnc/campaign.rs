@@ -1,11 +1,11 @@
 //! Seeded faults on a line with DC1 and DC3 and without acknowledgements.
 //!
-//! What such a line allows, of the invariants one would like:
+//! Invariants that such a line allows:
 //!
 //! - I1: what was executed is the program, or the beginning of it and the fault was noticed (an alarm, an error of the sender, a
 //!   program that does not end). It holds where the line, its parity or the TV check can see the fault.
 //! - I3: never more than ten characters after DC3, but where DC3 itself was lost or late: then the control says PS0087.
-//! - I4, I5: nothing leaves after the line failed, and nothing goes on by itself.
+//! - I4, I5: nothing is sent after the line has failed, and nothing continues automatically.
 //! - I6: every run ends.
 //!
 //! Undetectable faults are counted.

@@ -78,8 +78,8 @@ fn state_after(settings: ControlSettings, text: &[u8]) -> (Modal, Functions) {
     (*control.modal(), functions)
 }
 
-/// Which lines cut, found without the interpreter: with an axis word, and not under G0; in a cycle all of them. G52's words
-/// lead nowhere.
+/// Cutting lines, found without the interpreter: those with an axis word, and not under G0; in a cycle all lines. The words of
+/// G52 cause no motion.
 fn cutting_lines(text: &str) -> Vec<bool> {
     let (mut rapid, mut drills) = (true, false);
     let lines = text.lines().map(|line| {

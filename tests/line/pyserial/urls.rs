@@ -1,4 +1,4 @@
-//! What pyserial makes of each URL of a table, and what we do: the same, but for the differences listed here and in
+//! Each URL of a table as pyserial and as arcfeed parse it: the same, except for the differences listed here and in
 //! docs/ports.md.
 
 use arcfeed::port::list::{PortInfo, find};
@@ -69,7 +69,7 @@ const OURS_ONLY: [&str; 4] = [
     "fault://seed=7/spy://loop://",
 ];
 
-/// What pyserial takes for the name of a native port, and then does not find; we read it as what it looks like.
+/// URLs that pyserial treats as names of native ports, and then does not find; arcfeed parses them as URLs.
 const NAMES_TO_PYSERIAL: [&str; 3] = ["HWGREP://ttyUSB2", "spy://hwgrep://ttyUSB&n=2", "spy://socket://host:7000?all"];
 
 /// URLs that only pyserial accepts.

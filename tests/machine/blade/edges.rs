@@ -118,8 +118,8 @@ fn cusp_mm() -> f64 {
     FEED_MM_PER_TOOTH * FEED_MM_PER_TOOTH / (8.0 * RADIUS_MM) + between_mm
 }
 
-/// What of a push that stands a mode of so many hertz has when an edge makes the wall: it follows the push, whose direction turns with the tooth; and the chip
-/// ends half-way between two rays or a step too early, when the mode begins to go back.
+/// Part of the static displacement that a mode of this frequency has reached when an edge cuts the wall: the mode follows the force, whose direction turns
+/// with the tooth, and the chip ends half-way between two rays or a step too early, when the mode begins to move back.
 fn reached_ratio(frequency_hz: f64) -> f64 {
     let lag_rad = 2.0 * DAMPING * TURN_HZ / frequency_hz;
     let early_s = RAY_MM / 2.0 / (TAU * TURN_HZ * RADIUS_MM) + 1.0 / (TURN_HZ * STEPS_A_TURN as f64);

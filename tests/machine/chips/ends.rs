@@ -38,7 +38,7 @@ struct ProcessStep {
     loads: Loads,
     /// Thickest on the end and on the side; on the end of pieces that are half a radius from the axis or more.
     chips_mm: [f64; 2],
-    /// Of the torque in this step, if each chip's force were where the middle of its section is: on the side of a tool half a chip nearer
+    /// Work of the torque in this step, with each chip's force at the centre of its section: on the side of a tool half a chip nearer
     /// to the axis than the edge.
     work_n_mm: f64,
 }

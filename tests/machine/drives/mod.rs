@@ -1,5 +1,5 @@
-//! What the axes do when every one of them is limited in speed, acceleration and jerk: measured from their positions, a
-//! millisecond apart, and compared with closed forms.
+//! Motion of axes that are all limited in speed, acceleration and jerk, measured from their positions a millisecond apart
+//! and compared with closed forms.
 
 mod motion;
 

@@ -96,7 +96,7 @@ fn a_plate_weighs_what_it_must_and_a_twisted_blade_is_no_plate() {
     assert!((body.mass_t() / (2400.0 * 4.43e-9) - 1.0).abs() < 1e-12);
 }
 
-/// Of a cantilever's breadth, half as thick at its tip: 3.8238 in place of 3.5160 (Mabie, Rogers, Transverse vibrations of double-tapered
+/// Reference: a cantilever of constant width, half as thick at its tip: 3.8238 in place of 3.5160 (Mabie, Rogers, Transverse vibrations of double-tapered
 /// cantilever beams, J. Acoust. Soc. Am. 51, 1972; Banerjee et al., J. Sound Vib. 298, 2006).
 #[test]
 fn taper_makes_a_blade_faster_as_it_does_a_beam_and_camber_makes_it_stiffer() {

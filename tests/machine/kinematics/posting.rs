@@ -7,7 +7,7 @@ use arcfeed_tests::{Scratch, root, run};
 use crate::kinematics::bench::{FILES, direction};
 
 const STRATEGY_2: &str = "examples/five-axis/tournier-strategy-2.apt";
-/// What half a step of the axes, 0.001 mm and 0.001 degrees, may be worth at the tip of a tool 100 mm long on a part of that size, and
+/// Largest effect of half a step of the axes, 0.001 mm and 0.001 degrees, at the tip of a tool 100 mm long on a part of that size, and
 /// in i, j, k.
 const TIP_MM: f64 = 0.01;
 const DIRECTION: f64 = 2e-5;

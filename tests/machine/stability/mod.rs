@@ -1,5 +1,5 @@
-//! Where a cut begins to chatter: the process in the time domain, its chips measured in the material, against tables of
-//! the linear theory that an independent program made.
+//! Onset of chatter: the process in the time domain, with chips measured in the material, compared with tables of the
+//! linear theory made by an independent program.
 //!
 //! `ARCFEED_SOAK_SECONDS=1 cargo test -p arcfeed-tests --test machine stability:: -- --nocapture` goes through every row, some minutes.
 

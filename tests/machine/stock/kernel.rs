@@ -1,5 +1,5 @@
-//! What a sweep takes from a ray, against brute force: the tool is put at thousands of places along its way, and for each
-//! point of the ray the deepest it ever comes into the tool is found. It shares nothing with the kernel but the solid.
+//! Material that a sweep removes from a ray, compared with brute force: for thousands of positions of the tool along its
+//! path, the largest depth of each point of the ray inside the tool. It shares only the solid with the kernel.
 
 use arcfeed_hil_sim::stock::dexel::{Dexel, Interval};
 use arcfeed_hil_sim::stock::lattice::Lattice;

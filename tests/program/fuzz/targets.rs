@@ -170,8 +170,8 @@ pub fn url(input: &[u8], seed: u64) {
     }
 }
 
-/// What the other end says, in pieces: a client goes on, waits or gives up, a server takes it for settings and data, and
-/// neither answers more than it received.
+/// Random bytes of the other end, in pieces: a client continues, waits or gives up, a server reads them as settings and data,
+/// and neither answers more than it received.
 pub fn rfc2217(input: &[u8], seed: u64) {
     let settings = SerialSettings {
         baudrate: 9_600,

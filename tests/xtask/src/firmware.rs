@@ -1,7 +1,7 @@
 //! The firmware for the chip: it builds, from the crates it may have, and needs nothing but `core`.
 //!
-//! That nothing uses `std` or `alloc` is proven by building against a copy of the target's library folder that holds
-//! `core` and `compiler_builtins` only: an `extern crate alloc` anywhere in the tree, in our crates or in theirs, cannot
+//! It is built against a copy of the target's library folder with only `core` and `compiler_builtins`, which proves that
+//! nothing uses `std` or `alloc`: an `extern crate alloc` anywhere in the tree, in our crates or in theirs, cannot
 //! be resolved there, and the compiler names the line.
 
 use std::fs;

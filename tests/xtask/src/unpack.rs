@@ -30,7 +30,7 @@ fn script(folder: &Path, libraries: &[PathBuf], name: &str) -> String {
     )
 }
 
-/// Where the script of a program is, once it is unpacked.
+/// Place of the script of an unpacked program.
 ///
 /// # Errors
 /// The operating system does not know where xtask is.
