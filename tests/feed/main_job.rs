@@ -13,7 +13,7 @@ use arcfeed_tests::root;
 
 /// Largest excess of a chip over its target, in any sample, relative.
 const THICK_RATIO: f64 = 0.005;
-/// Largest fraction of the steady samples that may be thinner than -2 % (the control's step, rounded down, is 1 % of that): the
+/// Largest fraction of the steady samples that may be thinner than -2 % (1 % is the control's step, rounded down): the
 /// override falls before the end of an arc if the next block begins with less.
 const THIN_SHARE: f64 = 0.06;
 
