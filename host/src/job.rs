@@ -1,4 +1,4 @@
-//! `JOB.toml`: read, checked once, every complaint with its place in the file.
+//! `JOB.toml`: reading and checking. Every complaint names its place in the file.
 
 mod quantity;
 
@@ -65,39 +65,39 @@ const POSITIVE_MAX: f64 = 1e6;
 /// A job file, checked.
 #[derive(Clone, Debug)]
 pub struct JobFile {
-    /// What the controller and the planner need.
+    /// Input of the controller and the planner.
     pub job: Job,
-    /// The program it speaks of.
+    /// NC program that the job names.
     pub program: PathBuf,
-    /// The control it runs on.
+    /// Control that the program runs on.
     pub control: ControlKind,
-    /// The file with what that control is set to.
+    /// File with the settings of that control.
     pub settings: Option<PathBuf>,
-    /// How it reads a program; in effect at power-on.
+    /// Settings of the control; in effect at power-on.
     pub nc: Settings,
-    /// Its offsets.
+    /// Work offsets, tool lengths and reference points of the control.
     pub tables: Tables,
-    /// The five-axis machine it runs on, where the job names one.
+    /// Five-axis machine, if the job names one.
     pub machine: Option<MachineFile>,
-    /// The file of that machine, if it is none of ours.
+    /// File of that machine; `None` for a preset.
     pub machine_path: Option<PathBuf>,
-    /// The engagement map that its rules name.
+    /// Engagement map that the cut rules name.
     pub map_file: Option<PathBuf>,
-    /// That map, once it was read.
+    /// Content of that map, once read.
     pub map: Option<EngagementMap>,
-    /// What it cuts, where the job says so.
+    /// Workpiece, if the job describes one.
     pub workpiece: Option<Workpiece>,
-    /// What cutting it takes, where the job says so.
+    /// Cutting edges and forces, if the job describes them.
     pub cutting: Option<Cutting>,
     /// The DNC line.
     pub serial: SerialSettings,
-    /// What is sent on it, and how.
+    /// How the program is sent on the line.
     pub dnc: DncSettings,
     /// Line and column of each cut rule in the file.
     pub rule_places: Vec<[usize; 2]>,
 }
 
-/// The controls there are.
+/// Supported controls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ControlKind {
     /// Series 16i.
@@ -109,7 +109,7 @@ pub enum ControlKind {
 }
 
 impl ControlKind {
-    /// As in job files.
+    /// Name in job files.
     pub const fn name(self) -> &'static str {
         match self {
             ControlKind::Fanuc16i => "fanuc-16i",
@@ -118,7 +118,7 @@ impl ControlKind {
         }
     }
 
-    /// Its standard settings.
+    /// Standard settings of this control.
     pub const fn preset(self) -> Preset {
         match self {
             ControlKind::Fanuc16i => Preset::Fanuc16i,
@@ -127,10 +127,10 @@ impl ControlKind {
         }
     }
 
-    /// Its settings and offsets, as a settings file changes them, at power-on in `unit`.
+    /// Settings and offsets of this control at power-on in `unit`, with the changes of a settings file.
     ///
     /// # Errors
-    /// What is wrong with the file.
+    /// Describes the fault in the settings file.
     pub fn settings(self, unit: LengthUnit, file: Option<&Path>) -> Result<(Settings, Tables), String> {
         let (settings, tables) = control::load(self.preset(), Reading::Lenient, file)?;
         Ok((Settings { unit, scope: Scope::Everything, ..settings }, tables))
@@ -139,7 +139,7 @@ impl ControlKind {
     /// The control of this name.
     ///
     /// # Errors
-    /// There is none.
+    /// The name is unknown.
     pub fn named(name: &str) -> Result<Self, &'static str> {
         match name {
             "fanuc-16i" => Ok(ControlKind::Fanuc16i),
@@ -153,7 +153,7 @@ impl ControlKind {
 /// A complaint at a byte offset of the file.
 pub(crate) type Complaint = (usize, String);
 
-/// What a cut rule is read with.
+/// Context in which a cut rule is read.
 struct Around<'t> {
     unit: LengthUnit,
     tool: &'t Tool,
@@ -170,7 +170,8 @@ impl JobFile {
         JobFile::parse(path, &text)
     }
 
-    /// No job: a control that executes programs as they are, on a 16i's usual line (9600 baud, 7E2, XON/XOFF).
+    /// Settings without a job: the control executes programs as they are, on a 16i's usual line (9600 baud, 7E2,
+    /// XON/XOFF).
     pub fn plain(unit: LengthUnit) -> Self {
         let job = Job {
             unit,
@@ -218,7 +219,7 @@ impl JobFile {
         }
     }
 
-    /// All files that a run of the job reads; `path` is its own.
+    /// All files that a run of the job reads; `path` is the job file itself.
     pub fn inputs(&self, path: &Path) -> Vec<PathBuf> {
         let mut files = vec![path.to_owned(), self.program.clone()];
         files.extend([&self.settings, &self.machine_path, &self.map_file].into_iter().flatten().cloned());
@@ -226,7 +227,7 @@ impl JobFile {
         files
     }
 
-    /// Checks a job given as text; `path` is for messages and for the program's place.
+    /// Checks a job given as text. `path` is used in messages and to locate the program.
     ///
     /// # Errors
     /// See [`FileError`].

@@ -48,18 +48,18 @@ use crate::toml_values::{refuse_numbers, with_key};
 
 use drives::{DriveError, Drives, Loops, SpindleRamps, Told, Tolerance};
 
-/// A machine with its name.
+/// Machine with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineFile {
-    /// As the file names it.
+    /// Name in the file.
     pub name: String,
-    /// The chain.
+    /// Kinematic chain.
     pub machine: Machine,
-    /// What the drives can do, where the file tells.
+    /// Drives, if the file describes them.
     pub drives: Option<Drives>,
-    /// The position loops, where the file tells.
+    /// Position loops, if the file describes them.
     pub servo: Option<Loops>,
-    /// The spindle's drive, where the file tells.
+    /// Drive of the spindle, if the file describes it.
     pub spindle: Option<SpindleRamps>,
 }
 
@@ -127,7 +127,7 @@ impl MachineFile {
     /// Reads and checks a file.
     ///
     /// # Errors
-    /// `file:line:column: what is wrong with it`, or that it cannot be read.
+    /// Describes the fault as `file:line:column: message`, or the file cannot be read.
     pub fn load(path: &Path) -> Result<Self, String> {
         let shown = path.display();
         let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
@@ -137,7 +137,7 @@ impl MachineFile {
     /// Checks a machine given as text.
     ///
     /// # Errors
-    /// `line:column: what is wrong with it`.
+    /// Describes the fault as `line:column: message`.
     pub fn parse(text: &str) -> Result<Self, String> {
         let at = |offset: usize, message: String| {
             let [line, column] = place(text, offset);
@@ -171,7 +171,7 @@ impl MachineFile {
 }
 
 impl MachineTable {
-    /// Of X, Y, Z and the rotary axes.
+    /// Drive values of X, Y, Z and the rotary axes.
     fn told(&self) -> [Told; 5] {
         let LinearTables { X, Y, Z } = &self.linear;
         let [x, y, z] = [X, Y, Z].map(|axis| axis.as_ref()).map(|axis| [axis.max_feed, axis.acceleration, axis.jerk]);
@@ -180,7 +180,7 @@ impl MachineTable {
         [x, y, z, first, second]
     }
 
-    /// Where the axis stands whose drive makes no sense.
+    /// Byte offset of the axis with the faulty drive.
     fn offset_of_drive(&self, error: DriveError) -> usize {
         let LinearTables { X, Y, Z } = &self.linear;
         match error {
@@ -191,7 +191,7 @@ impl MachineTable {
         }
     }
 
-    /// Where the axis stands that an error is about.
+    /// Byte offset of the axis that an error is about.
     fn offset_of(&self, error: &MachineError) -> usize {
         let [first, second] = &self.rotary;
         let LinearTables { X, Y, Z } = &self.linear;

@@ -1,4 +1,4 @@
-//! A link on a port: messages in, messages out.
+//! Board link on a port: sends and receives messages.
 
 use std::hash::{BuildHasher, RandomState};
 
@@ -14,7 +14,7 @@ use crate::port::open::open;
 use crate::port::url::{Base, PortUrl};
 use crate::port::{Port, PortError};
 
-/// Of a board link, unless told otherwise.
+/// Default baud rate of a board link.
 pub const BAUDRATE: u32 = 115_200;
 
 /// Longest time between two turns.
@@ -24,15 +24,15 @@ pub const TURN_MAX: Micros = Micros::from_ms(20);
 pub struct Line<'p> {
     port: Box<dyn Port + 'p>,
     link: Link,
-    /// A frame that the port has taken only in part, and how far.
+    /// Frame that the port has accepted only in part, and how many bytes of it.
     frame: [u8; ENCODED_MAX],
     taken: usize,
     len: usize,
-    /// Messages of the board that are none of ours.
+    /// Count of messages with an unknown kind.
     unknown: u32,
 }
 
-/// How a port is worked for a board link: frames hold every byte there is, so nobody may take some for XON and XOFF.
+/// Port settings of a board link. Frames contain every byte value, so XON/XOFF must be off.
 fn settings(baudrate: u32) -> SerialSettings {
     SerialSettings {
         baudrate,
@@ -47,7 +47,7 @@ fn settings(baudrate: u32) -> SerialSettings {
 }
 
 impl Line<'static> {
-    /// An end that greets on a port of this machine.
+    /// Opens a port of this machine and starts the handshake.
     ///
     /// # Errors
     /// The port cannot be opened.
@@ -58,14 +58,14 @@ impl Line<'static> {
 }
 
 impl<'p> Line<'p> {
-    /// An end that greets. `bits_per_s` is what the port carries, 0 where nothing paces it.
+    /// Starts the handshake. `bits_per_s` is the rate of the port, 0 if nothing limits it.
     ///
     /// # Errors
-    /// So slow a line that no link can work on it.
+    /// The line is too slow for the link.
     pub fn new(port: Box<dyn Port + 'p>, bits_per_s: u32) -> Result<Self, PortError> {
         let ahead = Span::from(TURN_MAX);
         let settings = LinkSettings { bits_per_s, ahead, ..link_settings(Role::Host) };
-        // Another one with each start.
+        // A new session number at each start.
         let session = RandomState::new().hash_one(std::process::id()) as u32;
         let link = Link::new(settings, session).map_err(|error| {
             PortError::in_words("board link", format!("{bits_per_s} bit/s is too slow for a board: {error:?}"))
@@ -73,7 +73,7 @@ impl<'p> Line<'p> {
         Ok(Line { port, link, frame: [0; ENCODED_MAX], taken: 0, len: 0, unknown: 0 })
     }
 
-    /// Takes what has come, and puts out what is due.
+    /// Receives what has come and sends what is due.
     ///
     /// # Errors
     /// The port is gone.
@@ -97,7 +97,7 @@ impl<'p> Line<'p> {
         self.put_out()
     }
 
-    /// Puts out what is due.
+    /// Sends what is due.
     ///
     /// # Errors
     /// The port is gone.
@@ -117,17 +117,17 @@ impl<'p> Line<'p> {
         }
     }
 
-    /// Sends a message, each once and in order.
+    /// Sends a message once and in order.
     ///
     /// # Errors
-    /// No room, or no link.
+    /// There is no room or no link.
     pub fn send(&mut self, message: &Message) -> Result<(), SendError> {
         let mut payload = [0; PAYLOAD_MAX];
         let len = message.encode(&mut payload).unwrap_or_else(|_| unreachable!("every message fits"));
         self.link.send(message.kind(), &payload[..len])
     }
 
-    /// Lets time pass until the next turn.
+    /// Waits until the next turn.
     pub fn wait(&mut self) {
         let now = self.port.now();
         let latest = now.after(TURN_MAX);
@@ -135,7 +135,7 @@ impl<'p> Line<'p> {
         self.port.wait(due.map_or(latest, |at| at.min(latest)));
     }
 
-    /// Says goodbye.
+    /// Closes the link.
     ///
     /// # Errors
     /// The port is gone.
@@ -149,17 +149,17 @@ impl<'p> Line<'p> {
         &self.link
     }
 
-    /// Whether both ends have found each other.
+    /// Both ends have found each other.
     pub fn is_up(&self) -> bool {
         self.link.state() == LinkState::Up
     }
 
-    /// By the port's clock.
+    /// Time of the port's clock.
     pub fn now(&self) -> Micros {
         self.port.now()
     }
 
-    /// Messages of the board that are none of ours.
+    /// Count of messages with an unknown kind.
     pub fn unknown(&self) -> u32 {
         self.unknown
     }

@@ -1,4 +1,4 @@
-//! The feed board, as the host sees it: its link, what a run gives it, and what it says.
+//! Feed board seen from the host: its link, the data of a run, and its reports.
 //!
 //! ```text
 //! program as sent + job -> plan -> Board -- parameters, segments ahead of the control --> link -> port -> board

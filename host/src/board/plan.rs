@@ -1,8 +1,8 @@
-//! What a board is told of a program: its moves in order, and with which line of what is sent each of them comes.
+//! Messages of a program for a board: its moves in order, each with the line of the transmission that it belongs to.
 //!
-//! The moves are those of the text as it goes over the DNC line, feeds and a restart's own blocks included. Those of canned
-//! cycles and reference returns are told one by one, without a rule: the board follows them by their ends. Before a move come
-//! its engaged arcs, if it has any: the board has a move when it has all of that.
+//! The moves are those of the text as it goes over the DNC line, feeds and a restart's own blocks included. Moves of
+//! canned cycles and reference returns are sent one by one, without a rule: the board follows them by their ends. The
+//! engaged arcs of a move are sent before it: the board has a move once it has all of that.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -24,30 +24,30 @@ use crate::dnc::transmission::Transmission;
 use crate::engagement::EngagementMap;
 use crate::program::{Program, ProgramLine};
 
-/// The moves of a transmission.
+/// Messages of the moves of a transmission.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Plan {
-    /// Each move, counted from 0, behind its engaged arcs.
+    /// Messages: each move behind its engaged arcs.
     messages: Vec<Message>,
-    /// How many messages there are up to and with each move.
+    /// Number of messages up to and including each move.
     ends: Vec<usize>,
-    /// Index of the line that each move belongs to.
+    /// Index of the line of each move.
     lines: Vec<usize>,
 }
 
-/// What holds for a move beside its text.
+/// Bounds of a move beside its text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveBounds {
-    /// The fastest feed that the job allows on a governed move, per minute.
+    /// Largest feed of a governed move that the job allows, per minute.
     max_feed: Option<Nm>,
-    /// Largest override at its end where that is not 100, %.
+    /// Largest override at the end of the move, %; `None`: 100 %.
     end_percent: Option<u8>,
 }
 
 impl MoveBounds {
     const NONE: MoveBounds = MoveBounds { max_feed: None, end_percent: None };
 
-    /// Those of an adapted program that say something, by line.
+    /// Bounds of the moves of an adapted program, by line; moves without a bound are left out.
     pub fn of(adapted: &Adapted) -> HashMap<usize, MoveBounds> {
         let of_block = |block: &PlannedBlock| {
             let limit = block.limit.filter(|_| block.demand.is_some());
@@ -61,41 +61,41 @@ impl MoveBounds {
     }
 }
 
-/// What governs a move.
+/// Rule that governs a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Governed<'a> {
     rule: usize,
-    /// Where it is not the tool's.
+    /// Spindle speed, if it differs from the tool's.
     spindle: Option<RevPerMin>,
     along: Option<&'a EngagedTable>,
 }
 
-/// A move that no board can be told.
+/// Move that cannot be sent to a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlanError {
-    /// Line of the program's file, counted from 1; 0 for one of ours.
+    /// Line of the program's file, counted from 1; 0 for a line that arcfeed added.
     pub source: usize,
-    /// Why.
+    /// Reason.
     pub why: Untold,
 }
 
-/// Why a move cannot be told.
+/// Reason why a move cannot be sent to a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Untold {
-    /// Its numbers.
-    #[error("this move cannot be told to a board: {0:?}")]
+    /// Numbers out of range.
+    #[error("this move cannot be sent to a board: {0:?}")]
     Move(MoveError),
-    /// A move left out would put every law behind it on the wrong one.
-    #[error("this block is not understood, and a board must be told every move; send without --board")]
+    /// Block with an unknown meaning: leaving its move out would apply every later law to the wrong move.
+    #[error("this block is not understood, and a board needs every move; send without --board")]
     NotUnderstood,
 }
 
 impl Plan {
-    /// The moves of what is sent to a control that stands as at power-on, with the engaged arcs that a map has for them.
-    /// `bounds` has what holds beside the text, by line of the program's file: what is sent has other F words.
+    /// Plans the moves of a transmission to a control in its power-on state, with their engaged arcs from a map.
+    /// `bounds` are the bounds beside the text, by line of the program's file: the transmission has other F words.
     ///
     /// # Errors
-    /// The first move that cannot be told.
+    /// Describes the first move that cannot be sent to a board.
     pub fn new(
         sending: &Transmission,
         power_on: &PowerOn,
@@ -103,7 +103,7 @@ impl Plan {
         map: Option<&EngagementMap>,
         bounds: &HashMap<usize, MoveBounds>,
     ) -> Result<Self, PlanError> {
-        // A control that reports where it is moves nothing by it; nor is there a reader of such blocks here.
+        // A control that reports its position does not move; the reader here does not know such blocks.
         let lines = (0..sending.lines().len()).map(|index| match sending.is_of_report(index) {
             true => b"\n",
             false => sending.line_text(index).unwrap_or_default(),
@@ -161,41 +161,43 @@ impl Plan {
         Ok(())
     }
 
-    /// How many moves there are.
+    /// Number of moves.
     pub fn moves(&self) -> usize {
         self.ends.len()
     }
 
-    /// What a board is told of so many moves, in order.
+    /// Messages of the first `moves` moves, in order.
     pub fn messages(&self, moves: usize) -> &[Message] {
         let all = self.ends.last().copied().unwrap_or(0);
         let end = moves.checked_sub(1).map_or(0, |last| self.ends.get(last).copied().unwrap_or(all));
         self.messages.get(..end).unwrap_or_default()
     }
 
-    /// How many moves are told by so many messages.
+    /// Number of moves that the first `messages` messages contain.
     fn told_by(&self, messages: usize) -> usize {
         self.ends.partition_point(|end| *end <= messages)
     }
 
-    /// How many moves are over once the control has taken up so many blocks: those of all lines before the last of them.
+    /// Number of moves that are over once the control has started `blocks` blocks: those of all lines before the last
+    /// of them.
     pub fn over(&self, blocks: usize, sending: &Transmission) -> usize {
         let in_work = sending.line_of_block(blocks).unwrap_or(0);
         self.lines.partition_point(|line| *line < in_work)
     }
 
-    /// Index of the line that a move belongs to, counted from 0.
+    /// Index of the line of a move, counted from 0.
     pub fn line_of(&self, count: usize) -> Option<usize> {
         self.lines.get(count).copied()
     }
 
-    /// How far the text may go out once so many messages are the board's: to the line of the first move that is not.
+    /// End of the text that may be sent once `delivered` messages have reached the board: the line of the first move
+    /// that has not.
     pub fn permitted(&self, delivered: usize, sending: &Transmission) -> usize {
         self.lines.get(self.told_by(delivered)).map_or(usize::MAX, |line| sending.start_of(*line))
     }
 }
 
-/// The moves of a block that makes several, seen from the workpiece's origin.
+/// Moves of a block that makes several, relative to the workpiece's origin.
 fn series(line: &ProgramLine) -> Vec<Segment> {
     let Some(meaning) = &line.meaning else { return Vec::new() };
     let Some(series) = &meaning.step.series else { return Vec::new() };
@@ -225,14 +227,14 @@ mod tests {
         EngagedTable::new(&(0..knots).map(knot).collect::<Vec<_>>()).expect("a table")
     }
 
-    /// One move a line, with tables of so many knots; 0 for none.
+    /// One move per line, with tables of so many knots; 0: without tables.
     fn plan(knots: &[usize]) -> Plan {
         let [start, end] = [Pose::default(); 2];
         let segment = Segment { sequence: None, start, end, feed: Feed::Missing, path: Path::Line };
         let mut plan = Plan::default();
         for (line, knots) in knots.iter().enumerate() {
             let along = (*knots > 0).then(|| table(*knots));
-            plan.add(line, &segment, governed(along.as_ref()), MoveBounds::NONE).expect("it can be told");
+            plan.add(line, &segment, governed(along.as_ref()), MoveBounds::NONE).expect("it can be sent");
         }
         plan
     }

@@ -1,4 +1,4 @@
-//! A board during one run: parameters, arming by a person, segments ahead of the control.
+//! Board during one run: parameters, arming by a person, segments ahead of the control.
 //!
 //! ```text
 //!             link up             parameters accepted        armed, at the board or here
@@ -7,7 +7,7 @@
 //!                                                        +---- the override is taken away --+
 //! ```
 //!
-//! Segments flow from Idle on. Whatever ends the link, or a refusal, ends the run: nothing is tried again by itself.
+//! Segments flow from Idle on. A refusal or the end of the link ends the run: nothing is retried automatically.
 
 use std::collections::VecDeque;
 
@@ -25,23 +25,23 @@ use super::words;
 use crate::dnc::transmission::Transmission;
 use crate::port::PortError;
 
-/// How long a board may take to answer.
+/// Longest time in which a board must answer.
 const TIMEOUT: Micros = Micros::from_ms(3_000);
-/// The host's number of its one set of a session.
+/// Number of the only parameter set of a session.
 const SET: u32 = 1;
-/// How long a goodbye may take.
+/// Longest time for closing the link.
 const GOODBYE_MAX: Micros = Micros::from_ms(500);
 
-/// A board that takes part in a run.
+/// Board that takes part in a run.
 pub struct Board<'p> {
     line: Line<'p>,
     stage: Stage,
-    /// When it became that.
+    /// Time at which it reached this stage.
     since: Micros,
     /// Parameters still to be sent.
     parameters: VecDeque<Message>,
     plan: Plan,
-    /// Messages of the plan handed to the link.
+    /// Number of the plan's messages given to the link.
     sent: usize,
     info: Option<table::Info>,
     report: Option<table::Report>,
@@ -52,62 +52,62 @@ pub struct Board<'p> {
     standstill: Standstill,
 }
 
-/// How far a board has come.
+/// Progress of the start-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// It has not answered yet.
+    /// The board has not answered yet.
     Greeting,
-    /// It has parameters on their way.
+    /// Parameters are being sent.
     Loading,
-    /// Its parameters are in force.
+    /// Parameters are in force.
     Ready,
 }
 
-/// Why a board does not obey the laws.
+/// Reason why the laws of a board do not have the override.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outage {
-    /// It was disarmed, or position or link were lost: 100 %, or the dial's.
+    /// The board is disarmed, or has lost the position or the link: 100 %, or the dial's value.
     Disarmed,
-    /// It has a fault: 0 % until a person resets it at the machine.
+    /// The board has a fault: 0 % until a person resets it at the machine.
     Faulted {
-        /// As its report names it.
+        /// Cause code of the report.
         cause: u8,
     },
 }
 
-/// Why a run with a board is over.
+/// Reason for which a run with a board is over.
 #[derive(Debug, thiserror::Error)]
 pub enum BoardError {
-    /// Its port.
+    /// Fault of the port.
     #[error(transparent)]
     Port(#[from] PortError),
-    /// It has not answered, or its link is lost.
+    /// The board has not answered, or the link is lost.
     #[error("board: {}", words::link(*.0))]
     Link(LinkState),
-    /// It has heard, and does not answer what it was asked.
+    /// The board has acknowledged the parameters but does not answer them.
     #[error("board: no answer to the parameters for {} s", TIMEOUT.to_s())]
     Mute,
-    /// It refuses.
+    /// The board has refused a message.
     #[error("board: refused message {kind:#04x} ({reference}): {}", words::refusal(*why))]
     Refused {
         /// Kind of the message.
         kind: u8,
-        /// As it says.
+        /// Reference that the board gives.
         reference: u32,
-        /// Why.
+        /// Reason of the refusal.
         why: RefusalCode,
     },
 }
 
 impl<'p> Board<'p> {
-    /// A board that is not spoken to yet.
+    /// A board before the first message.
     ///
     /// # Errors
-    /// A job that no board can be told, in words.
+    /// Describes the fault, if the job does not suit a board.
     pub fn new(line: Line<'p>, job: &Job, plan: Plan) -> Result<Self, String> {
         let mut parameters = VecDeque::new();
         messages(job, SET, &mut |message| parameters.push_back(message))
-            .map_err(|error| format!("the job cannot be told to a board: {error:?}"))?;
+            .map_err(|error| format!("the job cannot be sent to a board: {error:?}"))?;
         Ok(Board {
             line,
             stage: Stage::Greeting,
@@ -124,7 +124,7 @@ impl<'p> Board<'p> {
         })
     }
 
-    /// One turn: hears it, and gives it what it has room for.
+    /// One turn: receives messages, and sends as many as the board has room for.
     ///
     /// # Errors
     /// The run is over.
@@ -165,7 +165,7 @@ impl<'p> Board<'p> {
             _ => return Ok(()),
         }
         match self.refusal.take() {
-            // Asking to arm may be refused: a person reads why, and asks again.
+            // Arming may be refused: a person reads the reason and asks again.
             Some(refused) if refused.kind == arm(0).kind() => self.refusal = Some(refused),
             Some(table::Refused { kind, reference, why }) => return Err(BoardError::Refused { kind, reference, why }),
             None => {}
@@ -182,7 +182,8 @@ impl<'p> Board<'p> {
         }
         let Some(report) = self.report.filter(|report| self.stage == Stage::Ready && report.set == SET) else { return };
         self.executed_before.get_or_insert(report.executed);
-        // No more than it has room for: a move that waits there holds up everything behind it, a request to arm too.
+        // Not more than the board has room for: a move that waits there would delay all later messages, a request to
+        // arm included.
         let until = self.done() + self.info.map_or(0, |info| usize::from(info.capacity).saturating_sub(1));
         while let Some(message) = self.plan.messages(until).get(self.sent) {
             if self.line.send(message).is_err() {
@@ -192,7 +193,7 @@ impl<'p> Board<'p> {
         }
     }
 
-    /// Moves that the board has seen done, by its last report.
+    /// Number of moves that the board has seen done, by its last report.
     fn done(&self) -> usize {
         let executed = self.report.zip(self.executed_before);
         executed.map_or(0, |(now, before)| now.executed.wrapping_sub(before) as usize)
@@ -202,19 +203,19 @@ impl<'p> Board<'p> {
         (self.stage, self.since) = (stage, self.line.now());
     }
 
-    /// How far the text may go to the control: no block whose move the board does not have, with all that belongs to it.
+    /// End of the text that may go to the control: the board must have the move of each block, with its engaged arcs.
     pub fn permitted(&self, sending: &Transmission) -> usize {
         let delivered = self.sent.saturating_sub(self.line.link().unacknowledged());
         self.plan.permitted(delivered, sending)
     }
 
-    /// Whether all moves are done, as the board saw it.
+    /// The board has seen all moves done.
     pub fn is_done(&self) -> bool {
         self.executed_before.is_some() && self.done() >= self.plan.moves()
     }
 
-    /// The line of the move that the board waits for the end of, if it stands there though the control has gone on; once for each
-    /// standstill. The control has taken up so many blocks.
+    /// Line of the move whose end the board waits for, if the board stands still while the control, which has started
+    /// `blocks` blocks, continues; once for each standstill.
     pub fn stands_at(&mut self, blocks: usize, sending: &Transmission) -> Option<usize> {
         let (now, done, by_control) = (self.line.now(), self.done(), self.plan.over(blocks, sending));
         let stands = self.standstill.look(now, done, by_control);
@@ -224,23 +225,23 @@ impl<'p> Board<'p> {
     /// Asks to arm, on behalf of a person who has seen the last report.
     ///
     /// # Errors
-    /// There is no report yet, or the link takes nothing now.
+    /// There is no report yet, or the link accepts no message now.
     pub fn arm(&mut self) -> Result<(), SendError> {
         let epoch = self.report.ok_or(SendError::Down)?.epoch;
         self.line.send(&arm(epoch))
     }
 
-    /// Why arming was refused, once.
+    /// Reason why arming was refused; reported once.
     pub fn take_arm_refusal(&mut self) -> Option<&'static str> {
         self.refusal.take().map(|refused| words::refusal(refused.why))
     }
 
-    /// Whether parameters are in force and the laws may have the override.
+    /// Parameters are in force and the laws may have the override.
     pub fn is_armed(&self) -> bool {
         self.stage == Stage::Ready && self.report.is_some_and(|report| words::is_engaged(report.state))
     }
 
-    /// Why the laws do not have the override any more: a fault, or that it was taken away from them.
+    /// Reason why the laws no longer have the override.
     pub fn outage(&self) -> Option<Outage> {
         match self.report {
             Some(report) if report.state == StateCode::Faulted => Some(Outage::Faulted { cause: report.cause }),
@@ -248,32 +249,32 @@ impl<'p> Board<'p> {
         }
     }
 
-    /// How far it has come.
+    /// Progress of the start-up.
     pub fn stage(&self) -> Stage {
         self.stage
     }
 
-    /// What it is.
+    /// Identification of the board.
     pub fn info(&self) -> Option<&table::Info> {
         self.info.as_ref()
     }
 
-    /// How things stand.
+    /// Last report.
     pub fn report(&self) -> Option<&table::Report> {
         self.report.as_ref()
     }
 
-    /// Its line.
+    /// Board link.
     pub fn line(&self) -> &Line<'p> {
         &self.line
     }
 
-    /// Lets time pass until its next turn.
+    /// Waits until the next turn.
     pub fn wait(&mut self) {
         self.line.wait();
     }
 
-    /// Gives the override back and says goodbye: a run that ended as it should leaves no alarm.
+    /// Returns the override and closes the link, so that a completed run leaves no alarm.
     ///
     /// # Errors
     /// The port is gone.

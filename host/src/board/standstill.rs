@@ -1,25 +1,27 @@
-//! Whether the board still sees the moves that the control makes.
+//! Detects a board that no longer sees the moves of the control.
 //!
-//! A board finds the end of a move from the position. Where the position was lost for so long that an end went by unseen, it waits for
-//! that end: 100 %, and its count of moves done stands still while the control goes on (docs/board-safety.md). Nothing else tells.
+//! A board finds the end of a move from the position. If it loses the position for so long that it misses an end, it
+//! waits for that end: 100 %, and its count of moves done stands still while the control continues
+//! (docs/board-safety.md). No other signal shows this.
 
 use arcfeed_shared::units::Micros;
 
-/// How long a board may be behind the control: reports come every 50 ms, and some get lost.
+/// Longest time that a board may be behind the control: reports come every 50 ms, and some are lost.
 pub const TIMEOUT: Micros = Micros::from_ms(3_000);
 
-/// The board's count and the control's; state.
+/// Count of the board compared with that of the control; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Standstill {
     /// Moves done, as the board saw it.
     done: usize,
-    /// Since when the control is further.
+    /// Time since which the control has been ahead.
     since: Option<Micros>,
     is_told: bool,
 }
 
 impl Standstill {
-    /// Compares how many moves the board has seen done with how many the control has done at least. True once for each standstill.
+    /// Compares the number of moves that the board has seen done with the least number that the control has done. True
+    /// once for each standstill.
     pub fn look(&mut self, now: Micros, done: usize, by_control: usize) -> bool {
         if done != self.done || by_control <= done {
             *self = Standstill { done, ..Standstill::default() };
@@ -36,7 +38,8 @@ impl Standstill {
 mod tests {
     use super::*;
 
-    /// What it says every half second: of moves seen by the board, and done by the control.
+    /// Indices of the half-second steps at which a standstill is reported; of moves seen by the board, and done by the
+    /// control.
     fn told(seen: &[(usize, usize)]) -> Vec<usize> {
         let mut standstill = Standstill::default();
         let mut look = |at: usize, (done, by_control): (usize, usize)| {
@@ -59,7 +62,7 @@ mod tests {
         let stands = [(3, 4); 20];
         assert_eq!(told(&stands), [6]);
         assert_eq!(told(&[&stands[..], &[(4, 4)], &[(4, 9); 20]].concat()), [6, 27]);
-        // The control may be further and further.
+        // The control may get further ahead all the time.
         let ever_further: Vec<_> = (0..20).map(|at| (3, 3 + at)).collect();
         assert_eq!(told(&ever_further), [7]);
     }

@@ -1,11 +1,11 @@
-//! What a board and its link say, for people.
+//! Messages about a board and its link.
 
 use arcfeed_firmware::output::telemetry::reason::Cause;
 use arcfeed_shared::wire::link::{LinkState, Loss, Refusal};
 use arcfeed_shared::wire::message::SCHEMA_HASH;
 use arcfeed_shared::wire::message::codes::{RefusalCode, ResetCode, SettingCode, StateCode};
 
-/// Who has the override.
+/// State of the supervisor.
 pub const fn state(state: StateCode) -> &'static str {
     match state {
         StateCode::Idle => "idle",
@@ -19,12 +19,12 @@ pub const fn state(state: StateCode) -> &'static str {
     }
 }
 
-/// Whether the laws have the override in this state, or will as soon as a segment begins.
+/// The laws have the override in this state, or will have it as soon as a segment begins.
 pub const fn is_engaged(state: StateCode) -> bool {
     matches!(state, StateCode::Armed | StateCode::Running | StateCode::Holding | StateCode::Inhibited)
 }
 
-/// Why it has a fault, by the cause that its report names.
+/// Cause of a fault, by the code of its report.
 pub fn fault(cause: u8) -> &'static str {
     match Cause::of_code(cause) {
         Some(Cause::Watchdog) => "its watchdog found it stopped",
@@ -34,7 +34,7 @@ pub fn fault(cause: u8) -> &'static str {
     }
 }
 
-/// Why it started.
+/// Reason for the last start of the board.
 pub const fn reset(reset: ResetCode) -> &'static str {
     match reset {
         ResetCode::Power => "power-on or its reset pin",
@@ -44,7 +44,7 @@ pub const fn reset(reset: ResetCode) -> &'static str {
     }
 }
 
-/// Why it did not do what it was asked for.
+/// Reason for a refusal.
 pub const fn refusal(why: RefusalCode) -> &'static str {
     match why {
         RefusalCode::Message => "it does not know such a message",
@@ -64,15 +64,13 @@ pub const fn refusal(why: RefusalCode) -> &'static str {
     }
 }
 
-/// Where its link stands, if it is not up.
+/// State of the link.
 pub fn link(state: LinkState) -> String {
     match state {
         LinkState::Up => "up".into(),
-        LinkState::Greeting => {
-            "nobody answers: check the port, the cable, 115 200 baud, 8N1, no flow control, and that \
+        LinkState::Greeting => "no answer: check the port, the cable, 115 200 baud, 8N1, no flow control, and that \
                                 the board is on"
-                .into()
-        }
+            .into(),
         LinkState::Refused(Refusal::Version(theirs)) => {
             format!("the board speaks version {theirs} of the protocol; flash firmware of this release")
         }
@@ -87,7 +85,7 @@ pub fn link(state: LinkState) -> String {
     }
 }
 
-/// Why its link is over.
+/// Reason for which the link is over.
 pub const fn lost(loss: Loss) -> &'static str {
     match loss {
         Loss::Silence => "the board is silent",
@@ -99,7 +97,7 @@ pub const fn lost(loss: Loss) -> &'static str {
     }
 }
 
-/// A setting's name on the command line, and what it counts.
+/// Name of a setting on the command line, and its unit.
 pub const fn setting(setting: SettingCode) -> (&'static str, &'static str) {
     match setting {
         SettingCode::PositionStale => ("position-stale", "us"),

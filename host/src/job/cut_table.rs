@@ -1,4 +1,4 @@
-//! The shape of `[[cut]]`, as serde sees it. Values are checked in [`super::rules`].
+//! `[[cut]]` as serde reads it. [`super::rules`] checks the values.
 
 use serde::Deserialize;
 use toml::Spanned;

@@ -1,4 +1,4 @@
-//! `[cutting]`: the edges, how far up they are asked for chips, and what a chip does to them.
+//! `[cutting]`: cutting edges, the depth in which their chips are computed, and the forces of a chip.
 
 use arcfeed_shared::job::Job;
 use arcfeed_shared::tool::Tool;
@@ -8,10 +8,10 @@ use toml::Spanned;
 use super::quantity::Quantity;
 use super::{Complaint, at, length_mm};
 
-/// Layers of an axial depth.
+/// Most layers of an axial depth.
 const LAYERS_MAX: usize = 100;
 
-/// As serde sees it.
+/// `[cutting]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CuttingTable {
@@ -48,57 +48,57 @@ struct RunoutTable {
     direction: f64,
 }
 
-/// What cutting takes.
+/// Cutting edges, force coefficients and vibration modes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cutting {
-    /// Of the forces.
+    /// Force coefficients.
     pub coefficients: Coefficients,
-    /// How far up from the tip edges are asked for chips.
+    /// Height above the tip within which chips are computed.
     pub axial_depth_mm: f64,
-    /// Layers of that depth.
+    /// Number of layers of that height.
     pub layers: usize,
-    /// Of an end mill, positive for a right-hand one.
+    /// Helix angle of an end mill, positive for a right-hand helix.
     pub helix_rad: f64,
-    /// The tool's axis from the spindle's: how far, and in which direction before it turns.
+    /// Offset of the tool's axis from the spindle's: distance, and direction before the spindle turns.
     pub runout: Option<(f64, f64)>,
-    /// How much further out each tooth stands; none if all are alike.
+    /// Radial offset of each tooth; empty if all teeth are alike.
     pub offsets_mm: Vec<f64>,
-    /// From each tooth to the next; none if they are equal.
+    /// Angle from each tooth to the next; empty if the pitch is equal.
     pub pitch_rad: Vec<f64>,
-    /// How tool and workpiece give way to each other; none if both are rigid.
+    /// Vibration modes of tool against workpiece; empty if both are rigid.
     pub modes: Vec<Mode>,
     /// Byte offset of its table in the job file.
     pub offset: usize,
 }
 
-/// A mode of tool against workpiece, as a tap test tells it.
+/// Vibration mode of tool against workpiece, as a tap test measures it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
     /// Natural frequency.
     pub frequency_hz: f64,
-    /// Of critical damping.
+    /// Fraction of critical damping.
     pub damping_ratio: f64,
-    /// Along its direction.
+    /// Stiffness along the mode's direction.
     pub stiffness_n_per_mm: f64,
-    /// Of any length, in the program's coordinates.
+    /// Direction in the program's coordinates; its length does not matter.
     pub direction: [f64; 3],
     /// Byte offset in the job file.
     pub offset: usize,
 }
 
-/// What forces are worked out with.
+/// Source of the force coefficients.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Coefficients {
-    /// Those of a material, by its name.
+    /// Coefficients of a material, by its name.
     Material {
-        /// As the table of materials has it.
+        /// Name in the table of materials.
         name: String,
         /// Byte offset of the name.
         offset: usize,
         /// Radial and axial force over the tangential one.
         ratios: [f64; 2],
     },
-    /// Kienzle's.
+    /// Kienzle's model.
     Kienzle {
         /// kc1.1, N/mm2.
         specific_mpa: f64,
@@ -107,7 +107,7 @@ pub enum Coefficients {
         /// Radial and axial force over the tangential one.
         ratios: [f64; 2],
     },
-    /// Linear: tangential, radial, axial.
+    /// Linear model: tangential, radial, axial.
     Linear {
         /// N/mm2.
         cutting_mpa: [f64; 3],
@@ -116,7 +116,7 @@ pub enum Coefficients {
     },
 }
 
-/// Checks what a job says of cutting; the height is that of the tool, where there is a workpiece.
+/// Checks the `[cutting]` table; `height_mm` is the tool's height, if there is a workpiece.
 pub(super) fn build(told: &Spanned<CuttingTable>, job: &Job, height_mm: Option<f64>) -> Result<Cutting, Complaint> {
     let CuttingTable { axial_depth, layers, helix, runout, offsets, pitch, .. } = told.as_ref();
     let Some(height_mm) = height_mm else {

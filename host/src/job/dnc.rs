@@ -1,4 +1,4 @@
-//! `[dnc]`: how the control reads what is sent, and how long the sender waits for it.
+//! `[dnc]`: how the control reads the transmission, and how long the sender waits for it.
 
 use arcfeed_shared::units::{Micros, US_PER_S};
 use toml::Spanned;
@@ -7,41 +7,41 @@ use super::schema::DncTable;
 use super::serial::{Parity, SerialSettings};
 use super::{Complaint, at};
 
-/// Longest wait that can be asked for.
+/// Longest wait that a job may set.
 const TIMEOUT_MAX_S: f64 = 86_400.0;
-/// Slowest reaction that can be told.
+/// Longest reaction time that a job may set.
 const REACTION_MAX_S: f64 = 10.0;
-/// Blocks that a control reads ahead unless the job says it: the most of those in docs/control.md, assumed.
+/// Assumed look-ahead of a control in blocks, unless the job sets it: the largest value in docs/control.md.
 const READ_AHEAD: usize = 200;
 
 /// How the control reads, and how long the sender waits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DncSettings {
-    /// The control's code where the sender makes it; `None`: the line's parity bit makes ISO of ASCII, or nothing is
+    /// Code of the characters if the sender makes it. `None`: the line's parity bit makes ISO of ASCII, or no parity is
     /// checked.
     pub code: Option<TapeCode>,
-    /// Whether the control's TV check is on.
+    /// TV check of the control is on.
     pub tv_check: bool,
-    /// How late a DC3 may be acted on, where it is told.
+    /// Longest time in which a DC3 may be acted on, if the job sets it.
     pub reaction: Option<Micros>,
-    /// How long the control may take until it asks for the program.
+    /// Longest time until the control asks for the program.
     pub start_timeout: Micros,
-    /// How long it may then take nothing.
+    /// Longest time in which the control may then accept no character.
     pub xoff_timeout: Micros,
-    /// Behind how many blocks the control is to report where it stands; `None`: it reports nothing.
+    /// Number of blocks after which the control reports its position; `None`: it reports nothing.
     pub report_every: Option<usize>,
-    /// Blocks that it reads ahead at most.
+    /// Most blocks that the control reads ahead.
     pub read_ahead: usize,
 }
 
-/// A code that the sender makes itself, on a line of eight bits.
+/// Character code that the sender makes itself, on a line of eight bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TapeCode {
     /// Even parity in the eighth bit.
     Iso,
     /// RS-244.
     Eia,
-    /// Nothing in the eighth bit.
+    /// Eighth bit unused.
     Ascii,
 }
 

@@ -1,4 +1,5 @@
-//! `[workpiece.flexible]`: the part of the workpiece that gives way, held at a face: a block, or a wall or a blade from an STL file.
+//! `[workpiece.flexible]`: the flexible part of the workpiece, clamped at a face: a block, or a wall or a blade from an
+//! STL file.
 
 use arcfeed_shared::kinematics::vector::Vector;
 use arcfeed_shared::units::LengthUnit;
@@ -9,16 +10,16 @@ use super::quantity::Quantity;
 use super::stl::StlFile;
 use super::{Complaint, at};
 
-/// Cells of all axes together: more take minutes (docs/fe.md).
+/// Most cells of all axes together: more take minutes (docs/fe.md).
 const CELLS_MAX: usize = 2000;
 
-/// Modes where the job says nothing.
+/// Number of modes, unless the job sets it.
 const MODES: usize = 10;
 
-/// The fastest ones make the steps short.
+/// Most modes; high natural frequencies require short time steps.
 const MODES_MAX: usize = 100;
 
-/// As serde sees it.
+/// `[workpiece.flexible]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FlexibleTable {
@@ -50,57 +51,57 @@ struct SheetTable {
     clamped: Spanned<String>,
 }
 
-/// A body and how much of its vibration is wanted.
+/// Flexible body and the number of its modes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flexible {
-    /// In the coordinates of the program.
+    /// Shape in the coordinates of the program.
     pub shape: Shape,
-    /// The axis that is square to the face where it is held, 0 to 2, and whether that is at the higher end.
+    /// Axis square to the clamped face, 0 to 2, and whether that face is at the higher end.
     pub clamped: (usize, bool),
-    /// Along the axes.
+    /// Number of cells along the axes.
     pub cells: [usize; 3],
-    /// What it is made of.
+    /// Elastic constants or material.
     pub material: Elastic,
-    /// So many of the lowest.
+    /// Number of modes, from the lowest.
     pub modes: usize,
-    /// Of critical damping, of each mode.
+    /// Fraction of critical damping, of each mode.
     pub damping_ratio: f64,
     /// Byte offset of its table in the job file.
     pub offset: usize,
 }
 
-/// What it is before it bends.
+/// Undeformed shape.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// A block, its edges along the axes.
     Block {
-        /// The lowest corner.
+        /// Lowest corner.
         lowest_mm: Vector,
-        /// The highest corner.
+        /// Highest corner.
         highest_mm: Vector,
     },
-    /// A wall or a blade between two sides.
+    /// Wall or blade between two sides.
     Sheet {
-        /// Its closed surface.
+        /// Closed surface.
         file: StlFile,
-        /// The axis from side to side, 0 to 2.
+        /// Axis from side to side, 0 to 2.
         thickness: usize,
         /// Byte offset of the file's name in the job file.
         offset: usize,
     },
 }
 
-/// What it is made of.
+/// Elastic properties.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Elastic {
-    /// A material by its name.
+    /// Material of the table of materials, by its name.
     Material {
-        /// As the table of materials has it.
+        /// Name in the table of materials.
         name: String,
         /// Byte offset of the name.
         offset: usize,
     },
-    /// What it does.
+    /// Constants given in the job.
     Told {
         /// Young's modulus.
         young_mpa: f64,
@@ -111,7 +112,7 @@ pub enum Elastic {
     },
 }
 
-/// Checks what a job says of it.
+/// Checks the `[workpiece.flexible]` table.
 pub(super) fn build(
     told: &Spanned<FlexibleTable>,
     unit: LengthUnit,
@@ -130,7 +131,7 @@ pub(super) fn build(
         _ => {
             return Err(at(
                 told,
-                "give what gives way as one of block = { from, to, cells, clamped } or stl = { file, thickness, cells, clamped }",
+                "give the flexible part as one of block = { from, to, cells, clamped } or stl = { file, thickness, cells, clamped }",
             ));
         }
     };
@@ -181,7 +182,7 @@ fn sheet_shape(
     Ok(Shape::Sheet { file: named(file)?, thickness: axis, offset: file.span().start })
 }
 
-/// An axis and which of its ends.
+/// Axis and end of a face name such as `-Z`.
 fn face(told: &Spanned<String>) -> Result<(usize, bool), Complaint> {
     let faces = ["x-", "x+", "y-", "y+", "z-", "z+"];
     match faces.iter().position(|face| face == told.as_ref()) {

@@ -1,4 +1,4 @@
-//! `[machine]`, and what `[control]` says of feeds: what the machine can follow.
+//! `[machine]`, and the feeds in `[control]`: the limits of the machine.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use super::schema::{ArcClampTable, JobTable, MaxFeedTable, Quantity};
 use super::{Complaint, at, length_mm, positive};
 use crate::machine_file::MachineFile;
 
-/// The five-axis machine that a job or a part names, by a file beside it or as a preset.
+/// Five-axis machine that a job or a part names, by a file in the same folder or as a preset.
 pub fn named(
     file: Option<&Spanned<String>>,
     preset: Option<&Spanned<String>>,
@@ -31,8 +31,8 @@ pub fn named(
     }
 }
 
-/// What the machine can follow; feeds are per minute, those of rotary axes in degrees. The job's own `max_feed` of an axis
-/// counts before that of the machine's file.
+/// Limits of the machine; feeds are per minute, those of rotary axes in degrees. The job's own `max_feed` of an axis
+/// takes precedence over that of the machine's file.
 pub fn build(table: &JobTable, unit: LengthUnit, of: Option<&MachineFile>) -> Result<MachineLimits, Complaint> {
     let feed = |given: &Spanned<Quantity>, name: &str| {
         length_mm(given, unit, name).map(|mm_per_min| MmPerMin(mm_per_min as f32))
@@ -63,7 +63,7 @@ pub fn build(table: &JobTable, unit: LengthUnit, of: Option<&MachineFile>) -> Re
     })
 }
 
-/// The fastest feed of each axis that a machine has.
+/// Largest feed of each axis of a machine.
 fn limits(machine: &Machine) -> MachineLimits {
     let speed = |mm_per_min: f64| MmPerMin(mm_per_min as f32);
     let linear = machine.linear().map(|axis| axis.speed_mm_per_min.map(speed));
@@ -74,7 +74,7 @@ fn limits(machine: &Machine) -> MachineLimits {
     MachineLimits { linear, rotary, arc_clamp: None }
 }
 
-/// The machine with the speeds that its job leaves it.
+/// Replaces the axis speeds of the machine by the limits of the job.
 pub fn with_limits(file: MachineFile, limits: &MachineLimits) -> MachineFile {
     let linear = limits.linear.map(|limit| limit.map(|MmPerMin(speed)| f64::from(speed)));
     let rotary = file.machine.rotary().each_ref().map(|axis| {

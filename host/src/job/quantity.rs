@@ -1,4 +1,4 @@
-//! Lengths as job files have them.
+//! Lengths in job files.
 
 use arcfeed_shared::units::LengthUnit;
 use serde::Deserialize;
@@ -6,7 +6,7 @@ use serde::de::{Deserializer, Error};
 
 use crate::toml_values::is_possible;
 
-/// A length: a number in the file's units, or a string that names its own (`"0.004 in"`, `"0.1 mm"`).
+/// Length: a number in the file's units, or a string with a unit of its own (`"0.004 in"`, `"0.1 mm"`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantity {
     value: f64,
@@ -14,12 +14,12 @@ pub struct Quantity {
 }
 
 impl Quantity {
-    /// In millimetres, `unit` counting where the quantity names none.
+    /// Length in millimetres; `unit` applies if the quantity names none.
     pub fn to_mm(self, unit: LengthUnit) -> f64 {
         self.value * self.unit.unwrap_or(unit).mm()
     }
 
-    /// The number, where it names no unit: what stands among lengths, but is none.
+    /// The bare number, if the quantity names no unit.
     pub fn bare(self) -> Option<f64> {
         self.unit.is_none().then_some(self.value)
     }

@@ -1,4 +1,4 @@
-//! Questions that a job file leaves open: values written as `"?"`, as `arcfeed init` writes them.
+//! Open questions of a job file: values written as `"?"`, as `arcfeed init` writes them.
 
 use std::ops::Range;
 
@@ -8,20 +8,20 @@ use super::Complaint;
 use crate::place::place;
 use crate::toml_values::walk;
 
-/// What stands in place of an answer.
+/// Placeholder of a missing answer.
 pub const OPEN: &str = "?";
 
-/// A question that is still open.
+/// Open question.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Question {
-    /// Whose value it is: `tool.active_teeth`, `cut.2.stock` (rules counted from 1).
+    /// Key of the value: `tool.active_teeth`, `cut.2.stock` (rules counted from 1).
     pub key: String,
     /// Line and column of the `"?"`, counted from 1.
     pub place: [usize; 2],
     span: Range<usize>,
 }
 
-/// The open questions of a job file, in the order in which they stand there; none where it is no TOML.
+/// The open questions of a job file, in file order; empty if the text is no TOML.
 pub fn open(text: &str) -> Vec<Question> {
     let mut found = Vec::new();
     walk(text, &mut |key, _, value| {
@@ -34,7 +34,7 @@ pub fn open(text: &str) -> Vec<Question> {
     found
 }
 
-/// Refuses a job with open questions, at the first one.
+/// Rejects a job with open questions, at the first one.
 pub(super) fn refuse_open(text: &str) -> Result<(), Complaint> {
     let questions = open(text);
     let Some((first, others)) = questions.split_first() else { return Ok(()) };

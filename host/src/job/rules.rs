@@ -1,4 +1,4 @@
-//! `[[cut]]`: which moves, and what they cut.
+//! `[[cut]]`: the moves to which a law applies, and the stock there.
 
 use arcfeed_shared::cut::{CutRule, Moves, RULES_MAX, Rotation, Side, Work};
 use arcfeed_shared::job::{LawKind, Tools};
@@ -15,7 +15,7 @@ use super::{Around, Complaint, at, length_mm, tables};
 /// Largest sequence number: eight digits.
 const SEQUENCE_MAX: i64 = 99_999_999;
 
-/// The engagement map that rules name: one for all of them.
+/// Engagement map that the rules name: one for all rules.
 pub fn map(job: &JobTable) -> Result<Option<&Spanned<String>>, Complaint> {
     let mut named = tables(job).filter_map(|(_, cut)| cut.as_ref().stock.as_ref()?.as_ref().map.as_ref());
     let Some(first) = named.next() else { return Ok(None) };
@@ -25,8 +25,8 @@ pub fn map(job: &JobTable) -> Result<Option<&Spanned<String>>, Complaint> {
     }
 }
 
-/// The rules of a job with their tools' places, in order: those of each tool, and behind them those of the job, which are its
-/// only tool's.
+/// Cut rules of a job with the index of their tool: first those of each tool, then those of the job, which belong to
+/// its only tool.
 pub fn tables(job: &JobTable) -> impl Iterator<Item = (u8, &Spanned<CutTable>)> {
     let of_tools = (0..).zip(&job.tool.0).flat_map(|(place, tool)| tool.cut.iter().map(move |cut| (place, cut)));
     of_tools.chain(job.cut.iter().map(|cut| (0, cut)))
@@ -77,14 +77,14 @@ fn ring_rule(cut: &Spanned<CutTable>, around: &Around<'_>) -> Result<CutRule, Co
     let moves = Moves::Rotations(rotation, turn(*direction));
     let stock = match (&table.stock, around.law) {
         (Some(stock), _) => build_stock(stock, edge, around)?,
-        // It asks for none.
+        // The side of the rule needs no knots.
         (None, LawKind::Table) => Stock::everywhere(),
         (None, _) => return Err(at(cut, needs)),
     };
     restricted(moves, Work::Ring(edge, stock), table, around.unit)
 }
 
-/// An end mill, seen as the circle that cuts.
+/// Rule of an end mill, seen as one cutting circle.
 fn circle_rule(cut: &Spanned<CutTable>, around: &Around<'_>) -> Result<CutRule, Complaint> {
     let table = cut.as_ref();
     let needs = "an end-mill's rule under engaged-arc has moves = \"arcs\" (with direction) or \"lines\", side = \"outer\", \
@@ -212,7 +212,7 @@ fn build_stock(stock: &Spanned<StockTable>, edge: Edge, around: &Around<'_>) -> 
     }
 }
 
-/// The line through two points, with the material on the left of the way from one to the other.
+/// Line through two points, with the material on its left.
 fn line_through([x, y]: [f64; 2], [to_x, to_y]: [f64; 2]) -> Option<StockLine> {
     let (dx, dy) = (to_x - x, to_y - y);
     let length = libm::hypot(dx, dy);

@@ -1,4 +1,4 @@
-//! The shape of `JOB.toml`, as serde sees it. Values are checked in the module above.
+//! Tables of `JOB.toml` as serde reads them. The module above checks the values.
 
 use core::fmt;
 
@@ -282,7 +282,7 @@ impl Default for SerialTable {
     }
 }
 
-/// A default has no place in the file: complaints about it point at the file's start.
+/// Default value without a place in the file: complaints about it point at the file's start.
 fn unplaced<T>(value: T) -> Spanned<T> {
     Spanned::new(0..0, value)
 }

@@ -1,4 +1,4 @@
-//! `[override]`: how the wanted feed reaches the control, and within which bounds.
+//! `[override]`: how the feed demand reaches the control, and its bounds.
 
 use arcfeed_firmware::ramp::{LimitsError, Ramp};
 use arcfeed_shared::job::{FeedCeiling, FeedPolicy, LawKind, OverrideLimits, PieceSettings, Tools};
@@ -9,14 +9,14 @@ use toml::Spanned;
 use super::schema::{JobTable, LimitsTable, OverrideTable};
 use super::{Complaint, at, length_mm};
 
-/// Largest setting of `piece_step` and `piece_hysteresis`, %.
+/// Largest value of `piece_step` and `piece_hysteresis`, %.
 const RATIO_MAX_PERCENT: f32 = 50.0;
-/// Largest setting of `max_raise`.
+/// Largest value of `max_raise`.
 const RAISE_MAX: f64 = 100.0;
-/// Most pieces an arc may be cut into: more than a control takes in at its line's rate.
+/// Most pieces of an arc: more than a control reads at its line's rate.
 const PIECES_MAX: u16 = 250;
 
-/// The mode and, where arcs are sent in pieces, how finely.
+/// Feed mode and, where arcs are sent in pieces, the size of the pieces.
 pub fn policy(given: &OverrideTable, unit: LengthUnit) -> Result<FeedPolicy, Complaint> {
     let policy = match given.mode.as_ref().as_str() {
         "safe-base" => FeedPolicy::SafeBase,
@@ -62,7 +62,7 @@ fn pieces(given: &OverrideTable, unit: LengthUnit) -> Result<PieceSettings, Comp
 fn ratio(given: &Option<Spanned<f32>>, name: &str, default: f32) -> Result<f32, Complaint> {
     let Some(value) = given else { return Ok(default) };
     let percent = *value.as_ref();
-    // A step of nothing would never come to an end.
+    // A step of 0 would never reach the end.
     let least = if name == "piece_step" { 0.1 } else { 0.0 };
     if (least..=RATIO_MAX_PERCENT).contains(&percent) {
         return Ok(percent);
@@ -70,7 +70,7 @@ fn ratio(given: &Option<Spanned<f32>>, name: &str, default: f32) -> Result<f32, 
     Err(at(value, &format!("{name} must lie between {least} and {RATIO_MAX_PERCENT} %")))
 }
 
-/// What no governed feed exceeds.
+/// Upper limit of every governed feed.
 pub fn ceiling(
     table: &JobTable,
     unit: LengthUnit,
@@ -97,7 +97,7 @@ pub fn ceiling(
     Ok(FeedCeiling { max_feed: max_feed.map(|feed| MmPerMin(feed as f32)), max_raise_ratio })
 }
 
-/// The bounds of the override.
+/// Bounds of the override.
 pub fn limits(given: &OverrideTable) -> Result<OverrideLimits, Complaint> {
     let limits = OverrideLimits {
         min_percent: *given.min.as_ref(),

@@ -1,5 +1,5 @@
-//! `[serial]`: the DNC line, under pyserial's names and with its defaults, but for XON/XOFF, which is on; what a sender cannot
-//! mean is refused.
+//! `[serial]`: the DNC line, with pyserial's names and defaults, except that XON/XOFF is on. Settings that make no
+//! sense for a sender are rejected.
 
 use arcfeed_shared::units::{Micros, US_PER_S};
 use toml::Spanned;
@@ -7,12 +7,12 @@ use toml::Spanned;
 use super::schema::SerialTable;
 use super::{Complaint, at};
 
-/// Longest wait that can be asked for.
+/// Longest wait that a job may set.
 const TIMEOUT_MAX_S: f64 = 86_400.0;
-/// Shortest one: less would round to none.
+/// Shortest wait: less would round to 0.
 const TIMEOUT_MIN_S: f64 = 0.001;
 
-/// The DNC line, under pyserial's names.
+/// The DNC line, with pyserial's names.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SerialSettings {
     /// Bits per second.
@@ -23,14 +23,14 @@ pub struct SerialSettings {
     pub parity: Parity,
     /// Stop bits.
     pub stopbits: u8,
-    /// XON/XOFF, done by the sender itself.
+    /// XON/XOFF, handled by the sender itself.
     pub xonxoff: bool,
-    /// RTS/CTS, done by the driver or by the server at the other end of `rfc2217://`.
+    /// RTS/CTS, handled by the driver or by the server at the other end of `rfc2217://`.
     pub rtscts: bool,
-    /// How long the line may refuse characters before that counts as a failure; unless given see
+    /// Longest time in which the line may accept no character; the default is that of
     /// [`SerialSettings::write_timeout`].
     pub write_timeout: Option<Micros>,
-    /// Whether nobody else may open the port.
+    /// No other program may open the port.
     pub exclusive: bool,
 }
 
@@ -46,13 +46,13 @@ pub enum Parity {
 }
 
 impl SerialSettings {
-    /// Bits on the line for one character.
+    /// Bits on the line per character.
     pub fn bits_per_char(&self) -> u32 {
         1 + u32::from(self.bytesize) + u32::from(self.parity != Parity::None) + u32::from(self.stopbits)
     }
 
-    /// How long the line may take no characters: with RTS/CTS as long as the control likes, else a line that takes none
-    /// is broken, as nothing but the sender itself holds it up.
+    /// Longest time in which the line may accept no character: unlimited with RTS/CTS, by which the control may stop
+    /// it. Otherwise only the sender can stop the line, so that one that accepts nothing is broken.
     pub fn write_timeout(&self) -> Option<Micros> {
         self.write_timeout.or((!self.rtscts).then_some(Micros::from_ms(5_000)))
     }
@@ -83,7 +83,7 @@ pub fn build(given: &SerialTable) -> Result<SerialSettings, Complaint> {
             _ => return Err(at(&given.parity, "parity must be \"N\", \"E\" or \"O\"")),
         },
         stopbits: choice(&given.stopbits, 1..=2, "stopbits")?,
-        // What a control is usually set to; never both at once.
+        // Most controls use XON/XOFF; it is never on together with RTS/CTS.
         xonxoff: given.xonxoff.unwrap_or(!*given.rtscts.as_ref()),
         rtscts: *given.rtscts.as_ref(),
         write_timeout: given.write_timeout.as_ref().map(write_timeout).transpose()?,

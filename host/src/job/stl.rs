@@ -1,4 +1,4 @@
-//! Meshes that a job names.
+//! STL files that a job names.
 
 use std::path::{Path, PathBuf};
 
@@ -7,17 +7,17 @@ use toml::Spanned;
 
 use super::{Complaint, at};
 
-/// A mesh in a file.
+/// Mesh in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StlFile {
-    /// Where it is.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Of its coordinates.
+    /// Unit of its coordinates.
     pub unit: LengthUnit,
 }
 
 impl StlFile {
-    /// Relative to a folder; it must be there.
+    /// Resolves a file name relative to a folder; the file must exist.
     pub(super) fn told(file: &Spanned<String>, folder: &Path, unit: LengthUnit) -> Result<Self, Complaint> {
         let path = folder.join(file.as_ref());
         match std::fs::metadata(&path) {

@@ -1,4 +1,4 @@
-//! What the host computed beforehand: engaged arcs and feeds per tooth, as tables over the path travelled.
+//! Tables that the host computes beforehand: engaged arcs and feeds per tooth, over the path travelled.
 
 use arcfeed_firmware::law::table::{Table, TableError};
 use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedError, EngagedInterval, EngagedKnot, EngagedTable};
@@ -14,7 +14,7 @@ use super::{Complaint, at};
 
 const GROWS: &str = "the path must grow from knot to knot";
 
-/// The engaged arcs of a rule whose `side` is `edge`.
+/// Engaged arcs of a rule whose `side` is `edge`.
 pub fn engaged(
     rows: &Spanned<Vec<Spanned<Vec<Quantity>>>>,
     edge: Edge,
@@ -65,7 +65,7 @@ fn engaged_knot(
     })
 }
 
-/// The feeds per tooth of a rule, put among the job's knots; `None` where the law needs none.
+/// Feeds per tooth of a rule, added to the job's knots; `None` if the law needs none.
 pub fn feeds(
     cut: &Spanned<CutTable>,
     unit: LengthUnit,

@@ -1,4 +1,4 @@
-//! `[tool]` and `[[tool]]`: the cutter, who sets its speed, and its `[law]`.
+//! `[tool]` and `[[tool]]`: the cutter, the source of its speed, and its `[law]`.
 
 use arcfeed_shared::job::{LawKind, SpeedSource, TOOLS_MAX, ToolAxis, ToolSetup, Tools};
 use arcfeed_shared::tool::{CupMill, EndMill, Tool};
@@ -34,7 +34,7 @@ pub fn build(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {
     }
 }
 
-/// A tool with its number, spindle and law; `[spindle]` and `[law]` of the job serve a tool that has none of its own.
+/// Tool with its number, spindle and law; `[spindle]` and `[law]` of the job apply to a tool that has none of its own.
 pub fn setup(table: &ToolTable, job: &JobTable) -> Result<ToolSetup, Complaint> {
     let unit = job.units.into();
     let tool = build(table, unit)?;
@@ -67,7 +67,7 @@ pub fn setup(table: &ToolTable, job: &JobTable) -> Result<ToolSetup, Complaint> 
     Ok(ToolSetup { number, axis, speed_source, ..ToolSetup::new(tool, spindle, law, feed_per_tooth) })
 }
 
-/// All tools of a job, in order. Of several each needs a number of its own.
+/// All tools of a job, in order. Each of several tools needs a number.
 pub fn setups(job: &JobTable) -> Result<Tools, Complaint> {
     let tables = &job.tool.0;
     let [first, more @ ..] = tables.as_slice() else {
@@ -94,7 +94,7 @@ fn some_teeth(teeth: &Spanned<u16>) -> Result<u16, Complaint> {
     }
 }
 
-/// Checks the law, which must be one for the tool.
+/// Checks the law, which must suit the tool.
 pub fn law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
     let kind = table.kind.as_ref().as_str();
     let settings = (&table.edges, table.inside_only, &table.floor);

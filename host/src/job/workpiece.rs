@@ -1,4 +1,4 @@
-//! `[workpiece]`, and what `[tool]` says of the body that cuts it.
+//! `[workpiece]`, and the body of `[tool]`.
 
 use std::path::Path;
 
@@ -13,66 +13,66 @@ use super::schema::{BlockTable, JobTable, Quantity, RoundTable, ToolTable, Workp
 use super::stl::StlFile;
 use super::{Complaint, at, length_mm};
 
-/// Memory of a stock where the job says nothing.
+/// Memory of a stock, unless the job sets it.
 const MEMORY_MIB: usize = 512;
 
 /// Bytes in a MiB.
 const MIB: usize = 1 << 20;
 
-/// What is cut, in the coordinates of the program.
+/// Workpiece in the coordinates of the program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Workpiece {
-    /// Before the program.
+    /// Shape before the cut.
     pub blank: Blank,
-    /// What it is to become.
+    /// Target shape.
     pub target: Option<StlFile>,
-    /// Distance of the rays that stand for it.
+    /// Distance of the dexel rays.
     pub step_mm: f64,
-    /// Memory it may take.
+    /// Most memory of the dexels.
     pub memory_max_bytes: usize,
-    /// What of it gives way to forces; nothing of a rigid one.
+    /// Flexible part of the workpiece; `None` if it is rigid.
     pub flexible: Option<Flexible>,
-    /// What cuts it.
+    /// Cutting body of the tool.
     pub body: Body,
     /// Byte offset of its table in the job file.
     pub offset: usize,
 }
 
-/// A shape.
+/// Shape of the stock.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Blank {
     /// A block, its edges along the axes.
     Block {
-        /// The lowest corner.
+        /// Lowest corner.
         lowest_mm: Vector,
-        /// The highest corner.
+        /// Highest corner.
         highest_mm: Vector,
     },
-    /// A bar or a tube.
+    /// Bar or tube.
     Round {
-        /// The middle of one end.
+        /// Centre of one end.
         from_mm: Vector,
-        /// The middle of the other end.
+        /// Centre of the other end.
         to_mm: Vector,
-        /// Outside.
+        /// Outer radius.
         radius_mm: f64,
-        /// Inside; none of a bar.
+        /// Inner radius; none for a bar.
         bore_mm: Option<f64>,
     },
-    /// A closed mesh.
+    /// Closed mesh.
     Stl(StlFile),
 }
 
-/// What of a tool cuts, beside its radii.
+/// Cutting body of a tool, apart from its radii.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// Radius of the corner: of an insert on both sides, of a mill's end; that of a ball is the mill's own.
+    /// Corner radius: of an insert on both sides, of a mill's end. A ball-end mill has its own radius here.
     pub corner_mm: f64,
-    /// How far up it cuts.
+    /// Height of the cutting edge above the tip.
     pub height_mm: f64,
 }
 
-/// Checks the workpiece of a job, and its tools' bodies even where there is none.
+/// Checks the workpiece of a job, and the tools' bodies even if there is no workpiece.
 pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpiece>, Complaint> {
     let bodies = table.tool.0.iter().zip(job.tools.iter()).map(|(tool, setup)| {
         let height = tool.height.as_ref().map(|height| length_mm(height, job.unit, "height")).transpose()?;
@@ -115,7 +115,7 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
 }
 
 impl Workpiece {
-    /// The meshes that it names.
+    /// STL files that the workpiece names.
     pub fn files(&self) -> impl Iterator<Item = &StlFile> {
         let blank = match &self.blank {
             Blank::Stl(file) => Some(file),

@@ -1,9 +1,9 @@
-//! What the drives of a machine file can do, and how far the control may cut a corner.
+//! Limits of a machine's drives, and the corner tolerance of the control.
 
 use arcfeed_shared::units::S_PER_MIN;
 use serde::Deserialize;
 
-/// What one axis can do; of a rotary axis, degrees for mm.
+/// Limits of one axis; of a rotary axis, degrees for mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// Greatest speed, mm/s.
@@ -14,30 +14,30 @@ pub struct Drive {
     pub jerk_mm_per_s3: f64,
 }
 
-/// The drives of a machine, if its file tells of all.
+/// Drives of a machine, if its file describes all of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drives {
     /// X, Y, Z.
     pub linear: [Drive; 3],
-    /// The rotary axes, from the part to the tool.
+    /// Rotary axes, from the part to the tool.
     pub rotary: [Drive; 2],
     /// Greatest distance from a corner, mm and degrees.
     pub tolerance: Tolerance,
 }
 
-/// How far a corner may be missed.
+/// Corner tolerance: greatest distance between path and programmed corner.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Tolerance {
-    /// Of the linear axes, mm.
+    /// Tolerance of the linear axes, mm.
     #[serde(rename = "linear")]
     pub linear_mm: f64,
-    /// Of the rotary ones, degrees.
+    /// Tolerance of the rotary axes, degrees.
     #[serde(rename = "rotary")]
     pub rotary_deg: f64,
 }
 
-/// The position loops, alike in all axes.
+/// Position loops, alike in all axes.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Loops {
@@ -56,16 +56,16 @@ pub struct Loops {
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct SpindleRamps {
-    /// Speeding up, rev/min each second.
+    /// Acceleration, rev/min per second.
     #[serde(rename = "run_up")]
     pub run_up_rev_per_min_s: f64,
-    /// Slowing down.
+    /// Deceleration, rev/min per second.
     #[serde(rename = "run_down")]
     pub run_down_rev_per_min_s: f64,
-    /// How near the commanded speed counts as arrived.
+    /// Deviation from the commanded speed within which the speed counts as arrived, as a fraction.
     #[serde(rename = "arrival", default = "arrival")]
     pub arrival_ratio: f64,
-    /// Whether cutting feed waits for that.
+    /// Cutting feed waits until the speed has arrived.
     #[serde(default)]
     pub waits: bool,
 }
@@ -79,7 +79,7 @@ fn arrival() -> f64 {
 }
 
 impl Loops {
-    /// Whether the values make sense.
+    /// The values are in range.
     pub fn are_possible(&self) -> bool {
         let positive = [self.gain_per_s, self.in_position_mm].into_iter().all(|value| value > 0.0 && value.is_finite());
         positive && (0.0..=1.0).contains(&self.feed_forward_ratio)
@@ -87,23 +87,23 @@ impl Loops {
 }
 
 impl SpindleRamps {
-    /// Whether the values make sense.
+    /// The values are in range.
     pub fn are_possible(&self) -> bool {
         let positive = [self.run_up_rev_per_min_s, self.run_down_rev_per_min_s, self.arrival_ratio];
         positive.into_iter().all(|value| value > 0.0 && value.is_finite())
     }
 }
 
-/// Why the drives of a file make no sense.
+/// Fault in the drives of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveError {
-    /// Some of what must be told of an axis is not, or is not above zero; X, Y, Z, and the rotary axes as they stand.
+    /// A limit of an axis is missing or not above 0; X, Y, Z, then the rotary axes in the order of the file.
     Axis(usize),
     /// A tolerance that is not above zero.
     Tolerance,
 }
 
-/// What a file tells of an axis: speed per minute, acceleration, jerk.
+/// Limits of an axis in a file: speed per minute, acceleration, jerk.
 pub type Told = [Option<f64>; 3];
 
 impl Default for Tolerance {
@@ -113,10 +113,10 @@ impl Default for Tolerance {
 }
 
 impl Drives {
-    /// The drives of X, Y, Z and both rotary axes; none where no axis has an acceleration or a jerk.
+    /// Drives of X, Y, Z and both rotary axes; `None` if no axis has an acceleration or a jerk.
     ///
     /// # Errors
-    /// One axis has them and another has not all three, or a value is not above zero.
+    /// An axis has an acceleration or a jerk while another has not all three limits, or a value is not above 0.
     pub fn new(told: [Told; 5], tolerance: Tolerance) -> Result<Option<Self>, DriveError> {
         if told.iter().all(|[_, acceleration, jerk]| acceleration.is_none() && jerk.is_none()) {
             return Ok(None);
@@ -141,7 +141,7 @@ impl Drives {
         Ok(Some(Drives { linear, rotary: [drive(3)?, drive(4)?], tolerance }))
     }
 
-    /// With the speeds that the machine has now, where it has them: a job may have given it others.
+    /// Replaces the speeds by those that the machine has now: a job may have changed them.
     #[must_use]
     pub fn with_speeds(mut self, per_min: [Option<f64>; 5]) -> Self {
         for (drive, speed) in self.linear.iter_mut().chain(&mut self.rotary).zip(per_min) {

@@ -1,4 +1,4 @@
-//! The machines that need no file: those of `examples/machines`, under their files' names.
+//! Machines built into the program: those of `examples/machines`, under their files' names.
 
 use std::path::Path;
 
@@ -11,21 +11,21 @@ const PRESETS: [(&str, &str); 3] = [
 ];
 
 impl MachineFile {
-    /// The machine of this name; nothing where there is none.
+    /// The built-in machine with this name, if there is one.
     pub fn preset(name: &str) -> Option<Result<Self, String>> {
         let (name, text) = PRESETS.iter().find(|(known, _)| *known == name)?;
         Some(Self::parse(text).map_err(|error| format!("{name}:{error}")))
     }
 
-    /// All of their names, for messages.
+    /// Names of all presets, for messages.
     pub fn preset_names() -> String {
         PRESETS.map(|(name, _)| format!("\"{name}\"")).join(", ")
     }
 
-    /// A preset's name, or a file: `./NAME` is always a file.
+    /// Machine of a preset's name or of a file: `./NAME` is always a file.
     ///
     /// # Errors
-    /// As [`MachineFile::load`].
+    /// See [`MachineFile::load`].
     pub fn named(word: &Path) -> Result<Self, String> {
         let preset = word.to_str().and_then(Self::preset);
         preset.unwrap_or_else(|| Self::load(word))
