@@ -1,4 +1,4 @@
-//! What tells that bytes are no longer what they were.
+//! Checksums that detect changed bytes.
 
 /// CRC-32 as in IEEE 802.3.
 pub fn crc32(bytes: &[u8]) -> u32 {
@@ -12,7 +12,7 @@ pub fn crc32(bytes: &[u8]) -> u32 {
     !crc
 }
 
-/// FNV-1a, 64 bits: tells a file that was changed by mistake, not one that was forged.
+/// FNV-1a, 64 bits: detects accidental changes of a file, not forged ones.
 pub fn fingerprint(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3))
 }

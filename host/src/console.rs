@@ -1,4 +1,4 @@
-//! The only door to stdout and stderr: a message that nobody can read any more never ends a program.
+//! All writes to stdout and stderr. A message that cannot be written never ends the program.
 
 use std::fmt::Arguments;
 use std::io::{Write, stderr, stdout};
@@ -6,14 +6,14 @@ use std::io::{Write, stderr, stdout};
 /// Prints a line on stdout.
 ///
 /// # Errors
-/// Its reader is gone, or the disk behind it is full.
+/// The reader of stdout is gone, or the disk is full.
 pub fn print(line: Arguments<'_>) -> std::io::Result<()> {
     let mut stdout = stdout().lock();
     writeln!(stdout, "{line}")?;
     stdout.flush()
 }
 
-/// Prints a line on stderr. It is lost where the reader is gone or the disk is full: there is no place left to say so.
+/// Prints a line on stderr. An error is ignored: there is no place left to report it.
 pub fn note(line: Arguments<'_>) {
     let _lost = writeln!(stderr().lock(), "{line}");
 }

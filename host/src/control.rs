@@ -1,4 +1,4 @@
-//! A control's settings: a preset, and a TOML file with what one machine differs in.
+//! Settings of a control: a preset, and a TOML file with the differences of one machine.
 //!
 //! ```toml
 //! unit = "mm"                          # of all lengths here, and in effect at power-on; "inch" or "mm"
@@ -55,7 +55,7 @@ enum Unit {
     Mm,
 }
 
-/// How numbers without a point count.
+/// Meaning of numbers without a decimal point.
 #[derive(Clone, Copy, Debug, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Convention {
@@ -89,7 +89,7 @@ struct Axes {
 /// Settings and tables of a preset, changed by the file if there is one.
 ///
 /// # Errors
-/// What is wrong with the file.
+/// Describes the fault in the file.
 pub fn load(preset: Preset, reading: Reading, file: Option<&Path>) -> Result<(Settings, Tables), String> {
     let Some(path) = file else {
         return Ok((Settings::preset(preset, LengthUnit::Inch, reading), Tables::default()));

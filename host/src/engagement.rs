@@ -1,8 +1,9 @@
-//! Engagement maps: where the circles of the tool stand in material along each move, found beforehand by `arcfeed engage` and
+//! Engagement maps: the engaged arcs of the tool's circles along each move, computed beforehand by `arcfeed engage` and
 //! named by a job's rules.
 //!
-//! A map is of one program, tool and workpiece, and says so by a fingerprint: with others it is refused. Its moves are known by
-//! where they go, so that what is sent of a program (feeds changed, begun in the middle) finds its own.
+//! A map belongs to one program, tool and workpiece and carries their fingerprint; with others it is rejected. A move
+//! is identified by its path, so that a changed transmission of the program (other feeds, a start in the middle) finds
+//! its moves.
 
 pub mod covering;
 
@@ -19,30 +20,30 @@ use crate::checksum::fingerprint;
 use crate::file_error::FileError;
 use crate::place::place;
 
-/// What to do about nearly everything that can be wrong.
+/// Remedy for nearly every fault.
 const AGAIN: &str = "make the map anew with `arcfeed engage`";
 
-/// The moves of a program that a map speaks of, in order.
+/// Moves of a program with their engaged arcs, in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EngagementMap {
-    /// In the order in which they are made.
+    /// Moves in the order of execution.
     pub moves: Vec<MappedMove>,
 }
 
-/// One move.
+/// Move of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MappedMove {
     /// Line of the program, counted from 1.
     pub line: usize,
-    /// Its N.
+    /// N of its block.
     pub sequence: Option<i64>,
-    /// [`key`] of it.
+    /// [`key`] of the move.
     pub key: u64,
-    /// Where both circles are engaged; `None` where that is not known.
+    /// Engaged arcs of both circles; `None` if they are unknown.
     pub table: Option<EngagedTable>,
 }
 
-/// Moves looked up in the order in which they are made; state.
+/// Looks moves up in the order of execution; state.
 #[derive(Clone, Debug)]
 pub struct Lookup<'m> {
     ahead: &'m [MappedMove],
@@ -65,14 +66,14 @@ struct MoveTable {
     engaged: Option<Spanned<Vec<[f64; 5]>>>,
 }
 
-/// Where a move goes: what tells it from others, whatever its feed and N.
+/// Hash of a move's path, independent of its feed and N.
 pub fn key(segment: &Segment) -> u64 {
     let ends = [segment.start, segment.end];
     let rotary = ends.iter().flat_map(|end| end.rotary.map(|MicroDeg(microdeg)| microdeg));
     key_of(linear(segment).into_iter().chain(rotary))
 }
 
-/// The same wherever the rotary axes stand.
+/// Hash of a move's path, independent of the position of the rotary axes too.
 pub fn key_at_any_position(segment: &Segment) -> u64 {
     key_of(linear(segment).into_iter())
 }
@@ -81,7 +82,7 @@ fn key_of(numbers: impl Iterator<Item = i64>) -> u64 {
     fingerprint(&numbers.flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>())
 }
 
-/// Ends of a move and its shape.
+/// End points and shape of a move.
 fn linear(segment: &Segment) -> Vec<i64> {
     let ends = [segment.start, segment.end];
     let mut numbers: Vec<i64> = ends.iter().flat_map(|end| end.linear.map(|Nm(nm)| nm)).collect();
@@ -99,10 +100,10 @@ fn linear(segment: &Segment) -> Vec<i64> {
 }
 
 impl EngagementMap {
-    /// Reads a map that was made of this.
+    /// Reads a map; `made_of` is the fingerprint that it must have.
     ///
     /// # Errors
-    /// It is none, or of something else.
+    /// The file is no map, or a map of something else.
     pub fn read(path: &Path, made_of: u64) -> Result<Self, FileError> {
         let text = std::fs::read_to_string(path).map_err(|source| match source.kind() {
             std::io::ErrorKind::NotFound => FileError::Content {
@@ -131,7 +132,7 @@ impl EngagementMap {
         Ok(EngagementMap { moves: moves.collect::<Result<_, _>>()? })
     }
 
-    /// The text of its file.
+    /// Text of the map's file.
     pub fn text(&self, made_of: u64) -> String {
         let mut text = format!(
             "# Where the tool's circles are engaged along each move, by `arcfeed engage`: path, mm; outer circle from, to, inner circle from, to, degrees\n\
@@ -153,14 +154,15 @@ impl EngagementMap {
         text
     }
 
-    /// Before the first move.
+    /// Lookup before the first move.
     pub fn lookup(&self) -> Lookup<'_> {
         Lookup { ahead: &self.moves }
     }
 }
 
 impl<'m> Lookup<'m> {
-    /// What is told of a move: that of the next one that goes there. One that never comes hides none behind it.
+    /// Engaged arcs of a move: those of the next entry with the same path. An entry whose move never comes does not
+    /// hide later ones.
     pub fn next(&mut self, segment: &Segment) -> Option<&'m EngagedTable> {
         let key = key(segment);
         let at = self.ahead.iter().position(|moved| moved.key == key)?;
@@ -201,13 +203,13 @@ fn knot([path_mm, outer_from, outer_to, inner_from, inner_to]: &[f64; 5]) -> Opt
     })
 }
 
-/// As it is read back to the bit: an interval is whole ninetieths of a degree.
+/// Row of the file, read back without a rounding error: an interval is in whole ninetieths of a degree.
 fn row(knot: &EngagedKnot) -> String {
     let ([a, b], [c, d]) = (knot.outer.degrees(), knot.inner.degrees());
     format!("[{}, {a:.3}, {b:.3}, {c:.3}, {d:.3}]", float(knot.travelled.0))
 }
 
-/// TOML tells a float by its point.
+/// Writes a float with a point, by which TOML distinguishes it from an integer.
 fn float(number: f32) -> String {
     format!("{number:?}")
 }

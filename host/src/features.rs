@@ -1,6 +1,6 @@
 //! Cargo features: what a plain build leaves out (docs/build.md).
 
-/// The message of a command or option whose feature is not built in.
+/// Message for a command or option whose feature is not built in.
 pub fn not_built_in(part: &str, feature: &str) -> String {
     format!(
         "this arcfeed was built without {part} (cargo feature `{feature}`): build it with `cargo build --release --features full`"

@@ -1,28 +1,28 @@
-//! What is wrong with job and part files.
+//! Faults in job and part files.
 
 use std::path::PathBuf;
 
-/// What is wrong with a file that a person wrote: `file:line:column: what and what to do`.
+/// Fault in a file that a person wrote: `file:line:column: fault and remedy`.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("{path}: {source}")]
     Read {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
-    /// It says something that makes no sense.
+    /// The content makes no sense.
     #[error("{path}:{line}:{column}: {message}")]
     Content {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
         /// Line, counted from 1.
         line: usize,
         /// Column, counted from 1.
         column: usize,
-        /// What was found and what to do.
+        /// Fault and remedy.
         message: String,
     },
 }

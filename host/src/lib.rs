@@ -1,7 +1,7 @@
-//! The host's side of arcfeed: read a program and a job, plan feeds, send, report.
+//! Host part of arcfeed: reads a program and a job, plans feeds, sends, reports.
 //!
-//! Modules stand in the order in which data flows; a module imports only from those above it. Only
-//! [`commands`] knows the simulator.
+//! The modules are in the order of the data flow; a module imports only from those above it. Only [`commands`] uses the
+//! simulator.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod place;

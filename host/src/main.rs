@@ -12,7 +12,7 @@ use clap::{Parser, Subcommand};
 /// Constant chip load on circular moves, from the NC program to the override of the control
 ///
 /// Exit codes: 0 done; 1 the program or the job is at fault; 2 usage; 3 the line or the machine failed; 4 a person must
-/// decide first; 130 stopped by the operator; 141 nobody reads stdout any more.
+/// decide first; 130 stopped by the operator; 141 the reader of stdout is gone.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {

@@ -1,8 +1,8 @@
-//! Files that commands write: whole or not at all, and never over a file that the command has read.
+//! Output files of commands: written completely or not at all, and never over an input file of the command.
 //!
-//! A regular file is written beside its place, under a name that nobody can guess, and renamed: whoever reads it finds the old
-//! content or the new one. A symbolic link stays, and the file it leads to is replaced. Devices and FIFOs are written to as they
-//! are. Folders, sockets and files without write permission are refused.
+//! A regular file is written in the same folder, under an unpredictable name, and renamed: a reader finds the old
+//! content or the new one. A symbolic link stays, and the file that it leads to is replaced. Devices and FIFOs are
+//! written to directly. Folders, sockets and files without write permission are rejected.
 
 use std::fs::{File, Metadata, OpenOptions, Permissions};
 use std::io::{Error, ErrorKind, Result, Write};
@@ -14,18 +14,18 @@ use tempfile::NamedTempFile;
 #[cfg(unix)]
 const NEW_MODE: u32 = 0o666;
 
-/// Where an output goes.
+/// Destination of an output.
 enum Target {
     /// A device or a FIFO.
     Stream,
-    /// A regular file, links followed; what is there now.
+    /// Regular file, links followed, with the metadata of an existing one.
     File(PathBuf, Option<Metadata>),
 }
 
-/// Refuses outputs that are one of the inputs, or one another, by whatever name.
+/// Rejects outputs that are one of the inputs, or one another, under any name.
 ///
 /// # Errors
-/// The first such output, and what it is.
+/// Describes the first such output.
 pub fn refuse_inputs(outputs: &[&Path], inputs: &[PathBuf]) -> std::result::Result<(), String> {
     for (index, output) in outputs.iter().enumerate() {
         let advice = "give another name";
@@ -40,10 +40,10 @@ pub fn refuse_inputs(outputs: &[&Path], inputs: &[PathBuf]) -> std::result::Resu
     Ok(())
 }
 
-/// Writes a file so that either all of it is there or nothing has changed.
+/// Writes a file completely, or leaves everything unchanged.
 ///
 /// # Errors
-/// It cannot be written; says why in words.
+/// It cannot be written; the message gives the reason.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     match target(path)? {
         Target::Stream => stream(path)?.write_all(bytes).map_err(|error| explained(error, path)),
@@ -62,10 +62,10 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     }
 }
 
-/// The same for a file that must not be there yet.
+/// As [`write_whole`], for a file that must not exist yet.
 ///
 /// # Errors
-/// There is one ([`ErrorKind::AlreadyExists`]), or it cannot be written.
+/// The file exists ([`ErrorKind::AlreadyExists`]), or cannot be written.
 pub fn write_new(path: &Path, bytes: &[u8]) -> Result<()> {
     if path.symlink_metadata().is_ok() {
         return Err(ErrorKind::AlreadyExists.into());
@@ -75,10 +75,10 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> Result<()> {
     file.persist_noclobber(path).map(drop).map_err(|error| explained(error.error, path))
 }
 
-/// A file that grows while the command runs; what is there is written over.
+/// Creates a file that grows while the command runs; an existing one is overwritten.
 ///
 /// # Errors
-/// It cannot be written; says why in words.
+/// It cannot be written; the message gives the reason.
 pub fn create(path: &Path) -> Result<File> {
     match target(path)? {
         Target::Stream => stream(path),
@@ -89,12 +89,12 @@ pub fn create(path: &Path) -> Result<File> {
     }
 }
 
-/// Whether a path leads to a regular file, without a link.
+/// The path leads to a regular file, without a link.
 pub fn is_plain_file(path: &Path) -> bool {
     path.symlink_metadata().is_ok_and(|found| found.is_file())
 }
 
-/// An error of writing, with what to do about it.
+/// Adds the remedy to an error of writing.
 pub fn explained(error: Error, path: &Path) -> Error {
     let folder = parent(path);
     let what = match error.kind() {
@@ -138,7 +138,7 @@ fn target(path: &Path) -> Result<Target> {
         let message = "the file is read-only: change its permissions, or give another name";
         return Err(Error::new(ErrorKind::PermissionDenied, message));
     }
-    // Renaming asks for the folder's permissions only: the file's own are asked here.
+    // Renaming needs only the folder's permissions: check the file's own permissions here.
     let opened = OpenOptions::new().write(true).open(path);
     opened.map_err(|error| Error::new(error.kind(), format!("the file is locked for this user ({error})")))?;
     Ok(Target::File(path.canonicalize()?, Some(found)))
@@ -148,7 +148,7 @@ fn stream(path: &Path) -> Result<File> {
     OpenOptions::new().write(true).open(path)
 }
 
-/// A new file in the folder of `path`, which goes unless it is renamed.
+/// New file in the folder of `path`, which is removed unless it is renamed.
 fn beside(path: &Path) -> Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".arcfeed-").suffix(".part");
@@ -175,7 +175,7 @@ fn keep_owner_and_mode(file: &File, before: &Metadata) -> Result<()> {
     file.set_permissions(mode)
 }
 
-/// Whether two paths are one regular file, or would be.
+/// Both paths lead to the same regular file, or would.
 fn is_same(one: &Path, other: &Path) -> bool {
     match (one.metadata(), other.metadata()) {
         (Ok(one_found), Ok(other_found)) => {

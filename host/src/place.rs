@@ -1,4 +1,4 @@
-//! Places in a text file, as people count them.
+//! Places in a text file, as line and column.
 
 /// Line and column of a byte offset, counted from 1.
 pub fn place(text: &str, offset: usize) -> [usize; 2] {

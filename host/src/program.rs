@@ -1,4 +1,4 @@
-//! An NC program as a file: every line with its bytes, its meaning and its place.
+//! NC program as a file: each line with its bytes, meaning and place.
 
 mod skipping;
 
@@ -36,62 +36,62 @@ pub use source::{Source, check_line_count, read_bounded};
 pub use summary::Summary;
 pub use tally::Tally;
 
-/// A program, read whole.
+/// Program, read as a whole.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// Where it came from.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Its lines in order.
+    /// Lines in order.
     pub lines: Vec<ProgramLine>,
-    /// What is wrong with it, in order of place.
+    /// Diagnostics, in order of place.
     pub diagnostics: Vec<Diagnostic>,
-    /// The moves it makes.
+    /// Counts of the moves.
     pub moves: Tally,
-    /// The first line with a macro statement or a call, counted from 1, if there is one.
+    /// First line with a macro statement or a call, counted from 1, if there is one.
     pub macro_line: Option<usize>,
-    /// The control before its first line.
+    /// State of the control before the first line.
     pub control: Reader,
-    /// The moves of a run.
+    /// Moves of a run.
     run: Vec<MoveTrace>,
 }
 
-/// One line; by default without text, carried out by no control.
+/// Line of a program; the default has no text and no meaning.
 #[derive(Clone, Debug, Default)]
 pub struct ProgramLine {
-    /// Its bytes, without line end.
+    /// Bytes without the line end.
     pub text: Vec<u8>,
-    /// Its line end as found (see [`arcfeed_shared::nc::text::RawLine`]).
+    /// Line end as found (see [`arcfeed_shared::nc::text::RawLine`]).
     pub ending: Vec<u8>,
-    /// Its meaning; `None` if a control would stop here.
+    /// Meaning; `None` if a control would stop here.
     pub meaning: Option<Understood>,
-    /// The workpiece's origin, on the path: of the work coordinate system in force, shifted by G92.
+    /// Origin of the workpiece on the path: that of the work coordinate system in force, shifted by G92.
     pub origin: Pose,
-    /// What Z is longer by in machine coordinates.
+    /// Tool length offset in Z, in machine coordinates.
     pub tool_length: Nm,
-    /// G43.4: its coordinates are those of the tool's tip in the part, and the machine's axes follow.
+    /// G43.4: the coordinates are those of the tool tip in the part, and the machine's axes follow.
     pub follows_tip: bool,
-    /// Tool and spindle, as commanded up to it.
+    /// Tool and spindle, as commanded up to this line.
     pub machining: Machining,
-    /// What the line does with the block-delete switches on, where that is another thing than with them off.
+    /// Effect of the line with the block-delete switches on, if it differs from that with them off.
     pub skipping: Option<Skipping>,
 }
 
-/// Something to tell about a place in the program.
+/// Message about a place in the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// Whether the program can run all the same.
+    /// Severity: whether the program can run in spite of it.
     pub severity: Severity,
     /// Line, counted from 1.
     pub line: usize,
     /// Column, counted from 1.
     pub column: usize,
-    /// Column behind the last one it is about.
+    /// Column after the last character that it is about.
     pub end_column: usize,
-    /// The control's alarm number, if it is one.
+    /// Alarm number of the control, if there is one.
     pub alarm: Option<u16>,
-    /// What it is and what to do.
+    /// Description, and what to do.
     pub message: String,
-    /// What stands there.
+    /// Text at that place.
     pub found: String,
 }
 
@@ -103,37 +103,37 @@ const START_UNKNOWN: &str = "this arc begins where no block before it has put th
 const NO_LABEL: &str = "no % before the first block: a control that reads it over a line takes this block for the label \
                         and loses it, without an alarm; begin the program with a line %";
 
-/// How bad a [`Diagnostic`] is.
+/// Severity of a [`Diagnostic`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
     /// The program cannot run.
     Error,
-    /// It can; a stricter control might refuse.
+    /// The program can run; a stricter control might reject it.
     Warning,
 }
 
 impl ProgramLine {
-    /// The state of a control that has carried it out: `reader`'s.
+    /// Sets the state of a control that has executed the line, from `reader`.
     fn set_state(&mut self, reader: &Reader) {
         self.origin = reader.modal().work_origin(reader.tables());
         (self.tool_length, self.follows_tip) = move_trace::tool_of(reader);
         self.machining = reader.modal().machining();
     }
 
-    /// Its move, seen from the workpiece's origin; nothing for blocks that make several.
+    /// Move of the line, relative to the workpiece's origin; `None` for blocks that make several.
     pub fn segment(&self) -> Option<Segment> {
         let segment = self.meaning.as_ref()?.segment?;
         Some(segment.shifted(Pose::ORIGIN.minus(self.origin)))
     }
 
-    /// Of a program's first line: whether a control on a line takes it for the label.
+    /// Diagnostic for the first line of a program, if a control on a line takes it for the label.
     fn lost_label(&self) -> Option<Diagnostic> {
         let has_code = self.meaning.as_ref().is_none_or(|meaning| !meaning.parsed.block.is_empty());
         has_code.then(|| Diagnostic::of_line(1, &self.text, NO_LABEL))
     }
 
-    /// Whether the control counts it as a block: anything but `%` and an empty line.
+    /// The control counts the line as a block: anything but `%` and an empty line.
     pub fn is_block(&self) -> bool {
         let is_mark = self.meaning.as_ref().is_some_and(|meaning| meaning.parsed.line == Line::ProgramMark);
         !self.text.is_empty() && !is_mark
@@ -156,7 +156,7 @@ impl Program {
         Program::parse_with(path, bytes, settings, Tables::default())
     }
 
-    /// Reads a program from bytes, as a control so set would.
+    /// Reads a program from bytes, as a control with these settings would.
     pub fn parse_with(path: &Path, bytes: &[u8], settings: Settings, tables: Tables) -> Self {
         let mut reader = LineReader::new(settings, tables);
         let mut program = Program::empty(path, first_macro(bytes), reader.control());
@@ -169,7 +169,7 @@ impl Program {
         program
     }
 
-    /// A first block that a control on a line takes for the label.
+    /// Diagnostic for a first block that a control on a line takes for the label.
     pub fn lost_label(&self) -> Option<Diagnostic> {
         self.lines.first()?.lost_label()
     }
@@ -192,18 +192,18 @@ impl Program {
         self.lines.iter().flat_map(|line| line.text.iter().chain(&line.ending)).copied().collect()
     }
 
-    /// Whether a control would stop somewhere.
+    /// A control would stop somewhere in the program.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 }
 
-/// Why a move that a cut rule matches keeps its programmed feed.
+/// Reason for which a move that a cut rule matches keeps its programmed feed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeedKept {
-    /// What is in force there.
+    /// A function in force there that no law covers.
     Under(NotModelled),
-    /// As said.
+    /// Other reason, in words.
     Because(&'static str),
 }
 
@@ -225,7 +225,7 @@ impl Diagnostic {
         Diagnostic { severity: Severity::Error, line, column, end_column, alarm, message, found: printable(place) }
     }
 
-    /// A cutting move for which no F was ever given.
+    /// Diagnostic for a cutting move without an F so far.
     fn of_missing_feed(line: usize, text: &[u8], reading: Reading) -> Self {
         let mut diagnostic = Diagnostic::of_fault(line, text, Fault::alarm(Alarm::NoFeed, 0));
         if reading == Reading::Lenient {
@@ -237,7 +237,7 @@ impl Diagnostic {
         diagnostic
     }
 
-    /// A move that a law should govern and cannot: what `under` says is in force.
+    /// Diagnostic for a move that a law should govern but cannot, for the reason `why`.
     pub fn of_feed_kept(line: usize, of: &ProgramLine, why: FeedKept) -> Self {
         let words = of.meaning.iter().flat_map(|meaning| &meaning.parsed.block.words);
         let axis = words.into_iter().find(|word| b"XYZABC".contains(&word.letter));
@@ -254,7 +254,7 @@ impl Diagnostic {
         diagnostic
     }
 
-    /// Something odd about a line as a whole.
+    /// Warning about a line as a whole.
     fn of_line(line: usize, text: &[u8], message: &str) -> Self {
         let (severity, message) = (Severity::Warning, message.into());
         Diagnostic {
@@ -319,12 +319,12 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// Nothing but blanks and control characters, such as the end mark of DOS.
+/// The line has nothing but blanks and control characters, such as the end mark of DOS.
 fn is_blank(text: &[u8]) -> bool {
     text.iter().all(|byte| *byte <= b' ')
 }
 
-/// From `column` (counted from 1) to before the next address letter; at most a handful of bytes.
+/// Text from `column` (counted from 1) to before the next address letter; at most a few bytes.
 fn word_at(text: &[u8], column: usize) -> &[u8] {
     let rest = text.get(column - 1..).unwrap_or_default();
     let end = rest.iter().skip(1).position(u8::is_ascii_uppercase).map_or(rest.len(), |at| at + 1);

@@ -1,4 +1,4 @@
-//! Diagnostics as a compiler shows them: the line, and a mark under the place.
+//! Diagnostics in the style of a compiler: the line, and a mark under the place.
 
 use std::path::Path;
 
@@ -6,9 +6,9 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
 use crate::program::{Diagnostic, Severity};
 
-/// One diagnostic with its line of the program, which may hold any bytes.
+/// Renders one diagnostic with its line of the program, which may hold any bytes.
 pub fn render(path: &Path, text: &[u8], diagnostic: &Diagnostic, renderer: &Renderer) -> String {
-    // Byte for byte one character, so that columns stay where they are.
+    // Each byte becomes one character, so that columns stay where they are.
     let shown: String =
         text.iter().map(|byte| if (32..127).contains(byte) { char::from(*byte) } else { '?' }).collect();
     let start = (diagnostic.column - 1).min(shown.len());

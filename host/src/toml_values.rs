@@ -1,4 +1,4 @@
-//! Keys and values of a TOML file with their places: numbers that no file may hold, and the key that a complaint is about.
+//! Keys and values of a TOML file with their places: the range of numbers, and the key that a complaint is about.
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -9,11 +9,11 @@ pub const NUMBER_MAX: f64 = 1e9;
 /// Longest value that a message repeats, in bytes.
 const SHOWN_MAX: usize = 60;
 
-/// Takes a dotted key, the offset of the key where it has one of its own, and the value.
+/// Visitor: gets a dotted key, the offset of the key if it has one of its own, and the value.
 pub type Visit<'v> = dyn FnMut(&str, Option<usize>, &Spanned<DeValue<'_>>) + 'v;
 
-/// Visits every value with its dotted key (`cut.2.stock.offset`, items counted from 1) and the offset of the key where it has
-/// one of its own; tables and arrays before what is in them. Visits nothing of a text that is no TOML.
+/// Visits every value with its dotted key (`cut.2.stock.offset`, items counted from 1) and the offset of the key if it
+/// has one of its own; tables and arrays before their contents. Visits nothing if the text is no TOML.
 pub fn walk(text: &str, visit: &mut Visit<'_>) {
     if let Ok(table) = DeTable::parse(text) {
         walk_table("", table.get_ref(), visit);
@@ -39,10 +39,10 @@ fn walk_value(key: &str, key_offset: Option<usize>, value: &Spanned<DeValue<'_>>
     }
 }
 
-/// Refuses the first number that is not finite or larger than [`NUMBER_MAX`].
+/// Rejects the first number that is not finite or larger than [`NUMBER_MAX`].
 ///
 /// # Errors
-/// Its byte offset, and what is wrong with it.
+/// Byte offset and description of the fault.
 pub fn refuse_numbers(text: &str) -> Result<(), (usize, String)> {
     let mut refused: Option<(usize, String)> = None;
     walk(text, &mut |_, _, value| {
@@ -63,12 +63,12 @@ pub fn refuse_numbers(text: &str) -> Result<(), (usize, String)> {
     refused.map_or(Ok(()), Err)
 }
 
-/// Whether a number is finite and not larger than [`NUMBER_MAX`].
+/// The number is finite and not larger than [`NUMBER_MAX`].
 pub fn is_possible(number: f64) -> bool {
     (-NUMBER_MAX..=NUMBER_MAX).contains(&number)
 }
 
-/// A complaint with the key that it is about, and what stands there.
+/// Complaint with the key that it is about, and the value there.
 pub fn with_key(text: &str, offset: usize, message: &str) -> String {
     let mut found = None;
     walk(text, &mut |key, key_offset, value| {
@@ -84,7 +84,7 @@ pub fn with_key(text: &str, offset: usize, message: &str) -> String {
             found = Some(format!("found `{key}`"));
         }
     });
-    // A complaint about the whole file stands at its start.
+    // A complaint about the whole file is at its start.
     match found.filter(|_| offset > 0) {
         Some(found) => format!("{message} ({found})"),
         None => message.to_owned(),

@@ -150,7 +150,7 @@ fn an_abort_needs_confirmation_and_unknown_states_are_not_shown() {
     let journal = scratch.path("journal");
     let arguments = ["stream", JOB, "--tui", "--port", &port, "--baudrate", "600", "--journal", &journal];
     let mut person = Person::starts(&arguments);
-    person.sees("executed: not told");
+    person.sees("executed: unknown");
     person.sees("DC1: it takes characters");
     assert_eq!(person.executed(), None);
     person.presses(CTRL_C);

@@ -202,7 +202,7 @@ fn wrong_curve_files_are_refused_by_file_and_line() {
     for axis in [RotorAxis::X, RotorAxis::Y] {
         let (which, error) = refused(&hub, &shroud, &good, &Drawn { axis, unit_mm: 1.0 });
         assert!(matches!((which, &error.fault), (Which::Hub, Fault::TurnsBack { .. })), "{error}");
-        assert!(error.to_string().contains("tell the rotor's `axis`"));
+        assert!(error.to_string().contains("give the rotor's `axis`"));
     }
     // A hub that belongs to another rotor.
     let (which, error) = refused(&curve(700.0, [-20.0, 20.0]), &curve(990.0, [-20.0, 20.0]), &good, &Z);

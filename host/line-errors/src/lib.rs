@@ -1,33 +1,33 @@
-//! What the operating system has counted of damaged characters at a serial port: Linux, `TIOCGICOUNT` (tty_ioctl(4)).
+//! Counts of damaged characters at a serial port, from the operating system: Linux, `TIOCGICOUNT` (tty_ioctl(4)).
 //!
-//! The counters are the driver's, since it was loaded, of all that came in; a pseudo-terminal has none, nor have some
-//! drivers of adapters. A crate of its own because the call is `unsafe` and no safe crate offers it: this is the only place
-//! in the host where that word may stand.
+//! The counters are the driver's, since it was loaded, of all received characters; a pseudo-terminal has none, nor have
+//! some drivers of adapters. The call is `unsafe` and no safe crate offers it, so it has a crate of its own: the only
+//! place in the host with `unsafe` code.
 
-/// A port of this operating system, opened natively.
+/// Port of this operating system, opened natively.
 #[cfg(unix)]
 pub type NativePort = serialport::TTYPort;
-/// A port of this operating system, opened natively.
+/// Port of this operating system, opened natively.
 #[cfg(windows)]
 pub type NativePort = serialport::COMPort;
 
-/// Characters that came in damaged, or not at all.
+/// Counts of damaged and lost characters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Without stop bits.
+    /// Characters without stop bits.
     pub frame: u32,
-    /// Lost in the chip: nobody fetched them in time.
+    /// Characters lost in the UART, which were not read in time.
     pub overrun: u32,
-    /// With wrong parity.
+    /// Characters with wrong parity.
     pub parity: u32,
     /// Breaks.
     pub breaks: u32,
-    /// Lost in the driver: its buffer was full.
+    /// Characters lost in the driver, whose buffer was full.
     pub buffer_overrun: u32,
 }
 
 impl Counts {
-    /// What was counted between `before` and these; the counters wrap.
+    /// Counts since `before`; the counters wrap.
     #[must_use]
     pub fn since(&self, before: &Counts) -> Counts {
         Counts {
@@ -39,13 +39,13 @@ impl Counts {
         }
     }
 
-    /// All of them.
+    /// Sum of all counts.
     pub fn total(&self) -> u64 {
         [self.frame, self.overrun, self.parity, self.breaks, self.buffer_overrun].into_iter().map(u64::from).sum()
     }
 }
 
-/// The counters as they stand; `None` where the driver or the system has none.
+/// Present counters; `None` if the driver or the system has none.
 #[cfg(target_os = "linux")]
 pub fn counts(port: &NativePort) -> Option<Counts> {
     use std::os::fd::{AsRawFd, BorrowedFd};
@@ -72,7 +72,7 @@ pub fn counts(port: &NativePort) -> Option<Counts> {
     Some(Counts { frame, overrun, parity, breaks, buffer_overrun })
 }
 
-/// The counters as they stand: this system has none.
+/// Always `None`: this system has no counters.
 #[cfg(not(target_os = "linux"))]
 pub fn counts(_port: &NativePort) -> Option<Counts> {
     None

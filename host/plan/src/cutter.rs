@@ -1,4 +1,4 @@
-//! A cup mill and what holds it, as solids of revolution.
+//! Cup mill and its holder, as solids of revolution.
 //!
 //! ```text
 //!          |  holder   |
@@ -16,39 +16,40 @@
 //! d(box) = |max(|p - m| - h, 0)| - rounding                                   (1)
 //! ```
 
-/// Radii and heights of a cup mill, mm; heights count from its bottom. Inner below outer radius, inserts not wider than the ring, the cavity less deep than the cup is high.
+/// Radii and heights of a cup mill, mm; heights count from its bottom. The inner radius is below the outer one, the
+/// inserts are not wider than the ring, and the cavity is less deep than the cup is high.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CupMill {
     /// R
     pub outer_radius_mm: f64,
     /// r
     pub inner_radius_mm: f64,
-    /// Of the inserts' corners.
+    /// Corner radius of the inserts.
     pub insert_radius_mm: f64,
-    /// How deep the cup is hollow.
+    /// Depth of the cup's cavity.
     pub cavity_depth_mm: f64,
-    /// From its bottom to its back.
+    /// Height from its bottom to its back.
     pub height_mm: f64,
-    /// Cylinders behind it, from below: radius and length.
+    /// Cylinders of the holder, from below: radius and length.
     pub holder_mm: Vec<[f64; 2]>,
-    /// Teeth in a cut at once, on one circle.
+    /// Teeth that cut at once, on one circle.
     pub active_teeth: u16,
 }
 
-/// Which part of the tool is meant.
+/// Part of the tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
-    /// The wall with its inserts.
+    /// Ring: the wall with its inserts.
     Ring,
-    /// The closed back.
+    /// Body: the closed back.
     Body,
-    /// What it sits on.
+    /// Holder.
     Holder,
 }
 
 impl CupMill {
-    /// How far a point is from one part, mm, by its distance from the axis and its height above the bottom; negative inside, where
-    /// only the sign holds.
+    /// Distance of a point from one part, mm, by its distance from the axis and its height above the bottom; negative
+    /// inside, where only the sign is valid.
     pub fn distance_of_mm(&self, part: Part, radius_mm: f64, height_mm: f64) -> f64 {
         match part {
             Part::Ring => self.ring_distance_mm(radius_mm, height_mm),
@@ -57,7 +58,8 @@ impl CupMill {
         }
     }
 
-    /// Inner and outer radius of the ring at a height above its bottom, mm; nothing below it. Above the cavity the tool is solid.
+    /// Inner and outer radius of the ring at a height above its bottom, mm; `None` below it. Above the cavity the tool
+    /// is solid.
     pub fn radii_mm(&self, height_mm: f64) -> Option<[f64; 2]> {
         if height_mm < 0.0 {
             return None;
@@ -69,7 +71,7 @@ impl CupMill {
         Some([inner_mm, self.outer_radius_mm - drawn_in_mm])
     }
 
-    /// How high the ring's underside is at a distance from the axis, mm; nothing beside it.
+    /// Height of the ring's underside at a distance from the axis, mm; `None` beside it.
     pub fn underside_mm(&self, radius_mm: f64) -> Option<f64> {
         let rounding = self.insert_radius_mm;
         let inner_mm = self.inner_radius_mm + rounding - radius_mm;
@@ -78,7 +80,7 @@ impl CupMill {
         (beyond_mm <= rounding).then(|| rounding - libm::sqrt(rounding * rounding - beyond_mm * beyond_mm))
     }
 
-    /// From the wall alone: rounded at the bottom, ended by the body at the top.
+    /// Distance from the wall alone: rounded at the bottom, ended by the body at the top.
     pub fn ring_distance_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
         let rounding = self.insert_radius_mm;
         let low = [self.inner_radius_mm + rounding, rounding];
@@ -102,7 +104,7 @@ impl CupMill {
     }
 }
 
-/// How far a place is outside of a box; negative inside.
+/// Distance of a place outside of a box; negative inside.
 fn outside(place: [f64; 2], low: [f64; 2], high: [f64; 2]) -> f64 {
     let beyond = |axis: usize| (low[axis] - place[axis]).max(place[axis] - high[axis]);
     let (across, up) = (beyond(0), beyond(1));

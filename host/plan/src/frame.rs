@@ -1,4 +1,4 @@
-//! How the part lies under the tool: the slot frame, and the rotary axes that make it.
+//! Slot frame: orientation of the part under the tool.
 //!
 //! ```text
 //! z = tool axis,  y = (k - (k.z) z) / |..|,  x = y x z                       (1)
@@ -10,9 +10,9 @@ use nalgebra::{Matrix3, Rotation3};
 
 use crate::vector::Vector;
 
-/// Turns the part frame into the slot frame.
+/// Rotation from the part frame into the slot frame.
 ///
-/// Nothing where the tool lies along the rotor's axis: the cutter would stand on the rotor's face.
+/// `None` if the tool lies along the rotor's axis: the cutter would stand on the rotor's face.
 pub fn slot_frame(tool_axis: &Vector) -> Option<Rotation3<f64>> {
     let z = tool_axis.try_normalize(0.0)?;
     let rotor = Vector::z();

@@ -1,4 +1,4 @@
-//! From the blades of a rotor to the path of a cup mill between them, and the proof that it touches nothing.
+//! Plans the path of a cup mill between the blades of a rotor, and proves that the tool collides with nothing.
 //!
 //! M. Petean, *Roughing integrally bladed rotors using cup mill cutters*, master's thesis, Ecole Polytechnique de Montreal
 //! 2004, chapters 3 and 4, without a CAD system. Nothing here reads or writes files.

@@ -1,7 +1,8 @@
-//! What a cutter could do better: the axis and the width of the ring that take most out of a slot (Petean, section 3.3.2, Fig. 3.11).
+//! Optimisation of a plan: the axis and the ring width that remove most from a slot (Petean, section 3.3.2, Fig. 3.11).
 //!
-//! A wider ring with the same limit points lies closer to both blades, until it does not pass any more. What a plan is worth is the share of the slot
-//! that it takes, between the blades and above the hub with their allowances: the volume of the columns under the ring's way.
+//! A wider ring with the same limit points lies closer to both blades, until it does not pass any more. The value of a
+//! plan is the fraction of the slot that it removes, between the blades and above the hub with their allowances: the
+//! volume of the columns under the ring's path.
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
@@ -15,7 +16,7 @@ use crate::proof::floor::Floor;
 use crate::proof::left::Walls;
 use crate::proof::removed::{Removed, Stock, removed};
 
-/// A slot to be planned.
+/// Slot to be planned.
 pub struct Problem<'p> {
     blisk: &'p Blisk,
     cutter: &'p CupMill,
@@ -23,37 +24,37 @@ pub struct Problem<'p> {
     prepared: Prepared<'p>,
 }
 
-/// A plan and what it takes.
+/// Plan and its removed volumes.
 #[derive(Clone, Debug)]
 pub struct Valued {
-    /// The plan.
+    /// Plan.
     pub plan: SlotPlan,
-    /// Its volumes.
+    /// Volumes.
     pub removed: Removed,
 }
 
-/// A width of the ring, and what comes of it.
+/// Width of the ring, and its result.
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// R - r, mm.
     pub width_mm: f64,
-    /// The share of the slot that is taken, or why there is no plan.
+    /// Removed fraction of the slot, or the reason why there is no plan.
     pub share_ratio: Result<f64, Infeasible>,
 }
 
-/// Cells in which plans are compared, mm.
+/// Cell size for the comparison of plans, mm.
 const CELL_MM: f64 = 1.0;
-/// Directions of the ridge that are planned at most.
+/// Most directions of the ridge that are planned.
 const RIDGE_MAX: usize = 12;
-/// Widths of the first look.
+/// Number of widths of the coarse search.
 const LOOKS: i32 = 24;
-/// Steps of the golden section after it.
+/// Steps of the golden-section search after it.
 const SECTIONS: i32 = 8;
-/// The golden section's share.
+/// Ratio of the golden section.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 impl<'p> Problem<'p> {
-    /// A rotor, its slot in the part frame, a cutter, and what is asked.
+    /// Problem from a rotor, its slot in the part frame, a cutter, and the requirements.
     ///
     /// # Errors
     /// A blade is not above the hub.
@@ -67,10 +68,11 @@ impl<'p> Problem<'p> {
         Ok(Problem { blisk, cutter, roughing, prepared })
     }
 
-    /// The plan that takes most of those that `admits` lets pass: along the blade's axis, the roomiest, and others with at least half of its room.
+    /// Plan that removes most among those that `admits` accepts: along the blade's axis, the roomiest direction, and
+    /// others with at least half of its room.
     ///
     /// # Errors
-    /// That of the roomiest axis, where there is no plan: what is missing at least.
+    /// Reason for the roomiest axis, if there is no plan: the least missing width.
     pub fn best(&self, admits: impl Fn(&SlotPlan) -> bool) -> Result<Valued, Infeasible> {
         let rooms = self.prepared.walls.rooms(self.cutter).ok_or(Infeasible::NoAxis)?;
         let along = |room: Room| self.along(AxisChoice::Found(room));
@@ -84,7 +86,7 @@ impl<'p> Problem<'p> {
         best.map_or(roomiest, Ok)
     }
 
-    /// The plan with one axis.
+    /// Plan with one axis.
     ///
     /// # Errors
     /// There is none.
@@ -102,18 +104,18 @@ impl<'p> Problem<'p> {
         Ok(Valued { plan, removed })
     }
 
-    /// What a ring of another width about the same middle takes, along one axis.
+    /// Result of a ring of another width about the same mean radius, along one axis.
     pub fn trial(&self, width_mm: f64, axis: AxisChoice) -> Trial {
         let valued = self.valued(&resized(self.cutter, width_mm), axis);
         Trial { width_mm, share_ratio: valued.map(|valued| valued.removed.share_ratio()) }
     }
 
-    /// The same of many widths, in their order.
+    /// Results of many widths, in order.
     pub fn trials(&self, widths_mm: Vec<f64>, axis: AxisChoice) -> Vec<Trial> {
         widths_mm.into_par_iter().map(|width_mm| self.trial(width_mm, axis)).collect()
     }
 
-    /// The width that takes most along an axis, between half the cutter's and that for which there is no room any more.
+    /// Width that removes most along an axis, between half the cutter's width and the largest with room.
     pub fn best_width(&self, axis: AxisChoice) -> Option<Trial> {
         let here = self.along(axis).ok()?.plan.room;
         let width_mm = self.cutter.outer_radius_mm - self.cutter.inner_radius_mm;
@@ -153,7 +155,7 @@ impl Trial {
     }
 }
 
-/// The cutter with another width about the same middle radius.
+/// The cutter with another width about the same mean radius.
 pub fn resized(cutter: &CupMill, width_mm: f64) -> CupMill {
     let middle_mm = (cutter.outer_radius_mm + cutter.inner_radius_mm) / 2.0;
     let (outer_radius_mm, inner_radius_mm) = (middle_mm + width_mm / 2.0, middle_mm - width_mm / 2.0);

@@ -1,4 +1,4 @@
-//! The way of the tool's centre through one slot: two arcs a level, one line between levels (Petean, section 3.3.3).
+//! Path of the tool's centre through one slot: two arcs per level, one line between levels (Petean, section 3.3.3).
 //!
 //! ```text
 //! level 1          C -> E                      about B1
@@ -7,16 +7,16 @@
 //! the last one     and back to C
 //! ```
 //!
-//! Places are the tool's axis in the slot frame, heights its bottom.
+//! Places are those of the tool's axis in the slot frame, heights those of its bottom.
 
 use arcfeed_shared::nc::modal::Turn;
 
 use crate::vector::Flat;
 
-/// An arc that ends so little before its start is one of no length.
+/// An arc that ends this little before its start has no length.
 const SWEEP_NOISE_RAD: f64 = 1e-9;
 
-/// The slot's path.
+/// Path of a slot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlotPath {
     /// A, on the outer circle at the base position: the same on all levels.
@@ -25,26 +25,26 @@ pub struct SlotPath {
     pub interior: Flat,
     /// C: the tool's centre at the base position.
     pub base: Flat,
-    /// In which sense the centre leaves the base position.
+    /// Sense in which the centre leaves the base position.
     pub outward: Turn,
-    /// From the top.
+    /// Levels from the top.
     pub levels: Vec<Level>,
-    /// Where the tool is above all material, mm.
+    /// Height of the tool above all material, mm.
     pub clear_mm: f64,
 }
 
-/// One level.
+/// Level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
-    /// Its height, mm.
+    /// Height, mm.
     pub height_mm: f64,
-    /// D: where the turn about A ends.
+    /// D: end of the turn about A.
     pub exterior_end: Flat,
-    /// E: where the turn about B1 ends.
+    /// E: end of the turn about B1.
     pub interior_end: Flat,
 }
 
-/// What a piece of the way is there for.
+/// Purpose of a piece of the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Purpose {
     /// Down to the first level, at the base position.
@@ -63,23 +63,23 @@ pub enum Purpose {
     Retract,
 }
 
-/// A piece of the way: where to, and about what.
+/// Piece of the path: a line or an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// Why.
+    /// Purpose.
     pub purpose: Purpose,
-    /// Level, from 0; that which a link leads to.
+    /// Level, from 0; that to which a link leads.
     pub level: usize,
-    /// Where from.
+    /// Start.
     pub from: [f64; 3],
-    /// Where to.
+    /// End.
     pub to: [f64; 3],
-    /// Centre and sense of an arc; a line otherwise.
+    /// Centre and sense of an arc; `None` for a line.
     pub about: Option<(Flat, Turn)>,
 }
 
 impl Purpose {
-    /// Its number in Petean's table 5.1; nothing for lines.
+    /// Number in Petean's table 5.1; `None` for lines.
     pub const fn movement(self) -> Option<usize> {
         match self {
             Purpose::Movement1 => Some(1),
@@ -92,7 +92,7 @@ impl Purpose {
 }
 
 impl Step {
-    /// Angle about its centre from start to end in its own sense, in [0, 2 pi); 0 for a line.
+    /// Angle about the centre from start to end in the arc's sense, in [0, 2 pi); 0 for a line.
     pub fn sweep_rad(&self) -> f64 {
         use std::f64::consts::TAU;
         let Some((center, turn)) = self.about else { return 0.0 };
@@ -104,7 +104,7 @@ impl Step {
         if is_before { sweep_rad + TAU } else { sweep_rad.max(0.0) }
     }
 
-    /// Length of the centre's way, mm.
+    /// Path length of the centre, mm.
     pub fn length_mm(&self) -> f64 {
         let [dx, dy, dz] = std::array::from_fn(|axis| self.to[axis] - self.from[axis]);
         match self.about {
@@ -115,12 +115,12 @@ impl Step {
 }
 
 impl SlotPath {
-    /// Which end a level, from 0, is left from: 0 for D, 1 for E.
+    /// End at which the tool leaves a level, from 0: 0 for D, 1 for E.
     pub fn end_of(level: usize) -> usize {
         usize::from(level.is_multiple_of(2))
     }
 
-    /// The way, piece by piece, without approach and retract where there are no levels.
+    /// Pieces of the path, without approach and retract if there are no levels.
     pub fn steps(&self) -> Vec<Step> {
         let mut way = Way { path: self, steps: Vec::new(), at: [self.base.x, self.base.y, self.clear_mm] };
         for (index, level) in self.levels.iter().enumerate() {

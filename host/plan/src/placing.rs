@@ -1,11 +1,12 @@
-//! How the machine's rotary axes present a slot: the part's zero where they cross, the rotor's axis along the one that indexes.
+//! Positions of the machine's rotary axes for a slot: the part's zero is where they cross, the rotor's axis along the
+//! one that indexes.
 //!
 //! ```text
 //! (x, y, z) of the part -> (y, z, x) of the machine                          (1)
 //! ```
 //!
-//! with all axes at zero, for a rotor that stands on a table turning about Y. The machine's coordinates are then those of the slot frame: that is
-//! checked, not assumed.
+//! with all axes at zero, for a rotor on a table that turns about Y. The machine's coordinates are then those of the
+//! slot frame: that is checked, not assumed.
 
 use arcfeed_shared::kinematics::forward::Setup;
 use arcfeed_shared::kinematics::inverse::Angles;
@@ -15,7 +16,7 @@ use thiserror::Error;
 
 use crate::vector::{Point, Vector};
 
-/// Where the rotary axes stand for a slot.
+/// Positions of the rotary axes for a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placing {
     /// A, the same for all slots.
@@ -24,31 +25,31 @@ pub struct Placing {
     pub index_deg: f64,
 }
 
-/// Why a machine cannot present a slot.
+/// Reason why a machine cannot present a slot.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PlacingError {
-    /// Its axes are others.
+    /// The machine has other axes.
     #[error(
         "slots are indexed by a table B about Y that stands on a tilting A about X: this machine has no such table"
     )]
     Axes,
-    /// The axes do not reach.
+    /// The range of the axes is too small.
     #[error(
         "the tool leans by {tilt_deg:.3} degrees against the rotor's axis, beyond the machine's A: choose another axis in [roughing]"
     )]
     Range {
-        /// The angle asked of A.
+        /// Required angle of A.
         tilt_deg: f64,
     },
 }
 
-/// Coordinates that differ by less are the same, mm.
+/// Tolerance for equal coordinates, mm.
 const SAME_MM: f64 = 1e-6;
 
-/// Where `machine` turns the part so that `turn` (part to slot frame) is what it presents.
+/// Positions of the rotary axes with which `machine` turns the part by `turn` (part to slot frame).
 ///
 /// # Errors
-/// It cannot.
+/// The machine cannot.
 pub fn placing(machine: &Machine, turn: &Rotation3<f64>) -> Result<Placing, PlacingError> {
     let [index, tilt] = machine.rotary();
     let is_so = (index.letter, tilt.letter) == (Letter::B, Letter::A);
@@ -69,10 +70,10 @@ pub fn placing(machine: &Machine, turn: &Rotation3<f64>) -> Result<Placing, Plac
     ranged.map(|[index_deg, tilt_deg]| Placing { tilt_deg, index_deg }).map_err(|_| PlacingError::Range { tilt_deg })
 }
 
-/// The machine of the published test as far as it matters here, its axes without ends: for parts that name none.
+/// Machine of the published test as far as it is needed here, with unlimited axes: for parts that name none.
 ///
 /// # Errors
-/// None for these numbers.
+/// Never for these numbers.
 pub fn any_table() -> Result<Machine, MachineError> {
     let axis = |letter, direction| RotaryAxis {
         letter,
@@ -92,7 +93,7 @@ fn on_table(part: &Vector) -> [f64; 3] {
     [part.y, part.z, part.x]
 }
 
-/// Whether the machine's coordinates of the part's points are their coordinates in the slot frame.
+/// The machine's coordinates of the part's points are their coordinates in the slot frame.
 fn presents(machine: &Machine, angles_deg: [f64; 2], turn: &Rotation3<f64>) -> bool {
     let setup = Setup { part_zero_mm: [0.0; 3], tool_length_mm: 0.0 };
     [Vector::x(), Vector::y(), Vector::z()].iter().all(|point| {

@@ -1,33 +1,33 @@
-//! The least value of a function over a rectangle.
+//! Minimum of a function over a rectangle.
 //!
 //! ```text
 //! f(x + d) = f + g.d + d.H.d / 2,  d = -(H + damping)^-1 g                    (1)
 //! ```
 //!
-//! Differences over a stencil whose spacing shrinks where it finds nothing better make g and H, so that kinks and borders slow it down, but do
-//! not lead it astray.
+//! g and H come from differences over a stencil whose spacing shrinks where it finds nothing better, so that kinks and
+//! borders slow the search down, but do not mislead it.
 
 use rayon::iter::{IntoParallelRefMutIterator, ParallelIterator};
 
-/// Where a function is least, and how little it is there.
+/// Place and value of a minimum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Least {
-    /// Where.
+    /// Place.
     pub at: [f64; 2],
-    /// How little.
+    /// Value.
     pub value: f64,
 }
 
-/// Spacing at which a search ends, of the rectangle.
+/// Spacing at which a search ends, relative to the rectangle.
 const FINEST: f64 = 1e-6;
-/// Rounds of a search, more than it needs.
+/// Limit of the rounds, more than a search needs.
 const ROUNDS_MAX: usize = 2000;
 
-/// The least value near `start`, within `ranges`, beginning with a stencil `spacing` wide.
+/// Least value near `start`, within `ranges`; the first stencil is `spacing` wide.
 pub fn descend(ranges: [[f64; 2]; 2], start: Least, spacing: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> Least {
     let around = |best: Least, stencil: &mut [Least]| {
         for k in 0..stencil.len() {
-            // At a border several neighbours are one place.
+            // At a border several neighbours coincide.
             let known = stencil[..k].iter().chain([&best]).find(|known| known.at == stencil[k].at);
             stencil[k].value = known.map_or_else(|| f(stencil[k].at), |known| known.value);
         }
@@ -35,7 +35,7 @@ pub fn descend(ranges: [[f64; 2]; 2], start: Least, spacing: [f64; 2], f: impl F
     descend_by(ranges, start, spacing, around, &f)
 }
 
-/// The same for a function that takes long: a stencil's values are found on all cores.
+/// The same for an expensive function: a stencil's values are computed on all cores.
 pub fn descend_parallel(
     ranges: [[f64; 2]; 2],
     start: Least,
@@ -62,7 +62,7 @@ fn descend_by(
         }
         let step = spacing.map(|width| width * scale);
         let around = |i: f64, j: f64| inside([best.at[0] + i * step[0], best.at[1] + j * step[1]]);
-        // Along one line only the neighbours on it count.
+        // Along one line only the neighbours on it are used.
         let count = if step[1] > 0.0 { NEIGHBOURS.len() } else { 2 };
         let mut stencil = NEIGHBOURS.map(|[i, j]| Least { at: around(i, j), ..best });
         let stencil = &mut stencil[..count];
@@ -79,14 +79,14 @@ fn descend_by(
     best
 }
 
-/// The stencil around a place, in its spacings: two pairs along the axes, one along each diagonal.
+/// Stencil around a place, in its spacings: two pairs along the axes, one along each diagonal.
 const NEIGHBOURS: [[f64; 2]; 8] =
     [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]];
 
-/// Farthest step of (1), in spacings of the stencil.
+/// Largest step of (1), in spacings of the stencil.
 const FARTHEST: f64 = 8.0;
 
-/// The step (1), in spacings of the stencil; none where the stencil has no values.
+/// Step (1), in spacings of the stencil; `None` if the stencil has no values.
 fn newton(middle: f64, stencil: &[Least]) -> Option<[f64; 2]> {
     if stencil.len() < NEIGHBOURS.len() {
         let (low, high) = (stencil[1].value, stencil[0].value);

@@ -1,10 +1,10 @@
-//! Points and directions in space.
+//! Points and vectors in space.
 
-/// A place, mm.
+/// Point, mm.
 pub type Point = nalgebra::Point3<f64>;
 
-/// A direction or a distance.
+/// Direction or distance.
 pub type Vector = nalgebra::Vector3<f64>;
 
-/// A place in a level, mm, slot frame.
+/// Point in a level, mm, slot frame.
 pub type Flat = nalgebra::Point2<f64>;

@@ -1,4 +1,4 @@
-//! `arcfeed adapt`: the feeds a job gives a program, shown and written.
+//! `arcfeed adapt`: applies the feeds of a job to a program, and shows them.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ use crate::adapt::{Known, LinePlan, PlanReason, PlannedBlock};
 use crate::console::note;
 use crate::program::ProgramLine;
 
-/// Rewrite a program's feeds as its job says: per block the programmed feed, the law, the factor, the reason
+/// Rewrite a program's feeds according to its job: per block the programmed feed, the law, the factor, the reason
 ///
 /// In the modes safe-base and override-only F words change, and the override does the rest. In the mode rewrite-only arcs
 /// are sent in pieces, each with an F of its own, and shown with the error that this leaves in the chip.
@@ -36,7 +36,7 @@ pub struct Adapt {
     json: bool,
 }
 
-/// One block with a move, as JSON, by name in alphabetical order; feeds per minute and lengths in the job's unit.
+/// Block with a move, as JSON, by name in alphabetical order; feeds per minute and lengths in the job's unit.
 #[derive(Serialize)]
 struct BlockFigures {
     chip_error_max: Option<f64>,
@@ -124,7 +124,7 @@ fn print_diff(path: &Path, number: usize, old: &ProgramLine, sent: &[u8]) {
     }
 }
 
-/// The table of the blocks that a cut rule speaks of.
+/// Table of the blocks that a cut rule matches.
 struct Table<'a> {
     job: &'a Job,
     in_pieces: bool,
@@ -187,7 +187,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// The axis that cannot follow the law, and what it allows.
+/// Axis that cannot follow the law, and the feed that it allows.
 fn limited_by(block: &PlannedBlock, figures: &BlockFigures) -> String {
     match (block.reason, figures.limit_axis, figures.limit_feed) {
         (PlanReason::Axis, Some(axis), Some(feed)) => format!(", limited by {axis} to {feed:.2}"),
@@ -195,7 +195,7 @@ fn limited_by(block: &PlannedBlock, figures: &BlockFigures) -> String {
     }
 }
 
-/// Pieces, F words, and the least, mean and largest error of the chip.
+/// Number of pieces, F words, and the least, mean and largest error of the chip.
 fn pieces_column(figures: &BlockFigures) -> String {
     let percent = |ratio: Option<f64>| ratio.map_or("-".into(), |ratio| format!("{:+.2}", 1e2 * ratio));
     let errors = [figures.chip_error_min, figures.chip_error_mean, figures.chip_error_max].map(percent);
@@ -209,7 +209,7 @@ impl BlockFigures {
         let feed = |feed: Nm| feed.0 as f64 / job.unit.nm() as f64;
         let rule = block.rule.and_then(|index| job.rules.get(index));
         let demand = block.demand.as_ref();
-        // A table knows of no contact.
+        // A table has no contact.
         let setup = rule.map(|rule| job.tool_of(rule));
         let has_contact =
             setup.is_some_and(|setup| matches!(setup.tool, Tool::CupMill(_)) && setup.law != LawKind::Table);
@@ -256,7 +256,7 @@ fn feed_unit(unit: LengthUnit) -> &'static str {
     }
 }
 
-/// As in job files.
+/// Rotation, as in job files.
 pub fn rotation_word(moves: Moves) -> Option<&'static str> {
     match moves {
         Moves::Rotations(Rotation::Interior, _) => Some("interior"),
@@ -265,7 +265,7 @@ pub fn rotation_word(moves: Moves) -> Option<&'static str> {
     }
 }
 
-/// As in job files.
+/// Direction, as in job files.
 pub fn direction_word(turn: Turn) -> &'static str {
     match turn {
         Turn::Cw => "cw",
@@ -273,7 +273,7 @@ pub fn direction_word(turn: Turn) -> &'static str {
     }
 }
 
-/// As in job files.
+/// Side, as in job files.
 pub fn side_word(work: &Work) -> &'static str {
     match work {
         Work::Ring(Edge::Outer, _) => "outer",

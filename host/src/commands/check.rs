@@ -1,4 +1,4 @@
-//! `arcfeed check`: what a control would say to a program.
+//! `arcfeed check`: the alarms that a control would raise for a program.
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -39,16 +39,16 @@ pub struct Check {
     machine: Option<PathBuf>,
     #[command(flatten)]
     placing: Placing,
-    /// Report exactly what the control would refuse, also in titles and comments
+    /// Report exactly what the control would reject, also in titles and comments
     #[arg(long)]
     strict: bool,
-    /// The control, in place of the job's: fanuc-16i, fanuc-0i, fanuc-31i; of a program alone a 16i
+    /// Control, in place of the job's: fanuc-16i, fanuc-0i, fanuc-31i; for a program without a job a 16i
     #[arg(long, value_parser = ControlKind::named)]
     control: Option<ControlKind>,
-    /// What differs on this machine, in place of the job's: offsets, lengths, switches (docs/dialect.md)
+    /// Settings of this machine, in place of the job's: offsets, lengths, switches (docs/dialect.md)
     #[arg(long, value_name = "SETTINGS.toml")]
     settings: Option<PathBuf>,
-    /// How numbers without a decimal point count
+    /// Meaning of numbers without a decimal point
     #[arg(long)]
     decimals: Option<Convention>,
     /// Folder of subprograms that are not in the program's file: O9010, O9010.nc or 9010.nc
@@ -65,14 +65,14 @@ pub struct Check {
     json: bool,
 }
 
-/// What the program holds.
+/// Counts of a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Lines of the file.
     pub lines: usize,
     /// Blocks: lines but `%` and empty ones.
     pub blocks: usize,
-    /// Blocks of nothing but a comment or a title.
+    /// Blocks with only a comment or a title.
     pub comments: usize,
     /// Arcs, helices among them.
     pub arcs: usize,
@@ -82,7 +82,7 @@ pub struct Counts {
     pub linear: usize,
     /// Rapid moves.
     pub rapids: usize,
-    /// Moves, of whatever kind, in which a rotary axis turns.
+    /// Moves of any kind in which a rotary axis turns.
     pub rotary: usize,
 }
 
@@ -138,7 +138,7 @@ impl Check {
             program.lines.iter().for_each(each_line);
             (summary, Some(program))
         };
-        // Nobody knows where the axes of a faulty program go.
+        // The axis positions of a faulty program are unknown.
         let on =
             self.machine.as_ref().filter(|_| findings.errors == 0).map(|machine| load_machine(machine)).transpose()?;
         let counts = Counts::new(&summary);
@@ -162,7 +162,7 @@ impl Check {
         on.zip(whole).map_or(Ok(()), |(file, program)| self.run_program(&program, &file))
     }
 
-    /// The program's text, for its control.
+    /// Text of the program, and its control.
     fn read(&self) -> Result<(Option<JobFile>, Source, ControlKind), Failure> {
         let reading = if self.strict { Reading::Strict } else { Reading::Lenient };
         let job = self.is_job().then(|| JobFile::load(&self.program)).transpose()?;
@@ -179,7 +179,7 @@ impl Check {
         Ok((job, source, control))
     }
 
-    /// A program that is interpreted, or whose moves are looked at together.
+    /// Reads a program that is interpreted, or whose moves are checked together.
     fn run_whole(&self, source: &Source, findings: &mut Findings<'_>) -> Result<(Summary, Program), Failure> {
         let bounds = RunBounds { blocks: self.max_blocks, time: Duration::from_secs(self.max_seconds) };
         let run = source.run(self.library.as_deref(), self.machine.is_some(), bounds);
@@ -192,7 +192,7 @@ impl Check {
         Ok((Summary { moves: program.moves, ..Summary::new(&program.lines) }, program))
     }
 
-    /// The program itself, or that of the job.
+    /// Path of the program, or of the job's program.
     fn program_path(&self) -> Result<PathBuf, Failure> {
         Ok(if self.is_job() { JobFile::load(&self.program)?.program } else { self.program.clone() })
     }
@@ -201,7 +201,7 @@ impl Check {
         self.program.extension().is_some_and(|extension| extension == "toml")
     }
 
-    /// CL data on a machine.
+    /// Checks CL data on a machine.
     fn run_cl(&self, file: &MachineFile) -> Result<(), Failure> {
         let is_of_program = self.strict || self.control.is_some() || self.settings.is_some();
         if is_of_program || self.decimals.is_some() || self.library.is_some() {
@@ -213,7 +213,8 @@ impl Check {
         self.tell_points(&self.program, &cl, file, &Plan::new(&cl, &self.placing.task(file, None)))
     }
 
-    /// A program with directions (G43.5), which no control here interprets: its points, for which the axes are chosen here.
+    /// Checks a program with directions (G43.5), which no control here interprets: the axes for its points are chosen
+    /// here.
     fn run_directions(&self, path: &Path, bytes: &[u8], file: &MachineFile) -> Result<(), Failure> {
         let read = cl_from_nc::read(bytes, &file.machine, &self.placing.setup(), Mode::Tcp);
         let cl = read.map_err(|error| Failure::Input(format!("{}:{error}", path.display())))?;
@@ -228,7 +229,7 @@ impl Check {
         self.tell(&Told { path, points, passed_over, machine: &file.name, plan })
     }
 
-    /// A program that says itself where the rotary axes go.
+    /// Checks a program that gives the positions of the rotary axes itself.
     fn run_program(&self, program: &Program, file: &MachineFile) -> Result<(), Failure> {
         let (plan, points) = judge(program, &self.placing.task(file, None));
         self.tell(&Told { path: &program.path, points, passed_over: None, machine: &file.name, plan: &plan })
@@ -262,10 +263,10 @@ impl Check {
     }
 }
 
-/// What was found: printed at once, or kept for the JSON object.
+/// Findings: printed at once, or kept for the JSON object.
 struct Findings<'a> {
     path: &'a Path,
-    /// As given on the command line.
+    /// Path as given on the command line.
     given: &'a Path,
     is_json: bool,
     errors: usize,

@@ -1,4 +1,5 @@
-//! `arcfeed engage`: where the circles of a job's tool stand in its workpiece along each move, for the engaged-arc law.
+//! `arcfeed engage`: computes the engaged arcs of a job's tool in its workpiece along each move, for the engaged-arc
+//! law.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -25,16 +26,16 @@ use crate::job::JobFile;
 use crate::program::Program;
 use crate::report::material::LeftOutFigures;
 
-/// Find where the tool stands in material along each move, for rules with stock = { map = FILE }
+/// Find the engaged arcs of the tool along each move, for rules with stock = { map = FILE }
 ///
-/// The program runs on the machine in software through the job's workpiece, once, as it is. What is found depends on its way
-/// alone, so it holds for every feed. The map is written where the job's rules look for it; make it anew when program, tool or
-/// workpiece change (docs/engagement.md).
+/// The original program runs once on the simulated machine through the job's workpiece. The result depends on its path
+/// alone, so it applies to every feed. The map is written where the job's rules look for it; make it anew when program,
+/// tool or workpiece change (docs/engagement.md).
 #[derive(Debug, clap::Args)]
 pub struct Engage {
     /// The job file
     job: PathBuf,
-    /// Moves at other positions of the rotary axes cut as those before them that go the same way: a part with slots all alike
+    /// Moves at other positions of the rotary axes cut like earlier moves with the same path: a part with equal slots
     #[arg(long)]
     alike: bool,
     /// Write the map here instead
@@ -45,7 +46,7 @@ pub struct Engage {
     json: bool,
 }
 
-/// What was found, as JSON; degrees.
+/// Result as JSON; degrees.
 #[derive(Debug, Serialize)]
 struct Report {
     map: String,
@@ -100,7 +101,7 @@ impl Engage {
     }
 }
 
-/// Runs the program as it is, through the workpiece: on drives that follow at once, for the map is of the way as programmed.
+/// Runs the original program through the workpiece, on drives without lag: the map is that of the programmed path.
 fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<EngagementMeter, Failure> {
     let settings = ControlSettings { drives: None, servo: None, ..control_settings(file) };
     let (layers, depth_mm) = setup.layers();
@@ -125,7 +126,7 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
     }
 }
 
-/// What was found, by the moves of the program.
+/// Map of the result, by the moves of the program.
 fn map(
     file: &JobFile,
     program: &Program,

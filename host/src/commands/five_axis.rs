@@ -1,4 +1,4 @@
-//! What `post` and `check --machine` share: a machine, where part and tool are, and telling what is wrong.
+//! Common parts of `post` and `check --machine`: machine, placement of part and tool, and report of the findings.
 
 use std::path::Path;
 
@@ -14,16 +14,16 @@ use crate::post::finding::Entry;
 use crate::post::plan::{Plan, Task};
 use crate::program::{Severity, read_bounded};
 
-/// Where part and tool are on the machine.
+/// Placement of part and tool on the machine.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Placing {
     /// The part's zero point in the machine frame with all axes at zero, X,Y,Z in mm; under G43.4 beyond the work offset
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", value_parser = point, allow_hyphen_values = true, requires = "machine")]
     part_zero: Point,
-    /// From the gauge line to the tool's tip, mm; under G43.4 beyond that of H
+    /// Length from the gauge line to the tool's tip, mm; under G43.4 in addition to that of H
     #[arg(long, value_name = "MM", default_value_t = 0.0, requires = "machine")]
     tool_length: f64,
-    /// How far a change of branch is to leave the part, mm
+    /// Distance from the part during a change of branch, mm
     #[arg(long, value_name = "MM", default_value_t = 50.0, requires = "machine")]
     retract: f64,
 }
@@ -32,7 +32,7 @@ pub struct Placing {
 #[derive(Clone, Copy, Debug)]
 pub struct Point([f64; 3]);
 
-/// What was found, as JSON.
+/// Findings as JSON.
 #[derive(Serialize)]
 struct Report<'a> {
     cl: String,
@@ -44,19 +44,19 @@ struct Report<'a> {
 }
 
 impl Placing {
-    /// Part and tool.
+    /// Placement of part and tool.
     pub fn setup(&self) -> Setup {
         Setup { part_zero_mm: self.part_zero.0, tool_length_mm: self.tool_length }
     }
 
-    /// What the axes are to be chosen for.
+    /// Input for choosing the axis positions.
     pub fn task(&self, file: &MachineFile, repair: Option<ToolEnd>) -> Task {
         let limits = RepairLimits::default();
         Task { machine: file.machine, setup: self.setup(), repair, limits, retract_mm: self.retract }
     }
 }
 
-/// A machine, by its file or as a preset.
+/// Loads a machine, by its file or as a preset.
 ///
 /// # Errors
 /// It cannot be read, or describes no machine.
@@ -64,7 +64,7 @@ pub fn load_machine(path: &Path) -> Result<MachineFile, Failure> {
     MachineFile::named(path).map_err(Failure::Input)
 }
 
-/// CL data.
+/// Loads CL data.
 ///
 /// # Errors
 /// They cannot be read.
@@ -73,23 +73,23 @@ pub fn load_cl(path: &Path) -> Result<Cl, Failure> {
     Cl::read(&String::from_utf8_lossy(&bytes)).map_err(|error| Failure::Input(format!("{}:{error}", path.display())))
 }
 
-/// What was read and found.
+/// Path with its findings, to be reported.
 #[derive(Clone, Copy, Debug)]
 pub struct Told<'a> {
     /// The file of the CL data or the program.
     pub path: &'a Path,
-    /// Its points, or its moves.
+    /// Number of points, or of moves.
     pub points: usize,
-    /// Words of CL data that say nothing of where the tool goes; nothing of programs.
+    /// Words of CL data that do not move the tool; `None` for programs.
     pub passed_over: Option<usize>,
-    /// The machine's name.
+    /// Name of the machine.
     pub machine: &'a str,
-    /// The axes and what is wrong.
+    /// Axis positions and findings.
     pub plan: &'a Plan,
 }
 
 impl Told<'_> {
-    /// The report on stdout.
+    /// Prints the report on stdout.
     pub fn print_json(&self) {
         let travel = |of: [f64; 2]| self.is_reached().then_some(of);
         let [before, after] = self.plan.travel_deg;
@@ -104,14 +104,14 @@ impl Told<'_> {
         say(format_args!("{}", serde_json::json!(report)));
     }
 
-    /// All findings on stderr.
+    /// Prints all findings on stderr.
     pub fn complain(&self) {
         for finding in &self.plan.findings {
             note(format_args!("{}:{finding}", self.path.display()));
         }
     }
 
-    /// One line about the path.
+    /// Summary of the path in one line.
     pub fn summary(&self) -> String {
         let Told { path, points, machine, plan, .. } = self;
         let [[before_0, before_1], [after_0, after_1]] = plan.travel_deg;
@@ -134,15 +134,15 @@ impl Told<'_> {
         )
     }
 
-    /// Whether there are axes for every point; a program says itself where they are.
+    /// There are axis positions for every point; a program gives them itself.
     fn is_reached(&self) -> bool {
         !self.plan.stops.is_empty() || self.passed_over.is_none()
     }
 
-    /// Whether the program may run.
+    /// Fails if the program must not run.
     ///
     /// # Errors
-    /// It may not: how many findings say so.
+    /// There are errors; the message gives their number.
     pub fn verdict(&self) -> Result<(), Failure> {
         let errors = self.plan.findings.iter().filter(|finding| finding.severity() == Severity::Error).count();
         if errors == 0 {
@@ -156,13 +156,13 @@ impl Told<'_> {
     }
 }
 
-/// The tool's end, where a repair is wanted.
+/// Cutting end of the tool, if a repair is requested.
 pub fn tool_end(repair: bool, ball_radius: Option<f64>) -> Option<ToolEnd> {
     let ball = ball_radius.map(|radius_mm| ToolEnd::Ball { radius_mm });
     repair.then(|| ball.unwrap_or(ToolEnd::Other))
 }
 
-/// Whether a file's name says that it holds CL data.
+/// The file's name is one of CL data.
 pub fn is_cl(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
     matches!(extension.as_deref(), Some("apt" | "cl" | "cls" | "aptsource"))

@@ -1,4 +1,4 @@
-//! `arcfeed init`: a first job file from a program.
+//! `arcfeed init`: writes a first job file for a program.
 
 use std::path::{Path, PathBuf};
 

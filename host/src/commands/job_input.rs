@@ -1,4 +1,4 @@
-//! A job with its program and the engagement map that its rules may name.
+//! Job with its program and the engagement map that its rules may name.
 
 use std::path::Path;
 
@@ -14,20 +14,20 @@ use crate::job::stl::StlFile;
 use crate::job::workpiece::Blank;
 use crate::program::{Program, Source};
 
-/// A job and its program, both without errors, with the engagement map that the job names.
+/// Loads a job and its program, both without errors, with the engagement map that the job names.
 ///
 /// # Errors
-/// Every error of the program, one a line; a program too long to be kept whole; what is wrong with the map.
+/// Every error of the program, one per line; a program too long to be kept as a whole; a fault of the map.
 pub fn load(job: &Path) -> Result<(JobFile, Program), Failure> {
     let (mut file, program) = load_unmapped(job)?;
     read_map(&mut file, || program.bytes())?;
     Ok((file, program))
 }
 
-/// The same with the program's text alone, and whether a feed could leak into one of its lines.
+/// As [`load`] with the program's text alone, and whether a feed could leak into one of its lines.
 ///
 /// # Errors
-/// Every error of the program, one a line; what is wrong with the map.
+/// Every error of the program, one per line; a fault of the map.
 pub fn load_text(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
     let (mut file, source, may_leak) = load_source(job)?;
     read_map(&mut file, || source.bytes.clone())?;
@@ -41,7 +41,7 @@ fn read_map(file: &mut JobFile, program: impl FnOnce() -> Vec<u8>) -> Result<(),
     Ok(())
 }
 
-/// What an engagement map is made of: program, tool, workpiece.
+/// Fingerprint of the input of an engagement map: program, tool, workpiece.
 ///
 /// # Errors
 /// A file of the workpiece cannot be read.
@@ -62,7 +62,8 @@ pub fn made_of(file: &JobFile, mut made_of: Vec<u8>) -> Result<u64, Failure> {
     Ok(fingerprint(&made_of))
 }
 
-/// The program with its job's feeds; says on stderr which moves keep their own although a cut rule speaks of them.
+/// Applies the job's feeds to the program; warns on stderr of moves that keep their own feed although a cut rule
+/// matches them.
 pub fn adapted(program: &Program, file: &JobFile) -> Adapted {
     let adapted = adapt_with(program, &file.job, Known::of(file));
     for warning in adapted.left_alone(program) {
@@ -74,7 +75,7 @@ pub fn adapted(program: &Program, file: &JobFile) -> Adapted {
     adapted
 }
 
-/// Moves whose rule leaves their engaged arcs to the map, which does not know them.
+/// Moves that are not in the map although their rule takes the engaged arcs from it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct UnknownMoves {
     first_line: usize,
@@ -82,7 +83,7 @@ pub struct UnknownMoves {
 }
 
 impl UnknownMoves {
-    /// Counts a block if it is one.
+    /// Counts a block if it is one of these moves.
     pub fn add(&mut self, block: &PlannedBlock, file: &JobFile) {
         let rule = block.rule.and_then(|rule| file.job.rules.get(rule));
         if block.along.is_none() && block.under.is_none() && rule.is_some_and(CutRule::is_told_along) {
@@ -91,7 +92,7 @@ impl UnknownMoves {
         }
     }
 
-    /// Says on stderr how many there are.
+    /// Warns on stderr of their number.
     pub fn warn(&self, program: &Path, file: &JobFile) {
         let Some(named) = file.map_file.as_ref().filter(|_| self.count > 0) else { return };
         note(format_args!(

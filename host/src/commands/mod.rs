@@ -1,4 +1,4 @@
-//! The commands of the program. Each reads its arguments, does its work and says how it ended.
+//! Commands of the program. Each reads its arguments, does its work and reports its result.
 
 pub mod outcome;
 

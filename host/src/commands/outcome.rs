@@ -1,4 +1,4 @@
-//! How a command ends: the exit code, and one sentence where it failed.
+//! Outcome of a command: the exit code, and one sentence if it failed.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -19,29 +19,29 @@ use crate::output;
 use crate::port::PortError;
 use crate::program::{Program, ProgramLine, Severity, Source};
 
-/// Errors of a program that are listed; the others are counted.
+/// Most errors of a program in the list; the others are counted.
 const ERRORS_MAX: usize = 1_000;
 
-/// Why a command failed.
+/// Reason for which a command failed.
 #[derive(Debug)]
 pub enum Failure {
     /// The program or the job is at fault: exit code 1.
     Input(String),
     /// Options that make no sense here: exit code 2.
     Usage(String),
-    /// The line or the machine is: exit code 3.
+    /// The line or the machine is at fault: exit code 3.
     Machine(String),
     /// A person must decide first: exit code 4.
     Undecided(String),
     /// The operator stopped it: exit code 130, as for any program ended by Ctrl-C.
     Stopped(String),
-    /// Stdout takes nothing more: exit code 141, as for any program ended by SIGPIPE, where nobody reads it (`| head`);
-    /// otherwise 1.
+    /// Stdout accepts nothing more: exit code 141, as for any program ended by SIGPIPE, if the reader is gone (`|
+    /// head`); otherwise 1.
     Unprinted(std::io::Error),
 }
 
 impl Failure {
-    /// Says it on stderr; answers the exit code.
+    /// Prints the message on stderr; returns the exit code.
     pub fn report(self) -> u8 {
         let (message, code) = match self {
             Failure::Unprinted(error) if error.kind() == ErrorKind::BrokenPipe => return 141,
@@ -75,19 +75,19 @@ impl From<PortError> for Failure {
     }
 }
 
-/// Prints a line on stdout, of a command that has nothing else to do: where it takes nothing more, the command ends.
+/// Prints a line on stdout, for a command without other work: if stdout accepts nothing more, the command ends.
 pub fn say(line: std::fmt::Arguments<'_>) {
     if let Err(error) = print(line) {
         std::process::exit(Failure::Unprinted(error).report().into());
     }
 }
 
-/// A file could not be read or written.
+/// Failure to read or write a file.
 pub fn file_failure(path: &Path, error: &std::io::Error) -> Failure {
     Failure::Input(format!("{}: {error}", path.display()))
 }
 
-/// Writes a file so that either all of it is there or nothing has changed.
+/// Writes a file completely, or leaves everything unchanged.
 ///
 /// # Errors
 /// It cannot be written.
@@ -95,29 +95,29 @@ pub fn write_whole(path: &Path, text: &[u8]) -> Result<(), Failure> {
     output::write_whole(path, text).map_err(|error| file_failure(path, &error))
 }
 
-/// Refuses outputs that are files which the command reads, or one another.
+/// Rejects outputs that are files which the command reads, or one another.
 ///
 /// # Errors
-/// The first such output.
+/// Describes the first such output.
 pub fn refuse_inputs(outputs: &[Option<&Path>], inputs: &[PathBuf]) -> Result<(), Failure> {
     let outputs: Vec<&Path> = outputs.iter().flatten().copied().collect();
     output::refuse_inputs(&outputs, inputs).map_err(Failure::Input)
 }
 
-/// A job and its program, both without errors; the engagement map that the job may name is not asked for.
+/// Loads a job and its program, both without errors, without the engagement map that the job may name.
 ///
 /// # Errors
-/// Every error of the program, one a line; a program too long to be kept whole.
+/// Every error of the program, one per line; a program too long to be kept as a whole.
 pub fn load_unmapped(job: &Path) -> Result<(JobFile, Program), Failure> {
     let (file, source, _) = load_source(job)?;
     let program = source.whole().map_err(Failure::Input)?;
     Ok((file, program))
 }
 
-/// The same with the program's text alone, and whether a feed could leak into one of its lines.
+/// As [`load_unmapped`] with the program's text alone, and whether a feed could leak into one of its lines.
 ///
 /// # Errors
-/// Every error of the program, one a line.
+/// Every error of the program, one per line.
 pub fn load_source(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
     let mut file = JobFile::load(job)?;
     let source = Source::read(&file.program, file.nc, file.tables).map_err(Failure::Input)?;
@@ -144,13 +144,13 @@ pub fn load_source(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
     Ok((file, source, leaks))
 }
 
-/// Says on stderr which cut rules of a job can never be used, by the moves of its program if they are known.
+/// Warns on stderr of cut rules of a job that can never be used, by the moves of its program if they are known.
 pub fn warn_of_rules(job: &Path, file: &JobFile, program: Option<(&Path, &RuleUse)>) {
     unused_rules(job, file, program).iter().for_each(|warning| note(format_args!("{warning}")));
 }
 
-/// A job whose tool has no number is for the only one that its program loads; where it loads several, a person must say.
-/// `loaded` are their numbers, each with its first line.
+/// Gives a job's tool without a number the number of the only tool that its program loads; if it loads several, a
+/// person must decide. `loaded` are their numbers, each with its first line.
 pub fn name_tool(job: &mut Job, path: &Path, loaded: &[(i64, usize)]) -> Option<String> {
     if !is_unnamed(job) {
         return None;
@@ -168,20 +168,21 @@ pub fn name_tool(job: &mut Job, path: &Path, loaded: &[(i64, usize)]) -> Option<
     None
 }
 
-/// The place, among the job's tools, of the one in the spindle at a line of a program that [`name_tool`] has yet to see.
+/// Index, among the job's tools, of the tool in the spindle at a line of a program before [`name_tool`] is called for
+/// it.
 pub fn tool_at(line: &ProgramLine, job: &Job) -> Option<usize> {
     // The only tool that the program loads will be the one without a number.
     let is_named_so = is_unnamed(job) && matches!(line.machining.tool, ToolInSpindle::Number(_));
     if is_named_so { Some(0) } else { job.tool_in(line.machining.tool) }
 }
 
-/// Whether the job leaves it to the program which tool its own is.
+/// The job leaves the number of its tool to the program.
 fn is_unnamed(job: &Job) -> bool {
     let own = job.tools.first();
     own.number.is_none() && own.law != LawKind::Programmed
 }
 
-/// An F written into a macro's body or a subprogram would be that of every call, so such programs keep their feeds.
+/// An F in a macro's body or a subprogram would apply to every call, so such programs keep their feeds.
 fn macro_refusal(source: &Source) -> Option<String> {
     let line = source.macro_line?;
     let found =
@@ -193,11 +194,11 @@ fn macro_refusal(source: &Source) -> Option<String> {
     ))
 }
 
-/// The flag that Ctrl-C (or a request to terminate) raises: one for the process, whoever asks.
+/// Flag that Ctrl-C (or a request to terminate) sets: one for the process.
 pub fn on_interrupt() -> &'static AtomicBool {
     static RAISED: AtomicBool = AtomicBool::new(false);
     static WATCH: Once = Once::new();
-    // Fails where somebody else has set a handler, as nobody does.
+    // Fails only if another handler is set, which never happens here.
     WATCH.call_once(|| drop(ctrlc::set_handler(|| RAISED.store(true, Ordering::Relaxed))));
     &RAISED
 }

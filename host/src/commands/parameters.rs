@@ -1,4 +1,4 @@
-//! `arcfeed parameters`: a job as it lies in the flash of a board at a tapped line.
+//! `arcfeed parameters`: a job as stored in the flash of a board at a tapped line.
 
 use std::path::PathBuf;
 
@@ -24,7 +24,7 @@ impl Parameters {
     /// Runs the command.
     ///
     /// # Errors
-    /// The job is at fault or leaves a board nothing to do, or the file cannot be written.
+    /// The job is at fault or has nothing for a board, or the file cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
         let file = JobFile::load(&self.job)?;
         refuse_inputs(&[Some(&self.output)], &file.inputs(&self.job))?;
@@ -33,7 +33,7 @@ impl Parameters {
         let code = match file.dnc.code {
             Some(TapeCode::Iso) => Code::Iso,
             Some(TapeCode::Eia) => Code::Eia,
-            // Whatever parity the line has, the receiver takes it away.
+            // The receiver removes the parity of the line.
             Some(TapeCode::Ascii) | None => Code::Ascii,
         };
         let tapped = Tapped { code: Some(code), decimals: file.nc.decimals };
@@ -53,7 +53,7 @@ impl Parameters {
                 ParametersError::Large => format!("{job}: it does not fit into {} bytes", page::PAGE_MAX),
             })
         })?;
-        // As the board will read it.
+        // Reads the page back as the board does.
         if let Err(error) = page::read(&page, &mut Staging::new()) {
             return Err(Failure::Input(format!("{job}: no board takes it: {error:?}")));
         }

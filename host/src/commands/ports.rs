@@ -1,4 +1,4 @@
-//! `arcfeed ports`: the serial ports there are, as `python -m serial.tools.list_ports` prints them.
+//! `arcfeed ports`: list of the serial ports, as `python -m serial.tools.list_ports` prints it.
 
 use super::outcome::{Failure, say};
 use crate::console::note;
@@ -30,7 +30,7 @@ impl Ports {
     /// Runs the command.
     ///
     /// # Errors
-    /// The expression is none.
+    /// The expression is invalid.
     pub fn run(&self) -> Result<(), Failure> {
         let mut found = ports(self.include_links);
         if let Some(regexp) = &self.regexp {

@@ -16,8 +16,8 @@ use crate::program::{Severity, read_bounded};
 
 /// Turn APT CL data (GOTO/x,y,z,i,j,k) into NC for a five-axis machine, or back
 ///
-/// A path that the machine cannot follow is refused: directions out of reach, axes beyond their ranges, and, but in the mode
-/// `machine`, changes of branch. All findings go to stderr, the program to stdout or to the file of -o.
+/// A path that the machine cannot follow is rejected: directions out of reach, axes beyond their ranges, and, except in
+/// the mode `machine`, changes of branch. All findings go to stderr, the program to stdout or to the file of -o.
 #[derive(Debug, clap::Args)]
 pub struct Post {
     /// CL data; with --reverse an NC program
@@ -25,22 +25,22 @@ pub struct Post {
     /// The machine: a file, or the name of a preset (docs/kinematics.md)
     #[arg(long, value_name = "MACHINE.toml")]
     machine: PathBuf,
-    /// Who computes the axes: the control (tcp: G43.5 with I J K), the post-processor with the tip in the part's frame
-    /// (part-rotary: G43.4), or the post-processor all of them (machine)
+    /// Mode of the program: the axes are computed by the control (tcp: G43.5 with I J K), by the post-processor except
+    /// for the tip in the part's frame (part-rotary: G43.4), or all by the post-processor (machine)
     #[arg(long, value_enum, default_value_t = ModeWord::PartRotary)]
     mode: ModeWord,
-    /// Where the program goes; stdout unless given
+    /// File of the program; stdout by default
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// From NC of that mode to CL data
+    /// From NC of this mode to CL data
     #[arg(long)]
     reverse: bool,
     #[command(flatten)]
     placing: Placing,
-    /// How far the tip may leave its straight line between two blocks, mm
+    /// Largest distance of the tip from its straight line between two blocks, mm
     #[arg(long, value_name = "MM", default_value_t = 0.01)]
     tolerance: f64,
-    /// How far the tool axis may leave its arc between two blocks, degrees
+    /// Largest angle of the tool axis from its arc between two blocks, degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.1)]
     axis_tolerance: f64,
     /// Repair incoherent movement beside a pole by turning the tool axis a little
@@ -54,7 +54,7 @@ pub struct Post {
     json: bool,
 }
 
-/// Who computes the axes.
+/// Mode of the program: where the axes are computed.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum ModeWord {
     Tcp,
@@ -117,7 +117,7 @@ impl Post {
     }
 }
 
-/// To a file, or to stdout.
+/// Writes to a file, or to stdout.
 fn put(output: Option<&Path>, text: &str) -> Result<(), Failure> {
     match output {
         Some(path) => write_whole(path, text.as_bytes()),

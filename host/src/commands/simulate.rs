@@ -1,5 +1,5 @@
-//! `arcfeed simulate`: the program before and after, on the machine in software, as fast as it goes, and what it takes from
-//! the job's workpiece.
+//! `arcfeed simulate`: the program before and after, on the simulated machine, as fast as possible, and the material it
+//! removes from the job's workpiece.
 
 pub mod control;
 
@@ -53,7 +53,7 @@ use run_figures::{compare, measure};
 use setup::Setup;
 use watch::Watch;
 
-/// Run a job on the simulated machine, before and after, as fast as it goes
+/// Run a job on the simulated machine, before and after, as fast as possible
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
     /// The job file
@@ -64,7 +64,7 @@ pub struct Simulate {
     /// Write the report with its plots and maps here, as one HTML file (docs/simulate.md)
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
-    /// Write the surface that is left of the job's workpiece here, in millimetres: .stl or .ply, binary
+    /// Write the remaining surface of the job's workpiece here, in millimetres: .stl or .ply, binary
     #[arg(long, value_name = "OUT.stl|OUT.ply")]
     surface: Option<PathBuf>,
 }
@@ -86,7 +86,7 @@ impl Simulate {
         let mut simulation = in_memory(&file, &adapted.text, ControllerFault::None)?;
         simulation.set_planned_conditions(foreseen(&program, &adapted));
         let mut before = in_memory(&file, &program.bytes(), ControllerFault::LawOff)?;
-        // What has been computed is written and printed also where something behind it fails.
+        // Results are written and printed even if a later step fails.
         let [after, unadapted] = side_by_side(&mut watches, [&mut simulation, &mut before]);
         let mut report = measure(&simulation, &file.job);
         report.real_time_factor = Some(simulation.now().to_s() / after.ended.duration_since(started).as_secs_f64());
@@ -111,7 +111,7 @@ impl Simulate {
         ended.and(printed)
     }
 
-    /// Where the surface goes, and how; asked before anything runs.
+    /// Path and format of the surface file; checked before the run.
     fn surface(&self, setup: Option<&Setup<'_>>) -> Result<Option<(&Path, SurfaceFormat)>, Failure> {
         let Some(path) = self.surface.as_deref() else { return Ok(None) };
         let format = SurfaceFormat::of(path)?;
@@ -122,13 +122,13 @@ impl Simulate {
     }
 }
 
-/// How a run ended, and when.
+/// Result of a run, and the time of its end.
 struct Ended {
     result: Result<(), Failure>,
     ended: Instant,
 }
 
-/// Runs both to their ends, each on a thread of its own: they share nothing. Only the first shows how far it is.
+/// Runs both to their ends, each on a thread of its own: they share nothing. Only the first shows its progress.
 fn side_by_side([first, second]: &mut [Watch; 2], [one, other]: [&mut Simulation; 2]) -> [Ended; 2] {
     let run =
         |watch: &mut Watch, simulation: &mut Simulation| Ended { result: watch.run(simulation), ended: Instant::now() };
@@ -139,7 +139,7 @@ fn side_by_side([first, second]: &mut [Watch; 2], [one, other]: [&mut Simulation
     })
 }
 
-/// Adds what both runs took from the workpiece; answers the deviations from the job's target, and the marks on walls.
+/// Adds the material that both runs removed; returns the deviations from the job's target, and the marks on walls.
 fn add_cuts(
     report: &mut RunReport,
     unit: LengthUnit,
@@ -167,10 +167,10 @@ fn add_cuts(
     (deviation, marks)
 }
 
-/// Prints a report and says how the run ended.
+/// Prints a report and returns the result of the run.
 ///
 /// # Errors
-/// The control raised an alarm, or stdout takes nothing.
+/// The control raised an alarm, or stdout accepts nothing.
 pub fn finish(report: &RunReport, json: bool, title: String) -> Result<(), Failure> {
     let printed = if json {
         print(format_args!("{}", serde_json::json!(report)))
@@ -197,10 +197,10 @@ fn in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<S
     in_memory_of(control_settings(file), file, program, fault)
 }
 
-/// A program in the memory of a control with these settings, not begun.
+/// Simulation of a program in the memory of a control with these settings, not begun.
 ///
 /// # Errors
-/// The job's limits of the override are none.
+/// The override limits of the job are invalid.
 pub(super) fn in_memory_of(
     settings: ControlSettings,
     file: &JobFile,
@@ -213,9 +213,9 @@ pub(super) fn in_memory_of(
         .map_err(|error| Failure::Input(format!("override limits: {error:?}")))
 }
 
-/// What the plan knows of moves that the machine in software does not: those under G43.4, and those that a cut rule matches,
-/// with their engagement and the fastest feed that the job allows on them.
-pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<PlannedConditions> {
+/// Planned data that the simulated machine does not know: for moves under G43.4, and for those that a cut rule matches,
+/// with their engagement and the largest feed that the job allows on them.
+pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<Foreseen> {
     let is_of_tip = |block: &PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
     let is_known =
         |block: &&PlannedBlock| block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8;
@@ -230,7 +230,7 @@ pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<PlannedConditions> 
     known.collect()
 }
 
-/// Runs the program as it was, without arcfeed, and adds its figures.
+/// Runs the original program, without arcfeed, and adds its figures.
 ///
 /// # Errors
 /// The run never ends.

@@ -1,4 +1,4 @@
-//! `arcfeed verify`: a program out of the control's memory, held against what arcfeed sends for the job.
+//! `arcfeed verify`: compares a program from the control's memory with the transmission of the job.
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -15,12 +15,12 @@ use crate::port::open::open;
 use crate::port::url::{Base, PortUrl};
 
 const DC1: u8 = 0x11;
-/// Time between two looks at the line.
+/// Time between two polls of the line.
 const PERIOD: Micros = Micros::from_ms(5);
-/// A program that says nothing more for so long has ended without its end.
+/// Silence after which a program has ended without its end.
 const SILENCE: Micros = Micros::from_ms(10_000);
 
-/// Compare a program that the control punches out of its memory with what is sent for a job
+/// Compare a program that the control punches from its memory with the transmission of a job
 #[derive(Debug, clap::Args)]
 pub struct Verify {
     /// The job file
@@ -31,10 +31,10 @@ pub struct Verify {
     /// Line rate, in place of the job's
     #[arg(long)]
     baudrate: Option<u32>,
-    /// Compare with what `stream --filter` sends
+    /// Compare with the transmission of `stream --filter`
     #[arg(long)]
     filter: bool,
-    /// Write what the control has sent here
+    /// Write the text that the control has sent here
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Print one JSON object (docs/json.md)
@@ -42,7 +42,7 @@ pub struct Verify {
     json: bool,
 }
 
-/// The figures of a comparison.
+/// Figures of a comparison.
 #[derive(Debug, Serialize)]
 struct Verdict<'a> {
     same: bool,
@@ -84,7 +84,7 @@ impl Verify {
         self.tell(&ready, back.compare(&ready.whole))
     }
 
-    /// Takes what comes, to the program's end.
+    /// Reads to the program's end.
     fn listen(&self, port: &mut dyn Port, back: &mut ReadBack, start_timeout: Micros) -> Result<(), Failure> {
         let interrupted = on_interrupt();
         let (mut buffer, mut heard_at, mut is_ready) = ([0; 256], None, false);

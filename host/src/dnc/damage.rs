@@ -1,4 +1,4 @@
-//! Characters from the control that the operating system has counted as damaged: who watches, and what is said at once.
+//! Characters from the control that the operating system has counted as damaged: monitoring and immediate warning.
 
 use arcfeed_line_errors::Counts;
 use arcfeed_shared::units::Micros;
@@ -6,7 +6,7 @@ use arcfeed_shared::units::Micros;
 /// Time between two looks at the counters.
 const PERIOD: Micros = Micros::from_ms(200);
 
-/// What the last look has seen.
+/// Counters at the last check.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Damage {
     seen: Counts,
@@ -14,7 +14,7 @@ pub struct Damage {
 }
 
 impl Damage {
-    /// Looks if it is time to; a warning if characters were damaged since the last look.
+    /// Checks the counters once per period; warns if characters were damaged since the last check.
     pub fn look(&mut self, now: Micros, count: impl FnOnce() -> Option<Counts>) -> Option<String> {
         if now < self.due {
             return None;
@@ -33,7 +33,7 @@ impl Damage {
     }
 }
 
-/// The kinds there are, with their numbers.
+/// Kinds of damage with their numbers.
 pub fn in_words(counts: &Counts) -> String {
     let Counts { frame, overrun, parity, breaks, buffer_overrun } = *counts;
     let kinds = [

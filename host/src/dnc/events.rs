@@ -1,8 +1,8 @@
-//! What has happened since the last look, in words: for a log.
+//! Log messages for the changes since the last check.
 
 use super::sender::{Sender, State};
 
-/// What the last look has seen.
+/// State at the last check.
 #[derive(Debug)]
 pub struct Events {
     /// Lines that a control counts as blocks.
@@ -16,7 +16,7 @@ pub struct Events {
 }
 
 impl Events {
-    /// From now on.
+    /// Starts with the sender's present state.
     pub fn new(sender: &Sender) -> Self {
         Events {
             blocks: sender.transmission().block_lines(),
@@ -29,7 +29,8 @@ impl Events {
         }
     }
 
-    /// What is new; the control has taken up `executed` blocks and stands in this alarm, where it says so.
+    /// Messages for the changes since the last check; the control has started `executed` blocks and has this alarm, if
+    /// it reports so.
     pub fn look(&mut self, sender: &Sender, executed: Option<usize>, alarm: Option<&str>) -> Vec<String> {
         let mut new = Vec::new();
         self.signals(sender, &mut new);
@@ -68,7 +69,7 @@ impl Events {
         new
     }
 
-    /// DC1 and DC3 take turns: their number and the last one tell the rest.
+    /// Message for DC1 and DC3, which alternate: their number and the last one are enough.
     fn signals(&mut self, sender: &Sender, new: &mut Vec<String>) {
         let (last, mut dc3s) = (sender.is_taken(), sender.counters().xoff_count - self.xoffs);
         while dc3s > 0 || self.is_taken != last {

@@ -1,4 +1,4 @@
-//! What M, S and T words before a block have left on: spindle, coolant, tool.
+//! Functions that the M, S and T words before a block have left on: spindle, coolant, tool.
 
 use arcfeed_shared::nc::block::Block;
 
@@ -9,16 +9,16 @@ pub struct Functions {
     pub spindle: Option<i64>,
     /// M7 and M8.
     pub coolant: [bool; 2],
-    /// The T word last given.
+    /// Last T word.
     pub prepared: Option<i64>,
-    /// The tool that M6 has put in.
+    /// Tool that M6 has loaded.
     pub tool: Option<i64>,
-    /// M codes of the machine's builder, each once, in their order: what they leave on is not known.
+    /// M codes of the machine's builder, each once, in order; their effect is unknown.
     pub others: Vec<i64>,
 }
 
 impl Functions {
-    /// A block is carried out.
+    /// Applies a block.
     pub fn take(&mut self, block: &Block) {
         let of = |letter: u8| block.words.iter().filter(move |word| word.letter == letter);
         self.prepared = of(b'T').next_back().map(|word| word.number.scaled(1)).or(self.prepared);
@@ -37,7 +37,7 @@ impl Functions {
         }
     }
 
-    /// The words that bring spindle and coolant back, at this speed.
+    /// Words that switch spindle and coolant on again, at this speed.
     pub fn words(&self, speed: Option<i64>) -> Vec<String> {
         let mut blocks = Vec::new();
         let speed = speed.map(|speed| format!("S{speed}")).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What is known of a transmission after a crash: the records of its journal, one a line.
+//! Journal of a transmission, for a restart after a crash: one record per line.
 //!
 //! ```text
 //! b2a9c3d1 0 arcfeed-journal 1 program=00.. job=00.. sent=00.. bytes=1680 from=0 blocks=0 ours=0 own=0
@@ -6,11 +6,11 @@
 //! 91c44e7a 2 executed blocks=7 stands=0
 //! e81290bb 3 end sent=214 how=aborted
 //! ```
-//! The CRC-32 in front is of the rest of the line, behind it stands the record's number. `out` is on disk (fsync) before a
-//! character behind its `sent` leaves: after a crash between `sent` and `until` characters of the last one are out. What is
-//! torn off at the end had no effect yet and is dropped; damage anywhere else is refused. Offsets and blocks are those of
-//! the transmission; `from` and `ours` of a resumed one lead back to the program's (`from` characters and `blocks` of it are
-//! left out, `ours` characters and `own` blocks of ours stand in front).
+//! The CRC-32 at the start is that of the rest of the line; the record's number follows. `out` is on disk (fsync)
+//! before a character behind its `sent` leaves: after a crash, between `sent` and `until` characters of the last such
+//! record are out. A record torn off at the end had no effect yet and is dropped; damage anywhere else is rejected.
+//! Offsets and blocks are those of the transmission. `from` and `ours` of a resumed one lead back to the program's
+//! (`from` characters and `blocks` of it are left out, `ours` characters and `own` blocks of ours stand in front).
 
 use std::fmt::Write;
 
@@ -18,57 +18,57 @@ use crate::checksum::crc32;
 
 const NAME: &str = "arcfeed-journal 1";
 
-/// What a transmission was made of.
+/// Input of a transmission.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Start {
     /// [`fingerprint`](crate::checksum::fingerprint) of the program's file.
     pub program: u64,
-    /// Of what the job says of program and control, its settings file included.
+    /// Fingerprint of the job's data about program and control, its settings file included.
     pub job: u64,
-    /// Of the whole program as it is sent.
+    /// Fingerprint of the whole program as it is sent.
     pub sent: u64,
     /// Characters of the transmission.
     pub bytes: usize,
-    /// Characters of the program that are left out in front.
+    /// Characters of the program that are left out at its start.
     pub from: usize,
     /// Blocks among them.
     pub blocks: usize,
-    /// Characters of ours in front of the rest.
+    /// Characters that arcfeed puts before the rest.
     pub ours: usize,
     /// Blocks among them.
     pub own: usize,
 }
 
-/// One record behind the first.
+/// Record after the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Record {
-    /// So many characters are out; no more than `until` will be before the next record.
+    /// Characters are out; no more than `until` will be out before the next record.
     Out {
-        /// Out.
+        /// Characters out.
         sent: usize,
-        /// To come.
+        /// Limit before the next record.
         until: usize,
     },
-    /// The control has taken up so many blocks, and goes on with what it has unless it stands.
+    /// The control has started this many blocks, and continues with those that it has unless it has stopped.
     Executed {
-        /// Of the transmission.
+        /// Blocks of the transmission.
         blocks: usize,
-        /// Whether it is in alarm or feed hold, axes at rest.
+        /// The control is in alarm or feed hold, with its axes at rest.
         stands: bool,
     },
     /// The sender ended.
     End {
         /// Characters out.
         sent: usize,
-        /// Why.
+        /// Reason.
         how: How,
     },
 }
 
-/// How a sender ended.
+/// Reason for which a sender ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum How {
-    /// Everything is out.
+    /// All characters are out.
     Complete,
     /// The operator stopped it.
     Aborted,
@@ -76,27 +76,27 @@ pub enum How {
     Failed,
 }
 
-/// A journal, read; in characters and blocks of the program.
+/// Content of a journal, in characters and blocks of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct History {
-    /// Its first record.
+    /// First record.
     pub start: Start,
     /// Least and most characters of the program that are out.
     pub sent: [usize; 2],
-    /// Blocks of the program that the control had taken up at least, if it says so.
+    /// Least number of blocks of the program that the control had started, if it reported that.
     pub executed: Option<usize>,
-    /// Whether it stood then, so that these are all.
+    /// The control had stopped then, so that no later block was started.
     pub stands: bool,
-    /// How it ended, if it did.
+    /// Reason for the end, if the sender ended.
     pub ended: Option<How>,
-    /// Characters torn off at its end.
+    /// Characters torn off at the end.
     pub torn: usize,
 }
 
-/// Why a journal cannot be used.
+/// Reason for which a journal cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Damage {
-    /// It does not begin as one.
+    /// The file does not begin as a journal.
     #[error("this is no journal of arcfeed, or its first record was never written: nothing was sent with it")]
     NoStart,
     /// A record is corrupted, and good ones follow.
@@ -116,7 +116,7 @@ impl How {
     }
 }
 
-/// The first line.
+/// First line of a journal.
 pub fn first_line(start: &Start) -> String {
     let Start { program, job, sent, bytes, from, blocks, ours, own } = start;
     seal(&format!(
@@ -125,7 +125,7 @@ pub fn first_line(start: &Start) -> String {
     ))
 }
 
-/// The line of a record; `number` counts from 1.
+/// Line of a record; `number` counts from 1.
 pub fn line(number: u32, record: &Record) -> String {
     seal(&match record {
         Record::Out { sent, until } => format!("{number} out sent={sent} until={until}"),
@@ -142,7 +142,7 @@ fn seal(text: &str) -> String {
     line
 }
 
-/// Whether a file begins as a journal of any version, or has no content yet.
+/// The file begins as a journal of any version, or is empty.
 pub fn is_journal(bytes: &[u8]) -> bool {
     let first = bytes.split_inclusive(|byte| *byte == b'\n').next();
     first.is_none_or(|line| open(line).is_some_and(|text| text.starts_with("0 arcfeed-journal ")))
@@ -151,7 +151,7 @@ pub fn is_journal(bytes: &[u8]) -> bool {
 /// Reads a journal.
 ///
 /// # Errors
-/// It says nothing reliable.
+/// The journal contains nothing reliable.
 pub fn read(bytes: &[u8]) -> Result<History, Damage> {
     let mut lines = bytes.split_inclusive(|byte| *byte == b'\n');
     let first = lines.next().and_then(open).ok_or(Damage::NoStart)?;
@@ -164,12 +164,12 @@ pub fn read(bytes: &[u8]) -> Result<History, Damage> {
             Some(_) if history.torn > 0 => return Err(Damage::Line(index + 1)),
             Some(Record::Out { sent: out, until }) => sent = [out, until],
             Some(Record::Executed { blocks, stands }) => (executed, history.stands) = (Some(blocks), stands),
-            // What a line that failed was given need not have left.
+            // Characters given to a failed line need not have left.
             Some(Record::End { sent: out, how: How::Failed }) => {
                 (sent, history.ended) = ([sent[0].min(out), out], Some(How::Failed));
             }
             Some(Record::End { sent: out, how }) => (sent, history.ended) = ([out; 2], Some(how)),
-            // A good record in the wrong place: one before it is missing.
+            // Valid record in the wrong place: one before it is missing.
             None if open(line).is_some() => return Err(Damage::Line(index + 2)),
             None => history.torn += line.len(),
         }
@@ -180,7 +180,7 @@ pub fn read(bytes: &[u8]) -> Result<History, Damage> {
     Ok(history)
 }
 
-/// A line whose CRC is right, without it.
+/// Text of a line whose CRC is right.
 fn open(line: &[u8]) -> Option<&str> {
     let text = std::str::from_utf8(line.strip_suffix(b"\n")?).ok()?;
     let (crc, rest) = text.split_once(' ')?;

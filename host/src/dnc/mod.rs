@@ -1,17 +1,18 @@
-//! The DNC sender without I/O: what goes out, when, and what is known of it afterwards.
+//! DNC sender without I/O: the characters, their times, and the records for a restart.
 //!
 //! ```text
 //!            DC1                 DC3                            hold, resume: from Sending and Stopped and back
 //! Waiting ---------> Sending ---------> Stopped                 abort: to the end of the block under way, then Cut
 //!    |                 |  ^     DC1        |
 //!    |                 |  +----------------+
-//!    | nobody asks     | last character    | no DC1
+//!    | no request      | last character    | no DC1
 //!    v                 v                   v
 //!  Failed             Sent              Failed
 //! ```
-//! [`transmission`] is what is sent, [`pace`] says when, [`sender`] is the machine above, [`journal`] what a restart knows,
-//! [`damage`] what the operating system has seen go wrong, [`readback`] what comes back from its memory, [`reports`] what the control says of itself, [`resume`] where and in which state it can take up the program, [`starvation`] where the line will be too slow. What is
-//! guaranteed and what is not: docs/dnc.md.
+//! [`transmission`] is the text to be sent, [`pace`] its timing, [`sender`] the state machine above, [`journal`] the
+//! record for a restart, [`damage`] the monitor of damaged characters, [`readback`] the comparison with the control's
+//! memory, [`reports`] the position reports of the control, [`resume`] the line and state of a restart, [`starvation`]
+//! the prediction of waits for the line. Guarantees and limits: docs/dnc.md.
 
 pub mod pace;
 

@@ -1,17 +1,17 @@
-//! Characters that the sender has handed out and the line has not taken yet, and one turn of the loop around both.
+//! Characters that the sender has handed out and the line has not accepted yet, and one turn of the loop around both.
 
 use arcfeed_shared::units::Micros;
 
 use super::sender::{CHUNK, Sender, State};
 use crate::port::{Port, PortError};
 
-/// The line is gone, or takes nothing.
+/// The line is gone, or accepts nothing.
 #[derive(Debug, thiserror::Error)]
 pub enum LineError {
     /// It is gone.
     #[error(transparent)]
     Port(#[from] PortError),
-    /// It has taken nothing for this long.
+    /// The line has accepted nothing for this long.
     #[error(
         "the line has taken no characters for {} s: check cable and flow control, or raise write_timeout in [serial]",
         .0.to_s()
@@ -19,27 +19,27 @@ pub enum LineError {
     Stuck(Micros),
 }
 
-/// At most one chunk.
+/// Buffer of at most one chunk.
 #[derive(Debug)]
 pub struct Outbox {
     held: [u8; CHUNK],
     len: usize,
-    /// How long the line may take nothing.
+    /// Longest time in which the line may accept nothing.
     timeout: Option<Micros>,
     stuck_since: Option<Micros>,
 }
 
 impl Outbox {
-    /// An empty one.
+    /// Empty buffer.
     pub fn new(timeout: Option<Micros>) -> Self {
         Outbox { held: [0; CHUNK], len: 0, timeout, stuck_since: None }
     }
 
-    /// One turn: what has come in goes to the sender, what it hands out to the line. Answers whether all has
-    /// arrived, as far as the line's rate tells.
+    /// One turn: passes received characters to the sender, and the sender's characters to the line. Returns true if all
+    /// characters have arrived, as far as the line's rate shows.
     ///
     /// # Errors
-    /// The line is gone, or has taken nothing for too long.
+    /// The line is gone, or has accepted nothing for too long.
     pub fn turn(&mut self, port: &mut dyn Port, sender: &mut Sender) -> Result<bool, LineError> {
         let mut incoming = [0; 64];
         loop {
@@ -75,12 +75,12 @@ impl Outbox {
         }
     }
 
-    /// Characters handed out that the line has not taken.
+    /// Number of characters handed out that the line has not accepted.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether the line has taken all.
+    /// The line has accepted all characters.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }

@@ -1,37 +1,37 @@
-//! When characters may go out, so that no more than a control takes are still to come when it says DC3.
+//! Times at which characters may go out, so that no more than the control accepts are on their way when it sends DC3.
 //!
 //! Handed out at h, character i has arrived at the control at `a_i = max(a_(i-1), h_i) + c`, c being the time of a
-//! character. Whoever sees a DC3 at most r after the control has decided on it keeps within w characters if
+//! character. A sender that sees a DC3 at most r after the control has decided on it keeps within w characters if
 //!
 //! ```text
 //! h_i >= a_(i-w) + r                                                          (1)
 //! ```
-//! as then character i-w has arrived before the DC3. A full line needs `r <= (w - 1) c`; with a slower reaction the line is
-//! used for w characters in every r + c. Beside that nothing is handed out more than [`Pace::ahead`] characters before
-//! its turn, so that a reaction told too short does no harm as long as it is short.
+//! as then character i-w has arrived before the DC3. A full line needs `r <= (w - 1) c`; with a slower reaction the
+//! line is used for w characters in every r + c. Besides, no character is handed out more than [`Pace::ahead`]
+//! characters before its turn, so that a reaction time set too short does no harm as long as the real one is short.
 
 use arcfeed_shared::units::{Micros, US_PER_MS, US_PER_S};
 
-/// Characters that a control takes after DC3 (B-63503EN p. 62).
+/// Characters that a control accepts after DC3 (B-63503EN p. 62).
 pub const AFTER_DC3_MAX: usize = 10;
 /// Least characters handed out ahead of the line.
 const AHEAD_MIN: u64 = 4;
-/// How late a sender may be woken without the line falling idle.
+/// Longest delay in waking the sender that leaves the line busy.
 const LATE: Micros = Micros(US_PER_MS);
 const NS_PER_US: u64 = 1_000;
 
-/// The times of the last characters.
+/// Arrival times of the last characters.
 #[derive(Clone, Debug)]
 pub struct Pace {
     char_ns: u64,
     reaction_ns: u64,
     ahead: usize,
-    /// When each of the last characters has arrived, the oldest first.
+    /// Arrival time of each of the last characters, the oldest first.
     arrivals: [u64; AFTER_DC3_MAX],
 }
 
 impl Pace {
-    /// For a line of this rate, whose DC3 is acted on after at most `reaction`; `None` without XON/XOFF.
+    /// Pace of a line of this rate, whose DC3 is acted on after at most `reaction`; `None` without XON/XOFF.
     pub fn new(bits_per_char: u32, baudrate: u32, reaction: Option<Micros>) -> Self {
         let char_ns = (u64::from(bits_per_char) * US_PER_S * NS_PER_US).div_ceil(u64::from(baudrate).max(1));
         let late = (LATE.0 * NS_PER_US).div_ceil(char_ns) + 1;
@@ -43,7 +43,7 @@ impl Pace {
         }
     }
 
-    /// Characters that may go out now.
+    /// Number of characters that may go out now.
     pub fn room(&self, now: Micros) -> usize {
         let now = now.0.saturating_mul(NS_PER_US);
         let by_reaction = self.arrivals.iter().take_while(|arrival| **arrival + self.reaction_ns <= now).count();
@@ -52,7 +52,7 @@ impl Pace {
         by_reaction.min(by_line)
     }
 
-    /// That many go out now.
+    /// Records that `len` characters go out now.
     pub fn take(&mut self, now: Micros, len: usize) {
         for _ in 0..len {
             let [.., last] = self.arrivals;
@@ -61,13 +61,13 @@ impl Pace {
         }
     }
 
-    /// When the next one may go out.
+    /// Time at which the next character may go out.
     pub fn free_at(&self) -> Micros {
         let by_reaction = self.arrivals[0] + self.reaction_ns;
         Micros(by_reaction.max(self.arrivals[AFTER_DC3_MAX - self.ahead]).div_ceil(NS_PER_US))
     }
 
-    /// When the last one has arrived, at the latest.
+    /// Latest time at which the last character has arrived.
     pub fn empty_at(&self) -> Micros {
         let [.., last] = self.arrivals;
         Micros((last + self.reaction_ns).div_ceil(NS_PER_US))
@@ -78,7 +78,7 @@ impl Pace {
         self.ahead
     }
 
-    /// The share of the line's rate that can be used: `w c / (r + c)`, 1 at most.
+    /// Usable fraction of the line's rate: `w c / (r + c)`, 1 at most.
     pub fn share(&self) -> f64 {
         let window = AFTER_DC3_MAX as f64 * self.char_ns as f64;
         (window / (self.reaction_ns + self.char_ns) as f64).min(1.0)
@@ -89,7 +89,7 @@ impl Pace {
 mod tests {
     use super::*;
 
-    /// Hands out all it may in steps of 10 us; answers the times at which characters went out and arrived.
+    /// Hands out all it may in steps of 10 us; returns the times at which characters went out and arrived.
     fn run(mut pace: Pace, char_us: f64, for_us: u64) -> Vec<(f64, f64)> {
         let mut times: Vec<(f64, f64)> = Vec::new();
         for us in (0..for_us).step_by(10) {
@@ -124,7 +124,7 @@ mod tests {
                 let used = times.len() as f64 * char_us / 400_000.0;
                 assert!(
                     (used - share).abs() < 0.04,
-                    "{baudrate} baud, {reaction} us: {used} of the line, told {share}"
+                    "{baudrate} baud, {reaction} us: {used} of the line, promised {share}"
                 );
             }
         }

@@ -1,16 +1,16 @@
-//! A program that comes back from a control's memory, held against what was sent.
+//! Comparison of a program from a control's memory with the transmission.
 //!
-//! What a control may change when it stores a program counts for nothing: blanks outside comments, empty blocks, CR, NUL,
-//! what stands before the first `%` line and behind the last, `:` or `O` and leading zeros of the program's number.
+//! Changes that a control may make when it stores a program are ignored: blanks outside comments, empty blocks, CR,
+//! NUL, the text before the first `%` line and behind the last, `:` or `O`, and leading zeros of the program's number.
 
 use super::transmission::Transmission;
 
 const LF: u8 = b'\n';
 const DC4: u8 = 0x14;
-/// What stands for a character that is none of the code's.
+/// Replacement for a character that the code does not have.
 pub const DAMAGED: u8 = 0xFF;
 
-/// What has come, in ASCII.
+/// Received text, in ASCII.
 #[derive(Clone, Debug)]
 pub struct ReadBack {
     decode: [u8; 256],
@@ -18,21 +18,21 @@ pub struct ReadBack {
     is_over: bool,
 }
 
-/// The first difference.
+/// First difference.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// Line of the program's file; of the block before, if the control has more blocks.
     pub line: usize,
     /// Column in the line as it was sent, counted from 1.
     pub column: usize,
-    /// What was sent, if the control does not have more.
+    /// Text sent, unless only the control has more.
     pub sent: Option<String>,
-    /// What the control has, if it does not end before.
+    /// Text received, unless the control's program ends before.
     pub received: Option<String>,
 }
 
 impl ReadBack {
-    /// Nothing yet, of a control whose code makes of a character what `encode` says.
+    /// Empty text, of a control whose code is given by `encode`.
     pub fn new(encode: fn(u8) -> Option<u8>) -> Self {
         let mut decode = [DAMAGED; 256];
         for byte in 0..0x80_u8 {
@@ -43,7 +43,7 @@ impl ReadBack {
         ReadBack { decode, text: Vec::new(), is_over: false }
     }
 
-    /// Takes what has come; whether the program's end is there.
+    /// Appends received characters; returns true once the program's end is there.
     pub fn take(&mut self, frames: &[u8]) -> bool {
         for frame in frames {
             // DC1 to DC4 may come with their parity bit or without, whatever the code.
@@ -64,26 +64,26 @@ impl ReadBack {
         self.is_over
     }
 
-    /// Whether a block has come.
+    /// A block has come.
     pub fn has_begun(&self) -> bool {
         self.blocks().next().is_some()
     }
 
-    /// What has come, without DC1 to DC4, CR and NUL.
+    /// Received text, without DC1 to DC4, CR and NUL.
     pub fn text(&self) -> &[u8] {
         &self.text
     }
 
     fn blocks(&self) -> impl Iterator<Item = &[u8]> {
-        // What stands before the first end of block is the label.
+        // The text before the first end of block is the label.
         let lines = self.text.split(|byte| *byte == LF).skip(1);
         lines.filter(|line| !line.starts_with(b"%") && !bare(line).is_empty())
     }
 
-    /// The first difference, or how many blocks are the same.
+    /// Number of equal blocks, or the first difference.
     ///
     /// # Errors
-    /// The difference.
+    /// The first difference.
     pub fn compare(&self, sent: &Transmission) -> Result<usize, Box<Difference>> {
         let is_code = |index: &usize| sent.is_block(*index) && !bare(line_of(sent, *index)).is_empty();
         let mut wanted = (1..sent.lines().len()).filter(is_code);
@@ -111,7 +111,7 @@ fn line_of(sent: &Transmission, index: usize) -> &[u8] {
     text.strip_suffix(b"\n").unwrap_or(text)
 }
 
-/// The characters that count, each with its column.
+/// Significant characters, each with its column.
 fn bare(text: &[u8]) -> Vec<(usize, u8)> {
     let (mut in_comment, mut kept) = (false, Vec::new());
     for (at, &byte) in text.iter().enumerate() {
@@ -135,7 +135,7 @@ fn bare(text: &[u8]) -> Vec<(usize, u8)> {
     kept
 }
 
-/// The column of what was sent at which the control has something else.
+/// Column of the sent text at which the control has something else.
 fn first_difference(sent: &[u8], received: &[u8]) -> Option<usize> {
     let (ours, theirs) = (bare(sent), bare(received));
     let behind = ours.last().map_or(1, |(column, _)| column + 1);

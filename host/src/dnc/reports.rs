@@ -1,20 +1,21 @@
-//! What the control says of itself where the job has it print: `[dnc] report_every`, custom macro B.
+//! Position reports of the control, if the job requests them: `[dnc] report_every`, custom macro B.
 //!
-//! Behind every so many blocks of what is *sent* (never in the program's file) stand three of ours; of a block of line 53:
+//! Three lines of ours follow every so many blocks of the *transmission* (never of the program's file); for a block of
+//! line 53:
 //!
 //! ```text
 //! POPEN
 //! DPRNT[ARCFEED*L53X#5001[53]Y#5002[53]Z#5003[53]F#4109[53]]          in inches X, Y and Z are [44]
 //! PCLOS
 //! ```
-//! and the control prints `ARCFEED L53X   12.500Y   -1.000Z    5.000F 1000.000` (blanks or none, as its parameters say): where
-//! the block before ends in the program's coordinates, and the last F. We know both from the program. What differs is not
-//! what was sent.
+//! and the control prints `ARCFEED L53X   12.500Y   -1.000Z    5.000F 1000.000` (blanks or none, as its parameters
+//! say): the end of the block before in the program's coordinates, and the last F. Both are known from the program. A
+//! difference shows that the control does not execute what was sent.
 //!
-//! A control works macro statements out when it *reads* them, not when the blocks before are done (Series 15i-MA, B-63324EN p. 674; the
-//! simulated one too). A report says: read up to here. Executed is at least what lies further back than the control
-//! reads ahead. None stands where #5001 is not where the program says: under G41, G42, cycles, polar coordinates, scaling,
-//! rotation, tilted planes, G43.4.
+//! A control executes macro statements when it *reads* them, not when the blocks before are done (Series 15i-MA,
+//! B-63324EN p. 674; the simulated one too). A report says: read up to here. At least those blocks are executed that
+//! lie further back than the look-ahead of the control. No report is inserted where #5001 differs from the program's
+//! position: under G41, G42, cycles, polar coordinates, scaling, rotation, tilted planes, G43.4.
 
 use arcfeed_shared::nc::modal::{Modal, Stop};
 use arcfeed_shared::units::LengthUnit;
@@ -22,7 +23,7 @@ use arcfeed_shared::units::LengthUnit;
 use super::restore::PowerOn;
 use super::transmission::{Refusal, Transmission, Wire};
 
-/// How each report begins.
+/// Start of each report.
 pub const NAME: &str = "ARCFEED";
 /// Numbers from here on do not fit the columns.
 const VALUE_MAX: f64 = 99_999.0;
@@ -30,33 +31,33 @@ const VALUE_MAX: f64 = 99_999.0;
 const LINE_MAX: usize = 256;
 const PRINTED_MAX: usize = 65_536;
 
-/// One report that is to come.
+/// Report that is still to come.
 #[derive(Clone, Debug, PartialEq)]
 struct Expected {
-    /// Of the program's file.
+    /// Line of the program's file.
     line: usize,
-    /// Index, in the transmission, of the last block that the control has read then.
+    /// Index, in the transmission, of the last block that the control has read by then.
     index: usize,
     /// X, Y, Z, F.
     values: [f64; 4],
-    /// How far a printed X, Y or Z may be off: one of its last digit.
+    /// Tolerance of a printed X, Y or Z: one unit of its last digit.
     tolerance: f64,
 }
 
-/// What a report tells.
+/// Finding of a report.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Remark {
-    /// It is not the program that was sent.
+    /// The control does not execute the program that was sent.
     Differs(String),
-    /// A report is missing or cannot be read: of what lies before it nothing is known.
+    /// A report is missing or cannot be read: the blocks before it are unconfirmed.
     Doubtful(String),
 }
 
-/// The reports of a transmission, and what has come of them.
+/// Reports of a transmission, expected and received.
 #[derive(Clone, Debug, Default)]
 pub struct Reports {
     expected: Vec<Expected>,
-    /// How many of them lie behind us, heard or missed.
+    /// Number of reports that have been received or missed.
     next: usize,
     heard: usize,
     last: Option<(usize, usize)>,
@@ -65,10 +66,10 @@ pub struct Reports {
 }
 
 impl Reports {
-    /// Puts reports behind every `every`th block, and one before the program's end.
+    /// Inserts reports behind every `every`th block, and one before the program's end.
     ///
     /// # Errors
-    /// A character that the control's code lacks.
+    /// The control's code lacks a character.
     pub fn put_into(
         sent: &Transmission,
         every: usize,
@@ -95,7 +96,7 @@ impl Reports {
             }
         }
         let whole = sent.with_lines(&added, wire)?;
-        // Each report has moved what stands behind it by its own three lines.
+        // Each report has moved the text behind it by its own three lines.
         for (count, expected) in reports.expected.iter_mut().enumerate() {
             expected.index += 3 * count + 2;
         }
@@ -123,8 +124,8 @@ impl Reports {
         self.expected.push(Expected { line, index, values, tolerance });
     }
 
-    /// Of a transmission that begins with `ours` characters of its own and goes on where this one's line `from` stands:
-    /// what lies before does not come again.
+    /// Reports of a transmission that begins with `own_lines` lines of its own and continues where line `from` of this
+    /// one stands: earlier reports do not come again.
     #[must_use]
     pub fn resumed(mut self, from: usize, own_lines: usize) -> Self {
         self.expected.retain(|expected| expected.index >= from);
@@ -134,7 +135,7 @@ impl Reports {
         self
     }
 
-    /// Takes what the control has printed.
+    /// Reads text that the control has printed.
     pub fn hear(&mut self, bytes: &[u8]) -> Vec<Remark> {
         let mut remarks = Vec::new();
         for byte in bytes.iter().map(|byte| byte & 0x7F) {
@@ -187,34 +188,35 @@ impl Reports {
         })
     }
 
-    /// Reports that were asked for, and that have come as they should.
+    /// Number of reports that were requested, and that have come as expected.
     pub fn counts(&self) -> (usize, usize) {
         (self.expected.len(), self.heard)
     }
 
-    /// The line of the program's file up to which the control has read, by its own report.
+    /// Line of the program's file up to which the control has read, by its own report.
     pub fn read_up_to(&self) -> Option<usize> {
         self.last.map(|(line, _)| line)
     }
 
-    /// The line of the next report that is to come.
+    /// Line of the next report that is to come.
     pub fn awaited(&self) -> Option<usize> {
         self.expected.get(self.next).map(|expected| expected.line)
     }
 
-    /// Blocks of the transmission that the control has taken up at least, if it reads so many ahead at most.
+    /// Least number of blocks of the transmission that the control has started, if it reads at most `read_ahead` blocks
+    /// ahead.
     pub fn taken_up(&self, sent: &Transmission, read_ahead: usize) -> Option<usize> {
         let (_, index) = self.last?;
         Some(sent.blocks_before(index + 1).saturating_sub(read_ahead)).filter(|blocks| *blocks > 0)
     }
 
-    /// What else the control has printed.
+    /// Other text that the control has printed.
     pub fn printed(&self) -> Vec<u8> {
         [self.printed.as_slice(), self.line.as_slice()].concat()
     }
 }
 
-/// Whether #5001 to #5003 are where the program says.
+/// #5001 to #5003 agree with the program's position.
 fn is_told(modal: &Modal) -> bool {
     modal.compensation.is_none()
         && modal.cycle.is_none()

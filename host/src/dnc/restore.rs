@@ -1,8 +1,8 @@
-//! The state that a block would have met, and the blocks that bring a control there.
+//! State of the control before a block, and the blocks that bring a control into that state.
 //!
-//! The state is what our own interpreter carries up to the block. The blocks go first to a clearance plane, then over the
-//! block's start, wait there at M0, and only then go down at a feed. They are read back by the same interpreter, from
-//! power-on: unless they end in exactly the state wanted, there is no restart at this block.
+//! Our own interpreter finds the state by reading up to the block. The blocks go first to a clearance plane, then over
+//! the block's start, wait there at M0, and only then go down at a feed. The same interpreter reads them back, from
+//! power-on: unless they end in exactly the required state, there is no restart at this block.
 
 use std::fmt::Write;
 
@@ -15,47 +15,47 @@ use arcfeed_shared::units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Micros, Nm};
 use super::functions::Functions;
 use super::transmission::Transmission;
 
-/// Fastest feed on the way down, nm/min, and the one where the program has given none.
+/// Fastest feed on the way down, nm/min, and the feed if the program has given none.
 const DOWN_MAX: Nm = Nm(500_000_000);
 const DOWN_DEFAULT: Nm = Nm(100_000_000);
 
-/// A control that has read nothing yet: what the program meets, and a restart.
+/// Control that has read nothing yet: the state before a program, and before a restart.
 #[derive(Clone, Debug)]
 pub struct PowerOn {
-    /// As it is set.
+    /// Settings of the control.
     pub settings: Settings,
-    /// Its offsets.
+    /// Offsets of the control.
     pub tables: Tables,
 }
 
 impl PowerOn {
-    /// Reads for it: everything that the dialect has.
+    /// Reader for this control, with all functions of the dialect.
     pub fn reader(&self) -> Reader {
         let settings = Settings { scope: Scope::Everything, reading: Reading::Lenient, ..self.settings };
         Reader::with(settings, self.tables)
     }
 }
 
-/// What holds before a block.
+/// State before a block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Before {
     /// The control's modal state.
     pub modal: Modal,
-    /// What M, S and T words left on.
+    /// Functions that M, S and T words have left on.
     pub functions: Functions,
     /// Highest Z of the program that a rapid has led to, in the coordinates in force now.
     pub clearance: Option<Nm>,
     /// Rotary axes that the program has named.
     rotary: [bool; 3],
-    /// The last feed per minute.
+    /// Last feed per minute.
     feed: Option<Nm>,
 }
 
 impl Before {
-    /// The state before the line with this index.
+    /// State before the line with this index.
     ///
     /// # Errors
-    /// Why no control can be brought there by blocks.
+    /// Describes why no blocks can bring a control there.
     pub fn line(sent: &Transmission, index: usize, control: &PowerOn) -> Result<Self, String> {
         let mut reader = control.reader();
         let mut before = Before {
@@ -106,7 +106,7 @@ impl Before {
         Ok(())
     }
 
-    /// What cannot be told a control that does not stand there already.
+    /// Rejects a state that blocks cannot bring about.
     fn refuse(&self, has_data: bool) -> Result<(), String> {
         let modal = &self.modal;
         let found = [
@@ -125,10 +125,10 @@ impl Before {
         }
     }
 
-    /// The blocks that bring a control from power-on to this state; `clearance` in the program's coordinates.
+    /// Blocks that bring a control from power-on to this state; `clearance` is in the program's coordinates.
     ///
     /// # Errors
-    /// There are none.
+    /// No blocks lead there.
     pub fn blocks(&self, source: usize, clearance: Option<Nm>, control: &PowerOn) -> Result<String, String> {
         let start = self.start();
         let [_, _, z] = start.linear;
@@ -152,7 +152,7 @@ impl Before {
         }
     }
 
-    /// Where the tool must stand: under a cycle at its initial level.
+    /// Required position of the tool; under a cycle that at its initial level.
     fn start(&self) -> Pose {
         let mut start = self.modal.program;
         if let Some(cycle) = self.modal.cycle {
@@ -195,7 +195,7 @@ impl Before {
         line(&mut text, &format!("G17X{x}Y{y}"));
         line(&mut text, "M0");
         match (modal.feed_mode, modal.feed) {
-            // Nothing has been cut yet: the program went there by rapid itself.
+            // Nothing has been cut yet: the program itself went there by rapid.
             (FeedMode::PerMinute, None) => line(&mut text, &format!("Z{z}")),
             _ => {
                 let down = self.feed.unwrap_or(DOWN_DEFAULT).min(DOWN_MAX);
@@ -241,7 +241,7 @@ impl Before {
         }
     }
 
-    /// A length in the program's unit, with a point.
+    /// Length in the program's unit, with a point.
     fn length(&self, length: Nm) -> String {
         decimal(length.0, self.modal.unit.nm(), if self.modal.unit == LengthUnit::Inch { 5 } else { 6 })
     }
@@ -275,7 +275,7 @@ fn degrees(angle: MicroDeg) -> String {
     decimal(angle.0, MICRODEG_PER_DEG, 6)
 }
 
-/// A fraction with at most so many decimals, and always a point.
+/// Fraction with at most `decimals` decimals, and always a point.
 fn decimal(value: i64, per_one: i64, decimals: u32) -> String {
     let scale = 10_i128.pow(decimals);
     let scaled = i128::from(value) * scale * 2;
@@ -285,7 +285,7 @@ fn decimal(value: i64, per_one: i64, decimals: u32) -> String {
     format!("{sign}{}.{}", rounded / scale, digits.trim_end_matches('0'))
 }
 
-/// The state after blocks of ours.
+/// State after these blocks.
 fn read_back(text: &str, control: &PowerOn) -> Result<Modal, String> {
     let mut reader = control.reader();
     for block in text.lines().skip(1) {
@@ -294,7 +294,7 @@ fn read_back(text: &str, control: &PowerOn) -> Result<Modal, String> {
     Ok(*reader.modal())
 }
 
-/// The first group in which two states differ. Under G99 a cycle goes on from its initial level, which is above R.
+/// First group in which two states differ. Under G99 a cycle continues from its initial level, which is above R.
 fn difference(wanted: &Modal, found: &Modal) -> Option<&'static str> {
     let mut place = wanted.program;
     if wanted.cycle.is_some() && wanted.returns_to_r {

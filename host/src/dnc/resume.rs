@@ -1,8 +1,8 @@
-//! Taking a program up in its middle: from which line, with which blocks before it, and what that repeats or leaves out.
+//! Restart of a program in its middle: the line, the blocks before it, and the cuts that are repeated or left out.
 //!
-//! *Sent* is not *executed*: between the two lie the control's buffer and what it has read ahead, and with that a control
-//! goes on when its sender is gone. Unless it said how far it came and stood then, only a person who looks at it can tell
-//! the block, and what may be cut twice or not at all is given as a range.
+//! *Sent* is not *executed*: between the two lie the control's buffer and its look-ahead, with which a control
+//! continues when its sender is gone. Unless the control reported its progress and had stopped then, only a person at
+//! the machine can name the block, and cuts that may be repeated or left out are given as a range.
 
 use arcfeed_shared::nc::modal::MotionKind;
 use arcfeed_shared::units::Nm;
@@ -12,30 +12,30 @@ use super::journal::History;
 use super::restore::{Before, PowerOn};
 use super::transmission::Transmission;
 
-/// A restart, to be shown before anything moves. Lines are those of the program's file.
+/// Restart, to be shown before anything moves. Lines are those of the program's file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Plan {
-    /// The line it goes on with.
+    /// First line of the restart.
     pub line: usize,
-    /// Lines between which the last character sent lies.
+    /// Lines between which the last sent character lies.
     pub sent: [usize; 2],
-    /// The line whose block was under way when the control last said so.
+    /// Line whose block was under way at the control's last report.
     pub executed: Option<usize>,
-    /// Whether the control stood then: no later one was taken up.
+    /// The control had stopped then: no later block was started.
     pub stands: bool,
     /// Blocks sent before that line.
     pub blocks: Vec<String>,
     /// Cutting blocks that were executed and come again.
     pub repeats: Cuts,
-    /// Cutting blocks that come again if they were executed, which is not known.
+    /// Cutting blocks that come again and may have been executed.
     pub may_repeat: Cuts,
     /// Cutting blocks that were never executed and do not come.
     pub skips: Cuts,
-    /// Cutting blocks that do not come although it is not known whether they were executed.
+    /// Cutting blocks that do not come and may not have been executed.
     pub may_skip: Cuts,
-    /// The tool that must be in the spindle.
+    /// Tool that must be in the spindle.
     pub tool: Option<i64>,
-    /// M codes of the machine's builder in the part before: what they leave on is for the operator to restore.
+    /// M codes of the machine's builder in the part before: the operator has to restore their effect.
     pub other_m: Vec<i64>,
     /// Index of the line in the transmission.
     #[serde(skip)]
@@ -45,26 +45,26 @@ pub struct Plan {
 /// Cutting blocks, by their lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Cuts {
-    /// How many.
+    /// Number of blocks.
     pub count: usize,
     /// First and last line.
     pub lines: Option<[usize; 2]>,
 }
 
-/// What a restart is asked for with.
+/// Request for a restart.
 #[derive(Clone, Copy, Debug)]
 pub struct Wanted {
-    /// The line of the program's file; without one the block that was under way.
+    /// Line of the program's file; `None`: the block that was under way.
     pub line: Option<usize>,
     /// Clearance in the program's coordinates.
     pub clearance: Option<Nm>,
 }
 
 impl Plan {
-    /// Works out a restart.
+    /// Plans a restart.
     ///
     /// # Errors
-    /// There is none, and why.
+    /// Describes why there is none.
     pub fn new(sent: &Transmission, history: &History, wanted: &Wanted, control: &PowerOn) -> Result<Self, String> {
         let under_way = history.executed.map(|blocks| sent.line_of_block(blocks.max(1)).unwrap_or(1));
         let index = match (wanted.line, under_way.filter(|_| history.stands)) {
@@ -74,7 +74,7 @@ impl Plan {
                 let [low, high] = history.sent.map(|at| source(sent, at));
                 return Err(format!(
                     "how far the control came is not known: characters up to line {low} are out, at most up to line {high}{}, \
-                     and it goes on with what it has. Look at the control for the block it stopped in, press RESET there, and \
+                     and it continues with the blocks it has. Look at the control for the block it stopped in, press RESET there, and \
                      give its line in the file with --from LINE",
                     under_way.map_or(String::new(), |at| format!(
                         ", executed at least up to line {}",
@@ -89,7 +89,8 @@ impl Plan {
         let blocks = before.blocks(line, wanted.clearance, control)?;
         let cuts = cutting(sent, control);
         let among = |from: usize, to: usize| Cuts::of(sent, &cuts, from, to);
-        // Of the line under way nobody knows how much is cut: it counts as repeated, and as left out if it does not come.
+        // It is unknown how much of the line under way is cut: it counts as repeated, and as left out if it does not
+        // come.
         let out = sent.line_at(history.sent[1].saturating_sub(1)) + 1;
         let least = under_way.unwrap_or(0);
         let most = if history.stands { least } else { out.max(least) };
@@ -112,7 +113,7 @@ impl Plan {
         })
     }
 
-    /// The blocks that come first, as text.
+    /// Text of the blocks that come first.
     pub fn preamble(&self) -> String {
         self.blocks.iter().map(|block| format!("{block}\n")).collect()
     }
@@ -127,13 +128,13 @@ impl Cuts {
     }
 }
 
-/// The file's line that a character belongs to.
+/// Line of the file that a character belongs to.
 fn source(sent: &Transmission, at: usize) -> usize {
     let index = sent.line_at(at).min(sent.lines().len().saturating_sub(1));
     sent.lines().get(index).map_or(0, |line| line.source)
 }
 
-/// Which lines cut: moves at a feed, and cycles.
+/// Lines that cut: moves at a feed, and cycles.
 fn cutting(sent: &Transmission, control: &PowerOn) -> Vec<bool> {
     let mut reader = control.reader();
     let mut cuts = vec![false; sent.lines().len()];

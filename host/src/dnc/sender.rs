@@ -1,8 +1,8 @@
-//! The machine that hands out characters; drawn in [`super`].
+//! State machine that hands out characters; drawn in [`super`].
 //!
-//! DC1 and DC3 are all that a control says: a character lost on the way to it is not noticed here, and a DC1 that comes
-//! after a reset looks like any other. What ends without the last character ends at the end of a block where the control
-//! lets it: half a block does nothing until an end of block comes, and the next transmission would bring one.
+//! A control sends only DC1 and DC3: a character damaged on the way to it is not noticed here, and a DC1 after a reset
+//! looks like any other. A transmission that ends early ends at the end of a block if the control allows it: half a
+//! block has no effect until an end of block comes, and the next transmission would bring one.
 
 use std::fmt;
 
@@ -18,38 +18,38 @@ const DC4: u8 = 0x14;
 const PARITY: u8 = 0x80;
 /// Most characters handed out at once.
 pub const CHUNK: usize = AFTER_DC3_MAX;
-/// A DC1 this close behind noise counts once the line has been quiet for so long: it may be part of it.
+/// A DC1 this close behind noise counts once the line has been quiet for this long: it may be part of the noise.
 const SETTLE: Micros = Micros::from_ms(50);
-/// How long an abort waits for the control to take the rest of a block.
+/// Longest wait of an abort for the control to accept the rest of a block.
 const ABORT_MAX: Micros = Micros::from_ms(2_000);
 /// Most characters of the control's text that are kept.
 const HEARD_MAX: usize = 4_096;
 
-/// How the line is worked.
+/// Settings of the line.
 #[derive(Clone, Debug)]
 pub struct LineUse {
-    /// When characters may go out.
+    /// Times at which characters may go out.
     pub pace: Pace,
-    /// Whether the control says DC1 and DC3.
+    /// The control sends DC1 and DC3.
     pub xonxoff: bool,
-    /// Whether what comes in has its parity bit (eight bits, none of them checked).
+    /// Received characters have a parity bit (eight bits, none of them checked).
     pub eight_bits: bool,
-    /// How long it may take until the control asks.
+    /// Longest time until the control asks for the program.
     pub start_timeout: Option<Micros>,
-    /// How long a DC3 may last.
+    /// Longest time of a DC3.
     pub xoff_timeout: Option<Micros>,
 }
 
-/// A program on its way.
+/// Transmission in progress.
 #[derive(Debug)]
 pub struct Sender {
     transmission: Transmission,
     line: LineUse,
     sent: usize,
-    /// By [`Gate`].
+    /// Permitted offset of each [`Gate`].
     permitted: [usize; GATES],
     flow: Flow,
-    /// When the flow became what it is.
+    /// Time of the last change of the flow.
     since: Micros,
     intent: Intent,
     over: Option<State>,
@@ -59,7 +59,7 @@ pub struct Sender {
     counters: Counters,
 }
 
-/// Who must have had a part of the program before it leaves.
+/// Recipient that must have a part of the program before it is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gate {
     /// The journal on disk.
@@ -84,18 +84,18 @@ enum Intent {
     Abort { since: Micros },
 }
 
-/// Where the sender stands.
+/// State of the sender.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// The control has not asked yet.
     Waiting,
-    /// The control takes characters.
+    /// The control accepts characters.
     Sending,
-    /// The control takes none.
+    /// The control accepts none.
     Stopped,
-    /// We send none.
+    /// The sender is held.
     Held,
-    /// All of it is out.
+    /// All characters are out.
     Sent,
     /// Aborted.
     Cut,
@@ -103,7 +103,7 @@ pub enum State {
     Failed(Why),
 }
 
-/// Why it has given up.
+/// Reason of the failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Why {
     /// No DC1 in this time.
@@ -112,19 +112,19 @@ pub enum Why {
     NoXon(Micros),
 }
 
-/// What happened on the line, as the sender saw it.
+/// Events on the line, as the sender saw them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// Times the control stopped us.
+    /// Number of times that the control stopped the sender.
     pub xoff_count: u32,
-    /// DC1 where we were sending already: a DC3 was lost before it, or somebody has started the control anew.
+    /// DC1 while sending: a DC3 was lost before it, or the control was started anew.
     pub repeated_xon: u32,
-    /// Characters from the control that mean nothing here.
+    /// Characters from the control without a meaning here.
     pub ignored: u32,
 }
 
 impl Sender {
-    /// A sender that may hand out everything at once (see [`Sender::permit`]).
+    /// Sender that may hand out everything at once (see [`Sender::permit`]).
     pub fn new(transmission: Transmission, line: LineUse) -> Self {
         Sender {
             flow: if line.xonxoff { Flow::Silent } else { Flow::Go },
@@ -142,7 +142,7 @@ impl Sender {
         }
     }
 
-    /// Takes what came from the control.
+    /// Reads characters of the control.
     pub fn on_bytes(&mut self, now: Micros, bytes: &[u8]) {
         for &byte in bytes {
             self.hear(now, byte);
@@ -187,7 +187,7 @@ impl Sender {
         (self.flow, self.since) = (flow, now);
     }
 
-    /// Puts the next characters into `out`; answers how many.
+    /// Puts the next characters into `out`; returns their number.
     pub fn poll_transmit(&mut self, now: Micros, out: &mut [u8; CHUNK]) -> usize {
         self.start_if_asked(now);
         self.look_at_the_clock(now);
@@ -207,7 +207,7 @@ impl Sender {
         len
     }
 
-    /// Ends what is over, and what has waited for too long.
+    /// Checks the time-outs.
     fn look_at_the_clock(&mut self, now: Micros) {
         if self.over.is_some() {
             return;
@@ -225,7 +225,7 @@ impl Sender {
         };
     }
 
-    /// When it has something to do, unless the control says otherwise before.
+    /// Time of its next action, unless the control sends something before.
     pub fn poll_at(&self) -> Option<Micros> {
         if self.over.is_some() {
             return None;
@@ -240,21 +240,21 @@ impl Sender {
         }
     }
 
-    /// Sends no more until told.
+    /// Pauses the transmission until [`Sender::resume`].
     pub fn hold(&mut self) {
         if self.intent == Intent::Send {
             self.intent = Intent::Hold;
         }
     }
 
-    /// Goes on after [`Sender::hold`], if the control still wants characters.
+    /// Continues after [`Sender::hold`], if the control still accepts characters.
     pub fn resume(&mut self) {
         if self.intent == Intent::Hold {
             self.intent = Intent::Send;
         }
     }
 
-    /// Ends with the block under way, or in it if the control takes no more for two seconds.
+    /// Ends with the block under way, or in it if the control accepts no more for two seconds.
     pub fn abort(&mut self, now: Micros) {
         if !matches!(self.intent, Intent::Abort { .. }) {
             self.intent = Intent::Abort { since: now };
@@ -267,7 +267,7 @@ impl Sender {
         self.permitted[gate as usize] = until;
     }
 
-    /// Whether it waits for a gate.
+    /// The sender waits for a gate.
     pub fn wants_permit(&self, gate: Gate) -> bool {
         self.over.is_none() && self.sent >= self.permitted[gate as usize]
     }
@@ -277,7 +277,7 @@ impl Sender {
         journal.min(board)
     }
 
-    /// Where it stands.
+    /// State of the sender.
     pub fn state(&self) -> State {
         match (self.over, self.intent, self.flow) {
             (Some(over), ..) => over,
@@ -288,7 +288,7 @@ impl Sender {
         }
     }
 
-    /// Whether the control takes characters, by its last word; `None` before its first DC1.
+    /// The control accepts characters, by its last DC1 or DC3; `None` before its first DC1.
     pub fn is_taken(&self) -> Option<bool> {
         match self.flow {
             Flow::Silent => None,
@@ -297,17 +297,17 @@ impl Sender {
         }
     }
 
-    /// Characters sent and in all.
+    /// Characters sent, and in all.
     pub fn progress(&self) -> (usize, usize) {
         (self.sent, self.transmission.frames().len())
     }
 
-    /// What is being sent.
+    /// The text being sent.
     pub fn transmission(&self) -> &Transmission {
         &self.transmission
     }
 
-    /// Index of the line that the next character belongs to.
+    /// Index of the line of the next character.
     pub fn line(&self) -> usize {
         self.transmission.line_at(self.sent)
     }
@@ -317,7 +317,7 @@ impl Sender {
         self.transmission.blocks_before(self.line())
     }
 
-    /// What of the block under way is out, if one is.
+    /// Part of the block under way that is out.
     pub fn half_block(&self) -> Option<&[u8]> {
         let half = &self.transmission.text()[self.transmission.start_of(self.line())..self.sent];
         (!half.is_empty()).then_some(half)
@@ -331,22 +331,22 @@ impl Sender {
         if self.is_within_block() { self.transmission.start_of(self.line() + 1) } else { self.sent }
     }
 
-    /// What the control has printed since the last call: DC2, text, DC4.
+    /// Text that the control has printed since the last call: DC2, text, DC4.
     pub fn take_heard(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.heard)
     }
 
-    /// What happened on the line.
+    /// Events on the line.
     pub fn counters(&self) -> Counters {
         self.counters
     }
 
-    /// When the last character has arrived: a port closed before that is alarm PS0086 at the control.
+    /// Time at which the last character has arrived: a port closed before that is alarm PS0086 at the control.
     pub fn arrived_at(&self) -> Micros {
         self.line.pace.empty_at()
     }
 
-    /// The share of the line's rate at which the control's ten characters can be kept.
+    /// Fraction of the line's rate at which the control's ten characters are kept.
     pub fn share(&self) -> f64 {
         self.line.pace.share()
     }

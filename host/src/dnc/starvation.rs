@@ -1,46 +1,46 @@
-//! Where a control will wait for the line: blocks that are executed faster than their successors arrive.
+//! Prediction of waits for the line: blocks that are executed faster than their successors arrive.
 //!
-//! Block i has arrived a character's time per character after the one before, but not before the control's buffer has
-//! room, and begins when it has arrived and the block before is done. A control brakes for the end of what it has: a block
-//! whose successor is not there when it begins ends at rest, and takes longer for that.
+//! Block i arrives one character time per character after the one before, but not before the control's buffer has room.
+//! It begins when it has arrived and the block before is done. A control brakes for the end of the last block it has: a
+//! block whose successor has not arrived when it begins ends at rest, and takes longer for that.
 
-/// One block of what is sent.
+/// Block of a transmission.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
-    /// Characters, its end among them.
+    /// Characters, including the end of block.
     pub characters: usize,
-    /// What it takes in the midst of others, s.
+    /// Execution time in the midst of other blocks, s.
     pub time_s: f64,
-    /// What it takes from rest to rest, s.
+    /// Execution time from rest to rest, s.
     pub alone_s: f64,
 }
 
 impl Load {
-    /// A way at a speed, with an acceleration: `s/v`, and from rest to rest `s/v + v/a` or, where v is not reached,
-    /// `2 sqrt(s/a)`.
+    /// Move of a length at a speed, with an acceleration: `s/v`, and from rest to rest `s/v + v/a` or, where v is not
+    /// reached, `2 sqrt(s/a)`.
     pub fn of_move(characters: usize, way_mm: f64, speed_mm_per_s: f64, acceleration_mm_per_s2: f64) -> Self {
         let (s, v, a) = (way_mm, speed_mm_per_s, acceleration_mm_per_s2);
         let alone_s = if s * a < v * v { 2.0 * libm::sqrt(s / a) } else { s / v + v / a };
         Load { characters, time_s: s / v, alone_s }
     }
 
-    /// A wait, or nothing.
+    /// Dwell, or a block without motion.
     pub fn of_time(characters: usize, time_s: f64) -> Self {
         Load { characters, time_s, alone_s: time_s }
     }
 }
 
-/// A stretch of blocks before each of which the control waits.
+/// Interval of blocks before each of which the control waits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wait {
-    /// Indices of the first and the last of them.
+    /// Indices of the first and the last block.
     pub blocks: [usize; 2],
-    /// How long it waits in all, s.
+    /// Total waiting time, s.
     pub time_s: f64,
 }
 
-/// Predicts the waits at a line of `chars_per_s`, for a buffer of so many characters. What comes before the first block
-/// that takes time is no wait.
+/// Predicts the waits at a line of `chars_per_s`, for a buffer of `buffer` characters. The time before the first block
+/// with an execution time is no wait.
 pub fn predict(loads: &[Load], chars_per_s: f64, buffer: usize) -> Vec<Wait> {
     let (mut waits, mut begun): (Vec<Wait>, Vec<f64>) = (Vec::new(), Vec::with_capacity(loads.len()));
     let (mut arrived, mut free, mut has_moved) = (0.0_f64, 0.0_f64, false);
@@ -48,7 +48,7 @@ pub fn predict(loads: &[Load], chars_per_s: f64, buffer: usize) -> Vec<Wait> {
     for (index, load) in loads.iter().enumerate() {
         held += load.characters;
         while held > buffer && oldest < index {
-            // Its characters leave the buffer when it begins.
+            // The characters of a block leave the buffer when it begins.
             arrived = arrived.max(begun[oldest]);
             held -= loads[oldest].characters;
             oldest += 1;
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn a_block_that_is_alone_takes_longer() {
-        // 0.1 mm at 500 mm/s2 from rest to rest: 28.3 ms, where 20 characters take 20 ms: nobody waits.
+        // 0.1 mm at 500 mm/s2 from rest to rest: 28.3 ms, where 20 characters take 20 ms: the control never waits.
         let alone = Load::of_move(20, 0.1, 100.0, 500.0);
         assert!((alone.alone_s - 0.028_284).abs() < 1e-6 && (alone.time_s - 0.001).abs() < 1e-12, "{alone:?}");
         let waits = predict(&[alone; 50], 1_000.0, 200);

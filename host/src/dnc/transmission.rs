@@ -1,4 +1,5 @@
-//! What goes over the line: the program's text in the control's code, checked whole before the first character leaves.
+//! Text that goes over the line: the program in the control's code, checked completely before the first character
+//! leaves.
 
 use std::fmt;
 
@@ -6,23 +7,23 @@ use arcfeed_shared::nc::block::{Reading, parse_line};
 use arcfeed_shared::nc::text::Lines;
 use arcfeed_shared::nc::word::is_control_character;
 
-/// Longest block: one that does not fit the control's buffer never becomes whole there, and neither side goes on.
+/// Longest block: one that does not fit the control's buffer is never complete there, and the transmission stops.
 const BLOCK_MAX: usize = 256;
-/// How the lines of a report begin; programs with macro statements of their own are not sent.
+/// Starts of the lines of a report; programs with macro statements of their own are not sent.
 const REPORT: [&str; 3] = ["POPEN", "PCLOS", "DPRNT["];
 
-/// How text becomes what the control reads.
+/// Conversion of text into the control's code.
 #[derive(Clone, Copy, Debug)]
 pub struct Wire {
-    /// A character in the control's code; `None` for what the code does not have.
+    /// Character in the control's code; `None` if the code does not have it.
     pub encode: fn(u8) -> Option<u8>,
-    /// Makes characters upper case or leaves them out, in comments, in place of refusing them.
+    /// Characters in comments are made upper case or left out instead of rejected.
     pub filters: bool,
-    /// Fills blocks up to an even number of characters, for a control with its TV check on.
+    /// Blocks are filled up to an even number of characters, for a control with its TV check on.
     pub tv_check: bool,
 }
 
-/// A program on its way, whole or from some line on.
+/// Transmission of a program, complete or from some line on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Transmission {
     text: Vec<u8>,
@@ -30,23 +31,23 @@ pub struct Transmission {
     lines: Vec<SentLine>,
 }
 
-/// One line of it.
+/// Line of a transmission.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SentLine {
-    /// Where it ends in the text and in the frames, its end of block among them.
+    /// Offset of the end in the text and in the frames, its end of block included.
     pub end: usize,
-    /// The line of the program's file that it comes from, counted from 1; 0 for our own.
+    /// Line of the program's file that it comes from, counted from 1; 0 for a line of ours.
     pub source: usize,
 }
 
-/// Why a program is not sent.
+/// Reason why a program is not sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
     /// Line of the program's file, counted from 1.
     pub line: usize,
-    /// Column, counted from 1; of a line that arcfeed has written, in that line.
+    /// Column, counted from 1; for a line that arcfeed has written, the column in that line.
     pub column: usize,
-    /// What and what to do.
+    /// Fault and remedy.
     pub message: String,
 }
 
@@ -57,10 +58,10 @@ impl fmt::Display for Refusal {
 }
 
 impl Transmission {
-    /// The text of a program; `source` tells from which line of the file the character at an offset comes.
+    /// Text of a program; `source` gives the line of the file for the character at an offset.
     ///
     /// # Errors
-    /// Everything for which a control would not get the program, or would get another one.
+    /// Describes every fault for which a control would not get the program, or would get another one.
     pub fn new(text: &[u8], source: impl Fn(usize) -> usize, wire: &Wire) -> Result<Self, Vec<Refusal>> {
         let mut sent = Transmission { text: Vec::with_capacity(text.len() + 1), frames: Vec::new(), lines: Vec::new() };
         let (mut refusals, mut at) = (Vec::new(), 0);
@@ -74,10 +75,10 @@ impl Transmission {
         if refusals.is_empty() { Ok(sent) } else { Err(refusals) }
     }
 
-    /// Our own blocks, then this program from the line with index `from` on.
+    /// Transmission of our own blocks, then of this program from the line with index `from` on.
     ///
     /// # Errors
-    /// A character of ours that the control's code does not have.
+    /// The control's code lacks a character of ours.
     pub fn resumed(&self, preamble: &str, from: usize, wire: &Wire) -> Result<Self, Vec<Refusal>> {
         let mut sent = Transmission { text: Vec::new(), frames: Vec::new(), lines: Vec::new() };
         let mut refusals = Vec::new();
@@ -94,10 +95,11 @@ impl Transmission {
         Ok(sent)
     }
 
-    /// The same with lines of ours behind some of its own: index and text, in order; they count as of that line.
+    /// This transmission with lines of ours behind some of its own: index and text, in order; they count as of that
+    /// line.
     ///
     /// # Errors
-    /// A character of ours that the control's code does not have.
+    /// The control's code lacks a character of ours.
     pub fn with_lines(&self, added: &[(usize, String)], wire: &Wire) -> Result<Self, Vec<Refusal>> {
         let mut sent = Transmission { text: Vec::new(), frames: Vec::new(), lines: Vec::new() };
         let (mut refusals, mut added) = (Vec::new(), added.iter().peekable());
@@ -113,7 +115,7 @@ impl Transmission {
         if refusals.is_empty() { Ok(sent) } else { Err(refusals) }
     }
 
-    /// Whether a line is one of a report that the control is to make, which the interpreter of plain blocks cannot read.
+    /// The line belongs to a report of the control, which the interpreter of plain blocks cannot read.
     pub fn is_of_report(&self, index: usize) -> bool {
         let text = self.line_text(index).unwrap_or_default();
         REPORT.iter().any(|begin| text.starts_with(begin.as_bytes()))
@@ -128,7 +130,7 @@ impl Transmission {
                 _ if fits(byte, wire) => Some(byte),
                 b'\r' | 0 => None,
                 _ if in_comment && wire.filters => Some(byte.to_ascii_uppercase()).filter(|upper| fits(*upper, wire)),
-                // One a line will do.
+                // One message per line is enough.
                 _ => {
                     if refusals.last().is_none_or(|last| last.line != source) {
                         refusals.push(refused_character(source, index + 1, byte));
@@ -147,7 +149,7 @@ impl Transmission {
             );
             refusals.push(Refusal { line: source, column: BLOCK_MAX + 1, message });
         }
-        // A control takes a block at its LF: one without it would never be executed.
+        // A control executes a block at its LF: one without it would never be executed.
         let ending = if ending.contains(&b'\n') { ending } else { b"\n" };
         let ending: Vec<u8> = ending.iter().copied().filter(|byte| (wire.encode)(*byte).is_some()).collect();
         let is_odd = (self.text.len() - start + ending.len()) % 2 == 1;
@@ -155,12 +157,12 @@ impl Transmission {
             self.text.push(b' ');
         }
         self.text.extend_from_slice(&ending);
-        // What could not be encoded is refused already.
+        // Characters that cannot be encoded have been rejected above.
         self.frames.extend(self.text[start..].iter().map(|byte| (wire.encode)(*byte).unwrap_or(*byte)));
         self.lines.push(SentLine { end: self.text.len(), source });
     }
 
-    /// A control skips everything up to the first end of block.
+    /// Fault of a first block without an end of block before it: a control skips everything up to that.
     fn lost_label(&self) -> Option<Refusal> {
         let first = self.line_text(0)?;
         let Ok(parsed) = parse_line(first.trim_ascii_end(), Reading::Lenient) else { return None };
@@ -182,44 +184,44 @@ impl Transmission {
         (!(0..self.lines.len()).any(|index| ends(&index))).then_some(refusal)
     }
 
-    /// The text, character for character what [`Transmission::frames`] says in the control's code.
+    /// The text, character for character that of [`Transmission::frames`].
     pub fn text(&self) -> &[u8] {
         &self.text
     }
 
-    /// What goes over the line.
+    /// The characters that go over the line.
     pub fn frames(&self) -> &[u8] {
         &self.frames
     }
 
-    /// Its lines.
+    /// Lines of the transmission.
     pub fn lines(&self) -> &[SentLine] {
         &self.lines
     }
 
-    /// Where a line begins; the end for the line behind the last.
+    /// Offset of the start of a line; the end for the line behind the last.
     pub fn start_of(&self, index: usize) -> usize {
         index.checked_sub(1).and_then(|before| self.lines.get(before)).map_or(0, |before| before.end)
     }
 
-    /// Index of the line that the character at an offset belongs to.
+    /// Index of the line of the character at an offset.
     pub fn line_at(&self, offset: usize) -> usize {
         self.lines.partition_point(|line| line.end <= offset)
     }
 
-    /// A line with its end.
+    /// Line with its end.
     pub fn line_text(&self, index: usize) -> Option<&[u8]> {
         let line = self.lines.get(index)?;
         self.text.get(self.start_of(index)..line.end)
     }
 
-    /// Whether a control counts a line as a block: all but `%` and empty lines.
+    /// A control counts the line as a block: all but `%` and empty lines.
     pub fn is_block(&self, index: usize) -> bool {
         let text = self.line_text(index).unwrap_or_default().trim_ascii();
         !text.is_empty() && !text.starts_with(b"%")
     }
 
-    /// Blocks among the lines before the one with this index.
+    /// Number of blocks among the lines before the one with this index.
     pub fn blocks_before(&self, index: usize) -> usize {
         (0..index.min(self.lines.len())).filter(|line| self.is_block(*line)).count()
     }
@@ -235,7 +237,7 @@ impl Transmission {
     }
 }
 
-/// Whether the line carries it and the control knows it.
+/// The line carries the character and the control knows it.
 fn fits(byte: u8, wire: &Wire) -> bool {
     let is_known = is_control_character(byte) || matches!(byte, b' ' | b'\t');
     is_known && (wire.encode)(byte).is_some()

@@ -1,7 +1,7 @@
-//! Few knots for many samples of engaged arcs, between which straight lines leave nothing of any sample out.
+//! Few knots for many samples of engaged arcs: the straight lines between the knots cover every sample.
 //!
-//! Knots are picked by adding the sample that lies farthest from the lines, again and again; then each is widened by what
-//! the lines beside it still cut off:
+//! The sample farthest from the lines becomes the next knot, again and again. Then each knot is widened by the largest
+//! part that the lines beside it still leave out:
 //!
 //! ```text
 //! excess of a line over its samples' ends, e = max (from(line) - from(sample), to(sample) - to(line), 0)
@@ -15,21 +15,22 @@
 use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
 use arcfeed_shared::units::Mm;
 
-/// The turn.
+/// Full turn.
 const TURN_DEG: f64 = 360.0;
-/// Half of what the ends of a table's arcs are rounded to.
+/// Half the resolution of a table's arc ends.
 const ROUNDING_DEG: f64 = 0.5 / 90.0;
 
-/// Where a sample was taken, and the intervals that it has: from and to, none where there is nothing.
+/// Sample of intervals at a position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample<const N: usize> {
-    /// Grows from sample to sample.
+    /// Position; increases from sample to sample.
     pub at_mm: f64,
-    /// One for each thing looked at.
+    /// One interval per quantity: from and to; `None` if it is empty.
     pub intervals_deg: [Option<[f64; 2]>; N],
 }
 
-/// The arcs of the outer and the inner circle along a move as a table that covers all samples; `None` where there are none.
+/// Table of the arcs of the outer and the inner circle along a move that covers all samples; `None` if all arcs are
+/// empty.
 pub fn table(samples: &[Sample<2>]) -> Option<EngagedTable> {
     let knots = covering(samples, ENGAGED_KNOTS_MAX).into_iter().map(|(path_mm, [outer, inner])| {
         Some(EngagedKnot { travelled: Mm(path_mm as f32), outer: outwards(outer)?, inner: outwards(inner)? })
@@ -37,14 +38,14 @@ pub fn table(samples: &[Sample<2>]) -> Option<EngagedTable> {
     EngagedTable::new(&knots.collect::<Option<Vec<_>>>()?).ok()
 }
 
-/// An arc rounded outwards to what a table can say; one that is empty stays so.
+/// Arc rounded outwards to the resolution of a table; an empty arc stays empty.
 fn outwards([from_deg, to_deg]: [f64; 2]) -> Option<EngagedInterval> {
     let spare_deg = if from_deg < to_deg { ROUNDING_DEG } else { 0.0 };
     EngagedInterval::from_degrees((from_deg - spare_deg).max(-TURN_DEG / 2.0), (to_deg + spare_deg).min(TURN_DEG / 2.0))
 }
 
-/// Knots that cover the samples, at most `count` and at least the first and the last one; an empty interval is one whose ends
-/// are the same. What lies between two samples is covered where it is part of both their intervals together.
+/// Knots that cover the samples, at most `count` and at least the first and the last one; an empty interval has equal
+/// ends. Between two samples, the union of their intervals is covered.
 fn covering<const N: usize>(samples: &[Sample<N>], count: usize) -> Vec<(f64, [[f64; 2]; N])> {
     let wide = dilated(samples);
     let at: Vec<f64> = samples.iter().map(|sample| sample.at_mm).collect();
@@ -79,7 +80,7 @@ fn between(a: f64, b: f64, part: f64) -> f64 {
     a + (b - a) * part
 }
 
-/// Each sample with its neighbours'.
+/// Each sample joined with its neighbours.
 fn dilated<const N: usize>(samples: &[Sample<N>]) -> Vec<Sample<N>> {
     let near = |index: usize| &samples[index.saturating_sub(1)..(index + 2).min(samples.len())];
     let hull =
@@ -91,12 +92,13 @@ fn dilated<const N: usize>(samples: &[Sample<N>]) -> Vec<Sample<N>> {
     (0..samples.len()).map(at).collect()
 }
 
-/// From the lower beginning to the higher end.
+/// Smallest interval that contains both.
 pub fn hull([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
     [a.min(c), b.max(d)]
 }
 
-/// The intervals of one thing, an empty one in the middle of the last before it that is none; of the first behind it, in front.
+/// Intervals of one quantity. An empty interval becomes the middle of the last non-empty one before it, or, at the
+/// start, of the first one after it.
 fn closed<const N: usize>(samples: &[Sample<N>], which: usize) -> Vec<[f64; 2]> {
     let middle = |[from, to]: [f64; 2]| (from + to) / 2.0;
     let first = samples.iter().find_map(|sample| sample.intervals_deg[which]);
@@ -111,7 +113,7 @@ fn closed<const N: usize>(samples: &[Sample<N>], which: usize) -> Vec<[f64; 2]> 
     each.collect()
 }
 
-/// Which of the samples are knots, in order.
+/// Indices of the samples that are knots, in order.
 fn picked<const N: usize>(at: &[f64], ends: &[Vec<[f64; 2]>; N], count: usize) -> Vec<usize> {
     let last = at.len().saturating_sub(1);
     let mut picked = vec![0, last];

@@ -1,4 +1,4 @@
-//! Arcs that belong together: same tool, plane and sense, radii that agree.
+//! Groups of arcs with the same tool, plane and sense, and with equal radii.
 
 use std::ops::RangeInclusive;
 
@@ -11,35 +11,35 @@ use super::survey::FoundArc;
 /// Arcs of one radius, sense, plane and tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// The tool that cuts.
+    /// Cutting tool.
     pub tool: Option<i64>,
     /// Their plane.
     pub plane: Plane,
     /// Their sense.
     pub turn: Turn,
-    /// The mean of their radii, mm.
+    /// Mean radius, mm.
     pub radius_mm: f64,
-    /// How many.
+    /// Number of arcs.
     pub arcs: usize,
-    /// How many of them lead across their plane.
+    /// Number of arcs that lead across their plane.
     pub helices: usize,
-    /// How many of them are rounded corners of a contour.
+    /// Number of arcs that are rounded corners of a contour.
     pub corners: usize,
-    /// First and last N of those that have one.
+    /// First and last N of the arcs that have one.
     pub sequence: Option<[i64; 2]>,
-    /// How many have none.
+    /// Number of arcs without N.
     pub unnumbered: usize,
     /// First and last line.
     pub lines: [usize; 2],
-    /// Z at their starts, each once, from below.
+    /// Z at the starts, each once, ascending.
     pub levels: Vec<Nm>,
-    /// Their feeds per minute, each once, from below.
+    /// Feeds per minute, each once, ascending.
     pub feeds: Vec<Nm>,
     /// Least and largest sweep, radians.
     pub sweep_rad: [f64; 2],
 }
 
-/// The groups, those of one tool and plane together, by radius and sense.
+/// Groups of arcs, those of one tool and plane together, by radius and sense.
 pub fn group(arcs: &[FoundArc]) -> Vec<Group> {
     let mut sorted: Vec<&FoundArc> = arcs.iter().collect();
     let key = |arc: &FoundArc| (arc.tool, arc.plane.axes());
@@ -59,7 +59,7 @@ pub fn group(arcs: &[FoundArc]) -> Vec<Group> {
     by_turn.filter(|arcs| !arcs.is_empty()).map(|arcs| Group::of(&arcs)).collect()
 }
 
-/// Whether two radii are the same for a cut rule.
+/// Both radii are the same for a cut rule.
 pub fn same_radius(a_mm: f64, b_mm: f64) -> bool {
     libm::fabs(a_mm - b_mm) <= RADIUS_MATCH_RATIO * a_mm.min(b_mm)
 }
@@ -96,7 +96,7 @@ impl Group {
     }
 }
 
-/// Whether two ranges have nothing in common.
+/// Both ranges have no value in common.
 pub fn are_apart<T: PartialOrd>(a: &RangeInclusive<T>, b: &RangeInclusive<T>) -> bool {
     a.end() < b.start() || b.end() < a.start()
 }

@@ -1,4 +1,4 @@
-//! A first job from a program that somebody already has: what is found in it, what that makes likely, what is to be asked.
+//! First job file for an existing program: survey of the program, proposal, and open questions.
 
 pub mod survey;
 

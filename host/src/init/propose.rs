@@ -1,7 +1,7 @@
-//! What the arcs make likely: the tool, and the cut rules that tell its movements apart.
+//! Proposal from the arcs: the likely tool, and the cut rules that distinguish its movements.
 //!
-//! A cup mill turns about points on its own two circles: two radii that recur and make up most of its arcs, of a ring's
-//! proportion, and whose arcs are no rounded corners of a contour. Anything else is taken for an end mill.
+//! A cup mill turns about points on its own two circles: two radii that recur, make up most of its arcs and have the
+//! proportion of a ring, and whose arcs are not rounded corners of a contour. Anything else is taken for an end mill.
 
 use arcfeed_shared::cut::{RULES_MAX, Rotation};
 use arcfeed_shared::nc::modal::Turn;
@@ -10,17 +10,17 @@ use arcfeed_shared::units::Nm;
 
 use super::groups::{Group, are_apart, same_radius};
 
-/// Least part of the arcs that the two radii of a ring make up.
+/// Least fraction of the arcs that the two radii of a ring make up.
 const DOMINANT_RATIO: f64 = 0.6;
 /// Inner over outer radius of a ring.
 const RING_RATIO: std::ops::RangeInclusive<f64> = 0.5..=0.99;
 
-/// What a job may begin with.
+/// Proposed start of a job.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposal {
     /// The tool's number, where the program names tools.
     pub number: Option<i64>,
-    /// What it is likely to be.
+    /// Likely tool.
     pub tool: LikelyTool,
     /// Rules, in the order in which they are to be written.
     pub cuts: Vec<ProposedCut>,
@@ -29,33 +29,33 @@ pub struct Proposal {
 /// A tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LikelyTool {
-    /// Its two radii, mm.
+    /// Cup mill with its two radii, mm.
     CupMill {
-        /// The larger one.
+        /// Larger radius.
         outer_mm: f64,
-        /// The smaller one.
+        /// Smaller radius.
         inner_mm: f64,
     },
-    /// Of unknown diameter.
+    /// End mill of unknown diameter.
     EndMill,
 }
 
 /// A cut rule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProposedCut {
-    /// What a ring turns about.
+    /// Point about which a ring turns.
     pub rotation: Option<Rotation>,
     /// The sense.
     pub turn: Turn,
-    /// The circle that cuts, where the published order of movements holds.
+    /// Cutting circle, where the published order of movements applies.
     pub edge: Option<Edge>,
-    /// Its arcs, as indices of the groups.
+    /// Arcs of the rule, as indices of the groups.
     pub groups: Vec<usize>,
-    /// First and last N, where that tells it from other arcs.
+    /// First and last N, if that distinguishes the rule from other arcs.
     pub sequence: Option<[i64; 2]>,
-    /// Lowest and highest Z, where only that does.
+    /// Lowest and highest Z, if only that does.
     pub depth: Option<[Nm; 2]>,
-    /// Whether arcs of other groups fit it all the same.
+    /// Arcs of other groups match the rule as well.
     pub is_ambiguous: bool,
 }
 
@@ -63,7 +63,7 @@ pub struct ProposedCut {
 pub fn propose(groups: &[Group]) -> Proposal {
     let arcs_of =
         |tool: Option<i64>| groups.iter().filter(|group| group.tool == tool).map(|group| group.arcs).sum::<usize>();
-    // Of several with as many arcs, the first.
+    // Among tools with the same number of arcs, the first.
     let number = groups.iter().rev().map(|group| group.tool).max_by_key(|tool| arcs_of(*tool)).flatten();
     let own: Vec<usize> = (0..groups.len()).filter(|index| groups[*index].tool == number).collect();
     match ring(groups, &own) {
@@ -75,7 +75,7 @@ pub fn propose(groups: &[Group]) -> Proposal {
     }
 }
 
-/// The inner and outer radius, if these arcs are a ring's.
+/// Inner and outer radius, if these arcs are a ring's.
 fn ring(groups: &[Group], own: &[usize]) -> Option<[f64; 2]> {
     // Radius, arcs, corners; both senses together.
     let mut radii: Vec<(f64, usize, usize)> = Vec::new();
@@ -102,7 +102,7 @@ fn ring(groups: &[Group], own: &[usize]) -> Option<[f64; 2]> {
     (recur && dominate && !are_corners && RING_RATIO.contains(&(inner / outer))).then_some([inner, outer])
 }
 
-/// A ring's movements, in the published order with the circles that cut there.
+/// Movements of a ring, in the published order with the circles that cut there.
 fn rotations(groups: &[Group], own: &[usize], [inner_mm, outer_mm]: [f64; 2]) -> Vec<ProposedCut> {
     let movements = [
         (Rotation::Interior, Turn::Ccw, Edge::Outer),
@@ -124,7 +124,7 @@ fn rotations(groups: &[Group], own: &[usize], [inner_mm, outer_mm]: [f64; 2]) ->
     cuts.filter(|cut| !cut.groups.is_empty()).collect()
 }
 
-/// An end mill's arcs: a rule for each radius and sense if the rules can be told apart, else one for each sense.
+/// Rules of an end mill: one for each radius and sense if they can be distinguished, else one for each sense.
 fn contours(groups: &[Group], own: &[usize]) -> Vec<ProposedCut> {
     let of_turn = |turn: Turn| own.iter().copied().filter(move |index| groups[*index].turn == turn).collect::<Vec<_>>();
     let mut cuts = Vec::new();
@@ -147,7 +147,7 @@ fn contours(groups: &[Group], own: &[usize]) -> Vec<ProposedCut> {
     cuts
 }
 
-/// A rule for these groups, restricted so far as needed and possible by N or else by Z.
+/// Rule for these groups, restricted as far as needed and possible by N or else by Z.
 fn told_apart(groups: &[Group], mine: Vec<usize>, others: &[&Group], turn: Turn) -> ProposedCut {
     let numbered = |index: &usize| groups[*index].sequence.filter(|_| groups[*index].unnumbered == 0);
     let sequences: Option<Vec<[i64; 2]>> = mine.iter().map(numbered).collect();
@@ -155,7 +155,7 @@ fn told_apart(groups: &[Group], mine: Vec<usize>, others: &[&Group], turn: Turn)
     let depths = || mine.iter().map(|index| groups[*index].depth());
     let depth = depths().map(|z| z[0]).min().zip(depths().map(|z| z[1]).max()).map(|(low, high)| [low, high]);
     let by_number = sequence.filter(|[first, last]| {
-        // A block without N does not fit a rule that asks for one.
+        // A block without N does not match a rule that requires one.
         others.iter().all(|other| other.sequence.is_none_or(|[from, to]| are_apart(&(*first..=*last), &(from..=to))))
     });
     let by_depth = depth.filter(|[low, high]| {

@@ -1,4 +1,4 @@
-//! What a program says: units, speeds, tools, and its arcs with what tells them apart.
+//! Survey of a program: units, speeds, tools, and its arcs with their distinguishing features.
 
 use std::path::Path as FilePath;
 
@@ -9,19 +9,19 @@ use arcfeed_shared::units::{LengthUnit, Nm};
 
 use crate::program::{Program, check_line_count, read_bounded};
 
-/// Moves whose directions agree to this (the cosine of two degrees) go smoothly into each other.
+/// Two moves join smoothly if their directions agree to this (the cosine of two degrees).
 const SMOOTH_COSINE: f64 = 0.9994;
 
-/// What was found.
+/// Result of the survey.
 #[derive(Clone, Debug)]
 pub struct Survey {
-    /// Of the first G20 or G21; none if the program leaves it to the control.
+    /// Unit of the first G20 or G21; `None` if the program leaves it to the control.
     pub unit: Option<LengthUnit>,
-    /// Spindle speeds, in the order in which they come.
+    /// Spindle speeds, in order of appearance.
     pub speeds: Vec<i64>,
-    /// Tools put in, in the order in which they come.
+    /// Loaded tools, in order of appearance.
     pub tools: Vec<i64>,
-    /// Its arcs, in order.
+    /// Arcs, in order.
     pub arcs: Vec<FoundArc>,
     /// Straight cutting moves.
     pub lines: usize,
@@ -32,29 +32,29 @@ pub struct Survey {
 pub struct FoundArc {
     /// Line, counted from 1.
     pub line: usize,
-    /// `N` of its block.
+    /// N of its block.
     pub sequence: Option<i64>,
-    /// Its plane.
+    /// Plane.
     pub plane: Plane,
-    /// Its sense.
+    /// Sense.
     pub turn: Turn,
-    /// Its radius, mm.
+    /// Radius, mm.
     pub radius_mm: f64,
-    /// Its sweep, radians.
+    /// Sweep, radians.
     pub sweep_rad: f64,
-    /// Z at its start.
+    /// Z at the start.
     pub level: Nm,
-    /// Whether it leads across its plane.
+    /// The arc leads across its plane.
     pub rises: bool,
-    /// Its feed per minute.
+    /// Feed per minute.
     pub feed: Option<Nm>,
-    /// The tool that cuts.
+    /// Cutting tool.
     pub tool: Option<i64>,
-    /// Whether the cutting moves before and behind it go smoothly into it: a rounded corner of a contour.
+    /// The cutting moves before and after it join smoothly: a rounded corner of a contour.
     pub is_corner: bool,
 }
 
-/// Reads a program file; with the program as read.
+/// Reads and surveys a program file.
 ///
 /// # Errors
 /// The file cannot be read, or is too long: in words, with its path.
@@ -88,7 +88,7 @@ fn survey(program: &Program, unit: Option<LengthUnit>) -> Survey {
         let speed = meaning.step.spindle.map(|(speed, _)| speed).filter(|speed| *speed != 0);
         found.speeds.extend(speed.filter(|speed| !found.speeds.contains(speed)));
         let Some(segment) = line.segment().filter(|_| meaning.step.is_plain()) else { continue };
-        // A corner needs a smooth way out, too.
+        // A corner needs a smooth exit, too.
         if let (Some(last), Some(before)) = (found.arcs.last_mut(), &before)
             && before.arc().is_some()
         {
@@ -143,14 +143,14 @@ fn is_change(block: &Block) -> bool {
     block.words.iter().any(|word| word.letter == b'M' && word.number.as_whole() == Some(6))
 }
 
-/// Whether one cutting move goes on in the direction in which the other ends.
+/// One cutting move continues in the direction in which the other ends.
 fn goes_smoothly(before: &Segment, after: &Segment) -> bool {
     let (Some(out), Some(into)) = (direction(before, 1.0), direction(after, 0.0)) else { return false };
     let dot: f64 = out.iter().zip(&into).map(|(a, b)| a * b).sum();
     before.end == after.start && dot > SMOOTH_COSINE
 }
 
-/// Unit direction of a cutting move at `ratio` of its way, across its plane left out for arcs.
+/// Unit direction of a cutting move at the fraction `ratio` of its path; for arcs without the part across the plane.
 fn direction(segment: &Segment, ratio: f64) -> Option<[f64; 3]> {
     match &segment.path {
         Path::Rapid => None,

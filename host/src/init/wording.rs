@@ -7,10 +7,10 @@ use arcfeed_shared::units::{LengthUnit, Nm};
 
 use super::groups::Group;
 
-/// Levels and feeds named one by one; more are given as a range.
+/// Most levels and feeds in a list; more are given as a range.
 const NAMED_MAX: usize = 6;
 
-/// A length in a unit, to a quarter of a micrometre, without idle zeros but with a point.
+/// Length in a unit, to a quarter of a micrometre, without trailing zeros but with a point.
 pub fn length(mm: f64, unit: LengthUnit) -> String {
     let decimals = if unit == LengthUnit::Inch { 5 } else { 4 };
     let text = format!("{:.decimals$}", mm / unit.mm());
@@ -19,7 +19,7 @@ pub fn length(mm: f64, unit: LengthUnit) -> String {
     if text == "-0.0" { "0.0".into() } else { text }
 }
 
-/// Lengths one by one, or their range.
+/// List of lengths, or their range.
 pub fn lengths(values: &[Nm], unit: LengthUnit) -> String {
     let one = |value: &Nm| length(value.to_mm(), unit);
     match values {
@@ -31,7 +31,7 @@ pub fn lengths(values: &[Nm], unit: LengthUnit) -> String {
     }
 }
 
-/// As in job files.
+/// Sense, as in job files.
 pub const fn direction(turn: Turn) -> &'static str {
     match turn {
         Turn::Ccw => "ccw",
@@ -39,7 +39,7 @@ pub const fn direction(turn: Turn) -> &'static str {
     }
 }
 
-/// As in programs.
+/// Plane, as in programs.
 pub const fn plane(plane: Plane) -> &'static str {
     match plane {
         Plane::Xy => "G17",
@@ -48,7 +48,7 @@ pub const fn plane(plane: Plane) -> &'static str {
     }
 }
 
-/// A group in a line.
+/// Description of a group in one line.
 pub fn group(group: &Group, unit: LengthUnit) -> String {
     let mut text = format!(
         "{:>5} {:<4}{} R{}",
@@ -79,7 +79,7 @@ pub fn group(group: &Group, unit: LengthUnit) -> String {
     text
 }
 
-/// A string as TOML writes it.
+/// String in TOML syntax.
 pub fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for c in text.chars() {

@@ -1,4 +1,4 @@
-//! The job file: what was found as values, what is not known as `"?"` below a comment that says how to answer.
+//! Writes the job file: found values as such, unknown ones as `"?"` below a comment that explains the answer.
 
 use std::fmt::Write;
 
@@ -11,16 +11,16 @@ use super::propose::{LikelyTool, Proposal, ProposedCut};
 use super::survey::Survey;
 use super::wording::{self, length, lengths, quoted};
 
-/// What the file is written from.
+/// Input of the job file.
 #[derive(Clone, Copy, Debug)]
 pub struct Findings<'a> {
-    /// The program, as the job file is to name it.
+    /// Path of the program in the job file.
     pub program: &'a str,
-    /// What was found in it.
+    /// Survey of the program.
     pub survey: &'a Survey,
-    /// Its arcs, grouped.
+    /// Arcs of the program, grouped.
     pub groups: &'a [Group],
-    /// What they make likely.
+    /// Proposed tool and cut rules.
     pub proposal: &'a Proposal,
 }
 
@@ -55,7 +55,7 @@ const SIDE_FORMS: &str = "
 # Straight moves: moves = \"lines\" without direction.
 ";
 
-/// The text of the job file.
+/// Text of the job file.
 pub fn job(findings: &Findings<'_>) -> String {
     let Findings { program, survey, groups, proposal } = *findings;
     let unit = survey.unit.unwrap_or(LengthUnit::Inch);
@@ -200,7 +200,7 @@ fn rule(cut: &ProposedCut, groups: &[Group], unit: LengthUnit) -> String {
     let plural = if arcs == 1 { "" } else { "s" };
     let mut text = format!("\n# {arcs} arc{plural}, R {}, Z {}.\n", radii.join(", "), lengths(&levels, unit));
     if cut.is_ambiguous {
-        text += "# Arcs of another kind or tool fit this rule, too, and neither N nor Z tells them apart: number the program's blocks.\n";
+        text += "# Arcs of another kind or tool fit this rule, too, and neither N nor Z distinguishes them: number the program's blocks.\n";
     }
     text += "[[cut]]\n";
     let direction = wording::direction(cut.turn);

@@ -1,4 +1,4 @@
-//! `[geometry]`: the rotor, from numbers or from files beside the part.
+//! `[geometry]`: the rotor, from numbers or from files in the folder of the part file.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use super::schema::{CurvesTable, GenerateTable, GeometryTable, HandWord, PointUn
 use crate::file_error::FileError;
 use crate::job::{Complaint, at, length_mm};
 
-/// The rotor in its blank.
+/// Builds the rotor in its blank.
 pub(super) fn build(
     told: &Spanned<GeometryTable>,
     unit: LengthUnit,
@@ -37,7 +37,7 @@ pub(super) fn build(
     Ok(Blisk { blades, pressure, suction, hub, blank })
 }
 
-/// A cylinder through the blank.
+/// Cylinder through the blank.
 fn cylinder(radius_mm: f64, blank: &Blank) -> Revolution {
     Revolution { profile_mm: blank.faces_mm.map(|z| [z, radius_mm]).to_vec() }
 }
@@ -111,7 +111,7 @@ fn blades(told: &Spanned<u32>) -> Result<u32, Complaint> {
     }
 }
 
-/// How the points of a file are meant; in the part's units unless told.
+/// Interpretation of the points of a file; they are in the part's units unless `units` is given.
 fn drawn(axis: RotorWord, units: Option<PointUnit>, unit: LengthUnit) -> Drawn {
     let axis = match axis {
         RotorWord::X => RotorAxis::X,

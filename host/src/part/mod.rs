@@ -1,5 +1,5 @@
-//! `PART.toml` (docs/plan.md): a bladed rotor, what it is cut from and with; read, checked once, every complaint with its place
-//! in the file.
+//! `PART.toml` (docs/plan.md): a bladed rotor, its blank and its cutter; reading and checking. Every complaint names
+//! its place in the file.
 
 mod schema;
 
@@ -25,64 +25,64 @@ use schema::{
     AxisWord, BaselineTable, BlankTable, FixtureTable, LawWord, MachineTable, OutputTable, PartTable, RoughingTable,
 };
 
-/// Shares and heights where a file tells none.
+/// Default of `interior_contact`, a fraction, and of `clearance`.
 const INTERIOR_CONTACT: f64 = 0.1;
 const CLEARANCE_MM: f64 = 5.0;
 
-/// A part file, checked. Part frame, millimetres.
+/// Checked part file. Part frame, millimetres.
 #[derive(Clone, Debug)]
 pub struct Part {
-    /// As the file names it; the file's own name otherwise.
+    /// Name in the part file, or else the file's own name.
     pub name: String,
-    /// Of the file.
+    /// Unit of the file.
     pub unit: LengthUnit,
     /// The rotor.
     pub blisk: Blisk,
-    /// What cuts it.
+    /// Cutter.
     pub cutter: CupMill,
-    /// What is asked of the path.
+    /// Requirements on the roughing path.
     pub roughing: Roughing,
-    /// The tool's axis; that which takes most where the file leaves it open.
+    /// The tool's axis; the one with the largest removed volume if the file leaves it open.
     pub axis: Option<AxisChoice>,
-    /// How fast.
+    /// Spindle speed and feeds.
     pub feeds: Feeds,
-    /// Whether its job asks for the whole engaged arc of both circles, not for the contact at the stock's limit alone.
+    /// The job requests the whole engaged arc of both circles, not only the contact at the stock line.
     pub is_engaged_arc: bool,
-    /// What holds it, as boxes: lowest and highest corner.
+    /// Fixtures, as boxes: lowest and highest corner.
     pub fixtures: Vec<[Point; 2]>,
-    /// The machine, where the file names one.
+    /// Machine, if the file names one.
     pub machine: Option<MachineFile>,
-    /// How it names it.
+    /// File or preset by which the part names the machine.
     pub machine_told: Option<MachineTold>,
-    /// How the program is written.
+    /// Settings of the NC program.
     pub output: Output,
-    /// What the plan's time is compared with, where the file tells.
+    /// Baseline for the plan's time, if the file has one.
     pub baseline: Option<Baseline>,
 }
 
-/// How a part names its machine.
+/// File or preset by which a part names its machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MachineTold {
-    /// By a file, from the working directory.
+    /// File, relative to the working directory.
     File(PathBuf),
-    /// By a machine of ours.
+    /// Preset, by its name.
     Preset(String),
 }
 
 /// Speed and feeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feeds {
-    /// Of the spindle.
+    /// Spindle speed.
     pub rev_per_min: f64,
-    /// On the cutting circumference.
+    /// Feed per tooth on the cutting circumference.
     pub per_tooth_mm: f64,
-    /// Down to the first level; as when cutting where not told.
+    /// Feed down to the first level; `None`: the cutting feed.
     pub approach_mm_per_min: Option<f64>,
-    /// From level to level; as when cutting where not told.
+    /// Feed from level to level; `None`: the cutting feed.
     pub axial_mm_per_min: Option<f64>,
 }
 
-/// How the program is written.
+/// Settings of the NC program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Output {
     /// G20 or G21.
@@ -93,26 +93,26 @@ pub struct Output {
     pub tool: u32,
     /// M8 and M9.
     pub coolant: bool,
-    /// Whether the control reports slots and levels.
+    /// The control reports slots and levels by DPRNT.
     pub dprnt: bool,
 }
 
 /// Flank milling with a ball-end mill.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Baseline {
-    /// Of its ball.
+    /// Diameter of the ball.
     pub diameter_mm: f64,
     /// Teeth.
     pub teeth: u16,
-    /// Along the passes.
+    /// Feed along the passes.
     pub feed_mm_per_min: f64,
-    /// From level to level, at most.
+    /// Largest axial depth from level to level.
     pub axial_depth_mm: f64,
-    /// From pass to pass, at most.
+    /// Largest distance from pass to pass.
     pub stepover_mm: f64,
 }
 
-/// What is wrong: here at a byte offset, or in another file.
+/// Fault at a byte offset of the part file, or in another file.
 enum Wrong {
     Here(Complaint),
     There(FileError),
@@ -134,7 +134,7 @@ impl Part {
         Part::parse(path, &text)
     }
 
-    /// Checks a part given as text; `path` is for messages and for the places of the files it names.
+    /// Checks a part given as text. `path` is used in messages and to locate the files that it names.
     ///
     /// # Errors
     /// See [`FileError`].

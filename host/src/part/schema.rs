@@ -1,4 +1,4 @@
-//! The shape of `PART.toml`, as serde sees it. Values are checked in the modules beside.
+//! Tables of `PART.toml` as serde reads them. The modules beside check the values.
 
 use serde::Deserialize;
 use toml::Spanned;
@@ -88,7 +88,7 @@ pub enum RotorWord {
     Z,
 }
 
-/// Units that files of points come in.
+/// Units of point files.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PointUnit {

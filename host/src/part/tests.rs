@@ -6,14 +6,14 @@ fn parse(text: &str) -> Result<Part, FileError> {
     Part::parse(Path::new("shop/PART.toml"), text)
 }
 
-/// What is said when `old` stands as `new`.
+/// Message for the example with `old` replaced by `new`.
 #[track_caller]
 fn refused(old: &str, new: &str) -> String {
     assert!(EXAMPLE.contains(old), "{old}");
     parse(&EXAMPLE.replacen(old, new, 1)).expect_err(new).to_string()
 }
 
-/// The line of the example that begins with a word, counted from 1.
+/// Line of the example that begins with a word, counted from 1.
 fn line_of(word: &str) -> usize {
     EXAMPLE.lines().position(|line| line.starts_with(word)).unwrap() + 1
 }

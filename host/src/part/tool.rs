@@ -1,4 +1,4 @@
-//! `[cutter]`: a ring that can be one.
+//! `[cutter]`: the cup mill.
 
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_shared::units::LengthUnit;
@@ -7,7 +7,7 @@ use toml::Spanned;
 use super::schema::CutterTable;
 use crate::job::{Complaint, at, length_mm};
 
-/// Checks what a part says of its cutter.
+/// Checks the cutter of a part.
 pub fn build(told: &CutterTable, unit: LengthUnit) -> Result<CupMill, Complaint> {
     let outer_radius_mm = length_mm(&told.outer_radius, unit, "outer_radius")?;
     let inner_radius_mm = length_mm(&told.inner_radius, unit, "inner_radius")?;
@@ -48,7 +48,7 @@ pub fn build(told: &CutterTable, unit: LengthUnit) -> Result<CupMill, Complaint>
     })
 }
 
-/// One at least.
+/// Number of teeth, at least 1.
 pub fn teeth(told: &Spanned<u16>) -> Result<u16, Complaint> {
     match *told.as_ref() {
         0 => Err(at(told, "a tool needs at least one tooth")),

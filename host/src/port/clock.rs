@@ -1,16 +1,16 @@
-//! Wall time: since a port was opened, and of day.
+//! Wall time: time since a port was opened, and time of day.
 
 use std::time::{Duration, Instant, SystemTime};
 
 use arcfeed_shared::units::Micros;
 
 const S_PER_DAY: u64 = 86_400;
-/// Days of 400 years: after them the calendar begins anew.
+/// Days of 400 years, after which the calendar repeats.
 const DAYS_PER_ERA: u64 = 146_097;
-/// From 0000-03-01 to 1970-01-01.
+/// Days from 0000-03-01 to 1970-01-01.
 const DAYS_TO_EPOCH: u64 = 719_468;
 
-/// Starts when it is made.
+/// Clock that starts when it is made.
 #[derive(Clone, Copy, Debug)]
 pub struct WallClock {
     since: Instant,
@@ -18,7 +18,7 @@ pub struct WallClock {
 }
 
 impl WallClock {
-    /// Zero is now.
+    /// Clock whose zero is now.
     pub fn start() -> Self {
         WallClock { since: Instant::now(), started: SystemTime::now() }
     }
@@ -28,18 +28,18 @@ impl WallClock {
         Micros(u64::try_from(self.since.elapsed().as_micros()).unwrap_or(u64::MAX))
     }
 
-    /// Day and time of the start.
+    /// Date and time of the start.
     pub fn started(&self) -> SystemTime {
         self.started
     }
 
-    /// Sleeps until then.
+    /// Sleeps until the deadline.
     pub fn wait(&self, deadline: Micros) {
         std::thread::sleep(Duration::from_micros(deadline.since(self.now()).0));
     }
 }
 
-/// Day and time in UTC as ISO 8601 has them, to the second: `2026-11-22T06:04:45Z`. Before 1970 it is 1970.
+/// Date and time in UTC in ISO 8601, to the second: `2026-11-22T06:04:45Z`. Times before 1970 become 1970.
 ///
 /// Source: H. Hinnant, "chrono-Compatible Low-Level Date Algorithms", `civil_from_days`: years begin in March.
 pub fn iso_8601(time: SystemTime) -> String {

@@ -1,8 +1,8 @@
-//! `fault://`: any port, corrupted from a seed.
+//! `fault://`: any port, with its data corrupted from a seed.
 //!
-//! Each direction has random numbers of its own and draws them byte by byte: what becomes of a byte depends on the seed
-//! and on the bytes before it, not on the time nor on how many are read or written at once. Only short writes depend on
-//! the calls, as they do on a real port.
+//! Each direction has a random generator of its own and draws byte by byte: the fault of a byte depends on the seed and
+//! on the bytes before it, not on the time nor on how many are read or written at once. Only short writes depend on the
+//! calls, as they do on a real port.
 
 use std::collections::VecDeque;
 use std::io::ErrorKind;
@@ -16,34 +16,34 @@ use super::{Machine, Port, PortError};
 
 const DC1: u8 = 0x11;
 const DC3: u8 = 0x13;
-/// Shortest and longest burst.
+/// Least and largest number of bytes in a burst.
 const BURST: (u64, u64) = (2, 16);
-/// Most bytes handed on at once.
+/// Most bytes passed on at once.
 const AT_ONCE: usize = 64;
 
-/// A corrupted port.
+/// Corrupted port.
 pub struct Fault<'p> {
     inner: Box<dyn Port + 'p>,
     plan: FaultPlan,
     tx: Lane,
     rx: Lane,
-    /// What is lost of DC1 and DC3.
+    /// Generator for the loss of DC1 and DC3.
     signals: Random,
     short: Random,
     written: u64,
 }
 
-/// One direction.
+/// One direction of the port.
 struct Lane {
     faults: Faults,
     random: Random,
     burst_left: u64,
     latest: Micros,
-    /// When each byte is due.
+    /// Due time of each byte.
     queue: VecDeque<(Micros, u8)>,
 }
 
-/// SplitMix64 (Steele, Lea and Flood, OOPSLA 2014): a state of its own, the same on every machine.
+/// SplitMix64 (Steele, Lea and Flood, OOPSLA 2014): independent of the platform, the same on every machine.
 struct Random(u64);
 
 impl Random {
@@ -54,12 +54,12 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    /// From 0 to below `end`.
+    /// Number from 0 to below `end`.
     fn below(&mut self, end: u64) -> u64 {
         self.next() % end.max(1)
     }
 
-    /// Draws only where there is something to decide.
+    /// Draws a number only if the chance is neither 0 nor 1.
     fn happens(&mut self, chance: f64) -> bool {
         chance > 0.0 && ((self.next() >> 11) as f64) < chance * (1_u64 << 53) as f64
     }
@@ -70,7 +70,7 @@ impl Lane {
         Lane { faults: *faults, random, burst_left: 0, latest: Micros(0), queue: VecDeque::new() }
     }
 
-    /// Takes a byte at `now`.
+    /// Adds a byte at `now`.
     fn take(&mut self, byte: u8, now: Micros) {
         let Faults { drop, flip, dup, burst, delay } = self.faults;
         let random = &mut self.random;
@@ -94,7 +94,7 @@ impl Lane {
         self.queue.extend(std::iter::repeat_n((self.latest, corrupted), copies));
     }
 
-    /// The bytes in front that are due, [`AT_ONCE`] at most.
+    /// The due bytes at the front, at most [`AT_ONCE`].
     fn due(&self, now: Micros) -> Vec<u8> {
         let due = self.queue.iter().take_while(|(due, _)| *due <= now);
         due.map(|(_, byte)| *byte).take(AT_ONCE).collect()
@@ -102,7 +102,7 @@ impl Lane {
 }
 
 impl<'p> Fault<'p> {
-    /// Corrupts what a port carries.
+    /// Corrupts the data of a port.
     pub fn new(inner: Box<dyn Port + 'p>, plan: &FaultPlan) -> Self {
         let mut seeds = Random(plan.seed);
         let mut part = || Random(seeds.next());
@@ -112,7 +112,7 @@ impl<'p> Fault<'p> {
         Fault { inner, plan: plan.clone(), tx, rx, signals, short, written: 0 }
     }
 
-    /// Hands on what is due.
+    /// Passes on the bytes that are due.
     fn pump(&mut self) -> Result<(), PortError> {
         loop {
             let due = self.tx.due(self.inner.now());
@@ -134,7 +134,7 @@ impl<'p> Fault<'p> {
         }
     }
 
-    /// How many of `len` bytes a write takes.
+    /// Number of bytes of `len` that a write accepts.
     fn taken(&mut self, len: usize) -> usize {
         let left = self.plan.disconnect.map_or(u64::MAX, |end| end - self.written);
         let len = len.min(usize::try_from(left).unwrap_or(usize::MAX));
@@ -154,12 +154,12 @@ impl Port for Fault<'_> {
         let len = self.inner.read(&mut arrived)?;
         let now = self.inner.now();
         for &byte in &arrived[..len] {
-            let lost = match byte {
+            let is_dropped = match byte {
                 DC1 => self.signals.happens(self.plan.lost_xon),
                 DC3 => self.signals.happens(self.plan.lost_xoff),
                 _ => false,
             };
-            if !lost {
+            if !is_dropped {
                 self.rx.take(byte, now);
             }
         }
@@ -187,7 +187,7 @@ impl Port for Fault<'_> {
     }
 
     fn wait(&mut self, deadline: Micros) {
-        // What goes wrong here goes wrong again at the next call that can say so.
+        // An error here occurs again at the next call that can report it.
         let _said_later = self.pump();
         let due = self.tx.queue.front().map_or(deadline, |(due, _)| *due);
         let soon = self.inner.now().after(Micros(1));

@@ -1,5 +1,5 @@
-//! The serial ports there are, as pyserial's `list_ports` lists them: on Linux from `/dev` and `/sys`, elsewhere what the
-//! operating system tells.
+//! List of the serial ports, like pyserial's `list_ports`: on Linux from `/dev` and `/sys`, elsewhere from the
+//! operating system.
 
 #[cfg(target_os = "linux")]
 mod linux;
@@ -12,33 +12,33 @@ use super::url::Hwgrep;
 #[cfg(target_os = "linux")]
 pub use linux::below;
 
-/// What pyserial says where nothing is known.
+/// pyserial's text for an unknown value.
 const UNKNOWN: &str = "n/a";
 
-/// A port and what is known about it, under pyserial's names.
+/// Port and its properties, with pyserial's names.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct PortInfo {
-    /// What to open.
+    /// Device to open.
     pub device: String,
-    /// Its last part.
+    /// Last part of the device's path.
     pub name: String,
-    /// For people.
+    /// Description for people.
     pub description: String,
-    /// For programs.
+    /// Identification for programs.
     pub hwid: String,
-    /// USB: who made the chip.
+    /// USB: vendor of the chip.
     pub vid: Option<u16>,
-    /// USB: which chip.
+    /// USB: product number of the chip.
     pub pid: Option<u16>,
-    /// USB: which of these.
+    /// USB: serial number.
     pub serial_number: Option<String>,
-    /// USB: where it is plugged in.
+    /// USB: location on the bus.
     pub location: Option<String>,
-    /// USB: who made the adapter.
+    /// USB: manufacturer of the adapter.
     pub manufacturer: Option<String>,
-    /// USB: what it is called.
+    /// USB: product name.
     pub product: Option<String>,
-    /// USB: which part of it.
+    /// USB: interface of the device.
     pub interface: Option<String>,
 }
 
@@ -59,7 +59,7 @@ impl PortInfo {
         }
     }
 
-    /// Makes description and hardware id of what is known of a USB device.
+    /// Builds description and hardware id from the USB properties.
     fn describe_usb(&mut self) {
         let product = self.product.as_deref();
         self.description = match &self.interface {
@@ -79,13 +79,13 @@ impl PortInfo {
     }
 }
 
-/// The ports there are, in natural order; with the links to them where asked for.
+/// The ports of the system, in natural order; with the links to them if requested.
 #[cfg(target_os = "linux")]
 pub fn ports(with_links: bool) -> Vec<PortInfo> {
     below(std::path::Path::new("/"), with_links)
 }
 
-/// The ports there are, in natural order; links to ports are Linux's.
+/// The ports of the system, in natural order; only Linux has links to ports.
 #[cfg(not(target_os = "linux"))]
 pub fn ports(_with_links: bool) -> Vec<PortInfo> {
     let found = serialport::available_ports().unwrap_or_default();
@@ -101,17 +101,17 @@ pub fn ports(_with_links: bool) -> Vec<PortInfo> {
     }))
 }
 
-/// Those whose name, description or hardware id the expression matches, in either case.
+/// Ports whose name, description or hardware id matches the expression, ignoring case.
 ///
 /// # Errors
-/// The text is no regular expression, or this build has none.
+/// The text is no regular expression, or this build does not support them.
 pub fn grep(ports: Vec<PortInfo>, regexp: &str) -> Result<Vec<PortInfo>, String> {
     let pattern = Pattern::new(regexp)?;
     let matches = |port: &PortInfo| [&port.device, &port.description, &port.hwid].iter().any(|x| pattern.matches(x));
     Ok(ports.into_iter().filter(matches).collect())
 }
 
-/// The device that `hwgrep://` means; `can_be_opened` is asked only where it matters.
+/// The device that `hwgrep://` selects; `can_be_opened` is called only if needed.
 pub fn find(ports: &[PortInfo], wanted: &Hwgrep, can_be_opened: impl Fn(&str) -> bool) -> Option<String> {
     let found = grep(ports.to_vec(), &wanted.regexp).unwrap_or_default();
     let mut devices = found.into_iter().map(|port| port.device);
@@ -124,7 +124,7 @@ fn sorted(ports: impl Iterator<Item = PortInfo>) -> Vec<PortInfo> {
     sorted
 }
 
-/// Texts and numbers in turn, so that ttyS2 comes before ttyS10.
+/// Texts and numbers alternately, so that ttyS2 comes before ttyS10.
 fn natural(text: &str) -> Vec<(String, u64)> {
     let mut parts = Vec::new();
     let mut rest = text;

@@ -1,21 +1,21 @@
-//! What `?logging=LEVEL` asks for: messages on stderr in the form of Python's `logging`.
+//! Messages of `?logging=LEVEL`, on stderr in the form of Python's `logging`.
 
 use crate::console::note;
 
-/// How much a message matters.
+/// Level of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// Every step.
     Debug,
-    /// What was agreed on.
+    /// Result of a negotiation.
     Info,
-    /// What is odd.
+    /// Unexpected event.
     Warning,
-    /// What failed.
+    /// Failure.
     Error,
 }
 
-/// Says what is at least as important as asked for.
+/// Prints messages from a level on.
 #[derive(Clone, Copy, Debug)]
 pub struct Log {
     name: &'static str,
@@ -23,7 +23,7 @@ pub struct Log {
 }
 
 impl Level {
-    /// By pyserial's names.
+    /// Level by pyserial's name.
     pub fn named(name: &str) -> Option<Level> {
         Some(match name {
             "debug" => Level::Debug,
@@ -36,12 +36,12 @@ impl Level {
 }
 
 impl Log {
-    /// Messages of `name`; none without a level.
+    /// Log with the messages of `name`; none without a level.
     pub fn new(name: &'static str, from: Option<Level>) -> Self {
         Log { name, from }
     }
 
-    /// Says it, if it was asked for.
+    /// Prints a message if its level is high enough.
     pub fn say(&self, level: Level, message: std::fmt::Arguments<'_>) {
         if self.from.is_some_and(|from| level >= from) {
             note(format_args!("{}:arcfeed.{}:{message}", format!("{level:?}").to_uppercase(), self.name));

@@ -1,4 +1,4 @@
-//! `loop://`: what is written is read, in order, without a line between.
+//! `loop://`: written bytes are read again, in order, without a line between.
 
 use std::collections::VecDeque;
 use std::time::SystemTime;
@@ -9,10 +9,10 @@ use super::clock::WallClock;
 use super::log::{Level, Log};
 use super::{Port, PortError};
 
-/// Bytes it holds, as pyserial's.
+/// Capacity in bytes, that of pyserial.
 pub const CAPACITY: usize = 4_096;
 
-/// A queue with a port's two ends.
+/// Queue with a port's two ends.
 #[derive(Debug)]
 pub struct Loopback {
     held: VecDeque<u8>,
@@ -20,7 +20,7 @@ pub struct Loopback {
 }
 
 impl Loopback {
-    /// An empty one.
+    /// Empty queue.
     pub fn open(logging: Option<Level>) -> Self {
         Log::new("loop", logging).say(Level::Debug, format_args!("enabled logging"));
         Loopback { held: VecDeque::with_capacity(CAPACITY), clock: WallClock::start() }

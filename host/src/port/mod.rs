@@ -1,5 +1,5 @@
-//! The seam between the sender and whatever it sends to. It owns the clock: wall time for real ports, simulated time
-//! for simulated ones.
+//! Interface between the sender and the line. The port owns the clock: wall time for real ports, simulated time for
+//! simulated ones.
 
 mod log;
 
@@ -36,35 +36,35 @@ use std::time::SystemTime;
 use arcfeed_line_errors::Counts;
 use arcfeed_shared::units::Micros;
 
-/// What a machine says of itself; nothing over a plain DNC line.
+/// Report of a machine; empty over a plain DNC line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Machine {
     /// The override in effect, %.
     pub override_percent: Option<u8>,
-    /// Chip of the last tooth, relative to its target.
+    /// Chip thickness of the last tooth over its target.
     pub chip_ratio: Option<f64>,
-    /// What stopped it, in words.
+    /// Cause of a stop, in words.
     pub alarm: Option<String>,
 }
 
-/// A line to a control.
+/// Line to a control.
 pub trait Port {
     /// Time since the port was opened.
     fn now(&self) -> Micros;
 
-    /// Reads what has arrived; zero if nothing has.
+    /// Reads the bytes that have arrived; returns 0 if there are none.
     ///
     /// # Errors
     /// The line is gone.
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError>;
 
-    /// Puts bytes on the line; answers how many of them it took, zero if it takes none now.
+    /// Writes bytes to the line; returns the number accepted, 0 if the line accepts none now.
     ///
     /// # Errors
     /// The line is gone.
     fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError>;
 
-    /// Bytes it took that have not left yet, as far as the port can know.
+    /// Number of accepted bytes that have not left yet, as far as the port can know.
     ///
     /// # Errors
     /// The line is gone.
@@ -72,41 +72,41 @@ pub trait Port {
         Ok(0)
     }
 
-    /// Lets time pass, until `deadline` at the latest.
+    /// Waits, until `deadline` at the latest.
     fn wait(&mut self, deadline: Micros);
 
-    /// Characters from the other end that came in damaged since the port was opened, where the port can say.
+    /// Damaged characters from the other end since the port was opened, if the port reports them.
     fn line_errors(&self) -> Option<Counts> {
         None
     }
 
-    /// The day and time at which the port was opened, where its time is that of the wall.
+    /// Date and time at which the port was opened, if its time is wall time.
     fn opened(&self) -> Option<SystemTime> {
         None
     }
 
-    /// Whether the control is done with the program, where the port can know.
+    /// The control is done with the program; `None` if the port cannot know.
     fn control_is_done(&self) -> Option<bool> {
         None
     }
 
-    /// Blocks that the control has taken up, where the port can know.
+    /// Number of blocks that the control has started; `None` if the port cannot know.
     fn blocks_executed(&self) -> Option<usize> {
         None
     }
 
-    /// What the machine says of itself, where the port can know.
+    /// Report of the machine, if the port can know.
     fn machine(&self) -> Machine {
         Machine::default()
     }
 
-    /// Asks for feed hold, where the port can; answers whether the axes rest.
+    /// Requests feed hold, if the port can; returns true if the axes rest.
     fn feed_hold(&mut self) -> bool {
         false
     }
 }
 
-/// A shared port: who made it still sees what is behind it.
+/// Shared port: the owner still sees the port behind it.
 impl<P: Port> Port for Rc<RefCell<P>> {
     fn now(&self) -> Micros {
         self.as_ref().borrow().now()
@@ -153,18 +153,18 @@ impl<P: Port> Port for Rc<RefCell<P>> {
     }
 }
 
-/// The line failed.
+/// Failure of the line.
 #[derive(Debug, thiserror::Error)]
 #[error("{name}: {source}")]
 pub struct PortError {
-    /// The port.
+    /// Name of the port.
     pub name: String,
-    /// Why.
+    /// Cause.
     pub source: std::io::Error,
 }
 
 impl PortError {
-    /// A failure in words, which say what to do.
+    /// Failure with a message that names the remedy.
     pub fn in_words(name: &str, message: impl Into<String>) -> Self {
         PortError { name: name.to_owned(), source: std::io::Error::other(message.into()) }
     }

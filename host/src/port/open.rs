@@ -1,4 +1,4 @@
-//! From a URL to an open port.
+//! Opens the port of a URL.
 
 use super::fault::Fault;
 use super::list::{find, ports};
@@ -11,10 +11,10 @@ use super::url::{Base, PortUrl, Wrapper};
 use super::{Port, PortError};
 use crate::job::SerialSettings;
 
-/// Opens the port and puts its wrappers around it.
+/// Opens the port and adds the URL's wrappers.
 ///
 /// # Errors
-/// It cannot be opened; `sim:` is no port of this machine and made elsewhere.
+/// It cannot be opened. `sim:` is no port of this machine and is made elsewhere.
 pub fn open(url: &PortUrl, settings: &SerialSettings) -> Result<Box<dyn Port>, PortError> {
     let port: Box<dyn Port> = match &url.base {
         Base::Sim => {
@@ -35,10 +35,10 @@ pub fn open(url: &PortUrl, settings: &SerialSettings) -> Result<Box<dyn Port>, P
     wrap(url, port)
 }
 
-/// Puts the wrappers of a URL around a port, the outermost last.
+/// Adds the wrappers of a URL to a port, the outermost last.
 ///
 /// # Errors
-/// The file of a spy cannot be made.
+/// The file of a spy cannot be created.
 pub fn wrap<'p>(url: &PortUrl, port: Box<dyn Port + 'p>) -> Result<Box<dyn Port + 'p>, PortError> {
     url.wrappers.iter().rev().try_fold(port, |inner, wrapper| {
         let wrapped: Box<dyn Port + 'p> = match wrapper {

@@ -1,6 +1,6 @@
-//! The regular expressions of `ports` and `hwgrep://`.
+//! Regular expressions of `ports` and `hwgrep://`.
 
-/// A regular expression that ignores case.
+/// Regular expression that ignores case.
 #[cfg(feature = "hwgrep")]
 #[derive(Clone, Debug)]
 pub struct Pattern(regex::Regex);
@@ -16,20 +16,20 @@ impl Pattern {
         regex.map(Pattern).map_err(|error| format!("no regular expression: {}", error.to_string().replace('\n', " ")))
     }
 
-    /// Whether some part of the text matches.
+    /// Some part of the text matches.
     pub fn matches(&self, text: &str) -> bool {
         self.0.is_match(text)
     }
 }
 
-/// No regular expression can be parsed in this build.
+/// Stand-in for a build without regular expressions.
 #[cfg(not(feature = "hwgrep"))]
 #[derive(Clone, Debug)]
 pub enum Pattern {}
 
 #[cfg(not(feature = "hwgrep"))]
 impl Pattern {
-    /// Refuses.
+    /// Always fails.
     ///
     /// # Errors
     /// Always.

@@ -1,18 +1,18 @@
-//! How late a DC3 is acted on: from the control's decision to the last character that leaves after it, the time of the
-//! DC3 itself apart. Told nowhere by the systems; assumed unless the job says it.
+//! Reaction time to a DC3: from the control's decision to the last character that leaves after it, without the time of
+//! the DC3 itself. No system documents it; the job sets it, or it is assumed.
 
 use arcfeed_shared::units::Micros;
 
 use super::url::{Base, PortUrl};
 
-/// A port in this machine: an interrupt, and a process that must be woken.
+/// Port in this machine: an interrupt, and a process that must be woken.
 const NATIVE: Micros = Micros::from_ms(1);
-/// An adapter that does not say: two frames of the bus each way.
+/// Adapter that reports no latency: two frames of the bus each way.
 const USB: Micros = Micros::from_ms(4);
-/// A network that works.
+/// Network in working order.
 const NETWORK: Micros = Micros::from_ms(10);
 
-/// What is to be reckoned with at this port.
+/// Assumed reaction time at this port.
 pub fn reaction(url: &PortUrl) -> Micros {
     match &url.base {
         Base::Sim | Base::Loop(_) => Micros(0),
@@ -28,7 +28,7 @@ fn is_usb(name: &str) -> bool {
     name.contains("usb") || name.contains("ttyacm")
 }
 
-/// How long an FTDI adapter keeps what it has received, as Linux tells it.
+/// Time for which an FTDI adapter keeps received characters, from Linux.
 fn latency_timer(name: &str) -> Option<Micros> {
     let device = std::path::Path::new(name).file_name()?.to_str()?;
     let text = std::fs::read_to_string(format!("/sys/bus/usb-serial/devices/{device}/latency_timer")).ok()?;

@@ -1,4 +1,4 @@
-//! A native serial port, by its name: raw bytes, the operating system's XON/XOFF off, its RTS/CTS as asked for.
+//! Native serial port, by its name: raw bytes, the operating system's XON/XOFF off, its RTS/CTS as requested.
 
 use std::io::{ErrorKind, Read, Write};
 use std::time::{Duration, SystemTime};
@@ -11,15 +11,15 @@ use super::clock::WallClock;
 use super::{Port, PortError};
 use crate::job::{Parity, SerialSettings};
 
-/// Longest time one write may wait for room: the caller has other things to look after.
+/// Longest time that one write may wait for room: the caller has other work.
 const WRITE_TIMEOUT: Duration = Duration::from_millis(20);
 
-/// An open serial port.
+/// Open serial port.
 pub struct Serial {
     name: String,
     port: NativePort,
     clock: WallClock,
-    /// What its driver had counted before.
+    /// Counts of its driver before the port was opened.
     errors_before: Option<Counts>,
 }
 
@@ -27,7 +27,7 @@ impl Serial {
     /// Opens a port.
     ///
     /// # Errors
-    /// It is not there, or somebody else's.
+    /// It does not exist, or another program has it.
     pub fn open(name: &str, settings: &SerialSettings) -> Result<Self, PortError> {
         let builder = serialport::new(name, settings.baudrate)
             .data_bits(match settings.bytesize {
@@ -44,7 +44,7 @@ impl Serial {
             .stop_bits(if settings.stopbits == 2 { StopBits::Two } else { StopBits::One })
             .flow_control(if settings.rtscts { FlowControl::Hardware } else { FlowControl::None })
             .timeout(WRITE_TIMEOUT);
-        // Windows opens a port for one program only, whatever is asked for.
+        // Windows opens a port for one program only, whatever the job sets.
         #[cfg(unix)]
         let builder = builder.exclusive(settings.exclusive);
         let failed = |source: std::io::Error| PortError { name: name.into(), source };
@@ -65,7 +65,7 @@ impl Port for Serial {
     }
 
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {
-        // Without bytes waiting a read would block for the write's time-out.
+        // Without waiting bytes a read would block for the write's time-out.
         let waiting = self.port.bytes_to_read().map_err(|error| self.failed(error.into()))?;
         if waiting == 0 {
             return Ok(0);
@@ -90,7 +90,7 @@ impl Port for Serial {
     }
 
     fn out_waiting(&mut self) -> Result<usize, PortError> {
-        // Some drivers cannot say.
+        // Some drivers cannot report it.
         Ok(self.port.bytes_to_write().map_or(0, |waiting| waiting as usize))
     }
 

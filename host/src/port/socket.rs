@@ -1,4 +1,4 @@
-//! `socket://`: bytes over TCP as they are. The settings of the line are the server's business.
+//! `socket://`: plain bytes over TCP. The server sets its serial line itself.
 
 use std::time::SystemTime;
 
@@ -10,7 +10,7 @@ use super::tcp::Tcp;
 use super::url::Address;
 use super::{Port, PortError};
 
-/// An open connection.
+/// Open connection.
 pub struct Socket {
     tcp: Tcp,
     clock: WallClock,
@@ -20,7 +20,7 @@ impl Socket {
     /// Connects.
     ///
     /// # Errors
-    /// Nobody listens there.
+    /// No server listens there.
     pub fn open(address: &Address, logging: Option<Level>) -> Result<Self, PortError> {
         let name = format!("socket://{}:{}", address.host, address.port);
         let tcp = Tcp::connect(address, &name)?;

@@ -1,10 +1,10 @@
-//! `spy://`: what goes through a port, written down as pyserial's spy does.
+//! `spy://`: records the traffic of a port in the format of pyserial's spy.
 //!
 //! ```text
 //! 000003.001 TX   0000  48 45 4C 4C 4F                                    HELLO
 //! 000003.102 RX   0000  48 45 4C 4C 4F                                    HELLO
 //! ```
-//! Seconds since the port was opened, on the port's own clock; offset in what was read or written at once.
+//! Seconds since the port was opened, on the port's own clock; offset within one read or write.
 
 use crate::console::note;
 use std::io::{BufWriter, Write};
@@ -23,7 +23,7 @@ const ROW: usize = 16;
 const RX_COLOR: &[u8] = b"\x1b[32m";
 const TX_COLOR: &[u8] = b"\x1b[31m";
 
-/// A port under observation.
+/// Port with a record of its traffic.
 pub struct Spy<'p> {
     inner: Box<dyn Port + 'p>,
     options: SpyOptions,
@@ -32,10 +32,10 @@ pub struct Spy<'p> {
 }
 
 impl<'p> Spy<'p> {
-    /// Observes a port.
+    /// Records the traffic of a port.
     ///
     /// # Errors
-    /// The file cannot be made.
+    /// The file cannot be created.
     pub fn new(inner: Box<dyn Port + 'p>, options: &SpyOptions) -> Result<Self, PortError> {
         let output: Box<dyn Write> = match &options.file {
             Some(name) => {

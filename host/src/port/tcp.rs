@@ -1,4 +1,4 @@
-//! A TCP connection as a port uses it: never waiting, and closed without losing what was written.
+//! TCP connection used as a port: never waits, and closes without losing written data.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream, ToSocketAddrs};
@@ -7,20 +7,20 @@ use std::time::{Duration, Instant};
 use super::PortError;
 use super::url::Address;
 
-/// Longest wait for a server, as pyserial's.
+/// Longest wait for a server, that of pyserial.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// Longest wait for the server to close its end: bytes that arrive later would make the operating system break the
 /// connection, and throw away what the server has not read yet.
 const LINGER: Duration = Duration::from_millis(300);
 
-/// An open connection.
+/// Open connection.
 pub struct Tcp {
     stream: TcpStream,
     name: String,
 }
 
 impl Tcp {
-    /// Connects; `name` is for messages.
+    /// Connects; `name` is used in messages.
     pub fn connect(address: &Address, name: &str) -> Result<Self, PortError> {
         let failed = |source: std::io::Error| PortError { name: name.to_owned(), source };
         let mut last = std::io::Error::new(ErrorKind::NotFound, "the host has no address");
@@ -36,7 +36,7 @@ impl Tcp {
         Err(failed(last))
     }
 
-    /// Reads what has arrived.
+    /// Reads the bytes that have arrived.
     pub fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {
         match self.stream.read(buffer) {
             Ok(0) if !buffer.is_empty() => Err(PortError::in_words(&self.name, "the server closed the connection")),
@@ -46,7 +46,7 @@ impl Tcp {
         }
     }
 
-    /// Writes what there is room for.
+    /// Writes as many bytes as there is room for.
     pub fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError> {
         match self.stream.write(bytes) {
             Ok(len) => Ok(len),

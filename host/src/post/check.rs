@@ -1,7 +1,7 @@
 //! Check of an NC program for a five-axis machine, before the first cut.
 //!
-//! The program says where the rotary axes go, so that there is nothing to choose: looked at are ranges, poles, changes of branch,
-//! racing beside a pole, and feeds.
+//! The program gives the positions of the rotary axes, so that no branch has to be chosen. The check covers ranges,
+//! poles, changes of branch, fast turns beside a pole, and feeds.
 
 use arcfeed_shared::kinematics::feed::AxisFeed;
 use arcfeed_shared::kinematics::forward::Pose;
@@ -18,14 +18,14 @@ use super::plan::{Plan, Task};
 use super::walk::{Move, walk};
 use crate::program::Program;
 
-/// Places of a move at which the nearest one to a pole is looked for, at least.
+/// Least number of places of a move at which the search for the one nearest to a pole begins.
 const PLACES_MIN: f64 = 16.0;
-/// What the last digit of an F and the bound of a limit may be worth.
+/// Slack of a limit, for the last digit of an F and of the limit.
 const SLACK_RATIO: f64 = 2e-3;
-/// Steps about the nearest of them, each of which leaves two thirds.
+/// Steps of the search about the nearest place; each leaves two thirds of the interval.
 const STEPS: usize = 40;
 
-/// Looks at a program without errors; the plan has findings and what the axes turn, and no stops.
+/// Checks a program without errors. The plan has findings and the turns of the axes, and no stops.
 pub fn judge(program: &Program, task: &Task) -> (Plan, usize) {
     let moves = walk(program, &task.machine, &task.setup);
     let mut judge = Judge { task, plan: Plan::default(), told_over: Vec::new(), told_missing: Vec::new() };
@@ -56,7 +56,7 @@ impl Judge<'_> {
         self.plan.findings.push(Finding { line, what });
     }
 
-    /// Axes that leave their ranges, each told once, and axes that the machine lacks.
+    /// Finds axes that leave their ranges, each once, and axes that the machine lacks.
     fn ranges(&mut self, step: &Move) {
         let machine = &self.task.machine;
         for place in step.places(machine).iter().skip(1) {
@@ -78,7 +78,7 @@ impl Judge<'_> {
         }
     }
 
-    /// Poles and changes of branch.
+    /// Finds poles and changes of branch.
     fn rotary(&mut self, step: &Move) {
         let Task { machine, limits, .. } = self.task;
         let [from, to] = [0.0, 1.0].map(|part| step.rotary_at(part));
@@ -96,10 +96,10 @@ impl Judge<'_> {
         }
     }
 
-    /// Stretches of cutting moves on which the first rotary axis races beside a pole.
+    /// Finds intervals of cutting moves on which the first rotary axis turns fast beside a pole.
     fn racing(&mut self, moves: &[Move]) {
         let Task { machine, limits, .. } = self.task;
-        // Nothing may move: the tool is unknown.
+        // No move is allowed: the tool is unknown.
         let nothing = RepairLimits { error_deg: -1.0, ..*limits };
         let is_beside = |step: &&Move| {
             let ends = [step.rotary_at(0.0), step.rotary_at(1.0)];
@@ -125,14 +125,14 @@ fn in_cone(machine: &Machine, rotary_deg: [f64; 2]) -> bool {
     machine.is_in_pole_cone(machine.axis_at(rotary_deg))
 }
 
-/// Which of the two ways to have a direction the axes stand in; `None` where there is one only.
+/// Branch of the two angle pairs for a direction in which the axes stand; `None` if there is only one.
 fn branch(machine: &Machine, rotary_deg: [f64; 2]) -> Option<bool> {
     let Angles::Two([one, other]) = machine.angles(machine.axis_at(rotary_deg)) else { return None };
     let off = |angles: [f64; 2]| libm::fabs(wrapped_deg(angles[1] - rotary_deg[1]));
     Some(off(one) <= off(other))
 }
 
-/// How near the tool axis comes to a pole.
+/// Least angle between tool axis and pole on a move.
 fn least_from_pole_deg(machine: &Machine, step: &Move) -> f64 {
     let from_pole = |part: f64| machine.from_pole_deg(machine.axis_at(step.rotary_at(part)));
     let [first, second] = step.turned_deg().map(libm::fabs);
@@ -168,7 +168,7 @@ fn slowest(machine: &Machine, moves: &[Move]) -> Option<Finding> {
     Some(Finding { line, what })
 }
 
-/// The fastest feed on a move, the way that it counts along, and the unit of both: degrees where only rotary axes turn.
+/// Largest feed on a move, the length that it refers to, and the unit of both: degrees if only rotary axes turn.
 fn allowed(machine: &Machine, step: &Move) -> Option<(AxisFeed, f64, &'static str)> {
     let way_mm = step.made.segment.feed_length_mm();
     if way_mm > 0.0 {
@@ -186,7 +186,7 @@ fn allowed(machine: &Machine, step: &Move) -> Option<(AxisFeed, f64, &'static st
     Some((machine.axis_feed(places.first()?, places.last()?, way_deg)?, way_deg, "deg/min"))
 }
 
-/// The least feed from place to place.
+/// Least of the allowed feeds at the places of a move.
 fn along_places(machine: &Machine, step: &Move, way_mm: f64) -> Option<AxisFeed> {
     let places = step.places(machine);
     let part_mm = way_mm / (places.len() - 1) as f64;

@@ -1,8 +1,8 @@
-//! CL data in APT: `GOTO/x,y,z,i,j,k` and what stands around it.
+//! CL data in APT: `GOTO/x,y,z,i,j,k` and the statements around it.
 //!
-//! Read are `GOTO`, `FROM`, `FEDRAT` per minute, `RAPID`, `UNITS` and `PARTNO`; `$$` begins a remark, a `$` at the end continues the line.
-//! Other words say nothing of where the tool goes and are counted; those that would move it otherwise (`CIRCLE`, `GODLTA`, `CYCLE`) are
-//! refused.
+//! The reader knows `GOTO`, `FROM`, `FEDRAT` per minute, `RAPID`, `UNITS` and `PARTNO`; `$$` begins a remark, a `$` at
+//! the end continues the line. Other words do not move the tool and are counted; words that would move it in other ways
+//! (`CIRCLE`, `GODLTA`, `CYCLE`) are rejected.
 //!
 //! Source: ISO 3592 as CAM systems write it; the extracts in Tournier 2006, section 7.
 
@@ -12,9 +12,9 @@ use arcfeed_shared::kinematics::forward::Pose;
 use arcfeed_shared::kinematics::vector::{Vector, unit};
 use arcfeed_shared::units::MM_PER_INCH;
 
-/// Words that move the tool in ways not read here.
+/// Words that move the tool in ways not supported here.
 const REFUSED: [&str; 5] = ["CIRCLE", "GODLTA", "CYCLE", "MOVARC", "COPY"];
-/// i, j, k are as long as one to this, or no direction is meant.
+/// Tolerance of the length of i, j, k: beyond it they are no direction.
 const UNIT_SLACK: f64 = 0.01;
 
 /// CL data.
@@ -22,24 +22,24 @@ const UNIT_SLACK: f64 = 0.01;
 pub struct Cl {
     /// `PARTNO`.
     pub name: Option<String>,
-    /// Where the tool goes.
+    /// CL points.
     pub points: Vec<ClPoint>,
-    /// Words passed over.
+    /// Number of ignored words.
     pub passed_over: usize,
 }
 
-/// A point.
+/// CL point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClPoint {
-    /// Its line, counted from 1.
+    /// Line of the file, counted from 1.
     pub line: usize,
     /// Tip and tool axis.
     pub pose: Pose,
-    /// Feed to it; `None`: rapid.
+    /// Feed to the point; `None`: rapid.
     pub feed_mm_per_min: Option<f64>,
 }
 
-/// What is in force while lines are read.
+/// Modal state while lines are read.
 #[derive(Clone, Copy, Debug)]
 struct State {
     mm: f64,
@@ -52,7 +52,7 @@ impl Cl {
     /// Reads CL data.
     ///
     /// # Errors
-    /// `line: what is wrong with it`.
+    /// Describes the fault as `line: message`.
     pub fn read(text: &str) -> Result<Self, String> {
         let mut cl = Cl::default();
         let mut state = State { mm: 1.0, feed_mm_per_min: None, is_rapid: false, axis: [0.0, 0.0, 1.0] };
@@ -74,7 +74,7 @@ impl Cl {
         if cl.points.is_empty() { Err("1: no GOTO: these are no CL data".into()) } else { Ok(cl) }
     }
 
-    /// CL data as text, in millimetres.
+    /// Text of CL data, in millimetres.
     pub fn write(&self) -> String {
         let mut text = format!("PARTNO/{}\nUNITS/MM\nMULTAX/ON\n", self.name.as_deref().unwrap_or("NONE"));
         let mut feed = None;
@@ -94,7 +94,7 @@ impl Cl {
         text
     }
 
-    /// One statement.
+    /// Reads one statement.
     fn take(&mut self, line: usize, statement: &str, state: &mut State) -> Result<(), String> {
         let (word, rest) = statement.split_once('/').unwrap_or((statement, ""));
         match word.trim().to_ascii_uppercase().as_str() {
@@ -121,7 +121,7 @@ impl Cl {
     }
 }
 
-/// `x,y,z` or `x,y,z,i,j,k`; without a direction that before stays.
+/// Reads `x,y,z` or `x,y,z,i,j,k`; without a direction the previous one stays.
 fn goto(numbers: &str, state: &mut State) -> Result<Pose, String> {
     let parsed: Result<Vec<f64>, _> = numbers.split(',').map(|number| number.trim().parse()).collect();
     let values = parsed.ok().filter(|values| values.iter().all(|value: &f64| value.is_finite()));
@@ -134,14 +134,14 @@ fn goto(numbers: &str, state: &mut State) -> Result<Pose, String> {
     Ok(Pose { tip_mm: tip.map(|coordinate| coordinate * state.mm), axis })
 }
 
-/// i, j, k brought to length one, of which rounding has taken a little.
+/// Normalises i, j, k, whose length differs from 1 by rounding.
 fn direction(ijk: Vector) -> Result<Vector, String> {
     let axis = unit(ijk).ok_or("i,j,k have no direction")?;
     let is_unit = axis.iter().zip(ijk).all(|(one, given)| libm::fabs(one - given) < UNIT_SLACK);
     if is_unit { Ok(axis) } else { Err("i,j,k are not of length one".into()) }
 }
 
-/// `500`, `500,MMPM`, `MMPM,500`, `20,IPM`.
+/// Reads `500`, `500,MMPM`, `MMPM,500`, `20,IPM`.
 fn feed(rest: &str, mm: f64) -> Result<f64, String> {
     let words: Vec<String> = rest.split(',').map(|word| word.trim().to_ascii_uppercase()).collect();
     let value = words.iter().find_map(|word| word.parse::<f64>().ok()).filter(|feed| *feed > 0.0 && feed.is_finite());

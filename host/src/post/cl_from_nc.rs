@@ -1,7 +1,8 @@
 //! CL data from a machine's NC program.
 //!
-//! It reads what [`super::nc`] writes, and programs like it: straight moves with absolute words in millimetres. A word that would make
-//! positions mean something else (inch, increments, arcs, cycles, offsets by G10, G52, G92, G68) is refused.
+//! It reads the output of [`super::nc`] and similar programs: straight moves with absolute words in millimetres. A word
+//! that would change the meaning of positions (inch, increments, arcs, cycles, offsets by G10, G52, G92, G68) is
+//! rejected.
 
 use arcfeed_shared::kinematics::between::Mode;
 use arcfeed_shared::kinematics::forward::{Axes, Pose, Setup};
@@ -12,7 +13,8 @@ use arcfeed_shared::nc::word::{Token, Words};
 
 use super::cl::{Cl, ClPoint};
 
-/// G codes in tenths that leave positions what they are: motion, planes, units, compensations off, tool centre point control, feeds.
+/// G codes in tenths that do not change the meaning of positions: motion, planes, units, compensations off, tool centre
+/// point control, feeds.
 const KNOWN: [i64; 24] =
     [0, 10, 40, 90, 170, 180, 190, 210, 400, 430, 434, 435, 490, 500, 540, 550, 560, 570, 580, 590, 690, 800, 900, 940];
 /// G93: inverse time.
@@ -29,17 +31,17 @@ struct State {
     feed: Option<f64>,
 }
 
-/// Whether a program gives the tool's direction by I, J, K (G43.5).
+/// A program gives the tool's direction by I, J, K (G43.5).
 pub fn is_by_direction(bytes: &[u8]) -> bool {
     let is_code = |token: Token<'_>| matches!(token, Token::Word(word) if word.letter == b'G' && word.number.as_tenths() == Some(435));
     let mut words = Lines::new(bytes).flat_map(|line| Words::new(line.text)).flatten();
     words.any(|piece| is_code(piece.token))
 }
 
-/// Reads a program as one of a mode.
+/// Reads a program in the given mode.
 ///
 /// # Errors
-/// `line: what is wrong with it`.
+/// Describes the fault as `line: message`.
 pub fn read(bytes: &[u8], machine: &Machine, setup: &Setup, mode: Mode) -> Result<Cl, String> {
     let mut cl = Cl::default();
     let mut state = State { is_rapid: true, ..State::default() };
@@ -58,7 +60,7 @@ pub fn read(bytes: &[u8], machine: &Machine, setup: &Setup, mode: Mode) -> Resul
 }
 
 impl State {
-    /// One block; answers whether it moves.
+    /// Reads one block; returns true if it moves.
     fn take(&mut self, text: &[u8], machine: &Machine, cl: &mut Cl) -> Result<bool, String> {
         let mut moves = false;
         for piece in Words::new(text) {
@@ -79,7 +81,7 @@ impl State {
         Ok(moves)
     }
 
-    /// One word; answers whether it moves.
+    /// Reads one word; returns true if it moves.
     fn word(&mut self, letter: u8, value: f64, tenths: Option<i64>, machine: &Machine) -> Result<bool, String> {
         let slot = match letter {
             b'G' => return self.code(tenths).map(|()| false),
@@ -115,7 +117,7 @@ impl State {
         Ok(())
     }
 
-    /// Where the tool is, each word from the block or an earlier one.
+    /// Position of the tool, each word from this block or an earlier one.
     fn pose(&self, machine: &Machine, setup: &Setup, mode: Mode) -> Result<Pose, String> {
         let all = |words: [Option<f64>; 3], names: &str| match words {
             [Some(x), Some(y), Some(z)] => Ok([x, y, z]),
@@ -136,13 +138,13 @@ impl State {
         })
     }
 
-    /// The tip's feed on a way; `None` for rapids.
+    /// Feed of the tip on a path; `None` for rapids.
     fn feed_mm_per_min(&self, way_mm: Option<f64>) -> Option<f64> {
         let feed = self.feed.filter(|_| !self.is_rapid)?;
         if !self.is_inverse_time {
             return Some(feed);
         }
-        // A turn on the spot was given the time of a millimetre.
+        // A turn at a fixed tip was given the time of a millimetre.
         Some(feed * way_mm.filter(|way| *way > 0.0).unwrap_or(1.0))
     }
 }

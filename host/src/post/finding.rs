@@ -1,4 +1,4 @@
-//! What is wrong with CL data, or with a program, on a machine, before the first cut.
+//! Faults of CL data, or of a program, on a machine, found before the first cut.
 
 use std::fmt;
 
@@ -11,29 +11,29 @@ use serde::Serialize;
 
 use crate::program::Severity;
 
-/// A whole.
+/// 100 %.
 const PERCENT: f64 = 100.0;
 
-/// The last digit shown of a position.
+/// Last digit shown of a position.
 const SHOWN: f64 = 1e-3;
 
-/// Something to tell about a point.
+/// Finding about a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// Line of the CL data or the program, counted from 1.
     pub line: usize,
-    /// What it is.
+    /// Kind of the finding.
     pub what: What,
 }
 
-/// What there is to tell.
+/// Kind of a finding.
 #[derive(Clone, Debug, PartialEq)]
 pub enum What {
-    /// No axes reach the direction, here and at the points that follow.
+    /// No axis positions reach the direction, here and at the following points.
     Unreachable {
-        /// Why not.
+        /// Reason.
         why: Unreachable,
-        /// How many follow.
+        /// Number of following points.
         more: usize,
     },
     /// An axis would leave its range.
@@ -44,51 +44,51 @@ pub enum What {
     NoAxis(Letter),
     /// A move of the program leads to the other branch.
     Reversal {
-        /// Where the rotary axes stand before it.
+        /// Positions of the rotary axes before the move.
         from_deg: [f64; 2],
-        /// Where they stand after it.
+        /// Positions of the rotary axes after the move.
         to_deg: [f64; 2],
-        /// How far the tool axis leaves its arc.
+        /// Largest angle between the tool axis and its arc.
         departure_deg: f64,
     },
-    /// The tool axis comes into a pole's cone on the move here.
+    /// The tool axis enters a pole's cone on the move here.
     Passage {
-        /// The axis along which it lies then.
+        /// Axis position along which the tool axis then lies.
         letter: Letter,
     },
     /// The point lies in a pole's cone: the first axis is held.
     Pole {
-        /// That axis.
+        /// Letter of that axis.
         letter: Letter,
     },
-    /// The move leaves its arc by this without points between.
+    /// The move leaves its arc by this angle without intermediate points.
     Coarse {
         /// Degrees.
         departure_deg: f64,
     },
-    /// Incoherent movement ends here.
+    /// End of an incoherent movement: fast turns beside a pole.
     Singularity {
-        /// The stretch.
+        /// Interval of the movement.
         found: Singularity,
-        /// Whether a repair was asked for.
+        /// A repair was requested.
         asked: bool,
     },
-    /// The axes do not follow the programmed feed.
+    /// The axes cannot follow the programmed feed.
     Feed {
-        /// The moves of which this is the slowest.
+        /// Moves of which this is the slowest.
         moves: usize,
-        /// What they allow on it.
+        /// Feed that the axes allow on it.
         feed_per_min: f64,
-        /// Of which this is the unit.
+        /// Unit of that feed.
         unit: &'static str,
-        /// The same over what is asked for.
+        /// Allowed feed over the programmed one.
         asked_ratio: f64,
-        /// The axis.
+        /// Limiting axis.
         axis: AxisName,
     },
 }
 
-/// A finding as JSON.
+/// Finding as JSON.
 #[derive(Clone, Debug, Serialize)]
 pub struct Entry {
     line: usize,
@@ -98,7 +98,7 @@ pub struct Entry {
 }
 
 impl Finding {
-    /// Whether the program must not run.
+    /// Severity: an error means that the program must not run.
     pub fn severity(&self) -> Severity {
         match &self.what {
             What::Unreachable { .. } | What::NoAxis(_) | What::OverLimit(_) => Severity::Error,
@@ -107,7 +107,7 @@ impl Finding {
         }
     }
 
-    /// For `--json`.
+    /// Entry for `--json`.
     pub fn entry(&self) -> Entry {
         let kind = match &self.what {
             What::Unreachable { .. } | What::NoAxis(_) => "unreachable",
@@ -197,7 +197,7 @@ fn write_change(f: &mut fmt::Formatter<'_>, change: &Change, way: &WayRound) -> 
 }
 
 fn write_axes(f: &mut fmt::Formatter<'_>, name: &str, axes: &Axes) -> fmt::Result {
-    // Without the sign that rounding leaves to nothing.
+    // Removes the sign of a value that rounds to 0.
     let plain = |value: f64| libm::round(value / SHOWN) * SHOWN + 0.0;
     let ([x, y, z], [first, second]) = (axes.linear_mm.map(plain), axes.rotary_deg.map(plain));
     write!(f, " {name} ({x:.3}, {y:.3}, {z:.3}; {first:.3}, {second:.3})")

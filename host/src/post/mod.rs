@@ -1,7 +1,8 @@
 //! From CL data to a machine's program and back: APT `GOTO/x,y,z,i,j,k` <-> NC.
 //!
-//! [`cl`] reads and writes CL data, [`plan`] chooses the axes and says what is wrong ([`finding`]), [`nc`] writes the program in one of
-//! three modes, [`cl_from_nc`] reads such a program. [`walk`] follows any program move by move, and [`check`] checks it.
+//! [`cl`] reads and writes CL data, [`plan`] chooses the axes and reports faults ([`finding`]), [`nc`] writes the
+//! program in one of three modes, [`cl_from_nc`] reads such a program. [`walk`] follows any program move by move, and
+//! [`check`] checks it.
 
 pub mod cl;
 

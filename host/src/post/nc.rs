@@ -1,4 +1,4 @@
-//! A program for the machine, in one of three modes.
+//! Writes a program for the machine, in one of three modes.
 //!
 //! | mode | X Y Z | direction | F |
 //! |---|---|---|---|
@@ -6,7 +6,7 @@
 //! | `part-rotary`: G43.4 | tip in the part's frame | A B C | G94, of the tip |
 //! | `machine`: no compensation | gauge point in the machine frame | A B C | G93, no faster than the axes |
 //!
-//! Where the axes are computed here, points are added until every straight move keeps to the tolerance.
+//! In the modes that compute the axes here, points are added until every straight move keeps to the tolerance.
 
 use std::fmt::Write;
 
@@ -27,21 +27,21 @@ const INVERSE_TIME_DECIMALS: usize = 3;
 /// Most decimals of a coordinate.
 const DECIMALS_MAX: usize = 6;
 
-/// How a program is to be written.
+/// Settings for writing a program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style<'a> {
-    /// The machine's name.
+    /// Name of the machine.
     pub name: &'a str,
-    /// Who computes the axes.
+    /// Mode: where the axes are computed.
     pub mode: Mode,
-    /// What straight moves may be off.
+    /// Tolerance of straight moves.
     pub tolerance: Tolerance,
 }
 
-/// The program, and the points it has.
+/// The program, and its number of points.
 ///
 /// # Errors
-/// A move that cannot be made straight, or a change of branch where the program cannot leave the part.
+/// A move cannot be made straight, or the branch changes where the program cannot leave the part.
 pub fn write(cl: &Cl, plan: &Plan, task: &Task, style: &Style<'_>) -> Result<(String, usize), String> {
     let ways = ways_round(plan);
     if let Some((point, _)) = ways.first().filter(|_| style.mode != Mode::Machine) {
@@ -77,7 +77,7 @@ pub fn write(cl: &Cl, plan: &Plan, task: &Task, style: &Style<'_>) -> Result<(St
     Ok((text, writer.points))
 }
 
-/// Changes of branch with the points they end at.
+/// Changes of branch with the points at which they end.
 fn ways_round(plan: &Plan) -> Vec<(usize, &WayRound)> {
     let mut ways = Vec::new();
     for finding in &plan.findings {
@@ -110,7 +110,7 @@ struct Writer<'t> {
 }
 
 impl Writer<'_> {
-    /// One move; rapid where there is no feed.
+    /// Writes one move; a rapid if there is no feed.
     fn block(&mut self, text: &mut String, from: &Stop, to: &Stop, feed_mm_per_min: Option<f64>) {
         self.points += 1;
         let feed = feed_mm_per_min.map(|feed| match self.mode {
@@ -133,17 +133,17 @@ impl Writer<'_> {
         text.push('\n');
     }
 
-    /// One over the minutes of a move, as long as the slowest axis takes.
+    /// F in G93: one over the minutes of a move, as long as the slowest axis takes.
     fn inverse_time(&self, from: &Stop, to: &Stop, feed_mm_per_min: f64) -> String {
         let way_mm = length(difference(to.pose.tip_mm, from.pose.tip_mm));
-        // A turn on the spot has no way: it takes the time of a millimetre.
+        // A turn at a fixed tip has no path: it takes the time of a millimetre.
         let way_mm = if way_mm > 0.0 { way_mm } else { 1.0 };
         let allowed = self.task.machine.axis_feed(&from.axes, &to.axes, way_mm);
         let feed = allowed.map_or(feed_mm_per_min, |allowed| feed_mm_per_min.min(allowed.feed_mm_per_min));
         shown(feed / way_mm, INVERSE_TIME_DECIMALS)
     }
 
-    /// The words of a place.
+    /// Writes the words of a position.
     fn place(&self, text: &mut String, to: &Stop) {
         let linear = if self.mode == Mode::Machine { to.axes.linear_mm } else { to.pose.tip_mm };
         for ((letter, value), axis) in ["X", "Y", "Z"].into_iter().zip(linear).zip(self.task.machine.linear()) {
@@ -160,7 +160,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Out of the part, reorient, and above where the path goes on; answers where that is.
+    /// Leaves the part, reorients, and approaches the next point from above; returns the position reached.
     fn round(&mut self, text: &mut String, way: &WayRound, last: &Stop, feed: Option<f64>) -> Stop {
         let at = |axes: Axes| Stop { pose: self.task.machine.forward(&axes, &self.task.setup), axes };
         let [retract, clear, reorient, above] = [way.retract, way.clear, way.reorient, way.above].map(at);
@@ -177,7 +177,7 @@ fn word(text: &mut String, letter: &str, value: f64, decimals: usize) {
     let _infallible = write!(text, "{letter}{}", shown(value, decimals));
 }
 
-/// A number with a point and without zeros that say nothing.
+/// Number with a point and without trailing zeros.
 fn shown(value: f64, decimals: usize) -> String {
     let digits = format!("{value:.decimals$}");
     let pointed = if digits.contains('.') { digits } else { digits + "." };
@@ -192,7 +192,7 @@ fn not_straight(line: usize, Deviation { tip_mm, axis_deg }: Deviation) -> Strin
     )
 }
 
-/// Decimals that show a resolution.
+/// Number of decimals that a resolution needs.
 fn decimals(resolution: f64) -> usize {
     (libm::ceil(-libm::log10(resolution) - 1e-9).max(0.0) as usize).min(DECIMALS_MAX)
 }

@@ -1,4 +1,4 @@
-//! The axes for CL data: the course of the rotary axes, repairs, and everything that is wrong.
+//! Axis positions for CL data: branch selection of the rotary axes, repairs, and all findings.
 
 use arcfeed_shared::kinematics::between::Stop;
 use arcfeed_shared::kinematics::change::Passage;
@@ -11,41 +11,41 @@ use arcfeed_shared::kinematics::vector::{difference, length};
 use super::cl::Cl;
 use super::finding::{Finding, What};
 
-/// What the axes are chosen for.
+/// Input for choosing the axis positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Task {
     /// The machine.
     pub machine: Machine,
-    /// Part and tool on it.
+    /// Placement of part and tool on the machine.
     pub setup: Setup,
-    /// The cutting end, where incoherent movement is to be repaired.
+    /// Cutting end of the tool, if incoherent movement is to be repaired.
     pub repair: Option<ToolEnd>,
-    /// What counts as incoherent and as a swing.
+    /// Limits of incoherent movement and of swings.
     pub limits: RepairLimits,
-    /// How far the tool leaves the part at a change of branch.
+    /// Retraction from the part at a change of branch.
     pub retract_mm: f64,
 }
 
-/// The path on the machine.
+/// Path on the machine.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
-    /// Each point with its axes.
+    /// Axis positions of each point.
     pub stops: Vec<Stop>,
-    /// Everything there is to tell, in the order of lines.
+    /// All findings, in the order of lines.
     pub findings: Vec<Finding>,
-    /// What the rotary axes turn, before the repairs and after.
+    /// Total turns of the rotary axes, before the repairs and after.
     pub travel_deg: [[f64; 2]; 2],
 }
 
 impl Plan {
-    /// Chooses the axes. A path with points out of reach has findings and no stops.
+    /// Chooses the axis positions. A path with points out of reach has findings and no stops.
     pub fn new(cl: &Cl, task: &Task) -> Self {
         let Task { machine, limits, .. } = task;
         let mut poses: Vec<Pose> = cl.points.iter().map(|point| point.pose).collect();
         let mut plan = Plan::default();
         let Some(mut course) = plan.course(cl, task, &poses) else { return plan };
         plan.travel_deg = [travel(&course); 2];
-        // Without a tool to repair for nothing may move.
+        // Without a tool no repair may move the tip.
         let nothing = RepairLimits { error_deg: -1.0, ..*limits };
         let (end, allowed) = task.repair.map_or((ToolEnd::Other, &nothing), |end| (end, limits));
         let found = machine.repair(&mut poses, &course, end, allowed);
@@ -61,7 +61,7 @@ impl Plan {
         plan
     }
 
-    /// The course, or every point out of reach.
+    /// Rotary positions of all points; adds every point out of reach to the findings.
     fn course(&mut self, cl: &Cl, task: &Task, poses: &[Pose]) -> Option<Vec<[f64; 2]>> {
         match task.machine.course(poses, None) {
             Ok(course) => Some(course),
@@ -92,14 +92,14 @@ impl Plan {
         self.findings.extend(told);
     }
 
-    /// Ranges, poles, moves and feeds.
+    /// Checks ranges, poles, moves and feeds.
     fn judge(&mut self, cl: &Cl, task: &Task, poses: &[Pose], course: &[[f64; 2]]) {
         let Task { machine, setup, limits, retract_mm, .. } = task;
         let [first, _] = machine.rotary();
         let mut told_over = Vec::new();
         for (point, stop) in cl.points.iter().zip(&self.stops) {
             for axis in machine.over_limits(&stop.axes) {
-                // An axis that stays outside is told once.
+                // An axis that stays outside its range is reported once.
                 if !told_over.contains(&axis) {
                     told_over.push(axis);
                     self.findings.push(Finding { line: point.line, what: What::OverLimit(axis) });
@@ -124,19 +124,19 @@ impl Plan {
         self.findings.extend(slowest(cl, task, &self.stops, &changed));
     }
 
-    /// The changes of branch.
+    /// Findings about changes of branch.
     pub fn changes(&self) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(|finding| matches!(finding.what, What::Change(..)))
     }
 }
 
-/// Where the axes stand for a pose.
+/// Axis positions of a pose.
 pub fn stop(task: &Task, pose: &Pose, rotary_deg: [f64; 2]) -> Stop {
     let linear_mm = task.machine.linear_for(pose.tip_mm, rotary_deg, &task.setup);
     Stop { pose: *pose, axes: Axes { linear_mm, rotary_deg } }
 }
 
-/// The move that the axes slow down most, changes of branch apart.
+/// The move that the axes slow down most, except changes of branch.
 fn slowest(cl: &Cl, task: &Task, stops: &[Stop], changed: &[usize]) -> Option<Finding> {
     let mut slowed = Vec::new();
     for (pair, point) in stops.windows(2).zip(cl.points.iter().skip(1)) {

@@ -1,8 +1,8 @@
-//! An NC program on a five-axis machine: where all axes stand, move by move.
+//! NC program on a five-axis machine: positions of all axes, move by move.
 //!
-//! Plain moves are the machine's own: the program's coordinates with their offsets, Z longer by the tool. Under G43.4 X, Y and Z are
-//! the tip's, in a frame that the table carries, and the linear axes follow from the rotary ones. Both on a machine whose control
-//! has its zero where the machine's file has it.
+//! Plain moves are given in the machine's own axes: the program's coordinates with their offsets, and the tool length
+//! added to Z. Under G43.4 X, Y and Z are those of the tip, in a frame that the table carries, and the linear axes
+//! follow from the rotary ones. In both cases the control's zero is that of the machine file.
 
 use arcfeed_shared::kinematics::follow::TipMove;
 use arcfeed_shared::kinematics::forward::{Axes, Setup};
@@ -14,23 +14,23 @@ use arcfeed_shared::units::{MicroDeg, Nm};
 
 use crate::program::{MoveTrace, Program};
 
-/// The least number of steps on a way that is bent.
+/// Least number of steps on a curved path.
 const STEPS_MIN: f64 = 8.0;
 
-/// One move.
+/// Move of the program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
-    /// As the control makes it.
+    /// Move of the control.
     pub made: MoveTrace,
-    /// Whether it begins where the one before ended: not behind a change of offsets, nor at the program's start.
+    /// The move begins where the one before ended: not after a change of offsets, nor at the program's start.
     pub goes_on: bool,
-    /// Part and tool; of a plain move what Z is longer by.
+    /// Part and tool; for a plain move the tool length.
     pub setup: Setup,
-    /// The rotary axes at both ends.
+    /// Rotary axes at both ends.
     pub rotary_deg: [[f64; 2]; 2],
 }
 
-/// All moves of a program without errors; `setup` is what the control does not know of part and tool.
+/// All moves of a program without errors; `setup` is the placement of part and tool that the control does not know.
 pub fn walk(program: &Program, machine: &Machine, setup: &Setup) -> Vec<Move> {
     let mut moves: Vec<Move> = Vec::new();
     for made in program.made() {
@@ -49,38 +49,38 @@ impl Move {
         let tool_length_mm = made.tool_length.to_mm();
         let setup = match made.follows_tip {
             true => Setup { tool_length_mm: tool_length_mm + around.tool_length_mm, ..*around },
-            // The control knows where its axes are, whatever part and tool are.
+            // The control knows the positions of its axes, independently of part and tool.
             false => Setup { tool_length_mm, ..Setup::default() },
         };
         let rotary_deg = [made.segment.start, made.segment.end].map(|pose| rotary_deg(&pose, machine));
         Move { made, goes_on: false, setup, rotary_deg }
     }
 
-    /// Whether it cuts.
+    /// The move is a cutting move.
     pub fn is_cut(&self) -> bool {
         self.made.segment.path != Path::Rapid
     }
 
-    /// What the rotary axes turn.
+    /// Turns of the rotary axes.
     pub fn turned_deg(&self) -> [f64; 2] {
         let [from, to] = self.rotary_deg;
         [to[0] - from[0], to[1] - from[1]]
     }
 
-    /// The rotary axes at a part of the way.
+    /// Rotary axes at a fraction of the path.
     pub fn rotary_at(&self, part: f64) -> [f64; 2] {
         let ([from, _], turned) = (self.rotary_deg, self.turned_deg());
         [from[0] + part * turned[0], from[1] + part * turned[1]]
     }
 
-    /// The tip's move, if it is a straight one under G43.4.
+    /// Move of the tip, if it is a straight one under G43.4.
     pub fn of_tip(&self) -> Option<TipMove> {
         let is_straight = self.made.follows_tip && self.made.segment.path == Path::Line;
         let tip_mm = [self.made.segment.start, self.made.segment.end].map(|pose| pose.linear.map(Nm::to_mm));
         is_straight.then_some(TipMove { tip_mm, rotary_deg: self.rotary_deg })
     }
 
-    /// Where the axes stand: at both ends, and on a bent way a degree or less apart.
+    /// Axis positions: at both ends, and on a curved path a degree or less apart.
     pub fn places(&self, machine: &Machine) -> Vec<Axes> {
         let turned = self.turned_deg();
         let bend_deg = match &self.made.segment.path {
@@ -103,7 +103,7 @@ impl Move {
     }
 }
 
-/// Where a program has a machine's rotary axes.
+/// Positions of the machine's rotary axes in a pose of the program.
 pub fn rotary_deg(pose: &Pose, machine: &Machine) -> [f64; 2] {
     machine.rotary().each_ref().map(|axis| {
         let at = Letter::ALL.iter().zip(pose.rotary).find(|(letter, _)| **letter == axis.letter);
@@ -111,7 +111,7 @@ pub fn rotary_deg(pose: &Pose, machine: &Machine) -> [f64; 2] {
     })
 }
 
-/// A point of a segment's path.
+/// Point of a segment's path.
 fn point_at(segment: &Segment, part: f64) -> Vector {
     let [from, to] = [segment.start, segment.end].map(|pose| pose.linear.map(Nm::to_mm));
     let mut point = sum(from, scaled(difference(to, from), part));

@@ -1,7 +1,7 @@
 //! Programs with macro statements: interpreted to their end, as a control with them in memory would run them.
 //!
-//! Time stands still but for a millisecond that a slice of statements takes, so that a program which waits for a timer gets
-//! on. The first macro alarm ends the program; faults of plain blocks are collected, each once for its place.
+//! Time advances by one millisecond per slice of statements only, so that a program that waits for a timer continues.
+//! The first macro alarm ends the program. Faults of plain blocks are collected, each once for its place.
 
 use std::collections::BTreeSet;
 use std::io::Read;
@@ -23,17 +23,17 @@ use arcfeed_shared::units::Micros;
 
 use super::{Diagnostic, MoveTrace, Program, ProgramLine, Summary, Tally};
 
-/// Most places that faults are told of.
+/// Most places for which faults are reported.
 const FAULTS_MAX: usize = 200;
-/// What a slice of statements takes.
+/// Interpreted time of a slice of statements.
 const SLICE: Micros = Micros::from_ms(1);
 
-/// A folder with subprograms, one a file: `O9010`, with `.nc` or without, or `9010.nc`.
+/// Folder with subprograms, one per file: `O9010`, with `.nc` or without, or `9010.nc`.
 #[derive(Clone, Debug)]
 pub struct Folder(pub PathBuf);
 
 impl Folder {
-    /// The file of a program.
+    /// Path of a program's file.
     pub fn file(&self, number: u32) -> Option<PathBuf> {
         let names = [format!("O{number:04}"), format!("O{number}"), format!("{number:04}"), format!("{number}")];
         let paths =
@@ -45,14 +45,14 @@ impl Folder {
 impl Library for Folder {
     fn load(&mut self, number: u32) -> Option<Vec<u8>> {
         let mut text = Vec::new();
-        // One byte more than all programs may have is enough to be refused.
+        // One byte more than all programs may have is enough to reject it.
         let most = Bounds::default().memory as u64 + 1;
         std::fs::File::open(self.file(number)?).ok()?.take(most).read_to_end(&mut text).ok()?;
         Some(text)
     }
 }
 
-/// How long a program may run.
+/// Bounds of a program's run.
 #[derive(Clone, Copy, Debug)]
 pub struct RunBounds {
     /// Most blocks in all, and most statements between two moves.
@@ -62,7 +62,7 @@ pub struct RunBounds {
 }
 
 impl RunBounds {
-    /// Which bound is reached, in words with the setting that raises it.
+    /// Describes the bound that is reached, with the setting that raises it.
     fn check(&self, step: &Result<macros::Step, Trouble>, blocks: u32, time: Duration) -> Option<String> {
         let is_endless = |trouble: &Trouble| trouble.fault.cause == Cause::Macro(MacroAlarm::Endless);
         let (bound, option) = match step {
@@ -77,24 +77,24 @@ impl RunBounds {
     }
 }
 
-/// How a program is interpreted.
+/// Settings for interpreting a program.
 #[derive(Clone, Debug)]
 pub struct Expansion<'a> {
-    /// The control's settings.
+    /// Settings of the control.
     pub settings: Settings,
-    /// Its offsets.
+    /// Offsets of the control.
     pub tables: Tables,
-    /// Subprograms that are not in the file.
+    /// Folder with subprograms that are not in the file.
     pub library: Option<&'a Path>,
-    /// Whether the moves of a run are kept, for [`Program::made`].
+    /// The moves of the run are kept, for [`Program::made`].
     pub keeps_moves: bool,
-    /// How long it may run.
+    /// Bounds of the run.
     pub bounds: RunBounds,
 }
 
 impl Program {
-    /// Reads a program as a control with it in memory runs it: with macro statements and calls it is interpreted to its
-    /// end, without them it is [`Program::parse_with`]. One without M02, M30 or M99 ends in PS5010.
+    /// Reads a program as a control runs it from memory: a program with macro statements or calls is interpreted to its
+    /// end, one without them is read by [`Program::parse_with`]. A program without M02, M30 or M99 ends in PS5010.
     pub fn run(path: &Path, bytes: &[u8], expansion: Expansion<'_>) -> Self {
         let Some(macro_line) = first_macro(bytes) else {
             let mut program = Program::parse_with(path, bytes, expansion.settings, expansion.tables);
@@ -117,7 +117,7 @@ impl Program {
         program
     }
 
-    /// Keeps a line as it stands. Only one without code means something by itself.
+    /// Keeps a line as it stands. Only a line without code has a meaning by itself.
     fn keep(&mut self, text: &[u8], ending: &[u8], settings: &Settings) {
         let parsed = parse_line(text, settings.reading).ok();
         let numbers = |parsed: &Parsed| parsed.block.check_numbers(text, settings).ok().flatten();
@@ -132,7 +132,7 @@ impl Program {
 }
 
 impl Expansion<'_> {
-    /// Interprets a program; answers what is wrong, in the order found, and the moves made, counted and where asked for kept.
+    /// Interprets a program. Returns its faults in the order found, and its moves: counted, and kept if requested.
     fn run(self, bytes: &[u8], lines: &[ProgramLine]) -> (Vec<Diagnostic>, Tally, Vec<MoveTrace>) {
         let folder = self.library.map(|path| Folder(path.to_owned()));
         let library: Box<dyn Library> = match &folder {
@@ -171,7 +171,7 @@ impl Expansion<'_> {
                 Ok(macros::Step::Output(_) | macros::Step::Message(_) | macros::Step::Ignore(_)) => {}
                 Ok(macros::Step::Offset) => reader.set_tables(&interpreter.variables().tables),
                 Ok(macros::Step::Busy) => now = now.after(SLICE),
-                // M99 in a main program: what follows is what was.
+                // M99 in a main program: the following text has been executed before.
                 Ok(macros::Step::Restart | macros::Step::Starved | macros::Step::End(Ending::Program)) => break,
                 Ok(macros::Step::End(Ending::Text)) => {
                     let end = Place { library: None, line: lines.len() as u32 };
@@ -188,7 +188,7 @@ impl Expansion<'_> {
     }
 }
 
-/// A place in the main program's file: of one in the library the call that led to it.
+/// Place in the main program's file; for a place in the library that of the call that led to it.
 fn in_main(place: Place, calls: &[Place]) -> Place {
     let call = || calls.iter().rev().find(|call| call.library.is_none()).copied().unwrap_or_default();
     if place.library.is_none() { place } else { call() }
@@ -198,7 +198,7 @@ fn context(reader: &Reader, now: Micros) -> Context {
     Context::with_length(reader.modal(), reader.machine(), now)
 }
 
-/// What was found so far.
+/// Faults found so far.
 struct Findings<'a> {
     lines: &'a [ProgramLine],
     folder: Option<&'a Folder>,
@@ -232,7 +232,8 @@ impl Findings<'_> {
         line.map(|line| line.text.clone()).unwrap_or_default()
     }
 
-    /// A fault in a program of the library is told at the call in the main program's file that led to it.
+    /// Adds a fault. A fault in a program of the library is reported at the call in the main program's file that led to
+    /// it.
     fn add(&mut self, fault: Fault, place: Place, calls: &[Place], message: &[u8]) {
         if !self.is_new(fault, place) {
             return;

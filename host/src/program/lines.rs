@@ -1,4 +1,4 @@
-//! A program line by line, as a control reads it: nothing is kept of a line but the control's state behind it.
+//! Reads a program line by line, as a control does: only the control's state is kept after a line.
 
 use arcfeed_shared::nc::block::{Line, Parsed, Reading};
 use arcfeed_shared::nc::settings::{Settings, Tables};
@@ -8,7 +8,7 @@ use arcfeed_shared::reader::{Reader, Understood};
 use super::skipping::SkippingReader;
 use super::{BEHIND_THE_END, Diagnostic, ProgramLine, START_UNKNOWN, is_blank};
 
-/// The control behind the lines read so far.
+/// State of the control after the lines read so far.
 pub struct LineReader {
     reader: Reader,
     reading: Reading,
@@ -16,12 +16,12 @@ pub struct LineReader {
     count: usize,
     has_begun: bool,
     has_ended: bool,
-    /// Lines behind the closing `%` have been reported.
+    /// Lines after the closing `%` have been reported.
     has_trailer: bool,
 }
 
 impl LineReader {
-    /// A control so set, before the first line.
+    /// A control with these settings, before the first line.
     pub fn new(settings: Settings, tables: Tables) -> Self {
         LineReader {
             reader: Reader::with(settings, tables).from_anywhere(),
@@ -39,7 +39,7 @@ impl LineReader {
         &self.reader
     }
 
-    /// Reads the next line in place of `line`, whose memory it takes over; what is wrong with it is added to `found`.
+    /// Reads the next line into `line`, whose memory is reused, and adds its faults to `found`.
     pub fn read_into(
         &mut self,
         RawLine { text, ending }: RawLine<'_>,
@@ -69,7 +69,7 @@ impl LineReader {
         line.skipping = self.skipping.read(text, line, &self.reader);
     }
 
-    /// A line behind the closing `%`, which no control reads.
+    /// Keeps a line after the closing `%`, which no control reads.
     fn pass_over(&mut self, line: &mut ProgramLine, found: &mut Vec<Diagnostic>) {
         let text = std::mem::take(&mut line.text);
         if !self.has_trailer && !is_blank(&text) && text.first() != Some(&b'%') {

@@ -1,4 +1,4 @@
-//! Moves in the order in which a control executes them, for following a machine's axes.
+//! Moves in the order of execution, for following a machine's axes.
 
 use arcfeed_shared::nc::modal::Motion;
 use arcfeed_shared::nc::series::Act;
@@ -11,18 +11,18 @@ use super::{Program, ProgramLine};
 /// One move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveTrace {
-    /// Its line in the main program's file, counted from 1.
+    /// Line in the main program's file, counted from 1.
     pub line: usize,
-    /// On the path (see docs/dialect.md).
+    /// Move on the path (see docs/dialect.md).
     pub segment: Segment,
-    /// As [`ProgramLine::tool_length`].
+    /// See [`ProgramLine::tool_length`].
     pub tool_length: Nm,
-    /// As [`ProgramLine::follows_tip`].
+    /// See [`ProgramLine::follows_tip`].
     pub follows_tip: bool,
 }
 
 impl MoveTrace {
-    /// The moves of a block, those of cycles and reference returns one by one; the control stands behind it like `reader`.
+    /// Moves of a block, those of cycles and reference returns one by one; `reader` is the control after the block.
     pub fn of_block(line: usize, block: &Understood, reader: &Reader) -> impl Iterator<Item = MoveTrace> {
         let (tool_length, follows_tip) = tool_of(reader);
         segments(block).map(move |segment| MoveTrace { line, segment, tool_length, follows_tip })
@@ -36,7 +36,7 @@ impl MoveTrace {
 }
 
 impl Program {
-    /// All moves; of a program with macro statements those of its run, if it was asked to keep them.
+    /// All moves. For a program with macro statements: those of its run, if the run kept them.
     pub fn made(&self) -> Vec<MoveTrace> {
         if self.macro_line.is_some() {
             return self.run.clone();
@@ -45,7 +45,7 @@ impl Program {
     }
 }
 
-/// What Z is longer by in machine coordinates, and whether G43.4 is in force.
+/// Tool length offset in Z in machine coordinates, and whether G43.4 is in force.
 pub(super) fn tool_of(reader: &Reader) -> (Nm, bool) {
     let modal = reader.modal();
     (modal.tool_length(reader.tables()), modal.follows_tool_center)

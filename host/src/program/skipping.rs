@@ -1,32 +1,34 @@
-//! The program as a control reads it whose block-delete switches stand the other way, beside the one that the settings describe.
+//! Second reading of a program, with the block-delete switches the other way than in the settings.
 //!
-//! Both readings are followed from a block with a `/` until they agree again: between these, a block's move, its tool, its
-//! spindle speed, its unit or the F in force may depend on a switch that no program shows. Where two switches act on one such
-//! stretch, two readings do not show all that can come of it: nothing behind it counts as the same again.
+//! Both readings are followed from a block with a `/` until they agree again. Between these, a block's move, its tool,
+//! its spindle speed, its unit or the F in force may depend on a switch that the program does not show. If two switches
+//! act within one such section, two readings do not cover all cases: no later block counts as equal again.
 
 use arcfeed_shared::reader::{Reader, Understood};
 
 use super::ProgramLine;
 
-/// A line that a block-delete switch may change.
+/// Line that a block-delete switch may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Skipping {
-    /// Whether the switch only decides on functions such as M8: no move, no F, and the control stands alike behind the line.
+    /// The switch affects only functions such as M8: no move and no F, and the control is in the same state after the
+    /// line.
     pub is_harmless: bool,
 }
 
-/// The second reading; none while both agree.
+/// Second reading; `None` while both agree.
 #[derive(Debug, Default)]
 pub(super) struct SkippingReader {
     reader: Option<Reader>,
-    /// The switch on which the readings part.
+    /// Switch at which the readings diverge.
     switch: Option<u8>,
-    /// Another switch has followed before they agreed.
+    /// Another switch has followed before the readings agreed.
     is_mixed: bool,
 }
 
 impl SkippingReader {
-    /// Begins where a line may have a `/`, and ends where both readings agree; `before` is the control before that line.
+    /// Starts the second reading at a line that may have a `/`, and ends it where both readings agree; `before` is the
+    /// control before that line.
     pub fn fork(&mut self, text: &[u8], before: &Reader) {
         if !self.is_mixed && self.reader.as_ref().is_some_and(|reader| reader.stands_like(before)) {
             self.reader = None;
@@ -38,7 +40,7 @@ impl SkippingReader {
         }
     }
 
-    /// Reads the same line; `of` is the first reading of it, and `after` the control behind that.
+    /// Reads the same line; `of` is the first reading of it, and `after` the control after that.
     pub fn read(&mut self, text: &[u8], of: &ProgramLine, after: &Reader) -> Option<Skipping> {
         let reader = self.reader.as_mut()?;
         let understood = reader.read(text).ok();
@@ -58,7 +60,7 @@ impl SkippingReader {
     }
 }
 
-/// Whether a line moves an axis or has an F.
+/// The line moves an axis or has an F.
 fn moves_or_feeds(reading: &Understood) -> bool {
     let step = &reading.step;
     step.motion.is_some() || step.series.is_some() || reading.parsed.block.word(b'F').is_some()

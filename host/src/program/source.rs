@@ -1,5 +1,5 @@
-//! A program's text and the control that reads it. Its lines are read whenever they are asked for, so that a command needs
-//! memory for the text, not for what each line means.
+//! Text of a program, and the control that reads it. Lines are read on demand, so that a command needs memory for the
+//! text but not for the meaning of each line.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -13,32 +13,32 @@ use super::lines::LineReader;
 use super::summary::Summary;
 use super::{Diagnostic, Expansion, Program, ProgramLine, RunBounds};
 
-/// Most bytes of a file that are read, as a program or as CL data.
+/// Most bytes of a file, program or CL data.
 pub const BYTES_MAX: u64 = 80 << 20;
-/// Most lines of a program that is kept whole, with some 2.3 kB a line.
+/// Most lines of a program that is kept as a whole, with some 2.3 kB per line.
 pub const LINES_MAX: usize = 500_000;
 
-/// A program as text.
+/// Program as text.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// Where it came from.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Its bytes.
+    /// Bytes of the file.
     pub bytes: Vec<u8>,
-    /// The control's settings.
+    /// Settings of the control.
     pub settings: Settings,
-    /// Its offsets.
+    /// Offsets of the control.
     pub tables: Tables,
-    /// The first line with a macro statement or a call, counted from 1, if there is one.
+    /// First line with a macro statement or a call, counted from 1, if there is one.
     pub macro_line: Option<usize>,
 }
 
-/// The lines of a program, each in the memory of the one before.
+/// Lines of a program, each in the memory of the one before.
 pub struct SourceLines<'a> {
     rest: Lines<'a>,
     reader: LineReader,
     line: ProgramLine,
-    /// What is wrong with it.
+    /// Diagnostics of the line.
     found: Vec<Diagnostic>,
 }
 
@@ -76,7 +76,7 @@ pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
             return Ok(Err(size));
         }
         let mut bytes = Vec::with_capacity(usize::try_from(size).unwrap_or(0) + 1);
-        // A pipe does not tell its size.
+        // A pipe reports no size.
         file.take(BYTES_MAX + 1).read_to_end(&mut bytes)?;
         let read = bytes.len() as u64;
         Ok(if read > BYTES_MAX { Err(read) } else { Ok(bytes) })
@@ -84,7 +84,7 @@ pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
     read().map_err(|error| format!("{name}: {error}"))?.map_err(too_large)
 }
 
-/// Refuses a program of more than 500 000 lines, for a command that keeps the whole of it.
+/// Rejects a program of more than 500 000 lines, for a command that keeps all of it.
 ///
 /// # Errors
 /// It has more: in words, with its path.
@@ -101,7 +101,7 @@ pub fn check_line_count(path: &Path, bytes: &[u8]) -> Result<(), String> {
 }
 
 impl Source {
-    /// Reads a program file, for a control so set.
+    /// Reads a program file, for a control with these settings.
     ///
     /// # Errors
     /// It cannot be read, or is larger than 80 MiB: in words, with its path.
@@ -110,12 +110,12 @@ impl Source {
         Ok(Source { path: path.to_owned(), macro_line: first_macro(&bytes), bytes, settings, tables })
     }
 
-    /// The control before the first line, and its lines, of which nothing but the text is known here.
+    /// The control before the first line, and the lines, of which only the text is known.
     pub fn reader(&self) -> LineReader {
         LineReader::new(self.settings, self.tables)
     }
 
-    /// Its lines, one after the other.
+    /// Lines of the program, one after the other.
     pub fn lines(&self) -> SourceLines<'_> {
         SourceLines {
             rest: Lines::new(&self.bytes),
@@ -125,8 +125,8 @@ impl Source {
         }
     }
 
-    /// Counts what it holds, shows each line to `line`, and gives out what is wrong with it, in order of place, with the line's
-    /// text. As a `run` it also has to begin with `%`, and to end.
+    /// Counts the content of the program, passes each line to `line`, and reports its diagnostics, in order of place,
+    /// with the line's text. As a `run` the program also has to begin with `%`, and to end.
     pub fn survey(
         &self,
         is_run: bool,
@@ -150,7 +150,7 @@ impl Source {
         summary
     }
 
-    /// The program, whole.
+    /// The program as a whole.
     ///
     /// # Errors
     /// It has more than 500 000 lines: in words, with its path.
@@ -159,10 +159,10 @@ impl Source {
         Ok(Program::parse_with(&self.path, &self.bytes, self.settings, self.tables))
     }
 
-    /// The program, whole and run to its end (see [`Program::run`]).
+    /// The program as a whole, run to its end (see [`Program::run`]).
     ///
     /// # Errors
-    /// As [`Source::whole`].
+    /// See [`Source::whole`].
     pub fn run(&self, library: Option<&Path>, keeps_moves: bool, bounds: RunBounds) -> Result<Program, String> {
         check_line_count(&self.path, &self.bytes)?;
         let (settings, tables) = (self.settings, self.tables);

@@ -1,4 +1,4 @@
-//! What a program holds, counted line by line.
+//! Content of a program, counted line by line.
 
 use arcfeed_shared::nc::block::Line;
 use arcfeed_shared::nc::machining::ToolInSpindle;
@@ -6,7 +6,7 @@ use arcfeed_shared::nc::modal::Stop;
 
 use super::{ProgramLine, Tally};
 
-/// Most tools that are listed: an example of each of two is enough to ask which is meant.
+/// Most tools in the list: one more than one is enough to ask which tool is meant.
 const TOOLS_MAX: usize = 100;
 
 /// Counts of a program.
@@ -14,27 +14,27 @@ const TOOLS_MAX: usize = 100;
 pub struct Summary {
     /// Lines of the file.
     pub lines: usize,
-    /// Blocks: lines but `%` and empty ones.
+    /// Blocks: all lines but `%` and empty ones.
     pub blocks: usize,
-    /// Blocks of nothing but a comment or a title.
+    /// Blocks with only a comment or a title.
     pub comments: usize,
     /// Moves.
     pub moves: Tally,
-    /// Numbers of the tools that it loads, each with the first line with it in the spindle, counted from 1.
+    /// Numbers of the tools that the program loads, each with the first line with it in the spindle, counted from 1.
     pub tools: Vec<(i64, usize)>,
-    /// Whether it can end in one of the lines.
+    /// The program can end in one of the lines.
     pub may_end: bool,
 }
 
 impl Summary {
-    /// Of these lines.
+    /// Counts these lines.
     pub fn new<'a>(lines: impl IntoIterator<Item = &'a ProgramLine>) -> Self {
         let mut summary = Summary::default();
         lines.into_iter().for_each(|line| summary.add(line));
         summary
     }
 
-    /// The next line.
+    /// Counts the next line.
     pub fn add(&mut self, line: &ProgramLine) {
         self.lines += 1;
         self.blocks += usize::from(line.is_block());
@@ -58,7 +58,7 @@ fn is_comment(line: &ProgramLine) -> bool {
     })
 }
 
-/// Whether the program can end in this line; one that could not be read may hold its M30.
+/// The program can end in this line. A line that could not be read may contain M30.
 fn may_end(line: &ProgramLine) -> bool {
     match &line.meaning {
         Some(understood) => understood.step.stop == Some(Stop::End),

@@ -1,10 +1,10 @@
-//! Moves, counted.
+//! Counts of moves.
 
 use arcfeed_shared::nc::modal::{Motion, MotionKind};
 use arcfeed_shared::nc::series::Act;
 use arcfeed_shared::reader::Understood;
 
-/// Moves, those of canned cycles and reference returns one by one.
+/// Counts of moves; those of canned cycles and reference returns count one by one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Arcs, helices among them.
@@ -15,12 +15,12 @@ pub struct Tally {
     pub linear: usize,
     /// Rapid moves.
     pub rapids: usize,
-    /// Moves, of whatever kind, in which a rotary axis turns.
+    /// Moves of any kind in which a rotary axis turns.
     pub rotary: usize,
 }
 
 impl Tally {
-    /// The moves of one more block.
+    /// Counts the moves of one more block.
     pub fn add(&mut self, block: &Understood) {
         if let Some(motion) = block.segment.and(block.step.motion) {
             self.add_move(&motion);

@@ -1,4 +1,4 @@
-//! The figures of a run. Field names are the JSON of docs/json.md; lengths in the job's unit, as `unit` says.
+//! Figures of a run. Field names are the JSON keys of docs/json.md; lengths in the job's unit, given by `unit`.
 
 use std::fmt;
 
@@ -12,7 +12,7 @@ use super::loads::LoadsFigures;
 use super::material::MaterialFigures;
 use crate::dnc::reports::Reports;
 
-/// A run of `stream`, `simulate` or `serve`. What does not apply is null.
+/// Run of `stream`, `simulate` or `serve`. Figures that do not apply are null.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct RunReport {
     /// Unit of lengths: `in` or `mm`.
@@ -21,70 +21,70 @@ pub struct RunReport {
     pub blocks_sent: Option<usize>,
     /// Blocks the control executed.
     pub blocks_executed: Option<usize>,
-    /// What stopped the control.
+    /// Alarms that stopped the control.
     pub alarms: Vec<AlarmFigures>,
     /// Lines that the program had the control print.
     pub printed: Vec<String>,
-    /// What the program and its alarms say to the operator, and where in a called program an alarm came up.
+    /// Messages of the program and its alarms to the operator, and the places of alarms in called programs.
     pub messages: Vec<String>,
-    /// From the first move to the program's end.
+    /// Time from the first move to the program's end.
     pub cycle_time_s: Option<f64>,
-    /// The same for the program as it was, without arcfeed.
+    /// Time of the original program.
     pub baseline_cycle_time_s: Option<f64>,
     /// Measured chip load.
     pub ipt_circumference: Option<IptFigures>,
-    /// Measured chip load of the program as it was.
+    /// Measured chip load of the original program.
     pub baseline_ipt_circumference: Option<IptFigures>,
-    /// What the override did on the arcs that a cut rule speaks of.
+    /// Values of the override on the arcs that a cut rule matches.
     pub r#override: Option<OverrideFigures>,
-    /// The same, cut rule by cut rule.
+    /// The same, for each cut rule.
     pub movements: Vec<MovementFigures>,
     /// Blocks that an axis of the machine kept from their programmed feed.
     pub axis_limited: Vec<AxisLimitFigures>,
-    /// What it took from the workpiece, where the job has one.
+    /// Material removed from the workpiece, if the job has one.
     pub material: Option<MaterialFigures>,
-    /// What its edges met there, where the job tells of cutting.
+    /// Loads of the edges, if the job has `[cutting]`.
     pub loads: Option<LoadsFigures>,
-    /// The serial line.
+    /// Serial line.
     pub link: Option<LinkFigures>,
-    /// What the control reported of itself, where the job has it do so.
+    /// Position reports of the control, if the job requests them.
     pub reports: Option<ReportFigures>,
-    /// What a restart in the middle of the program left to the operator.
+    /// State left to the operator by a restart in the middle of the program.
     pub restart: Option<RestartFigures>,
     /// Simulated time over wall time.
     pub real_time_factor: Option<f64>,
 }
 
-/// A restart: functions given before its block, which the control does not send again, and the state that the block meets.
+/// Restart: functions given before its block, which the control does not send again, and the state before the block.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RestartFigures {
-    /// The last T.
+    /// Last T.
     pub t: Option<i64>,
-    /// The last S.
+    /// Last S.
     pub s: Option<i64>,
     /// M codes in the order given, the last 35.
     pub m: Vec<i64>,
-    /// The feed in force, per minute or per revolution.
+    /// Feed in force, per minute or per revolution.
     pub feed: Option<f64>,
-    /// The modal G codes in force.
+    /// Modal G codes in force.
     pub g: Vec<String>,
 }
 
-/// An alarm of the control.
+/// Alarm of the control.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct AlarmFigures {
     /// Line of the program as sent.
     pub line: u32,
     /// Column, if it is known.
     pub column: Option<u16>,
-    /// PS number, if it is an alarm of the control's.
+    /// PS number, if it is one of the control's alarms.
     pub alarm: Option<u16>,
-    /// What it means.
+    /// Description.
     pub message: String,
 }
 
 impl AlarmFigures {
-    /// The figures of a fault at a line.
+    /// Figures of a fault at a line.
     pub fn new(line: u32, column: u16, cause: Cause) -> Self {
         let (alarm, message) = match cause {
             Cause::Alarm(alarm) => (Some(alarm.number()), alarm.explanation().to_string()),
@@ -105,20 +105,20 @@ impl fmt::Display for AlarmFigures {
     }
 }
 
-/// A block whose feed, with its override, one axis did not allow.
+/// Block whose feed, with its override, one axis did not allow.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AxisLimitFigures {
-    /// Blocks executed, up to and including it.
+    /// Blocks executed, up to and including this one.
     pub block: u32,
-    /// Its N.
+    /// N of the block.
     pub n: Option<i64>,
-    /// The axis.
+    /// Limiting axis.
     pub axis: &'static str,
-    /// Asked for, when it was asked for first.
+    /// Feed at the first request.
     pub asked: f64,
-    /// Allowed.
+    /// Allowed feed.
     pub allowed: f64,
-    /// Of both.
+    /// Unit of both feeds.
     pub unit: &'static str,
 }
 
@@ -136,7 +136,7 @@ impl fmt::Display for AxisLimitFigures {
 /// Feed per tooth on the circumference, measured in the machine model at the contact.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct IptFigures {
-    /// Wanted.
+    /// Target.
     pub target: f64,
     /// Least measured.
     pub min: f64,
@@ -146,21 +146,21 @@ pub struct IptFigures {
     pub rms_error_ratio: f64,
     /// Least of (measured - target) / target.
     pub error_ratio_min: f64,
-    /// Largest of it.
+    /// Largest of (measured - target) / target.
     pub error_ratio_max: f64,
-    /// Largest of it over all samples in the cut, also those left out below.
+    /// Largest of it over all samples in the cut, including those left out below.
     pub error_ratio_max_all: f64,
     /// Samples measured at steady feed.
     pub samples: u64,
-    /// Those more than 2 % below the target.
+    /// Steady samples more than 2 % below the target.
     pub samples_thin: u64,
-    /// Samples that are not among the steady ones.
+    /// Samples that are not steady.
     pub samples_left_out: u64,
-    /// Those, by cause.
+    /// Samples that are not steady, by cause.
     pub left_out: LeftOutFigures,
 }
 
-/// Samples that are not among the steady ones, by cause.
+/// Samples that are not steady, by cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LeftOutFigures {
     /// Not within 0.5 % of the commanded feed throughout the tooth's cut: speeding up or slowing down.
@@ -172,7 +172,7 @@ pub struct LeftOutFigures {
 }
 
 impl IptFigures {
-    /// The figures of what was measured; `None` if nothing was.
+    /// Figures of the measured samples; `None` if there are none.
     pub fn new(
         figures: &ChipFigures,
         all: &ChipFigures,
@@ -202,7 +202,7 @@ impl IptFigures {
     }
 }
 
-/// What the override did.
+/// Values of the override.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct OverrideFigures {
     /// Least, %.
@@ -214,7 +214,7 @@ pub struct OverrideFigures {
 }
 
 impl OverrideFigures {
-    /// The figures of several arcs together.
+    /// Figures of several arcs together.
     pub fn join(self, other: Self) -> Self {
         OverrideFigures {
             min: self.min.min(other.min),
@@ -224,12 +224,12 @@ impl OverrideFigures {
     }
 }
 
-/// All arcs that one cut rule speaks of.
+/// All arcs that one cut rule matches.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MovementFigures {
-    /// The rule, counted from 1 in the order of the job file.
+    /// Rule, counted from 1 in the order of the job file.
     pub rule: usize,
-    /// T number of its tool, where job or program give one.
+    /// T number of its tool, if the job or the program gives one.
     pub tool: Option<i64>,
     /// `interior` or `exterior`; null for end mills.
     pub rotation: Option<&'static str>,
@@ -241,36 +241,36 @@ pub struct MovementFigures {
     pub arcs: usize,
     /// Measured chip load at the contact.
     pub ipt: Option<IptFigures>,
-    /// The same of the program as it was.
+    /// Measured chip load of the original program.
     pub baseline_ipt: Option<IptFigures>,
     /// Thickest chip anywhere on the outer and on the inner circle inside the rule's half plane, over the target.
     pub thickest_ratio: [Option<f64>; 2],
-    /// What the override did.
+    /// Values of the override.
     pub r#override: Option<OverrideFigures>,
     /// Changes of the override on each arc, in order of execution.
     pub changes_per_arc: Vec<u32>,
 }
 
-/// Reports of the control (`[dnc] report_every`).
+/// Position reports of the control (`[dnc] report_every`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct ReportFigures {
-    /// Asked for.
+    /// Requested reports.
     pub asked: usize,
-    /// Come, and as the program has it.
+    /// Received reports that agree with the program.
     pub confirmed: usize,
-    /// The line of the program's file up to which the control has read, by the last of them.
+    /// Line of the program's file up to which the control has read, by the last of them.
     pub line: Option<usize>,
 }
 
 impl ReportFigures {
-    /// The figures of what was heard; `None` if nothing was asked for.
+    /// Figures of the received reports; `None` if none was requested.
     pub fn of(reports: &Reports) -> Option<Self> {
         let (asked, confirmed) = reports.counts();
         (asked > 0).then(|| ReportFigures { asked, confirmed, line: reports.read_up_to() })
     }
 }
 
-/// The serial line during a run.
+/// Serial line during a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LinkFigures {
     /// Characters that went over it.
@@ -279,28 +279,28 @@ pub struct LinkFigures {
     pub utilization: f64,
     /// Times the control sent DC3.
     pub xoff_count: u32,
-    /// Most characters after a DC3, where the receiving end is ours.
+    /// Most characters after a DC3, if arcfeed is the receiving end.
     pub max_bytes_after_xoff: Option<u32>,
-    /// Time the control had nothing to execute, where it is ours.
+    /// Time in which the control had nothing to execute, if arcfeed simulates the control.
     pub starved_ms: Option<u64>,
-    /// Repeated transmissions; a plain DNC line knows none.
+    /// Repeated transmissions; always 0 on a plain DNC line.
     pub retries: u32,
-    /// Characters from the other end that came in damaged, where the port can say.
+    /// Damaged characters from the other end, if the port reports them.
     pub line_errors: Option<LineErrorFigures>,
 }
 
-/// What the operating system has counted since the port was opened.
+/// Counts of the operating system since the port was opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LineErrorFigures {
     /// Characters without stop bits.
     pub frame: u32,
-    /// Characters that the chip has lost.
+    /// Characters lost in the UART.
     pub overrun: u32,
     /// Characters with wrong parity.
     pub parity: u32,
     /// Breaks.
     pub r#break: u32,
-    /// Characters that the driver has lost.
+    /// Characters lost in the driver.
     pub buffer_overrun: u32,
 }
 

@@ -1,4 +1,4 @@
-//! What the edges met: figures (JSON of docs/json.md), and the same for a person.
+//! Loads of the edges: figures (JSON of docs/json.md), and text for a person.
 
 use std::fmt;
 
@@ -11,57 +11,57 @@ use super::material::{LeftOutFigures, short};
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoadsFigures {
     #[serde(skip)]
-    /// Of lengths.
+    /// Unit of lengths.
     pub unit: &'static str,
-    /// Of the whole run.
+    /// Loads of the whole run.
     pub load: LoadFigures,
-    /// Of the program as it was.
+    /// Loads of the original program.
     pub baseline: LoadFigures,
-    /// Height of a layer, the unit along the tool's axis in which chips are told.
+    /// Height of a layer, within which one chip is computed along the tool's axis.
     pub layer: f64,
-    /// What a step turns.
+    /// Rotation of the tool per step.
     pub step_deg: f64,
-    /// Cut rule by cut rule; at the end what no rule speaks of.
+    /// Loads of each cut rule; the last entry has the blocks without a rule.
     pub rules: Vec<LoadRuleFigures>,
     /// Blocks with chips.
     pub blocks: Vec<LoadBlockFigures>,
-    /// Whether tool and workpiece come to rest against each other; none if both are rigid.
+    /// Vibration between tool and workpiece; `None` if both are rigid.
     pub vibration: Option<VibrationFigures>,
-    /// What the edges left on walls; none where they made no wall.
+    /// Marks of the edges on walls; `None` if they made no wall.
     pub marks: Option<MarksFigures>,
-    /// The same of the program as it was.
+    /// Marks of the original program.
     pub baseline_marks: Option<MarksFigures>,
-    /// Blocks that cut, but have no chips here.
+    /// Blocks that cut, but whose chips are not computed.
     pub left_out: Vec<LeftOutFigures>,
 }
 
-/// How the tool's place against the workpiece changes from tooth to tooth.
+/// Change of the tool's position against the workpiece from tooth to tooth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct VibrationFigures {
-    /// What counts as no change.
+    /// Largest change that counts as none.
     pub floor: f64,
-    /// Natural frequencies of a workpiece that gives way, from the lowest.
+    /// Natural frequencies of a flexible workpiece, from the lowest.
     pub workpiece_hz: Vec<f64>,
-    /// Blocks that were long enough to tell.
+    /// Blocks that were long enough to judge.
     pub judged: usize,
-    /// The largest mean change of a window of teeth.
+    /// Largest mean change of a window of teeth.
     pub metric_max: Option<f64>,
-    /// The same of the program as it was.
+    /// The same for the original program.
     pub baseline_metric_max: Option<f64>,
-    /// Blocks in which a tooth does not find the tool where the one before did.
+    /// Blocks in which a tooth meets the tool at another position than the tooth before.
     pub unsteady: Vec<UnsteadyFigures>,
-    /// The same of the program as it was.
+    /// The same for the original program.
     pub baseline_unsteady: Vec<UnsteadyFigures>,
 }
 
-/// A block that is not steady.
+/// Block with vibration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct UnsteadyFigures {
-    /// Blocks executed, up to and including it.
+    /// Blocks executed, up to and including this one.
     pub block: u32,
-    /// Its N.
+    /// N of the block.
     pub n: Option<i64>,
-    /// Its rule, counted from 1.
+    /// Rule of the block, counted from 1.
     pub rule: Option<usize>,
     /// `uneven`: repeats every turn; `period-doubling`: every other tooth; `chatter`: not at all.
     pub verdict: &'static str,
@@ -69,72 +69,72 @@ pub struct UnsteadyFigures {
     pub metric: f64,
 }
 
-/// Loads of a time.
+/// Loads over a time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LoadFigures {
-    /// In which an edge had a chip in front of it.
+    /// Time in which an edge had a chip.
     pub time_s: f64,
-    /// Across the tool's axis, largest.
+    /// Largest force across the tool's axis.
     pub force_max_n: f64,
-    /// Mean over that time.
+    /// Mean force across the tool's axis over that time.
     pub force_mean_n: f64,
     /// Mean over whole turns of (largest - least) / mean.
     pub force_variation_ratio: Option<f64>,
-    /// Along the tool's axis, largest amount.
+    /// Largest amount of the force along the tool's axis.
     pub thrust_max_n: f64,
-    /// Mean, positive into the tool's holder.
+    /// Mean force along the tool's axis, positive into the tool's holder.
     pub thrust_mean_n: f64,
-    /// About the spindle's axis, largest.
+    /// Largest torque about the spindle's axis.
     pub torque_max_n_m: f64,
-    /// Mean.
+    /// Mean torque.
     pub torque_mean_n_m: f64,
-    /// Of the spindle, largest.
+    /// Largest power of the spindle.
     pub power_max_w: f64,
-    /// Mean.
+    /// Mean power.
     pub power_mean_w: f64,
     /// Passes of outer teeth and of inner ones.
     pub chips: [u64; 2],
-    /// Mean of their thickest chips.
+    /// Mean of their largest chip thicknesses.
     pub chip_mean: [Option<f64>; 2],
-    /// The thickest.
+    /// Largest chip thickness.
     pub chip_max: [Option<f64>; 2],
-    /// Mean thickness along an edge on the tool's end, largest.
+    /// Largest mean thickness along an edge on the tool's end.
     pub end_chip_max: Option<f64>,
 }
 
 /// All blocks of a cut rule.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LoadRuleFigures {
-    /// The rule, counted from 1; null for blocks without one.
+    /// Rule, counted from 1; null for blocks without one.
     pub rule: Option<usize>,
-    /// Their loads.
+    /// Loads of these blocks.
     pub load: LoadFigures,
-    /// The same of the program as it was.
+    /// Loads of the original program.
     pub baseline: LoadFigures,
 }
 
-/// A block.
+/// Block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LoadBlockFigures {
-    /// Blocks executed, up to and including it.
+    /// Blocks executed, up to and including this one.
     pub block: u32,
-    /// Its N.
+    /// N of the block.
     pub n: Option<i64>,
-    /// Its rule, counted from 1.
+    /// Rule of the block, counted from 1.
     pub rule: Option<usize>,
-    /// Its loads.
+    /// Loads of the block.
     pub load: LoadFigures,
-    /// The same of the program as it was, where that has the same block.
+    /// Loads of the original program, if that has the same block.
     pub baseline: Option<LoadFigures>,
 }
 
 impl LoadFigures {
-    /// The thickest chip of both sides.
+    /// Largest chip thickness of both sides.
     pub fn thickest(&self) -> Option<f64> {
         self.chip_max.into_iter().flatten().reduce(f64::max)
     }
 
-    /// In words: force, variation, thrust, torque, power, chip.
+    /// Table cells: force, variation, thrust, torque, power, chip.
     pub fn cells(&self) -> [String; 6] {
         let percent = |ratio: f64| format!("{:.0}", 1e2 * ratio);
         [
@@ -155,7 +155,7 @@ impl LoadsFigures {
         ["force, N", "varies, %", "thrust, N", "torque, N m", "power, kW", &chip].map(String::from)
     }
 
-    /// Rows: a name, then before and after.
+    /// Rows of the table: a name, then the loads before and after.
     pub fn rows(&self) -> Vec<(String, [LoadFigures; 2])> {
         let name = |rule: Option<usize>| rule.map_or("other blocks".into(), |rule| format!("movement {rule}"));
         let mut rows: Vec<_> = self.rules.iter().map(|rule| (name(rule.rule), [rule.baseline, rule.load])).collect();
@@ -163,7 +163,7 @@ impl LoadsFigures {
         rows
     }
 
-    /// How far walls are off, and where the most; none without walls.
+    /// Range of the marks on walls and place of the largest; `None` without walls.
     pub fn marks_words(&self) -> Option<String> {
         let side = |marks: &Option<MarksFigures>| marks.as_ref().map_or("no walls".into(), MarksFigures::range);
         let MarksFigures { largest, .. } = self.marks.as_ref()?;
@@ -179,7 +179,7 @@ impl LoadsFigures {
         ))
     }
 
-    /// What a person must know, one sentence each.
+    /// Warnings, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let own = self.left_out.iter().filter(|left_out| ["tilted", "backwards"].contains(&left_out.cause));
         own.map(|left_out| format!("{} blocks have no chips and forces: {}", left_out.blocks, left_out.words()))
@@ -202,7 +202,7 @@ impl fmt::Display for LoadsFigures {
         if let Some(vibration) = &self.vibration {
             let hz: Vec<String> = vibration.workpiece_hz.iter().map(|hz| short(*hz)).collect();
             if !hz.is_empty() {
-                writeln!(f, "    workpiece gives way at {} Hz", hz.join(", "))?;
+                writeln!(f, "    workpiece vibrates at {} Hz", hz.join(", "))?;
             }
             writeln!(f, "    {}", vibration.words(self.unit))?;
         }
@@ -211,7 +211,7 @@ impl fmt::Display for LoadsFigures {
 }
 
 impl VibrationFigures {
-    /// For a person.
+    /// Text for a person.
     pub fn words(&self, unit: &str) -> String {
         let side = |metric: Option<f64>, unsteady: &[UnsteadyFigures]| {
             let changes = metric.map_or("too short to tell".into(), |metric| format!("up to {}", short(metric)));
@@ -230,7 +230,7 @@ impl VibrationFigures {
 }
 
 impl UnsteadyFigures {
-    /// For a person.
+    /// Name of the block for a person.
     pub fn name(&self) -> String {
         self.n.map_or_else(|| format!("block {}", self.block), |n| format!("N{n}"))
     }

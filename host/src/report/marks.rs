@@ -1,19 +1,19 @@
-//! What teeth left on walls: figures (JSON of docs/json.md), and the same for a person.
+//! Marks of the teeth on walls: figures (JSON of docs/json.md), and text for a person.
 
 use serde::Serialize;
 
 use super::material::short;
 
-/// Marks below this are told as none: rounding.
+/// Marks below this are reported as 0: rounding.
 const NONE: f64 = 1e-8;
 
 /// Marks of a run: positive where material is left, negative where the wall is cut away.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MarksFigures {
-    /// Of all walls.
+    /// Range over all walls.
     #[serde(flatten)]
     pub range: RangeFigures,
-    /// The largest either way.
+    /// Largest mark of either sign.
     pub largest: LargestFigures,
     /// Layers with walls, from the lowest.
     pub layers: Vec<LayerFigures>,
@@ -21,10 +21,10 @@ pub struct MarksFigures {
     pub blocks: Vec<BlockMarksFigures>,
 }
 
-/// Marks of some walls.
+/// Range of the marks on some walls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RangeFigures {
-    /// Ends of rays on them.
+    /// Number of ray ends on them.
     pub points: usize,
     /// Least.
     pub min: f64,
@@ -34,31 +34,31 @@ pub struct RangeFigures {
     pub rms: f64,
 }
 
-/// A mark.
+/// Mark with the largest amount.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LargestFigures {
-    /// How far off.
+    /// Deviation of the wall.
     pub off: f64,
-    /// Where.
+    /// X of the mark.
     pub x: f64,
-    /// Where.
+    /// Y of the mark.
     pub y: f64,
-    /// Middle of its layer.
+    /// Z of the middle of its layer.
     pub z: f64,
     /// Blocks executed, up to and including the one that made the wall.
     pub block: u32,
-    /// Its N.
+    /// N of that block.
     pub n: Option<i64>,
-    /// Its rule, counted from 1.
+    /// Rule of that block, counted from 1.
     pub rule: Option<usize>,
 }
 
 /// Marks of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LayerFigures {
-    /// Its middle.
+    /// Z of the middle of the layer.
     pub z: f64,
-    /// Of its walls.
+    /// Range over the walls of the layer.
     #[serde(flatten)]
     pub range: RangeFigures,
 }
@@ -66,19 +66,19 @@ pub struct LayerFigures {
 /// Marks of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BlockMarksFigures {
-    /// Blocks executed, up to and including it.
+    /// Blocks executed, up to and including this one.
     pub block: u32,
-    /// Its N.
+    /// N of the block.
     pub n: Option<i64>,
-    /// Its rule, counted from 1.
+    /// Rule of the block, counted from 1.
     pub rule: Option<usize>,
-    /// Of its walls.
+    /// Range over the walls of the block.
     #[serde(flatten)]
     pub range: RangeFigures,
 }
 
 impl RangeFigures {
-    /// Of some marks; none of none.
+    /// Range of these marks; `None` if there are none.
     pub fn of(marks: impl Iterator<Item = f64>) -> Option<Self> {
         let none = RangeFigures { points: 0, min: f64::INFINITY, max: f64::NEG_INFINITY, rms: 0.0 };
         let sum = marks.fold(none, |sum, off| RangeFigures {
@@ -92,14 +92,14 @@ impl RangeFigures {
 }
 
 impl MarksFigures {
-    /// From the least to the largest.
+    /// Text from the least to the largest mark.
     pub fn range(&self) -> String {
         format!("{} .. {}", signed(self.range.min), signed(self.range.max))
     }
 }
 
 impl LargestFigures {
-    /// How far off, where, and by which block.
+    /// Text with the deviation, the place and the block.
     pub fn words(&self) -> String {
         let LargestFigures { off, x, y, z, .. } = self;
         let block = self.n.map_or_else(|| format!("block {}", self.block), |n| format!("N{n}"));
@@ -107,7 +107,7 @@ impl LargestFigures {
     }
 }
 
-/// With its sign.
+/// Number with its sign.
 pub fn signed(off: f64) -> String {
     match off {
         off if off.abs() < NONE => "0".into(),

@@ -1,4 +1,4 @@
-//! What a run took from its workpiece: figures (JSON of docs/json.md), and the same for a person.
+//! Material that a run removed from its workpiece: figures (JSON of docs/json.md), and text for a person.
 
 use std::fmt;
 
@@ -8,107 +8,107 @@ use serde::Serialize;
 /// Cubic millimetres in a cubic centimetre.
 const MM3_PER_CM3: f64 = 1e3;
 
-/// Blocks that cut at rapid that are shown.
+/// Most blocks with material removed at rapid in the text.
 const SHOWN: usize = 10;
 
-/// In what a shop has volumes.
+/// Unit in which a shop gives volumes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeUnit {
     /// `in3` or `cm3`.
     pub label: &'static str,
-    /// The same a minute.
+    /// The same per minute.
     pub rate_label: &'static str,
     mm3: f64,
 }
 
-/// The workpiece of a run.
+/// Workpiece of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MaterialFigures {
     /// `cm3` or `in3`.
     pub volume_unit: &'static str,
-    /// The same a minute.
+    /// The same per minute.
     pub rate_unit: &'static str,
-    /// Of the whole run.
+    /// Material removed in the whole run.
     pub taken: TakenFigures,
-    /// Of the program as it was.
+    /// Material removed by the original program.
     pub baseline: TakenFigures,
-    /// Of that, what rapids took.
+    /// Part of it that was removed at rapid.
     pub at_rapid: f64,
-    /// What is left.
+    /// Remaining volume.
     pub left: f64,
-    /// Distance of the rays.
+    /// Distance of the dexel rays.
     pub step: f64,
-    /// How far the swept path may be from the one executed.
+    /// Tolerance of the swept path against the executed one.
     pub path_tolerance: f64,
-    /// Rays, all three families.
+    /// Number of rays of all three families.
     pub rays: usize,
     /// Memory of the stock at the end.
     pub memory_bytes: usize,
-    /// The same over the volume before the run.
+    /// The spread over the volume before the run.
     pub bytes_per_mm3: f64,
-    /// Cut rule by cut rule; at the end what no rule speaks of.
+    /// Material of each cut rule; the last entry has the blocks without a rule.
     pub rules: Vec<RuleFigures>,
-    /// Blocks that took something.
+    /// Blocks that removed material.
     pub blocks: Vec<BlockFigures>,
     /// Blocks that cut, but not this workpiece.
     pub left_out: Vec<LeftOutFigures>,
-    /// From the finished part, where the job has one.
+    /// Deviation from the finished part, if the job has one.
     pub deviation: Option<DeviationFigures>,
 }
 
-/// What was taken.
+/// Removed material.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TakenFigures {
     /// Volume: the mean of the three families of rays.
     pub removed: f64,
-    /// How far the three disagree.
+    /// Difference between the three families.
     pub spread: f64,
-    /// Time in which something was taken.
+    /// Time in which material was removed.
     pub cutting_time_s: f64,
-    /// Over that time.
+    /// Mean removal rate over that time.
     pub rate_mean: f64,
-    /// Largest over a quarter of a second, and four steps between rays.
+    /// Largest removal rate over a quarter of a second, and over four steps between rays.
     pub rate_max: f64,
 }
 
 /// All blocks of a cut rule.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RuleFigures {
-    /// The rule, counted from 1; null for blocks without one.
+    /// Rule, counted from 1; null for blocks without one.
     pub rule: Option<usize>,
-    /// What they took.
+    /// Material removed by these blocks.
     pub taken: TakenFigures,
-    /// The same of the program as it was.
+    /// Material removed by the original program.
     pub baseline: TakenFigures,
 }
 
-/// A block.
+/// Block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BlockFigures {
-    /// Blocks executed, up to and including it.
+    /// Blocks executed, up to and including this one.
     pub block: u32,
-    /// Its N.
+    /// N of the block.
     pub n: Option<i64>,
-    /// Its rule, counted from 1.
+    /// Rule of the block, counted from 1.
     pub rule: Option<usize>,
-    /// Whether this is what its rapids took.
+    /// The figures are those of the block's rapids.
     pub rapid: bool,
-    /// What it took.
+    /// Material removed by the block.
     pub taken: TakenFigures,
-    /// The same of the program as it was, where that has the same block.
+    /// Material removed by the original program, if that has the same block.
     pub baseline: Option<TakenFigures>,
 }
 
-/// Blocks that took nothing, as nobody knows where the workpiece is to the tool.
+/// Blocks that removed nothing because the position of the workpiece relative to the tool is unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LeftOutFigures {
     /// `turning`, `other-position`, `no-machine`, `contour`; of loads also `tilted`, `backwards`.
     pub cause: &'static str,
-    /// How many.
+    /// Number of blocks.
     pub blocks: usize,
-    /// The first: blocks executed, up to and including it.
+    /// First of them: blocks executed, up to and including it.
     pub first_block: u32,
-    /// Its N.
+    /// N of the first of them.
     pub first_n: Option<i64>,
 }
 
@@ -123,16 +123,16 @@ pub struct DeviationFigures {
     pub rms: f64,
     /// Rays on which both have a height.
     pub rays: usize,
-    /// The largest either way.
+    /// Deviation with the largest amount.
     pub largest: f64,
-    /// Where that is.
+    /// X of that deviation.
     pub x: f64,
-    /// Where that is.
+    /// Y of that deviation.
     pub y: f64,
 }
 
 impl VolumeUnit {
-    /// For a job in this unit.
+    /// Units for a job in this length unit.
     pub fn of(unit: LengthUnit) -> Self {
         match unit {
             LengthUnit::Inch => {
@@ -142,20 +142,20 @@ impl VolumeUnit {
         }
     }
 
-    /// A volume, or a rate in mm3 a minute, in this unit.
+    /// Converts a volume, or a rate in mm3 per minute.
     pub fn of_mm3(&self, mm3: f64) -> f64 {
         mm3 / self.mm3
     }
 }
 
 impl MaterialFigures {
-    /// Blocks that took more than a cell between rays at rapid.
+    /// Blocks that removed more than a cell between rays at rapid.
     pub fn rapids(&self, unit: LengthUnit) -> impl Iterator<Item = &BlockFigures> {
         let cell = VolumeUnit::of(unit).of_mm3((self.step * unit.mm()).powi(3));
         self.blocks.iter().filter(move |block| block.rapid && block.taken.removed > cell)
     }
 
-    /// What a person must know before anything else, one sentence each.
+    /// Warnings, one sentence each.
     pub fn warnings(&self, unit: LengthUnit) -> Vec<String> {
         let name = |block: u32, n: Option<i64>| n.map_or(format!("block {block}"), |n| format!("N{n}"));
         let at_rapid = self.rapids(unit).map(|block| {
@@ -177,15 +177,15 @@ impl MaterialFigures {
 }
 
 impl LeftOutFigures {
-    /// Why.
+    /// Cause in words.
     pub fn words(&self) -> &'static str {
         match self.cause {
-            "turning" => "rotary axes turn, and only G43.4 tells a turning tool's way on the part",
+            "turning" => "rotary axes turn without G43.4: the path of the tool on the part is unknown",
             "other-position" => {
                 "the rotary axes stand elsewhere than for the first cut, in whose coordinates the workpiece is"
             }
             "no-machine" => "under G43.4, and the job names no machine",
-            "tilted" => "the tool leans, and edges are asked only where it stands upright",
+            "tilted" => "the tool is tilted, and chips are computed for an upright tool only",
             "backwards" => "the spindle turns backwards (M4), and the edges are those of a tool for M3",
             _ => "under G41 or G42, whose contour the simulated control executes as written",
         }
@@ -227,7 +227,7 @@ fn write_rates(f: &mut fmt::Formatter<'_>, after: &TakenFigures, before: &TakenF
     writeln!(f)
 }
 
-/// Four digits, or what there is before the point.
+/// Number with four digits, or all digits before the point.
 pub fn short(value: f64) -> String {
     let digits = match value.abs() {
         0.0 => 0,

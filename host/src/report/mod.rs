@@ -1,4 +1,4 @@
-//! What a run gave: the figures as data (and JSON), and as a summary for a person.
+//! Results of a run: the figures as data (and JSON), and as a summary for a person.
 
 pub mod material;
 

@@ -1,6 +1,6 @@
 //! Output of POPEN, DPRNT, BPRNT and PCLOS, as lines.
 
-/// The lines among what the control sent: without DC2, DC4 and parity bits, other codes as Rust escapes them.
+/// Printed lines in the control's output: without DC2, DC4 and parity bits; other codes are escaped as in Rust.
 pub fn lines(bytes: &[u8]) -> Vec<String> {
     let text: Vec<u8> =
         bytes.iter().map(|byte| byte & 0x7F).filter(|byte| !matches!(byte, 0x11..=0x14 | b'\r')).collect();

@@ -1,4 +1,4 @@
-//! The figures as a summary that a shop engineer reads without a manual.
+//! Summary of the figures for a shop engineer without a manual.
 
 use std::fmt::{self, Write};
 
@@ -6,19 +6,19 @@ use arcfeed_shared::report::THIN_RATIO;
 
 use super::figures::{IptFigures, LineErrorFigures, MovementFigures, ReportFigures, RunReport};
 
-/// Blocks limited by an axis that are shown.
+/// Most blocks limited by an axis in the summary.
 const SHOWN: usize = 10;
 
-/// What a control behind a serial line does not say.
+/// Warning about the spindle override, which a control behind a serial line does not report.
 const SPINDLE_OVERRIDE: &str = "  spindle override: not known here. Without a tacho at a feed board the chip is its target times 100 % over that override, at \
      50 % twice its target: keep it at 100 %";
 
-/// Prints as several lines, each ended.
+/// Summary as text of several complete lines.
 #[derive(Debug)]
 pub struct Summary<'a> {
-    /// What was run, for the headline.
+    /// Name of the run, for the headline.
     pub title: String,
-    /// Its figures.
+    /// Figures of the run.
     pub report: &'a RunReport,
 }
 

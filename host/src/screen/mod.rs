@@ -1,7 +1,7 @@
-//! A person's view of a program on its way: `stream --tui`.
+//! Terminal screen for a program that is being sent: `stream --tui`.
 //!
-//! [`view`] is what is shown, without I/O; a thread of its own draws it and reads the keys, so that a terminal that takes
-//! nothing holds up nobody else.
+//! [`view`] is the content, without I/O. A thread of its own draws it and reads the keys, so that a blocked terminal
+//! does not delay the sender.
 
 pub mod view;
 

@@ -4,12 +4,12 @@ use std::io;
 
 use super::view::{Command, View};
 
-/// There is none.
+/// Screen that cannot exist.
 #[derive(Debug)]
 pub enum Screen {}
 
 impl Screen {
-    /// Refuses; `stream --tui` says why before it comes here.
+    /// Always fails; `stream --tui` reports the reason before this call.
     ///
     /// # Errors
     /// Always.
@@ -20,7 +20,7 @@ impl Screen {
     /// Shows nothing.
     pub fn show(&self, _view: &View) {}
 
-    /// Hears nothing.
+    /// Never returns a command.
     pub fn command(&self) -> Option<Command> {
         None
     }

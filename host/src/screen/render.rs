@@ -1,4 +1,4 @@
-//! The picture.
+//! Draws the screen.
 
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
@@ -11,14 +11,14 @@ use crate::dnc::State;
 
 /// Width of the figures beside the program.
 const FIGURES: u16 = 36;
-/// Columns and rows below which only keys and state are shown.
+/// Least size; below it only keys and state are shown.
 const SIZE_MIN: (u16, u16) = (64, 14);
-/// Top of the strip, %: what is thicker is as high.
+/// Upper end of the strip, %; larger values are cut off.
 const STRIP_TOP: u64 = 200;
 /// Most rows of a note.
 const NOTE_ROWS: usize = 3;
 
-/// Draws it.
+/// Draws the view.
 pub fn render(frame: &mut Frame<'_>, view: &View) {
     if frame.area().width < SIZE_MIN.0 || frame.area().height < SIZE_MIN.1 {
         let small = format!("too small: {} x {} characters at least", SIZE_MIN.0, SIZE_MIN.1);
@@ -40,14 +40,14 @@ pub fn render(frame: &mut Frame<'_>, view: &View) {
     let (words, colour) = match &view.machine.alarm {
         Some(words) => (format!(" ALARM {words}"), Color::Red),
         None if view.executed.is_some() && !view.is_least => (" no alarm".into(), Color::Reset),
-        None => (" alarms: look at the control, its line does not tell them".into(), Color::Reset),
+        None => (" alarms: look at the control, its line does not report them".into(), Color::Reset),
     };
     frame.render_widget(Line::styled(words, Style::new().fg(colour)), alarm);
     frame.render_widget(Paragraph::new(words_of_note), note);
     frame.render_widget(keys_line(view), keys);
 }
 
-/// What is to be known beside: a warning, or a note from before the start.
+/// Warning, or note from before the start, wrapped to the width.
 fn note(view: &View, width: usize) -> Vec<Line<'static>> {
     let style = if view.warning.is_some() { Style::new().fg(Color::Red) } else { Style::new().fg(Color::Yellow) };
     let mut rows: Vec<String> = Vec::new();
@@ -75,12 +75,12 @@ fn bold<'a>(text: String) -> Line<'a> {
     Line::styled(text, Style::new().add_modifier(Modifier::BOLD))
 }
 
-/// The lines around the one in work.
+/// Draws the lines around the executed one.
 fn draw_program(frame: &mut Frame<'_>, area: Rect, view: &View) {
     let title = match view.executed {
         Some(_) if view.is_least => " > executed, by reports: at least   * sent ",
         Some(_) => " > executed block   * sent ",
-        None => " * sent; executed: not told ",
+        None => " * sent; executed: unknown ",
     };
     let frame_around = Block::bordered().title(title);
     let inner = frame_around.inner(area);
@@ -112,7 +112,7 @@ fn draw_figures(frame: &mut Frame<'_>, area: Rect, view: &View) {
     };
     let total = view.program.characters();
     let percent = 100 * view.characters / total.max(1);
-    let or_unknown = |known: Option<String>| known.unwrap_or_else(|| "not told".into());
+    let or_unknown = |known: Option<String>| known.unwrap_or_else(|| "unknown".into());
     let machine = &view.machine;
     let mut lines = vec![Line::from(vec![Span::styled(" ● ", Style::new().fg(colour)), Span::raw(lamp)])];
     let most = if view.is_least { "at most " } else { "" };
@@ -137,7 +137,7 @@ fn draw_strip(frame: &mut Frame<'_>, area: Rect, view: &View) {
     let title = match (view.has_chips, view.strip.is_empty()) {
         (true, _) => " chip, % of the target: 0 to 200, empty where none is measured ",
         (false, false) => " override, %: 0 to 200 ",
-        (false, true) => " override and chip: not told ",
+        (false, true) => " override and chip: unknown ",
     };
     let shown = usize::from(area.width.saturating_sub(2));
     let latest = view.strip.iter().copied().skip(view.strip.len().saturating_sub(shown));
@@ -200,7 +200,7 @@ mod tests {
         (view.sent, view.characters, view.is_taken, view.state) = (4, 40, Some(true), State::Held);
         let shown = picture(&view, 72, 20).join("\n");
         for words in [
-            "executed: not told",
+            "executed: unknown",
             "*     5  N3G1X3.F40.",
             "HELD: sending stopped, the axes NOT",
             "held by us",
@@ -208,7 +208,7 @@ mod tests {
         ] {
             assert!(shown.contains(words), "{words}:\n{shown}");
         }
-        assert!(shown.contains("its line does not tell") && !shown.contains('>'), "{shown}");
+        assert!(shown.contains("its line does not report") && !shown.contains('>'), "{shown}");
     }
 
     #[test]

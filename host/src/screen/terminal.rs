@@ -1,4 +1,4 @@
-//! The terminal: drawn and listened to by a thread of its own, and given back as it was.
+//! Terminal of the screen. A thread of its own draws it and reads the keys, and restores it at the end.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,13 +13,13 @@ use ratatui::crossterm::event::{Event, KeyCode, KeyEvent, KeyEventKind, KeyModif
 use super::render::render;
 use super::view::{Command, Press, View};
 
-/// Time between two pictures.
+/// Time between two redraws.
 const PERIOD: Duration = Duration::from_millis(100);
 
-/// How long the thread may take to give the terminal back: where the terminal is gone, reading it may never end.
+/// Longest time for restoring the terminal: if the terminal is gone, reading it may never end.
 const GIVEN_BACK_MAX: Duration = Duration::from_secs(2);
 
-/// A terminal taken over; dropped, it is as it was.
+/// Terminal used by the screen; dropping it restores the terminal.
 #[derive(Debug)]
 pub struct Screen {
     latest: Arc<Mutex<View>>,
@@ -29,13 +29,13 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// Takes the terminal over.
+    /// Switches the terminal to the screen.
     ///
     /// # Errors
-    /// It is none, or does not do what it is told.
+    /// Stdout is no terminal, or the terminal fails.
     pub fn open(first: View) -> io::Result<Self> {
         let ends = Arc::new(AtomicBool::new(false));
-        // Gives the terminal back in a panic, too; before that nobody may draw any more.
+        // Restores the terminal in a panic, too; nothing may draw after that.
         let terminal = ratatui::try_init()?;
         let gives_back = std::panic::take_hook();
         let over = Arc::clone(&ends);
@@ -47,23 +47,23 @@ impl Screen {
         let (sender, commands) = channel();
         let (shown, over) = (Arc::clone(&latest), Arc::clone(&ends));
         let thread = std::thread::spawn(move || {
-            // Without a terminal the program goes on as it would without a screen: nothing is lost but the picture.
+            // Without a terminal the program continues as it would without a screen; only the picture is missing.
             let mut terminal = terminal;
             let _terminal_gone = work(&mut terminal, &shown, &sender, &over).and(terminal.show_cursor());
-            // Dropped, it would complain on stderr, and panic where that is gone with it.
+            // Dropping it would print a message on stderr, and panic if that is gone as well.
             std::mem::forget(terminal);
         });
         Ok(Screen { latest, commands, ends, thread: Some(thread) })
     }
 
-    /// Shows this from the next picture on; never waits for the terminal.
+    /// Shows this view from the next redraw on; never waits for the terminal.
     pub fn show(&self, view: &View) {
         if let Ok(mut latest) = self.latest.try_lock() {
             latest.clone_from(view);
         }
     }
 
-    /// What the operator wants, each once.
+    /// Command of the operator, each once.
     pub fn command(&self) -> Option<Command> {
         self.commands.try_recv().ok()
     }
@@ -80,7 +80,7 @@ impl Drop for Screen {
             return;
         }
         let _panicked = self.thread.take().map(JoinHandle::join);
-        // Not `restore`, which panics where stderr is gone with the terminal.
+        // Not `restore`, which panics if stderr is gone with the terminal.
         let _terminal_gone = ratatui::try_restore();
     }
 }

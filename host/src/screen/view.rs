@@ -1,4 +1,4 @@
-//! What is shown, and what a key means; no I/O.
+//! Content of the screen, and the meaning of keys; no I/O.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -9,78 +9,78 @@ use crate::dnc::transmission::Transmission;
 use crate::dnc::{Sender, State};
 use crate::port::Machine;
 
-/// Samples of the strip that are kept.
+/// Most samples of the strip.
 const STRIP_MAX: usize = 200;
-/// How long each note is shown, s.
+/// Display time of each note, s.
 const NOTE_S: f64 = 6.0;
 
-/// What a screen shows.
+/// Content of the screen.
 #[derive(Clone, Debug)]
 pub struct View {
-    /// What is sent, and where to.
+    /// Names of the program and the destination.
     pub title: String,
-    /// What is sent.
+    /// Program that is sent.
     pub program: Arc<Listing>,
-    /// Index of the line that the control executes, where it says so.
+    /// Index of the line that the control executes, if the control reports it.
     pub executed: Option<usize>,
-    /// Whether it may be further: what it says comes from its reports.
+    /// The executed line is a lower bound: it comes from the control's reports.
     pub is_least: bool,
     /// Index of the line being sent.
     pub sent: usize,
     /// Characters sent.
     pub characters: usize,
-    /// Where the sender stands.
+    /// State of the sender.
     pub state: State,
-    /// Whether the control takes characters; `None` before its first DC1.
+    /// The control accepts characters; `None` before its first DC1.
     pub is_taken: Option<bool>,
-    /// Times that the control has stopped us.
+    /// Number of times that the control stopped the sender.
     pub xoffs: u32,
-    /// What the machine says.
+    /// Report of the machine.
     pub machine: Machine,
-    /// Its chips, % of the target, or its overrides, %: the oldest first.
+    /// Chip thicknesses, % of the target, or overrides, %: the oldest first.
     pub strip: VecDeque<u64>,
-    /// Whether the strip shows chips.
+    /// The strip shows chip thicknesses.
     pub has_chips: bool,
-    /// Since the port was opened, s.
+    /// Time since the port was opened, s.
     pub elapsed_s: f64,
-    /// Until the end, at the programmed feeds or at the line's rate, whichever takes longer, s.
+    /// Time until the end, at the programmed feeds or at the line's rate, whichever takes longer, s.
     pub left_s: f64,
-    /// Damaged characters from the control since the line was opened, where the port can say.
+    /// Damaged characters from the control since the line was opened, if the port reports them.
     pub damaged: Option<u64>,
-    /// What was to be said before the start; shown in turn.
+    /// Notes from before the start, shown one after the other.
     pub notes: Vec<String>,
-    /// The latest warning, shown in the place of the notes.
+    /// Latest warning, shown instead of the notes.
     pub warning: Option<String>,
-    /// What the operator is asked to confirm.
+    /// Command that the operator is asked to confirm.
     pub question: Option<Command>,
     block_since: Micros,
     chars_per_s: f64,
 }
 
-/// The program, prepared once.
+/// Program text, prepared once.
 #[derive(Debug)]
 pub struct Listing {
     /// Line of the program's file (0: ours) and text.
     pub lines: Vec<(usize, String)>,
-    /// Where each line ends, in characters.
+    /// End of each line, in characters.
     pub ends: Vec<usize>,
     blocks: Vec<usize>,
     /// Time from the start of each line to the end.
     left_s: Vec<f64>,
 }
 
-/// What an operator tells the sender.
+/// Command of the operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
-    /// Send no more.
+    /// Pause the transmission.
     Hold,
-    /// Go on.
+    /// Continue.
     Resume,
     /// End with the block under way.
     Abort,
 }
 
-/// A key, by its meaning.
+/// Key, by its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Press {
     /// Space, h.
@@ -91,17 +91,18 @@ pub enum Press {
     Abort,
     /// y.
     Yes,
-    /// All others.
+    /// All other keys.
     Other,
 }
 
 impl Press {
-    /// What the key leads to. To stop sending needs no second key; what moves the machine, or ends, does.
+    /// Command of the key. Pausing needs no confirmation; a command that moves the machine or ends the transmission
+    /// does.
     pub fn decide(self, question: &mut Option<Command>, state: State) -> Option<Command> {
         match (question.take(), self) {
             (_, Press::Hold) => Some(Command::Hold),
             (Some(asked), Press::Yes) => Some(asked),
-            // Whoever presses it twice means it.
+            // A second press confirms.
             (Some(Command::Abort), Press::Abort) => Some(Command::Abort),
             (_, Press::Abort) => {
                 *question = Some(Command::Abort);
@@ -117,7 +118,7 @@ impl Press {
 }
 
 impl Listing {
-    /// Of what is sent; `times_s` is what each of its lines takes.
+    /// Listing of a transmission; `times_s` are the execution times of its lines.
     pub fn new(sending: &Transmission, times_s: &[f64]) -> Self {
         let text =
             |index: usize| String::from_utf8_lossy(sending.line_text(index).unwrap_or_default().trim_ascii_end());
@@ -135,7 +136,7 @@ impl Listing {
         }
     }
 
-    /// Characters in all.
+    /// Total number of characters.
     pub fn characters(&self) -> usize {
         self.ends.last().copied().unwrap_or(0)
     }
@@ -146,7 +147,7 @@ impl Listing {
 }
 
 impl View {
-    /// Before the first character, on a line of `chars_per_s`.
+    /// View before the first character, on a line of `chars_per_s`.
     pub fn new(title: String, program: Listing, chars_per_s: f64) -> Self {
         View {
             title,
@@ -172,7 +173,7 @@ impl View {
         }
     }
 
-    /// As things stand now; `executed` blocks have been taken up, where the control says so.
+    /// Updates the view; the control has started `executed` blocks, if it reports that.
     pub fn update(&mut self, now: Micros, sender: &Sender, executed: Option<usize>, machine: Machine) {
         let line_of = |count: usize| self.program.blocks.get(count.checked_sub(1)?).copied();
         let executed = executed.map(|count| line_of(count).unwrap_or(0));
@@ -186,7 +187,7 @@ impl View {
         self.left_s = self.time_left_s(now);
         let chip = machine.chip_ratio.map(|ratio| libm::round(1e2 * ratio) as u64);
         if chip.is_some() && !self.has_chips {
-            // Chips and overrides do not go on one strip.
+            // Chip thicknesses and overrides are not mixed in one strip.
             self.strip.clear();
             self.has_chips = true;
         }
@@ -204,24 +205,24 @@ impl View {
         (self.program.left_s(line) - into_s.min(block_s)).max(on_line_s)
     }
 
-    /// Index of the line that the program is shown around.
+    /// Index of the line in the middle of the listing.
     pub fn center(&self) -> usize {
         self.executed.unwrap_or(self.sent)
     }
 
-    /// Characters sent of blocks that the control has not taken up, where it says so.
+    /// Characters sent of blocks that the control has not started, if it reports that.
     pub fn at_control(&self) -> Option<usize> {
         let end = self.program.ends.get(self.executed?)?;
         Some(self.characters.saturating_sub(*end))
     }
 
-    /// The note whose turn it is, or the warning.
+    /// The present note, or the warning.
     pub fn note(&self) -> Option<&str> {
         let turn = (self.elapsed_s / NOTE_S) as usize % self.notes.len().max(1);
         self.warning.as_ref().or_else(|| self.notes.get(turn)).map(String::as_str)
     }
 
-    /// The sender's state, in words.
+    /// State of the sender, in words.
     pub fn words(&self) -> &'static str {
         match self.state {
             State::Waiting => "waiting for DC1: start DNC operation at the control",
@@ -279,7 +280,7 @@ mod tests {
         assert_eq!((view.executed, view.left_s), (Some(1), 8.0));
         view.update(Micros::from_ms(2_000), &sender, Some(1), Machine::default());
         assert_eq!((view.left_s, view.at_control()), (6.0, Some(0)));
-        // A block takes longer than foreseen: those behind it still take their time.
+        // A block takes longer than predicted: those behind it still need their time.
         view.update(Micros::from_ms(9_000), &sender, Some(1), Machine::default());
         assert_eq!(view.left_s, 5.0);
         let mut slow = View::new(String::new(), listing(), 1.0);

@@ -10,7 +10,7 @@ fn taken(said: &str) -> [usize; 2] {
         let text = said.split_once(before).and_then(|(_, rest)| rest.split_once(after)).map(|(number, _)| number);
         text.and_then(|number| number.parse().ok()).unwrap_or_else(|| panic!("no number behind `{before}`: {said}"))
     };
-    [number("The line has taken ", " of "), number(" characters, ", " whole blocks")]
+    [number("The line has accepted ", " of "), number(" characters, ", " whole blocks")]
 }
 
 /// The place that is said is that of the program as it is sent, and RESET is asked for.

@@ -195,7 +195,7 @@ fn every_mistake_has_a_place_and_says_what_to_do() {
         (
             "from = [0, -3, -8], to = [60, 0, 0], cells",
             "from = [0, 3, -8], to = [60, 6, 0], cells",
-            ":11:1: what gives way has nothing in common with the workpiece",
+            ":11:1: the flexible part has nothing in common with the workpiece",
         ),
         ("[12, 1, 2]", "[12, 0, 2]", ":12:56: cells along X, Y and Z: 1 or more each"),
         ("[12, 1, 2]", "[100, 10, 10]", ":12:56: cells along X, Y and Z: 1 or more each"),

@@ -119,7 +119,7 @@ fn every_mistake_has_a_place_and_says_what_to_do() {
         (path, open, ":12:69: "),
         (path, open, "open.stl: the mesh is open: 3 edges have no triangle on their other side"),
         (path, tube, "a line through the thickness meets the body 2 times: it is no wall or blade along Y"),
-        (path, far, ":11:1: what gives way has nothing in common with the workpiece"),
+        (path, far, ":11:1: the flexible part has nothing in common with the workpiece"),
         ("thickness = \"y\"", "thickness = \"u\"", ":12:57: no such axis; write \"x\", \"y\" or \"z\""),
         (
             "thickness = \"y\"",
@@ -132,9 +132,9 @@ fn every_mistake_has_a_place_and_says_what_to_do() {
         (
             "stl = ",
             "block = { from = [0, -3, -8], to = [60, 0, 0], cells = [12, 1, 2], clamped = \"x-\" }\nstl = ",
-            ":11:1: give what gives way as one of block",
+            ":11:1: give the flexible part as one of block",
         ),
-        ("[workpiece.flexible]\nstl", "[workpiece.flexible]\n# stl", ":11:1: give what gives way as one of block"),
+        ("[workpiece.flexible]\nstl", "[workpiece.flexible]\n# stl", ":11:1: give the flexible part as one of block"),
         ("thickness = \"y\", ", "", ":12:7: missing field `thickness`"),
     ];
     assert_refused("sheet", &good, &mistakes);

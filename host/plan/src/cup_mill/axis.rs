@@ -1,4 +1,4 @@
-//! The tool's axis (BPTA; Petean, section 3.3.1).
+//! Tool axis (BPTA; Petean, section 3.3.1).
 //!
 //! ```text
 //! PT1        end of the pressure side's tip curve nearest the leading edge
@@ -7,8 +7,8 @@
 //! LN3        through PT1 and the end of CRV1 on the hub: the tool's axis
 //! ```
 //!
-//! Where a twisted blade lets the plane pass beside its edge before it is down, CRV1 ends on the hub at that edge: the foot of (1)
-//! nearest to the plane.
+//! With a twisted blade, the plane may pass beside the blade's edge above the hub. CRV1 then ends on the hub at that
+//! edge: the foot of (1) nearest to the plane.
 
 use crate::geometry::blisk::Revolution;
 use crate::geometry::face::Face;
@@ -17,21 +17,21 @@ use crate::vector::{Point, Vector};
 
 use super::side::{edges, leading_tip, leaves_hub};
 
-/// Places along the hub on which the plane is looked for.
+/// Number of places along the hub on which the plane is searched.
 const SAMPLES: i32 = 64;
 
-/// LN3 and what it comes from, part frame.
+/// LN3 and its points, part frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     /// PT1.
     pub tip: Point,
-    /// The end of CRV1 on the hub's offset.
+    /// End of CRV1 on the hub's offset.
     pub foot: Point,
-    /// From foot to tip, unit length.
+    /// Direction from foot to tip, unit length.
     pub direction: Vector,
 }
 
-/// The axis for a slot. Nothing if the pressure side does not reach the hub with its allowance.
+/// Axis for a slot. `None` if the pressure side does not reach the hub with its allowance.
 pub fn axis(pressure: &Face, hub: &Revolution, allowance_mm: f64) -> Option<Axis> {
     let [first, last] = edges(pressure);
     let (tip, normal) = leading_tip(pressure, allowance_mm);

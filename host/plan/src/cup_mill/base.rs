@@ -1,41 +1,42 @@
-//! The base position (Petean, section 3.3.2): the outer circle through the pressure side's limit line, the inner one through the suction
-//! side's.
+//! Base position (Petean, section 3.3.2): the outer circle passes through the pressure side's limit line, the inner one
+//! through the suction side's.
 //!
 //! ```text
 //! cos(alpha) = (R^2 + a^2 - r^2) / (2 R a),  a = |AB|                        (5)
 //! C = A + R (e cos(alpha) +- n sin(alpha)),  e = (B - A) / a, n square to it
 //! ```
 //!
-//! Of the two centres the one that has the suction side within the ring. The source's limit lines, LN3 and LN4, go through the ends of the tip
-//! curves. That holds for the whole depth only if neither side leans over them; so here the lines begin there, and the point that the ring
-//! would take most of takes its line's place, until there is none.
+//! Of the two centres, the one with the suction side within the ring applies. The source's limit lines, LN3 and LN4, go
+//! through the ends of the tip curves. That is right for the whole depth only if neither side leans over them. So the
+//! lines begin there, and the point with the deepest cut of the ring replaces its side's line, until there is no such
+//! point.
 
 use crate::cutter::CupMill;
 use crate::vector::Flat;
 
 use super::side::Side;
 
-/// The triangle of the base position, slot frame.
+/// Triangle of the base position, slot frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Base {
-    /// A: on the outer circle.
+    /// A, on the outer circle.
     pub exterior: Flat,
-    /// B: on the inner circle.
+    /// B, on the inner circle.
     pub interior: Flat,
-    /// C: the tool's centre.
+    /// C, the tool's centre.
     pub centre: Flat,
-    /// alpha, at A.
+    /// alpha, the angle at A.
     pub alpha_rad: f64,
 }
 
-/// A side may be this far within the ring: rounding of a nanometre.
+/// Largest depth of a side within the ring, against rounding, mm.
 const WITHIN_MM: f64 = 1e-6;
-/// Limit lines are exchanged so often at most.
+/// Most exchanges of limit lines.
 const EXCHANGES_MAX: usize = 60;
 
-/// The base position of a ring of radii R, r (`radii_mm`) through `exterior` and `interior`, with `inside` in its hollow.
+/// Base position of a ring of radii R, r (`radii_mm`) through `exterior` and `interior`, with `inside` in its hollow.
 ///
-/// Nothing where no triangle has these sides: the limit lines are nearer than the ring is wide, or farther than it reaches.
+/// `None` if no triangle has these sides: the limit lines are nearer than the ring is wide, or farther than it reaches.
 pub fn triangle(exterior: Flat, interior: Flat, radii_mm: [f64; 2], inside: Flat) -> Option<Base> {
     let [outer_mm, inner_mm] = radii_mm;
     let a_mm = (interior - exterior).norm();
@@ -52,9 +53,10 @@ pub fn triangle(exterior: Flat, interior: Flat, radii_mm: [f64; 2], inside: Flat
     Some(Base { exterior, interior, centre, alpha_rad })
 }
 
-/// The base position between two sides (pressure, suction), from the limit lines through `exterior` (PT1) and `interior` (PT3).
+/// Base position between two sides (pressure, suction), from the limit lines through `exterior` (PT1) and `interior`
+/// (PT3).
 ///
-/// Nothing if no position clears both sides.
+/// `None` if no position clears both sides.
 pub fn settle(sides: [&Side; 2], cutter: &CupMill, lines: [Flat; 2]) -> Option<Base> {
     let [pressure, suction] = sides;
     let radii_mm = [cutter.outer_radius_mm, cutter.inner_radius_mm];
@@ -71,7 +73,7 @@ pub fn settle(sides: [&Side; 2], cutter: &CupMill, lines: [Flat; 2]) -> Option<B
         if outer.value >= -WITHIN_MM && inner.value >= -WITHIN_MM {
             return Some(base);
         }
-        // One at a time: where both are exchanged, each may undo the other.
+        // One at a time: if both are exchanged, each may undo the other.
         if outer.value < inner.value {
             exterior = pressure.patch.point(outer.at[0], outer.at[1]).xy();
         } else {

@@ -1,14 +1,16 @@
-//! How much room a ring has in a slot over its whole depth, for a direction of the tool.
+//! Room of a ring in a slot over its whole depth, for a direction of the tool.
 //!
 //! ```text
 //! room(C) = min( min |p - C| - R,  r - max |s - C| )                          (1)
 //! ```
 //!
-//! over the points p of the pressure, s of the suction side, seen along the tool; the room of a direction is the largest of (1) over all
-//! centres. A ring wider by twice the room has none left; where it is negative, that is what is missing.
+//! over the points p of the pressure and s of the suction side, seen along the tool; the room of a direction is the
+//! largest value of (1) over all centres. A ring wider by twice the room has none left; a negative room is the missing
+//! width.
 //!
-//! The published axis lies along one blade. The other one leans over it by the pitch, less what twist gives back: with 19 blades 1 mm in
-//! 3 of depth. [`Walls::roomiest`] is the direction that has most, [`Walls::nearest`] one that has enough on the way there.
+//! The published axis lies along one blade. The other blade leans over it by the pitch, less its twist: with 19 blades
+//! 1 mm in 3 of depth. [`Walls::roomiest`] is the direction with the most room, [`Walls::nearest`] one with enough room
+//! on the way there.
 
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
@@ -19,40 +21,40 @@ use crate::vector::{Flat, Point, Vector};
 
 use super::side::Side;
 
-/// The room of a ring.
+/// Room of a ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Room {
-    /// (1) at the best centre, mm.
+    /// Value of (1) at the best centre, mm.
     pub room_mm: f64,
-    /// That centre, slot frame.
+    /// Best centre, slot frame.
     pub centre: Flat,
-    /// The direction of the tool, part frame.
+    /// Direction of the tool, part frame.
     pub direction: Vector,
 }
 
 /// Rooms of many directions.
 #[derive(Clone, Debug)]
 pub struct Rooms {
-    /// Those of a grid of directions.
+    /// Rooms of a grid of directions.
     pub grid: Vec<Room>,
-    /// The most of all.
+    /// Largest room.
     pub roomiest: Room,
 }
 
-/// Both sides' points, part frame.
+/// Points of both sides, part frame.
 pub struct Walls {
     pressure: Vec<Point>,
     suction: Vec<Point>,
 }
 
-/// Of the samples of a side each way: a divisor of both numbers of steps.
+/// Stride through the samples of a side in both directions: a divisor of both numbers of steps.
 const STRIDE: usize = 4;
-/// Directions are looked for up to this far from the slot's middle, rad.
+/// Largest angle of the searched directions from the slot's middle, rad.
 const LEAN_MAX_RAD: f64 = 0.5;
-/// Steps of the first look, each way.
+/// Steps of the coarse grid, to each side.
 const LEANS: i32 = 6;
 const LEAN_STEP_RAD: f64 = LEAN_MAX_RAD / LEANS as f64;
-/// Centres of the first look, about the slot, degrees.
+/// Centres of the coarse grid, about the slot, degrees.
 const BEARINGS_DEG: [f64; 25] = {
     let mut bearings = [0.0; 25];
     let mut k = 0;
@@ -64,13 +66,13 @@ const BEARINGS_DEG: [f64; 25] = {
 };
 
 impl Walls {
-    /// From sides in the part frame.
+    /// Walls from sides in the part frame.
     pub fn new(pressure: &Side, suction: &Side) -> Self {
         let points = |side: &Side| side.patch.thinned(STRIDE).copied().collect();
         Walls { pressure: points(pressure), suction: points(suction) }
     }
 
-    /// The room along a direction; nothing along the rotor's axis.
+    /// Room along a direction; `None` along the rotor's axis.
     pub fn room(&self, cutter: &CupMill, direction: &Vector) -> Option<Room> {
         let turn = slot_frame(direction)?;
         let seen = |points: &[Point]| -> Vec<Flat> { points.iter().map(|point| (turn * point).xy()).collect() };
@@ -97,7 +99,7 @@ impl Walls {
         Some(Room { room_mm: -found.value, centre: Flat::from(found.at), direction: *direction })
     }
 
-    /// The first direction from `from` towards `to` with `enough_mm` of room: `to` if there is none before.
+    /// First direction from `from` towards `to` with `enough_mm` of room; `to` if there is none before.
     pub fn nearest(&self, cutter: &CupMill, from: &Room, to: &Room, enough_mm: f64) -> Room {
         if from.room_mm >= enough_mm {
             return *from;
@@ -114,12 +116,12 @@ impl Walls {
         best
     }
 
-    /// The direction with the most room, and that.
+    /// Direction with the most room, and that room.
     pub fn roomiest(&self, cutter: &CupMill) -> Option<Room> {
         self.rooms(cutter).map(|rooms| rooms.roomiest)
     }
 
-    /// The rooms of a grid of directions, and from the best of them uphill the most.
+    /// Rooms of a grid of directions, and the largest one, found by a local search from the best of them.
     pub fn rooms(&self, cutter: &CupMill) -> Option<Rooms> {
         let about = About::the(self)?;
         let room = |at: [f64; 2]| self.room(cutter, &about.direction(at));
@@ -134,25 +136,25 @@ impl Walls {
     }
 }
 
-/// How many points are compared at once.
+/// Number of points that are compared at once.
 const LANES: usize = 8;
 
-/// Points by their coordinates, for vector instructions.
+/// Coordinates of points, arranged for vector instructions.
 struct Lanes(Vec<[[f64; LANES]; 2]>);
 
 impl Lanes {
     fn new(points: &[Flat]) -> Self {
-        // The last lanes are filled with points that are there already.
+        // The last lanes are filled with copies of points.
         let block = |points: &[Flat]| [0, 1].map(|axis| std::array::from_fn(|k| points[k.min(points.len() - 1)][axis]));
         Lanes(points.chunks(LANES).map(block).collect())
     }
 
-    /// The least square of a distance from `centre`.
+    /// Least squared distance from `centre`.
     fn nearest_mm2(&self, centre: Flat) -> f64 {
         self.extreme_mm2(centre, f64::INFINITY, |a, b| if a < b { a } else { b })
     }
 
-    /// The greatest.
+    /// Greatest squared distance from `centre`.
     fn farthest_mm2(&self, centre: Flat) -> f64 {
         self.extreme_mm2(centre, 0.0, |a, b| if a > b { a } else { b })
     }
@@ -169,7 +171,7 @@ impl Lanes {
     }
 }
 
-/// Halvings of the way between two directions.
+/// Halvings of the interval between two directions.
 const HALVINGS: i32 = 20;
 
 /// Directions about the slot's middle, by their lean along the circumference and their tilt along the rotor's axis.
@@ -190,7 +192,7 @@ impl About {
     }
 }
 
-/// The first look's leans and tilts.
+/// Leans and tilts of the coarse grid.
 fn leans() -> impl Iterator<Item = [f64; 2]> {
     let step = |index: i32| f64::from(index) * LEAN_STEP_RAD;
     (-LEANS..=LEANS).flat_map(move |i| (-LEANS..=LEANS).map(move |j| [step(i), step(j)]))

@@ -1,4 +1,4 @@
-//! Why a slot cannot be planned, in words.
+//! Reasons why a slot cannot be planned.
 
 use thiserror::Error;
 
@@ -7,7 +7,7 @@ use crate::vector::Point;
 use super::fit::Room;
 use super::side::Side;
 
-/// Why there is no plan.
+/// Reason why there is no plan.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Infeasible {
     /// A blade ends above the hub.
@@ -19,14 +19,14 @@ pub enum Infeasible {
     /// No ring of this width passes.
     #[error("no ring of this width passes: {missing_mm:.1} mm missing {place}")]
     TooNarrow {
-        /// By how much it would have to be narrower.
+        /// Missing width.
         missing_mm: f64,
-        /// Where.
+        /// Place.
         place: String,
     },
-    /// There is room, but not from this base position.
+    /// There is room, but not at this base position.
     #[error(
-        "the ring passes ({room_mm:.2} mm to spare on each side), but not where it touches both blades as the base position does"
+        "the ring passes ({room_mm:.2} mm of room on each side), but not where it touches both blades as the base position does"
     )]
     NoBase {
         /// Room, mm.
@@ -35,19 +35,19 @@ pub enum Infeasible {
     /// The ring is nowhere above the hub.
     #[error("the ring is nowhere above the hub at the base position: its radius does not suit the slot")]
     NoFloor,
-    /// The hollow is not deep enough.
+    /// The cavity is not deep enough.
     #[error(
         "the cup is {cavity_mm:.1} mm deep, but the blade inside it reaches {needed_mm:.1} mm up from the lowest level"
     )]
     Shallow {
-        /// The cutter's.
+        /// Depth of the cavity.
         cavity_mm: f64,
-        /// What it takes.
+        /// Required depth.
         needed_mm: f64,
     },
 }
 
-/// In words where the ring is held.
+/// Description of the place where the ring is blocked.
 pub fn narrow(room: &Room, pressure: &Side, suction: &Side) -> Infeasible {
     let off = |point: &Point| (point.xy() - room.centre).norm();
     let tightest = [(pressure, 1.0, "pressure"), (suction, -1.0, "suction")].map(|(side, sign, name)| {
@@ -61,7 +61,7 @@ pub fn narrow(room: &Room, pressure: &Side, suction: &Side) -> Infeasible {
     Infeasible::TooNarrow { missing_mm: -2.0 * room.room_mm, place: format!("between {}", tightest.join(" and ")) }
 }
 
-/// Where along a side.
+/// Part of a side in words.
 fn along(share: f64) -> &'static str {
     match share {
         ..0.2 => "leading edge",

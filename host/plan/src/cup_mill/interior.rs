@@ -1,13 +1,14 @@
-//! The point of interior rotation, B1 (BASEPOS; Petean, section 3.3.3, Fig. 3.13).
+//! Point of interior rotation, B1 (BASEPOS; Petean, section 3.3.3, Fig. 3.13).
 //!
 //! ```text
 //! 1  B1 lies on the inner circle at the base position
 //! 2  turning about B1 brings the inner circle to the suction side's tip curve near the leading edge
 //! ```
 //!
-//! From B the pivot is moved along the circle towards the leading edge, until the first point of the tip curve that the circle meets lies within
-//! the given share of the curve from there: the pivot nearest to B that does. Where the blade is more curved than the ring, the circle
-//! after the turn touches the curve at that very share, and B1 is where it crosses the circle at the base position.
+//! The pivot is moved from B along the circle towards the leading edge, until the first point of the tip curve that the
+//! circle meets lies within the given fraction of the curve from there: the nearest such pivot to B. If the blade is
+//! more curved than the ring, the circle after the turn touches the curve at that very fraction, and B1 is where it
+//! crosses the circle at the base position.
 
 use arcfeed_shared::nc::modal::Turn;
 
@@ -19,26 +20,26 @@ use super::base::Base;
 use super::side::Side;
 use super::turn::{Circle, Turning};
 
-/// Points of the tip curve on which first contact is looked for.
+/// Number of points of the tip curve that are checked for the first contact.
 const SAMPLES: i32 = 96;
-/// Halvings that leave nothing of an angle.
+/// Halvings that exhaust the precision of an angle.
 const HALVINGS: i32 = 50;
-/// Steps along the circle in which the pivot is looked for, and how far, rad.
+/// Number of steps along the circle in the search for the pivot, and its range, rad.
 const STEPS: i32 = 200;
 const FARTHEST_RAD: f64 = 0.3;
 
-/// B1, and the share of the tip curve, from the leading edge, at which the circle meets it.
+/// B1, and the fraction of the tip curve, from the leading edge, at which the circle meets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interior {
-    /// The pivot.
+    /// Pivot.
     pub pivot: Flat,
-    /// Where the circle meets the tip curve, 0 to 1.
+    /// Place on the tip curve that the circle meets, 0 to 1.
     pub contact: f64,
-    /// After which turn, rad.
+    /// Turn until then, rad.
     pub turn_rad: f64,
 }
 
-/// The pivot for a first contact within `share` of the tip curve; the one whose contact is nearest to that where none is.
+/// Pivot for a first contact within `share` of the tip curve; the one with the nearest contact if there is none.
 pub fn interior(suction: &Side, cutter: &CupMill, base: &Base, turn: Turn, share: f64) -> Option<Interior> {
     let spoke = base.interior - base.centre;
     let leading = suction.tip(suction.edges[0]) - base.centre;
@@ -70,7 +71,7 @@ pub fn interior(suction: &Side, cutter: &CupMill, base: &Base, turn: Turn, share
     Some(Interior { pivot: pivot(best.0), contact: best.1.0, turn_rad: best.1.1 })
 }
 
-/// Share of the tip curve that the inner circle meets first, and the turn until then.
+/// Fraction of the tip curve that the inner circle meets first, and the turn until then.
 fn first_contact(suction: &Side, cutter: &CupMill, centre: Flat, pivot: Flat, turn: Turn) -> Option<(f64, f64)> {
     let turning = Turning { cutter, centre, bottom_mm: 0.0, pivot, turn };
     let [first, last] = suction.edges;

@@ -1,5 +1,5 @@
-//! The path of a level (PATHLOW, PATH; Petean, section 3.3.3): from the base position about A until the ring meets a blade or the hub (D), and
-//! about B1 likewise (E).
+//! Path of a level (PATHLOW, PATH; Petean, section 3.3.3): from the base position about A until the ring meets a blade
+//! or the hub (D), and likewise about B1 (E).
 
 use crate::search::Least;
 use crate::vector::{Flat, Point};
@@ -7,32 +7,32 @@ use crate::vector::{Flat, Point};
 use super::patch::Patch;
 use super::turn::{Circle, Turning};
 
-/// What a turn ended at.
+/// Surface at which a turn ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Obstacle {
-    /// The pressure side with its allowance.
+    /// Pressure side with its allowance.
     Pressure,
-    /// The suction side with its.
+    /// Suction side with its allowance.
     Suction,
-    /// The hub with its.
+    /// Hub with its allowance.
     Hub,
 }
 
-/// Where a turn ends.
+/// End of a turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// By how much it turned, rad.
+    /// Turn, rad.
     pub turn_rad: f64,
-    /// The tool's centre.
+    /// Centre of the tool.
     pub centre: Flat,
-    /// What it met: what, with which circle, where.
+    /// Contact: surface, circle of the ring, and point.
     pub at: Option<(Obstacle, Circle, Point)>,
 }
 
-/// Beyond this a turn has left the slot, rad.
+/// Turn that leaves the slot, rad.
 pub const TURN_MAX_RAD: f64 = 0.6;
 
-/// The end of a turn among `obstacles`.
+/// End of a turn among `obstacles`.
 pub fn stop(turning: &Turning<'_>, obstacles: &[(Obstacle, &Patch)]) -> Stop {
     let until = |point: &Point| turning.until(point).map_or(f64::INFINITY, |(turn_rad, _)| turn_rad);
     let met =

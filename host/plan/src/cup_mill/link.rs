@@ -1,41 +1,43 @@
-//! How far a turn may go so that a straight line leads down from its end to the next level.
+//! Largest turn from whose end a straight line leads clear to the next level.
 //!
-//! The line joins two limit points, and between the levels a limit lies where it does: the ring on its way down may cut what
-//! it clears at both ends. A shorter turn on the upper level helps; none longer than the lower one's is always clear, for then the line goes straight
-//! down, and what a ring clears it clears from above. With the worst place of the line, at a share s of it from above, p deep:
+//! The line joins two limit points. Between the levels the limit may bulge inwards: the ring on its way down may cut
+//! material that it clears at both ends. A shorter turn on the upper level helps; one no longer than that on the lower
+//! level is always clear, for then the line goes straight down, and the ring clears from above what it clears below.
+//! With the worst place of the line, at a fraction s of it from above, p deep:
 //!
 //! ```text
 //! turn <- turn - p / (L (1 - s))                                              (1)
 //! ```
 //!
-//! L is the arm of the turn, so that (1) takes the ring back by p there; but never by more than half of what is longer than below.
+//! L is the arm of the turn, so that (1) moves the ring back by p there; but never by more than half of the excess over
+//! the lower turn.
 
 use crate::vector::{Flat, Point};
 
 use super::patch::Patch;
 use super::turn::Turning;
 
-/// Places on the line that are looked at.
+/// Fractions of the line that are checked.
 const PLACES: [f64; 7] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875];
-/// So deep counts as clear, mm: the line is a chord of the turn, and a side that the pivot lies on would allow none.
+/// Depth that counts as clear, mm: the line is a chord of the turn, and a side through the pivot would allow none.
 const CLEAR_MM: f64 = 0.01;
-/// Turns are shortened so often before they are given up for the lower one's.
+/// Number of shortenings after which the lower level's turn is used.
 const ROUNDS_MAX: usize = 8;
-/// Every second sample, each way, tells which place of the line is the worst.
+/// Stride through the samples: every second one in both directions is enough to find the worst place of the line.
 const STRIDE: usize = 2;
 
-/// The end of a line on the lower level.
+/// End of a line on the lower level.
 #[derive(Clone, Copy, Debug)]
 pub struct Below {
-    /// The tool's centre there.
+    /// Centre of the tool.
     pub centre: Flat,
-    /// Its bottom, mm.
+    /// Bottom of the tool, mm.
     pub bottom_mm: f64,
-    /// Its turn, rad.
+    /// Turn, rad.
     pub turn_rad: f64,
 }
 
-/// The turn, at most `turn_rad`, from whose end a line leads to `below` clear of `walls`.
+/// Turn, at most `turn_rad`, from whose end a line leads to `below` clear of `walls`.
 pub fn shortened_rad(turning: &Turning<'_>, turn_rad: f64, below: &Below, walls: &[&Patch]) -> f64 {
     let arm_mm = (turning.centre - turning.pivot).norm();
     let mut turn_rad = turn_rad;
@@ -61,7 +63,7 @@ struct Line<'l> {
 }
 
 impl Line<'_> {
-    /// The share of the line at which the ring is deepest in a wall, and how deep.
+    /// Fraction of the line at which the ring is deepest in a wall, and that depth.
     fn worst(&self, walls: &[&Patch]) -> (f64, f64) {
         let mut worst = (PLACES[0], f64::NEG_INFINITY);
         for wall in walls {

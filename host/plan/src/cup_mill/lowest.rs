@@ -1,19 +1,21 @@
-//! How deep the tool goes: the lowest level, and those above it (Petean, section 3.3.3).
+//! Depth of the tool: the lowest level, and those above it (Petean, section 3.3.3).
 //!
 //! ```text
 //! lowest = max over the hub's offset of  z - underside(|q - C|)              (1)
 //! ADC_EFF = depth / n,  n = ceil(depth / ADC_MAX)                            (2)
 //! ```
 //!
-//! Depth is that of the cutting plane, an insert's radius above the bottom: from the highest material that the ring meets at the base position
-//! down to its lowest level. So there are n + 1 levels, and the first one cuts with the rounding of the inserts alone.
+//! The depth is that of the cutting plane, an insert's radius above the bottom: from the highest material that the ring
+//! meets at the base position down to its lowest level. So there are n + 1 levels, and the first one cuts with the
+//! rounding of the inserts alone.
 
 use crate::cutter::CupMill;
 use crate::vector::{Flat, Point};
 
 use super::patch::Patch;
 
-/// The lowest position of the tool's bottom at `centre` above `hub` (with allowance), mm. Nothing if the ring is nowhere above it.
+/// Lowest position of the tool's bottom at `centre` above `hub` (with allowance), mm. `None` if the ring is nowhere
+/// above it.
 pub fn lowest_mm(cutter: &CupMill, centre: Flat, hub: &Patch) -> Option<f64> {
     let deepest = |q: &Point| {
         let radius_mm = (q.xy() - centre).norm();
@@ -22,7 +24,7 @@ pub fn lowest_mm(cutter: &CupMill, centre: Flat, hub: &Patch) -> Option<f64> {
     hub.least(deepest).map(|least| -least.value) // (1)
 }
 
-/// The highest place of the blank's `roof` under the ring at `centre`, mm. Nothing if the ring is nowhere above it.
+/// Highest place of the blank's `roof` under the ring at `centre`, mm. `None` if the ring is nowhere above it.
 pub fn top_mm(cutter: &CupMill, centre: Flat, roof: &Patch) -> Option<f64> {
     let under = |p: &Point| {
         let radius_mm = (p.xy() - centre).norm();
@@ -37,7 +39,7 @@ pub fn top_mm(cutter: &CupMill, centre: Flat, roof: &Patch) -> Option<f64> {
 pub fn levels_mm(cutter: &CupMill, top_mm: f64, lowest_mm: f64, depth_max_mm: f64) -> Vec<f64> {
     let first_mm = top_mm - cutter.insert_radius_mm;
     let depth_mm = (first_mm - lowest_mm).max(0.0);
-    // A depth that is a whole number of steps but for rounding is that number.
+    // A depth that is a whole number of steps except for rounding is that number.
     let steps = libm::ceil(depth_mm / depth_max_mm - 1e-9).max(0.0);
     let step_mm = if steps > 0.0 { depth_mm / steps } else { 0.0 }; // (2)
     (0..=steps as u32).map(|index| lowest_mm + step_mm * (steps - f64::from(index))).collect()

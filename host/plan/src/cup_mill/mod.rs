@@ -1,4 +1,4 @@
-//! The method, one step a file: from the blades about a slot to the way of a cup mill's centre through it.
+//! Planning method, one step per file: from the blades about a slot to the path of a cup mill's centre through it.
 
 pub mod patch;
 

@@ -1,4 +1,4 @@
-//! A surface the tool may come up to, ready to be searched: the least value of a function over its points.
+//! Surface near which the tool may come, prepared for a search: the least value of a function over its points.
 
 use std::fmt;
 use std::sync::Arc;
@@ -8,14 +8,14 @@ use nalgebra::Rotation3;
 use crate::search::{Least, descend};
 use crate::vector::Point;
 
-/// Best samples from which a search descends.
+/// Number of best samples from which a search descends.
 const STARTS: usize = 4;
-/// Samples nearer than this, in their mean spacing, lead to one place.
+/// Distance below which samples lead to the same place, in mean spacings.
 const ONE_PLACE: f64 = 2.5;
 
 type Surface = dyn Fn(f64, f64) -> Point + Send + Sync;
 
-/// A surface over a rectangle of parameters.
+/// Surface over a rectangle of parameters.
 pub struct Patch {
     point: Arc<Surface>,
     ranges: [[f64; 2]; 2],
@@ -31,7 +31,7 @@ impl fmt::Debug for Patch {
 }
 
 impl Patch {
-    /// `point` over `ranges`, searched on samples so many steps apart.
+    /// `point` over `ranges`, with samples at `steps` per direction.
     pub fn new(
         ranges: [[f64; 2]; 2],
         steps: [usize; 2],
@@ -40,7 +40,7 @@ impl Patch {
         let place = |axis: usize, index: usize| {
             let [low, high] = ranges[axis];
             let share = index as f64 / steps[axis] as f64;
-            // Closer along the border, where blades are round.
+            // Denser along the border, where blades are round.
             low + (high - low) * (1.0 - libm::cos(core::f64::consts::PI * share)) / 2.0
         };
         let places = (0..=steps[0]).flat_map(|i| (0..=steps[1]).map(move |j| [place(0, i), place(1, j)]));
@@ -48,31 +48,31 @@ impl Patch {
         Patch { point: Arc::new(point), ranges, steps, samples }
     }
 
-    /// The same surface turned about the origin.
+    /// The same surface after a rotation about the origin.
     pub fn turned(&self, turn: &Rotation3<f64>) -> Self {
         let (point, turn) = (Arc::clone(&self.point), *turn);
         let samples = self.samples.iter().map(|(at, point)| (*at, turn * point)).collect();
         Patch { point: Arc::new(move |u, v| turn * point(u, v)), samples, ..*self }
     }
 
-    /// The point at `(u, v)`.
+    /// Point at `(u, v)`.
     pub fn point(&self, u: f64, v: f64) -> Point {
         (self.point)(u, v)
     }
 
-    /// The points on which it is searched.
+    /// Points on which it is searched.
     pub fn samples(&self) -> impl Iterator<Item = &Point> {
         self.samples.iter().map(|(_, point)| point)
     }
 
-    /// Every `stride`th of them each way, with the border: for what is asked often and needs no more.
+    /// Every `stride`th sample in both directions, with the border: for frequent queries that need no more.
     pub fn thinned(&self, stride: usize) -> impl Iterator<Item = &Point> {
         let row = self.steps[1] + 1;
         let is_kept = move |index: usize| (index / row).is_multiple_of(stride) && (index % row).is_multiple_of(stride);
         self.samples.iter().enumerate().filter(move |(index, _)| is_kept(*index)).map(|(_, (_, point))| point)
     }
 
-    /// Where a function of the points is least. Places where it is infinite do not count.
+    /// Minimum of a function over the points. Places where it is infinite are ignored.
     pub fn least(&self, f: impl Fn(&Point) -> f64) -> Option<Least> {
         let valued = self.samples.iter().map(|(at, point)| Least { at: *at, value: f(point) });
         let mut candidates: Vec<Least> = valued.filter(|least| least.value.is_finite()).collect();

@@ -1,4 +1,4 @@
-//! The plan of one slot: every step of the method, in order.
+//! Plan of one slot: all steps of the method, in order.
 
 use arcfeed_shared::nc::modal::Turn;
 use nalgebra::Rotation3;
@@ -20,82 +20,83 @@ use super::patch::Patch;
 use super::side::{FarEdge, Hub, Trim, floor, roof};
 use super::turns::{Around, Turns};
 
-/// What the planner may do.
+/// Requirements on the roughing path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roughing {
-    /// Left on blades and hub, mm.
+    /// Allowance on blades and hub, mm.
     pub allowance_mm: f64,
     /// ADC_MAX, mm.
     pub axial_depth_max_mm: f64,
-    /// How near the leading edge the turn about B1 meets the suction side's tip curve, as a share of it.
+    /// Place where the turn about B1 meets the suction side's tip curve, as a fraction of the curve from the leading
+    /// edge.
     pub interior_contact: f64,
     /// Approach height above the blank, mm.
     pub clearance_mm: f64,
-    /// The tool's axis.
+    /// Choice of the tool's axis.
     pub axis: AxisChoice,
 }
 
-/// Which axis a tool has.
+/// Choice of the tool's axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum AxisChoice {
-    /// LN3 where the ring passes along it, otherwise the direction nearest to it, towards the roomiest, in which it does.
+    /// LN3 if the ring passes along it, otherwise the nearest direction, towards the roomiest one, along which it does.
     #[default]
     Blade,
-    /// The roomiest.
+    /// Direction with the most room.
     Roomiest,
-    /// This one, part frame.
+    /// Given direction, part frame.
     Given(Vector),
-    /// One whose room for the cutter is known.
+    /// Direction with a known room for the cutter.
     Found(Room),
 }
 
-/// A slot's plan.
+/// Plan of a slot.
 #[derive(Clone, Debug)]
 pub struct SlotPlan {
-    /// LN3 and the points it goes through, part frame.
+    /// LN3 and its points, part frame.
     pub blade_axis: Axis,
     /// Room along LN3.
     pub blade_room: Room,
     /// Room along the axis taken.
     pub room: Room,
-    /// Turns the part into the slot frame.
+    /// Rotation from the part frame into the slot frame.
     pub turn: Rotation3<f64>,
-    /// The base position.
+    /// Base position.
     pub base: Base,
     /// B1.
     pub interior: Interior,
-    /// From the top: how the turns about A and about B1 end.
+    /// Ends of the turns about A and about B1, from the top.
     pub stops: Vec<[Stop; 2]>,
     /// Highest material under the ring at the base position, mm.
     pub top_mm: f64,
-    /// The way.
+    /// Path.
     pub path: SlotPath,
 }
 
-/// Room that a direction must leave before another is looked for, mm: rooms are judged on samples of the sides.
+/// Room below which another direction is searched, mm: rooms are computed on samples of the sides.
 const ENOUGH_MM: f64 = 0.1;
 
-/// What of a slot is the same for every cutter and every direction of the tool.
+/// Data of a slot that are the same for every cutter and every direction of the tool.
 pub struct Prepared<'s> {
     pressure: Trim<'s>,
     suction: Trim<'s>,
     hub: Patch,
     roof: Patch,
     blade_axis: Axis,
-    /// Its sides, as far as directions are judged by them.
+    /// Sides of the slot, for choosing directions.
     pub walls: Walls,
 }
 
 /// Plans the slot of a rotor, given in the part frame.
 ///
 /// # Errors
-/// The ring does not pass, or does not reach.
+/// The ring does not pass, or does not reach the hub.
 pub fn plan(blisk: &Blisk, slot: &Slot, cutter: &CupMill, roughing: &Roughing) -> Result<SlotPlan, Infeasible> {
     Prepared::new(blisk, slot, roughing.allowance_mm)?.plan(cutter, roughing).map(|(plan, _)| plan)
 }
 
 impl<'s> Prepared<'s> {
-    /// A slot with its allowance.
+    /// Prepares a slot with its allowance.
     ///
     /// # Errors
     /// A blade is not above the hub.
@@ -119,10 +120,10 @@ impl<'s> Prepared<'s> {
         Ok(Prepared { pressure, suction, hub, roof, blade_axis, walls })
     }
 
-    /// The plan, and what stands about the slot in its frame. The allowance is that which the slot was prepared for.
+    /// The plan, and the surroundings of the slot in its frame. The allowance is that for which the slot was prepared.
     ///
     /// # Errors
-    /// The ring does not pass, or does not reach.
+    /// The ring does not pass, or does not reach the hub.
     pub fn plan(&self, cutter: &CupMill, roughing: &Roughing) -> Result<(SlotPlan, Around), Infeasible> {
         let Prepared { pressure, suction, hub, roof, blade_axis, walls } = self;
         let blade_room = walls.room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
@@ -146,7 +147,7 @@ impl<'s> Prepared<'s> {
         Ok((plan, around))
     }
 
-    /// The blade's axis, or the direction nearest to it, towards the roomiest, that has room.
+    /// Blade's axis, or the nearest direction, towards the roomiest one, with enough room.
     pub fn near_blade(&self, cutter: &CupMill, roomiest: impl Fn() -> Option<Room>) -> Option<Room> {
         let blade = self.walls.room(cutter, &self.blade_axis.direction)?;
         if blade.room_mm >= ENOUGH_MM {
@@ -157,7 +158,7 @@ impl<'s> Prepared<'s> {
     }
 }
 
-/// What is the same on all levels.
+/// Data that are the same on all levels.
 struct Way<'a> {
     around: &'a Around,
     base: Base,
@@ -166,12 +167,12 @@ struct Way<'a> {
 }
 
 impl Around {
-    /// Base position and B1. Nothing if no position touches both blades as it should.
+    /// Base position and B1. `None` if no position touches both blades as required.
     fn way(&self, cutter: &CupMill, roughing: &Roughing) -> Option<Way<'_>> {
         let Around { pressure, suction, .. } = self;
         let lines = [pressure.tip(pressure.edges[0]), suction.tip(suction.edges[1])];
         let base = settle([pressure, suction], cutter, lines)?;
-        // In the sense in which the outer circle, turned about A, comes nearer to the pressure side's middle.
+        // Sense in which the outer circle, turned about A, approaches the pressure side's middle.
         let spoke = pressure.tip_middle() - base.exterior;
         let away = pressure.tip_middle() - suction.tip_middle();
         let outward = if spoke.perp(&away) >= 0.0 { Turn::Ccw } else { Turn::Cw };
@@ -225,7 +226,7 @@ fn bearings(slot: &Slot) -> [f64; 2] {
 }
 
 impl SlotPlan {
-    /// The tool's axis, part frame.
+    /// Tool axis, part frame.
     pub fn tool_axis(&self) -> Vector {
         self.room.direction
     }

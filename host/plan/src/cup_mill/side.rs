@@ -1,10 +1,11 @@
-//! One side of a blade with its allowance, and the hub with its.
+//! One side of a blade with its allowance, and the hub with its allowance.
 //!
-//! The round edges of a blade belong to both of its sides; a side in the sense of the method is what lies between them, as in a CAD model: where
-//! the normal stays near that of the middle. The ring turns about points beside one of its edges; at the other one, which it comes up to, the
-//! round is looked at, too. (About a point of the first edge's own round a ring cannot turn without cutting into it: by half the square of the
-//! turn, of the allowance.) A side begins where it leaves the hub with its allowance, and goes on above the tip, straight, by
-//! the allowance: the tip's edge is to keep its distance, too.
+//! The round edges of a blade belong to both of its sides. A side in the sense of the method is the part between them,
+//! as in a CAD model: where the normal stays near that of the middle. The ring turns about points beside one of its
+//! edges; at the other edge, which it approaches, the round is included. (About a point of the first edge's own round a
+//! ring cannot turn without cutting into it: by half the square of the turn, relative to the allowance.) A side begins
+//! where it leaves the hub with its allowance, and is extended above the tip, straight, by the allowance: the tip's
+//! edge is to keep its distance, too.
 
 use nalgebra::Rotation3;
 
@@ -16,59 +17,59 @@ use super::patch::Patch;
 
 /// A side of a blade turns by less than this from its middle to its edges, where the round ones begin.
 const EDGE_TURN_DEG: f64 = 35.0;
-/// Steps in which a side is searched.
+/// Search steps of a side.
 const SIDE_STEPS: [usize; 2] = [48, 32];
-/// Steps in which the hub is: a ring that cuts a few hundredths into it does so on a few millimetres of it.
+/// Search steps of the hub: a ring that cuts a few hundredths into it does so on a few millimetres of it.
 const HUB_STEPS: [usize; 2] = [32, 128];
-/// Sections on which that is asked.
+/// Number of sections on which the edges are searched.
 const SECTIONS: i32 = 8;
-/// Steps in which a side is walked from its middle outwards.
+/// Steps from the middle of a side outwards.
 const WALK: i32 = 200;
-/// Halvings that leave nothing of a parameter.
+/// Halvings that exhaust the precision of a parameter.
 const HALVINGS: i32 = 50;
 
-/// A side of a blade with its allowance.
+/// Side of a blade with its allowance.
 #[derive(Debug)]
 pub struct Side {
-    /// The offset surface between the edges, above the hub.
+    /// Offset surface between the edges, above the hub.
     pub patch: Patch,
     /// First and last u of the side between its round edges.
     pub edges: [f64; 2],
-    /// The v at which it leaves the hub.
+    /// Value of v at which the side leaves the hub.
     pub foot: f64,
 }
 
-/// The hub, and what is left on it and on the blades.
+/// Hub and allowance.
 #[derive(Clone, Copy, Debug)]
 pub struct Hub<'h> {
-    /// The hub, part frame.
+    /// Hub, part frame.
     pub hub: &'h Revolution,
-    /// The allowance, mm.
+    /// Allowance on hub and blades, mm.
     pub allowance_mm: f64,
 }
 
-/// Which round edge the ring comes up to.
+/// Round edge that the ring approaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FarEdge {
-    /// The leading one: of a suction side.
+    /// Leading edge: of a suction side.
     Leading,
-    /// The trailing one: of a pressure side.
+    /// Trailing edge: of a pressure side.
     Trailing,
 }
 
-/// Where a side of a blade counts, part frame: the same for every direction of the tool.
+/// Relevant part of a blade's side, part frame: the same for every direction of the tool.
 #[derive(Debug)]
 pub struct Trim<'f> {
     face: &'f Face,
     allowance_mm: f64,
-    /// First and last u, with the far edge's round.
+    /// First and last u, with the round of the far edge.
     around: [f64; 2],
     edges: [f64; 2],
     foot: f64,
 }
 
 impl<'f> Trim<'f> {
-    /// The part of `face` above the hub's allowance. Nothing if the blade is not above it anywhere.
+    /// Part of `face` above the hub's allowance. `None` if the blade is nowhere above it.
     pub fn new(face: &'f Face, far: FarEdge, above: &Hub<'_>) -> Option<Self> {
         let edges = edges(face);
         let around = match far {
@@ -79,7 +80,7 @@ impl<'f> Trim<'f> {
         Some(Trim { face, allowance_mm: above.allowance_mm, around, edges, foot })
     }
 
-    /// The side after `turn`.
+    /// The side after the rotation `turn`.
     pub fn side(&self, turn: &Rotation3<f64>) -> Side {
         let Trim { allowance_mm, around, edges, foot, .. } = *self;
         let face = self.face.turned(turn);
@@ -94,19 +95,20 @@ impl<'f> Trim<'f> {
 }
 
 impl Side {
-    /// The side of `face`, which is given in the part frame, with the hub's allowance, after `turn`.
-    /// Nothing if the blade is not above it anywhere.
+    /// Side of `face`, which is given in the part frame, with the hub's allowance, after the rotation `turn`. `None` if
+    /// the blade is nowhere above it.
     pub fn new(face: &Face, far: FarEdge, above: &Hub<'_>, turn: &Rotation3<f64>) -> Option<Self> {
         Trim::new(face, far, above).map(|trim| trim.side(turn))
     }
 
-    /// A point of the side between its edges, by shares of the way from the leading to the trailing edge and from the hub to the tip.
+    /// Point of the side between its edges, by fractions of the way from the leading to the trailing edge and from the
+    /// hub to the tip.
     pub fn at(&self, [along, up]: [f64; 2]) -> Point {
         let between = |[from, to]: [f64; 2], share: f64| from + (to - from) * share;
         self.patch.point(between(self.edges, along), between([self.foot, 1.0], up))
     }
 
-    /// A point of the tip's edge, seen along the tool.
+    /// Point of the tip's edge, seen along the tool.
     pub fn tip(&self, u: f64) -> Flat {
         self.patch.point(u, 1.0).xy()
     }
@@ -130,7 +132,7 @@ pub fn floor(blisk: &Blisk, allowance_mm: f64, about: [f64; 2]) -> Patch {
     })
 }
 
-/// The blank's round outside about the slot, in the part frame.
+/// Outer surface of the blank about the slot, in the part frame.
 pub fn roof(blisk: &Blisk, about: [f64; 2]) -> Patch {
     let radius_mm = blisk.blank.radius_mm;
     Patch::new([blisk.blank.faces_mm, about], SIDE_STEPS, move |z, angle| {
@@ -151,21 +153,21 @@ pub fn edges(face: &Face) -> [f64; 2] {
     bounds.fold([0.0, 1.0], |[first, last]: [f64; 2], [low, high]| [first.max(low), last.min(high)])
 }
 
-/// Where on a section's height a side with its allowance leaves the hub with its.
+/// Value of v at which a side with its allowance leaves the hub with its allowance.
 pub fn leaves_hub(face: &Face, hub: &Revolution, allowance_mm: f64, u: f64) -> Option<f64> {
     let is_above = |v: f64| hub.height_mm(&face.offset(u, v, allowance_mm)) >= allowance_mm;
     is_above(1.0).then(|| farthest(1.0, 0.0, is_above))
 }
 
-/// The lowest of these heights.
+/// Lowest of these heights.
 fn foot(face: &Face, hub: &Revolution, allowance_mm: f64, [first, last]: [f64; 2]) -> Option<f64> {
     let places = (0..=SECTIONS).map(|i| first + (last - first) * f64::from(i) / f64::from(SECTIONS));
     places.filter_map(|u| leaves_hub(face, hub, allowance_mm, u)).min_by(f64::total_cmp)
 }
 
-/// The farthest place from `inside` towards `end` up to which `holds` does.
+/// Farthest place from `inside` towards `end` up to which `holds` is true.
 fn farthest(inside: f64, end: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    // Walked, not only halved: a curve may waver about its end.
+    // In steps, not only by halving: a curve may waver about its end.
     let mut good = inside;
     for step in 1..=WALK {
         let place = inside + (end - inside) * f64::from(step) / f64::from(WALK);
@@ -182,7 +184,7 @@ fn farthest(inside: f64, end: f64, holds: impl Fn(f64) -> bool) -> f64 {
     good
 }
 
-/// The pressure side's normal where its tip meets its leading edge, and that place: PT1.
+/// Tip point of the pressure side's leading edge (PT1), and the normal there.
 pub fn leading_tip(face: &Face, allowance_mm: f64) -> (Point, Vector) {
     let [first, _] = edges(face);
     (face.offset(first, 1.0, allowance_mm), face.normal(first, 1.0))

@@ -1,7 +1,7 @@
-//! By how much a tool may turn about a point of its own circle before it meets something.
+//! Largest turn of a tool about a point of its own circle before it meets something.
 //!
-//! The tool is a solid of revolution: when its centre turns about a pivot, it moves as if it were turned as a whole. A fixed point q is
-//! met where the annulus at its height, [r_h, R_h], arrives:
+//! The tool is a solid of revolution: when its centre turns about a pivot, it moves as if it were rotated as a whole.
+//! The contact with a fixed point q occurs when the annulus at its height, [r_h, R_h], reaches it:
 //!
 //! ```text
 //! |q - C|^2 = s^2 + L^2 - 2 s L cos(psi),  s = |q - pivot|, L = |C - pivot|   (1)
@@ -9,40 +9,40 @@
 //! turn = least positive of  +-(psi0 -+ psi_h)                                 (3)
 //! ```
 //!
-//! with psi the angle from C to q as the pivot sees it, psi0 its value at the beginning. So the turn up to contact with a surface is the least
-//! of (3) over its points, and nothing is passed over: no steps in time.
+//! with psi the angle from C to q seen from the pivot, psi0 its value at the beginning. So the turn up to contact with
+//! a surface is the least value of (3) over its points, without gaps: there are no steps in time.
 
 use arcfeed_shared::nc::modal::Turn;
 
 use crate::cutter::CupMill;
 use crate::vector::{Flat, Point};
 
-/// A tool about to turn.
+/// Tool before a turn.
 #[derive(Clone, Copy, Debug)]
 pub struct Turning<'c> {
-    /// What turns.
+    /// Cutter.
     pub cutter: &'c CupMill,
-    /// Its centre at the beginning.
+    /// Centre at the beginning.
     pub centre: Flat,
-    /// Its bottom, mm.
+    /// Bottom of the tool, mm.
     pub bottom_mm: f64,
-    /// What it turns about.
+    /// Pivot.
     pub pivot: Flat,
-    /// In which sense.
+    /// Sense of the turn.
     pub turn: Turn,
 }
 
-/// Which circle of the ring meets a point.
+/// Circle of the ring that meets a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Circle {
-    /// The inner one.
+    /// Inner circle.
     Inner,
-    /// The outer one.
+    /// Outer circle.
     Outer,
 }
 
 impl Turning<'_> {
-    /// The turn, rad, after which the ring meets `point`; nothing if it never does or has it inside already.
+    /// Turn, rad, after which the ring meets `point`; `None` if it never does or already contains it.
     pub fn until(&self, point: &Point) -> Option<(f64, Circle)> {
         let radii = self.cutter.radii_mm(point.z - self.bottom_mm)?;
         let place = Flat::new(point.x, point.y);
@@ -52,7 +52,7 @@ impl Turning<'_> {
         self.circle_until(place, radius_mm, circle).map(|turn| (turn, circle))
     }
 
-    /// Where the centre is after a turn.
+    /// Centre after a turn.
     pub fn centre_after(&self, turn_rad: f64) -> Flat {
         let turn = nalgebra::Rotation2::new(turn_rad * self.sense());
         self.pivot + turn * (self.centre - self.pivot)
@@ -62,8 +62,8 @@ impl Turning<'_> {
         if self.turn == Turn::Ccw { 1.0 } else { -1.0 }
     }
 
-    /// The turn, rad, after which the ring's circle of `radius_mm` goes through `place`: none where it never does, 0 where the ring
-    /// has it already.
+    /// Turn, rad, after which the ring's circle of `radius_mm` goes through `place`; `None` if it never does, 0 if the
+    /// ring is there already.
     pub fn circle_until(&self, place: Flat, radius_mm: f64, circle: Circle) -> Option<f64> {
         let (to_place, to_centre) = (place - self.pivot, self.centre - self.pivot);
         let (s, l) = (to_place.norm(), to_centre.norm());
@@ -86,5 +86,6 @@ impl Turning<'_> {
     }
 }
 
-/// Touching is no contact, mm: the pivot's own place stays on its circle, and rounding must not make it one.
+/// Depth up to which touching is no contact, mm: the pivot's own place stays on its circle, and rounding must not make
+/// it a contact.
 const TOUCH_MM: f64 = 2e-6;

@@ -15,34 +15,34 @@ use super::patch::Patch;
 use super::side::Side;
 use super::turn::Turning;
 
-/// What stands about a slot with its allowance, slot frame.
+/// Surroundings of a slot with their allowance, slot frame.
 #[derive(Debug)]
 pub struct Around {
-    /// The pressure side.
+    /// Pressure side.
     pub pressure: Side,
-    /// The suction side.
+    /// Suction side.
     pub suction: Side,
-    /// The hub.
+    /// Hub.
     pub hub: Patch,
 }
 
 /// Both turns out of the base position.
 pub struct Turns<'a> {
-    /// What stops them.
+    /// Surroundings that stop the turns.
     pub around: &'a Around,
-    /// What turns.
+    /// Cutter.
     pub cutter: &'a CupMill,
-    /// Its centre at the base position.
+    /// Centre at the base position.
     pub centre: Flat,
     /// A, B1.
     pub pivots: [Flat; 2],
-    /// In which sense.
+    /// Senses of both turns.
     pub outward: Turn,
 }
 
-/// Places along an arc where the hub is asked for.
+/// Number of places along an arc at which the hub is checked.
 const HUB_STEPS: i32 = 12;
-/// How often the lowest level is raised for its arcs.
+/// Number of corrections of the lowest level for its arcs.
 const HUB_ROUNDS: i32 = 2;
 
 impl Turns<'_> {
@@ -50,13 +50,13 @@ impl Turns<'_> {
         Turning { cutter: self.cutter, centre: self.centre, bottom_mm, pivot, turn: self.outward }
     }
 
-    /// The lowest level: at which the whole of its path is clear of the hub.
+    /// Lowest level at which the whole path is clear of the hub.
     pub fn lowest_mm(&self) -> Option<f64> {
         let hub = &self.around.hub;
         let mut low_mm = lowest_mm(self.cutter, self.centre, hub)?;
         let blades =
             [(Obstacle::Pressure, &self.around.pressure.patch), (Obstacle::Suction, &self.around.suction.patch)];
-        // Higher up the turns are longer, so they are asked again.
+        // Higher up the turns are longer, so they are computed again.
         for _ in 0..HUB_ROUNDS {
             low_mm = self.pivots.into_iter().fold(low_mm, |low_mm, pivot| {
                 let turning = self.turning(pivot, low_mm);
@@ -67,7 +67,7 @@ impl Turns<'_> {
         Some(low_mm)
     }
 
-    /// The lowest position that the hub allows all along a turn.
+    /// Lowest position that the hub allows along a whole turn.
     fn highest_hub_mm(&self, turning: &Turning<'_>, whole_rad: f64) -> Option<f64> {
         let allowed = |[share, _]: [f64; 2]| {
             let centre = turning.centre_after(whole_rad * share);
@@ -79,7 +79,8 @@ impl Turns<'_> {
         found.value.is_finite().then_some(-found.value)
     }
 
-    /// How the turns end, level by level. Where one meets nothing, there is no more of the slot than below it.
+    /// Ends of the turns, level by level. If a turn meets nothing, the slot ends there, and the turn of the level below
+    /// is used.
     pub fn stops(&self, heights_mm: &[f64]) -> Vec<[Stop; 2]> {
         let Around { pressure, suction, hub, .. } = self.around;
         let obstacles =

@@ -1,4 +1,4 @@
-//! One blade as sections: what a generator makes and what files tell.
+//! Sections of one blade, from a generator or from files.
 
 use crate::vector::{Point, Vector};
 
@@ -8,13 +8,13 @@ use super::face::{Face, FaceError};
 /// Sections of one blade, from the hub to the tip; each side from the leading to the trailing edge. Part frame, mm.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sections {
-    /// The concave side.
+    /// Concave side.
     pub pressure: Vec<Vec<Point>>,
-    /// The convex side.
+    /// Convex side.
     pub suction: Vec<Vec<Point>>,
 }
 
-/// About which axis of its own coordinates a rotor was drawn.
+/// Axis of rotation in the coordinates of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RotorAxis {
     /// x
@@ -27,7 +27,7 @@ pub enum RotorAxis {
 }
 
 impl RotorAxis {
-    /// A place of the drawing in the part frame: axes change places in turn, so that no rotor is mirrored.
+    /// Converts a place of the file to the part frame by a cyclic change of axes, which mirrors no rotor.
     pub fn to_part(self, [x, y, z]: [f64; 3]) -> Point {
         match self {
             RotorAxis::X => Point::new(y, z, x),
@@ -41,30 +41,31 @@ impl Sections {
     /// Surfaces through the sections: pressure, then suction side.
     ///
     /// # Errors
-    /// As [`Face::through`].
+    /// See [`Face::through`].
     pub fn faces(&self) -> Result<[Face; 2], FaceError> {
         let out = self.across();
         Ok([Face::through(&self.pressure, out)?, Face::through(&self.suction, -out)?])
     }
 
-    /// From the suction to the pressure side, all points together: a place where they have changed sides does not turn it.
+    /// Vector from the suction to the pressure side, over all points together: single places with exchanged sides do
+    /// not turn it.
     fn across(&self) -> Vector {
         let pairs = self.pressure.iter().flatten().zip(self.suction.iter().flatten());
         pairs.map(|(pressure, suction)| pressure - suction).sum()
     }
 
-    /// How much longer the suction side is, mm, all sections together. A camber makes it so.
+    /// Extra length of the suction side, mm, all sections together, which comes from the camber.
     pub fn bulge_mm(&self) -> f64 {
         let whole_mm = |side: &[Vec<Point>]| side.iter().map(|points| length_mm(points)).sum::<f64>();
         whole_mm(&self.suction) - whole_mm(&self.pressure)
     }
 
-    /// The same blade with its sides the other way round.
+    /// The same blade with its sides exchanged.
     pub fn swapped(self) -> Self {
         Sections { pressure: self.suction, suction: self.pressure }
     }
 
-    /// How high each section stands above the hub, mm, by its points.
+    /// Mean height of each section above the hub, mm.
     pub fn heights_mm(&self, hub: &Revolution) -> Vec<f64> {
         let sides = self.pressure.iter().zip(&self.suction);
         sides

@@ -1,41 +1,41 @@
-//! A rotor with its blades in one piece.
+//! Bladed rotor in one piece.
 
 use crate::vector::{Point, Vector};
 
 use super::face::Face;
 
-/// A surface of revolution about the rotor's axis: its generatrix as a polyline, `[z, radius]`, z growing, mm.
+/// Surface of revolution about the rotor's axis: its generatrix as a polyline, `[z, radius]`, with increasing z, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Revolution {
-    /// The generatrix.
+    /// Generatrix.
     pub profile_mm: Vec<[f64; 2]>,
 }
 
-/// The blank, as it comes to the machine: a ring about the rotor's axis with plane faces.
+/// Blank: a ring about the rotor's axis with plane faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blank {
-    /// Its outer radius, mm.
+    /// Outer radius, mm.
     pub radius_mm: f64,
-    /// Where its faces lie along the rotor's axis, lower first, mm.
+    /// Places of the faces along the rotor's axis, lower first, mm.
     pub faces_mm: [f64; 2],
 }
 
-/// A blisk: one blade, and how often it is there. Part frame.
+/// Blisk: one blade and the number of blades. Part frame.
 #[derive(Clone, Debug)]
 pub struct Blisk {
-    /// Blades, evenly about the axis.
+    /// Number of blades, evenly about the axis.
     pub blades: u32,
     /// Pressure side of the first blade.
     pub pressure: Face,
     /// Suction side of the first blade.
     pub suction: Face,
-    /// The gas path between the blades.
+    /// Gas path between the blades.
     pub hub: Revolution,
-    /// What it is cut from.
+    /// Blank.
     pub blank: Blank,
 }
 
-/// What a cutter finds on both sides of a slot: the pressure side of one blade and the suction side of the next. Any frame.
+/// Both sides of a slot: the pressure side of one blade and the suction side of the next. Any frame.
 #[derive(Clone, Debug)]
 pub struct Slot {
     /// Pressure side, u from the leading edge, v from the hub.
@@ -45,7 +45,7 @@ pub struct Slot {
 }
 
 impl Revolution {
-    /// Its radius at a place along the axis, mm; beyond its ends that of the end.
+    /// Radius at a place along the axis, mm; beyond the ends that of the end.
     pub fn radius_mm(&self, z_mm: f64) -> f64 {
         let pieces = self.profile_mm.windows(2);
         let at = pieces.clone().find(|pair| z_mm <= pair[1][0]).or_else(|| pieces.last());
@@ -56,7 +56,7 @@ impl Revolution {
         })
     }
 
-    /// The unit normal at the point of the surface nearest to `point`, away from the axis.
+    /// Unit normal at the point of the surface nearest to `point`, away from the axis.
     pub fn normal(&self, point: &Point) -> Vector {
         let radius_mm = libm::hypot(point.x, point.y);
         let place = [point.z, radius_mm];
@@ -70,14 +70,14 @@ impl Revolution {
         Vector::new(point.x / radius_mm * along, point.y / radius_mm * along, -up).normalize()
     }
 
-    /// How far `point` lies outside of the surface, along the surface's normal, mm; negative below it.
+    /// Height of `point` above the surface, along the surface's normal, mm; negative below it.
     pub fn height_mm(&self, point: &Point) -> f64 {
         let place = [point.z, libm::hypot(point.x, point.y)];
         let nearest = self.profile_mm.windows(2).map(|pair| beside(place, pair[0], pair[1]));
         nearest.min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::INFINITY)
     }
 
-    /// The generatrix between two places along the axis; beyond its ends it goes on at their radii.
+    /// Generatrix between two places along the axis, extended beyond its ends with their radii.
     pub fn between(&self, faces_mm: [f64; 2]) -> Vec<[f64; 2]> {
         let [from, to] = faces_mm.map(|z| [z, self.radius_mm(z)]);
         let inner = self.profile_mm.iter().filter(|place| place[0] > from[0] && place[0] < to[0]);
@@ -85,7 +85,7 @@ impl Revolution {
     }
 }
 
-/// Signed distance of a place from a piece of profile, positive on its outer side.
+/// Signed distance of a place from a piece of the profile, positive on its outer side.
 fn beside(place: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
     let along = [to[0] - from[0], to[1] - from[1]];
     let way = [place[0] - from[0], place[1] - from[1]];

@@ -1,4 +1,4 @@
-//! A closed loop around a blade, split into its two sides.
+//! Closed loop around a blade, split into its two sides.
 //!
 //! The edges are the points marked `le` and `te`. Without marks they are the two points of the loop farthest apart; the leading edge is
 //! the one nearer to where the hub curve begins.
@@ -7,13 +7,13 @@ use crate::vector::Point;
 
 use super::reading::Fault;
 
-/// Points of a side at least.
+/// Least number of points of a side.
 const POINTS_MIN: usize = 5;
 
-/// A gap wider than so many of the loop's widest steps leaves it open.
+/// Largest gap of a closed loop, as a multiple of its widest step.
 const GAP_STEPS: f64 = 2.0;
 
-/// What a point of a loop is marked as.
+/// Mark of a loop's point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
     /// `le`
@@ -22,20 +22,20 @@ pub enum Mark {
     Trailing,
 }
 
-/// A section as it stands in a file.
+/// Section in a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loop {
-    /// Around the blade, the first one repeated at the end or not.
+    /// Points around the blade, the first one repeated at the end or not.
     pub points: Vec<Point>,
     /// Marked points, by their index.
     pub marks: Vec<(usize, Mark)>,
 }
 
 impl Loop {
-    /// Its two sides, both from the leading to the trailing edge; `from_low_z` where the hub curve begins at low z.
+    /// Both sides, from the leading to the trailing edge; `from_low_z` if the hub curve begins at low z.
     ///
     /// # Errors
-    /// It is open, has too few points or wrong marks; `section` counts from 1.
+    /// The loop is open, has too few points or wrong marks; `section` counts from 1.
     pub fn split(mut self, section: usize, from_low_z: bool) -> Result<[Vec<Point>; 2], Fault> {
         self.close(section)?;
         let count = self.points.len();

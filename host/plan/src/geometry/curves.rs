@@ -1,4 +1,4 @@
-//! Blades as ANSYS TurboGrid takes them: `hub.curve`, `shroud.curve` and `profile.curve`.
+//! Blades in the format of ANSYS TurboGrid: `hub.curve`, `shroud.curve` and `profile.curve`.
 //!
 //! ```text
 //! # Profile 1 at 0.00 %
@@ -19,10 +19,10 @@ use super::closed::{Loop, Mark};
 use super::reading::{Drawn, Fault, ReadError, number, words};
 use super::resample::resampled;
 
-/// Points of a side: as many as the file has, but within these.
+/// Least and most points of a side; within these the number in the file is kept.
 const POINTS: [usize; 2] = [41, 161];
 
-/// The rotor of a set of curve files.
+/// Rotor of a set of curve files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
     /// Inner end of the gas path.
@@ -33,7 +33,7 @@ pub struct Curves {
     pub blade: Sections,
 }
 
-/// Which of the files is wrong.
+/// File with the fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Which {
     /// `hub.curve`
@@ -44,7 +44,7 @@ pub enum Which {
     Profile,
 }
 
-/// The texts of the three files.
+/// Texts of the three files.
 #[derive(Clone, Copy, Debug)]
 pub struct Texts<'t> {
     /// `hub.curve`
@@ -58,7 +58,7 @@ pub struct Texts<'t> {
 /// Reads a set of curve files.
 ///
 /// # Errors
-/// What is wrong, in which file and where.
+/// The file and the fault with its place.
 pub fn read(texts: &Texts<'_>, drawn: &Drawn) -> Result<Curves, (Which, ReadError)> {
     let (hub, from_low_z) = revolution(texts.hub, drawn).map_err(|error| (Which::Hub, error))?;
     let (shroud, _) = revolution(texts.shroud, drawn).map_err(|error| (Which::Shroud, error))?;
@@ -67,7 +67,7 @@ pub fn read(texts: &Texts<'_>, drawn: &Drawn) -> Result<Curves, (Which, ReadErro
     Ok(Curves { hub, shroud, blade })
 }
 
-/// A generatrix, and whether it begins at low z.
+/// Generatrix, and whether it begins at low z.
 fn revolution(text: &str, drawn: &Drawn) -> Result<(Revolution, bool), ReadError> {
     let mut places: Vec<([f64; 2], usize)> = Vec::new();
     for (at, line) in text.lines().enumerate() {
@@ -99,7 +99,7 @@ fn check_shroud(hub: &Revolution, shroud: &Revolution) -> Result<(), Fault> {
     }
 }
 
-/// The point of a line and its mark; none where there is nothing but a remark.
+/// Point of a line and its mark; `None` for a line with only a remark.
 fn point(text: &str, line: usize, drawn: &Drawn) -> Result<Option<(Point, Option<Mark>)>, ReadError> {
     let words = words(text);
     let mut place = [0.0; 3];
@@ -149,7 +149,7 @@ fn profiles(text: &str, drawn: &Drawn, hub: &Revolution, from_low_z: bool) -> Re
     Ok(blade)
 }
 
-/// Which side is which: the convex one is the suction side. Every section's first side is the one at greater angles.
+/// Assigns the sides: the convex one is the suction side. Every section's first side is the one at greater angles.
 fn told_apart(sides: Vec<[Vec<Point>; 2]>) -> Sections {
     let most = sides.iter().flatten().map(Vec::len).max().unwrap_or(0).clamp(POINTS[0], POINTS[1]);
     let mut blade = Sections::default();

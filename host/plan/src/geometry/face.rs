@@ -16,18 +16,19 @@ use crate::vector::{Point, Vector};
 
 use super::spline::{Basis, DEGREE_MAX, Spline, Weights};
 
-/// A smooth surface over the unit square: u from the leading (0) to the trailing edge (1), v from the hub (0) to the tip (1).
+/// Smooth surface over the unit square: u from the leading (0) to the trailing edge (1), v from the hub (0) to the tip
+/// (1).
 #[derive(Clone, Debug)]
 pub struct Face {
     u: Spline,
     v: Spline,
     /// Control points, homogeneous, one row of `v` after the other.
     net: Vec<Vector4<f64>>,
-    /// +1 where S_u x S_v points away from the blade, -1 where into it.
+    /// +1 if S_u x S_v points away from the blade, -1 if into it.
     outward: f64,
 }
 
-/// A point of a surface with its derivatives.
+/// Point of a surface with its derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct Jet {
     /// S
@@ -44,10 +45,10 @@ pub struct Jet {
     pub vv: Vector,
 }
 
-/// Why sections make no surface.
+/// Reason for which sections define no surface.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FaceError {
-    /// Too few.
+    /// There are too few.
     #[error("a side of a blade needs two sections of four points at least, not {sections} of {points}")]
     TooFew {
         /// Sections.
@@ -55,27 +56,27 @@ pub enum FaceError {
         /// Points in the shortest.
         points: usize,
     },
-    /// Lengths differ.
+    /// Their lengths differ.
     #[error("section {section} has {found} points, the first one {expected}")]
     Uneven {
-        /// Which, from 1.
+        /// Section, from 1.
         section: usize,
-        /// Its points.
+        /// Number of its points.
         found: usize,
-        /// The first one's.
+        /// Number of points of the first section.
         expected: usize,
     },
-    /// Two points in one place, for all sections.
+    /// Two points coincide in all sections.
     #[error("points {0} and {next} of the sections lie in one place", next = .0 + 1)]
     Doubled(usize),
 }
 
 impl Face {
-    /// The surface through `sections`, from the hub to the tip, each from the leading to the trailing edge, all of one length. `outward` at
-    /// its middle points away from the blade's material.
+    /// Surface through `sections`, from the hub to the tip, each from the leading to the trailing edge, all with the
+    /// same number of points. `outward` at its middle points away from the blade's material.
     ///
     /// # Errors
-    /// Too few points, or they lie in one place.
+    /// There are too few points, or points coincide.
     pub fn through(sections: &[Vec<Point>], outward: Vector) -> Result<Self, FaceError> {
         check(sections)?;
         let columns = transposed(sections);
@@ -92,19 +93,19 @@ impl Face {
         Ok(face)
     }
 
-    /// The point at `(u, v)`; beyond the unit square that of its border.
+    /// Point at `(u, v)`; beyond the unit square that of its border.
     pub fn point(&self, u: f64, v: f64) -> Point {
         let [u, v] = [self.u.basis::<1>(u.clamp(0.0, 1.0)), self.v.basis(v.clamp(0.0, 1.0))];
         let sum = combined(&self.isolines(&u, &v, 0), &v.rows[0]);
         Point::from(sum.xyz() / sum.w)
     }
 
-    /// The unit normal, away from the blade.
+    /// Unit normal, away from the blade.
     pub fn normal(&self, u: f64, v: f64) -> Vector {
         self.point_and_normal(u, v).1
     }
 
-    /// The point of the surface that lies `allowance` outside of this one.
+    /// Point of the surface moved outwards by the allowance.
     pub fn offset(&self, u: f64, v: f64, allowance_mm: f64) -> Point {
         let (point, normal) = self.point_and_normal(u, v);
         point + normal * allowance_mm
@@ -119,7 +120,7 @@ impl Face {
         (Point::from(point), along.cross(&across).normalize() * self.outward)
     }
 
-    /// Point and derivatives up to the second.
+    /// Point, and derivatives up to the second.
     pub fn jet(&self, u: f64, v: f64) -> Jet {
         let [u, v] = [self.u.basis::<3>(u.clamp(0.0, 1.0)), self.v.basis(v.clamp(0.0, 1.0))];
         let lines = [0, 1, 2].map(|order| self.isolines(&u, &v, order));
@@ -135,7 +136,7 @@ impl Face {
         Jet { point: Point::from(point), u: by_u, v: by_v, uu, uv, vv }
     }
 
-    /// The control points about a place, combined along u, with derivatives of some order.
+    /// Control points about a place, combined along u, with derivatives up to `order`.
     fn isolines<const ROWS: usize>(&self, u: &Basis<ROWS>, v: &Basis<ROWS>, order: usize) -> Isolines {
         let (wide, columns) = (self.v.count(), self.v.degree() + 1);
         let mut lines = Isolines::default();
@@ -148,14 +149,14 @@ impl Face {
         lines
     }
 
-    /// The same surface elsewhere: every point moved by a turn about the origin.
+    /// The same surface after a rotation about the origin.
     pub fn turned(&self, turn: &nalgebra::Rotation3<f64>) -> Self {
         let net = self.net.iter().map(|p| (turn * p.xyz()).push(p.w)).collect();
         Face { net, ..self.clone() }
     }
 }
 
-/// Control points of the curve across that a place lies on.
+/// Control points of the isoparametric curve across through a place.
 type Isolines = [Vector4<f64>; DEGREE_MAX + 1];
 
 fn combined(lines: &Isolines, weights: &Weights) -> Vector4<f64> {
@@ -193,7 +194,7 @@ fn parameters(rows: &[Vec<Point>]) -> Result<Vec<f64>, FaceError> {
     match mean.windows(2).position(|pair| pair[1] - pair[0] < 1e-9) {
         Some(at) => Err(FaceError::Doubled(at + 1)),
         None => {
-            // The last one is the sum of rounded shares.
+            // The last one is a sum with rounding errors.
             let last = mean.len() - 1;
             mean[last] = 1.0;
             Ok(mean)
@@ -201,7 +202,7 @@ fn parameters(rows: &[Vec<Point>]) -> Result<Vec<f64>, FaceError> {
     }
 }
 
-/// Knots (2) and the inverse of what (3) multiplies the control points with.
+/// Knots (2), and the inverse of the matrix that (3) multiplies with the control points.
 fn interpolation(parameters: &[f64]) -> Result<(Spline, DMatrix<f64>), FaceError> {
     let count = parameters.len();
     let degree = DEGREE_MAX.min(count - 1);

@@ -1,4 +1,4 @@
-//! What makes a rotor one that cannot be planned, with where and how much.
+//! Flaws for which a rotor cannot be planned, with their place and size.
 //!
 //! ```text
 //! k = H + sqrt(H^2 - K)     largest curvature towards the outward normal        (1)
@@ -19,85 +19,85 @@ use super::face::{Face, Jet};
 /// Samples along u and v.
 const SAMPLES: [usize; 2] = [80, 16];
 
-/// A blade may end so far above the hub, or above the blank: what a polyline or a file's digits leave open.
+/// Largest gap between a blade's end and the hub, or the blank: the error of a polyline or of a file's digits.
 const SLACK_MM: f64 = 0.05;
 
-/// Steps of the search end here, as parts of a side.
+/// Least step of the search, as a fraction of a side.
 const STEP_MIN: f64 = 1e-6;
 
-/// A side of a blade.
+/// Side of a blade.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Side {
-    /// The concave one.
+    /// Concave side.
     Pressure,
-    /// The convex one.
+    /// Convex side.
     Suction,
 }
 
-/// A reason not to plan. Places on a side: `u` from the leading edge, `v` from the hub, 0 to 1.
+/// Reason not to plan. Places on a side: `u` from the leading edge, `v` from the hub, 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Flaw {
     /// The offset crosses itself.
     Folded {
-        /// On which side.
+        /// Side.
         side: Side,
-        /// Where the hollow is narrowest.
+        /// Place of the narrowest hollow.
         at: [f64; 2],
-        /// Its radius, mm.
+        /// Radius of the hollow, mm.
         radius_mm: f64,
-        /// The offset, mm.
+        /// Offset, mm.
         allowance_mm: f64,
     },
-    /// Blades nearer than what is to be left on both.
+    /// Blades nearer to each other than the allowance on both.
     Near {
-        /// The gap, mm.
+        /// Gap, mm.
         gap_mm: f64,
         /// Twice the allowance, mm.
         needed_mm: f64,
-        /// Where, on the pressure side.
+        /// Place on the pressure side.
         at: [f64; 2],
     },
     /// The blade does not reach the hub.
     Floating {
-        /// On which side.
+        /// Side.
         side: Side,
-        /// Where along the lowest section.
+        /// Place along the lowest section.
         u: f64,
-        /// How high it ends above the hub, mm.
+        /// Height of its end above the hub, mm.
         height_mm: f64,
     },
     /// The blade does not fit into the blank.
     AboveBlank {
-        /// On which side.
+        /// Side.
         side: Side,
-        /// Where.
+        /// Place.
         at: [f64; 2],
-        /// How far it stands out of the blank's rim, mm.
+        /// Distance by which it exceeds the blank's rim, mm.
         by_mm: f64,
     },
     /// The blade is wider than the blank.
     BesideBlank {
-        /// On which side.
+        /// Side.
         side: Side,
-        /// Where.
+        /// Place.
         at: [f64; 2],
-        /// How far it stands out of the blank's face, mm.
+        /// Distance by which it exceeds the blank's face, mm.
         by_mm: f64,
     },
     /// Sections that cross: the side runs back towards the hub.
     Crossed {
-        /// On which side.
+        /// Side.
         side: Side,
-        /// Where.
+        /// Place.
         at: [f64; 2],
-        /// How far back, mm.
+        /// Distance by which it runs back, mm.
         back_mm: f64,
     },
     /// The two sides of the blade cross.
     InsideOut {
-        /// Where, on the pressure side.
+        /// Place on the pressure side.
         at: [f64; 2],
-        /// How far they are the wrong way round, mm.
+        /// Distance by which they cross, mm.
         by_mm: f64,
     },
 }
@@ -108,7 +108,7 @@ impl fmt::Display for Side {
     }
 }
 
-/// Where on a side, in percent.
+/// Place on a side, in percent.
 fn shown([u, v]: [f64; 2]) -> String {
     format!("{:.0} % from the leading edge, {:.0} % from the hub", u * 100.0, v * 100.0)
 }
@@ -153,7 +153,8 @@ impl fmt::Display for Flaw {
     }
 }
 
-/// All flaws of a rotor whose blades and hub are to be left `allowance_mm` thicker; each kind once for a side, where it is worst.
+/// All flaws of a rotor whose blades and hub keep an allowance of `allowance_mm`; each kind once per side, at its worst
+/// place.
 pub fn flaws(blisk: &Blisk, allowance_mm: f64) -> Vec<Flaw> {
     let sides = [(Side::Pressure, &blisk.pressure), (Side::Suction, &blisk.suction)];
     let of_sides = sides.into_iter().flat_map(|(side, face)| {
@@ -168,7 +169,7 @@ pub fn flaws(blisk: &Blisk, allowance_mm: f64) -> Vec<Flaw> {
     of_sides.chain([inside_out(blisk), near(blisk, allowance_mm)]).flatten().collect()
 }
 
-/// The largest curvature towards the outward normal, 1/mm; positive where the face is hollow.
+/// Largest curvature towards the outward normal, 1/mm; positive where the face is hollow.
 pub fn hollowness_per_mm(face: &Face, u: f64, v: f64) -> f64 {
     let Jet { u: su, v: sv, uu, uv, vv, .. } = face.jet(u, v);
     let normal = face.normal(u, v);
@@ -186,7 +187,7 @@ fn places() -> impl Iterator<Item = [f64; 2]> {
     (0..=along).flat_map(move |i| (0..=across).map(move |j| [i as f64 / along as f64, j as f64 / across as f64]))
 }
 
-/// The place where something is greatest, and how great: the greatest sample, and from there uphill.
+/// Place and size of the maximum: the largest sample, improved by a local search.
 fn worst(of: impl Fn([f64; 2]) -> f64) -> ([f64; 2], f64) {
     let found = places().map(|at| (at, of(at))).max_by(|a, b| a.1.total_cmp(&b.1));
     let mut best = found.unwrap_or(([0.0; 2], f64::NEG_INFINITY));
@@ -255,7 +256,7 @@ fn near(blisk: &Blisk, allowance_mm: f64) -> Option<Flaw> {
     (gap_mm < needed_mm).then_some(Flaw::Near { gap_mm, needed_mm, at })
 }
 
-/// The least distance of two faces, mm, and where on the first one.
+/// Least distance of two faces, mm, and its place on the first one.
 pub fn nearest(one: &Face, other: &Face) -> ([f64; 2], f64) {
     let points = |face: &Face| places().map(|[u, v]| ([u, v], face.point(u, v))).collect::<Vec<([f64; 2], Point)>>();
     let others = points(other);

@@ -1,4 +1,5 @@
-//! A rotor from a few numbers: NACA 65-010 thickness on circular-arc camber, laid on cylinders about the axis.
+//! Generates a rotor from a few numbers: NACA 65-010 thickness on circular-arc camber, laid on cylinders about the
+//! axis.
 //!
 //! ```text
 //! x_i     = (1 - cos(pi i / (n - 1))) / 2                 stations along the chord        (1)
@@ -22,30 +23,30 @@ use crate::vector::Point;
 use super::blade::Sections;
 use super::naca65::half_thickness_ratio;
 
-/// Points of a side, unless told.
+/// Default number of points of a side.
 pub const POINTS: usize = 81;
 
-/// Sections, unless told.
+/// Default number of sections.
 pub const SECTIONS: usize = 9;
 
-/// To which side the blades' pressure sides look.
+/// Direction in which the blades' pressure sides face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Hand {
-    /// To growing angles about the axis: blades of positive stagger wind as a right-hand thread does.
+    /// Towards increasing angles about the axis: blades of positive stagger wind as a right-hand thread does.
     #[default]
     Right,
-    /// The mirror image.
+    /// Mirror image.
     Left,
 }
 
-/// What a rotor is made from. Pairs are values at the hub and at the tip.
+/// Numbers that define a rotor. Pairs are values at the hub and at the tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotor {
-    /// Blades.
+    /// Number of blades.
     pub blades: u32,
-    /// Of the cylinder between the blades.
+    /// Radius of the cylinder between the blades.
     pub hub_radius_mm: f64,
-    /// Where the blades end.
+    /// Radius at which the blades end.
     pub tip_radius_mm: f64,
     /// c
     pub chord_mm: [f64; 2],
@@ -57,19 +58,19 @@ pub struct Rotor {
     pub thickness_ratio: [f64; 2],
     /// e, the least thickness at the edges; 0 leaves the profile as it is.
     pub edge_mm: f64,
-    /// How the blades lean towards their pressure sides.
+    /// Lean of the blades towards their pressure sides.
     pub lean_deg: f64,
-    /// To which side they look.
+    /// Direction in which the pressure sides face.
     pub hand: Hand,
 }
 
-/// Why numbers make no rotor.
+/// Reason for which the numbers define no rotor.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum RotorError {
-    /// Too few.
+    /// There are too few blades.
     #[error("a rotor has 2 blades at least, not {0}")]
     Blades(u32),
-    /// They do not grow.
+    /// The radii do not increase.
     #[error("tip_radius must be greater than hub_radius, and both positive: {hub_radius_mm} mm, {tip_radius_mm} mm")]
     Radii {
         /// At the hub.
@@ -77,27 +78,27 @@ pub enum RotorError {
         /// At the tip.
         tip_radius_mm: f64,
     },
-    /// Beyond its range.
+    /// A number is beyond its range.
     #[error("{name} must be {range}, not {value}")]
     Range {
-        /// As a part file names it.
+        /// Name in a part file.
         name: &'static str,
-        /// What it may be.
+        /// Allowed range.
         range: &'static str,
-        /// What it is.
+        /// Value.
         value: f64,
     },
-    /// As thick as the blade.
+    /// The edge is as thick as the blade.
     #[error("an edge of {edge_mm} mm is no edge of a blade {thickness_mm} mm thick")]
     Edge {
-        /// The edge.
+        /// Edge thickness.
         edge_mm: f64,
-        /// The blade's greatest thickness, where it is least.
+        /// Greatest thickness of the blade where it is thinnest.
         thickness_mm: f64,
     },
 }
 
-/// A section's numbers.
+/// Numbers of one section.
 struct Section {
     radius_mm: f64,
     chord_mm: f64,
@@ -108,10 +109,10 @@ struct Section {
 }
 
 impl Rotor {
-    /// The sections of one blade, the first on the hub and the last at the tip, with so many points a side; part frame.
+    /// Sections of one blade, the first on the hub and the last at the tip, with `points` points per side; part frame.
     ///
     /// # Errors
-    /// What of its numbers makes no rotor.
+    /// Describes the number that is out of range.
     pub fn sections(&self, sections: usize, points: usize) -> Result<Sections, RotorError> {
         self.check()?;
         let mut blade = Sections::default();

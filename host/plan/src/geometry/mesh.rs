@@ -1,4 +1,4 @@
-//! Triangles: of faces, of blades as solids, and of sectors of revolution.
+//! Triangle meshes of faces, of blades as solids, and of sectors of revolution.
 //!
 //! ```text
 //! |S(m) - (S(a) + S(b)) / 2| <= e / 3         between two neighbours, along u and along v       (1)
@@ -15,36 +15,36 @@ use super::blisk::{Blisk, Revolution};
 use super::face::Face;
 use super::slot::Blade;
 
-/// Corners, counter-clockwise as seen from outside.
+/// Corners, counter-clockwise seen from outside.
 pub type Triangle = [Point; 3];
 
-/// Parts of (1) and (2) in the tolerance.
+/// Number of parts of (1) and (2) that share the tolerance.
 const SHARES: f64 = 3.0;
 
-/// Pieces that a face is cut into before it is looked at, along each parameter.
+/// Number of initial pieces of a face along each parameter.
 const PIECES: usize = 4;
 
-/// Halvings of a piece at most.
+/// Most halvings of a piece.
 const HALVINGS: u32 = 12;
 
-/// Where lines of one parameter are looked at along the other.
+/// Places along one parameter at which lines of the other are checked.
 const PROBES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Edges of the two sides nearer than this are one.
+/// Edges of the two sides nearer than this count as one.
 const SAME_EDGE_MM: f64 = 0.02;
 
-/// A piece of a ring about the rotor's axis.
+/// Sector of a ring about the rotor's axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sector {
-    /// Angles about the axis, growing.
+    /// Angles about the axis, increasing.
     pub angles_rad: [f64; 2],
-    /// Along the axis, growing.
+    /// Places along the axis, increasing.
     pub faces_mm: [f64; 2],
-    /// Where it ends inside.
+    /// Inner radius.
     pub inner_radius_mm: f64,
 }
 
-/// A face within `tolerance_mm`; outwards is away from the blade.
+/// Mesh of a face within `tolerance_mm`; outwards is away from the blade.
 pub fn face(face: &Face, tolerance_mm: f64) -> Vec<Triangle> {
     let [us, vs] = grid(&[face], tolerance_mm);
     let rows: Vec<Vec<Point>> = vs.iter().map(|v| us.iter().map(|u| face.point(*u, *v)).collect()).collect();
@@ -57,7 +57,7 @@ pub fn face(face: &Face, tolerance_mm: f64) -> Vec<Triangle> {
     triangles
 }
 
-/// A blade as a solid from its tip to `root_mm` below its lowest section, towards the axis.
+/// Blade as a solid from its tip to `root_mm` below its lowest section, towards the axis.
 pub fn blade(blade: &Blade, root_mm: f64, tolerance_mm: f64) -> Vec<Triangle> {
     let [us, vs] = grid(&[&blade.pressure, &blade.suction], tolerance_mm);
     let row = |face: &Face, v: f64| us.iter().map(|u| face.point(*u, v)).collect::<Vec<_>>();
@@ -69,7 +69,7 @@ pub fn blade(blade: &Blade, root_mm: f64, tolerance_mm: f64) -> Vec<Triangle> {
     solid_of(sides)
 }
 
-/// A solid between two sides, given row by row from below.
+/// Solid between two sides, given row by row from below.
 fn solid_of([pressure, mut suction]: [Vec<Vec<Point>>; 2]) -> Vec<Triangle> {
     let last = pressure[0].len() - 1;
     for edge in [0, last] {
@@ -88,14 +88,14 @@ fn solid_of([pressure, mut suction]: [Vec<Vec<Point>>; 2]) -> Vec<Triangle> {
     outwards(triangles)
 }
 
-/// The blank between two angles and down to a radius.
+/// Blank between two angles and down to a radius.
 pub fn blank(blisk: &Blisk, sector: &Sector, tolerance_mm: f64) -> Vec<Triangle> {
     let outer = Revolution { profile_mm: sector.faces_mm.map(|z| [z, blisk.blank.radius_mm]).to_vec() };
     revolved(&outer, sector, tolerance_mm)
 }
 
-/// The finished part in a sector: what is left of the ring below the gas path, and the blades from `first` to `last` as
-/// solids of their own that reach into it. A ray counts how many solids it is in.
+/// Finished part in a sector: the rest of the ring below the gas path, and the blades from the first to the last index
+/// as solids of their own that reach into it. A ray counts the solids that it is in.
 pub fn finished(blisk: &Blisk, sector: &Sector, blades: [i32; 2], tolerance_mm: f64) -> Vec<Triangle> {
     let mut triangles = revolved(&blisk.hub, sector, tolerance_mm);
     for index in blades[0]..=blades[1] {
@@ -107,7 +107,7 @@ pub fn finished(blisk: &Blisk, sector: &Sector, blades: [i32; 2], tolerance_mm: 
     triangles
 }
 
-/// The ring below a surface of revolution, in a sector.
+/// Ring below a surface of revolution, in a sector.
 pub fn revolved(outer: &Revolution, sector: &Sector, tolerance_mm: f64) -> Vec<Triangle> {
     let profile = outer.between(sector.faces_mm);
     let largest_mm = profile.iter().map(|place| place[1]).fold(0.0, f64::max);
@@ -135,12 +135,12 @@ pub fn revolved(outer: &Revolution, sector: &Sector, tolerance_mm: f64) -> Vec<T
     outwards(triangles)
 }
 
-/// What triangles enclose.
+/// Volume enclosed by the triangles.
 pub fn volume_mm3(triangles: &[Triangle]) -> f64 {
     triangles.iter().map(|[a, b, c]| a.coords.dot(&b.coords.cross(&c.coords)) / 6.0).sum()
 }
 
-/// Triangles between rows of equal length; cells that have shrunk to a line are left out.
+/// Triangles between rows of equal length; cells without area are left out.
 fn skin(rows: &[Vec<Point>]) -> Vec<Triangle> {
     let mut triangles = Vec::new();
     for pair in rows.windows(2) {
@@ -163,13 +163,13 @@ fn turn_round(triangles: &mut [Triangle]) {
     triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
 }
 
-/// The same place nearer to the axis.
+/// The same place moved towards the axis.
 fn below(point: &Point, depth_mm: f64) -> Point {
     let share = 1.0 - depth_mm / libm::hypot(point.x, point.y);
     Point::new(point.x * share, point.y * share, point.z)
 }
 
-/// Parameters along u and v that serve all of the faces.
+/// Parameters along u and v that suit all faces.
 fn grid(faces: &[&Face], tolerance_mm: f64) -> [Vec<f64>; 2] {
     let part_mm = tolerance_mm / SHARES;
     let sag = |along_u: bool, a: f64, b: f64| {
@@ -190,7 +190,7 @@ fn grid(faces: &[&Face], tolerance_mm: f64) -> [Vec<f64>; 2] {
     [us, vs]
 }
 
-/// Parameters from 0 to 1, pieces halved where they are too coarse.
+/// Parameters from 0 to 1; pieces that are too coarse are halved.
 fn halved(is_coarse: impl Fn(f64, f64) -> bool) -> Vec<f64> {
     let mut found = vec![0.0];
     let mut open: Vec<(f64, f64, u32)> =
@@ -206,7 +206,7 @@ fn halved(is_coarse: impl Fn(f64, f64) -> bool) -> Vec<f64> {
     found
 }
 
-/// (2), of the worst cell.
+/// Value of (2) in the worst cell.
 fn twist_mm(face: &Face, us: &[f64], vs: &[f64]) -> f64 {
     let of_cell = |u: &[f64], v: &[f64]| {
         let [[a, b], [c, d]] = [v[0], v[1]].map(|v| [u[0], u[1]].map(|u| face.point(u, v)));

@@ -1,4 +1,4 @@
-//! What a bladed rotor looks like.
+//! Geometry of a bladed rotor.
 
 mod spline;
 

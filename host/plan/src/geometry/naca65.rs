@@ -1,4 +1,4 @@
-//! The thickness of NACA 65-010.
+//! Thickness distribution of NACA 65-010.
 //!
 //! ```text
 //! t(x) between stations x_j < x < x_j+1: linear in sqrt(x)                       (1)
@@ -42,8 +42,8 @@ const TABLE_RATIO: f64 = 0.1;
 
 const PERCENT: f64 = 100.0;
 
-/// Half the thickness at `station_ratio` (0 at the leading, 1 at the trailing edge), over the chord, of a profile that is
-/// `thickness_ratio` thick.
+/// Half thickness at `station_ratio` (0 at the leading, 1 at the trailing edge), over the chord, of a profile with the
+/// thickness `thickness_ratio`.
 pub fn half_thickness_ratio(station_ratio: f64, thickness_ratio: f64) -> f64 {
     let station = (station_ratio * PERCENT).clamp(0.0, PERCENT);
     let next = HALF_PERCENT.iter().position(|row| row[0] >= station).unwrap_or(HALF_PERCENT.len() - 1).max(1);

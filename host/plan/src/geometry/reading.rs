@@ -1,4 +1,4 @@
-//! What files of points have in common: words with their places, numbers, and what can be wrong.
+//! Common parts of point files: words with their places, numbers, and faults.
 
 use thiserror::Error;
 
@@ -6,28 +6,28 @@ use super::blade::{RotorAxis, Sections};
 use super::blisk::Revolution;
 use crate::vector::Point;
 
-/// How a file's coordinates are to be understood.
+/// Axis and unit of a file's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drawn {
-    /// About which of its axes the rotor turns.
+    /// Axis of rotation in the file's coordinates.
     pub axis: RotorAxis,
-    /// Millimetres in one of its units.
+    /// Millimetres per unit of the file.
     pub unit_mm: f64,
 }
 
-/// What is wrong with a file of points, and where.
+/// Fault of a point file, with its place.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{line}:{column}: {fault}")]
 pub struct ReadError {
-    /// Counted from 1.
+    /// Line, counted from 1.
     pub line: usize,
-    /// Counted from 1.
+    /// Column, counted from 1.
     pub column: usize,
-    /// What it is.
+    /// Fault.
     pub fault: Fault,
 }
 
-/// What can be wrong with points.
+/// Fault of a point file.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Fault {
     /// Not a finite number.
@@ -47,14 +47,14 @@ pub enum Fault {
     /// No mark of a point.
     #[error("`{0}` marks nothing; a point may be marked `le` or `te`, as the leading or trailing edge")]
     Mark(String),
-    /// The same mark twice, or one of two.
+    /// The same mark twice, or only one of the two.
     #[error("section {section} has {found} points marked `{mark}`; mark one leading and one trailing edge, or none")]
     Marks {
-        /// Counted from 1.
+        /// Section, counted from 1.
         section: usize,
-        /// The mark.
+        /// Mark.
         mark: &'static str,
-        /// How many.
+        /// Number of marked points.
         found: usize,
     },
     /// Points out of order.
@@ -62,25 +62,25 @@ pub enum Fault {
         "point {found} where point {expected} was to come; number the points of a side from 0, the leading edge first"
     )]
     Index {
-        /// The number there.
+        /// Number in the file.
         found: String,
-        /// The one to come.
+        /// Expected number.
         expected: usize,
     },
     /// Too few sections.
     #[error("{found} sections; a blade needs 2 at least, from the hub to the tip, on both sides alike")]
     Sections {
-        /// How many.
+        /// Number of sections.
         found: usize,
     },
     /// Too few points.
     #[error("section {section} has {found} points on a side; {least} at least make a curve")]
     Points {
-        /// Counted from 1.
+        /// Section, counted from 1.
         section: usize,
-        /// How many.
+        /// Number of points.
         found: usize,
-        /// How many it takes.
+        /// Least number.
         least: usize,
     },
     /// Not closed.
@@ -88,95 +88,95 @@ pub enum Fault {
         "section {section} is open: {gap_mm:.3} mm from its last point to its first, over steps of {step_mm:.3} mm at most; close the loop around the blade"
     )]
     Open {
-        /// Counted from 1.
+        /// Section, counted from 1.
         section: usize,
-        /// Between its ends.
+        /// Distance between its ends.
         gap_mm: f64,
-        /// Its greatest step.
+        /// Greatest step.
         step_mm: f64,
     },
-    /// Not from the hub to the tip.
+    /// Sections not in the order from the hub to the tip.
     #[error(
         "section {section} lies {below_mm:.3} mm lower over the hub than the one before; sections go from the hub to the tip"
     )]
     Order {
-        /// Counted from 1.
+        /// Section, counted from 1.
         section: usize,
-        /// How much.
+        /// Height by which it lies below the section before.
         below_mm: f64,
     },
-    /// Radii that are none.
+    /// Radius that does not agree with the coordinates.
     #[error(
-        "the file says R = {told_mm:.3} mm here, but the point is {found_mm:.3} mm from the {axis:?} axis; tell the rotor's `axis`{hint}"
+        "the file says R = {stated_mm:.3} mm here, but the point is {found_mm:.3} mm from the {axis:?} axis; give the rotor's `axis`{hint}"
     )]
     Radius {
-        /// The column.
+        /// Radius in the column.
         told_mm: f64,
-        /// From the coordinates.
+        /// Radius from the coordinates.
         found_mm: f64,
-        /// About which.
+        /// Axis of the file.
         axis: RotorAxis,
-        /// The axis that would do.
+        /// Axis that would agree.
         hint: &'static str,
     },
     /// The axis runs through the blade.
     #[error(
-        "the {axis:?} axis runs through or close by section {section} (from {least_mm:.3} to {most_mm:.3} mm off it); tell the rotor's `axis`"
+        "the {axis:?} axis runs through or close by section {section} (from {least_mm:.3} to {most_mm:.3} mm off it); give the rotor's `axis`"
     )]
     Axis {
-        /// Counted from 1.
+        /// Section, counted from 1.
         section: usize,
-        /// About which.
+        /// Axis.
         axis: RotorAxis,
         /// Least distance.
         least_mm: f64,
         /// Greatest distance.
         most_mm: f64,
     },
-    /// Goes back.
+    /// The curve turns back.
     #[error(
-        "the curve turns back along the {axis:?} axis here; give it from inlet to outlet in one sense, or tell the rotor's `axis`"
+        "the curve turns back along the {axis:?} axis here; give it from inlet to outlet in one sense, or give the rotor's `axis`"
     )]
     TurnsBack {
-        /// About which.
+        /// Axis.
         axis: RotorAxis,
     },
-    /// Shroud within the hub.
+    /// The shroud is within the hub.
     #[error(
         "the shroud lies {below_mm:.3} mm below the hub at {z_mm:.3} mm along the axis; the files may be exchanged"
     )]
     Shroud {
-        /// How much.
+        /// Distance.
         below_mm: f64,
-        /// Where.
+        /// Place along the axis.
         z_mm: f64,
     },
-    /// Far from the hub.
+    /// The blade is far from the hub.
     #[error(
         "section 1 lies {height_mm:.3} mm off the hub; the files do not belong together, or `axis` or `units` is wrong"
     )]
     OffTheHub {
-        /// How much, greater than the blade's own size.
+        /// Height, greater than the blade's own size.
         height_mm: f64,
     },
-    /// Names of the sides.
+    /// The names of the sides are exchanged.
     #[error(
         "the suction side is {shorter_mm:.3} mm shorter than the pressure side, all sections together: the convex side is the suction side; exchange PS and SS"
     )]
     Swapped {
-        /// How much.
+        /// Difference of their lengths.
         shorter_mm: f64,
     },
 }
 
 impl Fault {
-    /// With its place.
+    /// Adds the place to the fault.
     pub fn at(self, line: usize, column: usize) -> ReadError {
         ReadError { line, column, fault: self }
     }
 }
 
-/// Words of a line with their columns, counted from 1; blanks, commas and semicolons part them.
+/// Words of a line with their columns, counted from 1; blanks, commas and semicolons separate them.
 pub fn words(line: &str) -> Vec<(usize, &str)> {
     let is_gap = |c: char| c.is_whitespace() || matches!(c, ',' | ';');
     let mut found = Vec::new();
@@ -190,22 +190,22 @@ pub fn words(line: &str) -> Vec<(usize, &str)> {
     found
 }
 
-/// A finite number.
+/// Parses a finite number.
 ///
 /// # Errors
-/// It is none.
+/// The word is no such number.
 pub fn number(line: usize, (column, word): (usize, &str)) -> Result<f64, ReadError> {
     let value = word.parse::<f64>().ok().filter(|value| value.is_finite());
     value.ok_or_else(|| Fault::NotANumber(word.to_owned()).at(line, column))
 }
 
 impl Drawn {
-    /// A place of the file in the part frame.
+    /// Converts a place of the file to the part frame.
     pub fn point(&self, place: [f64; 3]) -> Point {
         self.axis.to_part(place.map(|value| value * self.unit_mm))
     }
 
-    /// What is wrong with a blade as a whole; `lines` are those where its sections begin.
+    /// Checks a blade as a whole; `lines` are the lines where its sections begin.
     pub(super) fn check(&self, blade: &Sections, hub: &Revolution, lines: &[usize]) -> Result<(), ReadError> {
         let line = |section: usize| lines.get(section).copied().unwrap_or(1);
         for (section, (pressure, suction)) in blade.pressure.iter().zip(&blade.suction).enumerate() {

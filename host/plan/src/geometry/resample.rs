@@ -1,4 +1,4 @@
-//! Points of a side, spread anew.
+//! New distribution of points along a side.
 //!
 //! ```text
 //! s_k = L (1 - cos(pi k / (n - 1))) / 2              dense at both edges         (1)
@@ -10,7 +10,7 @@
 
 use crate::vector::{Point, Vector};
 
-/// As many points as wanted on the curve through `points`, both ends kept.
+/// `count` points on the curve through `points`, both ends kept.
 pub fn resampled(points: &[Point], count: usize) -> Vec<Point> {
     let mut lengths = vec![0.0];
     let mut kept: Vec<Point> = points.first().copied().into_iter().collect();

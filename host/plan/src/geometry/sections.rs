@@ -1,12 +1,12 @@
-//! Sections as a table: one point a line, columns by name.
+//! Table of sections: one point per line, columns by name.
 //!
 //! ```text
 //! s,R_mm,side,i,x_mm,y_mm,z_mm
 //! 0.0000,70.0000,PS,0,-6.095401,-11.478319,69.734110
 //! ```
 //!
-//! A section has one `s`; each side goes from the leading to the trailing edge. `R_mm` (distance from the axis) and `i` (from 0) are held
-//! to where they stand. Sections with other numbers of points than the longest side are spread anew.
+//! A section has one `s`; each side goes from the leading to the trailing edge. `R_mm` (distance from the axis) and `i`
+//! (from 0) are checked against the points. Sides with fewer points than the longest one are resampled.
 
 use crate::vector::Point;
 
@@ -15,13 +15,13 @@ use super::blisk::Revolution;
 use super::reading::{Drawn, Fault, ReadError, number, words};
 use super::resample::resampled;
 
-/// Points of a side at least.
+/// Least number of points of a side.
 const POINTS_MIN: usize = 5;
 
-/// How far R may be off, of itself.
+/// Tolerance of R, as a fraction of it.
 const RADIUS_RATIO: f64 = 1e-3;
 
-/// Where the columns stand.
+/// Indices of the columns.
 struct Columns {
     span: usize,
     side: usize,
@@ -30,17 +30,17 @@ struct Columns {
     index: Option<usize>,
 }
 
-/// A side of a section, and where it begins.
+/// Side of a section, and the line where it begins.
 struct Side {
     is_pressure: bool,
     line: usize,
     points: Vec<Point>,
 }
 
-/// Reads a table of sections in a rotor on this hub.
+/// Reads a table of sections of a rotor with this hub.
 ///
 /// # Errors
-/// What is wrong with it, and where.
+/// The fault with its place.
 pub fn read(text: &str, drawn: &Drawn, hub: &Revolution) -> Result<Sections, ReadError> {
     let mut lines = text.lines().enumerate().map(|(at, line)| (at + 1, line));
     let (first, header) = lines.find(|(_, line)| !line.trim().is_empty()).unwrap_or((1, ""));
@@ -134,7 +134,7 @@ fn check_radius(told_mm: f64, place_mm: [f64; 3], axis: RotorAxis) -> Result<(),
     Err(Fault::Radius { told_mm, found_mm, axis, hint })
 }
 
-/// Both sides of each section, all with as many points; and where the sections begin.
+/// Both sides of each section, all with the same number of points, and the lines where the sections begin.
 fn paired(sides: Vec<Side>) -> Result<(Sections, Vec<usize>), ReadError> {
     let last = sides.last().map_or(1, |side| side.line);
     let (pressure, suction): (Vec<Side>, Vec<Side>) = sides.into_iter().partition(|side| side.is_pressure);

@@ -1,6 +1,6 @@
-//! The room between two blades, and copies of blades.
+//! Space between two blades, and copies of blades.
 //!
-//! Which neighbour a pressure side looks at is read from its normals, so that rotors of both hands have their slots.
+//! The neighbour that a pressure side faces follows from its normals, so that rotors of both hands have slots.
 
 use nalgebra::Rotation3;
 
@@ -12,22 +12,22 @@ use super::face::Face;
 /// Both sides of one blade.
 #[derive(Clone, Debug)]
 pub struct Blade {
-    /// The concave side.
+    /// Concave side.
     pub pressure: Face,
-    /// The convex side.
+    /// Convex side.
     pub suction: Face,
 }
 
-/// Where a side is asked which way it looks, along both of its parameters.
+/// Places along both parameters at which the facing direction of a side is sampled.
 const PROBES: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
 impl Blisk {
-    /// From one blade to the next.
+    /// Angle from one blade to the next.
     pub fn pitch_rad(&self) -> f64 {
         core::f64::consts::TAU / f64::from(self.blades)
     }
 
-    /// The blade `index` places further on about the axis; 0 is the first one.
+    /// The blade with index `index` about the axis; 0 is the first one.
     pub fn blade(&self, index: i32) -> Blade {
         let turn = Rotation3::from_axis_angle(&Vector::z_axis(), f64::from(index) * self.pitch_rad());
         Blade { pressure: self.pressure.turned(&turn), suction: self.suction.turned(&turn) }
@@ -38,7 +38,8 @@ impl Blisk {
         (0..self.blades).map(|index| self.blade(index.cast_signed()))
     }
 
-    /// Where the blade lies that the first one's pressure side looks at: 1 at growing angles, -1 at falling ones.
+    /// Direction from the first blade to the one that its pressure side faces: 1 for increasing angles, -1 for
+    /// decreasing ones.
     pub fn facing(&self) -> i32 {
         let places = PROBES.iter().flat_map(|u| PROBES.map(|v| (*u, v)));
         let around = |(u, v)| {
@@ -48,7 +49,7 @@ impl Blisk {
         if places.map(around).sum::<f64>() < 0.0 { -1 } else { 1 }
     }
 
-    /// The first blade's pressure side, and the suction side across the slot. Part frame.
+    /// Pressure side of the first blade, and the suction side across the slot. Part frame.
     pub fn slot(&self) -> Slot {
         Slot { pressure: self.pressure.clone(), suction: self.blade(self.facing()).suction }
     }

@@ -12,7 +12,7 @@
 /// Highest degree.
 pub const DEGREE_MAX: usize = 3;
 
-/// Functions that do not vanish at a parameter.
+/// Values of the functions that do not vanish at a parameter.
 pub type Weights = [f64; DEGREE_MAX + 1];
 
 /// Degree and knots of one direction of a surface, clamped at both ends.
@@ -22,7 +22,7 @@ pub struct Spline {
     knots: Vec<f64>,
 }
 
-/// The basis functions that do not vanish at a parameter.
+/// Basis functions that do not vanish at a parameter.
 pub struct Basis<const ROWS: usize> {
     /// Control point of the first one.
     pub first: usize,
@@ -31,22 +31,22 @@ pub struct Basis<const ROWS: usize> {
 }
 
 impl Spline {
-    /// A spline of `knots`, for `degree` 1 to 3.
+    /// Spline with `knots`, of `degree` 1 to 3.
     pub fn new(degree: usize, knots: Vec<f64>) -> Self {
         Spline { degree, knots }
     }
 
-    /// Its degree.
+    /// Degree.
     pub fn degree(&self) -> usize {
         self.degree
     }
 
-    /// How many control points it has.
+    /// Number of control points.
     pub fn count(&self) -> usize {
         self.knots.len() - self.degree - 1
     }
 
-    /// The basis functions at `t`, with `ROWS - 1` derivatives.
+    /// Basis functions at `t`, with `ROWS - 1` derivatives.
     pub fn basis<const ROWS: usize>(&self, t: f64) -> Basis<ROWS> {
         let first = self.span(t) - self.degree;
         let rows = match self.degree {
@@ -57,7 +57,7 @@ impl Spline {
         Basis { first, rows }
     }
 
-    /// The index of the knot at or below `t`; at the ends that of the outermost span.
+    /// Index of the knot at or below `t`; at the ends that of the outermost span.
     fn span(&self, t: f64) -> usize {
         let (low, high) = (self.degree, self.count());
         if t > self.knots[high] - f64::EPSILON {

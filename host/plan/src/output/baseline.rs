@@ -1,7 +1,7 @@
-//! How long a slot takes, and how long it takes today: flank milling with a ball-end mill.
+//! Time of a slot on the planned path, and by the usual method: flank milling with a ball-end mill.
 //!
-//! The planned path's time is its length over the feed, movement by movement, at the feeds that the program has. What it is compared
-//! with is figure 6.8 of the source, of which the text has the conditions only (3.5 in/min, 1000 rev/min, three teeth; no times):
+//! The planned path's time is its length over the feed, movement by movement, at the feeds of the program. The baseline
+//! is figure 6.8 of the source, whose text has the conditions only (3.5 in/min, 1000 rev/min, three teeth; no times):
 //! passes along the slot, side by side, level by level,
 //!
 //! ```text
@@ -10,9 +10,9 @@
 //! time   = sum(passes (length + diameter)) / feed                            (3)
 //! ```
 //!
-//! Assumed: (2) both walls are left where a ball of the given diameter leaves them, a slot narrower than the ball is one it cannot
-//! pass; (3) every pass runs in by half a diameter and out by as much, and the way back and between the passes is at rapid and
-//! counts nothing. Both favour the baseline.
+//! Assumed: (2) both walls stay as a ball of the given diameter leaves them, and a ball cannot pass a slot narrower
+//! than its diameter; (3) every pass runs in by half a diameter and out by as much, and the return paths between the
+//! passes are at rapid and take no time. Both favour the baseline.
 
 use thiserror::Error;
 
@@ -25,86 +25,86 @@ use crate::vector::Point;
 const WIDTH_PLACES: u32 = 40;
 const WIDTH_DEPTHS: u32 = 8;
 
-/// The mill of today, and how it is used.
+/// Conventional mill and its cutting conditions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlankMilling {
-    /// Of its ball.
+    /// Diameter of the ball.
     pub diameter_mm: f64,
-    /// Along the passes.
+    /// Feed along the passes.
     pub feed_mm_per_min: f64,
-    /// From level to level, at most.
+    /// Largest axial depth from level to level.
     pub axial_depth_mm: f64,
-    /// From pass to pass, at most.
+    /// Largest distance from pass to pass.
     pub stepover_mm: f64,
 }
 
-/// A slot as a mill from above finds it.
+/// Slot size seen from above.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlotSize {
-    /// From the blank's rim to the hub's allowance.
+    /// Depth from the blank's rim to the hub's allowance.
     pub depth_mm: f64,
-    /// Along it, from face to face.
+    /// Length of the slot, from face to face.
     pub length_mm: f64,
-    /// Between the allowances of both blades, evenly from the rim to the hub; the narrowest place of each depth.
+    /// Widths between the allowances of both blades, evenly from the rim to the hub; at each depth the narrowest place.
     pub widths_mm: Vec<f64>,
 }
 
-/// What the baseline takes.
+/// Number of levels and passes of the baseline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Passes {
     /// Levels (1).
     pub levels: usize,
-    /// On all of them (2).
+    /// Passes on all of them (2).
     pub passes: usize,
 }
 
 /// Time of a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlotTime {
-    /// Cutting.
+    /// Cutting time.
     pub cutting_min: f64,
-    /// Volume removed over it, mm3/min.
+    /// Removed volume over it, mm3/min.
     pub rate_mm3_per_min: f64,
 }
 
-/// The planned path's time.
+/// Time of the planned path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedTime {
-    /// What each purpose takes: length, mm, and time, min.
+    /// Length, mm, and time, min, of each purpose.
     pub parts: Vec<PartTime>,
-    /// Everything.
+    /// Total time.
     pub slot: SlotTime,
 }
 
-/// Of all pieces of the way that are there for one thing.
+/// All pieces of the path with one purpose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartTime {
-    /// For what.
+    /// Purpose.
     pub purpose: Purpose,
-    /// Length of the centre's way, mm.
+    /// Path length of the centre, mm.
     pub length_mm: f64,
-    /// At which feed, mm/min.
+    /// Feed, mm/min.
     pub feed_mm_per_min: f64,
     /// Length over feed.
     pub time_min: f64,
 }
 
-/// Why there is no baseline.
+/// Reason why there is no baseline.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum BaselineError {
-    /// It does not pass.
+    /// The mill does not pass.
     #[error(
         "a ball of {diameter_mm:.2} mm does not pass the slot, {width_mm:.2} mm wide at {depth_mm:.1} mm: give [baseline] a smaller diameter"
     )]
     Narrow {
-        /// The mill's.
+        /// Diameter of the mill.
         diameter_mm: f64,
-        /// The slot's narrowest.
+        /// Narrowest width of the slot.
         width_mm: f64,
-        /// Where, below the rim.
+        /// Depth of that place below the rim.
         depth_mm: f64,
     },
-    /// A number is not one, or not positive.
+    /// A number is not finite or not positive.
     #[error(
         "diameter, feed, axial depth and stepover of the baseline, and the slot's depth and length, must be positive numbers"
     )]
@@ -136,10 +136,10 @@ impl FlankMilling {
         Ok(Passes { levels, passes: (0..levels).map(passes).sum() })
     }
 
-    /// Time of a slot of which `volume_mm3` is to go.
+    /// Time of a slot with `volume_mm3` to be removed.
     ///
     /// # Errors
-    /// As [`FlankMilling::passes`].
+    /// See [`FlankMilling::passes`].
     pub fn time(&self, slot: &SlotSize, volume_mm3: f64) -> Result<SlotTime, BaselineError> {
         let Passes { passes, .. } = self.passes(slot)?;
         let cutting_min = passes as f64 * (slot.length_mm + self.diameter_mm) / self.feed_mm_per_min; // (3)
@@ -148,7 +148,7 @@ impl FlankMilling {
 }
 
 impl SlotSize {
-    /// The slot between its allowances: the nearest places of both sides, height by height.
+    /// Size of the slot between its allowances: the nearest places of both sides, height by height.
     pub fn of(slot: &Slot, blisk: &Blisk, allowance_mm: f64) -> Self {
         let places = |face: &Face, v: f64| -> Vec<Point> {
             (0..=WIDTH_PLACES).map(|k| face.point(f64::from(k) / f64::from(WIDTH_PLACES), v)).collect()
@@ -170,7 +170,7 @@ impl SlotSize {
         }
     }
 
-    /// The width at a part of the depth, straight between the given ones.
+    /// Width at a fraction of the depth, interpolated linearly.
     fn width_mm(&self, part: f64) -> f64 {
         let last = self.widths_mm.len() - 1;
         let place = part.clamp(0.0, 1.0) * last as f64;
@@ -180,7 +180,7 @@ impl SlotSize {
     }
 }
 
-/// Time of one slot on the planned path: `feed_mm_per_min` says how fast each purpose is. Indexing is not in it.
+/// Time of one slot on the planned path; `feed_mm_per_min` gives the feed of each purpose. Indexing is not included.
 pub fn planned_time(path: &SlotPath, feed_mm_per_min: impl Fn(Purpose) -> f64, volume_mm3: f64) -> PlannedTime {
     let steps = path.steps();
     let mut purposes: Vec<Purpose> = steps.iter().map(|step| step.purpose).collect();
@@ -196,7 +196,7 @@ pub fn planned_time(path: &SlotPath, feed_mm_per_min: impl Fn(Purpose) -> f64, v
     PlannedTime { parts, slot: SlotTime { cutting_min, rate_mm3_per_min: volume_mm3 / cutting_min } }
 }
 
-/// The next whole number, but not for the noise of a division.
+/// Next whole number, ignoring the rounding error of a division.
 fn whole(ratio: f64) -> usize {
     libm::ceil((ratio - 1e-9).max(0.0)) as usize
 }

@@ -1,4 +1,4 @@
-//! The job of a planned program: what a feed controller is to know of it, as the text of a job file (docs/job.md).
+//! Job of a planned program: the data for a feed controller, as the text of a job file (docs/job.md).
 
 use std::fmt::Write;
 
@@ -10,14 +10,14 @@ use arcfeed_shared::units::{LengthUnit, MM_PER_INCH};
 use crate::cutter::CupMill;
 use crate::output::limits::{BlankFace, Bound, StockLimit};
 
-/// Everything that a job file says.
+/// Content of a job file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobFile<'a> {
-    /// Of the file, and of the program.
+    /// Unit of the file, and of the program.
     pub unit: LengthUnit,
-    /// The program, relative to the file.
+    /// Program, relative to the file.
     pub program: &'a str,
-    /// The tool.
+    /// Tool.
     pub mill: &'a CupMill,
     /// T of the program.
     pub tool: u32,
@@ -25,47 +25,47 @@ pub struct JobFile<'a> {
     pub cutting_mm_per_min: f64,
     /// S of the program.
     pub rev_per_min: f64,
-    /// What the law keeps.
+    /// Feed per tooth that the law keeps.
     pub feed_per_tooth_mm: f64,
-    /// A rule each.
+    /// Stock limits, one per rule.
     pub limits: &'a [StockLimit],
-    /// What the law looks at.
+    /// Law.
     pub law: Law<'a>,
-    /// What is cut in simulation.
+    /// Workpiece for the simulation.
     pub workpiece: Option<Workpiece<'a>>,
     /// Preset of the control.
     pub control: &'a str,
-    /// The machine, if it is known.
+    /// Machine, if it is known.
     pub machine: Option<Machine<'a>>,
 }
 
-/// Which law keeps the chip.
+/// Law that keeps the chip load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law<'a> {
-    /// That of the source: the contact with one line. On its far side a ring may meet that line again; where it does the law is slow
-    /// ([`StockLimit::kept_ratio`]), and it does not look at the other circle ([`StockLimit::elsewhere_ratio`]).
+    /// Law of the source: the contact with one line. On its far side a ring may meet that line again; the law is slow
+    /// there ([`StockLimit::kept_ratio`]), and it ignores the other circle ([`StockLimit::elsewhere_ratio`]).
     Circumference,
-    /// The whole engaged arc of both circles, between these lines.
+    /// Law for the whole engaged arc of both circles, between these lines.
     EngagedArc(&'a [Bound]),
 }
 
 /// Meshes in millimetres, relative to the job file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workpiece<'a> {
-    /// The blank.
+    /// Blank.
     pub stl: &'a str,
-    /// What is to be left.
+    /// Target shape.
     pub target: Option<&'a str>,
-    /// Distance of the rays that stand for it.
+    /// Distance of the dexel rays.
     pub step_mm: f64,
 }
 
-/// Where the machine is described.
+/// Source of the machine's description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Machine<'a> {
-    /// A machine file, relative to the job file.
+    /// Machine file, relative to the job file.
     File(&'a str),
-    /// A machine of ours.
+    /// Preset.
     Preset(&'a str),
 }
 
@@ -73,7 +73,7 @@ pub enum Machine<'a> {
 const RAISE: f64 = 4.0;
 
 impl JobFile<'_> {
-    /// The file's text.
+    /// Text of the file.
     pub fn text(&self) -> String {
         let unit = match self.unit {
             LengthUnit::Inch => "inch",
@@ -186,7 +186,7 @@ impl JobFile<'_> {
                 limit.rise_ratio
             ),
             Law::EngagedArc(bounds) => {
-                // Angle and rise are no lengths, and TOML wants them to be floats.
+                // Angle and rise are no lengths, and must be floats in TOML.
                 let line = |bound: &Bound| {
                     format!("[{:?}, {}, {:?}]", bound.normal_deg, self.length(bound.offset_mm), bound.rise_ratio)
                 };
@@ -216,14 +216,14 @@ impl JobFile<'_> {
     }
 }
 
-/// To a millionth, without trailing zeros.
+/// Number to a millionth, without trailing zeros.
 fn number(value: f64) -> String {
     let text = format!("{value:.6}");
     let short = text.trim_end_matches('0').trim_end_matches('.');
     if short == "-0" { "0".into() } else { short.into() }
 }
 
-/// A basic string of TOML.
+/// Basic string of TOML.
 fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for c in text.chars() {

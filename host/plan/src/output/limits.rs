@@ -1,22 +1,24 @@
-//! Where the stock ends for each of the four movements: the face of the blank at which its chip is thickest.
+//! Stock limit of each of the four movements: the face of the blank at which its chip is thickest.
 //!
-//! A ring that goes about a pivot moves as a whole, so a point of a circle at direction u from the centre takes a chip of
+//! A ring that turns about a pivot moves as a whole, so a point of a circle at direction u from the centre removes a
+//! chip of
 //!
 //! ```text
 //! chip = k s u.v                                                             (1)
 //! ```
 //!
-//! for a step s of the centre along v: the outer circle (k = +1) cuts before the centre, the inner one (k = -1) behind it. Both do at
-//! once, at opposite ends of the slot, and the chip grows from nothing at the pivot to the end that is further from it. There the
-//! stock has its limit. The ends are the blank's faces k.p = f, k the rotor's axis, planes that lean in the slot frame:
+//! for a step s of the centre along v: the outer circle (k = +1) cuts before the centre, the inner one (k = -1) behind
+//! it. Both cut at once, at opposite ends of the slot, and the chip grows from 0 at the pivot to the end that is
+//! farther from it. There the stock has its limit. The ends are the blank's faces k.p = f, k the rotor's axis, planes
+//! that are tilted in the slot frame:
 //!
 //! ```text
 //! y = (f - k_z (z + h)) / k_y                                                (2)
 //! ```
 //!
-//! with h the height of the cutting plane above the tool's bottom, the insert's radius. Source: Petean, section 5.1, tables 5.1 and 5.2 and
-//! figure 3.9; the choice by (1) is ours, and finds that table where the pivots lie as there. A blank whose rim is nearer than its face
-//! ends the cut before the line: the chip is then thinner than wanted.
+//! with h the height of the cutting plane above the tool's bottom, the insert's radius. Source: Petean, section 5.1,
+//! tables 5.1 and 5.2 and figure 3.9. The choice by (1) is ours, and gives that table for pivots placed as there. A
+//! blank whose rim is nearer than its face ends the cut before the line: the chip is then below the target.
 
 use arcfeed_shared::cut::Rotation;
 use arcfeed_shared::nc::modal::Turn;
@@ -29,79 +31,81 @@ use crate::geometry::blisk::Blank;
 use crate::path::{Purpose, SlotPath, Step};
 use crate::vector::{Flat, Vector};
 
-/// Places of an arc that are looked at.
+/// Number of sampled places of an arc.
 const SAMPLES: usize = 17;
 
-/// What a rule's levels reach beyond the first and last, mm: more than a program's resolution, less than a level.
+/// Margin of a rule's levels beyond the first and last, mm: more than a program's resolution, less than a level.
 const LEVEL_MARGIN_MM: f64 = 0.02;
 
 /// The four movements.
 const MOVEMENTS: [Purpose; 4] = [Purpose::Movement1, Purpose::Movement2, Purpose::Movement3, Purpose::Movement4];
 
-/// A face of the blank, by its place along the rotor's axis.
+/// Face of the blank, by its place along the rotor's axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlankFace {
-    /// The one with the smaller coordinate.
+    /// Face with the smaller coordinate.
     Lower,
-    /// The other one.
+    /// Face with the larger coordinate.
     Upper,
 }
 
-/// What a movement cuts, and up to where.
+/// Circle, pivot and stock limit of a movement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StockLimit {
-    /// 1 to 4, as in table 5.1.
+    /// Number of the movement, 1 to 4, as in table 5.1.
     pub movement: usize,
-    /// What the centre goes about.
+    /// Pivot of the centre.
     pub rotation: Rotation,
-    /// In which sense.
+    /// Sense of the turn.
     pub turn: Turn,
-    /// The circle with the thickest chip.
+    /// Circle with the thickest chip.
     pub edge: Edge,
-    /// The face where it is.
+    /// Face at which it is thickest.
     pub face: BlankFace,
-    /// The face's line in a level: direction of its normal, out of the material, from x.
+    /// Line of the face in a level: direction of its normal, out of the material, from x.
     pub normal_deg: f64,
-    /// Its distance from the origin along the normal at height 0.
+    /// Distance of the line from the origin along the normal, at height 0.
     pub offset_mm: f64,
-    /// What the distance grows by per unit of height.
+    /// Growth of the distance per unit of height.
     pub rise_ratio: f64,
     /// Lowest and highest level on which the movement cuts.
     pub heights_mm: [f64; 2],
     /// Angle of the contact from the pivot's direction, least and largest.
     pub contact_deg: [f64; 2],
-    /// The thickest chip of the other circle, or at the other face, relative to the one at the line; above 1 it is thicker somewhere.
+    /// Thickest chip of the other circle, or at the other face, relative to the one at the line; above 1 it is thicker
+    /// somewhere.
     pub elsewhere_ratio: f64,
-    /// The chip at the limit relative to the one that a law of one line keeps: below 1 where the circle meets the line a second
-    /// time, on its far side, and the law takes that contact for the thicker one. Safe, but slow.
+    /// Chip at the limit relative to the target of a law with one line: below 1 where the circle meets the line a
+    /// second time, on its far side, and the law takes that contact for the thicker one. The chip is then below the
+    /// target, and the feed slow.
     pub kept_ratio: f64,
 }
 
-/// One of the lines that the stock is inside of, in a level.
+/// Line that bounds the stock in a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
     /// Direction of its normal, out of the material, from x.
     pub normal_deg: f64,
-    /// Its distance from the origin along the normal at height 0.
+    /// Distance of the line from the origin along the normal, at height 0.
     pub offset_mm: f64,
-    /// What the distance grows by per unit of height.
+    /// Growth of the distance per unit of height.
     pub rise_ratio: f64,
 }
 
-/// Why there are no limits.
+/// Reason why there are no limits.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum LimitError {
-    /// The faces lie square to the tool.
+    /// The faces are square to the tool.
     #[error("the tool stands along the rotor's axis: no face of the blank bounds a level")]
     AlongRotor,
-    /// A movement without stock.
+    /// A movement meets no stock.
     #[error(
         "movement {0} meets neither face of the blank ahead of its edges: is the blank narrower than the slot's pivots?"
     )]
     NoContact(usize),
 }
 
-/// A limit for each movement that there is.
+/// Stock limit of each movement.
 ///
 /// # Errors
 /// The blank does not bound the levels.
@@ -115,7 +119,7 @@ pub fn stock_limits(
     let rotor = frame * Vector::z();
     let faces = [BlankFace::Lower, BlankFace::Upper].map(|face| line(face, blank, &rotor, mill.insert_radius_mm));
     let mut steps = path.steps();
-    // The last arc goes back through what is cut.
+    // The last arc returns through the part already cut.
     let arcs = steps.iter().rposition(|step| step.about.is_some()).unwrap_or(0);
     steps.truncate(arcs);
     let of = |purpose: Purpose| steps.iter().filter(move |step| step.purpose == purpose).collect::<Vec<_>>();
@@ -123,8 +127,8 @@ pub fn stock_limits(
     found.map(|purpose| limit(*purpose, &of(*purpose), &faces, mill)).collect()
 }
 
-/// What bounds the stock of the slot: both faces, and the line along y through the base position, beyond which the ring meets the
-/// planes of the faces once more, outside of the blank. For the law that looks at the whole engaged arc.
+/// Bounds of the slot's stock: both faces, and the line along y through the base position, beyond which the ring meets
+/// the planes of the faces once more, outside of the blank. For the law of the whole engaged arc.
 ///
 /// # Errors
 /// The tool stands along the rotor's axis.
@@ -140,7 +144,7 @@ pub fn bounds(path: &SlotPath, mill: &CupMill, blank: &Blank, tool_axis: &Vector
     Ok([face(BlankFace::Lower), face(BlankFace::Upper), Bound { normal_deg, offset_mm, rise_ratio: 0.0 }])
 }
 
-/// A face's line: (2).
+/// Line of a face: (2).
 #[derive(Clone, Copy, Debug)]
 struct Line {
     face: BlankFace,
@@ -165,11 +169,11 @@ fn line(face: BlankFace, blank: &Blank, rotor: &Vector, above_mm: f64) -> Line {
     Line { face, outward, offset_mm: outward * at_mm / rotor.y + rise_ratio * above_mm, rise_ratio } // (2)
 }
 
-/// A circle that may cut, and the face where it would.
+/// Circle that may cut, and the face where it would.
 struct Candidate {
     edge: Edge,
     line: Line,
-    /// Chip over step (1) and contact angle, at every place looked at.
+    /// Chip over step (1) and contact angle, at every sampled place.
     contacts: Vec<Option<Contact>>,
 }
 
@@ -177,7 +181,7 @@ struct Candidate {
 struct Contact {
     chip_ratio: f64,
     angle_rad: f64,
-    /// Of the thicker of both points.
+    /// Chip ratio at the thicker of both points.
     law_chip_ratio: f64,
 }
 
@@ -220,7 +224,7 @@ fn limit(purpose: Purpose, steps: &[&Step], faces: &[Line; 2], mill: &CupMill) -
     })
 }
 
-/// Where the centre is, where it goes, and where its pivot lies; unit vectors.
+/// Position of the centre, its direction of motion, and the direction of its pivot; unit vectors.
 struct Place {
     center_mm: Flat,
     height_mm: f64,
@@ -251,8 +255,9 @@ fn candidate((edge, radius_mm): (Edge, f64), line: Line, places: &[Place]) -> Ca
     Candidate { edge, line, contacts: places.iter().map(|place| contact(place, line, advance, radius_mm)).collect() }
 }
 
-/// A circle meets a line twice; the slot is where it is nearer to the pivot. Admissible are points on the pivot's side of the centre
-/// where the edge advances, and of two the law takes the one with the thicker chip.
+/// Contact of a circle with a line. A circle meets a line twice; the slot is where it is nearer to the pivot.
+/// Admissible are points on the pivot's side of the centre where the edge advances; among two, the law takes the one
+/// with the thicker chip.
 fn contact(place: &Place, line: Line, advance: f64, radius_mm: f64) -> Option<Contact> {
     let y_mm = line.outward * (line.offset_mm + line.rise_ratio * place.height_mm);
     let up = (y_mm - place.center_mm.y) / radius_mm;

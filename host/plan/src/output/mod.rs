@@ -1,4 +1,4 @@
-//! What comes out of the planner, as text and bytes.
+//! Output of the planner, as text and bytes.
 
 pub mod words;
 

@@ -1,12 +1,13 @@
-//! The NC program of a planned rotor: every slot the same path, the rotor turned in between. Fanuc's dialect, G17.
+//! NC program of a planned rotor: the same path in every slot, with the rotor indexed in between. Fanuc's dialect, G17.
 //!
 //! ```text
 //! I, J = A - P                                                               (1)
 //! ```
 //!
-//! with A the true rotation centre and P the start as written: the control's own centre then lies within half a step of A
-//! whatever was rounded before, and start and end radius agree within one and a half steps (3.8 um in inches). Source of words and
-//! order: the published listing (Petean, annex); the blocks before the first slot and behind the last are ours.
+//! with A the true rotation centre and P the start as written: the control's own centre then lies within half a step of
+//! A, independently of earlier rounding, and start and end radius agree within one and a half steps (3.8 um in inches).
+//! Source of words and order: the published listing (Petean, annex); the blocks before the first slot and behind the
+//! last are ours.
 
 use arcfeed_shared::nc::modal::Turn;
 use arcfeed_shared::units::{LengthUnit, MM_PER_INCH};
@@ -16,14 +17,14 @@ use crate::output::words::{Format, Sheet, degrees, microdegrees};
 use crate::path::{Purpose, SlotPath, Step};
 use crate::vector::Flat;
 
-/// Arcs shorter than so many steps of the resolution are left out. Rounding moves each end by up to 0.71 steps; below 1.42 the
-/// ends as written could lie the other way round, and the control would make a full circle of it.
+/// Shortest arc in steps of the resolution; shorter ones are left out. Rounding moves each end by up to 0.71 steps;
+/// below 1.42 the written ends could be in reversed order, and the control would execute a full circle.
 const ARC_STEPS_MIN: f64 = 2.0;
 
 /// Largest O number.
 const NUMBER_MAX: u32 = 9_999;
 
-/// Everything that is not the path.
+/// Settings of the program apart from the path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
     /// O number.
@@ -42,32 +43,32 @@ pub struct Setup {
     pub tilt_deg: f64,
     /// B of each slot, in order.
     pub slots_deg: Vec<f64>,
-    /// How fast.
+    /// Feeds.
     pub feeds: Feeds,
-    /// How the rotor gets from slot to slot.
+    /// Indexing between the slots.
     pub indexing: Indexing,
-    /// `(LEVEL 3 MOVEMENT 1)` and the like.
+    /// Comments such as `(LEVEL 3 MOVEMENT 1)`.
     pub labels: bool,
-    /// The control prints slot and level (DPRNT). `adapt` does not take a program with macro statements: for one that is to be
-    /// adapted leave them out, and have the sender ask for reports (docs/dnc.md).
+    /// The control prints slot and level (DPRNT). `adapt` does not accept a program with macro statements: for one that
+    /// is to be adapted leave them out, and have the sender request reports (docs/dnc.md).
     pub reports: bool,
 }
 
 /// Feeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feeds {
-    /// Of all arcs, and of what has none of its own.
+    /// Feed of all arcs, and of steps without a feed of their own.
     pub cutting_mm_per_min: f64,
-    /// Down to the first level, and up from the last.
+    /// Feed down to the first level, and up from the last.
     pub approach_mm_per_min: Option<f64>,
-    /// From level to level.
+    /// Feed from level to level.
     pub axial_mm_per_min: Option<f64>,
-    /// Of indexing, inverse time.
+    /// Feed of indexing, inverse time.
     pub indexing_per_min: f64,
 }
 
 impl Feeds {
-    /// The feed of what is there for a purpose, mm/min.
+    /// Feed of a purpose, mm/min.
     pub fn of(&self, purpose: Purpose) -> f64 {
         let own = match purpose {
             Purpose::Approach | Purpose::Retract => self.approach_mm_per_min,
@@ -78,33 +79,34 @@ impl Feeds {
     }
 }
 
-/// How the rotor gets from slot to slot.
+/// Indexing between the slots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Indexing {
-    /// It turns while the tool stands above it.
+    /// The rotor turns while the tool is above it.
     AtClearance,
-    /// It turns while the tool goes down to the first level, as in the published listing: the tool is in the blank before the rotor stands.
+    /// The rotor turns while the tool goes down to the first level, as in the published listing: the tool is in the
+    /// blank before the rotor stops.
     WhileDescending,
 }
 
-/// Why there is no program.
+/// Reason why there is no program.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum NcError {
-    /// Its number.
+    /// The program number is out of range.
     #[error("a program's number is between 1 and {NUMBER_MAX}, not {0}")]
     Number(u32),
-    /// Nothing to do.
+    /// There is nothing to do.
     #[error("the path has no levels, or there are no slots")]
     Empty,
-    /// Something is not a number, or a feed is none.
+    /// A value is not a number, or a feed is not usable.
     #[error("a place, an angle or a feed of the program is not a usable number")]
     NotANumber,
 }
 
-/// The program.
+/// Writes the program.
 ///
 /// # Errors
-/// What cannot be written.
+/// Describes the value that cannot be written.
 pub fn write(path: &SlotPath, setup: &Setup) -> Result<String, NcError> {
     check(path, setup)?;
     let format = Format { unit: setup.unit };
@@ -216,7 +218,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Only the axes that move, but both of the plane together.
+    /// Writes only the axes that move, but both axes of the plane together.
     fn straight(&mut self, step: &Step) {
         let to = self.places(step.to);
         let mut words = String::new();
@@ -253,7 +255,7 @@ impl Writer<'_> {
         self.sheet.motion(code, &words, Some(("G94", feed)));
     }
 
-    /// What the control prints when it has read so far.
+    /// Writes the report that the control prints when it has read so far.
     fn report(&mut self, slot: usize, step: &Step) {
         if self.setup.reports {
             let digits = match self.setup.unit {

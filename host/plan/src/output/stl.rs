@@ -4,10 +4,11 @@ use stl_io::{Normal, Triangle, Vertex};
 
 use crate::vector::Point;
 
-/// The file's bytes. Triangles of which two corners are one in the file's precision are left out: a closed mesh stays closed.
+/// Content of the file. Triangles with two equal corners in the file's precision are left out: a closed mesh stays
+/// closed.
 ///
 /// # Errors
-/// More triangles than the format can count.
+/// There are more triangles than the format can count.
 pub fn to_stl(triangles: &[[Point; 3]]) -> std::io::Result<Vec<u8>> {
     let facets: Vec<Triangle> = triangles.iter().filter_map(facet).collect();
     let mut bytes = Vec::new();

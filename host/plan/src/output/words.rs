@@ -1,29 +1,29 @@
-//! NC words: numbers in whole steps of the control's resolution, and blocks that leave out what is modal and stays.
+//! NC words: numbers in whole steps of the control's resolution, and blocks without the modal words that stay the same.
 //!
-//! Places are kept as they were written, so that what is told relative to a place is relative to the one the control has.
+//! Places are stored as written, so that relative words refer to the control's place.
 
 use std::fmt::Write;
 
 use arcfeed_shared::units::{LengthUnit, MICRODEG_PER_DEG, NM_PER_INCH, Nm};
 
-/// Sequence numbers of blocks that follow each other are so far apart.
+/// Difference between the sequence numbers of successive blocks.
 const NUMBER_STEP: u32 = 2;
 
-/// Rotary axes are written to a thousandth of a degree.
+/// Decimals of rotary axes: a thousandth of a degree.
 const DEGREE_DECIMALS: usize = 3;
 
-/// What can be written of a comment: the ISO code's characters but for brackets.
+/// Characters allowed in a comment: those of the ISO code except brackets.
 const COMMENT_MARKS: &str = " .,-+/=*:#";
 
-/// Lengths as the program has them.
+/// Format of lengths in the program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Format {
-    /// Inches to four decimals, millimetres to three.
+    /// Unit: inches with four decimals, millimetres with three.
     pub unit: LengthUnit,
 }
 
 impl Format {
-    /// Nanometres in the last digit.
+    /// Nanometres per step of the last digit.
     pub fn step(self) -> Nm {
         match self.unit {
             LengthUnit::Inch => Nm(NM_PER_INCH / 10_000),
@@ -39,29 +39,29 @@ impl Format {
         }
     }
 
-    /// The nearest whole number of steps.
+    /// Nearest whole number of steps.
     pub fn steps(self, length_mm: f64) -> i64 {
         libm::round(length_mm / self.step().to_mm()) as i64
     }
 
-    /// A length of so many steps as a number with a point.
+    /// Length of `steps` steps as a number with a point.
     pub fn number(self, steps: i64) -> String {
         decimal(steps, self.decimals())
     }
 }
 
-/// An angle as a number with a point.
+/// Angle as a number with a point.
 pub fn degrees(angle_deg: f64) -> String {
     decimal(libm::round(angle_deg * 1e3) as i64, DEGREE_DECIMALS)
 }
 
-/// An angle as a control sees it, whole microdegrees.
+/// Angle as a control reads it, in whole microdegrees.
 pub fn microdegrees(angle_deg: f64) -> i64 {
     let step = MICRODEG_PER_DEG / 1_000;
     libm::round(angle_deg * 1e3) as i64 * step
 }
 
-/// No trailing zeros and no leading one, but always a digit: `-3.6`, `.25`, `25.`, `.0`.
+/// Number without trailing zeros and without a leading one, but with at least one digit: `-3.6`, `.25`, `25.`, `.0`.
 fn decimal(value: i64, decimals: usize) -> String {
     if value == 0 {
         return ".0".into();
@@ -72,7 +72,7 @@ fn decimal(value: i64, decimals: usize) -> String {
     format!("{sign}{}.{}", whole.trim_start_matches('0'), part.trim_end_matches('0'))
 }
 
-/// A program on its way to paper, with what the control would hold as modal.
+/// Text of a program, with the modal state of the control.
 #[derive(Clone, Debug)]
 pub struct Sheet {
     format: Format,
@@ -84,46 +84,46 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// An empty one.
+    /// Empty sheet.
     pub fn new(format: Format) -> Self {
         Sheet { format, text: String::new(), number: 0, motion: "", feed_mode: "G94", feed: String::new() }
     }
 
-    /// The text.
+    /// Text of the sheet.
     pub fn into_text(self) -> String {
         self.text
     }
 
-    /// A line without a number.
+    /// Writes a line without a number.
     pub fn line(&mut self, line: &str) {
         let _ = writeln!(self.text, "{line}");
     }
 
-    /// A comment, in characters that every control takes.
+    /// Writes a comment, in characters that every control accepts.
     pub fn comment(&mut self, comment: &str) {
         let plain = |c: char| if c.is_ascii_alphanumeric() || COMMENT_MARKS.contains(c) { c } else { ' ' };
         let text: String = comment.to_uppercase().chars().map(plain).collect();
         self.line(&format!("({text})"));
     }
 
-    /// A numbered block.
+    /// Writes a numbered block.
     pub fn block(&mut self, words: &str) {
         self.number += NUMBER_STEP;
         let number = self.number;
         self.line(&format!("N{number}{words}"));
     }
 
-    /// A numbered block that moves: `motion` is G0 to G3, `feed` its mode and its F, and only what changes is written.
+    /// Writes a numbered block that moves: `motion` is G0 to G3, `feed` its mode and its F; only changes are written.
     pub fn motion(&mut self, motion: &'static str, words: &str, feed: Option<(&'static str, f64)>) {
         let (mut codes, mut tail) = (String::new(), String::new());
         if let Some((mode, value)) = feed {
             let value = decimal(libm::round(value * 1e4) as i64, 4);
             if self.feed_mode != mode {
                 codes += mode;
-                // What F counts is another thing now.
+                // F has another meaning now.
                 (self.feed_mode, self.feed) = (mode, String::new());
             }
-            // Under G93 every block has its own.
+            // Under G93 every block has its own F.
             if mode == "G93" || self.feed != value {
                 tail = format!("F{value}");
             }
@@ -136,7 +136,7 @@ impl Sheet {
         self.block(&format!("{codes}{words}{tail}"));
     }
 
-    /// A word of a length.
+    /// Word of a length.
     pub fn word(&self, letter: char, steps: i64) -> String {
         format!("{letter}{}", self.format.number(steps))
     }

@@ -1,9 +1,9 @@
-//! How near a piece of a body can come to a piece of the tool over a stretch of the way.
+//! Lower bound of the distance between a piece of a body and a piece of the tool over an interval of the path.
 //!
-//! Known are the distance d of one point x from the tool, in one pose, and how it grows: c with the distance a of x from the tool's axis,
-//! altogether by the gradient g. The way is an arc with tangent t and curvature n (towards its centre, one over its radius), or a line, h long to both sides
-//! of the pose. The points of the piece are no farther than e from x, no farther than f seen along the axis, and g . (q - x) >= -s. No distance grows faster
-//! than the way:
+//! Known are the distance d of one point x from the tool, in one pose, and its growth: c with the distance a of x from
+//! the tool's axis, in all by the gradient g. The path is an arc with tangent t and curvature n (towards its centre,
+//! one over its radius), or a line, and extends h to both sides of the pose. The points of the piece are at most e from
+//! x, at most f seen along the axis, and g . (q - x) >= -s. No distance grows faster than the path:
 //!
 //! ```text
 //! distance >= d - e - h                                                                                       (1)
@@ -17,8 +17,8 @@
 //!                                     >= b_t^2 / (2 (a + b))                                                  (3)
 //! ```
 //!
-//! Over the way, tau along it, delta is t tau + n tau^2 / 2 with b^2 <= tau^2 and n's part in (1 - cos), so, with cross products between way and piece
-//! apart,
+//! Over the path, tau along it, delta is t tau + n tau^2 / 2 with b^2 <= tau^2 and n's part in (1 - cos). So, with the
+//! cross products between path and piece separated,
 //!
 //! ```text
 //! distance >= d - s - |g . t| h - max(g . n - c / a, 0) h^2 / 2 + c (f^2 / 2 + f h) / a           c < 0: from within   (4)
@@ -27,15 +27,15 @@
 //! T = u^2 (1 - k^2 / 3) - |u w| k,   u, w = t sideways of x and along it,   k = |n| h
 //! ```
 //!
-//! (4) and (6) lose nothing of second order where the tool turns about the very point that it is near to, as it does on most of its way
-//! here. Our own derivation.
+//! (4) and (6) lose nothing of second order where the tool turns about the very point that it is near to, as it does on
+//! most of its path here. Our own derivation.
 
 use crate::vector::Vector;
 
 use super::motion::Pose;
 use super::section::Section;
 
-/// A point near a section of the tool.
+/// Point near a section of the tool.
 pub struct Near {
     /// d, mm; negative inside.
     pub distance_mm: f64,
@@ -43,13 +43,13 @@ pub struct Near {
     pub gradient: Vector,
     /// a
     axis_mm: f64,
-    /// From the axis to the point, a unit vector.
+    /// Unit vector from the axis to the point.
     outward: Vector,
     /// c
     across: f64,
 }
 
-/// What a piece of a body is, seen from its middle.
+/// Extent of a piece of a body about its middle.
 pub struct Extent {
     /// e
     pub radius_mm: f64,
@@ -59,18 +59,18 @@ pub struct Extent {
     pub sink_mm: f64,
 }
 
-/// A lower bound, and what it loses by the lengths of way and piece.
+/// Lower bound, and its losses by the lengths of path and piece.
 pub struct Bound {
-    /// No point is nearer, mm.
+    /// Lower bound of the distance, mm.
     pub least_mm: f64,
-    /// By the way.
+    /// Loss by the path.
     pub way_mm: f64,
-    /// By the piece of the body.
+    /// Loss by the piece of the body.
     pub piece_mm: f64,
 }
 
 impl Near {
-    /// A point by its place relative to the middle of the tool's bottom.
+    /// Point by its place relative to the middle of the tool's bottom.
     pub fn new(section: &Section, place: &Vector) -> Self {
         let axis_mm = libm::hypot(place.x, place.y);
         let [across, up] = section.slope(axis_mm, place.z);
@@ -79,7 +79,7 @@ impl Near {
         Near { distance_mm: section.distance_mm(axis_mm, place.z), gradient, axis_mm, outward, across }
     }
 
-    /// The best of (1) and (4) to (6), for a stretch of so much to both sides.
+    /// Best of (1) and (4) to (6), for an interval of `half_mm` to both sides.
     pub fn bound(&self, pose: &Pose, half_mm: f64, extent: &Extent) -> Bound {
         let (way_mm, piece_mm) = if self.across < 0.0 {
             self.inner_losses_mm(pose, half_mm, extent.across_mm)
@@ -96,7 +96,7 @@ impl Near {
         }
     }
 
-    /// What (4) loses by second order, a half of what both make for each.
+    /// Second-order losses of (4) by path and piece; the mixed term is split equally.
     fn inner_losses_mm(&self, pose: &Pose, half_mm: f64, across_mm: f64) -> (f64, f64) {
         let per_mm = -self.across / self.axis_mm;
         let bend_per_mm = (self.gradient.dot(&pose.curvature) + per_mm).max(0.0);
@@ -104,7 +104,7 @@ impl Near {
         (bend_per_mm * half_mm * half_mm / 2.0 + both_mm, per_mm * across_mm * across_mm / 2.0 + both_mm)
     }
 
-    /// The same of the better of (5) and (6).
+    /// The same for the better of (5) and (6).
     fn outer_losses_mm(&self, pose: &Pose, half_mm: f64, across_mm: f64) -> (f64, f64) {
         let toward_per_mm = self.gradient.dot(&pose.curvature);
         let plain_mm = toward_per_mm.max(0.0) * half_mm * half_mm / 2.0;

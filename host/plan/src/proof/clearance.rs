@@ -1,8 +1,8 @@
-//! By how much a part of the tool misses something, all along its way.
+//! Clearance between a part of the tool and an obstacle, along the whole path.
 //!
-//! A body left larger by an allowance, all around, is the set of points no farther than the allowance from the body. So the tool's distance
-//! from it is its distance from the body less the allowance, exactly: no surface has to be offset. It is negative where the tool has
-//! cut into the allowance, by as much as the allowance lacks there.
+//! A body with an allowance all around is the set of points within the allowance of the body. So the tool's distance
+//! from it is exactly its distance from the body less the allowance: no surface has to be offset. The distance is
+//! negative where the tool has cut into the allowance, by the missing amount.
 
 use nalgebra::Rotation3;
 
@@ -14,61 +14,61 @@ use super::search::{Place, Search};
 use super::section::Section;
 use super::spheres::Tree;
 
-/// What a tool can meet.
+/// Obstacle of the tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Obstacle {
-    /// All finished blades; copies count with the angle about the rotor's axis.
+    /// All finished blades; copies are numbered by increasing angle about the rotor's axis.
     Blades,
     /// The finished hub.
     Hub,
-    /// What holds the part.
+    /// Fixtures of the part.
     Fixture,
     /// The blank before the first cut.
     Blank,
 }
 
-/// An obstacle as triangles.
+/// Obstacle as triangles.
 #[derive(Clone, Debug)]
 pub struct Body {
-    /// What it is.
+    /// Kind of obstacle.
     pub obstacle: Obstacle,
-    /// Its surface in its own frame.
+    /// Surface in its own frame.
     pub tree: Tree,
-    /// How its copies lie in the slot frame.
+    /// Rotations of its copies into the slot frame.
     pub turns: Vec<Rotation3<f64>>,
-    /// How far the triangles are from the surface they stand for.
+    /// Largest distance of the triangles from the surface.
     pub chord_mm: f64,
 }
 
-/// How near a part of the tool comes to an obstacle.
+/// Clearance between a part of the tool and an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance {
-    /// The part.
+    /// Part of the tool.
     pub part: Part,
-    /// The obstacle.
+    /// Obstacle.
     pub obstacle: Obstacle,
-    /// It is never nearer than the first, and at the place no farther than the second, mm. Negative is how deep a point of the obstacle's
-    /// surface is inside the part. Infinite where there is nothing.
+    /// Lower bound of the distance, and the distance at the place, mm. A negative value is the depth of a point of the
+    /// obstacle's surface inside the part. Infinite if there is no obstacle.
     pub bounds_mm: [f64; 2],
-    /// Where it is nearest; steps count as those of [`SlotPath::steps`](crate::path::SlotPath::steps).
+    /// Place of the least distance; steps count as in [`SlotPath::steps`](crate::path::SlotPath::steps).
     pub place: Option<Place>,
-    /// How many pieces of way and obstacle were looked at.
+    /// Number of pieces of path and obstacle that the search has bounded.
     pub pieces: usize,
 }
 
 impl Clearance {
-    /// What is left of the clearance if the obstacle is larger by an allowance, mm.
+    /// Clearance if the obstacle is larger by an allowance, mm.
     pub fn beyond_mm(&self, allowance_mm: f64) -> [f64; 2] {
         self.bounds_mm.map(|bound_mm| bound_mm - allowance_mm)
     }
 
-    /// Whether it is proven that the part never touches the obstacle.
+    /// The part provably never touches the obstacle.
     pub fn is_free(&self) -> bool {
         self.bounds_mm[0] > 0.0
     }
 }
 
-/// The least distance between a part of the tool on its way and an obstacle, to within `gap_mm` and twice the obstacle's
+/// Least distance between a part of the tool on its path and an obstacle, to within `gap_mm` and twice the obstacle's
 /// chord error; a depth to within a fiftieth.
 pub fn clearance(tool: &CupMill, part: Part, steps: &[Step], body: &Body, gap_mm: f64) -> Clearance {
     let motions: Vec<Motion> = steps.iter().map(Motion::new).collect();

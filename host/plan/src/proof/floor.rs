@@ -1,8 +1,10 @@
-//! How deep the ring cuts at a place seen along the tool axis: all that stands above its lowest pass is gone, its walls go straight up.
+//! Depth of the ring's cut at a place seen along the tool axis: all material above its lowest pass is removed, and the
+//! walls are parallel to the axis.
 //!
-//! The ring's underside is flat but for its rounded corners. Over an arc only the range of distances between the place and the tool's axis
-//! matters: the ring passes lowest with what of its underside is lowest in that range. Over a line between levels the height is taken where the flat
-//! part comes and goes and at both ends, which may leave a corner's height too much in between, never too little.
+//! The ring's underside is flat except for its rounded corners. Over an arc only the range of distances between the
+//! place and the tool's axis matters: the ring passes lowest with the lowest part of its underside in that range. Over
+//! a line between levels the height is taken where the flat part enters and leaves the place and at both ends; in
+//! between, the result may be too high by a corner's height, but never too low.
 
 use crate::cutter::CupMill;
 use crate::path::Step;
@@ -10,26 +12,26 @@ use crate::vector::{Flat, Point};
 
 use super::motion::{Arc, Motion};
 
-/// A ring's underside and its way.
+/// Ring's underside and its path.
 pub struct Floor {
-    /// Where its flat part begins and ends, from the axis, mm.
+    /// Inner and outer end of its flat part, from the axis, mm.
     flat_mm: [f64; 2],
     rounding_mm: f64,
     passes: Vec<Pass>,
 }
 
-/// A step of the way.
+/// Step of the path.
 struct Pass {
     level: usize,
     motion: Motion,
-    /// Where its axis is half way, and how far from there it comes.
+    /// Place of its axis half way, and its largest distance from there.
     middle: Flat,
     reach_mm: f64,
     low_mm: f64,
     ends: [Flat; 2],
 }
 
-/// Passes are not left out because of rounding, mm.
+/// Tolerance within which passes are kept in spite of rounding, mm.
 const SLACK_MM: f64 = 1e-6;
 
 impl Pass {
@@ -47,7 +49,7 @@ impl Pass {
 }
 
 impl Floor {
-    /// The floor that a way leaves.
+    /// Floor that a path leaves.
     pub fn new(tool: &CupMill, steps: &[Step]) -> Self {
         let rounding_mm = tool.insert_radius_mm;
         Floor {
@@ -57,12 +59,12 @@ impl Floor {
         }
     }
 
-    /// The lowest height of the ring over a place, mm, slot frame; infinite where it never comes.
+    /// Lowest height of the ring over a place, mm, slot frame; infinite where the ring never comes.
     pub fn at_mm(&self, place: &Flat) -> f64 {
         self.passes.iter().map(|pass| self.pass_mm(pass, place)).fold(f64::INFINITY, f64::min)
     }
 
-    /// The same after each level: it falls from one to the next.
+    /// The same after each level; the height decreases from one to the next.
     pub fn by_level_mm(&self, place: &Flat, levels: usize) -> Vec<f64> {
         let mut floors_mm = vec![f64::INFINITY; levels];
         for pass in &self.passes {
@@ -76,7 +78,7 @@ impl Floor {
         floors_mm
     }
 
-    /// The first level that takes a point.
+    /// First level that removes a point.
     pub fn first_level(&self, point: &Point) -> Option<usize> {
         let takes = |pass: &&Pass| pass.low_mm <= point.z && self.pass_mm(pass, &point.xy()) <= point.z;
         self.passes.iter().find(takes).map(|pass| pass.level)
@@ -93,7 +95,7 @@ impl Floor {
         }
     }
 
-    /// How high the underside is above the bottom, at its lowest, in a range of distances from the axis.
+    /// Height of the underside above the bottom, at its lowest, in a range of distances from the axis.
     fn lip_mm(&self, [from_mm, to_mm]: [f64; 2]) -> f64 {
         let beyond_mm = (from_mm - self.flat_mm[1]).max(self.flat_mm[0] - to_mm).max(0.0);
         if beyond_mm > self.rounding_mm {
@@ -120,7 +122,7 @@ impl Floor {
     }
 }
 
-/// The least and the greatest distance of a place from the points of an arc.
+/// Least and greatest distance of a place from the points of an arc.
 fn range_mm(arc: &Arc, ends: &[Flat; 2], place: &Flat) -> [f64; 2] {
     let off = place - arc.centre;
     let far_mm = off.norm();

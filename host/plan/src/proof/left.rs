@@ -1,6 +1,6 @@
-//! How thick the material is that the ring leaves on a surface.
+//! Thickness of the material that the ring leaves on a surface.
 //!
-//! At a point of the surface that is as far from the ring, at its nearest, as the material reaches: its least distance along the whole way.
+//! At a point of the surface, it is the least distance from the ring along the whole path.
 
 use nalgebra::Rotation3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -17,13 +17,13 @@ use super::spheres::Tree;
 /// Thickness over a surface, mm, in rows; negative where the ring has cut into it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
-    /// How many values a row has: along the chord, from the leading edge.
+    /// Number of values per row: along the chord, from the leading edge.
     pub columns: usize,
-    /// Rows from the hub to the tip, on the hub from the pressure side to the suction side.
+    /// Rows from the hub to the tip; on the hub from the pressure side to the suction side.
     pub values_mm: Vec<f64>,
 }
 
-/// What is left in a slot beyond the allowance.
+/// Remaining material in a slot beyond the allowance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Left {
     /// On the pressure side.
@@ -34,54 +34,54 @@ pub struct Left {
     pub hub: Map,
 }
 
-/// The tool's ring on its way.
+/// Ring of the tool on its path.
 pub struct Ring<'r> {
-    /// The ring.
+    /// Ring.
     pub sections: &'r [Section],
-    /// Its way.
+    /// Path.
     pub motions: &'r [Motion],
-    /// How exactly distances are wanted.
+    /// Tolerance of distances.
     pub gap_mm: f64,
 }
 
-/// The surfaces of a slot with their allowance.
+/// Surfaces of a slot with their allowance.
 pub struct Walls<'w> {
-    /// Pressure and suction side between the blades' round edges, from where they leave the hub's; slot frame.
+    /// Pressure and suction side between the blades' round edges, from the hub's allowance up; slot frame.
     sides: [Side; 2],
-    /// The hub, part frame.
+    /// Hub, part frame.
     hub: &'w Revolution,
-    /// From the part frame to the slot frame.
+    /// Rotation from the part frame to the slot frame.
     to_slot: Rotation3<f64>,
     allowance_mm: f64,
 }
 
 impl Map {
-    /// How many rows there are.
+    /// Number of rows.
     pub fn rows(&self) -> usize {
         self.values_mm.len() / self.columns.max(1)
     }
 
-    /// The least and the greatest value.
+    /// Least and greatest value.
     pub fn range_mm(&self) -> [f64; 2] {
         let over = |start: f64, choose: fn(f64, f64) -> f64| self.values_mm.iter().copied().fold(start, choose);
         [over(f64::INFINITY, f64::min), over(f64::NEG_INFINITY, f64::max)]
     }
 
-    /// The mean.
+    /// Mean value.
     pub fn mean_mm(&self) -> f64 {
         self.values_mm.iter().sum::<f64>() / self.values_mm.len() as f64
     }
 }
 
 impl Ring<'_> {
-    /// What the ring leaves on the walls of a slot, at a grid of rows and columns.
+    /// Material that the ring leaves on the walls of a slot, on a grid of rows and columns.
     pub fn leaves(&self, walls: &Walls<'_>, [rows, columns]: [usize; 2]) -> Left {
         let over = |point: &(dyn Fn(f64, f64) -> Point + Sync)| self.map([rows, columns], point);
         let [pressure, suction] = [0, 1].map(|side| over(&|u, v| walls.side(side, u, v)));
         Left { pressure, suction, hub: over(&|u, v| walls.floor(u, v)) }
     }
 
-    /// The least distance of one point from the ring, mm.
+    /// Least distance of one point from the ring, mm.
     pub fn nearest_mm(&self, point: Point) -> f64 {
         let tree = Tree::new(vec![[point; 3]]);
         let turns = [Rotation3::identity()];
@@ -97,24 +97,26 @@ impl Ring<'_> {
 }
 
 impl<'w> Walls<'w> {
-    /// The walls of a slot, which is given in the part frame as its hub is. Nothing if a blade is not above the hub.
+    /// Walls of a slot; slot and hub are given in the part frame. `None` if a blade is not above the hub.
     pub fn new(slot: &Slot, hub: &'w Revolution, allowance_mm: f64, to_slot: Rotation3<f64>) -> Option<Self> {
         let side = |face, far| Side::new(face, far, &Hub { hub, allowance_mm }, &to_slot);
         let sides = [side(&slot.pressure, FarEdge::Trailing)?, side(&slot.suction, FarEdge::Leading)?];
         Some(Walls::between(sides, hub, allowance_mm, to_slot))
     }
 
-    /// The walls between two sides, pressure and suction, that are in the slot frame.
+    /// Walls between two sides, pressure and suction, in the slot frame.
     pub fn between(sides: [Side; 2], hub: &'w Revolution, allowance_mm: f64, to_slot: Rotation3<f64>) -> Self {
         Walls { sides, hub, to_slot, allowance_mm }
     }
 
-    /// A point of the pressure (0) or suction side (1): from the leading to the trailing edge, from the hub to the tip.
+    /// Point of the pressure (0) or suction side (1): u from the leading to the trailing edge, v from the hub to the
+    /// tip.
     pub fn side(&self, side: usize, u: f64, v: f64) -> Point {
         self.sides[side].at([u, v])
     }
 
-    /// A point of the hub between corresponding points of the blades' feet, `across` from the pressure to the suction side.
+    /// Point of the hub between corresponding points of the blades' feet, `across` from the pressure to the suction
+    /// side.
     pub fn floor(&self, u: f64, across: f64) -> Point {
         let feet = [0, 1].map(|side| self.to_slot.inverse() * self.side(side, u, 0.0));
         let angles = feet.map(|foot| libm::atan2(foot.y, foot.x));
@@ -123,13 +125,13 @@ impl<'w> Walls<'w> {
         self.to_slot * Point::new(radius_mm * libm::cos(angle_rad), radius_mm * libm::sin(angle_rad), z)
     }
 
-    /// Whether a point, slot frame, is in the hub's allowance or below.
+    /// A point, slot frame, is in the hub's allowance or below.
     pub fn is_hub(&self, point: &Point) -> bool {
         self.hub.height_mm(&(self.to_slot.inverse() * point)) < self.allowance_mm
     }
 }
 
-/// The point of a profile at some z, moved along its normal: z and radius.
+/// Point of a profile at some z, moved along its normal: z and radius.
 fn beyond(hub: &Revolution, z: f64, by_mm: f64) -> [f64; 2] {
     let pieces = || hub.profile_mm.windows(2);
     let Some(piece) = pieces().find(|pair| z <= pair[1][0]).or(pieces().last()) else { return [z, by_mm] };

@@ -1,11 +1,12 @@
-//! What the tool does on its way through a slot: what it touches, by how much it misses everything else, and what it leaves.
+//! Proof of the tool's path through a slot: collisions, clearances, and remaining material.
 //!
-//! Distances hold for every point of the way and of the obstacles, not for samples: bounds, not estimates. The way begins above everything that turns
-//! (`turning`) and has no gaps, so a tool that comes nowhere near a surface is nowhere behind it. Body and holder are held against
-//! the blank before its first cut: what the ring has removed could only help.
+//! Distances hold for every point of the path and of the obstacles, not for samples: bounds, not estimates. The path
+//! begins above everything that turns (`turning`) and has no gaps, so a tool that stays away from a surface is never
+//! behind it. Body and holder are checked against the blank before its first cut: removed material could only help.
 //!
-//! Not looked at: what bends, runs out or is out of place; the machine's own parts; the rounding of the NC program's numbers (half a digit of
-//! theirs); fixtures but for boxes. A blade is what its two faces and straight edges between them enclose.
+//! Not covered: deflection, runout and misalignment; the machine's own parts; the rounding of the NC program's numbers
+//! (half of the last digit); fixtures that are no boxes. A blade is the volume between its two faces and straight edges
+//! between them.
 
 pub mod spheres;
 

@@ -1,50 +1,50 @@
-//! A step of the path as a curve, by the length along it.
+//! Step of the path as a curve, by the length along it.
 
 use arcfeed_shared::nc::modal::Turn;
 
 use crate::path::Step;
 use crate::vector::{Flat, Point, Vector};
 
-/// An arc that ends as near as this to its beginning has rounded away.
+/// An arc whose ends are nearer than this has no length: rounding.
 const SAME_MM: f64 = 1e-9;
 
-/// A line or an arc of the tool's bottom centre, slot frame.
+/// Line or arc of the tool's bottom centre, slot frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
-    /// Its length, mm.
+    /// Length, mm.
     pub length_mm: f64,
     from: Point,
-    /// Of a line; an arc's is horizontal.
+    /// Direction of a line; an arc is horizontal.
     direction: Vector,
     arc: Option<Arc>,
 }
 
-/// What makes a motion an arc: it keeps its height.
+/// Arc of a motion, at constant height.
 #[derive(Clone, Copy, Debug)]
 pub struct Arc {
-    /// What it runs about.
+    /// Centre.
     pub centre: Flat,
-    /// Its radius, mm.
+    /// Radius, mm.
     pub radius_mm: f64,
-    /// Where it begins, seen from its centre, from x towards y.
+    /// Direction of the start from the centre, from x towards y.
     pub start_rad: f64,
-    /// How far it turns, positive from x towards y.
+    /// Sweep, positive from x towards y.
     pub sweep_rad: f64,
 }
 
-/// The tool somewhere on its way.
+/// Tool at a place of its path.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
-    /// The middle of the tool's bottom.
+    /// Middle of the tool's bottom.
     pub place: Point,
-    /// Where it goes.
+    /// Direction of motion.
     pub tangent: Vector,
-    /// Towards the centre of its arc, one over the radius long, 1/mm.
+    /// Curvature towards the centre of the arc, one over the radius long, 1/mm.
     pub curvature: Vector,
 }
 
 impl Arc {
-    /// Both ends, seen from its centre.
+    /// Both ends relative to the centre.
     pub fn ends(&self) -> [Flat; 2] {
         [self.start_rad, self.start_rad + self.sweep_rad].map(|angle_rad| {
             let (sin, cos) = libm::sincos(angle_rad);
@@ -54,7 +54,7 @@ impl Arc {
 }
 
 impl Motion {
-    /// The curve of a step. An arc back to where it begins has no length.
+    /// Curve of a step. An arc back to its start has no length.
     pub fn new(step: &Step) -> Self {
         let (from, to) = (Point::from(step.from), Point::from(step.to));
         let way = to - from;
@@ -78,12 +78,12 @@ impl Motion {
         Motion { length_mm: radius_mm * sweep_rad.abs(), arc: Some(arc), ..line }
     }
 
-    /// The arc, if it is one.
+    /// The arc, if the motion is one.
     pub fn arc(&self) -> Option<&Arc> {
         self.arc.as_ref()
     }
 
-    /// Where the tool is after some length.
+    /// Pose of the tool after a length of the path.
     pub fn at(&self, way_mm: f64) -> Pose {
         let Some(arc) = &self.arc else {
             let place = self.from + self.direction * way_mm;

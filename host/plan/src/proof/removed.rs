@@ -1,10 +1,11 @@
-//! What the ring takes from the blank, and how much of what it could take in the slot.
+//! Volume that the ring removes from the blank, and the removed fraction of the slot.
 //!
-//! Columns along the tool axis over a square grid, each from the blank's top to the floor that the ring leaves; midpoints, so the error falls
-//! at least with the cell's size, and the difference to a grid of twice the size tells how large it is. The slot is what lies between the offset faces, leading edge with leading edge,
-//! from the hub's offset to the blank's outside: cells of straight edges, each gone or not by
-//! one point of it. The points are shifted from one bar of cells across the slot to the next by the golden ratio: the ring leaves layers along the
-//! walls, thinner than a cell, which points in rows would all see or all miss.
+//! Columns along the tool axis stand on a square grid, each from the blank's top to the floor that the ring leaves.
+//! They are at the cells' midpoints, so the error decreases at least with the cell's size, and the difference to a grid
+//! of twice the size shows how large it is. The slot is the volume between the offset faces, from leading edge to
+//! leading edge, from the hub's offset to the blank's outside: cells with straight edges, each removed or not by one
+//! point of it. The points are shifted from one bar of cells across the slot to the next by the golden ratio: the ring
+//! leaves layers along the walls, thinner than a cell, which points in rows would either all hit or all miss.
 
 use nalgebra::Rotation3;
 
@@ -14,47 +15,47 @@ use crate::vector::{Flat, Point, Vector};
 use super::floor::Floor;
 use super::left::Walls;
 
-/// Its multiples fill the unit interval evenly.
+/// Golden ratio; its multiples fill the unit interval evenly.
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 
 /// Volumes, mm3.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Removed {
-    /// By each level, from the top.
+    /// Volume removed by each level, from the top.
     pub by_level_mm3: Vec<f64>,
-    /// How much all of them may be off: the difference to a grid of twice the size.
+    /// Error of their sum: the difference to a grid of twice the size.
     pub error_mm3: f64,
-    /// Between the offset surfaces of the slot.
+    /// Volume between the offset surfaces of the slot.
     pub slot_mm3: f64,
-    /// What of that each level takes.
+    /// Part of that volume removed by each level.
     pub slot_by_level_mm3: Vec<f64>,
 }
 
-/// A blank as it lies in the slot frame.
+/// Blank in the slot frame.
 pub struct Stock<'s> {
-    /// The blank.
+    /// Blank.
     pub blank: &'s Blank,
-    /// From the part frame to the slot frame.
+    /// Rotation from the part frame to the slot frame.
     pub to_slot: Rotation3<f64>,
 }
 
 impl Removed {
-    /// All levels.
+    /// Sum of all levels.
     pub fn total_mm3(&self) -> f64 {
         self.by_level_mm3.iter().sum()
     }
 
-    /// What is gone of the slot, 0 to 1.
+    /// Removed fraction of the slot, 0 to 1.
     pub fn share_ratio(&self) -> f64 {
         self.slot_removed_mm3() / self.slot_mm3
     }
 
-    /// What all levels take of the slot.
+    /// Volume removed from the slot by all levels.
     pub fn slot_removed_mm3(&self) -> f64 {
         self.slot_by_level_mm3.iter().sum()
     }
 
-    /// Adds the volume between the offset surfaces, and what is gone of it.
+    /// Adds the volume between the offset surfaces, and the removed part of it.
     fn add_slot(&mut self, floor: &Floor, stock: &Stock<'_>, walls: &Walls<'_>, cell_mm: f64) {
         let feet = |u: f64, v: f64| [0, 1].map(|side| walls.side(side, u, v));
         let pieces = |[from, to]: [Point; 2]| (libm::ceil((to - from).norm() / cell_mm) as usize).max(1);
@@ -84,7 +85,7 @@ impl Removed {
     }
 }
 
-/// What a way removes in so many levels, over cells of a size.
+/// Volumes that a path removes in `levels` levels, over cells of `cell_mm`.
 pub fn removed(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: &Walls<'_>, cell_mm: f64) -> Removed {
     let by_level_mm3 = stock.cut_mm3(floor, levels, cell_mm);
     let coarse_mm3: f64 = stock.cut_mm3(floor, levels, 2.0 * cell_mm).iter().sum();
@@ -95,7 +96,7 @@ pub fn removed(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: &Walls<'_
 }
 
 impl Stock<'_> {
-    /// The stretch of a column that is in the blank, lower end first; empty where the first is not below the second.
+    /// Interval of a column in the blank, lower end first; empty if the first is not below the second.
     pub fn column_mm(&self, place: &Flat) -> [f64; 2] {
         let back = self.to_slot.inverse();
         let (origin, up) = (back * Point::new(place.x, place.y, 0.0), back * Vector::z());
@@ -115,7 +116,7 @@ impl Stock<'_> {
         [around[0].max(between[0].min(between[1])), around[1].min(between[0].max(between[1]))]
     }
 
-    /// How far the blank reaches along x and y: low and high.
+    /// Extent of the blank along x and y: low and high.
     fn reach_mm(&self) -> [[f64; 2]; 2] {
         let axis = self.to_slot * Vector::z();
         [axis.x, axis.y].map(|along| {
@@ -125,7 +126,7 @@ impl Stock<'_> {
         })
     }
 
-    /// What each level takes.
+    /// Volume removed by each level.
     fn cut_mm3(&self, floor: &Floor, levels: usize, cell_mm: f64) -> Vec<f64> {
         let [xs, ys] = self.reach_mm().map(|reach_mm| middles(reach_mm, cell_mm));
         let mut taken_mm3 = vec![0.0; levels];
@@ -145,7 +146,7 @@ impl Stock<'_> {
     }
 }
 
-/// Middles of cells of a size that cover a stretch; they lie at the same places for every stretch.
+/// Middles of the cells that cover an interval; they are at the same places for every interval.
 fn middles([low_mm, high_mm]: [f64; 2], cell_mm: f64) -> Vec<f64> {
     let (first, last) = (libm::floor(low_mm / cell_mm) as i64, libm::ceil(high_mm / cell_mm) as i64);
     (first..last).map(|k| (k as f64 + 0.5) * cell_mm).collect()
@@ -155,7 +156,7 @@ fn middle(points: [Point; 4]) -> Point {
     Point::from(points.iter().map(|point| point.coords).sum::<Vector>() / 4.0)
 }
 
-/// The volume between two quadrilaterals, by the vectors between the middles of opposite sides.
+/// Volume between two quadrilaterals, by the vectors between the middles of opposite sides.
 fn volume_mm3([near, far]: &[[Point; 4]; 2]) -> f64 {
     let side = |a: usize, b: usize| middle([near[a], near[b], far[a], far[b]]);
     let across = middle(*far) - middle(*near);

@@ -1,7 +1,9 @@
-//! The least distance of a part of the tool from a body along its whole way, by branch and bound over way and body at once.
+//! Least distance of a part of the tool from a body along its whole path, by branch and bound over path and body at
+//! once.
 //!
-//! What can be nearest is looked at first; of a stretch of the way and a piece of the body the one is halved that makes the bound loose.
-//! When what can be nearest of all is no more than a gap below what was found, the rest need not be looked at.
+//! The pair of an interval of the path and a piece of the body with the least bound is examined first; of the two, the
+//! one that makes the bound loose is halved. The search ends when the least bound is no more than a gap below the
+//! distance found.
 
 use core::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -16,51 +18,51 @@ use super::motion::Motion;
 use super::section::Section;
 use super::spheres::{Branch, Tree};
 
-/// Pieces after which a search ends with what it has: its lower bound is true at any time.
+/// Number of pieces after which a search ends with its present result: its lower bound is true at any time.
 const MOST_PIECES: usize = 4_000_000;
 
-/// How exactly a depth is wanted, in parts of it: it tells what to change, not whether.
+/// Tolerance of a depth, as a fraction of it: a collision is certain then, and the depth only shows its size.
 const DEPTH_RATIO: f64 = 0.02;
 
-/// A part of a tool, its way, and copies of a body.
+/// Part of a tool, its path, and copies of a body.
 pub struct Search<'s> {
-    /// The part's.
+    /// Sections of the part.
     pub sections: &'s [Section],
-    /// The way, step by step.
+    /// Path, step by step.
     pub motions: &'s [Motion],
-    /// The body's surface.
+    /// Surface of the body.
     pub tree: &'s Tree,
-    /// How its copies lie in the slot frame.
+    /// Rotations of its copies into the slot frame.
     pub turns: &'s [Rotation3<f64>],
 }
 
-/// Where something is found.
+/// Place of a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// Step of the way, from 0.
+    /// Step of the path, from 0.
     pub step: usize,
-    /// The length along it, mm.
+    /// Length along the step, mm.
     pub way_mm: f64,
-    /// The middle of the tool's bottom.
+    /// Middle of the tool's bottom.
     pub tool: Point,
-    /// The point of the body.
+    /// Point of the body.
     pub point: Point,
-    /// Which copy of the body, from 0.
+    /// Copy of the body, from 0.
     pub copy: usize,
 }
 
-/// What a search knows in the end.
+/// Result of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Least {
-    /// Nothing is nearer than the first, and something is as near as the second, mm; infinite where there is nothing.
+    /// Lower bound of the distance, and a distance that was found, mm; infinite if there is no body.
     pub bounds_mm: [f64; 2],
-    /// Where that is.
+    /// Place of the distance that was found.
     pub place: Option<Place>,
-    /// How many pieces were looked at.
+    /// Number of bounded pieces.
     pub pieces: usize,
 }
 
-/// A stretch of the way with a piece of the body.
+/// Interval of the path with a piece of the body.
 #[derive(Clone, Copy)]
 struct Piece {
     step: usize,
@@ -73,7 +75,7 @@ struct Piece {
 #[derive(Clone, Copy)]
 enum Shape {
     Sphere(usize),
-    /// In the slot frame.
+    /// Triangle in the slot frame.
     Triangle(Triangle),
 }
 
@@ -84,7 +86,7 @@ struct Bounded {
 }
 
 impl Search<'_> {
-    /// The least distance, to within `gap_mm`; a depth to within a fiftieth.
+    /// Least distance, to within `gap_mm`; a depth to within a fiftieth.
     pub fn least(&self, gap_mm: f64) -> Least {
         let mut least = Least { bounds_mm: [f64::INFINITY; 2], place: None, pieces: 0 };
         let mut heap = BinaryHeap::new();
@@ -130,7 +132,7 @@ impl Search<'_> {
         shapes.map(|shape| Piece { shape, ..piece })
     }
 
-    /// The piece with its bound, no lower than that of what it is part of; what is found at its middle may be the least so far.
+    /// The piece with its bound, not below that of its parent; the distance at its middle may become the least so far.
     fn bounded(&self, piece: Piece, no_less_mm: f64, least: &mut Least) -> Bounded {
         least.pieces += 1;
         let pose = self.motions[piece.step].at(piece.middle_mm);
@@ -178,14 +180,14 @@ impl Search<'_> {
     }
 }
 
-/// The middle of a triangle, and how far it is from its farthest corner.
+/// Middle of a triangle, and its distance from the farthest corner.
 fn about(corners: &Triangle) -> (Point, f64) {
     let middle = Point::from((corners[0].coords + corners[1].coords + corners[2].coords) / 3.0);
     let square = corners.iter().map(|corner| (corner - middle).norm_squared()).fold(0.0, f64::max);
     (middle, libm::sqrt(square))
 }
 
-/// Across the longest side.
+/// Halves the triangle across its longest side.
 fn halved(corners: &Triangle) -> [Triangle; 2] {
     let side = |k: usize| (corners[(k + 1) % 3] - corners[k]).norm_squared();
     let longest = (0..3).max_by(|a, b| side(*a).total_cmp(&side(*b))).unwrap_or(0);

@@ -1,4 +1,4 @@
-//! The tool as pieces whose signed distance is exact everywhere, with its gradient.
+//! Tool as pieces with an exact signed distance everywhere, and its gradient.
 //!
 //! In the half plane through the axis a piece is a box with middle m and half sides b, grown by a rounding:
 //!
@@ -6,12 +6,13 @@
 //! d = |max(|p - m| - b, 0)| + min(max(|p - m| - b), 0) - rounding             (1)
 //! ```
 //!
-//! A disc's box reaches as far on the other side of the axis. Outside of the tool the least over a part's pieces is
+//! A disc's box extends equally to the other side of the axis. Outside of the tool the least distance over a part's
+//! pieces is
 //! [`CupMill::distance_of_mm`].
 
 use crate::cutter::{CupMill, Part};
 
-/// A ring or a disc of the tool.
+/// Ring or disc of the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {
     low: [f64; 2],
@@ -20,7 +21,7 @@ pub struct Section {
 }
 
 impl Section {
-    /// What a part consists of.
+    /// Sections of a part.
     pub fn of(tool: &CupMill, part: Part) -> Vec<Section> {
         match part {
             Part::Ring => {
@@ -45,14 +46,14 @@ impl Section {
         Section { low: [-radius_mm, heights_mm[0]], high: [radius_mm, heights_mm[1]], rounding_mm: 0.0 }
     }
 
-    /// How far a point is outside, mm, by its distance from the axis and its height above the tool's bottom; negative inside, where it is
-    /// the way to the nearest surface.
+    /// Signed distance of a point, mm, by its distance from the axis and its height above the tool's bottom; negative
+    /// inside, where its amount is the distance to the nearest surface.
     pub fn distance_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
         let [(across, _), (up, _)] = self.beyond(radius_mm, height_mm);
         libm::hypot(across.max(0.0), up.max(0.0)) + across.max(up).min(0.0) - self.rounding_mm // (1)
     }
 
-    /// How the distance grows with radius and height: a unit vector, any of the possible ones where there are several.
+    /// Gradient of the distance with radius and height: a unit vector; where there are several, one of them.
     pub fn slope(&self, radius_mm: f64, height_mm: f64) -> [f64; 2] {
         let [(across, outward), (up, upward)] = self.beyond(radius_mm, height_mm);
         let length = libm::hypot(across.max(0.0), up.max(0.0));
@@ -65,7 +66,7 @@ impl Section {
         }
     }
 
-    /// Past the nearer side of the box, and to which side that is, for each direction.
+    /// Distance past the nearer side of the box, and the sign of that side, for each direction.
     fn beyond(&self, radius_mm: f64, height_mm: f64) -> [(f64, f64); 2] {
         let place = [radius_mm, height_mm];
         [0, 1].map(|axis| {

@@ -1,31 +1,32 @@
-//! Spheres about triangles, spheres about pairs of spheres.
+//! Tree of spheres about triangles.
 //!
-//! A sphere is about the middle of its triangles' box and reaches to their farthest corner: it holds the triangles, not the spheres below it.
+//! A sphere is about the middle of its triangles' box and reaches to their farthest corner: it contains the triangles,
+//! but not the spheres below it.
 
 use crate::geometry::mesh::Triangle;
 use crate::vector::Point;
 
-/// A sphere about more than one triangle.
+/// Sphere about more than one triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere {
-    /// Its middle.
+    /// Centre.
     pub centre: Point,
-    /// Its radius, mm.
+    /// Radius, mm.
     pub radius_mm: f64,
-    /// Its halves.
+    /// Halves.
     pub halves: [Branch; 2],
 }
 
-/// What a tree consists of.
+/// Node of a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Branch {
-    /// A triangle, by its number.
+    /// Triangle, by its number.
     Triangle(usize),
-    /// A sphere, by its number.
+    /// Sphere, by its number.
     Sphere(usize),
 }
 
-/// Triangles, and spheres about them.
+/// Triangles, and the spheres about them.
 #[derive(Clone, Debug, Default)]
 pub struct Tree {
     triangles: Vec<Triangle>,
@@ -34,7 +35,7 @@ pub struct Tree {
 }
 
 impl Tree {
-    /// A tree of halves of about as many triangles each.
+    /// Tree whose halves have about the same number of triangles.
     pub fn new(triangles: Vec<Triangle>) -> Self {
         let mut order: Vec<usize> = (0..triangles.len()).collect();
         let mut tree = Tree { triangles, spheres: Vec::new(), root: None };
@@ -42,12 +43,12 @@ impl Tree {
         tree
     }
 
-    /// What holds all triangles; nothing where there are none.
+    /// Root that contains all triangles; `None` if there are none.
     pub fn root(&self) -> Option<Branch> {
         self.root
     }
 
-    /// A sphere by its number.
+    /// Sphere by its number.
     pub fn sphere(&self, number: usize) -> &Sphere {
         &self.spheres[number]
     }
@@ -57,7 +58,7 @@ impl Tree {
         &self.triangles
     }
 
-    /// What holds some triangles.
+    /// Adds the node that contains these triangles.
     fn grown(&mut self, order: &mut [usize]) -> Option<Branch> {
         let first = *order.first()?;
         if order.len() == 1 {
@@ -83,7 +84,7 @@ impl Tree {
 mod tests {
     use super::*;
 
-    /// The triangles below a branch; all lie in all spheres on the way.
+    /// Triangles below a branch; each lies in all spheres above it.
     fn below(tree: &Tree, branch: Branch) -> Vec<usize> {
         let number = match branch {
             Branch::Triangle(number) => return vec![number],

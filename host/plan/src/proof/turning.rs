@@ -1,18 +1,18 @@
-//! How high a part reaches along the tool axis while it turns about its own.
+//! Greatest height of a part along the tool axis while it turns about its own axis.
 //!
 //! ```text
 //! h = z k.z + q sqrt(1 - (k.z)^2)                                             (1)
 //! ```
 //!
-//! for a point z along the rotor's axis k and q from it, at the highest of its circle; the larger of that at the corners of a box, since it is
-//! convex in z, x and y.
+//! for a point at z along the rotor's axis k and q from it, at the highest place of its circle. The largest value at
+//! the corners of a box is the maximum, since (1) is convex in z, x and y.
 
 use nalgebra::Rotation3;
 
 use crate::geometry::blisk::Blank;
 use crate::vector::{Point, Vector};
 
-/// The greatest height, along the slot's z, of a blank and boxes (opposite corners, part frame) in a full turn, mm.
+/// Greatest height, along the slot's z, of a blank and boxes (opposite corners, part frame) in a full turn, mm.
 pub fn highest_mm(blank: &Blank, boxes: &[[Point; 2]], to_slot: &Rotation3<f64>) -> f64 {
     let along = (to_slot * Vector::z()).z;
     let across = libm::sqrt((1.0 - along) * (1.0 + along));

@@ -1,4 +1,4 @@
-//! The proof of one slot's path.
+//! Proof of one slot's path.
 
 use nalgebra::Rotation3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -18,45 +18,45 @@ use super::section::Section;
 use super::spheres::Tree;
 use super::turning::highest_mm;
 
-/// A tool's way through a slot, and what is about it.
+/// Tool's path through a slot, and its surroundings.
 pub struct Case<'c> {
-    /// The finished part and its blank.
+    /// Finished part and its blank.
     pub blisk: &'c Blisk,
-    /// The tool with its holder.
+    /// Tool with its holder.
     pub tool: &'c CupMill,
-    /// Its way, slot frame.
+    /// Path, slot frame.
     pub path: &'c SlotPath,
-    /// From the part frame to the slot frame.
+    /// Rotation from the part frame to the slot frame.
     pub to_slot: Rotation3<f64>,
-    /// What is to be left on blades and hub.
+    /// Allowance on blades and hub.
     pub allowance_mm: f64,
-    /// Boxes that hold the part and turn with it: opposite corners, part frame.
+    /// Fixtures as boxes that turn with the part: opposite corners, part frame.
     pub fixture: &'c [[Point; 2]],
 }
 
-/// How exactly a proof looks.
+/// Resolution of a proof.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fineness {
-    /// How far triangles may be from the surfaces.
+    /// Largest distance of triangles from the surfaces.
     pub chord_mm: f64,
-    /// How far apart the bounds of a distance may be, beyond that.
+    /// Largest difference between the bounds of a distance, in addition to that.
     pub gap_mm: f64,
     /// Rows and columns of the maps.
     pub grid: [usize; 2],
-    /// Cells of the volumes.
+    /// Cell size of the volumes.
     pub cell_mm: f64,
 }
 
-/// What is known of a path.
+/// Results about a path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proof {
-    /// Of ring, body and holder from blades, hub, fixture and, but for the ring, the blank.
+    /// Clearances of ring, body and holder from blades, hub, fixture and, except for the ring, the blank.
     pub clearances: Vec<Clearance>,
-    /// How far the lifted tool is above all that turns while the part is indexed, mm; infinite where there is no path.
+    /// Height of the lifted tool above all that turns while the part is indexed, mm; infinite if there is no path.
     pub indexing_mm: f64,
-    /// What the ring leaves on the walls.
+    /// Material that the ring leaves on the walls.
     pub left: Left,
-    /// What it takes away.
+    /// Material that the ring removes.
     pub removed: Removed,
 }
 
@@ -67,12 +67,12 @@ impl Default for Fineness {
 }
 
 impl Proof {
-    /// Those of which it is not proven that nothing touches.
+    /// Clearances for which a collision is not excluded.
     pub fn open(&self) -> impl Iterator<Item = &Clearance> {
         self.clearances.iter().filter(|clearance| !clearance.is_free())
     }
 
-    /// Whether nothing is touched that must not be, the ring leaves the allowance but for `tolerance_mm`, and the part can be indexed.
+    /// There is no collision, the ring leaves the allowance within `tolerance_mm`, and the part can be indexed.
     pub fn holds(&self, allowance_mm: f64, tolerance_mm: f64) -> bool {
         let is_kept = |found: &Clearance| {
             found.part != Part::Ring
@@ -82,13 +82,13 @@ impl Proof {
         self.open().next().is_none() && self.clearances.iter().all(is_kept) && self.indexing_mm > 0.0
     }
 
-    /// A clearance by part and obstacle.
+    /// Clearance by part and obstacle.
     pub fn clearance(&self, part: Part, obstacle: Obstacle) -> Option<&Clearance> {
         self.clearances.iter().find(|found| found.part == part && found.obstacle == obstacle)
     }
 }
 
-/// Proves, or shows what is wrong. Nothing if a blade is not above the hub.
+/// Proves the path, or finds its faults. `None` if a blade is not above the hub.
 pub fn prove(case: &Case<'_>, fineness: &Fineness) -> Option<Proof> {
     let steps = case.path.steps();
     let motions: Vec<Motion> = steps.iter().map(Motion::new).collect();
@@ -98,7 +98,7 @@ pub fn prove(case: &Case<'_>, fineness: &Fineness) -> Option<Proof> {
     let floor = Floor::new(case.tool, &steps);
     let bodies = bodies(case, fineness.chord_mm);
     let parts = [Part::Ring, Part::Body, Part::Holder];
-    // The ring is there to cut the blank.
+    // The ring may cut the blank.
     let pairs = parts.into_iter().flat_map(|part| bodies.iter().map(move |body| (part, body)));
     let pairs = pairs.filter(|(part, body)| *part != Part::Ring || body.obstacle != Obstacle::Blank);
     let pairs: Vec<(Part, &Body)> = pairs.collect();
@@ -112,7 +112,7 @@ pub fn prove(case: &Case<'_>, fineness: &Fineness) -> Option<Proof> {
     Some(Proof { clearances, indexing_mm, left, removed })
 }
 
-/// All obstacles of a case, in triangles as far as `chord_mm` from them.
+/// All obstacles of a case, as triangles within `chord_mm` of the surfaces.
 pub fn bodies(case: &Case<'_>, chord_mm: f64) -> Vec<Body> {
     let Case { blisk, to_slot, .. } = case;
     let blade = |k: u32| to_slot * Rotation3::from_axis_angle(&Vector::z_axis(), f64::from(k) * blisk.pitch_rad());

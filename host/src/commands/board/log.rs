@@ -1,4 +1,4 @@
-//! `arcfeed board URL log`: a board's log in plain words. On the line travel numbers; the words are in the image's ELF file.
+//! `arcfeed board URL log`: a board's log as text. The line carries numbers; the texts are in the image's ELF file.
 
 use crate::console::note;
 use std::path::Path;
@@ -13,7 +13,7 @@ use super::talk::Talk;
 /// Prints messages until Ctrl-C; `elf` is the image that runs on the board.
 ///
 /// # Errors
-/// No image, another image than the board's, or the link is lost.
+/// There is no image, or another one than the board's, or the link is lost.
 pub fn run(elf: &Path, talk: &mut Talk) -> Result<(), Failure> {
     let image = std::fs::read(elf).map_err(|error| file_failure(elf, &error))?;
     let path = elf.display();
@@ -33,7 +33,7 @@ pub fn run(elf: &Path, talk: &mut Talk) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Prints what is whole. A frame that began before we listened is none, and no reason to stop.
+/// Prints complete messages. A frame that began before the connection is incomplete, and no reason to stop.
 fn print(decoder: &mut dyn StreamDecoder, table: &Table) {
     loop {
         match decoder.decode() {
@@ -42,7 +42,7 @@ fn print(decoder: &mut dyn StreamDecoder, table: &Table) {
                 say(format_args!("{level:<5} {}", frame.display_message()));
             }
             Err(DecodeError::Malformed) if table.encoding().can_recover() => {
-                note(format_args!("a message that is none: begun before we listened, or the board runs another image"));
+                note(format_args!("incomplete message: begun before the connection, or the board runs another image"));
             }
             Err(DecodeError::UnexpectedEof | DecodeError::Malformed) => return,
         }

@@ -1,4 +1,4 @@
-//! `arcfeed board`: what a feed board is, how it is set, what it logs, what it does.
+//! `arcfeed board`: identification, settings, log and reports of a feed board.
 
 mod talk;
 
@@ -23,9 +23,9 @@ use crate::port::url::PortUrl;
 use monitor::Monitor;
 use talk::Talk;
 
-/// Talk to a feed board: what it is, its settings, its log, what it does
+/// Talk to a feed board: identification, settings, log, reports
 ///
-/// Only one host at a time: what a run has told the board is forgotten when another host greets it.
+/// Only one host at a time: a board discards the data of a run when another host connects.
 #[derive(Debug, clap::Args)]
 pub struct Board {
     /// The board link: a serial port's name or one of pyserial's URLs (docs/ports.md)
@@ -39,7 +39,7 @@ pub struct Board {
 
 #[derive(Debug, clap::Subcommand)]
 enum What {
-    /// What the board is, and how its link is
+    /// Identification of the board, and the state of its link
     Info {
         /// Print one JSON object (docs/json.md)
         #[arg(long)]
@@ -50,12 +50,12 @@ enum What {
         /// The setting's name, as listed
         #[arg(requires = "value")]
         name: Option<String>,
-        /// Its value, in the unit listed
+        /// Value, in the unit listed
         value: Option<u32>,
     },
-    /// Print what the board logs, as it comes, until Ctrl-C
+    /// Print the board's log as it comes, until Ctrl-C
     Log {
-        /// The image that runs on the board, as built: its messages are in there
+        /// Image that runs on the board, as built: it contains the texts of the messages
         #[arg(long, value_name = "FILE")]
         elf: PathBuf,
     },

@@ -1,4 +1,4 @@
-//! `arcfeed board URL monitor`: what a board does, one line for each change.
+//! `arcfeed board URL monitor`: reports of a board, one line for each change.
 
 use std::sync::atomic::Ordering;
 
@@ -12,13 +12,13 @@ use super::super::outcome::{Failure, on_interrupt, say};
 use super::talk::Talk;
 use crate::board::words;
 
-/// In a report, what is not known.
+/// Unknown value in a report.
 const NONE: u32 = u32::MAX;
 
 /// Print state, override and reason as they change, until Ctrl-C
 #[derive(Debug, clap::Args)]
 pub struct Monitor {
-    /// Stop after so many seconds
+    /// Stop after this many seconds
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..))]
     seconds: Option<u32>,
     /// Every report, not only changes, as one JSON object each (docs/json.md)

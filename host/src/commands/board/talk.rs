@@ -1,4 +1,4 @@
-//! A conversation with a board: greeting, questions, answers.
+//! Conversation with a board: connection, requests, answers.
 
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::link::LinkState;
@@ -9,22 +9,22 @@ use crate::board::line::Line;
 use crate::board::words;
 use crate::port::url::PortUrl;
 
-/// How long a board may take to answer.
+/// Longest time in which a board must answer.
 const TIMEOUT: Micros = Micros::from_ms(3_000);
-/// Heartbeats that make a round trip worth telling.
+/// Time with enough heartbeats for a measured round trip.
 const LISTEN: Micros = Micros::from_ms(500);
 
-/// A board that answers.
+/// Connected board.
 pub struct Talk {
     line: Line<'static>,
     heard: Vec<Message>,
 }
 
 impl Talk {
-    /// Greets a board.
+    /// Connects to a board.
     ///
     /// # Errors
-    /// It does not answer, or cannot be talked to.
+    /// It does not answer, or is incompatible.
     pub fn open(url: &PortUrl, baudrate: u32) -> Result<Self, Failure> {
         let mut talk = Talk { line: Line::open(url, baudrate)?, heard: Vec::new() };
         let started = talk.line.now();
@@ -48,10 +48,10 @@ impl Talk {
         Ok(())
     }
 
-    /// Asks, and waits for the answer that `wanted` picks.
+    /// Sends a request, and waits for the answer that `wanted` picks.
     ///
     /// # Errors
-    /// It refuses, or does not answer.
+    /// The board refuses, or does not answer.
     pub fn ask<T>(&mut self, question: &Message, wanted: impl Fn(Message) -> Option<T>) -> Result<T, Failure> {
         let started = self.line.now();
         let mut is_asked = false;
@@ -76,7 +76,7 @@ impl Talk {
         }
     }
 
-    /// Listens for a while: the link learns its round trip.
+    /// Exchanges heartbeats for a while, by which the link measures its round trip.
     ///
     /// # Errors
     /// The link is lost.
@@ -88,7 +88,7 @@ impl Talk {
         Ok(())
     }
 
-    /// What it has said since it was asked last.
+    /// Messages since the last request.
     ///
     /// # Errors
     /// The link is lost.
@@ -97,12 +97,12 @@ impl Talk {
         Ok(std::mem::take(&mut self.heard))
     }
 
-    /// The line.
+    /// Board link.
     pub fn line(&self) -> &Line<'static> {
         &self.line
     }
 
-    /// Says goodbye.
+    /// Closes the link.
     ///
     /// # Errors
     /// The port is gone.

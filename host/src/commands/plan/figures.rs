@@ -1,4 +1,4 @@
-//! A plan on stdout: as text, as JSON, and what other widths would take.
+//! Output of a plan: text, JSON, and the figures of other ring widths.
 
 use crate::console::note;
 use std::fmt::Write as _;
@@ -13,20 +13,21 @@ use serde::Serialize;
 use super::super::outcome::{Failure, say};
 use super::plan_result::PlanResult;
 
-/// One plan, `arcfeed plan cup-mill --json` (docs/json.md). Lengths mm, angles degrees, volumes mm3, times minutes; slot frame unless told.
+/// Figures of one plan, `arcfeed plan cup-mill --json` (docs/json.md). Lengths mm, angles degrees, volumes mm3, times
+/// minutes; slot frame unless stated.
 #[derive(Debug, Serialize)]
 pub struct Figures {
-    /// Of the part.
+    /// Name of the part.
     pub name: String,
-    /// Nothing is touched that must not be.
+    /// The tool collides with nothing.
     pub safe: bool,
-    /// Of the tool, part frame.
+    /// Axis of the tool, part frame.
     pub tool_axis: [f64; 3],
     /// A.
     pub tilt_deg: f64,
     /// B of the first slot.
     pub index_deg: f64,
-    /// How many.
+    /// Number of slots.
     pub slots: u32,
     /// Room of the ring over the whole depth, on each side.
     pub room_mm: f64,
@@ -36,67 +37,67 @@ pub struct Figures {
     pub exterior_mm: [f64; 2],
     /// B1.
     pub interior_mm: [f64; 2],
-    /// From the top.
+    /// Levels from the top.
     pub levels: Vec<LevelFigures>,
-    /// What the tool keeps clear of.
+    /// Clearances of the tool.
     pub clearances: Vec<ClearanceFigures>,
-    /// What is taken of a slot.
+    /// Material removed from a slot.
     pub removed: RemovedFigures,
-    /// Of one slot on the planned path.
+    /// Time of one slot on the planned path.
     pub slot_min: f64,
-    /// Of one slot by the baseline.
+    /// Time of one slot by the baseline.
     pub baseline_slot_min: Option<f64>,
 }
 
-/// A level.
+/// Level.
 #[derive(Debug, Serialize)]
 pub struct LevelFigures {
-    /// Of the tool's bottom.
+    /// Height of the tool's bottom.
     pub height_mm: f64,
     /// D
     pub exterior_end_mm: [f64; 2],
     /// Turn about A.
     pub exterior_deg: f64,
-    /// What ended it.
+    /// Reason for its end.
     pub exterior_stop: String,
     /// E
     pub interior_end_mm: [f64; 2],
     /// Turn about B1.
     pub interior_deg: f64,
-    /// What ended it.
+    /// Reason for its end.
     pub interior_stop: String,
 }
 
-/// A clearance.
+/// Clearance.
 #[derive(Debug, Serialize)]
 pub struct ClearanceFigures {
     /// `ring`, `body`, `holder`.
     pub part: String,
     /// `blades`, `hub`, `fixture`, `blank`.
     pub obstacle: String,
-    /// Never less.
+    /// Lower bound.
     pub certified_mm: f64,
-    /// What was found.
+    /// Distance found.
     pub found_mm: f64,
 }
 
 /// Volumes of a slot.
 #[derive(Debug, Serialize)]
 pub struct RemovedFigures {
-    /// Of the blank, whole.
+    /// Total volume within the blank.
     pub total_mm3: f64,
-    /// Between the allowances, within the blank.
+    /// Volume between the allowances, within the blank.
     pub slot_mm3: f64,
-    /// Share of that which is gone.
+    /// Removed fraction of it.
     pub share_ratio: f64,
     /// Thickest material left above the allowance: pressure side, suction side, hub.
     pub left_max_mm: [f64; 3],
-    /// Least there; negative where the ring has cut into the allowance.
+    /// Least of it; negative where the ring has cut into the allowance.
     pub left_min_mm: [f64; 3],
 }
 
 impl Figures {
-    /// Of a plan.
+    /// Figures of a plan.
     pub fn of(composed: &PlanResult) -> Self {
         let plan = &composed.valued.plan;
         let left = [&composed.proof.left.pressure, &composed.proof.left.suction, &composed.proof.left.hub];
@@ -146,7 +147,7 @@ fn clearance(found: &Clearance) -> ClearanceFigures {
     }
 }
 
-/// As the JSON and the page have it.
+/// Name in the JSON and on the page.
 pub fn part_word(part: ToolPart) -> &'static str {
     match part {
         ToolPart::Ring => "ring",
@@ -155,7 +156,7 @@ pub fn part_word(part: ToolPart) -> &'static str {
     }
 }
 
-/// As the JSON and the page have it.
+/// Name in the JSON and on the page.
 pub fn obstacle_word(obstacle: Obstacle) -> &'static str {
     match obstacle {
         Obstacle::Blades => "blades",
@@ -165,7 +166,7 @@ pub fn obstacle_word(obstacle: Obstacle) -> &'static str {
     }
 }
 
-/// What ended a turn, in words.
+/// Reason for the end of a turn, in words.
 pub fn met(stop: &Stop) -> String {
     match stop.at {
         None => "as far as the level below".into(),
@@ -177,7 +178,7 @@ pub fn met(stop: &Stop) -> String {
     }
 }
 
-/// The plan for people.
+/// Text of the plan for people.
 pub fn text(composed: &PlanResult, figures: &Figures) -> String {
     let plan = &composed.valued.plan;
     let [pressure, suction, hub] = figures.removed.left_max_mm;
@@ -241,7 +242,7 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
     text
 }
 
-/// Why nothing is written.
+/// Reason for which nothing is written.
 pub fn refusal(composed: &PlanResult) -> String {
     let allowance_mm = composed.part.roughing.allowance_mm;
     let touched: Vec<String> = composed
@@ -261,7 +262,7 @@ pub fn refusal(composed: &PlanResult) -> String {
     )
 }
 
-/// One width of the ring.
+/// Figures of one ring width.
 #[derive(Debug, Serialize)]
 struct WidthFigures {
     width_mm: f64,
@@ -269,20 +270,20 @@ struct WidthFigures {
     why: Option<String>,
 }
 
-/// Widths nearer than this are one, mm.
+/// Widths nearer than this count as equal, mm.
 const SAME_MM: f64 = 1e-3;
-/// Widths to either side of the cutter's own.
+/// Number of widths on either side of the cutter's own.
 const WIDTHS: i32 = 8;
 
-/// What rings of other widths would take, along the plan's own kind of axis.
+/// Figures of rings of other widths, along the axis of the plan.
 ///
 /// # Errors
-/// None of them passes.
+/// No ring passes.
 pub fn widths(composed: &PlanResult, json: bool) -> Result<(), Failure> {
     let part = &composed.part;
     let problem = Problem::new(&part.blisk, &composed.slot, &part.cutter, &part.roughing);
     let problem = problem.map_err(|why| Failure::Input(why.to_string()))?;
-    // Along the very axis of the plan: another one is another slot to a ring.
+    // The axis of the plan is given: along another axis the slot looks different to a ring.
     let axis = AxisChoice::Given(composed.valued.plan.tool_axis());
     note(format_args!("planning some fifty rings of other widths"));
     let own_mm = part.cutter.outer_radius_mm - part.cutter.inner_radius_mm;

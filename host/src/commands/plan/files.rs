@@ -1,4 +1,4 @@
-//! The files of a plan. All of them are made before the first is written.
+//! Files of a plan. All of them are made before the first is written.
 
 use std::path::{Path, PathBuf};
 
@@ -14,21 +14,21 @@ use super::plan_result::{PlanResult, feeds};
 use crate::console::note;
 use crate::part::MachineTold;
 
-/// How far meshes may be from the surfaces, mm.
+/// Largest distance of meshes from the surfaces, mm.
 const CHORD_MM: f64 = 0.02;
-/// Of the stock on either side of the slot, in pitches.
+/// Width of the stock on either side of the slot, in pitches.
 const BESIDE_PITCHES: f64 = 0.75;
-/// How much of the ring below the hub is in the stock, mm.
+/// Depth of the stock below the hub, mm.
 const BELOW_HUB_MM: f64 = 5.0;
-/// Distance of the simulation's rays, mm.
+/// Distance of the simulation's dexel rays, mm.
 const RAYS_MM: f64 = 0.5;
-/// The control that the programs are for.
+/// Control of the programs.
 const CONTROL: &str = "fanuc-16i";
 
 /// Writes the plan's files into a folder.
 ///
 /// # Errors
-/// The program cannot be written in words of a control, or a file not at all.
+/// The program cannot be written for the control, or a file cannot be written.
 pub fn write(composed: &PlanResult, folder: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     let failed = |error: &dyn std::fmt::Display| Failure::Input(error.to_string());
     let stem = file_stem(&composed.part.name);
@@ -84,7 +84,7 @@ fn setup(composed: &PlanResult) -> Setup {
     }
 }
 
-/// The blank and the finished part about the slot, slot frame.
+/// Blank and finished part about the slot, slot frame.
 fn meshes(composed: &PlanResult) -> [Vec<Triangle>; 2] {
     let blisk = &composed.part.blisk;
     let at = |point: Point| libm::atan2(point.y, point.x);
@@ -128,14 +128,14 @@ fn job(composed: &PlanResult, program: &str, machine_file: Option<&str>) -> Stri
     .text()
 }
 
-/// The machine's file as the job finds it wherever it lies: its whole path.
+/// Absolute path of the machine's file, which the job finds from any folder.
 fn machine_file(composed: &PlanResult) -> Option<String> {
     let Some(MachineTold::File(path)) = &composed.part.machine_told else { return None };
     let whole = path.canonicalize().unwrap_or_else(|_| PathBuf::from(path));
     Some(whole.to_string_lossy().into_owned())
 }
 
-/// A name that every file system takes.
+/// File name that every file system accepts.
 fn file_stem(name: &str) -> String {
     let stem: String =
         name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect();

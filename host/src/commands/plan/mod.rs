@@ -1,4 +1,5 @@
-//! `arcfeed plan`: from the blades of a rotor to an NC program, its job, and the proof that nothing is touched.
+//! `arcfeed plan`: from the blades of a rotor to an NC program, its job, and the proof that the tool collides with
+//! nothing.
 
 #[cfg(feature = "plan")]
 mod plan_result;
@@ -21,7 +22,7 @@ use super::outcome::Failure;
 
 /// Plan tool paths from geometry: NC program, job, stock and report
 ///
-/// Exit code 1 where there is no plan, or where the tool would touch what it must not; nothing is written then.
+/// Exit code 1 if there is no plan, or if the tool would collide with something; nothing is written then.
 #[derive(Debug, clap::Args)]
 pub struct Plan {
     #[command(subcommand)]
@@ -38,10 +39,10 @@ enum Method {
 struct CupMill {
     /// The part file
     part: PathBuf,
-    /// Folder for the NC program, job.toml, stock.stl, finished.stl and report.html; made if it is not there
+    /// Folder for the NC program, job.toml, stock.stl, finished.stl and report.html; created if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Try other widths of the ring about the same middle, and print which takes most
+    /// Try other widths of the ring about the same mean radius, and print the one that removes most
     #[arg(long, conflicts_with = "output")]
     widths: bool,
     /// Print one JSON object (docs/json.md)

@@ -1,4 +1,4 @@
-//! The report page of a plan.
+//! Report page of a plan.
 
 use arcfeed_plan::proof::clearance::Clearance as Found;
 use arcfeed_plan::proof::left::Map;
@@ -8,10 +8,10 @@ use super::figures::{met, obstacle_word, part_word, refusal};
 use super::plan_result::PlanResult;
 use crate::report::page::plan::{Axis, Clearance, LeftMap, Outline, PlanReport, Removed, Stops, Times, Verdict};
 
-/// Points of an outline.
+/// Number of points of an outline.
 const OUTLINE: u32 = 40;
 
-/// The page's contents.
+/// Content of the page.
 pub fn report(composed: &PlanResult) -> PlanReport {
     let plan = &composed.valued.plan;
     let direction = plan.tool_axis();
@@ -92,7 +92,7 @@ fn left(composed: &PlanResult) -> Vec<LeftMap> {
     ]
 }
 
-/// Both blades' sections at the tip and at the hub, seen along the tool.
+/// Sections of both blades at the tip and at the hub, seen along the tool.
 fn outlines(composed: &PlanResult) -> Vec<Outline> {
     let blisk = &composed.part.blisk;
     let turn = composed.valued.plan.turn;

@@ -1,4 +1,4 @@
-//! A plan with everything that belongs to it: the proof, the stock's limits, the times.
+//! Plan with its proof, stock limits and times.
 
 use arcfeed_plan::cup_mill::plan::SlotPlan;
 use arcfeed_plan::geometry::blisk::Slot;
@@ -13,31 +13,31 @@ use arcfeed_plan::proof::verdict::{Case, Fineness, Proof, prove};
 use crate::part::Part;
 use crate::report::page::plan::Baseline;
 
-/// The ring may be this much nearer to a finished blade than the allowance, as a share of it: beside its round leading edge, about
-/// which it turns (docs/plan.md).
+/// Largest violation of the allowance by the ring, as a fraction of it: beside the round leading edge of a finished
+/// blade, about which the ring turns (docs/plan.md).
 pub const NEARER_RATIO: f64 = 0.15;
-/// Of inverse time, as in the published listing: 1/50 min for a way from slot to slot.
+/// Inverse time of indexing, as in the published listing: 1/50 min from slot to slot.
 const INDEXING_PER_MIN: f64 = 50.0;
 
-/// Everything about one part's plan.
+/// Plan of one part and its evaluation.
 pub struct PlanResult {
-    /// What was asked.
+    /// Part file.
     pub part: Part,
-    /// The slot, part frame.
+    /// Slot, part frame.
     pub slot: Slot,
-    /// The plan.
+    /// Plan.
     pub valued: Valued,
-    /// How the machine presents it.
+    /// Positions of the rotary axes for the plan.
     pub placing: Placing,
-    /// What is proven.
+    /// Proof of the plan.
     pub proof: Proof,
-    /// Where the stock ends.
+    /// Limits of the stock.
     pub limits: Vec<StockLimit>,
-    /// The lines that it lies between.
+    /// Lines that bound the stock.
     pub bounds: [Bound; 3],
-    /// Of one slot.
+    /// Time of one slot.
     pub time: PlannedTime,
-    /// Flank milling of one slot, or why it is not compared with.
+    /// Flank milling of one slot, or the reason why there is no comparison.
     pub baseline: Result<Baseline, String>,
 }
 
@@ -45,7 +45,7 @@ impl PlanResult {
     /// Plans a part.
     ///
     /// # Errors
-    /// In words, why there is no plan.
+    /// Describes why there is no plan.
     pub fn of(part: Part) -> Result<Self, String> {
         let found = flaws(&part.blisk, part.roughing.allowance_mm);
         if !found.is_empty() {
@@ -83,7 +83,7 @@ impl PlanResult {
         Ok(PlanResult { slot, placing, proof, limits, bounds, time, baseline, valued, part })
     }
 
-    /// Whether nothing is touched that must not be, and the allowance is left but beside the leading edge.
+    /// The tool collides with nothing, and keeps the allowance except beside the leading edge.
     pub fn is_safe(&self) -> bool {
         let allowance_mm = self.part.roughing.allowance_mm;
         self.proof.holds(allowance_mm, NEARER_RATIO * allowance_mm)
@@ -96,7 +96,7 @@ impl PlanResult {
     }
 }
 
-/// The program's feeds.
+/// Feeds of the program.
 pub fn feeds(part: &Part) -> nc::Feeds {
     let told = &part.feeds;
     nc::Feeds {

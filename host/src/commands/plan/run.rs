@@ -9,7 +9,7 @@ impl CupMill {
     /// Runs the command.
     ///
     /// # Errors
-    /// As [`super::Plan::run`].
+    /// See [`super::Plan::run`].
     pub fn run(&self) -> Result<(), Failure> {
         let part = Part::load(&self.part)?;
         let composed = PlanResult::of(part).map_err(|why| Failure::Input(format!("{}: {why}", self.part.display())))?;

@@ -1,5 +1,5 @@
-//! One client of the TCP port: bare bytes, or RFC 2217 with a serial port of its own. Every queue is bounded, and a client
-//! gives the control nothing before it has begun a program.
+//! Client of the TCP port: plain bytes, or RFC 2217 with a serial port of its own. Every queue is bounded, and the
+//! control receives nothing from a client before it has begun a program.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
@@ -12,46 +12,47 @@ use super::program_start::{ProgramStart, Verdict};
 use crate::job::SerialSettings;
 use crate::port::rfc2217::server::{Flow, Server};
 
-/// Most characters of a server on the line at once: as many as a control takes behind DC3.
+/// Most characters of a server on the line at once: as many as a control accepts after DC3.
 const FIFO_MAX: usize = 10;
-/// A server that holds as many characters reads no more: its client waits.
+/// Number of held characters from which a server reads no more: its client waits.
 const HELD_MAX: usize = 4_096;
-/// Most characters on the line: a client that writes a whole program at once has written this before it could see DC3.
+/// Most characters on the line: a client may write a whole program at once before it can see DC3.
 const WIRE_MAX: usize = 1 << 20;
 /// Most characters for a client that reads none.
 const UNSENT_MAX: usize = 1 << 16;
-/// A client with as many unread answers is not read from.
+/// Number of unread answers from which a client is not read.
 const ANSWERS_MAX: usize = 4_096;
 /// Most bytes read at once from a client of RFC 2217.
 const EXCHANGE_MAX: usize = 1_024;
-/// Longest time in which a client of RFC 2217 asks for its port.
+/// Longest time in which a client of RFC 2217 must request its port.
 const NEGOTIATION_MAX: Duration = Duration::from_secs(2);
 /// Longest time before a client with the port begins a program, while another waits.
 const BEGIN_MAX: Duration = Duration::from_secs(5);
 
-/// Why a client is dropped, in words.
+/// Reason for which a client is dropped, in words.
 pub type Reason = String;
 
-/// A connection.
+/// Connection.
 pub struct Client {
-    /// Its address, for messages.
+    /// Address of the client, for messages.
     pub name: String,
     stream: TcpStream,
     server: Option<Server>,
     program: ProgramStart,
-    /// Not yet taken by the connection.
+    /// Bytes that the connection has not accepted yet.
     outgoing: Vec<u8>,
-    /// When it connected, was given the port, last took a character of the control or sent one of a program.
+    /// Time at which it connected, was given the port, last accepted a character of the control or sent one of a
+    /// program.
     active_at: Instant,
-    /// The client has hung up; what its port holds goes out all the same.
+    /// The client has hung up; characters in its port still go out.
     is_over: bool,
 }
 
 impl Client {
-    /// A client that has just connected.
+    /// Client that has just connected.
     ///
     /// # Errors
-    /// It is gone already.
+    /// The client is gone already.
     pub fn new(stream: TcpStream, name: String, serial: Option<&SerialSettings>) -> std::io::Result<Self> {
         stream.set_nonblocking(true)?;
         stream.set_nodelay(true)?;
@@ -66,12 +67,12 @@ impl Client {
         })
     }
 
-    /// Whether it can be given the port.
+    /// The client can be given the port.
     pub fn is_ready(&self, now: Micros) -> bool {
         self.server.as_ref().is_none_or(|server| server.is_open(now))
     }
 
-    /// Looks after a client without the port; `Err` if it will never be given the port, without a reason if it has gone.
+    /// Serves a client without the port; `Err` if it will never be given the port, without a reason if it has gone.
     pub fn check_waiting(&mut self, now: Micros) -> Result<(), Option<Reason>> {
         if self.server.is_some() {
             self.exchange(now);
@@ -85,7 +86,7 @@ impl Client {
         }
         let Some(server) = &self.server else { return if self.is_over { Err(None) } else { Ok(()) } };
         match () {
-            // One that has hung up behind a short program is still to be heard.
+            // A client that has hung up after a short program still has characters to be read.
             () if self.is_over && !(server.has_asked() && server.waiting() > 0) => Err(None),
             () if !server.has_asked() && server.waiting() > 0 => {
                 Err(Some("no RFC 2217 client: it sends data first".into()))
@@ -97,18 +98,18 @@ impl Client {
         }
     }
 
-    /// Gives it the port for its next program.
+    /// Gives the client the port for its next program.
     pub fn begin(&mut self) {
         self.program.expect_next();
         self.active_at = Instant::now();
     }
 
-    /// Whether it has begun a program since.
+    /// The client has begun a program since then.
     pub fn has_begun(&self) -> bool {
         self.program.has_begun()
     }
 
-    /// Why a client with the port loses it to another that waits.
+    /// Reason for which a client with the port loses it to another that waits.
     pub fn idle_reason(&self, control_waits: bool, idle_timeout: Duration) -> Option<Reason> {
         let idle = self.active_at.elapsed();
         if self.has_begun() {
@@ -118,7 +119,7 @@ impl Client {
         (idle > BEGIN_MAX).then(|| format!("no program begun in {} s, another client waits", idle.as_secs()))
     }
 
-    /// Gives the control what has been written: bare bytes as they come, those of a server as its port sends them.
+    /// Passes written bytes to the control: plain bytes as they come, those of a server as its port sends them.
     pub fn feed(&mut self, serial: Option<&SerialSettings>, port: &mut DncPort) -> Result<(), Reason> {
         if let Some(serial) = serial {
             return self.feed_from_server(serial, port);
@@ -163,12 +164,12 @@ impl Client {
         Ok(())
     }
 
-    /// Whether the sender, not a port of its own, has to obey DC3.
+    /// DC3 has to reach the sender itself, not only a port of its own here.
     pub fn is_far(&self) -> bool {
         self.server.as_ref().is_none_or(|server| server.settings().flow != Flow::XonXoff)
     }
 
-    /// Takes a character of the control; `Err` if the client reads none.
+    /// Sends a character of the control; `Err` if the client reads none.
     pub fn write(&mut self, byte: u8) -> Result<(), Reason> {
         match &mut self.server {
             Some(server) => server.on_line(byte),
@@ -182,18 +183,18 @@ impl Client {
         (unsent <= UNSENT_MAX).then_some(()).ok_or_else(|| format!("it reads nothing: {unsent} characters wait for it"))
     }
 
-    /// Whether it has hung up and nothing of it is left.
+    /// The client has hung up and all its characters have been used.
     pub fn is_gone(&self, on_wire: usize) -> bool {
         self.is_over && on_wire == 0 && self.server.as_ref().is_none_or(|server| server.waiting() == 0)
     }
 
-    /// Reads and drops what a client still sends; answers how much.
+    /// Reads and drops further bytes of a client; returns their number.
     pub fn discard(&mut self) -> usize {
         let mut buffer = [0; 256];
         self.receive(&mut buffer)
     }
 
-    /// Takes what the client of a server wants, and sends what is to be sent.
+    /// Handles the requests of a server's client, and sends what is due.
     pub fn exchange(&mut self, now: Micros) {
         let (mut buffer, mut taken) = ([0; 256], 0);
         while self.server.as_ref().is_some_and(|server| server.waiting() < HELD_MAX)
@@ -212,7 +213,7 @@ impl Client {
         self.outgoing.len() + self.server.as_ref().map_or(0, Server::unsent)
     }
 
-    /// What the connection has; zero if it has nothing.
+    /// Reads from the connection; returns 0 if there is nothing.
     fn receive(&mut self, buffer: &mut [u8]) -> usize {
         match self.stream.read(buffer) {
             Ok(len @ 1..) => {
@@ -242,7 +243,7 @@ impl Client {
     }
 }
 
-/// Nothing there now, and no fault.
+/// The error only means that nothing is there now.
 pub fn is_quiet(kind: ErrorKind) -> bool {
     matches!(kind, ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

@@ -1,4 +1,4 @@
-//! The control's end of its line: a pseudo-terminal, or a TCP port where senders connect.
+//! Control's end of its line: a pseudo-terminal, or a TCP port to which senders connect.
 
 use std::time::{Duration, Instant};
 
@@ -10,12 +10,12 @@ use super::pty::Pty;
 use super::tcp_line::{ClientLimits, TcpLine};
 use crate::job::SerialSettings;
 
-/// A sender that has said nothing for this long has stopped.
+/// Silence after which a sender counts as stopped.
 const QUIET: Duration = Duration::from_secs(1);
-/// One that never stops is not waited for any longer.
+/// Longest wait for that silence.
 const QUIET_WAIT_MAX: Duration = Duration::from_secs(10);
 
-/// The control's end.
+/// Control's end of the line.
 pub struct Line {
     name: String,
     end: End,
@@ -27,7 +27,7 @@ enum End {
 }
 
 impl Line {
-    /// A new pseudo-terminal.
+    /// New pseudo-terminal.
     ///
     /// # Errors
     /// The system has none.
@@ -36,21 +36,21 @@ impl Line {
         Ok(Line { name, end: End::Pty(pty) })
     }
 
-    /// Where senders call over TCP, with bare bytes or, with the line's settings, through RFC 2217.
+    /// TCP port for senders, with plain bytes or, if the line's settings are given, through RFC 2217.
     ///
     /// # Errors
-    /// The address is none of this machine's, or taken, or other machines could connect to it and may not.
+    /// The address is none of this machine's, or in use, or open to other machines without permission.
     pub fn tcp(address: &str, serial: Option<SerialSettings>, limits: ClientLimits) -> Result<Self, Failure> {
         let tcp = TcpLine::listen_on(address, serial, limits)?;
         Ok(Line { name: tcp.name().to_owned(), end: End::Tcp(Box::new(tcp)) })
     }
 
-    /// What a sender opens.
+    /// Name that a sender opens.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Gives the line to a sender for its next program; answers whether one is there.
+    /// Gives the line to a sender for its next program; returns true if there is one.
     pub fn begin(&mut self) -> bool {
         match &mut self.end {
             End::Pty(_) => true,
@@ -58,7 +58,7 @@ impl Line {
         }
     }
 
-    /// Whether somebody can be at the other end.
+    /// There may be a sender at the other end.
     pub fn has_sender(&self) -> bool {
         match &self.end {
             End::Pty(_) => true,
@@ -66,7 +66,7 @@ impl Line {
         }
     }
 
-    /// Whether the sender is gone and had not begun a program.
+    /// The sender is gone and had not begun a program.
     pub fn is_abandoned(&self) -> bool {
         match &self.end {
             End::Pty(_) => false,
@@ -74,7 +74,7 @@ impl Line {
         }
     }
 
-    /// Ends a connection, so that the next sender finds a fresh control; answers whether the line has connections.
+    /// Ends a connection, so that the next sender finds a fresh control; returns true if the line has connections.
     pub fn hang_up(&mut self) -> bool {
         match &mut self.end {
             End::Pty(_) => false,
@@ -85,7 +85,7 @@ impl Line {
         }
     }
 
-    /// Gives the control what has been written to the line, and whether the sender is still there; `control_waits` for
+    /// Passes the bytes on the line to the control, and whether the sender is still there; `control_waits` for
     /// characters, with nothing to execute.
     ///
     /// # Errors
@@ -104,7 +104,7 @@ impl Line {
         Ok(())
     }
 
-    /// Sends what the control has to say.
+    /// Sends the output of the control.
     ///
     /// # Errors
     /// The line is gone.
@@ -119,7 +119,7 @@ impl Line {
         Ok(())
     }
 
-    /// Takes what still comes, until the sender is silent.
+    /// Reads until the sender is silent.
     ///
     /// # Errors
     /// The line is gone.
@@ -134,7 +134,7 @@ impl Line {
         Ok(())
     }
 
-    /// Whether DC3 has a way to go before the sender obeys it.
+    /// DC3 takes time to reach the sender.
     fn is_far(&self) -> bool {
         match &self.end {
             End::Pty(_) => true,
@@ -142,7 +142,7 @@ impl Line {
         }
     }
 
-    /// Reads what is there, of a TCP port only how much; zero if nothing is.
+    /// Reads what is there, of a TCP port only the number of bytes; returns 0 if there is nothing.
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Failure> {
         match &mut self.end {
             End::Pty(pty) => pty.read(buffer).map_err(|error| Failure::Machine(format!("{}: {error}", self.name))),

@@ -1,4 +1,4 @@
-//! `--store`: programs into the control's memory and out of it, as an operator does with READ and PUNCH.
+//! `--store`: reads programs into the control's memory and punches them, as an operator does with READ and PUNCH.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -13,7 +13,7 @@ use super::{PERIOD, Serve};
 use crate::job::JobFile;
 
 impl Serve {
-    /// Reads a program and punches it as often as somebody asks; with `--once` one time.
+    /// Reads a program and punches it at each request; with `--once` one time.
     pub(super) fn keep_programs(
         &self,
         file: &JobFile,
@@ -28,8 +28,8 @@ impl Serve {
             let started = Instant::now();
             for _ in 0..self.speed {
                 if !line.has_sender() {
-                    // Of a program that broke off nothing is kept.
-                    if store.state() == StoreState::Reading {
+                    // An interrupted program is not kept.
+                    if store.state() == State::Reading {
                         store = Store::new(settings.line);
                     }
                     line.begin();
@@ -39,8 +39,8 @@ impl Serve {
                     let is_punching = store.state() == StoreState::Punching;
                     line.listen(store.port(), !is_punching)?;
                 }
-                // Who has read the last character may be gone before the control knows that it was the last.
-                if has_sender || store.state() == StoreState::Punching {
+                // A receiver of the last character may be gone before the control knows that it was the last.
+                if has_sender || store.state() == State::Punching {
                     store.step(STEP);
                 }
                 line.answer(store.port())?;
@@ -61,7 +61,7 @@ impl Serve {
                 (StoreState::Punching, StoreState::Stored) => {
                     say(format_args!("punched: {} blocks", store.blocks().len()));
                     if self.once {
-                        // Who closes a pseudo-terminal takes with it what is not read yet.
+                        // Closing a pseudo-terminal discards unread data.
                         return line.wait_for_silence(|| interrupted.load(Ordering::Relaxed));
                     }
                 }

@@ -40,13 +40,13 @@ use crate::report::figures::LinkFigures;
 use line::Line;
 use tcp_line::ClientLimits;
 
-/// Wall time between two looks at the line.
+/// Wall time between two polls of the line.
 const PERIOD: Duration = Duration::from_millis(1);
 
-/// Be the control (and its machine) for any sender
+/// Simulate the control (and its machine) for any sender
 #[derive(Debug, clap::Args)]
 pub struct Serve {
-    /// The job file: tool, law and cut rules of the controller; without one, a plain control at 100 %
+    /// Job file: tool, law and cut rules of the controller; without one, a plain control at 100 %
     job: Option<PathBuf>,
     #[command(flatten)]
     place: Place,
@@ -57,7 +57,7 @@ pub struct Serve {
     /// Unit at power-on, without a job
     #[arg(long, value_enum, default_value = "mm", conflicts_with = "job")]
     units: UnitWord,
-    /// The control, in place of the job's: fanuc-16i, fanuc-0i, fanuc-31i
+    /// Control, in place of the job's: fanuc-16i, fanuc-0i, fanuc-31i
     #[arg(long, value_parser = ControlKind::named)]
     control: Option<ControlKind>,
     /// The control's offsets, lengths and reference points, in place of the job's (docs/dialect.md)
@@ -72,21 +72,22 @@ pub struct Serve {
     /// Line rate, in place of the job's
     #[arg(long, value_parser = clap::value_parser!(u32).range(50..=4_000_000))]
     baudrate: Option<u32>,
-    /// Stop after one program; without it, programs are taken for ever, on a pseudo-terminal until one ends in an alarm
+    /// Stop after one program; without it, programs are accepted for ever, on a pseudo-terminal until one ends in an
+    /// alarm
     #[arg(long)]
     once: bool,
-    /// Take a program into the control's memory in place of executing it, and punch it out when the other side says DC1
+    /// Read a program into the control's memory instead of executing it, and punch it when the other side sends DC1
     #[arg(long, conflicts_with_all = ["executed", "json"])]
     store: bool,
     /// Write the blocks that the control executed here; a later program replaces them
     #[arg(long, value_name = "FILE")]
     executed: Option<PathBuf>,
-    /// Print one JSON object a program, one a line (docs/json.md)
+    /// Print one JSON object per program, one per line (docs/json.md)
     #[arg(long)]
     json: bool,
 }
 
-/// Where the sender finds it.
+/// Port to which the sender connects.
 #[derive(Debug, clap::Args)]
 #[group(required = true, multiple = false)]
 struct Place {
@@ -96,12 +97,12 @@ struct Place {
     /// On a TCP port (HOST:PORT; port 0: any free one, printed first), one program at a time
     #[arg(long, value_name = "ADDR")]
     tcp: Option<String>,
-    /// As a serial port that RFC 2217 reaches, rfc2217://HOST:PORT; the client sets its port as the control's line is
+    /// On a port for RFC 2217, rfc2217://HOST:PORT; the client sets its port like the control's line
     #[arg(long, value_name = "ADDR")]
     rfc2217: Option<String>,
 }
 
-/// Who may connect over TCP (docs/control.md).
+/// Limits of TCP clients (docs/control.md).
 #[derive(Debug, clap::Args)]
 struct Clients {
     /// Listen on an address that other machines can reach: whoever connects can run programs
@@ -115,16 +116,16 @@ struct Clients {
     idle_timeout: u64,
 }
 
-/// How the control is set.
+/// Settings of the control's panel.
 #[derive(Debug, clap::Args)]
 struct Panel {
-    /// The tape's code, in place of what the job's line says (iso and eia: the sender makes the parity bits itself)
+    /// Code of the tape, in place of that of the job's line (iso and eia: the sender makes the parity bits itself)
     #[arg(long, value_enum)]
     code: Option<CodeWord>,
     /// TV check: a block with an odd number of characters is alarm PS0002
     #[arg(long)]
     tv_check: bool,
-    /// Refuse what the control refuses also in titles and comments
+    /// Reject what the control rejects also in titles and comments
     #[arg(long)]
     strict: bool,
     /// The optional-stop switch is on: M01 waits a second for the simulated operator
@@ -165,7 +166,7 @@ impl Clients {
 }
 
 impl Panel {
-    /// What a sender's port must be set to: with `--code` its eight bits are the sender's own.
+    /// Required settings of a sender's port: with `--code` its eight bits are the sender's own.
     fn line(&self, serial: SerialSettings) -> SerialSettings {
         match self.code {
             Some(_) => SerialSettings { bytesize: 8, parity: Parity::None, ..serial },
@@ -234,7 +235,7 @@ impl Serve {
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Failure::Stopped("stopped by the operator".into()));
             }
-            // A control in alarm stays so until somebody resets it: a fresh one would take the rest of the same program.
+            // A control in alarm stays so until a reset: a fresh one would read the rest of the same program.
             if let Err(failure) = self.report(&file, &simulation, line.name()) {
                 line.wait_for_silence(|| interrupted.load(Ordering::Relaxed))?;
                 if self.once || !matches!(failure, Failure::Machine(_)) || !line.hang_up() {
@@ -286,8 +287,8 @@ impl Serve {
     }
 }
 
-/// Runs a control until its program is over or the operator has enough; false if its sender left before it began one. The
-/// control is switched on when a sender is there.
+/// Runs a control until its program is over or the operator stops it; returns false if its sender left before it began
+/// one. The control is switched on when a sender is there.
 fn serve_one(
     simulation: &mut Simulation,
     line: &mut Line,

@@ -1,28 +1,28 @@
-//! The first characters of a client: only one that begins a program, with `%` in any code, reaches the control. What else
-//! connects to a TCP port (a browser, a port scan) would put the control in alarm.
+//! First characters of a client: only a client that begins a program, with `%` in any code, reaches the control. Other
+//! connections to a TCP port (a browser, a port scan) would put the control in alarm.
 
 /// Most characters of leader and trailer.
 const LEADER_MAX: usize = 4_096;
 
-/// How far a client is with the beginning of its next program.
+/// Progress of a client with the beginning of its next program.
 #[derive(Clone, Debug)]
 pub enum ProgramStart {
-    /// Nothing but this much leader.
+    /// Only leader so far, of this length.
     Awaited(usize),
-    /// The same behind a program, whose trailer may still come.
+    /// Only leader behind a program, whose trailer may still come, of this length.
     AwaitedAgain(usize),
-    /// `%` and this much leader behind it.
+    /// `%`, and leader of this length behind it.
     Marked(usize),
     /// A character of the program has come.
     Begun,
 }
 
-/// What happens to a character.
+/// Handling of a character.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The control gets it.
     Pass,
-    /// It is of the last program's trailer.
+    /// It belongs to the last program's trailer.
     Discard,
     /// The client is dropped, for this reason.
     Refuse(String),
@@ -35,19 +35,19 @@ impl Default for ProgramStart {
 }
 
 impl ProgramStart {
-    /// The next program may begin.
+    /// Expects the next program.
     pub fn expect_next(&mut self) {
         if self.has_begun() {
             *self = ProgramStart::AwaitedAgain(0);
         }
     }
 
-    /// Whether the program has begun.
+    /// The program has begun.
     pub fn has_begun(&self) -> bool {
         matches!(self, ProgramStart::Begun)
     }
 
-    /// Takes a character, whose eighth bit may be parity.
+    /// Reads a character, whose eighth bit may be parity.
     pub fn on_byte(&mut self, byte: u8) -> Verdict {
         let (is_mark, is_leader) = (is_mark(byte), is_leader(byte));
         match self {
@@ -70,7 +70,7 @@ impl ProgramStart {
         if is_trailer { Verdict::Discard } else { Verdict::Pass }
     }
 
-    /// Looks at characters that are not taken yet; `Err` if they would be refused.
+    /// Checks characters that are not read yet; `Err` if they would be refused.
     pub fn judge(mut self, bytes: &[u8]) -> Result<(), Option<String>> {
         bytes.iter().try_for_each(|byte| match self.on_byte(*byte) {
             Verdict::Refuse(reason) => Err(Some(reason)),
@@ -79,12 +79,12 @@ impl ProgramStart {
     }
 }
 
-/// `%` in ISO, with parity or without, and in EIA.
+/// The character is `%` in ISO, with parity or without, or in EIA.
 fn is_mark(byte: u8) -> bool {
     byte & 0x7f == b'%' || byte == 0x0b
 }
 
-/// Blank tape, ends of block, spaces, DEL, and DC1 to DC4.
+/// The character is blank tape, an end of block, a space, DEL, or one of DC1 to DC4.
 fn is_leader(byte: u8) -> bool {
     matches!(byte & 0x7f, 0 | b'\t' | b'\n' | b'\r' | 0x10 | b' ' | 0x7f) || is_device_control(byte)
 }

@@ -1,4 +1,4 @@
-//! A pseudo-terminal as the control's line; Windows has none.
+//! Pseudo-terminal as the control's line; Windows has none.
 
 #[cfg(not(unix))]
 use std::io;
@@ -15,27 +15,27 @@ mod unix {
 
     use super::super::client::is_quiet;
 
-    /// The control's end of a pseudo-terminal.
+    /// Control's end of a pseudo-terminal.
     pub struct Pty {
         ours: TTYPort,
-        /// The sender's end, held open so that the line outlives the sender.
+        /// Sender's end, held open so that the line outlives the sender.
         _theirs: File,
     }
 
     impl Pty {
-        /// A new pseudo-terminal, and the name that a sender opens.
+        /// New pseudo-terminal, and the name that a sender opens.
         ///
         /// # Errors
-        /// The system gives none.
+        /// The system has none.
         pub fn open() -> io::Result<(Self, String)> {
             let (ours, theirs) = TTYPort::pair()?;
             let name = theirs.name().unwrap_or_default();
-            // As a plain file: a serial port is locked, and the sender must be able to lock it.
+            // Opened as a plain file: a serial port is locked, and the sender must be able to lock it.
             let _theirs = File::options().read(true).write(true).open(&name)?;
             Ok((Pty { ours, _theirs }, name))
         }
 
-        /// Reads what is there; zero if nothing is.
+        /// Reads what is there; returns 0 if there is nothing.
         ///
         /// # Errors
         /// The line is gone.
@@ -61,13 +61,13 @@ mod unix {
     }
 }
 
-/// There is none.
+/// Stand-in for a system without pseudo-terminals.
 #[cfg(not(unix))]
 pub enum Pty {}
 
 #[cfg(not(unix))]
 impl Pty {
-    /// Refuses.
+    /// Always fails.
     ///
     /// # Errors
     /// Always.

@@ -1,7 +1,7 @@
-//! The TCP port where senders connect: one has the control's line, others wait for it.
+//! TCP port to which senders connect: one has the control's line, others wait for it.
 //!
-//! A client that has begun a program has the line until its end, an alarm, or until it has been silent for too long while
-//! another waits; one that begins none loses it after seconds.
+//! A client that has begun a program keeps the line until its end, an alarm, or too long a silence while another waits.
+//! A client that begins none loses it after seconds.
 
 use std::collections::VecDeque;
 use std::net::{SocketAddr, TcpListener, ToSocketAddrs};
@@ -16,43 +16,43 @@ use crate::console::note;
 use crate::job::SerialSettings;
 use crate::port::clock::WallClock;
 
-/// Dropped clients that are reported; a flood of them would fill the log.
+/// Most dropped clients in the log; a flood of them would fill it.
 const REPORTS_MAX: usize = 20;
 
-/// Who may use the port, and for how long.
+/// Limits of the port's clients.
 #[derive(Clone, Copy, Debug)]
 pub struct ClientLimits {
-    /// Connections held at once.
+    /// Most connections at once.
     pub clients: usize,
     /// Longest silence in a program while another client waits.
     pub idle_timeout: Duration,
-    /// Whether other machines may connect.
+    /// Other machines may connect.
     pub allow_remote: bool,
 }
 
-/// The port and its clients.
+/// Port and its clients.
 pub struct TcpLine {
     name: String,
     listener: TcpListener,
-    /// Of the control's line, for a port of RFC 2217.
+    /// Settings of the control's line, for a port of RFC 2217.
     serial: Option<SerialSettings>,
     limits: ClientLimits,
     clock: WallClock,
     active: Option<Client>,
     waiting: VecDeque<Client>,
-    /// Whether the active client, or the one before it, has begun a program for the present control.
+    /// The active client, or the one before it, has begun a program for the present control.
     has_begun: bool,
-    /// Characters on the line, as last seen.
+    /// Characters on the line at the last check.
     on_wire: usize,
     checked_at: Instant,
     reports: usize,
 }
 
 impl TcpLine {
-    /// Listens on an address and port: for bare bytes, or with `serial` for clients of RFC 2217.
+    /// Listens on an address and port: for plain bytes, or with `serial` for clients of RFC 2217.
     ///
     /// # Errors
-    /// The address is none of this machine's, or taken, or other machines could connect to it and may not.
+    /// The address is none of this machine's, or in use, or open to other machines without permission.
     pub fn listen_on(address: &str, serial: Option<SerialSettings>, limits: ClientLimits) -> Result<Self, Failure> {
         let failed = |error: std::io::Error| {
             Failure::Machine(format!("{address}: {error}; give an address of this machine and a free port"))
@@ -87,12 +87,12 @@ impl TcpLine {
         })
     }
 
-    /// What a sender opens.
+    /// Name that a sender opens.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Gives the line to a client for its next program; answers whether there is one.
+    /// Gives the line to a client for its next program; returns true if there is one.
     pub fn begin(&mut self) -> bool {
         self.has_begun = false;
         self.on_wire = 0;
@@ -108,17 +108,17 @@ impl TcpLine {
         self.active.is_some()
     }
 
-    /// Whether a client has the line.
+    /// A client has the line.
     pub fn has_sender(&self) -> bool {
         self.active.is_some()
     }
 
-    /// Whether the client is gone and no program had begun.
+    /// The client is gone and no program had begun.
     pub fn is_abandoned(&self) -> bool {
         self.active.is_none() && !self.has_begun
     }
 
-    /// Gives the control what has been written; `control_waits` for more characters, with nothing to execute.
+    /// Passes written bytes to the control; `control_waits` for more characters, with nothing to execute.
     pub fn feed(&mut self, port: &mut DncPort, control_waits: bool) {
         self.check_clients(control_waits);
         if let Some(client) = &mut self.active {
@@ -131,19 +131,19 @@ impl TcpLine {
         self.on_wire = port.on_wire();
     }
 
-    /// Whether the sender, not a port of its own, has to obey DC3.
+    /// DC3 has to reach the sender itself, not only a port of its own here.
     pub fn is_far(&self) -> bool {
         self.active.as_ref().is_none_or(Client::is_far)
     }
 
-    /// Takes a character of the control.
+    /// Sends a character of the control.
     pub fn write(&mut self, byte: u8) {
         if let Some(Err(reason)) = self.active.as_mut().map(|client| client.write(byte)) {
             self.drop_active(&reason);
         }
     }
 
-    /// Reads and drops what the active client still sends; answers how much.
+    /// Reads and drops further bytes of the active client; returns their number.
     pub fn discard(&mut self) -> usize {
         self.active.as_mut().map_or(0, Client::discard)
     }
@@ -153,7 +153,7 @@ impl TcpLine {
         self.active = None;
     }
 
-    /// Looks after all clients, as often as the line is looked at.
+    /// Serves all clients, as often as the line is polled.
     fn check_clients(&mut self, control_waits: bool) {
         let now = self.clock.now();
         if let Some(client) = &mut self.active {
@@ -182,8 +182,8 @@ impl TcpLine {
         }
     }
 
-    /// Takes in new clients as long as there is room; the others wait in the system's queue. A client that cannot be taken in
-    /// is no fault of the port.
+    /// Accepts new clients as long as there is room; the others wait in the system's queue. A failure to accept a
+    /// client is no fault of the port.
     fn accept(&mut self) {
         while self.waiting.len() + usize::from(self.active.is_some()) < self.limits.clients {
             let client = match self.listener.accept() {

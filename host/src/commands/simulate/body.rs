@@ -1,4 +1,4 @@
-//! What of the job's workpiece gives way: its modes from finite elements.
+//! Flexible part of the job's workpiece: its modes from finite elements.
 
 use std::sync::Arc;
 
@@ -16,13 +16,13 @@ use arcfeed_hil_sim::stock::solid::Solid;
 use super::surface;
 use crate::job::flexible::{Elastic, Flexible, Shape};
 
-/// What is wrong, and the byte offset in the job file if it is not the table's.
+/// Fault, and its byte offset in the job file unless it is the table's.
 pub type Trouble = (Option<usize>, String);
 
-/// The body for a tool with edges so far up from its tip, and its modes, as large as anywhere on it.
+/// Flexible body for a tool with edges up to a height above its tip, and its modes, as large as anywhere on it.
 ///
 /// # Errors
-/// The material is not known, the body has no such mesh or modes, or is no part of the blank.
+/// The material is unknown, the body has no such mesh or modes, or lies outside the blank.
 pub fn flexible(
     flexible: &Flexible,
     blank: &dyn Solid,
@@ -35,7 +35,7 @@ pub fn flexible(
     let box_mm = mesh.bounds_mm();
     let of_blank_mm = blank.bounds_mm();
     if !(0..3).all(|axis| box_mm[0][axis] < of_blank_mm[1][axis] && of_blank_mm[0][axis] < box_mm[1][axis]) {
-        return Err(input_failure(&"what gives way has nothing in common with the workpiece"));
+        return Err(input_failure(&"the flexible part has nothing in common with the workpiece"));
     }
     let body = Body::new(mesh, &material(&flexible.material)?);
     let modes = body.modes(&held.nodes(body.mesh()), flexible.modes).map_err(|error| input_failure(&error))?;

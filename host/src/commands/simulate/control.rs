@@ -1,4 +1,4 @@
-//! The simulated control that a job runs on, from what job and machine file say.
+//! Simulated control of a job, from the job and the machine file.
 
 use arcfeed_hil_sim::control::code::Code;
 use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
@@ -13,7 +13,7 @@ use crate::job::{ControlKind, JobFile, Parity, SerialSettings, TapeCode};
 use crate::machine_file::MachineFile;
 use crate::machine_file::drives::{Drive, Drives, Loops, SpindleRamps};
 
-/// The settings of the job's control on the job's line.
+/// Settings of the job's control on the job's line.
 pub fn control_settings(file: &JobFile) -> ControlSettings {
     let preset = match file.control {
         ControlKind::Fanuc16i => Preset::Fanuc16i,
@@ -21,7 +21,7 @@ pub fn control_settings(file: &JobFile) -> ControlSettings {
         ControlKind::Fanuc31i => Preset::Fanuc31i,
     };
     let settings = preset.settings(file.job.unit);
-    // Bit n of the reader's is bit n - 1 of the panel's.
+    // Bit n of the reader is bit n - 1 of the panel.
     let switches = Switches { block_delete: file.nc.delete_switches >> 1, ..settings.switches };
     let (sender, code) = framing(&file.serial);
     let code = file.dnc.code.map_or(code, |code| Some(tape_code(code)));
@@ -42,7 +42,7 @@ pub fn control_settings(file: &JobFile) -> ControlSettings {
     ControlSettings { nc, tables, line, arc_clamp, switches, drives, servo, spindle, ..settings }
 }
 
-/// A spindle of which only the ramps are told: nothing loads it here, so it does not droop.
+/// Spindle drive from its ramps alone: nothing loads it here, so its speed does not droop.
 fn spindle_drive(ramps: SpindleRamps) -> SpindleDrive {
     let SpindleRamps { run_up_rev_per_min_s, run_down_rev_per_min_s, arrival_ratio, waits } = ramps;
     SpindleDrive {
@@ -55,7 +55,7 @@ fn spindle_drive(ramps: SpindleRamps) -> SpindleDrive {
     }
 }
 
-/// What the drives of a machine can do, axis by axis. A rotary axis that it does not have is as its first.
+/// Limits of a machine's drives, axis by axis. A rotary axis that the machine lacks has those of its first one.
 fn drive_limits(file: &MachineFile) -> Option<DriveLimits> {
     let Drives { linear, rotary, tolerance } = file.drives?;
     let limits = |drive: &Drive| AxisLimits {
@@ -73,7 +73,7 @@ fn drive_limits(file: &MachineFile) -> Option<DriveLimits> {
     })
 }
 
-/// The code that the sender makes itself.
+/// Code that the sender makes itself.
 pub fn tape_code(code: TapeCode) -> Code {
     match code {
         TapeCode::Iso => Code::Iso,
@@ -82,8 +82,8 @@ pub fn tape_code(code: TapeCode) -> Code {
     }
 }
 
-/// What the job's line makes of a byte, and the code a control is set to on such a line: with seven bits and a parity bit
-/// ISO or EIA, otherwise ASCII.
+/// Parity that the job's line adds to a byte, and the code of a control on such a line: with seven bits and a parity
+/// bit ISO or EIA, otherwise ASCII.
 fn framing(serial: &SerialSettings) -> (SenderParity, Option<Code>) {
     match (serial.bytesize, serial.parity) {
         (7, Parity::Even) => (SenderParity::Even, None),

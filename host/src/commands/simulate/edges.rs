@@ -1,4 +1,4 @@
-//! The edges of the job's tool in the layers of its workpiece, and the forces of its material.
+//! Edges of the job's tool in the layers of its workpiece, and the forces of its material.
 
 use std::f64::consts::{PI, TAU};
 
@@ -22,25 +22,25 @@ use super::body::{self, Trouble};
 use crate::job::cutting::{Coefficients, Mode as ModeFigures};
 use crate::job::{Cutting, JobFile};
 
-/// Z: the tool's axis, but under G43.4.
+/// Index of Z: the tool's axis, except under G43.4.
 pub const UPRIGHT: usize = 2;
 
-/// Largest turn in a step of the edges.
+/// Largest turn of the tool in a step.
 const STEP_RAD: f64 = 3.0 / 180.0 * PI;
 
-/// Steps in a period of the fastest mode that matters: coarser ones hide chatter or invent it (docs/forces.md).
+/// Steps in a period of the fastest relevant mode: larger steps hide chatter or invent it (docs/forces.md).
 const STEPS_A_PERIOD: f64 = 25.0;
 
-/// Displacements that agree to this with their forces.
+/// Time stepping with displacements that agree with their forces to this tolerance.
 const FLEXIBLE: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-7, passes_max: 20 };
 
-/// A rigid tool moves nowhere, in one pass.
+/// A rigid tool does not move: one pass.
 const RIGID: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 0.0, passes_max: 1 };
 
-/// The edges in a blank, before a run, and the blank if it gives way.
+/// Cutting process in a blank, before a run, and the blank if it is flexible.
 ///
 /// # Errors
-/// The material is not known, the edges are none, there are too many layers, or what gives way has no such modes.
+/// The material is unknown, the edges are invalid, there are too many layers, or the flexible part has no such modes.
 pub fn process(
     file: &JobFile,
     cutting: &Cutting,
@@ -69,20 +69,20 @@ pub fn process(
     Ok((Process::new(engagement, forces, Vibration::new(modes, stepping)), flexible_workpiece))
 }
 
-/// The solid that the edges would turn if the tool ran true: the reference for marks.
+/// Solid that the edges of a tool without runout sweep: the reference for marks.
 ///
 /// # Errors
-/// The edges are none.
-pub fn turned(file: &JobFile, cutting: &Cutting) -> Result<CuttingSolid, Trouble> {
+/// The edges are invalid.
+pub fn turned(file: &JobFile, cutting: &Cutting) -> Result<Turned, Trouble> {
     let corner_mm = file.workpiece.as_ref().map_or(0.0, |workpiece| workpiece.body.corner_mm);
     let edges = true_edges(file, cutting, corner_mm).map_err(|error| (None, error.to_string()))?;
     Ok(CuttingSolid { slices: slices(&edges), reach_mm: cutting.axial_depth_mm })
 }
 
-/// The largest turn in a step.
+/// Largest turn of the tool in a step.
 ///
-/// The fastest modes do not count as long as they swing together by less than counts as no change. Such modes cannot chatter, and the exact rule follows
-/// their motion in steps longer than their periods.
+/// The fastest modes are ignored as long as their vibrations together stay below the largest change that counts as
+/// none. Such modes cannot chatter, and the exact rule follows their motion in steps longer than their periods.
 pub fn step_max_rad(file: &JobFile, process: &Process) -> f64 {
     let tool = file.job.tools.first();
     let turned_rad_per_s = f64::from(tool.spindle.0) * TAU / S_PER_MIN;
@@ -98,8 +98,8 @@ pub fn step_max_rad(file: &JobFile, process: &Process) -> f64 {
     STEP_RAD.min(turned_rad_per_s / (fastest_hz * STEPS_A_PERIOD))
 }
 
-/// No samples yet: one a tooth, of a ring one for an outer and an inner tooth.
-pub fn samples(file: &JobFile) -> ChatterSamples {
+/// Empty samples: one per tooth, for a ring one for an outer and one for an inner tooth.
+pub fn samples(file: &JobFile) -> Samples {
     let teeth = usize::from(file.job.tools.first().tool.active_teeth());
     ChatterSamples::new(teeth, f64::from(file.job.tools.first().feed_per_tooth.0) * FLOOR_RATIO)
 }
@@ -113,7 +113,7 @@ fn rise_mm(cutting: &Cutting) -> f64 {
     cutting.axial_depth_mm / cutting.layers as f64
 }
 
-/// Teeth alike, about the spindle's axis; with one slice more than edges are asked up to, for a tip inside of a layer.
+/// Equal teeth about the spindle's axis, with one slice above the highest computed layer, for a tip inside a layer.
 fn true_edges(file: &JobFile, cutting: &Cutting, corner_mm: f64) -> Result<Cutter, EdgeError> {
     let rise_mm = rise_mm(cutting);
     let (slices, height_mm) = (Pieces::Slices { rise_mm }, cutting.axial_depth_mm + rise_mm);

@@ -1,4 +1,4 @@
-//! Loads of the edges, as figures of the report and along time.
+//! Loads of the edges, as figures of the report and over time.
 
 use std::collections::BTreeMap;
 
@@ -14,10 +14,10 @@ use crate::report::loads::{
 };
 use crate::report::page::plot::{Lane, Series};
 
-/// W in a kW.
+/// W per kW.
 const W_PER_KW: f64 = 1e3;
 
-/// The figures of a run, and of the program as it was.
+/// Figures of a run, and of the original program.
 pub fn figures(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> LoadsFigures {
     let runs = [meter, baseline];
     let of = |choose: &dyn Fn(&BlockRef) -> bool| runs.map(|run| load(&sum(run, choose), unit));
@@ -76,7 +76,7 @@ fn vibration(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Vibra
     }
 }
 
-/// Force and power along time.
+/// Force and power over time.
 pub fn lanes(after: &LoadMeter, before: &LoadMeter) -> [Lane; 2] {
     let lane = |title: &str, value: &dyn Fn(&LoadStatistics) -> f64| {
         let series = [("before", "#999", before), ("after", "#c03020", after)].map(|(name, color, meter)| {
@@ -99,7 +99,7 @@ fn sum(meter: &LoadMeter, choose: &dyn Fn(&BlockRef) -> bool) -> LoadStatistics 
     sum
 }
 
-/// Those of the run; of the program as it was, where it has the same block.
+/// Blocks of the run, with those of the original program if it has the same block.
 fn blocks(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Vec<LoadBlockFigures> {
     let [after, before] = [meter, baseline].map(by_block);
     let block = |(count, (of, statistics)): (&u32, &(BlockRef, LoadStatistics))| {

@@ -1,4 +1,5 @@
-//! Tooth marks on walls, as figures of the report and as a map; unsteady stretches of the path and the chips along it.
+//! Tooth marks on walls, as figures of the report and as a map; intervals of the path with vibration, and the chip
+//! thickness along it.
 
 use std::collections::BTreeMap;
 
@@ -15,27 +16,27 @@ use crate::report::marks::{BlockMarksFigures, LargestFigures, LayerFigures, Mark
 use crate::report::page::load_plot::{LoadPlot, PlotBlock};
 use crate::report::page::map::Map;
 
-/// Cells of the map along its longer side: walls are as wide as one of them.
+/// Cells of the map along its longer side: walls are one cell wide.
 const CELLS: f64 = 200.0;
 
-/// What marks are told against.
+/// Reference for marks.
 #[derive(Clone, Debug)]
 pub struct Truth {
-    /// The layers before the run.
+    /// Layers before the run.
     pub blank: Layers,
-    /// What a true tool turns.
-    pub turned: CuttingSolid,
+    /// Solid swept by a tool without runout.
+    pub turned: Turned,
 }
 
 impl Truth {
-    /// The marks of a run.
-    pub fn marks(&self, meter: &LoadMeter) -> Vec<WallMark> {
-        marks(&self.blank, meter.process().engagement().layers(), meter.tip_path(), &self.turned)
+    /// Marks of a run.
+    pub fn marks(&self, meter: &LoadMeter) -> Vec<Mark> {
+        marks(&self.blank, meter.process().engagement().layers(), meter.way(), &self.turned)
     }
 }
 
-/// The figures of a run's marks; none of none.
-pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Option<MarksFigures> {
+/// Figures of a run's marks; `None` without marks.
+pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[Mark]) -> Option<MarksFigures> {
     let in_unit = |mm: f64| mm / unit.mm();
     let worst = marks.iter().max_by(|a, b| a.off_mm.abs().total_cmp(&b.off_mm.abs()))?;
     let z = |layer: usize| in_unit(meter.process().engagement().layers().middle_mm(layer));
@@ -69,8 +70,8 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Optio
     })
 }
 
-/// The marks seen along Z; where several lie over each other, the largest.
-pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Option<Map> {
+/// Marks seen along Z; of several at one place the largest.
+pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[Mark]) -> Option<Map> {
     let in_unit = |mm: f64| mm / unit.mm();
     let [lowest_mm, highest_mm] = meter.process().engagement().layers().extent_mm()?;
     let size_mm = [0, 1].map(|axis: usize| highest_mm[axis] - lowest_mm[axis]);
@@ -99,7 +100,7 @@ pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Option<Ma
     })
 }
 
-/// The path among the layers, block by block.
+/// Path among the layers, block by block.
 pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigures) -> LoadPlot {
     let in_unit = |mm: f64| mm / unit.mm();
     let unsteady = |count: u32| {

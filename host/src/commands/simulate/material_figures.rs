@@ -17,8 +17,8 @@ use crate::report::material::{
     BlockFigures, DeviationFigures, LeftOutFigures, MaterialFigures, RuleFigures, TakenFigures, VolumeUnit,
 };
 
-/// The figures of a run, and of the program as it was.
-pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &StockCutter, baseline: &StockCutter) -> MaterialFigures {
+/// Figures of a run, and of the original program.
+pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &Cutter, baseline: &Cutter) -> MaterialFigures {
     let volumes = VolumeUnit::of(unit);
     let step_mm = setup.workpiece.step_mm;
     let runs = [cutter, baseline];
@@ -37,7 +37,7 @@ pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &StockCutter, baseli
         RuleFigures { rule: rule.map(|rule| rule + 1), taken: after, baseline: before }
     });
     let rules: Vec<RuleFigures> = rules.collect();
-    // A window of a rule alone may be shorter than one over its neighbours, too.
+    // A window within one rule may be shorter than one over its neighbours, too.
     for rule in &rules {
         total.rate_max = total.rate_max.max(rule.taken.rate_max);
         before.rate_max = before.rate_max.max(rule.baseline.rate_max);
@@ -65,7 +65,7 @@ pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &StockCutter, baseli
     }
 }
 
-/// The deviation of what is left from the finished part, along the tool's axis.
+/// Deviation of the remaining stock from the finished part, along the tool's axis.
 pub fn deviation(unit: LengthUnit, stock: &Stock, target: &Stock) -> Option<(HeightMap, DeviationFigures)> {
     let heights = [stock, target].map(|stock| HeightMap::new(stock, UPRIGHT));
     let map = heights[0].above(&heights[1]).ok()?;
@@ -88,8 +88,8 @@ pub fn deviation(unit: LengthUnit, stock: &Stock, target: &Stock) -> Option<(Hei
     Some((map, figures))
 }
 
-/// Those that took something, each once.
-fn blocks(cutter: &StockCutter, baseline: &StockCutter, step_mm: f64, volumes: VolumeUnit) -> Vec<BlockFigures> {
+/// Blocks that removed material, each once.
+fn blocks(cutter: &Cutter, baseline: &Cutter, step_mm: f64, volumes: VolumeUnit) -> Vec<BlockFigures> {
     let [after, before] = [cutter, baseline].map(by_block);
     let taken = |pieces: &[&Piece]| taken_of(pieces.iter().copied(), step_mm, volumes);
     let cutting = after.into_iter().map(|(key, (of, pieces))| {
@@ -106,8 +106,8 @@ fn blocks(cutter: &StockCutter, baseline: &StockCutter, step_mm: f64, volumes: V
     cutting.filter(|block| block.taken.removed > 0.0).collect()
 }
 
-/// The pieces of each block, its rapids apart.
-fn by_block(cutter: &StockCutter) -> BTreeMap<(u32, bool), (BlockRef, Vec<&Piece>)> {
+/// Pieces of each block, with its rapids apart.
+fn by_block(cutter: &Cutter) -> BTreeMap<(u32, bool), (Of, Vec<&Piece>)> {
     let mut found = BTreeMap::new();
     for piece in cutter.pieces() {
         let of = cutter.blocks()[piece.block];

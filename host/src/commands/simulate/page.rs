@@ -1,4 +1,4 @@
-//! The report of a run as a page, and the surface that it left, as files.
+//! Report page of a run, and the remaining surface, as files.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -26,7 +26,7 @@ use crate::report::page::marks::section as marks_section;
 use crate::report::page::plot::{Lane, Series, svg};
 use crate::report::page::{Page, Section, tables};
 
-/// The formats of a surface.
+/// Formats of a surface file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceFormat {
     /// Binary STL.
@@ -35,27 +35,27 @@ pub enum SurfaceFormat {
     Ply,
 }
 
-/// What a page shows of a run.
+/// Content of a run's page.
 pub struct Shown<'a> {
-    /// Its headline.
+    /// Headline.
     pub title: &'a str,
-    /// Its figures.
+    /// Figures of the run.
     pub report: &'a RunReport,
-    /// The job: its unit of lengths, and the chips it wants.
+    /// Job: its unit of lengths and its target chip load.
     pub job: &'a Job,
-    /// The run and the program as it was; each with the time of its end.
+    /// The run and the original program, each with the time of its end.
     pub runs: [(&'a Watch, Micros); 2],
-    /// Where the job has a target.
+    /// Deviation, if the job has a target.
     pub deviation: Option<(HeightMap, DeviationFigures)>,
-    /// What the edges left on walls.
-    pub marks: Vec<WallMark>,
+    /// Marks of the edges on walls.
+    pub marks: Vec<Mark>,
 }
 
 impl SurfaceFormat {
-    /// By the name of the file.
+    /// Format by the file's name.
     ///
     /// # Errors
-    /// It is neither `.stl` nor `.ply`.
+    /// The name ends neither in `.stl` nor in `.ply`.
     pub fn of(path: &Path) -> Result<Self, Failure> {
         let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
         match extension.as_deref() {
@@ -65,7 +65,7 @@ impl SurfaceFormat {
         }
     }
 
-    /// Writes what is left of a stock, in millimetres.
+    /// Writes the remaining stock, in millimetres.
     ///
     /// # Errors
     /// Nothing is left, or the file cannot be written.
@@ -83,7 +83,7 @@ impl SurfaceFormat {
 }
 
 impl Shown<'_> {
-    /// The whole page.
+    /// Renders the page.
     pub fn page(&self) -> Page {
         let [(watch, _), _] = self.runs;
         let mut sections = vec![tables::summary(self.title, self.report)];
@@ -106,14 +106,15 @@ impl Shown<'_> {
         Page { title: self.title.to_owned(), sections }
     }
 
-    /// What the edges left, and where: nothing without edges.
+    /// Sections with the marks of the edges; empty without edges.
     fn marks(&self) -> Vec<Section> {
         let [(watch, _), _] = self.runs;
         let (Some(meter), Some(loads)) = (&watch.loads, &self.report.loads) else { return Vec::new() };
         let map = mark_figures::map(self.job.unit, meter, &self.marks).map(|map| map.svg());
         let marks = loads.marks.as_ref().zip(map).map(|(marks, map)| marks_section(loads, marks, &map));
         let course = mark_figures::course(self.job.unit, self.job, meter, loads).svg();
-        let course = Section { heading: "Chips and steadiness along the path, seen along Z".into(), body: course };
+        let course =
+            Section { heading: "Chip thickness and vibration along the path, seen along Z".into(), body: course };
         marks.into_iter().chain((!course.body.is_empty()).then_some(course)).collect()
     }
 

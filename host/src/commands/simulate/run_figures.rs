@@ -1,4 +1,4 @@
-//! The figures of a run, for reports.
+//! Figures of a run, for reports.
 
 use arcfeed_hil_sim::control::interpolator::AxisLimited;
 use arcfeed_hil_sim::cutting::meter::MoveChips;
@@ -15,7 +15,7 @@ use crate::report::figures::{
 };
 use crate::report::print_output;
 
-/// Adds the figures of the program as it was.
+/// Adds the figures of the original program.
 pub fn compare(report: &mut RunReport, baseline: RunReport) {
     // A program that its control does not finish has no time to compare with.
     report.baseline_cycle_time_s = baseline.cycle_time_s.filter(|_| baseline.alarms.is_empty());
@@ -25,7 +25,7 @@ pub fn compare(report: &mut RunReport, baseline: RunReport) {
     }
 }
 
-/// The figures of what the simulation executed so far.
+/// Figures of everything that the simulation has executed so far.
 pub fn measure<D: OverrideSource>(simulation: &Simulation<D>, job: &Job) -> RunReport {
     let moves: Vec<(&MoveChips, &MoveOverride)> =
         simulation.meter().moves().iter().zip(simulation.overrides()).collect();

@@ -1,4 +1,4 @@
-//! The job's workpiece as a stock, its tool as what cuts it, and as edges.
+//! Workpiece of the job as a stock, and its tool as a solid and as edges.
 
 use std::path::Path;
 
@@ -23,30 +23,30 @@ use crate::job::workpiece::{Blank, Body};
 use crate::job::{Cutting, JobFile, Workpiece};
 use crate::place::place;
 
-/// How far chords may be from the path, and from the tool's corners, as a part of the step between rays.
+/// Tolerance of chords against the path and the tool's corners, as a fraction of the step between rays.
 const TOLERANCE_RATIO: f64 = 1.0 / 50.0;
 
-/// The workpiece of a job, with its place in the job file for what goes wrong later.
+/// Workpiece of a job, with its place in the job file for later faults.
 pub struct Setup<'a> {
-    /// As told.
+    /// Workpiece as the job describes it.
     pub workpiece: &'a Workpiece,
-    /// Before the run, with what cuts it.
-    pub settings: StockCutterSettings,
+    /// Stock before the run, and the tool that cuts it.
+    pub settings: CutterSettings,
     /// `file:line:column` of its table.
     pub place: String,
-    /// How far up from its tip the tool cuts.
+    /// Height above the tip up to which the tool cuts.
     depth_mm: f64,
-    /// The edges in it before the run, where the job tells of cutting.
+    /// Edges in the stock before the run, if the job has `[cutting]`.
     pub loads: Option<LoadSettings>,
-    /// What the marks of those edges are told against.
+    /// Reference for the marks of those edges.
     pub truth: Option<Truth>,
 }
 
 impl<'a> Setup<'a> {
-    /// Of a job; `None` where it has no workpiece.
+    /// Setup of a job; `None` if it has no workpiece.
     ///
     /// # Errors
-    /// The workpiece is none, or larger than it may be, or the tool has no such shape.
+    /// The workpiece is invalid, or larger than allowed, or the tool has no such shape.
     pub fn of(path: &Path, file: &'a JobFile) -> Result<Option<Self>, Failure> {
         let Some(workpiece) = &file.workpiece else { return Ok(None) };
         let text = std::fs::read_to_string(path).unwrap_or_default();
@@ -81,13 +81,13 @@ impl<'a> Setup<'a> {
         Ok(Some(Setup { workpiece, settings, place, depth_mm, loads, truth }))
     }
 
-    /// What its edges meet in a run.
+    /// Meter for the loads of the edges in a run.
     pub fn load_meter(&self) -> Option<LoadMeter> {
         self.loads.clone().map(LoadMeter::new)
     }
 
-    /// The workpiece in layers along Z, and up to which height above the tip they are cut in levels: as deep as the job
-    /// tells of cutting, otherwise the tool's height in layers as high as the rays are apart.
+    /// Workpiece in layers along Z, and the height above the tip up to which they are cut in levels: the job's cutting
+    /// depth, or else the tool's height in layers as high as the distance of the rays.
     pub fn layers(&self) -> (Layers, f64) {
         match &self.loads {
             Some(loads) => (loads.process.engagement().layers().clone(), self.depth_mm),
@@ -95,15 +95,15 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// What cuts it in a run.
-    pub fn cutter(&self) -> StockCutter {
-        StockCutter::new(self.settings.clone())
+    /// Cutter of the stock in a run.
+    pub fn cutter(&self) -> Cutter {
+        Cutter::new(self.settings.clone())
     }
 
-    /// The finished part on the same rays.
+    /// Finished part on the same rays.
     ///
     /// # Errors
-    /// Its file has no solid, or it takes too much memory.
+    /// Its file contains no solid, or it needs too much memory.
     pub fn target(&self) -> Result<Option<Stock>, Failure> {
         let Some(file) = &self.workpiece.target else { return Ok(None) };
         let mesh = surface::mesh(file).map_err(Failure::Input)?;
@@ -112,7 +112,7 @@ impl<'a> Setup<'a> {
     }
 }
 
-/// Why a shape is none: already told with its file, or still without a place.
+/// Fault of a shape: complete with its file, or still without a place.
 enum Trouble {
     Told(Failure),
     Here(String),
@@ -149,7 +149,7 @@ fn solid(blank: &Blank, tolerance_mm: f64) -> Result<Box<dyn Solid>, Trouble> {
     }
 }
 
-/// What of the job's tool cuts.
+/// Cutting solid of the job's tool.
 fn tool(tool: &JobTool, body: &Body, tolerance_mm: f64) -> Result<Tool, ProfileError> {
     let Body { corner_mm, height_mm } = *body;
     match tool {

@@ -8,10 +8,10 @@ use arcfeed_hil_sim::stock::mesh::Mesh;
 
 use crate::job::stl::StlFile;
 
-/// One in millimetres.
+/// Mesh in millimetres.
 ///
 /// # Errors
-/// What is wrong with it, and its path.
+/// Describes the fault, with the path.
 pub fn mesh(file: &StlFile) -> Result<Mesh, String> {
     let StlFile { path, unit } = file;
     let wrong = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());

@@ -1,4 +1,4 @@
-//! A run, watched: the stock is cut as the axes go, the override noted, and a person told how far it is.
+//! Observation of a run: cuts the stock along the axes' path, records the override, and shows the progress.
 
 use arcfeed_hil_sim::override_source::controller::InProcessController;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
@@ -10,28 +10,28 @@ use indicatif::{ProgressBar, ProgressDrawTarget};
 use super::super::outcome::Failure;
 use super::setup::Setup;
 
-/// Longest simulated run: a program that takes longer is stuck.
+/// Longest simulated run: a program that takes longer does not end.
 const RUN_MAX: Micros = Micros::from_ms(24 * 3_600 * 1_000);
 
-/// Periods between two signs of life.
+/// Periods between two progress messages.
 const SIGN_EVERY: u64 = 200;
 
-/// Who watches a run.
+/// Observer of a run.
 #[derive(Debug, Default)]
 pub struct Watch {
-    /// The workpiece under it.
-    pub cutter: Option<StockCutter>,
-    /// The edges in it.
+    /// Workpiece.
+    pub cutter: Option<Cutter>,
+    /// Edges in it.
     pub loads: Option<LoadMeter>,
-    /// The override, %, from each time on.
+    /// Override, %, from each time on.
     pub overrides: Vec<(Micros, u8)>,
     place: String,
-    /// Whether progress is shown, where there is something to cut.
+    /// Progress is shown, if there is something to cut.
     shows: bool,
 }
 
 impl Watch {
-    /// The watch of a run on this workpiece, if there is one, with or without progress shown.
+    /// Observer of a run on this workpiece, if there is one, with or without progress shown.
     pub fn on(setup: Option<&Setup<'_>>, shows: bool) -> Self {
         let place = setup.map_or(String::new(), |setup| setup.place.clone());
         let loads = setup.and_then(Setup::load_meter);
@@ -65,10 +65,10 @@ impl Watch {
     }
 }
 
-/// Runs to the end, and has each period seen. What takes long is told by its name, with how far it is.
+/// Runs to the end and passes each period to the observer. A long run is named, with its progress.
 ///
 /// # Errors
-/// The run never ends, or what sees it stops it.
+/// The run never ends, or the observer stops it.
 pub fn run_seen(
     simulation: &mut Simulation<InProcessController>,
     takes_long: Option<&str>,

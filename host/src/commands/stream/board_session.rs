@@ -1,4 +1,5 @@
-//! Session of a feed board while a program is sent: greeting, moves ahead of the control, arming by a person, supervision.
+//! Session of a feed board while a program is sent: connection, moves ahead of the control, arming by a person,
+//! supervision.
 
 use std::io::BufRead;
 use std::sync::atomic::Ordering;
@@ -18,41 +19,41 @@ use crate::dnc::Sender;
 use crate::dnc::sender::Gate;
 use crate::dnc::transmission::Transmission;
 
-/// What a person types.
+/// Word by which a person arms the board.
 const ARM: &str = "arm";
 
-/// Where a person arms the board.
+/// Place where a person arms the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arming {
-    /// At its button, or by typing it here.
+    /// At its button, or by typing the word here.
     Typed,
     /// At its button: the keys here are the screen's.
     Button,
-    /// Nowhere: the board is simulated, and so is its button.
+    /// Nowhere: the board and its button are simulated.
     Simulated,
 }
 
-/// A board that runs along, or none.
+/// Board that takes part in a run, or none.
 pub struct BoardSession<'p> {
     board: Option<Board<'p>>,
     arming: Arming,
     person: Option<Receiver<String>>,
-    /// Of what a person was told last.
+    /// Last reported reason why the laws do not have the override.
     outage: Option<Outage>,
-    /// What a person is to be told, and has not been yet.
+    /// Messages that have not been shown yet.
     said: Vec<String>,
 }
 
 impl<'p> BoardSession<'p> {
-    /// No board.
+    /// Session without a board.
     pub fn none() -> Self {
         BoardSession { board: None, arming: Arming::Simulated, person: None, outage: None, said: Vec::new() }
     }
 
-    /// A board at the end of a line, and what it is to be told of what is sent.
+    /// Board at the end of a line, with the moves of the transmission.
     ///
     /// # Errors
-    /// A job or a move that no board can be told.
+    /// The job or a move does not suit a board.
     pub fn with(line: Line<'p>, ready: &Prepared, sending: &Transmission, arming: Arming) -> Result<Self, Failure> {
         let job: &Job = &ready.file.job;
         let path = ready.file.program.display();
@@ -63,11 +64,11 @@ impl<'p> BoardSession<'p> {
         Ok(BoardSession { board: Some(board), arming, person, outage: None, said: Vec::new() })
     }
 
-    /// Waits until the board has its parameters and somebody has armed it. Nothing is sent before that. `press` is done
-    /// at its panel meanwhile, again and again.
+    /// Waits until the board has its parameters and is armed. Nothing is sent before that. `press` operates its panel
+    /// meanwhile, again and again.
     ///
     /// # Errors
-    /// It does not answer or refuses, or the operator stopped it.
+    /// The board does not answer or refuses, or the operator stopped it.
     pub fn arm(&mut self, press: &mut dyn FnMut()) -> Result<(), Failure> {
         let interrupted = on_interrupt();
         let mut asked = None;
@@ -87,18 +88,18 @@ impl<'p> BoardSession<'p> {
             }
             press();
             board.wait();
-            self.obey_person();
+            self.read_person_command();
             self.said.drain(..).for_each(|line| note(format_args!("{line}")));
         }
         Ok(())
     }
 
-    /// One turn: what it has taken may leave. Answers why the run must end.
+    /// One turn: moves that the board has may leave. Returns the reason if the run must end.
     pub fn turn(&mut self, sender: &mut Sender) -> Option<String> {
-        self.obey_person();
+        self.read_person_command();
         let board = self.board.as_mut()?;
         if let Err(error) = board.turn() {
-            // What it was told holds no more; what has left, has left.
+            // The permissions of the board are void; blocks that have left, have left.
             self.board = None;
             return Some(error.to_string());
         }
@@ -112,12 +113,12 @@ impl<'p> BoardSession<'p> {
         None
     }
 
-    /// What a person is to be told, each once.
+    /// Messages for a person, each once.
     pub fn take_said(&mut self) -> Vec<String> {
         std::mem::take(&mut self.said)
     }
 
-    /// Looks whether the board sees no moves any more though the control, which has taken up so many blocks, makes them.
+    /// Checks whether the board sees no more moves although the control, which has started `blocks` blocks, makes them.
     pub fn look_behind(&mut self, blocks: Option<usize>, sending: &Transmission) {
         let stands = self.board.as_mut().zip(blocks).and_then(|(board, blocks)| board.stands_at(blocks, sending));
         let Some(line) = stands else { return };
@@ -130,12 +131,12 @@ impl<'p> BoardSession<'p> {
         ));
     }
 
-    /// Whether the board, if there is one, has seen all moves done.
+    /// The board, if there is one, has seen all moves done.
     pub fn is_done(&self) -> bool {
         self.board.as_ref().is_none_or(Board::is_done)
     }
 
-    /// Gives the override back and says goodbye.
+    /// Returns the override and closes the link.
     ///
     /// # Errors
     /// The port is gone.
@@ -146,7 +147,7 @@ impl<'p> BoardSession<'p> {
         }
     }
 
-    fn obey_person(&mut self) {
+    fn read_person_command(&mut self) {
         let (Some(board), Some(person)) = (&mut self.board, &self.person) else { return };
         for line in person.try_iter() {
             match line.trim() {
@@ -166,16 +167,16 @@ impl<'p> BoardSession<'p> {
     }
 }
 
-/// What a person is told of a board that does not obey the laws.
+/// Message about a board whose laws do not have the override.
 fn words_of(board: &Board<'_>, outage: Option<Outage>, arming: Arming) -> String {
     let how = how_to_arm(board, arming);
     match outage {
         None => how,
-        Some(Outage::Disarmed) => format!("note: {how}; the program goes on at its own feeds"),
+        Some(Outage::Disarmed) => format!("note: {how}; the program continues at its own feeds"),
         Some(Outage::Faulted { cause }) => format!(
-            "warning: the board has a fault: {}. It puts out 0 %: feed moves stand still, as at feed hold (rapids do not), until somebody \
-             has removed the cause and pressed RESET at the board; from then on the dial has the override, and the program goes on at its \
-             own feeds. To go on under the laws: {how}",
+            "warning: the board has a fault: {}. It puts out 0 %: feed moves stand still, as at feed hold (rapids do not), until a person \
+             has removed the cause and pressed RESET at the board; from then on the dial has the override, and the program continues at its \
+             own feeds. To continue under the laws: {how}",
             words::fault(cause)
         ),
     }

@@ -1,4 +1,4 @@
-//! What a person sees while a program is sent: the screen, or a progress bar on a terminal; and the log of events.
+//! Display while a program is sent: the screen, or a progress bar on a terminal; and the log of events.
 
 use std::fs::File;
 use std::io::{IsTerminal, Write};
@@ -19,10 +19,10 @@ use crate::port::clock::iso_8601;
 use crate::screen::Screen;
 use crate::screen::view::{Command, View};
 
-/// Wall time between two pictures.
+/// Wall time between two redraws.
 const PERIOD: Duration = Duration::from_millis(100);
 
-/// Whoever watches.
+/// Display and event log.
 pub struct Live {
     bar: Option<ProgressBar>,
     screen: Option<(Screen, View, Instant)>,
@@ -35,7 +35,7 @@ struct EventLog {
 }
 
 impl Live {
-    /// A bar over `total` characters, where stderr is a terminal.
+    /// Progress bar over `total` characters, if stderr is a terminal.
     pub fn bar(total: usize) -> Self {
         let bar = ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::stderr());
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}") {
@@ -44,22 +44,22 @@ impl Live {
         Live { bar: Some(bar), screen: None, log: None }
     }
 
-    /// Nothing.
+    /// No display.
     pub fn nothing() -> Self {
         Live { bar: None, screen: None, log: None }
     }
 
-    /// The whole terminal.
+    /// Screen on the whole terminal.
     ///
     /// # Errors
-    /// It is none.
+    /// Stdout is no terminal.
     pub fn screen(view: View) -> Result<Self, Failure> {
         let failed = |error: std::io::Error| Failure::Usage(format!("--tui: {error}"));
         let screen = Screen::open(view.clone()).map_err(failed)?;
         Ok(Live { bar: None, screen: Some((screen, view, Instant::now())), log: None })
     }
 
-    /// Writes what happens into a file, too.
+    /// Writes the events into a file, too.
     ///
     /// # Errors
     /// It cannot be written.
@@ -81,7 +81,7 @@ impl Live {
         Ok(self)
     }
 
-    /// Says at once what cannot wait for the end: on the screen, or on stderr, and in the log.
+    /// Shows a warning at once: on the screen, or on stderr, and in the log.
     pub fn warn(&mut self, now: Micros, warning: String) {
         self.log_lines(now, std::slice::from_ref(&warning));
         match (&mut self.screen, &self.bar) {
@@ -94,7 +94,7 @@ impl Live {
         }
     }
 
-    /// Shows where things stand, so many blocks taken up as far as that is known; answers what the operator wants.
+    /// Shows the progress; the control has started `executed` blocks, if that is known. Returns the operator's command.
     pub fn show(&mut self, port: &dyn Port, sender: &Sender, executed: Option<usize>) -> Option<Command> {
         self.write_events(port, sender);
         if let Some(bar) = self.bar.as_ref().filter(|bar| !bar.is_hidden()) {
@@ -132,10 +132,10 @@ impl Live {
     }
 }
 
-/// Refuses `--tui` where nobody would see it.
+/// Rejects `--tui` without a terminal.
 ///
 /// # Errors
-/// There is no terminal, or this build has no terminal view.
+/// There is no terminal, or this build has no terminal screen.
 pub fn need_terminal() -> Result<(), Failure> {
     if cfg!(not(feature = "tui")) {
         return Err(Failure::Usage(format!("--tui: {}", not_built_in("the terminal view", "tui"))));

@@ -1,5 +1,5 @@
-//! The journal on disk: what may leave is written and synced before it does, beside the sending, so that a slow disk does
-//! not hold up the line.
+//! Journal on disk. A record is written and synced before its characters may leave, in a thread beside the sending, so
+//! that a slow disk does not hold up the line.
 
 use std::fs::{File, TryLockError};
 use std::io::{Error, ErrorKind, Read, Write};
@@ -13,40 +13,40 @@ use crate::dnc::journal::{How, Record, Start, first_line, is_journal, line};
 use crate::dnc::sender::{CHUNK, Gate};
 use crate::output::{explained, is_plain_file};
 
-/// Longer than the first line of a journal.
+/// Limit above the length of a journal's first line.
 const FIRST_MAX: u64 = 1_024;
 
-/// How much of the line's time one sync is good for, as a part of a second.
+/// Syncs per second of the line's time: one sync permits the characters of this fraction of a second.
 const SYNCS_PER_S: usize = 4;
 
-/// A journal being written; or none, where nobody asked for one.
+/// Journal being written, or none if none is requested.
 pub struct Logbook {
     open: Option<Open>,
 }
 
 struct Open {
     path: PathBuf,
-    /// To the thread that writes; none once it is closed.
+    /// Channel to the writing thread; `None` once it is closed.
     records: Option<Queue<Record>>,
-    /// How far it may be sent, as what is on disk says.
+    /// Offsets up to which characters may be sent, from the records on disk.
     permits: Receiver<usize>,
     writer: Option<JoinHandle<Result<(), Error>>>,
-    /// Characters that one sync lets out.
+    /// Number of characters that one sync permits.
     ahead: usize,
     until: usize,
     executed: usize,
 }
 
 impl Logbook {
-    /// No journal.
+    /// Without a journal.
     pub fn none() -> Self {
         Logbook { open: None }
     }
 
-    /// Begins a journal; one that is there is kept as `.old`. Nothing leaves before the first record is on disk.
+    /// Begins a journal; an existing one is kept as `.old`. Nothing leaves before the first record is on disk.
     ///
     /// # Errors
-    /// The file cannot be written, or what is there is no journal.
+    /// The file cannot be written, or the existing file is no journal.
     pub fn create(path: &Path, start: &Start, chars_per_s: usize, sender: &mut Sender) -> Result<Self, Failure> {
         let begin = || {
             refuse_foreign(path)?;
@@ -81,7 +81,7 @@ impl Logbook {
         Ok(Logbook { open: Some(Open { path: path.into(), records, permits, writer, ahead, until: 0, executed: 0 }) })
     }
 
-    /// Writes what is new, and permits the blocks that are on disk by now.
+    /// Writes new records, and permits the blocks that are on disk by now.
     ///
     /// # Errors
     /// The file cannot be written: then nothing more leaves.
@@ -99,7 +99,7 @@ impl Logbook {
             // The last characters handed out may still be in the adapter.
             open.write(Record::Out { sent: sent.saturating_sub(CHUNK), until: open.until })?;
         }
-        // Where nothing may leave before the disk has answered, no time passes at the port, simulated or not.
+        // While nothing may leave before the disk has answered, no time passes at the port, simulated or not.
         while sender.wants_permit(Gate::Journal) {
             match open.permits.recv() {
                 Ok(until) => sender.permit(Gate::Journal, until),
@@ -112,7 +112,7 @@ impl Logbook {
         Ok(())
     }
 
-    /// Closes it; `stands` is what the control had taken up, if it stands.
+    /// Closes the journal; `stands` is the number of blocks that the control had started, if it has stopped.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -125,7 +125,7 @@ impl Logbook {
         open.close()
     }
 
-    /// Its path, if there is one.
+    /// Path of the journal, if there is one.
     pub fn path(&self) -> Option<&Path> {
         self.open.as_ref().map(|open| open.path.as_path())
     }
@@ -137,7 +137,7 @@ impl Open {
         if is_taken { Ok(()) } else { self.close() }
     }
 
-    /// Waits until all is written.
+    /// Waits until all records are written.
     fn close(&mut self) -> Result<(), Failure> {
         self.records = None;
         let ended = self.writer.take().map(JoinHandle::join);
@@ -150,7 +150,7 @@ impl Open {
     }
 }
 
-/// Writes records as they come; what lets characters out is synced before it is answered.
+/// Writes records as they come; a record that permits characters is synced before it is confirmed.
 fn write_all(mut file: File, records: &Receiver<Record>, permits: &Queue<usize>) -> Result<(), Error> {
     for (number, record) in (1..).zip(records) {
         file.write_all(line(number, &record).as_bytes())?;
@@ -166,7 +166,7 @@ fn write_all(mut file: File, records: &Receiver<Record>, permits: &Queue<usize>)
     Ok(())
 }
 
-/// What is at the place of a journal must be one, or nothing yet: anything else is somebody's, and stays.
+/// A file at the path of a journal must be a journal or empty; any other file is kept.
 fn refuse_foreign(path: &Path) -> Result<(), Error> {
     if path.symlink_metadata().is_err() {
         return Ok(());

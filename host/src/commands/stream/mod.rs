@@ -1,4 +1,4 @@
-//! `arcfeed stream`: the adapted program to a control, block by block as it asks for them.
+//! `arcfeed stream`: sends the adapted program to a control, block by block as it requests them.
 
 mod live;
 
@@ -42,15 +42,15 @@ use prepare::Prepared;
 use resume::Resume;
 use sending::{Aides, Echo, End, send};
 
-/// Adapt a program and send it to a control; `sim:` is the control in software
+/// Adapt a program and send it to a control; `sim:` is the simulated control
 #[derive(Debug, clap::Args)]
 pub struct Stream {
     /// The job file
     job: PathBuf,
-    /// The DNC line: a serial port's name, one of pyserial's URLs (docs/ports.md), or `sim:`
+    /// DNC line: a serial port's name, one of pyserial's URLs (docs/ports.md), or `sim:`
     #[arg(long, value_name = "URL", default_value = "sim:")]
     port: PortUrl,
-    /// A feed board that runs along, at this port (docs/board.md): it gets the job and each move ahead of the control
+    /// Feed board that takes part, at this port (docs/board.md): it gets the job and each move ahead of the control
     #[arg(long, value_name = "URL")]
     board: Option<PortUrl>,
     /// Rate of the board's link; 8N1, no flow control
@@ -59,10 +59,11 @@ pub struct Stream {
     /// Line rate, in place of the job's
     #[arg(long)]
     baudrate: Option<u32>,
-    /// Make comments upper case and leave out of them what the control's code does not have, in place of refusing
+    /// Make comments upper case and remove characters from them that the control's code does not have, instead of
+    /// rejecting
     #[arg(long)]
     filter: bool,
-    /// The journal that --resume reads (docs/dnc.md); without it JOB.journal beside the job, and none for sim:
+    /// Journal that --resume reads (docs/dnc.md); without it JOB.journal beside the job, and none for sim:
     #[arg(long, value_name = "FILE")]
     journal: Option<PathBuf>,
     #[command(flatten)]
@@ -70,10 +71,10 @@ pub struct Stream {
     /// Show program, line and machine on the whole terminal, with keys to hold, resume and abort (docs/tui.md)
     #[arg(long, conflicts_with = "json")]
     tui: bool,
-    /// Write what happens here, one event a line: DC1, DC3, blocks, hold, alarms
+    /// Write the events here, one per line: DC1, DC3, blocks, hold, alarms
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
-    /// Simulated seconds per second of wall time (sim: only); without it 1 with --tui, otherwise as fast as it goes
+    /// Simulated seconds per second of wall time (sim: only); without it 1 with --tui, otherwise as fast as possible
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100))]
     speed: Option<u32>,
     /// Write the blocks that the control executed here (sim: only)
@@ -118,7 +119,7 @@ impl Stream {
         ready.notes = ready.look_at(&line);
         ready.notes.iter().for_each(|line| note(format_args!("{line}")));
         let mut sender = Sender::new(sending, line);
-        // The line first: a port that does not open leaves the journal of the run before as it is.
+        // The line first: if a port does not open, the journal of the run before stays as it is.
         let journal = |sender: &mut Sender| match &journal {
             None => Ok(Logbook::none()),
             Some(path) => Logbook::create(path, &start, ready.chars_per_s() as usize, sender),
@@ -134,7 +135,7 @@ impl Stream {
         self.to_serial(&ready, port, sender, (logbook, along))
     }
 
-    /// The board, where one is asked for.
+    /// Connects to the board, if one is requested.
     fn along(&self, ready: &Prepared, sender: &Sender) -> Result<BoardSession<'static>, Failure> {
         match &self.board {
             None => Ok(BoardSession::none()),
@@ -145,7 +146,7 @@ impl Stream {
         }
     }
 
-    /// Where the journal lies.
+    /// Path of the journal.
     fn journal_path(&self) -> PathBuf {
         self.journal.clone().unwrap_or_else(|| self.job.with_extension("journal"))
     }
@@ -161,7 +162,7 @@ impl Stream {
         self.finish(ready, &report, &sender, &end)
     }
 
-    /// Sends over a line whose control says nothing of itself; what is known of it then.
+    /// Sends over a line whose control reports nothing, and returns the figures that are known then.
     fn over_line(
         &self,
         ready: &Prepared,
@@ -197,11 +198,11 @@ impl Stream {
         if matches!(printed, Err(Failure::Machine(_))) {
             return printed;
         }
-        // What to do at the machine comes before a report that nobody reads.
+        // The remedy at the machine is reported even if the report cannot be printed.
         Self::ended(sender, end).and(printed)
     }
 
-    /// How sending ended, in words.
+    /// Result of sending, in words.
     fn ended(sender: &Sender, end: &End) -> Result<(), Failure> {
         let ((sent, total), blocks) = (sender.progress(), sender.blocks_sent());
         let half = sender.half_block().map_or(String::new(), |half| {
@@ -214,9 +215,9 @@ impl Stream {
         match end {
             End::Complete => Ok(()),
             End::WithoutBoard(why) => Err(Failure::Machine(format!(
-                "{why}. Sending stopped after {sent} of {total} characters{half}; the control goes on with what it has, at \
+                "{why}. Sending stopped after {sent} of {total} characters{half}; the control continues with the blocks it has, at \
                  100 % once the board's last value is too old. A board that failed or was restarted by its watchdog puts out \
-                 0 % until RESET there. To go on: look at board and machine, take the program up again with --resume, and arm"
+                 0 % until RESET there. To continue: look at board and machine, take the program up again with --resume, and arm"
             ))),
             End::GivenUp(why) => Err(Failure::Machine(format!(
                 "{sent} of {total} characters, {blocks} whole blocks, were sent: {why}{half}"
@@ -226,20 +227,20 @@ impl Stream {
                 if *at_rest {
                     "feed hold, axes at rest"
                 } else {
-                    "the control goes on with what it has: press FEED HOLD there"
+                    "the control continues with the blocks it has: press FEED HOLD there"
                 }
             ))),
             End::Interrupted { at_rest: true } => Err(Failure::Stopped(format!(
                 "stopped by the operator: feed hold, axes at rest, {sent} of {total} characters sent{half}"
             ))),
             End::Interrupted { at_rest: false } => Err(Failure::Stopped(format!(
-                "stopped by the operator after {sent} of {total} characters; the control goes on with what it has: press \
+                "stopped by the operator after {sent} of {total} characters; the control continues with the blocks it has: press \
                  FEED HOLD there{half}"
             ))),
         }
     }
 
-    /// Who stands beside the sender at this port.
+    /// Journal, display, reports and board beside the sender at this port.
     fn aides<'p>(
         &self,
         ready: &Prepared,
@@ -252,7 +253,7 @@ impl Stream {
         Ok(Aides { logbook, live, echo: Echo::new(reports, dnc.read_ahead, timeout), along })
     }
 
-    /// Who watches.
+    /// Display and event log of the run.
     fn live(&self, ready: &Prepared, sender: &Sender, opened: Option<SystemTime>) -> Result<Live, Failure> {
         let program = ready.file.program.file_name().unwrap_or_default().to_string_lossy();
         let title = format!("{program} to {}", self.port.text);
@@ -274,7 +275,7 @@ impl Stream {
     }
 }
 
-/// Writes executed blocks, one a line.
+/// Writes executed blocks, one per line.
 ///
 /// # Errors
 /// The file cannot be written.

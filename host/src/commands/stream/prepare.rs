@@ -1,4 +1,4 @@
-//! From a job to what is sent: checked whole before the line is opened.
+//! Prepares a transmission from a job: checked completely before the line is opened.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -27,24 +27,24 @@ use crate::port::reaction::reaction;
 use crate::port::url::PortUrl;
 use crate::program::Program;
 
-/// A wait shorter than this is not worth a word, s.
+/// Shortest wait that is reported, s.
 const WAIT_MIN_S: f64 = 0.001;
 
-/// A program ready to be sent.
+/// Program ready to be sent.
 pub struct Prepared {
     pub file: JobFile,
     pub program: Program,
     pub whole: Transmission,
     pub wire: Wire,
-    /// Of the whole program.
+    /// Fingerprints of the whole program.
     pub start: Start,
-    /// What the control reports of the whole program.
+    /// Reports of the control about the whole program.
     pub reports: Reports,
-    /// What the machine in software cannot know of the moves under G43.4.
-    pub foreseen: Vec<PlannedConditions>,
-    /// What holds for moves beside their text, by line of the program's file.
+    /// Planned data of the moves that the simulated machine does not know.
+    pub foreseen: Vec<Foreseen>,
+    /// Bounds of moves beside their text, by line of the program's file.
     pub bounds: HashMap<usize, MoveBounds>,
-    /// What was said before the first character.
+    /// Notes before the first character.
     pub notes: Vec<String>,
 }
 
@@ -52,7 +52,7 @@ impl Prepared {
     /// Reads and checks job and program.
     ///
     /// # Errors
-    /// Every error of the program, and everything that would not arrive, one a line.
+    /// Every error of the program, and everything that would not arrive, one per line.
     pub fn load(job: &Path, baudrate: Option<u32>, filters: bool) -> Result<Self, Failure> {
         let (mut file, program) = load(job)?;
         file.serial.baudrate = baudrate.unwrap_or(file.serial.baudrate);
@@ -73,7 +73,7 @@ impl Prepared {
             let control = PowerOn { settings: file.nc, tables: file.tables };
             (whole, reports) = Reports::put_into(&whole, every, &control, &wire).map_err(refused)?;
         }
-        // Comments and what only the simulation or the line reads may change between two sendings.
+        // Comments, and settings for the simulation or the line only, may change between two transmissions.
         let JobFile { job, control, nc, tables, dnc, map, .. } = &file;
         let said = format!("{:?}", (job, control, nc, tables, dnc, map));
         let start = Start {
@@ -88,7 +88,7 @@ impl Prepared {
         Ok(Prepared { file, program, whole, wire, start, reports, foreseen, bounds, notes: Vec::new() })
     }
 
-    /// How the line to this port is worked.
+    /// Settings of the line to this port.
     pub fn line_use(&self, port: &PortUrl) -> LineUse {
         let (serial, dnc) = (&self.file.serial, &self.file.dnc);
         let reaction = dnc.reaction.unwrap_or_else(|| reaction(port));
@@ -108,14 +108,14 @@ impl Prepared {
         PowerOn { settings: self.file.nc, tables: self.file.tables }
     }
 
-    /// What is to be said before the first character: a line that cannot be used in full, or is too slow for the program.
+    /// Notes before the first character: a line that cannot be used in full, or is too slow for the program.
     pub fn look_at(&self, line: &LineUse) -> Vec<String> {
         let mut notes = Vec::new();
         let share = line.pace.share();
         if share < 1.0 {
             notes.push(format!(
                 "note: at {} baud a control's ten characters after XOFF last {:.1} ms, and this port may react later: only \
-                 {:.0} % of the line are used. Use RTS/CTS or a lower rate, set the adapter's latency timer to 1 ms, or tell \
+                 {:.0} % of the line are used. Use RTS/CTS or a lower rate, set the adapter's latency timer to 1 ms, or set \
                  its reaction in seconds ([dnc] reaction) if it is faster",
                 self.file.serial.baudrate,
                 10.0 * 1e3 / self.chars_per_s(),
@@ -136,13 +136,13 @@ impl Prepared {
         notes
     }
 
-    /// Where the control will wait for the line.
+    /// Waits of the control for the line.
     pub fn waits(&self, share: f64) -> Vec<Wait> {
         let buffer = control_settings(&self.file).line.buffer;
         predict(&self.loads(&self.whole), self.chars_per_s() * share, buffer)
     }
 
-    /// What each line of what is sent takes at the programmed feed.
+    /// Execution time of each line at the programmed feed.
     pub fn loads(&self, sending: &Transmission) -> Vec<Load> {
         let control = control_settings(&self.file);
         let (rapid_mm_per_s, acceleration) = (control.dynamics.rapid_mm_per_s, control.dynamics.acceleration_mm_per_s2);
@@ -170,13 +170,13 @@ impl Prepared {
         loads.collect()
     }
 
-    /// Characters that the line carries in a second.
+    /// Characters per second on the line.
     pub fn chars_per_s(&self) -> f64 {
         f64::from(self.file.serial.baudrate) / f64::from(self.file.serial.bits_per_char())
     }
 }
 
-/// A character as the job's line needs it: the sender makes the code where the line has no parity bit of its own.
+/// Encoding of a character for the job's line: the sender makes the code if the line has no parity bit of its own.
 fn encode(file: &JobFile) -> fn(u8) -> Option<u8> {
     let seven_bits = |byte: u8| byte.is_ascii().then_some(byte);
     match file.dnc.code.map(tape_code) {

@@ -1,4 +1,4 @@
-//! `--resume`: the journal read, the restart shown, and nothing sent before somebody has agreed to it.
+//! `--resume`: reads the journal, shows the restart, and sends nothing before a person has agreed to it.
 
 use std::io::{BufRead, ErrorKind, IsTerminal};
 use std::path::Path;
@@ -14,19 +14,19 @@ use crate::dnc::reports::Reports;
 use crate::dnc::resume::{Cuts, Plan, Wanted};
 use crate::dnc::transmission::Transmission;
 
-/// Where and how a program is taken up again.
+/// Place and conditions of a restart.
 #[derive(Debug, clap::Args)]
 pub struct Resume {
-    /// Take the program up again after a crash or a cut cable, as far as the journal and the control say
+    /// Restart the program after a crash or a cut cable, as far as the journal and the control show
     #[arg(long)]
     resume: bool,
-    /// The line of the program's file to go on with; needed where the control does not say how far it came
+    /// Line of the program's file to continue with; needed if the control does not report its progress
     #[arg(long, value_name = "LINE", requires = "resume")]
     from: Option<usize>,
-    /// Z above everything, in the program's coordinates; without it the highest that a rapid has led to
+    /// Z above all obstacles, in the program's coordinates; without it the highest that a rapid has led to
     #[arg(long, value_name = "Z", requires = "resume", allow_negative_numbers = true)]
     clearance: Option<f64>,
-    /// Agree to the restart without being asked: for scripts, after the plan has been looked at
+    /// Agree to the restart without a question: for scripts, after the plan has been checked
     #[arg(long, requires = "resume")]
     approve: bool,
 }
@@ -37,15 +37,15 @@ struct Shown<'a> {
 }
 
 impl Resume {
-    /// Whether it was asked for.
+    /// A restart is requested.
     pub fn is_wanted(&self) -> bool {
         self.resume
     }
 
-    /// The rest of the program, once somebody has agreed; what its journal begins with; the reports that come of it.
+    /// The rest of the program, once a person has agreed; the first record of its journal; its reports.
     ///
     /// # Errors
-    /// There is nothing to take up, it cannot be taken up there, or nobody has agreed.
+    /// There is nothing to restart, no restart is possible there, or the operator has not agreed.
     pub fn prepare(&self, stream: &Stream, ready: &Prepared) -> Result<(Transmission, Start, Reports), Failure> {
         let path = stream.journal_path();
         let history = read(&path, ready)?;
@@ -145,7 +145,7 @@ fn show(plan: &Plan, history: &History) {
         }
         None => say(format_args!("how far the control came is not known: sent is not executed")),
     }
-    say(format_args!("goes on with line {}, after these blocks:", plan.line));
+    say(format_args!("continues with line {}, after these blocks:", plan.line));
     for block in &plan.blocks {
         say(format_args!("    {block}"));
     }

@@ -1,4 +1,4 @@
-//! The loop around sender and port, and who stands beside it: the journal, the person who watches, the control's reports.
+//! Loop around sender and port, with the journal, the display and the control's reports.
 
 use std::sync::atomic::Ordering;
 
@@ -17,18 +17,18 @@ use crate::dnc::{Sender, State};
 use crate::port::Port;
 use crate::screen::view::Command;
 
-/// Longest time the loop sleeps: how late it may see an XOFF or a Ctrl-C.
+/// Longest sleep of the loop: largest delay until it sees an XOFF or a Ctrl-C.
 const LOOP_MAX: Micros = Micros::from_ms(20);
 
-/// How sending ended.
+/// Reason for the end of sending.
 pub enum End {
-    /// All is sent, and as far as the port knows executed.
+    /// All characters are sent and, as far as the port knows, executed.
     Complete,
     /// The operator stopped it.
     Interrupted { at_rest: bool },
     /// The sender has given up.
     GivenUp(Why),
-    /// The board does not run along any more.
+    /// The board has left the run.
     WithoutBoard(String),
     /// The control has reported another program.
     Differs { what: String, at_rest: bool },
@@ -44,7 +44,7 @@ impl End {
     }
 }
 
-/// Who stands beside a sender.
+/// Parts that run beside a sender.
 pub struct Aides<'p> {
     pub logbook: Logbook,
     pub live: Live,
@@ -52,26 +52,26 @@ pub struct Aides<'p> {
     pub along: BoardSession<'p>,
 }
 
-/// What the control reports, where the job has it do so.
+/// Reports of the control, if the job requests them.
 #[derive(Default)]
 pub struct Echo {
     pub reports: Reports,
-    /// Blocks that the control reads ahead at most.
+    /// Most blocks that the control reads ahead.
     pub read_ahead: usize,
-    /// How long a report may take; none: without end.
+    /// Longest wait for a report; `None`: no limit.
     pub timeout: Option<Micros>,
     heard_at: Micros,
-    /// Another program than ours.
+    /// Difference from the program that was sent.
     differs: Option<String>,
 }
 
 impl Echo {
-    /// These reports, of a control that reads so far ahead.
+    /// Expects these reports, from a control with this look-ahead.
     pub fn new(reports: Reports, read_ahead: usize, timeout: Option<Micros>) -> Self {
         Echo { reports, read_ahead, timeout, ..Echo::default() }
     }
 
-    /// Takes what was heard; what is to be said of it.
+    /// Reads printed text; returns messages about it.
     fn hear(&mut self, now: Micros, bytes: &[u8]) -> Vec<String> {
         if !bytes.is_empty() {
             self.heard_at = now;
@@ -86,19 +86,19 @@ impl Echo {
         said
     }
 
-    /// Whether a report is still to come, and may.
+    /// A report is still to come, and its time is not over.
     fn waits(&self, now: Micros, sender: &Sender) -> bool {
         let since = self.heard_at.max(sender.arrived_at());
         self.reports.awaited().is_some() && self.timeout.is_none_or(|timeout| now.since(since) < timeout)
     }
 }
 
-/// Blocks that the control has taken up: by the port's word, or at least so many by the control's own.
+/// Number of blocks that the control has started: from the port, or at least that many from the control's reports.
 fn executed(port: &dyn Port, sender: &Sender, echo: &Echo) -> Option<usize> {
     port.blocks_executed().or_else(|| echo.reports.taken_up(sender.transmission(), echo.read_ahead))
 }
 
-/// Sends until everything is out and, where the port can know, executed; closes the journal and gives the terminal back.
+/// Sends until everything is out and, if the port can know, executed; closes the journal and restores the terminal.
 ///
 /// # Errors
 /// The line is gone, or the journal cannot be written.
@@ -112,7 +112,7 @@ pub fn send(
     let known = executed(port, sender, &aides.echo);
     let Aides { mut logbook, mut live, echo, along } = aides;
     live.show(port, sender, known);
-    // The terminal is given back before anything is said.
+    // The terminal is restored before any message.
     drop(live);
     let stands = match &ended {
         Ok(End::Interrupted { at_rest } | End::Differs { at_rest, .. }) => *at_rest,
@@ -137,7 +137,7 @@ pub fn send(
     }
 }
 
-/// How far a transmission came that broke off, and what to do at the control.
+/// Extent of an interrupted transmission, and the remedy at the control.
 fn place(sender: &Sender, outbox: &Outbox) -> String {
     let (sent, total) = sender.progress();
     let taken = sent - outbox.len();
@@ -147,7 +147,7 @@ fn place(sender: &Sender, outbox: &Outbox) -> String {
     let sending = sender.transmission();
     let blocks = sending.blocks_before(sending.line_at(taken));
     format!(
-        "The line has taken {taken} of {total} characters, {blocks} whole blocks; how much of that has arrived is not known. The \
+        "The line has accepted {taken} of {total} characters, {blocks} whole blocks; how much of that has arrived is not known. The \
          control may hold half a block, which the next characters would complete: press RESET there before anything else"
     )
 }
@@ -164,7 +164,7 @@ fn send_all(
     loop {
         let known = executed(port, sender, echo);
         logbook.follow(sender, known)?;
-        // Before the turn: a control that has waited gets characters at once when it goes on.
+        // Before the turn: a control that has waited gets characters at once when it continues.
         match live.show(port, sender, known) {
             Some(Command::Hold) => sender.hold(),
             Some(Command::Resume) => sender.resume(),
@@ -188,7 +188,7 @@ fn send_all(
             _ if stops => sender.abort(now),
             _ => {}
         }
-        // A control that has nothing to do because we hold will get more; one in alarm will not.
+        // A control that has nothing to execute because of the hold will get more; one in alarm will not.
         let waits_for_us = sender.state() == State::Held && port.machine().alarm.is_none();
         let has_all = port.control_is_done().unwrap_or_else(|| is_out && !echo.waits(now, sender) && along.is_done());
         if has_all && !waits_for_us {

@@ -1,4 +1,4 @@
-//! `--board sim:`: the link to the board in software behind the same seam as a serial port, in the machine's time.
+//! `--board sim:`: the link to the simulated board behind the port interface, in the machine's time.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -18,7 +18,7 @@ pub struct Pipe {
     to_host: VecDeque<u8>,
 }
 
-/// The board's end.
+/// Board's end.
 #[derive(Debug)]
 pub struct BoardEnd(pub Rc<RefCell<Pipe>>);
 
@@ -35,14 +35,14 @@ impl AttachedDevices for BoardEnd {
     }
 }
 
-/// The host's end.
+/// Host's end.
 pub struct SimLink<D> {
     sim: Rc<RefCell<SimPort<D>>>,
     pipe: Rc<RefCell<Pipe>>,
 }
 
 impl<D> SimLink<D> {
-    /// The end of a pipe to the board of a machine.
+    /// Host's end of a pipe to the board of a machine.
     pub fn new(sim: Rc<RefCell<SimPort<D>>>, pipe: Rc<RefCell<Pipe>>) -> Self {
         SimLink { sim, pipe }
     }

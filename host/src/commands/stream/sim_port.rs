@@ -1,4 +1,4 @@
-//! `sim:`: the control in software behind the same seam as a serial port, in simulated time.
+//! `sim:`: the simulated control behind the port interface, in simulated time.
 
 use std::time::{Duration, Instant};
 
@@ -14,30 +14,30 @@ use crate::job::JobFile;
 use crate::port::{Machine, Port, PortError};
 use crate::report::figures::{AlarmFigures, LinkFigures};
 
-/// Longest time the axes take to rest after feed hold.
+/// Longest time until the axes rest after feed hold.
 const REST_MAX: Micros = Micros::from_ms(10_000);
 
-/// A control that has had nothing to execute for this long gets nothing more.
+/// Time without anything to execute after which a control gets nothing more.
 const STARVED_MAX_MS: u64 = 10_000;
 
-/// A clock this far behind is set back: nobody wants to see a minute at once.
+/// Lag after which the clock is set back, so that the simulation does not catch up in a rush.
 const LATE_MAX: Duration = Duration::from_millis(200);
-/// Sleeping for less costs more than it gives.
+/// Shortest sleep: a shorter one costs more than it saves.
 const NAP_MIN: Duration = Duration::from_millis(2);
 
-/// A simulation, and a line to its control.
+/// Simulation, and a line to its control.
 pub struct SimPort<D = InProcessController> {
     simulation: Simulation<D>,
     line_bits_per_s: f64,
     bits_per_char: f64,
-    /// Blocks taken up, and how long the control had starved until the last of them.
+    /// Blocks started, and how long the control had starved until the last of them.
     fed: (usize, u64),
-    /// When simulated time began, and its seconds per second; none: as fast as it goes.
+    /// Start of simulated time, and its seconds per second; `None`: as fast as possible.
     tempo: Option<(Instant, u32)>,
 }
 
 impl SimPort {
-    /// A control that has just been started in DNC operation.
+    /// Control that has just been started in DNC operation.
     pub fn new(file: &JobFile, fault: ControllerFault, speed: Option<u32>) -> Result<Self, Failure> {
         let simulation = Simulation::on_line(control_settings(file), &file.job, fault)
             .map_err(|error| Failure::Input(format!("override limits: {error:?}")))?;
@@ -46,7 +46,7 @@ impl SimPort {
 }
 
 impl<D: OverrideSource> SimPort<D> {
-    /// The line to the control of a simulation.
+    /// Line to the control of a simulation.
     pub fn of(simulation: Simulation<D>, file: &JobFile, speed: Option<u32>) -> Self {
         SimPort {
             simulation,
@@ -57,17 +57,17 @@ impl<D: OverrideSource> SimPort<D> {
         }
     }
 
-    /// The simulation.
+    /// Simulation.
     pub fn simulation(&self) -> &Simulation<D> {
         &self.simulation
     }
 
-    /// The simulation, to act on.
+    /// Simulation, mutable.
     pub fn simulation_mut(&mut self) -> &mut Simulation<D> {
         &mut self.simulation
     }
 
-    /// Waits until wall time has come as far as simulated time.
+    /// Waits until wall time has reached simulated time.
     fn keep_tempo(&mut self) {
         let Some((began, speed)) = &mut self.tempo else { return };
         let due = *began + Duration::from_micros(self.simulation.now().0) / *speed;
@@ -79,7 +79,7 @@ impl<D: OverrideSource> SimPort<D> {
         }
     }
 
-    /// What went over the line.
+    /// Figures of the line.
     pub fn link_figures(&self) -> LinkFigures {
         let counters = self.simulation.control().line_counters();
         let busy_s = counters.bytes as f64 * self.bits_per_char / self.line_bits_per_s;
@@ -113,13 +113,13 @@ impl<D: OverrideSource> Port for SimPort<D> {
 
     fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError> {
         self.simulation.control_mut().port().on_bytes(bytes);
-        // What is short of characters is not at its end.
+        // A control that starves for characters is not at its end.
         self.fed.1 = self.simulation.control().starved_ms();
         Ok(bytes.len())
     }
 
     fn wait(&mut self, deadline: Micros) {
-        // One step at least, and none beyond the first that answers: the sender must see an XOFF at once.
+        // At least one step, and none after the first with output: the sender must see an XOFF at once.
         loop {
             self.simulation.step();
             self.keep_tempo();

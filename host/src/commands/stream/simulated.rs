@@ -1,4 +1,5 @@
-//! `--port sim:`: the control in software, with the controller that is told its moves, or with a board behind a link.
+//! `--port sim:`: the simulated control, with the controller in process, which gets its moves directly, or with a board
+//! behind a link.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -38,16 +39,16 @@ use crate::port::open::wrap;
 use crate::port::url::Base;
 use crate::report::figures::ReportFigures;
 
-/// Moves that the board in software holds ahead, and one.
+/// Moves that the simulated board holds ahead, plus one.
 const AHEAD: usize = 65;
-/// What it says of itself.
+/// Identification of the simulated board.
 const IDENTITY: Identity = Identity { name: "sim:", version: [0, 1, 0], reset: ResetCode::Power, starts: 1 };
 
 impl Stream {
-    /// Sends to the control in software.
+    /// Sends to the simulated control.
     ///
     /// # Errors
-    /// As [`Stream::run`].
+    /// See [`Stream::run`].
     pub(super) fn to_simulator(&self, ready: &Prepared, sender: Sender, logbook: Logbook) -> Result<(), Failure> {
         match &self.board {
             None => {
@@ -78,7 +79,7 @@ impl Stream {
         let sim = Rc::new(RefCell::new(SimPort::of(simulation, file, self.tempo())));
         let link = Line::new(Box::new(SimLink::new(Rc::clone(&sim), pipe)), BAUDRATE)?;
         let mut along = BoardSession::with(link, ready, sender.transmission(), Arming::Simulated)?;
-        // Nobody stands at its panel: whoever starts the simulation has armed.
+        // The start of the simulation counts as arming: there is no panel.
         let mut is_pressed = false;
         along.arm(&mut || {
             is_pressed = !is_pressed;
@@ -111,14 +112,14 @@ impl Stream {
         report.printed.retain(|line| report.reports.is_none() || !line.starts_with(reports::NAME));
         report.real_time_factor = Some(simulation.now().to_s() / started.elapsed().as_secs_f64());
         let waits_for_more = matches!(end, End::Complete) && !simulation.is_done();
-        // Where this fails, the report of what was sent is printed all the same.
+        // The report of the transmission is printed even if this fails.
         let written =
             self.executed.as_ref().map_or(Ok(()), |path| write_executed(path, simulation.control().executed()));
         let compared = add_baseline(&mut report, file, &ready.program);
         self.finish(ready, &report, &sender, &end).and(written).and(compared)?;
         if waits_for_more {
             return Err(Failure::Machine(match sender.state() {
-                State::Sent => "the control executed all it got and waits for more: its M02 or M30 was lost".into(),
+                State::Sent => "the control executed all it got and waits for more: its M02 or M30 is missing".into(),
                 _ => {
                     "the control has nothing left to execute, and its DC1 has not come: it was lost on the line".into()
                 }
@@ -127,7 +128,7 @@ impl Stream {
         Ok(())
     }
 
-    /// Simulated seconds per second; none: as fast as it goes.
+    /// Simulated seconds per second; `None`: as fast as possible.
     fn tempo(&self) -> Option<u32> {
         self.speed.or(self.tui.then_some(1))
     }

@@ -15,7 +15,7 @@ struct CommandLine {
     stream: Stream,
 }
 
-/// A control that asks once and takes everything; from the hundredth character on two of its own came in damaged.
+/// Control that requests once and accepts everything; from the hundredth character on two of its own come in damaged.
 #[derive(Default)]
 struct Damaged {
     now: Micros,
@@ -74,7 +74,7 @@ fn damaged_characters_are_told_at_once_in_the_log_in_the_report_and_in_json() {
     assert_eq!(warnings.len(), 1, "{log}");
     assert!(warnings[0].contains("1 with wrong parity, 1 without stop bits") && warnings[0].contains("DC3"), "{log}");
     let place = log.find("warning:").unwrap();
-    assert!(log[place..].contains("sent line 20:"), "told while the program is sent:\n{log}");
+    assert!(log[place..].contains("sent line 20:"), "reported while the program is sent:\n{log}");
     let json = serde_json::json!(report);
     let wanted = serde_json::json!({ "frame": 1, "overrun": 0, "parity": 1, "break": 0, "buffer_overrun": 0 });
     assert_eq!(json["link"]["line_errors"], wanted);

@@ -34,7 +34,7 @@ fn what_the_program_says_is_confirmed_however_the_control_pads_it() {
     let (sent, mut reports) = two();
     assert_eq!((reports.awaited(), reports.taken_up(&sent, 1)), (Some(3), None));
     assert_eq!(reports.hear(b"\x12ARCFEED L3X   12.500Y    0.000Z    5.000F    0.000\n\x14"), []);
-    // O1, the move, POPEN and DPRNT are read; of the last two nobody knows whether they are taken up.
+    // O1, the move, POPEN and DPRNT are read; whether the last two have been started is unknown.
     assert_eq!((reports.read_up_to(), reports.taken_up(&sent, 2)), (Some(3), Some(2)));
     assert_eq!(reports.hear(b"ARCFEED L5X12.5Y-2.5Z-1.F10"), []);
     assert_eq!(reports.hear(b"00.\r\n"), []);
@@ -66,7 +66,7 @@ fn a_report_that_is_missing_or_corrupted_is_told_and_other_text_is_kept() {
         "{remarks:?}"
     );
     assert_eq!(reports.printed(), b"PART 7\nEN");
-    assert_eq!(Reports::default().hear(b"ARCFEED L3\n"), [], "nobody has asked");
+    assert_eq!(Reports::default().hear(b"ARCFEED L3\n"), [], "no report was requested");
 }
 
 #[test]

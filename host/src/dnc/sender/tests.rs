@@ -23,7 +23,7 @@ fn sender() -> Sender {
     Sender::new(transmission(PROGRAM), line(true))
 }
 
-/// Polls every character time; answers what goes out.
+/// Polls every character time; returns the characters sent.
 fn run(sender: &mut Sender, start: Micros, chars: u64) -> Vec<u8> {
     let mut out = [0; CHUNK];
     let mut sent = Vec::new();

@@ -1,6 +1,6 @@
 use super::*;
 
-/// A line without an end: takes everything, and gives what it took; its clock moves when it is waited for.
+/// Line without an end: accepts everything and returns what was written; its clock moves while a caller waits.
 #[derive(Default)]
 struct Echo {
     held: VecDeque<u8>,
@@ -38,7 +38,7 @@ fn program(len: usize) -> Vec<u8> {
     (0..len).map(|at| (at % 251) as u8).collect()
 }
 
-/// What comes back of `sent`, written and read `at_once` bytes at a time.
+/// Bytes that come back of `sent`, written and read `at_once` bytes at a time.
 fn back(text: &str, sent: &[u8], at_once: usize) -> Vec<u8> {
     let mut port = Fault::new(Box::new(Echo::default()), &plan(text));
     let (mut left, mut back, mut buffer) = (sent, Vec::new(), vec![0; at_once]);
@@ -55,7 +55,7 @@ fn back(text: &str, sent: &[u8], at_once: usize) -> Vec<u8> {
     back
 }
 
-fn lost(text: &str, sent: &[u8]) -> usize {
+fn dropped_bytes(text: &str, sent: &[u8]) -> usize {
     sent.len() - back(text, sent, 16).len()
 }
 
@@ -82,11 +82,11 @@ fn the_same_seed_corrupts_the_same_bytes_however_they_are_cut() {
 fn chances_are_met() {
     // Both ways; 100 000 bytes, five standard deviations: sqrt(2e5 * 0.01 * 0.99) = 44.5.
     let sent = vec![b'X'; 100_000];
-    let dropped = lost("drop=0.01,seed=3", &sent);
+    let dropped = dropped_bytes("drop=0.01,seed=3", &sent);
     assert!((2_000 - 10_i64 - 223..=2_000 + 223).contains(&(dropped as i64)), "{dropped}");
     let doubled = back("dup=0.01,seed=3", &sent, 16).len() - sent.len();
     assert!((1_777..=2_243).contains(&doubled), "{doubled}");
-    let one_way = lost("tx.drop=0.01,seed=3", &sent);
+    let one_way = dropped_bytes("tx.drop=0.01,seed=3", &sent);
     assert!((1_000 - 158..=1_000 + 158).contains(&one_way), "{one_way}");
 }
 

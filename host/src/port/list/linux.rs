@@ -1,14 +1,14 @@
-//! Serial ports of Linux: the names in `/dev` that pyserial looks for, and what `/sys` knows about them.
+//! Serial ports of Linux: the names in `/dev` that pyserial looks for, and their properties in `/sys`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::{PortInfo, sorted};
 
-/// Beginnings of names of serial ports.
+/// Prefixes of the names of serial ports.
 const NAMES: [&str; 7] = ["ttyS", "ttyUSB", "ttyXRUSB", "ttyACM", "ttyAMA", "rfcomm", "ttyAP"];
 
-/// The ports of the system whose root is `root`, in natural order; with the links to them where asked for.
+/// The ports of the system whose root is `root`, in natural order; with the links to them if requested.
 pub fn below(root: &Path, with_links: bool) -> Vec<PortInfo> {
     let entries = fs::read_dir(root.join("dev")).into_iter().flatten().flatten();
     let all: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
@@ -26,7 +26,7 @@ pub fn below(root: &Path, with_links: bool) -> Vec<PortInfo> {
     sorted(devices.iter().filter_map(|device| described(root, device)))
 }
 
-/// What is known about a port; nothing for one that is not really there.
+/// Properties of a port; `None` for one that does not exist in hardware.
 fn described(root: &Path, path: &Path) -> Option<PortInfo> {
     let device = Path::new("/").join(path.strip_prefix(root).unwrap_or(path));
     let mut info = PortInfo::unknown(&device.to_string_lossy());
@@ -39,7 +39,7 @@ fn described(root: &Path, path: &Path) -> Option<PortInfo> {
         let subsystem = sys.join("subsystem").canonicalize().ok();
         let subsystem = subsystem.as_deref().and_then(file_name).unwrap_or_else(|| "subsystem".to_owned());
         match subsystem.as_str() {
-            // The kernel names more ports than the machine has.
+            // The kernel lists more ports than the machine has.
             "platform" => return None,
             "usb-serial" => describe_usb(&mut info, sys.parent()?),
             "usb" => describe_usb(&mut info, &sys),
@@ -83,7 +83,7 @@ fn file_name(path: &Path) -> Option<String> {
     Some(path.file_name()?.to_string_lossy().into_owned())
 }
 
-/// A path below the root, as seen from there.
+/// Path below the root, as seen from there.
 fn shown(root: &Path, path: &Path) -> String {
     let root = root.canonicalize().unwrap_or_else(|_| root.to_owned());
     let inner = path.strip_prefix(&root).unwrap_or(path);

@@ -1,13 +1,12 @@
-//! The client's side of RFC 2217, without I/O: what to send, and whether the line is as asked for.
+//! Client side of RFC 2217, without I/O: the bytes to send, and the state of the negotiation.
 //!
 //! ```text
 //!            DO 44              all answered           last answered
 //! Telnet ------------> Settings ------------> Controls -------------> Open
 //!    |                    |                      |
 //!    +--------------------+----------------------+--> Refusal: refused, or not answered in time
-//! ```
-//! Settings go out together, controls one by one: their answers bear one code. The order is pyserial's. What the server
-//! has received is not purged: the control may have said DC1 already, and says it once.
+//! Settings go out together, controls one by one, because their answers have the same code. The order is pyserial's.
+//! The server's received data are not purged: the control may have sent DC1 already, and sends it once.
 
 use std::collections::VecDeque;
 
@@ -21,10 +20,10 @@ use super::telnet::{Decoder, Event, Verb, say, subnegotiate};
 use crate::job::SerialSettings;
 use crate::port::url::Rfc2217Options;
 
-/// How old what is known of the modem lines may be, as pyserial's.
+/// Largest age of the known state of the modem lines, that of pyserial.
 const MODEM_STATE_AGE: Micros = Micros::from_ms(300);
 
-/// What the server's line is to be.
+/// Requested settings of the server's line.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
     baudrate: u32,
@@ -35,7 +34,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// From the job's settings. The server does no XON/XOFF: the sender does, and must see DC1 and DC3.
+    /// Settings from the job. The server does no XON/XOFF: the sender does, and must see DC1 and DC3.
     pub fn new(settings: &SerialSettings) -> Self {
         let SerialSettings { baudrate, bytesize, stopbits, rtscts, .. } = *settings;
         Line { baudrate, bytesize, parity: parity_code(settings.parity), stopbits, rtscts }
@@ -63,7 +62,7 @@ impl Line {
     }
 }
 
-/// Something asked of the server.
+/// Request to the server.
 #[derive(Clone, Debug)]
 struct Request {
     name: &'static str,
@@ -78,31 +77,31 @@ impl Request {
     }
 }
 
-/// Why there will be no line.
+/// Reason why the line cannot be opened.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refusal {
-    /// The server wants no COM-PORT-OPTION, or says nothing.
+    /// The server refuses COM-PORT-OPTION, or does not answer.
     #[error("the server does not speak RFC 2217{}; for bare TCP write socket://host:port", if *.silent { " or is slower than timeout" } else { "" })]
     NotSpoken {
-        /// It said nothing at all about it.
+        /// The server did not answer at all.
         silent: bool,
     },
-    /// A setting was answered by another value.
+    /// The server answered a setting with another value.
     #[error("the server refused {name}: it has {has:?} where {wanted:?} was asked for; change [serial] in the job")]
     Setting {
         /// pyserial's name.
         name: &'static str,
-        /// As sent.
+        /// Value sent.
         wanted: Vec<u8>,
-        /// As answered.
+        /// Value answered.
         has: Vec<u8>,
     },
-    /// No answer.
+    /// The server did not answer.
     #[error("the server did not answer about {name}; give it longer (?timeout=10){}", if *.is_control { " or do not ask (?ign_set_control)" } else { "" })]
     Late {
-        /// What was asked.
+        /// Name of the request.
         name: &'static str,
-        /// A SET-CONTROL, which some servers never answer.
+        /// The request is a SET-CONTROL, which some servers never answer.
         is_control: bool,
     },
 }
@@ -115,7 +114,7 @@ enum State {
     Open,
 }
 
-/// Who wants what: an option at one end.
+/// Negotiation of an option at one end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Desired {
     Asked,
@@ -123,11 +122,11 @@ enum Desired {
     Refused,
 }
 
-/// One connection.
+/// Connection.
 #[derive(Clone, Debug)]
 pub struct Client {
     decoder: Decoder,
-    /// Ours and theirs, in the order of [`OPTIONS`].
+    /// Options of both ends, in the order of [`OPTIONS`].
     desired: [[Desired; OPTIONS.len()]; 2],
     line: Line,
     state: State,
@@ -144,7 +143,7 @@ pub struct Client {
 }
 
 impl Client {
-    /// A connection made at `now`.
+    /// Connection made at `now`.
     pub fn new(line: &Line, options: &Rfc2217Options, now: Micros) -> Self {
         let mut outgoing = Vec::new();
         for option in OPTIONS {
@@ -170,7 +169,7 @@ impl Client {
         }
     }
 
-    /// Takes what came from the server.
+    /// Reads bytes of the server.
     pub fn on_bytes(&mut self, now: Micros, bytes: &[u8]) {
         for &byte in bytes {
             match self.decoder.on_byte(byte) {
@@ -230,7 +229,7 @@ impl Client {
         }
     }
 
-    /// Goes on where everything is answered.
+    /// Continues with the next stage once everything is answered.
     fn advance(&mut self, now: Micros) {
         match &mut self.state {
             State::Telnet => match self.desired[0][0] {
@@ -257,7 +256,7 @@ impl Client {
         }
     }
 
-    /// Sends the control in front; one whose answer does not count is over at once.
+    /// Sends the next control; a control whose answer is ignored is done at once.
     fn next_control(&mut self, now: Micros) {
         let State::Controls(left) = &mut self.state else { return };
         self.deadline = now.after(self.timeout);
@@ -271,7 +270,7 @@ impl Client {
         self.state = State::Open;
     }
 
-    /// Whether it still may become a line; asks for the modem lines when it is time to.
+    /// Checks whether the negotiation can still succeed; requests the modem lines when they are due.
     ///
     /// # Errors
     /// The server refused, or is late.
@@ -295,12 +294,12 @@ impl Client {
         Ok(())
     }
 
-    /// Appends what is to be sent.
+    /// Appends the bytes to send.
     pub fn poll_transmit(&mut self, out: &mut Vec<u8>) {
         out.append(&mut self.outgoing);
     }
 
-    /// Takes data that arrived; answers how much.
+    /// Reads received data; returns their number.
     pub fn take_data(&mut self, buffer: &mut [u8]) -> usize {
         let len = buffer.len().min(self.data.len());
         for (slot, byte) in buffer.iter_mut().zip(self.data.drain(..len)) {
@@ -309,17 +308,17 @@ impl Client {
         len
     }
 
-    /// Whether the line is as asked for.
+    /// The line is open with the requested settings.
     pub fn is_open(&self) -> bool {
         matches!(self.state, State::Open)
     }
 
-    /// Whether the server wants no data now.
+    /// The server accepts no data now.
     pub fn is_suspended(&self) -> bool {
         self.suspended
     }
 
-    /// The modem lines as last told: CD, RI, DSR, CTS in bits 7 to 4.
+    /// Last reported state of the modem lines: CD, RI, DSR, CTS in bits 7 to 4.
     pub fn modem_state(&self) -> Option<u8> {
         self.modem_state
     }

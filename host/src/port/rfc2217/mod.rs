@@ -1,4 +1,4 @@
-//! `rfc2217://`: a serial port at a server, its settings set through telnet's COM-PORT-OPTION.
+//! `rfc2217://`: a serial port at a server, set through telnet's COM-PORT-OPTION.
 
 pub mod telnet;
 
@@ -20,10 +20,10 @@ use super::{Port, PortError};
 use crate::job::SerialSettings;
 use client::{Client, Line};
 
-/// Between two looks at the connection while settings are agreed on.
+/// Polling period of the connection during the negotiation.
 const PERIOD: Duration = Duration::from_millis(2);
 
-/// An open port of a server.
+/// Open port of a server.
 pub struct Rfc2217 {
     tcp: Tcp,
     name: String,
@@ -31,15 +31,15 @@ pub struct Rfc2217 {
     clock: WallClock,
     log: Log,
     modem_state: Option<u8>,
-    /// Encoded, not yet taken by the connection.
+    /// Encoded bytes that the connection has not accepted yet.
     outgoing: Vec<u8>,
 }
 
 impl Rfc2217 {
-    /// Connects and agrees with the server on the settings of the line.
+    /// Connects, and negotiates the settings of the line with the server.
     ///
     /// # Errors
-    /// Nobody listens there, or one who does not speak RFC 2217, is too slow, or refuses a setting.
+    /// No server answers there, or it does not speak RFC 2217, is too slow, or refuses a setting.
     pub fn open(address: &Address, options: &Rfc2217Options, settings: &SerialSettings) -> Result<Self, PortError> {
         let name = format!("rfc2217://{}:{}", address.host, address.port);
         let tcp = Tcp::connect(address, &name)?;
@@ -55,7 +55,7 @@ impl Rfc2217 {
         Ok(port)
     }
 
-    /// Takes what arrived, sends what is to be sent.
+    /// Receives and sends what is due.
     fn exchange(&mut self) -> Result<(), PortError> {
         let mut arrived = [0; 1_024];
         loop {
@@ -103,7 +103,7 @@ impl Port for Rfc2217 {
 
     fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError> {
         self.exchange()?;
-        // What is not out yet may not grow: the sender counts on the line to hold it back.
+        // The queue must not grow: the sender relies on the line to hold it back.
         if self.client.is_suspended() || !self.outgoing.is_empty() {
             return Ok(0);
         }
@@ -122,7 +122,7 @@ impl Port for Rfc2217 {
     }
 }
 
-/// The line of the tests: 9600 7E2.
+/// Line of the tests: 9600 7E2.
 #[cfg(test)]
 fn seven_even() -> SerialSettings {
     use crate::job::Parity;

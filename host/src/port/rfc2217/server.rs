@@ -1,12 +1,12 @@
-//! The server's side of RFC 2217, without I/O: a serial port offered to whoever calls.
+//! Server side of RFC 2217, without I/O: a serial port offered to a client.
 //!
 //! ```text
 //!            DO or WILL 44          settings, controls         first data, or 200 ms of silence
 //! Telnet ------------------> Agreed -------------------> Agreed ----------------------> Open
 //! ```
-//! The line is open only when the client has stopped asking: pyserial purges what it has received as the last thing it
-//! does, and a control that had said DC1 before would wait for ever. With XON/XOFF asked of the server, DC1 and DC3 of the
-//! control hold the server and are not passed on, as a driver does it; without, they are data like all others.
+//! The line opens only when the client has sent all its requests: pyserial purges received data as its last step, and a
+//! control that had sent DC1 before would wait for ever. If the client requests XON/XOFF of the server, DC1 and DC3 of
+//! the control stop the server and are not passed on, as in a driver; otherwise they are data like all others.
 
 use std::collections::VecDeque;
 
@@ -19,27 +19,27 @@ use super::com_port::{
 use super::telnet::{Decoder, Event, Verb, escape, say, subnegotiate};
 use crate::job::SerialSettings;
 
-/// The control's end holds its modem lines on: carrier, DSR and CTS.
+/// State of the control's modem lines: carrier, DSR and CTS on.
 const MODEM_LINES: u8 = 0xb0;
-/// How long a client that has stopped asking may still think.
+/// Time after the last request of a client until the line opens.
 const THINKS: Micros = Micros::from_ms(200);
 /// One break is an alarm; more of them need not be counted.
 const BREAKS_MAX: usize = 16;
 const DC1: u8 = 0x11;
 const DC3: u8 = 0x13;
 
-/// Who holds the sender back.
+/// Flow control of the port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flow {
-    /// Nobody here: DC1 and DC3 go through.
+    /// None here: DC1 and DC3 are passed on.
     None,
-    /// The server, by DC1 and DC3 of the control.
+    /// The server stops at the control's DC3 and continues at DC1.
     XonXoff,
-    /// The server, by CTS, which is always on.
+    /// The server follows CTS, which is always on.
     Hardware,
 }
 
-/// What the client has set its port to, under pyserial's names.
+/// Settings that the client has requested, with pyserial's names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PortSettings {
     /// Bits per second.
@@ -50,30 +50,30 @@ pub struct PortSettings {
     pub parity: u8,
     /// 1, 2, or 3 for one and a half.
     pub stopbits: u8,
-    /// SET-CONTROL 1 to 3.
+    /// Values 1 to 3 of SET-CONTROL.
     pub flow: Flow,
 }
 
 impl PortSettings {
-    /// Whether a port so set is understood at the other end of a line; stop bits too many or too few are not noticed.
+    /// A port with these settings is understood at the other end of a line; a wrong number of stop bits is not noticed.
     pub fn is_understood_by(&self, line: &SerialSettings) -> bool {
         (self.baudrate, self.bytesize, self.parity) == (line.baudrate, line.bytesize, parity_code(line.parity))
     }
 }
 
-/// One client's connection.
+/// Connection of one client.
 #[derive(Clone, Debug)]
 pub struct Server {
     decoder: Decoder,
     settings: PortSettings,
-    /// Said WILL and DO to, of the options that are spoken.
+    /// Options for which the server has sent WILL and DO.
     agreed: [Vec<u8>; 2],
-    /// When the client last asked for something; nothing before it has agreed.
+    /// Time of the client's last request; `None` before the negotiation.
     asked: Option<Micros>,
     breaks: usize,
-    /// The control has said DC3, and the server obeys it.
+    /// The control has sent DC3, and the server stops.
     is_stopped: bool,
-    /// The client takes no data now.
+    /// The client accepts no data now.
     is_suspended: bool,
     from_client: VecDeque<u8>,
     to_client: Vec<u8>,
@@ -81,7 +81,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// For a client that has just called; its port is set as the line is until it says otherwise.
+    /// Server for a client that has just connected; its port has the line's settings until it requests others.
     pub fn new(line: &SerialSettings) -> Self {
         let SerialSettings { baudrate, bytesize, stopbits, .. } = *line;
         Server {
@@ -98,7 +98,7 @@ impl Server {
         }
     }
 
-    /// Takes what came from the client.
+    /// Reads bytes of the client.
     pub fn on_bytes(&mut self, now: Micros, bytes: &[u8]) {
         for &byte in bytes {
             match self.decoder.on_byte(byte) {
@@ -115,7 +115,7 @@ impl Server {
         }
     }
 
-    /// Agrees to what is spoken here, once; refuses the rest.
+    /// Accepts a supported option, once; refuses the rest.
     fn on_option(&mut self, now: Micros, verb: Verb, option: u8) {
         let (end, yes, no) = match verb {
             Verb::Do | Verb::Dont => (0, Verb::Will, Verb::Wont),
@@ -137,7 +137,7 @@ impl Server {
         }
         if option == COM_PORT && is_wanted {
             if self.asked.is_none() {
-                // They will not change, and a client that does not ask counts on hearing of them once.
+                // These values will not change, and a client that does not ask expects one report of them.
                 self.answer(NOTIFY_MODEMSTATE, &[MODEM_LINES]);
             }
             self.asked = Some(now);
@@ -150,7 +150,7 @@ impl Server {
             (SIGNATURE, []) => self.answer(code, b"arcfeed serve"),
             (SET_BAUDRATE, &[a, b, c, d]) => {
                 let wanted = u32::from_be_bytes([a, b, c, d]);
-                // Zero asks.
+                // 0 is a query.
                 settings.baudrate = if wanted == 0 { settings.baudrate } else { wanted };
                 let has = settings.baudrate.to_be_bytes();
                 self.answer(code, &has);
@@ -192,7 +192,7 @@ impl Server {
         }
     }
 
-    /// A SET-CONTROL to what it is answered by.
+    /// Answer to a SET-CONTROL.
     fn control(&mut self, wanted: u8) -> u8 {
         self.settings.flow = match wanted {
             1 => Flow::None,
@@ -205,7 +205,7 @@ impl Server {
                 self.is_stopped &= self.settings.flow == Flow::XonXoff;
                 self.settings.flow as u8 + 1
             }
-            // Break: off, on, off. DTR and RTS: on, until they are set; nobody at the other end looks at them.
+            // Break: off, on, off. DTR and RTS: on, until they are set; the other end ignores them.
             4 => 6,
             5 => {
                 self.breaks = BREAKS_MAX.min(self.breaks + 1);
@@ -213,7 +213,7 @@ impl Server {
             }
             7 => 8,
             10 => 11,
-            // Inbound, whatever is asked: as outbound.
+            // Inbound flow control is always that of the outbound direction.
             13..=19 => 14 + self.settings.flow as u8,
             other => other,
         }
@@ -223,42 +223,42 @@ impl Server {
         subnegotiate(COM_PORT, code + ANSWER, value, &mut self.outgoing);
     }
 
-    /// Whether the client has asked for a serial port.
+    /// The client has requested a serial port.
     pub fn has_asked(&self) -> bool {
         self.asked.is_some()
     }
 
-    /// Characters and answers that [`Server::poll_transmit`] has not given out yet.
+    /// Number of characters and answers that [`Server::poll_transmit`] has not returned yet.
     pub fn unsent(&self) -> usize {
         self.outgoing.len() + self.to_client.len()
     }
 
-    /// Whether the client is ready to send and to hear what the control says.
+    /// The client is ready to send and to receive.
     pub fn is_open(&self, now: Micros) -> bool {
         self.asked.is_some_and(|asked| !self.from_client.is_empty() || now.since(asked) >= THINKS)
     }
 
-    /// As the client has set its port.
+    /// Settings of the client's port.
     pub fn settings(&self) -> PortSettings {
         self.settings
     }
 
-    /// Characters from the client that are not on the line yet.
+    /// Number of characters from the client that are not on the line yet.
     pub fn waiting(&self) -> usize {
         self.from_client.len()
     }
 
-    /// The next character for the line, unless the control has stopped a server that obeys it.
+    /// The next character for the line, unless the control has stopped the server.
     pub fn next_for_line(&mut self) -> Option<u8> {
         if self.is_stopped { None } else { self.from_client.pop_front() }
     }
 
-    /// How often the client has broken the line since this was last asked.
+    /// Number of breaks since the last call.
     pub fn take_breaks(&mut self) -> usize {
         std::mem::take(&mut self.breaks)
     }
 
-    /// Takes a character of the control; its eighth bit may be parity.
+    /// Reads a character of the control; its eighth bit may be parity.
     pub fn on_line(&mut self, byte: u8) {
         match (self.settings.flow, byte & 0x7f) {
             (Flow::XonXoff, DC3) => self.is_stopped = true,
@@ -267,7 +267,7 @@ impl Server {
         }
     }
 
-    /// Appends what is to be sent to the client.
+    /// Appends the bytes to send to the client.
     pub fn poll_transmit(&mut self, out: &mut Vec<u8>) {
         out.append(&mut self.outgoing);
         if !self.is_suspended {

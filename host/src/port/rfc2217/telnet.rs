@@ -1,4 +1,4 @@
-//! Telnet (RFC 854, 855): commands among bytes. The same at both ends.
+//! Telnet (RFC 854, 855): commands among bytes, the same at both ends.
 
 /// Interpret as command.
 pub const IAC: u8 = 255;
@@ -7,34 +7,34 @@ const SE: u8 = 240;
 /// Longest subnegotiation kept; ours are far shorter.
 const SUB_MAX: usize = 256;
 
-/// What one end says about an option.
+/// Statement of one end about an option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Verb {
-    /// I do.
+    /// The sender uses the option.
     Will = 251,
-    /// I do not.
+    /// The sender does not use it.
     Wont = 252,
-    /// You please.
+    /// The receiver should use it.
     Do = 253,
-    /// You please not.
+    /// The receiver should not use it.
     Dont = 254,
 }
 
-/// What arrived.
+/// Received item.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Event {
     /// A byte of data.
     Data(u8),
-    /// About an option.
+    /// Statement about an option.
     Option(Verb, u8),
-    /// What stood between SB and SE, the option first.
+    /// Bytes between SB and SE, the option first.
     Subnegotiation(Vec<u8>),
     /// Another command.
     Command(u8),
 }
 
-/// Takes bytes apart.
+/// Decoder of commands and data.
 #[derive(Clone, Debug, Default)]
 pub struct Decoder {
     state: State,
@@ -50,7 +50,7 @@ enum State {
 }
 
 impl Decoder {
-    /// Takes a byte.
+    /// Reads a byte.
     pub fn on_byte(&mut self, byte: u8) -> Option<Event> {
         match self.state {
             State::Plain if byte == IAC => {
@@ -106,7 +106,7 @@ pub fn escape(bytes: &[u8], out: &mut Vec<u8>) {
     }
 }
 
-/// Appends a word about an option.
+/// Appends a statement about an option.
 pub fn say(verb: Verb, option: u8, out: &mut Vec<u8>) {
     out.extend([IAC, verb as u8, option]);
 }

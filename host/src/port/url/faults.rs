@@ -1,4 +1,4 @@
-//! The plan of `fault://`: what goes wrong on a line, how often, and the seed that decides when.
+//! Plan of `fault://`: the faults of a line, their chances, and the seed of their random times.
 
 use arcfeed_shared::units::Micros;
 
@@ -9,43 +9,43 @@ const DELAY_MAX_MS: u64 = 60_000;
 /// Most bytes of garbage.
 const GARBAGE_MAX: usize = 65_536;
 
-/// What goes wrong; with nothing set, nothing does.
+/// Faults; the default has none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FaultPlan {
-    /// Decides when: the same bytes and the same seed corrupt the same way.
+    /// Seed: the same bytes and the same seed give the same faults.
     pub seed: u64,
-    /// On the way to the control.
+    /// Faults on the way to the control.
     pub tx: Faults,
-    /// On the way from it.
+    /// Faults on the way from the control.
     pub rx: Faults,
-    /// Bytes that nobody sent, read first.
+    /// Random bytes to be read first.
     pub garbage: usize,
-    /// Chance of each DC1 of the control to be lost.
+    /// Chance of losing a DC1 of the control.
     pub lost_xon: f64,
-    /// Chance of each DC3 of the control to be lost.
+    /// Chance of losing a DC3 of the control.
     pub lost_xoff: f64,
-    /// The line is dead once so many bytes have been written.
+    /// Number of written bytes after which the line is dead.
     pub disconnect: Option<u64>,
-    /// Chance of each write to take only a part, or nothing.
+    /// Chance of each write to accept only a part, or nothing.
     pub short: f64,
 }
 
-/// What goes wrong in one direction: chances of each byte, from 0 to 1.
+/// Faults in one direction: chances of each byte, from 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Faults {
-    /// It is lost.
+    /// Loss of the byte.
     pub drop: f64,
-    /// One of its bits flips.
+    /// Flip of one of its bits.
     pub flip: f64,
-    /// It arrives twice.
+    /// Duplication of the byte.
     pub dup: f64,
-    /// It begins 2 to 16 bytes of noise.
+    /// Start of 2 to 16 bytes of noise.
     pub burst: f64,
-    /// It is late by up to this; bytes stay in order.
+    /// Largest delay; bytes stay in order.
     pub delay: Micros,
 }
 
-/// Reads `NAME=VALUE[,NAME=VALUE...]/PORT`; answers the port inside as text.
+/// Reads `NAME=VALUE[,NAME=VALUE...]/PORT`; returns the port inside as text.
 pub fn read(rest: &str) -> Result<(FaultPlan, &str), UrlError> {
     let Some((settings, inner)) = rest.split_once('/').filter(|(settings, _)| !settings.is_empty()) else {
         let message =

@@ -1,4 +1,4 @@
-//! pyserial's port URLs, and two of our own (`sim:`, `fault://`): text to what to open, without opening it.
+//! pyserial's port URLs, and two of our own (`sim:`, `fault://`): parses the text without opening the port.
 //!
 //! ```text
 //! NAME                                          a native port
@@ -26,21 +26,21 @@ use options::Options;
 use crate::port::log::Level;
 use crate::port::pattern::Pattern;
 
-/// Wrappers around one port.
+/// Most wrappers around one port.
 const WRAPPERS_MAX: usize = 8;
 
-/// A port, as it is given.
+/// Port of a URL.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PortUrl {
-    /// As it was written.
+    /// Text of the URL.
     pub text: String,
-    /// What is around the port, outermost first.
+    /// Wrappers of the port, outermost first.
     pub wrappers: Vec<Wrapper>,
-    /// The port itself.
+    /// Port itself.
     pub base: Base,
 }
 
-/// What is put around a port.
+/// Wrapper of a port.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wrapper {
     /// `spy://`.
@@ -49,27 +49,27 @@ pub enum Wrapper {
     Fault(FaultPlan),
 }
 
-/// The port itself.
+/// Port itself.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Base {
-    /// The control in software.
+    /// Simulated control.
     Sim,
-    /// A port of the operating system, by its name.
+    /// Port of the operating system, by its name.
     Native(String),
-    /// A queue.
+    /// Queue.
     Loop(Option<Level>),
     /// TCP.
     Socket(Address, Option<Level>),
     /// TCP with the port's settings.
     Rfc2217(Address, Rfc2217Options),
-    /// A port of the operating system, by what is known about it.
+    /// Port of the operating system, by its properties.
     Hwgrep(Hwgrep),
 }
 
-/// Where a server listens.
+/// Address of a server.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Address {
-    /// Name or number.
+    /// Host name or number.
     pub host: String,
     /// TCP port.
     pub port: u16,
@@ -78,47 +78,47 @@ pub struct Address {
 /// Options of `rfc2217://`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rfc2217Options {
-    /// Do not wait for answers to SET-CONTROL.
+    /// Answers to SET-CONTROL are not waited for.
     pub ign_set_control: bool,
-    /// Ask for the modem lines, for servers that do not tell.
+    /// Modem lines are polled, for servers that do not report them.
     pub poll_modem: bool,
     /// Longest wait for an answer, in seconds.
     pub timeout_s: f64,
-    /// What to say on stderr.
+    /// Level of the messages on stderr.
     pub logging: Option<Level>,
 }
 
 /// Options of `spy://`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SpyOptions {
-    /// Where to write; stderr unless given.
+    /// Output file; stderr by default.
     pub file: Option<String>,
     /// Colours of a terminal.
     pub color: bool,
-    /// The bytes themselves, no dump.
+    /// Plain bytes, no dump.
     pub raw: bool,
-    /// Also reads that find nothing.
+    /// Reads without data are recorded, too.
     pub all: bool,
 }
 
-/// A search among the ports there are.
+/// Search among the ports of the system.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hwgrep {
-    /// Looked for in name, description and hardware id, in either case.
+    /// Expression for name, description or hardware id, ignoring case.
     pub regexp: String,
-    /// Which of those found, from 1.
+    /// Number of the match, from 1.
     pub n: usize,
-    /// Only those that can be opened.
+    /// Only ports that can be opened.
     pub skip_busy: bool,
 }
 
-/// A URL that is none: which part, and what to write.
+/// Invalid URL: the faulty part, and what to write.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{part}`: {message}")]
 pub struct UrlError {
-    /// The part of the URL.
+    /// Faulty part of the URL.
     pub part: String,
-    /// What is wrong with it and what to write.
+    /// Fault and remedy.
     pub message: String,
 }
 
@@ -139,7 +139,7 @@ impl FromStr for PortUrl {
 }
 
 impl PortUrl {
-    /// The files that its spies write.
+    /// Files that its spies write.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.wrappers.iter().filter_map(|wrapper| match wrapper {
             Wrapper::Spy(options) => options.file.as_deref().map(Path::new),
@@ -274,7 +274,7 @@ fn alt(rest: &str) -> Result<Base, UrlError> {
     }
 }
 
-/// The port inside, and the options of the spy.
+/// Port inside, and the options of the spy.
 fn spy(rest: &str) -> Result<(&str, SpyOptions), UrlError> {
     let own = |name: &str| matches!(name, "file" | "color" | "raw" | "all");
     let (mut inner, mut options) = Options::split_last(rest);

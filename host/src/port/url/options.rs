@@ -1,12 +1,12 @@
-//! `?name=value&name`: the options of a URL, as Python's `urllib.parse.parse_qs` reads them.
+//! Options of a URL, `?name=value&name`, as Python's `urllib.parse.parse_qs` reads them.
 
 use super::UrlError;
 use crate::port::log::Level;
 
-/// Longest wait that can be asked for.
+/// Longest wait that a URL may set.
 const SECONDS_MAX: f64 = 3_600.0;
 
-/// Options not taken yet; of one given twice the first.
+/// Options not used yet; of an option given twice the first.
 pub struct Options(Vec<(String, String)>);
 
 impl Options {
@@ -37,18 +37,18 @@ impl Options {
         Options(found)
     }
 
-    /// Their names.
+    /// Names of the options.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.0.iter().map(|(name, _)| name.as_str())
     }
 
-    /// Takes the value of an option, empty where it has none.
+    /// Removes an option and returns its value, empty if it has none.
     pub fn take(&mut self, name: &str) -> Option<String> {
         let at = self.0.iter().position(|(other, _)| other == name)?;
         Some(self.0.remove(at).1)
     }
 
-    /// Takes an option without a value.
+    /// Removes an option without a value; returns true if it was there.
     pub fn flag(&mut self, name: &str) -> Result<bool, UrlError> {
         match self.take(name).as_deref() {
             None => Ok(false),
@@ -60,7 +60,7 @@ impl Options {
         }
     }
 
-    /// Takes a time.
+    /// Removes a time in seconds.
     pub fn seconds(&mut self, name: &str) -> Result<Option<f64>, UrlError> {
         let Some(value) = self.take(name) else { return Ok(None) };
         let parsed = value.parse().ok().filter(|seconds| (0.0..=SECONDS_MAX).contains(seconds));
@@ -68,14 +68,14 @@ impl Options {
         parsed.map(Some).ok_or_else(|| UrlError::new(format!("{name}={value}"), message))
     }
 
-    /// Takes `logging`.
+    /// Removes `logging`.
     pub fn logging(&mut self) -> Result<Option<Level>, UrlError> {
         let Some(value) = self.take("logging") else { return Ok(None) };
         let wrong = || UrlError::new(format!("logging={value}"), "write logging=debug, info, warning or error");
         Level::named(&value).map(Some).ok_or_else(wrong)
     }
 
-    /// What is left is unknown.
+    /// Rejects the remaining options as unknown.
     pub fn no_more(&self, form: &str) -> Result<(), UrlError> {
         match self.0.first() {
             None => Ok(()),
@@ -84,7 +84,7 @@ impl Options {
     }
 }
 
-/// `%41` is A, `+` a blank; what is no such code stays as it is.
+/// Decodes `%41` as A, `+` as a blank; other text stays.
 fn decoded(text: &str) -> String {
     let bytes = text.as_bytes();
     let (mut out, mut at) = (Vec::with_capacity(bytes.len()), 0);

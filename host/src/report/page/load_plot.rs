@@ -1,43 +1,43 @@
-//! The path of the tool seen from above, as an inline SVG: how thick the chips of each block are, and which blocks are not steady.
+//! Path of the tool seen from above, as an inline SVG: the chip thickness of each block, and the blocks with vibration.
 
 use std::fmt::Write;
 
 use super::escaped;
 
 const WIDTH: f64 = 700.0;
-/// Around the path.
+/// Margin around the path.
 const MARGIN: f64 = 20.0;
 /// Points nearer than this to the one before are left out, pixels.
 const NEAR: f64 = 0.5;
 
-/// Chips over wanted: none, as wanted, twice as thick or more.
+/// Colours for chip thickness over target: none, on target, twice the target or more.
 const CHIPS: [[f64; 3]; 3] = [[60.0, 110.0, 200.0], [60.0, 160.0, 90.0], [190.0, 20.0, 30.0]];
 
-/// What is not steady, and how it shows beside the path.
+/// Kinds of vibration, and their colours beside the path.
 const VERDICTS: [(&str, &str); 3] = [("uneven", "#f0d060"), ("period-doubling", "#f0a040"), ("chatter", "#f06060")];
 
-/// A path; all lengths in one unit.
+/// Path; all lengths in one unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadPlot {
-    /// In order.
+    /// Blocks in order.
     pub blocks: Vec<PlotBlock>,
 }
 
-/// A block of it.
+/// Block of the path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlotBlock {
-    /// Its N, or its number.
+    /// N of the block, or its number.
     pub name: String,
-    /// As [`crate::report::loads::UnsteadyFigures`] has it; none where it is steady, or not judged.
+    /// Verdict as in [`crate::report::loads::UnsteadyFigures`]; `None` if the block is steady, or was not judged.
     pub verdict: Option<&'static str>,
-    /// Thickest chip over the one wanted; none without chips.
+    /// Largest chip thickness over the target; `None` without chips.
     pub chip_ratio: Option<f64>,
     /// X, Y.
     pub lines: Vec<Vec<[f64; 2]>>,
 }
 
 impl LoadPlot {
-    /// As SVG; nothing without a way.
+    /// The plot as SVG; empty without a path.
     pub fn svg(&self) -> String {
         let points = || self.blocks.iter().flat_map(|block| &block.lines).flatten();
         let ends = |axis: usize| {
@@ -54,7 +54,7 @@ impl LoadPlot {
         let mut svg =
             format!("<svg viewBox=\"0 0 {WIDTH} {:.1}\" xmlns=\"http://www.w3.org/2000/svg\">\n", height + 75.0);
         let mut blocks: Vec<&PlotBlock> = self.blocks.iter().collect();
-        // The worst on top of what lies below it.
+        // The worst block is drawn on top.
         blocks.sort_by(|a, b| a.chip_ratio.unwrap_or(0.0).total_cmp(&b.chip_ratio.unwrap_or(0.0)));
         for (verdict, color) in VERDICTS {
             for block in blocks.iter().filter(|block| block.verdict == Some(verdict)) {
@@ -97,7 +97,7 @@ impl PlotBlock {
     }
 }
 
-/// The colour of a part of the scale.
+/// Colour at a fraction of the scale.
 fn chips(part: f64) -> String {
     let place = part.clamp(0.0, 1.0) * (CHIPS.len() - 1) as f64;
     let index = (place as usize).min(CHIPS.len() - 2);

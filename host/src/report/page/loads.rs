@@ -1,4 +1,4 @@
-//! Loads of the edges as a section of the page.
+//! Section of the page with the loads of the edges.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use super::{Section, escaped};
 use crate::report::loads::LoadsFigures;
 use crate::report::material::short;
 
-/// Movement by movement, before and after.
+/// Table with the loads of each movement, before and after.
 pub fn section(loads: &LoadsFigures) -> Section {
     let mut body = String::new();
     for warning in loads.warnings() {

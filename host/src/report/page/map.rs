@@ -1,50 +1,50 @@
-//! A map of heights, or of deviations, seen from above, as an inline SVG around one picture.
+//! Map of heights, or of deviations, seen from above, as an inline SVG around one picture.
 
 use std::fmt::Write;
 
 use super::png::data_uri;
 use crate::report::material::short;
 
-/// Most pixels along an edge of the picture; cells beyond that share one.
+/// Most pixels along an edge of the picture; more cells share pixels.
 const PIXELS_MAX: usize = 512;
 
-/// Colours of the scale.
+/// Number of colours of the scale.
 const SHADES: usize = 254;
 
-/// Where there is no material.
+/// Colour index of cells without material.
 const NOTHING: u8 = SHADES as u8;
 
 const WIDTH: f64 = 700.0;
 
-/// Deviations below this are told with two digits more.
+/// Deviations below this are written with two more digits.
 const SMALL: f64 = 0.01;
 
-/// From low to high: dark to light.
+/// Colours from low (dark) to high (light).
 const HEIGHTS: [[f64; 3]; 4] = [[40.0, 20.0, 90.0], [30.0, 110.0, 140.0], [90.0, 190.0, 100.0], [250.0, 230.0, 60.0]];
 
-/// From too little, by none, to too much.
+/// Colours from too little over none to too much.
 const DEVIATIONS: [[f64; 3]; 5] =
     [[10.0, 40.0, 130.0], [110.0, 160.0, 220.0], [245.0, 245.0, 245.0], [235.0, 140.0, 100.0], [140.0, 10.0, 30.0]];
 
-/// What is drawn; lengths in one unit.
+/// Map; lengths in one unit.
 #[derive(Clone, Debug)]
 pub struct Map {
     /// Cells along X.
     pub columns: usize,
-    /// Row by row from the lowest Y.
+    /// Values row by row from the lowest Y.
     pub values: Vec<Option<f64>>,
-    /// The lowest corner.
+    /// Lowest corner.
     pub lowest: [f64; 2],
     /// Edge of a cell.
     pub step: f64,
-    /// Of all lengths.
+    /// Unit of all lengths.
     pub unit: &'static str,
-    /// The largest deviation and where it is, in a map of deviations.
+    /// Largest deviation and its place, in a map of deviations.
     pub largest: Option<(f64, [f64; 2])>,
 }
 
 impl Map {
-    /// As SVG.
+    /// The map as SVG.
     pub fn svg(&self) -> String {
         let rows = self.values.len() / self.columns.max(1);
         let size = [self.columns as f64 * self.step, rows as f64 * self.step];
@@ -72,7 +72,7 @@ impl Map {
                 "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"8\" fill=\"none\" stroke=\"#000\" stroke-width=\"2\"/>\n\
                  <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">largest: {value:+.digits$} {}</text>",
                 x + dx,
-                // Not `clamp`, which panics: a long, narrow map is lower than a line of text.
+                // `clamp` would panic here: a long, narrow map is lower than a line of text.
                 (y + 4.0).max(12.0).min(height - 4.0),
                 self.unit
             );
@@ -81,7 +81,7 @@ impl Map {
         svg + "</svg>\n"
     }
 
-    /// Corners of the picture, and the scale.
+    /// Draws the corners of the picture, and the scale.
     fn legend(&self, svg: &mut String, top: f64, [low, high]: [f64; 2]) {
         let end = |axis: usize, cells: usize| self.lowest[axis] + cells as f64 * self.step;
         let rows = self.values.len() / self.columns.max(1);
@@ -105,7 +105,7 @@ impl Map {
         }
     }
 
-    /// The ends of the scale; of deviations as far to both sides.
+    /// Ends of the scale; those of deviations are symmetrical.
     fn range(&self) -> [f64; 2] {
         let known = || self.values.iter().flatten().copied();
         let [low, high] = [known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max)];
@@ -116,7 +116,7 @@ impl Map {
         }
     }
 
-    /// Indices of colours from the top row down; cells that share a pixel show the largest of them.
+    /// Indices of colours from the top row down; a pixel shows the largest of its cells.
     fn pixels(&self, shared: usize, [low, high]: [f64; 2]) -> (usize, Vec<u8>) {
         let width = self.columns.div_ceil(shared);
         let rows: Vec<&[Option<f64>]> = self.values.chunks(self.columns.max(1)).collect();

@@ -1,4 +1,4 @@
-//! Marks on walls as a section of the page: the map, the layers, and the blocks that are not steady.
+//! Section of the page with the marks on walls: the map, the layers, and the blocks with vibration.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use crate::report::loads::LoadsFigures;
 use crate::report::marks::{MarksFigures, RangeFigures, signed};
 use crate::report::material::short;
 
-/// Layers and blocks that are shown of each; the largest marks count.
+/// Most layers and most blocks in the tables; those with the largest marks are shown.
 const SHOWN: usize = 20;
 
 /// The map, and tables below it.

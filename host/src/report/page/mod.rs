@@ -1,6 +1,6 @@
-//! A report as one HTML file that needs no other: a title, and sections one below the other.
+//! Report as one self-contained HTML file: a title, and sections one below the other.
 //!
-//! A section is a heading and a body; whoever has something to tell adds one of its own.
+//! A section is a heading and a body; each part of the report adds its own.
 
 pub mod png;
 
@@ -21,21 +21,21 @@ pub mod plan;
 
 use std::fmt;
 
-/// A report.
+/// Report page.
 #[derive(Clone, Debug)]
 pub struct Page {
-    /// In its head.
+    /// Title.
     pub title: String,
-    /// In order.
+    /// Sections in order.
     pub sections: Vec<Section>,
 }
 
-/// A part of it.
+/// Section of a page.
 #[derive(Clone, Debug)]
 pub struct Section {
-    /// Plain text.
+    /// Heading, plain text.
     pub heading: String,
-    /// HTML.
+    /// Body, HTML.
     pub body: String,
 }
 
@@ -60,7 +60,7 @@ impl fmt::Display for Page {
     }
 }
 
-/// Text between tags and in attributes.
+/// Escapes text for use between tags and in attributes.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,4 +1,4 @@
-//! Steps over time as an inline SVG: lanes one above the other, with one axis of time.
+//! Step functions of time as an inline SVG: lanes one above the other, with one axis of time.
 
 use std::fmt::Write;
 
@@ -6,26 +6,26 @@ use super::escaped;
 
 const WIDTH: f64 = 900.0;
 const LANE_HEIGHT: f64 = 150.0;
-/// Around the lanes: left, right, and above each.
+/// Margins of the lanes: left, right, and above each.
 const MARGINS: [f64; 3] = [70.0, 15.0, 30.0];
 
-/// A quantity over time.
+/// Lane: a quantity over time.
 #[derive(Clone, Debug)]
 pub struct Lane {
-    /// What it is, with its unit.
+    /// Title of the lane, with the unit.
     pub title: String,
-    /// Its runs.
+    /// Curves of the lane.
     pub series: Vec<Series>,
 }
 
-/// A run of it.
+/// Curve of a lane.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Whose.
+    /// Name of the run.
     pub name: &'static str,
-    /// As CSS has it.
+    /// Colour in CSS syntax.
     pub color: &'static str,
-    /// From, to, s; the value between.
+    /// Steps: from, to in s, and the value between.
     pub steps: Vec<([f64; 2], f64)>,
 }
 
@@ -69,7 +69,7 @@ fn draw(svg: &mut String, lane: &Lane, top: f64, x: &dyn Fn(f64) -> f64) {
     }
 }
 
-/// Steps as a path; those of one pixel's column as the line from its lowest to its highest.
+/// Steps as a path; steps within one pixel's column become the line from their lowest to their highest value.
 fn path(steps: &[([f64; 2], f64)], x: &dyn Fn(f64) -> f64, y: &dyn Fn(f64) -> f64) -> String {
     let mut path = String::new();
     let mut pen = [f64::NAN; 2];
@@ -84,7 +84,7 @@ fn path(steps: &[([f64; 2], f64)], x: &dyn Fn(f64) -> f64, y: &dyn Fn(f64) -> f6
             }
             column = Some((own, [low.min(at), high.max(at)]));
         }
-        // A pause is a gap in the data: down to nothing.
+        // A gap in the data is drawn as 0.
         if from > pen[0] + 0.1 {
             let _ = write!(path, "V{0}H{from}", y(0.0));
         }
@@ -94,7 +94,7 @@ fn path(steps: &[([f64; 2], f64)], x: &dyn Fn(f64) -> f64, y: &dyn Fn(f64) -> f6
     path
 }
 
-/// Round numbers from zero to the most, about five of them.
+/// Round numbers from zero to `most`, about five of them.
 fn ticks(most: f64) -> Vec<f64> {
     let rough = most / 5.0;
     let power = libm::pow(10.0, rough.log10().floor());

@@ -1,4 +1,4 @@
-//! A picture of at most 256 colours as a `data:` URI: PNG, its pixels stored, not packed.
+//! Picture of at most 256 colours as a `data:` URI: PNG with stored, uncompressed pixels.
 //!
 //! Source: PNG (Third Edition), W3C 2025, sections 5, 11 and annex D; RFC 1950, RFC 1951 (3.2.4), RFC 4648 (4).
 
@@ -10,7 +10,7 @@ const BLOCK_MAX: usize = 0xFFFF;
 /// Colour type: indices into a palette.
 const INDEXED: u8 = 3;
 
-/// The picture's address; a row of indices after the other, from the top.
+/// `data:` URI of the picture; the rows are indices of colours, from the top.
 pub fn data_uri(width: usize, palette: &[[u8; 3]], transparent: u8, rows: &[u8]) -> String {
     format!("data:image/png;base64,{}", base64(&png(width, palette, transparent, rows)))
 }

@@ -1,4 +1,4 @@
-//! The figures of a report as sections of its page.
+//! Sections of the page with the figures of a report.
 
 use std::fmt::Write;
 
@@ -9,13 +9,13 @@ use crate::report::figures::RunReport;
 use crate::report::material::{DeviationFigures, MaterialFigures, RuleFigures, TakenFigures, short};
 use crate::report::summary::Summary;
 
-/// Everything that the command prints.
+/// Section with the command's printed summary.
 pub fn summary(title: &str, report: &RunReport) -> Section {
     let text = Summary { title: title.to_owned(), report }.to_string();
     Section { heading: "Summary".into(), body: format!("<pre>{}</pre>\n", escaped(&text)) }
 }
 
-/// What was cut, movement by movement.
+/// Section with the removed material of each movement.
 pub fn material(material: &MaterialFigures, unit: LengthUnit) -> Section {
     let MaterialFigures { volume_unit, rate_unit, left, at_rapid, .. } = material;
     let mut body = String::new();

@@ -5,7 +5,7 @@ use arcfeed_shared::segment::{Path, Segment};
 use super::*;
 use crate::path::Level;
 
-/// A ring of 128 and 112 mm about A and B1, four levels.
+/// Ring of 128 and 112 mm about A and B1, four levels.
 fn path() -> SlotPath {
     let on = |center: Flat, radius_mm: f64, angle_deg: f64| {
         let (sin, cos) = libm::sincos(angle_deg.to_radians());
@@ -46,7 +46,7 @@ fn setup() -> Setup {
     }
 }
 
-/// What a control makes of it.
+/// Segments that a control reads from the program.
 fn segments(text: &str, unit: LengthUnit) -> Vec<Segment> {
     let settings = Settings { scope: Scope::Everything, ..Settings::preset(Preset::Fanuc16i, unit, Reading::Strict) };
     let mut reader = Reader::with(settings, Tables::default());

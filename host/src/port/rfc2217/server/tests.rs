@@ -14,7 +14,7 @@ fn said(server: &mut Server) -> String {
     hex(&out)
 }
 
-/// What the server says to a subnegotiation of these bytes behind COM-PORT-OPTION.
+/// Answer of the server to a subnegotiation of these bytes behind COM-PORT-OPTION.
 fn answer(server: &mut Server, request: &[u8]) -> String {
     let mut bytes = Vec::new();
     subnegotiate(COM_PORT, request[0], &request[1..], &mut bytes);
@@ -27,7 +27,7 @@ fn settings_are_taken_and_questions_answered_with_what_is_set() {
     let mut server = Server::new(&line());
     assert_eq!(answer(&mut server, &[1, 0, 0, 0x4b, 0]), "fffa2c6500004b00fff0");
     assert_eq!(answer(&mut server, &[1, 0, 0, 0, 0]), "fffa2c6500004b00fff0");
-    // Nine data bits are none; the port keeps its seven.
+    // Nine data bits are not supported; the port keeps its seven.
     assert_eq!(answer(&mut server, &[2, 9]), "fffa2c6607fff0");
     assert_eq!(answer(&mut server, &[3, 0]), "fffa2c6703fff0");
     assert_eq!(answer(&mut server, &[4, 1]), "fffa2c6801fff0");
@@ -64,7 +64,7 @@ fn a_server_with_xonxoff_obeys_the_control_and_one_without_passes_its_word_on() 
     assert_eq!((said(&mut server), server.next_for_line()), (String::new(), None));
     server.on_line(DC1);
     assert_eq!((server.next_for_line(), server.waiting()), (Some(b'1'), 1));
-    // Switched off, it lets go of what it had stopped.
+    // Switched off, the server continues.
     server.on_line(DC3);
     answer(&mut server, &[5, 1]);
     assert_eq!(server.next_for_line(), Some(b'X'));

@@ -1,4 +1,4 @@
-//! What is left on a surface, as a grid of colours.
+//! Remaining material on a surface, as a grid of colours.
 
 use std::fmt::Write;
 
@@ -8,11 +8,11 @@ use super::{LeftMap, Lengths};
 use crate::report::page::escaped;
 use crate::report::page::png::data_uri;
 
-/// Shades from nothing to most.
+/// Number of shades from nothing to most.
 const SHADES: usize = 252;
-/// Behind them: too much was taken.
+/// Colour index behind the shades: too much was removed.
 const OVERCUT: u8 = SHADES as u8;
-/// Behind that: nothing known.
+/// Last colour index: unknown.
 const UNKNOWN: u8 = OVERCUT + 1;
 
 const SCALE: [[f64; 3]; 3] = [[245.0, 245.0, 235.0], [90.0, 170.0, 160.0], [20.0, 40.0, 110.0]];
@@ -21,7 +21,7 @@ const RED: [u8; 3] = [200, 20, 20];
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 240.0;
 
-/// The map with its scale; `index` tells the scales of a page apart.
+/// Map with its scale; `index` distinguishes the scales of a page.
 pub fn svg(map: &LeftMap, index: usize, unit: LengthUnit) -> String {
     let lengths = Lengths(unit);
     let known = || map.values_mm.iter().flatten().copied();

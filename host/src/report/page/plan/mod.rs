@@ -1,6 +1,6 @@
-//! The report of a plan: what was planned, whether it is safe, and what it is worth.
+//! Report of a plan: the planned path, its safety, and its time compared with the baseline.
 //!
-//! Plain inputs, all lengths in millimetres, places in the slot frame; the page shows them in the program's unit.
+//! Plain inputs: all lengths in millimetres, places in the slot frame. The page shows them in the program's unit.
 
 mod grid;
 
@@ -16,138 +16,138 @@ use arcfeed_shared::units::LengthUnit;
 
 use super::{Page, Section};
 
-/// Everything that the page shows.
+/// Content of the page.
 #[derive(Clone, Debug)]
 pub struct PlanReport {
-    /// The part's name.
+    /// Name of the part.
     pub name: String,
-    /// Of all lengths shown.
+    /// Unit of all lengths on the page.
     pub unit: LengthUnit,
-    /// In words.
+    /// Verdict in words.
     pub verdict: Verdict,
-    /// How the rotor lies.
+    /// Position of the rotor.
     pub axis: Axis,
-    /// The tool.
+    /// Tool.
     pub mill: CupMill,
-    /// The path of one slot.
+    /// Path of one slot.
     pub path: SlotPath,
-    /// What ended the turns about A and B1, level by level.
+    /// Reasons for the ends of the turns about A and B1, level by level.
     pub stops: Vec<Stops>,
-    /// Where the stock ends.
+    /// Limits of the stock.
     pub limits: Vec<StockLimit>,
     /// Times.
     pub times: Times,
-    /// How near the tool comes to everything.
+    /// Clearances between the parts of the tool and the obstacles.
     pub clearances: Vec<Clearance>,
-    /// What it removes.
+    /// Removed volumes.
     pub removed: Option<Removed>,
-    /// What it leaves.
+    /// Remaining material.
     pub left: Vec<LeftMap>,
-    /// What there is around the tool, seen along it.
+    /// Outlines of the surroundings, seen along the tool.
     pub outlines: Vec<Outline>,
 }
 
-/// Whether the plan may be used.
+/// Verdict on the use of the plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Verdict {
-    /// Nothing is touched, and nothing is left unsaid.
+    /// The tool collides with nothing, and every question is answered.
     pub is_safe: bool,
-    /// A sentence each.
+    /// Sentences of the verdict.
     pub sentences: Vec<String>,
 }
 
-/// How the rotor lies under the tool.
+/// Position of the rotor under the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     /// The tool's axis in the part frame.
     pub direction: [f64; 3],
-    /// A, of all slots.
+    /// A, the same for all slots.
     pub tilt_deg: f64,
     /// B of the first slot.
     pub first_deg: f64,
-    /// How many slots.
+    /// Number of slots.
     pub slots: u32,
 }
 
-/// What ended the turns of a level.
+/// Reasons for the ends of the turns of a level.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Stops {
-    /// That about A, at D.
+    /// Reason for the end of the turn about A, at D.
     pub exterior: String,
-    /// That about B1, at E.
+    /// Reason for the end of the turn about B1, at E.
     pub interior: String,
 }
 
-/// The path's time and the baseline's.
+/// Times of the path and of the baseline.
 #[derive(Clone, Debug)]
 pub struct Times {
-    /// One slot on the planned path.
+    /// Time of one slot on the planned path.
     pub planned: PlannedTime,
-    /// The baseline, or why there is none.
+    /// Baseline, or the reason why there is none.
     pub baseline: Result<Baseline, String>,
 }
 
 /// Flank milling of one slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Baseline {
-    /// The mill.
+    /// Ball-end mill.
     pub mill: FlankMilling,
-    /// Its levels and passes.
+    /// Levels and passes.
     pub passes: Passes,
-    /// Its time.
+    /// Time of the baseline.
     pub time: SlotTime,
 }
 
-/// The least distance between a part of the tool and an obstacle over the whole way.
+/// Least distance between a part of the tool and an obstacle over the whole path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clearance {
-    /// `ring`, `body`, `holder`.
+    /// Part of the tool: `ring`, `body`, `holder`.
     pub part: String,
-    /// From what.
+    /// Obstacle.
     pub obstacle: String,
-    /// It is at least this.
+    /// Lower bound of the distance.
     pub certified_mm: f64,
-    /// And at most this, which was found.
+    /// Upper bound: a distance that was found.
     pub found_mm: f64,
-    /// Where on the way.
+    /// Place on the path.
     pub place: String,
 }
 
 /// Volumes of one slot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Removed {
-    /// Between the allowances, within the blank.
+    /// Volume between the allowances, within the blank.
     pub available_mm3: f64,
-    /// Of that.
+    /// Removed part of it.
     pub removed_mm3: f64,
-    /// By each level, from the top.
+    /// Part removed by each level, from the top.
     pub levels_mm3: Vec<f64>,
 }
 
-/// What is left on a surface above its allowance; negative where too much was taken.
+/// Remaining material on a surface above its allowance; negative where too much was removed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftMap {
-    /// Which surface.
+    /// Name of the surface.
     pub surface: String,
-    /// What lies to the left, the right, below and above.
+    /// Names of its left, right, lower and upper neighbours.
     pub sides: [String; 4],
     /// Cells in a row.
     pub columns: usize,
-    /// Row by row from below; nothing where the tool was never near.
+    /// Values row by row from below; `None` where the tool never came near.
     pub values_mm: Vec<Option<f64>>,
 }
 
-/// A curve seen along the tool.
+/// Curve seen along the tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
-    /// What it is.
+    /// Name of the curve.
     pub name: String,
-    /// Its points.
+    /// Points of the curve.
     pub points_mm: Vec<[f64; 2]>,
 }
 
 impl PlanReport {
-    /// The page.
+    /// Renders the page.
     pub fn page(&self) -> Page {
         let section = |heading: &str, body: String| Section { heading: heading.into(), body };
         let mut sections = vec![
@@ -172,7 +172,7 @@ impl PlanReport {
     }
 }
 
-/// Lengths and volumes as the page shows them.
+/// Unit of lengths and volumes on the page.
 #[derive(Clone, Copy, Debug)]
 struct Lengths(LengthUnit);
 
@@ -198,7 +198,7 @@ impl Lengths {
         }
     }
 
-    /// Cubic inches, or cubic centimetres.
+    /// Volume in cubic inches, or cubic centimetres.
     fn volume(self, volume_mm3: f64) -> String {
         let edge_mm = match self.0 {
             LengthUnit::Inch => arcfeed_shared::units::MM_PER_INCH,

@@ -1,4 +1,4 @@
-//! The slot seen along the tool: blades, ring at the base position, and the way of its centre.
+//! Picture of the slot seen along the tool: blades, ring at the base position, and the path of its centre.
 
 use std::fmt::Write;
 
@@ -10,12 +10,12 @@ use super::{Outline, PlanReport};
 use crate::report::page::escaped;
 
 const WIDTH: f64 = 700.0;
-/// Around what is shown, as a part of it.
+/// Margin around the content, as a fraction of it.
 const MARGIN: f64 = 0.06;
-/// Of the movements, from 1.
+/// Colours of the movements, from 1.
 const COLORS: [&str; 4] = ["#c0392b", "#2471a3", "#1e8449", "#b9770e"];
 
-/// Two pictures: everything, and the centre's way alone.
+/// Two pictures: all curves, and the path of the centre alone.
 pub fn slot(report: &PlanReport) -> String {
     let PlanReport { path, mill, outlines, .. } = report;
     let radius_mm = mill.outer_radius_mm;
@@ -55,7 +55,7 @@ struct Picture {
 }
 
 impl Picture {
-    /// Large enough for these points.
+    /// Picture large enough for these points.
     fn of(points_mm: impl Iterator<Item = [f64; 2]>) -> Self {
         let (mut low_mm, mut high_mm) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for point in points_mm.filter(|[x, y]| x.is_finite() && y.is_finite()) {
@@ -82,7 +82,7 @@ impl Picture {
         self.svg + "</svg>\n"
     }
 
-    /// Y goes up.
+    /// Position in the picture, with Y upwards.
     fn at(&self, x_mm: f64, y_mm: f64) -> [f64; 2] {
         [(x_mm - self.low_mm[0]) * self.scale, (self.high_mm[1] - y_mm) * self.scale]
     }

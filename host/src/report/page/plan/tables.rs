@@ -1,4 +1,4 @@
-//! The tables of a plan's page.
+//! Tables of a plan's page.
 
 use std::fmt::Write;
 
@@ -10,7 +10,7 @@ use arcfeed_shared::units::{LengthUnit, S_PER_MIN};
 use super::{Baseline, Lengths, PlanReport, Removed, Verdict};
 use crate::report::page::escaped;
 
-/// A table: its heads, and rows of cells that are text.
+/// Table with its heads, and rows of text cells.
 fn table(heads: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
     let row = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
         let cells: String = cells.map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell))).collect();
