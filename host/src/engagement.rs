@@ -5,7 +5,7 @@
 //! is identified by its path, so that a changed transmission of the program (other feeds, a start in the middle) finds
 //! its moves.
 
-pub mod covering;
+pub mod knot_cover;
 
 use std::fmt::Write;
 use std::path::Path;
@@ -263,14 +263,14 @@ mod tests {
             format!("{:?} {message}", place(text, offset))
         };
         assert!(said(&text, 78).starts_with("[3, 11] this map is of another program"), "{}", said(&text, 78));
-        for (from, to, told) in [
+        for (from, to, text) in [
             ("engaged = [", "engage = [", "[9, 1] no engagement map"),
             ("key = \"", "key = \"0", "[8, 7] `key` is 16"),
             ("[1.0,", "[0.0,", "[9, 11] the path must grow"),
             ("91.000", "999.0", "[9, 11] from and to are degrees"),
         ] {
             let said = said(&text.replacen(from, to, 1), 77);
-            assert!(said.starts_with(told) && said.contains("arcfeed engage"), "{said}");
+            assert!(said.starts_with(text) && said.contains("arcfeed engage"), "{said}");
         }
     }
 }

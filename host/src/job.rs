@@ -154,7 +154,7 @@ impl ControlKind {
 pub(crate) type Complaint = (usize, String);
 
 /// Context in which a cut rule is read.
-struct Around<'t> {
+struct RuleContext<'t> {
     unit: LengthUnit,
     tool: &'t Tool,
     law: LawKind,
@@ -280,7 +280,7 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let program = folder.join(table.program.as_ref());
     let workpiece = workpiece::build(table, &job, folder)?;
     let height_mm = workpiece.as_ref().map(|workpiece| workpiece.body.height_mm);
-    let cutting = table.cutting.as_ref().map(|told| cutting::build(told, &job, height_mm)).transpose()?;
+    let cutting = table.cutting.as_ref().map(|entry| cutting::build(entry, &job, height_mm)).transpose()?;
     let map_file = rules::map(table)?.map(|file| folder.join(file.as_ref()));
     let serial = serial::build(&table.serial)?;
     let dnc = dnc::build(&table.dnc, &serial)?;

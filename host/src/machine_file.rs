@@ -46,7 +46,7 @@ use toml::Spanned;
 use crate::place::place;
 use crate::toml_values::{refuse_numbers, with_key};
 
-use drives::{DriveError, Drives, Loops, SpindleRamps, Told, Tolerance};
+use drives::{DriveError, DriveValues, Drives, Loops, SpindleRamps, Tolerance};
 
 /// Machine with its name.
 #[derive(Clone, Debug, PartialEq)]
@@ -152,7 +152,7 @@ impl MachineFile {
         let rotary = table.rotary.each_ref().map(|axis| rotary_axis(axis.as_ref()));
         let machine = Machine::new(rotary, linear, table.tool.unwrap_or([0.0, 0.0, 1.0]));
         let machine = machine.map_err(|error| at(table.offset_of(&error), error.to_string()))?;
-        let drives = Drives::new(table.told(), table.corners)
+        let drives = Drives::new(table.drive_values(), table.corners)
             .map_err(|error| at(table.offset_of_drive(error), error.to_string()))?;
         let possible = |is_possible: bool, offset: usize, what: &str| {
             if is_possible { Ok(()) } else { Err(at(offset, what.into())) }
@@ -172,7 +172,7 @@ impl MachineFile {
 
 impl MachineTable {
     /// Drive values of X, Y, Z and the rotary axes.
-    fn told(&self) -> [Told; 5] {
+    fn drive_values(&self) -> [DriveValues; 5] {
         let LinearTables { X, Y, Z } = &self.linear;
         let [x, y, z] = [X, Y, Z].map(|axis| axis.as_ref()).map(|axis| [axis.max_feed, axis.acceleration, axis.jerk]);
         let [first, second] =

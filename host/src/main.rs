@@ -4,8 +4,8 @@
 use std::process::ExitCode;
 
 use arcfeed::commands::{
-    adapt::Adapt, board::Board, check::Check, engage::Engage, init::Init, parameters::Parameters, plan::Plan,
-    ports::Ports, post::Post, serve::Serve, simulate::Simulate, stream::Stream, verify::Verify,
+    adapt::Adapt, board::BoardCommand, check::Check, engage::Engage, init::Init, parameters::Parameters,
+    plan::PlanCommand, ports::Ports, post::Post, serve::Serve, simulate::Simulate, stream::Stream, verify::Verify,
 };
 use clap::{Parser, Subcommand};
 
@@ -26,14 +26,14 @@ enum Command {
     Init(Init),
     Engage(Engage),
     Adapt(Adapt),
-    Plan(Plan),
+    Plan(PlanCommand),
     Post(Post),
     Stream(Stream),
     Verify(Verify),
     Simulate(Simulate),
     Serve(Serve),
     Ports(Ports),
-    Board(Board),
+    Board(BoardCommand),
     Parameters(Parameters),
 }
 

@@ -1,8 +1,8 @@
 //! NC program as a file: each line with its bytes, meaning and place.
 
-mod skipping;
+mod block_delete;
 
-mod tally;
+mod move_counts;
 
 mod move_trace;
 
@@ -28,13 +28,13 @@ use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{LengthUnit, Nm};
 
+pub use block_delete::BlockDeleteEffect;
 pub use expand::{Expansion, Folder, RunBounds};
 use lines::LineReader;
+pub use move_counts::MoveCounts;
 pub use move_trace::MoveTrace;
-pub use skipping::Skipping;
 pub use source::{Source, check_line_count, read_bounded};
-pub use summary::Summary;
-pub use tally::Tally;
+pub use summary::ProgramSummary;
 
 /// Program, read as a whole.
 #[derive(Clone, Debug)]
@@ -46,7 +46,7 @@ pub struct Program {
     /// Diagnostics, in order of place.
     pub diagnostics: Vec<Diagnostic>,
     /// Counts of the moves.
-    pub moves: Tally,
+    pub moves: MoveCounts,
     /// First line with a macro statement or a call, counted from 1, if there is one.
     pub macro_line: Option<usize>,
     /// State of the control before the first line.
@@ -73,7 +73,7 @@ pub struct ProgramLine {
     /// Tool and spindle, as commanded up to this line.
     pub machining: Machining,
     /// Effect of the line with the block-delete switches on, if it differs from that with them off.
-    pub skipping: Option<Skipping>,
+    pub skipping: Option<BlockDeleteEffect>,
 }
 
 /// Message about a place in the program.
@@ -128,7 +128,7 @@ impl ProgramLine {
     }
 
     /// Diagnostic for the first line of a program, if a control on a line takes it for the label.
-    fn lost_label(&self) -> Option<Diagnostic> {
+    fn missing_label(&self) -> Option<Diagnostic> {
         let has_code = self.meaning.as_ref().is_none_or(|meaning| !meaning.parsed.block.is_empty());
         has_code.then(|| Diagnostic::of_line(1, &self.text, NO_LABEL))
     }
@@ -170,8 +170,8 @@ impl Program {
     }
 
     /// Diagnostic for a first block that a control on a line takes for the label.
-    pub fn lost_label(&self) -> Option<Diagnostic> {
-        self.lines.first()?.lost_label()
+    pub fn missing_label(&self) -> Option<Diagnostic> {
+        self.lines.first()?.missing_label()
     }
 
     fn empty(path: &Path, macro_line: Option<usize>, control: &Reader) -> Self {
@@ -180,7 +180,7 @@ impl Program {
             path: path.to_owned(),
             lines,
             diagnostics,
-            moves: Tally::default(),
+            moves: MoveCounts::default(),
             macro_line,
             control,
             run: Vec::new(),
@@ -363,7 +363,7 @@ mod tests {
     fn nothing_behind_the_closing_mark_is_read() {
         let program = parse("%\nG1X1.F5.\n%\n\x1a\nTHE END\nG14\n", Reading::Lenient);
         let places: Vec<_> = program.diagnostics.iter().map(|found| (found.line, found.severity)).collect();
-        assert_eq!((places, Summary::new(&program.lines).blocks), (vec![(5, Severity::Warning)], 1));
+        assert_eq!((places, ProgramSummary::new(&program.lines).blocks), (vec![(5, Severity::Warning)], 1));
         assert_eq!(parse("(LEADER)\nG1X1.F5.\n%\nG14\n", Reading::Lenient).diagnostics.len(), 1);
         assert!(parse("%\nG14\n%\n", Reading::Lenient).has_errors());
     }
@@ -371,7 +371,7 @@ mod tests {
     #[test]
     fn a_first_block_without_a_mark_is_lost_on_a_line() {
         for (text, is_lost) in [("G1X1.\n", true), ("%\nG1X1.\n", false), ("\nG1X1.\n", false), ("(A)\nG1\n", false)] {
-            assert_eq!(parse(text, Reading::Lenient).lost_label().is_some(), is_lost, "{text}");
+            assert_eq!(parse(text, Reading::Lenient).missing_label().is_some(), is_lost, "{text}");
         }
     }
 

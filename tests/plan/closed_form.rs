@@ -3,8 +3,8 @@
 //! With the pressure side's tip at angle 0, both normals there lie in planes through the tool's axis, which so is radial: x of the part. In
 //! the slot frame a place is (y, z, x) of the part. Radii and centres are those of the walls with their allowance.
 
-use arcfeed_plan::cup_mill::level::Obstacle;
-use arcfeed_plan::cup_mill::lowest::lowest_mm;
+use arcfeed_plan::cup_mill::depth::lowest_mm;
+use arcfeed_plan::cup_mill::level::StopSurface;
 use arcfeed_plan::cup_mill::patch::Patch;
 use arcfeed_plan::cup_mill::plan::{SlotPlan, plan};
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution, Slot};
@@ -75,7 +75,7 @@ fn nearest(places: [Flat; 2], to: Flat) -> Flat {
 }
 
 /// The slot: concave pressure side through (0, HALF_MM), convex suction side ending at B.
-struct Case {
+struct ProofCase {
     pressure: Arc,
     suction: Arc,
     centre: Flat,
@@ -84,7 +84,7 @@ struct Case {
 }
 
 /// A base position turned by `turned_rad` from the one that touches both ends of the pressure side's chord.
-fn case(pressure_mm: f64, turned_rad: f64) -> Case {
+fn case(pressure_mm: f64, turned_rad: f64) -> ProofCase {
     let cutter = ring();
     let exterior = Flat::new(0.0, HALF_MM);
     let pressure = Arc::through(exterior, true, pressure_mm, 0.0);
@@ -105,10 +105,10 @@ fn case(pressure_mm: f64, turned_rad: f64) -> Case {
         hub: Revolution { profile_mm: vec![[-40.0, HUB_MM], [40.0, HUB_MM]] },
         blank: Blank { radius_mm: BLANK_MM, faces_mm: [-20.0, 20.0] },
     };
-    Case { pressure, suction, centre, blisk, slot }
+    ProofCase { pressure, suction, centre, blisk, slot }
 }
 
-impl Case {
+impl ProofCase {
     fn plan(&self) -> SlotPlan {
         let mut demands = roughing();
         demands.interior_contact = SHARE;
@@ -204,7 +204,7 @@ fn turns_end_where_circles_touch() {
     let pivot = case.pivot(SHARE);
     let mut worst_mm = [0.0_f64; 2];
     for (level, [exterior, interior]) in plan.path.levels.iter().zip(&plan.stops) {
-        assert_eq!(exterior.at.map(|at| at.0), Some(Obstacle::Pressure), "at {}", level.height_mm);
+        assert_eq!(exterior.at.map(|at| at.0), Some(StopSurface::Pressure), "at {}", level.height_mm);
         let drawn_in_mm = case.drawn_in_mm(level.height_mm);
         let ends = crossings(lead, outer_mm, trail, outer_mm - drawn_in_mm);
         worst_mm[0] = worst_mm[0].max((level.exterior_end - nearest(ends, case.centre)).norm());
@@ -212,7 +212,7 @@ fn turns_end_where_circles_touch() {
         let ends = crossings(pivot, inner_mm, case.suction.centre, within_mm);
         // The first level may be left where the line to the second one is clear.
         if drawn_in_mm == 0.0 {
-            assert_eq!(interior.at.map(|at| at.0), Some(Obstacle::Suction), "at {}", level.height_mm);
+            assert_eq!(interior.at.map(|at| at.0), Some(StopSurface::Suction), "at {}", level.height_mm);
             worst_mm[1] = worst_mm[1].max((level.interior_end - nearest(ends, case.tangent_centre(SHARE))).norm());
         }
     }

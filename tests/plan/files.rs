@@ -4,22 +4,22 @@ use std::fmt::Write;
 
 use arcfeed_plan::geometry::blade::{RotorAxis, Sections, length_mm};
 use arcfeed_plan::geometry::blisk::Revolution;
-use arcfeed_plan::geometry::curves::{self, Texts, Which};
-use arcfeed_plan::geometry::generate::Rotor;
-use arcfeed_plan::geometry::reading::{Drawn, Fault, ReadError};
+use arcfeed_plan::geometry::curves::{self, CurveFile, Texts};
+use arcfeed_plan::geometry::generator::Rotor;
+use arcfeed_plan::geometry::point_file::{Fault, PointFileFrame, ReadError};
 use arcfeed_plan::geometry::sections;
 use arcfeed_plan::vector::Point;
 
 use crate::published_rotor::{ROTOR, TEXT, farthest_mm, sections as published};
 
-const Y: Drawn = Drawn { axis: RotorAxis::Y, unit_mm: 1.0 };
-const Z: Drawn = Drawn { axis: RotorAxis::Z, unit_mm: 1.0 };
+const Y: PointFileFrame = PointFileFrame { axis: RotorAxis::Y, unit_mm: 1.0 };
+const Z: PointFileFrame = PointFileFrame { axis: RotorAxis::Z, unit_mm: 1.0 };
 
 fn hub() -> Revolution {
     Revolution { profile_mm: vec![[-20.0, 70.0], [20.0, 70.0]] }
 }
 
-fn refused(text: &str, drawn: &Drawn) -> ReadError {
+fn refused(text: &str, drawn: &PointFileFrame) -> ReadError {
     sections::read(text, drawn, &hub()).expect_err("the table is wrong")
 }
 
@@ -27,7 +27,7 @@ fn refused(text: &str, drawn: &Drawn) -> ReadError {
 fn the_table_of_sections_is_read_point_for_point() {
     let read = sections::read(TEXT, &Y, &hub()).unwrap();
     assert_eq!(read, published());
-    let inch = Drawn { unit_mm: 25.4, ..Y };
+    let inch = PointFileFrame { unit_mm: 25.4, ..Y };
     let large = Revolution { profile_mm: hub().profile_mm.iter().map(|place| place.map(|x| x * 25.4)).collect() };
     let read = sections::read(TEXT, &inch, &large).unwrap();
     assert!((read.pressure[3][5] - published().pressure[3][5] * 25.4).norm() < 1e-9);
@@ -159,7 +159,7 @@ fn a_hub_that_runs_down_the_axis_turns_leading_and_trailing_edge_round() {
 
 #[test]
 fn a_mirrored_rotor_keeps_its_concave_side_as_the_pressure_side() {
-    let left = Rotor { hand: arcfeed_plan::geometry::generate::Hand::Left, ..ROTOR }.sections(3, 81).unwrap();
+    let left = Rotor { hand: arcfeed_plan::geometry::generator::Hand::Left, ..ROTOR }.sections(3, 81).unwrap();
     let (hub, shroud) = (curve(70.0, [-20.0, 20.0]), curve(99.0, [-20.0, 20.0]));
     let text = profile(&left, false, false);
     let read = curves::read(&Texts { hub: &hub, shroud: &shroud, profile: &text }, &Z).unwrap();
@@ -174,22 +174,22 @@ fn wrong_curve_files_are_refused_by_file_and_line() {
     let blade = ROTOR.sections(3, 21).unwrap();
     let (hub, shroud) = (curve(70.0, [-20.0, 20.0]), curve(99.0, [-20.0, 20.0]));
     let good = profile(&blade, false, false);
-    let refused = |hub: &str, shroud: &str, profile: &str, drawn: &Drawn| {
+    let refused = |hub: &str, shroud: &str, profile: &str, drawn: &PointFileFrame| {
         curves::read(&Texts { hub, shroud, profile }, drawn).expect_err("a file is wrong")
     };
     let back = hub.replace("-4.000000", "-13.000000");
     let (which, error) = refused(&back, &shroud, &good, &Z);
-    assert_eq!((which, error.line), (Which::Hub, 5), "{error}");
+    assert_eq!((which, error.line), (CurveFile::Hub, 5), "{error}");
     assert!(matches!(error.fault, Fault::TurnsBack { .. }));
     let (which, error) = refused(&hub, &curve(60.0, [-20.0, 20.0]), &good, &Z);
-    assert!(matches!((which, &error.fault), (Which::Shroud, Fault::Shroud { below_mm, .. }) if *below_mm == 10.0));
+    assert!(matches!((which, &error.fault), (CurveFile::Shroud, Fault::Shroud { below_mm, .. }) if *below_mm == 10.0));
     let open: String = good
         .lines()
         .enumerate()
         .filter(|(at, _)| !(25..42).contains(at))
         .fold(String::new(), |all, (_, l)| all + l + "\n");
     let (which, error) = refused(&hub, &shroud, &open, &Z);
-    assert_eq!((which, error.line), (Which::Profile, 2), "{error}");
+    assert_eq!((which, error.line), (CurveFile::Profile, 2), "{error}");
     assert!(error.to_string().contains("section 1 is open: "), "{error}");
     let (_, error) = refused(&hub, &shroud, &good.replacen('\t', " x", 1), &Z);
     assert!(matches!(error, ReadError { line: 2, fault: Fault::NotANumber(_), .. }), "{error}");
@@ -200,11 +200,11 @@ fn wrong_curve_files_are_refused_by_file_and_line() {
     let (_, error) = refused(&hub, &shroud, "# Profile 1\n1 2 3\n", &Z);
     assert!(matches!(error.fault, Fault::Sections { found: 1 }), "{error}");
     for axis in [RotorAxis::X, RotorAxis::Y] {
-        let (which, error) = refused(&hub, &shroud, &good, &Drawn { axis, unit_mm: 1.0 });
-        assert!(matches!((which, &error.fault), (Which::Hub, Fault::TurnsBack { .. })), "{error}");
+        let (which, error) = refused(&hub, &shroud, &good, &PointFileFrame { axis, unit_mm: 1.0 });
+        assert!(matches!((which, &error.fault), (CurveFile::Hub, Fault::TurnsBack { .. })), "{error}");
         assert!(error.to_string().contains("give the rotor's `axis`"));
     }
     // A hub that belongs to another rotor.
     let (which, error) = refused(&curve(700.0, [-20.0, 20.0]), &curve(990.0, [-20.0, 20.0]), &good, &Z);
-    assert!(matches!((which, error.fault), (Which::Profile, Fault::OffTheHub { .. })));
+    assert!(matches!((which, error.fault), (CurveFile::Profile, Fault::OffTheHub { .. })));
 }

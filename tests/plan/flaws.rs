@@ -3,8 +3,8 @@
 use arcfeed_plan::geometry::blade::Sections;
 use arcfeed_plan::geometry::blisk::{Blank, Blisk};
 use arcfeed_plan::geometry::face::Face;
-use arcfeed_plan::geometry::flaws::{Flaw, Side, flaws, hollowness_per_mm, nearest};
-use arcfeed_plan::geometry::generate::Rotor;
+use arcfeed_plan::geometry::flaws::{BladeSide, Flaw, flaws, hollowness_per_mm, nearest};
+use arcfeed_plan::geometry::generator::Rotor;
 use arcfeed_plan::vector::{Point, Vector};
 
 use crate::published_rotor::{ROTOR, blisk, rotor};
@@ -67,7 +67,9 @@ fn a_groove_narrower_than_the_allowance_folds_its_offset() {
     };
     let expected_mm = length_mm * length_mm / (2.0 * core::f64::consts::PI * core::f64::consts::PI * depth_mm);
     let found = found(&rotor(&plate));
-    let [Flaw::Folded { side: Side::Pressure, at: [u, _], radius_mm, .. }] = found[..] else { panic!("{found:?}") };
+    let [Flaw::Folded { side: BladeSide::Pressure, at: [u, _], radius_mm, .. }] = found[..] else {
+        panic!("{found:?}")
+    };
     println!("radius {radius_mm:.4} mm, in closed form {expected_mm:.4} mm");
     assert!((u - 0.5).abs() < 0.01 && (radius_mm / expected_mm - 1.0).abs() < 0.02);
     assert!(flaws(&rotor(&plate), radius_mm * 0.99).is_empty());

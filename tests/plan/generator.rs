@@ -2,7 +2,7 @@
 
 use arcfeed_plan::geometry::blade::{Sections, length_mm};
 use arcfeed_plan::geometry::face::Face;
-use arcfeed_plan::geometry::generate::{Hand, Rotor, RotorError};
+use arcfeed_plan::geometry::generator::{Hand, Rotor, RotorError};
 use arcfeed_plan::vector::Point;
 
 use crate::published_rotor::{ROTOR, farthest_mm, sections};

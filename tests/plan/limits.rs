@@ -5,7 +5,7 @@ use arcfeed_firmware::law::{FeedLaw, Place, SegmentLaw};
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::frame::slot_frame;
 use arcfeed_plan::geometry::blisk::Blank;
-use arcfeed_plan::output::limits::{BlankFace, Bound, LimitError, StockLimit, bounds, stock_limits};
+use arcfeed_plan::output::limits::{BlankFace, LimitError, StockBound, StockLimit, bounds, stock_limits};
 use arcfeed_plan::path::{Level, Purpose, SlotPath, Step};
 use arcfeed_plan::vector::{Flat, Point, Vector};
 use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
@@ -117,8 +117,8 @@ fn laid_open_mm(u: [f64; 2], delta: [f64; 2], radius_mm: f64, edge: Edge) -> f64
 }
 
 /// One line and the law of the source, or several and the law of the whole engaged arc.
-fn job(limit: &StockLimit, bounds: &[Bound]) -> Job {
-    let of = |bound: &Bound| StockLine {
+fn job(limit: &StockLimit, bounds: &[StockBound]) -> Job {
+    let of = |bound: &StockBound| StockLine {
         rise_ratio: bound.rise_ratio,
         ..StockLine::from_angle(bound.normal_deg, bound.offset_mm)
     };
@@ -170,7 +170,7 @@ fn segment(step: &Step, center: Flat, turn: Turn) -> Segment {
 
 /// Chips at the face of one movement with the law's feed: at the limit, and the thickest of both circles on either side of the pivot
 /// that a scan over the stock between the faces finds.
-fn chips(limit: &StockLimit, bounds: &[Bound], step: &Step, lean_deg: f64) -> Vec<[f64; 2]> {
+fn chips(limit: &StockLimit, bounds: &[StockBound], step: &Step, lean_deg: f64) -> Vec<[f64; 2]> {
     let (center, turn) = step.about.expect("an arc");
     let (segment, job) = (segment(step, center, turn), job(limit, bounds));
     let law = SegmentLaw::for_segment(&segment, job.rules.first(), &job);

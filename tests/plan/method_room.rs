@@ -1,7 +1,7 @@
 //! The room of a ring against plain grids of directions and centres.
 
-use arcfeed_plan::cup_mill::fit::{Room, Walls};
-use arcfeed_plan::cup_mill::side::{FarEdge, Hub, Side};
+use arcfeed_plan::cup_mill::fit::{Room, SidePoints};
+use arcfeed_plan::cup_mill::side::{FarEdge, Hub, OffsetSide};
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::geometry::blisk::{Blisk, Slot};
 use arcfeed_plan::vector::{Flat, Point, Vector};
@@ -13,10 +13,10 @@ use crate::twisted::{ALLOWANCE_MM, ROTORS, ring};
 /// Every so manieth sample of the planner's sides each way; the dense ones of a slot are the yardstick of what that costs.
 const STRIDE: usize = 4;
 
-fn sides(blisk: &Blisk, slot: &Slot) -> [Side; 2] {
+fn sides(blisk: &Blisk, slot: &Slot) -> [OffsetSide; 2] {
     let hub = Hub { hub: &blisk.hub, allowance_mm: ALLOWANCE_MM };
     let faces = [(&slot.pressure, FarEdge::Trailing), (&slot.suction, FarEdge::Leading)];
-    faces.map(|(face, far)| Side::new(face, far, &hub, &Rotation3::identity()).unwrap())
+    faces.map(|(face, far)| OffsetSide::new(face, far, &hub, &Rotation3::identity()).unwrap())
 }
 
 /// Both sides' points as a tool along `direction` sees them, in a frame of our own.
@@ -90,7 +90,7 @@ fn the_roomiest_direction_is_that_of_a_grid_of_directions_and_centres() {
     for rotor in &ROTORS {
         let (blisk, slot) = rotor.slot(0.0);
         let sides = sides(&blisk, &slot);
-        let roomiest = Walls::new(&sides[0], &sides[1]).roomiest(&ring()).unwrap();
+        let roomiest = SidePoints::new(&sides[0], &sides[1]).roomiest(&ring()).unwrap();
         let points = [0, 1].map(|k: usize| sides[k].patch.thinned(STRIDE).copied().collect::<Vec<Point>>());
         let bearing = libm::atan2(slot.pressure.point(0.5, 0.5).y, slot.pressure.point(0.5, 0.5).x);
         let direction = |[aside, up]: [f64; 2]| {
@@ -124,7 +124,7 @@ fn a_wider_ring_has_less_room_by_what_it_is_wider_on_each_side() {
     for rotor in &ROTORS {
         let (blisk, slot) = rotor.slot(0.0);
         let sides = sides(&blisk, &slot);
-        let walls = Walls::new(&sides[0], &sides[1]);
+        let walls = SidePoints::new(&sides[0], &sides[1]);
         let plain = walls.roomiest(&ring()).unwrap();
         let aside = (plain.direction + Vector::z() * 0.1).normalize();
         for direction in [plain.direction, aside] {

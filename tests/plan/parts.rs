@@ -1,17 +1,17 @@
 //! Twenty rotors, from easy to impossible: what the planner says of each, and what searches and samples say that share nothing with
 //! planner and proof but the blades' surfaces and the tool's shape. The table is docs/plan-parts.md, whose verdicts are held.
 
-use arcfeed_plan::cup_mill::infeasible::Infeasible;
+use arcfeed_plan::cup_mill::infeasibility::Infeasible;
 use arcfeed_plan::cup_mill::plan::{SlotPlan, plan};
-use arcfeed_plan::cutter::{CupMill, Part};
+use arcfeed_plan::cutter::{CupMill, ToolPart};
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
 use arcfeed_plan::geometry::face::Face;
-use arcfeed_plan::geometry::generate::Rotor;
+use arcfeed_plan::geometry::generator::Rotor;
 use arcfeed_plan::proof::clearance::{Obstacle, clearance};
 use arcfeed_plan::proof::floor::Floor;
-use arcfeed_plan::proof::left::Walls;
-use arcfeed_plan::proof::removed::{Stock, removed};
-use arcfeed_plan::proof::verdict::{Case, bodies};
+use arcfeed_plan::proof::remaining::SlotWalls;
+use arcfeed_plan::proof::removal::{Stock, removed};
+use arcfeed_plan::proof::verdict::{ProofCase, bodies};
 use arcfeed_plan::vector::{Flat, Point, Vector};
 use nalgebra::Rotation3;
 
@@ -89,7 +89,7 @@ fn sampled_mm(plan: &SlotPlan, tool: &CupMill, points: &[Point]) -> f64 {
         for point in points.iter().filter(|point| point.z > pose.z - 3.0) {
             let square = (point.xy() - pose.xy()).norm_squared();
             if (within..without).contains(&square) {
-                least_mm = least_mm.min(tool.distance_of_mm(Part::Ring, libm::sqrt(square), point.z - pose.z));
+                least_mm = least_mm.min(tool.distance_of_mm(ToolPart::Ring, libm::sqrt(square), point.z - pose.z));
             }
         }
     }
@@ -98,10 +98,11 @@ fn sampled_mm(plan: &SlotPlan, tool: &CupMill, points: &[Point]) -> f64 {
 
 /// Proven clearances of the ring from the finished blades.
 fn proven_mm(blisk: &Blisk, plan: &SlotPlan, tool: &CupMill) -> [f64; 2] {
-    let case = Case { blisk, tool, path: &plan.path, to_slot: plan.turn, allowance_mm: ALLOWANCE_MM, fixture: &[] };
+    let case =
+        ProofCase { blisk, tool, path: &plan.path, to_slot: plan.turn, allowance_mm: ALLOWANCE_MM, fixture: &[] };
     let bodies = bodies(&case, CHORD_MM);
     let blades = bodies.iter().find(|body| body.obstacle == Obstacle::Blades).expect("blades");
-    clearance(tool, Part::Ring, &plan.path.steps(), blades, GAP_MM).bounds_mm
+    clearance(tool, ToolPart::Ring, &plan.path.steps(), blades, GAP_MM).bounds_mm
 }
 
 /// The most room that a ring has anywhere: over directions of the tool and places of its axis, by a search that tries steps of a half, in
@@ -175,7 +176,7 @@ impl Room {
 
 /// Removed part of the slot, percent.
 fn taken_percent(blisk: &Blisk, plan: &SlotPlan, tool: &CupMill) -> f64 {
-    let walls = Walls::new(&blisk.slot(), &blisk.hub, ALLOWANCE_MM, plan.turn).expect("walls");
+    let walls = SlotWalls::new(&blisk.slot(), &blisk.hub, ALLOWANCE_MM, plan.turn).expect("walls");
     let stock = Stock { blank: &blisk.blank, to_slot: plan.turn };
     let floor = Floor::new(tool, &plan.path.steps());
     100.0 * removed(&floor, plan.path.levels.len(), &stock, &walls, 1.0).share_ratio()

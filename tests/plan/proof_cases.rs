@@ -1,6 +1,6 @@
 //! Tools, ways and bodies for the proof's tests.
 
-use arcfeed_plan::cutter::{CupMill, Part};
+use arcfeed_plan::cutter::{CupMill, ToolPart};
 use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::path::{Purpose, Step};
 use arcfeed_plan::proof::clearance::{Body, Clearance, Obstacle, clearance};
@@ -46,7 +46,7 @@ pub fn body(triangles: Vec<Triangle>, chord_mm: f64) -> Body {
 }
 
 /// The clearance of a part, whose bounds are as near to each other as they should be.
-pub fn least(tool: &CupMill, part: Part, steps: &[Step], body: &Body) -> Clearance {
+pub fn least(tool: &CupMill, part: ToolPart, steps: &[Step], body: &Body) -> Clearance {
     let found = clearance(tool, part, steps, body, GAP_MM);
     let [low_mm, high_mm] = found.bounds_mm;
     let gap_mm = GAP_MM.max(-high_mm / 50.0);

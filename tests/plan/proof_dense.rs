@@ -1,6 +1,6 @@
 //! Clearances against dense samples of way and surface: no sample may be below the lower bound, and some must come near it.
 
-use arcfeed_plan::cutter::{CupMill, Part};
+use arcfeed_plan::cutter::{CupMill, ToolPart};
 use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::path::Step;
 use arcfeed_plan::vector::{Flat, Point};
@@ -66,7 +66,7 @@ fn no_sample_is_nearer_than_the_certified_bound() {
         let triangles: Vec<Triangle> = (0..4).map(|_| triangle(&mut random)).collect();
         let points: Vec<Point> = triangles.iter().flat_map(points).collect();
         let poses: Vec<Point> = steps.iter().flat_map(|step| poses(step, SPACING_MM)).collect();
-        for part in [Part::Ring, Part::Body, Part::Holder] {
+        for part in [ToolPart::Ring, ToolPart::Body, ToolPart::Holder] {
             let found = least(&tool, part, &steps, &body(triangles.clone(), 0.0));
             let off = |pose: &Point, point: &Point| (libm::hypot(point.x - pose.x, point.y - pose.y), point.z - pose.z);
             let pairs = poses.iter().flat_map(|pose| points.iter().map(move |point| off(pose, point)));

@@ -9,8 +9,8 @@ use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::geometry::blisk::Blisk;
 use arcfeed_plan::path::Step;
 use arcfeed_plan::proof::floor::Floor;
-use arcfeed_plan::proof::left::Walls;
-use arcfeed_plan::proof::removed;
+use arcfeed_plan::proof::remaining::SlotWalls;
+use arcfeed_plan::proof::removal;
 use arcfeed_plan::vector::{Point, Vector};
 
 use crate::proof_cases::published_tool;
@@ -57,10 +57,10 @@ fn simulated(blisk: &Blisk, tool: &CupMill, plan: &SlotPlan) -> Volume {
 fn the_simulator_removes_as_much() {
     let (blisk, tool) = (published_rotor::blisk(), published_tool());
     let plan = plan(&blisk, &blisk.slot(), &tool, &ROUGHING).expect("a plan");
-    let walls = Walls::new(&blisk.slot(), &blisk.hub, ALLOWANCE_MM, plan.turn).expect("walls");
-    let blank = removed::Stock { blank: &blisk.blank, to_slot: plan.turn };
+    let walls = SlotWalls::new(&blisk.slot(), &blisk.hub, ALLOWANCE_MM, plan.turn).expect("walls");
+    let blank = removal::Stock { blank: &blisk.blank, to_slot: plan.turn };
     let floor = Floor::new(&tool, &plan.path.steps());
-    let planned = removed::removed(&floor, plan.path.levels.len(), &blank, &walls, STEP_MM);
+    let planned = removal::removed(&floor, plan.path.levels.len(), &blank, &walls, STEP_MM);
     let simulated = simulated(&blisk, &tool, &plan);
     let (planned_mm3, simulated_mm3) = (planned.total_mm3(), simulated.mean_mm3());
     println!(

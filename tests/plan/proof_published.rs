@@ -1,11 +1,11 @@
 //! The proof of the plan for the 19-blade rotor with the published tool.
 
 use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing, SlotPlan, plan};
-use arcfeed_plan::cutter::{CupMill, Part};
+use arcfeed_plan::cutter::{CupMill, ToolPart};
 use arcfeed_plan::geometry::blisk::Blisk;
 use arcfeed_plan::proof::clearance::{Clearance, Obstacle};
-use arcfeed_plan::proof::removed::Removed;
-use arcfeed_plan::proof::verdict::{Case, Fineness, Proof, prove};
+use arcfeed_plan::proof::removal::RemovedVolumes;
+use arcfeed_plan::proof::verdict::{Proof, ProofCase, ProofResolution, prove};
 use arcfeed_plan::vector::Point;
 
 use crate::proof_cases::published_tool;
@@ -24,8 +24,8 @@ pub const ROUGHING: Roughing = Roughing {
 fn proof(blisk: &Blisk, tool: &CupMill, plan: &SlotPlan) -> Proof {
     let fixture = [[Point::new(-40.0, -40.0, -80.0), Point::new(40.0, 40.0, -15.0)]];
     let case =
-        Case { blisk, tool, path: &plan.path, to_slot: plan.turn, allowance_mm: ALLOWANCE_MM, fixture: &fixture };
-    prove(&case, &Fineness::default()).expect("blades above the hub")
+        ProofCase { blisk, tool, path: &plan.path, to_slot: plan.turn, allowance_mm: ALLOWANCE_MM, fixture: &fixture };
+    prove(&case, &ProofResolution::default()).expect("blades above the hub")
 }
 
 #[test]
@@ -38,7 +38,7 @@ fn the_plan_of_the_published_tool_touches_no_finished_surface() {
         println!("{part:?} {obstacle:?}: {low:.4} .. {high:.4} mm, {pieces} pieces");
     }
     assert_eq!((proof.open().count(), proof.clearances.len()), (0, 11));
-    let ring = |obstacle| proof.clearance(Part::Ring, obstacle).expect("a ring").beyond_mm(ALLOWANCE_MM);
+    let ring = |obstacle| proof.clearance(ToolPart::Ring, obstacle).expect("a ring").beyond_mm(ALLOWANCE_MM);
     println!("beyond the allowance: blades {:.4?}, hub {:.4?} mm", ring(Obstacle::Blades), ring(Obstacle::Hub));
     // The chord error, the gap, and the planner's own tolerance.
     for obstacle in [Obstacle::Blades, Obstacle::Hub] {
@@ -60,7 +60,7 @@ fn the_published_tool_takes_most_of_the_slot() {
         let [least, most] = map.range_mm();
         println!("{name}: {least:.3} to {most:.3} mm left beyond the allowance, {:.3} in the mean", map.mean_mm());
     }
-    let Removed { by_level_mm3, error_mm3, slot_mm3, slot_by_level_mm3 } = &proof.removed;
+    let RemovedVolumes { by_level_mm3, error_mm3, slot_mm3, slot_by_level_mm3 } = &proof.removed;
     for (level, (all_mm3, slot_mm3)) in by_level_mm3.iter().zip(slot_by_level_mm3).enumerate() {
         println!("level {}: {all_mm3:.0} mm3, {slot_mm3:.0} of them in the slot", level + 1);
         assert!(slot_mm3 < all_mm3);

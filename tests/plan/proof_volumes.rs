@@ -2,15 +2,15 @@
 
 use core::f64::consts::{FRAC_PI_4, TAU};
 
-use arcfeed_plan::cutter::{CupMill, Part};
+use arcfeed_plan::cutter::{CupMill, ToolPart};
 use arcfeed_plan::frame::slot_frame;
 use arcfeed_plan::geometry::blisk::{Blank, Revolution, Slot};
 use arcfeed_plan::geometry::face::Face;
 use arcfeed_plan::path::Step;
 use arcfeed_plan::proof::floor::Floor;
-use arcfeed_plan::proof::left::{Left, Map, Ring, Walls};
 use arcfeed_plan::proof::motion::Motion;
-use arcfeed_plan::proof::removed::{Removed, Stock, removed};
+use arcfeed_plan::proof::remaining::{Map, RemainingMaterial, Ring, SlotWalls};
+use arcfeed_plan::proof::removal::{RemovedVolumes, Stock, removed};
 use arcfeed_plan::proof::section::Section;
 use arcfeed_plan::vector::{Flat, Point, Vector};
 use nalgebra::Rotation3;
@@ -108,11 +108,11 @@ fn along_the_wall() -> [Step; 1] {
 const ROWS: usize = 11;
 const COLUMNS: usize = 9;
 
-fn left(tool: &CupMill) -> Left {
+fn left(tool: &CupMill) -> RemainingMaterial {
     let (slot, hub) = plane_slot();
-    let walls = Walls::new(&slot, &hub, 0.5, across_rotor()).expect("walls");
+    let walls = SlotWalls::new(&slot, &hub, 0.5, across_rotor()).expect("walls");
     let motions = along_the_wall().map(|step| Motion::new(&step));
-    let ring = Ring { sections: &Section::of(tool, Part::Ring), motions: &motions, gap_mm: GAP_MM };
+    let ring = Ring { sections: &Section::of(tool, ToolPart::Ring), motions: &motions, gap_mm: GAP_MM };
     ring.leaves(&walls, [ROWS, COLUMNS])
 }
 
@@ -139,14 +139,14 @@ fn what_is_left_on_plane_walls_is_the_gap_and_the_corner_below() {
         let at = [30.5 * libm::sin(half_rad * (1.0 - 2.0 * across)), 30.5 * libm::cos(half_rad * (1.0 - 2.0 * across))];
         let poses = (0..=2000).map(|k| f64::from(k) / 200.0 - 5.0);
         let beside = poses.map(|along| libm::hypot(at[0] + 30.7, y - along));
-        let distance = |radius_mm| small_tool(2.0).distance_of_mm(Part::Ring, radius_mm, at[1] - 50.0);
+        let distance = |radius_mm| small_tool(2.0).distance_of_mm(ToolPart::Ring, radius_mm, at[1] - 50.0);
         beside.map(distance).fold(f64::INFINITY, f64::min)
     });
 }
 
-fn taken(tool: &CupMill, steps: &[Step], blank: Blank, cell_mm: f64) -> Removed {
+fn taken(tool: &CupMill, steps: &[Step], blank: Blank, cell_mm: f64) -> RemovedVolumes {
     let (slot, hub) = plane_slot();
-    let walls = Walls::new(&slot, &hub, 0.5, across_rotor()).expect("walls");
+    let walls = SlotWalls::new(&slot, &hub, 0.5, across_rotor()).expect("walls");
     let stock = Stock { blank: &blank, to_slot: across_rotor() };
     removed(&Floor::new(tool, steps), 2, &stock, &walls, cell_mm)
 }

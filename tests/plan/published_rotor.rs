@@ -2,7 +2,7 @@
 
 use arcfeed_plan::geometry::blade::{RotorAxis, Sections};
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
-use arcfeed_plan::geometry::generate::{Hand, Rotor};
+use arcfeed_plan::geometry::generator::{Hand, Rotor};
 use arcfeed_plan::vector::Point;
 
 pub const TEXT: &str = include_str!("blisk_sections.csv");

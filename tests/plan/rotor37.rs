@@ -8,7 +8,7 @@ use arcfeed_plan::geometry::blisk::{Blank, Blisk};
 use arcfeed_plan::geometry::curves::{self, Curves, Texts};
 use arcfeed_plan::geometry::face::Face;
 use arcfeed_plan::geometry::flaws::{flaws, nearest};
-use arcfeed_plan::geometry::reading::Drawn;
+use arcfeed_plan::geometry::point_file::PointFileFrame;
 use arcfeed_plan::vector::Point;
 
 /// Place along the axis, radius, and the angles of both sides.
@@ -48,7 +48,7 @@ fn read(surfaces: &[Vec<Row>]) -> Curves {
         profile.extend(there.chain(back));
     }
     let texts = Texts { hub: &path(&surfaces[0]), shroud: &path(&surfaces[12]), profile: &profile };
-    curves::read(&texts, &Drawn { axis: RotorAxis::X, unit_mm: 1000.0 }).unwrap()
+    curves::read(&texts, &PointFileFrame { axis: RotorAxis::X, unit_mm: 1000.0 }).unwrap()
 }
 
 #[test]

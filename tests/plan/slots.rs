@@ -1,7 +1,7 @@
 //! The slot between two blades, against the distances that an independent program printed, and for rotors of both hands.
 
 use arcfeed_plan::geometry::blade::Sections;
-use arcfeed_plan::geometry::generate::{Hand, Rotor};
+use arcfeed_plan::geometry::generator::{Hand, Rotor};
 
 use crate::published_rotor::{GAPS_MM, ROTOR, blisk, rotor};
 

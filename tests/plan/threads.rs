@@ -1,7 +1,7 @@
 //! The planner works on all cores; its results do not depend on how many there are.
 
-use arcfeed_plan::optimise::Problem;
-use arcfeed_plan::proof::verdict::{Case, Fineness, prove};
+use arcfeed_plan::optimisation::Problem;
+use arcfeed_plan::proof::verdict::{ProofCase, ProofResolution, prove};
 
 use crate::proof_cases::published_tool;
 use crate::proof_published::ROUGHING;
@@ -17,8 +17,9 @@ fn plan_volumes_and_proof_are_the_same_to_the_bit_on_one_two_and_five_threads() 
             let found =
                 Problem::new(&blisk, &slot, &tool, &ROUGHING).and_then(|problem| problem.best(|_| true)).unwrap();
             let (path, allowance_mm) = (&found.plan.path, ROUGHING.allowance_mm);
-            let case = Case { blisk: &blisk, tool: &tool, path, to_slot: found.plan.turn, allowance_mm, fixture: &[] };
-            let proof = prove(&case, &Fineness { cell_mm: 1.0, ..Fineness::default() }).unwrap();
+            let case =
+                ProofCase { blisk: &blisk, tool: &tool, path, to_slot: found.plan.turn, allowance_mm, fixture: &[] };
+            let proof = prove(&case, &ProofResolution { cell_mm: 1.0, ..ProofResolution::default() }).unwrap();
             // Printed numbers are read back to the bit.
             format!("{found:?} {proof:?}")
         })

@@ -3,8 +3,8 @@
 use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing};
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
-use arcfeed_plan::geometry::generate::{Hand, POINTS, Rotor, SECTIONS};
-use arcfeed_plan::optimise::Problem;
+use arcfeed_plan::geometry::generator::{Hand, POINTS, Rotor, SECTIONS};
+use arcfeed_plan::optimisation::Problem;
 
 /// Step of the sweep, mm.
 const STEP_MM: f64 = 0.5;

@@ -38,7 +38,7 @@ pub struct CupMill {
 
 /// Part of the tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Part {
+pub enum ToolPart {
     /// Ring: the wall with its inserts.
     Ring,
     /// Body: the closed back.
@@ -50,11 +50,11 @@ pub enum Part {
 impl CupMill {
     /// Distance of a point from one part, mm, by its distance from the axis and its height above the bottom; negative
     /// inside, where only the sign is valid.
-    pub fn distance_of_mm(&self, part: Part, radius_mm: f64, height_mm: f64) -> f64 {
+    pub fn distance_of_mm(&self, part: ToolPart, radius_mm: f64, height_mm: f64) -> f64 {
         match part {
-            Part::Ring => self.ring_distance_mm(radius_mm, height_mm),
-            Part::Body => self.body_mm(radius_mm, height_mm),
-            Part::Holder => self.holder_distance_mm(radius_mm, height_mm),
+            ToolPart::Ring => self.ring_distance_mm(radius_mm, height_mm),
+            ToolPart::Body => self.body_mm(radius_mm, height_mm),
+            ToolPart::Holder => self.holder_distance_mm(radius_mm, height_mm),
         }
     }
 

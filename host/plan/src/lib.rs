@@ -21,12 +21,12 @@ pub mod frame;
 
 pub mod path;
 
-pub mod placing;
+pub mod placement;
 
 pub mod cup_mill;
 
 pub mod proof;
 
-pub mod optimise;
+pub mod optimisation;
 
 pub mod output;

@@ -122,7 +122,7 @@ impl SlotPath {
 
     /// Pieces of the path, without approach and retract if there are no levels.
     pub fn steps(&self) -> Vec<Step> {
-        let mut way = Way { path: self, steps: Vec::new(), at: [self.base.x, self.base.y, self.clear_mm] };
+        let mut way = PathBuilder { path: self, steps: Vec::new(), at: [self.base.x, self.base.y, self.clear_mm] };
         for (index, level) in self.levels.iter().enumerate() {
             let begin = if index == 0 { Purpose::Approach } else { Purpose::Link };
             let last = index + 1 == self.levels.len();
@@ -152,13 +152,13 @@ impl SlotPath {
     }
 }
 
-struct Way<'p> {
+struct PathBuilder<'p> {
     path: &'p SlotPath,
     steps: Vec<Step>,
     at: [f64; 3],
 }
 
-impl Way<'_> {
+impl PathBuilder<'_> {
     fn line(&mut self, purpose: Purpose, level: usize, to: Flat, height_mm: f64) {
         self.push(Step { purpose, level, from: self.at, to: [to.x, to.y, height_mm], about: None });
     }

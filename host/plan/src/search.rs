@@ -11,7 +11,7 @@ use rayon::iter::{IntoParallelRefMutIterator, ParallelIterator};
 
 /// Place and value of a minimum.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Least {
+pub struct Minimum {
     /// Place.
     pub at: [f64; 2],
     /// Value.
@@ -24,8 +24,8 @@ const FINEST: f64 = 1e-6;
 const ROUNDS_MAX: usize = 2000;
 
 /// Least value near `start`, within `ranges`; the first stencil is `spacing` wide.
-pub fn descend(ranges: [[f64; 2]; 2], start: Least, spacing: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> Least {
-    let around = |best: Least, stencil: &mut [Least]| {
+pub fn descend(ranges: [[f64; 2]; 2], start: Minimum, spacing: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> Minimum {
+    let around = |best: Minimum, stencil: &mut [Minimum]| {
         for k in 0..stencil.len() {
             // At a border several neighbours coincide.
             let known = stencil[..k].iter().chain([&best]).find(|known| known.at == stencil[k].at);
@@ -38,21 +38,21 @@ pub fn descend(ranges: [[f64; 2]; 2], start: Least, spacing: [f64; 2], f: impl F
 /// The same for an expensive function: a stencil's values are computed on all cores.
 pub fn descend_parallel(
     ranges: [[f64; 2]; 2],
-    start: Least,
+    start: Minimum,
     spacing: [f64; 2],
     f: impl Fn([f64; 2]) -> f64 + Sync,
-) -> Least {
-    let around = |_, stencil: &mut [Least]| stencil.par_iter_mut().for_each(|least| least.value = f(least.at));
+) -> Minimum {
+    let around = |_, stencil: &mut [Minimum]| stencil.par_iter_mut().for_each(|least| least.value = f(least.at));
     descend_by(ranges, start, spacing, around, &f)
 }
 
 fn descend_by(
     ranges: [[f64; 2]; 2],
-    start: Least,
+    start: Minimum,
     spacing: [f64; 2],
-    evaluate: impl Fn(Least, &mut [Least]),
+    evaluate: impl Fn(Minimum, &mut [Minimum]),
     f: impl Fn([f64; 2]) -> f64,
-) -> Least {
+) -> Minimum {
     let inside = |at: [f64; 2]| [at[0].clamp(ranges[0][0], ranges[0][1]), at[1].clamp(ranges[1][0], ranges[1][1])];
     let mut best = start;
     let mut scale = 1.0;
@@ -64,10 +64,10 @@ fn descend_by(
         let around = |i: f64, j: f64| inside([best.at[0] + i * step[0], best.at[1] + j * step[1]]);
         // Along one line only the neighbours on it are used.
         let count = if step[1] > 0.0 { NEIGHBOURS.len() } else { 2 };
-        let mut stencil = NEIGHBOURS.map(|[i, j]| Least { at: around(i, j), ..best });
+        let mut stencil = NEIGHBOURS.map(|[i, j]| Minimum { at: around(i, j), ..best });
         let stencil = &mut stencil[..count];
         evaluate(best, stencil);
-        let newton = newton(best.value, stencil).map(|[i, j]| around(i, j)).map(|at| Least { at, value: f(at) });
+        let newton = newton(best.value, stencil).map(|[i, j]| around(i, j)).map(|at| Minimum { at, value: f(at) });
         let found = stencil.iter().copied().chain(newton).min_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or(best);
         if found.value < best.value {
             best = found;
@@ -87,7 +87,7 @@ const NEIGHBOURS: [[f64; 2]; 8] =
 const FARTHEST: f64 = 8.0;
 
 /// Step (1), in spacings of the stencil; `None` if the stencil has no values.
-fn newton(middle: f64, stencil: &[Least]) -> Option<[f64; 2]> {
+fn newton(middle: f64, stencil: &[Minimum]) -> Option<[f64; 2]> {
     if stencil.len() < NEIGHBOURS.len() {
         let (low, high) = (stencil[1].value, stencil[0].value);
         let curvature = libm::fabs(high + low - 2.0 * middle);

@@ -21,7 +21,7 @@ pub const BAUDRATE: u32 = 115_200;
 pub const TURN_MAX: Micros = Micros::from_ms(20);
 
 /// The host's end of a link to a board.
-pub struct Line<'p> {
+pub struct BoardLine<'p> {
     port: Box<dyn Port + 'p>,
     link: Link,
     /// Frame that the port has accepted only in part, and how many bytes of it.
@@ -46,18 +46,18 @@ fn settings(baudrate: u32) -> SerialSettings {
     }
 }
 
-impl Line<'static> {
+impl BoardLine<'static> {
     /// Opens a port of this machine and starts the handshake.
     ///
     /// # Errors
     /// The port cannot be opened.
     pub fn open(url: &PortUrl, baudrate: u32) -> Result<Self, PortError> {
         let is_paced = matches!(url.base, Base::Native(_) | Base::Hwgrep(_) | Base::Rfc2217(..));
-        Line::new(open(url, &settings(baudrate))?, if is_paced { baudrate } else { 0 })
+        BoardLine::new(open(url, &settings(baudrate))?, if is_paced { baudrate } else { 0 })
     }
 }
 
-impl<'p> Line<'p> {
+impl<'p> BoardLine<'p> {
     /// Starts the handshake. `bits_per_s` is the rate of the port, 0 if nothing limits it.
     ///
     /// # Errors
@@ -70,7 +70,7 @@ impl<'p> Line<'p> {
         let link = Link::new(settings, session).map_err(|error| {
             PortError::in_words("board link", format!("{bits_per_s} bit/s is too slow for a board: {error:?}"))
         })?;
-        Ok(Line { port, link, frame: [0; ENCODED_MAX], taken: 0, len: 0, unknown: 0 })
+        Ok(BoardLine { port, link, frame: [0; ENCODED_MAX], taken: 0, len: 0, unknown: 0 })
     }
 
     /// Receives what has come and sends what is due.

@@ -26,7 +26,7 @@ use crate::program::{Program, ProgramLine};
 
 /// Messages of the moves of a transmission.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Plan {
+pub struct BoardPlan {
     /// Messages: each move behind its engaged arcs.
     messages: Vec<Message>,
     /// Number of messages up to and including each move.
@@ -76,12 +76,12 @@ pub struct PlanError {
     /// Line of the program's file, counted from 1; 0 for a line that arcfeed added.
     pub source: usize,
     /// Reason.
-    pub why: Untold,
+    pub why: MoveFault,
 }
 
 /// Reason why a move cannot be sent to a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Untold {
+pub enum MoveFault {
     /// Numbers out of range.
     #[error("this move cannot be sent to a board: {0:?}")]
     Move(MoveError),
@@ -90,7 +90,7 @@ pub enum Untold {
     NotUnderstood,
 }
 
-impl Plan {
+impl BoardPlan {
     /// Plans the moves of a transmission to a control in its power-on state, with their engaged arcs from a map.
     /// `bounds` are the bounds beside the text, by line of the program's file: the transmission has other F words.
     ///
@@ -112,13 +112,13 @@ impl Plan {
         let program = Program::parse_with(Path::new(""), &text, power_on.settings, power_on.tables);
         let adapted = adapt_with(&program, job, Known { map, ..Known::default() });
         let mut blocks = adapted.blocks.iter().peekable();
-        let mut plan = Plan::default();
+        let mut plan = BoardPlan::default();
         for (index, line) in program.lines.iter().enumerate() {
             let source = sending.lines().get(index).map_or(0, |line| line.source);
             if line.meaning.is_none() {
-                return Err(PlanError { source, why: Untold::NotUnderstood });
+                return Err(PlanError { source, why: MoveFault::NotUnderstood });
             }
-            let untold = |why| PlanError { source, why: Untold::Move(why) };
+            let fault = |why| PlanError { source, why: MoveFault::Move(why) };
             if let Some(block) = blocks.next_if(|block| block.line == index + 1) {
                 let rule = block.rule.filter(|_| block.demand.is_some());
                 let of_tool = |rule| job.rules.get(rule).map(|rule| job.tool_of(rule).spindle);
@@ -128,10 +128,10 @@ impl Plan {
                     along: block.along.as_ref(),
                 });
                 let bounds = bounds.get(&source).copied().unwrap_or(MoveBounds::NONE);
-                plan.add(index, &block.segment, governed, bounds).map_err(untold)?;
+                plan.add(index, &block.segment, governed, bounds).map_err(fault)?;
             }
             for segment in series(line) {
-                plan.add(index, &segment, None, MoveBounds::NONE).map_err(untold)?;
+                plan.add(index, &segment, None, MoveBounds::NONE).map_err(fault)?;
             }
         }
         Ok(plan)
@@ -174,7 +174,7 @@ impl Plan {
     }
 
     /// Number of moves that the first `messages` messages contain.
-    fn told_by(&self, messages: usize) -> usize {
+    fn moves_in(&self, messages: usize) -> usize {
         self.ends.partition_point(|end| *end <= messages)
     }
 
@@ -193,7 +193,7 @@ impl Plan {
     /// End of the text that may be sent once `delivered` messages have reached the board: the line of the first move
     /// that has not.
     pub fn permitted(&self, delivered: usize, sending: &Transmission) -> usize {
-        self.lines.get(self.told_by(delivered)).map_or(usize::MAX, |line| sending.start_of(*line))
+        self.lines.get(self.moves_in(delivered)).map_or(usize::MAX, |line| sending.start_of(*line))
     }
 }
 
@@ -228,10 +228,10 @@ mod tests {
     }
 
     /// One move per line, with tables of so many knots; 0: without tables.
-    fn plan(knots: &[usize]) -> Plan {
+    fn plan(knots: &[usize]) -> BoardPlan {
         let [start, end] = [Pose::default(); 2];
         let segment = Segment { sequence: None, start, end, feed: Feed::Missing, path: Path::Line };
-        let mut plan = Plan::default();
+        let mut plan = BoardPlan::default();
         for (line, knots) in knots.iter().enumerate() {
             let along = (*knots > 0).then(|| table(*knots));
             plan.add(line, &segment, governed(along.as_ref()), MoveBounds::NONE).expect("it can be sent");
@@ -246,8 +246,8 @@ mod tests {
         assert!(plan.messages(0).is_empty());
         let counts: Vec<Option<u32>> = plan.messages(2).iter().map(count).collect();
         assert_eq!(counts, [Some(0), None, None, None, Some(1)]);
-        let told: Vec<Message> = table(3).knots().iter().map(|knot| encode_arcs(knot).unwrap().into()).collect();
-        assert_eq!(plan.messages(2)[1..4], told);
+        let sent: Vec<Message> = table(3).knots().iter().map(|knot| encode_arcs(knot).unwrap().into()).collect();
+        assert_eq!(plan.messages(2)[1..4], sent);
     }
 
     fn count(message: &Message) -> Option<u32> {
@@ -257,9 +257,9 @@ mod tests {
     #[test]
     fn a_move_is_the_boards_only_with_its_engaged_arcs() {
         let plan = plan(&[0, 3, 16]);
-        let told: Vec<usize> = (0..=22).map(|messages| plan.told_by(messages)).collect();
-        assert_eq!(told[..6], [0, 1, 1, 1, 1, 2]);
-        assert!(told[5..22].iter().all(|moves| *moves == 2) && told[22] == 3, "{told:?}");
+        let sent: Vec<usize> = (0..=22).map(|messages| plan.moves_in(messages)).collect();
+        assert_eq!(sent[..6], [0, 1, 1, 1, 1, 2]);
+        assert!(sent[5..22].iter().all(|moves| *moves == 2) && sent[22] == 3, "{sent:?}");
     }
 
     #[test]
@@ -274,6 +274,9 @@ mod tests {
             feed: Feed::Missing,
             path: Path::Line,
         };
-        assert_eq!(Plan::default().add(0, &segment, governed(Some(&far)), MoveBounds::NONE), Err(MoveError::Range));
+        assert_eq!(
+            BoardPlan::default().add(0, &segment, governed(Some(&far)), MoveBounds::NONE),
+            Err(MoveError::Range)
+        );
     }
 }

@@ -18,8 +18,8 @@ use arcfeed_shared::wire::message::codes::{RefusalCode, RequestCode, StateCode};
 use arcfeed_shared::wire::message::parameters::messages;
 use arcfeed_shared::wire::message::{Message, table};
 
-use super::line::Line;
-use super::plan::Plan;
+use super::line::BoardLine;
+use super::plan::BoardPlan;
 use super::standstill::Standstill;
 use super::words;
 use crate::dnc::transmission::Transmission;
@@ -33,14 +33,14 @@ const SET: u32 = 1;
 const GOODBYE_MAX: Micros = Micros::from_ms(500);
 
 /// Board that takes part in a run.
-pub struct Board<'p> {
-    line: Line<'p>,
+pub struct BoardRun<'p> {
+    line: BoardLine<'p>,
     stage: Stage,
     /// Time at which it reached this stage.
     since: Micros,
     /// Parameters still to be sent.
     parameters: VecDeque<Message>,
-    plan: Plan,
+    plan: BoardPlan,
     /// Number of the plan's messages given to the link.
     sent: usize,
     info: Option<table::Info>,
@@ -99,16 +99,16 @@ pub enum BoardError {
     },
 }
 
-impl<'p> Board<'p> {
+impl<'p> BoardRun<'p> {
     /// A board before the first message.
     ///
     /// # Errors
     /// Describes the fault, if the job does not suit a board.
-    pub fn new(line: Line<'p>, job: &Job, plan: Plan) -> Result<Self, String> {
+    pub fn new(line: BoardLine<'p>, job: &Job, plan: BoardPlan) -> Result<Self, String> {
         let mut parameters = VecDeque::new();
         messages(job, SET, &mut |message| parameters.push_back(message))
             .map_err(|error| format!("the job cannot be sent to a board: {error:?}"))?;
-        Ok(Board {
+        Ok(BoardRun {
             line,
             stage: Stage::Greeting,
             since: Micros(0),
@@ -131,17 +131,17 @@ impl<'p> Board<'p> {
     pub fn turn(&mut self) -> Result<(), BoardError> {
         let mut heard = Vec::new();
         self.line.turn(&mut |message| heard.push(message))?;
-        heard.into_iter().for_each(|message| self.hear(message));
-        self.look_at_the_link()?;
-        self.give();
+        heard.into_iter().for_each(|message| self.receive(message));
+        self.check_link()?;
+        self.send_due();
         Ok(self.line.put_out()?)
     }
 
-    fn hear(&mut self, message: Message) {
+    fn receive(&mut self, message: Message) {
         match message {
             Message::Info(info) => self.info = Some(info),
             Message::Accepted(accepted) if accepted.set == SET && self.stage == Stage::Loading => {
-                self.become_stage(Stage::Ready);
+                self.enter_stage(Stage::Ready);
             }
             Message::Refused(refused) => self.refusal = Some(refused),
             Message::Report(report) => {
@@ -152,11 +152,11 @@ impl<'p> Board<'p> {
         }
     }
 
-    fn look_at_the_link(&mut self) -> Result<(), BoardError> {
+    fn check_link(&mut self) -> Result<(), BoardError> {
         let waited = self.line.now().since(self.since);
         match self.line.link().state() {
             LinkState::Up if self.stage == Stage::Greeting => {
-                self.become_stage(Stage::Loading);
+                self.enter_stage(Stage::Loading);
                 self.parameters.push_front(table::AskInfo {}.into());
             }
             LinkState::Up => {}
@@ -173,7 +173,7 @@ impl<'p> Board<'p> {
         if self.stage == Stage::Loading && waited >= TIMEOUT { Err(BoardError::Mute) } else { Ok(()) }
     }
 
-    fn give(&mut self) {
+    fn send_due(&mut self) {
         while let Some(message) = self.parameters.front() {
             match self.line.send(message) {
                 Ok(()) => self.parameters.pop_front(),
@@ -199,7 +199,7 @@ impl<'p> Board<'p> {
         executed.map_or(0, |(now, before)| now.executed.wrapping_sub(before) as usize)
     }
 
-    fn become_stage(&mut self, stage: Stage) {
+    fn enter_stage(&mut self, stage: Stage) {
         (self.stage, self.since) = (stage, self.line.now());
     }
 
@@ -216,7 +216,7 @@ impl<'p> Board<'p> {
 
     /// Line of the move whose end the board waits for, if the board stands still while the control, which has started
     /// `blocks` blocks, continues; once for each standstill.
-    pub fn stands_at(&mut self, blocks: usize, sending: &Transmission) -> Option<usize> {
+    pub fn standstill_line(&mut self, blocks: usize, sending: &Transmission) -> Option<usize> {
         let (now, done, by_control) = (self.line.now(), self.done(), self.plan.over(blocks, sending));
         let stands = self.standstill.look(now, done, by_control);
         self.plan.line_of(done).filter(|_| stands)
@@ -265,7 +265,7 @@ impl<'p> Board<'p> {
     }
 
     /// Board link.
-    pub fn line(&self) -> &Line<'p> {
+    pub fn line(&self) -> &BoardLine<'p> {
         &self.line
     }
 

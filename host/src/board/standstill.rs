@@ -40,7 +40,7 @@ mod tests {
 
     /// Indices of the half-second steps at which a standstill is reported; of moves seen by the board, and done by the
     /// control.
-    fn told(seen: &[(usize, usize)]) -> Vec<usize> {
+    fn reported(seen: &[(usize, usize)]) -> Vec<usize> {
         let mut standstill = Standstill::default();
         let mut look = |at: usize, (done, by_control): (usize, usize)| {
             standstill.look(Micros::from_ms(500 * at as u64), done, by_control)
@@ -50,20 +50,20 @@ mod tests {
 
     #[test]
     fn a_board_that_keeps_up_or_lags_for_a_moment_is_fine() {
-        assert!(told(&[(0, 0); 100]).is_empty());
+        assert!(reported(&[(0, 0); 100]).is_empty());
         let lagging: Vec<_> = (0..100).map(|at| (at / 6, at / 6 + 1)).collect();
-        assert!(told(&lagging).is_empty());
+        assert!(reported(&lagging).is_empty());
         let waiting: Vec<_> = (0..100).map(|at| (7, 7 + usize::from(at % 6 != 0))).collect();
-        assert!(told(&waiting).is_empty(), "it caught up each time");
+        assert!(reported(&waiting).is_empty(), "it caught up each time");
     }
 
     #[test]
     fn a_count_that_stands_still_is_told_once_and_again_when_it_stood_still_anew() {
         let stands = [(3, 4); 20];
-        assert_eq!(told(&stands), [6]);
-        assert_eq!(told(&[&stands[..], &[(4, 4)], &[(4, 9); 20]].concat()), [6, 27]);
+        assert_eq!(reported(&stands), [6]);
+        assert_eq!(reported(&[&stands[..], &[(4, 4)], &[(4, 9); 20]].concat()), [6, 27]);
         // The control may get further ahead all the time.
         let ever_further: Vec<_> = (0..20).map(|at| (3, 3 + at)).collect();
-        assert_eq!(told(&ever_further), [7]);
+        assert_eq!(reported(&ever_further), [7]);
     }
 }

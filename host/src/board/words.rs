@@ -81,12 +81,12 @@ pub fn link(state: LinkState) -> String {
         LinkState::Refused(Refusal::Heartbeat(theirs)) => {
             format!("the board's heartbeat of {} ms is slower than we wait", theirs.0 / 1_000)
         }
-        LinkState::Lost(loss) => lost(loss).into(),
+        LinkState::Lost(loss) => link_loss(loss).into(),
     }
 }
 
 /// Reason for which the link is over.
-pub const fn lost(loss: Loss) -> &'static str {
+pub const fn link_loss(loss: Loss) -> &'static str {
     match loss {
         Loss::Silence => "the board is silent",
         Loss::PeerRestarted => "the board has restarted",

@@ -10,19 +10,21 @@ use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::settings::Scope;
 use serde::Serialize;
 
-use super::five_axis::{Placing, Told, is_cl, load_cl, load_machine};
+use super::five_axis::{PathReport, PlacementArgs, is_cl, load_cl, load_machine};
 use super::outcome::{Failure, name_tool, say, tool_at, warn_of_rules};
 use crate::adapt::unused_rules::RuleUse;
 use crate::console::note;
 use crate::control::{self, Convention};
 use crate::job::{ControlKind, JobFile};
 use crate::machine_file::MachineFile;
-use crate::post::check::judge;
+use crate::post::check::check_program;
 use crate::post::cl::Cl;
 use crate::post::cl_from_nc;
-use crate::post::finding::What;
-use crate::post::plan::Plan;
-use crate::program::{Diagnostic, Program, ProgramLine, RunBounds, Severity, Source, Summary, Tally, read_bounded};
+use crate::post::finding::FindingKind;
+use crate::post::plan::AxisPlan;
+use crate::program::{
+    Diagnostic, MoveCounts, Program, ProgramLine, ProgramSummary, RunBounds, Severity, Source, read_bounded,
+};
 use crate::snippet;
 
 /// Errors and warnings that the JSON object lists; the others are counted.
@@ -38,7 +40,7 @@ pub struct Check {
     #[arg(long, value_name = "MACHINE.toml")]
     machine: Option<PathBuf>,
     #[command(flatten)]
-    placing: Placing,
+    placement: PlacementArgs,
     /// Report exactly what the control would reject, also in titles and comments
     #[arg(long)]
     strict: bool,
@@ -180,16 +182,16 @@ impl Check {
     }
 
     /// Reads a program that is interpreted, or whose moves are checked together.
-    fn run_whole(&self, source: &Source, findings: &mut Findings<'_>) -> Result<(Summary, Program), Failure> {
+    fn run_whole(&self, source: &Source, findings: &mut Findings<'_>) -> Result<(ProgramSummary, Program), Failure> {
         let bounds = RunBounds { blocks: self.max_blocks, time: Duration::from_secs(self.max_seconds) };
         let run = source.run(self.library.as_deref(), self.machine.is_some(), bounds);
         let mut program = run.map_err(Failure::Input)?;
-        program.diagnostics.splice(0..0, program.lost_label());
+        program.diagnostics.splice(0..0, program.missing_label());
         for diagnostic in std::mem::take(&mut program.diagnostics) {
             let text = program.lines.get(diagnostic.line - 1).map(|line| line.text.as_slice());
             findings.add(diagnostic, text);
         }
-        Ok((Summary { moves: program.moves, ..Summary::new(&program.lines) }, program))
+        Ok((ProgramSummary { moves: program.moves, ..ProgramSummary::new(&program.lines) }, program))
     }
 
     /// Path of the program, or of the job's program.
@@ -210,39 +212,39 @@ impl Check {
             return Err(Failure::Usage(advice.into()));
         }
         let cl = load_cl(&self.program)?;
-        self.tell_points(&self.program, &cl, file, &Plan::new(&cl, &self.placing.task(file, None)))
+        self.report_points(&self.program, &cl, file, &AxisPlan::new(&cl, &self.placement.task(file, None)))
     }
 
     /// Checks a program with directions (G43.5), which no control here interprets: the axes for its points are chosen
     /// here.
     fn run_directions(&self, path: &Path, bytes: &[u8], file: &MachineFile) -> Result<(), Failure> {
-        let read = cl_from_nc::read(bytes, &file.machine, &self.placing.setup(), Mode::Tcp);
+        let read = cl_from_nc::read(bytes, &file.machine, &self.placement.setup(), Mode::Tcp);
         let cl = read.map_err(|error| Failure::Input(format!("{}:{error}", path.display())))?;
-        let mut plan = Plan::new(&cl, &self.placing.task(file, None));
+        let mut plan = AxisPlan::new(&cl, &self.placement.task(file, None));
         // Such a control keeps the tool axis on its arc by itself.
-        plan.findings.retain(|finding| !matches!(finding.what, What::Coarse { .. }));
-        self.tell_points(path, &cl, file, &plan)
+        plan.findings.retain(|finding| !matches!(finding.what, FindingKind::Coarse { .. }));
+        self.report_points(path, &cl, file, &plan)
     }
 
-    fn tell_points(&self, path: &Path, cl: &Cl, file: &MachineFile, plan: &Plan) -> Result<(), Failure> {
+    fn report_points(&self, path: &Path, cl: &Cl, file: &MachineFile, plan: &AxisPlan) -> Result<(), Failure> {
         let (points, passed_over) = (cl.points.len(), Some(cl.passed_over));
-        self.tell(&Told { path, points, passed_over, machine: &file.name, plan })
+        self.report(&PathReport { path, points, passed_over, machine: &file.name, plan })
     }
 
     /// Checks a program that gives the positions of the rotary axes itself.
     fn run_program(&self, program: &Program, file: &MachineFile) -> Result<(), Failure> {
-        let (plan, points) = judge(program, &self.placing.task(file, None));
-        self.tell(&Told { path: &program.path, points, passed_over: None, machine: &file.name, plan: &plan })
+        let (plan, points) = check_program(program, &self.placement.task(file, None));
+        self.report(&PathReport { path: &program.path, points, passed_over: None, machine: &file.name, plan: &plan })
     }
 
-    fn tell(&self, told: &Told<'_>) -> Result<(), Failure> {
+    fn report(&self, path_report: &PathReport<'_>) -> Result<(), Failure> {
         if self.json {
-            told.print_json();
+            path_report.print_json();
         } else {
-            told.complain();
-            say(format_args!("{}", told.summary()));
+            path_report.complain();
+            say(format_args!("{}", path_report.summary()));
         }
-        told.verdict()
+        path_report.verdict()
     }
 
     fn print_json(&self, findings: &Findings<'_>, counts: Counts, control: ControlKind) {
@@ -314,9 +316,9 @@ fn print_counts(findings: &Findings<'_>, counts: Counts) {
 }
 
 impl Counts {
-    fn new(summary: &Summary) -> Self {
-        let Summary { lines, blocks, comments, moves, .. } = *summary;
-        let Tally { arcs, helices, linear, rapids, rotary } = moves;
+    fn new(summary: &ProgramSummary) -> Self {
+        let ProgramSummary { lines, blocks, comments, moves, .. } = *summary;
+        let MoveCounts { arcs, helices, linear, rapids, rotary } = moves;
         Counts { lines, blocks, comments, arcs, helices, linear, rapids, rotary }
     }
 }

@@ -16,15 +16,15 @@ use super::outcome::{Failure, load_unmapped, refuse_inputs, say, write_whole};
 use super::simulate::control::control_settings;
 use super::simulate::in_memory_of;
 use super::simulate::material_figures::left_out_figures;
+use super::simulate::observer::run_seen;
 use super::simulate::setup::Setup;
-use super::simulate::watch::run_seen;
 use crate::adapt::{PlanReason, PlannedBlock, adapt};
 use crate::console::note;
-use crate::engagement::covering::{self, Sample};
+use crate::engagement::knot_cover::{self, Sample};
 use crate::engagement::{EngagementMap, MappedMove, key, key_at_any_position};
 use crate::job::JobFile;
 use crate::program::Program;
-use crate::report::material::LeftOutFigures;
+use crate::report::material::LeftOutBlocks;
 
 /// Find the engaged arcs of the tool along each move, for rules with stock = { map = FILE }
 ///
@@ -51,7 +51,7 @@ pub struct Engage {
 struct Report {
     map: String,
     moves: Vec<MoveFigures>,
-    left_out: Vec<LeftOutFigures>,
+    left_out: Vec<LeftOutBlocks>,
 }
 
 #[derive(Debug, Serialize)]
@@ -96,7 +96,7 @@ impl Engage {
             left_out: left_out.collect(),
         };
         write_whole(output, map.text(made_of(&file, program.bytes())?).as_bytes())?;
-        report.tell(self.json);
+        report.print(self.json);
         Ok(())
     }
 }
@@ -161,11 +161,11 @@ fn table_of(found: &EngagedMove) -> Option<EngagedTable> {
     let samples = found.samples.iter();
     let samples =
         samples.map(|EngagedSample { at_mm, intervals_deg }| Sample { at_mm: *at_mm, intervals_deg: *intervals_deg });
-    covering::table(&samples.collect::<Vec<_>>())
+    knot_cover::table(&samples.collect::<Vec<_>>())
 }
 
 impl Report {
-    fn tell(&self, json: bool) {
+    fn print(&self, json: bool) {
         if json {
             return say(format_args!("{}", serde_json::json!(self)));
         }

@@ -11,12 +11,12 @@ use crate::console::note;
 use crate::machine_file::MachineFile;
 use crate::post::cl::Cl;
 use crate::post::finding::Entry;
-use crate::post::plan::{Plan, Task};
+use crate::post::plan::{AxisPlan, Task};
 use crate::program::{Severity, read_bounded};
 
 /// Placement of part and tool on the machine.
 #[derive(Clone, Debug, clap::Args)]
-pub struct Placing {
+pub struct PlacementArgs {
     /// The part's zero point in the machine frame with all axes at zero, X,Y,Z in mm; under G43.4 beyond the work offset
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", value_parser = point, allow_hyphen_values = true, requires = "machine")]
     part_zero: Point,
@@ -43,7 +43,7 @@ struct Report<'a> {
     findings: Vec<Entry>,
 }
 
-impl Placing {
+impl PlacementArgs {
     /// Placement of part and tool.
     pub fn setup(&self) -> Setup {
         Setup { part_zero_mm: self.part_zero.0, tool_length_mm: self.tool_length }
@@ -75,7 +75,7 @@ pub fn load_cl(path: &Path) -> Result<Cl, Failure> {
 
 /// Path with its findings, to be reported.
 #[derive(Clone, Copy, Debug)]
-pub struct Told<'a> {
+pub struct PathReport<'a> {
     /// The file of the CL data or the program.
     pub path: &'a Path,
     /// Number of points, or of moves.
@@ -85,10 +85,10 @@ pub struct Told<'a> {
     /// Name of the machine.
     pub machine: &'a str,
     /// Axis positions and findings.
-    pub plan: &'a Plan,
+    pub plan: &'a AxisPlan,
 }
 
-impl Told<'_> {
+impl PathReport<'_> {
     /// Prints the report on stdout.
     pub fn print_json(&self) {
         let travel = |of: [f64; 2]| self.is_reached().then_some(of);
@@ -113,7 +113,7 @@ impl Told<'_> {
 
     /// Summary of the path in one line.
     pub fn summary(&self) -> String {
-        let Told { path, points, machine, plan, .. } = self;
+        let PathReport { path, points, machine, plan, .. } = self;
         let [[before_0, before_1], [after_0, after_1]] = plan.travel_deg;
         let path = path.display();
         if !self.is_reached() {

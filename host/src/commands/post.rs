@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use arcfeed_shared::kinematics::between::Mode;
 use arcfeed_shared::kinematics::linearise::Tolerance;
 
-use super::five_axis::{Placing, Told, load_cl, load_machine, tool_end};
+use super::five_axis::{PathReport, PlacementArgs, load_cl, load_machine, tool_end};
 use super::outcome::{Failure, refuse_inputs, say, write_whole};
 use crate::console::note;
 use crate::machine_file::MachineFile;
 use crate::post::nc::Style;
-use crate::post::plan::Plan;
+use crate::post::plan::AxisPlan;
 use crate::post::{cl_from_nc, nc};
 use crate::program::{Severity, read_bounded};
 
@@ -36,7 +36,7 @@ pub struct Post {
     #[arg(long)]
     reverse: bool,
     #[command(flatten)]
-    placing: Placing,
+    placement: PlacementArgs,
     /// Largest distance of the tip from its straight line between two blocks, mm
     #[arg(long, value_name = "MM", default_value_t = 0.01)]
     tolerance: f64,
@@ -88,30 +88,30 @@ impl Post {
 
     fn forth(&self, file: &MachineFile) -> Result<(), Failure> {
         let cl = load_cl(&self.input)?;
-        let task = self.placing.task(file, tool_end(self.repair, self.ball_radius));
-        let plan = Plan::new(&cl, &task);
+        let task = self.placement.task(file, tool_end(self.repair, self.ball_radius));
+        let plan = AxisPlan::new(&cl, &task);
         let (points, passed_over) = (cl.points.len(), Some(cl.passed_over));
-        let told = Told { path: &self.input, points, passed_over, machine: &file.name, plan: &plan };
-        told.complain();
+        let path_report = PathReport { path: &self.input, points, passed_over, machine: &file.name, plan: &plan };
+        path_report.complain();
         if self.json {
-            told.print_json();
+            path_report.print_json();
         }
         let leaves_part = matches!(self.mode, ModeWord::Machine);
         let errors = plan.findings.iter().filter(|finding| finding.severity() == Severity::Error).count();
         if errors > if leaves_part { plan.changes().count() } else { 0 } {
-            return told.verdict();
+            return path_report.verdict();
         }
         let tolerance = Tolerance { tip_mm: self.tolerance, axis_deg: self.axis_tolerance };
         let style = Style { name: &file.name, mode: self.mode.into(), tolerance };
         let written = nc::write(&cl, &plan, &task, &style);
         let (text, blocks) = written.map_err(|error| Failure::Input(format!("{}:{error}", self.input.display())))?;
-        note(format_args!("{}; {blocks} blocks", told.summary()));
+        note(format_args!("{}; {blocks} blocks", path_report.summary()));
         put(self.output.as_deref(), &text)
     }
 
     fn back(&self, file: &MachineFile) -> Result<(), Failure> {
         let bytes = read_bounded(&self.input).map_err(Failure::Input)?;
-        let read = cl_from_nc::read(&bytes, &file.machine, &self.placing.setup(), self.mode.into());
+        let read = cl_from_nc::read(&bytes, &file.machine, &self.placement.setup(), self.mode.into());
         let cl = read.map_err(|error| Failure::Input(format!("{}:{error}", self.input.display())))?;
         put(self.output.as_deref(), &cl.write())
     }

@@ -15,7 +15,7 @@ mod mark_figures;
 
 pub(super) mod setup;
 
-pub(super) mod watch;
+pub(super) mod observer;
 
 pub(super) mod material_figures;
 
@@ -46,12 +46,12 @@ use crate::job::JobFile;
 use crate::program::Program;
 use crate::report::figures::RunReport;
 use crate::report::material::DeviationFigures;
-use crate::report::summary::Summary;
+use crate::report::summary::RunSummary;
 use control::control_settings;
-use page::{Shown, SurfaceFormat};
+use observer::RunObserver;
+use page::{PageContent, SurfaceFormat};
 use run_figures::{compare, measure};
 use setup::Setup;
-use watch::Watch;
 
 /// Run a job on the simulated machine, before and after, as fast as possible
 #[derive(Debug, clap::Args)]
@@ -80,14 +80,14 @@ impl Simulate {
         let setup = Setup::of(&self.job, &file)?;
         let surface = self.surface(setup.as_ref())?;
         let target = setup.as_ref().map_or(Ok(None), Setup::target)?;
-        let mut watches = [true, false].map(|shows| Watch::on(setup.as_ref(), shows));
+        let mut observers = [true, false].map(|shows| RunObserver::on(setup.as_ref(), shows));
         let started = Instant::now();
         let adapted = adapted(&program, &file);
         let mut simulation = in_memory(&file, &adapted.text, ControllerFault::None)?;
         simulation.set_planned_conditions(foreseen(&program, &adapted));
         let mut before = in_memory(&file, &program.bytes(), ControllerFault::LawOff)?;
         // Results are written and printed even if a later step fails.
-        let [after, unadapted] = side_by_side(&mut watches, [&mut simulation, &mut before]);
+        let [after, unadapted] = side_by_side(&mut observers, [&mut simulation, &mut before]);
         let mut report = measure(&simulation, &file.job);
         report.real_time_factor = Some(simulation.now().to_s() / after.ended.duration_since(started).as_secs_f64());
         let mut ended = after.result.and(unadapted.result);
@@ -96,15 +96,15 @@ impl Simulate {
         if ended.is_ok() {
             compare(&mut report, measure(&before, &file.job));
             if let Some(setup) = &setup {
-                (deviation, marks) = add_cuts(&mut report, file.job.unit, setup, &watches, target.as_ref());
+                (deviation, marks) = add_cuts(&mut report, file.job.unit, setup, &observers, target.as_ref());
             }
         }
-        if let (Some((path, format)), Some(after)) = (surface, &watches[0].cutter) {
+        if let (Some((path, format)), Some(after)) = (surface, &observers[0].cutter) {
             ended = ended.and(format.write(after.stock(), path));
         }
         if let Some(path) = &self.report {
-            let runs = [(&watches[0], simulation.now()), (&watches[1], before.now())];
-            let shown = Shown { title: &title, report: &report, job: &file.job, runs, deviation, marks };
+            let runs = [(&observers[0], simulation.now()), (&observers[1], before.now())];
+            let shown = PageContent { title: &title, report: &report, job: &file.job, runs, deviation, marks };
             ended = ended.and(shown.write(path));
         }
         let printed = finish(&report, self.json, title);
@@ -129,9 +129,11 @@ struct Ended {
 }
 
 /// Runs both to their ends, each on a thread of its own: they share nothing. Only the first shows its progress.
-fn side_by_side([first, second]: &mut [Watch; 2], [one, other]: [&mut Simulation; 2]) -> [Ended; 2] {
-    let run =
-        |watch: &mut Watch, simulation: &mut Simulation| Ended { result: watch.run(simulation), ended: Instant::now() };
+fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut Simulation; 2]) -> [Ended; 2] {
+    let run = |observer: &mut RunObserver, simulation: &mut Simulation| Ended {
+        result: observer.run(simulation),
+        ended: Instant::now(),
+    };
     thread::scope(|scope| {
         let other = scope.spawn(|| run(second, other));
         let one = run(first, one);
@@ -144,17 +146,19 @@ fn add_cuts(
     report: &mut RunReport,
     unit: LengthUnit,
     setup: &Setup<'_>,
-    watches: &[Watch; 2],
+    observers: &[RunObserver; 2],
     target: Option<&Stock>,
-) -> (Option<(HeightMap, DeviationFigures)>, Vec<WallMark>) {
-    let [Some(after), Some(before)] = watches.each_ref().map(|watch| &watch.cutter) else { return (None, Vec::new()) };
+) -> (Option<(HeightMap, DeviationFigures)>, Vec<Mark>) {
+    let [Some(after), Some(before)] = observers.each_ref().map(|observer| &observer.cutter) else {
+        return (None, Vec::new());
+    };
     let mut material = material_figures::figures(unit, setup, after, before);
     material.warnings(unit).iter().for_each(|warning| note(format_args!("warning: {warning}")));
     let deviation = target.and_then(|target| material_figures::deviation(unit, after.stock(), target));
     material.deviation = deviation.as_ref().map(|(_, figures)| *figures);
     report.material = Some(material);
     let mut marks = Vec::new();
-    if let [Some(after), Some(before)] = watches.each_ref().map(|watch| watch.loads.as_ref()) {
+    if let [Some(after), Some(before)] = observers.each_ref().map(|observer| observer.loads.as_ref()) {
         let mut loads = load_figures::figures(unit, after, before);
         if let Some(truth) = &setup.truth {
             marks = truth.marks(after);
@@ -175,7 +179,7 @@ pub fn finish(report: &RunReport, json: bool, title: String) -> Result<(), Failu
     let printed = if json {
         print(format_args!("{}", serde_json::json!(report)))
     } else {
-        print(format_args!("{}", Summary { title, report }.to_string().trim_end()))
+        print(format_args!("{}", RunSummary { title, report }.to_string().trim_end()))
     };
     match report.alarms.first() {
         None => printed.map_err(Failure::Unprinted),
@@ -189,7 +193,7 @@ pub fn finish(report: &RunReport, json: bool, title: String) -> Result<(), Failu
 /// The run never ends.
 pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Simulation, Failure> {
     let mut simulation = in_memory(file, program, fault)?;
-    Watch::default().run(&mut simulation)?;
+    RunObserver::default().run(&mut simulation)?;
     Ok(simulation)
 }
 

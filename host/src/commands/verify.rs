@@ -7,7 +7,7 @@ use arcfeed_shared::units::Micros;
 use serde::Serialize;
 
 use super::outcome::{Failure, on_interrupt, refuse_inputs, say, write_whole};
-use super::stream::prepare::Prepared;
+use super::stream::preparation::PreparedProgram;
 use crate::console::note;
 use crate::dnc::readback::{Difference, ReadBack};
 use crate::port::Port;
@@ -44,7 +44,7 @@ pub struct Verify {
 
 /// Figures of a comparison.
 #[derive(Debug, Serialize)]
-struct Verdict<'a> {
+struct VerifyReport<'a> {
     same: bool,
     blocks: Option<usize>,
     difference: Option<Shown<'a>>,
@@ -68,7 +68,7 @@ impl Verify {
             let message = "--port sim: has no program in its memory; `arcfeed serve --store` is a control that has one";
             return Err(Failure::Usage(message.into()));
         }
-        let ready = Prepared::load(&self.job, self.baudrate, self.filter)?;
+        let ready = PreparedProgram::load(&self.job, self.baudrate, self.filter)?;
         refuse_inputs(&[self.output.as_deref()], &ready.file.inputs(&self.job))?;
         let mut port = open(&self.port, &ready.file.serial)?;
         let mut back = ReadBack::new(ready.wire.encode);
@@ -77,15 +77,15 @@ impl Verify {
                 "waiting for the program: press PUNCH at the control (EDIT mode), its line set as the job's"
             ));
         }
-        self.listen(&mut *port, &mut back, ready.file.dnc.start_timeout)?;
+        self.read_program(&mut *port, &mut back, ready.file.dnc.start_timeout)?;
         if let Some(path) = &self.output {
             write_whole(path, back.text())?;
         }
-        self.tell(&ready, back.compare(&ready.whole))
+        self.report(&ready, back.compare(&ready.whole))
     }
 
     /// Reads to the program's end.
-    fn listen(&self, port: &mut dyn Port, back: &mut ReadBack, start_timeout: Micros) -> Result<(), Failure> {
+    fn read_program(&self, port: &mut dyn Port, back: &mut ReadBack, start_timeout: Micros) -> Result<(), Failure> {
         let interrupted = on_interrupt();
         let (mut buffer, mut heard_at, mut is_ready) = ([0; 256], None, false);
         loop {
@@ -121,7 +121,7 @@ impl Verify {
         }
     }
 
-    fn tell(&self, ready: &Prepared, compared: Result<usize, Box<Difference>>) -> Result<(), Failure> {
+    fn report(&self, ready: &PreparedProgram, compared: Result<usize, Box<Difference>>) -> Result<(), Failure> {
         let path = ready.program.path.display();
         if self.json {
             let difference = compared.as_ref().err().map(|found| Shown {
@@ -130,7 +130,7 @@ impl Verify {
                 sent: found.sent.as_deref(),
                 received: found.received.as_deref(),
             });
-            let verdict = Verdict { same: compared.is_ok(), blocks: compared.as_ref().ok().copied(), difference };
+            let verdict = VerifyReport { same: compared.is_ok(), blocks: compared.as_ref().ok().copied(), difference };
             say(format_args!("{}", serde_json::json!(verdict)));
         } else if let Ok(blocks) = &compared {
             say(format_args!("{path}: {blocks} blocks, in the control as they are sent"));

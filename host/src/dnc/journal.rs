@@ -95,7 +95,7 @@ pub struct History {
 
 /// Reason for which a journal cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Damage {
+pub enum JournalError {
     /// The file does not begin as a journal.
     #[error("this is no journal of arcfeed, or its first record was never written: nothing was sent with it")]
     NoStart,
@@ -152,16 +152,16 @@ pub fn is_journal(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// The journal contains nothing reliable.
-pub fn read(bytes: &[u8]) -> Result<History, Damage> {
+pub fn read(bytes: &[u8]) -> Result<History, JournalError> {
     let mut lines = bytes.split_inclusive(|byte| *byte == b'\n');
-    let first = lines.next().and_then(open).ok_or(Damage::NoStart)?;
-    let start = parse_start(first).ok_or(Damage::NoStart)?;
+    let first = lines.next().and_then(open).ok_or(JournalError::NoStart)?;
+    let start = parse_start(first).ok_or(JournalError::NoStart)?;
     let mut history = History { start, sent: [0; 2], executed: None, stands: false, ended: None, torn: 0 };
     let (mut sent, mut executed) = ([0; 2], None);
     for (index, line) in lines.enumerate() {
         let number = u32::try_from(index + 1).unwrap_or(u32::MAX);
         match open(line).and_then(|text| parse(text, number)) {
-            Some(_) if history.torn > 0 => return Err(Damage::Line(index + 1)),
+            Some(_) if history.torn > 0 => return Err(JournalError::Line(index + 1)),
             Some(Record::Out { sent: out, until }) => sent = [out, until],
             Some(Record::Executed { blocks, stands }) => (executed, history.stands) = (Some(blocks), stands),
             // Characters given to a failed line need not have left.
@@ -170,7 +170,7 @@ pub fn read(bytes: &[u8]) -> Result<History, Damage> {
             }
             Some(Record::End { sent: out, how }) => (sent, history.ended) = ([out; 2], Some(how)),
             // Valid record in the wrong place: one before it is missing.
-            None if open(line).is_some() => return Err(Damage::Line(index + 2)),
+            None if open(line).is_some() => return Err(JournalError::Line(index + 2)),
             None => history.torn += line.len(),
         }
     }
@@ -266,7 +266,7 @@ mod tests {
         for len in 0..=whole.len() {
             let found = read(&whole[..len]);
             match ends.iter().rposition(|end| *end <= len) {
-                None => assert_eq!(found, Err(Damage::NoStart)),
+                None => assert_eq!(found, Err(JournalError::NoStart)),
                 Some(last) => {
                     let history = found.unwrap();
                     assert_eq!(history.torn, len - ends[last]);
@@ -282,10 +282,10 @@ mod tests {
         let second = whole.iter().position(|byte| *byte == b'\n').unwrap() + 20;
         let mut corrupted = whole.clone();
         corrupted[second] ^= 1;
-        assert!(matches!(read(&corrupted), Err(Damage::Line(_))));
+        assert!(matches!(read(&corrupted), Err(JournalError::Line(_))));
         let lines: Vec<&[u8]> = whole.split_inclusive(|byte| *byte == b'\n').collect();
         let missing = [lines[0], lines[2], lines[3]].concat();
-        assert!(matches!(read(&missing), Err(Damage::Line(_))));
+        assert!(matches!(read(&missing), Err(JournalError::Line(_))));
     }
 
     #[test]

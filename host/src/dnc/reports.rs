@@ -21,7 +21,7 @@ use arcfeed_shared::nc::modal::{Modal, Stop};
 use arcfeed_shared::units::LengthUnit;
 
 use super::restore::PowerOn;
-use super::transmission::{Refusal, Transmission, Wire};
+use super::transmission::{Transmission, TransmissionFault, Wire};
 
 /// Start of each report.
 pub const NAME: &str = "ARCFEED";
@@ -75,7 +75,7 @@ impl Reports {
         every: usize,
         control: &PowerOn,
         wire: &Wire,
-    ) -> Result<(Transmission, Self), Vec<Refusal>> {
+    ) -> Result<(Transmission, Self), Vec<TransmissionFault>> {
         let (mut reader, mut since, mut feed) = (control.reader(), 0, 0.0);
         let mut added: Vec<(usize, String)> = Vec::new();
         let mut reports = Reports::default();
@@ -84,13 +84,13 @@ impl Reports {
             let before = *reader.modal();
             let read = reader.read(text.strip_suffix(b"\n").unwrap_or(text));
             let is_end = read.as_ref().is_ok_and(|read| read.step.stop == Some(Stop::End));
-            if is_end && since > 0 && is_told(&before) {
+            if is_end && since > 0 && agrees_with_program(&before) {
                 reports.expect(sent, (index - 1, &before, feed), &mut added);
             }
             let Some(read) = read.ok().filter(|_| !is_end) else { break };
             feed = read.parsed.block.word(b'F').map_or(feed, |word| word.number.to_f64());
             since += usize::from(sent.is_block(index));
-            if since >= every && is_told(reader.modal()) {
+            if since >= every && agrees_with_program(reader.modal()) {
                 reports.expect(sent, (index, reader.modal(), feed), &mut added);
                 since = 0;
             }
@@ -217,7 +217,7 @@ impl Reports {
 }
 
 /// #5001 to #5003 agree with the program's position.
-fn is_told(modal: &Modal) -> bool {
+fn agrees_with_program(modal: &Modal) -> bool {
     modal.compensation.is_none()
         && modal.cycle.is_none()
         && modal.polar.is_none()

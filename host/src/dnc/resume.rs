@@ -14,7 +14,7 @@ use super::transmission::Transmission;
 
 /// Restart, to be shown before anything moves. Lines are those of the program's file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Plan {
+pub struct RestartPlan {
     /// First line of the restart.
     pub line: usize,
     /// Lines between which the last sent character lies.
@@ -60,7 +60,7 @@ pub struct Wanted {
     pub clearance: Option<Nm>,
 }
 
-impl Plan {
+impl RestartPlan {
     /// Plans a restart.
     ///
     /// # Errors
@@ -97,7 +97,7 @@ impl Plan {
         let repeats = among(index, under_way.map_or(0, |under_way| under_way + 1));
         let may_repeat = among(index.max(under_way.map_or(0, |under_way| under_way + 1)), most);
         let (may_skip, skips) = (among(least, index.min(most)), among(most.max(least), index));
-        Ok(Plan {
+        Ok(RestartPlan {
             line,
             sent: history.sent.map(|at| source(sent, at)),
             executed: under_way.map(|index| sent.lines()[index].source),
@@ -159,7 +159,7 @@ mod tests {
 
     const PROGRAM: &str = "%\nG21G0X0Y0Z5.\nG1Z-1.F100.\nX1.\nX2.\nX3.\nX4.\nG0Z5.\nM30\n%\n";
 
-    fn plan(executed: Option<usize>, sent: [usize; 2], line: Option<usize>) -> Result<Plan, String> {
+    fn plan(executed: Option<usize>, sent: [usize; 2], line: Option<usize>) -> Result<RestartPlan, String> {
         let wire = Wire { encode: Some, filters: false, tv_check: false };
         let source = |at: usize| 1 + PROGRAM.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count();
         let transmission = Transmission::new(PROGRAM.as_bytes(), source, &wire).unwrap();
@@ -167,7 +167,7 @@ mod tests {
             History { start: Start::default(), sent, executed, stands: executed.is_some(), ended: None, torn: 0 };
         let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);
         let control = PowerOn { settings, tables: Tables::default() };
-        Plan::new(&transmission, &history, &Wanted { line, clearance: None }, &control)
+        RestartPlan::new(&transmission, &history, &Wanted { line, clearance: None }, &control)
     }
 
     fn cuts(count: usize, first: usize, last: usize) -> Cuts {

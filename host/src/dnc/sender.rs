@@ -190,7 +190,7 @@ impl Sender {
     /// Puts the next characters into `out`; returns their number.
     pub fn poll_transmit(&mut self, now: Micros, out: &mut [u8; CHUNK]) -> usize {
         self.start_if_asked(now);
-        self.look_at_the_clock(now);
+        self.check_timeouts(now);
         if self.over.is_some() || self.flow != Flow::Go || self.intent == Intent::Hold {
             return 0;
         }
@@ -203,12 +203,12 @@ impl Sender {
         out[..len].copy_from_slice(&rest[..len]);
         self.line.pace.take(now, len);
         self.sent += len;
-        self.look_at_the_clock(now);
+        self.check_timeouts(now);
         len
     }
 
     /// Checks the time-outs.
-    fn look_at_the_clock(&mut self, now: Micros) {
+    fn check_timeouts(&mut self, now: Micros) {
         if self.over.is_some() {
             return;
         }
@@ -259,7 +259,7 @@ impl Sender {
         if !matches!(self.intent, Intent::Abort { .. }) {
             self.intent = Intent::Abort { since: now };
         }
-        self.look_at_the_clock(now);
+        self.check_timeouts(now);
     }
 
     /// Hands out nothing from this offset on until the same gate is opened further.

@@ -42,7 +42,7 @@ pub struct SentLine {
 
 /// Reason why a program is not sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refusal {
+pub struct TransmissionFault {
     /// Line of the program's file, counted from 1.
     pub line: usize,
     /// Column, counted from 1; for a line that arcfeed has written, the column in that line.
@@ -51,7 +51,7 @@ pub struct Refusal {
     pub message: String,
 }
 
-impl fmt::Display for Refusal {
+impl fmt::Display for TransmissionFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}: error: {}", self.line, self.column, self.message)
     }
@@ -62,7 +62,7 @@ impl Transmission {
     ///
     /// # Errors
     /// Describes every fault for which a control would not get the program, or would get another one.
-    pub fn new(text: &[u8], source: impl Fn(usize) -> usize, wire: &Wire) -> Result<Self, Vec<Refusal>> {
+    pub fn new(text: &[u8], source: impl Fn(usize) -> usize, wire: &Wire) -> Result<Self, Vec<TransmissionFault>> {
         let mut sent = Transmission { text: Vec::with_capacity(text.len() + 1), frames: Vec::new(), lines: Vec::new() };
         let (mut refusals, mut at) = (Vec::new(), 0);
         for raw in Lines::new(text) {
@@ -70,7 +70,7 @@ impl Transmission {
             at += raw.text.len() + raw.ending.len();
             sent.add(raw.text, raw.ending, line, (wire, &mut refusals));
         }
-        refusals.extend(sent.lost_label());
+        refusals.extend(sent.missing_label());
         refusals.extend(sent.without_end());
         if refusals.is_empty() { Ok(sent) } else { Err(refusals) }
     }
@@ -79,7 +79,7 @@ impl Transmission {
     ///
     /// # Errors
     /// The control's code lacks a character of ours.
-    pub fn resumed(&self, preamble: &str, from: usize, wire: &Wire) -> Result<Self, Vec<Refusal>> {
+    pub fn resumed(&self, preamble: &str, from: usize, wire: &Wire) -> Result<Self, Vec<TransmissionFault>> {
         let mut sent = Transmission { text: Vec::new(), frames: Vec::new(), lines: Vec::new() };
         let mut refusals = Vec::new();
         for line in preamble.lines() {
@@ -100,7 +100,7 @@ impl Transmission {
     ///
     /// # Errors
     /// The control's code lacks a character of ours.
-    pub fn with_lines(&self, added: &[(usize, String)], wire: &Wire) -> Result<Self, Vec<Refusal>> {
+    pub fn with_lines(&self, added: &[(usize, String)], wire: &Wire) -> Result<Self, Vec<TransmissionFault>> {
         let mut sent = Transmission { text: Vec::new(), frames: Vec::new(), lines: Vec::new() };
         let (mut refusals, mut added) = (Vec::new(), added.iter().peekable());
         for (index, line) in self.lines.iter().enumerate() {
@@ -121,7 +121,13 @@ impl Transmission {
         REPORT.iter().any(|begin| text.starts_with(begin.as_bytes()))
     }
 
-    fn add(&mut self, text: &[u8], ending: &[u8], source: usize, (wire, refusals): (&Wire, &mut Vec<Refusal>)) {
+    fn add(
+        &mut self,
+        text: &[u8],
+        ending: &[u8],
+        source: usize,
+        (wire, refusals): (&Wire, &mut Vec<TransmissionFault>),
+    ) {
         let start = self.text.len();
         let mut in_comment = false;
         for (index, &byte) in text.iter().enumerate() {
@@ -147,7 +153,7 @@ impl Transmission {
                  on; shorten the comment or split the block",
                 self.text.len() - start
             );
-            refusals.push(Refusal { line: source, column: BLOCK_MAX + 1, message });
+            refusals.push(TransmissionFault { line: source, column: BLOCK_MAX + 1, message });
         }
         // A control executes a block at its LF: one without it would never be executed.
         let ending = if ending.contains(&b'\n') { ending } else { b"\n" };
@@ -163,15 +169,15 @@ impl Transmission {
     }
 
     /// Fault of a first block without an end of block before it: a control skips everything up to that.
-    fn lost_label(&self) -> Option<Refusal> {
+    fn missing_label(&self) -> Option<TransmissionFault> {
         let first = self.line_text(0)?;
         let Ok(parsed) = parse_line(first.trim_ascii_end(), Reading::Lenient) else { return None };
         let message = "a control skips everything up to the first end of block: this block would be lost; begin the program \
                        with a line `%`";
-        (!parsed.block.is_empty()).then(|| Refusal { line: 1, column: 1, message: message.into() })
+        (!parsed.block.is_empty()).then(|| TransmissionFault { line: 1, column: 1, message: message.into() })
     }
 
-    fn without_end(&self) -> Option<Refusal> {
+    fn without_end(&self) -> Option<TransmissionFault> {
         let ends = |index: &usize| {
             let text = self.line_text(*index).unwrap_or_default().trim_ascii_end();
             let Ok(parsed) = parse_line(text, Reading::Lenient) else { return false };
@@ -180,7 +186,7 @@ impl Transmission {
         };
         let message = "no M02 or M30 anywhere: the control would wait for more; end the program with one";
         let last = self.lines.last().map_or(1, |line| line.source);
-        let refusal = Refusal { line: last, column: 1, message: message.into() };
+        let refusal = TransmissionFault { line: last, column: 1, message: message.into() };
         (!(0..self.lines.len()).any(|index| ends(&index))).then_some(refusal)
     }
 
@@ -243,7 +249,7 @@ fn fits(byte: u8, wire: &Wire) -> bool {
     is_known && (wire.encode)(byte).is_some()
 }
 
-fn refused_character(line: usize, column: usize, byte: u8) -> Refusal {
+fn refused_character(line: usize, column: usize, byte: u8) -> TransmissionFault {
     let found = byte.escape_ascii();
     let message = match byte {
         0x11..=0x14 => format!("`{found}` is DC1 to DC4 to the control: it would start or stop the line; remove it"),
@@ -252,7 +258,7 @@ fn refused_character(line: usize, column: usize, byte: u8) -> Refusal {
              --filter, which makes comments upper case and leaves out what is left"
         ),
     };
-    Refusal { line, column, message }
+    TransmissionFault { line, column, message }
 }
 
 #[cfg(test)]
@@ -261,7 +267,7 @@ mod tests {
 
     const PLAIN: Wire = Wire { encode: Some, filters: false, tv_check: false };
 
-    fn transmission(text: &str, wire: &Wire) -> Result<Transmission, Vec<Refusal>> {
+    fn transmission(text: &str, wire: &Wire) -> Result<Transmission, Vec<TransmissionFault>> {
         let line = |offset: usize| 1 + text.as_bytes()[..offset].iter().filter(|byte| **byte == b'\n').count();
         Transmission::new(text.as_bytes(), line, wire)
     }

@@ -4,8 +4,8 @@ pub mod survey;
 
 pub mod groups;
 
-pub mod propose;
+pub mod proposal;
 
 pub mod wording;
 
-pub mod write;
+pub mod job_writer;

@@ -117,10 +117,10 @@ pub enum Coefficients {
 }
 
 /// Checks the `[cutting]` table; `height_mm` is the tool's height, if there is a workpiece.
-pub(super) fn build(told: &Spanned<CuttingTable>, job: &Job, height_mm: Option<f64>) -> Result<Cutting, Complaint> {
-    let CuttingTable { axial_depth, layers, helix, runout, offsets, pitch, .. } = told.as_ref();
+pub(super) fn build(entry: &Spanned<CuttingTable>, job: &Job, height_mm: Option<f64>) -> Result<Cutting, Complaint> {
+    let CuttingTable { axial_depth, layers, helix, runout, offsets, pitch, .. } = entry.as_ref();
     let Some(height_mm) = height_mm else {
-        return Err(at(told, "[cutting] needs a [workpiece]: edges find their chips in it"));
+        return Err(at(entry, "[cutting] needs a [workpiece]: edges find their chips in it"));
     };
     let axial_depth_mm = length_mm(axial_depth, job.unit, "axial_depth")?;
     if axial_depth_mm > height_mm {
@@ -142,7 +142,7 @@ pub(super) fn build(told: &Spanned<CuttingTable>, job: &Job, height_mm: Option<f
     };
     let to_mm = |quantity: &Quantity| quantity.to_mm(job.unit);
     Ok(Cutting {
-        coefficients: coefficients(told)?,
+        coefficients: coefficients(entry)?,
         axial_depth_mm,
         layers,
         helix_rad: helix.as_ref().map_or(0.0, |helix| helix.as_ref().to_radians()),
@@ -152,33 +152,33 @@ pub(super) fn build(told: &Spanned<CuttingTable>, job: &Job, height_mm: Option<f
         }),
         offsets_mm: offsets.iter().flat_map(|offsets| offsets.as_ref()).map(to_mm).collect(),
         pitch_rad: pitch.iter().flat_map(|pitch| pitch.as_ref()).map(|degrees| degrees.to_radians()).collect(),
-        modes: told.as_ref().modes.iter().map(mode).collect::<Result<_, _>>()?,
-        offset: told.span().start,
+        modes: entry.as_ref().modes.iter().map(mode).collect::<Result<_, _>>()?,
+        offset: entry.span().start,
     })
 }
 
-fn mode(told: &Spanned<ModeTable>) -> Result<Mode, Complaint> {
-    let ModeTable { frequency, damping, stiffness, direction } = *told.as_ref();
+fn mode(entry: &Spanned<ModeTable>) -> Result<Mode, Complaint> {
+    let ModeTable { frequency, damping, stiffness, direction } = *entry.as_ref();
     let is_mode = frequency > 0.0 && stiffness > 0.0 && (0.0..1.0).contains(&damping);
     if !is_mode || direction == [0.0; 3] {
         let message = "a mode has a frequency (Hz) and a stiffness (N/mm) above 0, a damping of 0 to less than 1, and a \
                        direction that is not [0, 0, 0]";
-        return Err(at(told, message));
+        return Err(at(entry, message));
     }
     Ok(Mode {
         frequency_hz: frequency,
         damping_ratio: damping,
         stiffness_n_per_mm: stiffness,
         direction,
-        offset: told.span().start,
+        offset: entry.span().start,
     })
 }
 
-fn coefficients(told: &Spanned<CuttingTable>) -> Result<Coefficients, Complaint> {
-    let CuttingTable { material, kc11, mc, radial, axial, cutting, edge, .. } = told.as_ref();
+fn coefficients(entry: &Spanned<CuttingTable>) -> Result<Coefficients, Complaint> {
+    let CuttingTable { material, kc11, mc, radial, axial, cutting, edge, .. } = entry.as_ref();
     let ratios = || match (radial, axial) {
         (Some(radial), Some(axial)) => Ok([number(radial, "radial")?, number(axial, "axial")?]),
-        _ => Err(at(told, "give `radial` and `axial`, these forces over the tangential one: no source has a default")),
+        _ => Err(at(entry, "give `radial` and `axial`, these forces over the tangential one: no source has a default")),
     };
     match (material, kc11, mc, cutting, edge) {
         (Some(name), None, None, None, None) => {
@@ -201,7 +201,7 @@ fn coefficients(told: &Spanned<CuttingTable>) -> Result<Coefficients, Complaint>
             }
         },
         _ => Err(at(
-            told,
+            entry,
             "give the coefficients as one of material = \"Ti-6Al-4V\", kc11 and mc, or cutting = [Ktc, Krc, Kac] and \
              edge = [Kte, Kre, Kae]",
         )),

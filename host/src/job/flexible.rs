@@ -102,7 +102,7 @@ pub enum Elastic {
         offset: usize,
     },
     /// Constants given in the job.
-    Told {
+    Constants {
         /// Young's modulus.
         young_mpa: f64,
         /// Poisson's ratio.
@@ -114,23 +114,23 @@ pub enum Elastic {
 
 /// Checks the `[workpiece.flexible]` table.
 pub(super) fn build(
-    told: &Spanned<FlexibleTable>,
+    entry: &Spanned<FlexibleTable>,
     unit: LengthUnit,
     named: &dyn Fn(&Spanned<String>) -> Result<StlFile, Complaint>,
 ) -> Result<Flexible, Complaint> {
-    let FlexibleTable { block, stl, modes, damping, .. } = told.as_ref();
+    let FlexibleTable { block, stl, modes, damping, .. } = entry.as_ref();
     let (shape, cells, clamped) = match (block, stl) {
-        (Some(told), None) => {
-            let BlockTable { cells, clamped, .. } = told.as_ref();
-            (block_shape(told, unit)?, cells, clamped)
+        (Some(entry), None) => {
+            let BlockTable { cells, clamped, .. } = entry.as_ref();
+            (block_shape(entry, unit)?, cells, clamped)
         }
-        (None, Some(told)) => {
-            let SheetTable { cells, clamped, .. } = told.as_ref();
-            (sheet_shape(told.as_ref(), named)?, cells, clamped)
+        (None, Some(entry)) => {
+            let SheetTable { cells, clamped, .. } = entry.as_ref();
+            (sheet_shape(entry.as_ref(), named)?, cells, clamped)
         }
         _ => {
             return Err(at(
-                told,
+                entry,
                 "give the flexible part as one of block = { from, to, cells, clamped } or stl = { file, thickness, cells, clamped }",
             ));
         }
@@ -150,18 +150,18 @@ pub(super) fn build(
         shape,
         clamped: face(clamped)?,
         cells: *cells.as_ref(),
-        material: material(told)?,
+        material: material(entry)?,
         modes,
         damping_ratio: *damping.as_ref(),
-        offset: told.span().start,
+        offset: entry.span().start,
     })
 }
 
-fn block_shape(told: &Spanned<BlockTable>, unit: LengthUnit) -> Result<Shape, Complaint> {
+fn block_shape(entry: &Spanned<BlockTable>, unit: LengthUnit) -> Result<Shape, Complaint> {
     let corner = |corner: &[Quantity; 3]| corner.each_ref().map(|quantity| quantity.to_mm(unit));
-    let (lowest_mm, highest_mm) = (corner(&told.as_ref().from), corner(&told.as_ref().to));
+    let (lowest_mm, highest_mm) = (corner(&entry.as_ref().from), corner(&entry.as_ref().to));
     if !lowest_mm.iter().zip(highest_mm).all(|(low, high)| *low < high) {
-        return Err(at(told, "`from` must be below `to` in X, Y and Z"));
+        return Err(at(entry, "`from` must be below `to` in X, Y and Z"));
     }
     Ok(Shape::Block { lowest_mm, highest_mm })
 }
@@ -183,19 +183,19 @@ fn sheet_shape(
 }
 
 /// Axis and end of a face name such as `-Z`.
-fn face(told: &Spanned<String>) -> Result<(usize, bool), Complaint> {
+fn face(entry: &Spanned<String>) -> Result<(usize, bool), Complaint> {
     let faces = ["x-", "x+", "y-", "y+", "z-", "z+"];
-    match faces.iter().position(|face| face == told.as_ref()) {
+    match faces.iter().position(|face| face == entry.as_ref()) {
         Some(index) => Ok((index / 2, index % 2 == 1)),
         None => Err(at(
-            told,
+            entry,
             "no such face; write \"x-\", \"x+\", \"y-\", \"y+\", \"z-\" or \"z+\": - at the lower end, + at the upper",
         )),
     }
 }
 
-fn material(told: &Spanned<FlexibleTable>) -> Result<Elastic, Complaint> {
-    let FlexibleTable { material, young, poisson, density, .. } = told.as_ref();
+fn material(entry: &Spanned<FlexibleTable>) -> Result<Elastic, Complaint> {
+    let FlexibleTable { material, young, poisson, density, .. } = entry.as_ref();
     match (material, young, poisson, density) {
         (Some(name), None, None, None) => {
             Ok(Elastic::Material { name: name.as_ref().clone(), offset: name.span().start })
@@ -210,10 +210,10 @@ fn material(told: &Spanned<FlexibleTable>) -> Result<Elastic, Complaint> {
                 return Err(at(poisson, "poisson must be 0 to less than 0.5"));
             }
             let [young_mpa, poisson_ratio, density_kg_per_m3] = [young, poisson, density].map(|value| *value.as_ref());
-            Ok(Elastic::Told { young_mpa, poisson_ratio, density_kg_per_m3 })
+            Ok(Elastic::Constants { young_mpa, poisson_ratio, density_kg_per_m3 })
         }
         _ => Err(at(
-            told,
+            entry,
             "say what it is made of: material = \"Ti-6Al-4V\", or young (N/mm2), poisson and density (kg/m3)",
         )),
     }

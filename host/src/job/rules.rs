@@ -10,7 +10,7 @@ use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm};
 use toml::Spanned;
 
 use super::schema::{CutTable, DirectionWord, JobTable, MovesWord, Quantity, RotationWord, SideWord, StockTable};
-use super::{Around, Complaint, at, length_mm, tables};
+use super::{Complaint, RuleContext, at, length_mm, tables};
 
 /// Largest sequence number: eight digits.
 const SEQUENCE_MAX: i64 = 99_999_999;
@@ -40,7 +40,7 @@ pub fn build(job: &JobTable, tools: &Tools) -> Result<(heapless::Vec<CutRule, RU
     let (mut rules, mut knots) = (heapless::Vec::new(), Knots::default());
     for (place, cut) in tables(job) {
         let setup = tools.get(usize::from(place)).unwrap_or(tools.first());
-        let around = &Around { unit: job.units.into(), tool: &setup.tool, law: setup.law };
+        let around = &RuleContext { unit: job.units.into(), tool: &setup.tool, law: setup.law };
         let rule = match around.tool {
             Tool::CupMill(_) => ring_rule(cut, around)?,
             Tool::EndMill(_) => match around.law {
@@ -56,7 +56,7 @@ pub fn build(job: &JobTable, tools: &Tools) -> Result<(heapless::Vec<CutRule, RU
     Ok((rules, knots))
 }
 
-fn ring_rule(cut: &Spanned<CutTable>, around: &Around<'_>) -> Result<CutRule, Complaint> {
+fn ring_rule(cut: &Spanned<CutTable>, around: &RuleContext<'_>) -> Result<CutRule, Complaint> {
     let table = cut.as_ref();
     let needs = "a cup-mill's rule has rotation, direction, side = \"outer\" or \"inner\", and stock";
     let CutTable { rotation: Some(rotation), direction: Some(direction), .. } = table else {
@@ -85,7 +85,7 @@ fn ring_rule(cut: &Spanned<CutTable>, around: &Around<'_>) -> Result<CutRule, Co
 }
 
 /// Rule of an end mill, seen as one cutting circle.
-fn circle_rule(cut: &Spanned<CutTable>, around: &Around<'_>) -> Result<CutRule, Complaint> {
+fn circle_rule(cut: &Spanned<CutTable>, around: &RuleContext<'_>) -> Result<CutRule, Complaint> {
     let table = cut.as_ref();
     let needs = "an end-mill's rule under engaged-arc has moves = \"arcs\" (with direction) or \"lines\", side = \"outer\", \
                  and stock";
@@ -155,7 +155,7 @@ fn turn(direction: DirectionWord) -> Turn {
     }
 }
 
-fn build_stock(stock: &Spanned<StockTable>, edge: Edge, around: &Around<'_>) -> Result<Stock, Complaint> {
+fn build_stock(stock: &Spanned<StockTable>, edge: Edge, around: &RuleContext<'_>) -> Result<Stock, Complaint> {
     let mm = |quantity: &Quantity| quantity.to_mm(around.unit);
     let StockTable { normal_deg, offset, from, to, rise, lines, polygon, disc, engaged, map } = stock.as_ref();
     let half_plane = |line| Stock::half_plane(StockLine { rise_ratio: rise.unwrap_or(0.0), ..line });

@@ -32,7 +32,7 @@ pub struct JobTable {
     #[serde(default)]
     pub control: ControlTable,
     #[serde(default)]
-    pub machine: MachineTable,
+    pub machine: JobMachineTable,
     #[serde(default)]
     pub serial: SerialTable,
     #[serde(default)]
@@ -217,7 +217,7 @@ pub struct ArcClampTable {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct MachineTable {
+pub struct JobMachineTable {
     pub file: Option<Spanned<String>>,
     pub preset: Option<Spanned<String>>,
     #[serde(default)]

@@ -18,7 +18,7 @@ pub struct StlFile {
 
 impl StlFile {
     /// Resolves a file name relative to a folder; the file must exist.
-    pub(super) fn told(file: &Spanned<String>, folder: &Path, unit: LengthUnit) -> Result<Self, Complaint> {
+    pub(super) fn named(file: &Spanned<String>, folder: &Path, unit: LengthUnit) -> Result<Self, Complaint> {
         let path = folder.join(file.as_ref());
         match std::fs::metadata(&path) {
             Ok(found) if found.is_file() => Ok(StlFile { path, unit }),

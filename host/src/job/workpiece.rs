@@ -79,19 +79,22 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
         Ok((tool, corner_mm(tool, &setup.tool, job.unit)?, height))
     });
     let bodies = bodies.collect::<Result<Vec<_>, Complaint>>()?;
-    let Some(told) = &table.workpiece else { return Ok(None) };
-    let WorkpieceTable { stl_units, step, memory_mib, target, .. } = told.as_ref();
+    let Some(entry) = &table.workpiece else { return Ok(None) };
+    let WorkpieceTable { stl_units, step, memory_mib, target, .. } = entry.as_ref();
     let &[(tool, corner_mm, height_mm)] = bodies.as_slice() else {
-        return Err(at(told, "[workpiece] is cut by one tool only: give the job one [tool], or leave [workpiece] out"));
+        return Err(at(
+            entry,
+            "[workpiece] is cut by one tool only: give the job one [tool], or leave [workpiece] out",
+        ));
     };
     let Some(height_mm) = height_mm else {
-        return Err(at(told, "a workpiece needs [tool] height: how far up from its tip the tool cuts"));
+        return Err(at(entry, "a workpiece needs [tool] height: how far up from its tip the tool cuts"));
     };
     if height_mm < corner_mm {
         return Err(at(&tool.kind, "the tool's height must be at least its corner_radius"));
     }
     let stl_unit = stl_units.map_or(LengthUnit::Mm, LengthUnit::from);
-    let named = |file: &Spanned<String>| StlFile::told(file, folder, stl_unit);
+    let named = |file: &Spanned<String>| StlFile::named(file, folder, stl_unit);
     let target = target.as_ref().map(named).transpose()?;
     let memory_max_bytes = match memory_mib {
         Some(mib) if !(1..=1 << 20).contains(mib.as_ref()) => {
@@ -99,18 +102,18 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
         }
         given => given.as_ref().map_or(MEMORY_MIB, |mib| *mib.as_ref()) * MIB,
     };
-    let flexible = told.as_ref().flexible.as_ref();
+    let flexible = entry.as_ref().flexible.as_ref();
     if let Some(flexible) = flexible.filter(|_| table.cutting.is_none()) {
         return Err(at(flexible, "[workpiece.flexible] needs [cutting]: without edges there are no forces"));
     }
     Ok(Some(Workpiece {
         flexible: flexible.map(|flexible| flexible::build(flexible, job.unit, &named)).transpose()?,
-        blank: blank(told, job.unit, folder, stl_unit)?,
+        blank: blank(entry, job.unit, folder, stl_unit)?,
         target,
         step_mm: length_mm(step, job.unit, "step")?,
         memory_max_bytes,
         body: Body { corner_mm, height_mm },
-        offset: told.span().start,
+        offset: entry.span().start,
     }))
 }
 
@@ -149,13 +152,13 @@ fn corner_mm(table: &ToolTable, tool: &Tool, unit: LengthUnit) -> Result<f64, Co
 }
 
 fn blank(
-    told: &Spanned<WorkpieceTable>,
+    entry: &Spanned<WorkpieceTable>,
     unit: LengthUnit,
     folder: &Path,
     stl_unit: LengthUnit,
 ) -> Result<Blank, Complaint> {
     let point = |point: &[Quantity; 3]| point.map(|quantity| quantity.to_mm(unit));
-    match (&told.as_ref().block, &told.as_ref().round, &told.as_ref().stl) {
+    match (&entry.as_ref().block, &entry.as_ref().round, &entry.as_ref().stl) {
         (Some(block), None, None) => {
             let BlockTable { from, to } = block.as_ref();
             let (lowest_mm, highest_mm) = (point(from), point(to));
@@ -178,9 +181,9 @@ fn blank(
                 _ => Ok(Blank::Round { from_mm, to_mm, radius_mm, bore_mm }),
             }
         }
-        (None, None, Some(file)) => StlFile::told(file, folder, stl_unit).map(Blank::Stl),
+        (None, None, Some(file)) => StlFile::named(file, folder, stl_unit).map(Blank::Stl),
         _ => Err(at(
-            told,
+            entry,
             "give the workpiece as one of block = { from = [x, y, z], to = [x, y, z] }, round = { from = [x, y, z], \
              to = [x, y, z], radius, bore } or stl = \"file.stl\"",
         )),

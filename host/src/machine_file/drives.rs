@@ -104,7 +104,7 @@ pub enum DriveError {
 }
 
 /// Limits of an axis in a file: speed per minute, acceleration, jerk.
-pub type Told = [Option<f64>; 3];
+pub type DriveValues = [Option<f64>; 3];
 
 impl Default for Tolerance {
     fn default() -> Self {
@@ -117,8 +117,8 @@ impl Drives {
     ///
     /// # Errors
     /// An axis has an acceleration or a jerk while another has not all three limits, or a value is not above 0.
-    pub fn new(told: [Told; 5], tolerance: Tolerance) -> Result<Option<Self>, DriveError> {
-        if told.iter().all(|[_, acceleration, jerk]| acceleration.is_none() && jerk.is_none()) {
+    pub fn new(values: [DriveValues; 5], tolerance: Tolerance) -> Result<Option<Self>, DriveError> {
+        if values.iter().all(|[_, acceleration, jerk]| acceleration.is_none() && jerk.is_none()) {
             return Ok(None);
         }
         if ![tolerance.linear_mm, tolerance.rotary_deg]
@@ -128,7 +128,7 @@ impl Drives {
             return Err(DriveError::Tolerance);
         }
         let drive = |axis: usize| {
-            let [speed, acceleration, jerk] = told[axis];
+            let [speed, acceleration, jerk] = values[axis];
             let positive = |value: Option<f64>| value.filter(|value| *value > 0.0 && value.is_finite());
             let per_min = positive(speed).ok_or(DriveError::Axis(axis))?;
             Ok(Drive {
@@ -166,7 +166,7 @@ impl std::fmt::Display for DriveError {
 mod tests {
     use super::*;
 
-    const AXIS: Told = [Some(6_000.0), Some(500.0), Some(20_000.0)];
+    const AXIS: DriveValues = [Some(6_000.0), Some(500.0), Some(20_000.0)];
 
     #[test]
     fn drives_are_told_of_all_axes_or_of_none() {
@@ -175,11 +175,11 @@ mod tests {
         let drives = Drives::new([AXIS; 5], tolerance).unwrap().unwrap();
         assert!((drives.rotary[1].speed_mm_per_s - 100.0).abs() < 1e-12);
         for missing in 0..3 {
-            let mut told = [AXIS; 5];
-            told[4][missing] = None;
-            assert_eq!(Drives::new(told, tolerance), Err(DriveError::Axis(4)));
-            told[4][missing] = Some(0.0);
-            assert_eq!(Drives::new(told, tolerance), Err(DriveError::Axis(4)));
+            let mut values = [AXIS; 5];
+            values[4][missing] = None;
+            assert_eq!(Drives::new(values, tolerance), Err(DriveError::Axis(4)));
+            values[4][missing] = Some(0.0);
+            assert_eq!(Drives::new(values, tolerance), Err(DriveError::Axis(4)));
         }
         let none = Tolerance { linear_mm: 0.0, rotary_deg: 0.01 };
         assert_eq!(Drives::new([AXIS; 5], none), Err(DriveError::Tolerance));

@@ -4,36 +4,36 @@ use std::path::Path;
 
 use arcfeed_plan::geometry::blade::{RotorAxis, Sections};
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
-use arcfeed_plan::geometry::curves::{self, Texts, Which};
-use arcfeed_plan::geometry::generate::{Hand, POINTS, Rotor, SECTIONS};
-use arcfeed_plan::geometry::reading::{Drawn, ReadError};
+use arcfeed_plan::geometry::curves::{self, CurveFile, Texts};
+use arcfeed_plan::geometry::generator::{Hand, POINTS, Rotor, SECTIONS};
+use arcfeed_plan::geometry::point_file::{PointFileFrame, ReadError};
 use arcfeed_plan::geometry::sections;
 use arcfeed_shared::units::LengthUnit;
 use toml::Spanned;
 
-use super::Wrong;
+use super::PartError;
 use super::schema::{CurvesTable, GenerateTable, GeometryTable, HandWord, PointUnit, RotorWord, SectionsTable};
 use crate::file_error::FileError;
 use crate::job::{Complaint, at, length_mm};
 
 /// Builds the rotor in its blank.
 pub(super) fn build(
-    told: &Spanned<GeometryTable>,
+    entry: &Spanned<GeometryTable>,
     unit: LengthUnit,
     blank: Blank,
     folder: &Path,
-) -> Result<Blisk, Wrong> {
-    let GeometryTable { generate, curves, sections } = told.as_ref();
+) -> Result<Blisk, PartError> {
+    let GeometryTable { generate, curves, sections } = entry.as_ref();
     let (blades, hub, blade) = match (generate, curves, sections) {
         (Some(numbers), None, None) => generated(numbers, unit, &blank)?,
         (None, Some(files), None) => from_curves(files, unit, &blank, folder)?,
         (None, None, Some(file)) => from_sections(file, unit, &blank, folder)?,
         _ => {
             let message = "give the rotor as exactly one of `generate`, `curves` or `sections`";
-            return Err(at(told, message).into());
+            return Err(at(entry, message).into());
         }
     };
-    let [pressure, suction] = blade.faces().map_err(|error| at(told, &error.to_string()))?;
+    let [pressure, suction] = blade.faces().map_err(|error| at(entry, &error.to_string()))?;
     Ok(Blisk { blades, pressure, suction, hub, blank })
 }
 
@@ -43,11 +43,11 @@ fn cylinder(radius_mm: f64, blank: &Blank) -> Revolution {
 }
 
 fn generated(
-    told: &Spanned<GenerateTable>,
+    entry: &Spanned<GenerateTable>,
     unit: LengthUnit,
     blank: &Blank,
 ) -> Result<(u32, Revolution, Sections), Complaint> {
-    let numbers = told.as_ref();
+    let numbers = entry.as_ref();
     let rotor = Rotor {
         blades: numbers.blades,
         hub_radius_mm: numbers.hub_radius.to_mm(unit),
@@ -63,26 +63,26 @@ fn generated(
             HandWord::Left => Hand::Left,
         },
     };
-    let blade = rotor.sections(SECTIONS, POINTS).map_err(|error| at(told, &error.to_string()))?;
+    let blade = rotor.sections(SECTIONS, POINTS).map_err(|error| at(entry, &error.to_string()))?;
     Ok((rotor.blades, cylinder(rotor.hub_radius_mm, blank), blade))
 }
 
 fn from_curves(
-    told: &Spanned<CurvesTable>,
+    entry: &Spanned<CurvesTable>,
     unit: LengthUnit,
     blank: &Blank,
     folder: &Path,
-) -> Result<(u32, Revolution, Sections), Wrong> {
-    let files = told.as_ref();
+) -> Result<(u32, Revolution, Sections), PartError> {
+    let files = entry.as_ref();
     let blades = blades(&files.blades)?;
     let [hub, shroud, profile] = [&files.hub, &files.shroud, &files.profile].map(|file| read(file, folder));
     let (hub, shroud, profile) = (hub?, shroud?, profile?);
     let texts = Texts { hub: &hub, shroud: &shroud, profile: &profile };
     let found = curves::read(&texts, &drawn(files.axis, files.units, unit)).map_err(|(which, error)| {
         let file = match which {
-            Which::Hub => &files.hub,
-            Which::Shroud => &files.shroud,
-            Which::Profile => &files.profile,
+            CurveFile::Hub => &files.hub,
+            CurveFile::Shroud => &files.shroud,
+            CurveFile::Profile => &files.profile,
         };
         there(file, folder, &error)
     })?;
@@ -90,12 +90,12 @@ fn from_curves(
 }
 
 fn from_sections(
-    told: &Spanned<SectionsTable>,
+    entry: &Spanned<SectionsTable>,
     unit: LengthUnit,
     blank: &Blank,
     folder: &Path,
-) -> Result<(u32, Revolution, Sections), Wrong> {
-    let table = told.as_ref();
+) -> Result<(u32, Revolution, Sections), PartError> {
+    let table = entry.as_ref();
     let blades = blades(&table.blades)?;
     let hub = cylinder(length_mm(&table.hub_radius, unit, "hub_radius")?, blank);
     let text = read(&table.file, folder)?;
@@ -104,15 +104,15 @@ fn from_sections(
     Ok((blades, hub, blade))
 }
 
-fn blades(told: &Spanned<u32>) -> Result<u32, Complaint> {
-    match *told.as_ref() {
-        0 | 1 => Err(at(told, "a rotor has 2 blades at least")),
+fn blades(entry: &Spanned<u32>) -> Result<u32, Complaint> {
+    match *entry.as_ref() {
+        0 | 1 => Err(at(entry, "a rotor has 2 blades at least")),
         blades => Ok(blades),
     }
 }
 
 /// Interpretation of the points of a file; they are in the part's units unless `units` is given.
-fn drawn(axis: RotorWord, units: Option<PointUnit>, unit: LengthUnit) -> Drawn {
+fn drawn(axis: RotorWord, units: Option<PointUnit>, unit: LengthUnit) -> PointFileFrame {
     let axis = match axis {
         RotorWord::X => RotorAxis::X,
         RotorWord::Y => RotorAxis::Y,
@@ -125,7 +125,7 @@ fn drawn(axis: RotorWord, units: Option<PointUnit>, unit: LengthUnit) -> Drawn {
         Some(PointUnit::Cm) => 10.0,
         Some(PointUnit::M) => 1000.0,
     };
-    Drawn { axis, unit_mm }
+    PointFileFrame { axis, unit_mm }
 }
 
 fn read(file: &Spanned<String>, folder: &Path) -> Result<String, Complaint> {
@@ -133,8 +133,8 @@ fn read(file: &Spanned<String>, folder: &Path) -> Result<String, Complaint> {
     std::fs::read_to_string(&path).map_err(|error| at(file, &format!("{}: {error}", path.display())))
 }
 
-fn there(file: &Spanned<String>, folder: &Path, error: &ReadError) -> Wrong {
+fn there(file: &Spanned<String>, folder: &Path, error: &ReadError) -> PartError {
     let ReadError { line, column, fault } = error;
     let path = folder.join(file.as_ref());
-    Wrong::There(FileError::Content { path, line: *line, column: *column, message: fault.to_string() })
+    PartError::There(FileError::Content { path, line: *line, column: *column, message: fault.to_string() })
 }

@@ -22,7 +22,7 @@ use crate::machine_file::MachineFile;
 use crate::place::place;
 use crate::toml_values::{refuse_numbers, with_key};
 use schema::{
-    AxisWord, BaselineTable, BlankTable, FixtureTable, LawWord, MachineTable, OutputTable, PartTable, RoughingTable,
+    AxisWord, BaselineTable, BlankTable, FixtureTable, LawWord, OutputTable, PartMachineTable, PartTable, RoughingTable,
 };
 
 /// Default of `interior_contact`, a fraction, and of `clearance`.
@@ -31,7 +31,7 @@ const CLEARANCE_MM: f64 = 5.0;
 
 /// Checked part file. Part frame, millimetres.
 #[derive(Clone, Debug)]
-pub struct Part {
+pub struct PartFile {
     /// Name in the part file, or else the file's own name.
     pub name: String,
     /// Unit of the file.
@@ -53,16 +53,16 @@ pub struct Part {
     /// Machine, if the file names one.
     pub machine: Option<MachineFile>,
     /// File or preset by which the part names the machine.
-    pub machine_told: Option<MachineTold>,
+    pub machine_source: Option<MachineSource>,
     /// Settings of the NC program.
     pub output: Output,
     /// Baseline for the plan's time, if the file has one.
-    pub baseline: Option<Baseline>,
+    pub baseline: Option<BaselineSettings>,
 }
 
 /// File or preset by which a part names its machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum MachineTold {
+pub enum MachineSource {
     /// File, relative to the working directory.
     File(PathBuf),
     /// Preset, by its name.
@@ -99,7 +99,7 @@ pub struct Output {
 
 /// Flank milling with a ball-end mill.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Baseline {
+pub struct BaselineSettings {
     /// Diameter of the ball.
     pub diameter_mm: f64,
     /// Teeth.
@@ -113,25 +113,25 @@ pub struct Baseline {
 }
 
 /// Fault at a byte offset of the part file, or in another file.
-enum Wrong {
+enum PartError {
     Here(Complaint),
     There(FileError),
 }
 
-impl From<Complaint> for Wrong {
+impl From<Complaint> for PartError {
     fn from(complaint: Complaint) -> Self {
-        Wrong::Here(complaint)
+        PartError::Here(complaint)
     }
 }
 
-impl Part {
+impl PartFile {
     /// Reads and checks a part file and the files it names.
     ///
     /// # Errors
     /// See [`FileError`].
     pub fn load(path: &Path) -> Result<Self, FileError> {
         let text = std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.into(), source })?;
-        Part::parse(path, &text)
+        PartFile::parse(path, &text)
     }
 
     /// Checks a part given as text. `path` is used in messages and to locate the files that it names.
@@ -145,10 +145,10 @@ impl Part {
         };
         let table = refuse_numbers(text).and_then(|()| read());
         let folder = path.parent().unwrap_or(Path::new(""));
-        let built = table.map_err(Wrong::Here).and_then(|table| build(&table, path, folder));
+        let built = table.map_err(PartError::Here).and_then(|table| build(&table, path, folder));
         built.map_err(|wrong| match wrong {
-            Wrong::There(error) => error,
-            Wrong::Here((offset, message)) => {
+            PartError::There(error) => error,
+            PartError::Here((offset, message)) => {
                 let [line, column] = place(text, offset);
                 FileError::Content { path: path.into(), line, column, message: with_key(text, offset, &message) }
             }
@@ -156,14 +156,14 @@ impl Part {
     }
 }
 
-fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<Part, Wrong> {
+fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PartFile, PartError> {
     let unit: LengthUnit = table.units.into();
     let own_name = || path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let blank = blank(&table.blank, unit)?;
     let cutter = tool::build(&table.cutter, unit)?;
     let (roughing, feeds) = roughing(&table.roughing, unit)?;
-    let fixtures = table.fixture.iter().map(|told| fixture(told, unit)).collect::<Result<_, _>>()?;
-    Ok(Part {
+    let fixtures = table.fixture.iter().map(|entry| fixture(entry, unit)).collect::<Result<_, _>>()?;
+    Ok(PartFile {
         name: table.name.clone().unwrap_or_else(own_name),
         unit,
         cutter,
@@ -173,68 +173,72 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<Part, Wrong> {
         feeds,
         fixtures,
         machine: machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?,
-        machine_told: machine_told(&table.machine, folder),
+        machine_source: machine_source(&table.machine, folder),
         output: output(&table.output, unit)?,
-        baseline: table.baseline.as_ref().map(|told| baseline(told, unit)).transpose()?,
+        baseline: table.baseline.as_ref().map(|entry| baseline(entry, unit)).transpose()?,
         blisk: geometry::build(&table.geometry, unit, blank, folder)?,
     })
 }
 
-fn machine_told(told: &MachineTable, folder: &Path) -> Option<MachineTold> {
-    let file = told.file.as_ref().map(|file| MachineTold::File(folder.join(file.as_ref())));
-    file.or_else(|| told.preset.as_ref().map(|preset| MachineTold::Preset(preset.as_ref().clone())))
+fn machine_source(entry: &PartMachineTable, folder: &Path) -> Option<MachineSource> {
+    let file = entry.file.as_ref().map(|file| MachineSource::File(folder.join(file.as_ref())));
+    file.or_else(|| entry.preset.as_ref().map(|preset| MachineSource::Preset(preset.as_ref().clone())))
 }
 
-fn axis(told: AxisWord) -> Option<AxisChoice> {
-    match told {
+fn axis(entry: AxisWord) -> Option<AxisChoice> {
+    match entry {
         AxisWord::Auto => None,
         AxisWord::Blade => Some(AxisChoice::Blade),
         AxisWord::Roomiest => Some(AxisChoice::Roomiest),
     }
 }
 
-fn blank(told: &BlankTable, unit: LengthUnit) -> Result<Blank, Complaint> {
-    let faces_mm = [&told.from, &told.to].map(|face| face.as_ref().to_mm(unit));
+fn blank(entry: &BlankTable, unit: LengthUnit) -> Result<Blank, Complaint> {
+    let faces_mm = [&entry.from, &entry.to].map(|face| face.as_ref().to_mm(unit));
     if faces_mm[0].is_nan() || faces_mm[1].is_nan() || faces_mm[0] >= faces_mm[1] {
-        return Err(at(&told.to, "`to` must lie above `from`, along the rotor's axis"));
+        return Err(at(&entry.to, "`to` must lie above `from`, along the rotor's axis"));
     }
-    Ok(Blank { radius_mm: length_mm(&told.radius, unit, "radius")?, faces_mm })
+    Ok(Blank { radius_mm: length_mm(&entry.radius, unit, "radius")?, faces_mm })
 }
 
-fn roughing(told: &RoughingTable, unit: LengthUnit) -> Result<(Roughing, Feeds), Complaint> {
+fn roughing(entry: &RoughingTable, unit: LengthUnit) -> Result<(Roughing, Feeds), Complaint> {
     let feed = |given: &Option<Spanned<Quantity>>, name: &str| {
         given.as_ref().map(|given| length_mm(given, unit, name)).transpose()
     };
-    let interior_contact = match &told.interior_contact {
+    let interior_contact = match &entry.interior_contact {
         Some(share) if !(*share.as_ref() > 0.0 && *share.as_ref() < 1.0) => {
             return Err(at(share, "interior_contact is a share of the suction side's tip curve, between 0 and 1"));
         }
         given => given.as_ref().map_or(INTERIOR_CONTACT, |share| *share.as_ref()),
     };
     let roughing = Roughing {
-        allowance_mm: length_mm(&told.allowance, unit, "allowance")?,
-        axial_depth_max_mm: length_mm(&told.axial_depth_max, unit, "axial_depth_max")?,
+        allowance_mm: length_mm(&entry.allowance, unit, "allowance")?,
+        axial_depth_max_mm: length_mm(&entry.axial_depth_max, unit, "axial_depth_max")?,
         interior_contact,
-        clearance_mm: feed(&told.clearance, "clearance")?.unwrap_or(CLEARANCE_MM),
-        axis: axis(told.axis).unwrap_or_default(),
+        clearance_mm: feed(&entry.clearance, "clearance")?.unwrap_or(CLEARANCE_MM),
+        axis: axis(entry.axis).unwrap_or_default(),
     };
     let feeds = Feeds {
-        rev_per_min: positive(&told.rev_per_min, "rev_per_min")?,
-        per_tooth_mm: length_mm(&told.feed_per_tooth, unit, "feed_per_tooth")?,
-        approach_mm_per_min: feed(&told.approach_feed, "approach_feed")?,
-        axial_mm_per_min: feed(&told.axial_feed, "axial_feed")?,
+        rev_per_min: positive(&entry.rev_per_min, "rev_per_min")?,
+        per_tooth_mm: length_mm(&entry.feed_per_tooth, unit, "feed_per_tooth")?,
+        approach_mm_per_min: feed(&entry.approach_feed, "approach_feed")?,
+        axial_mm_per_min: feed(&entry.axial_feed, "axial_feed")?,
     };
     Ok((roughing, feeds))
 }
 
-fn fixture(told: &Spanned<FixtureTable>, unit: LengthUnit) -> Result<[Point; 2], Complaint> {
-    let FixtureTable { from, to } = told.as_ref();
+fn fixture(entry: &Spanned<FixtureTable>, unit: LengthUnit) -> Result<[Point; 2], Complaint> {
+    let FixtureTable { from, to } = entry.as_ref();
     let [low, high] = [from, to].map(|corner| Point::from(corner.map(|value| value.to_mm(unit))));
     let is_box = (0..3).all(|axis| low[axis] < high[axis]);
-    if is_box { Ok([low, high]) } else { Err(at(told, "a fixture's `to` must lie above its `from`, along x, y and z")) }
+    if is_box {
+        Ok([low, high])
+    } else {
+        Err(at(entry, "a fixture's `to` must lie above its `from`, along x, y and z"))
+    }
 }
 
-fn output(told: &OutputTable, unit: LengthUnit) -> Result<Output, Complaint> {
+fn output(entry: &OutputTable, unit: LengthUnit) -> Result<Output, Complaint> {
     let within = |given: &Option<Spanned<u32>>, name: &str, most: u32, unless: u32| match given {
         Some(number) if !(1..=most).contains(number.as_ref()) => {
             Err(at(number, &format!("{name} must be 1 to {most}")))
@@ -242,21 +246,21 @@ fn output(told: &OutputTable, unit: LengthUnit) -> Result<Output, Complaint> {
         given => Ok(given.as_ref().map_or(unless, |number| *number.as_ref())),
     };
     Ok(Output {
-        unit: told.units.map_or(unit, Into::into),
-        number: within(&told.number, "number", 9999, 1)?,
-        tool: within(&told.tool, "tool", 9999, 1)?,
-        coolant: told.coolant.unwrap_or(true),
-        dprnt: told.dprnt.unwrap_or(false),
+        unit: entry.units.map_or(unit, Into::into),
+        number: within(&entry.number, "number", 9999, 1)?,
+        tool: within(&entry.tool, "tool", 9999, 1)?,
+        coolant: entry.coolant.unwrap_or(true),
+        dprnt: entry.dprnt.unwrap_or(false),
     })
 }
 
-fn baseline(told: &BaselineTable, unit: LengthUnit) -> Result<Baseline, Complaint> {
-    Ok(Baseline {
-        diameter_mm: length_mm(&told.diameter, unit, "diameter")?,
-        teeth: tool::teeth(&told.teeth)?,
-        feed_mm_per_min: length_mm(&told.feed, unit, "feed")?,
-        axial_depth_mm: length_mm(&told.axial_depth, unit, "axial_depth")?,
-        stepover_mm: length_mm(&told.stepover, unit, "stepover")?,
+fn baseline(entry: &BaselineTable, unit: LengthUnit) -> Result<BaselineSettings, Complaint> {
+    Ok(BaselineSettings {
+        diameter_mm: length_mm(&entry.diameter, unit, "diameter")?,
+        teeth: tool::teeth(&entry.teeth)?,
+        feed_mm_per_min: length_mm(&entry.feed, unit, "feed")?,
+        axial_depth_mm: length_mm(&entry.axial_depth, unit, "axial_depth")?,
+        stepover_mm: length_mm(&entry.stepover, unit, "stepover")?,
     })
 }
 

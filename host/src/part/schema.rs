@@ -17,7 +17,7 @@ pub struct PartTable {
     #[serde(default)]
     pub fixture: Vec<Spanned<FixtureTable>>,
     #[serde(default)]
-    pub machine: MachineTable,
+    pub machine: PartMachineTable,
     #[serde(default)]
     pub output: OutputTable,
     pub baseline: Option<BaselineTable>,
@@ -162,7 +162,7 @@ pub struct FixtureTable {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct MachineTable {
+pub struct PartMachineTable {
     pub file: Option<Spanned<String>>,
     pub preset: Option<Spanned<String>>,
 }

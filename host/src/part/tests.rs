@@ -2,8 +2,8 @@ use super::*;
 
 const EXAMPLE: &str = include_str!("../../../examples/blisk-19/PART.toml");
 
-fn parse(text: &str) -> Result<Part, FileError> {
-    Part::parse(Path::new("shop/PART.toml"), text)
+fn parse(text: &str) -> Result<PartFile, FileError> {
+    PartFile::parse(Path::new("shop/PART.toml"), text)
 }
 
 /// Message for the example with `old` replaced by `new`.
@@ -65,9 +65,9 @@ fn a_rotor_comes_from_exactly_one_place() {
 }
 
 /// The example with its rotor from files in a folder.
-fn with_files(folder: &Path, geometry: &str) -> Result<Part, FileError> {
+fn with_files(folder: &Path, geometry: &str) -> Result<PartFile, FileError> {
     let lines = EXAMPLE.lines().map(|line| if line.starts_with("generate") { geometry } else { line });
-    Part::parse(&folder.join("PART.toml"), &lines.collect::<Vec<_>>().join("\n"))
+    PartFile::parse(&folder.join("PART.toml"), &lines.collect::<Vec<_>>().join("\n"))
 }
 
 #[test]

@@ -13,8 +13,8 @@ use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE};
 use arcfeed_shared::segment::Path;
 use arcfeed_shared::units::MicroDeg;
 
-use super::finding::{Finding, What};
-use super::plan::{Plan, Task};
+use super::finding::{Finding, FindingKind};
+use super::plan::{AxisPlan, Task};
 use super::walk::{Move, walk};
 use crate::program::Program;
 
@@ -26,33 +26,35 @@ const SLACK_RATIO: f64 = 2e-3;
 const STEPS: usize = 40;
 
 /// Checks a program without errors. The plan has findings and the turns of the axes, and no stops.
-pub fn judge(program: &Program, task: &Task) -> (Plan, usize) {
+pub fn check_program(program: &Program, task: &Task) -> (AxisPlan, usize) {
     let moves = walk(program, &task.machine, &task.setup);
-    let mut judge = Judge { task, plan: Plan::default(), told_over: Vec::new(), told_missing: Vec::new() };
+    let mut check_program =
+        Checker { task, plan: AxisPlan::default(), told_over: Vec::new(), told_missing: Vec::new() };
     for step in &moves {
-        judge.ranges(step);
-        if step.goes_on {
-            judge.rotary(step);
+        check_program.ranges(step);
+        if step.is_continuous {
+            check_program.rotary(step);
         }
     }
-    judge.racing(&moves);
-    judge.plan.findings.extend(slowest(&task.machine, &moves));
-    judge.plan.findings.sort_by_key(|finding| finding.line);
-    let turned =
-        |axis: usize| moves.iter().filter(|step| step.goes_on).map(move |step| libm::fabs(step.turned_deg()[axis]));
-    judge.plan.travel_deg = [[0, 1].map(|axis| turned(axis).fold(0.0, |sum, deg| sum + deg)); 2];
-    (judge.plan, moves.len())
+    check_program.racing(&moves);
+    check_program.plan.findings.extend(slowest(&task.machine, &moves));
+    check_program.plan.findings.sort_by_key(|finding| finding.line);
+    let turned = |axis: usize| {
+        moves.iter().filter(|step| step.is_continuous).map(move |step| libm::fabs(step.turned_deg()[axis]))
+    };
+    check_program.plan.travel_deg = [[0, 1].map(|axis| turned(axis).fold(0.0, |sum, deg| sum + deg)); 2];
+    (check_program.plan, moves.len())
 }
 
-struct Judge<'t> {
+struct Checker<'t> {
     task: &'t Task,
-    plan: Plan,
+    plan: AxisPlan,
     told_over: Vec<AxisName>,
     told_missing: Vec<Letter>,
 }
 
-impl Judge<'_> {
-    fn tell(&mut self, line: usize, what: What) {
+impl Checker<'_> {
+    fn add(&mut self, line: usize, what: FindingKind) {
         self.plan.findings.push(Finding { line, what });
     }
 
@@ -63,7 +65,7 @@ impl Judge<'_> {
             for axis in machine.over_limits(place) {
                 if !self.told_over.contains(&axis) {
                     self.told_over.push(axis);
-                    self.tell(step.made.line, What::OverLimit(axis));
+                    self.add(step.made.line, FindingKind::OverLimit(axis));
                 }
             }
         }
@@ -73,7 +75,7 @@ impl Judge<'_> {
             let has = machine.rotary().iter().any(|axis| axis.letter == letter);
             if !has && !self.told_missing.contains(&letter) {
                 self.told_missing.push(letter);
-                self.tell(step.made.line, What::NoAxis(letter));
+                self.add(step.made.line, FindingKind::NoAxis(letter));
             }
         }
     }
@@ -87,12 +89,12 @@ impl Judge<'_> {
         }
         let [first, _] = machine.rotary();
         if !in_cone(machine, from) && least_from_pole_deg(machine, step) <= machine.pole_cone_deg() {
-            self.tell(step.made.line, What::Passage { letter: first.letter });
+            self.add(step.made.line, FindingKind::Passage { letter: first.letter });
         }
         let departure_deg = machine.axis_departure_deg(from, to, [from, to].map(|at| machine.axis_at(at)));
         let changes = matches!((branch(machine, from), branch(machine, to)), (Some(one), Some(other)) if one != other);
         if step.is_cut() && changes && departure_deg > limits.departure_deg {
-            self.tell(step.made.line, What::Reversal { from_deg: from, to_deg: to, departure_deg });
+            self.add(step.made.line, FindingKind::Reversal { from_deg: from, to_deg: to, departure_deg });
         }
     }
 
@@ -103,7 +105,7 @@ impl Judge<'_> {
         let nothing = RepairLimits { error_deg: -1.0, ..*limits };
         let is_beside = |step: &&Move| {
             let ends = [step.rotary_at(0.0), step.rotary_at(1.0)];
-            step.is_cut() && step.goes_on && !ends.iter().any(|at| in_cone(machine, *at))
+            step.is_cut() && step.is_continuous && !ends.iter().any(|at| in_cone(machine, *at))
         };
         let mut rest = moves;
         while !rest.is_empty() {
@@ -114,7 +116,7 @@ impl Judge<'_> {
             let mut poses: Vec<Pose> = course.iter().map(pose).collect();
             for found in machine.repair(&mut poses, &course, ToolEnd::Other, &nothing) {
                 let line = run.get(found.after.saturating_sub(1)).map_or(0, |step| step.made.line);
-                self.tell(line, What::Singularity { found, asked: false });
+                self.add(line, FindingKind::Singularity { found, asked: false });
             }
             rest = rest.get(run.len().max(1)..).unwrap_or_default();
         }
@@ -149,7 +151,7 @@ fn least_from_pole_deg(machine: &Machine, step: &Move) -> f64 {
 
 /// The move that the axes slow down most.
 fn slowest(machine: &Machine, moves: &[Move]) -> Option<Finding> {
-    let cuts = moves.iter().filter(|step| step.is_cut() && step.goes_on);
+    let cuts = moves.iter().filter(|step| step.is_cut() && step.is_continuous);
     let mut slowed = Vec::new();
     for step in cuts {
         let Some((allowed, way, unit)) = allowed(machine, step) else { continue };
@@ -164,7 +166,7 @@ fn slowest(machine: &Machine, moves: &[Move]) -> Option<Finding> {
     }
     let (line, AxisFeed { feed_mm_per_min, axis }, asked_ratio, unit) =
         *slowed.iter().min_by(|one, other| one.2.total_cmp(&other.2))?;
-    let what = What::Feed { moves: slowed.len(), feed_per_min: feed_mm_per_min, unit, asked_ratio, axis };
+    let what = FindingKind::Feed { moves: slowed.len(), feed_per_min: feed_mm_per_min, unit, asked_ratio, axis };
     Some(Finding { line, what })
 }
 

@@ -23,12 +23,12 @@ pub struct Finding {
     /// Line of the CL data or the program, counted from 1.
     pub line: usize,
     /// Kind of the finding.
-    pub what: What,
+    pub what: FindingKind,
 }
 
 /// Kind of a finding.
 #[derive(Clone, Debug, PartialEq)]
-pub enum What {
+pub enum FindingKind {
     /// No axis positions reach the direction, here and at the following points.
     Unreachable {
         /// Reason.
@@ -101,8 +101,8 @@ impl Finding {
     /// Severity: an error means that the program must not run.
     pub fn severity(&self) -> Severity {
         match &self.what {
-            What::Unreachable { .. } | What::NoAxis(_) | What::OverLimit(_) => Severity::Error,
-            What::Change(..) | What::Reversal { .. } => Severity::Error,
+            FindingKind::Unreachable { .. } | FindingKind::NoAxis(_) | FindingKind::OverLimit(_) => Severity::Error,
+            FindingKind::Change(..) | FindingKind::Reversal { .. } => Severity::Error,
             _ => Severity::Warning,
         }
     }
@@ -110,13 +110,13 @@ impl Finding {
     /// Entry for `--json`.
     pub fn entry(&self) -> Entry {
         let kind = match &self.what {
-            What::Unreachable { .. } | What::NoAxis(_) => "unreachable",
-            What::OverLimit(_) => "over-limit",
-            What::Change(..) | What::Reversal { .. } => "branch-change",
-            What::Pole { .. } | What::Passage { .. } => "pole",
-            What::Coarse { .. } => "coarse",
-            What::Singularity { .. } => "singularity",
-            What::Feed { .. } => "feed",
+            FindingKind::Unreachable { .. } | FindingKind::NoAxis(_) => "unreachable",
+            FindingKind::OverLimit(_) => "over-limit",
+            FindingKind::Change(..) | FindingKind::Reversal { .. } => "branch-change",
+            FindingKind::Pole { .. } | FindingKind::Passage { .. } => "pole",
+            FindingKind::Coarse { .. } => "coarse",
+            FindingKind::Singularity { .. } => "singularity",
+            FindingKind::Feed { .. } => "feed",
         };
         Entry { line: self.line, severity: self.severity(), kind, message: self.what.to_string() }
     }
@@ -129,41 +129,41 @@ impl fmt::Display for Finding {
     }
 }
 
-impl fmt::Display for What {
+impl fmt::Display for FindingKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            What::Unreachable { why, more } => {
+            FindingKind::Unreachable { why, more } => {
                 write!(f, "{why}; tilt the tool less, or clamp the part differently")?;
                 if *more > 0 { write!(f, " (and {more} points after it)") } else { Ok(()) }
             }
-            What::NoAxis(letter) => write!(f, "the machine has no axis {letter}"),
-            What::OverLimit(axis @ AxisName::Rotary(_)) => {
+            FindingKind::NoAxis(letter) => write!(f, "the machine has no axis {letter}"),
+            FindingKind::OverLimit(axis @ AxisName::Rotary(_)) => {
                 write!(f, "{axis} would leave its range; take the other branch, or another number of whole turns")
             }
-            What::OverLimit(axis) => {
+            FindingKind::OverLimit(axis) => {
                 write!(f, "{axis} would leave its range; move the part or take another tool length")
             }
-            What::Change(change, way) => write_change(f, change, way),
-            What::Reversal { from_deg: [from_0, from_1], to_deg: [to_0, to_1], departure_deg } => write!(
+            FindingKind::Change(change, way) => write_change(f, change, way),
+            FindingKind::Reversal { from_deg: [from_0, from_1], to_deg: [to_0, to_1], departure_deg } => write!(
                 f,
                 "in this cut the rotary axes go from ({from_0:.3}, {from_1:.3}) to ({to_0:.3}, {to_1:.3}), to the other branch, and swing \
                  the tool by {departure_deg:.1} degrees; leave the part to reorient"
             ),
-            What::Passage { letter } => {
+            FindingKind::Passage { letter } => {
                 write!(
                     f,
                     "on the move here the tool axis comes to lie along {letter}: a pole, beside which that axis races"
                 )
             }
-            What::Pole { letter } => write!(f, "the tool axis lies along {letter}, which is held where it was"),
-            What::Coarse { departure_deg } => {
+            FindingKind::Pole { letter } => write!(f, "the tool axis lies along {letter}, which is held where it was"),
+            FindingKind::Coarse { departure_deg } => {
                 write!(
                     f,
                     "on the move here the tool axis leaves its arc by {departure_deg:.3} degrees; `post` adds points"
                 )
             }
-            What::Singularity { found, asked } => write_singularity(f, found, *asked),
-            What::Feed { moves, feed_per_min, unit, asked_ratio, axis } => write!(
+            FindingKind::Singularity { found, asked } => write_singularity(f, found, *asked),
+            FindingKind::Feed { moves, feed_per_min, unit, asked_ratio, axis } => write!(
                 f,
                 "{axis} allows {feed_per_min:.1} {unit} here, {:.1} % of what is asked, the least of {moves} moves that ask for more \
                  than the axes do",

@@ -17,8 +17,8 @@ use arcfeed_shared::kinematics::linearise::Tolerance;
 use arcfeed_shared::kinematics::vector::{difference, length};
 
 use super::cl::Cl;
-use super::finding::What;
-use super::plan::{Plan, Task};
+use super::finding::FindingKind;
+use super::plan::{AxisPlan, Task};
 
 /// Decimals of I, J, K.
 const DIRECTION_DECIMALS: usize = 6;
@@ -42,7 +42,7 @@ pub struct Style<'a> {
 ///
 /// # Errors
 /// A move cannot be made straight, or the branch changes where the program cannot leave the part.
-pub fn write(cl: &Cl, plan: &Plan, task: &Task, style: &Style<'_>) -> Result<(String, usize), String> {
+pub fn write(cl: &Cl, plan: &AxisPlan, task: &Task, style: &Style<'_>) -> Result<(String, usize), String> {
     let ways = ways_round(plan);
     if let Some((point, _)) = ways.first().filter(|_| style.mode != Mode::Machine) {
         let line = cl.points.get(*point).map_or(0, |point| point.line);
@@ -78,10 +78,10 @@ pub fn write(cl: &Cl, plan: &Plan, task: &Task, style: &Style<'_>) -> Result<(St
 }
 
 /// Changes of branch with the points at which they end.
-fn ways_round(plan: &Plan) -> Vec<(usize, &WayRound)> {
+fn ways_round(plan: &AxisPlan) -> Vec<(usize, &WayRound)> {
     let mut ways = Vec::new();
     for finding in &plan.findings {
-        if let What::Change(change, way) = &finding.what {
+        if let FindingKind::Change(change, way) = &finding.what {
             ways.push((change.point, way.as_ref()));
         }
     }

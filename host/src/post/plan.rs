@@ -9,7 +9,7 @@ use arcfeed_shared::kinematics::singularity::{RepairLimits, Singularity, ToolEnd
 use arcfeed_shared::kinematics::vector::{difference, length};
 
 use super::cl::Cl;
-use super::finding::{Finding, What};
+use super::finding::{Finding, FindingKind};
 
 /// Input for choosing the axis positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub struct Task {
 
 /// Path on the machine.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Plan {
+pub struct AxisPlan {
     /// Axis positions of each point.
     pub stops: Vec<Stop>,
     /// All findings, in the order of lines.
@@ -37,12 +37,12 @@ pub struct Plan {
     pub travel_deg: [[f64; 2]; 2],
 }
 
-impl Plan {
+impl AxisPlan {
     /// Chooses the axis positions. A path with points out of reach has findings and no stops.
     pub fn new(cl: &Cl, task: &Task) -> Self {
         let Task { machine, limits, .. } = task;
         let mut poses: Vec<Pose> = cl.points.iter().map(|point| point.pose).collect();
-        let mut plan = Plan::default();
+        let mut plan = AxisPlan::default();
         let Some(mut course) = plan.course(cl, task, &poses) else { return plan };
         plan.travel_deg = [travel(&course); 2];
         // Without a tool no repair may move the tip.
@@ -56,7 +56,7 @@ impl Plan {
             plan.travel_deg[1] = travel(&course);
         }
         plan.stops = poses.iter().zip(&course).map(|(pose, at)| stop(task, pose, *at)).collect();
-        plan.judge(cl, task, &poses, &course);
+        plan.check(cl, task, &poses, &course);
         plan.findings.sort_by_key(|finding| finding.line);
         plan
     }
@@ -70,9 +70,11 @@ impl Plan {
                 let mut open = false;
                 for (point, pose) in cl.points.iter().zip(poses) {
                     match (refusal(pose), self.findings.last_mut()) {
-                        (Some(_), Some(Finding { what: What::Unreachable { more, .. }, .. })) if open => *more += 1,
+                        (Some(_), Some(Finding { what: FindingKind::Unreachable { more, .. }, .. })) if open => {
+                            *more += 1
+                        }
                         (Some(refused), _) => {
-                            let what = What::Unreachable { why: refused.why, more: 0 };
+                            let what = FindingKind::Unreachable { why: refused.why, more: 0 };
                             self.findings.push(Finding { line: point.line, what });
                             open = true;
                         }
@@ -85,15 +87,15 @@ impl Plan {
     }
 
     fn add_singularities(&mut self, cl: &Cl, found: &[Singularity], asked: bool) {
-        let told = found.iter().filter_map(|stretch| {
-            let point = cl.points.get(stretch.after)?;
-            Some(Finding { line: point.line, what: What::Singularity { found: *stretch, asked } })
+        let singularities = found.iter().filter_map(|interval| {
+            let point = cl.points.get(interval.after)?;
+            Some(Finding { line: point.line, what: FindingKind::Singularity { found: *interval, asked } })
         });
-        self.findings.extend(told);
+        self.findings.extend(singularities);
     }
 
     /// Checks ranges, poles, moves and feeds.
-    fn judge(&mut self, cl: &Cl, task: &Task, poses: &[Pose], course: &[[f64; 2]]) {
+    fn check(&mut self, cl: &Cl, task: &Task, poses: &[Pose], course: &[[f64; 2]]) {
         let Task { machine, setup, limits, retract_mm, .. } = task;
         let [first, _] = machine.rotary();
         let mut told_over = Vec::new();
@@ -102,19 +104,19 @@ impl Plan {
                 // An axis that stays outside its range is reported once.
                 if !told_over.contains(&axis) {
                     told_over.push(axis);
-                    self.findings.push(Finding { line: point.line, what: What::OverLimit(axis) });
+                    self.findings.push(Finding { line: point.line, what: FindingKind::OverLimit(axis) });
                 }
             }
             if machine.is_in_pole_cone(stop.pose.axis) {
-                self.findings.push(Finding { line: point.line, what: What::Pole { letter: first.letter } });
+                self.findings.push(Finding { line: point.line, what: FindingKind::Pole { letter: first.letter } });
             }
         }
         let passages = machine.passages(poses, course, limits.departure_deg);
         for ((point, passage), pair) in cl.points.iter().skip(1).zip(passages).zip(poses.windows(2)) {
             let what = match (passage, pair) {
-                (Passage::Coarse { departure_deg }, _) => What::Coarse { departure_deg },
+                (Passage::Coarse { departure_deg }, _) => FindingKind::Coarse { departure_deg },
                 (Passage::Change(change), [last, next]) => {
-                    What::Change(change, Box::new(machine.way_round(&change, [last, next], setup, *retract_mm)))
+                    FindingKind::Change(change, Box::new(machine.way_round(&change, [last, next], setup, *retract_mm)))
                 }
                 _ => continue,
             };
@@ -126,7 +128,7 @@ impl Plan {
 
     /// Findings about changes of branch.
     pub fn changes(&self) -> impl Iterator<Item = &Finding> {
-        self.findings.iter().filter(|finding| matches!(finding.what, What::Change(..)))
+        self.findings.iter().filter(|finding| matches!(finding.what, FindingKind::Change(..)))
     }
 }
 
@@ -155,7 +157,7 @@ fn slowest(cl: &Cl, task: &Task, stops: &[Stop], changed: &[usize]) -> Option<Fi
     let least = slowed.iter().min_by(|(.., one), (.., other)| one.total_cmp(other));
     let (line, AxisFeed { feed_mm_per_min, axis }, asked_ratio) = *least?;
     let (moves, feed_per_min, unit) = (slowed.len(), feed_mm_per_min, "mm/min");
-    Some(Finding { line, what: What::Feed { moves, feed_per_min, unit, asked_ratio, axis } })
+    Some(Finding { line, what: FindingKind::Feed { moves, feed_per_min, unit, asked_ratio, axis } })
 }
 
 fn travel(course: &[[f64; 2]]) -> [f64; 2] {

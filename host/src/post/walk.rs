@@ -23,7 +23,7 @@ pub struct Move {
     /// Move of the control.
     pub made: MoveTrace,
     /// The move begins where the one before ended: not after a change of offsets, nor at the program's start.
-    pub goes_on: bool,
+    pub is_continuous: bool,
     /// Part and tool; for a plain move the tool length.
     pub setup: Setup,
     /// Rotary axes at both ends.
@@ -33,9 +33,9 @@ pub struct Move {
 /// All moves of a program without errors; `setup` is the placement of part and tool that the control does not know.
 pub fn walk(program: &Program, machine: &Machine, setup: &Setup) -> Vec<Move> {
     let mut moves: Vec<Move> = Vec::new();
-    for made in program.made() {
+    for made in program.executed_moves() {
         let mut next = Move::new(made, machine, setup);
-        next.goes_on = moves.last().is_some_and(|last| {
+        next.is_continuous = moves.last().is_some_and(|last| {
             let is_as_before = last.made.follows_tip == made.follows_tip && last.setup == next.setup;
             is_as_before && last.made.segment.end == made.segment.start
         });
@@ -53,7 +53,7 @@ impl Move {
             false => Setup { tool_length_mm, ..Setup::default() },
         };
         let rotary_deg = [made.segment.start, made.segment.end].map(|pose| rotary_deg(&pose, machine));
-        Move { made, goes_on: false, setup, rotary_deg }
+        Move { made, is_continuous: false, setup, rotary_deg }
     }
 
     /// The move is a cutting move.

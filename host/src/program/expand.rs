@@ -21,7 +21,7 @@ use arcfeed_shared::nc::text::{Lines, RawLine};
 use arcfeed_shared::reader::{Reader, Understood};
 use arcfeed_shared::units::Micros;
 
-use super::{Diagnostic, MoveTrace, Program, ProgramLine, Summary, Tally};
+use super::{Diagnostic, MoveCounts, MoveTrace, Program, ProgramLine, ProgramSummary};
 
 /// Most places for which faults are reported.
 const FAULTS_MAX: usize = 200;
@@ -86,7 +86,7 @@ pub struct Expansion<'a> {
     pub tables: Tables,
     /// Folder with subprograms that are not in the file.
     pub library: Option<&'a Path>,
-    /// The moves of the run are kept, for [`Program::made`].
+    /// The moves of the run are kept, for [`Program::executed_moves`].
     pub keeps_moves: bool,
     /// Bounds of the run.
     pub bounds: RunBounds,
@@ -98,7 +98,7 @@ impl Program {
     pub fn run(path: &Path, bytes: &[u8], expansion: Expansion<'_>) -> Self {
         let Some(macro_line) = first_macro(bytes) else {
             let mut program = Program::parse_with(path, bytes, expansion.settings, expansion.tables);
-            let summary = Summary::new(&program.lines);
+            let summary = ProgramSummary::new(&program.lines);
             if summary.blocks > 0 && !summary.may_end {
                 let text = program.lines.last().map(|line| line.text.clone()).unwrap_or_default();
                 let fault = Fault::alarm(Alarm::EndOfRecord, 0);
@@ -133,7 +133,7 @@ impl Program {
 
 impl Expansion<'_> {
     /// Interprets a program. Returns its faults in the order found, and its moves: counted, and kept if requested.
-    fn run(self, bytes: &[u8], lines: &[ProgramLine]) -> (Vec<Diagnostic>, Tally, Vec<MoveTrace>) {
+    fn run(self, bytes: &[u8], lines: &[ProgramLine]) -> (Vec<Diagnostic>, MoveCounts, Vec<MoveTrace>) {
         let folder = self.library.map(|path| Folder(path.to_owned()));
         let library: Box<dyn Library> = match &folder {
             Some(folder) => Box::new(folder.clone()),
@@ -143,10 +143,10 @@ impl Expansion<'_> {
         let settings =
             macros::Settings { block_delete: self.settings.delete_switches, bounds, ..macros::Settings::default() };
         let mut reader = Reader::with(self.settings, self.tables).from_anywhere();
-        let mut found = Findings { lines, folder: folder.as_ref(), told: BTreeSet::new(), list: Vec::new() };
+        let mut found = Findings { lines, folder: folder.as_ref(), reported: BTreeSet::new(), list: Vec::new() };
         let mut interpreter = Interpreter::new(bytes, library, settings, &context(&reader, Micros(0)));
         interpreter.set_tables(&self.tables);
-        let (mut now, mut blocks, mut moves, mut run) = (Micros(0), 0, Tally::default(), Vec::new());
+        let (mut now, mut blocks, mut moves, mut run) = (Micros(0), 0, MoveCounts::default(), Vec::new());
         let started = Instant::now();
         loop {
             let step = interpreter.next(&context(&reader, now));
@@ -202,7 +202,7 @@ fn context(reader: &Reader, now: Micros) -> Context {
 struct Findings<'a> {
     lines: &'a [ProgramLine],
     folder: Option<&'a Folder>,
-    told: BTreeSet<(Option<u32>, u32, u16)>,
+    reported: BTreeSet<(Option<u32>, u32, u16)>,
     list: Vec<Diagnostic>,
 }
 
@@ -224,7 +224,7 @@ impl Findings<'_> {
     }
 
     fn is_new(&mut self, fault: Fault, place: Place) -> bool {
-        self.told.len() < FAULTS_MAX && self.told.insert((place.library, place.line, fault.column))
+        self.reported.len() < FAULTS_MAX && self.reported.insert((place.library, place.line, fault.column))
     }
 
     fn text(&self, place: Place) -> Vec<u8> {

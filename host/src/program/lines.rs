@@ -5,14 +5,14 @@ use arcfeed_shared::nc::settings::{Settings, Tables};
 use arcfeed_shared::nc::text::RawLine;
 use arcfeed_shared::reader::{Reader, Understood};
 
-use super::skipping::SkippingReader;
+use super::block_delete::BlockDeleteReader;
 use super::{BEHIND_THE_END, Diagnostic, ProgramLine, START_UNKNOWN, is_blank};
 
 /// State of the control after the lines read so far.
 pub struct LineReader {
     reader: Reader,
     reading: Reading,
-    skipping: SkippingReader,
+    skipping: BlockDeleteReader,
     count: usize,
     has_begun: bool,
     has_ended: bool,
@@ -26,7 +26,7 @@ impl LineReader {
         LineReader {
             reader: Reader::with(settings, tables).from_anywhere(),
             reading: settings.reading,
-            skipping: SkippingReader::default(),
+            skipping: BlockDeleteReader::default(),
             count: 0,
             has_begun: false,
             has_ended: false,

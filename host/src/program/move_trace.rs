@@ -37,7 +37,7 @@ impl MoveTrace {
 
 impl Program {
     /// All moves. For a program with macro statements: those of its run, if the run kept them.
-    pub fn made(&self) -> Vec<MoveTrace> {
+    pub fn executed_moves(&self) -> Vec<MoveTrace> {
         if self.macro_line.is_some() {
             return self.run.clone();
         }

@@ -10,7 +10,7 @@ use arcfeed_shared::nc::settings::{Settings, Tables};
 use arcfeed_shared::nc::text::Lines;
 
 use super::lines::LineReader;
-use super::summary::Summary;
+use super::summary::ProgramSummary;
 use super::{Diagnostic, Expansion, Program, ProgramLine, RunBounds};
 
 /// Most bytes of a file, program or CL data.
@@ -132,12 +132,12 @@ impl Source {
         is_run: bool,
         mut line: impl FnMut(&ProgramLine),
         mut each: impl FnMut(Diagnostic, &[u8]),
-    ) -> Summary {
-        let (mut lines, mut summary) = (self.lines(), Summary::default());
+    ) -> ProgramSummary {
+        let (mut lines, mut summary) = (self.lines(), ProgramSummary::default());
         while lines.read_next() {
             let SourceLines { line: read, found, .. } = &mut lines;
             if is_run && summary.lines == 0 {
-                read.lost_label().into_iter().for_each(|lost| each(lost, &read.text));
+                read.missing_label().into_iter().for_each(|lost| each(lost, &read.text));
             }
             summary.add(read);
             line(read);

@@ -4,14 +4,14 @@ use arcfeed_shared::nc::block::Line;
 use arcfeed_shared::nc::machining::ToolInSpindle;
 use arcfeed_shared::nc::modal::Stop;
 
-use super::{ProgramLine, Tally};
+use super::{MoveCounts, ProgramLine};
 
 /// Most tools in the list: one more than one is enough to ask which tool is meant.
 const TOOLS_MAX: usize = 100;
 
 /// Counts of a program.
 #[derive(Clone, Debug, Default)]
-pub struct Summary {
+pub struct ProgramSummary {
     /// Lines of the file.
     pub lines: usize,
     /// Blocks: all lines but `%` and empty ones.
@@ -19,17 +19,17 @@ pub struct Summary {
     /// Blocks with only a comment or a title.
     pub comments: usize,
     /// Moves.
-    pub moves: Tally,
+    pub moves: MoveCounts,
     /// Numbers of the tools that the program loads, each with the first line with it in the spindle, counted from 1.
     pub tools: Vec<(i64, usize)>,
     /// The program can end in one of the lines.
     pub may_end: bool,
 }
 
-impl Summary {
+impl ProgramSummary {
     /// Counts these lines.
     pub fn new<'a>(lines: impl IntoIterator<Item = &'a ProgramLine>) -> Self {
-        let mut summary = Summary::default();
+        let mut summary = ProgramSummary::default();
         lines.into_iter().for_each(|line| summary.add(line));
         summary
     }

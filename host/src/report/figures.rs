@@ -157,12 +157,12 @@ pub struct IptFigures {
     /// Samples that are not steady.
     pub samples_left_out: u64,
     /// Samples that are not steady, by cause.
-    pub left_out: LeftOutFigures,
+    pub left_out: LeftOutSamples,
 }
 
 /// Samples that are not steady, by cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct LeftOutFigures {
+pub struct LeftOutSamples {
     /// Not within 0.5 % of the commanded feed throughout the tooth's cut: speeding up or slowing down.
     pub not_steady: u64,
     /// The block ended within the tooth's cut.
@@ -193,7 +193,7 @@ impl IptFigures {
             samples: figures.samples,
             samples_thin: figures.thin,
             samples_left_out: left_out.total(),
-            left_out: LeftOutFigures {
+            left_out: LeftOutSamples {
                 not_steady: left_out.not_steady,
                 block_end: left_out.block_end,
                 no_contact: left_out.no_contact,

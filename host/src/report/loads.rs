@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::marks::MarksFigures;
-use super::material::{LeftOutFigures, short};
+use super::material::{LeftOutBlocks, short};
 
 /// Loads of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -32,7 +32,7 @@ pub struct LoadsFigures {
     /// Marks of the original program.
     pub baseline_marks: Option<MarksFigures>,
     /// Blocks that cut, but whose chips are not computed.
-    pub left_out: Vec<LeftOutFigures>,
+    pub left_out: Vec<LeftOutBlocks>,
 }
 
 /// Change of the tool's position against the workpiece from tooth to tooth.

@@ -51,7 +51,7 @@ pub struct MaterialFigures {
     /// Blocks that removed material.
     pub blocks: Vec<BlockFigures>,
     /// Blocks that cut, but not this workpiece.
-    pub left_out: Vec<LeftOutFigures>,
+    pub left_out: Vec<LeftOutBlocks>,
     /// Deviation from the finished part, if the job has one.
     pub deviation: Option<DeviationFigures>,
 }
@@ -101,7 +101,7 @@ pub struct BlockFigures {
 
 /// Blocks that removed nothing because the position of the workpiece relative to the tool is unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct LeftOutFigures {
+pub struct LeftOutBlocks {
     /// `turning`, `other-position`, `no-machine`, `contour`; of loads also `tilted`, `backwards`.
     pub cause: &'static str,
     /// Number of blocks.
@@ -167,7 +167,7 @@ impl MaterialFigures {
             warnings.push(format!("{more} more blocks take material at rapid"));
         }
         warnings.extend(self.left_out.iter().map(|left_out| {
-            let LeftOutFigures { blocks, first_block, first_n, .. } = left_out;
+            let LeftOutBlocks { blocks, first_block, first_n, .. } = left_out;
             let first = name(*first_block, *first_n);
             let which = if *blocks == 1 { first } else { format!("{blocks} blocks from {first} on") };
             format!("{which} took no material: {}", left_out.words())
@@ -176,7 +176,7 @@ impl MaterialFigures {
     }
 }
 
-impl LeftOutFigures {
+impl LeftOutBlocks {
     /// Cause in words.
     pub fn words(&self) -> &'static str {
         match self.cause {

@@ -15,14 +15,14 @@ const SPINDLE_OVERRIDE: &str = "  spindle override: not known here. Without a ta
 
 /// Summary as text of several complete lines.
 #[derive(Debug)]
-pub struct Summary<'a> {
+pub struct RunSummary<'a> {
     /// Name of the run, for the headline.
     pub title: String,
     /// Figures of the run.
     pub report: &'a RunReport,
 }
 
-impl fmt::Display for Summary<'_> {
+impl fmt::Display for RunSummary<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let report = self.report;
         writeln!(f, "{}", self.title)?;

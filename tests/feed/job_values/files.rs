@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use arcfeed::job::JobFile;
 use arcfeed::machine_file::MachineFile;
-use arcfeed::part::Part;
+use arcfeed::part::PartFile;
 use arcfeed_tests::root;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -128,7 +128,7 @@ pub fn refusal(path: &Path, text: &str) -> Option<String> {
     if text.contains("[[rotary]]") {
         MachineFile::parse(text).err()
     } else if text.contains("[geometry") {
-        Part::parse(path, text).err().map(|error| stripped(error.to_string()))
+        PartFile::parse(path, text).err().map(|error| stripped(error.to_string()))
     } else {
         JobFile::parse(path, text).err().map(|error| stripped(error.to_string()))
     }

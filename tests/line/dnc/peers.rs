@@ -2,7 +2,7 @@
 //! characters in flight; here the credit is what may still come after DC3.
 
 use arcfeed::dnc::journal::{History, Start};
-use arcfeed::dnc::resume::{Plan, Wanted};
+use arcfeed::dnc::resume::{RestartPlan, Wanted};
 use arcfeed::dnc::sender::CHUNK;
 use arcfeed::dnc::transmission::Transmission;
 use arcfeed::dnc::{Sender, State};
@@ -37,16 +37,16 @@ fn run(sender: &mut Sender, from: &mut Micros, time: Micros) -> Vec<u8> {
 }
 
 /// The restart of a program at a line, as a person would ask for it.
-fn plan(program: &str, line: usize) -> Result<Plan, String> {
+fn plan(program: &str, line: usize) -> Result<RestartPlan, String> {
     let text = format!("%\n{program}\nM30\n%\n");
     let sent = transmission(&text, Check::None);
     let end = sent.frames().len();
     let history =
         History { start: Start::default(), sent: [end; 2], executed: None, stands: false, ended: None, torn: 0 };
-    Plan::new(&sent, &history, &Wanted { line: Some(line), clearance: Some(Nm::from_mm(50.0)) }, &power_on())
+    RestartPlan::new(&sent, &history, &Wanted { line: Some(line), clearance: Some(Nm::from_mm(50.0)) }, &power_on())
 }
 
-fn place(plan: &Plan, words: &str) -> usize {
+fn place(plan: &RestartPlan, words: &str) -> usize {
     let found = plan.blocks.iter().position(|block| block.contains(words));
     found.unwrap_or_else(|| panic!("no {words} in {:?}", plan.blocks))
 }
@@ -166,7 +166,8 @@ fn ugs_run_from_lacks_tool_length_cycles_and_shifted_coordinates() {
     let sent = transmission(text, Check::None);
     let history =
         History { start: Start::default(), sent: [9; 2], executed: None, stands: false, ended: None, torn: 0 };
-    let low = Plan::new(&sent, &history, &Wanted { line: Some(4), clearance: None }, &power_on()).expect("a restart");
+    let low =
+        RestartPlan::new(&sent, &history, &Wanted { line: Some(4), clearance: None }, &power_on()).expect("a restart");
     assert!(low.blocks[place(&low, "G0Z")].contains("Z-20."), "{low:?}");
 }
 
@@ -201,7 +202,7 @@ fn resumed_at_a_line_it_is_that_line() {
         let history =
             History { start: Start::default(), sent: [0; 2], executed: None, stands: false, ended: None, torn: 0 };
         let wanted = Wanted { line: Some(line), clearance: Some(Nm::from_mm(50.0)) };
-        let plan = Plan::new(&sent, &history, &wanted, &power_on()).expect("a restart");
+        let plan = RestartPlan::new(&sent, &history, &wanted, &power_on()).expect("a restart");
         let rest = sent.resumed(&plan.preamble(), plan.index, &wire(Check::Parity)).expect("in the code");
         let own = blocks(&rest)[plan.blocks.len() - 1..].to_vec();
         let lines = text.lines().skip(line - 1).filter(|line| *line != "%").map(|line| line.as_bytes().to_vec());

@@ -3,7 +3,7 @@
 
 use arcfeed::dnc::functions::Functions;
 use arcfeed::dnc::journal::{How, Record, Start, first_line, line as record_line, read};
-use arcfeed::dnc::resume::{Plan, Wanted};
+use arcfeed::dnc::resume::{RestartPlan, Wanted};
 use arcfeed::dnc::sender::Gate;
 use arcfeed::dnc::transmission::Transmission;
 use arcfeed::dnc::{Sender, State};
@@ -114,7 +114,7 @@ fn check(text: &str, sent: &Transmission, broken: Broken, aside: usize, what: &s
     let from = (seen + sent.lines().len() + aside - 5).clamp(sent.lines().len() + 1, 2 * sent.lines().len() - 3)
         - sent.lines().len();
     let wanted = Wanted { line: Some(sent.lines()[from].source), clearance: Some(Nm::from_mm(20.0)) };
-    let plan = match Plan::new(sent, &history, &wanted, &power_on()) {
+    let plan = match RestartPlan::new(sent, &history, &wanted, &power_on()) {
         Ok(plan) => plan,
         Err(why) => {
             assert!(why.contains("ends the program"), "{what}: {why}");
@@ -155,7 +155,7 @@ fn check(text: &str, sent: &Transmission, broken: Broken, aside: usize, what: &s
 }
 
 /// Cutting blocks that come again or do not come are in the plan, counted by another reading of the program.
-fn assert_reported(text: &str, plan: &Plan, seen: usize, what: &str) {
+fn assert_told(text: &str, plan: &RestartPlan, seen: usize, what: &str) {
     let cuts = cutting_lines(text);
     let count = |from: usize, to: usize| {
         let among = cuts.get(from..to.min(cuts.len())).unwrap_or_default();

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use arcfeed::job::{JobFile, Parity, SerialSettings};
-use arcfeed::port::rfc2217::client::{Client, Line};
+use arcfeed::port::rfc2217::client::{RequestedLine, Rfc2217Client};
 use arcfeed::port::rfc2217::server::Server;
 use arcfeed::port::url::{PortUrl, Rfc2217Options};
 use arcfeed_hil_sim::control::code::Code;
@@ -185,7 +185,7 @@ pub fn rfc2217(input: &[u8], seed: u64) {
     };
     let options =
         Rfc2217Options { ign_set_control: seed.is_multiple_of(3), poll_modem: true, timeout_s: 1.0, logging: None };
-    let mut client = Client::new(&Line::new(&settings), &options, Micros(0));
+    let mut client = Rfc2217Client::new(&RequestedLine::new(&settings), &options, Micros(0));
     let (mut server, mut answered, mut on_line) = (Server::new(&settings), Vec::new(), 0);
     let (mut random, mut said, mut data) = (Rng::with_seed(seed), Vec::new(), [0; 64]);
     let mut bytes: Vec<u8> = input.iter().take(300).copied().collect();

@@ -3,9 +3,9 @@
 mod generated;
 
 use arcfeed::init::groups::group;
-use arcfeed::init::propose::{LikelyTool, propose};
+use arcfeed::init::job_writer::{Findings, job};
+use arcfeed::init::proposal::{LikelyTool, propose};
 use arcfeed::init::survey;
-use arcfeed::init::write::{Findings, job};
 use arcfeed::job::{JobFile, questions};
 use arcfeed_shared::tool::Tool;
 use arcfeed_tests::{Scratch, root, run};

@@ -12,7 +12,7 @@
 
 use crate::geometry::blisk::Revolution;
 use crate::geometry::face::Face;
-use crate::search::{Least, descend};
+use crate::search::{Minimum, descend};
 use crate::vector::{Point, Vector};
 
 use super::side::{edges, leading_tip, leaves_hub};
@@ -43,7 +43,8 @@ pub fn axis(pressure: &Face, hub: &Revolution, allowance_mm: f64) -> Option<Axis
     let off_mm = |u: f64| foot(u).map_or(f64::INFINITY, |foot| (foot - tip).dot(&plane).abs()); // (1)
     let width = (last - first) / f64::from(SAMPLES);
     let samples = (0..=SAMPLES).map(|k| first + width * f64::from(k));
-    let start = samples.map(|u| Least { at: [u, 0.0], value: off_mm(u) }).min_by(|a, b| a.value.total_cmp(&b.value))?;
+    let start =
+        samples.map(|u| Minimum { at: [u, 0.0], value: off_mm(u) }).min_by(|a, b| a.value.total_cmp(&b.value))?;
     let found = descend([[first, last], [0.0, 0.0]], start, [width, 0.0], |[u, _]| off_mm(u));
     let foot = foot(found.at[0])?;
     (tip - foot).try_normalize(1e-9).map(|direction| Axis { tip, foot, direction })

@@ -14,7 +14,7 @@
 use crate::cutter::CupMill;
 use crate::vector::Flat;
 
-use super::side::Side;
+use super::side::OffsetSide;
 
 /// Triangle of the base position, slot frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +57,7 @@ pub fn triangle(exterior: Flat, interior: Flat, radii_mm: [f64; 2], inside: Flat
 /// (PT3).
 ///
 /// `None` if no position clears both sides.
-pub fn settle(sides: [&Side; 2], cutter: &CupMill, lines: [Flat; 2]) -> Option<Base> {
+pub fn settle(sides: [&OffsetSide; 2], cutter: &CupMill, lines: [Flat; 2]) -> Option<Base> {
     let [pressure, suction] = sides;
     let radii_mm = [cutter.outer_radius_mm, cutter.inner_radius_mm];
     let inside = suction.tip_middle();

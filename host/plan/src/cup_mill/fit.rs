@@ -9,17 +9,17 @@
 //! width.
 //!
 //! The published axis lies along one blade. The other blade leans over it by the pitch, less its twist: with 19 blades
-//! 1 mm in 3 of depth. [`Walls::roomiest`] is the direction with the most room, [`Walls::nearest`] one with enough room
+//! 1 mm in 3 of depth. [`SidePoints::roomiest`] is the direction with the most room, [`SidePoints::nearest`] one with enough room
 //! on the way there.
 
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::cutter::CupMill;
 use crate::frame::slot_frame;
-use crate::search::{Least, descend, descend_parallel};
+use crate::search::{Minimum, descend, descend_parallel};
 use crate::vector::{Flat, Point, Vector};
 
-use super::side::Side;
+use super::side::OffsetSide;
 
 /// Room of a ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ pub struct Rooms {
 }
 
 /// Points of both sides, part frame.
-pub struct Walls {
+pub struct SidePoints {
     pressure: Vec<Point>,
     suction: Vec<Point>,
 }
@@ -65,11 +65,11 @@ const BEARINGS_DEG: [f64; 25] = {
     bearings
 };
 
-impl Walls {
+impl SidePoints {
     /// Walls from sides in the part frame.
-    pub fn new(pressure: &Side, suction: &Side) -> Self {
-        let points = |side: &Side| side.patch.thinned(STRIDE).copied().collect();
-        Walls { pressure: points(pressure), suction: points(suction) }
+    pub fn new(pressure: &OffsetSide, suction: &OffsetSide) -> Self {
+        let points = |side: &OffsetSide| side.patch.thinned(STRIDE).copied().collect();
+        SidePoints { pressure: points(pressure), suction: points(suction) }
     }
 
     /// Room along a direction; `None` along the rotor's axis.
@@ -91,7 +91,7 @@ impl Walls {
         let starts = BEARINGS_DEG.map(|deg| {
             let (sin, cos) = libm::sincos(bearing + deg.to_radians());
             let at = [between.x + reach_mm * cos, between.y + reach_mm * sin];
-            Least { at, value: short_mm(at) }
+            Minimum { at, value: short_mm(at) }
         });
         let start = starts.into_iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
         let everywhere = [[f64::MIN, f64::MAX]; 2];
@@ -128,7 +128,7 @@ impl Walls {
         let missing = |room: Option<Room>| room.map_or(f64::INFINITY, |room| -room.room_mm);
         let places: Vec<[f64; 2]> = leans().collect();
         let grid: Vec<Option<Room>> = places.par_iter().map(|at| room(*at)).collect();
-        let starts = places.into_iter().zip(&grid).map(|(at, room)| Least { at, value: missing(*room) });
+        let starts = places.into_iter().zip(&grid).map(|(at, room)| Minimum { at, value: missing(*room) });
         let start = starts.min_by(|a, b| a.value.total_cmp(&b.value))?;
         let range = [-LEAN_MAX_RAD, LEAN_MAX_RAD];
         let found = descend_parallel([range, range], start, [LEAN_STEP_RAD / 2.0; 2], |at| missing(room(at)));
@@ -181,7 +181,7 @@ struct About {
 }
 
 impl About {
-    fn the(walls: &Walls) -> Option<Self> {
+    fn the(walls: &SidePoints) -> Option<Self> {
         let mean = walls.pressure.iter().chain(&walls.suction).map(|point| point.coords).sum::<Vector>();
         let middle = Vector::new(mean.x, mean.y, 0.0).try_normalize(1e-9)?;
         Some(About { middle, aside: Vector::z().cross(&middle) })

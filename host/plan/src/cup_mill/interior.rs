@@ -13,11 +13,11 @@
 use arcfeed_shared::nc::modal::Turn;
 
 use crate::cutter::CupMill;
-use crate::search::{Least, descend};
+use crate::search::{Minimum, descend};
 use crate::vector::Flat;
 
 use super::base::Base;
-use super::side::Side;
+use super::side::OffsetSide;
 use super::turn::{Circle, Turning};
 
 /// Number of points of the tip curve that are checked for the first contact.
@@ -40,7 +40,7 @@ pub struct Interior {
 }
 
 /// Pivot for a first contact within `share` of the tip curve; the one with the nearest contact if there is none.
-pub fn interior(suction: &Side, cutter: &CupMill, base: &Base, turn: Turn, share: f64) -> Option<Interior> {
+pub fn interior(suction: &OffsetSide, cutter: &CupMill, base: &Base, turn: Turn, share: f64) -> Option<Interior> {
     let spoke = base.interior - base.centre;
     let leading = suction.tip(suction.edges[0]) - base.centre;
     let towards = libm::copysign(1.0, spoke.perp(&leading));
@@ -72,7 +72,7 @@ pub fn interior(suction: &Side, cutter: &CupMill, base: &Base, turn: Turn, share
 }
 
 /// Fraction of the tip curve that the inner circle meets first, and the turn until then.
-fn first_contact(suction: &Side, cutter: &CupMill, centre: Flat, pivot: Flat, turn: Turn) -> Option<(f64, f64)> {
+fn first_contact(suction: &OffsetSide, cutter: &CupMill, centre: Flat, pivot: Flat, turn: Turn) -> Option<(f64, f64)> {
     let turning = Turning { cutter, centre, bottom_mm: 0.0, pivot, turn };
     let [first, last] = suction.edges;
     let until = |share: f64| {
@@ -80,7 +80,7 @@ fn first_contact(suction: &Side, cutter: &CupMill, centre: Flat, pivot: Flat, tu
         turning.circle_until(place, cutter.inner_radius_mm, Circle::Inner).unwrap_or(f64::INFINITY)
     };
     let samples = (0..=SAMPLES).map(|k| f64::from(k) / f64::from(SAMPLES));
-    let valued = samples.map(|at| Least { at: [at, 0.0], value: until(at) });
+    let valued = samples.map(|at| Minimum { at: [at, 0.0], value: until(at) });
     let start = valued.min_by(|a, b| a.value.total_cmp(&b.value)).filter(|least| least.value.is_finite())?;
     let found = descend([[0.0, 1.0], [0.0, 0.0]], start, [1.0 / f64::from(SAMPLES), 0.0], |[at, _]| until(at));
     Some((found.at[0], found.value))

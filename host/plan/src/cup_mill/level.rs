@@ -1,7 +1,7 @@
 //! Path of a level (PATHLOW, PATH; Petean, section 3.3.3): from the base position about A until the ring meets a blade
 //! or the hub (D), and likewise about B1 (E).
 
-use crate::search::Least;
+use crate::search::Minimum;
 use crate::vector::{Flat, Point};
 
 use super::patch::Patch;
@@ -9,7 +9,7 @@ use super::turn::{Circle, Turning};
 
 /// Surface at which a turn ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Obstacle {
+pub enum StopSurface {
     /// Pressure side with its allowance.
     Pressure,
     /// Suction side with its allowance.
@@ -26,21 +26,21 @@ pub struct Stop {
     /// Centre of the tool.
     pub centre: Flat,
     /// Contact: surface, circle of the ring, and point.
-    pub at: Option<(Obstacle, Circle, Point)>,
+    pub at: Option<(StopSurface, Circle, Point)>,
 }
 
 /// Turn that leaves the slot, rad.
 pub const TURN_MAX_RAD: f64 = 0.6;
 
 /// End of a turn among `obstacles`.
-pub fn stop(turning: &Turning<'_>, obstacles: &[(Obstacle, &Patch)]) -> Stop {
+pub fn stop(turning: &Turning<'_>, obstacles: &[(StopSurface, &Patch)]) -> Stop {
     let until = |point: &Point| turning.until(point).map_or(f64::INFINITY, |(turn_rad, _)| turn_rad);
     let met =
         obstacles.iter().filter_map(|(obstacle, patch)| patch.least(until).map(|least| (*obstacle, *patch, least)));
     let first = met.min_by(|a, b| a.2.value.total_cmp(&b.2.value)).filter(|(.., least)| least.value < TURN_MAX_RAD);
     match first {
         None => Stop { turn_rad: TURN_MAX_RAD, centre: turning.centre_after(TURN_MAX_RAD), at: None },
-        Some((obstacle, patch, Least { at: [u, v], value })) => {
+        Some((obstacle, patch, Minimum { at: [u, v], value })) => {
             let point = patch.point(u, v);
             let turn_rad = value.max(0.0);
             let at = turning.until(&point).map(|(_, circle)| (obstacle, circle, point));

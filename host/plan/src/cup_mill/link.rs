@@ -28,7 +28,7 @@ const STRIDE: usize = 2;
 
 /// End of a line on the lower level.
 #[derive(Clone, Copy, Debug)]
-pub struct Below {
+pub struct LowerEnd {
     /// Centre of the tool.
     pub centre: Flat,
     /// Bottom of the tool, mm.
@@ -38,7 +38,7 @@ pub struct Below {
 }
 
 /// Turn, at most `turn_rad`, from whose end a line leads to `below` clear of `walls`.
-pub fn shortened_rad(turning: &Turning<'_>, turn_rad: f64, below: &Below, walls: &[&Patch]) -> f64 {
+pub fn shortened_rad(turning: &Turning<'_>, turn_rad: f64, below: &LowerEnd, walls: &[&Patch]) -> f64 {
     let arm_mm = (turning.centre - turning.pivot).norm();
     let mut turn_rad = turn_rad;
     for _ in 0..ROUNDS_MAX {
@@ -59,7 +59,7 @@ pub fn shortened_rad(turning: &Turning<'_>, turn_rad: f64, below: &Below, walls:
 struct Line<'l> {
     turning: &'l Turning<'l>,
     from: Flat,
-    below: &'l Below,
+    below: &'l LowerEnd,
 }
 
 impl Line<'_> {

@@ -10,7 +10,7 @@ pub mod fit;
 
 pub mod base;
 
-pub mod lowest;
+pub mod depth;
 
 pub mod turn;
 
@@ -22,6 +22,6 @@ pub mod link;
 
 pub mod turns;
 
-pub mod infeasible;
+pub mod infeasibility;
 
 pub mod plan;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Rotation3;
 
-use crate::search::{Least, descend};
+use crate::search::{Minimum, descend};
 use crate::vector::Point;
 
 /// Number of best samples from which a search descends.
@@ -73,12 +73,12 @@ impl Patch {
     }
 
     /// Minimum of a function over the points. Places where it is infinite are ignored.
-    pub fn least(&self, f: impl Fn(&Point) -> f64) -> Option<Least> {
-        let valued = self.samples.iter().map(|(at, point)| Least { at: *at, value: f(point) });
-        let mut candidates: Vec<Least> = valued.filter(|least| least.value.is_finite()).collect();
+    pub fn least(&self, f: impl Fn(&Point) -> f64) -> Option<Minimum> {
+        let valued = self.samples.iter().map(|(at, point)| Minimum { at: *at, value: f(point) });
+        let mut candidates: Vec<Minimum> = valued.filter(|least| least.value.is_finite()).collect();
         let spacing = [0, 1].map(|axis: usize| (self.ranges[axis][1] - self.ranges[axis][0]) / self.steps[axis] as f64);
-        let is_near = |a: &Least, b: &Least| (0..2).all(|k| (a.at[k] - b.at[k]).abs() < ONE_PLACE * spacing[k]);
-        let mut starts: Vec<Least> = Vec::with_capacity(STARTS);
+        let is_near = |a: &Minimum, b: &Minimum| (0..2).all(|k| (a.at[k] - b.at[k]).abs() < ONE_PLACE * spacing[k]);
+        let mut starts: Vec<Minimum> = Vec::with_capacity(STARTS);
         while starts.len() < STARTS {
             let Some(start) = candidates.iter().copied().min_by(|a, b| a.value.total_cmp(&b.value)) else { break };
             candidates.retain(|candidate| !is_near(&start, candidate));

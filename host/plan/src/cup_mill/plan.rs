@@ -11,14 +11,14 @@ use crate::vector::{Point, Vector};
 
 use super::axis::{Axis, axis};
 use super::base::{Base, settle};
-use super::fit::{Room, Walls};
-use super::infeasible::{Infeasible, narrow};
+use super::depth::{levels_mm, top_mm};
+use super::fit::{Room, SidePoints};
+use super::infeasibility::{Infeasible, narrow};
 use super::interior::{Interior, interior};
 use super::level::Stop;
-use super::lowest::{levels_mm, top_mm};
 use super::patch::Patch;
 use super::side::{FarEdge, Hub, Trim, floor, roof};
-use super::turns::{Around, Turns};
+use super::turns::{Surroundings, Turns};
 
 /// Requirements on the roughing path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,14 +77,14 @@ pub struct SlotPlan {
 const ENOUGH_MM: f64 = 0.1;
 
 /// Data of a slot that are the same for every cutter and every direction of the tool.
-pub struct Prepared<'s> {
+pub struct PreparedSlot<'s> {
     pressure: Trim<'s>,
     suction: Trim<'s>,
     hub: Patch,
     roof: Patch,
     blade_axis: Axis,
     /// Sides of the slot, for choosing directions.
-    pub walls: Walls,
+    pub walls: SidePoints,
 }
 
 /// Plans the slot of a rotor, given in the part frame.
@@ -92,10 +92,10 @@ pub struct Prepared<'s> {
 /// # Errors
 /// The ring does not pass, or does not reach the hub.
 pub fn plan(blisk: &Blisk, slot: &Slot, cutter: &CupMill, roughing: &Roughing) -> Result<SlotPlan, Infeasible> {
-    Prepared::new(blisk, slot, roughing.allowance_mm)?.plan(cutter, roughing).map(|(plan, _)| plan)
+    PreparedSlot::new(blisk, slot, roughing.allowance_mm)?.plan(cutter, roughing).map(|(plan, _)| plan)
 }
 
-impl<'s> Prepared<'s> {
+impl<'s> PreparedSlot<'s> {
     /// Prepares a slot with its allowance.
     ///
     /// # Errors
@@ -114,18 +114,18 @@ impl<'s> Prepared<'s> {
         );
         let (pressure, suction, blade_axis) = (sides.0?, sides.1?, blade_axis?);
         let lying = Rotation3::identity();
-        let walls = Walls::new(&pressure.side(&lying), &suction.side(&lying));
+        let walls = SidePoints::new(&pressure.side(&lying), &suction.side(&lying));
         let about = bearings(slot);
         let (hub, roof) = (floor(blisk, allowance_mm, about), roof(blisk, about));
-        Ok(Prepared { pressure, suction, hub, roof, blade_axis, walls })
+        Ok(PreparedSlot { pressure, suction, hub, roof, blade_axis, walls })
     }
 
     /// The plan, and the surroundings of the slot in its frame. The allowance is that for which the slot was prepared.
     ///
     /// # Errors
     /// The ring does not pass, or does not reach the hub.
-    pub fn plan(&self, cutter: &CupMill, roughing: &Roughing) -> Result<(SlotPlan, Around), Infeasible> {
-        let Prepared { pressure, suction, hub, roof, blade_axis, walls } = self;
+    pub fn plan(&self, cutter: &CupMill, roughing: &Roughing) -> Result<(SlotPlan, Surroundings), Infeasible> {
+        let PreparedSlot { pressure, suction, hub, roof, blade_axis, walls } = self;
         let blade_room = walls.room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
         let room = match roughing.axis {
             AxisChoice::Blade => self.near_blade(cutter, || walls.roomiest(cutter)),
@@ -135,7 +135,8 @@ impl<'s> Prepared<'s> {
         };
         let room = room.ok_or(Infeasible::NoAxis)?;
         let turn = slot_frame(&room.direction).ok_or(Infeasible::NoAxis)?;
-        let around = Around { pressure: pressure.side(&turn), suction: suction.side(&turn), hub: hub.turned(&turn) };
+        let around =
+            Surroundings { pressure: pressure.side(&turn), suction: suction.side(&turn), hub: hub.turned(&turn) };
         if room.room_mm < 0.0 {
             return Err(narrow(&room, &around.pressure, &around.suction));
         }
@@ -159,17 +160,17 @@ impl<'s> Prepared<'s> {
 }
 
 /// Data that are the same on all levels.
-struct Way<'a> {
-    around: &'a Around,
+struct LevelContext<'a> {
+    around: &'a Surroundings,
     base: Base,
     interior: Interior,
     outward: Turn,
 }
 
-impl Around {
+impl Surroundings {
     /// Base position and B1. `None` if no position touches both blades as required.
-    fn way(&self, cutter: &CupMill, roughing: &Roughing) -> Option<Way<'_>> {
-        let Around { pressure, suction, .. } = self;
+    fn way(&self, cutter: &CupMill, roughing: &Roughing) -> Option<LevelContext<'_>> {
+        let Surroundings { pressure, suction, .. } = self;
         let lines = [pressure.tip(pressure.edges[0]), suction.tip(suction.edges[1])];
         let base = settle([pressure, suction], cutter, lines)?;
         // Sense in which the outer circle, turned about A, approaches the pressure side's middle.
@@ -177,18 +178,18 @@ impl Around {
         let away = pressure.tip_middle() - suction.tip_middle();
         let outward = if spoke.perp(&away) >= 0.0 { Turn::Ccw } else { Turn::Cw };
         let interior = interior(suction, cutter, &base, outward, roughing.interior_contact)?;
-        Some(Way { around: self, base, interior, outward })
+        Some(LevelContext { around: self, base, interior, outward })
     }
 }
 
-impl Way<'_> {
+impl LevelContext<'_> {
     fn levels(
         &self,
         cutter: &CupMill,
         roughing: &Roughing,
         top_mm: f64,
     ) -> Result<(Vec<[Stop; 2]>, SlotPath), Infeasible> {
-        let Way { around, base, interior, outward } = self;
+        let LevelContext { around, base, interior, outward } = self;
         let pivots = [base.exterior, interior.pivot];
         let turns = Turns { around, cutter, centre: base.centre, pivots, outward: *outward };
         let low_mm = turns.lowest_mm().ok_or(Infeasible::NoFloor)?;

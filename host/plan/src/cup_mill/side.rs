@@ -30,7 +30,7 @@ const HALVINGS: i32 = 50;
 
 /// Side of a blade with its allowance.
 #[derive(Debug)]
-pub struct Side {
+pub struct OffsetSide {
     /// Offset surface between the edges, above the hub.
     pub patch: Patch,
     /// First and last u of the side between its round edges.
@@ -81,7 +81,7 @@ impl<'f> Trim<'f> {
     }
 
     /// The side after the rotation `turn`.
-    pub fn side(&self, turn: &Rotation3<f64>) -> Side {
+    pub fn side(&self, turn: &Rotation3<f64>) -> OffsetSide {
         let Trim { allowance_mm, around, edges, foot, .. } = *self;
         let face = self.face.turned(turn);
         let high = 1.0 + allowance_mm / face.jet(0.5, 1.0).v.norm();
@@ -90,11 +90,11 @@ impl<'f> Trim<'f> {
             let tip = face.offset(u, v, allowance_mm);
             if beyond > 0.0 { tip + face.jet(u, 1.0).v * beyond } else { tip }
         });
-        Side { patch, edges, foot }
+        OffsetSide { patch, edges, foot }
     }
 }
 
-impl Side {
+impl OffsetSide {
     /// Side of `face`, which is given in the part frame, with the hub's allowance, after the rotation `turn`. `None` if
     /// the blade is nowhere above it.
     pub fn new(face: &Face, far: FarEdge, above: &Hub<'_>, turn: &Rotation3<f64>) -> Option<Self> {

@@ -5,23 +5,23 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::cutter::CupMill;
 use crate::path::SlotPath;
-use crate::search::{Least, descend};
+use crate::search::{Minimum, descend};
 use crate::vector::Flat;
 
-use super::level::{Obstacle, Stop, stop};
-use super::link::{Below, shortened_rad};
-use super::lowest::lowest_mm;
+use super::depth::lowest_mm;
+use super::level::{Stop, StopSurface, stop};
+use super::link::{LowerEnd, shortened_rad};
 use super::patch::Patch;
-use super::side::Side;
+use super::side::OffsetSide;
 use super::turn::Turning;
 
 /// Surroundings of a slot with their allowance, slot frame.
 #[derive(Debug)]
-pub struct Around {
+pub struct Surroundings {
     /// Pressure side.
-    pub pressure: Side,
+    pub pressure: OffsetSide,
     /// Suction side.
-    pub suction: Side,
+    pub suction: OffsetSide,
     /// Hub.
     pub hub: Patch,
 }
@@ -29,7 +29,7 @@ pub struct Around {
 /// Both turns out of the base position.
 pub struct Turns<'a> {
     /// Surroundings that stop the turns.
-    pub around: &'a Around,
+    pub around: &'a Surroundings,
     /// Cutter.
     pub cutter: &'a CupMill,
     /// Centre at the base position.
@@ -55,7 +55,7 @@ impl Turns<'_> {
         let hub = &self.around.hub;
         let mut low_mm = lowest_mm(self.cutter, self.centre, hub)?;
         let blades =
-            [(Obstacle::Pressure, &self.around.pressure.patch), (Obstacle::Suction, &self.around.suction.patch)];
+            [(StopSurface::Pressure, &self.around.pressure.patch), (StopSurface::Suction, &self.around.suction.patch)];
         // Higher up the turns are longer, so they are computed again.
         for _ in 0..HUB_ROUNDS {
             low_mm = self.pivots.into_iter().fold(low_mm, |low_mm, pivot| {
@@ -74,7 +74,7 @@ impl Turns<'_> {
             lowest_mm(self.cutter, centre, &self.around.hub).map_or(f64::INFINITY, |low_mm| -low_mm)
         };
         let places = (0..=HUB_STEPS).map(|k| [f64::from(k) / f64::from(HUB_STEPS), 0.0]);
-        let start = places.map(|at| Least { at, value: allowed(at) }).min_by(|a, b| a.value.total_cmp(&b.value))?;
+        let start = places.map(|at| Minimum { at, value: allowed(at) }).min_by(|a, b| a.value.total_cmp(&b.value))?;
         let found = descend([[0.0, 1.0], [0.0, 0.0]], start, [1.0 / f64::from(HUB_STEPS), 0.0], allowed);
         found.value.is_finite().then_some(-found.value)
     }
@@ -82,9 +82,9 @@ impl Turns<'_> {
     /// Ends of the turns, level by level. If a turn meets nothing, the slot ends there, and the turn of the level below
     /// is used.
     pub fn stops(&self, heights_mm: &[f64]) -> Vec<[Stop; 2]> {
-        let Around { pressure, suction, hub, .. } = self.around;
+        let Surroundings { pressure, suction, hub, .. } = self.around;
         let obstacles =
-            [(Obstacle::Pressure, &pressure.patch), (Obstacle::Suction, &suction.patch), (Obstacle::Hub, hub)];
+            [(StopSurface::Pressure, &pressure.patch), (StopSurface::Suction, &suction.patch), (StopSurface::Hub, hub)];
         let alone = |height_mm: &f64| self.pivots.map(|pivot| stop(&self.turning(pivot, *height_mm), &obstacles));
         let met: Vec<[Stop; 2]> = heights_mm.par_iter().map(alone).collect();
         let mut below: Option<([Stop; 2], f64)> = None;
@@ -102,7 +102,7 @@ impl Turns<'_> {
                 if which != SlotPath::end_of(index) {
                     return met;
                 }
-                let below = Below { centre: below.centre, bottom_mm, turn_rad: below.turn_rad };
+                let below = LowerEnd { centre: below.centre, bottom_mm, turn_rad: below.turn_rad };
                 let turn_rad = shortened_rad(&turning, met.turn_rad, &below, &[&pressure.patch, &suction.patch]);
                 if turn_rad < met.turn_rad {
                     Stop { turn_rad, centre: turning.centre_after(turn_rad), at: None }

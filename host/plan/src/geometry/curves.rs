@@ -15,8 +15,8 @@ use crate::vector::Point;
 
 use super::blade::Sections;
 use super::blisk::Revolution;
-use super::closed::{Loop, Mark};
-use super::reading::{Drawn, Fault, ReadError, number, words};
+use super::closed_loop::{Loop, Mark};
+use super::point_file::{Fault, PointFileFrame, ReadError, number, words};
 use super::resample::resampled;
 
 /// Least and most points of a side; within these the number in the file is kept.
@@ -35,7 +35,7 @@ pub struct Curves {
 
 /// File with the fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Which {
+pub enum CurveFile {
     /// `hub.curve`
     Hub,
     /// `shroud.curve`
@@ -59,16 +59,16 @@ pub struct Texts<'t> {
 ///
 /// # Errors
 /// The file and the fault with its place.
-pub fn read(texts: &Texts<'_>, drawn: &Drawn) -> Result<Curves, (Which, ReadError)> {
-    let (hub, from_low_z) = revolution(texts.hub, drawn).map_err(|error| (Which::Hub, error))?;
-    let (shroud, _) = revolution(texts.shroud, drawn).map_err(|error| (Which::Shroud, error))?;
-    check_shroud(&hub, &shroud).map_err(|fault| (Which::Shroud, fault.at(1, 1)))?;
-    let blade = profiles(texts.profile, drawn, &hub, from_low_z).map_err(|error| (Which::Profile, error))?;
+pub fn read(texts: &Texts<'_>, drawn: &PointFileFrame) -> Result<Curves, (CurveFile, ReadError)> {
+    let (hub, from_low_z) = revolution(texts.hub, drawn).map_err(|error| (CurveFile::Hub, error))?;
+    let (shroud, _) = revolution(texts.shroud, drawn).map_err(|error| (CurveFile::Shroud, error))?;
+    check_shroud(&hub, &shroud).map_err(|fault| (CurveFile::Shroud, fault.at(1, 1)))?;
+    let blade = profiles(texts.profile, drawn, &hub, from_low_z).map_err(|error| (CurveFile::Profile, error))?;
     Ok(Curves { hub, shroud, blade })
 }
 
 /// Generatrix, and whether it begins at low z.
-fn revolution(text: &str, drawn: &Drawn) -> Result<(Revolution, bool), ReadError> {
+fn revolution(text: &str, drawn: &PointFileFrame) -> Result<(Revolution, bool), ReadError> {
     let mut places: Vec<([f64; 2], usize)> = Vec::new();
     for (at, line) in text.lines().enumerate() {
         if let Some((place, _)) = point(line, at + 1, drawn)? {
@@ -100,7 +100,7 @@ fn check_shroud(hub: &Revolution, shroud: &Revolution) -> Result<(), Fault> {
 }
 
 /// Point of a line and its mark; `None` for a line with only a remark.
-fn point(text: &str, line: usize, drawn: &Drawn) -> Result<Option<(Point, Option<Mark>)>, ReadError> {
+fn point(text: &str, line: usize, drawn: &PointFileFrame) -> Result<Option<(Point, Option<Mark>)>, ReadError> {
     let words = words(text);
     let mut place = [0.0; 3];
     match words.as_slice() {
@@ -122,7 +122,7 @@ fn point(text: &str, line: usize, drawn: &Drawn) -> Result<Option<(Point, Option
     Ok(Some((drawn.point(place), mark.transpose()?)))
 }
 
-fn profiles(text: &str, drawn: &Drawn, hub: &Revolution, from_low_z: bool) -> Result<Sections, ReadError> {
+fn profiles(text: &str, drawn: &PointFileFrame, hub: &Revolution, from_low_z: bool) -> Result<Sections, ReadError> {
     let mut loops: Vec<(Loop, usize)> = Vec::new();
     let mut is_new = true;
     for (at, line) in text.lines().enumerate() {
@@ -144,13 +144,13 @@ fn profiles(text: &str, drawn: &Drawn, hub: &Revolution, from_low_z: bool) -> Re
     for (at, (around, line)) in loops.into_iter().enumerate() {
         sides.push(around.split(at + 1, from_low_z).map_err(|fault| fault.at(line, 1))?);
     }
-    let blade = told_apart(sides);
+    let blade = assigned_sides(sides);
     drawn.check(&blade, hub, &lines)?;
     Ok(blade)
 }
 
 /// Assigns the sides: the convex one is the suction side. Every section's first side is the one at greater angles.
-fn told_apart(sides: Vec<[Vec<Point>; 2]>) -> Sections {
+fn assigned_sides(sides: Vec<[Vec<Point>; 2]>) -> Sections {
     let most = sides.iter().flatten().map(Vec::len).max().unwrap_or(0).clamp(POINTS[0], POINTS[1]);
     let mut blade = Sections::default();
     for [one, other] in sides {

@@ -27,7 +27,7 @@ const STEP_MIN: f64 = 1e-6;
 
 /// Side of a blade.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Side {
+pub enum BladeSide {
     /// Concave side.
     Pressure,
     /// Convex side.
@@ -40,7 +40,7 @@ pub enum Flaw {
     /// The offset crosses itself.
     Folded {
         /// Side.
-        side: Side,
+        side: BladeSide,
         /// Place of the narrowest hollow.
         at: [f64; 2],
         /// Radius of the hollow, mm.
@@ -60,7 +60,7 @@ pub enum Flaw {
     /// The blade does not reach the hub.
     Floating {
         /// Side.
-        side: Side,
+        side: BladeSide,
         /// Place along the lowest section.
         u: f64,
         /// Height of its end above the hub, mm.
@@ -69,7 +69,7 @@ pub enum Flaw {
     /// The blade does not fit into the blank.
     AboveBlank {
         /// Side.
-        side: Side,
+        side: BladeSide,
         /// Place.
         at: [f64; 2],
         /// Distance by which it exceeds the blank's rim, mm.
@@ -78,7 +78,7 @@ pub enum Flaw {
     /// The blade is wider than the blank.
     BesideBlank {
         /// Side.
-        side: Side,
+        side: BladeSide,
         /// Place.
         at: [f64; 2],
         /// Distance by which it exceeds the blank's face, mm.
@@ -87,7 +87,7 @@ pub enum Flaw {
     /// Sections that cross: the side runs back towards the hub.
     Crossed {
         /// Side.
-        side: Side,
+        side: BladeSide,
         /// Place.
         at: [f64; 2],
         /// Distance by which it runs back, mm.
@@ -102,9 +102,9 @@ pub enum Flaw {
     },
 }
 
-impl fmt::Display for Side {
+impl fmt::Display for BladeSide {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(if *self == Side::Pressure { "pressure side" } else { "suction side" })
+        f.write_str(if *self == BladeSide::Pressure { "pressure side" } else { "suction side" })
     }
 }
 
@@ -156,7 +156,7 @@ impl fmt::Display for Flaw {
 /// All flaws of a rotor whose blades and hub keep an allowance of `allowance_mm`; each kind once per side, at its worst
 /// place.
 pub fn flaws(blisk: &Blisk, allowance_mm: f64) -> Vec<Flaw> {
-    let sides = [(Side::Pressure, &blisk.pressure), (Side::Suction, &blisk.suction)];
+    let sides = [(BladeSide::Pressure, &blisk.pressure), (BladeSide::Suction, &blisk.suction)];
     let of_sides = sides.into_iter().flat_map(|(side, face)| {
         [
             folded(side, face, allowance_mm),
@@ -203,18 +203,18 @@ fn worst(of: impl Fn([f64; 2]) -> f64) -> ([f64; 2], f64) {
     best
 }
 
-fn folded(side: Side, face: &Face, allowance_mm: f64) -> Option<Flaw> {
+fn folded(side: BladeSide, face: &Face, allowance_mm: f64) -> Option<Flaw> {
     let (at, per_mm) = worst(|[u, v]| hollowness_per_mm(face, u, v));
     let is_folded = per_mm * allowance_mm >= 1.0; // (3)
     is_folded.then_some(Flaw::Folded { side, at, radius_mm: 1.0 / per_mm, allowance_mm })
 }
 
-fn floating(side: Side, face: &Face, blisk: &Blisk) -> Option<Flaw> {
+fn floating(side: BladeSide, face: &Face, blisk: &Blisk) -> Option<Flaw> {
     let ([u, _], height_mm) = worst(|[u, _]| blisk.hub.height_mm(&face.point(u, 0.0)));
     (height_mm > SLACK_MM).then_some(Flaw::Floating { side, u, height_mm })
 }
 
-fn above(side: Side, face: &Face, blisk: &Blisk) -> Option<Flaw> {
+fn above(side: BladeSide, face: &Face, blisk: &Blisk) -> Option<Flaw> {
     let out = |[u, v]: [f64; 2]| {
         let point = face.point(u, v);
         libm::hypot(point.x, point.y) - blisk.blank.radius_mm
@@ -223,7 +223,7 @@ fn above(side: Side, face: &Face, blisk: &Blisk) -> Option<Flaw> {
     (by_mm > SLACK_MM).then_some(Flaw::AboveBlank { side, at, by_mm })
 }
 
-fn beside(side: Side, face: &Face, blisk: &Blisk) -> Option<Flaw> {
+fn beside(side: BladeSide, face: &Face, blisk: &Blisk) -> Option<Flaw> {
     let [low_mm, high_mm] = blisk.blank.faces_mm;
     let (at, by_mm) = worst(|[u, v]| {
         let z_mm = face.point(u, v).z;
@@ -232,7 +232,7 @@ fn beside(side: Side, face: &Face, blisk: &Blisk) -> Option<Flaw> {
     (by_mm > SLACK_MM).then_some(Flaw::BesideBlank { side, at, by_mm })
 }
 
-fn crossed(side: Side, face: &Face, blisk: &Blisk) -> Option<Flaw> {
+fn crossed(side: BladeSide, face: &Face, blisk: &Blisk) -> Option<Flaw> {
     let step = 1.0 / SAMPLES[1] as f64;
     let (at, back_mm) = worst(|[u, v]| {
         let [here, next] = [v, (v + step).min(1.0)].map(|v| blisk.hub.height_mm(&face.point(u, v)));

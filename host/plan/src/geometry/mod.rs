@@ -10,15 +10,15 @@ pub mod blade;
 
 mod naca65;
 
-pub mod generate;
+pub mod generator;
 
-pub mod reading;
+pub mod point_file;
 
 mod resample;
 
 pub mod sections;
 
-mod closed;
+mod closed_loop;
 
 pub mod curves;
 

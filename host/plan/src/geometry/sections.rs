@@ -12,7 +12,7 @@ use crate::vector::Point;
 
 use super::blade::{RotorAxis, Sections};
 use super::blisk::Revolution;
-use super::reading::{Drawn, Fault, ReadError, number, words};
+use super::point_file::{Fault, PointFileFrame, ReadError, number, words};
 use super::resample::resampled;
 
 /// Least number of points of a side.
@@ -41,7 +41,7 @@ struct Side {
 ///
 /// # Errors
 /// The fault with its place.
-pub fn read(text: &str, drawn: &Drawn, hub: &Revolution) -> Result<Sections, ReadError> {
+pub fn read(text: &str, drawn: &PointFileFrame, hub: &Revolution) -> Result<Sections, ReadError> {
     let mut lines = text.lines().enumerate().map(|(at, line)| (at + 1, line));
     let (first, header) = lines.find(|(_, line)| !line.trim().is_empty()).unwrap_or((1, ""));
     let columns = columns(header).map_err(|fault| fault.at(first, 1))?;
@@ -94,7 +94,7 @@ impl Row {
     }
 }
 
-fn row(text: &str, line: usize, columns: &Columns, drawn: &Drawn) -> Result<Row, ReadError> {
+fn row(text: &str, line: usize, columns: &Columns, drawn: &PointFileFrame) -> Result<Row, ReadError> {
     let words = words(text);
     let end = text.chars().count() + 1;
     let word = |at: usize| words.get(at).copied().unwrap_or((end, ""));
@@ -110,20 +110,20 @@ fn row(text: &str, line: usize, columns: &Columns, drawn: &Drawn) -> Result<Row,
     };
     let point = drawn.point(place);
     if let Some(at) = columns.radius {
-        let told_mm = number(line, word(at))? * drawn.unit_mm;
-        check_radius(told_mm, place.map(|value| value * drawn.unit_mm), drawn.axis)
+        let stated_mm = number(line, word(at))? * drawn.unit_mm;
+        check_radius(stated_mm, place.map(|value| value * drawn.unit_mm), drawn.axis)
             .map_err(|fault| fault.at(line, word(at).0))?;
     }
     let index = columns.index.map(word).map(|(column, word)| (column, word.to_owned()));
     Ok(Row { span: number(line, word(columns.span))?, is_pressure, point, index })
 }
 
-fn check_radius(told_mm: f64, place_mm: [f64; 3], axis: RotorAxis) -> Result<(), Fault> {
+fn check_radius(stated_mm: f64, place_mm: [f64; 3], axis: RotorAxis) -> Result<(), Fault> {
     let from = |axis: RotorAxis| {
         let point = axis.to_part(place_mm);
         libm::hypot(point.x, point.y)
     };
-    let fits = |found_mm: f64| (found_mm - told_mm).abs() <= RADIUS_RATIO * told_mm.abs();
+    let fits = |found_mm: f64| (found_mm - stated_mm).abs() <= RADIUS_RATIO * stated_mm.abs();
     let found_mm = from(axis);
     if fits(found_mm) {
         return Ok(());
@@ -131,7 +131,7 @@ fn check_radius(told_mm: f64, place_mm: [f64; 3], axis: RotorAxis) -> Result<(),
     let hints =
         [(RotorAxis::X, ": \"x\" would do"), (RotorAxis::Y, ": \"y\" would do"), (RotorAxis::Z, ": \"z\" would do")];
     let hint = hints.iter().find(|(other, _)| fits(from(*other))).map_or(" or the units", |(_, hint)| hint);
-    Err(Fault::Radius { told_mm, found_mm, axis, hint })
+    Err(Fault::Radius { stated_mm, found_mm, axis, hint })
 }
 
 /// Both sides of each section, all with the same number of points, and the lines where the sections begin.

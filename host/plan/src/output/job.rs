@@ -8,7 +8,7 @@ use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{LengthUnit, MM_PER_INCH};
 
 use crate::cutter::CupMill;
-use crate::output::limits::{BlankFace, Bound, StockLimit};
+use crate::output::limits::{BlankFace, StockBound, StockLimit};
 
 /// Content of a job file.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,7 +46,7 @@ pub enum Law<'a> {
     /// there ([`StockLimit::kept_ratio`]), and it ignores the other circle ([`StockLimit::elsewhere_ratio`]).
     Circumference,
     /// Law for the whole engaged arc of both circles, between these lines.
-    EngagedArc(&'a [Bound]),
+    EngagedArc(&'a [StockBound]),
 }
 
 /// Meshes in millimetres, relative to the job file.
@@ -187,7 +187,7 @@ impl JobFile<'_> {
             ),
             Law::EngagedArc(bounds) => {
                 // Angle and rise are no lengths, and must be floats in TOML.
-                let line = |bound: &Bound| {
+                let line = |bound: &StockBound| {
                     format!("[{:?}, {}, {:?}]", bound.normal_deg, self.length(bound.offset_mm), bound.rise_ratio)
                 };
                 format!("lines = [{}]", bounds.iter().map(line).collect::<Vec<_>>().join(", "))

@@ -83,7 +83,7 @@ pub struct StockLimit {
 
 /// Line that bounds the stock in a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bound {
+pub struct StockBound {
     /// Direction of its normal, out of the material, from x.
     pub normal_deg: f64,
     /// Distance of the line from the origin along the normal, at height 0.
@@ -132,16 +132,21 @@ pub fn stock_limits(
 ///
 /// # Errors
 /// The tool stands along the rotor's axis.
-pub fn bounds(path: &SlotPath, mill: &CupMill, blank: &Blank, tool_axis: &Vector) -> Result<[Bound; 3], LimitError> {
+pub fn bounds(
+    path: &SlotPath,
+    mill: &CupMill,
+    blank: &Blank,
+    tool_axis: &Vector,
+) -> Result<[StockBound; 3], LimitError> {
     let frame = slot_frame(tool_axis).ok_or(LimitError::AlongRotor)?;
     let rotor = frame * Vector::z();
     let face = |face: BlankFace| {
         let line = line(face, blank, &rotor, mill.insert_radius_mm);
-        Bound { normal_deg: line.normal_deg(), offset_mm: line.offset_mm, rise_ratio: line.rise_ratio }
+        StockBound { normal_deg: line.normal_deg(), offset_mm: line.offset_mm, rise_ratio: line.rise_ratio }
     };
     let is_right = path.exterior.x > path.base.x;
     let (normal_deg, offset_mm) = if is_right { (180.0, -path.base.x) } else { (0.0, path.base.x) };
-    Ok([face(BlankFace::Lower), face(BlankFace::Upper), Bound { normal_deg, offset_mm, rise_ratio: 0.0 }])
+    Ok([face(BlankFace::Lower), face(BlankFace::Upper), StockBound { normal_deg, offset_mm, rise_ratio: 0.0 }])
 }
 
 /// Line of a face: (2).

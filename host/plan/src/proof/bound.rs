@@ -36,7 +36,7 @@ use super::motion::Pose;
 use super::section::Section;
 
 /// Point near a section of the tool.
-pub struct Near {
+pub struct NearPoint {
     /// d, mm; negative inside.
     pub distance_mm: f64,
     /// g, a unit vector.
@@ -60,7 +60,7 @@ pub struct Extent {
 }
 
 /// Lower bound, and its losses by the lengths of path and piece.
-pub struct Bound {
+pub struct DistanceBound {
     /// Lower bound of the distance, mm.
     pub least_mm: f64,
     /// Loss by the path.
@@ -69,18 +69,18 @@ pub struct Bound {
     pub piece_mm: f64,
 }
 
-impl Near {
+impl NearPoint {
     /// Point by its place relative to the middle of the tool's bottom.
     pub fn new(section: &Section, place: &Vector) -> Self {
         let axis_mm = libm::hypot(place.x, place.y);
         let [across, up] = section.slope(axis_mm, place.z);
         let outward = if axis_mm > 0.0 { Vector::new(place.x, place.y, 0.0) / axis_mm } else { Vector::x() };
         let gradient = outward * across + Vector::z() * up;
-        Near { distance_mm: section.distance_mm(axis_mm, place.z), gradient, axis_mm, outward, across }
+        NearPoint { distance_mm: section.distance_mm(axis_mm, place.z), gradient, axis_mm, outward, across }
     }
 
     /// Best of (1) and (4) to (6), for an interval of `half_mm` to both sides.
-    pub fn bound(&self, pose: &Pose, half_mm: f64, extent: &Extent) -> Bound {
+    pub fn bound(&self, pose: &Pose, half_mm: f64, extent: &Extent) -> DistanceBound {
         let (way_mm, piece_mm) = if self.across < 0.0 {
             self.inner_losses_mm(pose, half_mm, extent.across_mm)
         } else {
@@ -89,10 +89,10 @@ impl Near {
         let along_mm = half_mm * self.gradient.dot(&pose.tangent).abs();
         let (way_mm, piece_mm) = (way_mm + along_mm, piece_mm + extent.sink_mm);
         if way_mm + piece_mm < half_mm + extent.radius_mm {
-            Bound { least_mm: self.distance_mm - way_mm - piece_mm, way_mm, piece_mm }
+            DistanceBound { least_mm: self.distance_mm - way_mm - piece_mm, way_mm, piece_mm }
         } else {
             let (way_mm, piece_mm) = (half_mm, extent.radius_mm);
-            Bound { least_mm: self.distance_mm - way_mm - piece_mm, way_mm, piece_mm } // (1)
+            DistanceBound { least_mm: self.distance_mm - way_mm - piece_mm, way_mm, piece_mm } // (1)
         }
     }
 

@@ -6,7 +6,7 @@
 
 use nalgebra::Rotation3;
 
-use crate::cutter::{CupMill, Part};
+use crate::cutter::{CupMill, ToolPart};
 use crate::path::Step;
 
 use super::motion::Motion;
@@ -44,7 +44,7 @@ pub struct Body {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance {
     /// Part of the tool.
-    pub part: Part,
+    pub part: ToolPart,
     /// Obstacle.
     pub obstacle: Obstacle,
     /// Lower bound of the distance, and the distance at the place, mm. A negative value is the depth of a point of the
@@ -70,7 +70,7 @@ impl Clearance {
 
 /// Least distance between a part of the tool on its path and an obstacle, to within `gap_mm` and twice the obstacle's
 /// chord error; a depth to within a fiftieth.
-pub fn clearance(tool: &CupMill, part: Part, steps: &[Step], body: &Body, gap_mm: f64) -> Clearance {
+pub fn clearance(tool: &CupMill, part: ToolPart, steps: &[Step], body: &Body, gap_mm: f64) -> Clearance {
     let motions: Vec<Motion> = steps.iter().map(Motion::new).collect();
     let sections = Section::of(tool, part);
     let search = Search { sections: &sections, motions: &motions, tree: &body.tree, turns: &body.turns };

@@ -22,11 +22,11 @@ pub mod bodies;
 
 pub mod clearance;
 
-pub mod left;
+pub mod remaining;
 
 pub mod floor;
 
-pub mod removed;
+pub mod removal;
 
 pub mod turning;
 

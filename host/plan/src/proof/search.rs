@@ -13,7 +13,7 @@ use nalgebra::Rotation3;
 use crate::geometry::mesh::Triangle;
 use crate::vector::Point;
 
-use super::bound::{Extent, Near};
+use super::bound::{Extent, NearPoint};
 use super::motion::Motion;
 use super::section::Section;
 use super::spheres::{Branch, Tree};
@@ -53,7 +53,7 @@ pub struct Place {
 
 /// Result of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Least {
+pub struct LeastDistance {
     /// Lower bound of the distance, and a distance that was found, mm; infinite if there is no body.
     pub bounds_mm: [f64; 2],
     /// Place of the distance that was found.
@@ -87,8 +87,8 @@ struct Bounded {
 
 impl Search<'_> {
     /// Least distance, to within `gap_mm`; a depth to within a fiftieth.
-    pub fn least(&self, gap_mm: f64) -> Least {
-        let mut least = Least { bounds_mm: [f64::INFINITY; 2], place: None, pieces: 0 };
+    pub fn least(&self, gap_mm: f64) -> LeastDistance {
+        let mut least = LeastDistance { bounds_mm: [f64::INFINITY; 2], place: None, pieces: 0 };
         let mut heap = BinaryHeap::new();
         for (step, motion) in self.motions.iter().enumerate() {
             let half_mm = motion.length_mm / 2.0;
@@ -133,7 +133,7 @@ impl Search<'_> {
     }
 
     /// The piece with its bound, not below that of its parent; the distance at its middle may become the least so far.
-    fn bounded(&self, piece: Piece, no_less_mm: f64, least: &mut Least) -> Bounded {
+    fn bounded(&self, piece: Piece, no_less_mm: f64, least: &mut LeastDistance) -> Bounded {
         least.pieces += 1;
         let pose = self.motions[piece.step].at(piece.middle_mm);
         let (middle, radius_mm) = match &piece.shape {
@@ -152,7 +152,7 @@ impl Search<'_> {
         };
         let mut found = Bounded { least_mm: f64::INFINITY, halve_way: true, piece };
         for section in self.sections {
-            let near = Near::new(section, &(middle - pose.place));
+            let near = NearPoint::new(section, &(middle - pose.place));
             let mut sink_mm = radius_mm;
             if let Shape::Triangle(corners) = &piece.shape {
                 let sinks_mm = corners.map(|corner| near.gradient.dot(&(middle - corner)));
@@ -160,7 +160,7 @@ impl Search<'_> {
                 sink_mm = sinks_mm[lowest].max(0.0);
                 for (point, distance_mm) in [
                     (middle, near.distance_mm),
-                    (corners[lowest], Near::new(section, &(corners[lowest] - pose.place)).distance_mm),
+                    (corners[lowest], NearPoint::new(section, &(corners[lowest] - pose.place)).distance_mm),
                 ] {
                     if distance_mm < least.bounds_mm[1] {
                         let Piece { step, middle_mm: way_mm, copy, .. } = piece;

@@ -10,7 +10,7 @@
 //! pieces is
 //! [`CupMill::distance_of_mm`].
 
-use crate::cutter::{CupMill, Part};
+use crate::cutter::{CupMill, ToolPart};
 
 /// Ring or disc of the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,16 +22,16 @@ pub struct Section {
 
 impl Section {
     /// Sections of a part.
-    pub fn of(tool: &CupMill, part: Part) -> Vec<Section> {
+    pub fn of(tool: &CupMill, part: ToolPart) -> Vec<Section> {
         match part {
-            Part::Ring => {
+            ToolPart::Ring => {
                 let rounding_mm = tool.insert_radius_mm;
                 let low = [tool.inner_radius_mm + rounding_mm, rounding_mm];
                 let high = [tool.outer_radius_mm - rounding_mm, tool.height_mm - rounding_mm];
                 vec![Section { low, high, rounding_mm }]
             }
-            Part::Body => vec![Section::disc(tool.outer_radius_mm, [tool.cavity_depth_mm, tool.height_mm])],
-            Part::Holder => {
+            ToolPart::Body => vec![Section::disc(tool.outer_radius_mm, [tool.cavity_depth_mm, tool.height_mm])],
+            ToolPart::Holder => {
                 let discs = tool.holder_mm.iter().scan(tool.height_mm, |from_mm, [radius_mm, length_mm]| {
                     let heights_mm = [*from_mm, *from_mm + length_mm];
                     *from_mm = heights_mm[1];
@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn outside_it_is_the_distance_of_the_tool_and_its_slope_is_the_gradient() {
-        for part in [Part::Ring, Part::Body, Part::Holder] {
+        for part in [ToolPart::Ring, ToolPart::Body, ToolPart::Holder] {
             let sections = Section::of(&tool(), part);
             for place in (0..3600).map(|k| [f64::from(k % 60), f64::from(k / 60) * 1.7 - 10.0]) {
                 let near = sections.iter().map(|section| section.distance_mm(place[0], place[1]));
@@ -103,7 +103,7 @@ mod tests {
                 assert!((distance_mm - told_mm).abs() < 1e-12 || (distance_mm < 0.0 && told_mm <= 0.0), "{place:?}");
             }
         }
-        let ring = Section::of(&tool(), Part::Ring)[0];
+        let ring = Section::of(&tool(), ToolPart::Ring)[0];
         for [radius_mm, height_mm] in [[35.3, 10.0], [31.0, 1.0], [19.5, 0.5], [25.0, -7.0], [10.0, 20.0], [29.0, 10.0]]
         {
             let at = |dr: f64, dh: f64| ring.distance_mm(radius_mm + dr, height_mm + dh);

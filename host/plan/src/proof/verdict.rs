@@ -3,7 +3,7 @@
 use nalgebra::Rotation3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-use crate::cutter::{CupMill, Part};
+use crate::cutter::{CupMill, ToolPart};
 use crate::geometry::blisk::Blisk;
 use crate::path::SlotPath;
 use crate::vector::{Point, Vector};
@@ -11,15 +11,15 @@ use crate::vector::{Point, Vector};
 use super::bodies;
 use super::clearance::{Body, Clearance, Obstacle, clearance};
 use super::floor::Floor;
-use super::left::{Left, Ring, Walls};
 use super::motion::Motion;
-use super::removed::{Removed, Stock, removed};
+use super::remaining::{RemainingMaterial, Ring, SlotWalls};
+use super::removal::{RemovedVolumes, Stock, removed};
 use super::section::Section;
 use super::spheres::Tree;
 use super::turning::highest_mm;
 
 /// Tool's path through a slot, and its surroundings.
-pub struct Case<'c> {
+pub struct ProofCase<'c> {
     /// Finished part and its blank.
     pub blisk: &'c Blisk,
     /// Tool with its holder.
@@ -36,7 +36,7 @@ pub struct Case<'c> {
 
 /// Resolution of a proof.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fineness {
+pub struct ProofResolution {
     /// Largest distance of triangles from the surfaces.
     pub chord_mm: f64,
     /// Largest difference between the bounds of a distance, in addition to that.
@@ -55,14 +55,14 @@ pub struct Proof {
     /// Height of the lifted tool above all that turns while the part is indexed, mm; infinite if there is no path.
     pub indexing_mm: f64,
     /// Material that the ring leaves on the walls.
-    pub left: Left,
+    pub left: RemainingMaterial,
     /// Material that the ring removes.
-    pub removed: Removed,
+    pub removed: RemovedVolumes,
 }
 
-impl Default for Fineness {
+impl Default for ProofResolution {
     fn default() -> Self {
-        Fineness { chord_mm: 0.01, gap_mm: 0.0005, grid: [13, 25], cell_mm: 0.5 }
+        ProofResolution { chord_mm: 0.01, gap_mm: 0.0005, grid: [13, 25], cell_mm: 0.5 }
     }
 }
 
@@ -75,7 +75,7 @@ impl Proof {
     /// There is no collision, the ring leaves the allowance within `tolerance_mm`, and the part can be indexed.
     pub fn holds(&self, allowance_mm: f64, tolerance_mm: f64) -> bool {
         let is_kept = |found: &Clearance| {
-            found.part != Part::Ring
+            found.part != ToolPart::Ring
                 || found.obstacle == Obstacle::Fixture
                 || found.beyond_mm(allowance_mm)[0] >= -tolerance_mm
         };
@@ -83,26 +83,26 @@ impl Proof {
     }
 
     /// Clearance by part and obstacle.
-    pub fn clearance(&self, part: Part, obstacle: Obstacle) -> Option<&Clearance> {
+    pub fn clearance(&self, part: ToolPart, obstacle: Obstacle) -> Option<&Clearance> {
         self.clearances.iter().find(|found| found.part == part && found.obstacle == obstacle)
     }
 }
 
 /// Proves the path, or finds its faults. `None` if a blade is not above the hub.
-pub fn prove(case: &Case<'_>, fineness: &Fineness) -> Option<Proof> {
+pub fn prove(case: &ProofCase<'_>, fineness: &ProofResolution) -> Option<Proof> {
     let steps = case.path.steps();
     let motions: Vec<Motion> = steps.iter().map(Motion::new).collect();
-    let ring = Ring { sections: &Section::of(case.tool, Part::Ring), motions: &motions, gap_mm: fineness.gap_mm };
-    let walls = Walls::new(&case.blisk.slot(), &case.blisk.hub, case.allowance_mm, case.to_slot)?;
+    let ring = Ring { sections: &Section::of(case.tool, ToolPart::Ring), motions: &motions, gap_mm: fineness.gap_mm };
+    let walls = SlotWalls::new(&case.blisk.slot(), &case.blisk.hub, case.allowance_mm, case.to_slot)?;
     let stock = Stock { blank: &case.blisk.blank, to_slot: case.to_slot };
     let floor = Floor::new(case.tool, &steps);
     let bodies = bodies(case, fineness.chord_mm);
-    let parts = [Part::Ring, Part::Body, Part::Holder];
+    let parts = [ToolPart::Ring, ToolPart::Body, ToolPart::Holder];
     // The ring may cut the blank.
     let pairs = parts.into_iter().flat_map(|part| bodies.iter().map(move |body| (part, body)));
-    let pairs = pairs.filter(|(part, body)| *part != Part::Ring || body.obstacle != Obstacle::Blank);
-    let pairs: Vec<(Part, &Body)> = pairs.collect();
-    let near = |(part, body): (Part, &Body)| clearance(case.tool, part, &steps, body, fineness.gap_mm);
+    let pairs = pairs.filter(|(part, body)| *part != ToolPart::Ring || body.obstacle != Obstacle::Blank);
+    let pairs: Vec<(ToolPart, &Body)> = pairs.collect();
+    let near = |(part, body): (ToolPart, &Body)| clearance(case.tool, part, &steps, body, fineness.gap_mm);
     let indexing_mm = case.path.clear_mm - highest_mm(&case.blisk.blank, case.fixture, &case.to_slot);
     let removed = || removed(&floor, case.path.levels.len(), &stock, &walls, fineness.cell_mm);
     let ((clearances, left), removed) = rayon::join(
@@ -113,8 +113,8 @@ pub fn prove(case: &Case<'_>, fineness: &Fineness) -> Option<Proof> {
 }
 
 /// All obstacles of a case, as triangles within `chord_mm` of the surfaces.
-pub fn bodies(case: &Case<'_>, chord_mm: f64) -> Vec<Body> {
-    let Case { blisk, to_slot, .. } = case;
+pub fn bodies(case: &ProofCase<'_>, chord_mm: f64) -> Vec<Body> {
+    let ProofCase { blisk, to_slot, .. } = case;
     let blade = |k: u32| to_slot * Rotation3::from_axis_angle(&Vector::z_axis(), f64::from(k) * blisk.pitch_rad());
     let here = vec![*to_slot];
     let body = |obstacle, triangles, turns, chord_mm| Body { obstacle, tree: Tree::new(triangles), turns, chord_mm };

@@ -8,13 +8,13 @@ use arcfeed_shared::wire::message::Message;
 use defmt_decoder::{DecodeError, StreamDecoder, Table};
 
 use super::super::outcome::{Failure, file_failure, on_interrupt, say};
-use super::talk::Talk;
+use super::connection::BoardConnection;
 
 /// Prints messages until Ctrl-C; `elf` is the image that runs on the board.
 ///
 /// # Errors
 /// There is no image, or another one than the board's, or the link is lost.
-pub fn run(elf: &Path, talk: &mut Talk) -> Result<(), Failure> {
+pub fn run(elf: &Path, connection: &mut BoardConnection) -> Result<(), Failure> {
     let image = std::fs::read(elf).map_err(|error| file_failure(elf, &error))?;
     let path = elf.display();
     let table = Table::parse(&image)
@@ -23,7 +23,7 @@ pub fn run(elf: &Path, talk: &mut Talk) -> Result<(), Failure> {
     let mut decoder = table.new_stream_decoder();
     let interrupted = on_interrupt();
     while !interrupted.load(Ordering::Relaxed) {
-        for message in talk.hear()? {
+        for message in connection.take_messages()? {
             if let Message::Log(log) = message {
                 decoder.received(log.bytes.bytes());
                 print(&mut *decoder, &table);

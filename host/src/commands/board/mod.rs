@@ -1,6 +1,6 @@
 //! `arcfeed board`: identification, settings, log and reports of a feed board.
 
-mod talk;
+mod connection;
 
 #[cfg(feature = "board-log")]
 mod log;
@@ -20,14 +20,14 @@ use crate::board::words;
 #[cfg(not(feature = "board-log"))]
 use crate::features::not_built_in;
 use crate::port::url::PortUrl;
+use connection::BoardConnection;
 use monitor::Monitor;
-use talk::Talk;
 
 /// Talk to a feed board: identification, settings, log, reports
 ///
 /// Only one host at a time: a board discards the data of a run when another host connects.
 #[derive(Debug, clap::Args)]
-pub struct Board {
+pub struct BoardCommand {
     /// The board link: a serial port's name or one of pyserial's URLs (docs/ports.md)
     url: PortUrl,
     /// Rate of the link; 8N1, no flow control
@@ -77,40 +77,45 @@ struct Info {
     retransmissions: u32,
 }
 
-impl Board {
+impl BoardCommand {
     /// Runs the command.
     ///
     /// # Errors
     /// The board does not answer, or refuses.
     pub fn run(&self) -> Result<(), Failure> {
         match &self.what {
-            What::Info { json } => self.talk(|talk| info(talk, *json)),
-            What::Set { name: Some(name), value: Some(value) } => self.talk(|talk| set(talk, name, *value)),
-            What::Set { .. } => self.talk(list),
+            What::Info { json } => self.with_connection(|connection| info(connection, *json)),
+            What::Set { name: Some(name), value: Some(value) } => {
+                self.with_connection(|connection| set(connection, name, *value))
+            }
+            What::Set { .. } => self.with_connection(list),
             #[cfg(feature = "board-log")]
-            What::Log { elf } => self.talk(|talk| log::run(elf, talk)),
+            What::Log { elf } => self.with_connection(|connection| log::run(elf, connection)),
             #[cfg(not(feature = "board-log"))]
             What::Log { .. } => Err(Failure::Usage(not_built_in("the decoder of a board's log", "board-log"))),
-            What::Monitor(monitor) => self.talk(|talk| monitor.run(talk)),
+            What::Monitor(monitor) => self.with_connection(|connection| monitor.run(connection)),
         }
     }
 
     /// Connects to the board, runs a command with it and disconnects.
-    fn talk(&self, command: impl FnOnce(&mut Talk) -> Result<(), Failure>) -> Result<(), Failure> {
-        let mut talk = Talk::open(&self.url, self.baudrate)?;
-        command(&mut talk)?;
-        talk.close()
+    fn with_connection(
+        &self,
+        command: impl FnOnce(&mut BoardConnection) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let mut connection = BoardConnection::open(&self.url, self.baudrate)?;
+        command(&mut connection)?;
+        connection.close()
     }
 }
 
-fn info(talk: &mut Talk, json: bool) -> Result<(), Failure> {
-    let info = talk.ask(&table::AskInfo {}.into(), |message| match message {
+fn info(connection: &mut BoardConnection, json: bool) -> Result<(), Failure> {
+    let info = connection.ask(&table::AskInfo {}.into(), |message| match message {
         Message::Info(info) => Some(info),
         _ => None,
     })?;
-    talk.listen()?;
+    connection.measure_round_trip()?;
     let [major, minor, patch] = info.version;
-    let (link, now) = (talk.line().link(), talk.line().now());
+    let (link, now) = (connection.line().link(), connection.line().now());
     let shown = Info {
         name: String::from_utf8_lossy(info.name.bytes()).into_owned(),
         version: format!("{major}.{minor}.{patch}"),
@@ -146,10 +151,10 @@ fn info(talk: &mut Talk, json: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-fn list(talk: &mut Talk) -> Result<(), Failure> {
+fn list(connection: &mut BoardConnection) -> Result<(), Failure> {
     for setting in SettingCode::ALL {
-        let value = talk.ask(&table::AskSetting { setting: *setting }.into(), |message| match message {
-            Message::Setting(told) if told.setting == *setting => Some(told.value),
+        let value = connection.ask(&table::AskSetting { setting: *setting }.into(), |message| match message {
+            Message::Setting(reported) if reported.setting == *setting => Some(reported.value),
             _ => None,
         })?;
         let (name, unit) = words::setting(*setting);
@@ -158,16 +163,16 @@ fn list(talk: &mut Talk) -> Result<(), Failure> {
     Ok(())
 }
 
-fn set(talk: &mut Talk, name: &str, value: u32) -> Result<(), Failure> {
+fn set(connection: &mut BoardConnection, name: &str, value: u32) -> Result<(), Failure> {
     let named = SettingCode::ALL.iter().find(|setting| words::setting(**setting).0 == name);
     let Some(setting) = named else {
         let names: Vec<&str> = SettingCode::ALL.iter().map(|setting| words::setting(*setting).0).collect();
         return Err(Failure::Usage(format!("`{name}` is no setting of a board; there are {}", names.join(", "))));
     };
-    let told = talk.ask(&table::SetSetting { setting: *setting, value }.into(), |message| match message {
-        Message::Setting(told) if told.setting == *setting => Some(told.value),
+    let reported = connection.ask(&table::SetSetting { setting: *setting, value }.into(), |message| match message {
+        Message::Setting(reported) if reported.setting == *setting => Some(reported.value),
         _ => None,
     })?;
-    say(format_args!("{name} is {told} {}", words::setting(*setting).1));
+    say(format_args!("{name} is {reported} {}", words::setting(*setting).1));
     Ok(())
 }

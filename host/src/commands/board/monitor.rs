@@ -9,7 +9,7 @@ use arcfeed_shared::wire::message::{Message, table};
 use serde::Serialize;
 
 use super::super::outcome::{Failure, on_interrupt, say};
-use super::talk::Talk;
+use super::connection::BoardConnection;
 use crate::board::words;
 
 /// Unknown value in a report.
@@ -44,13 +44,13 @@ impl Monitor {
     ///
     /// # Errors
     /// The link is lost.
-    pub fn run(&self, talk: &mut Talk) -> Result<(), Failure> {
+    pub fn run(&self, connection: &mut BoardConnection) -> Result<(), Failure> {
         let interrupted = on_interrupt();
-        let started = talk.line().now();
+        let started = connection.line().now();
         let until = self.seconds.map(|seconds| started.after(Micros::from_ms(u64::from(seconds) * 1_000)));
         let mut last = None;
-        while !interrupted.load(Ordering::Relaxed) && until.is_none_or(|until| talk.line().now() < until) {
-            let reports = talk.hear()?.into_iter().filter_map(|message| match message {
+        while !interrupted.load(Ordering::Relaxed) && until.is_none_or(|until| connection.line().now() < until) {
+            let reports = connection.take_messages()?.into_iter().filter_map(|message| match message {
                 Message::Report(report) => Some(report),
                 _ => None,
             });

@@ -3,10 +3,10 @@
 use crate::console::note;
 use std::fmt::Write as _;
 
-use arcfeed_plan::cup_mill::level::{Obstacle as Met, Stop};
+use arcfeed_plan::cup_mill::level::{Stop, StopSurface};
 use arcfeed_plan::cup_mill::plan::AxisChoice;
-use arcfeed_plan::cutter::Part as ToolPart;
-use arcfeed_plan::optimise::Problem;
+use arcfeed_plan::cutter::ToolPart;
+use arcfeed_plan::optimisation::Problem;
 use arcfeed_plan::proof::clearance::{Clearance, Obstacle};
 use serde::Serialize;
 
@@ -115,8 +115,8 @@ impl Figures {
             name: composed.part.name.clone(),
             safe: composed.is_safe(),
             tool_axis: plan.tool_axis().into(),
-            tilt_deg: composed.placing.tilt_deg,
-            index_deg: composed.placing.index_deg,
+            tilt_deg: composed.placement.tilt_deg,
+            index_deg: composed.placement.index_deg,
             slots: composed.part.blisk.blades,
             room_mm: plan.room.room_mm,
             base_mm: plan.base.centre.into(),
@@ -171,9 +171,9 @@ pub fn met(stop: &Stop) -> String {
     match stop.at {
         None => "as far as the level below".into(),
         Some((met, ..)) => match met {
-            Met::Pressure => "pressure side".into(),
-            Met::Suction => "suction side".into(),
-            Met::Hub => "hub".into(),
+            StopSurface::Pressure => "pressure side".into(),
+            StopSurface::Suction => "suction side".into(),
+            StopSurface::Hub => "hub".into(),
         },
     }
 }

@@ -12,7 +12,7 @@ use super::super::outcome::{Failure, file_failure, refuse_inputs, write_whole};
 use super::page;
 use super::plan_result::{PlanResult, feeds};
 use crate::console::note;
-use crate::part::MachineTold;
+use crate::part::MachineSource;
 
 /// Largest distance of meshes from the surfaces, mm.
 const CHORD_MM: f64 = 0.02;
@@ -75,7 +75,7 @@ fn setup(composed: &PlanResult) -> Setup {
         tool: part.output.tool,
         rev_per_min: part.feeds.rev_per_min,
         coolant: part.output.coolant,
-        tilt_deg: composed.placing.tilt_deg,
+        tilt_deg: composed.placement.tilt_deg,
         slots_deg: composed.slots_deg(),
         feeds: feeds(part),
         indexing: Indexing::AtClearance,
@@ -106,9 +106,9 @@ fn meshes(composed: &PlanResult) -> [Vec<Triangle>; 2] {
 
 fn job(composed: &PlanResult, program: &str, machine_file: Option<&str>) -> String {
     let part = &composed.part;
-    let machine = match &part.machine_told {
-        Some(MachineTold::Preset(preset)) => Some(Machine::Preset(preset)),
-        Some(MachineTold::File(_)) => machine_file.map(Machine::File),
+    let machine = match &part.machine_source {
+        Some(MachineSource::Preset(preset)) => Some(Machine::Preset(preset)),
+        Some(MachineSource::File(_)) => machine_file.map(Machine::File),
         None => None,
     };
     JobFile {
@@ -130,7 +130,7 @@ fn job(composed: &PlanResult, program: &str, machine_file: Option<&str>) -> Stri
 
 /// Absolute path of the machine's file, which the job finds from any folder.
 fn machine_file(composed: &PlanResult) -> Option<String> {
-    let Some(MachineTold::File(path)) = &composed.part.machine_told else { return None };
+    let Some(MachineSource::File(path)) = &composed.part.machine_source else { return None };
     let whole = path.canonicalize().unwrap_or_else(|_| PathBuf::from(path));
     Some(whole.to_string_lossy().into_owned())
 }

@@ -24,7 +24,7 @@ use super::outcome::Failure;
 ///
 /// Exit code 1 if there is no plan, or if the tool would collide with something; nothing is written then.
 #[derive(Debug, clap::Args)]
-pub struct Plan {
+pub struct PlanCommand {
     #[command(subcommand)]
     method: Method,
 }
@@ -50,7 +50,7 @@ struct CupMill {
     json: bool,
 }
 
-impl Plan {
+impl PlanCommand {
     /// Runs the command.
     ///
     /// # Errors

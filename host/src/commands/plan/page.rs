@@ -1,12 +1,12 @@
 //! Report page of a plan.
 
 use arcfeed_plan::proof::clearance::Clearance as Found;
-use arcfeed_plan::proof::left::Map;
+use arcfeed_plan::proof::remaining::Map;
 use arcfeed_plan::vector::Point;
 
 use super::figures::{met, obstacle_word, part_word, refusal};
 use super::plan_result::PlanResult;
-use crate::report::page::plan::{Axis, Clearance, LeftMap, Outline, PlanReport, Removed, Stops, Times, Verdict};
+use crate::report::page::plan::{Axis, Clearance, LeftMap, Outline, PlanReport, PlanVerdict, Removed, Stops, Times};
 
 /// Number of points of an outline.
 const OUTLINE: u32 = 40;
@@ -24,8 +24,8 @@ pub fn report(composed: &PlanResult) -> PlanReport {
         verdict: verdict(composed),
         axis: Axis {
             direction: direction.into(),
-            tilt_deg: composed.placing.tilt_deg,
-            first_deg: composed.placing.index_deg,
+            tilt_deg: composed.placement.tilt_deg,
+            first_deg: composed.placement.index_deg,
             slots: composed.part.blisk.blades,
         },
         mill: composed.part.cutter.clone(),
@@ -44,7 +44,7 @@ pub fn report(composed: &PlanResult) -> PlanReport {
     }
 }
 
-fn verdict(composed: &PlanResult) -> Verdict {
+fn verdict(composed: &PlanResult) -> PlanVerdict {
     let is_safe = composed.is_safe();
     let mut sentences = Vec::new();
     if is_safe {
@@ -63,7 +63,7 @@ fn verdict(composed: &PlanResult) -> Verdict {
             plan.blade_room.room_mm, plan.room.room_mm
         ));
     }
-    Verdict { is_safe, sentences }
+    PlanVerdict { is_safe, sentences }
 }
 
 fn clearance(found: &Found) -> Clearance {

@@ -3,15 +3,15 @@
 use arcfeed_plan::cup_mill::plan::SlotPlan;
 use arcfeed_plan::geometry::blisk::Slot;
 use arcfeed_plan::geometry::flaws::flaws;
-use arcfeed_plan::optimise::{Problem, Valued};
+use arcfeed_plan::optimisation::{Problem, ValuedPlan};
 use arcfeed_plan::output::baseline::{FlankMilling, PlannedTime, SlotSize, planned_time};
-use arcfeed_plan::output::limits::{Bound, StockLimit, bounds, stock_limits};
+use arcfeed_plan::output::limits::{StockBound, StockLimit, bounds, stock_limits};
 use arcfeed_plan::output::nc;
-use arcfeed_plan::placing::{Placing, any_table, placing};
-use arcfeed_plan::proof::verdict::{Case, Fineness, Proof, prove};
+use arcfeed_plan::placement::{Placement, any_table, placement};
+use arcfeed_plan::proof::verdict::{Proof, ProofCase, ProofResolution, prove};
 
-use crate::part::Part;
-use crate::report::page::plan::Baseline;
+use crate::part::PartFile;
+use crate::report::page::plan::BaselineResult;
 
 /// Largest violation of the allowance by the ring, as a fraction of it: beside the round leading edge of a finished
 /// blade, about which the ring turns (docs/plan.md).
@@ -22,23 +22,23 @@ const INDEXING_PER_MIN: f64 = 50.0;
 /// Plan of one part and its evaluation.
 pub struct PlanResult {
     /// Part file.
-    pub part: Part,
+    pub part: PartFile,
     /// Slot, part frame.
     pub slot: Slot,
     /// Plan.
-    pub valued: Valued,
+    pub valued: ValuedPlan,
     /// Positions of the rotary axes for the plan.
-    pub placing: Placing,
+    pub placement: Placement,
     /// Proof of the plan.
     pub proof: Proof,
     /// Limits of the stock.
     pub limits: Vec<StockLimit>,
     /// Lines that bound the stock.
-    pub bounds: [Bound; 3],
+    pub bounds: [StockBound; 3],
     /// Time of one slot.
     pub time: PlannedTime,
     /// Flank milling of one slot, or the reason why there is no comparison.
-    pub baseline: Result<Baseline, String>,
+    pub baseline: Result<BaselineResult, String>,
 }
 
 impl PlanResult {
@@ -46,7 +46,7 @@ impl PlanResult {
     ///
     /// # Errors
     /// Describes why there is no plan.
-    pub fn of(part: Part) -> Result<Self, String> {
+    pub fn of(part: PartFile) -> Result<Self, String> {
         let found = flaws(&part.blisk, part.roughing.allowance_mm);
         if !found.is_empty() {
             let said: Vec<String> = found.iter().map(ToString::to_string).collect();
@@ -55,7 +55,7 @@ impl PlanResult {
         let slot = part.blisk.slot();
         let any = any_table().map_err(|error| format!("{error:?}"))?;
         let machine = part.machine.as_ref().map_or(&any, |file| &file.machine);
-        let presents = |plan: &SlotPlan| placing(machine, &plan.turn).is_ok();
+        let presents = |plan: &SlotPlan| placement(machine, &plan.turn).is_ok();
         let problem = Problem::new(&part.blisk, &slot, &part.cutter, &part.roughing);
         let valued = problem.and_then(|problem| match part.axis {
             Some(axis) => problem.along(axis),
@@ -63,8 +63,8 @@ impl PlanResult {
         });
         let valued = valued.map_err(|why| why.to_string())?;
         let plan = &valued.plan;
-        let placing = placing(machine, &plan.turn).map_err(|error| error.to_string())?;
-        let case = Case {
+        let placement = placement(machine, &plan.turn).map_err(|error| error.to_string())?;
+        let case = ProofCase {
             blisk: &part.blisk,
             tool: &part.cutter,
             path: &plan.path,
@@ -72,7 +72,7 @@ impl PlanResult {
             allowance_mm: part.roughing.allowance_mm,
             fixture: &part.fixtures,
         };
-        let proof = prove(&case, &Fineness::default()).ok_or("a blade is not above the hub")?;
+        let proof = prove(&case, &ProofResolution::default()).ok_or("a blade is not above the hub")?;
         let (blank, tool_axis) = (&part.blisk.blank, plan.tool_axis());
         let limits = stock_limits(&plan.path, &part.cutter, blank, &tool_axis).map_err(|error| error.to_string())?;
         let bounds = bounds(&plan.path, &part.cutter, blank, &tool_axis).map_err(|error| error.to_string())?;
@@ -80,7 +80,7 @@ impl PlanResult {
         let feeds = feeds(&part);
         let time = planned_time(&plan.path, |purpose| feeds.of(purpose), volume_mm3);
         let baseline = baseline(&part, &slot, volume_mm3);
-        Ok(PlanResult { slot, placing, proof, limits, bounds, time, baseline, valued, part })
+        Ok(PlanResult { slot, placement, proof, limits, bounds, time, baseline, valued, part })
     }
 
     /// The tool collides with nothing, and keeps the allowance except beside the leading edge.
@@ -92,31 +92,31 @@ impl PlanResult {
     /// B of each slot, degrees.
     pub fn slots_deg(&self) -> Vec<f64> {
         let pitch_deg = 360.0 / f64::from(self.part.blisk.blades);
-        (0..self.part.blisk.blades).map(|slot| self.placing.index_deg + pitch_deg * f64::from(slot)).collect()
+        (0..self.part.blisk.blades).map(|slot| self.placement.index_deg + pitch_deg * f64::from(slot)).collect()
     }
 }
 
 /// Feeds of the program.
-pub fn feeds(part: &Part) -> nc::Feeds {
-    let told = &part.feeds;
+pub fn feeds(part: &PartFile) -> nc::Feeds {
+    let settings = &part.feeds;
     nc::Feeds {
-        cutting_mm_per_min: told.per_tooth_mm * f64::from(part.cutter.active_teeth) * told.rev_per_min,
-        approach_mm_per_min: told.approach_mm_per_min,
-        axial_mm_per_min: told.axial_mm_per_min,
+        cutting_mm_per_min: settings.per_tooth_mm * f64::from(part.cutter.active_teeth) * settings.rev_per_min,
+        approach_mm_per_min: settings.approach_mm_per_min,
+        axial_mm_per_min: settings.axial_mm_per_min,
         indexing_per_min: INDEXING_PER_MIN,
     }
 }
 
-fn baseline(part: &Part, slot: &Slot, volume_mm3: f64) -> Result<Baseline, String> {
-    let told = part.baseline.ok_or("the part has no [baseline]")?;
+fn baseline(part: &PartFile, slot: &Slot, volume_mm3: f64) -> Result<BaselineResult, String> {
+    let settings = part.baseline.ok_or("the part has no [baseline]")?;
     let mill = FlankMilling {
-        diameter_mm: told.diameter_mm,
-        feed_mm_per_min: told.feed_mm_per_min,
-        axial_depth_mm: told.axial_depth_mm,
-        stepover_mm: told.stepover_mm,
+        diameter_mm: settings.diameter_mm,
+        feed_mm_per_min: settings.feed_mm_per_min,
+        axial_depth_mm: settings.axial_depth_mm,
+        stepover_mm: settings.stepover_mm,
     };
     let size = SlotSize::of(slot, &part.blisk, part.roughing.allowance_mm);
     let passes = mill.passes(&size).map_err(|error| error.to_string())?;
     let time = mill.time(&size, volume_mm3).map_err(|error| error.to_string())?;
-    Ok(Baseline { mill, passes, time })
+    Ok(BaselineResult { mill, passes, time })
 }

@@ -3,15 +3,15 @@
 use super::super::outcome::{Failure, say};
 use super::plan_result::PlanResult;
 use super::{CupMill, figures, files};
-use crate::part::{MachineTold, Part};
+use crate::part::{MachineSource, PartFile};
 
 impl CupMill {
     /// Runs the command.
     ///
     /// # Errors
-    /// See [`super::Plan::run`].
+    /// See [`super::PlanCommand::run`].
     pub fn run(&self) -> Result<(), Failure> {
-        let part = Part::load(&self.part)?;
+        let part = PartFile::load(&self.part)?;
         let composed = PlanResult::of(part).map_err(|why| Failure::Input(format!("{}: {why}", self.part.display())))?;
         if self.widths {
             return figures::widths(&composed, self.json);
@@ -28,7 +28,7 @@ impl CupMill {
         match &self.output {
             Some(folder) => {
                 let mut inputs = vec![self.part.clone()];
-                if let Some(MachineTold::File(file)) = &composed.part.machine_told {
+                if let Some(MachineSource::File(file)) = &composed.part.machine_source {
                     inputs.push(file.clone());
                 }
                 files::write(&composed, folder, &inputs)

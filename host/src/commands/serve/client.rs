@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use arcfeed_hil_sim::control::dnc_port::DncPort;
 use arcfeed_shared::units::{Micros, US_PER_MS, US_PER_S};
 
-use super::program_start::{ProgramStart, Verdict};
+use super::program_start::{ByteHandling, ProgramStart};
 use crate::job::SerialSettings;
 use crate::port::rfc2217::server::{Flow, Server};
 
@@ -33,7 +33,7 @@ const BEGIN_MAX: Duration = Duration::from_secs(5);
 pub type Reason = String;
 
 /// Connection.
-pub struct Client {
+pub struct TcpClient {
     /// Address of the client, for messages.
     pub name: String,
     stream: TcpStream,
@@ -48,7 +48,7 @@ pub struct Client {
     is_over: bool,
 }
 
-impl Client {
+impl TcpClient {
     /// Client that has just connected.
     ///
     /// # Errors
@@ -56,7 +56,7 @@ impl Client {
     pub fn new(stream: TcpStream, name: String, serial: Option<&SerialSettings>) -> std::io::Result<Self> {
         stream.set_nonblocking(true)?;
         stream.set_nodelay(true)?;
-        Ok(Client {
+        Ok(TcpClient {
             name,
             stream,
             server: serial.map(Server::new),
@@ -133,9 +133,9 @@ impl Client {
             taken += len;
             for byte in &buffer[..len] {
                 match self.program.on_byte(*byte) {
-                    Verdict::Pass => port.on_bytes(&[*byte]),
-                    Verdict::Discard => {}
-                    Verdict::Refuse(reason) => return Err(reason),
+                    ByteHandling::Pass => port.on_bytes(&[*byte]),
+                    ByteHandling::Discard => {}
+                    ByteHandling::Refuse(reason) => return Err(reason),
                 }
             }
         }
@@ -155,10 +155,10 @@ impl Client {
         while port.on_wire() < fifo {
             let Some(byte) = server.next_for_line() else { break };
             match self.program.on_byte(byte) {
-                Verdict::Pass if is_understood => port.on_bytes(&[byte]),
-                Verdict::Pass => port.on_framing_error(),
-                Verdict::Discard => {}
-                Verdict::Refuse(reason) => return Err(reason),
+                ByteHandling::Pass if is_understood => port.on_bytes(&[byte]),
+                ByteHandling::Pass => port.on_framing_error(),
+                ByteHandling::Discard => {}
+                ByteHandling::Refuse(reason) => return Err(reason),
             }
         }
         Ok(())

@@ -16,7 +16,7 @@ const QUIET: Duration = Duration::from_secs(1);
 const QUIET_WAIT_MAX: Duration = Duration::from_secs(10);
 
 /// Control's end of the line.
-pub struct Line {
+pub struct ControlLine {
     name: String,
     end: End,
 }
@@ -26,14 +26,14 @@ enum End {
     Tcp(Box<TcpLine>),
 }
 
-impl Line {
+impl ControlLine {
     /// New pseudo-terminal.
     ///
     /// # Errors
     /// The system has none.
     pub fn pty() -> Result<Self, Failure> {
         let (pty, name) = Pty::open().map_err(|error| Failure::Machine(format!("pseudo-terminal: {error}")))?;
-        Ok(Line { name, end: End::Pty(pty) })
+        Ok(ControlLine { name, end: End::Pty(pty) })
     }
 
     /// TCP port for senders, with plain bytes or, if the line's settings are given, through RFC 2217.
@@ -42,7 +42,7 @@ impl Line {
     /// The address is none of this machine's, or in use, or open to other machines without permission.
     pub fn tcp(address: &str, serial: Option<SerialSettings>, limits: ClientLimits) -> Result<Self, Failure> {
         let tcp = TcpLine::listen_on(address, serial, limits)?;
-        Ok(Line { name: tcp.name().to_owned(), end: End::Tcp(Box::new(tcp)) })
+        Ok(ControlLine { name: tcp.name().to_owned(), end: End::Tcp(Box::new(tcp)) })
     }
 
     /// Name that a sender opens.
@@ -90,7 +90,7 @@ impl Line {
     ///
     /// # Errors
     /// The line is gone.
-    pub fn listen(&mut self, port: &mut DncPort, control_waits: bool) -> Result<(), Failure> {
+    pub fn feed_control(&mut self, port: &mut DncPort, control_waits: bool) -> Result<(), Failure> {
         match &mut self.end {
             End::Pty(_) => {
                 let mut buffer = [0; 256];
@@ -111,8 +111,8 @@ impl Line {
     pub fn answer(&mut self, port: &mut DncPort) -> Result<(), Failure> {
         while let Some(byte) = port.poll_transmit() {
             if without_parity(byte) == DC3 && self.is_far() {
-                self.listen(port, false)?;
-                port.exempt_bytes_on_wire();
+                self.feed_control(port, false)?;
+                port.excuse_what_is_on_the_wire();
             }
             self.write(byte)?;
         }

@@ -8,7 +8,7 @@ use arcfeed_hil_sim::simulation::STEP;
 
 use super::super::outcome::{Failure, say};
 use super::super::simulate::control::control_settings;
-use super::line::Line;
+use super::line::ControlLine;
 use super::{PERIOD, Serve};
 use crate::job::JobFile;
 
@@ -17,7 +17,7 @@ impl Serve {
     pub(super) fn keep_programs(
         &self,
         file: &JobFile,
-        line: &mut Line,
+        line: &mut ControlLine,
         interrupted: &AtomicBool,
     ) -> Result<(), Failure> {
         let mut settings = control_settings(file);
@@ -36,8 +36,8 @@ impl Serve {
                 }
                 let has_sender = line.has_sender();
                 if has_sender {
-                    let is_punching = store.state() == StoreState::Punching;
-                    line.listen(store.port(), !is_punching)?;
+                    let is_punching = store.state() == State::Punching;
+                    line.feed_control(store.port(), !is_punching)?;
                 }
                 // A receiver of the last character may be gone before the control knows that it was the last.
                 if has_sender || store.state() == State::Punching {

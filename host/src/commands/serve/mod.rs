@@ -37,7 +37,7 @@ use super::stream::write_executed;
 use crate::job::{ControlKind, JobFile, Parity, SerialSettings};
 use crate::program::Folder;
 use crate::report::figures::LinkFigures;
-use line::Line;
+use line::ControlLine;
 use tcp_line::ClientLimits;
 
 /// Wall time between two polls of the line.
@@ -214,9 +214,11 @@ impl Serve {
             file.control.settings(file.job.unit, file.settings.as_deref()).map_err(Failure::Input)?;
         let interrupted = on_interrupt();
         let mut line = match (&self.place.tcp, &self.place.rfc2217) {
-            (Some(address), _) => Line::tcp(address, None, self.clients.limits())?,
-            (None, Some(address)) => Line::tcp(address, Some(self.panel.line(file.serial)), self.clients.limits())?,
-            (None, None) => Line::pty()?,
+            (Some(address), _) => ControlLine::tcp(address, None, self.clients.limits())?,
+            (None, Some(address)) => {
+                ControlLine::tcp(address, Some(self.panel.line(file.serial)), self.clients.limits())?
+            }
+            (None, None) => ControlLine::pty()?,
         };
         say(format_args!("port: {}", line.name()));
         if self.store {
@@ -291,7 +293,7 @@ impl Serve {
 /// one. The control is switched on when a sender is there.
 fn serve_one(
     simulation: &mut Simulation,
-    line: &mut Line,
+    line: &mut ControlLine,
     speed: u32,
     interrupted: &AtomicBool,
 ) -> Result<bool, Failure> {
@@ -302,7 +304,7 @@ fn serve_one(
         let started = Instant::now();
         for _ in 0..speed {
             let is_starved = simulation.control().is_starved();
-            line.listen(simulation.control_mut().port(), is_starved)?;
+            line.feed_control(simulation.control_mut().port(), is_starved)?;
             if line.is_abandoned() {
                 return Ok(false);
             }

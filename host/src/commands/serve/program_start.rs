@@ -19,7 +19,7 @@ pub enum ProgramStart {
 
 /// Handling of a character.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum ByteHandling {
     /// The control gets it.
     Pass,
     /// It belongs to the last program's trailer.
@@ -48,33 +48,33 @@ impl ProgramStart {
     }
 
     /// Reads a character, whose eighth bit may be parity.
-    pub fn on_byte(&mut self, byte: u8) -> Verdict {
+    pub fn on_byte(&mut self, byte: u8) -> ByteHandling {
         let (is_mark, is_leader) = (is_mark(byte), is_leader(byte));
         match self {
-            ProgramStart::Begun => return Verdict::Pass,
+            ProgramStart::Begun => return ByteHandling::Pass,
             ProgramStart::Awaited(_) | ProgramStart::AwaitedAgain(_) if is_mark => *self = ProgramStart::Marked(0),
             ProgramStart::Marked(_) if !is_mark && !is_leader => *self = ProgramStart::Begun,
             ProgramStart::Awaited(_) if !is_leader => {
-                return Verdict::Refuse(
+                return ByteHandling::Refuse(
                     "what it sends does not begin with `%`, as a program over this port does".into(),
                 );
             }
             ProgramStart::Awaited(len) | ProgramStart::AwaitedAgain(len) | ProgramStart::Marked(len) => {
                 *len += usize::from(!is_device_control(byte));
                 if *len > LEADER_MAX {
-                    return Verdict::Refuse(format!("more than {LEADER_MAX} characters and no program"));
+                    return ByteHandling::Refuse(format!("more than {LEADER_MAX} characters and no program"));
                 }
             }
         }
         let is_trailer = matches!(self, ProgramStart::AwaitedAgain(_)) && !is_leader;
-        if is_trailer { Verdict::Discard } else { Verdict::Pass }
+        if is_trailer { ByteHandling::Discard } else { ByteHandling::Pass }
     }
 
     /// Checks characters that are not read yet; `Err` if they would be refused.
     pub fn judge(mut self, bytes: &[u8]) -> Result<(), Option<String>> {
         bytes.iter().try_for_each(|byte| match self.on_byte(*byte) {
-            Verdict::Refuse(reason) => Err(Some(reason)),
-            Verdict::Pass | Verdict::Discard => Ok(()),
+            ByteHandling::Refuse(reason) => Err(Some(reason)),
+            ByteHandling::Pass | ByteHandling::Discard => Ok(()),
         })
     }
 }
@@ -97,7 +97,7 @@ fn is_device_control(byte: u8) -> bool {
 mod tests {
     use super::*;
 
-    fn taken(start: &mut ProgramStart, text: &[u8]) -> Verdict {
+    fn taken(start: &mut ProgramStart, text: &[u8]) -> ByteHandling {
         text.iter().map(|byte| start.on_byte(*byte)).last().expect("a character")
     }
 
@@ -105,7 +105,7 @@ mod tests {
     fn a_program_begins_with_a_mark_in_any_code() {
         for text in [&b"\0\0\x7f%\nO"[..], b"\xa5\x0aO", b"\x0b\x80\x46"] {
             let mut start = ProgramStart::default();
-            assert_eq!((taken(&mut start, text), start.has_begun()), (Verdict::Pass, true), "{text:?}");
+            assert_eq!((taken(&mut start, text), start.has_begun()), (ByteHandling::Pass, true), "{text:?}");
         }
     }
 
@@ -113,7 +113,7 @@ mod tests {
     fn a_browser_and_an_endless_leader_are_refused() {
         for text in [&b"GET / HTTP/1.1"[..], b"\x16\x03\x01", &[0; LEADER_MAX + 1], &[b'%'; LEADER_MAX + 2]] {
             let mut start = ProgramStart::default();
-            assert!(matches!(taken(&mut start, text), Verdict::Refuse(_)), "{text:?}");
+            assert!(matches!(taken(&mut start, text), ByteHandling::Refuse(_)), "{text:?}");
             assert!(ProgramStart::default().judge(text).is_err());
         }
     }
@@ -123,8 +123,8 @@ mod tests {
         let mut start = ProgramStart::default();
         taken(&mut start, b"%\nM30");
         start.expect_next();
-        assert_eq!(taken(&mut start, b"\n(END)"), Verdict::Discard);
-        assert_eq!(taken(&mut start, b"\n%\n%\n"), Verdict::Pass);
+        assert_eq!(taken(&mut start, b"\n(END)"), ByteHandling::Discard);
+        assert_eq!(taken(&mut start, b"\n%\n%\n"), ByteHandling::Pass);
         assert!(!start.has_begun());
         taken(&mut start, b"O1");
         assert!(start.has_begun());

@@ -11,7 +11,7 @@ use arcfeed_hil_sim::control::dnc_port::DncPort;
 
 use super::super::outcome::Failure;
 use super::PERIOD;
-use super::client::{Client, Reason, is_quiet};
+use super::client::{Reason, TcpClient, is_quiet};
 use crate::console::note;
 use crate::job::SerialSettings;
 use crate::port::clock::WallClock;
@@ -38,8 +38,8 @@ pub struct TcpLine {
     serial: Option<SerialSettings>,
     limits: ClientLimits,
     clock: WallClock,
-    active: Option<Client>,
-    waiting: VecDeque<Client>,
+    active: Option<TcpClient>,
+    waiting: VecDeque<TcpClient>,
     /// The active client, or the one before it, has begun a program for the present control.
     has_begun: bool,
     /// Characters on the line at the last check.
@@ -133,7 +133,7 @@ impl TcpLine {
 
     /// DC3 has to reach the sender itself, not only a port of its own here.
     pub fn is_far(&self) -> bool {
-        self.active.as_ref().is_none_or(Client::is_far)
+        self.active.as_ref().is_none_or(TcpClient::is_far)
     }
 
     /// Sends a character of the control.
@@ -145,7 +145,7 @@ impl TcpLine {
 
     /// Reads and drops further bytes of the active client; returns their number.
     pub fn discard(&mut self) -> usize {
-        self.active.as_mut().map_or(0, Client::discard)
+        self.active.as_mut().map_or(0, TcpClient::discard)
     }
 
     /// Closes the active connection: its program is over, though its sender may not know.
@@ -187,7 +187,7 @@ impl TcpLine {
     fn accept(&mut self) {
         while self.waiting.len() + usize::from(self.active.is_some()) < self.limits.clients {
             let client = match self.listener.accept() {
-                Ok((stream, place)) => Client::new(stream, place.to_string(), self.serial.as_ref()),
+                Ok((stream, place)) => TcpClient::new(stream, place.to_string(), self.serial.as_ref()),
                 Err(error) => Err(error),
             };
             match client {

@@ -17,7 +17,7 @@ use super::surface;
 use crate::job::flexible::{Elastic, Flexible, Shape};
 
 /// Fault, and its byte offset in the job file unless it is the table's.
-pub type Trouble = (Option<usize>, String);
+pub type SetupFault = (Option<usize>, String);
 
 /// Flexible body for a tool with edges up to a height above its tip, and its modes, as large as anywhere on it.
 ///
@@ -27,7 +27,7 @@ pub fn flexible(
     flexible: &Flexible,
     blank: &dyn Solid,
     edges_mm: f64,
-) -> Result<(FlexibleWorkpiece, Vec<Mode>), Trouble> {
+) -> Result<(FlexibleWorkpiece, Vec<Mode>), SetupFault> {
     let input_failure = |error: &dyn std::fmt::Display| (Some(flexible.offset), error.to_string());
     let (axis, is_upper) = flexible.clamped;
     let held = Face { axis, is_upper };
@@ -44,7 +44,7 @@ pub fn flexible(
     Ok((FlexibleWorkpiece::new(Arc::new(field), edges_mm), modes))
 }
 
-fn mesh(flexible: &Flexible, held: Face) -> Result<TetMesh, Trouble> {
+fn mesh(flexible: &Flexible, held: Face) -> Result<Mesh, SetupFault> {
     match &flexible.shape {
         Shape::Block { lowest_mm, highest_mm } => {
             let slab = ClampedBlock { lowest_mm: *lowest_mm, highest_mm: *highest_mm, held };
@@ -58,9 +58,9 @@ fn mesh(flexible: &Flexible, held: Face) -> Result<TetMesh, Trouble> {
     }
 }
 
-fn material(told: &Elastic) -> Result<ElasticMaterial, Trouble> {
-    match told {
-        Elastic::Told { young_mpa, poisson_ratio, density_kg_per_m3 } => {
+fn material(elastic: &Elastic) -> Result<Material, SetupFault> {
+    match elastic {
+        Elastic::Constants { young_mpa, poisson_ratio, density_kg_per_m3 } => {
             let (young_mpa, poisson_ratio, density_kg_per_m3) = (*young_mpa, *poisson_ratio, *density_kg_per_m3);
             Ok(ElasticMaterial { young_mpa, poisson_ratio, density_kg_per_m3 })
         }

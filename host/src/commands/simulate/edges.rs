@@ -18,7 +18,7 @@ use arcfeed_hil_sim::stock::solid::Solid;
 use arcfeed_shared::tool::Tool;
 use arcfeed_shared::units::{Nm, S_PER_MIN};
 
-use super::body::{self, Trouble};
+use super::body::{self, SetupFault};
 use crate::job::cutting::{Coefficients, Mode as ModeFigures};
 use crate::job::{Cutting, JobFile};
 
@@ -45,7 +45,7 @@ pub fn process(
     file: &JobFile,
     cutting: &Cutting,
     blank: &dyn Solid,
-) -> Result<(Process, Option<FlexibleWorkpiece>), Trouble> {
+) -> Result<(Process, Option<FlexibleWorkpiece>), SetupFault> {
     let Some(workpiece) = &file.workpiece else { return Err((None, "there is no workpiece".into())) };
     let forces = forces(&cutting.coefficients)?;
     let input_failure = |error: &dyn std::fmt::Display| (None, error.to_string());
@@ -73,7 +73,7 @@ pub fn process(
 ///
 /// # Errors
 /// The edges are invalid.
-pub fn turned(file: &JobFile, cutting: &Cutting) -> Result<Turned, Trouble> {
+pub fn turned(file: &JobFile, cutting: &Cutting) -> Result<Turned, SetupFault> {
     let corner_mm = file.workpiece.as_ref().map_or(0.0, |workpiece| workpiece.body.corner_mm);
     let edges = true_edges(file, cutting, corner_mm).map_err(|error| (None, error.to_string()))?;
     Ok(CuttingSolid { slices: slices(&edges), reach_mm: cutting.axial_depth_mm })
@@ -104,9 +104,14 @@ pub fn samples(file: &JobFile) -> Samples {
     ChatterSamples::new(teeth, f64::from(file.job.tools.first().feed_per_tooth.0) * FLOOR_RATIO)
 }
 
-fn mode(told: &ModeFigures) -> Result<Mode, Trouble> {
-    Mode::from_stiffness(told.frequency_hz, told.damping_ratio, told.stiffness_n_per_mm, &told.direction.into())
-        .map_err(|error| (Some(told.offset), error.to_string()))
+fn mode(figures: &ModeFigures) -> Result<Mode, SetupFault> {
+    Mode::from_stiffness(
+        figures.frequency_hz,
+        figures.damping_ratio,
+        figures.stiffness_n_per_mm,
+        &figures.direction.into(),
+    )
+    .map_err(|error| (Some(figures.offset), error.to_string()))
 }
 
 fn rise_mm(cutting: &Cutting) -> f64 {
@@ -155,7 +160,7 @@ fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64) -> Result<Cutter, Ed
     }
 }
 
-fn forces(coefficients: &Coefficients) -> Result<Forces, Trouble> {
+fn forces(coefficients: &Coefficients) -> Result<Forces, SetupFault> {
     match coefficients {
         Coefficients::Material { name, offset, ratios: [radial, axial] } => {
             let found = MATERIALS.iter().find(|material| material.name == name);

@@ -52,7 +52,7 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Loa
 fn vibration(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> VibrationFigures {
     let worst = |meter: &LoadMeter| meter.chatter().iter().map(|block| block.metric_mm / unit.mm()).reduce(f64::max);
     let unsteady = |meter: &LoadMeter| {
-        let told = meter.chatter().iter().filter_map(|block| {
+        let unsteady = meter.steadiness().iter().filter_map(|block| {
             let verdict = match block.verdict {
                 Verdict::Stable => return None,
                 Verdict::Uneven => "uneven",
@@ -63,7 +63,7 @@ fn vibration(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Vibra
             let (rule, metric) = (rule.map(|rule| rule + 1), block.metric_mm / unit.mm());
             Some(UnsteadyFigures { block: count, n: sequence, rule, verdict, metric })
         });
-        told.collect()
+        unsteady.collect()
     };
     VibrationFigures {
         floor: meter.floor_mm() / unit.mm(),

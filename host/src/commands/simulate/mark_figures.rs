@@ -21,14 +21,14 @@ const CELLS: f64 = 200.0;
 
 /// Reference for marks.
 #[derive(Clone, Debug)]
-pub struct Truth {
+pub struct MarkReference {
     /// Layers before the run.
     pub blank: Layers,
     /// Solid swept by a tool without runout.
     pub turned: Turned,
 }
 
-impl Truth {
+impl MarkReference {
     /// Marks of a run.
     pub fn marks(&self, meter: &LoadMeter) -> Vec<Mark> {
         marks(&self.blank, meter.process().engagement().layers(), meter.way(), &self.turned)

@@ -14,7 +14,7 @@ use arcfeed_shared::units::LengthUnit;
 use super::edges::UPRIGHT;
 use super::setup::Setup;
 use crate::report::material::{
-    BlockFigures, DeviationFigures, LeftOutFigures, MaterialFigures, RuleFigures, TakenFigures, VolumeUnit,
+    BlockFigures, DeviationFigures, LeftOutBlocks, MaterialFigures, RuleFigures, TakenFigures, VolumeUnit,
 };
 
 /// Figures of a run, and of the original program.
@@ -127,14 +127,14 @@ fn taken_of<'p>(pieces: impl Iterator<Item = &'p Piece> + Clone, step_mm: f64, v
     }
 }
 
-pub fn left_out_figures(reason: LeftOutReason, first: &BlockRef, blocks: usize) -> LeftOutFigures {
-    let cause = match reason {
-        LeftOutReason::Turning => "turning",
-        LeftOutReason::OtherPosition => "other-position",
-        LeftOutReason::NoMachine => "no-machine",
-        LeftOutReason::Contour => "contour",
-        LeftOutReason::Tilted => "tilted",
-        LeftOutReason::Backwards => "backwards",
+pub fn left_out_figures(why: Unplaced, first: &Of, blocks: usize) -> LeftOutBlocks {
+    let cause = match why {
+        Unplaced::Turning => "turning",
+        Unplaced::OtherPosition => "other-position",
+        Unplaced::NoMachine => "no-machine",
+        Unplaced::Contour => "contour",
+        Unplaced::Tilted => "tilted",
+        Unplaced::Backwards => "backwards",
     };
-    LeftOutFigures { cause, blocks, first_block: first.count, first_n: first.sequence }
+    LeftOutBlocks { cause, blocks, first_block: first.count, first_n: first.sequence }
 }

@@ -16,7 +16,7 @@ use arcfeed_shared::units::Micros;
 
 use super::super::outcome::{Failure, write_whole};
 use super::edges::UPRIGHT;
-use super::watch::Watch;
+use super::observer::RunObserver;
 use super::{load_figures, mark_figures};
 use crate::report::figures::RunReport;
 use crate::report::material::{DeviationFigures, VolumeUnit};
@@ -36,7 +36,7 @@ pub enum SurfaceFormat {
 }
 
 /// Content of a run's page.
-pub struct Shown<'a> {
+pub struct PageContent<'a> {
     /// Headline.
     pub title: &'a str,
     /// Figures of the run.
@@ -44,7 +44,7 @@ pub struct Shown<'a> {
     /// Job: its unit of lengths and its target chip load.
     pub job: &'a Job,
     /// The run and the original program, each with the time of its end.
-    pub runs: [(&'a Watch, Micros); 2],
+    pub runs: [(&'a RunObserver, Micros); 2],
     /// Deviation, if the job has a target.
     pub deviation: Option<(HeightMap, DeviationFigures)>,
     /// Marks of the edges on walls.
@@ -82,15 +82,15 @@ impl SurfaceFormat {
     }
 }
 
-impl Shown<'_> {
+impl PageContent<'_> {
     /// Renders the page.
     pub fn page(&self) -> Page {
-        let [(watch, _), _] = self.runs;
+        let [(observer, _), _] = self.runs;
         let mut sections = vec![tables::summary(self.title, self.report)];
         sections.extend(self.report.material.as_ref().map(|material| tables::material(material, self.job.unit)));
         sections.extend(self.report.loads.as_ref().map(loads_section));
         sections.push(Section { heading: "Along time".into(), body: svg(&self.lanes()) });
-        if let Some(cutter) = &watch.cutter {
+        if let Some(cutter) = &observer.cutter {
             let heights = self.map(&HeightMap::new(cutter.stock(), UPRIGHT), cutter.stock(), None);
             sections.push(Section { heading: "Heights, seen along Z".into(), body: heights.svg() });
             if let Some((off, figures)) = &self.deviation {
@@ -108,8 +108,8 @@ impl Shown<'_> {
 
     /// Sections with the marks of the edges; empty without edges.
     fn marks(&self) -> Vec<Section> {
-        let [(watch, _), _] = self.runs;
-        let (Some(meter), Some(loads)) = (&watch.loads, &self.report.loads) else { return Vec::new() };
+        let [(observer, _), _] = self.runs;
+        let (Some(meter), Some(loads)) = (&observer.loads, &self.report.loads) else { return Vec::new() };
         let map = mark_figures::map(self.job.unit, meter, &self.marks).map(|map| map.svg());
         let marks = loads.marks.as_ref().zip(map).map(|(marks, map)| marks_section(loads, marks, &map));
         let course = mark_figures::course(self.job.unit, self.job, meter, loads).svg();

@@ -17,7 +17,7 @@ use arcfeed_shared::units::Nm;
 use super::super::outcome::Failure;
 use super::body;
 use super::edges;
-use super::mark_figures::Truth;
+use super::mark_figures::MarkReference;
 use super::surface;
 use crate::job::workpiece::{Blank, Body};
 use crate::job::{Cutting, JobFile, Workpiece};
@@ -39,7 +39,7 @@ pub struct Setup<'a> {
     /// Edges in the stock before the run, if the job has `[cutting]`.
     pub loads: Option<LoadSettings>,
     /// Reference for the marks of those edges.
-    pub truth: Option<Truth>,
+    pub truth: Option<MarkReference>,
 }
 
 impl<'a> Setup<'a> {
@@ -63,14 +63,15 @@ impl<'a> Setup<'a> {
         let stock = Stock::new(&*blank, workpiece.step_mm, workpiece.memory_max_bytes)
             .map_err(|error| input_failure(&error))?;
         let machine = file.machine.as_ref().map(|named| named.machine);
-        let edges = |cutting: &Cutting| -> Result<(LoadSettings, Truth), body::Trouble> {
+        let edges = |cutting: &Cutting| -> Result<(LoadSettings, MarkReference), body::SetupFault> {
             let (process, flexible) = edges::process(file, cutting, &*blank)?;
-            let truth = Truth { blank: process.engagement().layers().clone(), turned: edges::turned(file, cutting)? };
+            let truth =
+                MarkReference { blank: process.engagement().layers().clone(), turned: edges::turned(file, cutting)? };
             let (step_max_rad, samples) = (edges::step_max_rad(file, &process), edges::samples(file));
             Ok((LoadSettings { process, machine, step_max_rad, flexible, samples }, truth))
         };
         let edges = file.cutting.as_ref().map(|cutting| {
-            let wrong = |(offset, message): body::Trouble| {
+            let wrong = |(offset, message): body::SetupFault| {
                 Failure::Input(format!("{}: {message}", located(offset.unwrap_or(cutting.offset))))
             };
             edges(cutting).map_err(wrong)
@@ -113,21 +114,21 @@ impl<'a> Setup<'a> {
 }
 
 /// Fault of a shape: complete with its file, or still without a place.
-enum Trouble {
-    Told(Failure),
+enum ShapeFault {
+    Located(Failure),
     Here(String),
 }
 
-impl Trouble {
+impl ShapeFault {
     fn at(self, place: &str) -> Failure {
         match self {
-            Trouble::Told(failure) => failure,
-            Trouble::Here(message) => Failure::Input(format!("{place}: {message}")),
+            ShapeFault::Located(failure) => failure,
+            ShapeFault::Here(message) => Failure::Input(format!("{place}: {message}")),
         }
     }
 }
 
-fn solid(blank: &Blank, tolerance_mm: f64) -> Result<Box<dyn Solid>, Trouble> {
+fn solid(blank: &Blank, tolerance_mm: f64) -> Result<Box<dyn Solid>, ShapeFault> {
     match blank {
         Blank::Block { lowest_mm, highest_mm } => {
             Ok(Box::new(Block { lowest_mm: *lowest_mm, highest_mm: *highest_mm }))
@@ -138,12 +139,14 @@ fn solid(blank: &Blank, tolerance_mm: f64) -> Result<Box<dyn Solid>, Trouble> {
                 Some(bore_mm) => Tool::ring([*radius_mm, *bore_mm], 0.0, length(along), tolerance_mm),
                 None => Tool::cylinder(*radius_mm, length(along)),
             };
-            let body = body.map_err(|error| Trouble::Here(error.to_string()))?;
+            let body = body.map_err(|error| ShapeFault::Here(error.to_string()))?;
             let round = Revolved::new(body, &Pose { tip_mm: *from_mm, axis: along });
-            round.map(|round| Box::new(round) as Box<dyn Solid>).ok_or_else(|| Trouble::Here("it has no axis".into()))
+            round
+                .map(|round| Box::new(round) as Box<dyn Solid>)
+                .ok_or_else(|| ShapeFault::Here("it has no axis".into()))
         }
         Blank::Stl(file) => {
-            let mesh = surface::mesh(file).map_err(|error| Trouble::Told(Failure::Input(error)))?;
+            let mesh = surface::mesh(file).map_err(|error| ShapeFault::Located(Failure::Input(error)))?;
             Ok(Box::new(mesh))
         }
     }

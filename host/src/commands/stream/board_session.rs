@@ -8,10 +8,10 @@ use std::sync::mpsc::{Receiver, channel};
 use arcfeed_shared::job::Job;
 
 use super::super::outcome::{Failure, on_interrupt};
-use super::prepare::Prepared;
-use crate::board::line::Line;
-use crate::board::plan::{Plan, PlanError};
-use crate::board::run::{Board, Outage, Stage};
+use super::preparation::PreparedProgram;
+use crate::board::line::BoardLine;
+use crate::board::plan::{BoardPlan, PlanError};
+use crate::board::run::{BoardRun, Outage, Stage};
 use crate::board::standstill::TIMEOUT;
 use crate::board::words;
 use crate::console::note;
@@ -35,7 +35,7 @@ pub enum Arming {
 
 /// Board that takes part in a run, or none.
 pub struct BoardSession<'p> {
-    board: Option<Board<'p>>,
+    board: Option<BoardRun<'p>>,
     arming: Arming,
     person: Option<Receiver<String>>,
     /// Last reported reason why the laws do not have the override.
@@ -54,12 +54,17 @@ impl<'p> BoardSession<'p> {
     ///
     /// # Errors
     /// The job or a move does not suit a board.
-    pub fn with(line: Line<'p>, ready: &Prepared, sending: &Transmission, arming: Arming) -> Result<Self, Failure> {
+    pub fn with(
+        line: BoardLine<'p>,
+        ready: &PreparedProgram,
+        sending: &Transmission,
+        arming: Arming,
+    ) -> Result<Self, Failure> {
         let job: &Job = &ready.file.job;
         let path = ready.file.program.display();
-        let plan = Plan::new(sending, &ready.power_on(), job, ready.file.map.as_ref(), &ready.bounds)
+        let plan = BoardPlan::new(sending, &ready.power_on(), job, ready.file.map.as_ref(), &ready.bounds)
             .map_err(|PlanError { source, why }| Failure::Input(format!("{path}:{source}:1: error: {why}")))?;
-        let board = Board::new(line, job, plan).map_err(Failure::Input)?;
+        let board = BoardRun::new(line, job, plan).map_err(Failure::Input)?;
         let person = (arming == Arming::Typed).then(typed);
         Ok(BoardSession { board: Some(board), arming, person, outage: None, said: Vec::new() })
     }
@@ -114,13 +119,13 @@ impl<'p> BoardSession<'p> {
     }
 
     /// Messages for a person, each once.
-    pub fn take_said(&mut self) -> Vec<String> {
+    pub fn take_messages(&mut self) -> Vec<String> {
         std::mem::take(&mut self.said)
     }
 
     /// Checks whether the board sees no more moves although the control, which has started `blocks` blocks, makes them.
-    pub fn look_behind(&mut self, blocks: Option<usize>, sending: &Transmission) {
-        let stands = self.board.as_mut().zip(blocks).and_then(|(board, blocks)| board.stands_at(blocks, sending));
+    pub fn check_standstill(&mut self, blocks: Option<usize>, sending: &Transmission) {
+        let stands = self.board.as_mut().zip(blocks).and_then(|(board, blocks)| board.standstill_line(blocks, sending));
         let Some(line) = stands else { return };
         let source = sending.lines().get(line).map_or(0, |line| line.source);
         self.said.push(format!(
@@ -133,7 +138,7 @@ impl<'p> BoardSession<'p> {
 
     /// The board, if there is one, has seen all moves done.
     pub fn is_done(&self) -> bool {
-        self.board.as_ref().is_none_or(Board::is_done)
+        self.board.as_ref().is_none_or(BoardRun::is_done)
     }
 
     /// Returns the override and closes the link.
@@ -168,7 +173,7 @@ impl<'p> BoardSession<'p> {
 }
 
 /// Message about a board whose laws do not have the override.
-fn words_of(board: &Board<'_>, outage: Option<Outage>, arming: Arming) -> String {
+fn words_of(board: &BoardRun<'_>, outage: Option<Outage>, arming: Arming) -> String {
     let how = how_to_arm(board, arming);
     match outage {
         None => how,
@@ -182,7 +187,7 @@ fn words_of(board: &Board<'_>, outage: Option<Outage>, arming: Arming) -> String
     }
 }
 
-fn how_to_arm(board: &Board<'_>, arming: Arming) -> String {
+fn how_to_arm(board: &BoardRun<'_>, arming: Arming) -> String {
     let state = board.report().map_or("silent", |report| words::state(report.state));
     let or_here = if arming == Arming::Typed { format!(", or type {ARM} and Enter here") } else { String::new() };
     format!(

@@ -1,8 +1,8 @@
 //! `arcfeed stream`: sends the adapted program to a control, block by block as it requests them.
 
-mod live;
+mod live_display;
 
-pub(super) mod prepare;
+pub(super) mod preparation;
 
 mod board_session;
 
@@ -14,9 +14,9 @@ mod sim_port;
 
 mod sim_link;
 
-mod sending;
+mod send_loop;
 
-mod simulated;
+mod simulator;
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -25,7 +25,7 @@ use arcfeed_shared::units::Micros;
 
 use super::outcome::{Failure, refuse_inputs, write_whole};
 use super::simulate::finish;
-use crate::board::line::{BAUDRATE, Line};
+use crate::board::line::{BAUDRATE, BoardLine};
 use crate::console::note;
 use crate::dnc::Sender;
 use crate::dnc::outbox::Outbox;
@@ -36,11 +36,11 @@ use crate::report::figures::{LineErrorFigures, LinkFigures, ReportFigures, RunRe
 use crate::report::print_output;
 use crate::screen::view::{Listing, View};
 use board_session::{Arming, BoardSession};
-use live::{Live, need_terminal};
+use live_display::{LiveDisplay, need_terminal};
 use logbook::Logbook;
-use prepare::Prepared;
+use preparation::PreparedProgram;
 use resume::Resume;
-use sending::{Aides, Echo, End, send};
+use send_loop::{End, ReportMonitor, SendServices, send};
 
 /// Adapt a program and send it to a control; `sim:` is the simulated control
 #[derive(Debug, clap::Args)]
@@ -94,7 +94,7 @@ impl Stream {
         if self.tui {
             need_terminal()?;
         }
-        let mut ready = Prepared::load(&self.job, self.baudrate, self.filter)?;
+        let mut ready = PreparedProgram::load(&self.job, self.baudrate, self.filter)?;
         let is_sim = self.port.base == Base::Sim;
         let journal = (!is_sim || self.journal.is_some()).then(|| self.journal_path());
         let mut outputs = vec![journal.as_deref(), self.log.as_deref(), self.executed.as_deref()];
@@ -136,12 +136,12 @@ impl Stream {
     }
 
     /// Connects to the board, if one is requested.
-    fn along(&self, ready: &Prepared, sender: &Sender) -> Result<BoardSession<'static>, Failure> {
+    fn along(&self, ready: &PreparedProgram, sender: &Sender) -> Result<BoardSession<'static>, Failure> {
         match &self.board {
             None => Ok(BoardSession::none()),
             Some(url) => {
                 let arming = if self.tui { Arming::Button } else { Arming::Typed };
-                BoardSession::with(Line::open(url, self.board_baudrate)?, ready, sender.transmission(), arming)
+                BoardSession::with(BoardLine::open(url, self.board_baudrate)?, ready, sender.transmission(), arming)
             }
         }
     }
@@ -153,7 +153,7 @@ impl Stream {
 
     fn to_serial(
         &self,
-        ready: &Prepared,
+        ready: &PreparedProgram,
         mut port: Box<dyn Port>,
         mut sender: Sender,
         (logbook, along): (Logbook, BoardSession<'_>),
@@ -165,15 +165,15 @@ impl Stream {
     /// Sends over a line whose control reports nothing, and returns the figures that are known then.
     fn over_line(
         &self,
-        ready: &Prepared,
+        ready: &PreparedProgram,
         port: &mut dyn Port,
         sender: &mut Sender,
         (logbook, along): (Logbook, BoardSession<'_>),
     ) -> Result<(RunReport, End), Failure> {
         let file = &ready.file;
         let outbox = Outbox::new(file.serial.write_timeout());
-        let aides = self.aides(ready, (&*port, sender), (logbook, along))?;
-        let (end, heard) = send(port, sender, outbox, aides)?;
+        let services = self.services(ready, (&*port, sender), (logbook, along))?;
+        let (end, heard) = send(port, sender, outbox, services)?;
         let (bytes, _) = sender.progress();
         let bits = bytes as f64 * f64::from(file.serial.bits_per_char());
         let mut report = RunReport { unit: file.job.unit.label(), ..RunReport::default() };
@@ -192,7 +192,7 @@ impl Stream {
         Ok((report, end))
     }
 
-    fn finish(&self, ready: &Prepared, report: &RunReport, sender: &Sender, end: &End) -> Result<(), Failure> {
+    fn finish(&self, ready: &PreparedProgram, report: &RunReport, sender: &Sender, end: &End) -> Result<(), Failure> {
         let title = format!("{} to {}", ready.file.program.display(), self.port.text);
         let printed = finish(report, self.json, title);
         if matches!(printed, Err(Failure::Machine(_))) {
@@ -241,20 +241,25 @@ impl Stream {
     }
 
     /// Journal, display, reports and board beside the sender at this port.
-    fn aides<'p>(
+    fn services<'p>(
         &self,
-        ready: &Prepared,
+        ready: &PreparedProgram,
         (port, sender): (&dyn Port, &Sender),
         (logbook, along): (Logbook, BoardSession<'p>),
-    ) -> Result<Aides<'p>, Failure> {
+    ) -> Result<SendServices<'p>, Failure> {
         let live = self.live(ready, sender, port.opened())?;
         let (dnc, reports) = (&ready.file.dnc, ready.reports.clone());
         let timeout = (dnc.xoff_timeout > Micros(0)).then_some(dnc.xoff_timeout);
-        Ok(Aides { logbook, live, echo: Echo::new(reports, dnc.read_ahead, timeout), along })
+        Ok(SendServices { logbook, live, echo: ReportMonitor::new(reports, dnc.read_ahead, timeout), along })
     }
 
     /// Display and event log of the run.
-    fn live(&self, ready: &Prepared, sender: &Sender, opened: Option<SystemTime>) -> Result<Live, Failure> {
+    fn live(
+        &self,
+        ready: &PreparedProgram,
+        sender: &Sender,
+        opened: Option<SystemTime>,
+    ) -> Result<LiveDisplay, Failure> {
         let program = ready.file.program.file_name().unwrap_or_default().to_string_lossy();
         let title = format!("{program} to {}", self.port.text);
         let live = if self.tui {
@@ -262,11 +267,11 @@ impl Stream {
             let listing = Listing::new(sender.transmission(), &times_s);
             let mut view = View::new(title.clone(), listing, ready.chars_per_s() * sender.share());
             view.notes.clone_from(&ready.notes);
-            Live::screen(view)?
+            LiveDisplay::screen(view)?
         } else if self.json {
-            Live::nothing()
+            LiveDisplay::nothing()
         } else {
-            Live::bar(sender.progress().1)
+            LiveDisplay::bar(sender.progress().1)
         };
         match &self.log {
             Some(path) => live.logging(path, &title, opened, sender),

@@ -8,10 +8,10 @@ use serde::Serialize;
 
 use super::super::outcome::{Failure, file_failure, say};
 use super::Stream;
-use super::prepare::Prepared;
+use super::preparation::PreparedProgram;
 use crate::dnc::journal::{self, History, How, Start};
 use crate::dnc::reports::Reports;
-use crate::dnc::resume::{Cuts, Plan, Wanted};
+use crate::dnc::resume::{Cuts, RestartPlan, Wanted};
 use crate::dnc::transmission::Transmission;
 
 /// Place and conditions of a restart.
@@ -33,7 +33,7 @@ pub struct Resume {
 
 #[derive(Serialize)]
 struct Shown<'a> {
-    resume: &'a Plan,
+    resume: &'a RestartPlan,
 }
 
 impl Resume {
@@ -46,7 +46,7 @@ impl Resume {
     ///
     /// # Errors
     /// There is nothing to restart, no restart is possible there, or the operator has not agreed.
-    pub fn prepare(&self, stream: &Stream, ready: &Prepared) -> Result<(Transmission, Start, Reports), Failure> {
+    pub fn prepare(&self, stream: &Stream, ready: &PreparedProgram) -> Result<(Transmission, Start, Reports), Failure> {
         let path = stream.journal_path();
         let history = read(&path, ready)?;
         let took_up_all = history.executed.is_some_and(|blocks| ready.whole.line_of_block(blocks + 1).is_none());
@@ -60,7 +60,7 @@ impl Resume {
         let wanted = Wanted { line: self.from, clearance };
         let file = ready.program.path.display();
         let refused = |why: String| Failure::Input(format!("{file}: cannot be taken up: {why}"));
-        let plan = Plan::new(&ready.whole, &history, &wanted, &ready.power_on()).map_err(refused)?;
+        let plan = RestartPlan::new(&ready.whole, &history, &wanted, &ready.power_on()).map_err(refused)?;
         if stream.json {
             say(format_args!("{}", serde_json::json!(Shown { resume: &plan })));
         } else {
@@ -82,7 +82,7 @@ impl Resume {
         Ok((rest, start, ready.reports.clone().resumed(plan.index, own)))
     }
 
-    fn agree(&self, plan: &Plan) -> Result<(), Failure> {
+    fn agree(&self, plan: &RestartPlan) -> Result<(), Failure> {
         if self.approve {
             return Ok(());
         }
@@ -101,7 +101,7 @@ impl Resume {
 }
 
 /// The journal, if it is of this program and job.
-fn read(path: &Path, ready: &Prepared) -> Result<History, Failure> {
+fn read(path: &Path, ready: &PreparedProgram) -> Result<History, Failure> {
     let bytes = std::fs::read(path).map_err(|error| match error.kind() {
         ErrorKind::NotFound => Failure::Input(format!(
             "{}: no journal there, so nothing is known of a run before: give its place with --journal, or send the program \
@@ -127,7 +127,7 @@ fn read(path: &Path, ready: &Prepared) -> Result<History, Failure> {
     Ok(history)
 }
 
-fn show(plan: &Plan, history: &History) {
+fn show(plan: &RestartPlan, history: &History) {
     let [low, high] = plan.sent;
     let ended = match history.ended {
         None => "the sender was cut off",

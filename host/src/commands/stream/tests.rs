@@ -7,7 +7,7 @@ use clap::Parser;
 
 use super::*;
 use crate::port::PortError;
-use crate::report::summary::Summary;
+use crate::report::summary::RunSummary;
 
 #[derive(Parser)]
 struct CommandLine {
@@ -62,7 +62,7 @@ fn damaged_characters_are_told_at_once_in_the_log_in_the_report_and_in_json() {
     let job = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/ibr-slot/job.toml");
     let arguments = ["stream", job.to_str().unwrap(), "--port", "COM7", "--log", log.to_str().unwrap(), "--json"];
     let stream = CommandLine::parse_from(arguments).stream;
-    let ready = Prepared::load(&stream.job, None, false).unwrap();
+    let ready = PreparedProgram::load(&stream.job, None, false).unwrap();
     let mut sender = Sender::new(ready.whole.clone(), ready.line_use(&stream.port));
     let (report, end) = stream
         .over_line(&ready, &mut Damaged::default(), &mut sender, (Logbook::none(), BoardSession::none()))
@@ -78,6 +78,6 @@ fn damaged_characters_are_told_at_once_in_the_log_in_the_report_and_in_json() {
     let json = serde_json::json!(report);
     let wanted = serde_json::json!({ "frame": 1, "overrun": 0, "parity": 1, "break": 0, "buffer_overrun": 0 });
     assert_eq!(json["link"]["line_errors"], wanted);
-    let text = Summary { title: String::new(), report: &report }.to_string();
+    let text = RunSummary { title: String::new(), report: &report }.to_string();
     assert!(text.contains("DAMAGED characters from the control: 1 with wrong parity, 1 without stop bits"), "{text}");
 }

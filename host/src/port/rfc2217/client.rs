@@ -4,7 +4,7 @@
 //!            DO 44              all answered           last answered
 //! Telnet ------------> Settings ------------> Controls -------------> Open
 //!    |                    |                      |
-//!    +--------------------+----------------------+--> Refusal: refused, or not answered in time
+//!    +--------------------+----------------------+--> NegotiationError: refused, or not answered in time
 //! Settings go out together, controls one by one, because their answers have the same code. The order is pyserial's.
 //! The server's received data are not purged: the control may have sent DC1 already, and sends it once.
 
@@ -25,7 +25,7 @@ const MODEM_STATE_AGE: Micros = Micros::from_ms(300);
 
 /// Requested settings of the server's line.
 #[derive(Clone, Copy, Debug)]
-pub struct Line {
+pub struct RequestedLine {
     baudrate: u32,
     bytesize: u8,
     parity: u8,
@@ -33,11 +33,11 @@ pub struct Line {
     rtscts: bool,
 }
 
-impl Line {
+impl RequestedLine {
     /// Settings from the job. The server does no XON/XOFF: the sender does, and must see DC1 and DC3.
     pub fn new(settings: &SerialSettings) -> Self {
         let SerialSettings { baudrate, bytesize, stopbits, rtscts, .. } = *settings;
-        Line { baudrate, bytesize, parity: parity_code(settings.parity), stopbits, rtscts }
+        RequestedLine { baudrate, bytesize, parity: parity_code(settings.parity), stopbits, rtscts }
     }
 
     fn settings(&self) -> Vec<Request> {
@@ -79,7 +79,7 @@ impl Request {
 
 /// Reason why the line cannot be opened.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Refusal {
+pub enum NegotiationError {
     /// The server refuses COM-PORT-OPTION, or does not answer.
     #[error("the server does not speak RFC 2217{}; for bare TCP write socket://host:port", if *.silent { " or is slower than timeout" } else { "" })]
     NotSpoken {
@@ -124,11 +124,11 @@ enum Desired {
 
 /// Connection.
 #[derive(Clone, Debug)]
-pub struct Client {
+pub struct Rfc2217Client {
     decoder: Decoder,
     /// Options of both ends, in the order of [`OPTIONS`].
     desired: [[Desired; OPTIONS.len()]; 2],
-    line: Line,
+    line: RequestedLine,
     state: State,
     deadline: Micros,
     timeout: Micros,
@@ -137,21 +137,21 @@ pub struct Client {
     modem_state: Option<u8>,
     modem_asked: Micros,
     suspended: bool,
-    refusal: Option<Refusal>,
+    refusal: Option<NegotiationError>,
     data: VecDeque<u8>,
     outgoing: Vec<u8>,
 }
 
-impl Client {
+impl Rfc2217Client {
     /// Connection made at `now`.
-    pub fn new(line: &Line, options: &Rfc2217Options, now: Micros) -> Self {
+    pub fn new(line: &RequestedLine, options: &Rfc2217Options, now: Micros) -> Self {
         let mut outgoing = Vec::new();
         for option in OPTIONS {
             say(Verb::Will, option, &mut outgoing);
             say(Verb::Do, option, &mut outgoing);
         }
         let timeout = Micros((options.timeout_s * US_PER_S as f64) as u64);
-        Client {
+        Rfc2217Client {
             decoder: Decoder::default(),
             desired: [[Desired::Asked; OPTIONS.len()]; 2],
             line: *line,
@@ -225,7 +225,8 @@ impl Client {
             request.answered = true;
         } else if !(self.ign_set_control && request.code == SET_CONTROL) {
             let Request { name, value: wanted, .. } = request.clone();
-            self.refusal = self.refusal.take().or(Some(Refusal::Setting { name, wanted, has: value.to_vec() }));
+            self.refusal =
+                self.refusal.take().or(Some(NegotiationError::Setting { name, wanted, has: value.to_vec() }));
         }
     }
 
@@ -239,7 +240,7 @@ impl Client {
                     self.state = State::Settings(settings);
                     self.deadline = now.after(self.timeout);
                 }
-                Desired::Refused => self.refusal = Some(Refusal::NotSpoken { silent: false }),
+                Desired::Refused => self.refusal = Some(NegotiationError::NotSpoken { silent: false }),
                 Desired::Asked => {}
             },
             State::Settings(all) if all.iter().all(|request| request.answered) => {
@@ -274,12 +275,12 @@ impl Client {
     ///
     /// # Errors
     /// The server refused, or is late.
-    pub fn check(&mut self, now: Micros) -> Result<(), Refusal> {
+    pub fn check(&mut self, now: Micros) -> Result<(), NegotiationError> {
         if let Some(refusal) = &self.refusal {
             return Err(refusal.clone());
         }
         let late = match &self.state {
-            State::Telnet => Some(Refusal::NotSpoken { silent: true }),
+            State::Telnet => Some(NegotiationError::NotSpoken { silent: true }),
             State::Settings(all) => all.iter().find(|request| !request.answered).map(late),
             State::Controls(left) => left.front().map(late),
             State::Open => None,
@@ -328,8 +329,8 @@ fn ask(request: &Request, out: &mut Vec<u8>) {
     subnegotiate(COM_PORT, request.code, &request.value, out);
 }
 
-fn late(request: &Request) -> Refusal {
-    Refusal::Late { name: request.name, is_control: request.code == SET_CONTROL }
+fn late(request: &Request) -> NegotiationError {
+    NegotiationError::Late { name: request.name, is_control: request.code == SET_CONTROL }
 }
 
 #[cfg(test)]

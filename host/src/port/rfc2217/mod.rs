@@ -18,7 +18,7 @@ use super::tcp::Tcp;
 use super::url::{Address, Rfc2217Options};
 use super::{Port, PortError};
 use crate::job::SerialSettings;
-use client::{Client, Line};
+use client::{RequestedLine, Rfc2217Client};
 
 /// Polling period of the connection during the negotiation.
 const PERIOD: Duration = Duration::from_millis(2);
@@ -27,7 +27,7 @@ const PERIOD: Duration = Duration::from_millis(2);
 pub struct Rfc2217 {
     tcp: Tcp,
     name: String,
-    client: Client,
+    client: Rfc2217Client,
     clock: WallClock,
     log: Log,
     modem_state: Option<u8>,
@@ -44,7 +44,7 @@ impl Rfc2217 {
         let name = format!("rfc2217://{}:{}", address.host, address.port);
         let tcp = Tcp::connect(address, &name)?;
         let clock = WallClock::start();
-        let client = Client::new(&Line::new(settings), options, clock.now());
+        let client = Rfc2217Client::new(&RequestedLine::new(settings), options, clock.now());
         let log = Log::new("rfc2217", options.logging);
         let mut port = Rfc2217 { tcp, name, client, clock, log, modem_state: None, outgoing: Vec::new() };
         while !port.client.is_open() {

@@ -22,7 +22,7 @@ use crate::job::SerialSettings;
 /// State of the control's modem lines: carrier, DSR and CTS on.
 const MODEM_LINES: u8 = 0xb0;
 /// Time after the last request of a client until the line opens.
-const THINKS: Micros = Micros::from_ms(200);
+const SETTLE: Micros = Micros::from_ms(200);
 /// One break is an alarm; more of them need not be counted.
 const BREAKS_MAX: usize = 16;
 const DC1: u8 = 0x11;
@@ -235,7 +235,7 @@ impl Server {
 
     /// The client is ready to send and to receive.
     pub fn is_open(&self, now: Micros) -> bool {
-        self.asked.is_some_and(|asked| !self.from_client.is_empty() || now.since(asked) >= THINKS)
+        self.asked.is_some_and(|asked| !self.from_client.is_empty() || now.since(asked) >= SETTLE)
     }
 
     /// Settings of the client's port.

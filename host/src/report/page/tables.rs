@@ -7,11 +7,11 @@ use arcfeed_shared::units::LengthUnit;
 use super::{Section, escaped};
 use crate::report::figures::RunReport;
 use crate::report::material::{DeviationFigures, MaterialFigures, RuleFigures, TakenFigures, short};
-use crate::report::summary::Summary;
+use crate::report::summary::RunSummary;
 
 /// Section with the command's printed summary.
 pub fn summary(title: &str, report: &RunReport) -> Section {
-    let text = Summary { title: title.to_owned(), report }.to_string();
+    let text = RunSummary { title: title.to_owned(), report }.to_string();
     Section { heading: "Summary".into(), body: format!("<pre>{}</pre>\n", escaped(&text)) }
 }
 

@@ -7,21 +7,21 @@ fn options() -> Rfc2217Options {
     Rfc2217Options { ign_set_control: false, poll_modem: false, timeout_s: 3.0, logging: None }
 }
 
-fn sent(client: &mut Client) -> String {
+fn sent(client: &mut Rfc2217Client) -> String {
     let mut out = Vec::new();
     client.poll_transmit(&mut out);
     out.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-fn takes(client: &mut Client, hex: &str) {
+fn takes(client: &mut Rfc2217Client, hex: &str) {
     let bytes: Vec<u8> =
         (0..hex.len()).step_by(2).map(|at| u8::from_str_radix(&hex[at..at + 2], 16).unwrap()).collect();
     client.on_bytes(SECOND, &bytes);
 }
 
 /// A client that waits for the answers to its settings.
-fn in_settings(options: &Rfc2217Options) -> Client {
-    let mut client = Client::new(&Line::new(&settings()), options, Micros(0));
+fn in_settings(options: &Rfc2217Options) -> Rfc2217Client {
+    let mut client = Rfc2217Client::new(&RequestedLine::new(&settings()), options, Micros(0));
     assert_eq!(sent(&mut client), "fffb2cfffd2cfffb00fffd00fffb03fffd03");
     takes(&mut client, "fffb01fffb03fffd00fffb2cfffd03fffd2c");
     // ECHO is not wanted; then 9600, 7, E, 2 in the bytes that pyserial's client sends.
@@ -30,7 +30,7 @@ fn in_settings(options: &Rfc2217Options) -> Client {
 }
 
 /// A client that is open.
-fn open() -> Client {
+fn open() -> Rfc2217Client {
     let mut client = in_settings(&options());
     takes(&mut client, "fffa2c6500002580fff0fffa2c6607fff0fffa2c6703fff0fffa2c6802fff0");
     for (asked, answer) in [("0501", "6901"), ("0508", "6908"), ("050b", "690b"), ("0c02", "7002")] {
@@ -49,12 +49,12 @@ fn a_line_is_agreed_on_step_by_step_in_pyserials_bytes() {
 
 #[test]
 fn a_server_that_wants_no_com_port_option_is_refused() {
-    let mut client = Client::new(&Line::new(&settings()), &options(), Micros(0));
+    let mut client = Rfc2217Client::new(&RequestedLine::new(&settings()), &options(), Micros(0));
     takes(&mut client, "fffe2c");
-    assert_eq!(client.check(SECOND), Err(Refusal::NotSpoken { silent: false }));
-    let mut silent = Client::new(&Line::new(&settings()), &options(), Micros(0));
+    assert_eq!(client.check(SECOND), Err(NegotiationError::NotSpoken { silent: false }));
+    let mut silent = Rfc2217Client::new(&RequestedLine::new(&settings()), &options(), Micros(0));
     assert_eq!(silent.check(Micros(2_999_999)), Ok(()));
-    assert_eq!(silent.check(Micros(3_000_000)), Err(Refusal::NotSpoken { silent: true }));
+    assert_eq!(silent.check(Micros(3_000_000)), Err(NegotiationError::NotSpoken { silent: true }));
 }
 
 #[test]
@@ -62,14 +62,14 @@ fn another_value_in_the_answer_is_a_refusal_by_name() {
     let mut client = in_settings(&options());
     takes(&mut client, "fffa2c6500002580fff0fffa2c6608fff0");
     let refusal = client.check(SECOND).unwrap_err();
-    assert_eq!(refusal, Refusal::Setting { name: "bytesize", wanted: vec![7], has: vec![8] });
+    assert_eq!(refusal, NegotiationError::Setting { name: "bytesize", wanted: vec![7], has: vec![8] });
     assert!(refusal.to_string().contains("bytesize"), "{refusal}");
 }
 
 #[test]
 fn no_answer_is_late_and_controls_may_be_left_unanswered() {
     let mut client = in_settings(&options());
-    assert_eq!(client.check(Micros(4_000_000)), Err(Refusal::Late { name: "baudrate", is_control: false }));
+    assert_eq!(client.check(Micros(4_000_000)), Err(NegotiationError::Late { name: "baudrate", is_control: false }));
     let mut client = in_settings(&Rfc2217Options { ign_set_control: true, ..options() });
     takes(&mut client, "fffa2c6500002580fff0fffa2c6607fff0fffa2c6703fff0fffa2c6802fff0");
     assert_eq!(sent(&mut client), "fffa2c0501fff0fffa2c0508fff0fffa2c050bfff0fffa2c0c02fff0");

@@ -1,6 +1,6 @@
 use super::*;
 use crate::job::Parity;
-use crate::port::rfc2217::client::{Client, Line};
+use crate::port::rfc2217::client::{RequestedLine, Rfc2217Client};
 use crate::port::rfc2217::seven_even as line;
 use crate::port::url::Rfc2217Options;
 
@@ -113,9 +113,9 @@ fn garbage_is_no_request() {
 #[test]
 fn our_client_and_our_server_agree_and_pass_every_byte_both_ways() {
     let options = Rfc2217Options { ign_set_control: false, poll_modem: true, timeout_s: 3.0, logging: None };
-    let mut client = Client::new(&Line::new(&line()), &options, Micros(0));
+    let mut client = Rfc2217Client::new(&RequestedLine::new(&line()), &options, Micros(0));
     let mut server = Server::new(&SerialSettings { baudrate: 300, parity: Parity::None, ..line() });
-    let exchange = |client: &mut Client, server: &mut Server| {
+    let exchange = |client: &mut Rfc2217Client, server: &mut Server| {
         let mut bytes = Vec::new();
         client.poll_transmit(&mut bytes);
         server.on_bytes(Micros(0), &bytes);

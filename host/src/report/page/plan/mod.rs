@@ -24,7 +24,7 @@ pub struct PlanReport {
     /// Unit of all lengths on the page.
     pub unit: LengthUnit,
     /// Verdict in words.
-    pub verdict: Verdict,
+    pub verdict: PlanVerdict,
     /// Position of the rotor.
     pub axis: Axis,
     /// Tool.
@@ -49,7 +49,7 @@ pub struct PlanReport {
 
 /// Verdict on the use of the plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Verdict {
+pub struct PlanVerdict {
     /// The tool collides with nothing, and every question is answered.
     pub is_safe: bool,
     /// Sentences of the verdict.
@@ -84,12 +84,12 @@ pub struct Times {
     /// Time of one slot on the planned path.
     pub planned: PlannedTime,
     /// Baseline, or the reason why there is none.
-    pub baseline: Result<Baseline, String>,
+    pub baseline: Result<BaselineResult, String>,
 }
 
 /// Flank milling of one slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Baseline {
+pub struct BaselineResult {
     /// Ball-end mill.
     pub mill: FlankMilling,
     /// Levels and passes.

@@ -7,7 +7,7 @@ use arcfeed_plan::path::Purpose;
 use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{LengthUnit, S_PER_MIN};
 
-use super::{Baseline, Lengths, PlanReport, Removed, Verdict};
+use super::{BaselineResult, Lengths, PlanReport, PlanVerdict, Removed};
 use crate::report::page::escaped;
 
 /// Table with its heads, and rows of text cells.
@@ -23,7 +23,7 @@ fn table(heads: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String 
     body + "</table>\n"
 }
 
-pub fn verdict(verdict: &Verdict) -> String {
+pub fn verdict(verdict: &PlanVerdict) -> String {
     let class = if verdict.is_safe { "" } else { " class=\"warning\"" };
     verdict.sentences.iter().map(|sentence| format!("<p{class}>{}</p>\n", escaped(sentence))).collect()
 }
@@ -137,8 +137,8 @@ pub fn times(report: &PlanReport) -> String {
     }
 }
 
-fn assumed(baseline: &Baseline, planned_min: f64, lengths: Lengths) -> String {
-    let Baseline { mill, passes, time } = baseline;
+fn assumed(baseline: &BaselineResult, planned_min: f64, lengths: Lengths) -> String {
+    let BaselineResult { mill, passes, time } = baseline;
     format!(
         "<p>{:.1} times as fast. The baseline is computed, not measured: a ball-end mill of {} {unit} at {} {unit}/min, {} levels of at most \
          {} {unit}, {} passes along the slot, side by side at most {} {unit} apart where the slot is wider than the ball. Assumed for it: \

@@ -20,7 +20,7 @@ fn report() -> PlanReport {
     PlanReport {
         name: "a <blisk>".into(),
         unit: LengthUnit::Mm,
-        verdict: Verdict { is_safe: false, sentences: vec!["the holder touches a blade".into()] },
+        verdict: PlanVerdict { is_safe: false, sentences: vec!["the holder touches a blade".into()] },
         axis: Axis { direction: [1.0, 0.0, 0.0], tilt_deg: 0.0, first_deg: 85.0, slots: 19 },
         mill: CupMill {
             outer_radius_mm: 10.0,

@@ -13,14 +13,14 @@ use crate::geometry::blisk::Blank;
 use crate::vector::{Flat, Point, Vector};
 
 use super::floor::Floor;
-use super::left::Walls;
+use super::remaining::SlotWalls;
 
 /// Golden ratio; its multiples fill the unit interval evenly.
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 
 /// Volumes, mm3.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Removed {
+pub struct RemovedVolumes {
     /// Volume removed by each level, from the top.
     pub by_level_mm3: Vec<f64>,
     /// Error of their sum: the difference to a grid of twice the size.
@@ -39,7 +39,7 @@ pub struct Stock<'s> {
     pub to_slot: Rotation3<f64>,
 }
 
-impl Removed {
+impl RemovedVolumes {
     /// Sum of all levels.
     pub fn total_mm3(&self) -> f64 {
         self.by_level_mm3.iter().sum()
@@ -56,7 +56,7 @@ impl Removed {
     }
 
     /// Adds the volume between the offset surfaces, and the removed part of it.
-    fn add_slot(&mut self, floor: &Floor, stock: &Stock<'_>, walls: &Walls<'_>, cell_mm: f64) {
+    fn add_slot(&mut self, floor: &Floor, stock: &Stock<'_>, walls: &SlotWalls<'_>, cell_mm: f64) {
         let feet = |u: f64, v: f64| [0, 1].map(|side| walls.side(side, u, v));
         let pieces = |[from, to]: [Point; 2]| (libm::ceil((to - from).norm() / cell_mm) as usize).max(1);
         let [columns, rows] =
@@ -86,11 +86,11 @@ impl Removed {
 }
 
 /// Volumes that a path removes in `levels` levels, over cells of `cell_mm`.
-pub fn removed(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: &Walls<'_>, cell_mm: f64) -> Removed {
+pub fn removed(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: &SlotWalls<'_>, cell_mm: f64) -> RemovedVolumes {
     let by_level_mm3 = stock.cut_mm3(floor, levels, cell_mm);
     let coarse_mm3: f64 = stock.cut_mm3(floor, levels, 2.0 * cell_mm).iter().sum();
     let error_mm3 = (by_level_mm3.iter().sum::<f64>() - coarse_mm3).abs();
-    let mut removed = Removed { by_level_mm3, error_mm3, slot_mm3: 0.0, slot_by_level_mm3: vec![0.0; levels] };
+    let mut removed = RemovedVolumes { by_level_mm3, error_mm3, slot_mm3: 0.0, slot_by_level_mm3: vec![0.0; levels] };
     removed.add_slot(floor, stock, walls, cell_mm);
     removed
 }

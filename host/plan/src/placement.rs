@@ -18,7 +18,7 @@ use crate::vector::{Point, Vector};
 
 /// Positions of the rotary axes for a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placing {
+pub struct Placement {
     /// A, the same for all slots.
     pub tilt_deg: f64,
     /// B of the first slot.
@@ -27,7 +27,7 @@ pub struct Placing {
 
 /// Reason why a machine cannot present a slot.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum PlacingError {
+pub enum PlacementError {
     /// The machine has other axes.
     #[error(
         "slots are indexed by a table B about Y that stands on a tilting A about X: this machine has no such table"
@@ -50,24 +50,26 @@ const SAME_MM: f64 = 1e-6;
 ///
 /// # Errors
 /// The machine cannot.
-pub fn placing(machine: &Machine, turn: &Rotation3<f64>) -> Result<Placing, PlacingError> {
+pub fn placement(machine: &Machine, turn: &Rotation3<f64>) -> Result<Placement, PlacementError> {
     let [index, tilt] = machine.rotary();
     let is_so = (index.letter, tilt.letter) == (Letter::B, Letter::A);
     let is_table = index.carries == Carries::Part && tilt.carries == Carries::Part;
     if !(is_so && is_table && index.direction == [0.0, 1.0, 0.0]) {
-        return Err(PlacingError::Axes);
+        return Err(PlacementError::Axes);
     }
     let tool = turn.inverse() * Vector::z();
     let found = match machine.angles(on_table(&tool)) {
-        Angles::None => return Err(PlacingError::Axes),
+        Angles::None => return Err(PlacementError::Axes),
         Angles::One(angles) => vec![angles],
         Angles::Two(two) => two.to_vec(),
         Angles::Any { second_deg } => vec![[0.0, second_deg]],
     };
     let presented = found.into_iter().find(|angles| presents(machine, *angles, turn));
-    let [index_deg, tilt_deg] = presented.ok_or(PlacingError::Axes)?;
+    let [index_deg, tilt_deg] = presented.ok_or(PlacementError::Axes)?;
     let ranged = machine.in_range([index_deg, tilt_deg], [0.0, 0.0]);
-    ranged.map(|[index_deg, tilt_deg]| Placing { tilt_deg, index_deg }).map_err(|_| PlacingError::Range { tilt_deg })
+    ranged
+        .map(|[index_deg, tilt_deg]| Placement { tilt_deg, index_deg })
+        .map_err(|_| PlacementError::Range { tilt_deg })
 }
 
 /// Machine of the published test as far as it is needed here, with unlimited axes: for parts that name none.
@@ -114,7 +116,7 @@ mod tests {
         for (lean, tilt) in [(0.0, 0.0), (0.3, 0.1), (-2.0, -0.4), (3.0, 0.05)] {
             let (sin, cos) = libm::sincos(lean);
             let tool = Vector::new(cos, sin, libm::tan(tilt)).normalize();
-            let found = placing(&machine, &slot_frame(&tool).unwrap()).unwrap();
+            let found = placement(&machine, &slot_frame(&tool).unwrap()).unwrap();
             // B turns the table until the tool's lean about Y is gone, A tilts it by the rest.
             assert!((libm::fabs(found.tilt_deg) - libm::fabs(tilt.to_degrees())).abs() < 1e-9, "{found:?}");
             let turned = libm::remainder(libm::fabs(found.index_deg) - libm::fabs(lean.to_degrees()), 360.0);

@@ -5,7 +5,7 @@
 use nalgebra::Rotation3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-use crate::cup_mill::side::{FarEdge, Hub, Side};
+use crate::cup_mill::side::{FarEdge, Hub, OffsetSide};
 use crate::geometry::blisk::{Revolution, Slot};
 use crate::vector::Point;
 
@@ -25,7 +25,7 @@ pub struct Map {
 
 /// Remaining material in a slot beyond the allowance.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Left {
+pub struct RemainingMaterial {
     /// On the pressure side.
     pub pressure: Map,
     /// On the suction side.
@@ -45,9 +45,9 @@ pub struct Ring<'r> {
 }
 
 /// Surfaces of a slot with their allowance.
-pub struct Walls<'w> {
+pub struct SlotWalls<'w> {
     /// Pressure and suction side between the blades' round edges, from the hub's allowance up; slot frame.
-    sides: [Side; 2],
+    sides: [OffsetSide; 2],
     /// Hub, part frame.
     hub: &'w Revolution,
     /// Rotation from the part frame to the slot frame.
@@ -75,10 +75,10 @@ impl Map {
 
 impl Ring<'_> {
     /// Material that the ring leaves on the walls of a slot, on a grid of rows and columns.
-    pub fn leaves(&self, walls: &Walls<'_>, [rows, columns]: [usize; 2]) -> Left {
+    pub fn leaves(&self, walls: &SlotWalls<'_>, [rows, columns]: [usize; 2]) -> RemainingMaterial {
         let over = |point: &(dyn Fn(f64, f64) -> Point + Sync)| self.map([rows, columns], point);
         let [pressure, suction] = [0, 1].map(|side| over(&|u, v| walls.side(side, u, v)));
-        Left { pressure, suction, hub: over(&|u, v| walls.floor(u, v)) }
+        RemainingMaterial { pressure, suction, hub: over(&|u, v| walls.floor(u, v)) }
     }
 
     /// Least distance of one point from the ring, mm.
@@ -96,17 +96,17 @@ impl Ring<'_> {
     }
 }
 
-impl<'w> Walls<'w> {
+impl<'w> SlotWalls<'w> {
     /// Walls of a slot; slot and hub are given in the part frame. `None` if a blade is not above the hub.
     pub fn new(slot: &Slot, hub: &'w Revolution, allowance_mm: f64, to_slot: Rotation3<f64>) -> Option<Self> {
-        let side = |face, far| Side::new(face, far, &Hub { hub, allowance_mm }, &to_slot);
+        let side = |face, far| OffsetSide::new(face, far, &Hub { hub, allowance_mm }, &to_slot);
         let sides = [side(&slot.pressure, FarEdge::Trailing)?, side(&slot.suction, FarEdge::Leading)?];
-        Some(Walls::between(sides, hub, allowance_mm, to_slot))
+        Some(SlotWalls::between(sides, hub, allowance_mm, to_slot))
     }
 
     /// Walls between two sides, pressure and suction, in the slot frame.
-    pub fn between(sides: [Side; 2], hub: &'w Revolution, allowance_mm: f64, to_slot: Rotation3<f64>) -> Self {
-        Walls { sides, hub, to_slot, allowance_mm }
+    pub fn between(sides: [OffsetSide; 2], hub: &'w Revolution, allowance_mm: f64, to_slot: Rotation3<f64>) -> Self {
+        SlotWalls { sides, hub, to_slot, allowance_mm }
     }
 
     /// Point of the pressure (0) or suction side (1): u from the leading to the trailing edge, v from the hub to the

@@ -18,7 +18,7 @@ const SIGN_EVERY: u64 = 200;
 
 /// Observer of a run.
 #[derive(Debug, Default)]
-pub struct Watch {
+pub struct RunObserver {
     /// Workpiece.
     pub cutter: Option<Cutter>,
     /// Edges in it.
@@ -30,12 +30,12 @@ pub struct Watch {
     shows: bool,
 }
 
-impl Watch {
+impl RunObserver {
     /// Observer of a run on this workpiece, if there is one, with or without progress shown.
     pub fn on(setup: Option<&Setup<'_>>, shows: bool) -> Self {
         let place = setup.map_or(String::new(), |setup| setup.place.clone());
         let loads = setup.and_then(Setup::load_meter);
-        Watch { cutter: setup.map(Setup::cutter), loads, place, shows, ..Watch::default() }
+        RunObserver { cutter: setup.map(Setup::cutter), loads, place, shows, ..RunObserver::default() }
     }
 
     /// Runs to the end.

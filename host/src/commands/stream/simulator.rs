@@ -26,12 +26,12 @@ use super::super::simulate::control::control_settings;
 use super::super::simulate::run_figures::measure;
 use super::board_session::{Arming, BoardSession};
 use super::logbook::Logbook;
-use super::prepare::Prepared;
-use super::sending::{End, send};
+use super::preparation::PreparedProgram;
+use super::send_loop::{End, send};
 use super::sim_link::{BoardEnd, Pipe, SimLink};
 use super::sim_port::SimPort;
 use super::{Stream, write_executed};
-use crate::board::line::{BAUDRATE, Line};
+use crate::board::line::{BAUDRATE, BoardLine};
 use crate::dnc::outbox::Outbox;
 use crate::dnc::reports;
 use crate::dnc::{Sender, State};
@@ -49,7 +49,12 @@ impl Stream {
     ///
     /// # Errors
     /// See [`Stream::run`].
-    pub(super) fn to_simulator(&self, ready: &Prepared, sender: Sender, logbook: Logbook) -> Result<(), Failure> {
+    pub(super) fn to_simulator(
+        &self,
+        ready: &PreparedProgram,
+        sender: Sender,
+        logbook: Logbook,
+    ) -> Result<(), Failure> {
         match &self.board {
             None => {
                 let mut sim = SimPort::new(&ready.file, ControllerFault::None, self.tempo())?;
@@ -64,7 +69,7 @@ impl Stream {
         }
     }
 
-    fn with_board_in_software(&self, ready: &Prepared, sender: Sender, logbook: Logbook) -> Result<(), Failure> {
+    fn with_board_in_software(&self, ready: &PreparedProgram, sender: Sender, logbook: Logbook) -> Result<(), Failure> {
         let file = &ready.file;
         let mut queues = Box::new(Queues::<AHEAD>::new());
         let config = Config { supply: Supply::Link, settings: Settings::default(), identity: IDENTITY, fault: None };
@@ -77,7 +82,7 @@ impl Stream {
         );
         let simulation = Simulation::new(Control::on_line(control_settings(file)), &file.job, board);
         let sim = Rc::new(RefCell::new(SimPort::of(simulation, file, self.tempo())));
-        let link = Line::new(Box::new(SimLink::new(Rc::clone(&sim), pipe)), BAUDRATE)?;
+        let link = BoardLine::new(Box::new(SimLink::new(Rc::clone(&sim), pipe)), BAUDRATE)?;
         let mut along = BoardSession::with(link, ready, sender.transmission(), Arming::Simulated)?;
         // The start of the simulation counts as arming: there is no panel.
         let mut is_pressed = false;
@@ -92,7 +97,7 @@ impl Stream {
 
     fn send_simulated<D: OverrideSource>(
         &self,
-        ready: &Prepared,
+        ready: &PreparedProgram,
         mut sender: Sender,
         (logbook, along): (Logbook, BoardSession<'_>),
         sim: &Rc<RefCell<SimPort<D>>>,
@@ -100,8 +105,8 @@ impl Stream {
         let (file, started) = (&ready.file, Instant::now());
         let outbox = Outbox::new(file.serial.write_timeout());
         let mut line = wrap(&self.port, Box::new(Rc::clone(sim)))?;
-        let aides = self.aides(ready, (&*line, &sender), (logbook, along))?;
-        let (end, heard) = send(&mut *line, &mut sender, outbox, aides)?;
+        let services = self.services(ready, (&*line, &sender), (logbook, along))?;
+        let (end, heard) = send(&mut *line, &mut sender, outbox, services)?;
         drop(line);
         let sim = sim.borrow();
         let simulation = sim.simulation();

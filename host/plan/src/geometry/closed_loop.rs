@@ -5,7 +5,7 @@
 
 use crate::vector::Point;
 
-use super::reading::Fault;
+use super::point_file::Fault;
 
 /// Least number of points of a side.
 const POINTS_MIN: usize = 5;

@@ -23,7 +23,7 @@ use crate::screen::view::{Command, View};
 const PERIOD: Duration = Duration::from_millis(100);
 
 /// Display and event log.
-pub struct Live {
+pub struct LiveDisplay {
     bar: Option<ProgressBar>,
     screen: Option<(Screen, View, Instant)>,
     log: Option<EventLog>,
@@ -34,19 +34,19 @@ struct EventLog {
     events: Events,
 }
 
-impl Live {
+impl LiveDisplay {
     /// Progress bar over `total` characters, if stderr is a terminal.
     pub fn bar(total: usize) -> Self {
         let bar = ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::stderr());
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}") {
             bar.set_style(style);
         }
-        Live { bar: Some(bar), screen: None, log: None }
+        LiveDisplay { bar: Some(bar), screen: None, log: None }
     }
 
     /// No display.
     pub fn nothing() -> Self {
-        Live { bar: None, screen: None, log: None }
+        LiveDisplay { bar: None, screen: None, log: None }
     }
 
     /// Screen on the whole terminal.
@@ -56,7 +56,7 @@ impl Live {
     pub fn screen(view: View) -> Result<Self, Failure> {
         let failed = |error: std::io::Error| Failure::Usage(format!("--tui: {error}"));
         let screen = Screen::open(view.clone()).map_err(failed)?;
-        Ok(Live { bar: None, screen: Some((screen, view, Instant::now())), log: None })
+        Ok(LiveDisplay { bar: None, screen: Some((screen, view, Instant::now())), log: None })
     }
 
     /// Writes the events into a file, too.
@@ -159,7 +159,7 @@ fn words(state: State) -> &'static str {
     }
 }
 
-impl Drop for Live {
+impl Drop for LiveDisplay {
     fn drop(&mut self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();

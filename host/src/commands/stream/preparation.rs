@@ -21,7 +21,7 @@ use crate::dnc::reports::Reports;
 use crate::dnc::restore::PowerOn;
 use crate::dnc::sender::LineUse;
 use crate::dnc::starvation::{Load, Wait, predict};
-use crate::dnc::transmission::{Refusal, Transmission, Wire};
+use crate::dnc::transmission::{Transmission, TransmissionFault, Wire};
 use crate::job::{JobFile, Parity};
 use crate::port::reaction::reaction;
 use crate::port::url::PortUrl;
@@ -31,7 +31,7 @@ use crate::program::Program;
 const WAIT_MIN_S: f64 = 0.001;
 
 /// Program ready to be sent.
-pub struct Prepared {
+pub struct PreparedProgram {
     pub file: JobFile,
     pub program: Program,
     pub whole: Transmission,
@@ -48,7 +48,7 @@ pub struct Prepared {
     pub notes: Vec<String>,
 }
 
-impl Prepared {
+impl PreparedProgram {
     /// Reads and checks job and program.
     ///
     /// # Errors
@@ -56,14 +56,14 @@ impl Prepared {
     pub fn load(job: &Path, baudrate: Option<u32>, filters: bool) -> Result<Self, Failure> {
         let (mut file, program) = load(job)?;
         file.serial.baudrate = baudrate.unwrap_or(file.serial.baudrate);
-        if let Some(warning) = program.lost_label() {
+        if let Some(warning) = program.missing_label() {
             note(format_args!("{}:{warning}", program.path.display()));
         }
         let adapted = adapted(&program, &file);
         let wire = Wire { encode: encode(&file), filters, tv_check: file.dnc.tv_check };
         let line = |offset: usize| adapted.line_ends.partition_point(|end| *end <= offset) + 1;
         let path = program.path.display();
-        let refused = |refusals: Vec<Refusal>| {
+        let refused = |refusals: Vec<TransmissionFault>| {
             let lines: Vec<String> = refusals.iter().map(|refusal| format!("{path}:{refusal}")).collect();
             Failure::Input(lines.join("\n"))
         };
@@ -85,7 +85,7 @@ impl Prepared {
         };
         let foreseen = foreseen(&program, &adapted);
         let bounds = MoveBounds::of(&adapted);
-        Ok(Prepared { file, program, whole, wire, start, reports, foreseen, bounds, notes: Vec::new() })
+        Ok(PreparedProgram { file, program, whole, wire, start, reports, foreseen, bounds, notes: Vec::new() })
     }
 
     /// Settings of the line to this port.

@@ -119,7 +119,7 @@ fn rotations(groups: &[Group], own: &[usize], [inner_mm, outer_mm]: [f64; 2]) ->
             .map(|index| &groups[index])
             .filter(|group| is_it(group))
             .collect();
-        ProposedCut { rotation: Some(rotation), edge: Some(edge), ..told_apart(groups, mine, &others, turn) }
+        ProposedCut { rotation: Some(rotation), edge: Some(edge), ..restricted_cut(groups, mine, &others, turn) }
     });
     cuts.filter(|cut| !cut.groups.is_empty()).collect()
 }
@@ -133,14 +133,14 @@ fn contours(groups: &[Group], own: &[usize]) -> Vec<ProposedCut> {
             let is_other = |index: &usize| !mine.contains(index) && groups[*index].turn == turn;
             (0..groups.len()).filter(is_other).map(|index| &groups[index]).collect()
         };
-        let each = of_turn(turn).into_iter().map(|index| told_apart(groups, vec![index], &others(&[index]), turn));
+        let each = of_turn(turn).into_iter().map(|index| restricted_cut(groups, vec![index], &others(&[index]), turn));
         let each: Vec<ProposedCut> = each.collect();
         if each.len() <= RULES_MAX / 2 && each.iter().all(|cut| !cut.is_ambiguous) {
             cuts.extend(each);
         } else {
             let all = of_turn(turn);
             let others = others(&all);
-            cuts.push(told_apart(groups, all, &others, turn));
+            cuts.push(restricted_cut(groups, all, &others, turn));
         }
     }
     cuts.retain(|cut| !cut.groups.is_empty());
@@ -148,7 +148,7 @@ fn contours(groups: &[Group], own: &[usize]) -> Vec<ProposedCut> {
 }
 
 /// Rule for these groups, restricted as far as needed and possible by N or else by Z.
-fn told_apart(groups: &[Group], mine: Vec<usize>, others: &[&Group], turn: Turn) -> ProposedCut {
+fn restricted_cut(groups: &[Group], mine: Vec<usize>, others: &[&Group], turn: Turn) -> ProposedCut {
     let numbered = |index: &usize| groups[*index].sequence.filter(|_| groups[*index].unnumbered == 0);
     let sequences: Option<Vec<[i64; 2]>> = mine.iter().map(numbered).collect();
     let sequence = sequences.and_then(|all| Some([all.iter().map(|n| n[0]).min()?, all.iter().map(|n| n[1]).max()?]));

@@ -6,9 +6,9 @@ use arcfeed_shared::units::Micros;
 
 use super::super::outcome::{Failure, on_interrupt};
 use super::board_session::BoardSession;
-use super::live::Live;
+use super::live_display::LiveDisplay;
 use super::logbook::Logbook;
-use crate::dnc::damage::Damage;
+use crate::dnc::damage::DamageMonitor;
 use crate::dnc::journal::How;
 use crate::dnc::outbox::Outbox;
 use crate::dnc::reports::{Remark, Reports};
@@ -45,16 +45,16 @@ impl End {
 }
 
 /// Parts that run beside a sender.
-pub struct Aides<'p> {
+pub struct SendServices<'p> {
     pub logbook: Logbook,
-    pub live: Live,
-    pub echo: Echo,
+    pub live: LiveDisplay,
+    pub echo: ReportMonitor,
     pub along: BoardSession<'p>,
 }
 
 /// Reports of the control, if the job requests them.
 #[derive(Default)]
-pub struct Echo {
+pub struct ReportMonitor {
     pub reports: Reports,
     /// Most blocks that the control reads ahead.
     pub read_ahead: usize,
@@ -65,10 +65,10 @@ pub struct Echo {
     differs: Option<String>,
 }
 
-impl Echo {
+impl ReportMonitor {
     /// Expects these reports, from a control with this look-ahead.
     pub fn new(reports: Reports, read_ahead: usize, timeout: Option<Micros>) -> Self {
-        Echo { reports, read_ahead, timeout, ..Echo::default() }
+        ReportMonitor { reports, read_ahead, timeout, ..ReportMonitor::default() }
     }
 
     /// Reads printed text; returns messages about it.
@@ -94,7 +94,7 @@ impl Echo {
 }
 
 /// Number of blocks that the control has started: from the port, or at least that many from the control's reports.
-fn executed(port: &dyn Port, sender: &Sender, echo: &Echo) -> Option<usize> {
+fn executed(port: &dyn Port, sender: &Sender, echo: &ReportMonitor) -> Option<usize> {
     port.blocks_executed().or_else(|| echo.reports.taken_up(sender.transmission(), echo.read_ahead))
 }
 
@@ -106,11 +106,11 @@ pub fn send(
     port: &mut dyn Port,
     sender: &mut Sender,
     mut outbox: Outbox,
-    mut aides: Aides<'_>,
+    mut services: SendServices<'_>,
 ) -> Result<(End, Reports), Failure> {
-    let ended = send_all(port, sender, &mut outbox, &mut aides);
-    let known = executed(port, sender, &aides.echo);
-    let Aides { mut logbook, mut live, echo, along } = aides;
+    let ended = send_all(port, sender, &mut outbox, &mut services);
+    let known = executed(port, sender, &services.echo);
+    let SendServices { mut logbook, mut live, echo, along } = services;
     live.show(port, sender, known);
     // The terminal is restored before any message.
     drop(live);
@@ -156,11 +156,11 @@ fn send_all(
     port: &mut dyn Port,
     sender: &mut Sender,
     outbox: &mut Outbox,
-    aides: &mut Aides<'_>,
+    services: &mut SendServices<'_>,
 ) -> Result<End, Failure> {
-    let Aides { logbook, live, echo, along } = aides;
+    let SendServices { logbook, live, echo, along } = services;
     let interrupted = on_interrupt();
-    let (mut damage, mut without_board) = (Damage::default(), None);
+    let (mut damage, mut without_board) = (DamageMonitor::default(), None);
     loop {
         let known = executed(port, sender, echo);
         logbook.follow(sender, known)?;
@@ -172,11 +172,11 @@ fn send_all(
             None => {}
         }
         without_board = without_board.or(along.turn(sender));
-        along.look_behind(known, sender.transmission());
+        along.check_standstill(known, sender.transmission());
         let is_out = outbox.turn(port, sender)?;
         let now = port.now();
         let warnings = damage.look(now, || port.line_errors()).into_iter().chain(echo.hear(now, &sender.take_heard()));
-        warnings.chain(along.take_said()).for_each(|warning| live.warn(now, warning));
+        warnings.chain(along.take_messages()).for_each(|warning| live.warn(now, warning));
         let stops = interrupted.load(Ordering::Relaxed) || echo.differs.is_some() || without_board.is_some();
         let is_over = matches!(sender.state(), State::Cut | State::Sent) && outbox.is_empty();
         if is_over && let Some(why) = without_board.take() {

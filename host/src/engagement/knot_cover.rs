@@ -32,7 +32,7 @@ pub struct Sample<const N: usize> {
 /// Table of the arcs of the outer and the inner circle along a move that covers all samples; `None` if all arcs are
 /// empty.
 pub fn table(samples: &[Sample<2>]) -> Option<EngagedTable> {
-    let knots = covering(samples, ENGAGED_KNOTS_MAX).into_iter().map(|(path_mm, [outer, inner])| {
+    let knots = covering_knots(samples, ENGAGED_KNOTS_MAX).into_iter().map(|(path_mm, [outer, inner])| {
         Some(EngagedKnot { travelled: Mm(path_mm as f32), outer: outwards(outer)?, inner: outwards(inner)? })
     });
     EngagedTable::new(&knots.collect::<Option<Vec<_>>>()?).ok()
@@ -46,7 +46,7 @@ fn outwards([from_deg, to_deg]: [f64; 2]) -> Option<EngagedInterval> {
 
 /// Knots that cover the samples, at most `count` and at least the first and the last one; an empty interval has equal
 /// ends. Between two samples, the union of their intervals is covered.
-fn covering<const N: usize>(samples: &[Sample<N>], count: usize) -> Vec<(f64, [[f64; 2]; N])> {
+fn covering_knots<const N: usize>(samples: &[Sample<N>], count: usize) -> Vec<(f64, [[f64; 2]; N])> {
     let wide = dilated(samples);
     let at: Vec<f64> = samples.iter().map(|sample| sample.at_mm).collect();
     let ends: [Vec<[f64; 2]>; N] = std::array::from_fn(|which| closed(&wide, which));
@@ -156,7 +156,7 @@ mod tests {
     fn knots_stand_where_lines_bend() {
         let bent = |x: f64| if x < 30.0 { x } else { 30.0 + 4.0 * (x - 30.0).min(10.0) };
         // Neighbours' ends count, so that what grows does so one sample earlier.
-        let knots = covering(&samples(|at| Some([0.0, bent(at)])), 4);
+        let knots = covering_knots(&samples(|at| Some([0.0, bent(at)])), 4);
         assert_eq!(knots.iter().map(|knot| knot.0).collect::<Vec<_>>(), [0.0, 29.0, 39.0, 200.0]);
         let [first, .., last] = knots.as_slice() else { panic!("knots") };
         assert!(first.1[0][1] >= 1.0 && last.1[0] == [0.0, 70.0], "{knots:?}");
@@ -168,23 +168,23 @@ mod tests {
         let torn = |at: f64| (!(60.0..90.0).contains(&at) && at < 170.0).then(|| wavy(at));
         for count in [2, 3, 8, 16, 300] {
             let samples = samples(torn);
-            let knots = covering(&samples, count);
+            let knots = covering_knots(&samples, count);
             assert!(knots.len() <= count);
             for at in (0..=2000).map(|tenth| f64::from(tenth) / 10.0) {
                 let (Some(before), Some(behind)) = (torn(libm::floor(at)), torn(libm::ceil(at))) else { continue };
-                let (told, [from, to]) = (read(&knots, at), hull(before, behind));
-                assert!(told[0] <= from + 1e-9 && told[1] >= to - 1e-9, "{count} {at}: {told:?} {from} {to}");
+                let (covered, [from, to]) = (read(&knots, at), hull(before, behind));
+                assert!(covered[0] <= from + 1e-9 && covered[1] >= to - 1e-9, "{count} {at}: {covered:?} {from} {to}");
             }
         }
     }
 
     #[test]
     fn with_a_knot_at_each_sample_nothing_is_where_nothing_was() {
-        let knots = covering(&samples(|at| (at < 60.0).then_some([10.0, 20.0])), 300);
+        let knots = covering_knots(&samples(|at| (at < 60.0).then_some([10.0, 20.0])), 300);
         let [from, to] = read(&knots, 61.5);
         assert!(from >= to, "{from} {to}");
-        assert_eq!(covering(&samples(|_| None), 16), [(0.0, [[0.0; 2]]), (200.0, [[0.0; 2]])]);
-        assert_eq!(covering(&samples(|_| Some([1.0, 2.0]))[..1], 16), [(0.0, [[1.0, 2.0]])]);
-        assert_eq!(covering::<1>(&[], 16), []);
+        assert_eq!(covering_knots(&samples(|_| None), 16), [(0.0, [[0.0; 2]]), (200.0, [[0.0; 2]])]);
+        assert_eq!(covering_knots(&samples(|_| Some([1.0, 2.0]))[..1], 16), [(0.0, [[1.0, 2.0]])]);
+        assert_eq!(covering_knots::<1>(&[], 16), []);
     }
 }

@@ -7,30 +7,30 @@
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::cup_mill::fit::{Room, Rooms};
-use crate::cup_mill::infeasible::Infeasible;
-use crate::cup_mill::plan::{AxisChoice, Prepared, Roughing, SlotPlan};
-use crate::cup_mill::turns::Around;
+use crate::cup_mill::infeasibility::Infeasible;
+use crate::cup_mill::plan::{AxisChoice, PreparedSlot, Roughing, SlotPlan};
+use crate::cup_mill::turns::Surroundings;
 use crate::cutter::CupMill;
 use crate::geometry::blisk::{Blisk, Slot};
 use crate::proof::floor::Floor;
-use crate::proof::left::Walls;
-use crate::proof::removed::{Removed, Stock, removed};
+use crate::proof::remaining::SlotWalls;
+use crate::proof::removal::{RemovedVolumes, Stock, removed};
 
 /// Slot to be planned.
 pub struct Problem<'p> {
     blisk: &'p Blisk,
     cutter: &'p CupMill,
     roughing: &'p Roughing,
-    prepared: Prepared<'p>,
+    prepared: PreparedSlot<'p>,
 }
 
 /// Plan and its removed volumes.
 #[derive(Clone, Debug)]
-pub struct Valued {
+pub struct ValuedPlan {
     /// Plan.
     pub plan: SlotPlan,
     /// Volumes.
-    pub removed: Removed,
+    pub removed: RemovedVolumes,
 }
 
 /// Width of the ring, and its result.
@@ -64,7 +64,7 @@ impl<'p> Problem<'p> {
         cutter: &'p CupMill,
         roughing: &'p Roughing,
     ) -> Result<Self, Infeasible> {
-        let prepared = Prepared::new(blisk, slot, roughing.allowance_mm)?;
+        let prepared = PreparedSlot::new(blisk, slot, roughing.allowance_mm)?;
         Ok(Problem { blisk, cutter, roughing, prepared })
     }
 
@@ -73,7 +73,7 @@ impl<'p> Problem<'p> {
     ///
     /// # Errors
     /// Reason for the roomiest axis, if there is no plan: the least missing width.
-    pub fn best(&self, admits: impl Fn(&SlotPlan) -> bool) -> Result<Valued, Infeasible> {
+    pub fn best(&self, admits: impl Fn(&SlotPlan) -> bool) -> Result<ValuedPlan, Infeasible> {
         let rooms = self.prepared.walls.rooms(self.cutter).ok_or(Infeasible::NoAxis)?;
         let along = |room: Room| self.along(AxisChoice::Found(room));
         let blade = || self.prepared.near_blade(self.cutter, || Some(rooms.roomiest)).map(along);
@@ -90,18 +90,18 @@ impl<'p> Problem<'p> {
     ///
     /// # Errors
     /// There is none.
-    pub fn along(&self, axis: AxisChoice) -> Result<Valued, Infeasible> {
+    pub fn along(&self, axis: AxisChoice) -> Result<ValuedPlan, Infeasible> {
         self.valued(self.cutter, axis)
     }
 
-    fn valued(&self, cutter: &CupMill, axis: AxisChoice) -> Result<Valued, Infeasible> {
+    fn valued(&self, cutter: &CupMill, axis: AxisChoice) -> Result<ValuedPlan, Infeasible> {
         let roughing = Roughing { axis, ..*self.roughing };
-        let (plan, Around { pressure, suction, .. }) = self.prepared.plan(cutter, &roughing)?;
-        let walls = Walls::between([pressure, suction], &self.blisk.hub, roughing.allowance_mm, plan.turn);
+        let (plan, Surroundings { pressure, suction, .. }) = self.prepared.plan(cutter, &roughing)?;
+        let walls = SlotWalls::between([pressure, suction], &self.blisk.hub, roughing.allowance_mm, plan.turn);
         let stock = Stock { blank: &self.blisk.blank, to_slot: plan.turn };
         let floor = Floor::new(cutter, &plan.path.steps());
         let removed = removed(&floor, plan.path.levels.len(), &stock, &walls, CELL_MM);
-        Ok(Valued { plan, removed })
+        Ok(ValuedPlan { plan, removed })
     }
 
     /// Result of a ring of another width about the same mean radius, along one axis.

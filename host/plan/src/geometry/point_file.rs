@@ -8,7 +8,7 @@ use crate::vector::Point;
 
 /// Axis and unit of a file's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drawn {
+pub struct PointFileFrame {
     /// Axis of rotation in the file's coordinates.
     pub axis: RotorAxis,
     /// Millimetres per unit of the file.
@@ -111,7 +111,7 @@ pub enum Fault {
     )]
     Radius {
         /// Radius in the column.
-        told_mm: f64,
+        stated_mm: f64,
         /// Radius from the coordinates.
         found_mm: f64,
         /// Axis of the file.
@@ -199,7 +199,7 @@ pub fn number(line: usize, (column, word): (usize, &str)) -> Result<f64, ReadErr
     value.ok_or_else(|| Fault::NotANumber(word.to_owned()).at(line, column))
 }
 
-impl Drawn {
+impl PointFileFrame {
     /// Converts a place of the file to the part frame.
     pub fn point(&self, place: [f64; 3]) -> Point {
         self.axis.to_part(place.map(|value| value * self.unit_mm))

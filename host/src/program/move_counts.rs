@@ -6,7 +6,7 @@ use arcfeed_shared::reader::Understood;
 
 /// Counts of moves; those of canned cycles and reference returns count one by one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
+pub struct MoveCounts {
     /// Arcs, helices among them.
     pub arcs: usize,
     /// Arcs that also move across their plane.
@@ -19,7 +19,7 @@ pub struct Tally {
     pub rotary: usize,
 }
 
-impl Tally {
+impl MoveCounts {
     /// Counts the moves of one more block.
     pub fn add(&mut self, block: &Understood) {
         if let Some(motion) = block.segment.and(block.step.motion) {

@@ -7,7 +7,7 @@ use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{LengthUnit, Nm};
 
 use super::groups::Group;
-use super::propose::{LikelyTool, Proposal, ProposedCut};
+use super::proposal::{LikelyTool, Proposal, ProposedCut};
 use super::survey::Survey;
 use super::wording::{self, length, lengths, quoted};
 

@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::vector::Point;
 
 use super::fit::Room;
-use super::side::Side;
+use super::side::OffsetSide;
 
 /// Reason why there is no plan.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -48,7 +48,7 @@ pub enum Infeasible {
 }
 
 /// Description of the place where the ring is blocked.
-pub fn narrow(room: &Room, pressure: &Side, suction: &Side) -> Infeasible {
+pub fn narrow(room: &Room, pressure: &OffsetSide, suction: &OffsetSide) -> Infeasible {
     let off = |point: &Point| (point.xy() - room.centre).norm();
     let tightest = [(pressure, 1.0, "pressure"), (suction, -1.0, "suction")].map(|(side, sign, name)| {
         let least = side.patch.least(|point| sign * off(point));

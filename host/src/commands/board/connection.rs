@@ -5,7 +5,7 @@ use arcfeed_shared::wire::link::LinkState;
 use arcfeed_shared::wire::message::{Message, table};
 
 use super::super::outcome::Failure;
-use crate::board::line::Line;
+use crate::board::line::BoardLine;
 use crate::board::words;
 use crate::port::url::PortUrl;
 
@@ -15,26 +15,26 @@ const TIMEOUT: Micros = Micros::from_ms(3_000);
 const LISTEN: Micros = Micros::from_ms(500);
 
 /// Connected board.
-pub struct Talk {
-    line: Line<'static>,
+pub struct BoardConnection {
+    line: BoardLine<'static>,
     heard: Vec<Message>,
 }
 
-impl Talk {
+impl BoardConnection {
     /// Connects to a board.
     ///
     /// # Errors
     /// It does not answer, or is incompatible.
     pub fn open(url: &PortUrl, baudrate: u32) -> Result<Self, Failure> {
-        let mut talk = Talk { line: Line::open(url, baudrate)?, heard: Vec::new() };
-        let started = talk.line.now();
-        while !talk.line.is_up() {
-            talk.turn()?;
-            if talk.line.now().since(started) >= TIMEOUT {
-                return Err(Failure::Machine(format!("{}: {}", url.text, words::link(talk.line.link().state()))));
+        let mut connection = BoardConnection { line: BoardLine::open(url, baudrate)?, heard: Vec::new() };
+        let started = connection.line.now();
+        while !connection.line.is_up() {
+            connection.turn()?;
+            if connection.line.now().since(started) >= TIMEOUT {
+                return Err(Failure::Machine(format!("{}: {}", url.text, words::link(connection.line.link().state()))));
             }
         }
-        Ok(talk)
+        Ok(connection)
     }
 
     /// One turn, and a wait.
@@ -80,7 +80,7 @@ impl Talk {
     ///
     /// # Errors
     /// The link is lost.
-    pub fn listen(&mut self) -> Result<(), Failure> {
+    pub fn measure_round_trip(&mut self) -> Result<(), Failure> {
         let until = self.line.now().after(LISTEN);
         while self.line.now() < until {
             self.turn()?;
@@ -92,13 +92,13 @@ impl Talk {
     ///
     /// # Errors
     /// The link is lost.
-    pub fn hear(&mut self) -> Result<Vec<Message>, Failure> {
+    pub fn take_messages(&mut self) -> Result<Vec<Message>, Failure> {
         self.turn()?;
         Ok(std::mem::take(&mut self.heard))
     }
 
     /// Board link.
-    pub fn line(&self) -> &Line<'static> {
+    pub fn line(&self) -> &BoardLine<'static> {
         &self.line
     }
 

@@ -10,7 +10,7 @@ use super::ProgramLine;
 
 /// Line that a block-delete switch may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Skipping {
+pub struct BlockDeleteEffect {
     /// The switch affects only functions such as M8: no move and no F, and the control is in the same state after the
     /// line.
     pub is_harmless: bool,
@@ -18,7 +18,7 @@ pub struct Skipping {
 
 /// Second reading; `None` while both agree.
 #[derive(Debug, Default)]
-pub(super) struct SkippingReader {
+pub(super) struct BlockDeleteReader {
     reader: Option<Reader>,
     /// Switch at which the readings diverge.
     switch: Option<u8>,
@@ -26,7 +26,7 @@ pub(super) struct SkippingReader {
     is_mixed: bool,
 }
 
-impl SkippingReader {
+impl BlockDeleteReader {
     /// Starts the second reading at a line that may have a `/`, and ends it where both readings agree; `before` is the
     /// control before that line.
     pub fn fork(&mut self, text: &[u8], before: &Reader) {
@@ -41,7 +41,7 @@ impl SkippingReader {
     }
 
     /// Reads the same line; `of` is the first reading of it, and `after` the control after that.
-    pub fn read(&mut self, text: &[u8], of: &ProgramLine, after: &Reader) -> Option<Skipping> {
+    pub fn read(&mut self, text: &[u8], of: &ProgramLine, after: &Reader) -> Option<BlockDeleteEffect> {
         let reader = self.reader.as_mut()?;
         let understood = reader.read(text).ok();
         let readings = || of.meaning.iter().chain(&understood);
@@ -56,7 +56,7 @@ impl SkippingReader {
             return None;
         }
         let is_harmless = understood.is_some() && reader.stands_like(after) && !readings().any(moves_or_feeds);
-        Some(Skipping { is_harmless: is_harmless && !self.is_mixed })
+        Some(BlockDeleteEffect { is_harmless: is_harmless && !self.is_mixed })
     }
 }
 
