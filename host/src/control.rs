@@ -159,7 +159,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_tells_offsets_lengths_and_conventions() {
+    fn a_file_gives_offsets_lengths_and_conventions() {
         let text = "unit = 'mm'\ndecimals = 'calculator'\ndelete = [1, 3]\n[work]\n'G54' = { X = -300.0 }\n\
                     'G54.1P48' = { B = 90.0 }\n[length]\n1 = 120.5\n[reference]\n2 = { Z = 5.0 }\n";
         let (settings, tables) = parse(Preset::Fanuc0i, Reading::Lenient, text).unwrap();

@@ -181,14 +181,14 @@ impl MappedMove {
             let knots = rows.as_ref().iter().map(knot).collect::<Option<Vec<EngagedKnot>>>();
             let knots =
                 knots.ok_or("from and to are degrees between -360 and 360, `to` at most 360 above `from`".into());
-            let built = knots.and_then(|knots| EngagedTable::new(&knots).map_err(|error| why(&error)));
+            let built = knots.and_then(|knots| EngagedTable::new(&knots).map_err(|error| description(&error)));
             built.map_err(|what| wrong(rows.span().start, what))
         });
         Ok(MappedMove { line: table.line, sequence: table.n, key, table: engaged.transpose()? })
     }
 }
 
-fn why(error: &EngagedError) -> String {
+fn description(error: &EngagedError) -> String {
     match error {
         EngagedError::Count => format!("a move has 1 to {ENGAGED_KNOTS_MAX} knots"),
         EngagedError::Order(index) => format!("the path must grow from knot to knot, and does not at {}", index + 1),

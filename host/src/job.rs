@@ -22,7 +22,7 @@ mod rules;
 
 pub mod workpiece;
 
-mod sending;
+mod feed_policy;
 
 mod serial;
 
@@ -91,7 +91,7 @@ pub struct JobFile {
     pub cutting: Option<Cutting>,
     /// The DNC line.
     pub serial: SerialSettings,
-    /// How the program is sent on the line.
+    /// Settings of the transmission on the line.
     pub dnc: DncSettings,
     /// Line and column of each cut rule in the file.
     pub rule_places: Vec<[usize; 2]>,
@@ -262,10 +262,10 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let limits = machine::build(table, unit, machine.as_ref())?;
     let job = Job {
         unit,
-        ceiling: sending::ceiling(table, unit, &tools, &limits)?,
+        ceiling: feed_policy::ceiling(table, unit, &tools, &limits)?,
         tools,
-        policy: sending::policy(&table.r#override, unit)?,
-        limits: sending::limits(&table.r#override)?,
+        policy: feed_policy::policy(&table.r#override, unit)?,
+        limits: feed_policy::limits(&table.r#override)?,
         machine: limits,
         rules,
         knots,

@@ -10,7 +10,7 @@ mod lines;
 
 mod summary;
 
-mod expand;
+mod expansion;
 
 mod source;
 
@@ -29,7 +29,7 @@ use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{LengthUnit, Nm};
 
 pub use block_delete::BlockDeleteEffect;
-pub use expand::{Expansion, Folder, RunBounds};
+pub use expansion::{Expansion, Folder, RunBounds};
 use lines::LineReader;
 pub use move_counts::MoveCounts;
 pub use move_trace::MoveTrace;

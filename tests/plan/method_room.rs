@@ -1,6 +1,6 @@
 //! The room of a ring against plain grids of directions and centres.
 
-use arcfeed_plan::cup_mill::fit::{Room, SidePoints};
+use arcfeed_plan::cup_mill::room::{Room, SidePoints};
 use arcfeed_plan::cup_mill::side::{FarEdge, Hub, OffsetSide};
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::geometry::blisk::{Blisk, Slot};

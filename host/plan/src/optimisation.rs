@@ -6,9 +6,9 @@
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-use crate::cup_mill::fit::{Room, Rooms};
 use crate::cup_mill::infeasibility::Infeasible;
 use crate::cup_mill::plan::{AxisChoice, PreparedSlot, Roughing, SlotPlan};
+use crate::cup_mill::room::{Room, Rooms};
 use crate::cup_mill::turns::Surroundings;
 use crate::cutter::CupMill;
 use crate::geometry::blisk::{Blisk, Slot};

@@ -94,14 +94,14 @@ impl<'p> BoardLine<'p> {
                 break;
             }
         }
-        self.put_out()
+        self.send_due()
     }
 
     /// Sends what is due.
     ///
     /// # Errors
     /// The port is gone.
-    pub fn put_out(&mut self) -> Result<(), PortError> {
+    pub fn send_due(&mut self) -> Result<(), PortError> {
         loop {
             if self.taken == self.len {
                 (self.taken, self.len) = (0, self.link.poll_transmit(self.port.now(), &mut self.frame));
@@ -141,7 +141,7 @@ impl<'p> BoardLine<'p> {
     /// The port is gone.
     pub fn close(mut self) -> Result<(), PortError> {
         self.link.close();
-        self.put_out()
+        self.send_due()
     }
 
     /// The link.

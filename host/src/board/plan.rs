@@ -19,7 +19,7 @@ use arcfeed_shared::wire::message::moves::{MoveError, encode, encode_arcs};
 use arcfeed_shared::wire::message::{Message, table};
 
 use crate::adapt::{Adapted, Known, PlannedBlock, adapt_with};
-use crate::dnc::restore::PowerOn;
+use crate::dnc::restored_state::PowerOn;
 use crate::dnc::transmission::Transmission;
 use crate::engagement::EngagementMap;
 use crate::program::{Program, ProgramLine};
@@ -63,7 +63,7 @@ impl MoveBounds {
 
 /// Rule that governs a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Governed<'a> {
+struct MoveRule<'a> {
     rule: usize,
     /// Spindle speed, if it differs from the tool's.
     spindle: Option<RevPerMin>,
@@ -122,7 +122,7 @@ impl BoardPlan {
             if let Some(block) = blocks.next_if(|block| block.line == index + 1) {
                 let rule = block.rule.filter(|_| block.demand.is_some());
                 let of_tool = |rule| job.rules.get(rule).map(|rule| job.tool_of(rule).spindle);
-                let governed = rule.map(|rule| Governed {
+                let governed = rule.map(|rule| MoveRule {
                     rule,
                     spindle: block.spindle.filter(|spindle| Some(*spindle) != of_tool(rule)),
                     along: block.along.as_ref(),
@@ -141,7 +141,7 @@ impl BoardPlan {
         &mut self,
         line: usize,
         segment: &Segment,
-        governed: Option<Governed<'_>>,
+        governed: Option<MoveRule<'_>>,
         bounds: MoveBounds,
     ) -> Result<(), MoveError> {
         for knot in governed.iter().filter_map(|governed| governed.along).flat_map(EngagedTable::knots) {
@@ -217,8 +217,8 @@ mod tests {
 
     use super::*;
 
-    fn governed(along: Option<&EngagedTable>) -> Option<Governed<'_>> {
-        Some(Governed { rule: 0, spindle: None, along })
+    fn governed(along: Option<&EngagedTable>) -> Option<MoveRule<'_>> {
+        Some(MoveRule { rule: 0, spindle: None, along })
     }
 
     fn table(knots: usize) -> EngagedTable {
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_that_cannot_be_told_is_refused() {
+    fn a_table_that_cannot_be_sent_is_refused() {
         let outer = EngagedInterval::EMPTY;
         let far = EngagedKnot { travelled: Mm(9e6), outer, inner: outer };
         let far = EngagedTable::new(&[far]).expect("a table");

@@ -86,7 +86,7 @@ pub enum BoardError {
     Link(LinkState),
     /// The board has acknowledged the parameters but does not answer them.
     #[error("board: no answer to the parameters for {} s", TIMEOUT.to_s())]
-    Mute,
+    NoAnswer,
     /// The board has refused a message.
     #[error("board: refused message {kind:#04x} ({reference}): {}", words::refusal(*why))]
     Refused {
@@ -134,7 +134,7 @@ impl<'p> BoardRun<'p> {
         heard.into_iter().for_each(|message| self.receive(message));
         self.check_link()?;
         self.send_due();
-        Ok(self.line.put_out()?)
+        Ok(self.line.send_due()?)
     }
 
     fn receive(&mut self, message: Message) {
@@ -170,7 +170,7 @@ impl<'p> BoardRun<'p> {
             Some(table::Refused { kind, reference, why }) => return Err(BoardError::Refused { kind, reference, why }),
             None => {}
         }
-        if self.stage == Stage::Loading && waited >= TIMEOUT { Err(BoardError::Mute) } else { Ok(()) }
+        if self.stage == Stage::Loading && waited >= TIMEOUT { Err(BoardError::NoAnswer) } else { Ok(()) }
     }
 
     fn send_due(&mut self) {
@@ -218,7 +218,7 @@ impl<'p> BoardRun<'p> {
     /// `blocks` blocks, continues; once for each standstill.
     pub fn standstill_line(&mut self, blocks: usize, sending: &Transmission) -> Option<usize> {
         let (now, done, by_control) = (self.line.now(), self.done(), self.plan.over(blocks, sending));
-        let stands = self.standstill.look(now, done, by_control);
+        let stands = self.standstill.check(now, done, by_control);
         self.plan.line_of(done).filter(|_| stands)
     }
 
@@ -278,7 +278,7 @@ impl<'p> BoardRun<'p> {
     ///
     /// # Errors
     /// The port is gone.
-    pub fn leave(mut self) -> Result<(), BoardError> {
+    pub fn release(mut self) -> Result<(), BoardError> {
         let disarm = table::Request { what: RequestCode::Disarm, epoch: 0 }.into();
         let started = self.line.now();
         let mut is_asked = false;

@@ -22,7 +22,7 @@ pub struct Standstill {
 impl Standstill {
     /// Compares the number of moves that the board has seen done with the least number that the control has done. True
     /// once for each standstill.
-    pub fn look(&mut self, now: Micros, done: usize, by_control: usize) -> bool {
+    pub fn check(&mut self, now: Micros, done: usize, by_control: usize) -> bool {
         if done != self.done || by_control <= done {
             *self = Standstill { done, ..Standstill::default() };
         }
@@ -42,10 +42,10 @@ mod tests {
     /// control.
     fn reported(seen: &[(usize, usize)]) -> Vec<usize> {
         let mut standstill = Standstill::default();
-        let mut look = |at: usize, (done, by_control): (usize, usize)| {
-            standstill.look(Micros::from_ms(500 * at as u64), done, by_control)
+        let mut check = |at: usize, (done, by_control): (usize, usize)| {
+            standstill.check(Micros::from_ms(500 * at as u64), done, by_control)
         };
-        seen.iter().enumerate().filter(|(at, seen)| look(*at, **seen)).map(|(at, _)| at).collect()
+        seen.iter().enumerate().filter(|(at, seen)| check(*at, **seen)).map(|(at, _)| at).collect()
     }
 
     #[test]
@@ -58,7 +58,7 @@ mod tests {
     }
 
     #[test]
-    fn a_count_that_stands_still_is_told_once_and_again_when_it_stood_still_anew() {
+    fn a_count_that_stands_still_is_reported_once_and_again_when_it_stood_still_anew() {
         let stands = [(3, 4); 20];
         assert_eq!(reported(&stands), [6]);
         assert_eq!(reported(&[&stands[..], &[(4, 4)], &[(4, 9); 20]].concat()), [6, 27]);

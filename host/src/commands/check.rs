@@ -241,7 +241,7 @@ impl Check {
         if self.json {
             path_report.print_json();
         } else {
-            path_report.complain();
+            path_report.print_findings();
             say(format_args!("{}", path_report.summary()));
         }
         path_report.verdict()

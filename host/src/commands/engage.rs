@@ -16,7 +16,7 @@ use super::outcome::{Failure, load_unmapped, refuse_inputs, say, write_whole};
 use super::simulate::control::control_settings;
 use super::simulate::in_memory_of;
 use super::simulate::material_figures::left_out_figures;
-use super::simulate::observer::run_seen;
+use super::simulate::observer::run_observed;
 use super::simulate::setup::Setup;
 use crate::adapt::{PlanReason, PlannedBlock, adapt};
 use crate::console::note;
@@ -115,8 +115,8 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
         machine: file.machine.as_ref().map(|named| named.machine),
     });
     let mut simulation = in_memory_of(settings, file, &program.bytes(), ControllerFault::LawOff)?;
-    run_seen(&mut simulation, Some("looking"), |simulation| {
-        meter.observe(simulation);
+    run_observed(&mut simulation, Some("looking"), |simulation| {
+        meter.see(simulation);
         Ok(())
     })?;
     meter.end();

@@ -105,7 +105,7 @@ impl PathReport<'_> {
     }
 
     /// Prints all findings on stderr.
-    pub fn complain(&self) {
+    pub fn print_findings(&self) {
         for finding in &self.plan.findings {
             note(format_args!("{}:{finding}", self.path.display()));
         }

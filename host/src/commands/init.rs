@@ -16,7 +16,7 @@ use crate::job::questions::{self, Question};
 use crate::output;
 use crate::program::{Program, Severity};
 
-/// Write a first job file from a program: what its arcs make likely, and what is still to be told as questions in place
+/// Write a first job file from a program: likely values from its arcs, and open questions in place of missing values
 #[derive(Debug, clap::Args)]
 pub struct Init {
     /// The NC program

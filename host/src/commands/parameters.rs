@@ -46,7 +46,7 @@ impl Parameters {
                 }
                 ParametersError::Number => format!("{job}: it has a number that no board takes"),
                 ParametersError::Along(index) => format!(
-                    "{job}: cut rule {}: its engaged arcs are told with each move, and at a tapped line there is nobody to tell them: \
+                    "{job}: cut rule {}: its engaged arcs are sent with each move, and at a tapped line no sender has them: \
                      send with arcfeed stream --board, or give the rule a shape or a table as its stock",
                     index + 1
                 ),

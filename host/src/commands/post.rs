@@ -92,7 +92,7 @@ impl Post {
         let plan = AxisPlan::new(&cl, &task);
         let (points, passed_over) = (cl.points.len(), Some(cl.passed_over));
         let path_report = PathReport { path: &self.input, points, passed_over, machine: &file.name, plan: &plan };
-        path_report.complain();
+        path_report.print_findings();
         if self.json {
             path_report.print_json();
         }

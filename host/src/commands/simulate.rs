@@ -123,14 +123,14 @@ impl Simulate {
 }
 
 /// Result of a run, and the time of its end.
-struct Ended {
+struct RunEnd {
     result: Result<(), Failure>,
     ended: Instant,
 }
 
 /// Runs both to their ends, each on a thread of its own: they share nothing. Only the first shows its progress.
-fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut Simulation; 2]) -> [Ended; 2] {
-    let run = |observer: &mut RunObserver, simulation: &mut Simulation| Ended {
+fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut Simulation; 2]) -> [RunEnd; 2] {
+    let run = |observer: &mut RunObserver, simulation: &mut Simulation| RunEnd {
         result: observer.run(simulation),
         ended: Instant::now(),
     };

@@ -15,7 +15,7 @@ pub struct DamageMonitor {
 
 impl DamageMonitor {
     /// Checks the counters once per period; warns if characters were damaged since the last check.
-    pub fn look(&mut self, now: Micros, count: impl FnOnce() -> Option<Counts>) -> Option<String> {
+    pub fn check(&mut self, now: Micros, count: impl FnOnce() -> Option<Counts>) -> Option<String> {
         if now < self.due {
             return None;
         }
@@ -53,25 +53,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_increase_is_told_once_and_not_more_often_than_counters_are_read() {
+    fn each_increase_is_reported_once_and_not_more_often_than_counters_are_read() {
         let mut damage = DamageMonitor::default();
         let parity = |parity| Some(Counts { parity, ..Counts::default() });
         let at = Micros::from_ms;
-        assert_eq!(damage.look(at(0), || parity(0)), None);
-        assert_eq!(damage.look(at(100), || panic!("too soon")), None);
-        let warning = damage.look(at(200), || parity(2)).expect("two damaged characters");
+        assert_eq!(damage.check(at(0), || parity(0)), None);
+        assert_eq!(damage.check(at(100), || panic!("too soon")), None);
+        let warning = damage.check(at(200), || parity(2)).expect("two damaged characters");
         assert!(warning.contains("2 with wrong parity.") && warning.contains("DC3"), "{warning}");
-        assert_eq!(damage.look(at(400), || parity(2)), None);
+        assert_eq!(damage.check(at(400), || parity(2)), None);
         let both = Counts { parity: 3, breaks: 1, ..Counts::default() };
         assert!(
             damage
-                .look(at(600), || Some(both))
+                .check(at(600), || Some(both))
                 .is_some_and(|warning| warning.contains("1 with wrong parity, 1 breaks."))
         );
     }
 
     #[test]
     fn a_port_that_cannot_say_is_no_reason_for_a_warning() {
-        assert_eq!(DamageMonitor::default().look(Micros(0), || None), None);
+        assert_eq!(DamageMonitor::default().check(Micros(0), || None), None);
     }
 }

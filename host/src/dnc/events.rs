@@ -31,7 +31,7 @@ impl Events {
 
     /// Messages for the changes since the last check; the control has started `executed` blocks and has this alarm, if
     /// it reports so.
-    pub fn look(&mut self, sender: &Sender, executed: Option<usize>, alarm: Option<&str>) -> Vec<String> {
+    pub fn messages(&mut self, sender: &Sender, executed: Option<usize>, alarm: Option<&str>) -> Vec<String> {
         let mut new = Vec::new();
         self.signals(sender, &mut new);
         let sending = sender.transmission();
@@ -92,24 +92,24 @@ mod tests {
     use crate::dnc::transmission::{Transmission, Wire};
 
     #[test]
-    fn what_happens_between_two_looks_is_told_in_its_order() {
+    fn what_happens_between_two_looks_is_reported_in_its_order() {
         let wire = Wire { encode: Some, filters: false, tv_check: false };
         let sending = Transmission::new(b"%\nG0X1.\nM30\n%\n", |at| at + 1, &wire).unwrap();
         let pace = Pace::new(11, 9_600, Some(Micros(0)));
         let line = LineUse { pace, xonxoff: true, eight_bits: false, start_timeout: None, xoff_timeout: None };
         let mut sender = Sender::new(sending, line);
         let mut events = Events::new(&sender);
-        assert!(events.look(&sender, None, None).is_empty());
+        assert!(events.messages(&sender, None, None).is_empty());
         let (now, mut out) = (Micros::from_ms(1_000), [0; CHUNK]);
         sender.on_bytes(now, &[0x11, 0x13, 0x11]);
-        assert_eq!(events.look(&sender, None, None), ["DC1", "DC3", "DC1"]);
+        assert_eq!(events.messages(&sender, None, None), ["DC1", "DC3", "DC1"]);
         for ms in 1_000..1_020 {
             sender.poll_transmit(Micros::from_ms(ms), &mut out);
         }
         sender.on_bytes(now, &[0x13]);
-        let found = events.look(&sender, Some(1), Some("PS0010"));
+        let found = events.messages(&sender, Some(1), Some("PS0010"));
         assert_eq!(found[..2], ["DC3".to_owned(), "sent line 3: G0X1.".to_owned()]);
         assert_eq!(found[found.len() - 3..], ["executes line 3", "alarm: PS0010", "all sent"]);
-        assert!(events.look(&sender, Some(1), Some("PS0010")).is_empty());
+        assert!(events.messages(&sender, Some(1), Some("PS0010")).is_empty());
     }
 }

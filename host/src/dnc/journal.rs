@@ -61,13 +61,13 @@ pub enum Record {
         /// Characters out.
         sent: usize,
         /// Reason.
-        how: How,
+        how: EndReason,
     },
 }
 
 /// Reason for which a sender ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum How {
+pub enum EndReason {
     /// All characters are out.
     Complete,
     /// The operator stopped it.
@@ -88,7 +88,7 @@ pub struct History {
     /// The control had stopped then, so that no later block was started.
     pub stands: bool,
     /// Reason for the end, if the sender ended.
-    pub ended: Option<How>,
+    pub ended: Option<EndReason>,
     /// Characters torn off at the end.
     pub torn: usize,
 }
@@ -106,12 +106,12 @@ pub enum JournalError {
     Line(usize),
 }
 
-impl How {
+impl EndReason {
     const fn word(self) -> &'static str {
         match self {
-            How::Complete => "complete",
-            How::Aborted => "aborted",
-            How::Failed => "failed",
+            EndReason::Complete => "complete",
+            EndReason::Aborted => "aborted",
+            EndReason::Failed => "failed",
         }
     }
 }
@@ -165,8 +165,8 @@ pub fn read(bytes: &[u8]) -> Result<History, JournalError> {
             Some(Record::Out { sent: out, until }) => sent = [out, until],
             Some(Record::Executed { blocks, stands }) => (executed, history.stands) = (Some(blocks), stands),
             // Characters given to a failed line need not have left.
-            Some(Record::End { sent: out, how: How::Failed }) => {
-                (sent, history.ended) = ([sent[0].min(out), out], Some(How::Failed));
+            Some(Record::End { sent: out, how: EndReason::Failed }) => {
+                (sent, history.ended) = ([sent[0].min(out), out], Some(EndReason::Failed));
             }
             Some(Record::End { sent: out, how }) => (sent, history.ended) = ([out; 2], Some(how)),
             // Valid record in the wrong place: one before it is missing.
@@ -216,7 +216,9 @@ fn parse(text: &str, number: u32) -> Option<Record> {
         "executed" => Record::Executed { blocks: count("blocks")?, stands: field(fields, "stands")? == "1" },
         "end" => {
             let word = field(fields, "how")?;
-            let how = [How::Complete, How::Aborted, How::Failed].into_iter().find(|how| how.word() == word)?;
+            let how = [EndReason::Complete, EndReason::Aborted, EndReason::Failed]
+                .into_iter()
+                .find(|how| how.word() == word)?;
             Record::End { sent: count("sent")?, how }
         }
         _ => return None,
@@ -254,9 +256,9 @@ mod tests {
     fn the_last_records_count() {
         let history = read(&journal(&START, &records())).unwrap();
         assert_eq!((history.sent, history.executed, history.ended), ([98, 210], Some(5), None));
-        let end = Record::End { sent: 207, how: How::Aborted };
+        let end = Record::End { sent: 207, how: EndReason::Aborted };
         let history = read(&journal(&START, &[records().as_slice(), &[end]].concat())).unwrap();
-        assert_eq!((history.sent, history.ended), ([207, 207], Some(How::Aborted)));
+        assert_eq!((history.sent, history.ended), ([207, 207], Some(EndReason::Aborted)));
     }
 
     #[test]

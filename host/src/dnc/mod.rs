@@ -32,7 +32,7 @@ pub mod journal;
 
 pub mod functions;
 
-pub mod restore;
+pub mod restored_state;
 
 pub mod reports;
 

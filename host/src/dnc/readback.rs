@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_difference_is_told_with_its_place_in_what_was_sent() {
+    fn the_first_difference_is_reported_with_its_place_in_what_was_sent() {
         for (received, place) in [
             ("%\nO12(A PART)\nN1G1X1.6F100.\nM30\n%\n", (3, 10)),
             ("%\nO12(A PART)\nN1G1X1.5F100\nM30\n%\n", (3, 16)),

@@ -20,7 +20,7 @@
 use arcfeed_shared::nc::modal::{Modal, Stop};
 use arcfeed_shared::units::LengthUnit;
 
-use super::restore::PowerOn;
+use super::restored_state::PowerOn;
 use super::transmission::{Transmission, TransmissionFault, Wire};
 
 /// Start of each report.
@@ -46,7 +46,7 @@ struct Expected {
 
 /// Finding of a report.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Remark {
+pub enum ReportFinding {
     /// The control does not execute the program that was sent.
     Differs(String),
     /// A report is missing or cannot be read: the blocks before it are unconfirmed.
@@ -70,7 +70,7 @@ impl Reports {
     ///
     /// # Errors
     /// The control's code lacks a character.
-    pub fn put_into(
+    pub fn insert_into(
         sent: &Transmission,
         every: usize,
         control: &PowerOn,
@@ -136,7 +136,7 @@ impl Reports {
     }
 
     /// Reads text that the control has printed.
-    pub fn hear(&mut self, bytes: &[u8]) -> Vec<Remark> {
+    pub fn read_printed(&mut self, bytes: &[u8]) -> Vec<ReportFinding> {
         let mut remarks = Vec::new();
         for byte in bytes.iter().map(|byte| byte & 0x7F) {
             if self.line.len() < LINE_MAX {
@@ -150,7 +150,7 @@ impl Reports {
         remarks
     }
 
-    fn read(&mut self, line: &[u8]) -> Option<Remark> {
+    fn read(&mut self, line: &[u8]) -> Option<ReportFinding> {
         let text: String = line.iter().filter(|byte| byte.is_ascii_graphic()).map(|byte| char::from(*byte)).collect();
         if self.expected.is_empty() || !text.starts_with(NAME) {
             if self.printed.len() < PRINTED_MAX {
@@ -158,11 +158,11 @@ impl Reports {
             }
             return None;
         }
-        let corrupted = || Remark::Doubtful(format!("a report of the control cannot be read: `{text}`"));
+        let corrupted = || ReportFinding::Doubtful(format!("a report of the control cannot be read: `{text}`"));
         let Some((number, values)) = parse(&text) else { return Some(corrupted()) };
         let rest = self.expected.get(self.next..).unwrap_or_default();
         let Some(ahead) = rest.iter().position(|expected| expected.line == number) else {
-            return Some(Remark::Differs(format!(
+            return Some(ReportFinding::Differs(format!(
                 "the control reports line {number}, and no such report was to come now"
             )));
         };
@@ -173,7 +173,7 @@ impl Reports {
         {
             let tolerance = if name == "F" { 0.001 } else { expected.tolerance };
             if (found - wanted).abs() > 1.01 * tolerance {
-                return Some(Remark::Differs(format!(
+                return Some(ReportFinding::Differs(format!(
                     "the control reports {name}{found} behind line {number}, and the program has {name}{wanted} there: what \
                      it reads is not what was sent"
                 )));
@@ -182,7 +182,7 @@ impl Reports {
         self.heard += 1;
         self.last = Some((expected.line, expected.index));
         (ahead > 0).then(|| {
-            Remark::Doubtful(format!(
+            ReportFinding::Doubtful(format!(
                 "no report of line {missing} has come, but that of line {number} says what it should"
             ))
         })

@@ -9,7 +9,7 @@ use arcfeed_shared::units::Nm;
 use serde::Serialize;
 
 use super::journal::History;
-use super::restore::{Before, PowerOn};
+use super::restored_state::{PowerOn, StateBefore};
 use super::transmission::Transmission;
 
 /// Restart, to be shown before anything moves. Lines are those of the program's file.
@@ -26,13 +26,13 @@ pub struct RestartPlan {
     /// Blocks sent before that line.
     pub blocks: Vec<String>,
     /// Cutting blocks that were executed and come again.
-    pub repeats: Cuts,
+    pub repeats: CutRange,
     /// Cutting blocks that come again and may have been executed.
-    pub may_repeat: Cuts,
+    pub may_repeat: CutRange,
     /// Cutting blocks that were never executed and do not come.
-    pub skips: Cuts,
+    pub skips: CutRange,
     /// Cutting blocks that do not come and may not have been executed.
-    pub may_skip: Cuts,
+    pub may_skip: CutRange,
     /// Tool that must be in the spindle.
     pub tool: Option<i64>,
     /// M codes of the machine's builder in the part before: the operator has to restore their effect.
@@ -44,7 +44,7 @@ pub struct RestartPlan {
 
 /// Cutting blocks, by their lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Cuts {
+pub struct CutRange {
     /// Number of blocks.
     pub count: usize,
     /// First and last line.
@@ -53,7 +53,7 @@ pub struct Cuts {
 
 /// Request for a restart.
 #[derive(Clone, Copy, Debug)]
-pub struct Wanted {
+pub struct RestartRequest {
     /// Line of the program's file; `None`: the block that was under way.
     pub line: Option<usize>,
     /// Clearance in the program's coordinates.
@@ -65,7 +65,12 @@ impl RestartPlan {
     ///
     /// # Errors
     /// Describes why there is none.
-    pub fn new(sent: &Transmission, history: &History, wanted: &Wanted, control: &PowerOn) -> Result<Self, String> {
+    pub fn new(
+        sent: &Transmission,
+        history: &History,
+        wanted: &RestartRequest,
+        control: &PowerOn,
+    ) -> Result<Self, String> {
         let under_way = history.executed.map(|blocks| sent.line_of_block(blocks.max(1)).unwrap_or(1));
         let index = match (wanted.line, under_way.filter(|_| history.stands)) {
             (Some(line), _) => sent.lines().iter().position(|sent| sent.source == line).filter(|index| *index > 0),
@@ -84,11 +89,11 @@ impl RestartPlan {
             }
         };
         let index = index.ok_or("no such line in the program, or one that a restart cannot begin with")?;
-        let before = Before::line(sent, index, control)?;
+        let before = StateBefore::line(sent, index, control)?;
         let line = sent.lines()[index].source;
         let blocks = before.blocks(line, wanted.clearance, control)?;
         let cuts = cutting(sent, control);
-        let among = |from: usize, to: usize| Cuts::of(sent, &cuts, from, to);
+        let among = |from: usize, to: usize| CutRange::of(sent, &cuts, from, to);
         // It is unknown how much of the line under way is cut: it counts as repeated, and as left out if it does not
         // come.
         let out = sent.line_at(history.sent[1].saturating_sub(1)) + 1;
@@ -119,12 +124,12 @@ impl RestartPlan {
     }
 }
 
-impl Cuts {
+impl CutRange {
     fn of(sent: &Transmission, cuts: &[bool], from: usize, to: usize) -> Self {
         let lines = (from..to.min(cuts.len())).filter(|index| cuts[*index]);
         let found: Vec<usize> = lines.map(|index| sent.lines()[index].source).collect();
         let ends = found.first().zip(found.last());
-        Cuts { count: found.len(), lines: ends.map(|(first, last)| [*first, *last]) }
+        CutRange { count: found.len(), lines: ends.map(|(first, last)| [*first, *last]) }
     }
 }
 
@@ -167,11 +172,11 @@ mod tests {
             History { start: Start::default(), sent, executed, stands: executed.is_some(), ended: None, torn: 0 };
         let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);
         let control = PowerOn { settings, tables: Tables::default() };
-        RestartPlan::new(&transmission, &history, &Wanted { line, clearance: None }, &control)
+        RestartPlan::new(&transmission, &history, &RestartRequest { line, clearance: None }, &control)
     }
 
-    fn cuts(count: usize, first: usize, last: usize) -> Cuts {
-        Cuts { count, lines: Some([first, last]) }
+    fn cuts(count: usize, first: usize, last: usize) -> CutRange {
+        CutRange { count, lines: Some([first, last]) }
     }
 
     #[test]
@@ -180,7 +185,7 @@ mod tests {
         assert_eq!((plan.line, plan.executed), (5, Some(5)));
         assert_eq!(
             (plan.repeats, plan.skips, plan.may_repeat, plan.may_skip.count),
-            (cuts(1, 5, 5), Cuts::default(), Cuts::default(), 0)
+            (cuts(1, 5, 5), CutRange::default(), CutRange::default(), 0)
         );
     }
 

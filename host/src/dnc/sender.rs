@@ -100,12 +100,12 @@ pub enum State {
     /// Aborted.
     Cut,
     /// Given up.
-    Failed(Why),
+    Failed(FailureReason),
 }
 
 /// Reason of the failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Why {
+pub enum FailureReason {
     /// No DC1 in this time.
     NoStart(Micros),
     /// No DC1 after DC3 in this time.
@@ -145,11 +145,11 @@ impl Sender {
     /// Reads characters of the control.
     pub fn on_bytes(&mut self, now: Micros, bytes: &[u8]) {
         for &byte in bytes {
-            self.hear(now, byte);
+            self.on_byte(now, byte);
         }
     }
 
-    fn hear(&mut self, now: Micros, byte: u8) {
+    fn on_byte(&mut self, now: Micros, byte: u8) {
         // DC3 has three ones: with an even-parity bit it is 0x93.
         let byte = if self.line.eight_bits && byte == DC3 | PARITY { DC3 } else { byte };
         match byte {
@@ -219,8 +219,10 @@ impl Sender {
             (Intent::Abort { since }, _) => {
                 (!self.is_within_block() || now.since(since) >= ABORT_MAX).then_some(State::Cut)
             }
-            (_, Flow::Silent) => is_late(self.line.start_timeout).map(|limit| State::Failed(Why::NoStart(limit))),
-            (_, Flow::Stop) => is_late(self.line.xoff_timeout).map(|limit| State::Failed(Why::NoXon(limit))),
+            (_, Flow::Silent) => {
+                is_late(self.line.start_timeout).map(|limit| State::Failed(FailureReason::NoStart(limit)))
+            }
+            (_, Flow::Stop) => is_late(self.line.xoff_timeout).map(|limit| State::Failed(FailureReason::NoXon(limit))),
             (_, Flow::Go) => None,
         };
     }
@@ -332,7 +334,7 @@ impl Sender {
     }
 
     /// Text that the control has printed since the last call: DC2, text, DC4.
-    pub fn take_heard(&mut self) -> Vec<u8> {
+    pub fn take_printed(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.heard)
     }
 
@@ -352,17 +354,17 @@ impl Sender {
     }
 }
 
-impl fmt::Display for Why {
+impl fmt::Display for FailureReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Why::NoStart(waited) => write!(
+            FailureReason::NoStart(waited) => write!(
                 f,
                 "the control has not asked for the program for {} s (no DC1); nothing was sent. Start DNC operation after \
                  this command, not before: DC1 comes once. Then check channel, baud rate, parity and that the cable's \
                  transmit and receive lines are crossed",
                 waited.to_s()
             ),
-            Why::NoXon(waited) => write!(
+            FailureReason::NoXon(waited) => write!(
                 f,
                 "the control has taken nothing since its DC3 {} s ago. It executes a long block, waits at M00 or feed hold, \
                  is in alarm, or its DC1 was lost on the line. Nothing is sent without it; look at the control, press RESET \

@@ -6,7 +6,7 @@
 
 /// Block of a transmission.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Load {
+pub struct BlockLoad {
     /// Characters, including the end of block.
     pub characters: usize,
     /// Execution time in the midst of other blocks, s.
@@ -15,18 +15,18 @@ pub struct Load {
     pub alone_s: f64,
 }
 
-impl Load {
+impl BlockLoad {
     /// Move of a length at a speed, with an acceleration: `s/v`, and from rest to rest `s/v + v/a` or, where v is not
     /// reached, `2 sqrt(s/a)`.
     pub fn of_move(characters: usize, way_mm: f64, speed_mm_per_s: f64, acceleration_mm_per_s2: f64) -> Self {
         let (s, v, a) = (way_mm, speed_mm_per_s, acceleration_mm_per_s2);
         let alone_s = if s * a < v * v { 2.0 * libm::sqrt(s / a) } else { s / v + v / a };
-        Load { characters, time_s: s / v, alone_s }
+        BlockLoad { characters, time_s: s / v, alone_s }
     }
 
     /// Dwell, or a block without motion.
     pub fn of_time(characters: usize, time_s: f64) -> Self {
-        Load { characters, time_s, alone_s: time_s }
+        BlockLoad { characters, time_s, alone_s: time_s }
     }
 }
 
@@ -41,7 +41,7 @@ pub struct Wait {
 
 /// Predicts the waits at a line of `chars_per_s`, for a buffer of `buffer` characters. The time before the first block
 /// with an execution time is no wait.
-pub fn predict(loads: &[Load], chars_per_s: f64, buffer: usize) -> Vec<Wait> {
+pub fn predict(loads: &[BlockLoad], chars_per_s: f64, buffer: usize) -> Vec<Wait> {
     let (mut waits, mut begun): (Vec<Wait>, Vec<f64>) = (Vec::new(), Vec::with_capacity(loads.len()));
     let (mut arrived, mut free, mut has_moved) = (0.0_f64, 0.0_f64, false);
     let (mut oldest, mut held, mut rests) = (0, 0, true);
@@ -84,12 +84,12 @@ fn add(waits: &mut Vec<Wait>, index: usize, time_s: f64) {
 mod tests {
     use super::*;
 
-    fn load(characters: usize, time_s: f64) -> Load {
-        Load::of_time(characters, time_s)
+    fn load(characters: usize, time_s: f64) -> BlockLoad {
+        BlockLoad::of_time(characters, time_s)
     }
 
     #[test]
-    fn a_line_as_fast_as_the_program_starves_nobody() {
+    fn a_line_as_fast_as_the_program_causes_no_wait() {
         assert_eq!(predict(&[load(10, 0.01); 50], 1_000.0, 200), []);
     }
 
@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn a_block_that_is_alone_takes_longer() {
         // 0.1 mm at 500 mm/s2 from rest to rest: 28.3 ms, where 20 characters take 20 ms: the control never waits.
-        let alone = Load::of_move(20, 0.1, 100.0, 500.0);
+        let alone = BlockLoad::of_move(20, 0.1, 100.0, 500.0);
         assert!((alone.alone_s - 0.028_284).abs() < 1e-6 && (alone.time_s - 0.001).abs() < 1e-12, "{alone:?}");
         let waits = predict(&[alone; 50], 1_000.0, 200);
         let waited: f64 = waits.iter().map(|wait| wait.time_s).sum();

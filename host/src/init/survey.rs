@@ -92,10 +92,10 @@ fn survey(program: &Program, unit: Option<LengthUnit>) -> Survey {
         if let (Some(last), Some(before)) = (found.arcs.last_mut(), &before)
             && before.arc().is_some()
         {
-            last.is_corner = last.is_corner && goes_smoothly(before, &segment);
+            last.is_corner = last.is_corner && joins_smoothly(before, &segment);
         }
         if let Some(arc) = segment.arc() {
-            let is_corner = before.as_ref().is_some_and(|before| goes_smoothly(before, &segment));
+            let is_corner = before.as_ref().is_some_and(|before| joins_smoothly(before, &segment));
             found.arcs.push(FoundArc { tool, is_corner, ..FoundArc::new(index + 1, &segment, arc) });
         }
         found.lines += usize::from(segment.path == Path::Line);
@@ -144,7 +144,7 @@ fn is_change(block: &Block) -> bool {
 }
 
 /// One cutting move continues in the direction in which the other ends.
-fn goes_smoothly(before: &Segment, after: &Segment) -> bool {
+fn joins_smoothly(before: &Segment, after: &Segment) -> bool {
     let (Some(out), Some(into)) = (direction(before, 1.0), direction(after, 0.0)) else { return false };
     let dot: f64 = out.iter().zip(&into).map(|(a, b)| a * b).sum();
     before.end == after.start && dot > SMOOTH_COSINE

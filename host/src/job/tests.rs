@@ -326,7 +326,7 @@ fn several_tools_have_laws_speeds_and_rules_of_their_own_or_the_jobs() {
 }
 
 #[test]
-fn several_tools_that_cannot_be_told_apart_are_refused() {
+fn several_tools_that_cannot_be_distinguished_are_refused() {
     let many =
         (0..9).map(|number| format!("[[tool]]\nnumber = {number}\nkind = \"end-mill\"\ndiameter = 9\nteeth = 2\n"));
     let [before, _] = [0, 1].map(|part| TWO_TOOLS.split("[[tool]]").nth(part).expect("its tables"));

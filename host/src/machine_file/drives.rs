@@ -169,7 +169,7 @@ mod tests {
     const AXIS: DriveValues = [Some(6_000.0), Some(500.0), Some(20_000.0)];
 
     #[test]
-    fn drives_are_told_of_all_axes_or_of_none() {
+    fn drives_are_given_for_all_axes_or_of_none() {
         let tolerance = Tolerance::default();
         assert_eq!(Drives::new([[Some(6_000.0), None, None]; 5], tolerance), Ok(None));
         let drives = Drives::new([AXIS; 5], tolerance).unwrap().unwrap();

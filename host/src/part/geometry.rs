@@ -78,13 +78,13 @@ fn from_curves(
     let [hub, shroud, profile] = [&files.hub, &files.shroud, &files.profile].map(|file| read(file, folder));
     let (hub, shroud, profile) = (hub?, shroud?, profile?);
     let texts = Texts { hub: &hub, shroud: &shroud, profile: &profile };
-    let found = curves::read(&texts, &drawn(files.axis, files.units, unit)).map_err(|(which, error)| {
+    let found = curves::read(&texts, &frame(files.axis, files.units, unit)).map_err(|(which, error)| {
         let file = match which {
             CurveFile::Hub => &files.hub,
             CurveFile::Shroud => &files.shroud,
             CurveFile::Profile => &files.profile,
         };
-        there(file, folder, &error)
+        in_file(file, folder, &error)
     })?;
     Ok((blades, Revolution { profile_mm: found.hub.between(blank.faces_mm) }, found.blade))
 }
@@ -99,8 +99,8 @@ fn from_sections(
     let blades = blades(&table.blades)?;
     let hub = cylinder(length_mm(&table.hub_radius, unit, "hub_radius")?, blank);
     let text = read(&table.file, folder)?;
-    let blade = sections::read(&text, &drawn(table.axis, table.units, unit), &hub)
-        .map_err(|error| there(&table.file, folder, &error))?;
+    let blade = sections::read(&text, &frame(table.axis, table.units, unit), &hub)
+        .map_err(|error| in_file(&table.file, folder, &error))?;
     Ok((blades, hub, blade))
 }
 
@@ -112,7 +112,7 @@ fn blades(entry: &Spanned<u32>) -> Result<u32, Complaint> {
 }
 
 /// Interpretation of the points of a file; they are in the part's units unless `units` is given.
-fn drawn(axis: RotorWord, units: Option<PointUnit>, unit: LengthUnit) -> PointFileFrame {
+fn frame(axis: RotorWord, units: Option<PointUnit>, unit: LengthUnit) -> PointFileFrame {
     let axis = match axis {
         RotorWord::X => RotorAxis::X,
         RotorWord::Y => RotorAxis::Y,
@@ -133,7 +133,7 @@ fn read(file: &Spanned<String>, folder: &Path) -> Result<String, Complaint> {
     std::fs::read_to_string(&path).map_err(|error| at(file, &format!("{}: {error}", path.display())))
 }
 
-fn there(file: &Spanned<String>, folder: &Path, error: &ReadError) -> PartError {
+fn in_file(file: &Spanned<String>, folder: &Path, error: &ReadError) -> PartError {
     let ReadError { line, column, fault } = error;
     let path = folder.join(file.as_ref());
     PartError::There(FileError::Content { path, line: *line, column: *column, message: fault.to_string() })

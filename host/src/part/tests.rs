@@ -33,7 +33,7 @@ fn the_example_is_a_part() {
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_place() {
+fn what_is_wrong_is_reported_with_its_place() {
     let message = refused("inner_radius = 4.43706", "inner_radius = 5.1");
     let line = line_of("inner_radius");
     assert_eq!(
@@ -71,7 +71,7 @@ fn with_files(folder: &Path, geometry: &str) -> Result<PartFile, FileError> {
 }
 
 #[test]
-fn files_are_read_beside_the_part_and_their_faults_are_told_there() {
+fn files_are_read_beside_the_part_and_their_faults_are_reported_there() {
     let folder = tempfile::tempdir().unwrap();
     let table = include_str!("../../../tests/plan/blisk_sections.csv");
     std::fs::write(folder.path().join("rotor.csv"), table).unwrap();

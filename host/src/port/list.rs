@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nth_in_natural_order_is_found_and_busy_ones_are_skipped_where_told() {
+    fn the_nth_in_natural_order_is_found_and_busy_ones_are_skipped_on_request() {
         assert_eq!(devices("USB", 1, false).as_deref(), Some("/dev/ttyUSB2"));
         assert_eq!(devices("usb", 2, false).as_deref(), Some("/dev/ttyUSB10"));
         assert_eq!(devices("usb", 1, true).as_deref(), Some("/dev/ttyUSB10"));

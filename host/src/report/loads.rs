@@ -214,7 +214,7 @@ impl VibrationFigures {
     /// Text for a person.
     pub fn words(&self, unit: &str) -> String {
         let side = |metric: Option<f64>, unsteady: &[UnsteadyFigures]| {
-            let changes = metric.map_or("too short to tell".into(), |metric| format!("up to {}", short(metric)));
+            let changes = metric.map_or("too short to judge".into(), |metric| format!("up to {}", short(metric)));
             match unsteady.iter().max_by(|a, b| a.metric.total_cmp(&b.metric)) {
                 None => changes,
                 Some(worst) => format!("{changes} ({} in {}, worst)", worst.verdict, worst.name()),

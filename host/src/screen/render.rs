@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn a_control_that_tells_is_shown_around_what_it_executes() {
+    fn a_control_that_reports_is_shown_around_what_it_executes() {
         let mut view = view();
         (view.executed, view.sent, view.characters, view.is_taken) = (Some(9), 16, 210, Some(false));
         (view.state, view.xoffs, view.elapsed_s, view.left_s) = (State::Stopped, 3, 61.4, 75.0);
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_told_is_said_to_be_so() {
+    fn unknown_values_are_shown_as_unknown() {
         let mut view = view();
         (view.sent, view.characters, view.is_taken, view.state) = (4, 40, Some(true), State::Held);
         let shown = picture(&view, 72, 20).join("\n");

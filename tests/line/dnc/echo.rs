@@ -3,7 +3,7 @@
 use arcfeed_tests::of_full_set;
 use std::collections::BTreeMap;
 
-use arcfeed::dnc::reports::{Remark, Reports};
+use arcfeed::dnc::reports::{ReportFinding, Reports};
 use arcfeed::dnc::transmission::Transmission;
 use arcfeed::dnc::{Sender, State};
 use arcfeed_hil_sim::control::ControlSettings;
@@ -24,13 +24,13 @@ struct Run {
     is_told: bool,
     confirmed: usize,
     asked: usize,
-    remarks: Vec<Remark>,
+    remarks: Vec<ReportFinding>,
 }
 
 fn with_reports(text: &str, check: Check, every: Option<usize>) -> (Transmission, Reports) {
     let sent = transmission(text, check);
     match every {
-        Some(every) => Reports::put_into(&sent, every, &power_on(), &wire(check)).expect("in the code"),
+        Some(every) => Reports::insert_into(&sent, every, &power_on(), &wire(check)).expect("in the code"),
         None => (sent, Reports::default()),
     }
 }
@@ -57,7 +57,7 @@ fn run((sent, mut reports): (Transmission, Reports), check: Check, schedule: &Sc
     let mut sender = Sender::new(sent, line_use(&settings, Micros(0)));
     let mut remarks = Vec::new();
     let mut outcome = send(line, &mut sender, |_, sender| {
-        remarks.extend(reports.hear(&sender.take_heard()));
+        remarks.extend(reports.read_printed(&sender.take_printed()));
         false
     });
     outcome.line.run_out();
@@ -65,7 +65,7 @@ fn run((sent, mut reports): (Transmission, Reports), check: Check, schedule: &Sc
         outcome.line.tick();
     }
     sender.on_bytes(outcome.line.now, &outcome.line.take_inbox());
-    remarks.extend(reports.hear(&sender.take_heard()));
+    remarks.extend(reports.read_printed(&sender.take_printed()));
     let control = &outcome.line.control;
     let (asked, confirmed) = reports.counts();
     Run {

@@ -2,7 +2,7 @@
 //! characters in flight; here the credit is what may still come after DC3.
 
 use arcfeed::dnc::journal::{History, Start};
-use arcfeed::dnc::resume::{RestartPlan, Wanted};
+use arcfeed::dnc::resume::{RestartPlan, RestartRequest};
 use arcfeed::dnc::sender::CHUNK;
 use arcfeed::dnc::transmission::Transmission;
 use arcfeed::dnc::{Sender, State};
@@ -43,7 +43,12 @@ fn plan(program: &str, line: usize) -> Result<RestartPlan, String> {
     let end = sent.frames().len();
     let history =
         History { start: Start::default(), sent: [end; 2], executed: None, stands: false, ended: None, torn: 0 };
-    RestartPlan::new(&sent, &history, &Wanted { line: Some(line), clearance: Some(Nm::from_mm(50.0)) }, &power_on())
+    RestartPlan::new(
+        &sent,
+        &history,
+        &RestartRequest { line: Some(line), clearance: Some(Nm::from_mm(50.0)) },
+        &power_on(),
+    )
 }
 
 fn place(plan: &RestartPlan, words: &str) -> usize {
@@ -166,8 +171,8 @@ fn ugs_run_from_lacks_tool_length_cycles_and_shifted_coordinates() {
     let sent = transmission(text, Check::None);
     let history =
         History { start: Start::default(), sent: [9; 2], executed: None, stands: false, ended: None, torn: 0 };
-    let low =
-        RestartPlan::new(&sent, &history, &Wanted { line: Some(4), clearance: None }, &power_on()).expect("a restart");
+    let low = RestartPlan::new(&sent, &history, &RestartRequest { line: Some(4), clearance: None }, &power_on())
+        .expect("a restart");
     assert!(low.blocks[place(&low, "G0Z")].contains("Z-20."), "{low:?}");
 }
 
@@ -201,7 +206,7 @@ fn resumed_at_a_line_it_is_that_line() {
     for line in 10..20 {
         let history =
             History { start: Start::default(), sent: [0; 2], executed: None, stands: false, ended: None, torn: 0 };
-        let wanted = Wanted { line: Some(line), clearance: Some(Nm::from_mm(50.0)) };
+        let wanted = RestartRequest { line: Some(line), clearance: Some(Nm::from_mm(50.0)) };
         let plan = RestartPlan::new(&sent, &history, &wanted, &power_on()).expect("a restart");
         let rest = sent.resumed(&plan.preamble(), plan.index, &wire(Check::Parity)).expect("in the code");
         let own = blocks(&rest)[plan.blocks.len() - 1..].to_vec();

@@ -1,6 +1,6 @@
 //! Programs to send: short, of every kind of block that the simulated control takes from its line.
 
-use arcfeed::dnc::restore::PowerOn;
+use arcfeed::dnc::restored_state::PowerOn;
 use arcfeed::dnc::transmission::{Transmission, Wire};
 use arcfeed_hil_sim::control::ControlSettings;
 use arcfeed_hil_sim::control::code::{Code, with_even_parity};

@@ -2,8 +2,8 @@
 //! left out or cut again without a message, and the control's modal state is the one it would have had.
 
 use arcfeed::dnc::functions::Functions;
-use arcfeed::dnc::journal::{How, Record, Start, first_line, line as record_line, read};
-use arcfeed::dnc::resume::{RestartPlan, Wanted};
+use arcfeed::dnc::journal::{EndReason, Record, Start, first_line, line as record_line, read};
+use arcfeed::dnc::resume::{RestartPlan, RestartRequest};
 use arcfeed::dnc::sender::Gate;
 use arcfeed::dnc::transmission::Transmission;
 use arcfeed::dnc::{Sender, State};
@@ -56,7 +56,7 @@ fn broken(sent: &Transmission, settings: &ControlSettings, turns: usize, schedul
         turn > turns
     });
     if outcome.error.is_some() {
-        write(&Record::End { sent: sender.progress().0, how: How::Failed }, &mut journal);
+        write(&Record::End { sent: sender.progress().0, how: EndReason::Failed }, &mut journal);
     }
     Broken { journal, line: outcome.line }
 }
@@ -113,7 +113,7 @@ fn check(text: &str, sent: &Transmission, broken: Broken, aside: usize, what: &s
     // Mostly there, sometimes elsewhere.
     let from = (seen + sent.lines().len() + aside - 5).clamp(sent.lines().len() + 1, 2 * sent.lines().len() - 3)
         - sent.lines().len();
-    let wanted = Wanted { line: Some(sent.lines()[from].source), clearance: Some(Nm::from_mm(20.0)) };
+    let wanted = RestartRequest { line: Some(sent.lines()[from].source), clearance: Some(Nm::from_mm(20.0)) };
     let plan = match RestartPlan::new(sent, &history, &wanted, &power_on()) {
         Ok(plan) => plan,
         Err(why) => {

@@ -1,6 +1,6 @@
 //! Use of the line, number of characters after DC3, and places where the line is too slow.
 
-use arcfeed::dnc::starvation::{Load, predict};
+use arcfeed::dnc::starvation::{BlockLoad, predict};
 use arcfeed::dnc::{Sender, State};
 use arcfeed_hil_sim::control::ControlSettings;
 use arcfeed_shared::units::{LengthUnit, Micros};
@@ -92,19 +92,19 @@ fn a_late_reaction_costs_speed_and_never_characters() {
 }
 
 /// Long blocks, then a stretch of blocks of 0.1 mm at 6000 mm/min, then long ones again: lines and times.
-fn short_stretch() -> (String, Vec<Load>) {
+fn short_stretch() -> (String, Vec<BlockLoad>) {
     let mut text = String::from("%\nO1\nG21G90G94G1F6000.\n");
-    let mut loads: Vec<Load> = text.lines().map(|line| Load::of_time(line.len() + 1, 0.0)).collect();
+    let mut loads: Vec<BlockLoad> = text.lines().map(|line| BlockLoad::of_time(line.len() + 1, 0.0)).collect();
     let mut x_um = 0_u32;
     for (count, step_um) in [(20, 5_000), (200, 100), (20, 5_000)] {
         for _ in 0..count {
             x_um += step_um;
             let line = format!("X{}.{:03}(A SHORT BLOCK)\n", x_um / 1_000, x_um % 1_000);
-            loads.push(Load::of_move(line.len(), f64::from(step_um) / 1e3, 100.0, 500.0));
+            loads.push(BlockLoad::of_move(line.len(), f64::from(step_um) / 1e3, 100.0, 500.0));
             text += &line;
         }
     }
-    loads.extend([4, 2].map(|characters| Load::of_time(characters, 0.0)));
+    loads.extend([4, 2].map(|characters| BlockLoad::of_time(characters, 0.0)));
     (text + "M30\n%\n", loads)
 }
 

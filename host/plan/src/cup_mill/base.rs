@@ -6,8 +6,8 @@
 //! C = A + R (e cos(alpha) +- n sin(alpha)),  e = (B - A) / a, n square to it
 //! ```
 //!
-//! Of the two centres, the one with the suction side within the ring applies. The source's limit lines, LN3 and LN4, go
-//! through the ends of the tip curves. That is right for the whole depth only if neither side leans over them. So the
+//! Among the two centres, the one with the suction side within the ring applies. The source's limit lines, LN3 and LN4,
+//! go through the ends of the tip curves. That is right for the whole depth only if neither side leans over them. So the
 //! lines begin there, and the point with the deepest cut of the ring replaces its side's line, until there is no such
 //! point.
 

@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::vector::Point;
 
-use super::fit::Room;
+use super::room::Room;
 use super::side::OffsetSide;
 
 /// Reason why there is no plan.

@@ -18,7 +18,7 @@ use crate::vector::Flat;
 
 use super::base::Base;
 use super::side::OffsetSide;
-use super::turn::{Circle, Turning};
+use super::turn::{Circle, TurningTool};
 
 /// Number of points of the tip curve that are checked for the first contact.
 const SAMPLES: i32 = 96;
@@ -30,7 +30,7 @@ const FARTHEST_RAD: f64 = 0.3;
 
 /// B1, and the fraction of the tip curve, from the leading edge, at which the circle meets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interior {
+pub struct InteriorPivot {
     /// Pivot.
     pub pivot: Flat,
     /// Place on the tip curve that the circle meets, 0 to 1.
@@ -40,7 +40,7 @@ pub struct Interior {
 }
 
 /// Pivot for a first contact within `share` of the tip curve; the one with the nearest contact if there is none.
-pub fn interior(suction: &OffsetSide, cutter: &CupMill, base: &Base, turn: Turn, share: f64) -> Option<Interior> {
+pub fn interior(suction: &OffsetSide, cutter: &CupMill, base: &Base, turn: Turn, share: f64) -> Option<InteriorPivot> {
     let spoke = base.interior - base.centre;
     let leading = suction.tip(suction.edges[0]) - base.centre;
     let towards = libm::copysign(1.0, spoke.perp(&leading));
@@ -68,12 +68,12 @@ pub fn interior(suction: &OffsetSide, cutter: &CupMill, base: &Base, turn: Turn,
         };
         best = (angle, contact(angle)?);
     }
-    Some(Interior { pivot: pivot(best.0), contact: best.1.0, turn_rad: best.1.1 })
+    Some(InteriorPivot { pivot: pivot(best.0), contact: best.1.0, turn_rad: best.1.1 })
 }
 
 /// Fraction of the tip curve that the inner circle meets first, and the turn until then.
 fn first_contact(suction: &OffsetSide, cutter: &CupMill, centre: Flat, pivot: Flat, turn: Turn) -> Option<(f64, f64)> {
-    let turning = Turning { cutter, centre, bottom_mm: 0.0, pivot, turn };
+    let turning = TurningTool { cutter, centre, bottom_mm: 0.0, pivot, turn };
     let [first, last] = suction.edges;
     let until = |share: f64| {
         let place = suction.tip(first + (last - first) * share);

@@ -5,7 +5,7 @@ use crate::search::Minimum;
 use crate::vector::{Flat, Point};
 
 use super::patch::Patch;
-use super::turn::{Circle, Turning};
+use super::turn::{Circle, TurningTool};
 
 /// Surface at which a turn ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +33,7 @@ pub struct Stop {
 pub const TURN_MAX_RAD: f64 = 0.6;
 
 /// End of a turn among `obstacles`.
-pub fn stop(turning: &Turning<'_>, obstacles: &[(StopSurface, &Patch)]) -> Stop {
+pub fn stop(turning: &TurningTool<'_>, obstacles: &[(StopSurface, &Patch)]) -> Stop {
     let until = |point: &Point| turning.until(point).map_or(f64::INFINITY, |(turn_rad, _)| turn_rad);
     let met =
         obstacles.iter().filter_map(|(obstacle, patch)| patch.least(until).map(|least| (*obstacle, *patch, least)));

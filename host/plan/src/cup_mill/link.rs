@@ -15,7 +15,7 @@
 use crate::vector::{Flat, Point};
 
 use super::patch::Patch;
-use super::turn::Turning;
+use super::turn::TurningTool;
 
 /// Fractions of the line that are checked.
 const PLACES: [f64; 7] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875];
@@ -38,7 +38,7 @@ pub struct LowerEnd {
 }
 
 /// Turn, at most `turn_rad`, from whose end a line leads to `below` clear of `walls`.
-pub fn shortened_rad(turning: &Turning<'_>, turn_rad: f64, below: &LowerEnd, walls: &[&Patch]) -> f64 {
+pub fn shortened_rad(turning: &TurningTool<'_>, turn_rad: f64, below: &LowerEnd, walls: &[&Patch]) -> f64 {
     let arm_mm = (turning.centre - turning.pivot).norm();
     let mut turn_rad = turn_rad;
     for _ in 0..ROUNDS_MAX {
@@ -57,7 +57,7 @@ pub fn shortened_rad(turning: &Turning<'_>, turn_rad: f64, below: &LowerEnd, wal
 }
 
 struct Line<'l> {
-    turning: &'l Turning<'l>,
+    turning: &'l TurningTool<'l>,
     from: Flat,
     below: &'l LowerEnd,
 }

@@ -6,7 +6,7 @@ pub mod side;
 
 pub mod axis;
 
-pub mod fit;
+pub mod room;
 
 pub mod base;
 

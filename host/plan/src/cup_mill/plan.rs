@@ -12,12 +12,12 @@ use crate::vector::{Point, Vector};
 use super::axis::{Axis, axis};
 use super::base::{Base, settle};
 use super::depth::{levels_mm, top_mm};
-use super::fit::{Room, SidePoints};
 use super::infeasibility::{Infeasible, narrow};
-use super::interior::{Interior, interior};
+use super::interior::{InteriorPivot, interior};
 use super::level::Stop;
 use super::patch::Patch;
-use super::side::{FarEdge, Hub, Trim, floor, roof};
+use super::room::{Room, SidePoints};
+use super::side::{FarEdge, Hub, SideRange, floor, roof};
 use super::turns::{Surroundings, Turns};
 
 /// Requirements on the roughing path.
@@ -64,7 +64,7 @@ pub struct SlotPlan {
     /// Base position.
     pub base: Base,
     /// B1.
-    pub interior: Interior,
+    pub interior: InteriorPivot,
     /// Ends of the turns about A and about B1, from the top.
     pub stops: Vec<[Stop; 2]>,
     /// Highest material under the ring at the base position, mm.
@@ -78,8 +78,8 @@ const ENOUGH_MM: f64 = 0.1;
 
 /// Data of a slot that are the same for every cutter and every direction of the tool.
 pub struct PreparedSlot<'s> {
-    pressure: Trim<'s>,
-    suction: Trim<'s>,
+    pressure: SideRange<'s>,
+    suction: SideRange<'s>,
     hub: Patch,
     roof: Patch,
     blade_axis: Axis,
@@ -102,7 +102,7 @@ impl<'s> PreparedSlot<'s> {
     /// A blade is not above the hub.
     pub fn new(blisk: &'s Blisk, slot: &'s Slot, allowance_mm: f64) -> Result<Self, Infeasible> {
         let above = Hub { hub: &blisk.hub, allowance_mm };
-        let trim = |face, far, name| Trim::new(face, far, &above).ok_or(Infeasible::NoFoot(name));
+        let trim = |face, far, name| SideRange::new(face, far, &above).ok_or(Infeasible::NoFoot(name));
         let (sides, blade_axis) = rayon::join(
             || {
                 rayon::join(
@@ -140,10 +140,11 @@ impl<'s> PreparedSlot<'s> {
         if room.room_mm < 0.0 {
             return Err(narrow(&room, &around.pressure, &around.suction));
         }
-        let way = around.way(cutter, roughing).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
-        let top_mm = top_mm(cutter, way.base.centre, &roof.turned(&turn)).ok_or(Infeasible::NoFloor)?;
-        let (stops, path) = way.levels(cutter, roughing, top_mm)?;
-        let (base, interior) = (way.base, way.interior);
+        let level_context =
+            around.level_context(cutter, roughing).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
+        let top_mm = top_mm(cutter, level_context.base.centre, &roof.turned(&turn)).ok_or(Infeasible::NoFloor)?;
+        let (stops, path) = level_context.levels(cutter, roughing, top_mm)?;
+        let (base, interior) = (level_context.base, level_context.interior);
         let plan = SlotPlan { blade_axis: *blade_axis, blade_room, room, turn, base, interior, stops, top_mm, path };
         Ok((plan, around))
     }
@@ -163,13 +164,13 @@ impl<'s> PreparedSlot<'s> {
 struct LevelContext<'a> {
     around: &'a Surroundings,
     base: Base,
-    interior: Interior,
+    interior: InteriorPivot,
     outward: Turn,
 }
 
 impl Surroundings {
     /// Base position and B1. `None` if no position touches both blades as required.
-    fn way(&self, cutter: &CupMill, roughing: &Roughing) -> Option<LevelContext<'_>> {
+    fn level_context(&self, cutter: &CupMill, roughing: &Roughing) -> Option<LevelContext<'_>> {
         let Surroundings { pressure, suction, .. } = self;
         let lines = [pressure.tip(pressure.edges[0]), suction.tip(suction.edges[1])];
         let base = settle([pressure, suction], cutter, lines)?;

@@ -59,7 +59,7 @@ pub enum FarEdge {
 
 /// Relevant part of a blade's side, part frame: the same for every direction of the tool.
 #[derive(Debug)]
-pub struct Trim<'f> {
+pub struct SideRange<'f> {
     face: &'f Face,
     allowance_mm: f64,
     /// First and last u, with the round of the far edge.
@@ -68,7 +68,7 @@ pub struct Trim<'f> {
     foot: f64,
 }
 
-impl<'f> Trim<'f> {
+impl<'f> SideRange<'f> {
     /// Part of `face` above the hub's allowance. `None` if the blade is nowhere above it.
     pub fn new(face: &'f Face, far: FarEdge, above: &Hub<'_>) -> Option<Self> {
         let edges = edges(face);
@@ -77,12 +77,12 @@ impl<'f> Trim<'f> {
             FarEdge::Trailing => [edges[0], 1.0],
         };
         let foot = foot(face, above.hub, above.allowance_mm, edges)?;
-        Some(Trim { face, allowance_mm: above.allowance_mm, around, edges, foot })
+        Some(SideRange { face, allowance_mm: above.allowance_mm, around, edges, foot })
     }
 
     /// The side after the rotation `turn`.
     pub fn side(&self, turn: &Rotation3<f64>) -> OffsetSide {
-        let Trim { allowance_mm, around, edges, foot, .. } = *self;
+        let SideRange { allowance_mm, around, edges, foot, .. } = *self;
         let face = self.face.turned(turn);
         let high = 1.0 + allowance_mm / face.jet(0.5, 1.0).v.norm();
         let patch = Patch::new([around, [foot, high]], SIDE_STEPS, move |u, v| {
@@ -98,7 +98,7 @@ impl OffsetSide {
     /// Side of `face`, which is given in the part frame, with the hub's allowance, after the rotation `turn`. `None` if
     /// the blade is nowhere above it.
     pub fn new(face: &Face, far: FarEdge, above: &Hub<'_>, turn: &Rotation3<f64>) -> Option<Self> {
-        Trim::new(face, far, above).map(|trim| trim.side(turn))
+        SideRange::new(face, far, above).map(|trim| trim.side(turn))
     }
 
     /// Point of the side between its edges, by fractions of the way from the leading to the trailing edge and from the

@@ -19,7 +19,7 @@ use crate::vector::{Flat, Point};
 
 /// Tool before a turn.
 #[derive(Clone, Copy, Debug)]
-pub struct Turning<'c> {
+pub struct TurningTool<'c> {
     /// Cutter.
     pub cutter: &'c CupMill,
     /// Centre at the beginning.
@@ -41,7 +41,7 @@ pub enum Circle {
     Outer,
 }
 
-impl Turning<'_> {
+impl TurningTool<'_> {
     /// Turn, rad, after which the ring meets `point`; `None` if it never does or already contains it.
     pub fn until(&self, point: &Point) -> Option<(f64, Circle)> {
         let radii = self.cutter.radii_mm(point.z - self.bottom_mm)?;

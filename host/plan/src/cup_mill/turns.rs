@@ -13,7 +13,7 @@ use super::level::{Stop, StopSurface, stop};
 use super::link::{LowerEnd, shortened_rad};
 use super::patch::Patch;
 use super::side::OffsetSide;
-use super::turn::Turning;
+use super::turn::TurningTool;
 
 /// Surroundings of a slot with their allowance, slot frame.
 #[derive(Debug)]
@@ -46,8 +46,8 @@ const HUB_STEPS: i32 = 12;
 const HUB_ROUNDS: i32 = 2;
 
 impl Turns<'_> {
-    fn turning(&self, pivot: Flat, bottom_mm: f64) -> Turning<'_> {
-        Turning { cutter: self.cutter, centre: self.centre, bottom_mm, pivot, turn: self.outward }
+    fn turning(&self, pivot: Flat, bottom_mm: f64) -> TurningTool<'_> {
+        TurningTool { cutter: self.cutter, centre: self.centre, bottom_mm, pivot, turn: self.outward }
     }
 
     /// Lowest level at which the whole path is clear of the hub.
@@ -68,7 +68,7 @@ impl Turns<'_> {
     }
 
     /// Lowest position that the hub allows along a whole turn.
-    fn highest_hub_mm(&self, turning: &Turning<'_>, whole_rad: f64) -> Option<f64> {
+    fn highest_hub_mm(&self, turning: &TurningTool<'_>, whole_rad: f64) -> Option<f64> {
         let allowed = |[share, _]: [f64; 2]| {
             let centre = turning.centre_after(whole_rad * share);
             lowest_mm(self.cutter, centre, &self.around.hub).map_or(f64::INFINITY, |low_mm| -low_mm)

@@ -17,7 +17,7 @@ use super::blade::Sections;
 use super::blisk::Revolution;
 use super::closed_loop::{Loop, Mark};
 use super::point_file::{Fault, PointFileFrame, ReadError, number, words};
-use super::resample::resampled;
+use super::resampling::resampled;
 
 /// Least and most points of a side; within these the number in the file is kept.
 const POINTS: [usize; 2] = [41, 161];
@@ -59,19 +59,19 @@ pub struct Texts<'t> {
 ///
 /// # Errors
 /// The file and the fault with its place.
-pub fn read(texts: &Texts<'_>, drawn: &PointFileFrame) -> Result<Curves, (CurveFile, ReadError)> {
-    let (hub, from_low_z) = revolution(texts.hub, drawn).map_err(|error| (CurveFile::Hub, error))?;
-    let (shroud, _) = revolution(texts.shroud, drawn).map_err(|error| (CurveFile::Shroud, error))?;
+pub fn read(texts: &Texts<'_>, frame: &PointFileFrame) -> Result<Curves, (CurveFile, ReadError)> {
+    let (hub, from_low_z) = revolution(texts.hub, frame).map_err(|error| (CurveFile::Hub, error))?;
+    let (shroud, _) = revolution(texts.shroud, frame).map_err(|error| (CurveFile::Shroud, error))?;
     check_shroud(&hub, &shroud).map_err(|fault| (CurveFile::Shroud, fault.at(1, 1)))?;
-    let blade = profiles(texts.profile, drawn, &hub, from_low_z).map_err(|error| (CurveFile::Profile, error))?;
+    let blade = profiles(texts.profile, frame, &hub, from_low_z).map_err(|error| (CurveFile::Profile, error))?;
     Ok(Curves { hub, shroud, blade })
 }
 
 /// Generatrix, and whether it begins at low z.
-fn revolution(text: &str, drawn: &PointFileFrame) -> Result<(Revolution, bool), ReadError> {
+fn revolution(text: &str, frame: &PointFileFrame) -> Result<(Revolution, bool), ReadError> {
     let mut places: Vec<([f64; 2], usize)> = Vec::new();
     for (at, line) in text.lines().enumerate() {
-        if let Some((place, _)) = point(line, at + 1, drawn)? {
+        if let Some((place, _)) = point(line, at + 1, frame)? {
             places.push(([place.z, libm::hypot(place.x, place.y)], at + 1));
         }
     }
@@ -82,7 +82,7 @@ fn revolution(text: &str, drawn: &PointFileFrame) -> Result<(Revolution, bool), 
     let goes_on =
         |pair: &[([f64; 2], usize)]| (pair[1].0[0] > pair[0].0[0]) == is_growing && pair[1].0[0] != pair[0].0[0];
     if let Some(back) = places.windows(2).find(|pair| !goes_on(pair)) {
-        return Err(Fault::TurnsBack { axis: drawn.axis }.at(back[1].1, 1));
+        return Err(Fault::TurnsBack { axis: frame.axis }.at(back[1].1, 1));
     }
     let mut profile_mm: Vec<[f64; 2]> = places.into_iter().map(|(place, _)| place).collect();
     if !is_growing {
@@ -100,7 +100,7 @@ fn check_shroud(hub: &Revolution, shroud: &Revolution) -> Result<(), Fault> {
 }
 
 /// Point of a line and its mark; `None` for a line with only a remark.
-fn point(text: &str, line: usize, drawn: &PointFileFrame) -> Result<Option<(Point, Option<Mark>)>, ReadError> {
+fn point(text: &str, line: usize, frame: &PointFileFrame) -> Result<Option<(Point, Option<Mark>)>, ReadError> {
     let words = words(text);
     let mut place = [0.0; 3];
     match words.as_slice() {
@@ -119,15 +119,15 @@ fn point(text: &str, line: usize, drawn: &PointFileFrame) -> Result<Option<(Poin
             _ => Err(Fault::Mark((*word).to_owned()).at(line, *column)),
         }
     });
-    Ok(Some((drawn.point(place), mark.transpose()?)))
+    Ok(Some((frame.point(place), mark.transpose()?)))
 }
 
-fn profiles(text: &str, drawn: &PointFileFrame, hub: &Revolution, from_low_z: bool) -> Result<Sections, ReadError> {
+fn profiles(text: &str, frame: &PointFileFrame, hub: &Revolution, from_low_z: bool) -> Result<Sections, ReadError> {
     let mut loops: Vec<(Loop, usize)> = Vec::new();
     let mut is_new = true;
     for (at, line) in text.lines().enumerate() {
         is_new |= line.trim_start().starts_with('#');
-        let Some((place, mark)) = point(line, at + 1, drawn)? else { continue };
+        let Some((place, mark)) = point(line, at + 1, frame)? else { continue };
         if std::mem::take(&mut is_new) {
             loops.push((Loop::default(), at + 1));
         }
@@ -145,7 +145,7 @@ fn profiles(text: &str, drawn: &PointFileFrame, hub: &Revolution, from_low_z: bo
         sides.push(around.split(at + 1, from_low_z).map_err(|fault| fault.at(line, 1))?);
     }
     let blade = assigned_sides(sides);
-    drawn.check(&blade, hub, &lines)?;
+    frame.check(&blade, hub, &lines)?;
     Ok(blade)
 }
 

@@ -52,7 +52,7 @@ pub fn face(face: &Face, tolerance_mm: f64) -> Vec<Triangle> {
     let middle = (face.point(0.5, 0.5), face.normal(0.5, 0.5));
     let near = triangles.iter().min_by(|a, b| (a[0] - middle.0).norm().total_cmp(&(b[0] - middle.0).norm()));
     if near.is_some_and(|t| (t[1] - t[0]).cross(&(t[2] - t[0])).dot(&middle.1) < 0.0) {
-        turn_round(&mut triangles);
+        flip(&mut triangles);
     }
     triangles
 }
@@ -154,12 +154,12 @@ fn skin(rows: &[Vec<Point>]) -> Vec<Triangle> {
 
 fn outwards(mut triangles: Vec<Triangle>) -> Vec<Triangle> {
     if volume_mm3(&triangles) < 0.0 {
-        turn_round(&mut triangles);
+        flip(&mut triangles);
     }
     triangles
 }
 
-fn turn_round(triangles: &mut [Triangle]) {
+fn flip(triangles: &mut [Triangle]) {
     triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
 }
 

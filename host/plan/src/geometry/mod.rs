@@ -14,7 +14,7 @@ pub mod generator;
 
 pub mod point_file;
 
-mod resample;
+mod resampling;
 
 pub mod sections;
 

@@ -13,7 +13,7 @@ use crate::vector::Point;
 use super::blade::{RotorAxis, Sections};
 use super::blisk::Revolution;
 use super::point_file::{Fault, PointFileFrame, ReadError, number, words};
-use super::resample::resampled;
+use super::resampling::resampled;
 
 /// Least number of points of a side.
 const POINTS_MIN: usize = 5;
@@ -41,14 +41,14 @@ struct Side {
 ///
 /// # Errors
 /// The fault with its place.
-pub fn read(text: &str, drawn: &PointFileFrame, hub: &Revolution) -> Result<Sections, ReadError> {
+pub fn read(text: &str, frame: &PointFileFrame, hub: &Revolution) -> Result<Sections, ReadError> {
     let mut lines = text.lines().enumerate().map(|(at, line)| (at + 1, line));
     let (first, header) = lines.find(|(_, line)| !line.trim().is_empty()).unwrap_or((1, ""));
     let columns = columns(header).map_err(|fault| fault.at(first, 1))?;
     let mut sides: Vec<Side> = Vec::new();
     let mut last: Option<(f64, bool)> = None;
     for (line, text) in lines.filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#')) {
-        let row = row(text, line, &columns, drawn)?;
+        let row = row(text, line, &columns, frame)?;
         if last != Some((row.span, row.is_pressure)) {
             sides.push(Side { is_pressure: row.is_pressure, line, points: Vec::new() });
             last = Some((row.span, row.is_pressure));
@@ -59,7 +59,7 @@ pub fn read(text: &str, drawn: &PointFileFrame, hub: &Revolution) -> Result<Sect
         }
     }
     let (blade, lines) = paired(sides)?;
-    drawn.check(&blade, hub, &lines)?;
+    frame.check(&blade, hub, &lines)?;
     let bulge_mm = blade.bulge_mm();
     if bulge_mm < 0.0 {
         return Err(Fault::Swapped { shorter_mm: -bulge_mm }.at(lines[0], 1));
@@ -94,7 +94,7 @@ impl Row {
     }
 }
 
-fn row(text: &str, line: usize, columns: &Columns, drawn: &PointFileFrame) -> Result<Row, ReadError> {
+fn row(text: &str, line: usize, columns: &Columns, frame: &PointFileFrame) -> Result<Row, ReadError> {
     let words = words(text);
     let end = text.chars().count() + 1;
     let word = |at: usize| words.get(at).copied().unwrap_or((end, ""));
@@ -108,10 +108,10 @@ fn row(text: &str, line: usize, columns: &Columns, drawn: &PointFileFrame) -> Re
         "ss" | "suction" => false,
         _ => return Err(Fault::Side(side.to_owned()).at(line, column)),
     };
-    let point = drawn.point(place);
+    let point = frame.point(place);
     if let Some(at) = columns.radius {
-        let stated_mm = number(line, word(at))? * drawn.unit_mm;
-        check_radius(stated_mm, place.map(|value| value * drawn.unit_mm), drawn.axis)
+        let stated_mm = number(line, word(at))? * frame.unit_mm;
+        check_radius(stated_mm, place.map(|value| value * frame.unit_mm), frame.axis)
             .map_err(|fault| fault.at(line, word(at).0))?;
     }
     let index = columns.index.map(word).map(|(column, word)| (column, word.to_owned()));

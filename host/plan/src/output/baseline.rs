@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_that_does_not_pass_is_told_where() {
+    fn a_ball_that_does_not_pass_is_reported_where() {
         let error = MILL.passes(&slot(&[12.0, 9.5, 11.0])).unwrap_err();
         assert_eq!(error, BaselineError::Narrow { diameter_mm: 10.0, width_mm: 9.5, depth_mm: 5.0 });
         let still = FlankMilling { feed_mm_per_min: 0.0, ..MILL };

@@ -1,4 +1,4 @@
-//! What the tool can meet, as triangles, all corners on the surfaces.
+//! Obstacles of the tool as triangles, with all corners on the surfaces.
 
 use core::f64::consts::TAU;
 
@@ -6,28 +6,28 @@ use crate::geometry::blisk::{Blank, Blisk, Revolution};
 use crate::geometry::mesh::{self, Sector, Triangle};
 use crate::vector::Point;
 
-/// The first blade as a solid, whose foot is inside the hub. Part frame.
+/// The first blade as a solid whose foot is inside the hub. Part frame.
 pub fn blade(blisk: &Blisk, chord_mm: f64) -> Vec<Triangle> {
     mesh::blade(&blisk.blade(0), chord_mm, chord_mm)
 }
 
-/// All that is below a surface of revolution, between two planes across its axis.
+/// Solid below a surface of revolution, between two planes across its axis.
 pub fn revolved(surface: &Revolution, faces_mm: [f64; 2], chord_mm: f64) -> Vec<Triangle> {
     mesh::revolved(surface, &Sector { angles_rad: [0.0, TAU], faces_mm, inner_radius_mm: 0.0 }, chord_mm)
 }
 
-/// What of the blank is below the gas path. Part frame.
+/// Part of the blank below the gas path. Part frame.
 pub fn hub(blisk: &Blisk, chord_mm: f64) -> Vec<Triangle> {
     revolved(&blisk.hub, blisk.blank.faces_mm, chord_mm)
 }
 
-/// The blank. Part frame.
+/// Blank. Part frame.
 pub fn blank(blank: &Blank, chord_mm: f64) -> Vec<Triangle> {
     let side = Revolution { profile_mm: blank.faces_mm.map(|z| [z, blank.radius_mm]).to_vec() };
     revolved(&side, blank.faces_mm, chord_mm)
 }
 
-/// A box between opposite corners, along the axes of its frame.
+/// Box between opposite corners, along the axes of its frame.
 pub fn cuboid(corners: &[Point; 2]) -> Vec<Triangle> {
     let corner = |k: usize| Point::new(corners[k & 1].x, corners[k >> 1 & 1].y, corners[k >> 2].z);
     let sides = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];

@@ -79,7 +79,7 @@ enum Shape {
     Triangle(Triangle),
 }
 
-struct Bounded {
+struct BoundedPiece {
     least_mm: f64,
     halve_way: bool,
     piece: Piece,
@@ -119,7 +119,7 @@ impl Search<'_> {
         }
     }
 
-    fn halves(&self, whole: &Bounded) -> [Piece; 2] {
+    fn halves(&self, whole: &BoundedPiece) -> [Piece; 2] {
         let piece = whole.piece;
         if whole.halve_way {
             let half_mm = piece.half_mm / 2.0;
@@ -133,7 +133,7 @@ impl Search<'_> {
     }
 
     /// The piece with its bound, not below that of its parent; the distance at its middle may become the least so far.
-    fn bounded(&self, piece: Piece, no_less_mm: f64, least: &mut LeastDistance) -> Bounded {
+    fn bounded(&self, piece: Piece, no_less_mm: f64, least: &mut LeastDistance) -> BoundedPiece {
         least.pieces += 1;
         let pose = self.motions[piece.step].at(piece.middle_mm);
         let (middle, radius_mm) = match &piece.shape {
@@ -150,7 +150,7 @@ impl Search<'_> {
                 libm::sqrt(square)
             }
         };
-        let mut found = Bounded { least_mm: f64::INFINITY, halve_way: true, piece };
+        let mut found = BoundedPiece { least_mm: f64::INFINITY, halve_way: true, piece };
         for section in self.sections {
             let near = NearPoint::new(section, &(middle - pose.place));
             let mut sink_mm = radius_mm;
@@ -196,23 +196,23 @@ fn halved(corners: &Triangle) -> [Triangle; 2] {
     [[from, between, tip], [between, to, tip]]
 }
 
-impl Ord for Bounded {
+impl Ord for BoundedPiece {
     /// The lowest bound is the greatest.
     fn cmp(&self, other: &Self) -> Ordering {
         other.least_mm.total_cmp(&self.least_mm)
     }
 }
 
-impl PartialOrd for Bounded {
+impl PartialOrd for BoundedPiece {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Bounded {
+impl PartialEq for BoundedPiece {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Bounded {}
+impl Eq for BoundedPiece {}

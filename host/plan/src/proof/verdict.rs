@@ -16,7 +16,7 @@ use super::remaining::{RemainingMaterial, Ring, SlotWalls};
 use super::removal::{RemovedVolumes, Stock, removed};
 use super::section::Section;
 use super::spheres::Tree;
-use super::turning::highest_mm;
+use super::turning_height::highest_mm;
 
 /// Tool's path through a slot, and its surroundings.
 pub struct ProofCase<'c> {

@@ -34,11 +34,11 @@ pub struct BoardCommand {
     #[arg(long, default_value_t = BAUDRATE)]
     baudrate: u32,
     #[command(subcommand)]
-    what: What,
+    what: BoardAction,
 }
 
 #[derive(Debug, clap::Subcommand)]
-enum What {
+enum BoardAction {
     /// Identification of the board, and the state of its link
     Info {
         /// Print one JSON object (docs/json.md)
@@ -84,16 +84,16 @@ impl BoardCommand {
     /// The board does not answer, or refuses.
     pub fn run(&self) -> Result<(), Failure> {
         match &self.what {
-            What::Info { json } => self.with_connection(|connection| info(connection, *json)),
-            What::Set { name: Some(name), value: Some(value) } => {
+            BoardAction::Info { json } => self.with_connection(|connection| info(connection, *json)),
+            BoardAction::Set { name: Some(name), value: Some(value) } => {
                 self.with_connection(|connection| set(connection, name, *value))
             }
-            What::Set { .. } => self.with_connection(list),
+            BoardAction::Set { .. } => self.with_connection(list),
             #[cfg(feature = "board-log")]
-            What::Log { elf } => self.with_connection(|connection| log::run(elf, connection)),
+            BoardAction::Log { elf } => self.with_connection(|connection| log::run(elf, connection)),
             #[cfg(not(feature = "board-log"))]
-            What::Log { .. } => Err(Failure::Usage(not_built_in("the decoder of a board's log", "board-log"))),
-            What::Monitor(monitor) => self.with_connection(|connection| monitor.run(connection)),
+            BoardAction::Log { .. } => Err(Failure::Usage(not_built_in("the decoder of a board's log", "board-log"))),
+            BoardAction::Monitor(monitor) => self.with_connection(|connection| monitor.run(connection)),
         }
     }
 

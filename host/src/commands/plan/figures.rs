@@ -105,10 +105,10 @@ impl Figures {
             height_mm: level.height_mm,
             exterior_end_mm: level.exterior_end.into(),
             exterior_deg: exterior.turn_rad.to_degrees(),
-            exterior_stop: met(exterior),
+            exterior_stop: stop_reason(exterior),
             interior_end_mm: level.interior_end.into(),
             interior_deg: interior.turn_rad.to_degrees(),
-            interior_stop: met(interior),
+            interior_stop: stop_reason(interior),
         });
         let near = composed.proof.clearances.iter().filter(|found| found.place.is_some());
         Figures {
@@ -167,10 +167,10 @@ pub fn obstacle_word(obstacle: Obstacle) -> &'static str {
 }
 
 /// Reason for the end of a turn, in words.
-pub fn met(stop: &Stop) -> String {
+pub fn stop_reason(stop: &Stop) -> String {
     match stop.at {
         None => "as far as the level below".into(),
-        Some((met, ..)) => match met {
+        Some((surface, ..)) => match surface {
             StopSurface::Pressure => "pressure side".into(),
             StopSurface::Suction => "suction side".into(),
             StopSurface::Hub => "hub".into(),

@@ -4,7 +4,7 @@ use arcfeed_plan::proof::clearance::Clearance as Found;
 use arcfeed_plan::proof::remaining::Map;
 use arcfeed_plan::vector::Point;
 
-use super::figures::{met, obstacle_word, part_word, refusal};
+use super::figures::{obstacle_word, part_word, refusal, stop_reason};
 use super::plan_result::PlanResult;
 use crate::report::page::plan::{Axis, Clearance, LeftMap, Outline, PlanReport, PlanVerdict, Removed, Stops, Times};
 
@@ -16,8 +16,10 @@ pub fn report(composed: &PlanResult) -> PlanReport {
     let plan = &composed.valued.plan;
     let direction = plan.tool_axis();
     let near = composed.proof.clearances.iter().filter(|found| found.place.is_some());
-    let stops =
-        plan.stops.iter().map(|[exterior, interior]| Stops { exterior: met(exterior), interior: met(interior) });
+    let stops = plan
+        .stops
+        .iter()
+        .map(|[exterior, interior]| Stops { exterior: stop_reason(exterior), interior: stop_reason(interior) });
     PlanReport {
         name: composed.part.name.clone(),
         unit: composed.part.output.unit,

@@ -79,7 +79,7 @@ impl TcpClient {
         } else {
             let mut first = [0; 64];
             match self.stream.peek(&mut first) {
-                Ok(len @ 1..) => self.program.clone().judge(&first[..len])?,
+                Ok(len @ 1..) => self.program.clone().check(&first[..len])?,
                 Err(error) if is_quiet(error.kind()) => {}
                 Ok(_) | Err(_) => self.is_over = true,
             }

@@ -71,7 +71,7 @@ impl ProgramStart {
     }
 
     /// Checks characters that are not read yet; `Err` if they would be refused.
-    pub fn judge(mut self, bytes: &[u8]) -> Result<(), Option<String>> {
+    pub fn check(mut self, bytes: &[u8]) -> Result<(), Option<String>> {
         bytes.iter().try_for_each(|byte| match self.on_byte(*byte) {
             ByteHandling::Refuse(reason) => Err(Some(reason)),
             ByteHandling::Pass | ByteHandling::Discard => Ok(()),
@@ -114,7 +114,7 @@ mod tests {
         for text in [&b"GET / HTTP/1.1"[..], b"\x16\x03\x01", &[0; LEADER_MAX + 1], &[b'%'; LEADER_MAX + 2]] {
             let mut start = ProgramStart::default();
             assert!(matches!(taken(&mut start, text), ByteHandling::Refuse(_)), "{text:?}");
-            assert!(ProgramStart::default().judge(text).is_err());
+            assert!(ProgramStart::default().check(text).is_err());
         }
     }
 

@@ -44,7 +44,7 @@ impl RunObserver {
     /// The run never ends, or the stock takes more memory than it may.
     pub fn run(&mut self, simulation: &mut Simulation<InProcessController>) -> Result<(), Failure> {
         let takes_long = self.cutter.as_ref().filter(|_| self.shows).map(|_| "cutting");
-        run_seen(simulation, takes_long, |simulation| self.see(simulation))?;
+        run_observed(simulation, takes_long, |simulation| self.observe(simulation))?;
         if let Some(cutter) = &mut self.cutter {
             cutter.end().map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
         }
@@ -52,7 +52,7 @@ impl RunObserver {
         Ok(())
     }
 
-    fn see(&mut self, simulation: &Simulation<InProcessController>) -> Result<(), Failure> {
+    fn observe(&mut self, simulation: &Simulation<InProcessController>) -> Result<(), Failure> {
         if let Some(cutter) = &mut self.cutter {
             cutter.observe(simulation).map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
         }
@@ -69,10 +69,10 @@ impl RunObserver {
 ///
 /// # Errors
 /// The run never ends, or the observer stops it.
-pub fn run_seen(
+pub fn run_observed(
     simulation: &mut Simulation<InProcessController>,
     takes_long: Option<&str>,
-    mut see: impl FnMut(&Simulation<InProcessController>) -> Result<(), Failure>,
+    mut observe: impl FnMut(&Simulation<InProcessController>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let bar = takes_long.map(|name| (name, ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())));
     for period in 0_u64.. {
@@ -80,7 +80,7 @@ pub fn run_seen(
             break;
         }
         simulation.step();
-        see(simulation)?;
+        observe(simulation)?;
         if simulation.now() > RUN_MAX {
             return Err(Failure::Machine("the program still runs after 24 hours of machine time".into()));
         }

@@ -104,7 +104,7 @@ impl<'a> Setup<'a> {
     /// Finished part on the same rays.
     ///
     /// # Errors
-    /// Its file contains no solid, or it needs too much memory.
+    /// The target's file contains no solid, or it needs too much memory.
     pub fn target(&self) -> Result<Option<Stock>, Failure> {
         let Some(file) = &self.workpiece.target else { return Ok(None) };
         let mesh = surface::mesh(file).map_err(Failure::Input)?;

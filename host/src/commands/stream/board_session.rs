@@ -65,7 +65,7 @@ impl<'p> BoardSession<'p> {
         let plan = BoardPlan::new(sending, &ready.power_on(), job, ready.file.map.as_ref(), &ready.bounds)
             .map_err(|PlanError { source, why }| Failure::Input(format!("{path}:{source}:1: error: {why}")))?;
         let board = BoardRun::new(line, job, plan).map_err(Failure::Input)?;
-        let person = (arming == Arming::Typed).then(typed);
+        let person = (arming == Arming::Typed).then(typed_lines);
         Ok(BoardSession { board: Some(board), arming, person, outage: None, said: Vec::new() })
     }
 
@@ -145,9 +145,9 @@ impl<'p> BoardSession<'p> {
     ///
     /// # Errors
     /// The port is gone.
-    pub fn leave(self) -> Result<(), Failure> {
+    pub fn release(self) -> Result<(), Failure> {
         match self.board {
-            Some(board) => board.leave().map_err(|error| Failure::Machine(error.to_string())),
+            Some(board) => board.release().map_err(|error| Failure::Machine(error.to_string())),
             None => Ok(()),
         }
     }
@@ -197,8 +197,8 @@ fn how_to_arm(board: &BoardRun<'_>, arming: Arming) -> String {
 }
 
 /// Lines that a person types, as they come.
-fn typed() -> Receiver<String> {
-    let (lines, typed) = channel();
+fn typed_lines() -> Receiver<String> {
+    let (lines, typed_lines) = channel();
     std::thread::spawn(move || {
         for line in std::io::stdin().lock().lines().map_while(Result::ok) {
             if lines.send(line).is_err() {
@@ -206,5 +206,5 @@ fn typed() -> Receiver<String> {
             }
         }
     });
-    typed
+    typed_lines
 }

@@ -117,7 +117,7 @@ impl LiveDisplay {
     fn write_events(&mut self, port: &dyn Port, sender: &Sender) {
         let Some(log) = &mut self.log else { return };
         let alarm = port.machine().alarm;
-        let lines = log.events.look(sender, port.blocks_executed(), alarm.as_deref());
+        let lines = log.events.messages(sender, port.blocks_executed(), alarm.as_deref());
         self.log_lines(port.now(), &lines);
     }
 

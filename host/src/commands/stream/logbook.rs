@@ -9,7 +9,7 @@ use std::thread::JoinHandle;
 
 use super::super::outcome::{Failure, file_failure};
 use crate::dnc::Sender;
-use crate::dnc::journal::{How, Record, Start, first_line, is_journal, line};
+use crate::dnc::journal::{EndReason, Record, Start, first_line, is_journal, line};
 use crate::dnc::sender::{CHUNK, Gate};
 use crate::output::{explained, is_plain_file};
 
@@ -21,10 +21,10 @@ const SYNCS_PER_S: usize = 4;
 
 /// Journal being written, or none if none is requested.
 pub struct Logbook {
-    open: Option<Open>,
+    open: Option<OpenJournal>,
 }
 
-struct Open {
+struct OpenJournal {
     path: PathBuf,
     /// Channel to the writing thread; `None` once it is closed.
     records: Option<Queue<Record>>,
@@ -78,7 +78,9 @@ impl Logbook {
         let writer = std::thread::spawn(move || write_all(file, &inbox, &outbox));
         let ahead = (chars_per_s / SYNCS_PER_S).max(1);
         let (records, writer) = (Some(records), Some(writer));
-        Ok(Logbook { open: Some(Open { path: path.into(), records, permits, writer, ahead, until: 0, executed: 0 }) })
+        Ok(Logbook {
+            open: Some(OpenJournal { path: path.into(), records, permits, writer, ahead, until: 0, executed: 0 }),
+        })
     }
 
     /// Writes new records, and permits the blocks that are on disk by now.
@@ -116,7 +118,7 @@ impl Logbook {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn end(&mut self, sender: &Sender, how: How, stands: Option<usize>) -> Result<(), Failure> {
+    pub fn end(&mut self, sender: &Sender, how: EndReason, stands: Option<usize>) -> Result<(), Failure> {
         let Some(open) = &mut self.open else { return Ok(()) };
         if let Some(blocks) = stands {
             open.write(Record::Executed { blocks, stands: true })?;
@@ -131,7 +133,7 @@ impl Logbook {
     }
 }
 
-impl Open {
+impl OpenJournal {
     fn write(&mut self, record: Record) -> Result<(), Failure> {
         let is_taken = self.records.as_ref().is_some_and(|records| records.send(record).is_ok());
         if is_taken { Ok(()) } else { self.close() }

@@ -116,7 +116,7 @@ impl Stream {
             (ready.whole.clone(), ready.start, ready.reports.clone())
         };
         ready.reports = reports;
-        ready.notes = ready.look_at(&line);
+        ready.notes = ready.line_notes(&line);
         ready.notes.iter().for_each(|line| note(format_args!("{line}")));
         let mut sender = Sender::new(sending, line);
         // The line first: if a port does not open, the journal of the run before stays as it is.
@@ -128,15 +128,15 @@ impl Stream {
             let logbook = journal(&mut sender)?;
             return self.to_simulator(&ready, sender, logbook);
         }
-        let mut along = self.along(&ready, &sender)?;
-        along.arm(&mut || {})?;
+        let mut board_session = self.board_session(&ready, &sender)?;
+        board_session.arm(&mut || {})?;
         let port = open(&self.port, &ready.file.serial)?;
         let logbook = journal(&mut sender)?;
-        self.to_serial(&ready, port, sender, (logbook, along))
+        self.to_serial(&ready, port, sender, (logbook, board_session))
     }
 
     /// Connects to the board, if one is requested.
-    fn along(&self, ready: &PreparedProgram, sender: &Sender) -> Result<BoardSession<'static>, Failure> {
+    fn board_session(&self, ready: &PreparedProgram, sender: &Sender) -> Result<BoardSession<'static>, Failure> {
         match &self.board {
             None => Ok(BoardSession::none()),
             Some(url) => {
@@ -156,9 +156,9 @@ impl Stream {
         ready: &PreparedProgram,
         mut port: Box<dyn Port>,
         mut sender: Sender,
-        (logbook, along): (Logbook, BoardSession<'_>),
+        (logbook, board_session): (Logbook, BoardSession<'_>),
     ) -> Result<(), Failure> {
-        let (report, end) = self.over_line(ready, &mut *port, &mut sender, (logbook, along))?;
+        let (report, end) = self.over_line(ready, &mut *port, &mut sender, (logbook, board_session))?;
         self.finish(ready, &report, &sender, &end)
     }
 
@@ -168,11 +168,11 @@ impl Stream {
         ready: &PreparedProgram,
         port: &mut dyn Port,
         sender: &mut Sender,
-        (logbook, along): (Logbook, BoardSession<'_>),
+        (logbook, board_session): (Logbook, BoardSession<'_>),
     ) -> Result<(RunReport, End), Failure> {
         let file = &ready.file;
         let outbox = Outbox::new(file.serial.write_timeout());
-        let services = self.services(ready, (&*port, sender), (logbook, along))?;
+        let services = self.services(ready, (&*port, sender), (logbook, board_session))?;
         let (end, heard) = send(port, sender, outbox, services)?;
         let (bytes, _) = sender.progress();
         let bits = bytes as f64 * f64::from(file.serial.bits_per_char());
@@ -245,12 +245,12 @@ impl Stream {
         &self,
         ready: &PreparedProgram,
         (port, sender): (&dyn Port, &Sender),
-        (logbook, along): (Logbook, BoardSession<'p>),
+        (logbook, board_session): (Logbook, BoardSession<'p>),
     ) -> Result<SendServices<'p>, Failure> {
         let live = self.live(ready, sender, port.opened())?;
         let (dnc, reports) = (&ready.file.dnc, ready.reports.clone());
         let timeout = (dnc.xoff_timeout > Micros(0)).then_some(dnc.xoff_timeout);
-        Ok(SendServices { logbook, live, echo: ReportMonitor::new(reports, dnc.read_ahead, timeout), along })
+        Ok(SendServices { logbook, live, echo: ReportMonitor::new(reports, dnc.read_ahead, timeout), board_session })
     }
 
     /// Display and event log of the run.

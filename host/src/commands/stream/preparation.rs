@@ -18,9 +18,9 @@ use crate::console::note;
 use crate::dnc::journal::Start;
 use crate::dnc::pace::Pace;
 use crate::dnc::reports::Reports;
-use crate::dnc::restore::PowerOn;
+use crate::dnc::restored_state::PowerOn;
 use crate::dnc::sender::LineUse;
-use crate::dnc::starvation::{Load, Wait, predict};
+use crate::dnc::starvation::{BlockLoad, Wait, predict};
 use crate::dnc::transmission::{Transmission, TransmissionFault, Wire};
 use crate::job::{JobFile, Parity};
 use crate::port::reaction::reaction;
@@ -71,7 +71,7 @@ impl PreparedProgram {
         let mut reports = Reports::default();
         if let Some(every) = file.dnc.report_every {
             let control = PowerOn { settings: file.nc, tables: file.tables };
-            (whole, reports) = Reports::put_into(&whole, every, &control, &wire).map_err(refused)?;
+            (whole, reports) = Reports::insert_into(&whole, every, &control, &wire).map_err(refused)?;
         }
         // Comments, and settings for the simulation or the line only, may change between two transmissions.
         let JobFile { job, control, nc, tables, dnc, map, .. } = &file;
@@ -109,7 +109,7 @@ impl PreparedProgram {
     }
 
     /// Notes before the first character: a line that cannot be used in full, or is too slow for the program.
-    pub fn look_at(&self, line: &LineUse) -> Vec<String> {
+    pub fn line_notes(&self, line: &LineUse) -> Vec<String> {
         let mut notes = Vec::new();
         let share = line.pace.share();
         if share < 1.0 {
@@ -143,7 +143,7 @@ impl PreparedProgram {
     }
 
     /// Execution time of each line at the programmed feed.
-    pub fn loads(&self, sending: &Transmission) -> Vec<Load> {
+    pub fn loads(&self, sending: &Transmission) -> Vec<BlockLoad> {
         let control = control_settings(&self.file);
         let (rapid_mm_per_s, acceleration) = (control.dynamics.rapid_mm_per_s, control.dynamics.acceleration_mm_per_s2);
         let mut reader = self.power_on().reader();
@@ -155,16 +155,18 @@ impl PreparedProgram {
                 reader.read(text.strip_suffix(b"\n").unwrap_or(text)).ok()
             };
             let dwell = read.as_ref().and_then(|read| read.step.dwell).map_or(0.0, Micros::to_s);
-            let Some(segment) = read.and_then(|read| read.segment) else { return Load::of_time(text.len(), dwell) };
+            let Some(segment) = read.and_then(|read| read.segment) else {
+                return BlockLoad::of_time(text.len(), dwell);
+            };
             let speed_mm_per_s = match segment.feed {
                 Feed::PerMinute(feed) => feed.to_mm() / S_PER_MIN * segment.length_mm() / segment.feed_length_mm(),
                 Feed::InverseTime(times) => segment.length_mm() * times as f64 / PER_MIN_SCALE as f64 / S_PER_MIN,
                 Feed::Missing => rapid_mm_per_s,
             };
             if segment.length_mm() > 0.0 && speed_mm_per_s > 0.0 {
-                Load::of_move(text.len(), segment.length_mm(), speed_mm_per_s, acceleration)
+                BlockLoad::of_move(text.len(), segment.length_mm(), speed_mm_per_s, acceleration)
             } else {
-                Load::of_time(text.len(), dwell)
+                BlockLoad::of_time(text.len(), dwell)
             }
         });
         loads.collect()

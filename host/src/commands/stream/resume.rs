@@ -9,9 +9,9 @@ use serde::Serialize;
 use super::super::outcome::{Failure, file_failure, say};
 use super::Stream;
 use super::preparation::PreparedProgram;
-use crate::dnc::journal::{self, History, How, Start};
+use crate::dnc::journal::{self, EndReason, History, Start};
 use crate::dnc::reports::Reports;
-use crate::dnc::resume::{Cuts, RestartPlan, Wanted};
+use crate::dnc::resume::{CutRange, RestartPlan, RestartRequest};
 use crate::dnc::transmission::Transmission;
 
 /// Place and conditions of a restart.
@@ -50,14 +50,14 @@ impl Resume {
         let path = stream.journal_path();
         let history = read(&path, ready)?;
         let took_up_all = history.executed.is_some_and(|blocks| ready.whole.line_of_block(blocks + 1).is_none());
-        if history.ended == Some(How::Complete) && history.stands && took_up_all && self.from.is_none() {
+        if history.ended == Some(EndReason::Complete) && history.stands && took_up_all && self.from.is_none() {
             let message =
                 "the program was executed to its end: there is nothing to take up; for a part of it give --from LINE";
             return Err(Failure::Input(format!("{}: {message}", path.display())));
         }
         let unit = ready.file.job.unit;
         let clearance = self.clearance.map(|z| Nm::from_mm(z * unit.mm()));
-        let wanted = Wanted { line: self.from, clearance };
+        let wanted = RestartRequest { line: self.from, clearance };
         let file = ready.program.path.display();
         let refused = |why: String| Failure::Input(format!("{file}: cannot be taken up: {why}"));
         let plan = RestartPlan::new(&ready.whole, &history, &wanted, &ready.power_on()).map_err(refused)?;
@@ -131,9 +131,9 @@ fn show(plan: &RestartPlan, history: &History) {
     let [low, high] = plan.sent;
     let ended = match history.ended {
         None => "the sender was cut off",
-        Some(How::Complete) => "the sender had sent everything",
-        Some(How::Aborted) => "the operator stopped the sender",
-        Some(How::Failed) => "the line or the control failed",
+        Some(EndReason::Complete) => "the sender had sent everything",
+        Some(EndReason::Aborted) => "the operator stopped the sender",
+        Some(EndReason::Failed) => "the line or the control failed",
     };
     say(format_args!("{ended}; the last character sent lies in lines {low} to {high}"));
     match plan.executed {
@@ -156,7 +156,7 @@ fn show(plan: &RestartPlan, history: &History) {
         let codes: Vec<String> = plan.other_m.iter().map(|code| format!("M{code}")).collect();
         say(format_args!("not restored: {}; do at the machine what they stand for", codes.join(", ")));
     }
-    let cuts = |cuts: &Cuts, what: &str| {
+    let cuts = |cuts: &CutRange, what: &str| {
         if let Some([first, last]) = cuts.lines {
             say(format_args!("{} cutting blocks {what}: lines {first} to {last}", cuts.count));
         }

@@ -9,10 +9,10 @@ use super::board_session::BoardSession;
 use super::live_display::LiveDisplay;
 use super::logbook::Logbook;
 use crate::dnc::damage::DamageMonitor;
-use crate::dnc::journal::How;
+use crate::dnc::journal::EndReason;
 use crate::dnc::outbox::Outbox;
-use crate::dnc::reports::{Remark, Reports};
-use crate::dnc::sender::Why;
+use crate::dnc::reports::{ReportFinding, Reports};
+use crate::dnc::sender::FailureReason;
 use crate::dnc::{Sender, State};
 use crate::port::Port;
 use crate::screen::view::Command;
@@ -27,7 +27,7 @@ pub enum End {
     /// The operator stopped it.
     Interrupted { at_rest: bool },
     /// The sender has given up.
-    GivenUp(Why),
+    GivenUp(FailureReason),
     /// The board has left the run.
     WithoutBoard(String),
     /// The control has reported another program.
@@ -35,11 +35,11 @@ pub enum End {
 }
 
 impl End {
-    fn how(&self) -> How {
+    fn how(&self) -> EndReason {
         match self {
-            End::Complete => How::Complete,
-            End::Interrupted { .. } => How::Aborted,
-            End::GivenUp(_) | End::WithoutBoard(_) | End::Differs { .. } => How::Failed,
+            End::Complete => EndReason::Complete,
+            End::Interrupted { .. } => EndReason::Aborted,
+            End::GivenUp(_) | End::WithoutBoard(_) | End::Differs { .. } => EndReason::Failed,
         }
     }
 }
@@ -49,7 +49,7 @@ pub struct SendServices<'p> {
     pub logbook: Logbook,
     pub live: LiveDisplay,
     pub echo: ReportMonitor,
-    pub along: BoardSession<'p>,
+    pub board_session: BoardSession<'p>,
 }
 
 /// Reports of the control, if the job requests them.
@@ -72,15 +72,15 @@ impl ReportMonitor {
     }
 
     /// Reads printed text; returns messages about it.
-    fn hear(&mut self, now: Micros, bytes: &[u8]) -> Vec<String> {
+    fn read_printed(&mut self, now: Micros, bytes: &[u8]) -> Vec<String> {
         if !bytes.is_empty() {
             self.heard_at = now;
         }
         let mut said = Vec::new();
-        for remark in self.reports.hear(bytes) {
+        for remark in self.reports.read_printed(bytes) {
             match remark {
-                Remark::Differs(what) => self.differs = self.differs.take().or(Some(what)),
-                Remark::Doubtful(what) => said.push(format!("warning: {what}")),
+                ReportFinding::Differs(what) => self.differs = self.differs.take().or(Some(what)),
+                ReportFinding::Doubtful(what) => said.push(format!("warning: {what}")),
             }
         }
         said
@@ -110,7 +110,7 @@ pub fn send(
 ) -> Result<(End, Reports), Failure> {
     let ended = send_all(port, sender, &mut outbox, &mut services);
     let known = executed(port, sender, &services.echo);
-    let SendServices { mut logbook, mut live, echo, along } = services;
+    let SendServices { mut logbook, mut live, echo, board_session } = services;
     live.show(port, sender, known);
     // The terminal is restored before any message.
     drop(live);
@@ -120,8 +120,8 @@ pub fn send(
         Err(_) => false,
     };
     let stood = port.blocks_executed().filter(|_| stands);
-    let closed = logbook.end(sender, ended.as_ref().map_or(How::Failed, End::how), stood);
-    let left = along.leave();
+    let closed = logbook.end(sender, ended.as_ref().map_or(EndReason::Failed, End::how), stood);
+    let left = board_session.release();
     match ended {
         Err(Failure::Machine(message)) => {
             let journal = logbook.path().filter(|_| closed.is_ok()).map_or(String::new(), |path| {
@@ -158,7 +158,7 @@ fn send_all(
     outbox: &mut Outbox,
     services: &mut SendServices<'_>,
 ) -> Result<End, Failure> {
-    let SendServices { logbook, live, echo, along } = services;
+    let SendServices { logbook, live, echo, board_session } = services;
     let interrupted = on_interrupt();
     let (mut damage, mut without_board) = (DamageMonitor::default(), None);
     loop {
@@ -171,12 +171,13 @@ fn send_all(
             Some(Command::Abort) => interrupted.store(true, Ordering::Relaxed),
             None => {}
         }
-        without_board = without_board.or(along.turn(sender));
-        along.check_standstill(known, sender.transmission());
+        without_board = without_board.or(board_session.turn(sender));
+        board_session.check_standstill(known, sender.transmission());
         let is_out = outbox.turn(port, sender)?;
         let now = port.now();
-        let warnings = damage.look(now, || port.line_errors()).into_iter().chain(echo.hear(now, &sender.take_heard()));
-        warnings.chain(along.take_messages()).for_each(|warning| live.warn(now, warning));
+        let warnings =
+            damage.check(now, || port.line_errors()).into_iter().chain(echo.read_printed(now, &sender.take_printed()));
+        warnings.chain(board_session.take_messages()).for_each(|warning| live.warn(now, warning));
         let stops = interrupted.load(Ordering::Relaxed) || echo.differs.is_some() || without_board.is_some();
         let is_over = matches!(sender.state(), State::Cut | State::Sent) && outbox.is_empty();
         if is_over && let Some(why) = without_board.take() {
@@ -190,7 +191,8 @@ fn send_all(
         }
         // A control that has nothing to execute because of the hold will get more; one in alarm will not.
         let waits_for_us = sender.state() == State::Held && port.machine().alarm.is_none();
-        let has_all = port.control_is_done().unwrap_or_else(|| is_out && !echo.waits(now, sender) && along.is_done());
+        let has_all =
+            port.control_is_done().unwrap_or_else(|| is_out && !echo.waits(now, sender) && board_session.is_done());
         if has_all && !waits_for_us {
             logbook.follow(sender, executed(port, sender, echo))?;
             if let Some(line) = echo.reports.awaited() {

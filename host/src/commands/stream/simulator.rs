@@ -83,29 +83,29 @@ impl Stream {
         let simulation = Simulation::new(Control::on_line(control_settings(file)), &file.job, board);
         let sim = Rc::new(RefCell::new(SimPort::of(simulation, file, self.tempo())));
         let link = BoardLine::new(Box::new(SimLink::new(Rc::clone(&sim), pipe)), BAUDRATE)?;
-        let mut along = BoardSession::with(link, ready, sender.transmission(), Arming::Simulated)?;
+        let mut board_session = BoardSession::with(link, ready, sender.transmission(), Arming::Simulated)?;
         // The start of the simulation counts as arming: there is no panel.
         let mut is_pressed = false;
-        along.arm(&mut || {
+        board_session.arm(&mut || {
             is_pressed = !is_pressed;
             let pressed = if is_pressed { Signals::of_request(Request::Arm) } else { Signals::NONE };
             sim.borrow_mut().simulation_mut().source_mut().set_panel(pressed);
         })?;
         sim.borrow_mut().simulation_mut().source_mut().set_panel(Signals::NONE);
-        self.send_simulated(ready, sender, (logbook, along), &sim)
+        self.send_simulated(ready, sender, (logbook, board_session), &sim)
     }
 
     fn send_simulated<D: OverrideSource>(
         &self,
         ready: &PreparedProgram,
         mut sender: Sender,
-        (logbook, along): (Logbook, BoardSession<'_>),
+        (logbook, board_session): (Logbook, BoardSession<'_>),
         sim: &Rc<RefCell<SimPort<D>>>,
     ) -> Result<(), Failure> {
         let (file, started) = (&ready.file, Instant::now());
         let outbox = Outbox::new(file.serial.write_timeout());
         let mut line = wrap(&self.port, Box::new(Rc::clone(sim)))?;
-        let services = self.services(ready, (&*line, &sender), (logbook, along))?;
+        let services = self.services(ready, (&*line, &sender), (logbook, board_session))?;
         let (end, heard) = send(&mut *line, &mut sender, outbox, services)?;
         drop(line);
         let sim = sim.borrow();

@@ -56,7 +56,7 @@ impl Port for Damaged {
 }
 
 #[test]
-fn damaged_characters_are_told_at_once_in_the_log_in_the_report_and_in_json() {
+fn damaged_characters_are_reported_at_once_in_the_log_in_the_report_and_in_json() {
     let scratch = tempfile::tempdir().unwrap();
     let log = scratch.path().join("log");
     let job = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/ibr-slot/job.toml");

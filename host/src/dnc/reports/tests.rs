@@ -9,7 +9,7 @@ fn with_reports(text: &str, every: usize) -> (Transmission, Reports) {
     let source = |at: usize| 1 + text.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count();
     let sent = Transmission::new(text.as_bytes(), source, &WIRE).unwrap();
     let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);
-    Reports::put_into(&sent, every, &PowerOn { settings, tables: Tables::default() }, &WIRE).unwrap()
+    Reports::insert_into(&sent, every, &PowerOn { settings, tables: Tables::default() }, &WIRE).unwrap()
 }
 
 fn two() -> (Transmission, Reports) {
@@ -33,11 +33,11 @@ fn reports_stand_behind_every_so_many_blocks_and_before_the_end() {
 fn what_the_program_says_is_confirmed_however_the_control_pads_it() {
     let (sent, mut reports) = two();
     assert_eq!((reports.awaited(), reports.taken_up(&sent, 1)), (Some(3), None));
-    assert_eq!(reports.hear(b"\x12ARCFEED L3X   12.500Y    0.000Z    5.000F    0.000\n\x14"), []);
+    assert_eq!(reports.read_printed(b"\x12ARCFEED L3X   12.500Y    0.000Z    5.000F    0.000\n\x14"), []);
     // O1, the move, POPEN and DPRNT are read; whether the last two have been started is unknown.
     assert_eq!((reports.read_up_to(), reports.taken_up(&sent, 2)), (Some(3), Some(2)));
-    assert_eq!(reports.hear(b"ARCFEED L5X12.5Y-2.5Z-1.F10"), []);
-    assert_eq!(reports.hear(b"00.\r\n"), []);
+    assert_eq!(reports.read_printed(b"ARCFEED L5X12.5Y-2.5Z-1.F10"), []);
+    assert_eq!(reports.read_printed(b"00.\r\n"), []);
     assert_eq!((reports.counts(), reports.awaited()), ((2, 2), None));
 }
 
@@ -50,23 +50,23 @@ fn another_place_or_feed_is_another_program() {
         "ARCFEED L3X12.5Y0Z5.F1",
         "ARCFEED L4X12.5Y0Z5.F0",
     ] {
-        let remarks = two().1.hear(format!("{corrupted}\n").as_bytes());
-        assert!(matches!(remarks.as_slice(), [Remark::Differs(_)]), "{corrupted}: {remarks:?}");
+        let remarks = two().1.read_printed(format!("{corrupted}\n").as_bytes());
+        assert!(matches!(remarks.as_slice(), [ReportFinding::Differs(_)]), "{corrupted}: {remarks:?}");
     }
 }
 
 #[test]
-fn a_report_that_is_missing_or_corrupted_is_told_and_other_text_is_kept() {
+fn a_report_that_is_missing_or_corrupted_is_reported_and_other_text_is_kept() {
     let (_, mut reports) = two();
-    let remarks = reports.hear(b"PART 7\nARCFEED L3X12.5Y0Z5,F0\n");
-    assert!(matches!(remarks.as_slice(), [Remark::Doubtful(_)]), "{remarks:?}");
-    let remarks = reports.hear(b"ARCFEED L5X12.5Y-2.5Z-1.F1000.\nEN");
+    let remarks = reports.read_printed(b"PART 7\nARCFEED L3X12.5Y0Z5,F0\n");
+    assert!(matches!(remarks.as_slice(), [ReportFinding::Doubtful(_)]), "{remarks:?}");
+    let remarks = reports.read_printed(b"ARCFEED L5X12.5Y-2.5Z-1.F1000.\nEN");
     assert!(
-        matches!(remarks.as_slice(), [Remark::Doubtful(what)] if what.contains("no report of line 3")),
+        matches!(remarks.as_slice(), [ReportFinding::Doubtful(what)] if what.contains("no report of line 3")),
         "{remarks:?}"
     );
     assert_eq!(reports.printed(), b"PART 7\nEN");
-    assert_eq!(Reports::default().hear(b"ARCFEED L3\n"), [], "no report was requested");
+    assert_eq!(Reports::default().read_printed(b"ARCFEED L3\n"), [], "no report was requested");
 }
 
 #[test]
@@ -88,6 +88,6 @@ fn a_restart_expects_the_rest() {
     let mut rest = reports.resumed(6, 2);
     assert_eq!((rest.counts(), rest.awaited()), ((1, 0), Some(5)));
     let resumed = sent.resumed("%\nG90\n", 6, &WIRE).unwrap();
-    assert_eq!(rest.hear(b"ARCFEED L5X12.5Y-2.5Z-1.F1000.\n"), []);
+    assert_eq!(rest.read_printed(b"ARCFEED L5X12.5Y-2.5Z-1.F1000.\n"), []);
     assert_eq!(resumed.line_text(rest.last.unwrap().1).map(|line| &line[..10]), Some(b"DPRNT[ARCF".as_slice()));
 }

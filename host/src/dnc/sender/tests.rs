@@ -103,7 +103,7 @@ fn an_xoff_without_an_xon_has_an_end_and_a_reason() {
     let limit = sender.poll_at().unwrap();
     assert_eq!(limit, LATER.after(Micros::from_ms(600_000)));
     run(&mut sender, limit, 1);
-    assert!(matches!(sender.state(), State::Failed(Why::NoXon(_))));
+    assert!(matches!(sender.state(), State::Failed(FailureReason::NoXon(_))));
 }
 
 #[test]

@@ -97,7 +97,7 @@ fn what_the_control_says_early_is_kept_and_doubled_iac_is_one_byte() {
 }
 
 #[test]
-fn modem_lines_are_asked_for_only_where_told() {
+fn modem_lines_are_requested_only_if_the_url_sets_it() {
     let mut client = open();
     assert!(client.check(Micros(9_000_000)).is_ok());
     assert_eq!((sent(&mut client), client.modem_state()), (String::new(), None));

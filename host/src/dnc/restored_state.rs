@@ -38,7 +38,7 @@ impl PowerOn {
 
 /// State before a block.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Before {
+pub struct StateBefore {
     /// The control's modal state.
     pub modal: Modal,
     /// Functions that M, S and T words have left on.
@@ -51,14 +51,14 @@ pub struct Before {
     feed: Option<Nm>,
 }
 
-impl Before {
+impl StateBefore {
     /// State before the line with this index.
     ///
     /// # Errors
     /// Describes why no blocks can bring a control there.
     pub fn line(sent: &Transmission, index: usize, control: &PowerOn) -> Result<Self, String> {
         let mut reader = control.reader();
-        let mut before = Before {
+        let mut before = StateBefore {
             modal: *reader.modal(),
             functions: Functions::default(),
             clearance: None,
@@ -329,11 +329,11 @@ mod tests {
         PowerOn { settings, tables: Tables::default() }
     }
 
-    fn before(program: &str, index: usize) -> Result<Before, String> {
+    fn before(program: &str, index: usize) -> Result<StateBefore, String> {
         let wire = Wire { encode: Some, filters: false, tv_check: false };
         let text = format!("%\n{program}\nM30\n%\n");
         let sent = Transmission::new(text.as_bytes(), |_| 1, &wire).unwrap();
-        Before::line(&sent, index, &control())
+        StateBefore::line(&sent, index, &control())
     }
 
     const RICH: &str = "G20G90\nT3M6\nS4000M3\nM8\nG55\nG43H2Z1.\nG0X1.Y2.B30.\nG68X1.Y1.R30.\nX2.Y2.\nG1Z-.1F20.\n\

@@ -123,7 +123,7 @@ impl SidePoints {
 
     /// Rooms of a grid of directions, and the largest one, found by a local search from the best of them.
     pub fn rooms(&self, cutter: &CupMill) -> Option<Rooms> {
-        let about = About::the(self)?;
+        let about = DirectionGrid::new(self)?;
         let room = |at: [f64; 2]| self.room(cutter, &about.direction(at));
         let missing = |room: Option<Room>| room.map_or(f64::INFINITY, |room| -room.room_mm);
         let places: Vec<[f64; 2]> = leans().collect();
@@ -175,16 +175,16 @@ impl Lanes {
 const HALVINGS: i32 = 20;
 
 /// Directions about the slot's middle, by their lean along the circumference and their tilt along the rotor's axis.
-struct About {
+struct DirectionGrid {
     middle: Vector,
     aside: Vector,
 }
 
-impl About {
-    fn the(walls: &SidePoints) -> Option<Self> {
+impl DirectionGrid {
+    fn new(walls: &SidePoints) -> Option<Self> {
         let mean = walls.pressure.iter().chain(&walls.suction).map(|point| point.coords).sum::<Vector>();
         let middle = Vector::new(mean.x, mean.y, 0.0).try_normalize(1e-9)?;
-        Some(About { middle, aside: Vector::z().cross(&middle) })
+        Some(DirectionGrid { middle, aside: Vector::z().cross(&middle) })
     }
 
     fn direction(&self, [lean, tilt]: [f64; 2]) -> Vector {
