@@ -40,26 +40,26 @@ pub const fn reset(reset: ResetCode) -> &'static str {
         ResetCode::Power => "power-on or its reset pin",
         ResetCode::Watchdog => "its watchdog",
         ResetCode::Hardware => "a fault of supply or clock",
-        ResetCode::Software => "asked to",
+        ResetCode::Software => "software request",
     }
 }
 
 /// Reason for a refusal.
 pub const fn refusal(why: RefusalCode) -> &'static str {
     match why {
-        RefusalCode::Message => "it does not know such a message",
+        RefusalCode::Message => "unknown message",
         RefusalCode::Busy => "the laws have the override: disarm it first",
         RefusalCode::NoSet => "a parameter that belongs to no set",
-        RefusalCode::Checksum => "the parameters did not arrive whole",
-        RefusalCode::Incomplete => "parameters, or the engaged arcs of a segment, are not all there",
-        RefusalCode::Value => "a value makes no sense to it",
+        RefusalCode::Checksum => "the parameters arrived corrupt",
+        RefusalCode::Incomplete => "parameters, or the engaged arcs of a segment, are incomplete",
+        RefusalCode::Value => "a value is out of range",
         RefusalCode::NoParameters => "it has no parameters of this session",
         RefusalCode::Full => "it has no room for another segment, or for more engaged arcs of one",
-        RefusalCode::Order => "not the segment, or not the engaged arcs, that come next",
-        RefusalCode::Outdated => "the override was taken away meanwhile: look again",
-        RefusalCode::Faulted => "a fault is there, or was not reset at the board",
+        RefusalCode::Order => "the segment or its engaged arcs are out of order",
+        RefusalCode::Outdated => "the request is stale: the laws have lost the override meanwhile",
+        RefusalCode::Faulted => "there is a fault, or it was not reset at the board",
         RefusalCode::NotFresh => "position or link is not there, or not for long enough",
-        RefusalCode::Operator => "the operator's dial stands too low",
+        RefusalCode::Operator => "the operator's dial is too low",
         RefusalCode::Condition => "a condition of the control (G41, G42, #3004) forbids it",
     }
 }
@@ -75,7 +75,7 @@ pub fn link(state: LinkState) -> String {
             format!("the board speaks version {theirs} of the protocol; flash firmware of this release")
         }
         LinkState::Refused(Refusal::Schema(theirs)) => format!(
-            "the board's messages are others ({theirs:08x}) than ours ({SCHEMA_HASH:08x}): flash firmware of this release"
+            "the board's message set {theirs:08x} differs from ours, {SCHEMA_HASH:08x}: flash firmware of this release"
         ),
         LinkState::Refused(Refusal::Role(_)) => "our own echo, or another host: check the cable".into(),
         LinkState::Refused(Refusal::Heartbeat(theirs)) => {
@@ -90,8 +90,8 @@ pub const fn link_loss(loss: Loss) -> &'static str {
     match loss {
         Loss::Silence => "the board is silent",
         Loss::PeerRestarted => "the board has restarted",
-        Loss::Unacknowledged => "the board is heard but takes nothing",
-        Loss::Garbled => "hardly a frame of the board arrives whole: check cable and baud rate",
+        Loss::Unacknowledged => "the board sends but acknowledges nothing",
+        Loss::Garbled => "most frames of the board arrive corrupt: check cable and baud rate",
         Loss::PeerClosed => "the board has closed the link",
         Loss::Closed => "closed",
     }
