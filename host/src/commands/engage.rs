@@ -116,7 +116,7 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
     });
     let mut simulation = in_memory_of(settings, file, &program.bytes(), ControllerFault::LawOff)?;
     run_observed(&mut simulation, Some("looking"), |simulation| {
-        meter.see(simulation);
+        meter.observe(simulation);
         Ok(())
     })?;
     meter.end();

@@ -148,7 +148,7 @@ fn add_cuts(
     setup: &Setup<'_>,
     observers: &[RunObserver; 2],
     target: Option<&Stock>,
-) -> (Option<(HeightMap, DeviationFigures)>, Vec<Mark>) {
+) -> (Option<(HeightMap, DeviationFigures)>, Vec<WallMark>) {
     let [Some(after), Some(before)] = observers.each_ref().map(|observer| &observer.cutter) else {
         return (None, Vec::new());
     };
@@ -219,7 +219,7 @@ pub(super) fn in_memory_of(
 
 /// Planned data that the simulated machine does not know: for moves under G43.4, and for those that a cut rule matches,
 /// with their engagement and the largest feed that the job allows on them.
-pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<Foreseen> {
+pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<PlannedConditions> {
     let is_of_tip = |block: &PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
     let is_known =
         |block: &&PlannedBlock| block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8;

@@ -112,7 +112,7 @@ impl ControlLine {
         while let Some(byte) = port.poll_transmit() {
             if without_parity(byte) == DC3 && self.is_far() {
                 self.feed_control(port, false)?;
-                port.excuse_what_is_on_the_wire();
+                port.exempt_bytes_on_wire();
             }
             self.write(byte)?;
         }

@@ -29,18 +29,18 @@ impl Serve {
             for _ in 0..self.speed {
                 if !line.has_sender() {
                     // An interrupted program is not kept.
-                    if store.state() == State::Reading {
+                    if store.state() == StoreState::Reading {
                         store = Store::new(settings.line);
                     }
                     line.begin();
                 }
                 let has_sender = line.has_sender();
                 if has_sender {
-                    let is_punching = store.state() == State::Punching;
+                    let is_punching = store.state() == StoreState::Punching;
                     line.feed_control(store.port(), !is_punching)?;
                 }
                 // A receiver of the last character may be gone before the control knows that it was the last.
-                if has_sender || store.state() == State::Punching {
+                if has_sender || store.state() == StoreState::Punching {
                     store.step(STEP);
                 }
                 line.answer(store.port())?;

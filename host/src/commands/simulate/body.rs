@@ -44,7 +44,7 @@ pub fn flexible(
     Ok((FlexibleWorkpiece::new(Arc::new(field), edges_mm), modes))
 }
 
-fn mesh(flexible: &Flexible, held: Face) -> Result<Mesh, SetupFault> {
+fn mesh(flexible: &Flexible, held: Face) -> Result<TetMesh, SetupFault> {
     match &flexible.shape {
         Shape::Block { lowest_mm, highest_mm } => {
             let slab = ClampedBlock { lowest_mm: *lowest_mm, highest_mm: *highest_mm, held };
@@ -58,7 +58,7 @@ fn mesh(flexible: &Flexible, held: Face) -> Result<Mesh, SetupFault> {
     }
 }
 
-fn material(elastic: &Elastic) -> Result<Material, SetupFault> {
+fn material(elastic: &Elastic) -> Result<ElasticMaterial, SetupFault> {
     match elastic {
         Elastic::Constants { young_mpa, poisson_ratio, density_kg_per_m3 } => {
             let (young_mpa, poisson_ratio, density_kg_per_m3) = (*young_mpa, *poisson_ratio, *density_kg_per_m3);

@@ -73,7 +73,7 @@ pub fn process(
 ///
 /// # Errors
 /// The edges are invalid.
-pub fn turned(file: &JobFile, cutting: &Cutting) -> Result<Turned, SetupFault> {
+pub fn turned(file: &JobFile, cutting: &Cutting) -> Result<CuttingSolid, SetupFault> {
     let corner_mm = file.workpiece.as_ref().map_or(0.0, |workpiece| workpiece.body.corner_mm);
     let edges = true_edges(file, cutting, corner_mm).map_err(|error| (None, error.to_string()))?;
     Ok(CuttingSolid { slices: slices(&edges), reach_mm: cutting.axial_depth_mm })
@@ -99,7 +99,7 @@ pub fn step_max_rad(file: &JobFile, process: &Process) -> f64 {
 }
 
 /// Empty samples: one per tooth, for a ring one for an outer and one for an inner tooth.
-pub fn samples(file: &JobFile) -> Samples {
+pub fn samples(file: &JobFile) -> ChatterSamples {
     let teeth = usize::from(file.job.tools.first().tool.active_teeth());
     ChatterSamples::new(teeth, f64::from(file.job.tools.first().feed_per_tooth.0) * FLOOR_RATIO)
 }

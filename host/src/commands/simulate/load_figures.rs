@@ -52,7 +52,7 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Loa
 fn vibration(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> VibrationFigures {
     let worst = |meter: &LoadMeter| meter.chatter().iter().map(|block| block.metric_mm / unit.mm()).reduce(f64::max);
     let unsteady = |meter: &LoadMeter| {
-        let unsteady = meter.steadiness().iter().filter_map(|block| {
+        let unsteady = meter.chatter().iter().filter_map(|block| {
             let verdict = match block.verdict {
                 Verdict::Stable => return None,
                 Verdict::Uneven => "uneven",

@@ -25,18 +25,18 @@ pub struct MarkReference {
     /// Layers before the run.
     pub blank: Layers,
     /// Solid swept by a tool without runout.
-    pub turned: Turned,
+    pub turned: CuttingSolid,
 }
 
 impl MarkReference {
     /// Marks of a run.
-    pub fn marks(&self, meter: &LoadMeter) -> Vec<Mark> {
-        marks(&self.blank, meter.process().engagement().layers(), meter.way(), &self.turned)
+    pub fn marks(&self, meter: &LoadMeter) -> Vec<WallMark> {
+        marks(&self.blank, meter.process().engagement().layers(), meter.tip_path(), &self.turned)
     }
 }
 
 /// Figures of a run's marks; `None` without marks.
-pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[Mark]) -> Option<MarksFigures> {
+pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Option<MarksFigures> {
     let in_unit = |mm: f64| mm / unit.mm();
     let worst = marks.iter().max_by(|a, b| a.off_mm.abs().total_cmp(&b.off_mm.abs()))?;
     let z = |layer: usize| in_unit(meter.process().engagement().layers().middle_mm(layer));
@@ -71,7 +71,7 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[Mark]) -> Option<Ma
 }
 
 /// Marks seen along Z; of several at one place the largest.
-pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[Mark]) -> Option<Map> {
+pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Option<Map> {
     let in_unit = |mm: f64| mm / unit.mm();
     let [lowest_mm, highest_mm] = meter.process().engagement().layers().extent_mm()?;
     let size_mm = [0, 1].map(|axis: usize| highest_mm[axis] - lowest_mm[axis]);

@@ -18,7 +18,7 @@ use crate::report::material::{
 };
 
 /// Figures of a run, and of the original program.
-pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &Cutter, baseline: &Cutter) -> MaterialFigures {
+pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &StockCutter, baseline: &StockCutter) -> MaterialFigures {
     let volumes = VolumeUnit::of(unit);
     let step_mm = setup.workpiece.step_mm;
     let runs = [cutter, baseline];
@@ -89,7 +89,7 @@ pub fn deviation(unit: LengthUnit, stock: &Stock, target: &Stock) -> Option<(Hei
 }
 
 /// Blocks that removed material, each once.
-fn blocks(cutter: &Cutter, baseline: &Cutter, step_mm: f64, volumes: VolumeUnit) -> Vec<BlockFigures> {
+fn blocks(cutter: &StockCutter, baseline: &StockCutter, step_mm: f64, volumes: VolumeUnit) -> Vec<BlockFigures> {
     let [after, before] = [cutter, baseline].map(by_block);
     let taken = |pieces: &[&Piece]| taken_of(pieces.iter().copied(), step_mm, volumes);
     let cutting = after.into_iter().map(|(key, (of, pieces))| {
@@ -107,7 +107,7 @@ fn blocks(cutter: &Cutter, baseline: &Cutter, step_mm: f64, volumes: VolumeUnit)
 }
 
 /// Pieces of each block, with its rapids apart.
-fn by_block(cutter: &Cutter) -> BTreeMap<(u32, bool), (Of, Vec<&Piece>)> {
+fn by_block(cutter: &StockCutter) -> BTreeMap<(u32, bool), (BlockRef, Vec<&Piece>)> {
     let mut found = BTreeMap::new();
     for piece in cutter.pieces() {
         let of = cutter.blocks()[piece.block];
@@ -127,14 +127,14 @@ fn taken_of<'p>(pieces: impl Iterator<Item = &'p Piece> + Clone, step_mm: f64, v
     }
 }
 
-pub fn left_out_figures(why: Unplaced, first: &Of, blocks: usize) -> LeftOutBlocks {
-    let cause = match why {
-        Unplaced::Turning => "turning",
-        Unplaced::OtherPosition => "other-position",
-        Unplaced::NoMachine => "no-machine",
-        Unplaced::Contour => "contour",
-        Unplaced::Tilted => "tilted",
-        Unplaced::Backwards => "backwards",
+pub fn left_out_figures(reason: LeftOutReason, first: &BlockRef, blocks: usize) -> LeftOutBlocks {
+    let cause = match reason {
+        LeftOutReason::Turning => "turning",
+        LeftOutReason::OtherPosition => "other-position",
+        LeftOutReason::NoMachine => "no-machine",
+        LeftOutReason::Contour => "contour",
+        LeftOutReason::Tilted => "tilted",
+        LeftOutReason::Backwards => "backwards",
     };
     LeftOutBlocks { cause, blocks, first_block: first.count, first_n: first.sequence }
 }

@@ -20,7 +20,7 @@ const SIGN_EVERY: u64 = 200;
 #[derive(Debug, Default)]
 pub struct RunObserver {
     /// Workpiece.
-    pub cutter: Option<Cutter>,
+    pub cutter: Option<StockCutter>,
     /// Edges in it.
     pub loads: Option<LoadMeter>,
     /// Override, %, from each time on.

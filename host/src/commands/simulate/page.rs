@@ -48,7 +48,7 @@ pub struct PageContent<'a> {
     /// Deviation, if the job has a target.
     pub deviation: Option<(HeightMap, DeviationFigures)>,
     /// Marks of the edges on walls.
-    pub marks: Vec<Mark>,
+    pub marks: Vec<WallMark>,
 }
 
 impl SurfaceFormat {

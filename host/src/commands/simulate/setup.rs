@@ -31,7 +31,7 @@ pub struct Setup<'a> {
     /// Workpiece as the job describes it.
     pub workpiece: &'a Workpiece,
     /// Stock before the run, and the tool that cuts it.
-    pub settings: CutterSettings,
+    pub settings: StockCutterSettings,
     /// `file:line:column` of its table.
     pub place: String,
     /// Height above the tip up to which the tool cuts.
@@ -97,8 +97,8 @@ impl<'a> Setup<'a> {
     }
 
     /// Cutter of the stock in a run.
-    pub fn cutter(&self) -> Cutter {
-        Cutter::new(self.settings.clone())
+    pub fn cutter(&self) -> StockCutter {
+        StockCutter::new(self.settings.clone())
     }
 
     /// Finished part on the same rays.

@@ -41,7 +41,7 @@ pub struct PreparedProgram {
     /// Reports of the control about the whole program.
     pub reports: Reports,
     /// Planned data of the moves that the simulated machine does not know.
-    pub foreseen: Vec<Foreseen>,
+    pub foreseen: Vec<PlannedConditions>,
     /// Bounds of moves beside their text, by line of the program's file.
     pub bounds: HashMap<usize, MoveBounds>,
     /// Notes before the first character.
