@@ -68,7 +68,7 @@ fn a_pin_inside_the_cup() {
     let far_mm = libm::hypot(80.0 - 120.0 * libm::cos(PI / 3.0), 120.0 * libm::sin(PI / 3.0));
     let pin = cylinder(5.0, [at.x, at.y], [-20.0, 30.0]);
     assert_holds(ToolPart::Ring, &[arc(120.0, 0.0, [0.0, 60.0])], &pin, 112.702 - far_mm - 5.0);
-    // Its top and the body: the tool's height is the same all along.
+    // Top of the tool and body: the tool's height is constant.
     assert_holds(ToolPart::Body, &[arc(120.0, 0.0, [0.0, 60.0])], &pin, 30.0);
 }
 

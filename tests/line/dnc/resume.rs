@@ -155,7 +155,7 @@ fn check(text: &str, sent: &Transmission, broken: Broken, aside: usize, what: &s
 }
 
 /// Cutting blocks that come again or do not come are in the plan, counted by another reading of the program.
-fn assert_told(text: &str, plan: &RestartPlan, seen: usize, what: &str) {
+fn assert_reported(text: &str, plan: &RestartPlan, seen: usize, what: &str) {
     let cuts = cutting_lines(text);
     let count = |from: usize, to: usize| {
         let among = cuts.get(from..to.min(cuts.len())).unwrap_or_default();
